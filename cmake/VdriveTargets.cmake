@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: Apache-2.0
+# What every target of the house has in common.
+
+set(vdrive_warnings
+    -Wall
+    -Wextra
+    -Wpedantic
+    -Wconversion
+    -Wshadow
+    -Wold-style-cast
+    -Wnon-virtual-dtor
+    -Woverloaded-virtual
+    -Wdouble-promotion)
+
+# The compiler cache is found, never required. Its two settings beyond the defaults: precompiled
+# headers are cached only with this sloppiness, and paths below the source tree are made relative
+# so that a second clone of the repository starts warm.
+find_program(VDRIVE_CCACHE ccache)
+if(PROJECT_IS_TOP_LEVEL AND VDRIVE_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER
+      ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros
+      CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1 ${VDRIVE_CCACHE})
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    set(vdrive_ccache_options -fpch-preprocess)
+  endif()
+endif()
+
+# The thread sanitizer of this compiler generation maps fixed addresses and does not start where
+# the kernel randomises more bits of them than it knows. CMake runs test programs, and asks them
+# for their tests, through this prefix.
+if(VDRIVE_SANITIZE MATCHES "thread" AND NOT CMAKE_CROSSCOMPILING_EMULATOR)
+  find_program(VDRIVE_SETARCH setarch)
+  if(VDRIVE_SETARCH)
+    execute_process(COMMAND ${VDRIVE_SETARCH} -R true RESULT_VARIABLE failed ERROR_QUIET)
+    if(NOT failed)
+      set(CMAKE_CROSSCOMPILING_EMULATOR ${VDRIVE_SETARCH} -R)
+    endif()
+  endif()
+endif()
+
+# vdrive_target_defaults(<target> [GENERATED])
+# The language, the warnings and the sanitizers of one of our targets. All of it is PRIVATE: who
+# links us, in the tree or installed, gets none of it. GENERATED code gets no warnings and no lint.
+function(vdrive_target_defaults target)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "GENERATED" "" "")
+  set_target_properties(${target} PROPERTIES CXX_STANDARD_REQUIRED ON CXX_EXTENSIONS OFF)
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  target_compile_options(${target} PRIVATE ${vdrive_ccache_options})
+  target_compile_definitions(${target} PRIVATE $<$<CONFIG:Debug>:_GLIBCXX_ASSERTIONS>)
+  if(arg_GENERATED)
+    set_target_properties(${target} PROPERTIES CXX_CLANG_TIDY "")
+    target_compile_options(${target} PRIVATE -w)
+  else()
+    target_compile_options(${target} PRIVATE ${vdrive_warnings}
+                                             $<$<BOOL:${VDRIVE_WARNINGS_AS_ERRORS}>:-Werror>)
+    if(CMAKE_CXX_CLANG_TIDY)
+      # The build system knows a file's headers, but not that its lint depends on this.
+      get_target_property(sources ${target} SOURCES)
+      set_property(SOURCE ${sources} PROPERTY OBJECT_DEPENDS ${PROJECT_SOURCE_DIR}/.clang-tidy)
+    endif()
+  endif()
+  if(VDRIVE_SANITIZE)
+    target_compile_options(${target} PRIVATE -fsanitize=${VDRIVE_SANITIZE} -fno-sanitize-recover=all
+                                             -fno-omit-frame-pointer)
+    # BUILD_INTERFACE: whoever links the library in this build needs the runtime too; an installed
+    # package says nothing about it.
+    target_link_options(${target} PUBLIC $<BUILD_INTERFACE:-fsanitize=${VDRIVE_SANITIZE}>)
+  endif()
+endfunction()
+
+# vdrive_add_library(<room> HEADERS <file>... SOURCES <file>... [INTERNAL])
+# The static library vdrive_<room>, known in the tree as vdrive::<room> exactly as after
+# find_package. Public headers are below include/, private ones below src/. Each public header is
+# compiled on its own by the target all_verify_interface_header_sets.
+# INTERNAL: the archive is installed because others link it, its headers are not. CMake exports no
+# target without its header sets, so the headers are then verified through a target of their own.
+function(vdrive_add_library room)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "INTERNAL" "" "HEADERS;SOURCES")
+  if(arg_UNPARSED_ARGUMENTS)
+    message(FATAL_ERROR "vdrive_add_library(${room}): unknown ${arg_UNPARSED_ARGUMENTS}")
+  endif()
+  set(target vdrive_${room})
+  add_library(${target} STATIC ${arg_SOURCES})
+  add_library(vdrive::${room} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${room} VERIFY_INTERFACE_HEADER_SETS ON)
+  target_include_directories(${target} PRIVATE src)
+  vdrive_target_defaults(${target})
+  if(arg_INTERNAL)
+    target_include_directories(
+      ${target} PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>)
+    add_library(${target}_headers INTERFACE)
+    set_target_properties(${target}_headers PROPERTIES VERIFY_INTERFACE_HEADER_SETS ON)
+    target_link_libraries(${target}_headers INTERFACE ${target})
+    target_sources(
+      ${target}_headers INTERFACE FILE_SET HEADERS BASE_DIRS include FILES ${arg_HEADERS})
+  else()
+    target_sources(${target} PUBLIC FILE_SET HEADERS BASE_DIRS include FILES ${arg_HEADERS})
+  endif()
+endfunction()
+
+# vdrive_add_executable(<target> SOURCES <file>...)
+# A program for users, in <build>/bin.
+function(vdrive_add_executable target)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES")
+  add_executable(${target} ${arg_SOURCES})
+  set_target_properties(${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
+  vdrive_target_defaults(${target})
+endfunction()
+
+# vdrive_add_test(<name> LABEL unit|dds SOURCES <file>... [LIBRARIES <target>...])
+# A GoogleTest program with one ctest case per test, run each in a process of its own. It sees
+#   VDRIVE_SOURCE_DIR   the source tree, for tests/data and the scenarios
+#   VDRIVE_SERVICE, VDRIVE_TOOL   (label dds only) the programs vdrived and vdrive of this build
+# With VDRIVE_NIGHTLY=1 in the environment a test may run its long count. The target unit_tests
+# builds everything of that label.
+function(vdrive_add_test name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "LABEL" "SOURCES;LIBRARIES")
+  if(NOT arg_LABEL MATCHES "^(unit|dds)$" OR NOT arg_SOURCES OR arg_UNPARSED_ARGUMENTS)
+    message(FATAL_ERROR "vdrive_add_test(${name} LABEL unit|dds SOURCES ... [LIBRARIES ...])")
+  endif()
+  add_executable(${name} ${arg_SOURCES})
+  vdrive_target_defaults(${name})
+  target_link_libraries(${name} PRIVATE ${arg_LIBRARIES} GTest::gmock GTest::gtest_main)
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
+  target_compile_definitions(${name} PRIVATE VDRIVE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  if(TARGET vdrive_test_headers)
+    target_precompile_headers(${name} REUSE_FROM vdrive_test_headers)
+  endif()
+  if(NOT TARGET ${arg_LABEL}_tests)
+    add_custom_target(${arg_LABEL}_tests)
+  endif()
+  add_dependencies(${arg_LABEL}_tests ${name})
+  if(arg_LABEL STREQUAL "dds")
+    target_compile_definitions(${name} PRIVATE VDRIVE_SERVICE="$<TARGET_FILE:vdrived>"
+                                               VDRIVE_TOOL="$<TARGET_FILE:vdrive>")
+    add_dependencies(${name} vdrived vdrive)
+  endif()
+  gtest_discover_tests(
+    ${name}
+    NO_PRETTY_VALUES # rows of a table have names; their bytes say nothing
+    DISCOVERY_TIMEOUT 60
+    PROPERTIES LABELS ${arg_LABEL})
+endfunction()

@@ -1,0 +1,90 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Installs the Debian packages that building and running vdrive needs.
+#
+#   deploy/setup.sh [--tests]
+#
+#   --tests   also what the tests, the benchmarks and the lint need
+#
+# Installs only what is missing, by apt, through sudo unless run as root. Says nothing when nothing
+# is missing. Writes to standard error only. Exit code 0: everything is there.
+set -euo pipefail
+
+packages=(
+  build-essential
+  ccache
+  cmake
+  fastddsgen # brings a Java runtime, through antlr4
+  libcli11-dev
+  libeigen3-dev
+  libfastcdr-dev
+  libfastrtps-dev
+  libspdlog-dev
+  libyaml-cpp-dev
+  ninja-build
+  nlohmann-json3-dev
+  libboost-dev
+)
+test_packages=(
+  clang
+  clang-format
+  clang-tidy
+  cyclonedds-dev
+  cyclonedds-tools
+  libbenchmark-dev
+  libgmock-dev
+  libgtest-dev
+  librapidcheck-dev
+  util-linux # chrt and setarch
+)
+
+fail() {
+  echo "setup: $*" >&2
+  exit 1
+}
+
+while (($#)); do
+  case $1 in
+    --tests) packages+=("${test_packages[@]}") ;;
+    *) fail "unknown option '$1'; usage: deploy/setup.sh [--tests]" ;;
+  esac
+  shift
+done
+
+is_installed() {
+  [[ $(dpkg-query --show --showformat='${db:Status-Status}' "$1" 2>/dev/null) == installed ]]
+}
+
+if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
+  fail "needs Debian 12 or a system with its packages: no dpkg and apt-get here"
+fi
+
+missing=()
+for package in "${packages[@]}"; do
+  is_installed "$package" || missing+=("$package")
+done
+((${#missing[@]})) || exit 0
+
+as_root=()
+if ((EUID != 0)); then
+  command -v sudo >/dev/null ||
+    fail "run as root, or install sudo; missing: ${missing[*]}"
+  as_root=(sudo)
+fi
+
+# Shows what apt says only when it fails. Root's environment is reset by sudo, so the variable
+# travels as an argument.
+apt() {
+  local output
+  if ! output=$("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get --quiet \
+    --option DPkg::Lock::Timeout=300 --option Acquire::Retries=3 "$@" 2>&1); then
+    printf '%s\n' "$output" >&2
+    return 1
+  fi
+}
+
+echo "setup: installing ${missing[*]}" >&2
+# The lists of a fresh machine are empty, those of an old one name packages that are gone.
+apt update || fail "apt-get update failed; missing: ${missing[*]}"
+apt install --yes --no-install-recommends "${missing[@]}" ||
+  fail "apt-get install failed (vdrive is built for Debian 12); missing: ${missing[*]}"

@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "architecture/include_rules.hpp"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <regex>
+#include <span>
+
+namespace vdrive::architecture {
+namespace {
+
+/// Where an included file comes from.
+enum class Origin {
+  standard,     ///< <vector>
+  system,       ///< <unistd.h>, <sys/socket.h>, and C's own <math.h>
+  eigen,        ///< <Eigen/Core>, <unsupported/Eigen/MatrixFunctions>
+  dds,          ///< Fast DDS, Fast CDR, any other DDS
+  third_party,  ///< any other library: <spdlog/spdlog.h>
+  core,         ///< "vdrive/axis_bank.hpp"
+  wire,         ///< "vdrive/wire/topics.hpp"
+  messages,     ///< the code generated from the .idl files
+  service,      ///< "vdrive/service/host.hpp"
+  client,       ///< "vdrive/client/session.hpp"
+  beside,       ///< a private header of the same folder: "block.hpp"
+  elsewhere,    ///< a path that leaves the folder, or starts at the repository: "../x.hpp",
+                ///< "tests/x.hpp"
+};
+
+struct PrefixRow {
+  std::string_view prefix;
+  Origin origin;
+};
+
+// The first match counts.
+constexpr std::array kPrefixes{
+    PrefixRow{"vdrive/wire/", Origin::wire},
+    PrefixRow{"vdrive/msg/", Origin::messages},
+    PrefixRow{"vdrive_messages", Origin::messages},
+    PrefixRow{"vdrive/service/", Origin::service},
+    PrefixRow{"vdrive/client/", Origin::client},
+    PrefixRow{"vdrive/", Origin::core},
+    PrefixRow{"Eigen/", Origin::eigen},
+    PrefixRow{"unsupported/Eigen/", Origin::eigen},
+    PrefixRow{"fastdds/", Origin::dds},
+    PrefixRow{"fastrtps/", Origin::dds},
+    PrefixRow{"fastcdr/", Origin::dds},
+    PrefixRow{"dds/", Origin::dds},
+    PrefixRow{"ddsc/", Origin::dds},
+    PrefixRow{"core/", Origin::elsewhere},
+    PrefixRow{"idl/", Origin::elsewhere},
+    PrefixRow{"service/", Origin::elsewhere},
+    PrefixRow{"clients/", Origin::elsewhere},
+    PrefixRow{"tests/", Origin::elsewhere},
+    PrefixRow{"deploy/", Origin::elsewhere},
+    PrefixRow{"sys/", Origin::system},
+    PrefixRow{"linux/", Origin::system},
+    PrefixRow{"net/", Origin::system},
+    PrefixRow{"netinet/", Origin::system},
+    PrefixRow{"arpa/", Origin::system},
+};
+
+struct Include {
+  std::string name;
+  bool quoted = false;
+};
+
+Origin origin_of(const Include& include) {
+  if (include.name.find("..") != std::string::npos) return Origin::elsewhere;
+  for (const PrefixRow& row : kPrefixes) {
+    if (include.name.starts_with(row.prefix)) return row.origin;
+  }
+  if (include.quoted) return Origin::beside;
+  if (include.name.find('/') != std::string::npos) return Origin::third_party;
+  return include.name.ends_with(".h") ? Origin::system : Origin::standard;
+}
+
+/// A folder, what it may include, and what its text may not contain. The first folder that a path
+/// starts with counts.
+struct RoomRow {
+  std::string_view folder;
+  std::span<const Origin> may_include;
+  std::string_view reason;
+};
+
+constexpr std::array kCoreMay{Origin::standard, Origin::eigen, Origin::core, Origin::beside};
+constexpr std::array kIdlMay{Origin::standard, Origin::system,   Origin::dds,   Origin::core,
+                             Origin::wire,     Origin::messages, Origin::beside};
+constexpr std::array kServiceMay{Origin::standard,    Origin::system,  Origin::eigen,
+                                 Origin::third_party, Origin::core,    Origin::wire,
+                                 Origin::messages,    Origin::service, Origin::beside};
+constexpr std::array kClientHeaderMay{Origin::standard, Origin::eigen, Origin::core,
+                                      Origin::client};
+constexpr std::array kClientMay{Origin::standard,    Origin::system, Origin::eigen,
+                                Origin::third_party, Origin::core,   Origin::wire,
+                                Origin::messages,    Origin::client, Origin::beside};
+
+constexpr std::array kRooms{
+    RoomRow{"core/", kCoreMay, "core/ knows the standard library and Eigen only"},
+    RoomRow{"idl/", kIdlMay, "idl/ knows DDS and core/ only"},
+    RoomRow{"service/", kServiceMay, "service/ reaches DDS through vdrive/wire and no client"},
+    RoomRow{"clients/include/", kClientHeaderMay, "a public client header names no DDS type"},
+    RoomRow{"clients/", kClientMay, "clients/ reaches DDS through vdrive/wire and no service"},
+    RoomRow{"deploy/", {}, "deploy/ has no code"},
+};
+
+/// What may not stand in a folder ("" is all of them), as a regular expression.
+struct TextRule {
+  std::string_view folder;
+  std::regex pattern;
+  std::string_view reason;
+};
+
+/// Standard headers, matched whole.
+const std::vector<TextRule>& forbidden_headers() {
+  static const std::vector<TextRule> rules{
+      {"core/",
+       std::regex("thread|stop_token|mutex|shared_mutex|condition_variable|future|atomic|semaphore|"
+                  "barrier|latch"),
+       "core/ has no threads and no locks"},
+      {"core/", std::regex("fstream|istream|ostream|filesystem|cstdio|syncstream"),
+       "core/ touches no file and writes no log"},
+      {"core/", std::regex("random"), "noise is a hash of seed, axis and tick"},
+      {"core/", std::regex("ctime|csignal"), "core/ has no clock and no signals"},
+      {"core/", std::regex("iostream"), "core/ writes no log"},
+  };
+  return rules;
+}
+
+/// Code, searched with comments and string literals taken out.
+const std::vector<TextRule>& forbidden_code() {
+  static const std::regex dds(R"(\b(eprosima|fastdds|fastrtps|fastcdr)\b)");
+  static const std::vector<TextRule> rules{
+      {"core/", std::regex(R"(\b(system|steady|high_resolution|utc|tai|gps|file)_clock\b)"),
+       "time is an argument"},
+      {"core/", std::regex(R"(\b(getenv|secure_getenv|rand|srand|printf|fopen)\s*\()"),
+       "core/ has no environment, random source or file"},
+      {"core/", std::regex(R"(\bthread_local\b)"), "core/ has no global state"},
+      // The results of these differ in the last bit between libraries and vector widths. What is
+      // left of <cmath> (abs, floor, round, sqrt, copysign, isfinite ...) is exact everywhere.
+      {"core/",
+       std::regex(R"(\bstd::(a?(sin|cos|tan)h?|atan2|exp2?|expm1|log(2|10|1p|b)?|pow|cbrt|hypot|)"
+                  R"(fma|[lt]gamma|erfc?)\s*\()"),
+       "step and plan use + - * / sqrt and comparisons only"},
+      {"core/", dds, "only idl/ names the DDS library"},
+      {"service/", dds, "only idl/ names the DDS library"},
+      {"clients/", dds, "only idl/ names the DDS library"},
+  };
+  return rules;
+}
+
+std::vector<std::string> split_lines(std::string_view text) {
+  std::vector<std::string> lines;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    lines.emplace_back(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return lines;
+}
+
+std::optional<Include> parse_include(const std::string& line) {
+  static const std::regex pattern(R"(^\s*#\s*include\s*([<"])([^>"]+)[>"])");
+  std::smatch match;
+  if (!std::regex_search(line, match, pattern)) return std::nullopt;
+  return Include{match[2].str(), match[1].str() == "\""};
+}
+
+/// The line without string literals and the comment at its end. A block comment is not recognised:
+/// the style has none.
+std::string code_of(const std::string& line) {
+  static const std::regex literal(R"("([^"\\]|\\.)*")");
+  const std::string code = std::regex_replace(line, literal, "\"\"");
+  return code.substr(0, code.find("//"));
+}
+
+std::string violation(std::string_view path, std::size_t line, std::string_view what,
+                      std::string_view reason) {
+  return std::string(path) + ":" + std::to_string(line) + ": " + std::string(what) + ": " +
+         std::string(reason);
+}
+
+std::optional<std::string_view> refuse_include(std::string_view path, const RoomRow& room,
+                                               const Include& include) {
+  const Origin origin = origin_of(include);
+  if (origin == Origin::elsewhere) return "included by the path of another folder";
+  if (std::ranges::find(room.may_include, origin) == room.may_include.end()) return room.reason;
+  if (origin != Origin::standard) return std::nullopt;
+  for (const TextRule& rule : forbidden_headers()) {
+    if (path.starts_with(rule.folder) && std::regex_match(include.name, rule.pattern)) {
+      return rule.reason;
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string_view> refuse_code(std::string_view path, const std::string& code) {
+  for (const TextRule& rule : forbidden_code()) {
+    if (path.starts_with(rule.folder) && std::regex_search(code, rule.pattern)) return rule.reason;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Violations check_source(std::string_view path, std::string_view text) {
+  Violations violations;
+  const auto room = std::ranges::find_if(kRooms, [&](const RoomRow& row) {
+    return path.starts_with(row.folder);
+  });
+  if (room == kRooms.end()) return violations;
+  const std::vector<std::string> lines = split_lines(text);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (const auto include = parse_include(lines[i])) {
+      if (const auto reason = refuse_include(path, *room, *include)) {
+        violations.push_back(violation(path, i + 1, include->name, *reason));
+      }
+    } else if (const auto reason = refuse_code(path, code_of(lines[i]))) {
+      violations.push_back(violation(path, i + 1, lines[i], *reason));
+    }
+  }
+  return violations;
+}
+
+Violations check_top_level(const std::vector<std::string>& names) {
+  constexpr std::array<std::string_view, 13> kAllowed{
+      "CHANGELOG.md",    "CMakeLists.txt", "CMakePresets.json",
+      "CONTRIBUTING.md", "LICENSE",        "README.md",
+      "clients",         "cmake",          "core",
+      "deploy",          "docs",           "idl",
+      "service"};
+  Violations violations;
+  for (const std::string& name : names) {
+    const bool ignored = name.starts_with('.') || name == "build" || name == "tests";
+    if (!ignored && std::ranges::find(kAllowed, name) == kAllowed.end()) {
+      violations.push_back(name + ": not one of the rooms and files of the top level");
+    }
+  }
+  return violations;
+}
+
+}  // namespace vdrive::architecture

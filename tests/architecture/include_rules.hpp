@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace vdrive::architecture {
+
+/// One broken rule, as "core/src/axis.cpp:12: <thread>: core/ has no threads".
+using Violations = std::vector<std::string>;
+
+/// Checks one source file against the table of rooms in docs/architecture.md: who may include whom,
+/// and what may never enter a room.
+/// @param path relative to the repository, with forward slashes; its first part is the room. A file
+///        in no room (or in tests/, which may include everything) has no violations.
+/// @param text the content of the file.
+Violations check_source(std::string_view path, std::string_view text);
+
+/// Checks the names at the top of the repository: exactly the rooms and the few files beside them.
+/// Names that start with a dot and `build` are nobody's business.
+Violations check_top_level(const std::vector<std::string>& names);
+
+}  // namespace vdrive::architecture

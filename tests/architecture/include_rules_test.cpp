@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+// The checker itself: each rule is shown to fail on a synthetic file that breaks it.
+#include "architecture/include_rules.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace vdrive::architecture {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+struct Case {
+  std::string name;
+  std::string path;
+  std::string line;
+};
+
+std::string name_of(const testing::TestParamInfo<Case>& info) {
+  return info.param.name;
+}
+
+class Refuses : public testing::TestWithParam<Case> {};
+
+TEST_P(Refuses, WithFileLineAndReason) {
+  const std::string text = "// SPDX-License-Identifier: Apache-2.0\n" + GetParam().line + "\n";
+
+  EXPECT_THAT(check_source(GetParam().path, text),
+              ElementsAre(HasSubstr(GetParam().path + ":2: ")));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    IncludeRules, Refuses,
+    testing::Values(
+        Case{"dds_in_core", "core/src/axis.cpp", "#include <fastdds/dds/topic/Topic.hpp>"},
+        Case{"quoted_dds_in_core", "core/src/axis.cpp", "#include \"fastrtps/types.h\""},
+        Case{"wire_in_core", "core/src/axis.cpp", "#include \"vdrive/wire/topics.hpp\""},
+        Case{"service_in_core", "core/src/axis.cpp", "#include \"vdrive/service/host.hpp\""},
+        Case{"logging_library_in_core", "core/src/axis.cpp", "#include <spdlog/spdlog.h>"},
+        Case{"thread_in_core", "core/include/vdrive/axis.hpp", "#include <thread>"},
+        Case{"lock_in_core", "core/src/axis.cpp", "#  include <mutex>"},
+        Case{"file_in_core", "core/src/axis.cpp", "#include <fstream>"},
+        Case{"c_library_in_core", "core/src/axis.cpp", "#include <math.h>"},
+        Case{"clock_in_core", "core/src/axis.cpp",
+             "const auto now = std::chrono::steady_clock::now();"},
+        Case{"environment_in_core", "core/src/axis.cpp",
+             "const char* home = std::getenv(\"HOME\");"},
+        Case{"libm_in_core", "core/src/axis.cpp", "const double y = std::exp(x);"},
+        Case{"service_in_idl", "idl/src/participant.cpp", "#include \"vdrive/service/host.hpp\""},
+        Case{"logging_library_in_idl", "idl/src/participant.cpp", "#include <spdlog/spdlog.h>"},
+        Case{"dds_in_service", "service/src/host.cpp", "#include <fastdds/dds/topic/Topic.hpp>"},
+        Case{"dds_name_in_service", "service/src/host.cpp",
+             "eprosima::fastdds::dds::DataWriter* w;"},
+        Case{"client_in_service", "service/src/host.cpp", "#include \"vdrive/client/session.hpp\""},
+        Case{"wire_in_client_header", "clients/include/vdrive/client/session.hpp",
+             "#include \"vdrive/wire/topics.hpp\""},
+        Case{"messages_in_client_header", "clients/include/vdrive/client/session.hpp",
+             "#include \"vdrive_messages.h\""},
+        Case{"service_in_client", "clients/src/session.cpp",
+             "#include \"vdrive/service/host.hpp\""},
+        Case{"dds_in_client", "clients/src/session.cpp", "#include <fastcdr/Cdr.h>"},
+        Case{"tests_in_service", "service/src/host.cpp", "#include \"tests/support/fake.hpp\""},
+        Case{"path_that_climbs", "clients/tool/main.cpp",
+             "#include \"../../service/src/host.hpp\""},
+        Case{"code_in_deploy", "deploy/helper.cpp", "#include <vector>"}),
+    name_of);
+
+class Allows : public testing::TestWithParam<Case> {};
+
+TEST_P(Allows, WithoutAWord) {
+  EXPECT_THAT(check_source(GetParam().path, GetParam().line), IsEmpty());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    IncludeRules, Allows,
+    testing::Values(
+        Case{"eigen_in_core", "core/src/plant/model.cpp", "#include <Eigen/Core>"},
+        Case{"durations_in_core", "core/src/axis.cpp", "#include <chrono>"},
+        Case{"square_root_in_core", "core/src/axis.cpp", "const double t = std::sqrt(x);"},
+        Case{"forbidden_words_in_comments", "core/src/axis.cpp", "// not std::exp(x), see fastdds"},
+        Case{"private_header_beside", "core/src/axis.cpp", "#include \"block.hpp\""},
+        Case{"dds_in_idl", "idl/src/participant.cpp", "#include <fastdds/dds/topic/Topic.hpp>"},
+        Case{"wire_in_client_source", "clients/src/session.cpp",
+             "#include \"vdrive/wire/topics.hpp\""},
+        Case{"json_in_tool", "clients/tool/main.cpp", "#include <nlohmann/json.hpp>"},
+        Case{"everything_in_tests", "tests/system/all.cpp",
+             "#include <fastdds/dds/topic/Topic.hpp>"}),
+    name_of);
+
+TEST(TopLevel, HasTheRoomsAndNothingElse) {
+  EXPECT_THAT(check_top_level({".git", "build", "core", "tests", "README.md"}), IsEmpty());
+  EXPECT_THAT(check_top_level({"core", "scripts"}), ElementsAre(HasSubstr("scripts")));
+}
+
+}  // namespace
+}  // namespace vdrive::architecture

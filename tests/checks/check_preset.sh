@@ -1,0 +1,13 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Builds a checking preset and runs its unit tests: check_preset.sh asan|tsan|tidy
+set -euo pipefail
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
+preset=$1
+
+"$root/tests/checks/build_preset.sh" "$preset"
+if [[ $preset != tidy ]]; then
+  cd "$root"
+  ctest --preset "$preset" --label-regex '^unit$'
+fi

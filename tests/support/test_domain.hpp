@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+namespace vdrive::test {
+
+/// @return a DDS domain that no other test on this machine uses now: claimed by a lock on a file
+///         in the temporary directory, for the life of this process. Children started by a test
+///         share it.
+[[nodiscard]] std::uint32_t test_domain();
+
+}  // namespace vdrive::test
