@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/axis_configuration.hpp"
+#include "vdrive/axis_status.hpp"
+#include "vdrive/cia402/power_state.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+namespace vdrive {
+
+/// Answer to a read: `value` holds when `code` is AbortCode::none, else it is 0.
+struct ReadResult {
+  AbortCode code = AbortCode::none;
+  std::int64_t value = 0;
+};
+
+/// Shortest and longest tick.
+inline constexpr std::chrono::microseconds kShortestPeriod{125};
+inline constexpr std::chrono::microseconds kLongestPeriod{10'000};
+
+/// Many CiA 402 axes in profile position mode, stepped together.
+///
+/// A step is a function: it takes the writes since the last step and gives each axis' status image.
+/// No clock, thread, lock, allocation or exception in `write`, `read` and `step`. The same writes
+/// give the same bits whatever the vector width, the partition of `step_groups`, or the build.
+///
+/// Between two steps `write` acts in the order of the calls: the power state machine and the
+/// set-point handshake run once for every controlword, so several words in one tick do what they
+/// would do in several. Written objects read back at once; computed objects show the last tick.
+class AxisBank {
+ public:
+  /// Powers every axis up: transitions 0 and 1 are done, the status images are valid.
+  /// @throws std::invalid_argument when `axes` is empty, the period is outside 125 µs to 10 ms, a
+  ///         model parameter is outside its range (naming parameter, value, unit and limit), or an
+  ///         initial value is refused by the dictionary.
+  AxisBank(std::span<const AxisConfiguration> axes, std::chrono::microseconds period);
+  ~AxisBank();
+  AxisBank(const AxisBank& other);
+  AxisBank& operator=(const AxisBank& other);
+  AxisBank(AxisBank&&) noexcept;
+  AxisBank& operator=(AxisBank&&) noexcept;
+
+  [[nodiscard]] std::size_t size() const noexcept;
+  [[nodiscard]] std::chrono::microseconds period() const noexcept;
+
+  /// Writes an object of axis `axis` (< size()).
+  /// @return the CiA 301 abort code of the refusal, or AbortCode::none. Checked in this order:
+  ///         index, sub-index, access, range, state.
+  AbortCode write(std::size_t axis, ObjectAddress object, std::int64_t value) noexcept;
+
+  /// Reads an object of axis `axis` (< size()).
+  [[nodiscard]] ReadResult read(std::size_t axis, ObjectAddress object) const noexcept;
+
+  /// One tick of all axes.
+  void step() noexcept;
+
+  /// Axes are stepped in independent groups of equal cost; distinct groups may be stepped at the
+  /// same time from several threads. A tick is complete when each group was stepped once.
+  [[nodiscard]] std::size_t group_count() const noexcept;
+  void step_groups(std::size_t first, std::size_t last) noexcept;
+
+  /// @return the status image of the last tick.
+  [[nodiscard]] const AxisStatus& status(std::size_t axis) const noexcept;
+  /// @return the state now, writes since the last step included.
+  [[nodiscard]] PowerState power_state(std::size_t axis) const noexcept;
+
+  /// @return rising edges of controlword bit 4 that were not accepted since power-up, writes since
+  ///         the last step included.
+  [[nodiscard]] std::uint32_t ignored_set_points(std::size_t axis) const noexcept;
+
+  /// As after power-up, the mechanical position kept: registers take their initial values, faults
+  /// and the error history are gone, 6061h = 0. Not ready to switch on shows until the next step.
+  void power_cycle(std::size_t axis) noexcept;
+
+  /// The master of this axis fell silent: reacts per 6007h in Operation enabled and Quick stop
+  /// active, else does nothing. Latched as fault 8130h where 6007h = 1.
+  void report_connection_loss(std::size_t axis) noexcept;
+
+  /// Copy of the whole state, to be given back to `restore` of a bank built from the same
+  /// configuration. Allocates.
+  class Snapshot;
+  [[nodiscard]] Snapshot snapshot() const;
+  /// @throws std::invalid_argument when the snapshot is of another number of axes or period.
+  void restore(const Snapshot& snapshot);
+
+  /// @return a hash over every status image in axis order, to compare runs.
+  [[nodiscard]] std::uint64_t status_hash() const noexcept;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// State of a bank at one instant.
+class AxisBank::Snapshot {
+ public:
+  Snapshot(const Snapshot& other);
+  Snapshot& operator=(const Snapshot& other);
+  Snapshot(Snapshot&&) noexcept;
+  Snapshot& operator=(Snapshot&&) noexcept;
+  ~Snapshot();
+
+ private:
+  friend class AxisBank;
+  explicit Snapshot(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace vdrive

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/dictionary/object.hpp"
+#include "vdrive/plant/axis_model.hpp"
+
+#include <cstdint>
+#include <vector>
+
+namespace vdrive {
+
+/// Readings of the standard on which drives differ; each default is the manual's.
+struct AxisSettings {
+  bool enable_from_switch_on_disabled = true;  ///< 000Fh in Switch on disabled enables (manual)
+  bool following_error_is_fault = true;        ///< false: bit 13 without fault
+  std::uint16_t quick_stop_dwell_ms = 0;       ///< [ms] least time in Quick stop active before 12
+};
+
+/// A value that an object has from power-up on, instead of its default.
+struct InitialValue {
+  ObjectAddress address;
+  std::int64_t value = 0;
+};
+
+/// Everything that makes one axis what it is.
+struct AxisConfiguration {
+  AxisModel model;
+  AxisSettings settings;
+  std::int32_t initial_position = 0;     ///< [user units] at first power-up
+  std::uint32_t serial_number = 0;       ///< 1018h:04
+  std::vector<InitialValue> parameters;  ///< written at every power-up
+};
+
+}  // namespace vdrive

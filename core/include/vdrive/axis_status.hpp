@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+namespace vdrive {
+
+/// Status image of one axis after one tick: every monitored object of the manual under its
+/// variable_name, and what an observer needs beside them. Plain data, written once a tick.
+struct AxisStatus {
+  std::int32_t position_demand_value = 0;        ///< 6062h [user units]
+  std::int32_t load_position_actual_value = 0;   ///< 6064h [user units]
+  std::int32_t load_position_error_value = 0;    ///< 60F4h [user units]
+  std::int32_t motor_position_actual_value = 0;  ///< 3572h [user units]
+  std::int32_t motor_position_error_value = 0;   ///< 3573h [user units]
+  std::int32_t velocity_demand_value = 0;        ///< 606Bh [user units/s]
+  std::int32_t load_velocity_actual_value = 0;   ///< 606Ch [user units/s]
+  std::int32_t load_velocity_error_value = 0;    ///< 351Eh [user units/s]
+  std::int32_t motor_velocity_actual_value = 0;  ///< 3574h [user units/s]
+  std::int32_t motor_velocity_error_value = 0;   ///< 3575h [user units/s]
+  std::int32_t current_error_value = 0;          ///< 351Fh [mA]
+  std::int16_t current_actual_value = 0;         ///< 6078h [‰ of rated current]
+  std::int16_t torque_actual_value = 0;          ///< 6077h [‰ of rated torque]
+  std::int16_t torque_demand = 0;                ///< 6074h [‰ of rated torque]
+  std::uint16_t ds402_statusword = 0;            ///< 6041h
+  std::uint16_t ds402_controlword = 0;           ///< 6040h that was last in force
+  std::uint16_t error_code = 0;                  ///< 603Fh
+  std::int8_t op_mode_actual = 0;                ///< 6061h
+  std::uint8_t motor_op_status = 0;              ///< 3005h, 0 = disabled, 1 = enabled
+  std::uint8_t error_register = 0;               ///< 1001h
+  std::uint8_t digital_inputs = 0;               ///< 60FDh, bits 0 to 2
+  std::uint32_t ignored_set_points = 0;  ///< rising edges of bit 4 not accepted since power-up
+  std::uint32_t fault_count = 0;         ///< faults since power-up
+};
+
+}  // namespace vdrive

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+namespace vdrive {
+
+/// Bits of the controlword 6040h (CiA 402; manual, table of the controlword).
+struct Controlword {
+  static constexpr std::uint16_t kSwitchOn = 1U << 0U;
+  static constexpr std::uint16_t kEnableVoltage = 1U << 1U;
+  static constexpr std::uint16_t kQuickStop = 1U << 2U;  ///< 0 = quick stop
+  static constexpr std::uint16_t kEnableOperation = 1U << 3U;
+  static constexpr std::uint16_t kNewSetPoint = 1U << 4U;           ///< profile position
+  static constexpr std::uint16_t kChangeSetImmediately = 1U << 5U;  ///< profile position
+  static constexpr std::uint16_t kRelative = 1U << 6U;              ///< profile position
+  static constexpr std::uint16_t kFaultReset = 1U << 7U;
+  static constexpr std::uint16_t kHalt = 1U << 8U;
+};
+
+/// What bits 0 to 3 and 7 of a controlword ask for (CiA 402, command coding).
+enum class PowerCommand : std::uint8_t {
+  none,
+  disable_voltage,
+  quick_stop,
+  shutdown,
+  switch_on,  ///< Switch on; in Operation enabled the same pattern is Disable operation
+  enable_operation,
+  fault_reset,
+};
+
+/// Decodes one written controlword. While bit 7 is 1 a word carries no command but the reset, and
+/// only the rising edge of bit 7 resets.
+/// @param previous_word the controlword in force before
+[[nodiscard]] PowerCommand decode_command(std::uint16_t word, std::uint16_t previous_word) noexcept;
+
+}  // namespace vdrive

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+namespace vdrive {
+
+/// Error codes of 603Fh and of the emergency message (CiA 301 and CiA 402 error code classes).
+enum class ErrorCode : std::uint16_t {
+  none = 0,
+  continuous_over_current = 0x2310,
+  dc_link_under_voltage = 0x3220,
+  excess_temperature_drive = 0x4310,
+  incremental_sensor_1_fault = 0x7305,
+  life_guard_or_heartbeat = 0x8130,
+  following_error = 0x8611,
+};
+
+/// @return the words for `code`, or "unknown error".
+[[nodiscard]] std::string_view describe(ErrorCode code) noexcept;
+
+/// @return the bits that an error of this code sets in the error register 1001h: its group and the
+///         generic bit 0 (CiA 301).
+[[nodiscard]] std::uint8_t error_register_of(ErrorCode code) noexcept;
+
+/// @return true when the drive cannot brake any more and coasts, whatever 605Eh says.
+[[nodiscard]] bool forces_coasting(ErrorCode code) noexcept;
+
+}  // namespace vdrive

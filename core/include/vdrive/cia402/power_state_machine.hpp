@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/cia402/controlword.hpp"
+#include "vdrive/cia402/power_state.hpp"
+
+#include <cstdint>
+
+namespace vdrive {
+
+/// Transitions of CiA 402 taken by one event, as a set of their numbers 0 to 16.
+class TransitionSet {
+ public:
+  constexpr void add(unsigned number) noexcept { numbers_ |= 1U << number; }
+
+  [[nodiscard]] constexpr bool contains(unsigned number) const noexcept {
+    return (numbers_ >> number & 1U) != 0;
+  }
+
+  [[nodiscard]] constexpr bool empty() const noexcept { return numbers_ == 0; }
+
+ private:
+  std::uint32_t numbers_ = 0;
+};
+
+/// What the power state machine reads of the option codes and settings.
+struct PowerOptions {
+  std::int8_t quick_stop_option_code = 2;         ///< 605Ah, 0 to 8
+  std::int8_t shutdown_option_code = 0;           ///< 605Bh, 0 or 1
+  std::int8_t disable_operation_option_code = 1;  ///< 605Ch, 0 or 1
+  bool enable_from_switch_on_disabled = true;     ///< 000Fh in Switch on disabled enables
+};
+
+/// Power state machine of CiA 402-2 with the manual's extension: Switch on disabled goes to
+/// Operation enabled in one command.
+///
+/// A plain value: each function takes one event and tells the transitions that it caused; what they
+/// do to the axis is the caller's part. Where 605Bh or 605Ch asks for a ramp, transitions 8 and 5
+/// are held back in `pending` while the state stays Operation enabled.
+class PowerStateMachine {
+ public:
+  [[nodiscard]] PowerState state() const noexcept { return state_; }
+
+  /// Shutdown (605Bh) or Disable operation (605Ch) whose ramp has not ended: PowerCommand::shutdown
+  /// or PowerCommand::switch_on; else PowerCommand::none. A ramp is not taken back by Enable
+  /// operation; Shutdown replaces Disable operation.
+  [[nodiscard]] PowerCommand pending() const noexcept { return pending_; }
+
+  /// Start-up finished: transition 1.
+  TransitionSet initialised() noexcept;
+
+  /// A controlword was written and carries `command`.
+  /// @param voltage the DC link is present; without it nothing leaves Switch on disabled
+  /// @param cause_present a cause of a fault persists: the reset is refused
+  TransitionSet command(PowerCommand command, const PowerOptions& options, bool voltage,
+                        bool cause_present) noexcept;
+
+  /// A fault was detected: transition 13, unless one is being handled already.
+  TransitionSet fault_detected() noexcept;
+
+  /// The DC link was lost where that is no fault: back to Switch on disabled.
+  TransitionSet voltage_lost() noexcept;
+
+  /// The stop of the present state has come to its end: transition 14 of the fault reaction,
+  /// transition 12 of a quick stop that does not stay (605Ah 0 to 4), 5 or 8 of a held-back ramp.
+  TransitionSet stop_finished(const PowerOptions& options) noexcept;
+
+ private:
+  void take(unsigned number, TransitionSet& taken) noexcept;
+
+  PowerState state_ = PowerState::not_ready_to_switch_on;
+  PowerCommand pending_ = PowerCommand::none;
+};
+
+}  // namespace vdrive

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/dictionary/abort_code.hpp"
+#include "vdrive/dictionary/object.hpp"
+#include "vdrive/dictionary/object_table.hpp"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+
+namespace vdrive {
+
+/// Position of a row in `kObjectTable`; rows are sorted by index, then sub-index.
+using ObjectRow = std::uint16_t;
+
+inline constexpr std::size_t kObjectCount = kObjectTable.size();
+
+/// @return the row at `address`, or nothing when there is no such object.
+[[nodiscard]] constexpr std::optional<ObjectRow> find_object(ObjectAddress address) noexcept {
+  std::size_t first = 0;
+  std::size_t last = kObjectCount;
+  while (first < last) {
+    const std::size_t middle = first + (last - first) / 2;
+    if (kObjectTable[middle].address < address) {
+      first = middle + 1;
+    } else {
+      last = middle;
+    }
+  }
+  if (first < kObjectCount && kObjectTable[first].address == address) {
+    return static_cast<ObjectRow>(first);
+  }
+  return std::nullopt;
+}
+
+/// @return the row with this `variable_name`, or nothing.
+[[nodiscard]] constexpr std::optional<ObjectRow> find_object(
+    std::string_view variable_name) noexcept {
+  for (std::size_t row = 0; row < kObjectCount; ++row) {
+    if (kObjectTable[row].variable_name == variable_name) {
+      return static_cast<ObjectRow>(row);
+    }
+  }
+  return std::nullopt;
+}
+
+/// @return the description of `row`; `row` < kObjectCount.
+[[nodiscard]] constexpr const ObjectDescription& describe(ObjectRow row) noexcept {
+  return kObjectTable[row];
+}
+
+/// @return AbortCode::object_does_not_exist when no object has this index,
+///         AbortCode::subindex_does_not_exist when the index has no such sub-index, else none.
+[[nodiscard]] AbortCode check_address(ObjectAddress address) noexcept;
+
+/// @return AbortCode::write_of_read_only_object for a read-only row,
+///         AbortCode::value_too_high / value_too_low outside the row's range (the object's type
+///         included), else none. Rules that need the drive's state are the drive's own.
+[[nodiscard]] AbortCode check_write(ObjectRow row, std::int64_t value) noexcept;
+
+namespace literals {
+
+/// Row of an object by its variable_name, checked at compile time: `"profile_velocity"_object`.
+consteval ObjectRow operator""_object(const char* variable_name, std::size_t length) {
+  return find_object(std::string_view{variable_name, length}).value();
+}
+
+}  // namespace literals
+}  // namespace vdrive

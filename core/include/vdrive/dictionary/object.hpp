@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <string_view>
+
+namespace vdrive {
+
+/// Data types of CiA 301 that the dictionary uses (UNSn of the manual is UNSIGNEDn).
+enum class DataType : std::uint8_t {
+  integer8,
+  integer16,
+  integer32,
+  unsigned8,
+  unsigned16,
+  unsigned32,
+};
+
+enum class Access : std::uint8_t { read_only, read_write };
+
+/// Whether 1010h saves the object (column StoreInFlash).
+enum class Storage : std::uint8_t { not_stored, flash };
+
+/// When an accepted write acts on the drive. The manual marks every writable object "immediately";
+/// where its notes are more specific (607Fh, 6081h) the note is what stands here.
+enum class Effective : std::uint8_t {
+  read_only,     ///< never written
+  immediately,   ///< in the tick in which the write is in force
+  at_set_point,  ///< latched with the rising edge of controlword bit 4
+  at_enable,     ///< with the next transition 4
+};
+
+/// Where a row comes from.
+enum class Origin : std::uint8_t { manual, companion };
+
+/// Address of an object as CiA 301 counts it.
+struct ObjectAddress {
+  std::uint16_t index = 0;
+  std::uint8_t subindex = 0;
+
+  friend constexpr bool operator==(const ObjectAddress&, const ObjectAddress&) = default;
+  friend constexpr auto operator<=>(const ObjectAddress&, const ObjectAddress&) = default;
+};
+
+/// One row of the object dictionary. All text is static.
+struct ObjectDescription {
+  ObjectAddress address;
+  std::string_view name;
+  std::string_view name_zh;
+  std::string_view category;
+  std::string_view variable_name;
+  DataType data_type;
+  Access access;
+  Storage storage;
+  Effective effective;
+  std::int64_t lower_limit;
+  std::int64_t upper_limit;
+  std::int64_t default_value;
+  std::string_view units;
+  Origin origin;
+};
+
+/// Lowest and highest value that a data type can hold.
+struct TypeRange {
+  std::int64_t lowest;
+  std::int64_t highest;
+};
+
+/// @return the range of `type`.
+[[nodiscard]] constexpr TypeRange range_of(DataType type) noexcept {
+  switch (type) {
+    case DataType::integer8:
+      return {std::numeric_limits<std::int8_t>::min(), std::numeric_limits<std::int8_t>::max()};
+    case DataType::integer16:
+      return {std::numeric_limits<std::int16_t>::min(), std::numeric_limits<std::int16_t>::max()};
+    case DataType::integer32:
+      return {std::numeric_limits<std::int32_t>::min(), std::numeric_limits<std::int32_t>::max()};
+    case DataType::unsigned8:
+      return {0, std::numeric_limits<std::uint8_t>::max()};
+    case DataType::unsigned16:
+      return {0, std::numeric_limits<std::uint16_t>::max()};
+    case DataType::unsigned32:
+      return {0, std::numeric_limits<std::uint32_t>::max()};
+  }
+  return {0, 0};
+}
+
+/// @return the size of `type` [bytes].
+[[nodiscard]] constexpr std::uint8_t size_of(DataType type) noexcept {
+  switch (type) {
+    case DataType::integer8:
+    case DataType::unsigned8:
+      return 1;
+    case DataType::integer16:
+    case DataType::unsigned16:
+      return 2;
+    case DataType::integer32:
+    case DataType::unsigned32:
+      return 4;
+  }
+  return 0;
+}
+
+/// @return the manual's spelling of `type`, such as "UNS16" or "INTEGER32".
+[[nodiscard]] std::string_view to_string(DataType type) noexcept;
+
+}  // namespace vdrive

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace vdrive {
+
+/// Position and velocity of the demand at one instant.
+struct MotionState {
+  double position = 0.0;  ///< [user units]
+  double velocity = 0.0;  ///< [user units/s]
+};
+
+/// What a profile may use, all finite.
+struct MotionLimits {
+  double velocity = 0.0;      ///< [user units/s] >= 0; 0 = no motion
+  double acceleration = 1.0;  ///< [user units/s²] > 0, speeding up
+  double deceleration = 1.0;  ///< [user units/s²] > 0, slowing down
+};
+
+/// Piece of constant acceleration. With τ = t - reference_time [s]:
+///   x(t) = position + (velocity + acceleration·τ/2)·τ
+///   v(t) = velocity + acceleration·τ
+/// The last piece of a move refers to the arrival (τ <= 0), so that the end is exact.
+struct Segment {
+  double end_time = 0.0;        ///< [s] since the plan; the piece holds up to here
+  double reference_time = 0.0;  ///< [s] since the plan
+  double position = 0.0;        ///< [user units] at the reference
+  double velocity = 0.0;        ///< [user units/s] at the reference
+  double acceleration = 0.0;    ///< [user units/s²]
+};
+
+/// Demand at one instant.
+struct MotionSample {
+  double position = 0.0;      ///< [user units]
+  double velocity = 0.0;      ///< [user units/s]
+  double acceleration = 0.0;  ///< [user units/s²]
+};
+
+/// @return the demand of one segment at `time` [s] since the plan.
+[[nodiscard]] constexpr MotionSample sample(const Segment& segment, double time) noexcept {
+  const double tau = time - segment.reference_time;
+  return {segment.position + (segment.velocity + 0.5 * segment.acceleration * tau) * tau,
+          segment.velocity + segment.acceleration * tau, segment.acceleration};
+}
+
+/// A planned motion, closed-form in time: at most four segments. Before 0 it is at its start, after
+/// `duration()` it rests at its end.
+class Profile {
+ public:
+  static constexpr std::size_t kMaximumSegments = 4;
+
+  /// A profile that rests at `position`.
+  explicit constexpr Profile(double position = 0.0) noexcept : end_position_(position) {}
+
+  [[nodiscard]] std::size_t segment_count() const noexcept { return count_; }
+
+  [[nodiscard]] const Segment& segment(std::size_t i) const noexcept { return segments_[i]; }
+
+  /// @return the time from the plan to rest [s].
+  [[nodiscard]] double duration() const noexcept {
+    return count_ == 0 ? 0.0 : segments_[count_ - 1].end_time;
+  }
+
+  /// @return the position at rest after the motion [user units].
+  [[nodiscard]] double end_position() const noexcept { return end_position_; }
+
+  /// @return false when the profile ends elsewhere than at its target because the velocity limit
+  ///         is 0.
+  [[nodiscard]] bool reaches_target() const noexcept { return reaches_target_; }
+
+  /// @return the demand at `time` [s] since the plan.
+  [[nodiscard]] MotionSample at(double time) const noexcept;
+
+ private:
+  friend class ProfileBuilder;
+
+  std::array<Segment, kMaximumSegments> segments_{};
+  double end_position_ = 0.0;
+  std::uint8_t count_ = 0;
+  bool reaches_target_ = true;
+};
+
+/// Plans the time-optimal trapezoid from any state to rest at `target`: it brakes to the velocity
+/// limit first where it is faster, and to standstill first where the target lies inside the
+/// stopping distance or behind. Speeding up uses `limits.acceleration`, slowing down
+/// `limits.deceleration`. With a velocity limit of 0 it brakes to rest and stays there.
+///
+/// With stopping distance s = v²/2d, displacement D >= s and v below the limit, the peak velocity
+/// is v_p² = (2adD + dv²)/(a + d), capped by the limit.
+[[nodiscard]] Profile plan_move(const MotionState& start, double target,
+                                const MotionLimits& limits) noexcept;
+
+/// Plans the stop from `start` with `deceleration` [user units/s²] > 0.
+[[nodiscard]] Profile plan_stop(const MotionState& start, double deceleration) noexcept;
+
+}  // namespace vdrive

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+namespace vdrive {
+
+/// Encoder counts and user units: fixed by the manual's defaults (607Fh, 6080h, 6081h agree on
+/// 4096 user units a motor revolution).
+inline constexpr double kUserUnitsPerRevolution = 4096.0;
+
+/// Mechanics between motor and load.
+enum class Coupling : std::uint8_t {
+  rigid,        ///< one inertia; the load follows the motor through the gear exactly
+  two_inertia,  ///< elastic shaft with damping and optional backlash
+};
+
+/// Which encoder the position loop and 6064h use.
+enum class Feedback : std::uint8_t {
+  single_encoder,  ///< encoder 1 on the motor: 6064h = 3572h and 606Ch = 3574h
+  dual_encoder,    ///< encoder 2 on the load: 6064h and 606Ch are the load's, through the gear
+};
+
+/// Physical parameters of one axis, in SI units. Member initialisers are the default axis: it holds
+/// the manual's examples to the unit at rest.
+struct AxisModel {
+  Coupling coupling = Coupling::rigid;
+  Feedback feedback = Feedback::dual_encoder;
+
+  double motor_inertia = 3.0e-4;       ///< [kg.m²] 1e-8 to 1e4
+  double load_inertia = 3.0e-4;        ///< [kg.m²] at the load shaft; 1e-8 to 1e4, rigid also 0
+  double viscous_friction = 2.0e-4;    ///< [N.m.s/rad] at the motor shaft; 0 to 1e4
+  double coulomb_friction = 0.05;      ///< [N.m] at the motor shaft; 0 to 1e4
+  double load_viscous_friction = 0.0;  ///< [N.m.s/rad] at the load shaft; 0 to 1e4
+  double load_coulomb_friction = 0.0;  ///< [N.m] at the load shaft; 0 to 1e4
+  double torque_constant = 0.6;        ///< [N.m/A] 1e-6 to 1e4
+
+  double coupling_stiffness = 2000.0;  ///< [N.m/rad] at the load shaft, two_inertia; 1e-3 to 1e7
+  double coupling_damping = 0.05;      ///< [N.m.s/rad] at the load shaft, two_inertia; 0 to 1e4
+  double backlash = 0.0;               ///< [rad] at the load shaft, two_inertia; 0 to 6.3
+
+  double encoder_resolution = 8388608.0;       ///< encoder 1 [counts/revolution] 4096 to 2³²
+  double load_encoder_resolution = 8388608.0;  ///< encoder 2 [counts/revolution] 4096 to 2³²
+
+  double current_loop_bandwidth = 1000.0;  ///< [Hz] 1 to 4000
+  double velocity_loop_bandwidth = 100.0;  ///< [Hz] 0.1 to 1000
+  double position_loop_bandwidth = 16.0;   ///< [Hz] 0.01 to 500
+};
+
+}  // namespace vdrive

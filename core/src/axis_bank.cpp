@@ -1,0 +1,474 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdrive/axis_bank.hpp"
+
+#include "drive/drive.hpp"
+#include "plant/servo_block.hpp"
+#include "plant/servo_design.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace vdrive {
+namespace {
+
+using namespace vdrive::literals;
+
+constexpr double kLongestSubstep = 125.0e-6;  // [s], the servo cycle: 8 kHz
+
+TickTiming timing_of(std::chrono::microseconds period) {
+  if (period < kShortestPeriod || period > kLongestPeriod) {
+    throw std::invalid_argument("period = " + std::to_string(period.count()) +
+                                " us must be 125 us to 10000 us");
+  }
+  const auto period_us = static_cast<std::uint32_t>(period.count());
+  const std::uint32_t substeps = (period_us + 124U) / 125U;
+  return {.period_us = period_us,
+          .substeps = substeps,
+          .substep = static_cast<double>(period_us) * 1.0e-6 / static_cast<double>(substeps)};
+}
+
+/// Parameters of the blocks of one kind. Most axes of a bank are alike: equal blocks share one set
+/// until one of their axes changes, which keeps the sets in the nearest cache.
+template <typename Parameters>
+struct ParameterPool {
+  std::vector<Parameters> sets;       // initial sets, then one place for each block of this kind
+  std::vector<std::uint32_t> in_use;  // by block of this kind
+  std::vector<std::uint32_t> own;     // by block of this kind
+
+  void add_block(const Parameters& initial) {
+    const auto same = std::find_if(sets.begin(), sets.end(), [&initial](const Parameters& set) {
+      return std::memcmp(&set, &initial, sizeof(Parameters)) == 0;
+    });
+    in_use.push_back(static_cast<std::uint32_t>(same - sets.begin()));
+    if (same == sets.end()) {
+      sets.push_back(initial);
+    }
+  }
+
+  void finish() {
+    own.resize(in_use.size());
+    for (std::uint32_t& place : own) {
+      place = static_cast<std::uint32_t>(sets.size());
+      sets.emplace_back();
+    }
+  }
+
+  [[nodiscard]] const Parameters& get(std::size_t block) const { return sets[in_use[block]]; }
+
+  [[nodiscard]] Parameters& change(std::size_t block) {
+    if (in_use[block] != own[block]) {
+      sets[own[block]] = sets[in_use[block]];
+      in_use[block] = own[block];
+    }
+    return sets[own[block]];
+  }
+};
+
+struct Block {
+  ServoState servo{};
+  Coupling coupling = Coupling::rigid;
+  std::uint32_t pool_index = 0;
+  std::uint32_t count = 0;
+  std::array<std::uint32_t, kLanes> axes{};
+};
+
+struct Place {
+  std::uint32_t block = 0;
+  std::uint32_t lane = 0;
+};
+
+static_assert(std::is_trivially_copyable_v<ServoState>);
+static_assert(std::is_trivially_copyable_v<DriveState>);
+static_assert(std::is_trivially_copyable_v<DriveRegisters>);
+static_assert(std::is_trivially_copyable_v<AxisStatus>);
+
+}  // namespace
+
+struct AxisBank::State {
+  TickTiming timing;
+  std::vector<AxisConfiguration> configurations;
+  std::vector<Place> places;  // by axis
+  std::vector<Block> blocks;
+  ParameterPool<RigidParameters> rigid;
+  ParameterPool<ElasticParameters> elastic;
+  std::vector<DriveState> drive_states;         // by block and lane
+  std::vector<DriveRegisters> drive_registers;  // by block and lane
+  std::vector<AxisStatus> statuses;             // by axis
+
+  [[nodiscard]] DriveContext context(std::size_t block, std::size_t lane) {
+    const std::size_t slot = block * kLanes + lane;
+    return {drive_states[slot],
+            drive_registers[slot],
+            blocks[block].servo,
+            lane,
+            statuses[blocks[block].axes[lane]],
+            timing};
+  }
+
+  [[nodiscard]] DriveContext context(std::size_t axis) {
+    return context(places[axis].block, places[axis].lane);
+  }
+
+  void place_axes(Coupling coupling);
+  void design_blocks();
+  void start_axis(std::size_t axis);
+
+  /// @return the first initial value that was refused, or nullptr.
+  const InitialValue* set_initial_values(std::size_t axis);
+  AbortCode write(std::size_t axis, ObjectRow row, std::int64_t value);
+  void apply_gear(std::size_t axis);
+  void apply_torques(std::size_t axis);
+  void step_block(std::size_t block, DemandBlock& demand);
+};
+
+namespace {
+
+Gear gear_of(const DriveRegisters& registers) {
+  return {static_cast<std::uint32_t>(registers.values["gear_ratio_numerator"_object]),
+          static_cast<std::uint32_t>(registers.values["gear_ratio_denominator"_object])};
+}
+
+/// 60E0h or 60E1h with 6072h [N.m]: 0 switches a relative limit off; it bounds torque and current.
+double torque_limit(const DriveRegisters& registers, const AxisModel& model, ObjectRow relative) {
+  const auto value = [&registers](ObjectRow row) {
+    return static_cast<double>(registers.values[row]);
+  };
+  const double rated_torque = value("motor_rated_torque"_object) * 1.0e-3;
+  const double current_torque =
+      value("motor_rated_current"_object) * 1.0e-3 * model.torque_constant;
+  const double highest = value("max_torque"_object) * 1.0e-3 * rated_torque;
+  const double limit = value(relative) * 1.0e-3;
+  return limit == 0.0 ? highest : std::min(highest, limit * std::min(rated_torque, current_torque));
+}
+
+}  // namespace
+
+void AxisBank::State::place_axes(Coupling coupling) {
+  std::uint32_t pool_index = 0;
+  for (std::uint32_t axis = 0; axis < configurations.size(); ++axis) {
+    if (configurations[axis].model.coupling != coupling) {
+      continue;
+    }
+    if (pool_index == 0 || blocks.back().count == kLanes) {
+      blocks.push_back({.coupling = coupling, .pool_index = pool_index});
+      ++pool_index;
+    }
+    Block& block = blocks.back();
+    places[axis] = {static_cast<std::uint32_t>(blocks.size() - 1), block.count};
+    block.axes[block.count] = axis;
+    ++block.count;
+  }
+}
+
+void AxisBank::State::design_blocks() {
+  for (const Block& block : blocks) {
+    RigidParameters rigid_set{};
+    ElasticParameters elastic_set{};
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      // Lanes without an axis compute a copy of the first one, without power.
+      const std::uint32_t axis = block.axes[lane < block.count ? lane : 0];
+      const AxisModel& model = configurations[axis].model;
+      if (block.coupling == Coupling::rigid) {
+        design_lane(model, {}, timing.substep, lane, rigid_set);
+      } else {
+        design_lane(model, {}, timing.substep, lane, elastic_set);
+      }
+    }
+    if (block.coupling == Coupling::rigid) {
+      rigid.add_block(rigid_set);
+    } else {
+      elastic.add_block(elastic_set);
+    }
+  }
+  rigid.finish();
+  elastic.finish();
+}
+
+void AxisBank::State::start_axis(std::size_t axis) {
+  const DriveContext context = this->context(axis);
+  const auto position = static_cast<double>(configurations[axis].initial_position);
+  ServoState& servo = context.servo;
+  for (Lane* lane : {&servo.position, &servo.measured, &servo.motor_reading, &servo.load_position,
+                     &servo.load_measured, &servo.load_reading}) {
+    (*lane)[context.lane] = position;
+  }
+  context.registers.settings = configurations[axis].settings;
+  context.registers.single_encoder =
+      configurations[axis].model.feedback == Feedback::single_encoder;
+  power_up(context, true);
+  if (const InitialValue* const refused = set_initial_values(axis)) {
+    std::ostringstream message;
+    message << "axis " << axis << ": initial value " << refused->value << " of object 0x"
+            << std::hex << refused->address.index << ':' << std::dec
+            << static_cast<unsigned>(refused->address.subindex) << " is refused";
+    throw std::invalid_argument(message.str());
+  }
+  refresh_status(context);
+}
+
+const InitialValue* AxisBank::State::set_initial_values(std::size_t axis) {
+  const DriveContext context = this->context(axis);
+  context.registers.values["serial_number"_object] = configurations[axis].serial_number;
+  const InitialValue* refused = nullptr;
+  for (const InitialValue& initial : configurations[axis].parameters) {
+    const auto row = find_object(initial.address);
+    WriteEffect effect{};
+    // A controlword is a command, not a parameter: no axis is enabled by its configuration.
+    const bool allowed = row && *row != "ds402_controlword"_object &&
+                         write_object(context, *row, initial.value, effect) == AbortCode::none;
+    if (!allowed && refused == nullptr) {
+      refused = &initial;
+    }
+  }
+  update_derived(context);
+  apply_gear(axis);
+  return refused;
+}
+
+AbortCode AxisBank::State::write(std::size_t axis, ObjectRow row, std::int64_t value) {
+  WriteEffect effect = WriteEffect::none;
+  const AbortCode code = write_object(context(axis), row, value, effect);
+  if (effect == WriteEffect::gear) {
+    apply_gear(axis);
+  } else if (effect == WriteEffect::torque_limits) {
+    apply_torques(axis);
+  }
+  return code;
+}
+
+void AxisBank::State::apply_gear(std::size_t axis) {
+  const DriveContext context = this->context(axis);
+  const AxisModel& model = configurations[axis].model;
+  const Gear gear = gear_of(context.registers);
+  const double ratio = static_cast<double>(gear.numerator) / static_cast<double>(gear.denominator);
+  DriveRegisters& registers = context.registers;
+  if (ratio != registers.gear_ratio) {
+    // The load stays where it is when the gear is set.
+    ServoState& servo = context.servo;
+    servo.load_offset[context.lane] +=
+        (registers.gear_ratio - ratio) * servo.position[context.lane];
+    registers.gear_ratio = ratio;
+    const Block& block = blocks[places[axis].block];
+    if (block.coupling == Coupling::rigid) {
+      design_lane(model, gear, timing.substep, context.lane, rigid.change(block.pool_index));
+    } else {
+      design_lane(model, gear, timing.substep, context.lane, elastic.change(block.pool_index));
+    }
+  }
+  apply_torques(axis);
+}
+
+void AxisBank::State::apply_torques(std::size_t axis) {
+  const DriveContext context = this->context(axis);
+  const DriveRegisters& registers = context.registers;
+  const AxisModel& model = configurations[axis].model;
+  const Gear gear = gear_of(registers);
+  const double unit = torque_unit(model, gear);
+  const auto value = [&registers](ObjectRow row) {
+    return static_cast<double>(registers.values[row]);
+  };
+  context.state.torque_per_mille = unit / (value("motor_rated_torque"_object) * 1.0e-6);
+  context.state.current_per_mille =
+      unit / model.torque_constant / (value("motor_rated_current"_object) * 1.0e-6);
+  context.servo.load_torque[context.lane] =
+      value("test_load_torque"_object) * 1.0e-3 * load_torque_factor(model, gear);
+  const TorqueLimits limits{
+      .positive = torque_limit(registers, model, "positive_torque_limit_relative"_object),
+      .negative = torque_limit(registers, model, "negative_torque_limit_relative"_object)};
+  const Block& block = blocks[places[axis].block];
+  LoopParameters wanted = block.coupling == Coupling::rigid ? rigid.get(block.pool_index).loop
+                                                            : elastic.get(block.pool_index).loop;
+  const double upper = wanted.upper_limit[context.lane];
+  const double lower = wanted.lower_limit[context.lane];
+  limit_lane(limits, unit, context.lane, wanted);
+  if (wanted.upper_limit[context.lane] == upper && wanted.lower_limit[context.lane] == lower) {
+    return;
+  }
+  if (block.coupling == Coupling::rigid) {
+    rigid.change(block.pool_index).loop = wanted;
+  } else {
+    elastic.change(block.pool_index).loop = wanted;
+  }
+}
+
+void AxisBank::State::step_block(std::size_t block_index, DemandBlock& demand) {
+  Block& block = blocks[block_index];
+  for (std::size_t lane = block.count; lane < kLanes; ++lane) {
+    demand.position[lane] = 0.0;
+    demand.velocity[lane] = 0.0;
+    demand.acceleration[lane] = 0.0;
+    demand.reference_time[lane] = 0.0;
+    demand.first_substep[lane] = 0.0;
+  }
+  std::uint32_t across = 0;
+  for (std::size_t lane = 0; lane < block.count; ++lane) {
+    if (begin_tick(context(block_index, lane), demand)) {
+      across |= 1U << lane;
+    }
+  }
+  sample_demand(demand, timing.substeps, timing.substep);
+  for (std::size_t lane = 0; across != 0; ++lane, across >>= 1U) {
+    if ((across & 1U) != 0) {
+      sample_across(context(block_index, lane), demand);
+    }
+  }
+  if (block.coupling == Coupling::rigid) {
+    step_rigid(rigid.get(block.pool_index), demand, block.servo, timing.substeps, timing.substep);
+  } else {
+    step_elastic(elastic.get(block.pool_index), demand, block.servo, timing.substeps,
+                 timing.substep);
+  }
+  for (std::size_t lane = 0; lane < block.count; ++lane) {
+    end_tick(context(block_index, lane));
+  }
+}
+
+AxisBank::AxisBank(std::span<const AxisConfiguration> axes, std::chrono::microseconds period)
+    : state_(std::make_unique<State>()) {
+  if (axes.empty()) {
+    throw std::invalid_argument("a bank needs at least one axis");
+  }
+  State& state = *state_;
+  state.timing = timing_of(period);
+  state.configurations.assign(axes.begin(), axes.end());
+  for (std::size_t axis = 0; axis < axes.size(); ++axis) {
+    validate(axes[axis].model);
+  }
+  state.places.resize(axes.size());
+  state.statuses.resize(axes.size());
+  state.place_axes(Coupling::rigid);
+  state.place_axes(Coupling::two_inertia);
+  state.drive_states.resize(state.blocks.size() * kLanes);
+  state.drive_registers.resize(state.blocks.size() * kLanes);
+  state.design_blocks();
+  for (std::size_t axis = 0; axis < axes.size(); ++axis) {
+    state.start_axis(axis);
+  }
+}
+
+AxisBank::~AxisBank() = default;
+
+AxisBank::AxisBank(const AxisBank& other) : state_(std::make_unique<State>(*other.state_)) {}
+
+AxisBank& AxisBank::operator=(const AxisBank& other) {
+  if (this != &other) {
+    *state_ = *other.state_;
+  }
+  return *this;
+}
+
+AxisBank::AxisBank(AxisBank&&) noexcept = default;
+AxisBank& AxisBank::operator=(AxisBank&&) noexcept = default;
+
+std::size_t AxisBank::size() const noexcept {
+  return state_->places.size();
+}
+
+std::chrono::microseconds AxisBank::period() const noexcept {
+  return std::chrono::microseconds{state_->timing.period_us};
+}
+
+AbortCode AxisBank::write(std::size_t axis, ObjectAddress object, std::int64_t value) noexcept {
+  const auto row = find_object(object);
+  return row ? state_->write(axis, *row, value) : check_address(object);
+}
+
+ReadResult AxisBank::read(std::size_t axis, ObjectAddress object) const noexcept {
+  const auto row = find_object(object);
+  if (!row) {
+    return {check_address(object), 0};
+  }
+  ReadResult result;
+  result.value = read_object(state_->context(axis), *row, result.code);
+  return result;
+}
+
+void AxisBank::step() noexcept {
+  step_groups(0, group_count());
+}
+
+std::size_t AxisBank::group_count() const noexcept {
+  return state_->blocks.size();
+}
+
+void AxisBank::step_groups(std::size_t first, std::size_t last) noexcept {
+  DemandBlock demand;
+  for (std::size_t block = first; block < last; ++block) {
+    state_->step_block(block, demand);
+  }
+}
+
+const AxisStatus& AxisBank::status(std::size_t axis) const noexcept {
+  return state_->statuses[axis];
+}
+
+PowerState AxisBank::power_state(std::size_t axis) const noexcept {
+  return state_->context(axis).state.power.state();
+}
+
+std::uint32_t AxisBank::ignored_set_points(std::size_t axis) const noexcept {
+  return state_->context(axis).state.ignored_set_points;
+}
+
+void AxisBank::power_cycle(std::size_t axis) noexcept {
+  const DriveContext context = state_->context(axis);
+  power_up(context, false);
+  static_cast<void>(state_->set_initial_values(axis));
+  refresh_status(context);
+}
+
+void AxisBank::report_connection_loss(std::size_t axis) noexcept {
+  lose_connection(state_->context(axis));
+}
+
+AxisBank::Snapshot AxisBank::snapshot() const {
+  return Snapshot(std::make_unique<State>(*state_));
+}
+
+void AxisBank::restore(const Snapshot& snapshot) {
+  const State& saved = *snapshot.state_;
+  if (saved.places.size() != size() || saved.timing.period_us != state_->timing.period_us) {
+    throw std::invalid_argument("snapshot of " + std::to_string(saved.places.size()) +
+                                " axes does not fit a bank of " + std::to_string(size()));
+  }
+  *state_ = saved;
+}
+
+std::uint64_t AxisBank::status_hash() const noexcept {
+  constexpr std::uint64_t kOffset = 14695981039346656037ULL;  // FNV-1a, over words of 32 bits
+  constexpr std::uint64_t kPrime = 1099511628211ULL;
+  static_assert(std::has_unique_object_representations_v<AxisStatus>, "no padding in the hash");
+  using Words = std::array<std::uint32_t, sizeof(AxisStatus) / sizeof(std::uint32_t)>;
+  std::uint64_t hash = kOffset;
+  for (const AxisStatus& status : state_->statuses) {
+    for (const std::uint32_t word : std::bit_cast<Words>(status)) {
+      hash = (hash ^ word) * kPrime;
+    }
+  }
+  return hash;
+}
+
+AxisBank::Snapshot::Snapshot(std::unique_ptr<State> state) : state_(std::move(state)) {}
+
+AxisBank::Snapshot::~Snapshot() = default;
+
+AxisBank::Snapshot::Snapshot(const Snapshot& other)
+    : state_(std::make_unique<State>(*other.state_)) {}
+
+AxisBank::Snapshot& AxisBank::Snapshot::operator=(const Snapshot& other) {
+  if (this != &other) {
+    *state_ = *other.state_;
+  }
+  return *this;
+}
+
+AxisBank::Snapshot::Snapshot(Snapshot&&) noexcept = default;
+AxisBank::Snapshot& AxisBank::Snapshot::operator=(Snapshot&&) noexcept = default;
+
+}  // namespace vdrive

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drive/drive.hpp"
+
+#include "drive/demand.hpp"
+#include "drive/monitor.hpp"
+#include "drive/power.hpp"
+#include "drive/registers.hpp"
+#include "drive/rounding.hpp"
+
+#include <cmath>
+
+namespace vdrive {
+namespace {
+
+using namespace vdrive::literals;
+
+bool needs_attention(const DriveContext& axis) {
+  const DriveState& s = axis.state;
+  const PowerState state = s.power.state();
+  return state == PowerState::not_ready_to_switch_on || state == PowerState::quick_stop_active ||
+         state == PowerState::fault_reaction_active || s.power.pending() != PowerCommand::none ||
+         axis.registers.causes != 0 ||
+         (s.inputs & (kNegativeLimitInput | kPositiveLimitInput)) != 0 ||
+         reg(axis, "op_mode_cmd"_object) != s.mode;
+}
+
+bool is_test_bench_input(const ObjectDescription& object) {
+  return object.address.index >= 0x5E00 && object.address.index <= 0x5E09;
+}
+
+}  // namespace
+
+void power_up(const DriveContext& axis, bool initialise) noexcept {
+  DriveRegisters& r = axis.registers;
+  for (std::size_t row = 0; row < kObjectCount; ++row) {
+    // The test bench is not the drive: what it does to the axis outlasts a power cycle.
+    if (!is_test_bench_input(kObjectTable[row])) {
+      r.values[row] = kObjectTable[row].default_value;
+    }
+  }
+  const DriveState& before = axis.state;
+  DriveState fresh;
+  fresh.torque_per_mille = before.torque_per_mille;
+  fresh.current_per_mille = before.current_per_mille;
+  axis.state = fresh;
+  r.request = {};
+  r.error_history = {};
+  r.error_count = 0;
+  r.causes = 0;
+  set_power(axis, false);
+  update_derived(axis);
+  if (initialise) {
+    act(axis, axis.state.power.initialised());
+  }
+}
+
+void lose_connection(const DriveContext& axis) noexcept {
+  DriveState& s = axis.state;
+  const PowerState state = s.power.state();
+  if (state != PowerState::operation_enabled && state != PowerState::quick_stop_active) {
+    return;
+  }
+  switch (reg(axis, "abort_connection_option_code"_object)) {
+    case 1:
+      raise_fault(axis, ErrorCode::life_guard_or_heartbeat);
+      break;
+    case 2:
+      act(axis, s.power.command(PowerCommand::disable_voltage, power_options(axis), true, false));
+      break;
+    case 3:
+      act(axis, s.power.command(PowerCommand::quick_stop, power_options(axis), true, false));
+      break;
+    default:
+      break;
+  }
+}
+
+bool begin_tick(const DriveContext& axis, DemandBlock& demand) noexcept {
+  DriveState& s = axis.state;
+  if (std::abs(s.demand_position) > kFrame) {
+    rebase(axis);
+    axis.registers.request = {};
+    s.plan_due = true;
+  }
+  if (s.attention) {
+    act(axis, s.power.initialised());
+    complete_stops(axis);
+    watch_causes(axis);
+    follow_mode(axis);
+    s.plan_due = true;
+  }
+  if (s.plan_due) {
+    replan(axis);
+  }
+  const std::size_t l = axis.lane;
+  demand.position[l] = s.segment.position;
+  demand.velocity[l] = s.segment.velocity;
+  demand.acceleration[l] = s.segment.acceleration;
+  demand.reference_time[l] = s.segment.reference_time;
+  demand.first_substep[l] = s.plan_ticks * axis.timing.substeps;
+  const double last_time =
+      (demand.first_substep[l] + (axis.timing.substeps - 1.0)) * axis.timing.substep;
+  return last_time >= s.segment.end_time;
+}
+
+void sample_across(const DriveContext& axis, DemandBlock& demand) noexcept {
+  const std::size_t l = axis.lane;
+  for (std::size_t k = 0; k < axis.timing.substeps; ++k) {
+    const double time = (demand.first_substep[l] + static_cast<double>(k)) * axis.timing.substep;
+    const MotionSample now = axis.registers.profile.at(time);
+    demand.positions[k][l] = now.position;
+    demand.velocities[k][l] = now.velocity;
+    demand.accelerations[k][l] = now.acceleration;
+  }
+}
+
+void end_tick(const DriveContext& axis) noexcept {
+  DriveState& s = axis.state;
+  advance_demand(axis);
+  const double demand = nearest(s.demand_position);
+  const double actual = nearest(axis.servo.load_reading[axis.lane]);
+  watch_following_error(axis, demand - actual);
+  compose_statusword(axis, demand, actual);
+  fill_status(axis);
+  s.fresh = false;
+  if (s.ticks_in_state != kSaturatedCount) {
+    ++s.ticks_in_state;
+  }
+  s.attention = needs_attention(axis);
+}
+
+void refresh_status(const DriveContext& axis) noexcept {
+  compose_statusword(axis, nearest(axis.state.demand_position),
+                     nearest(axis.servo.load_reading[axis.lane]));
+  fill_status(axis);
+}
+
+}  // namespace vdrive

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drive/monitor.hpp"
+
+#include "drive/demand.hpp"
+#include "drive/power.hpp"
+#include "drive/registers.hpp"
+#include "drive/rounding.hpp"
+#include "vdrive/cia402/statusword.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace vdrive {
+namespace {
+
+/// Statusword bit 10 in profile position mode: the demand rests on the target and the actual
+/// position was inside the window for the window time.
+bool watch_target(const DriveContext& axis, double actual) {
+  DriveState& s = axis.state;
+  const double distance = std::abs(actual - s.target);
+  if (s.window != kWindowOff && distance > static_cast<double>(s.window)) {
+    s.dwell = 0;
+  } else if (s.dwell != kSaturatedCount) {
+    ++s.dwell;
+  }
+  return s.arrived && !s.fresh && (s.window == kWindowOff || s.dwell > s.window_ticks);
+}
+
+/// @return bits 10 and 12.
+std::uint16_t motion_bits(const DriveContext& axis, double actual) {
+  DriveState& s = axis.state;
+  if (s.power.state() == PowerState::quick_stop_active) {
+    return at_rest(axis) ? Statusword::kTargetReached : 0U;
+  }
+  if (!operation_enabled(axis) || s.mode != kProfilePosition) {
+    return 0;
+  }
+  bool reached = watch_target(axis, actual);
+  if (reached && !halted(axis)) {
+    s.active = false;
+    SetPoint next;
+    if (s.queue.take_buffered(s.controlword, next)) {
+      start_set_point(axis, next);
+      reached = false;
+    }
+  }
+  const bool shown = halted(axis) ? at_rest(axis) : reached;
+  return static_cast<std::uint16_t>(
+      (shown ? Statusword::kTargetReached : 0U) |
+      (s.queue.acknowledge() ? Statusword::kSetPointAcknowledge : 0U));
+}
+
+/// @return bit 11 at or beyond a software limit or on a limit switch, bit 7 strictly beyond.
+std::uint16_t limit_bits(const DriveContext& axis, double internal_demand, double internal_actual) {
+  const DriveState& s = axis.state;
+  unsigned bits = 0;
+  if ((s.inputs & (kNegativeLimitInput | kPositiveLimitInput)) != 0) {
+    bits |= Statusword::kInternalLimitActive;
+  }
+  if (s.limits_enabled) {
+    const double demand = wrapped(internal_demand);
+    const double actual = wrapped(internal_actual);
+    if (std::min(demand, actual) <= s.lower_limit || std::max(demand, actual) >= s.upper_limit) {
+      bits |= Statusword::kInternalLimitActive;
+    }
+    if (actual < s.lower_limit || actual > s.upper_limit) {
+      bits |= Statusword::kWarning;
+    }
+  }
+  return static_cast<std::uint16_t>(bits);
+}
+
+}  // namespace
+
+void watch_following_error(const DriveContext& axis, double error) {
+  DriveState& s = axis.state;
+  const PowerState state = s.power.state();
+  const bool watched =
+      s.powered && s.following_window != kWindowOff &&
+      (state == PowerState::operation_enabled || state == PowerState::quick_stop_active);
+  const bool outside = watched && std::abs(error) > static_cast<double>(s.following_window);
+  if (!outside) {
+    s.following_count = 0;
+    if (!axis.registers.settings.following_error_is_fault) {
+      s.following_error = false;
+    }
+    return;
+  }
+  if (s.following_count != kSaturatedCount) {
+    ++s.following_count;
+  }
+  // The first tick outside starts the time: it has lasted longer than n ticks with the n + 2nd.
+  if (s.following_count <= s.following_ticks + 1U || s.following_error) {
+    return;
+  }
+  s.following_error = true;
+  if (axis.registers.settings.following_error_is_fault) {
+    raise_fault(axis, ErrorCode::following_error);
+  }
+}
+
+void compose_statusword(const DriveContext& axis, double demand, double actual) {
+  DriveState& s = axis.state;
+  const std::uint16_t motion = motion_bits(axis, actual);
+  unsigned word = statusword_of(s.power.state()) | Statusword::kRemote | motion;
+  word |= limit_bits(axis, demand, actual);
+  // Before transition 1 nothing is known of the DC link yet: 0200h.
+  if (s.dc_link && s.power.state() != PowerState::not_ready_to_switch_on) {
+    word |= Statusword::kVoltageEnabled;
+  }
+  if (s.following_error) {
+    word |= Statusword::kFollowingError;
+  }
+  axis.status.ds402_statusword = static_cast<std::uint16_t>(word);
+}
+
+void fill_status(const DriveContext& axis) {
+  const DriveState& s = axis.state;
+  const ServoState& servo = axis.servo;
+  const std::size_t l = axis.lane;
+  AxisStatus& out = axis.status;
+  const double demand = nearest(s.demand_position);
+  const double load = nearest(servo.load_reading[l]);
+  const double motor = nearest(servo.motor_reading[l]);
+  const double demand_velocity = nearest(s.demand_velocity);
+  const double load_velocity = nearest(servo.load_speed[l]);
+  const double motor_velocity = nearest(servo.motor_speed[l]);
+  out.position_demand_value = wrapped(demand);
+  out.load_position_actual_value = wrapped(load);
+  out.load_position_error_value = wrapped(demand - load);
+  out.motor_position_actual_value = wrapped(motor);
+  out.motor_position_error_value = wrapped(demand - motor);
+  out.velocity_demand_value = saturated(demand_velocity);
+  out.load_velocity_actual_value = saturated(load_velocity);
+  out.load_velocity_error_value = saturated(demand_velocity - load_velocity);
+  out.motor_velocity_actual_value = saturated(motor_velocity);
+  out.motor_velocity_error_value = saturated(demand_velocity - motor_velocity);
+  out.torque_demand = saturated16(servo.command[l] * s.torque_per_mille);
+  out.torque_actual_value = saturated16(servo.torque[l] * s.torque_per_mille);
+  out.current_actual_value = saturated16(servo.torque[l] * s.current_per_mille);
+  out.current_error_value = saturated(
+      static_cast<double>(out.torque_demand - out.current_actual_value) * s.rated_current / 1000.0);
+  out.ds402_controlword = s.controlword;
+  out.error_code = s.error_code;
+  out.error_register = s.error_register;
+  out.op_mode_actual = s.mode;
+  out.motor_op_status = s.powered ? 1 : 0;
+  out.digital_inputs = s.inputs;
+  out.ignored_set_points = s.ignored_set_points;
+  out.fault_count = s.fault_count;
+}
+
+}  // namespace vdrive

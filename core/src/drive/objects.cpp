@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Writes and reads of objects, and what they mean to the axis.
+#include "drive/demand.hpp"
+#include "drive/power.hpp"
+#include "drive/registers.hpp"
+
+#include <cstddef>
+
+namespace vdrive {
+namespace {
+
+using namespace vdrive::literals;
+
+void write_controlword(const DriveContext& axis, std::uint16_t word) {
+  DriveState& s = axis.state;
+  const std::uint16_t previous = s.controlword;
+  const bool ready_before = operation_enabled(axis) && s.mode == kProfilePosition &&
+                            s.power.pending() == PowerCommand::none;
+  s.controlword = word;
+  act(axis, s.power.command(decode_command(word, previous), power_options(axis),
+                            reg(axis, "test_dc_link_loss"_object) == 0, cause_present(axis)));
+  const bool accepting = ready_before && operation_enabled(axis) &&
+                         s.power.pending() == PowerCommand::none &&
+                         reg(axis, "op_mode_cmd"_object) == s.mode;
+  const SetPoint candidate{
+      .position_user_target_value =
+          static_cast<std::int32_t>(reg(axis, "position_user_target_value"_object)),
+      .profile_velocity = static_cast<std::uint32_t>(reg(axis, "profile_velocity"_object)),
+      .relative = (word & Controlword::kRelative) != 0};
+  switch (s.queue.controlword(word, previous, accepting, s.active, candidate)) {
+    case SetPointOutcome::started:
+      start_set_point(axis, candidate);
+      s.fresh = true;
+      break;
+    case SetPointOutcome::buffered:
+      s.fresh = true;
+      break;
+    case SetPointOutcome::ignored:
+      ++s.ignored_set_points;
+      break;
+    case SetPointOutcome::none:
+      break;
+  }
+  s.plan_due = true;
+  s.attention = true;
+}
+
+AbortCode check_value(ObjectRow row, std::int64_t value) {
+  switch (row) {
+    case "op_mode_cmd"_object:
+      return value == kNoMode || value == kProfilePosition ? AbortCode::none
+                                                           : AbortCode::value_range_exceeded;
+    case "positioning_option_code"_object:
+      return value <= 2 ? AbortCode::none : AbortCode::value_range_exceeded;
+    case "error_history_count"_object:
+      return value == 0 ? AbortCode::none : AbortCode::value_range_exceeded;
+    default:
+      return AbortCode::none;
+  }
+}
+
+WriteEffect effect_of(ObjectRow row) {
+  switch (row) {
+    case "gear_ratio_numerator"_object:
+    case "gear_ratio_denominator"_object:
+      return WriteEffect::gear;
+    case "positive_torque_limit_relative"_object:
+    case "negative_torque_limit_relative"_object:
+    case "max_torque"_object:
+    case "motor_rated_torque"_object:
+    case "motor_rated_current"_object:
+    case "test_load_torque"_object:
+      return WriteEffect::torque_limits;
+    default:
+      return WriteEffect::none;
+  }
+}
+
+}  // namespace
+
+void update_derived(const DriveContext& axis) noexcept {
+  DriveState& s = axis.state;
+  s.window = static_cast<std::uint32_t>(reg(axis, "position_target_reached_window"_object));
+  s.window_ticks = ticks_of_ms(axis, reg(axis, "position_target_reached_window_time"_object));
+  s.following_window = static_cast<std::uint32_t>(reg(axis, "following_error_window"_object));
+  s.following_ticks = ticks_of_ms(axis, reg(axis, "following_error_time_out"_object));
+  s.velocity_threshold = static_cast<std::uint32_t>(reg(axis, "velocity_threshold"_object));
+  s.rated_current = real(axis, "motor_rated_current"_object);
+  const std::int64_t lower = reg(axis, "user_position_lower_limit"_object);
+  const std::int64_t upper = reg(axis, "user_position_upper_limit"_object);
+  const TypeRange ends = range_of(DataType::integer32);
+  const bool whole_range = lower == ends.lowest && upper == ends.highest;
+  s.lower_limit = static_cast<double>(lower);
+  s.upper_limit = static_cast<double>(upper);
+  s.limits_enabled =
+      reg(axis, "app_position_limit_switch"_object) != 0 && lower < upper && !whole_range;
+  s.inputs = static_cast<std::uint8_t>(
+      (reg(axis, "test_negative_limit_input"_object) != 0 ? kNegativeLimitInput : 0U) |
+      (reg(axis, "test_positive_limit_input"_object) != 0 ? kPositiveLimitInput : 0U) |
+      (reg(axis, "test_home_input"_object) != 0 ? kHomeInput : 0U));
+  axis.servo.blocked[axis.lane] = reg(axis, "test_blocked_load"_object) != 0 ? 1.0 : 0.0;
+  s.attention = true;
+  s.plan_due = true;
+}
+
+AbortCode write_object(const DriveContext& axis, ObjectRow row, std::int64_t value,
+                       WriteEffect& effect) noexcept {
+  AbortCode code = check_write(row, value);
+  if (code == AbortCode::none) {
+    code = check_value(row, value);
+  }
+  if (code != AbortCode::none) {
+    return code;
+  }
+  axis.registers.values[row] = value;
+  switch (row) {
+    case "ds402_controlword"_object:
+      write_controlword(axis, static_cast<std::uint16_t>(value));
+      break;
+    case "position_user_target_value"_object:
+    case "profile_velocity"_object:
+    case "positioning_option_code"_object:
+      break;  // latched with the next set-point
+    case "op_mode_cmd"_object:
+      follow_mode(axis);
+      axis.state.attention = true;
+      axis.state.plan_due = true;
+      break;
+    case "profile_acc"_object:
+    case "profile_dec"_object:
+      axis.state.plan_due = true;
+      break;
+    case "error_history_count"_object:
+      axis.registers.error_history = {};
+      axis.registers.error_count = 0;
+      break;
+    default:
+      update_derived(axis);
+      effect = effect_of(row);
+      break;
+  }
+  return AbortCode::none;
+}
+
+std::int64_t read_object(const DriveContext& axis, ObjectRow row, AbortCode& code) noexcept {
+  const AxisStatus& status = axis.status;
+  switch (row) {
+    case "error_register"_object:
+      return status.error_register;
+    case "error_history_count"_object:
+      return axis.registers.error_count;
+    case "motor_op_status"_object:
+      return status.motor_op_status;
+    case "load_velocity_error_value"_object:
+      return status.load_velocity_error_value;
+    case "current_error_value"_object:
+      return status.current_error_value;
+    case "motor_position_actual_value"_object:
+      return status.motor_position_actual_value;
+    case "motor_position_error_value"_object:
+      return status.motor_position_error_value;
+    case "motor_velocity_actual_value"_object:
+      return status.motor_velocity_actual_value;
+    case "motor_velocity_error_value"_object:
+      return status.motor_velocity_error_value;
+    case "error_code"_object:
+      return status.error_code;
+    case "ds402_statusword"_object:
+      return status.ds402_statusword;
+    case "op_mode_actual"_object:
+      return status.op_mode_actual;
+    case "position_demand_value"_object:
+      return status.position_demand_value;
+    case "load_position_actual_value"_object:
+      return status.load_position_actual_value;
+    case "velocity_demand_value"_object:
+      return status.velocity_demand_value;
+    case "load_velocity_actual_value"_object:
+      return status.load_velocity_actual_value;
+    case "torque_demand"_object:
+      return status.torque_demand;
+    case "torque_actual_value"_object:
+      return status.torque_actual_value;
+    case "current_actual_value"_object:
+      return status.current_actual_value;
+    case "dc_link_circuit_voltage"_object:
+      return axis.state.dc_link ? axis.registers.values[row] : 0;
+    case "load_position_error_value"_object:
+      return status.load_position_error_value;
+    case "digital_inputs"_object:
+      return status.digital_inputs;
+    default:
+      break;
+  }
+  const ObjectAddress address = describe(row).address;
+  if (address.index == 0x1003) {
+    const std::size_t entry = address.subindex - 1U;
+    if (entry >= axis.registers.error_count) {
+      code = AbortCode::no_data_available;
+      return 0;
+    }
+    return axis.registers.error_history[entry];
+  }
+  return axis.registers.values[row];
+}
+
+}  // namespace vdrive

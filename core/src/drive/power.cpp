@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drive/power.hpp"
+
+#include "drive/demand.hpp"
+#include "drive/registers.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace vdrive {
+namespace {
+
+using namespace vdrive::literals;
+
+/// A stop whose demand has ended waits for the axis to stand still, but not for ever: a load that
+/// is pushed from outside may never do so.
+constexpr std::uint32_t kLongestStandstillWait_us = 1'000'000;
+
+/// Causes of faults that are levels, in the order in which they are looked at.
+struct CauseRow {
+  std::uint8_t bit;
+  ObjectRow input;
+  ErrorCode code;
+};
+
+constexpr std::array<CauseRow, 4> kCauses{{
+    {1U << 0U, "test_over_current"_object, ErrorCode::continuous_over_current},
+    {1U << 1U, "test_over_temperature"_object, ErrorCode::excess_temperature_drive},
+    {1U << 2U, "test_encoder_failure"_object, ErrorCode::incremental_sensor_1_fault},
+    {1U << 3U, "test_dc_link_loss"_object, ErrorCode::dc_link_under_voltage},
+}};
+constexpr std::uint8_t kDcLinkCause = 1U << 3U;
+
+/// Transition 4: caps of 607Fh and 6080h come into force, set-points are cleared.
+void enable(const DriveContext& axis) {
+  const double motor_cap =
+      real(axis, "motor_max_speed_rpm"_object) * kUserUnitsPerRevolution / 60.0;
+  axis.registers.velocity_cap = std::min(real(axis, "app_speed_limit"_object), motor_cap);
+  rebase(axis);
+  rest_at(axis, axis.servo.load_reading[axis.lane]);
+  set_power(axis, true);
+  axis.registers.request = {};
+  axis.state.following_count = 0;
+  seed_target(axis);
+}
+
+/// Transition 16: the interrupted move is forgotten; what still moves is brought to rest.
+void re_enable(const DriveContext& axis) {
+  if (axis.state.moving) {
+    drop_set_points(axis);
+    axis.state.dwell = 0;
+  } else {
+    seed_target(axis);
+  }
+}
+
+void clear_fault(const DriveContext& axis) {
+  axis.state.error_code = 0;
+  axis.state.error_register = 0;
+  axis.state.following_error = false;
+  axis.state.following_count = 0;
+  axis.state.coasting = false;
+}
+
+void remember_error(const DriveContext& axis, ErrorCode code) {
+  DriveState& s = axis.state;
+  DriveRegisters& r = axis.registers;
+  s.error_code = static_cast<std::uint16_t>(code);
+  s.error_register = static_cast<std::uint8_t>(s.error_register | error_register_of(code));
+  ++s.fault_count;
+  std::copy_backward(r.error_history.begin(), r.error_history.end() - 1, r.error_history.end());
+  r.error_history[0] = static_cast<std::uint32_t>(code);
+  r.error_count =
+      static_cast<std::uint8_t>(std::min<std::size_t>(r.error_count + 1U, r.error_history.size()));
+}
+
+bool has_power_to_lose(PowerState state) {
+  return state == PowerState::operation_enabled || state == PowerState::quick_stop_active ||
+         state == PowerState::fault_reaction_active;
+}
+
+}  // namespace
+
+PowerOptions power_options(const DriveContext& axis) {
+  return {
+      .quick_stop_option_code =
+          static_cast<std::int8_t>(reg(axis, "quick_stop_option_code"_object)),
+      .shutdown_option_code = static_cast<std::int8_t>(reg(axis, "shutdown_option_code"_object)),
+      .disable_operation_option_code =
+          static_cast<std::int8_t>(reg(axis, "disable_operation_option_code"_object)),
+      .enable_from_switch_on_disabled = axis.registers.settings.enable_from_switch_on_disabled};
+}
+
+bool cause_present(const DriveContext& axis) {
+  return std::any_of(kCauses.begin(), kCauses.end(), [&axis](const CauseRow& cause) {
+    return reg(axis, cause.input) != 0;
+  });
+}
+
+void set_power(const DriveContext& axis, bool powered) {
+  axis.state.powered = powered;
+  axis.servo.powered[axis.lane] = powered ? 1.0 : 0.0;
+  axis.servo.integrator[axis.lane] = 0.0;
+  if (!powered) {
+    axis.servo.torque[axis.lane] = 0.0;
+    rest_at(axis, axis.servo.load_reading[axis.lane]);
+  }
+}
+
+void act(const DriveContext& axis, const TransitionSet& taken) {
+  if (taken.empty()) {
+    return;
+  }
+  DriveState& s = axis.state;
+  s.ticks_in_state = 0;
+  s.attention = true;
+  s.plan_due = true;
+  axis.registers.stop_ticks = 0;
+  if (taken.contains(4)) {
+    enable(axis);
+  } else if (taken.contains(16)) {
+    re_enable(axis);
+  } else if (taken.contains(11)) {
+    drop_set_points(axis);
+    if (reg(axis, "quick_stop_option_code"_object) == 0) {
+      set_power(axis, false);
+    }
+  } else if (taken.contains(13)) {
+    drop_set_points(axis);
+    if (s.coasting || reg(axis, "fault_reaction_option_code"_object) == 0) {
+      set_power(axis, false);
+    }
+  } else {
+    drop_set_points(axis);
+    set_power(axis, false);
+  }
+  if (taken.contains(15)) {
+    clear_fault(axis);
+  }
+}
+
+void raise_fault(const DriveContext& axis, ErrorCode code) {
+  DriveState& s = axis.state;
+  remember_error(axis, code);
+  s.coasting = s.coasting || forces_coasting(code);
+  act(axis, s.power.fault_detected());
+  if (s.coasting && s.powered) {
+    set_power(axis, false);  // a braking fault reaction that can brake no more
+  }
+}
+
+/// A lost DC link is a fault only where the motor is powered; elsewhere the axis falls back.
+void watch_causes(const DriveContext& axis) {
+  DriveState& s = axis.state;
+  DriveRegisters& r = axis.registers;
+  std::uint8_t present = 0;
+  for (const CauseRow& cause : kCauses) {
+    if (reg(axis, cause.input) == 0) {
+      continue;
+    }
+    present = static_cast<std::uint8_t>(present | cause.bit);
+    const bool known = (r.causes & cause.bit) != 0;
+    const bool harmless = cause.bit == kDcLinkCause && !has_power_to_lose(s.power.state());
+    if (!known && !harmless) {
+      raise_fault(axis, cause.code);
+    }
+  }
+  r.causes = present;
+  s.dc_link = (present & kDcLinkCause) == 0;
+  if (!s.dc_link) {
+    act(axis, s.power.voltage_lost());
+  }
+}
+
+void complete_stops(const DriveContext& axis) {
+  DriveState& s = axis.state;
+  const bool stopping = s.power.state() == PowerState::quick_stop_active ||
+                        s.power.state() == PowerState::fault_reaction_active ||
+                        s.power.pending() != PowerCommand::none;
+  if (!stopping || s.ticks_in_state == 0) {
+    return;
+  }
+  DriveRegisters& r = axis.registers;
+  if (s.powered && s.moving) {
+    r.stop_ticks = 0;
+    return;
+  }
+  const std::uint32_t longest = kLongestStandstillWait_us / axis.timing.period_us;
+  if (s.powered && !at_rest(axis) && ++r.stop_ticks < longest) {
+    return;
+  }
+  const bool dwells = s.power.state() == PowerState::quick_stop_active &&
+                      s.ticks_in_state < ticks_of_ms(axis, r.settings.quick_stop_dwell_ms);
+  if (!dwells) {
+    act(axis, s.power.stop_finished(power_options(axis)));
+  }
+}
+
+void follow_mode(const DriveContext& axis) {
+  DriveState& s = axis.state;
+  const auto wanted = static_cast<std::int8_t>(reg(axis, "op_mode_cmd"_object));
+  if (wanted == s.mode) {
+    return;
+  }
+  if (operation_enabled(axis) && !at_rest(axis)) {
+    drop_set_points(axis);
+    s.attention = true;
+    return;
+  }
+  s.mode = wanted;
+  seed_target(axis);
+}
+
+}  // namespace vdrive

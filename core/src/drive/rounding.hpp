@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <bit>
+#include <cstdint>
+
+namespace vdrive {
+
+/// Nearest integer, ties to even, without the floating-point environment; |x| < 2⁵¹.
+[[nodiscard]] inline double nearest(double x) noexcept {
+  constexpr double kRounder = 6755399441055744.0;  // 1.5·2⁵²
+  return (x + kRounder) - kRounder;
+}
+
+/// Nearest integer modulo 2³², as a register of 32 bits shows it; |x| < 2⁵¹. The low half of the
+/// rounded sum's mantissa is the two's complement of the integer.
+[[nodiscard]] inline std::int32_t wrapped(double x) noexcept {
+  constexpr double kRounder = 6755399441055744.0;
+  return static_cast<std::int32_t>(
+      static_cast<std::uint32_t>(std::bit_cast<std::uint64_t>(x + kRounder)));
+}
+
+/// Nearest integer, limited to the range of 32 bits.
+[[nodiscard]] inline std::int32_t saturated(double x) noexcept {
+  const double below = x > 2147483647.0 ? 2147483647.0 : x;
+  return wrapped(below < -2147483648.0 ? -2147483648.0 : below);
+}
+
+/// Nearest integer, limited to the range of 16 bits.
+[[nodiscard]] inline std::int16_t saturated16(double x) noexcept {
+  const double below = x > 32767.0 ? 32767.0 : x;
+  return static_cast<std::int16_t>(wrapped(below < -32768.0 ? -32768.0 : below));
+}
+
+}  // namespace vdrive

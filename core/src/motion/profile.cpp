@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdrive/motion/profile.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace vdrive {
+
+/// Appends segments in the direction of travel: velocities handed in are magnitudes along it.
+class ProfileBuilder {
+ public:
+  explicit ProfileBuilder(double start_position) noexcept
+      : profile_(start_position), position_(start_position) {}
+
+  /// Travels from velocity `from` (>= 0, along `direction` = +1 or -1) until it has changed by
+  /// `change` at constant acceleration. The change is handed in, not the end: of two speeds close to
+  /// each other the difference would lose its digits, and with them time and place of the end.
+  void ramp(double direction, double from, double change, double acceleration) noexcept {
+    const double duration = std::abs(change) / acceleration;
+    append(duration, direction * from,
+           direction * (change > 0.0 ? acceleration : -acceleration));
+    position_ += direction * (from + 0.5 * change) * duration;
+  }
+
+  void cruise(double direction, double velocity, double distance) noexcept {
+    append(distance / velocity, direction * velocity, 0.0);
+    position_ += direction * distance;
+  }
+
+  /// Slows from velocity `from` to rest exactly at `target`: the segment counts back from its end.
+  void arrive(double direction, double from, double target, double deceleration) noexcept {
+    const double duration = from / deceleration;
+    append(duration, 0.0, -direction * deceleration);
+    if (duration > 0.0) {
+      Segment& last = profile_.segments_[profile_.count_ - 1U];
+      last.reference_time = last.end_time;
+      last.position = target;
+    }
+    position_ = target;
+  }
+
+  [[nodiscard]] double position() const noexcept { return position_; }
+
+  [[nodiscard]] Profile finish(bool reaches_target) noexcept {
+    profile_.end_position_ = position_;
+    profile_.reaches_target_ = reaches_target;
+    return profile_;
+  }
+
+ private:
+  void append(double duration, double velocity, double acceleration) noexcept {
+    if (!(duration > 0.0)) {
+      return;
+    }
+    profile_.segments_[profile_.count_] = {.end_time = time_ + duration,
+                                           .reference_time = time_,
+                                           .position = position_,
+                                           .velocity = velocity,
+                                           .acceleration = acceleration};
+    ++profile_.count_;
+    time_ += duration;
+  }
+
+  Profile profile_;
+  double position_;
+  double time_ = 0.0;
+};
+
+namespace {
+
+double stopping_distance(double velocity, double deceleration) {
+  return 0.5 * velocity * velocity / deceleration;
+}
+
+/// From `velocity` >= 0 along `direction` to a target that lies at or beyond the stopping distance.
+void approach(ProfileBuilder& builder, double direction, double velocity, double target,
+              const MotionLimits& limits) {
+  const double distance = direction * (target - builder.position());
+  if (velocity > limits.velocity) {
+    const double cruise = distance - stopping_distance(velocity, limits.deceleration);
+    builder.ramp(direction, velocity, limits.velocity - velocity, limits.deceleration);
+    builder.cruise(direction, limits.velocity, std::max(cruise, 0.0));
+    builder.arrive(direction, limits.velocity, target, limits.deceleration);
+    return;
+  }
+  const double a = limits.acceleration;
+  const double d = limits.deceleration;
+  // v_p² - v² = 2ad(D - s)/(a + d): only what lies beyond the stopping distance is gained.
+  const double beyond = std::max(distance - stopping_distance(velocity, d), 0.0);
+  const double gained_squared = 2.0 * a * d * beyond / (a + d);
+  const double free_peak = std::sqrt(velocity * velocity + gained_squared);
+  const double free_gain = free_peak > 0.0 ? gained_squared / (free_peak + velocity) : 0.0;
+  const double highest_gain = limits.velocity - velocity;
+  const bool capped = free_gain >= highest_gain;
+  const double gain = capped ? highest_gain : free_gain;
+  const double peak = capped ? limits.velocity : velocity + gain;
+  builder.ramp(direction, velocity, gain, a);
+  if (capped) {
+    const double ramps = (velocity + 0.5 * gain) * (gain / a) + stopping_distance(peak, d);
+    builder.cruise(direction, peak, std::max(distance - ramps, 0.0));
+  }
+  builder.arrive(direction, peak, target, d);
+}
+
+}  // namespace
+
+MotionSample Profile::at(double time) const noexcept {
+  if (count_ == 0 || time >= duration()) {
+    return {end_position_, 0.0, 0.0};
+  }
+  std::size_t i = 0;
+  while (time >= segments_[i].end_time) {
+    ++i;
+  }
+  return sample(segments_[i], std::max(time, 0.0));
+}
+
+Profile plan_move(const MotionState& start, double target, const MotionLimits& limits) noexcept {
+  ProfileBuilder builder(start.position);
+  const double displacement = target - start.position;
+  double direction = displacement < 0.0 ? -1.0 : 1.0;
+  if (start.velocity != 0.0) {
+    direction = start.velocity < 0.0 ? -1.0 : 1.0;
+  }
+  double speed = direction * start.velocity;
+  const bool behind = direction * displacement < stopping_distance(speed, limits.deceleration);
+  if (speed > 0.0 && (behind || limits.velocity == 0.0)) {
+    builder.ramp(direction, speed, -speed, limits.deceleration);
+    speed = 0.0;
+    direction = target < builder.position() ? -1.0 : 1.0;
+  }
+  if (limits.velocity == 0.0) {
+    return builder.finish(builder.position() == target);
+  }
+  approach(builder, direction, speed, target, limits);
+  return builder.finish(true);
+}
+
+Profile plan_stop(const MotionState& start, double deceleration) noexcept {
+  ProfileBuilder builder(start.position);
+  const double direction = start.velocity < 0.0 ? -1.0 : 1.0;
+  const double speed = direction * start.velocity;
+  builder.ramp(direction, speed, -speed, deceleration);
+  return builder.finish(true);
+}
+
+}  // namespace vdrive

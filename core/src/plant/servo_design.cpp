@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The only place with a matrix exponential. Eigen's own vectorisation is off here, so that the
+// coefficients have the same bits on every machine and in every build.
+#define EIGEN_DONT_VECTORIZE
+#include "plant/servo_design.hpp"
+
+#include <Eigen/Core>
+#include <unsupported/Eigen/MatrixFunctions>
+
+#include <sstream>
+#include <stdexcept>
+#include <string>
+
+namespace vdrive {
+namespace {
+
+constexpr double kTwoPi = 6.283185307179586476925;
+
+struct Bound {
+  const char* name;
+  double value;
+  const char* unit;
+  double lowest;
+  double highest;
+};
+
+void check(const Bound& bound) {
+  if (bound.value >= bound.lowest && bound.value <= bound.highest) {
+    return;
+  }
+  std::ostringstream message;
+  message << bound.name << " = " << bound.value << ' ' << bound.unit << " must be " << bound.lowest
+          << " to " << bound.highest << ' ' << bound.unit;
+  throw std::invalid_argument(message.str());
+}
+
+double ratio_of(const Gear& gear) noexcept {
+  return static_cast<double>(gear.numerator) / static_cast<double>(gear.denominator);
+}
+
+/// exp([A B; 0 0] h) gives the exact step of x' = A x + B u with u held.
+template <int States, int Inputs>
+Eigen::Matrix<double, States, States + Inputs> discretise(
+    const Eigen::Matrix<double, States, States + Inputs>& system, double step) {
+  constexpr int kSize = States + Inputs;
+  Eigen::Matrix<double, kSize, kSize> whole = Eigen::Matrix<double, kSize, kSize>::Zero();
+  whole.template topRows<States>() = system * step;
+  const Eigen::Matrix<double, kSize, kSize> exponential = whole.exp();
+  return exponential.template topRows<States>();
+}
+
+/// Loop settings common to both kinds of axis. `unit_inertia` is the inertia of the torque unit,
+/// `whole_inertia` what the loop accelerates, both at the motor.
+void design_loop(const AxisModel& model, const Gear& gear, double substep, double unit_inertia,
+                 double whole_inertia, std::size_t lane, LoopParameters& loop) {
+  // The PI zero sits a decade below the velocity bandwidth: enough phase margin, quick settling.
+  constexpr double kIntegralRatio = 0.1;
+  const bool dual = model.feedback == Feedback::dual_encoder;
+  const double inertia_ratio = whole_inertia / unit_inertia;
+  const double bandwidth = kTwoPi * model.velocity_loop_bandwidth;
+  loop.position_gain[lane] = kTwoPi * model.position_loop_bandwidth;
+  loop.velocity_gain[lane] = bandwidth * inertia_ratio;
+  loop.integral_step[lane] = bandwidth * inertia_ratio * bandwidth * kIntegralRatio * substep;
+  loop.ratio[lane] = ratio_of(gear);
+  loop.inverse_ratio[lane] = dual ? 1.0 / ratio_of(gear) : 1.0;
+  loop.feed_forward[lane] = inertia_ratio * loop.inverse_ratio[lane];
+  loop.closes_on_load[lane] = dual ? 1.0 : 0.0;
+  const double load_resolution = dual ? model.load_encoder_resolution : model.encoder_resolution;
+  loop.counts_per_unit[lane] = model.encoder_resolution / kUserUnitsPerRevolution;
+  loop.units_per_count[lane] = kUserUnitsPerRevolution / model.encoder_resolution;
+  loop.load_counts_per_unit[lane] = load_resolution / kUserUnitsPerRevolution;
+  loop.load_units_per_count[lane] = kUserUnitsPerRevolution / load_resolution;
+}
+
+double whole_inertia(const AxisModel& model, const Gear& gear) noexcept {
+  const double ratio = ratio_of(gear);
+  return model.motor_inertia + model.load_inertia * ratio * ratio;
+}
+
+using Rigid = Eigen::Matrix<double, 3, 5>;    // [x v T | u d]
+using Elastic = Eigen::Matrix<double, 5, 8>;  // [twist vm vl T xm | u dm dl]
+
+enum ElasticColumn {
+  kTwist,
+  kMotorVelocity,
+  kLoadVelocity,
+  kTorque,
+  kMotorPosition,
+  kCommand,
+  kMotorLoad,
+  kLoadLoad
+};
+
+/// Continuous model of the two inertias. Torques over the motor's inertia (u, T, dm) and over the
+/// load's (dl), all in UU/s².
+Elastic elastic_system(const AxisModel& model, double ratio, double stiffness, double damping) {
+  const double current_loop = kTwoPi * model.current_loop_bandwidth;
+  const double jm = model.motor_inertia;
+  const double jl = model.load_inertia;
+  Elastic system = Elastic::Zero();
+  system(kTwist, kMotorVelocity) = ratio;
+  system(kTwist, kLoadVelocity) = -1.0;
+  system(kMotorVelocity, kTwist) = -ratio * stiffness / jm;
+  system(kMotorVelocity, kMotorVelocity) = -(model.viscous_friction + ratio * ratio * damping) / jm;
+  system(kMotorVelocity, kLoadVelocity) = ratio * damping / jm;
+  system(kMotorVelocity, kTorque) = 1.0;
+  system(kMotorVelocity, kMotorLoad) = 1.0;
+  system(kLoadVelocity, kTwist) = stiffness / jl;
+  system(kLoadVelocity, kMotorVelocity) = ratio * damping / jl;
+  system(kLoadVelocity, kLoadVelocity) = -(model.load_viscous_friction + damping) / jl;
+  system(kLoadVelocity, kLoadLoad) = 1.0;
+  system(kTorque, kTorque) = -current_loop;
+  system(kTorque, kCommand) = current_loop;
+  system(kMotorPosition, kMotorVelocity) = 1.0;
+  return system;
+}
+
+template <typename Row>
+void set_row(const Row& values, std::size_t lane, ElasticRow& row) {
+  row.twist[lane] = values(kTwist);
+  row.motor_velocity[lane] = values(kMotorVelocity);
+  row.load_velocity[lane] = values(kLoadVelocity);
+  row.torque[lane] = values(kTorque);
+  row.command[lane] = values(kCommand);
+  row.motor_load[lane] = values(kMotorLoad);
+  row.load_load[lane] = values(kLoadLoad);
+}
+
+}  // namespace
+
+void validate(const AxisModel& model) {
+  const bool elastic = model.coupling == Coupling::two_inertia;
+  constexpr double kLeastInertia = 1.0e-8;
+  constexpr double kMostInertia = 1.0e4;
+  constexpr double kMostFriction = 1.0e4;
+  constexpr double kMostCounts = 4294967296.0;
+  check({"motor_inertia", model.motor_inertia, "kg.m2", kLeastInertia, kMostInertia});
+  check({"load_inertia", model.load_inertia, "kg.m2", elastic ? kLeastInertia : 0.0, kMostInertia});
+  check({"viscous_friction", model.viscous_friction, "N.m.s/rad", 0.0, kMostFriction});
+  check({"coulomb_friction", model.coulomb_friction, "N.m", 0.0, kMostFriction});
+  check({"load_viscous_friction", model.load_viscous_friction, "N.m.s/rad", 0.0, kMostFriction});
+  check({"load_coulomb_friction", model.load_coulomb_friction, "N.m", 0.0, kMostFriction});
+  check({"torque_constant", model.torque_constant, "N.m/A", 1.0e-6, 1.0e4});
+  check({"coupling_stiffness", model.coupling_stiffness, "N.m/rad", 1.0e-3, 1.0e7});
+  check({"coupling_damping", model.coupling_damping, "N.m.s/rad", 0.0, kMostFriction});
+  check({"backlash", model.backlash, "rad", 0.0, 6.3});
+  check({"encoder_resolution", model.encoder_resolution, "counts/revolution",
+         kUserUnitsPerRevolution, kMostCounts});
+  check({"load_encoder_resolution", model.load_encoder_resolution, "counts/revolution",
+         kUserUnitsPerRevolution, kMostCounts});
+  check({"current_loop_bandwidth", model.current_loop_bandwidth, "Hz", 1.0, 4000.0});
+  check({"velocity_loop_bandwidth", model.velocity_loop_bandwidth, "Hz", 0.1, 1000.0});
+  check({"position_loop_bandwidth", model.position_loop_bandwidth, "Hz", 0.01, 500.0});
+}
+
+double torque_unit(const AxisModel& model, const Gear& gear) noexcept {
+  const double inertia =
+      model.coupling == Coupling::rigid ? whole_inertia(model, gear) : model.motor_inertia;
+  return inertia / kUserUnitsPerRadian;
+}
+
+double load_torque_factor(const AxisModel& model, const Gear& gear) noexcept {
+  return model.coupling == Coupling::rigid
+             ? ratio_of(gear) * kUserUnitsPerRadian / whole_inertia(model, gear)
+             : kUserUnitsPerRadian / model.load_inertia;
+}
+
+void design_lane(const AxisModel& model, const Gear& gear, double substep, std::size_t lane,
+                 RigidParameters& parameters) {
+  const double ratio = ratio_of(gear);
+  const double inertia = whole_inertia(model, gear);
+  const double current_loop = kTwoPi * model.current_loop_bandwidth;
+  design_loop(model, gear, substep, inertia, inertia, lane, parameters.loop);
+  Rigid system = Rigid::Zero();
+  system(0, 1) = 1.0;
+  system(1, 1) = -(model.viscous_friction + model.load_viscous_friction * ratio * ratio) / inertia;
+  system(1, 2) = 1.0;
+  system(1, 4) = 1.0;
+  system(2, 2) = -current_loop;
+  system(2, 3) = current_loop;
+  const Rigid step = discretise<3, 2>(system, substep);
+  parameters.position_from_velocity[lane] = step(0, 1);
+  parameters.position_from_torque[lane] = step(0, 2);
+  parameters.position_from_command[lane] = step(0, 3);
+  parameters.position_from_load[lane] = step(0, 4);
+  parameters.velocity_from_velocity[lane] = step(1, 1);
+  parameters.velocity_from_torque[lane] = step(1, 2);
+  parameters.velocity_from_command[lane] = step(1, 3);
+  parameters.velocity_from_load[lane] = step(1, 4);
+  parameters.torque_from_torque[lane] = step(2, 2);
+  parameters.torque_from_command[lane] = step(2, 3);
+  parameters.friction[lane] = (model.coulomb_friction + model.load_coulomb_friction * ratio) *
+                              kUserUnitsPerRadian / inertia;
+}
+
+void design_lane(const AxisModel& model, const Gear& gear, double substep, std::size_t lane,
+                 ElasticParameters& parameters) {
+  const double ratio = ratio_of(gear);
+  design_loop(model, gear, substep, model.motor_inertia, whole_inertia(model, gear), lane,
+              parameters.loop);
+  const Elastic coupled = discretise<5, 3>(
+      elastic_system(model, ratio, model.coupling_stiffness, model.coupling_damping), substep);
+  const Elastic loose = discretise<5, 3>(elastic_system(model, ratio, 0.0, 0.0), substep);
+  // The load's position follows from motor and twist: x_l = r·x_m - twist. As an increment of the
+  // sub-step: r·Δx_m - Δtwist, where the twist's own row carries the old twist with coefficient 1.
+  using Row = Eigen::Matrix<double, 1, 8>;
+  const auto load_increment = [ratio](const Elastic& step) -> Row {
+    Row row = ratio * step.row(kMotorPosition) - step.row(kTwist);
+    row(kTwist) += 1.0;
+    return row;
+  };
+  set_row(coupled.row(kMotorVelocity), lane, parameters.motor_velocity);
+  set_row(coupled.row(kMotorPosition), lane, parameters.motor_position);
+  set_row(coupled.row(kLoadVelocity), lane, parameters.load_velocity);
+  set_row(load_increment(coupled), lane, parameters.load_position);
+  set_row(loose.row(kMotorVelocity), lane, parameters.free_motor_velocity);
+  set_row(loose.row(kMotorPosition), lane, parameters.free_motor_position);
+  set_row(loose.row(kLoadVelocity), lane, parameters.free_load_velocity);
+  set_row(load_increment(loose), lane, parameters.free_load_position);
+  parameters.torque_from_torque[lane] = coupled(kTorque, kTorque);
+  parameters.torque_from_command[lane] = coupled(kTorque, kCommand);
+  parameters.half_backlash[lane] = 0.5 * model.backlash * kUserUnitsPerRadian;
+  parameters.friction[lane] = model.coulomb_friction * kUserUnitsPerRadian / model.motor_inertia;
+  parameters.load_friction[lane] =
+      model.load_coulomb_friction * kUserUnitsPerRadian / model.load_inertia;
+}
+
+void limit_lane(const TorqueLimits& limits, double torque_unit, std::size_t lane,
+                LoopParameters& loop) noexcept {
+  loop.upper_limit[lane] = limits.positive / torque_unit;
+  loop.lower_limit[lane] = -limits.negative / torque_unit;
+}
+
+}  // namespace vdrive

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "plant/servo_block.hpp"
+#include "vdrive/plant/axis_model.hpp"
+
+#include <cstdint>
+
+namespace vdrive {
+
+/// User units a radian, of motor and load shaft alike.
+inline constexpr double kUserUnitsPerRadian = kUserUnitsPerRevolution / 6.283185307179586476925;
+
+/// Gear of 3576h/3577h: load velocity = motor velocity x numerator / denominator.
+struct Gear {
+  std::uint32_t numerator = 1;
+  std::uint32_t denominator = 1;
+};
+
+/// Torque limits at the motor shaft [N.m], both >= 0.
+struct TorqueLimits {
+  double positive = 0.0;
+  double negative = 0.0;
+};
+
+/// @throws std::invalid_argument when a parameter is outside the range that AxisModel states; the
+///         message names the parameter, its value, unit and limit.
+void validate(const AxisModel& model);
+
+/// @return [N.m] at the motor shaft for 1 UU/s² of the block's torque unit: motor inertia, for the
+///         rigid axis the whole inertia seen by the motor.
+[[nodiscard]] double torque_unit(const AxisModel& model, const Gear& gear) noexcept;
+
+/// @return UU/s² of ServoState::load_torque for 1 N.m at the load shaft.
+[[nodiscard]] double load_torque_factor(const AxisModel& model, const Gear& gear) noexcept;
+
+/// Discretises model and loops exactly for a sub-step [s] and fills one lane.
+void design_lane(const AxisModel& model, const Gear& gear, double substep, std::size_t lane,
+                 RigidParameters& parameters);
+void design_lane(const AxisModel& model, const Gear& gear, double substep, std::size_t lane,
+                 ElasticParameters& parameters);
+
+/// Sets the torque limits of one lane.
+void limit_lane(const TorqueLimits& limits, double torque_unit, std::size_t lane,
+                LoopParameters& loop) noexcept;
+
+}  // namespace vdrive

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Cost of a whole tick of the bank (writes due, drive logic, eight servo sub-steps, monitors,
+// status image) for axes that all move, and of planning one move. Prints one JSON line a figure:
+// the median of the repetitions.
+#include "vdrive/axis_bank.hpp"
+#include "vdrive/motion/profile.hpp"
+
+#include <benchmark/benchmark.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <iostream>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace {
+
+constexpr std::chrono::microseconds kPeriod{1000};
+constexpr int kRepetitions = 9;
+
+void command(vdrive::AxisBank& bank, std::size_t axis, std::uint16_t index, std::int64_t value) {
+  if (bank.write(axis, {index, 0}, value) != vdrive::AbortCode::none) {
+    std::cerr << "write refused\n";
+    std::abort();
+  }
+}
+
+/// Axes on moves that last longer than any benchmark: every second one cruises, the others change
+/// their speed all the way, each with its own numbers.
+vdrive::AxisBank moving_bank(std::size_t axes, vdrive::Coupling coupling) {
+  vdrive::AxisConfiguration configuration;
+  configuration.model.coupling = coupling;
+  const std::vector<vdrive::AxisConfiguration> configurations(axes, configuration);
+  vdrive::AxisBank bank(configurations, kPeriod);
+  for (std::size_t axis = 0; axis < axes; ++axis) {
+    const auto spread = static_cast<std::int64_t>(axis % 97);
+    const bool cruises = axis % 2 == 0;
+    command(bank, axis, 0x6060, 1);
+    command(bank, axis, 0x607A, axis % 3 == 0 ? -2'000'000'000 : 2'000'000'000);
+    command(bank, axis, 0x6081, cruises ? 20'000 + 100 * spread : 100'000);
+    command(bank, axis, 0x6083, cruises ? 409'600 : 40 + spread);
+    command(bank, axis, 0x6040, 0x0F);
+    command(bank, axis, 0x6040, 0x3F);
+  }
+  for (int tick = 0; tick < 300; ++tick) {
+    bank.step();
+  }
+  return bank;
+}
+
+bool all_moving(const vdrive::AxisBank& bank) {
+  for (std::size_t axis = 0; axis < bank.size(); ++axis) {
+    if (bank.status(axis).velocity_demand_value == 0 ||
+        bank.status(axis).ds402_statusword != 0x1237) {
+      return false;
+    }
+  }
+  return true;
+}
+
+void tick(benchmark::State& state, vdrive::Coupling coupling) {
+  const auto axes = static_cast<std::size_t>(state.range(0));
+  vdrive::AxisBank bank = moving_bank(axes, coupling);
+  for (auto _ : state) {
+    bank.step();
+  }
+  if (!all_moving(bank)) {
+    state.SkipWithError("an axis stopped moving: the figure would not be that of moving axes");
+  }
+  state.counters["value"] = benchmark::Counter(
+      1.0e-9 * static_cast<double>(axes),
+      benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+
+void plan(benchmark::State& state) {
+  struct Case {
+    vdrive::MotionState start;
+    double target;
+    vdrive::MotionLimits limits;
+  };
+
+  std::mt19937_64 random(42);
+  std::uniform_real_distribution<double> position(-1.0e6, 1.0e6);
+  std::uniform_real_distribution<double> velocity(-1.5e5, 1.5e5);
+  std::uniform_real_distribution<double> acceleration(1.0e3, 1.0e6);
+  std::vector<Case> cases(4096);
+  for (Case& c : cases) {
+    c = {{position(random), velocity(random)},
+         position(random),
+         {std::abs(velocity(random)) + 1.0, acceleration(random), acceleration(random)}};
+  }
+  std::size_t i = 0;
+  for (auto _ : state) {
+    const Case& c = cases[i++ % cases.size()];
+    benchmark::DoNotOptimize(vdrive::plan_move(c.start, c.target, c.limits));
+  }
+  state.counters["value"] = benchmark::Counter(
+      1.0e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+
+/// One JSON line a figure, of the medians.
+class FigureReporter final : public benchmark::BenchmarkReporter {
+ public:
+  bool ReportContext(const Context& context) override {
+    PrintBasicContext(&std::cerr, context);
+    return true;
+  }
+
+  void ReportRuns(const std::vector<Run>& runs) override {
+    for (const Run& run : runs) {
+      if (run.error_occurred) {
+        std::cerr << run.benchmark_name() << ": " << run.error_message << '\n';
+        failed_ = true;
+      } else if (run.run_type == Run::RT_Aggregate && run.aggregate_name == "median") {
+        print(run);
+      }
+    }
+  }
+
+  [[nodiscard]] bool failed() const { return failed_; }
+
+ private:
+  static void print(const Run& run) {
+    const std::string& figure = run.run_name.function_name;
+    std::cout << R"({"figure":")" << figure << '"';
+    if (!run.run_name.args.empty()) {
+      std::cout << R"(,"axes":)" << run.run_name.args;
+    }
+    std::cout << R"(,"value":)" << run.counters.at("value").value << "}\n" << std::flush;
+  }
+
+  bool failed_ = false;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) {
+    return 2;
+  }
+  benchmark::RegisterBenchmark("axis_tick_ns", tick, vdrive::Coupling::rigid)
+      ->Arg(64)
+      ->Arg(1024)
+      ->Arg(16384)
+      ->Repetitions(kRepetitions);
+  benchmark::RegisterBenchmark("axis_tick_two_inertia_ns", tick, vdrive::Coupling::two_inertia)
+      ->Arg(1024)
+      ->Repetitions(kRepetitions);
+  benchmark::RegisterBenchmark("plan_ns", plan)->Repetitions(kRepetitions);
+  FigureReporter reporter;
+  benchmark::RunSpecifiedBenchmarks(&reporter);
+  benchmark::Shutdown();
+  return reporter.failed() ? 1 : 0;
+}

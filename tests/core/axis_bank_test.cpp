@@ -1,0 +1,652 @@
+// SPDX-License-Identifier: Apache-2.0
+// The bank: same bits however it is stepped, snapshots, no allocation in a tick, power cycle,
+// periods, refused configurations.
+#include "vdrive/axis_bank.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "core/support/allocation_guard.hpp"
+#include "core/support/axis_under_test.hpp"
+#include "core/support/random_cases.hpp"
+
+namespace vdrive {
+namespace {
+
+using std::chrono::microseconds;
+using test::AllocationGuard;
+using test::AxisUnderTest;
+using test::Random;
+
+ObjectAddress object(std::string_view variable_name) {
+  return AxisUnderTest::address_of(variable_name);
+}
+
+/// Axes of every kind, so that blocks of both couplings and partly filled ones exist.
+std::vector<AxisConfiguration> mixed_axes(std::size_t count) {
+  std::vector<AxisConfiguration> axes(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    AxisConfiguration& axis = axes[i];
+    axis.initial_position = static_cast<std::int32_t>(i) * 1'000;
+    axis.model.coupling = i % 3 == 1 ? Coupling::two_inertia : Coupling::rigid;
+    axis.model.feedback = i % 2 == 0 ? Feedback::dual_encoder : Feedback::single_encoder;
+    axis.model.load_inertia = 1.0e-4 * static_cast<double>(1 + i % 7);
+    axis.model.backlash = i % 4 == 1 ? 1.0e-3 : 0.0;
+    if (i % 5 == 2) {
+      axis.parameters.push_back({object("gear_ratio_denominator"), 3});
+    }
+  }
+  return axes;
+}
+
+/// The same pseudo-random writes for every bank: enables, moves, halts, faults, resets, parameters.
+void write_randomly(AxisBank& bank, Random& random) {
+  const std::array<std::uint16_t, 9> words{0x0F, 0x1F, 0x3F, 0x7F, 0x010F, 0x06, 0x02, 0x80, 0x00};
+  for (std::size_t axis = 0; axis < bank.size(); ++axis) {
+    if (!random.one_in(20)) {
+      continue;
+    }
+    switch (random.below(7)) {
+      case 0:
+        bank.write(axis, object("op_mode_cmd"), random.one_in(8) ? 0 : 1);
+        break;
+      case 1:
+        bank.write(axis, object("position_user_target_value"),
+                   static_cast<std::int64_t>(random.below(400'000)) - 200'000);
+        break;
+      case 2:
+        bank.write(axis, object("profile_dec"), static_cast<std::int64_t>(random.below(1'000'000)));
+        break;
+      case 3:
+        bank.write(axis, object("test_load_torque"),
+                   static_cast<std::int64_t>(random.below(2'000)) - 1'000);
+        break;
+      case 4:
+        bank.write(axis, object("test_over_current"), random.one_in(10) ? 1 : 0);
+        break;
+      default:
+        bank.write(axis, object("ds402_controlword"), words[random.below(words.size())]);
+        break;
+    }
+  }
+}
+
+std::vector<std::uint64_t> run(AxisBank& bank, int ticks, auto step) {
+  Random random(7);
+  std::vector<std::uint64_t> hashes;
+  for (int tick = 0; tick < ticks; ++tick) {
+    write_randomly(bank, random);
+    step(bank);
+    hashes.push_back(bank.status_hash());
+  }
+  return hashes;
+}
+
+TEST(AxisBank, GivesTheSameBitsForEveryPartitionOfItsGroups) {
+  const std::vector<AxisConfiguration> axes = mixed_axes(61);
+  AxisBank whole(axes, microseconds{1000});
+  AxisBank single(axes, microseconds{1000});
+  AxisBank backwards(axes, microseconds{1000});
+  ASSERT_GT(whole.group_count(), 2U);
+
+  const auto expected = run(whole, 600, [](AxisBank& bank) { bank.step(); });
+  const auto one_by_one = run(single, 600, [](AxisBank& bank) {
+    for (std::size_t group = 0; group < bank.group_count(); ++group) {
+      bank.step_groups(group, group + 1);
+    }
+  });
+  const auto in_reverse = run(backwards, 600, [](AxisBank& bank) {
+    const std::size_t middle = bank.group_count() / 2;
+    bank.step_groups(middle, bank.group_count());
+    bank.step_groups(0, middle);
+  });
+
+  EXPECT_EQ(one_by_one, expected);
+  EXPECT_EQ(in_reverse, expected);
+  EXPECT_NE(expected.front(), expected.back());
+}
+
+TEST(AxisBank, GivesTheSameBitsFromSeveralThreads) {
+  const std::vector<AxisConfiguration> axes = mixed_axes(61);
+  AxisBank one(axes, microseconds{1000});
+  AxisBank several(axes, microseconds{1000});
+
+  const auto expected = run(one, 200, [](AxisBank& bank) { bank.step(); });
+  const auto threaded = run(several, 200, [](AxisBank& bank) {
+    const std::size_t third = bank.group_count() / 3;
+    std::thread first([&] { bank.step_groups(0, third); });
+    std::thread second([&] { bank.step_groups(third, 2 * third); });
+    bank.step_groups(2 * third, bank.group_count());
+    first.join();
+    second.join();
+  });
+
+  EXPECT_EQ(threaded, expected);
+}
+
+TEST(AxisBank, AnAxisBehavesTheSameWhateverStandsBesideIt) {
+  const std::vector<AxisConfiguration> axes = mixed_axes(20);
+  AxisBank bank(axes, microseconds{1000});
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    bank.write(i, object("op_mode_cmd"), 1);
+    bank.write(i, object("position_user_target_value"), 123'456);
+  }
+  std::vector<AxisUnderTest> alone;
+  for (const AxisConfiguration& configuration : axes) {
+    alone.emplace_back(configuration);
+    alone.back().write("op_mode_cmd", 1);
+    alone.back().write("position_user_target_value", 123'456);
+  }
+  for (int tick = 0; tick < 1'500; ++tick) {
+    for (std::size_t i = 0; i < axes.size(); ++i) {
+      const std::uint16_t word = tick < 10 ? 0x0F : 0x3F;
+      bank.write(i, object("ds402_controlword"), word);
+      alone[i].controlword(word);
+      alone[i].step();
+    }
+    bank.step();
+    for (std::size_t i = 0; i < axes.size(); ++i) {
+      const AxisStatus& here = bank.status(i);
+      const AxisStatus& there = alone[i].status();
+      ASSERT_EQ(here.load_position_actual_value, there.load_position_actual_value) << i;
+      ASSERT_EQ(here.motor_velocity_actual_value, there.motor_velocity_actual_value) << i;
+      ASSERT_EQ(here.current_actual_value, there.current_actual_value) << i;
+      ASSERT_EQ(here.ds402_statusword, there.ds402_statusword) << i;
+    }
+  }
+}
+
+TEST(AxisBank, RestoringASnapshotRepeatsTheRunBitByBit) {
+  AxisBank bank(mixed_axes(13), microseconds{1000});
+  run(bank, 300, [](AxisBank& b) { b.step(); });
+  const AxisBank::Snapshot middle = bank.snapshot();
+  const auto first = run(bank, 300, [](AxisBank& b) { b.step(); });
+
+  bank.restore(middle);
+  const auto second = run(bank, 300, [](AxisBank& b) { b.step(); });
+  EXPECT_EQ(second, first);
+
+  AxisBank other(mixed_axes(13), microseconds{1000});
+  other.restore(middle);
+  EXPECT_EQ(run(other, 300, [](AxisBank& b) { b.step(); }), first);
+}
+
+TEST(AxisBank, ACopyIsIndependentOfItsOriginal) {
+  AxisBank bank(mixed_axes(5), microseconds{1000});
+  bank.write(0, object("ds402_controlword"), 0x0F);
+  AxisBank copy(bank);
+  const std::uint64_t before = copy.status_hash();
+  bank.step();
+  EXPECT_EQ(copy.status_hash(), before);
+  copy.step();
+  EXPECT_EQ(copy.status_hash(), bank.status_hash());
+  AxisBank assigned(mixed_axes(2), microseconds{2000});
+  assigned = bank;
+  EXPECT_EQ(assigned.size(), 5U);
+  EXPECT_EQ(assigned.status_hash(), bank.status_hash());
+}
+
+TEST(AxisBank, RefusesASnapshotThatDoesNotFit) {
+  const AxisBank five(mixed_axes(5), microseconds{1000});
+  AxisBank six(mixed_axes(6), microseconds{1000});
+  AxisBank slower(mixed_axes(5), microseconds{2000});
+  EXPECT_THROW(six.restore(five.snapshot()), std::invalid_argument);
+  EXPECT_THROW(slower.restore(five.snapshot()), std::invalid_argument);
+}
+
+TEST(AxisBank, DoesNotAllocateInWriteReadAndStep) {
+  AxisBank bank(mixed_axes(40), microseconds{1000});
+  const std::vector<ObjectAddress> objects{object("ds402_statusword"), object("error_history_1"),
+                                           object("position_demand_value"), {0x2000, 0},
+                                           {0x6041, 7}};
+  std::uint64_t allocations = 0;
+  {
+    const AllocationGuard guard;
+    Random random(3);
+    for (int tick = 0; tick < 500; ++tick) {
+      write_randomly(bank, random);
+      bank.step();
+      for (std::size_t axis = 0; axis < bank.size(); ++axis) {
+        for (const ObjectAddress& address : objects) {
+          static_cast<void>(bank.read(axis, address));
+        }
+        static_cast<void>(bank.write(axis, {0x2000, 0}, 1));
+        static_cast<void>(bank.power_state(axis));
+      }
+    }
+    bank.power_cycle(3);
+    bank.report_connection_loss(4);
+    allocations = guard.count();
+  }
+  EXPECT_EQ(allocations, 0U);
+}
+
+TEST(AxisBank, DoesNotAllocateForAnyObjectThatCanBeWritten) {
+  AxisBank bank(mixed_axes(6), microseconds{1000});
+  std::uint64_t allocations = 0;
+  {
+    const AllocationGuard guard;
+    for (const ObjectDescription& row : kObjectTable) {
+      for (std::size_t axis = 0; axis < bank.size(); ++axis) {
+        bank.write(axis, row.address, row.upper_limit);
+        bank.write(axis, row.address, row.default_value);
+      }
+      bank.step();
+    }
+    allocations = guard.count();
+  }
+  EXPECT_EQ(allocations, 0U);
+}
+
+TEST(AllocationGuardOfTheTests, CountsAllocations) {
+  const AllocationGuard guard;
+  const auto number = std::make_unique<int>(1);
+  EXPECT_EQ(*number, 1);
+  EXPECT_GE(guard.count(), 1U);
+}
+
+TEST(AxisBank, WritingTheSameValueAgainChangesNoBit) {
+  const std::vector<AxisConfiguration> axes = mixed_axes(8);
+  AxisBank quiet(axes, microseconds{1000});
+  AxisBank chatty(axes, microseconds{1000});
+  const auto write_both = [&](std::string_view name, std::int64_t value) {
+    for (std::size_t axis = 0; axis < axes.size(); ++axis) {
+      quiet.write(axis, object(name), value);
+      chatty.write(axis, object(name), value);
+    }
+  };
+  Random random(11);
+  write_both("op_mode_cmd", 1);
+  for (int tick = 0; tick < 4'000; ++tick) {
+    if (tick % 97 == 0) {
+      const std::array<std::uint16_t, 10> words{0x0F, 0x1F, 0x0F, 0x7F, 0x010F,
+                                                0x3F, 0x02, 0x07, 0x06, 0x0F};
+      write_both("position_user_target_value",
+                 static_cast<std::int64_t>(random.below(200'000)) - 100'000);
+      write_both("profile_acc", 10'000 + static_cast<std::int64_t>(random.below(1'000'000)));
+      write_both("ds402_controlword", words[random.below(words.size())]);
+    }
+    for (std::size_t axis = 0; axis < axes.size(); ++axis) {
+      for (const ObjectDescription& row : kObjectTable) {
+        if (row.access == Access::read_write && row.address.index != 0x1003) {
+          chatty.write(axis, row.address, chatty.read(axis, row.address).value);
+        }
+      }
+    }
+    quiet.step();
+    chatty.step();
+    ASSERT_EQ(quiet.status_hash(), chatty.status_hash()) << "tick " << tick;
+  }
+}
+
+TEST(AxisBank, EachControlwordBetweenTwoStepsCounts) {
+  AxisUnderTest axis;
+  axis.write("op_mode_cmd", 1);
+  axis.controlword(0x0006);
+  EXPECT_EQ(axis.axis().power_state(), PowerState::ready_to_switch_on);
+  axis.controlword(0x0007);
+  EXPECT_EQ(axis.axis().power_state(), PowerState::switched_on);
+  axis.controlword(0x000F);
+  EXPECT_EQ(axis.axis().power_state(), PowerState::operation_enabled);
+  axis.controlword(0x0000);
+  axis.controlword(0x0006);
+  EXPECT_EQ(axis.axis().power_state(), PowerState::ready_to_switch_on);
+  EXPECT_EQ(axis.statusword(), 0x0250) << "the image is that of the last tick";
+  EXPECT_EQ(axis.step(), 0x0231);
+}
+
+TEST(AxisBank, TwoSetPointsInOneTickAreAnActiveAndABufferedOne) {
+  AxisUnderTest axis;
+  axis.enable();
+  axis.write("position_user_target_value", 5'000);
+  axis.controlword(0x001F);
+  axis.controlword(0x000F);
+  axis.write("position_user_target_value", 7'000);
+  axis.controlword(0x001F);
+  axis.controlword(0x000F);
+  axis.write("position_user_target_value", 9'000);
+  axis.controlword(0x001F);
+  EXPECT_EQ(axis.step(), 0x1237);
+  EXPECT_EQ(axis.status().ignored_set_points, 1U);
+  axis.step_until([&axis] { return axis.reached(); }, 5'000);
+  EXPECT_EQ(axis.demand(), 7'000);
+}
+
+TEST(AxisBank, IgnoredSetPointsAreCountedBeforeTheTickToo) {
+  AxisBank bank(mixed_axes(1), microseconds{1000});
+  bank.write(0, object("ds402_controlword"), 0x001F);
+  EXPECT_EQ(bank.ignored_set_points(0), 1U);
+  EXPECT_EQ(bank.status(0).ignored_set_points, 0U);
+  bank.step();
+  EXPECT_EQ(bank.status(0).ignored_set_points, 1U);
+}
+
+// ---- any value of any object ------------------------------------------------------------------------
+
+std::int64_t any_value(const ObjectDescription& row, Random& random) {
+  switch (random.below(4)) {
+    case 0:
+      return row.lower_limit;
+    case 1:
+      return row.upper_limit;
+    case 2:
+      return row.default_value;
+    default:
+      return row.lower_limit +
+             static_cast<std::int64_t>(random.bits() % static_cast<std::uint64_t>(
+                                                           row.upper_limit - row.lower_limit + 1));
+  }
+}
+
+/// Writes anything that the dictionary allows, and moves, for a while.
+void abuse(AxisUnderTest& axis, Random& random, std::uint64_t ticks) {
+  for (std::uint64_t tick = 0; tick < ticks; ++tick) {
+    if (random.one_in(10)) {
+      const ObjectDescription& row = kObjectTable[random.below(kObjectCount)];
+      static_cast<void>(axis.axis().write(row.address, any_value(row, random)));
+    }
+    if (random.one_in(20)) {
+      const std::array<std::uint16_t, 6> words{0x80, 0x0F, 0x3F, 0x7F, 0x10F, 0x06};
+      static_cast<void>(axis.try_write("op_mode_cmd", 1));
+      axis.controlword(words[random.below(words.size())]);
+    }
+    axis.step();
+  }
+}
+
+/// Whatever was written before, an axis that is given its defaults again works again: no infinity
+/// and no NaN has got into its state.
+void expect_usable(AxisUnderTest& axis) {
+  for (const ObjectDescription& row : kObjectTable) {
+    if (row.access == Access::read_write) {
+      static_cast<void>(axis.axis().write(row.address, row.default_value));
+    }
+  }
+  axis.axis().power_cycle();
+  axis.write("test_blocked_load", 1);  // the load may still fly
+  axis.step(2'000);
+  axis.write("test_blocked_load", 0);
+  axis.step(20'000);
+  axis.enable();
+  ASSERT_EQ(axis.statusword(), 0x0637);
+  const std::int32_t start = axis.demand();
+  axis.write("position_user_target_value", 1'000);
+  axis.command(0x007F);
+  ASSERT_NE(axis.step_until([&axis] { return axis.reached(); }, 5'000), 0U);
+  axis.step(1'000);
+  ASSERT_NEAR(axis.actual() - start, 1'000, 2);
+}
+
+TEST(AxisBank, SurvivesAnyValueThatTheDictionaryAllows) {
+  const std::uint64_t rounds = test::case_count(60, 3'000);
+  for (std::uint64_t seed = 0; seed < rounds; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    AxisConfiguration configuration;
+    configuration.model.coupling = seed % 2 == 0 ? Coupling::rigid : Coupling::two_inertia;
+    configuration.model.feedback =
+        seed % 4 < 2 ? Feedback::dual_encoder : Feedback::single_encoder;
+    AxisUnderTest axis(configuration);
+    Random random(seed);
+    abuse(axis, random, 2'000);
+    ASSERT_NO_FATAL_FAILURE(expect_usable(axis));
+  }
+}
+
+// ---- power cycle ------------------------------------------------------------------------------------
+
+TEST(PowerCycle, TakesInitialValuesKeepsTheMechanicsAndForgetsFaults) {
+  AxisConfiguration configuration;
+  configuration.initial_position = 100;
+  configuration.parameters = {{object("profile_velocity"), 3'000}};
+  AxisUnderTest axis(configuration);
+  axis.enable();
+  axis.write("position_user_target_value", 10'000);
+  axis.command(0x003F);
+  axis.step(6'000);
+  axis.write("profile_velocity", 5);
+  axis.write("profile_acc", 7);
+  axis.write("test_over_current", 1);
+  axis.step(5);
+  axis.write("test_over_current", 0);
+  ASSERT_EQ(axis.state(), PowerState::fault);
+  const std::int32_t position = axis.actual();
+
+  axis.axis().power_cycle();
+
+  EXPECT_EQ(axis.state(), PowerState::not_ready_to_switch_on);
+  EXPECT_EQ(axis.statusword(), 0x0200) << "sheet 1.1";
+  EXPECT_EQ(axis.step(), 0x0250);
+  EXPECT_EQ(axis.actual(), position);
+  EXPECT_EQ(axis.demand(), position);
+  EXPECT_EQ(axis.read("profile_velocity"), 3'000);
+  EXPECT_EQ(axis.read("profile_acc"), 409'600);
+  EXPECT_EQ(axis.read("op_mode_actual"), 0);
+  EXPECT_EQ(axis.read("op_mode_cmd"), 0);
+  EXPECT_EQ(axis.read("position_user_target_value"), 0);
+  EXPECT_EQ(axis.read("ds402_controlword"), 0);
+  EXPECT_EQ(axis.read("error_code"), 0);
+  EXPECT_EQ(axis.read("error_history_count"), 0);
+  EXPECT_EQ(axis.status().fault_count, 0U);
+  EXPECT_EQ(axis.status().ignored_set_points, 0U);
+}
+
+TEST(PowerCycle, KeepsTheTestBenchInputs) {
+  AxisUnderTest axis;
+  axis.write("test_load_torque", 1'000);
+  axis.write("test_positive_limit_input", 1);
+  axis.axis().power_cycle();
+  EXPECT_EQ(axis.read("test_load_torque"), 1'000);
+  EXPECT_EQ(axis.read("test_positive_limit_input"), 1);
+  axis.step(100);
+  EXPECT_GT(axis.velocity(), 0) << "the load still pulls";
+  EXPECT_TRUE(axis.limit_active());
+}
+
+TEST(PowerCycle, AMovingAxisGoesOnCoasting) {
+  AxisUnderTest axis;
+  axis.enable();
+  axis.write("position_user_target_value", 1'000'000);
+  axis.command(0x003F);
+  axis.step(300);
+  const std::int32_t speed = axis.velocity();
+  axis.axis().power_cycle();
+  axis.step();
+  EXPECT_NEAR(axis.velocity(), speed, 200);
+  EXPECT_EQ(axis.statusword(), 0x0250);
+}
+
+TEST(PowerCycle, KeepsThePositionWithAGear) {
+  AxisConfiguration configuration;
+  configuration.parameters = {{object("gear_ratio_denominator"), 10}};
+  AxisUnderTest axis(configuration);
+  axis.enable();
+  axis.write("position_user_target_value", 5'000);
+  axis.command(0x003F);
+  axis.step(3'000);
+  const std::int32_t load = axis.actual();
+  const std::int32_t motor = axis.status().motor_position_actual_value;
+  axis.axis().power_cycle();
+  axis.step();
+  EXPECT_EQ(axis.actual(), load);
+  EXPECT_EQ(axis.status().motor_position_actual_value, motor);
+}
+
+TEST(PowerCycle, OfOneAxisLeavesItsNeighboursAlone) {
+  AxisBank disturbed(mixed_axes(16), microseconds{1000});
+  AxisBank quiet(mixed_axes(16), microseconds{1000});
+  for (AxisBank* const bank : {&disturbed, &quiet}) {
+    for (std::size_t axis = 0; axis < 16; ++axis) {
+      bank->write(axis, object("op_mode_cmd"), 1);
+      bank->write(axis, object("ds402_controlword"), 0x0F);
+    }
+    bank->step();
+    for (std::size_t axis = 0; axis < 16; ++axis) {
+      bank->write(axis, object("position_user_target_value"), 50'000);
+      bank->write(axis, object("ds402_controlword"), 0x3F);
+    }
+    for (int i = 0; i < 100; ++i) {
+      bank->step();
+    }
+  }
+  disturbed.power_cycle(2);
+  for (int i = 0; i < 500; ++i) {
+    disturbed.step();
+    quiet.step();
+    for (std::size_t axis = 0; axis < 16; ++axis) {
+      if (axis != 2) {
+        ASSERT_EQ(disturbed.status(axis).load_position_actual_value,
+                  quiet.status(axis).load_position_actual_value);
+      }
+    }
+  }
+}
+
+// ---- periods ----------------------------------------------------------------------------------------
+
+class Period : public testing::TestWithParam<std::int64_t> {};
+
+TEST_P(Period, RunsTheManualsExampleToTheUnitInTheSameDriveTime) {
+  const microseconds period{GetParam()};
+  AxisUnderTest axis({}, period);
+  axis.enable();
+  axis.write("profile_velocity", 1'000);
+  axis.write("profile_acc", 6'000);
+  axis.write("profile_dec", 6'000);
+  axis.write("position_user_target_value", 10'000);
+  EXPECT_EQ(axis.command(0x003F), 0x1237);
+  const std::uint64_t begin = axis.ticks() - 1;
+  ASSERT_NE(axis.step_until([&axis] { return axis.reached(); }, 200'000), 0U);
+
+  // 61/6 s, rounded up to whole ticks.
+  const double ticks = std::ceil(61.0 / 6.0 / axis.seconds_per_tick());
+  EXPECT_EQ(static_cast<double>(axis.ticks() - begin), ticks);
+  EXPECT_EQ(axis.demand(), 10'000);
+  axis.step_for(microseconds{200'000});
+  EXPECT_EQ(axis.actual(), 10'000);
+}
+
+INSTANTIATE_TEST_SUITE_P(AxisBank, Period,
+                         testing::Values(125, 126, 250, 333, 500, 1000, 2000, 4000, 9999, 10000),
+                         testing::PrintToStringParamName());
+
+TEST(AxisBank, TimesInMillisecondsAreMetAtEveryPeriod) {
+  for (const std::int64_t period : {125, 333, 1000, 4000, 10000}) {
+    AxisUnderTest axis({}, microseconds{period});
+    axis.enable();
+    axis.command(0x003F);  // zero length: bit 10 after 6068h = 20 ms
+    const std::uint64_t ticks = axis.step_until([&axis] { return axis.reached(); }, 1'000);
+    const double time = static_cast<double>(ticks) * axis.seconds_per_tick();
+    EXPECT_GE(time, 0.020 - 1e-9) << period;
+    EXPECT_LE(time, 0.020 + 1.01 * axis.seconds_per_tick()) << period;
+  }
+}
+
+// ---- refused configurations -------------------------------------------------------------------------
+
+std::string refusal_of(const std::vector<AxisConfiguration>& axes, microseconds period) {
+  try {
+    const AxisBank bank(axes, period);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(InvalidConfiguration, NoAxisIsRefused) {
+  EXPECT_THAT(refusal_of({}, microseconds{1000}), testing::HasSubstr("at least one axis"));
+}
+
+TEST(InvalidConfiguration, APeriodOutsideItsRangeIsNamedWithValueAndLimits) {
+  for (const std::int64_t period : {-1000, 0, 124, 10001}) {
+    const std::string message = refusal_of(std::vector<AxisConfiguration>(1), microseconds{period});
+    EXPECT_THAT(message, testing::HasSubstr("period"));
+    EXPECT_THAT(message, testing::HasSubstr(std::to_string(period)));
+    EXPECT_THAT(message, testing::HasSubstr("125"));
+    EXPECT_THAT(message, testing::HasSubstr("10000"));
+  }
+  EXPECT_EQ(refusal_of(std::vector<AxisConfiguration>(1), microseconds{125}), "");
+  EXPECT_EQ(refusal_of(std::vector<AxisConfiguration>(1), microseconds{10000}), "");
+}
+
+struct ParameterRow {
+  const char* name;
+  double AxisModel::*member;
+  const char* unit;
+  bool zero_allowed;
+};
+
+TEST(InvalidConfiguration, AModelParameterOutsideItsRangeIsNamedWithValueUnitAndLimit) {
+  const std::array<ParameterRow, 13> rows{{
+      {"motor_inertia", &AxisModel::motor_inertia, "kg.m", false},
+      {"load_inertia", &AxisModel::load_inertia, "kg.m", true},
+      {"viscous_friction", &AxisModel::viscous_friction, "N.m.s/rad", true},
+      {"coulomb_friction", &AxisModel::coulomb_friction, "N.m", true},
+      {"load_viscous_friction", &AxisModel::load_viscous_friction, "N.m.s/rad", true},
+      {"load_coulomb_friction", &AxisModel::load_coulomb_friction, "N.m", true},
+      {"torque_constant", &AxisModel::torque_constant, "N.m/A", false},
+      {"coupling_stiffness", &AxisModel::coupling_stiffness, "N.m/rad", false},
+      {"coupling_damping", &AxisModel::coupling_damping, "N.m.s/rad", true},
+      {"backlash", &AxisModel::backlash, "rad", true},
+      {"current_loop_bandwidth", &AxisModel::current_loop_bandwidth, "Hz", false},
+      {"velocity_loop_bandwidth", &AxisModel::velocity_loop_bandwidth, "Hz", false},
+      {"position_loop_bandwidth", &AxisModel::position_loop_bandwidth, "Hz", false},
+  }};
+  for (const ParameterRow& row : rows) {
+    SCOPED_TRACE(row.name);
+    for (const double value : {-1.0, std::numeric_limits<double>::quiet_NaN(),
+                               std::numeric_limits<double>::infinity()}) {
+      std::vector<AxisConfiguration> axes(2);
+      axes[1].model.*row.member = value;
+      const std::string message = refusal_of(axes, microseconds{1000});
+      EXPECT_THAT(message, testing::HasSubstr(row.name));
+      EXPECT_THAT(message, testing::HasSubstr(row.unit));
+    }
+    std::vector<AxisConfiguration> axes(1);
+    axes[0].model.*row.member = 0.0;
+    EXPECT_EQ(refusal_of(axes, microseconds{1000}).empty(), row.zero_allowed);
+  }
+}
+
+TEST(InvalidConfiguration, AnElasticAxisNeedsALoad) {
+  std::vector<AxisConfiguration> axes(1);
+  axes[0].model.coupling = Coupling::two_inertia;
+  axes[0].model.load_inertia = 0.0;
+  EXPECT_THAT(refusal_of(axes, microseconds{1000}), testing::HasSubstr("load_inertia"));
+}
+
+TEST(InvalidConfiguration, AnEncoderCoarserThanTheUserUnitIsRefused) {
+  std::vector<AxisConfiguration> axes(1);
+  axes[0].model.encoder_resolution = 4095.0;
+  EXPECT_THAT(refusal_of(axes, microseconds{1000}), testing::HasSubstr("encoder_resolution"));
+  axes[0].model.encoder_resolution = 4096.0;
+  EXPECT_EQ(refusal_of(axes, microseconds{1000}), "");
+  axes[0].model.load_encoder_resolution = 1.0;
+  EXPECT_THAT(refusal_of(axes, microseconds{1000}), testing::HasSubstr("load_encoder_resolution"));
+}
+
+TEST(InvalidConfiguration, AnInitialValueThatTheDictionaryRefusesIsRefused) {
+  struct Row {
+    ObjectAddress address;
+    std::int64_t value;
+  };
+
+  for (const Row& row : {Row{{0x2000, 0}, 0}, Row{{0x6041, 0}, 0}, Row{{0x6080, 0}, 0},
+                         Row{{0x6081, 1}, 0}, Row{{0x60F2, 0}, 3}, Row{{0x6060, 0}, 6}}) {
+    std::vector<AxisConfiguration> axes(1);
+    axes[0].parameters = {{row.address, row.value}};
+    EXPECT_NE(refusal_of(axes, microseconds{1000}), "")
+        << std::hex << row.address.index << " = " << row.value;
+  }
+}
+
+}  // namespace
+}  // namespace vdrive

@@ -1,0 +1,384 @@
+// SPDX-License-Identifier: Apache-2.0
+// The object table against the manual's table and the companion table, and each access with its
+// abort code.
+#include "vdrive/dictionary/dictionary.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <iomanip>
+#include <optional>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "core/support/axis_under_test.hpp"
+#include "core/support/csv.hpp"
+
+namespace vdrive {
+namespace {
+
+using test::AxisUnderTest;
+using test::CsvRow;
+using test::read_csv;
+
+const std::string kData = VDRIVE_SOURCE_DIR "/tests/data/";
+
+/// Companion rows whose behaviour does not exist yet: the table leaves them out. Adding one to the
+/// table fails the test below until it is taken from this list.
+const std::set<std::uint16_t> kNotYet{0x1010, 0x1011, 0x5E10, 0x606D, 0x606E, 0x6070, 0x6071,
+                                      0x6087, 0x607C, 0x6098, 0x6099, 0x609A, 0x60FF};
+
+ObjectAddress address_of(const CsvRow& row) {
+  return {static_cast<std::uint16_t>(std::stoul(row.at("index"), nullptr, 16)),
+          static_cast<std::uint8_t>(std::stoul(row.at("subindex"), nullptr, 16))};
+}
+
+std::string show(ObjectAddress address) {
+  std::ostringstream text;
+  text << std::hex << std::uppercase << std::setfill('0') << std::setw(4) << address.index << "h:"
+       << std::setw(2) << static_cast<unsigned>(address.subindex);
+  return text.str();
+}
+
+void expect_common_cells(const ObjectDescription& object, const CsvRow& row) {
+  EXPECT_EQ(object.name, row.at("name"));
+  EXPECT_EQ(object.variable_name, row.at("variable_name"));
+  EXPECT_EQ(object.access == Access::read_write ? "RW" : "RO", row.at("access"));
+  EXPECT_EQ(object.storage == Storage::flash ? "Y" : "N", row.at("store_in_flash"));
+  EXPECT_EQ(to_string(object.data_type), row.at("data_type"));
+  EXPECT_EQ(object.lower_limit, std::stoll(row.at("lower_limit")));
+  EXPECT_EQ(object.upper_limit, std::stoll(row.at("upper_limit")));
+  EXPECT_EQ(object.default_value, std::stoll(row.at("default_value")));
+  EXPECT_EQ(object.units, row.at("units"));
+}
+
+TEST(ObjectTable, CarriesEveryCellOfTheManualsTable) {
+  const std::vector<CsvRow> rows = read_csv(kData + "object-dictionary.csv");
+  ASSERT_EQ(rows.size(), 32U);
+  for (const CsvRow& row : rows) {
+    SCOPED_TRACE(row.at("index") + ":" + row.at("subindex"));
+    const auto found = find_object(address_of(row));
+    ASSERT_TRUE(found.has_value());
+    const ObjectDescription& object = describe(*found);
+
+    expect_common_cells(object, row);
+    EXPECT_EQ(object.name_zh, row.at("name_zh"));
+    EXPECT_EQ(object.category, row.at("category"));
+    EXPECT_EQ(object.origin, Origin::manual);
+    // The manual knows "immediately" and "read only"; the notes on 607Ah, 607Fh, 6080h, 6081h and
+    // 60F2h are more specific.
+    EXPECT_EQ(object.effective == Effective::read_only ? "只读" : "立即", row.at("effective"));
+  }
+}
+
+TEST(ObjectTable, CarriesEveryCellOfTheCompanionTableButTheRowsOfModesToCome) {
+  std::set<std::uint16_t> left_out;
+  for (const CsvRow& row : read_csv(kData + "companion-objects.csv")) {
+    SCOPED_TRACE(row.at("index") + ":" + row.at("subindex"));
+    const ObjectAddress address = address_of(row);
+    const auto found = find_object(address);
+    if (!found) {
+      EXPECT_THAT(kNotYet, testing::Contains(address.index)) << "missing in the table";
+      left_out.insert(address.index);
+      continue;
+    }
+    EXPECT_THAT(kNotYet, testing::Not(testing::Contains(address.index))) << "take it from the list";
+    const ObjectDescription& object = describe(*found);
+    expect_common_cells(object, row);
+    EXPECT_EQ(object.origin, Origin::companion);
+    EXPECT_FALSE(object.name_zh.empty());
+    EXPECT_FALSE(object.category.empty());
+    EXPECT_EQ(object.effective == Effective::read_only, object.access == Access::read_only);
+  }
+  EXPECT_EQ(left_out, kNotYet);
+}
+
+TEST(ObjectTable, HasNoRowThatNeitherTableNames) {
+  std::set<ObjectAddress> named;
+  for (const char* const file : {"object-dictionary.csv", "companion-objects.csv"}) {
+    for (const CsvRow& row : read_csv(kData + file)) {
+      named.insert(address_of(row));
+    }
+  }
+  for (const ObjectDescription& object : kObjectTable) {
+    EXPECT_TRUE(named.contains(object.address)) << show(object.address);
+  }
+}
+
+TEST(ObjectTable, SaysWhenAWriteTakesEffectWhereTheManualsNotesAreMoreSpecific) {
+  using namespace literals;
+  // 607Ah and 6081h: "bit 4 has to go from 0 to 1 before they take effect"; 607Fh: "only after
+  // disabling and enabling again"; 6080h bounds 607Fh and goes with it.
+  EXPECT_EQ(describe("position_user_target_value"_object).effective, Effective::at_set_point);
+  EXPECT_EQ(describe("profile_velocity"_object).effective, Effective::at_set_point);
+  EXPECT_EQ(describe("positioning_option_code"_object).effective, Effective::at_set_point);
+  EXPECT_EQ(describe("app_speed_limit"_object).effective, Effective::at_enable);
+  EXPECT_EQ(describe("motor_max_speed_rpm"_object).effective, Effective::at_enable);
+  // 6083h and 6084h: "can be changed in motion, in effect at once".
+  EXPECT_EQ(describe("profile_acc"_object).effective, Effective::immediately);
+  EXPECT_EQ(describe("profile_dec"_object).effective, Effective::immediately);
+}
+
+TEST(ObjectTable, RowsAreConsistent) {
+  std::set<std::string_view> names;
+  for (const ObjectDescription& object : kObjectTable) {
+    SCOPED_TRACE(show(object.address));
+    const TypeRange range = range_of(object.data_type);
+    EXPECT_GE(object.lower_limit, range.lowest);
+    EXPECT_LE(object.upper_limit, range.highest);
+    EXPECT_LE(object.lower_limit, object.default_value);
+    EXPECT_LE(object.default_value, object.upper_limit);
+    EXPECT_TRUE(names.insert(object.variable_name).second) << "variable_name used twice";
+  }
+}
+
+TEST(ObjectTable, IsFoundByAddressAndByName) {
+  for (std::size_t i = 0; i < kObjectCount; ++i) {
+    const ObjectDescription& object = kObjectTable[i];
+    EXPECT_EQ(find_object(object.address), std::optional<ObjectRow>(i));
+    EXPECT_EQ(find_object(object.variable_name), std::optional<ObjectRow>(i));
+    EXPECT_EQ(check_address(object.address), AbortCode::none);
+  }
+  EXPECT_EQ(find_object("no_such_object"), std::nullopt);
+  EXPECT_EQ(find_object(""), std::nullopt);
+}
+
+TEST(ObjectTable, DataTypesHaveTheSizesAndRangesOfCiA301) {
+  EXPECT_EQ(size_of(DataType::integer8), 1);
+  EXPECT_EQ(size_of(DataType::integer16), 2);
+  EXPECT_EQ(size_of(DataType::integer32), 4);
+  EXPECT_EQ(size_of(DataType::unsigned8), 1);
+  EXPECT_EQ(size_of(DataType::unsigned16), 2);
+  EXPECT_EQ(size_of(DataType::unsigned32), 4);
+  EXPECT_EQ(range_of(DataType::integer8).lowest, -128);
+  EXPECT_EQ(range_of(DataType::integer8).highest, 127);
+  EXPECT_EQ(range_of(DataType::integer16).lowest, -32768);
+  EXPECT_EQ(range_of(DataType::integer16).highest, 32767);
+  EXPECT_EQ(range_of(DataType::integer32).lowest, -2147483648LL);
+  EXPECT_EQ(range_of(DataType::integer32).highest, 2147483647LL);
+  EXPECT_EQ(range_of(DataType::unsigned8).highest, 255);
+  EXPECT_EQ(range_of(DataType::unsigned16).highest, 65535);
+  EXPECT_EQ(range_of(DataType::unsigned32).highest, 4294967295LL);
+  EXPECT_EQ(range_of(DataType::unsigned32).lowest, 0);
+}
+
+TEST(ObjectAddressCheck, AnswersForEveryIndexAndSubIndexThatDoesNotExist) {
+  std::set<std::uint16_t> indexes;
+  for (const ObjectDescription& object : kObjectTable) {
+    indexes.insert(object.address.index);
+  }
+  for (std::uint32_t index = 0; index <= 0xFFFF; ++index) {
+    const bool exists = indexes.contains(static_cast<std::uint16_t>(index));
+    for (const unsigned subindex : {0U, 1U, 2U, 4U, 8U, 9U, 255U}) {
+      const ObjectAddress address{static_cast<std::uint16_t>(index),
+                                  static_cast<std::uint8_t>(subindex)};
+      if (!exists) {
+        ASSERT_EQ(check_address(address), AbortCode::object_does_not_exist) << show(address);
+      } else if (!find_object(address)) {
+        ASSERT_EQ(check_address(address), AbortCode::subindex_does_not_exist) << show(address);
+      }
+    }
+  }
+}
+
+// ---- each object x {below, lowest, default, highest, above, outside the type} x {read, write} -----
+
+/// The answer to a write that the sheet demands: access first, then the range of the row (a value
+/// outside the type is outside the row's range too), then the narrower rules of single objects.
+AbortCode expected_answer(const ObjectDescription& object, std::int64_t value) {
+  if (object.access == Access::read_only) {
+    return AbortCode::write_of_read_only_object;
+  }
+  if (value > object.upper_limit) {
+    return AbortCode::value_too_high;
+  }
+  if (value < object.lower_limit) {
+    return AbortCode::value_too_low;
+  }
+  switch (object.address.index) {
+    case 0x6060:  // modes that are not implemented
+      return value == 0 || value == 1 ? AbortCode::none : AbortCode::value_range_exceeded;
+    case 0x60F2:  // relative options 0 to 2
+      return value <= 2 ? AbortCode::none : AbortCode::value_range_exceeded;
+    case 0x1003:  // only 0 empties the history
+      return value == 0 ? AbortCode::none : AbortCode::value_range_exceeded;
+    default:
+      return AbortCode::none;
+  }
+}
+
+std::vector<std::int64_t> sweep_of(const ObjectDescription& object) {
+  const TypeRange type = range_of(object.data_type);
+  return {std::numeric_limits<std::int64_t>::min(),
+          type.lowest - 1,
+          type.lowest,
+          object.lower_limit - 1,
+          object.lower_limit,
+          object.lower_limit + 1,
+          object.default_value,
+          object.upper_limit - 1,
+          object.upper_limit,
+          object.upper_limit + 1,
+          type.highest,
+          type.highest + 1,
+          std::numeric_limits<std::int64_t>::max()};
+}
+
+TEST(DictionarySweep, EveryValueGetsExactlyItsAbortCodeAndReadsBackWhenAccepted) {
+  for (const ObjectDescription& object : kObjectTable) {
+    for (const std::int64_t value : sweep_of(object)) {
+      SCOPED_TRACE(show(object.address) + " = " + std::to_string(value));
+      AxisUnderTest axis;
+      const ReadResult before = axis.axis().read(object.address);
+
+      const AbortCode code = axis.axis().write(object.address, value);
+
+      ASSERT_EQ(code, expected_answer(object, value)) << describe(code);
+      const ReadResult after = axis.axis().read(object.address);
+      const bool stays = code != AbortCode::none || object.address.index == 0x1003;
+      EXPECT_EQ(after.value, stays ? before.value : value);
+    }
+  }
+}
+
+TEST(DictionarySweep, AWrongSubIndexIsNamedAsSuchForReadAndWrite) {
+  AxisUnderTest axis;
+  for (const ObjectDescription& object : kObjectTable) {
+    for (const unsigned subindex : {0U, 1U, 2U, 3U, 9U, 255U}) {
+      const ObjectAddress address{object.address.index, static_cast<std::uint8_t>(subindex)};
+      if (find_object(address)) {
+        continue;
+      }
+      EXPECT_EQ(axis.axis().write(address, 0), AbortCode::subindex_does_not_exist) << show(address);
+      EXPECT_EQ(axis.axis().read(address).code, AbortCode::subindex_does_not_exist)
+          << show(address);
+      EXPECT_EQ(axis.axis().read(address).value, 0);
+    }
+  }
+}
+
+TEST(DictionarySweep, AnUnknownIndexIsNamedAsSuchForReadAndWrite) {
+  AxisUnderTest axis;
+  for (const unsigned index : {0x0000U, 0x0FFFU, 0x2000U, 0x6099U, 0x60FFU, 0xFFFFU}) {
+    const ObjectAddress address{static_cast<std::uint16_t>(index), 0};
+    EXPECT_EQ(axis.axis().write(address, 0), AbortCode::object_does_not_exist);
+    EXPECT_EQ(axis.axis().read(address).code, AbortCode::object_does_not_exist);
+  }
+}
+
+TEST(DictionarySweep, TheCheckOrderIsIndexThenSubIndexThenAccessThenRange) {
+  AxisUnderTest axis;
+  constexpr std::int64_t kFarOut = std::numeric_limits<std::int64_t>::max();
+  EXPECT_EQ(axis.axis().write({0x2000, 7}, kFarOut), AbortCode::object_does_not_exist);
+  EXPECT_EQ(axis.axis().write({0x6041, 7}, kFarOut), AbortCode::subindex_does_not_exist);
+  EXPECT_EQ(axis.axis().write({0x6041, 0}, kFarOut), AbortCode::write_of_read_only_object);
+  EXPECT_EQ(axis.axis().write({0x6060, 0}, kFarOut), AbortCode::value_too_high);
+}
+
+TEST(DictionarySweep, TheSheetsOwnExamplesHold) {
+  AxisUnderTest axis;
+  // "6080h = 0 -> 0x06090032"; "write to 6041h/6061h/6062h/6064h -> 0x06010002".
+  EXPECT_EQ(axis.try_write("motor_max_speed_rpm", 0), AbortCode{0x06090032});
+  for (const char* const name : {"ds402_statusword", "op_mode_actual", "position_demand_value",
+                                 "load_position_actual_value"}) {
+    EXPECT_EQ(axis.try_write(name, 0), AbortCode{0x06010002}) << name;
+  }
+  // Reading an empty entry of the history: 0x08000024.
+  EXPECT_EQ(axis.try_read("error_history_1").code, AbortCode{0x08000024});
+  EXPECT_EQ(axis.try_read("error_history_8").code, AbortCode{0x08000024});
+}
+
+TEST(DictionarySweep, EveryModeOfTheManualsListThatDoesNotWorkYetIsRefusedAndKeepsTheOld) {
+  AxisUnderTest axis;
+  axis.write("op_mode_cmd", 1);
+  for (std::int64_t mode = -128; mode <= 127; ++mode) {
+    if (mode == 0 || mode == 1) {
+      continue;
+    }
+    EXPECT_EQ(axis.try_write("op_mode_cmd", mode), AbortCode{0x06090030}) << mode;
+    EXPECT_EQ(axis.read("op_mode_cmd"), 1);
+  }
+  EXPECT_EQ(axis.read("supported_drive_modes"), 0x01) << "6502h shows the modes that really work";
+}
+
+TEST(PowerUp, EveryObjectHasItsDefault) {
+  AxisUnderTest axis;
+  for (const ObjectDescription& object : kObjectTable) {
+    SCOPED_TRACE(show(object.address));
+    const ReadResult result = axis.axis().read(object.address);
+    if (object.address.index == 0x1003 && object.address.subindex > 0) {
+      EXPECT_EQ(result.code, AbortCode::no_data_available);
+      continue;
+    }
+    ASSERT_EQ(result.code, AbortCode::none);
+    // The statusword of Switch on disabled is the manual's 0x250.
+    EXPECT_EQ(result.value, object.address.index == 0x6041 ? 0x250 : object.default_value);
+  }
+}
+
+TEST(PowerUp, TakesTheInitialValuesOfTheConfiguration) {
+  AxisConfiguration configuration;
+  configuration.initial_position = -12345;
+  configuration.serial_number = 65537;
+  configuration.parameters = {{{0x6081, 0}, 1000}, {{0x607D, 1}, -5}};
+  const AxisUnderTest axis(configuration);
+  EXPECT_EQ(axis.read("profile_velocity"), 1000);
+  EXPECT_EQ(axis.read("user_position_lower_limit"), -5);
+  EXPECT_EQ(axis.read("serial_number"), 65537);
+  EXPECT_EQ(axis.read("load_position_actual_value"), -12345);
+  EXPECT_EQ(axis.read("position_demand_value"), -12345);
+  EXPECT_EQ(axis.read("motor_position_actual_value"), -12345);
+}
+
+TEST(Registers, AnAcceptedWriteReadsBackBeforeTheNextTickAndComputedObjectsShowTheLastOne) {
+  AxisUnderTest axis;
+  axis.write("op_mode_cmd", 1);
+  axis.controlword(0x000F);
+
+  EXPECT_EQ(axis.read("op_mode_cmd"), 1);
+  EXPECT_EQ(axis.read("ds402_controlword"), 0x000F);
+  EXPECT_EQ(axis.read("op_mode_actual"), 0);
+  EXPECT_EQ(axis.read("ds402_statusword"), 0x250);
+
+  axis.step();
+  EXPECT_EQ(axis.read("op_mode_actual"), 1);
+  EXPECT_EQ(axis.read("ds402_statusword"), 0x637);
+}
+
+TEST(Registers, ReadsAgreeWithTheStatusImage) {
+  AxisUnderTest axis;
+  axis.enable();
+  axis.write("position_user_target_value", 40000);
+  axis.command(0x001F);
+  axis.step(100);  // in the middle of the move
+  const AxisStatus& status = axis.status();
+  EXPECT_NE(status.velocity_demand_value, 0);
+  EXPECT_EQ(axis.read("position_demand_value"), status.position_demand_value);
+  EXPECT_EQ(axis.read("load_position_actual_value"), status.load_position_actual_value);
+  EXPECT_EQ(axis.read("load_position_error_value"), status.load_position_error_value);
+  EXPECT_EQ(axis.read("motor_position_actual_value"), status.motor_position_actual_value);
+  EXPECT_EQ(axis.read("motor_position_error_value"), status.motor_position_error_value);
+  EXPECT_EQ(axis.read("velocity_demand_value"), status.velocity_demand_value);
+  EXPECT_EQ(axis.read("load_velocity_actual_value"), status.load_velocity_actual_value);
+  EXPECT_EQ(axis.read("load_velocity_error_value"), status.load_velocity_error_value);
+  EXPECT_EQ(axis.read("motor_velocity_actual_value"), status.motor_velocity_actual_value);
+  EXPECT_EQ(axis.read("motor_velocity_error_value"), status.motor_velocity_error_value);
+  EXPECT_EQ(axis.read("current_actual_value"), status.current_actual_value);
+  EXPECT_EQ(axis.read("current_error_value"), status.current_error_value);
+  EXPECT_EQ(axis.read("torque_actual_value"), status.torque_actual_value);
+  EXPECT_EQ(axis.read("torque_demand"), status.torque_demand);
+  EXPECT_EQ(axis.read("ds402_statusword"), status.ds402_statusword);
+  EXPECT_EQ(axis.read("ds402_controlword"), status.ds402_controlword);
+  EXPECT_EQ(axis.read("op_mode_actual"), status.op_mode_actual);
+  EXPECT_EQ(axis.read("motor_op_status"), status.motor_op_status);
+  EXPECT_EQ(axis.read("error_code"), status.error_code);
+  EXPECT_EQ(axis.read("error_register"), status.error_register);
+  EXPECT_EQ(axis.read("digital_inputs"), status.digital_inputs);
+}
+
+}  // namespace
+}  // namespace vdrive

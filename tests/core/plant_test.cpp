@@ -1,0 +1,542 @@
+// SPDX-License-Identifier: Apache-2.0
+// The plant against closed-form solutions, seen through the objects of the drive. SI parameters are
+// chosen so that the expected figures can be computed by hand; 4096 user units are one revolution.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <numbers>
+#include <string>
+
+#include "core/support/axis_under_test.hpp"
+
+namespace vdrive {
+namespace {
+
+using std::chrono::microseconds;
+using test::AxisUnderTest;
+
+constexpr double kUnitsPerRadian = 4096.0 / (2.0 * std::numbers::pi);
+
+/// Without friction: motor and load of 3e-4 kg.m2 each, rigid.
+AxisConfiguration frictionless() {
+  AxisConfiguration configuration;
+  configuration.model.viscous_friction = 0.0;
+  configuration.model.coulomb_friction = 0.0;
+  return configuration;
+}
+
+/// Enabled and asked to be far away as steeply as can be: the torque limit rules.
+void saturate(AxisUnderTest& axis, int sign) {
+  axis.write("following_error_window", 0xFFFFFFFF);
+  axis.write("profile_velocity", 136'533);
+  axis.write("profile_acc", 0xFFFFFFFF);
+  axis.write("profile_dec", 0xFFFFFFFF);
+  axis.enable();
+  axis.write("position_user_target_value", sign * 2'000'000'000);
+  axis.command(0x003F);
+}
+
+// ---- free motion ------------------------------------------------------------------------------------
+
+TEST(Plant, AcceleratesFreelyUnderAConstantTorqueLimit) {
+  for (const int sign : {1, -1}) {
+    AxisUnderTest axis(frictionless());
+    axis.write("positive_torque_limit_relative", 200);  // 20 % of 3 N.m = 0.6 N.m
+    axis.write("negative_torque_limit_relative", 200);
+    saturate(axis, sign);
+    // a = 0.6/6e-4 = 1000 rad/s². The torque follows its command with the current loop's
+    // τ = 1/(2π·1000) s: v = a (t - τ (1 - e^(-t/τ))), x = a (t²/2 - τ t + τ² (1 - e^(-t/τ))).
+    const double a = 1'000.0 * kUnitsPerRadian;
+    const double tau = 1.0 / (2.0 * std::numbers::pi * 1'000.0);
+    for (int tick = 1; tick <= 100; ++tick) {
+      const double t = tick * 1.0e-3;
+      const double x = a * (0.5 * t * t - tau * t + tau * tau * (1.0 - std::exp(-t / tau)));
+      ASSERT_NEAR(axis.actual() * sign, x, 0.51) << "tick " << tick;
+      const double mean = (x - a * (0.5 * (t - 1e-3) * (t - 1e-3) - tau * (t - 1e-3) +
+                                    tau * tau * (1.0 - std::exp(-(t - 1e-3) / tau)))) *
+                          1'000.0;
+      ASSERT_NEAR(axis.velocity() * sign, mean, 1.1) << "606Ch is the reading over the tick";
+      axis.step();
+    }
+  }
+}
+
+TEST(Plant, AcceleratesUnderTheTestLoadTorqueInItsDirection) {
+  for (const int sign : {1, -1}) {
+    AxisUnderTest axis(frictionless());
+    axis.write("test_load_torque", sign * 300);  // 0.3 N.m on 6e-4 kg.m2: 500 rad/s²
+    axis.step(200);
+    const double a = 500.0 * kUnitsPerRadian;
+    EXPECT_NEAR(axis.actual() * sign, 0.5 * a * 0.04, 1.0);
+    EXPECT_NEAR(axis.velocity() * sign, a * 0.1995, 2.0);
+  }
+}
+
+TEST(Plant, CoastingDecaysExponentiallyUnderViscousFriction) {
+  AxisConfiguration configuration = frictionless();
+  configuration.model.viscous_friction = 2.0e-3;  // J/b = 0.3 s
+  AxisUnderTest axis(configuration);
+  axis.write("profile_velocity", 50'000);
+  axis.enable();
+  axis.write("position_user_target_value", 10'000'000);
+  axis.command(0x003F);
+  axis.step(1'000);
+  axis.command(0x0000);
+  const double start_speed = axis.velocity();
+  const double start = axis.actual();
+  for (int tick = 1; tick <= 1'500; ++tick) {
+    axis.step();
+    // The speed over a tick lags half a tick behind both at start and here.
+    const double decay = std::exp(-tick * 1.0e-3 / 0.3);
+    ASSERT_NEAR(axis.velocity(), start_speed * decay, 2.0 + 1.0e-4 * start_speed) << tick;
+  }
+  // From start with speed v at half a tick before: distance v·τ(1 - e^(-t/τ)).
+  const double travelled = start_speed * std::exp(-0.5e-3 / 0.3) * 0.3 * (1.0 - std::exp(-5.0));
+  EXPECT_NEAR(axis.actual() - start, travelled, 3.0);
+}
+
+TEST(Plant, CoulombFrictionStopsACoastingAxisInFiniteTimeWithoutCreep) {
+  AxisConfiguration configuration = frictionless();
+  configuration.model.coulomb_friction = 0.06;  // 100 rad/s² = 65190 units/s²
+  for (const int sign : {1, -1}) {
+    AxisUnderTest axis(configuration);
+    axis.write("profile_velocity", 50'000);
+    axis.enable();
+    axis.write("position_user_target_value", sign * 10'000'000);
+    axis.command(0x003F);
+    axis.step(1'000);
+    axis.command(0x0000);
+    const double speed = std::abs(axis.velocity());
+    const double start = axis.actual() * sign;
+    const double deceleration = 100.0 * kUnitsPerRadian;
+    axis.step(static_cast<std::uint64_t>(speed / deceleration * 1'000.0 * 0.5));
+    EXPECT_NEAR(std::abs(axis.velocity()), speed * 0.5, 100.0) << "a straight line";
+    axis.step(static_cast<std::uint64_t>(speed / deceleration * 1'000.0 * 0.5) + 3);
+    EXPECT_EQ(axis.velocity(), 0);
+    // v²/(2a), the first tick from half a tick before its end.
+    EXPECT_NEAR(axis.actual() * sign - start, speed * speed / (2.0 * deceleration), 60.0);
+    const std::int32_t rest = axis.actual();
+    axis.step(5'000);
+    EXPECT_EQ(axis.actual(), rest);
+  }
+}
+
+TEST(Plant, ATorqueBelowBreakAwayMovesNothingAndOneAboveDoes) {
+  AxisConfiguration configuration = frictionless();
+  configuration.model.coulomb_friction = 0.05;
+  for (const int sign : {1, -1}) {
+    AxisUnderTest axis(configuration);
+    axis.write("test_load_torque", sign * 49);
+    axis.step(2'000);
+    EXPECT_EQ(axis.actual(), 0);
+    axis.write("test_load_torque", sign * 51);
+    axis.step(2'000);
+    // 1 mN.m beyond friction: 1e-3/6e-4 = 1.667 rad/s², 2 s: 3.33 rad = 2173 units.
+    EXPECT_NEAR(axis.actual() * sign, 0.5 * (1.0 / 0.6) * 4.0 * kUnitsPerRadian, 30.0);
+  }
+}
+
+// ---- torque limits ----------------------------------------------------------------------------------
+
+TEST(Plant, TorqueLimitsHoldOnEachSignByThemselves) {
+  for (const std::int64_t limit : {100, 500}) {
+    for (const int sign : {1, -1}) {
+      AxisUnderTest axis(frictionless());
+      axis.write(sign > 0 ? "positive_torque_limit_relative" : "negative_torque_limit_relative",
+                 limit);
+      saturate(axis, sign);
+      std::int64_t highest = 0;
+      for (int i = 0; i < 20; ++i) {
+        axis.step();
+        highest = std::max<std::int64_t>(highest, axis.status().current_actual_value * sign);
+      }
+      EXPECT_EQ(highest, limit) << "6078h within 60E0h/60E1h [‰]";
+      // The other side is free up to 6072h = 300 %.
+      axis.write("position_user_target_value", sign * -2'000'000'000);
+      axis.command(0x000F);
+      axis.command(0x003F);
+      std::int64_t lowest = 0;
+      for (int i = 0; i < 200; ++i) {
+        axis.step();
+        ASSERT_LE(axis.status().current_actual_value * sign, limit);
+        lowest = std::min<std::int64_t>(lowest, axis.status().current_actual_value * sign);
+      }
+      EXPECT_LT(lowest, -2 * limit);
+    }
+  }
+}
+
+TEST(Plant, WithoutRelativeLimitsTheMaximumTorqueOf6072hHolds) {
+  for (const std::int64_t maximum : {500, 3'000}) {
+    AxisUnderTest axis(frictionless());
+    axis.write("max_torque", maximum);
+    saturate(axis, 1);
+    std::int64_t highest = 0;
+    for (int i = 0; i < 10; ++i) {
+      axis.step();
+      highest = std::max<std::int64_t>(highest, axis.status().torque_actual_value);
+    }
+    EXPECT_EQ(highest, maximum);
+  }
+}
+
+TEST(Plant, TorqueLimitsActAtOnce) {
+  AxisUnderTest axis(frictionless());
+  saturate(axis, 1);
+  axis.step(3);
+  axis.write("positive_torque_limit_relative", 100);
+  axis.step(3);
+  EXPECT_EQ(axis.status().torque_demand, 100);
+  EXPECT_EQ(axis.status().torque_actual_value, 100);
+}
+
+TEST(Plant, TheRatedTorqueScalesTheRelativeLimitAsInTheManualsExample) {
+  // 6076h = 3000 mN.m and 10 %: 300 mN.m.
+  AxisUnderTest axis(frictionless());
+  axis.write("motor_rated_torque", 3'000);
+  axis.write("positive_torque_limit_relative", 100);
+  saturate(axis, 1);
+  axis.step(50);
+  const std::int32_t first = axis.velocity();
+  axis.step(100);
+  // 0.3 N.m on 6e-4 kg.m2: 500 rad/s² over 0.1 s.
+  EXPECT_NEAR(axis.velocity() - first, 50.0 * kUnitsPerRadian, 2.0);
+}
+
+TEST(Plant, CurrentAndTorqueBalanceTheLoadAtRest) {
+  AxisUnderTest axis(frictionless());
+  axis.enable();
+  axis.write("test_load_torque", 600);  // 0.6 N.m of 3 N.m: the motor holds with -20 %
+  axis.step(3'000);
+  EXPECT_EQ(axis.status().torque_actual_value, -200);
+  EXPECT_EQ(axis.status().current_actual_value, -200);  // 0.6 N.m/0.6 N.m/A = 1 A of 5 A
+  EXPECT_EQ(axis.actual(), 0);
+  EXPECT_EQ(axis.status().current_error_value, 0);
+}
+
+// ---- two inertias -----------------------------------------------------------------------------------
+
+/// Two equal inertias of 3e-4 kg.m2 on a soft shaft, free of friction.
+AxisConfiguration elastic(double stiffness) {
+  AxisConfiguration configuration = frictionless();
+  configuration.model.coupling = Coupling::two_inertia;
+  configuration.model.coupling_stiffness = stiffness;
+  configuration.model.coupling_damping = 0.0;
+  return configuration;
+}
+
+/// Load minus motor position.
+double twist_of(const AxisUnderTest& axis) {
+  return axis.status().load_position_actual_value - axis.status().motor_position_actual_value;
+}
+
+TEST(Plant, TheFreeTwoInertiaSystemRingsAtItsResonanceWithoutLosingEnergy) {
+  AxisUnderTest axis(elastic(2.0));
+  // ω² = k (1/Jm + 1/Jl) = 2·2/3e-4: 115.47 rad/s, 18.378 Hz. A constant torque T on the load rings
+  // around the twist T/(2k) = 0.25 rad = 163 units with that amplitude.
+  const double omega = std::sqrt(2.0 * 2.0 / 3.0e-4);
+  const double mean = 0.25 * kUnitsPerRadian;
+  axis.write("test_load_torque", 1'000);
+  for (int tick = 1; tick <= 2'000; ++tick) {
+    axis.step();
+    const double expected = mean * (1.0 - std::cos(omega * tick * 1.0e-3));
+    ASSERT_NEAR(twist_of(axis), expected, 1.6) << "tick " << tick;
+  }
+}
+
+TEST(Plant, DampingOfTheShaftDecaysTheRingingAtItsRate) {
+  AxisConfiguration configuration = elastic(2.0);
+  configuration.model.coupling_damping = 1.0e-3;
+  AxisUnderTest axis(configuration);
+  // δ = c/2·(1/Jm + 1/Jl) = 0.5e-3·6666.7 = 3.333 1/s.
+  axis.write("test_load_torque", 1'000);
+  double last_peak = 0.0;
+  for (int tick = 1; tick <= 1'000; ++tick) {
+    axis.step();
+    if (tick > 1'000 - 60) {  // the last period
+      last_peak = std::max(last_peak, twist_of(axis));
+    }
+  }
+  const double mean = 0.25 * kUnitsPerRadian;
+  // The period of 54.4 ms puts a peak between 0.945 and 1 s.
+  const double latest = mean * (1.0 + std::exp(-3.333 * 1.0));
+  const double earliest = mean * (1.0 + std::exp(-3.333 * 0.94));
+  EXPECT_GE(last_peak, latest - 1.5);
+  EXPECT_LE(last_peak, earliest + 1.5);
+}
+
+TEST(Plant, ThePairMovesAsOneMassOnAverage) {
+  AxisUnderTest axis(elastic(2.0));
+  axis.write("test_load_torque", 100);
+  axis.step(1'000);
+  // Centre of mass: 0.1/(6e-4) = 166.7 rad/s² for 1 s.
+  const double centre = 0.5 * (axis.actual() + axis.status().motor_position_actual_value);
+  EXPECT_NEAR(centre, 0.5 * (1.0 / 6.0e-3) * kUnitsPerRadian, 2.0);
+}
+
+TEST(Plant, AStiffShaftBehavesLikeTheRigidAxis) {
+  AxisConfiguration stiff;
+  stiff.model.coupling = Coupling::two_inertia;
+  AxisUnderTest elastic_axis(stiff);
+  AxisUnderTest rigid_axis;
+  for (AxisUnderTest* const axis : {&elastic_axis, &rigid_axis}) {
+    axis->enable();
+    axis->write("position_user_target_value", 50'000);
+    axis->command(0x003F);
+  }
+  for (int i = 0; i < 3'000; ++i) {
+    elastic_axis.step();
+    rigid_axis.step();
+    ASSERT_NEAR(elastic_axis.actual(), rigid_axis.actual(), 30) << "tick " << i;
+  }
+  EXPECT_EQ(elastic_axis.actual(), 50'000);
+  EXPECT_TRUE(elastic_axis.reached());
+}
+
+TEST(Plant, InsideTheBacklashTheLoadDoesNotFeelTheMotor) {
+  AxisConfiguration configuration = elastic(2'000.0);
+  configuration.model.coupling_damping = 0.05;
+  configuration.model.backlash = 0.2;  // ±0.1 rad = ±65 units
+  configuration.model.load_coulomb_friction = 0.02;
+  AxisUnderTest axis(configuration);
+  axis.write("positive_torque_limit_relative", 10);  // 0.03 N.m: 100 rad/s² for the motor alone
+  saturate(axis, 1);
+  // 65.2 units at 65190 units/s²: 44.7 ms (and the current loop's delay).
+  axis.step(43);
+  EXPECT_EQ(axis.actual(), 0);
+  EXPECT_GT(axis.status().motor_position_actual_value, 55);
+  axis.step(20);
+  EXPECT_GT(axis.actual(), 0);
+}
+
+TEST(Plant, ABlockedLoadHoldsTheMotorOnItsShaft) {
+  AxisConfiguration configuration = elastic(20.0);
+  configuration.model.coupling_damping = 0.02;
+  AxisUnderTest axis(configuration);
+  axis.write("test_blocked_load", 1);
+  axis.write("positive_torque_limit_relative", 100);
+  saturate(axis, 1);
+  axis.step(3'000);
+  EXPECT_EQ(axis.actual(), 0);
+  // 0.3 N.m on 20 N.m/rad: 0.015 rad = 9.8 units.
+  EXPECT_NEAR(axis.status().motor_position_actual_value, 0.015 * kUnitsPerRadian, 1.0);
+}
+
+// ---- gear -------------------------------------------------------------------------------------------
+
+TEST(Plant, TheLoadTurnsWithTheMotorTimesNumeratorOverDenominator) {
+  struct Row {
+    std::int64_t numerator;
+    std::int64_t denominator;
+  };
+
+  for (const Row& row : {Row{1, 10}, Row{3, 1}, Row{2, 7}}) {
+    AxisConfiguration configuration;
+    configuration.model.load_inertia = 3.0e-5;
+    AxisUnderTest axis(configuration);
+    axis.write("gear_ratio_numerator", row.numerator);
+    axis.write("gear_ratio_denominator", row.denominator);
+    axis.write("profile_velocity", 2'000);
+    axis.enable();
+    axis.write("position_user_target_value", 4'200);
+    axis.command(0x003F);
+    const double ratio = static_cast<double>(row.numerator) / static_cast<double>(row.denominator);
+    for (int i = 0; i < 5'000; ++i) {
+      axis.step();
+      const AxisStatus& s = axis.status();
+      ASSERT_NEAR(s.load_position_actual_value, s.motor_position_actual_value * ratio,
+                  0.5 + 0.5 * ratio);
+      // Both speeds are differences of one encoder count at the least: 0.49 units/s.
+      ASSERT_NEAR(s.load_velocity_actual_value, s.motor_velocity_actual_value * ratio,
+                  1.0 + 1.0 * ratio);
+    }
+    EXPECT_EQ(axis.actual(), 4'200) << row.numerator << "/" << row.denominator;
+    EXPECT_TRUE(axis.reached());
+  }
+}
+
+TEST(Plant, TheGearReflectsInertiaAndLoadTorqueToTheMotor) {
+  AxisConfiguration configuration = frictionless();
+  configuration.parameters = {{AxisUnderTest::address_of("gear_ratio_denominator"), 2}};
+  AxisUnderTest axis(configuration);
+  // Load torque 0.3 N.m over r = 1/2: J at the motor 3e-4 + 3e-4/4, motor acceleration
+  // 0.15/3.75e-4 = 400 rad/s², load 200 rad/s².
+  axis.write("test_load_torque", 300);
+  axis.step(200);
+  EXPECT_NEAR(axis.velocity(), 200.0 * kUnitsPerRadian * 0.1995, 2.0);
+  EXPECT_NEAR(axis.status().motor_velocity_actual_value, 400.0 * kUnitsPerRadian * 0.1995, 2.0);
+}
+
+TEST(Plant, SettingTheGearDoesNotMoveTheLoad) {
+  AxisConfiguration configuration;
+  configuration.initial_position = 12'345;
+  AxisUnderTest axis(configuration);
+  axis.step();
+  axis.write("gear_ratio_denominator", 7);
+  axis.step();
+  EXPECT_EQ(axis.actual(), 12'345);
+  axis.enable();
+  EXPECT_EQ(axis.step(100), 0x0637);
+  EXPECT_EQ(axis.actual(), 12'345);
+}
+
+// ---- encoders ---------------------------------------------------------------------------------------
+
+TEST(Plant, ACoarseEncoderShowsItsCountsInTheSpeed) {
+  AxisConfiguration configuration;
+  configuration.model.encoder_resolution = 4096.0;  // one count is one unit: 1000 units/s in 1 ms
+  AxisUnderTest axis(configuration);
+  axis.write("profile_velocity", 2'500);
+  axis.enable();
+  axis.write("position_user_target_value", 2'000);
+  axis.command(0x003F);
+  bool moved = false;
+  for (int i = 0; i < 500; ++i) {
+    axis.step();
+    ASSERT_EQ(axis.status().motor_velocity_actual_value % 1'000, 0);
+    moved = moved || axis.status().motor_velocity_actual_value != 0;
+  }
+  EXPECT_TRUE(moved);
+}
+
+TEST(Plant, TheDefaultEncoderGivesAUsableSpeed) {
+  AxisUnderTest axis;
+  axis.enable();
+  axis.step(500);
+  for (int i = 0; i < 1'000; ++i) {
+    axis.step();
+    ASSERT_LT(std::abs(axis.velocity()), 10) << "ripple below 606Fh at standstill";
+  }
+}
+
+TEST(Plant, WithOneEncoderBothReadingsAreTheMotors) {
+  AxisConfiguration configuration = elastic(20.0);
+  configuration.model.coupling_damping = 0.02;
+  configuration.model.feedback = Feedback::single_encoder;
+  AxisUnderTest axis(configuration);
+  axis.enable();
+  axis.write("position_user_target_value", 5'000);
+  axis.command(0x003F);
+  for (int i = 0; i < 1'000; ++i) {
+    axis.step();
+    const AxisStatus& s = axis.status();
+    ASSERT_EQ(s.load_position_actual_value, s.motor_position_actual_value);
+    ASSERT_EQ(s.load_velocity_actual_value, s.motor_velocity_actual_value);
+  }
+}
+
+// ---- loops ------------------------------------------------------------------------------------------
+
+TEST(Plant, TheDefaultAxisFollowsTheManualsExampleWithinTwoUnitsAndSettlesToTheUnit) {
+  AxisUnderTest axis;
+  axis.enable();
+  axis.write("profile_velocity", 1'000);
+  axis.write("profile_acc", 6'000);
+  axis.write("profile_dec", 6'000);
+  axis.write("position_user_target_value", 10'000);
+  axis.command(0x003F);
+  for (int tick = 2; tick <= 10'300; ++tick) {
+    axis.step();
+    const bool constant_speed = tick > 300 && tick < 9'900;
+    ASSERT_LE(std::abs(axis.read("load_position_error_value")), constant_speed ? 2 : 10) << tick;
+  }
+  EXPECT_EQ(axis.actual(), 10'000);
+  EXPECT_EQ(axis.read("load_position_error_value"), 0);
+}
+
+/// Highest torque demand that the loops give while nothing moves.
+std::int64_t torque_at_rest(AxisUnderTest& axis) {
+  std::int64_t highest = 0;
+  for (int i = 0; i < 1'000; ++i) {
+    axis.step();
+    highest = std::max<std::int64_t>(highest, std::abs(axis.status().torque_demand));
+  }
+  return highest;
+}
+
+void expect_stable(Coupling coupling, double inertia_ratio) {
+  for (const Feedback feedback : {Feedback::single_encoder, Feedback::dual_encoder}) {
+    SCOPED_TRACE((coupling == Coupling::rigid ? "rigid " : "two inertias ") +
+                 std::to_string(inertia_ratio));
+    AxisConfiguration configuration;
+    configuration.model.coupling = coupling;
+    configuration.model.feedback = feedback;
+    configuration.model.load_inertia = configuration.model.motor_inertia * inertia_ratio;
+    AxisUnderTest axis(configuration, microseconds{125});
+    axis.enable();
+    axis.write("profile_velocity", 20'000);
+    axis.write("profile_acc", 100'000);
+    axis.write("profile_dec", 100'000);
+    axis.write("position_user_target_value", 20'000);
+    axis.command(0x003F);
+    axis.step_for(microseconds{3'000'000});
+    EXPECT_EQ(axis.actual(), 20'000);
+    // Coulomb friction of 0.05 N.m is 17 ‰ of 3 N.m: at rest no more is asked for.
+    EXPECT_LE(torque_at_rest(axis), 40);
+  }
+}
+
+TEST(Plant, TheDefaultTuningIsStableForARigidLoadOfATenthToThirtyTimesTheMotor) {
+  for (const double ratio : {0.1, 0.3, 1.0, 3.0, 10.0, 30.0}) {
+    expect_stable(Coupling::rigid, ratio);
+  }
+}
+
+TEST(Plant, TheDefaultTuningIsStableForAnElasticLoadOfATenthToTenTimesTheMotor) {
+  for (const double ratio : {0.1, 0.3, 1.0, 3.0, 10.0}) {
+    expect_stable(Coupling::two_inertia, ratio);
+  }
+}
+
+TEST(Plant, AntiWindUpLetsAReleasedAxisComeBackAndSettle) {
+  AxisUnderTest axis;
+  axis.write("following_error_window", 0xFFFFFFFF);
+  axis.enable();
+  axis.write("test_blocked_load", 1);
+  axis.write("position_user_target_value", 20'000);
+  axis.command(0x003F);
+  axis.step(3'000);
+  axis.write("test_blocked_load", 0);
+  axis.step(1'000);
+  EXPECT_EQ(axis.actual(), 20'000) << "three seconds of saturation are not in the integrator";
+}
+
+// ---- sub-steps --------------------------------------------------------------------------------------
+
+TEST(Plant, FreeMotionIsExactWhateverTheSubStep) {
+  // 0.1 s under a constant load torque with viscous friction: x = T/b (t - τ (1 - e^(-t/τ))).
+  AxisConfiguration configuration = frictionless();
+  configuration.model.viscous_friction = 6.0e-3;  // τ = 0.1 s
+  const double expected = 0.6 / 6.0e-3 * (0.1 - 0.1 * (1.0 - std::exp(-1.0))) * kUnitsPerRadian;
+  for (const std::int64_t period : {125, 160, 200, 250, 500, 1'000, 2'000, 5'000, 10'000}) {
+    AxisUnderTest axis(configuration, microseconds{period});
+    axis.write("test_load_torque", 600);
+    axis.step_for(microseconds{100'000});
+    EXPECT_NEAR(axis.actual(), expected, 0.51) << period << " us";
+  }
+}
+
+TEST(Plant, CoulombStopsConvergeWithTheSubStep) {
+  // Stopping distance v²/2a; a sub-step may blur its end by no more than v·h of the last one.
+  AxisConfiguration configuration = frictionless();
+  configuration.model.coulomb_friction = 0.06;
+  for (const std::int64_t period : {125, 126, 1'000, 10'000}) {
+    AxisUnderTest axis(configuration, microseconds{period});
+    axis.write("test_load_torque", 660);  // 1000 rad/s² beyond friction for 0.1 s
+    axis.step_for(microseconds{100'000 / period * period});
+    const double time = static_cast<double>(100'000 / period * period) * 1e-6;
+    axis.write("test_load_torque", 0);
+    const double v = 1'000.0 * time * kUnitsPerRadian;
+    const double x = 0.5 * v * time;
+    axis.step_for(microseconds{3'000'000});
+    EXPECT_NEAR(axis.actual(), x + v * v / (2.0 * 100.0 * kUnitsPerRadian), 1.5) << period;
+    EXPECT_EQ(axis.velocity(), 0);
+  }
+}
+
+}  // namespace
+}  // namespace vdrive

@@ -1,0 +1,455 @@
+// SPDX-License-Identifier: Apache-2.0
+// Option codes 605Ah to 605Eh and 6007h: which ramp, which state meanwhile, which state after.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "core/support/axis_under_test.hpp"
+
+namespace vdrive {
+namespace {
+
+using test::AxisUnderTest;
+using enum PowerState;
+
+// Ramps that cannot be confused: from 40000/s they take 0.8 s, 0.4 s and 0.2 s.
+constexpr std::int64_t kNormalRamp = 50'000;    // 6084h
+constexpr std::int64_t kQuickRamp = 100'000;    // 6085h
+constexpr std::int64_t kSteepestRamp = 200'000;  // 60C6h
+constexpr std::int32_t kSpeed = 40'000;
+
+/// Moving with constant speed, controlword 001Fh.
+void start_moving(AxisUnderTest& axis) {
+  axis.write("profile_acc", 1'000'000);
+  axis.write("profile_dec", kNormalRamp);
+  axis.write("quick_stop_deceleration", kQuickRamp);
+  axis.write("app_dec_limit", kSteepestRamp);
+  axis.write("profile_velocity", kSpeed);
+  axis.enable();
+  axis.write("position_user_target_value", 10'000'000);
+  axis.command(0x001F);
+  axis.step(200);
+  ASSERT_EQ(axis.demand_velocity(), kSpeed);
+}
+
+std::int64_t ramp_of(std::int64_t option) {
+  switch (option) {
+    case 1:
+      return kNormalRamp;
+    case 2:
+      return kQuickRamp;
+    default:
+      return kSteepestRamp;
+  }
+}
+
+/// Follows a braking axis while it stays in `state`: each tick takes `ramp`/1000 off the speed.
+/// @return ticks until another state shows, or until it stands for 200 ticks.
+std::uint64_t expect_braking(AxisUnderTest& axis, PowerState state, std::int64_t ramp) {
+  const auto braking = static_cast<std::uint64_t>(kSpeed * 1'000 / ramp);
+  for (std::uint64_t tick = 1; tick <= braking + 200; ++tick) {
+    if (axis.state() != state) {
+      EXPECT_GT(tick, braking) << "left " << to_string(state) << " before standstill";
+      return tick;
+    }
+    if (tick <= braking) {
+      const auto expected = kSpeed - static_cast<std::int64_t>(tick) * ramp / 1'000;
+      EXPECT_NEAR(axis.demand_velocity(), static_cast<double>(expected), 1) << "tick " << tick;
+      if (axis.demand_velocity() > expected + 1 || axis.demand_velocity() < expected - 1) {
+        return 0;
+      }
+      EXPECT_EQ(axis.status().motor_op_status, 1);
+    } else {
+      EXPECT_EQ(axis.demand_velocity(), 0);
+    }
+    axis.step();
+  }
+  return braking + 200;
+}
+
+// ---- 605Ah ------------------------------------------------------------------------------------------
+
+class QuickStop : public testing::TestWithParam<std::int64_t> {};
+
+TEST_P(QuickStop, BrakesWithTheRampOfItsOptionAndThenLeavesOrStays) {
+  const std::int64_t option = GetParam();
+  AxisUnderTest axis;
+  axis.write("quick_stop_option_code", option);
+  ASSERT_NO_FATAL_FAILURE(start_moving(axis));
+
+  EXPECT_EQ(axis.command(0x0002), 0x0217);
+  expect_braking(axis, quick_stop_active, ramp_of(option > 4 ? option - 4 : option));
+
+  if (option <= 4) {
+    EXPECT_EQ(axis.statusword(), 0x0250);
+    EXPECT_EQ(axis.status().motor_op_status, 0);
+  } else {
+    EXPECT_EQ(axis.statusword(), 0x0617) << "standing, still powered";
+    EXPECT_EQ(axis.status().motor_op_status, 1);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(StopOptions, QuickStop, testing::Values(1, 2, 3, 4, 5, 6, 7, 8),
+                         testing::PrintToStringParamName());
+
+TEST(StopOptions, QuickStop0LetsTheAxisCoastAndShowsItsStateForAWholeTick) {
+  AxisUnderTest axis;
+  axis.write("quick_stop_option_code", 0);
+  ASSERT_NO_FATAL_FAILURE(start_moving(axis));
+  const std::int32_t before = axis.velocity();
+
+  axis.command(0x0002);
+
+  EXPECT_EQ(axis.state(), quick_stop_active);
+  EXPECT_EQ(axis.status().motor_op_status, 0);
+  axis.step();
+  EXPECT_EQ(axis.statusword(), 0x0250);
+  // Coulomb friction alone: 0.05 N.m on 6e-4 kg.m2 = 83.3 rad/s² = 54325 units/s².
+  axis.step(10);
+  EXPECT_GT(axis.velocity(), before - 2'000);
+}
+
+TEST(StopOptions, AQuickStopAtRestShowsItsStateForAtLeastOneTick) {
+  for (std::int64_t option = 0; option <= 4; ++option) {
+    AxisUnderTest axis;
+    axis.write("quick_stop_option_code", option);
+    axis.enable();
+    axis.command(0x0002);
+    EXPECT_EQ(axis.state(), quick_stop_active) << option;
+    EXPECT_NE(axis.step_until_status(0x004F, 0x0040, 3), 0U) << option;
+  }
+}
+
+TEST(StopOptions, TheQuickStopDwellHoldsTheStateForItsTime) {
+  AxisConfiguration configuration;
+  configuration.settings.quick_stop_dwell_ms = 50;
+  AxisUnderTest axis(configuration);
+  axis.enable();
+  axis.command(0x0002);
+  EXPECT_EQ(axis.step(48), 0x0617);
+  EXPECT_NE(axis.step_until_status(0x004F, 0x0040, 3), 0U);
+}
+
+TEST(StopOptions, TheQuickRampIsCappedBy60C6hAnd0CountsAs1) {
+  AxisUnderTest axis;
+  ASSERT_NO_FATAL_FAILURE(start_moving(axis));
+  axis.write("quick_stop_deceleration", 1'000'000);
+  axis.command(0x0002);
+  expect_braking(axis, quick_stop_active, kSteepestRamp);
+
+  AxisUnderTest slow;
+  ASSERT_NO_FATAL_FAILURE(start_moving(slow));
+  slow.write("quick_stop_deceleration", 0);
+  slow.command(0x0002);
+  slow.step(1'999);
+  EXPECT_EQ(slow.demand_velocity(), kSpeed - 2);
+}
+
+TEST(StopOptions, QuickStopDropsTheMoveAndReEnablingDoesNotRestartIt) {
+  AxisUnderTest axis;
+  axis.write("quick_stop_option_code", 6);
+  ASSERT_NO_FATAL_FAILURE(start_moving(axis));
+  axis.command(0x0002);
+  axis.step(600);
+  ASSERT_EQ(axis.statusword(), 0x0617);
+
+  EXPECT_EQ(axis.command(0x000F), 0x0637) << "T16";
+  const std::int32_t rest = axis.demand();
+  axis.step(500);
+  EXPECT_EQ(axis.demand(), rest);
+  EXPECT_EQ(axis.statusword(), 0x0637);
+}
+
+TEST(StopOptions, ReEnablingDuringTheQuickStopBringsTheAxisToRest) {
+  AxisUnderTest axis;
+  axis.write("quick_stop_option_code", 6);
+  ASSERT_NO_FATAL_FAILURE(start_moving(axis));
+  axis.command(0x0002);
+  axis.step(100);
+  EXPECT_EQ(axis.command(0x000F), 0x0237);
+  EXPECT_NE(axis.step_until([&axis] { return axis.reached(); }, 2'000), 0U);
+  EXPECT_EQ(axis.demand_velocity(), 0);
+  const std::int32_t rest = axis.demand();
+  axis.step(500);
+  EXPECT_EQ(axis.demand(), rest);
+}
+
+TEST(StopOptions, ReEnablingWith0x1FDoesNotTakeTheHeldBit4AsASetPoint) {
+  AxisUnderTest axis;
+  axis.write("quick_stop_option_code", 6);
+  ASSERT_NO_FATAL_FAILURE(start_moving(axis));
+  axis.command(0x0002);
+  axis.step(600);
+  EXPECT_EQ(axis.command(0x001F), 0x0637) << "Operation enabled must hold before the word";
+  EXPECT_EQ(axis.status().ignored_set_points, 1U);
+}
+
+TEST(StopOptions, DisableVoltageInAQuickStopTakesThePowerAtOnce) {
+  AxisUnderTest axis;
+  ASSERT_NO_FATAL_FAILURE(start_moving(axis));
+  axis.command(0x0002);
+  axis.step(50);
+  EXPECT_EQ(axis.command(0x0000), 0x0250);
+  EXPECT_EQ(axis.status().motor_op_status, 0);
+  EXPECT_GT(axis.velocity(), 10'000) << "coasting";
+}
+
+TEST(StopOptions, AStandingEnableWordDoesNotReEnableAfterTheQuickStop) {
+  AxisUnderTest axis;
+  ASSERT_NO_FATAL_FAILURE(start_moving(axis));
+  axis.command(0x0002);
+  axis.command(0x000F);
+  EXPECT_NE(axis.step_until_status(0x004F, 0x0040, 2'000), 0U);
+  EXPECT_EQ(axis.step(100), 0x0250);
+}
+
+// ---- 605Bh and 605Ch --------------------------------------------------------------------------------
+
+TEST(StopOptions, Shutdown0ChangesTheStateAtOnceAndTheAxisCoasts) {
+  AxisUnderTest axis;
+  ASSERT_NO_FATAL_FAILURE(start_moving(axis));
+  EXPECT_EQ(axis.command(0x0006), 0x0231);
+  EXPECT_GT(axis.velocity(), kSpeed - 1'000);
+  EXPECT_EQ(axis.status().current_actual_value, 0);
+}
+
+TEST(StopOptions, Shutdown1BrakesInOperationEnabledFirst) {
+  AxisUnderTest axis;
+  axis.write("shutdown_option_code", 1);
+  ASSERT_NO_FATAL_FAILURE(start_moving(axis));
+  axis.command(0x0006);
+  expect_braking(axis, operation_enabled, kNormalRamp);
+  EXPECT_EQ(axis.statusword(), 0x0231);
+}
+
+TEST(StopOptions, DisableOperation0ChangesTheStateAtOnce) {
+  AxisUnderTest axis;
+  axis.write("disable_operation_option_code", 0);
+  ASSERT_NO_FATAL_FAILURE(start_moving(axis));
+  EXPECT_EQ(axis.command(0x0007), 0x0233);
+}
+
+TEST(StopOptions, DisableOperation1BrakesInOperationEnabledFirst) {
+  AxisUnderTest axis;
+  ASSERT_NO_FATAL_FAILURE(start_moving(axis));
+  axis.command(0x0007);
+  expect_braking(axis, operation_enabled, kNormalRamp);
+  EXPECT_EQ(axis.statusword(), 0x0233);
+}
+
+TEST(StopOptions, ARampOnceBegunIsNotTakenBackByEnableOperation) {
+  AxisUnderTest axis;
+  ASSERT_NO_FATAL_FAILURE(start_moving(axis));
+  axis.command(0x0007);
+  axis.command(0x000F);
+  EXPECT_NE(axis.step_until_status(0x006F, 0x0023, 2'000), 0U);
+}
+
+TEST(StopOptions, StrongerCommandsActDuringTheRamp) {
+  for (const auto& [word, state] :
+       {std::pair{0x0000, switch_on_disabled}, std::pair{0x0002, quick_stop_active},
+        std::pair{0x0006, ready_to_switch_on}}) {
+    AxisUnderTest axis;  // 605Bh = 0: shutdown acts at once
+    ASSERT_NO_FATAL_FAILURE(start_moving(axis));
+    axis.command(0x0007);
+    axis.step(100);
+    axis.command(static_cast<std::uint16_t>(word));
+    EXPECT_EQ(axis.state(), state) << std::hex << word;
+  }
+}
+
+TEST(StopOptions, NoSetPointIsTakenDuringTheRamp) {
+  AxisUnderTest axis;
+  ASSERT_NO_FATAL_FAILURE(start_moving(axis));
+  axis.command(0x0007);
+  axis.step(100);
+  axis.command(0x0017);
+  axis.command(0x0007);
+  axis.command(0x001F);
+  EXPECT_EQ(axis.status().ignored_set_points, 2U);
+  EXPECT_NE(axis.step_until_status(0x006F, 0x0023, 2'000), 0U);
+}
+
+// ---- 605Dh ------------------------------------------------------------------------------------------
+
+class HaltOption : public testing::TestWithParam<std::int64_t> {};
+
+TEST_P(HaltOption, BrakesWithItsRampAndStaysInOperationEnabled) {
+  AxisUnderTest axis;
+  axis.write("halt_option_code", GetParam());
+  ASSERT_NO_FATAL_FAILURE(start_moving(axis));
+  EXPECT_EQ(axis.command(0x010F), 0x0237);
+  expect_braking(axis, operation_enabled, ramp_of(GetParam()));
+  EXPECT_EQ(axis.statusword(), 0x0637);
+}
+
+INSTANTIATE_TEST_SUITE_P(StopOptions, HaltOption, testing::Values(1, 2, 3, 4),
+                         testing::PrintToStringParamName());
+
+// ---- 605Eh ------------------------------------------------------------------------------------------
+
+class FaultReaction : public testing::TestWithParam<std::int64_t> {};
+
+TEST_P(FaultReaction, BrakesWithItsRampInFaultReactionActive) {
+  AxisUnderTest axis;
+  axis.write("fault_reaction_option_code", GetParam());
+  ASSERT_NO_FATAL_FAILURE(start_moving(axis));
+  axis.write("test_over_temperature", 1);
+  EXPECT_EQ(axis.step(), 0x021F);
+  expect_braking(axis, fault_reaction_active, ramp_of(GetParam()));
+  EXPECT_EQ(axis.statusword(), 0x0218);
+}
+
+INSTANTIATE_TEST_SUITE_P(StopOptions, FaultReaction, testing::Values(1, 2, 3, 4),
+                         testing::PrintToStringParamName());
+
+TEST(StopOptions, FaultReaction0LetsTheAxisCoast) {
+  AxisUnderTest axis;
+  axis.write("fault_reaction_option_code", 0);
+  ASSERT_NO_FATAL_FAILURE(start_moving(axis));
+  axis.write("test_over_temperature", 1);
+  EXPECT_EQ(axis.step(), 0x021F);
+  EXPECT_EQ(axis.status().motor_op_status, 0);
+  EXPECT_EQ(axis.step(), 0x0218);
+  EXPECT_GT(axis.velocity(), kSpeed - 2'000);
+}
+
+// ---- 6007h ------------------------------------------------------------------------------------------
+
+TEST(StopOptions, ASilentMasterIsIgnoredWith6007hAt0) {
+  AxisUnderTest axis;
+  axis.write("abort_connection_option_code", 0);
+  ASSERT_NO_FATAL_FAILURE(start_moving(axis));
+  axis.axis().report_connection_loss();
+  axis.step();
+  EXPECT_EQ(axis.state(), operation_enabled);
+  EXPECT_EQ(axis.demand_velocity(), kSpeed);
+}
+
+TEST(StopOptions, ASilentMasterIsAFaultByDefault) {
+  AxisUnderTest axis;
+  ASSERT_NO_FATAL_FAILURE(start_moving(axis));
+  axis.axis().report_connection_loss();
+  EXPECT_EQ(axis.step(), 0x021F);
+  EXPECT_EQ(axis.read("error_code"), 0x8130);
+  EXPECT_EQ(axis.read("error_register") & 0x10, 0x10);
+  expect_braking(axis, fault_reaction_active, kQuickRamp);  // 605Eh = 2
+  EXPECT_EQ(axis.statusword(), 0x0218);
+  EXPECT_EQ(axis.step(1'000), 0x0218) << "latched, never resuming by itself";
+  EXPECT_EQ(axis.command(0x0086), 0x0250);
+}
+
+TEST(StopOptions, ASilentMasterDisablesVoltageWith6007hAt2) {
+  AxisUnderTest axis;
+  axis.write("abort_connection_option_code", 2);
+  ASSERT_NO_FATAL_FAILURE(start_moving(axis));
+  axis.axis().report_connection_loss();
+  EXPECT_EQ(axis.step(), 0x0250);
+  EXPECT_EQ(axis.read("error_code"), 0);
+}
+
+TEST(StopOptions, ASilentMasterIsAQuickStopWith6007hAt3) {
+  AxisUnderTest axis;
+  axis.write("abort_connection_option_code", 3);
+  ASSERT_NO_FATAL_FAILURE(start_moving(axis));
+  axis.axis().report_connection_loss();
+  EXPECT_EQ(axis.step(), 0x0217);
+  expect_braking(axis, quick_stop_active, kQuickRamp);
+  EXPECT_EQ(axis.statusword(), 0x0250);
+}
+
+TEST(StopOptions, ASilentMasterMattersOnlyWhileTheAxisIsControlled) {
+  for (const std::int64_t option : {1, 2, 3}) {
+    AxisUnderTest axis;
+    axis.write("abort_connection_option_code", option);
+    axis.axis().report_connection_loss();
+    EXPECT_EQ(axis.step(), 0x0250) << option;
+    axis.command(0x0006);
+    axis.axis().report_connection_loss();
+    EXPECT_EQ(axis.step(), 0x0231) << option;
+    axis.command(0x0007);
+    axis.axis().report_connection_loss();
+    EXPECT_EQ(axis.step(), 0x0233) << option;
+  }
+}
+
+// ---- a cyclic master --------------------------------------------------------------------------------
+
+/// A master that writes 6040h in every tick must not hold up what the drive does by itself.
+std::uint64_t ticks_until(AxisUnderTest& axis, PowerState state, std::uint16_t word) {
+  return axis.step_until(
+      [&] {
+        axis.controlword(word);
+        return axis.state() == state;
+      },
+      3'000);
+}
+
+TEST(StopOptions, AWordRepeatedInEveryTickDoesNotHoldUpTheEndOfAQuickStop) {
+  AxisUnderTest axis;
+  ASSERT_NO_FATAL_FAILURE(start_moving(axis));
+  axis.command(0x0002);
+  EXPECT_NEAR(static_cast<double>(ticks_until(axis, switch_on_disabled, 0x0002)), 400.0, 100.0);
+}
+
+TEST(StopOptions, AWordRepeatedInEveryTickDoesNotHoldUpTheEndOfAFaultReaction) {
+  AxisUnderTest axis;
+  ASSERT_NO_FATAL_FAILURE(start_moving(axis));
+  axis.write("test_over_current", 1);
+  axis.controlword(0x001F);
+  axis.step();
+  EXPECT_NEAR(static_cast<double>(ticks_until(axis, fault, 0x001F)), 400.0, 100.0);
+}
+
+TEST(StopOptions, AWordRepeatedInEveryTickDoesNotHoldUpTheEndOfADisableRamp) {
+  AxisUnderTest axis;
+  ASSERT_NO_FATAL_FAILURE(start_moving(axis));
+  axis.command(0x0007);
+  EXPECT_NEAR(static_cast<double>(ticks_until(axis, switched_on, 0x0007)), 800.0, 100.0);
+}
+
+TEST(StopOptions, RampsWrittenInEveryTickDoNotHoldUpTheEndOfAStop) {
+  AxisUnderTest axis;
+  ASSERT_NO_FATAL_FAILURE(start_moving(axis));
+  axis.command(0x0002);
+  const std::uint64_t ticks = axis.step_until(
+      [&axis] {
+        axis.write("profile_dec", kNormalRamp);
+        axis.write("position_target_reached_window", 100);
+        return axis.state() == switch_on_disabled;
+      },
+      3'000);
+  EXPECT_NEAR(static_cast<double>(ticks), 400.0, 100.0);
+}
+
+TEST(StopOptions, AWordRepeatedInEveryTickDoesNotHoldUpAModeChangeInMotion) {
+  AxisUnderTest axis;
+  ASSERT_NO_FATAL_FAILURE(start_moving(axis));
+  axis.write("op_mode_cmd", 0);
+  const std::uint64_t ticks = axis.step_until(
+      [&axis] {
+        axis.controlword(0x001F);
+        return axis.read("op_mode_actual") == 0;
+      },
+      3'000);
+  EXPECT_NEAR(static_cast<double>(ticks), 800.0, 100.0);
+}
+
+TEST(StopOptions, AStopWaitsNoLongerThanASecondForAnAxisThatDoesNotStandStill) {
+  // A threshold of 0 and an encoder of 4096 counts under a load: the speed hunts around zero.
+  AxisConfiguration configuration;
+  configuration.model.encoder_resolution = 4096.0;
+  configuration.model.load_encoder_resolution = 4096.0;
+  AxisUnderTest axis(configuration);
+  axis.write("velocity_threshold", 0);
+  ASSERT_NO_FATAL_FAILURE(start_moving(axis));
+  axis.write("test_load_torque", 500);
+  axis.command(0x0002);
+  EXPECT_NE(axis.step_until([&axis] { return axis.state() == switch_on_disabled; }, 1'450), 0U);
+}
+
+}  // namespace
+}  // namespace vdrive

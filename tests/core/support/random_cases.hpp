@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <cstdlib>
+#include <string_view>
+
+namespace vdrive::test {
+
+/// Number of random cases: `usual`, with VDRIVE_NIGHTLY=1 in the environment `nightly`.
+inline std::uint64_t case_count(std::uint64_t usual, std::uint64_t nightly) {
+  const char* const variable = std::getenv("VDRIVE_NIGHTLY");
+  return variable != nullptr && std::string_view(variable) == "1" ? nightly : usual;
+}
+
+/// SplitMix64: the same numbers on every machine.
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : state_(seed) {}
+
+  std::uint64_t bits() {
+    state_ += 0x9E3779B97F4A7C15U;
+    std::uint64_t z = state_;
+    z = (z ^ (z >> 30U)) * 0xBF58476D1CE4E5B9U;
+    z = (z ^ (z >> 27U)) * 0x94D049BB133111EBU;
+    return z ^ (z >> 31U);
+  }
+
+  /// Uniform in [0, bound).
+  std::uint64_t below(std::uint64_t bound) { return bits() % bound; }
+
+  /// True once in `n` times.
+  bool one_in(std::uint64_t n) { return below(n) == 0; }
+
+  /// Uniform in [0, 1).
+  double unit() { return static_cast<double>(bits() >> 11U) * 0x1.0p-53; }
+
+  /// A register of 32 bits: its ends, powers of two and their neighbours, small numbers, any.
+  std::uint32_t word() {
+    switch (below(6)) {
+      case 0:
+        return static_cast<std::uint32_t>(below(3));
+      case 1:
+        return 0xFFFFFFFFU - static_cast<std::uint32_t>(below(3));
+      case 2:
+        return (1U << below(32)) - 1U + static_cast<std::uint32_t>(below(3));
+      case 3:
+        return static_cast<std::uint32_t>(bits() >> 32U) >> below(32);
+      case 4:
+        return 0x80000000U - 1U + static_cast<std::uint32_t>(below(3));
+      default:
+        return static_cast<std::uint32_t>(bits() >> 32U);
+    }
+  }
+
+ private:
+  std::uint64_t state_;
+};
+
+}  // namespace vdrive::test
