@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/axis_bank.hpp"
+#include "vdrive/axis_status.hpp"
+#include "vdrive_messages.h"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace vdrive::wire {
+
+/// Who holds an axis, as the status shows it.
+struct Ownership {
+  std::uint64_t session = 0;  ///< 0 = free
+  std::uint32_t epoch = 0;
+  std::uint64_t last_sequence = 0;  ///< last command frame of the owner that was applied
+};
+
+/// Address of an axis on the network.
+struct AxisAddress {
+  std::uint32_t bench = 0;
+  std::uint16_t axis = 0;  ///< number on its bench, from 1
+};
+
+/// Fills `message` with the status image. Sequences keep their capacity: no allocation after the
+/// first use of a message.
+void to_message(const AxisStatus& status, const AxisAddress& address, std::uint64_t tick,
+                const Ownership& owner, msg::AxisStatus& message);
+
+/// @return the status image that `message` carries.
+[[nodiscard]] AxisStatus from_message(const msg::AxisStatus& message);
+
+/// Fills `message` with every writable object of the manual, read from axis `index` of `bank`.
+void to_message(const AxisBank& bank, std::size_t index, const AxisAddress& address,
+                std::uint64_t tick, msg::AxisParameters& message);
+
+/// @return the value of the object `row` when `message` has it as a member, else nothing.
+[[nodiscard]] std::optional<std::int64_t> value_of(const msg::AxisStatus& message, ObjectRow row);
+
+/// @return the words for a reason of the wire: a REASON_ constant or a CiA 301 abort code.
+[[nodiscard]] std::string describe_reason(std::uint32_t reason);
+
+}  // namespace vdrive::wire

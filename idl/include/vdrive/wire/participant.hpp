@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace vdrive::wire {
+
+/// Where a participant may be reached. The default is loopback UDP only.
+struct NetworkSettings {
+  std::uint32_t domain = 0;  ///< DDS domain, 0 to 232
+  std::vector<std::string>
+      interfaces{};                  ///< addresses of further interfaces; empty = loopback only
+  std::vector<std::string> peers{};  ///< addresses asked for participants beside multicast
+  bool shared_memory = false;        ///< opt-in: killed processes leave segments behind
+};
+
+/// DDS could not be set up; the message names the entity and the setting.
+class NetworkError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// A DDS domain participant: lease 2 s, no type objects on the wire. Owns everything below it; must
+/// outlive its publications and subscriptions.
+class Participant {
+ public:
+  /// @throws NetworkError when the domain is out of range or DDS refuses the participant.
+  Participant(const NetworkSettings& settings, const std::string& name);
+  ~Participant();
+  Participant(const Participant&) = delete;
+  Participant& operator=(const Participant&) = delete;
+
+  struct Entities;  ///< DDS objects, known inside the wire room only
+
+  [[nodiscard]] Entities& entities() noexcept { return *entities_; }
+
+ private:
+  std::unique_ptr<Entities> entities_;
+};
+
+}  // namespace vdrive::wire

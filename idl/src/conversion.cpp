@@ -1,0 +1,309 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdrive/wire/conversion.hpp"
+
+#include "vdrive/dictionary/abort_code.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
+
+#include <array>
+#include <cstdio>
+#include <string_view>
+#include <utility>
+
+namespace vdrive::wire {
+namespace {
+
+using namespace vdrive::literals;
+
+/// A member of the AxisStatus message that is an object.
+struct StatusMember {
+  ObjectRow row;
+  std::int64_t (*value)(const msg::AxisStatus& message);
+};
+
+constexpr std::array<StatusMember, 20> kStatusMembers{{
+    {"ds402_statusword"_object,
+     [](const auto& m) -> std::int64_t {
+       return m.ds402_statusword();
+     }},
+    {"op_mode_actual"_object,
+     [](const auto& m) -> std::int64_t {
+       return m.op_mode_actual();
+     }},
+    {"motor_op_status"_object,
+     [](const auto& m) -> std::int64_t {
+       return m.motor_op_status();
+     }},
+    {"error_code"_object,
+     [](const auto& m) -> std::int64_t {
+       return m.error_code();
+     }},
+    {"error_register"_object,
+     [](const auto& m) -> std::int64_t {
+       return m.error_register();
+     }},
+    {"digital_inputs"_object,
+     [](const auto& m) -> std::int64_t {
+       return m.digital_inputs();
+     }},
+    {"position_demand_value"_object,
+     [](const auto& m) -> std::int64_t {
+       return m.position_demand_value();
+     }},
+    {"load_position_actual_value"_object,
+     [](const auto& m) -> std::int64_t {
+       return m.load_position_actual_value();
+     }},
+    {"load_position_error_value"_object,
+     [](const auto& m) -> std::int64_t {
+       return m.load_position_error_value();
+     }},
+    {"motor_position_actual_value"_object,
+     [](const auto& m) -> std::int64_t {
+       return m.motor_position_actual_value();
+     }},
+    {"motor_position_error_value"_object,
+     [](const auto& m) -> std::int64_t {
+       return m.motor_position_error_value();
+     }},
+    {"velocity_demand_value"_object,
+     [](const auto& m) -> std::int64_t {
+       return m.velocity_demand_value();
+     }},
+    {"load_velocity_actual_value"_object,
+     [](const auto& m) -> std::int64_t {
+       return m.load_velocity_actual_value();
+     }},
+    {"load_velocity_error_value"_object,
+     [](const auto& m) -> std::int64_t {
+       return m.load_velocity_error_value();
+     }},
+    {"motor_velocity_actual_value"_object,
+     [](const auto& m) -> std::int64_t {
+       return m.motor_velocity_actual_value();
+     }},
+    {"motor_velocity_error_value"_object,
+     [](const auto& m) -> std::int64_t {
+       return m.motor_velocity_error_value();
+     }},
+    {"current_actual_value"_object,
+     [](const auto& m) -> std::int64_t {
+       return m.current_actual_value();
+     }},
+    {"current_error_value"_object,
+     [](const auto& m) -> std::int64_t {
+       return m.current_error_value();
+     }},
+    {"torque_demand"_object,
+     [](const auto& m) -> std::int64_t {
+       return m.torque_demand();
+     }},
+    {"torque_actual_value"_object,
+     [](const auto& m) -> std::int64_t {
+       return m.torque_actual_value();
+     }},
+}};
+
+/// A member of the AxisParameters message.
+struct ParameterMember {
+  ObjectRow row;
+  void (*assign)(msg::AxisParameters& message, std::int64_t value);
+};
+
+template <typename Integer>
+constexpr Integer as(std::int64_t value) noexcept {
+  return static_cast<Integer>(value);
+}
+
+constexpr std::array<ParameterMember, 17> kParameterMembers{{
+    {"ds402_controlword"_object,
+     [](auto& m, auto value) {
+       m.ds402_controlword(as<std::uint16_t>(value));
+     }},
+    {"op_mode_cmd"_object,
+     [](auto& m, auto value) {
+       m.op_mode_cmd(as<std::int8_t>(value));
+     }},
+    {"position_target_reached_window"_object,
+     [](auto& m, auto value) {
+       m.position_target_reached_window(as<std::uint32_t>(value));
+     }},
+    {"position_target_reached_window_time"_object,
+     [](auto& m, auto value) {
+       m.position_target_reached_window_time(as<std::uint16_t>(value));
+     }},
+    {"position_user_target_value"_object,
+     [](auto& m, auto value) {
+       m.position_user_target_value(as<std::int32_t>(value));
+     }},
+    {"user_position_lower_limit"_object,
+     [](auto& m, auto value) {
+       m.user_position_lower_limit(as<std::int32_t>(value));
+     }},
+    {"user_position_upper_limit"_object,
+     [](auto& m, auto value) {
+       m.user_position_upper_limit(as<std::int32_t>(value));
+     }},
+    {"app_speed_limit"_object,
+     [](auto& m, auto value) {
+       m.app_speed_limit(as<std::uint32_t>(value));
+     }},
+    {"motor_max_speed_rpm"_object,
+     [](auto& m, auto value) {
+       m.motor_max_speed_rpm(as<std::uint32_t>(value));
+     }},
+    {"profile_velocity"_object,
+     [](auto& m, auto value) {
+       m.profile_velocity(as<std::uint32_t>(value));
+     }},
+    {"profile_acc"_object,
+     [](auto& m, auto value) {
+       m.profile_acc(as<std::uint32_t>(value));
+     }},
+    {"profile_dec"_object,
+     [](auto& m, auto value) {
+       m.profile_dec(as<std::uint32_t>(value));
+     }},
+    {"app_acc_limit"_object,
+     [](auto& m, auto value) {
+       m.app_acc_limit(as<std::uint32_t>(value));
+     }},
+    {"app_dec_limit"_object,
+     [](auto& m, auto value) {
+       m.app_dec_limit(as<std::uint32_t>(value));
+     }},
+    {"positive_torque_limit_relative"_object,
+     [](auto& m, auto value) {
+       m.positive_torque_limit_relative(as<std::uint16_t>(value));
+     }},
+    {"negative_torque_limit_relative"_object,
+     [](auto& m, auto value) {
+       m.negative_torque_limit_relative(as<std::uint16_t>(value));
+     }},
+    {"positioning_option_code"_object,
+     [](auto& m, auto value) {
+       m.positioning_option_code(as<std::uint16_t>(value));
+     }},
+}};
+
+constexpr std::array<std::pair<std::uint32_t, std::string_view>, 20> kReasons{{
+    {msg::REASON_NONE, "accepted"},
+    {msg::REASON_WRONG_INCARNATION, "meant for another run of the service"},
+    {msg::REASON_STALE_EPOCH, "the epoch is not current: control was lost, released or renewed"},
+    {msg::REASON_NOT_OWNER, "the session does not own the axis"},
+    {msg::REASON_UNKNOWN_AXIS, "no such axis"},
+    {msg::REASON_AXIS_TWICE, "the axis stands twice in one frame"},
+    {msg::REASON_TOO_MANY_AXES, "more axes than a frame may hold"},
+    {msg::REASON_TOO_MANY_OBJECTS, "more objects than the message may hold"},
+    {msg::REASON_UNKNOWN_MEMBERS, "unknown bits in members"},
+    {msg::REASON_UNKNOWN_FLAGS, "unknown bits in flags"},
+    {msg::REASON_UNKNOWN_KIND, "unknown kind of request"},
+    {msg::REASON_TOO_LATE, "too late: its tick or its place in the sequence has passed"},
+    {msg::REASON_TOO_FAR_AHEAD, "the tick is too far ahead"},
+    {msg::REASON_QUEUE_FULL, "the queue is full"},
+    {msg::REASON_WRONG_CLOCK_MODE, "not in this clock mode"},
+    {msg::REASON_MISSING_COMMANDS, "command frames sent before have not arrived"},
+    {msg::REASON_BAD_SESSION, "session or client number is missing"},
+    {msg::REASON_TOO_MANY_TICKS, "more ticks than one request may ask for"},
+    {msg::REASON_NOTHING_DONE, "the request names nothing to do"},
+    {msg::REASON_CANCELLED, "dropped while it waited for its tick"},
+}};
+
+}  // namespace
+
+void to_message(const AxisStatus& status, const AxisAddress& address, std::uint64_t tick,
+                const Ownership& owner, msg::AxisStatus& message) {
+  message.bench(address.bench);
+  message.axis(address.axis);
+  message.tick(tick);
+  message.owner_session(owner.session);
+  message.owner_epoch(owner.epoch);
+  message.last_sequence(owner.last_sequence);
+  message.ds402_statusword(status.ds402_statusword);
+  message.op_mode_actual(status.op_mode_actual);
+  message.motor_op_status(status.motor_op_status);
+  message.error_code(status.error_code);
+  message.error_register(status.error_register);
+  message.digital_inputs(status.digital_inputs);
+  message.position_demand_value(status.position_demand_value);
+  message.load_position_actual_value(status.load_position_actual_value);
+  message.load_position_error_value(status.load_position_error_value);
+  message.motor_position_actual_value(status.motor_position_actual_value);
+  message.motor_position_error_value(status.motor_position_error_value);
+  message.velocity_demand_value(status.velocity_demand_value);
+  message.load_velocity_actual_value(status.load_velocity_actual_value);
+  message.load_velocity_error_value(status.load_velocity_error_value);
+  message.motor_velocity_actual_value(status.motor_velocity_actual_value);
+  message.motor_velocity_error_value(status.motor_velocity_error_value);
+  message.current_actual_value(status.current_actual_value);
+  message.current_error_value(status.current_error_value);
+  message.torque_demand(status.torque_demand);
+  message.torque_actual_value(status.torque_actual_value);
+  message.ignored_set_points(status.ignored_set_points);
+  message.fault_count(status.fault_count);
+  message.objects().clear();
+}
+
+AxisStatus from_message(const msg::AxisStatus& message) {
+  return {
+      .position_demand_value = message.position_demand_value(),
+      .load_position_actual_value = message.load_position_actual_value(),
+      .load_position_error_value = message.load_position_error_value(),
+      .motor_position_actual_value = message.motor_position_actual_value(),
+      .motor_position_error_value = message.motor_position_error_value(),
+      .velocity_demand_value = message.velocity_demand_value(),
+      .load_velocity_actual_value = message.load_velocity_actual_value(),
+      .load_velocity_error_value = message.load_velocity_error_value(),
+      .motor_velocity_actual_value = message.motor_velocity_actual_value(),
+      .motor_velocity_error_value = message.motor_velocity_error_value(),
+      .current_error_value = message.current_error_value(),
+      .current_actual_value = message.current_actual_value(),
+      .torque_actual_value = message.torque_actual_value(),
+      .torque_demand = message.torque_demand(),
+      .ds402_statusword = message.ds402_statusword(),
+      .error_code = message.error_code(),
+      .op_mode_actual = message.op_mode_actual(),
+      .motor_op_status = message.motor_op_status(),
+      .error_register = message.error_register(),
+      .digital_inputs = message.digital_inputs(),
+      .ignored_set_points = message.ignored_set_points(),
+      .fault_count = message.fault_count(),
+  };
+}
+
+void to_message(const AxisBank& bank, std::size_t index, const AxisAddress& address,
+                std::uint64_t tick, msg::AxisParameters& message) {
+  message.bench(address.bench);
+  message.axis(address.axis);
+  message.tick(tick);
+  for (const auto& member : kParameterMembers) {
+    member.assign(message, bank.read(index, describe(member.row).address).value);
+  }
+}
+
+std::optional<std::int64_t> value_of(const msg::AxisStatus& message, ObjectRow row) {
+  for (const auto& member : kStatusMembers) {
+    if (member.row == row) {
+      return member.value(message);
+    }
+  }
+  const ObjectAddress address = describe(row).address;
+  for (const auto& object : message.objects()) {
+    if (ObjectAddress{object.index(), object.subindex()} == address) {
+      return object.value();
+    }
+  }
+  return std::nullopt;
+}
+
+std::string describe_reason(std::uint32_t reason) {
+  for (const auto& [code, words] : kReasons) {
+    if (code == reason) {
+      return std::string(words);
+    }
+  }
+  std::array<char, 16> code{};
+  std::snprintf(code.data(), code.size(), "0x%08X", reason);  // NOLINT(*-vararg)
+  return std::string(code.data()) + ", " + std::string(describe(static_cast<AbortCode>(reason)));
+}
+
+}  // namespace vdrive::wire

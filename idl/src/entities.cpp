@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "entities.hpp"
+
+#include <algorithm>
+
+namespace vdrive::wire {
+
+namespace dds = eprosima::fastdds::dds;
+namespace rtps = eprosima::fastrtps::rtps;
+
+dds::Topic* Participant::Entities::topic(std::string_view name, const dds::TypeSupport& type) {
+  const std::lock_guard lock(mutex_);
+  const std::string full_name = std::string(kTopicPrefix) + std::string(name);
+  if (auto* const known = participant->lookup_topicdescription(full_name); known != nullptr) {
+    return dynamic_cast<dds::Topic*>(known);
+  }
+  if (participant->register_type(type) != eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
+    throw NetworkError("DDS refuses the type of topic " + full_name);
+  }
+  auto* const topic =
+      participant->create_topic(full_name, type.get_type_name(), dds::TOPIC_QOS_DEFAULT);
+  if (topic == nullptr) {
+    throw NetworkError("DDS refuses the topic " + full_name);
+  }
+  return topic;
+}
+
+Source source_of(const rtps::InstanceHandle_t& handle) noexcept {
+  Source source;
+  for (std::size_t byte = 0; byte < source.participant.size(); ++byte) {
+    source.participant[byte] = handle.value[byte];
+  }
+  return source;
+}
+
+void Matches::update(const rtps::InstanceHandle_t& endpoint, int change) {
+  const std::lock_guard lock(mutex_);
+  std::erase(endpoints_, endpoint);
+  if (change > 0) {
+    endpoints_.push_back(endpoint);
+  }
+  changed_.notify_all();
+}
+
+std::size_t Matches::count() const {
+  const std::lock_guard lock(mutex_);
+  return endpoints_.size();
+}
+
+bool Matches::wait_for(std::size_t count, std::chrono::milliseconds timeout) {
+  std::unique_lock lock(mutex_);
+  return changed_.wait_for(lock, timeout, [&] {
+    return endpoints_.size() >= count;
+  });
+}
+
+bool Matches::wait_for(const Source& source, std::chrono::milliseconds timeout) {
+  std::unique_lock lock(mutex_);
+  return changed_.wait_for(lock, timeout, [&] {
+    return contains(source);
+  });
+}
+
+bool Matches::contains(const Source& source) const {
+  return std::any_of(endpoints_.begin(), endpoints_.end(), [&](const auto& endpoint) {
+    return source_of(endpoint) == source;
+  });
+}
+
+}  // namespace vdrive::wire

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdrive/wire/participant.hpp"
+
+#include "entities.hpp"
+
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/domain/qos/DomainParticipantQos.hpp>
+#include <fastdds/dds/publisher/qos/PublisherQos.hpp>
+#include <fastdds/dds/subscriber/qos/SubscriberQos.hpp>
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
+#include <fastrtps/attributes/LibrarySettingsAttributes.h>
+#include <fastrtps/utils/IPFinder.h>
+#include <fastrtps/utils/IPLocator.h>
+#include <fastrtps/xmlparser/XMLProfileManager.h>
+
+#include <algorithm>
+#include <fstream>
+#include <memory>
+#include <mutex>
+
+namespace vdrive::wire {
+namespace {
+
+namespace dds = eprosima::fastdds::dds;
+namespace rtps = eprosima::fastrtps::rtps;
+using eprosima::fastrtps::rtps::IPLocator;
+
+constexpr std::uint32_t kHighestDomain = 232;
+constexpr std::uint32_t kSocketBuffer = 4U * 1024U * 1024U;
+constexpr std::uint32_t kParticipantsOfPeer = 32;
+constexpr const char* kLoopback = "127.0.0.1";
+constexpr const char* kDiscoveryGroup = "239.255.0.1";
+
+/// @return the socket buffer that the kernel permits, up to 4 MB.
+std::uint32_t permitted_socket_buffer(const char* limit_file) {
+  std::uint32_t limit = 0;
+  std::ifstream file(limit_file);
+  return file >> limit ? std::min(limit, kSocketBuffer) : 0;
+}
+
+std::shared_ptr<eprosima::fastdds::rtps::UDPv4TransportDescriptor> udp_transport(
+    const NetworkSettings& settings) {
+  auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
+  udp->interfaceWhiteList = {kLoopback};
+  for (const auto& address : settings.interfaces) {
+    if (!IPLocator::isIPv4(address)) {
+      throw NetworkError("network interface \"" + address + "\" is not an IPv4 address");
+    }
+    if (address != kLoopback) {
+      udp->interfaceWhiteList.push_back(address);
+    }
+  }
+  udp->sendBufferSize = permitted_socket_buffer("/proc/sys/net/core/wmem_max");
+  udp->receiveBufferSize = permitted_socket_buffer("/proc/sys/net/core/rmem_max");
+  udp->maxInitialPeersRange = kParticipantsOfPeer;
+  return udp;
+}
+
+/// Multicast first, then the peers: a list of peers replaces the library's own.
+void add_peers(const NetworkSettings& settings, dds::DomainParticipantQos& qos) {
+  if (settings.peers.empty()) {
+    return;
+  }
+  auto& peers = qos.wire_protocol().builtin.initialPeersList;
+  rtps::Locator_t group;
+  IPLocator::setIPv4(group, kDiscoveryGroup);
+  group.port = 0;
+  peers.push_back(group);
+  for (const auto& address : settings.peers) {
+    rtps::Locator_t peer;
+    if (!IPLocator::isIPv4(address) || !IPLocator::setIPv4(peer, address)) {
+      throw NetworkError("network peer \"" + address + "\" is not an IPv4 address");
+    }
+    peer.port = 0;
+    peers.push_back(peer);
+  }
+}
+
+dds::DomainParticipantQos participant_qos(const NetworkSettings& settings,
+                                          const std::string& name) {
+  dds::DomainParticipantQos qos;
+  qos.name(name.c_str());
+  qos.transport().use_builtin_transports = false;
+  qos.transport().user_transports.push_back(udp_transport(settings));
+  if (settings.shared_memory) {
+    qos.transport().user_transports.push_back(
+        std::make_shared<eprosima::fastdds::rtps::SharedMemTransportDescriptor>());
+  }
+  auto& discovery = qos.wire_protocol().builtin.discovery_config;
+  discovery.leaseDuration = {2, 0};
+  discovery.leaseDuration_announcementperiod = {0, 500'000'000};
+  discovery.initial_announcements.count = 10;
+  discovery.initial_announcements.period = {0, 50'000'000};
+  add_peers(settings, qos);
+  return qos;
+}
+
+/// A service and its clients may live in one process: delivery in the writer's thread would let a
+/// handler run inside another part's write.
+void deliver_through_the_transport() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    auto settings = eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings();
+    settings.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
+    eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(settings);
+  });
+}
+
+}  // namespace
+
+Participant::Participant(const NetworkSettings& settings, const std::string& name)
+    : entities_(std::make_unique<Entities>()) {
+  if (settings.domain > kHighestDomain) {
+    throw NetworkError("DDS domain " + std::to_string(settings.domain) +
+                       " is above the highest domain " + std::to_string(kHighestDomain));
+  }
+  deliver_through_the_transport();
+  auto* const factory = dds::DomainParticipantFactory::get_instance();
+  entities_->participant =
+      factory->create_participant(settings.domain, participant_qos(settings, name));
+  if (entities_->participant == nullptr) {
+    throw NetworkError("DDS refuses a participant in domain " + std::to_string(settings.domain) +
+                       ": is the network interface up, and the port range free?");
+  }
+  entities_->publisher = entities_->participant->create_publisher(dds::PUBLISHER_QOS_DEFAULT);
+  entities_->subscriber = entities_->participant->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT);
+  if (entities_->publisher == nullptr || entities_->subscriber == nullptr) {
+    entities_->participant->delete_contained_entities();
+    factory->delete_participant(entities_->participant);
+    throw NetworkError("DDS refuses a publisher or subscriber");
+  }
+}
+
+Participant::~Participant() {
+  entities_->participant->delete_contained_entities();
+  dds::DomainParticipantFactory::get_instance()->delete_participant(entities_->participant);
+}
+
+}  // namespace vdrive::wire

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+// The contract mirrors the dictionary: whoever reads the IDL finds the manual's objects in it.
+#include "vdrive/dictionary/dictionary.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <map>
+#include <regex>
+#include <sstream>
+#include <string>
+
+namespace vdrive {
+namespace {
+
+using Members = std::map<std::string, std::string>;  // name -> type
+
+std::string idl_text() {
+  std::ifstream file(VDRIVE_SOURCE_DIR "/idl/vdrive_messages.idl");
+  std::ostringstream text;
+  text << file.rdbuf();
+  return std::regex_replace(text.str(), std::regex("//[^\n]*"), "");
+}
+
+void add_members(const std::string& idl, const std::string& structure, Members& members) {
+  const std::regex body_pattern("@final struct " + structure + " \\{([^}]*)\\}");
+  std::smatch body;
+  ASSERT_TRUE(std::regex_search(idl, body, body_pattern)) << structure;
+  const std::string text = body[1];
+  const std::regex member_pattern("(u?int(?:8|16|32|64))\\s+(\\w+);");
+  for (std::sregex_iterator member(text.begin(), text.end(), member_pattern), end; member != end;
+       ++member) {
+    members[(*member)[2]] = (*member)[1];
+  }
+}
+
+std::string idl_type(DataType type) {
+  const bool is_signed =
+      type == DataType::integer8 || type == DataType::integer16 || type == DataType::integer32;
+  return (is_signed ? "int" : "uint") + std::to_string(8 * size_of(type));
+}
+
+TEST(Idl, HasAMemberOfSameNameAndTypeForEveryObjectOfTheManual) {
+  const std::string idl = idl_text();
+  Members members;
+  add_members(idl, "AxisCommand", members);
+  add_members(idl, "AxisStatus", members);
+  add_members(idl, "AxisParameters", members);
+  int rows = 0;
+  for (const auto& object : kObjectTable) {
+    if (object.origin == Origin::manual) {
+      const std::string name(object.variable_name);
+      ++rows;
+      ASSERT_TRUE(members.contains(name)) << "the IDL lacks " << name;
+      EXPECT_EQ(members[name], idl_type(object.data_type)) << name;
+    }
+  }
+  EXPECT_EQ(rows, 32);  // rows of the manual's tables
+}
+
+TEST(Idl, CallsNoMemberLikeAnObjectOfAnotherType) {
+  const std::string idl = idl_text();
+  for (const char* const structure : {"AxisCommand", "AxisStatus", "AxisParameters"}) {
+    Members members;
+    add_members(idl, structure, members);
+    for (const auto& [name, type] : members) {
+      const auto row = find_object(std::string_view(name));
+      if (row && name != "digital_inputs") {  // three of its bits, in one byte
+        EXPECT_EQ(type, idl_type(describe(*row).data_type)) << structure << "." << name;
+      }
+    }
+  }
+}
+
+TEST(Idl, UsesOnlyWhatTwoVendorsReadAlike) {
+  const std::string idl = idl_text();
+  for (const char* const forbidden :
+       {"@optional", "@appendable", "@mutable", "enum ", "bitmask", "bitset", "map<", "wstring",
+        "union ", "string ", "string;"}) {
+    EXPECT_EQ(idl.find(forbidden), std::string::npos) << forbidden;
+  }
+  std::size_t structures = 0;
+  std::size_t finals = 0;
+  const std::regex any("struct ");
+  const std::regex only("@final struct ");
+  structures = static_cast<std::size_t>(
+      std::distance(std::sregex_iterator(idl.begin(), idl.end(), any), std::sregex_iterator()));
+  finals = static_cast<std::size_t>(
+      std::distance(std::sregex_iterator(idl.begin(), idl.end(), only), std::sregex_iterator()));
+  EXPECT_EQ(structures, finals);
+  EXPECT_GT(structures, 10U);
+}
+
+}  // namespace
+}  // namespace vdrive

@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: Apache-2.0
+// Real participants on loopback, in a domain of their own.
+#include "vdrive/wire/topics.hpp"
+
+#include "support/test_domain.hpp"
+#include "vdrive/wire/participant.hpp"
+#include "vdrive/wire/publication.hpp"
+#include "vdrive/wire/subscription.hpp"
+
+#include <gtest/gtest.h>
+
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace vdrive::wire {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kPatience = 10s;
+
+NetworkSettings settings() {
+  return {.domain = test::test_domain()};
+}
+
+/// Collects messages and waits for them.
+template <typename Message>
+class Received {
+ public:
+  typename Subscription<Message>::Handler handler() {
+    return [this](const Message& message, const Source& source) {
+      const std::lock_guard lock(mutex_);
+      messages_.push_back(message);
+      sources_.push_back(source);
+      changed_.notify_all();
+    };
+  }
+
+  bool wait_for(std::size_t count) {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, kPatience, [&] {
+      return messages_.size() >= count;
+    });
+  }
+
+  std::vector<Message> messages() {
+    const std::lock_guard lock(mutex_);
+    return messages_;
+  }
+
+  Source source() {
+    const std::lock_guard lock(mutex_);
+    return sources_.at(0);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<Message> messages_;
+  std::vector<Source> sources_;
+};
+
+template <typename Message>
+class EveryTopic : public testing::Test {};
+
+using Messages = testing::Types<msg::CommandFrame, msg::CommandReply, msg::Request, msg::Reply,
+                                msg::StatusFrame, msg::AxisStatus, msg::AxisParameters, msg::Event,
+                                msg::BenchDescription, msg::BenchState>;
+
+class TopicName {
+ public:
+  template <typename Message>
+  static std::string GetName(int /*number*/) {
+    return std::string(Topic<Message>::kName);
+  }
+};
+
+TYPED_TEST_SUITE(EveryTopic, Messages, TopicName);
+
+TYPED_TEST(EveryTopic, CarriesItsMessageToAnotherParticipant) {
+  Participant sender(settings(), "sender");
+  Participant receiver(settings(), "receiver");
+  Received<TypeParam> received;
+  Publication<TypeParam> publication(sender);
+  Subscription<TypeParam> subscription(receiver, received.handler());
+  ASSERT_TRUE(publication.wait_for_matched(1, kPatience));
+  ASSERT_TRUE(subscription.wait_for_matched(1, kPatience));
+  TypeParam message;
+  message.bench(77);
+  ASSERT_TRUE(publication.write(message));
+  ASSERT_TRUE(received.wait_for(1));
+  EXPECT_EQ(received.messages().front().bench(), 77U);
+  EXPECT_EQ(subscription.malformed(), 0U);
+  EXPECT_TRUE(subscription.wait_for_match(received.source(), 0ms));
+}
+
+TEST(Participant, RefusesADomainThatDoesNotExist) {
+  try {
+    const Participant participant({.domain = 233}, "test");
+    FAIL() << "domain 233 was accepted";
+  } catch (const NetworkError& error) {
+    EXPECT_STREQ(error.what(), "DDS domain 233 is above the highest domain 232");
+  }
+}
+
+TEST(Participant, RefusesAnAddressThatIsNone) {
+  EXPECT_THROW(Participant({.domain = 1, .interfaces = {"eth0"}}, "test"), NetworkError);
+  EXPECT_THROW(Participant({.domain = 1, .peers = {"somewhere"}}, "test"), NetworkError);
+}
+
+TEST(Participant, FindsAPeerThatIsNamed) {
+  auto with_peer = settings();
+  with_peer.peers = {"127.0.0.1"};
+  Participant sender(with_peer, "sender");
+  Participant receiver(with_peer, "receiver");
+  Publication<msg::Event> publication(sender);
+  const Subscription<msg::Event> subscription(receiver, [](const auto&, const auto&) {});
+  EXPECT_TRUE(publication.wait_for_matched(1, kPatience));
+}
+
+TEST(Subscription, DropsAndCountsWhatIsLongerThanTheIdlAllows) {
+  Participant participant(settings(), "both");
+  Received<msg::CommandFrame> good;
+  Received<msg::CommandFrame> bad;
+  Publication<msg::CommandFrame> publication(participant);
+  Subscription<msg::CommandFrame> subscription(participant, good.handler(), bad.handler());
+  ASSERT_TRUE(publication.wait_for_matched(1, kPatience));
+  msg::CommandFrame too_many_axes;
+  too_many_axes.axes().resize(msg::MAX_AXES_PER_FRAME + 1);
+  ASSERT_TRUE(publication.write(too_many_axes));
+  msg::CommandFrame too_many_objects;
+  too_many_objects.axes().resize(1);
+  too_many_objects.axes()[0].objects().resize(msg::MAX_OBJECTS_PER_AXIS + 1);
+  ASSERT_TRUE(publication.write(too_many_objects));
+  msg::CommandFrame largest;
+  largest.axes().resize(msg::MAX_AXES_PER_FRAME);
+  for (auto& axis : largest.axes()) {
+    axis.objects().resize(msg::MAX_OBJECTS_PER_AXIS);
+  }
+  ASSERT_TRUE(publication.write(largest));
+  ASSERT_TRUE(good.wait_for(1));
+  ASSERT_TRUE(bad.wait_for(2));
+  EXPECT_EQ(good.messages().size(), 1U);
+  EXPECT_EQ(good.messages()[0].axes().size(), msg::MAX_AXES_PER_FRAME);
+  EXPECT_EQ(subscription.malformed(), 2U);
+}
+
+TEST(Subscription, GetsMessagesAboveTheSizeOfADatagramWhole) {
+  Participant sender(settings(), "sender");
+  Participant receiver(settings(), "receiver");
+  Received<msg::StatusFrame> received;
+  Publication<msg::StatusFrame> publication(sender);
+  Subscription<msg::StatusFrame> subscription(receiver, received.handler());
+  ASSERT_TRUE(publication.wait_for_matched(1, kPatience));
+  ASSERT_TRUE(subscription.wait_for_matched(1, kPatience));
+  msg::StatusFrame frame;  // 256 axes with 8 objects each: more than 64 kB
+  frame.axes().resize(msg::MAX_AXES_PER_FRAME);
+  for (auto& axis : frame.axes()) {
+    axis.objects().resize(msg::MAX_OBJECTS_PER_AXIS);
+  }
+  ASSERT_TRUE(publication.write(frame));
+  ASSERT_TRUE(received.wait_for(1));
+  EXPECT_EQ(received.messages()[0], frame);
+}
+
+TEST(Subscription, GetsEveryAxisOfALargeBenchAsAnInstance) {
+  constexpr std::uint16_t kAxes = 2'000;
+  Participant sender(settings(), "sender");
+  Publication<msg::AxisParameters> publication(sender);
+  for (std::uint16_t axis = 1; axis <= kAxes; ++axis) {
+    msg::AxisParameters parameters;
+    parameters.bench(1);
+    parameters.axis(axis);
+    ASSERT_TRUE(publication.write(parameters)) << axis;
+  }
+  Participant receiver(settings(), "latecomer");
+  Received<msg::AxisParameters> received;
+  const Subscription<msg::AxisParameters> subscription(receiver, received.handler());
+  ASSERT_TRUE(received.wait_for(kAxes));
+  std::set<std::uint16_t> axes;
+  for (const auto& message : received.messages()) {
+    axes.insert(message.axis());
+  }
+  EXPECT_EQ(axes.size(), kAxes);
+}
+
+TEST(Subscription, OfALatecomerGetsTheLastThousandEventsInOrder) {
+  constexpr std::uint64_t kWritten = 1'500;
+  constexpr std::size_t kKept = 1'024;
+  Participant sender(settings(), "sender");
+  Publication<msg::Event> publication(sender);
+  for (std::uint64_t tick = 1; tick <= kWritten; ++tick) {
+    msg::Event event;
+    event.bench(1);
+    event.tick(tick);
+    ASSERT_TRUE(publication.write(event));
+  }
+  Participant receiver(settings(), "latecomer");
+  Received<msg::Event> received;
+  const Subscription<msg::Event> subscription(receiver, received.handler());
+  ASSERT_TRUE(received.wait_for(kKept));
+  const auto events = received.messages();
+  ASSERT_EQ(events.size(), kKept);
+  for (std::size_t position = 0; position < kKept; ++position) {
+    EXPECT_EQ(events[position].tick(), kWritten - kKept + 1 + position);
+  }
+}
+
+TEST(Publication, AnswersWithinOneProcessWithoutHanging) {
+  Participant service(settings(), "service");
+  Participant client(settings(), "client");
+  Publication<msg::Reply> replies(service);
+  Received<msg::Reply> received;
+  std::mutex mutex;
+  std::condition_variable asked;
+  std::uint64_t wanted = 0;
+  const Subscription<msg::Request> requests(service, [&](const auto& request, const auto&) {
+    const std::lock_guard lock(mutex);
+    wanted = request.request_id();
+    asked.notify_all();
+  });
+  Publication<msg::Request> questions(client);
+  Subscription<msg::Reply> answers(client, received.handler());
+  ASSERT_TRUE(questions.wait_for_matched(1, kPatience));
+  ASSERT_TRUE(answers.wait_for_matched(1, kPatience));
+  ASSERT_TRUE(replies.wait_for_matched(1, kPatience));
+  for (std::uint64_t number = 1; number <= 100; ++number) {
+    msg::Request request;
+    request.request_id(number);
+    ASSERT_TRUE(questions.write(request));
+    std::unique_lock lock(mutex);
+    ASSERT_TRUE(asked.wait_for(lock, kPatience, [&] {
+      return wanted == number;
+    }));
+    lock.unlock();
+    msg::Reply reply;
+    reply.request_id(number);
+    ASSERT_TRUE(replies.write(reply));
+    ASSERT_TRUE(received.wait_for(number));
+  }
+}
+
+TEST(Publication, TellsWhetherTheParticipantOfAMessageListens) {
+  Participant service(settings(), "service");
+  Participant client(settings(), "client");
+  Received<msg::Request> received;
+  Publication<msg::Reply> replies(service);
+  Subscription<msg::Request> requests(service, received.handler());
+  Publication<msg::Request> questions(client);
+  ASSERT_TRUE(questions.wait_for_matched(1, kPatience));
+  ASSERT_TRUE(questions.write(msg::Request{}));
+  ASSERT_TRUE(received.wait_for(1));
+  EXPECT_FALSE(replies.wait_for_match(received.source(), 0ms));
+  const Subscription<msg::Reply> answers(client, [](const auto&, const auto&) {});
+  EXPECT_TRUE(replies.wait_for_match(received.source(), kPatience));
+}
+
+TEST(Publication, ForgetsAParticipantThatLeft) {
+  Participant service(settings(), "service");
+  Publication<msg::Event> publication(service);
+  {
+    Participant client(settings(), "client");
+    const Subscription<msg::Event> subscription(client, [](const auto&, const auto&) {});
+    ASSERT_TRUE(publication.wait_for_matched(1, kPatience));
+  }
+  const auto deadline = std::chrono::steady_clock::now() + kPatience;
+  while (publication.matched() > 0 && std::chrono::steady_clock::now() < deadline) {
+    std::this_thread::yield();
+  }
+  EXPECT_EQ(publication.matched(), 0U);
+}
+
+}  // namespace
+}  // namespace vdrive::wire
