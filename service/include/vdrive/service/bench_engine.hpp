@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/axis_bank.hpp"
+#include "vdrive/service/configuration.hpp"
+#include "vdrive/service/control_table.hpp"
+#include "vdrive/service/counters.hpp"
+#include "vdrive/service/pending_frames.hpp"
+#include "vdrive/service/queues.hpp"
+#include "vdrive/service/step_pool.hpp"
+#include "vdrive_messages.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace vdrive::service {
+
+/// Identity of one run of a bench on the network.
+struct BenchIdentity {
+  std::uint32_t bench = 0;
+  std::uint64_t incarnation = 0;  ///< start of the service [ns since the epoch]
+};
+
+/// The bench without clock and network: takes what arrived, decides who may do what, steps the
+/// bank, and puts answers, events and images into the outbox. Belongs to one thread. Once warm it
+/// allocates nothing and takes no lock.
+class BenchEngine {
+ public:
+  /// How far ahead a frame may be sent.
+  static constexpr std::chrono::seconds kFurthestAhead{10};
+  static constexpr std::uint64_t kMaxTicksPerStep = 1'000'000;
+
+  /// The last completed tick is 0 until `start_at`.
+  /// @throws std::invalid_argument when the bank refuses the axes
+  BenchEngine(const Configuration& configuration, const BenchIdentity& identity, Outbox& outbox,
+              Counters& counters);
+
+  /// Before the first step: the first tick is the one after `last_tick`.
+  void start_at(std::uint64_t last_tick);
+
+  /// Last completed tick.
+  [[nodiscard]] std::uint64_t tick() const noexcept { return tick_; }
+
+  [[nodiscard]] const AxisBank& bank() const noexcept { return bank_; }
+
+  /// Carries a command frame or a request out, or refuses it. A step request is refused: the
+  /// lock-step driver keeps those for itself.
+  void handle(Arrival& arrival);
+
+  /// One tick.
+  void step();
+
+  /// Puts the status image of the last tick into the outbox.
+  void post_status();
+
+  /// Moves as many changed parameter sets as fit into the outbox; also part of every step.
+  void post_parameters();
+
+  /// The number of the tick jumps forward, state is held; the silence of masters does not grow.
+  void jump(std::uint64_t ticks);
+
+  /// A tick took longer than there was.
+  void report_overrun(std::chrono::nanoseconds late);
+
+  /// Checks a step request. @return REASON_NONE or why it is refused.
+  [[nodiscard]] std::uint32_t check_step(const Arrival& arrival) const;
+
+  /// @return whether the command frame `sequence` of `session` has arrived.
+  [[nodiscard]] bool has_arrived(std::uint64_t session, std::uint64_t sequence);
+
+  /// The session was heard now.
+  void hear(std::uint64_t session);
+
+  /// Answers a step request, with the status of the axes that it names when `reason` is
+  /// REASON_NONE.
+  void answer_step(const Arrival& arrival, std::uint32_t reason);
+
+ private:
+  /// What was last seen of an axis, to notice changes.
+  struct Seen {
+    std::uint16_t statusword = 0;
+    std::uint16_t error_code = 0;
+    std::uint32_t ignored_set_points = 0;
+    std::uint32_t fault_count = 0;
+  };
+
+  /// A register before it was overwritten by a frame that may have to be taken back.
+  struct Undo {
+    std::uint16_t axis = 0;
+    ObjectAddress address;
+    std::int64_t value = 0;
+  };
+
+  // frames: bench_frames.cpp
+  void handle_frame(Arrival& arrival);
+  [[nodiscard]] std::uint32_t check_frame(const Arrival& arrival);
+  [[nodiscard]] std::uint32_t check_time(const msg::CommandFrame& frame) const;
+  void apply_due_frames();
+  void apply_frame(const msg::CommandFrame& frame);
+  [[nodiscard]] std::uint32_t check_command(const msg::AxisCommand& command, std::uint64_t session);
+  void apply_each(const msg::CommandFrame& frame);
+  void apply_all_or_nothing(const msg::CommandFrame& frame);
+  bool apply_registers(const msg::AxisCommand& command, bool undoable);
+  bool apply_register(std::uint16_t number, ObjectAddress address, std::int64_t value,
+                      bool undoable);
+  void apply_controlword(const msg::AxisCommand& command, std::uint64_t sequence);
+  void refuse(std::uint16_t axis, ObjectAddress address, std::uint32_t reason);
+  void refuse_frame(const msg::CommandFrame& frame, std::uint32_t reason);
+  void begin_reply();
+  void send_reply(const msg::CommandFrame& frame);
+  void drop_pending_of_session(std::uint64_t session);
+  void drop_pending_of_axis(std::uint16_t axis);
+
+  // requests: bench_requests.cpp
+  void handle_request(const Arrival& arrival);
+  [[nodiscard]] std::uint32_t check_request(const Arrival& arrival) const;
+  [[nodiscard]] std::uint32_t carry_out(const msg::Request& request, msg::Reply& reply);
+  void begin_reply(const Arrival& arrival, OutgoingReply& outgoing) const;
+  void finish_reply(const msg::Request& request, std::uint32_t reason, msg::Reply& reply);
+  [[nodiscard]] std::uint32_t read_objects(const msg::Request& request, msg::Reply& reply);
+  [[nodiscard]] std::uint32_t write_objects(const msg::Request& request, msg::Reply& reply);
+  [[nodiscard]] std::uint32_t write_object(const msg::ObjectAccess& object, std::uint64_t session);
+  [[nodiscard]] std::uint32_t write_command_object(std::size_t axis, ObjectAddress address,
+                                                   std::int64_t value, std::uint64_t session);
+  [[nodiscard]] std::uint32_t acquire(const msg::Request& request, bool by_force,
+                                      msg::Reply& reply);
+  [[nodiscard]] std::uint32_t release(const msg::Request& request, msg::Reply& reply);
+  void free_axes(const msg::Request& request);
+  [[nodiscard]] std::uint32_t power_cycle(const msg::Request& request, msg::Reply& reply);
+  [[nodiscard]] std::uint32_t check_axes(const msg::Request& request, bool owned_by_others_allowed,
+                                         msg::Reply& reply) const;
+  void refuse_axis(std::uint16_t number, msg::Reply& reply) const;
+  void lose_axis(std::size_t axis);
+  void add_statuses(const msg::Request& request, msg::Reply& reply) const;
+
+  // shared
+  [[nodiscard]] std::optional<std::size_t> index_of(std::uint16_t number) const noexcept;
+  AbortCode write(std::size_t axis, ObjectAddress address, std::int64_t value);
+  void watch_masters();
+  void lose_master(SessionRecord& record);
+  void observe();
+  void observe_state(std::size_t axis, const AxisStatus& status, Seen& seen);
+  void mark_changed(std::size_t axis);
+  void report(EventRecord event);
+  void count_overflow();
+
+  BenchIdentity identity_;
+  ClockMode clock_;
+  std::uint64_t tick_ = 0;
+  std::uint64_t watchdog_ticks_ = 0;  ///< 0 = off
+  std::uint64_t furthest_ahead_ = 0;  ///< [ticks]
+  Outbox& outbox_;
+  Counters& counters_;
+  AxisBank bank_;
+  StepPool pool_;
+  ControlTable control_;
+  PendingFrames pending_;
+  std::vector<std::uint16_t> numbers_;  ///< of the axes, by index
+  std::vector<std::uint16_t> indices_;  ///< of the numbers; kMaxAxes = none
+  std::vector<Seen> seen_;
+  std::vector<std::uint32_t> named_in_;  ///< by index: the last frame that named the axis
+  std::uint32_t frame_count_ = 0;
+  msg::CommandFrame due_frame_;
+  msg::CommandReply command_reply_;  ///< being built
+  std::vector<bool> skipped_;        ///< commands of the frame that is being applied
+  std::vector<Undo> undo_;
+  std::vector<std::uint16_t> changed_axes_;  ///< circular queue of axes with changed parameters
+  std::size_t first_changed_ = 0;
+  std::size_t changed_count_ = 0;
+  std::vector<bool> is_changed_;
+  std::uint64_t lost_events_ = 0;
+};
+
+}  // namespace vdrive::service

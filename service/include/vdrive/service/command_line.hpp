@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace vdrive::service {
+
+/// The program `vdrived`: reads the command line, runs the service until SIGINT or SIGTERM.
+/// @return its exit code: 0 done, 1 bad configuration or no network, 2 bad command line,
+///         5 the bench number belongs to another service
+[[nodiscard]] int run_command_line(int argument_count, const char* const* arguments);
+
+}  // namespace vdrive::service

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/axis_configuration.hpp"
+#include "vdrive/wire/participant.hpp"
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace vdrive::service {
+
+/// Who advances drive time.
+enum class ClockMode : std::uint8_t {
+  realtime,  ///< the wall clock
+  lockstep,  ///< `step` requests
+};
+
+/// @return "realtime" or "lockstep".
+[[nodiscard]] std::string_view to_string(ClockMode mode) noexcept;
+
+inline constexpr std::size_t kMaxAxes = 16'384;
+inline constexpr std::uint32_t kMaxBench = 65'535;
+inline constexpr std::size_t kMaxNameLength = 64;
+inline constexpr std::uint32_t kMaxThreads = 64;
+inline constexpr std::uint32_t kMaxStatusEvery = 10'000;
+inline constexpr double kLowestRate = 0.1;
+inline constexpr double kHighestRate = 100.0;
+inline constexpr std::chrono::milliseconds kShortestWatchdog{5};
+inline constexpr std::chrono::milliseconds kLongestWatchdog{10'000};
+
+/// One axis of a bench.
+struct NamedAxis {
+  std::uint16_t number = 0;  ///< on its bench, from 1
+  std::string name;
+  AxisConfiguration configuration;
+};
+
+/// Everything that makes one service what it is. The initialisers are the defaults; the axes of
+/// the built-in demo bench come from `demo_configuration`.
+struct Configuration {
+  std::uint32_t bench = 1;  ///< 1 to kMaxBench
+  std::string name = "demo";
+  ClockMode clock = ClockMode::realtime;
+  std::chrono::microseconds period{1'000};  ///< kShortestPeriod to kLongestPeriod
+  double rate = 1.0;               ///< realtime: 0 = paused, or kLowestRate to kHighestRate
+  std::uint32_t threads = 1;       ///< that step the bank
+  int realtime_priority = 0;       ///< SCHED_FIFO of the tick thread, 0 = none
+  std::uint32_t status_every = 1;  ///< one status frame each n ticks
+  /// The owner of an axis must be heard within this drive time; nothing = off.
+  std::optional<std::chrono::milliseconds> watchdog = std::chrono::milliseconds{100};
+  wire::NetworkSettings network;
+  std::vector<NamedAxis> axes;  ///< 1 to kMaxAxes, in ascending order of their numbers
+};
+
+/// A configuration cannot be used. The message names file, line, key, value, unit and limit, as
+/// far as they apply.
+class ConfigurationError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// @return bench 1 with the default axes 1 ("x") and 2 ("y").
+[[nodiscard]] Configuration demo_configuration();
+
+/// @return `count` default axes numbered from 1, named "axis1" and so on.
+/// @throws ConfigurationError when `count` is outside 1 to kMaxAxes.
+[[nodiscard]] std::vector<NamedAxis> default_axes(std::size_t count);
+
+/// Reads a configuration in YAML (docs/configuration.md). What the text does not mention keeps its
+/// default.
+/// @param file_name as it is named in error messages
+/// @throws ConfigurationError when the text is not YAML, a key is unknown or stands twice, a value
+///         is of another type or outside its limits, or the bank refuses an axis.
+[[nodiscard]] Configuration parse_configuration(const std::string& text,
+                                                const std::string& file_name);
+
+/// @throws ConfigurationError as above, and when the file cannot be read.
+[[nodiscard]] Configuration load_configuration(const std::filesystem::path& file);
+
+/// @throws ConfigurationError when a value is outside the limits above: for values that come from
+///         elsewhere than a file.
+void check(const Configuration& configuration);
+
+/// @return the configuration as YAML that `parse_configuration` reads back to the same.
+[[nodiscard]] std::string to_yaml(const Configuration& configuration);
+
+/// @return the axes as the bank wants them, with their serial numbers.
+[[nodiscard]] std::vector<AxisConfiguration> bank_axes(const Configuration& configuration);
+
+}  // namespace vdrive::service

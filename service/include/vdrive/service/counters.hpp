@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <bit>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+
+namespace vdrive::service {
+
+/// A number that one thread counts up and others look at.
+class Counter {
+ public:
+  void add(std::uint64_t amount = 1) noexcept {
+    value_.fetch_add(amount, std::memory_order_relaxed);
+  }
+
+  void set(std::uint64_t value) noexcept { value_.store(value, std::memory_order_relaxed); }
+
+  [[nodiscard]] std::uint64_t get() const noexcept {
+    return value_.load(std::memory_order_relaxed);
+  }
+
+ private:
+  std::atomic<std::uint64_t> value_{0};
+};
+
+/// What a bench counts from its start on, and shows in bench_state.
+struct Counters {
+  static constexpr std::size_t kLatenessBins = 32;
+
+  Counter tick;  ///< last completed
+  Counter overruns;
+  Counter jumps;
+  std::array<Counter, kLatenessBins> lateness;  ///< bin i: below 2^i µs
+  Counter pending_frames;
+  Counter frames_received;
+  Counter frames_refused;
+  Counter commands_applied;
+  Counter commands_refused;
+  Counter set_points_ignored;
+  Counter requests_answered;
+  Counter status_frames_sent;
+  Counter queue_overflows;
+  Counter master_losses;
+
+  /// Counts a tick that started `late` after its time.
+  void count_lateness(std::chrono::nanoseconds late) noexcept {
+    const auto microseconds =
+        late.count() > 0 ? static_cast<std::uint64_t>(late.count()) / 1'000 : 0;
+    const auto bin = static_cast<std::size_t>(std::bit_width(microseconds));
+    lateness[bin < kLatenessBins ? bin : kLatenessBins - 1].add();
+  }
+};
+
+}  // namespace vdrive::service

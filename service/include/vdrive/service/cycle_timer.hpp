@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+
+namespace vdrive::service {
+
+/// The only way to the time for the realtime clock; a test seam.
+class CycleTimer {
+ public:
+  CycleTimer() = default;
+  CycleTimer(const CycleTimer&) = delete;
+  CycleTimer& operator=(const CycleTimer&) = delete;
+  virtual ~CycleTimer() = default;
+
+  /// @return time that never jumps, from an arbitrary start.
+  [[nodiscard]] virtual std::chrono::nanoseconds monotonic_now() noexcept = 0;
+
+  /// @return time since the epoch.
+  [[nodiscard]] virtual std::chrono::nanoseconds wall_now() noexcept = 0;
+
+  /// Returns at or after the monotonic time `deadline`.
+  virtual void wait_until(std::chrono::nanoseconds deadline) noexcept = 0;
+};
+
+/// The time of this machine.
+class SystemCycleTimer final : public CycleTimer {
+ public:
+  [[nodiscard]] std::chrono::nanoseconds monotonic_now() noexcept override;
+  [[nodiscard]] std::chrono::nanoseconds wall_now() noexcept override;
+  void wait_until(std::chrono::nanoseconds deadline) noexcept override;
+};
+
+}  // namespace vdrive::service

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/service/bench_engine.hpp"
+#include "vdrive/service/configuration.hpp"
+#include "vdrive/service/counters.hpp"
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+
+namespace vdrive::service {
+
+/// Another service has this bench number and started earlier.
+class BenchNumberTaken : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// A bench on the network: threads, queues and topics around a BenchEngine.
+///
+/// | thread    | does                                                              |
+/// | --------- | ----------------------------------------------------------------- |
+/// | receive   | (of the library) puts arrivals into the inbox                     |
+/// | tick      | realtime: nothing but ticks; lock-step: steps, replies and status |
+/// | status    | realtime only: status frames and axis samples                     |
+/// | reporter  | events, parameters, bench_state; realtime: replies                |
+class Service {
+ public:
+  /// Sets everything up; nobody sees the bench yet.
+  /// @throws ConfigurationError, std::invalid_argument when the bank refuses an axis,
+  ///         wire::NetworkError
+  explicit Service(Configuration configuration);
+
+  /// Stops.
+  ~Service();
+  Service(const Service&) = delete;
+  Service& operator=(const Service&) = delete;
+
+  /// Listens for 300 ms, then announces the bench and runs it.
+  /// @throws BenchNumberTaken when an older service has the number.
+  void start();
+
+  /// Publishes that the bench is offline and ends every thread. Idempotent.
+  void stop() noexcept;
+
+  /// @return the incarnation of an older service with the same bench number that was met after the
+  ///         start: this one has to go.
+  [[nodiscard]] std::optional<std::uint64_t> conflict() const noexcept;
+
+  [[nodiscard]] const BenchIdentity& identity() const noexcept;
+  [[nodiscard]] const Counters& counters() const noexcept;
+
+ private:
+  class Threads;
+  std::unique_ptr<Threads> threads_;
+};
+
+}  // namespace vdrive::service

@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdrive/service/bench_engine.hpp"
+
+#include "vdrive/cia402/controlword.hpp"
+#include "vdrive/cia402/statusword.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
+
+#include <algorithm>
+
+namespace vdrive::service {
+namespace {
+
+constexpr std::uint16_t kStateBits = 0x006F;
+constexpr std::size_t kParametersPerTick = 16;
+constexpr std::size_t kNumbers = 65'536;
+constexpr ObjectAddress kControlword{0x6040, 0};
+
+std::uint64_t to_ticks(std::chrono::microseconds time, std::chrono::microseconds period) {
+  return static_cast<std::uint64_t>((time + period - std::chrono::microseconds{1}) / period);
+}
+
+}  // namespace
+
+BenchEngine::BenchEngine(const Configuration& configuration, const BenchIdentity& identity,
+                         Outbox& outbox, Counters& counters)
+    : identity_(identity),
+      clock_(configuration.clock),
+      watchdog_ticks_(
+          configuration.watchdog ? to_ticks(*configuration.watchdog, configuration.period) : 0),
+      furthest_ahead_(to_ticks(kFurthestAhead, configuration.period)),
+      outbox_(outbox),
+      counters_(counters),
+      bank_(bank_axes(configuration), configuration.period),
+      pool_(bank_, configuration.threads),
+      control_(configuration.axes.size()),
+      indices_(kNumbers, static_cast<std::uint16_t>(kMaxAxes)),
+      seen_(configuration.axes.size()),
+      named_in_(configuration.axes.size()),
+      skipped_(msg::MAX_AXES_PER_FRAME),
+      changed_axes_(configuration.axes.size()),
+      is_changed_(configuration.axes.size()) {
+  for (const auto& axis : configuration.axes) {
+    indices_[axis.number] = static_cast<std::uint16_t>(numbers_.size());
+    numbers_.push_back(axis.number);
+  }
+  undo_.reserve(std::size_t{msg::MAX_AXES_PER_FRAME} * (msg::MAX_OBJECTS_PER_AXIS + 8));
+  command_reply_.refusals().reserve(msg::MAX_AXES_PER_FRAME);
+  command_reply_.ignored_set_points().reserve(msg::MAX_AXES_PER_FRAME);
+  for (std::size_t axis = 0; axis < bank_.size(); ++axis) {
+    seen_[axis].statusword = bank_.status(axis).ds402_statusword;
+  }
+}
+
+void BenchEngine::start_at(std::uint64_t last_tick) {
+  tick_ = last_tick;
+  counters_.tick.set(tick_);
+}
+
+void BenchEngine::handle(Arrival& arrival) {
+  if (arrival.kind == Arrival::Kind::command_frame) {
+    handle_frame(arrival);
+  } else {
+    handle_request(arrival);
+  }
+}
+
+void BenchEngine::step() {
+  apply_due_frames();
+  watch_masters();
+  pool_.step();
+  ++tick_;
+  counters_.tick.set(tick_);
+  counters_.pending_frames.set(pending_.size());
+  observe();
+  post_parameters();
+}
+
+void BenchEngine::post_status() {
+  StatusImage* const image = outbox_.status.free_slot();
+  if (image == nullptr) {
+    count_overflow();
+    return;
+  }
+  image->tick = tick_;
+  for (std::size_t axis = 0; axis < bank_.size(); ++axis) {
+    image->status[axis] = bank_.status(axis);
+  }
+  const auto owners = control_.owners();
+  std::copy(owners.begin(), owners.end(), image->owners.begin());
+  outbox_.status.push();
+}
+
+void BenchEngine::post_parameters() {
+  for (std::size_t count = 0; count < kParametersPerTick && changed_count_ > 0; ++count) {
+    msg::AxisParameters* const slot = outbox_.parameters.free_slot();
+    if (slot == nullptr) {
+      return;  // they stay marked; later changes of the same axis join them
+    }
+    const std::size_t axis = changed_axes_[first_changed_];
+    first_changed_ = (first_changed_ + 1) % changed_axes_.size();
+    --changed_count_;
+    is_changed_[axis] = false;
+    wire::to_message(bank_, axis, {identity_.bench, numbers_[axis]}, tick_, *slot);
+    outbox_.parameters.push();
+  }
+}
+
+void BenchEngine::jump(std::uint64_t ticks) {
+  tick_ += ticks;
+  for (auto& record : control_.sessions()) {
+    record.last_heard_tick += ticks;
+  }
+  counters_.tick.set(tick_);
+  counters_.jumps.add();
+  report({.kind = msg::EVENT_TICK_JUMPED, .detail = ticks});
+}
+
+void BenchEngine::report_overrun(std::chrono::nanoseconds late) {
+  counters_.overruns.add();
+  report({.kind = msg::EVENT_TICK_OVERRUN,
+          .detail = static_cast<std::uint64_t>(std::max<std::int64_t>(late.count(), 0)) / 1'000});
+}
+
+std::optional<std::size_t> BenchEngine::index_of(std::uint16_t number) const noexcept {
+  const std::uint16_t index = indices_[number];
+  return index < numbers_.size() ? std::optional<std::size_t>(index) : std::nullopt;
+}
+
+AbortCode BenchEngine::write(std::size_t axis, ObjectAddress address, std::int64_t value) {
+  const bool may_halt = address == kControlword && pending_.size() > 0 &&
+                        (value & Controlword::kHalt) != 0 &&
+                        (bank_.read(axis, kControlword).value & Controlword::kHalt) == 0;
+  const AbortCode code = bank_.write(axis, address, value);
+  if (code == AbortCode::none) {
+    mark_changed(axis);
+    if (may_halt) {
+      drop_pending_of_axis(numbers_[axis]);
+    }
+  }
+  return code;
+}
+
+void BenchEngine::watch_masters() {
+  if (watchdog_ticks_ == 0) {
+    return;
+  }
+  for (auto& record : control_.sessions()) {
+    if (record.owned_axes > 0 && tick_ - record.last_heard_tick > watchdog_ticks_) {
+      lose_master(record);
+    }
+  }
+}
+
+void BenchEngine::lose_master(SessionRecord& record) {
+  std::size_t lost = 0;
+  std::uint16_t last_number = 0;
+  for (std::size_t axis = 0; axis < numbers_.size(); ++axis) {
+    if (control_.owner(axis).session == record.session) {
+      bank_.report_connection_loss(axis);
+      control_.take(axis);
+      last_number = numbers_[axis];
+      ++lost;
+    }
+  }
+  control_.renew_epoch(record);
+  drop_pending_of_session(record.session);
+  counters_.master_losses.add();
+  report({.kind = msg::EVENT_MASTER_LOST,
+          .axis = lost == 1 ? last_number : std::uint16_t{0},
+          .session = record.session,
+          .detail = lost});
+}
+
+void BenchEngine::observe() {
+  for (std::size_t axis = 0; axis < numbers_.size(); ++axis) {
+    const AxisStatus& status = bank_.status(axis);
+    Seen& seen = seen_[axis];
+    if (((status.ds402_statusword ^ seen.statusword) & kStateBits) != 0) {
+      observe_state(axis, status, seen);
+    }
+    if (status.fault_count != seen.fault_count) {
+      if (status.fault_count > seen.fault_count) {
+        report({.kind = msg::EVENT_FAULT,
+                .axis = numbers_[axis],
+                .code = status.error_code,
+                .error_register = status.error_register});
+      }
+      seen.fault_count = status.fault_count;
+    }
+    if (status.ignored_set_points != seen.ignored_set_points) {
+      if (status.ignored_set_points > seen.ignored_set_points) {
+        const std::uint32_t more = status.ignored_set_points - seen.ignored_set_points;
+        counters_.set_points_ignored.add(more);
+        report({.kind = msg::EVENT_SET_POINT_IGNORED,
+                .axis = numbers_[axis],
+                .session = control_.owner(axis).session,
+                .detail = more});
+      }
+      seen.ignored_set_points = status.ignored_set_points;
+    }
+    seen.statusword = status.ds402_statusword;
+    seen.error_code = status.error_code;
+  }
+}
+
+void BenchEngine::observe_state(std::size_t axis, const AxisStatus& status, Seen& seen) {
+  const PowerState before = decode_power_state(seen.statusword);
+  report({.kind = msg::EVENT_STATE_CHANGED,
+          .axis = numbers_[axis],
+          .code = status.ds402_statusword,
+          .error_register = status.error_register});
+  if (before == PowerState::fault) {
+    report({.kind = msg::EVENT_FAULT_RESET,
+            .axis = numbers_[axis],
+            .code = seen.error_code,
+            .error_register = status.error_register});
+  }
+  if (before == PowerState::operation_enabled && pending_.size() > 0) {
+    drop_pending_of_axis(numbers_[axis]);
+  }
+}
+
+void BenchEngine::mark_changed(std::size_t axis) {
+  if (!is_changed_[axis]) {
+    is_changed_[axis] = true;
+    changed_axes_[(first_changed_ + changed_count_) % changed_axes_.size()] =
+        static_cast<std::uint16_t>(axis);
+    ++changed_count_;
+  }
+}
+
+void BenchEngine::report(EventRecord event) {
+  event.tick = tick_;
+  if (lost_events_ > 0) {
+    if (EventRecord* const slot = outbox_.events.free_slot(); slot != nullptr) {
+      *slot = {.kind = msg::EVENT_QUEUE_OVERFLOW, .tick = tick_, .detail = lost_events_};
+      outbox_.events.push();
+      lost_events_ = 0;
+    }
+  }
+  if (EventRecord* const slot = outbox_.events.free_slot(); slot != nullptr) {
+    *slot = event;
+    outbox_.events.push();
+  } else {
+    count_overflow();
+  }
+}
+
+void BenchEngine::count_overflow() {
+  counters_.queue_overflows.add();
+  ++lost_events_;
+}
+
+}  // namespace vdrive::service

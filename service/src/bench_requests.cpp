@@ -1,0 +1,407 @@
+// SPDX-License-Identifier: Apache-2.0
+// Requests: reads, writes, control of axes, steps.
+#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/service/bench_engine.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace vdrive::service {
+namespace {
+
+constexpr ObjectAddress kFirstTestInput{0x5E00, 0};
+constexpr ObjectAddress kLastTestInput{0x5E09, 0};
+
+/// Objects that move an axis: writing one to a free axis takes control of it.
+constexpr std::array<ObjectAddress, 5> kCommandObjects{
+    {{0x6040, 0}, {0x6060, 0}, {0x607A, 0}, {0x60FF, 0}, {0x6071, 0}}};
+
+constexpr std::uint32_t kLocalControl =
+    static_cast<std::uint32_t>(AbortCode::refused_local_control);
+
+std::uint32_t wire_code(AbortCode code) {
+  return static_cast<std::uint32_t>(code);
+}
+
+bool is_test_input(ObjectAddress address) {
+  return address >= kFirstTestInput && address <= kLastTestInput;
+}
+
+bool is_command_object(ObjectAddress address) {
+  return std::find(kCommandObjects.begin(), kCommandObjects.end(), address) !=
+         kCommandObjects.end();
+}
+
+msg::ObjectResult& add_result(const msg::ObjectAccess& object, std::uint32_t code,
+                              msg::Reply& reply) {
+  auto& result = reply.objects().emplace_back();
+  result.axis(object.axis());
+  result.index(object.index());
+  result.subindex(object.subindex());
+  result.abort_code(code);
+  result.value(object.value());
+  return result;
+}
+
+/// @return the reason of a request whose results are complete.
+std::uint32_t reason_of(const msg::Reply& reply) {
+  const auto& results = reply.objects();
+  if (results.empty()) {
+    return msg::REASON_NOTHING_DONE;
+  }
+  const bool unknown_axis = std::any_of(results.begin(), results.end(), [](const auto& result) {
+    return result.abort_code() == msg::REASON_UNKNOWN_AXIS;
+  });
+  return unknown_axis ? msg::REASON_UNKNOWN_AXIS : msg::REASON_NONE;
+}
+
+}  // namespace
+
+void BenchEngine::handle_request(const Arrival& arrival) {
+  OutgoingReply* const outgoing = outbox_.replies.free_slot();
+  if (outgoing == nullptr) {
+    count_overflow();
+    return;  // nothing is done that could not be answered
+  }
+  begin_reply(arrival, *outgoing);
+  std::uint32_t reason = check_request(arrival);
+  if (reason == msg::REASON_NONE) {
+    reason = carry_out(arrival.request, outgoing->reply);
+  }
+  finish_reply(arrival.request, reason, outgoing->reply);
+  outbox_.replies.push();
+}
+
+void BenchEngine::begin_reply(const Arrival& arrival, OutgoingReply& outgoing) const {
+  outgoing.destination = arrival.source;
+  auto& reply = outgoing.reply;
+  reply.client(arrival.request.client());
+  reply.request_id(arrival.request.request_id());
+  reply.bench(identity_.bench);
+  reply.incarnation(identity_.incarnation);
+  reply.refused_axis(0);
+  reply.owner_session(0);
+  reply.tick(tick_);
+  reply.objects().clear();
+  reply.statuses().clear();
+}
+
+void BenchEngine::finish_reply(const msg::Request& request, std::uint32_t reason,
+                               msg::Reply& reply) {
+  reply.reason(reason);
+  const SessionRecord* const record =
+      request.session() == 0 ? nullptr : control_.find(request.session());
+  reply.epoch(record == nullptr ? 0 : record->epoch);
+  reply.last_sequence(record == nullptr ? 0 : record->last_sequence);
+  counters_.requests_answered.add();
+  std::uint16_t axis = reply.refused_axis();
+  for (const auto& object : reply.objects()) {
+    if (reason == msg::REASON_NONE && object.abort_code() != 0) {
+      reason = object.abort_code();
+      axis = object.axis();
+    }
+  }
+  if (reason != msg::REASON_NONE) {
+    report({.kind = msg::EVENT_REFUSED,
+            .axis = axis,
+            .session = request.session(),
+            .code = reason,
+            .detail = request.request_id()});
+  }
+}
+
+std::uint32_t BenchEngine::check_request(const Arrival& arrival) const {
+  const auto& request = arrival.request;
+  if (request.client() == 0) {
+    return msg::REASON_BAD_SESSION;
+  }
+  if (request.incarnation() != 0 && request.incarnation() != identity_.incarnation) {
+    return msg::REASON_WRONG_INCARNATION;
+  }
+  return arrival.refusal;
+}
+
+std::uint32_t BenchEngine::carry_out(const msg::Request& request, msg::Reply& reply) {
+  hear(request.session());
+  switch (request.kind()) {
+    case msg::REQUEST_READ:
+      return read_objects(request, reply);
+    case msg::REQUEST_WRITE:
+      return write_objects(request, reply);
+    case msg::REQUEST_ACQUIRE:
+      return acquire(request, false, reply);
+    case msg::REQUEST_TAKE_OVER:
+      return acquire(request, true, reply);
+    case msg::REQUEST_RELEASE:
+      return release(request, reply);
+    case msg::REQUEST_POWER_CYCLE:
+      return power_cycle(request, reply);
+    case msg::REQUEST_STORE:
+    case msg::REQUEST_RESTORE:
+      return wire_code(AbortCode::cannot_store_or_transfer);  // there is no place to store to
+    case msg::REQUEST_STEP:
+      return msg::REASON_WRONG_CLOCK_MODE;
+    default:
+      return msg::REASON_UNKNOWN_KIND;
+  }
+}
+
+std::uint32_t BenchEngine::read_objects(const msg::Request& request, msg::Reply& reply) {
+  for (const auto& object : request.objects()) {
+    const auto axis = index_of(object.axis());
+    if (!axis) {
+      add_result(object, msg::REASON_UNKNOWN_AXIS, reply).value(0);
+      refuse_axis(object.axis(), reply);
+      continue;
+    }
+    const ReadResult result = bank_.read(*axis, {object.index(), object.subindex()});
+    add_result(object, wire_code(result.code), reply).value(result.value);
+  }
+  return reason_of(reply);
+}
+
+std::uint32_t BenchEngine::write_objects(const msg::Request& request, msg::Reply& reply) {
+  for (const auto& object : request.objects()) {
+    const std::uint32_t code = write_object(object, request.session());
+    add_result(object, code, reply);
+    if (code == msg::REASON_UNKNOWN_AXIS || code == kLocalControl) {
+      refuse_axis(object.axis(), reply);
+    }
+  }
+  reply.tick(tick_ + 1);
+  return reason_of(reply);
+}
+
+std::uint32_t BenchEngine::write_object(const msg::ObjectAccess& object, std::uint64_t session) {
+  const auto axis = index_of(object.axis());
+  if (!axis) {
+    return msg::REASON_UNKNOWN_AXIS;
+  }
+  const ObjectAddress address{object.index(), object.subindex()};
+  const std::uint64_t owner = control_.owner(*axis).session;
+  if (owner != 0 && owner != session && !is_test_input(address)) {
+    return kLocalControl;
+  }
+  if (owner == 0 && is_command_object(address)) {
+    return write_command_object(*axis, address, object.value(), session);
+  }
+  return wire_code(write(*axis, address, object.value()));
+}
+
+std::uint32_t BenchEngine::write_command_object(std::size_t axis, ObjectAddress address,
+                                                std::int64_t value, std::uint64_t session) {
+  SessionRecord* const record = session == 0 ? nullptr : control_.find_or_add(session, tick_);
+  if (record == nullptr) {
+    return kLocalControl;
+  }
+  const AbortCode code = write(axis, address, value);
+  if (code == AbortCode::none) {
+    control_.give(axis, *record);
+    control_.renew_epoch(*record);
+    record->last_heard_tick = tick_;
+    report({.kind = msg::EVENT_CONTROL_CHANGED,
+            .axis = numbers_[axis],
+            .session = session,
+            .code = record->epoch,
+            .detail = 1});
+  }
+  return wire_code(code);
+}
+
+std::uint32_t BenchEngine::acquire(const msg::Request& request, bool by_force, msg::Reply& reply) {
+  if (request.session() == 0) {
+    return msg::REASON_BAD_SESSION;
+  }
+  if (const auto reason = check_axes(request, by_force, reply); reason != msg::REASON_NONE) {
+    return reason;
+  }
+  SessionRecord* const record = control_.find_or_add(request.session(), tick_);
+  if (record == nullptr) {
+    return msg::REASON_QUEUE_FULL;
+  }
+  std::size_t gained = 0;
+  for (const std::uint16_t number : request.axes()) {
+    const std::size_t axis = *index_of(number);
+    if (control_.owner(axis).session != request.session()) {
+      lose_axis(axis);
+      control_.give(axis, *record);
+      ++gained;
+    }
+  }
+  record->last_heard_tick = tick_;
+  if (gained > 0) {
+    control_.renew_epoch(*record);
+    report({.kind = msg::EVENT_CONTROL_CHANGED,
+            .axis = gained == 1 ? request.axes().front() : std::uint16_t{0},
+            .session = request.session(),
+            .code = record->epoch,
+            .detail = gained});
+  }
+  return msg::REASON_NONE;
+}
+
+/// The owner of the axis, if any, loses it to somebody else: its epoch and its waiting frames end.
+void BenchEngine::lose_axis(std::size_t axis) {
+  SessionRecord* const loser = control_.find(control_.owner(axis).session);
+  if (loser == nullptr || control_.owner(axis).session == 0) {
+    return;
+  }
+  control_.take(axis);
+  control_.renew_epoch(*loser);
+  drop_pending_of_session(loser->session);
+  report({.kind = msg::EVENT_CONTROL_CHANGED, .axis = numbers_[axis], .session = loser->session});
+}
+
+std::uint32_t BenchEngine::release(const msg::Request& request, msg::Reply& reply) {
+  if (request.session() == 0) {
+    return msg::REASON_BAD_SESSION;
+  }
+  SessionRecord* const record = control_.find(request.session());
+  if (record == nullptr || record->owned_axes == 0) {
+    return msg::REASON_NOTHING_DONE;
+  }
+  for (const std::uint16_t number : request.axes()) {
+    const auto axis = index_of(number);
+    if (!axis || control_.owner(*axis).session != request.session()) {
+      refuse_axis(number, reply);
+      return axis ? msg::REASON_NOT_OWNER : msg::REASON_UNKNOWN_AXIS;
+    }
+  }
+  const std::size_t before = record->owned_axes;
+  free_axes(request);
+  control_.renew_epoch(*record);
+  drop_pending_of_session(request.session());
+  report({.kind = msg::EVENT_CONTROL_CHANGED,
+          .axis = request.axes().size() == 1 ? request.axes().front() : std::uint16_t{0},
+          .session = request.session(),
+          .detail = before - record->owned_axes});
+  return msg::REASON_NONE;
+}
+
+/// Frees the axes that the request names, or all of its session when it names none.
+void BenchEngine::free_axes(const msg::Request& request) {
+  for (const std::uint16_t number : request.axes()) {
+    control_.take(*index_of(number));
+  }
+  for (std::size_t axis = 0; request.axes().empty() && axis < numbers_.size(); ++axis) {
+    if (control_.owner(axis).session == request.session()) {
+      control_.take(axis);
+    }
+  }
+}
+
+std::uint32_t BenchEngine::power_cycle(const msg::Request& request, msg::Reply& reply) {
+  if (const auto reason = check_axes(request, false, reply); reason != msg::REASON_NONE) {
+    return reason;
+  }
+  for (const std::uint16_t number : request.axes()) {
+    const std::size_t axis = *index_of(number);
+    drop_pending_of_axis(number);
+    bank_.power_cycle(axis);
+    mark_changed(axis);
+  }
+  reply.tick(tick_ + 1);
+  return msg::REASON_NONE;
+}
+
+std::uint32_t BenchEngine::check_axes(const msg::Request& request, bool owned_by_others_allowed,
+                                      msg::Reply& reply) const {
+  if (request.axes().empty()) {
+    return msg::REASON_NOTHING_DONE;
+  }
+  for (const std::uint16_t number : request.axes()) {
+    const auto axis = index_of(number);
+    if (!axis) {
+      refuse_axis(number, reply);
+      return msg::REASON_UNKNOWN_AXIS;
+    }
+    const std::uint64_t owner = control_.owner(*axis).session;
+    if (!owned_by_others_allowed && owner != 0 && owner != request.session()) {
+      refuse_axis(number, reply);
+      return kLocalControl;
+    }
+  }
+  return msg::REASON_NONE;
+}
+
+/// Names the first axis that the refusal speaks of, and its owner.
+void BenchEngine::refuse_axis(std::uint16_t number, msg::Reply& reply) const {
+  if (reply.refused_axis() != 0) {
+    return;
+  }
+  reply.refused_axis(number);
+  if (const auto axis = index_of(number)) {
+    reply.owner_session(control_.owner(*axis).session);
+  }
+}
+
+std::uint32_t BenchEngine::check_step(const Arrival& arrival) const {
+  const auto& request = arrival.request;
+  if (const auto reason = check_request(arrival); reason != msg::REASON_NONE) {
+    return reason;
+  }
+  if (clock_ != ClockMode::lockstep) {
+    return msg::REASON_WRONG_CLOCK_MODE;
+  }
+  if (request.ticks() > kMaxTicksPerStep) {
+    return msg::REASON_TOO_MANY_TICKS;
+  }
+  if (request.session() == 0 && request.last_sequence() != 0) {
+    return msg::REASON_BAD_SESSION;
+  }
+  const bool known =
+      std::all_of(request.axes().begin(), request.axes().end(), [&](std::uint16_t number) {
+        return index_of(number).has_value();
+      });
+  return known ? msg::REASON_NONE : msg::REASON_UNKNOWN_AXIS;
+}
+
+bool BenchEngine::has_arrived(std::uint64_t session, std::uint64_t sequence) {
+  if (sequence == 0) {
+    return true;
+  }
+  const SessionRecord* const record = control_.find(session);
+  return record != nullptr && record->last_sequence >= sequence;
+}
+
+void BenchEngine::hear(std::uint64_t session) {
+  if (session == 0) {
+    return;
+  }
+  if (SessionRecord* const record = control_.find(session); record != nullptr) {
+    record->last_heard_tick = tick_;
+  }
+}
+
+void BenchEngine::answer_step(const Arrival& arrival, std::uint32_t reason) {
+  OutgoingReply* const outgoing = outbox_.replies.free_slot();
+  if (outgoing == nullptr) {
+    count_overflow();
+    return;
+  }
+  begin_reply(arrival, *outgoing);
+  auto& reply = outgoing->reply;
+  if (reason == msg::REASON_NONE) {
+    add_statuses(arrival.request, reply);
+  } else if (reason == msg::REASON_UNKNOWN_AXIS) {
+    const auto& axes = arrival.request.axes();
+    const auto unknown = std::find_if(axes.begin(), axes.end(), [&](std::uint16_t number) {
+      return !index_of(number);
+    });
+    refuse_axis(*unknown, reply);
+  }
+  finish_reply(arrival.request, reason, reply);
+  outbox_.replies.push();
+}
+
+void BenchEngine::add_statuses(const msg::Request& request, msg::Reply& reply) const {
+  reply.statuses().resize(request.axes().size());
+  for (std::size_t position = 0; position < request.axes().size(); ++position) {
+    const std::uint16_t number = request.axes()[position];
+    const std::size_t axis = *index_of(number);
+    wire::to_message(bank_.status(axis), {identity_.bench, number}, tick_, control_.owner(axis),
+                     reply.statuses()[position]);
+  }
+}
+
+}  // namespace vdrive::service

@@ -1,0 +1,492 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdrive/service/configuration.hpp"
+
+#include "model_parameters.hpp"
+#include "number_text.hpp"
+#include "vdrive/axis_bank.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
+#include "yaml_reader.hpp"
+
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <set>
+#include <sstream>
+
+namespace vdrive::service {
+namespace {
+
+constexpr std::int64_t kHighestDomain = 232;
+constexpr std::int64_t kHighestAxisNumber = 65'535;
+constexpr std::int64_t kHighestPriority = 99;
+constexpr std::int64_t kLongestDwell = 65'535;
+
+/// The axes of a file, and where they stand, to name the place when the bank refuses one.
+struct ParsedAxes {
+  std::vector<NamedAxis> axes;
+  std::map<std::uint16_t, YamlValue> places;  ///< by axis number
+};
+
+std::string hex_address(ObjectAddress address) {
+  constexpr std::string_view kDigits = "0123456789ABCDEF";
+  std::string text = "0x";
+  for (int shift = 12; shift >= 0; shift -= 4) {
+    text += kDigits[(address.index >> static_cast<unsigned>(shift)) & 0xFU];
+  }
+  return address.subindex == 0 ? text : text + ":" + std::to_string(address.subindex);
+}
+
+/// @return the row that `key` names: a variable_name, 0x607D:1 or 0x6081.
+std::optional<ObjectRow> find_row(const std::string& key) {
+  if (const auto row = find_object(std::string_view(key))) {
+    return row;
+  }
+  const auto colon = key.find(':');
+  const auto index = parse_integer(key.substr(0, colon));
+  const auto subindex = colon == std::string::npos ? std::optional<std::int64_t>(0)
+                                                   : parse_integer(key.substr(colon + 1));
+  if (!key.starts_with("0x") || !index || !subindex || *index > 0xFFFF || *subindex < 0 ||
+      *subindex > 0xFF) {
+    return std::nullopt;
+  }
+  return find_object(
+      ObjectAddress{static_cast<std::uint16_t>(*index), static_cast<std::uint8_t>(*subindex)});
+}
+
+bool is_printable(const std::string& name) {
+  return std::all_of(name.begin(), name.end(), [](char c) {
+    return static_cast<unsigned char>(c) > ' ' && c != '\x7F';
+  });
+}
+
+std::string checked_name(const YamlValue& value, bool of_axis) {
+  std::string name = value.text();
+  if (name.empty() || name.size() > kMaxNameLength) {
+    value.refuse("a name has 1 to " + std::to_string(kMaxNameLength) + " bytes");
+  }
+  if (of_axis && (!is_printable(name) || (name.front() >= '0' && name.front() <= '9'))) {
+    value.refuse("a name has no blanks and does not begin with a digit");
+  }
+  return name;
+}
+
+void read_bench(const YamlValue& value, Configuration& configuration) {
+  value.for_each_entry({"number", "name"}, [&](const auto& key, const YamlValue& entry) {
+    if (key == "number") {
+      configuration.bench = static_cast<std::uint32_t>(entry.integer({1, kMaxBench, ""}));
+    } else {
+      configuration.name = checked_name(entry, false);
+    }
+  });
+}
+
+double checked_rate(const YamlValue& value) {
+  const double rate = value.number("");
+  if (rate != 0.0 && (rate < kLowestRate || rate > kHighestRate)) {
+    value.refuse("must be 0 (paused) or from 0.1 to 100");
+  }
+  return rate;
+}
+
+ClockMode checked_mode(const YamlValue& value) {
+  if (value.text() == "freerun") {
+    value.refuse("this version has no free-running clock; must be one of realtime, lockstep");
+  }
+  return value.choice({"realtime", "lockstep"}) == 0 ? ClockMode::realtime : ClockMode::lockstep;
+}
+
+void read_clock(const YamlValue& value, Configuration& configuration) {
+  value.for_each_entry(
+      {"mode", "period_us", "rate", "threads", "realtime_priority"},
+      [&](const auto& key, const YamlValue& entry) {
+        if (key == "mode") {
+          configuration.clock = checked_mode(entry);
+        } else if (key == "period_us") {
+          configuration.period = std::chrono::microseconds{
+              entry.integer({kShortestPeriod.count(), kLongestPeriod.count(), "us"})};
+        } else if (key == "rate") {
+          configuration.rate = checked_rate(entry);
+        } else if (key == "threads") {
+          configuration.threads = static_cast<std::uint32_t>(entry.integer({1, kMaxThreads, ""}));
+        } else {
+          configuration.realtime_priority =
+              static_cast<int>(entry.integer({0, kHighestPriority, ""}));
+        }
+      });
+}
+
+void read_watchdog(const YamlValue& value, Configuration& configuration) {
+  value.for_each_entry({"timeout_ms"}, [&](const auto& /*key*/, const YamlValue& entry) {
+    if (entry.text() == "off") {
+      configuration.watchdog.reset();
+    } else {
+      configuration.watchdog = std::chrono::milliseconds{
+          entry.integer({kShortestWatchdog.count(), kLongestWatchdog.count(), "ms, or off"})};
+    }
+  });
+}
+
+std::vector<std::string> read_addresses(const YamlValue& value) {
+  std::vector<std::string> addresses;
+  value.for_each_element([&](const YamlValue& element) {
+    addresses.push_back(element.text());
+  });
+  return addresses;
+}
+
+void read_network(const YamlValue& value, wire::NetworkSettings& network) {
+  value.for_each_entry(
+      {"domain", "interfaces", "peers", "shared_memory"},
+      [&](const auto& key, const YamlValue& entry) {
+        if (key == "domain") {
+          network.domain = static_cast<std::uint32_t>(entry.integer({0, kHighestDomain, ""}));
+        } else if (key == "interfaces") {
+          network.interfaces = read_addresses(entry);
+        } else if (key == "peers") {
+          network.peers = read_addresses(entry);
+        } else {
+          network.shared_memory = entry.boolean();
+        }
+      });
+}
+
+void read_model_number(const std::string& key, const YamlValue& value, AxisModel& model) {
+  const auto* const parameter =
+      std::find_if(kModelParameters.begin(), kModelParameters.end(), [&](const auto& candidate) {
+        return candidate.name == key;
+      });
+  if (parameter == kModelParameters.end()) {
+    std::string known = "coupling, feedback";
+    for (const auto& candidate : kModelParameters) {
+      known += ", " + std::string(candidate.name);
+    }
+    value.refuse("unknown key; known here: " + known);
+  }
+  const double number = value.number(parameter->unit);
+  if (number < parameter->lowest || (parameter->above_lowest && number == parameter->lowest)) {
+    value.refuse(std::string("must be ") + (parameter->above_lowest ? "above " : "at least ") +
+                 to_text(parameter->lowest) + " " + std::string(parameter->unit));
+  }
+  model.*(parameter->member) = number;
+}
+
+void read_model(const YamlValue& value, AxisModel& model) {
+  value.for_each_entry({}, [&](const auto& key, const YamlValue& entry) {
+    if (key == "coupling") {
+      model.coupling =
+          entry.choice({"rigid", "two_inertia"}) == 0 ? Coupling::rigid : Coupling::two_inertia;
+    } else if (key == "feedback") {
+      model.feedback = entry.choice({"single_encoder", "dual_encoder"}) == 0
+                           ? Feedback::single_encoder
+                           : Feedback::dual_encoder;
+    } else {
+      read_model_number(key, entry, model);
+    }
+  });
+}
+
+void read_settings(const YamlValue& value, AxisSettings& settings) {
+  value.for_each_entry(
+      {"enable_from_switch_on_disabled", "following_error_is_fault", "quick_stop_dwell_ms"},
+      [&](const auto& key, const YamlValue& entry) {
+        if (key == "enable_from_switch_on_disabled") {
+          settings.enable_from_switch_on_disabled = entry.boolean();
+        } else if (key == "following_error_is_fault") {
+          settings.following_error_is_fault = entry.boolean();
+        } else {
+          settings.quick_stop_dwell_ms =
+              static_cast<std::uint16_t>(entry.integer({0, kLongestDwell, "ms"}));
+        }
+      });
+}
+
+void read_parameters(const YamlValue& value, std::vector<InitialValue>& parameters) {
+  value.for_each_entry({}, [&](const auto& key, const YamlValue& entry) {
+    const auto row = find_row(key);
+    if (!row) {
+      entry.refuse(R"(no such object; write its variable_name, "0x6081" or "0x607D:1")");
+    }
+    const ObjectDescription& object = describe(*row);
+    const std::int64_t number =
+        entry.integer({object.lower_limit, object.upper_limit,
+                       object.units == "-" ? std::string_view{} : object.units});
+    if (const AbortCode code = check_write(*row, number); code != AbortCode::none) {
+      entry.refuse(std::string(describe(code)));
+    }
+    parameters.push_back({object.address, number});
+  });
+}
+
+NamedAxis read_axis(const YamlValue& value) {
+  NamedAxis axis;
+  value.for_each_entry(
+      {"number", "name", "initial_position", "settings", "model", "parameters"},
+      [&](const auto& key, const YamlValue& entry) {
+        auto& configuration = axis.configuration;
+        if (key == "number") {
+          axis.number = static_cast<std::uint16_t>(entry.integer({1, kHighestAxisNumber, ""}));
+        } else if (key == "name") {
+          axis.name = checked_name(entry, true);
+        } else if (key == "initial_position") {
+          configuration.initial_position = static_cast<std::int32_t>(
+              entry.integer({std::numeric_limits<std::int32_t>::min(),
+                             std::numeric_limits<std::int32_t>::max(), "user units"}));
+        } else if (key == "settings") {
+          read_settings(entry, configuration.settings);
+        } else if (key == "model") {
+          read_model(entry, configuration.model);
+        } else {
+          read_parameters(entry, configuration.parameters);
+        }
+      });
+  if (axis.number == 0) {
+    value.refuse("an axis needs its number");
+  }
+  if (axis.name.empty()) {
+    axis.name = "axis" + std::to_string(axis.number);
+  }
+  return axis;
+}
+
+ParsedAxes read_axes(const YamlValue& value) {
+  ParsedAxes parsed;
+  std::set<std::string> names;
+  value.for_each_element([&](const YamlValue& element) {
+    const NamedAxis& axis = parsed.axes.emplace_back(read_axis(element));
+    if (!parsed.places.emplace(axis.number, element).second) {
+      element.refuse("axis number " + std::to_string(axis.number) + " stands twice");
+    }
+    if (!names.insert(axis.name).second) {
+      element.refuse("axis name " + axis.name + " stands twice");
+    }
+    if (parsed.axes.size() > kMaxAxes) {
+      element.refuse("a bench has at most " + std::to_string(kMaxAxes) + " axes");
+    }
+  });
+  if (parsed.axes.empty()) {
+    value.refuse("a bench has at least one axis");
+  }
+  std::sort(parsed.axes.begin(), parsed.axes.end(), [](const auto& a, const auto& b) {
+    return a.number < b.number;
+  });
+  return parsed;
+}
+
+/// The bank knows rules that no single value shows: it tries each axis alone.
+void try_axes(const ParsedAxes& parsed, std::chrono::microseconds period) {
+  for (const auto& axis : parsed.axes) {
+    try {
+      const AxisBank bank(std::span(&axis.configuration, 1), period);
+    } catch (const std::invalid_argument& refusal) {
+      parsed.places.at(axis.number)
+          .refuse("axis " + std::to_string(axis.number) + ": " + refusal.what());
+    }
+  }
+}
+
+Configuration read_configuration(const YamlValue& root) {
+  Configuration configuration = demo_configuration();
+  ParsedAxes parsed;
+  root.for_each_entry(
+      {"bench", "clock", "status", "watchdog", "network", "axes"},
+      [&](const auto& key, const YamlValue& entry) {
+        if (key == "bench") {
+          read_bench(entry, configuration);
+        } else if (key == "clock") {
+          read_clock(entry, configuration);
+        } else if (key == "status") {
+          entry.for_each_entry({"every_ticks"}, [&](const auto&, const auto& every) {
+            configuration.status_every =
+                static_cast<std::uint32_t>(every.integer({1, kMaxStatusEvery, "ticks"}));
+          });
+        } else if (key == "watchdog") {
+          read_watchdog(entry, configuration);
+        } else if (key == "network") {
+          read_network(entry, configuration.network);
+        } else {
+          parsed = read_axes(entry);
+        }
+      });
+  try_axes(parsed, configuration.period);
+  if (!parsed.axes.empty()) {
+    configuration.axes = std::move(parsed.axes);
+  }
+  return configuration;
+}
+
+void check_range(const char* what, double value, double lowest, double highest, const char* unit) {
+  if (!(value >= lowest && value <= highest)) {
+    throw ConfigurationError(std::string(what) + " = " + to_text(value) + ": must be from " +
+                             to_text(lowest) + " to " + to_text(highest) + unit);
+  }
+}
+
+// ---- writing -----------------------------------------------------------------------------------
+
+void write_settings(YAML::Emitter& out, const AxisSettings& settings) {
+  out << YAML::Key << "settings" << YAML::Value << YAML::BeginMap;
+  out << YAML::Key << "enable_from_switch_on_disabled" << YAML::Value
+      << settings.enable_from_switch_on_disabled;
+  out << YAML::Key << "following_error_is_fault" << YAML::Value
+      << settings.following_error_is_fault;
+  out << YAML::Key << "quick_stop_dwell_ms" << YAML::Value << settings.quick_stop_dwell_ms;
+  out << YAML::EndMap;
+}
+
+void write_model(YAML::Emitter& out, const AxisModel& model) {
+  out << YAML::Key << "model" << YAML::Value << YAML::BeginMap;
+  out << YAML::Key << "coupling" << YAML::Value
+      << (model.coupling == Coupling::rigid ? "rigid" : "two_inertia");
+  out << YAML::Key << "feedback" << YAML::Value
+      << (model.feedback == Feedback::single_encoder ? "single_encoder" : "dual_encoder");
+  for (const auto& parameter : kModelParameters) {
+    out << YAML::Key << std::string(parameter.name) << YAML::Value
+        << to_text(model.*(parameter.member));
+  }
+  out << YAML::EndMap;
+}
+
+void write_axis(YAML::Emitter& out, const NamedAxis& axis) {
+  out << YAML::BeginMap << YAML::Key << "number" << YAML::Value << axis.number;
+  out << YAML::Key << "name" << YAML::Value << axis.name;
+  out << YAML::Key << "initial_position" << YAML::Value << axis.configuration.initial_position;
+  write_settings(out, axis.configuration.settings);
+  write_model(out, axis.configuration.model);
+  if (!axis.configuration.parameters.empty()) {
+    out << YAML::Key << "parameters" << YAML::Value << YAML::BeginMap;
+    for (const auto& parameter : axis.configuration.parameters) {
+      out << YAML::Key << YAML::DoubleQuoted << hex_address(parameter.address) << YAML::Value
+          << parameter.value;
+    }
+    out << YAML::EndMap;
+  }
+  out << YAML::EndMap;
+}
+
+void write_clock(YAML::Emitter& out, const Configuration& configuration) {
+  out << YAML::Key << "clock" << YAML::Value << YAML::BeginMap;
+  out << YAML::Key << "mode" << YAML::Value << std::string(to_string(configuration.clock));
+  out << YAML::Key << "period_us" << YAML::Value << configuration.period.count();
+  out << YAML::Key << "rate" << YAML::Value << to_text(configuration.rate);
+  out << YAML::Key << "threads" << YAML::Value << configuration.threads;
+  out << YAML::Key << "realtime_priority" << YAML::Value << configuration.realtime_priority;
+  out << YAML::EndMap;
+}
+
+void write_network(YAML::Emitter& out, const wire::NetworkSettings& network) {
+  out << YAML::Key << "network" << YAML::Value << YAML::BeginMap;
+  out << YAML::Key << "domain" << YAML::Value << network.domain;
+  out << YAML::Key << "interfaces" << YAML::Value << YAML::Flow << network.interfaces;
+  out << YAML::Key << "peers" << YAML::Value << YAML::Flow << network.peers;
+  out << YAML::Key << "shared_memory" << YAML::Value << network.shared_memory << YAML::EndMap;
+}
+
+}  // namespace
+
+std::string_view to_string(ClockMode mode) noexcept {
+  return mode == ClockMode::realtime ? "realtime" : "lockstep";
+}
+
+Configuration demo_configuration() {
+  Configuration configuration;
+  configuration.axes = default_axes(2);
+  configuration.axes[0].name = "x";
+  configuration.axes[1].name = "y";
+  return configuration;
+}
+
+std::vector<NamedAxis> default_axes(std::size_t count) {
+  if (count < 1 || count > kMaxAxes) {
+    throw ConfigurationError("axes = " + std::to_string(count) + ": must be from 1 to " +
+                             std::to_string(kMaxAxes));
+  }
+  std::vector<NamedAxis> axes(count);
+  for (std::size_t index = 0; index < count; ++index) {
+    axes[index].number = static_cast<std::uint16_t>(index + 1);
+    axes[index].name = "axis" + std::to_string(index + 1);
+  }
+  return axes;
+}
+
+Configuration parse_configuration(const std::string& text, const std::string& file_name) {
+  YAML::Node document;
+  try {
+    document = YAML::Load(text);
+  } catch (const YAML::Exception& error) {
+    throw ConfigurationError(file_name + ":" + std::to_string(error.mark.line + 1) + ": " +
+                             error.msg);
+  }
+  if (document.IsNull()) {
+    return demo_configuration();
+  }
+  return read_configuration(YamlValue(document, file_name, ""));
+}
+
+Configuration load_configuration(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  std::ostringstream text;
+  if (std::filesystem::is_directory(file) || !(text << stream.rdbuf())) {
+    throw ConfigurationError(file.string() + ": cannot be read, or is empty");
+  }
+  return parse_configuration(text.str(), file.string());
+}
+
+void check(const Configuration& configuration) {
+  check_range("bench", configuration.bench, 1, kMaxBench, "");
+  check_range("period", static_cast<double>(configuration.period.count()),
+              static_cast<double>(kShortestPeriod.count()),
+              static_cast<double>(kLongestPeriod.count()), " us");
+  if (configuration.rate != 0.0) {
+    check_range("rate", configuration.rate, kLowestRate, kHighestRate, ", or 0 = paused");
+  }
+  check_range("threads", configuration.threads, 1, kMaxThreads, "");
+  check_range("domain", configuration.network.domain, 0, kHighestDomain, "");
+  check_range("status.every_ticks", configuration.status_every, 1, kMaxStatusEvery, " ticks");
+  check_range("axes", static_cast<double>(configuration.axes.size()), 1, kMaxAxes, "");
+  if (configuration.watchdog) {
+    check_range("watchdog", static_cast<double>(configuration.watchdog->count()),
+                static_cast<double>(kShortestWatchdog.count()),
+                static_cast<double>(kLongestWatchdog.count()), " ms");
+  }
+}
+
+std::string to_yaml(const Configuration& configuration) {
+  YAML::Emitter out;
+  out << YAML::BeginMap;
+  out << YAML::Key << "bench" << YAML::Value << YAML::BeginMap;
+  out << YAML::Key << "number" << YAML::Value << configuration.bench;
+  out << YAML::Key << "name" << YAML::Value << configuration.name << YAML::EndMap;
+  write_clock(out, configuration);
+  out << YAML::Key << "status" << YAML::Value << YAML::BeginMap << YAML::Key << "every_ticks"
+      << YAML::Value << configuration.status_every << YAML::EndMap;
+  out << YAML::Key << "watchdog" << YAML::Value << YAML::BeginMap << YAML::Key << "timeout_ms"
+      << YAML::Value;
+  if (configuration.watchdog) {
+    out << configuration.watchdog->count();
+  } else {
+    out << "off";
+  }
+  out << YAML::EndMap;
+  write_network(out, configuration.network);
+  out << YAML::Key << "axes" << YAML::Value << YAML::BeginSeq;
+  for (const auto& axis : configuration.axes) {
+    write_axis(out, axis);
+  }
+  out << YAML::EndSeq << YAML::EndMap;
+  return std::string(out.c_str()) + "\n";
+}
+
+std::vector<AxisConfiguration> bank_axes(const Configuration& configuration) {
+  std::vector<AxisConfiguration> axes;
+  axes.reserve(configuration.axes.size());
+  for (const auto& axis : configuration.axes) {
+    axes.push_back(axis.configuration);
+    axes.back().serial_number = configuration.bench * 65'536U + axis.number;
+  }
+  return axes;
+}
+
+}  // namespace vdrive::service

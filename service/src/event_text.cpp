@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "event_text.hpp"
+
+#include "vdrive/cia402/power_state.hpp"
+#include "vdrive/wire/conversion.hpp"
+
+#include <array>
+#include <cstdio>
+
+namespace vdrive::service {
+namespace {
+
+constexpr std::size_t kLongestText = 200;
+
+std::string hex(std::uint64_t value, int digits) {
+  std::array<char, 24> text{};
+  std::snprintf(text.data(), text.size(), "0x%0*llX", digits,  // NOLINT(*-vararg)
+                static_cast<unsigned long long>(value));       // NOLINT(*-runtime-int)
+  return text.data();
+}
+
+std::string who(const EventRecord& event) {
+  return event.axis == 0 ? "" : "axis " + std::to_string(event.axis) + ": ";
+}
+
+std::string control_text(const EventRecord& event) {
+  const std::string axes = event.axis != 0 ? "" : std::to_string(event.detail) + " axes ";
+  if (event.code == 0) {
+    return axes + "released by session " + hex(event.session, 16);
+  }
+  return axes + "controlled by session " + hex(event.session, 16) + " in epoch " +
+         std::to_string(event.code);
+}
+
+std::string refusal_text(const EventRecord& event) {
+  return "refused: " + wire::describe_reason(event.code) + " (session " + hex(event.session, 16) +
+         ", number " + std::to_string(event.detail) + ")";
+}
+
+std::string text_of(const EventRecord& event) {
+  switch (event.kind) {
+    case msg::EVENT_STATE_CHANGED:
+      return std::string(to_string(decode_power_state(static_cast<std::uint16_t>(event.code))));
+    case msg::EVENT_FAULT:
+      return "fault " + hex(event.code, 4);
+    case msg::EVENT_FAULT_RESET:
+      return "fault " + hex(event.code, 4) + " reset";
+    case msg::EVENT_REFUSED:
+      return refusal_text(event);
+    case msg::EVENT_SET_POINT_IGNORED:
+      return std::to_string(event.detail) + " set-points ignored";
+    case msg::EVENT_CONTROL_CHANGED:
+      return control_text(event);
+    case msg::EVENT_MASTER_LOST:
+      return "session " + hex(event.session, 16) + " fell silent, " + std::to_string(event.detail) +
+             " axes lost their master";
+    case msg::EVENT_TICK_OVERRUN:
+      return "tick ended " + std::to_string(event.detail) + " us too late";
+    case msg::EVENT_TICK_JUMPED:
+      return "tick number jumped by " + std::to_string(event.detail);
+    case msg::EVENT_QUEUE_OVERFLOW:
+      return std::to_string(event.detail) + " messages lost: a queue was full";
+    case msg::EVENT_BENCH_CONFLICT:
+      return "another service has this bench number, incarnation " + std::to_string(event.detail);
+    default:
+      return "event " + std::to_string(event.kind);
+  }
+}
+
+}  // namespace
+
+std::string words_of(const EventRecord& event) {
+  return (who(event) + text_of(event)).substr(0, kLongestText);
+}
+
+}  // namespace vdrive::service

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lockstep_driver.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace vdrive::service {
+namespace {
+
+constexpr std::uint64_t kTicksPerDelivery = 64;
+
+}  // namespace
+
+LockstepDriver::LockstepDriver(const Configuration& configuration, BenchEngine& engine,
+                               Inbox& inbox, Outbox& outbox, StatusPublisher& status,
+                               ReplyPublisher& replies)
+    : engine_(engine),
+      inbox_(inbox),
+      outbox_(outbox),
+      status_(status),
+      replies_(replies),
+      status_every_(configuration.status_every) {}
+
+void LockstepDriver::run(const std::atomic<bool>& stop, Doorbell& doorbell) {
+  publish_status();
+  while (!stop) {
+    if (!handle_next(stop, doorbell) && !doorbell.wait_for(kIdleInterval)) {
+      idle();
+    }
+  }
+}
+
+bool LockstepDriver::handle_next(const std::atomic<bool>& stop, Doorbell& doorbell) {
+  if (!deferred_.empty()) {
+    Arrival arrival = std::move(deferred_.front());
+    deferred_.pop_front();
+    handle(arrival, stop, doorbell);
+    return true;
+  }
+  Arrival* const arrival = inbox_.front();
+  if (arrival == nullptr) {
+    return false;
+  }
+  const bool is_step =
+      arrival->kind == Arrival::Kind::request && arrival->request.kind() == msg::REQUEST_STEP;
+  if (is_step) {  // it may have to look behind itself in the inbox
+    Arrival request = std::move(*arrival);
+    inbox_.pop();
+    handle(request, stop, doorbell);
+  } else {
+    handle(*arrival, stop, doorbell);
+    inbox_.pop();
+  }
+  return true;
+}
+
+void LockstepDriver::handle(Arrival& arrival, const std::atomic<bool>& stop, Doorbell& doorbell) {
+  if (arrival.kind == Arrival::Kind::request && arrival.request.kind() == msg::REQUEST_STEP) {
+    step(arrival, stop, doorbell);
+    return;
+  }
+  engine_.handle(arrival);
+  engine_.post_parameters();
+  replies_.deliver(inbox_, outbox_);
+}
+
+void LockstepDriver::step(Arrival& arrival, const std::atomic<bool>& stop, Doorbell& doorbell) {
+  std::uint32_t reason = engine_.check_step(arrival);
+  if (reason == msg::REASON_NONE && !wait_for_commands(arrival.request, stop, doorbell)) {
+    reason = msg::REASON_MISSING_COMMANDS;
+  }
+  if (reason == msg::REASON_NONE) {
+    run_ticks(arrival.request, stop);
+  }
+  engine_.answer_step(arrival, reason);
+  replies_.deliver(inbox_, outbox_);
+  if (reason == msg::REASON_NONE && arrival.request.ticks() > 0) {
+    publish_status();
+  }
+}
+
+/// The frames come on another topic than the step: they may be behind it.
+bool LockstepDriver::wait_for_commands(const msg::Request& request, const std::atomic<bool>& stop,
+                                       Doorbell& doorbell) {
+  const auto deadline = Clock::now() + kLongestWaitForCommands;
+  while (!engine_.has_arrived(request.session(), request.last_sequence())) {
+    const auto left = deadline - Clock::now();
+    if (stop || left <= Clock::duration::zero()) {
+      return false;
+    }
+    if (!take_frames()) {
+      doorbell.wait_for(left);
+    }
+  }
+  return true;
+}
+
+/// Handles the frames at the head of the inbox and puts requests aside. @return whether there was
+/// anything.
+bool LockstepDriver::take_frames() {
+  Arrival* const arrival = inbox_.front();
+  if (arrival == nullptr) {
+    return false;
+  }
+  if (arrival->kind == Arrival::Kind::command_frame) {
+    engine_.handle(*arrival);
+    replies_.deliver(inbox_, outbox_);
+  } else if (deferred_.size() < kMostDeferred) {
+    deferred_.push_back(std::move(*arrival));
+  } else {
+    return false;
+  }
+  inbox_.pop();
+  return true;
+}
+
+void LockstepDriver::run_ticks(const msg::Request& request, const std::atomic<bool>& stop) {
+  for (std::uint64_t count = 1; count <= request.ticks(); ++count) {
+    engine_.hear(request.session());
+    engine_.step();
+    const bool last = count == request.ticks();
+    if (!last && engine_.tick() % status_every_ == 0 && may_publish()) {
+      publish_status();
+    }
+    if (count % kTicksPerDelivery == 0) {
+      replies_.deliver(inbox_, outbox_);
+      if (stop) {
+        return;
+      }
+    }
+  }
+}
+
+/// Wall time decides how many of the ticks of a long step are shown.
+bool LockstepDriver::may_publish() {
+  const auto now = Clock::now();
+  const double seconds = std::chrono::duration<double>(now - refilled_).count();
+  status_budget_ = std::min(kStatusBurst, status_budget_ + seconds * kStatusPerSecond);
+  refilled_ = now;
+  if (status_budget_ < 1.0) {
+    return false;
+  }
+  status_budget_ -= 1.0;
+  return true;
+}
+
+void LockstepDriver::publish_status() {
+  engine_.post_status();
+  while (const StatusImage* const image = outbox_.status.front()) {
+    status_.publish(*image);
+    outbox_.status.pop();
+  }
+}
+
+/// Whoever comes while nothing moves sees the axes all the same.
+void LockstepDriver::idle() {
+  engine_.post_parameters();
+  replies_.deliver(inbox_, outbox_);
+  engine_.post_status();
+  while (const StatusImage* const image = outbox_.status.front()) {
+    status_.publish_axes(*image);
+    outbox_.status.pop();
+  }
+}
+
+}  // namespace vdrive::service

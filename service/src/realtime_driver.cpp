@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdrive/service/realtime_driver.hpp"
+
+namespace vdrive::service {
+
+RealtimeDriver::RealtimeDriver(const Configuration& configuration, BenchEngine& engine,
+                               Inbox& inbox, Counters& counters, CycleTimer& timer)
+    : engine_(engine),
+      inbox_(inbox),
+      counters_(counters),
+      timer_(timer),
+      period_(configuration.period),
+      status_every_(configuration.status_every) {
+  const Instant now{timer.monotonic_now(), timer.wall_now()};
+  engine_.start_at(
+      static_cast<std::uint64_t>(now.wall / std::chrono::nanoseconds(configuration.period)));
+  if (configuration.rate > 0.0) {
+    clock_.emplace(period_, configuration.rate, now);
+    next_cycle_ = clock_->deadline().count();
+  } else {
+    next_cycle_ = (now.monotonic + period_).count();
+  }
+}
+
+void RealtimeDriver::cycle() noexcept {
+  timer_.wait_until(next_cycle());
+  handle_arrivals();
+  if (clock_) {
+    tick();
+    next_cycle_.store(clock_->deadline().count(), std::memory_order_relaxed);
+  } else {
+    engine_.post_parameters();
+    next_cycle_.store((timer_.monotonic_now() + period_).count(), std::memory_order_relaxed);
+  }
+}
+
+void RealtimeDriver::tick() noexcept {
+  const auto begin = timer_.monotonic_now();
+  static_cast<void>(clock_->skip_backlog(begin));
+  if (const std::uint64_t missing = clock_->next_tick() - engine_.tick() - 1; missing > 0) {
+    engine_.jump(missing);
+  }
+  counters_.count_lateness(begin - clock_->deadline());
+  engine_.step();
+  if (engine_.tick() % status_every_ == 0) {
+    engine_.post_status();
+  }
+  clock_->advance({timer_.monotonic_now(), timer_.wall_now()});
+  const auto late = timer_.monotonic_now() - clock_->deadline();
+  if (late > std::chrono::nanoseconds::zero()) {
+    engine_.report_overrun(late);
+  }
+}
+
+void RealtimeDriver::handle_arrivals() {
+  for (std::size_t count = 0; count < kArrivalsPerTick; ++count) {
+    Arrival* const arrival = inbox_.front();
+    if (arrival == nullptr) {
+      return;
+    }
+    engine_.handle(*arrival);
+    inbox_.pop();
+  }
+}
+
+}  // namespace vdrive::service

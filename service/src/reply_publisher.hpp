@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/service/bench_engine.hpp"
+#include "vdrive/service/counters.hpp"
+#include "vdrive/service/queues.hpp"
+#include "vdrive/wire/publication.hpp"
+
+#include <chrono>
+#include <cstdint>
+#include <deque>
+
+namespace vdrive::service {
+
+/// Sends replies and command replies. A reply waits up to 1 s until its client's reader is known;
+/// meanwhile the others go on. Used by one thread.
+class ReplyPublisher {
+ public:
+  static constexpr std::chrono::seconds kLongestWait{1};
+  static constexpr std::size_t kMostWaiting = 256;
+
+  ReplyPublisher(wire::Participant& participant, const BenchIdentity& identity, Counters& counters);
+
+  /// Sends all that waits in the outbox, what the inbox turned away, and replies whose reader has
+  /// been found since.
+  void deliver(Inbox& inbox, Outbox& outbox);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  struct Waiting {
+    OutgoingReply outgoing;
+    Clock::time_point deadline;
+  };
+
+  void send(const OutgoingReply& outgoing);
+  [[nodiscard]] bool try_send(const OutgoingReply& outgoing);
+  void retry();
+  void refuse(const TurnedAway& arrival);
+
+  wire::Publication<msg::Reply> replies_;
+  wire::Publication<msg::CommandReply> command_replies_;
+  BenchIdentity identity_;
+  Counters& counters_;
+  std::deque<Waiting> waiting_;
+};
+
+}  // namespace vdrive::service

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "report_publisher.hpp"
+
+#include "event_text.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/wire/conversion.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace vdrive::service {
+namespace {
+
+using namespace vdrive::literals;
+
+constexpr std::chrono::seconds kRateWindow{1};
+constexpr double kParametersPerSecond = 2'000.0;
+constexpr double kParameterBurst = 256.0;
+constexpr std::string_view kDictionaryVersion = "1.0";
+constexpr const char* kUnit = "UU";
+
+std::uint32_t clock_mode_of(const Configuration& configuration) {
+  return configuration.clock == ClockMode::realtime ? msg::CLOCK_MODE_REALTIME
+                                                    : msg::CLOCK_MODE_LOCKSTEP;
+}
+
+std::int64_t read(const AxisBank& bank, std::size_t axis, ObjectRow row) {
+  return bank.read(axis, describe(row).address).value;
+}
+
+}  // namespace
+
+ReportPublisher::ReportPublisher(wire::Participant& participant, const Configuration& configuration,
+                                 const BenchIdentity& identity, const AxisBank& bank,
+                                 Counters& counters)
+    : descriptions_(participant),
+      states_(participant),
+      parameters_(participant),
+      events_(participant),
+      identity_(identity),
+      period_(configuration.period),
+      rate_(configuration.clock == ClockMode::realtime ? configuration.rate : 0.0),
+      counters_(counters) {
+  describe_axes(configuration, bank);
+  for (std::size_t axis = 0; axis < configuration.axes.size(); ++axis) {
+    wire::to_message(bank, axis, {identity.bench, configuration.axes[axis].number}, 0,
+                     first_parameters_.emplace_back());
+  }
+  state_.bench(identity.bench);
+  state_.incarnation(identity.incarnation);
+  state_.clock_mode(clock_mode_of(configuration));
+  state_.rate(rate_);
+  event_.bench(identity.bench);
+  event_.incarnation(identity.incarnation);
+}
+
+void ReportPublisher::describe_axes(const Configuration& configuration, const AxisBank& bank) {
+  constexpr std::size_t kPartSize = msg::MAX_AXES_PER_FRAME;
+  const std::size_t count = configuration.axes.size();
+  const std::size_t parts = (count + kPartSize - 1) / kPartSize;
+  for (std::size_t part = 0; part < parts; ++part) {
+    auto& description = parts_.emplace_back();
+    description.bench(identity_.bench);
+    description.part(static_cast<std::uint16_t>(part));
+    description.parts(static_cast<std::uint16_t>(parts));
+    description.incarnation(identity_.incarnation);
+    description.clock_mode(clock_mode_of(configuration));
+    description.period_us(static_cast<std::uint32_t>(configuration.period.count()));
+    description.status_every_ticks(configuration.status_every);
+    description.dictionary_version(std::string(kDictionaryVersion));
+    description.service_version(std::string(VDRIVE_VERSION));
+    description.name(configuration.name);
+    description.position_unit(kUnit);
+    description.velocity_unit(std::string(kUnit) + "/s");
+    description.acceleration_unit(std::string(kUnit) + "/s2");
+    description.user_units_per_revolution(kUserUnitsPerRevolution);
+    description.axis_count(static_cast<std::uint32_t>(count));
+    for (std::size_t axis = part * kPartSize; axis < std::min(count, (part + 1) * kPartSize);
+         ++axis) {
+      auto& entry = description.axes().emplace_back();
+      entry.axis(configuration.axes[axis].number);
+      entry.name(configuration.axes[axis].name);
+      entry.supported_drive_modes(
+          static_cast<std::uint32_t>(read(bank, axis, "supported_drive_modes"_object)));
+      entry.user_position_lower_limit(
+          static_cast<std::int32_t>(read(bank, axis, "user_position_lower_limit"_object)));
+      entry.user_position_upper_limit(
+          static_cast<std::int32_t>(read(bank, axis, "user_position_upper_limit"_object)));
+      entry.app_speed_limit(static_cast<std::uint32_t>(read(bank, axis, "app_speed_limit"_object)));
+    }
+  }
+}
+
+void ReportPublisher::announce(bool alive) {
+  for (auto& part : parts_) {
+    part.alive(alive);
+    write(descriptions_, part);
+  }
+}
+
+void ReportPublisher::publish_first_parameters() {
+  for (auto& parameters : first_parameters_) {
+    parameters.tick(counters_.tick.get());
+    write(parameters_, parameters);
+  }
+  first_parameters_ = {};
+}
+
+void ReportPublisher::publish(Inbox& inbox, Outbox& outbox) {
+  publish_events(outbox);
+  publish_parameters(outbox);
+  if (const auto now = Clock::now(); now >= next_state_) {
+    publish_state(inbox, outbox, now);
+    next_state_ = now + kStateInterval;
+  }
+}
+
+void ReportPublisher::publish_events(Outbox& outbox) {
+  const auto now = std::chrono::nanoseconds(Clock::now().time_since_epoch());
+  passed_.clear();
+  while (const EventRecord* const event = outbox.events.front()) {
+    limiter_.offer(*event, now, passed_);
+    outbox.events.pop();
+  }
+  limiter_.flush(now, passed_);
+  for (const auto& counted : passed_) {
+    publish_event(counted);
+  }
+}
+
+void ReportPublisher::publish_event(const CountedEvent& counted) {
+  const auto& [event, suppressed] = counted;
+  const std::string text = words_of(event);
+  event_.tick(event.tick);
+  event_.time_ns(static_cast<std::int64_t>(event.tick) * period_.count());
+  event_.kind(event.kind);
+  event_.axis(event.axis);
+  event_.session(event.session);
+  event_.code(event.code);
+  event_.error_register(event.error_register);
+  event_.suppressed(suppressed);
+  event_.text(text);
+  write(events_, event_);
+  spdlog::debug("event tick={} suppressed={} {}", event.tick, suppressed, text);
+}
+
+void ReportPublisher::publish_parameters(Outbox& outbox) {
+  const auto now = Clock::now();
+  const double seconds = std::chrono::duration<double>(now - budgeted_).count();
+  parameter_budget_ = std::min(kParameterBurst, parameter_budget_ + seconds * kParametersPerSecond);
+  budgeted_ = now;
+  while (parameter_budget_ >= 1.0) {
+    const msg::AxisParameters* const parameters = outbox.parameters.front();
+    if (parameters == nullptr) {
+      return;
+    }
+    write(parameters_, *parameters);
+    outbox.parameters.pop();
+    parameter_budget_ -= 1.0;
+  }
+}
+
+void ReportPublisher::publish_state(const Inbox& inbox, const Outbox& outbox,
+                                    Clock::time_point now) {
+  const std::uint64_t tick = counters_.tick.get();
+  state_.tick(tick);
+  state_.time_ns(static_cast<std::int64_t>(tick) * period_.count());
+  state_.measured_rate(measured_rate(tick, now));
+  state_.overruns(counters_.overruns.get());
+  state_.jumps(counters_.jumps.get());
+  state_.lateness_histogram().clear();
+  for (const auto& bin : counters_.lateness) {
+    state_.lateness_histogram().push_back(bin.get());
+  }
+  state_.inbox_depth(static_cast<std::uint32_t>(inbox.size()));
+  state_.outbox_depth(static_cast<std::uint32_t>(outbox.size()));
+  state_.pending_frames(static_cast<std::uint32_t>(counters_.pending_frames.get()));
+  state_.frames_received(counters_.frames_received.get());
+  state_.frames_refused(counters_.frames_refused.get());
+  state_.commands_applied(counters_.commands_applied.get());
+  state_.commands_refused(counters_.commands_refused.get());
+  state_.set_points_ignored(counters_.set_points_ignored.get());
+  state_.requests_answered(counters_.requests_answered.get());
+  state_.status_frames_sent(counters_.status_frames_sent.get());
+  state_.queue_overflows(counters_.queue_overflows.get());
+  state_.master_losses(counters_.master_losses.get());
+  write(states_, state_);
+}
+
+double ReportPublisher::measured_rate(std::uint64_t tick, Clock::time_point now) {
+  const auto wall = now - rate_time_;
+  if (wall >= kRateWindow) {
+    if (rate_time_ != Clock::time_point{}) {
+      const std::chrono::duration<double> drive =
+          period_ * static_cast<std::int64_t>(tick - rate_tick_);
+      measured_rate_ = drive.count() / std::chrono::duration<double>(wall).count();
+    }
+    rate_time_ = now;
+    rate_tick_ = tick;
+  }
+  return measured_rate_;
+}
+
+void ReportPublisher::wait_for_readers(std::chrono::milliseconds timeout) {
+  if (!descriptions_.wait_for_acknowledged(timeout)) {
+    spdlog::debug("not every reader acknowledged the last announcement");
+  }
+}
+
+template <typename Message>
+void ReportPublisher::write(wire::Publication<Message>& publication, const Message& message) {
+  if (!publication.write(message)) {
+    counters_.queue_overflows.add();
+  }
+}
+
+}  // namespace vdrive::service

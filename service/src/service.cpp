@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdrive/service/service.hpp"
+
+#include "bench_guard.hpp"
+#include "doorbell.hpp"
+#include "lockstep_driver.hpp"
+#include "reply_publisher.hpp"
+#include "report_publisher.hpp"
+#include "status_publisher.hpp"
+#include "vdrive/service/cycle_timer.hpp"
+#include "vdrive/service/realtime_driver.hpp"
+#include "vdrive/wire/subscription.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <pthread.h>
+#include <sched.h>
+#include <sys/prctl.h>
+
+#include <algorithm>
+#include <atomic>
+#include <string>
+#include <thread>
+
+namespace vdrive::service {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// A thread that follows the tick thread wakes this long after the tick is due, and looks again at
+/// this distance.
+constexpr std::chrono::microseconds kAfterTick = 60us;
+constexpr std::chrono::milliseconds kLongestNap = 5ms;
+constexpr std::chrono::microseconds kReportNap = 500us;
+constexpr std::chrono::milliseconds kFarewell = 200ms;
+
+void prepare_tick_thread(int priority) {
+  prctl(PR_SET_TIMERSLACK, 1UL);  // the default lets the kernel wake it 50 us late
+  if (priority == 0) {
+    return;
+  }
+  const sched_param parameters{.sched_priority = priority};
+  if (pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters) != 0) {
+    spdlog::warn("realtime_priority={} not permitted; the tick thread runs without it", priority);
+  }
+}
+
+}  // namespace
+
+/// Members in the order of construction; everything the threads use outlives them.
+class Service::Threads {
+ public:
+  explicit Threads(Configuration configuration)
+      : configuration_(std::move(configuration)),
+        identity_{configuration_.bench, static_cast<std::uint64_t>(timer_.wall_now().count())},
+        participant_(configuration_.network, "vdrived " + std::to_string(configuration_.bench)),
+        listening_since_(timer_.monotonic_now()),
+        guard_(participant_, identity_),
+        inbox_(configuration_.bench, counters_),
+        outbox_(configuration_.axes.size()),
+        engine_(configuration_, identity_, outbox_, counters_),
+        replies_(participant_, identity_, counters_),
+        status_(participant_, configuration_, identity_, counters_),
+        reports_(participant_, configuration_, identity_, engine_.bank(), counters_) {}
+
+  ~Threads() { stop(); }
+
+  Threads(const Threads&) = delete;
+  Threads& operator=(const Threads&) = delete;
+
+  void start() {
+    timer_.wait_until(listening_since_ + BenchGuard::kListening);
+    if (const auto older = guard_.conflict()) {
+      throw BenchNumberTaken("bench " + std::to_string(identity_.bench) +
+                             " is already served in domain " +
+                             std::to_string(configuration_.network.domain) + " (incarnation " +
+                             std::to_string(*older) + ")");
+    }
+    subscribe();
+    reports_.announce(true);
+    if (configuration_.clock == ClockMode::realtime) {
+      start_realtime();
+    } else {
+      start_lockstep();
+    }
+    spdlog::info("bench={} name={} axes={} clock={} period_us={} domain={} incarnation={}",
+                 identity_.bench, configuration_.name, configuration_.axes.size(),
+                 to_string(configuration_.clock), configuration_.period.count(),
+                 configuration_.network.domain, identity_.incarnation);
+  }
+
+  void stop() noexcept {
+    if (running_.empty()) {
+      return;
+    }
+    frames_.reset();
+    requests_.reset();
+    stop_ = true;
+    doorbell_.ring();
+    for (auto& thread : running_) {
+      thread.join();
+    }
+    running_.clear();
+    replies_.deliver(inbox_, outbox_);
+    reports_.publish(inbox_, outbox_);
+    reports_.announce(false);
+    reports_.wait_for_readers(kFarewell);
+    spdlog::info("bench={} offline", identity_.bench);
+  }
+
+  [[nodiscard]] std::optional<std::uint64_t> conflict() const noexcept { return guard_.conflict(); }
+
+  [[nodiscard]] const BenchIdentity& identity() const noexcept { return identity_; }
+
+  [[nodiscard]] const Counters& counters() const noexcept { return counters_; }
+
+ private:
+  void subscribe() {
+    const auto take = [this](const auto& message, const wire::Source& source) {
+      inbox_.receive(message, source);
+      if (configuration_.clock == ClockMode::lockstep) {
+        doorbell_.ring();
+      }
+    };
+    frames_ = std::make_unique<wire::Subscription<msg::CommandFrame>>(participant_, take, take);
+    requests_ = std::make_unique<wire::Subscription<msg::Request>>(participant_, take, take);
+  }
+
+  void start_realtime() {
+    realtime_.emplace(configuration_, engine_, inbox_, counters_, timer_);
+    running_.emplace_back([this] {
+      prepare_tick_thread(configuration_.realtime_priority);
+      while (!stop_) {
+        realtime_->cycle();
+      }
+    });
+    running_.emplace_back([this] {
+      publish_status();
+    });
+    running_.emplace_back([this] {
+      report();
+    });
+  }
+
+  void start_lockstep() {
+    lockstep_.emplace(configuration_, engine_, inbox_, outbox_, status_, replies_);
+    running_.emplace_back([this] {
+      lockstep_->run(stop_, doorbell_);
+    });
+    running_.emplace_back([this] {
+      report();
+    });
+  }
+
+  void publish_status() {
+    while (!stop_) {
+      while (const StatusImage* const image = outbox_.status.front()) {
+        status_.publish(*image);
+        outbox_.status.pop();
+      }
+      nap(kAfterTick);
+    }
+  }
+
+  void report() {
+    reports_.publish_first_parameters();
+    bool conflict_told = false;
+    while (!stop_) {
+      if (configuration_.clock == ClockMode::realtime) {
+        replies_.deliver(inbox_, outbox_);
+      }
+      reports_.publish(inbox_, outbox_);
+      if (const auto older = guard_.conflict(); older && !conflict_told) {
+        conflict_told = true;
+        reports_.publish_event(
+            {{.kind = msg::EVENT_BENCH_CONFLICT, .tick = counters_.tick.get(), .detail = *older}});
+      }
+      nap(kReportNap);
+    }
+  }
+
+  /// Sleeps until shortly after the next tick, `shortest` to 5 ms.
+  void nap(std::chrono::nanoseconds shortest) {
+    const auto now = timer_.monotonic_now();
+    const auto wanted = realtime_ ? realtime_->next_cycle() + kAfterTick : now + kLongestNap;
+    timer_.wait_until(
+        std::clamp(wanted, now + shortest, now + std::chrono::nanoseconds(kLongestNap)));
+  }
+
+  Configuration configuration_;
+  SystemCycleTimer timer_;
+  BenchIdentity identity_;
+  Counters counters_;
+  wire::Participant participant_;
+  std::chrono::nanoseconds listening_since_;
+  BenchGuard guard_;
+  Inbox inbox_;
+  Outbox outbox_;
+  BenchEngine engine_;
+  ReplyPublisher replies_;
+  StatusPublisher status_;
+  ReportPublisher reports_;
+  std::unique_ptr<wire::Subscription<msg::CommandFrame>> frames_;
+  std::unique_ptr<wire::Subscription<msg::Request>> requests_;
+  std::optional<RealtimeDriver> realtime_;
+  std::optional<LockstepDriver> lockstep_;
+  Doorbell doorbell_;
+  std::atomic<bool> stop_{false};
+  std::vector<std::thread> running_;
+};
+
+Service::Service(Configuration configuration) {
+  check(configuration);
+  threads_ = std::make_unique<Threads>(std::move(configuration));
+}
+
+Service::~Service() = default;
+
+void Service::start() {
+  threads_->start();
+}
+
+void Service::stop() noexcept {
+  threads_->stop();
+}
+
+std::optional<std::uint64_t> Service::conflict() const noexcept {
+  return threads_->conflict();
+}
+
+const BenchIdentity& Service::identity() const noexcept {
+  return threads_->identity();
+}
+
+const Counters& Service::counters() const noexcept {
+  return threads_->counters();
+}
+
+}  // namespace vdrive::service

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/service/bench_engine.hpp"
+#include "vdrive/service/configuration.hpp"
+#include "vdrive/service/counters.hpp"
+#include "vdrive/service/queues.hpp"
+#include "vdrive/wire/publication.hpp"
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace vdrive::service {
+
+/// Publishes status images: as frames on `status`, and decimated axis by axis on `axis`. Used by
+/// one thread.
+class StatusPublisher {
+ public:
+  static constexpr std::chrono::milliseconds kAxisInterval{20};
+  static constexpr double kAxisSamplesPerSecond = 4'000.0;
+
+  StatusPublisher(wire::Participant& participant, const Configuration& configuration,
+                  const BenchIdentity& identity, Counters& counters);
+
+  /// One tick as frames, 256 axes each, and `publish_axes`.
+  void publish(const StatusImage& image);
+
+  /// Samples of the axes that changed state since their last one, then of those that are due.
+  void publish_axes(const StatusImage& image);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void publish_frames(const StatusImage& image);
+  void publish_axis(const StatusImage& image, std::size_t axis, Clock::time_point now);
+  void refill(Clock::time_point now);
+
+  struct Sampled {
+    std::uint16_t statusword = 0;
+    Clock::time_point time{};
+  };
+
+  wire::Publication<msg::StatusFrame> frames_;
+  wire::Publication<msg::AxisStatus> axes_;
+  BenchIdentity identity_;
+  std::chrono::nanoseconds period_;
+  Counters& counters_;
+  std::vector<std::uint16_t> numbers_;
+  msg::StatusFrame frame_;
+  msg::AxisStatus sample_;
+  std::vector<Sampled> sampled_;
+  std::size_t next_due_ = 0;
+  double budget_ = 0.0;  ///< samples that may be sent now
+  Clock::time_point refilled_{};
+};
+
+}  // namespace vdrive::service

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdrive/service/tick_clock.hpp"
+
+#include <algorithm>
+
+namespace vdrive::service {
+namespace {
+
+/// An error is steered away within this many ticks, unless the limit of steering is reached.
+constexpr double kSteeringHorizon = 200.0;
+
+}  // namespace
+
+TickClock::TickClock(std::chrono::microseconds period, double rate, const Instant& now) noexcept
+    : period_(static_cast<double>(std::chrono::nanoseconds(period).count())),
+      interval_(period_ / rate),
+      steered_(rate == 1.0),
+      next_tick_(static_cast<std::uint64_t>(now.wall / std::chrono::nanoseconds(period)) + 1) {
+  const auto begin = std::chrono::nanoseconds(period) * static_cast<std::int64_t>(next_tick_);
+  deadline_ = static_cast<double>((now.monotonic + (begin - now.wall)).count());
+}
+
+std::uint64_t TickClock::skip_backlog(std::chrono::nanoseconds monotonic_now) noexcept {
+  const double late = static_cast<double>(monotonic_now.count()) - deadline_;
+  if (late <= interval_ * static_cast<double>(kMaxBacklog)) {
+    return 0;
+  }
+  const auto skipped = static_cast<std::uint64_t>(late / interval_);
+  next_tick_ += skipped;
+  deadline_ += interval_ * static_cast<double>(skipped);
+  return skipped;
+}
+
+void TickClock::advance(const Instant& now) noexcept {
+  double interval = interval_;
+  if (steered_) {
+    // Wall time of the deadline against the wall time at which this tick should have begun. The
+    // difference of the clocks is exact in integers; a double would round the time since the
+    // epoch to a quarter of a microsecond.
+    const std::int64_t offset = (now.wall - now.monotonic).count();
+    const auto due = static_cast<std::int64_t>(deadline_) + offset;
+    const auto begin = static_cast<std::int64_t>(period_) * static_cast<std::int64_t>(next_tick_);
+    const auto error = static_cast<double>(due - begin);
+    const double limit = interval_ * kMaxSteering;
+    interval -= std::clamp(error / kSteeringHorizon, -limit, limit);
+  }
+  deadline_ += interval;
+  ++next_tick_;
+}
+
+}  // namespace vdrive::service

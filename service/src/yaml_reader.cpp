@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "yaml_reader.hpp"
+
+#include "number_text.hpp"
+#include "vdrive/service/configuration.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <set>
+
+namespace vdrive::service {
+namespace {
+
+std::string joined(std::initializer_list<std::string_view> words) {
+  std::string list;
+  for (const auto word : words) {
+    list += (list.empty() ? "" : ", ") + std::string(word);
+  }
+  return list;
+}
+
+std::string with_unit(const std::string& number, std::string_view unit) {
+  return unit.empty() ? number : number + " " + std::string(unit);
+}
+
+}  // namespace
+
+void YamlValue::for_each_entry(
+    std::initializer_list<std::string_view> known,
+    const std::function<void(const std::string&, const YamlValue&)>& visit) const {
+  if (!node_.IsMap()) {
+    refuse("must be a map of keys and values");
+  }
+  std::set<std::string> seen;
+  for (const auto& entry : node_) {
+    const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "?";
+    const std::string path = path_.empty() ? key : path_ + "." + key;
+    const YamlValue name(entry.first, file_, path);
+    if (known.size() > 0 && std::find(known.begin(), known.end(), key) == known.end()) {
+      name.refuse("unknown key; known here: " + joined(known));
+    }
+    if (!seen.insert(key).second) {
+      name.refuse("the key stands twice");
+    }
+    visit(key, YamlValue(entry.second, file_, path));
+  }
+}
+
+void YamlValue::for_each_element(const std::function<void(const YamlValue&)>& visit) const {
+  if (!node_.IsSequence()) {
+    refuse("must be a list");
+  }
+  for (std::size_t position = 0; position < node_.size(); ++position) {
+    visit(YamlValue(node_[position], file_, path_ + "[" + std::to_string(position) + "]"));
+  }
+}
+
+std::int64_t YamlValue::integer(const IntegerLimits& limits) const {
+  const auto value = parse_integer(text());
+  if (!value || *value < limits.lowest || *value > limits.highest) {
+    refuse("must be a whole number from " + std::to_string(limits.lowest) + " to " +
+           with_unit(std::to_string(limits.highest), limits.unit));
+  }
+  return *value;
+}
+
+double YamlValue::number(std::string_view unit) const {
+  const auto value = parse_number(text());
+  if (!value) {
+    refuse("must be a finite number" + (unit.empty() ? "" : " [" + std::string(unit) + "]"));
+  }
+  return *value;
+}
+
+bool YamlValue::boolean() const {
+  return choice({"false", "true"}) == 1;
+}
+
+std::string YamlValue::text() const {
+  if (!node_.IsScalar()) {
+    refuse("must be a single value");
+  }
+  return node_.Scalar();
+}
+
+std::size_t YamlValue::choice(std::initializer_list<std::string_view> choices) const {
+  const std::string value = text();
+  const auto* const found = std::find(choices.begin(), choices.end(), value);
+  if (found == choices.end()) {
+    refuse("must be one of " + joined(choices));
+  }
+  return static_cast<std::size_t>(found - choices.begin());
+}
+
+void YamlValue::refuse(const std::string& problem) const {
+  const YAML::Mark mark = node_.Mark();
+  std::string message = file_ + ":" + std::to_string(mark.is_null() ? 1 : mark.line + 1) + ": ";
+  if (!path_.empty()) {
+    message += path_;
+    if (node_.IsScalar() && !path_.ends_with(node_.Scalar())) {
+      message += " = " + node_.Scalar();
+    }
+    message += ": ";
+  }
+  throw ConfigurationError(message + problem);
+}
+
+}  // namespace vdrive::service

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <yaml-cpp/yaml.h>
+
+#include <cstdint>
+#include <functional>
+#include <initializer_list>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace vdrive::service {
+
+/// Limits of a whole number.
+struct IntegerLimits {
+  std::int64_t lowest;
+  std::int64_t highest;
+  std::string_view unit;  ///< empty = none
+};
+
+/// A value of a YAML document that knows its file and its key, so that whatever is wrong with it
+/// can be told.
+class YamlValue {
+ public:
+  YamlValue(const YAML::Node& node, std::string file, std::string path)
+      : node_(node), file_(std::move(file)), path_(std::move(path)) {}
+
+  /// Calls `visit(key, value)` for each entry of a map.
+  /// @throws ConfigurationError when this is no map, a key is not in `known` (empty = any key), or
+  ///         stands twice.
+  void for_each_entry(std::initializer_list<std::string_view> known,
+                      const std::function<void(const std::string&, const YamlValue&)>& visit) const;
+
+  /// Calls `visit(value)` for each element of a list.
+  /// @throws ConfigurationError when this is no list.
+  void for_each_element(const std::function<void(const YamlValue&)>& visit) const;
+
+  /// @throws ConfigurationError when this is no whole number (decimal or 0x...) within the limits.
+  [[nodiscard]] std::int64_t integer(const IntegerLimits& limits) const;
+
+  /// @throws ConfigurationError when this is no finite number.
+  [[nodiscard]] double number(std::string_view unit) const;
+
+  /// @throws ConfigurationError when this is not true or false.
+  [[nodiscard]] bool boolean() const;
+
+  /// @throws ConfigurationError when this is no scalar.
+  [[nodiscard]] std::string text() const;
+
+  /// @return the position of the value in `choices`.
+  /// @throws ConfigurationError naming the choices, when it is none of them.
+  [[nodiscard]] std::size_t choice(std::initializer_list<std::string_view> choices) const;
+
+  /// @throws ConfigurationError: file, line, key, value, and `problem`.
+  [[noreturn]] void refuse(const std::string& problem) const;
+
+ private:
+  YAML::Node node_;
+  std::string file_;
+  std::string path_;  ///< key as in clock.period_us
+};
+
+}  // namespace vdrive::service

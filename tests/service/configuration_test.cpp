@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdrive/service/configuration.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+
+namespace vdrive::service {
+namespace {
+
+using namespace std::chrono_literals;
+
+Configuration parse(const std::string& text) {
+  return parse_configuration(text, "bench.yaml");
+}
+
+std::string refusal_of(const std::string& text) {
+  try {
+    static_cast<void>(parse(text));
+  } catch (const ConfigurationError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(Configuration, WithoutAFileIsTheDemoBench) {
+  const Configuration demo = demo_configuration();
+  EXPECT_EQ(demo.bench, 1U);
+  ASSERT_EQ(demo.axes.size(), 2U);
+  EXPECT_EQ(demo.axes[0].number, 1U);
+  EXPECT_EQ(demo.axes[0].name, "x");
+  EXPECT_EQ(demo.axes[1].name, "y");
+  EXPECT_EQ(demo.clock, ClockMode::realtime);
+  EXPECT_EQ(demo.period, 1ms);
+  EXPECT_EQ(demo.watchdog, 100ms);
+}
+
+TEST(Configuration, ReadsEveryKey) {
+  const Configuration read = parse(R"(
+bench: {number: 7, name: "左 bench"}
+clock: {mode: lockstep, period_us: 250, rate: 2.5, threads: 3, realtime_priority: 40}
+status: {every_ticks: 5}
+watchdog: {timeout_ms: 250}
+network: {domain: 9, interfaces: [10.0.0.1], peers: [10.0.0.2, 10.0.0.3], shared_memory: true}
+axes:
+  - number: 4
+    name: lift
+    initial_position: -12
+    settings: {enable_from_switch_on_disabled: false, following_error_is_fault: false, quick_stop_dwell_ms: 8}
+    model: {coupling: two_inertia, feedback: single_encoder, load_inertia: 0.002, backlash: 1e-3}
+    parameters: {profile_velocity: 1000, "0x607D:1": -500, "0x6084": 0x10}
+  - number: 2
+)");
+  EXPECT_EQ(read.bench, 7U);
+  EXPECT_EQ(read.name, "左 bench");
+  EXPECT_EQ(read.clock, ClockMode::lockstep);
+  EXPECT_EQ(read.period, 250us);
+  EXPECT_EQ(read.rate, 2.5);
+  EXPECT_EQ(read.threads, 3U);
+  EXPECT_EQ(read.realtime_priority, 40);
+  EXPECT_EQ(read.status_every, 5U);
+  EXPECT_EQ(read.watchdog, 250ms);
+  EXPECT_EQ(read.network.domain, 9U);
+  EXPECT_EQ(read.network.interfaces, std::vector<std::string>{"10.0.0.1"});
+  EXPECT_EQ(read.network.peers.size(), 2U);
+  EXPECT_TRUE(read.network.shared_memory);
+  ASSERT_EQ(read.axes.size(), 2U);
+  EXPECT_EQ(read.axes[0].number, 2U);  // in ascending order
+  EXPECT_EQ(read.axes[0].name, "axis2");
+  const auto& lift = read.axes[1].configuration;
+  EXPECT_EQ(read.axes[1].name, "lift");
+  EXPECT_EQ(lift.initial_position, -12);
+  EXPECT_FALSE(lift.settings.enable_from_switch_on_disabled);
+  EXPECT_FALSE(lift.settings.following_error_is_fault);
+  EXPECT_EQ(lift.settings.quick_stop_dwell_ms, 8U);
+  EXPECT_EQ(lift.model.coupling, Coupling::two_inertia);
+  EXPECT_EQ(lift.model.feedback, Feedback::single_encoder);
+  EXPECT_EQ(lift.model.load_inertia, 0.002);
+  EXPECT_EQ(lift.model.backlash, 1e-3);
+  ASSERT_EQ(lift.parameters.size(), 3U);
+  EXPECT_EQ(lift.parameters[0].address, (ObjectAddress{0x6081, 0}));
+  EXPECT_EQ(lift.parameters[1].address, (ObjectAddress{0x607D, 1}));
+  EXPECT_EQ(lift.parameters[1].value, -500);
+  EXPECT_EQ(lift.parameters[2].value, 16);
+}
+
+TEST(Configuration, OfAnEmptyFileIsTheDefault) {
+  EXPECT_EQ(to_yaml(parse("")), to_yaml(demo_configuration()));
+  EXPECT_EQ(to_yaml(parse("# only a comment\n")), to_yaml(demo_configuration()));
+}
+
+TEST(Configuration, TurnsTheWatchdogOff) {
+  EXPECT_EQ(parse("watchdog: {timeout_ms: off}").watchdog, std::nullopt);
+}
+
+TEST(Configuration, IsTheSameAfterPrintingAndReading) {
+  Configuration original = parse(R"(
+bench: {number: 3, name: "a: b #1"}
+clock: {mode: lockstep, rate: 0.1}
+watchdog: {timeout_ms: off}
+network: {peers: [10.0.0.2]}
+axes:
+  - {number: 9, name: tilt, model: {motor_inertia: 0.00012345678901234567},
+     parameters: {app_speed_limit: 5}}
+)");
+  const std::string text = to_yaml(original);
+  const Configuration again = parse(text);
+  EXPECT_EQ(to_yaml(again), text);
+  EXPECT_EQ(again.axes[0].configuration.model.motor_inertia,
+            original.axes[0].configuration.model.motor_inertia);
+  EXPECT_EQ(again.watchdog, std::nullopt);
+  EXPECT_EQ(again.name, "a: b #1");
+}
+
+struct Refused {
+  const char* name;
+  const char* text;
+  const char* message;  ///< how it begins
+};
+
+class RefusedConfiguration : public testing::TestWithParam<Refused> {};
+
+TEST_P(RefusedConfiguration, NamesFileLineKeyValueAndLimit) {
+  const std::string message = refusal_of(GetParam().text);
+  EXPECT_TRUE(message.starts_with(GetParam().message)) << message;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Rows, RefusedConfiguration,
+    testing::Values(
+        Refused{"not_yaml", "bench: [1\nclock: 3", "bench.yaml:2: "},
+        Refused{"not_a_map", "hello", "bench.yaml:1: "},
+        Refused{"unknown_section", "\nbunch: {number: 1}",
+                "bench.yaml:2: bunch: unknown key; known here: bench, clock, status"},
+        Refused{"unknown_key", "clock:\n  speed: 3",
+                "bench.yaml:2: clock.speed: unknown key; known here: mode, period_us"},
+        Refused{"key_twice", "clock:\n  rate: 1\n  rate: 2",
+                "bench.yaml:3: clock.rate: the key stands twice"},
+        Refused{"section_is_no_map", "clock: 7", "bench.yaml:1: clock = 7: must be a map"},
+        Refused{"bench_zero", "bench: {number: 0}",
+                "bench.yaml:1: bench.number = 0: must be a whole number from 1 to 65535"},
+        Refused{"period_short", "clock:\n  period_us: 124",
+                "bench.yaml:2: clock.period_us = 124: must be a whole number from 125 to 10000 us"},
+        Refused{"period_is_text", "clock: {period_us: fast}",
+                "bench.yaml:1: clock.period_us = fast: must be a whole number"},
+        Refused{"period_is_broken", "clock: {period_us: 1000.5}",
+                "bench.yaml:1: clock.period_us = 1000.5: must be a whole number"},
+        Refused{"mode", "clock: {mode: warp}",
+                "bench.yaml:1: clock.mode = warp: must be one of realtime, lockstep"},
+        Refused{"freerun", "clock: {mode: freerun}",
+                "bench.yaml:1: clock.mode = freerun: this version has no free-running clock"},
+        Refused{"rate_low", "clock: {rate: 0.05}",
+                "bench.yaml:1: clock.rate = 0.05: must be 0 (paused) or from 0.1 to 100"},
+        Refused{"rate_nan", "clock: {rate: nan}",
+                "bench.yaml:1: clock.rate = nan: must be a finite number"},
+        Refused{"watchdog", "watchdog: {timeout_ms: 4}",
+                "bench.yaml:1: watchdog.timeout_ms = 4: must be a whole number from 5 to 10000 ms"},
+        Refused{"domain", "network: {domain: 233}",
+                "bench.yaml:1: network.domain = 233: must be a whole number from 0 to 232"},
+        Refused{"boolean", "network: {shared_memory: maybe}",
+                "bench.yaml:1: network.shared_memory = maybe: must be one of false, true"},
+        Refused{"no_axes", "axes: []", "bench.yaml:1: axes: a bench has at least one axis"},
+        Refused{"axis_without_number", "axes:\n  - {name: a}",
+                "bench.yaml:2: axes[0]: an axis needs its number"},
+        Refused{"axis_twice", "axes:\n  - {number: 1}\n  - {number: 1}",
+                "bench.yaml:3: axes[1]: axis number 1 stands twice"},
+        Refused{"name_twice", "axes:\n  - {number: 1, name: a}\n  - {number: 2, name: a}",
+                "bench.yaml:3: axes[1]: axis name a stands twice"},
+        Refused{"name_like_a_number", "axes:\n  - {number: 1, name: 1.2}",
+                "bench.yaml:2: axes[0].name = 1.2: a name has no blanks"},
+        Refused{"model_key", "axes:\n  - number: 1\n    model: {inertia: 1}",
+                "bench.yaml:3: axes[0].model.inertia = 1: unknown key"},
+        Refused{"model_value", "axes:\n  - number: 1\n    model: {motor_inertia: 0}",
+                "bench.yaml:3: axes[0].model.motor_inertia = 0: must be above 0 kg.m2"},
+        Refused{"model_negative", "axes:\n  - number: 1\n    model: {backlash: -1}",
+                "bench.yaml:3: axes[0].model.backlash = -1: must be at least 0 rad"},
+        Refused{"two_inertia_needs_a_load",
+                "axes:\n  - number: 1\n    model: {coupling: two_inertia, load_inertia: 0}",
+                "bench.yaml:2: axes[0]: axis 1: "},
+        Refused{"unknown_object", "axes:\n  - number: 1\n    parameters: {speed: 1}",
+                "bench.yaml:3: axes[0].parameters.speed = 1: no such object"},
+        Refused{"unknown_index", "axes:\n  - number: 1\n    parameters: {\"0x6FFF\": 1}",
+                "bench.yaml:3: axes[0].parameters.0x6FFF = 1: no such object"},
+        Refused{"parameter_range", "axes:\n  - number: 1\n    parameters: {motor_max_speed_rpm: 0}",
+                "bench.yaml:3: axes[0].parameters.motor_max_speed_rpm = 0: must be a whole number "
+                "from 1 to 4294967295 RPM"},
+        Refused{"parameter_read_only",
+                "axes:\n  - number: 1\n    parameters: {ds402_statusword: 1}",
+                "bench.yaml:3: axes[0].parameters.ds402_statusword = 1: "}),
+    [](const auto& row) {
+      return row.param.name;
+    });
+
+TEST(Configuration, NamesTheFileThatCannotBeRead) {
+  try {
+    static_cast<void>(load_configuration("/nowhere/bench.yaml"));
+    FAIL() << "accepted";
+  } catch (const ConfigurationError& error) {
+    EXPECT_EQ(std::string(error.what()).find("/nowhere/bench.yaml"), 0U);
+  }
+  EXPECT_THROW(static_cast<void>(load_configuration(std::filesystem::temp_directory_path())),
+               ConfigurationError);
+}
+
+TEST(DefaultAxes, AreNumberedFromOneUpToTheLimit) {
+  const auto axes = default_axes(kMaxAxes);
+  EXPECT_EQ(axes.front().number, 1U);
+  EXPECT_EQ(axes.back().number, kMaxAxes);
+  EXPECT_EQ(axes.back().name, "axis16384");
+  EXPECT_THROW(static_cast<void>(default_axes(kMaxAxes + 1)), ConfigurationError);
+  EXPECT_THROW(static_cast<void>(default_axes(0)), ConfigurationError);
+}
+
+TEST(BankAxes, CarryBenchAndAxisInTheSerialNumber) {
+  Configuration configuration = demo_configuration();
+  configuration.bench = 3;
+  EXPECT_EQ(bank_axes(configuration)[1].serial_number, 3U * 65'536U + 2U);
+}
+
+}  // namespace
+}  // namespace vdrive::service

@@ -1,0 +1,366 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/support/allocation_guard.hpp"
+#include "service/engine_under_test.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace vdrive::test {
+namespace {
+
+constexpr std::uint16_t kFirstTwo[] = {1, 2};
+
+/// A bench whose axes 1 and 2 belong to Alice.
+struct OwnedBench : EngineUnderTest {
+  OwnedBench() {
+    acquire(kAlice, {1, 2});
+    static_cast<void>(events(0));
+  }
+};
+
+TEST(CommandFrame, AppliesMembersBeforeTheControlword) {
+  OwnedBench bench;
+  auto frame = bench.make_frame(kAlice);
+  auto& command = add_command(frame, 1);
+  command.members(msg::HAS_OP_MODE_CMD | msg::HAS_POSITION_USER_TARGET_VALUE |
+                  msg::HAS_PROFILE_VELOCITY | msg::HAS_PROFILE_ACC | msg::HAS_PROFILE_DEC |
+                  msg::HAS_POSITIONING_OPTION_CODE);
+  command.op_mode_cmd(1);
+  command.position_user_target_value(10'000);
+  command.profile_velocity(1'000);
+  command.profile_acc(6'000);
+  command.profile_dec(6'001);
+  command.positioning_option_code(1);
+  set_controlword(command, 0x0F);
+  bench.receive(frame);
+  const auto reply = bench.command_reply();
+  ASSERT_TRUE(reply);
+  EXPECT_TRUE(reply->refusals().empty());
+  EXPECT_EQ(reply->tick(), 1U);
+  EXPECT_EQ(reply->sequence_number(), frame.sequence_number());
+  bench.steps(1);
+  EXPECT_EQ(bench.value(1, 0x6061), 1);
+  EXPECT_EQ(bench.value(1, 0x607A), 10'000);
+  EXPECT_EQ(bench.value(1, 0x6081), 1'000);
+  EXPECT_EQ(bench.value(1, 0x6083), 6'000);
+  EXPECT_EQ(bench.value(1, 0x6084), 6'001);
+  EXPECT_EQ(bench.value(1, 0x60F2), 1);
+  EXPECT_EQ(bench.value(1, 0x6041) & 0x6F, 0x27);
+  EXPECT_EQ(bench.counters.commands_applied.get(), 1U);
+}
+
+TEST(CommandFrame, IsAnsweredOnlyWhenWantedOrRefused) {
+  OwnedBench bench;
+  auto frame = bench.make_frame(kAlice);
+  frame.flags(0);
+  set_controlword(add_command(frame, 1), 0x06);
+  bench.receive(frame);
+  EXPECT_FALSE(bench.command_reply());
+}
+
+TEST(CommandFrame, WithoutAxesKeepsTheSessionAlive) {
+  OwnedBench bench;
+  for (int round = 0; round < 10; ++round) {
+    bench.steps(90);
+    bench.receive(bench.make_frame(kAlice));
+    EXPECT_TRUE(bench.command_reply()->refusals().empty());
+  }
+  EXPECT_EQ(bench.counters.master_losses.get(), 0U);
+}
+
+TEST(CommandFrame, OfAnotherIncarnationIsRefused) {
+  OwnedBench bench;
+  auto frame = bench.make_frame(kAlice);
+  frame.incarnation(kIncarnation - 1);
+  bench.receive(frame);
+  EXPECT_EQ(bench.frame_refusal(), msg::REASON_WRONG_INCARNATION);
+  EXPECT_EQ(bench.events(msg::EVENT_REFUSED).size(), 1U);
+}
+
+TEST(CommandFrame, WithoutSessionOrEpochIsRefused) {
+  OwnedBench bench;
+  auto frame = bench.make_frame(kAlice);
+  frame.session(0);
+  bench.receive(frame);
+  EXPECT_EQ(bench.frame_refusal(), msg::REASON_BAD_SESSION);
+  bench.receive(bench.make_frame(kBob));
+  EXPECT_EQ(bench.frame_refusal(), msg::REASON_NOT_OWNER);
+  auto guessed = bench.make_frame(kBob);
+  guessed.epoch(1);
+  bench.receive(guessed);
+  EXPECT_EQ(bench.frame_refusal(), msg::REASON_STALE_EPOCH);
+}
+
+TEST(CommandFrame, IsRefusedWhenItsNumberHasPassed) {
+  OwnedBench bench;
+  const auto frame = bench.make_frame(kAlice);
+  bench.receive(frame);
+  EXPECT_TRUE(bench.command_reply()->refusals().empty());
+  bench.receive(frame);  // the same once more
+  EXPECT_EQ(bench.frame_refusal(), msg::REASON_TOO_LATE);
+  auto zero = bench.make_frame(kAlice);
+  zero.sequence_number(0);
+  bench.receive(zero);
+  EXPECT_EQ(bench.frame_refusal(), msg::REASON_TOO_LATE);
+}
+
+TEST(CommandFrame, WithUnknownFlagsIsRefused) {
+  OwnedBench bench;
+  auto frame = bench.make_frame(kAlice);
+  frame.flags(0x80000000);
+  bench.receive(frame);
+  EXPECT_EQ(bench.frame_refusal(), msg::REASON_UNKNOWN_FLAGS);
+}
+
+TEST(CommandFrame, BeyondTheBoundsIsRefused) {
+  OwnedBench bench;
+  auto axes = bench.make_frame(kAlice);
+  axes.axes().resize(msg::MAX_AXES_PER_FRAME + 1);
+  bench.receive(axes);
+  EXPECT_EQ(bench.frame_refusal(), msg::REASON_TOO_MANY_AXES);
+  auto objects = bench.make_frame(kAlice);
+  add_command(objects, 1).objects().resize(msg::MAX_OBJECTS_PER_AXIS + 1);
+  bench.receive(objects);
+  EXPECT_EQ(bench.frame_refusal(), msg::REASON_TOO_MANY_OBJECTS);
+}
+
+TEST(CommandFrame, RefusesBadCommandsAndAppliesTheOthers) {
+  OwnedBench bench;
+  auto frame = bench.make_frame(kAlice);
+  set_controlword(add_command(frame, 1), 0x06);
+  set_controlword(add_command(frame, 99), 0x06);  // no such axis
+  set_controlword(add_command(frame, 3), 0x06);   // not hers
+  set_controlword(add_command(frame, 1), 0x0F);   // twice
+  auto& unknown = add_command(frame, 2);
+  unknown.members(0x8000);
+  bench.receive(frame);
+  const auto reply = bench.command_reply();
+  ASSERT_TRUE(reply);
+  ASSERT_EQ(reply->refusals().size(), 4U);
+  EXPECT_EQ(reply->refusals()[0].axis(), 99U);
+  EXPECT_EQ(reply->refusals()[0].reason(), msg::REASON_UNKNOWN_AXIS);
+  EXPECT_EQ(reply->refusals()[1].axis(), 3U);
+  EXPECT_EQ(reply->refusals()[1].reason(), msg::REASON_NOT_OWNER);
+  EXPECT_EQ(reply->refusals()[2].axis(), 1U);
+  EXPECT_EQ(reply->refusals()[2].reason(), msg::REASON_AXIS_TWICE);
+  EXPECT_EQ(reply->refusals()[3].axis(), 2U);
+  EXPECT_EQ(reply->refusals()[3].reason(), msg::REASON_UNKNOWN_MEMBERS);
+  bench.steps(1);
+  EXPECT_EQ(bench.value(1, 0x6041) & 0x6F, 0x21) << "the first of the two counts";
+}
+
+TEST(CommandFrame, NamesTheObjectThatIsRefused) {
+  OwnedBench bench;
+  auto frame = bench.make_frame(kAlice);
+  auto& command = add_command(frame, 1);
+  auto& bad = command.objects().emplace_back();
+  bad.index(0x6080);
+  bad.value(std::numeric_limits<std::int64_t>::max());
+  auto& good = command.objects().emplace_back();
+  good.index(0x6067);
+  good.value(55);
+  auto& controlword = command.objects().emplace_back();
+  controlword.index(0x6040);
+  controlword.value(6);
+  bench.receive(frame);
+  const auto reply = bench.command_reply();
+  ASSERT_EQ(reply->refusals().size(), 2U);
+  EXPECT_EQ(reply->refusals()[0].index(), 0x6080U);
+  EXPECT_EQ(reply->refusals()[0].reason(), 0x06090031U);
+  EXPECT_EQ(reply->refusals()[1].index(), 0x6040U) << "the controlword has its member";
+  EXPECT_EQ(reply->refusals()[1].reason(), 0x06040041U);
+  EXPECT_EQ(bench.value(1, 0x6067), 55);
+}
+
+TEST(CommandFrame, WithAllOrNothingChangesNothingWhenOneIsRefused) {
+  OwnedBench bench;
+  auto frame = bench.make_frame(kAlice);
+  frame.flags(msg::FRAME_ALL_OR_NOTHING);
+  auto& first = add_command(frame, 1);
+  first.members(msg::HAS_PROFILE_VELOCITY);
+  first.profile_velocity(123);
+  set_controlword(first, 0x0F);
+  auto& second = add_command(frame, 2);
+  second.members(msg::HAS_OP_MODE_CMD);
+  second.op_mode_cmd(99);
+  bench.receive(frame);
+  EXPECT_EQ(bench.command_reply()->refusals().size(), 1U);
+  bench.steps(1);
+  EXPECT_EQ(bench.value(1, 0x6081), 68'267);
+  EXPECT_EQ(bench.value(1, 0x6041), 0x250);
+  EXPECT_EQ(bench.counters.commands_refused.get(), 2U);
+}
+
+TEST(CommandFrame, WithAllOrNothingAppliesAllWhenNoneIsRefused) {
+  OwnedBench bench;
+  auto frame = bench.make_frame(kAlice);
+  frame.flags(msg::FRAME_ALL_OR_NOTHING);
+  set_controlword(add_command(frame, 1), 0x0F);
+  set_controlword(add_command(frame, 2), 0x0F);
+  bench.receive(frame);
+  EXPECT_FALSE(bench.command_reply());
+  bench.steps(1);
+  EXPECT_EQ(bench.value(1, 0x6041) & 0x6F, 0x27);
+  EXPECT_EQ(bench.value(2, 0x6041) & 0x6F, 0x27);
+}
+
+TEST(CommandFrame, WaitsForItsTick) {
+  OwnedBench bench;
+  auto frame = bench.make_frame(kAlice);
+  frame.apply_at_tick(5);
+  set_controlword(add_command(frame, 1), 0x0F);
+  bench.receive(frame);
+  EXPECT_FALSE(bench.command_reply()) << "answered when it is applied";
+  bench.steps(4);
+  EXPECT_EQ(bench.value(1, 0x6041), 0x250);
+  bench.steps(1);
+  EXPECT_EQ(bench.value(1, 0x6041) & 0x6F, 0x27);
+  EXPECT_EQ(bench.command_reply()->tick(), 5U);
+}
+
+TEST(CommandFrame, IsRefusedTooLateTooFarAheadAndPastItsValidity) {
+  OwnedBench bench;
+  bench.steps(50);
+  auto late = bench.make_frame(kAlice);
+  late.apply_at_tick(50);
+  bench.receive(late);
+  EXPECT_EQ(bench.frame_refusal(), msg::REASON_TOO_LATE);
+  auto far = bench.make_frame(kAlice);
+  far.apply_at_tick(50 + 10'001);
+  bench.receive(far);
+  EXPECT_EQ(bench.frame_refusal(), msg::REASON_TOO_FAR_AHEAD);
+  auto endless = bench.make_frame(kAlice);
+  endless.apply_at_tick(std::numeric_limits<std::uint64_t>::max());
+  bench.receive(endless);
+  EXPECT_EQ(bench.frame_refusal(), msg::REASON_TOO_FAR_AHEAD);
+  auto expired = bench.make_frame(kAlice);
+  expired.valid_until_tick(50);
+  bench.receive(expired);
+  EXPECT_EQ(bench.frame_refusal(), msg::REASON_TOO_LATE);
+  auto in_time = bench.make_frame(kAlice);
+  in_time.valid_until_tick(51);
+  bench.receive(in_time);
+  EXPECT_TRUE(bench.command_reply()->refusals().empty());
+}
+
+TEST(PendingFrame, IsCancelledByAFlag) {
+  OwnedBench bench;
+  auto waiting = bench.make_frame(kAlice);
+  waiting.apply_at_tick(20);
+  set_controlword(add_command(waiting, 1), 0x0F);
+  bench.receive(waiting);
+  auto cancel = bench.make_frame(kAlice);
+  cancel.flags(msg::FRAME_CANCEL_PENDING);
+  bench.receive(cancel);
+  EXPECT_EQ(bench.frame_refusal(), msg::REASON_CANCELLED);
+  bench.steps(30);
+  EXPECT_EQ(bench.value(1, 0x6041), 0x250);
+}
+
+TEST(PendingFrame, IsDroppedWithTheEpoch) {
+  OwnedBench bench;
+  auto waiting = bench.make_frame(kAlice);
+  waiting.apply_at_tick(20);
+  set_controlword(add_command(waiting, 1), 0x0F);
+  bench.receive(waiting);
+  bench.ask(bench.make_request(msg::REQUEST_TAKE_OVER, kBob, {2}));
+  EXPECT_EQ(bench.frame_refusal(), msg::REASON_CANCELLED);
+}
+
+TEST(PendingFrame, IsDroppedByAHaltAndByAFault) {
+  OwnedBench bench;
+  bench.write(kAlice, 1, 0x6040, 0x0F);
+  bench.write(kAlice, 2, 0x6040, 0x0F);
+  bench.steps(2);
+  for (const std::uint16_t axis : kFirstTwo) {
+    auto waiting = bench.make_frame(kAlice);
+    waiting.apply_at_tick(60);
+    set_controlword(add_command(waiting, axis), 0x1F);
+    bench.receive(waiting);
+  }
+  bench.write(kAlice, 1, 0x6040, 0x10F);
+  EXPECT_EQ(bench.frame_refusal(), msg::REASON_CANCELLED);
+  EXPECT_FALSE(bench.command_reply());
+  bench.write(kBob, 2, 0x5E02, 1);  // over-current
+  bench.steps(3);
+  EXPECT_EQ(bench.frame_refusal(), msg::REASON_CANCELLED);
+}
+
+TEST(PendingFrame, IsRefusedWhenTooManyWait) {
+  OwnedBench bench;
+  for (std::size_t count = 0; count < service::PendingFrames::kCapacity; ++count) {
+    auto waiting = bench.make_frame(kAlice);
+    waiting.apply_at_tick(100);
+    bench.receive(waiting);
+  }
+  EXPECT_FALSE(bench.command_reply());
+  auto one_more = bench.make_frame(kAlice);
+  one_more.apply_at_tick(100);
+  bench.receive(one_more);
+  EXPECT_EQ(bench.frame_refusal(), msg::REASON_QUEUE_FULL);
+}
+
+TEST(CommandFrame, TellsWhichAxesIgnoredTheirSetPoint) {
+  OwnedBench bench;
+  auto frame = bench.make_frame(kAlice);
+  set_controlword(add_command(frame, 1), 0x1F);  // not in Operation enabled
+  bench.receive(frame);
+  const auto reply = bench.command_reply();
+  ASSERT_TRUE(reply);
+  EXPECT_EQ(reply->ignored_set_points(), std::vector<std::uint16_t>{1});
+  bench.steps(1);
+  EXPECT_EQ(bench.events(msg::EVENT_SET_POINT_IGNORED).size(), 1U);
+  EXPECT_EQ(bench.counters.set_points_ignored.get(), 1U);
+}
+
+TEST(CommandFrame, NamesItselfInTheStatusOfItsAxes) {
+  OwnedBench bench;
+  auto frame = bench.make_frame(kAlice);
+  set_controlword(add_command(frame, 2), 0x06);
+  bench.receive(frame);
+  bench.steps(1);
+  bench.engine.post_status();
+  const auto* const image = bench.outbox.status.front();
+  ASSERT_NE(image, nullptr);
+  EXPECT_EQ(image->owners[1].last_sequence, frame.sequence_number());
+  EXPECT_EQ(image->owners[1].session, kAlice);
+  EXPECT_EQ(image->owners[0].last_sequence, 0U);
+  EXPECT_EQ(image->owners[2].session, 0U);
+}
+
+TEST(CommandFrame, AllocatesNothingOnceWarm) {
+  OwnedBench bench;
+  std::vector<msg::CommandFrame> frames;
+  for (int count = 0; count < 40; ++count) {
+    auto frame = bench.make_frame(kAlice);
+    frame.sequence_number(static_cast<std::uint64_t>(count) + 1);
+    for (const std::uint16_t axis : kFirstTwo) {
+      auto& command = add_command(frame, axis);
+      command.members(msg::HAS_POSITION_USER_TARGET_VALUE);
+      command.position_user_target_value(count);
+      set_controlword(command, 0x0F);
+    }
+    set_controlword(add_command(frame, 99), 0x06);  // refused: the way back allocates nothing too
+    frame.apply_at_tick(count % 4 == 0 ? static_cast<std::uint64_t>(count) + 3 : 0);
+    frames.push_back(frame);
+  }
+  std::uint64_t allocations = 0;
+  for (std::size_t count = 0; count < frames.size(); ++count) {
+    bench.inbox.receive(frames[count], {});  // the receive thread may allocate
+    const AllocationGuard guard;
+    bench.engine.handle(*bench.inbox.front());
+    bench.inbox.pop();
+    bench.engine.step();
+    bench.engine.post_status();
+    bench.outbox.status.pop();
+    while (bench.outbox.command_replies.front() != nullptr) {
+      bench.outbox.command_replies.pop();
+    }
+    allocations += guard.count();
+  }
+  EXPECT_EQ(allocations, 0U);
+}
+
+}  // namespace
+}  // namespace vdrive::test

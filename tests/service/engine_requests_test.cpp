@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "service/engine_under_test.hpp"
+#include "vdrive/dictionary/abort_code.hpp"
+
+#include <gtest/gtest.h>
+
+namespace vdrive::test {
+namespace {
+
+constexpr std::uint32_t kLocalControl = 0x08000021;
+constexpr std::uint16_t kFirstTwo[] = {1, 2};
+constexpr std::uint16_t kEnabling[] = {0x06, 0x07, 0x0F};
+
+TEST(ReadRequest, AnswersEachObjectWithItsOwnCode) {
+  EngineUnderTest bench;
+  bench.steps(5);
+  auto request = bench.make_request(msg::REQUEST_READ, 0);
+  request.objects().resize(3);
+  request.objects()[0].axis(1);
+  request.objects()[0].index(0x6041);
+  request.objects()[1].axis(2);
+  request.objects()[1].index(0x6FFF);
+  request.objects()[2].axis(3);
+  request.objects()[2].index(0x607D);
+  request.objects()[2].subindex(7);
+  const auto reply = bench.ask(request);
+  EXPECT_EQ(reply.reason(), msg::REASON_NONE);
+  EXPECT_EQ(reply.tick(), 5U) << "of the last completed tick";
+  ASSERT_EQ(reply.objects().size(), 3U);
+  EXPECT_EQ(reply.objects()[0].abort_code(), 0U);
+  EXPECT_EQ(reply.objects()[0].value(), 0x250);
+  EXPECT_EQ(reply.objects()[1].abort_code(), 0x06020000U);
+  EXPECT_EQ(reply.objects()[1].axis(), 2U);
+  EXPECT_EQ(reply.objects()[2].abort_code(), 0x06090011U);
+}
+
+TEST(ReadRequest, NamesTheAxisThatDoesNotExist) {
+  EngineUnderTest bench;
+  const auto reply = bench.read(9, 0x6041);
+  EXPECT_EQ(reply.reason(), msg::REASON_UNKNOWN_AXIS);
+  EXPECT_EQ(reply.refused_axis(), 9U);
+  EXPECT_EQ(bench.read(0, 0x6041).reason(), msg::REASON_UNKNOWN_AXIS);
+}
+
+TEST(WriteRequest, IsInForceInTheNextTickAndReadsBackAtOnce) {
+  EngineUnderTest bench;
+  bench.steps(7);
+  const auto reply = bench.write(kAlice, 1, 0x6081, 12'345);
+  EXPECT_EQ(reply.tick(), 8U);
+  EXPECT_EQ(reply.objects()[0].abort_code(), 0U);
+  EXPECT_EQ(bench.value(1, 0x6081), 12'345);
+}
+
+TEST(WriteRequest, IsRefusedWithTheAbortCodeOfTheDictionary) {
+  EngineUnderTest bench;
+  EXPECT_EQ(bench.write(kAlice, 1, 0x6041, 1).objects()[0].abort_code(), 0x06010002U);
+  EXPECT_EQ(bench.write(kAlice, 1, 0x6080, 0).objects()[0].abort_code(), 0x06090032U);
+  EXPECT_EQ(bench.write(kAlice, 1, 0x6081, -1).objects()[0].abort_code(), 0x06090032U);
+  EXPECT_EQ(bench.events(msg::EVENT_REFUSED).size(), 3U);
+}
+
+TEST(WriteRequest, OfACommandObjectTakesAFreeAxis) {
+  EngineUnderTest bench;
+  const auto reply = bench.write(kAlice, 2, 0x6040, 0x06);
+  EXPECT_EQ(reply.objects()[0].abort_code(), 0U);
+  EXPECT_NE(reply.epoch(), 0U);
+  EXPECT_EQ(bench.events(msg::EVENT_CONTROL_CHANGED).size(), 1U);
+  EXPECT_EQ(bench.write(kBob, 2, 0x6081, 5).objects()[0].abort_code(), kLocalControl);
+}
+
+TEST(WriteRequest, OfACommandObjectThatIsRefusedTakesNothing) {
+  EngineUnderTest bench;
+  EXPECT_EQ(bench.write(kAlice, 2, 0x6040, 0x1'0000).objects()[0].abort_code(), 0x06090031U);
+  EXPECT_EQ(bench.write(kBob, 2, 0x6040, 0x06).objects()[0].abort_code(), 0U);
+}
+
+TEST(WriteRequest, OfACommandObjectNeedsASession) {
+  EngineUnderTest bench;
+  EXPECT_EQ(bench.write(0, 1, 0x6040, 0x06).objects()[0].abort_code(), kLocalControl);
+  EXPECT_EQ(bench.write(0, 1, 0x6081, 500).objects()[0].abort_code(), 0U);
+}
+
+TEST(WriteRequest, OfAStrangerIsRefusedAndNamesTheOwner) {
+  EngineUnderTest bench;
+  bench.acquire(kAlice, {1});
+  const auto reply = bench.write(kBob, 1, 0x6081, 500);
+  EXPECT_EQ(reply.objects()[0].abort_code(), kLocalControl);
+  EXPECT_EQ(reply.refused_axis(), 1U);
+  EXPECT_EQ(reply.owner_session(), kAlice);
+  EXPECT_EQ(bench.write(kAlice, 1, 0x6081, 500).objects()[0].abort_code(), 0U);
+}
+
+TEST(WriteRequest, ReachesTestBenchInputsOfAnOwnedAxis) {
+  EngineUnderTest bench;
+  bench.acquire(kAlice, {1});
+  EXPECT_EQ(bench.write(kBob, 1, 0x5E00, 100).objects()[0].abort_code(), 0U);
+  EXPECT_EQ(bench.write(kBob, 1, 0x5E09, 1).objects()[0].abort_code(), 0U);
+  EXPECT_EQ(bench.write(kBob, 1, 0x5E10, 1, 1).objects()[0].abort_code(), kLocalControl);
+}
+
+TEST(WriteRequest, ReachesSeveralAxesAndCountsEveryControlword) {
+  EngineUnderTest bench;
+  auto request = bench.make_request(msg::REQUEST_WRITE, kAlice);
+  for (const std::uint16_t word : kEnabling) {  // three words before one tick
+    for (const std::uint16_t axis : kFirstTwo) {
+      auto& object = request.objects().emplace_back();
+      object.axis(axis);
+      object.index(0x6040);
+      object.value(word);
+    }
+  }
+  bench.ask(request);
+  bench.steps(1);
+  EXPECT_EQ(bench.value(1, 0x6041) & 0x6F, 0x27);
+  EXPECT_EQ(bench.value(2, 0x6041) & 0x6F, 0x27);
+  EXPECT_EQ(bench.value(3, 0x6041) & 0x4F, 0x40);
+}
+
+TEST(AcquireRequest, GivesAxesAndAnEpoch) {
+  EngineUnderTest bench;
+  const auto first = bench.acquire(kAlice, {1, 2});
+  EXPECT_EQ(first.reason(), msg::REASON_NONE);
+  const auto second = bench.acquire(kAlice, {3});
+  EXPECT_GT(second.epoch(), first.epoch()) << "more axes renew the epoch for all";
+  EXPECT_EQ(bench.acquire(kAlice, {1, 2, 3}).epoch(), second.epoch()) << "nothing was gained";
+}
+
+TEST(AcquireRequest, OfAnOwnedAxisGivesNothingAtAll) {
+  EngineUnderTest bench;
+  bench.acquire(kAlice, {2});
+  const auto reply = bench.acquire(kBob, {1, 2});
+  EXPECT_EQ(reply.reason(), kLocalControl);
+  EXPECT_EQ(reply.refused_axis(), 2U);
+  EXPECT_EQ(reply.owner_session(), kAlice);
+  EXPECT_EQ(reply.epoch(), 0U);
+  EXPECT_EQ(bench.acquire(kAlice, {1}).reason(), msg::REASON_NONE);
+}
+
+TEST(AcquireRequest, NeedsASessionAndAxes) {
+  EngineUnderTest bench;
+  EXPECT_EQ(bench.acquire(0, {1}).reason(), msg::REASON_BAD_SESSION);
+  EXPECT_EQ(bench.acquire(kAlice, {}).reason(), msg::REASON_NOTHING_DONE);
+  const auto unknown = bench.acquire(kAlice, {1, 77});
+  EXPECT_EQ(unknown.reason(), msg::REASON_UNKNOWN_AXIS);
+  EXPECT_EQ(unknown.refused_axis(), 77U);
+}
+
+TEST(TakeOverRequest, TakesAtOnceAndEndsTheOldEpoch) {
+  EngineUnderTest bench;
+  bench.acquire(kAlice, {1});
+  auto frame = bench.make_frame(kAlice);
+  const auto reply = bench.ask(bench.make_request(msg::REQUEST_TAKE_OVER, kBob, {1}));
+  EXPECT_EQ(reply.reason(), msg::REASON_NONE);
+  EXPECT_NE(reply.epoch(), 0U);
+  set_controlword(add_command(frame, 1), 0x0F);
+  bench.receive(frame);
+  EXPECT_EQ(bench.frame_refusal(), msg::REASON_STALE_EPOCH);
+  bench.steps(1);
+  EXPECT_EQ(bench.value(1, 0x6041), 0x250);
+}
+
+TEST(ReleaseRequest, LeavesTheAxisAsItIs) {
+  EngineUnderTest bench;
+  bench.write(kAlice, 1, 0x6040, 0x0F);
+  bench.steps(2);
+  const auto reply = bench.ask(bench.make_request(msg::REQUEST_RELEASE, kAlice));
+  EXPECT_EQ(reply.reason(), msg::REASON_NONE);
+  EXPECT_EQ(reply.epoch(), 0U);
+  bench.steps(500);
+  EXPECT_EQ(bench.value(1, 0x6041) & 0x6F, 0x27);
+  EXPECT_EQ(bench.write(kBob, 1, 0x6040, 0x06).objects()[0].abort_code(), 0U);
+}
+
+TEST(ReleaseRequest, OfSomeAxesRenewsTheEpochOfTheOthers) {
+  EngineUnderTest bench;
+  const auto acquired = bench.acquire(kAlice, {1, 2});
+  const auto reply = bench.ask(bench.make_request(msg::REQUEST_RELEASE, kAlice, {1}));
+  EXPECT_GT(reply.epoch(), acquired.epoch());
+  EXPECT_EQ(bench.acquire(kBob, {1}).reason(), msg::REASON_NONE);
+  EXPECT_EQ(bench.acquire(kBob, {2}).reason(), kLocalControl);
+}
+
+TEST(ReleaseRequest, OfWhatIsNotOwnedIsRefused) {
+  EngineUnderTest bench;
+  bench.acquire(kAlice, {1});
+  const auto reply = bench.ask(bench.make_request(msg::REQUEST_RELEASE, kAlice, {1, 2}));
+  EXPECT_EQ(reply.reason(), msg::REASON_NOT_OWNER);
+  EXPECT_EQ(reply.refused_axis(), 2U);
+  EXPECT_EQ(bench.ask(bench.make_request(msg::REQUEST_RELEASE, kBob)).reason(),
+            msg::REASON_NOTHING_DONE);
+}
+
+TEST(PowerCycleRequest, NeedsAFreeAxisOrItsOwner) {
+  EngineUnderTest bench;
+  bench.write(kAlice, 1, 0x6040, 0x0F);
+  bench.write(kAlice, 1, 0x6081, 777);
+  bench.steps(1);
+  const auto stranger = bench.ask(bench.make_request(msg::REQUEST_POWER_CYCLE, kBob, {1}));
+  EXPECT_EQ(stranger.reason(), kLocalControl);
+  const auto owner = bench.ask(bench.make_request(msg::REQUEST_POWER_CYCLE, kAlice, {1}));
+  EXPECT_EQ(owner.reason(), msg::REASON_NONE);
+  bench.steps(1);
+  EXPECT_EQ(bench.value(1, 0x6041), 0x250);
+  EXPECT_EQ(bench.value(1, 0x6081), 68'267);
+  EXPECT_EQ(bench.ask(bench.make_request(msg::REQUEST_POWER_CYCLE, kBob, {2})).reason(),
+            msg::REASON_NONE);
+}
+
+TEST(StoreRequest, IsRefusedWithoutAPlaceToStore) {
+  EngineUnderTest bench;
+  EXPECT_EQ(bench.ask(bench.make_request(msg::REQUEST_STORE, kAlice, {1})).reason(), 0x08000020U);
+  EXPECT_EQ(bench.ask(bench.make_request(msg::REQUEST_RESTORE, kAlice, {1})).reason(), 0x08000020U);
+}
+
+TEST(Request, OfAnUnknownKindOrIncarnationIsRefused) {
+  EngineUnderTest bench;
+  EXPECT_EQ(bench.ask(bench.make_request(0, kAlice)).reason(), msg::REASON_UNKNOWN_KIND);
+  EXPECT_EQ(bench.ask(bench.make_request(0xFFFFFFFF, kAlice)).reason(), msg::REASON_UNKNOWN_KIND);
+  auto other = bench.make_request(msg::REQUEST_READ, kAlice);
+  other.incarnation(kIncarnation + 1);
+  EXPECT_EQ(bench.ask(other).reason(), msg::REASON_WRONG_INCARNATION);
+  auto nobody = bench.make_request(msg::REQUEST_READ, kAlice);
+  nobody.client(0);
+  EXPECT_EQ(bench.ask(nobody).reason(), msg::REASON_BAD_SESSION);
+  EXPECT_EQ(bench.ask(bench.make_request(msg::REQUEST_READ, kAlice)).reason(),
+            msg::REASON_NOTHING_DONE);
+}
+
+TEST(Request, OfAnotherBenchIsNotAnswered) {
+  EngineUnderTest bench;
+  auto request = bench.make_request(msg::REQUEST_READ, kAlice);
+  request.bench(kBench + 1);
+  bench.receive(request);
+  EXPECT_EQ(bench.outbox.replies.front(), nullptr);
+}
+
+TEST(Request, BeyondTheBoundsIsAnswered) {
+  EngineUnderTest bench;
+  auto objects = bench.make_request(msg::REQUEST_READ, kAlice);
+  objects.objects().resize(msg::MAX_OBJECTS_PER_REQUEST + 1);
+  EXPECT_EQ(bench.ask(objects).reason(), msg::REASON_TOO_MANY_OBJECTS);
+  auto axes = bench.make_request(msg::REQUEST_ACQUIRE, kAlice,
+                                 std::vector<std::uint16_t>(msg::MAX_AXES_PER_FRAME + 1, 1));
+  EXPECT_EQ(bench.ask(axes).reason(), msg::REASON_TOO_MANY_AXES);
+}
+
+TEST(Inbox, TurnsAwayWhatDoesNotFitAndRemembersWhom) {
+  EngineUnderTest bench;
+  const auto request = bench.make_request(msg::REQUEST_READ, kAlice);
+  for (std::size_t count = 0; count < service::Inbox::kCapacity + 3; ++count) {
+    bench.inbox.receive(request, {});
+  }
+  EXPECT_EQ(bench.counters.queue_overflows.get(), 3U);
+  ASSERT_NE(bench.inbox.turned_away().front(), nullptr);
+  EXPECT_EQ(bench.inbox.turned_away().front()->request_id, request.request_id());
+}
+
+}  // namespace
+}  // namespace vdrive::test

@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "service/engine_under_test.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+namespace vdrive::test {
+namespace {
+
+service::Arrival step_request(EngineUnderTest& bench, std::uint64_t session, std::uint64_t ticks) {
+  service::Arrival arrival;
+  arrival.kind = service::Arrival::Kind::request;
+  arrival.request = bench.make_request(msg::REQUEST_STEP, session);
+  arrival.request.ticks(ticks);
+  return arrival;
+}
+
+TEST(StepRequest, IsCheckedBeforeAnythingMoves) {
+  EngineUnderTest bench;
+  auto arrival = step_request(bench, kAlice, 1'000'000);
+  EXPECT_EQ(bench.engine.check_step(arrival), msg::REASON_NONE);
+  arrival.request.ticks(1'000'001);
+  EXPECT_EQ(bench.engine.check_step(arrival), msg::REASON_TOO_MANY_TICKS);
+  arrival.request.ticks(0);
+  arrival.request.axes({1, 42});
+  EXPECT_EQ(bench.engine.check_step(arrival), msg::REASON_UNKNOWN_AXIS);
+  arrival.request.axes({});
+  arrival.request.session(0);
+  EXPECT_EQ(bench.engine.check_step(arrival), msg::REASON_NONE) << "an observer may step";
+  arrival.request.last_sequence(1);
+  EXPECT_EQ(bench.engine.check_step(arrival), msg::REASON_BAD_SESSION);
+}
+
+TEST(StepRequest, IsRefusedInRealtime) {
+  auto configuration = bench_configuration(1);
+  configuration.clock = service::ClockMode::realtime;
+  EngineUnderTest bench(configuration);
+  EXPECT_EQ(bench.engine.check_step(step_request(bench, kAlice, 1)), msg::REASON_WRONG_CLOCK_MODE);
+  EXPECT_EQ(bench.ask(bench.make_request(msg::REQUEST_STEP, kAlice)).reason(),
+            msg::REASON_WRONG_CLOCK_MODE);
+}
+
+TEST(StepRequest, KnowsWhichFramesHaveArrived) {
+  EngineUnderTest bench;
+  bench.acquire(kAlice, {1});
+  EXPECT_TRUE(bench.engine.has_arrived(kAlice, 0));
+  EXPECT_FALSE(bench.engine.has_arrived(kAlice, 1));
+  bench.receive(bench.make_frame(kAlice));
+  EXPECT_TRUE(bench.engine.has_arrived(kAlice, 1));
+  EXPECT_FALSE(bench.engine.has_arrived(kBob, 1));
+}
+
+TEST(StepRequest, IsAnsweredWithTheStatusOfTheAxesAskedFor) {
+  EngineUnderTest bench;
+  bench.acquire(kAlice, {3});
+  bench.steps(4);
+  auto arrival = step_request(bench, kAlice, 0);
+  arrival.request.axes({3, 1});
+  bench.engine.answer_step(arrival, msg::REASON_NONE);
+  const auto& reply = bench.outbox.replies.front()->reply;
+  EXPECT_EQ(reply.tick(), 4U);
+  ASSERT_EQ(reply.statuses().size(), 2U);
+  EXPECT_EQ(reply.statuses()[0].axis(), 3U);
+  EXPECT_EQ(reply.statuses()[0].owner_session(), kAlice);
+  EXPECT_EQ(reply.statuses()[0].tick(), 4U);
+  EXPECT_EQ(reply.statuses()[1].axis(), 1U);
+  EXPECT_EQ(reply.statuses()[1].ds402_statusword(), 0x250U);
+}
+
+TEST(Watchdog, TakesTheAxesOfASilentMasterAndFaultsTheEnabledOnes) {
+  EngineUnderTest bench;
+  bench.acquire(kAlice, {1, 2});
+  bench.write(kAlice, 1, 0x6040, 0x0F);
+  bench.steps(100);
+  EXPECT_EQ(bench.counters.master_losses.get(), 0U) << "100 ms are allowed";
+  bench.steps(2);
+  EXPECT_EQ(bench.counters.master_losses.get(), 1U);
+  EXPECT_EQ(bench.value(1, 0x603F), 0x8130);
+  EXPECT_EQ(bench.value(2, 0x603F), 0) << "was not enabled";
+  const auto events = bench.events(msg::EVENT_MASTER_LOST);
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].session, kAlice);
+  EXPECT_EQ(events[0].detail, 2U);
+  EXPECT_EQ(bench.acquire(kBob, {1, 2}).reason(), msg::REASON_NONE);
+}
+
+TEST(Watchdog, HearsRequestsAndSteps) {
+  EngineUnderTest bench;
+  bench.acquire(kAlice, {1});
+  bench.steps(90);
+  bench.ask(bench.make_request(msg::REQUEST_READ, kAlice));
+  bench.steps(90);
+  for (int tick = 0; tick < 500; ++tick) {  // the owner steps: it counts in each tick
+    bench.engine.hear(kAlice);
+    bench.steps(1);
+  }
+  EXPECT_EQ(bench.counters.master_losses.get(), 0U);
+}
+
+TEST(Watchdog, CanBeOff) {
+  auto configuration = bench_configuration(1);
+  configuration.watchdog.reset();
+  EngineUnderTest bench(configuration);
+  bench.acquire(kAlice, {1});
+  bench.steps(100'000);
+  EXPECT_EQ(bench.counters.master_losses.get(), 0U);
+}
+
+TEST(Watchdog, CountsDriveTimeNotTicks) {
+  auto configuration = bench_configuration(1);
+  configuration.period = std::chrono::microseconds{10'000};
+  EngineUnderTest bench(configuration);
+  bench.acquire(kAlice, {1});
+  bench.steps(10);
+  EXPECT_EQ(bench.counters.master_losses.get(), 0U);
+  bench.steps(2);
+  EXPECT_EQ(bench.counters.master_losses.get(), 1U);
+}
+
+TEST(Events, TellStatesFaultsAndResets) {
+  EngineUnderTest bench;
+  bench.write(kAlice, 1, 0x6040, 0x0F);
+  bench.steps(1);
+  const auto enabled = bench.events(msg::EVENT_STATE_CHANGED);
+  ASSERT_EQ(enabled.size(), 1U);
+  EXPECT_EQ(enabled[0].axis, 1U);
+  EXPECT_EQ(enabled[0].code & 0x6FU, 0x27U);
+  EXPECT_EQ(enabled[0].tick, 1U);
+  bench.write(kBob, 1, 0x5E02, 1);
+  bench.steps(1);
+  const auto faults = bench.events(msg::EVENT_FAULT);
+  ASSERT_EQ(faults.size(), 1U);
+  EXPECT_EQ(faults[0].code, 0x2310U);
+  bench.write(kBob, 1, 0x5E02, 0);
+  bench.steps(50);
+  bench.write(kAlice, 1, 0x6040, 0x80);
+  bench.steps(1);
+  EXPECT_EQ(bench.events(msg::EVENT_FAULT_RESET).size(), 1U);
+}
+
+TEST(Parameters, FollowEveryAcceptedWriteOnce) {
+  EngineUnderTest bench;
+  bench.write(kAlice, 2, 0x6081, 5);
+  bench.write(kAlice, 2, 0x6083, 6);
+  bench.write(kAlice, 2, 0x6080, 0);  // refused
+  bench.steps(1);
+  ASSERT_EQ(bench.outbox.parameters.size(), 1U);
+  EXPECT_EQ(bench.outbox.parameters.front()->axis(), 2U);
+  EXPECT_EQ(bench.outbox.parameters.front()->profile_velocity(), 5U);
+  EXPECT_EQ(bench.outbox.parameters.front()->profile_acc(), 6U);
+}
+
+TEST(Parameters, WaitForRoomAndLoseNothing) {
+  constexpr std::uint16_t kAxes = 600;
+  EngineUnderTest bench(bench_configuration(kAxes));
+  for (std::uint16_t axis = 1; axis <= kAxes; ++axis) {
+    bench.write(kAlice, axis, 0x6081, axis);
+  }
+  std::vector<bool> seen(kAxes + 1);
+  for (int tick = 0; tick < 100; ++tick) {
+    bench.steps(1);
+    while (tick > 50 && bench.outbox.parameters.front() != nullptr) {
+      seen[bench.outbox.parameters.front()->axis()] = true;
+      bench.outbox.parameters.pop();
+    }
+  }
+  EXPECT_EQ(std::count(seen.begin(), seen.end(), true), kAxes);
+}
+
+TEST(Outbox, CountsWhatDidNotFitAndTellsIt) {
+  EngineUnderTest bench;
+  for (std::size_t count = 0; count < bench.outbox.status.capacity() + 5; ++count) {
+    bench.engine.post_status();
+  }
+  EXPECT_EQ(bench.counters.queue_overflows.get(), 5U);
+  bench.write(kAlice, 1, 0x6041, 0);  // the next event, here a refusal, brings the news
+  const auto events = bench.events(msg::EVENT_QUEUE_OVERFLOW);
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].detail, 5U);
+}
+
+TEST(BenchEngine, GivesTheSameBitsForAnyNumberOfThreads) {
+  std::uint64_t expected = 0;
+  for (const std::uint32_t threads : {1U, 2U, 3U, 7U}) {
+    auto configuration = bench_configuration(200);
+    configuration.threads = threads;
+    configuration.watchdog.reset();
+    EngineUnderTest bench(configuration);
+    for (std::uint16_t axis = 1; axis <= 200; ++axis) {
+      bench.write(kAlice, axis, 0x6040, 0x0F);
+      bench.write(kAlice, axis, 0x6060, 1);
+    }
+    bench.steps(2);
+    for (std::uint16_t axis = 1; axis <= 200; ++axis) {
+      bench.write(kAlice, axis, 0x607A, axis * 97 - 9'000);
+      bench.write(kAlice, axis, 0x6040, 0x3F);
+    }
+    bench.steps(300);
+    ASSERT_GE(bench.engine.bank().group_count(), threads) << "a thread has nothing to do";
+    const std::uint64_t hash = bench.engine.bank().status_hash();
+    if (threads == 1) {
+      expected = hash;
+    }
+    EXPECT_EQ(hash, expected) << threads << " threads";
+    EXPECT_NE(bench.value(1, 0x6062), 0);
+  }
+}
+
+}  // namespace
+}  // namespace vdrive::test

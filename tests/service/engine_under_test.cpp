@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "service/engine_under_test.hpp"
+
+#include <gtest/gtest.h>
+
+#include <utility>
+
+namespace vdrive::test {
+
+service::Configuration bench_configuration(std::size_t axes) {
+  service::Configuration configuration;
+  configuration.bench = kBench;
+  configuration.clock = service::ClockMode::lockstep;
+  configuration.axes = service::default_axes(axes);
+  return configuration;
+}
+
+EngineUnderTest::EngineUnderTest(const service::Configuration& with)
+    : configuration(with),
+      inbox(with.bench, counters),
+      outbox(with.axes.size()),
+      engine(with, {.bench = with.bench, .incarnation = kIncarnation}, outbox, counters) {}
+
+void EngineUnderTest::receive(const msg::CommandFrame& frame) {
+  inbox.receive(frame, {});
+  handle_arrivals();
+}
+
+void EngineUnderTest::receive(const msg::Request& request) {
+  inbox.receive(request, {});
+  handle_arrivals();
+}
+
+void EngineUnderTest::handle_arrivals() {
+  while (service::Arrival* const arrival = inbox.front()) {
+    engine.handle(*arrival);
+    inbox.pop();
+  }
+}
+
+msg::Reply EngineUnderTest::ask(const msg::Request& request) {
+  receive(request);
+  service::OutgoingReply* const outgoing = outbox.replies.front();
+  if (outgoing == nullptr) {
+    ADD_FAILURE() << "a request was not answered";
+    return {};
+  }
+  msg::Reply reply = outgoing->reply;
+  outbox.replies.pop();
+  EXPECT_EQ(reply.request_id(), request.request_id());
+  EXPECT_EQ(reply.client(), request.client());
+  return reply;
+}
+
+msg::Request EngineUnderTest::make_request(std::uint32_t kind, std::uint64_t session,
+                                           std::vector<std::uint16_t> axes) {
+  msg::Request request;
+  request.client(1);
+  request.request_id(++last_request_);
+  request.bench(configuration.bench);
+  request.session(session);
+  request.kind(kind);
+  request.axes(std::move(axes));
+  return request;
+}
+
+msg::Reply EngineUnderTest::acquire(std::uint64_t session, std::vector<std::uint16_t> axes) {
+  return ask(make_request(msg::REQUEST_ACQUIRE, session, std::move(axes)));
+}
+
+msg::Reply EngineUnderTest::write(std::uint64_t session, std::uint16_t axis, std::uint16_t index,
+                                  std::int64_t value, std::uint8_t subindex) {
+  auto request = make_request(msg::REQUEST_WRITE, session);
+  auto& object = request.objects().emplace_back();
+  object.axis(axis);
+  object.index(index);
+  object.subindex(subindex);
+  object.value(value);
+  return ask(request);
+}
+
+msg::Reply EngineUnderTest::read(std::uint16_t axis, std::uint16_t index, std::uint8_t subindex) {
+  auto request = make_request(msg::REQUEST_READ, 0);
+  auto& object = request.objects().emplace_back();
+  object.axis(axis);
+  object.index(index);
+  object.subindex(subindex);
+  return ask(request);
+}
+
+std::int64_t EngineUnderTest::value(std::uint16_t axis, std::uint16_t index,
+                                    std::uint8_t subindex) {
+  return read(axis, index, subindex).objects().at(0).value();
+}
+
+msg::CommandFrame EngineUnderTest::make_frame(std::uint64_t session) {
+  // A read by the session tells its epoch and the last frame that arrived.
+  const auto reply = ask(make_request(msg::REQUEST_READ, session));
+  msg::CommandFrame frame;
+  frame.bench(configuration.bench);
+  frame.incarnation(kIncarnation);
+  frame.session(session);
+  frame.epoch(reply.epoch());
+  frame.sequence_number(reply.last_sequence() + 1);
+  frame.flags(msg::FRAME_WANT_REPLY);
+  static_cast<void>(events(msg::EVENT_REFUSED));  // the read named nothing
+  return frame;
+}
+
+std::optional<msg::CommandReply> EngineUnderTest::command_reply() {
+  msg::CommandReply* const reply = outbox.command_replies.front();
+  if (reply == nullptr) {
+    return std::nullopt;
+  }
+  msg::CommandReply result = *reply;
+  outbox.command_replies.pop();
+  return result;
+}
+
+std::optional<std::uint32_t> EngineUnderTest::frame_refusal() {
+  const auto reply = command_reply();
+  if (!reply || reply->refusals().size() != 1 || reply->refusals()[0].axis() != 0) {
+    return std::nullopt;
+  }
+  return reply->refusals()[0].reason();
+}
+
+std::vector<service::EventRecord> EngineUnderTest::events(std::uint32_t kind) {
+  std::vector<service::EventRecord> found;
+  while (const service::EventRecord* const event = outbox.events.front()) {
+    if (event->kind == kind) {
+      found.push_back(*event);
+    }
+    outbox.events.pop();
+  }
+  return found;
+}
+
+void EngineUnderTest::steps(std::uint64_t count) {
+  for (std::uint64_t step = 0; step < count; ++step) {
+    engine.step();
+  }
+}
+
+msg::AxisCommand& add_command(msg::CommandFrame& frame, std::uint16_t axis) {
+  auto& command = frame.axes().emplace_back();
+  command.axis(axis);
+  return command;
+}
+
+void set_controlword(msg::AxisCommand& command, std::uint16_t word) {
+  command.members(static_cast<std::uint16_t>(command.members() | msg::HAS_DS402_CONTROLWORD));
+  command.ds402_controlword(word);
+}
+
+}  // namespace vdrive::test

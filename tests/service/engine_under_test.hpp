@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/service/bench_engine.hpp"
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
+
+namespace vdrive::test {
+
+inline constexpr std::uint32_t kBench = 4;
+inline constexpr std::uint64_t kIncarnation = 1'000;
+inline constexpr std::uint64_t kAlice = 0xA11CE;
+inline constexpr std::uint64_t kBob = 0xB0B;
+
+/// @return a lock-step bench number 4 with `axes` default axes and the watchdog at 100 ms.
+[[nodiscard]] service::Configuration bench_configuration(std::size_t axes);
+
+/// An engine with its queues, and hands for two clients. No network, no clock.
+struct EngineUnderTest {
+  explicit EngineUnderTest(const service::Configuration& configuration = bench_configuration(3));
+
+  /// Hands the message in as it would arrive from the network.
+  void receive(const msg::CommandFrame& frame);
+  void receive(const msg::Request& request);
+
+  /// Hands the request in. @return its reply.
+  msg::Reply ask(const msg::Request& request);
+
+  [[nodiscard]] msg::Request make_request(std::uint32_t kind, std::uint64_t session,
+                                          std::vector<std::uint16_t> axes = {});
+  msg::Reply acquire(std::uint64_t session, std::vector<std::uint16_t> axes);
+  msg::Reply write(std::uint64_t session, std::uint16_t axis, std::uint16_t index,
+                   std::int64_t value, std::uint8_t subindex = 0);
+  msg::Reply read(std::uint16_t axis, std::uint16_t index, std::uint8_t subindex = 0);
+  std::int64_t value(std::uint16_t axis, std::uint16_t index, std::uint8_t subindex = 0);
+
+  /// @return a frame with the next sequence number of the session and its current epoch.
+  [[nodiscard]] msg::CommandFrame make_frame(std::uint64_t session);
+
+  /// @return the oldest command reply, taken from the outbox.
+  std::optional<msg::CommandReply> command_reply();
+
+  /// @return the reason of the oldest command reply when it refuses the whole frame.
+  std::optional<std::uint32_t> frame_refusal();
+
+  /// @return the events since the last call that have this kind.
+  std::vector<service::EventRecord> events(std::uint32_t kind);
+
+  void steps(std::uint64_t count);
+
+  service::Configuration configuration;
+  service::Counters counters;
+  service::Inbox inbox;
+  service::Outbox outbox;
+  service::BenchEngine engine;
+
+ private:
+  void handle_arrivals();
+  std::uint64_t last_request_ = 0;
+};
+
+/// @return the command of the frame for `axis`, added to it.
+msg::AxisCommand& add_command(msg::CommandFrame& frame, std::uint16_t axis);
+
+/// Gives the command a controlword.
+void set_controlword(msg::AxisCommand& command, std::uint16_t word);
+
+}  // namespace vdrive::test

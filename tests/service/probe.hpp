@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/wire/participant.hpp"
+#include "vdrive/wire/publication.hpp"
+#include "vdrive/wire/subscription.hpp"
+#include "vdrive_messages.h"
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+namespace vdrive::test {
+
+/// A client made of bare topics: it sends what the client library would never send, and keeps
+/// everything that comes back.
+class Probe {
+ public:
+  static constexpr std::chrono::seconds kPatience{10};
+
+  explicit Probe(std::uint32_t domain, std::uint32_t bench = 1);
+
+  /// Waits until the bench is announced and hears requests. @return false after 10 s.
+  [[nodiscard]] bool find_bench();
+
+  /// @return a request of `kind` with the next number.
+  [[nodiscard]] msg::Request make_request(std::uint32_t kind);
+
+  /// Sends the request. @return its reply, or nothing after 10 s.
+  std::optional<msg::Reply> ask(const msg::Request& request);
+
+  std::optional<msg::Reply> acquire(std::vector<std::uint16_t> axes);
+  std::optional<msg::Reply> step(std::uint64_t ticks, std::vector<std::uint16_t> axes = {});
+  std::optional<msg::Reply> read(std::uint16_t axis, std::uint16_t index);
+  std::optional<msg::Reply> write(std::uint16_t axis, std::uint16_t index, std::int64_t value);
+
+  /// @return a frame of this session with its next number and current epoch.
+  [[nodiscard]] msg::CommandFrame make_frame();
+  bool send(const msg::CommandFrame& frame);
+
+  /// Waits for the reply to that command frame. @return nothing after 10 s.
+  std::optional<msg::CommandReply> reply_to(std::uint64_t sequence);
+
+  /// Waits until `condition` holds for an event. @return nothing after 10 s.
+  std::optional<msg::Event> event(const std::function<bool(const msg::Event&)>& condition);
+
+  /// Waits until `condition()` holds; it is asked again after each message and may look at what
+  /// was seen. @return false after 10 s.
+  [[nodiscard]] bool wait_until(const std::function<bool()>& condition);
+
+  // What was seen; inside of a condition only.
+  [[nodiscard]] const std::vector<msg::BenchDescription>& seen_descriptions() const {
+    return descriptions_;
+  }
+
+  [[nodiscard]] const std::optional<msg::BenchState>& seen_state() const { return state_; }
+
+  [[nodiscard]] const std::optional<msg::StatusFrame>& seen_status() const { return status_; }
+
+  [[nodiscard]] std::size_t seen_parameters() const { return parameter_sets_; }
+
+  [[nodiscard]] bool seen_offline() const;
+
+  // Copies, for everywhere else.
+  [[nodiscard]] std::vector<msg::BenchDescription> descriptions();
+  [[nodiscard]] std::optional<msg::StatusFrame> status();
+
+  std::uint64_t client = 0x1234;
+  std::uint64_t session = 0x5678;
+  std::uint64_t incarnation = 0;
+  std::uint32_t epoch = 0;
+  std::uint64_t last_sequence = 0;
+
+ private:
+  template <typename Message, typename Store>
+  auto keep(Store store);
+  template <typename Result>
+  Result wait_for(const std::function<Result()>& find);
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<msg::Reply> replies_;
+  std::vector<msg::CommandReply> command_replies_;
+  std::vector<msg::Event> events_;
+  std::vector<msg::BenchDescription> descriptions_;
+  std::optional<msg::BenchState> state_;
+  std::optional<msg::StatusFrame> status_;
+  std::size_t parameter_sets_ = 0;
+  std::uint32_t bench_;
+  std::uint64_t last_request_ = 0;
+
+  wire::Participant participant_;
+  wire::Publication<msg::Request> requests_;
+  wire::Publication<msg::CommandFrame> frames_;
+  wire::Subscription<msg::Reply> reply_reader_;
+  wire::Subscription<msg::CommandReply> command_reply_reader_;
+  wire::Subscription<msg::Event> event_reader_;
+  wire::Subscription<msg::BenchDescription> description_reader_;
+  wire::Subscription<msg::BenchState> state_reader_;
+  wire::Subscription<msg::StatusFrame> status_reader_;
+  wire::Subscription<msg::AxisParameters> parameter_reader_;
+};
+
+}  // namespace vdrive::test

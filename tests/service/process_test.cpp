@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: Apache-2.0
+// The program vdrived: processes, signals, exit codes.
+#include "service/probe.hpp"
+#include "support/test_domain.hpp"
+
+#include <gtest/gtest.h>
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace vdrive::test {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+/// A running program with its output; ends with this object.
+class Process {
+ public:
+  explicit Process(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), VDRIVE_SERVICE);
+    std::array<int, 2> ends{};
+    if (pipe(ends.data()) != 0) {
+      throw std::runtime_error("no pipe");
+    }
+    child_ = fork();
+    if (child_ == 0) {
+      dup2(ends[1], STDOUT_FILENO);
+      dup2(ends[1], STDERR_FILENO);
+      close(ends[0]);
+      close(ends[1]);
+      std::vector<char*> values;
+      for (auto& argument : arguments) {
+        values.push_back(argument.data());
+      }
+      values.push_back(nullptr);
+      execv(VDRIVE_SERVICE, values.data());
+      _exit(127);
+    }
+    close(ends[1]);
+    output_ = fdopen(ends[0], "r");
+  }
+
+  ~Process() {
+    if (child_ > 0) {
+      kill(child_, SIGKILL);
+      waitpid(child_, nullptr, 0);
+    }
+    std::fclose(output_);
+  }
+
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+
+  void send(int signal) const { kill(child_, signal); }
+
+  /// Reads to the end of the output and waits. @return the exit code, or -signal.
+  int wait() {
+    std::array<char, 512> line{};
+    while (std::fgets(line.data(), line.size(), output_) != nullptr) {
+      text_ += line.data();
+    }
+    int status = 0;
+    waitpid(child_, &status, 0);
+    child_ = 0;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+  }
+
+  [[nodiscard]] const std::string& text() const { return text_; }
+
+ private:
+  pid_t child_ = 0;
+  std::FILE* output_ = nullptr;
+  std::string text_;
+};
+
+std::vector<std::string> with_domain(std::vector<std::string> arguments) {
+  arguments.insert(arguments.end(), {"--domain", std::to_string(test_domain())});
+  return arguments;
+}
+
+std::size_t shared_memory_files() {
+  std::size_t count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator("/dev/shm")) {
+    count += entry.path().filename().string().starts_with("fastrtps") ? 1 : 0;
+  }
+  return count;
+}
+
+class SignalledService : public testing::TestWithParam<int> {};
+
+TEST_P(SignalledService, GoesOfflineAndEndsWithinTwoSeconds) {
+  Process service(with_domain({"--clock", "lockstep"}));
+  Probe probe(test_domain());
+  ASSERT_TRUE(probe.find_bench());
+  const auto begin = Clock::now();
+  service.send(GetParam());
+  EXPECT_EQ(service.wait(), 0) << service.text();
+  EXPECT_LT(Clock::now() - begin, 2s);
+  EXPECT_TRUE(probe.wait_until([&] {
+    return probe.seen_offline();
+  }));
+}
+
+INSTANTIATE_TEST_SUITE_P(Signals, SignalledService, testing::Values(SIGINT, SIGTERM),
+                         [](const auto& signal) {
+                           return signal.param == SIGINT ? "sigint" : "sigterm";
+                         });
+
+TEST(SignalledService, EndsInTheMiddleOfALongStep) {
+  Process service(with_domain({"--clock", "lockstep", "--axes", "2000"}));
+  Probe probe(test_domain());
+  ASSERT_TRUE(probe.find_bench());
+  std::thread client([&] {
+    static_cast<void>(probe.step(1'000'000));
+  });
+  ASSERT_TRUE(probe.wait_until([&] {
+    return probe.seen_state() && probe.seen_state()->tick() > 0;
+  }));
+  const auto begin = Clock::now();
+  service.send(SIGTERM);
+  EXPECT_EQ(service.wait(), 0) << service.text();
+  EXPECT_LT(Clock::now() - begin, 2s);
+  client.join();
+}
+
+TEST(ServiceProcess, GoesAwayWhenItsNumberIsTaken) {
+  Process first(with_domain({"--bench", "7"}));
+  Probe probe(test_domain(), 7);
+  ASSERT_TRUE(probe.find_bench());
+  Process second(with_domain({"--bench", "7"}));
+  EXPECT_EQ(second.wait(), 5);
+  EXPECT_NE(second.text().find("bench 7 is already served"), std::string::npos) << second.text();
+  EXPECT_TRUE(probe.read(1, 0x6041)) << "the first one goes on";
+  Process other(with_domain({"--bench", "8"}));
+  Probe probe_of_other(test_domain(), 8);
+  EXPECT_TRUE(probe_of_other.find_bench());
+}
+
+TEST(ServiceProcess, OfTheYoungerLeavesWhenBothMeetAfterTheStart) {
+  Process older(with_domain({"--bench", "9"}));
+  Probe probe(test_domain(), 9);
+  ASSERT_TRUE(probe.find_bench());
+  older.send(SIGSTOP);  // silent while the other one listens
+  Process younger(with_domain({"--bench", "9"}));
+  ASSERT_TRUE(probe.wait_until([&] {
+    return probe.seen_descriptions().back().incarnation() != probe.incarnation;
+  }));
+  older.send(SIGCONT);
+  EXPECT_EQ(younger.wait(), 5);
+  EXPECT_NE(younger.text().find("bench 9 belongs to a service that started earlier"),
+            std::string::npos)
+      << younger.text();
+  EXPECT_TRUE(probe.read(1, 0x6041));
+}
+
+TEST(ServiceProcess, ComesBackAtOnceAfterItWasKilled) {
+  const std::size_t segments = shared_memory_files();
+  for (int round = 0; round < 3; ++round) {
+    Process service(with_domain({"--bench", "3"}));
+    Probe probe(test_domain(), 3);
+    ASSERT_TRUE(probe.find_bench());
+    service.send(SIGKILL);
+    EXPECT_EQ(service.wait(), -SIGKILL);
+  }
+  EXPECT_EQ(shared_memory_files(), segments);
+}
+
+TEST(ServiceProcess, ShowsTheFirstStatusOfAThousandAxesWithinASecond) {
+  const auto begin = Clock::now();
+  Process service(with_domain({"--axes", "1000"}));
+  Probe probe(test_domain());
+  ASSERT_TRUE(probe.wait_until([&] {
+    return probe.seen_status().has_value();
+  }));
+  // The budget is proved by the benchmark; this bound only notices a blunder on a loaded machine.
+  EXPECT_LT(Clock::now() - begin, 3s);
+  EXPECT_EQ(probe.status()->parts(), 4U);
+}
+
+TEST(ServiceProcess, TellsItsVersion) {
+  Process service({"--version"});
+  EXPECT_EQ(service.wait(), 0);
+  EXPECT_TRUE(service.text().starts_with("vdrived ")) << service.text();
+}
+
+TEST(ServiceProcess, RefusesWhatItDoesNotKnow) {
+  Process flag({"--nonsense"});
+  EXPECT_EQ(flag.wait(), 2);
+  Process mode({"--clock", "freerun"});
+  EXPECT_EQ(mode.wait(), 1);
+  EXPECT_NE(mode.text().find("freerun"), std::string::npos);
+  Process axes({"--axes", "16385"});
+  EXPECT_EQ(axes.wait(), 1);
+  EXPECT_NE(axes.text().find("must be from 1 to 16384"), std::string::npos);
+  Process domain({"--domain", "233"});
+  EXPECT_EQ(domain.wait(), 1);
+  EXPECT_NE(domain.text().find("domain = 233"), std::string::npos);
+}
+
+class ConfigurationFile : public testing::Test {
+ protected:
+  ConfigurationFile()
+      : file_(std::filesystem::temp_directory_path() /
+              ("vdrive-" + std::to_string(getpid()) + ".yaml")) {}
+
+  ~ConfigurationFile() override { std::filesystem::remove(file_); }
+
+  void write(const std::string& text) const { std::ofstream(file_) << text; }
+
+  std::filesystem::path file_;
+};
+
+TEST_F(ConfigurationFile, IsCheckedWithoutStartingAnything) {
+  write("bench: {number: 3}\n");
+  Process good({"--check", file_.string()});
+  EXPECT_EQ(good.wait(), 0);
+  write("bench: {number: 3}\nclock: {period_us: 7}\n");
+  Process bad({"--check", file_.string()});
+  EXPECT_EQ(bad.wait(), 1);
+  EXPECT_NE(bad.text().find(file_.string() + ":2: clock.period_us = 7: must be"), std::string::npos)
+      << bad.text();
+}
+
+TEST_F(ConfigurationFile, CanBeTheOneThatWasPrinted) {
+  Process first({"--print-config", "--bench", "12", "--axes", "3", "--clock", "lockstep"});
+  ASSERT_EQ(first.wait(), 0);
+  write(first.text());
+  Process second({"--print-config", "--config", file_.string()});
+  ASSERT_EQ(second.wait(), 0);
+  EXPECT_EQ(second.text(), first.text());
+  Process overridden({"--print-config", "--config", file_.string(), "--bench", "13"});
+  ASSERT_EQ(overridden.wait(), 0);
+  EXPECT_NE(overridden.text().find("number: 13"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace vdrive::test

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdrive/service/realtime_driver.hpp"
+
+#include "core/support/allocation_guard.hpp"
+#include "service/engine_under_test.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace vdrive::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::chrono::nanoseconds kWall = 1'700'000'000s;
+
+/// Time that passes only when somebody waits for it, and as late as the test wants.
+class FakeTimer final : public service::CycleTimer {
+ public:
+  [[nodiscard]] std::chrono::nanoseconds monotonic_now() noexcept override { return now; }
+
+  [[nodiscard]] std::chrono::nanoseconds wall_now() noexcept override { return kWall + now; }
+
+  void wait_until(std::chrono::nanoseconds deadline) noexcept override {
+    now = std::max(now, deadline) + lateness;
+  }
+
+  std::chrono::nanoseconds now{0};
+  std::chrono::nanoseconds lateness{0};
+};
+
+service::Configuration realtime_configuration(double rate = 1.0) {
+  auto configuration = bench_configuration(2);
+  configuration.clock = service::ClockMode::realtime;
+  configuration.rate = rate;
+  return configuration;
+}
+
+struct RealtimeBench : EngineUnderTest {
+  explicit RealtimeBench(const service::Configuration& with = realtime_configuration())
+      : EngineUnderTest(with), driver(with, engine, inbox, counters, timer) {}
+
+  void cycles(int count) {
+    for (int cycle = 0; cycle < count; ++cycle) {
+      driver.cycle();
+      while (outbox.status.front() != nullptr) {
+        images.push_back(outbox.status.front()->tick);
+        outbox.status.pop();
+      }
+    }
+  }
+
+  FakeTimer timer;
+  service::RealtimeDriver driver;
+  std::vector<std::uint64_t> images;
+};
+
+TEST(RealtimeDriver, RunsEachTickOnceByTheWallClock) {
+  RealtimeBench bench;
+  bench.cycles(1'000);
+  EXPECT_EQ(bench.engine.tick(), 1'700'000'001'000U);
+  EXPECT_EQ(bench.timer.now, 1s);
+  ASSERT_EQ(bench.images.size(), 1'000U);
+  EXPECT_EQ(bench.images.front(), 1'700'000'000'001U);
+  EXPECT_EQ(bench.counters.overruns.get(), 0U);
+  EXPECT_EQ(bench.counters.jumps.get(), 0U);
+}
+
+TEST(RealtimeDriver, CatchesUpAfterAShortStall) {
+  RealtimeBench bench;
+  bench.cycles(10);
+  bench.timer.now += 50ms;
+  bench.cycles(50);
+  EXPECT_EQ(bench.engine.tick(), 1'700'000'000'060U);
+  EXPECT_EQ(bench.timer.now, 60ms) << "as many ticks as time";
+  EXPECT_EQ(bench.counters.jumps.get(), 0U);
+  EXPECT_GT(bench.counters.overruns.get(), 0U);
+  EXPECT_FALSE(bench.events(msg::EVENT_TICK_OVERRUN).empty());
+}
+
+TEST(RealtimeDriver, JumpsAfterALongStallAndHoldsTheState) {
+  RealtimeBench bench;
+  bench.write(kAlice, 1, 0x6040, 0x0F);
+  bench.cycles(10);
+  bench.timer.now += 5s;
+  bench.cycles(1);
+  EXPECT_EQ(bench.engine.tick(), 1'700'000'005'010U);
+  EXPECT_EQ(bench.counters.jumps.get(), 1U);
+  const auto events = bench.events(msg::EVENT_TICK_JUMPED);
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].detail, 4'999U);
+  EXPECT_EQ(bench.counters.master_losses.get(), 0U) << "no drive time passed";
+  EXPECT_EQ(bench.value(1, 0x6041) & 0x6F, 0x27);
+}
+
+TEST(RealtimeDriver, CountsHowLateTicksBegin) {
+  RealtimeBench bench;
+  bench.timer.lateness = 10us;
+  bench.cycles(100);
+  EXPECT_EQ(bench.counters.lateness[4].get(), 100U);  // 8 to 16 us
+}
+
+TEST(RealtimeDriver, HandlesWhatArrivedBeforeTheTick) {
+  RealtimeBench bench;
+  bench.cycles(5);
+  bench.inbox.receive(bench.make_request(msg::REQUEST_POWER_CYCLE, kAlice, {1}), {});
+  bench.cycles(1);
+  ASSERT_NE(bench.outbox.replies.front(), nullptr);
+  EXPECT_EQ(bench.outbox.replies.front()->reply.tick(), bench.engine.tick());
+}
+
+TEST(RealtimeDriver, LeavesAFloodForTheNextTicks) {
+  RealtimeBench bench;
+  for (int count = 0; count < 600; ++count) {
+    bench.inbox.receive(bench.make_request(msg::REQUEST_READ, kAlice), {});
+  }
+  bench.cycles(1);
+  EXPECT_EQ(bench.inbox.size(), 600 - service::RealtimeDriver::kArrivalsPerTick);
+}
+
+TEST(RealtimeDriver, RunsAtTheRate) {
+  RealtimeBench bench(realtime_configuration(10.0));
+  bench.cycles(1'000);
+  EXPECT_EQ(bench.engine.tick(), 1'700'000'001'000U);
+  EXPECT_NEAR(static_cast<double>(bench.timer.now.count()), 1.009e8, 1e5);
+}
+
+TEST(RealtimeDriver, AnswersWhilePaused) {
+  RealtimeBench bench(realtime_configuration(0.0));
+  bench.inbox.receive(bench.make_request(msg::REQUEST_READ, kAlice), {});
+  bench.cycles(100);
+  EXPECT_EQ(bench.engine.tick(), 1'700'000'000'000U);
+  EXPECT_NE(bench.outbox.replies.front(), nullptr);
+  EXPECT_TRUE(bench.images.empty());
+}
+
+TEST(RealtimeDriver, PublishesEveryNthTick) {
+  auto configuration = realtime_configuration();
+  configuration.status_every = 10;
+  RealtimeBench bench(configuration);
+  bench.cycles(100);
+  ASSERT_EQ(bench.images.size(), 10U);
+  EXPECT_EQ(bench.images.front() % 10, 0U);
+}
+
+TEST(RealtimeDriver, AllocatesNothingInATick) {
+  RealtimeBench bench;
+  bench.cycles(10);
+  bench.images.reserve(1'000);
+  const AllocationGuard guard;
+  bench.cycles(500);
+  EXPECT_EQ(guard.count(), 0U);
+}
+
+}  // namespace
+}  // namespace vdrive::test

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdrive/service/tick_clock.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace vdrive::service {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kPeriod = 1ms;
+constexpr std::chrono::nanoseconds kWall = 1'700'000'000s;  // a whole number of ticks
+constexpr std::chrono::nanoseconds kMonotonic = 5'000s;
+constexpr std::uint64_t kTickAtWall = 1'700'000'000'000;
+
+TEST(TickClock, NumbersTicksByTheWallClock) {
+  const TickClock clock(kPeriod, 1.0, {kMonotonic, kWall + 300us});
+  EXPECT_EQ(clock.next_tick(), kTickAtWall + 1);
+  EXPECT_EQ(clock.deadline(), kMonotonic + 700us);
+}
+
+TEST(TickClock, GivesTheSameNumberAtTheSameTimeToTwoBenches) {
+  TickClock early(kPeriod, 1.0, {kMonotonic, kWall});
+  for (int tick = 0; tick < 1'000; ++tick) {
+    early.advance({early.deadline(), kWall + (early.deadline() - kMonotonic)});
+  }
+  const TickClock late(kPeriod, 1.0, {kMonotonic + 1'000'400us, kWall + 1'000'400us});
+  EXPECT_EQ(early.next_tick(), late.next_tick());
+  EXPECT_NEAR(static_cast<double>((early.deadline() - late.deadline()).count()), 0.0, 2'000.0);
+}
+
+TEST(TickClock, SteersTowardsTheWallClockByAtMost500Ppm) {
+  TickClock clock(kPeriod, 1.0, {kMonotonic, kWall});
+  auto before = clock.deadline();
+  // The wall clock is set forward by half a second: the deadlines come closer, not at once.
+  for (int tick = 0; tick < 2'000; ++tick) {
+    clock.advance({before, kWall + (before - kMonotonic) + 500ms});
+    const auto distance = clock.deadline() - before;
+    ASSERT_GE(distance, 999'499ns);
+    ASSERT_LE(distance, 1'000'501ns);
+    before = clock.deadline();
+  }
+  // 2,000 ticks at 500 ppm: one tick gained.
+  const auto due = kMonotonic + 2'001 * kPeriod;
+  EXPECT_NEAR(static_cast<double>((due - clock.deadline()).count()), 1e6, 2e3);
+}
+
+TEST(TickClock, EndsOnTheWallClock) {
+  TickClock clock(kPeriod, 1.0, {kMonotonic, kWall});
+  constexpr auto kOffset = 300us;  // the wall clock is that much ahead from now on
+  for (int tick = 0; tick < 20'000; ++tick) {
+    clock.advance({clock.deadline(), kWall + (clock.deadline() - kMonotonic) + kOffset});
+  }
+  const auto wall = kWall + (clock.deadline() - kMonotonic) + kOffset;
+  const auto begin =
+      std::chrono::nanoseconds(kPeriod) * static_cast<std::int64_t>(clock.next_tick());
+  EXPECT_NEAR(static_cast<double>((wall - begin).count()), 0.0, 1e3);
+}
+
+TEST(TickClock, CatchesUpABacklogOfAHundredTicks) {
+  TickClock clock(kPeriod, 1.0, {kMonotonic, kWall});
+  EXPECT_EQ(clock.skip_backlog(clock.deadline() + 100ms), 0U);
+  EXPECT_EQ(clock.next_tick(), kTickAtWall + 1);
+}
+
+TEST(TickClock, JumpsOverALargerBacklog) {
+  TickClock clock(kPeriod, 1.0, {kMonotonic, kWall});
+  const auto now = clock.deadline() + 5'000'500us;
+  EXPECT_EQ(clock.skip_backlog(now), 5'000U);
+  EXPECT_EQ(clock.next_tick(), kTickAtWall + 5'001);
+  EXPECT_EQ(now - clock.deadline(), 500us);
+}
+
+TEST(TickClock, ScalesTheDistanceByTheRate) {
+  TickClock clock(kPeriod, 4.0, {kMonotonic, kWall});
+  const auto first = clock.deadline();
+  clock.advance({first, kWall + 7s});  // no steering at another rate than 1
+  EXPECT_EQ(clock.deadline() - first, 250us);
+  EXPECT_EQ(clock.next_tick(), kTickAtWall + 2);
+}
+
+}  // namespace
+}  // namespace vdrive::service
