@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "vdrive/client/axis_snapshot.hpp"
+#include "vdrive/client/outcome.hpp"
+#include "vdrive/dictionary/abort_code.hpp"
+#include "vdrive/dictionary/object.hpp"
+
+namespace vdrive::client {
+
+class SessionCore;
+
+/// What a call waits for.
+enum class Until : std::uint8_t {
+  in_force,  ///< the drive has acted on the command: one tick
+  done,      ///< what was commanded is reached
+};
+
+/// How long a call may take and what it waits for.
+struct CallOptions {
+  std::chrono::nanoseconds timeout = std::chrono::seconds(60);  ///< drive time
+  Until until = Until::done;
+};
+
+/// A set-point of profile position mode. What is not given stays as the drive has it.
+struct MoveOptions {
+  std::optional<std::uint32_t> velocity;      ///< 6081h [UU/s]
+  std::optional<std::uint32_t> acceleration;  ///< 6083h [UU/s²]
+  std::optional<std::uint32_t> deceleration;  ///< 6084h [UU/s²]
+  bool queue = false;  ///< after the present move (bit 5 = 0) instead of at once
+  CallOptions call;
+};
+
+/// Answer to the read of one object: `value` holds when `code` is AbortCode::none.
+struct ObjectReading {
+  ObjectAddress object;
+  AbortCode code = AbortCode::none;
+  std::int64_t value = 0;
+};
+
+/// Answer to the read of several objects, all of one tick.
+struct Readings {
+  std::uint64_t tick = 0;
+  std::vector<ObjectReading> objects;  ///< in the order that was asked for
+};
+
+/// One axis of a bench, commanded over the network. A handle: copies speak of the same axis; it
+/// must not outlive its session.
+///
+/// Commands acquire the axis for the session. A command that the power state does not allow is
+/// refused with 0x08000022 and changes nothing. `failed` says that the drive accepted the command
+/// and a fault or a lost enable ended it.
+class Axis {
+ public:
+  [[nodiscard]] const AxisId& id() const noexcept { return id_; }
+
+  [[nodiscard]] const std::string& name() const noexcept { return name_; }
+
+  /// The present state.
+  Result<AxisSnapshot> status() const;
+
+  /// Takes control without a command. @return refused when another session holds the axis.
+  Outcome acquire();
+
+  /// Walks the power states to Operation enabled and sets nothing else. An axis that stops quickly
+  /// is let come to rest first. @return refused in a fault: reset it first.
+  Outcome enable(const CallOptions& options = {});
+
+  /// Shutdown (0006h): to Ready to switch on.
+  Outcome disable(const CallOptions& options = {});
+
+  /// Moves to a position [UU]: sets profile position mode if needed, hands the set-point over and
+  /// waits for bit 10. @return refused when not enabled or when the drive ignores the set-point.
+  Outcome move_to(std::int32_t position, const MoveOptions& options = {});
+
+  /// The same by a distance [UU], from the base that 60F2h chooses.
+  Outcome move_by(std::int32_t distance, const MoveOptions& options = {});
+
+  /// Brakes to standstill in Operation enabled (010Fh); the set-point stays.
+  Outcome halt(const CallOptions& options = {});
+
+  /// Ends a halt and continues the set-point (000Fh), done when it is reached.
+  Outcome resume(const CallOptions& options = {});
+
+  /// Quick stop (0002h): done in Switch on disabled, or at rest where 605Ah keeps the state.
+  Outcome quick_stop(const CallOptions& options = {});
+
+  /// Rising edge of bit 7. @return refused while the cause persists. Without a fault it does
+  /// nothing.
+  Outcome reset_fault(const CallOptions& options = {});
+
+  /// As after power-up; the mechanical position is kept.
+  Outcome power_cycle(const CallOptions& options = {});
+
+  /// Reads up to 64 objects. An object that is refused has its code in its place.
+  Result<Readings> read(std::span<const ObjectAddress> objects) const;
+
+  /// Reads one object. @return refused with its abort code.
+  Result<std::int64_t> read(ObjectAddress object) const;
+
+  /// Writes an object. @return the tick in which the value is in force, or refused.
+  Result<std::uint64_t> write(ObjectAddress object, std::int64_t value);
+
+  /// Looks at every tick, the present one included, until `condition` holds.
+  /// @param timeout drive time
+  Result<AxisSnapshot> wait_until(const std::function<bool(const AxisSnapshot&)>& condition,
+                                  std::chrono::nanoseconds timeout) const;
+
+ private:
+  friend class Session;
+  Axis(std::shared_ptr<SessionCore> core, AxisId id, std::string name);
+  Outcome move(std::int32_t target, bool relative, const MoveOptions& options);
+
+  std::shared_ptr<SessionCore> core_;
+  AxisId id_;
+  std::string name_;
+};
+
+}  // namespace vdrive::client

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "vdrive/axis_status.hpp"
+#include "vdrive/cia402/power_state.hpp"
+#include "vdrive/client/bench.hpp"
+#include "vdrive/dictionary/object.hpp"
+
+namespace vdrive::client {
+
+/// One axis as a tick left it.
+struct AxisSnapshot {
+  AxisId id;
+  std::uint64_t tick = 0;
+  AxisStatus status;
+  std::uint64_t owner_session = 0;  ///< 0 = free
+  std::uint32_t owner_epoch = 0;
+  std::uint64_t last_sequence = 0;  ///< last command frame of the owner that was applied
+
+  /// @return the state that 6041h shows.
+  [[nodiscard]] PowerState state() const noexcept {
+    return decode_power_state(status.ds402_statusword);
+  }
+
+  /// @return whether all of `bits` are 1 in 6041h.
+  [[nodiscard]] bool shows(std::uint16_t bits) const noexcept {
+    return (status.ds402_statusword & bits) == bits;
+  }
+};
+
+/// All watched axes after the same tick.
+struct Observation {
+  std::uint64_t tick = 0;
+  std::uint64_t missed = 0;         ///< samples of the stream lost since the one before
+  std::vector<AxisSnapshot> axes;   ///< in the order that was asked for
+};
+
+/// @return the object's value when the status image has it, else nothing.
+[[nodiscard]] std::optional<std::int64_t> value_of(const AxisSnapshot& snapshot,
+                                                   ObjectAddress object);
+
+/// @return the names of the bits of 6041h that are 1, bits 0 to 3, 5 and 6 left out: those are the
+///         state. Such as {"voltage enabled", "remote", "target reached"}.
+[[nodiscard]] std::vector<std::string_view> statusword_flags(std::uint16_t statusword);
+
+/// @return such as "0x1637 Operation enabled: remote, target reached, set-point acknowledge".
+[[nodiscard]] std::string describe_statusword(std::uint16_t statusword);
+
+/// @return the words for a mode of 6060h or 6061h, such as "profile position".
+[[nodiscard]] std::string_view describe_mode(std::int8_t mode) noexcept;
+
+}  // namespace vdrive::client

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <compare>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace vdrive::client {
+
+/// Who advances the drive time of a bench.
+enum class ClockMode : std::uint8_t { realtime, lockstep, freerun };
+
+/// @return "realtime", "lockstep" or "freerun".
+[[nodiscard]] std::string_view to_string(ClockMode mode) noexcept;
+
+/// Address of an axis, written `bench.axis`.
+struct AxisId {
+  std::uint32_t bench = 0;
+  std::uint16_t axis = 0;  ///< number on its bench, from 1
+
+  friend auto operator<=>(const AxisId&, const AxisId&) = default;
+};
+
+/// @return such as "1.2".
+[[nodiscard]] std::string to_string(const AxisId& id);
+
+/// @return the address that `text` spells as `bench.axis`, or nothing: it may be a name.
+[[nodiscard]] std::optional<AxisId> parse_axis_id(std::string_view text) noexcept;
+
+/// What a bench says of one of its axes.
+struct AxisInfo {
+  AxisId id;
+  std::string name;
+  std::uint32_t supported_drive_modes = 0;     ///< 6502h
+  std::int32_t user_position_lower_limit = 0;  ///< 607Dh:01 at power-up [UU]
+  std::int32_t user_position_upper_limit = 0;  ///< 607Dh:02 at power-up [UU]
+  std::uint32_t app_speed_limit = 0;           ///< 607Fh at power-up [UU/s]
+};
+
+/// What a bench says of itself. UU are its user units.
+struct BenchInfo {
+  std::uint32_t number = 0;
+  std::uint64_t incarnation = 0;  ///< of the service; another one after a restart
+  std::string name;
+  ClockMode clock_mode = ClockMode::realtime;
+  std::chrono::microseconds period{1000};  ///< of one tick, in drive time
+  std::uint32_t status_every_ticks = 1;    ///< one sample of the status stream each n ticks
+  std::uint64_t tick = 0;                  ///< newest one heard of
+  double rate = 1.0;                       ///< realtime: drive time over wall time, 0 = paused
+  double user_units_per_revolution = 4096.0;
+  std::string dictionary_version;
+  std::string service_version;
+  std::vector<AxisInfo> axes;
+};
+
+/// @return `duration` in ticks of `period`, rounded up; 0 for a duration below or at 0.
+[[nodiscard]] std::uint64_t ticks_of(std::chrono::nanoseconds duration,
+                                     std::chrono::microseconds period) noexcept;
+
+}  // namespace vdrive::client

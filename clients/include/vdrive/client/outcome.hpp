@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace vdrive::client {
+
+/// How a call ended.
+enum class OutcomeKind : std::uint8_t {
+  ok,
+  refused,    ///< the service, the dictionary or the drive's state does not allow it: see the code
+  timed_out,  ///< the deadline passed first
+  not_found,  ///< no such bench, axis or name is there
+  lost,       ///< the service fell silent, went away or was restarted
+  failed,     ///< accepted, but ended by a fault, a lost enable or an interrupt
+};
+
+/// @return the kind as one word, such as "timed_out".
+[[nodiscard]] std::string_view to_string(OutcomeKind kind) noexcept;
+
+/// Answer to a client call. Converts to true when the call did what it says.
+class [[nodiscard]] Outcome {
+ public:
+  /// Success.
+  Outcome() = default;
+
+  /// @param code a CiA 301 abort code, or a reason of the wire contract (below 0x05000000)
+  static Outcome refused(std::uint32_t code, std::string message);
+  static Outcome timed_out(std::string message);
+  static Outcome not_found(std::string message);
+  static Outcome lost(std::string message);
+  static Outcome failed(std::string message);
+
+  [[nodiscard]] OutcomeKind kind() const noexcept { return kind_; }
+
+  explicit operator bool() const noexcept { return kind_ == OutcomeKind::ok; }
+
+  /// Code of a refusal, else 0.
+  [[nodiscard]] std::uint32_t code() const noexcept { return code_; }
+
+  /// What happened, in a sentence without a full stop; empty on success. A refusal's message ends
+  /// with its code and the code's meaning.
+  [[nodiscard]] const std::string& message() const noexcept { return message_; }
+
+ private:
+  Outcome(OutcomeKind kind, std::uint32_t code, std::string message);
+
+  OutcomeKind kind_ = OutcomeKind::ok;
+  std::uint32_t code_ = 0;
+  std::string message_;
+};
+
+/// A value, or the outcome that stands in its place.
+template <typename Value>
+class [[nodiscard]] Result {
+ public:
+  // Implicit on purpose: a function returns either.
+  Result(Value value) : value_(std::move(value)) {}            // NOLINT(google-explicit-constructor)
+  Result(Outcome failure) : outcome_(std::move(failure)) {}    // NOLINT(google-explicit-constructor)
+
+  explicit operator bool() const noexcept { return value_.has_value(); }
+
+  /// The value; only when this converts to true.
+  [[nodiscard]] const Value& operator*() const noexcept { return *value_; }
+
+  [[nodiscard]] Value& operator*() noexcept { return *value_; }
+
+  [[nodiscard]] const Value* operator->() const noexcept { return &*value_; }
+
+  [[nodiscard]] Value* operator->() noexcept { return &*value_; }
+
+  /// Success when there is a value.
+  [[nodiscard]] const Outcome& outcome() const noexcept { return outcome_; }
+
+ private:
+  std::optional<Value> value_;
+  Outcome outcome_;
+};
+
+}  // namespace vdrive::client

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "vdrive/client/axis_snapshot.hpp"
+#include "vdrive/client/bench.hpp"
+#include "vdrive/client/outcome.hpp"
+
+namespace vdrive::client {
+
+class Axis;
+class SessionCore;
+
+/// Who tells the benches that this program is alive while it holds axes.
+enum class KeepAlive : std::uint8_t {
+  own_thread,   ///< the session itself, every 25 ms while the bench runs in realtime
+  user_frames,  ///< only the user's own commands: a program that hangs loses its axes
+};
+
+/// What to reach, and how. The defaults see every bench of this machine on domain 0.
+struct SessionOptions {
+  std::uint32_t domain = 0;             ///< DDS domain, 0 to 232
+  std::vector<std::string> interfaces;  ///< addresses of further interfaces; empty = loopback only
+  std::vector<std::string> peers;       ///< addresses asked for benches beside multicast
+  std::optional<std::uint32_t> bench;   ///< see this bench only
+  KeepAlive keep_alive = KeepAlive::own_thread;
+  std::chrono::milliseconds find_timeout{2000};  ///< wall time that finding a service may take
+};
+
+/// Whether a follower advances the clock of a lock-step bench.
+enum class Pace : std::uint8_t {
+  drive,   ///< in lock-step each look steps one tick; in other modes as listen
+  listen,  ///< follows the status stream, whoever advances the clock
+};
+
+/// Sees axes of one bench tick by tick. Made by Session::follow; must not outlive the session.
+class Follower {
+ public:
+  ~Follower();
+  Follower(Follower&&) noexcept;
+  Follower& operator=(Follower&&) noexcept;
+
+  /// Waits for the next tick that shows all axes; in lock-step with Pace::drive steps to it.
+  /// @param patience wall time to wait for a sample
+  /// @return timed_out after `patience`, lost when the service is silent, failed when interrupted.
+  Result<Observation> next(std::chrono::milliseconds patience);
+
+ private:
+  friend class SessionCore;
+  struct State;
+  explicit Follower(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+/// A program's presence on a domain: finds benches, reads, writes, commands their axes.
+///
+/// A session is a random 64-bit number. It acquires an axis with the first command to it, keeps
+/// every axis that it has and releases all of them when it ends; a release leaves an axis as it is.
+/// Deadlines of motion are drive time, which stands still while a bench is paused; finding a
+/// service and noticing its silence (1 s) are wall time. In lock-step, calls that wait step the
+/// clock themselves.
+///
+/// Calls may come from several threads; those that step one lock-step bench from one at a time.
+class Session {
+ public:
+  /// @throws std::runtime_error when the domain is out of range or DDS cannot be set up.
+  explicit Session(const SessionOptions& options = {});
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  /// The session's number; the owner that an axis shows while this session holds it.
+  [[nodiscard]] std::uint64_t id() const noexcept;
+
+  /// Waits until some bench is there and no further one turns up for 150 ms.
+  /// @return the benches by number; none after `find_timeout`. A bench is there while its samples
+  ///         are younger than 300 ms and it has not said that it went offline.
+  [[nodiscard]] std::vector<BenchInfo> find_benches();
+
+  /// @param number of the bench; none = the only one there is
+  /// @return not_found after `find_timeout` or, without a number, when several are there. The
+  ///         message names what was looked for and what was found.
+  Result<BenchInfo> find_bench(std::optional<std::uint32_t> number = std::nullopt);
+
+  /// @param text an address such as "1.2", or the name of an axis
+  /// @return not_found after `find_timeout`, at once when the bench is there without such an axis
+  ///         or several axes have the name.
+  Result<Axis> axis(std::string_view text);
+
+  /// Steps a lock-step bench.
+  /// @return the tick reached; refused under another clock mode.
+  Result<std::uint64_t> step(std::uint32_t bench, std::uint64_t ticks);
+
+  /// Lets drive time pass, rounded up to ticks: steps in lock-step, else waits for the tick.
+  /// @return the tick reached.
+  Result<std::uint64_t> wait(std::uint32_t bench, std::chrono::nanoseconds duration);
+
+  /// Waits until the bench has reached `tick`; in lock-step steps to it.
+  /// @return the tick reached.
+  Result<std::uint64_t> wait_for_tick(std::uint32_t bench, std::uint64_t tick);
+
+  /// The present state of some axes of one bench.
+  /// @param axes of one bench, in any order; the result has the same order
+  Result<Observation> observe(std::span<const AxisId> axes);
+
+  /// @param axes of one bench, none of them twice
+  Result<Follower> follow(std::vector<AxisId> axes, Pace pace);
+
+  /// Gives all axes back. They stay as they are.
+  Outcome release();
+
+  /// Ends all calls that wait, now and later, with `failed`. May be called from any thread.
+  void interrupt() noexcept;
+
+ private:
+  std::shared_ptr<SessionCore> core_;
+};
+
+}  // namespace vdrive::client

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "conversation.hpp"
+
+#include <array>
+
+#include "vdrive/cia402/error_code.hpp"
+
+namespace vdrive::client {
+namespace {
+
+// Wall time without a sample after which the stream of a bench that is heard counts as dead. A
+// paused bench is waited for: its drive time stands still, and so does the deadline.
+constexpr std::chrono::milliseconds kPatience{500};
+
+constexpr auto kRefusedInState =
+    static_cast<std::uint32_t>(AbortCode::refused_in_present_device_state);
+
+}  // namespace
+
+msg::AxisCommand controlword_command(std::uint16_t axis, std::uint16_t word) {
+  msg::AxisCommand command;
+  command.axis(axis);
+  command.members(msg::HAS_DS402_CONTROLWORD);
+  command.ds402_controlword(word);
+  return command;
+}
+
+Conversation::Conversation(std::shared_ptr<SessionCore> core, AxisId id,
+                           std::chrono::nanoseconds timeout)
+    : core_(std::move(core)), id_(id), timeout_(timeout) {}
+
+Outcome Conversation::listen() {
+  auto target = core_->connect(id_.bench);
+  if (!target) return target.outcome();
+  target_ = *target;
+  const std::array axes{id_.axis};
+  follower_ = core_->follow(target_, {axes.begin(), axes.end()}, Pace::drive);
+  if (Outcome seen = note(core_->observe(target_, axes)); !seen) return seen;
+  deadline_ = now_.tick + ticks_of(timeout_, target_.period);
+  return {};
+}
+
+Outcome Conversation::take_control() {
+  if (Outcome heard = listen(); !heard) return heard;
+  return core_->acquire(target_, id_.axis);
+}
+
+Outcome Conversation::say(std::span<const msg::AxisCommand> commands) {
+  const auto applied = core_->command(target_, commands);
+  if (!applied) return applied.outcome();
+  if (applied->set_point_ignored) {
+    return Outcome::refused(kRefusedInState,
+                            "axis " + to_string(id_) + " ignored the set-point, its buffer is full");
+  }
+  if (!target_.steps()) return look_at(applied->tick, "the command to be in force");
+  const std::array axes{id_.axis};
+  return note(core_->observe(target_, axes));
+}
+
+Outcome Conversation::say(std::initializer_list<std::uint16_t> controlwords) {
+  std::vector<msg::AxisCommand> commands;
+  for (const std::uint16_t word : controlwords) {
+    commands.push_back(controlword_command(id_.axis, word));
+  }
+  return say(commands);
+}
+
+Outcome Conversation::look(std::string_view awaited) {
+  if (now_.tick >= deadline_) {
+    return Outcome::timed_out("axis " + to_string(id_) + ": waited in vain for " +
+                              std::string(awaited) + ", shows " +
+                              describe_statusword(now_.status.ds402_statusword));
+  }
+  while (true) {
+    auto sample = follower_->next(kPatience);
+    if (sample.outcome().kind() == OutcomeKind::timed_out) continue;
+    return note(std::move(sample));
+  }
+}
+
+Outcome Conversation::look_at(std::uint64_t tick, std::string_view awaited) {
+  return look_until(awaited, [&](const AxisSnapshot& axis) { return axis.tick >= tick; });
+}
+
+Outcome Conversation::note(Result<Observation> sample) {
+  if (!sample) return sample.outcome();
+  now_ = std::move(sample->axes.front());
+  now_.tick = sample->tick;
+  return {};
+}
+
+Result<std::int64_t> Conversation::read(ObjectAddress object) {
+  msg::ObjectAccess access;
+  access.axis(id_.axis);
+  access.index(object.index);
+  access.subindex(object.subindex);
+  msg::Request request;
+  request.kind(msg::REQUEST_READ);
+  request.objects().push_back(access);
+  const auto reply = core_->request(target_, std::move(request), "read of axis " + to_string(id_));
+  if (!reply) return reply.outcome();
+  if (reply->objects().size() != 1) {
+    return Outcome::failed("the read of axis " + to_string(id_) + " was not answered whole");
+  }
+  const msg::ObjectResult& result = reply->objects().front();
+  if (result.abort_code() != 0) {
+    return Outcome::refused(result.abort_code(), "read of axis " + to_string(id_) + " refused");
+  }
+  return result.value();
+}
+
+Outcome Conversation::not_now(std::string_view command, std::string_view hint) const {
+  std::string message = "axis " + to_string(id_) + " is in " + std::string(to_string(state())) +
+                        ", " + std::string(command) + " needs " + std::string(hint);
+  return Outcome::refused(kRefusedInState, std::move(message));
+}
+
+Outcome Conversation::ended(std::string_view awaited) const {
+  std::string message = "axis " + to_string(id_) + ": waited for " + std::string(awaited) +
+                        ", shows " + describe_statusword(now_.status.ds402_statusword);
+  if (now_.status.error_code != 0) {
+    std::array<char, 16> hex{};
+    std::snprintf(hex.data(), hex.size(), "0x%04X", unsigned{now_.status.error_code});
+    message += std::string(", error ") + hex.data() + " " +
+               std::string(vdrive::describe(static_cast<ErrorCode>(now_.status.error_code)));
+  }
+  return Outcome::failed(std::move(message));
+}
+
+}  // namespace vdrive::client

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "directory.hpp"
+
+#include <algorithm>
+
+namespace vdrive::client {
+namespace {
+
+ClockMode clock_mode_of(std::uint32_t value) {
+  switch (value) {
+    case msg::CLOCK_MODE_LOCKSTEP:
+      return ClockMode::lockstep;
+    case msg::CLOCK_MODE_FREERUN:
+      return ClockMode::freerun;
+    default:
+      return ClockMode::realtime;
+  }
+}
+
+AxisInfo axis_info(std::uint32_t bench, const msg::AxisDescription& axis) {
+  return {.id = {bench, axis.axis()},
+          .name = axis.name().to_string(),
+          .supported_drive_modes = axis.supported_drive_modes(),
+          .user_position_lower_limit = axis.user_position_lower_limit(),
+          .user_position_upper_limit = axis.user_position_upper_limit(),
+          .app_speed_limit = axis.app_speed_limit()};
+}
+
+void describe(BenchInfo& info, const msg::BenchDescription& message) {
+  info.number = message.bench();
+  info.incarnation = message.incarnation();
+  info.name = message.name().to_string();
+  info.clock_mode = clock_mode_of(message.clock_mode());
+  info.period = std::chrono::microseconds(std::max<std::uint32_t>(message.period_us(), 1));
+  info.status_every_ticks = std::max<std::uint32_t>(message.status_every_ticks(), 1);
+  info.user_units_per_revolution = message.user_units_per_revolution();
+  info.dictionary_version = message.dictionary_version().to_string();
+  info.service_version = message.service_version().to_string();
+}
+
+}  // namespace
+
+void Directory::on_description(const msg::BenchDescription& message, const wire::Source& source) {
+  Entry& entry = entries_[{message.bench(), message.incarnation()}];
+  entry.offline = !message.alive();
+  if (entry.offline) return;
+  describe(entry.info, message);
+  entry.source = source;
+  entry.part_count = message.parts();
+  std::vector<AxisInfo>& axes = entry.parts[message.part()];
+  axes.clear();
+  for (const msg::AxisDescription& axis : message.axes()) {
+    axes.push_back(axis_info(message.bench(), axis));
+  }
+}
+
+void Directory::on_state(const msg::BenchState& message, Clock::time_point now) {
+  const BenchKey key{message.bench(), message.incarnation()};
+  heard(key, message.tick(), now);
+  entries_[key].info.rate = message.rate();
+}
+
+void Directory::heard(const BenchKey& key, std::uint64_t tick, Clock::time_point now) {
+  Entry& entry = entries_[key];
+  entry.heard = now;
+  entry.info.tick = std::max(entry.info.tick, tick);
+}
+
+bool Directory::Entry::is_present(Clock::time_point now) const {
+  return !offline && part_count != 0 && parts.size() == part_count && heard &&
+         now - *heard < kPresence;
+}
+
+std::vector<PresentBench> Directory::present(Clock::time_point now) const {
+  std::vector<PresentBench> benches;
+  for (const auto& [key, entry] : entries_) {
+    const bool taken = !benches.empty() && benches.back().info.number == key.number;
+    if (taken || !entry.is_present(now)) continue;
+    PresentBench& bench = benches.emplace_back(PresentBench{entry.info, entry.source});
+    for (const auto& [part, axes] : entry.parts) {
+      bench.info.axes.insert(bench.info.axes.end(), axes.begin(), axes.end());
+    }
+  }
+  return benches;
+}
+
+std::optional<PresentBench> Directory::find(std::uint32_t number, Clock::time_point now) const {
+  for (PresentBench& bench : present(now)) {
+    if (bench.info.number == number) return std::move(bench);
+  }
+  return std::nullopt;
+}
+
+bool Directory::is_alive(const BenchKey& key, std::chrono::milliseconds patience,
+                         Clock::time_point now) const {
+  const auto entry = entries_.find(key);
+  return entry != entries_.end() && !entry->second.offline && entry->second.heard &&
+         now - *entry->second.heard < patience;
+}
+
+std::uint64_t Directory::tick(const BenchKey& key) const {
+  const auto entry = entries_.find(key);
+  return entry == entries_.end() ? 0 : entry->second.info.tick;
+}
+
+}  // namespace vdrive::client

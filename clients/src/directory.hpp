@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <compare>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "vdrive/client/bench.hpp"
+#include "vdrive/wire/source.hpp"
+#include "vdrive_messages.h"
+
+namespace vdrive::client {
+
+/// A bench whose samples are older is not there.
+inline constexpr std::chrono::milliseconds kPresence{300};
+
+/// A run of a service; another one after a restart.
+struct BenchKey {
+  std::uint32_t number = 0;
+  std::uint64_t incarnation = 0;
+
+  friend auto operator<=>(const BenchKey&, const BenchKey&) = default;
+};
+
+/// A bench that is there, and the participant that speaks for it.
+struct PresentBench {
+  BenchInfo info;
+  wire::Source source;
+
+  [[nodiscard]] BenchKey key() const { return {info.number, info.incarnation}; }
+};
+
+/// Which benches are there, judged by the age of their samples: a description comes from the
+/// history and says nothing about now. Time is an argument. Not thread-safe.
+class Directory {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  void on_description(const msg::BenchDescription& message, const wire::Source& source);
+  void on_state(const msg::BenchState& message, Clock::time_point now);
+
+  /// Another live sample of this bench: a status frame or an answer.
+  void heard(const BenchKey& key, std::uint64_t tick, Clock::time_point now);
+
+  /// @return the benches that are described whole, not offline and heard within kPresence, by
+  ///         number. Of two with one number the lower incarnation, as the services agree.
+  [[nodiscard]] std::vector<PresentBench> present(Clock::time_point now) const;
+
+  /// @return the bench `number` if it is there.
+  [[nodiscard]] std::optional<PresentBench> find(std::uint32_t number,
+                                                 Clock::time_point now) const;
+
+  /// @return whether this run was heard within `patience` and has not gone offline.
+  [[nodiscard]] bool is_alive(const BenchKey& key, std::chrono::milliseconds patience,
+                              Clock::time_point now) const;
+
+  /// @return the newest tick heard of, 0 when none was.
+  [[nodiscard]] std::uint64_t tick(const BenchKey& key) const;
+
+ private:
+  struct Entry {
+    BenchInfo info;
+    wire::Source source;
+    std::map<std::uint16_t, std::vector<AxisInfo>> parts;
+    std::uint16_t part_count = 0;
+    bool offline = false;
+    std::optional<Clock::time_point> heard;
+
+    [[nodiscard]] bool is_present(Clock::time_point now) const;
+  };
+
+  std::map<BenchKey, Entry> entries_;
+};
+
+}  // namespace vdrive::client

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "session_core.hpp"
+#include "vdrive/client/session.hpp"
+
+namespace vdrive::client {
+
+struct Follower::State {
+  std::shared_ptr<SessionCore> core;
+  Target target;
+  std::vector<std::uint16_t> axes;
+  std::shared_ptr<StatusFeed> feed;  ///< none when each look steps
+};
+
+Follower::Follower(std::unique_ptr<State> state) : state_(std::move(state)) {}
+
+Follower::~Follower() = default;
+Follower::Follower(Follower&&) noexcept = default;
+Follower& Follower::operator=(Follower&&) noexcept = default;
+
+Result<Observation> Follower::next(std::chrono::milliseconds patience) {
+  if (!state_->feed) return state_->core->step(state_->target, 1, state_->axes);
+  return state_->core->next(state_->target, *state_->feed, patience);
+}
+
+Follower SessionCore::follow(const Target& target, std::vector<std::uint16_t> axes, Pace pace) {
+  auto state = std::make_unique<Follower::State>();
+  state->core = shared_from_this();
+  state->target = target;
+  if (pace == Pace::listen || !target.steps()) state->feed = open_feed(target, axes);
+  state->axes = std::move(axes);
+  return Follower(std::move(state));
+}
+
+}  // namespace vdrive::client

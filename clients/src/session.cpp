@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdrive/client/session.hpp"
+
+#include "session_core.hpp"
+#include "vdrive/client/axis.hpp"
+
+namespace vdrive::client {
+namespace {
+
+/// The numbers of axes that share a bench.
+Result<std::vector<std::uint16_t>> numbers_of(std::span<const AxisId> axes) {
+  std::vector<std::uint16_t> numbers;
+  for (const AxisId& id : axes) {
+    if (id.bench != axes.front().bench) {
+      return Outcome::not_found("axes " + to_string(axes.front()) + " and " + to_string(id) +
+                                " are not on one bench");
+    }
+    numbers.push_back(id.axis);
+  }
+  if (numbers.empty()) return Outcome::not_found("no axis given");
+  return numbers;
+}
+
+}  // namespace
+
+Session::Session(const SessionOptions& options) : core_(std::make_shared<SessionCore>(options)) {}
+
+Session::~Session() = default;
+
+std::uint64_t Session::id() const noexcept { return core_->id(); }
+
+std::vector<BenchInfo> Session::find_benches() {
+  std::vector<BenchInfo> benches;
+  for (PresentBench& bench : core_->find_benches()) benches.push_back(std::move(bench.info));
+  return benches;
+}
+
+Result<BenchInfo> Session::find_bench(std::optional<std::uint32_t> number) {
+  auto bench = core_->find_bench(number);
+  if (!bench) return bench.outcome();
+  return std::move(bench->info);
+}
+
+Result<Axis> Session::axis(std::string_view text) {
+  auto axis = core_->find_axis(text);
+  if (!axis) return axis.outcome();
+  return Axis(core_, axis->id, std::move(axis->name));
+}
+
+Result<std::uint64_t> Session::step(std::uint32_t bench, std::uint64_t ticks) {
+  const auto target = core_->connect(bench);
+  if (!target) return target.outcome();
+  const auto reached = core_->step(*target, ticks, {});
+  if (!reached) return reached.outcome();
+  return reached->tick;
+}
+
+Result<std::uint64_t> Session::wait(std::uint32_t bench, std::chrono::nanoseconds duration) {
+  const auto target = core_->connect(bench);
+  if (!target) return target.outcome();
+  const auto present = core_->present_tick(*target);
+  if (!present) return present;
+  return core_->wait_for_tick(*target, *present + ticks_of(duration, target->period));
+}
+
+Result<std::uint64_t> Session::wait_for_tick(std::uint32_t bench, std::uint64_t tick) {
+  const auto target = core_->connect(bench);
+  if (!target) return target.outcome();
+  return core_->wait_for_tick(*target, tick);
+}
+
+Result<Observation> Session::observe(std::span<const AxisId> axes) {
+  const auto numbers = numbers_of(axes);
+  if (!numbers) return numbers.outcome();
+  const auto target = core_->connect(axes.front().bench);
+  if (!target) return target.outcome();
+  return core_->observe(*target, *numbers);
+}
+
+Result<Follower> Session::follow(std::vector<AxisId> axes, Pace pace) {
+  auto numbers = numbers_of(axes);
+  if (!numbers) return numbers.outcome();
+  const auto target = core_->connect(axes.front().bench);
+  if (!target) return target.outcome();
+  return core_->follow(*target, std::move(*numbers), pace);
+}
+
+Outcome Session::release() { return core_->release(); }
+
+void Session::interrupt() noexcept { core_->interrupt(); }
+
+}  // namespace vdrive::client

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <span>
+#include <stop_token>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "directory.hpp"
+#include "status_feed.hpp"
+#include "vdrive/client/session.hpp"
+#include "vdrive/wire/participant.hpp"
+#include "vdrive/wire/publication.hpp"
+#include "vdrive/wire/subscription.hpp"
+#include "vdrive_messages.h"
+
+namespace vdrive::client {
+
+/// The run of a service that a call speaks to.
+struct Target {
+  BenchKey key;
+  ClockMode clock_mode = ClockMode::realtime;
+  std::chrono::microseconds period{1000};
+  std::uint32_t status_every_ticks = 1;
+  wire::Source source;
+
+  [[nodiscard]] bool steps() const { return clock_mode == ClockMode::lockstep; }
+};
+
+/// What became of command frames.
+struct Applied {
+  std::uint64_t tick = 0;  ///< in which the last of them is in force
+  bool set_point_ignored = false;
+};
+
+/// Everything behind Session: the DDS entities, who is there, what is held, what is awaited.
+/// Handlers run in DDS threads and only fill; calls wait on one condition variable.
+class SessionCore : public std::enable_shared_from_this<SessionCore> {
+ public:
+  /// How long a wait may take. What was asked of a service is waited for also after an interrupt:
+  /// whoever is interrupted still has to clean up.
+  struct Patience {
+    std::chrono::milliseconds timeout;
+    bool may_interrupt;
+  };
+
+  explicit SessionCore(const SessionOptions& options);
+  ~SessionCore();
+  SessionCore(const SessionCore&) = delete;
+  SessionCore& operator=(const SessionCore&) = delete;
+
+  [[nodiscard]] std::uint64_t id() const noexcept { return id_; }
+
+  std::vector<PresentBench> find_benches();
+  Result<PresentBench> find_bench(std::optional<std::uint32_t> number);
+
+  /// An axis by address or name.
+  Result<AxisInfo> find_axis(std::string_view text);
+
+  /// Finds the bench and waits until it can hear requests and we its answers.
+  Result<Target> connect(std::uint32_t bench);
+
+  /// Asks and waits for the answer. Fills in who asks whom.
+  /// @param what names the request in messages, such as "read of axis 1.1"
+  Result<msg::Reply> request(const Target& target, msg::Request request, std::string_view what);
+
+  /// A request that may change the session's epoch: acquire, write, power cycle.
+  Result<msg::Reply> request_control(const Target& target, msg::Request request,
+                                     std::string_view what);
+
+  /// Takes an axis unless it is held already.
+  Outcome acquire(const Target& target, std::uint16_t axis);
+
+  /// Writes objects of one axis, which takes the axis when one of them is a command object.
+  Result<msg::Reply> write(const Target& target, msg::Request request, std::string_view what);
+
+  /// Sends one frame for each command, in order, and waits until they are in force: in lock-step
+  /// steps one tick.
+  Result<Applied> command(const Target& target, std::span<const msg::AxisCommand> commands);
+
+  /// Steps, and shows `axes` afterwards. 0 ticks only show.
+  Result<Observation> step(const Target& target, std::uint64_t ticks,
+                           std::span<const std::uint16_t> axes);
+
+  /// The present state of `axes`.
+  Result<Observation> observe(const Target& target, std::span<const std::uint16_t> axes);
+
+  Result<std::uint64_t> wait_for_tick(const Target& target, std::uint64_t tick);
+
+  /// The newest tick of the bench.
+  Result<std::uint64_t> present_tick(const Target& target);
+
+  /// Starts to collect the status stream for `axes`; ends with the last pointer to it.
+  std::shared_ptr<StatusFeed> open_feed(const Target& target, std::vector<std::uint16_t> axes);
+
+  /// Sees `axes` tick by tick.
+  Follower follow(const Target& target, std::vector<std::uint16_t> axes, Pace pace);
+
+  /// Waits for the next sample of a feed.
+  Result<Observation> next(const Target& target, StatusFeed& feed,
+                           std::chrono::milliseconds patience);
+
+  Outcome release();
+  void interrupt() noexcept;
+
+ private:
+  /// What this session has from one run of a service.
+  struct Holding {
+    BenchKey key;
+    bool is_realtime = false;
+    bool is_matched_for_commands = false;
+    std::uint32_t epoch = 0;
+    std::uint64_t epoch_since = 0;  ///< first sequence number sent with this epoch
+    std::uint64_t sequence = 0;     ///< last one sent
+    std::set<std::uint16_t> axes;
+  };
+
+  using Lock = std::unique_lock<std::mutex>;
+  using PendingCommand = std::pair<BenchKey, std::uint64_t>;
+
+  void on_description(const msg::BenchDescription& message, const wire::Source& source);
+  void on_state(const msg::BenchState& message);
+  void on_reply(const msg::Reply& message);
+  void on_command_reply(const msg::CommandReply& message);
+  void on_status(const msg::StatusFrame& message);
+
+  template <typename Condition>
+  Outcome wait(Lock& lock, const Target& target, Patience patience, const Condition& condition);
+  template <typename Condition>
+  bool wait_to_find(Lock& lock, const Condition& condition);
+  bool is_interrupted();
+  Outcome await_command_match(const Target& target);
+
+  Holding& holding(const BenchKey& key);
+  void note_acquired(const Target& target, std::uint16_t axis, const msg::Reply& reply);
+  msg::CommandFrame next_frame(Holding& holding) const;
+  Outcome send(const Target& target, std::span<const msg::AxisCommand> commands,
+               std::vector<std::uint64_t>& sequences);
+  Result<Applied> collect(const Target& target, std::span<const std::uint64_t> sequences,
+                          Outcome outcome);
+  std::uint64_t last_sequence(const BenchKey& key);
+  void subscribe_status();
+
+  void keep_alive(const std::stop_token& stop);
+  void start_keep_alive();
+  void send_keep_alive(std::uint32_t bench);
+
+  const SessionOptions options_;
+  const std::uint64_t id_;
+
+  std::mutex send_mutex_;  ///< orders frames, and keeps them away from a change of the epoch
+  std::mutex mutex_;       ///< guards what follows; taken after send_mutex_
+  std::condition_variable changed_;
+  Directory directory_;
+  std::map<std::uint32_t, Holding> holdings_;
+  std::uint64_t last_request_ = 0;
+  std::map<std::uint64_t, std::optional<msg::Reply>> requests_;
+  std::map<PendingCommand, std::optional<msg::CommandReply>> commands_;
+  std::vector<std::weak_ptr<StatusFeed>> feeds_;
+  bool interrupted_ = false;
+
+  wire::Participant participant_;
+  wire::Publication<msg::Request> request_publication_;
+  wire::Publication<msg::CommandFrame> command_publication_;
+  wire::Subscription<msg::Reply> reply_subscription_;
+  wire::Subscription<msg::CommandReply> command_reply_subscription_;
+  wire::Subscription<msg::BenchState> state_subscription_;
+  wire::Subscription<msg::BenchDescription> description_subscription_;
+  std::once_flag status_subscribed_;
+  std::unique_ptr<wire::Subscription<msg::StatusFrame>> status_subscription_;
+  std::once_flag keep_alive_started_;
+  std::jthread keep_alive_thread_;
+};
+
+/// @return a message as a snapshot.
+[[nodiscard]] AxisSnapshot snapshot_of(const msg::AxisStatus& message);
+
+}  // namespace vdrive::client

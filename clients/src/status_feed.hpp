@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include "directory.hpp"
+#include "vdrive/client/axis_snapshot.hpp"
+#include "vdrive_messages.h"
+
+namespace vdrive::client {
+
+/// Puts the status frames of a bench together into samples that show all wanted axes after one
+/// tick, and counts the ticks that went missing. Not thread-safe.
+class StatusFeed {
+ public:
+  /// @param axes none of them twice; samples have this order
+  StatusFeed(BenchKey key, std::vector<std::uint16_t> axes, std::uint32_t status_every_ticks);
+
+  /// Takes one frame; others' benches are ignored.
+  void on_frame(const msg::StatusFrame& frame);
+
+  /// @return the oldest sample that was not taken yet, or nothing.
+  [[nodiscard]] std::optional<Observation> take();
+
+ private:
+  struct Place {
+    std::uint16_t axis;
+    std::size_t position;
+  };
+
+  void start(std::uint64_t tick);
+  void put(const msg::AxisStatus& status);
+
+  BenchKey key_;
+  std::vector<Place> places_;  ///< sorted by axis
+  std::uint32_t status_every_ticks_;
+  Observation growing_;
+  std::vector<bool> seen_;
+  std::size_t seen_count_ = 0;
+  std::deque<Observation> samples_;
+  std::optional<std::uint64_t> last_tick_;  ///< of the sample taken last
+};
+
+}  // namespace vdrive::client

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "command.hpp"
+
+namespace vdrive::tool {
+namespace {
+
+template <typename... Functions>
+struct Overloaded : Functions... {
+  using Functions::operator()...;
+};
+
+template <typename... Functions>
+Overloaded(Functions...) -> Overloaded<Functions...>;
+
+std::uint64_t distance(std::int64_t a, std::int64_t b) {
+  return a > b ? static_cast<std::uint64_t>(a) - static_cast<std::uint64_t>(b)
+               : static_cast<std::uint64_t>(b) - static_cast<std::uint64_t>(a);
+}
+
+}  // namespace
+
+bool ExpectCommand::accepts(std::int64_t actual) const noexcept {
+  if (mask) {
+    return (static_cast<std::uint64_t>(actual) & *mask) ==
+           (static_cast<std::uint64_t>(value) & *mask);
+  }
+  if (tolerance) return distance(actual, value) <= *tolerance;
+  return actual == value;
+}
+
+std::vector<std::string> axes_of(const Command& command) {
+  using Axes = std::vector<std::string>;
+  return std::visit(
+      Overloaded{[](const ListCommand&) { return Axes{}; },
+                 [](const DictionaryCommand&) { return Axes{}; },
+                 [](const StepCommand&) { return Axes{}; },
+                 [](const RunCommand&) { return Axes{}; },
+                 [](const WaitCommand&) { return Axes{}; },
+                 [](const WatchCommand& watch) { return watch.axes; },
+                 [](const std::shared_ptr<const RefusedCommand>& refused) {
+                   return axes_of(refused->command);
+                 },
+                 [](const auto& other) { return Axes{other.axis}; }},
+      command);
+}
+
+std::string_view to_string(AxisWord word) noexcept {
+  switch (word) {
+    case AxisWord::enable:
+      return "enable";
+    case AxisWord::disable:
+      return "disable";
+    case AxisWord::halt:
+      return "halt";
+    case AxisWord::resume:
+      return "resume";
+    case AxisWord::quick_stop:
+      return "quick-stop";
+    case AxisWord::reset:
+      return "reset";
+    case AxisWord::power_cycle:
+      return "power-cycle";
+  }
+  return "unknown";
+}
+
+}  // namespace vdrive::tool

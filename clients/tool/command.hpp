@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "value.hpp"
+#include "vdrive/client/axis.hpp"
+
+namespace vdrive::tool {
+
+using Duration = std::chrono::nanoseconds;
+
+/// What the tool can be told, one struct a word. Plain data, made by the grammar only.
+
+struct ListCommand {};
+
+struct StatusCommand {
+  std::string axis;
+};
+
+struct WatchCommand {
+  std::vector<std::string> axes;
+  std::uint64_t count = 0;  ///< samples an axis; 0 = until interrupted
+};
+
+/// The words that only take an axis.
+enum class AxisWord : std::uint8_t { enable, disable, halt, resume, quick_stop, reset, power_cycle };
+
+struct AxisCommand {
+  AxisWord word;
+  std::string axis;
+  client::Until until = client::Until::done;
+};
+
+struct MoveCommand {
+  std::string axis;
+  std::int32_t position = 0;
+  bool relative = false;
+  client::MoveOptions options;
+};
+
+struct ReadCommand {
+  std::string axis;
+  std::vector<ObjectName> objects;
+};
+
+struct WriteCommand {
+  std::string axis;
+  ObjectName object;
+  std::int64_t value = 0;
+};
+
+/// One test-bench input.
+struct Disturbance {
+  ObjectName object;
+  std::int64_t value = 0;
+};
+
+struct DisturbCommand {
+  std::string axis;
+  std::string kind;
+  std::vector<Disturbance> inputs;  ///< several for `none`
+  std::optional<Duration> duration;
+};
+
+enum class TableFormat : std::uint8_t { table, json, csv };
+enum class Language : std::uint8_t { en, zh };
+
+struct DictionaryCommand {
+  TableFormat format = TableFormat::table;
+  Language language = Language::en;
+};
+
+struct StepCommand {
+  std::uint64_t ticks = 0;
+  std::optional<std::uint32_t> bench;
+};
+
+struct RunCommand {
+  std::string file;
+  std::string junit;  ///< empty = none
+  bool live = false;
+};
+
+/// Words of scenarios.
+
+struct ExpectCommand {
+  std::string axis;
+  ObjectName object;
+  std::int64_t value = 0;
+  std::optional<std::uint64_t> mask;
+  std::optional<std::uint64_t> tolerance;
+  std::optional<Duration> within;
+  std::optional<Duration> throughout;
+
+  /// @return whether `actual` is what is expected.
+  [[nodiscard]] bool accepts(std::int64_t actual) const noexcept;
+};
+
+struct WaitCommand {
+  Duration duration{};
+};
+
+struct RefusedCommand;
+
+using Command =
+    std::variant<ListCommand, StatusCommand, WatchCommand, AxisCommand, MoveCommand, ReadCommand,
+                 WriteCommand, DisturbCommand, DictionaryCommand, StepCommand, RunCommand,
+                 ExpectCommand, WaitCommand, std::shared_ptr<const RefusedCommand>>;
+
+struct RefusedCommand {
+  std::uint32_t code = 0;
+  Command command;
+};
+
+/// @return the axes that the command names.
+[[nodiscard]] std::vector<std::string> axes_of(const Command& command);
+
+/// @return the word, such as "quick-stop".
+[[nodiscard]] std::string_view to_string(AxisWord word) noexcept;
+
+}  // namespace vdrive::tool

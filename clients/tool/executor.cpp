@@ -1,0 +1,342 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "executor.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+namespace vdrive::tool {
+namespace {
+
+using client::Outcome;
+using client::OutcomeKind;
+
+constexpr auto kNoSuchObject = static_cast<std::uint32_t>(AbortCode::object_does_not_exist);
+constexpr std::chrono::milliseconds kPatience{100};
+constexpr std::chrono::milliseconds kWatchPeriod{100};
+constexpr std::chrono::milliseconds kWatchRefresh{50};
+
+client::CallOptions call_options(client::Until until, std::optional<Duration> timeout) {
+  client::CallOptions call;
+  call.until = until;
+  if (timeout) call.timeout = *timeout;
+  return call;
+}
+
+}  // namespace
+
+Executor::Executor(client::Session& session, Terminal& terminal, bool is_json, bool is_quiet)
+    : session_(session), terminal_(terminal), is_json_(is_json), is_quiet_(is_quiet) {}
+
+Outcome Executor::execute(const Command& command, std::optional<Duration> timeout) {
+  timeout_ = timeout;
+  found_.reset();
+  return std::visit([this](const auto& word) { return run(word); }, command);
+}
+
+client::Result<client::Axis> Executor::axis(const std::string& name) {
+  const auto known = axes_.find(name);
+  if (known != axes_.end()) return known->second;
+  auto found = session_.axis(name);
+  if (!found) return found;
+  axes_.emplace(name, *found);
+  benches_.insert(found->id().bench);
+  return found;
+}
+
+void Executor::on_aim(std::function<void(const client::AxisId&, std::int64_t)> handler) {
+  on_aim_ = std::move(handler);
+}
+
+client::Result<client::BenchInfo> Executor::bench_of(const client::AxisId& axis) {
+  return session_.find_bench(axis.bench);
+}
+
+Outcome Executor::unknown_object(const client::AxisId& axis, const ObjectName& object) {
+  return Outcome::refused(kNoSuchObject,
+                          "axis " + to_string(axis) + " has no object '" + object.text + "'");
+}
+
+// ---- what is there ---------------------------------------------------------------------------
+
+Outcome Executor::run(const ListCommand& /*command*/) {
+  const auto benches = session_.find_benches();
+  if (benches.empty()) return session_.find_bench().outcome();
+  for (const client::BenchInfo& bench : benches) {
+    if (Outcome listed = list_bench(bench); !listed) return listed;
+  }
+  return {};
+}
+
+Outcome Executor::list_bench(const client::BenchInfo& bench) {
+  std::vector<client::AxisId> ids;
+  for (const client::AxisInfo& axis : bench.axes) ids.push_back(axis.id);
+  const auto seen = session_.observe(ids);
+  if (!seen) return seen.outcome();
+  if (!is_json_) {
+    terminal_.print(colored(terminal_, Color::bold,
+                            "bench " + std::to_string(bench.number) + " " + bench.name) +
+                    ", " + std::string(to_string(bench.clock_mode)) + ", tick " +
+                    std::to_string(seen->tick) + " of " + std::to_string(bench.period.count()) +
+                    " us");
+  }
+  for (std::size_t i = 0; i < bench.axes.size(); ++i) {
+    const client::AxisInfo& info = bench.axes[i];
+    terminal_.print(is_json_ ? to_line(list_json(bench, info, seen->axes[i]))
+                             : list_text(info, seen->axes[i]));
+  }
+  return {};
+}
+
+Outcome Executor::run(const StatusCommand& command) {
+  const auto axis = this->axis(command.axis);
+  if (!axis) return axis.outcome();
+  const auto status = axis->status();
+  if (!status) return status.outcome();
+  if (is_json_) {
+    terminal_.print(to_line(status_json(*status, axis->name())));
+    return {};
+  }
+  for (const std::string& line : status_text(*status, axis->name())) terminal_.print(line);
+  return {};
+}
+
+Outcome Executor::run(const WatchCommand& command) {
+  using Clock = std::chrono::steady_clock;
+  std::map<client::AxisId, std::string> names;
+  std::vector<client::AxisId> ids;
+  for (const std::string& name : command.axes) {
+    const auto axis = this->axis(name);
+    if (!axis) return axis.outcome();
+    if (names.emplace(axis->id(), axis->name()).second) ids.push_back(axis->id());
+  }
+  auto follower = session_.follow(ids, client::Pace::listen);
+  if (!follower) return follower.outcome();
+  // The first look asks: the stream of a bench in lock-step may stand still.
+  auto sample = session_.observe(ids);
+  auto due = Clock::now();
+  const bool is_live = terminal_.is_interactive() && !is_json_ && command.count == 0;
+  std::uint64_t shown = 0;
+  while (terminal_.is_open()) {
+    if (!sample && sample.outcome().kind() != OutcomeKind::timed_out) return sample.outcome();
+    if (sample && Clock::now() >= due) {
+      due = Clock::now() + (is_live ? kWatchRefresh : kWatchPeriod);
+      std::vector<std::string> lines;
+      for (const client::AxisSnapshot& axis : sample->axes) {
+        lines.push_back(is_json_ ? to_line(status_json(axis, names.at(axis.id)))
+                                 : std::to_string(axis.tick) + "  " + status_line(axis));
+        if (!is_live) terminal_.print(lines.back());
+      }
+      if (is_live) terminal_.show_live(std::move(lines));
+      if (++shown == command.count) return {};
+    }
+    sample = follower->next(kPatience);
+  }
+  return {};
+}
+
+void print_dictionary(DictionaryCommand command, bool is_json, Terminal& terminal) {
+  if (is_json) command.format = TableFormat::json;
+  for (const std::string& line : dictionary_lines(command)) {
+    if (!terminal.is_open()) return;
+    terminal.print(line);
+  }
+}
+
+Outcome Executor::run(const DictionaryCommand& command) {
+  print_dictionary(command, is_json_, terminal_);
+  return {};
+}
+
+// ---- motion ----------------------------------------------------------------------------------
+
+Outcome Executor::run(const AxisCommand& command) {
+  auto axis = this->axis(command.axis);
+  if (!axis) return axis.outcome();
+  return report_motion(*axis, to_string(command.word), command_axis(*axis, command));
+}
+
+Outcome Executor::command_axis(client::Axis& axis, const AxisCommand& command) {
+  const client::CallOptions call = call_options(command.until, timeout_);
+  switch (command.word) {
+    case AxisWord::enable:
+      return axis.enable(call);
+    case AxisWord::disable:
+      return axis.disable(call);
+    case AxisWord::halt:
+      return axis.halt(call);
+    case AxisWord::resume:
+      return axis.resume(call);
+    case AxisWord::quick_stop:
+      return axis.quick_stop(call);
+    case AxisWord::reset:
+      return axis.reset_fault(call);
+    case AxisWord::power_cycle:
+      return axis.power_cycle(call);
+  }
+  return Outcome::failed("unknown word");
+}
+
+Outcome Executor::run(const MoveCommand& command) {
+  auto axis = this->axis(command.axis);
+  if (!axis) return axis.outcome();
+  client::MoveOptions options = command.options;
+  options.call = call_options(options.call.until, timeout_);
+  if (on_aim_ && !command.relative) on_aim_(axis->id(), command.position);
+  return report_motion(*axis, "move",
+                       command.relative ? axis->move_by(command.position, options)
+                                        : axis->move_to(command.position, options));
+}
+
+Outcome Executor::report_motion(const client::Axis& axis, std::string_view word,
+                                const Outcome& outcome) {
+  if (is_quiet_) return outcome;
+  const auto status = axis.status();
+  if (is_json_) {
+    Json json{{"axis", to_string(axis.id())}, {"command", word}};
+    add_outcome(json, outcome);
+    if (status) {
+      json["tick"] = status->tick;
+      json["state"] = to_string(status->state());
+      json["statusword"] = status->status.ds402_statusword;
+      json["position"] = status->status.load_position_actual_value;
+    }
+    terminal_.print(to_line(json));
+  } else if (outcome && status) {
+    terminal_.print(status_line(*status));
+  }
+  return outcome;
+}
+
+// ---- objects ---------------------------------------------------------------------------------
+
+Outcome Executor::run(const ReadCommand& command) {
+  const auto axis = this->axis(command.axis);
+  if (!axis) return axis.outcome();
+  std::vector<ObjectAddress> addresses;
+  for (const ObjectName& object : command.objects) {
+    if (object.address) addresses.push_back(*object.address);
+  }
+  client::Readings readings;
+  if (!addresses.empty()) {
+    auto answer = axis->read(addresses);
+    if (!answer) return answer.outcome();
+    readings = std::move(*answer);
+  }
+  Outcome outcome;
+  auto next = readings.objects.begin();
+  for (const ObjectName& object : command.objects) {
+    const client::ObjectReading reading =
+        object.address ? *next++
+                       : client::ObjectReading{{}, AbortCode::object_does_not_exist, 0};
+    Outcome printed = print_reading(axis->id(), object, reading, readings.tick);
+    if (outcome) outcome = std::move(printed);
+  }
+  return outcome;
+}
+
+Outcome Executor::print_reading(const client::AxisId& axis, const ObjectName& object,
+                                const client::ObjectReading& reading, std::uint64_t tick) {
+  const auto code = static_cast<std::uint32_t>(reading.code);
+  if (is_json_) {
+    Json json = object_json(axis, object);
+    if (code == 0) {
+      json["value"] = reading.value;
+    } else {
+      json["code"] = hex_code(code);
+      json["message"] = vdrive::describe(reading.code);
+    }
+    json["tick"] = tick;
+    terminal_.print(to_line(json));
+  } else if (code == 0) {
+    terminal_.print(reading_text(axis, object, reading.value));
+  }
+  if (code == 0) return {};
+  return Outcome::refused(code, "read of " + object.text + " of axis " + to_string(axis) +
+                                    " refused");
+}
+
+Outcome Executor::run(const WriteCommand& command) {
+  auto axis = this->axis(command.axis);
+  if (!axis) return axis.outcome();
+  return write(*axis, command.object, command.value);
+}
+
+Outcome Executor::write(client::Axis& axis, const ObjectName& object, std::int64_t value) {
+  constexpr std::uint16_t kTarget = 0x607A;
+  const auto tick = object.address ? axis.write(*object.address, value)
+                                   : client::Result<std::uint64_t>(unknown_object(axis.id(), object));
+  if (is_json_ && !is_quiet_) {
+    Json json = object_json(axis.id(), object);
+    json["value"] = value;
+    add_outcome(json, tick.outcome());
+    if (tick) json["tick"] = *tick;
+    terminal_.print(to_line(json));
+  } else if (tick && !is_quiet_) {
+    terminal_.print(reading_text(axis.id(), object, value) + ", in force at tick " +
+                    std::to_string(*tick));
+  }
+  if (!tick) return tick.outcome();
+  in_force_[axis.id()] = *tick;
+  if (on_aim_ && object.address->index == kTarget) on_aim_(axis.id(), value);
+  return {};
+}
+
+Outcome Executor::run(const DisturbCommand& command) {
+  auto axis = this->axis(command.axis);
+  if (!axis) return axis.outcome();
+  for (const Disturbance& input : command.inputs) {
+    if (Outcome written = write(*axis, input.object, input.value); !written) return written;
+  }
+  if (!command.duration) return {};
+  const auto waited = session_.wait(axis->id().bench, *command.duration);
+  // Cleared in any case: who interrupts the time does not ask for a disturbance without end.
+  for (const Disturbance& input : command.inputs) {
+    if (Outcome written = write(*axis, input.object, 0); !written) return written;
+  }
+  return waited.outcome();
+}
+
+// ---- drive time ------------------------------------------------------------------------------
+
+Outcome Executor::run(const StepCommand& command) {
+  const auto bench = session_.find_bench(command.bench);
+  if (!bench) return bench.outcome();
+  const auto reached = session_.step(bench->number, command.ticks);
+  if (!reached || is_quiet_) return reached.outcome();
+  if (is_json_) {
+    terminal_.print(to_line(
+        {{"bench", bench->number}, {"ticks", command.ticks}, {"tick", *reached}}));
+  } else {
+    terminal_.print("bench " + std::to_string(bench->number) + " tick " +
+                    std::to_string(*reached));
+  }
+  return {};
+}
+
+Outcome Executor::run(const WaitCommand& command) {
+  if (benches_.empty()) {
+    const auto only = session_.find_bench();
+    if (!only) return only.outcome();
+    benches_.insert(only->number);
+  }
+  for (const std::uint32_t bench : benches_) {
+    const auto reached = session_.wait(bench, command.duration);
+    if (!reached) return reached.outcome();
+  }
+  return {};
+}
+
+Outcome Executor::run(const RunCommand& /*command*/) {
+  return Outcome::failed("a scenario cannot run another one");
+}
+
+Outcome Executor::run(const std::shared_ptr<const RefusedCommand>& command) {
+  const Outcome outcome = execute(command->command, timeout_);
+  if (outcome.kind() == OutcomeKind::refused && outcome.code() == command->code) return {};
+  found_ = Json{{"expected", hex_code(command->code)},
+                {"actual", outcome ? "accepted" : outcome.message()}};
+  return Outcome::failed("expected the refusal " + hex_code(command->code) + ", actual: " +
+                         (outcome ? std::string("accepted") : outcome.message()));
+}
+
+}  // namespace vdrive::tool

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+// The word `expect`: now, within a time, throughout a time.
+#include <algorithm>
+#include <chrono>
+
+#include "executor.hpp"
+
+namespace vdrive::tool {
+namespace {
+
+using client::Outcome;
+using client::OutcomeKind;
+
+constexpr std::chrono::milliseconds kPatience{500};
+
+std::string expected_text(const ExpectCommand& command) {
+  std::string text = value_text(command.object, command.value);
+  if (command.mask) {
+    text = value_text(command.object, command.value & static_cast<std::int64_t>(*command.mask)) +
+           " under mask " + hex_code(static_cast<std::uint32_t>(*command.mask));
+  }
+  if (command.tolerance) text += " +- " + std::to_string(*command.tolerance);
+  return text;
+}
+
+}  // namespace
+
+/// Looks at one object of an axis in tick after tick, from the tick on in which the last write is
+/// in force.
+class Executor::Looker {
+ public:
+  Looker(client::Session& session, client::Axis& axis, ObjectAddress object)
+      : session_(session), axis_(axis), object_(object) {}
+
+  /// The first look. @param in_force the earliest tick that counts
+  Outcome start(const client::BenchInfo& bench, std::uint64_t in_force) {
+    is_lockstep_ = bench.clock_mode == client::ClockMode::lockstep;
+    auto follower = session_.follow({axis_.id()}, client::Pace::drive);
+    if (!follower) return follower.outcome();
+    follower_ = std::move(*follower);
+    const client::AxisId id = axis_.id();
+    if (Outcome seen = see(session_.observe({&id, 1})); !seen) return seen;
+    while (tick_ < in_force) {
+      if (Outcome seen = next(); !seen) return seen;
+    }
+    missed_ = 0;
+    return {};
+  }
+
+  /// Looks at the next tick.
+  Outcome next() {
+    while (true) {
+      auto sample = follower_->next(kPatience);
+      if (sample.outcome().kind() == OutcomeKind::timed_out) continue;  // a paused bench
+      return see(std::move(sample));
+    }
+  }
+
+  /// @return whether every tick of realtime can be looked at: the status stream has the object.
+  [[nodiscard]] bool sees_every_tick() const { return is_lockstep_ || is_streamed_; }
+
+  [[nodiscard]] std::uint64_t tick() const { return tick_; }
+
+  [[nodiscard]] std::int64_t value() const { return value_; }
+
+  /// Samples of the stream lost since the first look.
+  [[nodiscard]] std::uint64_t missed() const { return missed_; }
+
+ private:
+  Outcome see(client::Result<client::Observation> sample) {
+    if (!sample) return sample.outcome();
+    tick_ = sample->tick;
+    missed_ += sample->missed;
+    const auto streamed = client::value_of(sample->axes.front(), object_);
+    is_streamed_ = streamed.has_value();
+    if (streamed) {
+      value_ = *streamed;
+      return {};
+    }
+    const auto read = axis_.read(object_);
+    if (!read) return read.outcome();
+    value_ = *read;
+    return {};
+  }
+
+  client::Session& session_;
+  client::Axis& axis_;
+  ObjectAddress object_;
+  std::optional<client::Follower> follower_;
+  bool is_lockstep_ = false;
+  bool is_streamed_ = false;
+  std::uint64_t tick_ = 0;
+  std::uint64_t missed_ = 0;
+  std::int64_t value_ = 0;
+};
+
+Outcome Executor::run(const ExpectCommand& command) {
+  auto axis = this->axis(command.axis);
+  if (!axis) return axis.outcome();
+  if (!command.object.address) return unknown_object(axis->id(), command.object);
+  if (!command.within && !command.throughout) return compare(*axis, command);
+  const auto bench = bench_of(axis->id());
+  if (!bench) return bench.outcome();
+  Looker looker(session_, *axis, *command.object.address);
+  if (Outcome seen = looker.start(*bench, in_force_[axis->id()]); !seen) return seen;
+  return command.within ? look_within(looker, command) : look_throughout(looker, command);
+}
+
+Outcome Executor::compare(client::Axis& axis, const ExpectCommand& command) {
+  const auto bench = bench_of(axis.id());
+  if (!bench) return bench.outcome();
+  if (bench->clock_mode != client::ClockMode::lockstep) {
+    // Time passes by itself: what was just written is looked at once it is in force.
+    const auto reached = session_.wait_for_tick(axis.id().bench, in_force_[axis.id()]);
+    if (!reached) return reached.outcome();
+  }
+  const auto readings = axis.read(std::span(&*command.object.address, 1));
+  if (!readings) return readings.outcome();
+  const client::ObjectReading& reading = readings->objects.front();
+  if (reading.code != AbortCode::none) {
+    return Outcome::refused(static_cast<std::uint32_t>(reading.code),
+                            "read of " + command.object.text + " refused");
+  }
+  if (command.accepts(reading.value)) return {};
+  return differs(command, reading.value, readings->tick);
+}
+
+Outcome Executor::look_within(Looker& looker, const ExpectCommand& command) {
+  const auto bench = bench_of(axes_.at(command.axis).id());
+  if (!bench) return bench.outcome();
+  const std::uint64_t last = looker.tick() + client::ticks_of(*command.within, bench->period);
+  while (!command.accepts(looker.value())) {
+    if (looker.tick() >= last) return differs(command, looker.value(), looker.tick());
+    if (Outcome seen = looker.next(); !seen) return seen;
+  }
+  return {};
+}
+
+Outcome Executor::look_throughout(Looker& looker, const ExpectCommand& command) {
+  if (!looker.sees_every_tick()) {
+    return Outcome::failed(command.object.text +
+                           " is not in the status stream: --throughout can look at it in every "
+                           "tick in lock-step only");
+  }
+  const auto bench = bench_of(axes_.at(command.axis).id());
+  if (!bench) return bench.outcome();
+  const std::uint64_t last = looker.tick() + client::ticks_of(*command.throughout, bench->period);
+  while (true) {
+    if (!command.accepts(looker.value())) return differs(command, looker.value(), looker.tick());
+    if (looker.missed() != 0) {
+      return Outcome::failed(std::to_string(looker.missed()) +
+                             " samples of the status stream were lost before tick " +
+                             std::to_string(looker.tick()) +
+                             ": --throughout did not see every tick");
+    }
+    if (looker.tick() >= last) return {};
+    if (Outcome seen = looker.next(); !seen) return seen;
+  }
+}
+
+Outcome Executor::differs(const ExpectCommand& command, std::int64_t actual, std::uint64_t tick) {
+  found_ = Json{{"expected", command.value}, {"actual", actual}, {"tick", tick}};
+  std::string message = command.object.text + ": expected " + expected_text(command) +
+                        ", actual " + value_text(command.object, actual) + " at tick " +
+                        std::to_string(tick);
+  return Outcome::failed(std::move(message));
+}
+
+}  // namespace vdrive::tool

@@ -1,0 +1,412 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "grammar.hpp"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <map>
+#include <memory>
+#include <utility>
+
+#include <CLI/CLI.hpp>
+
+#include "help.hpp"
+#include "usage_error.hpp"
+
+namespace vdrive::tool {
+namespace {
+
+constexpr std::uint64_t kHighest32 = std::numeric_limits<std::uint32_t>::max();
+
+/// Test-bench inputs by their kind.
+struct DisturbanceRow {
+  std::string_view kind;
+  std::string_view variable_name;
+};
+
+constexpr std::array kDisturbances{
+    DisturbanceRow{"load_torque", "test_load_torque"},
+    DisturbanceRow{"blocked_load", "test_blocked_load"},
+    DisturbanceRow{"over_current", "test_over_current"},
+    DisturbanceRow{"over_temperature", "test_over_temperature"},
+    DisturbanceRow{"encoder_failure", "test_encoder_failure"},
+    DisturbanceRow{"dc_link_loss", "test_dc_link_loss"},
+    DisturbanceRow{"positive_limit", "test_positive_limit_input"},
+    DisturbanceRow{"negative_limit", "test_negative_limit_input"},
+    DisturbanceRow{"home_switch", "test_home_input"},
+    DisturbanceRow{"index_pulse", "test_index_pulse_input"},
+};
+
+struct AxisWordRow {
+  AxisWord word;
+  bool may_return_early;  ///< takes --no-wait
+  bool may_wait;          ///< returns early unless --wait
+  std::string_view summary;
+};
+
+constexpr std::array kAxisWords{
+    AxisWordRow{AxisWord::enable, false, false, "Walk the power states to Operation enabled"},
+    AxisWordRow{AxisWord::disable, false, false, "Shut down (0x06): to Ready to switch on"},
+    AxisWordRow{AxisWord::halt, false, true, "Brake to standstill, keep the set-point (0x010F)"},
+    AxisWordRow{AxisWord::resume, false, true, "End a halt and continue the set-point (0x0F)"},
+    AxisWordRow{AxisWord::quick_stop, true, false, "Quick stop (0x02), wait for standstill"},
+    AxisWordRow{AxisWord::reset, false, false, "Reset a fault (rising edge of bit 7)"},
+    AxisWordRow{AxisWord::power_cycle, false, false, "Switch the axis off and on again"},
+};
+
+std::vector<Disturbance> inputs_of(const std::string& kind, const std::string& value) {
+  std::vector<Disturbance> inputs;
+  for (const DisturbanceRow& row : kDisturbances) {
+    if (kind != row.kind && kind != "none") continue;
+    const ObjectName object = parse_object(row.variable_name);
+    inputs.push_back({object, kind == "none" ? 0 : parse_value(value, object)});
+  }
+  if (!inputs.empty()) return inputs;
+  std::string message = "'" + kind + "' is no disturbance: write";
+  for (const DisturbanceRow& row : kDisturbances) message += " " + std::string(row.kind) + ",";
+  throw UsageError(message + " or none");
+}
+
+std::optional<std::uint32_t> parse_unsigned32(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  return static_cast<std::uint32_t>(parse_value(text, DataType::unsigned32));
+}
+
+/// The words of the tool as CLI11 knows them. Every word takes text and makes a command of it when
+/// the line is whole.
+class Grammar {
+ public:
+  Grammar() {
+    app_.name("vdrive");
+    app_.description(std::string(kSummary));
+    app_.footer(std::string(kExamples));
+    app_.require_subcommand(1);
+    app_.fallthrough();
+    app_.get_formatter()->column_width(28);
+    add_global_timeout();
+    add_axis_words();
+    add_status();
+    add_move();
+    add_read();
+    add_write();
+    add_disturb();
+    add_dictionary();
+    add_step();
+  }
+
+  /// Words and options of the command line only.
+  void add_command_line() {
+    app_.add_option("--domain", options_.domain, "DDS domain, 0 to 232")
+        ->envname("VDRIVE_DOMAIN")
+        ->check(CLI::Range(0, 232))
+        ->type_name("N");
+    app_.add_flag("--json", options_.json, "One JSON object a line on standard output");
+    app_.set_version_flag("--version", "vdrive " VDRIVE_VERSION);
+    add_list();
+    add_watch(false);
+    add_run();
+  }
+
+  /// Words of scenarios only.
+  void add_scenario() {
+    app_.set_help_flag();
+    for (CLI::App* word : app_.get_subcommands({})) word->set_help_flag();
+    add_watch(true);
+    add_expect();
+    add_wait();
+  }
+
+  /// @throws CLI::ParseError, UsageError
+  void parse(std::vector<std::string> arguments) {
+    std::ranges::reverse(arguments);  // CLI11 takes them from the back
+    app_.parse(std::move(arguments));
+  }
+
+  [[nodiscard]] const CLI::App& app() const { return app_; }
+
+  [[nodiscard]] std::optional<Command>& command() { return command_; }
+
+  [[nodiscard]] GlobalOptions options() const {
+    GlobalOptions options = options_;
+    if (!timeout_.empty()) options.timeout = parse_seconds(timeout_);
+    return options;
+  }
+
+ private:
+  /// Everything that words take, as text; one word is used a line.
+  struct Words {
+    std::string axis, object, value, kind, duration, mask, tolerance, within, throughout;
+    std::string velocity, acceleration, deceleration, count, bench, format = "table", language = "en";
+    std::string file, junit;
+    std::vector<std::string> axes, objects;
+    bool relative = false, queue = false, wait = false, no_wait = false, live = false;
+  };
+
+  CLI::App* add_word(std::string_view name, std::string_view summary, std::string_view example) {
+    CLI::App* word = app_.add_subcommand(std::string(name), std::string(summary));
+    word->footer("Example:\n  vdrive " + std::string(example));
+    return word;
+  }
+
+  void add_axis(CLI::App* word) {
+    word->add_option("AXIS", words_.axis, "bench.axis such as 1.1, or a name")
+        ->required()
+        ->type_name("");
+  }
+
+  static CLI::Option* add_positional(CLI::App* word, const char* name, std::string& text,
+                                     const char* help) {
+    return word->add_option(name, text, help)->required()->type_name("");
+  }
+
+  void add_global_timeout() {
+    app_.add_option("--timeout", timeout_,
+                    "Seconds: wall time to find a service (default 2), drive time of motion "
+                    "(default 60)")
+        ->type_name("S");
+  }
+
+  void add_list() {
+    CLI::App* word = add_word("list", "Show the benches and axes that are there", "list --json");
+    word->callback([this] { command_ = ListCommand{}; });
+  }
+
+  void add_status() {
+    CLI::App* word = add_word("status", "Show an axis once, its statusword decoded", "status 1.1");
+    add_axis(word);
+    word->callback([this] { command_ = StatusCommand{words_.axis}; });
+  }
+
+  void add_watch(bool needs_count) {
+    CLI::App* word =
+        add_word("watch", "Show axes live until interrupted", "watch 1.1 1.2 --count 20");
+    word->add_option("AXIS", words_.axes, "bench.axis such as 1.1, or a name")
+        ->required()
+        ->type_name("");
+    CLI::Option* count =
+        word->add_option("--count", words_.count, "Stop after N samples of each axis");
+    count->type_name("N");
+    if (needs_count) count->required();
+    word->callback([this] {
+      const std::uint64_t samples =
+          words_.count.empty() ? 0 : parse_number(words_.count, "count", kHighest32);
+      command_ = WatchCommand{words_.axes, samples};
+    });
+  }
+
+  void add_axis_words() {
+    for (const AxisWordRow& row : kAxisWords) {
+      const std::string name(to_string(row.word));
+      CLI::App* word = add_word(name, row.summary, name + " 1.1");
+      add_axis(word);
+      if (row.may_wait) word->add_flag("--wait", words_.wait, "Wait for standstill or target");
+      if (row.may_return_early) {
+        word->add_flag("--no-wait", words_.no_wait, "Return when the command is in force");
+      }
+      word->callback([this, row] {
+        const bool early = row.may_wait ? !words_.wait : words_.no_wait;
+        command_ = AxisCommand{row.word, words_.axis,
+                               early ? client::Until::in_force : client::Until::done};
+      });
+    }
+  }
+
+  void add_move() {
+    CLI::App* word = add_word("move", "Move to a position and wait until it is reached",
+                              "move 1.1 10000 --velocity 1000 --acceleration 6000");
+    add_axis(word);
+    add_positional(word, "POSITION", words_.value, "Target, or distance with --relative [UU]");
+    word->add_flag("--relative", words_.relative, "POSITION is a distance (bit 6)");
+    word->add_option("--velocity", words_.velocity, "6081h [UU/s]")->type_name("V");
+    word->add_option("--acceleration", words_.acceleration, "6083h [UU/s2]")->type_name("A");
+    word->add_option("--deceleration", words_.deceleration, "6084h [UU/s2]")->type_name("D");
+    word->add_flag("--queue", words_.queue, "After the present move, not at once (no bit 5)");
+    word->add_flag("--no-wait", words_.no_wait, "Return when the drive has taken the set-point");
+    word->callback([this] {
+      MoveCommand move{.axis = words_.axis,
+                       .position = static_cast<std::int32_t>(
+                           parse_value(words_.value, DataType::integer32)),
+                       .relative = words_.relative,
+                       .options = {}};
+      move.options.velocity = parse_unsigned32(words_.velocity);
+      move.options.acceleration = parse_unsigned32(words_.acceleration);
+      move.options.deceleration = parse_unsigned32(words_.deceleration);
+      move.options.queue = words_.queue;
+      move.options.call.until = words_.no_wait ? client::Until::in_force : client::Until::done;
+      command_ = std::move(move);
+    });
+  }
+
+  void add_read() {
+    CLI::App* word = add_word("read", "Read objects", "read 1.1 0x6041 position_demand_value");
+    add_axis(word);
+    word->add_option("OBJECT", words_.objects, "0x6041, 0x607D:1 or a variable_name")
+        ->required()
+        ->type_name("");
+    word->callback([this] {
+      ReadCommand read{words_.axis, {}};
+      for (const std::string& text : words_.objects) read.objects.push_back(parse_object(text));
+      command_ = std::move(read);
+    });
+  }
+
+  void add_write() {
+    CLI::App* word = add_word("write", "Write an object", "write 1.1 0x607A 0xFFFFD8F0");
+    add_axis(word);
+    add_positional(word, "OBJECT", words_.object, "0x6040, 0x607D:1 or a variable_name");
+    add_positional(word, "VALUE", words_.value, "Decimal, or hex as the type's two's complement");
+    word->callback([this] {
+      WriteCommand write{words_.axis, parse_object(words_.object), 0};
+      write.value = parse_value(words_.value, write.object);
+      command_ = std::move(write);
+    });
+  }
+
+  void add_disturb() {
+    CLI::App* word = add_word("disturb", "Set a test-bench input: a load, a fault, a switch",
+                              "disturb 1.1 load_torque 1500 --for 200ms");
+    add_axis(word);
+    add_positional(word, "KIND", words_.kind, kDisturbanceHelp.data());
+    word->add_option("VALUE", words_.value, "Default 1; 0 clears")->type_name("");
+    word->add_option("--for", words_.duration, "Clear after this drive time")->type_name("T");
+    word->callback([this] {
+      DisturbCommand disturb{words_.axis, words_.kind, {}, std::nullopt};
+      disturb.inputs = inputs_of(words_.kind, words_.value.empty() ? "1" : words_.value);
+      if (!words_.duration.empty()) disturb.duration = parse_duration(words_.duration);
+      command_ = std::move(disturb);
+    });
+  }
+
+  void add_dictionary() {
+    CLI::App* word = add_word("dictionary", "Show the object dictionary; needs no service",
+                              "dictionary --format csv --language zh");
+    word->add_option("--format", words_.format, "table, json or csv")
+        ->check(CLI::IsMember({"table", "json", "csv"}))
+        ->type_name("F");
+    word->add_option("--language", words_.language, "en or zh")
+        ->check(CLI::IsMember({"en", "zh"}))
+        ->type_name("L");
+    word->callback([this] {
+      DictionaryCommand dictionary;
+      if (words_.format == "json") dictionary.format = TableFormat::json;
+      if (words_.format == "csv") dictionary.format = TableFormat::csv;
+      if (words_.language == "zh") dictionary.language = Language::zh;
+      command_ = dictionary;
+    });
+  }
+
+  void add_step() {
+    CLI::App* word = add_word("step", "Step a lock-step bench by N ticks", "step 1000 --bench 2");
+    add_positional(word, "N", words_.value, "Ticks");
+    word->add_option("--bench", words_.bench, "Default: the only one there is")->type_name("B");
+    word->callback([this] {
+      StepCommand step{parse_number(words_.value, "number of ticks", 1'000'000'000), std::nullopt};
+      if (!words_.bench.empty()) {
+        step.bench =
+            static_cast<std::uint32_t>(parse_number(words_.bench, "bench number", kHighest32));
+      }
+      command_ = step;
+    });
+  }
+
+  void add_run() {
+    CLI::App* word = add_word("run", "Execute a scenario file", "run forward.scn --junit out.xml");
+    word->footer(std::string(kScenarioHelp));
+    add_positional(word, "FILE", words_.file, "Scenario, - for standard input");
+    word->add_option("--junit", words_.junit, "Write a JUnit report")->type_name("OUT.xml");
+    word->add_flag("--live", words_.live, "Show the axes while time passes, also when piped");
+    word->callback([this] { command_ = RunCommand{words_.file, words_.junit, words_.live}; });
+  }
+
+  void add_expect() {
+    CLI::App* word = add_word("expect", "Compare an object", "");
+    add_axis(word);
+    add_positional(word, "OBJECT", words_.object, "");
+    add_positional(word, "VALUE", words_.value, "");
+    CLI::Option* mask = word->add_option("--mask", words_.mask);
+    word->add_option("--tolerance", words_.tolerance)->excludes(mask);
+    CLI::Option* within = word->add_option("--within", words_.within);
+    word->add_option("--throughout", words_.throughout)->excludes(within);
+    word->callback([this] { command_ = make_expect(); });
+  }
+
+  [[nodiscard]] ExpectCommand make_expect() const {
+    ExpectCommand expect;
+    expect.axis = words_.axis;
+    expect.object = parse_object(words_.object);
+    expect.value = parse_value(words_.value, expect.object);
+    if (!words_.mask.empty()) {
+      expect.mask = static_cast<std::uint64_t>(parse_value(words_.mask, expect.object));
+    }
+    if (!words_.tolerance.empty()) {
+      expect.tolerance = parse_number(words_.tolerance, "tolerance", kHighest32);
+    }
+    if (!words_.within.empty()) expect.within = parse_duration(words_.within);
+    if (!words_.throughout.empty()) expect.throughout = parse_duration(words_.throughout);
+    return expect;
+  }
+
+  void add_wait() {
+    CLI::App* word = add_word("wait", "Let drive time pass", "");
+    add_positional(word, "DURATION", words_.duration, "");
+    word->callback([this] { command_ = WaitCommand{parse_duration(words_.duration)}; });
+  }
+
+  CLI::App app_;
+  GlobalOptions options_;
+  std::string timeout_;
+  Words words_;
+  std::optional<Command> command_;
+};
+
+/// CLI11's texts end with hints of their own and with line breaks.
+std::string one_line(std::string text) {
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  std::ranges::replace(text, '\n', ' ');
+  return text;
+}
+
+}  // namespace
+
+Invocation parse_command_line(std::vector<std::string> arguments) {
+  if (arguments.empty()) {
+    throw UsageError("no word given; 'vdrive --help' shows all of them");
+  }
+  Grammar grammar;
+  grammar.add_command_line();
+  Invocation invocation;
+  try {
+    grammar.parse(std::move(arguments));
+    invocation.options = grammar.options();
+    invocation.command = std::move(grammar.command());
+  } catch (const CLI::CallForHelp&) {
+    invocation.text = grammar.app().help();
+  } catch (const CLI::CallForVersion& version) {
+    invocation.text = std::string(version.what()) + "\n";
+  } catch (const CLI::ParseError& error) {
+    throw UsageError(one_line(error.what()));
+  }
+  return invocation;
+}
+
+ScenarioWords parse_scenario_words(std::vector<std::string> words) {
+  if (!words.empty() && words.front() == "refused") {
+    if (words.size() < 3) throw UsageError("refused needs a code and a command");
+    const auto code = static_cast<std::uint32_t>(parse_number(words[1], "code", kHighest32));
+    ScenarioWords inner = parse_scenario_words({words.begin() + 2, words.end()});
+    inner.command = std::make_shared<const RefusedCommand>(
+        RefusedCommand{code, std::move(inner.command)});
+    return inner;
+  }
+  Grammar grammar;
+  grammar.add_scenario();
+  try {
+    grammar.parse(std::move(words));
+    ScenarioWords result{std::move(grammar.command()).value(), grammar.options().timeout};
+    return result;
+  } catch (const CLI::ParseError& error) {
+    throw UsageError(one_line(error.what()));
+  }
+}
+
+}  // namespace vdrive::tool

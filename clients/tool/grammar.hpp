@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "command.hpp"
+
+namespace vdrive::tool {
+
+/// Options that stand before or after the word.
+struct GlobalOptions {
+  std::uint32_t domain = 0;
+  bool json = false;
+  std::optional<Duration> timeout;  ///< wall time to find a service, drive time of motion
+};
+
+/// What the command line asks for: a command, or a text (help, version) and nothing else.
+struct Invocation {
+  GlobalOptions options;
+  std::optional<Command> command;
+  std::string text;
+};
+
+/// @param arguments without the program's name
+/// @throws UsageError naming what is wrong and how to get help.
+[[nodiscard]] Invocation parse_command_line(std::vector<std::string> arguments);
+
+/// One line of a scenario: the same words, and `expect`, `wait` and `refused`.
+struct ScenarioWords {
+  Command command;
+  std::optional<Duration> timeout;
+};
+
+/// @throws UsageError also for words that make no sense inside a scenario.
+[[nodiscard]] ScenarioWords parse_scenario_words(std::vector<std::string> words);
+
+}  // namespace vdrive::tool

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "interrupt.hpp"
+
+#include <utility>
+
+#include <unistd.h>
+
+namespace vdrive::tool {
+namespace {
+
+constexpr int kInterrupted = 130;
+
+}  // namespace
+
+Interrupt::Interrupt() {
+  sigemptyset(&signals_);
+  sigaddset(&signals_, SIGINT);
+  sigaddset(&signals_, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
+  (void)std::signal(SIGPIPE, SIG_IGN);
+  thread_ = std::jthread([this](const std::stop_token& stop) { wait(stop); });
+}
+
+Interrupt::~Interrupt() {
+  thread_.request_stop();
+  pthread_kill(thread_.native_handle(), SIGTERM);  // ends its wait
+  thread_.join();
+}
+
+void Interrupt::arm(std::function<void()> action) {
+  const std::scoped_lock lock(mutex_);
+  action_ = std::move(action);
+  if (happened_ && action_) action_();
+}
+
+void Interrupt::disarm() {
+  const std::scoped_lock lock(mutex_);
+  action_ = nullptr;
+}
+
+void Interrupt::wait(const std::stop_token& stop) {
+  int signal = 0;
+  while (sigwait(&signals_, &signal) == 0 && !stop.stop_requested()) {
+    if (happened_.exchange(true)) _exit(kInterrupted);
+    const std::scoped_lock lock(mutex_);
+    if (action_) action_();
+  }
+}
+
+}  // namespace vdrive::tool

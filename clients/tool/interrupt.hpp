@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <csignal>
+#include <functional>
+#include <mutex>
+#include <stop_token>
+#include <thread>
+
+namespace vdrive::tool {
+
+/// Turns SIGINT and SIGTERM into a call. Blocks them in the calling thread, whose later threads
+/// inherit that, and waits for them in a thread of its own; ignores SIGPIPE. A second signal ends
+/// the process. To be made before the first thread.
+class Interrupt {
+ public:
+  Interrupt();
+  ~Interrupt();
+  Interrupt(const Interrupt&) = delete;
+  Interrupt& operator=(const Interrupt&) = delete;
+
+  /// Calls `action` on a signal, also when it has come already. Any thread.
+  void arm(std::function<void()> action);
+
+  /// No call from here on.
+  void disarm();
+
+  [[nodiscard]] bool happened() const noexcept { return happened_; }
+
+ private:
+  void wait(const std::stop_token& stop);
+
+  sigset_t signals_{};
+  std::atomic<bool> happened_ = false;
+  std::mutex mutex_;
+  std::function<void()> action_;
+  std::jthread thread_;
+};
+
+}  // namespace vdrive::tool

@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "report.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+
+#include "vdrive/cia402/error_code.hpp"
+
+namespace vdrive::tool {
+namespace {
+
+/// Objects whose bits matter more than their value.
+constexpr std::array<std::uint16_t, 4> kWords{0x6040, 0x6041, 0x603F, 0x1000};
+
+template <typename... Arguments>
+std::string formatted(const char* format, Arguments... arguments) {
+  std::array<char, 256> text{};
+  std::snprintf(text.data(), text.size(), format, arguments...);
+  return text.data();
+}
+
+Json session_json(std::uint64_t session) {
+  return session == 0 ? Json(nullptr) : Json(hex_session(session));
+}
+
+std::string owner_text(std::uint64_t session) {
+  return session == 0 ? "free" : hex_session(session);
+}
+
+std::string_view to_text(Access access) { return access == Access::read_only ? "RO" : "RW"; }
+
+std::string_view to_text(Effective effective) {
+  switch (effective) {
+    case Effective::read_only:
+      return "read_only";
+    case Effective::immediately:
+      return "immediately";
+    case Effective::at_set_point:
+      return "at_set_point";
+    case Effective::at_enable:
+      return "at_enable";
+  }
+  return "unknown";
+}
+
+std::string_view name_in(const ObjectDescription& row, Language language) {
+  return language == Language::zh ? row.name_zh : row.name;
+}
+
+std::string address_text(const ObjectDescription& row) {
+  std::string text = hex_index(row.address.index);
+  const bool is_part = row.address.subindex != 0;
+  if (is_part) text += ":" + std::to_string(row.address.subindex);
+  return text;
+}
+
+Json dictionary_json(const ObjectDescription& row, Language language) {
+  return {{"index", hex_index(row.address.index)},
+          {"subindex", row.address.subindex},
+          {"name", row.variable_name},
+          {"title", name_in(row, language)},
+          {"category", row.category},
+          {"type", to_string(row.data_type)},
+          {"access", to_text(row.access)},
+          {"stored", row.storage == Storage::flash},
+          {"effective", to_text(row.effective)},
+          {"lower_limit", row.lower_limit},
+          {"upper_limit", row.upper_limit},
+          {"default", row.default_value},
+          {"units", row.units},
+          {"origin", row.origin == Origin::manual ? "manual" : "companion"}};
+}
+
+std::string csv_field(const Json& value) {
+  if (!value.is_string()) return value.dump();
+  const auto text = value.get<std::string>();
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string field = "\"";
+  for (const char c : text) {
+    if (c == '"') field += '"';
+    field += c;
+  }
+  return field + '"';
+}
+
+/// One line of CSV: the fields' names, or their values.
+std::string csv_line(const Json& row, bool is_header) {
+  std::string line;
+  for (const auto& [key, value] : row.items()) {
+    if (!line.empty()) line += ',';
+    line += is_header ? key : csv_field(value);
+  }
+  return line;
+}
+
+/// Columns that a text takes on a terminal: Chinese characters take two.
+std::size_t display_width(std::string_view text) {
+  std::size_t width = 0;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if ((byte & 0xC0U) == 0x80U) continue;
+    width += byte >= 0xE3U ? 2 : 1;
+  }
+  return width;
+}
+
+std::string padded(std::string_view text, std::size_t width) {
+  std::string result(text);
+  const std::size_t taken = display_width(text);
+  if (taken < width) result.append(width - taken, ' ');
+  return result;
+}
+
+using TableRow = std::array<std::string, 7>;
+
+TableRow table_row(const ObjectDescription& row, Language language) {
+  return {address_text(row),
+          std::string(row.variable_name),
+          std::string(name_in(row, language)),
+          std::string(to_string(row.data_type)),
+          std::string(to_text(row.access)),
+          std::to_string(row.default_value),
+          std::to_string(row.lower_limit) + " .. " + std::to_string(row.upper_limit)};
+}
+
+std::vector<std::string> table_lines(Language language) {
+  std::vector<TableRow> rows{{"object", "variable_name", "name", "type", "access", "default", "range"}};
+  for (const ObjectDescription& row : kObjectTable) rows.push_back(table_row(row, language));
+  std::array<std::size_t, std::tuple_size_v<TableRow>> widths{};
+  for (const TableRow& row : rows) {
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      widths[i] = std::max(widths[i], display_width(row[i]));
+    }
+  }
+  std::vector<std::string> lines;
+  for (const TableRow& row : rows) {
+    std::string line;
+    for (std::size_t i = 0; i < row.size(); ++i) line += padded(row[i], widths[i] + 2);
+    line.erase(line.find_last_not_of(' ') + 1);
+    lines.push_back(std::move(line));
+  }
+  return lines;
+}
+
+std::string per_mille(int value) { return formatted("%.1f %%", value / 10.0); }
+
+}  // namespace
+
+std::string to_line(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+void add_outcome(Json& json, const client::Outcome& outcome) {
+  json["outcome"] = to_string(outcome.kind());
+  if (outcome) return;
+  if (outcome.code() != 0) json["code"] = hex_code(outcome.code());
+  json["message"] = outcome.message();
+}
+
+Json status_json(const client::AxisSnapshot& axis, const std::string& name) {
+  Json json{{"axis", to_string(axis.id)},
+            {"name", name},
+            {"tick", axis.tick},
+            {"state", to_string(axis.state())},
+            {"flags", client::statusword_flags(axis.status.ds402_statusword)}};
+  for (const ObjectDescription& row : kObjectTable) {
+    const auto value = client::value_of(axis, row.address);
+    if (value) json[std::string(row.variable_name)] = *value;
+  }
+  json["ignored_set_points"] = axis.status.ignored_set_points;
+  json["fault_count"] = axis.status.fault_count;
+  json["owner"] = session_json(axis.owner_session);
+  json["owner_epoch"] = axis.owner_epoch;
+  return json;
+}
+
+std::vector<std::string> status_text(const client::AxisSnapshot& axis, const std::string& name) {
+  const AxisStatus& status = axis.status;
+  const auto error = static_cast<ErrorCode>(status.error_code);
+  std::vector<std::string> lines;
+  lines.push_back(to_string(axis.id) + " " + name);
+  lines.push_back("  statusword  " + client::describe_statusword(status.ds402_statusword));
+  lines.push_back("  mode        " + std::to_string(status.op_mode_actual) + " " +
+                  std::string(client::describe_mode(status.op_mode_actual)));
+  lines.push_back(formatted("  position    %d UU, demand %d, error %d",
+                            status.load_position_actual_value, status.position_demand_value,
+                            status.load_position_error_value));
+  lines.push_back(formatted("  velocity    %d UU/s, demand %d", status.load_velocity_actual_value,
+                            status.velocity_demand_value));
+  lines.push_back("  torque      " + per_mille(status.torque_actual_value) + " of rated, current " +
+                  per_mille(status.current_actual_value));
+  lines.push_back("  error       " + (status.error_code == 0
+                                          ? std::string("none")
+                                          : formatted("0x%04X ", unsigned{status.error_code}) +
+                                                std::string(vdrive::describe(error))));
+  lines.push_back("  owner       " + owner_text(axis.owner_session));
+  lines.push_back("  tick        " + std::to_string(axis.tick));
+  return lines;
+}
+
+std::string status_line(const client::AxisSnapshot& axis) {
+  return formatted("%-5s %11d UU %9d UU/s  ", to_string(axis.id).c_str(),
+                   axis.status.load_position_actual_value,
+                   axis.status.load_velocity_actual_value) +
+         client::describe_statusword(axis.status.ds402_statusword);
+}
+
+Json list_json(const client::BenchInfo& bench, const client::AxisInfo& info,
+               const client::AxisSnapshot& axis) {
+  return {{"axis", to_string(info.id)},
+          {"bench", bench.number},
+          {"bench_name", bench.name},
+          {"clock", to_string(bench.clock_mode)},
+          {"period_us", bench.period.count()},
+          {"name", info.name},
+          {"state", to_string(axis.state())},
+          {"statusword", axis.status.ds402_statusword},
+          {"owner", session_json(axis.owner_session)},
+          {"tick", axis.tick}};
+}
+
+std::string list_text(const client::AxisInfo& info, const client::AxisSnapshot& axis) {
+  return formatted("  %-7s %-20s %-24s 0x%03X  %s", to_string(info.id).c_str(), info.name.c_str(),
+                   std::string(to_string(axis.state())).c_str(),
+                   unsigned{axis.status.ds402_statusword}, owner_text(axis.owner_session).c_str());
+}
+
+Json object_json(const client::AxisId& axis, const ObjectName& object) {
+  Json json{{"axis", to_string(axis)}, {"index", nullptr}, {"subindex", nullptr}, {"name", nullptr}};
+  if (object.address) {
+    json["index"] = hex_index(object.address->index);
+    json["subindex"] = object.address->subindex;
+  } else {
+    json["name"] = object.text;
+  }
+  if (const auto row = object.row()) json["name"] = describe(*row).variable_name;
+  return json;
+}
+
+std::string value_text(const ObjectName& object, std::int64_t value) {
+  std::string text = std::to_string(value);
+  const bool is_word =
+      object.address && std::ranges::find(kWords, object.address->index) != kWords.end();
+  if (is_word) text = formatted("0x%03llX", static_cast<unsigned long long>(value)) + " (" + text + ")";
+  return text;
+}
+
+std::string reading_text(const client::AxisId& axis, const ObjectName& object,
+                         std::int64_t value) {
+  const auto row = object.row();
+  std::string text = to_string(axis) + " " + object.text;
+  if (row && describe(*row).variable_name != object.text) {
+    text += " " + std::string(describe(*row).variable_name);
+  }
+  text += " = " + value_text(object, value);
+  if (object.address && object.address->index == 0x6041) {
+    text += " " + std::string(to_string(decode_power_state(static_cast<std::uint16_t>(value))));
+  }
+  return text;
+}
+
+std::vector<std::string> dictionary_lines(const DictionaryCommand& command) {
+  if (command.format == TableFormat::table) return table_lines(command.language);
+  std::vector<std::string> lines;
+  for (const ObjectDescription& row : kObjectTable) {
+    const Json json = dictionary_json(row, command.language);
+    if (command.format == TableFormat::json) {
+      lines.push_back(to_line(json));
+      continue;
+    }
+    if (lines.empty()) lines.push_back(csv_line(json, true));
+    lines.push_back(csv_line(json, false));
+  }
+  return lines;
+}
+
+}  // namespace vdrive::tool

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "command.hpp"
+#include "vdrive/client/axis.hpp"
+#include "vdrive/client/session.hpp"
+
+namespace vdrive::tool {
+
+/// Keeps the order in which fields are written.
+using Json = nlohmann::ordered_json;
+
+/// @return one line: JSON of a command's outcome, see docs/tool.md.
+[[nodiscard]] std::string to_line(const Json& json);
+
+/// Adds `outcome`, and for a failure `code` and `message`.
+void add_outcome(Json& json, const client::Outcome& outcome);
+
+/// One axis as `status` and `watch` show it.
+[[nodiscard]] Json status_json(const client::AxisSnapshot& axis, const std::string& name);
+
+/// The same as some lines of text.
+[[nodiscard]] std::vector<std::string> status_text(const client::AxisSnapshot& axis,
+                                                   const std::string& name);
+
+/// The same as one line of text.
+[[nodiscard]] std::string status_line(const client::AxisSnapshot& axis);
+
+/// One axis as `list` shows it.
+[[nodiscard]] Json list_json(const client::BenchInfo& bench, const client::AxisInfo& info,
+                             const client::AxisSnapshot& axis);
+[[nodiscard]] std::string list_text(const client::AxisInfo& info,
+                                    const client::AxisSnapshot& axis);
+
+/// One object as `read` and `write` show it.
+[[nodiscard]] Json object_json(const client::AxisId& axis, const ObjectName& object);
+[[nodiscard]] std::string reading_text(const client::AxisId& axis, const ObjectName& object,
+                                       std::int64_t value);
+
+/// The object dictionary as lines.
+[[nodiscard]] std::vector<std::string> dictionary_lines(const DictionaryCommand& command);
+
+/// @return a value as it is shown: words in hex beside the decimal number.
+[[nodiscard]] std::string value_text(const ObjectName& object, std::int64_t value);
+
+}  // namespace vdrive::tool

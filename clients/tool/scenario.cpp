@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scenario.hpp"
+
+#include <istream>
+
+#include "grammar.hpp"
+#include "usage_error.hpp"
+
+namespace vdrive::tool {
+namespace {
+
+constexpr std::string_view kBlanks = " \t\r\f\v";
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+
+/// @return where the comment starts, or the end. The quotes are known to be closed.
+std::size_t comment_start(std::string_view line) {
+  char quote = 0;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    if (quote != 0) {
+      if (line[i] == quote) quote = 0;
+    } else if (line[i] == '\'' || line[i] == '"') {
+      quote = line[i];
+    } else if (line[i] == '#') {
+      return i;
+    }
+  }
+  return line.size();
+}
+
+std::string_view trimmed(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(kBlanks);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
+}
+
+}  // namespace
+
+std::vector<std::string> split_words(std::string_view line) {
+  std::vector<std::string> words;
+  std::string word;
+  bool in_word = false;
+  char quote = 0;
+  for (const char c : line) {
+    if (quote != 0) {
+      if (c == quote) {
+        quote = 0;
+      } else {
+        word += c;
+      }
+    } else if (c == '#') {
+      break;
+    } else if (c == '\'' || c == '"') {
+      quote = c;
+      in_word = true;
+    } else if (kBlanks.find(c) != std::string_view::npos) {
+      if (in_word) words.push_back(std::exchange(word, {}));
+      in_word = false;
+    } else {
+      word += c;
+      in_word = true;
+    }
+  }
+  if (quote != 0) throw UsageError(std::string("no closing ") + quote);
+  if (in_word) words.push_back(std::move(word));
+  return words;
+}
+
+Scenario parse_scenario(std::istream& input, const std::string& file) {
+  Scenario scenario{file, {}};
+  std::string text;
+  for (std::size_t number = 1; std::getline(input, text); ++number) {
+    std::string_view line = text;
+    if (number == 1 && line.starts_with(kByteOrderMark)) line.remove_prefix(kByteOrderMark.size());
+    try {
+      std::vector<std::string> words = split_words(line);
+      if (words.empty()) continue;
+      ScenarioWords parsed = parse_scenario_words(std::move(words));
+      scenario.lines.push_back({.number = number,
+                                .text = std::string(trimmed(line.substr(0, comment_start(line)))),
+                                .command = std::move(parsed.command),
+                                .timeout = parsed.timeout});
+    } catch (const UsageError& error) {
+      throw UsageError(file + ":" + std::to_string(number) + ": " + error.what());
+    }
+  }
+  return scenario;
+}
+
+}  // namespace vdrive::tool

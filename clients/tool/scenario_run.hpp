@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "executor.hpp"
+#include "scenario.hpp"
+
+namespace vdrive::tool {
+
+/// How a scenario is run and shown.
+struct RunOptions {
+  std::string junit;  ///< file for the report, empty = none
+  bool is_json = false;
+  bool is_live = false;  ///< show the axes while time passes, also when not on a terminal
+  std::optional<Duration> timeout;
+};
+
+/// Runs the lines until the first failure.
+/// @return not_found before anything is done when an axis is not there; else the failure, with
+///         file and line.
+client::Outcome run_scenario(const Scenario& scenario, const RunOptions& options,
+                             client::Session& session, Terminal& terminal);
+
+}  // namespace vdrive::tool

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tool.hpp"
+
+#include <chrono>
+#include <fstream>
+#include <iostream>
+#include <optional>
+
+#include "executor.hpp"
+#include "grammar.hpp"
+#include "interrupt.hpp"
+#include "scenario_run.hpp"
+#include "usage_error.hpp"
+
+namespace vdrive::tool {
+namespace {
+
+using client::Outcome;
+using client::OutcomeKind;
+
+client::SessionOptions session_options(const GlobalOptions& options) {
+  client::SessionOptions session;
+  session.domain = options.domain;
+  if (options.timeout) {
+    session.find_timeout = std::chrono::ceil<std::chrono::milliseconds>(*options.timeout);
+  }
+  return session;
+}
+
+Scenario load_scenario(const std::string& name) {
+  if (name == "-") return parse_scenario(std::cin, "<stdin>");
+  std::ifstream file(name);
+  if (!file) throw UsageError("cannot read '" + name + "'");
+  return parse_scenario(file, name);
+}
+
+/// The exit code, and on standard error what went wrong.
+ExitCode finish(const Outcome& outcome, const Interrupt& interrupt, Terminal& terminal) {
+  terminal.end_live();
+  if (interrupt.happened()) return ExitCode::interrupted;
+  // Nobody reads any more: that ends a stream, it is not an error.
+  if (!terminal.is_open()) return ExitCode::ok;
+  if (outcome) return ExitCode::ok;
+  terminal.complain("vdrive: " + outcome.message());
+  return exit_code_of(outcome.kind());
+}
+
+ExitCode run_connected(const Command& command, const GlobalOptions& options, Terminal& terminal) {
+  std::optional<Scenario> scenario;
+  const RunCommand* const run = std::get_if<RunCommand>(&command);
+  if (run != nullptr) scenario = load_scenario(run->file);
+  Interrupt interrupt;
+  client::Session session(session_options(options));
+  interrupt.arm([&session] { session.interrupt(); });
+  const Outcome outcome =
+      run != nullptr
+          ? run_scenario(*scenario,
+                         {.junit = run->junit,
+                          .is_json = options.json,
+                          .is_live = run->live,
+                          .timeout = options.timeout},
+                         session, terminal)
+          : Executor(session, terminal, options.json, false).execute(command, options.timeout);
+  const ExitCode code = finish(outcome, interrupt, terminal);
+  interrupt.disarm();
+  return code;
+}
+
+ExitCode run_command(std::vector<std::string> arguments, Terminal& terminal) {
+  const Invocation invocation = parse_command_line(std::move(arguments));
+  if (!invocation.command) {
+    std::string text = invocation.text;
+    while (text.ends_with('\n')) text.pop_back();
+    terminal.print(text);
+    return ExitCode::ok;
+  }
+  if (const auto* dictionary = std::get_if<DictionaryCommand>(&*invocation.command)) {
+    print_dictionary(*dictionary, invocation.options.json, terminal);
+    return ExitCode::ok;
+  }
+  return run_connected(*invocation.command, invocation.options, terminal);
+}
+
+}  // namespace
+
+ExitCode exit_code_of(OutcomeKind kind) noexcept {
+  switch (kind) {
+    case OutcomeKind::ok:
+      return ExitCode::ok;
+    case OutcomeKind::refused:
+      return ExitCode::refused;
+    case OutcomeKind::timed_out:
+      return ExitCode::timed_out;
+    case OutcomeKind::not_found:
+      return ExitCode::not_found;
+    case OutcomeKind::lost:
+    case OutcomeKind::failed:
+      return ExitCode::failed;
+  }
+  return ExitCode::failed;
+}
+
+ExitCode run_tool(std::vector<std::string> arguments) {
+  Terminal terminal;
+  try {
+    return run_command(std::move(arguments), terminal);
+  } catch (const UsageError& error) {
+    terminal.complain(std::string("vdrive: ") + error.what());
+    return ExitCode::usage;
+  } catch (const std::exception& error) {
+    terminal.complain(std::string("vdrive: ") + error.what());
+    return ExitCode::failed;
+  }
+}
+
+}  // namespace vdrive::tool

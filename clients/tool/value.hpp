@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "vdrive/dictionary/dictionary.hpp"
+
+namespace vdrive::tool {
+
+/// An object as the user spelled it.
+struct ObjectName {
+  std::string text;
+  std::optional<ObjectAddress> address;  ///< none: a variable_name that no object has
+
+  /// @return its row, none for an object that does not exist.
+  [[nodiscard]] std::optional<ObjectRow> row() const;
+};
+
+/// @param text `0x6041` (sub-index 0), `0x607D:1` or a variable_name
+/// @throws UsageError for anything else. Whether the object exists is the drive's to say.
+[[nodiscard]] ObjectName parse_object(std::string_view text);
+
+/// @param text decimal, negative, or hexadecimal as the two's complement of `type`: 0xFFFFD8F0 is
+///        -10000 as INTEGER32
+/// @throws UsageError naming text and limits when it is no number or too wide for `type`.
+[[nodiscard]] std::int64_t parse_value(std::string_view text, DataType type);
+
+/// The value of an object: by its type, else (the object does not exist) any 32-bit number.
+[[nodiscard]] std::int64_t parse_value(std::string_view text, const ObjectName& object);
+
+/// @param text decimal or hexadecimal
+/// @throws UsageError naming `what` when it is no number from 0 to `highest`.
+[[nodiscard]] std::uint64_t parse_number(std::string_view text, std::string_view what,
+                                         std::uint64_t highest);
+
+/// @param text such as 500us, 20ms, 1.5s
+/// @throws UsageError for anything else, and for more than 1000 hours.
+[[nodiscard]] std::chrono::nanoseconds parse_duration(std::string_view text);
+
+/// @param text seconds such as 2 or 0.5, or a duration
+[[nodiscard]] std::chrono::nanoseconds parse_seconds(std::string_view text);
+
+/// @return such as "0x06090030".
+[[nodiscard]] std::string hex_code(std::uint32_t code);
+
+/// @return such as "0x607D".
+[[nodiscard]] std::string hex_index(std::uint16_t index);
+
+/// @return a session's number as it is shown, such as "0x0123456789abcdef".
+[[nodiscard]] std::string hex_session(std::uint64_t session);
+
+}  // namespace vdrive::tool

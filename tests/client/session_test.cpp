@@ -1,0 +1,386 @@
+// SPDX-License-Identifier: Apache-2.0
+// Session and Axis against the real service.
+#include "vdrive/client/session.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <future>
+
+#include "support/test_domain.hpp"
+#include "tool/process.hpp"
+#include "vdrive/cia402/statusword.hpp"
+#include "vdrive/client/axis.hpp"
+
+namespace vdrive::client {
+namespace {
+
+using namespace std::chrono_literals;
+using test::RunningService;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+constexpr ObjectAddress kControlword{0x6040, 0};
+constexpr ObjectAddress kMode{0x6060, 0};
+constexpr ObjectAddress kTarget{0x607A, 0};
+constexpr ObjectAddress kDemand{0x6062, 0};
+constexpr ObjectAddress kOverCurrent{0x5E02, 0};
+constexpr auto kRefusedInState =
+    static_cast<std::uint32_t>(AbortCode::refused_in_present_device_state);
+
+SessionOptions options() {
+  SessionOptions options;
+  options.domain = test::test_domain();
+  options.find_timeout = 10s;
+  return options;
+}
+
+SessionOptions hasty() {
+  SessionOptions hasty = options();
+  hasty.find_timeout = 300ms;
+  return hasty;
+}
+
+MoveOptions slow() {
+  return {.velocity = 1000, .acceleration = 6000, .deceleration = 6000, .queue = false, .call = {}};
+}
+
+TEST(Discovery, FindsNobodyWithinItsTime) {
+  Session sut(hasty());
+  EXPECT_THAT(sut.find_benches(), IsEmpty());
+  const auto axis = sut.axis("1.1");
+  EXPECT_EQ(axis.outcome().kind(), OutcomeKind::not_found);
+  EXPECT_THAT(axis.outcome().message(), HasSubstr("1.1"));
+  EXPECT_THAT(axis.outcome().message(), HasSubstr("no bench is there"));
+}
+
+TEST(Discovery, RefusesADomainOutOfRange) {
+  SessionOptions wrong;
+  wrong.domain = 233;
+  EXPECT_THROW(Session{wrong}, std::runtime_error);
+}
+
+TEST(Discovery, FindsBenchesAxesAndNames) {
+  const RunningService first("--clock lockstep");
+  const RunningService second("--clock realtime --bench 7 --axes 3");
+  Session sut(options());
+  const auto benches = sut.find_benches();
+  ASSERT_THAT(benches, SizeIs(2));
+  EXPECT_EQ(benches[0].clock_mode, ClockMode::lockstep);
+  EXPECT_EQ(benches[1].number, 7U);
+  EXPECT_THAT(benches[1].axes, SizeIs(3));
+  EXPECT_EQ(sut.axis("7.3")->id(), (AxisId{7, 3}));
+  const std::string name = benches[0].axes[0].name;
+  EXPECT_EQ(sut.axis(name).outcome().message(), "") << name;
+  EXPECT_THAT(sut.axis("7.4").outcome().message(), HasSubstr("bench 7"));
+  EXPECT_EQ(sut.axis("nobody").outcome().kind(), OutcomeKind::not_found);
+  EXPECT_EQ(sut.find_bench().outcome().kind(), OutcomeKind::not_found) << "several are there";
+  EXPECT_TRUE(sut.find_bench(7));
+}
+
+TEST(Discovery, ListsAServiceNoLongerOnceItIsKilled) {
+  RunningService service("--clock lockstep");
+  Session sut(hasty());
+  ASSERT_THAT(sut.find_benches(), SizeIs(1));
+  service.kill();
+  const auto gone = std::chrono::steady_clock::now() + 10s;
+  while (!sut.find_benches().empty()) ASSERT_LT(std::chrono::steady_clock::now(), gone);
+}
+
+class LockStep : public testing::Test {
+ protected:
+  void SetUp() override {
+    auto found = sut_.axis("1.1");
+    ASSERT_TRUE(found) << found.outcome().message();
+    axis_.emplace(*found);
+  }
+
+  RunningService service_{"--clock lockstep"};
+  Session sut_{options()};
+  std::optional<Axis> axis_;
+};
+
+TEST_F(LockStep, StepsExactly) {
+  EXPECT_EQ(*sut_.step(1, 0), 0U);
+  EXPECT_EQ(*sut_.step(1, 5000), 5000U);
+  EXPECT_EQ(*sut_.wait(1, 1500us), 5002U) << "rounded up to ticks";
+  EXPECT_EQ(*sut_.wait_for_tick(1, 5010), 5010U);
+  EXPECT_EQ(*sut_.wait_for_tick(1, 1), 5010U) << "which is past";
+}
+
+TEST_F(LockStep, MovesAndArrivesInTheTickThatTheProfileGives) {
+  ASSERT_TRUE(axis_->enable());
+  const std::uint64_t enabled = axis_->status()->tick;
+  EXPECT_EQ(enabled, 1U) << "enabling takes one tick";
+  ASSERT_TRUE(axis_->write(kMode, 1));
+  ASSERT_TRUE(sut_.step(1, 1));
+  ASSERT_TRUE(axis_->move_to(10'000, slow()));
+  const auto status = axis_->status();
+  EXPECT_EQ(status->status.position_demand_value, 10'000);
+  EXPECT_EQ(status->status.ds402_statusword, 0x637);
+  // 10.16667 s of profile, and the tick in which bit 4 drops.
+  EXPECT_EQ(status->tick, enabled + 1 + 10'167 + 1);
+}
+
+TEST_F(LockStep, MovesByADistance) {
+  ASSERT_TRUE(axis_->enable());
+  ASSERT_TRUE(axis_->move_by(-500, slow()));
+  EXPECT_EQ(*axis_->read(kDemand), -500);
+}
+
+TEST_F(LockStep, MovesAgainAlthoughBitFourIsStillUp) {
+  ASSERT_TRUE(axis_->enable());
+  ASSERT_TRUE(axis_->move_to(1000, slow()));
+  ASSERT_TRUE(axis_->write(kControlword, 0x3F));
+  ASSERT_TRUE(sut_.step(1, 1));
+  ASSERT_TRUE(axis_->move_to(2000, slow()));
+  EXPECT_EQ(*axis_->read(kDemand), 2000);
+}
+
+TEST_F(LockStep, RefusesAMoveThatIsNotEnabledAndChangesNothing) {
+  const Outcome refused = axis_->move_to(10);
+  EXPECT_EQ(refused.kind(), OutcomeKind::refused);
+  EXPECT_EQ(refused.code(), kRefusedInState);
+  EXPECT_THAT(refused.message(), HasSubstr("Switch on disabled"));
+  EXPECT_EQ(*axis_->read(kTarget), 0);
+}
+
+TEST_F(LockStep, QueuesASecondSetPointAndRefusesAThird) {
+  ASSERT_TRUE(axis_->enable());
+  MoveOptions move = slow();
+  move.call.until = Until::in_force;
+  ASSERT_TRUE(axis_->move_to(1000, move));
+  move.queue = true;
+  ASSERT_TRUE(axis_->move_to(2000, move));
+  EXPECT_EQ(axis_->move_to(3000, move).code(), kRefusedInState);
+  const auto there = axis_->wait_until(
+      [](const AxisSnapshot& axis) { return axis.shows(Statusword::kTargetReached); }, 10s);
+  ASSERT_TRUE(there) << there.outcome().message();
+  EXPECT_EQ(there->status.position_demand_value, 2000);
+}
+
+TEST_F(LockStep, HaltsAndResumes) {
+  ASSERT_TRUE(axis_->enable());
+  MoveOptions move = slow();
+  move.call.until = Until::in_force;
+  ASSERT_TRUE(axis_->move_to(5000, move));
+  ASSERT_TRUE(sut_.step(1, 1000));
+  ASSERT_TRUE(axis_->halt());
+  EXPECT_EQ(axis_->status()->status.velocity_demand_value, 0);
+  EXPECT_LT(axis_->status()->status.position_demand_value, 2000);
+  ASSERT_TRUE(axis_->resume());
+  EXPECT_EQ(*axis_->read(kDemand), 5000);
+}
+
+TEST_F(LockStep, TimesOutInDriveTime) {
+  ASSERT_TRUE(axis_->enable());
+  MoveOptions move = slow();
+  move.call.timeout = 1s;
+  const std::uint64_t before = axis_->status()->tick;
+  const Outcome late = axis_->move_to(100'000, move);
+  EXPECT_EQ(late.kind(), OutcomeKind::timed_out);
+  EXPECT_THAT(late.message(), HasSubstr("target reached"));
+  EXPECT_EQ(axis_->status()->tick, before + 1000);
+}
+
+TEST_F(LockStep, QuickStopEndsInSwitchOnDisabled) {
+  ASSERT_TRUE(axis_->enable());
+  MoveOptions move = slow();
+  move.call.until = Until::in_force;
+  ASSERT_TRUE(axis_->move_to(5000, move));
+  ASSERT_TRUE(sut_.step(1, 1000));
+  ASSERT_TRUE(axis_->quick_stop());
+  EXPECT_EQ(axis_->status()->state(), PowerState::switch_on_disabled);
+}
+
+TEST_F(LockStep, EndsAMoveWithTheFaultThatInterruptsIt) {
+  ASSERT_TRUE(axis_->enable());
+  ASSERT_TRUE(axis_->write({0x5E01, 0}, 1));  // blocked load
+  const Outcome ended = axis_->move_to(1'000'000);
+  EXPECT_EQ(ended.kind(), OutcomeKind::failed);
+  EXPECT_THAT(ended.message(), HasSubstr("0x8611"));
+}
+
+TEST_F(LockStep, ResetsAFaultOnceItsCauseIsGone) {
+  ASSERT_TRUE(axis_->enable());
+  ASSERT_TRUE(axis_->write(kOverCurrent, 1));
+  ASSERT_TRUE(sut_.step(1, 2));
+  EXPECT_EQ(axis_->enable().code(), kRefusedInState);
+  const Outcome persists = axis_->reset_fault();
+  EXPECT_EQ(persists.code(), kRefusedInState);
+  EXPECT_THAT(persists.message(), HasSubstr("persists"));
+  ASSERT_TRUE(axis_->write(kOverCurrent, 0));
+  ASSERT_TRUE(axis_->reset_fault());
+  EXPECT_EQ(axis_->status()->state(), PowerState::switch_on_disabled);
+  ASSERT_TRUE(axis_->enable());
+}
+
+TEST_F(LockStep, PowerCyclesToTheFactoryState) {
+  ASSERT_TRUE(axis_->enable());
+  ASSERT_TRUE(axis_->move_to(1000, slow()));
+  ASSERT_TRUE(axis_->power_cycle());
+  const auto status = axis_->status();
+  EXPECT_EQ(status->status.ds402_statusword, 0x250);
+  EXPECT_EQ(status->status.load_position_actual_value, 1000) << "the position is kept";
+  EXPECT_EQ(*axis_->read({0x6081, 0}), 68267);
+}
+
+TEST_F(LockStep, ReadsManyObjectsOfOneTick) {
+  std::vector<ObjectAddress> addresses;
+  for (const ObjectDescription& row : kObjectTable) addresses.push_back(row.address);
+  addresses.push_back({0x9999, 0});
+  const auto readings = axis_->read(addresses);
+  ASSERT_TRUE(readings) << readings.outcome().message();
+  ASSERT_THAT(readings->objects, SizeIs(addresses.size()));
+  EXPECT_EQ(readings->objects.back().code, AbortCode::object_does_not_exist);
+  EXPECT_EQ(readings->objects.front().value, 0x00020192);
+}
+
+TEST_F(LockStep, SeveralWritesBetweenTwoStepsEachCount) {
+  for (const std::int64_t word : {0x06, 0x07, 0x0F}) {
+    const auto in_force = axis_->write(kControlword, word);
+    ASSERT_TRUE(in_force);
+    EXPECT_EQ(*in_force, 1U);
+  }
+  ASSERT_TRUE(sut_.step(1, 1));
+  EXPECT_EQ(axis_->status()->state(), PowerState::operation_enabled);
+}
+
+TEST_F(LockStep, KeepsItsAxisFromOthersAndReleasesItAtTheEnd) {
+  Session other(options());
+  auto theirs = other.axis("1.1");
+  {
+    Session owner(options());
+    auto ours = owner.axis("1.1");
+    ASSERT_TRUE(ours->enable());
+    EXPECT_EQ(theirs->status()->owner_session, owner.id());
+    const Outcome refused = theirs->enable();
+    EXPECT_EQ(refused.kind(), OutcomeKind::refused);
+    EXPECT_EQ(theirs->write(kTarget, 5).outcome().code(), 0x08000021U);
+    EXPECT_TRUE(theirs->write(kOverCurrent, 0)) << "test-bench inputs are everybody's";
+    EXPECT_TRUE(theirs->read(kTarget)) << "so are reads";
+  }
+  EXPECT_EQ(theirs->status()->owner_session, 0U);
+  EXPECT_EQ(theirs->status()->state(), PowerState::operation_enabled) << "a release is no loss";
+  EXPECT_TRUE(theirs->disable());
+}
+
+TEST_F(LockStep, ShowsSeveralAxesInOneLook) {
+  const std::array ids{AxisId{1, 2}, AxisId{1, 1}};
+  const auto seen = sut_.observe(ids);
+  ASSERT_TRUE(seen) << seen.outcome().message();
+  EXPECT_EQ(seen->axes[0].id, ids[0]);
+  EXPECT_EQ(seen->axes[1].id, ids[1]);
+}
+
+TEST_F(LockStep, ListensWhileAnotherSessionSteps) {
+  auto follower = sut_.follow({{1, 1}}, Pace::listen);
+  ASSERT_TRUE(follower);
+  Session stepper(options());
+  // Matching takes its time: step until a sample comes through, then none may be missing.
+  Result<Observation> sample = Outcome::timed_out("");
+  const auto deadline = std::chrono::steady_clock::now() + 10s;
+  while (!sample) {
+    ASSERT_LT(std::chrono::steady_clock::now(), deadline);
+    ASSERT_TRUE(stepper.step(1, 1));
+    sample = follower->next(20ms);
+  }
+  ASSERT_TRUE(stepper.step(1, 10));
+  std::uint64_t tick = sample->tick;
+  const auto last = *stepper.step(1, 0);
+  while (tick < last) {
+    sample = follower->next(2s);
+    ASSERT_TRUE(sample) << sample.outcome().message();
+    EXPECT_EQ(sample->tick, tick + 1 + sample->missed);
+    tick = sample->tick;
+  }
+}
+
+TEST_F(LockStep, AnInterruptEndsAWaitingCall) {
+  ASSERT_TRUE(axis_->enable());
+  auto moving = std::async(std::launch::async, [&] {
+    MoveOptions move = slow();
+    move.velocity = 1;
+    move.call.timeout = 24h;
+    return axis_->move_to(1'000'000, move);
+  });
+  sut_.interrupt();
+  EXPECT_EQ(moving.get().kind(), OutcomeKind::failed);
+}
+
+TEST(LostService, EndsAWaitingCall) {
+  RunningService service("--clock realtime");
+  Session sut(options());
+  auto axis = sut.axis("1.1");
+  ASSERT_TRUE(axis->enable());
+  auto moving = std::async(std::launch::async, [&] {
+    MoveOptions move = slow();
+    move.velocity = 1;
+    return axis->move_to(1'000'000, move);
+  });
+  ASSERT_TRUE(axis->wait_until(
+      [](const AxisSnapshot& seen) { return seen.status.velocity_demand_value != 0; }, 20s));
+  service.kill();
+  EXPECT_EQ(moving.get().kind(), OutcomeKind::lost);
+}
+
+TEST(RestartedService, IsAnotherOne) {
+  auto service = std::make_unique<RunningService>("--clock lockstep");
+  Session sut(options());
+  auto axis = sut.axis("1.1");
+  ASSERT_TRUE(axis->enable());
+  service->stop();
+  service = std::make_unique<RunningService>("--clock lockstep");
+  const auto status = axis->status();
+  ASSERT_TRUE(status) << status.outcome().message();
+  EXPECT_EQ(status->state(), PowerState::switch_on_disabled);
+  EXPECT_TRUE(axis->enable()) << "control is taken anew";
+}
+
+TEST(RealtimeSession, MovesHaltsAndKeepsItsAxisAlive) {
+  const RunningService service("--clock realtime");
+  Session sut(options());
+  auto axis = sut.axis("1.1");
+  ASSERT_TRUE(axis) << axis.outcome().message();
+  ASSERT_TRUE(axis->enable());
+  ASSERT_TRUE(axis->move_to(2000));
+  EXPECT_EQ(*axis->read(kDemand), 2000);
+  ASSERT_TRUE(axis->move_by(500));
+  // Six times the watchdog's patience without a word from this thread.
+  ASSERT_TRUE(sut.wait(1, 600ms));
+  EXPECT_EQ(axis->status()->state(), PowerState::operation_enabled);
+  EXPECT_EQ(axis->status()->owner_session, sut.id());
+  EXPECT_EQ(sut.step(1, 1).outcome().kind(), OutcomeKind::refused);
+}
+
+TEST(RealtimeSession, ThatLeavesKeepingAliveToTheUserIsLostWhenTheUserIsSilent) {
+  const RunningService service("--clock realtime");
+  SessionOptions streaming = options();
+  streaming.keep_alive = KeepAlive::user_frames;
+  Session sut(streaming);
+  auto axis = sut.axis("1.1");
+  ASSERT_TRUE(axis->enable());
+  const auto lost = axis->wait_until(
+      [](const AxisSnapshot& seen) { return seen.state() == PowerState::fault; }, 5s);
+  ASSERT_TRUE(lost) << lost.outcome().message();
+  EXPECT_EQ(lost->status.error_code, 0x8130);
+  EXPECT_EQ(lost->owner_session, 0U);
+  ASSERT_TRUE(axis->reset_fault()) << "control is taken anew";
+}
+
+TEST(RealtimeSession, ReachesATargetThatIsReachedAlready) {
+  const RunningService service("--clock realtime");
+  Session sut(options());
+  auto axis = sut.axis("1.1");
+  ASSERT_TRUE(axis->enable());
+  ASSERT_TRUE(axis->move_to(300));
+  for (int i = 0; i < 5; ++i) {
+    const Outcome again = axis->move_to(300);
+    EXPECT_TRUE(again) << again.message();
+  }
+}
+
+}  // namespace
+}  // namespace vdrive::client

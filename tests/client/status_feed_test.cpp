@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+// Status frames become samples of the wanted axes; what went missing is counted.
+#include "status_feed.hpp"
+
+#include <gtest/gtest.h>
+
+namespace vdrive::client {
+namespace {
+
+constexpr BenchKey kBench{1, 10};
+
+msg::StatusFrame frame(std::uint64_t tick, std::initializer_list<std::uint16_t> axes) {
+  msg::StatusFrame message;
+  message.bench(kBench.number);
+  message.incarnation(kBench.incarnation);
+  message.tick(tick);
+  for (const std::uint16_t axis : axes) {
+    msg::AxisStatus status;
+    status.bench(kBench.number);
+    status.axis(axis);
+    status.tick(tick);
+    message.axes().push_back(status);
+  }
+  return message;
+}
+
+TEST(StatusFeed, ShowsTheAxesInTheOrderAskedFor) {
+  StatusFeed sut(kBench, {3, 1}, 1);
+  sut.on_frame(frame(5, {1, 2, 3}));
+  const auto sample = sut.take();
+  ASSERT_TRUE(sample.has_value());
+  EXPECT_EQ(sample->tick, 5U);
+  EXPECT_EQ(sample->axes[0].id.axis, 3);
+  EXPECT_EQ(sample->axes[1].id.axis, 1);
+  EXPECT_FALSE(sut.take().has_value());
+}
+
+TEST(StatusFeed, PutsThePartsOfATickTogether) {
+  StatusFeed sut(kBench, {1, 300}, 1);
+  sut.on_frame(frame(5, {1}));
+  EXPECT_FALSE(sut.take().has_value());
+  sut.on_frame(frame(5, {300}));
+  EXPECT_TRUE(sut.take().has_value());
+}
+
+TEST(StatusFeed, DropsATickWithAMissingPartAndCountsIt) {
+  StatusFeed sut(kBench, {1, 300}, 1);
+  for (const std::uint64_t tick : {5U, 6U, 7U}) {
+    sut.on_frame(frame(tick, {1}));
+    if (tick != 6) sut.on_frame(frame(tick, {300}));
+  }
+  EXPECT_EQ(sut.take()->tick, 5U);
+  const auto after = sut.take();
+  EXPECT_EQ(after->tick, 7U);
+  EXPECT_EQ(after->missed, 1U);
+}
+
+TEST(StatusFeed, CountsSamplesOfAThinnedStream) {
+  StatusFeed sut(kBench, {1}, 10);
+  for (const std::uint64_t tick : {10U, 20U, 50U}) sut.on_frame(frame(tick, {1}));
+  EXPECT_EQ(sut.take()->missed, 0U);
+  EXPECT_EQ(sut.take()->missed, 0U);
+  EXPECT_EQ(sut.take()->missed, 2U);
+}
+
+TEST(StatusFeed, IgnoresOtherBenchesRunsAndThePast) {
+  StatusFeed sut(kBench, {1}, 1);
+  msg::StatusFrame other = frame(5, {1});
+  other.bench(2);
+  sut.on_frame(other);
+  msg::StatusFrame restarted = frame(5, {1});
+  restarted.incarnation(11);
+  sut.on_frame(restarted);
+  EXPECT_FALSE(sut.take().has_value());
+  sut.on_frame(frame(5, {1}));
+  sut.on_frame(frame(4, {1}));
+  EXPECT_EQ(sut.take()->tick, 5U);
+  EXPECT_FALSE(sut.take().has_value());
+}
+
+TEST(StatusFeed, ThatNobodyReadsKeepsTheNewest) {
+  StatusFeed sut(kBench, {1}, 1);
+  sut.on_frame(frame(1, {1}));
+  EXPECT_EQ(sut.take()->tick, 1U);
+  for (std::uint64_t tick = 2; tick <= 10'000; ++tick) sut.on_frame(frame(tick, {1}));
+  const auto oldest = sut.take();
+  EXPECT_EQ(oldest->tick, 10'000U - 4096 + 1);
+  EXPECT_EQ(oldest->missed, oldest->tick - 2);
+}
+
+TEST(StatusFeed, SurvivesAnAxisTwiceInAFrame) {
+  StatusFeed sut(kBench, {1, 2}, 1);
+  sut.on_frame(frame(5, {1, 1}));
+  EXPECT_FALSE(sut.take().has_value());
+}
+
+}  // namespace
+}  // namespace vdrive::client

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+// The words of the command line and of scenarios.
+#include "grammar.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "usage_error.hpp"
+
+namespace vdrive::tool {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+std::vector<std::string> split(const std::string& text) {
+  std::istringstream stream(text);
+  std::vector<std::string> words;
+  for (std::string word; stream >> word;) words.push_back(word);
+  return words;
+}
+
+Invocation parse(const std::string& text) { return parse_command_line(split(text)); }
+
+template <typename Word>
+Word command(const std::string& text) {
+  return std::get<Word>(parse(text).command.value());
+}
+
+template <typename Word>
+Word scenario_command(const std::string& text) {
+  return std::get<Word>(parse_scenario_words(split(text)).command);
+}
+
+TEST(CommandLine, TakesGlobalOptionsBeforeAndAfterTheWord) {
+  for (const char* const text :
+       {"--domain 7 --json --timeout 3 status 1.1", "status 1.1 --timeout 3 --json --domain 7",
+        "--json status --domain=7 1.1 --timeout=3"}) {
+    const Invocation invocation = parse(text);
+    EXPECT_EQ(invocation.options.domain, 7U) << text;
+    EXPECT_TRUE(invocation.options.json) << text;
+    EXPECT_EQ(invocation.options.timeout, Duration(3s)) << text;
+    EXPECT_EQ(std::get<StatusCommand>(*invocation.command).axis, "1.1") << text;
+  }
+}
+
+TEST(CommandLine, MoveTakesANegativePosition) {
+  const auto move = command<MoveCommand>("move 1.1 -10000");
+  EXPECT_EQ(move.position, -10000);
+  EXPECT_FALSE(move.relative);
+  EXPECT_FALSE(move.options.queue);
+  EXPECT_EQ(move.options.call.until, client::Until::done);
+  EXPECT_EQ(move.options.velocity, std::nullopt);
+}
+
+TEST(CommandLine, MoveTakesEverything) {
+  const auto move = command<MoveCommand>(
+      "move x 0xFFFFD8F0 --relative --velocity 1000 --acceleration 6000 --deceleration 7000 "
+      "--queue --no-wait");
+  EXPECT_EQ(move.axis, "x");
+  EXPECT_EQ(move.position, -10000);
+  EXPECT_TRUE(move.relative);
+  EXPECT_TRUE(move.options.queue);
+  EXPECT_EQ(move.options.velocity, 1000U);
+  EXPECT_EQ(move.options.acceleration, 6000U);
+  EXPECT_EQ(move.options.deceleration, 7000U);
+  EXPECT_EQ(move.options.call.until, client::Until::in_force);
+}
+
+TEST(CommandLine, WritesTheValueInTheTypeOfTheObject) {
+  EXPECT_EQ(command<WriteCommand>("write 1.1 0x607A 0xFFFFD8F0").value, -10000);
+  EXPECT_EQ(command<WriteCommand>("write 1.1 0x6081 0xFFFFD8F0").value, 4294957296);
+  EXPECT_EQ(command<WriteCommand>("write 1.1 position_user_target_value -5").value, -5);
+}
+
+TEST(CommandLine, ReadsSeveralObjects) {
+  const auto read = command<ReadCommand>("read 1.1 0x6041 0x607D:1 profile_acc");
+  ASSERT_EQ(read.objects.size(), 3U);
+  EXPECT_EQ(read.objects[1].address, (ObjectAddress{0x607D, 1}));
+}
+
+TEST(CommandLine, DisturbsWithOneUnlessSaidOtherwise) {
+  const auto blocked = command<DisturbCommand>("disturb 1.1 blocked_load --for 20ms");
+  ASSERT_EQ(blocked.inputs.size(), 1U);
+  EXPECT_EQ(blocked.inputs[0].object.address, (ObjectAddress{0x5E01, 0}));
+  EXPECT_EQ(blocked.inputs[0].value, 1);
+  EXPECT_EQ(blocked.duration, Duration(20ms));
+  EXPECT_EQ(command<DisturbCommand>("disturb 1.1 load_torque -1500").inputs[0].value, -1500);
+}
+
+TEST(CommandLine, DisturbsWithNoneOnEveryInput) {
+  const auto none = command<DisturbCommand>("disturb 1.1 none");
+  EXPECT_EQ(none.inputs.size(), 10U);
+  for (const Disturbance& input : none.inputs) EXPECT_EQ(input.value, 0);
+}
+
+TEST(CommandLine, WaitsOfTheAxisWords) {
+  EXPECT_EQ(command<AxisCommand>("enable 1.1").until, client::Until::done);
+  EXPECT_EQ(command<AxisCommand>("halt 1.1").until, client::Until::in_force);
+  EXPECT_EQ(command<AxisCommand>("halt 1.1 --wait").until, client::Until::done);
+  EXPECT_EQ(command<AxisCommand>("quick-stop 1.1").word, AxisWord::quick_stop);
+  EXPECT_EQ(command<AxisCommand>("quick-stop 1.1 --no-wait").until, client::Until::in_force);
+  EXPECT_EQ(command<AxisCommand>("power-cycle 1.1").word, AxisWord::power_cycle);
+}
+
+TEST(CommandLine, OtherWords) {
+  EXPECT_THAT(command<WatchCommand>("watch 1.1 y --count 5").axes, ElementsAre("1.1", "y"));
+  EXPECT_EQ(command<WatchCommand>("watch 1.1 --count 5").count, 5U);
+  EXPECT_EQ(command<StepCommand>("step 100 --bench 3").bench, 3U);
+  EXPECT_EQ(command<StepCommand>("step 100").ticks, 100U);
+  EXPECT_EQ(command<RunCommand>("run - --junit out.xml").junit, "out.xml");
+  EXPECT_EQ(command<RunCommand>("run -").file, "-");
+  EXPECT_EQ(command<DictionaryCommand>("dictionary --format csv --language zh").language,
+            Language::zh);
+}
+
+TEST(CommandLine, HelpTeachesWithExamples) {
+  EXPECT_THAT(parse("--help").text, HasSubstr("vdrive move 1.1 10000"));
+  EXPECT_THAT(parse("--help").text, HasSubstr("Exit codes"));
+  EXPECT_THAT(parse("move --help").text, HasSubstr("--acceleration"));
+  EXPECT_THAT(parse("run --help").text, HasSubstr("--throughout"));
+}
+
+struct BadRow {
+  const char* name;
+  const char* text;
+  const char* message;
+};
+
+class BadCommandLine : public testing::TestWithParam<BadRow> {};
+
+TEST_P(BadCommandLine, IsAUsageErrorThatSaysWhat) {
+  EXPECT_THAT([] { (void)parse(GetParam().text); },
+              ThrowsMessage<UsageError>(HasSubstr(GetParam().message)));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Lines, BadCommandLine,
+    testing::Values(
+        BadRow{"nothing", "", "--help"}, BadRow{"an_unknown_word", "dance 1.1", "dance"},
+        BadRow{"no_axis", "status", "AXIS"}, BadRow{"no_position", "move 1.1", "POSITION"},
+        BadRow{"one_word_too_many", "enable 1.1 1.2", "1.2"},
+        BadRow{"an_unknown_option", "enable 1.1 --fast", "--fast"},
+        BadRow{"a_domain_too_high", "--domain 233 list", "domain"},
+        BadRow{"a_position_too_wide", "move 1.1 3000000000", "3000000000"},
+        BadRow{"a_negative_velocity", "move 1.1 5 --velocity -3", "-3"},
+        BadRow{"a_value_too_wide", "write 1.1 0x6060 300", "-128 to 127"},
+        BadRow{"an_unknown_kind", "disturb 1.1 earthquake", "blocked_load"},
+        BadRow{"an_unknown_format", "dictionary --format yaml", "yaml"},
+        BadRow{"negative_steps", "step -1", "-1"}, BadRow{"no_timeout", "list --timeout soon", "soon"},
+        BadRow{"a_word_of_scenarios", "expect 1.1 0x6041 0", "expect"}),
+    [](const auto& row) { return row.param.name; });
+
+TEST(ScenarioWords, ExpectKnowsMaskToleranceAndTimes) {
+  const auto masked =
+      scenario_command<ExpectCommand>("expect 1.1 0x6041 0x400 --mask 0x400 --within 20ms");
+  EXPECT_EQ(masked.mask, 0x400U);
+  EXPECT_EQ(masked.within, Duration(20ms));
+  const auto near = scenario_command<ExpectCommand>(
+      "expect 1.1 0x6064 -5 --tolerance 2 --throughout 1s");
+  EXPECT_EQ(near.value, -5);
+  EXPECT_EQ(near.tolerance, 2U);
+  EXPECT_EQ(near.throughout, Duration(1s));
+}
+
+TEST(ScenarioWords, WaitAndRefused) {
+  EXPECT_EQ(scenario_command<WaitCommand>("wait 1.5s").duration, Duration(1500ms));
+  const auto refused = scenario_command<std::shared_ptr<const RefusedCommand>>(
+      "refused 0x06010002 write 1.1 0x6041 -0");
+  EXPECT_EQ(refused->code, 0x06010002U);
+  EXPECT_EQ(std::get<WriteCommand>(refused->command).axis, "1.1");
+}
+
+TEST(ScenarioWords, TakeATimeoutForTheLine) {
+  EXPECT_EQ(parse_scenario_words(split("move 1.1 5 --timeout 9")).timeout, Duration(9s));
+}
+
+class BadScenarioWords : public testing::TestWithParam<BadRow> {};
+
+TEST_P(BadScenarioWords, AreAUsageErrorThatSaysWhat) {
+  EXPECT_THAT([] { (void)parse_scenario_words(split(GetParam().text)); },
+              ThrowsMessage<UsageError>(HasSubstr(GetParam().message)));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Lines, BadScenarioWords,
+    testing::Values(
+        BadRow{"mask_and_tolerance", "expect 1.1 0x6041 0 --mask 1 --tolerance 1", "--mask"},
+        BadRow{"within_and_throughout", "expect 1.1 0x6041 0 --within 1s --throughout 1s",
+               "--within"},
+        BadRow{"a_run_in_a_run", "run other.scn", "run"}, BadRow{"help", "--help", "help"},
+        BadRow{"help_of_a_word", "move --help", "help"},
+        BadRow{"a_domain", "--domain 3 status 1.1", "--domain"},
+        BadRow{"an_endless_watch", "watch 1.1", "--count"},
+        BadRow{"a_wait_without_unit", "wait 5", "'5'"},
+        BadRow{"a_refusal_of_nothing", "refused 0x06010002", "command"},
+        BadRow{"a_refusal_without_code", "refused write 1.1 0x6041 0", "'write'"}),
+    [](const auto& row) { return row.param.name; });
+
+TEST(Expectation, ComparesExactlyUnderAMaskOrWithATolerance) {
+  ExpectCommand expect;
+  expect.value = 0x1237;
+  EXPECT_TRUE(expect.accepts(0x1237));
+  EXPECT_FALSE(expect.accepts(0x1637));
+  expect.mask = 0x1000;
+  EXPECT_TRUE(expect.accepts(0x1637));
+  EXPECT_FALSE(expect.accepts(0x637));
+  expect.mask.reset();
+  expect.value = -5;
+  expect.tolerance = 2;
+  EXPECT_TRUE(expect.accepts(-7));
+  EXPECT_TRUE(expect.accepts(-3));
+  EXPECT_FALSE(expect.accepts(-8));
+}
+
+TEST(Expectation, TolerancesSurviveTheEndsOfTheType) {
+  ExpectCommand expect;
+  expect.value = std::numeric_limits<std::int32_t>::min();
+  expect.tolerance = 10;
+  EXPECT_FALSE(expect.accepts(std::numeric_limits<std::int32_t>::max()));
+}
+
+}  // namespace
+}  // namespace vdrive::tool

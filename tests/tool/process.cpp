@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tool/process.hpp"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <csignal>
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+
+#include "support/test_domain.hpp"
+#include "vdrive/client/session.hpp"
+
+namespace vdrive::test {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::seconds kPatience{120};
+
+std::vector<std::string> split(const std::string& words) {
+  std::istringstream stream(words);
+  std::vector<std::string> result;
+  for (std::string word; stream >> word;) result.push_back(word);
+  return result;
+}
+
+std::array<int, 2> make_pipe() {
+  std::array<int, 2> ends{};
+  if (pipe2(ends.data(), O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
+  return ends;
+}
+
+/// Appends what is there. @return false at the end.
+bool read_some(int descriptor, std::string& text) {
+  std::array<char, 4096> block{};
+  const ssize_t count = read(descriptor, block.data(), block.size());
+  if (count > 0) text.append(block.data(), static_cast<std::size_t>(count));
+  return count > 0;
+}
+
+void close_if_open(int& descriptor) {
+  if (descriptor >= 0) close(std::exchange(descriptor, -1));
+}
+
+}  // namespace
+
+std::vector<std::string> Finished::lines() const {
+  std::istringstream stream(output);
+  std::vector<std::string> result;
+  for (std::string line; std::getline(stream, line);) result.push_back(line);
+  return result;
+}
+
+Process::Process(const std::string& program, std::vector<std::string> arguments,
+                 const std::string& input)
+    : start_(Clock::now()) {
+  arguments.insert(arguments.begin(), program);
+  std::vector<char*> values;
+  for (std::string& argument : arguments) values.push_back(argument.data());
+  values.push_back(nullptr);
+  const auto in = make_pipe();
+  const auto out = make_pipe();
+  const auto err = make_pipe();
+  child_ = fork();
+  if (child_ == 0) {
+    dup2(in[0], STDIN_FILENO);
+    dup2(out[1], STDOUT_FILENO);
+    dup2(err[1], STDERR_FILENO);
+    execv(program.c_str(), values.data());
+    _exit(127);
+  }
+  close(in[0]);
+  close(out[1]);
+  close(err[1]);
+  output_ = out[0];
+  errors_ = err[0];
+  const bool written = write(in[1], input.data(), input.size()) ==
+                       static_cast<ssize_t>(input.size());
+  close(in[1]);
+  if (!written) throw std::runtime_error("input not taken");
+}
+
+Process::~Process() {
+  if (child_ > 0) {
+    ::kill(child_, SIGKILL);
+    waitpid(child_, nullptr, 0);
+  }
+  close_if_open(output_);
+  close_if_open(errors_);
+}
+
+void Process::send(int signal) const { ::kill(child_, signal); }
+
+std::string Process::read_line() {
+  std::size_t end = read_ahead_.find('\n');
+  while (end == std::string::npos && read_some(output_, read_ahead_)) end = read_ahead_.find('\n');
+  if (end == std::string::npos) return std::exchange(read_ahead_, {});
+  std::string line = read_ahead_.substr(0, end);
+  read_ahead_.erase(0, end + 1);
+  return line;
+}
+
+void Process::stop_reading() { close_if_open(output_); }
+
+Finished Process::wait() {
+  Finished finished;
+  finished.output = std::exchange(read_ahead_, {});
+  const auto deadline = Clock::now() + kPatience;
+  std::array<pollfd, 2> open{pollfd{output_, POLLIN, 0}, pollfd{errors_, POLLIN, 0}};
+  while (open[0].fd >= 0 || open[1].fd >= 0) {
+    if (poll(open.data(), open.size(), 1000) == 0 && Clock::now() > deadline) send(SIGKILL);
+    if (open[0].revents != 0 && !read_some(output_, finished.output)) open[0].fd = -1;
+    if (open[1].revents != 0 && !read_some(errors_, finished.errors)) open[1].fd = -1;
+  }
+  int status = 0;
+  waitpid(std::exchange(child_, 0), &status, 0);
+  finished.code = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+  finished.duration = std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - start_);
+  return finished;
+}
+
+Finished tool(const std::string& words, const std::string& input) {
+  return tool(split(words), input);
+}
+
+Finished tool(std::vector<std::string> arguments, const std::string& input) {
+  arguments.insert(arguments.begin(), {"--domain", std::to_string(test_domain())});
+  return Process(VDRIVE_TOOL, std::move(arguments), input).wait();
+}
+
+std::vector<std::string> tool_arguments(const std::string& words) {
+  std::vector<std::string> arguments = split(words);
+  arguments.insert(arguments.begin(), {"--domain", std::to_string(test_domain())});
+  return arguments;
+}
+
+RunningService::RunningService(const std::string& words)
+    : process_(VDRIVE_SERVICE, split(words + " --log-level off --domain " +
+                                     std::to_string(test_domain()))) {
+  client::SessionOptions options;
+  options.domain = test_domain();
+  options.find_timeout = std::chrono::seconds(20);
+  client::Session session(options);
+  if (session.find_benches().empty()) throw std::runtime_error("the service did not come up");
+}
+
+RunningService::~RunningService() { process_.send(SIGTERM); }
+
+void RunningService::stop() {
+  process_.send(SIGTERM);
+  (void)process_.wait();
+}
+
+void RunningService::kill() {
+  process_.send(SIGKILL);
+  (void)process_.wait();
+}
+
+}  // namespace vdrive::test

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the tool shows: JSON fields as docs/tool.md gives them, text, the dictionary.
+#include "report.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "live_view.hpp"
+
+namespace vdrive::tool {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::SizeIs;
+using testing::StartsWith;
+
+client::AxisSnapshot moving_axis() {
+  client::AxisSnapshot axis;
+  axis.id = {1, 2};
+  axis.tick = 42;
+  axis.owner_session = 0x0123456789abcdef;
+  axis.status.ds402_statusword = 0x1237;
+  axis.status.op_mode_actual = 1;
+  axis.status.load_position_actual_value = -500;
+  axis.status.load_velocity_actual_value = 1000;
+  return axis;
+}
+
+std::vector<std::string> keys(const Json& json) {
+  std::vector<std::string> names;
+  for (const auto& [key, value] : json.items()) names.push_back(key);
+  return names;
+}
+
+TEST(StatusJson, HasStateFlagsAndEveryMonitoredObject) {
+  const Json json = status_json(moving_axis(), "y");
+  EXPECT_EQ(json["axis"], "1.2");
+  EXPECT_EQ(json["name"], "y");
+  EXPECT_EQ(json["tick"], 42);
+  EXPECT_EQ(json["state"], "Operation enabled");
+  EXPECT_EQ(json["flags"], (Json{"voltage enabled", "remote", "set-point acknowledge"}));
+  EXPECT_EQ(json["ds402_statusword"], 0x1237);
+  EXPECT_EQ(json["load_position_actual_value"], -500);
+  EXPECT_EQ(json["owner"], "0x0123456789abcdef");
+  for (const ObjectDescription& row : kObjectTable) {
+    if (row.origin != Origin::manual || row.access != Access::read_only) continue;
+    EXPECT_TRUE(json.contains(std::string(row.variable_name))) << row.variable_name;
+  }
+}
+
+TEST(StatusJson, OfAFreeAxisHasNoOwner) {
+  client::AxisSnapshot axis = moving_axis();
+  axis.owner_session = 0;
+  EXPECT_TRUE(status_json(axis, "y")["owner"].is_null());
+}
+
+TEST(StatusText, DecodesTheStatusword) {
+  const std::vector<std::string> lines = status_text(moving_axis(), "y");
+  EXPECT_EQ(lines[0], "1.2 y");
+  EXPECT_THAT(lines[1], HasSubstr("0x1237 Operation enabled: voltage enabled, remote, set-point "
+                                  "acknowledge"));
+  EXPECT_THAT(lines[2], HasSubstr("1 profile position"));
+}
+
+TEST(StatusText, NamesTheError) {
+  client::AxisSnapshot axis = moving_axis();
+  axis.status.ds402_statusword = 0x2218;
+  axis.status.error_code = 0x8611;
+  std::string text;
+  for (const std::string& line : status_text(axis, "y")) text += line + "\n";
+  EXPECT_THAT(text, HasSubstr("0x2218 Fault"));
+  EXPECT_THAT(text, HasSubstr("0x8611 "));
+}
+
+TEST(ListJson, HasBenchAxisStateAndOwner) {
+  client::BenchInfo bench;
+  bench.number = 1;
+  client::AxisInfo info;
+  info.id = {1, 2};
+  EXPECT_THAT(keys(list_json(bench, info, moving_axis())),
+              ElementsAre("axis", "bench", "bench_name", "clock", "period_us", "name", "state",
+                          "statusword", "owner", "tick"));
+}
+
+TEST(ObjectJson, StartsLikeTheIssueShowsIt) {
+  Json json = object_json({1, 1}, parse_object("ds402_statusword"));
+  json["value"] = 592;
+  EXPECT_EQ(to_line(json),
+            R"({"axis":"1.1","index":"0x6041","subindex":0,"name":"ds402_statusword","value":592})");
+}
+
+TEST(ObjectJson, OfAnUnknownObjectHasNoName) {
+  EXPECT_TRUE(object_json({1, 1}, parse_object("0x9999"))["name"].is_null());
+  EXPECT_EQ(object_json({1, 1}, parse_object("no_such"))["name"], "no_such");
+  EXPECT_TRUE(object_json({1, 1}, parse_object("no_such"))["index"].is_null());
+}
+
+TEST(OutcomeJson, TellsCodeAndMessageOfAFailureOnly) {
+  Json good;
+  add_outcome(good, client::Outcome());
+  EXPECT_EQ(to_line(good), R"({"outcome":"ok"})");
+  Json bad;
+  add_outcome(bad, client::Outcome::refused(0x06010002, "write"));
+  EXPECT_EQ(bad["outcome"], "refused");
+  EXPECT_EQ(bad["code"], "0x06010002");
+  EXPECT_THAT(bad["message"].get<std::string>(), StartsWith("write: 0x06010002"));
+}
+
+TEST(Line, OfTextThatIsNoUtf8StaysOneLine) {
+  EXPECT_THAT(to_line(Json{{"name", "\xFF\n"}}), Not(HasSubstr("\n")));
+}
+
+TEST(Dictionary, HasARowForEachObjectInEachFormat) {
+  for (const Language language : {Language::en, Language::zh}) {
+    EXPECT_THAT(dictionary_lines({TableFormat::table, language}), SizeIs(kObjectCount + 1));
+    EXPECT_THAT(dictionary_lines({TableFormat::csv, language}), SizeIs(kObjectCount + 1));
+    EXPECT_THAT(dictionary_lines({TableFormat::json, language}), SizeIs(kObjectCount));
+  }
+}
+
+TEST(Dictionary, JsonCarriesTheRow) {
+  const Json row = Json::parse(dictionary_lines({TableFormat::json, Language::zh})[0]);
+  EXPECT_THAT(keys(row), ElementsAre("index", "subindex", "name", "title", "category", "type",
+                                     "access", "stored", "effective", "lower_limit", "upper_limit",
+                                     "default", "units", "origin"));
+  EXPECT_EQ(row["index"], "0x1000");
+  EXPECT_EQ(row["title"], "设备类型");
+}
+
+TEST(ProgressBar, StaysWithinItsEnds) {
+  EXPECT_EQ(progress_bar(0.5, 4), "[##--]");
+  EXPECT_EQ(progress_bar(-1.0, 4), "[----]");
+  EXPECT_EQ(progress_bar(7.0, 4), "[####]");
+}
+
+}  // namespace
+}  // namespace vdrive::tool

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scenario files: lines, comments, quotes, errors with their place; and the JUnit report.
+#include "scenario.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "junit.hpp"
+#include "usage_error.hpp"
+
+namespace vdrive::tool {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::StartsWith;
+using testing::ThrowsMessage;
+
+Scenario parse(const std::string& text) {
+  std::istringstream input(text);
+  return parse_scenario(input, "test.scn");
+}
+
+TEST(ScenarioLine, IsSplitAtBlanks) {
+  EXPECT_THAT(split_words("  move  1.1\t-500 "), ElementsAre("move", "1.1", "-500"));
+  EXPECT_THAT(split_words(""), IsEmpty());
+}
+
+TEST(ScenarioLine, EndsAtAComment) {
+  EXPECT_THAT(split_words("# all of it"), IsEmpty());
+  EXPECT_THAT(split_words("wait 5ms # some"), ElementsAre("wait", "5ms"));
+  EXPECT_THAT(split_words("wait 5ms#some"), ElementsAre("wait", "5ms"));
+}
+
+TEST(ScenarioLine, KeepsQuotedBlanksAndHashes) {
+  EXPECT_THAT(split_words("enable 'left # axis'"), ElementsAre("enable", "left # axis"));
+  EXPECT_THAT(split_words("enable \"it's\""), ElementsAre("enable", "it's"));
+  EXPECT_THAT(split_words("enable ''"), ElementsAre("enable", ""));
+}
+
+TEST(ScenarioLine, RefusesAQuoteThatDoesNotEnd) {
+  EXPECT_THROW((void)split_words("enable 'x"), UsageError);
+}
+
+TEST(ScenarioFile, SkipsBlankLinesAndCountsThem) {
+  const Scenario scenario = parse("# title\n\nenable 1.1   # go\n  \nwait 1s\n");
+  ASSERT_EQ(scenario.lines.size(), 2U);
+  EXPECT_EQ(scenario.lines[0].number, 3U);
+  EXPECT_EQ(scenario.lines[0].text, "enable 1.1");
+  EXPECT_EQ(scenario.lines[1].number, 5U);
+}
+
+TEST(ScenarioFile, TakesCarriageReturnsAByteOrderMarkAndAMissingLastLineEnd) {
+  const Scenario scenario = parse("\xEF\xBB\xBF" "enable 1.1\r\n\r\nwait 1s");
+  ASSERT_EQ(scenario.lines.size(), 2U);
+  EXPECT_EQ(scenario.lines[0].text, "enable 1.1");
+  EXPECT_EQ(scenario.lines[1].number, 3U);
+}
+
+TEST(ScenarioFile, NamesFileAndLineOfAMistake) {
+  EXPECT_THAT([] { (void)parse("wait 1s\n\ndance\n"); },
+              ThrowsMessage<UsageError>(StartsWith("test.scn:3: ")));
+  EXPECT_THAT([] { (void)parse("write 1.1 0x6060 300\n"); },
+              ThrowsMessage<UsageError>(HasSubstr("-128 to 127")));
+}
+
+TEST(ScenarioFile, OfBytesThatAreNoTextIsAMistakeAndNothingWorse) {
+  std::string garbage;
+  for (int byte = 255; byte >= 0; --byte) garbage += static_cast<char>(byte);
+  EXPECT_THROW((void)parse(garbage), UsageError);
+  EXPECT_THROW((void)parse(std::string(1U << 20U, 'x')), UsageError);
+}
+
+TEST(Junit, CountsAndEscapes) {
+  const std::vector<JunitCase> cases{
+      {"line 1: wait 1s", std::chrono::milliseconds(1500), std::nullopt, false},
+      {"line 2: a < b", {}, "expected \"1\" & got\x01 2", false},
+      {"line 3", {}, std::nullopt, true}};
+  const std::string xml = junit_xml("a.scn", cases);
+  EXPECT_THAT(xml, HasSubstr("tests=\"3\" failures=\"1\" skipped=\"1\" errors=\"0\" time=\"1.500000\""));
+  EXPECT_THAT(xml, HasSubstr("name=\"line 2: a &lt; b\""));
+  EXPECT_THAT(xml, HasSubstr("message=\"expected &quot;1&quot; &amp; got? 2\""));
+  EXPECT_THAT(xml, HasSubstr("<skipped/>"));
+}
+
+}  // namespace
+}  // namespace vdrive::tool

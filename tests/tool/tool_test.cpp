@@ -1,0 +1,357 @@
+// SPDX-License-Identifier: Apache-2.0
+// The program vdrive against the real service: exit codes, JSON, streams, signals.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "support/test_domain.hpp"
+#include "tool/process.hpp"
+
+namespace vdrive::test {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+using testing::SizeIs;
+
+using Json = nlohmann::ordered_json;
+
+/// The output's lines, each of which has to be JSON.
+std::vector<Json> json_of(const Finished& finished) {
+  std::vector<Json> objects;
+  for (const std::string& line : finished.lines()) {
+    EXPECT_TRUE(Json::accept(line)) << line;
+    if (Json::accept(line)) objects.push_back(Json::parse(line));
+  }
+  return objects;
+}
+
+std::vector<std::string> keys(const Json& json) {
+  std::vector<std::string> names;
+  for (const auto& [key, value] : json.items()) names.push_back(key);
+  return names;
+}
+
+TEST(Tool, WithoutAServiceExitsThreeWithinTheTimeoutAndSaysWhatItLookedFor) {
+  for (const char* const words :
+       {"list", "status 1.1", "read x 0x6041", "enable 1.1", "step 1", "watch 1.1"}) {
+    const Finished finished = tool(std::string(words) + " --timeout 0.2");
+    EXPECT_EQ(finished.code, 3) << words;
+    EXPECT_THAT(finished.output, IsEmpty()) << words;
+    EXPECT_THAT(finished.errors, HasSubstr("no ")) << words;
+    EXPECT_LT(finished.duration, 5s) << words;
+  }
+}
+
+TEST(Tool, ShowsTheDictionaryWithoutAService) {
+  EXPECT_THAT(tool("dictionary").output, HasSubstr("ds402_statusword"));
+  EXPECT_THAT(tool("dictionary --format csv --language zh").output, HasSubstr("402 状态字"));
+  EXPECT_FALSE(json_of(tool("dictionary --json")).empty());
+}
+
+TEST(Tool, ExitsTwoOnBadUsageAndPointsAtIt) {
+  for (const char* const words : {"", "dance", "move 1.1", "write 1.1 0x6060 300",
+                                  "read 1.1 statuswort!", "run /no/such/file.scn"}) {
+    const Finished finished = tool(words);
+    EXPECT_EQ(finished.code, 2) << words;
+    EXPECT_THAT(finished.errors, HasSubstr("vdrive: ")) << words;
+    EXPECT_THAT(finished.output, IsEmpty()) << words;
+  }
+}
+
+TEST(Tool, TakesTheDomainFromTheEnvironment) {
+  const RunningService service("--clock lockstep");
+  setenv("VDRIVE_DOMAIN", std::to_string(test_domain()).c_str(), 1);  // NOLINT(*-mt-unsafe)
+  EXPECT_EQ(Process(VDRIVE_TOOL, {"list"}).wait().code, 0);
+}
+
+class ToolInLockStep : public testing::Test {
+ protected:
+  RunningService service_{"--clock lockstep"};
+};
+
+TEST_F(ToolInLockStep, DrivesAnAxisThroughItsLife) {
+  for (const char* const words :
+       {"list", "status 1.1", "enable 1.1", "move 1.1 1000", "move 1.1 -500 --relative",
+        "move 1.1 5000 --velocity 1000 --no-wait", "step 100", "halt 1.1", "resume 1.1",
+        "quick-stop 1.1", "enable 1.1", "disable 1.1", "disturb 1.1 over_current", "step 2",
+        "disturb 1.1 none", "reset 1.1", "power-cycle 1.1", "watch 1.1 1.2 --count 1"}) {
+    const Finished finished = tool(words);
+    EXPECT_EQ(finished.code, 0) << words << ": " << finished.errors;
+    EXPECT_THAT(finished.output, Not(IsEmpty())) << words;
+  }
+}
+
+TEST_F(ToolInLockStep, ReadAnswersInJsonAsDocumented) {
+  const Finished finished = tool("read 1.1 0x6041 0x607D:1 --json");
+  ASSERT_EQ(finished.code, 0) << finished.errors;
+  EXPECT_EQ(finished.output,
+            R"({"axis":"1.1","index":"0x6041","subindex":0,"name":"ds402_statusword","value":592,)"
+            R"("tick":0})"
+            "\n"
+            R"({"axis":"1.1","index":"0x607D","subindex":1,"name":"user_position_lower_limit",)"
+            R"("value":-2147483648,"tick":0})"
+            "\n");
+}
+
+TEST_F(ToolInLockStep, EveryWordAnswersInJsonAsDocumented) {
+  const auto fields = [](const std::string& words) {
+    const auto objects = json_of(tool(words + " --json"));
+    return objects.empty() ? std::vector<std::string>{} : keys(objects.front());
+  };
+  EXPECT_THAT(fields("list"), ElementsAre("axis", "bench", "bench_name", "clock", "period_us",
+                                          "name", "state", "statusword", "owner", "tick"));
+  EXPECT_THAT(fields("enable 1.1"), ElementsAre("axis", "command", "outcome", "tick", "state",
+                                                "statusword", "position"));
+  EXPECT_THAT(fields("move 1.1 10"), ElementsAre("axis", "command", "outcome", "tick", "state",
+                                                 "statusword", "position"));
+  EXPECT_THAT(fields("write 1.1 0x6081 5"),
+              ElementsAre("axis", "index", "subindex", "name", "value", "outcome", "tick"));
+  EXPECT_THAT(fields("disturb 1.1 load_torque 5"),
+              ElementsAre("axis", "index", "subindex", "name", "value", "outcome", "tick"));
+  EXPECT_THAT(fields("step 3"), ElementsAre("bench", "ticks", "tick"));
+  EXPECT_THAT(fields("status 1.1"), AllOf(testing::Contains("ds402_statusword"),
+                                          testing::Contains("owner_epoch")));
+  EXPECT_THAT(fields("watch 1.1 --count 1"), testing::Contains("position_demand_value"));
+}
+
+TEST_F(ToolInLockStep, ARefusalExitsFiveWithItsCodeAndMeaning) {
+  struct Row {
+    const char* words;
+    const char* code;
+  };
+  for (const Row& row : {Row{"read 1.1 0x9999", "0x06020000"},
+                         Row{"read 1.1 no_such_object", "0x06020000"},
+                         Row{"read 1.1 0x6041:7", "0x06090011"},
+                         Row{"write 1.1 0x6041 0", "0x06010002"},
+                         Row{"write 1.1 0x60F2 3", "0x06090030"},
+                         Row{"write 1.1 0x6080 0", "0x06090032"},
+                         Row{"move 1.1 100", "0x08000022"},
+                         Row{"halt 1.1", "0x08000022"}}) {
+    const Finished text = tool(row.words);
+    EXPECT_EQ(text.code, 5) << row.words;
+    EXPECT_THAT(text.errors, HasSubstr(row.code)) << row.words;
+    EXPECT_THAT(text.output, IsEmpty()) << row.words;
+    const auto objects = json_of(tool(std::string(row.words) + " --json"));
+    ASSERT_THAT(objects, SizeIs(1)) << row.words;
+    EXPECT_EQ(objects[0]["code"], row.code) << row.words;
+    EXPECT_FALSE(objects[0]["message"].get<std::string>().empty()) << row.words;
+  }
+}
+
+TEST_F(ToolInLockStep, ReadTellsEveryObjectEvenWhenOneIsRefused) {
+  const Finished finished = tool("read 1.1 0x6041 0x9999 no_such 0x6061 --json");
+  EXPECT_EQ(finished.code, 5);
+  const auto objects = json_of(finished);
+  ASSERT_THAT(objects, SizeIs(4));
+  EXPECT_TRUE(objects[0].contains("value"));
+  EXPECT_EQ(objects[1]["code"], "0x06020000");
+  EXPECT_EQ(objects[2]["name"], "no_such");
+  EXPECT_EQ(objects[3]["value"], 0);
+}
+
+TEST_F(ToolInLockStep, AnUnknownAxisExitsThreeAndSaysWhatIsThere) {
+  const Finished number = tool("status 1.9");
+  EXPECT_EQ(number.code, 3);
+  EXPECT_THAT(number.errors, AllOf(HasSubstr("1.9"), HasSubstr("bench 1")));
+  const Finished name = tool("status nobody");
+  EXPECT_EQ(name.code, 3);
+  EXPECT_THAT(name.errors, AllOf(HasSubstr("nobody"), HasSubstr("bench 1")));
+  EXPECT_EQ(tool("status 2.1 --timeout 0.2").code, 3);
+}
+
+TEST_F(ToolInLockStep, AMoveThatTakesTooLongExitsFour) {
+  ASSERT_EQ(tool("enable 1.1").code, 0);
+  const Finished finished = tool("move 1.1 100000 --velocity 10 --timeout 1");
+  EXPECT_EQ(finished.code, 4);
+  EXPECT_THAT(finished.errors, HasSubstr("target reached"));
+}
+
+TEST_F(ToolInLockStep, AMoveEndedByAFaultExitsOne) {
+  ASSERT_EQ(tool("enable 1.1").code, 0);
+  ASSERT_EQ(tool("disturb 1.1 blocked_load").code, 0);
+  const Finished finished = tool("move 1.1 1000000");
+  EXPECT_EQ(finished.code, 1);
+  EXPECT_THAT(finished.errors, HasSubstr("0x8611"));
+}
+
+TEST_F(ToolInLockStep, ADisturbanceForATimeIsClearedAfterIt) {
+  ASSERT_EQ(tool("disturb 1.1 load_torque -100 --for 20ms").code, 0);
+  const auto objects = json_of(tool("read 1.1 0x5E00 --json"));
+  EXPECT_EQ(objects.at(0)["value"], 0);
+  EXPECT_EQ(objects.at(0)["tick"], 20);
+}
+
+TEST_F(ToolInLockStep, TwoBenchesNeedANumberForAStep) {
+  const RunningService other("--clock lockstep --bench 2");
+  const Finished finished = tool("step 1");
+  EXPECT_EQ(finished.code, 3);
+  EXPECT_THAT(finished.errors, AllOf(HasSubstr("bench 1"), HasSubstr("bench 2")));
+  EXPECT_EQ(tool("step 1 --bench 2").code, 0);
+}
+
+TEST_F(ToolInLockStep, WatchEndsOnAnInterruptWith130) {
+  Process watch(VDRIVE_TOOL, tool_arguments("watch 1.1"));
+  EXPECT_THAT(watch.read_line(), HasSubstr("Switch on disabled"));
+  watch.send(SIGINT);
+  const Finished finished = watch.wait();
+  EXPECT_EQ(finished.code, 130);
+  EXPECT_THAT(finished.errors, IsEmpty());
+}
+
+TEST_F(ToolInLockStep, ALongRunEndsOnAnInterruptWith130AndReleases) {
+  ASSERT_EQ(tool("enable 1.1").code, 0);
+  Process move(VDRIVE_TOOL, tool_arguments("run - --json"),
+               "step 1\nmove 1.1 1000000 --velocity 1 --timeout 3600000\n");
+  EXPECT_THAT(move.read_line(), HasSubstr("step 1"));
+  move.send(SIGINT);
+  EXPECT_EQ(move.wait().code, 130);
+  EXPECT_TRUE(json_of(tool("status 1.1 --json")).at(0)["owner"].is_null());
+}
+
+TEST_F(ToolInLockStep, AReaderThatGoesAwayIsNoError) {
+  Process watch(VDRIVE_TOOL, tool_arguments("watch 1.1 --json --count 3"));
+  watch.stop_reading();
+  EXPECT_EQ(tool("step 5000").code, 0);  // gives it something to say
+  const Finished finished = watch.wait();
+  EXPECT_EQ(finished.code, 0);
+  EXPECT_THAT(finished.errors, IsEmpty());
+}
+
+TEST_F(ToolInLockStep, AScenarioFromStandardInputRunsAsOneSession) {
+  const Finished finished = tool("run -",
+                                 "enable 1.1\r\n"
+                                 "write 1.1 0x607A 100   # a comment\r\n"
+                                 "\r\n"
+                                 "write 1.1 0x6060 1\r\n"
+                                 "step 1\r\n"
+                                 "write 1.1 0x6040 0x3F\r\n"
+                                 "expect 1.1 0x6041 0x1637 --within 1s\r\n"
+                                 "refused 0x06010002 write 1.1 0x6041 1\r\n");
+  EXPECT_EQ(finished.code, 0) << finished.errors << finished.output;
+  EXPECT_THAT(finished.output, HasSubstr("passed"));
+}
+
+TEST_F(ToolInLockStep, AScenarioEndsAtItsFirstFailureWithPlaceAndValues) {
+  const auto junit = std::filesystem::temp_directory_path() /
+                     ("vdrive-junit-" + std::to_string(test_domain()) + ".xml");
+  const Finished finished = tool({"run", "-", "--junit", junit.string()},
+                                 "# title\n"
+                                 "expect 1.1 0x6041 0x250\n"
+                                 "expect 1.1 0x6041 0x231 --within 5ms\n"
+                                 "enable 1.1\n");
+  EXPECT_EQ(finished.code, 1);
+  EXPECT_THAT(finished.errors,
+              AllOf(HasSubstr("<stdin>:3:"), HasSubstr("expected 0x231"), HasSubstr("actual 0x250"),
+                    HasSubstr("at tick 5")));
+  std::ifstream file(junit);
+  std::stringstream xml;
+  xml << file.rdbuf();
+  EXPECT_THAT(xml.str(), HasSubstr("tests=\"3\" failures=\"1\" skipped=\"1\""));
+  std::filesystem::remove(junit);
+  EXPECT_EQ(json_of(tool("status 1.1 --json")).at(0)["ds402_statusword"], 0x250) << "not enabled";
+}
+
+TEST_F(ToolInLockStep, AnyOtherRefusedLineEndsTheScenario) {
+  const Finished other = tool("run -", "refused 0x06010002 write 1.1 0x60F2 3\n");
+  EXPECT_EQ(other.code, 1);
+  EXPECT_THAT(other.errors, AllOf(HasSubstr("0x06010002"), HasSubstr("0x06090030")));
+  EXPECT_EQ(tool("run -", "refused 0x06010002 write 1.1 0x60F2 1\n").code, 1) << "accepted";
+  EXPECT_EQ(tool("run -", "write 1.1 0x60F2 3\n").code, 1);
+}
+
+TEST_F(ToolInLockStep, AScenarioIsReadWholeBeforeItDoesAnything) {
+  const Finished finished = tool("run -", "enable 1.1\ndance\n");
+  EXPECT_EQ(finished.code, 2);
+  EXPECT_THAT(finished.errors, HasSubstr("<stdin>:2:"));
+  EXPECT_EQ(tool("run -", "enable 1.1\nenable 1.9\n").code, 3) << "an axis that is not there";
+  EXPECT_EQ(json_of(tool("status 1.1 --json")).at(0)["ds402_statusword"], 0x250);
+}
+
+TEST_F(ToolInLockStep, AScenarioTellsItsLinesInJson) {
+  const Finished finished = tool("run - --json", "wait 3ms\nread 1.1 0x6041\nexpect 1.1 0x6041 0\n");
+  EXPECT_EQ(finished.code, 1);
+  const auto objects = json_of(finished);
+  ASSERT_THAT(objects, SizeIs(5));
+  EXPECT_THAT(keys(objects[0]), ElementsAre("file", "line", "command", "outcome"));
+  EXPECT_EQ(objects[1]["tick"], 3) << "what a word answers comes before its line";
+  EXPECT_THAT(keys(objects[3]), ElementsAre("file", "line", "command", "outcome", "message",
+                                            "expected", "actual", "tick"));
+  EXPECT_EQ(objects[3]["actual"], 0x250);
+  EXPECT_EQ(objects[4]["passed"], false);
+}
+
+TEST_F(ToolInLockStep, ThroughoutSeesATickThatDiffers) {
+  const Finished finished = tool("run -",
+                                 "enable 1.1\n"
+                                 "write 1.1 0x6060 1\n"
+                                 "step 1\n"
+                                 "write 1.1 0x607A 0\n"
+                                 "write 1.1 0x6040 0x3F\n"  // a move to where it is: 20 ms
+                                 "expect 1.1 0x6041 0x1237 --throughout 30ms\n");
+  EXPECT_EQ(finished.code, 1);
+  EXPECT_THAT(finished.errors, HasSubstr("actual 0x1637"));
+}
+
+TEST(ToolInRealtime, CommandsWithinHalfASecond) {
+  const RunningService service("--clock realtime");
+  ASSERT_EQ(tool("enable 1.1").code, 0);
+  const Finished moved = tool("move 1.1 1000 --json");
+  EXPECT_EQ(moved.code, 0) << moved.errors;
+  EXPECT_EQ(tool("step 1").code, 5);
+  // The median, because the machine may be busy with other tests.
+  std::vector<std::chrono::milliseconds> durations;
+  for (int i = 0; i < 7; ++i) durations.push_back(tool("read 1.1 0x6041").duration);
+  std::ranges::sort(durations);
+  EXPECT_LT(durations[3], 500ms);
+}
+
+TEST(ToolInRealtime, WatchStreamsWhileAnotherCallMoves) {
+  const RunningService service("--clock realtime");
+  ASSERT_EQ(tool("enable 1.1").code, 0);
+  Process watch(VDRIVE_TOOL, tool_arguments("watch 1.1 --json --count 15"));
+  ASSERT_EQ(tool("move 1.1 5000 --velocity 5000").code, 0);
+  const Finished finished = watch.wait();
+  EXPECT_EQ(finished.code, 0);
+  const auto samples = json_of(finished);
+  ASSERT_THAT(samples, SizeIs(15));
+  EXPECT_NE(samples.front()["load_position_actual_value"],
+            samples.back()["load_position_actual_value"]);
+}
+
+TEST(ToolInRealtime, RunsAScenarioOfTimesOnly) {
+  const RunningService service("--clock realtime");
+  const Finished finished = tool("run -",
+                                 "enable 1.1\n"
+                                 "write 1.1 0x6060 1\n"
+                                 "wait 20ms\n"
+                                 "write 1.1 0x607A 2000\n"
+                                 "write 1.1 0x6081 5000\n"
+                                 "write 1.1 0x6040 0x3F\n"
+                                 "expect 1.1 0x6041 0x1237 --within 50ms\n"
+                                 "expect 1.1 0x6041 0x1637 --within 2s\n"
+                                 "expect 1.1 0x6062 2000\n"
+                                 "expect 1.1 0x607A 2000 --within 1ms\n"
+                                 "disable 1.1\n"
+                                 "refused 14 step 1\n");
+  EXPECT_EQ(finished.code, 0) << finished.errors << finished.output;
+}
+
+TEST(ToolInRealtime, ThroughoutWantsAnObjectOfTheStatusStream) {
+  const RunningService service("--clock realtime");
+  const Finished finished = tool("run -", "expect 1.1 0x607A 0 --throughout 5ms\n");
+  EXPECT_EQ(finished.code, 1);
+  EXPECT_THAT(finished.errors, HasSubstr("status stream"));
+}
+
+}  // namespace
+}  // namespace vdrive::test

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+// Objects, values and durations as a user types them.
+#include "value.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "usage_error.hpp"
+
+namespace vdrive::tool {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+constexpr ObjectAddress kStatusword{0x6041, 0};
+
+TEST(ObjectName, IsAnIndexOfSubIndexZero) { EXPECT_EQ(parse_object("0x6041").address, kStatusword); }
+
+TEST(ObjectName, IsAnIndexWithASubIndexInDecimalOrHex) {
+  EXPECT_EQ(parse_object("0x607D:1").address, (ObjectAddress{0x607D, 1}));
+  EXPECT_EQ(parse_object("0x607d:0x02").address, (ObjectAddress{0x607D, 2}));
+}
+
+TEST(ObjectName, IsAVariableName) {
+  EXPECT_EQ(parse_object("ds402_statusword").address, kStatusword);
+  EXPECT_EQ(parse_object("user_position_upper_limit").address, (ObjectAddress{0x607D, 2}));
+}
+
+TEST(ObjectName, OfNoObjectIsForTheDriveToRefuse) {
+  EXPECT_EQ(parse_object("no_such_object").address, std::nullopt);
+  EXPECT_EQ(parse_object("0x9999").address, (ObjectAddress{0x9999, 0}));
+  EXPECT_EQ(parse_object("0x9999").row(), std::nullopt);
+}
+
+class BadObject : public testing::TestWithParam<const char*> {};
+
+TEST_P(BadObject, IsAUsageErrorThatShowsTheText) {
+  EXPECT_THAT([] { (void)parse_object(GetParam()); },
+              ThrowsMessage<UsageError>(HasSubstr(std::string("'") + GetParam() + "'")));
+}
+
+INSTANTIATE_TEST_SUITE_P(Texts, BadObject,
+                         testing::Values("", "6041", "0x", "0xZZ", "0x60410", "0x607D:", "0x607D:256",
+                                         "0x607D:x", "Statusword", "0x607D:1:2", "-0x6041"),
+                         
+    [](const auto& text) { return "row_" + std::to_string(text.index); });
+
+TEST(Value, IsDecimalOrNegative) {
+  EXPECT_EQ(parse_value("10000", DataType::integer32), 10000);
+  EXPECT_EQ(parse_value("-10000", DataType::integer32), -10000);
+}
+
+TEST(Value, InHexIsTheTypesTwosComplement) {
+  EXPECT_EQ(parse_value("0xFFFFD8F0", DataType::integer32), -10000);
+  EXPECT_EQ(parse_value("0x2710", DataType::integer32), 10000);
+  EXPECT_EQ(parse_value("0xFF", DataType::integer8), -1);
+  EXPECT_EQ(parse_value("0xFFFF", DataType::integer16), -1);
+  EXPECT_EQ(parse_value("0x7F", DataType::integer8), 127);
+  EXPECT_EQ(parse_value("0xFFFFFFFF", DataType::unsigned32), 4294967295);
+  EXPECT_EQ(parse_value("0xFFFF", DataType::unsigned16), 65535);
+}
+
+struct Row {
+  const char* name;
+  const char* text;
+  DataType type;
+};
+
+class BadValue : public testing::TestWithParam<Row> {};
+
+TEST_P(BadValue, IsAUsageErrorThatShowsTheText) {
+  EXPECT_THAT([] { (void)parse_value(GetParam().text, GetParam().type); },
+              ThrowsMessage<UsageError>(HasSubstr(std::string("'") + GetParam().text + "'")));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Texts, BadValue,
+    testing::Values(Row{"empty", "", DataType::integer32}, Row{"words", "ten", DataType::integer32},
+                    Row{"half_a_number", "10x", DataType::integer32},
+                    Row{"a_fraction", "1.5", DataType::integer32},
+                    Row{"a_plus", "+1", DataType::integer32},
+                    Row{"a_negative_hex", "-0x10", DataType::integer32},
+                    Row{"no_hex_digit", "0x1G", DataType::integer32},
+                    Row{"one_too_high", "2147483648", DataType::integer32},
+                    Row{"one_too_low", "-2147483649", DataType::integer32},
+                    Row{"nine_hex_digits", "0x100000000", DataType::integer32},
+                    Row{"too_wide_for_a_byte", "0x1FF", DataType::integer8},
+                    Row{"negative_unsigned", "-1", DataType::unsigned16},
+                    Row{"far_too_high", "99999999999999999999999", DataType::unsigned32},
+                    Row{"far_too_wide", "0x123456789ABCDEF012345", DataType::unsigned32}),
+    [](const auto& row) { return row.param.name; });
+
+TEST(Value, TooWideNamesTheLimits) {
+  EXPECT_THAT([] { (void)parse_value("300", DataType::integer8); },
+              ThrowsMessage<UsageError>(HasSubstr("-128 to 127")));
+}
+
+TEST(Value, OfAnUnknownObjectIsAnyNumberOf32Bits) {
+  EXPECT_EQ(parse_value("0xFFFFFFFF", parse_object("0x9999")), 4294967295);
+  EXPECT_EQ(parse_value("-1", parse_object("no_such_object")), -1);
+}
+
+TEST(Duration, HasAUnit) {
+  EXPECT_EQ(parse_duration("500us"), 500us);
+  EXPECT_EQ(parse_duration("20ms"), 20ms);
+  EXPECT_EQ(parse_duration("1.5s"), 1500ms);
+  EXPECT_EQ(parse_duration("0s"), 0s);
+  EXPECT_EQ(parse_duration("0.0005ms"), 500ns);
+  EXPECT_EQ(parse_duration("3600000s"), 1000h);
+}
+
+TEST(Duration, FinerThanANanosecondIsRoundedUp) { EXPECT_EQ(parse_duration("0.0000001ms"), 1ns); }
+
+class BadDuration : public testing::TestWithParam<const char*> {};
+
+TEST_P(BadDuration, IsAUsageErrorThatShowsTheText) {
+  EXPECT_THAT([] { (void)parse_duration(GetParam()); },
+              ThrowsMessage<UsageError>(HasSubstr(std::string("'") + GetParam() + "'")));
+}
+
+INSTANTIATE_TEST_SUITE_P(Texts, BadDuration,
+                         testing::Values("", "s", "20", "-1s", "1e3s", "1.s", ".5s", "1.2.3s",
+                                         "5min", "3600001s", "99999999999999999999s"),
+                         
+    [](const auto& text) { return "row_" + std::to_string(text.index); });
+
+TEST(Duration, OfAnOptionIsInSecondsWithoutAUnit) {
+  EXPECT_EQ(parse_seconds("2"), 2s);
+  EXPECT_EQ(parse_seconds("0.5"), 500ms);
+  EXPECT_EQ(parse_seconds("250ms"), 250ms);
+  EXPECT_THROW((void)parse_seconds("soon"), UsageError);
+}
+
+}  // namespace
+}  // namespace vdrive::tool
