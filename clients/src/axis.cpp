@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/client/axis.hpp"
 
-#include <algorithm>
-#include <array>
-
 #include "conversation.hpp"
 #include "vdrive/cia402/controlword.hpp"
 #include "vdrive/cia402/statusword.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+
+#include <algorithm>
+#include <array>
 
 namespace vdrive::client {
 namespace {
@@ -26,7 +26,9 @@ bool is_fault(PowerState state) {
   return state == PowerState::fault || state == PowerState::fault_reaction_active;
 }
 
-bool target_reached(const AxisSnapshot& axis) { return axis.shows(Statusword::kTargetReached); }
+bool target_reached(const AxisSnapshot& axis) {
+  return axis.shows(Statusword::kTargetReached);
+}
 
 /// Says the words that lead from the present state to Operation enabled.
 Outcome say_enabling(Conversation& talk) {
@@ -142,7 +144,7 @@ Result<AxisSnapshot> Axis::status() const {
 Outcome Axis::acquire() {
   const auto target = core_->connect(id_.bench);
   if (!target) return target.outcome();
-  return core_->acquire(*target, id_.axis);
+  return core_->acquire(*target, id_.axis, false);
 }
 
 Outcome Axis::enable(const CallOptions& options) {
@@ -251,9 +253,8 @@ Outcome Axis::reset_fault(const CallOptions& options) {
   const std::uint16_t reset = Controlword::kFaultReset;
   if (Outcome said = talk.say({kDisableVoltage, reset, kDisableVoltage}); !said) return said;
   if (!is_fault(talk.state())) return {};
-  return Outcome::refused(
-      static_cast<std::uint32_t>(AbortCode::refused_in_present_device_state),
-      talk.ended("the end of the fault").message() + ", the cause persists");
+  return Outcome::refused(static_cast<std::uint32_t>(AbortCode::refused_in_present_device_state),
+                          talk.ended("the end of the fault").message() + ", the cause persists");
 }
 
 Outcome Axis::power_cycle(const CallOptions& options) {

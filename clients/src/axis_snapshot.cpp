@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/client/axis_snapshot.hpp"
 
-#include <array>
-#include <cstdio>
-
 #include "vdrive/cia402/statusword.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/wire/conversion.hpp"
+
+#include <array>
+#include <cstdio>
 
 namespace vdrive::client {
 namespace {
@@ -48,8 +48,8 @@ std::vector<std::string_view> statusword_flags(std::uint16_t statusword) {
 std::string describe_statusword(std::uint16_t statusword) {
   std::array<char, 16> hex{};
   std::snprintf(hex.data(), hex.size(), "0x%03X", unsigned{statusword});
-  std::string text = std::string(hex.data()) + " " +
-                     std::string(to_string(decode_power_state(statusword)));
+  std::string text =
+      std::string(hex.data()) + " " + std::string(to_string(decode_power_state(statusword)));
   std::string_view separator = ": ";
   for (const std::string_view name : statusword_flags(statusword)) {
     text.append(separator).append(name);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "conversation.hpp"
 
-#include <array>
-
 #include "vdrive/cia402/error_code.hpp"
+
+#include <array>
 
 namespace vdrive::client {
 namespace {
@@ -42,15 +42,15 @@ Outcome Conversation::listen() {
 
 Outcome Conversation::take_control() {
   if (Outcome heard = listen(); !heard) return heard;
-  return core_->acquire(target_, id_.axis);
+  return core_->acquire(target_, id_.axis, now_.owner_session == core_->id());
 }
 
 Outcome Conversation::say(std::span<const msg::AxisCommand> commands) {
   const auto applied = core_->command(target_, commands);
   if (!applied) return applied.outcome();
   if (applied->set_point_ignored) {
-    return Outcome::refused(kRefusedInState,
-                            "axis " + to_string(id_) + " ignored the set-point, its buffer is full");
+    return Outcome::refused(
+        kRefusedInState, "axis " + to_string(id_) + " ignored the set-point, its buffer is full");
   }
   if (!target_.steps()) return look_at(applied->tick, "the command to be in force");
   const std::array axes{id_.axis};
@@ -79,7 +79,9 @@ Outcome Conversation::look(std::string_view awaited) {
 }
 
 Outcome Conversation::look_at(std::uint64_t tick, std::string_view awaited) {
-  return look_until(awaited, [&](const AxisSnapshot& axis) { return axis.tick >= tick; });
+  return look_until(awaited, [&](const AxisSnapshot& axis) {
+    return axis.tick >= tick;
+  });
 }
 
 Outcome Conversation::note(Result<Observation> sample) {

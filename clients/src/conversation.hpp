@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "session_core.hpp"
+#include "vdrive/client/axis.hpp"
+
 #include <chrono>
 #include <initializer_list>
 #include <memory>
@@ -8,9 +11,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-
-#include "session_core.hpp"
-#include "vdrive/client/axis.hpp"
 
 namespace vdrive::client {
 

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/client/bench.hpp"
+#include "vdrive/wire/source.hpp"
+#include "vdrive_messages.h"
+
 #include <chrono>
 #include <compare>
 #include <cstdint>
 #include <map>
 #include <optional>
 #include <vector>
-
-#include "vdrive/client/bench.hpp"
-#include "vdrive/wire/source.hpp"
-#include "vdrive_messages.h"
 
 namespace vdrive::client {
 
@@ -50,8 +50,7 @@ class Directory {
   [[nodiscard]] std::vector<PresentBench> present(Clock::time_point now) const;
 
   /// @return the bench `number` if it is there.
-  [[nodiscard]] std::optional<PresentBench> find(std::uint32_t number,
-                                                 Clock::time_point now) const;
+  [[nodiscard]] std::optional<PresentBench> find(std::uint32_t number, Clock::time_point now) const;
 
   /// @return whether this run was heard within `patience` and has not gone offline.
   [[nodiscard]] bool is_alive(const BenchKey& key, std::chrono::milliseconds patience,

@@ -48,7 +48,9 @@ Outcome Outcome::not_found(std::string message) {
   return {OutcomeKind::not_found, 0, std::move(message)};
 }
 
-Outcome Outcome::lost(std::string message) { return {OutcomeKind::lost, 0, std::move(message)}; }
+Outcome Outcome::lost(std::string message) {
+  return {OutcomeKind::lost, 0, std::move(message)};
+}
 
 Outcome Outcome::failed(std::string message) {
   return {OutcomeKind::failed, 0, std::move(message)};

@@ -27,7 +27,9 @@ Session::Session(const SessionOptions& options) : core_(std::make_shared<Session
 
 Session::~Session() = default;
 
-std::uint64_t Session::id() const noexcept { return core_->id(); }
+std::uint64_t Session::id() const noexcept {
+  return core_->id();
+}
 
 std::vector<BenchInfo> Session::find_benches() {
   std::vector<BenchInfo> benches;
@@ -85,8 +87,12 @@ Result<Follower> Session::follow(std::vector<AxisId> axes, Pace pace) {
   return core_->follow(*target, std::move(*numbers), pace);
 }
 
-Outcome Session::release() { return core_->release(); }
+Outcome Session::release() {
+  return core_->release();
+}
 
-void Session::interrupt() noexcept { core_->interrupt(); }
+void Session::interrupt() noexcept {
+  core_->interrupt();
+}
 
 }  // namespace vdrive::client

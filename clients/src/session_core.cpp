@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "session_core.hpp"
 
+#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/wire/conversion.hpp"
+
 #include <algorithm>
 #include <array>
 #include <random>
 #include <utility>
-
-#include "vdrive/dictionary/dictionary.hpp"
-#include "vdrive/wire/conversion.hpp"
 
 namespace vdrive::client {
 namespace {
@@ -23,7 +23,7 @@ constexpr milliseconds kSilence{1000};
 constexpr SessionCore::Patience kAnswer{milliseconds(10'000), false};
 
 // After this without a further bench, all benches that are there have been found.
-constexpr milliseconds kSettle{150};
+constexpr milliseconds kSettle{250};
 
 // A running bench sends a sample of its status stream each tick; this allows for the match.
 constexpr milliseconds kFirstSample{1000};
@@ -54,7 +54,9 @@ std::string hex(std::uint64_t number) {
   return text;
 }
 
-std::string name_of(const Target& target) { return "bench " + std::to_string(target.key.number); }
+std::string name_of(const Target& target) {
+  return "bench " + std::to_string(target.key.number);
+}
 
 std::string name_of(const Target& target, std::uint16_t axis) {
   return "axis " + to_string(AxisId{target.key.number, axis});
@@ -76,9 +78,10 @@ Outcome refusal_of(const Target& target, const msg::Reply& reply, std::string_vi
   std::string message(what);
   message += " refused";
   if (reply.owner_session() != 0) {
-    message += ", " + (reply.refused_axis() == 0 ? std::string("it")
-                                                 : name_of(target, reply.refused_axis())) +
-               " is held by session " + hex(reply.owner_session());
+    message +=
+        ", " +
+        (reply.refused_axis() == 0 ? std::string("it") : name_of(target, reply.refused_axis())) +
+        " is held by session " + hex(reply.owner_session());
   } else if (reply.refused_axis() != 0) {
     message += " because of " + name_of(target, reply.refused_axis());
   }
@@ -155,8 +158,7 @@ SessionCore::~SessionCore() {
 
 // ---- what arrives ----------------------------------------------------------------------------
 
-void SessionCore::on_description(const msg::BenchDescription& message,
-                                 const wire::Source& source) {
+void SessionCore::on_description(const msg::BenchDescription& message, const wire::Source& source) {
   if (options_.bench && message.bench() != *options_.bench) return;
   const std::scoped_lock lock(mutex_);
   directory_.on_description(message, source);
@@ -278,8 +280,8 @@ Result<PresentBench> SessionCore::find_bench(std::optional<std::uint32_t> number
 Result<AxisInfo> SessionCore::find_axis(std::string_view text) {
   if (const auto id = parse_axis_id(text)) {
     const auto bench = find_bench(id->bench);
-    if (!bench) return Outcome::not_found("no axis " + to_string(*id) + ": " +
-                                          bench.outcome().message());
+    if (!bench)
+      return Outcome::not_found("no axis " + to_string(*id) + ": " + bench.outcome().message());
     for (const AxisInfo& axis : bench->info.axes) {
       if (axis.id == *id) return axis;
     }
@@ -288,16 +290,17 @@ Result<AxisInfo> SessionCore::find_axis(std::string_view text) {
   std::vector<AxisInfo> matches;
   const std::vector<PresentBench> benches = find_benches();
   for (const PresentBench& bench : benches) {
-    std::ranges::copy_if(bench.info.axes, std::back_inserter(matches),
-                         [&](const AxisInfo& axis) { return axis.name == text; });
+    std::ranges::copy_if(bench.info.axes, std::back_inserter(matches), [&](const AxisInfo& axis) {
+      return axis.name == text;
+    });
   }
   if (matches.size() == 1) return std::move(matches.front());
   if (matches.empty()) {
     return Outcome::not_found("no axis is named '" + std::string(text) + "' on domain " +
                               std::to_string(options_.domain) + ", " + list_of(benches));
   }
-  return Outcome::not_found("several axes are named '" + std::string(text) + "': " +
-                            to_string(matches[0].id) + ", " + to_string(matches[1].id));
+  return Outcome::not_found("several axes are named '" + std::string(text) +
+                            "': " + to_string(matches[0].id) + ", " + to_string(matches[1].id));
 }
 
 Result<Target> SessionCore::connect(std::uint32_t number) {
@@ -341,7 +344,9 @@ Result<msg::Reply> SessionCore::request(const Target& target, msg::Request reque
   const bool sent = request_publication_.write(request);
   lock.lock();
   Outcome outcome = sent ? wait(lock, target, kAnswer,
-                                [&] { return requests_.at(number).has_value(); })
+                                [&] {
+                                  return requests_.at(number).has_value();
+                                })
                          : Outcome::lost(name_of(target) + " takes no more requests");
   std::optional<msg::Reply> reply = std::move(requests_.at(number));
   requests_.erase(number);
@@ -365,8 +370,7 @@ SessionCore::Holding& SessionCore::holding(const BenchKey& key) {
   return holding;
 }
 
-void SessionCore::note_acquired(const Target& target, std::uint16_t axis,
-                                const msg::Reply& reply) {
+void SessionCore::note_acquired(const Target& target, std::uint16_t axis, const msg::Reply& reply) {
   if (reply.epoch() == 0) return;
   {
     const std::scoped_lock lock(mutex_);
@@ -379,17 +383,17 @@ void SessionCore::note_acquired(const Target& target, std::uint16_t axis,
   start_keep_alive();
 }
 
-Outcome SessionCore::acquire(const Target& target, std::uint16_t axis) {
+Outcome SessionCore::acquire(const Target& target, std::uint16_t axis, bool shows_us) {
   if (Outcome matched = await_command_match(target); !matched) return matched;
   {
     const std::scoped_lock lock(mutex_);
-    if (holding(target.key).axes.contains(axis)) return {};
+    if (shows_us && holding(target.key).axes.contains(axis)) return {};
   }
   msg::Request request;
   request.kind(msg::REQUEST_ACQUIRE);
   request.axes().push_back(axis);
-  const auto reply = request_control(target, std::move(request),
-                                     "control of " + name_of(target, axis));
+  const auto reply =
+      request_control(target, std::move(request), "control of " + name_of(target, axis));
   if (!reply) return reply.outcome();
   note_acquired(target, axis, *reply);
   return {};
@@ -436,9 +440,9 @@ Outcome SessionCore::release() {
     request.kind(msg::REQUEST_RELEASE);
     const bool sent = request_publication_.write(request);
     lock.lock();
-    const bool answered =
-        sent && changed_.wait_for(lock, kReleaseAnswer,
-                                  [&] { return requests_.at(id).has_value(); });
+    const bool answered = sent && changed_.wait_for(lock, kReleaseAnswer, [&] {
+      return requests_.at(id).has_value();
+    });
     requests_.erase(id);
     if (!answered) result = Outcome::lost("bench " + std::to_string(number) + " did not answer");
   }
@@ -487,14 +491,16 @@ Outcome SessionCore::send(const Target& target, std::span<const msg::AxisCommand
   return {};
 }
 
-Result<Applied> SessionCore::collect(const Target& target,
-                                     std::span<const std::uint64_t> sequences, Outcome outcome) {
+Result<Applied> SessionCore::collect(const Target& target, std::span<const std::uint64_t> sequences,
+                                     Outcome outcome) {
   Applied applied;
   Lock lock(mutex_);
   for (const std::uint64_t sequence : sequences) {
     const auto entry = commands_.find({target.key, sequence});
     if (outcome) {
-      outcome = wait(lock, target, kAnswer, [&] { return entry->second.has_value(); });
+      outcome = wait(lock, target, kAnswer, [&] {
+        return entry->second.has_value();
+      });
     }
     if (outcome && !entry->second->refusals().empty()) {
       outcome = refusal_of(target, entry->second->refusals().front());
@@ -573,7 +579,9 @@ std::shared_ptr<StatusFeed> SessionCore::open_feed(const Target& target,
       std::make_shared<StatusFeed>(target.key, std::move(axes), target.status_every_ticks);
   {
     const std::scoped_lock lock(mutex_);
-    std::erase_if(feeds_, [](const auto& weak) { return weak.expired(); });
+    std::erase_if(feeds_, [](const auto& weak) {
+      return weak.expired();
+    });
     feeds_.push_back(feed);
   }
   subscribe_status();
@@ -613,8 +621,9 @@ Result<std::uint64_t> SessionCore::wait_for_tick(const Target& target, std::uint
 void SessionCore::subscribe_status() {
   std::call_once(status_subscribed_, [this] {
     status_subscription_ = std::make_unique<wire::Subscription<msg::StatusFrame>>(
-        participant_,
-        [this](const msg::StatusFrame& message, const wire::Source&) { on_status(message); });
+        participant_, [this](const msg::StatusFrame& message, const wire::Source&) {
+          on_status(message);
+        });
   });
 }
 
@@ -635,7 +644,9 @@ Result<Observation> SessionCore::next(const Target& target, StatusFeed& feed,
 void SessionCore::start_keep_alive() {
   if (options_.keep_alive != KeepAlive::own_thread) return;
   std::call_once(keep_alive_started_, [this] {
-    keep_alive_thread_ = std::jthread([this](const std::stop_token& stop) { keep_alive(stop); });
+    keep_alive_thread_ = std::jthread([this](const std::stop_token& stop) {
+      keep_alive(stop);
+    });
   });
 }
 
@@ -652,7 +663,9 @@ void SessionCore::keep_alive(const std::stop_token& stop) {
       }
     }
     for (const std::uint32_t bench : benches) send_keep_alive(bench);
-    sleep.wait_for(sleeping, stop, kKeepAlivePeriod, [] { return false; });
+    sleep.wait_for(sleeping, stop, kKeepAlivePeriod, [] {
+      return false;
+    });
   }
 }
 

@@ -1,6 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "directory.hpp"
+#include "status_feed.hpp"
+#include "vdrive/client/session.hpp"
+#include "vdrive/wire/participant.hpp"
+#include "vdrive/wire/publication.hpp"
+#include "vdrive/wire/subscription.hpp"
+#include "vdrive_messages.h"
+
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -16,14 +24,6 @@
 #include <thread>
 #include <utility>
 #include <vector>
-
-#include "directory.hpp"
-#include "status_feed.hpp"
-#include "vdrive/client/session.hpp"
-#include "vdrive/wire/participant.hpp"
-#include "vdrive/wire/publication.hpp"
-#include "vdrive/wire/subscription.hpp"
-#include "vdrive_messages.h"
 
 namespace vdrive::client {
 
@@ -80,7 +80,8 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
                                      std::string_view what);
 
   /// Takes an axis unless it is held already.
-  Outcome acquire(const Target& target, std::uint16_t axis);
+  /// @param shows_us whether the axis shows this session as its owner: control may have been lost
+  Outcome acquire(const Target& target, std::uint16_t axis, bool shows_us);
 
   /// Writes objects of one axis, which takes the axis when one of them is a command object.
   Result<msg::Reply> write(const Target& target, msg::Request request, std::string_view what);

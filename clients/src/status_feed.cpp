@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "status_feed.hpp"
 
-#include <algorithm>
-
 #include "session_core.hpp"
+
+#include <algorithm>
 
 namespace vdrive::client {
 namespace {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "directory.hpp"
+#include "vdrive/client/axis_snapshot.hpp"
+#include "vdrive_messages.h"
+
 #include <cstdint>
 #include <deque>
 #include <optional>
 #include <vector>
-
-#include "directory.hpp"
-#include "vdrive/client/axis_snapshot.hpp"
-#include "vdrive_messages.h"
 
 namespace vdrive::client {
 

@@ -30,18 +30,31 @@ bool ExpectCommand::accepts(std::int64_t actual) const noexcept {
 
 std::vector<std::string> axes_of(const Command& command) {
   using Axes = std::vector<std::string>;
-  return std::visit(
-      Overloaded{[](const ListCommand&) { return Axes{}; },
-                 [](const DictionaryCommand&) { return Axes{}; },
-                 [](const StepCommand&) { return Axes{}; },
-                 [](const RunCommand&) { return Axes{}; },
-                 [](const WaitCommand&) { return Axes{}; },
-                 [](const WatchCommand& watch) { return watch.axes; },
-                 [](const std::shared_ptr<const RefusedCommand>& refused) {
-                   return axes_of(refused->command);
-                 },
-                 [](const auto& other) { return Axes{other.axis}; }},
-      command);
+  return std::visit(Overloaded{[](const ListCommand&) {
+                                 return Axes{};
+                               },
+                               [](const DictionaryCommand&) {
+                                 return Axes{};
+                               },
+                               [](const StepCommand&) {
+                                 return Axes{};
+                               },
+                               [](const RunCommand&) {
+                                 return Axes{};
+                               },
+                               [](const WaitCommand&) {
+                                 return Axes{};
+                               },
+                               [](const WatchCommand& watch) {
+                                 return watch.axes;
+                               },
+                               [](const std::shared_ptr<const RefusedCommand>& refused) {
+                                 return axes_of(refused->command);
+                               },
+                               [](const auto& other) {
+                                 return Axes{other.axis};
+                               }},
+                    command);
 }
 
 std::string_view to_string(AxisWord word) noexcept {

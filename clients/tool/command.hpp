@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "value.hpp"
+#include "vdrive/client/axis.hpp"
+
 #include <chrono>
 #include <cstdint>
 #include <memory>
@@ -8,9 +11,6 @@
 #include <string>
 #include <variant>
 #include <vector>
-
-#include "value.hpp"
-#include "vdrive/client/axis.hpp"
 
 namespace vdrive::tool {
 
@@ -30,7 +30,15 @@ struct WatchCommand {
 };
 
 /// The words that only take an axis.
-enum class AxisWord : std::uint8_t { enable, disable, halt, resume, quick_stop, reset, power_cycle };
+enum class AxisWord : std::uint8_t {
+  enable,
+  disable,
+  halt,
+  resume,
+  quick_stop,
+  reset,
+  power_cycle
+};
 
 struct AxisCommand {
   AxisWord word;

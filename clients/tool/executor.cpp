@@ -30,7 +30,11 @@ Executor::Executor(client::Session& session, Terminal& terminal, bool is_json, b
 Outcome Executor::execute(const Command& command, std::optional<Duration> timeout) {
   timeout_ = timeout;
   found_.reset();
-  return std::visit([this](const auto& word) { return run(word); }, command);
+  return std::visit(
+      [this](const auto& word) {
+        return run(word);
+      },
+      command);
 }
 
 client::Result<client::Axis> Executor::axis(const std::string& name) {
@@ -226,8 +230,7 @@ Outcome Executor::run(const ReadCommand& command) {
   auto next = readings.objects.begin();
   for (const ObjectName& object : command.objects) {
     const client::ObjectReading reading =
-        object.address ? *next++
-                       : client::ObjectReading{{}, AbortCode::object_does_not_exist, 0};
+        object.address ? *next++ : client::ObjectReading{{}, AbortCode::object_does_not_exist, 0};
     Outcome printed = print_reading(axis->id(), object, reading, readings.tick);
     if (outcome) outcome = std::move(printed);
   }
@@ -251,8 +254,8 @@ Outcome Executor::print_reading(const client::AxisId& axis, const ObjectName& ob
     terminal_.print(reading_text(axis, object, reading.value));
   }
   if (code == 0) return {};
-  return Outcome::refused(code, "read of " + object.text + " of axis " + to_string(axis) +
-                                    " refused");
+  return Outcome::refused(code,
+                          "read of " + object.text + " of axis " + to_string(axis) + " refused");
 }
 
 Outcome Executor::run(const WriteCommand& command) {
@@ -263,8 +266,9 @@ Outcome Executor::run(const WriteCommand& command) {
 
 Outcome Executor::write(client::Axis& axis, const ObjectName& object, std::int64_t value) {
   constexpr std::uint16_t kTarget = 0x607A;
-  const auto tick = object.address ? axis.write(*object.address, value)
-                                   : client::Result<std::uint64_t>(unknown_object(axis.id(), object));
+  const auto tick = object.address
+                        ? axis.write(*object.address, value)
+                        : client::Result<std::uint64_t>(unknown_object(axis.id(), object));
   if (is_json_ && !is_quiet_) {
     Json json = object_json(axis.id(), object);
     json["value"] = value;
@@ -304,11 +308,10 @@ Outcome Executor::run(const StepCommand& command) {
   const auto reached = session_.step(bench->number, command.ticks);
   if (!reached || is_quiet_) return reached.outcome();
   if (is_json_) {
-    terminal_.print(to_line(
-        {{"bench", bench->number}, {"ticks", command.ticks}, {"tick", *reached}}));
+    terminal_.print(
+        to_line({{"bench", bench->number}, {"ticks", command.ticks}, {"tick", *reached}}));
   } else {
-    terminal_.print("bench " + std::to_string(bench->number) + " tick " +
-                    std::to_string(*reached));
+    terminal_.print("bench " + std::to_string(bench->number) + " tick " + std::to_string(*reached));
   }
   return {};
 }
@@ -335,8 +338,8 @@ Outcome Executor::run(const std::shared_ptr<const RefusedCommand>& command) {
   if (outcome.kind() == OutcomeKind::refused && outcome.code() == command->code) return {};
   found_ = Json{{"expected", hex_code(command->code)},
                 {"actual", outcome ? "accepted" : outcome.message()}};
-  return Outcome::failed("expected the refusal " + hex_code(command->code) + ", actual: " +
-                         (outcome ? std::string("accepted") : outcome.message()));
+  return Outcome::failed("expected the refusal " + hex_code(command->code) +
+                         ", actual: " + (outcome ? std::string("accepted") : outcome.message()));
 }
 
 }  // namespace vdrive::tool

@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "command.hpp"
+#include "report.hpp"
+#include "terminal.hpp"
+#include "vdrive/client/axis.hpp"
+#include "vdrive/client/session.hpp"
+
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -9,12 +15,6 @@
 #include <set>
 #include <string>
 #include <vector>
-
-#include "command.hpp"
-#include "report.hpp"
-#include "terminal.hpp"
-#include "vdrive/client/axis.hpp"
-#include "vdrive/client/session.hpp"
 
 namespace vdrive::tool {
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The word `expect`: now, within a time, throughout a time.
+#include "executor.hpp"
+
 #include <algorithm>
 #include <chrono>
-
-#include "executor.hpp"
 
 namespace vdrive::tool {
 namespace {
@@ -148,10 +148,9 @@ Outcome Executor::look_throughout(Looker& looker, const ExpectCommand& command) 
   while (true) {
     if (!command.accepts(looker.value())) return differs(command, looker.value(), looker.tick());
     if (looker.missed() != 0) {
-      return Outcome::failed(std::to_string(looker.missed()) +
-                             " samples of the status stream were lost before tick " +
-                             std::to_string(looker.tick()) +
-                             ": --throughout did not see every tick");
+      return Outcome::failed(
+          std::to_string(looker.missed()) + " samples of the status stream were lost before tick " +
+          std::to_string(looker.tick()) + ": --throughout did not see every tick");
     }
     if (looker.tick() >= last) return {};
     if (Outcome seen = looker.next(); !seen) return seen;
@@ -160,9 +159,8 @@ Outcome Executor::look_throughout(Looker& looker, const ExpectCommand& command) 
 
 Outcome Executor::differs(const ExpectCommand& command, std::int64_t actual, std::uint64_t tick) {
   found_ = Json{{"expected", command.value}, {"actual", actual}, {"tick", tick}};
-  std::string message = command.object.text + ": expected " + expected_text(command) +
-                        ", actual " + value_text(command.object, actual) + " at tick " +
-                        std::to_string(tick);
+  std::string message = command.object.text + ": expected " + expected_text(command) + ", actual " +
+                        value_text(command.object, actual) + " at tick " + std::to_string(tick);
   return Outcome::failed(std::move(message));
 }
 

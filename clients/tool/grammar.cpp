@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "grammar.hpp"
 
+#include "help.hpp"
+#include "usage_error.hpp"
+
+#include <CLI/CLI.hpp>
+
 #include <algorithm>
 #include <array>
 #include <limits>
 #include <map>
 #include <memory>
 #include <utility>
-
-#include <CLI/CLI.hpp>
-
-#include "help.hpp"
-#include "usage_error.hpp"
 
 namespace vdrive::tool {
 namespace {
@@ -118,6 +118,7 @@ class Grammar {
 
   /// @throws CLI::ParseError, UsageError
   void parse(std::vector<std::string> arguments) {
+    check_word(arguments);
     std::ranges::reverse(arguments);  // CLI11 takes them from the back
     app_.parse(std::move(arguments));
   }
@@ -136,11 +137,28 @@ class Grammar {
   /// Everything that words take, as text; one word is used a line.
   struct Words {
     std::string axis, object, value, kind, duration, mask, tolerance, within, throughout;
-    std::string velocity, acceleration, deceleration, count, bench, format = "table", language = "en";
+    std::string velocity, acceleration, deceleration, count, bench, format = "table",
+                                                                    language = "en";
     std::string file, junit;
     std::vector<std::string> axes, objects;
     bool relative = false, queue = false, wait = false, no_wait = false, live = false;
   };
+
+  /// CLI11 takes an unknown word for a missing one. The first argument that is neither an option
+  /// nor the value of one is the word.
+  void check_word(const std::vector<std::string>& arguments) const {
+    for (std::size_t i = 0; i < arguments.size(); ++i) {
+      if (arguments[i] == "--domain" || arguments[i] == "--timeout") {
+        ++i;
+      } else if (!arguments[i].starts_with('-')) {
+        const auto words = app_.get_subcommands([&](const CLI::App* word) {
+          return word->get_name() == arguments[i];
+        });
+        if (!words.empty()) return;
+        throw UsageError("'" + arguments[i] + "' is no word; 'vdrive --help' shows all of them");
+      }
+    }
+  }
 
   CLI::App* add_word(std::string_view name, std::string_view summary, std::string_view example) {
     CLI::App* word = app_.add_subcommand(std::string(name), std::string(summary));
@@ -168,13 +186,17 @@ class Grammar {
 
   void add_list() {
     CLI::App* word = add_word("list", "Show the benches and axes that are there", "list --json");
-    word->callback([this] { command_ = ListCommand{}; });
+    word->callback([this] {
+      command_ = ListCommand{};
+    });
   }
 
   void add_status() {
     CLI::App* word = add_word("status", "Show an axis once, its statusword decoded", "status 1.1");
     add_axis(word);
-    word->callback([this] { command_ = StatusCommand{words_.axis}; });
+    word->callback([this] {
+      command_ = StatusCommand{words_.axis};
+    });
   }
 
   void add_watch(bool needs_count) {
@@ -223,11 +245,11 @@ class Grammar {
     word->add_flag("--queue", words_.queue, "After the present move, not at once (no bit 5)");
     word->add_flag("--no-wait", words_.no_wait, "Return when the drive has taken the set-point");
     word->callback([this] {
-      MoveCommand move{.axis = words_.axis,
-                       .position = static_cast<std::int32_t>(
-                           parse_value(words_.value, DataType::integer32)),
-                       .relative = words_.relative,
-                       .options = {}};
+      MoveCommand move{
+          .axis = words_.axis,
+          .position = static_cast<std::int32_t>(parse_value(words_.value, DataType::integer32)),
+          .relative = words_.relative,
+          .options = {}};
       move.options.velocity = parse_unsigned32(words_.velocity);
       move.options.acceleration = parse_unsigned32(words_.acceleration);
       move.options.deceleration = parse_unsigned32(words_.deceleration);
@@ -315,7 +337,9 @@ class Grammar {
     add_positional(word, "FILE", words_.file, "Scenario, - for standard input");
     word->add_option("--junit", words_.junit, "Write a JUnit report")->type_name("OUT.xml");
     word->add_flag("--live", words_.live, "Show the axes while time passes, also when piped");
-    word->callback([this] { command_ = RunCommand{words_.file, words_.junit, words_.live}; });
+    word->callback([this] {
+      command_ = RunCommand{words_.file, words_.junit, words_.live};
+    });
   }
 
   void add_expect() {
@@ -327,7 +351,9 @@ class Grammar {
     word->add_option("--tolerance", words_.tolerance)->excludes(mask);
     CLI::Option* within = word->add_option("--within", words_.within);
     word->add_option("--throughout", words_.throughout)->excludes(within);
-    word->callback([this] { command_ = make_expect(); });
+    word->callback([this] {
+      command_ = make_expect();
+    });
   }
 
   [[nodiscard]] ExpectCommand make_expect() const {
@@ -349,7 +375,9 @@ class Grammar {
   void add_wait() {
     CLI::App* word = add_word("wait", "Let drive time pass", "");
     add_positional(word, "DURATION", words_.duration, "");
-    word->callback([this] { command_ = WaitCommand{parse_duration(words_.duration)}; });
+    word->callback([this] {
+      command_ = WaitCommand{parse_duration(words_.duration)};
+    });
   }
 
   CLI::App app_;
@@ -394,9 +422,14 @@ ScenarioWords parse_scenario_words(std::vector<std::string> words) {
     if (words.size() < 3) throw UsageError("refused needs a code and a command");
     const auto code = static_cast<std::uint32_t>(parse_number(words[1], "code", kHighest32));
     ScenarioWords inner = parse_scenario_words({words.begin() + 2, words.end()});
-    inner.command = std::make_shared<const RefusedCommand>(
-        RefusedCommand{code, std::move(inner.command)});
+    inner.command =
+        std::make_shared<const RefusedCommand>(RefusedCommand{code, std::move(inner.command)});
     return inner;
+  }
+  if (std::ranges::any_of(words, [](const std::string& w) {
+        return w == "--help" || w == "-h";
+      })) {
+    throw UsageError("help has no place in a scenario");
   }
   Grammar grammar;
   grammar.add_scenario();

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "interrupt.hpp"
 
-#include <utility>
-
 #include <unistd.h>
+
+#include <utility>
 
 namespace vdrive::tool {
 namespace {
@@ -18,7 +18,9 @@ Interrupt::Interrupt() {
   sigaddset(&signals_, SIGTERM);
   pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
   (void)std::signal(SIGPIPE, SIG_IGN);
-  thread_ = std::jthread([this](const std::stop_token& stop) { wait(stop); });
+  thread_ = std::jthread([this](const std::stop_token& stop) {
+    wait(stop);
+  });
 }
 
 Interrupt::~Interrupt() {

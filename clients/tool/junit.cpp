@@ -51,8 +51,9 @@ std::string case_xml(const std::string& suite, const JunitCase& test) {
 std::string junit_xml(const std::string& suite, const std::vector<JunitCase>& cases) {
   std::chrono::nanoseconds total{};
   for (const JunitCase& test : cases) total += test.duration;
-  const auto failures = std::ranges::count_if(
-      cases, [](const JunitCase& test) { return test.failure.has_value(); });
+  const auto failures = std::ranges::count_if(cases, [](const JunitCase& test) {
+    return test.failure.has_value();
+  });
   const auto skipped = std::ranges::count_if(cases, &JunitCase::is_skipped);
   const std::string counts = "tests=\"" + std::to_string(cases.size()) + "\" failures=\"" +
                              std::to_string(failures) + "\" skipped=\"" + std::to_string(skipped) +

@@ -11,8 +11,8 @@ namespace vdrive::tool {
 /// One line of a scenario as a test case.
 struct JunitCase {
   std::string name;
-  std::chrono::nanoseconds duration{};   ///< wall time
-  std::optional<std::string> failure;    ///< none = passed
+  std::chrono::nanoseconds duration{};  ///< wall time
+  std::optional<std::string> failure;   ///< none = passed
   bool is_skipped = false;
 };
 

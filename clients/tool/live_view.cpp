@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "live_view.hpp"
 
+#include "report.hpp"
+
 #include <algorithm>
 #include <chrono>
-
-#include "report.hpp"
 
 namespace vdrive::tool {
 namespace {
@@ -27,7 +27,9 @@ LiveView::LiveView(client::Session& session, Terminal& terminal, std::vector<cli
     : session_(session), terminal_(terminal), axes_(std::move(axes)) {
   const auto bench = session_.find_bench(axes_.front().bench);
   if (bench) ticks_per_line_ = client::ticks_of(std::chrono::seconds(1), bench->period);
-  thread_ = std::jthread([this](const std::stop_token& stop) { follow(stop); });
+  thread_ = std::jthread([this](const std::stop_token& stop) {
+    follow(stop);
+  });
 }
 
 LiveView::~LiveView() {
@@ -93,9 +95,8 @@ std::string LiveView::bar_of(const client::AxisSnapshot& axis) {
   if (found == aims_.end()) return {};
   const Aim& aim = found->second;
   if (aim.start == aim.target) return {};
-  const double fraction =
-      static_cast<double>(axis.status.load_position_actual_value - aim.start) /
-      static_cast<double>(aim.target - aim.start);
+  const double fraction = static_cast<double>(axis.status.load_position_actual_value - aim.start) /
+                          static_cast<double>(aim.target - aim.start);
   std::string percent = std::to_string(static_cast<int>(std::clamp(fraction, 0.0, 1.0) * 100.0));
   percent.insert(0, 3 - std::min<std::size_t>(percent.size(), 3), ' ');
   const std::string bar = terminal_.is_interactive() ? progress_bar(fraction, kBarWidth) + " " : "";

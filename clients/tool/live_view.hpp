@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "terminal.hpp"
+#include "vdrive/client/session.hpp"
+
 #include <cstdint>
 #include <map>
 #include <mutex>
@@ -8,9 +11,6 @@
 #include <string>
 #include <thread>
 #include <vector>
-
-#include "terminal.hpp"
-#include "vdrive/client/session.hpp"
 
 namespace vdrive::tool {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cstdlib>
-
 #include "tool.hpp"
+
+#include <cstdlib>
 
 int main(int argc, char** argv) {
   const auto code = vdrive::tool::run_tool({argv + 1, argv + argc});

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "report.hpp"
 
+#include "vdrive/cia402/error_code.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cstdio>
-
-#include "vdrive/cia402/error_code.hpp"
 
 namespace vdrive::tool {
 namespace {
@@ -28,7 +28,9 @@ std::string owner_text(std::uint64_t session) {
   return session == 0 ? "free" : hex_session(session);
 }
 
-std::string_view to_text(Access access) { return access == Access::read_only ? "RO" : "RW"; }
+std::string_view to_text(Access access) {
+  return access == Access::read_only ? "RO" : "RW";
+}
 
 std::string_view to_text(Effective effective) {
   switch (effective) {
@@ -125,7 +127,8 @@ TableRow table_row(const ObjectDescription& row, Language language) {
 }
 
 std::vector<std::string> table_lines(Language language) {
-  std::vector<TableRow> rows{{"object", "variable_name", "name", "type", "access", "default", "range"}};
+  std::vector<TableRow> rows{
+      {"object", "variable_name", "name", "type", "access", "default", "range"}};
   for (const ObjectDescription& row : kObjectTable) rows.push_back(table_row(row, language));
   std::array<std::size_t, std::tuple_size_v<TableRow>> widths{};
   for (const TableRow& row : rows) {
@@ -143,7 +146,9 @@ std::vector<std::string> table_lines(Language language) {
   return lines;
 }
 
-std::string per_mille(int value) { return formatted("%.1f %%", value / 10.0); }
+std::string per_mille(int value) {
+  return formatted("%.1f %%", value / 10.0);
+}
 
 }  // namespace
 
@@ -201,8 +206,7 @@ std::vector<std::string> status_text(const client::AxisSnapshot& axis, const std
 
 std::string status_line(const client::AxisSnapshot& axis) {
   return formatted("%-5s %11d UU %9d UU/s  ", to_string(axis.id).c_str(),
-                   axis.status.load_position_actual_value,
-                   axis.status.load_velocity_actual_value) +
+                   axis.status.load_position_actual_value, axis.status.load_velocity_actual_value) +
          client::describe_statusword(axis.status.ds402_statusword);
 }
 
@@ -227,7 +231,8 @@ std::string list_text(const client::AxisInfo& info, const client::AxisSnapshot& 
 }
 
 Json object_json(const client::AxisId& axis, const ObjectName& object) {
-  Json json{{"axis", to_string(axis)}, {"index", nullptr}, {"subindex", nullptr}, {"name", nullptr}};
+  Json json{
+      {"axis", to_string(axis)}, {"index", nullptr}, {"subindex", nullptr}, {"name", nullptr}};
   if (object.address) {
     json["index"] = hex_index(object.address->index);
     json["subindex"] = object.address->subindex;
@@ -242,12 +247,12 @@ std::string value_text(const ObjectName& object, std::int64_t value) {
   std::string text = std::to_string(value);
   const bool is_word =
       object.address && std::ranges::find(kWords, object.address->index) != kWords.end();
-  if (is_word) text = formatted("0x%03llX", static_cast<unsigned long long>(value)) + " (" + text + ")";
+  if (is_word)
+    text = formatted("0x%03llX", static_cast<unsigned long long>(value)) + " (" + text + ")";
   return text;
 }
 
-std::string reading_text(const client::AxisId& axis, const ObjectName& object,
-                         std::int64_t value) {
+std::string reading_text(const client::AxisId& axis, const ObjectName& object, std::int64_t value) {
   const auto row = object.row();
   std::string text = to_string(axis) + " " + object.text;
   if (row && describe(*row).variable_name != object.text) {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <string>
-#include <vector>
-
-#include <nlohmann/json.hpp>
-
 #include "command.hpp"
 #include "vdrive/client/axis.hpp"
 #include "vdrive/client/session.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <string>
+#include <vector>
 
 namespace vdrive::tool {
 
@@ -34,8 +34,7 @@ void add_outcome(Json& json, const client::Outcome& outcome);
 /// One axis as `list` shows it.
 [[nodiscard]] Json list_json(const client::BenchInfo& bench, const client::AxisInfo& info,
                              const client::AxisSnapshot& axis);
-[[nodiscard]] std::string list_text(const client::AxisInfo& info,
-                                    const client::AxisSnapshot& axis);
+[[nodiscard]] std::string list_text(const client::AxisInfo& info, const client::AxisSnapshot& axis);
 
 /// One object as `read` and `write` show it.
 [[nodiscard]] Json object_json(const client::AxisId& axis, const ObjectName& object);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scenario.hpp"
 
-#include <istream>
-
 #include "grammar.hpp"
 #include "usage_error.hpp"
+
+#include <istream>
 
 namespace vdrive::tool {
 namespace {

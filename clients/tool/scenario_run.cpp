@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scenario_run.hpp"
 
+#include "junit.hpp"
+#include "live_view.hpp"
+
 #include <algorithm>
 #include <chrono>
 #include <fstream>
 #include <memory>
-
-#include "junit.hpp"
-#include "live_view.hpp"
 
 namespace vdrive::tool {
 namespace {
@@ -132,8 +132,8 @@ class ScenarioRun {
 
 }  // namespace
 
-Outcome run_scenario(const Scenario& scenario, const RunOptions& options,
-                     client::Session& session, Terminal& terminal) {
+Outcome run_scenario(const Scenario& scenario, const RunOptions& options, client::Session& session,
+                     Terminal& terminal) {
   return ScenarioRun(scenario, options, session, terminal).run();
 }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <string>
-
 #include "executor.hpp"
 #include "scenario.hpp"
+
+#include <string>
 
 namespace vdrive::tool {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "terminal.hpp"
 
+#include <sys/ioctl.h>
+#include <unistd.h>
+
 #include <cstdio>
 #include <cstdlib>
 #include <utility>
-
-#include <sys/ioctl.h>
-#include <unistd.h>
 
 namespace vdrive::tool {
 namespace {

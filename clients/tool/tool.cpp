@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tool.hpp"
 
-#include <chrono>
-#include <fstream>
-#include <iostream>
-#include <optional>
-
 #include "executor.hpp"
 #include "grammar.hpp"
 #include "interrupt.hpp"
 #include "scenario_run.hpp"
 #include "usage_error.hpp"
+
+#include <chrono>
+#include <fstream>
+#include <iostream>
+#include <optional>
 
 namespace vdrive::tool {
 namespace {
@@ -51,7 +51,9 @@ ExitCode run_connected(const Command& command, const GlobalOptions& options, Ter
   if (run != nullptr) scenario = load_scenario(run->file);
   Interrupt interrupt;
   client::Session session(session_options(options));
-  interrupt.arm([&session] { session.interrupt(); });
+  interrupt.arm([&session] {
+    session.interrupt();
+  });
   const Outcome outcome =
       run != nullptr
           ? run_scenario(*scenario,

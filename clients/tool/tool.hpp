@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/client/outcome.hpp"
+
 #include <string>
 #include <vector>
-
-#include "vdrive/client/outcome.hpp"
 
 namespace vdrive::tool {
 

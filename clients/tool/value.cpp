@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "value.hpp"
 
+#include "usage_error.hpp"
+
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <cstdio>
 #include <limits>
-
-#include "usage_error.hpp"
 
 namespace vdrive::tool {
 namespace {
@@ -15,7 +15,9 @@ namespace {
 constexpr std::int64_t kHighestHours = 1000;
 constexpr std::int64_t kHighestNanoseconds = kHighestHours * 3600 * 1'000'000'000;
 
-std::string quoted(std::string_view text) { return "'" + std::string(text) + "'"; }
+std::string quoted(std::string_view text) {
+  return "'" + std::string(text) + "'";
+}
 
 bool is_hexadecimal(std::string_view text) {
   return text.size() > 2 && text[0] == '0' && (text[1] == 'x' || text[1] == 'X');
@@ -52,7 +54,8 @@ std::int64_t sign_extended(std::uint64_t bits, std::uint8_t width) {
   const TypeRange range = range_of(type);
   std::string message = quoted(text) + " does not fit " + std::string(to_string(type)) + ": " +
                         std::to_string(range.lowest) + " to " + std::to_string(range.highest);
-  if (is_hexadecimal(text)) message += ", at most " + std::to_string(2 * size_of(type)) + " hex digits' worth";
+  if (is_hexadecimal(text))
+    message += ", at most " + std::to_string(2 * size_of(type)) + " hex digits' worth";
   throw UsageError(message);
 }
 
@@ -74,7 +77,8 @@ std::int64_t decimal_value(std::string_view text) {
 std::optional<std::chrono::nanoseconds> scaled(std::string_view text, std::int64_t unit) {
   const std::size_t dot = std::min(text.find('.'), text.size());
   const auto whole = digits(text.substr(0, dot), 10);
-  if (!whole || *whole > static_cast<std::uint64_t>(kHighestNanoseconds / unit)) return std::nullopt;
+  if (!whole || *whole > static_cast<std::uint64_t>(kHighestNanoseconds / unit))
+    return std::nullopt;
   std::int64_t nanoseconds = static_cast<std::int64_t>(*whole) * unit;
   if (dot == text.size()) return std::chrono::nanoseconds(nanoseconds);
   const std::string_view fraction = text.substr(dot + 1);
@@ -124,8 +128,8 @@ ObjectName parse_object(std::string_view text) {
   const std::string_view index_text = text.substr(0, colon);
   if (is_hexadecimal(index_text)) {
     const auto index = unsigned_number(index_text);
-    const auto subindex =
-        colon == text.size() ? std::optional<std::uint64_t>(0) : unsigned_number(text.substr(colon + 1));
+    const auto subindex = colon == text.size() ? std::optional<std::uint64_t>(0)
+                                               : unsigned_number(text.substr(colon + 1));
     if (index && *index <= 0xFFFF && subindex && *subindex <= 0xFF) {
       return {std::string(text), ObjectAddress{static_cast<std::uint16_t>(*index),
                                                static_cast<std::uint8_t>(*subindex)}};
@@ -191,9 +195,13 @@ std::chrono::nanoseconds parse_seconds(std::string_view text) {
   return *duration;
 }
 
-std::string hex_code(std::uint32_t code) { return formatted("0x%08X", code); }
+std::string hex_code(std::uint32_t code) {
+  return formatted("0x%08X", code);
+}
 
-std::string hex_index(std::uint16_t index) { return formatted("0x%04X", unsigned{index}); }
+std::string hex_index(std::uint16_t index) {
+  return formatted("0x%04X", unsigned{index});
+}
 
 std::string hex_session(std::uint64_t session) {
   return formatted("0x%016llx", static_cast<unsigned long long>(session));

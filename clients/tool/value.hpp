@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/dictionary/dictionary.hpp"
+
 #include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
-
-#include "vdrive/dictionary/dictionary.hpp"
 
 namespace vdrive::tool {
 

@@ -17,7 +17,7 @@ constexpr std::int32_t kBenchesInDomain = 1'024;
 constexpr std::int32_t kBenchPartsInDomain = 4'096;
 constexpr std::int32_t kFirstAllocation = 8;
 
-constexpr TopicQuality kQueue{.reliable = true, .keep_all = true, .depth = 4'096};
+constexpr TopicQuality kQueue{.reliable = true, .keep_all = true, .depth = 1'024};
 
 constexpr std::array<std::pair<std::string_view, TopicQuality>, 10> kQualities{{
     {"command", kQueue},

@@ -75,13 +75,14 @@ void BenchEngine::step() {
   post_parameters();
 }
 
-void BenchEngine::post_status() {
+void BenchEngine::post_status(bool repeated) {
   StatusImage* const image = outbox_.status.free_slot();
   if (image == nullptr) {
-    count_overflow();
+    counters_.queue_overflows.add();
     return;
   }
   image->tick = tick_;
+  image->repeated = repeated;
   for (std::size_t axis = 0; axis < bank_.size(); ++axis) {
     image->status[axis] = bank_.status(axis);
   }
@@ -91,6 +92,7 @@ void BenchEngine::post_status() {
 }
 
 void BenchEngine::post_parameters() {
+  tell_overflows();
   for (std::size_t count = 0; count < kParametersPerTick && changed_count_ > 0; ++count) {
     msg::AxisParameters* const slot = outbox_.parameters.free_slot();
     if (slot == nullptr) {
@@ -231,24 +233,21 @@ void BenchEngine::mark_changed(std::size_t axis) {
 
 void BenchEngine::report(EventRecord event) {
   event.tick = tick_;
-  if (lost_events_ > 0) {
-    if (EventRecord* const slot = outbox_.events.free_slot(); slot != nullptr) {
-      *slot = {.kind = msg::EVENT_QUEUE_OVERFLOW, .tick = tick_, .detail = lost_events_};
-      outbox_.events.push();
-      lost_events_ = 0;
-    }
-  }
   if (EventRecord* const slot = outbox_.events.free_slot(); slot != nullptr) {
     *slot = event;
     outbox_.events.push();
   } else {
-    count_overflow();
+    counters_.queue_overflows.add();
   }
 }
 
-void BenchEngine::count_overflow() {
-  counters_.queue_overflows.add();
-  ++lost_events_;
+/// Every full queue is counted, in whatever thread; the news waits until there is room for it.
+void BenchEngine::tell_overflows() {
+  const std::uint64_t overflows = counters_.queue_overflows.get();
+  if (overflows != told_overflows_ && outbox_.events.free_slot() != nullptr) {
+    report({.kind = msg::EVENT_QUEUE_OVERFLOW, .detail = overflows - told_overflows_});
+    told_overflows_ = overflows;
+  }
 }
 
 }  // namespace vdrive::service

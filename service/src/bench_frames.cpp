@@ -292,7 +292,7 @@ void BenchEngine::begin_reply() {
 void BenchEngine::send_reply(const msg::CommandFrame& frame) {
   msg::CommandReply* const slot = outbox_.command_replies.free_slot();
   if (slot == nullptr) {
-    count_overflow();
+    counters_.queue_overflows.add();
     return;
   }
   command_reply_.bench(identity_.bench);

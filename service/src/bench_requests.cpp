@@ -60,7 +60,7 @@ std::uint32_t reason_of(const msg::Reply& reply) {
 void BenchEngine::handle_request(const Arrival& arrival) {
   OutgoingReply* const outgoing = outbox_.replies.free_slot();
   if (outgoing == nullptr) {
-    count_overflow();
+    counters_.queue_overflows.add();
     return;  // nothing is done that could not be answered
   }
   begin_reply(arrival, *outgoing);
@@ -376,7 +376,7 @@ void BenchEngine::hear(std::uint64_t session) {
 void BenchEngine::answer_step(const Arrival& arrival, std::uint32_t reason) {
   OutgoingReply* const outgoing = outbox_.replies.free_slot();
   if (outgoing == nullptr) {
-    count_overflow();
+    counters_.queue_overflows.add();
     return;
   }
   begin_reply(arrival, *outgoing);

@@ -24,7 +24,11 @@ LockstepDriver::LockstepDriver(const Configuration& configuration, BenchEngine& 
 void LockstepDriver::run(const std::atomic<bool>& stop, Doorbell& doorbell) {
   publish_status();
   while (!stop) {
-    if (!handle_next(stop, doorbell) && !doorbell.wait_for(kIdleInterval)) {
+    if (handle_next(stop, doorbell)) {
+      continue;
+    }
+    const auto patience = replies_.is_waiting() ? kReplyInterval : kIdleInterval;
+    if (!doorbell.wait_for(patience)) {
       idle();
     }
   }
@@ -144,8 +148,8 @@ bool LockstepDriver::may_publish() {
   return true;
 }
 
-void LockstepDriver::publish_status() {
-  engine_.post_status();
+void LockstepDriver::publish_status(bool repeated) {
+  engine_.post_status(repeated);
   while (const StatusImage* const image = outbox_.status.front()) {
     status_.publish(*image);
     outbox_.status.pop();
@@ -156,11 +160,7 @@ void LockstepDriver::publish_status() {
 void LockstepDriver::idle() {
   engine_.post_parameters();
   replies_.deliver(inbox_, outbox_);
-  engine_.post_status();
-  while (const StatusImage* const image = outbox_.status.front()) {
-    status_.publish_axes(*image);
-    outbox_.status.pop();
-  }
+  publish_status(true);
 }
 
 }  // namespace vdrive::service

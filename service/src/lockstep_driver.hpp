@@ -21,6 +21,7 @@ class LockstepDriver {
  public:
   static constexpr std::chrono::seconds kLongestWaitForCommands{1};
   static constexpr std::chrono::milliseconds kIdleInterval{20};
+  static constexpr std::chrono::milliseconds kReplyInterval{1};
   static constexpr double kStatusPerSecond = 1'000.0;
   static constexpr double kStatusBurst = 64.0;
   static constexpr std::size_t kMostDeferred = 1'024;
@@ -42,7 +43,7 @@ class LockstepDriver {
   bool take_frames();
   void run_ticks(const msg::Request& request, const std::atomic<bool>& stop);
   [[nodiscard]] bool may_publish();
-  void publish_status();
+  void publish_status(bool repeated = false);
   void idle();
 
   BenchEngine& engine_;

@@ -18,6 +18,7 @@ RealtimeDriver::RealtimeDriver(const Configuration& configuration, BenchEngine& 
     clock_.emplace(period_, configuration.rate, now);
     next_cycle_ = clock_->deadline().count();
   } else {
+    engine_.post_status();
     next_cycle_ = (now.monotonic + period_).count();
   }
 }
@@ -29,8 +30,7 @@ void RealtimeDriver::cycle() noexcept {
     tick();
     next_cycle_.store(clock_->deadline().count(), std::memory_order_relaxed);
   } else {
-    engine_.post_parameters();
-    next_cycle_.store((timer_.monotonic_now() + period_).count(), std::memory_order_relaxed);
+    idle();
   }
 }
 
@@ -50,6 +50,17 @@ void RealtimeDriver::tick() noexcept {
   if (late > std::chrono::nanoseconds::zero()) {
     engine_.report_overrun(late);
   }
+}
+
+/// Paused: whoever comes sees the axes all the same.
+void RealtimeDriver::idle() noexcept {
+  engine_.post_parameters();
+  const auto now = timer_.monotonic_now();
+  if (now >= next_repeat_) {
+    engine_.post_status(true);
+    next_repeat_ = now + kRepeatInterval;
+  }
+  next_cycle_.store((now + period_).count(), std::memory_order_relaxed);
 }
 
 void RealtimeDriver::handle_arrivals() {

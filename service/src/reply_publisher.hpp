@@ -25,6 +25,9 @@ class ReplyPublisher {
   /// been found since.
   void deliver(Inbox& inbox, Outbox& outbox);
 
+  /// @return whether a reply waits for its reader.
+  [[nodiscard]] bool is_waiting() const noexcept { return !waiting_.empty(); }
+
  private:
   using Clock = std::chrono::steady_clock;
 

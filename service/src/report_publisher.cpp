@@ -16,6 +16,7 @@ namespace {
 using namespace vdrive::literals;
 
 constexpr std::chrono::seconds kRateWindow{1};
+constexpr std::chrono::milliseconds kFlushInterval{100};
 constexpr double kParametersPerSecond = 2'000.0;
 constexpr double kParameterBurst = 256.0;
 constexpr std::string_view kDictionaryVersion = "1.0";
@@ -124,7 +125,10 @@ void ReportPublisher::publish_events(Outbox& outbox) {
     limiter_.offer(*event, now, passed_);
     outbox.events.pop();
   }
-  limiter_.flush(now, passed_);
+  if (now >= next_flush_) {
+    limiter_.flush(now, passed_);
+    next_flush_ = now + kFlushInterval;
+  }
   for (const auto& counted : passed_) {
     publish_event(counted);
   }

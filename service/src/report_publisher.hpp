@@ -61,6 +61,7 @@ class ReportPublisher {
   double rate_;
   Counters& counters_;
   EventLimiter limiter_;
+  std::chrono::nanoseconds next_flush_{0};
   std::vector<CountedEvent> passed_;
   std::vector<msg::BenchDescription> parts_;
   std::vector<msg::AxisParameters> first_parameters_;

@@ -27,7 +27,7 @@ StatusPublisher::StatusPublisher(wire::Participant& participant, const Configura
 }
 
 void StatusPublisher::publish(const StatusImage& image) {
-  if (frames_.matched() > 0) {
+  if (!image.repeated && frames_.matched() > 0) {
     publish_frames(image);
   }
   publish_axes(image);

@@ -24,16 +24,15 @@ class StatusPublisher {
   StatusPublisher(wire::Participant& participant, const Configuration& configuration,
                   const BenchIdentity& identity, Counters& counters);
 
-  /// One tick as frames, 256 axes each, and `publish_axes`.
+  /// One tick as frames, 256 axes each, unless it is repeated, and samples of axes: those that
+  /// changed state since their last one, then those that are due.
   void publish(const StatusImage& image);
-
-  /// Samples of the axes that changed state since their last one, then of those that are due.
-  void publish_axes(const StatusImage& image);
 
  private:
   using Clock = std::chrono::steady_clock;
 
   void publish_frames(const StatusImage& image);
+  void publish_axes(const StatusImage& image);
   void publish_axis(const StatusImage& image, std::size_t axis, Clock::time_point now);
   void refill(Clock::time_point now);
 

@@ -3,6 +3,9 @@
 // abort code.
 #include "vdrive/dictionary/dictionary.hpp"
 
+#include "core/support/axis_under_test.hpp"
+#include "core/support/csv.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -14,9 +17,6 @@
 #include <sstream>
 #include <string>
 #include <vector>
-
-#include "core/support/axis_under_test.hpp"
-#include "core/support/csv.hpp"
 
 namespace vdrive {
 namespace {
@@ -39,8 +39,8 @@ ObjectAddress address_of(const CsvRow& row) {
 
 std::string show(ObjectAddress address) {
   std::ostringstream text;
-  text << std::hex << std::uppercase << std::setfill('0') << std::setw(4) << address.index << "h:"
-       << std::setw(2) << static_cast<unsigned>(address.subindex);
+  text << std::hex << std::uppercase << std::setfill('0') << std::setw(4) << address.index
+       << "h:" << std::setw(2) << static_cast<unsigned>(address.subindex);
   return text.str();
 }
 
@@ -185,7 +185,8 @@ TEST(ObjectAddressCheck, AnswersForEveryIndexAndSubIndexThatDoesNotExist) {
   }
 }
 
-// ---- each object x {below, lowest, default, highest, above, outside the type} x {read, write} -----
+// ---- each object x {below, lowest, default, highest, above, outside the type} x {read, write}
+// -----
 
 /// The answer to a write that the sheet demands: access first, then the range of the row (a value
 /// outside the type is outside the row's range too), then the narrower rules of single objects.

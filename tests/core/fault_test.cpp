@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Faults: cause, reaction, 603Fh, 1001h, 1003h, statusword, reset. Limit switches, which are none.
+#include "core/support/axis_under_test.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cstdint>
 #include <cstdlib>
 #include <string>
-
-#include "core/support/axis_under_test.hpp"
 
 namespace vdrive {
 namespace {
@@ -43,7 +43,12 @@ class InjectedFault : public testing::TestWithParam<Cause> {
   void remove() { axis.write(GetParam().object, 0); }
 
   void step_to_fault() {
-    ASSERT_NE(axis.step_until([this] { return axis.state() == fault; }, 2'000), 0U);
+    ASSERT_NE(axis.step_until(
+                  [this] {
+                    return axis.state() == fault;
+                  },
+                  2'000),
+              0U);
   }
 
   AxisUnderTest axis;
@@ -249,7 +254,8 @@ TEST(Fault, AnEncoderFailureDuringABrakingReactionTakesThePower) {
   EXPECT_NE(axis.step_until_status(0x004F, 0x0008, 2), 0U);
 }
 
-// ---- DC link ----------------------------------------------------------------------------------------
+// ---- DC link
+// ----------------------------------------------------------------------------------------
 
 TEST(DcLink, LostWithoutPowerClearsBit4AndFallsToSwitchOnDisabledWithoutAFault) {
   for (const std::uint16_t word : {std::uint16_t{0x0000}, std::uint16_t{0x0006}}) {
@@ -284,7 +290,8 @@ TEST(DcLink, LostInAQuickStopIsAFaultToo) {
   EXPECT_EQ(axis.read("error_code"), 0x3220);
 }
 
-// ---- following error --------------------------------------------------------------------------------
+// ---- following error
+// --------------------------------------------------------------------------------
 
 TEST(FollowingError, ABlockedLoadEarnsIt) {
   AxisUnderTest axis;
@@ -306,7 +313,12 @@ TEST(FollowingError, ABlockedLoadEarnsIt) {
   }
   EXPECT_EQ(axis.read("error_code"), 0x8611);
   EXPECT_EQ(axis.read("error_register") & 0x20, 0x20);
-  EXPECT_NE(axis.step_until([&axis] { return axis.state() == fault; }, 2'000), 0U);
+  EXPECT_NE(axis.step_until(
+                [&axis] {
+                  return axis.state() == fault;
+                },
+                2'000),
+            0U);
   EXPECT_EQ(axis.statusword(), 0x2218) << "bit 13 is kept until the reset";
   axis.step(100);
   EXPECT_EQ(axis.statusword(), 0x2218);
@@ -329,7 +341,10 @@ TEST(FollowingError, TheTimerIsClearedInsideTheWindow) {
     axis.step(60);  // about 35 ms outside
     axis.write("test_blocked_load", 0);
     ASSERT_NE(axis.step_until(
-                  [&axis] { return std::abs(axis.read("load_position_error_value")) < 900; }, 500),
+                  [&axis] {
+                    return std::abs(axis.read("load_position_error_value")) < 900;
+                  },
+                  500),
               0U);
     ASSERT_EQ(axis.state(), operation_enabled) << "round " << i;
   }
@@ -355,7 +370,12 @@ TEST(FollowingError, AWindowOf0MeansAnyDeviation) {
   axis.step(100);
   EXPECT_EQ(axis.state(), operation_enabled) << "at rest there is none";
   axis.write("test_load_torque", 1'000);
-  EXPECT_NE(axis.step_until([&axis] { return axis.read("error_code") == 0x8611; }, 100), 0U);
+  EXPECT_NE(axis.step_until(
+                [&axis] {
+                  return axis.read("error_code") == 0x8611;
+                },
+                100),
+            0U);
 }
 
 TEST(FollowingError, MayBeAWarningBySetting) {
@@ -373,7 +393,12 @@ TEST(FollowingError, MayBeAWarningBySetting) {
   EXPECT_EQ(axis.read("error_code"), 0);
   axis.write("test_blocked_load", 0);
   EXPECT_NE(axis.step_until_status(Statusword::kFollowingError, 0, 2'000), 0U);
-  EXPECT_NE(axis.step_until([&axis] { return axis.reached(); }, 5'000), 0U);
+  EXPECT_NE(axis.step_until(
+                [&axis] {
+                  return axis.reached();
+                },
+                5'000),
+            0U);
 }
 
 TEST(FollowingError, IsWatchedOnlyWhileTheAxisIsControlled) {
@@ -386,7 +411,8 @@ TEST(FollowingError, IsWatchedOnlyWhileTheAxisIsControlled) {
   EXPECT_GT(axis.velocity(), 1'000) << "driven by the load";
 }
 
-// ---- limit switches ---------------------------------------------------------------------------------
+// ---- limit switches
+// ---------------------------------------------------------------------------------
 
 class LimitSwitch : public testing::TestWithParam<int> {
  protected:
@@ -434,7 +460,12 @@ TEST_P(LimitSwitch, StopsMotionIntoItWithTheQuickStopRampWithoutAFault) {
   axis.command(0x000F);
   axis.write("position_user_target_value", 0);
   axis.command(0x003F);
-  EXPECT_NE(axis.step_until([this] { return axis.reached(); }, 10'000), 0U);
+  EXPECT_NE(axis.step_until(
+                [this] {
+                  return axis.reached();
+                },
+                10'000),
+            0U);
 }
 
 TEST_P(LimitSwitch, LetsTheAxisMoveAway) {
@@ -442,7 +473,12 @@ TEST_P(LimitSwitch, LetsTheAxisMoveAway) {
   axis.write(input(), 1);
   axis.write("position_user_target_value", sign() * -5'000);
   axis.command(0x003F);
-  EXPECT_NE(axis.step_until([this] { return axis.reached(); }, 5'000), 0U);
+  EXPECT_NE(axis.step_until(
+                [this] {
+                  return axis.reached();
+                },
+                5'000),
+            0U);
   EXPECT_EQ(axis.demand(), sign() * -5'000);
 }
 

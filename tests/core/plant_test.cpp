@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The plant against closed-form solutions, seen through the objects of the drive. SI parameters are
 // chosen so that the expected figures can be computed by hand; 4096 user units are one revolution.
+#include "core/support/axis_under_test.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,8 +12,6 @@
 #include <cstdlib>
 #include <numbers>
 #include <string>
-
-#include "core/support/axis_under_test.hpp"
 
 namespace vdrive {
 namespace {
@@ -40,7 +40,8 @@ void saturate(AxisUnderTest& axis, int sign) {
   axis.command(0x003F);
 }
 
-// ---- free motion ------------------------------------------------------------------------------------
+// ---- free motion
+// ------------------------------------------------------------------------------------
 
 TEST(Plant, AcceleratesFreelyUnderAConstantTorqueLimit) {
   for (const int sign : {1, -1}) {
@@ -140,7 +141,8 @@ TEST(Plant, ATorqueBelowBreakAwayMovesNothingAndOneAboveDoes) {
   }
 }
 
-// ---- torque limits ----------------------------------------------------------------------------------
+// ---- torque limits
+// ----------------------------------------------------------------------------------
 
 TEST(Plant, TorqueLimitsHoldOnEachSignByThemselves) {
   for (const std::int64_t limit : {100, 500}) {
@@ -218,7 +220,8 @@ TEST(Plant, CurrentAndTorqueBalanceTheLoadAtRest) {
   EXPECT_EQ(axis.status().current_error_value, 0);
 }
 
-// ---- two inertias -----------------------------------------------------------------------------------
+// ---- two inertias
+// -----------------------------------------------------------------------------------
 
 /// Two equal inertias of 3e-4 kg.m2 on a soft shaft, free of friction.
 AxisConfiguration elastic(double stiffness) {
@@ -326,7 +329,8 @@ TEST(Plant, ABlockedLoadHoldsTheMotorOnItsShaft) {
   EXPECT_NEAR(axis.status().motor_position_actual_value, 0.015 * kUnitsPerRadian, 1.0);
 }
 
-// ---- gear -------------------------------------------------------------------------------------------
+// ---- gear
+// -------------------------------------------------------------------------------------------
 
 TEST(Plant, TheLoadTurnsWithTheMotorTimesNumeratorOverDenominator) {
   struct Row {
@@ -384,7 +388,8 @@ TEST(Plant, SettingTheGearDoesNotMoveTheLoad) {
   EXPECT_EQ(axis.actual(), 12'345);
 }
 
-// ---- encoders ---------------------------------------------------------------------------------------
+// ---- encoders
+// ---------------------------------------------------------------------------------------
 
 TEST(Plant, ACoarseEncoderShowsItsCountsInTheSpeed) {
   AxisConfiguration configuration;
@@ -429,7 +434,8 @@ TEST(Plant, WithOneEncoderBothReadingsAreTheMotors) {
   }
 }
 
-// ---- loops ------------------------------------------------------------------------------------------
+// ---- loops
+// ------------------------------------------------------------------------------------------
 
 TEST(Plant, TheDefaultAxisFollowsTheManualsExampleWithinTwoUnitsAndSettlesToTheUnit) {
   AxisUnderTest axis;
@@ -486,8 +492,8 @@ TEST(Plant, TheDefaultTuningIsStableForARigidLoadOfATenthToThirtyTimesTheMotor) 
   }
 }
 
-TEST(Plant, TheDefaultTuningIsStableForAnElasticLoadOfATenthToTenTimesTheMotor) {
-  for (const double ratio : {0.1, 0.3, 1.0, 3.0, 10.0}) {
+TEST(Plant, TheDefaultTuningIsStableForAnElasticLoadOfATenthToThirtyTimesTheMotor) {
+  for (const double ratio : {0.1, 0.3, 1.0, 3.0, 10.0, 15.0, 20.0, 30.0}) {
     expect_stable(Coupling::two_inertia, ratio);
   }
 }
@@ -505,7 +511,8 @@ TEST(Plant, AntiWindUpLetsAReleasedAxisComeBackAndSettle) {
   EXPECT_EQ(axis.actual(), 20'000) << "three seconds of saturation are not in the integrator";
 }
 
-// ---- sub-steps --------------------------------------------------------------------------------------
+// ---- sub-steps
+// --------------------------------------------------------------------------------------
 
 TEST(Plant, FreeMotionIsExactWhateverTheSubStep) {
   // 0.1 s under a constant load torque with viscous friction: x = T/b (t - τ (1 - e^(-t/τ))).

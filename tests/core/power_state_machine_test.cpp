@@ -4,17 +4,18 @@
 // itself for every word, then whole axes for every word and every event of a tick.
 #include "vdrive/cia402/power_state_machine.hpp"
 
-#include <gtest/gtest.h>
-
-#include <array>
-#include <cstdint>
-#include <map>
-#include <string>
-#include <vector>
-
 #include "core/support/axis_under_test.hpp"
 #include "core/support/random_cases.hpp"
 #include "vdrive/axis_bank.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <initializer_list>
+#include <string>
+#include <vector>
 
 namespace vdrive {
 namespace {
@@ -22,7 +23,8 @@ namespace {
 using test::AxisUnderTest;
 using enum PowerState;
 
-// ---- the model ------------------------------------------------------------------------------------
+// ---- the model
+// ------------------------------------------------------------------------------------
 
 /// Everything that decides what a written word does.
 struct Situation {
@@ -135,7 +137,8 @@ Reaction expected_reaction(const Situation& s) {
   return {cell->next, PowerCommand::none, cell->transitions};
 }
 
-// ---- the machine by itself ------------------------------------------------------------------------
+// ---- the machine by itself
+// ------------------------------------------------------------------------
 
 /// A machine in `state`, by way of its own events.
 PowerStateMachine machine_in(PowerState state, PowerCommand pending = PowerCommand::none) {
@@ -333,7 +336,8 @@ TEST(PowerStateMachine, InitialisingLeavesNotReadyToSwitchOnAndNothingElse) {
   }
 }
 
-// ---- the matrix, cell by cell, on a whole axis ----------------------------------------------------
+// ---- the matrix, cell by cell, on a whole axis
+// ----------------------------------------------------
 
 struct MatrixRow {
   const char* name;
@@ -379,7 +383,11 @@ void drive_to(AxisUnderTest& axis, PowerState state) {
   axis.step();
   axis.write("test_over_current", 0);
   if (state == fault) {
-    axis.step_until([&axis] { return axis.state() == fault; }, 5000);
+    axis.step_until(
+        [&axis] {
+          return axis.state() == fault;
+        },
+        5000);
   }
 }
 
@@ -480,7 +488,8 @@ TEST(ReactionMatrix, T16EnableOperationReEnablesWhere605AhStays) {
   }
 }
 
-// ---- every word x previous bit 7 x {nothing, fault, master silent, DC link lost} -------------------
+// ---- every word x previous bit 7 x {nothing, fault, master silent, DC link lost}
+// -------------------
 
 enum class Event { nothing, fault, master_silent, dc_link_lost };
 
@@ -496,7 +505,7 @@ class StateDriver {
   void drive_all(PowerState state, bool bit7, bool stays_in_quick_stop) {
     write("op_mode_cmd", 1);
     write("quick_stop_option_code", stays_in_quick_stop ? 6 : 2);
-    write("quick_stop_deceleration", 100000);
+    write("quick_stop_deceleration", 1'000'000);  // from 24000/s in 24 ms
     write("disable_operation_option_code", 0);
     if (state == not_ready_to_switch_on) {
       for (std::size_t axis = 0; axis < kBankAxes; ++axis) {
@@ -549,7 +558,7 @@ class StateDriver {
       write("test_over_current", 1);
       step(1);
       write("test_over_current", 0);
-      step(state == fault ? 1000 : 0);
+      step(state == fault ? 100 : 0);
     }
   }
 
@@ -638,18 +647,19 @@ TEST_P(EveryWord, DoesWhatTheTablesSayWhateverElseHappensInTheTick) {
 }
 
 std::string name_of_state(const testing::TestParamInfo<PowerState>& info) {
-  std::string name = "In" + std::string(to_string(info.param));
-  std::erase(name, ' ');
+  std::string name = "In_" + std::string(to_string(info.param));
+  std::replace(name.begin(), name.end(), ' ', '_');
   return name;
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    PowerStateMachine, EveryWord,
-    testing::Values(not_ready_to_switch_on, switch_on_disabled, ready_to_switch_on, switched_on,
-                    operation_enabled, quick_stop_active, fault_reaction_active, fault),
-    name_of_state);
+INSTANTIATE_TEST_SUITE_P(PowerStateMachine, EveryWord,
+                         testing::Values(not_ready_to_switch_on, switch_on_disabled,
+                                         ready_to_switch_on, switched_on, operation_enabled,
+                                         quick_stop_active, fault_reaction_active, fault),
+                         name_of_state);
 
-// ---- random walks ----------------------------------------------------------------------------------
+// ---- random walks
+// ----------------------------------------------------------------------------------
 
 /// Transitions of CiA 402 that a tick may show, chains within one tick included: enabled and, by
 /// 6007h = 3, quickly stopped.
@@ -682,7 +692,7 @@ bool legal_step(PowerState from, PowerState to) {
 TEST(PowerStateMachine, RandomWalksWithEveryOptionCodeTakeLegalTransitionsAndShowOneState) {
   test::Random random(20240611);
   AxisUnderTest axis;
-  const std::array<std::uint16_t, 14> words{0x00, 0x02, 0x05, 0x06, 0x07,   0x0F,  0x1F,
+  const std::array<std::uint16_t, 14> words{0x00, 0x02, 0x05, 0x06, 0x07,   0x0F, 0x1F,
                                             0x3F, 0x7F, 0x80, 0x8F, 0x010F, 0x86, 0x011F};
   const std::uint64_t ticks = test::case_count(100'000, 1'000'000);
   PowerState before = axis.state();

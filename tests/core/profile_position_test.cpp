@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Profile position mode of a whole axis, from the manual and the behaviour sheet. Times: 1 ms ticks,
-// the tick of the command is tick 1. Statuswords are the manual's.
+// Profile position mode of a whole axis, from the manual and the behaviour sheet. Times: 1 ms
+// ticks, the tick of the command is tick 1. Statuswords are the manual's.
+#include "core/support/axis_under_test.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,8 +11,6 @@
 #include <cstdlib>
 #include <limits>
 #include <tuple>
-
-#include "core/support/axis_under_test.hpp"
 
 namespace vdrive {
 namespace {
@@ -35,7 +35,11 @@ class ProfilePosition : public testing::Test {
 
   /// Until bit 10; fails the test when it does not come.
   std::uint64_t run_to_target(std::uint64_t deadline = 20'000) {
-    const std::uint64_t ticks = axis.step_until([this] { return axis.reached(); }, deadline);
+    const std::uint64_t ticks = axis.step_until(
+        [this] {
+          return axis.reached();
+        },
+        deadline);
     EXPECT_NE(ticks, 0U) << "bit 10 did not come";
     return ticks;
   }
@@ -43,7 +47,8 @@ class ProfilePosition : public testing::Test {
   AxisUnderTest axis;
 };
 
-// ---- the manual's tables ----------------------------------------------------------------------------
+// ---- the manual's tables
+// ----------------------------------------------------------------------------
 
 void run_manual_example(AxisUnderTest& axis, std::int64_t target) {
   EXPECT_EQ(axis.command(0x0006), 0x0231);
@@ -59,7 +64,8 @@ void run_manual_example(AxisUnderTest& axis, std::int64_t target) {
 
   std::uint64_t ticks = 1;
   while (!axis.reached() && ticks < 20'000) {
-    // Step 9: until the target is reached 6064h lies short of 607Ah - 60F4h or the axis still moves.
+    // Step 9: until the target is reached 6064h lies short of 607Ah - 60F4h or the axis still
+    // moves.
     const std::int64_t arrived = target - axis.read("load_position_error_value");
     ASSERT_EQ(axis.statusword(), 0x1237);
     ASSERT_TRUE(axis.actual() != arrived || axis.demand_velocity() != 0);
@@ -143,7 +149,8 @@ TEST_F(ProfilePosition, ThreeThousandFiveShowsWhetherTheMotorIsEnabled) {
   EXPECT_EQ(axis.read("motor_op_status"), 0);
 }
 
-// ---- handshake --------------------------------------------------------------------------------------
+// ---- handshake
+// --------------------------------------------------------------------------------------
 
 TEST_F(ProfilePosition, NothingMovesWithoutARisingEdgeOfBit4) {
   axis.enable();
@@ -272,7 +279,8 @@ TEST_F(ProfilePosition, Bit9IsReservedAndIgnored) {
   EXPECT_EQ(axis.demand(), 20'000);
 }
 
-// ---- buffering --------------------------------------------------------------------------------------
+// ---- buffering
+// --------------------------------------------------------------------------------------
 
 TEST_F(ProfilePosition, ABufferedSetPointKeepsTheAcknowledgeAndStartsWhenTheFirstIsReached) {
   axis.enable();
@@ -378,7 +386,8 @@ TEST_F(ProfilePosition, TheQueueIsDroppedOnLeavingOperationEnabled) {
   EXPECT_EQ(axis.statusword(), 0x0637);
 }
 
-// ---- change immediately -----------------------------------------------------------------------------
+// ---- change immediately
+// -----------------------------------------------------------------------------
 
 TEST_F(ProfilePosition, ChangingImmediatelyLeavesNoStepInDemandAndVelocity) {
   axis.enable();
@@ -408,8 +417,11 @@ TEST_F(ProfilePosition, AReversalIsNotReachedAtItsTurningPoint) {
   start(100'000);
   axis.step(600);
   start(axis.demand() + 10);  // far inside the stopping distance
-  const std::uint64_t ticks =
-      axis.step_until([this] { return axis.reached() || axis.demand_velocity() < 0; }, 5'000);
+  const std::uint64_t ticks = axis.step_until(
+      [this] {
+        return axis.reached() || axis.demand_velocity() < 0;
+      },
+      5'000);
   ASSERT_NE(ticks, 0U);
   EXPECT_FALSE(axis.reached());
   run_to_target();
@@ -447,7 +459,8 @@ TEST_F(ProfilePosition, Bit5MayAccompanyTheFirstSetPoint) {
   EXPECT_EQ(axis.demand(), 1'000);
 }
 
-// ---- relative moves ---------------------------------------------------------------------------------
+// ---- relative moves
+// ---------------------------------------------------------------------------------
 
 /// The manual's example: +10000, halted on the way, then +5000.
 struct RelativeCase {
@@ -469,7 +482,12 @@ RelativeCase run_relative_example(AxisUnderTest& axis, std::int64_t option) {
   RelativeCase result{.demand_at_halt = axis.demand(), .actual_at_halt = axis.actual(), .end = 0};
   axis.write("position_user_target_value", 5'000);
   EXPECT_EQ(axis.command(0x007F), 0x1237);
-  EXPECT_NE(axis.step_until([&axis] { return axis.reached(); }, 20'000), 0U);
+  EXPECT_NE(axis.step_until(
+                [&axis] {
+                  return axis.reached();
+                },
+                20'000),
+            0U);
   result.end = axis.demand();
   return result;
 }
@@ -507,7 +525,12 @@ TEST_F(ProfilePosition, RelativeOption2DiffersFromOption1ByTheFollowingErrorOfAM
     // The base is taken when the word is written: the image of the last tick.
     const std::int32_t second_base = option == 1 ? moving.demand() : moving.actual();
     moving.command(0x007F);
-    EXPECT_NE(moving.step_until([&moving] { return moving.reached(); }, 20'000), 0U);
+    EXPECT_NE(moving.step_until(
+                  [&moving] {
+                    return moving.reached();
+                  },
+                  20'000),
+              0U);
     EXPECT_EQ(moving.demand(), second_base + 50'000) << "option " << option << ", before " << base;
   }
 }
@@ -554,7 +577,11 @@ TEST_F(ProfilePosition, ABufferedRelativeMoveCountsFromTheMomentItBecomesActive)
     fresh.write("position_user_target_value", 5'000);
     fresh.command(0x005F);
     fresh.command(0x000F);
-    fresh.step_until([&fresh] { return fresh.reached(); }, 10'000);
+    fresh.step_until(
+        [&fresh] {
+          return fresh.reached();
+        },
+        10'000);
     // The actual position of option 2 may still settle by a unit or two.
     EXPECT_NEAR(fresh.demand(), 15'000, option == 2 ? 3 : 0) << "60F2h = " << option;
   }
@@ -576,7 +603,11 @@ TEST_F(ProfilePosition, ARelativeMoveWrapsAtTheEndOfTheRegister) {
     fresh.enable();
     fresh.write("position_user_target_value", sign * 10'000);
     fresh.command(0x007F);
-    fresh.step_until([&fresh] { return fresh.reached(); }, 5'000);
+    fresh.step_until(
+        [&fresh] {
+          return fresh.reached();
+        },
+        5'000);
     // ±2147490000 modulo 2^32.
     EXPECT_EQ(fresh.demand(), sign * (2'147'490'000 - 4'294'967'296));
     EXPECT_EQ(fresh.statusword(), 0x1637);
@@ -611,7 +642,12 @@ TEST_F(ProfilePosition, AfterAWrapAnAbsoluteTargetIsWhatTheRegisterShows) {
   const std::int32_t wrapped = fresh.demand();
   fresh.write("position_user_target_value", wrapped + 1'000);
   fresh.command(0x003F);
-  EXPECT_NE(fresh.step_until([&fresh] { return fresh.reached(); }, 2'000), 0U);
+  EXPECT_NE(fresh.step_until(
+                [&fresh] {
+                  return fresh.reached();
+                },
+                2'000),
+            0U);
   EXPECT_EQ(fresh.demand(), wrapped + 1'000);
 }
 
@@ -635,13 +671,18 @@ TEST_F(ProfilePosition, NewSetPointsWhileCrossingTheEndOfTheRegisterKeepThePosit
         ASSERT_LT(std::abs(fresh.read("load_position_error_value")), 60)
             << "after set-point " << i << ", offset " << offset;
       }
-      fresh.step_until([&fresh] { return fresh.reached(); }, 5'000);
+      fresh.step_until(
+          [&fresh] {
+            return fresh.reached();
+          },
+          5'000);
       EXPECT_EQ(fresh.demand(), 2'147'480'000LL + offset + 20'000 - 4'294'967'296);
     }
   }
 }
 
-// ---- halt -------------------------------------------------------------------------------------------
+// ---- halt
+// -------------------------------------------------------------------------------------------
 
 class Halt : public ProfilePosition {
  protected:
@@ -774,7 +815,8 @@ TEST_F(ProfilePosition, HaltAfterTheArrivalKeepsTheAcknowledgeOfAHeldBit4) {
   EXPECT_EQ(axis.command(0x003F), 0x1637) << "bit 4 did not rise";
 }
 
-// ---- target reached ---------------------------------------------------------------------------------
+// ---- target reached
+// ---------------------------------------------------------------------------------
 
 TEST_F(ProfilePosition, Bit10ComesWithTheArrivalWhenTheWindowTimeHasPassedOnTheWay) {
   // At 6000/s² the last 100 units take sqrt(2·100/6000) = 0.18 s, more than 6068h = 20 ms.
@@ -792,14 +834,15 @@ TEST_F(ProfilePosition, Bit10WaitsForTheWindowTime) {
   set_profile(1'000, 6'000, 6'000);
   axis.write("position_user_target_value", 500);
   axis.command(0x003F);
-  // The actual position enters the window of 100 units where 100 are left: sqrt(2·100/6000) > 1/6 s,
-  // so 83.33 units before the ramp's end: 1/6 + 16.67/1000 = 0.18333 s before the end, within a
+  // The actual position enters the window of 100 units where 100 are left: sqrt(2·100/6000) > 1/6
+  // s, so 83.33 units before the ramp's end: 1/6 + 16.67/1000 = 0.18333 s before the end, within a
   // following error of 2 units (2 ms). 0.66667 - 0.18333 + 0.5 = 0.98333 s.
   EXPECT_NEAR(static_cast<double>(run_to_target() + 1), 984.0, 4.0);
 }
 
 TEST_F(ProfilePosition, TheWindowTimeIsMeasuredOnThePublishedPositions) {
-  // An independent timer: cleared outside and at the acceptance, running from the first tick inside.
+  // An independent timer: cleared outside and at the acceptance, running from the first tick
+  // inside.
   AxisConfiguration soft;
   soft.model.position_loop_bandwidth = 4.0;
   for (const std::int64_t window : {0, 1, 10, 100, 5'000}) {
@@ -835,7 +878,13 @@ TEST_F(ProfilePosition, AWindowOfFFFFFFFFhIsOff) {
   dut.write("position_user_target_value", 10'000);
   dut.command(0x003F);
   // The profile takes 0.3125 s: tick 313, wherever the axis is.
-  EXPECT_EQ(dut.step_until([&dut] { return dut.reached(); }, 5'000) + 1, 313U);
+  EXPECT_EQ(dut.step_until(
+                [&dut] {
+                  return dut.reached();
+                },
+                5'000) +
+                1,
+            313U);
 }
 
 TEST_F(ProfilePosition, Bit10FallsWhenTheAxisIsPushedOutOfTheWindowAndReturnsAfterTheTime) {
@@ -844,7 +893,12 @@ TEST_F(ProfilePosition, Bit10FallsWhenTheAxisIsPushedOutOfTheWindowAndReturnsAft
   axis.step(100);
   ASSERT_EQ(axis.statusword(), 0x0637);
   axis.write("test_load_torque", 2'000);
-  EXPECT_NE(axis.step_until([this] { return !axis.reached(); }, 100), 0U);
+  EXPECT_NE(axis.step_until(
+                [this] {
+                  return !axis.reached();
+                },
+                100),
+            0U);
   EXPECT_GT(axis.actual(), 5);
   run_to_target(2'000);
   EXPECT_LE(std::abs(axis.actual()), 5);
@@ -860,7 +914,8 @@ TEST_F(ProfilePosition, OnEnablingBit10IsThereAtOnceWhereverTheAxisStands) {
   EXPECT_EQ(dut.demand(), -1'234'567);
 }
 
-// ---- software limits --------------------------------------------------------------------------------
+// ---- software limits
+// --------------------------------------------------------------------------------
 
 class SoftwareLimits : public ProfilePosition {
  protected:
@@ -949,7 +1004,8 @@ TEST_F(SoftwareLimits, TheDefaultsAreNoLimits) {
   EXPECT_EQ(dut.statusword(), 0x0637);
 }
 
-// ---- mode -------------------------------------------------------------------------------------------
+// ---- mode
+// -------------------------------------------------------------------------------------------
 
 TEST_F(ProfilePosition, TheModeFollowsWithinOneTickInEveryStateAtRest) {
   for (const unsigned word : {0x00U, 0x06U, 0x07U, 0x0FU}) {
@@ -992,7 +1048,12 @@ TEST_F(ProfilePosition, AModeChangeInMotionBrakesFirstAndDropsTheQueue) {
   EXPECT_NEAR(axis.demand_velocity(), 19'900, 1) << "brakes with 6084h";
   axis.step(198);
   EXPECT_EQ(axis.read("op_mode_actual"), 1);
-  EXPECT_NE(axis.step_until([this] { return axis.read("op_mode_actual") == 0; }, 50), 0U);
+  EXPECT_NE(axis.step_until(
+                [this] {
+                  return axis.read("op_mode_actual") == 0;
+                },
+                50),
+            0U);
   EXPECT_EQ(axis.demand_velocity(), 0);
   axis.write("op_mode_cmd", 1);
   axis.step(2'000);
@@ -1025,7 +1086,8 @@ TEST_F(ProfilePosition, Bit12IsLowOnEnteringTheModeAndOnEveryEnable) {
   EXPECT_FALSE(axis.acknowledged()) << "bit 4 was high before: no edge";
 }
 
-// ---- speed and ramp limits --------------------------------------------------------------------------
+// ---- speed and ramp limits
+// --------------------------------------------------------------------------
 
 TEST_F(ProfilePosition, TheSpeedLimitCapsTheMotionButNot6081h) {
   axis.write("profile_velocity", 200'000);
@@ -1101,8 +1163,8 @@ TEST_F(ProfilePosition, TheAccelerationLimitsCapTheRampsAndLeaveTheRegisters) {
 }
 
 TEST_F(ProfilePosition, RampsAndLimitsOf0CountAs1) {
-  for (const auto& [object, value] :
-       {std::tuple{"profile_acc", 0}, std::tuple{"app_acc_limit", 0}, std::tuple{"profile_acc", 1}}) {
+  for (const auto& [object, value] : {std::tuple{"profile_acc", 0}, std::tuple{"app_acc_limit", 0},
+                                      std::tuple{"profile_acc", 1}}) {
     AxisUnderTest dut;
     dut.write(object, value);
     dut.enable();
@@ -1135,7 +1197,11 @@ TEST_F(ProfilePosition, TheDecelerationIsLiveDuringMotion) {
   axis.step(500);
   // From 20000/s at 20000/s² the stop takes 1 s and 10000 units: it begins at 40000.
   axis.write("profile_dec", 20'000);
-  axis.step_until([this] { return axis.demand_velocity() < 20'000; }, 5'000);
+  axis.step_until(
+      [this] {
+        return axis.demand_velocity() < 20'000;
+      },
+      5'000);
   EXPECT_NEAR(axis.demand(), 40'000, 25);
   run_to_target();
   EXPECT_EQ(axis.demand(), 50'000);
@@ -1145,7 +1211,11 @@ TEST_F(ProfilePosition, ADecelerationTooSmallForTheRestOvershootsAndReturns) {
   axis.enable();
   set_profile(20'000, 1'000'000, 100'000);
   start(50'000);
-  axis.step_until([this] { return axis.demand() > 49'000; }, 5'000);
+  axis.step_until(
+      [this] {
+        return axis.demand() > 49'000;
+      },
+      5'000);
   axis.write("profile_dec", 10'000);
   std::int32_t farthest = 0;
   axis.step_until(

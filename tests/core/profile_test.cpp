@@ -3,6 +3,8 @@
 // the 32-bit registers. VDRIVE_NIGHTLY=1 runs 1e7 random cases instead of 1e5.
 #include "vdrive/motion/profile.hpp"
 
+#include "core/support/random_cases.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,8 +14,6 @@
 #include <limits>
 #include <ostream>
 #include <vector>
-
-#include "core/support/random_cases.hpp"
 
 namespace vdrive {
 namespace {
@@ -45,7 +45,8 @@ Case mirrored(const Case& c) {
   return {{-c.start.position, -c.start.velocity}, -c.target, c.limits};
 }
 
-// ---- named cases ------------------------------------------------------------------------------------
+// ---- named cases
+// ------------------------------------------------------------------------------------
 
 // The manual's example: 607Ah = 10000, 6081h = 1000, 6083h = 6084h = 6000.
 const Case kManual{{0.0, 0.0}, 10000.0, {1000.0, 6000.0, 6000.0}};
@@ -148,8 +149,7 @@ TEST(TrapezoidalProfile, WithoutVelocityItBrakesFromMotion) {
 TEST(TrapezoidalProfile, CrossesTheWholeRangeOf32Bits) {
   for (const double velocity : {1.0, 1000.0, 4294967295.0}) {
     for (const double ramp : {1.0, 409600.0, 4294967040.0}) {
-      const Profile profile =
-          plan({{-2147483648.0, 0.0}, 2147483647.0, {velocity, ramp, ramp}});
+      const Profile profile = plan({{-2147483648.0, 0.0}, 2147483647.0, {velocity, ramp, ramp}});
       EXPECT_EQ(profile.at(profile.duration()).position, 2147483647.0);
       EXPECT_EQ(profile.at(1e300).position, 2147483647.0);
       EXPECT_TRUE(std::isfinite(profile.duration()));
@@ -191,7 +191,8 @@ TEST(StopProfile, OfAnAxisAtRestIsEmpty) {
   EXPECT_EQ(profile.at(0.0).position, 10.0);
 }
 
-// ---- properties -----------------------------------------------------------------------------------
+// ---- properties
+// -----------------------------------------------------------------------------------
 
 /// Registers as a master may set them: 6083h/6084h of 0 count as 1.
 Case random_case(Random& random) {
@@ -257,9 +258,8 @@ void expect_exact_end(const Case& c, const Profile& profile) {
   ASSERT_TRUE(std::isfinite(profile.duration())) << c;
   ASSERT_GE(profile.duration(), 0.0) << c;
   if (c.limits.velocity == 0.0) {
-    const double rest =
-        c.start.position +
-        0.5 * c.start.velocity * std::abs(c.start.velocity) / c.limits.deceleration;
+    const double rest = c.start.position +
+                        0.5 * c.start.velocity * std::abs(c.start.velocity) / c.limits.deceleration;
     ASSERT_NEAR(profile.end_position(), rest, tolerance_of(c, profile).position) << c;
     ASSERT_EQ(profile.reaches_target(), profile.end_position() == c.target) << c;
     return;
@@ -372,7 +372,8 @@ void expect_replanning_changes_nothing(const Case& c, const Profile& profile, Ra
   }
 }
 
-// ---- independent minimum time: bisection over the reachable rest positions --------------------------
+// ---- independent minimum time: bisection over the reachable rest positions
+// --------------------------
 
 /// Farthest position of rest in positive direction after `time` >= |v0|/d, from the definition of
 /// the limits; with `time` it grows monotonically.
@@ -425,12 +426,10 @@ void expect_minimum_time(const Case& c, const Profile& profile) {
   // Where the target lies at the stopping distance the time has a root in the position: what
   // rounding of positions may cost is found by moving the target.
   const double stop = 0.5 * c.start.velocity * c.start.velocity / c.limits.deceleration;
-  const double slack =
-      16.0 * kEpsilon * (std::abs(c.start.position) + std::abs(c.target) + stop);
+  const double slack = 16.0 * kEpsilon * (std::abs(c.start.position) + std::abs(c.target) + stop);
   double shortest = std::numeric_limits<double>::infinity();
   double longest = 0.0;
-  const double to_stop =
-      c.start.position + (c.start.velocity < 0.0 ? -stop : stop) - c.target;
+  const double to_stop = c.start.position + (c.start.velocity < 0.0 ? -stop : stop) - c.target;
   for (const double shift : {-slack, 0.0, slack, std::clamp(to_stop, -slack, slack)}) {
     Case shifted = c;
     shifted.target += shift;
@@ -481,8 +480,8 @@ TEST(ProfileProperties, DemandNeverLeavesTheRangeBetweenItsExtremes) {
   for (std::uint64_t i = 0; i < count; ++i) {
     const Case c = random_case(random);
     const Profile profile = plan(c);
-    const double stop = c.start.position + 0.5 * c.start.velocity * std::abs(c.start.velocity) /
-                                               c.limits.deceleration;
+    const double stop = c.start.position +
+                        0.5 * c.start.velocity * std::abs(c.start.velocity) / c.limits.deceleration;
     const double end = c.limits.velocity == 0.0 ? stop : c.target;
     const double low = std::min({c.start.position, stop, end});
     const double high = std::max({c.start.position, stop, end});

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // The set-point handshake of a whole axis against a reference model, tick by tick over random
 // command sequences: several words in a tick, buffering, halts, mode switches, disables and faults
-// in the middle. The model is written from sections 2.1 to 2.10 of the behaviour sheet; of the drive
-// it takes the actual position and speed (6064h, 606Ch) and, tested by itself, the planner.
+// in the middle. The model is written from sections 2.1 to 2.10 of the behaviour sheet; of the
+// drive it takes the actual position and speed (6064h, 606Ch) and, tested by itself, the planner.
 // A failing sequence shrinks and prints as a scenario for `vdrive run` in lock-step.
+#include "core/support/axis_under_test.hpp"
+#include "core/support/random_cases.hpp"
+#include "vdrive/motion/profile.hpp"
+
 #include <gtest/gtest.h>
+
 #include <rapidcheck.h>
 
 #include <array>
@@ -17,16 +22,13 @@
 #include <string>
 #include <vector>
 
-#include "core/support/axis_under_test.hpp"
-#include "core/support/random_cases.hpp"
-#include "vdrive/motion/profile.hpp"
-
 namespace vdrive {
 namespace {
 
 using test::AxisUnderTest;
 
-// ---- sequences --------------------------------------------------------------------------------------
+// ---- sequences
+// --------------------------------------------------------------------------------------
 
 struct Command {
   const char* object = "ds402_controlword";
@@ -57,15 +59,16 @@ std::ostream& operator<<(std::ostream& out, const Step& step) {
 
 rc::Gen<Command> any_command() {
   const auto value_of = [](const char* object, rc::Gen<std::int64_t> values) {
-    return rc::gen::map(values, [object](std::int64_t value) { return Command{object, value}; });
+    return rc::gen::map(values, [object](std::int64_t value) {
+      return Command{object, value};
+    });
   };
   const auto word = rc::gen::elementOf(std::vector<std::int64_t>{
-      0x0F, 0x1F, 0x3F, 0x5F, 0x7F, 0x0F, 0x1F, 0x3F, 0x10F, 0x11F, 0x13F, 0x15F, 0x17F, 0x2F, 0x21F,
-      0x06, 0x07, 0x00, 0x16, 0x80, 0x86, 0x8F});
+      0x0F,  0x1F,  0x3F, 0x5F,  0x7F, 0x0F, 0x1F, 0x3F, 0x10F, 0x11F, 0x13F,
+      0x15F, 0x17F, 0x2F, 0x21F, 0x06, 0x07, 0x00, 0x16, 0x80,  0x86,  0x8F});
   return rc::gen::weightedOneOf<Command>({
       {10, value_of("ds402_controlword", word)},
-      {4, value_of("position_user_target_value",
-                   rc::gen::inRange<std::int64_t>(-20'000, 20'000))},
+      {4, value_of("position_user_target_value", rc::gen::inRange<std::int64_t>(-20'000, 20'000))},
       {2, value_of("profile_velocity",
                    rc::gen::elementOf(std::vector<std::int64_t>{0, 5'000, 50'000, 4294967295}))},
       {1, value_of("profile_acc",
@@ -76,21 +79,23 @@ rc::Gen<Command> any_command() {
       {1, value_of("op_mode_cmd", rc::gen::elementOf(std::vector<std::int64_t>{0, 1, 1}))},
       {1, value_of("position_target_reached_window",
                    rc::gen::elementOf(std::vector<std::int64_t>{0, 5, 100, 4294967295}))},
-      {1, value_of("test_over_temperature", rc::gen::elementOf(std::vector<std::int64_t>{0, 0, 1}))},
+      {1,
+       value_of("test_over_temperature", rc::gen::elementOf(std::vector<std::int64_t>{0, 0, 1}))},
   });
 }
 
 rc::Gen<Step> any_step() {
   return rc::gen::build<Step>(
-      rc::gen::set(&Step::writes, rc::gen::resize(4, rc::gen::container<std::vector<Command>>(
-                                                         any_command()))),
+      rc::gen::set(&Step::writes,
+                   rc::gen::resize(4, rc::gen::container<std::vector<Command>>(any_command()))),
       rc::gen::set(&Step::ticks, rc::gen::weightedOneOf<std::uint32_t>(
                                      {{3, rc::gen::just(1U)},
                                       {2, rc::gen::inRange<std::uint32_t>(1, 30)},
                                       {1, rc::gen::inRange<std::uint32_t>(30, 900)}})));
 }
 
-// ---- the model --------------------------------------------------------------------------------------
+// ---- the model
+// --------------------------------------------------------------------------------------
 
 struct ModelSetPoint {
   std::int64_t value = 0;
@@ -153,7 +158,8 @@ class Model {
       return;
     }
     advance();
-    const bool inside = window_ == 4294967295 || std::abs(axis_.actual() - target_) <= static_cast<double>(window_);
+    const bool inside =
+        window_ == 4294967295 || std::abs(axis_.actual() - target_) <= static_cast<double>(window_);
     inside_ticks_ = inside ? inside_ticks_ + 1 : 0;
     bool reached = arrived_ && !fresh_ && inside && inside_ticks_ > 20;  // 6068h = 20 ms
     if (window_ == 4294967295) {
@@ -174,15 +180,22 @@ class Model {
   }
 
   [[nodiscard]] PowerState state() const { return state_; }
+
   [[nodiscard]] bool bit10() const { return enabled() && mode_ == 1 && bit10_; }
+
   [[nodiscard]] bool bit12() const { return enabled() && mode_ == 1 && acknowledge_; }
+
   [[nodiscard]] double position() const { return x_; }
+
   [[nodiscard]] double velocity() const { return v_; }
+
   [[nodiscard]] std::int64_t mode() const { return mode_; }
+
   [[nodiscard]] std::uint32_t ignored() const { return ignored_; }
 
  private:
   [[nodiscard]] bool enabled() const { return state_ == PowerState::operation_enabled; }
+
   [[nodiscard]] bool halted() const { return (word_ & 0x100U) != 0; }
 
   /// Demand and actual speed are zero (606Fh = 10).
@@ -210,8 +223,7 @@ class Model {
       }
       return;
     }
-    const bool faulty =
-        state_ == PowerState::fault || state_ == PowerState::fault_reaction_active;
+    const bool faulty = state_ == PowerState::fault || state_ == PowerState::fault_reaction_active;
     if (faulty) {
       return;
     }

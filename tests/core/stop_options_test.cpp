@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Option codes 605Ah to 605Eh and 6007h: which ramp, which state meanwhile, which state after.
+#include "core/support/axis_under_test.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cstdint>
 #include <cstdlib>
 #include <string>
 #include <vector>
-
-#include "core/support/axis_under_test.hpp"
 
 namespace vdrive {
 namespace {
@@ -16,8 +16,8 @@ using test::AxisUnderTest;
 using enum PowerState;
 
 // Ramps that cannot be confused: from 40000/s they take 0.8 s, 0.4 s and 0.2 s.
-constexpr std::int64_t kNormalRamp = 50'000;    // 6084h
-constexpr std::int64_t kQuickRamp = 100'000;    // 6085h
+constexpr std::int64_t kNormalRamp = 50'000;     // 6084h
+constexpr std::int64_t kQuickRamp = 100'000;     // 6085h
 constexpr std::int64_t kSteepestRamp = 200'000;  // 60C6h
 constexpr std::int32_t kSpeed = 40'000;
 
@@ -70,7 +70,8 @@ std::uint64_t expect_braking(AxisUnderTest& axis, PowerState state, std::int64_t
   return braking + 200;
 }
 
-// ---- 605Ah ------------------------------------------------------------------------------------------
+// ---- 605Ah
+// ------------------------------------------------------------------------------------------
 
 class QuickStop : public testing::TestWithParam<std::int64_t> {};
 
@@ -170,7 +171,12 @@ TEST(StopOptions, ReEnablingDuringTheQuickStopBringsTheAxisToRest) {
   axis.command(0x0002);
   axis.step(100);
   EXPECT_EQ(axis.command(0x000F), 0x0237);
-  EXPECT_NE(axis.step_until([&axis] { return axis.reached(); }, 2'000), 0U);
+  EXPECT_NE(axis.step_until(
+                [&axis] {
+                  return axis.reached();
+                },
+                2'000),
+            0U);
   EXPECT_EQ(axis.demand_velocity(), 0);
   const std::int32_t rest = axis.demand();
   axis.step(500);
@@ -206,7 +212,8 @@ TEST(StopOptions, AStandingEnableWordDoesNotReEnableAfterTheQuickStop) {
   EXPECT_EQ(axis.step(100), 0x0250);
 }
 
-// ---- 605Bh and 605Ch --------------------------------------------------------------------------------
+// ---- 605Bh and 605Ch
+// --------------------------------------------------------------------------------
 
 TEST(StopOptions, Shutdown0ChangesTheStateAtOnceAndTheAxisCoasts) {
   AxisUnderTest axis;
@@ -273,7 +280,8 @@ TEST(StopOptions, NoSetPointIsTakenDuringTheRamp) {
   EXPECT_NE(axis.step_until_status(0x006F, 0x0023, 2'000), 0U);
 }
 
-// ---- 605Dh ------------------------------------------------------------------------------------------
+// ---- 605Dh
+// ------------------------------------------------------------------------------------------
 
 class HaltOption : public testing::TestWithParam<std::int64_t> {};
 
@@ -289,7 +297,8 @@ TEST_P(HaltOption, BrakesWithItsRampAndStaysInOperationEnabled) {
 INSTANTIATE_TEST_SUITE_P(StopOptions, HaltOption, testing::Values(1, 2, 3, 4),
                          testing::PrintToStringParamName());
 
-// ---- 605Eh ------------------------------------------------------------------------------------------
+// ---- 605Eh
+// ------------------------------------------------------------------------------------------
 
 class FaultReaction : public testing::TestWithParam<std::int64_t> {};
 
@@ -317,7 +326,8 @@ TEST(StopOptions, FaultReaction0LetsTheAxisCoast) {
   EXPECT_GT(axis.velocity(), kSpeed - 2'000);
 }
 
-// ---- 6007h ------------------------------------------------------------------------------------------
+// ---- 6007h
+// ------------------------------------------------------------------------------------------
 
 TEST(StopOptions, ASilentMasterIsIgnoredWith6007hAt0) {
   AxisUnderTest axis;
@@ -376,7 +386,8 @@ TEST(StopOptions, ASilentMasterMattersOnlyWhileTheAxisIsControlled) {
   }
 }
 
-// ---- a cyclic master --------------------------------------------------------------------------------
+// ---- a cyclic master
+// --------------------------------------------------------------------------------
 
 /// A master that writes 6040h in every tick must not hold up what the drive does by itself.
 std::uint64_t ticks_until(AxisUnderTest& axis, PowerState state, std::uint16_t word) {
@@ -448,7 +459,12 @@ TEST(StopOptions, AStopWaitsNoLongerThanASecondForAnAxisThatDoesNotStandStill) {
   ASSERT_NO_FATAL_FAILURE(start_moving(axis));
   axis.write("test_load_torque", 500);
   axis.command(0x0002);
-  EXPECT_NE(axis.step_until([&axis] { return axis.state() == switch_on_disabled; }, 1'450), 0U);
+  EXPECT_NE(axis.step_until(
+                [&axis] {
+                  return axis.state() == switch_on_disabled;
+                },
+                1'450),
+            0U);
 }
 
 }  // namespace

@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // Controlword decoding, statusword bits and error codes against the tables of the manual and of
 // CiA 402.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <array>
-#include <cstdint>
-#include <string>
-#include <utility>
-
 #include "vdrive/cia402/controlword.hpp"
 #include "vdrive/cia402/error_code.hpp"
 #include "vdrive/cia402/power_state.hpp"
 #include "vdrive/cia402/statusword.hpp"
 #include "vdrive/dictionary/abort_code.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 namespace vdrive {
 namespace {
@@ -122,8 +123,10 @@ TEST(Controlword, EachWordWithBit7LowCarriesExactlyTheCommandOfTheTable) {
     for (const CommandPattern& pattern : kCommands) {
       if ((word & pattern.mask) == pattern.value) {
         ++matches;
-        for (const std::uint16_t previous : {0x0000, 0x0080, 0xFFFF}) {
-          ASSERT_EQ(decode_command(static_cast<std::uint16_t>(word), previous), pattern.command)
+        for (const unsigned previous : {0x0000U, 0x0080U, 0xFFFFU}) {
+          ASSERT_EQ(decode_command(static_cast<std::uint16_t>(word),
+                                   static_cast<std::uint16_t>(previous)),
+                    pattern.command)
               << std::hex << word << " after " << previous;
         }
       }

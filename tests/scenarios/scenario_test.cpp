@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every scenario of the project in lock-step, each against a service of its own.
+#include "tool/process.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,8 +9,6 @@
 #include <filesystem>
 #include <string>
 #include <vector>
-
-#include "tool/process.hpp"
 
 namespace vdrive::test {
 namespace {
@@ -36,7 +36,9 @@ TEST_P(Scenario, PassesInLockStep) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Files, Scenario, testing::ValuesIn(scenario_names()),
-                         [](const auto& name) { return name.param; });
+                         [](const auto& name) {
+                           return name.param;
+                         });
 
 }  // namespace
 }  // namespace vdrive::test

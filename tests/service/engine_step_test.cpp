@@ -175,7 +175,7 @@ TEST(Outbox, CountsWhatDidNotFitAndTellsIt) {
     bench.engine.post_status();
   }
   EXPECT_EQ(bench.counters.queue_overflows.get(), 5U);
-  bench.write(kAlice, 1, 0x6041, 0);  // the next event, here a refusal, brings the news
+  bench.steps(1);
   const auto events = bench.events(msg::EVENT_QUEUE_OVERFLOW);
   ASSERT_EQ(events.size(), 1U);
   EXPECT_EQ(events[0].detail, 5U);

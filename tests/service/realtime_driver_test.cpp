@@ -132,7 +132,12 @@ TEST(RealtimeDriver, AnswersWhilePaused) {
   bench.cycles(100);
   EXPECT_EQ(bench.engine.tick(), 1'700'000'000'000U);
   EXPECT_NE(bench.outbox.replies.front(), nullptr);
-  EXPECT_TRUE(bench.images.empty());
+}
+
+TEST(RealtimeDriver, ShowsTheStatusAgainWhilePaused) {
+  RealtimeBench bench(realtime_configuration(0.0));
+  bench.cycles(100);  // of 1 ms
+  EXPECT_EQ(bench.images.size(), 1U + 5U) << "once at the start, then every 20 ms";
 }
 
 TEST(RealtimeDriver, PublishesEveryNthTick) {

@@ -2,12 +2,12 @@
 // The words of the command line and of scenarios.
 #include "grammar.hpp"
 
+#include "usage_error.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <sstream>
-
-#include "usage_error.hpp"
 
 namespace vdrive::tool {
 namespace {
@@ -24,7 +24,9 @@ std::vector<std::string> split(const std::string& text) {
   return words;
 }
 
-Invocation parse(const std::string& text) { return parse_command_line(split(text)); }
+Invocation parse(const std::string& text) {
+  return parse_command_line(split(text));
+}
 
 template <typename Word>
 Word command(const std::string& text) {
@@ -134,34 +136,41 @@ struct BadRow {
 class BadCommandLine : public testing::TestWithParam<BadRow> {};
 
 TEST_P(BadCommandLine, IsAUsageErrorThatSaysWhat) {
-  EXPECT_THAT([] { (void)parse(GetParam().text); },
-              ThrowsMessage<UsageError>(HasSubstr(GetParam().message)));
+  EXPECT_THAT(
+      [] {
+        (void)parse(GetParam().text);
+      },
+      ThrowsMessage<UsageError>(HasSubstr(GetParam().message)));
 }
 
 INSTANTIATE_TEST_SUITE_P(
     Lines, BadCommandLine,
-    testing::Values(
-        BadRow{"nothing", "", "--help"}, BadRow{"an_unknown_word", "dance 1.1", "dance"},
-        BadRow{"no_axis", "status", "AXIS"}, BadRow{"no_position", "move 1.1", "POSITION"},
-        BadRow{"one_word_too_many", "enable 1.1 1.2", "1.2"},
-        BadRow{"an_unknown_option", "enable 1.1 --fast", "--fast"},
-        BadRow{"a_domain_too_high", "--domain 233 list", "domain"},
-        BadRow{"a_position_too_wide", "move 1.1 3000000000", "3000000000"},
-        BadRow{"a_negative_velocity", "move 1.1 5 --velocity -3", "-3"},
-        BadRow{"a_value_too_wide", "write 1.1 0x6060 300", "-128 to 127"},
-        BadRow{"an_unknown_kind", "disturb 1.1 earthquake", "blocked_load"},
-        BadRow{"an_unknown_format", "dictionary --format yaml", "yaml"},
-        BadRow{"negative_steps", "step -1", "-1"}, BadRow{"no_timeout", "list --timeout soon", "soon"},
-        BadRow{"a_word_of_scenarios", "expect 1.1 0x6041 0", "expect"}),
-    [](const auto& row) { return row.param.name; });
+    testing::Values(BadRow{"nothing", "", "--help"},
+                    BadRow{"an_unknown_word", "dance 1.1", "dance"},
+                    BadRow{"no_axis", "status", "AXIS"},
+                    BadRow{"no_position", "move 1.1", "POSITION"},
+                    BadRow{"one_word_too_many", "enable 1.1 1.2", "1.2"},
+                    BadRow{"an_unknown_option", "enable 1.1 --fast", "--fast"},
+                    BadRow{"a_domain_too_high", "--domain 233 list", "domain"},
+                    BadRow{"a_position_too_wide", "move 1.1 3000000000", "3000000000"},
+                    BadRow{"a_negative_velocity", "move 1.1 5 --velocity -3", "-3"},
+                    BadRow{"a_value_too_wide", "write 1.1 0x6060 300", "-128 to 127"},
+                    BadRow{"an_unknown_kind", "disturb 1.1 earthquake", "blocked_load"},
+                    BadRow{"an_unknown_format", "dictionary --format yaml", "yaml"},
+                    BadRow{"negative_steps", "step -1", "-1"},
+                    BadRow{"no_timeout", "list --timeout soon", "soon"},
+                    BadRow{"a_word_of_scenarios", "expect 1.1 0x6041 0", "expect"}),
+    [](const auto& row) {
+      return row.param.name;
+    });
 
 TEST(ScenarioWords, ExpectKnowsMaskToleranceAndTimes) {
   const auto masked =
       scenario_command<ExpectCommand>("expect 1.1 0x6041 0x400 --mask 0x400 --within 20ms");
   EXPECT_EQ(masked.mask, 0x400U);
   EXPECT_EQ(masked.within, Duration(20ms));
-  const auto near = scenario_command<ExpectCommand>(
-      "expect 1.1 0x6064 -5 --tolerance 2 --throughout 1s");
+  const auto near =
+      scenario_command<ExpectCommand>("expect 1.1 0x6064 -5 --tolerance 2 --throughout 1s");
   EXPECT_EQ(near.value, -5);
   EXPECT_EQ(near.tolerance, 2U);
   EXPECT_EQ(near.throughout, Duration(1s));
@@ -182,24 +191,30 @@ TEST(ScenarioWords, TakeATimeoutForTheLine) {
 class BadScenarioWords : public testing::TestWithParam<BadRow> {};
 
 TEST_P(BadScenarioWords, AreAUsageErrorThatSaysWhat) {
-  EXPECT_THAT([] { (void)parse_scenario_words(split(GetParam().text)); },
-              ThrowsMessage<UsageError>(HasSubstr(GetParam().message)));
+  EXPECT_THAT(
+      [] {
+        (void)parse_scenario_words(split(GetParam().text));
+      },
+      ThrowsMessage<UsageError>(HasSubstr(GetParam().message)));
 }
 
 INSTANTIATE_TEST_SUITE_P(
     Lines, BadScenarioWords,
-    testing::Values(
-        BadRow{"mask_and_tolerance", "expect 1.1 0x6041 0 --mask 1 --tolerance 1", "--mask"},
-        BadRow{"within_and_throughout", "expect 1.1 0x6041 0 --within 1s --throughout 1s",
-               "--within"},
-        BadRow{"a_run_in_a_run", "run other.scn", "run"}, BadRow{"help", "--help", "help"},
-        BadRow{"help_of_a_word", "move --help", "help"},
-        BadRow{"a_domain", "--domain 3 status 1.1", "--domain"},
-        BadRow{"an_endless_watch", "watch 1.1", "--count"},
-        BadRow{"a_wait_without_unit", "wait 5", "'5'"},
-        BadRow{"a_refusal_of_nothing", "refused 0x06010002", "command"},
-        BadRow{"a_refusal_without_code", "refused write 1.1 0x6041 0", "'write'"}),
-    [](const auto& row) { return row.param.name; });
+    testing::Values(BadRow{"mask_and_tolerance", "expect 1.1 0x6041 0 --mask 1 --tolerance 1",
+                           "--mask"},
+                    BadRow{"within_and_throughout",
+                           "expect 1.1 0x6041 0 --within 1s --throughout 1s", "--within"},
+                    BadRow{"a_run_in_a_run", "run other.scn", "run"},
+                    BadRow{"help", "--help", "help"},
+                    BadRow{"help_of_a_word", "move --help", "help"},
+                    BadRow{"a_domain", "--domain 3 status 1.1", "--domain"},
+                    BadRow{"an_endless_watch", "watch 1.1", "--count"},
+                    BadRow{"a_wait_without_unit", "wait 5", "'5'"},
+                    BadRow{"a_refusal_of_nothing", "refused 0x06010002", "command"},
+                    BadRow{"a_refusal_without_code", "refused write 1.1 0x6041 0", "'write'"}),
+    [](const auto& row) {
+      return row.param.name;
+    });
 
 TEST(Expectation, ComparesExactlyUnderAMaskOrWithATolerance) {
   ExpectCommand expect;

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tool/process.hpp"
 
+#include "support/test_domain.hpp"
+#include "vdrive/client/session.hpp"
+
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/wait.h>
@@ -11,9 +14,6 @@
 #include <sstream>
 #include <stdexcept>
 #include <utility>
-
-#include "support/test_domain.hpp"
-#include "vdrive/client/session.hpp"
 
 namespace vdrive::test {
 namespace {
@@ -79,8 +79,8 @@ Process::Process(const std::string& program, std::vector<std::string> arguments,
   close(err[1]);
   output_ = out[0];
   errors_ = err[0];
-  const bool written = write(in[1], input.data(), input.size()) ==
-                       static_cast<ssize_t>(input.size());
+  const bool written =
+      write(in[1], input.data(), input.size()) == static_cast<ssize_t>(input.size());
   close(in[1]);
   if (!written) throw std::runtime_error("input not taken");
 }
@@ -94,7 +94,9 @@ Process::~Process() {
   close_if_open(errors_);
 }
 
-void Process::send(int signal) const { ::kill(child_, signal); }
+void Process::send(int signal) const {
+  if (child_ > 0) ::kill(child_, signal);  // 0 would be everybody in our group
+}
 
 std::string Process::read_line() {
   std::size_t end = read_ahead_.find('\n');
@@ -105,7 +107,9 @@ std::string Process::read_line() {
   return line;
 }
 
-void Process::stop_reading() { close_if_open(output_); }
+void Process::stop_reading() {
+  close_if_open(output_);
+}
 
 Finished Process::wait() {
   Finished finished;
@@ -140,8 +144,8 @@ std::vector<std::string> tool_arguments(const std::string& words) {
 }
 
 RunningService::RunningService(const std::string& words)
-    : process_(VDRIVE_SERVICE, split(words + " --log-level off --domain " +
-                                     std::to_string(test_domain()))) {
+    : process_(VDRIVE_SERVICE,
+               split(words + " --log-level off --domain " + std::to_string(test_domain()))) {
   client::SessionOptions options;
   options.domain = test_domain();
   options.find_timeout = std::chrono::seconds(20);
@@ -149,7 +153,9 @@ RunningService::RunningService(const std::string& words)
   if (session.find_benches().empty()) throw std::runtime_error("the service did not come up");
 }
 
-RunningService::~RunningService() { process_.send(SIGTERM); }
+RunningService::~RunningService() {
+  process_.send(SIGTERM);
+}
 
 void RunningService::stop() {
   process_.send(SIGTERM);

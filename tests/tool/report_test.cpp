@@ -2,10 +2,10 @@
 // What the tool shows: JSON fields as docs/tool.md gives them, text, the dictionary.
 #include "report.hpp"
 
+#include "live_view.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include "live_view.hpp"
 
 namespace vdrive::tool {
 namespace {
@@ -86,8 +86,9 @@ TEST(ListJson, HasBenchAxisStateAndOwner) {
 TEST(ObjectJson, StartsLikeTheIssueShowsIt) {
   Json json = object_json({1, 1}, parse_object("ds402_statusword"));
   json["value"] = 592;
-  EXPECT_EQ(to_line(json),
-            R"({"axis":"1.1","index":"0x6041","subindex":0,"name":"ds402_statusword","value":592})");
+  EXPECT_EQ(
+      to_line(json),
+      R"({"axis":"1.1","index":"0x6041","subindex":0,"name":"ds402_statusword","value":592})");
 }
 
 TEST(ObjectJson, OfAnUnknownObjectHasNoName) {

@@ -2,13 +2,13 @@
 // Scenario files: lines, comments, quotes, errors with their place; and the JUnit report.
 #include "scenario.hpp"
 
+#include "junit.hpp"
+#include "usage_error.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <sstream>
-
-#include "junit.hpp"
-#include "usage_error.hpp"
 
 namespace vdrive::tool {
 namespace {
@@ -54,17 +54,25 @@ TEST(ScenarioFile, SkipsBlankLinesAndCountsThem) {
 }
 
 TEST(ScenarioFile, TakesCarriageReturnsAByteOrderMarkAndAMissingLastLineEnd) {
-  const Scenario scenario = parse("\xEF\xBB\xBF" "enable 1.1\r\n\r\nwait 1s");
+  const Scenario scenario = parse(
+      "\xEF\xBB\xBF"
+      "enable 1.1\r\n\r\nwait 1s");
   ASSERT_EQ(scenario.lines.size(), 2U);
   EXPECT_EQ(scenario.lines[0].text, "enable 1.1");
   EXPECT_EQ(scenario.lines[1].number, 3U);
 }
 
 TEST(ScenarioFile, NamesFileAndLineOfAMistake) {
-  EXPECT_THAT([] { (void)parse("wait 1s\n\ndance\n"); },
-              ThrowsMessage<UsageError>(StartsWith("test.scn:3: ")));
-  EXPECT_THAT([] { (void)parse("write 1.1 0x6060 300\n"); },
-              ThrowsMessage<UsageError>(HasSubstr("-128 to 127")));
+  EXPECT_THAT(
+      [] {
+        (void)parse("wait 1s\n\ndance\n");
+      },
+      ThrowsMessage<UsageError>(StartsWith("test.scn:3: ")));
+  EXPECT_THAT(
+      [] {
+        (void)parse("write 1.1 0x6060 300\n");
+      },
+      ThrowsMessage<UsageError>(HasSubstr("-128 to 127")));
 }
 
 TEST(ScenarioFile, OfBytesThatAreNoTextIsAMistakeAndNothingWorse) {
@@ -80,7 +88,8 @@ TEST(Junit, CountsAndEscapes) {
       {"line 2: a < b", {}, "expected \"1\" & got\x01 2", false},
       {"line 3", {}, std::nullopt, true}};
   const std::string xml = junit_xml("a.scn", cases);
-  EXPECT_THAT(xml, HasSubstr("tests=\"3\" failures=\"1\" skipped=\"1\" errors=\"0\" time=\"1.500000\""));
+  EXPECT_THAT(xml,
+              HasSubstr("tests=\"3\" failures=\"1\" skipped=\"1\" errors=\"0\" time=\"1.500000\""));
   EXPECT_THAT(xml, HasSubstr("name=\"line 2: a &lt; b\""));
   EXPECT_THAT(xml, HasSubstr("message=\"expected &quot;1&quot; &amp; got? 2\""));
   EXPECT_THAT(xml, HasSubstr("<skipped/>"));

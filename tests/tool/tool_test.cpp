@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // The program vdrive against the real service: exit codes, JSON, streams, signals.
+#include "support/test_domain.hpp"
+#include "tool/process.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <csignal>
 #include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <sstream>
-
-#include "support/test_domain.hpp"
-#include "tool/process.hpp"
 
 namespace vdrive::test {
 namespace {
@@ -110,17 +110,17 @@ TEST_F(ToolInLockStep, EveryWordAnswersInJsonAsDocumented) {
   };
   EXPECT_THAT(fields("list"), ElementsAre("axis", "bench", "bench_name", "clock", "period_us",
                                           "name", "state", "statusword", "owner", "tick"));
-  EXPECT_THAT(fields("enable 1.1"), ElementsAre("axis", "command", "outcome", "tick", "state",
-                                                "statusword", "position"));
-  EXPECT_THAT(fields("move 1.1 10"), ElementsAre("axis", "command", "outcome", "tick", "state",
-                                                 "statusword", "position"));
+  EXPECT_THAT(fields("enable 1.1"),
+              ElementsAre("axis", "command", "outcome", "tick", "state", "statusword", "position"));
+  EXPECT_THAT(fields("move 1.1 10"),
+              ElementsAre("axis", "command", "outcome", "tick", "state", "statusword", "position"));
   EXPECT_THAT(fields("write 1.1 0x6081 5"),
               ElementsAre("axis", "index", "subindex", "name", "value", "outcome", "tick"));
   EXPECT_THAT(fields("disturb 1.1 load_torque 5"),
               ElementsAre("axis", "index", "subindex", "name", "value", "outcome", "tick"));
   EXPECT_THAT(fields("step 3"), ElementsAre("bench", "ticks", "tick"));
-  EXPECT_THAT(fields("status 1.1"), AllOf(testing::Contains("ds402_statusword"),
-                                          testing::Contains("owner_epoch")));
+  EXPECT_THAT(fields("status 1.1"),
+              AllOf(testing::Contains("ds402_statusword"), testing::Contains("owner_epoch")));
   EXPECT_THAT(fields("watch 1.1 --count 1"), testing::Contains("position_demand_value"));
 }
 
@@ -129,14 +129,12 @@ TEST_F(ToolInLockStep, ARefusalExitsFiveWithItsCodeAndMeaning) {
     const char* words;
     const char* code;
   };
-  for (const Row& row : {Row{"read 1.1 0x9999", "0x06020000"},
-                         Row{"read 1.1 no_such_object", "0x06020000"},
-                         Row{"read 1.1 0x6041:7", "0x06090011"},
-                         Row{"write 1.1 0x6041 0", "0x06010002"},
-                         Row{"write 1.1 0x60F2 3", "0x06090030"},
-                         Row{"write 1.1 0x6080 0", "0x06090032"},
-                         Row{"move 1.1 100", "0x08000022"},
-                         Row{"halt 1.1", "0x08000022"}}) {
+
+  for (const Row& row :
+       {Row{"read 1.1 0x9999", "0x06020000"}, Row{"read 1.1 no_such_object", "0x06020000"},
+        Row{"read 1.1 0x6041:7", "0x06090011"}, Row{"write 1.1 0x6041 0", "0x06010002"},
+        Row{"write 1.1 0x60F2 3", "0x06090030"}, Row{"write 1.1 0x6080 0", "0x06090032"},
+        Row{"move 1.1 100", "0x08000022"}, Row{"halt 1.1", "0x08000022"}}) {
     const Finished text = tool(row.words);
     EXPECT_EQ(text.code, 5) << row.words;
     EXPECT_THAT(text.errors, HasSubstr(row.code)) << row.words;
@@ -250,9 +248,8 @@ TEST_F(ToolInLockStep, AScenarioEndsAtItsFirstFailureWithPlaceAndValues) {
                                  "expect 1.1 0x6041 0x231 --within 5ms\n"
                                  "enable 1.1\n");
   EXPECT_EQ(finished.code, 1);
-  EXPECT_THAT(finished.errors,
-              AllOf(HasSubstr("<stdin>:3:"), HasSubstr("expected 0x231"), HasSubstr("actual 0x250"),
-                    HasSubstr("at tick 5")));
+  EXPECT_THAT(finished.errors, AllOf(HasSubstr("<stdin>:3:"), HasSubstr("expected 0x231"),
+                                     HasSubstr("actual 0x250"), HasSubstr("at tick 5")));
   std::ifstream file(junit);
   std::stringstream xml;
   xml << file.rdbuf();
@@ -278,7 +275,8 @@ TEST_F(ToolInLockStep, AScenarioIsReadWholeBeforeItDoesAnything) {
 }
 
 TEST_F(ToolInLockStep, AScenarioTellsItsLinesInJson) {
-  const Finished finished = tool("run - --json", "wait 3ms\nread 1.1 0x6041\nexpect 1.1 0x6041 0\n");
+  const Finished finished =
+      tool("run - --json", "wait 3ms\nread 1.1 0x6041\nexpect 1.1 0x6041 0\n");
   EXPECT_EQ(finished.code, 1);
   const auto objects = json_of(finished);
   ASSERT_THAT(objects, SizeIs(5));

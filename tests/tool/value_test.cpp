@@ -2,10 +2,10 @@
 // Objects, values and durations as a user types them.
 #include "value.hpp"
 
+#include "usage_error.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include "usage_error.hpp"
 
 namespace vdrive::tool {
 namespace {
@@ -16,7 +16,9 @@ using testing::ThrowsMessage;
 
 constexpr ObjectAddress kStatusword{0x6041, 0};
 
-TEST(ObjectName, IsAnIndexOfSubIndexZero) { EXPECT_EQ(parse_object("0x6041").address, kStatusword); }
+TEST(ObjectName, IsAnIndexOfSubIndexZero) {
+  EXPECT_EQ(parse_object("0x6041").address, kStatusword);
+}
 
 TEST(ObjectName, IsAnIndexWithASubIndexInDecimalOrHex) {
   EXPECT_EQ(parse_object("0x607D:1").address, (ObjectAddress{0x607D, 1}));
@@ -37,15 +39,21 @@ TEST(ObjectName, OfNoObjectIsForTheDriveToRefuse) {
 class BadObject : public testing::TestWithParam<const char*> {};
 
 TEST_P(BadObject, IsAUsageErrorThatShowsTheText) {
-  EXPECT_THAT([] { (void)parse_object(GetParam()); },
-              ThrowsMessage<UsageError>(HasSubstr(std::string("'") + GetParam() + "'")));
+  EXPECT_THAT(
+      [] {
+        (void)parse_object(GetParam());
+      },
+      ThrowsMessage<UsageError>(HasSubstr(std::string("'") + GetParam() + "'")));
 }
 
 INSTANTIATE_TEST_SUITE_P(Texts, BadObject,
-                         testing::Values("", "6041", "0x", "0xZZ", "0x60410", "0x607D:", "0x607D:256",
-                                         "0x607D:x", "Statusword", "0x607D:1:2", "-0x6041"),
-                         
-    [](const auto& text) { return "row_" + std::to_string(text.index); });
+                         testing::Values("", "6041", "0x", "0xZZ", "0x60410",
+                                         "0x607D:", "0x607D:256", "0x607D:x", "Statusword",
+                                         "0x607D:1:2", "-0x6041"),
+
+                         [](const auto& text) {
+                           return "row_" + std::to_string(text.index);
+                         });
 
 TEST(Value, IsDecimalOrNegative) {
   EXPECT_EQ(parse_value("10000", DataType::integer32), 10000);
@@ -71,8 +79,11 @@ struct Row {
 class BadValue : public testing::TestWithParam<Row> {};
 
 TEST_P(BadValue, IsAUsageErrorThatShowsTheText) {
-  EXPECT_THAT([] { (void)parse_value(GetParam().text, GetParam().type); },
-              ThrowsMessage<UsageError>(HasSubstr(std::string("'") + GetParam().text + "'")));
+  EXPECT_THAT(
+      [] {
+        (void)parse_value(GetParam().text, GetParam().type);
+      },
+      ThrowsMessage<UsageError>(HasSubstr(std::string("'") + GetParam().text + "'")));
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -90,11 +101,16 @@ INSTANTIATE_TEST_SUITE_P(
                     Row{"negative_unsigned", "-1", DataType::unsigned16},
                     Row{"far_too_high", "99999999999999999999999", DataType::unsigned32},
                     Row{"far_too_wide", "0x123456789ABCDEF012345", DataType::unsigned32}),
-    [](const auto& row) { return row.param.name; });
+    [](const auto& row) {
+      return row.param.name;
+    });
 
 TEST(Value, TooWideNamesTheLimits) {
-  EXPECT_THAT([] { (void)parse_value("300", DataType::integer8); },
-              ThrowsMessage<UsageError>(HasSubstr("-128 to 127")));
+  EXPECT_THAT(
+      [] {
+        (void)parse_value("300", DataType::integer8);
+      },
+      ThrowsMessage<UsageError>(HasSubstr("-128 to 127")));
 }
 
 TEST(Value, OfAnUnknownObjectIsAnyNumberOf32Bits) {
@@ -111,20 +127,27 @@ TEST(Duration, HasAUnit) {
   EXPECT_EQ(parse_duration("3600000s"), 1000h);
 }
 
-TEST(Duration, FinerThanANanosecondIsRoundedUp) { EXPECT_EQ(parse_duration("0.0000001ms"), 1ns); }
+TEST(Duration, FinerThanANanosecondIsRoundedUp) {
+  EXPECT_EQ(parse_duration("0.0000001ms"), 1ns);
+}
 
 class BadDuration : public testing::TestWithParam<const char*> {};
 
 TEST_P(BadDuration, IsAUsageErrorThatShowsTheText) {
-  EXPECT_THAT([] { (void)parse_duration(GetParam()); },
-              ThrowsMessage<UsageError>(HasSubstr(std::string("'") + GetParam() + "'")));
+  EXPECT_THAT(
+      [] {
+        (void)parse_duration(GetParam());
+      },
+      ThrowsMessage<UsageError>(HasSubstr(std::string("'") + GetParam() + "'")));
 }
 
 INSTANTIATE_TEST_SUITE_P(Texts, BadDuration,
                          testing::Values("", "s", "20", "-1s", "1e3s", "1.s", ".5s", "1.2.3s",
                                          "5min", "3600001s", "99999999999999999999s"),
-                         
-    [](const auto& text) { return "row_" + std::to_string(text.index); });
+
+                         [](const auto& text) {
+                           return "row_" + std::to_string(text.index);
+                         });
 
 TEST(Duration, OfAnOptionIsInSecondsWithoutAUnit) {
   EXPECT_EQ(parse_seconds("2"), 2s);

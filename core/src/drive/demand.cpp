@@ -191,8 +191,10 @@ void rebase(const DriveContext& axis) {
   servo.position[l] -= motor_shift;
   servo.measured[l] -= motor_shift;
   servo.motor_reading[l] -= motor_shift;
-  servo.load_offset[l] += axis.registers.gear_ratio * motor_shift - shift;
-  servo.load_position[l] -= shift;
+  const double load_shift =
+      axis.registers.single_encoder ? kRange * nearest(servo.load_position[l] / kRange) : shift;
+  servo.load_offset[l] += axis.registers.gear_ratio * motor_shift - load_shift;
+  servo.load_position[l] -= load_shift;
   servo.load_measured[l] -= shift;
   servo.load_reading[l] -= shift;
   s.demand_position -= shift;

@@ -13,12 +13,11 @@ class ProfileBuilder {
       : profile_(start_position), position_(start_position) {}
 
   /// Travels from velocity `from` (>= 0, along `direction` = +1 or -1) until it has changed by
-  /// `change` at constant acceleration. The change is handed in, not the end: of two speeds close to
-  /// each other the difference would lose its digits, and with them time and place of the end.
+  /// `change` at constant acceleration. The change is handed in, not the end: of two speeds close
+  /// to each other the difference would lose its digits, and with them time and place of the end.
   void ramp(double direction, double from, double change, double acceleration) noexcept {
     const double duration = std::abs(change) / acceleration;
-    append(duration, direction * from,
-           direction * (change > 0.0 ? acceleration : -acceleration));
+    append(duration, direction * from, direction * (change > 0.0 ? acceleration : -acceleration));
     position_ += direction * (from + 0.5 * change) * duration;
   }
 

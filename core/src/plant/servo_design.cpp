@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 #include <unsupported/Eigen/MatrixFunctions>
 
+#include <algorithm>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -60,8 +61,11 @@ void design_loop(const AxisModel& model, const Gear& gear, double substep, doubl
   const double inertia_ratio = whole_inertia / unit_inertia;
   const double bandwidth = kTwoPi * model.velocity_loop_bandwidth;
   loop.position_gain[lane] = kTwoPi * model.position_loop_bandwidth;
-  loop.velocity_gain[lane] = bandwidth * inertia_ratio;
-  loop.integral_step[lane] = bandwidth * inertia_ratio * bandwidth * kIntegralRatio * substep;
+  // Above the resonance the motor is on its own: against its inertia alone the loop must not become
+  // faster than the current loop, or a heavy elastic load makes it ring at full torque.
+  const double gain = std::min(bandwidth * inertia_ratio, kTwoPi * model.current_loop_bandwidth);
+  loop.velocity_gain[lane] = gain;
+  loop.integral_step[lane] = gain * (gain / inertia_ratio) * kIntegralRatio * substep;
   loop.ratio[lane] = ratio_of(gear);
   loop.inverse_ratio[lane] = dual ? 1.0 / ratio_of(gear) : 1.0;
   loop.feed_forward[lane] = inertia_ratio * loop.inverse_ratio[lane];

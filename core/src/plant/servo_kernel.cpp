@@ -12,7 +12,9 @@
 #define VDRIVE_VECTOR_CLONES
 #endif
 
-#if defined(__clang__)
+#if defined(VDRIVE_NO_TARGET_CLONES)
+#define VDRIVE_INDEPENDENT_LANES
+#elif defined(__clang__)
 #define VDRIVE_INDEPENDENT_LANES _Pragma("clang loop vectorize(assume_safety)")
 #else
 #define VDRIVE_INDEPENDENT_LANES _Pragma("GCC ivdep")

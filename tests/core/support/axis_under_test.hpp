@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/axis.hpp"
+#include "vdrive/cia402/statusword.hpp"
+
 #include <chrono>
 #include <concepts>
 #include <cstdint>
 #include <stdexcept>
 #include <string>
 #include <string_view>
-
-#include "vdrive/axis.hpp"
-#include "vdrive/cia402/statusword.hpp"
 
 namespace vdrive::test {
 
@@ -93,7 +93,11 @@ class AxisUnderTest {
 
   /// Steps until all bits of `mask` in the statusword equal `value`; see above.
   std::uint64_t step_until_status(std::uint16_t mask, std::uint16_t value, std::uint64_t deadline) {
-    return step_until([this, mask, value] { return (statusword() & mask) == value; }, deadline);
+    return step_until(
+        [this, mask, value] {
+          return (statusword() & mask) == value;
+        },
+        deadline);
   }
 
   /// Profile position mode in Operation enabled, at rest.
@@ -103,27 +107,36 @@ class AxisUnderTest {
   }
 
   [[nodiscard]] std::uint16_t statusword() const { return status().ds402_statusword; }
+
   [[nodiscard]] const AxisStatus& status() const { return axis_.status(); }
+
   [[nodiscard]] PowerState state() const { return decode_power_state(statusword()); }
+
   [[nodiscard]] std::int32_t demand() const { return status().position_demand_value; }
+
   [[nodiscard]] std::int32_t actual() const { return status().load_position_actual_value; }
+
   [[nodiscard]] std::int32_t demand_velocity() const { return status().velocity_demand_value; }
+
   [[nodiscard]] std::int32_t velocity() const { return status().load_velocity_actual_value; }
-  [[nodiscard]] bool reached() const {
-    return (statusword() & Statusword::kTargetReached) != 0;
-  }
+
+  [[nodiscard]] bool reached() const { return (statusword() & Statusword::kTargetReached) != 0; }
+
   [[nodiscard]] bool acknowledged() const {
     return (statusword() & Statusword::kSetPointAcknowledge) != 0;
   }
+
   [[nodiscard]] bool limit_active() const {
     return (statusword() & Statusword::kInternalLimitActive) != 0;
   }
 
   /// Ticks stepped so far.
   [[nodiscard]] std::uint64_t ticks() const { return ticks_; }
+
   [[nodiscard]] double seconds_per_tick() const {
     return static_cast<double>(period_.count()) * 1.0e-6;
   }
+
   [[nodiscard]] Axis& axis() { return axis_; }
 
  private:

@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/client/axis_snapshot.hpp"
+#include "vdrive/client/outcome.hpp"
+#include "vdrive/dictionary/abort_code.hpp"
+#include "vdrive/dictionary/object.hpp"
+
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -9,11 +14,6 @@
 #include <span>
 #include <string>
 #include <vector>
-
-#include "vdrive/client/axis_snapshot.hpp"
-#include "vdrive/client/outcome.hpp"
-#include "vdrive/dictionary/abort_code.hpp"
-#include "vdrive/dictionary/object.hpp"
 
 namespace vdrive::client {
 

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/axis_status.hpp"
+#include "vdrive/cia402/power_state.hpp"
+#include "vdrive/client/bench.hpp"
+#include "vdrive/dictionary/object.hpp"
+
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include "vdrive/axis_status.hpp"
-#include "vdrive/cia402/power_state.hpp"
-#include "vdrive/client/bench.hpp"
-#include "vdrive/dictionary/object.hpp"
 
 namespace vdrive::client {
 
@@ -37,8 +37,8 @@ struct AxisSnapshot {
 /// All watched axes after the same tick.
 struct Observation {
   std::uint64_t tick = 0;
-  std::uint64_t missed = 0;         ///< samples of the stream lost since the one before
-  std::vector<AxisSnapshot> axes;   ///< in the order that was asked for
+  std::uint64_t missed = 0;        ///< samples of the stream lost since the one before
+  std::vector<AxisSnapshot> axes;  ///< in the order that was asked for
 };
 
 /// @return the object's value when the status image has it, else nothing.

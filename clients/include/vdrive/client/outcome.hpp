@@ -59,8 +59,9 @@ template <typename Value>
 class [[nodiscard]] Result {
  public:
   // Implicit on purpose: a function returns either.
-  Result(Value value) : value_(std::move(value)) {}            // NOLINT(google-explicit-constructor)
-  Result(Outcome failure) : outcome_(std::move(failure)) {}    // NOLINT(google-explicit-constructor)
+  Result(Value value) : value_(std::move(value)) {}  // NOLINT(google-explicit-constructor)
+
+  Result(Outcome failure) : outcome_(std::move(failure)) {}  // NOLINT(google-explicit-constructor)
 
   explicit operator bool() const noexcept { return value_.has_value(); }
 

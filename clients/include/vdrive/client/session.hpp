@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/client/axis_snapshot.hpp"
+#include "vdrive/client/bench.hpp"
+#include "vdrive/client/outcome.hpp"
+
 #include <chrono>
 #include <cstdint>
 #include <memory>
@@ -9,10 +13,6 @@
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include "vdrive/client/axis_snapshot.hpp"
-#include "vdrive/client/bench.hpp"
-#include "vdrive/client/outcome.hpp"
 
 namespace vdrive::client {
 
@@ -80,7 +80,7 @@ class Session {
   /// The session's number; the owner that an axis shows while this session holds it.
   [[nodiscard]] std::uint64_t id() const noexcept;
 
-  /// Waits until some bench is there and no further one turns up for 150 ms.
+  /// Waits until some bench is there and no further one turns up for 250 ms.
   /// @return the benches by number; none after `find_timeout`. A bench is there while its samples
   ///         are younger than 300 ms and it has not said that it went offline.
   [[nodiscard]] std::vector<BenchInfo> find_benches();

@@ -53,9 +53,11 @@ class BenchEngine {
   void step();
 
   /// Puts the status image of the last tick into the outbox.
-  void post_status();
+  /// @param repeated it was there before, and is only for those who came since
+  void post_status(bool repeated = false);
 
-  /// Moves as many changed parameter sets as fit into the outbox; also part of every step.
+  /// Moves as many changed parameter sets as fit into the outbox, and tells of full queues; also
+  /// part of every step.
   void post_parameters();
 
   /// The number of the tick jumps forward, state is held; the silence of masters does not grow.
@@ -144,7 +146,7 @@ class BenchEngine {
   void observe_state(std::size_t axis, const AxisStatus& status, Seen& seen);
   void mark_changed(std::size_t axis);
   void report(EventRecord event);
-  void count_overflow();
+  void tell_overflows();
 
   BenchIdentity identity_;
   ClockMode clock_;
@@ -170,7 +172,7 @@ class BenchEngine {
   std::size_t first_changed_ = 0;
   std::size_t changed_count_ = 0;
   std::vector<bool> is_changed_;
-  std::uint64_t lost_events_ = 0;
+  std::uint64_t told_overflows_ = 0;
 };
 
 }  // namespace vdrive::service

@@ -88,6 +88,7 @@ struct EventRecord {
 /// Status images of all axes after one tick.
 struct StatusImage {
   std::uint64_t tick = 0;
+  bool repeated = false;  ///< nothing moved since an earlier image of the same tick
   std::vector<AxisStatus> status;
   std::vector<wire::Ownership> owners;
 };

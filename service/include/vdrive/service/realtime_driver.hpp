@@ -20,6 +20,9 @@ class RealtimeDriver {
   /// How many arrivals one tick handles at most; the others wait for the next.
   static constexpr std::size_t kArrivalsPerTick = 256;
 
+  /// Paused, the status is shown again at this distance.
+  static constexpr std::chrono::milliseconds kRepeatInterval{20};
+
   /// Sets the engine's tick to that of the wall clock; the first cycle runs the next one.
   RealtimeDriver(const Configuration& configuration, BenchEngine& engine, Inbox& inbox,
                  Counters& counters, CycleTimer& timer);
@@ -34,6 +37,7 @@ class RealtimeDriver {
 
  private:
   void tick() noexcept;
+  void idle() noexcept;
   void handle_arrivals();
 
   BenchEngine& engine_;
@@ -43,6 +47,7 @@ class RealtimeDriver {
   std::chrono::microseconds period_;
   std::uint32_t status_every_;
   std::optional<TickClock> clock_;  ///< nothing = paused
+  std::chrono::nanoseconds next_repeat_{0};
   std::atomic<std::int64_t> next_cycle_{0};
 };
 

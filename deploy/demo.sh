@@ -1,0 +1,115 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# The demonstration: installs what is missing, builds, starts the service with its demo bench and
+# runs the manual's two worked examples against it over DDS, live in this terminal.
+#
+#   deploy/demo.sh [--serve]
+#
+#   --serve   keep the service in the foreground instead of running the examples
+#
+# Meanwhile `build/release/bin/vdrive watch 1.1` shows the axis in a second terminal. The service
+# runs as bench 1 on DDS domain 0, or on VDRIVE_DOMAIN; where bench 1 is there already it takes the
+# next free number, and says so. Leaves nothing running. Exit code 0: both examples passed.
+set -euo pipefail
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+bin=$root/build/release/bin
+domain=${VDRIVE_DOMAIN:-0}
+highest_bench=9
+serve=false
+
+fail() {
+  echo "demo: $*" >&2
+  exit 1
+}
+
+while (($#)); do
+  case $1 in
+    --serve) serve=true ;;
+    *) fail "unknown option '$1'; usage: deploy/demo.sh [--serve]" ;;
+  esac
+  shift
+done
+
+"$root/deploy/setup.sh"
+"$root/deploy/build.sh" --target vdrived --target vdrive
+
+vdrive() {
+  "$bin/vdrive" --domain "$domain" "$@"
+}
+
+# The benches on this domain, a number a line.
+taken_benches() {
+  vdrive --timeout 1 --json list 2>/dev/null | sed -n 's/.*"bench":\([0-9]*\),.*/\1/p' | sort -un
+}
+
+bench=1
+taken=$(taken_benches || true)
+while grep -qx "$bench" <<<"$taken"; do
+  bench=$((bench + 1))
+  ((bench <= highest_bench)) || fail "benches 1 to $highest_bench are all taken on domain $domain"
+done
+((bench == 1)) || echo "demo: bench 1 is there already on domain $domain; this one is bench $bench"
+
+domain_option=
+if [[ $domain != 0 ]]; then
+  domain_option=" --domain $domain"
+fi
+watch_command="build/release/bin/vdrive$domain_option watch $bench.1"
+
+if $serve; then
+  echo "demo: bench $bench on domain $domain; in a second terminal: $watch_command"
+  exec "$bin/vdrived" --domain "$domain" --bench "$bench"
+fi
+
+work=$(mktemp -d)
+service=
+# Ends what was started, however this script ends.
+clean_up() {
+  if [[ -n $service ]]; then
+    kill "$service" 2>/dev/null || true
+    wait "$service" 2>/dev/null || true
+  fi
+  rm -rf "$work"
+}
+trap clean_up EXIT
+trap 'exit 130' INT TERM HUP
+
+"$bin/vdrived" --domain "$domain" --bench "$bench" --log-level warn 2>"$work/vdrived.log" &
+service=$!
+
+# The service listens for its own number for a moment before it says that it is there.
+if ! vdrive --timeout 10 status "$bench.1" >/dev/null 2>"$work/status.log"; then
+  cat "$work/vdrived.log" "$work/status.log" >&2
+  fail "the service did not come up"
+fi
+
+echo "demo: bench $bench with two axes on DDS domain $domain, in real time"
+echo "demo: in a second terminal: $watch_command"
+
+results=()
+failed=false
+# run_example TITLE FILE: the scenarios speak of bench 1.
+run_example() {
+  local title=$1 file=$2
+  echo
+  echo "== $title"
+  sed "s/\b1\.\([12]\)\b/$bench.\1/g" "$root/clients/scenarios/$file" >"$work/$file"
+  if vdrive run --live "$work/$file"; then
+    results+=("passed  $title")
+  else
+    results+=("FAILED  $title")
+    failed=true
+  fi
+}
+
+run_example "absolute position, forward: axis $bench.1 to 10000 UU in 10.17 s" absolute_forward.scn
+run_example "absolute position, negative: axis $bench.2 to -10000 UU in 10.17 s" absolute_negative.scn
+
+echo
+echo "== what happened"
+printf '%s\n' "${results[@]}"
+vdrive list
+if $failed; then
+  exit 1
+fi
