@@ -138,7 +138,7 @@ Result<AxisSnapshot> Axis::status() const {
   const std::array axes{id_.axis};
   auto seen = core_->observe(*target, axes);
   if (!seen) return seen.outcome();
-  return std::move(seen->axes.front());
+  return seen->axes.front();
 }
 
 Outcome Axis::acquire() {

@@ -3,7 +3,6 @@
 
 #include "vdrive/cia402/statusword.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
-#include "vdrive/wire/conversion.hpp"
 
 #include <array>
 #include <cstdio>
@@ -30,11 +29,7 @@ constexpr std::array kFlags{
 
 std::optional<std::int64_t> value_of(const AxisSnapshot& snapshot, ObjectAddress object) {
   const auto row = find_object(object);
-  if (!row) return std::nullopt;
-  msg::AxisStatus message;
-  wire::to_message(snapshot.status, wire::AxisAddress{snapshot.id.bench, snapshot.id.axis},
-                   snapshot.tick, wire::Ownership{}, message);
-  return wire::value_of(message, *row);
+  return row ? value_of(snapshot.status, *row) : std::nullopt;
 }
 
 std::vector<std::string_view> statusword_flags(std::uint16_t statusword) {

@@ -86,7 +86,7 @@ Outcome Conversation::look_at(std::uint64_t tick, std::string_view awaited) {
 
 Outcome Conversation::note(Result<Observation> sample) {
   if (!sample) return sample.outcome();
-  now_ = std::move(sample->axes.front());
+  now_ = sample->axes.front();
   now_.tick = sample->tick;
   return {};
 }

@@ -60,7 +60,7 @@ Result<std::uint64_t> Session::step(std::uint32_t bench, std::uint64_t ticks) {
 Result<std::uint64_t> Session::wait(std::uint32_t bench, std::chrono::nanoseconds duration) {
   const auto target = core_->connect(bench);
   if (!target) return target.outcome();
-  const auto present = core_->present_tick(*target);
+  auto present = core_->present_tick(*target);
   if (!present) return present;
   return core_->wait_for_tick(*target, *present + ticks_of(duration, target->period));
 }

@@ -9,6 +9,7 @@
 #include "vdrive/wire/subscription.hpp"
 #include "vdrive_messages.h"
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -27,16 +28,25 @@
 
 namespace vdrive::client {
 
+/// After this silence a service counts as lost. Longer than kPresence, which only decides what is
+/// listed: a busy machine may hold a process up for some hundred milliseconds.
+inline constexpr std::chrono::milliseconds kSilence{1000};
+
 /// The run of a service that a call speaks to.
 struct Target {
   BenchKey key;
   ClockMode clock_mode = ClockMode::realtime;
   std::chrono::microseconds period{1000};
   std::uint32_t status_every_ticks = 1;
+  bool is_paused = false;  ///< drive time stands still, and with it the status stream
   wire::Source source;
 
   [[nodiscard]] bool steps() const { return clock_mode == ClockMode::lockstep; }
 };
+
+/// @return how messages call a bench and an axis: "bench 1", "axis 1.2".
+[[nodiscard]] std::string name_of(const Target& target);
+[[nodiscard]] std::string name_of(const Target& target, std::uint16_t axis);
 
 /// What became of command frames.
 struct Applied {
@@ -69,7 +79,7 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   Result<AxisInfo> find_axis(std::string_view text);
 
   /// Finds the bench and waits until it can hear requests and we its answers.
-  Result<Target> connect(std::uint32_t bench);
+  Result<Target> connect(std::uint32_t number);
 
   /// Asks and waits for the answer. Fills in who asks whom.
   /// @param what names the request in messages, such as "read of axis 1.1"
@@ -145,12 +155,13 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
 
   Holding& holding(const BenchKey& key);
   void note_acquired(const Target& target, std::uint16_t axis, const msg::Reply& reply);
-  msg::CommandFrame next_frame(Holding& holding) const;
+  msg::CommandFrame next_frame(Holding& held) const;
   Outcome send(const Target& target, std::span<const msg::AxisCommand> commands,
                std::vector<std::uint64_t>& sequences);
   Result<Applied> collect(const Target& target, std::span<const std::uint64_t> sequences,
                           Outcome outcome);
   std::uint64_t last_sequence(const BenchKey& key);
+  Result<Observation> read_status(const Target& target, std::span<const std::uint16_t> axes);
   void subscribe_status();
 
   void keep_alive(const std::stop_token& stop);
@@ -183,6 +194,33 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   std::once_flag keep_alive_started_;
   std::jthread keep_alive_thread_;
 };
+
+template <typename Condition>
+Outcome SessionCore::wait(Lock& lock, const Target& target, Patience patience,
+                          const Condition& condition) {
+  const auto deadline = Directory::Clock::now() + patience.timeout;
+  while (!condition()) {
+    const auto now = Directory::Clock::now();
+    if (interrupted_ && patience.may_interrupt) return Outcome::failed("interrupted");
+    if (!directory_.is_alive(target.key, kSilence, now)) {
+      return Outcome::lost(name_of(target) + " fell silent or went away");
+    }
+    if (now >= deadline) return Outcome::timed_out(name_of(target) + " did not answer");
+    changed_.wait_until(lock, std::min(deadline, now + std::chrono::milliseconds(50)));
+  }
+  return {};
+}
+
+template <typename Condition>
+bool SessionCore::wait_to_find(Lock& lock, const Condition& condition) {
+  const auto deadline = Directory::Clock::now() + options_.find_timeout;
+  while (!condition()) {
+    const auto now = Directory::Clock::now();
+    if (interrupted_ || now >= deadline) return false;
+    changed_.wait_until(lock, std::min(deadline, now + std::chrono::milliseconds(50)));
+  }
+  return true;
+}
 
 /// @return a message as a snapshot.
 [[nodiscard]] AxisSnapshot snapshot_of(const msg::AxisStatus& message);

@@ -55,11 +55,6 @@ client::Result<client::BenchInfo> Executor::bench_of(const client::AxisId& axis)
   return session_.find_bench(axis.bench);
 }
 
-Outcome Executor::unknown_object(const client::AxisId& axis, const ObjectName& object) {
-  return Outcome::refused(kNoSuchObject,
-                          "axis " + to_string(axis) + " has no object '" + object.text + "'");
-}
-
 // ---- what is there ---------------------------------------------------------------------------
 
 Outcome Executor::run(const ListCommand& /*command*/) {
@@ -105,7 +100,6 @@ Outcome Executor::run(const StatusCommand& command) {
 }
 
 Outcome Executor::run(const WatchCommand& command) {
-  using Clock = std::chrono::steady_clock;
   std::map<client::AxisId, std::string> names;
   std::vector<client::AxisId> ids;
   for (const std::string& name : command.axes) {
@@ -113,29 +107,46 @@ Outcome Executor::run(const WatchCommand& command) {
     if (!axis) return axis.outcome();
     if (names.emplace(axis->id(), axis->name()).second) ids.push_back(axis->id());
   }
+  return watch(ids, names, command.count);
+}
+
+Outcome Executor::watch(const std::vector<client::AxisId>& ids,
+                        const std::map<client::AxisId, std::string>& names, std::uint64_t count) {
+  using Clock = std::chrono::steady_clock;
   auto follower = session_.follow(ids, client::Pace::listen);
   if (!follower) return follower.outcome();
+  const bool is_live = terminal_.is_interactive() && !is_json_ && count == 0;
+  const auto period = is_live ? kWatchRefresh : kWatchPeriod;
+  std::uint64_t shown = 0;
   // The first look asks: the stream of a bench in lock-step may stand still.
   auto sample = session_.observe(ids);
-  auto due = Clock::now();
-  const bool is_live = terminal_.is_interactive() && !is_json_ && command.count == 0;
-  std::uint64_t shown = 0;
-  while (terminal_.is_open()) {
-    if (!sample && sample.outcome().kind() != OutcomeKind::timed_out) return sample.outcome();
-    if (sample && Clock::now() >= due) {
-      due = Clock::now() + (is_live ? kWatchRefresh : kWatchPeriod);
-      std::vector<std::string> lines;
-      for (const client::AxisSnapshot& axis : sample->axes) {
-        lines.push_back(is_json_ ? to_line(status_json(axis, names.at(axis.id)))
-                                 : std::to_string(axis.tick) + "  " + status_line(axis));
-        if (!is_live) terminal_.print(lines.back());
-      }
-      if (is_live) terminal_.show_live(std::move(lines));
-      if (++shown == command.count) return {};
-    }
-    sample = follower->next(kPatience);
+  for (auto due = Clock::now(); terminal_.is_open(); sample = follower->next(kPatience)) {
+    if (sample.outcome().kind() == OutcomeKind::timed_out || Clock::now() < due) continue;
+    if (!sample) return sample.outcome();
+    due = Clock::now() + period;
+    show_watched(*sample, names, is_live);
+    if (++shown == count) return {};
   }
   return {};
+}
+
+void Executor::show_watched(const client::Observation& sample,
+                            const std::map<client::AxisId, std::string>& names, bool is_live) {
+  std::vector<std::string> lines;
+  for (const client::AxisSnapshot& axis : sample.axes) {
+    lines.push_back(is_json_ ? to_line(status_json(axis, names.at(axis.id)))
+                             : std::to_string(axis.tick) + "  " + status_line(axis));
+  }
+  if (is_live) {
+    terminal_.show_live(std::move(lines));
+    return;
+  }
+  for (const std::string& line : lines) terminal_.print(line);
+}
+
+Outcome unknown_object(const client::AxisId& axis, const ObjectName& object) {
+  return Outcome::refused(kNoSuchObject,
+                          "axis " + to_string(axis) + " has no object '" + object.text + "'");
 }
 
 void print_dictionary(DictionaryCommand command, bool is_json, Terminal& terminal) {

@@ -52,11 +52,15 @@ class Executor {
   Outcome run(const DisturbCommand& command);
   Outcome run(const DictionaryCommand& command);
   Outcome run(const StepCommand& command);
-  Outcome run(const RunCommand& command);
+  static Outcome run(const RunCommand& command);
   Outcome run(const ExpectCommand& command);
   Outcome run(const WaitCommand& command);
   Outcome run(const std::shared_ptr<const RefusedCommand>& command);
 
+  Outcome watch(const std::vector<client::AxisId>& ids,
+                const std::map<client::AxisId, std::string>& names, std::uint64_t count);
+  void show_watched(const client::Observation& sample,
+                    const std::map<client::AxisId, std::string>& names, bool is_live);
   Outcome list_bench(const client::BenchInfo& bench);
   Outcome command_axis(client::Axis& axis, const AxisCommand& command);
   Outcome report_motion(const client::Axis& axis, std::string_view word, const Outcome& outcome);
@@ -68,7 +72,6 @@ class Executor {
   Outcome look_throughout(Looker& looker, const ExpectCommand& command);
   Outcome differs(const ExpectCommand& command, std::int64_t actual, std::uint64_t tick);
   client::Result<client::BenchInfo> bench_of(const client::AxisId& axis);
-  Outcome unknown_object(const client::AxisId& axis, const ObjectName& object);
 
   client::Session& session_;
   Terminal& terminal_;
@@ -81,6 +84,9 @@ class Executor {
   std::function<void(const client::AxisId&, std::int64_t)> on_aim_;
   std::optional<Json> found_;
 };
+
+/// @return the refusal of an object that no address is known of.
+[[nodiscard]] client::Outcome unknown_object(const client::AxisId& axis, const ObjectName& object);
 
 /// Prints the object dictionary; needs no session.
 void print_dictionary(DictionaryCommand command, bool is_json, Terminal& terminal);

@@ -16,6 +16,7 @@ Interrupt::Interrupt() {
   sigemptyset(&signals_);
   sigaddset(&signals_, SIGINT);
   sigaddset(&signals_, SIGTERM);
+  sigaddset(&signals_, SIGUSR1);  // ends our own wait
   pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
   (void)std::signal(SIGPIPE, SIG_IGN);
   thread_ = std::jthread([this](const std::stop_token& stop) {
@@ -25,7 +26,7 @@ Interrupt::Interrupt() {
 
 Interrupt::~Interrupt() {
   thread_.request_stop();
-  pthread_kill(thread_.native_handle(), SIGTERM);  // ends its wait
+  pthread_kill(thread_.native_handle(), SIGUSR1);
   thread_.join();
 }
 
@@ -43,6 +44,7 @@ void Interrupt::disarm() {
 void Interrupt::wait(const std::stop_token& stop) {
   int signal = 0;
   while (sigwait(&signals_, &signal) == 0 && !stop.stop_requested()) {
+    if (signal == SIGUSR1) continue;
     if (happened_.exchange(true)) _exit(kInterrupted);
     const std::scoped_lock lock(mutex_);
     if (action_) action_();

@@ -55,11 +55,18 @@ std::string junit_xml(const std::string& suite, const std::vector<JunitCase>& ca
     return test.failure.has_value();
   });
   const auto skipped = std::ranges::count_if(cases, &JunitCase::is_skipped);
-  const std::string counts = "tests=\"" + std::to_string(cases.size()) + "\" failures=\"" +
-                             std::to_string(failures) + "\" skipped=\"" + std::to_string(skipped) +
-                             "\" errors=\"0\" time=\"" + seconds(total) + "\"";
-  std::string xml = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites " + counts +
-                    ">\n  <testsuite name=\"" + escaped(suite) + "\" " + counts + ">\n";
+  std::string counts;
+  const auto count = [&counts](const char* name, const std::string& value) {
+    counts += std::string(" ") + name + "=\"" + value + '"';
+  };
+  count("tests", std::to_string(cases.size()));
+  count("failures", std::to_string(failures));
+  count("skipped", std::to_string(skipped));
+  count("errors", "0");
+  count("time", seconds(total));
+  std::string xml = R"(<?xml version="1.0" encoding="UTF-8"?>)";
+  xml += "\n<testsuites" + counts + ">\n";
+  xml += "  <testsuite name=\"" + escaped(suite) + "\"" + counts + ">\n";
   for (const JunitCase& test : cases) xml += case_xml(suite, test);
   return xml + "  </testsuite>\n</testsuites>\n";
 }

@@ -14,6 +14,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kPatience{200};
 constexpr std::chrono::milliseconds kRefresh{50};
 constexpr std::size_t kBarWidth = 20;
+constexpr std::size_t kWideTerminal = 110;
 
 }  // namespace
 
@@ -48,13 +49,15 @@ void LiveView::follow(const std::stop_token& stop) {
   auto follower = session_.follow(axes_, client::Pace::listen);
   if (!follower) return;  // the commands themselves tell what is wrong
   auto next_refresh = Clock::now();
+  client::Observation last;
   while (!stop.stop_requested()) {
-    const auto sample = follower->next(kPatience);
+    auto sample = follower->next(kPatience);
     if (!sample) {
       if (sample.outcome().kind() == client::OutcomeKind::timed_out) continue;
       return;
     }
     note(*sample);
+    last = *sample;
     const auto now = Clock::now();
     const bool is_due =
         terminal_.is_interactive() ? now >= next_refresh : sample->tick >= next_line_;
@@ -63,6 +66,7 @@ void LiveView::follow(const std::stop_token& stop) {
     next_line_ = sample->tick + ticks_per_line_;
     show(*sample);
   }
+  if (!last.axes.empty() && terminal_.is_interactive()) show(last);  // what stays on the screen
 }
 
 void LiveView::note(const client::Observation& sample) {
@@ -99,7 +103,8 @@ std::string LiveView::bar_of(const client::AxisSnapshot& axis) {
                           static_cast<double>(aim.target - aim.start);
   std::string percent = std::to_string(static_cast<int>(std::clamp(fraction, 0.0, 1.0) * 100.0));
   percent.insert(0, 3 - std::min<std::size_t>(percent.size(), 3), ' ');
-  const std::string bar = terminal_.is_interactive() ? progress_bar(fraction, kBarWidth) + " " : "";
+  const std::size_t width = terminal_width() < kWideTerminal ? kBarWidth / 2 : kBarWidth;
+  const std::string bar = terminal_.is_interactive() ? progress_bar(fraction, width) + " " : "";
   return bar + percent + " %  ";
 }
 

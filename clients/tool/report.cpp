@@ -2,6 +2,7 @@
 #include "report.hpp"
 
 #include "vdrive/cia402/error_code.hpp"
+#include "vdrive/cia402/statusword.hpp"
 
 #include <algorithm>
 #include <array>
@@ -76,7 +77,7 @@ Json dictionary_json(const ObjectDescription& row, Language language) {
 
 std::string csv_field(const Json& value) {
   if (!value.is_string()) return value.dump();
-  const auto text = value.get<std::string>();
+  auto text = value.get<std::string>();
   if (text.find_first_of(",\"\n") == std::string::npos) return text;
   std::string field = "\"";
   for (const char c : text) {
@@ -205,9 +206,24 @@ std::vector<std::string> status_text(const client::AxisSnapshot& axis, const std
 }
 
 std::string status_line(const client::AxisSnapshot& axis) {
-  return formatted("%-5s %11d UU %9d UU/s  ", to_string(axis.id).c_str(),
-                   axis.status.load_position_actual_value, axis.status.load_velocity_actual_value) +
-         client::describe_statusword(axis.status.ds402_statusword);
+  constexpr std::uint16_t kUsual = Statusword::kVoltageEnabled | Statusword::kRemote;
+  const std::uint16_t word = axis.status.ds402_statusword;
+  std::string text = formatted("%-4s %10d UU %8d UU/s  0x%03X ", to_string(axis.id).c_str(),
+                               axis.status.load_position_actual_value,
+                               axis.status.load_velocity_actual_value, unsigned{word}) +
+                     std::string(to_string(axis.state()));
+  // Bits 4 and 9 are 1 on every drive that is there: a line says when they are not.
+  std::string_view separator = ": ";
+  if ((word & kUsual) != kUsual) {
+    text.append(separator).append("no voltage or not remote");
+    separator = ", ";
+  }
+  for (const std::string_view name :
+       client::statusword_flags(static_cast<std::uint16_t>(word & ~kUsual))) {
+    text.append(separator).append(name);
+    separator = ", ";
+  }
+  return text;
 }
 
 Json list_json(const client::BenchInfo& bench, const client::AxisInfo& info,

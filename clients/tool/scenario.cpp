@@ -12,7 +12,7 @@ namespace {
 constexpr std::string_view kBlanks = " \t\r\f\v";
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
-/// @return where the comment starts, or the end. The quotes are known to be closed.
+/// @return where the comment starts, or the end.
 std::size_t comment_start(std::string_view line) {
   char quote = 0;
   for (std::size_t i = 0; i < line.size(); ++i) {
@@ -27,6 +27,41 @@ std::size_t comment_start(std::string_view line) {
   return line.size();
 }
 
+/// Takes a line character by character; blanks part words, quotes hold them together.
+class WordSplitter {
+ public:
+  void take(char c) {
+    if (quote_ != 0 && c == quote_) {
+      quote_ = 0;
+    } else if (quote_ == 0 && (c == '\'' || c == '"')) {
+      quote_ = c;
+      is_in_word_ = true;
+    } else if (quote_ == 0 && kBlanks.find(c) != std::string_view::npos) {
+      end_word();
+    } else {
+      word_ += c;
+      is_in_word_ = true;
+    }
+  }
+
+  std::vector<std::string> finish() && {
+    if (quote_ != 0) throw UsageError(std::string("no closing ") + quote_);
+    end_word();
+    return std::move(words_);
+  }
+
+ private:
+  void end_word() {
+    if (is_in_word_) words_.push_back(std::exchange(word_, {}));
+    is_in_word_ = false;
+  }
+
+  std::vector<std::string> words_;
+  std::string word_;
+  bool is_in_word_ = false;
+  char quote_ = 0;
+};
+
 std::string_view trimmed(std::string_view text) {
   const std::size_t first = text.find_first_not_of(kBlanks);
   if (first == std::string_view::npos) return {};
@@ -36,33 +71,9 @@ std::string_view trimmed(std::string_view text) {
 }  // namespace
 
 std::vector<std::string> split_words(std::string_view line) {
-  std::vector<std::string> words;
-  std::string word;
-  bool in_word = false;
-  char quote = 0;
-  for (const char c : line) {
-    if (quote != 0) {
-      if (c == quote) {
-        quote = 0;
-      } else {
-        word += c;
-      }
-    } else if (c == '#') {
-      break;
-    } else if (c == '\'' || c == '"') {
-      quote = c;
-      in_word = true;
-    } else if (kBlanks.find(c) != std::string_view::npos) {
-      if (in_word) words.push_back(std::exchange(word, {}));
-      in_word = false;
-    } else {
-      word += c;
-      in_word = true;
-    }
-  }
-  if (quote != 0) throw UsageError(std::string("no closing ") + quote);
-  if (in_word) words.push_back(std::move(word));
-  return words;
+  WordSplitter splitter;
+  for (const char c : line.substr(0, comment_start(line))) splitter.take(c);
+  return std::move(splitter).finish();
 }
 
 Scenario parse_scenario(std::istream& input, const std::string& file) {

@@ -6,8 +6,8 @@
 #include "plant/servo_design.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
-#include <cstring>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -33,6 +33,13 @@ TickTiming timing_of(std::chrono::microseconds period) {
           .substep = static_cast<double>(period_us) * 1.0e-6 / static_cast<double>(substeps)};
 }
 
+/// Bit for bit: a set of parameters is shared only where nothing at all would change.
+template <typename Parameters>
+bool alike(const Parameters& a, const Parameters& b) {
+  using Words = std::array<std::uint64_t, sizeof(Parameters) / sizeof(std::uint64_t)>;
+  return std::bit_cast<Words>(a) == std::bit_cast<Words>(b);
+}
+
 /// Parameters of the blocks of one kind. Most axes of a bank are alike: equal blocks share one set
 /// until one of their axes changes, which keeps the sets in the nearest cache.
 template <typename Parameters>
@@ -43,7 +50,7 @@ struct ParameterPool {
 
   void add_block(const Parameters& initial) {
     const auto same = std::find_if(sets.begin(), sets.end(), [&initial](const Parameters& set) {
-      return std::memcmp(&set, &initial, sizeof(Parameters)) == 0;
+      return alike(set, initial);
     });
     in_use.push_back(static_cast<std::uint32_t>(same - sets.begin()));
     if (same == sets.end()) {
@@ -337,8 +344,8 @@ AxisBank::AxisBank(std::span<const AxisConfiguration> axes, std::chrono::microse
   State& state = *state_;
   state.timing = timing_of(period);
   state.configurations.assign(axes.begin(), axes.end());
-  for (std::size_t axis = 0; axis < axes.size(); ++axis) {
-    validate(axes[axis].model);
+  for (const AxisConfiguration& axis : axes) {
+    validate(axis.model);
   }
   state.places.resize(axes.size());
   state.statuses.resize(axes.size());
@@ -398,6 +405,7 @@ std::size_t AxisBank::group_count() const noexcept {
 }
 
 void AxisBank::step_groups(std::size_t first, std::size_t last) noexcept {
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): each block fills what it reads
   DemandBlock demand;
   for (std::size_t block = first; block < last; ++block) {
     state_->step_block(block, demand);
@@ -416,6 +424,7 @@ std::uint32_t AxisBank::ignored_set_points(std::size_t axis) const noexcept {
   return state_->context(axis).state.ignored_set_points;
 }
 
+// NOLINTNEXTLINE(bugprone-exception-escape): the matrices have fixed sizes, nothing allocates
 void AxisBank::power_cycle(std::size_t axis) noexcept {
   const DriveContext context = state_->context(axis);
   power_up(context, false);

@@ -14,95 +14,6 @@ namespace {
 
 using namespace vdrive::literals;
 
-/// A member of the AxisStatus message that is an object.
-struct StatusMember {
-  ObjectRow row;
-  std::int64_t (*value)(const msg::AxisStatus& message);
-};
-
-constexpr std::array<StatusMember, 20> kStatusMembers{{
-    {"ds402_statusword"_object,
-     [](const auto& m) -> std::int64_t {
-       return m.ds402_statusword();
-     }},
-    {"op_mode_actual"_object,
-     [](const auto& m) -> std::int64_t {
-       return m.op_mode_actual();
-     }},
-    {"motor_op_status"_object,
-     [](const auto& m) -> std::int64_t {
-       return m.motor_op_status();
-     }},
-    {"error_code"_object,
-     [](const auto& m) -> std::int64_t {
-       return m.error_code();
-     }},
-    {"error_register"_object,
-     [](const auto& m) -> std::int64_t {
-       return m.error_register();
-     }},
-    {"digital_inputs"_object,
-     [](const auto& m) -> std::int64_t {
-       return m.digital_inputs();
-     }},
-    {"position_demand_value"_object,
-     [](const auto& m) -> std::int64_t {
-       return m.position_demand_value();
-     }},
-    {"load_position_actual_value"_object,
-     [](const auto& m) -> std::int64_t {
-       return m.load_position_actual_value();
-     }},
-    {"load_position_error_value"_object,
-     [](const auto& m) -> std::int64_t {
-       return m.load_position_error_value();
-     }},
-    {"motor_position_actual_value"_object,
-     [](const auto& m) -> std::int64_t {
-       return m.motor_position_actual_value();
-     }},
-    {"motor_position_error_value"_object,
-     [](const auto& m) -> std::int64_t {
-       return m.motor_position_error_value();
-     }},
-    {"velocity_demand_value"_object,
-     [](const auto& m) -> std::int64_t {
-       return m.velocity_demand_value();
-     }},
-    {"load_velocity_actual_value"_object,
-     [](const auto& m) -> std::int64_t {
-       return m.load_velocity_actual_value();
-     }},
-    {"load_velocity_error_value"_object,
-     [](const auto& m) -> std::int64_t {
-       return m.load_velocity_error_value();
-     }},
-    {"motor_velocity_actual_value"_object,
-     [](const auto& m) -> std::int64_t {
-       return m.motor_velocity_actual_value();
-     }},
-    {"motor_velocity_error_value"_object,
-     [](const auto& m) -> std::int64_t {
-       return m.motor_velocity_error_value();
-     }},
-    {"current_actual_value"_object,
-     [](const auto& m) -> std::int64_t {
-       return m.current_actual_value();
-     }},
-    {"current_error_value"_object,
-     [](const auto& m) -> std::int64_t {
-       return m.current_error_value();
-     }},
-    {"torque_demand"_object,
-     [](const auto& m) -> std::int64_t {
-       return m.torque_demand();
-     }},
-    {"torque_actual_value"_object,
-     [](const auto& m) -> std::int64_t {
-       return m.torque_actual_value();
-     }},
-}};
-
 /// A member of the AxisParameters message.
 struct ParameterMember {
   ObjectRow row;
@@ -281,10 +192,8 @@ void to_message(const AxisBank& bank, std::size_t index, const AxisAddress& addr
 }
 
 std::optional<std::int64_t> value_of(const msg::AxisStatus& message, ObjectRow row) {
-  for (const auto& member : kStatusMembers) {
-    if (member.row == row) {
-      return member.value(message);
-    }
+  if (const auto monitored = value_of(from_message(message), row)) {
+    return monitored;
   }
   const ObjectAddress address = describe(row).address;
   for (const auto& object : message.objects()) {

@@ -546,4 +546,22 @@ TEST(Plant, CoulombStopsConvergeWithTheSubStep) {
 }
 
 }  // namespace
+
+// Manual, 607Fh: the actual speed of the motor does not exceed the application speed limit. Default
+// 136533 UU/s; 5 % are left to the overshoot of the velocity loop.
+TEST(Plant, TheActualSpeedStaysWithinTheSpeedLimitWhenABlockedAxisIsReleased) {
+  AxisUnderTest axis;
+  axis.write("following_error_window", 0xFFFFFFFF);
+  axis.enable();
+  axis.write("test_blocked_load", 1);
+  axis.write("position_user_target_value", 20'000);
+  axis.command(0x003F);
+  axis.step(3'000);
+  axis.write("test_blocked_load", 0);
+  for (int i = 0; i < 1'000; ++i) {
+    axis.step();
+    ASSERT_LE(std::abs(axis.velocity()), 136'533 * 1.05);
+  }
+}
+
 }  // namespace vdrive

@@ -2,11 +2,11 @@
 //
 // Any text is either refused with a message that names the file, or gives a configuration that
 // survives being printed and read again.
+#include "vdrive/service/configuration.hpp"
+
 #include <cstdint>
 #include <cstdlib>
 #include <string>
-
-#include "vdrive/service/configuration.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace vdrive::service;

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Any sequence of writes, reads, steps, power cycles and restores keeps an axis in order.
+#include "vdrive/axis_bank.hpp"
+#include "vdrive/cia402/statusword.hpp"
+
 #include <array>
 #include <chrono>
 #include <cstdint>
 #include <cstdlib>
 #include <iostream>
 #include <span>
-
-#include "vdrive/axis_bank.hpp"
-#include "vdrive/cia402/statusword.hpp"
 
 namespace {
 
@@ -53,7 +53,8 @@ void check(const AxisBank& bank) {
     const PowerState state = decode_power_state(status.ds402_statusword);
     demand(state == bank.power_state(axis), "6041h shows the state");
     demand(status.motor_op_status == 0 || may_be_powered(state), "no power outside its states");
-    demand(status.motor_op_status == 1 || status.torque_actual_value == 0, "no torque without power");
+    demand(status.motor_op_status == 1 || status.torque_actual_value == 0,
+           "no torque without power");
     demand(status.motor_op_status == 1 || status.velocity_demand_value == 0,
            "606Bh is 0 without power");
     demand((status.error_code != 0) ==
@@ -106,8 +107,7 @@ void act(AxisBank& bank, AxisBank::Snapshot& saved, Bytes& bytes) {
     case 8: {
       const ObjectAddress address{static_cast<std::uint16_t>(bytes.take(2)),
                                   static_cast<std::uint8_t>(bytes.take(1))};
-      demand(find_object(address).has_value() ||
-                 bank.write(axis, address, 0) != AbortCode::none,
+      demand(find_object(address).has_value() || bank.write(axis, address, 0) != AbortCode::none,
              "an unknown object is refused");
       break;
     }

@@ -2,14 +2,14 @@
 //
 // The decoder of every message takes any bytes: it refuses them, or gives a message that can be
 // written again; what the receivers look at is read.
+#include "vdrive/wire/conversion.hpp"
+#include "vdrive_messagesPubSubTypes.h"
+
 #include <fastdds/rtps/common/SerializedPayload.h>
 
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
-
-#include "vdrive/wire/conversion.hpp"
-#include "vdrive_messagesPubSubTypes.h"
 
 namespace {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Any text is either a scenario or refused with the line's number.
+#include "scenario.hpp"
+#include "usage_error.hpp"
+
 #include <cstdint>
 #include <cstdlib>
 #include <sstream>
 #include <string>
-
-#include "scenario.hpp"
-#include "usage_error.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   std::istringstream text(std::string(data, data + size));

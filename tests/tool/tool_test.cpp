@@ -326,6 +326,14 @@ TEST(ToolInRealtime, WatchStreamsWhileAnotherCallMoves) {
             samples.back()["load_position_actual_value"]);
 }
 
+TEST(ToolInRealtime, ShowsABenchThatIsPaused) {
+  const RunningService service("--clock realtime --rate 0");
+  EXPECT_EQ(tool("list").code, 0);
+  EXPECT_EQ(json_of(tool("status 1.1 --json")).at(0)["ds402_statusword"], 0x250);
+  EXPECT_EQ(json_of(tool("watch 1.1 --json --count 1")).at(0)["state"], "Switch on disabled");
+  EXPECT_EQ(tool("read 1.1 0x6041").code, 0);
+}
+
 TEST(ToolInRealtime, RunsAScenarioOfTimesOnly) {
   const RunningService service("--clock realtime");
   const Finished finished = tool("run -",

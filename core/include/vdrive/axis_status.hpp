@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/dictionary/dictionary.hpp"
+
 #include <cstdint>
+#include <optional>
 
 namespace vdrive {
 
@@ -23,7 +26,7 @@ struct AxisStatus {
   std::int16_t torque_actual_value = 0;          ///< 6077h [‰ of rated torque]
   std::int16_t torque_demand = 0;                ///< 6074h [‰ of rated torque]
   std::uint16_t ds402_statusword = 0;            ///< 6041h
-  std::uint16_t ds402_controlword = 0;           ///< 6040h that was last in force
+  std::uint16_t ds402_controlword = 0;           ///< 6040h last written; not on the wire
   std::uint16_t error_code = 0;                  ///< 603Fh
   std::int8_t op_mode_actual = 0;                ///< 6061h
   std::uint8_t motor_op_status = 0;              ///< 3005h, 0 = disabled, 1 = enabled
@@ -32,5 +35,9 @@ struct AxisStatus {
   std::uint32_t ignored_set_points = 0;  ///< rising edges of bit 4 not accepted since power-up
   std::uint32_t fault_count = 0;         ///< faults since power-up
 };
+
+/// @return the value of object `row` in the status image, or nothing when it is not part of it.
+[[nodiscard]] std::optional<std::int64_t> value_of(const AxisStatus& status,
+                                                   ObjectRow row) noexcept;
 
 }  // namespace vdrive

@@ -65,7 +65,7 @@ bool stopped_by_limit_switch(const DriveContext& axis) {
 
 MotionRequest request_in_operation(const DriveContext& axis) {
   DriveState& s = axis.state;
-  const bool mode_change = reg(axis, "op_mode_cmd"_object) != s.mode;
+  const bool mode_change = s.wanted_mode != s.mode;
   if (s.power.pending() != PowerCommand::none || mode_change) {
     return stop_with(deceleration_of(axis, "profile_dec"_object));
   }

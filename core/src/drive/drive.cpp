@@ -19,9 +19,8 @@ bool needs_attention(const DriveContext& axis) {
   const PowerState state = s.power.state();
   return state == PowerState::not_ready_to_switch_on || state == PowerState::quick_stop_active ||
          state == PowerState::fault_reaction_active || s.power.pending() != PowerCommand::none ||
-         axis.registers.causes != 0 ||
-         (s.inputs & (kNegativeLimitInput | kPositiveLimitInput)) != 0 ||
-         reg(axis, "op_mode_cmd"_object) != s.mode;
+         axis.state.causes != 0 || (s.inputs & (kNegativeLimitInput | kPositiveLimitInput)) != 0 ||
+         s.wanted_mode != s.mode;
 }
 
 bool is_test_bench_input(const ObjectDescription& object) {
@@ -46,7 +45,6 @@ void power_up(const DriveContext& axis, bool initialise) noexcept {
   r.request = {};
   r.error_history = {};
   r.error_count = 0;
-  r.causes = 0;
   set_power(axis, false);
   update_derived(axis);
   if (initialise) {

@@ -65,9 +65,11 @@ struct DriveState {
   std::uint32_t fault_count = 0;
   std::uint16_t controlword = 0;
   std::uint16_t error_code = 0;
-  std::int8_t mode = kNoMode;  // 6061h
+  std::int8_t mode = kNoMode;         // 6061h
+  std::int8_t wanted_mode = kNoMode;  // 6060h
   std::uint8_t error_register = 0;
   std::uint8_t inputs = 0;  // 60FDh
+  std::uint8_t causes = 0;  // fault causes present in the last tick
   PowerStateMachine power;
   SetPointQueue queue;
   bool powered = false;
@@ -95,10 +97,9 @@ struct DriveRegisters {
   double set_point_velocity = 0.0;  // 6081h of the active set-point [UU/s]
   std::array<std::uint32_t, 8> error_history{};
   std::uint8_t error_count = 0;
-  std::uint8_t causes = 0;       // fault causes present in the last tick
   std::uint32_t stop_ticks = 0;  // since the demand of a stop ended
   AxisSettings settings;
-  bool single_encoder = false;      // 6064h is encoder 1's: both readings share one frame
+  bool single_encoder = false;  // 6064h is encoder 1's: both readings share one frame
 };
 
 /// One axis: its state, its lane of the servo block, its status image.

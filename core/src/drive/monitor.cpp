@@ -81,7 +81,7 @@ void watch_following_error(const DriveContext& axis, double error) {
   const bool outside = watched && std::abs(error) > static_cast<double>(s.following_window);
   if (!outside) {
     s.following_count = 0;
-    if (!axis.registers.settings.following_error_is_fault) {
+    if (s.following_error && !axis.registers.settings.following_error_is_fault) {
       s.following_error = false;
     }
     return;

@@ -21,8 +21,7 @@ void write_controlword(const DriveContext& axis, std::uint16_t word) {
   act(axis, s.power.command(decode_command(word, previous), power_options(axis),
                             reg(axis, "test_dc_link_loss"_object) == 0, cause_present(axis)));
   const bool accepting = ready_before && operation_enabled(axis) &&
-                         s.power.pending() == PowerCommand::none &&
-                         reg(axis, "op_mode_cmd"_object) == s.mode;
+                         s.power.pending() == PowerCommand::none && s.wanted_mode == s.mode;
   const SetPoint candidate{
       .position_user_target_value =
           static_cast<std::int32_t>(reg(axis, "position_user_target_value"_object)),
@@ -123,6 +122,7 @@ AbortCode write_object(const DriveContext& axis, ObjectRow row, std::int64_t val
     case "positioning_option_code"_object:
       break;  // latched with the next set-point
     case "op_mode_cmd"_object:
+      axis.state.wanted_mode = static_cast<std::int8_t>(value);
       follow_mode(axis);
       axis.state.attention = true;
       axis.state.plan_due = true;
@@ -144,65 +144,28 @@ AbortCode write_object(const DriveContext& axis, ObjectRow row, std::int64_t val
 }
 
 std::int64_t read_object(const DriveContext& axis, ObjectRow row, AbortCode& code) noexcept {
-  const AxisStatus& status = axis.status;
+  const DriveRegisters& registers = axis.registers;
+  if (const auto monitored = value_of(axis.status, row)) {
+    return *monitored;
+  }
   switch (row) {
-    case "error_register"_object:
-      return status.error_register;
     case "error_history_count"_object:
-      return axis.registers.error_count;
-    case "motor_op_status"_object:
-      return status.motor_op_status;
-    case "load_velocity_error_value"_object:
-      return status.load_velocity_error_value;
-    case "current_error_value"_object:
-      return status.current_error_value;
-    case "motor_position_actual_value"_object:
-      return status.motor_position_actual_value;
-    case "motor_position_error_value"_object:
-      return status.motor_position_error_value;
-    case "motor_velocity_actual_value"_object:
-      return status.motor_velocity_actual_value;
-    case "motor_velocity_error_value"_object:
-      return status.motor_velocity_error_value;
-    case "error_code"_object:
-      return status.error_code;
-    case "ds402_statusword"_object:
-      return status.ds402_statusword;
-    case "op_mode_actual"_object:
-      return status.op_mode_actual;
-    case "position_demand_value"_object:
-      return status.position_demand_value;
-    case "load_position_actual_value"_object:
-      return status.load_position_actual_value;
-    case "velocity_demand_value"_object:
-      return status.velocity_demand_value;
-    case "load_velocity_actual_value"_object:
-      return status.load_velocity_actual_value;
-    case "torque_demand"_object:
-      return status.torque_demand;
-    case "torque_actual_value"_object:
-      return status.torque_actual_value;
-    case "current_actual_value"_object:
-      return status.current_actual_value;
+      return registers.error_count;
     case "dc_link_circuit_voltage"_object:
-      return axis.state.dc_link ? axis.registers.values[row] : 0;
-    case "load_position_error_value"_object:
-      return status.load_position_error_value;
-    case "digital_inputs"_object:
-      return status.digital_inputs;
+      return axis.state.dc_link ? registers.values[row] : 0;
     default:
       break;
   }
   const ObjectAddress address = describe(row).address;
-  if (address.index == 0x1003) {
-    const std::size_t entry = address.subindex - 1U;
-    if (entry >= axis.registers.error_count) {
-      code = AbortCode::no_data_available;
-      return 0;
-    }
-    return axis.registers.error_history[entry];
+  if (address.index != 0x1003) {
+    return registers.values[row];
   }
-  return axis.registers.values[row];
+  const std::size_t entry = address.subindex - 1U;
+  if (entry >= registers.error_count) {
+    code = AbortCode::no_data_available;
+    return 0;
+  }
+  return registers.error_history[entry];
 }
 
 }  // namespace vdrive

@@ -36,6 +36,7 @@ void enable(const DriveContext& axis) {
   const double motor_cap =
       real(axis, "motor_max_speed_rpm"_object) * kUserUnitsPerRevolution / 60.0;
   axis.registers.velocity_cap = std::min(real(axis, "app_speed_limit"_object), motor_cap);
+  axis.servo.speed_limit[axis.lane] = axis.registers.velocity_cap;
   rebase(axis);
   rest_at(axis, axis.servo.load_reading[axis.lane]);
   set_power(axis, true);
@@ -152,20 +153,19 @@ void raise_fault(const DriveContext& axis, ErrorCode code) {
 /// A lost DC link is a fault only where the motor is powered; elsewhere the axis falls back.
 void watch_causes(const DriveContext& axis) {
   DriveState& s = axis.state;
-  DriveRegisters& r = axis.registers;
   std::uint8_t present = 0;
   for (const CauseRow& cause : kCauses) {
     if (reg(axis, cause.input) == 0) {
       continue;
     }
     present = static_cast<std::uint8_t>(present | cause.bit);
-    const bool known = (r.causes & cause.bit) != 0;
+    const bool known = (s.causes & cause.bit) != 0;
     const bool harmless = cause.bit == kDcLinkCause && !has_power_to_lose(s.power.state());
     if (!known && !harmless) {
       raise_fault(axis, cause.code);
     }
   }
-  r.causes = present;
+  s.causes = present;
   s.dc_link = (present & kDcLinkCause) == 0;
   if (!s.dc_link) {
     act(axis, s.power.voltage_lost());
@@ -198,8 +198,7 @@ void complete_stops(const DriveContext& axis) {
 
 void follow_mode(const DriveContext& axis) {
   DriveState& s = axis.state;
-  const auto wanted = static_cast<std::int8_t>(reg(axis, "op_mode_cmd"_object));
-  if (wanted == s.mode) {
+  if (s.wanted_mode == s.mode) {
     return;
   }
   if (operation_enabled(axis) && !at_rest(axis)) {
@@ -207,7 +206,7 @@ void follow_mode(const DriveContext& axis) {
     s.attention = true;
     return;
   }
-  s.mode = wanted;
+  s.mode = s.wanted_mode;
   seed_target(axis);
 }
 

@@ -93,6 +93,7 @@ struct alignas(64) ServoState {
   Lane load_torque;    // from outside, over the inertia that it acts on [UU/s²]
   Lane powered;        // 1 = power stage on
   Lane blocked;        // 1 = load blocked
+  Lane speed_limit;    // of what the position loop asks for: 607Fh and 6080h [UU/s]
   Lane command;        // last torque command [UU/s²]
   Lane motor_reading;  // encoder 1 at the end of the tick [UU]
   Lane load_reading;   // encoder of the position loop at the end of the tick [UU]

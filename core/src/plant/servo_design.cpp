@@ -85,16 +85,19 @@ double whole_inertia(const AxisModel& model, const Gear& gear) noexcept {
 using Rigid = Eigen::Matrix<double, 3, 5>;    // [x v T | u d]
 using Elastic = Eigen::Matrix<double, 5, 8>;  // [twist vm vl T xm | u dm dl]
 
-enum ElasticColumn {
-  kTwist,
-  kMotorVelocity,
-  kLoadVelocity,
-  kTorque,
-  kMotorPosition,
-  kCommand,
-  kMotorLoad,
-  kLoadLoad
+/// Columns of the elastic model: states, then inputs.
+namespace column {
+enum : int {
+  twist,
+  motor_velocity,
+  load_velocity,
+  torque,
+  motor_position,
+  command,
+  motor_load,
+  load_load,
 };
+}  // namespace column
 
 /// Continuous model of the two inertias. Torques over the motor's inertia (u, T, dm) and over the
 /// load's (dl), all in UU/s².
@@ -103,32 +106,34 @@ Elastic elastic_system(const AxisModel& model, double ratio, double stiffness, d
   const double jm = model.motor_inertia;
   const double jl = model.load_inertia;
   Elastic system = Elastic::Zero();
-  system(kTwist, kMotorVelocity) = ratio;
-  system(kTwist, kLoadVelocity) = -1.0;
-  system(kMotorVelocity, kTwist) = -ratio * stiffness / jm;
-  system(kMotorVelocity, kMotorVelocity) = -(model.viscous_friction + ratio * ratio * damping) / jm;
-  system(kMotorVelocity, kLoadVelocity) = ratio * damping / jm;
-  system(kMotorVelocity, kTorque) = 1.0;
-  system(kMotorVelocity, kMotorLoad) = 1.0;
-  system(kLoadVelocity, kTwist) = stiffness / jl;
-  system(kLoadVelocity, kMotorVelocity) = ratio * damping / jl;
-  system(kLoadVelocity, kLoadVelocity) = -(model.load_viscous_friction + damping) / jl;
-  system(kLoadVelocity, kLoadLoad) = 1.0;
-  system(kTorque, kTorque) = -current_loop;
-  system(kTorque, kCommand) = current_loop;
-  system(kMotorPosition, kMotorVelocity) = 1.0;
+  system(column::twist, column::motor_velocity) = ratio;
+  system(column::twist, column::load_velocity) = -1.0;
+  system(column::motor_velocity, column::twist) = -ratio * stiffness / jm;
+  system(column::motor_velocity, column::motor_velocity) =
+      -(model.viscous_friction + ratio * ratio * damping) / jm;
+  system(column::motor_velocity, column::load_velocity) = ratio * damping / jm;
+  system(column::motor_velocity, column::torque) = 1.0;
+  system(column::motor_velocity, column::motor_load) = 1.0;
+  system(column::load_velocity, column::twist) = stiffness / jl;
+  system(column::load_velocity, column::motor_velocity) = ratio * damping / jl;
+  system(column::load_velocity, column::load_velocity) =
+      -(model.load_viscous_friction + damping) / jl;
+  system(column::load_velocity, column::load_load) = 1.0;
+  system(column::torque, column::torque) = -current_loop;
+  system(column::torque, column::command) = current_loop;
+  system(column::motor_position, column::motor_velocity) = 1.0;
   return system;
 }
 
 template <typename Row>
 void set_row(const Row& values, std::size_t lane, ElasticRow& row) {
-  row.twist[lane] = values(kTwist);
-  row.motor_velocity[lane] = values(kMotorVelocity);
-  row.load_velocity[lane] = values(kLoadVelocity);
-  row.torque[lane] = values(kTorque);
-  row.command[lane] = values(kCommand);
-  row.motor_load[lane] = values(kMotorLoad);
-  row.load_load[lane] = values(kLoadLoad);
+  row.twist[lane] = values(column::twist);
+  row.motor_velocity[lane] = values(column::motor_velocity);
+  row.load_velocity[lane] = values(column::load_velocity);
+  row.torque[lane] = values(column::torque);
+  row.command[lane] = values(column::command);
+  row.motor_load[lane] = values(column::motor_load);
+  row.load_load[lane] = values(column::load_load);
 }
 
 }  // namespace
@@ -210,20 +215,20 @@ void design_lane(const AxisModel& model, const Gear& gear, double substep, std::
   // sub-step: r·Δx_m - Δtwist, where the twist's own row carries the old twist with coefficient 1.
   using Row = Eigen::Matrix<double, 1, 8>;
   const auto load_increment = [ratio](const Elastic& step) -> Row {
-    Row row = ratio * step.row(kMotorPosition) - step.row(kTwist);
-    row(kTwist) += 1.0;
+    Row row = ratio * step.row(column::motor_position) - step.row(column::twist);
+    row(column::twist) += 1.0;
     return row;
   };
-  set_row(coupled.row(kMotorVelocity), lane, parameters.motor_velocity);
-  set_row(coupled.row(kMotorPosition), lane, parameters.motor_position);
-  set_row(coupled.row(kLoadVelocity), lane, parameters.load_velocity);
+  set_row(coupled.row(column::motor_velocity), lane, parameters.motor_velocity);
+  set_row(coupled.row(column::motor_position), lane, parameters.motor_position);
+  set_row(coupled.row(column::load_velocity), lane, parameters.load_velocity);
   set_row(load_increment(coupled), lane, parameters.load_position);
-  set_row(loose.row(kMotorVelocity), lane, parameters.free_motor_velocity);
-  set_row(loose.row(kMotorPosition), lane, parameters.free_motor_position);
-  set_row(loose.row(kLoadVelocity), lane, parameters.free_load_velocity);
+  set_row(loose.row(column::motor_velocity), lane, parameters.free_motor_velocity);
+  set_row(loose.row(column::motor_position), lane, parameters.free_motor_position);
+  set_row(loose.row(column::load_velocity), lane, parameters.free_load_velocity);
   set_row(load_increment(loose), lane, parameters.free_load_position);
-  parameters.torque_from_torque[lane] = coupled(kTorque, kTorque);
-  parameters.torque_from_command[lane] = coupled(kTorque, kCommand);
+  parameters.torque_from_torque[lane] = coupled(column::torque, column::torque);
+  parameters.torque_from_command[lane] = coupled(column::torque, column::command);
   parameters.half_backlash[lane] = 0.5 * model.backlash * kUserUnitsPerRadian;
   parameters.friction[lane] = model.coulomb_friction * kUserUnitsPerRadian / model.motor_inertia;
   parameters.load_friction[lane] =

@@ -3,6 +3,7 @@
 // The hot loops: plain loops over lanes that the compiler vectorises for each instruction set. Only
 // + - * / and comparisons, no contraction, no sum across lanes: the same bits for every width.
 #include "plant/servo_block.hpp"
+#include "vdrive/motion/profile.hpp"
 
 // Sanitizer runtimes are not ready when the loader resolves the clones.
 #if defined(__x86_64__) && !defined(VDRIVE_NO_TARGET_CLONES)
@@ -30,19 +31,23 @@ constexpr double kRounder = 6755399441055744.0;
   return ((x * per_unit + kRounder) - kRounder) * unit;
 }
 
-/// Position P, velocity PI with feed-forward, clamped without wind-up: the torque command.
+/// Position P within the speed limit, velocity PI with feed-forward, clamped without wind-up: the
+/// torque command.
 [[gnu::always_inline]] inline double control(const LoopParameters& p, ServoState& s, std::size_t l,
-                                             double demand_position, double demand_velocity,
-                                             double demand_acceleration, double measured,
+                                             const MotionSample& demand, double measured,
                                              double load_measured, double rate) {
   const double measured_velocity = (measured - s.measured[l]) * rate;
-  const double wanted = (p.position_gain[l] * (demand_position - load_measured) + demand_velocity) *
-                        p.inverse_ratio[l];
+  const double correction = p.position_gain[l] * (demand.position - load_measured);
+  const double free_speed = correction + demand.velocity;
+  const double most = s.speed_limit[l];
+  const double below_most = free_speed > most ? most : free_speed;
+  const double speed = below_most < -most ? -most : below_most;
+  const double wanted = speed * p.inverse_ratio[l];
   const double error = wanted - measured_velocity;
   const double free_command =
-      p.velocity_gain[l] * error + s.integrator[l] + p.feed_forward[l] * demand_acceleration;
-  const double below = free_command > p.upper_limit[l] ? p.upper_limit[l] : free_command;
-  const double command = below < p.lower_limit[l] ? p.lower_limit[l] : below;
+      p.velocity_gain[l] * error + s.integrator[l] + p.feed_forward[l] * demand.acceleration;
+  const double below_upper = free_command > p.upper_limit[l] ? p.upper_limit[l] : free_command;
+  const double command = below_upper < p.lower_limit[l] ? p.lower_limit[l] : below_upper;
   const bool winds_up = (free_command - command) * error > 0.0;
   const double powered = s.powered[l];
   s.integrator[l] = (s.integrator[l] + (winds_up ? 0.0 : p.integral_step[l] * error)) * powered;
@@ -86,6 +91,7 @@ VDRIVE_VECTOR_CLONES
 void sample_demand(DemandBlock& demand, std::size_t substeps, double substep) noexcept {
   for (std::size_t k = 0; k < substeps; ++k) {
     const auto step = static_cast<double>(k);
+    VDRIVE_INDEPENDENT_LANES
     for (std::size_t l = 0; l < kLanes; ++l) {
       const double tau = (demand.first_substep[l] + step) * substep - demand.reference_time[l];
       demand.positions[k][l] =
@@ -96,128 +102,172 @@ void sample_demand(DemandBlock& demand, std::size_t substeps, double substep) no
   }
 }
 
-VDRIVE_VECTOR_CLONES
-void step_rigid(const RigidParameters& parameters, const DemandBlock& demand, ServoState& state,
-                std::size_t substeps, double substep) noexcept {
-  const RigidParameters& p = parameters;
+namespace {
+
+/// One increment of the elastic model: velocities and steps of motor and load.
+struct ElasticStep {
+  double motor_velocity;
+  double motor_step;
+  double load_velocity;
+  double load_step;
+};
+
+/// What drives one sub-step of the elastic model in lane `l`.
+struct ElasticInput {
+  std::size_t l;
+  double strain;
+  double motor_velocity;
+  double load_velocity;
+  double torque;
+  double command;
+};
+
+[[gnu::always_inline]] inline double apply(const ElasticRow& row, const ElasticInput& in,
+                                           double motor_load, double load_load) {
+  return row.twist[in.l] * in.strain + row.motor_velocity[in.l] * in.motor_velocity +
+         row.load_velocity[in.l] * in.load_velocity + row.torque[in.l] * in.torque +
+         row.command[in.l] * in.command + row.motor_load[in.l] * motor_load +
+         row.load_load[in.l] * load_load;
+}
+
+[[gnu::always_inline]] inline double coupled(const ElasticRow& engaged, const ElasticRow& loose,
+                                             bool is_engaged, const ElasticInput& in,
+                                             double motor_load, double load_load) {
+  const double with_shaft = apply(engaged, in, motor_load, load_load);
+  const double without = apply(loose, in, motor_load, load_load);
+  return is_engaged ? with_shaft : without;
+}
+
+/// Linear step, then Coulomb friction on both sides: the velocities without it tell which way it
+/// acts.
+[[gnu::always_inline]] inline ElasticStep advance(const ElasticParameters& p,
+                                                  const ElasticInput& in, bool engaged, double load,
+                                                  double half_substep) {
+  const std::size_t l = in.l;
+  const Friction on_motor = rub(
+      in.motor_velocity, coupled(p.motor_velocity, p.free_motor_velocity, engaged, in, 0.0, load),
+      p.free_motor_velocity.motor_load[l] * p.friction[l]);
+  const Friction on_load =
+      rub(in.load_velocity, coupled(p.load_velocity, p.free_load_velocity, engaged, in, 0.0, load),
+          p.free_load_velocity.load_load[l] * p.load_friction[l]);
+  const double dm = -on_motor.direction * p.friction[l];
+  const double dl = load - on_load.direction * p.load_friction[l];
+  const double vm = coupled(p.motor_velocity, p.free_motor_velocity, engaged, in, dm, dl);
+  const double xm = coupled(p.motor_position, p.free_motor_position, engaged, in, dm, dl);
+  const double vl = coupled(p.load_velocity, p.free_load_velocity, engaged, in, dm, dl);
+  const double xl = coupled(p.load_position, p.free_load_position, engaged, in, dm, dl);
+  return {on_motor.stuck ? 0.0 : vm, on_motor.stuck ? half_substep * in.motor_velocity : xm,
+          on_load.stuck ? 0.0 : vl, on_load.stuck ? half_substep * in.load_velocity : xl};
+}
+
+[[gnu::always_inline]] inline void step_elastic_lane(const ElasticParameters& p, ServoState& state,
+                                                     std::size_t l, const MotionSample& demand,
+                                                     double rate, double half_substep) {
+  const double xm = state.position[l];
+  const double xl = state.load_position[l];
+  const double measured = quantise(xm, p.loop.counts_per_unit[l], p.loop.units_per_count[l]);
+  const double load_measured =
+      quantise(p.loop.closes_on_load[l] != 0.0 ? xl : xm, p.loop.load_counts_per_unit[l],
+               p.loop.load_units_per_count[l]);
+  const double u = control(p.loop, state, l, demand, measured, load_measured, rate);
+  const double torque = state.torque[l] * state.powered[l];
+
+  // Inside the play both inertias are on their own; outside it the shaft is twisted by the rest.
+  const double twist = p.loop.ratio[l] * xm + state.load_offset[l] - xl;
+  const double play = p.half_backlash[l];
+  const double below = twist > play ? play : twist;
+  const double strain = twist - (below < -play ? -play : below);
+  const bool engaged = (strain != 0.0) | (play == 0.0);
+
+  const ElasticInput in{l, strain, state.velocity[l], state.load_velocity[l], torque, u};
+  const ElasticStep next = advance(p, in, engaged, state.load_torque[l], half_substep);
+  const bool blocked = state.blocked[l] != 0.0;
+  state.position[l] = xm + next.motor_step;
+  state.velocity[l] = next.motor_velocity;
+  state.load_position[l] = blocked ? xl : xl + next.load_step;
+  state.load_velocity[l] = blocked ? 0.0 : next.load_velocity;
+  state.torque[l] = p.torque_from_torque[l] * torque + p.torque_from_command[l] * u;
+}
+
+[[gnu::always_inline]] inline void step_rigid_lane(const RigidParameters& p, ServoState& state,
+                                                   std::size_t l, const MotionSample& demand,
+                                                   double rate, double half_substep) {
+  const double x = state.position[l];
+  const double v = state.velocity[l];
+  const double measured = quantise(x, p.loop.counts_per_unit[l], p.loop.units_per_count[l]);
+  const double load_x = p.loop.ratio[l] * x + state.load_offset[l];
+  const double load_measured =
+      quantise(p.loop.closes_on_load[l] != 0.0 ? load_x : x, p.loop.load_counts_per_unit[l],
+               p.loop.load_units_per_count[l]);
+  const double u = control(p.loop, state, l, demand, measured, load_measured, rate);
+  const double torque = state.torque[l] * state.powered[l];
+  const double load = state.load_torque[l];
+  const double free_velocity = p.velocity_from_velocity[l] * v +
+                               p.velocity_from_torque[l] * torque + p.velocity_from_command[l] * u +
+                               p.velocity_from_load[l] * load;
+  const Friction friction = rub(v, free_velocity, p.velocity_from_load[l] * p.friction[l]);
+  const double moved = x + p.position_from_velocity[l] * v + p.position_from_torque[l] * torque +
+                       p.position_from_command[l] * u +
+                       p.position_from_load[l] * (load - friction.direction * p.friction[l]);
+  const double next = friction.stuck ? x + half_substep * v : moved;
+  const bool blocked = state.blocked[l] != 0.0;
+  state.position[l] = blocked ? x : next;
+  state.velocity[l] = blocked ? 0.0 : friction.velocity;
+  state.torque[l] = p.torque_from_torque[l] * torque + p.torque_from_command[l] * u;
+}
+
+[[gnu::always_inline]] inline MotionSample demand_at(const DemandBlock& demand, std::size_t k,
+                                                     std::size_t l) {
+  return {demand.positions[k][l], demand.velocities[k][l], demand.accelerations[k][l]};
+}
+
+[[gnu::always_inline]] inline void step_rigid_block(const RigidParameters& parameters,
+                                                    const DemandBlock& demand, ServoState& state,
+                                                    std::size_t substeps, double substep) {
   const double rate = 1.0 / substep;
-  const double tick_rate = 1.0 / (static_cast<double>(substeps) * substep);
   const double half_substep = 0.5 * substep;
   for (std::size_t k = 0; k < substeps; ++k) {
     VDRIVE_INDEPENDENT_LANES
     for (std::size_t l = 0; l < kLanes; ++l) {
-      const double x = state.position[l];
-      const double v = state.velocity[l];
-      const double measured = quantise(x, p.loop.counts_per_unit[l], p.loop.units_per_count[l]);
-      const double load_x = p.loop.ratio[l] * x + state.load_offset[l];
-      const double load_measured =
-          quantise(p.loop.closes_on_load[l] != 0.0 ? load_x : x, p.loop.load_counts_per_unit[l],
-                   p.loop.load_units_per_count[l]);
-      const double u = control(p.loop, state, l, demand.positions[k][l], demand.velocities[k][l],
-                               demand.accelerations[k][l], measured, load_measured, rate);
-      const double torque = state.torque[l] * state.powered[l];
-      const double load = state.load_torque[l];
-      const double free_velocity = p.velocity_from_velocity[l] * v +
-                                   p.velocity_from_torque[l] * torque +
-                                   p.velocity_from_command[l] * u + p.velocity_from_load[l] * load;
-      const Friction friction = rub(v, free_velocity, p.velocity_from_load[l] * p.friction[l]);
-      const double moved = x + p.position_from_velocity[l] * v +
-                           p.position_from_torque[l] * torque + p.position_from_command[l] * u +
-                           p.position_from_load[l] * (load - friction.direction * p.friction[l]);
-      const double next = friction.stuck ? x + half_substep * v : moved;
-      const bool blocked = state.blocked[l] != 0.0;
-      state.position[l] = blocked ? x : next;
-      state.velocity[l] = blocked ? 0.0 : friction.velocity;
-      state.torque[l] = p.torque_from_torque[l] * torque + p.torque_from_command[l] * u;
+      step_rigid_lane(parameters, state, l, demand_at(demand, k, l), rate, half_substep);
     }
   }
+  const double tick_rate = 1.0 / (static_cast<double>(substeps) * substep);
   for (std::size_t l = 0; l < kLanes; ++l) {
-    state.load_position[l] = p.loop.ratio[l] * state.position[l] + state.load_offset[l];
-    read_encoders(p.loop, state, l, tick_rate);
+    state.load_position[l] = parameters.loop.ratio[l] * state.position[l] + state.load_offset[l];
+    read_encoders(parameters.loop, state, l, tick_rate);
   }
 }
 
-namespace {
-
-[[gnu::always_inline]] inline double apply(const ElasticRow& row, std::size_t l, double twist,
-                                           double motor_velocity, double load_velocity,
-                                           double torque, double command, double motor_load,
-                                           double load_load) {
-  return row.twist[l] * twist + row.motor_velocity[l] * motor_velocity +
-         row.load_velocity[l] * load_velocity + row.torque[l] * torque + row.command[l] * command +
-         row.motor_load[l] * motor_load + row.load_load[l] * load_load;
+[[gnu::always_inline]] inline void step_elastic_block(const ElasticParameters& parameters,
+                                                      const DemandBlock& demand, ServoState& state,
+                                                      std::size_t substeps, double substep) {
+  const double rate = 1.0 / substep;
+  const double half_substep = 0.5 * substep;
+  for (std::size_t k = 0; k < substeps; ++k) {
+    VDRIVE_INDEPENDENT_LANES
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      step_elastic_lane(parameters, state, l, demand_at(demand, k, l), rate, half_substep);
+    }
+  }
+  const double tick_rate = 1.0 / (static_cast<double>(substeps) * substep);
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    read_encoders(parameters.loop, state, l, tick_rate);
+  }
 }
 
 }  // namespace
 
 VDRIVE_VECTOR_CLONES
+void step_rigid(const RigidParameters& parameters, const DemandBlock& demand, ServoState& state,
+                std::size_t substeps, double substep) noexcept {
+  step_rigid_block(parameters, demand, state, substeps, substep);
+}
+
+VDRIVE_VECTOR_CLONES
 void step_elastic(const ElasticParameters& parameters, const DemandBlock& demand, ServoState& state,
                   std::size_t substeps, double substep) noexcept {
-  const ElasticParameters& p = parameters;
-  const double rate = 1.0 / substep;
-  const double tick_rate = 1.0 / (static_cast<double>(substeps) * substep);
-  const double half_substep = 0.5 * substep;
-  for (std::size_t k = 0; k < substeps; ++k) {
-    VDRIVE_INDEPENDENT_LANES
-    for (std::size_t l = 0; l < kLanes; ++l) {
-      const double xm = state.position[l];
-      const double vm = state.velocity[l];
-      const double xl = state.load_position[l];
-      const double vl = state.load_velocity[l];
-      const double measured = quantise(xm, p.loop.counts_per_unit[l], p.loop.units_per_count[l]);
-      const double load_measured =
-          quantise(p.loop.closes_on_load[l] != 0.0 ? xl : xm, p.loop.load_counts_per_unit[l],
-                   p.loop.load_units_per_count[l]);
-      const double u = control(p.loop, state, l, demand.positions[k][l], demand.velocities[k][l],
-                               demand.accelerations[k][l], measured, load_measured, rate);
-      const double torque = state.torque[l] * state.powered[l];
-      const double load = state.load_torque[l];
-
-      // Inside the play both inertias are on their own; outside it the shaft is twisted by the
-      // rest.
-      const double twist = p.loop.ratio[l] * xm + state.load_offset[l] - xl;
-      const double play = p.half_backlash[l];
-      const double within = twist > play ? play : (twist < -play ? -play : twist);
-      const double strain = twist - within;
-      const bool engaged = (strain != 0.0) | (play == 0.0);
-
-      const double vm_engaged = apply(p.motor_velocity, l, strain, vm, vl, torque, u, 0.0, load);
-      const double vm_loose = apply(p.free_motor_velocity, l, 0.0, vm, vl, torque, u, 0.0, load);
-      const double vl_engaged = apply(p.load_velocity, l, strain, vm, vl, torque, u, 0.0, load);
-      const double vl_loose = apply(p.free_load_velocity, l, 0.0, vm, vl, torque, u, 0.0, load);
-      const double vm_free = engaged ? vm_engaged : vm_loose;
-      const double vl_free = engaged ? vl_engaged : vl_loose;
-      const Friction on_motor =
-          rub(vm, vm_free, p.free_motor_velocity.motor_load[l] * p.friction[l]);
-      const Friction on_load =
-          rub(vl, vl_free, p.free_load_velocity.load_load[l] * p.load_friction[l]);
-      const double dm = -on_motor.direction * p.friction[l];
-      const double dl = load - on_load.direction * p.load_friction[l];
-
-      const double vm_next = engaged
-                                 ? apply(p.motor_velocity, l, strain, vm, vl, torque, u, dm, dl)
-                                 : apply(p.free_motor_velocity, l, 0.0, vm, vl, torque, u, dm, dl);
-      const double vl_next = engaged
-                                 ? apply(p.load_velocity, l, strain, vm, vl, torque, u, dm, dl)
-                                 : apply(p.free_load_velocity, l, 0.0, vm, vl, torque, u, dm, dl);
-      const double xm_moved = engaged
-                                  ? apply(p.motor_position, l, strain, vm, vl, torque, u, dm, dl)
-                                  : apply(p.free_motor_position, l, 0.0, vm, vl, torque, u, dm, dl);
-      const double xl_moved = engaged
-                                  ? apply(p.load_position, l, strain, vm, vl, torque, u, dm, dl)
-                                  : apply(p.free_load_position, l, 0.0, vm, vl, torque, u, dm, dl);
-
-      const bool blocked = state.blocked[l] != 0.0;
-      state.position[l] = xm + (on_motor.stuck ? half_substep * vm : xm_moved);
-      state.velocity[l] = on_motor.stuck ? 0.0 : vm_next;
-      state.load_position[l] = blocked ? xl : xl + (on_load.stuck ? half_substep * vl : xl_moved);
-      state.load_velocity[l] = (blocked | on_load.stuck) ? 0.0 : vl_next;
-      state.torque[l] = p.torque_from_torque[l] * torque + p.torque_from_command[l] * u;
-    }
-  }
-  for (std::size_t l = 0; l < kLanes; ++l) {
-    read_encoders(p.loop, state, l, tick_rate);
-  }
+  step_elastic_block(parameters, demand, state, substeps, substep);
 }
 
 }  // namespace vdrive

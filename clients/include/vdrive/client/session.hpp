@@ -45,6 +45,8 @@ enum class Pace : std::uint8_t {
 class Follower {
  public:
   ~Follower();
+  Follower(const Follower&) = delete;
+  Follower& operator=(const Follower&) = delete;
   Follower(Follower&&) noexcept;
   Follower& operator=(Follower&&) noexcept;
 

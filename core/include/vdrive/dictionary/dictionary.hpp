@@ -64,9 +64,10 @@ inline constexpr std::size_t kObjectCount = kObjectTable.size();
 
 namespace literals {
 
-/// Row of an object by its variable_name, checked at compile time: `"profile_velocity"_object`.
+/// Row of an object by its variable_name; an unknown name does not compile:
+/// `"profile_velocity"_object`.
 consteval ObjectRow operator""_object(const char* variable_name, std::size_t length) {
-  return find_object(std::string_view{variable_name, length}).value();
+  return *find_object(std::string_view{variable_name, length});
 }
 
 }  // namespace literals

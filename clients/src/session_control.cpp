@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: Apache-2.0
+// Requests, control of axes, commands.
+#include "session_core.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace vdrive::client {
+namespace {
+
+using std::chrono::milliseconds;
+
+// A service that is heard answers within this, or it never will.
+constexpr SessionCore::Patience kAnswer{milliseconds(10'000), false};
+
+constexpr milliseconds kReleaseAnswer{500};
+constexpr milliseconds kKeepAlivePeriod{25};
+
+// Writing one of these takes a free axis for the session.
+constexpr std::array<std::uint16_t, 5> kCommandObjects{0x6040, 0x6060, 0x607A, 0x60FF, 0x6071};
+
+std::string hex(std::uint64_t number) {
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  std::string text = "0x";
+  for (unsigned shift = 64; shift != 0; shift -= 4) text += kDigits[(number >> (shift - 4)) & 0xFU];
+  return text;
+}
+
+/// Why a whole request was refused.
+Outcome refusal_of(const Target& target, const msg::Reply& reply, std::string_view what) {
+  std::string message(what);
+  message += " refused";
+  if (reply.owner_session() != 0) {
+    message +=
+        ", " +
+        (reply.refused_axis() == 0 ? std::string("it") : name_of(target, reply.refused_axis())) +
+        " is held by session " + hex(reply.owner_session());
+  } else if (reply.refused_axis() != 0) {
+    message += " because of " + name_of(target, reply.refused_axis());
+  }
+  return Outcome::refused(reply.reason(), std::move(message));
+}
+
+Outcome refusal_of(const Target& target, const msg::Refusal& refusal) {
+  if (refusal.axis() == 0) {
+    return Outcome::refused(refusal.reason(), name_of(target) + " refused the command frame");
+  }
+  std::string message = name_of(target, refusal.axis()) + " refused ";
+  if (refusal.index() == 0) {
+    message += "the command";
+  } else {
+    const auto row = find_object(ObjectAddress{refusal.index(), refusal.subindex()});
+    message += row ? std::string(describe(*row).variable_name) : hex(refusal.index());
+  }
+  return Outcome::refused(refusal.reason(), std::move(message));
+}
+
+}  // namespace
+
+Result<msg::Reply> SessionCore::request(const Target& target, msg::Request request,
+                                        std::string_view what) {
+  Lock lock(mutex_);
+  const std::uint64_t number = ++last_request_;
+  requests_.emplace(number, std::nullopt);
+  lock.unlock();
+  request.client(id_);
+  request.request_id(number);
+  request.bench(target.key.number);
+  request.incarnation(target.key.incarnation);
+  request.session(id_);
+  const bool sent = request_publication_.write(request);
+  lock.lock();
+  Outcome outcome = sent ? wait(lock, target, kAnswer,
+                                [&] {
+                                  return requests_.at(number).has_value();
+                                })
+                         : Outcome::lost(name_of(target) + " takes no more requests");
+  std::optional<msg::Reply> reply = std::move(requests_.at(number));
+  requests_.erase(number);
+  if (!outcome) return outcome;
+  if (reply->reason() != msg::REASON_NONE) return refusal_of(target, *reply, what);
+  return std::move(*reply);
+}
+
+Result<msg::Reply> SessionCore::request_control(const Target& target, msg::Request request,
+                                                std::string_view what) {
+  const std::scoped_lock sending(send_mutex_);
+  return this->request(target, std::move(request), what);
+}
+
+SessionCore::Holding& SessionCore::holding(const BenchKey& key) {
+  Holding& holding = holdings_[key.number];
+  if (holding.key != key) {
+    holding = {};
+    holding.key = key;
+  }
+  return holding;
+}
+
+void SessionCore::note_acquired(const Target& target, std::uint16_t axis, const msg::Reply& reply) {
+  if (reply.epoch() == 0) return;
+  {
+    const std::scoped_lock lock(mutex_);
+    Holding& held = holding(target.key);
+    if (held.epoch != reply.epoch()) held.epoch_since = held.sequence + 1;
+    held.epoch = reply.epoch();
+    held.is_realtime = target.clock_mode == ClockMode::realtime;
+    held.axes.insert(axis);
+  }
+  start_keep_alive();
+}
+
+Outcome SessionCore::acquire(const Target& target, std::uint16_t axis, bool shows_us) {
+  if (Outcome matched = await_command_match(target); !matched) return matched;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (shows_us && holding(target.key).axes.contains(axis)) return {};
+  }
+  msg::Request request;
+  request.kind(msg::REQUEST_ACQUIRE);
+  request.axes().push_back(axis);
+  const auto reply =
+      request_control(target, std::move(request), "control of " + name_of(target, axis));
+  if (!reply) return reply.outcome();
+  note_acquired(target, axis, *reply);
+  return {};
+}
+
+Result<msg::Reply> SessionCore::write(const Target& target, msg::Request request,
+                                      std::string_view what) {
+  const bool commands = std::ranges::any_of(request.objects(), [](const msg::ObjectAccess& access) {
+    return std::ranges::find(kCommandObjects, access.index()) != kCommandObjects.end();
+  });
+  if (commands) {
+    if (Outcome matched = await_command_match(target); !matched) return matched;
+  }
+  const std::uint16_t axis = request.objects().front().axis();
+  auto reply = request_control(target, std::move(request), what);
+  if (commands && reply && reply->objects().front().abort_code() == 0) {
+    note_acquired(target, axis, *reply);
+  }
+  return reply;
+}
+
+Outcome SessionCore::release() {
+  std::map<std::uint32_t, Holding> holdings;
+  {
+    const std::scoped_lock lock(mutex_);
+    holdings = holdings_;
+    for (auto& [number, holding] : holdings_) holding.axes.clear();
+  }
+  Outcome result;
+  for (const auto& [number, holding] : holdings) {
+    if (holding.axes.empty()) continue;
+    // Also after an interrupt, and to a service that may be gone: so not by request().
+    const std::scoped_lock sending(send_mutex_);
+    Lock lock(mutex_);
+    const std::uint64_t id = ++last_request_;
+    requests_.emplace(id, std::nullopt);
+    lock.unlock();
+    msg::Request request;
+    request.client(id_);
+    request.request_id(id);
+    request.bench(number);
+    request.incarnation(holding.key.incarnation);
+    request.session(id_);
+    request.kind(msg::REQUEST_RELEASE);
+    const bool sent = request_publication_.write(request);
+    lock.lock();
+    const bool answered = sent && changed_.wait_for(lock, kReleaseAnswer, [&] {
+      return requests_.at(id).has_value();
+    });
+    requests_.erase(id);
+    if (!answered) result = Outcome::lost("bench " + std::to_string(number) + " did not answer");
+  }
+  return result;
+}
+
+void SessionCore::interrupt() noexcept {
+  const std::scoped_lock lock(mutex_);
+  interrupted_ = true;
+  changed_.notify_all();
+}
+
+// ---- commands -----------------------------------------------------------------------------
+
+msg::CommandFrame SessionCore::next_frame(Holding& held) const {
+  msg::CommandFrame frame;
+  frame.bench(held.key.number);
+  frame.incarnation(held.key.incarnation);
+  frame.session(id_);
+  frame.epoch(held.epoch);
+  frame.sequence_number(++held.sequence);
+  return frame;
+}
+
+Outcome SessionCore::send(const Target& target, std::span<const msg::AxisCommand> commands,
+                          std::vector<std::uint64_t>& sequences) {
+  const std::scoped_lock sending(send_mutex_);
+  for (const msg::AxisCommand& command : commands) {
+    Lock lock(mutex_);
+    msg::CommandFrame frame = next_frame(holding(target.key));
+    const std::uint64_t sequence = frame.sequence_number();
+    commands_.emplace(PendingCommand{target.key, sequence}, std::nullopt);
+    lock.unlock();
+    frame.flags(msg::FRAME_WANT_REPLY);
+    frame.axes().push_back(command);
+    sequences.push_back(sequence);
+    if (!command_publication_.write(frame)) {
+      return Outcome::lost(name_of(target) + " takes no more commands");
+    }
+  }
+  return {};
+}
+
+Result<Applied> SessionCore::collect(const Target& target, std::span<const std::uint64_t> sequences,
+                                     Outcome outcome) {
+  Applied applied;
+  Lock lock(mutex_);
+  for (const std::uint64_t sequence : sequences) {
+    const auto entry = commands_.find({target.key, sequence});
+    if (outcome) {
+      outcome = wait(lock, target, kAnswer, [&] {
+        return entry->second.has_value();
+      });
+    }
+    if (outcome && !entry->second->refusals().empty()) {
+      outcome = refusal_of(target, entry->second->refusals().front());
+    } else if (outcome) {
+      applied.tick = std::max(applied.tick, entry->second->tick());
+      applied.set_point_ignored =
+          applied.set_point_ignored || !entry->second->ignored_set_points().empty();
+    }
+    commands_.erase(entry);
+  }
+  if (!outcome) return outcome;
+  return applied;
+}
+
+Result<Applied> SessionCore::command(const Target& target,
+                                     std::span<const msg::AxisCommand> commands) {
+  std::vector<std::uint64_t> sequences;
+  Outcome outcome = send(target, commands, sequences);
+  if (outcome && target.steps()) outcome = step(target, 1, {}).outcome();
+  return collect(target, sequences, std::move(outcome));
+}
+
+// ---- keeping control ----------------------------------------------------------------------
+
+void SessionCore::start_keep_alive() {
+  if (options_.keep_alive != KeepAlive::own_thread) return;
+  std::call_once(keep_alive_started_, [this] {
+    keep_alive_thread_ = std::jthread([this](const std::stop_token& stop) {
+      keep_alive(stop);
+    });
+  });
+}
+
+void SessionCore::keep_alive(const std::stop_token& stop) {
+  std::condition_variable_any sleep;
+  std::mutex sleep_mutex;
+  std::unique_lock sleeping(sleep_mutex);
+  while (!stop.stop_requested()) {
+    std::vector<std::uint32_t> benches;
+    {
+      const std::scoped_lock lock(mutex_);
+      for (const auto& [number, holding] : holdings_) {
+        if (holding.is_realtime && !holding.axes.empty()) benches.push_back(number);
+      }
+    }
+    for (const std::uint32_t bench : benches) send_keep_alive(bench);
+    sleep.wait_for(sleeping, stop, kKeepAlivePeriod, [] {
+      return false;
+    });
+  }
+}
+
+void SessionCore::send_keep_alive(std::uint32_t bench) {
+  // Busy: a frame or a request is on its way, which says the same.
+  const std::unique_lock sending(send_mutex_, std::try_to_lock);
+  if (!sending) return;
+  Lock lock(mutex_);
+  const msg::CommandFrame frame = next_frame(holdings_.at(bench));
+  lock.unlock();
+  (void)command_publication_.write(frame);  // what is not taken now is said again in 25 ms
+}
+
+}  // namespace vdrive::client

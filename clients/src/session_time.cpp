@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Apache-2.0
+// Drive time: steps of a lock-step bench, the status stream of another.
+#include "session_core.hpp"
+
+#include <algorithm>
+#include <array>
+#include <type_traits>
+#include <utility>
+
+namespace vdrive::client {
+namespace {
+
+using std::chrono::milliseconds;
+
+// A running bench sends a sample of its status stream each tick; this allows for the match.
+constexpr milliseconds kFirstSample{1000};
+
+// One request steps at most this far, so that an interrupt or a lost service is noticed.
+constexpr std::uint64_t kTicksPerRequest = 2000;
+
+constexpr std::size_t kAxesPerRequest = msg::MAX_AXES_PER_FRAME;
+
+/// An object of the status image, as a read answers it.
+struct StatusObject {
+  std::uint16_t index;
+  void (*set)(AxisStatus& status, std::int64_t value);
+};
+
+/// Writes `value` to a member, whose type holds every value of the object.
+template <auto kMember>
+void set_member(AxisStatus& status, std::int64_t value) {
+  status.*kMember = static_cast<std::remove_reference_t<decltype(status.*kMember)>>(value);
+}
+
+constexpr std::array<StatusObject, 20> kStatusObjects{{
+    {0x6062, set_member<&AxisStatus::position_demand_value>},
+    {0x6064, set_member<&AxisStatus::load_position_actual_value>},
+    {0x60F4, set_member<&AxisStatus::load_position_error_value>},
+    {0x3572, set_member<&AxisStatus::motor_position_actual_value>},
+    {0x3573, set_member<&AxisStatus::motor_position_error_value>},
+    {0x606B, set_member<&AxisStatus::velocity_demand_value>},
+    {0x606C, set_member<&AxisStatus::load_velocity_actual_value>},
+    {0x351E, set_member<&AxisStatus::load_velocity_error_value>},
+    {0x3574, set_member<&AxisStatus::motor_velocity_actual_value>},
+    {0x3575, set_member<&AxisStatus::motor_velocity_error_value>},
+    {0x351F, set_member<&AxisStatus::current_error_value>},
+    {0x6078, set_member<&AxisStatus::current_actual_value>},
+    {0x6077, set_member<&AxisStatus::torque_actual_value>},
+    {0x6074, set_member<&AxisStatus::torque_demand>},
+    {0x6041, set_member<&AxisStatus::ds402_statusword>},
+    {0x603F, set_member<&AxisStatus::error_code>},
+    {0x6061, set_member<&AxisStatus::op_mode_actual>},
+    {0x3005, set_member<&AxisStatus::motor_op_status>},
+    {0x1001, set_member<&AxisStatus::error_register>},
+    {0x60FD, set_member<&AxisStatus::digital_inputs>},
+}};
+
+}  // namespace
+
+bool SessionCore::is_interrupted() {
+  const std::scoped_lock lock(mutex_);
+  return interrupted_;
+}
+
+std::uint64_t SessionCore::last_sequence(const BenchKey& key) {
+  const std::scoped_lock lock(mutex_);
+  return holding(key).sequence;
+}
+
+Result<Observation> SessionCore::step(const Target& target, std::uint64_t ticks,
+                                      std::span<const std::uint16_t> axes) {
+  std::uint64_t left = ticks;
+  std::size_t shown = 0;
+  Observation observation;
+  do {
+    if (left != 0 && is_interrupted()) return Outcome::failed("interrupted");
+    msg::Request request;
+    request.kind(msg::REQUEST_STEP);
+    request.ticks(std::min(left, kTicksPerRequest));
+    request.last_sequence(last_sequence(target.key));
+    left -= request.ticks();
+    if (left == 0) {  // the axes are shown once time has passed
+      const std::size_t count = std::min(axes.size() - shown, kAxesPerRequest);
+      request.axes().assign(axes.begin() + static_cast<std::ptrdiff_t>(shown),
+                            axes.begin() + static_cast<std::ptrdiff_t>(shown + count));
+      shown += count;
+    }
+    const std::size_t wanted = request.axes().size();
+    const auto reply = this->request(target, std::move(request), "step of " + name_of(target));
+    if (!reply) return reply.outcome();
+    if (reply->statuses().size() != wanted) {
+      return Outcome::failed(name_of(target) + " did not show the axes asked for");
+    }
+    observation.tick = reply->tick();
+    for (const msg::AxisStatus& status : reply->statuses()) {
+      observation.axes.push_back(snapshot_of(status));
+    }
+  } while (left != 0 || shown < axes.size());
+  return observation;
+}
+
+Result<Observation> SessionCore::observe(const Target& target,
+                                         std::span<const std::uint16_t> axes) {
+  if (target.steps()) return step(target, 0, axes);
+  if (target.is_paused) return read_status(target, axes);
+  const auto feed = open_feed(target, {axes.begin(), axes.end()});
+  auto sample = next(target, *feed, kFirstSample);
+  if (sample.outcome().kind() == OutcomeKind::timed_out) {
+    return Outcome::timed_out(name_of(target) + " sends no status stream");
+  }
+  return sample;
+}
+
+Result<Observation> SessionCore::read_status(const Target& target,
+                                             std::span<const std::uint16_t> axes) {
+  Observation observation;
+  for (const std::uint16_t axis : axes) {
+    msg::Request request;
+    request.kind(msg::REQUEST_READ);
+    for (const StatusObject& object : kStatusObjects) {
+      msg::ObjectAccess access;
+      access.axis(axis);
+      access.index(object.index);
+      request.objects().push_back(access);
+    }
+    const auto reply =
+        this->request(target, std::move(request), "status of " + name_of(target, axis));
+    if (!reply) return reply.outcome();
+    AxisSnapshot snapshot;
+    snapshot.id = {target.key.number, axis};
+    snapshot.tick = reply->tick();
+    for (std::size_t i = 0; i < std::min(reply->objects().size(), kStatusObjects.size()); ++i) {
+      kStatusObjects[i].set(snapshot.status, reply->objects()[i].value());
+    }
+    observation.tick = reply->tick();
+    observation.axes.push_back(snapshot);
+  }
+  return observation;
+}
+
+std::shared_ptr<StatusFeed> SessionCore::open_feed(const Target& target,
+                                                   std::vector<std::uint16_t> axes) {
+  auto feed = std::make_shared<StatusFeed>(target.key, std::move(axes), target.status_every_ticks);
+  {
+    const std::scoped_lock lock(mutex_);
+    std::erase_if(feeds_, [](const auto& weak) {
+      return weak.expired();
+    });
+    feeds_.push_back(feed);
+  }
+  subscribe_status();
+  return feed;
+}
+
+Result<std::uint64_t> SessionCore::present_tick(const Target& target) {
+  if (target.steps()) {
+    const auto shown = step(target, 0, {});
+    if (!shown) return shown.outcome();
+    return shown->tick;
+  }
+  subscribe_status();
+  const std::scoped_lock lock(mutex_);
+  return directory_.tick(target.key);
+}
+
+Result<std::uint64_t> SessionCore::wait_for_tick(const Target& target, std::uint64_t tick) {
+  if (target.steps()) {
+    auto present = present_tick(target);
+    if (!present || *present >= tick) return present;
+    const auto reached = step(target, tick - *present, {});
+    if (!reached) return reached.outcome();
+    return reached->tick;
+  }
+  subscribe_status();
+  Lock lock(mutex_);
+  std::uint64_t reached = 0;
+  const Outcome outcome = wait(lock, target, {std::chrono::hours(24 * 365), true}, [&] {
+    reached = directory_.tick(target.key);
+    return reached >= tick;
+  });
+  if (!outcome) return outcome;
+  return reached;
+}
+
+void SessionCore::subscribe_status() {
+  std::call_once(status_subscribed_, [this] {
+    status_subscription_ = std::make_unique<wire::Subscription<msg::StatusFrame>>(
+        participant_, [this](const msg::StatusFrame& message, const wire::Source&) {
+          on_status(message);
+        });
+  });
+}
+
+Result<Observation> SessionCore::next(const Target& target, StatusFeed& feed,
+                                      milliseconds patience) {
+  Lock lock(mutex_);
+  std::optional<Observation> sample;
+  const Outcome outcome = wait(lock, target, {patience, true}, [&] {
+    sample = feed.take();
+    return sample.has_value();
+  });
+  if (!outcome) return outcome;
+  return std::move(*sample);
+}
+
+}  // namespace vdrive::client
