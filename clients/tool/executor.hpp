@@ -52,7 +52,7 @@ class Executor {
   Outcome run(const DisturbCommand& command);
   Outcome run(const DictionaryCommand& command);
   Outcome run(const StepCommand& command);
-  static Outcome run(const RunCommand& command);
+  Outcome run(const RunCommand& command);
   Outcome run(const ExpectCommand& command);
   Outcome run(const WaitCommand& command);
   Outcome run(const std::shared_ptr<const RefusedCommand>& command);

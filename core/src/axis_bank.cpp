@@ -19,7 +19,7 @@ namespace {
 
 using namespace vdrive::literals;
 
-constexpr double kLongestSubstep = 125.0e-6;  // [s], the servo cycle: 8 kHz
+constexpr std::uint32_t kLongestSubstep_us = 125;  // the servo cycle: 8 kHz
 
 TickTiming timing_of(std::chrono::microseconds period) {
   if (period < kShortestPeriod || period > kLongestPeriod) {
@@ -27,7 +27,7 @@ TickTiming timing_of(std::chrono::microseconds period) {
                                 " us must be 125 us to 10000 us");
   }
   const auto period_us = static_cast<std::uint32_t>(period.count());
-  const std::uint32_t substeps = (period_us + 124U) / 125U;
+  const std::uint32_t substeps = (period_us + kLongestSubstep_us - 1U) / kLongestSubstep_us;
   return {.period_us = period_us,
           .substeps = substeps,
           .substep = static_cast<double>(period_us) * 1.0e-6 / static_cast<double>(substeps)};

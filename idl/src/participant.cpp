@@ -89,7 +89,7 @@ dds::DomainParticipantQos participant_qos(const NetworkSettings& settings,
   }
   auto& discovery = qos.wire_protocol().builtin.discovery_config;
   discovery.leaseDuration = {2, 0};
-  discovery.leaseDuration_announcementperiod = {0, 500'000'000};
+  discovery.leaseDuration_announcementperiod = {0, 100'000'000};
   discovery.initial_announcements.count = 10;
   discovery.initial_announcements.period = {0, 50'000'000};
   add_peers(settings, qos);
