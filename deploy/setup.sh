@@ -23,7 +23,6 @@ packages=(
   libyaml-cpp-dev
   ninja-build
   nlohmann-json3-dev
-  libboost-dev
 )
 test_packages=(
   clang
@@ -32,9 +31,11 @@ test_packages=(
   cyclonedds-dev
   cyclonedds-tools
   libbenchmark-dev
+  libclang-rt-dev # sanitizers and fuzzers with clang
   libgmock-dev
   libgtest-dev
   librapidcheck-dev
+  python3 # the mutation check
   util-linux # chrt and setarch
 )
 
