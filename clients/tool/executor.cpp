@@ -59,7 +59,7 @@ client::Result<client::BenchInfo> Executor::bench_of(const client::AxisId& axis)
 
 Outcome Executor::run(const ListCommand& /*command*/) {
   const auto benches = session_.find_benches();
-  if (benches.empty()) return session_.find_bench().outcome();
+  if (benches.empty()) return Outcome::not_found("no bench is there on this domain");
   for (const client::BenchInfo& bench : benches) {
     if (Outcome listed = list_bench(bench); !listed) return listed;
   }

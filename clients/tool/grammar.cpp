@@ -84,6 +84,7 @@ class Grammar {
     app_.fallthrough();
     app_.get_formatter()->column_width(28);
     add_global_timeout();
+    add_list();
     add_axis_words();
     add_status();
     add_move();
@@ -102,7 +103,6 @@ class Grammar {
         ->type_name("N");
     app_.add_flag("--json", options_.json, "One JSON object a line on standard output");
     app_.set_version_flag("--version", "vdrive " VDRIVE_VERSION);
-    add_list();
     add_watch(false);
     add_run();
   }

@@ -4,10 +4,12 @@
 #include "executor.hpp"
 #include "grammar.hpp"
 #include "interrupt.hpp"
+#include "report.hpp"
 #include "scenario_run.hpp"
 #include "usage_error.hpp"
 
 #include <chrono>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <optional>
@@ -30,18 +32,25 @@ client::SessionOptions session_options(const GlobalOptions& options) {
 Scenario load_scenario(const std::string& name) {
   if (name == "-") return parse_scenario(std::cin, "<stdin>");
   std::ifstream file(name);
-  if (!file) throw UsageError("cannot read '" + name + "'");
+  // A directory opens, but has no bytes.
+  if (!file || std::filesystem::is_directory(name)) throw UsageError("cannot read '" + name + "'");
   return parse_scenario(file, name);
 }
 
 /// The exit code, and on standard error what went wrong.
-ExitCode finish(const Outcome& outcome, const Interrupt& interrupt, Terminal& terminal) {
+ExitCode finish(const Outcome& outcome, const Interrupt& interrupt, bool is_json,
+                Terminal& terminal) {
   terminal.end_live();
   if (interrupt.happened()) return ExitCode::interrupted;
   // Nobody reads any more: that ends a stream, it is not an error.
   if (!terminal.is_open()) return ExitCode::ok;
   if (outcome) return ExitCode::ok;
   terminal.complain("vdrive: " + outcome.message());
+  if (is_json && outcome.kind() == OutcomeKind::not_found) {
+    Json json;
+    add_outcome(json, outcome);
+    terminal.print(to_line(json));
+  }
   return exit_code_of(outcome.kind());
 }
 
@@ -63,7 +72,7 @@ ExitCode run_connected(const Command& command, const GlobalOptions& options, Ter
                           .timeout = options.timeout},
                          session, terminal)
           : Executor(session, terminal, options.json, false).execute(command, options.timeout);
-  const ExitCode code = finish(outcome, interrupt, terminal);
+  const ExitCode code = finish(outcome, interrupt, options.json, terminal);
   interrupt.disarm();
   return code;
 }

@@ -19,14 +19,25 @@ std::uint64_t to_ticks(std::chrono::microseconds time, std::chrono::microseconds
   return static_cast<std::uint64_t>((time + period - std::chrono::microseconds{1}) / period);
 }
 
+/// Masters live by the wall clock: where drive time runs faster, so does the time that they have.
+std::uint64_t watchdog_ticks(const Configuration& configuration) {
+  if (!configuration.watchdog) {
+    return 0;
+  }
+  const bool fast = configuration.clock == ClockMode::realtime && configuration.rate > 1.0;
+  const double rate = fast ? configuration.rate : 1.0;
+  const auto time = std::chrono::duration_cast<std::chrono::microseconds>(
+      std::chrono::duration<double, std::milli>(*configuration.watchdog) * rate);
+  return to_ticks(time, configuration.period);
+}
+
 }  // namespace
 
 BenchEngine::BenchEngine(const Configuration& configuration, const BenchIdentity& identity,
                          Outbox& outbox, Counters& counters)
     : identity_(identity),
       clock_(configuration.clock),
-      watchdog_ticks_(
-          configuration.watchdog ? to_ticks(*configuration.watchdog, configuration.period) : 0),
+      watchdog_ticks_(watchdog_ticks(configuration)),
       furthest_ahead_(to_ticks(kFurthestAhead, configuration.period)),
       outbox_(outbox),
       counters_(counters),

@@ -54,7 +54,9 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--bench", arguments.bench, "Number of the bench, 1 to 65535")->type_name("N");
   app.add_option("--axes", arguments.axes, "N default axes numbered from 1, up to 16384")
       ->type_name("N");
-  app.add_option("--domain", arguments.domain, "DDS domain, 0 to 232")->type_name("N");
+  app.add_option("--domain", arguments.domain, "DDS domain, 0 to 232")
+      ->envname("VDRIVE_DOMAIN")
+      ->type_name("N");
   app.add_option("--threads", arguments.threads, "Threads that step the axes, 1 to 64")
       ->type_name("N");
   app.add_option("--log-level", arguments.log_level, "What to log on standard error")

@@ -99,6 +99,19 @@ TEST(Watchdog, HearsRequestsAndSteps) {
   EXPECT_EQ(bench.counters.master_losses.get(), 0U);
 }
 
+// At rate 10 the 100 ms of a master, which lives by the wall clock, are 1000 ticks of 1 ms.
+TEST(Watchdog, GivesAMasterWallTimeWhereDriveTimeRunsFaster) {
+  auto configuration = bench_configuration(1);
+  configuration.clock = service::ClockMode::realtime;
+  configuration.rate = 10.0;
+  EngineUnderTest bench(configuration);
+  bench.acquire(kAlice, {1});
+  bench.steps(1'000);
+  EXPECT_EQ(bench.counters.master_losses.get(), 0U);
+  bench.steps(2);
+  EXPECT_EQ(bench.counters.master_losses.get(), 1U);
+}
+
 TEST(Watchdog, CanBeOff) {
   auto configuration = bench_configuration(1);
   configuration.watchdog.reset();

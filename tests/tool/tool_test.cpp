@@ -167,6 +167,20 @@ TEST_F(ToolInLockStep, AnUnknownAxisExitsThreeAndSaysWhatIsThere) {
   EXPECT_EQ(tool("status 2.1 --timeout 0.2").code, 3);
 }
 
+TEST_F(ToolInLockStep, WhatIsNotFoundIsOneJsonObject) {
+  const Finished finished = tool("status 1.9 --json");
+  EXPECT_EQ(finished.code, 3);
+  const auto objects = json_of(finished);
+  ASSERT_THAT(objects, SizeIs(1));
+  EXPECT_EQ(objects[0]["outcome"], "not_found");
+}
+
+TEST_F(ToolInLockStep, ADirectoryIsNoScenario) {
+  const Finished finished = tool("run .");
+  EXPECT_EQ(finished.code, 2);
+  EXPECT_THAT(finished.errors, HasSubstr("cannot read '.'"));
+}
+
 TEST_F(ToolInLockStep, AMoveThatTakesTooLongExitsFour) {
   ASSERT_EQ(tool("enable 1.1").code, 0);
   const Finished finished = tool("move 1.1 100000 --velocity 10 --timeout 1");
