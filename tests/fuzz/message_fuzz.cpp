@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The decoder of every message takes any bytes: it refuses them, or gives a message that can be
-// written again; what the receivers look at is read.
+// The decoder of every message, as the wire room uses it, takes any bytes: it refuses them, or
+// gives a message that can be written again; what the receivers look at is read.
+#include "message_types.hpp"
 #include "vdrive/wire/conversion.hpp"
-#include "vdrive_messagesPubSubTypes.h"
 
 #include <fastdds/rtps/common/SerializedPayload.h>
 
@@ -25,9 +25,9 @@ void look_at(const vdrive::msg::AxisStatus& status) {
 template <typename Message>
 void look_at(const Message& /*message*/) {}
 
-template <typename Type, typename Message>
+template <typename Message>
 void decode(const std::uint8_t* data, std::size_t size) {
-  Type type;
+  vdrive::wire::MessageType<Message> type;
   SerializedPayload_t payload(static_cast<std::uint32_t>(std::max<std::size_t>(size, 1)));
   std::memcpy(payload.data, data, size);
   payload.length = static_cast<std::uint32_t>(size);
@@ -52,34 +52,34 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   --size;
   switch (which) {
     case 0:
-      decode<msg::CommandFramePubSubType, msg::CommandFrame>(data, size);
+      decode<msg::CommandFrame>(data, size);
       break;
     case 1:
-      decode<msg::CommandReplyPubSubType, msg::CommandReply>(data, size);
+      decode<msg::CommandReply>(data, size);
       break;
     case 2:
-      decode<msg::RequestPubSubType, msg::Request>(data, size);
+      decode<msg::Request>(data, size);
       break;
     case 3:
-      decode<msg::ReplyPubSubType, msg::Reply>(data, size);
+      decode<msg::Reply>(data, size);
       break;
     case 4:
-      decode<msg::StatusFramePubSubType, msg::StatusFrame>(data, size);
+      decode<msg::StatusFrame>(data, size);
       break;
     case 5:
-      decode<msg::AxisStatusPubSubType, msg::AxisStatus>(data, size);
+      decode<msg::AxisStatus>(data, size);
       break;
     case 6:
-      decode<msg::AxisParametersPubSubType, msg::AxisParameters>(data, size);
+      decode<msg::AxisParameters>(data, size);
       break;
     case 7:
-      decode<msg::EventPubSubType, msg::Event>(data, size);
+      decode<msg::Event>(data, size);
       break;
     case 8:
-      decode<msg::BenchDescriptionPubSubType, msg::BenchDescription>(data, size);
+      decode<msg::BenchDescription>(data, size);
       break;
     default:
-      decode<msg::BenchStatePubSubType, msg::BenchState>(data, size);
+      decode<msg::BenchState>(data, size);
       break;
   }
   return 0;
