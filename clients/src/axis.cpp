@@ -20,8 +20,6 @@ constexpr std::uint16_t kSwitchOn = 0x0007;
 constexpr std::uint16_t kEnableOperation = 0x000F;
 constexpr std::uint16_t kHalt = kEnableOperation | Controlword::kHalt;
 
-constexpr std::int8_t kProfilePosition = 1;
-
 bool is_fault(PowerState state) {
   return state == PowerState::fault || state == PowerState::fault_reaction_active;
 }
@@ -59,14 +57,14 @@ Outcome await_quick_stop(Conversation& talk) {
 
 /// Sets profile position mode and waits until 6061h shows it.
 Outcome ensure_profile_position(Conversation& talk) {
-  if (talk.now().status.op_mode_actual == kProfilePosition) return {};
+  if (talk.now().mode() == OperatingMode::profile_position) return {};
   msg::AxisCommand command;
   command.axis(talk.id().axis);
   command.members(msg::HAS_OP_MODE_CMD);
-  command.op_mode_cmd(kProfilePosition);
+  command.op_mode_cmd(static_cast<std::int8_t>(OperatingMode::profile_position));
   if (Outcome said = talk.say({&command, 1}); !said) return said;
   return talk.look_enabled_until("profile position mode", [](const AxisSnapshot& axis) {
-    return axis.status.op_mode_actual == kProfilePosition;
+    return axis.mode() == OperatingMode::profile_position;
   });
 }
 

@@ -4,6 +4,7 @@
 #include "vdrive/cia402/statusword.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 
@@ -21,9 +22,30 @@ constexpr std::array kFlags{
     FlagRow{Statusword::kRemote, "remote"},
     FlagRow{Statusword::kTargetReached, "target reached"},
     FlagRow{Statusword::kInternalLimitActive, "internal limit active"},
-    FlagRow{Statusword::kSetPointAcknowledge, "set-point acknowledge"},
-    FlagRow{Statusword::kFollowingError, "following error"},
 };
+
+/// Bits 12 and 13, which each mode reads in its own way; empty: the mode does not use the bit.
+struct ModeFlags {
+  OperatingMode mode;
+  std::string_view bit_12;
+  std::string_view bit_13;
+};
+
+constexpr std::array kModeFlags{
+    ModeFlags{OperatingMode::profile_position, "set-point acknowledge", "following error"},
+    ModeFlags{OperatingMode::profile_velocity, "speed zero", "following error"},
+    ModeFlags{OperatingMode::homing, "homing attained", "homing error"},
+    ModeFlags{OperatingMode::cyclic_synchronous_position, "follows command", "following error"},
+};
+constexpr ModeFlags kOtherMode{OperatingMode::none, "bit 12", "following error"};
+
+const ModeFlags& flags_of(OperatingMode mode) {
+  const auto* const found =
+      std::find_if(kModeFlags.begin(), kModeFlags.end(), [mode](const ModeFlags& row) {
+        return row.mode == mode;
+      });
+  return found == kModeFlags.end() ? kOtherMode : *found;
+}
 
 }  // namespace
 
@@ -32,42 +54,32 @@ std::optional<std::int64_t> value_of(const AxisSnapshot& snapshot, ObjectAddress
   return row ? value_of(snapshot.status, *row) : std::nullopt;
 }
 
-std::vector<std::string_view> statusword_flags(std::uint16_t statusword) {
+std::vector<std::string_view> statusword_flags(std::uint16_t statusword, OperatingMode mode) {
   std::vector<std::string_view> names;
   for (const FlagRow& row : kFlags) {
     if ((statusword & row.bit) != 0) names.push_back(row.name);
   }
+  const ModeFlags& flags = flags_of(mode);
+  if ((statusword & 1U << 12U) != 0) names.push_back(flags.bit_12);
+  if ((statusword & 1U << 13U) != 0) {
+    // Outside Operation enabled the bit is the fault's, whatever the mode makes of it.
+    const bool enabled = decode_power_state(statusword) == PowerState::operation_enabled;
+    names.push_back(enabled ? flags.bit_13 : kOtherMode.bit_13);
+  }
   return names;
 }
 
-std::string describe_statusword(std::uint16_t statusword) {
+std::string describe_statusword(std::uint16_t statusword, OperatingMode mode) {
   std::array<char, 16> hex{};
   std::snprintf(hex.data(), hex.size(), "0x%03X", unsigned{statusword});
   std::string text =
       std::string(hex.data()) + " " + std::string(to_string(decode_power_state(statusword)));
   std::string_view separator = ": ";
-  for (const std::string_view name : statusword_flags(statusword)) {
+  for (const std::string_view name : statusword_flags(statusword, mode)) {
     text.append(separator).append(name);
     separator = ", ";
   }
   return text;
-}
-
-std::string_view describe_mode(std::int8_t mode) noexcept {
-  switch (mode) {
-    case 0:
-      return "none";
-    case 1:
-      return "profile position";
-    case 3:
-      return "profile velocity";
-    case 4:
-      return "profile torque";
-    case 6:
-      return "homing";
-    default:
-      return "unknown";
-  }
 }
 
 }  // namespace vdrive::client

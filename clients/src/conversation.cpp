@@ -69,7 +69,7 @@ Outcome Conversation::look(std::string_view awaited) {
   if (now_.tick >= deadline_) {
     return Outcome::timed_out("axis " + to_string(id_) + ": waited in vain for " +
                               std::string(awaited) + ", shows " +
-                              describe_statusword(now_.status.ds402_statusword));
+                              describe_statusword(now_.status.ds402_statusword, now_.mode()));
   }
   while (true) {
     auto sample = follower_->next(kPatience);
@@ -119,7 +119,7 @@ Outcome Conversation::not_now(std::string_view command, std::string_view hint) c
 
 Outcome Conversation::ended(std::string_view awaited) const {
   std::string message = "axis " + to_string(id_) + ": waited for " + std::string(awaited) +
-                        ", shows " + describe_statusword(now_.status.ds402_statusword);
+                        ", shows " + describe_statusword(now_.status.ds402_statusword, now_.mode());
   if (now_.status.error_code != 0) {
     std::array<char, 16> hex{};
     std::snprintf(hex.data(), hex.size(), "0x%04X", unsigned{now_.status.error_code});

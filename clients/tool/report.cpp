@@ -169,7 +169,7 @@ Json status_json(const client::AxisSnapshot& axis, const std::string& name) {
             {"name", name},
             {"tick", axis.tick},
             {"state", to_string(axis.state())},
-            {"flags", client::statusword_flags(axis.status.ds402_statusword)}};
+            {"flags", client::statusword_flags(axis.status.ds402_statusword, axis.mode())}};
   for (const ObjectDescription& row : kObjectTable) {
     const auto value = client::value_of(axis, row.address);
     if (value) json[std::string(row.variable_name)] = *value;
@@ -186,9 +186,10 @@ std::vector<std::string> status_text(const client::AxisSnapshot& axis, const std
   const auto error = static_cast<ErrorCode>(status.error_code);
   std::vector<std::string> lines;
   lines.push_back(to_string(axis.id) + " " + name);
-  lines.push_back("  statusword  " + client::describe_statusword(status.ds402_statusword));
+  lines.push_back("  statusword  " +
+                  client::describe_statusword(status.ds402_statusword, axis.mode()));
   lines.push_back("  mode        " + std::to_string(status.op_mode_actual) + " " +
-                  std::string(client::describe_mode(status.op_mode_actual)));
+                  std::string(to_string(axis.mode())));
   lines.push_back(formatted("  position    %d UU, demand %d, error %d",
                             status.load_position_actual_value, status.position_demand_value,
                             status.load_position_error_value));
@@ -219,7 +220,7 @@ std::string status_line(const client::AxisSnapshot& axis) {
     separator = ", ";
   }
   for (const std::string_view name :
-       client::statusword_flags(static_cast<std::uint16_t>(word & ~kUsual))) {
+       client::statusword_flags(static_cast<std::uint16_t>(word & ~kUsual), axis.mode())) {
     text.append(separator).append(name);
     separator = ", ";
   }

@@ -314,10 +314,11 @@ void AxisBank::State::step_block(std::size_t block_index, DemandBlock& demand) {
     demand.first_substep[lane] = 0.0;
   }
   std::uint32_t across = 0;
+  bool general = false;
   for (std::size_t lane = 0; lane < block.count; ++lane) {
-    if (begin_tick(context(block_index, lane), demand)) {
-      across |= 1U << lane;
-    }
+    const TickStart start = begin_tick(context(block_index, lane), demand);
+    across |= (start.across ? 1U : 0U) << lane;
+    general = general || start.general;
   }
   sample_demand(demand, timing.substeps, timing.substep);
   for (std::size_t lane = 0; across != 0; ++lane, across >>= 1U) {
@@ -326,10 +327,11 @@ void AxisBank::State::step_block(std::size_t block_index, DemandBlock& demand) {
     }
   }
   if (block.coupling == Coupling::rigid) {
-    step_rigid(rigid.get(block.pool_index), demand, block.servo, timing.substeps, timing.substep);
+    const auto step = general ? step_rigid_general : step_rigid;
+    step(rigid.get(block.pool_index), demand, block.servo, timing.substeps, timing.substep);
   } else {
-    step_elastic(elastic.get(block.pool_index), demand, block.servo, timing.substeps,
-                 timing.substep);
+    const auto step = general ? step_elastic_general : step_elastic;
+    step(elastic.get(block.pool_index), demand, block.servo, timing.substeps, timing.substep);
   }
   for (std::size_t lane = 0; lane < block.count; ++lane) {
     end_tick(context(block_index, lane));

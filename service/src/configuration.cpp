@@ -189,18 +189,20 @@ void read_model(const YamlValue& value, AxisModel& model) {
 }
 
 void read_settings(const YamlValue& value, AxisSettings& settings) {
-  value.for_each_entry(
-      {"enable_from_switch_on_disabled", "following_error_is_fault", "quick_stop_dwell_ms"},
-      [&](const auto& key, const YamlValue& entry) {
-        if (key == "enable_from_switch_on_disabled") {
-          settings.enable_from_switch_on_disabled = entry.boolean();
-        } else if (key == "following_error_is_fault") {
-          settings.following_error_is_fault = entry.boolean();
-        } else {
-          settings.quick_stop_dwell_ms =
-              static_cast<std::uint16_t>(entry.integer({0, kLongestDwell, "ms"}));
-        }
-      });
+  value.for_each_entry({"enable_from_switch_on_disabled", "following_error_is_fault",
+                        "limits_need_homing", "quick_stop_dwell_ms"},
+                       [&](const auto& key, const YamlValue& entry) {
+                         if (key == "enable_from_switch_on_disabled") {
+                           settings.enable_from_switch_on_disabled = entry.boolean();
+                         } else if (key == "following_error_is_fault") {
+                           settings.following_error_is_fault = entry.boolean();
+                         } else if (key == "limits_need_homing") {
+                           settings.limits_need_homing = entry.boolean();
+                         } else {
+                           settings.quick_stop_dwell_ms =
+                               static_cast<std::uint16_t>(entry.integer({0, kLongestDwell, "ms"}));
+                         }
+                       });
 }
 
 void read_parameters(const YamlValue& value, std::vector<InitialValue>& parameters) {
@@ -332,6 +334,7 @@ void write_settings(YAML::Emitter& out, const AxisSettings& settings) {
       << settings.enable_from_switch_on_disabled;
   out << YAML::Key << "following_error_is_fault" << YAML::Value
       << settings.following_error_is_fault;
+  out << YAML::Key << "limits_need_homing" << YAML::Value << settings.limits_need_homing;
   out << YAML::Key << "quick_stop_dwell_ms" << YAML::Value << settings.quick_stop_dwell_ms;
   out << YAML::EndMap;
 }

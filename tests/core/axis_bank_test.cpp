@@ -702,7 +702,7 @@ TEST(InvalidConfiguration, AnInitialValueThatTheDictionaryRefusesIsRefused) {
   };
 
   for (const Row& row : {Row{{0x2000, 0}, 0}, Row{{0x6041, 0}, 0}, Row{{0x6080, 0}, 0},
-                         Row{{0x6081, 1}, 0}, Row{{0x60F2, 0}, 3}, Row{{0x6060, 0}, 6}}) {
+                         Row{{0x6081, 1}, 0}, Row{{0x60F2, 0}, 3}, Row{{0x6060, 0}, 7}}) {
     std::vector<AxisConfiguration> axes(1);
     axes[0].parameters = {{row.address, row.value}};
     EXPECT_NE(refusal_of(axes, microseconds{1000}), "")

@@ -13,6 +13,7 @@ namespace vdrive {
 struct AxisSettings {
   bool enable_from_switch_on_disabled = true;  ///< 000Fh in Switch on disabled enables (manual)
   bool following_error_is_fault = true;        ///< false: bit 13 without fault
+  bool limits_need_homing = false;             ///< 607Dh is in force only once the axis is homed
   std::uint16_t quick_stop_dwell_ms = 0;       ///< [ms] least time in Quick stop active before 12
 };
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/cia402/controlword.hpp"
+#include "vdrive/cia402/operating_mode.hpp"
 #include "vdrive/cia402/power_state.hpp"
 #include "vdrive/cia402/statusword.hpp"
 
@@ -56,6 +57,24 @@ PowerState decode_power_state(std::uint16_t statusword) noexcept {
 
 std::uint16_t statusword_of(PowerState state) noexcept {
   return kStates[static_cast<std::size_t>(state)].status_bits;
+}
+
+std::string_view to_string(OperatingMode mode) noexcept {
+  switch (mode) {
+    case OperatingMode::none:
+      return "none";
+    case OperatingMode::profile_position:
+      return "profile position";
+    case OperatingMode::profile_velocity:
+      return "profile velocity";
+    case OperatingMode::profile_torque:
+      return "profile torque";
+    case OperatingMode::homing:
+      return "homing";
+    case OperatingMode::cyclic_synchronous_position:
+      return "cyclic synchronous position";
+  }
+  return "unknown";
 }
 
 PowerCommand decode_command(std::uint16_t word, std::uint16_t previous_word) noexcept {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "drive/demand.hpp"
 
+#include "drive/homing.hpp"
 #include "drive/registers.hpp"
+#include "drive/request.hpp"
 #include "drive/rounding.hpp"
 
 #include <algorithm>
@@ -12,98 +14,10 @@ namespace vdrive {
 namespace {
 
 using namespace vdrive::literals;
+using Kind = MotionRequest::Kind;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kRange = 4294967296.0;  // of a 32-bit position register
-
-double deceleration_of(const DriveContext& axis, ObjectRow row) {
-  const double limit = std::max(real(axis, "app_dec_limit"_object), 1.0);
-  return std::min(std::max(real(axis, row), 1.0), limit);
-}
-
-double acceleration_in_force(const DriveContext& axis) {
-  const double limit = std::max(real(axis, "app_acc_limit"_object), 1.0);
-  return std::min(std::max(real(axis, "profile_acc"_object), 1.0), limit);
-}
-
-MotionRequest stop_with(double deceleration) {
-  return {.kind = MotionRequest::Kind::stop,
-          .target = 0.0,
-          .limits = {.velocity = 0.0, .acceleration = 1.0, .deceleration = deceleration}};
-}
-
-/// Option codes 605Ah, 605Dh, 605Eh: 1 normal ramp, 2 quick ramp, 3 and 4 the steepest there is.
-MotionRequest stop_by_option(const DriveContext& axis, std::int64_t option) {
-  switch (option) {
-    case 1:
-      return stop_with(deceleration_of(axis, "profile_dec"_object));
-    case 2:
-      return stop_with(deceleration_of(axis, "quick_stop_deceleration"_object));
-    default:
-      return stop_with(deceleration_of(axis, "app_dec_limit"_object));
-  }
-}
-
-/// A limit switch stops what runs into it. A target on its far side is given up for good: bit 10
-/// stays 0 until a new set-point; one on the near side is approached after the stop.
-bool stopped_by_limit_switch(const DriveContext& axis) {
-  DriveState& s = axis.state;
-  const bool positive = (s.inputs & kPositiveLimitInput) != 0;
-  const bool negative = (s.inputs & kNegativeLimitInput) != 0;
-  if (!positive && !negative) {
-    return false;
-  }
-  const double ahead = s.has_target ? s.target - s.demand_position : 0.0;
-  if ((positive && ahead > 0.0) || (negative && ahead < 0.0)) {
-    s.queue.drop_buffered(s.controlword);  // a master waits for bit 12 before it drops bit 4
-    s.has_target = false;
-    s.active = false;
-    s.limit_stop = true;
-  }
-  return (positive && s.demand_velocity > 0.0) || (negative && s.demand_velocity < 0.0);
-}
-
-MotionRequest request_in_operation(const DriveContext& axis) {
-  DriveState& s = axis.state;
-  const bool mode_change = s.wanted_mode != s.mode;
-  if (s.power.pending() != PowerCommand::none || mode_change) {
-    return stop_with(deceleration_of(axis, "profile_dec"_object));
-  }
-  if (stopped_by_limit_switch(axis)) {
-    return stop_with(deceleration_of(axis, "quick_stop_deceleration"_object));
-  }
-  if (s.mode == kProfilePosition && halted(axis)) {
-    return stop_by_option(axis, reg(axis, "halt_option_code"_object));
-  }
-  if (s.mode == kProfilePosition && s.has_target) {
-    return {.kind = MotionRequest::Kind::move,
-            .target = s.target,
-            .limits = {.velocity =
-                           std::min(axis.registers.set_point_velocity, axis.registers.velocity_cap),
-                       .acceleration = acceleration_in_force(axis),
-                       .deceleration = deceleration_of(axis, "profile_dec"_object)}};
-  }
-  return stop_with(deceleration_of(
-      axis, s.limit_stop ? "quick_stop_deceleration"_object : "profile_dec"_object));
-}
-
-MotionRequest requested_motion(const DriveContext& axis) {
-  if (!axis.state.powered) {
-    return {};
-  }
-  switch (axis.state.power.state()) {
-    case PowerState::operation_enabled:
-      return request_in_operation(axis);
-    case PowerState::quick_stop_active: {
-      const std::int64_t option = reg(axis, "quick_stop_option_code"_object);
-      return stop_by_option(axis, option > 4 ? option - 4 : option);
-    }
-    case PowerState::fault_reaction_active:
-      return stop_by_option(axis, reg(axis, "fault_reaction_option_code"_object));
-    default:
-      return {};
-  }
-}
 
 /// 60F2h: what a relative set-point counts from (bits 0 and 1).
 double relative_base(const DriveContext& axis) {
@@ -129,7 +43,7 @@ void finish_motion(const DriveContext& axis) {
   if (s.arrived || !s.powered) {
     return;
   }
-  if (r.request.kind == MotionRequest::Kind::move) {
+  if (r.request.kind == Kind::move) {
     s.arrived = r.profile.reaches_target();
   } else if (!s.has_target && !s.limit_stop) {
     s.target = nearest(s.demand_position);
@@ -145,6 +59,10 @@ void move_demand(const DriveContext& axis) {
     return;
   }
   if (!s.moving) {
+    return;
+  }
+  if (s.following) {
+    s.demand_position = s.target;
     return;
   }
   s.plan_ticks += 1.0;
@@ -170,6 +88,82 @@ void move_demand(const DriveContext& axis) {
   s.demand_velocity = now.velocity;
 }
 
+/// Another loop becomes the outermost one: it starts from what the axis does.
+void take_control(const DriveContext& axis, Control control) {
+  DriveState& s = axis.state;
+  if (control == s.control) {
+    return;
+  }
+  ServoState& servo = axis.servo;
+  const std::size_t l = axis.lane;
+  if (s.control == Control::torque) {
+    s.demand_velocity = servo.load_speed[l];
+    s.moving = false;
+  }
+  if (control == Control::torque) {
+    s.demand_torque = servo.command[l] * s.torque_per_mille;
+    rest_at(axis, servo.load_reading[l]);
+  }
+  s.control = control;
+  servo.closes_position[l] = control == Control::position ? 1.0 : 0.0;
+  servo.torque_control[l] = control == Control::torque ? 1.0 : 0.0;
+  axis.registers.request = {};
+}
+
+/// One tick of the torque's ramp.
+void ramp_torque(const DriveContext& axis, const MotionRequest& request) {
+  DriveState& s = axis.state;
+  const double most = request.limits.acceleration * axis.timing.period_us * 1.0e-6;
+  const double left = request.target - s.demand_torque;
+  const double change = std::min(std::max(left, -most), most);
+  const std::size_t l = axis.lane;
+  axis.servo.torque_wanted[l] = s.demand_torque / s.torque_per_mille;
+  axis.servo.torque_step[l] = change / s.torque_per_mille / axis.timing.substeps;
+  s.demand_torque = change == left ? request.target : s.demand_torque + change;
+  s.moving = change != 0.0;
+}
+
+/// One tick straight to the streamed target, as far as the speed limit allows.
+void follow_target(const DriveContext& axis, const MotionRequest& request) {
+  DriveState& s = axis.state;
+  const double period = axis.timing.period_us * 1.0e-6;
+  const double most = request.limits.velocity * period;
+  const double distance = request.target - s.demand_position;
+  const double step = std::min(std::max(distance, -most), most);
+  const double start = s.demand_position;
+  rest_at(axis, start);
+  s.demand_velocity = step / period;
+  s.segment.velocity = s.demand_velocity;
+  s.moving = step != 0.0;
+  s.target = step == distance ? request.target : start + step;
+  s.following = step == distance;
+}
+
+Profile planned(const DriveContext& axis, const MotionRequest& request) {
+  const MotionState start{axis.state.demand_position, axis.state.demand_velocity};
+  switch (request.kind) {
+    case Kind::move:
+      return plan_move(start, request.target, request.limits);
+    case Kind::velocity:
+      return plan_velocity(start, request.target, request.limits);
+    default:
+      return plan_stop(start, request.limits.deceleration);
+  }
+}
+
+void start_profile(const DriveContext& axis, const Profile& profile) {
+  DriveState& s = axis.state;
+  axis.registers.profile = profile;
+  s.arrived = false;
+  if (profile.segment_count() == 0) {
+    rest_at(axis, profile.end_position());
+    return;
+  }
+  s.segment = profile.segment(0);
+  s.plan_ticks = 0.0;
+  s.moving = true;
+}
+
 }  // namespace
 
 void rest_at(const DriveContext& axis, double position) {
@@ -181,24 +175,33 @@ void rest_at(const DriveContext& axis, double position) {
   s.moving = false;
 }
 
-void rebase(const DriveContext& axis) {
+void shift_frame(const DriveContext& axis, const FrameShift& shift) {
   DriveState& s = axis.state;
+  DriveRegisters& r = axis.registers;
   ServoState& servo = axis.servo;
   const std::size_t l = axis.lane;
-  const double shift = kRange * nearest(s.demand_position / kRange);
-  const double motor_shift =
-      axis.registers.single_encoder ? shift : kRange * nearest(servo.motor_reading[l] / kRange);
-  servo.position[l] -= motor_shift;
-  servo.measured[l] -= motor_shift;
-  servo.motor_reading[l] -= motor_shift;
-  const double load_shift =
-      axis.registers.single_encoder ? kRange * nearest(servo.load_position[l] / kRange) : shift;
-  servo.load_offset[l] += axis.registers.gear_ratio * motor_shift - load_shift;
-  servo.load_position[l] -= load_shift;
-  servo.load_measured[l] -= shift;
-  servo.load_reading[l] -= shift;
-  s.demand_position -= shift;
-  s.target -= shift;
+  servo.position[l] -= shift.motor;
+  servo.measured[l] -= shift.motor;
+  servo.motor_reading[l] -= shift.motor;
+  const double offset = r.index_offset - shift.motor;
+  r.index_offset = offset - kUserUnitsPerRevolution * nearest(offset / kUserUnitsPerRevolution);
+  servo.load_offset[l] += r.gear_ratio * shift.motor - shift.load;
+  servo.load_position[l] -= shift.load;
+  servo.load_measured[l] -= shift.reading;
+  servo.load_reading[l] -= shift.reading;
+  s.demand_position -= shift.reading;
+  s.target -= shift.reading;
+}
+
+void rebase(const DriveContext& axis) {
+  const ServoState& servo = axis.servo;
+  const std::size_t l = axis.lane;
+  const bool single = axis.registers.single_encoder;
+  const double turns = kRange * nearest(axis.state.demand_position / kRange);
+  const double motor = kRange * nearest(servo.motor_reading[l] / kRange);
+  const double load = kRange * nearest(servo.load_position[l] / kRange);
+  shift_frame(axis,
+              {.motor = single ? turns : motor, .load = single ? load : turns, .reading = turns});
 }
 
 void drop_set_points(const DriveContext& axis) {
@@ -206,6 +209,8 @@ void drop_set_points(const DriveContext& axis) {
   s.queue.clear();
   s.has_target = false;
   s.active = false;
+  s.streams = false;
+  s.homing = HomingStage::idle;
   s.plan_due = true;
 }
 
@@ -223,30 +228,27 @@ void replan(const DriveContext& axis) {
   DriveRegisters& r = axis.registers;
   s.plan_due = false;
   const MotionRequest request = requested_motion(axis);
-  if (request == r.request) {
-    return;
-  }
+  take_control(axis, control_of(axis, request));
+  s.following = request.kind == Kind::follow;
+  const bool same = request == r.request;
   r.request = request;
-  if (request.kind == MotionRequest::Kind::hold) {
-    return;  // without power the demand follows the actual position
+  if (request.kind == Kind::torque) {
+    ramp_torque(axis, request);
+  } else if (request.kind == Kind::follow) {
+    follow_target(axis, request);
+  } else if (request.kind != Kind::hold && !same) {
+    // Without power (hold) the demand follows the actual position.
+    start_profile(axis, planned(axis, request));
   }
-  const MotionState start{s.demand_position, s.demand_velocity};
-  r.profile = request.kind == MotionRequest::Kind::move
-                  ? plan_move(start, request.target, request.limits)
-                  : plan_stop(start, request.limits.deceleration);
-  s.arrived = false;
-  if (r.profile.segment_count() == 0) {
-    rest_at(axis, r.profile.end_position());
-    return;
-  }
-  s.segment = r.profile.segment(0);
-  s.plan_ticks = 0.0;
-  s.moving = true;
 }
 
 void advance_demand(const DriveContext& axis) {
+  DriveState& s = axis.state;
   move_demand(axis);
-  if (!axis.state.moving) {
+  if (s.control != Control::position) {
+    s.demand_position = axis.servo.load_reading[axis.lane];
+  }
+  if (!s.moving) {
     finish_motion(axis);
   }
 }

@@ -13,6 +13,16 @@ inline constexpr double kFrame = 1099511627776.0;
 /// The demand rests at `position` [UU].
 void rest_at(const DriveContext& axis, double position);
 
+/// How far the frames of positions move [UU].
+struct FrameShift {
+  double motor = 0.0;    // encoder 1
+  double load = 0.0;     // the load itself
+  double reading = 0.0;  // encoder of the position loop, demand and target
+};
+
+/// Counts every position from a place that lies `shift` further on; nothing moves.
+void shift_frame(const DriveContext& axis, const FrameShift& shift);
+
 /// Positions live in a frame that is kept near the 32-bit range: whole turns of the register are
 /// taken out, which is exact, so no position grows with the uptime. A plan of before is void.
 void rebase(const DriveContext& axis);
@@ -26,7 +36,7 @@ void advance_demand(const DriveContext& axis);
 /// Makes `set_point` the active one; the plan follows with the next tick.
 void start_set_point(const DriveContext& axis, const SetPoint& set_point);
 
-/// Forgets active and buffered set-points.
+/// Forgets active and buffered set-points, a streamed target and a homing run.
 void drop_set_points(const DriveContext& axis);
 
 /// Forgets the set-points and takes the demand as the target: bit 10 at once, no jump.

@@ -2,6 +2,7 @@
 #include "drive/drive.hpp"
 
 #include "drive/demand.hpp"
+#include "drive/homing.hpp"
 #include "drive/monitor.hpp"
 #include "drive/power.hpp"
 #include "drive/registers.hpp"
@@ -14,13 +15,26 @@ namespace {
 
 using namespace vdrive::literals;
 
+/// Modes whose demand depends on more than writes: it is looked at in every tick.
+bool evolves(const DriveState& s) {
+  switch (s.mode) {
+    case OperatingMode::profile_torque:
+    case OperatingMode::cyclic_synchronous_position:
+      return s.powered;
+    case OperatingMode::homing:
+      return homing_runs(s.homing);
+    default:
+      return false;
+  }
+}
+
 bool needs_attention(const DriveContext& axis) {
   const DriveState& s = axis.state;
   const PowerState state = s.power.state();
   return state == PowerState::not_ready_to_switch_on || state == PowerState::quick_stop_active ||
          state == PowerState::fault_reaction_active || s.power.pending() != PowerCommand::none ||
          axis.state.causes != 0 || (s.inputs & (kNegativeLimitInput | kPositiveLimitInput)) != 0 ||
-         s.wanted_mode != s.mode;
+         s.wanted_mode != s.mode || evolves(s);
 }
 
 bool is_test_bench_input(const ObjectDescription& object) {
@@ -73,7 +87,7 @@ void lose_connection(const DriveContext& axis) noexcept {
   }
 }
 
-bool begin_tick(const DriveContext& axis, DemandBlock& demand) noexcept {
+TickStart begin_tick(const DriveContext& axis, DemandBlock& demand) noexcept {
   DriveState& s = axis.state;
   if (std::abs(s.demand_position) > kFrame) {
     rebase(axis);
@@ -85,6 +99,7 @@ bool begin_tick(const DriveContext& axis, DemandBlock& demand) noexcept {
     complete_stops(axis);
     watch_causes(axis);
     follow_mode(axis);
+    advance_homing(axis);
     s.plan_due = true;
   }
   if (s.plan_due) {
@@ -98,7 +113,7 @@ bool begin_tick(const DriveContext& axis, DemandBlock& demand) noexcept {
   demand.first_substep[l] = s.plan_ticks * axis.timing.substeps;
   const double last_time =
       (demand.first_substep[l] + (axis.timing.substeps - 1.0)) * axis.timing.substep;
-  return last_time >= s.segment.end_time;
+  return {.across = last_time >= s.segment.end_time, .general = s.control != Control::position};
 }
 
 void sample_across(const DriveContext& axis, DemandBlock& demand) noexcept {

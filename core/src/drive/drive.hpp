@@ -5,6 +5,7 @@
 #include "vdrive/axis_configuration.hpp"
 #include "vdrive/axis_status.hpp"
 #include "vdrive/cia402/error_code.hpp"
+#include "vdrive/cia402/operating_mode.hpp"
 #include "vdrive/cia402/power_state_machine.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/motion/profile.hpp"
@@ -15,10 +16,6 @@
 
 namespace vdrive {
 
-/// Operating modes 6060h/6061h that work.
-inline constexpr std::int8_t kNoMode = 0;
-inline constexpr std::int8_t kProfilePosition = 1;
-
 /// Ticks of a bank, as the drive needs them.
 struct TickTiming {
   std::uint32_t period_us = 1000;
@@ -28,17 +25,32 @@ struct TickTiming {
 
 /// What the demand generator is asked for. Two equal requests need no new plan.
 struct MotionRequest {
-  enum class Kind : std::uint8_t { hold, stop, move };
+  enum class Kind : std::uint8_t { hold, stop, move, velocity, torque, follow };
 
   Kind kind = Kind::hold;
-  double target = 0.0;  // move [UU]
-  MotionLimits limits;  // move; stop uses the deceleration
+  double target = 0.0;  // move, follow [UU]; velocity [UU/s]; torque [‰ of rated]
+  MotionLimits limits;  // stop: the deceleration; torque: the acceleration is the slope [‰/s]
 
   friend bool operator==(const MotionRequest& a, const MotionRequest& b) noexcept {
     return a.kind == b.kind && a.target == b.target && a.limits.velocity == b.limits.velocity &&
            a.limits.acceleration == b.limits.acceleration &&
            a.limits.deceleration == b.limits.deceleration;
   }
+};
+
+/// The outermost loop that is closed.
+enum class Control : std::uint8_t { position, velocity, torque };
+
+/// Where a homing run is.
+enum class HomingStage : std::uint8_t {
+  idle,     // not started, or interrupted
+  present,  // the present position is home
+  search,   // towards the limit switch
+  leave,    // away from it
+  index,    // towards the next index pulse
+  back,     // home is known: back to it
+  done,
+  failed,
 };
 
 /// What every tick touches of an axis.
@@ -48,6 +60,7 @@ struct DriveState {
   double demand_position = 0.0;          // [UU]
   double demand_velocity = 0.0;          // [UU/s]
   double target = 0.0;                   // latched internal target, whole [UU]
+  double demand_torque = 0.0;            // profile torque, at the end of the tick [‰ of rated]
   double torque_per_mille = 0.0;         // 6077h of one torque unit
   double current_per_mille = 0.0;        // 6078h of one torque unit
   double rated_current = 0.0;            // [mA]
@@ -56,17 +69,23 @@ struct DriveState {
   std::uint32_t window = 0;              // 6067h [UU]
   std::uint32_t window_ticks = 0;        // 6068h
   std::uint32_t dwell = 0;               // ticks inside the window, the present one included
+  std::uint32_t standstill = 0;          // ticks at or below 606Fh, the present one included
   std::uint32_t following_window = 0;    // 6065h [UU]
   std::uint32_t following_ticks = 0;     // 6066h
   std::uint32_t following_count = 0;     // ticks outside the window
   std::uint32_t velocity_threshold = 0;  // 606Fh [UU/s]
+  std::uint32_t velocity_threshold_ticks = 0;  // 6070h
+  std::uint32_t velocity_window = 0;           // 606Dh [UU/s]
+  std::uint32_t velocity_window_ticks = 0;     // 606Eh
   std::uint32_t ticks_in_state = 0;
   std::uint32_t ignored_set_points = 0;
   std::uint32_t fault_count = 0;
   std::uint16_t controlword = 0;
   std::uint16_t error_code = 0;
-  std::int8_t mode = kNoMode;         // 6061h
-  std::int8_t wanted_mode = kNoMode;  // 6060h
+  OperatingMode mode = OperatingMode::none;         // 6061h
+  OperatingMode wanted_mode = OperatingMode::none;  // 6060h
+  Control control = Control::position;
+  HomingStage homing = HomingStage::idle;
   std::uint8_t error_register = 0;
   std::uint8_t inputs = 0;  // 60FDh
   std::uint8_t causes = 0;  // fault causes present in the last tick
@@ -84,6 +103,9 @@ struct DriveState {
   bool following_error = false;  // statusword bit 13
   bool coasting = false;         // the fault allows no braking
   bool limits_enabled = false;   // 3535h
+  bool homed = false;            // a homing run found home since power-up
+  bool streams = false;          // 607Ah was written since the cyclic mode is in force
+  bool following = false;        // the demand of this tick is the streamed one
   bool dc_link = true;
 };
 
@@ -95,6 +117,9 @@ struct DriveRegisters {
   double gear_ratio = 1.0;          // 3576h over 3577h
   double velocity_cap = 0.0;        // 607Fh and 6080h as they were at transition 4 [UU/s]
   double set_point_velocity = 0.0;  // 6081h of the active set-point [UU/s]
+  double index_offset = 0.0;        // of the index pulses in the motor's frame [UU]
+  std::int8_t homing_method = 0;    // 6098h of the present run
+  bool index_input = false;         // 5E09h as it was in the last tick
   std::array<std::uint32_t, 8> error_history{};
   std::uint8_t error_count = 0;
   std::uint32_t stop_ticks = 0;  // since the demand of a stop ended
@@ -129,9 +154,14 @@ AbortCode write_object(const DriveContext& axis, ObjectRow row, std::int64_t val
 /// The silent master of 6007h.
 void lose_connection(const DriveContext& axis) noexcept;
 
+/// What a tick of one axis asks of its block.
+struct TickStart {
+  bool across;   // the tick crosses a segment border: `sample_across` must be called
+  bool general;  // the position loop is open: the block needs the general servo step
+};
+
 /// Steps 1 and 2 of a tick: automatic transitions, mode, plan; puts the demand into the block.
-/// @return true when the tick crosses a segment border: `sample_across` must then be called.
-bool begin_tick(const DriveContext& axis, DemandBlock& demand) noexcept;
+TickStart begin_tick(const DriveContext& axis, DemandBlock& demand) noexcept;
 void sample_across(const DriveContext& axis, DemandBlock& demand) noexcept;
 
 /// Steps 4 and 5: demand at the end of the tick, monitors, status image.

@@ -13,28 +13,35 @@
 namespace vdrive {
 namespace {
 
-/// Statusword bit 10 in profile position mode: the demand rests on the target and the actual
-/// position was inside the window for the window time.
-bool watch_target(const DriveContext& axis, double actual) {
-  DriveState& s = axis.state;
-  const double distance = std::abs(actual - s.target);
-  if (s.window != kWindowOff && distance > static_cast<double>(s.window)) {
-    s.dwell = 0;
-  } else if (s.dwell != kSaturatedCount) {
-    ++s.dwell;
-  }
-  return s.arrived && !s.fresh && (s.window == kWindowOff || s.dwell > s.window_ticks);
+using namespace vdrive::literals;
+
+std::uint16_t reached_when(bool reached) {
+  return reached ? Statusword::kTargetReached : 0U;
 }
 
-/// @return bits 10 and 12.
-std::uint16_t motion_bits(const DriveContext& axis, double actual) {
+/// Counts ticks in a row for which `inside` held.
+/// @return whether it has held for more than `ticks`.
+bool has_lasted(bool inside, std::uint32_t& count, std::uint32_t ticks) {
+  if (!inside) {
+    count = 0;
+  } else if (count != kSaturatedCount) {
+    ++count;
+  }
+  return count > ticks;
+}
+
+/// The demand rests on the target and the actual position was inside the window for the window
+/// time.
+bool watch_target(const DriveContext& axis, double actual) {
   DriveState& s = axis.state;
-  if (s.power.state() == PowerState::quick_stop_active) {
-    return at_rest(axis) ? Statusword::kTargetReached : 0U;
-  }
-  if (!operation_enabled(axis) || s.mode != kProfilePosition) {
-    return 0;
-  }
+  const bool inside =
+      s.window == kWindowOff || std::abs(actual - s.target) <= static_cast<double>(s.window);
+  const bool lasted = has_lasted(inside, s.dwell, s.window_ticks);
+  return s.arrived && !s.fresh && (s.window == kWindowOff || lasted);
+}
+
+std::uint16_t profile_position_bits(const DriveContext& axis, double actual) {
+  DriveState& s = axis.state;
   bool reached = watch_target(axis, actual);
   if (reached && !halted(axis)) {
     s.active = false;
@@ -44,10 +51,78 @@ std::uint16_t motion_bits(const DriveContext& axis, double actual) {
       reached = false;
     }
   }
-  const bool shown = halted(axis) ? at_rest(axis) : reached;
   return static_cast<std::uint16_t>(
-      (shown ? Statusword::kTargetReached : 0U) |
+      reached_when(halted(axis) ? at_rest(axis) : reached) |
       (s.queue.acknowledge() ? Statusword::kSetPointAcknowledge : 0U));
+}
+
+/// Bit 10 by 606Dh and 606Eh, under halt at standstill; bit 12 by 606Fh and 6070h.
+std::uint16_t profile_velocity_bits(const DriveContext& axis) {
+  DriveState& s = axis.state;
+  const double speed = nearest(axis.servo.load_speed[axis.lane]);
+  const double error = std::abs(real(axis, "target_velocity"_object) - speed);
+  const bool reached = has_lasted(error <= s.velocity_window, s.dwell, s.velocity_window_ticks);
+  const bool standing =
+      has_lasted(std::abs(speed) <= s.velocity_threshold, s.standstill, s.velocity_threshold_ticks);
+  return static_cast<std::uint16_t>(reached_when(halted(axis) ? at_rest(axis) : reached) |
+                                    (standing ? Statusword::kSpeedZero : 0U));
+}
+
+/// Bit 10: the torque command has arrived at 6071h; neither a limit nor a stop keeps it away.
+std::uint16_t profile_torque_bits(const DriveContext& axis) {
+  const DriveState& s = axis.state;
+  if (halted(axis)) {
+    return reached_when(at_rest(axis));
+  }
+  const double torque = axis.servo.command[axis.lane] * s.torque_per_mille;
+  return reached_when(s.control == Control::torque && !s.moving &&
+                      nearest(torque) == real(axis, "target_torque"_object));
+}
+
+/// Bits 10, 12 and 13 of homing.
+std::uint16_t homing_bits(const DriveContext& axis, double actual) {
+  DriveState& s = axis.state;
+  switch (s.homing) {
+    case HomingStage::idle:
+      return reached_when(at_rest(axis));
+    case HomingStage::failed:
+      return static_cast<std::uint16_t>(reached_when(at_rest(axis)) | Statusword::kHomingError);
+    case HomingStage::back:
+    case HomingStage::done: {
+      const bool reached = watch_target(axis, actual);
+      if (reached) {
+        s.homing = HomingStage::done;
+      }
+      return static_cast<std::uint16_t>(reached_when(reached) | Statusword::kHomingAttained);
+    }
+    default:
+      return 0;
+  }
+}
+
+/// @return bits 10 and 12, in homing 13 too.
+std::uint16_t motion_bits(const DriveContext& axis, double actual) {
+  const DriveState& s = axis.state;
+  if (s.power.state() == PowerState::quick_stop_active) {
+    return reached_when(at_rest(axis));
+  }
+  if (!operation_enabled(axis)) {
+    return 0;
+  }
+  switch (s.mode) {
+    case OperatingMode::profile_position:
+      return profile_position_bits(axis, actual);
+    case OperatingMode::profile_velocity:
+      return profile_velocity_bits(axis);
+    case OperatingMode::profile_torque:
+      return profile_torque_bits(axis);
+    case OperatingMode::homing:
+      return homing_bits(axis, actual);
+    case OperatingMode::cyclic_synchronous_position:
+      return s.following ? Statusword::kFollowsCommand : 0U;
+    default:
+      return 0;
+  }
 }
 
 /// @return bit 11 at or beyond a software limit or on a limit switch, bit 7 strictly beyond.
@@ -76,7 +151,7 @@ void watch_following_error(const DriveContext& axis, double error) {
   DriveState& s = axis.state;
   const PowerState state = s.power.state();
   const bool watched =
-      s.powered && s.following_window != kWindowOff &&
+      s.powered && s.control == Control::position && s.following_window != kWindowOff &&
       (state == PowerState::operation_enabled || state == PowerState::quick_stop_active);
   const bool outside = watched && std::abs(error) > static_cast<double>(s.following_window);
   if (!outside) {
@@ -143,7 +218,7 @@ void fill_status(const DriveContext& axis) {
   out.ds402_controlword = s.controlword;
   out.error_code = s.error_code;
   out.error_register = s.error_register;
-  out.op_mode_actual = s.mode;
+  out.op_mode_actual = static_cast<std::int8_t>(s.mode);
   out.motor_op_status = s.powered ? 1 : 0;
   out.digital_inputs = s.inputs;
   out.ignored_set_points = s.ignored_set_points;

@@ -2,6 +2,7 @@
 //
 // Writes and reads of objects, and what they mean to the axis.
 #include "drive/demand.hpp"
+#include "drive/homing.hpp"
 #include "drive/power.hpp"
 #include "drive/registers.hpp"
 
@@ -12,16 +13,26 @@ namespace {
 
 using namespace vdrive::literals;
 
-void write_controlword(const DriveContext& axis, std::uint16_t word) {
+/// Bit 4 starts a homing run, bit 8 ends it for good.
+void command_homing(const DriveContext& axis, std::uint16_t previous, bool accepting) {
   DriveState& s = axis.state;
-  const std::uint16_t previous = s.controlword;
-  const bool ready_before = operation_enabled(axis) && s.mode == kProfilePosition &&
-                            s.power.pending() == PowerCommand::none;
-  s.controlword = word;
-  act(axis, s.power.command(decode_command(word, previous), power_options(axis),
-                            reg(axis, "test_dc_link_loss"_object) == 0, cause_present(axis)));
-  const bool accepting = ready_before && operation_enabled(axis) &&
-                         s.power.pending() == PowerCommand::none && s.wanted_mode == s.mode;
+  if (halted(axis)) {
+    interrupt_homing(axis);
+  }
+  const bool rising = (s.controlword & ~previous & Controlword::kStartHoming) != 0;
+  if (!rising) {
+    return;
+  }
+  if (accepting && !halted(axis) && start_homing(axis)) {
+    s.fresh = true;
+  } else {
+    ++s.ignored_set_points;
+  }
+}
+
+void command_set_point(const DriveContext& axis, std::uint16_t previous, bool accepting) {
+  DriveState& s = axis.state;
+  const std::uint16_t word = s.controlword;
   const SetPoint candidate{
       .position_user_target_value =
           static_cast<std::int32_t>(reg(axis, "position_user_target_value"_object)),
@@ -41,6 +52,22 @@ void write_controlword(const DriveContext& axis, std::uint16_t word) {
     case SetPointOutcome::none:
       break;
   }
+}
+
+void write_controlword(const DriveContext& axis, std::uint16_t word) {
+  DriveState& s = axis.state;
+  const std::uint16_t previous = s.controlword;
+  const bool ready_before = operation_enabled(axis) && s.power.pending() == PowerCommand::none;
+  s.controlword = word;
+  act(axis, s.power.command(decode_command(word, previous), power_options(axis),
+                            reg(axis, "test_dc_link_loss"_object) == 0, cause_present(axis)));
+  const bool accepting = ready_before && operation_enabled(axis) &&
+                         s.power.pending() == PowerCommand::none && s.wanted_mode == s.mode;
+  if (s.mode == OperatingMode::homing) {
+    command_homing(axis, previous, accepting);
+  } else {
+    command_set_point(axis, previous, accepting && s.mode == OperatingMode::profile_position);
+  }
   s.plan_due = true;
   s.attention = true;
 }
@@ -48,8 +75,9 @@ void write_controlword(const DriveContext& axis, std::uint16_t word) {
 AbortCode check_value(ObjectRow row, std::int64_t value) {
   switch (row) {
     case "op_mode_cmd"_object:
-      return value == kNoMode || value == kProfilePosition ? AbortCode::none
-                                                           : AbortCode::value_range_exceeded;
+      return is_operating_mode(value) ? AbortCode::none : AbortCode::value_range_exceeded;
+    case "homing_method"_object:
+      return is_homing_method(value) ? AbortCode::none : AbortCode::value_range_exceeded;
     case "positioning_option_code"_object:
       return value <= 2 ? AbortCode::none : AbortCode::value_range_exceeded;
     case "error_history_count"_object:
@@ -85,6 +113,9 @@ void update_derived(const DriveContext& axis) noexcept {
   s.following_window = static_cast<std::uint32_t>(reg(axis, "following_error_window"_object));
   s.following_ticks = ticks_of_ms(axis, reg(axis, "following_error_time_out"_object));
   s.velocity_threshold = static_cast<std::uint32_t>(reg(axis, "velocity_threshold"_object));
+  s.velocity_threshold_ticks = ticks_of_ms(axis, reg(axis, "velocity_threshold_time"_object));
+  s.velocity_window = static_cast<std::uint32_t>(reg(axis, "velocity_window"_object));
+  s.velocity_window_ticks = ticks_of_ms(axis, reg(axis, "velocity_window_time"_object));
   s.rated_current = real(axis, "motor_rated_current"_object);
   const std::int64_t lower = reg(axis, "user_position_lower_limit"_object);
   const std::int64_t upper = reg(axis, "user_position_upper_limit"_object);
@@ -92,8 +123,8 @@ void update_derived(const DriveContext& axis) noexcept {
   const bool whole_range = lower == ends.lowest && upper == ends.highest;
   s.lower_limit = static_cast<double>(lower);
   s.upper_limit = static_cast<double>(upper);
-  s.limits_enabled =
-      reg(axis, "app_position_limit_switch"_object) != 0 && lower < upper && !whole_range;
+  s.limits_enabled = reg(axis, "app_position_limit_switch"_object) != 0 && lower < upper &&
+                     !whole_range && (s.homed || !axis.registers.settings.limits_need_homing);
   s.inputs = static_cast<std::uint8_t>(
       (reg(axis, "test_negative_limit_input"_object) != 0 ? kNegativeLimitInput : 0U) |
       (reg(axis, "test_positive_limit_input"_object) != 0 ? kPositiveLimitInput : 0U) |
@@ -118,17 +149,30 @@ AbortCode write_object(const DriveContext& axis, ObjectRow row, std::int64_t val
       write_controlword(axis, static_cast<std::uint16_t>(value));
       break;
     case "position_user_target_value"_object:
+      // Profile position latches it with the next set-point.
+      axis.state.streams =
+          operation_enabled(axis) && axis.state.mode == OperatingMode::cyclic_synchronous_position;
+      axis.state.attention = axis.state.attention || axis.state.streams;
+      break;
     case "profile_velocity"_object:
     case "positioning_option_code"_object:
       break;  // latched with the next set-point
     case "op_mode_cmd"_object:
-      axis.state.wanted_mode = static_cast<std::int8_t>(value);
+      axis.state.wanted_mode = static_cast<OperatingMode>(value);
       follow_mode(axis);
       axis.state.attention = true;
       axis.state.plan_due = true;
       break;
     case "profile_acc"_object:
     case "profile_dec"_object:
+    case "target_velocity"_object:
+    case "target_torque"_object:
+    case "torque_slope"_object:
+    case "homing_method"_object:
+    case "homing_speed_search"_object:
+    case "homing_speed_creep"_object:
+    case "homing_acceleration"_object:
+    case "home_offset"_object:
       axis.state.plan_due = true;
       break;
     case "error_history_count"_object:

@@ -102,6 +102,9 @@ void set_power(const DriveContext& axis, bool powered) {
   axis.state.powered = powered;
   axis.servo.powered[axis.lane] = powered ? 1.0 : 0.0;
   axis.servo.integrator[axis.lane] = 0.0;
+  axis.state.control = Control::position;
+  axis.servo.closes_position[axis.lane] = 1.0;
+  axis.servo.torque_control[axis.lane] = 0.0;
   if (!powered) {
     axis.servo.torque[axis.lane] = 0.0;
     rest_at(axis, axis.servo.load_reading[axis.lane]);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace vdrive {
 
@@ -24,6 +25,11 @@ class ProfileBuilder {
   void cruise(double direction, double velocity, double distance) noexcept {
     append(distance / velocity, direction * velocity, 0.0);
     position_ += direction * distance;
+  }
+
+  /// Travels on without end.
+  void run(double direction, double velocity) noexcept {
+    append(std::numeric_limits<double>::infinity(), direction * velocity, 0.0);
   }
 
   /// Slows from velocity `from` to rest exactly at `target`: the segment counts back from its end.
@@ -132,6 +138,25 @@ Profile plan_move(const MotionState& start, double target, const MotionLimits& l
     return builder.finish(builder.position() == target);
   }
   approach(builder, direction, speed, target, limits);
+  return builder.finish(true);
+}
+
+Profile plan_velocity(const MotionState& start, double target,
+                      const MotionLimits& limits) noexcept {
+  ProfileBuilder builder(start.position);
+  const double wanted = std::min(std::abs(target), limits.velocity);
+  double direction = start.velocity < 0.0 ? -1.0 : 1.0;
+  double speed = direction * start.velocity;
+  if (speed == 0.0 || direction * target < 0.0) {
+    builder.ramp(direction, speed, -speed, limits.deceleration);
+    direction = target < 0.0 ? -1.0 : 1.0;
+    speed = 0.0;
+  }
+  const double change = wanted - speed;
+  builder.ramp(direction, speed, change, change > 0.0 ? limits.acceleration : limits.deceleration);
+  if (wanted > 0.0) {
+    builder.run(direction, wanted);
+  }
   return builder.finish(true);
 }
 

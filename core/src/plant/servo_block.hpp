@@ -81,24 +81,28 @@ struct alignas(64) ElasticParameters {
 
 /// State of a block, and what acts on it from outside.
 struct alignas(64) ServoState {
-  Lane position;       // motor [UU], exact
-  Lane velocity;       // motor [UU/s]
-  Lane torque;         // of the current loop [UU/s²]
-  Lane integrator;     // velocity loop [UU/s²]
-  Lane measured;       // encoder 1 at the last sub-step [UU]
-  Lane load_position;  // load [UU]; rigid: computed from the motor
-  Lane load_velocity;  // load [UU/s]; rigid: unused
-  Lane load_measured;  // encoder of the position loop at the last sub-step [UU]
-  Lane load_offset;    // load position minus ratio times motor position, untwisted [UU]
-  Lane load_torque;    // from outside, over the inertia that it acts on [UU/s²]
-  Lane powered;        // 1 = power stage on
-  Lane blocked;        // 1 = load blocked
-  Lane speed_limit;    // of what the position loop asks for: 607Fh and 6080h [UU/s]
-  Lane command;        // last torque command [UU/s²]
-  Lane motor_reading;  // encoder 1 at the end of the tick [UU]
-  Lane load_reading;   // encoder of the position loop at the end of the tick [UU]
-  Lane motor_speed;    // encoder 1 over the tick [UU/s]
-  Lane load_speed;     // encoder of the position loop over the tick [UU/s]
+  Lane position;         // motor [UU], exact
+  Lane velocity;         // motor [UU/s]
+  Lane torque;           // of the current loop [UU/s²]
+  Lane integrator;       // velocity loop [UU/s²]
+  Lane measured;         // encoder 1 at the last sub-step [UU]
+  Lane load_position;    // load [UU]; rigid: computed from the motor
+  Lane load_velocity;    // load [UU/s]; rigid: unused
+  Lane load_measured;    // encoder of the position loop at the last sub-step [UU]
+  Lane load_offset;      // load position minus ratio times motor position, untwisted [UU]
+  Lane load_torque;      // from outside, over the inertia that it acts on [UU/s²]
+  Lane powered;          // 1 = power stage on
+  Lane blocked;          // 1 = load blocked
+  Lane speed_limit;      // of what the position loop asks for: 607Fh and 6080h [UU/s]
+  Lane closes_position;  // 1 = position loop closed; general step only
+  Lane torque_control;   // 1 = torque_wanted is the command, within speed_limit; general step only
+  Lane torque_wanted;    // of the next sub-step [UU/s²]
+  Lane torque_step;      // its change from one sub-step to the next [UU/s²]
+  Lane command;          // last torque command [UU/s²]
+  Lane motor_reading;    // encoder 1 at the end of the tick [UU]
+  Lane load_reading;     // encoder of the position loop at the end of the tick [UU]
+  Lane motor_speed;      // encoder 1 over the tick [UU/s]
+  Lane load_speed;       // encoder of the position loop over the tick [UU/s]
 };
 
 /// Demand of one tick for a block: polynomial pieces and, from them, the values at each sub-step.
@@ -116,10 +120,16 @@ struct alignas(64) DemandBlock {
 /// Samples each lane's segment at the start of each sub-step.
 void sample_demand(DemandBlock& demand, std::size_t substeps, double substep) noexcept;
 
-/// One tick of servo loops and plant. `substep` is the length of a sub-step [s].
+/// One tick of servo loops and plant. `substep` is the length of a sub-step [s]. The general step
+/// serves every kind of control; for lanes with closed position loop it gives the same bits as the
+/// plain one, which serves only these.
 void step_rigid(const RigidParameters& parameters, const DemandBlock& demand, ServoState& state,
                 std::size_t substeps, double substep) noexcept;
 void step_elastic(const ElasticParameters& parameters, const DemandBlock& demand, ServoState& state,
                   std::size_t substeps, double substep) noexcept;
+void step_rigid_general(const RigidParameters& parameters, const DemandBlock& demand,
+                        ServoState& state, std::size_t substeps, double substep) noexcept;
+void step_elastic_general(const ElasticParameters& parameters, const DemandBlock& demand,
+                          ServoState& state, std::size_t substeps, double substep) noexcept;
 
 }  // namespace vdrive

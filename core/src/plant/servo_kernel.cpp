@@ -31,26 +31,46 @@ constexpr double kRounder = 6755399441055744.0;
   return ((x * per_unit + kRounder) - kRounder) * unit;
 }
 
+[[gnu::always_inline]] inline double clamp(double x, double lower, double upper) {
+  const double below_upper = x > upper ? upper : x;
+  return below_upper < lower ? lower : below_upper;
+}
+
+/// Torque command of profile torque: the wanted torque, taken back where the speed limit is near.
+/// The velocity loop's proportional part for the limit bounds it, so the speed stays below.
+[[gnu::always_inline]] inline double torque_within_speed(const LoopParameters& p, ServoState& s,
+                                                         std::size_t l, double measured_velocity) {
+  const double most = s.speed_limit[l] * p.inverse_ratio[l];
+  const double wanted = s.torque_wanted[l];
+  s.torque_wanted[l] = wanted + s.torque_step[l];
+  return clamp(wanted, p.velocity_gain[l] * (-most - measured_velocity),
+               p.velocity_gain[l] * (most - measured_velocity));
+}
+
 /// Position P within the speed limit, velocity PI with feed-forward, clamped without wind-up: the
-/// torque command.
+/// torque command. `kGeneral`: the position loop may be open, or the torque asked for directly; its
+/// integrator then follows the command, so that the velocity loop takes over without a step.
+template <bool kGeneral>
 [[gnu::always_inline]] inline double control(const LoopParameters& p, ServoState& s, std::size_t l,
                                              const MotionSample& demand, double measured,
                                              double load_measured, double rate) {
   const double measured_velocity = (measured - s.measured[l]) * rate;
-  const double correction = p.position_gain[l] * (demand.position - load_measured);
+  const double closed = kGeneral ? s.closes_position[l] : 1.0;
+  const double correction = p.position_gain[l] * (demand.position - load_measured) * closed;
   const double free_speed = correction + demand.velocity;
-  const double most = s.speed_limit[l];
-  const double below_most = free_speed > most ? most : free_speed;
-  const double speed = below_most < -most ? -most : below_most;
+  const double speed = clamp(free_speed, -s.speed_limit[l], s.speed_limit[l]);
   const double wanted = speed * p.inverse_ratio[l];
   const double error = wanted - measured_velocity;
-  const double free_command =
+  const double speed_command =
       p.velocity_gain[l] * error + s.integrator[l] + p.feed_forward[l] * demand.acceleration;
-  const double below_upper = free_command > p.upper_limit[l] ? p.upper_limit[l] : free_command;
-  const double command = below_upper < p.lower_limit[l] ? p.lower_limit[l] : below_upper;
+  const bool by_torque = kGeneral && s.torque_control[l] != 0.0;
+  const double torque_command = kGeneral ? torque_within_speed(p, s, l, measured_velocity) : 0.0;
+  const double free_command = by_torque ? torque_command : speed_command;
+  const double command = clamp(free_command, p.lower_limit[l], p.upper_limit[l]);
   const bool winds_up = (free_command - command) * error > 0.0;
   const double powered = s.powered[l];
-  s.integrator[l] = (s.integrator[l] + (winds_up ? 0.0 : p.integral_step[l] * error)) * powered;
+  const double integral = s.integrator[l] + (winds_up ? 0.0 : p.integral_step[l] * error);
+  s.integrator[l] = (by_torque ? command : integral) * powered;
   s.measured[l] = measured;
   s.load_measured[l] = load_measured;
   s.command[l] = command * powered;
@@ -160,6 +180,7 @@ struct ElasticInput {
           on_load.stuck ? 0.0 : vl, on_load.stuck ? half_substep * in.load_velocity : xl};
 }
 
+template <bool kGeneral>
 [[gnu::always_inline]] inline void step_elastic_lane(const ElasticParameters& p, ServoState& state,
                                                      std::size_t l, const MotionSample& demand,
                                                      double rate, double half_substep) {
@@ -169,7 +190,7 @@ struct ElasticInput {
   const double load_measured =
       quantise(p.loop.closes_on_load[l] != 0.0 ? xl : xm, p.loop.load_counts_per_unit[l],
                p.loop.load_units_per_count[l]);
-  const double u = control(p.loop, state, l, demand, measured, load_measured, rate);
+  const double u = control<kGeneral>(p.loop, state, l, demand, measured, load_measured, rate);
   const double torque = state.torque[l] * state.powered[l];
 
   // Inside the play both inertias are on their own; outside it the shaft is twisted by the rest.
@@ -189,6 +210,7 @@ struct ElasticInput {
   state.torque[l] = p.torque_from_torque[l] * torque + p.torque_from_command[l] * u;
 }
 
+template <bool kGeneral>
 [[gnu::always_inline]] inline void step_rigid_lane(const RigidParameters& p, ServoState& state,
                                                    std::size_t l, const MotionSample& demand,
                                                    double rate, double half_substep) {
@@ -199,7 +221,7 @@ struct ElasticInput {
   const double load_measured =
       quantise(p.loop.closes_on_load[l] != 0.0 ? load_x : x, p.loop.load_counts_per_unit[l],
                p.loop.load_units_per_count[l]);
-  const double u = control(p.loop, state, l, demand, measured, load_measured, rate);
+  const double u = control<kGeneral>(p.loop, state, l, demand, measured, load_measured, rate);
   const double torque = state.torque[l] * state.powered[l];
   const double load = state.load_torque[l];
   const double free_velocity = p.velocity_from_velocity[l] * v +
@@ -221,6 +243,7 @@ struct ElasticInput {
   return {demand.positions[k][l], demand.velocities[k][l], demand.accelerations[k][l]};
 }
 
+template <bool kGeneral>
 [[gnu::always_inline]] inline void step_rigid_block(const RigidParameters& parameters,
                                                     const DemandBlock& demand, ServoState& state,
                                                     std::size_t substeps, double substep) {
@@ -229,7 +252,7 @@ struct ElasticInput {
   for (std::size_t k = 0; k < substeps; ++k) {
     VDRIVE_INDEPENDENT_LANES
     for (std::size_t l = 0; l < kLanes; ++l) {
-      step_rigid_lane(parameters, state, l, demand_at(demand, k, l), rate, half_substep);
+      step_rigid_lane<kGeneral>(parameters, state, l, demand_at(demand, k, l), rate, half_substep);
     }
   }
   const double tick_rate = 1.0 / (static_cast<double>(substeps) * substep);
@@ -239,6 +262,7 @@ struct ElasticInput {
   }
 }
 
+template <bool kGeneral>
 [[gnu::always_inline]] inline void step_elastic_block(const ElasticParameters& parameters,
                                                       const DemandBlock& demand, ServoState& state,
                                                       std::size_t substeps, double substep) {
@@ -247,7 +271,8 @@ struct ElasticInput {
   for (std::size_t k = 0; k < substeps; ++k) {
     VDRIVE_INDEPENDENT_LANES
     for (std::size_t l = 0; l < kLanes; ++l) {
-      step_elastic_lane(parameters, state, l, demand_at(demand, k, l), rate, half_substep);
+      step_elastic_lane<kGeneral>(parameters, state, l, demand_at(demand, k, l), rate,
+                                  half_substep);
     }
   }
   const double tick_rate = 1.0 / (static_cast<double>(substeps) * substep);
@@ -261,13 +286,25 @@ struct ElasticInput {
 VDRIVE_VECTOR_CLONES
 void step_rigid(const RigidParameters& parameters, const DemandBlock& demand, ServoState& state,
                 std::size_t substeps, double substep) noexcept {
-  step_rigid_block(parameters, demand, state, substeps, substep);
+  step_rigid_block<false>(parameters, demand, state, substeps, substep);
 }
 
 VDRIVE_VECTOR_CLONES
 void step_elastic(const ElasticParameters& parameters, const DemandBlock& demand, ServoState& state,
                   std::size_t substeps, double substep) noexcept {
-  step_elastic_block(parameters, demand, state, substeps, substep);
+  step_elastic_block<false>(parameters, demand, state, substeps, substep);
+}
+
+VDRIVE_VECTOR_CLONES
+void step_rigid_general(const RigidParameters& parameters, const DemandBlock& demand,
+                        ServoState& state, std::size_t substeps, double substep) noexcept {
+  step_rigid_block<true>(parameters, demand, state, substeps, substep);
+}
+
+VDRIVE_VECTOR_CLONES
+void step_elastic_general(const ElasticParameters& parameters, const DemandBlock& demand,
+                          ServoState& state, std::size_t substeps, double substep) noexcept {
+  step_elastic_block<true>(parameters, demand, state, substeps, substep);
 }
 
 }  // namespace vdrive

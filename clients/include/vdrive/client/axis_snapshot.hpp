@@ -2,6 +2,7 @@
 #pragma once
 
 #include "vdrive/axis_status.hpp"
+#include "vdrive/cia402/operating_mode.hpp"
 #include "vdrive/cia402/power_state.hpp"
 #include "vdrive/client/bench.hpp"
 #include "vdrive/dictionary/object.hpp"
@@ -28,6 +29,11 @@ struct AxisSnapshot {
     return decode_power_state(status.ds402_statusword);
   }
 
+  /// @return 6061h.
+  [[nodiscard]] OperatingMode mode() const noexcept {
+    return static_cast<OperatingMode>(status.op_mode_actual);
+  }
+
   /// @return whether all of `bits` are 1 in 6041h.
   [[nodiscard]] bool shows(std::uint16_t bits) const noexcept {
     return (status.ds402_statusword & bits) == bits;
@@ -46,13 +52,12 @@ struct Observation {
                                                    ObjectAddress object);
 
 /// @return the names of the bits of 6041h that are 1, bits 0 to 3, 5 and 6 left out: those are the
-///         state. Such as {"voltage enabled", "remote", "target reached"}.
-[[nodiscard]] std::vector<std::string_view> statusword_flags(std::uint16_t statusword);
+///         state. Such as {"voltage enabled", "remote", "target reached"}. Bits 12 and 13 have the
+///         names that `mode` (6061h) gives them.
+[[nodiscard]] std::vector<std::string_view> statusword_flags(std::uint16_t statusword,
+                                                             OperatingMode mode);
 
 /// @return such as "0x1637 Operation enabled: remote, target reached, set-point acknowledge".
-[[nodiscard]] std::string describe_statusword(std::uint16_t statusword);
-
-/// @return the words for a mode of 6060h or 6061h, such as "profile position".
-[[nodiscard]] std::string_view describe_mode(std::int8_t mode) noexcept;
+[[nodiscard]] std::string describe_statusword(std::uint16_t statusword, OperatingMode mode);
 
 }  // namespace vdrive::client

@@ -21,7 +21,11 @@ struct Statusword {
   static constexpr std::uint16_t kTargetReached = 1U << 10U;
   static constexpr std::uint16_t kInternalLimitActive = 1U << 11U;
   static constexpr std::uint16_t kSetPointAcknowledge = 1U << 12U;  ///< profile position
-  static constexpr std::uint16_t kFollowingError = 1U << 13U;       ///< profile position
+  static constexpr std::uint16_t kSpeedZero = 1U << 12U;            ///< profile velocity
+  static constexpr std::uint16_t kHomingAttained = 1U << 12U;       ///< homing
+  static constexpr std::uint16_t kFollowsCommand = 1U << 12U;       ///< cyclic modes
+  static constexpr std::uint16_t kFollowingError = 1U << 13U;       ///< with closed position loop
+  static constexpr std::uint16_t kHomingError = 1U << 13U;          ///< homing
 };
 
 /// @return bits 0, 1, 2, 3, 5 and 6 as `state` shows them. Bit 5 is 1 in Ready to switch on,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/cia402/operating_mode.hpp"
 #include "vdrive/dictionary/object.hpp"
 
 #include <array>
@@ -12,7 +13,7 @@ namespace vdrive {
 /// (CiA 301 communication objects, CiA 402 objects, and the test-bench inputs 5E00h..5E09h).
 /// Sorted by index and sub-index.
 // clang-format off
-inline constexpr std::array<ObjectDescription, 80> kObjectTable{{
+inline constexpr std::array<ObjectDescription, 91> kObjectTable{{
     {{0x1000, 0x00}, "Device Type", "设备类型", "Device", "device_type",
      DataType::unsigned32, Access::read_only, Storage::not_stored, Effective::read_only, 0, 4294967295, 131474, "-", Origin::companion},
     {{0x1001, 0x00}, "Error Register", "错误寄存器", "Device", "error_register",
@@ -121,8 +122,16 @@ inline constexpr std::array<ObjectDescription, 80> kObjectTable{{
      DataType::integer32, Access::read_only, Storage::not_stored, Effective::read_only, -2147483648, 2147483647, 0, "VelCU（速度坐标转换，用户单位）", Origin::manual},
     {{0x606C, 0x00}, "Load Velocity Actual Value", "负载端速度当前值", "Feedback", "load_velocity_actual_value",
      DataType::integer32, Access::read_only, Storage::not_stored, Effective::read_only, -2147483648, 2147483647, 0, "VelCU（速度坐标转换，用户单位）", Origin::manual},
+    {{0x606D, 0x00}, "Velocity Window", "速度窗口", "Service", "velocity_window",
+     DataType::unsigned16, Access::read_write, Storage::flash, Effective::immediately, 0, 65535, 100, "VelUU", Origin::companion},
+    {{0x606E, 0x00}, "Velocity Window Time", "速度窗口时间", "Service", "velocity_window_time",
+     DataType::unsigned16, Access::read_write, Storage::flash, Effective::immediately, 0, 65535, 20, "ms", Origin::companion},
     {{0x606F, 0x00}, "Velocity Threshold", "速度阈值", "Service", "velocity_threshold",
      DataType::unsigned16, Access::read_write, Storage::flash, Effective::immediately, 0, 65535, 10, "VelUU", Origin::companion},
+    {{0x6070, 0x00}, "Velocity Threshold Time", "速度阈值时间", "Service", "velocity_threshold_time",
+     DataType::unsigned16, Access::read_write, Storage::flash, Effective::immediately, 0, 65535, 0, "ms", Origin::companion},
+    {{0x6071, 0x00}, "Target Torque", "目标转矩", "Output", "target_torque",
+     DataType::integer16, Access::read_write, Storage::not_stored, Effective::immediately, -32768, 32767, 0, "0.1 % of rated", Origin::companion},
     {{0x6072, 0x00}, "Max Torque", "最大转矩", "Service", "max_torque",
      DataType::unsigned16, Access::read_write, Storage::flash, Effective::immediately, 0, 65535, 3000, "0.1 % of rated", Origin::companion},
     {{0x6074, 0x00}, "Torque Demand", "转矩指令值", "Service", "torque_demand",
@@ -139,6 +148,8 @@ inline constexpr std::array<ObjectDescription, 80> kObjectTable{{
      DataType::unsigned32, Access::read_only, Storage::not_stored, Effective::read_only, 0, 4294967295, 310000, "mV", Origin::companion},
     {{0x607A, 0x00}, "Position User Target Value", "位置用户目标值", "Output", "position_user_target_value",
      DataType::integer32, Access::read_write, Storage::not_stored, Effective::at_set_point, -2147483648, 2147483647, 0, "PosCU（位置坐标转换，用户单位）", Origin::manual},
+    {{0x607C, 0x00}, "Home Offset", "原点偏置", "Service", "home_offset",
+     DataType::integer32, Access::read_write, Storage::flash, Effective::immediately, -2147483648, 2147483647, 0, "PosUU", Origin::companion},
     {{0x607D, 0x01}, "User Position Lower Limit", "用户位置下限", "Service", "user_position_lower_limit",
      DataType::integer32, Access::read_write, Storage::flash, Effective::immediately, -2147483648, 2147483647, -2147483648, "p", Origin::manual},
     {{0x607D, 0x02}, "User Position Upper Limit", "用户位置上限", "Service", "user_position_upper_limit",
@@ -155,6 +166,16 @@ inline constexpr std::array<ObjectDescription, 80> kObjectTable{{
      DataType::unsigned32, Access::read_write, Storage::flash, Effective::immediately, 0, 4294967295, 409600, "AccUU（加速度单位转换，用户单位）", Origin::manual},
     {{0x6085, 0x00}, "Quick Stop Deceleration", "快速停机减速度", "Service", "quick_stop_deceleration",
      DataType::unsigned32, Access::read_write, Storage::flash, Effective::immediately, 0, 4294967295, 2048000, "AccUU", Origin::companion},
+    {{0x6087, 0x00}, "Torque Slope", "转矩斜率", "Service", "torque_slope",
+     DataType::unsigned32, Access::read_write, Storage::flash, Effective::immediately, 0, 4294967295, 10000, "0.1 %/s", Origin::companion},
+    {{0x6098, 0x00}, "Homing Method", "回零方式", "Service", "homing_method",
+     DataType::integer8, Access::read_write, Storage::flash, Effective::at_set_point, 0, 37, 35, "-", Origin::companion},
+    {{0x6099, 0x01}, "Homing Speed Search", "回零搜索速度", "Service", "homing_speed_search",
+     DataType::unsigned32, Access::read_write, Storage::flash, Effective::immediately, 0, 4294967295, 34133, "VelUU", Origin::companion},
+    {{0x6099, 0x02}, "Homing Speed Creep", "回零低速", "Service", "homing_speed_creep",
+     DataType::unsigned32, Access::read_write, Storage::flash, Effective::immediately, 0, 4294967295, 3413, "VelUU", Origin::companion},
+    {{0x609A, 0x00}, "Homing Acceleration", "回零加速度", "Service", "homing_acceleration",
+     DataType::unsigned32, Access::read_write, Storage::flash, Effective::immediately, 0, 4294967295, 409600, "AccUU", Origin::companion},
     {{0x60C5, 0x00}, "Application Acceleration Limit", "应用加速度限制", "Service", "app_acc_limit",
      DataType::unsigned32, Access::read_write, Storage::flash, Effective::immediately, 0, 4294967295, 4294967040, "AccUU（加速度单位转换，用户单位）", Origin::manual},
     {{0x60C6, 0x00}, "Application Deceleration Limit", "应用减速度限制", "Service", "app_dec_limit",
@@ -169,10 +190,12 @@ inline constexpr std::array<ObjectDescription, 80> kObjectTable{{
      DataType::integer32, Access::read_only, Storage::not_stored, Effective::read_only, -2147483648, 2147483647, 0, "PosCU（位置坐标转换，用户单位）", Origin::manual},
     {{0x60FD, 0x00}, "Digital Inputs", "数字输入", "Service", "digital_inputs",
      DataType::unsigned32, Access::read_only, Storage::not_stored, Effective::read_only, 0, 4294967295, 0, "-", Origin::companion},
+    {{0x60FF, 0x00}, "Target Velocity", "目标速度", "Output", "target_velocity",
+     DataType::integer32, Access::read_write, Storage::not_stored, Effective::immediately, -2147483648, 2147483647, 0, "VelUU", Origin::companion},
     {{0x6402, 0x00}, "Motor Type", "电机类型", "Motor", "motor_type",
      DataType::unsigned16, Access::read_only, Storage::not_stored, Effective::read_only, 0, 65535, 10, "-", Origin::companion},
     {{0x6502, 0x00}, "Supported Drive Modes", "支持的驱动模式", "Device", "supported_drive_modes",
-     DataType::unsigned32, Access::read_only, Storage::not_stored, Effective::read_only, 0, 4294967295, 1, "-", Origin::companion},
+     DataType::unsigned32, Access::read_only, Storage::not_stored, Effective::read_only, 0, 4294967295, kSupportedDriveModes, "-", Origin::companion},
 }};
 // clang-format on
 

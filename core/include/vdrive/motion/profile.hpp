@@ -58,7 +58,7 @@ class Profile {
 
   [[nodiscard]] const Segment& segment(std::size_t i) const noexcept { return segments_[i]; }
 
-  /// @return the time from the plan to rest [s].
+  /// @return the time from the plan to rest [s]; infinite for a motion without end.
   [[nodiscard]] double duration() const noexcept {
     return count_ == 0 ? 0.0 : segments_[count_ - 1].end_time;
   }
@@ -91,6 +91,12 @@ class Profile {
 /// is v_p² = (2adD + dv²)/(a + d), capped by the limit.
 [[nodiscard]] Profile plan_move(const MotionState& start, double target,
                                 const MotionLimits& limits) noexcept;
+
+/// Plans the change to the velocity `target` [user units/s], capped by `limits.velocity`, which is
+/// then kept without end: `end_position()` means nothing unless the target is 0. Away from zero
+/// velocity it uses `limits.acceleration`, towards it `limits.deceleration`, through it both.
+[[nodiscard]] Profile plan_velocity(const MotionState& start, double target,
+                                    const MotionLimits& limits) noexcept;
 
 /// Plans the stop from `start` with `deceleration` [user units/s²] > 0.
 [[nodiscard]] Profile plan_stop(const MotionState& start, double deceleration) noexcept;

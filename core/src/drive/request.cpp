@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drive/request.hpp"
+
+#include "drive/homing.hpp"
+#include "drive/registers.hpp"
+#include "drive/rounding.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace vdrive {
+namespace {
+
+using namespace vdrive::literals;
+using Kind = MotionRequest::Kind;
+
+/// Value of a ramp object within the cap of 60C5h or 60C6h; 0 counts as 1.
+double within(const DriveContext& axis, ObjectRow ramp, ObjectRow cap) {
+  return std::min(std::max(real(axis, ramp), 1.0), std::max(real(axis, cap), 1.0));
+}
+
+double acceleration_of(const DriveContext& axis, ObjectRow row) {
+  return within(axis, row, "app_acc_limit"_object);
+}
+
+double deceleration_of(const DriveContext& axis, ObjectRow row) {
+  return within(axis, row, "app_dec_limit"_object);
+}
+
+/// The normal ramp: 609Ah in homing, 6084h elsewhere.
+double normal_deceleration(const DriveContext& axis) {
+  return deceleration_of(axis, axis.state.mode == OperatingMode::homing
+                                   ? "homing_acceleration"_object
+                                   : "profile_dec"_object);
+}
+
+MotionRequest stop_with(double deceleration) {
+  return {.kind = Kind::stop,
+          .target = 0.0,
+          .limits = {.velocity = 0.0, .acceleration = 1.0, .deceleration = deceleration}};
+}
+
+/// 6071h by the slope 6087h; 0 counts as 1.
+MotionRequest torque_to(const DriveContext& axis, double target) {
+  return {.kind = Kind::torque,
+          .target = target,
+          .limits = {.velocity = 0.0,
+                     .acceleration = std::max(real(axis, "torque_slope"_object), 1.0),
+                     .deceleration = 1.0}};
+}
+
+/// The normal ramp as a stop: profile torque takes the torque back, the other modes the speed.
+MotionRequest normal_stop(const DriveContext& axis) {
+  return axis.state.mode == OperatingMode::profile_torque ? torque_to(axis, 0.0)
+                                                          : stop_with(normal_deceleration(axis));
+}
+
+/// Option codes 605Ah, 605Dh, 605Eh: 1 normal ramp, 2 quick ramp, 3 and 4 the steepest there is.
+double option_deceleration(const DriveContext& axis, std::int64_t option) {
+  switch (option) {
+    case 1:
+      return normal_deceleration(axis);
+    case 2:
+      return deceleration_of(axis, "quick_stop_deceleration"_object);
+    default:
+      return deceleration_of(axis, "app_dec_limit"_object);
+  }
+}
+
+MotionRequest stop_by_option(const DriveContext& axis, std::int64_t option) {
+  return option == 1 ? normal_stop(axis) : stop_with(option_deceleration(axis, option));
+}
+
+MotionRequest limit_switch_stop(const DriveContext& axis) {
+  return stop_with(deceleration_of(axis, "quick_stop_deceleration"_object));
+}
+
+/// @return whether a limit switch is active in the direction of `motion`.
+bool runs_into_limit_switch(const DriveContext& axis, double motion) {
+  const std::uint8_t inputs = axis.state.inputs;
+  return ((inputs & kPositiveLimitInput) != 0 && motion > 0.0) ||
+         ((inputs & kNegativeLimitInput) != 0 && motion < 0.0);
+}
+
+/// A limit switch stops what runs into it. A target on its far side is given up for good: bit 10
+/// stays 0 until a new set-point; one on the near side is approached after the stop.
+bool stopped_by_limit_switch(const DriveContext& axis) {
+  DriveState& s = axis.state;
+  const double ahead = s.has_target ? s.target - s.demand_position : 0.0;
+  if (runs_into_limit_switch(axis, ahead)) {
+    s.queue.drop_buffered(s.controlword);  // a master waits for bit 12 before it drops bit 4
+    s.has_target = false;
+    s.active = false;
+    s.limit_stop = true;
+  }
+  return runs_into_limit_switch(axis, s.demand_velocity);
+}
+
+MotionRequest profile_position(const DriveContext& axis) {
+  const DriveState& s = axis.state;
+  if (stopped_by_limit_switch(axis)) {
+    return limit_switch_stop(axis);
+  }
+  if (halted(axis)) {
+    return stop_by_option(axis, reg(axis, "halt_option_code"_object));
+  }
+  if (!s.has_target) {
+    return s.limit_stop ? limit_switch_stop(axis) : normal_stop(axis);
+  }
+  const DriveRegisters& r = axis.registers;
+  return {.kind = Kind::move,
+          .target = s.target,
+          .limits = {.velocity = std::min(r.set_point_velocity, r.velocity_cap),
+                     .acceleration = acceleration_of(axis, "profile_acc"_object),
+                     .deceleration = deceleration_of(axis, "profile_dec"_object)}};
+}
+
+MotionRequest profile_velocity(const DriveContext& axis) {
+  const double target = real(axis, "target_velocity"_object);
+  MotionRequest request{.kind = Kind::velocity,
+                        .target = target,
+                        .limits = {.velocity = axis.registers.velocity_cap,
+                                   .acceleration = acceleration_of(axis, "profile_acc"_object),
+                                   .deceleration = deceleration_of(axis, "profile_dec"_object)}};
+  if (halted(axis)) {
+    request.target = 0.0;
+    request.limits.deceleration = option_deceleration(axis, reg(axis, "halt_option_code"_object));
+  }
+  if (runs_into_limit_switch(axis, request.target)) {
+    request.target = 0.0;
+  }
+  if (runs_into_limit_switch(axis, axis.state.demand_velocity)) {
+    request.limits.deceleration = deceleration_of(axis, "quick_stop_deceleration"_object);
+  }
+  return request;
+}
+
+MotionRequest profile_torque(const DriveContext& axis) {
+  const DriveState& s = axis.state;
+  const double target = real(axis, "target_torque"_object);
+  const double speed = axis.servo.load_speed[axis.lane];
+  const double running = std::abs(speed) > static_cast<double>(s.velocity_threshold) ? speed : 0.0;
+  if (halted(axis)) {
+    return stop_by_option(axis, reg(axis, "halt_option_code"_object));
+  }
+  if (runs_into_limit_switch(axis, target) || runs_into_limit_switch(axis, running)) {
+    return limit_switch_stop(axis);
+  }
+  return torque_to(axis, target);
+}
+
+MotionRequest homing(const DriveContext& axis) {
+  const DriveState& s = axis.state;
+  if (halted(axis)) {
+    return stop_by_option(axis, reg(axis, "halt_option_code"_object));
+  }
+  const bool searches = s.homing == HomingStage::search;
+  const double speed =
+      std::min(real(axis, searches ? "homing_speed_search"_object : "homing_speed_creep"_object),
+               axis.registers.velocity_cap);
+  MotionRequest request{
+      .kind = Kind::velocity,
+      .target = homing_direction(axis) * speed,
+      .limits = {.velocity = speed,
+                 .acceleration = acceleration_of(axis, "homing_acceleration"_object),
+                 .deceleration = deceleration_of(axis, "homing_acceleration"_object)}};
+  switch (s.homing) {
+    case HomingStage::search:
+    case HomingStage::leave:
+    case HomingStage::index:
+      return request;
+    case HomingStage::back:
+    case HomingStage::done:
+      request.kind = Kind::move;
+      request.target = s.target;
+      return request;
+    default:
+      return normal_stop(axis);
+  }
+}
+
+/// The streamed position, by the shorter way round the register; it does not leave the software
+/// limits.
+MotionRequest cyclic_synchronous_position(const DriveContext& axis) {
+  const DriveState& s = axis.state;
+  if (!s.streams) {
+    return normal_stop(axis);
+  }
+  const double streamed = real(axis, "position_user_target_value"_object);
+  const double goal =
+      s.limits_enabled ? std::min(std::max(streamed, s.lower_limit), s.upper_limit) : streamed;
+  const double whole = nearest(s.demand_position);
+  const double target = whole + wrapped(goal - whole);
+  if (runs_into_limit_switch(axis, target - s.demand_position) ||
+      runs_into_limit_switch(axis, s.demand_velocity)) {
+    return limit_switch_stop(axis);
+  }
+  return {.kind = Kind::follow,
+          .target = target,
+          .limits = {
+              .velocity = axis.registers.velocity_cap, .acceleration = 1.0, .deceleration = 1.0}};
+}
+
+MotionRequest request_in_operation(const DriveContext& axis) {
+  const DriveState& s = axis.state;
+  if (s.wanted_mode != s.mode) {
+    return stop_with(normal_deceleration(axis));
+  }
+  if (s.power.pending() != PowerCommand::none) {
+    return normal_stop(axis);
+  }
+  switch (s.mode) {
+    case OperatingMode::profile_position:
+      return profile_position(axis);
+    case OperatingMode::profile_velocity:
+      return profile_velocity(axis);
+    case OperatingMode::profile_torque:
+      return profile_torque(axis);
+    case OperatingMode::homing:
+      return homing(axis);
+    case OperatingMode::cyclic_synchronous_position:
+      return cyclic_synchronous_position(axis);
+    default:
+      return runs_into_limit_switch(axis, s.demand_velocity) ? limit_switch_stop(axis)
+                                                             : normal_stop(axis);
+  }
+}
+
+}  // namespace
+
+MotionRequest requested_motion(const DriveContext& axis) {
+  if (!axis.state.powered) {
+    return {};
+  }
+  switch (axis.state.power.state()) {
+    case PowerState::operation_enabled:
+      return request_in_operation(axis);
+    case PowerState::quick_stop_active: {
+      const std::int64_t option = reg(axis, "quick_stop_option_code"_object);
+      return stop_by_option(axis, option > 4 ? option - 4 : option);
+    }
+    case PowerState::fault_reaction_active:
+      return stop_by_option(axis, reg(axis, "fault_reaction_option_code"_object));
+    default:
+      return {};
+  }
+}
+
+Control control_of(const DriveContext& axis, const MotionRequest& request) {
+  if (request.kind == Kind::torque) {
+    return Control::torque;
+  }
+  const bool by_velocity =
+      request.kind == Kind::velocity && axis.state.mode == OperatingMode::profile_velocity;
+  return by_velocity ? Control::velocity : Control::position;
+}
+
+}  // namespace vdrive
