@@ -36,6 +36,19 @@ double clamp_to_software_limits(const DriveContext& axis, double target) {
   return s.limits_enabled ? std::min(std::max(target, s.lower_limit), s.upper_limit) : target;
 }
 
+/// The internal target that `set_point` asks for.
+double target_of(const DriveContext& axis, const SetPoint& set_point) {
+  const auto value = static_cast<double>(set_point.position_user_target_value);
+  return clamp_to_software_limits(axis, set_point.relative ? relative_base(axis) + value : value);
+}
+
+MoveTimes times_of(const SetPoint& set_point) {
+  constexpr double kMicrosecond = 1.0e-6;
+  return {.duration = set_point.synchronous_move_duration * kMicrosecond,
+          .acceleration = set_point.synchronous_move_acceleration_time * kMicrosecond,
+          .deceleration = set_point.synchronous_move_deceleration_time * kMicrosecond};
+}
+
 /// What the end of a profile means for the target.
 void finish_motion(const DriveContext& axis) {
   DriveState& s = axis.state;
@@ -43,7 +56,7 @@ void finish_motion(const DriveContext& axis) {
   if (s.arrived || !s.powered) {
     return;
   }
-  if (r.request.kind == Kind::move) {
+  if (r.request.kind == Kind::move || r.request.kind == Kind::synchronous_move) {
     s.arrived = r.profile.reaches_target();
   } else if (!s.has_target && !s.limit_stop) {
     s.target = nearest(s.demand_position);
@@ -144,6 +157,8 @@ Profile planned(const DriveContext& axis, const MotionRequest& request) {
   switch (request.kind) {
     case Kind::move:
       return plan_move(start, request.target, request.limits);
+    case Kind::synchronous_move:
+      return plan_timed_move(start.position, request.target, axis.registers.synchronous_times);
     case Kind::velocity:
       return plan_velocity(start, request.target, request.limits);
     default:
@@ -232,6 +247,7 @@ void replan(const DriveContext& axis) {
   s.following = request.kind == Kind::follow;
   const bool same = request == r.request;
   r.request = request;
+  r.synchronous_start = false;
   if (request.kind == Kind::torque) {
     ramp_torque(axis, request);
   } else if (request.kind == Kind::follow) {
@@ -253,15 +269,38 @@ void advance_demand(const DriveContext& axis) {
   }
 }
 
+bool can_start(const DriveContext& axis, const SetPoint& set_point) {
+  if (set_point.synchronous_move_duration == 0) {
+    return true;
+  }
+  const DriveState& s = axis.state;
+  const MoveTimes times = times_of(set_point);
+  if (s.moving || times.acceleration + times.deceleration > times.duration) {
+    return false;
+  }
+  rebase(axis);  // an absolute target counts from the frame that the set-point will start in
+  rest_at(axis, s.demand_position);
+  const double displacement = target_of(axis, set_point) - s.demand_position;
+  if (displacement == 0.0) {
+    return true;
+  }
+  const MotionLimits limits = limits_of(displacement, times);
+  return limits.velocity <= axis.registers.velocity_cap &&
+         limits.acceleration <= std::max(real(axis, "app_acc_limit"_object), 1.0) &&
+         limits.deceleration <= std::max(real(axis, "app_dec_limit"_object), 1.0);
+}
+
 void start_set_point(const DriveContext& axis, const SetPoint& set_point) {
   DriveState& s = axis.state;
+  DriveRegisters& r = axis.registers;
   rebase(axis);
-  const auto value = static_cast<double>(set_point.position_user_target_value);
-  const double target = set_point.relative ? relative_base(axis) + value : value;
-  s.target = clamp_to_software_limits(axis, target);
-  axis.registers.set_point_velocity = static_cast<double>(set_point.profile_velocity);
+  s.target = target_of(axis, set_point);
+  r.set_point_velocity = static_cast<double>(set_point.profile_velocity);
+  r.synchronous_times = times_of(set_point);
+  r.synchronous_limits = limits_of(s.target - s.demand_position, r.synchronous_times);
+  r.synchronous_start = true;
   // The profile's start was rebased too: the request must not compare equal to one of before.
-  axis.registers.request = {};
+  r.request = {};
   s.has_target = true;
   s.active = true;
   s.arrived = false;

@@ -33,6 +33,10 @@ void replan(const DriveContext& axis);
 /// Demand at the end of a tick; what the end of a profile means for the target.
 void advance_demand(const DriveContext& axis);
 
+/// @return whether `set_point` may start now: a synchronous move (5E10h) only from rest, and within
+///         607Fh, 6080h, 60C5h and 60C6h.
+[[nodiscard]] bool can_start(const DriveContext& axis, const SetPoint& set_point);
+
 /// Makes `set_point` the active one; the plan follows with the next tick.
 void start_set_point(const DriveContext& axis, const SetPoint& set_point);
 

@@ -25,10 +25,10 @@ struct TickTiming {
 
 /// What the demand generator is asked for. Two equal requests need no new plan.
 struct MotionRequest {
-  enum class Kind : std::uint8_t { hold, stop, move, velocity, torque, follow };
+  enum class Kind : std::uint8_t { hold, stop, move, synchronous_move, velocity, torque, follow };
 
   Kind kind = Kind::hold;
-  double target = 0.0;  // move, follow [UU]; velocity [UU/s]; torque [‰ of rated]
+  double target = 0.0;  // moves, follow [UU]; velocity [UU/s]; torque [‰ of rated]
   MotionLimits limits;  // stop: the deceleration; torque: the acceleration is the slope [‰/s]
 
   friend bool operator==(const MotionRequest& a, const MotionRequest& b) noexcept {
@@ -117,6 +117,9 @@ struct DriveRegisters {
   double gear_ratio = 1.0;          // 3576h over 3577h
   double velocity_cap = 0.0;        // 607Fh and 6080h as they were at transition 4 [UU/s]
   double set_point_velocity = 0.0;  // 6081h of the active set-point [UU/s]
+  MoveTimes synchronous_times;      // of the active set-point; duration 0 = none
+  MotionLimits synchronous_limits;  // that follow from them
+  bool synchronous_start = false;   // the synchronous move has not been planned yet
   double index_offset = 0.0;        // of the index pulses in the motor's frame [UU]
   std::int8_t homing_method = 0;    // 6098h of the present run
   bool index_input = false;         // 5E09h as it was in the last tick

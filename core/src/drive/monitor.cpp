@@ -47,8 +47,12 @@ std::uint16_t profile_position_bits(const DriveContext& axis, double actual) {
     s.active = false;
     SetPoint next;
     if (s.queue.take_buffered(s.controlword, next)) {
-      start_set_point(axis, next);
-      reached = false;
+      if (can_start(axis, next)) {
+        start_set_point(axis, next);
+        reached = false;
+      } else {
+        ++s.ignored_set_points;
+      }
     }
   }
   return static_cast<std::uint16_t>(

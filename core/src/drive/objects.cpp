@@ -13,6 +13,10 @@ namespace {
 
 using namespace vdrive::literals;
 
+std::uint32_t unsigned_reg(const DriveContext& axis, ObjectRow row) {
+  return static_cast<std::uint32_t>(reg(axis, row));
+}
+
 /// Bit 4 starts a homing run, bit 8 ends it for good.
 void command_homing(const DriveContext& axis, std::uint16_t previous, bool accepting) {
   DriveState& s = axis.state;
@@ -36,9 +40,17 @@ void command_set_point(const DriveContext& axis, std::uint16_t previous, bool ac
   const SetPoint candidate{
       .position_user_target_value =
           static_cast<std::int32_t>(reg(axis, "position_user_target_value"_object)),
-      .profile_velocity = static_cast<std::uint32_t>(reg(axis, "profile_velocity"_object)),
+      .profile_velocity = unsigned_reg(axis, "profile_velocity"_object),
+      .synchronous_move_duration = unsigned_reg(axis, "synchronous_move_duration"_object),
+      .synchronous_move_acceleration_time =
+          unsigned_reg(axis, "synchronous_move_acceleration_time"_object),
+      .synchronous_move_deceleration_time =
+          unsigned_reg(axis, "synchronous_move_deceleration_time"_object),
       .relative = (word & Controlword::kRelative) != 0};
-  switch (s.queue.controlword(word, previous, accepting, s.active, candidate)) {
+  // What waits for its turn is judged when it comes: its start is not known before.
+  const bool waits = s.active && (word & Controlword::kChangeSetImmediately) == 0;
+  const bool startable = accepting && (waits || can_start(axis, candidate));
+  switch (s.queue.controlword(word, previous, startable, s.active, candidate)) {
     case SetPointOutcome::started:
       start_set_point(axis, candidate);
       s.fresh = true;
@@ -155,6 +167,9 @@ AbortCode write_object(const DriveContext& axis, ObjectRow row, std::int64_t val
       axis.state.attention = axis.state.attention || axis.state.streams;
       break;
     case "profile_velocity"_object:
+    case "synchronous_move_duration"_object:
+    case "synchronous_move_acceleration_time"_object:
+    case "synchronous_move_deceleration_time"_object:
     case "positioning_option_code"_object:
       break;  // latched with the next set-point
     case "op_mode_cmd"_object:

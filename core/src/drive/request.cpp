@@ -96,18 +96,34 @@ bool stopped_by_limit_switch(const DriveContext& axis) {
   return runs_into_limit_switch(axis, s.demand_velocity);
 }
 
+/// From rest the plan of the common times; after a halt what is left, with the same ramps and the
+/// same peak, so that axes which halt and go on together stay on their line.
+MotionRequest synchronous_move(const DriveContext& axis) {
+  const DriveRegisters& r = axis.registers;
+  const bool planned = r.synchronous_start || r.request.kind == Kind::synchronous_move;
+  return {.kind = planned ? Kind::synchronous_move : Kind::move,
+          .target = axis.state.target,
+          .limits = r.synchronous_limits};
+}
+
 MotionRequest profile_position(const DriveContext& axis) {
   const DriveState& s = axis.state;
   if (stopped_by_limit_switch(axis)) {
     return limit_switch_stop(axis);
   }
+  const DriveRegisters& r = axis.registers;
+  const bool synchronous = s.has_target && r.synchronous_times.duration > 0.0;
   if (halted(axis)) {
-    return stop_by_option(axis, reg(axis, "halt_option_code"_object));
+    const std::int64_t option = reg(axis, "halt_option_code"_object);
+    return synchronous && option == 1 ? stop_with(r.synchronous_limits.deceleration)
+                                      : stop_by_option(axis, option);
+  }
+  if (synchronous) {
+    return synchronous_move(axis);
   }
   if (!s.has_target) {
     return s.limit_stop ? limit_switch_stop(axis) : normal_stop(axis);
   }
-  const DriveRegisters& r = axis.registers;
   return {.kind = Kind::move,
           .target = s.target,
           .limits = {.velocity = std::min(r.set_point_velocity, r.velocity_cap),

@@ -27,6 +27,23 @@ class ProfileBuilder {
     position_ += direction * distance;
   }
 
+  /// Travels for `duration` from velocity `from` at constant `acceleration`, both signed.
+  void piece(double duration, double from, double acceleration) noexcept {
+    append(duration, from, acceleration);
+    position_ += (from + 0.5 * acceleration * duration) * duration;
+  }
+
+  /// Slows at constant `acceleration` (signed) for `duration` to rest exactly at `target`.
+  void end_at(double target, double duration, double acceleration) noexcept {
+    append(duration, 0.0, acceleration);
+    if (duration > 0.0) {
+      Segment& last = profile_.segments_[profile_.count_ - 1U];
+      last.reference_time = last.end_time;
+      last.position = target;
+    }
+    position_ = target;
+  }
+
   /// Travels on without end.
   void run(double direction, double velocity) noexcept {
     append(std::numeric_limits<double>::infinity(), direction * velocity, 0.0);
@@ -34,14 +51,7 @@ class ProfileBuilder {
 
   /// Slows from velocity `from` to rest exactly at `target`: the segment counts back from its end.
   void arrive(double direction, double from, double target, double deceleration) noexcept {
-    const double duration = from / deceleration;
-    append(duration, 0.0, -direction * deceleration);
-    if (duration > 0.0) {
-      Segment& last = profile_.segments_[profile_.count_ - 1U];
-      last.reference_time = last.end_time;
-      last.position = target;
-    }
-    position_ = target;
+    end_at(target, from / deceleration, -direction * deceleration);
   }
 
   [[nodiscard]] double position() const noexcept { return position_; }
@@ -138,6 +148,25 @@ Profile plan_move(const MotionState& start, double target, const MotionLimits& l
     return builder.finish(builder.position() == target);
   }
   approach(builder, direction, speed, target, limits);
+  return builder.finish(true);
+}
+
+MotionLimits limits_of(double displacement, const MoveTimes& times) noexcept {
+  const double ramps = 0.5 * (times.acceleration + times.deceleration);
+  const double peak = std::abs(displacement) / (times.duration - ramps);
+  return {.velocity = peak,
+          .acceleration = peak / times.acceleration,
+          .deceleration = peak / times.deceleration};
+}
+
+Profile plan_timed_move(double start, double target, const MoveTimes& times) noexcept {
+  ProfileBuilder builder(start);
+  const MotionLimits limits = limits_of(target - start, times);
+  const double direction = target < start ? -1.0 : 1.0;
+  const double cruise = times.duration - times.acceleration - times.deceleration;
+  builder.piece(times.acceleration, 0.0, direction * limits.acceleration);
+  builder.piece(cruise, direction * limits.velocity, 0.0);
+  builder.end_at(target, times.deceleration, -direction * limits.deceleration);
   return builder.finish(true);
 }
 

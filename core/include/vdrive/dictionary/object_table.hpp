@@ -13,7 +13,7 @@ namespace vdrive {
 /// (CiA 301 communication objects, CiA 402 objects, and the test-bench inputs 5E00h..5E09h).
 /// Sorted by index and sub-index.
 // clang-format off
-inline constexpr std::array<ObjectDescription, 91> kObjectTable{{
+inline constexpr std::array<ObjectDescription, 94> kObjectTable{{
     {{0x1000, 0x00}, "Device Type", "设备类型", "Device", "device_type",
      DataType::unsigned32, Access::read_only, Storage::not_stored, Effective::read_only, 0, 4294967295, 131474, "-", Origin::companion},
     {{0x1001, 0x00}, "Error Register", "错误寄存器", "Device", "error_register",
@@ -84,6 +84,12 @@ inline constexpr std::array<ObjectDescription, 91> kObjectTable{{
      DataType::unsigned8, Access::read_write, Storage::not_stored, Effective::immediately, 0, 1, 0, "-", Origin::companion},
     {{0x5E09, 0x00}, "Test Index Pulse Input", "测试：索引脉冲输入", "Test", "test_index_pulse_input",
      DataType::unsigned8, Access::read_write, Storage::not_stored, Effective::immediately, 0, 1, 0, "-", Origin::companion},
+    {{0x5E10, 0x01}, "Synchronous Move Duration", "同步移动时间", "Service", "synchronous_move_duration",
+     DataType::unsigned32, Access::read_write, Storage::not_stored, Effective::at_set_point, 0, 4294967295, 0, "us", Origin::companion},
+    {{0x5E10, 0x02}, "Synchronous Move Acceleration Time", "同步移动加速时间", "Service", "synchronous_move_acceleration_time",
+     DataType::unsigned32, Access::read_write, Storage::not_stored, Effective::at_set_point, 0, 4294967295, 0, "us", Origin::companion},
+    {{0x5E10, 0x03}, "Synchronous Move Deceleration Time", "同步移动减速时间", "Service", "synchronous_move_deceleration_time",
+     DataType::unsigned32, Access::read_write, Storage::not_stored, Effective::at_set_point, 0, 4294967295, 0, "us", Origin::companion},
     {{0x6007, 0x00}, "Abort Connection Option Code", "通信中断选项码", "Service", "abort_connection_option_code",
      DataType::integer16, Access::read_write, Storage::flash, Effective::immediately, 0, 3, 1, "-", Origin::companion},
     {{0x603F, 0x00}, "Error Code", "错误码", "Service", "error_code",

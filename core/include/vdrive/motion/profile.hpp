@@ -92,6 +92,22 @@ class Profile {
 [[nodiscard]] Profile plan_move(const MotionState& start, double target,
                                 const MotionLimits& limits) noexcept;
 
+/// Times of a move from rest to rest [s]: `duration` >= acceleration + deceleration > 0.
+struct MoveTimes {
+  double duration = 0.0;
+  double acceleration = 0.0;
+  double deceleration = 0.0;
+};
+
+/// @return the peak velocity and the accelerations of a trapezoid over `displacement` [user units]
+///         in these times. With a time of 0 its acceleration is infinite.
+[[nodiscard]] MotionLimits limits_of(double displacement, const MoveTimes& times) noexcept;
+
+/// Plans the trapezoid from rest at `start` to rest at `target` that takes exactly these times,
+/// also over no distance: moves with the same times keep the proportions of their displacements all
+/// the way and end together (5E10h).
+[[nodiscard]] Profile plan_timed_move(double start, double target, const MoveTimes& times) noexcept;
+
 /// Plans the change to the velocity `target` [user units/s], capped by `limits.velocity`, which is
 /// then kept without end: `end_position()` means nothing unless the target is 0. Away from zero
 /// velocity it uses `limits.acceleration`, towards it `limits.deceleration`, through it both.

@@ -7,9 +7,12 @@ namespace vdrive {
 
 /// What a rising edge of controlword bit 4 latches (profile position mode).
 struct SetPoint {
-  std::int32_t position_user_target_value = 0;  ///< 607Ah [user units]
-  std::uint32_t profile_velocity = 0;           ///< 6081h [user units/s]
-  bool relative = false;                        ///< controlword bit 6
+  std::int32_t position_user_target_value = 0;           ///< 607Ah [user units]
+  std::uint32_t profile_velocity = 0;                    ///< 6081h [user units/s]
+  std::uint32_t synchronous_move_duration = 0;           ///< 5E10h:01 [us], 0 = off
+  std::uint32_t synchronous_move_acceleration_time = 0;  ///< 5E10h:02 [us]
+  std::uint32_t synchronous_move_deceleration_time = 0;  ///< 5E10h:03 [us]
+  bool relative = false;                                 ///< controlword bit 6
 };
 
 /// What became of a written controlword.
