@@ -35,7 +35,7 @@ test_packages=(
   libgmock-dev
   libgtest-dev
   librapidcheck-dev
-  python3 # the mutation check
+  python3 # the conformance and mutation checks
   util-linux # chrt and setarch
 )
 
