@@ -155,7 +155,7 @@ def verdicts(report):
             if test.get("status") != "RUN" or test.get("result") != "COMPLETED":
                 result[name] = f"did not run: {test.get('result', test.get('status'))}".lower()
             elif test.get("failures"):
-                result[name] = "failed: " + test["failures"][0]["failure"].strip()
+                result[name] = "failed: " + " ".join(test["failures"][0]["failure"].split())
             else:
                 result[name] = None
     return result

@@ -162,6 +162,29 @@ TEST(Manual, EnablingFromSwitchOnDisabledCanBeTurnedOff) {
   EXPECT_EQ(axis.command(0x000F), 0x0637);
 }
 
+// ---- mode
+// -------------------------------------------------------------------------------------------
+
+TEST(Manual, At1637TheModeMayChangeAndBit12IsLowOnEnteringItAgain) {
+  // 0x1637 is at rest though CW bit 4 is still 1; entering the mode is no edge of bit 4.
+  AxisUnderTest axis;
+  axis.enable();
+  axis.write("position_user_target_value", 1'000);
+  axis.command(0x003F);
+  run_to_target(axis);
+  axis.step(100);
+  ASSERT_EQ(axis.statusword(), 0x1637);
+  axis.write("op_mode_cmd", 0);
+  EXPECT_EQ(axis.step(), 0x0237) << "the empty mode has no mode bits";
+  EXPECT_EQ(axis.read("op_mode_actual"), 0);
+  axis.write("position_user_target_value", 5'000);
+  axis.write("op_mode_cmd", 1);
+  EXPECT_EQ(axis.step(), 0x0637);
+  EXPECT_EQ(axis.read("op_mode_actual"), 1);
+  EXPECT_EQ(axis.step(100), 0x0637);
+  EXPECT_EQ(axis.demand(), 1'000);
+}
+
 // ---- statusword and 3005h
 // ---------------------------------------------------------------------------
 
