@@ -12,9 +12,9 @@
 Each table of the page that begins with a column "id" ends with a column "held by": GoogleTest names
 as ctest prints them, in backticks, separated by <br>. Identifiers: O-607D:01 an object of the
 manual's table, M-12 a statement of the manual, A-12 an ambiguity, R-12 a rule of interoperability.
-The named tests are run again here, each program once, and each must have run and passed: a test
-that was skipped or filtered away holds nothing. Exit code 0: all is well; otherwise each line of the
-output is one thing that is wrong.
+The named tests are run again here, and each must have run and passed: a test that was skipped or
+filtered away holds nothing. Exit code 0: all is well; otherwise each line of the output is one thing
+that is wrong.
 """
 import argparse
 import collections
@@ -35,6 +35,7 @@ RULES = 12
 PENDING = "TODO-modes"
 IDENTIFIER = re.compile(r"O-[0-9A-F]{4}(:[0-9A-F]{2})?|[MAR]-[1-9][0-9]*")
 PROGRAMS_AT_ONCE = 2
+TESTS_A_RUN = 4  # short runs share two processors better than one long run of the scenarios
 
 Row = collections.namedtuple("Row", "line identifier cells tests pending")
 
@@ -192,9 +193,9 @@ def run_named(rows, tests):
         else:
             findings.append(f"{where[0]}: there is no test {name}")
     with concurrent.futures.ThreadPoolExecutor(PROGRAMS_AT_ONCE) as pool:
-        # Those with the most tests first: so no long one is left alone at the end.
-        order = sorted(programs.items(), key=lambda item: len(item[1]), reverse=True)
-        for result in pool.map(lambda item: run_program(*item[0], item[1]), order):
+        runs = [(program, names[i:i + TESTS_A_RUN]) for program, names in programs.items()
+                for i in range(0, len(names), TESTS_A_RUN)]
+        for result in pool.map(lambda run: run_program(*run[0], run[1]), runs):
             findings += [f"{places[name][0]}: {name} {why}" for name, why in result.items() if why]
     passed = len(places) - len(findings)
     return findings, passed
