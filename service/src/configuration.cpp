@@ -189,10 +189,12 @@ void read_model(const YamlValue& value, AxisModel& model) {
 }
 
 void read_settings(const YamlValue& value, AxisSettings& settings) {
-  value.for_each_entry({"enable_from_switch_on_disabled", "following_error_is_fault",
-                        "limits_need_homing", "quick_stop_dwell_ms"},
+  value.for_each_entry({"acknowledge_while_halted", "enable_from_switch_on_disabled",
+                        "following_error_is_fault", "limits_need_homing", "quick_stop_dwell_ms"},
                        [&](const auto& key, const YamlValue& entry) {
-                         if (key == "enable_from_switch_on_disabled") {
+                         if (key == "acknowledge_while_halted") {
+                           settings.acknowledge_while_halted = entry.boolean();
+                         } else if (key == "enable_from_switch_on_disabled") {
                            settings.enable_from_switch_on_disabled = entry.boolean();
                          } else if (key == "following_error_is_fault") {
                            settings.following_error_is_fault = entry.boolean();
@@ -330,6 +332,8 @@ void check_range(const char* what, double value, double lowest, double highest, 
 
 void write_settings(YAML::Emitter& out, const AxisSettings& settings) {
   out << YAML::Key << "settings" << YAML::Value << YAML::BeginMap;
+  out << YAML::Key << "acknowledge_while_halted" << YAML::Value
+      << settings.acknowledge_while_halted;
   out << YAML::Key << "enable_from_switch_on_disabled" << YAML::Value
       << settings.enable_from_switch_on_disabled;
   out << YAML::Key << "following_error_is_fault" << YAML::Value

@@ -788,6 +788,20 @@ TEST_F(Halt, AnEdgeWhileHaltedIsAcknowledgedAndStartsOnRelease) {
   EXPECT_EQ(axis.demand(), 30'000);
 }
 
+TEST(HaltSetting, AnEdgeWhileHaltedIsIgnoredWhereTheAxisIsSetSo) {
+  AxisConfiguration configuration;
+  configuration.settings.acknowledge_while_halted = false;
+  AxisUnderTest axis(configuration);
+  axis.write("op_mode_cmd", 1);
+  axis.enable();
+  axis.write("position_user_target_value", 30'000);
+  axis.command(0x010F);
+  EXPECT_EQ(axis.command(0x013F), 0x0637) << "not acknowledged";
+  EXPECT_EQ(axis.status().ignored_set_points, 1U);
+  EXPECT_EQ(axis.command(0x002F), 0x0637);
+  EXPECT_EQ(axis.command(0x003F), 0x1237) << "the edge after the halt counts";
+}
+
 TEST_F(Halt, ABufferedSetPointSurvivesIt) {
   axis.command(0x000F);
   start(120'000, 0x001F);

@@ -47,7 +47,7 @@ axes:
   - number: 4
     name: lift
     initial_position: -12
-    settings: {enable_from_switch_on_disabled: false, following_error_is_fault: false, limits_need_homing: true, quick_stop_dwell_ms: 8}
+    settings: {acknowledge_while_halted: false, enable_from_switch_on_disabled: false, following_error_is_fault: false, limits_need_homing: true, quick_stop_dwell_ms: 8}
     model: {coupling: two_inertia, feedback: single_encoder, load_inertia: 0.002, backlash: 1e-3}
     parameters: {profile_velocity: 1000, "0x607D:1": -500, "0x6084": 0x10}
   - number: 2
@@ -73,6 +73,7 @@ axes:
   EXPECT_EQ(lift.initial_position, -12);
   EXPECT_FALSE(lift.settings.enable_from_switch_on_disabled);
   EXPECT_FALSE(lift.settings.following_error_is_fault);
+  EXPECT_FALSE(lift.settings.acknowledge_while_halted);
   EXPECT_TRUE(lift.settings.limits_need_homing);
   EXPECT_EQ(lift.settings.quick_stop_dwell_ms, 8U);
   EXPECT_EQ(lift.model.coupling, Coupling::two_inertia);

@@ -12,6 +12,7 @@ namespace vdrive {
 /// Readings of the standard on which drives differ; each default is the manual's.
 struct AxisSettings {
   bool enable_from_switch_on_disabled = true;  ///< 000Fh in Switch on disabled enables (manual)
+  bool acknowledge_while_halted = true;        ///< false: no set-point is taken while bit 8 is 1
   bool following_error_is_fault = true;        ///< false: bit 13 without fault
   bool limits_need_homing = false;             ///< 607Dh is in force only once the axis is homed
   std::uint16_t quick_stop_dwell_ms = 0;       ///< [ms] least time in Quick stop active before 12

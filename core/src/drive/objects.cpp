@@ -78,7 +78,9 @@ void write_controlword(const DriveContext& axis, std::uint16_t word) {
   if (s.mode == OperatingMode::homing) {
     command_homing(axis, previous, accepting);
   } else {
-    command_set_point(axis, previous, accepting && s.mode == OperatingMode::profile_position);
+    command_set_point(axis, previous,
+                      accepting && s.mode == OperatingMode::profile_position &&
+                          (!halted(axis) || axis.registers.settings.acknowledge_while_halted));
   }
   s.plan_due = true;
   s.attention = true;
