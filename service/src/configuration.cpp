@@ -10,6 +10,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <array>
 #include <fstream>
 #include <limits>
 #include <map>
@@ -56,9 +57,66 @@ std::optional<ObjectRow> find_row(const std::string& key) {
       ObjectAddress{static_cast<std::uint16_t>(*index), static_cast<std::uint8_t>(*subindex)});
 }
 
-bool is_printable(const std::string& name) {
-  return std::all_of(name.begin(), name.end(), [](char c) {
-    return static_cast<unsigned char>(c) > ' ' && c != '\x7F';
+/// Well-formed byte sequences of UTF-8 (RFC 3629, section 4): the first byte, the second one, and
+/// how many there are. Further bytes are 80h to BFh.
+struct Utf8Row {
+  unsigned char first_lowest;
+  unsigned char first_highest;
+  unsigned char second_lowest;
+  unsigned char second_highest;
+  std::size_t length;
+};
+
+constexpr std::array<Utf8Row, 9> kUtf8{{
+    {0x00, 0x7F, 0x00, 0x00, 1},
+    {0xC2, 0xDF, 0x80, 0xBF, 2},
+    {0xE0, 0xE0, 0xA0, 0xBF, 3},
+    {0xE1, 0xEC, 0x80, 0xBF, 3},
+    {0xED, 0xED, 0x80, 0x9F, 3},
+    {0xEE, 0xEF, 0x80, 0xBF, 3},
+    {0xF0, 0xF0, 0x90, 0xBF, 4},
+    {0xF1, 0xF3, 0x80, 0xBF, 4},
+    {0xF4, 0xF4, 0x80, 0x8F, 4},
+}};
+
+bool is_within(char c, unsigned char lowest, unsigned char highest) {
+  const auto byte = static_cast<unsigned char>(c);
+  return byte >= lowest && byte <= highest;
+}
+
+/// @return the length of the character that `text` begins with, or 0 when it is not UTF-8.
+std::size_t character_length(std::string_view text) {
+  const auto* const row = std::find_if(kUtf8.begin(), kUtf8.end(), [&](const Utf8Row& candidate) {
+    return is_within(text[0], candidate.first_lowest, candidate.first_highest);
+  });
+  if (row == kUtf8.end() || text.size() < row->length) {
+    return 0;
+  }
+  if (row->length > 1 && !is_within(text[1], row->second_lowest, row->second_highest)) {
+    return 0;
+  }
+  const std::string_view rest =
+      text.substr(0, row->length).substr(std::min<std::size_t>(2, row->length));
+  const bool continues = std::all_of(rest.begin(), rest.end(), [](char c) {
+    return is_within(c, 0x80, 0xBF);
+  });
+  return continues ? row->length : 0;
+}
+
+bool is_utf8(std::string_view text) {
+  while (!text.empty()) {
+    const std::size_t length = character_length(text);
+    if (length == 0) {
+      return false;
+    }
+    text.remove_prefix(length);
+  }
+  return true;
+}
+
+bool has_control_characters(std::string_view name) {
+  return std::any_of(name.begin(), name.end(), [](char c) {
+    return is_within(c, 0x00, 0x1F) || c == '\x7F';
   });
 }
 
@@ -67,7 +125,11 @@ std::string checked_name(const YamlValue& value, bool of_axis) {
   if (name.empty() || name.size() > kMaxNameLength) {
     value.refuse("a name has 1 to " + std::to_string(kMaxNameLength) + " bytes");
   }
-  if (of_axis && (!is_printable(name) || (name.front() >= '0' && name.front() <= '9'))) {
+  if (!is_utf8(name) || has_control_characters(name)) {
+    value.refuse("a name is text in UTF-8 without control characters");
+  }
+  if (of_axis &&
+      (name.find(' ') != std::string::npos || (name.front() >= '0' && name.front() <= '9'))) {
     value.refuse("a name has no blanks and does not begin with a digit");
   }
   return name;

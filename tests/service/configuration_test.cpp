@@ -115,6 +115,25 @@ axes:
   EXPECT_EQ(again.name, "a: b #1");
 }
 
+// Printing replaces what is no UTF-8, by something longer: such a configuration did not read back.
+TEST(Configuration, NamesAreUtf8WithoutControlCharacters) {
+  for (const char* const name : {"左", "\xC3\xA9", "\xF0\x9F\x94\xA7"}) {
+    const std::string text = std::string("bench: {name: ") + name + "}";
+    EXPECT_EQ(parse(text).name, name);
+    EXPECT_EQ(parse(to_yaml(parse(text))).name, name);
+  }
+  // Not a first byte, a lone first byte, cut short, overlong, a surrogate, above U+10FFFF (RFC
+  // 3629); a control character, as YAML writes it, and DEL.
+  for (const char* const name :
+       {"\xFF", "\xC3", "\xE5\xB7", "\xC0\xAF", "\xE0\x80\xAF", "\xED\xA0\x80", "\xF4\x90\x80\x80",
+        "\xC3\xC3", R"(a\x07)", R"(a\x7F)"}) {
+    EXPECT_THROW(parse(std::string("bench: {name: \"") + name + "\"}"), ConfigurationError) << name;
+    EXPECT_THROW(parse(std::string("axes: [{number: 1, name: \"") + name + "\"}]"),
+                 ConfigurationError)
+        << name;
+  }
+}
+
 struct Refused {
   const char* name;
   const char* text;
