@@ -2,8 +2,6 @@
 // Set-up, what arrives, and who is there.
 #include "session_core.hpp"
 
-#include "vdrive/wire/conversion.hpp"
-
 #include <algorithm>
 #include <random>
 #include <utility>
@@ -54,15 +52,6 @@ std::string name_of(const Target& target) {
 
 std::string name_of(const Target& target, std::uint16_t axis) {
   return "axis " + to_string(AxisId{target.key.number, axis});
-}
-
-AxisSnapshot snapshot_of(const msg::AxisStatus& message) {
-  return {.id = {message.bench(), message.axis()},
-          .tick = message.tick(),
-          .status = wire::from_message(message),
-          .owner_session = message.owner_session(),
-          .owner_epoch = message.owner_epoch(),
-          .last_sequence = message.last_sequence()};
 }
 
 SessionCore::SessionCore(const SessionOptions& options)

@@ -222,7 +222,4 @@ bool SessionCore::wait_to_find(Lock& lock, const Condition& condition) {
   return true;
 }
 
-/// @return a message as a snapshot.
-[[nodiscard]] AxisSnapshot snapshot_of(const msg::AxisStatus& message);
-
 }  // namespace vdrive::client

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "status_feed.hpp"
 
-#include "session_core.hpp"
+#include "vdrive/wire/conversion.hpp"
 
 #include <algorithm>
 
@@ -12,6 +12,15 @@ namespace {
 constexpr std::size_t kCapacity = 4096;
 
 }  // namespace
+
+AxisSnapshot snapshot_of(const msg::AxisStatus& message) {
+  return {.id = {message.bench(), message.axis()},
+          .tick = message.tick(),
+          .status = wire::from_message(message),
+          .owner_session = message.owner_session(),
+          .owner_epoch = message.owner_epoch(),
+          .last_sequence = message.last_sequence()};
+}
 
 StatusFeed::StatusFeed(BenchKey key, std::vector<std::uint16_t> axes,
                        std::uint32_t status_every_ticks)
