@@ -20,6 +20,7 @@
 #include <string>
 #include <string_view>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace vdrive {
@@ -214,6 +215,41 @@ TEST(AxisBank, ACopyIsIndependentOfItsOriginal) {
   assigned = bank;
   EXPECT_EQ(assigned.size(), 5U);
   EXPECT_EQ(assigned.status_hash(), bank.status_hash());
+}
+
+TEST(AxisBank, ACopyAndItselfAssignedKeepTheirState) {
+  AxisBank bank(mixed_axes(5), microseconds{1000});
+  bank.write(0, object("ds402_controlword"), 0x0F);
+  bank.step();
+  const std::uint64_t hash = bank.status_hash();
+  const AxisBank& itself = bank;
+  bank = itself;
+  EXPECT_EQ(bank.status_hash(), hash);
+  AxisBank moved(mixed_axes(1), microseconds{2000});
+  moved = std::move(bank);
+  EXPECT_EQ(moved.status_hash(), hash);
+  EXPECT_EQ(moved.period(), microseconds{1000});
+}
+
+TEST(AxisBank, ACopiedSnapshotOutlivesItsOriginal) {
+  AxisBank bank(mixed_axes(5), microseconds{1000});
+  const auto hash_after_a_step = [&bank](const AxisBank::Snapshot& snapshot) {
+    bank.restore(snapshot);
+    bank.step();
+    return bank.status_hash();
+  };
+  auto original = std::make_unique<AxisBank::Snapshot>(bank.snapshot());
+  const std::uint64_t expected = hash_after_a_step(*original);
+  const AxisBank::Snapshot copy(*original);
+  bank.write(0, object("test_over_current"), 1);
+  bank.step();
+  AxisBank::Snapshot assigned = bank.snapshot();
+  assigned = *original;
+  const AxisBank::Snapshot& itself = assigned;
+  assigned = itself;
+  original.reset();
+  EXPECT_EQ(hash_after_a_step(copy), expected);
+  EXPECT_EQ(hash_after_a_step(assigned), expected);
 }
 
 TEST(AxisBank, RefusesASnapshotThatDoesNotFit) {
@@ -708,6 +744,18 @@ TEST(InvalidConfiguration, AnInitialValueThatTheDictionaryRefusesIsRefused) {
     EXPECT_NE(refusal_of(axes, microseconds{1000}), "")
         << std::hex << row.address.index << " = " << row.value;
   }
+}
+
+TEST(InvalidConfiguration, AnInitialControlwordIsRefusedThoughItCouldBeWritten) {
+  std::vector<AxisConfiguration> axes(1);
+  axes[0].parameters = {{{0x6040, 0}, 0x000F}};
+  EXPECT_THAT(refusal_of(axes, microseconds{1000}), testing::HasSubstr("6040"));
+}
+
+TEST(InvalidConfiguration, TheFirstOfSeveralRefusedInitialValuesIsNamed) {
+  std::vector<AxisConfiguration> axes(1);
+  axes[0].parameters = {{{0x6081, 0}, 1'000}, {{0x6080, 0}, 0}, {{0x6041, 0}, 0}};
+  EXPECT_THAT(refusal_of(axes, microseconds{1000}), testing::HasSubstr("6080"));
 }
 
 }  // namespace
