@@ -1,86 +1,373 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The decoder of every message, as the wire room uses it, takes any bytes: it refuses them, or
-// gives a message that can be written again; what the receivers look at is read.
+// Bytes from strangers on every topic, and well-formed commands and requests among them. The
+// decoder refuses, or gives a message that can be written again; what receivers do with it is done:
+// the service validates, carries out and answers, a client puts status and benches together.
+#include "bounds.hpp"
+#include "directory.hpp"
+#include "event_text.hpp"
+#include "fuzz/support/bytes.hpp"
 #include "message_types.hpp"
+#include "status_feed.hpp"
+#include "vdrive/service/bench_engine.hpp"
 #include "vdrive/wire/conversion.hpp"
 
 #include <fastdds/rtps/common/SerializedPayload.h>
 
-#include <algorithm>
+#include <array>
+#include <chrono>
 #include <cstdint>
 #include <cstring>
+#include <map>
 
 namespace {
 
+using namespace vdrive;
 using eprosima::fastrtps::rtps::SerializedPayload_t;
+using test::Bytes;
+using test::demand;
 
-void look_at(const vdrive::msg::AxisStatus& status) {
-  static_cast<void>(vdrive::wire::from_message(status));
-  for (std::size_t row = 0; row < vdrive::kObjectCount; ++row) {
-    static_cast<void>(vdrive::wire::value_of(status, static_cast<vdrive::ObjectRow>(row)));
-  }
+constexpr std::uint32_t kBench = 1;
+constexpr std::uint64_t kIncarnation = 1;
+constexpr std::size_t kAxes = 3;
+constexpr std::size_t kSessions = 3;
+constexpr int kMostActions = 48;
+constexpr std::uint64_t kMostTicks = 16;
+
+template <typename Message>
+bool decode(std::span<const std::uint8_t> data, Message& message) {
+  wire::MessageType<Message> type;
+  SerializedPayload_t payload(static_cast<std::uint32_t>(std::max<std::size_t>(data.size(), 1)));
+  std::copy(data.begin(), data.end(), payload.data);
+  payload.length = static_cast<std::uint32_t>(data.size());
+  return type.deserialize(&payload, &message);
 }
 
 template <typename Message>
-void look_at(const Message& /*message*/) {}
+std::vector<std::uint8_t> encode(Message& message) {
+  wire::MessageType<Message> type;
+  SerializedPayload_t payload(type.getSerializedSizeProvider(&message)());
+  demand(type.serialize(&message, &payload), "a message can be written");
+  return {payload.data, payload.data + payload.length};
+}
 
+/// @return the same message after a journey over the wire.
 template <typename Message>
-void decode(const std::uint8_t* data, std::size_t size) {
-  vdrive::wire::MessageType<Message> type;
-  SerializedPayload_t payload(static_cast<std::uint32_t>(std::max<std::size_t>(size, 1)));
-  std::memcpy(payload.data, data, size);
-  payload.length = static_cast<std::uint32_t>(size);
+Message sent(Message& message) {
+  const std::vector<std::uint8_t> bytes = encode(message);
+  Message received;
+  demand(decode(bytes, received), "what was written can be read");
+  demand(encode(received) == bytes, "reading what was written gives the same");
+  return received;
+}
+
+service::Configuration bench_configuration() {
+  service::Configuration configuration;
+  configuration.bench = kBench;
+  configuration.clock = service::ClockMode::lockstep;
+  configuration.axes = service::default_axes(kAxes);
+  return configuration;
+}
+
+/// Everybody who listens: a bench without network and clock, and the two parts of a client that
+/// keep what they hear.
+class Listeners {
+ public:
+  Listeners()
+      : inbox_(kBench, counters_),
+        outbox_(kAxes),
+        engine_(bench_configuration(), {.bench = kBench, .incarnation = kIncarnation}, outbox_,
+                counters_),
+        feed_({kBench, kIncarnation}, {1, 3}, 1) {}
+
+  void hear(const msg::CommandFrame& frame) {
+    inbox_.receive(frame, {});
+    handle_arrivals();
+  }
+
+  void hear(const msg::Request& request) {
+    inbox_.receive(request, {});
+    handle_arrivals();
+  }
+
+  void hear(const msg::CommandReply& reply) {
+    for (const auto& refusal : reply.refusals()) {
+      static_cast<void>(wire::describe_reason(refusal.reason()));
+    }
+  }
+
+  void hear(const msg::Reply& reply) {
+    directory_.heard({reply.bench(), reply.incarnation()}, reply.tick(), now_);
+    static_cast<void>(wire::describe_reason(reply.reason()));
+    for (const auto& status : reply.statuses()) {
+      hear(status);
+    }
+  }
+
+  void hear(const msg::StatusFrame& frame) {
+    directory_.heard({frame.bench(), frame.incarnation()}, frame.tick(), now_);
+    feed_.on_frame(frame);
+    while (const auto sample = feed_.take()) {
+      demand(
+          sample->axes.size() == 2 && sample->axes[0].id.axis == 1 && sample->axes[1].id.axis == 3,
+          "a sample shows the wanted axes");
+    }
+  }
+
+  void hear(const msg::AxisStatus& status) {
+    for (std::size_t row = 0; row < kObjectCount; ++row) {
+      static_cast<void>(wire::value_of(status, static_cast<ObjectRow>(row)));
+    }
+  }
+
+  void hear(const msg::AxisParameters& /*parameters*/) {}
+
+  void hear(const msg::Event& event) { static_cast<void>(wire::describe_reason(event.code())); }
+
+  void hear(const msg::BenchDescription& description) {
+    directory_.on_description(description, {});
+    look_around();
+  }
+
+  void hear(const msg::BenchState& state) {
+    directory_.on_state(state, now_);
+    look_around();
+  }
+
+  void step(std::uint64_t ticks) {
+    for (std::uint64_t tick = 0; tick < ticks; ++tick) {
+      engine_.step();
+    }
+    engine_.post_status();
+    empty_outbox();
+  }
+
+  void jump(std::uint64_t ticks) {
+    engine_.jump(ticks);
+    empty_outbox();
+  }
+
+  [[nodiscard]] std::uint64_t tick() const { return engine_.tick(); }
+
+  /// Epoch that the bench last told a session.
+  [[nodiscard]] std::uint32_t epoch(std::uint64_t session) const {
+    const auto found = epochs_.find(session);
+    return found == epochs_.end() ? 0 : found->second;
+  }
+
+ private:
+  void handle_arrivals() {
+    while (service::Arrival* const arrival = inbox_.front()) {
+      const bool is_request = arrival->kind == service::Arrival::Kind::request;
+      const std::uint64_t session = arrival->request.session();
+      const std::uint64_t number = arrival->request.request_id();
+      if (is_request && arrival->request.kind() == msg::REQUEST_STEP) {
+        answer_step(*arrival);
+      } else {
+        engine_.handle(*arrival);
+      }
+      inbox_.pop();
+      if (is_request) {
+        const auto* const answer = outbox_.replies.front();
+        demand(answer != nullptr && answer->reply.request_id() == number, "a request is answered");
+        epochs_[session] = answer->reply.epoch();
+      }
+      empty_outbox();
+    }
+  }
+
+  /// As the lock-step driver does it, but for few ticks.
+  void answer_step(const service::Arrival& arrival) {
+    const std::uint32_t reason = engine_.check_step(arrival);
+    if (reason == msg::REASON_NONE) {
+      engine_.hear(arrival.request.session());
+      for (std::uint64_t tick = std::min(arrival.request.ticks(), kMostTicks); tick > 0; --tick) {
+        engine_.step();
+      }
+    }
+    engine_.answer_step(arrival, reason);
+  }
+
+  void empty_outbox() {
+    for (; outbox_.command_replies.front() != nullptr; outbox_.command_replies.pop()) {
+      pass_on(*outbox_.command_replies.front());
+    }
+    for (; outbox_.replies.front() != nullptr; outbox_.replies.pop()) {
+      pass_on(outbox_.replies.front()->reply);
+    }
+    for (; outbox_.parameters.front() != nullptr; outbox_.parameters.pop()) {
+      pass_on(*outbox_.parameters.front());
+    }
+    for (; outbox_.events.front() != nullptr; outbox_.events.pop()) {
+      demand(service::words_of(*outbox_.events.front()).size() <= kLongestText,
+             "the words of an event fit");
+    }
+    for (; outbox_.status.front() != nullptr; outbox_.status.pop()) {
+      msg::StatusFrame frame;
+      frame.bench(kBench);
+      frame.incarnation(kIncarnation);
+      const service::StatusImage& image = *outbox_.status.front();
+      frame.tick(image.tick);
+      for (std::size_t axis = 0; axis < kAxes; ++axis) {
+        wire::to_message(image.status[axis], {kBench, static_cast<std::uint16_t>(axis + 1)},
+                         image.tick, image.owners[axis], frame.axes().emplace_back());
+      }
+      pass_on(frame);
+    }
+  }
+
+  /// What the bench says is within the bounds, survives the wire and can be listened to.
+  template <typename Message>
+  void pass_on(Message& message) {
+    demand(wire::within_bounds(message), "what the bench says is within the bounds of the IDL");
+    hear(sent(message));
+  }
+
+  void look_around() {
+    for (const auto& bench : directory_.present(now_)) {
+      demand(directory_.find(bench.info.number, now_).has_value(),
+             "a bench that is there is found");
+      demand(directory_.is_alive(bench.key(), client::kPresence, now_), "and alive");
+    }
+  }
+
+  static constexpr std::size_t kLongestText = 200;
+
+  service::Counters counters_;
+  service::Inbox inbox_;
+  service::Outbox outbox_;
+  service::BenchEngine engine_;
+  client::Directory directory_;
+  client::StatusFeed feed_;
+  client::Directory::Clock::time_point now_{std::chrono::hours{1}};
+  std::map<std::uint64_t, std::uint32_t> epochs_;
+};
+
+/// Any bytes as a sample of this topic. As in a subscription, what is beyond the bounds reaches
+/// nobody but the bench, which answers for it.
+template <typename Message>
+void receive_raw(std::span<const std::uint8_t> data, Listeners& listeners) {
   Message message;
-  if (!type.deserialize(&payload, &message)) {
+  if (!decode(data, message)) {
     return;
   }
-  look_at(message);
-  SerializedPayload_t again(type.getSerializedSizeProvider(&message)());
-  static_cast<void>(type.serialize(&message, &again));
+  constexpr bool kIsForBench =
+      std::is_same_v<Message, msg::CommandFrame> || std::is_same_v<Message, msg::Request>;
+  if (kIsForBench || wire::within_bounds(message)) {
+    listeners.hear(sent(message));
+  }
+}
+
+using Receiver = void (*)(std::span<const std::uint8_t>, Listeners&);
+
+/// A row for each topic.
+constexpr std::array<Receiver, 10> kReceivers{
+    receive_raw<msg::CommandFrame>,     receive_raw<msg::CommandReply>,
+    receive_raw<msg::Request>,          receive_raw<msg::Reply>,
+    receive_raw<msg::StatusFrame>,      receive_raw<msg::AxisStatus>,
+    receive_raw<msg::AxisParameters>,   receive_raw<msg::Event>,
+    receive_raw<msg::BenchDescription>, receive_raw<msg::BenchState>};
+
+ObjectAddress address_from(Bytes& bytes) {
+  const std::size_t row = bytes.take();
+  return row < kObjectCount ? describe(static_cast<ObjectRow>(row)).address
+                            : ObjectAddress{bytes.take<std::uint16_t>(), bytes.take()};
+}
+
+std::uint16_t axis_from(Bytes& bytes) {
+  return static_cast<std::uint16_t>(bytes.below(kAxes + 2));  // 0 and 4 are none
+}
+
+template <typename Object>
+void fill(Object& object, Bytes& bytes) {
+  const ObjectAddress address = address_from(bytes);
+  object.index(address.index);
+  object.subindex(address.subindex);
+  object.value(bytes.take<std::int32_t>());
+}
+
+/// A request such as a client of ours makes.
+msg::Request request_from(Bytes& bytes) {
+  msg::Request request;
+  request.client(1);
+  request.bench(kBench);
+  request.kind(static_cast<std::uint32_t>(bytes.below(msg::REQUEST_STEP + 2)));
+  request.request_id(bytes.take());
+  request.session(bytes.below(kSessions + 1));
+  request.ticks(bytes.below(kMostTicks));
+  request.last_sequence(bytes.below(4));
+  for (std::size_t count = bytes.below(4); count > 0; --count) {
+    request.axes().push_back(axis_from(bytes));
+  }
+  for (std::size_t count = bytes.below(4); count > 0; --count) {
+    auto& object = request.objects().emplace_back();
+    object.axis(axis_from(bytes));
+    fill(object, bytes);
+  }
+  return request;
+}
+
+/// A frame such as a client of ours makes, or one that is a little wrong.
+msg::CommandFrame frame_from(Bytes& bytes, const Listeners& listeners, std::uint64_t sequence) {
+  msg::CommandFrame frame;
+  frame.bench(kBench);
+  frame.incarnation(kIncarnation);
+  frame.session(bytes.below(kSessions + 1));
+  const std::uint8_t odd = bytes.take();
+  frame.epoch((odd & 0x10U) != 0 ? odd : listeners.epoch(frame.session()));
+  frame.sequence_number((odd & 0x20U) != 0 ? odd : sequence);
+  frame.apply_at_tick((odd & 0x40U) != 0 ? listeners.tick() + bytes.below(8) : 0);
+  frame.valid_until_tick((odd & 0x80U) != 0 ? listeners.tick() + bytes.below(8) : 0);
+  frame.flags(odd & 0x0FU);
+  for (std::size_t count = bytes.below(4); count > 0; --count) {
+    auto& command = frame.axes().emplace_back();
+    command.axis(axis_from(bytes));
+    command.members(bytes.take());
+    command.ds402_controlword(bytes.take<std::uint16_t>());
+    command.op_mode_cmd(bytes.take<std::int8_t>());
+    command.position_user_target_value(bytes.take<std::int32_t>());
+    command.profile_velocity(bytes.take<std::uint32_t>());
+    command.profile_acc(bytes.take<std::uint32_t>());
+    command.profile_dec(bytes.take<std::uint32_t>());
+    command.positioning_option_code(bytes.take());
+    for (std::size_t objects = bytes.below(3); objects > 0; --objects) {
+      fill(command.objects().emplace_back(), bytes);
+    }
+  }
+  return frame;
 }
 
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace vdrive;
-  if (size == 0) {
-    return 0;
-  }
-  const std::uint8_t which = data[0] % 10;
-  ++data;
-  --size;
-  switch (which) {
-    case 0:
-      decode<msg::CommandFrame>(data, size);
-      break;
-    case 1:
-      decode<msg::CommandReply>(data, size);
-      break;
-    case 2:
-      decode<msg::Request>(data, size);
-      break;
-    case 3:
-      decode<msg::Reply>(data, size);
-      break;
-    case 4:
-      decode<msg::StatusFrame>(data, size);
-      break;
-    case 5:
-      decode<msg::AxisStatus>(data, size);
-      break;
-    case 6:
-      decode<msg::AxisParameters>(data, size);
-      break;
-    case 7:
-      decode<msg::Event>(data, size);
-      break;
-    case 8:
-      decode<msg::BenchDescription>(data, size);
-      break;
-    default:
-      decode<msg::BenchState>(data, size);
-      break;
+  Bytes bytes({data, size});
+  Listeners listeners;
+  for (int actions = 1; actions <= kMostActions && !bytes.empty(); ++actions) {
+    const std::size_t action = bytes.below(kReceivers.size() + 6);
+    if (action < kReceivers.size()) {
+      const std::size_t length = bytes.take<std::uint16_t>() % 1024U;
+      kReceivers[action](bytes.take_span(length), listeners);
+      continue;
+    }
+    switch (action - kReceivers.size()) {
+      case 0:
+        listeners.step(bytes.below(kMostTicks));
+        break;
+      case 1:
+        listeners.jump(bytes.take());
+        break;
+      case 2:
+      case 3: {
+        msg::Request request = request_from(bytes);
+        listeners.hear(sent(request));
+        break;
+      }
+      default: {
+        msg::CommandFrame frame = frame_from(bytes, listeners, static_cast<std::uint64_t>(actions));
+        listeners.hear(sent(frame));
+        break;
+      }
+    }
   }
   return 0;
 }

@@ -1,43 +1,100 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds the fuzzers and runs each over its kept corpus and then over new inputs.
+# Builds the fuzzers and runs each over its kept corpus, what the tree ships for it, and new inputs.
 #
 #   tests/fuzz/run.sh [--seconds N] [--keep] [fuzzer...]
 #
-#   --seconds N   how long each fuzzer looks for new inputs, default 10
-#   --keep        add inputs that reach new code to the kept corpus, minimised
+#   --seconds N   how long each fuzzer looks for new inputs, default 10; 300 with VDRIVE_NIGHTLY=1
+#   --keep        make the kept corpus, tests/fuzz/corpus, anew: the smallest set of inputs found
+#                 so far that reaches all the code that any of them reaches, and what is called
+#                 fixed-...: inputs that failed once
 #
 # A failing input is left in build/fuzz/failures and named. Exit code 0: none was found.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
+here=$root/tests/fuzz
+work=$root/build/fuzz
+# Inputs stay small, so that each runs in milliseconds and the kept corpus in kilobytes.
+declare -A max_length=(
+  [core_fuzz]=512 [message_fuzz]=1024 [configuration_fuzz]=2048 [scenario_fuzz]=1024)
+
 seconds=10
+[[ ${VDRIVE_NIGHTLY:-} == 1 ]] && seconds=300
 keep=false
 fuzzers=()
+
+fail() {
+  echo "run.sh: $*" >&2
+  exit 2
+}
+
 while (($#)); do
   case $1 in
-    --seconds) (($# >= 2)) || { echo "run.sh: --seconds needs a value" >&2; exit 2; }
+    --seconds)
+      (($# >= 2)) && [[ $2 =~ ^[1-9][0-9]*$ ]] || fail "--seconds needs a whole number above 0"
       seconds=$2 && shift ;;
     --keep) keep=true ;;
-    *) fuzzers+=("$1") ;;
+    *)
+      [[ -n ${max_length[$1]:-} ]] || fail "'$1' is none of ${!max_length[*]}"
+      fuzzers+=("$1") ;;
   esac
   shift
 done
 ((${#fuzzers[@]})) || fuzzers=(core_fuzz message_fuzz configuration_fuzz scenario_fuzz)
 
+# The files of the tree that a fuzzer starts from.
+seed() {
+  case $1 in
+    configuration_fuzz)
+      find "$root/deploy" -name '*.yaml' -exec cp -t "$2" {} +
+      # The example of the documentation names every key.
+      sed -n '/^```yaml$/,/^```$/{/^```/d;p}' "$root/docs/configuration.md" >"$2/documentation.yaml" ;;
+    scenario_fuzz)
+      # By the line: a whole scenario is longer than an input.
+      cat "$root"/clients/scenarios/*.scn | sed 's/ *#.*//' | sort -u | sed '/^$/d' |
+        split --lines 8 - "$2/lines-" ;;
+  esac
+}
+
+# Says how it ended; everything when it found something.
+run() {
+  local program=$1 log=$work/$1.log
+  shift
+  if ! "$work/fuzz/$program" "$@" >"$log" 2>&1; then
+    tail --lines 100 "$log" >&2
+    echo "$program found a failing input; its path is in the last lines" >&2
+    exit 1
+  fi
+  grep --extended-regexp '^(Done|#[0-9]+.DONE)' "$log" | tail --lines 1 || true
+}
+
 "$root/deploy/build.sh" --preset fuzz --target fuzzers
 
-work=$root/build/fuzz
 mkdir -p "$work/failures"
 for fuzzer in "${fuzzers[@]}"; do
-  corpus=$root/tests/fuzz/corpus/$fuzzer
+  kept=$here/corpus/$fuzzer
   found=$work/corpus/$fuzzer
-  mkdir -p "$corpus" "$found"
-  echo "$fuzzer: $(find "$corpus" -type f | wc -l) kept inputs, then $seconds s"
-  "$work/fuzz/$fuzzer" -max_total_time="$seconds" -timeout=20 -max_len=4096 -verbosity=0 \
-    -print_final_stats=0 -artifact_prefix="$work/failures/$fuzzer-" "$found" "$corpus"
+  seeds=$work/seeds/$fuzzer
+  rm -rf "$seeds"
+  mkdir -p "$kept" "$found" "$seeds"
+  seed "$fuzzer" "$seeds"
+  options=(-max_len="${max_length[$fuzzer]}" -len_control=10 -timeout=20 -verbosity=1
+    -print_funcs=0 -artifact_prefix="$work/failures/$fuzzer-")
+  [[ -f $here/dictionary/$fuzzer.dict ]] && options+=(-dict="$here/dictionary/$fuzzer.dict")
+  echo "$fuzzer: $(find "$kept" -type f | wc -l) kept inputs, then $seconds s"
+  # Every kept input first and whatever it takes; then new ones, for the time.
+  run "$fuzzer" "${options[@]}" -runs=0 "$kept" "$seeds"
+  run "$fuzzer" "${options[@]}" -max_total_time="$seconds" "$found" "$kept" "$seeds"
   if $keep; then
-    "$work/fuzz/$fuzzer" -merge=1 -max_len=4096 -verbosity=0 "$corpus" "$found"
+    fresh=$work/merged/$fuzzer
+    rm -rf "$fresh"
+    mkdir -p "$fresh"
+    # Code reached counts, not how often: a hundred files instead of five hundred.
+    run "$fuzzer" "${options[@]}" -use_counters=0 -merge=1 "$fresh" "$kept" "$seeds" "$found"
+    find "$kept" -type f -name 'fixed-*' -exec cp -t "$fresh" {} +
+    rm -rf "$kept"
+    mv "$fresh" "$kept"
   fi
 done
 echo "no failing input"

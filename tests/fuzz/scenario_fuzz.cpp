@@ -1,22 +1,46 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Any text is either a scenario or refused with the line's number.
+// Any text is either a scenario, each line of which means the same on its own, or refused with the
+// line's number.
+#include "fuzz/support/bytes.hpp"
 #include "scenario.hpp"
 #include "usage_error.hpp"
 
 #include <cstdint>
-#include <cstdlib>
 #include <sstream>
 #include <string>
 
+namespace {
+
+using namespace vdrive::tool;
+using vdrive::test::demand;
+
+void check_alone(const ScenarioLine& line) {
+  std::istringstream text(line.text);
+  const Scenario alone = parse_scenario(text, "line.scn");
+  demand(alone.lines.size() == 1, "the text of a line is one line");
+  demand(alone.lines[0].text == line.text, "and keeps its words");
+  demand(alone.lines[0].command.index() == line.command.index(), "and its meaning");
+  demand(alone.lines[0].timeout == line.timeout, "and its time-out");
+  demand(axes_of(alone.lines[0].command) == axes_of(line.command), "and its axes");
+}
+
+}  // namespace
+
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   std::istringstream text(std::string(data, data + size));
+  Scenario scenario;
   try {
-    static_cast<void>(vdrive::tool::parse_scenario(text, "fuzz.scn"));
-  } catch (const vdrive::tool::UsageError& error) {
-    if (std::string(error.what()).rfind("fuzz.scn:", 0) != 0) {
-      std::abort();
-    }
+    scenario = parse_scenario(text, "fuzz.scn");
+  } catch (const UsageError& error) {
+    demand(std::string(error.what()).starts_with("fuzz.scn:"), "a refusal names file and line");
+    return 0;
+  }
+  std::size_t last = 0;
+  for (const ScenarioLine& line : scenario.lines) {
+    demand(line.number > last, "lines count up");
+    last = line.number;
+    check_alone(line);
   }
   return 0;
 }
