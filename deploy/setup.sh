@@ -30,6 +30,7 @@ test_packages=(
   clang-tidy
   cyclonedds-dev
   cyclonedds-tools
+  gcovr # coverage of core/
   libbenchmark-dev
   libclang-rt-dev # sanitizers and fuzzers with clang
   libgmock-dev

@@ -5,7 +5,7 @@
 #   tests/run.sh [--nightly] [--quick] [ctest arguments...]
 #
 #   --nightly   the long counts of property, fuzz and soak tests (VDRIVE_NIGHTLY=1)
-#   --quick     only the release build: no sanitizers, no clang-tidy, no format check
+#   --quick     only the release build: no sanitizers, clang-tidy, format check, fuzzers, coverage
 #
 # The other presets are tests too (label checks), so the summary speaks for all of them. What was
 # built and linted once is not done again. Exit code 0: all tests passed.
@@ -36,7 +36,7 @@ fi
 
 if ! $quick; then
   # Here the progress is seen; a failure is reported by the test of that preset.
-  for preset in asan tsan tidy; do
+  for preset in asan tsan tidy fuzz coverage; do
     "$root/tests/checks/build_preset.sh" $preset >&2 || true
   done
 fi

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds one of the checking presets: build_preset.sh asan|tsan|tidy
+# Builds one of the checking presets: build_preset.sh asan|tsan|tidy|fuzz|coverage
 # For tidy the build is the check: a file is linted again only when it, a header of it, .clang-tidy
 # or its compile options have changed.
 set -euo pipefail
@@ -8,11 +8,12 @@ set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 preset=$1
 
-if [[ $preset == tidy ]]; then
-  options=(--keep-going)
-else
-  options=(-D VDRIVE_BUILD_TESTS=ON --target unit_tests)
-fi
+case $preset in
+  tidy) options=(--keep-going) ;;
+  fuzz) options=(--target fuzzers) ;;
+  coverage) options=(-D VDRIVE_BUILD_TESTS=ON --target core_tests) ;;
+  *) options=(-D VDRIVE_BUILD_TESTS=ON --target unit_tests) ;;
+esac
 # clang-tidy counts the warnings that it does not show, even when asked to be quiet.
 "$root/deploy/build.sh" --preset "$preset" "${options[@]}" 2>&1 |
   sed --unbuffered --regexp-extended '/^[0-9]+ warnings? generated\.$/d'
