@@ -199,7 +199,10 @@ AbortCode expected_answer(const ObjectDescription& object, std::int64_t value) {
   if (object.access == Access::read_only) {
     return AbortCode::write_of_read_only_object;
   }
-  if (value > object.upper_limit) {
+  // "Write 0 to sub 0 empties it; any other value is refused": whatever count it may show.
+  const std::int64_t highest =
+      object.address.index == 0x1003 ? range_of(object.data_type).highest : object.upper_limit;
+  if (value > highest) {
     return AbortCode::value_too_high;
   }
   if (value < object.lower_limit) {

@@ -86,6 +86,7 @@ void write_controlword(const DriveContext& axis, std::uint16_t word) {
   s.attention = true;
 }
 
+/// The narrower rules of single objects, for a value within its type.
 AbortCode check_value(ObjectRow row, std::int64_t value) {
   switch (row) {
     case "op_mode_cmd"_object:
@@ -151,7 +152,10 @@ void update_derived(const DriveContext& axis) noexcept {
 AbortCode write_object(const DriveContext& axis, ObjectRow row, std::int64_t value,
                        WriteEffect& effect) noexcept {
   AbortCode code = check_write(row, value);
-  if (code == AbortCode::none) {
+  // 1003h:00 refuses what it does not mean, also beyond the count that it shows.
+  const bool within_type = value <= range_of(describe(row).data_type).highest;
+  if (code == AbortCode::none ||
+      (row == "error_history_count"_object && code == AbortCode::value_too_high && within_type)) {
     code = check_value(row, value);
   }
   if (code != AbortCode::none) {
