@@ -174,7 +174,11 @@ TEST(Fault, TheHistoryKeepsTheNewestEightFirst) {
   EXPECT_EQ(axis.read("error_history_8") & 0xFFFF, 0x2310);
   EXPECT_EQ(axis.status().fault_count, 10U);
 
-  EXPECT_EQ(axis.try_write("error_history_count", 1), AbortCode{0x06090030});
+  for (const std::int64_t value : {1, 8, 9, 255}) {
+    EXPECT_EQ(axis.try_write("error_history_count", value), AbortCode{0x06090030}) << value;
+  }
+  EXPECT_EQ(axis.try_write("error_history_count", 256), AbortCode{0x06090031});
+  EXPECT_EQ(axis.try_write("error_history_count", -1), AbortCode{0x06090032});
   EXPECT_EQ(axis.read("error_history_count"), 8);
   axis.write("error_history_count", 0);
   EXPECT_EQ(axis.read("error_history_count"), 0);
@@ -240,6 +244,18 @@ TEST(Fault, AllCausesMustBeGoneBeforeAReset) {
   EXPECT_EQ(axis.command(0x0080), 0x0250);
 }
 
+TEST(Fault, ACauseThatComesBackInTheTickOfTheResetIsANewFault) {
+  AxisUnderTest axis;
+  axis.write("test_over_current", 1);
+  axis.step(3);
+  axis.write("test_over_current", 0);
+  axis.controlword(0x0080);
+  axis.write("test_over_current", 1);
+  EXPECT_EQ(axis.step(), 0x021F);
+  EXPECT_EQ(axis.step(), 0x0218);
+  EXPECT_EQ(axis.read("error_history_count"), 2);
+}
+
 TEST(Fault, AnEncoderFailureDuringABrakingReactionTakesThePower) {
   AxisUnderTest axis;
   ASSERT_NO_FATAL_FAILURE(start_moving(axis));
@@ -277,6 +293,18 @@ TEST(DcLink, LostWithoutPowerClearsBit4AndFallsToSwitchOnDisabledWithoutAFault) 
   axis.command(0x0007);
   axis.write("test_dc_link_loss", 1);
   EXPECT_EQ(axis.step(), 0x0240);
+}
+
+TEST(DcLink, BackForOneCommandOnlyItIsLostInOperationEnabled) {
+  AxisUnderTest axis;
+  axis.write("op_mode_cmd", 1);
+  axis.write("test_dc_link_loss", 1);
+  ASSERT_EQ(axis.step(), 0x0240);
+  axis.write("test_dc_link_loss", 0);
+  axis.controlword(0x000F);
+  axis.write("test_dc_link_loss", 1);
+  EXPECT_EQ(axis.step(), 0x020F);
+  EXPECT_EQ(axis.read("error_code"), 0x3220);
 }
 
 TEST(DcLink, LostInAQuickStopIsAFaultToo) {

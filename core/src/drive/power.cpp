@@ -31,12 +31,8 @@ constexpr std::array<CauseRow, 4> kCauses{{
 }};
 constexpr std::uint8_t kDcLinkCause = 1U << 3U;
 
-/// Transition 4: caps of 607Fh and 6080h come into force, set-points are cleared.
-void enable(const DriveContext& axis) {
-  const double motor_cap =
-      real(axis, "motor_max_speed_rpm"_object) * kUserUnitsPerRevolution / 60.0;
-  axis.registers.velocity_cap = std::min(real(axis, "app_speed_limit"_object), motor_cap);
-  axis.servo.speed_limit[axis.lane] = axis.registers.velocity_cap;
+/// Takes control where the axis is, without set-points.
+void take_control(const DriveContext& axis) {
   rebase(axis);
   rest_at(axis, axis.servo.load_reading[axis.lane]);
   set_power(axis, true);
@@ -45,10 +41,22 @@ void enable(const DriveContext& axis) {
   seed_target(axis);
 }
 
+/// Transition 4: caps of 607Fh and 6080h come into force, set-points are cleared.
+void enable(const DriveContext& axis) {
+  const double motor_cap =
+      real(axis, "motor_max_speed_rpm"_object) * kUserUnitsPerRevolution / 60.0;
+  axis.registers.velocity_cap = std::min(real(axis, "app_speed_limit"_object), motor_cap);
+  axis.servo.speed_limit[axis.lane] = axis.registers.velocity_cap;
+  take_control(axis);
+}
+
 /// Transition 16: the interrupted move is forgotten; what still moves is brought to rest.
 void re_enable(const DriveContext& axis) {
-  if (axis.state.moving) {
+  if (!axis.state.powered) {  // 605Ah was 0 when the quick stop began: the axis coasts
+    take_control(axis);
+  } else if (axis.state.moving) {
     drop_set_points(axis);
+    axis.state.arrived = false;  // a mode change meanwhile may have taken the demand as the target
     axis.state.dwell = 0;
   } else {
     seed_target(axis);
@@ -73,6 +81,10 @@ void remember_error(const DriveContext& axis, ErrorCode code) {
   r.error_history[0] = static_cast<std::uint32_t>(code);
   r.error_count =
       static_cast<std::uint8_t>(std::min<std::size_t>(r.error_count + 1U, r.error_history.size()));
+}
+
+bool handles_fault(PowerState state) {
+  return state == PowerState::fault_reaction_active || state == PowerState::fault;
 }
 
 bool has_power_to_lose(PowerState state) {
@@ -153,7 +165,8 @@ void raise_fault(const DriveContext& axis, ErrorCode code) {
   }
 }
 
-/// A lost DC link is a fault only where the motor is powered; elsewhere the axis falls back.
+/// A lost DC link is a fault only where the motor is powered; elsewhere the axis falls back. A
+/// cause that went for a reset and came back before the tick is a new fault.
 void watch_causes(const DriveContext& axis) {
   DriveState& s = axis.state;
   std::uint8_t present = 0;
@@ -162,7 +175,7 @@ void watch_causes(const DriveContext& axis) {
       continue;
     }
     present = static_cast<std::uint8_t>(present | cause.bit);
-    const bool known = (s.causes & cause.bit) != 0;
+    const bool known = (s.causes & cause.bit) != 0 && handles_fault(s.power.state());
     const bool harmless = cause.bit == kDcLinkCause && !has_power_to_lose(s.power.state());
     if (!known && !harmless) {
       raise_fault(axis, cause.code);
