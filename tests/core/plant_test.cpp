@@ -2,6 +2,8 @@
 // The plant against closed-form solutions, seen through the objects of the drive. SI parameters are
 // chosen so that the expected figures can be computed by hand; 4096 user units are one revolution.
 #include "core/support/axis_under_test.hpp"
+#include "plant/servo_block.hpp"
+#include "plant/servo_design.hpp"
 
 #include <gtest/gtest.h>
 
@@ -375,6 +377,30 @@ TEST(Plant, TheGearReflectsInertiaAndLoadTorqueToTheMotor) {
   EXPECT_NEAR(axis.status().motor_velocity_actual_value, 400.0 * kUnitsPerRadian * 0.1995, 2.0);
 }
 
+TEST(Plant, TheGearCarriesTheMotorsTorqueToTheLoad) {
+  struct Row {
+    std::uint32_t numerator;
+    std::uint32_t denominator;
+  };
+
+  for (const Row& row : {Row{1, 4}, Row{1, 1}, Row{2, 1}}) {
+    AxisConfiguration configuration = frictionless();
+    configuration.parameters = {
+        {AxisUnderTest::address_of("gear_ratio_numerator"), row.numerator},
+        {AxisUnderTest::address_of("gear_ratio_denominator"), row.denominator}};
+    AxisUnderTest axis(configuration);
+    axis.write("positive_torque_limit_relative", 100);  // 0.3 N.m at the motor
+    saturate(axis, 1);
+    axis.step(20);
+    const std::int32_t first = axis.velocity();
+    axis.step(50);
+    // The motor sees 3e-4 (1 + r²); the load turns r times as fast.
+    const double ratio = static_cast<double>(row.numerator) / row.denominator;
+    const double expected = ratio * 0.3 / (3.0e-4 * (1.0 + ratio * ratio)) * 0.05;
+    EXPECT_NEAR(axis.velocity() - first, expected * kUnitsPerRadian, 2.0) << ratio;
+  }
+}
+
 TEST(Plant, SettingTheGearDoesNotMoveTheLoad) {
   AxisConfiguration configuration;
   configuration.initial_position = 12'345;
@@ -542,6 +568,242 @@ TEST(Plant, CoulombStopsConvergeWithTheSubStep) {
     axis.step_for(microseconds{3'000'000});
     EXPECT_NEAR(axis.actual(), x + v * v / (2.0 * 100.0 * kUnitsPerRadian), 1.5) << period;
     EXPECT_EQ(axis.velocity(), 0);
+  }
+}
+
+// ---- the model by itself, at any sub-step
+// -----------------------------------------------------------
+
+/// One free axis of the servo kernel, without power: its exact state, stepped by any sub-step.
+class FreeAxis {
+ public:
+  FreeAxis(const AxisModel& model, const Gear& gear, double substep)
+      : model_(model), gear_(gear), substep_(substep) {
+    validate(model);
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      if (model.coupling == Coupling::rigid) {
+        design_lane(model, gear, substep, lane, rigid_);
+      } else {
+        design_lane(model, gear, substep, lane, elastic_);
+      }
+    }
+  }
+
+  /// Velocities [rad/s].
+  void set_speeds(double motor, double load) {
+    state_.velocity[0] = motor * kUnitsPerRadian;
+    state_.load_velocity[0] = load * kUnitsPerRadian;
+  }
+
+  /// Load position [rad], the motor at 0: twists the shaft.
+  void set_load_position(double position) { state_.load_position[0] = position * kUnitsPerRadian; }
+
+  /// At the load shaft [N.m].
+  void set_load_torque(double torque) {
+    state_.load_torque[0] = torque * load_torque_factor(model_, gear_);
+  }
+
+  void step() {
+    if (model_.coupling == Coupling::rigid) {
+      step_rigid(rigid_, demand_, state_, 1, substep_);
+    } else {
+      step_elastic(elastic_, demand_, state_, 1, substep_);
+    }
+  }
+
+  void step_for(double seconds) {
+    const auto steps = static_cast<std::uint64_t>(std::llround(seconds / substep_));
+    for (std::uint64_t i = 0; i < steps; ++i) {
+      step();
+    }
+  }
+
+  /// [rad] and [rad/s].
+  [[nodiscard]] double position() const { return state_.position[0] / kUnitsPerRadian; }
+
+  [[nodiscard]] double velocity() const { return state_.velocity[0] / kUnitsPerRadian; }
+
+  [[nodiscard]] double load_position() const { return state_.load_position[0] / kUnitsPerRadian; }
+
+  [[nodiscard]] double load_velocity() const { return state_.load_velocity[0] / kUnitsPerRadian; }
+
+  [[nodiscard]] const ServoState& state() const { return state_; }
+
+  /// Kinetic energy of both inertias and of the twisted shaft [J].
+  [[nodiscard]] double energy() const {
+    const double ratio = static_cast<double>(gear_.numerator) / gear_.denominator;
+    const double twist = ratio * position() - load_position();
+    return 0.5 * model_.motor_inertia * velocity() * velocity() +
+           0.5 * model_.load_inertia * load_velocity() * load_velocity() +
+           0.5 * model_.coupling_stiffness * twist * twist;
+  }
+
+ private:
+  AxisModel model_;
+  Gear gear_;
+  double substep_;
+  RigidParameters rigid_{};
+  ElasticParameters elastic_{};
+  DemandBlock demand_{};
+  ServoState state_{};
+};
+
+constexpr double kServoCycle = 125.0e-6;
+
+TEST(PlantModel, AnUndampedTwoInertiaSystemKeepsItsEnergyWithoutInput) {
+  for (const Gear& gear : {Gear{1, 1}, Gear{1, 5}, Gear{3, 1}}) {
+    FreeAxis axis(elastic(2.0).model, gear, kServoCycle);
+    axis.set_load_torque(0.5);
+    axis.step_for(0.02);  // a push, then nothing from outside
+    axis.set_load_torque(0.0);
+    const double energy = axis.energy();
+    ASSERT_GT(energy, 1.0e-3);
+    // 20 s: with k = 2 N.m/rad and 3e-4 kg.m2 some hundred periods; each sub-step is looked at.
+    for (int i = 0; i < 160'000; ++i) {
+      axis.step();
+      ASSERT_NEAR(axis.energy(), energy, 1.0e-9 * energy) << "sub-step " << i;
+    }
+  }
+}
+
+TEST(PlantModel, ATwistedShaftLetGoSwapsItsEnergyBetweenTwistAndSpeed) {
+  // ω = sqrt(k (1/Jm + 1/Jl)) = 115.47 rad/s: after a quarter of a period the shaft is straight,
+  // and all of ½ k φ² = 0.01 J is in the speeds: J v² = 0.01, v = 5.7735 rad/s on each side.
+  const double omega = std::sqrt(2.0 * 2.0 / 3.0e-4);
+  const double quarter = 0.5 * std::numbers::pi / omega;
+  FreeAxis axis(elastic(2.0).model, {}, quarter / 100.0);
+  axis.set_load_position(0.1);
+  for (int i = 0; i < 100; ++i) {
+    axis.step();
+  }
+  EXPECT_NEAR(axis.position(), axis.load_position(), 1.0e-12);
+  EXPECT_NEAR(axis.velocity(), std::sqrt(0.01 / 3.0e-4), 1.0e-9);
+  EXPECT_NEAR(axis.load_velocity(), -std::sqrt(0.01 / 3.0e-4), 1.0e-9);
+}
+
+TEST(PlantModel, FrictionAndDampingNeverGiveEnergy) {
+  struct Row {
+    const char* name;
+    double AxisModel::*parameter;
+    double value;
+    double slack;  // [J] a sub-step
+  };
+
+  // In the sub-step of a Coulomb stop the inertia travels up to ah²/8 too far (below), against a
+  // shaft torque of at most sqrt(2kE) = 1 N.m, which also bounds a: (1 + 0.01)/3e-4 rad/s².
+  const double stop = 1.0 * (1.01 / 3.0e-4) * kServoCycle * kServoCycle / 8.0;
+  for (const Row& row : {Row{"shaft damping", &AxisModel::coupling_damping, 1.0e-3, 0.0},
+                         Row{"motor viscous", &AxisModel::viscous_friction, 1.0e-3, 0.0},
+                         Row{"load viscous", &AxisModel::load_viscous_friction, 1.0e-3, 0.0},
+                         Row{"motor Coulomb", &AxisModel::coulomb_friction, 0.01, stop},
+                         Row{"load Coulomb", &AxisModel::load_coulomb_friction, 0.01, stop}}) {
+    AxisModel model = elastic(2.0).model;
+    model.*row.parameter = row.value;
+    FreeAxis axis(model, {}, kServoCycle);
+    axis.set_load_position(0.5);
+    axis.set_speeds(3.0, -1.0);
+    const double first = axis.energy();
+    double before = first;
+    for (int i = 0; i < 16'000; ++i) {  // 2 s, 37 periods
+      axis.step();
+      ASSERT_LE(axis.energy(), before * (1.0 + 1.0e-12) + row.slack)
+          << row.name << ", sub-step " << i;
+      before = axis.energy();
+    }
+    EXPECT_LT(before, 0.7 * first) << row.name;
+  }
+}
+
+TEST(PlantModel, LinearMotionDoesNotDependOnTheSubStep) {
+  // Constant load torque on damped inertias, 0.1 s in 10 to 12800 sub-steps. The discretisation is
+  // exact for inputs that are held: what is left is rounding.
+  AxisModel rigid = frictionless().model;
+  rigid.viscous_friction = 2.0e-3;
+  AxisModel soft = elastic(2.0).model;
+  soft.coupling_damping = 1.0e-3;
+  soft.load_viscous_friction = 1.0e-3;
+  for (const AxisModel& model : {rigid, soft}) {
+    for (const Gear& gear : {Gear{1, 1}, Gear{2, 7}}) {
+      FreeAxis coarse(model, gear, 0.01);
+      coarse.set_load_torque(0.3);
+      coarse.step_for(0.1);
+      for (const double substep : {5.0e-3, 1.0e-3, kServoCycle, 0.1 / 12'800.0}) {
+        FreeAxis fine(model, gear, substep);
+        fine.set_load_torque(0.3);
+        fine.step_for(0.1);
+        EXPECT_NEAR(fine.position(), coarse.position(), 1.0e-10 * std::abs(coarse.position()));
+        EXPECT_NEAR(fine.velocity(), coarse.velocity(), 1.0e-10 * std::abs(coarse.velocity()));
+      }
+    }
+  }
+}
+
+TEST(PlantModel, ACoulombStopConvergesWithTheSquareOfTheSubStep) {
+  // Until the stop each sub-step is exact. In the last one the axis comes in with a·θh and would
+  // still travel a(θh)²/2; the kernel lets it travel h/2 times its speed, aθh²/2. The difference
+  // a h² θ(1 - θ)/2 is greatest for θ = 1/2: a h²/8, a quarter for half the sub-step.
+  AxisModel model = frictionless().model;
+  model.coulomb_friction = 0.06;
+  const double a = 0.06 / 6.0e-4;  // 100 rad/s²
+  for (const double h : {1.0e-3, 5.0e-4, 2.5e-4, 1.25e-4, 6.25e-5}) {
+    const double speed = a * h * (std::floor(0.2 / h) + 0.5);
+    FreeAxis axis(model, {}, h);
+    axis.set_speeds(speed, 0.0);
+    axis.step_for(0.3);
+    EXPECT_EQ(axis.velocity(), 0.0);
+    const double error = axis.position() - speed * speed / (2.0 * a);
+    EXPECT_NEAR(error, a * h * h / 8.0, 1.0e-3 * a * h * h) << h;
+  }
+}
+
+/// Largest relative error of the speed with which two equal masses part after meeting through the
+/// play, over eight places of the impact within a sub-step.
+double impact_error(double substep) {
+  AxisModel model = elastic(2.0).model;
+  model.backlash = 0.2;
+  double worst = 0.0;
+  for (int phase = 0; phase < 8; ++phase) {
+    FreeAxis axis(model, {}, substep);
+    constexpr double kSpeed = 10.0;  // the play of 0.1 rad takes 10 ms
+    axis.set_load_position(kSpeed * substep * phase / 8.0);
+    axis.set_speeds(kSpeed, 0.0);
+    axis.step_for(0.05);  // contact lasts π/ω = 27 ms
+    EXPECT_NEAR(axis.velocity() + axis.load_velocity(), kSpeed, 1.0e-9) << "momentum";
+    const double parting = axis.load_velocity() - axis.velocity();
+    worst = std::max(worst, std::abs(parting / kSpeed - 1.0));
+  }
+  return worst;
+}
+
+TEST(PlantModel, AnImpactThroughTheBacklashConvergesWithTheSquareOfTheSubStep) {
+  // An elastic impact: equal masses swap their speeds. Contact begins up to a sub-step h late, with
+  // an overlap that was not worked for, and ends up to h late: each puts (ωh)²/2 at most on the
+  // relative speed, one up, one down, ω² = k (1/Jm + 1/Jl).
+  const double omega_squared = 2.0 * 2.0 / 3.0e-4;
+  double before = 0.0;
+  for (const double h : {1.0e-3, 5.0e-4, 2.5e-4, 1.25e-4, 6.25e-5, 3.125e-5}) {
+    const double error = impact_error(h);
+    EXPECT_LE(error, 0.5 * omega_squared * h * h * 1.05) << h;
+    EXPECT_TRUE(before == 0.0 || error < before / 2.8) << h << ": " << error << " after " << before;
+    before = error;
+  }
+}
+
+TEST(PlantModel, EncodersShowTheNearestCount) {
+  AxisModel model = elastic(2.0).model;
+  model.encoder_resolution = 10'000.0;
+  model.load_encoder_resolution = 65'536.0;
+  FreeAxis axis(model, {}, kServoCycle);
+  axis.set_load_torque(0.1);
+  for (int i = 0; i < 8'000; ++i) {
+    axis.step();
+    const double motor_counts = axis.state().motor_reading[0] * 10'000.0 / 4096.0;
+    const double load_counts = axis.state().load_reading[0] * 65'536.0 / 4096.0;
+    ASSERT_NEAR(motor_counts, std::round(motor_counts), 1.0e-6);
+    ASSERT_NEAR(load_counts, std::round(load_counts), 1.0e-6);
+    ASSERT_LE(std::abs(axis.state().position[0] * 10'000.0 / 4096.0 - motor_counts), 0.5 + 1e-6);
+    ASSERT_LE(std::abs(axis.state().load_position[0] * 65'536.0 / 4096.0 - load_counts),
+              0.5 + 1e-6);
   }
 }
 
