@@ -3,16 +3,23 @@
 // the 32-bit registers. VDRIVE_NIGHTLY=1 runs 1e7 random cases instead of 1e5.
 #include "vdrive/motion/profile.hpp"
 
+#include "core/support/axis_under_test.hpp"
 #include "core/support/random_cases.hpp"
+#include "drive/drive.hpp"
+#include "plant/servo_block.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <iomanip>
 #include <limits>
 #include <ostream>
+#include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 namespace vdrive {
@@ -520,6 +527,317 @@ TEST(ProfileProperties, NoErrorGrowsWithTheLengthOfTheMove) {
     EXPECT_NEAR(profile.at(time).position, -2147483648.0 + time - 0.5, 1e-6) << day << " days";
   }
   EXPECT_EQ(profile.at(profile.duration()).position, 2147483647.0);
+}
+
+// ---- the ends of every register, all with all
+// ---------------------------------------------------------
+
+constexpr double kLowest = -2147483648.0;
+constexpr double kHighest = 2147483647.0;
+constexpr double kWholeRange = 4294967295.0;
+
+/// Starts and targets: int32 ends, neighbours, one unit and the whole range apart, relative targets
+/// that leave the range.
+std::vector<Case> extreme_ways() {
+  std::vector<Case> ways;
+  for (const double from : {kLowest, -1.0, 0.0, kHighest}) {
+    for (const double way : {1.0, 2.0, 100.0, 2147483648.0, kWholeRange}) {
+      ways.push_back({{from, 0.0}, from + way, {}});
+      ways.push_back({{from, 0.0}, from - way, {}});
+    }
+    for (const double to : {kLowest, kHighest}) {
+      ways.push_back({{from, 0.0}, to, {}});
+    }
+  }
+  return ways;
+}
+
+void expect_finite(const Case& c, const Profile& profile) {
+  for (int k = -1; k <= 17; ++k) {
+    const MotionSample now = profile.at(profile.duration() * k / 16.0);
+    ASSERT_TRUE(std::isfinite(now.position) && std::isfinite(now.velocity) &&
+                std::isfinite(now.acceleration))
+        << c;
+  }
+}
+
+/// Register values of 6083h and 6084h; 0 counts as 1 (in the drive).
+constexpr std::array<double, 4> kExtremeRamps{1.0, 409600.0, 4294967040.0, 4294967295.0};
+
+void expect_all_properties(const Case& c, Random& random) {
+  const Profile profile = plan(c);
+  ASSERT_NO_FATAL_FAILURE(expect_finite(c, profile));
+  ASSERT_NO_FATAL_FAILURE(expect_exact_end(c, profile));
+  ASSERT_NO_FATAL_FAILURE(expect_limits(c, profile));
+  ASSERT_NO_FATAL_FAILURE(expect_continuity(c, profile));
+  ASSERT_NO_FATAL_FAILURE(expect_symmetry(c, profile));
+  ASSERT_NO_FATAL_FAILURE(expect_same_in_many_steps(c, profile, random));
+  ASSERT_NO_FATAL_FAILURE(expect_replanning_changes_nothing(c, profile, random));
+  ASSERT_NO_FATAL_FAILURE(expect_minimum_time(c, profile));
+}
+
+TEST(ProfileProperties, HoldAtTheEndsOfEveryRegisterAllWithAll) {
+  Random random(6);
+  std::uint64_t cases = 0;
+  for (const Case& way : extreme_ways()) {
+    for (const double speed : {0.0, 1.0, 136533.0, 4294967295.0}) {
+      for (const double up : kExtremeRamps) {
+        for (const double down : kExtremeRamps) {
+          // At rest, slow, on the limit, faster than the limit; towards the target and away from
+          // it, which also makes starts inside the stopping distance and beyond the target.
+          for (const double start : {0.0, 1.0, -1.0, speed, -speed, 2.0 * speed + 1.0,
+                                     -2.0 * speed - 1.0, 4294967295.0, -4294967295.0}) {
+            Case c = way;
+            c.start.velocity = start;
+            c.limits = {speed, up, down};
+            ASSERT_NO_FATAL_FAILURE(expect_all_properties(c, random));
+            ++cases;
+          }
+        }
+      }
+    }
+  }
+  EXPECT_EQ(cases, 48U * 4U * 16U * 9U);
+}
+
+// ---- the demand of an axis
+// ----------------------------------------------------------------------------
+
+struct AxisCase {
+  std::int64_t speed;         // 6081h
+  std::int64_t acceleration;  // 6083h and 6084h
+  std::int32_t from;
+  std::int32_t to;
+};
+
+/// 6062h and 606Bh in every tick against the closed form from the registers' meaning.
+void expect_demand_on_the_profile(const AxisCase& c, int ticks) {
+  AxisConfiguration configuration;
+  configuration.initial_position = c.from;
+  test::AxisUnderTest axis(configuration);
+  axis.write("following_error_window", 0xFFFFFFFF);
+  axis.write("app_speed_limit", 0xFFFFFFFF);
+  axis.write("motor_max_speed_rpm", 0xFFFFFFFF);
+  axis.write("profile_velocity", c.speed);
+  axis.write("profile_acc", c.acceleration);
+  axis.write("profile_dec", c.acceleration);
+  axis.enable();
+  axis.write("position_user_target_value", c.to);
+  axis.controlword(0x001F);
+  // 6083h and 6084h of 0 count as 1 and are capped by 60C5h and 60C6h.
+  const double ramp = std::clamp(static_cast<double>(c.acceleration), 1.0, 4294967040.0);
+  const Profile profile = plan({{static_cast<double>(c.from), 0.0},
+                                static_cast<double>(c.to),
+                                {static_cast<double>(c.speed), ramp, ramp}});
+  for (int tick = 1; tick <= ticks; ++tick) {
+    axis.step();
+    const MotionSample expected = profile.at(tick * 1.0e-3);
+    ASSERT_EQ(axis.demand(), std::llrint(expected.position)) << "tick " << tick;
+    // 606Bh is an INTEGER32: it stays at its end.
+    ASSERT_NEAR(axis.demand_velocity(), std::clamp(expected.velocity, kLowest, kHighest), 0.51)
+        << "tick " << tick;
+  }
+  const bool over = profile.duration() < ticks * 1.0e-3 && c.speed != 0;
+  ASSERT_TRUE(!over || axis.demand() == c.to);
+}
+
+TEST(AxisDemand, IsTheProfileInEveryTickAtTheEndsOfTheRegisters) {
+  constexpr auto kLow = std::numeric_limits<std::int32_t>::min();
+  constexpr auto kHigh = std::numeric_limits<std::int32_t>::max();
+  const auto ticks = static_cast<int>(case_count(3'100, 10'000));
+  for (const std::int64_t speed : {0LL, 1LL, 136'533LL, 4294967295LL}) {
+    for (const std::int64_t acceleration : {0LL, 1LL, 409'600LL, 4294967040LL, 4294967295LL}) {
+      for (const auto& [from, to] :
+           {std::pair{kLow, kHigh}, std::pair{kHigh, kLow}, std::pair{0, 1}, std::pair{0, -1},
+            std::pair{kLow, kLow + 1}, std::pair{kHigh - 1, kHigh}, std::pair{0, kLow}}) {
+        SCOPED_TRACE(std::to_string(speed) + " units/s, " + std::to_string(acceleration) +
+                     " units/s2, " + std::to_string(from) + " to " + std::to_string(to));
+        ASSERT_NO_FATAL_FAILURE(
+            expect_demand_on_the_profile({speed, acceleration, from, to}, ticks));
+      }
+    }
+  }
+}
+
+TEST(AxisDemand, OfRelativeMovesWrapsAtBothEndsOfTheRegister) {
+  for (const int sign : {1, -1}) {
+    AxisConfiguration configuration;
+    configuration.initial_position = sign > 0 ? 2147483647 : -2147483647 - 1;
+    test::AxisUnderTest axis(configuration);
+    axis.write("following_error_window", 0xFFFFFFFF);
+    axis.write("app_speed_limit", 0xFFFFFFFF);
+    axis.write("motor_max_speed_rpm", 0xFFFFFFFF);
+    axis.write("profile_velocity", 4294967295);
+    axis.write("profile_acc", 4294967295);
+    axis.write("profile_dec", 4294967295);
+    axis.write("positioning_option_code", 0);
+    axis.enable();
+    // Ten times across the whole range: 2147483647 units each, modulo 2³².
+    auto expected = static_cast<std::uint32_t>(configuration.initial_position);
+    for (int i = 0; i < 10; ++i) {
+      axis.write("position_user_target_value", sign * 2147483647LL);
+      axis.command(0x007F);
+      axis.command(0x000F);
+      expected += static_cast<std::uint32_t>(sign * 2147483647LL);
+      // sqrt(4·2³¹/2³²) = 1.41 s
+      axis.step(1'500);
+      ASSERT_EQ(axis.demand(), static_cast<std::int32_t>(expected)) << "move " << i;
+      ASSERT_EQ(axis.demand_velocity(), 0);
+    }
+  }
+}
+
+// ---- uptimes
+// ------------------------------------------------------------------------------------------
+
+/// One drive without a bank: what depends on how long it runs is in its state, which a test can set
+/// to any time. A tick is 1 ms: 2³¹ ticks are 24.9 days, 2³² are 49.7.
+class LongRunningDrive {
+ public:
+  LongRunningDrive() {
+    power_up(axis_, true);
+    write("op_mode_cmd", 1);
+    write("following_error_window", 0xFFFFFFFF);
+  }
+
+  void write(std::string_view name, std::int64_t value) {
+    WriteEffect effect = WriteEffect::none;
+    ASSERT_EQ(write_object(axis_, *find_object(name), value, effect), AbortCode::none);
+  }
+
+  /// One tick of an ideal servo: the load is where the demand is.
+  void tick() {
+    begin_tick(axis_, demand_);
+    end_tick(axis_);
+    servo_.load_reading[0] = state_.demand_position + distance_;
+  }
+
+  void tick(int count) {
+    for (int i = 0; i < count; ++i) {
+      tick();
+    }
+  }
+
+  /// The load stands this far from the demand [UU].
+  void push_away(double distance) { distance_ = distance; }
+
+  /// Following errors are shown in bit 13 and are no faults.
+  void only_warn() { registers_.settings.following_error_is_fault = false; }
+
+  DriveState& state() { return state_; }
+
+  [[nodiscard]] const Profile& profile() const { return registers_.profile; }
+
+  [[nodiscard]] const AxisStatus& status() const { return status_; }
+
+ private:
+  double distance_ = 0.0;
+  DriveState state_{};
+  DriveRegisters registers_;
+  ServoState servo_{};
+  AxisStatus status_{};
+  TickTiming timing_{};
+  DemandBlock demand_{};
+  DriveContext axis_{state_, registers_, servo_, 0, status_, timing_};
+};
+
+constexpr double kDay = 86'400.0;
+
+TEST(Uptime, AMoveAcrossTheWholeRangeIsOnItsLineAfter24And49Days) {
+  // 2³² - 1 units at 999 units/s last 4299266 s, 49.76 days: more than 2³² ticks of 1 ms.
+  LongRunningDrive drive;
+  drive.write("profile_velocity", 999);
+  drive.write("profile_acc", 999);
+  drive.write("profile_dec", 999);
+  drive.write("ds402_controlword", 0x0F);
+  drive.state().demand_position = kLowest;
+  drive.write("position_user_target_value", 2147483647);
+  drive.write("ds402_controlword", 0x1F);
+  drive.tick();
+  const double start = drive.profile().at(0.0).position;
+  ASSERT_GT(drive.profile().duration(), 49.75 * kDay);
+  for (const double border : {2147483648.0, 4294967296.0}) {
+    drive.state().plan_ticks = border - 50.0;
+    // The segment in force then is the second: 999 units/s.
+    drive.state().segment = drive.profile().segment(1);
+    for (int i = 1; i <= 100; ++i) {
+      drive.tick();
+      // After a ramp of 1 s and 499.5 units: x = x0 + 499.5 + 999 (t - 1).
+      const double seconds = (border - 50.0 + i) * 1.0e-3;
+      const double position = start + 499.5 + 999.0 * (seconds - 1.0);
+      ASSERT_NEAR(drive.state().demand_position, position, 1.0e-5) << border << " + " << i - 50;
+      ASSERT_EQ(drive.status().velocity_demand_value, 999);
+      ASSERT_EQ(drive.status().ds402_statusword, 0x1237);
+    }
+  }
+  // And it ends on its target to the unit.
+  drive.state().plan_ticks = std::floor(drive.profile().duration() * 1'000.0) - 5.0;
+  drive.state().segment = drive.profile().segment(2);
+  drive.tick(10);
+  EXPECT_EQ(drive.state().demand_position, start + kWholeRange);
+  EXPECT_EQ(drive.status().velocity_demand_value, 0);
+}
+
+TEST(Uptime, CountersOfTicksStandStillAtTheirEnds) {
+  // At rest for 49.7 days: the window's time, the time in the state, the following error's time.
+  for (const std::uint32_t ticks : {0x7FFFFFFFU, 0xFFFFFFFFU}) {
+    LongRunningDrive drive;
+    drive.write("ds402_controlword", 0x0F);
+    drive.tick(100);
+    ASSERT_EQ(drive.status().ds402_statusword, 0x0637);
+    drive.state().dwell = ticks - 5;
+    drive.state().ticks_in_state = ticks - 5;
+    for (int i = 0; i < 20; ++i) {
+      drive.tick();
+      ASSERT_EQ(drive.status().ds402_statusword, 0x0637) << i;
+    }
+    EXPECT_GE(drive.state().dwell, ticks);
+    EXPECT_GE(drive.state().ticks_in_state, ticks);
+    // What comes next is as on the first day.
+    drive.write("position_user_target_value", 0);
+    drive.write("ds402_controlword", 0x1F);
+    drive.tick();
+    EXPECT_EQ(drive.status().ds402_statusword, 0x1237);
+    drive.tick(25);
+    EXPECT_EQ(drive.status().ds402_statusword, 0x1637);
+    drive.write("ds402_controlword", 0x02);
+    drive.tick();
+    EXPECT_EQ(drive.status().ds402_statusword & 0x6F, 0x07);
+    drive.tick();
+    EXPECT_EQ(drive.status().ds402_statusword, 0x0250);
+  }
+}
+
+TEST(Uptime, AFollowingErrorThatOnlyWarnsDoesSoFor49Days) {
+  for (const std::uint32_t ticks : {0x7FFFFFFFU, 0xFFFFFFFFU}) {
+    LongRunningDrive drive;
+    drive.only_warn();
+    drive.write("ds402_controlword", 0x0F);
+    drive.write("following_error_window", 5);
+    drive.write("following_error_time_out", 0);
+    drive.push_away(10.0);
+    drive.tick(10);
+    drive.state().following_count = ticks - 5;
+    for (int i = 0; i < 20; ++i) {
+      drive.tick();
+      ASSERT_EQ(drive.status().ds402_statusword & 0x2000, 0x2000) << i;
+    }
+    drive.push_away(0.0);
+    drive.tick(2);
+    EXPECT_EQ(drive.status().ds402_statusword & 0x2000, 0);
+  }
+}
+
+TEST(Uptime, PositionsOfAnAxisThatTurnsOneWayForYearsKeepTheirUnit) {
+  // 2⁴⁰ units are 93 days at 136533 units/s; there the frame is taken back by whole turns of 2³².
+  LongRunningDrive drive;
+  drive.write("ds402_controlword", 0x0F);
+  drive.write("positioning_option_code", 1);
+  drive.tick();
+  drive.state().demand_position = 1099511627776.0 + 12'345.0;
+  drive.tick(2);
+  EXPECT_EQ(drive.state().demand_position, 12'345.0) << "2⁴⁰ is a whole number of turns";
+  EXPECT_EQ(drive.status().position_demand_value, 12'345);
 }
 
 }  // namespace
