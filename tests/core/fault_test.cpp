@@ -185,6 +185,31 @@ TEST(Fault, TheHistoryKeepsTheNewestEightFirst) {
   EXPECT_EQ(axis.try_read("error_history_1").code, AbortCode{0x08000024});
 }
 
+TEST(Fault, AFollowingErrorAndASilentMasterEnterTheHistoryAndAreResetWithoutACauseToGo) {
+  AxisUnderTest axis;
+  axis.write("following_error_window", 100);
+  axis.enable();
+  axis.write("test_blocked_load", 1);
+  axis.write("position_user_target_value", 10'000);
+  axis.command(0x003F);
+  ASSERT_NE(axis.step_until_status(0x004F, 0x0008, 1'000), 0U);
+  EXPECT_EQ(axis.read("error_history_count"), 1);
+  EXPECT_EQ(axis.read("error_history_1"), 0x8611);
+  EXPECT_EQ(axis.read("error_register"), 0x21);
+  EXPECT_EQ(axis.command(0x0080), 0x0250) << "without power there is no following error";
+  EXPECT_EQ(axis.read("error_register"), 0);
+
+  axis.command(0x000F);
+  axis.axis().report_connection_loss();
+  ASSERT_NE(axis.step_until_status(0x004F, 0x0008, 1'000), 0U);
+  EXPECT_EQ(axis.read("error_history_count"), 2);
+  EXPECT_EQ(axis.read("error_history_1"), 0x8130);
+  EXPECT_EQ(axis.read("error_history_2"), 0x8611);
+  EXPECT_EQ(axis.read("error_register"), 0x11);
+  EXPECT_EQ(axis.status().fault_count, 2U);
+  EXPECT_EQ(axis.command(0x0080), 0x0250);
+}
+
 TEST(Fault, APartlyFilledHistoryAnswersNoDataBeyondItsCount) {
   AxisUnderTest axis;
   axis.write("test_over_current", 1);

@@ -194,6 +194,31 @@ TEST(Outbox, CountsWhatDidNotFitAndTellsIt) {
   EXPECT_EQ(events[0].detail, 5U);
 }
 
+// 24.9 and 49.7 days of milliseconds: where a count of 32 bits would turn negative or start anew.
+TEST(BenchEngine, KeepsTimesAndCountsAcross2To31And2To32Ticks) {
+  for (const std::uint64_t border : {std::uint64_t{1} << 31U, std::uint64_t{1} << 32U}) {
+    EngineUnderTest bench;
+    bench.engine.start_at(border - 50);
+    bench.acquire(kAlice, {1});
+    bench.write(kAlice, 1, 0x6040, 0x0F);
+    msg::CommandFrame frame = bench.make_frame(kAlice);
+    frame.apply_at_tick(border + 5);
+    set_controlword(add_command(frame, 1), 0x06);
+    bench.receive(frame);
+
+    bench.steps(54);
+    EXPECT_EQ(bench.engine.tick(), border + 4);
+    EXPECT_EQ(bench.value(1, 0x6041), 0x0237) << "enabled, not shut down yet";
+    bench.steps(1);
+    EXPECT_EQ(bench.value(1, 0x6041), 0x0231) << "in its tick";
+    bench.steps(45);
+    EXPECT_EQ(bench.counters.master_losses.get(), 0U) << "100 ms are allowed";
+    bench.steps(2);
+    EXPECT_EQ(bench.counters.master_losses.get(), 1U);
+    EXPECT_EQ(bench.engine.tick(), border + 52);
+  }
+}
+
 TEST(BenchEngine, GivesTheSameBitsForAnyNumberOfThreads) {
   std::uint64_t expected = 0;
   for (const std::uint32_t threads : {1U, 2U, 3U, 7U}) {

@@ -86,6 +86,16 @@ void write_controlword(const DriveContext& axis, std::uint16_t word) {
   s.attention = true;
 }
 
+/// Rows that refuse what they do not mean with 0x06090030, also beyond the range that they show.
+bool is_judged_by_meaning(ObjectRow row) {
+  return row == "error_history_count"_object || row == "homing_method"_object;
+}
+
+bool is_within_type(ObjectRow row, std::int64_t value) {
+  const TypeRange type = range_of(describe(row).data_type);
+  return value >= type.lowest && value <= type.highest;
+}
+
 /// The narrower rules of single objects, for a value within its type.
 AbortCode check_value(ObjectRow row, std::int64_t value) {
   switch (row) {
@@ -152,10 +162,7 @@ void update_derived(const DriveContext& axis) noexcept {
 AbortCode write_object(const DriveContext& axis, ObjectRow row, std::int64_t value,
                        WriteEffect& effect) noexcept {
   AbortCode code = check_write(row, value);
-  // 1003h:00 refuses what it does not mean, also beyond the count that it shows.
-  const bool within_type = value <= range_of(describe(row).data_type).highest;
-  if (code == AbortCode::none ||
-      (row == "error_history_count"_object && code == AbortCode::value_too_high && within_type)) {
+  if (code == AbortCode::none || (is_judged_by_meaning(row) && is_within_type(row, value))) {
     code = check_value(row, value);
   }
   if (code != AbortCode::none) {
