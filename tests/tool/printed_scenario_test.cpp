@@ -3,14 +3,12 @@
 #include "core/support/set_point_model.hpp"
 #include "core/support/set_point_sequences.hpp"
 #include "scenario.hpp"
-#include "usage_error.hpp"
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
+#include <cstdint>
 #include <sstream>
 #include <string>
-#include <variant>
 #include <vector>
 
 namespace vdrive::tool {
@@ -53,7 +51,7 @@ TEST(PrintedScenario, LetsAsMuchTimePassAsTheSequence) {
             "expect 1.1 0x6061 0\n"
             "expect 1.1 0x6062 0\n"
             "expect 1.1 0x606B 0\n"
-            "refused 0x6090030 write 1.1 op_mode_cmd 2\n"
+            "refused 0x06090030 write 1.1 op_mode_cmd 2\n"
             "write 1.1 op_mode_cmd 1\n"
             "wait 1ms\n"
             "expect 1.1 0x6041 0x231\n"

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iomanip>
 #include <optional>
 #include <ostream>
 #include <sstream>
@@ -417,7 +418,8 @@ std::string line_of(const Command& command) {
   std::ostringstream text;
   const AbortCode code = expected_answer(command);
   if (code != AbortCode::none) {
-    text << "refused 0x" << std::hex << static_cast<std::uint32_t>(code) << std::dec << ' ';
+    text << "refused 0x" << std::hex << std::setw(8) << std::setfill('0')
+         << static_cast<std::uint32_t>(code) << std::dec << ' ';
   }
   text << "write 1.1 " << command.object << ' ';
   if (std::string_view(command.object) == "ds402_controlword") {

@@ -7,7 +7,6 @@
 #include <iosfwd>
 #include <map>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace vdrive::test {
