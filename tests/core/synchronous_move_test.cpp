@@ -253,6 +253,8 @@ TEST_F(TwoAxes, TimesBeyondTheLimitsAreNotAccepted) {
     }
     fresh.start({60'000}, row.times);
     EXPECT_EQ(fresh.bank().ignored_set_points(0), 1U);
+    fresh.start({0}, {750'000, 0, 0});
+    EXPECT_EQ(fresh.bank().ignored_set_points(0), 2U) << "without any way";
     for (int tick = 0; tick < 50; ++tick) {
       fresh.bank().step();
       ASSERT_EQ(fresh.demand(0), 0);

@@ -275,16 +275,14 @@ bool can_start(const DriveContext& axis, const SetPoint& set_point) {
   }
   const DriveState& s = axis.state;
   const MoveTimes times = times_of(set_point);
-  if (s.moving || times.acceleration + times.deceleration > times.duration) {
+  const bool possible = times.acceleration > 0.0 && times.deceleration > 0.0 &&
+                        times.acceleration + times.deceleration <= times.duration;
+  if (s.moving || !possible) {
     return false;
   }
   rebase(axis);  // an absolute target counts from the frame that the set-point will start in
   rest_at(axis, s.demand_position);
-  const double displacement = target_of(axis, set_point) - s.demand_position;
-  if (displacement == 0.0) {
-    return true;
-  }
-  const MotionLimits limits = limits_of(displacement, times);
+  const MotionLimits limits = limits_of(target_of(axis, set_point) - s.demand_position, times);
   return limits.velocity <= axis.registers.velocity_cap &&
          limits.acceleration <= std::max(real(axis, "app_acc_limit"_object), 1.0) &&
          limits.deceleration <= std::max(real(axis, "app_dec_limit"_object), 1.0);
@@ -297,7 +295,9 @@ void start_set_point(const DriveContext& axis, const SetPoint& set_point) {
   s.target = target_of(axis, set_point);
   r.set_point_velocity = static_cast<double>(set_point.profile_velocity);
   r.synchronous_times = times_of(set_point);
-  r.synchronous_limits = limits_of(s.target - s.demand_position, r.synchronous_times);
+  if (r.synchronous_times.duration > 0.0) {
+    r.synchronous_limits = limits_of(s.target - s.demand_position, r.synchronous_times);
+  }
   r.synchronous_start = true;
   // The profile's start was rebased too: the request must not compare equal to one of before.
   r.request = {};

@@ -100,7 +100,7 @@ struct MoveTimes {
 };
 
 /// @return the peak velocity and the accelerations of a trapezoid over `displacement` [user units]
-///         in these times. With a time of 0 its acceleration is infinite.
+///         in these times.
 [[nodiscard]] MotionLimits limits_of(double displacement, const MoveTimes& times) noexcept;
 
 /// Plans the trapezoid from rest at `start` to rest at `target` that takes exactly these times,
