@@ -123,6 +123,16 @@ void take_control(const DriveContext& axis, Control control) {
   axis.registers.request = {};
 }
 
+/// A new torque ramps from what is commanded: where a limit cuts the ramp off, not from its end.
+void start_ramp(const DriveContext& axis, const MotionRequest& request) {
+  DriveState& s = axis.state;
+  const double commanded = axis.servo.command[axis.lane] * s.torque_per_mille;
+  const double step = request.limits.acceleration * axis.timing.period_us * 1.0e-6;
+  if (std::abs(s.demand_torque) > std::abs(commanded) + step) {
+    s.demand_torque = commanded;
+  }
+}
+
 /// One tick of the torque's ramp.
 void ramp_torque(const DriveContext& axis, const MotionRequest& request) {
   DriveState& s = axis.state;
@@ -200,6 +210,7 @@ void shift_frame(const DriveContext& axis, const FrameShift& shift) {
   servo.motor_reading[l] -= shift.motor;
   const double offset = r.index_offset - shift.motor;
   r.index_offset = offset - kUserUnitsPerRevolution * nearest(offset / kUserUnitsPerRevolution);
+  r.index_reading -= shift.motor;
   servo.load_offset[l] += r.gear_ratio * shift.motor - shift.load;
   servo.load_position[l] -= shift.load;
   servo.load_measured[l] -= shift.reading;
@@ -249,6 +260,9 @@ void replan(const DriveContext& axis) {
   r.request = request;
   r.synchronous_start = false;
   if (request.kind == Kind::torque) {
+    if (!same) {
+      start_ramp(axis, request);
+    }
     ramp_torque(axis, request);
   } else if (request.kind == Kind::follow) {
     follow_target(axis, request);

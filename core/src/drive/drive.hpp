@@ -121,6 +121,7 @@ struct DriveRegisters {
   MotionLimits synchronous_limits;  // that follow from them
   bool synchronous_start = false;   // the synchronous move has not been planned yet
   double index_offset = 0.0;        // of the index pulses in the motor's frame [UU]
+  double index_reading = 0.0;       // of encoder 1 in the last tick of a homing run [UU]
   std::int8_t homing_method = 0;    // 6098h of the present run
   bool index_input = false;         // 5E09h as it was in the last tick
   std::array<std::uint32_t, 8> error_history{};

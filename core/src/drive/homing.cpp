@@ -55,17 +55,16 @@ double floor_of(double x) {
   return rounded > x ? rounded - 1.0 : rounded;
 }
 
-/// Index pulse of the motor's encoder, once a revolution, passed in `direction` in the last tick.
+/// Index pulse of the motor's encoder, once a revolution: the first one that was passed in
+/// `direction` since the reading `before`. One on which the motor stood does not count.
 /// @return true and its place in the motor's frame [UU].
-bool passed_index(const DriveContext& axis, double direction, double& place) {
-  const ServoState& servo = axis.servo;
-  const std::size_t l = axis.lane;
+bool passed_index(const DriveContext& axis, double direction, double before, double& place) {
   const double offset = axis.registers.index_offset;
-  const double period = axis.timing.period_us * 1.0e-6;
-  const double now = direction * (servo.motor_reading[l] - offset) / kUserUnitsPerRevolution;
-  const double before = now - direction * servo.motor_speed[l] * period / kUserUnitsPerRevolution;
-  const double pulse = floor_of(now);
-  if (!(pulse > before)) {
+  const auto revolutions = [direction, offset](double reading) {
+    return direction * (reading - offset) / kUserUnitsPerRevolution;
+  };
+  const double pulse = floor_of(revolutions(before)) + 1.0;
+  if (pulse > revolutions(axis.servo.motor_reading[axis.lane])) {
     return false;
   }
   place = direction * pulse * kUserUnitsPerRevolution + offset;
@@ -94,10 +93,10 @@ void attain_at_index(const DriveContext& axis, double place) {
   attain(axis, axis.servo.load_reading[l] + ratio * (place - axis.servo.motor_reading[l]));
 }
 
-void seek_index(const DriveContext& axis, bool index_input_rose) {
+void seek_index(const DriveContext& axis, double before, bool index_input_rose) {
   const double direction = homing_direction(axis);
   double place = 0.0;
-  if (passed_index(axis, direction, place)) {
+  if (passed_index(axis, direction, before, place)) {
     attain_at_index(axis, place);
   } else if (index_input_rose) {
     attain(axis, axis.servo.load_reading[axis.lane]);
@@ -131,14 +130,15 @@ bool homing_runs(HomingStage stage) {
 }
 
 double homing_direction(const DriveContext& axis) {
-  const Method& method = method_of(axis);
   switch (axis.state.homing) {
     case HomingStage::search:
-      return method.direction;
+      return method_of(axis).direction;
     case HomingStage::leave:
-      return -method.direction;
-    case HomingStage::index:
+      return -method_of(axis).direction;
+    case HomingStage::index: {
+      const Method& method = method_of(axis);
       return method.limit ? -method.direction : method.direction;
+    }
     default:
       return 0.0;
   }
@@ -155,6 +155,7 @@ bool start_homing(const DriveContext& axis) {
   s.arrived = false;
   r.homing_method = static_cast<std::int8_t>(reg(axis, "homing_method"_object));
   r.index_input = reg(axis, "test_index_pulse_input"_object) != 0;
+  r.index_reading = axis.servo.motor_reading[axis.lane];
   const Method* const method = find_method(r.homing_method);
   const bool has_speeds =
       reg(axis, "homing_speed_search"_object) != 0 && reg(axis, "homing_speed_creep"_object) != 0;
@@ -176,12 +177,22 @@ void advance_homing(const DriveContext& axis) {
   if (s.fresh || !homing_runs(s.homing)) {
     return;  // the status shows the start before anything is found
   }
+  if (s.power.pending() != PowerCommand::none) {
+    interrupt_homing(axis);
+    return;
+  }
+  DriveRegisters& r = axis.registers;
   const bool index_input = reg(axis, "test_index_pulse_input"_object) != 0;
-  const bool rose = index_input && !axis.registers.index_input;
-  axis.registers.index_input = index_input;
+  const bool rose = index_input && !r.index_input;
+  const double before = r.index_reading;
+  r.index_input = index_input;
+  r.index_reading = axis.servo.motor_reading[axis.lane];
   switch (s.homing) {
     case HomingStage::present:
-      attain(axis, s.demand_position);
+      if (!s.moving) {
+        attain(axis, s.demand_position);
+        rest_at(axis, s.target);  // 6099h may be 0 here: nothing may be left to travel
+      }
       break;
     case HomingStage::search:
       if (at_limit(axis, homing_direction(axis))) {
@@ -192,7 +203,7 @@ void advance_homing(const DriveContext& axis) {
       leave_limit(axis);
       break;
     case HomingStage::index:
-      seek_index(axis, rose);
+      seek_index(axis, before, rose);
       break;
     default:
       break;
@@ -200,7 +211,7 @@ void advance_homing(const DriveContext& axis) {
 }
 
 void interrupt_homing(const DriveContext& axis) {
-  if (axis.state.homing != HomingStage::idle) {
+  if (homing_runs(axis.state.homing)) {
     axis.state.homing = HomingStage::idle;
     axis.state.plan_due = true;
   }

@@ -23,7 +23,7 @@ bool start_homing(const DriveContext& axis);
 /// Looks at switches, index pulse and position of the last tick; may go on to the next stage.
 void advance_homing(const DriveContext& axis);
 
-/// Halt or a stop ended the run.
+/// Halt or a stop ends a run that is under way; what one has found or not found before stays.
 void interrupt_homing(const DriveContext& axis);
 
 }  // namespace vdrive

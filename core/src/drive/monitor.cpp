@@ -104,6 +104,12 @@ std::uint16_t homing_bits(const DriveContext& axis, double actual) {
   }
 }
 
+/// The demand is the streamed position: neither a stop nor a limit keeps it away.
+bool follows_command(const DriveContext& axis) {
+  return axis.state.following &&
+         wrapped(axis.state.target) == reg(axis, "position_user_target_value"_object);
+}
+
 /// @return bits 10 and 12, in homing 13 too.
 std::uint16_t motion_bits(const DriveContext& axis, double actual) {
   const DriveState& s = axis.state;
@@ -123,7 +129,7 @@ std::uint16_t motion_bits(const DriveContext& axis, double actual) {
     case OperatingMode::homing:
       return homing_bits(axis, actual);
     case OperatingMode::cyclic_synchronous_position:
-      return s.following ? Statusword::kFollowsCommand : 0U;
+      return follows_command(axis) ? Statusword::kFollowsCommand : 0U;
     default:
       return 0;
   }

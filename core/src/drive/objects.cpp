@@ -86,6 +86,14 @@ void write_controlword(const DriveContext& axis, std::uint16_t word) {
   s.attention = true;
 }
 
+/// A target of profile velocity or torque was written: in its mode it replaces what a limit switch
+/// has given up.
+void take_target(const DriveContext& axis, OperatingMode mode) {
+  DriveState& s = axis.state;
+  s.limit_stop = s.limit_stop && s.mode != mode;
+  s.plan_due = true;
+}
+
 /// Rows that refuse what they do not mean with 0x06090030, also beyond the range that they show.
 bool is_judged_by_meaning(ObjectRow row) {
   return row == "error_history_count"_object || row == "homing_method"_object;
@@ -191,10 +199,14 @@ AbortCode write_object(const DriveContext& axis, ObjectRow row, std::int64_t val
       axis.state.attention = true;
       axis.state.plan_due = true;
       break;
+    case "target_velocity"_object:
+      take_target(axis, OperatingMode::profile_velocity);
+      break;
+    case "target_torque"_object:
+      take_target(axis, OperatingMode::profile_torque);
+      break;
     case "profile_acc"_object:
     case "profile_dec"_object:
-    case "target_velocity"_object:
-    case "target_torque"_object:
     case "torque_slope"_object:
     case "homing_method"_object:
     case "homing_speed_search"_object:

@@ -40,10 +40,24 @@ MotionRequest stop_with(double deceleration) {
           .limits = {.velocity = 0.0, .acceleration = 1.0, .deceleration = deceleration}};
 }
 
+/// `torque` [‰ of rated] within 6072h, 60E0h and 60E1h: a ramp beyond what is ever commanded would
+/// have to come all the way back before it is felt.
+double within_torque_limits(const DriveContext& axis, double torque) {
+  const DriveState& s = axis.state;
+  const double highest = real(axis, "max_torque"_object);
+  const double unit = std::min(s.torque_per_mille / s.current_per_mille, 1.0);
+  const auto limit = [&axis, highest, unit](ObjectRow row) {
+    const double relative = real(axis, row);
+    return relative == 0.0 ? highest : std::min(highest, relative * unit);
+  };
+  return std::min(std::max(torque, -limit("negative_torque_limit_relative"_object)),
+                  limit("positive_torque_limit_relative"_object));
+}
+
 /// 6071h by the slope 6087h; 0 counts as 1.
 MotionRequest torque_to(const DriveContext& axis, double target) {
   return {.kind = Kind::torque,
-          .target = target,
+          .target = within_torque_limits(axis, target),
           .limits = {.velocity = 0.0,
                      .acceleration = std::max(real(axis, "torque_slope"_object), 1.0),
                      .deceleration = 1.0}};
@@ -131,7 +145,9 @@ MotionRequest profile_position(const DriveContext& axis) {
                      .deceleration = deceleration_of(axis, "profile_dec"_object)}};
 }
 
+/// A target that runs into a limit switch is given up for good: a new one has to be written.
 MotionRequest profile_velocity(const DriveContext& axis) {
+  DriveState& s = axis.state;
   const double target = real(axis, "target_velocity"_object);
   MotionRequest request{.kind = Kind::velocity,
                         .target = target,
@@ -142,25 +158,30 @@ MotionRequest profile_velocity(const DriveContext& axis) {
     request.target = 0.0;
     request.limits.deceleration = option_deceleration(axis, reg(axis, "halt_option_code"_object));
   }
-  if (runs_into_limit_switch(axis, request.target)) {
+  s.limit_stop = s.limit_stop || runs_into_limit_switch(axis, target);
+  if (s.limit_stop) {
     request.target = 0.0;
   }
-  if (runs_into_limit_switch(axis, axis.state.demand_velocity)) {
+  if (s.limit_stop || runs_into_limit_switch(axis, s.demand_velocity)) {
     request.limits.deceleration = deceleration_of(axis, "quick_stop_deceleration"_object);
   }
   return request;
 }
 
+/// A limit switch is stronger than halt, and holds the axis until a new torque is written, unless
+/// the present one leads away from it.
 MotionRequest profile_torque(const DriveContext& axis) {
-  const DriveState& s = axis.state;
+  DriveState& s = axis.state;
   const double target = real(axis, "target_torque"_object);
   const double speed = axis.servo.load_speed[axis.lane];
   const double running = std::abs(speed) > static_cast<double>(s.velocity_threshold) ? speed : 0.0;
+  const bool runs_in = runs_into_limit_switch(axis, running);
+  s.limit_stop = s.limit_stop || runs_into_limit_switch(axis, target) || (runs_in && target == 0.0);
+  if (s.limit_stop || runs_in) {
+    return limit_switch_stop(axis);
+  }
   if (halted(axis)) {
     return stop_by_option(axis, reg(axis, "halt_option_code"_object));
-  }
-  if (runs_into_limit_switch(axis, target) || runs_into_limit_switch(axis, running)) {
-    return limit_switch_stop(axis);
   }
   return torque_to(axis, target);
 }
@@ -195,20 +216,22 @@ MotionRequest homing(const DriveContext& axis) {
   }
 }
 
-/// The streamed position, by the shorter way round the register; it does not leave the software
-/// limits.
+/// The streamed position, by the shorter way round the register; with software limits between them.
+/// A target behind a limit switch is given up: the next one that is written counts.
 MotionRequest cyclic_synchronous_position(const DriveContext& axis) {
-  const DriveState& s = axis.state;
+  DriveState& s = axis.state;
   if (!s.streams) {
-    return normal_stop(axis);
+    return s.limit_stop ? limit_switch_stop(axis) : normal_stop(axis);
   }
   const double streamed = real(axis, "position_user_target_value"_object);
   const double goal =
       s.limits_enabled ? std::min(std::max(streamed, s.lower_limit), s.upper_limit) : streamed;
   const double whole = nearest(s.demand_position);
-  const double target = whole + wrapped(goal - whole);
-  if (runs_into_limit_switch(axis, target - s.demand_position) ||
-      runs_into_limit_switch(axis, s.demand_velocity)) {
+  const double target = whole + (s.limits_enabled ? goal - wrapped(whole)
+                                                  : static_cast<double>(wrapped(goal - whole)));
+  s.limit_stop = runs_into_limit_switch(axis, target - s.demand_position);
+  s.streams = !s.limit_stop;
+  if (s.limit_stop || runs_into_limit_switch(axis, s.demand_velocity)) {
     return limit_switch_stop(axis);
   }
   return {.kind = Kind::follow,
@@ -220,7 +243,8 @@ MotionRequest cyclic_synchronous_position(const DriveContext& axis) {
 MotionRequest request_in_operation(const DriveContext& axis) {
   const DriveState& s = axis.state;
   if (s.wanted_mode != s.mode) {
-    return stop_with(normal_deceleration(axis));
+    return runs_into_limit_switch(axis, s.demand_velocity) ? limit_switch_stop(axis)
+                                                           : stop_with(normal_deceleration(axis));
   }
   if (s.power.pending() != PowerCommand::none) {
     return normal_stop(axis);
