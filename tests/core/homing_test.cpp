@@ -435,6 +435,8 @@ INSTANTIATE_TEST_SUITE_P(
         Machine{"DualEncoder", Feedback::dual_encoder, Coupling::rigid, false, 1'000},
         Machine{"SingleEncoderGear", Feedback::single_encoder, Coupling::rigid, true, 1'000},
         Machine{"DualEncoderGear", Feedback::dual_encoder, Coupling::rigid, true, 1'000},
+        Machine{"DualEncoderGearLongestPeriod", Feedback::dual_encoder, Coupling::rigid, true,
+                10'000},
         Machine{"TwoInertia", Feedback::dual_encoder, Coupling::two_inertia, false, 1'000},
         Machine{"TwoInertiaGear", Feedback::dual_encoder, Coupling::two_inertia, true, 1'000},
         Machine{"ShortestPeriod", Feedback::dual_encoder, Coupling::rigid, false, 125},
@@ -725,6 +727,48 @@ TEST(HomingHalt, AnEdgeUnderHaltIsIgnoredAndCountedAndOneThatEndsItStarts) {
   EXPECT_TRUE(bench.tick_until_phase(kDone));
 }
 
+TEST(HomingStart, AnIdleAxisThatIsPushedDoesNotLookLikeARun) {
+  Bench bench;
+  ASSERT_NO_FATAL_FAILURE(bench.enter(33));
+  bench.axis.write("test_load_torque", 2'000);
+  std::int32_t fastest = 0;
+  for (int i = 0; i < 200; ++i) {
+    bench.tick();
+    fastest = std::max(fastest, std::abs(bench.axis.velocity()));
+    ASSERT_EQ(bench.phase(), kIdle);
+  }
+  EXPECT_GT(fastest, 100);
+}
+
+TEST(HomingStart, OnTheSwitchTheAxisLeavesItAtOnce) {
+  for (const int method : {1, 2, 17, 18}) {
+    const int away = method == 1 || method == 17 ? 1 : -1;
+    Bench bench;
+    bench.switches_at(away > 0 ? 100.0 : -kNowhere, away > 0 ? kNowhere : -100.0);
+    ASSERT_NO_FATAL_FAILURE(bench.enter(method));
+    bench.axis.controlword(0x001F);
+    ASSERT_TRUE(bench.tick_until([&bench, away] {
+      EXPECT_GE(away * bench.axis.demand_velocity(), 0);
+      return bench.phase() != kRunning || testing::Test::HasFailure();
+    }));
+    EXPECT_EQ(bench.phase(), kAttained);
+  }
+}
+
+TEST(HomingStart, ASwitchThatOpensWhileTheAxisStillRunsIntoItIsNotLeftYet) {
+  Bench bench;
+  ASSERT_NO_FATAL_FAILURE(bench.enter(17));
+  bench.start();
+  bench.ticks(200);
+  bench.axis.write("test_negative_limit_input", 1);
+  bench.ticks(2);
+  bench.axis.write("test_negative_limit_input", 0);
+  ASSERT_TRUE(bench.tick_until([&bench] {
+    return bench.phase() != kRunning;
+  }));
+  EXPECT_GT(bench.axis.demand_velocity(), -300) << "not before it has turned round";
+}
+
 TEST(HomingStart, AnEdgeTogetherWithEnablingOrOutsideOperationEnabledIsNotAccepted) {
   Bench bench;
   bench.axis.write("op_mode_cmd", 6);
@@ -931,6 +975,15 @@ TEST(SoftwareLimits, ARunThatFindsNoHomeDoesNotBringThemIntoForce) {
   ASSERT_NO_FATAL_FAILURE(bench.enter(0));
   bench.start();
   bench.ticks(5);
+  EXPECT_FALSE(bench.axis.limit_active());
+}
+
+TEST(SoftwareLimits, AreOutOfForceFromTheStartOfANewRunToItsHome) {
+  Bench bench = limited_bench(true);
+  ASSERT_NO_FATAL_FAILURE(bench.home(37));
+  bench.axis.write("homing_method", 0);
+  bench.start();
+  EXPECT_EQ(bench.phase(), kErrorStopped);
   EXPECT_FALSE(bench.axis.limit_active());
 }
 

@@ -85,6 +85,13 @@ TEST(ProfileTorque, ASlopeOf0CountsAs1AndActsLive) {
   axis.write("target_torque", 100);
   axis.step(3'000);
   EXPECT_EQ(axis.status().torque_demand, 3);
+  axis.write("target_torque", 4);
+  axis.step(900);
+  EXPECT_EQ(axis.status().torque_demand, 4) << "rounded";
+  EXPECT_FALSE(axis.reached()) << "still on its way";
+  axis.step(102);
+  EXPECT_TRUE(axis.reached());
+  axis.write("target_torque", 100);
   axis.write("torque_slope", 10'000);
   axis.step(11);
   EXPECT_EQ(axis.status().torque_demand, 100);
@@ -157,17 +164,20 @@ TEST(ProfileTorque, FromTheSpeedLimitTheTorqueComesBackAtOnce) {
 }
 
 TEST(ProfileTorque, FromALimitTheDemandComesBackAtOnce) {
-  AxisUnderTest axis;
-  axis.write("test_blocked_load", 1);
-  axis.write("max_torque", 500);
-  axis.write("torque_slope", 8'000);
-  enable(axis);
-  axis.write("target_torque", 30'000);
-  axis.step(2'000);
-  ASSERT_EQ(axis.status().torque_demand, 500);
-  axis.write("target_torque", 0);
-  axis.step(10);
-  EXPECT_EQ(axis.status().torque_demand, 500 - 79);
+  for (const std::int64_t relative : {0, 500, 2'000}) {  // 60E0h off, equal, above 6072h
+    AxisUnderTest axis;
+    axis.write("test_blocked_load", 1);
+    axis.write("max_torque", relative == 500 ? 3'000 : 500);
+    axis.write("positive_torque_limit_relative", relative);
+    axis.write("torque_slope", 8'000);
+    enable(axis);
+    axis.write("target_torque", 30'000);
+    axis.step(2'000);
+    ASSERT_EQ(axis.status().torque_demand, 500);
+    axis.write("target_torque", 0);
+    axis.step(10);
+    EXPECT_EQ(axis.status().torque_demand, 500 - 79);
+  }
 }
 
 TEST(ProfileTorque, WithoutPowerThereIsNoTorque) {

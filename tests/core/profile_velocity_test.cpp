@@ -437,6 +437,25 @@ TEST(ProfileVelocity, ALimitSwitchOfTheOtherSideDoesNotMatter) {
   EXPECT_EQ(axis.demand_velocity(), 40'000);
 }
 
+TEST(ProfileVelocity, ATargetVelocityWrittenInAnotherModeChangesNothingThere) {
+  AxisUnderTest axis;
+  set_ramps(axis);
+  axis.enable();
+  axis.write("position_user_target_value", 1'000'000);
+  axis.write("profile_velocity", 40'000);
+  axis.command(0x001F);
+  axis.step(200);
+  axis.write("test_positive_limit_input", 1);
+  axis.step(100);
+  axis.write("test_positive_limit_input", 0);
+  axis.write("target_velocity", 10'000);
+  axis.write("target_torque", 100);
+  axis.step(100);
+  EXPECT_NEAR(axis.demand_velocity(), 20'000, 1) << "the stop goes on with 6085h";
+  axis.step(500);
+  EXPECT_EQ(axis.demand_velocity(), 0);
+}
+
 // ---- mode change
 // ----------------------------------------------------------------------------------
 

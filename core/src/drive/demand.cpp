@@ -159,7 +159,6 @@ void follow_target(const DriveContext& axis, const MotionRequest& request) {
   s.segment.velocity = s.demand_velocity;
   s.moving = step != 0.0;
   s.target = step == distance ? request.target : start + step;
-  s.following = step == distance;
 }
 
 Profile planned(const DriveContext& axis, const MotionRequest& request) {

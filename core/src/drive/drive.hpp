@@ -105,7 +105,7 @@ struct DriveState {
   bool limits_enabled = false;   // 3535h
   bool homed = false;            // a homing run found home since power-up
   bool streams = false;          // 607Ah was written since the cyclic mode is in force
-  bool following = false;        // the demand of this tick is the streamed one
+  bool following = false;        // the demand of this tick goes to the streamed one
   bool dc_link = true;
 };
 

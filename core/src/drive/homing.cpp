@@ -81,7 +81,6 @@ void attain(const DriveContext& axis, double home) {
   r.request = {};  // the plan was made in the frame of before
   s.target = offset;
   s.arrived = false;
-  s.dwell = 0;
   s.homing = HomingStage::back;
   s.homed = true;
   update_derived(axis);

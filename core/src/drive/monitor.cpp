@@ -88,7 +88,7 @@ std::uint16_t homing_bits(const DriveContext& axis, double actual) {
   DriveState& s = axis.state;
   switch (s.homing) {
     case HomingStage::idle:
-      return reached_when(at_rest(axis));
+      return reached_when(!s.moving);  // a load that is pushed does not look like a run
     case HomingStage::failed:
       return static_cast<std::uint16_t>(reached_when(at_rest(axis)) | Statusword::kHomingError);
     case HomingStage::back:
