@@ -109,6 +109,23 @@ TEST(CyclicPosition, AfterEnablingAgainANewTargetIsNeeded) {
   EXPECT_EQ(axis.demand(), 1'010);
 }
 
+TEST(CyclicPosition, ATargetFromBeforeAnInterruptionIsForgotten) {
+  for (const bool quick_stop : {false, true}) {
+    AxisUnderTest axis;
+    axis.write("quick_stop_option_code", 6);
+    enable(axis);
+    const std::int32_t last = stream_at(axis, 40, 200);
+    axis.command(quick_stop ? 0x0002 : 0x0000);  // brakes or coasts beyond the last target
+    axis.step(2'000);
+    const std::int32_t rest = axis.actual();
+    ASSERT_GT(rest, last + 200);
+    axis.command(0x000F);
+    axis.step(200);
+    EXPECT_NEAR(axis.actual(), rest, 1);
+    EXPECT_FALSE(follows(axis));
+  }
+}
+
 TEST(CyclicPosition, AMissingUpdateHoldsTheTarget) {
   AxisUnderTest axis;
   enable(axis);

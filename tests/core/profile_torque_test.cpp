@@ -151,6 +151,26 @@ TEST(ProfileTorque, TheTorqueIsLimitedBy6072h60E0hAnd60E1h) {
   EXPECT_EQ(axis.read("target_torque"), -1'000);
 }
 
+TEST(ProfileTorque, WhereALimitIsLiftedTheDemandRampsOn) {
+  AxisUnderTest axis;
+  axis.write("test_blocked_load", 1);
+  axis.write("max_torque", 500);
+  axis.write("positive_torque_limit_relative", 900);
+  axis.write("torque_slope", 8'000);
+  enable(axis);
+  axis.write("target_torque", 2'000);
+  axis.step(500);
+  ASSERT_EQ(axis.status().torque_demand, 500);
+  axis.write("max_torque", 3'000);
+  axis.step(10);
+  EXPECT_EQ(axis.status().torque_demand, 500 + 79);
+  axis.step(500);
+  ASSERT_EQ(axis.status().torque_demand, 900);
+  axis.write("positive_torque_limit_relative", 0);
+  axis.step(10);
+  EXPECT_EQ(axis.status().torque_demand, 900 + 79);
+}
+
 TEST(ProfileTorque, FromTheSpeedLimitTheTorqueComesBackAtOnce) {
   AxisUnderTest axis;
   ASSERT_NO_FATAL_FAILURE(run_with(axis, 1'000));
