@@ -3,11 +3,9 @@
 """Checks docs/conformance.md: every statement is held by tests that exist, run and pass.
 
     tests/conformance/check.py --build DIRECTORY [--ctest PROGRAM] [--page FILE] [--list]
-                               [--allow-pending]
 
     --build DIRECTORY  a build with tests; their programs are asked for and run there
     --list             only what the page itself shows: runs nothing
-    --allow-pending    a row may say TODO-modes instead of a test
 
 Each table of the page that begins with a column "id" ends with a column "held by": GoogleTest names
 as ctest prints them, in backticks, separated by <br>. Identifiers: O-607D:01 an object of the
@@ -32,12 +30,11 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 OBJECTS = ROOT / "tests" / "data" / "object-dictionary.csv"
 AMBIGUITIES = 48
 RULES = 12
-PENDING = "TODO-modes"
 IDENTIFIER = re.compile(r"O-[0-9A-F]{4}(:[0-9A-F]{2})?|[MAR]-[1-9][0-9]*")
 PROGRAMS_AT_ONCE = 2
 TESTS_A_RUN = 4  # short runs share two processors better than one long run of the scenarios
 
-Row = collections.namedtuple("Row", "line identifier cells tests pending")
+Row = collections.namedtuple("Row", "line identifier cells tests")
 
 
 def cells_of(line):
@@ -65,9 +62,9 @@ def parse(text):
             findings.append(f"{place}: this is no identifier")
         tests = re.findall(r"`([^`]*)`", cells[-1])
         rest = re.sub(r"`[^`]*`|<br>", "", cells[-1]).strip()
-        if rest not in ("", PENDING):
+        if rest:
             findings.append(f"{place}: 'held by' has more than names in backticks: {rest}")
-        rows.append(Row(number, cells[0], dict(zip(header, cells)), tests, rest == PENDING))
+        rows.append(Row(number, cells[0], dict(zip(header, cells)), tests))
     return rows, findings
 
 
@@ -109,16 +106,14 @@ def check_objects(rows):
     return findings
 
 
-def check_page(text, allow_pending):
+def check_page(text):
     """@return the rows, and what is wrong with the page by itself."""
     rows, findings = parse(text)
     lines = collections.defaultdict(list)
     for row in rows:
         lines[row.identifier].append(row.line)
-        if not row.tests and not row.pending:
+        if not row.tests:
             findings.append(f"line {row.line}, {row.identifier}: no test holds it")
-        if row.pending and not allow_pending:
-            findings.append(f"line {row.line}, {row.identifier}: {PENDING} is no test")
     for identifier, where in lines.items():
         if len(where) > 1:
             findings.append(f"{identifier} is used in lines {', '.join(map(str, where))}")
@@ -207,21 +202,17 @@ def main():
     parser.add_argument("--ctest", default="ctest")
     parser.add_argument("--page", type=pathlib.Path, default=ROOT / "docs" / "conformance.md")
     parser.add_argument("--list", action="store_true")
-    parser.add_argument("--allow-pending", action="store_true")
     arguments = parser.parse_args()
     if not arguments.list and not arguments.build:
         parser.error("--build is needed to run the tests")
 
-    rows, findings = check_page(arguments.page.read_text(encoding="utf-8"), arguments.allow_pending)
+    rows, findings = check_page(arguments.page.read_text(encoding="utf-8"))
     passed = 0
     if not arguments.list:
         wrong, passed = run_named(rows, known_tests(arguments.ctest, arguments.build.resolve()))
         findings += wrong
     for finding in findings:
         print(f"{arguments.page.name}: {finding}")
-    pending = [row.identifier for row in rows if row.pending]
-    if pending:
-        print(f"{len(pending)} rows wait for their test: {' '.join(pending)}")
     print(f"{len(rows)} rows, {passed} tests ran and passed, {len(findings)} findings")
     return 1 if findings else 0
 

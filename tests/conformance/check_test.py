@@ -12,8 +12,8 @@ import check
 PAGE = (check.ROOT / "docs" / "conformance.md").read_text(encoding="utf-8")
 
 
-def findings_of(text, allow_pending=True):
-    return check.check_page(text, allow_pending)[1]
+def findings_of(text):
+    return check.check_page(text)[1]
 
 
 def without_row(identifier):
@@ -66,13 +66,6 @@ class ThePage(unittest.TestCase):
         page = PAGE.replace(row, row.split("|", 3)[0] + "| A-3 |" + row.rsplit("|", 2)[1] + "|\n")
         self.assertRegex(findings_of(page)[0], r"A-3: 2 cells")
 
-    def test_with_a_pending_row_is_found_unless_allowed(self):
-        row = row_of("A-3")
-        page = PAGE.replace(row, re.sub(r"\| [^|]*\|$", "| TODO-modes |", row.rstrip()) + "\n")
-        self.assertEqual(findings_of(page, allow_pending=True), [])
-        self.assertTrue(any("A-3: TODO-modes is no test" in finding
-                            for finding in findings_of(page, allow_pending=False)))
-
 
 PROGRAM = """#!/bin/sh
 for word in "$@"; do
@@ -103,7 +96,7 @@ class ANamedTest(unittest.TestCase):
         path.chmod(path.stat().st_mode | stat.S_IXUSR)
         known = {f"Suite.{name}": ((str(path),), self.folder)
                  for name in ("Passes", "Fails", "Skips", "IsDisabled", "IsFilteredAway")}
-        return check.run_named([check.Row(7, "M-1", {}, [test], False)], known)[0]
+        return check.run_named([check.Row(7, "M-1", {}, [test])], known)[0]
 
     def test_that_passes_is_no_finding(self):
         self.assertEqual(self.findings_of("Suite.Passes"), [])

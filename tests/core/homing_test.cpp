@@ -925,8 +925,9 @@ TEST(HomingMethodObject, TakesZeroAndTheMethodsThatWorkAndRefusesEveryOther) {
               known ? AbortCode::none : AbortCode::value_range_exceeded)
         << value;
   }
-  EXPECT_EQ(axis.try_write("homing_method", 38), AbortCode::value_too_high);
-  EXPECT_EQ(axis.try_write("homing_method", -1), AbortCode::value_too_low);
+  EXPECT_EQ(axis.try_write("homing_method", 38), AbortCode::value_range_exceeded);
+  EXPECT_EQ(axis.try_write("homing_method", -1), AbortCode::value_range_exceeded);
+  EXPECT_EQ(axis.try_write("homing_method", 128), AbortCode::value_too_high);
 }
 
 // ---- software limits

@@ -630,6 +630,23 @@ TEST_F(ProfilePosition, AnAbsoluteMoveNeverTakesTheShortWay) {
   EXPECT_LT(fresh.demand_velocity(), 0);
 }
 
+TEST_F(ProfilePosition, OnTheVeryEndOfTheRegisterAnAbsoluteTargetIsWhatItShows) {
+  AxisConfiguration configuration;
+  configuration.initial_position = 2'147'483'000;
+  AxisUnderTest fresh(configuration);
+  fresh.enable();
+  fresh.write("position_user_target_value", 648);  // to 2^31, which shows as -2^31
+  fresh.command(0x007F);
+  fresh.step(1'000);
+  ASSERT_EQ(fresh.demand(), -2'147'483'647 - 1);
+  fresh.command(0x000F);
+  fresh.write("position_user_target_value", -2'147'483'647 - 1);
+  fresh.command(0x003F);
+  fresh.step(10);
+  EXPECT_EQ(fresh.demand(), -2'147'483'647 - 1);
+  EXPECT_EQ(fresh.demand_velocity(), 0) << "not once round the register";
+}
+
 TEST_F(ProfilePosition, AfterAWrapAnAbsoluteTargetIsWhatTheRegisterShows) {
   AxisConfiguration configuration;
   configuration.initial_position = 2'147'480'000;

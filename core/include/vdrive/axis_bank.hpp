@@ -24,7 +24,7 @@ struct ReadResult {
 inline constexpr std::chrono::microseconds kShortestPeriod{125};
 inline constexpr std::chrono::microseconds kLongestPeriod{10'000};
 
-/// Many CiA 402 axes in profile position mode, stepped together.
+/// Many CiA 402 axes in the operating modes of 6502h, stepped together.
 ///
 /// A step is a function: it takes the writes since the last step and gives each axis' status image.
 /// No clock, thread, lock, allocation or exception in `write`, `read` and `step`. The same writes

@@ -19,6 +19,11 @@ using Kind = MotionRequest::Kind;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kRange = 4294967296.0;  // of a 32-bit position register
 
+/// Turns of the register that lie between `position` and what the register shows of it.
+double whole_turns(double position) {
+  return kRange * floor_of(nearest(position) / kRange + 0.5);
+}
+
 /// 60F2h: what a relative set-point counts from (bits 0 and 1).
 double relative_base(const DriveContext& axis) {
   switch (reg(axis, "positioning_option_code"_object)) {
@@ -222,9 +227,9 @@ void rebase(const DriveContext& axis) {
   const ServoState& servo = axis.servo;
   const std::size_t l = axis.lane;
   const bool single = axis.registers.single_encoder;
-  const double turns = kRange * nearest(axis.state.demand_position / kRange);
-  const double motor = kRange * nearest(servo.motor_reading[l] / kRange);
-  const double load = kRange * nearest(servo.load_position[l] / kRange);
+  const double turns = whole_turns(axis.state.demand_position);
+  const double motor = whole_turns(servo.motor_reading[l]);
+  const double load = whole_turns(servo.load_position[l]);
   shift_frame(axis,
               {.motor = single ? turns : motor, .load = single ? load : turns, .reading = turns});
 }

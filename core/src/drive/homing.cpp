@@ -50,11 +50,6 @@ bool at_limit(const DriveContext& axis, double direction) {
   return (axis.state.inputs & (direction > 0.0 ? kPositiveLimitInput : kNegativeLimitInput)) != 0;
 }
 
-double floor_of(double x) {
-  const double rounded = nearest(x);
-  return rounded > x ? rounded - 1.0 : rounded;
-}
-
 /// Index pulse of the motor's encoder, once a revolution: the first one that was passed in
 /// `direction` since the reading `before`. One on which the motor stood does not count.
 /// @return true and its place in the motor's frame [UU].

@@ -12,6 +12,12 @@ namespace vdrive {
   return (x + kRounder) - kRounder;
 }
 
+/// Largest integer that is not above x; |x| < 2⁵¹.
+[[nodiscard]] inline double floor_of(double x) noexcept {
+  const double rounded = nearest(x);
+  return rounded > x ? rounded - 1.0 : rounded;
+}
+
 /// Nearest integer modulo 2³², as a register of 32 bits shows it; |x| < 2⁵¹. The low half of the
 /// rounded sum's mantissa is the two's complement of the integer.
 [[nodiscard]] inline std::int32_t wrapped(double x) noexcept {
