@@ -39,6 +39,9 @@ std::vector<std::string> axes_of(const Command& command) {
                                [](const StepCommand&) {
                                  return Axes{};
                                },
+                               [](const RecordCommand& record) {
+                                 return record.axes;
+                               },
                                [](const RunCommand&) {
                                  return Axes{};
                                },

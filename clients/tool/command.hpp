@@ -90,6 +90,16 @@ struct StepCommand {
   std::optional<std::uint32_t> bench;
 };
 
+enum class RecordFormat : std::uint8_t { csv, json_lines };
+
+struct RecordCommand {
+  std::string file;               ///< - = standard output
+  std::vector<std::string> axes;  ///< none = all of the only bench there is
+  RecordFormat format = RecordFormat::csv;
+  std::optional<Duration> duration;  ///< drive time; none = until interrupted
+  std::uint64_t count = 0;           ///< samples of each bench; 0 = until interrupted
+};
+
 struct RunCommand {
   std::string file;
   std::string junit;  ///< empty = none
@@ -119,8 +129,8 @@ struct RefusedCommand;
 
 using Command =
     std::variant<ListCommand, StatusCommand, WatchCommand, AxisCommand, MoveCommand, ReadCommand,
-                 WriteCommand, DisturbCommand, DictionaryCommand, StepCommand, RunCommand,
-                 ExpectCommand, WaitCommand, std::shared_ptr<const RefusedCommand>>;
+                 WriteCommand, DisturbCommand, DictionaryCommand, StepCommand, RecordCommand,
+                 RunCommand, ExpectCommand, WaitCommand, std::shared_ptr<const RefusedCommand>>;
 
 struct RefusedCommand {
   std::uint32_t code = 0;

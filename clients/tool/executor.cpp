@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "executor.hpp"
 
+#include "recorder.hpp"
+
 #include <algorithm>
 #include <chrono>
 
@@ -142,6 +144,56 @@ void Executor::show_watched(const client::Observation& sample,
     return;
   }
   for (const std::string& line : lines) terminal_.print(line);
+}
+
+client::Result<std::vector<client::Axis>> Executor::axes_to_record(const RecordCommand& command) {
+  std::vector<std::string> names = command.axes;
+  if (names.empty()) {
+    const auto only = session_.find_bench();
+    if (!only) return only.outcome();
+    for (const client::AxisInfo& axis : only->axes) names.push_back(to_string(axis.id));
+  }
+  std::vector<client::Axis> axes;
+  for (const std::string& name : names) {
+    const auto axis = this->axis(name);
+    if (!axis) return axis.outcome();
+    const bool twice = std::ranges::any_of(axes, [&](const client::Axis& other) {
+      return other.id() == axis->id();
+    });
+    if (!twice) axes.push_back(*axis);
+  }
+  return axes;
+}
+
+Outcome Executor::run(const RecordCommand& command) {
+  const auto axes = axes_to_record(command);
+  if (!axes) return axes.outcome();
+  std::map<std::uint32_t, RecordedBench> benches;
+  std::map<client::AxisId, std::string> names;
+  for (const client::Axis& axis : *axes) {
+    if (!benches.contains(axis.id().bench)) {
+      auto info = bench_of(axis.id());
+      if (!info) return info.outcome();
+      benches[axis.id().bench].info = std::move(*info);
+    }
+    benches[axis.id().bench].axes.push_back(axis.id());
+    names[axis.id()] = axis.name();
+  }
+  std::vector<RecordedBench> tracks;
+  for (auto& [number, bench] : benches) tracks.push_back(std::move(bench));
+  Recorder recorder(session_, terminal_, command, std::move(names));
+  const Outcome outcome = recorder.record(tracks);
+  if (is_json_ && command.file != "-") {
+    terminal_.print(to_line({{"file", command.file},
+                             {"axes", axes->size()},
+                             {"samples", recorder.samples()},
+                             {"lost", recorder.lost()}}));
+  } else {
+    terminal_.complain("vdrive: recorded " + std::to_string(recorder.samples()) + " samples of " +
+                       std::to_string(axes->size()) + " axes, " + std::to_string(recorder.lost()) +
+                       " lost");
+  }
+  return outcome;
 }
 
 Outcome unknown_object(const client::AxisId& axis, const ObjectName& object) {

@@ -52,11 +52,13 @@ class Executor {
   Outcome run(const DisturbCommand& command);
   Outcome run(const DictionaryCommand& command);
   Outcome run(const StepCommand& command);
+  Outcome run(const RecordCommand& command);
   Outcome run(const RunCommand& command);
   Outcome run(const ExpectCommand& command);
   Outcome run(const WaitCommand& command);
   Outcome run(const std::shared_ptr<const RefusedCommand>& command);
 
+  client::Result<std::vector<client::Axis>> axes_to_record(const RecordCommand& command);
   Outcome watch(const std::vector<client::AxisId>& ids,
                 const std::map<client::AxisId, std::string>& names, std::uint64_t count);
   void show_watched(const client::Observation& sample,

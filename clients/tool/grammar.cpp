@@ -104,6 +104,7 @@ class Grammar {
     app_.add_flag("--json", options_.json, "One JSON object a line on standard output");
     app_.set_version_flag("--version", "vdrive " VDRIVE_VERSION);
     add_watch(false);
+    add_record();
     add_run();
   }
 
@@ -214,6 +215,34 @@ class Grammar {
           words_.count.empty() ? 0 : parse_number(words_.count, "count", kHighest32);
       command_ = WatchCommand{words_.axes, samples};
     });
+  }
+
+  void add_record() {
+    CLI::App* word = add_word("record", "Record the status stream of axes to a file",
+                              "record move.csv 1.1 1.2 --for 5s");
+    add_positional(word, "FILE", words_.file,
+                   "CSV or JSON lines by its ending: .csv, .jsonl; - is standard output");
+    word->add_option("AXIS", words_.axes, "Default: all axes of the only bench there is")
+        ->type_name("");
+    word->add_option("--for", words_.duration, "Stop after this drive time")->type_name("T");
+    word->add_option("--count", words_.count, "Stop after N samples")->type_name("N");
+    word->callback([this] {
+      command_ = make_record();
+    });
+  }
+
+  [[nodiscard]] RecordCommand make_record() const {
+    RecordCommand record;
+    record.file = words_.file;
+    record.axes = words_.axes;
+    const bool is_lines = words_.file.ends_with(".jsonl") || words_.file.ends_with(".json");
+    if (!is_lines && words_.file != "-" && !words_.file.ends_with(".csv")) {
+      throw UsageError("'" + words_.file + "' ends neither in .csv nor in .jsonl");
+    }
+    if (is_lines || (words_.file == "-" && options_.json)) record.format = RecordFormat::json_lines;
+    if (!words_.duration.empty()) record.duration = parse_duration(words_.duration);
+    if (!words_.count.empty()) record.count = parse_number(words_.count, "count", kHighest32);
+    return record;
   }
 
   void add_axis_words() {

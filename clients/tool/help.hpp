@@ -22,6 +22,7 @@ inline constexpr std::string_view kExamples =
   vdrive watch 1.1                         live, in a second terminal
   vdrive read 1.1 0x6041 position_demand_value
   vdrive write 1.1 0x607A 0xFFFFD8F0       -10000 as the manual writes it
+  vdrive record move.csv 1.1 --for 5s      the status stream, a row a tick
   vdrive disturb 1.1 blocked_load --for 500ms
   vdrive run forward.scn --junit out.xml   a scenario, see 'vdrive run --help'
 

@@ -2,6 +2,7 @@
 // The words of the command line and of scenarios.
 #include "grammar.hpp"
 
+#include "recorder.hpp"
 #include "usage_error.hpp"
 
 #include <gmock/gmock.h>
@@ -118,6 +119,24 @@ TEST(CommandLine, OtherWords) {
   EXPECT_EQ(command<RunCommand>("run -").file, "-");
   EXPECT_EQ(command<DictionaryCommand>("dictionary --format csv --language zh").language,
             Language::zh);
+}
+
+TEST(CommandLine, TheEndingOfARecordingDecidesItsFormat) {
+  EXPECT_EQ(command<RecordCommand>("record a.csv").format, RecordFormat::csv);
+  EXPECT_EQ(command<RecordCommand>("record a.jsonl").format, RecordFormat::json_lines);
+  EXPECT_EQ(command<RecordCommand>("record -").format, RecordFormat::csv);
+  EXPECT_EQ(command<RecordCommand>("--json record -").format, RecordFormat::json_lines);
+  const auto record = command<RecordCommand>("record a.csv 1.1 y --for 20ms --count 7");
+  EXPECT_THAT(record.axes, ElementsAre("1.1", "y"));
+  EXPECT_EQ(record.duration, Duration(20'000'000));
+  EXPECT_EQ(record.count, 7U);
+  EXPECT_THROW(parse("record a.txt"), UsageError);
+}
+
+TEST(Recording, AFieldOfCsvIsQuotedWhereItMustBe) {
+  EXPECT_EQ(csv_field("lift"), "lift");
+  EXPECT_EQ(csv_field("lift, left"), "\"lift, left\"");
+  EXPECT_EQ(csv_field("the \"lift\""), "\"the \"\"lift\"\"\"");
 }
 
 TEST(CommandLine, HelpTeachesWithExamples) {

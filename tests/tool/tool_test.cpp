@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <unistd.h>
+
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -218,6 +220,98 @@ TEST_F(ToolInLockStep, WatchEndsOnAnInterruptWith130) {
   const Finished finished = watch.wait();
   EXPECT_EQ(finished.code, 130);
   EXPECT_THAT(finished.errors, IsEmpty());
+}
+
+/// A service in real time, and a place for a recording.
+class Recording : public testing::Test {
+ protected:
+  Recording() { std::filesystem::create_directory(folder_); }
+
+  ~Recording() override { std::filesystem::remove_all(folder_); }
+
+  [[nodiscard]] std::string file(const std::string& name) const { return folder_ / name; }
+
+  [[nodiscard]] static std::vector<std::string> lines_of(const std::string& path) {
+    std::ifstream file(path);
+    std::vector<std::string> lines;
+    for (std::string line; std::getline(file, line);) lines.push_back(line);
+    return lines;
+  }
+
+  [[nodiscard]] static std::vector<std::string> cells_of(const std::string& line) {
+    std::vector<std::string> cells;
+    std::istringstream text(line);
+    for (std::string cell; std::getline(text, cell, ',');) cells.push_back(cell);
+    return cells;
+  }
+
+ private:
+  RunningService service_{"--axes 2"};
+  std::filesystem::path folder_ =
+      std::filesystem::temp_directory_path() / ("vdrive-recording-" + std::to_string(::getpid()));
+};
+
+TEST_F(Recording, HasARowForEachAxisAndTickAndCountsWhatIsMissing) {
+  const std::string path = file("both.csv");
+  const Finished finished = tool("record " + path + " --count 100 --json");
+  ASSERT_EQ(finished.code, 0) << finished.errors;
+  const std::vector<std::string> lines = lines_of(path);
+  ASSERT_THAT(lines, SizeIs(1 + 2 * 100));
+  const std::vector<std::string> header = cells_of(lines.front());
+  EXPECT_THAT(header, testing::IsSupersetOf({"axis", "name", "tick", "missed", "ds402_statusword",
+                                             "load_position_actual_value", "owner"}));
+  std::uint64_t last_tick = 0;
+  std::uint64_t lost = 0;
+  for (std::size_t row = 1; row < lines.size(); row += 2) {
+    const auto first = cells_of(lines[row]);
+    const auto second = cells_of(lines[row + 1]);
+    ASSERT_THAT(first, SizeIs(header.size()));
+    EXPECT_EQ(first[0], "1.1");
+    EXPECT_EQ(second[0], "1.2");
+    EXPECT_EQ(first[2], second[2]) << "one tick, all axes";
+    const std::uint64_t tick = std::stoull(first[2]);
+    const std::uint64_t missed = std::stoull(first[3]);
+    if (last_tick != 0) {
+      EXPECT_EQ(tick - last_tick, 1 + missed);
+      lost += missed;
+    }
+    last_tick = tick;
+  }
+  const Json summary = json_of(finished).at(0);
+  EXPECT_EQ(summary["samples"], 100);
+  EXPECT_EQ(summary["axes"], 2);
+  EXPECT_EQ(summary["lost"], lost);
+}
+
+TEST_F(Recording, LastsAsLongInDriveTimeAsAsked) {
+  const std::string path = file("one.jsonl");
+  ASSERT_EQ(tool("record " + path + " 1.2 --for 50ms").code, 0);
+  std::uint64_t ticks = 0;
+  for (const std::string& line : lines_of(path)) {
+    const Json row = Json::parse(line);
+    EXPECT_EQ(row["axis"], "1.2");
+    ticks += ticks == 0 ? 1 : 1 + row["missed"].get<std::uint64_t>();
+  }
+  // Up to the last tick before 50 of 1 ms have passed; what was lost at the very end is not known.
+  EXPECT_LE(ticks, 50U);
+  EXPECT_GE(ticks, 40U);
+}
+
+TEST_F(Recording, ThatIsInterruptedIsWholeAndToldAs130) {
+  Process recorder(VDRIVE_TOOL, tool_arguments("record - 1.1"));
+  EXPECT_THAT(recorder.read_line(), HasSubstr("axis,name,tick"));
+  EXPECT_THAT(recorder.read_line(), HasSubstr("1.1,"));
+  recorder.send(SIGINT);
+  const Finished finished = recorder.wait();
+  EXPECT_EQ(finished.code, 130);
+  EXPECT_THAT(finished.errors, HasSubstr("recorded "));
+  EXPECT_EQ(finished.output.back(), '\n');
+}
+
+TEST_F(Recording, IntoAPlaceThatCannotBeWrittenNamesIt) {
+  const Finished finished = tool("record " + file("no/such/folder.csv") + " 1.1");
+  EXPECT_EQ(finished.code, 1);
+  EXPECT_THAT(finished.errors, AllOf(HasSubstr("no/such/folder.csv"), HasSubstr("No such file")));
 }
 
 TEST_F(ToolInLockStep, ALongRunEndsOnAnInterruptWith130AndReleases) {
