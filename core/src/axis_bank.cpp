@@ -4,10 +4,12 @@
 #include "drive/drive.hpp"
 #include "plant/servo_block.hpp"
 #include "plant/servo_design.hpp"
+#include "vdrive/status_digest.hpp"
 
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstring>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -121,6 +123,12 @@ struct AxisBank::State {
   [[nodiscard]] DriveContext context(std::size_t axis) {
     return context(places[axis].block, places[axis].lane);
   }
+
+  /// Shows each array of plain data that is state, in a fixed order, to `visit(first, count)`; what
+  /// follows from the configuration is left out.
+  template <typename Visit>
+  void for_each_part(Visit visit);
+  [[nodiscard]] bool is_sound() const;
 
   void place_axes(Coupling coupling);
   void design_blocks();
@@ -338,6 +346,30 @@ void AxisBank::State::step_block(std::size_t block_index, DemandBlock& demand) {
   }
 }
 
+template <typename Visit>
+void AxisBank::State::for_each_part(Visit visit) {
+  for (Block& block : blocks) {
+    visit(&block.servo, 1);
+  }
+  visit(rigid.sets.data(), rigid.sets.size());
+  visit(rigid.in_use.data(), rigid.in_use.size());
+  visit(elastic.sets.data(), elastic.sets.size());
+  visit(elastic.in_use.data(), elastic.in_use.size());
+  visit(drive_states.data(), drive_states.size());
+  visit(drive_registers.data(), drive_registers.size());
+  visit(statuses.data(), statuses.size());
+}
+
+/// Whether no index leads outside; for state that comes from a file.
+bool AxisBank::State::is_sound() const {
+  const auto inside = [](const auto& pool) {
+    return std::all_of(pool.in_use.begin(), pool.in_use.end(), [&pool](std::uint32_t set) {
+      return set < pool.sets.size();
+    });
+  };
+  return inside(rigid) && inside(elastic);
+}
+
 AxisBank::AxisBank(std::span<const AxisConfiguration> axes, std::chrono::microseconds period)
     : state_(std::make_unique<State>()) {
   if (axes.empty()) {
@@ -418,6 +450,10 @@ const AxisStatus& AxisBank::status(std::size_t axis) const noexcept {
   return state_->statuses[axis];
 }
 
+std::span<const AxisStatus> AxisBank::statuses() const noexcept {
+  return state_->statuses;
+}
+
 PowerState AxisBank::power_state(std::size_t axis) const noexcept {
   return state_->context(axis).state.power.state();
 }
@@ -451,23 +487,66 @@ void AxisBank::restore(const Snapshot& snapshot) {
   *state_ = saved;
 }
 
-std::uint64_t AxisBank::status_hash() const noexcept {
-  constexpr std::uint64_t kOffset = 14695981039346656037ULL;  // FNV-1a, over words of 32 bits
-  constexpr std::uint64_t kPrime = 1099511628211ULL;
-  static_assert(std::has_unique_object_representations_v<AxisStatus>, "no padding in the hash");
-  using Words = std::array<std::uint32_t, sizeof(AxisStatus) / sizeof(std::uint32_t)>;
-  std::uint64_t hash = kOffset;
-  for (const AxisStatus& status : state_->statuses) {
-    for (const std::uint32_t word : std::bit_cast<Words>(status)) {
-      hash = (hash ^ word) * kPrime;
-    }
+void AxisBank::save(Snapshot& snapshot) const {
+  *snapshot.state_ = *state_;
+}
+
+std::uint64_t AxisBank::snapshot_layout() noexcept {
+  // Counted up by hand when a member changes its meaning while every size stays as it is.
+  constexpr std::uint64_t kVersion = 1;
+  constexpr std::uint64_t kPrime = 1099511628211ULL;  // FNV-1a over words
+  std::uint64_t layout = 14695981039346656037ULL;
+  for (const std::uint64_t part :
+       {kVersion, std::uint64_t{kObjectCount}, std::uint64_t{kLanes},
+        std::uint64_t{sizeof(ServoState)}, std::uint64_t{sizeof(RigidParameters)},
+        std::uint64_t{sizeof(ElasticParameters)}, std::uint64_t{sizeof(DriveState)},
+        std::uint64_t{sizeof(DriveRegisters)}, std::uint64_t{sizeof(AxisStatus)},
+        std::uint64_t{std::endian::native == std::endian::little}}) {
+    layout = (layout ^ part) * kPrime;
   }
-  return hash;
+  for (std::size_t row = 0; row < kObjectCount; ++row) {  // registers are kept by row
+    const ObjectAddress address = describe(static_cast<ObjectRow>(row)).address;
+    layout = (layout ^ (address.index * 256U + address.subindex)) * kPrime;
+  }
+  return layout;
+}
+
+AxisBank::Snapshot AxisBank::snapshot_from(std::span<const std::byte> bytes) const {
+  Snapshot snapshot = this->snapshot();
+  std::size_t used = 0;
+  snapshot.state_->for_each_part([&](auto* first, std::size_t count) {
+    const std::size_t size = sizeof(*first) * count;
+    if (size != 0 && size <= bytes.size() - used) {
+      std::memcpy(first, bytes.data() + used, size);
+      used += size;
+    } else if (size != 0) {
+      throw std::invalid_argument("a snapshot of " + std::to_string(bytes.size()) +
+                                  " bytes is too short for this bank");
+    }
+  });
+  if (used != bytes.size() || !snapshot.state_->is_sound()) {
+    throw std::invalid_argument("a snapshot of " + std::to_string(bytes.size()) +
+                                " bytes does not fit this bank");
+  }
+  return snapshot;
+}
+
+std::uint64_t AxisBank::status_hash() const noexcept {
+  return digest_of(state_->statuses, state_->statuses.size(), {}).image;
 }
 
 AxisBank::Snapshot::Snapshot(std::unique_ptr<State> state) : state_(std::move(state)) {}
 
 AxisBank::Snapshot::~Snapshot() = default;
+
+std::vector<std::byte> AxisBank::Snapshot::bytes() const {
+  std::vector<std::byte> bytes;
+  state_->for_each_part([&bytes](const auto* first, std::size_t count) {
+    const auto part = std::as_bytes(std::span(first, count));
+    bytes.insert(bytes.end(), part.begin(), part.end());
+  });
+  return bytes;
+}
 
 AxisBank::Snapshot::Snapshot(const Snapshot& other)
     : state_(std::make_unique<State>(*other.state_)) {}

@@ -37,6 +37,7 @@ BenchEngine::BenchEngine(const Configuration& configuration, const BenchIdentity
                          Outbox& outbox, Counters& counters)
     : identity_(identity),
       clock_(configuration.clock),
+      paused_(configuration.rate == 0.0),
       watchdog_ticks_(watchdog_ticks(configuration)),
       furthest_ahead_(to_ticks(kFurthestAhead, configuration.period)),
       outbox_(outbox),
@@ -54,6 +55,7 @@ BenchEngine::BenchEngine(const Configuration& configuration, const BenchIdentity
     indices_[axis.number] = static_cast<std::uint16_t>(numbers_.size());
     numbers_.push_back(axis.number);
   }
+  snapshots_.reserve(kMostSnapshots);
   undo_.reserve(std::size_t{msg::MAX_AXES_PER_FRAME} * (msg::MAX_OBJECTS_PER_AXIS + 8));
   command_reply_.refusals().reserve(msg::MAX_AXES_PER_FRAME);
   command_reply_.ignored_set_points().reserve(msg::MAX_AXES_PER_FRAME);
@@ -65,6 +67,11 @@ BenchEngine::BenchEngine(const Configuration& configuration, const BenchIdentity
 void BenchEngine::start_at(std::uint64_t last_tick) {
   tick_ = last_tick;
   counters_.tick.set(tick_);
+}
+
+void BenchEngine::record_to(Journal& journal) {
+  journal.begin(bank_, tick_);
+  journal_ = &journal;
 }
 
 void BenchEngine::handle(Arrival& arrival) {
@@ -82,6 +89,9 @@ void BenchEngine::step() {
   ++tick_;
   counters_.tick.set(tick_);
   counters_.pending_frames.set(pending_.size());
+  if (journal_ != nullptr) {
+    journal_->record_tick(bank_, tick_);
+  }
   observe();
   post_parameters();
 }
@@ -104,6 +114,7 @@ void BenchEngine::post_status(bool repeated) {
 
 void BenchEngine::post_parameters() {
   tell_overflows();
+  tell_journal();
   for (std::size_t count = 0; count < kParametersPerTick && changed_count_ > 0; ++count) {
     msg::AxisParameters* const slot = outbox_.parameters.free_slot();
     if (slot == nullptr) {
@@ -145,6 +156,7 @@ AbortCode BenchEngine::write(std::size_t axis, ObjectAddress address, std::int64
                         (bank_.read(axis, kControlword).value & Controlword::kHalt) == 0;
   const AbortCode code = bank_.write(axis, address, value);
   if (code == AbortCode::none) {
+    to_journal({.axis = static_cast<std::uint16_t>(axis), .address = address, .value = value});
     mark_changed(axis);
     if (may_halt) {
       drop_pending_of_axis(numbers_[axis]);
@@ -170,6 +182,8 @@ void BenchEngine::lose_master(SessionRecord& record) {
   for (std::size_t axis = 0; axis < numbers_.size(); ++axis) {
     if (control_.owner(axis).session == record.session) {
       bank_.report_connection_loss(axis);
+      to_journal(
+          {.kind = JournalChange::Kind::connection_loss, .axis = static_cast<std::uint16_t>(axis)});
       control_.take(axis);
       last_number = numbers_[axis];
       ++lost;
@@ -249,6 +263,22 @@ void BenchEngine::report(EventRecord event) {
     outbox_.events.push();
   } else {
     counters_.queue_overflows.add();
+  }
+}
+
+void BenchEngine::to_journal(const JournalChange& change) {
+  if (journal_ != nullptr) {
+    journal_->record(change);
+  }
+}
+
+void BenchEngine::tell_journal() {
+  while (journal_ != nullptr && outbox_.events.free_slot() != nullptr) {
+    const auto news = journal_->news();
+    if (!news) {
+      return;
+    }
+    report({.kind = msg::EVENT_JOURNAL, .code = news->code, .detail = news->detail});
   }
 }
 

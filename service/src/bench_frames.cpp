@@ -202,7 +202,10 @@ void BenchEngine::apply_all_or_nothing(const msg::CommandFrame& frame) {
   }
   if (!accepted) {
     for (; !undo_.empty(); undo_.pop_back()) {  // the latest first
-      bank_.write(undo_.back().axis, undo_.back().address, undo_.back().value);
+      const Undo& undo = undo_.back();
+      if (bank_.write(undo.axis, undo.address, undo.value) == AbortCode::none) {
+        to_journal({.axis = undo.axis, .address = undo.address, .value = undo.value});
+      }
     }
     counters_.commands_refused.add(frame.axes().size());
     return;

@@ -81,6 +81,7 @@ void BenchEngine::begin_reply(const Arrival& arrival, OutgoingReply& outgoing) c
   reply.incarnation(identity_.incarnation);
   reply.refused_axis(0);
   reply.owner_session(0);
+  reply.snapshot(0);
   reply.tick(tick_);
   reply.objects().clear();
   reply.statuses().clear();
@@ -139,6 +140,12 @@ std::uint32_t BenchEngine::carry_out(const msg::Request& request, msg::Reply& re
     case msg::REQUEST_STORE:
     case msg::REQUEST_RESTORE:
       return wire_code(AbortCode::cannot_store_or_transfer);  // there is no place to store to
+    case msg::REQUEST_TAKE_SNAPSHOT:
+      return take_snapshot(request, reply);
+    case msg::REQUEST_RESTORE_SNAPSHOT:
+      return restore_snapshot(request, reply);
+    case msg::REQUEST_DROP_SNAPSHOT:
+      return drop_snapshot(request);
     case msg::REQUEST_STEP:
       return msg::REASON_WRONG_CLOCK_MODE;
     default:
@@ -298,6 +305,8 @@ std::uint32_t BenchEngine::power_cycle(const msg::Request& request, msg::Reply& 
     const std::size_t axis = *index_of(number);
     drop_pending_of_axis(number);
     bank_.power_cycle(axis);
+    to_journal(
+        {.kind = JournalChange::Kind::power_cycle, .axis = static_cast<std::uint16_t>(axis)});
     mark_changed(axis);
   }
   reply.tick(tick_ + 1);

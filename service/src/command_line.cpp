@@ -3,6 +3,8 @@
 
 #include "vdrive/axis_bank.hpp"
 #include "vdrive/service/configuration.hpp"
+#include "vdrive/service/journal.hpp"
+#include "vdrive/service/replay.hpp"
 #include "vdrive/service/service.hpp"
 
 #include <CLI/CLI.hpp>
@@ -36,6 +38,8 @@ struct Arguments {
   std::optional<std::uint32_t> domain;
   std::optional<double> rate;
   std::optional<std::uint32_t> threads;
+  std::optional<std::string> journal;
+  std::optional<std::string> replay;
   std::string log_level = "info";
   bool print_config = false;
 };
@@ -59,6 +63,13 @@ void declare(CLI::App& app, Arguments& arguments) {
       ->type_name("N");
   app.add_option("--threads", arguments.threads, "Threads that step the axes, 1 to 64")
       ->type_name("N");
+  app.add_option("--journal", arguments.journal,
+                 "Record what the axes do into a new file, for --replay")
+      ->type_name("FILE");
+  app.add_option("--replay", arguments.replay,
+                 "Run the axes of a journal again and compare every tick: 0 = agrees, 1 = differs "
+                 "or ticks are missing, 2 = no usable journal")
+      ->type_name("FILE");
   app.add_option("--log-level", arguments.log_level, "What to log on standard error")
       ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}))
       ->capture_default_str();
@@ -105,11 +116,11 @@ sigset_t stop_signals() {
   return signals;
 }
 
-int serve(const Configuration& configuration) {
+int serve(const Configuration& configuration, const std::optional<std::string>& journal) {
   // Blocked before the first thread starts, so that every thread leaves them to this one.
   const sigset_t signals = stop_signals();
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-  Service service(configuration);
+  Service service(configuration, journal ? open_journal(*journal) : nullptr);
   service.start();
   const timespec interval{.tv_sec = 0, .tv_nsec = kPollInterval};
   while (sigtimedwait(&signals, nullptr, &interval) < 0) {
@@ -124,7 +135,16 @@ int serve(const Configuration& configuration) {
   return kDone;
 }
 
+int replay_journal(const Arguments& arguments) {
+  const ReplayResult result = replay(*arguments.replay, arguments.threads);
+  (result.agrees ? std::cout : std::cerr) << result.text << '\n';
+  return result.agrees && result.is_complete ? kDone : kFailed;
+}
+
 int carry_out(const Arguments& arguments) {
+  if (arguments.replay) {
+    return replay_journal(arguments);
+  }
   if (arguments.check) {
     static_cast<void>(load_configuration(*arguments.check));
     std::cout << *arguments.check << ": good\n";
@@ -135,7 +155,7 @@ int carry_out(const Arguments& arguments) {
     std::cout << to_yaml(configuration);
     return kDone;
   }
-  return serve(configuration);
+  return serve(configuration, arguments.journal);
 }
 
 }  // namespace
@@ -156,6 +176,9 @@ int run_command_line(int argument_count, const char* const* arguments) {
   } catch (const BenchNumberTaken& taken) {
     std::cerr << "vdrived: " << taken.what() << '\n';
     return kNumberTaken;
+  } catch (const JournalError& error) {
+    std::cerr << "vdrived: " << error.what() << '\n';
+    return kUsage;
   } catch (const std::exception& error) {
     std::cerr << "vdrived: " << error.what() << '\n';
     return kFailed;

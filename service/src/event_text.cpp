@@ -2,10 +2,12 @@
 #include "event_text.hpp"
 
 #include "vdrive/cia402/power_state.hpp"
+#include "vdrive/service/bench_engine.hpp"
 #include "vdrive/wire/conversion.hpp"
 
 #include <array>
 #include <cstdio>
+#include <system_error>
 
 namespace vdrive::service {
 namespace {
@@ -37,6 +39,25 @@ std::string refusal_text(const EventRecord& event) {
          ", number " + std::to_string(event.detail) + ")";
 }
 
+std::string snapshot_text(const EventRecord& event) {
+  const char* const what = event.code == SnapshotNews::kTaken      ? " taken"
+                           : event.code == SnapshotNews::kRestored ? " restored"
+                                                                   : " dropped";
+  return "snapshot " + std::to_string(event.detail) + what;
+}
+
+std::string journal_text(const EventRecord& event) {
+  switch (event.code) {
+    case JournalNews::kLosing:
+      return "the journal cannot follow: ticks are missing from here on";
+    case JournalNews::kResumed:
+      return "the journal goes on, " + std::to_string(event.detail) + " ticks are missing";
+    default:
+      return "the journal ended: " +
+             std::generic_category().message(static_cast<int>(event.detail));
+  }
+}
+
 std::string text_of(const EventRecord& event) {
   switch (event.kind) {
     case msg::EVENT_STATE_CHANGED:
@@ -60,6 +81,10 @@ std::string text_of(const EventRecord& event) {
       return "tick number jumped by " + std::to_string(event.detail);
     case msg::EVENT_QUEUE_OVERFLOW:
       return std::to_string(event.detail) + " messages lost: a queue was full";
+    case msg::EVENT_SNAPSHOT:
+      return snapshot_text(event);
+    case msg::EVENT_JOURNAL:
+      return journal_text(event);
     case msg::EVENT_BENCH_CONFLICT:
       return "another service has this bench number, incarnation " + std::to_string(event.detail);
     default:

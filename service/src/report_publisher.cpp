@@ -190,6 +190,9 @@ void ReportPublisher::publish_state(const Inbox& inbox, const Outbox& outbox,
   state_.status_frames_sent(counters_.status_frames_sent.get());
   state_.queue_overflows(counters_.queue_overflows.get());
   state_.master_losses(counters_.master_losses.get());
+  state_.snapshots(static_cast<std::uint32_t>(counters_.snapshots.get()));
+  state_.journal_ticks(counters_.journal_ticks.get());
+  state_.journal_losses(counters_.journal_losses.get());
   write(states_, state_);
 }
 

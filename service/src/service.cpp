@@ -8,6 +8,7 @@
 #include "report_publisher.hpp"
 #include "status_publisher.hpp"
 #include "vdrive/service/cycle_timer.hpp"
+#include "vdrive/service/journal.hpp"
 #include "vdrive/service/realtime_driver.hpp"
 #include "vdrive/wire/subscription.hpp"
 
@@ -50,7 +51,7 @@ void prepare_tick_thread(int priority) {
 /// Members in the order of construction; everything the threads use outlives them.
 class Service::Threads {
  public:
-  explicit Threads(Configuration configuration)
+  Threads(Configuration configuration, JournalSink journal)
       : configuration_(std::move(configuration)),
         identity_{configuration_.bench, static_cast<std::uint64_t>(timer_.wall_now().count())},
         participant_(configuration_.network, "vdrived " + std::to_string(configuration_.bench)),
@@ -61,7 +62,11 @@ class Service::Threads {
         engine_(configuration_, identity_, outbox_, counters_),
         replies_(participant_, identity_, counters_),
         status_(participant_, configuration_, identity_, counters_),
-        reports_(participant_, configuration_, identity_, engine_.bank(), counters_) {}
+        reports_(participant_, configuration_, identity_, engine_.bank(), counters_) {
+    if (journal) {
+      journal_.emplace(configuration_, std::move(journal), counters_);
+    }
+  }
 
   ~Threads() { stop(); }
 
@@ -75,6 +80,9 @@ class Service::Threads {
                              " is already served in domain " +
                              std::to_string(configuration_.network.domain) + " (incarnation " +
                              std::to_string(*older) + ")");
+    }
+    if (journal_) {
+      engine_.record_to(*journal_);
     }
     subscribe();
     reports_.announce(true);
@@ -101,6 +109,7 @@ class Service::Threads {
       thread.join();
     }
     running_.clear();
+    journal_.reset();  // writes its end; the engine is not used any more
     replies_.deliver(inbox_, outbox_);
     reports_.publish(inbox_, outbox_);
     reports_.announce(false);
@@ -196,6 +205,7 @@ class Service::Threads {
   BenchGuard guard_;
   Inbox inbox_;
   Outbox outbox_;
+  std::optional<Journal> journal_;
   BenchEngine engine_;
   ReplyPublisher replies_;
   StatusPublisher status_;
@@ -209,9 +219,9 @@ class Service::Threads {
   std::vector<std::thread> running_;
 };
 
-Service::Service(Configuration configuration) {
+Service::Service(Configuration configuration, JournalSink journal) {
   check(configuration);
-  threads_ = std::make_unique<Threads>(std::move(configuration));
+  threads_ = std::make_unique<Threads>(std::move(configuration), std::move(journal));
 }
 
 Service::~Service() = default;

@@ -252,6 +252,51 @@ TEST(AxisBank, ACopiedSnapshotOutlivesItsOriginal) {
   EXPECT_EQ(hash_after_a_step(assigned), expected);
 }
 
+TEST(AxisBank, GoesOnFromTheBytesOfASnapshotOfAnotherBankAsThatOneDoes) {
+  Random random(17);
+  AxisBank bank(mixed_axes(13), microseconds{1000});
+  for (int tick = 0; tick < 300; ++tick) {  // parameters are changed too: gear, torque limits
+    write_randomly(bank, random);
+    bank.step();
+  }
+  const auto bytes = bank.snapshot().bytes();
+  AxisBank other(mixed_axes(13), microseconds{1000});
+  other.restore(other.snapshot_from(bytes));
+  Random same_random = random;
+  for (int tick = 0; tick < 300; ++tick) {
+    write_randomly(bank, random);
+    bank.step();
+    write_randomly(other, same_random);
+    other.step();
+    ASSERT_EQ(other.status_hash(), bank.status_hash()) << "tick " << tick;
+  }
+}
+
+TEST(AxisBank, RefusesBytesThatAreNoSnapshotOfIt) {
+  const AxisBank bank(mixed_axes(13), microseconds{1000});
+  auto bytes = bank.snapshot().bytes();
+  const AxisBank smaller(mixed_axes(5), microseconds{1000});
+  EXPECT_THROW(static_cast<void>(smaller.snapshot_from(bytes)), std::invalid_argument);
+  bytes.pop_back();
+  EXPECT_THROW(static_cast<void>(bank.snapshot_from(bytes)), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(bank.snapshot_from({})), std::invalid_argument);
+}
+
+TEST(AxisBank, SavesIntoASnapshotWithoutAllocation) {
+  AxisBank bank(mixed_axes(13), microseconds{1000});
+  AxisBank::Snapshot snapshot = bank.snapshot();
+  bank.write(0, object("ds402_controlword"), 0x0F);
+  bank.step();
+  {
+    const AllocationGuard guard;
+    bank.save(snapshot);
+    EXPECT_EQ(guard.count(), 0U);
+  }
+  AxisBank other(mixed_axes(13), microseconds{1000});
+  other.restore(snapshot);
+  EXPECT_EQ(other.status_hash(), bank.status_hash());
+}
+
 TEST(AxisBank, RefusesASnapshotThatDoesNotFit) {
   const AxisBank five(mixed_axes(5), microseconds{1000});
   AxisBank six(mixed_axes(6), microseconds{1000});

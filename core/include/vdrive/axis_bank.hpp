@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <vector>
 
 namespace vdrive {
 
@@ -67,6 +68,8 @@ class AxisBank {
 
   /// @return the status image of the last tick.
   [[nodiscard]] const AxisStatus& status(std::size_t axis) const noexcept;
+  /// @return the status images of all axes in their order.
+  [[nodiscard]] std::span<const AxisStatus> statuses() const noexcept;
   /// @return the state now, writes since the last step included.
   [[nodiscard]] PowerState power_state(std::size_t axis) const noexcept;
 
@@ -86,10 +89,19 @@ class AxisBank {
   /// configuration. Allocates.
   class Snapshot;
   [[nodiscard]] Snapshot snapshot() const;
+  /// Copies the whole state into a snapshot of this bank. Allocates nothing.
+  void save(Snapshot& snapshot) const;
   /// @throws std::invalid_argument when the snapshot is of another number of axes or period.
   void restore(const Snapshot& snapshot);
 
-  /// @return a hash over every status image in axis order, to compare runs.
+  /// @return a number that stands for the form of `Snapshot::bytes` in this version: what was
+  ///         written under another one cannot be read.
+  [[nodiscard]] static std::uint64_t snapshot_layout() noexcept;
+  /// @param bytes of a snapshot of a bank built from the same configuration, under the same layout
+  /// @throws std::invalid_argument when the bytes cannot be a snapshot of this bank.
+  [[nodiscard]] Snapshot snapshot_from(std::span<const std::byte> bytes) const;
+
+  /// @return the `image` of StatusDigest over every status image, to compare runs.
   [[nodiscard]] std::uint64_t status_hash() const noexcept;
 
  private:
@@ -105,6 +117,10 @@ class AxisBank::Snapshot {
   Snapshot(Snapshot&&) noexcept;
   Snapshot& operator=(Snapshot&&) noexcept;
   ~Snapshot();
+
+  /// @return the state as bytes, for a file on this kind of machine. What follows from the bank's
+  ///         configuration is not part of them.
+  [[nodiscard]] std::vector<std::byte> bytes() const;
 
  private:
   friend class AxisBank;

@@ -5,6 +5,7 @@
 #include "vdrive/service/configuration.hpp"
 #include "vdrive/service/control_table.hpp"
 #include "vdrive/service/counters.hpp"
+#include "vdrive/service/journal.hpp"
 #include "vdrive/service/pending_frames.hpp"
 #include "vdrive/service/queues.hpp"
 #include "vdrive/service/step_pool.hpp"
@@ -12,6 +13,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -23,6 +25,13 @@ struct BenchIdentity {
   std::uint64_t incarnation = 0;  ///< start of the service [ns since the epoch]
 };
 
+/// Codes of EVENT_SNAPSHOT.
+struct SnapshotNews {
+  static constexpr std::uint32_t kTaken = 1;
+  static constexpr std::uint32_t kRestored = 2;
+  static constexpr std::uint32_t kDropped = 3;
+};
+
 /// The bench without clock and network: takes what arrived, decides who may do what, steps the
 /// bank, and puts answers, events and images into the outbox. Belongs to one thread. Once warm it
 /// allocates nothing and takes no lock.
@@ -31,6 +40,7 @@ class BenchEngine {
   /// How far ahead a frame may be sent.
   static constexpr std::chrono::seconds kFurthestAhead{10};
   static constexpr std::uint64_t kMaxTicksPerStep = 1'000'000;
+  static constexpr std::size_t kMostSnapshots = 16;
 
   /// The last completed tick is 0 until `start_at`.
   /// @throws std::invalid_argument when the bank refuses the axes
@@ -39,6 +49,10 @@ class BenchEngine {
 
   /// Before the first step: the first tick is the one after `last_tick`.
   void start_at(std::uint64_t last_tick);
+
+  /// Before the first arrival: records into `journal`, which outlives this engine.
+  /// @throws std::system_error when the journal cannot be begun
+  void record_to(Journal& journal);
 
   /// Last completed tick.
   [[nodiscard]] std::uint64_t tick() const noexcept { return tick_; }
@@ -137,11 +151,25 @@ class BenchEngine {
   void lose_axis(std::size_t axis);
   void add_statuses(const msg::Request& request, msg::Reply& reply) const;
 
+  // snapshots: bench_snapshots.cpp
+  struct KeptSnapshot {
+    std::uint64_t number = 0;
+    std::shared_ptr<const AxisBank::Snapshot> state;
+  };
+
+  [[nodiscard]] bool time_stands() const noexcept;
+  [[nodiscard]] std::uint32_t take_snapshot(const msg::Request& request, msg::Reply& reply);
+  [[nodiscard]] std::uint32_t restore_snapshot(const msg::Request& request, msg::Reply& reply);
+  [[nodiscard]] std::uint32_t drop_snapshot(const msg::Request& request);
+  void tell_snapshot(const msg::Request& request, std::uint32_t code, std::uint64_t number);
+
   // shared
   [[nodiscard]] std::optional<std::size_t> index_of(std::uint16_t number) const noexcept;
   AbortCode write(std::size_t axis, ObjectAddress address, std::int64_t value);
   void watch_masters();
   void lose_master(SessionRecord& record);
+  void to_journal(const JournalChange& change);
+  void tell_journal();
   void observe();
   void observe_state(std::size_t axis, const AxisStatus& status, Seen& seen);
   void mark_changed(std::size_t axis);
@@ -150,6 +178,7 @@ class BenchEngine {
 
   BenchIdentity identity_;
   ClockMode clock_;
+  bool paused_;
   std::uint64_t tick_ = 0;
   std::uint64_t watchdog_ticks_ = 0;  ///< 0 = off
   std::uint64_t furthest_ahead_ = 0;  ///< [ticks]
@@ -173,6 +202,9 @@ class BenchEngine {
   std::size_t changed_count_ = 0;
   std::vector<bool> is_changed_;
   std::uint64_t told_overflows_ = 0;
+  std::vector<KeptSnapshot> snapshots_;  ///< by number
+  std::uint64_t last_snapshot_ = 0;
+  Journal* journal_ = nullptr;
 };
 
 }  // namespace vdrive::service

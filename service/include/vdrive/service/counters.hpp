@@ -45,6 +45,9 @@ struct Counters {
   Counter status_frames_sent;
   Counter queue_overflows;
   Counter master_losses;
+  Counter snapshots;       ///< kept now
+  Counter journal_ticks;   ///< written
+  Counter journal_losses;  ///< ticks that are missing in the journal
 
   /// Counts a tick that started `late` after its time.
   void count_lateness(std::chrono::nanoseconds late) noexcept {

@@ -4,6 +4,7 @@
 #include "vdrive/service/bench_engine.hpp"
 #include "vdrive/service/configuration.hpp"
 #include "vdrive/service/counters.hpp"
+#include "vdrive/service/journal_file.hpp"
 
 #include <cstdint>
 #include <memory>
@@ -26,12 +27,14 @@ class BenchNumberTaken : public std::runtime_error {
 /// | tick      | realtime: nothing but ticks; lock-step: steps, replies and status |
 /// | status    | realtime only: status frames and axis samples                     |
 /// | reporter  | events, parameters, bench_state; realtime: replies                |
+/// | journal   | writes the journal, where there is one                            |
 class Service {
  public:
   /// Sets everything up; nobody sees the bench yet.
+  /// @param journal takes the journal of this run; nothing = none is written
   /// @throws ConfigurationError, std::invalid_argument when the bank refuses an axis,
   ///         wire::NetworkError
-  explicit Service(Configuration configuration);
+  explicit Service(Configuration configuration, JournalSink journal = nullptr);
 
   /// Stops.
   ~Service();
@@ -39,7 +42,8 @@ class Service {
   Service& operator=(const Service&) = delete;
 
   /// Listens for 300 ms, then announces the bench and runs it.
-  /// @throws BenchNumberTaken when an older service has the number.
+  /// @throws BenchNumberTaken when an older service has the number; std::system_error when the
+  ///         journal cannot be begun.
   void start();
 
   /// Publishes that the bench is offline and ends every thread. Idempotent.

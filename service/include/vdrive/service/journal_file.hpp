@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/dictionary/object.hpp"
+#include "vdrive/status_digest.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <iosfwd>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace vdrive::service {
+
+/// The file of a journal, as docs/journal.md describes it: chunks with a check each, records in
+/// them.
+
+/// A journal cannot be read. The message says what is wrong and at which byte.
+class JournalError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Takes the bytes of a journal. @throws std::system_error when they cannot be kept
+using JournalSink = std::function<void(std::span<const std::byte> bytes)>;
+
+/// Something that was done to an axis between two ticks.
+struct JournalChange {
+  enum class Kind : std::uint8_t { write = 1, power_cycle = 2, connection_loss = 3 };
+
+  Kind kind = Kind::write;
+  std::uint16_t axis = 0;   ///< index on the bench, from 0
+  ObjectAddress address{};  ///< of a write
+  std::int64_t value = 0;   ///< of a write
+
+  friend bool operator==(const JournalChange&, const JournalChange&) = default;
+};
+
+/// The head of a journal.
+struct JournalStart {
+  std::uint64_t layout = 0;        ///< AxisBank::snapshot_layout
+  std::uint32_t axes_per_row = 1;  ///< see StatusDigest
+  std::uint32_t rows = 0;
+  std::string version;        ///< of the program
+  std::string configuration;  ///< YAML
+};
+
+/// One tick: its number and the check of its status images.
+struct JournalTick {
+  std::uint64_t number = 0;
+  StatusDigest digest{};
+  std::vector<std::uint32_t> rows{};
+};
+
+/// The whole state of the axes after a tick.
+struct JournalSnapshot {
+  enum class Cause : std::uint8_t { start = 1, restored = 2, resumed = 3 };
+
+  Cause cause = Cause::start;
+  std::uint64_t tick = 0;  ///< the last completed one
+  std::uint64_t lost = 0;  ///< resumed: how many ticks are missing before it
+  std::vector<std::byte> state{};
+};
+
+/// What a journal that was ended properly holds.
+struct JournalEnd {
+  std::uint64_t ticks = 0;
+  std::uint64_t changes = 0;
+  std::uint64_t lost = 0;
+};
+
+using JournalRecord = std::variant<JournalChange, JournalTick, JournalSnapshot, JournalEnd>;
+
+/// Writes a journal.
+class JournalWriter {
+ public:
+  /// Writes the head. All members @throws what the sink throws.
+  JournalWriter(JournalSink sink, const JournalStart& start);
+
+  void write(const JournalChange& change);
+  void write(const JournalSnapshot& snapshot);
+  /// A tick whose number is not the next one jumped.
+  void write_tick(std::uint64_t number, const StatusDigest& digest,
+                  std::span<const std::uint32_t> rows);
+  /// Hands what waits to the sink.
+  void flush();
+  /// The last record.
+  void end();
+
+  [[nodiscard]] std::uint64_t ticks() const noexcept { return totals_.ticks; }
+
+ private:
+  void flush_if_large();
+
+  JournalSink sink_;
+  std::vector<std::byte> records_;  ///< of the chunk that is being filled
+  std::vector<std::byte> chunk_;
+  std::uint32_t sequence_ = 0;
+  std::uint64_t last_tick_ = 0;
+  std::optional<std::uint64_t> last_image_;  ///< nothing: the next tick is written in full
+  JournalEnd totals_;
+};
+
+/// Reads a journal from its first record to its last.
+class JournalReader {
+ public:
+  /// Reads the head. @throws JournalError
+  explicit JournalReader(std::istream& file);
+
+  [[nodiscard]] const JournalStart& start() const noexcept { return start_; }
+
+  /// @return the next record, or nothing at the end of the file.
+  /// @throws JournalError when something in the middle is damaged or missing. A chunk that the file
+  ///         ends in is left out: so does a service that was killed leave it.
+  [[nodiscard]] std::optional<JournalRecord> next();
+
+  /// @return how many bytes of an unfinished chunk the file ends in.
+  [[nodiscard]] std::uint64_t torn_bytes() const noexcept { return torn_bytes_; }
+
+ private:
+  [[nodiscard]] bool read_chunk();
+  [[nodiscard]] JournalRecord read_record();
+  [[nodiscard]] JournalRecord read_change(JournalChange::Kind kind);
+  [[nodiscard]] JournalRecord read_snapshot();
+  void read_start();
+  template <typename Number>
+  [[nodiscard]] Number take();
+  [[nodiscard]] std::string take_text();
+  [[noreturn]] void fail(const std::string& what) const;
+
+  std::istream& file_;
+  JournalStart start_;
+  std::uint32_t kind_ = 0;
+  std::vector<std::byte> chunk_;
+  std::size_t position_ = 0;
+  std::uint64_t chunk_offset_ = 0;  ///< of the present chunk in the file
+  std::uint64_t next_offset_ = 0;
+  std::uint64_t torn_bytes_ = 0;
+  std::uint32_t sequence_ = 0;
+  JournalTick tick_;  ///< the last one
+};
+
+}  // namespace vdrive::service

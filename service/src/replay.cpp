@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdrive/service/replay.hpp"
+
+#include "vdrive/axis_bank.hpp"
+#include "vdrive/service/configuration.hpp"
+#include "vdrive/service/step_pool.hpp"
+#include "vdrive/status_digest.hpp"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+#include <stdexcept>
+#include <variant>
+#include <vector>
+
+namespace vdrive::service {
+namespace {
+
+constexpr std::size_t kLongestNumber = 32;
+
+std::string hex(std::uint32_t number) {
+  std::array<char, kLongestNumber> text{};
+  std::snprintf(text.data(), text.size(), "%04Xh", number);  // NOLINT(*-vararg)
+  return text.data();
+}
+
+std::string rounded(double number) {
+  std::array<char, kLongestNumber> text{};
+  std::snprintf(text.data(), text.size(), number < 10.0 ? "%.1f" : "%.0f",
+                number);  // NOLINT(*-vararg)
+  return text.data();
+}
+
+Configuration configuration_of(const JournalStart& start) {
+  if (start.layout != AxisBank::snapshot_layout()) {
+    throw JournalError("it was written by vdrived " + start.version +
+                       ", whose axes keep their state in another layout: replay it with that one");
+  }
+  try {
+    return parse_configuration(start.configuration, "its configuration");
+  } catch (const std::exception& error) {
+    throw JournalError(error.what());
+  }
+}
+
+/// A journal being replayed. Members that return bool tell whether it still agrees.
+class Replay {
+ public:
+  Replay(JournalReader& reader, std::optional<std::uint32_t> threads)
+      : reader_(reader),
+        configuration_(configuration_of(reader.start())),
+        bank_(bank_axes(configuration_), configuration_.period),
+        pool_(bank_, threads.value_or(configuration_.threads)),
+        rows_(reader.start().rows) {
+    const std::size_t per_row = reader.start().axes_per_row;
+    if (rows_.size() != (bank_.size() + per_row - 1) / per_row) {
+      throw JournalError("its head does not fit its configuration");
+    }
+  }
+
+  ReplayResult run() {
+    const auto begin = std::chrono::steady_clock::now();
+    bool agrees = true;
+    while (agrees) {
+      const auto record = reader_.next();
+      if (!record) {
+        break;
+      }
+      agrees = std::visit(
+          [this](const auto& content) {
+            return apply(content);
+          },
+          *record);
+    }
+    const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
+    result_.agrees = agrees;
+    result_.is_complete = lost_ == 0;
+    if (agrees) {
+      result_.text = summary(wall.count());
+    }
+    return result_;
+  }
+
+ private:
+  bool apply(const JournalChange& change) {
+    require_start();
+    if (change.axis >= bank_.size()) {
+      throw JournalError("tick " + std::to_string(tick_ + 1) + ": there is no axis with index " +
+                         std::to_string(change.axis));
+    }
+    ++result_.changes;
+    AbortCode code = AbortCode::none;
+    switch (change.kind) {
+      case JournalChange::Kind::write:
+        code = bank_.write(change.axis, change.address, change.value);
+        break;
+      case JournalChange::Kind::power_cycle:
+        bank_.power_cycle(change.axis);
+        break;
+      case JournalChange::Kind::connection_loss:
+        bank_.report_connection_loss(change.axis);
+        break;
+    }
+    if (code != AbortCode::none) {
+      result_.text = "tick " + std::to_string(tick_ + 1) + ": " + name_of(change.axis) +
+                     ": the write of " + std::to_string(change.value) + " to " +
+                     hex(change.address.index) + ":" + std::to_string(change.address.subindex) +
+                     ", accepted when it was recorded, is refused";
+    }
+    return code == AbortCode::none;
+  }
+
+  bool apply(const JournalTick& tick) {
+    require_start();
+    pool_.step();
+    tick_ = tick.number;
+    ++result_.ticks;
+    const StatusDigest digest = digest_of(bank_.statuses(), reader_.start().axes_per_row, rows_);
+    if (digest.image == tick.digest.image) {
+      return true;
+    }
+    result_.text = "tick " + std::to_string(tick.number) + ": " + place_of(digest, tick);
+    return false;
+  }
+
+  bool apply(const JournalSnapshot& snapshot) {
+    started_ = true;
+    try {
+      bank_.restore(bank_.snapshot_from(snapshot.state));
+    } catch (const std::invalid_argument& error) {
+      throw JournalError(error.what());
+    }
+    if (snapshot.lost > 0) {
+      lost_ += snapshot.lost;
+      gaps_ += (gaps_.empty() ? "" : ", ") + std::to_string(tick_ + 1) + " to " +
+               std::to_string(snapshot.tick);
+    }
+    tick_ = snapshot.tick;
+    return true;
+  }
+
+  bool apply(const JournalEnd& end) {
+    if (end.ticks != result_.ticks || end.changes != result_.changes || end.lost != lost_) {
+      throw JournalError("its end speaks of " + std::to_string(end.ticks) + " ticks and " +
+                         std::to_string(end.changes) + " changes, but it holds " +
+                         std::to_string(result_.ticks) + " and " + std::to_string(result_.changes));
+    }
+    ended_ = true;
+    return true;
+  }
+
+  void require_start() const {
+    if (!started_) {
+      throw JournalError("it does not begin with a snapshot");
+    }
+  }
+
+  [[nodiscard]] std::string name_of(std::size_t axis) const {
+    const NamedAxis& named = configuration_.axes[axis];
+    return "axis " + std::to_string(named.number) + " (" + named.name + ")";
+  }
+
+  /// The first row and the first member that differ, where the journal tells them apart.
+  [[nodiscard]] std::string place_of(const StatusDigest& digest, const JournalTick& tick) const {
+    const auto row = static_cast<std::size_t>(
+        std::mismatch(rows_.begin(), rows_.end(), tick.rows.begin()).first - rows_.begin());
+    const auto column = static_cast<std::size_t>(
+        std::mismatch(digest.members.begin(), digest.members.end(), tick.digest.members.begin())
+            .first -
+        digest.members.begin());
+    if (row == rows_.size() || column == kStatusMembers) {
+      return "the status differs from the recorded one in a way that names no place";
+    }
+    const StatusMember& member = status_members()[column];
+    const std::size_t per_row = reader_.start().axes_per_row;
+    const std::size_t first = row * per_row;
+    const std::size_t last = std::min(first + per_row, bank_.size()) - 1;
+    std::string text =
+        first == last ? name_of(first) : "one of " + name_of(first) + " to " + name_of(last);
+    text += ", member " + std::string(member.name);
+    text += member.address.index == 0 ? "" : " (" + hex(member.address.index) + ")";
+    if (first == last) {
+      text += ": replayed " + std::to_string(member.value(bank_.status(first))) +
+              ", recorded another value";
+    }
+    return text + "; later differences are not looked for";
+  }
+
+  [[nodiscard]] std::string summary(double wall) const {
+    const double drive =
+        std::chrono::duration<double>(bank_.period()).count() * static_cast<double>(result_.ticks);
+    std::string text = std::to_string(result_.ticks) + " ticks of " + std::to_string(bank_.size()) +
+                       " axes, " + std::to_string(result_.changes) +
+                       " changes: every hash agrees, " + rounded(wall > 0.0 ? drive / wall : 0.0) +
+                       " x real time";
+    if (!ended_) {
+      text += "; ends at tick " + std::to_string(tick_) + " without an end mark";
+    }
+    if (reader_.torn_bytes() > 0) {
+      text += ", in " + std::to_string(reader_.torn_bytes()) + " bytes of an unfinished chunk";
+    }
+    if (lost_ > 0) {
+      text += "; " + std::to_string(lost_) + " ticks are missing: " + gaps_;
+    }
+    return text;
+  }
+
+  JournalReader& reader_;
+  Configuration configuration_;
+  AxisBank bank_;
+  StepPool pool_;
+  std::vector<std::uint32_t> rows_;
+  ReplayResult result_;
+  std::uint64_t tick_ = 0;
+  std::uint64_t lost_ = 0;
+  std::string gaps_;
+  bool started_ = false;
+  bool ended_ = false;
+};
+
+}  // namespace
+
+ReplayResult replay(const std::filesystem::path& file, std::optional<std::uint32_t> threads) {
+  std::ifstream stream(file, std::ios::binary);
+  if (std::filesystem::is_directory(file) || !stream) {
+    throw JournalError(file.string() + ": cannot be read");
+  }
+  try {
+    JournalReader reader(stream);
+    ReplayResult result = Replay(reader, threads).run();
+    result.text = file.string() + ": " + result.text;
+    return result;
+  } catch (const JournalError& error) {
+    throw JournalError(file.string() + ": " + error.what());
+  }
+}
+
+}  // namespace vdrive::service

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdrive/status_digest.hpp"
+
+#include "core/support/random_cases.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <bit>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace vdrive {
+namespace {
+
+using test::Random;
+
+std::vector<AxisStatus> random_statuses(std::size_t count, Random& random) {
+  std::vector<AxisStatus> statuses(count);
+  for (AxisStatus& status : statuses) {
+    std::array<std::uint32_t, sizeof(AxisStatus) / sizeof(std::uint32_t)> words{};
+    for (std::uint32_t& word : words) {
+      word = random.word();
+    }
+    status = std::bit_cast<AxisStatus>(words);
+  }
+  return statuses;
+}
+
+TEST(StatusDigest, NamesEveryMemberOfAxisStatusOnce) {
+  std::set<std::string_view> names;
+  for (const StatusMember& member : status_members()) {
+    EXPECT_TRUE(names.insert(member.name).second) << member.name;
+    // The members that are no objects of the dictionary are the two counts.
+    EXPECT_EQ(member.address.index == 0,
+              member.name == "ignored_set_points" || member.name == "fault_count")
+        << member.name;
+  }
+  EXPECT_EQ(status_members()[14].name, "ds402_statusword");
+  EXPECT_EQ(status_members()[14].address, (ObjectAddress{0x6041, 0}));
+}
+
+/// One bit of one axis is flipped: the digest says which axis and, where the members say which one
+/// has another value, which member.
+TEST(StatusDigest, OneFlippedBitNamesItsAxisAndItsMember) {
+  Random random(7);
+  for (std::uint64_t number = 0; number < test::case_count(5'000, 200'000); ++number) {
+    auto statuses = random_statuses(1 + random.below(40), random);
+    std::vector<std::uint32_t> rows(statuses.size());
+    const StatusDigest before = digest_of(statuses, 1, rows);
+    const auto rows_before = rows;
+    const auto statuses_before = statuses;
+    const std::size_t axis = random.below(statuses.size());
+    auto bytes = std::bit_cast<std::array<std::uint8_t, sizeof(AxisStatus)>>(statuses[axis]);
+    bytes[random.below(bytes.size())] ^= static_cast<std::uint8_t>(1U << random.below(8));
+    statuses[axis] = std::bit_cast<AxisStatus>(bytes);
+    const StatusDigest after = digest_of(statuses, 1, rows);
+    EXPECT_NE(after.image, before.image);
+    for (std::size_t row = 0; row < rows.size(); ++row) {
+      ASSERT_EQ(rows[row] != rows_before[row], row == axis) << "case " << number;
+    }
+    for (std::size_t member = 0; member < kStatusMembers; ++member) {
+      const auto value = status_members()[member].value;
+      ASSERT_EQ(after.members[member] != before.members[member],
+                value(statuses[axis]) != value(statuses_before[axis]))
+          << "case " << number << ", member " << status_members()[member].name;
+    }
+  }
+}
+
+TEST(StatusDigest, ARowMayStandForSeveralAxes) {
+  Random random(11);
+  auto statuses = random_statuses(130, random);
+  std::vector<std::uint32_t> rows(3);  // 64 + 64 + 2 axes
+  const auto image = digest_of(statuses, 64, rows).image;
+  EXPECT_EQ(digest_of(statuses, 1, {}).image, image) << "rows do not matter to the image";
+  const auto before = rows;
+  ++statuses[64].fault_count;
+  static_cast<void>(digest_of(statuses, 64, rows));
+  EXPECT_EQ(rows[0], before[0]);
+  EXPECT_NE(rows[1], before[1]);
+  EXPECT_EQ(rows[2], before[2]);
+}
+
+TEST(StatusDigest, TellsTheOrderOfTheAxes) {
+  Random random(13);
+  auto statuses = random_statuses(2, random);
+  const auto before = digest_of(statuses, 1, {});
+  std::swap(statuses[0], statuses[1]);
+  const auto after = digest_of(statuses, 1, {});
+  EXPECT_NE(after.image, before.image);
+  EXPECT_NE(after.members, before.members);
+}
+
+}  // namespace
+}  // namespace vdrive
