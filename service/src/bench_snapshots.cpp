@@ -49,6 +49,7 @@ std::uint32_t BenchEngine::restore_snapshot(const msg::Request& request, msg::Re
       [&](const auto& frame) {
         refuse_frame(frame, msg::REASON_CANCELLED);
       });
+  counters_.pending_frames.set(pending_.size());
   bank_.restore(*kept->state);
   if (journal_ != nullptr) {
     journal_->record_restore(kept->state, tick_);

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+// Snapshots by request.
+#include "service/engine_under_test.hpp"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace vdrive::test {
+namespace {
+
+service::Configuration standing_bench() {
+  auto configuration = bench_configuration(3);
+  configuration.watchdog.reset();
+  return configuration;
+}
+
+std::uint64_t take(EngineUnderTest& bench) {
+  const auto reply = bench.ask(bench.make_request(msg::REQUEST_TAKE_SNAPSHOT, kAlice));
+  EXPECT_EQ(reply.reason(), msg::REASON_NONE);
+  return reply.snapshot();
+}
+
+msg::Reply ask_about(EngineUnderTest& bench, std::uint32_t kind, std::uint64_t snapshot,
+                     std::uint64_t session = kAlice) {
+  auto request = bench.make_request(kind, session);
+  request.snapshot(snapshot);
+  return bench.ask(request);
+}
+
+msg::Reply restore(EngineUnderTest& bench, std::uint64_t snapshot, std::uint64_t session = kAlice) {
+  return ask_about(bench, msg::REQUEST_RESTORE_SNAPSHOT, snapshot, session);
+}
+
+/// Moves axis 1 to `target` and shows every status on the way.
+std::vector<std::uint64_t> move(EngineUnderTest& bench, std::int32_t target) {
+  bench.write(kAlice, 1, 0x607A, target);
+  bench.write(kAlice, 1, 0x6040, 0x0F);
+  bench.write(kAlice, 1, 0x6040, 0x3F);
+  std::vector<std::uint64_t> hashes;
+  for (int tick = 0; tick < 500; ++tick) {
+    bench.steps(1);
+    hashes.push_back(bench.engine.bank().status_hash());
+  }
+  return hashes;
+}
+
+TEST(SnapshotRequest, MakesBranchesThatAreTheSameBitForBit) {
+  EngineUnderTest bench(standing_bench());
+  bench.write(kAlice, 1, 0x6060, 1);
+  bench.write(kAlice, 1, 0x6040, 0x0F);
+  bench.steps(10);
+  static_cast<void>(move(bench, 70));
+  const std::uint64_t number = take(bench);
+  const auto first = move(bench, 5'000);
+  EXPECT_EQ(restore(bench, number).reason(), msg::REASON_NONE);
+  const auto other = move(bench, -300);
+  EXPECT_EQ(restore(bench, number).reason(), msg::REASON_NONE);
+  EXPECT_NE(first, other);
+  EXPECT_EQ(move(bench, 5'000), first);
+}
+
+TEST(SnapshotRequest, PutsTheAxesBackAndLetsTimeGoOn) {
+  EngineUnderTest bench(standing_bench());
+  bench.steps(10);
+  bench.write(kAlice, 1, 0x6081, 1'234);
+  const std::uint64_t number = take(bench);
+  bench.write(kAlice, 1, 0x6081, 4'321);
+  bench.write(kAlice, 2, 0x6040, 0x0F);
+  bench.steps(10);
+  static_cast<void>(bench.events(0));
+  EXPECT_EQ(restore(bench, number).tick(), 20U);
+  EXPECT_EQ(bench.engine.tick(), 20U);
+  EXPECT_EQ(bench.value(1, 0x6081), 1'234);
+  EXPECT_EQ(bench.value(2, 0x6041), 0x250);
+  const auto news = bench.events(msg::EVENT_SNAPSHOT);
+  ASSERT_EQ(news.size(), 1U);
+  EXPECT_EQ(news[0].code, service::SnapshotNews::kRestored);
+  EXPECT_EQ(news[0].detail, number);
+  EXPECT_EQ(bench.read(2, 0x6041).owner_session(), 0U);
+  bench.steps(1);
+  EXPECT_EQ(bench.events(msg::EVENT_STATE_CHANGED).size(), 1U) << "axis 2 is disabled again";
+}
+
+TEST(SnapshotRequest, KeepsOwnersAndEpochs) {
+  EngineUnderTest bench(standing_bench());
+  const std::uint64_t number = take(bench);
+  const auto epoch = bench.acquire(kAlice, {1}).epoch();
+  EXPECT_EQ(restore(bench, number).epoch(), epoch);
+  EXPECT_EQ(bench.write(kBob, 1, 0x6081, 1).objects()[0].abort_code(), 0x08000021U);
+}
+
+TEST(SnapshotRequest, DropsTheFramesThatWait) {
+  EngineUnderTest bench(standing_bench());
+  bench.acquire(kAlice, {1});
+  const std::uint64_t number = take(bench);
+  auto frame = bench.make_frame(kAlice);
+  frame.apply_at_tick(100);
+  add_command(frame, 1);
+  bench.receive(frame);
+  ASSERT_FALSE(bench.command_reply());
+  EXPECT_EQ(restore(bench, number).reason(), msg::REASON_NONE);
+  EXPECT_EQ(bench.frame_refusal(), msg::REASON_CANCELLED);
+  EXPECT_EQ(bench.counters.pending_frames.get(), 0U);
+}
+
+TEST(SnapshotRequest, IsNotRestoredOverTheAxesOfSomebodyElse) {
+  EngineUnderTest bench(standing_bench());
+  const std::uint64_t number = take(bench);
+  bench.acquire(kBob, {2});
+  const auto reply = restore(bench, number);
+  EXPECT_EQ(reply.reason(), 0x08000021U);
+  EXPECT_EQ(reply.refused_axis(), 2U);
+  EXPECT_EQ(reply.owner_session(), kBob);
+  EXPECT_EQ(restore(bench, number, kBob).reason(), msg::REASON_NONE) << "all others are free";
+}
+
+TEST(SnapshotRequest, IsKeptSixteenTimesAndForgottenOnRequest) {
+  EngineUnderTest bench(standing_bench());
+  for (std::uint64_t number = 1; number <= 16; ++number) {
+    EXPECT_EQ(take(bench), number);
+  }
+  EXPECT_EQ(bench.counters.snapshots.get(), 16U);
+  const auto full = bench.ask(bench.make_request(msg::REQUEST_TAKE_SNAPSHOT, kAlice));
+  EXPECT_EQ(full.reason(), msg::REASON_QUEUE_FULL);
+  EXPECT_EQ(full.snapshot(), 0U);
+  EXPECT_EQ(ask_about(bench, msg::REQUEST_DROP_SNAPSHOT, 5).reason(), msg::REASON_NONE);
+  EXPECT_EQ(ask_about(bench, msg::REQUEST_DROP_SNAPSHOT, 5).reason(), msg::REASON_UNKNOWN_SNAPSHOT);
+  EXPECT_EQ(restore(bench, 5).reason(), msg::REASON_UNKNOWN_SNAPSHOT);
+  EXPECT_EQ(restore(bench, 0).reason(), msg::REASON_UNKNOWN_SNAPSHOT);
+  EXPECT_EQ(take(bench), 17U) << "a number is never used again";
+}
+
+TEST(SnapshotRequest, NeedsAClockThatStandsStill) {
+  auto configuration = standing_bench();
+  configuration.clock = service::ClockMode::realtime;
+  EngineUnderTest running(configuration);
+  for (const auto kind :
+       {msg::REQUEST_TAKE_SNAPSHOT, msg::REQUEST_RESTORE_SNAPSHOT, msg::REQUEST_DROP_SNAPSHOT}) {
+    EXPECT_EQ(ask_about(running, kind, 1).reason(), msg::REASON_TIME_PASSES);
+  }
+  configuration.rate = 0.0;
+  EngineUnderTest paused(configuration);
+  EXPECT_EQ(restore(paused, take(paused)).reason(), msg::REASON_NONE);
+}
+
+}  // namespace
+}  // namespace vdrive::test

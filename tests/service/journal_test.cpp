@@ -1,0 +1,681 @@
+// SPDX-License-Identifier: Apache-2.0
+// The journal of a bench and its replay, without network and clock.
+#include "vdrive/service/journal.hpp"
+
+#include "core/support/allocation_guard.hpp"
+#include "core/support/random_cases.hpp"
+#include "service/engine_under_test.hpp"
+#include "vdrive/service/replay.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <condition_variable>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <mutex>
+#include <sstream>
+#include <string>
+#include <system_error>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace vdrive::test {
+namespace {
+
+using service::Journal;
+using service::JournalChange;
+using service::JournalEnd;
+using service::JournalError;
+using service::JournalNews;
+using service::JournalReader;
+using service::JournalRecord;
+using service::JournalSink;
+using service::JournalSnapshot;
+using service::JournalTick;
+using service::JournalWriter;
+using service::ReplayResult;
+using testing::HasSubstr;
+
+/// A file that goes with this object.
+class JournalFile {
+ public:
+  JournalFile() {
+    const auto* const test = testing::UnitTest::GetInstance()->current_test_info();
+    std::string name = std::string("vdrive_") + test->test_suite_name() + "_" + test->name() + "_" +
+                       std::to_string(::getpid());
+    std::replace(name.begin(), name.end(), '/', '_');
+    path_ = std::filesystem::temp_directory_path() / name;
+    std::filesystem::remove(path_);
+  }
+
+  ~JournalFile() { std::filesystem::remove(path_); }
+
+  JournalFile(const JournalFile&) = delete;
+  JournalFile& operator=(const JournalFile&) = delete;
+
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+  [[nodiscard]] std::string bytes() const {
+    std::ifstream stream(path_, std::ios::binary);
+    std::ostringstream text;
+    text << stream.rdbuf();
+    return text.str();
+  }
+
+  void set_bytes(const std::string& bytes) const {
+    std::ofstream(path_, std::ios::binary | std::ios::trunc) << bytes;
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// What a replay says, or what it throws.
+std::string failure_of(const JournalFile& file) {
+  try {
+    return "no failure: " + service::replay(file.path(), std::nullopt).text;
+  } catch (const JournalError& error) {
+    return error.what();
+  }
+}
+
+service::Configuration many_kinds(std::size_t axes) {
+  auto configuration = bench_configuration(axes);
+  configuration.name = "it's: a \"bench\"";  // text that YAML has to quote
+  for (std::size_t axis = 0; axis < axes; ++axis) {
+    auto& model = configuration.axes[axis].configuration.model;
+    model.coupling = axis % 3 == 1 ? Coupling::two_inertia : Coupling::rigid;
+    model.load_inertia = 1.0e-4 / 3.0 * static_cast<double>(1 + axis);  // no short decimal number
+    configuration.axes[axis].configuration.initial_position = static_cast<int>(axis) * 1'000 - 7;
+  }
+  return configuration;
+}
+
+/// A bench that writes a journal.
+struct RecordedBench {
+  explicit RecordedBench(const service::Configuration& configuration, JournalSink sink)
+      : bench(configuration), journal(configuration, std::move(sink), bench.counters) {
+    bench.engine.record_to(journal);
+  }
+
+  EngineUnderTest bench;
+  Journal journal;  // ends first
+};
+
+/// One of the things that clients do, by chance; some of it is refused.
+void act_randomly(EngineUnderTest& bench, Random& random) {
+  const auto axis = static_cast<std::uint16_t>(1 + random.below(bench.configuration.axes.size()));
+  const std::uint64_t session = random.one_in(4) ? kBob : kAlice;
+  const std::vector<std::uint16_t> words{0x0F, 0x1F, 0x3F, 0x7F, 0x010F, 0x06, 0x02, 0x80, 0x00};
+  const std::vector<std::uint16_t> objects{0x607A, 0x6081, 0x6083, 0x6084, 0x5E00, 0x5E01, 0x5E02,
+                                           0x60E0, 0x3576, 0x6060, 0x605A, 0x6007, 0x60F2, 0x6041};
+  switch (random.below(8)) {
+    case 0:
+      bench.acquire(session, {axis});
+      break;
+    case 1:
+      bench.ask(bench.make_request(msg::REQUEST_RELEASE, session));
+      break;
+    case 2:
+      bench.ask(bench.make_request(msg::REQUEST_POWER_CYCLE, session, {axis}));
+      break;
+    case 3: {  // one bad register takes the others back
+      auto frame = bench.make_frame(session);
+      frame.flags(msg::FRAME_ALL_OR_NOTHING);
+      auto& command = add_command(frame, axis);
+      command.members(msg::HAS_PROFILE_VELOCITY | msg::HAS_OP_MODE_CMD);
+      command.profile_velocity(static_cast<std::uint32_t>(random.below(5'000)));
+      command.op_mode_cmd(random.one_in(2) ? 1 : 99);
+      set_controlword(command, words[random.below(words.size())]);
+      bench.receive(frame);
+      break;
+    }
+    case 4:
+    case 5:
+      bench.write(session, axis, objects[random.below(objects.size())],
+                  static_cast<std::int32_t>(random.word()) % 20'000);
+      break;
+    default:
+      bench.write(session, axis, 0x6060, 1);
+      bench.write(session, axis, 0x6040, words[random.below(words.size())]);
+      break;
+  }
+  while (bench.outbox.command_replies.front() != nullptr) {
+    bench.outbox.command_replies.pop();
+  }
+}
+
+/// Runs a bench through `ticks` ticks of chance, snapshots and their return included.
+void record_randomly(RecordedBench& recorded, std::uint64_t seed, std::uint64_t ticks) {
+  Random random(seed);
+  auto& bench = recorded.bench;
+  for (std::uint64_t tick = 0; tick < ticks; ++tick) {
+    for (std::uint64_t action = random.below(4); action > 0; --action) {
+      act_randomly(bench, random);
+    }
+    if (random.one_in(100)) {
+      bench.ask(bench.make_request(msg::REQUEST_TAKE_SNAPSHOT, kAlice));
+      auto restore = bench.make_request(msg::REQUEST_RESTORE_SNAPSHOT, kAlice);
+      restore.snapshot(1 + random.below(8));
+      bench.ask(restore);
+    }
+    // Now and then both sessions are silent for longer than the watchdog.
+    bench.steps(random.one_in(50) ? 150 : 1);
+    static_cast<void>(bench.events(0));
+  }
+}
+
+ReplayResult replay_with(const JournalFile& file, std::uint32_t threads) {
+  return service::replay(file.path(), threads);
+}
+
+TEST(Journal, ReplaysWhateverClientsDidWithAnyNumberOfThreads) {
+  for (std::uint64_t seed = 1; seed <= case_count(30, 300); ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const JournalFile file;
+    std::uint64_t ticks = 0;
+    {
+      RecordedBench recorded(many_kinds(1 + seed % 20), service::open_journal(file.path()));
+      recorded.bench.engine.start_at(1'000'000 * seed);
+      record_randomly(recorded, seed, 300);
+      ticks = recorded.bench.engine.tick() - 1'000'000 * seed;
+      recorded.journal.close();
+      EXPECT_EQ(recorded.bench.counters.journal_losses.get(), 0U);
+      EXPECT_EQ(recorded.bench.counters.journal_ticks.get(), ticks);
+    }
+    for (const std::uint32_t threads : {1U, 4U}) {
+      const ReplayResult result = replay_with(file, threads);
+      ASSERT_TRUE(result.agrees) << result.text;
+      EXPECT_TRUE(result.is_complete) << result.text;
+      EXPECT_EQ(result.ticks, ticks);
+      EXPECT_GT(result.changes, 0U);
+    }
+  }
+}
+
+TEST(Journal, TakesAlikeFromEveryClock) {
+  for (const auto clock : {service::ClockMode::lockstep, service::ClockMode::realtime}) {
+    const JournalFile file;
+    auto configuration = many_kinds(5);
+    configuration.clock = clock;
+    {
+      RecordedBench recorded(configuration, service::open_journal(file.path()));
+      recorded.bench.write(kAlice, 1, 0x6040, 0x0F);
+      recorded.bench.steps(20);
+      recorded.bench.engine.jump(500);
+      recorded.bench.steps(300);  // the watchdog fires
+    }
+    const ReplayResult result = replay_with(file, 1);
+    EXPECT_TRUE(result.agrees && result.is_complete) << result.text;
+    EXPECT_EQ(result.ticks, 320U);
+  }
+}
+
+/// Reads a journal and writes it again with `alter` applied to each change.
+template <typename Alter>
+void rewrite(const JournalFile& file, Alter alter) {
+  std::istringstream bytes(file.bytes());
+  std::ostringstream altered;
+  JournalReader reader(bytes);
+  JournalWriter writer(
+      [&](std::span<const std::byte> part) {
+        for (const std::byte byte : part) {
+          altered.put(static_cast<char>(byte));
+        }
+      },
+      reader.start());
+  while (const auto record = reader.next()) {
+    if (const auto* const change = std::get_if<JournalChange>(&*record)) {
+      JournalChange other = *change;
+      alter(other);
+      writer.write(other);
+    } else if (const auto* const tick = std::get_if<JournalTick>(&*record)) {
+      writer.write_tick(tick->number, tick->digest, tick->rows);
+    } else if (const auto* const snapshot = std::get_if<JournalSnapshot>(&*record)) {
+      writer.write(*snapshot);
+    } else {
+      writer.end();
+    }
+  }
+  file.set_bytes(altered.str());
+}
+
+/// A journal of a bench whose axis 2 of 3 moves to 10000 from tick 3 on, 2000 ticks long.
+void record_move(const JournalFile& file) {
+  auto configuration = bench_configuration(3);
+  configuration.watchdog.reset();
+  RecordedBench recorded(configuration, service::open_journal(file.path()));
+  auto& bench = recorded.bench;
+  bench.write(kAlice, 2, 0x6060, 1);
+  bench.write(kAlice, 2, 0x6081, 1'000);
+  bench.write(kAlice, 2, 0x6040, 0x0F);
+  bench.steps(2);
+  bench.write(kAlice, 2, 0x607A, 10'000);
+  bench.write(kAlice, 2, 0x6040, 0x3F);
+  bench.steps(2'000);
+}
+
+TEST(Replay, ACopyOfAJournalReplaysToo) {
+  const JournalFile file;
+  record_move(file);
+  rewrite(file, [](JournalChange&) {});
+  const ReplayResult result = replay_with(file, 1);
+  EXPECT_TRUE(result.agrees && result.is_complete) << result.text;
+  EXPECT_EQ(result.ticks, 2'002U);
+  EXPECT_EQ(result.changes, 5U);
+}
+
+TEST(Replay, NamesTickAxisAndMemberWhereAnAlteredWriteFirstShows) {
+  const JournalFile file;
+  record_move(file);
+  rewrite(file, [](JournalChange& change) {
+    if (change.value == 0x0F) {
+      change.value = 0x06;
+    }
+  });
+  // 0x06 leads to Ready to switch on (0x31 in the lower byte) and not to Operation enabled, in the
+  // first tick; nothing has moved then: the statusword is the first member that differs.
+  const ReplayResult result = replay_with(file, 1);
+  EXPECT_FALSE(result.agrees);
+  EXPECT_THAT(result.text,
+              HasSubstr("tick 1: axis 2 (axis2), member ds402_statusword (6041h): replayed "));
+}
+
+/// The same two runs, side by side: an oracle that knows no journal.
+TEST(Replay, FindsTheTickAndTheMemberThatTwoBanksSideBySideShow) {
+  const JournalFile file;
+  record_move(file);
+  rewrite(file, [](JournalChange& change) {
+    if (change.address == ObjectAddress{0x6081, 0}) {
+      change.value = 999;
+    }
+  });
+  const auto axes = service::bank_axes(bench_configuration(3));
+  AxisBank recorded(axes, std::chrono::milliseconds{1});
+  AxisBank altered(axes, std::chrono::milliseconds{1});
+  for (auto* const bank : {&recorded, &altered}) {
+    bank->write(1, {0x6060, 0}, 1);
+    bank->write(1, {0x6081, 0}, bank == &altered ? 999 : 1'000);
+    bank->write(1, {0x6040, 0}, 0x0F);
+  }
+  std::uint64_t tick = 0;
+  std::string expected;
+  while (expected.empty()) {
+    ASSERT_LT(tick, 2'002U);
+    recorded.step();
+    altered.step();
+    ++tick;
+    if (tick == 2) {
+      for (auto* const bank : {&recorded, &altered}) {
+        bank->write(1, {0x607A, 0}, 10'000);
+        bank->write(1, {0x6040, 0}, 0x3F);
+      }
+    }
+    for (const StatusMember& member : status_members()) {
+      const std::int64_t value = member.value(altered.status(1));
+      if (expected.empty() && value != member.value(recorded.status(1))) {
+        expected =
+            "tick " + std::to_string(tick) + ": axis 2 (axis2), member " + std::string(member.name);
+      }
+    }
+  }
+  ASSERT_GT(tick, 3U);
+  EXPECT_THAT(replay_with(file, 1).text, HasSubstr(expected + " "));
+}
+
+TEST(Replay, NamesTheGroupOfAxesOnALargeBench) {
+  const JournalFile file;
+  {
+    auto configuration = bench_configuration(300);
+    configuration.watchdog.reset();
+    RecordedBench recorded(configuration, service::open_journal(file.path()));
+    recorded.bench.write(kAlice, 100, 0x6040, 0x0F);
+    recorded.bench.steps(3);
+  }
+  rewrite(file, [](JournalChange& change) {
+    change.value = 0x06;
+  });
+  // Above 256 axes a row stands for 64: axis 100 is in the second.
+  EXPECT_THAT(replay_with(file, 4).text,
+              HasSubstr("tick 1: one of axis 65 (axis65) to axis 128 (axis128), member "
+                        "ds402_statusword (6041h)"));
+}
+
+TEST(Replay, TellsThatAWriteIsRefusedWhichWasAccepted) {
+  const JournalFile file;
+  record_move(file);
+  rewrite(file, [](JournalChange& change) {
+    if (change.address == ObjectAddress{0x6081, 0}) {
+      change.address.index = 0x6041;
+    }
+  });
+  EXPECT_THAT(replay_with(file, 1).text,
+              HasSubstr("tick 1: axis 2 (axis2): the write of 1000 to 6041h:0, accepted when it "
+                        "was recorded, is refused"));
+}
+
+// ---- damaged files ---------------------------------------------------------------------------
+
+TEST(DamagedJournal, EndsWhereItWasTornAndAgreesUpToThere) {
+  const JournalFile file;
+  record_move(file);
+  const std::string whole = file.bytes();
+  for (const double part : {0.5, 0.8, 0.99}) {
+    const auto size = static_cast<std::size_t>(static_cast<double>(whole.size()) * part);
+    file.set_bytes(whole.substr(0, size));
+    const ReplayResult result = replay_with(file, 1);
+    EXPECT_TRUE(result.agrees && result.is_complete) << result.text;
+    EXPECT_LT(result.ticks, 2'002U);
+    EXPECT_THAT(result.text, HasSubstr("without an end mark"));
+    EXPECT_THAT(result.text, HasSubstr("of an unfinished chunk"));
+  }
+}
+
+TEST(DamagedJournal, NamesThePlaceOfAnyFlippedBit) {
+  const JournalFile file;
+  record_move(file);
+  const std::string whole = file.bytes();
+  Random random(3);
+  for (int number = 0; number < 40; ++number) {
+    std::string damaged = whole;
+    const std::size_t place = random.below(whole.size());
+    damaged[place] = static_cast<char>(damaged[place] ^ (1 << random.below(8)));
+    file.set_bytes(damaged);
+    const std::string failure = failure_of(file);
+    ASSERT_THAT(failure, testing::ContainsRegex("byte [0-9]+: "))
+        << "byte " << place << ": " << failure;
+    // The byte named is the begin of the chunk that was hit.
+    const auto named = std::stoull(failure.substr(failure.find(": byte ") + 7));
+    EXPECT_LE(named, place);
+  }
+}
+
+TEST(DamagedJournal, MissesAChunkThatWasCutOut) {
+  const JournalFile file;
+  record_move(file);
+  const std::string whole = file.bytes();
+  const auto length_at = [&](std::size_t chunk) {
+    std::uint32_t length = 0;
+    std::memcpy(&length, whole.data() + chunk + 4, sizeof(length));
+    return 24 + length;  // the head of a chunk has 24 bytes
+  };
+  const std::size_t second = length_at(0);
+  file.set_bytes(whole.substr(0, second) + whole.substr(second + length_at(second)));
+  EXPECT_THAT(failure_of(file), HasSubstr("chunk 2 follows where chunk 1 belongs"));
+}
+
+TEST(DamagedJournal, RefusesWhatIsNoJournal) {
+  const JournalFile file;
+  for (const char* const text :
+       {"", "vdrvjrnl", "this is a text with more than twenty-four bytes"}) {
+    file.set_bytes(text);
+    EXPECT_THAT(failure_of(file), HasSubstr("this is no journal")) << text;
+  }
+  EXPECT_THROW(static_cast<void>(service::replay("/nonexistent/journal", std::nullopt)),
+               JournalError);
+}
+
+TEST(DamagedJournal, RefusesAnotherVersionOfTheFormat) {
+  const JournalFile file;
+  record_move(file);
+  std::string bytes = file.bytes();
+  // Behind the head of the chunk (24) and the magic (8) stands the version; the checks are made to
+  // fit, as those of a newer writer would.
+  bytes[32] = 2;
+  std::uint32_t length = 0;
+  std::memcpy(&length, bytes.data() + 4, sizeof(length));
+  std::uint64_t check = 14695981039346656037ULL;
+  for (std::size_t position = 0; position < length; position += 8) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, bytes.data() + 24 + position, std::min<std::size_t>(8, length - position));
+    check = (check ^ word) * 1099511628211ULL;
+  }
+  std::memcpy(bytes.data() + 16, &check, sizeof(check));
+  file.set_bytes(bytes);
+  EXPECT_THAT(failure_of(file), HasSubstr("version 2 of the format is not known here, only 1"));
+}
+
+TEST(DamagedJournal, RefusesAnotherLayoutOfTheState) {
+  const JournalFile file;
+  record_move(file);
+  std::istringstream bytes(file.bytes());
+  service::JournalStart start = JournalReader(bytes).start();
+  start.layout ^= 1U;
+  start.version = "9.9";
+  {
+    const JournalSink sink = [&](std::span<const std::byte> part) {
+      file.set_bytes({reinterpret_cast<const char*>(part.data()), part.size()});  // NOLINT
+    };
+    JournalWriter writer(sink, start);
+  }
+  EXPECT_THAT(failure_of(file), HasSubstr("it was written by vdrived 9.9, whose axes keep their "
+                                          "state in another layout"));
+}
+
+TEST(Journal, DoesNotOverwriteAFile) {
+  const JournalFile file;
+  file.set_bytes("x");
+  EXPECT_THROW(static_cast<void>(service::open_journal(file.path())), service::ConfigurationError);
+  EXPECT_EQ(file.bytes(), "x");
+}
+
+// ---- slow and full disks ---------------------------------------------------------------------
+
+/// A sink that can be held up.
+class Gate {
+ public:
+  void close() {
+    const std::lock_guard lock(mutex_);
+    open_ = false;
+  }
+
+  void open() {
+    {
+      const std::lock_guard lock(mutex_);
+      open_ = true;
+    }
+    changed_.notify_all();
+  }
+
+  [[nodiscard]] JournalSink around(JournalSink sink) {
+    return [this, sink = std::move(sink)](std::span<const std::byte> bytes) {
+      {
+        std::unique_lock lock(mutex_);
+        waiting_ = !open_;
+        changed_.notify_all();
+        changed_.wait(lock, [this] {
+          return open_;
+        });
+        waiting_ = false;
+      }
+      sink(bytes);
+    };
+  }
+
+  /// Waits until the writer stands before the gate.
+  void wait_for_writer() {
+    std::unique_lock lock(mutex_);
+    ASSERT_TRUE(changed_.wait_for(lock, std::chrono::seconds(60), [this] {
+      return waiting_;
+    }));
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool open_ = true;
+  bool waiting_ = false;
+};
+
+/// Sets every axis on a way that lasts longer than any test: every tick has something to record.
+void start_moving(EngineUnderTest& bench) {
+  for (const auto& axis : bench.configuration.axes) {
+    bench.write(kAlice, axis.number, 0x6060, 1);
+    bench.write(kAlice, axis.number, 0x6081, 1'000);
+    bench.write(kAlice, axis.number, 0x607A, 2'000'000'000);
+    bench.write(kAlice, axis.number, 0x6040, 0x0F);
+    bench.write(kAlice, axis.number, 0x6040, 0x3F);
+  }
+}
+
+service::Configuration without_watchdog(service::ClockMode clock) {
+  auto configuration = bench_configuration(2);
+  configuration.clock = clock;
+  configuration.watchdog.reset();
+  return configuration;
+}
+
+/// A record takes 109 bytes here (kind, image, 23 members, 2 rows), and 64 KiB are handed over at
+/// once: with the gate closed the writer stops after 602 ticks, and kSlots more fit into the queue.
+constexpr std::uint64_t kTicksBeforeGate = 602;
+
+TEST(SlowJournal, HoldsTheClockThatCanWaitSoThatNothingIsMissing) {
+  const JournalFile file;
+  Gate gate;
+  constexpr std::uint64_t kTicks = 3 * Journal::kSlots;
+  {
+    RecordedBench recorded(without_watchdog(service::ClockMode::lockstep),
+                           gate.around(service::open_journal(file.path())));
+    start_moving(recorded.bench);
+    gate.close();
+    std::thread clock([&] {
+      recorded.bench.steps(kTicks);
+    });
+    gate.wait_for_writer();
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    while (recorded.bench.counters.tick.get() < Journal::kSlots &&
+           std::chrono::steady_clock::now() < deadline) {
+      std::this_thread::yield();
+    }
+    EXPECT_GE(recorded.bench.counters.tick.get(), Journal::kSlots);
+    EXPECT_LE(recorded.bench.counters.tick.get(), Journal::kSlots + kTicksBeforeGate + 2);
+    gate.open();
+    clock.join();
+    EXPECT_EQ(recorded.bench.counters.journal_losses.get(), 0U);
+  }
+  const ReplayResult result = replay_with(file, 1);
+  EXPECT_TRUE(result.agrees && result.is_complete) << result.text;
+  EXPECT_EQ(result.ticks, kTicks);
+}
+
+TEST(SlowJournal, LosesWholeTicksOfTheWallClockTellsAndGoesOn) {
+  const JournalFile file;
+  Gate gate;
+  {
+    RecordedBench recorded(without_watchdog(service::ClockMode::realtime),
+                           gate.around(service::open_journal(file.path())));
+    auto& bench = recorded.bench;
+    start_moving(bench);
+    gate.close();
+    bench.steps(kTicksBeforeGate + 2);
+    gate.wait_for_writer();
+    bench.steps(Journal::kSlots + 1'000);
+    const auto begun = bench.events(msg::EVENT_JOURNAL);
+    ASSERT_EQ(begun.size(), 1U);
+    EXPECT_EQ(begun[0].code, JournalNews::kLosing);
+    EXPECT_GE(bench.counters.journal_losses.get(), 1'000U - 2U);
+    EXPECT_LE(bench.counters.journal_losses.get(), 1'002U + kTicksBeforeGate);
+    bench.write(kAlice, 1, 0x6081, 500);  // is missing in the journal, but in its snapshot
+    gate.open();
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    std::vector<service::EventRecord> resumed;
+    while (resumed.empty() && std::chrono::steady_clock::now() < deadline) {
+      bench.steps(1);
+      resumed = bench.events(msg::EVENT_JOURNAL);
+    }
+    ASSERT_EQ(resumed.size(), 1U);
+    EXPECT_EQ(resumed[0].code, JournalNews::kResumed);
+    EXPECT_EQ(resumed[0].detail, bench.counters.journal_losses.get());
+    bench.steps(100);
+    recorded.journal.close();
+    EXPECT_EQ(bench.counters.journal_ticks.get() + bench.counters.journal_losses.get(),
+              bench.engine.tick());
+  }
+  const ReplayResult result = replay_with(file, 1);
+  EXPECT_TRUE(result.agrees) << result.text;
+  EXPECT_FALSE(result.is_complete);
+  EXPECT_THAT(result.text, HasSubstr(" ticks are missing: "));
+}
+
+TEST(FullDisk, EndsTheJournalAndNothingElse) {
+  for (const auto clock : {service::ClockMode::lockstep, service::ClockMode::realtime}) {
+    std::size_t taken = 0;
+    const JournalSink sink = [&taken](std::span<const std::byte> bytes) {
+      taken += bytes.size();
+      if (taken > 100'000) {
+        throw std::system_error(ENOSPC, std::generic_category(), "disk");
+      }
+    };
+    RecordedBench recorded(without_watchdog(clock), sink);
+    start_moving(recorded.bench);
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    std::vector<service::EventRecord> events;
+    while (events.empty() && std::chrono::steady_clock::now() < deadline) {
+      recorded.bench.steps(10);
+      events = recorded.bench.events(msg::EVENT_JOURNAL);
+      std::erase_if(events, [](const auto& event) {  // a slow machine may lose some before
+        return event.code != JournalNews::kEnded;
+      });
+    }
+    ASSERT_EQ(events.size(), 1U);
+    EXPECT_EQ(events[0].detail, static_cast<std::uint64_t>(ENOSPC));
+    const auto before = recorded.bench.engine.tick();
+    recorded.bench.steps(2 * Journal::kSlots);
+    EXPECT_EQ(recorded.bench.engine.tick(), before + 2 * Journal::kSlots);
+    EXPECT_TRUE(recorded.bench.events(msg::EVENT_JOURNAL).empty()) << "told once";
+  }
+}
+
+TEST(Journal, AllocatesNothingOnTheThreadOfTheTicks) {
+  const JournalFile file;
+  Gate gate;
+  RecordedBench recorded(without_watchdog(service::ClockMode::realtime),
+                         gate.around(service::open_journal(file.path())));
+  start_moving(recorded.bench);
+  recorded.bench.steps(10);
+  gate.close();
+  const AllocationGuard guard;
+  recorded.bench.steps(2 * Journal::kSlots);  // with a loss
+  gate.open();
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  const std::uint64_t lost = recorded.bench.counters.journal_losses.get();
+  while (recorded.bench.counters.journal_ticks.get() < 2 * Journal::kSlots &&
+         std::chrono::steady_clock::now() < deadline) {
+    recorded.bench.steps(1);  // and the snapshot after it
+  }
+  EXPECT_EQ(guard.count(), 0U);
+  EXPECT_GT(lost, 0U);
+}
+
+#ifdef VDRIVE_REPLAY_PROGRAMS
+TEST(Replay, AgreesInBuildsForOtherProcessorsAndInstructionSets) {
+  if (!__builtin_cpu_supports("x86-64-v3")) {
+    GTEST_SKIP() << "this processor cannot run them";
+  }
+  const JournalFile file;
+  {
+    RecordedBench recorded(many_kinds(30), service::open_journal(file.path()));
+    record_randomly(recorded, 99, 1'000);
+  }
+  std::istringstream programs(VDRIVE_REPLAY_PROGRAMS);
+  int count = 0;
+  for (std::string program; std::getline(programs, program, ':'); ++count) {
+    const std::string command = program + " " + file.path().string();
+    EXPECT_EQ(std::system(command.c_str()), 0) << command;  // NOLINT(*-mt-unsafe): one thread
+  }
+  EXPECT_EQ(count, 2);
+}
+#endif
+
+}  // namespace
+}  // namespace vdrive::test
