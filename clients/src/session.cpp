@@ -71,6 +71,22 @@ Result<std::uint64_t> Session::wait_for_tick(std::uint32_t bench, std::uint64_t 
   return core_->wait_for_tick(*target, tick);
 }
 
+Result<std::uint64_t> Session::take_snapshot(std::uint32_t bench) {
+  const auto reply = core_->request_snapshot(bench, msg::REQUEST_TAKE_SNAPSHOT, 0);
+  if (!reply) return reply.outcome();
+  return reply->snapshot();
+}
+
+Result<std::uint64_t> Session::restore_snapshot(std::uint32_t bench, std::uint64_t snapshot) {
+  const auto reply = core_->request_snapshot(bench, msg::REQUEST_RESTORE_SNAPSHOT, snapshot);
+  if (!reply) return reply.outcome();
+  return reply->tick();
+}
+
+Outcome Session::drop_snapshot(std::uint32_t bench, std::uint64_t snapshot) {
+  return core_->request_snapshot(bench, msg::REQUEST_DROP_SNAPSHOT, snapshot).outcome();
+}
+
 Result<Observation> Session::observe(std::span<const AxisId> axes) {
   const auto numbers = numbers_of(axes);
   if (!numbers) return numbers.outcome();

@@ -90,6 +90,19 @@ Result<msg::Reply> SessionCore::request_control(const Target& target, msg::Reque
   return this->request(target, std::move(request), what);
 }
 
+Result<msg::Reply> SessionCore::request_snapshot(std::uint32_t bench, std::uint32_t kind,
+                                                 std::uint64_t snapshot) {
+  const auto target = connect(bench);
+  if (!target) return target.outcome();
+  msg::Request request;
+  request.kind(kind);
+  request.snapshot(snapshot);
+  const bool names_one = kind != msg::REQUEST_TAKE_SNAPSHOT;
+  return request_control(
+      *target, std::move(request),
+      "snapshot " + (names_one ? std::to_string(snapshot) + " " : "") + "of " + name_of(*target));
+}
+
 SessionCore::Holding& SessionCore::holding(const BenchKey& key) {
   Holding& holding = holdings_[key.number];
   if (holding.key != key) {

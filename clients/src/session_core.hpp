@@ -89,6 +89,10 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   Result<msg::Reply> request_control(const Target& target, msg::Request request,
                                      std::string_view what);
 
+  /// A request about snapshots of a bench.
+  Result<msg::Reply> request_snapshot(std::uint32_t bench, std::uint32_t kind,
+                                      std::uint64_t snapshot);
+
   /// Takes an axis unless it is held already.
   /// @param shows_us whether the axis shows this session as its owner: control may have been lost
   Outcome acquire(const Target& target, std::uint16_t axis, bool shows_us);

@@ -42,6 +42,9 @@ std::vector<std::string> axes_of(const Command& command) {
                                [](const RecordCommand& record) {
                                  return record.axes;
                                },
+                               [](const SnapshotCommand&) {
+                                 return Axes{};
+                               },
                                [](const RunCommand&) {
                                  return Axes{};
                                },
@@ -76,6 +79,18 @@ std::string_view to_string(AxisWord word) noexcept {
       return "reset";
     case AxisWord::power_cycle:
       return "power-cycle";
+  }
+  return "unknown";
+}
+
+std::string_view to_string(SnapshotCommand::Action action) noexcept {
+  switch (action) {
+    case SnapshotCommand::Action::take:
+      return "take";
+    case SnapshotCommand::Action::restore:
+      return "restore";
+    case SnapshotCommand::Action::drop:
+      return "drop";
   }
   return "unknown";
 }

@@ -100,6 +100,14 @@ struct RecordCommand {
   std::uint64_t count = 0;           ///< samples of each bench; 0 = until interrupted
 };
 
+struct SnapshotCommand {
+  enum class Action : std::uint8_t { take, restore, drop };
+
+  Action action = Action::take;
+  std::uint64_t snapshot = 0;  ///< restore, drop: its number
+  std::optional<std::uint32_t> bench;
+};
+
 struct RunCommand {
   std::string file;
   std::string junit;  ///< empty = none
@@ -127,10 +135,10 @@ struct WaitCommand {
 
 struct RefusedCommand;
 
-using Command =
-    std::variant<ListCommand, StatusCommand, WatchCommand, AxisCommand, MoveCommand, ReadCommand,
-                 WriteCommand, DisturbCommand, DictionaryCommand, StepCommand, RecordCommand,
-                 RunCommand, ExpectCommand, WaitCommand, std::shared_ptr<const RefusedCommand>>;
+using Command = std::variant<ListCommand, StatusCommand, WatchCommand, AxisCommand, MoveCommand,
+                             ReadCommand, WriteCommand, DisturbCommand, DictionaryCommand,
+                             StepCommand, SnapshotCommand, RecordCommand, RunCommand, ExpectCommand,
+                             WaitCommand, std::shared_ptr<const RefusedCommand>>;
 
 struct RefusedCommand {
   std::uint32_t code = 0;
@@ -142,5 +150,8 @@ struct RefusedCommand {
 
 /// @return the word, such as "quick-stop".
 [[nodiscard]] std::string_view to_string(AxisWord word) noexcept;
+
+/// @return "take", "restore" or "drop".
+[[nodiscard]] std::string_view to_string(SnapshotCommand::Action action) noexcept;
 
 }  // namespace vdrive::tool

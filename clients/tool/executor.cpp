@@ -379,6 +379,32 @@ Outcome Executor::run(const StepCommand& command) {
   return {};
 }
 
+Outcome Executor::run(const SnapshotCommand& command) {
+  using Action = SnapshotCommand::Action;
+  const auto bench = session_.find_bench(command.bench);
+  if (!bench) return bench.outcome();
+  std::uint64_t number = command.snapshot;
+  Outcome outcome;
+  if (command.action == Action::take) {
+    const auto taken = session_.take_snapshot(bench->number);
+    outcome = taken.outcome();
+    number = taken ? *taken : 0;
+  } else if (command.action == Action::restore) {
+    outcome = session_.restore_snapshot(bench->number, number).outcome();
+  } else {
+    outcome = session_.drop_snapshot(bench->number, number);
+  }
+  if (!outcome || is_quiet_) return outcome;
+  if (is_json_) {
+    terminal_.print(to_line(
+        {{"bench", bench->number}, {"action", to_string(command.action)}, {"snapshot", number}}));
+  } else {
+    terminal_.print("bench " + std::to_string(bench->number) + " snapshot " +
+                    std::to_string(number));
+  }
+  return {};
+}
+
 Outcome Executor::run(const WaitCommand& command) {
   if (benches_.empty()) {
     const auto only = session_.find_bench();

@@ -53,6 +53,7 @@ class Executor {
   Outcome run(const DictionaryCommand& command);
   Outcome run(const StepCommand& command);
   Outcome run(const RecordCommand& command);
+  Outcome run(const SnapshotCommand& command);
   Outcome run(const RunCommand& command);
   Outcome run(const ExpectCommand& command);
   Outcome run(const WaitCommand& command);

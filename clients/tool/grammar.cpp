@@ -17,6 +17,7 @@ namespace vdrive::tool {
 namespace {
 
 constexpr std::uint64_t kHighest32 = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint64_t kHighest64 = std::numeric_limits<std::uint64_t>::max();
 
 /// Test-bench inputs by their kind.
 struct DisturbanceRow {
@@ -67,6 +68,20 @@ std::vector<Disturbance> inputs_of(const std::string& kind, const std::string& v
   throw UsageError(message + " or none");
 }
 
+SnapshotCommand snapshot_of(const std::string& action, const std::string& number,
+                            std::optional<std::uint32_t> bench) {
+  using Action = SnapshotCommand::Action;
+  for (const Action known : {Action::take, Action::restore, Action::drop}) {
+    if (action != to_string(known)) continue;
+    if (number.empty() != (known == Action::take)) {
+      throw UsageError("'snapshot " + action + "' takes " +
+                       (number.empty() ? "the number of a snapshot" : "no number"));
+    }
+    return {known, number.empty() ? 0 : parse_number(number, "snapshot number", kHighest64), bench};
+  }
+  throw UsageError("'" + action + "' is no action: write take, restore or drop");
+}
+
 std::optional<std::uint32_t> parse_unsigned32(const std::string& text) {
   if (text.empty()) return std::nullopt;
   return static_cast<std::uint32_t>(parse_value(text, DataType::unsigned32));
@@ -93,6 +108,7 @@ class Grammar {
     add_disturb();
     add_dictionary();
     add_step();
+    add_snapshot();
   }
 
   /// Words and options of the command line only.
@@ -351,13 +367,24 @@ class Grammar {
     add_positional(word, "N", words_.value, "Ticks");
     word->add_option("--bench", words_.bench, "Default: the only one there is")->type_name("B");
     word->callback([this] {
-      StepCommand step{parse_number(words_.value, "number of ticks", 1'000'000'000), std::nullopt};
-      if (!words_.bench.empty()) {
-        step.bench =
-            static_cast<std::uint32_t>(parse_number(words_.bench, "bench number", kHighest32));
-      }
-      command_ = step;
+      command_ = StepCommand{parse_number(words_.value, "number of ticks", 1'000'000'000), bench()};
     });
+  }
+
+  void add_snapshot() {
+    CLI::App* word = add_word("snapshot", "Keep, restore or drop the state of all axes of a bench",
+                              "snapshot take; vdrive snapshot restore 1");
+    add_positional(word, "ACTION", words_.kind, "take, restore or drop");
+    word->add_option("N", words_.value, "Number that take has shown")->type_name("");
+    word->add_option("--bench", words_.bench, "Default: the only one there is")->type_name("B");
+    word->callback([this] {
+      command_ = snapshot_of(words_.kind, words_.value, bench());
+    });
+  }
+
+  [[nodiscard]] std::optional<std::uint32_t> bench() const {
+    if (words_.bench.empty()) return std::nullopt;
+    return static_cast<std::uint32_t>(parse_number(words_.bench, "bench number", kHighest32));
   }
 
   void add_run() {

@@ -109,6 +109,20 @@ class Session {
   /// @return the tick reached.
   Result<std::uint64_t> wait_for_tick(std::uint32_t bench, std::uint64_t tick);
 
+  /// Takes a snapshot of all axes of a bench whose time stands still: in lock-step, or paused.
+  /// @return its number; refused while time passes, or when the bench keeps 16 already.
+  Result<std::uint64_t> take_snapshot(std::uint32_t bench);
+
+  /// Puts all axes back into the state of a snapshot. Ticks are counted on, owners stay, frames
+  /// that wait are dropped.
+  /// @return the tick; refused while time passes, when there is no such snapshot, or when another
+  ///         session holds an axis.
+  Result<std::uint64_t> restore_snapshot(std::uint32_t bench, std::uint64_t snapshot);
+
+  /// Forgets a snapshot.
+  /// @return refused while time passes, or when there is no such snapshot.
+  Outcome drop_snapshot(std::uint32_t bench, std::uint64_t snapshot);
+
   /// The present state of some axes of one bench.
   /// @param axes of one bench, in any order; the result has the same order
   Result<Observation> observe(std::span<const AxisId> axes);
