@@ -115,6 +115,9 @@ TEST(CommandLine, OtherWords) {
   EXPECT_EQ(command<WatchCommand>("watch 1.1 --count 5").count, 5U);
   EXPECT_EQ(command<StepCommand>("step 100 --bench 3").bench, 3U);
   EXPECT_EQ(command<StepCommand>("step 100").ticks, 100U);
+  EXPECT_EQ(command<SnapshotCommand>("snapshot take").action, SnapshotCommand::Action::take);
+  EXPECT_EQ(command<SnapshotCommand>("snapshot restore 7").snapshot, 7U);
+  EXPECT_EQ(command<SnapshotCommand>("snapshot drop 7 --bench 2").bench, 2U);
   EXPECT_EQ(command<RunCommand>("run - --junit out.xml").junit, "out.xml");
   EXPECT_EQ(command<RunCommand>("run -").file, "-");
   EXPECT_EQ(command<DictionaryCommand>("dictionary --format csv --language zh").language,

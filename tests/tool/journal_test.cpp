@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+// Journals and snapshots of the real service, commanded by the real tool.
+#include "support/test_domain.hpp"
+#include "tool/process.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <filesystem>
+#include <string>
+
+namespace vdrive::test {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+/// The name of a file that goes with this object.
+class JournalName {
+ public:
+  JournalName()
+      : path_((std::filesystem::temp_directory_path() /
+               ("vdrive_journal_" + std::to_string(::getpid())))
+                  .string()) {
+    std::filesystem::remove(path_);
+  }
+
+  ~JournalName() { std::filesystem::remove(path_); }
+
+  JournalName(const JournalName&) = delete;
+  JournalName& operator=(const JournalName&) = delete;
+
+  [[nodiscard]] const std::string& text() const { return path_; }
+
+  [[nodiscard]] std::string flag() const { return " --journal " + path_; }
+
+  [[nodiscard]] Finished replay(const std::string& threads) const {
+    return Process(VDRIVE_SERVICE, {"--replay", path_, "--threads", threads}).wait();
+  }
+
+ private:
+  std::string path_;
+};
+
+void expect_it_replays(const JournalName& journal, const std::string& says) {
+  for (const char* const threads : {"1", "4"}) {
+    const Finished replayed = journal.replay(threads);
+    EXPECT_EQ(replayed.code, 0) << replayed.errors;
+    EXPECT_THAT(replayed.output, HasSubstr("every hash agrees"));
+    EXPECT_THAT(replayed.output, HasSubstr(says));
+    EXPECT_THAT(replayed.output, Not(HasSubstr(" 0 changes")));
+  }
+}
+
+/// Moves, disturbs, faults and resets, as users do.
+void use() {
+  for (const char* const words :
+       {"enable 1.1", "enable 1.2", "move 1.1 100 --velocity 1000", "disturb 1.2 load_torque 500",
+        "move 1.2 -200 --relative --velocity 2000", "disturb 1.1 over_current 1",
+        "disturb 1.1 none", "reset 1.1", "power-cycle 1.2"}) {
+    const Finished finished = tool(words);
+    EXPECT_EQ(finished.code, 0) << words << ": " << finished.errors;
+  }
+}
+
+TEST(JournalOfTheService, RecordsInLockStepAndReplays) {
+  const JournalName journal;
+  RunningService service("--clock lockstep --axes 20" + journal.flag());
+  use();
+  EXPECT_EQ(tool("snapshot take").code, 0);
+  EXPECT_EQ(tool("step 2000").code, 0);
+  EXPECT_EQ(tool("snapshot restore 1").code, 0);
+  EXPECT_EQ(tool("step 2000").code, 0);
+  service.stop();
+  expect_it_replays(journal, " ticks of 20 axes, ");
+}
+
+TEST(JournalOfTheService, RecordsInRealTimeAndReplays) {
+  const JournalName journal;
+  RunningService service("--axes 20" + journal.flag());
+  use();
+  service.stop();
+  expect_it_replays(journal, " ticks of 20 axes, ");
+}
+
+TEST(JournalOfTheService, OfAKilledServiceReplaysUpToItsEnd) {
+  const JournalName journal;
+  RunningService service("--clock lockstep --axes 20" + journal.flag());
+  use();
+  EXPECT_EQ(tool("step 5000").code, 0);  // some chunks are full
+  service.kill();
+  expect_it_replays(journal, " without an end mark");
+}
+
+TEST(JournalOfTheService, IsNotBegunWhereItCannotBeWritten) {
+  for (const std::string file : {"/nonexistent/journal", "/dev/full"}) {
+    const Finished finished =
+        Process(VDRIVE_SERVICE, {"--journal", file, "--domain", std::to_string(test_domain()),
+                                 "--log-level", "off"})
+            .wait();
+    EXPECT_EQ(finished.code, 1);
+    EXPECT_THAT(finished.errors, HasSubstr(file));
+  }
+  EXPECT_EQ(Process(VDRIVE_SERVICE, {"--replay", "/nonexistent/journal"}).wait().code, 2);
+}
+
+TEST(SnapshotByTool, MakesABranchThatEndsWhereTheFirstOneDid) {
+  const RunningService service("--clock lockstep");
+  ASSERT_EQ(tool("enable 1.1").code, 0);
+  EXPECT_EQ(tool("snapshot take").output, "bench 1 snapshot 1\n");
+  const auto branch = [](const std::string& move) {
+    EXPECT_EQ(tool("snapshot restore 1").code, 0);
+    EXPECT_EQ(tool(move).code, 0);
+    std::string status = tool("read 1.1 0x6064 0x6062 0x3572 0x6077 0x606C 0x6041").output;
+    return status;
+  };
+  const std::string first = branch("move 1.1 70 --velocity 1000");
+  EXPECT_NE(branch("move 1.1 -30 --velocity 1000"), first);
+  EXPECT_EQ(branch("move 1.1 70 --velocity 1000"), first);
+  EXPECT_EQ(tool("snapshot drop 1 --json").output,
+            "{\"bench\":1,\"action\":\"drop\",\"snapshot\":1}\n");
+  const Finished gone = tool("snapshot restore 1");
+  EXPECT_EQ(gone.code, 5);
+  EXPECT_THAT(gone.errors, HasSubstr("no such snapshot"));
+}
+
+TEST(SnapshotByTool, IsRefusedWhileTimePasses) {
+  const RunningService service("");
+  const Finished refused = tool("snapshot take");
+  EXPECT_EQ(refused.code, 5);
+  EXPECT_THAT(refused.errors, HasSubstr("only while time stands still"));
+}
+
+TEST(SnapshotByTool, WorksOnAPausedBench) {
+  const RunningService service("--rate 0");
+  EXPECT_EQ(tool("snapshot take").code, 0);
+  EXPECT_EQ(tool("write 1.1 profile_velocity 4321").code, 0);
+  EXPECT_EQ(tool("snapshot restore 1").code, 0);
+  EXPECT_THAT(tool("read 1.1 profile_velocity").output, Not(HasSubstr("4321")));
+}
+
+}  // namespace
+}  // namespace vdrive::test
