@@ -101,6 +101,13 @@ service::Configuration many_kinds(std::size_t axes) {
   return configuration;
 }
 
+service::Configuration without_watchdog(service::ClockMode clock) {
+  auto configuration = bench_configuration(2);
+  configuration.clock = clock;
+  configuration.watchdog.reset();
+  return configuration;
+}
+
 /// A bench that writes a journal.
 struct RecordedBench {
   explicit RecordedBench(const service::Configuration& configuration, JournalSink sink)
@@ -201,6 +208,51 @@ TEST(Journal, ReplaysWhateverClientsDidWithAnyNumberOfThreads) {
       EXPECT_GT(result.changes, 0U);
     }
   }
+}
+
+TEST(Journal, RecordsThatARefusedFramePutItsRegistersBack) {
+  const JournalFile file;
+  {
+    RecordedBench recorded(without_watchdog(service::ClockMode::lockstep),
+                           service::open_journal(file.path()));
+    auto& bench = recorded.bench;
+    bench.acquire(kAlice, {1});
+    auto frame = bench.make_frame(kAlice);
+    frame.flags(msg::FRAME_ALL_OR_NOTHING);
+    auto& command = add_command(frame, 1);
+    command.members(msg::HAS_PROFILE_VELOCITY);
+    command.profile_velocity(10);
+    auto& refused = command.objects().emplace_back();  // comes after the members
+    refused.index(0x6041);
+    bench.receive(frame);
+    ASSERT_EQ(bench.command_reply()->refusals().size(), 1U);
+    bench.write(kAlice, 1, 0x6060, 1);
+    bench.write(kAlice, 1, 0x607A, 10'000);
+    bench.write(kAlice, 1, 0x6040, 0x0F);
+    bench.write(kAlice, 1, 0x6040, 0x3F);
+    bench.steps(100);  // much faster than 10 UU/s
+    ASSERT_GT(bench.value(1, 0x6062), 10);
+  }
+  const ReplayResult result = replay_with(file, 1);
+  EXPECT_TRUE(result.agrees && result.is_complete) << result.text;
+  EXPECT_EQ(result.changes, 6U) << "one there and one back, four for the move";
+}
+
+TEST(Journal, RecordsLostMastersAndPowerCycles) {
+  const JournalFile file;
+  {
+    RecordedBench recorded(bench_configuration(3), service::open_journal(file.path()));
+    auto& bench = recorded.bench;
+    bench.write(kAlice, 2, 0x6040, 0x0F);
+    bench.steps(200);  // the watchdog waits for 100
+    ASSERT_EQ(bench.value(2, 0x603F), 0x8130);
+    ASSERT_EQ(bench.ask(bench.make_request(msg::REQUEST_POWER_CYCLE, kBob, {2})).reason(), 0U);
+    bench.steps(10);
+    ASSERT_EQ(bench.value(2, 0x603F), 0);
+  }
+  const ReplayResult result = replay_with(file, 1);
+  EXPECT_TRUE(result.agrees && result.is_complete) << result.text;
+  EXPECT_EQ(result.changes, 3U);
 }
 
 TEST(Journal, TakesAlikeFromEveryClock) {
@@ -526,13 +578,6 @@ void start_moving(EngineUnderTest& bench) {
     bench.write(kAlice, axis.number, 0x6040, 0x0F);
     bench.write(kAlice, axis.number, 0x6040, 0x3F);
   }
-}
-
-service::Configuration without_watchdog(service::ClockMode clock) {
-  auto configuration = bench_configuration(2);
-  configuration.clock = clock;
-  configuration.watchdog.reset();
-  return configuration;
 }
 
 /// A record takes 109 bytes here (kind, image, 23 members, 2 rows), and 64 KiB are handed over at
