@@ -32,8 +32,8 @@ std::string read(const fs::path& path) {
 
 bool is_source(const fs::path& path) {
   const fs::path extension = path.extension();
-  return extension == ".cpp" || extension == ".hpp" || extension == ".h" || extension == ".inc" ||
-         extension == ".idl";
+  return extension == ".cpp" || extension == ".hpp" || extension == ".h" || extension == ".c" ||
+         extension == ".inc" || extension == ".idl";
 }
 
 std::vector<SourceFile> sources() {

@@ -8,5 +8,5 @@ mode=(--dry-run --Werror)
 if [[ ${1:-} == --fix ]]; then
   mode=(-i)
 fi
-find core idl service clients tests -type f \( -name '*.cpp' -o -name '*.hpp' \) -print0 |
+find core idl service clients tests -type f \( -name '*.cpp' -o -name '*.hpp' -o -name '*.c' -o -name '*.h' \) -print0 |
   xargs -0 clang-format --style=file "${mode[@]}"

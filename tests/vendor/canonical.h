@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the two sides of a comparison have in common: values to fill a message with, and the form in
+// which a field is written down. Plain C, because one side is.
+#pragma once
+
+#include <float.h>
+#include <inttypes.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#ifdef __cplusplus
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wold-style-cast"  // C knows no other
+#endif
+
+enum { kLongestString = 256, kLongestPath = 128 };
+
+// How a sample is filled.
+typedef enum Filling {
+  kEmpty,     // zeros, no element, no character
+  kLowest,    // the least value of each type, one element, one character
+  kHighest,   // the largest value of each type, as many elements and characters as the IDL allows
+  kDistinct,  // a value of its own in each field, three elements, text beyond ASCII
+  kFull,      // a value of its own in each field, everything as long as allowed, odd doubles
+  kFillings
+} Filling;
+
+// Values in the order of the fields. Both sides take the same ones.
+typedef struct Filler {
+  Filling filling;
+  uint64_t instance;  // of the keys; 0 = values like those of any other field
+  uint64_t count;     // fields filled; where it starts makes the values of two samples differ
+} Filler;
+
+// An odd multiplier maps different counts to different words.
+static inline uint64_t next_word(Filler* filler) {
+  return ++filler->count * UINT64_C(0x9E3779B97F4A7C15);
+}
+
+static inline uint64_t next_unsigned(Filler* filler, int bits) {
+  const uint64_t word = next_word(filler);
+  switch (filler->filling) {
+    case kEmpty:
+    case kLowest:
+      return 0;
+    case kHighest:
+      return UINT64_MAX >> (64 - bits);
+    default:
+      return word >> (64 - bits);
+  }
+}
+
+static inline int64_t next_signed(Filler* filler, int bits) {
+  const uint64_t word = next_word(filler);
+  const int64_t highest = (int64_t)(UINT64_MAX >> (65 - bits));
+  switch (filler->filling) {
+    case kEmpty:
+      return 0;
+    case kLowest:
+      return -highest - 1;
+    case kHighest:
+      return highest;
+    default:
+      return (int64_t)(word >> (64 - bits)) - highest - 1;
+  }
+}
+
+static inline uint64_t next_key(Filler* filler, int bits) {
+  const uint64_t value = next_unsigned(filler, bits);
+  return filler->instance != 0 ? filler->instance : value;
+}
+
+static inline double next_real(Filler* filler) {
+  static const double odd[] = {-0.0, INFINITY, NAN, DBL_TRUE_MIN};
+  (void)next_word(filler);
+  switch (filler->filling) {
+    case kEmpty:
+      return 0.0;
+    case kLowest:
+      return -DBL_MAX;
+    case kHighest:
+      return DBL_MAX;
+    case kDistinct:
+      return (double)filler->count / 3.0;
+    default:
+      return odd[filler->count % 4];
+  }
+}
+
+static inline bool next_boolean(Filler* filler) {
+  (void)next_word(filler);
+  return filler->filling != kEmpty && filler->filling != kLowest;
+}
+
+static inline uint32_t next_length(const Filler* filler, uint32_t bound) {
+  switch (filler->filling) {
+    case kEmpty:
+      return 0;
+    case kLowest:
+      return 1;
+    case kDistinct:
+      return bound < 3 ? bound : 3;
+    default:
+      return bound;
+  }
+}
+
+// A string of at most `bound` bytes, which is below kLongestString. A character beyond ASCII is
+// never cut in two.
+static inline const char* next_string(Filler* filler, size_t bound, char* text) {
+  static const char piece[] = "\xC3\xA9";  // e with acute accent, two bytes
+  (void)next_word(filler);
+  text[0] = '\0';
+  switch (filler->filling) {
+    case kEmpty:
+      break;
+    case kLowest:
+      strcpy(text, "a");
+      break;
+    case kHighest:
+      memset(text, '~', bound);
+      text[bound] = '\0';
+      break;
+    case kDistinct:  // a quarter of the bound, so that it is shorter than allowed
+      snprintf(text, bound / 4 + 2, "\xE2\x82\xAC%" PRIu64, filler->count);  // euro sign
+      break;
+    default:
+      if (bound % 2 == 1) {
+        strcpy(text, "x");
+      }
+      while (strlen(text) < bound) {
+        strcat(text, piece);
+      }
+  }
+  return text;
+}
+
+// One line a field: "axes[2].objects[0].value=-17".
+
+static inline void write_unsigned(FILE* out, const char* path, const char* name, uint64_t value) {
+  fprintf(out, "%s%s=%" PRIu64 "\n", path, name, value);
+}
+
+static inline void write_signed(FILE* out, const char* path, const char* name, int64_t value) {
+  fprintf(out, "%s%s=%" PRId64 "\n", path, name, value);
+}
+
+// The bits, so that -0 and what is not a number are told apart too.
+static inline void write_real(FILE* out, const char* path, const char* name, double value) {
+  uint64_t bits;
+  memcpy(&bits, &value, sizeof bits);
+  fprintf(out, "%s%s=0x%016" PRIX64 "\n", path, name, bits);
+}
+
+static inline void write_string(FILE* out, const char* path, const char* name, const char* value) {
+  fprintf(out, "%s%s=\"%s\"\n", path, name, value);
+}
+
+static inline void write_length(FILE* out, const char* path, const char* name, size_t length) {
+  fprintf(out, "%s%s.length=%zu\n", path, name, length);
+}
+
+// "axes[2]." of an element of a sequence of structures, "axes[2]" of another.
+static inline const char* element_path(char* text, const char* path, const char* name, size_t index,
+                                       const char* end) {
+  snprintf(text, kLongestPath, "%s%s[%zu]%s", path, name, index, end);
+  return text;
+}
+
+#ifdef __cplusplus
+#pragma GCC diagnostic pop
+#endif

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstdio>
+#include <string>
+#include <string_view>
+
+namespace vdrive::test {
+
+/// The loopback interface for Cyclone DDS, and the lease that our own participants have.
+inline constexpr const char* kCycloneOnLoopback =
+    "<CycloneDDS><Domain><General><Interfaces><NetworkInterface name='lo' multicast='true'/>"
+    "</Interfaces></General><Discovery><LeaseDuration>2s</LeaseDuration></Discovery>"
+    "</Domain></CycloneDDS>";
+
+/// A running vendor_peer on the domain of this test; ends with this object.
+class Peer {
+ public:
+  /// @param topic full name
+  /// @param side "reader" or "writer"
+  Peer(std::string_view topic, const char* side);
+  ~Peer();
+  Peer(const Peer&) = delete;
+  Peer& operator=(const Peer&) = delete;
+
+  /// Waits until its endpoint is matched.
+  [[nodiscard]] bool match();
+
+  /// Lets it write a sample (canonical.h). @return the text of the sample, empty when it failed
+  std::string write(int filling, std::uint64_t instance, std::uint64_t count);
+
+  /// Waits for a sample. @return the text of the sample, empty when none came
+  std::string take();
+
+ private:
+  void command(const std::string& line);
+  std::string read_text();
+  std::string read_line();
+
+  pid_t child_ = 0;
+  std::FILE* to_ = nullptr;
+  std::FILE* from_ = nullptr;
+};
+
+}  // namespace vdrive::test

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every topic of the network interface between Fast DDS, as service and clients use it, and Cyclone
+// DDS, in both directions, compared field by field.
+#include "vdrive/wire/topics.hpp"
+
+#include "support/test_domain.hpp"
+#include "vdrive/wire/participant.hpp"
+#include "vdrive/wire/publication.hpp"
+#include "vdrive/wire/subscription.hpp"
+#include "vendor/fast_messages.hpp"
+#include "vendor/peer.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <condition_variable>
+#include <fstream>
+#include <iterator>
+#include <mutex>
+#include <regex>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace vdrive::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kPatience = 10s;
+
+template <typename Message>
+std::string full_name() {
+  return std::string(wire::kTopicPrefix) + std::string(wire::Topic<Message>::kName);
+}
+
+template <typename Message>
+Message filled(int filling, std::uint64_t instance = 0, std::uint64_t count = 0) {
+  Filler filler{static_cast<Filling>(filling), instance, count};
+  Message message;
+  fill(message, filler);
+  return message;
+}
+
+/// The texts of what a subscription of ours received.
+template <typename Message>
+class Texts {
+ public:
+  explicit Texts(wire::Participant& participant)
+      : subscription_(
+            participant,
+            [this](const Message& message, const wire::Source& /*source*/) {
+              const std::lock_guard lock(mutex_);
+              texts_.push_back(text_of(message));
+              changed_.notify_all();
+            },
+            [this](const Message& /*message*/, const wire::Source& /*source*/) {
+              const std::lock_guard lock(mutex_);
+              texts_.emplace_back("beyond the bounds of the IDL");
+              changed_.notify_all();
+            }) {}
+
+  [[nodiscard]] bool match() { return subscription_.wait_for_matched(1, kPatience); }
+
+  /// @return the first `count` texts, fewer when no more come.
+  std::vector<std::string> first(std::size_t count) {
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, kPatience, [&] {
+      return texts_.size() >= count;
+    });
+    return texts_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<std::string> texts_;
+  wire::Subscription<Message> subscription_;
+};
+
+class TopicName {
+ public:
+  template <typename Message>
+  static std::string GetName(int /*number*/) {
+    return std::string(wire::Topic<Message>::kName);
+  }
+};
+
+template <typename Message>
+class CycloneOnTopic : public testing::Test {
+ protected:
+  wire::Participant participant_{{.domain = test_domain()}, "fast"};
+};
+
+using Messages = testing::Types<msg::CommandFrame, msg::CommandReply, msg::Request, msg::Reply,
+                                msg::StatusFrame, msg::AxisStatus, msg::AxisParameters, msg::Event,
+                                msg::BenchDescription, msg::BenchState>;
+TYPED_TEST_SUITE(CycloneOnTopic, Messages, TopicName);
+
+TYPED_TEST(CycloneOnTopic, ReadsEveryFieldThatFastDdsWrites) {
+  wire::Publication<TypeParam> publication(this->participant_);
+  Peer reader(full_name<TypeParam>(), "reader");
+  ASSERT_TRUE(publication.wait_for_matched(1, kPatience));
+  ASSERT_TRUE(reader.match());
+  for (int filling = kEmpty; filling < kFillings; ++filling) {
+    const auto message = filled<TypeParam>(filling);
+    ASSERT_TRUE(publication.write(message));
+    ASSERT_EQ(reader.take(), text_of(message)) << "filling " << filling;
+  }
+}
+
+TYPED_TEST(CycloneOnTopic, WritesEveryFieldThatFastDdsReads) {
+  Texts<TypeParam> received(this->participant_);
+  Peer writer(full_name<TypeParam>(), "writer");
+  ASSERT_TRUE(received.match());
+  ASSERT_TRUE(writer.match());
+  for (int filling = kEmpty; filling < kFillings; ++filling) {
+    const auto written = writer.write(filling, 0, 0);
+    ASSERT_EQ(written, text_of(filled<TypeParam>(filling))) << "filling " << filling;
+    const auto texts = received.first(static_cast<std::size_t>(filling) + 1);
+    ASSERT_EQ(texts.size(), static_cast<std::size_t>(filling) + 1) << "filling " << filling;
+    ASSERT_EQ(texts.back(), written) << "filling " << filling;
+  }
+}
+
+/// Two instances, two samples of each: which of them a latecomer gets.
+struct Sample {
+  std::uint64_t instance;
+  std::uint64_t count;
+};
+
+constexpr std::array kWritten{Sample{1, 10}, Sample{2, 20}, Sample{1, 30}, Sample{2, 40}};
+
+template <typename Message>
+std::vector<std::string> awaited() {
+  const std::size_t first = wire::Topic<Message>::kName == "event" ? 0 : 2;  // keeps 1,024 or 1
+  std::vector<std::string> texts;
+  for (std::size_t i = first; i < kWritten.size(); ++i) {
+    texts.push_back(text_of(filled<Message>(kDistinct, kWritten[i].instance, kWritten[i].count)));
+  }
+  return texts;
+}
+
+template <typename Message>
+class CycloneOnTransientTopic : public CycloneOnTopic<Message> {};
+
+using TransientMessages = testing::Types<msg::AxisParameters, msg::Event, msg::BenchDescription>;
+TYPED_TEST_SUITE(CycloneOnTransientTopic, TransientMessages, TopicName);
+
+TYPED_TEST(CycloneOnTransientTopic, GetsWhatEachInstanceKeepsWhenItComesLate) {
+  wire::Publication<TypeParam> publication(this->participant_);
+  for (const auto& [instance, count] : kWritten) {
+    ASSERT_TRUE(publication.write(filled<TypeParam>(kDistinct, instance, count)));
+  }
+  Peer reader(full_name<TypeParam>(), "reader");
+  const auto expected = awaited<TypeParam>();
+  std::vector<std::string> texts;
+  while (texts.size() < expected.size()) {
+    texts.push_back(reader.take());
+  }
+  EXPECT_THAT(texts, testing::UnorderedElementsAreArray(expected));
+}
+
+TYPED_TEST(CycloneOnTransientTopic, KeepsForALatecomerOfFastDdsWhatEachInstanceKeeps) {
+  Peer writer(full_name<TypeParam>(), "writer");
+  for (const auto& [instance, count] : kWritten) {
+    ASSERT_FALSE(writer.write(kDistinct, instance, count).empty());
+  }
+  Texts<TypeParam> received(this->participant_);
+  const auto expected = awaited<TypeParam>();
+  EXPECT_THAT(received.first(expected.size()), testing::UnorderedElementsAreArray(expected));
+}
+
+TEST(CycloneTopics, AreAllThatTheInterfaceHas) {
+  std::ifstream file(VDRIVE_SOURCE_DIR "/idl/include/vdrive/wire/topics.hpp");
+  std::ostringstream text;
+  text << file.rdbuf();
+  const std::string header = text.str();
+  const std::regex topic("struct Topic<msg::");
+  const auto topics = std::distance(std::sregex_iterator(header.begin(), header.end(), topic),
+                                    std::sregex_iterator());
+  EXPECT_EQ(topics, 10) << "a topic is missing in the list of messages of this file";
+}
+
+}  // namespace
+}  // namespace vdrive::test
