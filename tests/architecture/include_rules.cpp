@@ -91,6 +91,9 @@ constexpr std::array kServiceMay{Origin::standard,    Origin::system,  Origin::e
                                  Origin::messages,    Origin::service, Origin::beside};
 constexpr std::array kClientHeaderMay{Origin::standard, Origin::eigen, Origin::core,
                                       Origin::client};
+// What a stranger has: a DDS and what its compiler makes of the IDL.
+constexpr std::array kRawExampleMay{Origin::standard, Origin::system, Origin::dds,
+                                    Origin::messages};
 constexpr std::array kClientMay{Origin::standard,    Origin::system, Origin::eigen,
                                 Origin::third_party, Origin::core,   Origin::wire,
                                 Origin::messages,    Origin::client, Origin::beside};
@@ -100,6 +103,8 @@ constexpr std::array kRooms{
     RoomRow{"idl/", kIdlMay, "idl/ knows DDS and core/ only"},
     RoomRow{"service/", kServiceMay, "service/ reaches DDS through vdrive/wire and no client"},
     RoomRow{"clients/include/", kClientHeaderMay, "a public client header names no DDS type"},
+    RoomRow{"clients/examples/06_raw_dds/", kRawExampleMay,
+            "the raw example has nothing of ours but the IDL"},
     RoomRow{"clients/", kClientMay, "clients/ reaches DDS through vdrive/wire and no service"},
     RoomRow{"deploy/", {}, "deploy/ has no code"},
 };

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+// Moves axis 1 of bench 1 to 10000 user units with nothing but the IDL and a DDS: no library of
+// vdrive. This one is in C with Cyclone DDS; the steps are those of docs/network-interface.md,
+// "From nothing to a move". For a bench in real time. Exit code 0: the axis stands at the target.
+//
+//   raw_dds [DOMAIN]
+#include "vdrive_messages.h"  // what idlc makes of idl/vdrive_messages.idl
+
+#include <dds/dds.h>
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// A service is on loopback unless its configuration says otherwise. CYCLONEDDS_URI wins.
+static const char kLoopback[] =
+    "<CycloneDDS><Domain><General><Interfaces><NetworkInterface name='lo' multicast='true'/>"
+    "</Interfaces></General></Domain></CycloneDDS>";
+
+enum { kBench = 1, kTarget = 10000 };
+
+static dds_entity_t participant;
+static dds_entity_t benches, statuses, command_replies, replies;  // readers
+static dds_entity_t commands, requests;                           // writers
+static uint16_t axis = 1;
+static uint64_t incarnation, session;  // this run of the service; who we are
+static uint32_t epoch;                 // proves that we hold the axis
+static uint64_t sequence, commanded;   // number of the last frame; of the last with a command
+static uint16_t awaited;               // statusword
+static vdrive_msg_AxisStatus shown;    // by our axis; its sequence is not kept
+
+static void fail(const char* what) {
+  fprintf(stderr, "raw_dds: %s\n", what);
+  exit(EXIT_FAILURE);
+}
+
+static dds_entity_t checked(dds_entity_t result) {
+  if (result < 0) fail(dds_strretcode(-result));
+  return result;
+}
+
+// The three kinds of topics: a queue, the last value also for latecomers, a stream.
+typedef enum Kind { kQueue, kLastValue, kStream } Kind;
+
+static dds_qos_t* quality(Kind kind) {
+  dds_qos_t* qos = dds_create_qos();
+  dds_qset_reliability(
+      qos, kind == kStream ? DDS_RELIABILITY_BEST_EFFORT : DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
+  dds_qset_durability(
+      qos, kind == kLastValue ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
+  dds_qset_history(qos, kind == kQueue ? DDS_HISTORY_KEEP_ALL : DDS_HISTORY_KEEP_LAST,
+                   kind == kStream ? 64 : 1);
+  return qos;
+}
+
+static dds_entity_t reader(const char* name, const dds_topic_descriptor_t* type, Kind kind) {
+  const dds_entity_t topic = checked(dds_create_topic(participant, type, name, NULL, NULL));
+  return checked(dds_create_reader(participant, topic, quality(kind), NULL));
+}
+
+static dds_entity_t writer(const char* name, const dds_topic_descriptor_t* type) {
+  const dds_entity_t topic = checked(dds_create_topic(participant, type, name, NULL, NULL));
+  return checked(dds_create_writer(participant, topic, quality(kQueue), NULL));
+}
+
+// Takes a sample into *sample; false when there is none yet. What it took before goes back.
+static bool take(dds_entity_t from, void** sample) {
+  dds_sample_info_t info;
+  if (*sample != NULL) dds_return_loan(from, sample, 1);
+  *sample = NULL;
+  return checked(dds_take(from, sample, &info, 1, 1)) == 1 && info.valid_data;
+}
+
+static void wait_until(bool (*done)(void), int seconds, const char* what) {
+  const dds_time_t deadline = dds_time() + DDS_SECS(seconds);
+  for (; !done(); dds_sleepfor(DDS_MSECS(5))) {
+    if (dds_time() > deadline) fail(what);
+  }
+  printf("%s\n", what);
+}
+
+// 1. The service reads our topics.
+static bool service_listens(void) {
+  dds_publication_matched_status_t command, request;
+  checked(dds_get_publication_matched_status(commands, &command));
+  checked(dds_get_publication_matched_status(requests, &request));
+  return command.current_count > 0 && request.current_count > 0;
+}
+
+// 2. The bench says who it is, also to those who come late.
+static bool bench_found(void) {
+  static void* sample = NULL;
+  while (take(benches, &sample)) {
+    const vdrive_msg_BenchDescription* part = sample;
+    if (part->bench == kBench && part->alive) incarnation = part->incarnation;
+  }
+  return incarnation != 0;
+}
+
+// 3. A request, and the reply that names its client and number.
+static bool answered(void) {
+  static void* sample = NULL;
+  while (take(replies, &sample)) {
+    const vdrive_msg_Reply* reply = sample;
+    if (reply->client != session) continue;  // everybody's replies come here
+    if (reply->reason != vdrive_msg_REASON_NONE) fail("the request was refused");
+    epoch = reply->epoch;
+    return true;
+  }
+  return false;
+}
+
+static void ask(uint32_t kind, const char* what) {
+  static uint64_t number = 0;
+  vdrive_msg_Request request = {
+      .client = session, .request_id = ++number, .bench = kBench, .session = session, .kind = kind};
+  request.axes._buffer = &axis;
+  request.axes._length = request.axes._maximum = 1;
+  checked(dds_write(requests, &request));
+  wait_until(answered, 5, what);
+}
+
+// 4. A frame. Without a command it only says that we are still there.
+static void send_frame(vdrive_msg_AxisCommand* command) {
+  vdrive_msg_CommandFrame frame = {.bench = kBench,
+                                   .incarnation = incarnation,
+                                   .session = session,
+                                   .epoch = epoch,
+                                   .sequence_number = ++sequence};
+  if (command != NULL) {
+    command->axis = axis;
+    frame.axes._buffer = command;
+    frame.axes._length = frame.axes._maximum = 1;
+    commanded = sequence;
+  }
+  checked(dds_write(commands, &frame));
+}
+
+// 5. What the axis shows. The watchdog wants to hear from us every 100 ms, so each look says so.
+static bool status_shown(void) {
+  static void* reply = NULL;
+  static void* sample = NULL;
+  send_frame(NULL);
+  while (take(command_replies, &reply)) {  // not asked for: something was refused or ignored
+    if (((vdrive_msg_CommandReply*)reply)->session == session) fail("a command was refused");
+  }
+  while (take(statuses, &sample)) {
+    const vdrive_msg_StatusFrame* frame = sample;
+    for (uint32_t i = 0; frame->incarnation == incarnation && i < frame->axes._length; ++i) {
+      if (frame->axes._buffer[i].axis == axis) shown = frame->axes._buffer[i];
+    }
+  }
+  return shown.last_sequence >= commanded && shown.ds402_statusword == awaited;
+}
+
+static bool at_target(void) {
+  return status_shown() && shown.load_position_actual_value == kTarget;
+}
+
+static void say(uint16_t controlword, uint16_t statusword, const char* what) {
+  vdrive_msg_AxisCommand command = {.members = vdrive_msg_HAS_DS402_CONTROLWORD,
+                                    .ds402_controlword = controlword};
+  send_frame(&command);
+  awaited = statusword;
+  wait_until(status_shown, 20, what);
+}
+
+int main(int argc, char** argv) {
+  const dds_domainid_t domain = argc > 1 ? (dds_domainid_t)atoi(argv[1]) : 0;
+  const char* config = getenv("CYCLONEDDS_URI");
+  checked(dds_create_domain(domain, config != NULL ? config : kLoopback));
+  participant = checked(dds_create_participant(domain, NULL, NULL));
+  dds_guid_t guid;
+  checked(dds_get_guid(participant, &guid));
+  memcpy(&session, guid.v, sizeof session);  // a number that nobody else has
+  benches = reader("vdrive/v1/bench", &vdrive_msg_BenchDescription_desc, kLastValue);
+  statuses = reader("vdrive/v1/status", &vdrive_msg_StatusFrame_desc, kStream);
+  command_replies = reader("vdrive/v1/command_reply", &vdrive_msg_CommandReply_desc, kQueue);
+  replies = reader("vdrive/v1/reply", &vdrive_msg_Reply_desc, kQueue);  // last: see the document
+  commands = writer("vdrive/v1/command", &vdrive_msg_CommandFrame_desc);
+  requests = writer("vdrive/v1/request", &vdrive_msg_Request_desc);
+  wait_until(service_listens, 10, "service found");
+  wait_until(bench_found, 10, "bench found");
+  ask(vdrive_msg_REQUEST_ACQUIRE, "axis acquired");
+  say(0x06, 0x231, "ready to switch on");
+  vdrive_msg_AxisCommand move = {
+      .members = vdrive_msg_HAS_OP_MODE_CMD | vdrive_msg_HAS_POSITION_USER_TARGET_VALUE,
+      .op_mode_cmd = 1,
+      .position_user_target_value = kTarget};
+  send_frame(&move);  // registers; the set-point edge in the last word starts the move
+  say(0x0F, 0x637, "operation enabled");
+  say(0x3F, 0x1637, "target reached");
+  wait_until(at_target, 5, "at rest");
+  printf("position %" PRId32 "\n", shown.load_position_actual_value);
+  say(0x06, 0x231, "disabled");
+  ask(vdrive_msg_REQUEST_RELEASE, "axis released");
+  return EXIT_SUCCESS;
+}

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// Programs in C with Cyclone DDS against the service of this build.
+#include "support/test_domain.hpp"
+#include "tool/process.hpp"
+#include "vendor/peer.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <string>
+
+namespace vdrive::test {
+namespace {
+
+using testing::Contains;
+using testing::ElementsAre;
+using testing::StartsWith;
+
+Finished client_on(const std::string& bench, const std::string& axis) {
+  setenv("CYCLONEDDS_URI", kCycloneOnLoopback, 1);  // NOLINT(concurrency-mt-unsafe): one thread
+  return Process(VDRIVE_VENDOR_CLIENT, {std::to_string(test_domain()), bench, axis}).wait();
+}
+
+/// The statuswords are the manual's, "absolute position mode, forward"; 0x233 is Switched on, which
+/// its state table has between 0x231 and 0x637.
+void expect_the_manuals_rows(const Finished& client, const std::string& clock) {
+  ASSERT_EQ(client.code, 0) << client.output << client.errors;
+  EXPECT_THAT(
+      client.lines(),
+      ElementsAre("bench 1 \"demo\": 2 axes, " + clock, StartsWith("axis 2 held in epoch "),
+                  "1 disable: 6040h = 0x06, 6041h = 0x231", "2 profile position mode: 6061h = 1",
+                  StartsWith("3 to 6 target 10000"), "7 switch on: 6040h = 0x07, 6041h = 0x233",
+                  "7 enable: 6040h = 0x0F, 6041h = 0x637", "8 start: 6040h = 0x3F, 6041h = 0x1237",
+                  "9 arrived: 6041h = 0x1637, 6062h = 10000, 6064h = 10000",
+                  "10 disable: 6040h = 0x06, 6041h = 0x231", "released"));
+}
+
+TEST(CycloneClient, RunsTheManualsForwardExampleInLockStep) {
+  const RunningService service("--clock lockstep");
+  expect_the_manuals_rows(client_on("1", "2"), "lock-step");
+}
+
+TEST(CycloneClient, RunsTheManualsForwardExampleInRealTime) {
+  const RunningService service("--rate 10");
+  expect_the_manuals_rows(client_on("1", "2"), "real time");
+}
+
+TEST(CycloneClient, TellsWhyWhenTheAxisDoesNotExist) {
+  const RunningService service("--clock lockstep");
+  const Finished client = client_on("1", "9");
+  EXPECT_EQ(client.code, 1);
+  EXPECT_EQ(client.errors, "vendor_client: acquire: refused with reason 4\n");  // UNKNOWN_AXIS
+}
+
+TEST(RawExample, MovesTheAxisToTheTargetAndLeavesItThere) {
+  const RunningService service("--rate 10");
+  unsetenv("CYCLONEDDS_URI");  // NOLINT(concurrency-mt-unsafe): it finds loopback by itself
+  const Finished example = Process(VDRIVE_RAW_EXAMPLE, {std::to_string(test_domain())}).wait();
+  ASSERT_EQ(example.code, 0) << example.output << example.errors;
+  EXPECT_THAT(example.lines(), Contains("position 10000"));
+  const Finished position = tool("read 1.1 0x6064");
+  EXPECT_EQ(position.code, 0) << position.errors;
+  EXPECT_THAT(position.output, testing::HasSubstr("10000"));
+}
+
+TEST(RawExample, FitsOnFewPages) {
+  std::ifstream file(VDRIVE_SOURCE_DIR "/clients/examples/06_raw_dds/raw_dds.c");
+  int lines = 0;
+  for (std::string line; std::getline(file, line);) ++lines;
+  EXPECT_GT(lines, 0);
+  EXPECT_LT(lines, 200);
+}
+
+}  // namespace
+}  // namespace vdrive::test
