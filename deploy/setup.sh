@@ -28,7 +28,7 @@ test_packages=(
   clang
   clang-format
   clang-tidy
-  cyclonedds-dev
+  cyclonedds-dev # a second vendor's DDS
   cyclonedds-tools
   gcovr # coverage of core/
   libbenchmark-dev
@@ -36,7 +36,7 @@ test_packages=(
   libgmock-dev
   libgtest-dev
   librapidcheck-dev
-  python3 # the conformance and mutation checks
+  python3 # the conformance and mutation checks, the list of the IDL's fields
   util-linux # chrt and setarch
 )
 

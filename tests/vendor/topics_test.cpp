@@ -124,6 +124,20 @@ TYPED_TEST(CycloneOnTopic, WritesEveryFieldThatFastDdsReads) {
   }
 }
 
+TEST(CycloneTopics, DropWhatIsLongerThanTheIdlAllows) {
+  wire::Participant participant({.domain = test_domain()}, "fast");
+  wire::Publication<msg::CommandFrame> publication(participant);
+  Peer reader("vdrive/v1/command", "reader");
+  ASSERT_TRUE(publication.wait_for_matched(1, kPatience));
+  ASSERT_TRUE(reader.match());
+  msg::CommandFrame too_long;
+  too_long.axes().resize(msg::MAX_AXES_PER_FRAME + 1);
+  ASSERT_TRUE(publication.write(too_long));
+  const auto longest = filled<msg::CommandFrame>(kHighest);
+  ASSERT_TRUE(publication.write(longest));
+  EXPECT_EQ(reader.take(), text_of(longest));
+}
+
 /// Two instances, two samples of each: which of them a latecomer gets.
 struct Sample {
   std::uint64_t instance;

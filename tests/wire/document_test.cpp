@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Apache-2.0
+// docs/network-interface.md is what a client in another language is written from: its bytes are
+// those of the real encoder, and no constant or topic of the contract is left out.
+#include "vdrive_messages.h"
+
+#include <fastcdr/Cdr.h>
+#include <fastcdr/FastBuffer.h>
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <fstream>
+#include <iomanip>
+#include <regex>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace vdrive {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+std::string read(const char* path) {
+  std::ifstream file(path);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+std::string page() {
+  return read(VDRIVE_SOURCE_DIR "/docs/network-interface.md");
+}
+
+/// A row of a block of bytes: "0044  3F 00   axes[0].ds402_controlword = 0x3F".
+struct Row {
+  std::size_t offset = 0;
+  Bytes bytes;
+  std::string member;
+  std::string value;  ///< empty for padding
+};
+
+Bytes parse_bytes(const std::string& hex) {
+  Bytes bytes;
+  std::istringstream stream(hex);
+  for (std::string byte; stream >> byte;) {
+    bytes.push_back(static_cast<std::uint8_t>(std::stoul(byte, nullptr, 16)));
+  }
+  return bytes;
+}
+
+/// @return the rows below the title `message`, without that of the encapsulation.
+std::vector<Row> rows_of(const std::string& message) {
+  std::istringstream text(page());
+  std::string line;
+  while (std::getline(text, line) && line != message) {
+  }
+  std::getline(text, line);
+  EXPECT_TRUE(line.starts_with("----  00 01 00 00 ")) << "CDR in little-endian order: " << line;
+  const std::regex pattern(R"(^([0-9A-F]{4})  ((?:[0-9A-F]{2} )+) *([^ ]+)(?: = (\S+))?$)");
+  std::vector<Row> rows;
+  std::smatch match;
+  while (std::getline(text, line) && std::regex_match(line, match, pattern)) {
+    rows.push_back({std::stoul(match[1], nullptr, 16), parse_bytes(match[2]), match[3], match[4]});
+  }
+  EXPECT_EQ(line, "```") << "not a row";
+  return rows;
+}
+
+template <typename Message>
+Bytes encode(const Message& message) {
+  std::vector<char> buffer(4096);
+  eprosima::fastcdr::FastBuffer fast_buffer(buffer.data(), buffer.size());
+  eprosima::fastcdr::Cdr cdr(fast_buffer, eprosima::fastcdr::Cdr::LITTLE_ENDIANNESS,
+                             eprosima::fastcdr::Cdr::DDS_CDR);
+  message.serialize(cdr);
+  return {buffer.begin(),
+          buffer.begin() + static_cast<std::ptrdiff_t>(cdr.getSerializedDataLength())};
+}
+
+std::string hex(const Bytes& bytes) {
+  std::ostringstream text;
+  text << std::hex << std::uppercase << std::setfill('0');
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    text << (i % 8 == 0 ? "\n" : " ") << std::setw(2) << unsigned{bytes[i]};
+  }
+  return text.str();
+}
+
+std::uint64_t little_endian(const Bytes& bytes) {
+  std::uint64_t word = 0;
+  for (std::size_t i = bytes.size(); i > 0; --i) {
+    word = word << 8U | bytes[i - 1];
+  }
+  return word;
+}
+
+/// Offsets follow each other, and each value is what its bytes say.
+void expect_consistent(const std::vector<Row>& rows) {
+  std::size_t offset = 0;
+  for (const Row& row : rows) {
+    EXPECT_EQ(row.offset, offset) << row.member;
+    offset += row.bytes.size();
+    const std::uint64_t value =
+        row.value.empty() ? 0 : static_cast<std::uint64_t>(std::stoll(row.value, nullptr, 0));
+    const std::uint64_t mask = ~std::uint64_t{0} >> (64 - 8 * row.bytes.size());
+    EXPECT_EQ(little_endian(row.bytes), value & mask) << row.member;
+  }
+}
+
+Bytes bytes_of(const std::vector<Row>& rows) {
+  Bytes bytes;
+  for (const Row& row : rows) {
+    bytes.insert(bytes.end(), row.bytes.begin(), row.bytes.end());
+  }
+  return bytes;
+}
+
+constexpr std::uint64_t kIncarnation = 1'700'000'000'000'000'000;
+constexpr std::uint64_t kSession = 0x1122334455667788;
+
+TEST(NetworkInterfacePage, ShowsTheBytesOfACommandFrame) {
+  msg::CommandFrame frame;
+  frame.bench(1);
+  frame.incarnation(kIncarnation);
+  frame.session(kSession);
+  frame.epoch(7);
+  frame.sequence_number(3);
+  frame.flags(msg::FRAME_WANT_REPLY);
+  auto& command = frame.axes().emplace_back();
+  command.axis(2);
+  command.members(msg::HAS_OP_MODE_CMD | msg::HAS_POSITION_USER_TARGET_VALUE |
+                  msg::HAS_DS402_CONTROLWORD);
+  command.ds402_controlword(0x3F);
+  command.op_mode_cmd(1);
+  command.position_user_target_value(-10000);
+  auto& object = command.objects().emplace_back();
+  object.index(0x6072);
+  object.value(2500);
+  const auto rows = rows_of("CommandFrame");
+  expect_consistent(rows);
+  EXPECT_EQ(bytes_of(rows), encode(frame)) << "encoded:" << hex(encode(frame));
+}
+
+TEST(NetworkInterfacePage, ShowsTheBytesOfAStatusFrame) {
+  msg::StatusFrame frame;
+  frame.bench(1);
+  frame.incarnation(kIncarnation);
+  frame.tick(12'000);
+  frame.time_ns(12'000'000'000);
+  frame.parts(1);
+  auto& axis = frame.axes().emplace_back();
+  axis.bench(1);
+  axis.axis(2);
+  axis.tick(12'000);
+  axis.owner_session(kSession);
+  axis.owner_epoch(7);
+  axis.last_sequence(3);
+  axis.ds402_statusword(0x1237);
+  axis.op_mode_actual(1);
+  axis.motor_op_status(1);
+  axis.digital_inputs(4);
+  axis.position_demand_value(-917);
+  axis.load_position_actual_value(-905);
+  axis.load_position_error_value(-12);
+  axis.motor_position_actual_value(-905);
+  axis.motor_position_error_value(-12);
+  axis.velocity_demand_value(-1000);
+  axis.load_velocity_actual_value(-1000);
+  axis.motor_velocity_actual_value(-1000);
+  axis.current_actual_value(-17);
+  axis.current_error_value(3);
+  axis.torque_demand(-17);
+  axis.torque_actual_value(-17);
+  const auto rows = rows_of("StatusFrame");
+  expect_consistent(rows);
+  EXPECT_EQ(bytes_of(rows), encode(frame)) << "encoded:" << hex(encode(frame));
+}
+
+TEST(NetworkInterfacePage, HasARowForEveryConstantOfTheIdl) {
+  const std::string idl = read(VDRIVE_SOURCE_DIR "/idl/vdrive_messages.idl");
+  const std::string text = page();
+  const std::regex constant(
+      R"(const \w+ ((?:HAS|FRAME|REQUEST|REASON|EVENT|CLOCK_MODE)_\w+) = (\d+);)");
+  int constants = 0;
+  for (std::sregex_iterator match(idl.begin(), idl.end(), constant), end; match != end; ++match) {
+    const std::string row = "\n| " + (*match)[2].str() + " | `" + (*match)[1].str() + "` | ";
+    EXPECT_NE(text.find(row), std::string::npos) << "no row that begins with" << row;
+    ++constants;
+  }
+  EXPECT_GT(constants, 50);
+}
+
+TEST(NetworkInterfacePage, HasARowForEveryTopic) {
+  const std::string header = read(VDRIVE_SOURCE_DIR "/idl/include/vdrive/wire/topics.hpp");
+  const std::string text = page();
+  const std::regex topic(
+      R"re(Topic<msg::(\w+)> \{\s*static constexpr std::string_view kName = "(\w+)")re");
+  int topics = 0;
+  for (std::sregex_iterator match(header.begin(), header.end(), topic), end; match != end;
+       ++match) {
+    const std::string row = "\n| `" + (*match)[2].str() + "` | " + (*match)[1].str() + " | ";
+    EXPECT_NE(text.find(row), std::string::npos) << "no row that begins with" << row;
+    ++topics;
+  }
+  EXPECT_GE(topics, 10);
+}
+
+}  // namespace
+}  // namespace vdrive
