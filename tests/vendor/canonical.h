@@ -9,6 +9,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #ifdef __cplusplus
@@ -166,7 +167,10 @@ static inline void write_length(FILE* out, const char* path, const char* name, s
 // "axes[2]." of an element of a sequence of structures, "axes[2]" of another.
 static inline const char* element_path(char* text, const char* path, const char* name, size_t index,
                                        const char* end) {
-  snprintf(text, kLongestPath, "%s%s[%zu]%s", path, name, index, end);
+  const int length = snprintf(text, kLongestPath, "%s%s[%zu]%s", path, name, index, end);
+  if (length < 0 || length >= kLongestPath) {
+    abort();
+  }
   return text;
 }
 
