@@ -54,8 +54,8 @@ std::string Peer::write(int filling, std::uint64_t instance, std::uint64_t count
   return read_text();
 }
 
-std::string Peer::take() {
-  command("take");
+std::string Peer::take(std::chrono::milliseconds patience) {
+  command("take " + std::to_string(patience.count()));
   return read_text();
 }
 

@@ -3,6 +3,8 @@
 
 #include <sys/types.h>
 
+#include <chrono>
+#include <cstdint>
 #include <cstdio>
 #include <string>
 #include <string_view>
@@ -32,7 +34,7 @@ class Peer {
   std::string write(int filling, std::uint64_t instance, std::uint64_t count);
 
   /// Waits for a sample. @return the text of the sample, empty when none came
-  std::string take();
+  std::string take(std::chrono::milliseconds patience);
 
  private:
   void command(const std::string& line);

@@ -13,8 +13,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
+#include <array>
+#include <chrono>
 #include <condition_variable>
+#include <deque>
 #include <fstream>
 #include <iterator>
 #include <mutex>
@@ -43,6 +45,19 @@ Message filled(int filling, std::uint64_t instance = 0, std::uint64_t count = 0)
   return message;
 }
 
+/// A stream may miss its first samples although both sides report the match: what did not come is
+/// sent again.
+template <typename Message>
+constexpr bool kIsStream =
+    wire::Topic<Message>::kName == "status" || wire::Topic<Message>::kName == "axis" ||
+    wire::Topic<Message>::kName == "bench_state";
+
+template <typename Message>
+constexpr int kAttempts = kIsStream<Message> ? 20 : 1;
+
+template <typename Message>
+constexpr std::chrono::milliseconds kPatienceOf = kIsStream<Message> ? 500ms : 10s;
+
 /// The texts of what a subscription of ours received.
 template <typename Message>
 class Texts {
@@ -51,33 +66,53 @@ class Texts {
       : subscription_(
             participant,
             [this](const Message& message, const wire::Source& /*source*/) {
-              const std::lock_guard lock(mutex_);
-              texts_.push_back(text_of(message));
-              changed_.notify_all();
+              keep(text_of(message));
             },
             [this](const Message& /*message*/, const wire::Source& /*source*/) {
-              const std::lock_guard lock(mutex_);
-              texts_.emplace_back("beyond the bounds of the IDL");
-              changed_.notify_all();
+              keep("beyond the bounds of the IDL");
             }) {}
 
   [[nodiscard]] bool match() { return subscription_.wait_for_matched(1, kPatience); }
 
-  /// @return the first `count` texts, fewer when no more come.
-  std::vector<std::string> first(std::size_t count) {
+  /// @return the oldest text that was not taken yet, empty when none comes.
+  std::string take(std::chrono::milliseconds patience) {
     std::unique_lock lock(mutex_);
-    changed_.wait_for(lock, kPatience, [&] {
-      return texts_.size() >= count;
+    const bool found = changed_.wait_for(lock, patience, [&] {
+      return !texts_.empty();
     });
-    return texts_;
+    std::string text;
+    if (found) {
+      text = std::move(texts_.front());
+      texts_.pop_front();
+    }
+    return text;
   }
 
  private:
+  void keep(std::string text) {
+    const std::lock_guard lock(mutex_);
+    texts_.push_back(std::move(text));
+    changed_.notify_all();
+  }
+
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::vector<std::string> texts_;
+  std::deque<std::string> texts_;
   wire::Subscription<Message> subscription_;
 };
+
+/// Sends by `send` until something new comes out of `receiver`. @return its text
+template <typename Message, typename Receiver, typename Send>
+std::string pass(Receiver& receiver, const std::string& previous, Send send) {
+  std::string text;
+  for (int attempt = 0; attempt < kAttempts<Message> && text.empty(); ++attempt) {
+    send();
+    do {
+      text = receiver.take(kPatienceOf<Message>);
+    } while (kIsStream<Message> && !text.empty() && text == previous);
+  }
+  return text;
+}
 
 class TopicName {
  public:
@@ -103,10 +138,13 @@ TYPED_TEST(CycloneOnTopic, ReadsEveryFieldThatFastDdsWrites) {
   Peer reader(full_name<TypeParam>(), "reader");
   ASSERT_TRUE(publication.wait_for_matched(1, kPatience));
   ASSERT_TRUE(reader.match());
+  std::string read;
   for (int filling = kEmpty; filling < kFillings; ++filling) {
     const auto message = filled<TypeParam>(filling);
-    ASSERT_TRUE(publication.write(message));
-    ASSERT_EQ(reader.take(), text_of(message)) << "filling " << filling;
+    read = pass<TypeParam>(reader, read, [&] {
+      EXPECT_TRUE(publication.write(message));
+    });
+    ASSERT_EQ(read, text_of(message)) << "filling " << filling;
   }
 }
 
@@ -115,12 +153,13 @@ TYPED_TEST(CycloneOnTopic, WritesEveryFieldThatFastDdsReads) {
   Peer writer(full_name<TypeParam>(), "writer");
   ASSERT_TRUE(received.match());
   ASSERT_TRUE(writer.match());
+  std::string read;
   for (int filling = kEmpty; filling < kFillings; ++filling) {
-    const auto written = writer.write(filling, 0, 0);
-    ASSERT_EQ(written, text_of(filled<TypeParam>(filling))) << "filling " << filling;
-    const auto texts = received.first(static_cast<std::size_t>(filling) + 1);
-    ASSERT_EQ(texts.size(), static_cast<std::size_t>(filling) + 1) << "filling " << filling;
-    ASSERT_EQ(texts.back(), written) << "filling " << filling;
+    const auto expected = text_of(filled<TypeParam>(filling));
+    read = pass<TypeParam>(received, read, [&] {
+      EXPECT_EQ(writer.write(filling, 0, 0), expected) << "filling " << filling;
+    });
+    ASSERT_EQ(read, expected) << "filling " << filling;
   }
 }
 
@@ -135,7 +174,7 @@ TEST(CycloneTopics, DropWhatIsLongerThanTheIdlAllows) {
   ASSERT_TRUE(publication.write(too_long));
   const auto longest = filled<msg::CommandFrame>(kHighest);
   ASSERT_TRUE(publication.write(longest));
-  EXPECT_EQ(reader.take(), text_of(longest));
+  EXPECT_EQ(reader.take(kPatience), text_of(longest));
 }
 
 /// Two instances, two samples of each: which of them a latecomer gets.
@@ -171,7 +210,7 @@ TYPED_TEST(CycloneOnTransientTopic, GetsWhatEachInstanceKeepsWhenItComesLate) {
   const auto expected = awaited<TypeParam>();
   std::vector<std::string> texts;
   while (texts.size() < expected.size()) {
-    texts.push_back(reader.take());
+    texts.push_back(reader.take(kPatience));
   }
   EXPECT_THAT(texts, testing::UnorderedElementsAreArray(expected));
 }
@@ -183,7 +222,11 @@ TYPED_TEST(CycloneOnTransientTopic, KeepsForALatecomerOfFastDdsWhatEachInstanceK
   }
   Texts<TypeParam> received(this->participant_);
   const auto expected = awaited<TypeParam>();
-  EXPECT_THAT(received.first(expected.size()), testing::UnorderedElementsAreArray(expected));
+  std::vector<std::string> texts;
+  while (texts.size() < expected.size()) {
+    texts.push_back(received.take(kPatience));
+  }
+  EXPECT_THAT(texts, testing::UnorderedElementsAreArray(expected));
 }
 
 TEST(CycloneTopics, AreAllThatTheInterfaceHas) {

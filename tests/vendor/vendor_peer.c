@@ -3,7 +3,7 @@
 //
 //   vendor_peer DOMAIN TOPIC reader|writer
 //
-//   match                          waits until the other side is matched; answers "matched"
+//   match                          waits up to ten seconds for the other side; answers "matched"
 //   write FILLING INSTANCE COUNT   writes a sample and answers with its text (canonical.h)
 //   take                           waits for a sample and answers with its text
 //
@@ -167,19 +167,17 @@ static dds_qos_t* qos_of(const Quality* quality) {
   return qos;
 }
 
-// Waits for one of the statuses of `mask`.
-static void wait_for(dds_entity_t waitset, dds_entity_t endpoint, uint32_t mask) {
+// Waits for one of the statuses of `mask`. @return false at the deadline
+static bool wait_until(dds_entity_t waitset, dds_entity_t endpoint, uint32_t mask,
+                       dds_time_t deadline) {
   checked(dds_set_status_mask(endpoint, mask), "status mask");
-  if (dds_waitset_wait(waitset, NULL, 0, kPatience) < 1) {
-    fprintf(stderr, "vendor_peer: nothing within ten seconds\n");
-    exit(EXIT_FAILURE);
-  }
+  return dds_waitset_wait_until(waitset, NULL, 0, deadline) > 0;
 }
 
 static void match(dds_entity_t waitset, dds_entity_t endpoint, bool is_reader) {
-  wait_for(waitset, endpoint,
-           is_reader ? DDS_SUBSCRIPTION_MATCHED_STATUS : DDS_PUBLICATION_MATCHED_STATUS);
-  puts("matched");
+  const uint32_t mask =
+      is_reader ? DDS_SUBSCRIPTION_MATCHED_STATUS : DDS_PUBLICATION_MATCHED_STATUS;
+  puts(wait_until(waitset, endpoint, mask, dds_time() + kPatience) ? "matched" : "alone");
 }
 
 static void answer(const Topic* topic, const void* sample) {
@@ -203,21 +201,26 @@ static void write_sample(const Topic* topic, dds_entity_t writer, const char* li
   dds_sample_free(sample, topic->type, DDS_FREE_ALL);
 }
 
-static void take_sample(const Topic* topic, dds_entity_t waitset, dds_entity_t reader) {
+static void take_sample(const Topic* topic, dds_entity_t waitset, dds_entity_t reader,
+                        const char* line) {
+  const dds_time_t deadline = dds_time() + DDS_MSECS(strtol(line + strlen("take "), NULL, 10));
   for (;;) {
     void* sample = NULL;
     dds_sample_info_t info;
     const int32_t count = checked(dds_take(reader, &sample, &info, 1, 1), "take");
-    if (count == 1 && info.valid_data) {
+    const bool found = count == 1 && info.valid_data;
+    if (found) {
       answer(topic, sample);
     }
     if (count > 0) {
       checked(dds_return_loan(reader, &sample, count), "return");
-      if (info.valid_data) {
-        return;
-      }
-    } else {
-      wait_for(waitset, reader, DDS_DATA_AVAILABLE_STATUS);
+    }
+    if (found) {
+      return;
+    }
+    if (count == 0 && !wait_until(waitset, reader, DDS_DATA_AVAILABLE_STATUS, deadline)) {
+      puts("end");
+      return;
     }
   }
 }
@@ -228,7 +231,7 @@ static void obey(const Topic* topic, dds_entity_t waitset, dds_entity_t endpoint
     if (strcmp(line, "match\n") == 0) {
       match(waitset, endpoint, is_reader);
     } else if (is_reader) {
-      take_sample(topic, waitset, endpoint);
+      take_sample(topic, waitset, endpoint, line);
     } else {
       write_sample(topic, endpoint, line);
     }
