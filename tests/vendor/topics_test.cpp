@@ -30,7 +30,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kPatience = 10s;
+constexpr std::chrono::milliseconds kPatience = 10s;
 
 template <typename Message>
 std::string full_name() {
@@ -45,18 +45,10 @@ Message filled(int filling, std::uint64_t instance = 0, std::uint64_t count = 0)
   return message;
 }
 
-/// A stream may miss its first samples although both sides report the match: what did not come is
-/// sent again.
 template <typename Message>
 constexpr bool kIsStream =
     wire::Topic<Message>::kName == "status" || wire::Topic<Message>::kName == "axis" ||
     wire::Topic<Message>::kName == "bench_state";
-
-template <typename Message>
-constexpr int kAttempts = kIsStream<Message> ? 20 : 1;
-
-template <typename Message>
-constexpr std::chrono::milliseconds kPatienceOf = kIsStream<Message> ? 500ms : 10s;
 
 /// The texts of what a subscription of ours received.
 template <typename Message>
@@ -101,17 +93,33 @@ class Texts {
   wire::Subscription<Message> subscription_;
 };
 
-/// Sends by `send` until something new comes out of `receiver`. @return its text
-template <typename Message, typename Receiver, typename Send>
-std::string pass(Receiver& receiver, const std::string& previous, Send send) {
+/// Sends by `send`, again and again when a sample may be lost, until something other than
+/// `previous` comes out of `receiver`. @return its text
+template <typename Receiver, typename Send>
+std::string pass(Receiver& receiver, const std::string& previous, bool may_be_lost, Send send) {
+  const std::chrono::milliseconds patience = may_be_lost ? 500ms : kPatience;
+  const int attempts = may_be_lost ? 20 : 1;
   std::string text;
-  for (int attempt = 0; attempt < kAttempts<Message> && text.empty(); ++attempt) {
+  for (int attempt = 0; attempt < attempts && text.empty(); ++attempt) {
     send();
     do {
-      text = receiver.take(kPatienceOf<Message>);
-    } while (kIsStream<Message> && !text.empty() && text == previous);
+      text = receiver.take(patience);
+    } while (!text.empty() && text == previous);
   }
   return text;
+}
+
+/// A volatile reader of Cyclone DDS begins with the first heartbeat that it hears from a writer of
+/// another vendor; what was written before is history to it. @return the text of the sample that
+/// came through, empty when none did
+template <typename Message>
+std::string open_the_way(wire::Publication<Message>& publication, Peer& reader) {
+  if (!publication.wait_for_matched(1, kPatience) || !reader.match()) {
+    return {};
+  }
+  return pass(reader, {}, true, [&] {
+    EXPECT_TRUE(publication.write(filled<Message>(kDistinct, 0, 1'000)));
+  });
 }
 
 class TopicName {
@@ -133,15 +141,19 @@ using Messages = testing::Types<msg::CommandFrame, msg::CommandReply, msg::Reque
                                 msg::BenchDescription, msg::BenchState>;
 TYPED_TEST_SUITE(CycloneOnTopic, Messages, TopicName);
 
+/// Other values in each sample, also where its filling does not matter.
+constexpr std::uint64_t count_of(int filling) {
+  return 100 * static_cast<std::uint64_t>(filling);
+}
+
 TYPED_TEST(CycloneOnTopic, ReadsEveryFieldThatFastDdsWrites) {
   wire::Publication<TypeParam> publication(this->participant_);
   Peer reader(full_name<TypeParam>(), "reader");
-  ASSERT_TRUE(publication.wait_for_matched(1, kPatience));
-  ASSERT_TRUE(reader.match());
-  std::string read;
+  std::string read = open_the_way(publication, reader);
+  ASSERT_FALSE(read.empty());
   for (int filling = kEmpty; filling < kFillings; ++filling) {
-    const auto message = filled<TypeParam>(filling);
-    read = pass<TypeParam>(reader, read, [&] {
+    const auto message = filled<TypeParam>(filling, 0, count_of(filling));
+    read = pass(reader, read, kIsStream<TypeParam>, [&] {
       EXPECT_TRUE(publication.write(message));
     });
     ASSERT_EQ(read, text_of(message)) << "filling " << filling;
@@ -155,9 +167,9 @@ TYPED_TEST(CycloneOnTopic, WritesEveryFieldThatFastDdsReads) {
   ASSERT_TRUE(writer.match());
   std::string read;
   for (int filling = kEmpty; filling < kFillings; ++filling) {
-    const auto expected = text_of(filled<TypeParam>(filling));
-    read = pass<TypeParam>(received, read, [&] {
-      EXPECT_EQ(writer.write(filling, 0, 0), expected) << "filling " << filling;
+    const auto expected = text_of(filled<TypeParam>(filling, 0, count_of(filling)));
+    read = pass(received, read, kIsStream<TypeParam>, [&] {
+      EXPECT_EQ(writer.write(filling, 0, count_of(filling)), expected) << "filling " << filling;
     });
     ASSERT_EQ(read, expected) << "filling " << filling;
   }
@@ -167,14 +179,16 @@ TEST(CycloneTopics, DropWhatIsLongerThanTheIdlAllows) {
   wire::Participant participant({.domain = test_domain()}, "fast");
   wire::Publication<msg::CommandFrame> publication(participant);
   Peer reader("vdrive/v1/command", "reader");
-  ASSERT_TRUE(publication.wait_for_matched(1, kPatience));
-  ASSERT_TRUE(reader.match());
+  const std::string first = open_the_way(publication, reader);
+  ASSERT_FALSE(first.empty());
   msg::CommandFrame too_long;
   too_long.axes().resize(msg::MAX_AXES_PER_FRAME + 1);
   ASSERT_TRUE(publication.write(too_long));
   const auto longest = filled<msg::CommandFrame>(kHighest);
-  ASSERT_TRUE(publication.write(longest));
-  EXPECT_EQ(reader.take(kPatience), text_of(longest));
+  const std::string second = pass(reader, first, false, [&] {
+    EXPECT_TRUE(publication.write(longest));
+  });
+  EXPECT_EQ(second, text_of(longest));
 }
 
 /// Two instances, two samples of each: which of them a latecomer gets.

@@ -18,6 +18,7 @@
 #include <string.h>
 
 static const dds_duration_t kPatience = DDS_SECS(10);    // for an answer
+static const dds_duration_t kAgain = DDS_MSECS(500);     // before the first question is repeated
 static const dds_duration_t kKeepAlive = DDS_MSECS(20);  // the watchdog takes 100 ms
 static const uint64_t kTicksPerStep = 10;
 static const dds_duration_t kLongestMove = DDS_SECS(60);  // a tick number that jumps moves nothing
@@ -161,28 +162,40 @@ static void find_bench(Client* client) {
   }
 }
 
-// Sends the request and waits for its reply, which goes back with dds_return_loan.
-static vdrive_msg_Reply* ask(Client* client, vdrive_msg_Request* request, const char* what) {
+// Waits for the reply to the request that was written last. It goes back with dds_return_loan.
+static vdrive_msg_Reply* wait_for_reply(const Client* client, dds_duration_t patience) {
   void* sample;
-  request->client = client->id;
-  request->request_id = ++client->requests;
-  request->bench = client->bench;
-  request->incarnation = client->incarnation;
-  request->session = client->id;
-  checked(dds_write(client->requester, request), what);
-  for (;;) {
-    if (!take(&client->replies, kPatience, &sample)) {
-      fail("%s: no reply", what);
-    }
+  while (take(&client->replies, patience, &sample)) {
     vdrive_msg_Reply* reply = sample;
-    if (reply->client == client->id && reply->request_id == request->request_id) {
-      if (reply->reason != vdrive_msg_REASON_NONE) {
-        fail("%s: refused with reason %" PRIu32, what, reply->reason);
-      }
+    if (reply->client == client->id && reply->request_id == client->requests) {
       return reply;
     }
     dds_return_loan(client->replies.reader, &sample, 1);
   }
+  return NULL;
+}
+
+// Asks and waits for the reply. The first reply of all may be lost, so the first question is asked
+// again; the others are asked once.
+static vdrive_msg_Reply* ask(Client* client, vdrive_msg_Request* request, const char* what) {
+  const dds_time_t deadline = dds_time() + kPatience;
+  const dds_duration_t patience = client->requests == 0 ? kAgain : kPatience;
+  vdrive_msg_Reply* reply = NULL;
+  request->client = client->id;
+  request->bench = client->bench;
+  request->incarnation = client->incarnation;
+  request->session = client->id;
+  while (reply == NULL && dds_time() < deadline) {
+    request->request_id = ++client->requests;
+    checked(dds_write(client->requester, request), what);
+    reply = wait_for_reply(client, patience);
+  }
+  if (reply == NULL) {
+    fail("%s: no reply", what);
+  } else if (reply->reason != vdrive_msg_REASON_NONE) {
+    fail("%s: refused with reason %" PRIu32, what, reply->reason);
+  }
+  return reply;
 }
 
 static void hand_back(const Client* client, vdrive_msg_Reply* reply) {
@@ -216,28 +229,26 @@ static int64_t read_object(Client* client, uint16_t index) {
 // ---- frames and status
 // ---------------------------------------------------------------------------
 
-static void send_frame(Client* client, vdrive_msg_AxisCommand* command) {
+static void send_frame(Client* client, vdrive_msg_AxisCommand* command, uint32_t flags) {
   vdrive_msg_CommandFrame frame = {.bench = client->bench,
                                    .incarnation = client->incarnation,
                                    .session = client->id,
                                    .epoch = client->epoch,
-                                   .sequence_number = ++client->frames};
+                                   .sequence_number = ++client->frames,
+                                   .flags = flags};
   if (command != NULL) {
     command->axis = client->axis;
-    frame.flags = vdrive_msg_FRAME_WANT_REPLY;
     frame.axes._buffer = command;
     frame.axes._length = frame.axes._maximum = 1;
   }
   checked(dds_write(client->commander, &frame), "frame");
 }
 
-// @return the tick in which the frame that was sent last is in force.
-static uint64_t wait_until_applied(const Client* client) {
+// Waits for the reply to the frame that was sent last. @return the tick in which it is in force; 0
+// when no reply came
+static uint64_t wait_until_applied(const Client* client, dds_duration_t patience) {
   void* sample;
-  for (;;) {
-    if (!take(&client->command_replies, kPatience, &sample)) {
-      fail("frame %" PRIu64 ": no reply", client->frames);
-    }
+  while (take(&client->command_replies, patience, &sample)) {
     const vdrive_msg_CommandReply* reply = sample;
     const bool mine = reply->session == client->id && reply->sequence_number == client->frames;
     const uint64_t tick = reply->tick;
@@ -249,6 +260,18 @@ static uint64_t wait_until_applied(const Client* client) {
       return tick;
     }
   }
+  return 0;
+}
+
+// The first reply may be lost here, too: keep-alives that want one, until it comes.
+static void open_command_replies(Client* client) {
+  const dds_time_t deadline = dds_time() + kPatience;
+  do {
+    send_frame(client, NULL, vdrive_msg_FRAME_WANT_REPLY);
+    if (dds_time() > deadline) {
+      fail("no reply to a frame");
+    }
+  } while (wait_until_applied(client, kKeepAlive) == 0);
 }
 
 static void note(Client* client, const vdrive_msg_AxisStatus* status) {
@@ -278,7 +301,7 @@ static void follow(Client* client) {
       fail("the status fell silent");
     }
     if (!take(&client->statuses, kKeepAlive, &sample)) {
-      send_frame(client, NULL);
+      send_frame(client, NULL, 0);
       continue;
     }
     const vdrive_msg_StatusFrame* frame = sample;
@@ -301,14 +324,17 @@ static void look(Client* client, uint64_t ticks) {
   }
   if (dds_time() - last_frame > kKeepAlive) {
     last_frame = dds_time();
-    send_frame(client, NULL);
+    send_frame(client, NULL, 0);
   }
   follow(client);
 }
 
 static void command(Client* client, vdrive_msg_AxisCommand* command) {
-  send_frame(client, command);
-  const uint64_t tick = wait_until_applied(client);
+  send_frame(client, command, vdrive_msg_FRAME_WANT_REPLY);
+  const uint64_t tick = wait_until_applied(client, kPatience);
+  if (tick == 0) {
+    fail("frame %" PRIu64 ": no reply", client->frames);
+  }
   do {
     look(client, 1);
   } while (client->now.tick < tick);
@@ -405,6 +431,7 @@ int main(int argc, char** argv) {
   open_client(&client, (dds_domainid_t)strtoul(argv[1], NULL, 10));
   find_bench(&client);
   ask_for_axis(&client, vdrive_msg_REQUEST_ACQUIRE, "acquire");
+  open_command_replies(&client);
   printf("axis %" PRIu16 " held in epoch %" PRIu32 "\n", client.axis, client.epoch);
   run_example(&client);
   ask_for_axis(&client, vdrive_msg_REQUEST_RELEASE, "release");
