@@ -8,8 +8,7 @@
 namespace vdrive::client {
 namespace {
 
-// Wall time without a sample after which the stream of a bench that is heard counts as dead. A
-// paused bench is waited for: its drive time stands still, and so does the deadline.
+// Wall time that one look waits for a sample before it thinks about the deadline.
 constexpr std::chrono::milliseconds kPatience{500};
 
 constexpr auto kRefusedInState =
@@ -42,6 +41,7 @@ Outcome Conversation::listen() {
 
 Outcome Conversation::take_control() {
   if (Outcome heard = listen(); !heard) return heard;
+  if (core_->is_paused(target_)) return Outcome::failed(paused_text(target_));
   return core_->acquire(target_, id_.axis, now_.owner_session == core_->id());
 }
 
@@ -71,10 +71,15 @@ Outcome Conversation::look(std::string_view awaited) {
                               std::string(awaited) + ", shows " +
                               describe_statusword(now_.status.ds402_statusword, now_.mode()));
   }
+  // Drive time may pass slower than wall time; where none passes at all the same time has to do.
+  const auto begin = std::chrono::steady_clock::now();
   while (true) {
     auto sample = follower_->next(kPatience);
-    if (sample.outcome().kind() == OutcomeKind::timed_out) continue;
-    return note(std::move(sample));
+    if (sample.outcome().kind() != OutcomeKind::timed_out) return note(std::move(sample));
+    if (std::chrono::steady_clock::now() - begin >= timeout_) {
+      return Outcome::timed_out("axis " + to_string(id_) + ": waited in vain for " +
+                                std::string(awaited) + ", " + sample.outcome().message());
+    }
   }
 }
 

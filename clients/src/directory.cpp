@@ -57,7 +57,30 @@ void Directory::on_description(const msg::BenchDescription& message, const wire:
 void Directory::on_state(const msg::BenchState& message, Clock::time_point now) {
   const BenchKey key{message.bench(), message.incarnation()};
   heard(key, message.tick(), now);
-  entries_[key].info.rate = message.rate();
+  Entry& entry = entries_[key];
+  entry.info.rate = message.rate();
+  entry.rate_heard = now;
+  entry.slowest_stepper = message.slowest_stepper();
+}
+
+void Directory::set_rate(const BenchKey& key, double rate) {
+  entries_[key].info.rate = rate;
+}
+
+bool Directory::is_paused(const BenchKey& key, Clock::time_point since) const {
+  const auto entry = entries_.find(key);
+  return entry != entries_.end() && entry->second.info.clock_mode == ClockMode::realtime &&
+         entry->second.info.rate == 0.0 && entry->second.rate_heard > since;
+}
+
+std::uint64_t Directory::slowest_stepper(const BenchKey& key) const {
+  const auto entry = entries_.find(key);
+  return entry == entries_.end() ? 0 : entry->second.slowest_stepper;
+}
+
+bool Directory::is_restarted(const BenchKey& key, Clock::time_point now) const {
+  const auto present = find(key.number, now);
+  return present && present->info.incarnation != key.incarnation;
 }
 
 void Directory::heard(const BenchKey& key, std::uint64_t tick, Clock::time_point now) {

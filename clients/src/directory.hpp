@@ -56,6 +56,19 @@ class Directory {
   [[nodiscard]] bool is_alive(const BenchKey& key, std::chrono::milliseconds patience,
                               Clock::time_point now) const;
 
+  /// This run answered that it has another rate, before its state says so.
+  void set_rate(const BenchKey& key, double rate);
+
+  /// @return whether this run said after `since` that its drive time stands still: realtime at
+  ///         rate 0.
+  [[nodiscard]] bool is_paused(const BenchKey& key, Clock::time_point since) const;
+
+  /// @return the stepper that time waits for by the newest state, 0 = none.
+  [[nodiscard]] std::uint64_t slowest_stepper(const BenchKey& key) const;
+
+  /// @return whether another run has the bench number now.
+  [[nodiscard]] bool is_restarted(const BenchKey& key, Clock::time_point now) const;
+
   /// @return the newest tick heard of, 0 when none was.
   [[nodiscard]] std::uint64_t tick(const BenchKey& key) const;
 
@@ -67,6 +80,8 @@ class Directory {
     std::uint16_t part_count = 0;
     bool offline = false;
     std::optional<Clock::time_point> heard;
+    Clock::time_point rate_heard{};
+    std::uint64_t slowest_stepper = 0;
 
     [[nodiscard]] bool is_present(Clock::time_point now) const;
   };

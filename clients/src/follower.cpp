@@ -8,6 +8,7 @@ struct Follower::State {
   std::shared_ptr<SessionCore> core;
   Target target;
   std::vector<std::uint16_t> axes;
+  Pace pace = Pace::drive;
   std::shared_ptr<StatusFeed> feed;  ///< none when each look steps
 };
 
@@ -18,14 +19,16 @@ Follower::Follower(Follower&&) noexcept = default;
 Follower& Follower::operator=(Follower&&) noexcept = default;
 
 Result<Observation> Follower::next(std::chrono::milliseconds patience) {
-  if (!state_->feed) return state_->core->step(state_->target, 1, state_->axes);
-  return state_->core->next(state_->target, *state_->feed, patience);
+  if (!state_->feed) return state_->core->step(state_->target, 1, state_->axes, patience);
+  return state_->core->next(state_->target, *state_->feed,
+                            {patience, true, state_->pace == Pace::drive});
 }
 
 Follower SessionCore::follow(const Target& target, std::vector<std::uint16_t> axes, Pace pace) {
   auto state = std::make_unique<Follower::State>();
   state->core = shared_from_this();
   state->target = target;
+  state->pace = pace;
   if (pace == Pace::listen || !target.steps()) state->feed = open_feed(target, axes);
   state->axes = std::move(axes);
   return Follower(std::move(state));

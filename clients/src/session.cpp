@@ -57,6 +57,12 @@ Result<std::uint64_t> Session::step(std::uint32_t bench, std::uint64_t ticks) {
   return reached->tick;
 }
 
+Result<std::uint64_t> Session::set_rate(std::uint32_t bench, double rate) {
+  const auto target = core_->connect(bench);
+  if (!target) return target.outcome();
+  return core_->set_rate(*target, rate);
+}
+
 Result<std::uint64_t> Session::wait(std::uint32_t bench, std::chrono::nanoseconds duration) {
   const auto target = core_->connect(bench);
   if (!target) return target.outcome();

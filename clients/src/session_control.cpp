@@ -15,20 +15,24 @@ using std::chrono::milliseconds;
 // A service that is heard answers within this, or it never will.
 constexpr SessionCore::Patience kAnswer{milliseconds(10'000), false};
 
+// A frame for a later tick is answered in that tick.
+constexpr SessionCore::Patience kAnswerInItsTick{std::chrono::hours(24), true, true};
+
 constexpr milliseconds kReleaseAnswer{500};
 constexpr milliseconds kKeepAlivePeriod{25};
 
 // Writing one of these takes a free axis for the session.
 constexpr std::array<std::uint16_t, 5> kCommandObjects{0x6040, 0x6060, 0x607A, 0x60FF, 0x6071};
 
-std::string hex(std::uint64_t number) {
+}  // namespace
+
+std::string hex_of(std::uint64_t number) {
   constexpr std::string_view kDigits = "0123456789abcdef";
   std::string text = "0x";
   for (unsigned shift = 64; shift != 0; shift -= 4) text += kDigits[(number >> (shift - 4)) & 0xFU];
   return text;
 }
 
-/// Why a whole request was refused.
 Outcome refusal_of(const Target& target, const msg::Reply& reply, std::string_view what) {
   std::string message(what);
   message += " refused";
@@ -36,31 +40,39 @@ Outcome refusal_of(const Target& target, const msg::Reply& reply, std::string_vi
     message +=
         ", " +
         (reply.refused_axis() == 0 ? std::string("it") : name_of(target, reply.refused_axis())) +
-        " is held by session " + hex(reply.owner_session());
+        " is held by session " + hex_of(reply.owner_session());
   } else if (reply.refused_axis() != 0) {
     message += " because of " + name_of(target, reply.refused_axis());
   }
   return Outcome::refused(reply.reason(), std::move(message));
 }
 
-Outcome refusal_of(const Target& target, const msg::Refusal& refusal) {
+namespace {
+
+/// @param timing of the frame that was refused
+Outcome refusal_of(const Target& target, const msg::Refusal& refusal, const FrameTiming& timing,
+                   std::uint64_t next_tick) {
   if (refusal.axis() == 0) {
-    return Outcome::refused(refusal.reason(), name_of(target) + " refused the command frame");
+    std::string message = name_of(target) + " refused the command frame";
+    const std::uint64_t tick = timing.meant_for();
+    if (refusal.reason() == msg::REASON_TOO_LATE && tick != 0 && tick < next_tick) {
+      message += ", late by " + std::to_string(next_tick - tick) + " ticks";
+    }
+    return Outcome::refused(refusal.reason(), std::move(message));
   }
   std::string message = name_of(target, refusal.axis()) + " refused ";
   if (refusal.index() == 0) {
     message += "the command";
   } else {
     const auto row = find_object(ObjectAddress{refusal.index(), refusal.subindex()});
-    message += row ? std::string(describe(*row).variable_name) : hex(refusal.index());
+    message += row ? std::string(describe(*row).variable_name) : hex_of(refusal.index());
   }
   return Outcome::refused(refusal.reason(), std::move(message));
 }
 
 }  // namespace
 
-Result<msg::Reply> SessionCore::request(const Target& target, msg::Request request,
-                                        std::string_view what) {
+Result<std::uint64_t> SessionCore::send_request(const Target& target, msg::Request request) {
   Lock lock(mutex_);
   const std::uint64_t number = ++last_request_;
   requests_.emplace(number, std::nullopt);
@@ -70,18 +82,32 @@ Result<msg::Reply> SessionCore::request(const Target& target, msg::Request reque
   request.bench(target.key.number);
   request.incarnation(target.key.incarnation);
   request.session(id_);
-  const bool sent = request_publication_.write(request);
+  if (request_publication_.write(request)) return number;
   lock.lock();
-  Outcome outcome = sent ? wait(lock, target, kAnswer,
-                                [&] {
-                                  return requests_.at(number).has_value();
-                                })
-                         : Outcome::lost(name_of(target) + " takes no more requests");
+  requests_.erase(number);
+  return Outcome::lost(name_of(target) + " takes no more requests");
+}
+
+Result<msg::Reply> SessionCore::await_reply(const Target& target, std::uint64_t number,
+                                            Patience patience) {
+  Lock lock(mutex_);
+  Outcome outcome = wait(lock, target, patience, [&] {
+    return requests_.at(number).has_value();
+  });
   std::optional<msg::Reply> reply = std::move(requests_.at(number));
   requests_.erase(number);
   if (!outcome) return outcome;
-  if (reply->reason() != msg::REASON_NONE) return refusal_of(target, *reply, what);
   return std::move(*reply);
+}
+
+Result<msg::Reply> SessionCore::request(const Target& target, msg::Request request,
+                                        std::string_view what) {
+  const auto number = send_request(target, std::move(request));
+  if (!number) return number.outcome();
+  auto reply = await_reply(target, *number, kAnswer);
+  if (!reply) return reply;
+  if (reply->reason() != msg::REASON_NONE) return refusal_of(target, *reply, what);
+  return reply;
 }
 
 Result<msg::Reply> SessionCore::request_control(const Target& target, msg::Request request,
@@ -119,7 +145,7 @@ void SessionCore::note_acquired(const Target& target, std::uint16_t axis, const 
     Holding& held = holding(target.key);
     if (held.epoch != reply.epoch()) held.epoch_since = held.sequence + 1;
     held.epoch = reply.epoch();
-    held.is_realtime = target.clock_mode == ClockMode::realtime;
+    held.lives_by_wall_clock = !target.steps();
     held.axes.insert(axis);
   }
   start_keep_alive();
@@ -210,7 +236,7 @@ msg::CommandFrame SessionCore::next_frame(Holding& held) const {
 }
 
 Outcome SessionCore::send(const Target& target, std::span<const msg::AxisCommand> commands,
-                          std::vector<std::uint64_t>& sequences) {
+                          const FrameTiming& timing, std::vector<std::uint64_t>& sequences) {
   const std::scoped_lock sending(send_mutex_);
   for (const msg::AxisCommand& command : commands) {
     Lock lock(mutex_);
@@ -219,6 +245,8 @@ Outcome SessionCore::send(const Target& target, std::span<const msg::AxisCommand
     commands_.emplace(PendingCommand{target.key, sequence}, std::nullopt);
     lock.unlock();
     frame.flags(msg::FRAME_WANT_REPLY);
+    frame.apply_at_tick(timing.apply_at_tick);
+    frame.valid_until_tick(timing.valid_until_tick);
     frame.axes().push_back(command);
     sequences.push_back(sequence);
     if (!command_publication_.write(frame)) {
@@ -229,18 +257,19 @@ Outcome SessionCore::send(const Target& target, std::span<const msg::AxisCommand
 }
 
 Result<Applied> SessionCore::collect(const Target& target, std::span<const std::uint64_t> sequences,
-                                     Outcome outcome) {
+                                     const FrameTiming& timing, Outcome outcome) {
   Applied applied;
   Lock lock(mutex_);
   for (const std::uint64_t sequence : sequences) {
     const auto entry = commands_.find({target.key, sequence});
     if (outcome) {
-      outcome = wait(lock, target, kAnswer, [&] {
+      outcome = wait(lock, target, timing.apply_at_tick == 0 ? kAnswer : kAnswerInItsTick, [&] {
         return entry->second.has_value();
       });
     }
     if (outcome && !entry->second->refusals().empty()) {
-      outcome = refusal_of(target, entry->second->refusals().front());
+      outcome =
+          refusal_of(target, entry->second->refusals().front(), timing, entry->second->tick());
     } else if (outcome) {
       applied.tick = std::max(applied.tick, entry->second->tick());
       applied.set_point_ignored =
@@ -253,11 +282,18 @@ Result<Applied> SessionCore::collect(const Target& target, std::span<const std::
 }
 
 Result<Applied> SessionCore::command(const Target& target,
-                                     std::span<const msg::AxisCommand> commands) {
+                                     std::span<const msg::AxisCommand> commands,
+                                     const FrameTiming& timing) {
   std::vector<std::uint64_t> sequences;
-  Outcome outcome = send(target, commands, sequences);
-  if (outcome && target.steps()) outcome = step(target, 1, {}).outcome();
-  return collect(target, sequences, std::move(outcome));
+  Outcome outcome = send(target, commands, timing, sequences);
+  if (outcome && target.steps()) outcome = pass_time_for(target, timing);
+  return collect(target, sequences, timing, std::move(outcome));
+}
+
+/// Steps until frames of this timing are in force.
+Outcome SessionCore::pass_time_for(const Target& target, const FrameTiming& timing) {
+  if (timing.apply_at_tick == 0) return step(target, 1, {}).outcome();
+  return wait_for_tick(target, timing.apply_at_tick).outcome();
 }
 
 // ---- keeping control ----------------------------------------------------------------------
@@ -280,7 +316,7 @@ void SessionCore::keep_alive(const std::stop_token& stop) {
     {
       const std::scoped_lock lock(mutex_);
       for (const auto& [number, holding] : holdings_) {
-        if (holding.is_realtime && !holding.axes.empty()) benches.push_back(number);
+        if (holding.lives_by_wall_clock && !holding.axes.empty()) benches.push_back(number);
       }
     }
     for (const std::uint32_t bench : benches) send_keep_alive(bench);

@@ -54,6 +54,14 @@ std::string name_of(const Target& target, std::uint16_t axis) {
   return "axis " + to_string(AxisId{target.key.number, axis});
 }
 
+std::string paused_text(const Target& target) {
+  return name_of(target) + " is paused: rate 0";
+}
+
+std::string restarted_text(const Target& target) {
+  return name_of(target) + " restarted: another run of its service is there";
+}
+
 SessionCore::SessionCore(const SessionOptions& options)
     : options_(options),
       id_(random_session()),
@@ -87,6 +95,14 @@ SessionCore::~SessionCore() {
     keep_alive_thread_.join();
   }
   (void)release();  // nobody is left to be told
+}
+
+/// A run of the service that is heard no more. Guarded by the caller's lock.
+Outcome SessionCore::gone(const Target& target) {
+  if (directory_.is_restarted(target.key, Clock::now())) {
+    return Outcome::lost(restarted_text(target));
+  }
+  return Outcome::lost(name_of(target) + " fell silent or went away");
 }
 
 // ---- what arrives ----------------------------------------------------------------------------

@@ -32,6 +32,9 @@ namespace vdrive::client {
 /// listed: a busy machine may hold a process up for some hundred milliseconds.
 inline constexpr std::chrono::milliseconds kSilence{1000};
 
+/// Wall time that a step waits for the other steppers of its clock to grant the next tick.
+inline constexpr std::chrono::milliseconds kStepPatience{10'000};
+
 /// The run of a service that a call speaks to.
 struct Target {
   BenchKey key;
@@ -48,10 +51,27 @@ struct Target {
 [[nodiscard]] std::string name_of(const Target& target);
 [[nodiscard]] std::string name_of(const Target& target, std::uint16_t axis);
 
+/// @return why nothing moves there: "bench 1 is paused: rate 0".
+[[nodiscard]] std::string paused_text(const Target& target);
+
+/// @return that the run of the service that was spoken to is gone, and another one is there.
+[[nodiscard]] std::string restarted_text(const Target& target);
+
 /// What became of command frames.
 struct Applied {
   std::uint64_t tick = 0;  ///< in which the last of them is in force
   bool set_point_ignored = false;
+};
+
+/// When command frames take effect.
+struct FrameTiming {
+  std::uint64_t apply_at_tick = 0;     ///< 0 = the next
+  std::uint64_t valid_until_tick = 0;  ///< 0 = none
+
+  /// @return the tick that the frame is meant for, 0 = any.
+  [[nodiscard]] std::uint64_t meant_for() const noexcept {
+    return apply_at_tick == 0 ? valid_until_tick : apply_at_tick;
+  }
 };
 
 /// Everything behind Session: the DDS entities, who is there, what is held, what is awaited.
@@ -63,6 +83,19 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   struct Patience {
     std::chrono::milliseconds timeout;
     bool may_interrupt;
+    bool needs_drive_time = false;  ///< what is awaited never comes while the bench is paused
+  };
+
+  /// What this session granted as a stepper of one run of a service.
+  struct Grant {
+    std::uint64_t granted = 0;  ///< last tick that it lets pass
+    std::uint64_t reached = 0;  ///< tick of the last answer
+  };
+
+  /// A step that was asked for and not answered yet.
+  struct Stepping {
+    std::uint64_t request = 0;  ///< its number
+    std::uint64_t ticks = 0;    ///< that it grants
   };
 
   explicit SessionCore(const SessionOptions& options);
@@ -101,12 +134,42 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   Result<msg::Reply> write(const Target& target, msg::Request request, std::string_view what);
 
   /// Sends one frame for each command, in order, and waits until they are in force: in lock-step
-  /// steps one tick.
-  Result<Applied> command(const Target& target, std::span<const msg::AxisCommand> commands);
+  /// steps one tick, or to the tick of the frames.
+  Result<Applied> command(const Target& target, std::span<const msg::AxisCommand> commands,
+                          const FrameTiming& timing = {});
 
   /// Steps, and shows `axes` afterwards. 0 ticks only show.
+  /// @param patience wall time for other steppers to grant the next tick
   Result<Observation> step(const Target& target, std::uint64_t ticks,
-                           std::span<const std::uint16_t> axes);
+                           std::span<const std::uint16_t> axes,
+                           std::chrono::milliseconds patience = kStepPatience);
+
+  /// Makes this session a stepper of the bench. @return the present tick.
+  Result<std::uint64_t> join_clock(const Target& target);
+
+  /// Ends that, if the service still answers.
+  void leave_clock(const Target& target);
+
+  /// What this session granted; nothing when it has not joined the clock.
+  std::optional<Grant> grant_of(const BenchKey& key);
+
+  /// Of a bench whose clock this session has joined: asks to let time pass until `tick`, and does
+  /// not wait.
+  /// @param request carries what else the step is to show
+  Result<Stepping> begin_step_to(const Target& target, std::uint64_t tick, msg::Request request);
+
+  /// Waits until that tick is reached, asking again while other steppers have not granted it.
+  /// @return the tick reached, timed_out at the deadline, naming the stepper that is missing.
+  Result<std::uint64_t> end_step(const Target& target, Stepping stepping,
+                                 std::chrono::steady_clock::time_point deadline);
+
+  /// @return lost when the run of the service that `target` speaks of is gone.
+  Outcome check_presence(const Target& target);
+
+  Result<std::uint64_t> set_rate(const Target& target, double rate);
+
+  /// @return whether drive time stands still now.
+  bool is_paused(const Target& target);
 
   /// The present state of `axes`.
   Result<Observation> observe(const Target& target, std::span<const std::uint16_t> axes);
@@ -123,8 +186,7 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   Follower follow(const Target& target, std::vector<std::uint16_t> axes, Pace pace);
 
   /// Waits for the next sample of a feed.
-  Result<Observation> next(const Target& target, StatusFeed& feed,
-                           std::chrono::milliseconds patience);
+  Result<Observation> next(const Target& target, StatusFeed& feed, Patience patience);
 
   Outcome release();
   void interrupt() noexcept;
@@ -133,7 +195,7 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   /// What this session has from one run of a service.
   struct Holding {
     BenchKey key;
-    bool is_realtime = false;
+    bool lives_by_wall_clock = false;
     bool is_matched_for_commands = false;
     std::uint32_t epoch = 0;
     std::uint64_t epoch_since = 0;  ///< first sequence number sent with this epoch
@@ -155,15 +217,27 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   template <typename Condition>
   bool wait_to_find(Lock& lock, const Condition& condition);
   bool is_interrupted();
+  Outcome gone(const Target& target);
+  Result<std::uint64_t> send_request(const Target& target, msg::Request request);
+  Result<msg::Reply> await_reply(const Target& target, std::uint64_t number, Patience patience);
+  Result<msg::Reply> step_once(const Target& target, msg::Request request,
+                               std::chrono::milliseconds patience);
+  Result<msg::Reply> step_as_stepper(const Target& target, const Grant& grant,
+                                     const msg::Request& request,
+                                     std::chrono::milliseconds patience);
+  Result<msg::Reply> conclude_step(const Target& target, const Stepping& stepping,
+                                   std::chrono::steady_clock::time_point deadline);
+  Outcome missing_stepper(const Target& target, std::uint64_t session);
   Outcome await_command_match(const Target& target);
 
   Holding& holding(const BenchKey& key);
   void note_acquired(const Target& target, std::uint16_t axis, const msg::Reply& reply);
   msg::CommandFrame next_frame(Holding& held) const;
   Outcome send(const Target& target, std::span<const msg::AxisCommand> commands,
-               std::vector<std::uint64_t>& sequences);
+               const FrameTiming& timing, std::vector<std::uint64_t>& sequences);
   Result<Applied> collect(const Target& target, std::span<const std::uint64_t> sequences,
-                          Outcome outcome);
+                          const FrameTiming& timing, Outcome outcome);
+  Outcome pass_time_for(const Target& target, const FrameTiming& timing);
   std::uint64_t last_sequence(const BenchKey& key);
   Result<Observation> read_status(const Target& target, std::span<const std::uint16_t> axes);
   void subscribe_status();
@@ -180,6 +254,7 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   std::condition_variable changed_;
   Directory directory_;
   std::map<std::uint32_t, Holding> holdings_;
+  std::map<BenchKey, Grant> grants_;  ///< of the clocks that this session has joined
   std::uint64_t last_request_ = 0;
   std::map<std::uint64_t, std::optional<msg::Reply>> requests_;
   std::map<PendingCommand, std::optional<msg::CommandReply>> commands_;
@@ -202,12 +277,14 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
 template <typename Condition>
 Outcome SessionCore::wait(Lock& lock, const Target& target, Patience patience,
                           const Condition& condition) {
-  const auto deadline = Directory::Clock::now() + patience.timeout;
+  const auto begin = Directory::Clock::now();
+  const auto deadline = begin + patience.timeout;
   while (!condition()) {
     const auto now = Directory::Clock::now();
     if (interrupted_ && patience.may_interrupt) return Outcome::failed("interrupted");
-    if (!directory_.is_alive(target.key, kSilence, now)) {
-      return Outcome::lost(name_of(target) + " fell silent or went away");
+    if (!directory_.is_alive(target.key, kSilence, now)) return gone(target);
+    if (patience.needs_drive_time && directory_.is_paused(target.key, begin)) {
+      return Outcome::failed(paused_text(target));
     }
     if (now >= deadline) return Outcome::timed_out(name_of(target) + " did not answer");
     changed_.wait_until(lock, std::min(deadline, now + std::chrono::milliseconds(50)));
@@ -225,5 +302,13 @@ bool SessionCore::wait_to_find(Lock& lock, const Condition& condition) {
   }
   return true;
 }
+
+/// @return such as "0x000000000000002a".
+[[nodiscard]] std::string hex_of(std::uint64_t number);
+
+/// Why a whole request was refused.
+/// @param what names the request
+[[nodiscard]] Outcome refusal_of(const Target& target, const msg::Reply& reply,
+                                 std::string_view what);
 
 }  // namespace vdrive::client

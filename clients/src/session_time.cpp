@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Drive time: steps of a lock-step bench, the status stream of another.
+// Drive time: what axes show now and later, in lock-step and by the status stream.
 #include "session_core.hpp"
 
 #include <algorithm>
@@ -14,11 +14,6 @@ using std::chrono::milliseconds;
 
 // A running bench sends a sample of its status stream each tick; this allows for the match.
 constexpr milliseconds kFirstSample{1000};
-
-// One request steps at most this far, so that an interrupt or a lost service is noticed.
-constexpr std::uint64_t kTicksPerRequest = 2000;
-
-constexpr std::size_t kAxesPerRequest = msg::MAX_AXES_PER_FRAME;
 
 /// An object of the status image, as a read answers it.
 struct StatusObject {
@@ -67,44 +62,13 @@ std::uint64_t SessionCore::last_sequence(const BenchKey& key) {
   return holding(key).sequence;
 }
 
-Result<Observation> SessionCore::step(const Target& target, std::uint64_t ticks,
-                                      std::span<const std::uint16_t> axes) {
-  std::uint64_t left = ticks;
-  std::size_t shown = 0;
-  Observation observation;
-  do {
-    if (left != 0 && is_interrupted()) return Outcome::failed("interrupted");
-    msg::Request request;
-    request.kind(msg::REQUEST_STEP);
-    request.ticks(std::min(left, kTicksPerRequest));
-    request.last_sequence(last_sequence(target.key));
-    left -= request.ticks();
-    if (left == 0) {  // the axes are shown once time has passed
-      const std::size_t count = std::min(axes.size() - shown, kAxesPerRequest);
-      request.axes().assign(axes.begin() + static_cast<std::ptrdiff_t>(shown),
-                            axes.begin() + static_cast<std::ptrdiff_t>(shown + count));
-      shown += count;
-    }
-    const std::size_t wanted = request.axes().size();
-    const auto reply = this->request(target, std::move(request), "step of " + name_of(target));
-    if (!reply) return reply.outcome();
-    if (reply->statuses().size() != wanted) {
-      return Outcome::failed(name_of(target) + " did not show the axes asked for");
-    }
-    observation.tick = reply->tick();
-    for (const msg::AxisStatus& status : reply->statuses()) {
-      observation.axes.push_back(snapshot_of(status));
-    }
-  } while (left != 0 || shown < axes.size());
-  return observation;
-}
-
 Result<Observation> SessionCore::observe(const Target& target,
                                          std::span<const std::uint16_t> axes) {
   if (target.steps()) return step(target, 0, axes);
   if (target.is_paused) return read_status(target, axes);
   const auto feed = open_feed(target, {axes.begin(), axes.end()});
-  auto sample = next(target, *feed, kFirstSample);
+  auto sample = next(target, *feed, {kFirstSample, true, true});
+  if (!sample && is_paused(target)) return read_status(target, axes);
   if (sample.outcome().kind() == OutcomeKind::timed_out) {
     return Outcome::timed_out(name_of(target) + " sends no status stream");
   }
@@ -174,7 +138,7 @@ Result<std::uint64_t> SessionCore::wait_for_tick(const Target& target, std::uint
   subscribe_status();
   Lock lock(mutex_);
   std::uint64_t reached = 0;
-  const Outcome outcome = wait(lock, target, {std::chrono::hours(24 * 365), true}, [&] {
+  const Outcome outcome = wait(lock, target, {std::chrono::hours(24 * 365), true, true}, [&] {
     reached = directory_.tick(target.key);
     return reached >= tick;
   });
@@ -191,11 +155,10 @@ void SessionCore::subscribe_status() {
   });
 }
 
-Result<Observation> SessionCore::next(const Target& target, StatusFeed& feed,
-                                      milliseconds patience) {
+Result<Observation> SessionCore::next(const Target& target, StatusFeed& feed, Patience patience) {
   Lock lock(mutex_);
   std::optional<Observation> sample;
-  const Outcome outcome = wait(lock, target, {patience, true}, [&] {
+  const Outcome outcome = wait(lock, target, patience, [&] {
     sample = feed.take();
     return sample.has_value();
   });

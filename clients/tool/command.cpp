@@ -45,6 +45,9 @@ std::vector<std::string> axes_of(const Command& command) {
                                [](const SnapshotCommand&) {
                                  return Axes{};
                                },
+                               [](const RateCommand&) {
+                                 return Axes{};
+                               },
                                [](const RunCommand&) {
                                  return Axes{};
                                },

@@ -108,6 +108,11 @@ struct SnapshotCommand {
   std::optional<std::uint32_t> bench;
 };
 
+struct RateCommand {
+  double rate = 0.0;
+  std::optional<std::uint32_t> bench;
+};
+
 struct RunCommand {
   std::string file;
   std::string junit;  ///< empty = none
@@ -137,8 +142,8 @@ struct RefusedCommand;
 
 using Command = std::variant<ListCommand, StatusCommand, WatchCommand, AxisCommand, MoveCommand,
                              ReadCommand, WriteCommand, DisturbCommand, DictionaryCommand,
-                             StepCommand, SnapshotCommand, RecordCommand, RunCommand, ExpectCommand,
-                             WaitCommand, std::shared_ptr<const RefusedCommand>>;
+                             StepCommand, RateCommand, SnapshotCommand, RecordCommand, RunCommand,
+                             ExpectCommand, WaitCommand, std::shared_ptr<const RefusedCommand>>;
 
 struct RefusedCommand {
   std::uint32_t code = 0;

@@ -368,15 +368,32 @@ Outcome Executor::run(const DisturbCommand& command) {
 Outcome Executor::run(const StepCommand& command) {
   const auto bench = session_.find_bench(command.bench);
   if (!bench) return bench.outcome();
-  const auto reached = session_.step(bench->number, command.ticks);
-  if (!reached || is_quiet_) return reached.outcome();
+  return report_clock({{"bench", bench->number}, {"ticks", command.ticks}},
+                      "bench " + std::to_string(bench->number),
+                      session_.step(bench->number, command.ticks));
+}
+
+Outcome Executor::run(const RateCommand& command) {
+  const auto bench = session_.find_bench(command.bench);
+  if (!bench) return bench.outcome();
+  const Json json{{"bench", bench->number}, {"rate", command.rate}};
+  return report_clock(json,
+                      "bench " + std::to_string(bench->number) + " rate " + json["rate"].dump(),
+                      session_.set_rate(bench->number, command.rate));
+}
+
+/// What a word about a bench's clock came to, and at which tick.
+Outcome Executor::report_clock(Json json, const std::string& text,
+                               const client::Result<std::uint64_t>& tick) {
+  if (is_quiet_) return tick.outcome();
   if (is_json_) {
-    terminal_.print(
-        to_line({{"bench", bench->number}, {"ticks", command.ticks}, {"tick", *reached}}));
-  } else {
-    terminal_.print("bench " + std::to_string(bench->number) + " tick " + std::to_string(*reached));
+    add_outcome(json, tick.outcome());
+    if (tick) json["tick"] = *tick;
+    terminal_.print(to_line(json));
+  } else if (tick) {
+    terminal_.print(text + " tick " + std::to_string(*tick));
   }
-  return {};
+  return tick.outcome();
 }
 
 Outcome Executor::run(const SnapshotCommand& command) {

@@ -54,6 +54,7 @@ class Executor {
   Outcome run(const StepCommand& command);
   Outcome run(const RecordCommand& command);
   Outcome run(const SnapshotCommand& command);
+  Outcome run(const RateCommand& command);
   Outcome run(const RunCommand& command);
   Outcome run(const ExpectCommand& command);
   Outcome run(const WaitCommand& command);
@@ -74,6 +75,8 @@ class Executor {
   Outcome look_within(Looker& looker, const ExpectCommand& command);
   Outcome look_throughout(Looker& looker, const ExpectCommand& command);
   Outcome differs(const ExpectCommand& command, std::int64_t actual, std::uint64_t tick);
+  Outcome report_clock(Json json, const std::string& text,
+                       const client::Result<std::uint64_t>& tick);
   client::Result<client::BenchInfo> bench_of(const client::AxisId& axis);
 
   client::Session& session_;

@@ -51,7 +51,7 @@ class Executor::Looker {
   Outcome next() {
     while (true) {
       auto sample = follower_->next(kPatience);
-      if (sample.outcome().kind() == OutcomeKind::timed_out) continue;  // a paused bench
+      if (sample.outcome().kind() == OutcomeKind::timed_out) continue;  // a busy machine
       return see(std::move(sample));
     }
   }

@@ -109,6 +109,7 @@ class Grammar {
     add_dictionary();
     add_step();
     add_snapshot();
+    add_rate();
   }
 
   /// Words and options of the command line only.
@@ -157,7 +158,7 @@ class Grammar {
     std::string velocity, acceleration, deceleration, count, bench, format = "table",
                                                                     language = "en";
     std::string file, junit;
-    std::vector<std::string> axes, objects;
+    std::vector<std::string> axes, objects, rate;
     bool relative = false, queue = false, wait = false, no_wait = false, live = false;
   };
 
@@ -385,6 +386,25 @@ class Grammar {
   [[nodiscard]] std::optional<std::uint32_t> bench() const {
     if (words_.bench.empty()) return std::nullopt;
     return static_cast<std::uint32_t>(parse_number(words_.bench, "bench number", kHighest32));
+  }
+
+  void add_rate() {
+    CLI::App* word = add_word("rate", "Set how fast a realtime bench runs; 0 pauses it",
+                              "rate 0.5\n  vdrive rate 2 0    (bench 2)");
+    word->add_option("VALUE", words_.rate,
+                     "[BENCH] VALUE: drive time over wall time, 0 or from 0.1 to 100, of the bench "
+                     "with that number or the only one there is")
+        ->required()
+        ->expected(1, 2)
+        ->type_name("");
+    word->callback([this] {
+      RateCommand rate{parse_real(words_.rate.back(), "rate"), std::nullopt};
+      if (words_.rate.size() == 2) {
+        rate.bench = static_cast<std::uint32_t>(
+            parse_number(words_.rate.front(), "bench number", kHighest32));
+      }
+      command_ = rate;
+    });
   }
 
   void add_run() {

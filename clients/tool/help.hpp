@@ -24,6 +24,7 @@ inline constexpr std::string_view kExamples =
   vdrive write 1.1 0x607A 0xFFFFD8F0       -10000 as the manual writes it
   vdrive record move.csv 1.1 --for 5s      the status stream, a row a tick
   vdrive disturb 1.1 blocked_load --for 500ms
+  vdrive rate 0                            pause a realtime bench; rate 1 goes on
   vdrive run forward.scn --junit out.xml   a scenario, see 'vdrive run --help'
 
 Environment: VDRIVE_DOMAIN is the default of --domain; NO_COLOR switches colours off.

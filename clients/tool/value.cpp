@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <limits>
 
@@ -193,6 +194,16 @@ std::chrono::nanoseconds parse_seconds(std::string_view text) {
     throw UsageError(quoted(text) + " is no time: write seconds such as 2 or 0.5, or 500ms");
   }
   return *duration;
+}
+
+double parse_real(std::string_view text, std::string_view what) {
+  double value = 0.0;
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, value);
+  if (error != std::errc{} || stop != end || !std::isfinite(value)) {
+    throw UsageError(quoted(text) + " is no " + std::string(what) + ": write a number such as 0.5");
+  }
+  return value;
 }
 
 std::string hex_code(std::uint32_t code) {

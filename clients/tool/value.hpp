@@ -44,6 +44,9 @@ struct ObjectName {
 /// @param text seconds such as 2 or 0.5, or a duration
 [[nodiscard]] std::chrono::nanoseconds parse_seconds(std::string_view text);
 
+/// @throws UsageError naming `what` when it is no finite decimal number.
+[[nodiscard]] double parse_real(std::string_view text, std::string_view what);
+
 /// @return such as "0x06090030".
 [[nodiscard]] std::string hex_code(std::uint32_t code);
 

@@ -96,7 +96,7 @@ constexpr std::array<ParameterMember, 17> kParameterMembers{{
      }},
 }};
 
-constexpr std::array<std::pair<std::uint32_t, std::string_view>, 22> kReasons{{
+constexpr std::array<std::pair<std::uint32_t, std::string_view>, 25> kReasons{{
     {msg::REASON_NONE, "accepted"},
     {msg::REASON_WRONG_INCARNATION, "meant for another run of the service"},
     {msg::REASON_STALE_EPOCH, "the epoch is not current: control was lost, released or renewed"},
@@ -117,8 +117,11 @@ constexpr std::array<std::pair<std::uint32_t, std::string_view>, 22> kReasons{{
     {msg::REASON_TOO_MANY_TICKS, "more ticks than one request may ask for"},
     {msg::REASON_NOTHING_DONE, "the request names nothing to do"},
     {msg::REASON_CANCELLED, "dropped while it waited for its tick"},
+    {msg::REASON_MISSING_STEPPER, "another stepper has not granted the tick yet"},
+    {msg::REASON_NOT_A_STEPPER, "others have joined the clock, this session has not"},
     {msg::REASON_TIME_PASSES, "only while time stands still: in lock-step, or paused"},
     {msg::REASON_UNKNOWN_SNAPSHOT, "no such snapshot"},
+    {msg::REASON_OUT_OF_RANGE, "the rate is neither 0 nor from 0.1 to 100"},
 }};
 
 }  // namespace

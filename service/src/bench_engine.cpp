@@ -19,26 +19,15 @@ std::uint64_t to_ticks(std::chrono::microseconds time, std::chrono::microseconds
   return static_cast<std::uint64_t>((time + period - std::chrono::microseconds{1}) / period);
 }
 
-/// Masters live by the wall clock: where drive time runs faster, so does the time that they have.
-std::uint64_t watchdog_ticks(const Configuration& configuration) {
-  if (!configuration.watchdog) {
-    return 0;
-  }
-  const bool fast = configuration.clock == ClockMode::realtime && configuration.rate > 1.0;
-  const double rate = fast ? configuration.rate : 1.0;
-  const auto time = std::chrono::duration_cast<std::chrono::microseconds>(
-      std::chrono::duration<double, std::milli>(*configuration.watchdog) * rate);
-  return to_ticks(time, configuration.period);
-}
-
 }  // namespace
 
 BenchEngine::BenchEngine(const Configuration& configuration, const BenchIdentity& identity,
                          Outbox& outbox, Counters& counters)
     : identity_(identity),
       clock_(configuration.clock),
-      paused_(configuration.rate == 0.0),
-      watchdog_ticks_(watchdog_ticks(configuration)),
+      period_(configuration.period),
+      watchdog_(effective_watchdog(configuration)),
+      rate_(clock_ == ClockMode::realtime ? configuration.rate : 0.0),
       furthest_ahead_(to_ticks(kFurthestAhead, configuration.period)),
       outbox_(outbox),
       counters_(counters),
@@ -56,6 +45,8 @@ BenchEngine::BenchEngine(const Configuration& configuration, const BenchIdentity
     numbers_.push_back(axis.number);
   }
   snapshots_.reserve(kMostSnapshots);
+  stretch_watchdog();
+  counters_.rate = rate_;
   undo_.reserve(std::size_t{msg::MAX_AXES_PER_FRAME} * (msg::MAX_OBJECTS_PER_AXIS + 8));
   command_reply_.refusals().reserve(msg::MAX_AXES_PER_FRAME);
   command_reply_.ignored_set_points().reserve(msg::MAX_AXES_PER_FRAME);
@@ -163,6 +154,17 @@ AbortCode BenchEngine::write(std::size_t axis, ObjectAddress address, std::int64
     }
   }
   return code;
+}
+
+/// Masters live by the wall clock: where drive time runs faster, so does the time that they have.
+void BenchEngine::stretch_watchdog() {
+  if (!watchdog_) {
+    watchdog_ticks_ = 0;
+    return;
+  }
+  const auto time = std::chrono::duration_cast<std::chrono::microseconds>(
+      std::chrono::duration<double, std::milli>(*watchdog_) * std::max(rate_, 1.0));
+  watchdog_ticks_ = to_ticks(time, period_);
 }
 
 void BenchEngine::watch_masters() {

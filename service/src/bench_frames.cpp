@@ -283,8 +283,18 @@ void BenchEngine::refuse_frame(const msg::CommandFrame& frame, std::uint32_t rea
   report({.kind = msg::EVENT_REFUSED,
           .session = frame.session(),
           .code = reason,
-          .detail = frame.sequence_number()});
+          .detail = frame.sequence_number(),
+          .late_by = reason == msg::REASON_TOO_LATE ? lateness(frame) : 0});
   send_reply(frame);
+}
+
+/// @return how many ticks the next one is past the one that the frame was meant for.
+std::uint64_t BenchEngine::lateness(const msg::CommandFrame& frame) const noexcept {
+  const std::uint64_t next = tick_ + 1;
+  const auto past = [next](std::uint64_t tick) {
+    return tick != 0 && tick < next ? next - tick : 0;
+  };
+  return std::max(past(frame.apply_at_tick()), past(frame.valid_until_tick()));
 }
 
 void BenchEngine::begin_reply() {

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cmath>
 
 namespace vdrive::service {
 namespace {
@@ -82,6 +84,7 @@ void BenchEngine::begin_reply(const Arrival& arrival, OutgoingReply& outgoing) c
   reply.refused_axis(0);
   reply.owner_session(0);
   reply.snapshot(0);
+  reply.missing_stepper(0);
   reply.tick(tick_);
   reply.objects().clear();
   reply.statuses().clear();
@@ -146,7 +149,11 @@ std::uint32_t BenchEngine::carry_out(const msg::Request& request, msg::Reply& re
       return restore_snapshot(request, reply);
     case msg::REQUEST_DROP_SNAPSHOT:
       return drop_snapshot(request);
+    case msg::REQUEST_SET_RATE:
+      return set_rate(request);
     case msg::REQUEST_STEP:
+    case msg::REQUEST_JOIN_CLOCK:
+    case msg::REQUEST_LEAVE_CLOCK:
       return msg::REASON_WRONG_CLOCK_MODE;
     default:
       return msg::REASON_UNKNOWN_KIND;
@@ -313,6 +320,31 @@ std::uint32_t BenchEngine::power_cycle(const msg::Request& request, msg::Reply& 
   return msg::REASON_NONE;
 }
 
+/// Whose bench it is does not matter: time belongs to all.
+std::uint32_t BenchEngine::set_rate(const msg::Request& request) {
+  if (clock_ != ClockMode::realtime) {
+    return msg::REASON_WRONG_CLOCK_MODE;
+  }
+  const double rate = request.rate();
+  if (!(rate == 0.0 || (rate >= kLowestRate && rate <= kHighestRate))) {  // NaN too
+    return msg::REASON_OUT_OF_RANGE;
+  }
+  if (rate == rate_) {
+    return msg::REASON_NONE;
+  }
+  rate_ = std::abs(rate);  // no negative zero
+  counters_.rate.store(rate_, std::memory_order_relaxed);
+  stretch_watchdog();
+  for (auto& record : control_.sessions()) {  // the time that masters have begins anew
+    record.last_heard_tick = tick_;
+  }
+  report({.kind = msg::EVENT_CLOCK_CHANGED,
+          .session = request.session(),
+          .code = msg::REQUEST_SET_RATE,
+          .detail = std::bit_cast<std::uint64_t>(rate_)});
+  return msg::REASON_NONE;
+}
+
 std::uint32_t BenchEngine::check_axes(const msg::Request& request, bool owned_by_others_allowed,
                                       msg::Reply& reply) const {
   if (request.axes().empty()) {
@@ -382,7 +414,8 @@ void BenchEngine::hear(std::uint64_t session) {
   }
 }
 
-void BenchEngine::answer_step(const Arrival& arrival, std::uint32_t reason) {
+void BenchEngine::answer_step(const Arrival& arrival, std::uint32_t reason,
+                              std::uint64_t missing_stepper) {
   OutgoingReply* const outgoing = outbox_.replies.free_slot();
   if (outgoing == nullptr) {
     counters_.queue_overflows.add();
@@ -390,7 +423,8 @@ void BenchEngine::answer_step(const Arrival& arrival, std::uint32_t reason) {
   }
   begin_reply(arrival, *outgoing);
   auto& reply = outgoing->reply;
-  if (reason == msg::REASON_NONE) {
+  reply.missing_stepper(missing_stepper);
+  if (reason == msg::REASON_NONE || reason == msg::REASON_MISSING_STEPPER) {
     add_statuses(arrival.request, reply);
   } else if (reason == msg::REASON_UNKNOWN_AXIS) {
     const auto& axes = arrival.request.axes();

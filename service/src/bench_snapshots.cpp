@@ -7,7 +7,7 @@
 namespace vdrive::service {
 
 bool BenchEngine::time_stands() const noexcept {
-  return clock_ == ClockMode::lockstep || (clock_ == ClockMode::realtime && paused_);
+  return clock_ == ClockMode::lockstep || (clock_ == ClockMode::realtime && rate_ == 0.0);
 }
 
 /// Allocates, which only this request may: no tick is due while time stands.

@@ -51,7 +51,7 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--check", arguments.check, "Check a configuration and leave")->type_name("FILE");
   app.add_flag("--print-config", arguments.print_config,
                "Print the configuration in effect as YAML and leave");
-  app.add_option("--clock", arguments.clock, "realtime or lockstep")->type_name("MODE");
+  app.add_option("--clock", arguments.clock, "realtime, lockstep or freerun")->type_name("MODE");
   app.add_option("--period", arguments.period, "Length of a tick [us], 125 to 10000")
       ->type_name("US");
   app.add_option("--rate", arguments.rate, "realtime: 0 = paused, 0.1 to 100")->type_name("R");
@@ -83,9 +83,9 @@ ClockMode clock_named(const std::string& name) {
     return ClockMode::lockstep;
   }
   if (name == "freerun") {
-    throw ConfigurationError("--clock freerun: this version has no free-running clock");
+    return ClockMode::freerun;
   }
-  throw ConfigurationError("--clock " + name + ": must be one of realtime, lockstep");
+  throw ConfigurationError("--clock " + name + ": must be one of realtime, lockstep, freerun");
 }
 
 Configuration effective_configuration(const Arguments& arguments) {
@@ -102,6 +102,9 @@ Configuration effective_configuration(const Arguments& arguments) {
   }
   configuration.bench = arguments.bench.value_or(configuration.bench);
   configuration.network.domain = arguments.domain.value_or(configuration.network.domain);
+  if (arguments.rate && configuration.clock == ClockMode::freerun) {
+    throw ConfigurationError("--rate has no meaning with the clock freerun");
+  }
   configuration.rate = arguments.rate.value_or(configuration.rate);
   configuration.threads = arguments.threads.value_or(configuration.threads);
   check(configuration);

@@ -154,13 +154,12 @@ double checked_rate(const YamlValue& value) {
 }
 
 ClockMode checked_mode(const YamlValue& value) {
-  if (value.text() == "freerun") {
-    value.refuse("this version has no free-running clock; must be one of realtime, lockstep");
-  }
-  return value.choice({"realtime", "lockstep"}) == 0 ? ClockMode::realtime : ClockMode::lockstep;
+  constexpr std::array kModes{ClockMode::realtime, ClockMode::lockstep, ClockMode::freerun};
+  return kModes.at(value.choice({"realtime", "lockstep", "freerun"}));
 }
 
 void read_clock(const YamlValue& value, Configuration& configuration) {
+  std::optional<YamlValue> rate;
   value.for_each_entry(
       {"mode", "period_us", "rate", "threads", "realtime_priority"},
       [&](const auto& key, const YamlValue& entry) {
@@ -171,6 +170,7 @@ void read_clock(const YamlValue& value, Configuration& configuration) {
               entry.integer({kShortestPeriod.count(), kLongestPeriod.count(), "us"})};
         } else if (key == "rate") {
           configuration.rate = checked_rate(entry);
+          rate = entry;
         } else if (key == "threads") {
           configuration.threads = static_cast<std::uint32_t>(entry.integer({1, kMaxThreads, ""}));
         } else {
@@ -178,9 +178,13 @@ void read_clock(const YamlValue& value, Configuration& configuration) {
               static_cast<int>(entry.integer({0, kHighestPriority, ""}));
         }
       });
+  if (rate && configuration.clock == ClockMode::freerun) {
+    rate->refuse("has no meaning with clock.mode freerun, which goes as fast as it can");
+  }
 }
 
 void read_watchdog(const YamlValue& value, Configuration& configuration) {
+  configuration.watchdog_is_chosen = true;
   value.for_each_entry({"timeout_ms"}, [&](const auto& /*key*/, const YamlValue& entry) {
     if (entry.text() == "off") {
       configuration.watchdog.reset();
@@ -439,7 +443,9 @@ void write_clock(YAML::Emitter& out, const Configuration& configuration) {
   out << YAML::Key << "clock" << YAML::Value << YAML::BeginMap;
   out << YAML::Key << "mode" << YAML::Value << std::string(to_string(configuration.clock));
   out << YAML::Key << "period_us" << YAML::Value << configuration.period.count();
-  out << YAML::Key << "rate" << YAML::Value << to_text(configuration.rate);
+  if (configuration.clock != ClockMode::freerun) {
+    out << YAML::Key << "rate" << YAML::Value << to_text(configuration.rate);
+  }
   out << YAML::Key << "threads" << YAML::Value << configuration.threads;
   out << YAML::Key << "realtime_priority" << YAML::Value << configuration.realtime_priority;
   out << YAML::EndMap;
@@ -456,7 +462,15 @@ void write_network(YAML::Emitter& out, const wire::NetworkSettings& network) {
 }  // namespace
 
 std::string_view to_string(ClockMode mode) noexcept {
-  return mode == ClockMode::realtime ? "realtime" : "lockstep";
+  switch (mode) {
+    case ClockMode::realtime:
+      return "realtime";
+    case ClockMode::lockstep:
+      return "lockstep";
+    case ClockMode::freerun:
+      return "freerun";
+  }
+  return "unknown";
 }
 
 Configuration demo_configuration() {
@@ -533,8 +547,8 @@ std::string to_yaml(const Configuration& configuration) {
       << YAML::Value << configuration.status_every << YAML::EndMap;
   out << YAML::Key << "watchdog" << YAML::Value << YAML::BeginMap << YAML::Key << "timeout_ms"
       << YAML::Value;
-  if (configuration.watchdog) {
-    out << configuration.watchdog->count();
+  if (const auto watchdog = effective_watchdog(configuration)) {
+    out << watchdog->count();
   } else {
     out << "off";
   }
@@ -546,6 +560,13 @@ std::string to_yaml(const Configuration& configuration) {
   }
   out << YAML::EndSeq << YAML::EndMap;
   return std::string(out.c_str()) + "\n";
+}
+
+std::optional<std::chrono::milliseconds> effective_watchdog(
+    const Configuration& configuration) noexcept {
+  const bool is_default = !configuration.watchdog_is_chosen;
+  return configuration.clock == ClockMode::freerun && is_default ? std::nullopt
+                                                                 : configuration.watchdog;
 }
 
 std::vector<AxisConfiguration> bank_axes(const Configuration& configuration) {

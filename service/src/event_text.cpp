@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "event_text.hpp"
 
+#include "number_text.hpp"
 #include "vdrive/cia402/power_state.hpp"
 #include "vdrive/service/bench_engine.hpp"
+#include "vdrive/service/stepper_table.hpp"
 #include "vdrive/wire/conversion.hpp"
 
 #include <array>
+#include <bit>
 #include <cstdio>
 #include <system_error>
 
@@ -35,8 +38,32 @@ std::string control_text(const EventRecord& event) {
 }
 
 std::string refusal_text(const EventRecord& event) {
-  return "refused: " + wire::describe_reason(event.code) + " (session " + hex(event.session, 16) +
-         ", number " + std::to_string(event.detail) + ")";
+  const std::string late =
+      event.late_by == 0 ? "" : ", late by " + std::to_string(event.late_by) + " ticks";
+  return "refused: " + wire::describe_reason(event.code) + late + " (session " +
+         hex(event.session, 16) + ", number " + std::to_string(event.detail) + ")";
+}
+
+std::string clock_text(const EventRecord& event) {
+  const std::string session = "session " + hex(event.session, 16);
+  switch (event.code) {
+    case msg::REQUEST_SET_RATE: {
+      const auto rate = std::bit_cast<double>(event.detail);
+      return rate == 0.0 ? "paused by " + session : "rate " + to_text(rate) + " set by " + session;
+    }
+    case msg::REQUEST_JOIN_CLOCK:
+      return session + " joined the clock";
+    default:
+      break;
+  }
+  switch (static_cast<Parting>(event.detail)) {
+    case Parting::silent:
+      return session + " was taken off the clock: silent while others waited for it";
+    case Parting::gone:
+      return session + " was taken off the clock: its program is gone";
+    default:
+      return session + " left the clock";
+  }
 }
 
 std::string snapshot_text(const EventRecord& event) {
@@ -87,6 +114,8 @@ std::string text_of(const EventRecord& event) {
       return journal_text(event);
     case msg::EVENT_BENCH_CONFLICT:
       return "another service has this bench number, incarnation " + std::to_string(event.detail);
+    case msg::EVENT_CLOCK_CHANGED:
+      return clock_text(event);
     default:
       return "event " + std::to_string(event.kind);
   }

@@ -13,18 +13,21 @@ constexpr std::uint64_t kTicksPerDelivery = 64;
 
 LockstepDriver::LockstepDriver(const Configuration& configuration, BenchEngine& engine,
                                Inbox& inbox, Outbox& outbox, StatusPublisher& status,
-                               ReplyPublisher& replies)
+                               ReplyPublisher& replies, Counters& counters)
     : engine_(engine),
       inbox_(inbox),
       outbox_(outbox),
       status_(status),
       replies_(replies),
+      counters_(counters),
       status_every_(configuration.status_every) {}
 
 void LockstepDriver::run(const std::atomic<bool>& stop, Doorbell& doorbell) {
   publish_status();
   while (!stop) {
-    if (handle_next(stop, doorbell)) {
+    const bool was_busy = handle_next(stop, doorbell);
+    advance(stop);
+    if (was_busy) {
       continue;
     }
     const auto patience = replies_.is_waiting() ? kReplyInterval : kIdleInterval;
@@ -59,22 +62,45 @@ bool LockstepDriver::handle_next(const std::atomic<bool>& stop, Doorbell& doorbe
 }
 
 void LockstepDriver::handle(Arrival& arrival, const std::atomic<bool>& stop, Doorbell& doorbell) {
-  if (arrival.kind == Arrival::Kind::request && arrival.request.kind() == msg::REQUEST_STEP) {
+  const bool is_request = arrival.kind == Arrival::Kind::request;
+  if (!steppers_.empty()) {
+    steppers_.hear(is_request ? arrival.request.session() : arrival.frame.session(), Clock::now());
+  }
+  const std::uint32_t kind = is_request ? arrival.request.kind() : 0;
+  if (kind == msg::REQUEST_STEP) {
     step(arrival, stop, doorbell);
     return;
   }
-  engine_.handle(arrival);
-  engine_.post_parameters();
+  if (kind == msg::REQUEST_JOIN_CLOCK) {
+    join(arrival);
+  } else if (kind == msg::REQUEST_LEAVE_CLOCK) {
+    leave(arrival);
+  } else {
+    engine_.handle(arrival);
+    engine_.post_parameters();
+  }
   replies_.deliver(inbox_, outbox_);
 }
 
 void LockstepDriver::step(Arrival& arrival, const std::atomic<bool>& stop, Doorbell& doorbell) {
-  std::uint32_t reason = engine_.check_step(arrival);
-  if (reason == msg::REASON_NONE && !wait_for_commands(arrival.request, stop, doorbell)) {
-    reason = msg::REASON_MISSING_COMMANDS;
+  const std::uint32_t reason = engine_.check_step(arrival);
+  if (reason != msg::REASON_NONE) {
+    engine_.answer_step(arrival, reason);
+    replies_.deliver(inbox_, outbox_);
+  } else if (steppers_.empty()) {
+    step_at_once(arrival, stop, doorbell);
+  } else {
+    put_aside(arrival);
   }
-  if (reason == msg::REASON_NONE) {
-    run_ticks(arrival.request, stop);
+}
+
+void LockstepDriver::step_at_once(const Arrival& arrival, const std::atomic<bool>& stop,
+                                  Doorbell& doorbell) {
+  const bool complete = wait_for_commands(arrival.request, stop, doorbell);
+  const std::uint32_t reason = complete ? msg::REASON_NONE : msg::REASON_MISSING_COMMANDS;
+  if (complete) {
+    heard_.assign(1, arrival.request.session());
+    run_ticks(arrival.request.ticks(), stop);
   }
   engine_.answer_step(arrival, reason);
   replies_.deliver(inbox_, outbox_);
@@ -118,11 +144,13 @@ bool LockstepDriver::take_frames() {
   return true;
 }
 
-void LockstepDriver::run_ticks(const msg::Request& request, const std::atomic<bool>& stop) {
-  for (std::uint64_t count = 1; count <= request.ticks(); ++count) {
-    engine_.hear(request.session());
+void LockstepDriver::run_ticks(std::uint64_t ticks, const std::atomic<bool>& stop) {
+  for (std::uint64_t count = 1; count <= ticks; ++count) {
+    for (const std::uint64_t session : heard_) {
+      engine_.hear(session);
+    }
     engine_.step();
-    const bool last = count == request.ticks();
+    const bool last = count == ticks;
     if (!last && engine_.tick() % status_every_ == 0 && may_publish()) {
       publish_status();
     }

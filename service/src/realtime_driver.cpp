@@ -10,7 +10,8 @@ RealtimeDriver::RealtimeDriver(const Configuration& configuration, BenchEngine& 
       counters_(counters),
       timer_(timer),
       period_(configuration.period),
-      status_every_(configuration.status_every) {
+      status_every_(configuration.status_every),
+      rate_(configuration.rate) {
   const Instant now{timer.monotonic_now(), timer.wall_now()};
   engine_.start_at(
       static_cast<std::uint64_t>(now.wall / std::chrono::nanoseconds(configuration.period)));
@@ -26,12 +27,30 @@ RealtimeDriver::RealtimeDriver(const Configuration& configuration, BenchEngine& 
 void RealtimeDriver::cycle() noexcept {
   timer_.wait_until(next_cycle());
   handle_arrivals();
-  if (clock_) {
+  if (engine_.rate() != rate_) {
+    change_rate();
+  } else if (clock_) {
     tick();
     next_cycle_.store(clock_->deadline().count(), std::memory_order_relaxed);
   } else {
     idle();
   }
+}
+
+/// A request asked for another rate. The tick that was due comes with it, not now.
+void RealtimeDriver::change_rate() noexcept {
+  rate_ = engine_.rate();
+  const Instant now{timer_.monotonic_now(), timer_.wall_now()};
+  if (rate_ == 0.0) {
+    clock_.reset();
+    next_repeat_ = now.monotonic;
+  } else if (clock_) {
+    clock_->set_rate(rate_, now);
+  } else {
+    clock_.emplace(period_, rate_, now, engine_.tick() + 1);
+  }
+  const auto next = clock_ ? clock_->deadline() : now.monotonic + period_;
+  next_cycle_.store(next.count(), std::memory_order_relaxed);
 }
 
 void RealtimeDriver::tick() noexcept {

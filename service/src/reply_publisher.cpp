@@ -44,7 +44,7 @@ void ReplyPublisher::send(const OutgoingReply& outgoing) {
 }
 
 bool ReplyPublisher::try_send(const OutgoingReply& outgoing) {
-  if (!replies_.wait_for_match(outgoing.destination, std::chrono::milliseconds{0})) {
+  if (!is_matched(outgoing.destination)) {
     return false;
   }
   if (!replies_.write(outgoing.reply)) {

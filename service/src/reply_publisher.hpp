@@ -25,6 +25,11 @@ class ReplyPublisher {
   /// been found since.
   void deliver(Inbox& inbox, Outbox& outbox);
 
+  /// @return whether the participant reads replies now.
+  [[nodiscard]] bool is_matched(const wire::Source& source) {
+    return replies_.wait_for_match(source, std::chrono::milliseconds{0});
+  }
+
   /// @return whether a reply waits for its reader.
   [[nodiscard]] bool is_waiting() const noexcept { return !waiting_.empty(); }
 

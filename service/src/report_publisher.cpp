@@ -23,8 +23,14 @@ constexpr std::string_view kDictionaryVersion = "1.0";
 constexpr const char* kUnit = "UU";
 
 std::uint32_t clock_mode_of(const Configuration& configuration) {
-  return configuration.clock == ClockMode::realtime ? msg::CLOCK_MODE_REALTIME
-                                                    : msg::CLOCK_MODE_LOCKSTEP;
+  switch (configuration.clock) {
+    case ClockMode::lockstep:
+      return msg::CLOCK_MODE_LOCKSTEP;
+    case ClockMode::freerun:
+      return msg::CLOCK_MODE_FREERUN;
+    default:
+      return msg::CLOCK_MODE_REALTIME;
+  }
 }
 
 std::int64_t read(const AxisBank& bank, std::size_t axis, ObjectRow row) {
@@ -42,7 +48,6 @@ ReportPublisher::ReportPublisher(wire::Participant& participant, const Configura
       events_(participant),
       identity_(identity),
       period_(configuration.period),
-      rate_(configuration.clock == ClockMode::realtime ? configuration.rate : 0.0),
       counters_(counters) {
   describe_axes(configuration, bank);
   for (std::size_t axis = 0; axis < configuration.axes.size(); ++axis) {
@@ -52,7 +57,6 @@ ReportPublisher::ReportPublisher(wire::Participant& participant, const Configura
   state_.bench(identity.bench);
   state_.incarnation(identity.incarnation);
   state_.clock_mode(clock_mode_of(configuration));
-  state_.rate(rate_);
   event_.bench(identity.bench);
   event_.incarnation(identity.incarnation);
 }
@@ -171,7 +175,10 @@ void ReportPublisher::publish_state(const Inbox& inbox, const Outbox& outbox,
   const std::uint64_t tick = counters_.tick.get();
   state_.tick(tick);
   state_.time_ns(static_cast<std::int64_t>(tick) * period_.count());
+  state_.rate(counters_.rate.load(std::memory_order_relaxed));
   state_.measured_rate(measured_rate(tick, now));
+  state_.steppers(static_cast<std::uint32_t>(counters_.steppers.get()));
+  state_.slowest_stepper(counters_.slowest_stepper.get());
   state_.overruns(counters_.overruns.get());
   state_.jumps(counters_.jumps.get());
   state_.lateness_histogram().clear();

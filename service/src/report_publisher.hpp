@@ -58,7 +58,6 @@ class ReportPublisher {
   wire::Publication<msg::Event> events_;
   BenchIdentity identity_;
   std::chrono::nanoseconds period_;
-  double rate_;
   Counters& counters_;
   EventLimiter limiter_;
   std::chrono::nanoseconds next_flush_{0};

@@ -8,6 +8,7 @@
 #include "report_publisher.hpp"
 #include "status_publisher.hpp"
 #include "vdrive/service/cycle_timer.hpp"
+#include "vdrive/service/freerun_driver.hpp"
 #include "vdrive/service/journal.hpp"
 #include "vdrive/service/realtime_driver.hpp"
 #include "vdrive/wire/subscription.hpp"
@@ -86,10 +87,16 @@ class Service::Threads {
     }
     subscribe();
     reports_.announce(true);
-    if (configuration_.clock == ClockMode::realtime) {
-      start_realtime();
-    } else {
-      start_lockstep();
+    switch (configuration_.clock) {
+      case ClockMode::realtime:
+        start_realtime();
+        break;
+      case ClockMode::lockstep:
+        start_lockstep();
+        break;
+      case ClockMode::freerun:
+        start_freerun();
+        break;
     }
     spdlog::info("bench={} name={} axes={} clock={} period_us={} domain={} incarnation={}",
                  identity_.bench, configuration_.name, configuration_.axes.size(),
@@ -151,8 +158,23 @@ class Service::Threads {
     });
   }
 
+  void start_freerun() {
+    freerun_.emplace(engine_, inbox_, outbox_, timer_);
+    running_.emplace_back([this] {
+      while (!stop_) {
+        freerun_->cycle();
+      }
+    });
+    running_.emplace_back([this] {
+      publish_status();
+    });
+    running_.emplace_back([this] {
+      report();
+    });
+  }
+
   void start_lockstep() {
-    lockstep_.emplace(configuration_, engine_, inbox_, outbox_, status_, replies_);
+    lockstep_.emplace(configuration_, engine_, inbox_, outbox_, status_, replies_, counters_);
     running_.emplace_back([this] {
       lockstep_->run(stop_, doorbell_);
     });
@@ -175,7 +197,7 @@ class Service::Threads {
     reports_.publish_first_parameters();
     bool conflict_told = false;
     while (!stop_) {
-      if (configuration_.clock == ClockMode::realtime) {
+      if (!lockstep_) {
         replies_.deliver(inbox_, outbox_);
       }
       reports_.publish(inbox_, outbox_);
@@ -191,7 +213,10 @@ class Service::Threads {
   /// Sleeps until shortly after the next tick, `shortest` to 5 ms.
   void nap(std::chrono::nanoseconds shortest) {
     const auto now = timer_.monotonic_now();
-    const auto wanted = realtime_ ? realtime_->next_cycle() + kAfterTick : now + kLongestNap;
+    auto wanted = now + std::chrono::nanoseconds(lockstep_ ? kLongestNap : kReportNap);
+    if (realtime_) {
+      wanted = realtime_->next_cycle() + kAfterTick;
+    }
     timer_.wait_until(
         std::clamp(wanted, now + shortest, now + std::chrono::nanoseconds(kLongestNap)));
   }
@@ -214,6 +239,7 @@ class Service::Threads {
   std::unique_ptr<wire::Subscription<msg::Request>> requests_;
   std::optional<RealtimeDriver> realtime_;
   std::optional<LockstepDriver> lockstep_;
+  std::optional<FreerunDriver> freerun_;
   Doorbell doorbell_;
   std::atomic<bool> stop_{false};
   std::vector<std::thread> running_;

@@ -20,6 +20,32 @@ TickClock::TickClock(std::chrono::microseconds period, double rate, const Instan
   deadline_ = static_cast<double>((now.monotonic + (begin - now.wall)).count());
 }
 
+TickClock::TickClock(std::chrono::microseconds period, double rate, const Instant& now,
+                     std::uint64_t next_tick) noexcept
+    : period_(static_cast<double>(std::chrono::nanoseconds(period).count())),
+      interval_(period_ / rate),
+      steered_(rate == 1.0),
+      next_tick_(next_tick),
+      deadline_(static_cast<double>(now.monotonic.count()) + interval_) {
+  rebase(now);
+}
+
+void TickClock::set_rate(double rate, const Instant& now) noexcept {
+  const auto monotonic = static_cast<double>(now.monotonic.count());
+  const double ticks_left = (deadline_ - monotonic) / interval_;
+  interval_ = period_ / rate;
+  steered_ = rate == 1.0;
+  deadline_ = monotonic + ticks_left * interval_;
+  rebase(now);
+}
+
+/// From here on the next tick is in time.
+void TickClock::rebase(const Instant& now) noexcept {
+  const std::int64_t due =
+      static_cast<std::int64_t>(deadline_) + (now.wall - now.monotonic).count();
+  reference_ = due - static_cast<std::int64_t>(period_) * static_cast<std::int64_t>(next_tick_);
+}
+
 std::uint64_t TickClock::skip_backlog(std::chrono::nanoseconds monotonic_now) noexcept {
   const double late = static_cast<double>(monotonic_now.count()) - deadline_;
   if (late <= interval_ * static_cast<double>(kMaxBacklog)) {
@@ -39,7 +65,8 @@ void TickClock::advance(const Instant& now) noexcept {
     // epoch to a quarter of a microsecond.
     const std::int64_t offset = (now.wall - now.monotonic).count();
     const auto due = static_cast<std::int64_t>(deadline_) + offset;
-    const auto begin = static_cast<std::int64_t>(period_) * static_cast<std::int64_t>(next_tick_);
+    const auto begin =
+        reference_ + static_cast<std::int64_t>(period_) * static_cast<std::int64_t>(next_tick_);
     const auto error = static_cast<double>(due - begin);
     const double limit = interval_ * kMaxSteering;
     interval -= std::clamp(error / kSteeringHorizon, -limit, limit);

@@ -134,6 +134,16 @@ TEST(Configuration, NamesAreUtf8WithoutControlCharacters) {
   }
 }
 
+TEST(Configuration, OfAFreeRunningClockHasNoWatchdogUnlessTheFileNamesOne) {
+  EXPECT_EQ(effective_watchdog(parse("clock: {mode: freerun}")), std::nullopt);
+  const auto chosen = parse("clock: {mode: freerun}\nwatchdog: {timeout_ms: 50}");
+  EXPECT_EQ(effective_watchdog(chosen), std::chrono::milliseconds{50});
+  EXPECT_EQ(effective_watchdog(parse("clock: {mode: realtime}")), std::chrono::milliseconds{100});
+  const std::string text = to_yaml(parse("clock: {mode: freerun, period_us: 250}"));
+  EXPECT_EQ(to_yaml(parse(text)), text);
+  EXPECT_EQ(effective_watchdog(parse(text)), std::nullopt);
+}
+
 struct Refused {
   const char* name;
   const char* text;
@@ -168,9 +178,9 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"period_is_broken", "clock: {period_us: 1000.5}",
                 "bench.yaml:1: clock.period_us = 1000.5: must be a whole number"},
         Refused{"mode", "clock: {mode: warp}",
-                "bench.yaml:1: clock.mode = warp: must be one of realtime, lockstep"},
-        Refused{"freerun", "clock: {mode: freerun}",
-                "bench.yaml:1: clock.mode = freerun: this version has no free-running clock"},
+                "bench.yaml:1: clock.mode = warp: must be one of realtime, lockstep, freerun"},
+        Refused{"rate_in_freerun", "clock:\n  rate: 2\n  mode: freerun",
+                "bench.yaml:2: clock.rate = 2: has no meaning with clock.mode freerun"},
         Refused{"rate_low", "clock: {rate: 0.05}",
                 "bench.yaml:1: clock.rate = 0.05: must be 0 (paused) or from 0.1 to 100"},
         Refused{"rate_nan", "clock: {rate: nan}",

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/support/allocation_guard.hpp"
+#include "event_text.hpp"
 #include "service/engine_under_test.hpp"
 
 #include <gtest/gtest.h>
@@ -242,6 +243,83 @@ TEST(CommandFrame, IsRefusedTooLateTooFarAheadAndPastItsValidity) {
   in_time.valid_until_tick(51);
   bench.receive(in_time);
   EXPECT_TRUE(bench.command_reply()->refusals().empty());
+}
+
+// The next tick is 51: a frame for tick 45 is 6 ticks late.
+TEST(CommandFrame, ThatComesTooLateIsToldByHowMuch) {
+  OwnedBench bench;
+  bench.steps(50);
+  auto late = bench.make_frame(kAlice);
+  late.apply_at_tick(45);
+  bench.receive(late);
+  const auto reply = bench.command_reply();
+  ASSERT_TRUE(reply);
+  EXPECT_EQ(reply->refusals().at(0).reason(), msg::REASON_TOO_LATE);
+  EXPECT_EQ(reply->tick() - late.apply_at_tick(), 6U);
+  const auto events = bench.events(msg::EVENT_REFUSED);
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].late_by, 6U);
+  EXPECT_NE(service::words_of(events[0]).find("late by 6 ticks"), std::string::npos);
+}
+
+TEST(CommandFrame, ThatWasSentBeforeIsLateByNoTick) {
+  OwnedBench bench;
+  bench.steps(50);
+  auto frame = bench.make_frame(kAlice);
+  bench.receive(frame);
+  static_cast<void>(bench.command_reply());
+  bench.receive(frame);  // the same number again
+  EXPECT_EQ(bench.frame_refusal(), msg::REASON_TOO_LATE);
+  const auto events = bench.events(msg::EVENT_REFUSED);
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].late_by, 0U);
+}
+
+TEST(CommandFrame, MayBeSentTenSecondsAheadAndNoTickMore) {
+  OwnedBench bench;
+  bench.steps(50);
+  auto farthest = bench.make_frame(kAlice);
+  farthest.apply_at_tick(50 + 10'000);
+  bench.receive(farthest);
+  EXPECT_FALSE(bench.command_reply()) << "it waits";
+  auto beyond = bench.make_frame(kAlice);
+  beyond.apply_at_tick(50 + 10'001);
+  bench.receive(beyond);
+  EXPECT_EQ(bench.frame_refusal(), msg::REASON_TOO_FAR_AHEAD);
+}
+
+TEST(PendingFrame, OfTwoForOneTickTheLaterOneHasTheLastWord) {
+  OwnedBench bench;
+  for (const std::uint32_t velocity : {111U, 222U}) {
+    auto frame = bench.make_frame(kAlice);
+    frame.apply_at_tick(20);
+    auto& command = add_command(frame, 1);
+    command.members(msg::HAS_PROFILE_VELOCITY);
+    command.profile_velocity(velocity);
+    bench.receive(frame);
+  }
+  bench.steps(20);
+  EXPECT_EQ(bench.value(1, 0x6081), 222);
+  EXPECT_EQ(bench.command_reply()->sequence_number(), 1U);
+  EXPECT_EQ(bench.command_reply()->sequence_number(), 2U);
+}
+
+TEST(PendingFrame, IsRefusedWhenAJumpCarriesTheTickPastItsValidity) {
+  OwnedBench bench;
+  auto frame = bench.make_frame(kAlice);
+  frame.apply_at_tick(20);
+  frame.valid_until_tick(25);
+  set_controlword(add_command(frame, 1), 0x0F);
+  bench.receive(frame);
+  bench.engine.jump(30);  // the next tick is 31, six after the last valid one
+  bench.steps(1);
+  const auto reply = bench.command_reply();
+  ASSERT_TRUE(reply);
+  EXPECT_EQ(reply->refusals().at(0).reason(), msg::REASON_TOO_LATE);
+  const auto events = bench.events(msg::EVENT_REFUSED);
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].late_by, 11U) << "since its tick: 31 - 20";
+  EXPECT_EQ(bench.value(1, 0x6041), 0x250);
 }
 
 TEST(PendingFrame, IsCancelledByAFlag) {

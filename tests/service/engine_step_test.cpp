@@ -42,6 +42,19 @@ TEST(StepRequest, IsRefusedInRealtime) {
             msg::REASON_WRONG_CLOCK_MODE);
 }
 
+TEST(StepRequest, ThatWaitsForAnotherStepperIsAnsweredWithItsSessionAndThePresentStatus) {
+  EngineUnderTest bench;
+  bench.steps(2);
+  auto arrival = step_request(bench, kAlice, 5);
+  arrival.request.axes({2});
+  bench.engine.answer_step(arrival, msg::REASON_MISSING_STEPPER, kBob);
+  const auto& reply = bench.outbox.replies.front()->reply;
+  EXPECT_EQ(reply.reason(), msg::REASON_MISSING_STEPPER);
+  EXPECT_EQ(reply.missing_stepper(), kBob);
+  EXPECT_EQ(reply.tick(), 2U);
+  ASSERT_EQ(reply.statuses().size(), 1U);
+}
+
 TEST(StepRequest, KnowsWhichFramesHaveArrived) {
   EngineUnderTest bench;
   bench.acquire(kAlice, {1});

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 
 namespace vdrive::test {
 namespace {
@@ -18,6 +19,8 @@ constexpr std::chrono::nanoseconds kWall = 1'700'000'000s;
 /// Time that passes only when somebody waits for it, and as late as the test wants.
 class FakeTimer final : public service::CycleTimer {
  public:
+  explicit FakeTimer(std::chrono::nanoseconds begin) : now(begin) {}
+
   [[nodiscard]] std::chrono::nanoseconds monotonic_now() noexcept override { return now; }
 
   [[nodiscard]] std::chrono::nanoseconds wall_now() noexcept override { return kWall + now; }
@@ -26,7 +29,7 @@ class FakeTimer final : public service::CycleTimer {
     now = std::max(now, deadline) + lateness;
   }
 
-  std::chrono::nanoseconds now{0};
+  std::chrono::nanoseconds now;
   std::chrono::nanoseconds lateness{0};
 };
 
@@ -38,8 +41,10 @@ service::Configuration realtime_configuration(double rate = 1.0) {
 }
 
 struct RealtimeBench : EngineUnderTest {
-  explicit RealtimeBench(const service::Configuration& with = realtime_configuration())
-      : EngineUnderTest(with), driver(with, engine, inbox, counters, timer) {}
+  /// @param begin monotonic time of the start
+  explicit RealtimeBench(const service::Configuration& with = realtime_configuration(),
+                         std::chrono::nanoseconds begin = {})
+      : EngineUnderTest(with), timer(begin), driver(with, engine, inbox, counters, timer) {}
 
   void cycles(int count) {
     for (int cycle = 0; cycle < count; ++cycle) {
@@ -124,6 +129,96 @@ TEST(RealtimeDriver, RunsAtTheRate) {
   bench.cycles(1'000);
   EXPECT_EQ(bench.engine.tick(), 1'700'000'001'000U);
   EXPECT_NEAR(static_cast<double>(bench.timer.now.count()), 1.009e8, 1e5);
+}
+
+/// @return a request for the rate.
+msg::Request rate_request(RealtimeBench& bench, double rate) {
+  auto request = bench.make_request(msg::REQUEST_SET_RATE, kAlice);
+  request.rate(rate);
+  return request;
+}
+
+/// Asks for the rate. @return the reason of the answer.
+std::uint32_t set_rate(RealtimeBench& bench, double rate) {
+  return bench.ask(rate_request(bench, rate)).reason();
+}
+
+TEST(RealtimeDriver, PausesAndGoesOnWithTheNextTick) {
+  RealtimeBench bench;
+  bench.cycles(10);
+  EXPECT_EQ(set_rate(bench, 0.0), msg::REASON_NONE);
+  bench.cycles(1'000);  // of 1 ms
+  EXPECT_EQ(bench.engine.tick(), 1'700'000'000'010U);
+  EXPECT_EQ(bench.counters.rate.load(), 0.0);
+  EXPECT_EQ(set_rate(bench, 1.0), msg::REASON_NONE);
+  bench.cycles(1 + 5);  // the first takes the rate over
+  EXPECT_EQ(bench.engine.tick(), 1'700'000'000'015U);
+  EXPECT_EQ(bench.counters.jumps.get(), 0U);
+  EXPECT_EQ(bench.counters.overruns.get(), 0U);
+  EXPECT_EQ(bench.events(msg::EVENT_CLOCK_CHANGED).size(), 2U);
+}
+
+TEST(RealtimeDriver, RunsFasterFromTheRequestOn) {
+  RealtimeBench bench;
+  bench.cycles(10);
+  EXPECT_EQ(set_rate(bench, 100.0), msg::REASON_NONE);
+  const auto before = bench.timer.now;
+  bench.cycles(1 + 1'000);
+  EXPECT_EQ(bench.engine.tick(), 1'700'000'001'010U);
+  // 1,000 ticks of 10 us; the first was due within the millisecond that had begun.
+  EXPECT_LE(bench.timer.now - before, 11ms);
+  EXPECT_GE(bench.timer.now - before, 10ms);
+}
+
+TEST(RealtimeDriver, HoldsItsTicksToTheWallClockAlsoAfterAPause) {
+  RealtimeBench bench;
+  bench.cycles(10);
+  set_rate(bench, 0.0);
+  bench.cycles(100);
+  set_rate(bench, 1.0);
+  const auto before = bench.timer.now;
+  bench.cycles(1 + 1'000);
+  EXPECT_NEAR(static_cast<double>((bench.timer.now - before).count()), 1.001e9, 1e6);
+}
+
+TEST(RealtimeDriver, RefusesARateOutOfRange) {
+  RealtimeBench bench;
+  for (const double rate : {-1.0, 0.09, 100.1, std::numeric_limits<double>::infinity(),
+                            std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_EQ(set_rate(bench, rate), msg::REASON_OUT_OF_RANGE) << rate;
+  }
+  EXPECT_EQ(set_rate(bench, 0.1), msg::REASON_NONE);
+  EXPECT_EQ(set_rate(bench, 100.0), msg::REASON_NONE);
+}
+
+TEST(RealtimeDriver, LeavesItsReferenceWhenTheRateIsSetToWhatItIs) {
+  RealtimeBench bench;
+  EXPECT_EQ(set_rate(bench, 1.0), msg::REASON_NONE);
+  EXPECT_TRUE(bench.events(msg::EVENT_CLOCK_CHANGED).empty());
+  bench.cycles(10);
+  EXPECT_EQ(bench.engine.tick(), 1'700'000'000'010U);
+  EXPECT_EQ(bench.timer.now, 10ms);
+}
+
+TEST(RealtimeDriver, GivesMastersTheirTimeAnewWhenTheRateDrops) {
+  RealtimeBench bench(realtime_configuration(100.0));
+  bench.acquire(kAlice, {1});
+  bench.cycles(5'000);  // half of the 10,000 ticks that 100 ms are at this rate
+  set_rate(bench, 1.0);
+  bench.cycles(50);
+  EXPECT_EQ(bench.counters.master_losses.get(), 0U);
+  bench.cycles(60);
+  EXPECT_EQ(bench.counters.master_losses.get(), 1U) << "100 ticks without a word";
+}
+
+TEST(RealtimeDriver, AgreesWithAnotherBenchWhoseClockIsSynchronised) {
+  RealtimeBench early;
+  early.cycles(700);
+  RealtimeBench late(realtime_configuration(), early.timer.now + 345us);
+  early.cycles(100);
+  late.cycles(100);  // it begins with the next whole tick, 701
+  EXPECT_EQ(early.engine.tick(), late.engine.tick());
+  EXPECT_NEAR(static_cast<double>((early.timer.now - late.timer.now).count()), 0.0, 1e3);
 }
 
 TEST(RealtimeDriver, AnswersWhilePaused) {

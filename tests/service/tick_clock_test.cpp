@@ -73,6 +73,47 @@ TEST(TickClock, JumpsOverALargerBacklog) {
   EXPECT_EQ(now - clock.deadline(), 500us);
 }
 
+TEST(TickClock, JumpsOverAHundredAndOneTicks) {
+  TickClock clock(kPeriod, 1.0, {kMonotonic, kWall});
+  EXPECT_EQ(clock.skip_backlog(clock.deadline() + 101ms), 101U);
+}
+
+// Half a tick is left when the rate changes: at rate 2 that is a quarter of a millisecond.
+TEST(TickClock, KeepsTheDriveTimeUntilTheNextTickWhenTheRateChanges) {
+  TickClock clock(kPeriod, 1.0, {kMonotonic, kWall});
+  const Instant now{kMonotonic + 500us, kWall + 500us};
+  clock.set_rate(2.0, now);
+  EXPECT_EQ(clock.next_tick(), kTickAtWall + 1);
+  EXPECT_EQ(clock.deadline(), now.monotonic + 250us);
+  clock.advance({clock.deadline(), kWall + 750us});
+  EXPECT_EQ(clock.deadline(), now.monotonic + 750us);
+}
+
+TEST(TickClock, GoesOnAfterAPauseWithTheNextNumberAndHoldsItsNewReference) {
+  const Instant resumed{kMonotonic + 60s, kWall + 60s};
+  TickClock clock(kPeriod, 1.0, resumed, kTickAtWall + 8);
+  EXPECT_EQ(clock.next_tick(), kTickAtWall + 8) << "a minute of pause is no tick";
+  EXPECT_EQ(clock.deadline(), resumed.monotonic + 1ms);
+  for (int tick = 0; tick < 1'000; ++tick) {  // nothing to steer: both clocks agree
+    const auto before = clock.deadline();
+    clock.advance({before, kWall + (before - kMonotonic)});
+    ASSERT_EQ(clock.deadline() - before, 1ms);
+  }
+  EXPECT_EQ(clock.next_tick(), kTickAtWall + 1'008);
+}
+
+TEST(TickClock, IsSteeredAgainAtRateOneFromWhereItWas) {
+  TickClock clock(kPeriod, 10.0, {kMonotonic, kWall});
+  for (int tick = 0; tick < 100; ++tick) {
+    clock.advance({clock.deadline(), kWall + (clock.deadline() - kMonotonic)});
+  }
+  clock.set_rate(1.0, {clock.deadline(), kWall + (clock.deadline() - kMonotonic)});
+  // Without a new reference the number would be 90 ticks ahead of the wall clock.
+  const auto before = clock.deadline();
+  clock.advance({before, kWall + (before - kMonotonic)});
+  EXPECT_EQ(clock.deadline() - before, 1ms);
+}
+
 TEST(TickClock, ScalesTheDistanceByTheRate) {
   TickClock clock(kPeriod, 4.0, {kMonotonic, kWall});
   const auto first = clock.deadline();

@@ -48,9 +48,10 @@ struct BenchInfo {
   std::string name;
   ClockMode clock_mode = ClockMode::realtime;
   std::chrono::microseconds period{1000};  ///< of one tick, in drive time
-  std::uint32_t status_every_ticks = 1;    ///< one sample of the status stream each n ticks
-  std::uint64_t tick = 0;                  ///< newest one heard of
-  double rate = 1.0;                       ///< realtime: drive time over wall time, 0 = paused
+  /// One sample of the status stream each n ticks; in freerun one each millisecond of wall time.
+  std::uint32_t status_every_ticks = 1;
+  std::uint64_t tick = 0;  ///< newest one heard of
+  double rate = 1.0;       ///< realtime: drive time over wall time, 0 = paused
   double user_units_per_revolution = 4096.0;
   std::string dictionary_version;
   std::string service_version;

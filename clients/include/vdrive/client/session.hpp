@@ -18,6 +18,7 @@ namespace vdrive::client {
 
 class Axis;
 class SessionCore;
+class StepClock;
 
 /// Who tells the benches that this program is alive while it holds axes.
 enum class KeepAlive : std::uint8_t {
@@ -37,8 +38,8 @@ struct SessionOptions {
 
 /// Whether a follower advances the clock of a lock-step bench.
 enum class Pace : std::uint8_t {
-  drive,   ///< in lock-step each look steps one tick; in other modes as listen
-  listen,  ///< follows the status stream, whoever advances the clock
+  drive,   ///< in lock-step each look steps one tick; else follows the status stream
+  listen,  ///< follows the status stream, whoever advances the clock, also while it is paused
 };
 
 /// Sees axes of one bench tick by tick. Made by Session::follow; must not outlive the session.
@@ -52,7 +53,9 @@ class Follower {
 
   /// Waits for the next tick that shows all axes; in lock-step with Pace::drive steps to it.
   /// @param patience wall time to wait for a sample
-  /// @return timed_out after `patience`, lost when the service is silent, failed when interrupted.
+  /// @return timed_out after `patience`, lost when the service is silent, failed when interrupted
+  /// or,
+  ///         with Pace::drive, when the bench is paused.
   Result<Observation> next(std::chrono::milliseconds patience);
 
  private:
@@ -66,9 +69,10 @@ class Follower {
 ///
 /// A session is a random 64-bit number. It acquires an axis with the first command to it, keeps
 /// every axis that it has and releases all of them when it ends; a release leaves an axis as it is.
-/// Deadlines of motion are drive time, which stands still while a bench is paused; finding a
-/// service and noticing its silence (1 s) are wall time. In lock-step, calls that wait step the
-/// clock themselves.
+/// Deadlines of motion are drive time; finding a service and noticing its silence (1 s) are wall
+/// time. A call that waits for drive time fails once its bench is paused. In lock-step, calls that
+/// wait step the clock themselves; while the session has joined the clock (StepClock) they grant
+/// their ticks and wait for the other steppers, up to 10 s of wall time for the next tick.
 ///
 /// Calls may come from several threads; those that step one lock-step bench from one at a time.
 class Session {
@@ -98,8 +102,15 @@ class Session {
   Result<Axis> axis(std::string_view text);
 
   /// Steps a lock-step bench.
-  /// @return the tick reached; refused under another clock mode.
+  /// @return the tick reached; refused under another clock mode, and while others have joined the
+  ///         clock and this session has not; timed_out, naming the stepper that time waits for.
   Result<std::uint64_t> step(std::uint32_t bench, std::uint64_t ticks);
+
+  /// Sets how fast drive time passes on a realtime bench, for everybody.
+  /// @param rate drive time over wall time: 0 = pause, 0.1 to 100
+  /// @return the tick in which the rate changed; refused outside of the range and under another
+  ///         clock mode.
+  Result<std::uint64_t> set_rate(std::uint32_t bench, double rate);
 
   /// Lets drive time pass, rounded up to ticks: steps in lock-step, else waits for the tick.
   /// @return the tick reached.
@@ -137,6 +148,7 @@ class Session {
   void interrupt() noexcept;
 
  private:
+  friend class StepClock;
   std::shared_ptr<SessionCore> core_;
 };
 

@@ -59,8 +59,11 @@ class BenchEngine {
 
   [[nodiscard]] const AxisBank& bank() const noexcept { return bank_; }
 
-  /// Carries a command frame or a request out, or refuses it. A step request is refused: the
-  /// lock-step driver keeps those for itself.
+  /// Realtime: drive time over wall time, 0 = paused. Requests change it. 0 in other clock modes.
+  [[nodiscard]] double rate() const noexcept { return rate_; }
+
+  /// Carries a command frame or a request out, or refuses it. Steps and who may step are refused:
+  /// the lock-step driver keeps those requests for itself.
   void handle(Arrival& arrival);
 
   /// One tick.
@@ -80,7 +83,11 @@ class BenchEngine {
   /// A tick took longer than there was.
   void report_overrun(std::chrono::nanoseconds late);
 
-  /// Checks a step request. @return REASON_NONE or why it is refused.
+  /// Puts what happened into the outbox, with the present tick.
+  void report(EventRecord event);
+
+  /// Checks a request about the steps of a lock-step bench. @return REASON_NONE or why it is
+  /// refused.
   [[nodiscard]] std::uint32_t check_step(const Arrival& arrival) const;
 
   /// @return whether the command frame `sequence` of `session` has arrived.
@@ -89,9 +96,10 @@ class BenchEngine {
   /// The session was heard now.
   void hear(std::uint64_t session);
 
-  /// Answers a step request, with the status of the axes that it names when `reason` is
-  /// REASON_NONE.
-  void answer_step(const Arrival& arrival, std::uint32_t reason);
+  /// Answers a checked request of that kind, with the status of the axes that it names when
+  /// `reason` is REASON_NONE or REASON_MISSING_STEPPER.
+  /// @param missing_stepper the session that time waits for
+  void answer_step(const Arrival& arrival, std::uint32_t reason, std::uint64_t missing_stepper = 0);
 
  private:
   /// What was last seen of an axis, to notice changes.
@@ -124,6 +132,7 @@ class BenchEngine {
   void apply_controlword(const msg::AxisCommand& command, std::uint64_t sequence);
   void refuse(std::uint16_t axis, ObjectAddress address, std::uint32_t reason);
   void refuse_frame(const msg::CommandFrame& frame, std::uint32_t reason);
+  [[nodiscard]] std::uint64_t lateness(const msg::CommandFrame& frame) const noexcept;
   void begin_reply();
   void send_reply(const msg::CommandFrame& frame);
   void drop_pending_of_session(std::uint64_t session);
@@ -149,6 +158,7 @@ class BenchEngine {
                                          msg::Reply& reply) const;
   void refuse_axis(std::uint16_t number, msg::Reply& reply) const;
   void lose_axis(std::size_t axis);
+  [[nodiscard]] std::uint32_t set_rate(const msg::Request& request);
   void add_statuses(const msg::Request& request, msg::Reply& reply) const;
 
   // snapshots: bench_snapshots.cpp
@@ -166,6 +176,7 @@ class BenchEngine {
   // shared
   [[nodiscard]] std::optional<std::size_t> index_of(std::uint16_t number) const noexcept;
   AbortCode write(std::size_t axis, ObjectAddress address, std::int64_t value);
+  void stretch_watchdog();
   void watch_masters();
   void lose_master(SessionRecord& record);
   void to_journal(const JournalChange& change);
@@ -173,12 +184,13 @@ class BenchEngine {
   void observe();
   void observe_state(std::size_t axis, const AxisStatus& status, Seen& seen);
   void mark_changed(std::size_t axis);
-  void report(EventRecord event);
   void tell_overflows();
 
   BenchIdentity identity_;
   ClockMode clock_;
-  bool paused_;
+  std::chrono::microseconds period_;
+  std::optional<std::chrono::milliseconds> watchdog_;  ///< at a rate of 1 or below
+  double rate_;
   std::uint64_t tick_ = 0;
   std::uint64_t watchdog_ticks_ = 0;  ///< 0 = off
   std::uint64_t furthest_ahead_ = 0;  ///< [ticks]

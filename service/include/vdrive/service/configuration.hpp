@@ -20,9 +20,10 @@ namespace vdrive::service {
 enum class ClockMode : std::uint8_t {
   realtime,  ///< the wall clock
   lockstep,  ///< `step` requests
+  freerun,   ///< nobody: as fast as it goes
 };
 
-/// @return "realtime" or "lockstep".
+/// @return "realtime", "lockstep" or "freerun".
 [[nodiscard]] std::string_view to_string(ClockMode mode) noexcept;
 
 inline constexpr std::size_t kMaxAxes = 16'384;
@@ -55,6 +56,7 @@ struct Configuration {
   std::uint32_t status_every = 1;  ///< one status frame each n ticks
   /// The owner of an axis must be heard within this drive time; nothing = off.
   std::optional<std::chrono::milliseconds> watchdog = std::chrono::milliseconds{100};
+  bool watchdog_is_chosen = false;  ///< in freerun a watchdog that nobody chose is off
   wire::NetworkSettings network;
   std::vector<NamedAxis> axes;  ///< 1 to kMaxAxes, in ascending order of their numbers
 };
@@ -90,6 +92,10 @@ void check(const Configuration& configuration);
 
 /// @return the configuration as YAML that `parse_configuration` reads back to the same.
 [[nodiscard]] std::string to_yaml(const Configuration& configuration);
+
+/// @return the watchdog in effect; nothing = off.
+[[nodiscard]] std::optional<std::chrono::milliseconds> effective_watchdog(
+    const Configuration& configuration) noexcept;
 
 /// @return the axes as the bank wants them, with their serial numbers.
 [[nodiscard]] std::vector<AxisConfiguration> bank_axes(const Configuration& configuration);

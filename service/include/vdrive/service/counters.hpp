@@ -45,9 +45,12 @@ struct Counters {
   Counter status_frames_sent;
   Counter queue_overflows;
   Counter master_losses;
-  Counter snapshots;       ///< kept now
-  Counter journal_ticks;   ///< written
-  Counter journal_losses;  ///< ticks that are missing in the journal
+  Counter snapshots;              ///< kept now
+  Counter journal_ticks;          ///< written
+  Counter journal_losses;         ///< ticks that are missing in the journal
+  std::atomic<double> rate{0.0};  ///< realtime: drive time over wall time, 0 = paused
+  Counter steppers;               ///< lock-step: sessions that joined the clock
+  Counter slowest_stepper;        ///< session that granted the fewest ticks, 0 = none
 
   /// Counts a tick that started `late` after its time.
   void count_lateness(std::chrono::nanoseconds late) noexcept {

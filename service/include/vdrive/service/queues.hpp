@@ -82,7 +82,8 @@ struct EventRecord {
   std::uint32_t code = 0;
   std::uint8_t error_register = 0;
   std::uint64_t tick = 0;
-  std::uint64_t detail = 0;  ///< a count or number for the text
+  std::uint64_t detail = 0;   ///< a count or number for the text
+  std::uint64_t late_by = 0;  ///< of a refused frame: ticks since the one it was meant for
 };
 
 /// Status images of all axes after one tick.

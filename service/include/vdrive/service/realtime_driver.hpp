@@ -36,6 +36,7 @@ class RealtimeDriver {
   }
 
  private:
+  void change_rate() noexcept;
   void tick() noexcept;
   void idle() noexcept;
   void handle_arrivals();
@@ -46,6 +47,7 @@ class RealtimeDriver {
   CycleTimer& timer_;
   std::chrono::microseconds period_;
   std::uint32_t status_every_;
+  double rate_;
   std::optional<TickClock> clock_;  ///< nothing = paused
   std::chrono::nanoseconds next_repeat_{0};
   std::atomic<std::int64_t> next_cycle_{0};

@@ -24,9 +24,9 @@ class BenchNumberTaken : public std::runtime_error {
 /// | thread    | does                                                              |
 /// | --------- | ----------------------------------------------------------------- |
 /// | receive   | (of the library) puts arrivals into the inbox                     |
-/// | tick      | realtime: nothing but ticks; lock-step: steps, replies and status |
-/// | status    | realtime only: status frames and axis samples                     |
-/// | reporter  | events, parameters, bench_state; realtime: replies                |
+/// | tick      | nothing but ticks; lock-step: steps, replies and status           |
+/// | status    | not in lock-step: status frames and axis samples                  |
+/// | reporter  | events, parameters, bench_state; not in lock-step: replies        |
 /// | journal   | writes the journal, where there is one                            |
 class Service {
  public:

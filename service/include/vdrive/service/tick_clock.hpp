@@ -18,6 +18,9 @@ struct Instant {
 /// the first tick on, deadlines are monotonic; at rate 1 their distance is steered towards the wall
 /// clock by at most 500 ppm. Up to 100 late ticks are caught up; beyond that the number jumps. At
 /// other rates the distance is period / rate and nothing is steered.
+///
+/// After a pause or a change of the rate the number goes on from where it was: tick n then begins
+/// at reference + n x period, and the reference is no longer the epoch.
 class TickClock {
  public:
   static constexpr double kMaxSteering = 500e-6;
@@ -25,6 +28,13 @@ class TickClock {
 
   /// @param rate above 0
   TickClock(std::chrono::microseconds period, double rate, const Instant& now) noexcept;
+
+  /// After a pause: tick `next_tick` is due one interval from now.
+  TickClock(std::chrono::microseconds period, double rate, const Instant& now,
+            std::uint64_t next_tick) noexcept;
+
+  /// From now on at another rate, above 0; the drive time that is left until the next tick stays.
+  void set_rate(double rate, const Instant& now) noexcept;
 
   /// Number of the next tick.
   [[nodiscard]] std::uint64_t next_tick() const noexcept { return next_tick_; }
@@ -42,11 +52,14 @@ class TickClock {
   void advance(const Instant& now) noexcept;
 
  private:
+  void rebase(const Instant& now) noexcept;
+
   double period_;    ///< [ns] of drive time
   double interval_;  ///< [ns] between deadlines before steering
   bool steered_;
   std::uint64_t next_tick_;
-  double deadline_;  ///< [ns] monotonic
+  double deadline_;             ///< [ns] monotonic
+  std::int64_t reference_ = 0;  ///< wall time of tick 0 [ns]
 };
 
 }  // namespace vdrive::service

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/client/outcome.hpp"
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace vdrive::client {
+
+class Session;
+
+/// One clock for several lock-step benches, shared with other programs that step them: time of a
+/// bench advances to what the slowest of its steppers has granted.
+///
+/// While it lives, the session is a stepper of each bench, and what the session does on one of them
+/// (Session::wait, Axis::move_to) passes time there too: by its own grants, as far as the other
+/// steppers of that bench let it. A stepper that is silent for 10 s of wall time while others wait
+/// for it, or whose program is gone, is taken off the clock by the service.
+///
+/// Not thread-safe, as all that steps.
+class StepClock {
+ public:
+  /// Wall time that a step may take.
+  static constexpr std::chrono::milliseconds kPatience{10'000};
+
+  /// Joins the clock of each bench.
+  /// @param benches by number, each in lock-step; their periods may differ
+  /// @return not_found or refused, naming the bench; then no clock was joined.
+  static Result<StepClock> join(Session& session, std::span<const std::uint32_t> benches);
+
+  /// Leaves the clock of each bench.
+  ~StepClock();
+  StepClock(const StepClock&) = delete;
+  StepClock& operator=(const StepClock&) = delete;
+  StepClock(StepClock&&) noexcept;
+  StepClock& operator=(StepClock&&) noexcept;
+
+  /// Steps all benches at once, and waits for all of them.
+  /// @param ticks of each bench; their periods have to be equal
+  /// @return the tick that each bench has reached, in the order of `join`;
+  ///         timed_out, naming the benches that have not got there and the session each waits for:
+  ///         what was granted stays granted, and the same call again goes on with it;
+  ///         lost, naming the bench, when its service fell silent or was restarted: the new one is
+  ///         never stepped, and the others no more, until its clock is joined anew;
+  ///         failed when the periods differ.
+  Result<std::vector<std::uint64_t>> step(std::uint64_t ticks,
+                                          std::chrono::milliseconds patience = kPatience);
+
+  /// The same by drive time.
+  /// @param duration a multiple of the period of every bench, else failed
+  Result<std::vector<std::uint64_t>> step_for(std::chrono::nanoseconds duration,
+                                              std::chrono::milliseconds patience = kPatience);
+
+  /// Drive time that this clock has let pass on all benches.
+  [[nodiscard]] std::chrono::nanoseconds now() const noexcept;
+
+ private:
+  struct State;
+  explicit StepClock(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace vdrive::client

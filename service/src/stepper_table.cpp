@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdrive/service/stepper_table.hpp"
+
+#include <algorithm>
+
+namespace vdrive::service {
+namespace {
+
+bool grants_less(const Stepper& a, const Stepper& b) {
+  return a.granted < b.granted;
+}
+
+}  // namespace
+
+bool StepperTable::join(std::uint64_t session, const wire::Source& source, std::uint64_t tick,
+                        Time now) {
+  if (find(session) != nullptr) {
+    return true;
+  }
+  if (steppers_.size() == kMaxSteppers) {
+    return false;
+  }
+  steppers_.push_back({.session = session, .source = source, .granted = tick, .heard = now});
+  note_waits(now);
+  return true;
+}
+
+bool StepperTable::leave(std::uint64_t session, Time now) {
+  const auto left = std::erase_if(steppers_, [&](const Stepper& stepper) {
+    return stepper.session == session;
+  });
+  note_waits(now);
+  return left != 0;
+}
+
+Stepper* StepperTable::find(std::uint64_t session) noexcept {
+  const auto found = std::find_if(steppers_.begin(), steppers_.end(), [&](const auto& stepper) {
+    return stepper.session == session;
+  });
+  return found == steppers_.end() ? nullptr : &*found;
+}
+
+void StepperTable::hear(std::uint64_t session, Time now) noexcept {
+  if (Stepper* const stepper = find(session); stepper != nullptr) {
+    stepper->heard = now;
+  }
+}
+
+void StepperTable::grant(Stepper& stepper, std::uint64_t ticks, Time now) noexcept {
+  stepper.granted += ticks;
+  note_waits(now);
+}
+
+const Stepper* StepperTable::slowest() const noexcept {
+  const auto found = std::min_element(steppers_.begin(), steppers_.end(), grants_less);
+  return found == steppers_.end() ? nullptr : &*found;
+}
+
+const Stepper* StepperTable::silent(Time now) const noexcept {
+  const auto found = std::find_if(steppers_.begin(), steppers_.end(), [&](const auto& stepper) {
+    const Time since = std::max(stepper.heard, stepper.waited_for_since);
+    return stepper.is_waited_for && now - since >= kLongestSilence;
+  });
+  return found == steppers_.end() ? nullptr : &*found;
+}
+
+void StepperTable::note_waits(Time now) noexcept {
+  const auto farthest = std::max_element(steppers_.begin(), steppers_.end(), grants_less);
+  for (auto& stepper : steppers_) {
+    const bool is_behind = stepper.granted < farthest->granted;
+    if (is_behind && !stepper.is_waited_for) {
+      stepper.waited_for_since = now;
+    }
+    stepper.is_waited_for = is_behind;
+  }
+}
+
+}  // namespace vdrive::service

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdrive/service/freerun_driver.hpp"
+
+#include "core/support/allocation_guard.hpp"
+#include "service/engine_under_test.hpp"
+
+#include <gtest/gtest.h>
+
+namespace vdrive::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// A machine whose ticks take as long as the test wants.
+class TickingTimer final : public service::CycleTimer {
+ public:
+  [[nodiscard]] std::chrono::nanoseconds monotonic_now() noexcept override {
+    return now += tick_time;
+  }
+
+  [[nodiscard]] std::chrono::nanoseconds wall_now() noexcept override { return now; }
+
+  void wait_until(std::chrono::nanoseconds /*deadline*/) noexcept override {
+    ADD_FAILURE() << "a free-running clock waits for nothing";
+  }
+
+  std::chrono::nanoseconds now{1s};
+  std::chrono::nanoseconds tick_time{5us};
+};
+
+service::Configuration freerun_configuration() {
+  auto configuration = bench_configuration(2);
+  configuration.clock = service::ClockMode::freerun;
+  return configuration;
+}
+
+struct FreerunBench : EngineUnderTest {
+  explicit FreerunBench(const service::Configuration& with = freerun_configuration())
+      : EngineUnderTest(with), driver(engine, inbox, outbox, timer) {}
+
+  void cycles(int count) {
+    for (int cycle = 0; cycle < count; ++cycle) {
+      driver.cycle();
+    }
+  }
+
+  TickingTimer timer;
+  service::FreerunDriver driver;
+};
+
+TEST(FreerunDriver, RunsOneTickACycleFromTickZero) {
+  FreerunBench bench;
+  bench.cycles(1'000);
+  EXPECT_EQ(bench.engine.tick(), 1'000U);
+}
+
+TEST(FreerunDriver, AnswersBetweenTwoTicks) {
+  FreerunBench bench;
+  bench.cycles(5);
+  bench.inbox.receive(bench.make_request(msg::REQUEST_POWER_CYCLE, kAlice, {1}), {});
+  bench.cycles(1);
+  ASSERT_NE(bench.outbox.replies.front(), nullptr);
+  EXPECT_EQ(bench.outbox.replies.front()->reply.tick(), 6U);
+}
+
+// 10,000 ticks of 5 us are 50 ms: one image at the start and one each millisecond.
+TEST(FreerunDriver, ShowsTheStatusEachMillisecondOfWallTime) {
+  FreerunBench bench;
+  int images = 0;
+  for (int tick = 0; tick < 10'000; ++tick) {
+    bench.cycles(1);
+    while (bench.outbox.status.front() != nullptr) {
+      ++images;
+      bench.outbox.status.pop();
+    }
+  }
+  EXPECT_NEAR(images, 50, 1);
+}
+
+TEST(FreerunDriver, LeavesAnImageOutWhileTheOneBeforeHasNotLeft) {
+  FreerunBench bench;
+  bench.cycles(100'000);
+  EXPECT_EQ(bench.outbox.status.size(), 1U);
+  EXPECT_EQ(bench.counters.queue_overflows.get(), 0U);
+}
+
+TEST(FreerunDriver, LeavesWhatItCannotAnswerForTheNextTicks) {
+  FreerunBench bench;
+  const std::size_t room = bench.outbox.replies.capacity();
+  for (std::size_t count = 0; count < room + 50; ++count) {
+    bench.inbox.receive(bench.make_request(msg::REQUEST_READ, kAlice), {});
+  }
+  bench.cycles(3);
+  EXPECT_EQ(bench.inbox.size(), 50U);
+  EXPECT_EQ(bench.counters.queue_overflows.get(), 0U);
+  while (bench.outbox.replies.front() != nullptr) {
+    bench.outbox.replies.pop();
+  }
+  bench.cycles(1);
+  EXPECT_EQ(bench.inbox.size(), 0U);
+}
+
+TEST(FreerunDriver, HasNoWatchdogUnlessItIsChosen) {
+  FreerunBench without;
+  without.acquire(kAlice, {1});
+  without.cycles(100'000);
+  EXPECT_EQ(without.counters.master_losses.get(), 0U);
+  auto configuration = freerun_configuration();
+  configuration.watchdog_is_chosen = true;
+  FreerunBench with(configuration);
+  with.acquire(kAlice, {1});
+  with.cycles(102);  // of 1 ms; 100 are allowed
+  EXPECT_EQ(with.counters.master_losses.get(), 1U);
+}
+
+TEST(FreerunDriver, RefusesStepsAndRates) {
+  FreerunBench bench;
+  for (const std::uint32_t kind : {msg::REQUEST_STEP, msg::REQUEST_SET_RATE,
+                                   msg::REQUEST_JOIN_CLOCK, msg::REQUEST_LEAVE_CLOCK}) {
+    EXPECT_EQ(bench.ask(bench.make_request(kind, kAlice)).reason(), msg::REASON_WRONG_CLOCK_MODE)
+        << kind;
+  }
+}
+
+TEST(FreerunDriver, AllocatesNothingInATick) {
+  FreerunBench bench;
+  bench.cycles(10);
+  const AllocationGuard guard;
+  bench.cycles(1'000);
+  EXPECT_EQ(guard.count(), 0U);
+}
+
+}  // namespace
+}  // namespace vdrive::test
