@@ -118,6 +118,10 @@ TEST(CommandLine, OtherWords) {
   EXPECT_EQ(command<SnapshotCommand>("snapshot take").action, SnapshotCommand::Action::take);
   EXPECT_EQ(command<SnapshotCommand>("snapshot restore 7").snapshot, 7U);
   EXPECT_EQ(command<SnapshotCommand>("snapshot drop 7 --bench 2").bench, 2U);
+  EXPECT_EQ(command<RateCommand>("rate 0").rate, 0.0);
+  EXPECT_FALSE(command<RateCommand>("rate 0.5").bench);
+  EXPECT_EQ(command<RateCommand>("rate 3 0.5").bench, 3U);
+  EXPECT_EQ(command<RateCommand>("rate 3 0.5").rate, 0.5);
   EXPECT_EQ(command<RunCommand>("run - --junit out.xml").junit, "out.xml");
   EXPECT_EQ(command<RunCommand>("run -").file, "-");
   EXPECT_EQ(command<DictionaryCommand>("dictionary --format csv --language zh").language,
@@ -183,6 +187,7 @@ INSTANTIATE_TEST_SUITE_P(
                     BadRow{"an_unknown_kind", "disturb 1.1 earthquake", "blocked_load"},
                     BadRow{"an_unknown_format", "dictionary --format yaml", "yaml"},
                     BadRow{"negative_steps", "step -1", "-1"},
+                    BadRow{"rate_in_words", "rate fast", "fast"},
                     BadRow{"no_timeout", "list --timeout soon", "soon"},
                     BadRow{"a_word_of_scenarios", "expect 1.1 0x6041 0", "expect"}),
     [](const auto& row) {

@@ -120,7 +120,8 @@ TEST_F(ToolInLockStep, EveryWordAnswersInJsonAsDocumented) {
               ElementsAre("axis", "index", "subindex", "name", "value", "outcome", "tick"));
   EXPECT_THAT(fields("disturb 1.1 load_torque 5"),
               ElementsAre("axis", "index", "subindex", "name", "value", "outcome", "tick"));
-  EXPECT_THAT(fields("step 3"), ElementsAre("bench", "ticks", "tick"));
+  EXPECT_THAT(fields("step 3"), ElementsAre("bench", "ticks", "outcome", "tick"));
+  EXPECT_THAT(fields("rate 2"), ElementsAre("bench", "rate", "outcome", "code", "message"));
   EXPECT_THAT(fields("status 1.1"),
               AllOf(testing::Contains("ds402_statusword"), testing::Contains("owner_epoch")));
   EXPECT_THAT(fields("watch 1.1 --count 1"), testing::Contains("position_demand_value"));
@@ -439,6 +440,43 @@ TEST(ToolInRealtime, ShowsABenchThatIsPaused) {
   EXPECT_EQ(json_of(tool("status 1.1 --json")).at(0)["ds402_statusword"], 0x250);
   EXPECT_EQ(json_of(tool("watch 1.1 --json --count 1")).at(0)["state"], "Switch on disabled");
   EXPECT_EQ(tool("read 1.1 0x6041").code, 0);
+}
+
+TEST(ToolInRealtime, PausesAndGoesOn) {
+  const RunningService service("--clock realtime");
+  const Finished paused = tool("rate 0 --json");
+  EXPECT_EQ(paused.code, 0) << paused.errors;
+  ASSERT_THAT(json_of(paused), SizeIs(1));
+  EXPECT_THAT(keys(json_of(paused).front()), ElementsAre("bench", "rate", "outcome", "tick"));
+  const Finished enable = tool("enable 1.1");
+  EXPECT_EQ(enable.code, 1) << "at once, not at the end of drive time that never comes";
+  EXPECT_THAT(enable.errors, HasSubstr("bench 1 is paused: rate 0"));
+  EXPECT_LT(enable.duration, 10s);
+  EXPECT_EQ(tool("rate 1 0.5").output.substr(0, 21), "bench 1 rate 0.5 tick");
+  const Finished enabled = tool("enable 1.1");
+  EXPECT_EQ(enabled.code, 0) << enabled.errors;
+}
+
+TEST(ToolInRealtime, ARateOutOfRangeIsRefusedAndAWordIsNoRate) {
+  const RunningService service("--clock realtime");
+  const Finished refused = tool("rate 101 --json");
+  EXPECT_EQ(refused.code, 5);
+  ASSERT_THAT(json_of(refused), SizeIs(1));
+  EXPECT_EQ(json_of(refused).front()["outcome"], "refused");
+  EXPECT_EQ(json_of(refused).front()["code"], "0x00000018");
+  EXPECT_EQ(tool("rate -1").code, 5);
+  EXPECT_EQ(tool("rate fast").code, 2);
+  EXPECT_EQ(tool("rate nan").code, 2);
+  EXPECT_EQ(tool("rate 1 2 3").code, 2);
+}
+
+TEST(ToolInRealtime, ARefusedStepIsAnObjectToo) {
+  const RunningService service("--clock realtime");
+  const Finished refused = tool("step 1 --json");
+  EXPECT_EQ(refused.code, 5);
+  ASSERT_THAT(json_of(refused), SizeIs(1));
+  EXPECT_THAT(keys(json_of(refused).front()),
+              ElementsAre("bench", "ticks", "outcome", "code", "message"));
 }
 
 TEST(ToolInRealtime, RunsAScenarioOfTimesOnly) {
