@@ -395,9 +395,9 @@ class Grammar {
                      "[BENCH] VALUE: drive time over wall time, 0 or from 0.1 to 100, of the bench "
                      "with that number or the only one there is")
         ->required()
-        ->expected(1, 2)
         ->type_name("");
     word->callback([this] {
+      if (words_.rate.size() > 2) throw UsageError("rate takes a bench and a value, no more");
       RateCommand rate{parse_real(words_.rate.back(), "rate"), std::nullopt};
       if (words_.rate.size() == 2) {
         rate.bench = static_cast<std::uint32_t>(

@@ -169,8 +169,7 @@ TEST(StepClock, NoticesARestartAndDoesNotStepTheNewService) {
 class IdleStepper {
  public:
   explicit IdleStepper(std::uint32_t bench)
-      : process_(VDRIVE_IDLE_STEPPER,
-                 {std::to_string(test::test_domain()), std::to_string(bench)}),
+      : process_(VDRIVE_IDLE_STEPPER, {std::to_string(test::test_domain()), std::to_string(bench)}),
         session_(process_.read_line()) {}
 
   /// Its session as messages write it; empty when it could not join.
@@ -195,8 +194,7 @@ TEST(StepClock, NamesAProgramThatWasKilledAndGoesOnOnceItIsTakenOffTheClock) {
   other.kill();
   const auto late = sut->step(10, kSoon);
   EXPECT_EQ(late.outcome().kind(), OutcomeKind::timed_out);
-  EXPECT_THAT(late.outcome().message(),
-              HasSubstr("bench 2 waits for stepper " + other.session()));
+  EXPECT_THAT(late.outcome().message(), HasSubstr("bench 2 waits for stepper " + other.session()));
   const auto reached = sut->step(10, 20s);
   ASSERT_TRUE(reached) << reached.outcome().message();
   EXPECT_THAT(*reached, ElementsAre(10, 10));

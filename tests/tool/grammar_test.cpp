@@ -188,6 +188,7 @@ INSTANTIATE_TEST_SUITE_P(
                     BadRow{"an_unknown_format", "dictionary --format yaml", "yaml"},
                     BadRow{"negative_steps", "step -1", "-1"},
                     BadRow{"rate_in_words", "rate fast", "fast"},
+                    BadRow{"rate_of_too_much", "rate 1 2 3", "no more"},
                     BadRow{"no_timeout", "list --timeout soon", "soon"},
                     BadRow{"a_word_of_scenarios", "expect 1.1 0x6041 0", "expect"}),
     [](const auto& row) {
