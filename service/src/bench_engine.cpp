@@ -192,6 +192,7 @@ void BenchEngine::lose_master(SessionRecord& record) {
     }
   }
   control_.renew_epoch(record);
+  record.must_acquire = true;
   drop_pending_of_session(record.session);
   counters_.master_losses.add();
   report({.kind = msg::EVENT_MASTER_LOST,

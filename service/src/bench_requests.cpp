@@ -208,6 +208,9 @@ std::uint32_t BenchEngine::write_command_object(std::size_t axis, ObjectAddress 
   if (record == nullptr) {
     return kLocalControl;
   }
+  if (record->must_acquire) {  // it may have been on its way since before the loss
+    return msg::REASON_STALE_EPOCH;
+  }
   const AbortCode code = write(axis, address, value);
   if (code == AbortCode::none) {
     control_.give(axis, *record);
@@ -243,6 +246,7 @@ std::uint32_t BenchEngine::acquire(const msg::Request& request, bool by_force, m
     }
   }
   record->last_heard_tick = tick_;
+  record->must_acquire = false;
   if (gained > 0) {
     control_.renew_epoch(*record);
     report({.kind = msg::EVENT_CONTROL_CHANGED,
@@ -262,6 +266,7 @@ void BenchEngine::lose_axis(std::size_t axis) {
   }
   control_.take(axis);
   control_.renew_epoch(*loser);
+  loser->must_acquire = true;
   drop_pending_of_session(loser->session);
   report({.kind = msg::EVENT_CONTROL_CHANGED, .axis = numbers_[axis], .session = loser->session});
 }

@@ -99,6 +99,30 @@ TEST(Watchdog, TakesTheAxesOfASilentMasterAndFaultsTheEnabledOnes) {
   EXPECT_EQ(bench.acquire(kBob, {1, 2}).reason(), msg::REASON_NONE);
 }
 
+// A reliable write may be delivered long after it was sent: 0Fh in Switch on disabled would enable.
+TEST(Watchdog, ALateWriteTakesNoAxisAgainThatWasLost) {
+  EngineUnderTest bench;
+  bench.acquire(kAlice, {1, 2});
+  bench.steps(102);
+  ASSERT_EQ(bench.counters.master_losses.get(), 1U);
+  const auto late = bench.write(kAlice, 1, 0x6040, 0x0F);
+  EXPECT_EQ(late.objects()[0].abort_code(), msg::REASON_STALE_EPOCH);
+  EXPECT_EQ(late.epoch(), 0U);
+  EXPECT_EQ(bench.value(1, 0x6040), 0) << "nothing was written";
+  EXPECT_EQ(bench.write(kBob, 2, 0x6040, 0x0F).objects()[0].abort_code(), 0U) << "lost nothing";
+  EXPECT_EQ(bench.acquire(kAlice, {1}).reason(), msg::REASON_NONE);
+  EXPECT_EQ(bench.write(kAlice, 1, 0x6040, 0x0F).objects()[0].abort_code(), 0U);
+}
+
+TEST(Watchdog, ALateWriteTakesNoAxisAgainThatWasTakenOver) {
+  EngineUnderTest bench;
+  bench.acquire(kAlice, {1});
+  bench.ask(bench.make_request(msg::REQUEST_TAKE_OVER, kBob, {1}));
+  bench.ask(bench.make_request(msg::REQUEST_RELEASE, kBob));
+  EXPECT_EQ(bench.write(kAlice, 1, 0x6040, 0x0F).objects()[0].abort_code(),
+            msg::REASON_STALE_EPOCH);
+}
+
 TEST(Watchdog, HearsRequestsAndSteps) {
   EngineUnderTest bench;
   bench.acquire(kAlice, {1});

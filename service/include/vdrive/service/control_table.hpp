@@ -17,6 +17,7 @@ struct SessionRecord {
   std::uint64_t last_heard_tick = 0;  ///< last tick completed when it was heard
   std::uint64_t last_sequence = 0;    ///< of the last command frame that arrived
   std::size_t owned_axes = 0;
+  bool must_acquire = false;  ///< axes were lost or taken: a late write takes none of them again
 };
 
 /// Who is in control of which axis. One owner an axis; epochs come from one counter of the bench,
