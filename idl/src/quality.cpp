@@ -71,7 +71,7 @@ dds::DataWriterQos writer_qos(const TopicQuality& quality) {
   qos.writer_data_lifecycle().autodispose_unregistered_instances = false;
   auto& times = qos.reliable_writer_qos().times;
   times.initialHeartbeatDelay = {0, 5'000'000};
-  times.heartbeatPeriod = {0, 50'000'000};
+  times.heartbeatPeriod = {0, 10'000'000};
   times.nackResponseDelay = {0, 1'000'000};
   return qos;
 }
