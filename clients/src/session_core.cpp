@@ -68,6 +68,7 @@ SessionCore::SessionCore(const SessionOptions& options)
       participant_({.domain = options.domain,
                     .interfaces = options.interfaces,
                     .peers = options.peers,
+                    .discovery_servers = options.discovery_servers,
                     .shared_memory = false},
                    "vdrive client"),
       request_publication_(participant_),
@@ -233,16 +234,10 @@ Result<Target> SessionCore::connect(std::uint32_t number) {
 }
 
 Outcome SessionCore::await_command_match(const Target& target) {
-  {
-    const std::scoped_lock lock(mutex_);
-    if (holding(target.key).is_matched_for_commands) return {};
-  }
   if (!command_publication_.wait_for_match(target.source, kMatch) ||
       !command_reply_subscription_.wait_for_match(target.source, kMatch)) {
     return Outcome::lost(name_of(target) + " is there and hears no commands: no match");
   }
-  const std::scoped_lock lock(mutex_);
-  holding(target.key).is_matched_for_commands = true;
   return {};
 }
 

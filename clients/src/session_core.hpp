@@ -196,7 +196,6 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   struct Holding {
     BenchKey key;
     bool lives_by_wall_clock = false;
-    bool is_matched_for_commands = false;
     std::uint32_t epoch = 0;
     std::uint64_t epoch_since = 0;  ///< first sequence number sent with this epoch
     std::uint64_t sequence = 0;     ///< last one sent

@@ -38,6 +38,10 @@ constexpr std::array kDisturbances{
     DisturbanceRow{"index_pulse", "test_index_pulse_input"},
 };
 
+/// Global options that take a value.
+constexpr std::array<std::string_view, 5> kValuedOptions{"--domain", "--timeout", "--interface",
+                                                         "--peer", "--discovery-server"};
+
 struct AxisWordRow {
   AxisWord word;
   bool may_return_early;  ///< takes --no-wait
@@ -82,6 +86,15 @@ SnapshotCommand snapshot_of(const std::string& action, const std::string& number
   throw UsageError("'" + action + "' is no action: write take, restore or drop");
 }
 
+/// @return what is wrong with ADDRESS:PORT, or nothing.
+std::string check_server(const std::string& text) {
+  const auto colon = text.find(':');
+  const bool is_server = colon != std::string::npos &&
+                         CLI::ValidIPV4(text.substr(0, colon)).empty() &&
+                         CLI::Range(1, 65'535)(text.substr(colon + 1)).empty();
+  return is_server ? "" : "'" + text + "' is not ADDRESS:PORT, such as 10.0.0.9:11811";
+}
+
 std::optional<std::uint32_t> parse_unsigned32(const std::string& text) {
   if (text.empty()) return std::nullopt;
   return static_cast<std::uint32_t>(parse_value(text, DataType::unsigned32));
@@ -118,6 +131,15 @@ class Grammar {
         ->envname("VDRIVE_DOMAIN")
         ->check(CLI::Range(0, 232))
         ->type_name("N");
+    add_network_option("--interface", options_.interfaces,
+                       "Reach this network beside loopback: own IPv4 address there", "ADDRESS")
+        ->check(CLI::ValidIPV4);
+    add_network_option("--peer", options_.peers,
+                       "Ask this host for benches beside multicast: its IPv4 address", "ADDRESS")
+        ->check(CLI::ValidIPV4);
+    add_network_option("--discovery-server", options_.discovery_servers,
+                       "Ask a discovery server instead of multicast", "ADDRESS:PORT")
+        ->check(check_server);
     app_.add_flag("--json", options_.json, "One JSON object a line on standard output");
     app_.set_version_flag("--version", "vdrive " VDRIVE_VERSION);
     add_watch(false);
@@ -166,7 +188,7 @@ class Grammar {
   /// nor the value of one is the word.
   void check_word(const std::vector<std::string>& arguments) const {
     for (std::size_t i = 0; i < arguments.size(); ++i) {
-      if (arguments[i] == "--domain" || arguments[i] == "--timeout") {
+      if (std::ranges::find(kValuedOptions, arguments[i]) != kValuedOptions.end()) {
         ++i;
       } else if (!arguments[i].starts_with('-')) {
         const auto words = app_.get_subcommands([&](const CLI::App* word) {
@@ -176,6 +198,12 @@ class Grammar {
         throw UsageError("'" + arguments[i] + "' is no word; 'vdrive --help' shows all of them");
       }
     }
+  }
+
+  /// May stand several times, with one value each: what follows may be the word.
+  CLI::Option* add_network_option(const char* name, std::vector<std::string>& values,
+                                  const char* help, const char* type) {
+    return app_.add_option(name, values, help)->allow_extra_args(false)->type_name(type);
   }
 
   CLI::App* add_word(std::string_view name, std::string_view summary, std::string_view example) {

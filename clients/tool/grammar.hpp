@@ -13,6 +13,9 @@ namespace vdrive::tool {
 /// Options that stand before or after the word.
 struct GlobalOptions {
   std::uint32_t domain = 0;
+  std::vector<std::string> interfaces;         ///< own addresses in the networks to use
+  std::vector<std::string> peers;              ///< addresses asked beside multicast
+  std::vector<std::string> discovery_servers;  ///< such as 10.0.0.9:11811, instead of multicast
   bool json = false;
   std::optional<Duration> timeout;  ///< wall time to find a service, drive time of motion
 };

@@ -23,6 +23,9 @@ using client::OutcomeKind;
 client::SessionOptions session_options(const GlobalOptions& options) {
   client::SessionOptions session;
   session.domain = options.domain;
+  session.interfaces = options.interfaces;
+  session.peers = options.peers;
+  session.discovery_servers = options.discovery_servers;
   if (options.timeout) {
     session.find_timeout = std::chrono::ceil<std::chrono::milliseconds>(*options.timeout);
   }

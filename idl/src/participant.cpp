@@ -7,6 +7,7 @@
 #include <fastdds/dds/domain/qos/DomainParticipantQos.hpp>
 #include <fastdds/dds/publisher/qos/PublisherQos.hpp>
 #include <fastdds/dds/subscriber/qos/SubscriberQos.hpp>
+#include <fastdds/rtps/attributes/ServerAttributes.h>
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
 #include <fastrtps/attributes/LibrarySettingsAttributes.h>
@@ -15,9 +16,11 @@
 #include <fastrtps/xmlparser/XMLProfileManager.h>
 
 #include <algorithm>
+#include <charconv>
 #include <fstream>
 #include <memory>
 #include <mutex>
+#include <optional>
 
 namespace vdrive::wire {
 namespace {
@@ -29,6 +32,7 @@ using eprosima::fastrtps::rtps::IPLocator;
 constexpr std::uint32_t kHighestDomain = 232;
 constexpr std::uint32_t kSocketBuffer = 4U * 1024U * 1024U;
 constexpr std::uint32_t kParticipantsOfPeer = 32;
+constexpr std::size_t kMostServers = 256;  // the id has one byte
 constexpr const char* kLoopback = "127.0.0.1";
 constexpr const char* kDiscoveryGroup = "239.255.0.1";
 
@@ -39,14 +43,33 @@ std::uint32_t permitted_socket_buffer(const char* limit_file) {
   return file >> limit ? std::min(limit, kSocketBuffer) : 0;
 }
 
+/// The library leaves an address out without a word when no interface has it.
+void check_own_address(const std::string& address) {
+  if (!is_address(address)) {
+    throw NetworkError("network interface \"" + address + "\" is not an IPv4 address");
+  }
+  std::vector<rtps::IPFinder::info_IP> own;
+  rtps::IPFinder::getIPs(&own, true);
+  std::string addresses;
+  for (const auto& ip : own) {
+    if (ip.type != rtps::IPFinder::IP4 && ip.type != rtps::IPFinder::IP4_LOCAL) {
+      continue;
+    }
+    if (ip.name == address) {
+      return;
+    }
+    addresses += (addresses.empty() ? "" : ", ") + ip.name;
+  }
+  throw NetworkError("network interface \"" + address +
+                     "\": no interface that is up has this address; there are " + addresses);
+}
+
 std::shared_ptr<eprosima::fastdds::rtps::UDPv4TransportDescriptor> udp_transport(
     const NetworkSettings& settings) {
   auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
   udp->interfaceWhiteList = {kLoopback};
   for (const auto& address : settings.interfaces) {
-    if (!IPLocator::isIPv4(address)) {
-      throw NetworkError("network interface \"" + address + "\" is not an IPv4 address");
-    }
+    check_own_address(address);
     if (address != kLoopback) {
       udp->interfaceWhiteList.push_back(address);
     }
@@ -68,12 +91,61 @@ void add_peers(const NetworkSettings& settings, dds::DomainParticipantQos& qos) 
   group.port = 0;
   peers.push_back(group);
   for (const auto& address : settings.peers) {
-    rtps::Locator_t peer;
-    if (!IPLocator::isIPv4(address) || !IPLocator::setIPv4(peer, address)) {
+    if (!is_address(address)) {
       throw NetworkError("network peer \"" + address + "\" is not an IPv4 address");
     }
+    rtps::Locator_t peer;
+    IPLocator::setIPv4(peer, address);
     peer.port = 0;
     peers.push_back(peer);
+  }
+}
+
+/// @return the locator that "10.0.0.9:11811" names.
+std::optional<rtps::Locator_t> server_locator(std::string_view text) {
+  const auto colon = text.find(':');
+  const std::string address(text.substr(0, colon));
+  if (colon == std::string_view::npos || !is_address(address)) {
+    return std::nullopt;
+  }
+  const std::string_view digits = text.substr(colon + 1);
+  std::uint16_t port = 0;
+  const auto [end, error] = std::from_chars(digits.begin(), digits.end(), port);
+  if (error != std::errc{} || end != digits.end() || port == 0) {
+    return std::nullopt;
+  }
+  rtps::Locator_t locator;
+  IPLocator::setIPv4(locator, address);
+  locator.port = port;
+  return locator;
+}
+
+/// With servers nobody is asked by multicast. A client is told what matches its own endpoints,
+/// which is all that any part of vdrive looks for.
+void add_discovery_servers(const NetworkSettings& settings, dds::DomainParticipantQos& qos) {
+  if (settings.discovery_servers.empty()) {
+    return;
+  }
+  if (settings.discovery_servers.size() > kMostServers) {
+    throw NetworkError("more than " + std::to_string(kMostServers) + " discovery servers");
+  }
+  if (!settings.peers.empty()) {
+    throw NetworkError("peers are not asked where a discovery server is named: name only one kind");
+  }
+  auto& discovery = qos.wire_protocol().builtin.discovery_config;
+  discovery.discoveryProtocol = rtps::DiscoveryProtocol_t::CLIENT;
+  discovery.discoveryServer_client_syncperiod = {0, 100'000'000};
+  for (const auto& text : settings.discovery_servers) {
+    const auto locator = server_locator(text);
+    if (!locator) {
+      throw NetworkError("discovery server \"" + text +
+                         "\" is not an IPv4 address and a port, such as 10.0.0.9:11811");
+    }
+    eprosima::fastdds::rtps::RemoteServerAttributes server;
+    server.metatrafficUnicastLocatorList.push_back(*locator);
+    eprosima::fastdds::rtps::get_server_client_default_guidPrefix(
+        static_cast<int>(discovery.m_DiscoveryServers.size()), server.guidPrefix);
+    discovery.m_DiscoveryServers.push_back(server);
   }
 }
 
@@ -93,6 +165,7 @@ dds::DomainParticipantQos participant_qos(const NetworkSettings& settings,
   discovery.initial_announcements.count = 10;
   discovery.initial_announcements.period = {0, 50'000'000};
   add_peers(settings, qos);
+  add_discovery_servers(settings, qos);
   return qos;
 }
 
@@ -108,6 +181,14 @@ void deliver_through_the_transport() {
 }
 
 }  // namespace
+
+bool is_address(const std::string& text) {
+  return IPLocator::isIPv4(text);
+}
+
+bool is_server_address(std::string_view text) {
+  return server_locator(text).has_value();
+}
 
 Participant::Participant(const NetworkSettings& settings, const std::string& name)
     : entities_(std::make_unique<Entities>()) {

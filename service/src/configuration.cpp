@@ -198,14 +198,26 @@ void read_watchdog(const YamlValue& value, Configuration& configuration) {
 std::vector<std::string> read_addresses(const YamlValue& value) {
   std::vector<std::string> addresses;
   value.for_each_element([&](const YamlValue& element) {
-    addresses.push_back(element.text());
+    if (!wire::is_address(addresses.emplace_back(element.text()))) {
+      element.refuse("must be an IPv4 address, such as 10.0.0.1");
+    }
   });
   return addresses;
 }
 
+std::vector<std::string> read_servers(const YamlValue& value) {
+  std::vector<std::string> servers;
+  value.for_each_element([&](const YamlValue& element) {
+    if (!wire::is_server_address(servers.emplace_back(element.text()))) {
+      element.refuse("must be an IPv4 address and a port, such as 10.0.0.9:11811");
+    }
+  });
+  return servers;
+}
+
 void read_network(const YamlValue& value, wire::NetworkSettings& network) {
   value.for_each_entry(
-      {"domain", "interfaces", "peers", "shared_memory"},
+      {"domain", "interfaces", "peers", "discovery_server", "shared_memory"},
       [&](const auto& key, const YamlValue& entry) {
         if (key == "domain") {
           network.domain = static_cast<std::uint32_t>(entry.integer({0, kHighestDomain, ""}));
@@ -213,10 +225,15 @@ void read_network(const YamlValue& value, wire::NetworkSettings& network) {
           network.interfaces = read_addresses(entry);
         } else if (key == "peers") {
           network.peers = read_addresses(entry);
+        } else if (key == "discovery_server") {
+          network.discovery_servers = read_servers(entry);
         } else {
           network.shared_memory = entry.boolean();
         }
       });
+  if (!network.peers.empty() && !network.discovery_servers.empty()) {
+    value.refuse("peers are not asked where a discovery server is named: name only one kind");
+  }
 }
 
 void read_model_number(const std::string& key, const YamlValue& value, AxisModel& model) {
@@ -456,6 +473,7 @@ void write_network(YAML::Emitter& out, const wire::NetworkSettings& network) {
   out << YAML::Key << "domain" << YAML::Value << network.domain;
   out << YAML::Key << "interfaces" << YAML::Value << YAML::Flow << network.interfaces;
   out << YAML::Key << "peers" << YAML::Value << YAML::Flow << network.peers;
+  out << YAML::Key << "discovery_server" << YAML::Value << YAML::Flow << network.discovery_servers;
   out << YAML::Key << "shared_memory" << YAML::Value << network.shared_memory << YAML::EndMap;
 }
 

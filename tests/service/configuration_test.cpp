@@ -42,7 +42,7 @@ bench: {number: 7, name: "左 bench"}
 clock: {mode: lockstep, period_us: 250, rate: 2.5, threads: 3, realtime_priority: 40}
 status: {every_ticks: 5}
 watchdog: {timeout_ms: 250}
-network: {domain: 9, interfaces: [10.0.0.1], peers: [10.0.0.2, 10.0.0.3], shared_memory: true}
+network: {domain: 9, interfaces: [10.0.0.1], discovery_server: ["10.0.0.9:11811", 10.0.0.8:1], shared_memory: true}
 axes:
   - number: 4
     name: lift
@@ -63,7 +63,8 @@ axes:
   EXPECT_EQ(read.watchdog, 250ms);
   EXPECT_EQ(read.network.domain, 9U);
   EXPECT_EQ(read.network.interfaces, std::vector<std::string>{"10.0.0.1"});
-  EXPECT_EQ(read.network.peers.size(), 2U);
+  EXPECT_EQ(read.network.discovery_servers,
+            (std::vector<std::string>{"10.0.0.9:11811", "10.0.0.8:1"}));
   EXPECT_TRUE(read.network.shared_memory);
   ASSERT_EQ(read.axes.size(), 2U);
   EXPECT_EQ(read.axes[0].number, 2U);  // in ascending order
@@ -101,7 +102,7 @@ TEST(Configuration, IsTheSameAfterPrintingAndReading) {
 bench: {number: 3, name: "a: b #1"}
 clock: {mode: lockstep, rate: 0.1}
 watchdog: {timeout_ms: off}
-network: {peers: [10.0.0.2]}
+network: {peers: [10.0.0.2, 10.0.0.3]}
 axes:
   - {number: 9, name: tilt, model: {motor_inertia: 0.00012345678901234567},
      parameters: {app_speed_limit: 5}}
@@ -112,6 +113,7 @@ axes:
   EXPECT_EQ(again.axes[0].configuration.model.motor_inertia,
             original.axes[0].configuration.model.motor_inertia);
   EXPECT_EQ(again.watchdog, std::nullopt);
+  EXPECT_EQ(again.network.peers, (std::vector<std::string>{"10.0.0.2", "10.0.0.3"}));
   EXPECT_EQ(again.name, "a: b #1");
 }
 
@@ -144,6 +146,12 @@ TEST(Configuration, OfAFreeRunningClockHasNoWatchdogUnlessTheFileNamesOne) {
   EXPECT_EQ(effective_watchdog(parse(text)), std::nullopt);
 }
 
+TEST(Configuration, PrintsDiscoveryServersAsItReadsThem) {
+  const Configuration original = parse("network: {discovery_server: [10.0.0.9:11811]}");
+  EXPECT_EQ(parse(to_yaml(original)).network.discovery_servers,
+            std::vector<std::string>{"10.0.0.9:11811"});
+}
+
 struct Refused {
   const char* name;
   const char* text;
@@ -166,6 +174,16 @@ INSTANTIATE_TEST_SUITE_P(
                 "bench.yaml:2: bunch: unknown key; known here: bench, clock, status"},
         Refused{"unknown_key", "clock:\n  speed: 3",
                 "bench.yaml:2: clock.speed: unknown key; known here: mode, period_us"},
+        Refused{"interface", "network:\n  interfaces: [eth0]",
+                "bench.yaml:2: network.interfaces[0] = eth0: must be an IPv4 address"},
+        Refused{"peer", "network:\n  peers: [10.0.0.1, 10.0.0]",
+                "bench.yaml:2: network.peers[1] = 10.0.0: must be an IPv4 address"},
+        Refused{"peers_and_server",
+                "network:\n  peers: [10.0.0.1]\n  discovery_server: [10.0.0.9:11811]",
+                "bench.yaml:2: network"},
+        Refused{"discovery_server", "network: {discovery_server: [10.0.0.9]}",
+                "bench.yaml:1: network.discovery_server[0] = 10.0.0.9: must be an IPv4 address and "
+                "a port"},
         Refused{"key_twice", "clock:\n  rate: 1\n  rate: 2",
                 "bench.yaml:3: clock.rate: the key stands twice"},
         Refused{"section_is_no_map", "clock: 7", "bench.yaml:1: clock = 7: must be a map"},

@@ -27,9 +27,9 @@ Result Probe::wait_for(const std::function<Result()>& find) {
   return result;
 }
 
-Probe::Probe(std::uint32_t domain, std::uint32_t bench)
+Probe::Probe(const wire::NetworkSettings& network, std::uint32_t bench)
     : bench_(bench),
-      participant_({.domain = domain}, "probe"),
+      participant_(network, "probe"),
       requests_(participant_),
       frames_(participant_),
       reply_reader_(participant_, keep<msg::Reply>([this](const auto& message) {

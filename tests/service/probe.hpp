@@ -22,7 +22,10 @@ class Probe {
  public:
   static constexpr std::chrono::seconds kPatience{10};
 
-  explicit Probe(std::uint32_t domain, std::uint32_t bench = 1);
+  explicit Probe(std::uint32_t domain, std::uint32_t bench = 1)
+      : Probe({.domain = domain}, bench) {}
+
+  Probe(const wire::NetworkSettings& network, std::uint32_t bench);
 
   /// Waits until the bench is announced and hears requests. @return false after 10 s.
   [[nodiscard]] bool find_bench();

@@ -51,6 +51,16 @@ TEST(CommandLine, TakesGlobalOptionsBeforeAndAfterTheWord) {
   }
 }
 
+TEST(CommandLine, TakesNetworkOptionsOneValueEach) {
+  const auto options = parse(
+                           "--interface 10.0.0.3 --peer 10.0.0.1 --peer 10.0.0.2 "
+                           "--discovery-server 10.0.0.9:11811 list --interface 10.1.0.3")
+                           .options;
+  EXPECT_EQ(options.interfaces, (std::vector<std::string>{"10.0.0.3", "10.1.0.3"}));
+  EXPECT_EQ(options.peers, (std::vector<std::string>{"10.0.0.1", "10.0.0.2"}));
+  EXPECT_EQ(options.discovery_servers, std::vector<std::string>{"10.0.0.9:11811"});
+}
+
 TEST(CommandLine, MoveTakesANegativePosition) {
   const auto move = command<MoveCommand>("move 1.1 -10000");
   EXPECT_EQ(move.position, -10000);
@@ -190,6 +200,10 @@ INSTANTIATE_TEST_SUITE_P(
                     BadRow{"rate_in_words", "rate fast", "fast"},
                     BadRow{"rate_of_too_much", "rate 1 2 3", "no more"},
                     BadRow{"no_timeout", "list --timeout soon", "soon"},
+                    BadRow{"no_interface", "--interface eth0 list", "--interface"},
+                    BadRow{"no_peer", "--peer 10.0.0.256 list", "--peer"},
+                    BadRow{"no_port", "--discovery-server 10.0.0.9 list", "ADDRESS:PORT"},
+                    BadRow{"port_0", "--discovery-server 10.0.0.9:0 list", "ADDRESS:PORT"},
                     BadRow{"a_word_of_scenarios", "expect 1.1 0x6041 0", "expect"}),
     [](const auto& row) {
       return row.param.name;

@@ -111,6 +111,24 @@ TEST(Participant, RefusesADomainThatDoesNotExist) {
 TEST(Participant, RefusesAnAddressThatIsNone) {
   EXPECT_THROW(Participant({.domain = 1, .interfaces = {"eth0"}}, "test"), NetworkError);
   EXPECT_THROW(Participant({.domain = 1, .peers = {"somewhere"}}, "test"), NetworkError);
+  for (const char* server : {"10.0.0.9", "10.0.0.9:", "10.0.0.9:0", "10.0.0.9:65536",
+                             "server:11811", "10.0.0.9:11811 ", ":11811"}) {
+    EXPECT_FALSE(is_server_address(server)) << server;
+    EXPECT_THROW(Participant({.domain = 1, .discovery_servers = {server}}, "test"), NetworkError)
+        << server;
+  }
+  EXPECT_TRUE(is_server_address("10.0.0.9:65535"));
+}
+
+TEST(Participant, RefusesAnAddressThatNoInterfaceHas) {
+  try {
+    // 192.0.2.0/24 is for documentation (RFC 5737): no machine has it.
+    const Participant participant({.domain = 1, .interfaces = {"192.0.2.1"}}, "test");
+    FAIL() << "an interface that is not there was accepted";
+  } catch (const NetworkError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("192.0.2.1"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("127.0.0.1"));
+  }
 }
 
 TEST(Participant, FindsAPeerThatIsNamed) {

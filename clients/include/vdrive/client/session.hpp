@@ -28,10 +28,13 @@ enum class KeepAlive : std::uint8_t {
 
 /// What to reach, and how. The defaults see every bench of this machine on domain 0.
 struct SessionOptions {
-  std::uint32_t domain = 0;             ///< DDS domain, 0 to 232
-  std::vector<std::string> interfaces;  ///< addresses of further interfaces; empty = loopback only
-  std::vector<std::string> peers;       ///< addresses asked for benches beside multicast
-  std::optional<std::uint32_t> bench;   ///< see this bench only
+  std::uint32_t domain = 0;  ///< DDS domain, 0 to 232
+  std::vector<std::string>
+      interfaces;                  ///< own addresses in the networks to use; empty = loopback only
+  std::vector<std::string> peers;  ///< addresses of hosts asked for benches beside multicast
+  std::vector<std::string>
+      discovery_servers;               ///< such as "10.0.0.9:11811", instead of multicast and peers
+  std::optional<std::uint32_t> bench;  ///< see this bench only
   KeepAlive keep_alive = KeepAlive::own_thread;
   std::chrono::milliseconds find_timeout{2000};  ///< wall time that finding a service may take
 };

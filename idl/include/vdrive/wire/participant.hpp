@@ -5,18 +5,28 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace vdrive::wire {
 
-/// Where a participant may be reached. The default is loopback UDP only.
+/// Where a participant may be reached, and how it finds others. The default is loopback UDP only,
+/// with multicast.
 struct NetworkSettings {
   std::uint32_t domain = 0;  ///< DDS domain, 0 to 232
   std::vector<std::string>
-      interfaces{};                  ///< addresses of further interfaces; empty = loopback only
+      interfaces{};  ///< own addresses in the networks to use; empty = loopback only
   std::vector<std::string> peers{};  ///< addresses asked for participants beside multicast
-  bool shared_memory = false;        ///< opt-in: killed processes leave segments behind
+  std::vector<std::string>
+      discovery_servers{};     ///< such as 10.0.0.9:11811, instead of multicast; first = id 0
+  bool shared_memory = false;  ///< opt-in: killed processes leave segments behind
 };
+
+/// @return whether `text` is an IPv4 address, such as 10.0.0.1.
+[[nodiscard]] bool is_address(const std::string& text);
+
+/// @return whether `text` is an IPv4 address and, after a colon, a port from 1 to 65535.
+[[nodiscard]] bool is_server_address(std::string_view text);
 
 /// DDS could not be set up; the message names the entity and the setting.
 class NetworkError : public std::runtime_error {
