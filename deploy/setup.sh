@@ -30,12 +30,15 @@ test_packages=(
   clang-tidy
   cyclonedds-dev # a second vendor's DDS
   cyclonedds-tools
+  fastdds-tools # the discovery server of the network tests
   gcovr # coverage of core/
+  iproute2 # hosts of the network tests
   libbenchmark-dev
   libclang-rt-dev # sanitizers and fuzzers with clang
   libgmock-dev
   libgtest-dev
   librapidcheck-dev
+  nftables # loss and blocked multicast in the network tests
   python3 # the conformance and mutation checks, the list of the IDL's fields
   util-linux # chrt and setarch
 )

@@ -112,7 +112,7 @@ Result<msg::Reply> SessionCore::request(const Target& target, msg::Request reque
 
 Result<msg::Reply> SessionCore::request_control(const Target& target, msg::Request request,
                                                 std::string_view what) {
-  const std::scoped_lock sending(send_mutex_);
+  const std::scoped_lock sending(send_mutex_of(target.key.number));
   return this->request(target, std::move(request), what);
 }
 
@@ -127,6 +127,11 @@ Result<msg::Reply> SessionCore::request_snapshot(std::uint32_t bench, std::uint3
   return request_control(
       *target, std::move(request),
       "snapshot " + (names_one ? std::to_string(snapshot) + " " : "") + "of " + name_of(*target));
+}
+
+std::mutex& SessionCore::send_mutex_of(std::uint32_t bench) {
+  const std::scoped_lock lock(mutex_);
+  return send_mutexes_[bench];  // stays where it is when others are added
 }
 
 SessionCore::Holding& SessionCore::holding(const BenchKey& key) {
@@ -194,7 +199,7 @@ Outcome SessionCore::release() {
   for (const auto& [number, holding] : holdings) {
     if (holding.axes.empty()) continue;
     // Also after an interrupt, and to a service that may be gone: so not by request().
-    const std::scoped_lock sending(send_mutex_);
+    const std::scoped_lock sending(send_mutex_of(number));
     Lock lock(mutex_);
     const std::uint64_t id = ++last_request_;
     requests_.emplace(id, std::nullopt);
@@ -237,7 +242,7 @@ msg::CommandFrame SessionCore::next_frame(Holding& held) const {
 
 Outcome SessionCore::send(const Target& target, std::span<const msg::AxisCommand> commands,
                           const FrameTiming& timing, std::vector<std::uint64_t>& sequences) {
-  const std::scoped_lock sending(send_mutex_);
+  const std::scoped_lock sending(send_mutex_of(target.key.number));
   for (const msg::AxisCommand& command : commands) {
     Lock lock(mutex_);
     msg::CommandFrame frame = next_frame(holding(target.key));
@@ -328,7 +333,7 @@ void SessionCore::keep_alive(const std::stop_token& stop) {
 
 void SessionCore::send_keep_alive(std::uint32_t bench) {
   // Busy: a frame or a request is on its way, which says the same.
-  const std::unique_lock sending(send_mutex_, std::try_to_lock);
+  const std::unique_lock sending(send_mutex_of(bench), std::try_to_lock);
   if (!sending) return;
   Lock lock(mutex_);
   const msg::CommandFrame frame = next_frame(holdings_.at(bench));

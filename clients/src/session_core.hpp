@@ -229,6 +229,7 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   Outcome missing_stepper(const Target& target, std::uint64_t session);
   Outcome await_command_match(const Target& target);
 
+  std::mutex& send_mutex_of(std::uint32_t bench);
   Holding& holding(const BenchKey& key);
   void note_acquired(const Target& target, std::uint16_t axis, const msg::Reply& reply);
   msg::CommandFrame next_frame(Holding& held) const;
@@ -248,8 +249,10 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   const SessionOptions options_;
   const std::uint64_t id_;
 
-  std::mutex send_mutex_;  ///< orders frames, and keeps them away from a change of the epoch
-  std::mutex mutex_;       ///< guards what follows; taken after send_mutex_
+  std::mutex mutex_;  ///< guards what follows; taken after a send mutex
+  /// By bench: orders its frames, and keeps them away from a change of the epoch. A bench that does
+  /// not answer holds up no other's keep-alives.
+  std::map<std::uint32_t, std::mutex> send_mutexes_;
   std::condition_variable changed_;
   Directory directory_;
   std::map<std::uint32_t, Holding> holdings_;

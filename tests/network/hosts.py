@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Hosts on one network, as network namespaces that a switch connects."""
+
+import os
+import pathlib
+import shutil
+import signal
+import subprocess
+import time
+
+PREFIX = "vdrive"
+NET = "10.77.0"
+
+
+class Missing(Exception):
+    """This machine cannot make hosts; the text says why."""
+
+
+def run(*command):
+    done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode != 0:
+        raise RuntimeError(f"{' '.join(command)}: {done.stderr.strip()}")
+    return done.stdout
+
+
+def wait_for(what, condition, timeout):
+    """Looks until `condition` gives something true, which it returns."""
+    deadline = time.monotonic() + timeout
+    while True:
+        found = condition()
+        if found:
+            return found
+        if time.monotonic() > deadline:
+            raise AssertionError(f"after {timeout} s still no {what}")
+        time.sleep(0.01)
+
+
+class Process:
+    """A running program; its output goes to a file, which lines() reads."""
+
+    def __init__(self, command, output, stdin=None):
+        self.output = pathlib.Path(output)
+        self.name = self.output.stem
+        with open(output, "w", encoding="utf-8") as file:
+            self.child = subprocess.Popen(
+                command, stdin=stdin or subprocess.DEVNULL, stdout=file, stderr=subprocess.STDOUT,
+                start_new_session=True)
+
+    def lines(self):
+        text = self.output.read_text(encoding="utf-8", errors="replace")
+        return text[: text.rfind("\n") + 1].splitlines()
+
+    def is_running(self):
+        return self.child.poll() is None
+
+    def stop(self, patience=5):
+        """Ends the program with SIGTERM. Returns its exit code."""
+        if self.is_running():
+            self.child.send_signal(signal.SIGTERM)
+        return self.child.wait(patience)
+
+    def kill(self):
+        if self.is_running():
+            os.killpg(self.child.pid, signal.SIGKILL)
+            self.child.wait()
+
+
+class Host:
+    """One namespace with loopback, one interface `net` and firewall rules of its own."""
+
+    def __init__(self, network, letter, number):
+        self.network = network
+        self.letter = letter
+        self.namespace = network.name(letter)
+        self.address = f"{NET}.{number}"
+        self.port = f"port-{letter}"  # of the switch, where the cable ends
+        run("ip", "netns", "add", self.namespace)
+        run("ip", "link", "add", "net", "netns", self.namespace, "type", "veth",
+            "peer", "name", self.port, "netns", network.switch)
+        self.ip("address", "add", f"{self.address}/24", "dev", "net")
+        self.ip("link", "set", "lo", "up")
+        self.ip("link", "set", "net", "up")
+        run("ip", "-n", network.switch, "link", "set", self.port, "master", "bridge", "up")
+
+    def ip(self, *arguments):
+        return run("ip", "-n", self.namespace, *arguments)
+
+    def command(self, *command):
+        # Each program sees a /dev/shm of its own: what a host shares in memory ends at the host.
+        mount = 'mount -t tmpfs tmpfs /dev/shm && exec "$@"'
+        return ["ip", "netns", "exec", self.namespace, "sh", "-c", mount, "sh", *map(str, command)]
+
+    def start(self, name, *command, stdin=None):
+        output = self.network.directory / f"{name}.log"
+        process = Process(self.command(*command), output, stdin)
+        self.network.processes.append(process)
+        return process
+
+    def call(self, *command, timeout=30):
+        """Runs a program to its end."""
+        return subprocess.run(self.command(*command), capture_output=True, text=True,
+                              timeout=timeout)
+
+    def unplug(self):
+        """Takes the cable out of the switch: this host sees its carrier go."""
+        run("ip", "-n", self.network.switch, "link", "set", self.port, "down")
+
+    def plug(self):
+        run("ip", "-n", self.network.switch, "link", "set", self.port, "up")
+
+    def block_for(self, seconds):
+        """The switch forwards nothing from and to this host; its carrier stays. A host that loses
+        its carrier also forgets its neighbours' addresses, and asks for them once a second."""
+        state = f"bridge -n {self.network.switch} link set dev {self.port} state"
+        run("sh", "-c", f"{state} 0 && sleep {seconds}; {state} 3")
+
+    def lose(self, percent):
+        """The switch drops this share of what comes from and of what goes to this host."""
+        lost = f"numgen random mod 100 < {percent} drop"
+        self.network.load_rules(self.network.switch, "bridge", [] if percent == 0 else [
+            f"chain forward {{ type filter hook forward priority 0",
+            f"iifname {self.port} {lost}",
+            f"oifname {self.port} {lost}",
+            "}"])
+
+    def block_multicast(self):
+        self.network.load_rules(self.namespace, "inet", [
+            "chain input { type filter hook input priority 0",
+            "iifname net ip daddr 224.0.0.0/4 drop",
+            "}"])
+
+
+class Network:
+    """Hosts a, b, c, ... at 10.77.0.1, .2, .3, ...; with it goes everything that it made.
+
+    The namespaces carry this process' number: several networks live side by side.
+    """
+
+    def __init__(self, directory, hosts=3):
+        self.directory = pathlib.Path(directory)
+        self.processes = []
+        self.namespaces = []
+        self.hosts = {}
+        self.count = hosts
+
+    def name(self, what):
+        name = f"{PREFIX}-{os.getpid()}-{what}"
+        self.namespaces.append(name)
+        return name
+
+    def __enter__(self):
+        check_rights()
+        remove_leftovers()
+        try:
+            self.switch = self.name("switch")
+            run("ip", "netns", "add", self.switch)
+            run("ip", "-n", self.switch, "link", "add", "bridge", "type", "bridge",
+                "mcast_snooping", "0")
+            run("ip", "-n", self.switch, "link", "set", "bridge", "up")
+            for number, letter in enumerate("abcdefgh"[: self.count], start=1):
+                self.hosts[letter] = Host(self, letter, number)
+        except BaseException:
+            self.close()
+            raise
+        return self
+
+    def __getitem__(self, letter):
+        return self.hosts[letter]
+
+    def __exit__(self, *_):
+        self.close()
+
+    def load_rules(self, namespace, family, chains):
+        """Replaces the firewall of a namespace; no chains = everything passes."""
+        table = f"table {family} test"
+        lines = [f"add {table}", f"delete {table}", f"{table} {{", *chains, "}"]
+        script = self.directory / f"{namespace}.nft"
+        script.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        run("ip", "netns", "exec", namespace, "nft", "--file", str(script))
+
+    def close(self):
+        for process in self.processes:
+            process.kill()
+        for namespace in self.namespaces:
+            subprocess.run(["ip", "netns", "delete", namespace], capture_output=True)
+
+
+def check_rights():
+    """Raises Missing unless this machine lets us make hosts."""
+    if os.geteuid() != 0:
+        raise Missing("needs root to make network namespaces")
+    for tool, package in (("ip", "iproute2"), ("bridge", "iproute2"), ("nft", "nftables")):
+        if shutil.which(tool) is None:
+            raise Missing(f"needs {tool} (package {package})")
+    probe = f"{PREFIX}-{os.getpid()}-probe"
+    try:
+        run("ip", "netns", "add", probe)
+        run("ip", "netns", "exec", probe, "mount", "-t", "tmpfs", "tmpfs", "/dev/shm")
+        run("ip", "netns", "exec", probe, "nft", "add", "table", "inet", "probe")
+        run("ip", "-n", probe, "link", "add", "probe", "type", "bridge")
+    except RuntimeError as error:
+        raise Missing(f"network namespaces are not permitted here: {error}") from error
+    finally:
+        subprocess.run(["ip", "netns", "delete", probe], capture_output=True)
+
+
+def remove_leftovers():
+    """A run that was killed could not clean up: its process is gone, its namespaces are there."""
+    for line in run("ip", "netns", "list").splitlines():
+        parts = line.split()[0].split("-")
+        if len(parts) == 3 and parts[0] == PREFIX and not os.path.exists(f"/proc/{parts[1]}"):
+            subprocess.run(["ip", "netns", "delete", line.split()[0]], capture_output=True)

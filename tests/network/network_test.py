@@ -1,0 +1,462 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Two services and a client on three hosts.
+
+  network_test.py CASE --service VDRIVED --tool VDRIVE --client NETWORK_CLIENT
+
+Exit code 0: passed, 1: failed, 77: skipped, with the reason.
+"""
+
+import argparse
+import json
+import pathlib
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import traceback
+
+import hosts
+
+WATCHDOG = 100  # [ticks] of 1 ms, the default
+LEASE = 2  # [s] after which two hosts that do not hear each other forget each other
+REST = 10  # [user units] of 4096 a revolution: an axis at rest is not farther from its target
+SILENCE = 1.0  # [s] after which a client calls a service lost
+TICKS_PER_SECOND = 1000
+CONNECTION_LOST = 0x8130
+STALE_EPOCH = 2
+SKIPPED = 77
+LONGEST = 100  # [s] after which a case cleans up and fails
+
+
+def expect(condition, message):
+    if not condition:
+        raise AssertionError(message)
+
+
+class Bench:
+    """A service on a host of its own, with an observer beside it that no link can cut off."""
+
+    def __init__(self, case, host, number, network=""):
+        self.number = number
+        self.host = host
+        file = case.directory / f"bench{number}.yaml"
+        file.write_text(
+            f"bench: {{number: {number}, name: bench{number}}}\n"
+            f"network: {{interfaces: [{host.address}]{network}}}\n", encoding="utf-8")
+        self.service = host.start(f"service{number}", case.programs.service, "--config", file,
+                                  "--log-level", "debug")
+
+    def observe(self, case, *axes):
+        self.observer = self.host.start(
+            f"observer{self.number}", case.programs.client, "--interface", self.host.address,
+            "observe", *axes)
+        hosts.wait_for("observation", lambda: self.seen(axes[0]), 5)
+
+    def events(self, since=0):
+        """(tick, text) of each event from line `since` of the log on."""
+        lines = self.service.lines()[since:]
+        found = (re.search(r"event tick=(\d+) suppressed=\d+ (.*)", line) for line in lines)
+        return [(int(match[1]), match[2]) for match in found if match]
+
+    def mark(self):
+        return len(self.service.lines())
+
+    def seen(self, axis):
+        """What the observer saw of the axis, oldest first."""
+        lines = [json.loads(line) for line in self.observer.lines()]
+        return [line for line in lines if line.get("axis") == axis]
+
+
+class Case:
+    """Three hosts and what runs on them; everything ends with it."""
+
+    def __init__(self, programs, directory):
+        self.programs = programs
+        self.directory = pathlib.Path(directory)
+        self.network = hosts.Network(directory)
+
+    def __enter__(self):
+        self.network.__enter__()
+        self.a, self.b, self.c = (self.network[letter] for letter in "abc")
+        self.options = ["--interface", self.c.address]
+        return self
+
+    def __exit__(self, kind, *_):
+        if kind is not None:
+            self.show_logs()
+        self.network.close()
+
+    def show_logs(self):
+        for process in self.network.processes:
+            lines = [line for line in process.lines() if "too late" not in line]
+            print(f"--- {process.name}, last of {len(lines)} lines", *lines[-60:], sep="\n")
+
+    def start_benches(self, network=""):
+        self.benches = [Bench(self, self.a, 1, network), Bench(self, self.b, 2, network)]
+        for bench in self.benches:
+            hosts.wait_for("start of the service",
+                           lambda b=bench: any("incarnation=" in x for x in b.service.lines()), 5)
+
+    def tool(self, *words, timeout=30):
+        done = self.c.call(self.programs.tool, *self.options, *words, timeout=timeout)
+        return done.returncode, done.stdout, done.stderr
+
+    def start_cycle(self):
+        self.cycle = self.c.start("cycle", self.programs.client, *self.options, "cycle", "1.1",
+                                  "2.1")
+        self.wait_for_moves(0, 10)
+
+    def calls(self, axis, since=0.0):
+        """Calls of the moving client that ended after `since`."""
+        lines = [json.loads(line) for line in self.cycle.lines()]
+        return [line for line in lines
+                if line.get("axis") == axis and "call" in line and line["time"] > since]
+
+    def moves(self, axis, since=0.0):
+        return [call for call in self.calls(axis, since)
+                if call["call"] == "move" and call["outcome"] == "ok"]
+
+    def failures(self, axis, since=0.0):
+        return [call for call in self.calls(axis, since) if call["outcome"] != "ok"]
+
+    def wait_for_moves(self, since, timeout, count=1, axes=("1.1", "2.1")):
+        for axis in axes:
+            hosts.wait_for(f"{count} moves of axis {axis}",
+                           lambda a=axis: len(self.moves(a, since)) >= count,
+                           since + timeout - time.monotonic() if since else timeout)
+
+    def stream(self, axis):
+        """The client's newest count of the status stream: samples, missed, first, last."""
+        lines = [json.loads(line) for line in self.cycle.lines()]
+        for line in lines:
+            expect("invented" not in line, f"a sample twice or out of order: {line}")
+        counts = [line for line in lines if line.get("axis") == axis and "samples" in line]
+        return counts[-1] if counts else None
+
+    def expect_nothing_restarted(self):
+        for process in self.network.processes:
+            expect(process.is_running() or process.name.startswith("holder"),
+                   f"{process.name} ended with {process.child.poll()}")
+
+
+# ---- discovery -----------------------------------------------------------------------------------
+
+
+def find_and_move(case):
+    # A tool waits up to 2 s for benches; finding takes as long as the first answer.
+    began = time.monotonic()
+    code, out, err = case.tool("list", "--json")
+    took = time.monotonic() - began
+    expect(code == 0, f"list: {err}")
+    benches = {json.loads(line)["bench"] for line in out.splitlines()}
+    expect(benches == {1, 2}, f"found benches {benches}")
+    expect(took < 2, f"list took {took:.2f} s")
+    print(f"both benches listed after {took:.2f} s")
+    for axis in ("1.1", "2.1"):
+        for words in (["enable", axis], ["move", axis, "4096", "--velocity", "40960"]):
+            code, out, err = case.tool(*words, "--json")
+            expect(code == 0, f"{words}: {out}{err}")
+        code, out, err = case.tool("status", axis, "--json")
+        status = json.loads(out)
+        expect(status["state"] == "Operation enabled", out)
+        expect(abs(status["load_position_actual_value"] - 4096) <= REST, out)
+
+
+def TwoBenchesAreFoundAndMovedByMulticast(case):
+    case.start_benches()
+    find_and_move(case)
+
+
+def TwoBenchesAreFoundAndMovedByPeersWithoutMulticast(case):
+    for host in (case.a, case.b, case.c):
+        host.block_multicast()
+    case.start_benches()
+    # Without peers nobody is found: it is them that find.
+    code, _, _ = case.tool("--timeout", "0.5", "list")
+    expect(code == 3, f"found without peers: exit code {code}")
+    case.options += ["--peer", case.a.address, "--peer", case.b.address]
+    find_and_move(case)
+
+
+def TwoBenchesAreFoundAndMovedByADiscoveryServerWithoutMulticast(case):
+    if shutil.which("fastdds") is None:
+        raise hosts.Missing("needs fastdds (package fastdds-tools)")
+    for host in (case.a, case.b, case.c):
+        host.block_multicast()
+    address = f"{case.a.address}:11811"
+    server = case.a.start("server", "fastdds", "discovery", "--server-id", 0, "--ip-address",
+                          case.a.address, "--port", 11811)
+    hosts.wait_for("discovery server", lambda: any("running" in x for x in server.lines()), 10)
+    case.start_benches(f', discovery_server: ["{address}"]')
+    code, _, _ = case.tool("--timeout", "0.5", "list")
+    expect(code == 3, f"found without the server: exit code {code}")
+    case.options += ["--discovery-server", address]
+    find_and_move(case)
+
+
+# ---- links that go down --------------------------------------------------------------------------
+
+
+def position(bench, axis):
+    return bench.seen(axis)[-1]["position"]
+
+
+def start_holder(case, name):
+    holder = case.c.start(f"holder{name}", case.programs.client, *case.options, "hold", "1.2",
+                          stdin=subprocess.PIPE)
+    held = hosts.wait_for("held axis", lambda: [x for x in holder.lines() if "held" in x], 10)
+    session = json.loads(held[0])["session"]
+
+    def is_enabled():
+        seen = case.benches[0].seen("1.2")[-1]
+        return seen["owner"] == session and seen["state"] == "Operation enabled"
+
+    hosts.wait_for("held axis to be enabled", is_enabled, 5)
+    return holder
+
+
+def say(holder, target):
+    """Sends a set-point, and returns its number in the session."""
+    count = len(holder.lines())
+    holder.child.stdin.write(f"{target}\n".encode())
+    holder.child.stdin.flush()
+
+    def sent():
+        lines = [json.loads(line) for line in holder.lines()[count:]]
+        return next((line["sent"] for line in lines if "sent" in line), None)
+
+    return hosts.wait_for("set-point on its way", sent, 2)
+
+
+def reply(holder, number):
+    lines = [json.loads(line) for line in holder.lines()]
+    return next((line for line in lines if line.get("reply") == number), None)
+
+
+def expect_story(events, axis, what):
+    """The events tell it all, in this order."""
+    story = ["fell silent", "Fault reaction active", f"fault 0x{CONNECTION_LOST:04X}", "Fault",
+             "controlled by session", f"fault 0x{CONNECTION_LOST:04X} reset", "Operation enabled"]
+    told = [text for _, text in events if text.startswith(f"axis {axis}: ")]
+    place = 0
+    for text in told:
+        if place < len(story) and story[place] in text:
+            place += 1
+    expect(place == len(story), f"{what}: the events of axis {axis} do not tell '"
+           f"{story[place] if place < len(story) else ''}': {told}")
+
+
+def expect_safe_stop(bench, events, axis, tick, what):
+    """The axis stopped by its watchdog, in time, and came to rest. Returns its times [ticks]."""
+    lost = next((t for t, text in events if "fell silent" in text and f"axis {axis}:" in text),
+                None)
+    expect(lost is not None, f"{what}: bench {bench.number} did not lose its master: {events}")
+    faults = [t for t, text in events if f"axis {axis}: fault 0x{CONNECTION_LOST:04X}" == text]
+    expect(faults, f"{what}: no fault 0x8130: {events}")
+    # The last word of the master came before the link was down; then time-out and 2 ticks.
+    expect(faults[0] <= tick + WATCHDOG + 2,
+           f"{what}: fault {faults[0] - tick} ticks after the link was down")
+    name = f"{bench.number}.{axis}"
+    at_rest = next((x for x in bench.seen(name) if x["tick"] >= faults[0] and
+                    x["state"] == "Fault" and not x["moving"]), None)
+    expect(at_rest, f"{what}: axis {name} did not come to rest in Fault")
+    expect(at_rest["error"] == CONNECTION_LOST, f"{what}: {at_rest}")
+    return faults[0] - tick, at_rest["tick"] - tick
+
+
+def short_cut(case):
+    """Returns whether everything went on; a machine that stands still itself may make it longer."""
+    began = time.monotonic()
+    marks = [bench.mark() for bench in case.benches]
+    case.c.block_for(0.05)
+    case.wait_for_moves(time.monotonic(), 5, count=2)
+    lost = [text for bench, mark in zip(case.benches, marks) for _, text in bench.events(mark)
+            if "fell silent" in text and "axis 1:" in text]
+    failed = [call for axis in ("1.1", "2.1") for call in case.failures(axis, began)]
+    expect(bool(lost) == bool(failed), f"lost {lost}, but the client says {failed}")
+    return not lost
+
+
+def long_cut(case, seconds):
+    what = f"link down for {seconds} s"
+    holder = start_holder(case, str(seconds))
+    case.wait_for_moves(time.monotonic(), 5)
+    before = position(case.benches[0], "1.2")
+    marks = [bench.mark() for bench in case.benches]
+    began = time.monotonic()
+    case.c.unplug()
+    tick = time.time() * TICKS_PER_SECOND  # tick 0 is the epoch
+    time.sleep(0.2)  # past the watchdog
+    number = say(holder, before + 4096)
+    time.sleep(max(0.0, began + seconds - time.monotonic()))
+    case.c.plug()
+    plugged = time.monotonic()
+    case.wait_for_moves(plugged, 5)
+    again = max(case.moves(axis, plugged)[0]["time"] for axis in ("1.1", "2.1")) - plugged
+    for bench, mark in zip(case.benches, marks):
+        events = bench.events(mark)
+        times = expect_safe_stop(bench, events, 1, tick, what)
+        expect_story(events, 1, f"{what}, bench {bench.number}")
+        print(f"{what}: bench {bench.number} fault after {times[0]:.0f} ms, at rest after "
+              f"{times[1]:.0f} ms, axes move again {again:.2f} s after the link is back")
+    for axis in ("1.1", "2.1"):
+        failures = case.failures(axis, began)
+        expect(failures, f"{what}: the client did not notice for axis {axis}")
+        noticed = failures[0]["time"] - began
+        # By the silence of the bench; or by what it says once it is heard again, which takes until
+        # the host has asked for its neighbour's address, once a second.
+        limit = 0.5 + (SILENCE if seconds > 2 * SILENCE else seconds + 1)
+        expect(noticed <= limit, f"{what}: axis {axis} noticed after {noticed:.2f} s")
+        expect(failures[0]["outcome"] in ("lost", "failed", "refused"), failures[0])
+        print(f"{what}: axis {axis} {failures[0]['outcome']} after {noticed:.2f} s")
+    if seconds < LEASE:  # what was sent is delivered, and answered
+        answer = hosts.wait_for("answer to the late set-point", lambda: reply(holder, number), 5)
+        expect(answer.get("reason") == STALE_EPOCH, f"{what}: late set-point: {answer}")
+        hosts.wait_for("event of the refusal", lambda: any(
+            "refused: the epoch" in text for _, text in case.benches[0].events(marks[0])), 2)
+    last = case.benches[0].seen("1.2")[-1]
+    expect(abs(last["position"] - before) <= REST and not last["moving"],
+           f"{what}: a stale command ran: {last}, was at {before}")
+    holder.kill()
+
+
+def ALinkThatGoesDownEndsSafeAndTheClientGoesOn(case):
+    case.start_benches()
+    case.benches[0].observe(case, "1.1", "1.2")
+    case.benches[1].observe(case, "2.1")
+    case.start_cycle()
+    expect(any(short_cut(case) for _ in range(3)),
+           "a link that is down for less than the watchdog stopped the axes, three times of three")
+    for seconds in (0.3, 1, 5):
+        long_cut(case, seconds)
+    case.expect_nothing_restarted()
+
+
+def cut_off_bench_2(case):
+    """Returns whether bench 1 went on as if nothing had happened."""
+    case.wait_for_moves(time.monotonic(), 5)
+    mark = case.benches[1].mark()
+    began = time.monotonic()
+    case.b.ip("link", "set", "net", "down")
+    tick = time.time() * TICKS_PER_SECOND
+    noticed = hosts.wait_for("lost bench 2", lambda: case.failures("2.1", began), 3)[0]
+    expect(noticed["outcome"] == "lost", noticed)
+    print(f"bench 2 {noticed['outcome']} after {noticed['time'] - began:.2f} s")
+    expect(noticed["time"] - began <= SILENCE + 0.3, f"noticed late: {noticed}")
+    time.sleep(max(0.0, began + 3 - time.monotonic()))  # beyond the participants' lease
+    case.b.ip("link", "set", "net", "up")
+    back = time.monotonic()
+    case.wait_for_moves(back, 5, axes=("2.1",))
+    found = next(x for x in case.calls("2.1", back) if x["call"] == "acquire")
+    expect(found["time"] - back <= 2, f"found again after {found['time'] - back:.2f} s")
+    print(f"bench 2 found again after {found['time'] - back:.2f} s")
+    events = case.benches[1].events(mark)
+    times = expect_safe_stop(case.benches[1], events, 1, tick, "bench 2 cut off")
+    expect_story(events, 1, "bench 2 cut off")
+    print(f"bench 2: fault after {times[0]:.0f} ms, at rest after {times[1]:.0f} ms")
+    expect(len(case.moves("1.1", began)) >= 3, "bench 1 did not go on")
+    return not case.failures("1.1", began)
+
+
+def ABenchThatIsCutOffStopsAloneAndIsFoundAgain(case):
+    case.start_benches()
+    case.benches[0].observe(case, "1.1")
+    case.benches[1].observe(case, "2.1")
+    case.start_cycle()
+    # A machine that stands still for 100 ms stops bench 1, too: try again.
+    expect(any(cut_off_bench_2(case) for _ in range(3)), "bench 1 suffered, three times of three")
+    case.expect_nothing_restarted()
+
+
+# ---- loss ----------------------------------------------------------------------------------------
+
+
+def move_with_loss(case, percent, seconds):
+    """Returns the failures of the calls, and checks what the client counted of the stream."""
+    counted = {axis: case.stream(axis) for axis in ("1.1", "2.1")}
+    silences = sum("silent" in line for line in case.cycle.lines())
+    marks = [bench.mark() for bench in case.benches]
+    began = time.monotonic()
+    case.c.lose(percent)
+    time.sleep(seconds)
+    ended = time.monotonic()
+    case.c.lose(0)
+    case.wait_for_moves(ended, 5, count=2)
+    failures = []
+    for axis, bench, mark in zip(("1.1", "2.1"), case.benches, marks):
+        calls = case.calls(axis, began)
+        times = [began, *(call["time"] for call in calls if call["time"] < ended), ended]
+        gap = max(later - earlier for earlier, later in zip(times, times[1:]))
+        expect(gap < 3, f"{percent} % loss: axis {axis} hung for {gap:.1f} s")
+        failed = case.failures(axis, began)
+        stops = [text for _, text in bench.events(mark) if text == "axis 1: fault 0x8130"]
+        expect(bool(stops) or not failed, f"{percent} % loss: a call failed on an axis that did "
+               f"not end safe: {failed}")
+        failures += failed
+        moves = len([move for move in case.moves(axis, began) if move["time"] < ended])
+        line = f"{percent} % loss, axis {axis}: {moves} moves, {len(stops)} stops, longest wait " \
+               f"{gap:.2f} s"
+        if sum("silent" in x for x in case.cycle.lines()) == silences:
+            line += f", {share_missed(case, axis, counted[axis], percent):.1f} % of frames missed"
+        print(line)
+    return failures
+
+
+def share_missed(case, axis, before, percent):
+    """The client's count agrees with itself and with the loss [%]."""
+    after = case.stream(axis)
+    expect(after["first"] + after["samples"] - 1 + after["missed"] == after["last"],
+           f"axis {axis}: samples and misses do not add up: {after}")
+    ticks = after["last"] - before["last"]
+    share = 100 * (after["missed"] - before["missed"]) / ticks
+    expect(0.3 * percent <= share <= 1.5 * percent + 5,
+           f"axis {axis}: {share:.1f} % missed at {percent} % loss")
+    return share
+
+
+def LossOfPacketsLosesNoCommandOrEndsSafe(case):
+    case.start_benches()
+    case.start_cycle()
+    hosts.wait_for("stream", lambda: case.stream("1.1") and case.stream("2.1"), 5)
+    # A machine that stands still for 100 ms has the same effect as a link that does: try again.
+    expect(any(not move_with_loss(case, 1, 10) for _ in range(3)),
+           "1 % loss: calls failed, three times of three")
+    move_with_loss(case, 20, 10)
+    case.expect_nothing_restarted()
+
+
+# --------------------------------------------------------------------------------------------------
+
+
+def give_up(number, _frame):
+    raise AssertionError(f"ended by {signal.Signals(number).name}")
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("case")
+    for program in ("service", "tool", "client"):
+        parser.add_argument(f"--{program}", required=True, type=pathlib.Path)
+    programs = parser.parse_args()
+    for number in (signal.SIGALRM, signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, give_up)
+    signal.alarm(LONGEST)
+    try:
+        with tempfile.TemporaryDirectory(prefix="vdrive-network-") as directory:
+            with Case(programs, directory) as case:
+                globals()[programs.case](case)
+    except hosts.Missing as reason:
+        print(f"skipped: {reason}")
+        return SKIPPED
+    except AssertionError:
+        traceback.print_exc(file=sys.stdout)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
