@@ -206,6 +206,16 @@ def position(bench, axis):
 
 
 def start_holder(case, name):
+    """Tries again where the machine stood still between its taking the axis and keeping it."""
+    for last in (False, False, True):
+        try:
+            return try_holder(case, name)
+        except AssertionError:
+            if last:
+                raise
+
+
+def try_holder(case, name):
     holder = case.c.start(f"holder{name}", case.programs.client, *case.options, "hold", "1.2",
                           stdin=subprocess.PIPE)
     held = hosts.wait_for("held axis", lambda: [x for x in holder.lines() if "held" in x], 10)
@@ -215,7 +225,11 @@ def start_holder(case, name):
         seen = case.benches[0].seen("1.2")[-1]
         return seen["owner"] == session and seen["state"] == "Operation enabled"
 
-    hosts.wait_for("held axis to be enabled", is_enabled, 5)
+    try:
+        hosts.wait_for("held axis to be enabled", is_enabled, 2)
+    except AssertionError:
+        holder.kill()
+        raise
     return holder
 
 
@@ -257,9 +271,12 @@ def expect_safe_stop(bench, events, axis, tick, what):
     expect(lost is not None, f"{what}: bench {bench.number} did not lose its master: {events}")
     faults = [t for t, text in events if f"axis {axis}: fault 0x{CONNECTION_LOST:04X}" == text]
     expect(faults, f"{what}: no fault 0x8130: {events}")
-    # The last word of the master came before the link was down; then time-out and 2 ticks.
-    expect(faults[0] <= tick + WATCHDOG + 2,
-           f"{what}: fault {faults[0] - tick} ticks after the link was down")
+    # The last word of the master came before the link was down; then time-out and 2 ticks of drive
+    # time, which does not pass when the machine stands still and the number of the tick jumps.
+    jumps = (re.match(r"tick number jumped by (\d+)", text) for t, text in events if t <= faults[0])
+    jumped = sum(int(match[1]) for match in jumps if match)
+    expect(faults[0] - jumped <= tick + WATCHDOG + 2,
+           f"{what}: fault {faults[0] - tick} ticks after the link was down, {jumped} jumped")
     name = f"{bench.number}.{axis}"
     at_rest = next((x for x in bench.seen(name) if x["tick"] >= faults[0] and
                     x["state"] == "Fault" and not x["moving"]), None)
@@ -329,8 +346,9 @@ def ALinkThatGoesDownEndsSafeAndTheClientGoesOn(case):
     case.benches[0].observe(case, "1.1", "1.2")
     case.benches[1].observe(case, "2.1")
     case.start_cycle()
-    expect(any(short_cut(case) for _ in range(3)),
-           "a link that is down for less than the watchdog stopped the axes, three times of three")
+    # 50 ms and what a busy machine adds may exceed the watchdog; always is too often.
+    expect(any(short_cut(case) for _ in range(10)),
+           "a link that is down for less than the watchdog stopped the axes, ten times of ten")
     for seconds in (0.3, 1, 5):
         long_cut(case, seconds)
     case.expect_nothing_restarted()
