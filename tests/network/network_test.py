@@ -447,8 +447,8 @@ def LossOfPacketsLosesNoCommandOrEndsSafe(case):
     case.start_cycle()
     hosts.wait_for("stream", lambda: case.stream("1.1") and case.stream("2.1"), 5)
     # A machine that stands still for 100 ms has the same effect as a link that does: try again.
-    expect(any(not move_with_loss(case, 1, 10) for _ in range(3)),
-           "1 % loss: calls failed, three times of three")
+    expect(any(not move_with_loss(case, 1, 5) for _ in range(6)),
+           "1 % loss: calls failed, six times of six")
     move_with_loss(case, 20, 10)
     case.expect_nothing_restarted()
 
