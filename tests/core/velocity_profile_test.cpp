@@ -88,6 +88,16 @@ TEST(PlanVelocity, AStartAboveTheLimitSlowsDownToIt) {
   EXPECT_DOUBLE_EQ(profile.at(5.0).velocity, 30.0);
 }
 
+TEST(PlanVelocity, TheSlowestVelocityGoesOnToo) {
+  for (const double target : {0.25, -0.25, 1.0, -1.0}) {
+    const Profile profile = plan_velocity(
+        {0.0, 0.0}, target, {.velocity = 10.0, .acceleration = 1.0, .deceleration = 1.0});
+    EXPECT_EQ(profile.at(1.0e6).velocity, target);
+    // From rest v²/2 = v·t/2 less than at full speed all the way.
+    EXPECT_NEAR(profile.at(1.0e6).position, target * 1.0e6 - 0.5 * target * std::abs(target), 1e-6);
+  }
+}
+
 TEST(PlanVelocity, ToZeroEndsAtRestWhereTheRampEnds) {
   const Profile profile =
       plan_velocity({10.0, -40.0}, 0.0, {.velocity = 100.0, .deceleration = 20.0});

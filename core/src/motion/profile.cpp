@@ -176,9 +176,9 @@ Profile plan_velocity(const MotionState& start, double target,
   const double wanted = std::min(std::abs(target), limits.velocity);
   double direction = start.velocity < 0.0 ? -1.0 : 1.0;
   double speed = direction * start.velocity;
-  if (speed == 0.0 || direction * target < 0.0) {
+  if (direction * target < 0.0) {
     builder.ramp(direction, speed, -speed, limits.deceleration);
-    direction = target < 0.0 ? -1.0 : 1.0;
+    direction = -direction;
     speed = 0.0;
   }
   const double change = wanted - speed;
