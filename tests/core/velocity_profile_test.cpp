@@ -98,6 +98,14 @@ TEST(PlanVelocity, TheSlowestVelocityGoesOnToo) {
   }
 }
 
+TEST(PlanVelocity, AVelocityBelow1IsAStartLikeAnother) {
+  const Profile profile =
+      plan_velocity({0.0, 0.5}, 5.0, {.velocity = 10.0, .acceleration = 1.0, .deceleration = 2.0});
+  EXPECT_EQ(profile.at(0.0).velocity, 0.5);
+  EXPECT_EQ(profile.at(1.0).velocity, 1.5);
+  EXPECT_EQ(profile.at(1.0).position, 1.0);  // 0.5·1 + 1·1²/2
+}
+
 TEST(PlanVelocity, ToZeroEndsAtRestWhereTheRampEnds) {
   const Profile profile =
       plan_velocity({10.0, -40.0}, 0.0, {.velocity = 100.0, .deceleration = 20.0});
