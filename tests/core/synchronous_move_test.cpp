@@ -206,6 +206,27 @@ TEST_F(TwoAxes, HaltAndResumeStayOnTheLine) {
   EXPECT_EQ(group.demand(1), targets[1]);
 }
 
+TEST_F(TwoAxes, WithoutAnyWayAHaltStandsAndResumeEndsWithTheOthers) {
+  group.start({90'000, 0}, {900'000, 200'000, 300'000});
+  for (int tick = 0; tick < 350; ++tick) {
+    group.bank().step();
+  }
+  group.say(0x010F);
+  for (int tick = 0; tick < 400; ++tick) {
+    group.bank().step();
+    ASSERT_EQ(group.demand(1), 0) << tick;
+  }
+  EXPECT_TRUE(group.shows(0, Statusword::kTargetReached)) << "at standstill";
+  EXPECT_TRUE(group.shows(1, Statusword::kTargetReached));
+  group.say(0x000F);
+  for (int tick = 0; tick < 900; ++tick) {
+    group.bank().step();
+    ASSERT_EQ(group.demand(1), 0) << tick;
+  }
+  EXPECT_EQ(group.demand(0), 90'000);
+  EXPECT_TRUE(group.shows(1, Statusword::kTargetReached));
+}
+
 TEST_F(TwoAxes, TheSpeedFollowsFromTheTimesAndNotFrom6081h) {
   group.write(0, {0x6081, 0}, 1);
   // 60000 UU in 700 ms with ramps of 100 ms: 60000 / (0.7 - 0.1) s = 100000 UU/s.

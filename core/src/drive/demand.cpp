@@ -315,6 +315,9 @@ void start_set_point(const DriveContext& axis, const SetPoint& set_point) {
   r.synchronous_times = times_of(set_point);
   if (r.synchronous_times.duration > 0.0) {
     r.synchronous_limits = limits_of(s.target - s.demand_position, r.synchronous_times);
+    if (r.synchronous_limits.deceleration == 0.0) {
+      r.synchronous_limits.deceleration = 1.0;  // no way: a halt plans its stop all the same
+    }
   }
   r.synchronous_start = true;
   // The profile's start was rebased too: the request must not compare equal to one of before.
