@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/client/axis.hpp"
 
+#include "command_words.hpp"
 #include "conversation.hpp"
-#include "vdrive/cia402/controlword.hpp"
-#include "vdrive/cia402/statusword.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 
 #include <algorithm>
@@ -12,46 +11,13 @@
 namespace vdrive::client {
 namespace {
 
-// Commands of the power state machine, as the manual writes them.
-constexpr std::uint16_t kDisableVoltage = 0x0000;
-constexpr std::uint16_t kQuickStop = 0x0002;
-constexpr std::uint16_t kShutdown = 0x0006;
-constexpr std::uint16_t kSwitchOn = 0x0007;
-constexpr std::uint16_t kEnableOperation = 0x000F;
-constexpr std::uint16_t kHalt = kEnableOperation | Controlword::kHalt;
-
-bool is_fault(PowerState state) {
-  return state == PowerState::fault || state == PowerState::fault_reaction_active;
-}
-
-bool target_reached(const AxisSnapshot& axis) {
-  return axis.shows(Statusword::kTargetReached);
-}
-
-/// Says the words that lead from the present state to Operation enabled.
-Outcome say_enabling(Conversation& talk) {
-  switch (talk.state()) {
-    case PowerState::switched_on:
-      return talk.say({kEnableOperation});
-    case PowerState::ready_to_switch_on:
-      return talk.say({kSwitchOn, kEnableOperation});
-    case PowerState::quick_stop_active:
-      return talk.say({kDisableVoltage, kShutdown, kSwitchOn, kEnableOperation});
-    default:
-      return talk.say({kShutdown, kSwitchOn, kEnableOperation});
-  }
-}
-
 /// Lets a quick stop end, or come to rest where 605Ah keeps the state.
 Outcome await_quick_stop(Conversation& talk) {
   using namespace literals;
-  constexpr std::int64_t kFirstThatStays = 5;
   const auto option = talk.read(vdrive::describe("quick_stop_option_code"_object).address);
   if (!option) return option.outcome();
-  const bool stays = *option >= kFirstThatStays;
-  return talk.look_until("the quick stop to end", [stays](const AxisSnapshot& axis) {
-    return axis.state() != PowerState::quick_stop_active ||
-           (stays && axis.shows(Statusword::kTargetReached));
+  return talk.look_until("the quick stop to end", [&option](const AxisSnapshot& axis) {
+    return quick_stop_ended(axis, *option);
   });
 }
 
@@ -153,7 +119,7 @@ Outcome Axis::enable(const CallOptions& options) {
   if (talk.state() == PowerState::quick_stop_active && options.until == Until::done) {
     if (Outcome rested = await_quick_stop(talk); !rested) return rested;
   }
-  if (Outcome said = say_enabling(talk); !said) return said;
+  if (Outcome said = talk.say(enabling_words(talk.state())); !said) return said;
   if (talk.state() == PowerState::operation_enabled) return {};
   return talk.ended("Operation enabled");
 }
@@ -247,9 +213,7 @@ Outcome Axis::reset_fault(const CallOptions& options) {
     return axis.state() != PowerState::fault_reaction_active;
   });
   if (!reacted) return reacted;
-  // Bit 7 goes up and down again: the next reset has its edge, and 0000h commands nothing here.
-  const std::uint16_t reset = Controlword::kFaultReset;
-  if (Outcome said = talk.say({kDisableVoltage, reset, kDisableVoltage}); !said) return said;
+  if (Outcome said = talk.say(reset_words()); !said) return said;
   if (!is_fault(talk.state())) return {};
   return Outcome::refused(static_cast<std::uint32_t>(AbortCode::refused_in_present_device_state),
                           talk.ended("the end of the fault").message() + ", the cause persists");

@@ -24,6 +24,25 @@ msg::AxisCommand controlword_command(std::uint16_t axis, std::uint16_t word) {
   return command;
 }
 
+Outcome refused_in_state(const AxisSnapshot& axis, std::string_view command,
+                         std::string_view hint) {
+  return Outcome::refused(kRefusedInState, "axis " + to_string(axis.id) + " is in " +
+                                               std::string(to_string(axis.state())) + ", " +
+                                               std::string(command) + " needs " +
+                                               std::string(hint));
+}
+
+std::string what_it_shows(const AxisSnapshot& axis) {
+  std::string text = "shows " + describe_statusword(axis.status.ds402_statusword, axis.mode());
+  if (axis.status.error_code != 0) {
+    std::array<char, 16> hex{};
+    std::snprintf(hex.data(), hex.size(), "0x%04X", unsigned{axis.status.error_code});
+    text += std::string(", error ") + hex.data() + " " +
+            std::string(vdrive::describe(static_cast<ErrorCode>(axis.status.error_code)));
+  }
+  return text;
+}
+
 Conversation::Conversation(std::shared_ptr<SessionCore> core, AxisId id,
                            std::chrono::nanoseconds timeout)
     : core_(std::move(core)), id_(id), timeout_(timeout) {}
@@ -48,7 +67,7 @@ Outcome Conversation::take_control() {
 Outcome Conversation::say(std::span<const msg::AxisCommand> commands) {
   const auto applied = core_->command(target_, commands);
   if (!applied) return applied.outcome();
-  if (applied->set_point_ignored) {
+  if (!applied->ignored_set_points.empty()) {
     return Outcome::refused(
         kRefusedInState, "axis " + to_string(id_) + " ignored the set-point, its buffer is full");
   }
@@ -57,8 +76,9 @@ Outcome Conversation::say(std::span<const msg::AxisCommand> commands) {
   return note(core_->observe(target_, axes));
 }
 
-Outcome Conversation::say(std::initializer_list<std::uint16_t> controlwords) {
+Outcome Conversation::say(const std::vector<std::uint16_t>& controlwords) {
   std::vector<msg::AxisCommand> commands;
+  commands.reserve(controlwords.size());
   for (const std::uint16_t word : controlwords) {
     commands.push_back(controlword_command(id_.axis, word));
   }
@@ -68,8 +88,7 @@ Outcome Conversation::say(std::initializer_list<std::uint16_t> controlwords) {
 Outcome Conversation::look(std::string_view awaited) {
   if (now_.tick >= deadline_) {
     return Outcome::timed_out("axis " + to_string(id_) + ": waited in vain for " +
-                              std::string(awaited) + ", shows " +
-                              describe_statusword(now_.status.ds402_statusword, now_.mode()));
+                              std::string(awaited) + ", " + what_it_shows(now_));
   }
   // Drive time may pass slower than wall time; where none passes at all the same time has to do.
   const auto begin = std::chrono::steady_clock::now();
@@ -117,21 +136,12 @@ Result<std::int64_t> Conversation::read(ObjectAddress object) {
 }
 
 Outcome Conversation::not_now(std::string_view command, std::string_view hint) const {
-  std::string message = "axis " + to_string(id_) + " is in " + std::string(to_string(state())) +
-                        ", " + std::string(command) + " needs " + std::string(hint);
-  return Outcome::refused(kRefusedInState, std::move(message));
+  return refused_in_state(now_, command, hint);
 }
 
 Outcome Conversation::ended(std::string_view awaited) const {
-  std::string message = "axis " + to_string(id_) + ": waited for " + std::string(awaited) +
-                        ", shows " + describe_statusword(now_.status.ds402_statusword, now_.mode());
-  if (now_.status.error_code != 0) {
-    std::array<char, 16> hex{};
-    std::snprintf(hex.data(), hex.size(), "0x%04X", unsigned{now_.status.error_code});
-    message += std::string(", error ") + hex.data() + " " +
-               std::string(vdrive::describe(static_cast<ErrorCode>(now_.status.error_code)));
-  }
-  return Outcome::failed(std::move(message));
+  return Outcome::failed("axis " + to_string(id_) + ": waited for " + std::string(awaited) + ", " +
+                         what_it_shows(now_));
 }
 
 }  // namespace vdrive::client

@@ -5,12 +5,12 @@
 #include "vdrive/client/axis.hpp"
 
 #include <chrono>
-#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace vdrive::client {
 
@@ -36,7 +36,7 @@ class Conversation {
   Outcome say(std::span<const msg::AxisCommand> commands);
 
   /// The same with controlwords alone.
-  Outcome say(std::initializer_list<std::uint16_t> controlwords);
+  Outcome say(const std::vector<std::uint16_t>& controlwords);
 
   /// Looks at the next tick. @return timed_out, naming what was waited for, at the deadline.
   Outcome look(std::string_view awaited);
@@ -90,5 +90,12 @@ class Conversation {
 
 /// @return a command that writes the controlword only.
 [[nodiscard]] msg::AxisCommand controlword_command(std::uint16_t axis, std::uint16_t word);
+
+/// @return such as "shows 0x218 Fault, error 0x8611 following error".
+[[nodiscard]] std::string what_it_shows(const AxisSnapshot& axis);
+
+/// @return the refusal of a command that the axis' power state does not allow.
+[[nodiscard]] Outcome refused_in_state(const AxisSnapshot& axis, std::string_view command,
+                                       std::string_view hint);
 
 }  // namespace vdrive::client

@@ -49,12 +49,11 @@ Outcome refusal_of(const Target& target, const msg::Reply& reply, std::string_vi
 
 namespace {
 
-/// @param timing of the frame that was refused
-Outcome refusal_of(const Target& target, const msg::Refusal& refusal, const FrameTiming& timing,
+/// @param tick that the refused frame was meant for, 0 = any
+Outcome refusal_of(const Target& target, const msg::Refusal& refusal, std::uint64_t tick,
                    std::uint64_t next_tick) {
   if (refusal.axis() == 0) {
     std::string message = name_of(target) + " refused the command frame";
-    const std::uint64_t tick = timing.meant_for();
     if (refusal.reason() == msg::REASON_TOO_LATE && tick != 0 && tick < next_tick) {
       message += ", late by " + std::to_string(next_tick - tick) + " ticks";
     }
@@ -100,6 +99,39 @@ Result<msg::Reply> SessionCore::await_reply(const Target& target, std::uint64_t 
   return std::move(*reply);
 }
 
+Result<std::vector<msg::Reply>> SessionCore::requests(const Target& target,
+                                                      std::vector<msg::Request> requests,
+                                                      std::string_view what) {
+  Outcome outcome;
+  std::vector<std::uint64_t> numbers;
+  for (msg::Request& request : requests) {
+    const auto number = send_request(target, std::move(request));
+    if (!number) {
+      outcome = number.outcome();
+      break;
+    }
+    numbers.push_back(*number);
+  }
+  std::vector<msg::Reply> replies;
+  for (const std::uint64_t number : numbers) {
+    if (!outcome) {
+      const std::scoped_lock lock(mutex_);
+      requests_.erase(number);
+      continue;
+    }
+    auto reply = await_reply(target, number, kAnswer);
+    if (!reply) {
+      outcome = reply.outcome();
+    } else if (reply->reason() != msg::REASON_NONE) {
+      outcome = refusal_of(target, *reply, what);
+    } else {
+      replies.push_back(std::move(*reply));
+    }
+  }
+  if (!outcome) return outcome;
+  return replies;
+}
+
 Result<msg::Reply> SessionCore::request(const Target& target, msg::Request request,
                                         std::string_view what) {
   const auto number = send_request(target, std::move(request));
@@ -143,7 +175,8 @@ SessionCore::Holding& SessionCore::holding(const BenchKey& key) {
   return holding;
 }
 
-void SessionCore::note_acquired(const Target& target, std::uint16_t axis, const msg::Reply& reply) {
+void SessionCore::note_acquired(const Target& target, std::span<const std::uint16_t> axes,
+                                const msg::Reply& reply) {
   if (reply.epoch() == 0) return;
   {
     const std::scoped_lock lock(mutex_);
@@ -151,24 +184,34 @@ void SessionCore::note_acquired(const Target& target, std::uint16_t axis, const 
     if (held.epoch != reply.epoch()) held.epoch_since = held.sequence + 1;
     held.epoch = reply.epoch();
     held.lives_by_wall_clock = !target.steps();
-    held.axes.insert(axis);
+    held.axes.insert(axes.begin(), axes.end());
   }
   start_keep_alive();
 }
 
+bool SessionCore::holds(const Target& target, std::span<const std::uint16_t> axes) {
+  const std::scoped_lock lock(mutex_);
+  const std::set<std::uint16_t>& held = holding(target.key).axes;
+  return std::ranges::all_of(axes, [&held](std::uint16_t axis) {
+    return held.contains(axis);
+  });
+}
+
 Outcome SessionCore::acquire(const Target& target, std::uint16_t axis, bool shows_us) {
+  if (shows_us && holds(target, {&axis, 1})) return {};
+  return acquire(target, {&axis, 1});
+}
+
+Outcome SessionCore::acquire(const Target& target, std::span<const std::uint16_t> axes) {
   if (Outcome matched = await_command_match(target); !matched) return matched;
-  {
-    const std::scoped_lock lock(mutex_);
-    if (shows_us && holding(target.key).axes.contains(axis)) return {};
-  }
   msg::Request request;
   request.kind(msg::REQUEST_ACQUIRE);
-  request.axes().push_back(axis);
-  const auto reply =
-      request_control(target, std::move(request), "control of " + name_of(target, axis));
+  request.axes().assign(axes.begin(), axes.end());
+  const std::string what =
+      "control of " + (axes.size() == 1 ? name_of(target, axes.front()) : name_of(target));
+  const auto reply = request_control(target, std::move(request), what);
   if (!reply) return reply.outcome();
-  note_acquired(target, axis, *reply);
+  note_acquired(target, axes, *reply);
   return {};
 }
 
@@ -183,7 +226,7 @@ Result<msg::Reply> SessionCore::write(const Target& target, msg::Request request
   const std::uint16_t axis = request.objects().front().axis();
   auto reply = request_control(target, std::move(request), what);
   if (commands && reply && reply->objects().front().abort_code() == 0) {
-    note_acquired(target, axis, *reply);
+    note_acquired(target, {&axis, 1}, *reply);
   }
   return reply;
 }
@@ -240,19 +283,20 @@ msg::CommandFrame SessionCore::next_frame(Holding& held) const {
   return frame;
 }
 
-Outcome SessionCore::send(const Target& target, std::span<const msg::AxisCommand> commands,
-                          const FrameTiming& timing, std::vector<std::uint64_t>& sequences) {
+Outcome SessionCore::send(const Target& target, std::span<const FrameContent> frames,
+                          std::vector<std::uint64_t>& sequences) {
   const std::scoped_lock sending(send_mutex_of(target.key.number));
-  for (const msg::AxisCommand& command : commands) {
+  for (const FrameContent& content : frames) {
     Lock lock(mutex_);
     msg::CommandFrame frame = next_frame(holding(target.key));
     const std::uint64_t sequence = frame.sequence_number();
-    commands_.emplace(PendingCommand{target.key, sequence}, std::nullopt);
+    commands_.emplace(PendingCommand{target.key, sequence},
+                      AwaitedCommand{content.apply_at_tick, std::nullopt});
     lock.unlock();
-    frame.flags(msg::FRAME_WANT_REPLY);
-    frame.apply_at_tick(timing.apply_at_tick);
-    frame.valid_until_tick(timing.valid_until_tick);
-    frame.axes().push_back(command);
+    frame.flags(content.flags | msg::FRAME_WANT_REPLY);
+    frame.apply_at_tick(content.apply_at_tick);
+    frame.valid_until_tick(content.apply_at_tick);
+    frame.axes() = content.commands;
     sequences.push_back(sequence);
     if (!command_publication_.write(frame)) {
       return Outcome::lost(name_of(target) + " takes no more commands");
@@ -261,44 +305,74 @@ Outcome SessionCore::send(const Target& target, std::span<const msg::AxisCommand
   return {};
 }
 
-Result<Applied> SessionCore::collect(const Target& target, std::span<const std::uint64_t> sequences,
-                                     const FrameTiming& timing, Outcome outcome) {
+Applied SessionCore::collect(const Target& target, std::span<const std::uint64_t> sequences,
+                             Outcome outcome) {
   Applied applied;
   Lock lock(mutex_);
   for (const std::uint64_t sequence : sequences) {
     const auto entry = commands_.find({target.key, sequence});
+    const AwaitedCommand& awaited = entry->second;
     if (outcome) {
-      outcome = wait(lock, target, timing.apply_at_tick == 0 ? kAnswer : kAnswerInItsTick, [&] {
-        return entry->second.has_value();
+      outcome = wait(lock, target, awaited.apply_at_tick == 0 ? kAnswer : kAnswerInItsTick, [&] {
+        return awaited.reply.has_value();
       });
     }
-    if (outcome && !entry->second->refusals().empty()) {
-      outcome =
-          refusal_of(target, entry->second->refusals().front(), timing, entry->second->tick());
+    if (outcome && !awaited.reply->refusals().empty()) {
+      if (applied.outcome) {
+        applied.outcome = refusal_of(target, awaited.reply->refusals().front(),
+                                     awaited.apply_at_tick, awaited.reply->tick());
+      }
     } else if (outcome) {
-      applied.tick = std::max(applied.tick, entry->second->tick());
-      applied.set_point_ignored =
-          applied.set_point_ignored || !entry->second->ignored_set_points().empty();
+      applied.tick = std::max(applied.tick, awaited.reply->tick());
+      const auto& ignored = awaited.reply->ignored_set_points();
+      applied.ignored_set_points.insert(applied.ignored_set_points.end(), ignored.begin(),
+                                        ignored.end());
     }
     commands_.erase(entry);
   }
-  if (!outcome) return outcome;
+  if (!outcome) applied.outcome = std::move(outcome);
   return applied;
 }
 
-Result<Applied> SessionCore::command(const Target& target,
-                                     std::span<const msg::AxisCommand> commands,
-                                     const FrameTiming& timing) {
-  std::vector<std::uint64_t> sequences;
-  Outcome outcome = send(target, commands, timing, sequences);
-  if (outcome && target.steps()) outcome = pass_time_for(target, timing);
-  return collect(target, sequences, timing, std::move(outcome));
+bool SessionCore::is_answered(const SentFrames& sent) const {
+  return std::ranges::all_of(sent.sequences, [&](std::uint64_t sequence) {
+    return commands_.at({sent.target.key, sequence}).reply.has_value();
+  });
 }
 
-/// Steps until frames of this timing are in force.
-Outcome SessionCore::pass_time_for(const Target& target, const FrameTiming& timing) {
-  if (timing.apply_at_tick == 0) return step(target, 1, {}).outcome();
-  return wait_for_tick(target, timing.apply_at_tick).outcome();
+bool SessionCore::is_refused(const SentFrames& sent) const {
+  return std::ranges::any_of(sent.sequences, [&](std::uint64_t sequence) {
+    const auto& reply = commands_.at({sent.target.key, sequence}).reply;
+    return reply && !reply->refusals().empty();
+  });
+}
+
+Result<bool> SessionCore::await_answers(std::span<const SentFrames> sent) {
+  Lock lock(mutex_);
+  const auto any_refused = [&] {
+    return std::ranges::any_of(sent, [&](const SentFrames& frames) {
+      return is_refused(frames);
+    });
+  };
+  for (const SentFrames& frames : sent) {
+    Outcome outcome = wait(lock, frames.target, kAnswer, [&] {
+      return is_answered(frames) || any_refused();
+    });
+    if (!outcome) return outcome;
+  }
+  return !any_refused();
+}
+
+Result<Applied> SessionCore::command(const Target& target,
+                                     std::span<const msg::AxisCommand> commands) {
+  std::vector<FrameContent> frames;
+  for (const msg::AxisCommand& command : commands) frames.push_back({.commands = {command}});
+  std::vector<std::uint64_t> sequences;
+  Outcome outcome = send(target, frames, sequences);
+  if (outcome && target.steps()) outcome = step(target, 1, {}).outcome();
+  Applied applied = collect(target, sequences, std::move(outcome));
+  if (!applied.outcome) return applied.outcome;
+  return applied;
 }
 
 // ---- keeping control ----------------------------------------------------------------------

@@ -40,6 +40,7 @@ Target target_of(const PresentBench& bench) {
           .clock_mode = bench.info.clock_mode,
           .period = bench.info.period,
           .status_every_ticks = bench.info.status_every_ticks,
+          .rate = bench.info.rate,
           .is_paused = bench.info.clock_mode == ClockMode::realtime && bench.info.rate == 0.0,
           .source = bench.source};
 }
@@ -138,7 +139,7 @@ void SessionCore::on_command_reply(const msg::CommandReply& message) {
   const BenchKey key{message.bench(), message.incarnation()};
   const auto command = commands_.find({key, message.sequence_number()});
   if (command != commands_.end()) {
-    command->second = message;
+    command->second.reply = message;
     changed_.notify_all();
   }
   // A frame of the present epoch that is refused as a whole says that control is gone.
@@ -206,19 +207,23 @@ Result<AxisInfo> SessionCore::find_axis(std::string_view text) {
     }
     return Outcome::not_found("no axis " + to_string(*id) + ", " + list_of({&*bench, 1}));
   }
+  return find_name(text, find_benches());
+}
+
+Result<AxisInfo> SessionCore::find_name(std::string_view name,
+                                        std::span<const PresentBench> benches) const {
   std::vector<AxisInfo> matches;
-  const std::vector<PresentBench> benches = find_benches();
   for (const PresentBench& bench : benches) {
     std::ranges::copy_if(bench.info.axes, std::back_inserter(matches), [&](const AxisInfo& axis) {
-      return axis.name == text;
+      return axis.name == name;
     });
   }
   if (matches.size() == 1) return std::move(matches.front());
   if (matches.empty()) {
-    return Outcome::not_found("no axis is named '" + std::string(text) + "' on domain " +
+    return Outcome::not_found("no axis is named '" + std::string(name) + "' on domain " +
                               std::to_string(options_.domain) + ", " + list_of(benches));
   }
-  return Outcome::not_found("several axes are named '" + std::string(text) +
+  return Outcome::not_found("several axes are named '" + std::string(name) +
                             "': " + to_string(matches[0].id) + ", " + to_string(matches[1].id));
 }
 

@@ -41,6 +41,7 @@ struct Target {
   ClockMode clock_mode = ClockMode::realtime;
   std::chrono::microseconds period{1000};
   std::uint32_t status_every_ticks = 1;
+  double rate = 1.0;       ///< realtime: drive time over wall time
   bool is_paused = false;  ///< drive time stands still, and with it the status stream
   wire::Source source;
 
@@ -57,21 +58,24 @@ struct Target {
 /// @return that the run of the service that was spoken to is gone, and another one is there.
 [[nodiscard]] std::string restarted_text(const Target& target);
 
-/// What became of command frames.
-struct Applied {
-  std::uint64_t tick = 0;  ///< in which the last of them is in force
-  bool set_point_ignored = false;
+/// What one command frame carries.
+struct FrameContent {
+  std::vector<msg::AxisCommand> commands;
+  std::uint64_t apply_at_tick = 0;  ///< 0 = the next; a frame that misses its tick is refused
+  std::uint32_t flags = 0;          ///< FRAME_..., beside the wish for a reply
 };
 
-/// When command frames take effect.
-struct FrameTiming {
-  std::uint64_t apply_at_tick = 0;     ///< 0 = the next
-  std::uint64_t valid_until_tick = 0;  ///< 0 = none
+/// Frames on their way to one bench.
+struct SentFrames {
+  Target target;
+  std::vector<std::uint64_t> sequences;
+};
 
-  /// @return the tick that the frame is meant for, 0 = any.
-  [[nodiscard]] std::uint64_t meant_for() const noexcept {
-    return apply_at_tick == 0 ? valid_until_tick : apply_at_tick;
-  }
+/// What became of command frames.
+struct Applied {
+  Outcome outcome;         ///< the first refusal, if any
+  std::uint64_t tick = 0;  ///< in which the last accepted one is in force; 0 = none was
+  std::vector<std::uint16_t> ignored_set_points;  ///< axes that did not take theirs
 };
 
 /// Everything behind Session: the DDS entities, who is there, what is held, what is awaited.
@@ -111,6 +115,9 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   /// An axis by address or name.
   Result<AxisInfo> find_axis(std::string_view text);
 
+  /// An axis by name among `benches`.
+  Result<AxisInfo> find_name(std::string_view name, std::span<const PresentBench> benches) const;
+
   /// Finds the bench and waits until it can hear requests and we its answers.
   Result<Target> connect(std::uint32_t number);
 
@@ -130,13 +137,35 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   /// @param shows_us whether the axis shows this session as its owner: control may have been lost
   Outcome acquire(const Target& target, std::uint16_t axis, bool shows_us);
 
+  /// @return whether this session took all of these and has not heard of a loss.
+  bool holds(const Target& target, std::span<const std::uint16_t> axes);
+
+  /// Takes these axes, all or none.
+  Outcome acquire(const Target& target, std::span<const std::uint16_t> axes);
+
   /// Writes objects of one axis, which takes the axis when one of them is a command object.
   Result<msg::Reply> write(const Target& target, msg::Request request, std::string_view what);
 
+  /// Asks several things at once. @return the answers in the same order, or the first refusal.
+  Result<std::vector<msg::Reply>> requests(const Target& target, std::vector<msg::Request> requests,
+                                           std::string_view what);
+
+  /// Sends frames in order. @return the sequence numbers to collect the answers by, also of what
+  ///         was sent before a failure.
+  Outcome send(const Target& target, std::span<const FrameContent> frames,
+               std::vector<std::uint64_t>& sequences);
+
+  /// Waits for the answers to these frames. A frame that waits for its tick is answered then.
+  /// @param outcome of the sending; when it failed nothing is waited for
+  Applied collect(const Target& target, std::span<const std::uint64_t> sequences, Outcome outcome);
+
+  /// Waits until all of these are answered, or one of them is refused.
+  /// @return whether none was refused.
+  Result<bool> await_answers(std::span<const SentFrames> sent);
+
   /// Sends one frame for each command, in order, and waits until they are in force: in lock-step
-  /// steps one tick, or to the tick of the frames.
-  Result<Applied> command(const Target& target, std::span<const msg::AxisCommand> commands,
-                          const FrameTiming& timing = {});
+  /// steps one tick.
+  Result<Applied> command(const Target& target, std::span<const msg::AxisCommand> commands);
 
   /// Steps, and shows `axes` afterwards. 0 ticks only show.
   /// @param patience wall time for other steppers to grant the next tick
@@ -231,13 +260,11 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
 
   std::mutex& send_mutex_of(std::uint32_t bench);
   Holding& holding(const BenchKey& key);
-  void note_acquired(const Target& target, std::uint16_t axis, const msg::Reply& reply);
+  bool is_answered(const SentFrames& sent) const;
+  bool is_refused(const SentFrames& sent) const;
+  void note_acquired(const Target& target, std::span<const std::uint16_t> axes,
+                     const msg::Reply& reply);
   msg::CommandFrame next_frame(Holding& held) const;
-  Outcome send(const Target& target, std::span<const msg::AxisCommand> commands,
-               const FrameTiming& timing, std::vector<std::uint64_t>& sequences);
-  Result<Applied> collect(const Target& target, std::span<const std::uint64_t> sequences,
-                          const FrameTiming& timing, Outcome outcome);
-  Outcome pass_time_for(const Target& target, const FrameTiming& timing);
   std::uint64_t last_sequence(const BenchKey& key);
   Result<Observation> read_status(const Target& target, std::span<const std::uint16_t> axes);
   void subscribe_status();
@@ -259,7 +286,14 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   std::map<BenchKey, Grant> grants_;  ///< of the clocks that this session has joined
   std::uint64_t last_request_ = 0;
   std::map<std::uint64_t, std::optional<msg::Reply>> requests_;
-  std::map<PendingCommand, std::optional<msg::CommandReply>> commands_;
+
+  /// A frame that was sent, and its answer once it is there.
+  struct AwaitedCommand {
+    std::uint64_t apply_at_tick = 0;
+    std::optional<msg::CommandReply> reply;
+  };
+
+  std::map<PendingCommand, AwaitedCommand> commands_;
   std::vector<std::weak_ptr<StatusFeed>> feeds_;
   bool interrupted_ = false;
 

@@ -42,6 +42,25 @@ double change_time(const Profile& profile) {
   return runs ? profile.segment(count - 1).reference_time : profile.duration();
 }
 
+TEST(PlanTimedMove, IsTheTrapezoidOfTheTimes) {
+  for (const double way : {6.0, -6.0}) {
+    // Ramps of 1 s and 2 s in 4.5 s: the peak is 6 / (4.5 - 1.5) = 2.
+    const Profile profile = plan_timed_move(
+        10.0, 10.0 + way, {.duration = 4.5, .acceleration = 1.0, .deceleration = 2.0});
+    const double sign = way / 6.0;
+    EXPECT_EQ(profile.duration(), 4.5);
+    EXPECT_EQ(profile.at(0.5).position, 10.0 + sign * 0.25);  // 2·0.5²/2
+    EXPECT_EQ(profile.at(1.0).position, 10.0 + sign * 1.0);
+    EXPECT_EQ(profile.at(1.0).velocity, sign * 2.0);
+    EXPECT_EQ(profile.at(1.75).position, 10.0 + sign * 2.5);
+    EXPECT_EQ(profile.at(2.5).position, 10.0 + sign * 4.0);
+    EXPECT_EQ(profile.at(3.5).position, 10.0 + sign * 5.5);  // 1·1²/2 before the end
+    EXPECT_EQ(profile.at(3.5).velocity, sign * 1.0);
+    EXPECT_EQ(profile.at(4.5).position, 10.0 + way);
+    EXPECT_EQ(profile.at(4.5).velocity, 0.0);
+  }
+}
+
 TEST(PlanVelocity, SpeedsUpWithTheAccelerationAndThenRunsWithoutEnd) {
   const Profile profile =
       plan_velocity({100.0, 0.0}, 50.0, {.velocity = 80.0, .acceleration = 25.0});

@@ -116,6 +116,7 @@ class Axis {
                                   std::chrono::nanoseconds timeout) const;
 
  private:
+  friend class AxisGroup;
   friend class Session;
   Axis(std::shared_ptr<SessionCore> core, AxisId id, std::string name);
   Outcome move(std::int32_t target, bool relative, const MoveOptions& options);

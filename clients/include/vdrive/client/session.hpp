@@ -17,6 +17,7 @@
 namespace vdrive::client {
 
 class Axis;
+class AxisGroup;
 class SessionCore;
 class StepClock;
 
@@ -151,6 +152,7 @@ class Session {
   void interrupt() noexcept;
 
  private:
+  friend class AxisGroup;
   friend class StepClock;
   std::shared_ptr<SessionCore> core_;
 };

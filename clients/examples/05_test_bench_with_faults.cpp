@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What a program has to cope with, made to order: every fault that the bench can inject (5E01h to
+// 5E05h), what the axis shows, and how it is brought back.
+//
+//   vdrived &
+//   05_test_bench_with_faults [domain]
+#include <vdrive/client/axis.hpp>
+#include <vdrive/client/session.hpp>
+
+#include <array>
+#include <iostream>
+#include <string>
+#include <string_view>
+
+using namespace vdrive::client;
+
+namespace {
+
+struct Fault {
+  std::string_view name;
+  vdrive::ObjectAddress input;
+  std::uint16_t error_code;  // what 603Fh must show
+};
+
+constexpr std::array kFaults{
+    Fault{"over-current", {0x5E02, 0}, 0x2310},
+    Fault{"over-temperature", {0x5E03, 0}, 0x4310},
+    Fault{"encoder failure", {0x5E04, 0}, 0x7305},
+    Fault{"loss of the DC link", {0x5E05, 0}, 0x3220},
+    Fault{"blocked load, hence a following error", {0x5E01, 0}, 0x8611},
+};
+
+/// @return whether the axis failed with the fault and came back after it.
+bool survives(Axis& axis, const Fault& fault) {
+  if (!axis.enable() || !axis.write(fault.input, 1)) return false;
+
+  // The move ends with `failed`, and its message says with what.
+  const Outcome ended = axis.move_by(100'000);
+  std::cout << fault.name << ": " << ended.message() << '\n';
+  const auto broken = axis.status();
+  if (ended.kind() == OutcomeKind::ok || !broken || broken->status.error_code != fault.error_code) {
+    return false;
+  }
+
+  // While the cause is there the axis does not take a reset; a blocked load is no lasting cause.
+  const Outcome early = axis.reset_fault();
+  if (!early) std::cout << "  too early: " << early.message() << '\n';
+
+  if (!axis.write(fault.input, 0)) return false;
+  if (const Outcome reset = axis.reset_fault(); !reset) {
+    std::cerr << reset.message() << '\n';
+    return false;
+  }
+  // Nothing moves by itself after a reset: enable, then move.
+  return axis.enable() && axis.move_to(0);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  SessionOptions options;
+  if (argc > 1) options.domain = static_cast<std::uint32_t>(std::stoul(argv[1]));
+  Session session(options);
+
+  auto axis = session.axis("1.1");
+  if (!axis) {
+    std::cerr << axis.outcome().message() << '\n';
+    return 1;
+  }
+  for (const Fault& fault : kFaults) {
+    if (!survives(*axis, fault)) {
+      std::cerr << fault.name << " did not go as it should\n";
+      return 1;
+    }
+  }
+  std::cout << kFaults.size() << " faults survived\n";
+  return axis->disable() ? 0 : 1;
+}

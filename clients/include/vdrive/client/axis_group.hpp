@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/client/axis.hpp"
+#include "vdrive/client/session.hpp"
+
+#include <Eigen/Core>
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace vdrive::client {
+
+/// What a group does, in the words of PLCopen part 4.
+enum class GroupState : std::uint8_t {
+  disabled,    ///< some axis is not in Operation enabled
+  standby,     ///< enabled and at rest
+  moving,      ///< enabled and on the way
+  stopping,    ///< a quick stop is in progress
+  error_stop,  ///< some axis has a fault
+};
+
+/// @return such as "error_stop".
+[[nodiscard]] std::string_view to_string(GroupState state) noexcept;
+
+/// All axes of a group after one tick. Vectors and axes are in the order of the group.
+struct GroupStatus {
+  std::uint64_t tick = 0;  ///< of the first axis' bench
+  GroupState state = GroupState::disabled;
+  std::size_t queued = 0;  ///< moves that have not started yet
+  std::vector<AxisSnapshot> axes;
+
+  /// 6062h of each axis [UU].
+  [[nodiscard]] Eigen::VectorXd demand() const;
+
+  /// 6064h of each axis [UU].
+  [[nodiscard]] Eigen::VectorXd actual() const;
+
+  /// In cyclic streaming: the axes whose demand is not the streamed position (bit 12 = 0).
+  [[nodiscard]] std::vector<AxisId> not_following() const;
+};
+
+/// One look at a group while a call waits.
+struct GroupProgress {
+  std::uint64_t tick = 0;  ///< of the first axis' bench
+  double fraction = 0.0;   ///< of the move in hand that is done, 0 to 1; 0 without a move
+  std::span<const AxisSnapshot> axes;
+};
+
+/// How long a call may take, what it waits for, who is told meanwhile.
+struct GroupCallOptions {
+  /// Drive time. By default 60 s; for a move its duration and 5 s more.
+  std::optional<std::chrono::nanoseconds> timeout;
+  Until until = Until::done;
+  /// Called at every tick that the call looks at, in its thread. It must not call the group.
+  std::function<void(const GroupProgress&)> progress;
+};
+
+/// How a group moves: each axis within its own 6081h, 6083h and 6084h, bounded by 607Fh, 6080h,
+/// 60C5h and 60C6h, times these factors (PLCopen: MC_GroupSetOverride), 0 < factor <= 1.
+struct GroupMoveOptions {
+  double velocity_factor = 1.0;
+  double acceleration_factor = 1.0;
+  double deceleration_factor = 1.0;
+  GroupCallOptions call;
+};
+
+/// How a group streams positions.
+struct StreamOptions {
+  /// In real time each position goes this far ahead of its tick.
+  std::chrono::nanoseconds lead = std::chrono::milliseconds(10);
+  Pace pace = Pace::drive;  ///< lock-step: whether each position steps one tick
+};
+
+/// Axes that move together, on one bench or on several that share a clock. A handle: copies speak
+/// of the same group; it must not outlive its session.
+///
+/// Each command is one frame a bench for all its axes, so that they act on it in one tick. Several
+/// benches act in the same tick too: in lock-step the group steps them together; in real time, with
+/// equal period, rate 1 and synchronised clocks, commands that must not run apart carry the tick
+/// number in which they are in force.
+///
+/// Messages name the axis that refused, failed or was late. While a call waits for motion it looks
+/// at every axis: when one has a fault or loses Operation enabled, or its service falls silent, the
+/// others get a quick stop (by 605Ah) with the status that shows it, and the call returns `failed`
+/// or `lost` once they are at rest. poll() and monitor() do the same while no call waits. A call
+/// that times out leaves the motion as it is.
+///
+/// One call at a time, save that halt_all() and quick_stop_all() may come from another thread in
+/// real time.
+class AxisGroup {
+ public:
+  /// @param axes addresses or names, each once; at most 256 of one bench
+  /// @return not_found, refused when an axis stands twice or the benches share no clock.
+  static Result<AxisGroup> create(Session& session, std::span<const std::string> axes);
+
+  /// The same of axes that this session found.
+  static Result<AxisGroup> create(Session& session, std::span<const Axis> axes);
+
+  /// The axes in the order of the group.
+  [[nodiscard]] std::vector<AxisId> axes() const;
+
+  /// The present state of all axes.
+  Result<GroupStatus> status() const;
+
+  /// Walks every axis to Operation enabled (MC_GroupEnable).
+  /// @return refused, with nothing done, when an axis has a fault.
+  Outcome enable_all(const GroupCallOptions& options = {});
+
+  /// Shutdown (0006h) of every axis without a fault (MC_GroupDisable). Drops the queue.
+  Outcome disable_all(const GroupCallOptions& options = {});
+
+  /// A straight line in axis space to absolute positions [UU, rounded to whole ones]
+  /// (MC_MoveLinearAbsolute): all axes start on one tick, keep the proportions of their ways and
+  /// arrive on one tick, the slowest at its limit. Starts from rest; drops the queue.
+  ///
+  /// Each way counts half a unit longer in the choice of the times: an axis may rest up to that
+  /// much beside the position that 6062h shows.
+  /// @return refused, with nothing moved, when an axis cannot take part: not enabled, moving,
+  /// beyond
+  ///         its software limits, or a move of more than 4294 s. Where an axis ignores its
+  ///         set-point the others are stopped before the tick in lock-step, and halted in real
+  ///         time.
+  Outcome move_together(const Eigen::VectorXd& targets, const GroupMoveOptions& options = {});
+
+  /// The same by displacements from the demand positions (MC_MoveLinearRelative).
+  Outcome move_by(const Eigen::VectorXd& displacements, const GroupMoveOptions& options = {});
+
+  /// Appends a move_together (buffer mode mcBuffered). It starts in wait_all() or poll(), as soon
+  /// as the demands of the one before have arrived, without waiting for the position windows: in
+  /// lock-step without a tick between. `options.call` is not used.
+  Outcome queue_move(const Eigen::VectorXd& targets, const GroupMoveOptions& options = {});
+
+  /// Runs the move in hand and the queue to their end. The default time-out counts for each move.
+  /// A halt keeps the queue; a fault, a refusal, a quick stop and a disable drop it.
+  Outcome wait_all(const GroupCallOptions& options = {});
+
+  /// One look without stepping: stops the others when an axis failed, starts the next move of the
+  /// queue when the last has arrived. For a program with its own loop.
+  Result<GroupStatus> poll();
+
+  /// Real time: the same watch over faults in a thread of its own, while no call waits.
+  /// @return refused in lock-step, where time stands still between calls: use poll().
+  Outcome monitor(bool on);
+
+  /// Brakes the enabled axes to standstill by 605Dh (010Fh; MC_GroupHalt, MC_GroupInterrupt); with
+  /// 605Dh = 1 they stay on their line. The move and the queue stay.
+  Outcome halt_all(const GroupCallOptions& options = {});
+
+  /// Continues what was halted (000Fh; MC_GroupContinue), done when it has arrived.
+  Outcome resume_all(const GroupCallOptions& options = {});
+
+  /// Quick stop (0002h) of every axis without a fault, at once (MC_GroupStop): done when all are at
+  /// rest. Drops the queue.
+  Outcome quick_stop_all(const GroupCallOptions& options = {});
+
+  /// Rising edge of bit 7 on every axis with a fault (MC_GroupReset).
+  /// @return refused, naming the first axis whose cause persists.
+  Outcome reset_all(const GroupCallOptions& options = {});
+
+  /// Cyclic synchronous position mode (6060h = 8) on every axis, from rest. They stay where they
+  /// are until the first position comes.
+  Outcome start_streaming(const StreamOptions& options = {});
+
+  /// The positions of the next tick [UU, rounded], one frame a bench. In lock-step it steps one
+  /// tick and returns its state, with Pace::listen the state before that tick. In real time it
+  /// waits until the bench has come within `lead` of the tick before, which paces the caller, and
+  /// returns the newest state.
+  /// @return failed when an axis failed (the others are stopped), refused when a position came
+  /// late.
+  Result<GroupStatus> stream(const Eigen::VectorXd& positions);
+
+  /// Back to profile position mode; the axes brake to rest where the stream left them moving.
+  Outcome stop_streaming(const GroupCallOptions& options = {});
+
+ private:
+  struct State;
+  explicit AxisGroup(std::shared_ptr<State> state);
+
+  std::shared_ptr<State> state_;
+};
+
+}  // namespace vdrive::client

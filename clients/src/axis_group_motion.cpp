@@ -1,0 +1,336 @@
+// SPDX-License-Identifier: Apache-2.0
+// Straight lines: times, start on one tick, arrival, queue, halt.
+#include "command_words.hpp"
+#include "conversation.hpp"
+#include "group_state.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/plant/axis_model.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+
+namespace vdrive::client {
+namespace {
+
+using namespace literals;
+
+// Beyond the duration of a line: its window time, and a servo that lags.
+constexpr std::chrono::seconds kBeyondDuration{5};
+
+// An axis may rest this far beside the whole unit that 6062h shows [UU].
+constexpr double kBesideDemand = 0.5;
+
+constexpr ObjectAddress kDuration = vdrive::describe("synchronous_move_duration"_object).address;
+constexpr ObjectAddress kAccelerationTime =
+    vdrive::describe("synchronous_move_acceleration_time"_object).address;
+constexpr ObjectAddress kDecelerationTime =
+    vdrive::describe("synchronous_move_deceleration_time"_object).address;
+
+/// What the times of a line depend on, in the order of LimitObject.
+constexpr std::array kLimitObjects{vdrive::describe("profile_velocity"_object).address,
+                                   vdrive::describe("profile_acc"_object).address,
+                                   vdrive::describe("profile_dec"_object).address,
+                                   vdrive::describe("app_speed_limit"_object).address,
+                                   vdrive::describe("motor_max_speed_rpm"_object).address,
+                                   vdrive::describe("app_acc_limit"_object).address,
+                                   vdrive::describe("app_dec_limit"_object).address,
+                                   vdrive::describe("app_position_limit_switch"_object).address,
+                                   vdrive::describe("user_position_lower_limit"_object).address,
+                                   vdrive::describe("user_position_upper_limit"_object).address};
+
+enum LimitObject : std::size_t {
+  profile_velocity,
+  profile_acceleration,
+  profile_deceleration,
+  speed_limit,
+  motor_speed_rpm,
+  acceleration_limit,
+  deceleration_limit,
+  position_limit_switch,
+  lower_limit,
+  upper_limit,
+};
+
+/// The limits of one axis as the drive applies them: a ramp or a cap of 0 counts as 1.
+MotionLimits limits_from(const std::vector<std::int64_t>& values, const LineRequest& request) {
+  const auto real = [&values](LimitObject object) {
+    return static_cast<double>(values[object]);
+  };
+  const double motor_speed = real(motor_speed_rpm) * kUserUnitsPerRevolution / 60.0;
+  const auto ramp = [&](LimitObject profile, LimitObject cap) {
+    return std::min(std::max(real(profile), 1.0), std::max(real(cap), 1.0));
+  };
+  return {
+      .velocity = request.velocity_factor *
+                  std::min({real(profile_velocity), real(speed_limit), motor_speed}),
+      .acceleration = request.acceleration_factor * ramp(profile_acceleration, acceleration_limit),
+      .deceleration = request.deceleration_factor * ramp(profile_deceleration, deceleration_limit)};
+}
+
+void add_object(msg::AxisCommand& command, ObjectAddress address, std::int64_t value) {
+  auto& object = command.objects().emplace_back();
+  object.index(address.index);
+  object.subindex(address.subindex);
+  object.value(value);
+}
+
+void add_word(msg::AxisCommand& command, std::uint16_t word) {
+  command.members(static_cast<std::uint16_t>(command.members() | msg::HAS_DS402_CONTROLWORD));
+  command.ds402_controlword(word);
+}
+
+void add_target(msg::AxisCommand& command, std::int32_t target) {
+  command.members(
+      static_cast<std::uint16_t>(command.members() | msg::HAS_POSITION_USER_TARGET_VALUE));
+  command.position_user_target_value(target);
+}
+
+bool every_axis(const AxisSnapshot& /*axis*/) {
+  return true;
+}
+
+/// The whole handshake: bit 4 low, the set-point's edge with the common times, bit 4 low again. The
+/// drive latches the times with the edge; cleared, they do not outlast it.
+std::array<Round, 3> start_rounds(const GroupTalk& talk, const LineRequest& request,
+                                  const LineTimes& times) {
+  std::array<Round, 3> rounds{talk.round_of(kEnableOperation, every_axis),
+                              talk.round_of(kEnableOperation, every_axis),
+                              talk.round_of(kEnableOperation, every_axis)};
+  for (Round& round : rounds) round.flags = msg::FRAME_ALL_OR_NOTHING;
+  for (std::size_t place = 0; place < request.targets.size(); ++place) {
+    msg::AxisCommand& before = rounds[0].words[place].command;
+    before.members(static_cast<std::uint16_t>(before.members() | msg::HAS_OP_MODE_CMD));
+    before.op_mode_cmd(static_cast<std::int8_t>(OperatingMode::profile_position));
+    msg::AxisCommand& edge = rounds[1].words[place].command;
+    add_object(edge, kDuration, times.duration.count());
+    add_object(edge, kAccelerationTime, times.acceleration.count());
+    add_object(edge, kDecelerationTime, times.deceleration.count());
+    add_target(edge, request.targets[place]);
+    add_word(edge,
+             kEnableOperation | Controlword::kNewSetPoint | Controlword::kChangeSetImmediately);
+    add_object(rounds[2].words[place].command, kDuration, 0);
+  }
+  return rounds;
+}
+
+bool demand_arrived(const AxisSnapshot& axis, std::int32_t target) {
+  return axis.status.position_demand_value == target && axis.status.velocity_demand_value == 0;
+}
+
+}  // namespace
+
+Result<LineTimes> AxisGroup::State::times_of(GroupTalk& talk, const LineRequest& request) const {
+  const auto limits = talk.read(kLimitObjects);
+  if (!limits) return limits.outcome();
+  std::vector<AxisWay> ways;
+  for (std::size_t place = 0; place < request.targets.size(); ++place) {
+    const std::vector<std::int64_t>& values = (*limits)[place];
+    const std::string axis = "axis " + to_string(layout.axes[place]);
+    const std::int64_t target = request.targets[place];
+    if (values[position_limit_switch] != 0 &&
+        (target < values[lower_limit] || target > values[upper_limit])) {
+      return Outcome::refused(
+          static_cast<std::uint32_t>(AbortCode::value_range_exceeded),
+          axis + ": the target " + std::to_string(target) + " is beyond its software limits");
+    }
+    const MotionLimits own = limits_from(values, request);
+    if (own.velocity <= 0.0) return not_in_this_state(axis + " may not move: its speed limit is 0");
+    const double way = static_cast<double>(target) - talk.now()[place].status.position_demand_value;
+    ways.push_back({.distance = std::abs(way) + kBesideDemand, .limits = own});
+  }
+  const auto times = plan_line(ways, talk.period());
+  if (times) return *times;
+  const auto slowest = std::ranges::max_element(ways, {}, [](const AxisWay& way) {
+    return way.distance / way.limits.velocity;
+  });
+  return not_in_this_state(
+      "axis " + to_string(layout.axes[static_cast<std::size_t>(slowest - ways.begin())]) +
+      " would take longer than a synchronous move can last, 4294 s");
+}
+
+Outcome AxisGroup::State::start(GroupTalk& talk, const LineRequest& request) {
+  for (const AxisSnapshot& axis : talk.now()) {
+    if (axis.state() != PowerState::operation_enabled) {
+      return refused_in_state(axis, "a move", "Operation enabled");
+    }
+    if (axis.status.velocity_demand_value != 0) {
+      return not_in_this_state("axis " + to_string(axis.id) + " still moves");
+    }
+  }
+  const auto times = times_of(talk, request);
+  if (!times) return times.outcome();
+  const Told told = talk.tell(start_rounds(talk, request, *times), Timing::common_tick);
+  if (told.outcome && told.ignored.empty()) {
+    LineInHand started{.starts = {},
+                       .targets = request.targets,
+                       .duration = times->duration,
+                       .start_tick = told.tick};
+    for (const AxisSnapshot& axis : talk.now()) {
+      started.starts.push_back(axis.status.position_demand_value);
+    }
+    set_line(std::move(started));
+    return {};
+  }
+  if (told.tick != 0) withdraw(talk);
+  if (!told.outcome) return told.outcome;
+  return not_in_this_state(
+      "axis " + to_string(layout.axes[told.ignored.front()]) +
+      " ignored the set-point: it moves, or limits of before it was enabled are in force");
+}
+
+/// Takes back a start that not every axis took part in: the others get a set-point where they
+/// stand.
+void AxisGroup::State::withdraw(GroupTalk& talk) {
+  const Round halt = talk.round_of(kHalt, every_axis);
+  const Told halted = talk.tell({&halt, 1}, Timing::at_once);
+  if (!talk.steps()) {
+    (void)talk.look_until("standstill", halted.tick, [&talk](std::size_t place) {
+      return target_reached(talk.now()[place]);
+    });
+  }
+  std::array<Round, 2> rounds{halt, talk.round_of(kEnableOperation, every_axis)};
+  for (Round::Word& word : rounds[0].words) {
+    add_target(word.command, talk.now()[word.place].status.position_demand_value);
+    add_word(word.command, kHalt | Controlword::kNewSetPoint | Controlword::kChangeSetImmediately);
+  }
+  (void)talk.tell(rounds, Timing::at_once);  // what refused the start may refuse this too
+}
+
+bool AxisGroup::State::has_arrived(const LineInHand& line, std::span<const AxisSnapshot> axes) {
+  for (std::size_t place = 0; place < axes.size(); ++place) {
+    if (!demand_arrived(axes[place], line.targets[place])) return false;
+  }
+  return true;
+}
+
+Outcome AxisGroup::State::await_line(GroupTalk& talk, const GroupCallOptions& options,
+                                     bool in_position) {
+  const auto moving = line_in_hand();
+  if (!moving) return {};
+  talk.set_timeout(options.timeout.value_or(moving->duration + kBeyondDuration));
+  Outcome outcome =
+      talk.look_enabled_until(in_position ? "target reached, bit 10" : "the arrival of the demand",
+                              moving->start_tick, [&](std::size_t place) {
+                                const AxisSnapshot& axis = talk.now()[place];
+                                return demand_arrived(axis, moving->targets[place]) &&
+                                       (!in_position || target_reached(axis));
+                              });
+  if (outcome) {
+    set_line(std::nullopt);
+  } else if (outcome.kind() != OutcomeKind::timed_out) {
+    drop_all();
+  }
+  return outcome;
+}
+
+Outcome AxisGroup::State::run(GroupTalk& talk, const LineRequest& request,
+                              const GroupCallOptions& options) {
+  drop_all();
+  if (Outcome started = start(talk, request); !started) return started;
+  if (options.until == Until::done) return await_line(talk, options, true);
+  return talk.look_enabled_until("the start", line_in_hand()->start_tick, [](std::size_t) {
+    return true;
+  });
+}
+
+Outcome AxisGroup::move_together(const Eigen::VectorXd& targets, const GroupMoveOptions& options) {
+  const auto request = state_->request_of(targets, options);
+  if (!request) return request.outcome();
+  GroupTalk talk = state_->talk(options.call);
+  if (Outcome ready = talk.take_control(timeout_of(options.call)); !ready) return ready;
+  return state_->run(talk, *request, options.call);
+}
+
+Outcome AxisGroup::move_by(const Eigen::VectorXd& displacements, const GroupMoveOptions& options) {
+  GroupTalk talk = state_->talk(options.call);
+  if (Outcome ready = talk.take_control(timeout_of(options.call)); !ready) return ready;
+  Eigen::VectorXd targets = displacements;
+  for (Eigen::Index i = 0; i < std::min<Eigen::Index>(targets.size(), std::ssize(talk.now()));
+       ++i) {
+    targets[i] += talk.now()[static_cast<std::size_t>(i)].status.position_demand_value;
+  }
+  const auto request = state_->request_of(targets, options);
+  if (!request) return request.outcome();
+  return state_->run(talk, *request, options.call);
+}
+
+Outcome AxisGroup::queue_move(const Eigen::VectorXd& targets, const GroupMoveOptions& options) {
+  auto request = state_->request_of(targets, options);
+  if (!request) return request.outcome();
+  const std::scoped_lock lock(state_->mutex);
+  state_->queue.push_back(std::move(*request));
+  return {};
+}
+
+Outcome AxisGroup::wait_all(const GroupCallOptions& options) {
+  GroupTalk talk = state_->talk(options);
+  if (Outcome ready = talk.take_control(timeout_of(options)); !ready) return ready;
+  while (true) {
+    bool last = false;
+    {
+      const std::scoped_lock lock(state_->mutex);
+      last = state_->queue.empty();
+    }
+    if (Outcome arrived = state_->await_line(talk, options, last); !arrived) return arrived;
+    const auto next = state_->next_request();
+    if (!next) return {};
+    if (Outcome started = state_->start(talk, *next); !started) {
+      state_->drop_all();
+      return started;
+    }
+  }
+}
+
+Outcome AxisGroup::halt_all(const GroupCallOptions& options) {
+  GroupTalk talk = state_->talk(options);
+  if (Outcome ready = talk.take_control(timeout_of(options)); !ready) return ready;
+  const auto enabled = [](const AxisSnapshot& axis) {
+    return axis.state() == PowerState::operation_enabled;
+  };
+  const Round halt = talk.round_of(kHalt, enabled);
+  if (halt.words.empty())
+    return refused_in_state(talk.now().front(), "a halt", "Operation enabled");
+  Told told = talk.tell({&halt, 1}, Timing::common_tick);
+  if (!told.outcome) told = talk.tell({&halt, 1}, Timing::at_once);  // rather apart than not at all
+  if (!told.outcome) return told.outcome;
+  const bool to_standstill = options.until == Until::done;
+  Outcome seen = talk.look_until("standstill, bit 10", told.tick, [&](std::size_t place) {
+    const AxisSnapshot& axis = talk.now()[place];
+    return !to_standstill || !enabled(axis) || target_reached(axis);
+  });
+  if (!seen) return talk.stop_if_lost(std::move(seen));
+  // An axis that was to halt and failed instead stops the others as in a move.
+  const bool all = halt.words.size() == talk.now().size();
+  return all ? talk.check("standstill", told.tick) : seen;
+}
+
+Outcome AxisGroup::resume_all(const GroupCallOptions& options) {
+  GroupTalk talk = state_->talk(options);
+  if (Outcome ready = talk.take_control(timeout_of(options)); !ready) return ready;
+  for (const AxisSnapshot& axis : talk.now()) {
+    if (axis.state() != PowerState::operation_enabled) {
+      return refused_in_state(axis, "resuming", "Operation enabled");
+    }
+  }
+  const Round resume = talk.round_of(kEnableOperation, every_axis);
+  const Told told = talk.tell({&resume, 1}, Timing::common_tick);
+  if (!told.outcome) {
+    const Round halt = talk.round_of(kHalt, every_axis);
+    if (told.tick != 0) (void)talk.tell({&halt, 1}, Timing::at_once);  // nobody goes on alone
+    return told.outcome;
+  }
+  Outcome seen = talk.look_enabled_until("the release", told.tick, [](std::size_t) {
+    return true;
+  });
+  if (!seen || options.until == Until::in_force) return seen;
+  if (state_->line_in_hand()) return state_->await_line(talk, options, true);
+  return talk.look_enabled_until("target reached, bit 10", told.tick, [&talk](std::size_t place) {
+    return target_reached(talk.now()[place]);
+  });
+}
+
+}  // namespace vdrive::client

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+// Cyclic streaming of positions.
+#include "command_words.hpp"
+#include "conversation.hpp"
+#include "group_state.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace vdrive::client {
+namespace {
+
+constexpr std::chrono::seconds kModeChange{5};
+
+// A stream that is shorter than two ticks ahead cannot reach its tick.
+constexpr std::uint64_t kShortestLead = 2;
+constexpr std::chrono::seconds kLongestLead{1};
+
+Round mode_round(const GroupTalk& talk, OperatingMode mode) {
+  Round round;
+  for (std::size_t place = 0; place < talk.now().size(); ++place) {
+    msg::AxisCommand command = talk.command_to(place);
+    command.members(msg::HAS_OP_MODE_CMD);
+    command.op_mode_cmd(static_cast<std::int8_t>(mode));
+    round.words.push_back({place, std::move(command)});
+  }
+  round.flags = msg::FRAME_ALL_OR_NOTHING;
+  return round;
+}
+
+std::uint64_t lead_of(const Stream& stream) {
+  return std::max(kShortestLead,
+                  ticks_of(std::min<std::chrono::nanoseconds>(stream.options.lead, kLongestLead),
+                           stream.talk.period()));
+}
+
+}  // namespace
+
+Outcome AxisGroup::start_streaming(const StreamOptions& options) {
+  GroupTalk talk = state_->talk({});
+  if (Outcome ready = talk.take_control(kModeChange); !ready) return ready;
+  for (const AxisSnapshot& axis : talk.now()) {
+    if (axis.state() != PowerState::operation_enabled) {
+      return refused_in_state(axis, "streaming", "Operation enabled");
+    }
+    if (axis.status.velocity_demand_value != 0) {
+      return not_in_this_state("axis " + to_string(axis.id) + " still moves");
+    }
+  }
+  state_->drop_all();
+  const Round mode = mode_round(talk, OperatingMode::cyclic_synchronous_position);
+  const Told told = talk.tell({&mode, 1}, Timing::at_once);
+  if (!told.outcome) return told.outcome;
+  Outcome seen = talk.look_enabled_until(
+      "cyclic synchronous position mode", told.tick, [&talk](std::size_t place) {
+        return talk.now()[place].mode() == OperatingMode::cyclic_synchronous_position;
+      });
+  if (!seen) return seen;
+  state_->stream = std::make_unique<Stream>(
+      Stream{.options = options, .talk = std::move(talk), .in_flight = {}, .next_tick = 0});
+  return {};
+}
+
+Result<GroupStatus> AxisGroup::stream(const Eigen::VectorXd& positions) {
+  if (!state_->stream) return not_in_this_state("streaming was not started");
+  const auto whole = state_->positions_of(positions);
+  if (!whole) return whole.outcome();
+  GroupTalk& talk = state_->stream->talk;
+  Round round;
+  for (std::size_t place = 0; place < whole->size(); ++place) {
+    msg::AxisCommand command = talk.command_to(place);
+    command.members(msg::HAS_POSITION_USER_TARGET_VALUE);
+    command.position_user_target_value((*whole)[place]);
+    round.words.push_back({place, std::move(command)});
+  }
+  Outcome sent = talk.steps() ? state_->stream_stepping(round) : state_->stream_ahead(round);
+  if (!sent) return talk.stop_if_lost(std::move(sent));
+  if (Outcome sound = talk.check("the stream to go on", 0); !sound) return sound;
+  return state_->status_of(talk);
+}
+
+/// The step waits for the frames, so that their answers are there after it.
+Outcome AxisGroup::State::stream_stepping(const Round& round) const {
+  GroupTalk& talk = stream->talk;
+  const std::uint64_t ticks = stream->options.pace == Pace::drive ? 1 : 0;
+  std::vector<SentFrames> sent;
+  Outcome outcome = talk.send(round, 0, sent);
+  if (outcome) outcome = talk.advance(ticks);
+  return talk.collect(sent, std::move(outcome)).outcome;
+}
+
+/// Positions are sent for one tick after the other. The answer to one comes in its tick, and with
+/// it the caller goes on: so the bench's clock paces the stream.
+Outcome AxisGroup::State::stream_ahead(const Round& round) const {
+  const std::uint64_t lead = lead_of(*stream);
+  if (stream->next_tick == 0) {
+    const auto newest = stream->talk.newest_tick();
+    if (!newest) return newest.outcome();
+    stream->next_tick = *newest + lead;
+  }
+  std::vector<SentFrames>& sent = stream->in_flight.emplace_back();
+  Outcome outcome = stream->talk.send(round, stream->next_tick++, sent);
+  while (outcome && stream->in_flight.size() >= lead) outcome = collect_oldest();
+  if (!outcome) {  // the next position starts anew, as far ahead as the first
+    while (!stream->in_flight.empty()) {
+      (void)stream->talk.collect(stream->in_flight.front(), {});
+      stream->in_flight.pop_front();
+    }
+    stream->next_tick = 0;
+  }
+  return outcome;
+}
+
+Outcome AxisGroup::State::collect_oldest() const {
+  const Told told = stream->talk.collect(stream->in_flight.front(), {});
+  stream->in_flight.pop_front();
+  if (!told.outcome) return told.outcome;
+  while (stream->talk.tick() < told.tick) {
+    if (Outcome seen = stream->talk.advance(1); !seen) return seen;
+  }
+  return {};
+}
+
+Outcome AxisGroup::stop_streaming(const GroupCallOptions& options) {
+  if (!state_->stream) return not_in_this_state("streaming was not started");
+  Outcome rest;
+  while (rest && !state_->stream->in_flight.empty()) rest = state_->collect_oldest();
+  state_->stream.reset();
+  GroupTalk talk = state_->talk(options);
+  if (Outcome ready = talk.take_control(timeout_of(options)); !ready) return ready;
+  const Round mode = mode_round(talk, OperatingMode::profile_position);
+  const Told told = talk.tell({&mode, 1}, Timing::at_once);
+  if (!told.outcome) return told.outcome;
+  const bool to_the_end = options.until == Until::done;
+  return talk.look_until("profile position mode", told.tick, [&](std::size_t place) {
+    return !to_the_end || talk.now()[place].mode() == OperatingMode::profile_position;
+  });
+}
+
+}  // namespace vdrive::client

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/cia402/controlword.hpp"
+#include "vdrive/cia402/statusword.hpp"
+#include "vdrive/client/axis_snapshot.hpp"
+
+#include <cstdint>
+#include <vector>
+
+namespace vdrive::client {
+
+// Commands of the power state machine, as the manual writes them.
+inline constexpr std::uint16_t kDisableVoltage = 0x0000;
+inline constexpr std::uint16_t kQuickStop = 0x0002;
+inline constexpr std::uint16_t kShutdown = 0x0006;
+inline constexpr std::uint16_t kSwitchOn = 0x0007;
+inline constexpr std::uint16_t kEnableOperation = 0x000F;
+inline constexpr std::uint16_t kHalt = kEnableOperation | Controlword::kHalt;
+
+/// The first value of 605Ah after which an axis stays in Quick stop active.
+inline constexpr std::int64_t kFirstQuickStopThatStays = 5;
+
+[[nodiscard]] inline bool is_fault(PowerState state) {
+  return state == PowerState::fault || state == PowerState::fault_reaction_active;
+}
+
+[[nodiscard]] inline bool target_reached(const AxisSnapshot& axis) {
+  return axis.shows(Statusword::kTargetReached);
+}
+
+/// @return whether a quick stop has ended, or has come to rest where 605Ah keeps the state.
+[[nodiscard]] inline bool quick_stop_ended(const AxisSnapshot& axis, std::int64_t option) {
+  return axis.state() != PowerState::quick_stop_active ||
+         (option >= kFirstQuickStopThatStays && target_reached(axis));
+}
+
+/// @return the words that lead from `state`, without a fault, to Operation enabled.
+[[nodiscard]] inline std::vector<std::uint16_t> enabling_words(PowerState state) {
+  switch (state) {
+    case PowerState::operation_enabled:
+      return {};
+    case PowerState::switched_on:
+      return {kEnableOperation};
+    case PowerState::ready_to_switch_on:
+      return {kSwitchOn, kEnableOperation};
+    case PowerState::quick_stop_active:
+      return {kDisableVoltage, kShutdown, kSwitchOn, kEnableOperation};
+    default:
+      return {kShutdown, kSwitchOn, kEnableOperation};
+  }
+}
+
+/// Bit 7 goes up and down again: the next reset has its edge, and 0000h commands nothing in Fault.
+[[nodiscard]] inline std::vector<std::uint16_t> reset_words() {
+  return {kDisableVoltage, Controlword::kFaultReset, kDisableVoltage};
+}
+
+}  // namespace vdrive::client

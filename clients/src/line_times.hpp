@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/motion/profile.hpp"
+
+#include <chrono>
+#include <optional>
+#include <span>
+
+namespace vdrive::client {
+
+/// What one axis of a straight line has to go, and what it may do on the way.
+struct AxisWay {
+  double distance = 0.0;  ///< [UU] >= 0
+  MotionLimits limits;
+};
+
+/// Common times of the axes of a line, as 5E10h takes them.
+struct LineTimes {
+  std::chrono::microseconds duration{0};
+  std::chrono::microseconds acceleration{0};
+  std::chrono::microseconds deceleration{0};
+};
+
+/// The shortest trapezoid that all axes can share, in whole microseconds and whole ticks.
+///
+/// Along the path s = 0..1 an axis with the way D and the limits v, a, d allows v/D, a/D and d/D;
+/// the smallest of each count. Without a cruise the peak is p² = 2ad/(a + d). Rounding up makes the
+/// ramps and the duration longer, never an axis faster than its limits.
+/// @return all 0 when no axis has a way; nothing when one has a way and may not move, or when the
+///         duration exceeds what 5E10h can say, 2^32 - 1 us
+[[nodiscard]] std::optional<LineTimes> plan_line(std::span<const AxisWay> ways,
+                                                 std::chrono::microseconds period);
+
+/// @return whether an axis that goes its way in these times stays within its limits.
+[[nodiscard]] bool keeps_limits(const AxisWay& way, const LineTimes& times) noexcept;
+
+}  // namespace vdrive::client

@@ -1,0 +1,738 @@
+// SPDX-License-Identifier: Apache-2.0
+// AxisGroup against the real service.
+#include "vdrive/client/axis_group.hpp"
+
+#include "support/test_domain.hpp"
+#include "tool/process.hpp"
+#include "vdrive/cia402/statusword.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <numbers>
+#include <random>
+
+namespace vdrive::client {
+namespace {
+
+using namespace std::chrono_literals;
+using test::RunningService;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr ObjectAddress kVelocity{0x6081, 0};
+constexpr ObjectAddress kAcceleration{0x6083, 0};
+constexpr ObjectAddress kDeceleration{0x6084, 0};
+constexpr ObjectAddress kSpeedLimit{0x607F, 0};
+constexpr ObjectAddress kBlockedLoad{0x5E01, 0};
+constexpr ObjectAddress kOverCurrent{0x5E02, 0};
+constexpr ObjectAddress kMoveDuration{0x5E10, 1};
+constexpr auto kRefusedInState =
+    static_cast<std::uint32_t>(AbortCode::refused_in_present_device_state);
+
+SessionOptions options() {
+  SessionOptions options;
+  options.domain = test::test_domain();
+  options.find_timeout = 10s;
+  return options;
+}
+
+/// A service in real time whose axes outlast a busy machine.
+std::string patient(const std::string& words) {
+  return "--clock realtime --config " VDRIVE_SOURCE_DIR "/tests/data/patient.yaml " + words;
+}
+
+std::vector<std::string> names(std::uint32_t bench, int first, int count) {
+  std::vector<std::string> axes;
+  for (int i = 0; i < count; ++i) {
+    axes.push_back(std::to_string(bench) + "." + std::to_string(first + i));
+  }
+  return axes;
+}
+
+/// Returns as soon as the move has started.
+GroupMoveOptions at_start() {
+  GroupMoveOptions move;
+  move.call.until = Until::in_force;
+  return move;
+}
+
+Eigen::VectorXd vector(std::initializer_list<double> values) {
+  Eigen::VectorXd result(static_cast<Eigen::Index>(values.size()));
+  Eigen::Index i = 0;
+  for (const double value : values) result[i++] = value;
+  return result;
+}
+
+/// Watches every look of a call: the path of a line, and when each axis came to its target.
+class Watch {
+ public:
+  Watch(Eigen::VectorXd starts, Eigen::VectorXd targets)
+      : starts_(std::move(starts)), targets_(std::move(targets)) {}
+
+  GroupCallOptions options() {
+    GroupCallOptions call;
+    call.progress = [this](const GroupProgress& seen) {
+      look(seen);
+    };
+    return call;
+  }
+
+  /// Largest distance of any axis from the line, in units of demand.
+  [[nodiscard]] double deviation() const { return deviation_; }
+
+  /// Ticks between the first and the last arrival of an axis that had a way.
+  [[nodiscard]] std::uint64_t spread() const {
+    std::uint64_t first = UINT64_MAX;
+    std::uint64_t last = 0;
+    for (const auto& [axis, tick] : arrivals_) {
+      first = std::min(first, tick);
+      last = std::max(last, tick);
+    }
+    return arrivals_.empty() ? 0 : last - first;
+  }
+
+  [[nodiscard]] std::size_t arrived() const { return arrivals_.size(); }
+
+  [[nodiscard]] std::uint64_t looks() const { return looks_; }
+
+  [[nodiscard]] std::uint64_t longest_gap() const { return longest_gap_; }
+
+  [[nodiscard]] double fraction() const { return fraction_; }
+
+ private:
+  void look(const GroupProgress& seen) {
+    longest_gap_ = last_tick_ == 0 ? 0 : std::max(longest_gap_, seen.tick - last_tick_);
+    last_tick_ = seen.tick;
+    ++looks_;
+    fraction_ = seen.fraction;
+    const Eigen::VectorXd way = targets_ - starts_;
+    Eigen::Index longest = 0;
+    way.cwiseAbs().maxCoeff(&longest);
+    const auto demand = [&](Eigen::Index axis) {
+      return static_cast<double>(
+          seen.axes[static_cast<std::size_t>(axis)].status.position_demand_value);
+    };
+    const double done =
+        way[longest] == 0.0 ? 0.0 : (demand(longest) - starts_[longest]) / way[longest];
+    for (Eigen::Index axis = 0; axis < way.size(); ++axis) {
+      const double on_line = starts_[axis] + done * way[axis];
+      deviation_ = std::max(deviation_, std::abs(demand(axis) - on_line));
+      const bool rests =
+          seen.axes[static_cast<std::size_t>(axis)].status.velocity_demand_value == 0;
+      // An axis of a few units shows its last one before it is there, and no speed all the way.
+      if (std::abs(way[axis]) < 1000.0) continue;
+      if (rests && demand(axis) == targets_[axis]) arrivals_.emplace(axis, seen.tick);
+    }
+  }
+
+  Eigen::VectorXd starts_;
+  Eigen::VectorXd targets_;
+  double deviation_ = 0.0;
+  double fraction_ = 0.0;
+  std::uint64_t looks_ = 0;
+  std::uint64_t last_tick_ = 0;
+  std::uint64_t longest_gap_ = 0;
+  std::map<Eigen::Index, std::uint64_t> arrivals_;
+};
+
+class Group : public testing::Test {
+ protected:
+  explicit Group(const std::string& words = "--clock lockstep --axes 4") : service_(words) {}
+
+  /// A group of axes from 1.1 on, enabled.
+  AxisGroup enabled(int count) {
+    auto group = AxisGroup::create(session_, names(1, 1, count));
+    if (!group) throw std::runtime_error(group.outcome().message());
+    if (const Outcome outcome = group->enable_all(); !outcome) {
+      throw std::runtime_error(outcome.message());
+    }
+    return *group;
+  }
+
+  void write(const std::string& axis, ObjectAddress object, std::int64_t value) {
+    auto found = session_.axis(axis);
+    ASSERT_TRUE(found) << found.outcome().message();
+    const auto written = found->write(object, value);
+    ASSERT_TRUE(written) << written.outcome().message();
+  }
+
+  std::uint64_t tick() { return *session_.step(1, 0); }
+
+  RunningService service_;
+  Session session_{options()};
+};
+
+using LockStepGroup = Group;
+
+TEST_F(LockStepGroup, IsMadeOfAddressesAndNamesAndRefusesWhatCannotBeOne) {
+  const std::string name = session_.find_bench()->axes[1].name;
+  const auto group = AxisGroup::create(session_, std::vector<std::string>{"1.1", name});
+  ASSERT_TRUE(group) << group.outcome().message();
+  EXPECT_THAT(group->axes(), ElementsAre(AxisId{1, 1}, AxisId{1, 2}));
+  EXPECT_EQ(group->status()->state, GroupState::disabled);
+
+  const auto twice = AxisGroup::create(session_, std::vector<std::string>{"1.1", name, "1.1"});
+  EXPECT_EQ(twice.outcome().kind(), OutcomeKind::refused);
+  EXPECT_THAT(twice.outcome().message(), HasSubstr("axis 1.1 stands twice"));
+  const auto nobody = AxisGroup::create(session_, std::vector<std::string>{"1.1", "1.77"});
+  EXPECT_EQ(nobody.outcome().kind(), OutcomeKind::not_found);
+  EXPECT_THAT(nobody.outcome().message(), HasSubstr("1.77"));
+  EXPECT_EQ(AxisGroup::create(session_, std::vector<std::string>{}).outcome().kind(),
+            OutcomeKind::not_found);
+  Session other(options());
+  const std::vector<Axis> strangers{*other.axis("1.1")};
+  EXPECT_THAT(AxisGroup::create(session_, strangers).outcome().message(),
+              HasSubstr("axis 1.1 was found by another session"));
+}
+
+TEST_F(LockStepGroup, EnablesAndDisablesEveryAxisWhateverStateItIsIn) {
+  write("1.2", {0x6040, 0}, 0x06);
+  ASSERT_TRUE(session_.axis("1.3")->enable());
+  auto group = AxisGroup::create(session_, names(1, 1, 4));
+  const std::uint64_t before = tick();
+  ASSERT_TRUE(group->enable_all());
+  EXPECT_EQ(tick(), before + 1) << "in one tick";
+  EXPECT_EQ(group->status()->state, GroupState::standby);
+  ASSERT_TRUE(group->disable_all());
+  EXPECT_EQ(group->status()->state, GroupState::disabled);
+  for (const AxisSnapshot& axis : group->status()->axes) {
+    EXPECT_EQ(axis.state(), PowerState::ready_to_switch_on);
+  }
+}
+
+TEST_F(LockStepGroup, MovesTogetherScaledToTheSlowest) {
+  AxisGroup group = enabled(3);
+  write("1.2", kVelocity, 10'000);
+  const Eigen::VectorXd starts = group.status()->demand();
+  const Eigen::VectorXd targets = vector({20'000, -10'000, 5000});
+  Watch watch(starts, targets);
+  const std::uint64_t before = tick();
+  const Outcome moved = group.move_together(targets, {.call = watch.options()});
+  ASSERT_TRUE(moved) << moved.message();
+  EXPECT_EQ(group.status()->demand(), targets);
+  EXPECT_LE(watch.deviation(), 1.0);
+  EXPECT_EQ(watch.spread(), 0U);
+  EXPECT_EQ(watch.arrived(), 3U);
+  EXPECT_EQ(watch.longest_gap(), 1U) << "every tick was looked at";
+  EXPECT_EQ(watch.fraction(), 1.0);
+  // Axis 2 at 10000 UU/s. The path's ramps are those of axis 1: 409600/20000 = 20.48 /s², that is
+  // 1/20.48 s = 48.83 ms up and down, a path of 1 at 1 /s: 1048.83 ms, 1049 ticks. Counted from
+  // before, with the window time of at most 20 ms.
+  EXPECT_GE(tick(), before + 1049);
+  EXPECT_LE(tick(), before + 1049 + 21);
+}
+
+TEST_F(LockStepGroup, LeavesNoTimesBehindForAnOrdinaryMove) {
+  AxisGroup group = enabled(2);
+  ASSERT_TRUE(group.move_together(vector({1000, 2000})));
+  EXPECT_EQ(*session_.axis("1.1")->read(kMoveDuration), 0);
+  ASSERT_TRUE(session_.axis("1.1")->move_to(5000));
+  ASSERT_TRUE(group.move_by(vector({-1000, 500})));
+  EXPECT_EQ(group.status()->demand(), vector({4000, 2500}));
+}
+
+TEST_F(LockStepGroup, SlowsDownByItsFactors) {
+  AxisGroup group = enabled(2);
+  const std::uint64_t before = tick();
+  // 68267 UU/s · 0.1 and 409600 UU/s² · 0.1: 20000 / 6826.7 + 6826.7 / 40960 = 3.0963 s.
+  ASSERT_TRUE(group.move_together(vector({20'000, 100}), {.velocity_factor = 0.1,
+                                                          .acceleration_factor = 0.1,
+                                                          .deceleration_factor = 0.1,
+                                                          .call = {}}));
+  EXPECT_GE(tick(), before + 3097);
+  EXPECT_LE(tick(), before + 3097 + 22);
+  const Outcome refused = group.move_together(vector({0, 0}), {.velocity_factor = 1.5, .call = {}});
+  EXPECT_EQ(refused.kind(), OutcomeKind::refused);
+}
+
+TEST_F(LockStepGroup, RefusesPositionsThatAreNone) {
+  AxisGroup group = enabled(2);
+  EXPECT_THAT(group.move_together(vector({1, 2, 3})).message(),
+              HasSubstr("3 positions for 2 axes"));
+  EXPECT_THAT(group.move_together(vector({1, NAN})).message(), HasSubstr("axis 1.2"));
+  EXPECT_THAT(group.move_together(vector({3e9, 0})).message(), HasSubstr("axis 1.1"));
+  EXPECT_EQ(group.status()->demand(), vector({0, 0}));
+}
+
+TEST_F(LockStepGroup, ARefusedStartNamesTheAxisAndNothingMoves) {
+  AxisGroup group = enabled(3);
+  // Raised while enabled: the group reads the new limits, in force are those of before (607Fh and
+  // 6080h count from the next enabling). 400000 UU in the time that axis 1 needs for its 1000 ask
+  // for 1e6 UU/s, and 136533 are allowed.
+  write("1.2", kVelocity, 1'000'000);
+  write("1.2", kSpeedLimit, 1'000'000);
+  write("1.2", {0x6080, 0}, 100'000);
+  write("1.1", kVelocity, 136'000);
+  write("1.2", kAcceleration, 4'000'000'000);
+  write("1.2", kDeceleration, 4'000'000'000);
+  const Outcome ignored = group.move_together(vector({1000, 400'000, 1000}));
+  EXPECT_EQ(ignored.kind(), OutcomeKind::refused) << ignored.message();
+  EXPECT_EQ(ignored.code(), kRefusedInState);
+  EXPECT_THAT(ignored.message(), HasSubstr("axis 1.2 ignored the set-point"));
+  ASSERT_TRUE(session_.step(1, 500));
+  EXPECT_EQ(group.status()->demand(), vector({0, 0, 0}));
+  EXPECT_EQ(group.status()->state, GroupState::standby);
+  // Nor does a later resume bring the withdrawn move back.
+  ASSERT_TRUE(group.resume_all());
+  EXPECT_EQ(group.status()->demand(), vector({0, 0, 0}));
+}
+
+TEST_F(LockStepGroup, AStartThatOneAxisCannotTakePartInMovesNone) {
+  AxisGroup group = enabled(3);
+  ASSERT_TRUE(session_.axis("1.2")->disable());
+  const Outcome disabled = group.move_together(vector({1000, 1000, 1000}));
+  EXPECT_EQ(disabled.code(), kRefusedInState);
+  EXPECT_THAT(disabled.message(), HasSubstr("axis 1.2 is in Ready to switch on"));
+  ASSERT_TRUE(group.enable_all());
+  write("1.3", {0x3535, 0}, 1);
+  write("1.3", {0x607D, 2}, 500);
+  const Outcome beyond = group.move_together(vector({1000, 1000, 1000}));
+  EXPECT_THAT(beyond.message(), HasSubstr("axis 1.3"));
+  EXPECT_THAT(beyond.message(), HasSubstr("software limits"));
+  write("1.3", {0x3535, 0}, 0);
+  write("1.1", kVelocity, 0);
+  EXPECT_THAT(group.move_together(vector({1000, 1000, 1000})).message(),
+              HasSubstr("axis 1.1 may not move"));
+  write("1.1", kVelocity, 1);
+  EXPECT_THAT(group.move_together(vector({5000, 1000, 1000})).message(),
+              HasSubstr("axis 1.1 would take longer"));
+  ASSERT_TRUE(session_.step(1, 100));
+  EXPECT_EQ(group.status()->demand(), vector({0, 0, 0}));
+}
+
+TEST_F(LockStepGroup, AnAxisOfAnotherSessionRefusesThemAll) {
+  Session other(options());
+  auto theirs = other.axis("1.3");
+  ASSERT_TRUE(theirs->enable());
+  auto group = AxisGroup::create(session_, names(1, 1, 3));
+  const Outcome refused = group->enable_all();
+  EXPECT_EQ(refused.kind(), OutcomeKind::refused);
+  EXPECT_THAT(refused.message(), HasSubstr("axis 1.3 is held by session"));
+  EXPECT_EQ(group->status()->axes[0].state(), PowerState::switch_on_disabled);
+}
+
+TEST_F(LockStepGroup, AFaultOfOneStopsTheOthersWithinTwoTicksOfItsStatus) {
+  AxisGroup group = enabled(4);
+  std::uint64_t fault = 0;
+  std::map<std::uint16_t, std::uint64_t> stopped;
+  GroupCallOptions call;
+  call.progress = [&](const GroupProgress& seen) {
+    if (seen.fraction > 0.3 && fault == 0 && stopped.empty()) {
+      write("1.3", kOverCurrent, 1);
+    }
+    for (const AxisSnapshot& axis : seen.axes) {
+      const bool is_fault =
+          axis.state() == PowerState::fault || axis.state() == PowerState::fault_reaction_active;
+      if (is_fault && fault == 0) fault = seen.tick;
+      if (axis.state() == PowerState::quick_stop_active) {
+        stopped.emplace(axis.id.axis, seen.tick);
+      }
+    }
+  };
+  const Outcome failed =
+      group.move_together(vector({200'000, 100'000, 50'000, -100'000}), {.call = call});
+  EXPECT_EQ(failed.kind(), OutcomeKind::failed) << failed.message();
+  EXPECT_THAT(failed.message(), HasSubstr("axis 1.3"));
+  EXPECT_THAT(failed.message(), HasSubstr("0x2310"));
+  ASSERT_NE(fault, 0U);
+  ASSERT_EQ(stopped.size(), 3U) << "1.1, 1.2 and 1.4";
+  for (const auto& [axis, when] : stopped) {
+    EXPECT_GE(when, fault) << axis;
+    EXPECT_LE(when, fault + 2) << axis;
+  }
+  // At rest when the call returns, by 605Ah = 2: Switch on disabled.
+  for (const AxisSnapshot& axis : group.status()->axes) {
+    EXPECT_EQ(axis.status.velocity_demand_value, 0);
+    EXPECT_NE(axis.state(), PowerState::operation_enabled);
+  }
+  EXPECT_EQ(group.status()->state, GroupState::error_stop);
+  const Outcome persists = group.reset_all();
+  EXPECT_EQ(persists.code(), kRefusedInState);
+  EXPECT_THAT(persists.message(), HasSubstr("axis 1.3"));
+  write("1.3", kOverCurrent, 0);
+  ASSERT_TRUE(group.reset_all());
+  ASSERT_TRUE(group.enable_all());
+  EXPECT_EQ(group.status()->state, GroupState::standby);
+}
+
+TEST_F(LockStepGroup, APollStopsTheOthersWhileNoCallWaits) {
+  AxisGroup group = enabled(3);
+  ASSERT_TRUE(group.move_together(vector({300'000, 200'000, 100'000}), at_start()));
+  ASSERT_TRUE(session_.step(1, 200));
+  EXPECT_EQ(group.poll()->state, GroupState::moving);
+  write("1.2", kOverCurrent, 1);
+  ASSERT_TRUE(session_.step(1, 1));
+  const std::uint64_t fault = tick();
+  const auto polled = group.poll();
+  EXPECT_EQ(polled.outcome().kind(), OutcomeKind::failed);
+  EXPECT_THAT(polled.outcome().message(), HasSubstr("axis 1.2"));
+  EXPECT_EQ(tick(), fault) << "a poll steps nothing";
+  ASSERT_TRUE(session_.step(1, 1));
+  EXPECT_EQ(group.status()->axes[0].state(), PowerState::quick_stop_active);
+  EXPECT_EQ(group.status()->axes[2].state(), PowerState::quick_stop_active);
+}
+
+TEST_F(LockStepGroup, HaltAndResumeKeepTheLine) {
+  AxisGroup group = enabled(3);
+  const Eigen::VectorXd targets = vector({100'000, -50'000, 33'333});
+  Watch watch(group.status()->demand(), targets);
+  GroupCallOptions start = watch.options();
+  start.until = Until::in_force;
+  ASSERT_TRUE(group.move_together(targets, {.call = start}));
+  ASSERT_TRUE(session_.step(1, 500));
+  ASSERT_TRUE(group.halt_all(watch.options()));
+  const Eigen::VectorXd halted = group.status()->demand();
+  EXPECT_GT(halted[0], 1000.0);
+  EXPECT_LT(halted[0], 99'000.0);
+  EXPECT_EQ(group.status()->state, GroupState::standby);
+  const Outcome resumed = group.resume_all(watch.options());
+  ASSERT_TRUE(resumed) << resumed.message();
+  EXPECT_EQ(group.status()->demand(), targets);
+  EXPECT_LE(watch.deviation(), 1.0);
+  EXPECT_EQ(watch.spread(), 0U);
+  EXPECT_EQ(watch.arrived(), 3U);
+}
+
+TEST_F(LockStepGroup, QuickStopEndsInSwitchOnDisabledAndDropsTheQueue) {
+  AxisGroup group = enabled(2);
+  ASSERT_TRUE(group.move_together(vector({100'000, 100'000}), at_start()));
+  ASSERT_TRUE(group.queue_move(vector({0, 0})));
+  ASSERT_TRUE(session_.step(1, 300));
+  ASSERT_TRUE(group.quick_stop_all());
+  const auto status = group.status();
+  EXPECT_EQ(status->queued, 0U);
+  for (const AxisSnapshot& axis : status->axes) {
+    EXPECT_EQ(axis.state(), PowerState::switch_on_disabled);
+  }
+}
+
+TEST_F(LockStepGroup, ADeadlineNamesWhoWasLate) {
+  AxisGroup group = enabled(3);
+  GroupCallOptions call;
+  call.timeout = 100ms;
+  const std::uint64_t before = tick();
+  const Outcome late = group.move_together(vector({100'000, 0, 0}), {.call = call});
+  EXPECT_EQ(late.kind(), OutcomeKind::timed_out);
+  EXPECT_THAT(late.message(), HasSubstr("target reached"));
+  EXPECT_THAT(late.message(), HasSubstr("axis 1.1"));
+  EXPECT_EQ(tick(), before + 100);
+  EXPECT_EQ(group.status()->state, GroupState::moving) << "the motion goes on";
+  EXPECT_THAT(group.move_together(vector({0, 0, 0})).message(), HasSubstr("axis 1.1 still moves"));
+  const Outcome halted = group.halt_all();
+  ASSERT_TRUE(halted) << halted.message();
+}
+
+TEST_F(LockStepGroup, RunsAQueueWithoutATickBetweenItsMoves) {
+  AxisGroup group = enabled(2);
+  write("1.1", {0x6067, 0}, 0);  // in position is the exact unit only, some ms after the demand
+  const std::vector<Eigen::VectorXd> corners{vector({10'000, 0}), vector({10'000, 10'000}),
+                                             vector({0, 0})};
+  for (const Eigen::VectorXd& corner : corners) ASSERT_TRUE(group.queue_move(corner));
+  EXPECT_EQ(group.status()->queued, 3U);
+  EXPECT_EQ(group.status()->demand(), vector({0, 0})) << "nothing starts by itself";
+  std::vector<std::uint64_t> passed;
+  std::uint64_t longest_rest = 0;
+  std::uint64_t rest = 0;
+  GroupCallOptions call;
+  call.progress = [&](const GroupProgress& seen) {
+    const bool rests = seen.axes[0].status.velocity_demand_value == 0 &&
+                       seen.axes[1].status.velocity_demand_value == 0;
+    rest = rests ? rest + 1 : 0;
+    if (passed.size() == corners.size()) return;
+    if (!passed.empty()) longest_rest = std::max(longest_rest, rest);
+    const Eigen::VectorXd& corner = corners[passed.size()];
+    if (rests && seen.axes[0].status.position_demand_value == corner[0] &&
+        seen.axes[1].status.position_demand_value == corner[1]) {
+      passed.push_back(seen.tick);
+    }
+  };
+  const Outcome done = group.wait_all(call);
+  ASSERT_TRUE(done) << done.message();
+  ASSERT_EQ(passed.size(), 3U) << "in their order";
+  EXPECT_EQ(longest_rest, 1U) << "the tick of the arrival";
+  EXPECT_EQ(group.status()->demand(), vector({0, 0}));
+}
+
+TEST_F(LockStepGroup, APollRunsTheQueueOfAProgramWithItsOwnLoop) {
+  AxisGroup group = enabled(2);
+  ASSERT_TRUE(group.queue_move(vector({1000, 500})));
+  ASSERT_TRUE(group.queue_move(vector({0, 0})));
+  int ticks = 0;
+  bool passed = false;
+  while (ticks < 2000) {
+    const auto status = group.poll();
+    ASSERT_TRUE(status) << status.outcome().message();
+    passed = passed || status->demand() == vector({1000, 500});
+    if (passed && status->queued == 0 && status->state == GroupState::standby) break;
+    ASSERT_TRUE(session_.step(1, 1));
+    ++ticks;
+  }
+  EXPECT_TRUE(passed);
+  EXPECT_EQ(group.status()->demand(), vector({0, 0}));
+}
+
+TEST_F(LockStepGroup, StreamsACircle) {
+  AxisGroup group = enabled(2);
+  ASSERT_TRUE(group.start_streaming());
+  constexpr double kRadius = 4096.0;
+  double worst = 0.0;
+  const std::uint64_t before = tick();
+  for (int step = 1; step <= 2000; ++step) {
+    const double angle = 2.0 * std::numbers::pi * step / 2000.0;
+    const Eigen::VectorXd wanted =
+        vector({kRadius * (std::cos(angle) - 1.0), kRadius * std::sin(angle)});
+    const auto seen = group.stream(wanted);
+    ASSERT_TRUE(seen) << seen.outcome().message();
+    ASSERT_THAT(seen->not_following(), IsEmpty());
+    ASSERT_LE((seen->demand() - wanted).cwiseAbs().maxCoeff(), 0.5) << "6062h is the position";
+    // The first position asks for full speed at once: the servo has settled 100 ms later.
+    if (step > 100) worst = std::max(worst, (seen->actual() - wanted).norm());
+  }
+  EXPECT_EQ(tick(), before + 2000);
+  // Speed on the circle: 2·pi·4096 UU in 2 s = 12868 UU/s, 12.9 UU a tick. A servo that were a tick
+  // late would be off by that much.
+  EXPECT_LE(worst, 12.9);
+  ASSERT_TRUE(group.stop_streaming());
+  ASSERT_TRUE(group.move_together(vector({500, 500}))) << "profile position is back";
+}
+
+TEST_F(LockStepGroup, AStreamTellsWhoDoesNotFollow) {
+  AxisGroup group = enabled(2);
+  ASSERT_TRUE(group.start_streaming({.pace = Pace::listen}));
+  const std::uint64_t before = tick();
+  ASSERT_TRUE(group.stream(vector({10, 5000})));  // 5000 UU in 1 ms: beyond 607Fh
+  EXPECT_EQ(tick(), before) << "the caller steps";
+  ASSERT_TRUE(session_.step(1, 1));
+  EXPECT_THAT(group.status()->not_following(), ElementsAre(AxisId{1, 2}));
+  write("1.1", kOverCurrent, 1);
+  ASSERT_TRUE(session_.step(1, 1));
+  const auto failed = group.stream(vector({10, 5000}));
+  EXPECT_EQ(failed.outcome().kind(), OutcomeKind::failed);
+  EXPECT_THAT(failed.outcome().message(), HasSubstr("axis 1.1"));
+  EXPECT_NE(group.status()->axes[1].state(), PowerState::operation_enabled);
+}
+
+TEST_F(LockStepGroup, HasNoMonitorWhereTimeStandsStill) {
+  AxisGroup group = enabled(2);
+  EXPECT_EQ(group.monitor(true).kind(), OutcomeKind::refused);
+}
+
+class BigGroup : public Group {
+ protected:
+  BigGroup() : Group("--clock lockstep --axes 64") {}
+
+  /// Limits of any size, so that any axis may be the slowest; windows that wait for nobody.
+  void prepare(std::mt19937_64& random) {
+    const auto between = [&](double low, double high) {
+      return static_cast<std::int64_t>(
+          std::pow(10.0, std::uniform_real_distribution<double>(low, high)(random)));
+    };
+    for (int axis = 1; axis <= 64; ++axis) {
+      const std::string name = "1." + std::to_string(axis);
+      write(name, {0x6065, 0}, 4294967295);
+      write(name, {0x6067, 0}, 4294967295);
+      write(name, kSpeedLimit, 4294967295);
+      write(name, {0x6080, 0}, 4294967295);
+      write(name, kVelocity, between(9.0, 9.6));
+      write(name, kAcceleration, between(9.0, 9.6));
+      write(name, kDeceleration, between(9.0, 9.6));
+    }
+  }
+};
+
+TEST_F(BigGroup, KeepsTheLineAndArrivesTogetherInRandomMovesOf2To64Axes) {
+  const bool nightly = std::getenv("VDRIVE_NIGHTLY") != nullptr;
+  const auto budget = nightly ? std::chrono::seconds(1200) : std::chrono::seconds(15);
+  std::mt19937_64 random(11);
+  prepare(random);
+  const auto uniform = [&](std::int64_t low, std::int64_t high) {
+    return std::uniform_int_distribution<std::int64_t>(low, high)(random);
+  };
+  const auto end = std::chrono::steady_clock::now() + budget;
+  int moves = 0;
+  for (; moves < 8 || std::chrono::steady_clock::now() < end; ++moves) {
+    const int count = static_cast<int>(uniform(2, 64));
+    SCOPED_TRACE("move " + std::to_string(moves) + " of " + std::to_string(count) + " axes");
+    AxisGroup group = enabled(count);
+    const double reach = std::pow(10.0, std::uniform_real_distribution<double>(0.0, 9.0)(random));
+    const Eigen::VectorXd starts = group.status()->demand();
+    Eigen::VectorXd targets = starts;
+    for (double& target : targets) {
+      const double towards_zero = target > 0 ? -1.0 : 1.0;
+      target += towards_zero * static_cast<double>(uniform(0, static_cast<std::int64_t>(reach)));
+    }
+    Watch watch(starts, targets);
+    const Outcome moved = group.move_together(targets, {.call = watch.options()});
+    ASSERT_TRUE(moved) << moved.message();
+    ASSERT_EQ(group.status()->demand(), targets);
+    ASSERT_LE(watch.deviation(), 1.0);
+    ASSERT_EQ(watch.spread(), 0U);
+    ASSERT_LE(watch.longest_gap(), 1U);
+  }
+  RecordProperty("moves", moves);
+}
+
+TEST(TwoServices, AreOneGroupInLockStep) {
+  const RunningService left("--clock lockstep --axes 2");
+  const RunningService right("--clock lockstep --bench 2 --axes 2");
+  Session session(options());
+  ASSERT_TRUE(session.step(2, 777)) << "their ticks need not be the same";
+  auto group = AxisGroup::create(session, std::vector<std::string>{"2.1", "1.1", "1.2", "2.2"});
+  ASSERT_TRUE(group) << group.outcome().message();
+  ASSERT_TRUE(group->enable_all());
+  const Eigen::VectorXd targets = vector({20'000, 10'000, -30'000, 7});
+  const std::uint64_t first = *session.step(1, 0);
+  const std::uint64_t second = *session.step(2, 0);
+  Watch watch(group->status()->demand(), targets);
+  const Outcome moved = group->move_together(targets, {.call = watch.options()});
+  ASSERT_TRUE(moved) << moved.message();
+  EXPECT_LE(watch.deviation(), 1.0);
+  EXPECT_EQ(watch.spread(), 0U);
+  EXPECT_EQ(group->status()->demand(), targets);
+  EXPECT_EQ(*session.step(1, 0) - first, *session.step(2, 0) - second) << "they step together";
+
+  // A fault on one stops the axes of the other.
+  ASSERT_TRUE(group->move_together(vector({100'000, 100'000, 100'000, 100'000}), at_start()));
+  ASSERT_TRUE(session.axis("2.2")->write(kBlockedLoad, 1));
+  const Outcome failed = group->wait_all();
+  EXPECT_EQ(failed.kind(), OutcomeKind::failed);
+  EXPECT_THAT(failed.message(), HasSubstr("axis 2.2"));
+  for (const AxisSnapshot& axis : group->status()->axes) {
+    EXPECT_NE(axis.state(), PowerState::operation_enabled) << to_string(axis.id);
+  }
+}
+
+TEST(TwoServices, ARefusedStartOfOneMovesNoAxisOfTheOther) {
+  const RunningService left("--clock lockstep --axes 1");
+  const RunningService right("--clock lockstep --bench 2 --axes 1");
+  Session session(options());
+  auto group = AxisGroup::create(session, std::vector<std::string>{"1.1", "2.1"});
+  ASSERT_TRUE(group->enable_all());
+  auto axis = session.axis("2.1");
+  ASSERT_TRUE(axis->write(kVelocity, 1'000'000));
+  ASSERT_TRUE(axis->write(kSpeedLimit, 1'000'000));  // in force with the next enabling only
+  ASSERT_TRUE(axis->write({0x6080, 0}, 100'000));
+  ASSERT_TRUE(session.axis("1.1")->write(kVelocity, 136'000));
+  const Outcome refused = group->move_together(vector({100'000, 400'000}));
+  EXPECT_EQ(refused.kind(), OutcomeKind::refused);
+  EXPECT_THAT(refused.message(), HasSubstr("axis 2.1"));
+  ASSERT_TRUE(session.step(1, 100));
+  ASSERT_TRUE(session.step(2, 100));
+  EXPECT_EQ(group->status()->demand(), vector({0, 0}));
+}
+
+TEST(TwoServices, ALostOneStopsTheOther) {
+  const RunningService left("--clock lockstep --axes 1");
+  RunningService right("--clock lockstep --bench 2 --axes 1");
+  Session session(options());
+  auto group = AxisGroup::create(session, std::vector<std::string>{"1.1", "2.1"});
+  ASSERT_TRUE(group->enable_all());
+  GroupCallOptions call;
+  bool killed = false;
+  call.progress = [&](const GroupProgress& seen) {
+    if (seen.fraction > 0.3 && !killed) {
+      killed = true;
+      right.kill();
+    }
+  };
+  const Outcome lost = group->move_together(vector({300'000, 300'000}), {.call = call});
+  EXPECT_EQ(lost.kind(), OutcomeKind::lost) << lost.message();
+  EXPECT_THAT(lost.message(), HasSubstr("bench 2"));
+  const auto other = session.axis("1.1")->status();
+  EXPECT_NE(other->state(), PowerState::operation_enabled);
+  EXPECT_EQ(other->status.velocity_demand_value, 0);
+}
+
+TEST(TwoServices, WithoutACommonClockAreNoGroup) {
+  const RunningService left("--clock lockstep --axes 1");
+  const RunningService right("--clock realtime --bench 2 --axes 1");
+  const RunningService slow("--clock lockstep --bench 3 --axes 1 --period 2000");
+  Session session(options());
+  const auto mixed = AxisGroup::create(session, std::vector<std::string>{"1.1", "2.1"});
+  EXPECT_THAT(mixed.outcome().message(), HasSubstr("bench 1 and bench 2 have different clock"));
+  const auto periods = AxisGroup::create(session, std::vector<std::string>{"1.1", "3.1"});
+  EXPECT_THAT(periods.outcome().message(), HasSubstr("bench 1 and bench 3 have different periods"));
+}
+
+/// First tick in which the demand of an axis is not where it was.
+class FirstMotion {
+ public:
+  GroupCallOptions options() {
+    GroupCallOptions call;
+    call.progress = [this](const GroupProgress& seen) {
+      for (const AxisSnapshot& axis : seen.axes) {
+        if (axis.status.velocity_demand_value != 0) ticks_.emplace(axis.id, axis.tick);
+      }
+    };
+    return call;
+  }
+
+  [[nodiscard]] const std::map<AxisId, std::uint64_t>& ticks() const { return ticks_; }
+
+ private:
+  std::map<AxisId, std::uint64_t> ticks_;
+};
+
+TEST(TwoServices, InRealTimeStartInTheSameTick) {
+  const RunningService left(patient("--axes 1"));
+  const RunningService right(patient("--bench 2 --axes 1"));
+  Session session(options());
+  auto group = AxisGroup::create(session, std::vector<std::string>{"1.1", "2.1"});
+  ASSERT_TRUE(group) << group.outcome().message();
+  ASSERT_TRUE(group->enable_all());
+  for (const double target : {20'000.0, 0.0, 10'000.0}) {
+    FirstMotion motion;
+    const Outcome moved =
+        group->move_together(vector({target, target}), {.call = motion.options()});
+    ASSERT_TRUE(moved) << moved.message();
+    ASSERT_EQ(motion.ticks().size(), 2U);
+    EXPECT_EQ(motion.ticks().begin()->second, motion.ticks().rbegin()->second);
+    EXPECT_EQ(group->status()->demand(), vector({target, target}));
+  }
+}
+
+TEST(RealtimeGroup, StreamsAheadOfTheClock) {
+  const RunningService service(patient("--axes 2"));
+  SessionOptions streaming = options();
+  streaming.keep_alive = KeepAlive::user_frames;
+  Session session(streaming);
+  auto group = AxisGroup::create(session, names(1, 1, 2));
+  ASSERT_TRUE(group->enable_all());
+  // A busy machine may take longer than 10 ms to let this thread run.
+  ASSERT_TRUE(group->start_streaming({.lead = 60ms}));
+  std::uint64_t first = 0;
+  std::uint64_t last = 0;
+  for (int step = 1; step <= 300; ++step) {
+    const auto seen = group->stream(vector({step * 2.0, -step * 1.0}));
+    if (!seen) continue;  // late: the next one starts anew
+    first = first == 0 ? seen->tick : first;
+    last = seen->tick;
+  }
+  EXPECT_GE(last - first, 200U) << "paced by the clock: 300 positions, 60 of them ahead";
+  ASSERT_TRUE(group->stop_streaming());
+  EXPECT_EQ(group->status()->demand(), vector({600, -300}));
+}
+
+TEST(RealtimeGroup, AMonitorStopsTheOthersWhileNoCallWaits) {
+  const RunningService service(patient("--axes 2"));
+  Session session(options());
+  auto group = AxisGroup::create(session, names(1, 1, 2));
+  ASSERT_TRUE(group->enable_all());
+  ASSERT_TRUE(group->monitor(true));
+  ASSERT_TRUE(session.axis("1.2")->write(kOverCurrent, 1));
+  const auto stopped = session.axis("1.1")->wait_until(
+      [](const AxisSnapshot& axis) {
+        return axis.state() == PowerState::switch_on_disabled;
+      },
+      10s);
+  EXPECT_TRUE(stopped) << stopped.outcome().message();
+  EXPECT_TRUE(group->monitor(false));
+}
+
+}  // namespace
+}  // namespace vdrive::client

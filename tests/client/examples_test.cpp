@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+// The programs that people copy, as they stand, against real services.
+#include "support/test_domain.hpp"
+#include "tool/process.hpp"
+#include "vdrive/client/axis.hpp"
+#include "vdrive/client/session.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace vdrive::client {
+namespace {
+
+using namespace std::chrono_literals;
+using test::Finished;
+using test::RunningService;
+using testing::HasSubstr;
+
+Finished run(const std::string& example) {
+  return test::Process(std::string(VDRIVE_EXAMPLES) + "/" + example,
+                       {std::to_string(test::test_domain())})
+      .wait();
+}
+
+/// A service in real time whose axes outlast a busy machine.
+std::string patient(const std::string& words) {
+  return "--clock realtime --config " VDRIVE_SOURCE_DIR "/tests/data/patient.yaml " + words;
+}
+
+/// 6064h of an axis.
+std::int64_t position(const std::string& axis) {
+  SessionOptions options;
+  options.domain = test::test_domain();
+  options.find_timeout = 10s;
+  Session session(options);
+  return session.axis(axis)->status()->status.load_position_actual_value;
+}
+
+TEST(Examples, EnableAndMove) {
+  const RunningService service(patient("--axes 2"));
+  const Finished ended = run("01_enable_and_move");
+  EXPECT_EQ(ended.code, 0) << ended.errors;
+  EXPECT_THAT(ended.output, HasSubstr("asked for -5000, is at -5000"));
+  EXPECT_EQ(position("1.1"), 2048);
+}
+
+TEST(Examples, ThreeAxisFigure) {
+  const RunningService service("--clock lockstep --axes 3");
+  const Finished ended = run("02_three_axis_figure");
+  EXPECT_EQ(ended.code, 0) << ended.output << ended.errors;
+  EXPECT_THAT(ended.output, HasSubstr("corner 8"));
+  for (const char* const axis : {"1.1", "1.2", "1.3"}) EXPECT_EQ(position(axis), 0) << axis;
+}
+
+TEST(Examples, TwoServicesOneGroup) {
+  const RunningService left(patient("--axes 1"));
+  const RunningService right(patient("--bench 2 --axes 1"));
+  const Finished ended = run("03_two_services_one_group");
+  EXPECT_EQ(ended.code, 0) << ended.output << ended.errors;
+  EXPECT_EQ(position("1.1"), 1000);
+  EXPECT_EQ(position("2.1"), 1000);
+}
+
+TEST(Examples, Cosimulation) {
+  const RunningService service("--clock lockstep");
+  const Finished ended = run("04_cosimulation");
+  EXPECT_EQ(ended.code, 0) << ended.output << ended.errors;
+  // 0.5 kg at 0.2 m: 9.81 m/s² · 0.1 kg.m = 981 mN.m, and nothing upright.
+  EXPECT_THAT(ended.output, HasSubstr("against -981 mN.m"));
+  EXPECT_THAT(ended.output, HasSubstr("against 0 mN.m"));
+  EXPECT_NEAR(static_cast<double>(position("1.1")), 2048.0, 1.0);
+}
+
+TEST(Examples, TestBenchWithFaults) {
+  const RunningService service("--clock lockstep");
+  const Finished ended = run("05_test_bench_with_faults");
+  EXPECT_EQ(ended.code, 0) << ended.output << ended.errors;
+  EXPECT_THAT(ended.output, HasSubstr("5 faults survived"));
+  EXPECT_THAT(ended.output, HasSubstr("0x2310"));
+  EXPECT_THAT(ended.output, HasSubstr("too early"));
+  EXPECT_EQ(position("1.1"), 0);
+}
+
+}  // namespace
+}  // namespace vdrive::client

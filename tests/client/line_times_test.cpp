@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+// The common times of a straight line in axis space.
+#include "line_times.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+namespace vdrive::client {
+namespace {
+
+using std::chrono::microseconds;
+
+constexpr microseconds kPeriod{1000};
+
+AxisWay way(double distance, const MotionLimits& limits) {
+  return {.distance = distance, .limits = limits};
+}
+
+TEST(LineTimes, OfOneAxisAreItsOwnTrapezoid) {
+  // 1000 UU/s reached in 0.1 s (50 UU) and left in 0.2 s (100 UU), 849.5 UU between them in
+  // 0.8495 s, and the rest of the tick.
+  const std::vector ways{
+      way(999.5, {.velocity = 1000, .acceleration = 10'000, .deceleration = 5000})};
+  const auto times = plan_line(ways, kPeriod);
+  ASSERT_TRUE(times);
+  EXPECT_EQ(times->acceleration, microseconds{100'000});
+  EXPECT_EQ(times->deceleration, microseconds{200'000});
+  EXPECT_EQ(times->duration, microseconds{1'150'000});
+}
+
+TEST(LineTimes, OfAShortWayAreATriangle) {
+  // 99 UU with 10000 UU/s² both ways: 49.5 UU = a·t²/2, t = sqrt(99/1e4) s = 99498.7 us each.
+  const std::vector ways{
+      way(99, {.velocity = 5000, .acceleration = 10'000, .deceleration = 10'000})};
+  const auto times = plan_line(ways, kPeriod);
+  ASSERT_TRUE(times);
+  EXPECT_EQ(times->acceleration, microseconds{99'499});
+  EXPECT_EQ(times->deceleration, microseconds{99'499});
+  EXPECT_EQ(times->duration, microseconds{199'000});
+}
+
+TEST(LineTimes, TakeTheSpeedOfOneAxisAndTheRampOfAnother) {
+  // Along the path: 1000/1000 = 1 /s from the first, 2000/500 = 4 /s² from the second.
+  const std::vector ways{way(1000, {.velocity = 1000, .acceleration = 1e9, .deceleration = 1e9}),
+                         way(500, {.velocity = 1e9, .acceleration = 2000, .deceleration = 2000})};
+  const auto times = plan_line(ways, kPeriod);
+  ASSERT_TRUE(times);
+  EXPECT_EQ(times->acceleration, microseconds{250'000});
+  EXPECT_EQ(times->duration, microseconds{1'250'000});
+}
+
+TEST(LineTimes, RoundUpToWholeTicks) {
+  const std::vector ways{
+      way(1000, {.velocity = 999, .acceleration = 10'000, .deceleration = 10'000})};
+  const auto times = plan_line(ways, microseconds{2000});
+  ASSERT_TRUE(times);
+  EXPECT_EQ(times->duration % microseconds{2000}, microseconds{0});
+}
+
+TEST(LineTimes, WithoutAnyWayAreNothing) {
+  const std::vector ways{way(0, {.velocity = 0, .acceleration = 1, .deceleration = 1})};
+  const auto times = plan_line(ways, kPeriod);
+  ASSERT_TRUE(times);
+  EXPECT_EQ(times->duration, microseconds{0});
+}
+
+TEST(LineTimes, ThereAreNoneForAnAxisThatMayNotMove) {
+  const std::vector ways{way(1, {.velocity = 0, .acceleration = 1, .deceleration = 1})};
+  EXPECT_FALSE(plan_line(ways, kPeriod));
+}
+
+TEST(LineTimes, ThereAreNoneBeyondTheRangeOfTheObject) {
+  // 2^32 - 1 us are 4294.967295 s.
+  const MotionLimits limits{.velocity = 1000, .acceleration = 1e9, .deceleration = 1e9};
+  EXPECT_TRUE(plan_line(std::vector{way(4'294'900, limits)}, kPeriod));
+  EXPECT_FALSE(plan_line(std::vector{way(4'294'968, limits)}, kPeriod));
+  EXPECT_FALSE(plan_line(std::vector{way(1e9, limits)}, kPeriod));
+}
+
+/// The duration without any rounding, worked out another way: each axis' own rest-to-rest time is a
+/// lower bound, and the shared path with the smallest limits of all is the time itself.
+double ideal_seconds(const std::vector<AxisWay>& ways) {
+  double velocity = 1e300;
+  double acceleration = 1e300;
+  double deceleration = 1e300;
+  for (const AxisWay& each : ways) {
+    if (each.distance == 0) continue;
+    velocity = std::min(velocity, each.limits.velocity / each.distance);
+    acceleration = std::min(acceleration, each.limits.acceleration / each.distance);
+    deceleration = std::min(deceleration, each.limits.deceleration / each.distance);
+  }
+  // Share of the path that the ramps take at full speed.
+  const double ramps = velocity * velocity * (0.5 / acceleration + 0.5 / deceleration);
+  if (ramps >= 1.0) return std::sqrt(2.0 * (1.0 / acceleration + 1.0 / deceleration));
+  return velocity / acceleration + velocity / deceleration + (1.0 - ramps) / velocity;
+}
+
+TEST(LineTimes, NeverExceedALimitAndLastOneTickLongerThanTheIdealAtMost) {
+  std::mt19937_64 random(7);
+  const auto magnitude = [&](double low, double high) {
+    return std::pow(10.0, std::uniform_real_distribution<double>(low, high)(random));
+  };
+  int planned = 0;
+  for (int run = 0; run < 20'000; ++run) {
+    const auto count = std::uniform_int_distribution<std::size_t>(1, 64)(random);
+    const microseconds period{std::uniform_int_distribution<int>(125, 10'000)(random)};
+    std::vector<AxisWay> ways;
+    for (std::size_t axis = 0; axis < count; ++axis) {
+      ways.push_back(
+          way(std::floor(magnitude(-0.5, run % 2 == 0 ? 9 : 6)) + (axis % 2 == 0 ? 0.5 : 0.0),
+              {.velocity = std::floor(magnitude(4, 9)),
+               .acceleration = std::floor(magnitude(3, 9.6)),
+               .deceleration = std::floor(magnitude(3, 9.6))}));
+    }
+    const auto times = plan_line(ways, period);
+    const double ideal = ideal_seconds(ways);
+    if (!times) {
+      ASSERT_GT(ideal, 4294.9) << "run " << run;
+      continue;
+    }
+    ++planned;
+    for (const AxisWay& each : ways) {
+      ASSERT_TRUE(each.distance == 0 || keeps_limits(each, *times)) << "run " << run;
+    }
+    ASSERT_GE(times->duration, times->acceleration + times->deceleration);
+    ASSERT_EQ(times->duration % period, microseconds{0});
+    const double seconds = static_cast<double>(times->duration.count()) * 1e-6;
+    const double tick = static_cast<double>(period.count()) * 1e-6;
+    // One tick for the rounding up, another where the last bit of a limit asks for it.
+    ASSERT_LE(seconds, ideal + 2.0 * tick + 3e-6) << "run " << run;
+    ASSERT_GE(seconds, ideal * (1.0 - 1e-9)) << "run " << run;
+  }
+  EXPECT_GT(planned, 10'000);
+}
+
+}  // namespace
+}  // namespace vdrive::client
