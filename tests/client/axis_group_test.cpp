@@ -200,7 +200,8 @@ TEST_F(LockStepGroup, EnablesAndDisablesEveryAxisWhateverStateItIsIn) {
   EXPECT_EQ(group->status()->state, GroupState::standby);
   ASSERT_TRUE(group->disable_all());
   EXPECT_EQ(group->status()->state, GroupState::disabled);
-  for (const AxisSnapshot& axis : group->status()->axes) {
+  const auto seen = group->status();
+  for (const AxisSnapshot& axis : seen->axes) {
     EXPECT_EQ(axis.state(), PowerState::ready_to_switch_on);
   }
 }
@@ -346,7 +347,8 @@ TEST_F(LockStepGroup, AFaultOfOneStopsTheOthersWithinTwoTicksOfItsStatus) {
     EXPECT_LE(when, fault + 2) << axis;
   }
   // At rest when the call returns, by 605Ah = 2: Switch on disabled.
-  for (const AxisSnapshot& axis : group.status()->axes) {
+  const auto seen = group.status();
+  for (const AxisSnapshot& axis : seen->axes) {
     EXPECT_EQ(axis.status.velocity_demand_value, 0);
     EXPECT_NE(axis.state(), PowerState::operation_enabled);
   }
@@ -602,7 +604,8 @@ TEST(TwoServices, AreOneGroupInLockStep) {
   const Outcome failed = group->wait_all();
   EXPECT_EQ(failed.kind(), OutcomeKind::failed);
   EXPECT_THAT(failed.message(), HasSubstr("axis 2.2"));
-  for (const AxisSnapshot& axis : group->status()->axes) {
+  const auto seen = group->status();
+  for (const AxisSnapshot& axis : seen->axes) {
     EXPECT_NE(axis.state(), PowerState::operation_enabled) << to_string(axis.id);
   }
 }

@@ -17,7 +17,7 @@ using test::RunningService;
 using testing::HasSubstr;
 
 Finished run(const std::string& example) {
-  return test::Process(std::string(VDRIVE_EXAMPLES) + "/" + example,
+  return test::Process(std::string(VDRIVE_EXAMPLES "/").append(example),
                        {std::to_string(test::test_domain())})
       .wait();
 }
