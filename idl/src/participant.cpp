@@ -2,6 +2,7 @@
 #include "vdrive/wire/participant.hpp"
 
 #include "entities.hpp"
+#include "vdrive/wire/address.hpp"
 
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/domain/qos/DomainParticipantQos.hpp>
@@ -16,7 +17,6 @@
 #include <fastrtps/xmlparser/XMLProfileManager.h>
 
 #include <algorithm>
-#include <charconv>
 #include <fstream>
 #include <memory>
 #include <mutex>
@@ -103,20 +103,13 @@ void add_peers(const NetworkSettings& settings, dds::DomainParticipantQos& qos) 
 
 /// @return the locator that "10.0.0.9:11811" names.
 std::optional<rtps::Locator_t> server_locator(std::string_view text) {
-  const auto colon = text.find(':');
-  const std::string address(text.substr(0, colon));
-  if (colon == std::string_view::npos || !is_address(address)) {
-    return std::nullopt;
-  }
-  const std::string_view digits = text.substr(colon + 1);
-  std::uint16_t port = 0;
-  const auto [end, error] = std::from_chars(digits.begin(), digits.end(), port);
-  if (error != std::errc{} || end != digits.end() || port == 0) {
+  const auto server = parse_server_address(text);
+  if (!server) {
     return std::nullopt;
   }
   rtps::Locator_t locator;
-  IPLocator::setIPv4(locator, address);
-  locator.port = port;
+  IPLocator::setIPv4(locator, server->address);
+  locator.port = server->port;
   return locator;
 }
 
@@ -181,14 +174,6 @@ void deliver_through_the_transport() {
 }
 
 }  // namespace
-
-bool is_address(const std::string& text) {
-  return IPLocator::isIPv4(text);
-}
-
-bool is_server_address(std::string_view text) {
-  return server_locator(text).has_value();
-}
 
 Participant::Participant(const NetworkSettings& settings, const std::string& name)
     : entities_(std::make_unique<Entities>()) {

@@ -5,6 +5,7 @@
 #include "number_text.hpp"
 #include "vdrive/axis_bank.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/wire/address.hpp"
 #include "yaml_reader.hpp"
 
 #include <yaml-cpp/yaml.h>
@@ -208,7 +209,7 @@ std::vector<std::string> read_addresses(const YamlValue& value) {
 std::vector<std::string> read_servers(const YamlValue& value) {
   std::vector<std::string> servers;
   value.for_each_element([&](const YamlValue& element) {
-    if (!wire::is_server_address(servers.emplace_back(element.text()))) {
+    if (!wire::parse_server_address(servers.emplace_back(element.text()))) {
       element.refuse("must be an IPv4 address and a port, such as 10.0.0.9:11811");
     }
   });

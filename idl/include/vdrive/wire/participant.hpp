@@ -5,7 +5,6 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace vdrive::wire {
@@ -21,12 +20,6 @@ struct NetworkSettings {
       discovery_servers{};     ///< such as 10.0.0.9:11811, instead of multicast; first = id 0
   bool shared_memory = false;  ///< opt-in: killed processes leave segments behind
 };
-
-/// @return whether `text` is an IPv4 address, such as 10.0.0.1.
-[[nodiscard]] bool is_address(const std::string& text);
-
-/// @return whether `text` is an IPv4 address and, after a colon, a port from 1 to 65535.
-[[nodiscard]] bool is_server_address(std::string_view text);
 
 /// DDS could not be set up; the message names the entity and the setting.
 class NetworkError : public std::runtime_error {

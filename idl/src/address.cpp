@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdrive/wire/address.hpp"
+
+#include <arpa/inet.h>
+
+#include <charconv>
+#include <system_error>
+
+namespace vdrive::wire {
+
+bool is_address(const std::string& text) {
+  in_addr address{};
+  return inet_pton(AF_INET, text.c_str(), &address) == 1;
+}
+
+std::optional<ServerAddress> parse_server_address(std::string_view text) {
+  const auto colon = text.find(':');
+  const std::string address(text.substr(0, colon));
+  if (colon == std::string_view::npos || !is_address(address)) {
+    return std::nullopt;
+  }
+  const std::string_view digits = text.substr(colon + 1);
+  std::uint16_t port = 0;
+  const auto [end, error] = std::from_chars(digits.begin(), digits.end(), port);
+  if (error != std::errc{} || end != digits.end() || port == 0) {
+    return std::nullopt;
+  }
+  return ServerAddress{address, port};
+}
+
+}  // namespace vdrive::wire
