@@ -153,7 +153,7 @@ Result<std::uint64_t> SessionCore::end_step(const Target& target, Stepping stepp
   }
 }
 
-Outcome SessionCore::missing_stepper(const Target& target, std::uint64_t session) {
+Outcome SessionCore::missing_stepper(const Target& target, std::uint64_t session) const {
   if (session == 0 || session == id_)
     return Outcome::timed_out(name_of(target) + " did not answer");
   return Outcome::timed_out(name_of(target) + " waits for stepper " + hex_of(session) +

@@ -255,7 +255,7 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
                                      std::chrono::milliseconds patience);
   Result<msg::Reply> conclude_step(const Target& target, const Stepping& stepping,
                                    std::chrono::steady_clock::time_point deadline);
-  Outcome missing_stepper(const Target& target, std::uint64_t session);
+  Outcome missing_stepper(const Target& target, std::uint64_t session) const;
   Outcome await_command_match(const Target& target);
 
   std::mutex& send_mutex_of(std::uint32_t bench);

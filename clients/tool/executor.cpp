@@ -180,9 +180,10 @@ Outcome Executor::run(const RecordCommand& command) {
     names[axis.id()] = axis.name();
   }
   std::vector<RecordedBench> tracks;
+  tracks.reserve(benches.size());
   for (auto& [number, bench] : benches) tracks.push_back(std::move(bench));
   Recorder recorder(session_, terminal_, command, std::move(names));
-  const Outcome outcome = recorder.record(tracks);
+  Outcome outcome = recorder.record(tracks);
   if (is_json_ && command.file != "-") {
     terminal_.print(to_line({{"file", command.file},
                              {"axes", axes->size()},

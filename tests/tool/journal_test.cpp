@@ -85,6 +85,14 @@ TEST(JournalOfTheService, RecordsInRealTimeAndReplays) {
   expect_it_replays(journal, " ticks of 20 axes, ");
 }
 
+TEST(JournalOfTheService, RecordsAFreeRunningClockAndReplays) {
+  const JournalName journal;
+  RunningService service("--clock freerun --axes 20" + journal.flag());
+  use();
+  service.stop();
+  expect_it_replays(journal, " ticks of 20 axes, ");
+}
+
 TEST(JournalOfTheService, OfAKilledServiceReplaysUpToItsEnd) {
   const JournalName journal;
   RunningService service("--clock lockstep --axes 20" + journal.flag());
