@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
-#include <cstring>
 #include <fstream>
+#include <system_error>
 
 namespace vdrive::tool {
 namespace {
@@ -30,12 +30,12 @@ std::vector<ObjectRow> recorded_objects() {
 }
 
 const std::vector<ObjectRow>& columns() {
-  static const std::vector<ObjectRow> kColumns = recorded_objects();
-  return kColumns;
+  static const std::vector<ObjectRow> rows = recorded_objects();
+  return rows;
 }
 
 std::string system_error() {
-  return std::strerror(errno);
+  return std::generic_category().message(errno);
 }
 
 }  // namespace
@@ -99,22 +99,19 @@ Outcome Recorder::record(const std::vector<RecordedBench>& benches) {
 }
 
 Outcome Recorder::follow(std::vector<Track>& tracks) {
-  while (std::ranges::any_of(tracks, [](const Track& track) {
-    return !track.has_ended;
-  })) {
+  bool goes_on = true;
+  while (goes_on && terminal_.is_open()) {
+    goes_on = false;
     for (Track& track : tracks) {
-      if (track.has_ended) continue;
       if (Outcome seen = look(track); !seen) return seen;
-      if (!terminal_.is_open()) return {};
-      if (file_ != nullptr && !*file_) {
-        return Outcome::failed("cannot write '" + command_.file + "': " + system_error());
-      }
+      goes_on = goes_on || !track.has_ended;
     }
   }
   return {};
 }
 
 Outcome Recorder::look(Track& track) {
+  if (track.has_ended) return {};
   const auto sample = track.follower.next(track.patience);
   if (sample.outcome().kind() == OutcomeKind::timed_out) return {};
   if (!sample) return sample.outcome();
@@ -126,7 +123,8 @@ Outcome Recorder::look(Track& track) {
   write(*sample);
   ++track.samples;
   track.has_ended = track.samples == command_.count;
-  return {};
+  if (file_ == nullptr || *file_) return {};
+  return Outcome::failed("cannot write '" + command_.file + "': " + system_error());
 }
 
 void Recorder::write(const client::Observation& sample) {
