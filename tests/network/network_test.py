@@ -308,7 +308,9 @@ def long_cut(case, seconds):
     began = time.monotonic()
     case.c.unplug()
     tick = time.time() * TICKS_PER_SECOND  # tick 0 is the epoch
-    time.sleep(0.2)  # past the watchdog
+    hosts.wait_for("loss of the holder's axis", lambda: [
+        text for _, text in case.benches[0].events(marks[0])
+        if "fell silent" in text and "axis 2:" in text], 5)
     number = say(holder, before + 4096)
     time.sleep(max(0.0, began + seconds - time.monotonic()))
     case.c.plug()

@@ -77,21 +77,21 @@ TEST(JournalOfTheService, RecordsInLockStepAndReplays) {
   expect_it_replays(journal, " ticks of 20 axes, ");
 }
 
-TEST(JournalOfTheService, RecordsInRealTimeAndReplays) {
+/// Clocks that run by themselves.
+class JournalOfAClock : public testing::TestWithParam<std::string> {};
+
+TEST_P(JournalOfAClock, RecordsAndReplays) {
   const JournalName journal;
-  RunningService service("--axes 20" + journal.flag());
+  RunningService service("--axes 20 --clock " + GetParam() + journal.flag());
   use();
   service.stop();
   expect_it_replays(journal, " ticks of 20 axes, ");
 }
 
-TEST(JournalOfTheService, RecordsAFreeRunningClockAndReplays) {
-  const JournalName journal;
-  RunningService service("--clock freerun --axes 20" + journal.flag());
-  use();
-  service.stop();
-  expect_it_replays(journal, " ticks of 20 axes, ");
-}
+INSTANTIATE_TEST_SUITE_P(Clocks, JournalOfAClock, testing::Values("realtime", "freerun"),
+                         [](const auto& clock) {
+                           return clock.param;
+                         });
 
 TEST(JournalOfTheService, OfAKilledServiceReplaysUpToItsEnd) {
   const JournalName journal;

@@ -36,11 +36,6 @@ double relative_base(const DriveContext& axis) {
   }
 }
 
-double clamp_to_software_limits(const DriveContext& axis, double target) {
-  const DriveState& s = axis.state;
-  return s.limits_enabled ? std::min(std::max(target, s.lower_limit), s.upper_limit) : target;
-}
-
 /// The internal target that `set_point` asks for.
 double target_of(const DriveContext& axis, const SetPoint& set_point) {
   const auto value = static_cast<double>(set_point.position_user_target_value);

@@ -3,6 +3,7 @@
 
 #include "drive/drive.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -39,6 +40,12 @@ inline constexpr std::uint8_t kHomeInput = 1U << 2U;
 
 [[nodiscard]] inline bool halted(const DriveContext& axis) {
   return (axis.state.controlword & Controlword::kHalt) != 0;
+}
+
+/// @return `target` [UU] within 607Dh where that is in force.
+[[nodiscard]] inline double clamp_to_software_limits(const DriveContext& axis, double target) {
+  const DriveState& s = axis.state;
+  return s.limits_enabled ? std::min(std::max(target, s.lower_limit), s.upper_limit) : target;
 }
 
 /// Demand and actual speed are zero.

@@ -224,8 +224,7 @@ MotionRequest cyclic_synchronous_position(const DriveContext& axis) {
     return s.limit_stop ? limit_switch_stop(axis) : normal_stop(axis);
   }
   const double streamed = real(axis, "position_user_target_value"_object);
-  const double goal =
-      s.limits_enabled ? std::min(std::max(streamed, s.lower_limit), s.upper_limit) : streamed;
+  const double goal = clamp_to_software_limits(axis, streamed);
   const double whole = nearest(s.demand_position);
   const double target = whole + (s.limits_enabled ? goal - wrapped(whole)
                                                   : static_cast<double>(wrapped(goal - whole)));

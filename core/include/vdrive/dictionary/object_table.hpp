@@ -10,7 +10,8 @@ namespace vdrive {
 
 /// The object dictionary: each object stands here once. Rows of the manual first name their
 /// category as the manual does; companion rows are those that the drive needs beside them
-/// (CiA 301 communication objects, CiA 402 objects, and the test-bench inputs 5E00h..5E09h).
+/// (CiA 301 communication objects, CiA 402 objects, the test-bench inputs 5E00h..5E09h and the
+/// synchronous move 5E10h).
 /// Sorted by index and sub-index.
 // clang-format off
 inline constexpr std::array<ObjectDescription, 94> kObjectTable{{
