@@ -19,10 +19,6 @@ namespace {
 
 constexpr std::chrono::seconds kUsualTimeout{60};
 
-bool is_enabled(const AxisSnapshot& axis) {
-  return axis.state() == PowerState::operation_enabled;
-}
-
 bool moves(const AxisSnapshot& axis) {
   const bool on_the_way = axis.mode() == OperatingMode::profile_position && !target_reached(axis);
   return on_the_way || axis.status.velocity_demand_value != 0;

@@ -154,7 +154,7 @@ Result<LineTimes> AxisGroup::State::times_of(GroupTalk& talk, const LineRequest&
 
 Outcome AxisGroup::State::start(GroupTalk& talk, const LineRequest& request) {
   for (const AxisSnapshot& axis : talk.now()) {
-    if (axis.state() != PowerState::operation_enabled) {
+    if (!is_enabled(axis)) {
       return refused_in_state(axis, "a move", "Operation enabled");
     }
     if (axis.status.velocity_demand_value != 0) {
@@ -175,6 +175,7 @@ Outcome AxisGroup::State::start(GroupTalk& talk, const LineRequest& request) {
     set_line(std::move(started));
     return {};
   }
+  if (told.outcome.kind() == OutcomeKind::lost) return talk.stop_others(told.outcome);
   if (told.tick != 0) withdraw(talk);
   if (!told.outcome) return told.outcome;
   return not_in_this_state(
@@ -189,10 +190,12 @@ void AxisGroup::State::withdraw(GroupTalk& talk) {
   const Told halted = talk.tell({&halt, 1}, Timing::at_once);
   if (!talk.steps()) {
     (void)talk.look_until("standstill", halted.tick, [&talk](std::size_t place) {
-      return target_reached(talk.now()[place]);
+      const AxisSnapshot& axis = talk.now()[place];
+      return !is_enabled(axis) || target_reached(axis);
     });
   }
-  std::array<Round, 2> rounds{halt, talk.round_of(kEnableOperation, every_axis)};
+  std::array<Round, 2> rounds{talk.round_of(kHalt, is_enabled),
+                              talk.round_of(kEnableOperation, is_enabled)};
   for (Round::Word& word : rounds[0].words) {
     add_target(word.command, talk.now()[word.place].status.position_demand_value);
     add_word(word.command, kHalt | Controlword::kNewSetPoint | Controlword::kChangeSetImmediately);
@@ -288,10 +291,7 @@ Outcome AxisGroup::wait_all(const GroupCallOptions& options) {
 Outcome AxisGroup::halt_all(const GroupCallOptions& options) {
   GroupTalk talk = state_->talk(options);
   if (Outcome ready = talk.take_control(timeout_of(options)); !ready) return ready;
-  const auto enabled = [](const AxisSnapshot& axis) {
-    return axis.state() == PowerState::operation_enabled;
-  };
-  const Round halt = talk.round_of(kHalt, enabled);
+  const Round halt = talk.round_of(kHalt, is_enabled);
   if (halt.words.empty())
     return refused_in_state(talk.now().front(), "a halt", "Operation enabled");
   Told told = talk.tell({&halt, 1}, Timing::common_tick);
@@ -300,7 +300,7 @@ Outcome AxisGroup::halt_all(const GroupCallOptions& options) {
   const bool to_standstill = options.until == Until::done;
   Outcome seen = talk.look_until("standstill, bit 10", told.tick, [&](std::size_t place) {
     const AxisSnapshot& axis = talk.now()[place];
-    return !to_standstill || !enabled(axis) || target_reached(axis);
+    return !to_standstill || !is_enabled(axis) || target_reached(axis);
   });
   if (!seen) return talk.stop_if_lost(std::move(seen));
   // An axis that was to halt and failed instead stops the others as in a move.
@@ -312,7 +312,7 @@ Outcome AxisGroup::resume_all(const GroupCallOptions& options) {
   GroupTalk talk = state_->talk(options);
   if (Outcome ready = talk.take_control(timeout_of(options)); !ready) return ready;
   for (const AxisSnapshot& axis : talk.now()) {
-    if (axis.state() != PowerState::operation_enabled) {
+    if (!is_enabled(axis)) {
       return refused_in_state(axis, "resuming", "Operation enabled");
     }
   }

@@ -40,7 +40,7 @@ Outcome AxisGroup::start_streaming(const StreamOptions& options) {
   GroupTalk talk = state_->talk({});
   if (Outcome ready = talk.take_control(kModeChange); !ready) return ready;
   for (const AxisSnapshot& axis : talk.now()) {
-    if (axis.state() != PowerState::operation_enabled) {
+    if (!is_enabled(axis)) {
       return refused_in_state(axis, "streaming", "Operation enabled");
     }
     if (axis.status.velocity_demand_value != 0) {

@@ -26,6 +26,9 @@ constexpr int kAttempts = 4;
 // Benches whose clocks differ by more do not act on common ticks.
 constexpr milliseconds kSynchronised{100};
 
+// Axes that a message names; the others are counted.
+constexpr std::size_t kMostNamed = 4;
+
 // Longer than any stop by the steepest ramps that the defaults allow.
 constexpr std::chrono::seconds kStopTime{5};
 
@@ -95,17 +98,43 @@ Outcome GroupTalk::look_at_streams() {
                                          : next(line);
     if (!seen) return seen;
   }
-  const auto [least, most] = std::ranges::minmax_element(lines_, {}, [](const Line& line) {
-    return line.seen.tick;
-  });
-  if (most->seen.tick - least->seen.tick > ticks_of(kSynchronised, period())) {
-    return Outcome::refused(msg::REASON_WRONG_CLOCK_MODE,
-                            name_of(least->target) + " and " + name_of(most->target) +
-                                " count different ticks: their clocks are not synchronised");
-  }
+  if (Outcome shared = await_common_ticks(); !shared) return shared;
   if (Outcome aligned = align(); !aligned) return aligned;
   publish();
   return {};
+}
+
+/// A bench that is only heard late, as after a link was down, catches up; one whose clock differs
+/// never does.
+Outcome GroupTalk::await_common_ticks() {
+  const std::uint64_t apart = ticks_of(kSynchronised, period());
+  const auto behind = [](const Line& line) {
+    return line.seen.tick;
+  };
+  const auto give_up = std::chrono::steady_clock::now() + kSilence;
+  while (true) {
+    const auto [least, most] = std::ranges::minmax_element(lines_, {}, behind);
+    if (most->seen.tick - least->seen.tick <= apart) return {};
+    if (std::chrono::steady_clock::now() > give_up) {
+      return Outcome::refused(msg::REASON_WRONG_CLOCK_MODE,
+                              name_of(least->target) + " and " + name_of(most->target) +
+                                  " count different ticks: their clocks are not synchronised");
+    }
+    if (Outcome seen = next(*least); !seen) return seen;
+    // Who waits for one bench must not fall behind on the others.
+    for (Line& line : lines_) {
+      if (Outcome seen = catch_up(line); !seen) return seen;
+    }
+  }
+}
+
+/// Takes what has arrived, without waiting.
+Outcome GroupTalk::catch_up(Line& line) {
+  while (true) {
+    auto sample = core_->next(line.target, *line.feed, {milliseconds(0), true});
+    if (sample.outcome().kind() == OutcomeKind::timed_out) return {};
+    if (Outcome noted = note(line, std::move(sample)); !noted) return noted;
+  }
 }
 
 void GroupTalk::set_timeout(std::chrono::nanoseconds timeout) {
@@ -118,12 +147,14 @@ Outcome GroupTalk::take_control(std::chrono::nanoseconds timeout) {
 }
 
 Outcome GroupTalk::acquire() {
-  for (const Line& line : lines_) {
+  for (Line& line : lines_) {
     const bool ours = std::ranges::all_of(line.seen.axes, [this](const AxisSnapshot& axis) {
       return axis.owner_session == core_->id();
     });
     if (ours && core_->holds(line.target, line.bench->axes)) continue;
-    if (Outcome taken = core_->acquire(line.target, line.bench->axes); !taken) return taken;
+    if (Outcome taken = core_->acquire(line.target, line.bench->axes); !taken) {
+      return note_lost(line, std::move(taken));
+    }
   }
   return {};
 }
@@ -152,9 +183,26 @@ Outcome GroupTalk::next(Line& line) {
   }
 }
 
+std::string GroupTalk::axes_of(const Line& line) {
+  const auto& axes = line.bench->axes;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(axes.size(), kMostNamed); ++i) {
+    text += (i == 0 ? "axis " : ", axis ") + to_string(AxisId{line.bench->number, axes[i]});
+  }
+  if (axes.size() > kMostNamed)
+    text += " and " + std::to_string(axes.size() - kMostNamed) + " more";
+  return text;
+}
+
+/// @return `outcome`; when it says that the bench is lost, with the axes that are lost with it.
+Outcome GroupTalk::note_lost(Line& line, Outcome outcome) {
+  if (outcome.kind() != OutcomeKind::lost) return outcome;
+  line.is_lost = true;
+  return Outcome::lost(axes_of(line) + ": " + outcome.message());
+}
+
 Outcome GroupTalk::note(Line& line, Result<Observation> sample) {
-  line.is_lost = sample.outcome().kind() == OutcomeKind::lost;
-  if (!sample) return sample.outcome();
+  if (!sample) return note_lost(line, sample.outcome());
   line.seen = std::move(*sample);
   return {};
 }
@@ -192,7 +240,6 @@ void GroupTalk::publish() {
 
 Outcome GroupTalk::timed_out(std::string_view awaited, std::span<const std::size_t> late) const {
   std::string message = "waited in vain for " + std::string(awaited);
-  constexpr std::size_t kMostNamed = 4;
   for (std::size_t i = 0; i < std::min(late.size(), kMostNamed); ++i) {
     const AxisSnapshot& axis = now_[late[i]];
     message +=
@@ -223,10 +270,10 @@ std::vector<msg::Request> GroupTalk::read_requests(const Line& line,
 Result<std::vector<std::vector<std::int64_t>>> GroupTalk::read(
     std::span<const ObjectAddress> objects) {
   std::vector<std::vector<std::int64_t>> values(now_.size());
-  for (const Line& line : lines_) {
+  for (Line& line : lines_) {
     const auto replies = core_->requests(line.target, read_requests(line, objects),
                                          "read of axes of " + name_of(line.target));
-    if (!replies) return replies.outcome();
+    if (!replies) return note_lost(line, replies.outcome());
     std::vector<msg::ObjectResult> results;
     for (const msg::Reply& reply : *replies) {
       results.insert(results.end(), reply.objects().begin(), reply.objects().end());
@@ -323,8 +370,9 @@ Told GroupTalk::collect(std::span<const SentFrames> sent, Outcome outcome) {
   const bool wait = static_cast<bool>(told.outcome);
   for (std::size_t i = 0; i < sent.size(); ++i) {
     if (sent[i].sequences.empty()) continue;
-    const auto applied =
+    auto applied =
         core_->collect(sent[i].target, sent[i].sequences, wait ? Outcome() : told.outcome);
+    applied.outcome = note_lost(lines_[i], std::move(applied.outcome));
     // What was cancelled was cancelled because of another refusal, which says more.
     if (!applied.outcome && (told.outcome || told.outcome.code() == msg::REASON_CANCELLED)) {
       told.outcome = applied.outcome;
@@ -348,7 +396,7 @@ void GroupTalk::note_ignored(const Line& line, std::span<const std::uint16_t> ax
 Outcome GroupTalk::check(std::string_view awaited, std::uint64_t from) {
   if (tick_ < from) return {};
   for (const AxisSnapshot& axis : now_) {
-    if (axis.state() == PowerState::operation_enabled) continue;
+    if (is_enabled(axis)) continue;
     return stop_others(Outcome::failed("axis " + to_string(axis.id) + ": waited for " +
                                        std::string(awaited) + ", " + what_it_shows(axis)));
   }
@@ -367,7 +415,7 @@ bool GroupTalk::is_heard(const AxisSnapshot& axis) const {
 
 Outcome GroupTalk::say_stop(Outcome cause, Told& stop) {
   const Round round = round_of(kQuickStop, [this](const AxisSnapshot& axis) {
-    return axis.state() == PowerState::operation_enabled && is_heard(axis);
+    return is_enabled(axis) && is_heard(axis);
   });
   if (!round.words.empty()) stop = tell({&round, 1}, Timing::at_once);
   if (stop.outcome) return cause;

@@ -29,6 +29,10 @@ struct GroupLayout {
   std::vector<Bench> benches;
 };
 
+[[nodiscard]] inline bool is_enabled(const AxisSnapshot& axis) {
+  return axis.state() == PowerState::operation_enabled;
+}
+
 /// @return the refusal of something that the state of a drive does not allow.
 [[nodiscard]] Outcome not_in_this_state(std::string message);
 
@@ -197,6 +201,10 @@ class GroupTalk {
   Outcome next(Line& line);
   Outcome align();
   Outcome look_at_streams();
+  Outcome await_common_ticks();
+  Outcome catch_up(Line& line);
+  static std::string axes_of(const Line& line);
+  static Outcome note_lost(Line& line, Outcome outcome);
   static Outcome note(Line& line, Result<Observation> sample);
   [[nodiscard]] static std::vector<msg::Request> read_requests(
       const Line& line, std::span<const ObjectAddress> objects);

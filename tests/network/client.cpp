@@ -3,6 +3,9 @@
 // output; `time` is seconds of the monotonic clock.
 //
 //   network_client OPTIONS cycle AXIS...    moves each axis to and fro; what is lost is taken again
+//   network_client OPTIONS group AXIS...    moves the axes together, to and fro, every other one
+//   the
+//                                           other way round; what is lost is taken again
 //   network_client OPTIONS observe AXIS...  tells every change of state, owner, error and motion
 //   network_client OPTIONS hold AXIS        keeps the axis enabled; a number on standard input is a
 //                                           set-point that is sent at once, whatever has happened
@@ -10,6 +13,7 @@
 //   OPTIONS: --interface ADDRESS, --peer ADDRESS, --discovery-server ADDRESS:PORT
 #include "service/probe.hpp"
 #include "vdrive/client/axis.hpp"
+#include "vdrive/client/axis_group.hpp"
 #include "vdrive/client/session.hpp"
 
 #include <nlohmann/json.hpp>
@@ -145,6 +149,14 @@ void count_samples(client::Session& session, const std::string& name, const std:
   }
 }
 
+void wait_for_termination() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGTERM);
+  int received = 0;
+  sigwait(&signals, &received);
+}
+
 int cycle(const Arguments& arguments) {
   client::Session session(arguments.network);
   std::vector<std::jthread> threads;
@@ -156,12 +168,41 @@ int cycle(const Arguments& arguments) {
       count_samples(session, axis, stop);
     });
   }
-  sigset_t signals;
-  sigemptyset(&signals);
-  sigaddset(&signals, SIGTERM);
-  int received = 0;
-  sigwait(&signals, &received);
+  wait_for_termination();
   for (auto& thread : threads) thread.request_stop();
+  session.interrupt();
+  return 0;
+}
+
+// ---- group
+// ---------------------------------------------------------------------------------------
+
+constexpr const char* kGroup = "group";
+
+/// Enables the axes and moves them together until a call fails.
+void move_together_until_it_fails(client::Session& session, const std::vector<std::string>& axes) {
+  auto group = client::AxisGroup::create(session, axes);
+  if (!group) {
+    tell(kGroup, "find", group.outcome());
+    return;
+  }
+  if (!tell(kGroup, "reset", group->reset_all()) || !tell(kGroup, "enable", group->enable_all())) {
+    return;
+  }
+  Eigen::VectorXd targets(static_cast<Eigen::Index>(axes.size()));
+  for (Eigen::Index i = 0; i < targets.size(); ++i) targets[i] = i % 2 == 0 ? kFar : -kFar;
+  const Eigen::VectorXd home = Eigen::VectorXd::Zero(targets.size());
+  bool is_out = false;
+  while (tell(kGroup, "move", group->move_together(is_out ? home : targets))) is_out = !is_out;
+}
+
+int group(const Arguments& arguments) {
+  client::Session session(arguments.network);
+  std::jthread thread([&](const std::stop_token& stop) {
+    while (!stop.stop_requested()) move_together_until_it_fails(session, arguments.axes);
+  });
+  wait_for_termination();
+  thread.request_stop();
   session.interrupt();
   return 0;
 }
@@ -295,6 +336,7 @@ int hold(const Arguments& arguments) {
 
 int run(const Arguments& arguments) {
   if (arguments.role == "cycle") return cycle(arguments);
+  if (arguments.role == "group") return group(arguments);
   if (arguments.role == "observe") return observe(arguments);
   if (arguments.role == "hold") return hold(arguments);
   std::cerr << "network_client: no such role: " << arguments.role << '\n';
@@ -310,6 +352,8 @@ int main(int count, char** words) {
   sigemptyset(&signals);
   sigaddset(&signals, SIGTERM);
   const auto arguments = vdrive::test::parse({words + 1, words + count});
-  if (arguments.role == "cycle") pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  if (arguments.role == "cycle" || arguments.role == "group") {
+    pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  }
   return vdrive::test::run(arguments);
 }

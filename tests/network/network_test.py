@@ -29,6 +29,7 @@ TICKS_PER_SECOND = 1000
 CONNECTION_LOST = 0x8130
 STALE_EPOCH = 2
 SKIPPED = 77
+GROUP = "group"  # as whose calls the client tells those of its group
 LONGEST = 100  # [s] after which a case cleans up and fails
 
 
@@ -109,6 +110,11 @@ class Case:
         self.cycle = self.c.start("cycle", self.programs.client, *self.options, "cycle", "1.1",
                                   "2.1")
         self.wait_for_moves(0, 10)
+
+    def start_group(self):
+        self.cycle = self.c.start("group", self.programs.client, *self.options, "group", "1.1",
+                                  "2.1")
+        self.wait_for_moves(0, 10, axes=(GROUP,))
 
     def calls(self, axis, since=0.0):
         """Calls of the moving client that ended after `since`."""
@@ -394,6 +400,120 @@ def ABenchThatIsCutOffStopsAloneAndIsFoundAgain(case):
     case.start_cycle()
     # A machine that stands still for 100 ms stops bench 1, too: try again.
     expect(any(cut_off_bench_2(case) for _ in range(3)), "bench 1 suffered, three times of three")
+    case.expect_nothing_restarted()
+
+
+# ---- a group -------------------------------------------------------------------------------------
+
+
+def ticks_of_motion(bench, axis, since):
+    """The ticks at which motion of the axis began and ended, after tick `since`."""
+    began, ended = set(), set()
+    was_moving = False
+    for line in bench.seen(axis):
+        if line["moving"] != was_moving and line["tick"] > since:
+            (began if line["moving"] else ended).add(line["tick"])
+        was_moving = line["moving"]
+    return began, ended
+
+
+def expect_one_line(case, what):
+    """Both axes began and ended their moves on the same ticks."""
+    for _ in range(10):
+        marks = [bench.mark() for bench in case.benches]
+        since = max(bench.seen(f"{bench.number}.1")[-1]["tick"] for bench in case.benches)
+        case.wait_for_moves(time.monotonic(), 20, count=6, axes=(GROUP,))
+        jumps = [text for bench, mark in zip(case.benches, marks) for _, text in bench.events(mark)
+                 if "jumped" in text]
+        if not jumps:  # a bench that jumps leaves its plan behind: the machine stood still
+            break
+    first, second = (ticks_of_motion(bench, f"{bench.number}.1", since) for bench in case.benches)
+    for name, one, other in zip(("begin", "end"), first, second):
+        # The newest may not have been seen on both sides yet, a sample may have been missed.
+        common = len(one & other)
+        expect(common >= 3, f"{what}: axes {name} apart: {sorted(one)} and {sorted(other)}")
+        print(f"{what}: {common} of {max(len(one), len(other))} moves {name} on one tick")
+
+
+def expect_group_goes_on(case, since, what):
+    case.wait_for_moves(since, 8, axes=(GROUP,))
+    print(f"{what}: the group moves again {case.moves(GROUP, since)[0]['time'] - since:.2f} s "
+          "after the link is back")
+    expect_one_line(case, what)
+
+
+def cut_group_client(case, seconds):
+    what = f"client cut off for {seconds} s"
+    marks = [bench.mark() for bench in case.benches]
+    began = time.monotonic()
+    case.c.unplug()
+    tick = time.time() * TICKS_PER_SECOND
+    for bench, mark in zip(case.benches, marks):
+        hosts.wait_for(f"fault on bench {bench.number}", lambda b=bench, m=mark: [
+            text for _, text in b.events(m) if text == "axis 1: fault 0x8130"], 5)
+    time.sleep(max(0.0, began + seconds - time.monotonic()))
+    case.c.plug()
+    plugged = time.monotonic()
+    case.wait_for_moves(plugged, 8, axes=(GROUP,))
+    for bench, mark in zip(case.benches, marks):
+        events = bench.events(mark)
+        expect_safe_stop(bench, events, 1, tick, what)
+        expect_story(events, 1, f"{what}, bench {bench.number}")
+    expect_group_goes_on(case, plugged, what)
+
+
+def cut_group_member(case, seconds):
+    what = f"bench 2 cut off for {seconds} s"
+    marks = [bench.mark() for bench in case.benches]
+    began = time.monotonic()
+    case.b.unplug()
+    tick = time.time() * TICKS_PER_SECOND
+    hosts.wait_for("fault on bench 2", lambda: [
+        text for _, text in case.benches[1].events(marks[1]) if text == "axis 1: fault 0x8130"], 5)
+    time.sleep(max(0.0, began + seconds - time.monotonic()))
+    if seconds > 2 * SILENCE:  # nobody came back meanwhile
+        failed = case.failures(GROUP, began)
+        expect(failed and "2.1" in failed[0]["message"], f"{what}: {failed}")
+        noticed = failed[0]["time"] - began
+        print(f"{what}: '{failed[0]['message']}' after {noticed:.2f} s")
+        expect(failed[0]["outcome"] in ("lost", "failed"), failed[0])
+        expect(noticed <= SILENCE + 1, f"{what}: noticed after {noticed:.2f} s")
+        others = case.benches[0].seen("1.1")[-1]
+        expect(not others["moving"], f"{what}: axis 1.1 goes on alone: {others}")
+        expect(others["error"] == 0, f"{what}: the axis of the reachable bench failed: {others}")
+    case.b.plug()
+    plugged = time.monotonic()
+    case.wait_for_moves(plugged, 8, axes=(GROUP,))
+    events = case.benches[1].events(marks[1])
+    expect_safe_stop(case.benches[1], events, 1, tick, what)
+    expect_story(events, 1, what)
+    expect_group_goes_on(case, plugged, what)
+
+
+def lose_packets_of_group(case, percent, seconds):
+    what = f"{percent} % loss"
+    began = time.monotonic()
+    case.c.lose(percent)
+    time.sleep(seconds)
+    case.c.lose(0)
+    ended = time.monotonic()
+    moves = len([x for x in case.moves(GROUP, began) if x["time"] < ended])
+    print(f"{what}: {moves} moves, {len(case.failures(GROUP, began))} calls failed in {seconds} s")
+    expect_group_goes_on(case, ended, what)
+
+
+def AGroupOverTwoHostsEndsSafeAndGoesOnAsOne(case):
+    case.start_benches()
+    for bench in case.benches:
+        bench.observe(case, f"{bench.number}.1")
+    case.start_group()
+    expect_one_line(case, "all links up")
+    cut_group_client(case, 0.3)
+    cut_group_client(case, 3)
+    cut_group_member(case, 0.3)
+    cut_group_member(case, 3)
+    lose_packets_of_group(case, 1, 3)
+    lose_packets_of_group(case, 20, 5)
     case.expect_nothing_restarted()
 
 

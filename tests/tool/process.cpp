@@ -145,7 +145,10 @@ std::vector<std::string> tool_arguments(const std::string& words) {
 
 RunningService::RunningService(const std::string& words)
     : process_(VDRIVE_SERVICE,
-               split(words + " --log-level off --domain " + std::to_string(test_domain()))) {
+               split(words +
+                     (words.find("--log-level") == std::string::npos ? " --log-level off --domain "
+                                                                     : " --domain ") +
+                     std::to_string(test_domain()))) {
   client::SessionOptions options;
   options.domain = test_domain();
   options.find_timeout = std::chrono::seconds(20);
@@ -157,9 +160,9 @@ RunningService::~RunningService() {
   process_.send(SIGTERM);
 }
 
-void RunningService::stop() {
+Finished RunningService::stop() {
   process_.send(SIGTERM);
-  (void)process_.wait();
+  return process_.wait();
 }
 
 void RunningService::kill() {

@@ -62,14 +62,15 @@ class Process {
 /// A service of this build on the domain of this test, there once it is constructed.
 class RunningService {
  public:
-  /// @param words command line beside the domain, such as "--clock lockstep"
+  /// @param words command line beside the domain, such as "--clock lockstep"; it logs nothing
+  ///        unless they name a --log-level, and then no more than a pipe holds
   explicit RunningService(const std::string& words);
   ~RunningService();
   RunningService(const RunningService&) = delete;
   RunningService& operator=(const RunningService&) = delete;
 
   /// Ends it as a user would.
-  void stop();
+  Finished stop();
 
   /// Ends it without a word.
   void kill();
