@@ -63,6 +63,20 @@ void Directory::on_state(const msg::BenchState& message, Clock::time_point now) 
   entry.slowest_stepper = message.slowest_stepper();
 }
 
+std::vector<Presence> Directory::presences(Clock::time_point now) const {
+  std::vector<Presence> runs;
+  for (const auto& [key, entry] : entries_) {
+    if (!entry.heard || entry.part_count == 0) continue;
+    const bool stands = entry.info.clock_mode == ClockMode::lockstep ||
+                        (entry.info.clock_mode == ClockMode::realtime && entry.info.rate == 0.0);
+    runs.push_back({.key = key,
+                    .age = now - *entry.heard,
+                    .is_offline = entry.offline,
+                    .is_streaming = !stands});
+  }
+  return runs;
+}
+
 void Directory::set_rate(const BenchKey& key, double rate) {
   entries_[key].info.rate = rate;
 }

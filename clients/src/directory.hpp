@@ -33,6 +33,14 @@ struct PresentBench {
   [[nodiscard]] BenchKey key() const { return {info.number, info.incarnation}; }
 };
 
+/// How lately a run of a service was heard.
+struct Presence {
+  BenchKey key;
+  std::chrono::nanoseconds age{};  ///< of its newest sample
+  bool is_offline = false;
+  bool is_streaming = false;  ///< its ticks pass and are published
+};
+
 /// Which benches are there, judged by the age of their samples: a description comes from the
 /// history and says nothing about now. Time is an argument. Not thread-safe.
 class Directory {
@@ -55,6 +63,9 @@ class Directory {
   /// @return whether this run was heard within `patience` and has not gone offline.
   [[nodiscard]] bool is_alive(const BenchKey& key, std::chrono::milliseconds patience,
                               Clock::time_point now) const;
+
+  /// @return every run that has been described and heard, by bench; of one bench the newest last.
+  [[nodiscard]] std::vector<Presence> presences(Clock::time_point now) const;
 
   /// This run answered that it has another rate, before its state says so.
   void set_rate(const BenchKey& key, double rate);

@@ -111,7 +111,7 @@ Outcome GroupTalk::await_common_ticks() {
   const auto behind = [](const Line& line) {
     return line.seen.tick;
   };
-  const auto give_up = std::chrono::steady_clock::now() + kSilence;
+  const auto give_up = std::chrono::steady_clock::now() + core_->silence();
   while (true) {
     const auto [least, most] = std::ranges::minmax_element(lines_, {}, behind);
     if (most->seen.tick - least->seen.tick <= apart) return {};

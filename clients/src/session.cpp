@@ -109,6 +109,10 @@ Result<Follower> Session::follow(std::vector<AxisId> axes, Pace pace) {
   return core_->follow(*target, std::move(*numbers), pace);
 }
 
+void Session::watch_services(std::function<void(const ServiceChange&)> observer) {
+  core_->watch_services(std::move(observer));
+}
+
 Outcome Session::release() {
   return core_->release();
 }

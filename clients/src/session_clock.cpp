@@ -48,8 +48,8 @@ Result<std::uint64_t> SessionCore::set_rate(const Target& target, double rate) {
 Outcome SessionCore::check_presence(const Target& target) {
   const std::scoped_lock lock(mutex_);
   const auto now = Clock::now();
-  const bool is_there =
-      directory_.is_alive(target.key, kSilence, now) && !directory_.is_restarted(target.key, now);
+  const bool is_there = directory_.is_alive(target.key, options_.silence, now) &&
+                        !directory_.is_restarted(target.key, now);
   return is_there ? Outcome() : gone(target);
 }
 

@@ -2,8 +2,11 @@
 // Set-up, what arrives, and who is there.
 #include "session_core.hpp"
 
+#include "service_watch.hpp"
+
 #include <algorithm>
 #include <random>
+#include <stdexcept>
 #include <utility>
 
 namespace vdrive::client {
@@ -16,6 +19,17 @@ using std::chrono::milliseconds;
 constexpr milliseconds kSettle{250};
 
 constexpr milliseconds kMatch{2000};
+
+// Between two looks at who is there.
+constexpr milliseconds kWatchPeriod{5};
+
+constexpr milliseconds kShortestSilence{50};
+
+SessionOptions checked(SessionOptions options) {
+  if (options.silence >= kShortestSilence) return options;
+  throw std::runtime_error("the silence after which a service is lost, " +
+                           std::to_string(options.silence.count()) + " ms, is below 50 ms");
+}
 
 std::uint64_t random_session() {
   std::random_device device;
@@ -64,7 +78,7 @@ std::string restarted_text(const Target& target) {
 }
 
 SessionCore::SessionCore(const SessionOptions& options)
-    : options_(options),
+    : options_(checked(options)),
       id_(random_session()),
       participant_({.domain = options.domain,
                     .interfaces = options.interfaces,
@@ -96,6 +110,7 @@ SessionCore::~SessionCore() {
     keep_alive_thread_.request_stop();
     keep_alive_thread_.join();
   }
+  watch_services(nullptr);
   (void)release();  // nobody is left to be told
 }
 
@@ -105,6 +120,29 @@ Outcome SessionCore::gone(const Target& target) {
     return Outcome::lost(restarted_text(target));
   }
   return Outcome::lost(name_of(target) + " fell silent or went away");
+}
+
+void SessionCore::watch_services(std::function<void(const ServiceChange&)> observer) {
+  watch_thread_ = {};  // ends the last watch
+  if (!observer) return;
+  subscribe_status();
+  watch_thread_ = std::jthread([this, observe = std::move(observer)](const std::stop_token& stop) {
+    ServiceWatch watch;
+    std::condition_variable_any sleep;
+    std::mutex sleep_mutex;
+    std::unique_lock sleeping(sleep_mutex);
+    while (!stop.stop_requested()) {
+      std::vector<ServiceChange> changes;
+      {
+        const std::scoped_lock lock(mutex_);
+        changes = watch.look(directory_, Clock::now());
+      }
+      for (const ServiceChange& change : changes) observe(change);
+      sleep.wait_for(sleeping, stop, kWatchPeriod, [] {
+        return false;
+      });
+    }
+  });
 }
 
 // ---- what arrives ----------------------------------------------------------------------------

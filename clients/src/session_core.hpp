@@ -28,10 +28,6 @@
 
 namespace vdrive::client {
 
-/// After this silence a service counts as lost. Longer than kPresence, which only decides what is
-/// listed: a busy machine may hold a process up for some hundred milliseconds.
-inline constexpr std::chrono::milliseconds kSilence{1000};
-
 /// Wall time that a step waits for the other steppers of its clock to grant the next tick.
 inline constexpr std::chrono::milliseconds kStepPatience{10'000};
 
@@ -217,8 +213,14 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   /// Waits for the next sample of a feed.
   Result<Observation> next(const Target& target, StatusFeed& feed, Patience patience);
 
+  /// Session::watch_services.
+  void watch_services(std::function<void(const ServiceChange&)> observer);
+
   Outcome release();
   void interrupt() noexcept;
+
+  /// Wall time without a sample after which a service counts as lost.
+  [[nodiscard]] std::chrono::milliseconds silence() const noexcept { return options_.silence; }
 
  private:
   /// What this session has from one run of a service.
@@ -308,6 +310,7 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   std::unique_ptr<wire::Subscription<msg::StatusFrame>> status_subscription_;
   std::once_flag keep_alive_started_;
   std::jthread keep_alive_thread_;
+  std::jthread watch_thread_;
 };
 
 template <typename Condition>
@@ -318,7 +321,7 @@ Outcome SessionCore::wait(Lock& lock, const Target& target, Patience patience,
   while (!condition()) {
     const auto now = Directory::Clock::now();
     if (interrupted_ && patience.may_interrupt) return Outcome::failed("interrupted");
-    if (!directory_.is_alive(target.key, kSilence, now)) return gone(target);
+    if (!directory_.is_alive(target.key, options_.silence, now)) return gone(target);
     if (patience.needs_drive_time && directory_.is_paused(target.key, begin)) {
       return Outcome::failed(paused_text(target));
     }

@@ -2,6 +2,8 @@
 // Who is there: judged by the age of samples.
 #include "directory.hpp"
 
+#include "bench_messages.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -11,36 +13,6 @@ namespace {
 using namespace std::chrono_literals;
 using testing::IsEmpty;
 using testing::SizeIs;
-
-constexpr Directory::Clock::time_point kStart{};
-constexpr wire::Source kSource{{1, 2, 3}};
-
-msg::BenchDescription description(std::uint32_t bench, std::uint64_t incarnation,
-                                  std::uint16_t part = 0, std::uint16_t parts = 1) {
-  msg::BenchDescription message;
-  message.bench(bench);
-  message.incarnation(incarnation);
-  message.part(part);
-  message.parts(parts);
-  message.alive(true);
-  message.clock_mode(msg::CLOCK_MODE_LOCKSTEP);
-  message.period_us(1000);
-  message.status_every_ticks(1);
-  msg::AxisDescription axis;
-  axis.axis(static_cast<std::uint16_t>(part + 1));
-  axis.name("axis");
-  message.axes().push_back(axis);
-  return message;
-}
-
-msg::BenchState state(std::uint32_t bench, std::uint64_t incarnation, std::uint64_t tick = 0) {
-  msg::BenchState message;
-  message.bench(bench);
-  message.incarnation(incarnation);
-  message.tick(tick);
-  message.rate(1.0);
-  return message;
-}
 
 TEST(Directory, KnowsABenchOnceItIsDescribedAndHeard) {
   Directory sut;

@@ -10,7 +10,7 @@
 //   network_client OPTIONS hold AXIS        keeps the axis enabled; a number on standard input is a
 //                                           set-point that is sent at once, whatever has happened
 //
-//   OPTIONS: --interface ADDRESS, --peer ADDRESS, --discovery-server ADDRESS:PORT
+//   OPTIONS: --domain NUMBER, --interface ADDRESS, --peer ADDRESS, --discovery-server ADDRESS:PORT
 #include "service/probe.hpp"
 #include "vdrive/client/axis.hpp"
 #include "vdrive/client/axis_group.hpp"
@@ -65,7 +65,9 @@ Arguments parse(const std::vector<std::string>& words) {
       {"--peer", &arguments.network.peers},
       {"--discovery-server", &arguments.network.discovery_servers}};
   for (std::size_t i = 0; i < words.size(); ++i) {
-    if (const auto option = options.find(words[i]); option != options.end()) {
+    if (words[i] == "--domain") {
+      arguments.network.domain = static_cast<std::uint32_t>(std::stoul(words.at(++i)));
+    } else if (const auto option = options.find(words[i]); option != options.end()) {
       option->second->push_back(words.at(++i));
     } else if (arguments.role.empty()) {
       arguments.role = words[i];
@@ -316,7 +318,8 @@ class Holder {
 int hold(const Arguments& arguments) {
   const auto id = client::parse_axis_id(arguments.axes.at(0));
   if (!id) return 2;
-  Holder holder({.interfaces = arguments.network.interfaces,
+  Holder holder({.domain = arguments.network.domain,
+                 .interfaces = arguments.network.interfaces,
                  .peers = arguments.network.peers,
                  .discovery_servers = arguments.network.discovery_servers},
                 *id);

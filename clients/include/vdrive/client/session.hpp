@@ -7,6 +7,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -38,6 +39,27 @@ struct SessionOptions {
   std::optional<std::uint32_t> bench;  ///< see this bench only
   KeepAlive keep_alive = KeepAlive::own_thread;
   std::chrono::milliseconds find_timeout{2000};  ///< wall time that finding a service may take
+  /// Calls that wait give a service up as lost when its newest sample is older [wall time], 50 ms
+  /// or more: a busy machine may hold a process up for some hundred milliseconds.
+  /// Session::watch_services tells of a silence earlier.
+  std::chrono::milliseconds silence{1000};
+};
+
+/// What became of a service.
+enum class ServiceNews : std::uint8_t {
+  found,         ///< it is there
+  fell_silent,   ///< nothing was heard: it ended, hangs, or the network is down
+  heard_again,   ///< the same run of the service as before
+  restarted,     ///< another run: nobody holds an axis of it, every axis is disabled
+  went_offline,  ///< it said that it ends
+};
+
+/// One change that Session::watch_services tells of.
+struct ServiceChange {
+  std::uint32_t bench = 0;
+  ServiceNews news = ServiceNews::found;
+  std::chrono::milliseconds silence{};  ///< age of its newest sample
+  std::string text;                     ///< such as "bench 1 fell silent 83 ms ago"
 };
 
 /// Whether a follower advances the clock of a lock-step bench.
@@ -73,7 +95,7 @@ class Follower {
 ///
 /// A session is a random 64-bit number. It acquires an axis with the first command to it, keeps
 /// every axis that it has and releases all of them when it ends; a release leaves an axis as it is.
-/// Deadlines of motion are drive time; finding a service and noticing its silence (1 s) are wall
+/// Deadlines of motion are drive time; finding a service and noticing its silence are wall
 /// time. A call that waits for drive time fails once its bench is paused. In lock-step, calls that
 /// wait step the clock themselves; while the session has joined the clock (StepClock) they grant
 /// their ticks and wait for the other steppers, up to 10 s of wall time for the next tick.
@@ -81,7 +103,8 @@ class Follower {
 /// Calls may come from several threads; those that step one lock-step bench from one at a time.
 class Session {
  public:
-  /// @throws std::runtime_error when the domain is out of range or DDS cannot be set up.
+  /// @throws std::runtime_error when the domain or `silence` is out of range or DDS cannot be set
+  ///         up.
   explicit Session(const SessionOptions& options = {});
   ~Session();
   Session(const Session&) = delete;
@@ -144,6 +167,12 @@ class Session {
 
   /// @param axes of one bench, none of them twice
   Result<Follower> follow(std::vector<AxisId> axes, Pace pace);
+
+  /// Calls `observer`, in a thread of the session, when a service is found, falls silent, is heard
+  /// again, restarts or goes offline. A silence is judged by the age of samples: it is told within
+  /// 100 ms while the bench ticks, within 300 ms where time stands still (lock-step, paused).
+  /// @param observer must not end the session; an empty one ends the watch. It replaces the last.
+  void watch_services(std::function<void(const ServiceChange&)> observer);
 
   /// Gives all axes back. They stay as they are.
   Outcome release();

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "service_watch.hpp"
+
+#include <set>
+#include <string>
+
+namespace vdrive::client {
+namespace {
+
+using std::chrono::milliseconds;
+
+// A bench whose ticks are published is heard every few milliseconds: with what the look itself may
+// be late its silence is told within 100 ms.
+constexpr milliseconds kSilenceOfAStream{80};
+// One that stands still publishes its state 20 times a second: a lost sample is no silence.
+constexpr milliseconds kSilenceOfAState{250};
+
+milliseconds age(const Presence& presence) {
+  return std::chrono::duration_cast<milliseconds>(presence.age);
+}
+
+bool is_there(const Presence& presence) {
+  return !presence.is_offline &&
+         presence.age < (presence.is_streaming ? kSilenceOfAStream : kSilenceOfAState);
+}
+
+std::string text_of(ServiceNews news, const Presence& presence) {
+  const std::string bench = "bench " + std::to_string(presence.key.number);
+  switch (news) {
+    case ServiceNews::found:
+      return bench + " is there";
+    case ServiceNews::fell_silent:
+      return bench + " fell silent " + std::to_string(age(presence).count()) + " ms ago";
+    case ServiceNews::heard_again:
+      return bench + " is heard again";
+    case ServiceNews::restarted:
+      return bench + " restarted: what was held there is not held any more";
+    case ServiceNews::went_offline:
+      return bench + " went offline";
+  }
+  return bench;
+}
+
+}  // namespace
+
+std::vector<ServiceChange> ServiceWatch::look(const Directory& directory,
+                                              Directory::Clock::time_point now) {
+  std::vector<ServiceChange> changes;
+  const auto tell = [&changes](ServiceNews news, const Presence& presence) {
+    changes.push_back({.bench = presence.key.number,
+                       .news = news,
+                       .silence = age(presence),
+                       .text = text_of(news, presence)});
+  };
+  std::set<std::uint32_t> seen;
+  for (const Presence& presence : directory.presences(now)) {
+    Known& known = known_[presence.key.number];
+    const bool is_ours = known.incarnation == presence.key.incarnation;
+    if (is_there(presence)) {
+      // Of two at once the earlier one keeps the number.
+      if (!seen.insert(presence.key.number).second) continue;
+      if (known.incarnation == 0) {
+        tell(ServiceNews::found, presence);
+      } else if (!is_ours) {
+        tell(ServiceNews::restarted, presence);
+      } else if (!known.is_there) {
+        tell(ServiceNews::heard_again, presence);
+      }
+      known = {.incarnation = presence.key.incarnation, .is_there = true};
+    } else if (known.is_there && is_ours) {
+      known.is_there = false;
+      tell(presence.is_offline ? ServiceNews::went_offline : ServiceNews::fell_silent, presence);
+    }
+  }
+  return changes;
+}
+
+}  // namespace vdrive::client

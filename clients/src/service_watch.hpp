@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "directory.hpp"
+#include "vdrive/client/session.hpp"
+
+#include <cstdint>
+#include <map>
+#include <vector>
+
+namespace vdrive::client {
+
+/// Finds out what became of services by the age of their samples. Time is an argument. Not
+/// thread-safe.
+class ServiceWatch {
+ public:
+  /// @return what has changed since the last look, by bench.
+  [[nodiscard]] std::vector<ServiceChange> look(const Directory& directory,
+                                                Directory::Clock::time_point now);
+
+ private:
+  struct Known {
+    std::uint64_t incarnation = 0;
+    bool is_there = false;
+  };
+
+  std::map<std::uint32_t, Known> known_;  ///< by bench
+};
+
+}  // namespace vdrive::client

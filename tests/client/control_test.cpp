@@ -1,0 +1,318 @@
+// SPDX-License-Identifier: Apache-2.0
+// Who is in control when programs die, hang or come back late: real services, real clients.
+#include "service/probe.hpp"
+#include "support/test_domain.hpp"
+#include "tool/process.hpp"
+#include "vdrive/client/axis.hpp"
+#include "vdrive/client/session.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <array>
+#include <chrono>
+#include <condition_variable>
+#include <csignal>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vdrive::client {
+namespace {
+
+using namespace std::chrono_literals;
+using test::Probe;
+using test::Process;
+using test::RunningService;
+
+constexpr std::uint64_t kWatchdog = 100;  // [ticks] of 1 ms, the default
+constexpr std::uint16_t kConnectionLost = 0x8130;
+// A machine that stands still for 100 ms makes everybody lose everybody: such a run says nothing.
+constexpr int kAttempts = 5;
+
+SessionOptions options() {
+  SessionOptions options;
+  options.domain = test::test_domain();
+  options.find_timeout = 20s;
+  return options;
+}
+
+/// Ticks of a bench in real time are milliseconds since the epoch.
+std::uint64_t tick_now() {
+  return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::milliseconds>(
+                                        std::chrono::system_clock::now().time_since_epoch())
+                                        .count());
+}
+
+bool in_fault(const AxisSnapshot& axis) {
+  return axis.state() == PowerState::fault_reaction_active || axis.state() == PowerState::fault;
+}
+
+/// Another program that enables axis 1.1 and moves it to and fro.
+class Master {
+ public:
+  Master()
+      : process_(VDRIVE_NETWORK_CLIENT,
+                 {"--domain", std::to_string(test::test_domain()), "cycle", "1.1"}) {}
+
+  void send(int signal) const { process_.send(signal); }
+
+  /// Reads what it tells until a move has been done.
+  [[nodiscard]] bool has_moved() {
+    for (std::string line = process_.read_line(); !line.empty(); line = process_.read_line()) {
+      const auto told = nlohmann::json::parse(line);
+      if (told.value("call", "") == "move") return told["outcome"] == "ok";
+    }
+    return false;
+  }
+
+ private:
+  Process process_;
+};
+
+/// Sessions that each hold an axis of their own, from 1.2 on.
+class Bystanders {
+ public:
+  explicit Bystanders(int count) {
+    for (int i = 0; i < count; ++i) {
+      sessions_.push_back(std::make_unique<Session>(options()));
+      axes_.push_back(*sessions_.back()->axis("1." + std::to_string(i + 2)));
+    }
+  }
+
+  /// @return whether all of them could enable their axes.
+  [[nodiscard]] bool enable() {
+    for (Axis& axis : axes_) {
+      if (!axis.reset_fault() || !axis.enable()) return false;
+    }
+    return true;
+  }
+
+  [[nodiscard]] bool are_unharmed() {
+    for (std::size_t i = 0; i < axes_.size(); ++i) {
+      const auto status = axes_[i].status();
+      if (!status || status->state() != PowerState::operation_enabled ||
+          status->owner_session != sessions_[i]->id()) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+ private:
+  std::vector<std::unique_ptr<Session>> sessions_;
+  std::vector<Axis> axes_;
+};
+
+/// What a signal to the master of a moving axis led to.
+struct Loss {
+  std::uint64_t signalled = 0;  ///< tick at the latest
+  AxisSnapshot fault;
+  AxisSnapshot rest;
+};
+
+std::optional<Loss> lose(const Master& master, Axis& axis, int signal) {
+  Loss loss;
+  master.send(signal);
+  loss.signalled = tick_now();
+  const auto fault = axis.wait_until(in_fault, 5s);
+  if (!fault) return std::nullopt;
+  loss.fault = *fault;
+  const auto rest = axis.wait_until(
+      [](const AxisSnapshot& seen) {
+        return seen.state() == PowerState::fault && seen.status.velocity_demand_value == 0;
+      },
+      5s);
+  if (!rest) return std::nullopt;
+  loss.rest = *rest;
+  return loss;
+}
+
+/// @return whether the machine let the bystanders live.
+bool lose_among_bystanders(int signal) {
+  const RunningService service("--clock realtime --axes 6");
+  Session observer(options());
+  Axis axis = *observer.axis("1.1");
+  Bystanders bystanders(5);
+  Master master;
+  if (!bystanders.enable() || !master.has_moved()) return false;
+  const auto loss = lose(master, axis, signal);
+  EXPECT_TRUE(loss);
+  if (!loss || !observer.wait(1, 200ms) || !bystanders.are_unharmed()) return false;
+  EXPECT_EQ(loss->rest.status.error_code, kConnectionLost);
+  EXPECT_EQ(loss->rest.owner_session, 0U);
+  // The master was heard last before the signal; a reaction takes the time-out and two ticks.
+  const bool in_time = loss->fault.tick <= loss->signalled + kWatchdog + 2;
+  // A session says every 25 ms that it lives, so it was not heard more than that before.
+  EXPECT_GE(loss->fault.tick, loss->signalled + kWatchdog - 50) << "a reaction without cause";
+  // Nothing resumes by itself, though time goes on and others are at work.
+  EXPECT_TRUE(observer.wait(1, 500ms));
+  const auto later = axis.status();
+  EXPECT_EQ(later->state(), PowerState::fault);
+  EXPECT_EQ(later->status.load_position_actual_value, loss->rest.status.load_position_actual_value);
+  return in_time;
+}
+
+class SilentMaster : public testing::TestWithParam<int> {};
+
+TEST_P(SilentMaster, LosesItsAxisInTimeAndNobodyElseDoes) {
+  bool passed = false;
+  for (int attempt = 0; attempt < kAttempts && !passed; ++attempt) {
+    passed = lose_among_bystanders(GetParam());
+  }
+  EXPECT_TRUE(passed) << "five times of five";
+}
+
+INSTANTIATE_TEST_SUITE_P(Signals, SilentMaster, testing::Values(SIGKILL, SIGSTOP),
+                         [](const auto& value) {
+                           return std::string(value.param == SIGKILL ? "Killed" : "Stopped");
+                         });
+
+/// @return whether the machine let this session keep what it took.
+bool wake_the_old_master() {
+  const RunningService service("--clock realtime --axes 1");
+  Session sut(options());
+  Axis axis = *sut.axis("1.1");
+  Master old;
+  if (!old.has_moved()) return false;
+  if (!lose(old, axis, SIGSTOP)) return false;
+  if (!axis.reset_fault() || !axis.enable() || !axis.move_to(12'345)) return false;
+  const auto before = axis.status();
+  old.send(SIGCONT);
+  // It goes on where it stood: what it had said, what it says now, and its wish to take the axis.
+  const auto disturbed = axis.wait_until(
+      [&](const AxisSnapshot& seen) {
+        return seen.owner_session != sut.id() || seen.status.position_demand_value != 12'345 ||
+               seen.state() != PowerState::operation_enabled;
+      },
+      1s);
+  if (disturbed && disturbed->status.error_code == kConnectionLost) return false;
+  EXPECT_EQ(disturbed.outcome().kind(), OutcomeKind::timed_out) << "the old master moved the axis";
+  EXPECT_EQ(axis.status()->owner_epoch, before->owner_epoch);
+  return true;
+}
+
+TEST(OldMaster, ThatWakesUpChangesNothing) {
+  bool passed = false;
+  for (int attempt = 0; attempt < kAttempts && !passed; ++attempt) passed = wake_the_old_master();
+  EXPECT_TRUE(passed) << "five times of five";
+}
+
+TEST(OldMaster, ThatOutlivedTheServiceChangesNothing) {
+  auto service = std::make_unique<RunningService>("--clock lockstep --axes 1");
+  Probe old(test::test_domain());
+  ASSERT_TRUE(old.find_bench());
+  ASSERT_TRUE(old.acquire({1}));
+  const std::uint64_t first_run = old.incarnation;
+  service->kill();
+  service = std::make_unique<RunningService>("--clock lockstep --axes 1");
+  auto present = std::make_unique<Probe>(test::test_domain());
+  ASSERT_TRUE(present->find_bench());
+  ASSERT_NE(present->incarnation, first_run);
+  // The new run counts epochs anew: the number of the old one may well be in force again.
+  present->session = 0x9999;
+  ASSERT_TRUE(present->acquire({1}));
+  EXPECT_EQ(present->epoch, old.epoch);
+  for (const std::uint16_t word : std::array<std::uint16_t, 3>{0x06, 0x07, 0x0F}) {
+    auto frame = old.make_frame();
+    auto& command = frame.axes().emplace_back();
+    command.axis(1);
+    command.members(msg::HAS_DS402_CONTROLWORD);
+    command.ds402_controlword(word);
+    ASSERT_TRUE(old.send(frame));
+    const auto reply = old.reply_to(frame.sequence_number());
+    ASSERT_TRUE(reply) << "a refusal is told";
+    ASSERT_FALSE(reply->refusals().empty());
+    EXPECT_EQ(reply->refusals()[0].reason(), msg::REASON_WRONG_INCARNATION);
+  }
+  ASSERT_TRUE(present->step(3));
+  const auto statusword = present->read(1, 0x6041);
+  ASSERT_TRUE(statusword);
+  EXPECT_EQ(statusword->objects()[0].value(), 0x250) << "after a restart axes are disabled";
+}
+
+TEST(LeavingMaster, ThatReleasedItsAxisCausesNoReaction) {
+  const RunningService service("--clock realtime --axes 1");
+  Session observer(options());
+  Axis seen = *observer.axis("1.1");
+  {
+    Session leaving(options());
+    Axis axis = *leaving.axis("1.1");
+    ASSERT_TRUE(axis.enable());
+  }                                      // the end of a session releases what it has
+  ASSERT_TRUE(observer.wait(1, 500ms));  // five times the watchdog's patience
+  const auto status = seen.status();
+  EXPECT_EQ(status->state(), PowerState::operation_enabled);
+  EXPECT_EQ(status->status.error_code, 0);
+  EXPECT_EQ(status->owner_session, 0U);
+}
+
+/// What a session tells of services, in order.
+class News {
+ public:
+  void operator()(const ServiceChange& change) {
+    const std::scoped_lock lock(mutex_);
+    told_.push_back(change);
+    changed_.notify_all();
+  }
+
+  /// Waits for that news, from now on. @return nothing after 10 s.
+  std::optional<ServiceChange> next(ServiceNews wanted) {
+    std::unique_lock lock(mutex_);
+    const auto deadline = std::chrono::steady_clock::now() + 10s;
+    while (true) {
+      for (; looked_ < told_.size(); ++looked_) {
+        if (told_[looked_].news == wanted) return told_[looked_++];
+      }
+      if (changed_.wait_until(lock, deadline) == std::cv_status::timeout) return std::nullopt;
+    }
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<ServiceChange> told_;
+  std::size_t looked_ = 0;
+};
+
+/// @return whether a silence was told in time.
+bool watch_a_service_die(Session& session, News& news, std::unique_ptr<RunningService>& service) {
+  service->kill();
+  const auto silent = news.next(ServiceNews::fell_silent);
+  EXPECT_TRUE(silent);
+  const bool in_time = silent && silent->silence <= 100ms;
+  service = std::make_unique<RunningService>("--clock realtime --axes 1");
+  const auto back = std::chrono::steady_clock::now();
+  EXPECT_TRUE(news.next(ServiceNews::restarted));
+  auto axis = session.axis("1.1");
+  EXPECT_TRUE(axis && axis->enable());
+  EXPECT_LT(std::chrono::steady_clock::now() - back, 2s);
+  return in_time;
+}
+
+TEST(WatchedService, IsMissedWithin100MillisecondsAndFoundAgainWithin2Seconds) {
+  auto service = std::make_unique<RunningService>("--clock realtime --axes 1");
+  News news;
+  Session sut(options());
+  sut.watch_services(std::ref(news));
+  ASSERT_TRUE(news.next(ServiceNews::found));
+  bool in_time = false;
+  for (int attempt = 0; attempt < kAttempts && !in_time; ++attempt) {
+    in_time = watch_a_service_die(sut, news, service);
+  }
+  EXPECT_TRUE(in_time) << "five times of five told late";
+  service->stop();
+  EXPECT_TRUE(news.next(ServiceNews::went_offline));
+}
+
+TEST(SessionOptions, RefuseASilenceThatIsTooShort) {
+  SessionOptions hasty = options();
+  hasty.silence = 49ms;
+  EXPECT_THROW(Session{hasty}, std::runtime_error);
+}
+
+}  // namespace
+}  // namespace vdrive::client

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+// What became of services, judged by the age of their samples.
+#include "service_watch.hpp"
+
+#include "bench_messages.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace vdrive::client {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+class ServiceWatchTest : public testing::Test {
+ protected:
+  void describe(std::uint64_t incarnation, std::uint32_t clock_mode, bool alive = true) {
+    auto message = description(1, incarnation);
+    message.clock_mode(clock_mode);
+    message.alive(alive);
+    directory_.on_description(message, kSource);
+  }
+
+  /// What is told at `now`, each as its news.
+  std::vector<ServiceNews> news(std::chrono::milliseconds now) {
+    std::vector<ServiceNews> told;
+    for (const ServiceChange& change : sut_.look(directory_, kStart + now)) {
+      EXPECT_EQ(change.bench, 1U);
+      EXPECT_FALSE(change.text.empty());
+      told.push_back(change.news);
+    }
+    return told;
+  }
+
+  Directory directory_;
+  ServiceWatch sut_;
+};
+
+TEST_F(ServiceWatchTest, TellsOfASilenceWithin100MillisecondsWhileTheBenchTicks) {
+  describe(10, msg::CLOCK_MODE_REALTIME);
+  directory_.on_state(state(1, 10), kStart);
+  EXPECT_THAT(news(0ms), ElementsAre(ServiceNews::found));
+  directory_.heard({1, 10}, 5, kStart + 40ms);
+  EXPECT_THAT(news(110ms), IsEmpty());
+  const auto changes = sut_.look(directory_, kStart + 125ms);
+  ASSERT_EQ(changes.size(), 1U);
+  EXPECT_EQ(changes[0].news, ServiceNews::fell_silent);
+  EXPECT_EQ(changes[0].silence, 85ms);
+  EXPECT_EQ(changes[0].text, "bench 1 fell silent 85 ms ago");
+  EXPECT_THAT(news(500ms), IsEmpty()) << "told once";
+}
+
+TEST_F(ServiceWatchTest, AllowsForTheSlowSamplesOfABenchThatStands) {
+  describe(10, msg::CLOCK_MODE_LOCKSTEP);
+  directory_.on_state(state(1, 10), kStart);
+  EXPECT_THAT(news(0ms), ElementsAre(ServiceNews::found));
+  EXPECT_THAT(news(240ms), IsEmpty());
+  EXPECT_THAT(news(260ms), ElementsAre(ServiceNews::fell_silent));
+}
+
+TEST_F(ServiceWatchTest, TellsTheSameRunFromAnother) {
+  describe(10, msg::CLOCK_MODE_REALTIME);
+  directory_.on_state(state(1, 10), kStart);
+  EXPECT_THAT(news(0ms), ElementsAre(ServiceNews::found));
+  EXPECT_THAT(news(200ms), ElementsAre(ServiceNews::fell_silent));
+  directory_.on_state(state(1, 10), kStart + 300ms);
+  EXPECT_THAT(news(300ms), ElementsAre(ServiceNews::heard_again));
+  describe(11, msg::CLOCK_MODE_REALTIME);
+  directory_.on_state(state(1, 11), kStart + 500ms);
+  EXPECT_THAT(news(500ms), ElementsAre(ServiceNews::fell_silent, ServiceNews::restarted));
+}
+
+TEST_F(ServiceWatchTest, TellsAnEndFromASilence) {
+  describe(10, msg::CLOCK_MODE_REALTIME);
+  directory_.on_state(state(1, 10), kStart);
+  EXPECT_THAT(news(0ms), ElementsAre(ServiceNews::found));
+  describe(10, msg::CLOCK_MODE_REALTIME, false);
+  EXPECT_THAT(news(10ms), ElementsAre(ServiceNews::went_offline));
+}
+
+TEST_F(ServiceWatchTest, StaysWithTheEarlierOfTwoRuns) {
+  describe(10, msg::CLOCK_MODE_REALTIME);
+  describe(11, msg::CLOCK_MODE_REALTIME);
+  directory_.on_state(state(1, 10), kStart);
+  directory_.on_state(state(1, 11), kStart);
+  EXPECT_THAT(news(0ms), ElementsAre(ServiceNews::found));
+  EXPECT_THAT(news(10ms), IsEmpty());
+  directory_.on_state(state(1, 11), kStart + 100ms);
+  EXPECT_THAT(news(120ms), ElementsAre(ServiceNews::fell_silent, ServiceNews::restarted));
+}
+
+}  // namespace
+}  // namespace vdrive::client
