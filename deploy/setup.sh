@@ -15,6 +15,7 @@ packages=(
   ccache
   cmake
   fastddsgen # brings a Java runtime, through antlr4
+  libboost-dev # Beast, the web server of the metrics
   libcli11-dev
   libeigen3-dev
   libfastcdr-dev
@@ -23,6 +24,7 @@ packages=(
   libyaml-cpp-dev
   ninja-build
   nlohmann-json3-dev
+  prometheus-cpp-dev # text of the metrics
 )
 test_packages=(
   clang

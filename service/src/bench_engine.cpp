@@ -79,6 +79,7 @@ void BenchEngine::step() {
   pool_.step();
   ++tick_;
   counters_.tick.set(tick_);
+  counters_.ticks_run.add();
   counters_.pending_frames.set(pending_.size());
   if (journal_ != nullptr) {
     journal_->record_tick(bank_, tick_);

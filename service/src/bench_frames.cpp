@@ -266,6 +266,7 @@ void BenchEngine::apply_controlword(const msg::AxisCommand& command, std::uint64
 }
 
 void BenchEngine::refuse(std::uint16_t axis, ObjectAddress address, std::uint32_t reason) {
+  counters_.refusals.add(reason);
   auto& refusals = command_reply_.refusals();
   if (refusals.size() < msg::MAX_AXES_PER_FRAME) {
     auto& refusal = refusals.emplace_back();

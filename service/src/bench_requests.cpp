@@ -106,6 +106,7 @@ void BenchEngine::finish_reply(const msg::Request& request, std::uint32_t reason
     }
   }
   if (reason != msg::REASON_NONE) {
+    counters_.refusals.add(reason);
     report({.kind = msg::EVENT_REFUSED,
             .axis = axis,
             .session = request.session(),

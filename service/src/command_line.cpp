@@ -38,6 +38,7 @@ struct Arguments {
   std::optional<std::uint32_t> domain;
   std::optional<double> rate;
   std::optional<std::uint32_t> threads;
+  std::optional<std::uint16_t> metrics;
   std::optional<std::string> journal;
   std::optional<std::string> replay;
   std::string log_level = "info";
@@ -63,6 +64,9 @@ void declare(CLI::App& app, Arguments& arguments) {
       ->type_name("N");
   app.add_option("--threads", arguments.threads, "Threads that step the axes, 1 to 64")
       ->type_name("N");
+  app.add_option("--metrics", arguments.metrics,
+                 "Serve Prometheus metrics on this port of 127.0.0.1, 0 = any free one")
+      ->type_name("PORT");
   app.add_option("--journal", arguments.journal,
                  "Record what the axes do into a new file, for --replay")
       ->type_name("FILE");
@@ -107,6 +111,9 @@ Configuration effective_configuration(const Arguments& arguments) {
   }
   configuration.rate = arguments.rate.value_or(configuration.rate);
   configuration.threads = arguments.threads.value_or(configuration.threads);
+  if (arguments.metrics) {
+    configuration.metrics_port = arguments.metrics;
+  }
   check(configuration);
   return configuration;
 }

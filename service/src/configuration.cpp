@@ -22,6 +22,7 @@ namespace vdrive::service {
 namespace {
 
 constexpr std::int64_t kHighestDomain = 232;
+constexpr std::int64_t kHighestPort = 65'535;
 constexpr std::int64_t kHighestAxisNumber = 65'535;
 constexpr std::int64_t kHighestPriority = 99;
 constexpr std::int64_t kLongestDwell = 65'535;
@@ -193,6 +194,13 @@ void read_watchdog(const YamlValue& value, Configuration& configuration) {
       configuration.watchdog = std::chrono::milliseconds{
           entry.integer({kShortestWatchdog.count(), kLongestWatchdog.count(), "ms, or off"})};
     }
+  });
+}
+
+void read_metrics(const YamlValue& value, Configuration& configuration) {
+  value.for_each_entry({"port"}, [&](const auto& /*key*/, const YamlValue& entry) {
+    configuration.metrics_port =
+        static_cast<std::uint16_t>(entry.integer({0, kHighestPort, ", 0 = any free one"}));
   });
 }
 
@@ -379,7 +387,7 @@ Configuration read_configuration(const YamlValue& root) {
   Configuration configuration = demo_configuration();
   ParsedAxes parsed;
   root.for_each_entry(
-      {"bench", "clock", "status", "watchdog", "network", "axes"},
+      {"bench", "clock", "status", "watchdog", "metrics", "network", "axes"},
       [&](const auto& key, const YamlValue& entry) {
         if (key == "bench") {
           read_bench(entry, configuration);
@@ -392,6 +400,8 @@ Configuration read_configuration(const YamlValue& root) {
           });
         } else if (key == "watchdog") {
           read_watchdog(entry, configuration);
+        } else if (key == "metrics") {
+          read_metrics(entry, configuration);
         } else if (key == "network") {
           read_network(entry, configuration.network);
         } else {
@@ -572,6 +582,10 @@ std::string to_yaml(const Configuration& configuration) {
     out << "off";
   }
   out << YAML::EndMap;
+  if (configuration.metrics_port) {
+    out << YAML::Key << "metrics" << YAML::Value << YAML::BeginMap << YAML::Key << "port"
+        << YAML::Value << *configuration.metrics_port << YAML::EndMap;
+  }
   write_network(out, configuration.network);
   out << YAML::Key << "axes" << YAML::Value << YAML::BeginSeq;
   for (const auto& axis : configuration.axes) {

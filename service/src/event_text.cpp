@@ -121,7 +121,57 @@ std::string text_of(const EventRecord& event) {
   }
 }
 
+const char* name_of(std::uint32_t kind) {
+  switch (kind) {
+    case msg::EVENT_STATE_CHANGED:
+      return "state_changed";
+    case msg::EVENT_FAULT:
+      return "fault";
+    case msg::EVENT_FAULT_RESET:
+      return "fault_reset";
+    case msg::EVENT_REFUSED:
+      return "refused";
+    case msg::EVENT_SET_POINT_IGNORED:
+      return "set_point_ignored";
+    case msg::EVENT_CONTROL_CHANGED:
+      return "control_changed";
+    case msg::EVENT_MASTER_LOST:
+      return "master_lost";
+    case msg::EVENT_TICK_OVERRUN:
+      return "tick_overrun";
+    case msg::EVENT_TICK_JUMPED:
+      return "tick_jumped";
+    case msg::EVENT_QUEUE_OVERFLOW:
+      return "queue_overflow";
+    case msg::EVENT_BENCH_CONFLICT:
+      return "bench_conflict";
+    case msg::EVENT_CLOCK_CHANGED:
+      return "clock_changed";
+    case msg::EVENT_SNAPSHOT:
+      return "snapshot";
+    case msg::EVENT_JOURNAL:
+      return "journal";
+    default:
+      return "unknown";
+  }
+}
+
 }  // namespace
+
+std::string log_line(std::uint32_t bench, const EventRecord& event, std::uint32_t suppressed) {
+  std::string line = std::string("event=") + name_of(event.kind) +
+                     " bench=" + std::to_string(bench) + " tick=" + std::to_string(event.tick);
+  if (event.axis != 0) {
+    line += " axis=" + std::to_string(event.axis);
+  }
+  if (event.session != 0) {
+    line += " session=" + hex(event.session, 16);
+  }
+  if (event.code != 0) {
+    line += " code=" + hex(event.code, 4);
+  }
+  return line + " suppressed=" + std::to_string(suppressed) + " text=\"" + words_of(event) + "\"";
+}
 
 std::string words_of(const EventRecord& event) {
   return (who(event) + text_of(event)).substr(0, kLongestText);

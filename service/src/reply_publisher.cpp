@@ -39,7 +39,15 @@ void ReplyPublisher::send(const OutgoingReply& outgoing) {
   if (waiting_.size() < kMostWaiting) {
     waiting_.push_back({outgoing, Clock::now() + kLongestWait});
   } else {
-    counters_.queue_overflows.add();
+    drop(outgoing.reply, "too many wait for their readers");
+  }
+}
+
+void ReplyPublisher::drop(const msg::Reply& reply, std::string_view why) {
+  counters_.queue_overflows.add();
+  if (const auto suppressed = drop_log_.pass(Clock::now())) {
+    spdlog::warn("reply=dropped bench={} client=0x{:016X} request={} suppressed={} text=\"{}\"",
+                 identity_.bench, reply.client(), reply.request_id(), *suppressed, why);
   }
 }
 
@@ -48,9 +56,7 @@ bool ReplyPublisher::try_send(const OutgoingReply& outgoing) {
     return false;
   }
   if (!replies_.write(outgoing.reply)) {
-    counters_.queue_overflows.add();
-    spdlog::warn("reply not sent client={} request={}: its queue is full", outgoing.reply.client(),
-                 outgoing.reply.request_id());
+    drop(outgoing.reply, "its queue is full");
   }
   return true;
 }
@@ -64,14 +70,13 @@ void ReplyPublisher::retry() {
     if (now < waiting.deadline) {
       return false;
     }
-    counters_.queue_overflows.add();
-    spdlog::warn("reply not sent client={} request={}: nobody reads it",
-                 waiting.outgoing.reply.client(), waiting.outgoing.reply.request_id());
+    drop(waiting.outgoing.reply, "nobody reads it");
     return true;
   });
 }
 
 void ReplyPublisher::refuse(const TurnedAway& arrival) {
+  counters_.refusals.add(msg::REASON_QUEUE_FULL);
   if (arrival.kind == Arrival::Kind::request) {
     OutgoingReply outgoing;
     outgoing.destination = arrival.source;

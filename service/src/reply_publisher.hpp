@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "repeat_limiter.hpp"
 #include "vdrive/service/bench_engine.hpp"
 #include "vdrive/service/counters.hpp"
 #include "vdrive/service/queues.hpp"
@@ -9,6 +10,7 @@
 #include <chrono>
 #include <cstdint>
 #include <deque>
+#include <string_view>
 
 namespace vdrive::service {
 
@@ -44,6 +46,7 @@ class ReplyPublisher {
   void send(const OutgoingReply& outgoing);
   [[nodiscard]] bool try_send(const OutgoingReply& outgoing);
   void retry();
+  void drop(const msg::Reply& reply, std::string_view why);
   void refuse(const TurnedAway& arrival);
 
   wire::Publication<msg::Reply> replies_;
@@ -51,6 +54,7 @@ class ReplyPublisher {
   BenchIdentity identity_;
   Counters& counters_;
   std::deque<Waiting> waiting_;
+  RepeatLimiter drop_log_;
 };
 
 }  // namespace vdrive::service

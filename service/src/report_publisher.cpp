@@ -33,6 +33,26 @@ std::uint32_t clock_mode_of(const Configuration& configuration) {
   }
 }
 
+spdlog::level::level_enum level_of(std::uint32_t kind) {
+  switch (kind) {
+    case msg::EVENT_BENCH_CONFLICT:
+      return spdlog::level::err;
+    case msg::EVENT_MASTER_LOST:
+    case msg::EVENT_TICK_JUMPED:
+    case msg::EVENT_QUEUE_OVERFLOW:
+    case msg::EVENT_JOURNAL:
+      return spdlog::level::warn;
+    case msg::EVENT_FAULT:
+    case msg::EVENT_FAULT_RESET:
+    case msg::EVENT_REFUSED:
+    case msg::EVENT_CLOCK_CHANGED:
+    case msg::EVENT_SNAPSHOT:
+      return spdlog::level::info;
+    default:
+      return spdlog::level::debug;
+  }
+}
+
 std::int64_t read(const AxisBank& bank, std::size_t axis, ObjectRow row) {
   return bank.read(axis, describe(row).address).value;
 }
@@ -151,7 +171,10 @@ void ReportPublisher::publish_event(const CountedEvent& counted) {
   event_.suppressed(suppressed);
   event_.text(text);
   write(events_, event_);
-  spdlog::debug("event tick={} suppressed={} {}", event.tick, suppressed, text);
+  counters_.events_sent.add();
+  if (const auto level = level_of(event.kind); spdlog::should_log(level)) {
+    spdlog::log(level, log_line(identity_.bench, event, suppressed));
+  }
 }
 
 void ReportPublisher::publish_parameters(Outbox& outbox) {

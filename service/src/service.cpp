@@ -4,6 +4,8 @@
 #include "bench_guard.hpp"
 #include "doorbell.hpp"
 #include "lockstep_driver.hpp"
+#include "metrics.hpp"
+#include "metrics_endpoint.hpp"
 #include "reply_publisher.hpp"
 #include "report_publisher.hpp"
 #include "status_publisher.hpp"
@@ -85,6 +87,7 @@ class Service::Threads {
     if (journal_) {
       engine_.record_to(*journal_);
     }
+    serve_metrics();
     subscribe();
     reports_.announce(true);
     switch (configuration_.clock) {
@@ -131,6 +134,18 @@ class Service::Threads {
   [[nodiscard]] const Counters& counters() const noexcept { return counters_; }
 
  private:
+  void serve_metrics() {
+    if (!configuration_.metrics_port) {
+      return;
+    }
+    metrics_ = std::make_unique<MetricsEndpoint>(
+        *configuration_.metrics_port,
+        std::make_unique<Metrics>(configuration_, identity_, counters_, [this] {
+          return QueueDepths{.inbox = inbox_.size(), .outbox = outbox_.size()};
+        }));
+    spdlog::info("bench={} metrics=http://127.0.0.1:{}/metrics", identity_.bench, metrics_->port());
+  }
+
   void subscribe() {
     const auto take = [this](const auto& message, const wire::Source& source) {
       inbox_.receive(message, source);
@@ -235,6 +250,7 @@ class Service::Threads {
   ReplyPublisher replies_;
   StatusPublisher status_;
   ReportPublisher reports_;
+  std::unique_ptr<MetricsEndpoint> metrics_;
   std::unique_ptr<wire::Subscription<msg::CommandFrame>> frames_;
   std::unique_ptr<wire::Subscription<msg::Request>> requests_;
   std::optional<RealtimeDriver> realtime_;

@@ -85,9 +85,7 @@ void StatusPublisher::publish_axis(const StatusImage& image, std::size_t axis,
                    image.owners[axis], sample_);
   sampled_[axis] = {.statusword = image.status[axis].ds402_statusword, .time = now};
   budget_ -= 1.0;
-  if (!axes_.write(sample_)) {
-    counters_.queue_overflows.add();
-  }
+  (axes_.write(sample_) ? counters_.axis_samples_sent : counters_.queue_overflows).add();
 }
 
 void StatusPublisher::refill(Clock::time_point now) {

@@ -60,7 +60,7 @@ class Bench:
     def events(self, since=0):
         """(tick, text) of each event from line `since` of the log on."""
         lines = self.service.lines()[since:]
-        found = (re.search(r"event tick=(\d+) suppressed=\d+ (.*)", line) for line in lines)
+        found = (re.search(r'tick=(\d+) .*text="(.*)"', line) for line in lines)
         return [(int(match[1]), match[2]) for match in found if match]
 
     def mark(self):

@@ -57,6 +57,8 @@ struct Configuration {
   /// The owner of an axis must be heard within this drive time; nothing = off.
   std::optional<std::chrono::milliseconds> watchdog = std::chrono::milliseconds{100};
   bool watchdog_is_chosen = false;  ///< in freerun a watchdog that nobody chose is off
+  /// Prometheus metrics on this port of 127.0.0.1, 0 = any free one; nothing = off.
+  std::optional<std::uint16_t> metrics_port;
   wire::NetworkSettings network;
   std::vector<NamedAxis> axes;  ///< 1 to kMaxAxes, in ascending order of their numbers
 };

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <bit>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 namespace vdrive::service {
 
@@ -27,22 +29,69 @@ class Counter {
   std::atomic<std::uint64_t> value_{0};
 };
 
+/// How often each reason of a refusal (REASON_... or a CiA 301 abort code) was given. Bounded: the
+/// reasons that this project knows are fewer than its slots.
+class RefusalCounters {
+ public:
+  struct Count {
+    std::uint32_t reason = 0;
+    std::uint64_t count = 0;
+  };
+
+  void add(std::uint32_t reason) noexcept {
+    for (Slot& slot : slots_) {
+      std::uint32_t holds = slot.reason.load(std::memory_order_relaxed);
+      if (holds == 0 && slot.reason.compare_exchange_strong(holds, reason)) {
+        holds = reason;
+      }
+      if (holds == reason) {
+        slot.count.add();
+        return;
+      }
+    }
+  }
+
+  /// @return the reasons that were given at least once, the one given first at the front.
+  [[nodiscard]] std::vector<Count> counts() const {
+    std::vector<Count> counts;
+    for (const Slot& slot : slots_) {
+      if (const std::uint64_t count = slot.count.get(); count != 0) {
+        counts.push_back({slot.reason.load(std::memory_order_relaxed), count});
+      }
+    }
+    return counts;
+  }
+
+ private:
+  struct Slot {
+    std::atomic<std::uint32_t> reason{0};
+    Counter count;
+  };
+
+  std::array<Slot, 64> slots_;
+};
+
 /// What a bench counts from its start on, and shows in bench_state.
 struct Counters {
   static constexpr std::size_t kLatenessBins = 32;
 
   Counter tick;  ///< last completed
+  Counter ticks_run;
   Counter overruns;
   Counter jumps;
   std::array<Counter, kLatenessBins> lateness;  ///< bin i: below 2^i µs
+  Counter lateness_sum_ns;
   Counter pending_frames;
   Counter frames_received;
   Counter frames_refused;
   Counter commands_applied;
   Counter commands_refused;
+  RefusalCounters refusals;
   Counter set_points_ignored;
   Counter requests_answered;
   Counter status_frames_sent;
+  Counter axis_samples_sent;
+  Counter events_sent;
   Counter queue_overflows;
   Counter master_losses;
   Counter snapshots;              ///< kept now
@@ -56,6 +105,7 @@ struct Counters {
   void count_lateness(std::chrono::nanoseconds late) noexcept {
     const auto microseconds =
         late.count() > 0 ? static_cast<std::uint64_t>(late.count()) / 1'000 : 0;
+    lateness_sum_ns.add(static_cast<std::uint64_t>(std::max<std::int64_t>(late.count(), 0)));
     const auto bin = static_cast<std::size_t>(std::bit_width(microseconds));
     lateness[bin < kLatenessBins ? bin : kLatenessBins - 1].add();
   }

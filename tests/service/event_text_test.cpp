@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// What happened, in words and as a line of the log.
+#include "event_text.hpp"
+
+#include "repeat_limiter.hpp"
+
+#include <gtest/gtest.h>
+
+namespace vdrive::service {
+namespace {
+
+using namespace std::chrono_literals;
+
+TEST(EventLine, IsKeysAndValuesWithTheWordsLast) {
+  EXPECT_EQ(
+      log_line(
+          3,
+          {.kind = msg::EVENT_MASTER_LOST, .axis = 7, .session = 0x1234, .tick = 99, .detail = 1},
+          0),
+      "event=master_lost bench=3 tick=99 axis=7 session=0x0000000000001234 suppressed=0 "
+      "text=\"axis 7: session 0x0000000000001234 fell silent, 1 axes lost their master\"");
+  EXPECT_EQ(log_line(3, {.kind = msg::EVENT_FAULT, .axis = 7, .code = 0x8130, .tick = 99}, 21),
+            "event=fault bench=3 tick=99 axis=7 code=0x8130 suppressed=21 text=\"axis 7: fault "
+            "0x8130\"");
+}
+
+TEST(EventLine, NamesEveryKindOfEvent) {
+  for (std::uint32_t kind = msg::EVENT_STATE_CHANGED; kind <= msg::EVENT_JOURNAL; ++kind) {
+    EXPECT_EQ(log_line(1, {.kind = kind}, 0).find("unknown"), std::string::npos) << kind;
+  }
+}
+
+TEST(RepeatLimiter, LetsOneASecondThroughAndCountsTheOthers) {
+  RepeatLimiter sut;
+  const std::chrono::steady_clock::time_point start{1h};
+  EXPECT_EQ(sut.pass(start), 0U);
+  EXPECT_EQ(sut.pass(start + 1ms), std::nullopt);
+  EXPECT_EQ(sut.pass(start + 999ms), std::nullopt);
+  EXPECT_EQ(sut.pass(start + 1s), 2U);
+  EXPECT_EQ(sut.pass(start + 5s), 0U);
+}
+
+}  // namespace
+}  // namespace vdrive::service

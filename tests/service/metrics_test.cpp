@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a bench counts, as its operator's monitoring reads it.
+#include "metrics.hpp"
+
+#include "metrics_endpoint.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+#include <string>
+#include <thread>
+
+namespace vdrive::service {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+using testing::StartsWith;
+
+sockaddr_in loopback(int port) {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<std::uint16_t>(port));
+  inet_pton(AF_INET, "127.0.0.1", &address.sin_addr);
+  return address;
+}
+
+/// @return a connection to the endpoint, or -1.
+int connected(int port) {
+  const int connection = socket(AF_INET, SOCK_STREAM, 0);
+  const sockaddr_in address = loopback(port);
+  // NOLINTNEXTLINE(*-reinterpret-cast): what the socket interface takes
+  if (connect(connection, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0) {
+    return connection;
+  }
+  close(connection);
+  return -1;
+}
+
+/// @return what the endpoint answers, with its head; empty when it does not.
+std::string ask(int port, const std::string& request) {
+  const int connection = connected(port);
+  (void)send(connection, request.data(), request.size(), MSG_NOSIGNAL);
+  std::string answer;
+  std::array<char, 4096> part{};
+  for (ssize_t got = recv(connection, part.data(), part.size(), 0); got > 0;
+       got = recv(connection, part.data(), part.size(), 0)) {
+    answer.append(part.data(), static_cast<std::size_t>(got));
+  }
+  close(connection);
+  return answer;
+}
+
+std::string get(int port, const std::string& path) {
+  return ask(port, "GET " + path + " HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n");
+}
+
+class MetricsTest : public testing::Test {
+ protected:
+  static Configuration cell() {
+    Configuration configuration = demo_configuration();
+    configuration.name = "cell \"7\"";
+    return configuration;
+  }
+
+  Configuration configuration_ = cell();
+  Counters counters_;
+  MetricsEndpoint sut_{
+      0, std::make_unique<Metrics>(configuration_, BenchIdentity{.bench = 4, .incarnation = 99},
+                                   counters_, [] {
+                                     return QueueDepths{.inbox = 5, .outbox = 6};
+                                   })};
+};
+
+TEST_F(MetricsTest, AreServedAsPrometheusText) {
+  counters_.ticks_run.add(17);
+  counters_.overruns.add(2);
+  counters_.commands_applied.add(3);
+  counters_.master_losses.add();
+  const std::string answer = get(sut_.port(), "/metrics");
+  EXPECT_THAT(answer, StartsWith("HTTP/1.1 200 OK"));
+  EXPECT_THAT(answer, HasSubstr("text/plain"));
+  for (const char* const line :
+       {"\nvdrive_ticks_total{bench=\"4\"} 17\n", "\nvdrive_tick_overruns_total{bench=\"4\"} 2\n",
+        "\nvdrive_commands_applied_total{bench=\"4\"} 3\n",
+        "\nvdrive_watchdog_trips_total{bench=\"4\"} 1\n", "\nvdrive_axes{bench=\"4\"} 2\n",
+        "\nvdrive_queue_depth{bench=\"4\",queue=\"inbox\"} 5\n",
+        "\nvdrive_queue_depth{bench=\"4\",queue=\"outbox\"} 6\n",
+        "# TYPE vdrive_ticks_total counter", "name=\"cell \\\"7\\\"\""}) {
+    EXPECT_THAT(answer, HasSubstr(line));
+  }
+}
+
+TEST_F(MetricsTest, ShowTheLatenessOfTicksAsAHistogram) {
+  // Bins are powers of two of microseconds: 0.5 us is below 1 us, 3 us below 4 us.
+  counters_.count_lateness(500ns);
+  counters_.count_lateness(3us);
+  counters_.count_lateness(3us);
+  counters_.count_lateness(-2us);  // early is not late
+  const std::string answer = get(sut_.port(), "/metrics");
+  for (const char* const line :
+       {"_bucket{bench=\"4\",le=\"1e-06\"} 2\n", "_bucket{bench=\"4\",le=\"2e-06\"} 2\n",
+        "_bucket{bench=\"4\",le=\"4e-06\"} 4\n", "_bucket{bench=\"4\",le=\"+Inf\"} 4\n",
+        "_count{bench=\"4\"} 4\n", "_sum{bench=\"4\"} 6.5e-06\n"}) {
+    EXPECT_THAT(answer, HasSubstr("vdrive_tick_lateness_seconds" + std::string(line)));
+  }
+}
+
+TEST_F(MetricsTest, CountRefusalsByTheirReason) {
+  EXPECT_THAT(get(sut_.port(), "/metrics"), Not(HasSubstr("vdrive_refusals_total")));
+  counters_.refusals.add(2);  // REASON_STALE_EPOCH
+  counters_.refusals.add(0x08000021);
+  counters_.refusals.add(0x08000021);
+  const std::string answer = get(sut_.port(), "/metrics");
+  EXPECT_THAT(answer, HasSubstr("reason=\"the epoch is not current: control was lost, released or "
+                                "renewed\"} 1\n"));
+  EXPECT_THAT(answer, AllOf(HasSubstr("reason=\"0x08000021, "), HasSubstr("local control\"} 2\n")));
+}
+
+TEST_F(MetricsTest, AreAllThatIsServed) {
+  EXPECT_THAT(get(sut_.port(), "/"), StartsWith("HTTP/1.1 404"));
+}
+
+TEST_F(MetricsTest, OutliveARequestThatIsNone) {
+  EXPECT_THAT(ask(sut_.port(), "\x16\x03\x01 no HTTP\r\n\r\n"), testing::IsEmpty());
+  EXPECT_THAT(ask(sut_.port(), "POST /metrics HTTP/1.1\r\nContent-Length: 3\r\n\r\nabc"),
+              StartsWith("HTTP/1.1 405"));
+  EXPECT_THAT(ask(sut_.port(), "GET /metrics HTTP/1.1\r\nContent-Length: 99999999\r\n\r\n"),
+              testing::IsEmpty());
+  EXPECT_THAT(ask(sut_.port(), "GET /" + std::string(100'000, 'a')), testing::IsEmpty());
+  EXPECT_THAT(get(sut_.port(), "/metrics"), StartsWith("HTTP/1.1 200"));
+}
+
+TEST_F(MetricsTest, EndAtOnceWhileSomebodyIsConnected) {
+  auto endpoint = std::make_unique<MetricsEndpoint>(
+      0, std::make_unique<Metrics>(configuration_, BenchIdentity{}, counters_, nullptr));
+  const int idle = connected(endpoint->port());
+  const auto begin = std::chrono::steady_clock::now();
+  endpoint.reset();
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, 1s);
+  close(idle);
+}
+
+TEST_F(MetricsTest, OnAPortThatIsTakenNameIt) {
+  try {
+    const MetricsEndpoint second(
+        static_cast<std::uint16_t>(sut_.port()),
+        std::make_unique<Metrics>(configuration_, BenchIdentity{}, counters_, nullptr));
+    FAIL() << "two listen on one port";
+  } catch (const ConfigurationError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("metrics.port = " + std::to_string(sut_.port())));
+  }
+}
+
+TEST(RefusalCounters, CountEachReasonFromSeveralThreads) {
+  RefusalCounters sut;
+  {
+    std::array<std::jthread, 4> threads;
+    for (auto& thread : threads) {
+      thread = std::jthread([&sut] {
+        for (std::uint32_t i = 0; i < 10'000; ++i) sut.add(1 + i % 10);
+      });
+    }
+  }
+  const auto counts = sut.counts();
+  ASSERT_EQ(counts.size(), 10U);
+  for (const auto& [reason, count] : counts) EXPECT_EQ(count, 4'000U) << reason;
+}
+
+}  // namespace
+}  // namespace vdrive::service
