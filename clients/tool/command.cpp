@@ -48,6 +48,9 @@ std::vector<std::string> axes_of(const Command& command) {
                                [](const RateCommand&) {
                                  return Axes{};
                                },
+                               [](const DoctorCommand&) {
+                                 return Axes{};
+                               },
                                [](const RunCommand&) {
                                  return Axes{};
                                },

@@ -113,6 +113,9 @@ struct RateCommand {
   std::optional<std::uint32_t> bench;
 };
 
+/// Looks at this machine and at who is there.
+struct DoctorCommand {};
+
 struct RunCommand {
   std::string file;
   std::string junit;  ///< empty = none
@@ -140,10 +143,11 @@ struct WaitCommand {
 
 struct RefusedCommand;
 
-using Command = std::variant<ListCommand, StatusCommand, WatchCommand, AxisCommand, MoveCommand,
-                             ReadCommand, WriteCommand, DisturbCommand, DictionaryCommand,
-                             StepCommand, RateCommand, SnapshotCommand, RecordCommand, RunCommand,
-                             ExpectCommand, WaitCommand, std::shared_ptr<const RefusedCommand>>;
+using Command =
+    std::variant<ListCommand, StatusCommand, WatchCommand, AxisCommand, MoveCommand, ReadCommand,
+                 WriteCommand, DisturbCommand, DictionaryCommand, StepCommand, RateCommand,
+                 SnapshotCommand, RecordCommand, DoctorCommand, RunCommand, ExpectCommand,
+                 WaitCommand, std::shared_ptr<const RefusedCommand>>;
 
 struct RefusedCommand {
   std::uint32_t code = 0;

@@ -438,6 +438,11 @@ Outcome Executor::run(const WaitCommand& command) {
 
 // One overload of many, called like the others.
 Outcome Executor::run(  // NOLINT(readability-convert-member-functions-to-static)
+    const DoctorCommand& /*command*/) {
+  return Outcome::failed("the doctor has no place in a scenario");
+}
+
+Outcome Executor::run(  // NOLINT(readability-convert-member-functions-to-static)
     const RunCommand& /*command*/) {
   return Outcome::failed("a scenario cannot run another one");
 }

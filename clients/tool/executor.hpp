@@ -55,6 +55,7 @@ class Executor {
   Outcome run(const RecordCommand& command);
   Outcome run(const SnapshotCommand& command);
   Outcome run(const RateCommand& command);
+  Outcome run(const DoctorCommand& command);
   Outcome run(const RunCommand& command);
   Outcome run(const ExpectCommand& command);
   Outcome run(const WaitCommand& command);

@@ -145,6 +145,7 @@ class Grammar {
     add_watch(false);
     add_record();
     add_run();
+    add_doctor();
   }
 
   /// Words of scenarios only.
@@ -443,6 +444,14 @@ class Grammar {
     word->add_flag("--live", words_.live, "Show the axes while time passes, also when piped");
     word->callback([this] {
       command_ = RunCommand{words_.file, words_.junit, words_.live};
+    });
+  }
+
+  void add_doctor() {
+    CLI::App* word = add_word("doctor", "Look at this machine and its network, and say what to do",
+                              "doctor --interface 10.0.0.1");
+    word->callback([this] {
+      command_ = DoctorCommand{};
     });
   }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tool.hpp"
 
+#include "doctor.hpp"
 #include "executor.hpp"
 #include "grammar.hpp"
 #include "interrupt.hpp"
@@ -80,6 +81,14 @@ ExitCode run_connected(const Command& command, const GlobalOptions& options, Ter
   return code;
 }
 
+/// The doctor looks at the machine also where no session can be had.
+ExitCode see_doctor(const GlobalOptions& options, Terminal& terminal) {
+  const Outcome outcome = run_doctor(options, terminal, [&options] {
+    return client::Session(session_options(options)).find_benches();
+  });
+  return finish(outcome, Interrupt(), false, terminal);
+}
+
 ExitCode run_command(std::vector<std::string> arguments, Terminal& terminal) {
   const Invocation invocation = parse_command_line(std::move(arguments));
   if (!invocation.command) {
@@ -91,6 +100,9 @@ ExitCode run_command(std::vector<std::string> arguments, Terminal& terminal) {
   if (const auto* dictionary = std::get_if<DictionaryCommand>(&*invocation.command)) {
     print_dictionary(*dictionary, invocation.options.json, terminal);
     return ExitCode::ok;
+  }
+  if (std::holds_alternative<DoctorCommand>(*invocation.command)) {
+    return see_doctor(invocation.options, terminal);
   }
   return run_connected(*invocation.command, invocation.options, terminal);
 }

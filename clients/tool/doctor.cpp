@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "doctor.hpp"
+
+#include "report.hpp"
+
+#include <algorithm>
+#include <exception>
+#include <iterator>
+#include <utility>
+
+namespace vdrive::tool {
+namespace {
+
+using client::Outcome;
+
+// Ports of a domain: DDSI-RTPS 9.6.1.1, port base and gain of a domain.
+constexpr std::uint32_t kPortBase = 7400;
+constexpr std::uint32_t kDomainGain = 250;
+// A status frame of 1,024 axes and what else a tick brings; docs/performance.md.
+constexpr std::uint64_t kGoodReceiveBuffer = 4'000'000;
+constexpr std::uint64_t kFewFiles = 256;
+
+Finding look_at_domain(const HostReadings& readings, const GlobalOptions& options) {
+  const std::uint32_t first = kPortBase + kDomainGain * options.domain;
+  Finding finding{.subject = "domain",
+                  .text = "domain " + std::to_string(options.domain) + ", UDP ports from " +
+                          std::to_string(first),
+                  .advice = ""};
+  if (readings.first_ephemeral_port && first + kDomainGain > *readings.first_ephemeral_port) {
+    finding.severity = Severity::hint;
+    finding.advice = "the kernel gives ports from " +
+                     std::to_string(*readings.first_ephemeral_port) +
+                     " to any program, which may take one of these: use a domain below " +
+                     std::to_string((*readings.first_ephemeral_port - kPortBase) / kDomainGain);
+  }
+  return finding;
+}
+
+std::string addresses_of(const HostReadings& readings) {
+  std::string text;
+  for (const NetworkInterface& one : readings.interfaces) {
+    text += (text.empty() ? "" : ", ") + one.address + " (" + one.name + ")";
+  }
+  return text.empty() ? "none" : text;
+}
+
+std::vector<Finding> look_at_interfaces(const HostReadings& readings,
+                                        const GlobalOptions& options) {
+  if (options.interfaces.empty()) {
+    return {
+        {.subject = "interfaces",
+         .text = "loopback only: benches on this machine; it also has " + addresses_of(readings),
+         .advice = ""}};
+  }
+  std::vector<Finding> findings;
+  for (const std::string& address : options.interfaces) {
+    Finding& finding =
+        findings.emplace_back(Finding{.subject = "interfaces", .text = address, .advice = ""});
+    const auto own = std::ranges::find(readings.interfaces, address, &NetworkInterface::address);
+    if (own == readings.interfaces.end()) {
+      finding.severity = Severity::problem;
+      finding.text += " is no address of this machine";
+      finding.advice = "name one of " + addresses_of(readings);
+    } else if (!own->is_up) {
+      finding.severity = Severity::problem;
+      finding.text += " is on " + own->name + ", which is down";
+      finding.advice = "ip link set " + own->name + " up";
+    } else {
+      finding.text += " is on " + own->name + ", which is up";
+    }
+  }
+  return findings;
+}
+
+std::vector<Finding> look_at_multicast(const HostReadings& readings, const GlobalOptions& options) {
+  const bool is_needed = options.peers.empty() && options.discovery_servers.empty();
+  std::vector<Finding> findings;
+  for (const MulticastReading& reading : readings.multicast) {
+    Finding finding{
+        .subject = "multicast",
+        .text = reading.address + (reading.is_heard ? " hears what it sends to the discovery group"
+                                                    : " does not hear its own multicast"),
+        .advice = ""};
+    if (!reading.is_heard) {
+      finding.severity = is_needed ? Severity::problem : Severity::hint;
+      finding.advice = is_needed
+                           ? "let UDP to 239.255.0.1 through the firewall, or name the other hosts "
+                             "with --peer or --discovery-server"
+                           : "not needed: peers or a discovery server are named";
+    }
+    findings.push_back(std::move(finding));
+  }
+  return findings;
+}
+
+Finding look_at_clock(const HostReadings& readings) {
+  Finding finding{.subject = "clock", .text = "", .advice = ""};
+  if (!readings.is_clock_synchronised) {
+    finding.text = "whether it is synchronised cannot be read";
+  } else if (*readings.is_clock_synchronised) {
+    finding.text = "synchronised";
+  } else {
+    finding.severity = Severity::hint;
+    finding.text = "not synchronised";
+    finding.advice =
+        "run chrony or systemd-timesyncd: benches in real time on several hosts count "
+        "the same ticks only with synchronised clocks";
+  }
+  if (!readings.clock_source.empty()) finding.text += ", source " + readings.clock_source;
+  if (readings.clock_source == "acpi_pm" || readings.clock_source == "hpet") {
+    finding.severity = Severity::hint;
+    finding.advice += (finding.advice.empty() ? "" : "; ") +
+                      std::string("reading this source is slow: use tsc or kvm-clock");
+  }
+  return finding;
+}
+
+std::vector<Finding> look_at_limits(const HostReadings& readings) {
+  std::vector<Finding> findings;
+  Finding& files =
+      findings.emplace_back(Finding{.subject = "limits",
+                                    .text = std::to_string(readings.open_files) + " open files",
+                                    .advice = ""});
+  if (readings.open_files < kFewFiles) {
+    files.severity = Severity::hint;
+    files.advice = "ulimit -n 1024: each participant needs about 30";
+  }
+  if (readings.largest_receive_buffer) {
+    Finding& buffer = findings.emplace_back(Finding{
+        .subject = "limits",
+        .text =
+            "receive buffers up to " + std::to_string(*readings.largest_receive_buffer) + " bytes",
+        .advice = ""});
+    if (*readings.largest_receive_buffer < kGoodReceiveBuffer) {
+      buffer.severity = Severity::hint;
+      buffer.advice =
+          "sysctl -w net.core.rmem_max=4194304 before you watch a thousand axes each "
+          "millisecond: bursts are lost otherwise";
+    }
+  }
+  return findings;
+}
+
+Finding look_at_priority(const HostReadings& readings) {
+  Finding finding{.subject = "real time",
+                  .text = "SCHED_FIFO is permitted, " + std::to_string(readings.cores) + " cores",
+                  .advice = ""};
+  if (!readings.may_run_realtime) {
+    finding.severity = Severity::hint;
+    finding.text = "SCHED_FIFO is not permitted, " + std::to_string(readings.cores) + " cores";
+    finding.advice =
+        "clock.realtime_priority has no effect without it: give the service "
+        "CAP_SYS_NICE or LimitRTPRIO";
+  }
+  return finding;
+}
+
+Finding look_at_segments(const HostReadings& readings) {
+  const auto stale = std::ranges::count(readings.segments, false, &SharedSegment::is_mapped);
+  Finding finding{.subject = "shared memory",
+                  .text = std::to_string(readings.segments.size()) + " segments of Fast DDS, " +
+                          std::to_string(stale) + " that nobody uses",
+                  .advice = ""};
+  if (stale != 0) {
+    finding.severity = Severity::hint;
+    finding.advice =
+        "killed programs left them: 'fastdds shm clean' removes them, as root also "
+        "those of other users";
+  }
+  return finding;
+}
+
+}  // namespace
+
+std::vector<Finding> look_at_benches(std::span<const client::BenchInfo> benches,
+                                     const GlobalOptions& options) {
+  if (benches.empty()) {
+    return {{.severity = Severity::hint,
+             .subject = "benches",
+             .text = "none on domain " + std::to_string(options.domain),
+             .advice = "start one with 'vdrived', or name its domain and network with --domain, "
+                       "--interface, --peer or --discovery-server"}};
+  }
+  std::vector<Finding> findings;
+  for (const client::BenchInfo& bench : benches) {
+    Finding& finding = findings.emplace_back(Finding{
+        .subject = "benches",
+        .text = "bench " + std::to_string(bench.number) + " '" + bench.name + "', " +
+                std::to_string(bench.axes.size()) + " axes, " +
+                std::string(to_string(bench.clock_mode)) + ", version " + bench.service_version,
+        .advice = ""});
+    if (bench.service_version != VDRIVE_VERSION) {
+      finding.severity = Severity::hint;
+      finding.advice = "this tool is version " VDRIVE_VERSION ": update the older one";
+    }
+  }
+  return findings;
+}
+
+namespace {
+
+void append(std::vector<Finding>& findings, std::vector<Finding> more) {
+  findings.insert(findings.end(), std::make_move_iterator(more.begin()),
+                  std::make_move_iterator(more.end()));
+}
+
+const char* name_of(Severity severity) {
+  switch (severity) {
+    case Severity::good:
+      return "good";
+    case Severity::hint:
+      return "hint";
+    case Severity::problem:
+      return "problem";
+  }
+  return "unknown";
+}
+
+void show(const Finding& finding, bool is_json, Terminal& terminal) {
+  if (is_json) {
+    Json json{{"severity", name_of(finding.severity)},
+              {"subject", finding.subject},
+              {"text", finding.text}};
+    if (!finding.advice.empty()) json["advice"] = finding.advice;
+    terminal.print(to_line(json));
+    return;
+  }
+  const Color color = finding.severity == Severity::good   ? Color::green
+                      : finding.severity == Severity::hint ? Color::yellow
+                                                           : Color::red;
+  std::string word = name_of(finding.severity);
+  word.resize(8, ' ');
+  terminal.print(colored(terminal, color, word) + " " + finding.subject + ": " + finding.text);
+  if (!finding.advice.empty()) terminal.print("         -> " + finding.advice);
+}
+
+}  // namespace
+
+std::vector<Finding> diagnose(const HostReadings& readings, const GlobalOptions& options) {
+  std::vector<Finding> findings{look_at_domain(readings, options)};
+  append(findings, look_at_interfaces(readings, options));
+  append(findings, look_at_multicast(readings, options));
+  findings.push_back(look_at_clock(readings));
+  append(findings, look_at_limits(readings));
+  findings.push_back(look_at_priority(readings));
+  findings.push_back(look_at_segments(readings));
+  return findings;
+}
+
+Outcome run_doctor(const GlobalOptions& options, Terminal& terminal,
+                   const std::function<std::vector<client::BenchInfo>()>& find) {
+  std::vector<Finding> findings = diagnose(read_host(options.interfaces), options);
+  try {
+    append(findings, look_at_benches(find(), options));
+  } catch (const std::exception& error) {
+    findings.push_back({.severity = Severity::problem,
+                        .subject = "benches",
+                        .text = error.what(),
+                        .advice = "mend what is said above; without that nobody can be found"});
+  }
+  for (const Finding& finding : findings) show(finding, options.json, terminal);
+  const auto problems = std::ranges::count(findings, Severity::problem, &Finding::severity);
+  if (problems == 0) return {};
+  return Outcome::failed(std::to_string(problems) + (problems == 1 ? " problem" : " problems"));
+}
+
+}  // namespace vdrive::tool

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vdrive::tool {
+
+/// An IPv4 address of this host.
+struct NetworkInterface {
+  std::string name;
+  std::string address;
+  bool is_up = false;
+};
+
+/// Whether a datagram to the discovery group of DDS, sent from an own address, is heard there.
+struct MulticastReading {
+  std::string address;
+  bool is_heard = false;
+};
+
+/// Shared memory of Fast DDS in /dev/shm.
+struct SharedSegment {
+  std::string name;
+  bool is_mapped = false;  ///< by a process that we may look at
+};
+
+/// What the machine says of itself, as far as it concerns DDS and ticks. Nothing = it cannot be
+/// read.
+struct HostReadings {
+  std::vector<NetworkInterface> interfaces;
+  std::vector<MulticastReading> multicast;
+  std::vector<SharedSegment> segments;
+  std::optional<bool> is_clock_synchronised;
+  std::string clock_source;
+  std::optional<std::uint64_t> largest_receive_buffer;  ///< net.core.rmem_max [bytes]
+  std::optional<std::uint64_t> first_ephemeral_port;
+  std::uint64_t open_files = 0;  ///< RLIMIT_NOFILE
+  unsigned cores = 0;
+  bool may_run_realtime = false;  ///< SCHED_FIFO
+};
+
+/// Takes the readings. Writes nothing; the multicast probe waits up to 300 ms an address.
+/// @param addresses own addresses in the networks that are used; none = loopback
+[[nodiscard]] HostReadings read_host(const std::vector<std::string>& addresses);
+
+}  // namespace vdrive::tool

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the doctor says of a machine, from readings that are made up.
+#include "doctor.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace vdrive::tool {
+namespace {
+
+using testing::HasSubstr;
+
+/// A machine with nothing to complain about.
+HostReadings healthy() {
+  return {.interfaces = {{"lo", "127.0.0.1", true}, {"eth0", "10.0.0.1", true}},
+          .multicast = {{"127.0.0.1", true}},
+          .segments = {{"fastrtps_port7411", true}},
+          .is_clock_synchronised = true,
+          .clock_source = "tsc",
+          .largest_receive_buffer = 4'194'304,
+          .first_ephemeral_port = 32'768,
+          .open_files = 1'024,
+          .cores = 8,
+          .may_run_realtime = true};
+}
+
+/// The findings about a subject that are not good.
+std::vector<Finding> complaints(const HostReadings& readings, const GlobalOptions& options = {}) {
+  std::vector<Finding> findings = diagnose(readings, options);
+  std::erase_if(findings, [](const Finding& finding) {
+    return finding.severity == Severity::good;
+  });
+  for (const Finding& finding : findings) EXPECT_FALSE(finding.advice.empty()) << finding.text;
+  return findings;
+}
+
+TEST(Doctor, HasNothingToSayOfAHealthyMachine) {
+  EXPECT_TRUE(complaints(healthy()).empty());
+}
+
+TEST(Doctor, NamesADomainWhosePortsTheKernelGivesAway) {
+  GlobalOptions options;
+  options.domain = 101;  // ports 32650 to 32899; the kernel's begin at 32768
+  const auto found = complaints(healthy(), options);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].severity, Severity::hint);
+  EXPECT_THAT(found[0].advice, HasSubstr("use a domain below 101"));
+  options.domain = 100;  // up to 32649
+  EXPECT_TRUE(complaints(healthy(), options).empty());
+}
+
+TEST(Doctor, NamesAnInterfaceThatIsNotThereOrDown) {
+  HostReadings readings = healthy();
+  readings.interfaces.push_back({"eth1", "10.0.1.1", false});
+  GlobalOptions options;
+  options.interfaces = {"10.0.0.1", "10.0.0.2", "10.0.1.1"};
+  const auto found = complaints(readings, options);
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(found[0].severity, Severity::problem);
+  EXPECT_THAT(found[0].text, HasSubstr("10.0.0.2 is no address"));
+  EXPECT_THAT(found[1].text, HasSubstr("eth1, which is down"));
+}
+
+TEST(Doctor, NeedsMulticastOnlyWherePeersAreNotNamed) {
+  HostReadings readings = healthy();
+  readings.multicast[0].is_heard = false;
+  auto found = complaints(readings);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].severity, Severity::problem);
+  GlobalOptions options;
+  options.peers = {"10.0.0.7"};
+  found = complaints(readings, options);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].severity, Severity::hint);
+}
+
+TEST(Doctor, HintsAtWhatMakesTicksLateAndStreamsLossy) {
+  HostReadings readings = healthy();
+  readings.is_clock_synchronised = false;
+  readings.clock_source = "hpet";
+  readings.largest_receive_buffer = 212'992;
+  readings.may_run_realtime = false;
+  readings.open_files = 64;
+  readings.segments.push_back({"fastrtps_0123", false});
+  const auto found = complaints(readings);
+  ASSERT_EQ(found.size(), 5U);
+  for (const Finding& finding : found) EXPECT_EQ(finding.severity, Severity::hint);
+  EXPECT_THAT(found[0].advice, HasSubstr("chrony"));
+  EXPECT_THAT(found[0].advice, HasSubstr("use tsc"));
+  EXPECT_THAT(found[2].advice, HasSubstr("net.core.rmem_max=4194304"));
+  EXPECT_THAT(found[3].advice, HasSubstr("CAP_SYS_NICE"));
+  EXPECT_THAT(found[4].text, HasSubstr("2 segments of Fast DDS, 1 that nobody uses"));
+}
+
+TEST(Doctor, TellsABenchOfAnotherVersion) {
+  client::BenchInfo bench;
+  bench.number = 3;
+  bench.name = "cell";
+  bench.service_version = "0.0.1";
+  const auto found = look_at_benches({&bench, 1}, {});
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].severity, Severity::hint);
+  EXPECT_THAT(found[0].text, HasSubstr("bench 3 'cell', 0 axes, realtime, version 0.0.1"));
+}
+
+TEST(Doctor, SaysHowToGetABenchWhereNoneIs) {
+  const auto found = look_at_benches({}, {});
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_THAT(found[0].advice, HasSubstr("vdrived"));
+}
+
+TEST(HostReadings, OfThisMachineSayWhatEveryMachineHas) {
+  const HostReadings readings = read_host({});
+  EXPECT_GT(readings.cores, 0U);
+  EXPECT_GT(readings.open_files, 0U);
+  EXPECT_TRUE(std::ranges::any_of(readings.interfaces, [](const NetworkInterface& one) {
+    return one.address == "127.0.0.1" && one.is_up;
+  }));
+  ASSERT_EQ(readings.multicast.size(), 1U);
+  EXPECT_EQ(readings.multicast[0].address, "127.0.0.1");
+}
+
+}  // namespace
+}  // namespace vdrive::tool
