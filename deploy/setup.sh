@@ -20,9 +20,11 @@ packages=(
   libfastcdr-dev
   libfastrtps-dev
   libspdlog-dev
+  libsystemd-dev
   libyaml-cpp-dev
   ninja-build
   nlohmann-json3-dev
+  pkg-config
 )
 test_packages=(
   clang

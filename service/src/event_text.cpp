@@ -116,6 +116,8 @@ std::string text_of(const EventRecord& event) {
       return "another service has this bench number, incarnation " + std::to_string(event.detail);
     case msg::EVENT_CLOCK_CHANGED:
       return clock_text(event);
+    case msg::EVENT_SHUTDOWN:
+      return "the service shuts down: its axes brake, commands are refused";
     default:
       return "event " + std::to_string(event.kind);
   }
