@@ -15,6 +15,7 @@ packages=(
   ccache
   cmake
   fastddsgen # brings a Java runtime, through antlr4
+  help2man
   libcli11-dev
   libeigen3-dev
   libfastcdr-dev
@@ -27,6 +28,7 @@ packages=(
   pkg-config
 )
 test_packages=(
+  bubblewrap # the sandbox of the systemd unit
   clang
   clang-format
   clang-tidy
@@ -40,8 +42,11 @@ test_packages=(
   libgmock-dev
   libgtest-dev
   librapidcheck-dev
+  man-db
   nftables # loss and blocked multicast in the network tests
   python3 # the conformance and mutation checks, the list of the IDL's fields
+  python3-seccomp # the sandbox of the systemd unit
+  systemd # systemd-analyze
   util-linux # chrt and setarch
 )
 
