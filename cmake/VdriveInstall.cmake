@@ -5,12 +5,17 @@ include(GNUInstallDirs)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/vdrive)
 
-install(TARGETS vdrive_core vdrive_client EXPORT vdrive-targets FILE_SET HEADERS)
+install(
+  TARGETS vdrive_core vdrive_client
+  EXPORT vdrive-targets
+  ARCHIVE COMPONENT development
+  FILE_SET HEADERS COMPONENT development)
 # A static client links the wire, so its archive is in the package. Its headers are not: no public
 # header of the others names a DDS type.
-install(TARGETS vdrive_wire EXPORT vdrive-targets)
-install(TARGETS vdrived vdrive)
-install(EXPORT vdrive-targets NAMESPACE vdrive:: DESTINATION ${package_dir})
+install(TARGETS vdrive_wire EXPORT vdrive-targets ARCHIVE COMPONENT development)
+install(TARGETS vdrived COMPONENT service)
+install(TARGETS vdrive COMPONENT tool)
+install(EXPORT vdrive-targets NAMESPACE vdrive:: DESTINATION ${package_dir} COMPONENT development)
 
 configure_package_config_file(
   ${PROJECT_SOURCE_DIR}/cmake/vdriveConfig.cmake.in ${PROJECT_BINARY_DIR}/vdriveConfig.cmake
@@ -20,5 +25,27 @@ write_basic_package_version_file(
   VERSION ${PROJECT_VERSION}
   COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/vdriveConfig.cmake ${PROJECT_BINARY_DIR}/vdriveConfigVersion.cmake
-        DESTINATION ${package_dir})
-install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+        DESTINATION ${package_dir} COMPONENT development)
+
+# The unit of further benches is that of the first one with another configuration and place.
+set(unit_dir ${PROJECT_SOURCE_DIR}/deploy/systemd)
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${unit_dir}/vdrived.service)
+file(READ ${unit_dir}/vdrived.service unit)
+string(REPLACE "Description=Bench" "Description=%i: bench" unit "${unit}")
+string(REPLACE "/etc/vdrive/vdrived.yaml\n" "/etc/vdrive/%i.yaml\n" unit "${unit}")
+string(REPLACE "StateDirectory=vdrive\n" "StateDirectory=vdrive-%i\n" unit "${unit}")
+file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/vdrived@.service CONTENT "${unit}" @ONLY)
+install(FILES ${unit_dir}/vdrived.service ${PROJECT_BINARY_DIR}/vdrived@.service
+        DESTINATION lib/systemd/system COMPONENT service)
+install(FILES ${unit_dir}/realtime.conf DESTINATION ${CMAKE_INSTALL_DATADIR}/vdrive
+        COMPONENT service)
+install(FILES ${unit_dir}/vdrived.yaml DESTINATION ${CMAKE_INSTALL_SYSCONFDIR}/vdrive
+        COMPONENT service)
+
+foreach(package vdrived:service vdrive:tool libvdrive-dev:development)
+  string(REPLACE ":" ";" package ${package})
+  list(GET package 0 name)
+  list(GET package 1 component)
+  install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${name}
+          RENAME copyright COMPONENT ${component})
+endforeach()

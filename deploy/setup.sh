@@ -15,18 +15,22 @@ packages=(
   ccache
   cmake
   fastddsgen # brings a Java runtime, through antlr4
+  help2man
   libboost-dev # Beast, the web server of the metrics
   libcli11-dev
   libeigen3-dev
   libfastcdr-dev
   libfastrtps-dev
   libspdlog-dev
+  libsystemd-dev
   libyaml-cpp-dev
   ninja-build
   nlohmann-json3-dev
+  pkg-config
   prometheus-cpp-dev # text of the metrics
 )
 test_packages=(
+  bubblewrap # the sandbox of the systemd unit
   clang
   clang-format
   clang-tidy
@@ -40,8 +44,11 @@ test_packages=(
   libgmock-dev
   libgtest-dev
   librapidcheck-dev
+  man-db
   nftables # loss and blocked multicast in the network tests
   python3 # the conformance and mutation checks, the list of the IDL's fields
+  python3-seccomp # the sandbox of the systemd unit
+  systemd # systemd-analyze
   util-linux # chrt and setarch
 )
 

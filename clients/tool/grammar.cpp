@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "grammar.hpp"
 
+#include "completion.hpp"
 #include "help.hpp"
 #include "usage_error.hpp"
 
@@ -146,6 +147,9 @@ class Grammar {
     add_record();
     add_run();
     add_doctor();
+    add_completion();
+    // After the words: those that follow would take it over.
+    app_.set_help_all_flag("--help-all", "Print the help of every word and exit");
   }
 
   /// Words of scenarios only.
@@ -167,6 +171,9 @@ class Grammar {
   [[nodiscard]] const CLI::App& app() const { return app_; }
 
   [[nodiscard]] std::optional<Command>& command() { return command_; }
+
+  /// What a word answers without a service.
+  [[nodiscard]] const std::string& text() const { return text_; }
 
   [[nodiscard]] GlobalOptions options() const {
     GlobalOptions options = options_;
@@ -455,6 +462,19 @@ class Grammar {
     });
   }
 
+  void add_completion() {
+    CLI::App* word =
+        add_word("completion", "Print a script that completes command lines",
+                 "completion bash > ~/.local/share/bash-completion/completions/vdrive");
+    word->add_option("SHELL", words_.file, "bash")
+        ->required()
+        ->check(CLI::IsMember({"bash"}))
+        ->type_name("");
+    word->callback([this] {
+      text_ = bash_completion(app_);
+    });
+  }
+
   void add_expect() {
     CLI::App* word = add_word("expect", "Compare an object", "");
     add_axis(word);
@@ -498,7 +518,17 @@ class Grammar {
   std::string timeout_;
   Words words_;
   std::optional<Command> command_;
+  std::string text_;
 };
+
+/// @return the help of the tool, then that of each word.
+std::string help_of_all_words(const CLI::App& app) {
+  std::string text = app.help();
+  for (const CLI::App* const word : app.get_subcommands({})) {
+    text += "\n" + word->get_name() + ": " + word->help(app.get_name());
+  }
+  return text;
+}
 
 /// CLI11's texts end with hints of their own and with line breaks.
 std::string one_line(std::string text) {
@@ -520,8 +550,11 @@ Invocation parse_command_line(std::vector<std::string> arguments) {
     grammar.parse(std::move(arguments));
     invocation.options = grammar.options();
     invocation.command = std::move(grammar.command());
+    invocation.text = grammar.text();
   } catch (const CLI::CallForHelp&) {
     invocation.text = grammar.app().help();
+  } catch (const CLI::CallForAllHelp&) {
+    invocation.text = help_of_all_words(grammar.app());
   } catch (const CLI::CallForVersion& version) {
     invocation.text = std::string(version.what()) + "\n";
   } catch (const CLI::ParseError& error) {

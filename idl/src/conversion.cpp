@@ -96,7 +96,7 @@ constexpr std::array<ParameterMember, 17> kParameterMembers{{
      }},
 }};
 
-constexpr std::array<std::pair<std::uint32_t, std::string_view>, 25> kReasons{{
+constexpr std::array<std::pair<std::uint32_t, std::string_view>, 26> kReasons{{
     {msg::REASON_NONE, "accepted"},
     {msg::REASON_WRONG_INCARNATION, "meant for another run of the service"},
     {msg::REASON_STALE_EPOCH, "the epoch is not current: control was lost, released or renewed"},
@@ -122,6 +122,7 @@ constexpr std::array<std::pair<std::uint32_t, std::string_view>, 25> kReasons{{
     {msg::REASON_TIME_PASSES, "only while time stands still: in lock-step, or paused"},
     {msg::REASON_UNKNOWN_SNAPSHOT, "no such snapshot"},
     {msg::REASON_OUT_OF_RANGE, "the rate is neither 0 nor from 0.1 to 100"},
+    {msg::REASON_SHUTTING_DOWN, "the service shuts down"},
 }};
 
 }  // namespace

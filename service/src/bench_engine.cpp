@@ -76,6 +76,11 @@ void BenchEngine::handle(Arrival& arrival) {
 void BenchEngine::step() {
   apply_due_frames();
   watch_masters();
+  if (braking_) {
+    for (std::size_t axis = 0; axis < numbers_.size(); ++axis) {
+      switch_off_at_rest(axis);
+    }
+  }
   pool_.step();
   ++tick_;
   counters_.tick.set(tick_);
@@ -169,7 +174,7 @@ void BenchEngine::stretch_watchdog() {
 }
 
 void BenchEngine::watch_masters() {
-  if (watchdog_ticks_ == 0) {
+  if (watchdog_ticks_ == 0 || braking_) {
     return;
   }
   for (auto& record : control_.sessions()) {

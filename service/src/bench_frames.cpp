@@ -107,6 +107,9 @@ std::uint32_t BenchEngine::check_frame(const Arrival& arrival) {
   if ((frame.flags() & ~kKnownFlags) != 0) {
     return msg::REASON_UNKNOWN_FLAGS;
   }
+  if (braking_ && !frame.axes().empty()) {
+    return msg::REASON_SHUTTING_DOWN;
+  }
   return arrival.refusal != msg::REASON_NONE ? arrival.refusal : check_time(frame);
 }
 

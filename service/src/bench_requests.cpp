@@ -123,6 +123,9 @@ std::uint32_t BenchEngine::check_request(const Arrival& arrival) const {
   if (request.incarnation() != 0 && request.incarnation() != identity_.incarnation) {
     return msg::REASON_WRONG_INCARNATION;
   }
+  if (braking_ && request.kind() != msg::REQUEST_READ) {
+    return msg::REASON_SHUTTING_DOWN;
+  }
   return arrival.refusal;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/service/command_line.hpp"
 
+#include "service_manager.hpp"
 #include "vdrive/axis_bank.hpp"
 #include "vdrive/service/configuration.hpp"
 #include "vdrive/service/journal.hpp"
@@ -11,11 +12,14 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <ctime>
 #include <iostream>
 #include <optional>
+#include <stdexcept>
 #include <string>
 
 namespace vdrive::service {
@@ -25,7 +29,14 @@ constexpr int kDone = 0;
 constexpr int kFailed = 1;
 constexpr int kUsage = 2;
 constexpr int kNumberTaken = 5;
-constexpr long kPollInterval = 50'000'000;  // [ns]
+constexpr std::chrono::milliseconds kPollInterval{50};
+constexpr std::chrono::milliseconds kBusyPollInterval{5};  ///< while it starts, and while it ends
+
+/// The command line asks for something that cannot be.
+class BadArguments : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
 
 /// What the command line says; it overrides the file.
 struct Arguments {
@@ -92,9 +103,7 @@ ClockMode clock_named(const std::string& name) {
   throw ConfigurationError("--clock " + name + ": must be one of realtime, lockstep, freerun");
 }
 
-Configuration effective_configuration(const Arguments& arguments) {
-  Configuration configuration =
-      arguments.config ? load_configuration(*arguments.config) : demo_configuration();
+void override(Configuration& configuration, const Arguments& arguments) {
   if (arguments.clock) {
     configuration.clock = clock_named(*arguments.clock);
   }
@@ -115,6 +124,17 @@ Configuration effective_configuration(const Arguments& arguments) {
     configuration.metrics_port = arguments.metrics;
   }
   check(configuration);
+}
+
+/// @throws ConfigurationError for the file, BadArguments for what is laid over it
+Configuration effective_configuration(const Arguments& arguments) {
+  Configuration configuration =
+      arguments.config ? load_configuration(*arguments.config) : demo_configuration();
+  try {
+    override(configuration, arguments);
+  } catch (const ConfigurationError& error) {
+    throw BadArguments(error.what());
+  }
   return configuration;
 }
 
@@ -126,22 +146,57 @@ sigset_t stop_signals() {
   return signals;
 }
 
+/// Waits for a signal. @return false when none came in that time
+bool takes_signal(const sigset_t& signals, std::chrono::nanoseconds timeout) {
+  const timespec time{.tv_sec = 0, .tv_nsec = timeout.count()};
+  return sigtimedwait(&signals, nullptr, &time) >= 0;
+}
+
+/// Until a signal comes or an older service with the same number.
+void watch(Service& service, const ServiceManager& manager, const sigset_t& signals,
+           const std::string& description) {
+  const auto interval = manager.heartbeat_interval();
+  const auto poll =
+      interval ? std::min<std::chrono::microseconds>(kPollInterval, *interval / 2) : kPollInterval;
+  bool is_ready = false;
+  auto next_heartbeat = std::chrono::steady_clock::time_point{};
+  while (!takes_signal(signals, is_ready ? poll : kBusyPollInterval) && !service.conflict()) {
+    if (!is_ready && service.has_run()) {
+      manager.tell_ready(description);
+      is_ready = true;
+    }
+    const auto now = std::chrono::steady_clock::now();
+    if (is_ready && interval && now >= next_heartbeat) {
+      next_heartbeat = now + *interval;
+      if (service.is_alive()) {
+        manager.tell_alive();
+      }
+    }
+  }
+}
+
 int serve(const Configuration& configuration, const std::optional<std::string>& journal) {
   // Blocked before the first thread starts, so that every thread leaves them to this one.
   const sigset_t signals = stop_signals();
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  const ServiceManager manager;
   Service service(configuration, journal ? open_journal(*journal) : nullptr);
   service.start();
-  const timespec interval{.tv_sec = 0, .tv_nsec = kPollInterval};
-  while (sigtimedwait(&signals, nullptr, &interval) < 0) {
-    if (const auto older = service.conflict()) {
-      service.stop();
-      throw BenchNumberTaken("bench " + std::to_string(configuration.bench) +
-                             " belongs to a service that started earlier (incarnation " +
-                             std::to_string(*older) + ")");
-    }
+  watch(service, manager, signals,
+        "bench " + std::to_string(configuration.bench) + ", " +
+            std::to_string(configuration.axes.size()) + " axes, " +
+            std::string(to_string(configuration.clock)) + ", DDS domain " +
+            std::to_string(configuration.network.domain));
+  manager.tell_stopping();
+  service.begin_shutdown();
+  while (!service.is_shut_down() && !takes_signal(signals, kBusyPollInterval)) {
   }
   service.stop();
+  if (const auto older = service.conflict()) {
+    throw BenchNumberTaken("bench " + std::to_string(configuration.bench) +
+                           " belongs to a service that started earlier (incarnation " +
+                           std::to_string(*older) + ")");
+  }
   return kDone;
 }
 
@@ -187,6 +242,9 @@ int run_command_line(int argument_count, const char* const* arguments) {
     std::cerr << "vdrived: " << taken.what() << '\n';
     return kNumberTaken;
   } catch (const JournalError& error) {
+    std::cerr << "vdrived: " << error.what() << '\n';
+    return kUsage;
+  } catch (const BadArguments& error) {
     std::cerr << "vdrived: " << error.what() << '\n';
     return kUsage;
   } catch (const std::exception& error) {

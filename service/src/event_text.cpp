@@ -116,6 +116,8 @@ std::string text_of(const EventRecord& event) {
       return "another service has this bench number, incarnation " + std::to_string(event.detail);
     case msg::EVENT_CLOCK_CHANGED:
       return clock_text(event);
+    case msg::EVENT_SHUTDOWN:
+      return "the service shuts down: its axes brake, commands are refused";
     default:
       return "event " + std::to_string(event.kind);
   }
@@ -151,6 +153,8 @@ const char* name_of(std::uint32_t kind) {
       return "snapshot";
     case msg::EVENT_JOURNAL:
       return "journal";
+    case msg::EVENT_SHUTDOWN:
+      return "shutdown";
     default:
       return "unknown";
   }

@@ -25,6 +25,7 @@ LockstepDriver::LockstepDriver(const Configuration& configuration, BenchEngine& 
 void LockstepDriver::run(const std::atomic<bool>& stop, Doorbell& doorbell) {
   publish_status();
   while (!stop) {
+    beats_.add();
     const bool was_busy = handle_next(stop, doorbell);
     advance(stop);
     if (was_busy) {
@@ -150,15 +151,16 @@ void LockstepDriver::run_ticks(std::uint64_t ticks, const std::atomic<bool>& sto
       engine_.hear(session);
     }
     engine_.step();
+    beats_.add();
     const bool last = count == ticks;
     if (!last && engine_.tick() % status_every_ == 0 && may_publish()) {
       publish_status();
     }
+    if (stop) {
+      return;
+    }
     if (count % kTicksPerDelivery == 0) {
       replies_.deliver(inbox_, outbox_);
-      if (stop) {
-        return;
-      }
     }
   }
 }

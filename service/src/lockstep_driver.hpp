@@ -40,6 +40,9 @@ class LockstepDriver {
   /// Works until `stop`. `doorbell` rings for arrivals and for the stop.
   void run(const std::atomic<bool>& stop, Doorbell& doorbell);
 
+  /// Counts rounds and ticks, for who wants to know that it works.
+  [[nodiscard]] const Counter& beats() const noexcept { return beats_; }
+
  private:
   using Clock = std::chrono::steady_clock;
 
@@ -89,6 +92,7 @@ class LockstepDriver {
   std::deque<WaitingStep> waiting_;
   std::vector<std::uint64_t> heard_;  ///< sessions that step the present ticks
   Clock::time_point next_roll_call_{};
+  Counter beats_;
   double status_budget_ = kStatusBurst;
   Clock::time_point refilled_{};
 };

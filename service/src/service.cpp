@@ -12,7 +12,9 @@
 #include "vdrive/service/cycle_timer.hpp"
 #include "vdrive/service/freerun_driver.hpp"
 #include "vdrive/service/journal.hpp"
+#include "vdrive/service/liveness.hpp"
 #include "vdrive/service/realtime_driver.hpp"
+#include "vdrive/service/shutdown.hpp"
 #include "vdrive/wire/subscription.hpp"
 
 #include <spdlog/spdlog.h>
@@ -107,6 +109,11 @@ class Service::Threads {
                  configuration_.network.domain, identity_.incarnation);
   }
 
+  void begin_shutdown() noexcept { shutdown_.begin(); }
+
+  /// In lock-step nobody steps any more: there is no time to brake in.
+  [[nodiscard]] bool is_shut_down() const noexcept { return lockstep_ || shutdown_.is_done(); }
+
   void stop() noexcept {
     if (running_.empty()) {
       return;
@@ -119,6 +126,7 @@ class Service::Threads {
       thread.join();
     }
     running_.clear();
+    switch_off();
     journal_.reset();  // writes its end; the engine is not used any more
     replies_.deliver(inbox_, outbox_);
     reports_.publish(inbox_, outbox_);
@@ -126,6 +134,10 @@ class Service::Threads {
     reports_.wait_for_readers(kFarewell);
     spdlog::info("bench={} offline", identity_.bench);
   }
+
+  [[nodiscard]] bool has_run() const noexcept { return liveness_.has_begun(); }
+
+  [[nodiscard]] bool is_alive() noexcept { return liveness_.has_advanced(); }
 
   [[nodiscard]] std::optional<std::uint64_t> conflict() const noexcept { return guard_.conflict(); }
 
@@ -162,7 +174,12 @@ class Service::Threads {
     running_.emplace_back([this] {
       prepare_tick_thread(configuration_.realtime_priority);
       while (!stop_) {
+        shutdown_.advance();
+        const std::uint64_t tick = engine_.tick();
         realtime_->cycle();
+        if (engine_.tick() != tick || engine_.time_stands()) {
+          tick_beats_.add();
+        }
       }
     });
     running_.emplace_back([this] {
@@ -177,7 +194,9 @@ class Service::Threads {
     freerun_.emplace(engine_, inbox_, outbox_, timer_);
     running_.emplace_back([this] {
       while (!stop_) {
+        shutdown_.advance();
         freerun_->cycle();
+        tick_beats_.add();
       }
     });
     running_.emplace_back([this] {
@@ -190,6 +209,7 @@ class Service::Threads {
 
   void start_lockstep() {
     lockstep_.emplace(configuration_, engine_, inbox_, outbox_, status_, replies_, counters_);
+    liveness_ = Liveness({&lockstep_->beats(), &report_beats_});
     running_.emplace_back([this] {
       lockstep_->run(stop_, doorbell_);
     });
@@ -200,11 +220,30 @@ class Service::Threads {
 
   void publish_status() {
     while (!stop_) {
-      while (const StatusImage* const image = outbox_.status.front()) {
-        status_.publish(*image);
-        outbox_.status.pop();
-      }
+      publish_waiting_status();
       nap(kAfterTick);
+    }
+  }
+
+  void publish_waiting_status() {
+    while (const StatusImage* const image = outbox_.status.front()) {
+      status_.publish(*image);
+      outbox_.status.pop();
+      status_beats_.add();
+    }
+  }
+
+  /// After the last thread has ended. Axes that still have power, because there was no time to
+  /// brake, lose it in one last tick; whoever listens sees it.
+  void switch_off() noexcept {
+    publish_waiting_status();
+    if (engine_.has_power()) {
+      engine_.shut_down(Braking::none);
+      engine_.step();
+    }
+    if (status_.last_tick() != engine_.tick()) {
+      engine_.post_status();
+      publish_waiting_status();
     }
   }
 
@@ -216,6 +255,7 @@ class Service::Threads {
         replies_.deliver(inbox_, outbox_);
       }
       reports_.publish(inbox_, outbox_);
+      report_beats_.add();
       if (const auto older = guard_.conflict(); older && !conflict_told) {
         conflict_told = true;
         reports_.publish_event(
@@ -257,6 +297,11 @@ class Service::Threads {
   std::optional<LockstepDriver> lockstep_;
   std::optional<FreerunDriver> freerun_;
   Doorbell doorbell_;
+  Shutdown shutdown_{engine_, timer_};
+  Counter tick_beats_;    ///< ticks; paused, looks at the inbox
+  Counter status_beats_;  ///< published images
+  Counter report_beats_;  ///< rounds
+  Liveness liveness_{{&tick_beats_, &status_beats_, &report_beats_}};
   std::atomic<bool> stop_{false};
   std::vector<std::thread> running_;
 };
@@ -270,6 +315,22 @@ Service::~Service() = default;
 
 void Service::start() {
   threads_->start();
+}
+
+bool Service::has_run() const noexcept {
+  return threads_->has_run();
+}
+
+bool Service::is_alive() noexcept {
+  return threads_->is_alive();
+}
+
+void Service::begin_shutdown() noexcept {
+  threads_->begin_shutdown();
+}
+
+bool Service::is_shut_down() const noexcept {
+  return threads_->is_shut_down();
 }
 
 void Service::stop() noexcept {

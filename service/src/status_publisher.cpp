@@ -31,6 +31,7 @@ void StatusPublisher::publish(const StatusImage& image) {
     publish_frames(image);
   }
   publish_axes(image);
+  last_tick_ = image.tick;
 }
 
 void StatusPublisher::publish_frames(const StatusImage& image) {

@@ -28,6 +28,9 @@ class StatusPublisher {
   /// changed state since their last one, then those that are due.
   void publish(const StatusImage& image);
 
+  /// @return the tick that was published last, 0 = none.
+  [[nodiscard]] std::uint64_t last_tick() const noexcept { return last_tick_; }
+
  private:
   using Clock = std::chrono::steady_clock;
 
@@ -46,6 +49,7 @@ class StatusPublisher {
   BenchIdentity identity_;
   std::chrono::nanoseconds period_;
   Counters& counters_;
+  std::uint64_t last_tick_ = 0;
   std::vector<std::uint16_t> numbers_;
   msg::StatusFrame frame_;
   msg::AxisStatus sample_;

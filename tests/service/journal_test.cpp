@@ -255,6 +255,27 @@ TEST(Journal, RecordsLostMastersAndPowerCycles) {
   EXPECT_EQ(result.changes, 3U);
 }
 
+TEST(Journal, RecordsHowTheAxesOfAnEndingBenchComeToRest) {
+  const JournalFile file;
+  {
+    RecordedBench recorded(without_watchdog(service::ClockMode::freerun),
+                           service::open_journal(file.path()));
+    auto& bench = recorded.bench;
+    bench.write(kAlice, 1, 0x6060, 1);
+    bench.write(kAlice, 1, 0x607A, 1'000'000);
+    bench.write(kAlice, 1, 0x6040, 0x0F);
+    bench.steps(2);
+    bench.write(kAlice, 1, 0x6040, 0x1F);
+    bench.steps(50);
+    bench.engine.shut_down(service::Braking::ramp);
+    bench.steps(200);
+    ASSERT_FALSE(bench.engine.has_power());
+  }
+  const ReplayResult result = replay_with(file, 1);
+  EXPECT_TRUE(result.agrees && result.is_complete) << result.text;
+  EXPECT_EQ(result.changes, 6U) << "four of the client, Disable operation, Disable voltage";
+}
+
 TEST(Journal, TakesAlikeFromEveryClock) {
   for (const auto clock : {service::ClockMode::lockstep, service::ClockMode::realtime}) {
     const JournalFile file;

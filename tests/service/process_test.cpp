@@ -200,16 +200,16 @@ TEST(ServiceProcess, RefusesWhatItDoesNotKnow) {
   Process flag({"--nonsense"});
   EXPECT_EQ(flag.wait(), 2);
   Process mode({"--clock", "warp"});
-  EXPECT_EQ(mode.wait(), 1);
+  EXPECT_EQ(mode.wait(), 2);
   EXPECT_NE(mode.text().find("realtime, lockstep, freerun"), std::string::npos);
   Process rate({"--clock", "freerun", "--rate", "2"});
-  EXPECT_EQ(rate.wait(), 1);
+  EXPECT_EQ(rate.wait(), 2);
   EXPECT_NE(rate.text().find("--rate has no meaning"), std::string::npos);
   Process axes({"--axes", "16385"});
-  EXPECT_EQ(axes.wait(), 1);
+  EXPECT_EQ(axes.wait(), 2);
   EXPECT_NE(axes.text().find("must be from 1 to 16384"), std::string::npos);
   Process domain({"--domain", "233"});
-  EXPECT_EQ(domain.wait(), 1);
+  EXPECT_EQ(domain.wait(), 2);
   EXPECT_NE(domain.text().find("domain = 233"), std::string::npos);
 }
 

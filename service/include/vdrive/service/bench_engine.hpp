@@ -32,6 +32,13 @@ struct SnapshotNews {
   static constexpr std::uint32_t kDropped = 3;
 };
 
+/// How a bench that ends brings its enabled axes to rest.
+enum class Braking : std::uint8_t {
+  ramp,        ///< Disable operation: the ramp of 605Ch
+  quick_stop,  ///< the ramp of 605Ah
+  none,        ///< Disable voltage: they coast
+};
+
 /// The bench without clock and network: takes what arrived, decides who may do what, steps the
 /// bank, and puts answers, events and images into the outbox. Belongs to one thread. Once warm it
 /// allocates nothing and takes no lock.
@@ -92,6 +99,18 @@ class BenchEngine {
 
   /// @return whether the command frame `sequence` of `session` has arrived.
   [[nodiscard]] bool has_arrived(std::uint64_t session, std::uint64_t sequence);
+
+  /// The bench ends: from the first call on only reads are answered, masters need not be heard, and
+  /// every step switches off what has come to rest. Writes the controlwords that brake the axes
+  /// that are still enabled; may be called again to brake harder.
+  void shut_down(Braking braking);
+
+  /// @return whether an axis is in any other state than Not ready to switch on, Switch on disabled
+  ///         and Fault.
+  [[nodiscard]] bool has_power() const noexcept;
+
+  /// @return whether no tick comes by itself: lock-step, or paused.
+  [[nodiscard]] bool time_stands() const noexcept;
 
   /// The session was heard now.
   void hear(std::uint64_t session);
@@ -167,11 +186,15 @@ class BenchEngine {
     std::shared_ptr<const AxisBank::Snapshot> state;
   };
 
-  [[nodiscard]] bool time_stands() const noexcept;
   [[nodiscard]] std::uint32_t take_snapshot(const msg::Request& request, msg::Reply& reply);
   [[nodiscard]] std::uint32_t restore_snapshot(const msg::Request& request, msg::Reply& reply);
   [[nodiscard]] std::uint32_t drop_snapshot(const msg::Request& request);
   void tell_snapshot(const msg::Request& request, std::uint32_t code, std::uint64_t number);
+
+  // the end: bench_shutdown.cpp
+  void stop_axis(std::size_t axis);
+  void switch_off_at_rest(std::size_t axis);
+  [[nodiscard]] bool stands(std::size_t axis) const noexcept;
 
   // shared
   [[nodiscard]] std::optional<std::size_t> index_of(std::uint16_t number) const noexcept;
@@ -217,6 +240,7 @@ class BenchEngine {
   std::vector<KeptSnapshot> snapshots_;  ///< by number
   std::uint64_t last_snapshot_ = 0;
   Journal* journal_ = nullptr;
+  std::optional<Braking> braking_;  ///< the bench ends
 };
 
 }  // namespace vdrive::service

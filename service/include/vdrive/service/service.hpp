@@ -46,7 +46,22 @@ class Service {
   ///         journal cannot be begun.
   void start();
 
-  /// Publishes that the bench is offline and ends every thread. Idempotent.
+  /// @return whether the first tick has run (in lock-step: whether steps are waited for) and its
+  ///         status has left.
+  [[nodiscard]] bool has_run() const noexcept;
+
+  /// @return whether ticks (paused and in lock-step: the answers to requests), status and reports
+  ///         have all gone on since the last call.
+  [[nodiscard]] bool is_alive() noexcept;
+
+  /// From here on commands are refused and the axes brake, see Shutdown. Idempotent.
+  void begin_shutdown() noexcept;
+
+  /// @return whether the axes have come to rest since `begin_shutdown`, or cannot: then `stop`.
+  [[nodiscard]] bool is_shut_down() const noexcept;
+
+  /// Takes the power from every axis at once, publishes that the bench is offline and ends every
+  /// thread. Idempotent.
   void stop() noexcept;
 
   /// @return the incarnation of an older service with the same bench number that was met after the

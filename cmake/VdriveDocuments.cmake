@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: Apache-2.0
+# Man pages and completions, made by the programs themselves at each build: they cannot lie.
+include(GNUInstallDirs)
+
+find_program(VDRIVE_HELP2MAN help2man DOC "Makes man pages of the programs' own help")
+set(documents ${PROJECT_BINARY_DIR}/documents)
+file(MAKE_DIRECTORY ${documents})
+
+# vdrive_man_page(<target> <section> <summary> <component>)
+function(vdrive_man_page target section summary component)
+  if(NOT VDRIVE_HELP2MAN)
+    return()
+  endif()
+  set(page ${documents}/${target}.${section})
+  add_custom_command(
+    OUTPUT ${page}
+    COMMAND
+      ${CMAKE_COMMAND} -D HELP2MAN=${VDRIVE_HELP2MAN} -D PROGRAM=$<TARGET_FILE:${target}> -D
+      PAGE=${page} -D SECTION=${section} -D SUMMARY=${summary} -P
+      ${PROJECT_SOURCE_DIR}/cmake/make_man_page.cmake
+    DEPENDS ${target} ${PROJECT_SOURCE_DIR}/cmake/make_man_page.cmake
+    COMMENT "Making the man page of ${target}"
+    VERBATIM)
+  add_custom_target(${target}_man_page ALL DEPENDS ${page})
+  if(VDRIVE_INSTALL)
+    install(FILES ${page} DESTINATION ${CMAKE_INSTALL_MANDIR}/man${section} COMPONENT ${component})
+  endif()
+endfunction()
+
+vdrive_man_page(vdrive 1 "commands virtual CiA 402 servo drives over DDS" tool)
+vdrive_man_page(vdrived 8 "a bench of virtual CiA 402 servo drives on DDS" service)
+
+set(completion ${documents}/vdrive.bash)
+add_custom_command(
+  OUTPUT ${completion}
+  COMMAND $<TARGET_FILE:vdrive> completion bash > ${completion}
+  DEPENDS vdrive
+  COMMENT "Making the completion of vdrive"
+  VERBATIM)
+add_custom_target(vdrive_completion ALL DEPENDS ${completion})
+if(VDRIVE_INSTALL)
+  install(
+    FILES ${completion}
+    DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
+    RENAME vdrive
+    COMPONENT tool)
+endif()

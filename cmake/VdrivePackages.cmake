@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: Apache-2.0
+# Debian packages by CPack, one a component; deploy/package.sh builds them.
+#
+#   vdrived         the service, its units, its first configuration
+#   vdrive          the tool, its completion, the scenarios
+#   libvdrive-dev   the client library: archives, headers, CMake package
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_CONTACT "vdrive maintainers <maintainers@vdrive.invalid>")
+set(CPACK_PACKAGE_DIRECTORY ${PROJECT_SOURCE_DIR}/build/packages)
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_COMPONENTS_ALL service tool development)
+set(CPACK_PRE_BUILD_SCRIPTS ${PROJECT_SOURCE_DIR}/cmake/finish_packages.cmake)
+
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+
+set(CPACK_DEBIAN_SERVICE_PACKAGE_NAME vdrived)
+set(CPACK_DEBIAN_SERVICE_PACKAGE_SECTION misc)
+set(CPACK_DEBIAN_SERVICE_DESCRIPTION "A service that hosts simulated servo axes: each behaves like a CiA 402 drive, with a motor,
+a load, servo loops and encoders behind it. Programs command and watch it over DDS.")
+set(CPACK_DEBIAN_SERVICE_PACKAGE_SUGGESTS vdrive)
+set(debian ${PROJECT_SOURCE_DIR}/deploy/debian)
+set(CPACK_DEBIAN_SERVICE_PACKAGE_CONTROL_EXTRA ${debian}/conffiles ${debian}/postinst
+                                               ${debian}/prerm ${debian}/postrm)
+
+set(CPACK_DEBIAN_TOOL_PACKAGE_NAME vdrive)
+set(CPACK_DEBIAN_TOOL_PACKAGE_SECTION misc)
+set(CPACK_DEBIAN_TOOL_DESCRIPTION "A tool that finds the drives of vdrived, commands them, reads and writes their objects, records
+what they do and runs scenarios.")
+
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libvdrive-dev)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "Static libraries, headers and the CMake package of vdrive::client and vdrive::core.")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
+    "libeigen3-dev (>= 3.4), libfastcdr-dev, libfastrtps-dev (>= 2.9)")
+
+include(CPack)

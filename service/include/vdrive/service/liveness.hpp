@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/service/counters.hpp"
+
+#include <cstdint>
+#include <vector>
+
+namespace vdrive::service {
+
+/// Looks whether everything that has to go on does: each thread counts what it has completed.
+class Liveness {
+ public:
+  /// @param beats one for each thread, outliving this object; none = nothing is alive
+  explicit Liveness(std::vector<const Counter*> beats);
+
+  /// @return whether every thread has completed something since the start.
+  [[nodiscard]] bool has_begun() const noexcept;
+
+  /// @return whether every thread has completed something since the last call.
+  [[nodiscard]] bool has_advanced() noexcept;
+
+ private:
+  struct Watched {
+    const Counter* beats = nullptr;
+    std::uint64_t seen = 0;
+  };
+
+  std::vector<Watched> watched_;
+};
+
+}  // namespace vdrive::service

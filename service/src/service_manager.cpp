@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "service_manager.hpp"
+
+#include <spdlog/spdlog.h>
+#include <systemd/sd-daemon.h>
+
+#include <system_error>
+
+namespace vdrive::service {
+namespace {
+
+/// The environment stays as it is: it is read again with each message.
+void tell(const std::string& state) noexcept {
+  if (const int result = sd_notify(0, state.c_str()); result < 0) {
+    spdlog::warn("NOTIFY_SOCKET: {}", std::generic_category().message(-result));
+  }
+}
+
+}  // namespace
+
+ServiceManager::ServiceManager() {
+  std::uint64_t interval_us = 0;
+  if (sd_watchdog_enabled(0, &interval_us) > 0) {
+    heartbeat_interval_.emplace(static_cast<std::int64_t>(interval_us / 2));
+  }
+}
+
+void ServiceManager::tell_ready(const std::string& status) const noexcept {
+  tell("READY=1\nSTATUS=" + status);
+}
+
+void ServiceManager::tell_alive() const noexcept {
+  tell("WATCHDOG=1");
+}
+
+void ServiceManager::tell_stopping() const noexcept {
+  tell("STOPPING=1\nSTATUS=the axes brake");
+}
+
+}  // namespace vdrive::service

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <string>
+
+namespace vdrive::service {
+
+/// What systemd is told about this process (sd_notify(3)); nothing happens where nobody listens.
+class ServiceManager {
+ public:
+  /// Reads NOTIFY_SOCKET, WATCHDOG_USEC and WATCHDOG_PID.
+  ServiceManager();
+
+  /// @return half of the time in which it wants to hear that all is well; nothing = never.
+  [[nodiscard]] std::optional<std::chrono::microseconds> heartbeat_interval() const noexcept {
+    return heartbeat_interval_;
+  }
+
+  /// @param status a line for people
+  void tell_ready(const std::string& status) const noexcept;
+  void tell_alive() const noexcept;
+  void tell_stopping() const noexcept;
+
+ private:
+  std::optional<std::chrono::microseconds> heartbeat_interval_;
+};
+
+}  // namespace vdrive::service

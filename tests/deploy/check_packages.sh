@@ -1,0 +1,123 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Builds the Debian packages and looks at them: what is in them, that the programs run from where
+# they are unpacked, that a stranger's program builds against the library, that the programs are
+# hardened, and that man pages and completion know what the programs know.
+#
+#   tests/deploy/check_packages.sh
+set -euo pipefail
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+fail() {
+  echo "check_packages: $*" >&2
+  exit 1
+}
+
+list=$("$root/deploy/package.sh")
+mapfile -t packages <<<"$list"
+((${#packages[@]} == 3)) || fail "expected three packages: ${packages[*]}"
+
+unpacked=$work/root
+for package in "${packages[@]}"; do
+  dpkg-deb --extract "$package" "$unpacked"
+done
+
+expected=(
+  etc/vdrive/vdrived.yaml
+  usr/bin/vdrive
+  usr/bin/vdrived
+  usr/include/vdrive/client/session.hpp
+  usr/include/vdrive/dictionary/dictionary.hpp
+  usr/lib/cmake/vdrive/vdriveConfig.cmake
+  usr/lib/libvdrive_client.a
+  usr/lib/libvdrive_core.a
+  usr/lib/libvdrive_wire.a
+  usr/lib/systemd/system/vdrived.service
+  usr/lib/systemd/system/vdrived@.service
+  usr/share/bash-completion/completions/vdrive
+  usr/share/doc/libvdrive-dev/copyright
+  usr/share/doc/vdrive/copyright
+  usr/share/doc/vdrived/copyright
+  usr/share/man/man1/vdrive.1.gz
+  usr/share/man/man8/vdrived.8.gz
+  usr/share/vdrive/realtime.conf
+  usr/share/vdrive/scenarios/absolute_forward.scn
+)
+for pattern in "${expected[@]}"; do
+  compgen -G "$unpacked/$pattern" >/dev/null || fail "$pattern is in no package"
+done
+[[ ! -e $unpacked/usr/etc ]] || fail "configuration below /usr"
+
+package_of() {
+  local package
+  for package in "${packages[@]}"; do
+    [[ $(dpkg-deb --field "$package" Package) == "$1" ]] && echo "$package" && return
+  done
+  fail "no package $1"
+}
+control() {
+  dpkg-deb --field "$(package_of "$1")" "$2"
+}
+[[ $(control vdrived Depends) == *libfastrtps* ]] || fail "vdrived depends on no DDS"
+[[ $(control libvdrive-dev Depends) == *libeigen3-dev* ]] || fail "libvdrive-dev needs Eigen"
+dpkg-deb --ctrl-tarfile "$(package_of vdrived)" | tar -xO ./conffiles |
+  grep -qx /etc/vdrive/vdrived.yaml || fail "the configuration would be overwritten"
+
+# The programs run.
+"$unpacked/usr/bin/vdrived" --check "$unpacked/etc/vdrive/vdrived.yaml" >"$work/check"
+"$unpacked/usr/bin/vdrived" --version | grep -q '^vdrived ' || fail "vdrived --version"
+"$unpacked/usr/bin/vdrive" --version | grep -q '^vdrive ' || fail "vdrive --version"
+
+# The units name what is there.
+for unit in vdrived.service vdrived@.service; do
+  program=$(sed -n 's/^ExecStart=\([^ ]*\).*/\1/p' "$unpacked/usr/lib/systemd/system/$unit")
+  [[ -x $unpacked$program ]] || fail "$unit starts $program, which is in no package"
+done
+grep -q '^ExecStart=.*--config /etc/vdrive/%i.yaml$' "$unpacked/usr/lib/systemd/system/vdrived@.service" ||
+  fail "each instance needs its own configuration"
+grep -q '^StateDirectory=vdrive-%i$' "$unpacked/usr/lib/systemd/system/vdrived@.service" ||
+  fail "each instance needs its own state"
+
+# Position independent, read-only relocations bound at the start, guarded stack, checked copies.
+for program in vdrive vdrived; do
+  file=$unpacked/usr/bin/$program
+  readelf --file-header "$file" | grep -q 'Type:.*DYN' || fail "$program: no PIE"
+  readelf --program-headers --wide "$file" | grep -q GNU_RELRO || fail "$program: no RELRO"
+  readelf --dynamic "$file" | grep -q BIND_NOW || fail "$program: not bound at the start"
+  symbols=$(readelf --dyn-syms --wide "$file")
+  grep -q __stack_chk_fail <<<"$symbols" || fail "$program: no stack protector"
+  grep -q '_chk@' <<<"$symbols" || fail "$program: no fortified functions"
+  readelf --program-headers --wide "$file" | grep GNU_STACK | grep -q RWE && fail "$program: executable stack"
+done
+
+# Man pages without a warning, with every word and option that the programs tell of.
+options_of() {
+  "$@" | grep -o -- '--[a-z][a-z-]*' | sort -u
+}
+for page in man1/vdrive.1.gz man8/vdrived.8.gz; do
+  text=$(LC_ALL=C.UTF-8 MANWIDTH=200 man --warnings --local-file "$unpacked/usr/share/man/$page" 2>"$work/warnings" | col -b)
+  [[ ! -s $work/warnings ]] || fail "$page: $(cat "$work/warnings")"
+  program=$unpacked/usr/bin/$(basename "${page%.?.gz}")
+  words=$("$program" --help | sed -n '/^Subcommands:/,/^$/s/^  \([a-z-]*\) .*/\1/p')
+  for word in $words; do
+    grep -qw -- "$word" <<<"$text" || fail "$page does not know $word"
+    for option in $(options_of "$program" "$word" --help); do
+      grep -q -- "$option" <<<"$text" || fail "$page does not know $option of $word"
+    done
+  done
+  for option in $(options_of "$program" --help); do
+    grep -q -- "$option" <<<"$text" || fail "$page does not know $option"
+  done
+done
+
+cmp --silent <("$unpacked/usr/bin/vdrive" completion bash) \
+  "$unpacked/usr/share/bash-completion/completions/vdrive" || fail "the completion is of another build"
+
+# A stranger's program.
+cmake -S "$root/tests/package/consumer" -B "$work/consumer" -G Ninja \
+  -DCMAKE_PREFIX_PATH="$unpacked/usr" >"$work/log" 2>&1 || fail "$(cat "$work/log")"
+cmake --build "$work/consumer" >"$work/log" 2>&1 || fail "$(cat "$work/log")"
+"$work/consumer/consumer" >"$work/log" || fail "the consumer failed"

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdrive/service/liveness.hpp"
+
+#include <gtest/gtest.h>
+
+namespace vdrive::test {
+namespace {
+
+using service::Counter;
+using service::Liveness;
+
+TEST(Liveness, HasBegunWhenEveryThreadHas) {
+  Counter ticks;
+  Counter status;
+  const Liveness liveness({&ticks, &status});
+  EXPECT_FALSE(liveness.has_begun());
+  ticks.add();
+  EXPECT_FALSE(liveness.has_begun());
+  status.add();
+  EXPECT_TRUE(liveness.has_begun());
+}
+
+TEST(Liveness, EndsWithTheFirstThreadThatStands) {
+  Counter ticks;
+  Counter status;
+  Liveness liveness({&ticks, &status});
+  ticks.add();
+  status.add();
+  EXPECT_TRUE(liveness.has_advanced());
+  ticks.add(1'000);
+  EXPECT_FALSE(liveness.has_advanced()) << "status stands";
+  status.add();
+  EXPECT_FALSE(liveness.has_advanced()) << "ticks stand";
+  ticks.add();
+  status.add();
+  EXPECT_TRUE(liveness.has_advanced()) << "both go on";
+}
+
+TEST(Liveness, OfNothingIsNoLife) {
+  Liveness liveness({});
+  EXPECT_FALSE(liveness.has_begun());
+  EXPECT_FALSE(liveness.has_advanced());
+}
+
+}  // namespace
+}  // namespace vdrive::test

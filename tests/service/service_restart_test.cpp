@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+// A thousand axes that are killed again and again: 20 times, with VDRIVE_NIGHTLY 200 times.
+#include "service/probe.hpp"
+#include "support/test_domain.hpp"
+#include "tool/process.hpp"
+
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstddef>
+#include <cstdlib>
+#include <filesystem>
+#include <iterator>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vdrive::test {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kAxes = 1'000;
+#ifdef NDEBUG
+constexpr std::chrono::milliseconds kFirstStatus = 1s;
+#else
+constexpr std::chrono::milliseconds kFirstStatus = 2s;  // a debug build steps and copies slowly
+#endif
+
+std::ptrdiff_t entries_of(const std::filesystem::path& directory) {
+  return std::distance(std::filesystem::directory_iterator(directory), {});
+}
+
+/// What a run leaves or takes.
+struct Resources {
+  std::ptrdiff_t shared_memory = 0;
+  std::ptrdiff_t files = 0;
+  std::ptrdiff_t threads = 0;
+  std::ptrdiff_t descriptors = 0;
+};
+
+class KilledService : public testing::Test {
+ protected:
+  KilledService()
+      : state_(std::filesystem::temp_directory_path() /
+               ("vdrive-restart-" + std::to_string(getpid()))) {
+    std::filesystem::create_directory(state_);
+    setenv("STATE_DIRECTORY", state_.c_str(), 1);
+  }
+
+  ~KilledService() override { std::filesystem::remove_all(state_); }
+
+  /// Starts the service and waits until every axis was seen. @return how long that took.
+  std::chrono::milliseconds start() {
+    probe_ = std::make_unique<Probe>(test_domain());
+    std::vector<bool> seen(kAxes);
+    const auto begin = Clock::now();
+    service_ = std::make_unique<Process>(
+        VDRIVE_SERVICE, std::vector<std::string>{"--axes", std::to_string(kAxes), "--log-level",
+                                                 "off", "--domain", std::to_string(test_domain())});
+    EXPECT_TRUE(probe_->wait_until([&] {
+      const auto& frame = probe_->seen_status();
+      if (frame) {
+        for (const auto& axis : frame->axes()) {
+          seen[axis.axis() - 1U] = true;
+          EXPECT_EQ(axis.ds402_statusword() & 0x4F, 0x40) << "Switch on disabled";
+        }
+      }
+      return std::ranges::all_of(seen, [](bool axis) {
+        return axis;
+      });
+    }));
+    return std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - begin);
+  }
+
+  /// With an axis enabled, to be found disabled the next time.
+  void kill() {
+    ASSERT_TRUE(probe_->find_bench());
+    const auto reply = probe_->write(1, 0x6040, 0x0F);
+    ASSERT_TRUE(reply);
+    EXPECT_EQ(reply->reason(), msg::REASON_NONE);
+    service_->send(SIGKILL);
+    EXPECT_EQ(service_->wait().code, -SIGKILL);
+  }
+
+  [[nodiscard]] Resources resources() const {
+    const std::filesystem::path process = "/proc/" + std::to_string(service_->id());
+    return {.shared_memory = entries_of("/dev/shm"),
+            .files = entries_of(state_),
+            .threads = entries_of(process / "task"),
+            .descriptors = entries_of(process / "fd")};
+  }
+
+ private:
+  std::filesystem::path state_;
+  std::unique_ptr<Process> service_;
+  std::unique_ptr<Probe> probe_;
+};
+
+TEST_F(KilledService, ComesBackWithinASecondWithDisabledAxesAndNothingPilesUp) {
+  const int rounds = std::getenv("VDRIVE_NIGHTLY") != nullptr ? 200 : 20;
+  std::optional<Resources> first;
+  for (int round = 0; round <= rounds; ++round) {
+    SCOPED_TRACE("round " + std::to_string(round));
+    EXPECT_LT(start(), kFirstStatus);
+    const Resources now = resources();
+    if (!first) first = now;
+    EXPECT_LE(now.shared_memory, first->shared_memory);
+    EXPECT_EQ(now.files, first->files);
+    EXPECT_EQ(now.threads, first->threads);
+    EXPECT_LE(now.descriptors, first->descriptors);
+    ASSERT_NO_FATAL_FAILURE(kill());
+  }
+}
+
+}  // namespace
+}  // namespace vdrive::test
