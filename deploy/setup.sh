@@ -20,6 +20,8 @@ packages=(
   libfastcdr-dev
   libfastrtps-dev
   libspdlog-dev
+  libssl-dev # checks of the security material; Fast DDS brings it too, like the next
+  libtinyxml2-dev
   libyaml-cpp-dev
   ninja-build
   nlohmann-json3-dev
@@ -30,6 +32,7 @@ test_packages=(
   clang-tidy
   cyclonedds-dev # a second vendor's DDS
   cyclonedds-tools
+  faketime # a clock that is ahead, for certificates that expire
   fastdds-tools # the discovery server of the network tests
   gcovr # coverage of core/
   iproute2 # hosts of the network tests
@@ -39,6 +42,7 @@ test_packages=(
   libgtest-dev
   librapidcheck-dev
   nftables # loss and blocked multicast in the network tests
+  openssl # makes the material of the closed mode
   python3 # the conformance and mutation checks, the list of the IDL's fields
   util-linux # chrt and setarch
 )

@@ -64,6 +64,7 @@ std::uint64_t SessionCore::last_sequence(const BenchKey& key) {
 
 Result<Observation> SessionCore::observe(const Target& target,
                                          std::span<const std::uint16_t> axes) {
+  if (!may_command()) return observe_published(target, axes);
   if (target.steps()) return step(target, 0, axes);
   if (target.is_paused) return read_status(target, axes);
   const auto feed = open_feed(target, {axes.begin(), axes.end()});
@@ -73,6 +74,13 @@ Result<Observation> SessionCore::observe(const Target& target,
     return Outcome::timed_out(name_of(target) + " sends no status stream");
   }
   return sample;
+}
+
+/// Also while time stands still a bench repeats its status for those who come.
+Result<Observation> SessionCore::observe_published(const Target& target,
+                                                   std::span<const std::uint16_t> axes) {
+  const auto feed = open_feed(target, {axes.begin(), axes.end()});
+  return next(target, *feed, {kFirstSample, true});
 }
 
 Result<Observation> SessionCore::read_status(const Target& target,
@@ -117,7 +125,7 @@ std::shared_ptr<StatusFeed> SessionCore::open_feed(const Target& target,
 }
 
 Result<std::uint64_t> SessionCore::present_tick(const Target& target) {
-  if (target.steps()) {
+  if (target.steps() && may_command()) {
     const auto shown = step(target, 0, {});
     if (!shown) return shown.outcome();
     return shown->tick;
