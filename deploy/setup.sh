@@ -22,7 +22,9 @@ packages=(
   libfastcdr-dev
   libfastrtps-dev
   libspdlog-dev
+  libssl-dev # checks of the security material; Fast DDS brings it too, like libtinyxml2-dev
   libsystemd-dev
+  libtinyxml2-dev
   libyaml-cpp-dev
   ninja-build
   nlohmann-json3-dev
@@ -36,6 +38,7 @@ test_packages=(
   clang-tidy
   cyclonedds-dev # a second vendor's DDS
   cyclonedds-tools
+  faketime # a clock that is ahead, for certificates that expire
   fastdds-tools # the discovery server of the network tests
   gcovr # coverage of core/
   iproute2 # hosts of the network tests
@@ -46,6 +49,7 @@ test_packages=(
   librapidcheck-dev
   man-db
   nftables # loss and blocked multicast in the network tests
+  openssl # makes the material of the closed mode
   python3 # the conformance and mutation checks, the list of the IDL's fields
   python3-seccomp # the sandbox of the systemd unit
   systemd # systemd-analyze

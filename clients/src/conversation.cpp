@@ -60,6 +60,7 @@ Outcome Conversation::listen() {
 
 Outcome Conversation::take_control() {
   if (Outcome heard = listen(); !heard) return heard;
+  if (!core_->may_command()) return not_permitted(target_);
   if (core_->is_paused(target_)) return Outcome::failed(paused_text(target_));
   return core_->acquire(target_, id_.axis, now_.owner_session == core_->id());
 }

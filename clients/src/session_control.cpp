@@ -72,6 +72,7 @@ Outcome refusal_of(const Target& target, const msg::Refusal& refusal, std::uint6
 }  // namespace
 
 Result<std::uint64_t> SessionCore::send_request(const Target& target, msg::Request request) {
+  if (!may_command()) return not_permitted(target);
   Lock lock(mutex_);
   const std::uint64_t number = ++last_request_;
   requests_.emplace(number, std::nullopt);
@@ -81,7 +82,7 @@ Result<std::uint64_t> SessionCore::send_request(const Target& target, msg::Reque
   request.bench(target.key.number);
   request.incarnation(target.key.incarnation);
   request.session(id_);
-  if (request_publication_.write(request)) return number;
+  if (request_publication_->write(request)) return number;
   lock.lock();
   requests_.erase(number);
   return Outcome::lost(name_of(target) + " takes no more requests");
@@ -254,7 +255,7 @@ Outcome SessionCore::release() {
     request.incarnation(holding.key.incarnation);
     request.session(id_);
     request.kind(msg::REQUEST_RELEASE);
-    const bool sent = request_publication_.write(request);
+    const bool sent = request_publication_->write(request);
     lock.lock();
     const bool answered = sent && changed_.wait_for(lock, kReleaseAnswer, [&] {
       return requests_.at(id).has_value();
@@ -298,7 +299,7 @@ Outcome SessionCore::send(const Target& target, std::span<const FrameContent> fr
     frame.valid_until_tick(content.apply_at_tick);
     frame.axes() = content.commands;
     sequences.push_back(sequence);
-    if (!command_publication_.write(frame)) {
+    if (!command_publication_->write(frame)) {
       return Outcome::lost(name_of(target) + " takes no more commands");
     }
   }
@@ -412,7 +413,7 @@ void SessionCore::send_keep_alive(std::uint32_t bench) {
   Lock lock(mutex_);
   const msg::CommandFrame frame = next_frame(holdings_.at(bench));
   lock.unlock();
-  (void)command_publication_.write(frame);  // what is not taken now is said again in 25 ms
+  (void)command_publication_->write(frame);  // what is not taken now is said again in 25 ms
 }
 
 }  // namespace vdrive::client

@@ -77,6 +77,25 @@ std::string restarted_text(const Target& target) {
   return name_of(target) + " restarted: another run of its service is there";
 }
 
+namespace {
+
+/// @return nothing when the permissions of this participant do not name the topic.
+template <typename Message>
+std::unique_ptr<wire::Publication<Message>> publication_if_permitted(
+    wire::Participant& participant) {
+  try {
+    return std::make_unique<wire::Publication<Message>>(participant);
+  } catch (const wire::NotPermitted&) {
+    return nullptr;
+  }
+}
+
+}  // namespace
+
+Outcome not_permitted(const Target& target) {
+  return Outcome::refused(kNotPermitted, name_of(target) + " was not asked");
+}
+
 SessionCore::SessionCore(const SessionOptions& options)
     : options_(checked(options)),
       id_(random_session()),
@@ -84,10 +103,11 @@ SessionCore::SessionCore(const SessionOptions& options)
                     .interfaces = options.interfaces,
                     .peers = options.peers,
                     .discovery_servers = options.discovery_servers,
-                    .shared_memory = false},
+                    .shared_memory = false,
+                    .security = options.security},
                    "vdrive client"),
-      request_publication_(participant_),
-      command_publication_(participant_),
+      request_publication_(publication_if_permitted<msg::Request>(participant_)),
+      command_publication_(publication_if_permitted<msg::CommandFrame>(participant_)),
       reply_subscription_(participant_,
                           [this](const msg::Reply& message, const wire::Source&) {
                             on_reply(message);
@@ -269,7 +289,8 @@ Result<Target> SessionCore::connect(std::uint32_t number) {
   const auto bench = find_bench(number);
   if (!bench) return bench.outcome();
   const Target target = target_of(*bench);
-  if (!request_publication_.wait_for_match(target.source, kMatch) ||
+  if (!may_command()) return target;  // sees what is published
+  if (!request_publication_->wait_for_match(target.source, kMatch) ||
       !reply_subscription_.wait_for_match(target.source, kMatch)) {
     return Outcome::lost(name_of(target) + " is there and cannot be asked: no match of requests");
   }
@@ -277,7 +298,8 @@ Result<Target> SessionCore::connect(std::uint32_t number) {
 }
 
 Outcome SessionCore::await_command_match(const Target& target) {
-  if (!command_publication_.wait_for_match(target.source, kMatch) ||
+  if (!may_command()) return not_permitted(target);
+  if (!command_publication_->wait_for_match(target.source, kMatch) ||
       !command_reply_subscription_.wait_for_match(target.source, kMatch)) {
     return Outcome::lost(name_of(target) + " is there and hears no commands: no match");
   }

@@ -54,6 +54,9 @@ struct Target {
 /// @return that the run of the service that was spoken to is gone, and another one is there.
 [[nodiscard]] std::string restarted_text(const Target& target);
 
+/// @return why nothing was sent by a session that may only look.
+[[nodiscard]] Outcome not_permitted(const Target& target);
+
 /// What one command frame carries.
 struct FrameContent {
   std::vector<msg::AxisCommand> commands;
@@ -114,7 +117,12 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   /// An axis by name among `benches`.
   Result<AxisInfo> find_name(std::string_view name, std::span<const PresentBench> benches) const;
 
-  /// Finds the bench and waits until it can hear requests and we its answers.
+  /// Whether this session's permissions let it ask benches for anything.
+  [[nodiscard]] bool may_command() const noexcept {
+    return request_publication_ != nullptr && command_publication_ != nullptr;
+  }
+
+  /// Finds the bench and waits until it can hear requests, if we may ask any, and we its answers.
   Result<Target> connect(std::uint32_t number);
 
   /// Asks and waits for the answer. Fills in who asks whom.
@@ -268,6 +276,7 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
                      const msg::Reply& reply);
   msg::CommandFrame next_frame(Holding& held) const;
   std::uint64_t last_sequence(const BenchKey& key);
+  Result<Observation> observe_published(const Target& target, std::span<const std::uint16_t> axes);
   Result<Observation> read_status(const Target& target, std::span<const std::uint16_t> axes);
   void subscribe_status();
 
@@ -300,8 +309,8 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   bool interrupted_ = false;
 
   wire::Participant participant_;
-  wire::Publication<msg::Request> request_publication_;
-  wire::Publication<msg::CommandFrame> command_publication_;
+  std::unique_ptr<wire::Publication<msg::Request>> request_publication_;  ///< none for a viewer
+  std::unique_ptr<wire::Publication<msg::CommandFrame>> command_publication_;  ///< the same
   wire::Subscription<msg::Reply> reply_subscription_;
   wire::Subscription<msg::CommandReply> command_reply_subscription_;
   wire::Subscription<msg::BenchState> state_subscription_;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <type_traits>
 #include <utility>
 
@@ -14,6 +15,9 @@ using std::chrono::milliseconds;
 
 // A running bench sends a sample of its status stream each tick; this allows for the match.
 constexpr milliseconds kFirstSample{1000};
+
+// Axis samples of a large bench take turns.
+constexpr SessionCore::Patience kFirstSampleOfAll{milliseconds(5000), true};
 
 /// An object of the status image, as a read answers it.
 struct StatusObject {
@@ -64,6 +68,7 @@ std::uint64_t SessionCore::last_sequence(const BenchKey& key) {
 
 Result<Observation> SessionCore::observe(const Target& target,
                                          std::span<const std::uint16_t> axes) {
+  if (!may_command()) return observe_published(target, axes);
   if (target.steps()) return step(target, 0, axes);
   if (target.is_paused) return read_status(target, axes);
   const auto feed = open_feed(target, {axes.begin(), axes.end()});
@@ -73,6 +78,33 @@ Result<Observation> SessionCore::observe(const Target& target,
     return Outcome::timed_out(name_of(target) + " sends no status stream");
   }
   return sample;
+}
+
+/// While time stands still a bench sends no status frames, but goes on with its axis samples.
+Result<Observation> SessionCore::observe_published(const Target& target,
+                                                   std::span<const std::uint16_t> axes) {
+  std::map<std::uint16_t, msg::AxisStatus> seen;
+  const wire::Subscription<msg::AxisStatus> samples(
+      participant_, [&](const msg::AxisStatus& message, const wire::Source& source) {
+        if (message.bench() != target.key.number || source != target.source) return;
+        const std::scoped_lock lock(mutex_);
+        seen.insert_or_assign(message.axis(), message);
+        changed_.notify_all();
+      });
+  Lock lock(mutex_);
+  const Outcome outcome = wait(lock, target, kFirstSampleOfAll, [&] {
+    return std::ranges::all_of(axes, [&](std::uint16_t axis) {
+      return seen.contains(axis);
+    });
+  });
+  if (!outcome) return outcome;
+  Observation observation;
+  for (const std::uint16_t axis : axes) {
+    observation.axes.push_back(snapshot_of(seen.at(axis)));
+    observation.tick = std::max(observation.tick, seen.at(axis).tick());
+  }
+  lock.unlock();  // the end of the subscription waits for its handler
+  return observation;
 }
 
 Result<Observation> SessionCore::read_status(const Target& target,
@@ -117,7 +149,7 @@ std::shared_ptr<StatusFeed> SessionCore::open_feed(const Target& target,
 }
 
 Result<std::uint64_t> SessionCore::present_tick(const Target& target) {
-  if (target.steps()) {
+  if (target.steps() && may_command()) {
     const auto shown = step(target, 0, {});
     if (!shown) return shown.outcome();
     return shown->tick;

@@ -40,8 +40,8 @@ constexpr std::array kDisturbances{
 };
 
 /// Global options that take a value.
-constexpr std::array<std::string_view, 5> kValuedOptions{"--domain", "--timeout", "--interface",
-                                                         "--peer", "--discovery-server"};
+constexpr std::array<std::string_view, 6> kValuedOptions{
+    "--domain", "--timeout", "--interface", "--peer", "--discovery-server", "--security"};
 
 struct AxisWordRow {
   AxisWord word;
@@ -141,6 +141,10 @@ class Grammar {
     add_network_option("--discovery-server", options_.discovery_servers,
                        "Ask a discovery server instead of multicast", "ADDRESS:PORT")
         ->check(check_server);
+    app_.add_option("--security", options_.security,
+                    "Closed mode: directory with certificate, key and permissions")
+        ->envname("VDRIVE_SECURITY")
+        ->type_name("DIR");
     app_.add_flag("--json", options_.json, "One JSON object a line on standard output");
     app_.set_version_flag("--version", "vdrive " VDRIVE_VERSION);
     add_watch(false);

@@ -16,6 +16,7 @@ struct GlobalOptions {
   std::vector<std::string> interfaces;         ///< own addresses in the networks to use
   std::vector<std::string> peers;              ///< addresses asked beside multicast
   std::vector<std::string> discovery_servers;  ///< such as 10.0.0.9:11811, instead of multicast
+  std::string security;                        ///< directory of the closed mode; empty = open
   bool json = false;
   std::optional<Duration> timeout;  ///< wall time to find a service, drive time of motion
 };

@@ -27,7 +27,7 @@ inline constexpr std::string_view kExamples =
   vdrive rate 0                            pause a realtime bench; rate 1 goes on
   vdrive run forward.scn --junit out.xml   a scenario, see 'vdrive run --help'
 
-Environment: VDRIVE_DOMAIN is the default of --domain; NO_COLOR switches colours off.
+Environment: VDRIVE_DOMAIN and VDRIVE_SECURITY are the defaults of --domain and --security; NO_COLOR switches colours off.
 Exit codes: 0 ok, 1 failed, 2 usage, 3 not found, 4 timed out, 5 refused, 130 interrupted.)";
 
 inline constexpr std::string_view kDisturbanceHelp =

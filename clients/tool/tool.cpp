@@ -27,6 +27,7 @@ client::SessionOptions session_options(const GlobalOptions& options) {
   session.interfaces = options.interfaces;
   session.peers = options.peers;
   session.discovery_servers = options.discovery_servers;
+  session.security = options.security;
   if (options.timeout) {
     session.find_timeout = std::chrono::ceil<std::chrono::milliseconds>(*options.timeout);
   }

@@ -3,6 +3,7 @@
 
 #include "message_types.hpp"
 #include "vdrive/wire/participant.hpp"
+#include "vdrive/wire/security.hpp"
 #include "vdrive/wire/source.hpp"
 #include "vdrive/wire/topics.hpp"
 
@@ -15,6 +16,7 @@
 #include <condition_variable>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,6 +28,7 @@ struct Participant::Entities {
   eprosima::fastdds::dds::DomainParticipant* participant = nullptr;
   eprosima::fastdds::dds::Publisher* publisher = nullptr;
   eprosima::fastdds::dds::Subscriber* subscriber = nullptr;
+  std::optional<Permissions> permissions;  ///< of a closed participant
 
   /// @return the topic `name` (without prefix) with the type `type`, made at its first use.
   /// @throws NetworkError

@@ -3,6 +3,7 @@
 
 #include "entities.hpp"
 #include "vdrive/wire/address.hpp"
+#include "vdrive/wire/security.hpp"
 
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/domain/qos/DomainParticipantQos.hpp>
@@ -17,6 +18,7 @@
 #include <fastrtps/xmlparser/XMLProfileManager.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <memory>
 #include <mutex>
@@ -142,6 +144,25 @@ void add_discovery_servers(const NetworkSettings& settings, dds::DomainParticipa
   }
 }
 
+/// The built-in plugins of DDS Security. The files have been checked before.
+void add_security(const std::filesystem::path& directory, dds::DomainParticipantQos& qos) {
+  auto& properties = qos.properties().properties();
+  const auto name_file = [&](const char* property, std::string_view file) {
+    properties.emplace_back(property,
+                            "file://" + std::filesystem::absolute(directory / file).string());
+  };
+  properties.emplace_back("dds.sec.auth.plugin", "builtin.PKI-DH");
+  name_file("dds.sec.auth.builtin.PKI-DH.identity_ca", SecurityFile::kIdentityCa);
+  name_file("dds.sec.auth.builtin.PKI-DH.identity_certificate", SecurityFile::kCertificate);
+  name_file("dds.sec.auth.builtin.PKI-DH.private_key", SecurityFile::kPrivateKey);
+  properties.emplace_back("dds.sec.access.plugin", "builtin.Access-Permissions");
+  name_file("dds.sec.access.builtin.Access-Permissions.permissions_ca",
+            SecurityFile::kPermissionsCa);
+  name_file("dds.sec.access.builtin.Access-Permissions.governance", SecurityFile::kGovernance);
+  name_file("dds.sec.access.builtin.Access-Permissions.permissions", SecurityFile::kPermissions);
+  properties.emplace_back("dds.sec.crypto.plugin", "builtin.AES-GCM-GMAC");
+}
+
 dds::DomainParticipantQos participant_qos(const NetworkSettings& settings,
                                           const std::string& name) {
   dds::DomainParticipantQos qos;
@@ -159,6 +180,9 @@ dds::DomainParticipantQos participant_qos(const NetworkSettings& settings,
   discovery.initial_announcements.period = {0, 50'000'000};
   add_peers(settings, qos);
   add_discovery_servers(settings, qos);
+  if (!settings.security.empty()) {
+    add_security(settings.security, qos);
+  }
   return qos;
 }
 
@@ -181,13 +205,21 @@ Participant::Participant(const NetworkSettings& settings, const std::string& nam
     throw NetworkError("DDS domain " + std::to_string(settings.domain) +
                        " is above the highest domain " + std::to_string(kHighestDomain));
   }
+  if (!settings.security.empty()) {
+    if (!settings.discovery_servers.empty()) {
+      throw NetworkError("network security: does not go with a discovery server; name peers");
+    }
+    entities_->permissions = check_security(settings.security, settings.domain);
+  }
   deliver_through_the_transport();
   auto* const factory = dds::DomainParticipantFactory::get_instance();
   entities_->participant =
       factory->create_participant(settings.domain, participant_qos(settings, name));
   if (entities_->participant == nullptr) {
     throw NetworkError("DDS refuses a participant in domain " + std::to_string(settings.domain) +
-                       ": is the network interface up, and the port range free?");
+                       (settings.security.empty()
+                            ? ": is the network interface up, and the port range free?"
+                            : ": is the security material in " + settings.security + " whole?"));
   }
   entities_->publisher = entities_->participant->create_publisher(dds::PUBLISHER_QOS_DEFAULT);
   entities_->subscriber = entities_->participant->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT);
@@ -201,6 +233,10 @@ Participant::Participant(const NetworkSettings& settings, const std::string& nam
 Participant::~Participant() {
   entities_->participant->delete_contained_entities();
   dds::DomainParticipantFactory::get_instance()->delete_participant(entities_->participant);
+}
+
+Source Participant::source() const noexcept {
+  return source_of(rtps::InstanceHandle_t(entities_->participant->guid()));
 }
 
 }  // namespace vdrive::wire

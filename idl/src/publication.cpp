@@ -29,12 +29,16 @@ template <typename Message>
 Publication<Message>::Publication(Participant& participant)
     : entities_(std::make_unique<Entities>()) {
   auto& parent = participant.entities();
+  const std::string topic = std::string(kTopicPrefix) + std::string(Topic<Message>::kName);
+  if (parent.permissions && !parent.permissions->may_publish(topic)) {
+    throw NotPermitted("the permissions of this identity do not allow to publish " + topic);
+  }
   entities_->publisher = parent.publisher;
   entities_->writer = parent.publisher->create_datawriter(
       parent.topic_of<Message>(), writer_qos(quality_of(Topic<Message>::kName)), entities_.get(),
       dds::StatusMask::publication_matched());
   if (entities_->writer == nullptr) {
-    throw NetworkError("DDS refuses a writer on topic " + std::string(Topic<Message>::kName));
+    throw NetworkError("DDS refuses a writer on topic " + topic);
   }
 }
 

@@ -79,7 +79,8 @@ Subscription<Message>::Subscription(Participant& participant, Handler handler,
   entities_->reader = parent.subscriber->create_datareader(
       parent.topic_of<Message>(), reader_qos(quality_of(Topic<Message>::kName)), entities_.get());
   if (entities_->reader == nullptr) {
-    throw NetworkError("DDS refuses a reader on topic " + std::string(Topic<Message>::kName));
+    throw NetworkError("DDS refuses a reader on topic " + std::string(Topic<Message>::kName) +
+                       (parent.permissions ? ": do the permissions allow to subscribe?" : ""));
   }
 }
 

@@ -7,6 +7,7 @@
 #include "vdrive/service/journal.hpp"
 #include "vdrive/service/replay.hpp"
 #include "vdrive/service/service.hpp"
+#include "vdrive/wire/security.hpp"
 
 #include <CLI/CLI.hpp>
 #include <spdlog/sinks/stdout_color_sinks.h>
@@ -47,6 +48,7 @@ struct Arguments {
   std::optional<std::uint32_t> bench;
   std::optional<std::size_t> axes;
   std::optional<std::uint32_t> domain;
+  std::optional<std::string> security;
   std::optional<double> rate;
   std::optional<std::uint32_t> threads;
   std::optional<std::uint16_t> metrics;
@@ -73,6 +75,10 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--domain", arguments.domain, "DDS domain, 0 to 232")
       ->envname("VDRIVE_DOMAIN")
       ->type_name("N");
+  app.add_option("--security", arguments.security,
+                 "Closed mode: directory with certificate, key and permissions")
+      ->envname("VDRIVE_SECURITY")
+      ->type_name("DIR");
   app.add_option("--threads", arguments.threads, "Threads that step the axes, 1 to 64")
       ->type_name("N");
   app.add_option("--metrics", arguments.metrics,
@@ -115,6 +121,7 @@ void override(Configuration& configuration, const Arguments& arguments) {
   }
   configuration.bench = arguments.bench.value_or(configuration.bench);
   configuration.network.domain = arguments.domain.value_or(configuration.network.domain);
+  configuration.network.security = arguments.security.value_or(configuration.network.security);
   if (arguments.rate && configuration.clock == ClockMode::freerun) {
     throw ConfigurationError("--rate has no meaning with the clock freerun");
   }
@@ -211,7 +218,10 @@ int carry_out(const Arguments& arguments) {
     return replay_journal(arguments);
   }
   if (arguments.check) {
-    static_cast<void>(load_configuration(*arguments.check));
+    const wire::NetworkSettings network = load_configuration(*arguments.check).network;
+    if (!network.security.empty()) {
+      static_cast<void>(wire::check_security(network.security, network.domain));
+    }
     std::cout << *arguments.check << ": good\n";
     return kDone;
   }

@@ -226,7 +226,7 @@ std::vector<std::string> read_servers(const YamlValue& value) {
 
 void read_network(const YamlValue& value, wire::NetworkSettings& network) {
   value.for_each_entry(
-      {"domain", "interfaces", "peers", "discovery_server", "shared_memory"},
+      {"domain", "interfaces", "peers", "discovery_server", "shared_memory", "security"},
       [&](const auto& key, const YamlValue& entry) {
         if (key == "domain") {
           network.domain = static_cast<std::uint32_t>(entry.integer({0, kHighestDomain, ""}));
@@ -236,6 +236,8 @@ void read_network(const YamlValue& value, wire::NetworkSettings& network) {
           network.peers = read_addresses(entry);
         } else if (key == "discovery_server") {
           network.discovery_servers = read_servers(entry);
+        } else if (key == "security") {
+          network.security = entry.text();
         } else {
           network.shared_memory = entry.boolean();
         }
@@ -485,7 +487,9 @@ void write_network(YAML::Emitter& out, const wire::NetworkSettings& network) {
   out << YAML::Key << "interfaces" << YAML::Value << YAML::Flow << network.interfaces;
   out << YAML::Key << "peers" << YAML::Value << YAML::Flow << network.peers;
   out << YAML::Key << "discovery_server" << YAML::Value << YAML::Flow << network.discovery_servers;
-  out << YAML::Key << "shared_memory" << YAML::Value << network.shared_memory << YAML::EndMap;
+  out << YAML::Key << "shared_memory" << YAML::Value << network.shared_memory;
+  out << YAML::Key << "security" << YAML::Value << YAML::DoubleQuoted << network.security
+      << YAML::EndMap;
 }
 
 }  // namespace

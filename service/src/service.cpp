@@ -2,6 +2,7 @@
 #include "vdrive/service/service.hpp"
 
 #include "bench_guard.hpp"
+#include "closed_check.hpp"
 #include "doorbell.hpp"
 #include "lockstep_driver.hpp"
 #include "metrics.hpp"
@@ -79,6 +80,9 @@ class Service::Threads {
   Threads& operator=(const Threads&) = delete;
 
   void start() {
+    if (!configuration_.network.security.empty()) {
+      check_closed(participant_, configuration_.network);
+    }
     timer_.wait_until(listening_since_ + BenchGuard::kListening);
     if (const auto older = guard_.conflict()) {
       throw BenchNumberTaken("bench " + std::to_string(identity_.bench) +
@@ -103,10 +107,12 @@ class Service::Threads {
         start_freerun();
         break;
     }
-    spdlog::info("bench={} name={} axes={} clock={} period_us={} domain={} incarnation={}",
+    spdlog::info("bench={} name={} axes={} clock={} period_us={} domain={} {} incarnation={}",
                  identity_.bench, configuration_.name, configuration_.axes.size(),
                  to_string(configuration_.clock), configuration_.period.count(),
-                 configuration_.network.domain, identity_.incarnation);
+                 configuration_.network.domain,
+                 configuration_.network.security.empty() ? "open" : "closed",
+                 identity_.incarnation);
   }
 
   void begin_shutdown() noexcept { shutdown_.begin(); }

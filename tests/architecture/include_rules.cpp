@@ -45,6 +45,7 @@ constexpr std::array kPrefixes{
     PrefixRow{"fastdds/", Origin::dds},
     PrefixRow{"fastrtps/", Origin::dds},
     PrefixRow{"fastcdr/", Origin::dds},
+    PrefixRow{"openssl/", Origin::dds},  // the cryptography of DDS Security
     PrefixRow{"dds/", Origin::dds},
     PrefixRow{"ddsc/", Origin::dds},
     PrefixRow{"core/", Origin::elsewhere},

@@ -33,7 +33,7 @@ class Process {
 
   void send(int signal) const;
 
-  [[nodiscard]] pid_t id() const { return child_; }
+  [[nodiscard]] pid_t id() const noexcept { return child_; }
 
   /// Reads a line of its output. @return an empty string at the end.
   std::string read_line();

@@ -19,6 +19,9 @@ enum class OutcomeKind : std::uint8_t {
   failed,     ///< accepted, but ended by a fault, a lost enable or an interrupt
 };
 
+/// Code of a refusal by this program's own permissions (closed mode): no bench was asked.
+inline constexpr std::uint32_t kNotPermitted = 1000;
+
 /// @return the kind as one word, such as "timed_out".
 [[nodiscard]] std::string_view to_string(OutcomeKind kind) noexcept;
 

@@ -36,6 +36,7 @@ struct SessionOptions {
   std::vector<std::string> peers;  ///< addresses of hosts asked for benches beside multicast
   std::vector<std::string>
       discovery_servers;               ///< such as "10.0.0.9:11811", instead of multicast and peers
+  std::string security;                ///< directory of the closed mode's material; empty = open
   std::optional<std::uint32_t> bench;  ///< see this bench only
   KeepAlive keep_alive = KeepAlive::own_thread;
   std::chrono::milliseconds find_timeout{2000};  ///< wall time that finding a service may take
@@ -100,11 +101,14 @@ class Follower {
 /// wait step the clock themselves; while the session has joined the clock (StepClock) they grant
 /// their ticks and wait for the other steppers, up to 10 s of wall time for the next tick.
 ///
+/// In the closed mode the identity may be a viewer's: then what is published can be seen, and every
+/// call that would have to ask a bench for something is refused with kNotPermitted.
+///
 /// Calls may come from several threads; those that step one lock-step bench from one at a time.
 class Session {
  public:
-  /// @throws std::runtime_error when the domain or `silence` is out of range or DDS cannot be set
-  ///         up.
+  /// @throws std::runtime_error when the domain or `silence` is out of range, the security material
+  ///         is not in order, or DDS cannot be set up.
   explicit Session(const SessionOptions& options = {});
   ~Session();
   Session(const Session&) = delete;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/wire/source.hpp"
+
 #include <cstdint>
 #include <memory>
 #include <stdexcept>
@@ -19,6 +21,7 @@ struct NetworkSettings {
   std::vector<std::string>
       discovery_servers{};     ///< such as 10.0.0.9:11811, instead of multicast; first = id 0
   bool shared_memory = false;  ///< opt-in: killed processes leave segments behind
+  std::string security{};      ///< directory of the closed mode's material; empty = open
 };
 
 /// DDS could not be set up; the message names the entity and the setting.
@@ -27,15 +30,25 @@ class NetworkError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// The permissions of this participant's identity do not include what was asked for.
+class NotPermitted : public NetworkError {
+ public:
+  using NetworkError::NetworkError;
+};
+
 /// A DDS domain participant: lease 2 s, no type objects on the wire. Owns everything below it; must
 /// outlive its publications and subscriptions.
 class Participant {
  public:
-  /// @throws NetworkError when the domain is out of range or DDS refuses the participant.
+  /// @throws NetworkError when the domain is out of range, the security material is not in order,
+  ///         or DDS refuses the participant.
   Participant(const NetworkSettings& settings, const std::string& name);
   ~Participant();
   Participant(const Participant&) = delete;
   Participant& operator=(const Participant&) = delete;
+
+  /// @return what its messages show as their source.
+  [[nodiscard]] Source source() const noexcept;
 
   struct Entities;  ///< DDS objects, known inside the wire room only
 

@@ -15,7 +15,8 @@ namespace vdrive::wire {
 template <typename Message>
 class Publication {
  public:
-  /// @throws NetworkError when DDS refuses topic, publisher or writer.
+  /// @throws NotPermitted when the permissions of a closed participant do not name the topic;
+  ///         NetworkError when DDS refuses topic, publisher or writer.
   explicit Publication(Participant& participant);
   ~Publication();
   Publication(const Publication&) = delete;

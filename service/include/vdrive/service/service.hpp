@@ -41,9 +41,11 @@ class Service {
   Service(const Service&) = delete;
   Service& operator=(const Service&) = delete;
 
-  /// Listens for 300 ms, then announces the bench and runs it.
-  /// @throws BenchNumberTaken when an older service has the number; std::system_error when the
-  ///         journal cannot be begun.
+  /// Listens for 300 ms, then announces the bench and runs it. With security material it first
+  /// proves that strangers do not find it.
+  /// @throws BenchNumberTaken when an older service has the number; wire::NetworkError when the
+  ///         bench would be open in spite of its material; std::system_error when the journal
+  ///         cannot be begun.
   void start();
 
   /// @return whether the first tick has run (in lock-step: whether steps are waited for) and its

@@ -1,0 +1,114 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Makes the security directory of one member of a closed network: certificate, key, permissions.
+#
+#   deploy/security/make_member.sh DIR ROLE NAME [--days N] [--from TIME] [--to TIME]
+#
+#   DIR       directory of make_authority.sh; the member gets DIR/members/NAME
+#   ROLE      service     vdrived: serves benches
+#             controller  clients that command: vdrive, vdrive::client
+#             viewer      clients that see everything and command nothing
+#   NAME      letters, digits, '.', '_' and '-'
+#   --days N  life of certificate and permissions from now on, default 365
+#   --from T, --to T   the same as instants in UTC, such as 2026-01-31T00:00:00
+#
+# The directory is what `vdrived --security` and `vdrive --security` take; move it to its host, the
+# authority stays. A member that is there is not made again: remove its directory first.
+set -euo pipefail
+umask 077
+
+usage="usage: make_member.sh DIR ROLE NAME [--days N] [--from TIME] [--to TIME]"
+fail() {
+  echo "make_member: $*" >&2
+  exit 1
+}
+
+words=()
+days=365
+from=
+to=
+while (($#)); do
+  case $1 in
+    --days | --from | --to)
+      (($# > 1)) || fail "$1 needs a value"
+      declare "${1#--}=$2"
+      shift
+      ;;
+    -*) fail "unknown option '$1'; $usage" ;;
+    *) words+=("$1") ;;
+  esac
+  shift
+done
+((${#words[@]} == 3)) || fail "$usage"
+directory=${words[0]} role=${words[1]} name=${words[2]}
+[[ $role =~ ^(service|controller|viewer)$ ]] ||
+  fail "role '$role': must be service, controller or viewer"
+[[ $name =~ ^[A-Za-z0-9][A-Za-z0-9._-]{0,62}$ ]] ||
+  fail "name '$name': must be 1 to 63 letters, digits, '.', '_' or '-'"
+[[ $days =~ ^[1-9][0-9]{0,4}$ ]] || fail "--days '$days': must be from 1 to 99999"
+instant='^[0-9]{4}-[0-9]{2}-[0-9]{2}T[0-9]{2}:[0-9]{2}:[0-9]{2}$'
+from=${from:-$(date --utc +%FT%T)}
+to=${to:-$(date --utc --date "+$days days" +%FT%T)}
+[[ $from =~ $instant ]] || fail "--from '$from': must be such as 2026-01-31T00:00:00"
+[[ $to =~ $instant ]] || fail "--to '$to': must be such as 2026-01-31T00:00:00"
+[[ -r $directory/identity_ca_key.pem && -r $directory/permissions_ca_key.pem ]] ||
+  fail "$directory has no authority that you can use; make_authority.sh makes one"
+
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+directory=$(cd "$directory" && pwd)
+member=$directory/members/$name
+[[ ! -e $member ]] || fail "$member is there; to make it anew remove it first"
+mkdir -p "$directory/members"
+work=$(mktemp --directory "$directory/members/.$name.XXXXXX")
+trap 'rm -rf "$work"' EXIT
+
+run() {
+  "$@" 2>"$work/log" || fail "$1: $(cat "$work/log")"
+}
+
+# `openssl ca` because it alone takes a begin and an end.
+cat >"$work/ca.conf" <<END
+[ca]
+default_ca = identity
+[identity]
+database = $work/issued
+new_certs_dir = $work
+rand_serial = yes
+default_md = sha256
+policy = any
+x509_extensions = leaf
+unique_subject = no
+email_in_dn = no
+[any]
+organizationName = supplied
+organizationalUnitName = supplied
+commonName = supplied
+[leaf]
+basicConstraints = critical,CA:FALSE
+keyUsage = critical,digitalSignature
+END
+: >"$work/issued"
+run openssl req -new -newkey ec -pkeyopt ec_paramgen_curve:prime256v1 -noenc \
+  -subj "/O=vdrive/OU=$role/CN=$name" -keyout "$work/private_key.pem" -out "$work/request.pem"
+compact() { # 2026-01-31T00:00:00 -> 20260131000000Z
+  local digits=${1//[-:T]/}
+  echo "${digits}Z"
+}
+run openssl ca -batch -notext -config "$work/ca.conf" -cert "$directory/identity_ca.pem" \
+  -keyfile "$directory/identity_ca_key.pem" -startdate "$(compact "$from")" \
+  -enddate "$(compact "$to")" -in "$work/request.pem" -out "$work/certificate.pem"
+subject=$(openssl x509 -in "$work/certificate.pem" -noout -subject -nameopt RFC2253)
+
+sed -e "s|@SUBJECT@|${subject#subject=}|; s|@NAME@|$name|" -e "s|@FROM@|$from|; s|@TO@|$to|" \
+  "$here/permissions_$role.xml" >"$work/permissions.xml"
+run openssl smime -sign -in "$work/permissions.xml" -text -out "$work/permissions.smime" \
+  -signer "$directory/permissions_ca.pem" -inkey "$directory/permissions_ca_key.pem"
+
+finished=$work/member
+mkdir "$finished"
+mv "$work"/{certificate.pem,private_key.pem,permissions.smime} "$finished"
+cp "$directory"/{identity_ca.pem,permissions_ca.pem,governance.smime} "$finished"
+chmod 644 "$finished"/*
+chmod 600 "$finished/private_key.pem"
+mv --no-target-directory "$finished" "$member"
+echo "make_member: made $member, ${subject#subject=}, valid from $from to $to" >&2

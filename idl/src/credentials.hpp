@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace vdrive::wire {
+
+/// Checks that certificate and key are a pair, that the CA issued the certificate, and that both
+/// are valid now.
+/// @return the certificate's subject, as permissions name it (RFC 2253)
+/// @throws NetworkError
+[[nodiscard]] std::string check_identity(const std::filesystem::path& ca,
+                                         const std::filesystem::path& certificate,
+                                         const std::filesystem::path& private_key);
+
+/// Checks that `ca` itself signed `document` (S/MIME) and is valid now. @return the document's
+/// text.
+/// @throws NetworkError
+[[nodiscard]] std::string verified_text(const std::filesystem::path& ca,
+                                        const std::filesystem::path& document);
+
+}  // namespace vdrive::wire

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "closed_check.hpp"
+
+#include "vdrive/wire/publication.hpp"
+#include "vdrive/wire/subscription.hpp"
+#include "vdrive_messages.h"
+
+#include <string>
+
+namespace vdrive::service {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// Authentication takes some 40 ms, on a busy machine more.
+constexpr std::chrono::milliseconds kLongestMatch = 5s;
+/// How long a stranger goes on trying after a member has matched, which it began before the member.
+constexpr std::chrono::milliseconds kLeeway = 100ms;
+
+/// Somebody who hears and says what benches say of themselves.
+class Visitor {
+ public:
+  Visitor(const wire::NetworkSettings& settings, const std::string& name)
+      : participant_(settings, name),
+        states_(participant_, [](const msg::BenchState&, const wire::Source&) {}),
+        own_states_(participant_) {}
+
+  /// @return whether it hears `other`.
+  [[nodiscard]] bool hears(const wire::Source& other, std::chrono::milliseconds patience) {
+    return states_.wait_for_match(other, patience);
+  }
+
+  /// @return whether `other` hears it.
+  [[nodiscard]] bool is_heard_by(const wire::Source& other, std::chrono::milliseconds patience) {
+    return own_states_.wait_for_match(other, patience);
+  }
+
+ private:
+  wire::Participant participant_;
+  wire::Subscription<msg::BenchState> states_;
+  wire::Publication<msg::BenchState> own_states_;
+};
+
+wire::NetworkSettings without_material(wire::NetworkSettings settings) {
+  settings.security.clear();
+  return settings;
+}
+
+}  // namespace
+
+void check_closed(wire::Participant& participant, const wire::NetworkSettings& settings) {
+  const wire::Source bench = participant.source();
+  Visitor stranger(without_material(settings), "vdrived self-test: stranger");
+  Visitor member(settings, "vdrived self-test: member");
+  if (!member.hears(bench, kLongestMatch) || !member.is_heard_by(bench, kLongestMatch)) {
+    throw wire::NetworkError(
+        "network security: self-test: a participant with the material of this service does not "
+        "find it; do its permissions allow it all topics of a service?");
+  }
+  if (stranger.hears(bench, kLeeway) || stranger.is_heard_by(bench, 0ms)) {
+    throw wire::NetworkError(
+        "network security: self-test: a participant without material finds this service: the "
+        "bench is open. Does the library of this machine have DDS Security?");
+  }
+}
+
+}  // namespace vdrive::service

@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: Apache-2.0
+// Programs that send whatever they like: the service's memory stays bounded, and it serves others.
+#include "service/probe.hpp"
+#include "support/test_domain.hpp"
+#include "tool/process.hpp"
+#include "vdrive/wire/participant.hpp"
+#include "vdrive/wire/publication.hpp"
+#include "vdrive_messages.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <fstream>
+#include <functional>
+#include <optional>
+#include <random>
+#include <sstream>
+#include <string>
+
+namespace vdrive::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// The queues keep the room that their largest messages took: 1,024 arrivals and 1,024 waiting
+/// frames of at most 256 axes with some 300 bytes each are 160 MB, the readers' histories of 1,024
+/// samples of at most 75 kB the same again.
+constexpr std::size_t kMostMemory = 512U * 1024U;  // [kB]
+/// What a second flood of the same kind may add to the first.
+constexpr std::size_t kLeeway = 16U * 1024U;  // [kB]
+
+/// A program that sends and reads nothing.
+class Flooder {
+ public:
+  Flooder()
+      : participant_({.domain = test_domain()}, "flooder"),
+        requests_(participant_),
+        frames_(participant_) {}
+
+  [[nodiscard]] bool is_heard() {
+    return requests_.wait_for_matched(1, 10s) && frames_.wait_for_matched(1, 10s);
+  }
+
+  // A message that is not taken has waited until the service had room, which is its right.
+  void send(const msg::Request& request) { static_cast<void>(requests_.write(request)); }
+
+  void send(const msg::CommandFrame& frame) { static_cast<void>(frames_.write(frame)); }
+
+  [[nodiscard]] std::uint64_t random() { return random_(); }
+
+  [[nodiscard]] msg::Request request(std::uint32_t kind) {
+    msg::Request request;
+    request.kind(kind);
+    request.client(random() | 1U);
+    request.session(random() | 1U);
+    request.request_id(random());
+    request.bench(1);
+    return request;
+  }
+
+  [[nodiscard]] msg::CommandFrame frame() {
+    msg::CommandFrame frame;
+    frame.bench(1);
+    frame.session(random() | 1U);
+    frame.sequence_number(random());
+    frame.flags(msg::FRAME_WANT_REPLY);
+    return frame;
+  }
+
+ private:
+  wire::Participant participant_;
+  wire::Publication<msg::Request> requests_;
+  wire::Publication<msg::CommandFrame> frames_;
+  std::mt19937_64 random_{1};
+};
+
+msg::ObjectAccess statusword() {
+  msg::ObjectAccess access;
+  access.axis(1);
+  access.index(0x6041);
+  return access;
+}
+
+void fill(msg::CommandFrame& frame, std::size_t axes, std::size_t objects) {
+  msg::ObjectValue value;
+  value.index(0x6081);
+  value.value(1);
+  msg::AxisCommand command;
+  command.objects().assign(objects, value);
+  for (std::size_t axis = 1; axis <= axes; ++axis) {
+    command.axis(static_cast<std::uint16_t>(axis));
+    frame.axes().push_back(command);
+  }
+}
+
+struct Flood {
+  const char* name;
+  const char* clock;
+  std::function<void(Flooder&, Probe&)> send;
+};
+
+std::vector<Flood> floods() {
+  return {
+      {"SessionsThatAcquire", "realtime",
+       [](Flooder& flooder, Probe&) {
+         for (int count = 0; count < 3'000; ++count) {
+           auto request = flooder.request(msg::REQUEST_TAKE_OVER);
+           request.axes().push_back(1);
+           flooder.send(request);
+         }
+       }},
+      {"RequestsWhoseAnswersNobodyReads", "realtime",
+       [](Flooder& flooder, Probe&) {
+         auto request = flooder.request(msg::REQUEST_READ);
+         request.objects().assign(msg::MAX_OBJECTS_PER_REQUEST, statusword());
+         for (int count = 0; count < 3'000; ++count) {
+           flooder.send(request);
+         }
+       }},
+      {"LargestFramesOfUnknownSessions", "realtime",
+       [](Flooder& flooder, Probe&) {
+         auto frame = flooder.frame();
+         fill(frame, msg::MAX_AXES_PER_FRAME, msg::MAX_OBJECTS_PER_AXIS);
+         for (int count = 0; count < 1'500; ++count) {
+           frame.session(flooder.random() | 1U);
+           flooder.send(frame);
+         }
+       }},
+      {"FramesForLaterTicks", "lockstep",
+       [](Flooder&, Probe& probe) {
+         ASSERT_TRUE(probe.acquire({1}));
+         for (int count = 0; count < 1'500; ++count) {
+           auto frame = probe.make_frame();
+           fill(frame, 1, msg::MAX_OBJECTS_PER_AXIS);
+           frame.apply_at_tick(9'000);
+           frame.valid_until_tick(9'000);
+           probe.send(frame);
+         }
+       }},
+      {"MessagesBeyondEveryBound", "realtime",
+       [](Flooder& flooder, Probe&) {
+         auto request = flooder.request(msg::REQUEST_READ);
+         request.objects().assign(20'000, statusword());
+         auto frame = flooder.frame();
+         fill(frame, 2'000, 20);
+         for (int count = 0; count < 20; ++count) {
+           flooder.send(request);
+           flooder.send(frame);
+         }
+       }},
+      {"SteppersOfALockStepBench", "lockstep",
+       [](Flooder& flooder, Probe&) {
+         for (int count = 0; count < 2'000; ++count) {
+           flooder.send(flooder.request(msg::REQUEST_JOIN_CLOCK));
+           flooder.send(flooder.request(msg::REQUEST_LEAVE_CLOCK));
+         }
+       }},
+      {"StepsThatWaitForEver", "lockstep",
+       [](Flooder& flooder, Probe&) {
+         for (int count = 0; count < 2'000; ++count) {
+           auto request = flooder.request(msg::REQUEST_STEP);
+           request.ticks(1);
+           request.session(0);
+           request.last_sequence(count % 2 == 0 ? 0 : 1'000'000);
+           flooder.send(request);
+         }
+       }},
+      {"SnapshotsWithoutEnd", "lockstep",
+       [](Flooder& flooder, Probe&) {
+         for (int count = 0; count < 500; ++count) {
+           flooder.send(flooder.request(msg::REQUEST_TAKE_SNAPSHOT));
+         }
+       }},
+      {"NonsenseInEveryField", "lockstep",
+       [](Flooder& flooder, Probe&) {
+         for (std::uint32_t count = 0; count < 3'000; ++count) {
+           auto request = flooder.request(count % 64);
+           request.ticks(count % 3);
+           request.axes().assign(count % 5, static_cast<std::uint16_t>(flooder.random()));
+           request.objects().assign(count % 7, statusword());
+           request.rate(-1e300);
+           flooder.send(request);
+         }
+       }},
+      {"ProgramsThatComeAndGo", "realtime",
+       [](Flooder&, Probe&) {
+         for (int count = 0; count < 15; ++count) {
+           Flooder visitor;
+           ASSERT_TRUE(visitor.is_heard());
+           visitor.send(visitor.request(msg::REQUEST_READ));
+         }
+       }},
+  };
+}
+
+class AFloodedService : public testing::TestWithParam<Flood> {
+ protected:
+  /// Resident memory of the service [kB].
+  [[nodiscard]] std::size_t memory() const {
+    std::ifstream status("/proc/" + std::to_string(service_.id()) + "/status");
+    for (std::string line; std::getline(status, line);) {
+      if (line.starts_with("VmRSS:")) return std::stoul(line.substr(6));
+    }
+    return 0;  // it has ended
+  }
+
+  /// Floods, and waits until everything that arrived has been dealt with.
+  void flood() {
+    {
+      Flooder flooder;
+      ASSERT_TRUE(flooder.is_heard());
+      GetParam().send(flooder, probe_);
+    }
+    ASSERT_TRUE(probe_.wait_until([&] {
+      return probe_.seen_state() && probe_.seen_state()->inbox_depth() == 0;
+    }));
+  }
+
+  Process service_{VDRIVE_SERVICE,
+                   tool_arguments(std::string("--log-level off --clock ") + GetParam().clock)};
+  Probe probe_{test_domain()};
+};
+
+TEST_P(AFloodedService, KeepsItsMemoryBoundedAndServesAGoodClient) {
+  ASSERT_TRUE(probe_.find_bench());
+  flood();
+  const std::size_t first = memory();
+  flood();
+  const std::size_t second = memory();
+  EXPECT_GT(second, 0U) << "it has ended";
+  EXPECT_LT(second, kMostMemory);
+  EXPECT_LT(second, first + kLeeway) << "each flood adds to it";
+  const auto reply = probe_.read(1, 0x6041);
+  ASSERT_TRUE(reply) << "nobody is served";
+  EXPECT_EQ(reply->reason(), msg::REASON_NONE);
+}
+
+INSTANTIATE_TEST_SUITE_P(Floods, AFloodedService, testing::ValuesIn(floods()),
+                         [](const auto& flood) {
+                           return std::string(flood.param.name);
+                         });
+
+}  // namespace
+}  // namespace vdrive::test
