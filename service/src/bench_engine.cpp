@@ -50,6 +50,7 @@ BenchEngine::BenchEngine(const Configuration& configuration, const BenchIdentity
   undo_.reserve(std::size_t{msg::MAX_AXES_PER_FRAME} * (msg::MAX_OBJECTS_PER_AXIS + 8));
   command_reply_.refusals().reserve(msg::MAX_AXES_PER_FRAME);
   command_reply_.ignored_set_points().reserve(msg::MAX_AXES_PER_FRAME);
+  frame_refusal_.refusals().resize(1);
   for (std::size_t axis = 0; axis < bank_.size(); ++axis) {
     seen_[axis].statusword = bank_.status(axis).ds402_statusword;
   }
