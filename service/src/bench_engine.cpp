@@ -66,6 +66,12 @@ void BenchEngine::record_to(Journal& journal) {
   journal_ = &journal;
 }
 
+bool BenchEngine::can_answer() const noexcept {
+  const auto& frames = outbox_.command_replies;
+  return outbox_.replies.size() < outbox_.replies.capacity() &&
+         frames.capacity() - frames.size() > pending_.size();
+}
+
 void BenchEngine::handle(Arrival& arrival) {
   if (arrival.kind == Arrival::Kind::command_frame) {
     handle_frame(arrival);

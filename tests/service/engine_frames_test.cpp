@@ -393,6 +393,38 @@ TEST(PendingFrame, ThatAHaltDropsDoesNotSpoilTheAnswerToTheHalt) {
             static_cast<std::uint32_t>(AbortCode::write_of_read_only_object));
 }
 
+TEST(PendingFrame, GoesOnWhenItsSessionGainsAnAxis) {
+  OwnedBench bench;
+  auto waiting = bench.make_frame(kAlice);
+  waiting.apply_at_tick(20);
+  auto& command = add_command(waiting, 1);
+  command.members(msg::HAS_PROFILE_VELOCITY);
+  command.profile_velocity(111);
+  bench.receive(waiting);
+  const auto reply = bench.acquire(kAlice, {3});
+  EXPECT_GT(reply.epoch(), waiting.epoch()) << "renewed, not revoked";
+  bench.steps(20);
+  EXPECT_TRUE(bench.command_reply()->refusals().empty());
+  EXPECT_EQ(bench.value(1, 0x6081), 111);
+}
+
+TEST(PendingFrame, IsAnsweredForWhenAllOfThemAreDroppedAtOnce) {
+  OwnedBench bench;
+  for (std::size_t count = 0; count < service::PendingFrames::kCapacity; ++count) {
+    auto waiting = bench.make_frame(kAlice);
+    waiting.apply_at_tick(100);
+    bench.receive(waiting);
+  }
+  bench.ask(bench.make_request(msg::REQUEST_RELEASE, kAlice));
+  for (std::size_t count = 1; count <= service::PendingFrames::kCapacity; ++count) {
+    const auto reply = bench.command_reply();
+    ASSERT_TRUE(reply) << count;
+    EXPECT_EQ(reply->sequence_number(), count);
+    EXPECT_EQ(reply->refusals().at(0).reason(), msg::REASON_CANCELLED);
+  }
+  EXPECT_EQ(bench.counters.queue_overflows.get(), 0U);
+}
+
 TEST(PendingFrame, IsRefusedWhenTooManyWait) {
   OwnedBench bench;
   for (std::size_t count = 0; count < service::PendingFrames::kCapacity; ++count) {

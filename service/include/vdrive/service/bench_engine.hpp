@@ -62,6 +62,10 @@ class BenchEngine {
   /// Realtime: drive time over wall time, 0 = paused. Requests change it. 0 in other clock modes.
   [[nodiscard]] double rate() const noexcept { return rate_; }
 
+  /// @return whether there is room for the answer to one more arrival and to every frame that
+  ///         waits, which one request may drop.
+  [[nodiscard]] bool can_answer() const noexcept;
+
   /// Carries a command frame or a request out, or refuses it. Steps and who may step are refused:
   /// the lock-step driver keeps those requests for itself.
   void handle(Arrival& arrival);
