@@ -71,7 +71,7 @@ void AxisWatch::check(const AxisStatus& now, PowerState state, const AxisCauses&
   check_jump(now, registers, causes.commanded, happenings);
   check_rest(now, happenings);
   check_speed(now, happenings);
-  check_range(now, happenings);
+  check_range(now, causes.commanded, happenings);
   check_torque(now, happenings);
   check_state(now, state, causes, happenings);
   had_test_input_ = has_test_input_;
@@ -151,7 +151,7 @@ void AxisWatch::check_speed(const AxisStatus& now, Happenings& happenings) {
 
 /// A demand that began at rest within the range and was led by profiles only stays there. A cyclic
 /// one stays while it follows: it needs no ramp to stop at the end, but a stop from its speed does.
-void AxisWatch::check_range(const AxisStatus& now, Happenings& happenings) {
+void AxisWatch::check_range(const AxisStatus& now, bool commanded, Happenings& happenings) {
   if (!limits_.has_range) {
     return;
   }
@@ -160,7 +160,9 @@ void AxisWatch::check_range(const AxisStatus& now, Happenings& happenings) {
                       decode_power_state(now.ds402_statusword) == PowerState::operation_enabled;
   const bool is_inside =
       now.position_demand_value >= limits_.lower && now.position_demand_value <= limits_.upper;
-  if (!is_led || now.op_mode_actual != last_.op_mode_actual) {
+  // A drive that is enabled anew begins at the actual position, which may have swung beyond.
+  const bool begins = now.op_mode_actual != last_.op_mode_actual || (commanded && !is_inside);
+  if (!is_led || begins) {
     is_contained_ = false;
   } else if (is_contained_ && !is_inside) {
     happenings.fail(Invariant::kRange, number_,

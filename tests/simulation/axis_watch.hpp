@@ -42,7 +42,7 @@ class AxisWatch {
                   Happenings& happenings) const;
   void check_rest(const AxisStatus& now, Happenings& happenings);
   void check_speed(const AxisStatus& now, Happenings& happenings);
-  void check_range(const AxisStatus& now, Happenings& happenings);
+  void check_range(const AxisStatus& now, bool commanded, Happenings& happenings);
   void check_torque(const AxisStatus& now, Happenings& happenings) const;
   void check_state(const AxisStatus& now, PowerState state, const AxisCauses& causes,
                    Happenings& happenings) const;
