@@ -50,6 +50,7 @@ BenchEngine::BenchEngine(const Configuration& configuration, const BenchIdentity
   undo_.reserve(std::size_t{msg::MAX_AXES_PER_FRAME} * (msg::MAX_OBJECTS_PER_AXIS + 8));
   command_reply_.refusals().reserve(msg::MAX_AXES_PER_FRAME);
   command_reply_.ignored_set_points().reserve(msg::MAX_AXES_PER_FRAME);
+  frame_refusal_.refusals().resize(1);
   for (std::size_t axis = 0; axis < bank_.size(); ++axis) {
     seen_[axis].statusword = bank_.status(axis).ds402_statusword;
   }
@@ -63,6 +64,12 @@ void BenchEngine::start_at(std::uint64_t last_tick) {
 void BenchEngine::record_to(Journal& journal) {
   journal.begin(bank_, tick_);
   journal_ = &journal;
+}
+
+bool BenchEngine::can_answer() const noexcept {
+  const auto& frames = outbox_.command_replies;
+  return outbox_.replies.size() < outbox_.replies.capacity() &&
+         frames.capacity() - frames.size() > pending_.size();
 }
 
 void BenchEngine::handle(Arrival& arrival) {

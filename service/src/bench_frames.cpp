@@ -137,7 +137,8 @@ void BenchEngine::apply_due_frames() {
 }
 
 void BenchEngine::apply_frame(const msg::CommandFrame& frame) {
-  begin_reply();
+  command_reply_.refusals().clear();
+  command_reply_.ignored_set_points().clear();
   ++frame_count_;
   const auto& commands = frame.axes();
   for (std::size_t position = 0; position < commands.size(); ++position) {
@@ -164,7 +165,7 @@ void BenchEngine::apply_frame(const msg::CommandFrame& frame) {
   const bool has_news =
       !command_reply_.refusals().empty() || !command_reply_.ignored_set_points().empty();
   if (has_news || (frame.flags() & msg::FRAME_WANT_REPLY) != 0) {
-    send_reply(frame);
+    send_reply(frame, command_reply_);
   }
 }
 
@@ -280,16 +281,16 @@ void BenchEngine::refuse(std::uint16_t axis, ObjectAddress address, std::uint32_
   }
 }
 
+/// In a reply of its own: a frame that halts drops others while its answer is being built.
 void BenchEngine::refuse_frame(const msg::CommandFrame& frame, std::uint32_t reason) {
-  begin_reply();
-  refuse(0, {}, reason);
+  frame_refusal_.refusals().front().reason(reason);
   counters_.frames_refused.add();
   report({.kind = msg::EVENT_REFUSED,
           .session = frame.session(),
           .code = reason,
           .detail = frame.sequence_number(),
           .late_by = reason == msg::REASON_TOO_LATE ? lateness(frame) : 0});
-  send_reply(frame);
+  send_reply(frame, frame_refusal_);
 }
 
 /// @return how many ticks the next one is past the one that the frame was meant for.
@@ -301,23 +302,18 @@ std::uint64_t BenchEngine::lateness(const msg::CommandFrame& frame) const noexce
   return std::max(past(frame.apply_at_tick()), past(frame.valid_until_tick()));
 }
 
-void BenchEngine::begin_reply() {
-  command_reply_.refusals().clear();
-  command_reply_.ignored_set_points().clear();
-}
-
-void BenchEngine::send_reply(const msg::CommandFrame& frame) {
+void BenchEngine::send_reply(const msg::CommandFrame& frame, msg::CommandReply& reply) {
   msg::CommandReply* const slot = outbox_.command_replies.free_slot();
   if (slot == nullptr) {
     counters_.queue_overflows.add();
     return;
   }
-  command_reply_.bench(identity_.bench);
-  command_reply_.incarnation(identity_.incarnation);
-  command_reply_.session(frame.session());
-  command_reply_.sequence_number(frame.sequence_number());
-  command_reply_.tick(tick_ + 1);
-  *slot = command_reply_;
+  reply.bench(identity_.bench);
+  reply.incarnation(identity_.incarnation);
+  reply.session(frame.session());
+  reply.sequence_number(frame.sequence_number());
+  reply.tick(tick_ + 1);
+  *slot = reply;
   outbox_.command_replies.push();
 }
 

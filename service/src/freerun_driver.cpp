@@ -21,8 +21,7 @@ void FreerunDriver::cycle() noexcept {
 /// answered waits in the inbox.
 void FreerunDriver::handle_arrivals() {
   Arrival* arrival = inbox_.front();
-  while (arrival != nullptr && outbox_.replies.free_slot() != nullptr &&
-         outbox_.command_replies.free_slot() != nullptr) {
+  while (arrival != nullptr && engine_.can_answer()) {
     engine_.handle(*arrival);
     inbox_.pop();
     arrival = inbox_.front();

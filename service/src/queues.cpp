@@ -116,7 +116,7 @@ void Inbox::turn_away(const TurnedAway& arrival) {
 }
 
 Outbox::Outbox(std::size_t axes)
-    : command_replies(kReplies),
+    : command_replies(kCommandReplies),
       replies(kReplies),
       events(kEvents),
       parameters(kParameters),

@@ -82,8 +82,9 @@ void RealtimeDriver::idle() noexcept {
   next_cycle_.store((now + period_).count(), std::memory_order_relaxed);
 }
 
+/// What could not be answered now waits in the inbox.
 void RealtimeDriver::handle_arrivals() {
-  for (std::size_t count = 0; count < kArrivalsPerTick; ++count) {
+  for (std::size_t count = 0; count < kArrivalsPerTick && engine_.can_answer(); ++count) {
     Arrival* const arrival = inbox_.front();
     if (arrival == nullptr) {
       return;

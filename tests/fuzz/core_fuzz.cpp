@@ -4,8 +4,8 @@
 // axes in order, gives the same when it is done again, and leaves nothing behind that a power cycle
 // does not heal.
 #include "fuzz/support/bytes.hpp"
+#include "support/axis_invariants.hpp"
 #include "vdrive/axis_bank.hpp"
-#include "vdrive/cia402/statusword.hpp"
 
 #include <array>
 #include <chrono>
@@ -18,35 +18,17 @@ namespace {
 using namespace vdrive;
 using test::Bytes;
 using test::demand;
+using test::violated_invariant;
 
 constexpr std::size_t kAxes = 3;
 constexpr std::size_t kElasticAxis = 1;
 constexpr int kMostActions = 64;
-constexpr std::uint16_t kReservedBits = 0xC100;
 constexpr ObjectAddress kTestLoadTorque{0x5E00, 0};
 constexpr ObjectAddress kTestBlockedLoad{0x5E01, 0};
 constexpr ObjectAddress kTestEncoderFailure{0x5E04, 0};
 constexpr ObjectAddress kErrorHistory{0x1003, 0};
 constexpr ObjectAddress kControlword{0x6040, 0};
 constexpr ObjectAddress kMode{0x6060, 0};
-
-bool may_be_powered(PowerState state) {
-  return state == PowerState::operation_enabled || state == PowerState::quick_stop_active ||
-         state == PowerState::fault_reaction_active;
-}
-
-void check_status(const AxisStatus& status, PowerState expected) {
-  const PowerState state = decode_power_state(status.ds402_statusword);
-  demand(state == expected, "6041h shows the state");
-  demand(status.motor_op_status == 0 || may_be_powered(state), "no power outside its states");
-  demand(status.motor_op_status == 1 || status.torque_actual_value == 0, "no torque without power");
-  demand(status.motor_op_status == 1 || status.velocity_demand_value == 0,
-         "606Bh is 0 without power");
-  demand((status.error_code != 0) ==
-             (state == PowerState::fault || state == PowerState::fault_reaction_active),
-         "603Fh is set in a fault only");
-  demand((status.ds402_statusword & kReservedBits) == 0, "reserved bits are 0");
-}
 
 /// A bank, and what was seen of it in the tick before.
 class Bench {
@@ -58,7 +40,8 @@ class Bench {
   void step() {
     bank_.step();
     for (std::size_t axis = 0; axis < kAxes; ++axis) {
-      check_status(bank_.status(axis), bank_.power_state(axis));
+      const char* const violated = violated_invariant(bank_.status(axis), bank_.power_state(axis));
+      demand(violated == nullptr, violated);
       check_rest(axis);
     }
   }

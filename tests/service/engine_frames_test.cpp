@@ -365,6 +365,66 @@ TEST(PendingFrame, IsDroppedByAHaltAndByAFault) {
   EXPECT_EQ(bench.frame_refusal(), msg::REASON_CANCELLED);
 }
 
+// The frame for tick 60 is cancelled; the one that halts is applied, and its own mistake stays in
+// its answer.
+TEST(PendingFrame, ThatAHaltDropsDoesNotSpoilTheAnswerToTheHalt) {
+  OwnedBench bench;
+  bench.write(kAlice, 1, 0x6040, 0x0F);
+  bench.steps(2);
+  auto waiting = bench.make_frame(kAlice);
+  waiting.apply_at_tick(60);
+  set_controlword(add_command(waiting, 1), 0x1F);
+  bench.receive(waiting);
+  auto halt = bench.make_frame(kAlice);
+  set_controlword(add_command(halt, 1), 0x10F);
+  auto& wrong = add_command(halt, 2).objects().emplace_back();
+  wrong.index(0x6041);  // read only
+  bench.receive(halt);
+  const auto cancelled = bench.command_reply();
+  ASSERT_TRUE(cancelled);
+  EXPECT_EQ(cancelled->sequence_number(), waiting.sequence_number());
+  EXPECT_EQ(cancelled->refusals().at(0).reason(), msg::REASON_CANCELLED);
+  const auto reply = bench.command_reply();
+  ASSERT_TRUE(reply);
+  EXPECT_EQ(reply->sequence_number(), halt.sequence_number());
+  ASSERT_EQ(reply->refusals().size(), 1U);
+  EXPECT_EQ(reply->refusals()[0].axis(), 2);
+  EXPECT_EQ(reply->refusals()[0].reason(),
+            static_cast<std::uint32_t>(AbortCode::write_of_read_only_object));
+}
+
+TEST(PendingFrame, GoesOnWhenItsSessionGainsAnAxis) {
+  OwnedBench bench;
+  auto waiting = bench.make_frame(kAlice);
+  waiting.apply_at_tick(20);
+  auto& command = add_command(waiting, 1);
+  command.members(msg::HAS_PROFILE_VELOCITY);
+  command.profile_velocity(111);
+  bench.receive(waiting);
+  const auto reply = bench.acquire(kAlice, {3});
+  EXPECT_GT(reply.epoch(), waiting.epoch()) << "renewed, not revoked";
+  bench.steps(20);
+  EXPECT_TRUE(bench.command_reply()->refusals().empty());
+  EXPECT_EQ(bench.value(1, 0x6081), 111);
+}
+
+TEST(PendingFrame, IsAnsweredForWhenAllOfThemAreDroppedAtOnce) {
+  OwnedBench bench;
+  for (std::size_t count = 0; count < service::PendingFrames::kCapacity; ++count) {
+    auto waiting = bench.make_frame(kAlice);
+    waiting.apply_at_tick(100);
+    bench.receive(waiting);
+  }
+  bench.ask(bench.make_request(msg::REQUEST_RELEASE, kAlice));
+  for (std::size_t count = 1; count <= service::PendingFrames::kCapacity; ++count) {
+    const auto reply = bench.command_reply();
+    ASSERT_TRUE(reply) << count;
+    EXPECT_EQ(reply->sequence_number(), count);
+    EXPECT_EQ(reply->refusals().at(0).reason(), msg::REASON_CANCELLED);
+  }
+  EXPECT_EQ(bench.counters.queue_overflows.get(), 0U);
+}
+
 TEST(PendingFrame, IsRefusedWhenTooManyWait) {
   OwnedBench bench;
   for (std::size_t count = 0; count < service::PendingFrames::kCapacity; ++count) {

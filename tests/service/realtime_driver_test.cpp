@@ -124,6 +124,24 @@ TEST(RealtimeDriver, LeavesAFloodForTheNextTicks) {
   EXPECT_EQ(bench.inbox.size(), 600 - service::RealtimeDriver::kArrivalsPerTick);
 }
 
+// 256 replies fit; nobody takes them, so the other 44 requests wait instead of being dropped.
+TEST(RealtimeDriver, LeavesInTheInboxWhatItCouldNotAnswer) {
+  RealtimeBench bench;
+  for (int count = 0; count < 300; ++count) {
+    bench.inbox.receive(bench.make_request(msg::REQUEST_READ, kAlice), {});
+  }
+  bench.cycles(5);
+  EXPECT_EQ(bench.outbox.replies.size(), service::Outbox::kReplies);
+  EXPECT_EQ(bench.inbox.size(), 300 - service::Outbox::kReplies);
+  while (bench.outbox.replies.front() != nullptr) {
+    bench.outbox.replies.pop();
+  }
+  bench.cycles(1);
+  EXPECT_EQ(bench.inbox.size(), 0U);
+  EXPECT_EQ(bench.outbox.replies.size(), 300 - service::Outbox::kReplies);
+  EXPECT_EQ(bench.counters.queue_overflows.get(), 0U);
+}
+
 TEST(RealtimeDriver, RunsAtTheRate) {
   RealtimeBench bench(realtime_configuration(10.0));
   bench.cycles(1'000);

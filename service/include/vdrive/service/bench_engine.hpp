@@ -69,6 +69,10 @@ class BenchEngine {
   /// Realtime: drive time over wall time, 0 = paused. Requests change it. 0 in other clock modes.
   [[nodiscard]] double rate() const noexcept { return rate_; }
 
+  /// @return whether there is room for the answer to one more arrival and to every frame that
+  ///         waits, which one request may drop.
+  [[nodiscard]] bool can_answer() const noexcept;
+
   /// Carries a command frame or a request out, or refuses it. Steps and who may step are refused:
   /// the lock-step driver keeps those requests for itself.
   void handle(Arrival& arrival);
@@ -152,8 +156,7 @@ class BenchEngine {
   void refuse(std::uint16_t axis, ObjectAddress address, std::uint32_t reason);
   void refuse_frame(const msg::CommandFrame& frame, std::uint32_t reason);
   [[nodiscard]] std::uint64_t lateness(const msg::CommandFrame& frame) const noexcept;
-  void begin_reply();
-  void send_reply(const msg::CommandFrame& frame);
+  void send_reply(const msg::CommandFrame& frame, msg::CommandReply& reply);
   void drop_pending_of_session(std::uint64_t session);
   void drop_pending_of_axis(std::uint16_t axis);
 
@@ -229,7 +232,8 @@ class BenchEngine {
   std::vector<std::uint32_t> named_in_;  ///< by index: the last frame that named the axis
   std::uint32_t frame_count_ = 0;
   msg::CommandFrame due_frame_;
-  msg::CommandReply command_reply_;  ///< being built
+  msg::CommandReply command_reply_;  ///< of the frame that is being applied
+  msg::CommandReply frame_refusal_;  ///< of a frame that is refused as a whole
   std::vector<bool> skipped_;        ///< commands of the frame that is being applied
   std::vector<Undo> undo_;
   std::vector<std::uint16_t> changed_axes_;  ///< circular queue of axes with changed parameters

@@ -3,6 +3,7 @@
 
 #include "vdrive/axis_status.hpp"
 #include "vdrive/service/counters.hpp"
+#include "vdrive/service/pending_frames.hpp"
 #include "vdrive/service/ring.hpp"
 #include "vdrive/wire/conversion.hpp"
 #include "vdrive/wire/source.hpp"
@@ -98,6 +99,8 @@ struct StatusImage {
 /// event as soon as there is room for one.
 struct Outbox {
   static constexpr std::size_t kReplies = 256;
+  /// All frames that wait may be dropped at once.
+  static constexpr std::size_t kCommandReplies = kReplies + PendingFrames::kCapacity;
   static constexpr std::size_t kEvents = 8192;
   static constexpr std::size_t kParameters = 256;
 

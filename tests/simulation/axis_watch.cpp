@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "simulation/axis_watch.hpp"
+
+#include "support/axis_invariants.hpp"
+#include "vdrive/cia402/statusword.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+namespace vdrive::simulation {
+namespace {
+
+/// The strongest acceleration that motor and test load torque together give the default axis:
+/// (9 N.m + 3 N.m) / 6e-4 kg.m2 = 20000 rad/s2, times 4096 / 2 pi.
+constexpr double kStrongest = 1.4e7;  // [UU/s2]
+
+constexpr double kSettled_s = 0.5;
+constexpr std::size_t kEncoderFailure = 4;
+
+std::int64_t distance(std::int32_t from, std::int32_t to) {
+  return static_cast<std::int32_t>(static_cast<std::uint32_t>(to) -
+                                   static_cast<std::uint32_t>(from));
+}
+
+bool is_mode(const AxisStatus& status, int mode) {
+  return status.op_mode_actual == mode;
+}
+
+std::int64_t speed_of(const AxisStatus& status) {
+  return std::abs(std::int64_t{status.load_velocity_actual_value});
+}
+
+std::string number(std::int64_t value) {
+  return std::to_string(value);
+}
+
+std::string motion_of(const AxisStatus& status) {
+  return " (mode " + number(status.op_mode_actual) + " 6041h " + number(status.ds402_statusword) +
+         " 6040h " + number(status.ds402_controlword) + " 606Bh " +
+         number(status.velocity_demand_value) + " 606Ch " +
+         number(status.load_velocity_actual_value) + " 60F4h " +
+         number(status.load_position_error_value) + ")";
+}
+
+}  // namespace
+
+void AxisWatch::begin(const AxisStatus& now, PowerState state) {
+  last_ = now;
+  last_state_ = state;
+  is_contained_ = false;
+  calm_s_ = 0.0;
+  rest_speed_ = -1;
+}
+
+void AxisWatch::check(const AxisStatus& now, PowerState state, const AxisCauses& causes,
+                      const Registers& registers, bool restored, Happenings& happenings) {
+  if (const char* const violated = test::violated_invariant(now, state)) {
+    happenings.fail(violated, number_, std::string(to_string(state)),
+                    "6041h " + number(now.ds402_statusword) + " 603Fh " + number(now.error_code) +
+                        " 3005h " + number(now.motor_op_status) + " 606Bh " +
+                        number(now.velocity_demand_value) + " 6077h " +
+                        number(now.torque_actual_value));
+  }
+  if (restored) {
+    begin(now, state);
+    had_test_input_ = true;
+    return;
+  }
+  has_test_input_ = registers.has_test_input();
+  check_jump(now, registers, causes.commanded, happenings);
+  check_rest(now, happenings);
+  check_speed(now, happenings);
+  check_range(now, causes.commanded, happenings);
+  check_torque(now, happenings);
+  check_state(now, state, causes, happenings);
+  had_test_input_ = has_test_input_;
+  last_ = now;
+  last_state_ = state;
+}
+
+/// The position moves as the speed says. Homing counts it anew, a failed encoder says nothing.
+void AxisWatch::check_jump(const AxisStatus& now, const Registers& registers, bool commanded,
+                           Happenings& happenings) const {
+  if (is_mode(now, 6) || is_mode(last_, 6) || registers.test_inputs[kEncoderFailure] != 0 ||
+      had_test_input_) {
+    return;
+  }
+  const auto furthest = static_cast<std::int64_t>(
+      static_cast<double>(std::max(speed_of(last_), speed_of(now))) * period_s_ +
+      kStrongest * period_s_ * period_s_ + 4.0);
+  const std::int64_t moved =
+      distance(last_.load_position_actual_value, now.load_position_actual_value);
+  if (std::abs(moved) > furthest) {
+    happenings.fail(Invariant::kNoJump, number_, "at most " + number(furthest) + " UU in the tick",
+                    number(moved) + motion_of(last_) + motion_of(now));
+  }
+  // The demand leaves its place at the speed limit at most, or brakes from above it. Where the
+  // drive takes control anew, by command or of another loop, it begins at the actual position;
+  // modes 3 and 4 change loops by themselves.
+  const bool begins =
+      commanded || now.op_mode_actual != last_.op_mode_actual || is_mode(now, 3) || is_mode(now, 4);
+  const std::int64_t error =
+      begins ? std::abs(std::int64_t{last_.load_position_error_value}) : std::int64_t{0};
+  const std::int64_t demanded = distance(last_.position_demand_value, now.position_demand_value);
+  const auto furthest_demand =
+      static_cast<std::int64_t>(
+          static_cast<double>(std::max({limits_.speed, speed_of(last_), speed_of(now),
+                                        std::abs(std::int64_t{last_.velocity_demand_value})})) *
+              period_s_ +
+          kStrongest * period_s_ * period_s_ + 4.0) +
+      error;
+  const bool is_led = now.motor_op_status == 1 && last_.motor_op_status == 1;
+  if (is_led && std::abs(demanded) > furthest_demand) {
+    happenings.fail(Invariant::kNoJump, number_,
+                    "6062h at most " + number(furthest_demand) + " UU in the tick",
+                    number(demanded) + motion_of(last_) + motion_of(now));
+  }
+}
+
+/// Without power nothing but friction acts on a rigid axis: it never gets faster.
+void AxisWatch::check_rest(const AxisStatus& now, Happenings& happenings) {
+  if (now.motor_op_status != 0 || has_test_input_ || had_test_input_) {
+    rest_speed_ = -1;
+    return;
+  }
+  if (rest_speed_ >= 0 && speed_of(now) > rest_speed_ + 1) {
+    happenings.fail(Invariant::kNoMotion, number_, "at most " + number(rest_speed_) + " UU/s",
+                    number(speed_of(now)));
+  }
+  rest_speed_ = speed_of(now);
+}
+
+/// The demand never exceeds the limit, unless the axis was faster when the drive took control; then
+/// it only falls. The actual speed may be above it for as long as a loop needs to settle.
+void AxisWatch::check_speed(const AxisStatus& now, Happenings& happenings) {
+  const std::int64_t demand = std::abs(std::int64_t{now.velocity_demand_value});
+  const std::int64_t demand_before = std::abs(std::int64_t{last_.velocity_demand_value});
+  const std::int64_t highest = std::max({limits_.speed, demand_before, speed_of(last_)});
+  if (demand > highest + 1) {
+    happenings.fail(Invariant::kSpeed, number_, "606Bh at most " + number(highest), number(demand));
+  }
+  const bool is_led = now.motor_op_status == 1 && !is_mode(now, 4) && !has_test_input_;
+  calm_s_ = is_led ? calm_s_ + period_s_ : 0.0;
+  const std::int64_t tolerated = limits_.speed + limits_.speed / 4 + 4'000;
+  if (calm_s_ > kSettled_s && speed_of(now) > tolerated) {
+    happenings.fail(Invariant::kSpeed, number_, "606Ch at most " + number(tolerated),
+                    number(speed_of(now)));
+  }
+}
+
+/// A demand that began at rest within the range and was led by profiles only stays there. A cyclic
+/// one stays while it follows: it needs no ramp to stop at the end, but a stop from its speed does.
+void AxisWatch::check_range(const AxisStatus& now, bool commanded, Happenings& happenings) {
+  if (!limits_.has_range) {
+    return;
+  }
+  const bool follows = is_mode(now, 8) && (now.ds402_statusword & Statusword::kFollowsCommand) != 0;
+  const bool is_led = now.motor_op_status == 1 && (is_mode(now, 1) || follows) &&
+                      decode_power_state(now.ds402_statusword) == PowerState::operation_enabled;
+  const bool is_inside =
+      now.position_demand_value >= limits_.lower && now.position_demand_value <= limits_.upper;
+  // A drive that is enabled anew begins at the actual position, which may have swung beyond.
+  const bool begins = now.op_mode_actual != last_.op_mode_actual || (commanded && !is_inside);
+  if (!is_led || begins) {
+    is_contained_ = false;
+  } else if (is_contained_ && !is_inside) {
+    happenings.fail(Invariant::kRange, number_,
+                    "6062h within " + number(limits_.lower) + " to " + number(limits_.upper),
+                    number(now.position_demand_value) + motion_of(last_) + motion_of(now));
+  } else {
+    is_contained_ = is_contained_ || (is_inside && now.velocity_demand_value == 0);
+  }
+}
+
+void AxisWatch::check_torque(const AxisStatus& now, Happenings& happenings) const {
+  for (const std::int64_t torque : {now.torque_demand, now.torque_actual_value}) {
+    if (torque > limits_.positive_torque + 1 || torque < -limits_.negative_torque - 1) {
+      happenings.fail(Invariant::kTorque, number_,
+                      number(-limits_.negative_torque) + " to " + number(limits_.positive_torque),
+                      number(torque));
+    }
+  }
+}
+
+void AxisWatch::check_state(const AxisStatus& now, PowerState state, const AxisCauses& causes,
+                            Happenings& happenings) const {
+  const bool was_faulty = last_state_ == PowerState::fault;
+  const bool enables = state == PowerState::operation_enabled && state != last_state_;
+  if ((enables || (was_faulty && state != last_state_)) && !causes.commanded && !causes.cycled) {
+    happenings.fail(Invariant::kResume, number_, std::string(to_string(last_state_)),
+                    std::string(to_string(state)) + " without a controlword");
+  }
+  const bool was_active =
+      last_state_ == PowerState::operation_enabled || last_state_ == PowerState::quick_stop_active;
+  if (!causes.lost || !was_active || causes.commanded || causes.cycled) {
+    return;
+  }
+  const bool is_faulty = state == PowerState::fault || state == PowerState::fault_reaction_active;
+  const bool reacts = limits_.abort_connection == 0 ||
+                      (limits_.abort_connection == 1 && is_faulty && now.error_code != 0) ||
+                      (limits_.abort_connection > 1 && state != PowerState::operation_enabled);
+  if (!reacts) {
+    happenings.fail(Invariant::kReaction, number_,
+                    "6007h = " + number(limits_.abort_connection) + " from " +
+                        std::string(to_string(last_state_)),
+                    std::string(to_string(state)) + " 603Fh " + number(now.error_code));
+  }
+}
+
+}  // namespace vdrive::simulation

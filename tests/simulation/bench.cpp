@@ -1,0 +1,345 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "simulation/bench.hpp"
+
+#include "vdrive/cia402/power_state.hpp"
+#include "vdrive/cia402/statusword.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace vdrive::simulation {
+namespace {
+
+constexpr std::uint64_t kSabotageFrom = 200;  // [ticks], when axes are enabled and move
+
+/// The configuration as a broken service takes it.
+service::Configuration as_taken(service::Configuration configuration, Sabotage sabotage) {
+  if (sabotage == Sabotage::watchdog_bites_early) {
+    configuration.watchdog = *configuration.watchdog / 2;
+  }
+  for (auto& axis : configuration.axes) {
+    if (sabotage == Sabotage::no_reaction_to_a_loss) {
+      axis.configuration.parameters.push_back({{0x6007, 0}, 0});
+    }
+  }
+  return configuration;
+}
+
+}  // namespace
+
+Bench::Bench(const service::Configuration& configuration, const std::vector<AxisLimits>& limits,
+             std::uint64_t incarnation, SimulatedTime& time, Sabotage sabotage,
+             Happenings& happenings)
+    : configuration_(configuration),
+      incarnation_(incarnation),
+      time_(time),
+      sabotage_(sabotage),
+      happenings_(happenings),
+      inbox_(configuration.bench, counters_),
+      outbox_(configuration.axes.size()),
+      engine_(as_taken(configuration, sabotage),
+              {.bench = configuration.bench, .incarnation = incarnation}, outbox_, counters_),
+      model_(configuration, incarnation, happenings) {
+  if (configuration.clock == service::ClockMode::realtime) {
+    realtime_.emplace(configuration, engine_, inbox_, counters_, time);
+  } else if (configuration.clock == service::ClockMode::freerun) {
+    freerun_.emplace(engine_, inbox_, outbox_, time);
+  }
+  model_.start_at(engine_.tick());
+  for (std::size_t axis = 0; axis < limits.size(); ++axis) {
+    watches_.emplace_back(static_cast<std::uint16_t>(axis + 1), limits[axis], configuration.period);
+    watches_.back().begin(engine_.bank().status(axis), engine_.bank().power_state(axis));
+  }
+  engine_.post_status();
+  take_images();
+}
+
+void Bench::receive(const Letter& letter) {
+  const std::size_t before = inbox_.size();
+  if (!spoil(letter)) {
+    std::visit(
+        [&](const auto& message) {
+          inbox_.receive(message, {});
+        },
+        letter);
+  }
+  if (inbox_.size() > before) {
+    in_inbox_.push_back(letter);
+  } else {
+    ++turned_away_;
+  }
+}
+
+/// The bench takes letters in the order in which they came: what is gone from the inbox was taken.
+void Bench::count_arrivals() {
+  while (in_inbox_.size() > inbox_.size()) {
+    std::visit(
+        [&](const auto& message) {
+          model_.arrive(message);
+        },
+        in_inbox_.front());
+    in_inbox_.pop_front();
+  }
+}
+
+void Bench::cycle(const Mail& mail) {
+  if (sabotage_ == Sabotage::resumes_by_itself && happenings_.tick() > kSabotageFrom) {
+    enable_unasked();
+  }
+  if (realtime_ || freerun_) {
+    const std::uint64_t before = engine_.tick();
+    if (realtime_) {
+      realtime_->cycle();
+    } else {
+      // Not faster than images leave, so that each tick is seen.
+      constexpr std::chrono::microseconds kStatus{service::FreerunDriver::kStatusInterval};
+      time_.wait_until(std::chrono::nanoseconds{time_.now} +
+                       std::max(configuration_.period, kStatus));
+      freerun_->cycle();
+    }
+    count_arrivals();
+    if (engine_.tick() > before) {
+      if (const std::uint64_t left_out = engine_.tick() - before - 1; left_out > 0) {
+        happenings_.tell("time jumps", {left_out});
+        model_.jump(left_out);
+      }
+      after_tick();
+    }
+  } else {
+    time_.wait_until(std::chrono::nanoseconds{time_.now} + configuration_.period);
+    cycle_lockstep();
+  }
+  take_images();
+  take_events();
+  take_answers(mail);
+}
+
+/// As the driver of that clock: requests in their order, steps at once.
+void Bench::cycle_lockstep() {
+  while (engine_.can_answer()) {
+    service::Arrival* const arrival = inbox_.front();
+    if (arrival == nullptr) {
+      return;
+    }
+    if (arrival->kind == service::Arrival::Kind::request &&
+        arrival->request.kind() == msg::REQUEST_STEP) {
+      step_by_request(*arrival);
+      inbox_.pop();
+      in_inbox_.pop_front();
+    } else {
+      engine_.handle(*arrival);
+      inbox_.pop();
+      count_arrivals();
+    }
+  }
+}
+
+void Bench::step_by_request(service::Arrival& arrival) {
+  std::uint32_t reason = engine_.check_step(arrival);
+  if (reason == msg::REASON_NONE &&
+      !engine_.has_arrived(arrival.request.session(), arrival.request.last_sequence())) {
+    reason = msg::REASON_MISSING_COMMANDS;
+  }
+  for (std::uint64_t tick = 0; reason == msg::REASON_NONE && tick < arrival.request.ticks();
+       ++tick) {
+    engine_.hear(arrival.request.session());
+    model_.hear(arrival.request.session());
+    engine_.step();
+    engine_.post_status();
+    after_tick();
+  }
+  engine_.answer_step(arrival, reason);
+  model_.expect_step_answer(arrival.request, reason);
+}
+
+/// What was shown of the tick against what the model and the watchers expect.
+void Bench::after_tick() {
+  happenings_.next_tick();
+  model_.begin_tick();
+  take_images();
+  if (sabotage_ == Sabotage::watchdog_sleeps) {
+    engine_.hear(last_session_);
+  }
+  const AxisBank& bank = engine_.bank();
+  for (std::size_t axis = 0; axis < watches_.size(); ++axis) {
+    const AxisStatus& status = image_.status[axis];
+    watches_[axis].check(status, bank.power_state(axis), model_.causes(axis),
+                         model_.registers(axis), model_.was_restored(), happenings_);
+    happenings_.add(static_cast<std::uint32_t>(status.position_demand_value) ^
+                    std::uint64_t{status.ds402_statusword} << 48U);
+    happenings_.add(static_cast<std::uint32_t>(status.load_position_actual_value) ^
+                    image_.owners[axis].session);
+  }
+  if (image_.tick != model_.tick()) {
+    happenings_.fail(Invariant::kCommanded, 0, "tick " + std::to_string(model_.tick()),
+                     "tick " + std::to_string(image_.tick));
+  }
+  model_.check_owners(image_.owners);
+  take_parameters();
+  model_.end_tick(image_.status);
+}
+
+void Bench::take_images() {
+  while (service::StatusImage* const image = outbox_.status.front()) {
+    if (sabotage_ != Sabotage::none && happenings_.tick() > kSabotageFrom) {
+      spoil(*image);
+    }
+    image_.tick = image->tick;
+    std::swap(image_.status, image->status);
+    std::swap(image_.owners, image->owners);
+    image->status.resize(watches_.size());
+    image->owners.resize(watches_.size());
+    outbox_.status.pop();
+  }
+}
+
+void Bench::take_events() {
+  while (const service::EventRecord* const event = outbox_.events.front()) {
+    happenings_.add(event->kind << 16U | event->axis);
+    if (event->kind != msg::EVENT_STATE_CHANGED && event->kind != msg::EVENT_REFUSED) {
+      happenings_.tell("event", {event->kind, event->axis, event->session, event->code});
+    }
+    model_.check(*event);
+    outbox_.events.pop();
+  }
+  model_.check_events();
+}
+
+/// Parameters are those of the tick: nothing has arrived since.
+void Bench::take_parameters() {
+  while (const msg::AxisParameters* const parameters = outbox_.parameters.front()) {
+    if (parameters->tick() == model_.tick()) {
+      model_.check(*parameters);
+    }
+    outbox_.parameters.pop();
+  }
+}
+
+void Bench::take_answers(const Mail& mail) {
+  while (const service::TurnedAway* const away = inbox_.turned_away().front()) {
+    --turned_away_;
+    happenings_.tell("is turned away", {away->session, away->sequence_number, away->request_id});
+    inbox_.turned_away().pop();
+  }
+  if (time_.now < answers_held_until_) {
+    return;
+  }
+  while (const service::OutgoingReply* const outgoing = outbox_.replies.front()) {
+    happenings_.tell("answers request", {outgoing->reply.client(), outgoing->reply.request_id(),
+                                         outgoing->reply.reason(), outgoing->reply.epoch()});
+    if (sabotage_ != Sabotage::forgets_an_answer || ++spoiled_ != 20) {
+      model_.check(outgoing->reply);
+    }
+    mail.reply(outgoing->reply);
+    outbox_.replies.pop();
+  }
+  while (const msg::CommandReply* const reply = outbox_.command_replies.front()) {
+    happenings_.tell("answers frame",
+                     {reply->session(), reply->sequence_number(), reply->tick(),
+                      reply->refusals().empty() ? 0 : reply->refusals().front().reason()});
+    model_.check(*reply);
+    if (sabotage_ == Sabotage::answers_twice && ++spoiled_ == 20) {
+      model_.check(*reply);
+    }
+    mail.command_reply(*reply);
+    outbox_.command_replies.pop();
+  }
+  model_.check_all_answered();
+}
+
+// ---- a service that is broken -----------------------------------------------------------------
+
+/// As if the first axis without power came back on its own.
+void Bench::enable_unasked() {
+  const auto rests = std::ranges::find_if(image_.status, [](const AxisStatus& status) {
+    return decode_power_state(status.ds402_statusword) == PowerState::switch_on_disabled;
+  });
+  if (rests == image_.status.end()) {
+    return;
+  }
+  const auto axis = rests - image_.status.begin();
+  const std::uint64_t owner = image_.owners[static_cast<std::size_t>(axis)].session;
+  msg::Request request;
+  request.client(1);
+  request.bench(configuration_.bench);
+  request.session(owner == 0 ? 1 : owner);
+  request.kind(msg::REQUEST_WRITE);
+  auto& object = request.objects().emplace_back();
+  object.axis(static_cast<std::uint16_t>(axis + 1));
+  object.index(0x6040);
+  object.value(0x000F);
+  inbox_.receive(request, {});
+}
+
+/// @return whether the letter reached the engine otherwise than it was sent.
+bool Bench::spoil(const Letter& letter) {
+  const auto* const sent = std::get_if<msg::CommandFrame>(&letter);
+  if (sabotage_ == Sabotage::none || sent == nullptr) {
+    return false;
+  }
+  msg::CommandFrame frame = *sent;
+  const auto held = std::ranges::find_if(image_.owners, [&](const wire::Ownership& owner) {
+    return owner.session == frame.session();
+  });
+  last_session_ = held != image_.owners.end() ? frame.session() : last_session_;
+  switch (sabotage_) {
+    case Sabotage::accepts_stale_epochs:
+      if (held == image_.owners.end() || frame.epoch() == held->epoch) {
+        return false;
+      }
+      frame.epoch(held->epoch);
+      break;
+    case Sabotage::accepts_old_incarnations:
+      frame.incarnation(incarnation_);
+      break;
+    case Sabotage::executes_doubles:
+      current_sequence_ = std::max(current_sequence_, frame.sequence_number()) + 1;
+      frame.sequence_number(current_sequence_);
+      break;
+    default:
+      return false;
+  }
+  inbox_.receive(frame, {});
+  return true;
+}
+
+/// Changes what the image says of the first axis that is in the state that it takes.
+void Bench::spoil(service::StatusImage& image) {
+  for (std::size_t axis = 0; axis < image.status.size(); ++axis) {
+    AxisStatus& status = image.status[axis];
+    const PowerState state = decode_power_state(status.ds402_statusword);
+    const bool runs = state == PowerState::operation_enabled && status.op_mode_actual == 1;
+    const bool rests = state == PowerState::switch_on_disabled;
+    switch (sabotage_) {
+      case Sabotage::motion_without_power:
+        status.velocity_demand_value += rests ? 100 : 0;
+        break;
+      case Sabotage::push_without_power:
+        status.load_velocity_actual_value +=
+            rests ? static_cast<std::int32_t>(happenings_.tick() % 512) : 0;
+        break;
+      case Sabotage::position_jump:
+        status.load_position_actual_value += runs ? 5'000 : 0;
+        break;
+      case Sabotage::speed_beyond_limit:
+        status.velocity_demand_value += runs ? 300'000 : 0;
+        break;
+      case Sabotage::torque_beyond_limit:
+        status.torque_demand = runs ? std::int16_t{3'100} : status.torque_demand;
+        break;
+      case Sabotage::error_code_without_fault:
+        status.error_code = rests ? 0x8130 : status.error_code;
+        break;
+      case Sabotage::wrong_state:
+        status.ds402_statusword ^= rests ? Statusword::kReadyToSwitchOn : 0U;
+        break;
+      case Sabotage::two_owners:
+        image.owners[axis].session += image.owners[axis].session != 0 ? 2 : 0;
+        break;
+      default:
+        break;
+    }
+  }
+}
+
+}  // namespace vdrive::simulation

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "simulation/axis_watch.hpp"
+#include "simulation/control_model.hpp"
+#include "simulation/happenings.hpp"
+#include "simulation/network.hpp"
+#include "vdrive/service/bench_engine.hpp"
+#include "vdrive/service/cycle_timer.hpp"
+#include "vdrive/service/freerun_driver.hpp"
+#include "vdrive/service/realtime_driver.hpp"
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+namespace vdrive::simulation {
+
+/// What a broken service would do; the checks must notice each.
+enum class Sabotage : std::uint8_t {
+  none,
+  motion_without_power,
+  push_without_power,
+  position_jump,
+  speed_beyond_limit,
+  torque_beyond_limit,
+  error_code_without_fault,
+  wrong_state,
+  resumes_by_itself,
+  two_owners,
+  accepts_stale_epochs,
+  accepts_old_incarnations,
+  executes_doubles,
+  forgets_an_answer,
+  answers_twice,
+  watchdog_sleeps,
+  watchdog_bites_early,
+  no_reaction_to_a_loss,
+};
+
+/// Time of the simulation, which passes only when the bench waits for it.
+class SimulatedTime final : public service::CycleTimer {
+ public:
+  static constexpr std::int64_t kWall = 1'000'000 * std::int64_t{1'000'000'000};
+
+  /// Called with the present time before the bench looks at what arrived.
+  void on_wake(std::function<void(std::int64_t)> wake) { wake_ = std::move(wake); }
+
+  [[nodiscard]] std::chrono::nanoseconds monotonic_now() noexcept override {
+    return std::chrono::nanoseconds{now};
+  }
+
+  [[nodiscard]] std::chrono::nanoseconds wall_now() noexcept override {
+    return std::chrono::nanoseconds{kWall + now};
+  }
+
+  void wait_until(std::chrono::nanoseconds deadline) noexcept override {
+    now = std::max(now, deadline.count()) + late;
+    late = 0;
+    wake_(now);
+  }
+
+  std::int64_t now = 0;
+  std::int64_t late = 0;  ///< the next wait returns this much after its time
+
+ private:
+  std::function<void(std::int64_t)> wake_;
+};
+
+/// What leaves the bench for its clients.
+struct Mail {
+  std::function<void(const msg::Reply&)> reply;
+  std::function<void(const msg::CommandReply&)> command_reply;
+};
+
+/// One run of the service, from its start to its end: the real engine with the real driver of its
+/// clock, what the model says of it, and who looks at its axes.
+class Bench {
+ public:
+  Bench(const service::Configuration& configuration, const std::vector<AxisLimits>& limits,
+        std::uint64_t incarnation, SimulatedTime& time, Sabotage sabotage, Happenings& happenings);
+
+  /// Puts the letter into the inbox, as the network does.
+  void receive(const Letter& letter);
+
+  /// One cycle of the driver, and the checks of what came of it.
+  void cycle(const Mail& mail);
+
+  /// Answers do not leave before `until`.
+  void hold_answers(std::int64_t until) { answers_held_until_ = until; }
+
+  [[nodiscard]] ControlModel& model() { return model_; }
+
+  [[nodiscard]] std::uint64_t incarnation() const { return incarnation_; }
+
+  [[nodiscard]] const service::StatusImage& image() const { return image_; }
+
+  [[nodiscard]] const service::Counters& counters() const { return counters_; }
+
+  [[nodiscard]] double rate() const { return engine_.rate(); }
+
+ private:
+  void count_arrivals();
+  void cycle_lockstep();
+  void step_by_request(service::Arrival& arrival);
+  void after_tick();
+  void take_images();
+  void spoil(service::StatusImage& image);
+  bool spoil(const Letter& letter);
+  void enable_unasked();
+  void take_events();
+  void take_parameters();
+  void take_answers(const Mail& mail);
+
+  const service::Configuration& configuration_;
+  std::uint64_t incarnation_;
+  SimulatedTime& time_;
+  Sabotage sabotage_;
+  Happenings& happenings_;
+  service::Counters counters_;
+  service::Inbox inbox_;
+  service::Outbox outbox_;
+  service::BenchEngine engine_;
+  std::optional<service::RealtimeDriver> realtime_;
+  std::optional<service::FreerunDriver> freerun_;
+  ControlModel model_;
+  std::vector<AxisWatch> watches_;
+  std::deque<Letter> in_inbox_;  ///< as they were sent
+  service::StatusImage image_;   ///< of the last tick
+  std::int64_t answers_held_until_ = 0;
+  std::uint64_t turned_away_ = 0;
+  std::uint64_t spoiled_ = 0;
+  std::uint64_t last_session_ = 0;
+  std::uint64_t current_sequence_ = 0;
+};
+
+}  // namespace vdrive::simulation

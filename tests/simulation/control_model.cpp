@@ -1,0 +1,864 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "simulation/control_model.hpp"
+
+#include "vdrive/cia402/power_state.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <sstream>
+
+namespace vdrive::simulation {
+namespace {
+
+constexpr std::uint32_t kLocalControl = 0x08000021;
+constexpr std::uint32_t kReadOnly = 0x06010002;
+constexpr std::uint32_t kNoObject = 0x06020000;
+constexpr std::uint32_t kNotInFrames = 0x06040041;
+constexpr std::uint32_t kOutOfRange = 0x06090030;
+constexpr std::uint16_t kHalt = 0x0100;
+constexpr std::size_t kMostWaiting = 1'024;
+constexpr std::size_t kMostSnapshots = 16;
+constexpr std::array<std::uint16_t, 5> kCommandObjects{0x6040, 0x6060, 0x607A, 0x60FF, 0x6071};
+constexpr std::array<std::int64_t, 6> kModes{0, 1, 3, 4, 6, 8};
+constexpr std::uint16_t kKnownMembers = 0x7F;
+constexpr std::uint32_t kKnownFlags = 7;
+
+bool is_command_object(std::uint16_t index) {
+  return std::ranges::find(kCommandObjects, index) != kCommandObjects.end();
+}
+
+bool is_test_input(std::uint16_t index) {
+  return index >= 0x5E00 && index <= 0x5E09;
+}
+
+/// What the actors ask for is one of these.
+std::uint32_t verdict(ObjectAddress address, std::int64_t value) {
+  switch (address.index) {
+    case 0x6041:
+      return kReadOnly;
+    case 0x2000:
+      return kNoObject;
+    case 0x6060:
+      return std::ranges::find(kModes, value) == kModes.end() ? kOutOfRange : 0;
+    default:
+      return 0;
+  }
+}
+
+template <typename... Parts>
+std::string text(const Parts&... parts) {
+  std::ostringstream stream;
+  (stream << ... << parts);
+  return stream.str();
+}
+
+}  // namespace
+
+std::string ControlModel::words_of(const FrameAnswer& answer) {
+  std::string words = text("answer to frame ", answer.sequence, " of session ", answer.session,
+                           " in tick ", answer.tick);
+  for (const Refused& refused : answer.refusals) {
+    words +=
+        text(", axis ", refused.axis, " object ", refused.index, " refused with ", refused.reason);
+  }
+  return words;
+}
+
+std::string ControlModel::words_of(const Answer& answer) {
+  return text("answer to request ", answer.request_id, " of client ", answer.client, " reason ",
+              answer.reason, " axis ", answer.refused_axis, " owner ", answer.owner, " epoch ",
+              answer.epoch, " last sequence ", answer.last_sequence);
+}
+
+std::string ControlModel::words_of(const Registers& registers) {
+  return text("6040h ", registers.controlword, " 6060h ", int{registers.mode}, " 607Ah ",
+              registers.target, " 6067h ", registers.stamp, " 6081h ", registers.velocity);
+}
+
+bool Registers::has_test_input() const {
+  return std::ranges::any_of(test_inputs, [](std::int64_t value) {
+    return value != 0;
+  });
+}
+
+ControlModel::ControlModel(const service::Configuration& configuration, std::uint64_t incarnation,
+                           Happenings& happenings)
+    : configuration_(configuration),
+      incarnation_(incarnation),
+      happenings_(happenings),
+      rate_(configuration.clock == service::ClockMode::realtime ? configuration.rate : 0.0),
+      axes_(configuration.axes.size()) {
+  count_watchdog();
+}
+
+// ---- who is there -----------------------------------------------------------------------------
+
+ControlModel::Axis* ControlModel::axis_of(std::uint16_t number) {
+  return number >= 1 && number <= axes_.size() ? &axes_[number - 1U] : nullptr;
+}
+
+ControlModel::Session* ControlModel::find(std::uint64_t session) {
+  const auto found = std::ranges::find(sessions_, session, &Session::id);
+  return session == 0 || found == sessions_.end() ? nullptr : &*found;
+}
+
+ControlModel::Session& ControlModel::find_or_add(std::uint64_t session) {
+  Session* const known = find(session);
+  return known != nullptr ? *known : sessions_.emplace_back(Session{.id = session, .heard = tick_});
+}
+
+bool ControlModel::owns_any(std::uint64_t session) const {
+  return std::ranges::any_of(axes_, [&](const Axis& axis) {
+    return axis.owner == session;
+  });
+}
+
+void ControlModel::renew(Session& session, bool revoked) {
+  if (revoked) {
+    revocations_->try_emplace({incarnation_, session.epoch}, happenings_.tick());
+  }
+  session.epoch = owns_any(session.id) ? ++last_epoch_ : 0;
+  for (Axis& axis : axes_) {
+    if (axis.owner == session.id) {
+      axis.epoch = session.epoch;
+    }
+  }
+}
+
+void ControlModel::hear(std::uint64_t session) {
+  if (Session* const known = find(session)) {
+    known->heard = tick_;
+  }
+}
+
+void ControlModel::expect_event(std::uint32_t kind, std::uint64_t session) {
+  ++events_[{kind, session}];
+}
+
+/// A master lives by the wall clock, so its time-out grows with the rate.
+void ControlModel::count_watchdog() {
+  const auto watchdog = effective_watchdog(configuration_);
+  if (watchdog) {
+    const double period = static_cast<double>(configuration_.period.count()) * 1e-3;
+    watchdog_ = static_cast<std::uint64_t>(
+        std::ceil(static_cast<double>(watchdog->count()) * std::max(rate_, 1.0) / period - 1e-9));
+  }
+}
+
+bool ControlModel::time_stands() const {
+  return configuration_.clock == service::ClockMode::lockstep ||
+         (configuration_.clock == service::ClockMode::realtime && rate_ == 0.0);
+}
+
+void ControlModel::jump(std::uint64_t ticks) {
+  tick_ += ticks;
+  for (Session& session : sessions_) {
+    session.heard += ticks;
+  }
+}
+
+// ---- frames that wait -------------------------------------------------------------------------
+
+template <typename Condition>
+void ControlModel::drop(Condition condition) {
+  for (auto place = waiting_.begin(); place != waiting_.end();) {
+    if (condition(place->frame)) {
+      refuse(place->frame, msg::REASON_CANCELLED);
+      place = waiting_.erase(place);
+    } else {
+      ++place;
+    }
+  }
+}
+
+void ControlModel::drop_of_session(std::uint64_t session) {
+  drop([&](const msg::CommandFrame& frame) {
+    return frame.session() == session;
+  });
+}
+
+void ControlModel::drop_of_axis(std::uint16_t number) {
+  drop([&](const msg::CommandFrame& frame) {
+    return std::ranges::any_of(frame.axes(), [&](const auto& command) {
+      return command.axis() == number;
+    });
+  });
+}
+
+void ControlModel::begin_tick() {
+  while (!waiting_.empty() && waiting_.front().tick <= tick_ + 1) {
+    const msg::CommandFrame frame = std::move(waiting_.front().frame);
+    waiting_.pop_front();
+    if (frame.valid_until_tick() != 0 && frame.valid_until_tick() <= tick_) {
+      refuse(frame, msg::REASON_TOO_LATE);
+    } else {
+      apply(frame);
+    }
+  }
+  for (Session& session : sessions_) {
+    if (watchdog_ != 0 && tick_ - session.heard > watchdog_ && owns_any(session.id)) {
+      lose(session);
+    }
+  }
+  ++tick_;
+}
+
+void ControlModel::lose(Session& session) {
+  for (Axis& axis : axes_) {
+    if (axis.owner == session.id) {
+      axis.owner = axis.epoch = 0;
+      axis.last_sequence = 0;
+      axis.causes.lost = true;
+    }
+  }
+  renew(session, true);
+  session.must_acquire = true;
+  drop_of_session(session.id);
+  ++lost_masters_;
+  expect_event(msg::EVENT_MASTER_LOST, session.id);
+}
+
+void ControlModel::end_tick(std::span<const AxisStatus> statuses) {
+  for (std::size_t index = 0; index < axes_.size(); ++index) {
+    const bool enabled =
+        decode_power_state(statuses[index].ds402_statusword) == PowerState::operation_enabled;
+    if (axes_[index].was_enabled && !enabled) {
+      drop_of_axis(static_cast<std::uint16_t>(index + 1));
+    }
+    axes_[index].was_enabled = enabled;
+    axes_[index].causes = {};
+  }
+  restored_ = false;
+}
+
+// ---- frames -----------------------------------------------------------------------------------
+
+void ControlModel::arrive(const msg::CommandFrame& frame) {
+  if (const std::uint32_t reason = judge(frame); reason != msg::REASON_NONE) {
+    refuse(frame, reason);
+    return;
+  }
+  if ((frame.flags() & msg::FRAME_CANCEL_PENDING) != 0) {
+    drop_of_session(frame.session());
+  }
+  if (frame.apply_at_tick() <= tick_ + 1) {
+    apply(frame);
+  } else if (waiting_.size() == kMostWaiting) {
+    refuse(frame, msg::REASON_QUEUE_FULL);
+  } else {
+    const auto place =
+        std::ranges::upper_bound(waiting_, frame.apply_at_tick(), {}, &Waiting::tick);
+    waiting_.insert(place, {frame.apply_at_tick(), frame});
+  }
+}
+
+std::uint32_t ControlModel::judge(const msg::CommandFrame& frame) {
+  if (frame.incarnation() != incarnation_) {
+    return msg::REASON_WRONG_INCARNATION;
+  }
+  if (frame.session() == 0) {
+    return msg::REASON_BAD_SESSION;
+  }
+  Session& session = find_or_add(frame.session());
+  session.heard = tick_;
+  if (frame.sequence_number() <= session.last_sequence) {
+    return msg::REASON_TOO_LATE;
+  }
+  session.last_sequence = frame.sequence_number();
+  if (session.epoch != frame.epoch()) {
+    return msg::REASON_STALE_EPOCH;
+  }
+  if (session.epoch == 0) {
+    return msg::REASON_NOT_OWNER;
+  }
+  return (frame.flags() & ~kKnownFlags) != 0 ? msg::REASON_UNKNOWN_FLAGS : judge_time(frame);
+}
+
+std::uint32_t ControlModel::judge_time(const msg::CommandFrame& frame) const {
+  const std::uint64_t next = tick_ + 1;
+  const std::uint64_t at = frame.apply_at_tick() == 0 ? next : frame.apply_at_tick();
+  const auto furthest =
+      static_cast<std::uint64_t>(std::chrono::seconds{10} / configuration_.period);
+  if (at < next ||
+      (frame.valid_until_tick() != 0 && at <= tick_ + furthest && frame.valid_until_tick() < at)) {
+    return msg::REASON_TOO_LATE;
+  }
+  return at > tick_ + furthest ? msg::REASON_TOO_FAR_AHEAD : msg::REASON_NONE;
+}
+
+void ControlModel::refuse(const msg::CommandFrame& frame, std::uint32_t reason) {
+  ++refused_frames_;
+  frame_answers_.push_back({.session = frame.session(),
+                            .sequence = frame.sequence_number(),
+                            .tick = tick_ + 1,
+                            .is_wanted = true,
+                            .refusals = {{.reason = reason}}});
+}
+
+void ControlModel::apply(const msg::CommandFrame& frame) {
+  FrameAnswer answer{.session = frame.session(),
+                     .sequence = frame.sequence_number(),
+                     .tick = tick_ + 1,
+                     .is_wanted = (frame.flags() & msg::FRAME_WANT_REPLY) != 0,
+                     .refusals = {}};
+  std::set<std::uint16_t> named;
+  std::vector<const msg::AxisCommand*> commands;
+  for (const auto& command : frame.axes()) {
+    const std::uint32_t reason = judge_command(command, frame.session(), named);
+    if (reason == msg::REASON_NONE) {
+      commands.push_back(&command);
+    } else {
+      answer.refusals.push_back({.axis = command.axis(), .reason = reason});
+    }
+  }
+  if ((frame.flags() & msg::FRAME_ALL_OR_NOTHING) == 0) {
+    for (const auto* const command : commands) {
+      write_members(*command, answer);
+      write_controlword(*command, frame.sequence_number());
+    }
+  } else if (answer.refusals.empty()) {
+    const std::vector<Axis> before = axes_;
+    for (const auto* const command : commands) {
+      write_members(*command, answer);
+    }
+    if (!answer.refusals.empty()) {
+      axes_ = before;
+    }
+    for (const auto* const command : commands) {
+      if (answer.refusals.empty()) {
+        write_controlword(*command, frame.sequence_number());
+      }
+    }
+  }
+  answer.is_wanted = answer.is_wanted || !answer.refusals.empty();
+  frame_answers_.push_back(std::move(answer));
+}
+
+std::uint32_t ControlModel::judge_command(const msg::AxisCommand& command, std::uint64_t session,
+                                          std::set<std::uint16_t>& named) {
+  const Axis* const axis = axis_of(command.axis());
+  if (axis == nullptr) {
+    return msg::REASON_UNKNOWN_AXIS;
+  }
+  if (!named.insert(command.axis()).second) {
+    return msg::REASON_AXIS_TWICE;
+  }
+  if (axis->owner != session) {
+    return msg::REASON_NOT_OWNER;
+  }
+  return (command.members() & ~kKnownMembers) != 0 ? msg::REASON_UNKNOWN_MEMBERS : msg::REASON_NONE;
+}
+
+bool ControlModel::write_members(const msg::AxisCommand& command, FrameAnswer& answer) {
+  Axis& axis = *axis_of(command.axis());
+  const auto put = [&](ObjectAddress address, std::int64_t value) {
+    const std::uint32_t code =
+        address.index == 0x6040 ? kNotInFrames : write(axis, command.axis(), address, value);
+    if (code != 0) {
+      answer.refusals.push_back({command.axis(), address.index, address.subindex, code});
+    }
+  };
+  if ((command.members() & msg::HAS_OP_MODE_CMD) != 0) {
+    put({0x6060, 0}, command.op_mode_cmd());
+  }
+  if ((command.members() & msg::HAS_POSITION_USER_TARGET_VALUE) != 0) {
+    put({0x607A, 0}, command.position_user_target_value());
+  }
+  if ((command.members() & msg::HAS_PROFILE_VELOCITY) != 0) {
+    put({0x6081, 0}, command.profile_velocity());
+  }
+  for (const auto& object : command.objects()) {
+    put({object.index(), object.subindex()}, object.value());
+  }
+  return answer.refusals.empty();
+}
+
+void ControlModel::write_controlword(const msg::AxisCommand& command, std::uint64_t sequence) {
+  Axis& axis = *axis_of(command.axis());
+  ++commands_;
+  if ((command.members() & msg::HAS_DS402_CONTROLWORD) != 0) {
+    write(axis, command.axis(), {0x6040, 0}, command.ds402_controlword());
+  }
+  axis.last_sequence = sequence;
+}
+
+std::uint32_t ControlModel::write(Axis& axis, std::uint16_t number, ObjectAddress address,
+                                  std::int64_t value) {
+  if (const std::uint32_t code = verdict(address, value); code != 0) {
+    return code;
+  }
+  Registers& registers = axis.registers;
+  switch (address.index) {
+    case 0x6040: {
+      const bool halts = (value & kHalt) != 0 && (registers.controlword & kHalt) == 0;
+      registers.controlword = static_cast<std::uint16_t>(value);
+      axis.causes.commanded = true;
+      if (halts) {
+        drop_of_axis(number);
+      }
+      break;
+    }
+    case 0x6060:
+      registers.mode = static_cast<std::int8_t>(value);
+      break;
+    case 0x607A:
+      registers.target = static_cast<std::int32_t>(value);
+      break;
+    case 0x6067:
+      registers.stamp = static_cast<std::uint32_t>(value);
+      break;
+    case 0x6081:
+      registers.velocity = static_cast<std::uint32_t>(value);
+      break;
+    default:
+      if (is_test_input(address.index)) {
+        registers.test_inputs[address.index - 0x5E00U] = value;
+      }
+      break;
+  }
+  return 0;
+}
+
+// ---- requests ---------------------------------------------------------------------------------
+
+void ControlModel::arrive(const msg::Request& request) {
+  Answer answer;
+  std::uint32_t reason = msg::REASON_NONE;
+  if (request.client() == 0) {
+    reason = msg::REASON_BAD_SESSION;
+  } else if (request.incarnation() != 0 && request.incarnation() != incarnation_) {
+    reason = msg::REASON_WRONG_INCARNATION;
+  } else {
+    hear(request.session());
+    reason = carry_out(request, answer);
+  }
+  finish(request, reason, answer);
+}
+
+void ControlModel::expect_step_answer(const msg::Request& request, std::uint32_t reason) {
+  Answer answer;
+  finish(request, reason, answer);
+}
+
+void ControlModel::finish(const msg::Request& request, std::uint32_t reason, Answer& answer) {
+  const Session* const session = find(request.session());
+  answer.client = request.client();
+  answer.request_id = request.request_id();
+  answer.reason = reason;
+  answer.epoch = session == nullptr ? 0 : session->epoch;
+  answer.last_sequence = session == nullptr ? 0 : session->last_sequence;
+  answers_.push_back(std::move(answer));
+}
+
+std::uint32_t ControlModel::carry_out(const msg::Request& request, Answer& answer) {
+  switch (request.kind()) {
+    case msg::REQUEST_READ:
+      return read_objects(request, answer);
+    case msg::REQUEST_WRITE:
+      return write_objects(request, answer);
+    case msg::REQUEST_ACQUIRE:
+      return take(request, false, answer);
+    case msg::REQUEST_TAKE_OVER:
+      return take(request, true, answer);
+    case msg::REQUEST_RELEASE:
+      return release(request, answer);
+    case msg::REQUEST_POWER_CYCLE:
+      return power_cycle(request, answer);
+    case msg::REQUEST_SET_RATE:
+      return set_rate(request);
+    case msg::REQUEST_TAKE_SNAPSHOT:
+    case msg::REQUEST_RESTORE_SNAPSHOT:
+    case msg::REQUEST_DROP_SNAPSHOT:
+      return snapshot(request, answer);
+    case msg::REQUEST_STEP:
+    case msg::REQUEST_JOIN_CLOCK:
+    case msg::REQUEST_LEAVE_CLOCK:
+      return msg::REASON_WRONG_CLOCK_MODE;
+    default:
+      return msg::REASON_UNKNOWN_KIND;
+  }
+}
+
+/// The first axis that a refusal speaks of, and who holds it.
+void ControlModel::name_axis(std::uint16_t number, Answer& answer) {
+  if (answer.refused_axis == 0) {
+    answer.refused_axis = number;
+    const Axis* const axis = axis_of(number);
+    answer.owner = axis == nullptr ? 0 : axis->owner;
+  }
+}
+
+std::uint32_t ControlModel::read_objects(const msg::Request& request, Answer& answer) {
+  std::uint32_t reason = request.objects().empty() ? msg::REASON_NOTHING_DONE : msg::REASON_NONE;
+  for (const auto& object : request.objects()) {
+    const Axis* const axis = axis_of(object.axis());
+    answer.values.emplace_back();
+    if (axis == nullptr) {
+      reason = msg::REASON_UNKNOWN_AXIS;
+      answer.codes.push_back(reason);
+      name_axis(object.axis(), answer);
+      continue;
+    }
+    answer.codes.push_back(object.index() == 0x2000 ? kNoObject : 0);
+    if (object.index() == 0x607A) {
+      answer.values.back() = axis->registers.target;
+    } else if (object.index() == 0x6067) {
+      answer.values.back() = axis->registers.stamp;
+    }
+  }
+  return reason;
+}
+
+std::uint32_t ControlModel::write_objects(const msg::Request& request, Answer& answer) {
+  std::uint32_t reason = request.objects().empty() ? msg::REASON_NOTHING_DONE : msg::REASON_NONE;
+  for (const auto& object : request.objects()) {
+    const std::uint32_t code = write_object(object, request.session());
+    answer.codes.push_back(code);
+    answer.values.emplace_back();
+    if (code == msg::REASON_UNKNOWN_AXIS) {
+      reason = code;
+    }
+    if (code == msg::REASON_UNKNOWN_AXIS || code == kLocalControl) {
+      name_axis(object.axis(), answer);
+    }
+  }
+  return reason;
+}
+
+std::uint32_t ControlModel::write_object(const msg::ObjectAccess& object, std::uint64_t session) {
+  Axis* const axis = axis_of(object.axis());
+  if (axis == nullptr) {
+    return msg::REASON_UNKNOWN_AXIS;
+  }
+  const bool is_strange = axis->owner != 0 && axis->owner != session;
+  if (is_strange && !is_test_input(object.index())) {
+    return kLocalControl;
+  }
+  const ObjectAddress address{object.index(), object.subindex()};
+  if (axis->owner != 0 || !is_command_object(object.index())) {
+    return write(*axis, object.axis(), address, object.value());
+  }
+  if (session == 0) {
+    return kLocalControl;
+  }
+  Session& record = find_or_add(session);
+  if (record.must_acquire) {
+    return msg::REASON_STALE_EPOCH;
+  }
+  const std::uint32_t code = write(*axis, object.axis(), address, object.value());
+  if (code == 0) {
+    axis->owner = session;
+    axis->last_sequence = 0;
+    renew(record, false);
+    record.heard = tick_;
+    expect_event(msg::EVENT_CONTROL_CHANGED, session);
+  }
+  return code;
+}
+
+std::uint32_t ControlModel::refuse_strangers(const msg::Request& request, bool by_force,
+                                             Answer& answer) {
+  if (request.axes().empty()) {
+    return msg::REASON_NOTHING_DONE;
+  }
+  for (const std::uint16_t number : request.axes()) {
+    const Axis* const axis = axis_of(number);
+    const bool is_strange =
+        axis != nullptr && axis->owner != 0 && axis->owner != request.session() && !by_force;
+    if (axis == nullptr || is_strange) {
+      name_axis(number, answer);
+      return axis == nullptr ? std::uint32_t{msg::REASON_UNKNOWN_AXIS} : kLocalControl;
+    }
+  }
+  return msg::REASON_NONE;
+}
+
+std::uint32_t ControlModel::take(const msg::Request& request, bool by_force, Answer& answer) {
+  if (request.session() == 0) {
+    return msg::REASON_BAD_SESSION;
+  }
+  if (const auto reason = refuse_strangers(request, by_force, answer); reason != 0) {
+    return reason;
+  }
+  find_or_add(request.session());
+  bool gained = false;
+  for (const std::uint16_t number : request.axes()) {
+    Axis& axis = *axis_of(number);
+    if (axis.owner == request.session()) {
+      continue;
+    }
+    if (Session* const loser = find(axis.owner)) {
+      axis.owner = 0;
+      renew(*loser, true);
+      loser->must_acquire = true;
+      drop_of_session(loser->id);
+      expect_event(msg::EVENT_CONTROL_CHANGED, loser->id);
+    }
+    axis.owner = request.session();
+    axis.last_sequence = 0;
+    gained = true;
+  }
+  Session& session = find_or_add(request.session());
+  session.heard = tick_;
+  session.must_acquire = false;
+  if (gained) {
+    renew(session, false);
+    expect_event(msg::EVENT_CONTROL_CHANGED, session.id);
+  }
+  return msg::REASON_NONE;
+}
+
+std::uint32_t ControlModel::release(const msg::Request& request, Answer& answer) {
+  if (request.session() == 0) {
+    return msg::REASON_BAD_SESSION;
+  }
+  if (!owns_any(request.session())) {
+    return msg::REASON_NOTHING_DONE;
+  }
+  for (const std::uint16_t number : request.axes()) {
+    const Axis* const axis = axis_of(number);
+    if (axis == nullptr || axis->owner != request.session()) {
+      name_axis(number, answer);
+      return axis == nullptr ? msg::REASON_UNKNOWN_AXIS : msg::REASON_NOT_OWNER;
+    }
+  }
+  for (std::size_t index = 0; index < axes_.size(); ++index) {
+    const bool named = request.axes().empty() ||
+                       std::ranges::find(request.axes(), index + 1) != request.axes().end();
+    if (named && axes_[index].owner == request.session()) {
+      axes_[index].owner = axes_[index].epoch = 0;
+      axes_[index].last_sequence = 0;
+    }
+  }
+  renew(*find(request.session()), true);
+  drop_of_session(request.session());
+  expect_event(msg::EVENT_CONTROL_CHANGED, request.session());
+  return msg::REASON_NONE;
+}
+
+std::uint32_t ControlModel::power_cycle(const msg::Request& request, Answer& answer) {
+  if (const auto reason = refuse_strangers(request, false, answer); reason != 0) {
+    return reason;
+  }
+  for (const std::uint16_t number : request.axes()) {
+    Axis& axis = *axis_of(number);
+    drop_of_axis(number);
+    const auto test_inputs = axis.registers.test_inputs;
+    axis.registers = {};
+    axis.registers.test_inputs = test_inputs;
+    axis.causes.cycled = true;
+  }
+  return msg::REASON_NONE;
+}
+
+std::uint32_t ControlModel::set_rate(const msg::Request& request) {
+  if (configuration_.clock != service::ClockMode::realtime) {
+    return msg::REASON_WRONG_CLOCK_MODE;
+  }
+  const double rate = request.rate();
+  if (rate != 0.0 && !(rate >= 0.1 && rate <= 100.0)) {
+    return msg::REASON_OUT_OF_RANGE;
+  }
+  if (rate != rate_) {
+    rate_ = rate;
+    count_watchdog();
+    for (Session& session : sessions_) {
+      session.heard = tick_;
+    }
+  }
+  return msg::REASON_NONE;
+}
+
+std::uint32_t ControlModel::snapshot(const msg::Request& request, Answer& answer) {
+  if (!time_stands()) {
+    return msg::REASON_TIME_PASSES;
+  }
+  if (request.kind() == msg::REQUEST_TAKE_SNAPSHOT) {
+    if (snapshots_.size() == kMostSnapshots) {
+      return msg::REASON_QUEUE_FULL;
+    }
+    auto& kept = snapshots_[++last_snapshot_];
+    for (const Axis& axis : axes_) {
+      kept.push_back(axis.registers);
+    }
+    return msg::REASON_NONE;
+  }
+  const auto kept = snapshots_.find(request.snapshot());
+  if (kept == snapshots_.end()) {
+    return msg::REASON_UNKNOWN_SNAPSHOT;
+  }
+  if (request.kind() == msg::REQUEST_DROP_SNAPSHOT) {
+    snapshots_.erase(kept);
+    return msg::REASON_NONE;
+  }
+  for (std::size_t index = 0; index < axes_.size(); ++index) {
+    if (axes_[index].owner != 0 && axes_[index].owner != request.session()) {
+      name_axis(static_cast<std::uint16_t>(index + 1), answer);
+      return kLocalControl;
+    }
+  }
+  drop([](const msg::CommandFrame&) {
+    return true;
+  });
+  for (std::size_t index = 0; index < axes_.size(); ++index) {
+    axes_[index].registers = kept->second[index];
+  }
+  restored_ = true;
+  return msg::REASON_NONE;
+}
+
+// ---- what the bench says ----------------------------------------------------------------------
+
+void ControlModel::check(const msg::CommandReply& reply) {
+  FrameAnswer seen{.session = reply.session(),
+                   .sequence = reply.sequence_number(),
+                   .tick = reply.tick(),
+                   .is_wanted = reply.ignored_set_points().empty(),
+                   .refusals = {}};
+  for (const auto& refusal : reply.refusals()) {
+    seen.refusals.push_back(
+        {refusal.axis(), refusal.index(), refusal.subindex(), refusal.reason()});
+  }
+  // Without a refusal an answer that was not wanted comes only when a set-point was ignored.
+  const auto is_due = [&](const FrameAnswer& due) {
+    return due.session == seen.session && due.sequence == seen.sequence && due.tick == seen.tick &&
+           due.refusals == seen.refusals && (due.is_wanted || !seen.is_wanted);
+  };
+  while (!frame_answers_.empty() && !frame_answers_.front().is_wanted &&
+         !is_due(frame_answers_.front())) {
+    frame_answers_.pop_front();
+  }
+  if (frame_answers_.empty()) {
+    happenings_.fail(Invariant::kAnswered, 0, "no further answer to a frame", words_of(seen));
+    return;
+  }
+  if (!is_due(frame_answers_.front())) {
+    happenings_.fail(Invariant::kAnswered, 0, words_of(frame_answers_.front()), words_of(seen));
+  }
+  frame_answers_.pop_front();
+}
+
+void ControlModel::check(const msg::Reply& reply) {
+  const Answer seen{.client = reply.client(),
+                    .request_id = reply.request_id(),
+                    .reason = reply.reason(),
+                    .refused_axis = reply.refused_axis(),
+                    .owner = reply.owner_session(),
+                    .epoch = reply.epoch(),
+                    .last_sequence = reply.last_sequence(),
+                    .codes = {},
+                    .values = {}};
+  if (answers_.empty()) {
+    happenings_.fail(Invariant::kAnswered, 0, "no further answer to a request", words_of(seen));
+    return;
+  }
+  const Answer due = std::move(answers_.front());
+  answers_.pop_front();
+  if (head_of(due) != head_of(seen)) {
+    happenings_.fail(Invariant::kAnswered, due.refused_axis, words_of(due), words_of(seen));
+    return;
+  }
+  check_objects(due, reply);
+}
+
+void ControlModel::check_objects(const Answer& due, const msg::Reply& reply) {
+  for (std::size_t place = 0; place < due.codes.size(); ++place) {
+    const bool is_there = place < reply.objects().size();
+    const std::uint32_t code = is_there ? reply.objects()[place].abort_code() : 0;
+    if (!is_there || code != due.codes[place]) {
+      happenings_.fail(Invariant::kAnswered, is_there ? reply.objects()[place].axis() : 0,
+                       text("object ", place, " code ", due.codes[place]), text("code ", code));
+    } else if (due.values[place] && reply.objects()[place].value() != *due.values[place]) {
+      happenings_.fail(Invariant::kCommanded, reply.objects()[place].axis(),
+                       text("reads ", *due.values[place]),
+                       text("reads ", reply.objects()[place].value()));
+    }
+  }
+}
+
+void ControlModel::check_stamp(std::uint16_t axis, std::uint32_t stamp) {
+  if (stamp < kFirstStamp || stamp - kFirstStamp >= stamps_->size()) {
+    return;
+  }
+  const Stamped& command = (*stamps_)[stamp - kFirstStamp];
+  if (command.incarnation != 0 && command.incarnation != incarnation_) {
+    happenings_.fail(Invariant::kRevoked, axis, text("commands for incarnation ", incarnation_),
+                     text("one for ", command.incarnation));
+  }
+  const auto revoked = revocations_->find({command.incarnation, command.epoch});
+  const bool stays = stamp == axes_[axis - 1U].registers.stamp;  // executed while it was current
+  if (command.epoch != 0 && revoked != revocations_->end() && !stays) {
+    happenings_.fail(Invariant::kRevoked, axis,
+                     text("epoch ", command.epoch, " ended in tick ", revoked->second),
+                     text("its command ", stamp, " of session ", command.session, " is in force"));
+  }
+}
+
+void ControlModel::check(const msg::AxisParameters& parameters) {
+  const std::uint16_t axis = parameters.axis();
+  check_stamp(axis, parameters.position_target_reached_window());
+  const Registers& due = axes_[axis - 1U].registers;
+  const Registers seen{.controlword = parameters.ds402_controlword(),
+                       .mode = parameters.op_mode_cmd(),
+                       .target = parameters.position_user_target_value(),
+                       .stamp = parameters.position_target_reached_window(),
+                       .velocity = parameters.profile_velocity(),
+                       .test_inputs = due.test_inputs};
+  if (seen != due) {
+    happenings_.fail(Invariant::kCommanded, axis, words_of(due), words_of(seen));
+  }
+}
+
+void ControlModel::check(const service::EventRecord& event) {
+  if (event.kind == msg::EVENT_MASTER_LOST || event.kind == msg::EVENT_CONTROL_CHANGED) {
+    --events_[{event.kind, event.session}];
+  }
+}
+
+void ControlModel::check_events() {
+  for (const auto& [what, balance] : events_) {
+    if (balance != 0) {
+      const bool is_loss = what.first == msg::EVENT_MASTER_LOST;
+      happenings_.fail(is_loss ? Invariant::kWatchdog : Invariant::kOwner, 0,
+                       text(balance > 0 ? "an" : "no", " event of kind ", what.first,
+                            " about session ", what.second),
+                       text(-balance, " too many"));
+    }
+  }
+  events_.clear();
+}
+
+void ControlModel::check_owners(std::span<const wire::Ownership> owners) {
+  for (std::size_t index = 0; index < axes_.size(); ++index) {
+    const Axis& due = axes_[index];
+    const wire::Ownership& seen = owners[index];
+    if (due.owner != seen.session || due.epoch != seen.epoch ||
+        due.last_sequence != seen.last_sequence) {
+      happenings_.fail(
+          Invariant::kOwner, index + 1,
+          text("session ", due.owner, " epoch ", due.epoch, " frame ", due.last_sequence),
+          text("session ", seen.session, " epoch ", seen.epoch, " frame ", seen.last_sequence));
+    }
+  }
+}
+
+void ControlModel::check_all_answered() {
+  while (!frame_answers_.empty() && !frame_answers_.front().is_wanted) {
+    frame_answers_.pop_front();
+  }
+  if (!frame_answers_.empty()) {
+    const FrameAnswer& due = frame_answers_.front();
+    happenings_.fail(Invariant::kAnswered, 0,
+                     text("an answer to frame ", due.sequence, " of session ", due.session),
+                     "none");
+  }
+  if (!answers_.empty()) {
+    happenings_.fail(Invariant::kAnswered, 0,
+                     text("an answer to request ", answers_.front().request_id, " of client ",
+                          answers_.front().client),
+                     "none");
+  }
+}
+
+}  // namespace vdrive::simulation

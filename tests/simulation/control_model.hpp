@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "simulation/happenings.hpp"
+#include "simulation/network.hpp"
+#include "vdrive/service/configuration.hpp"
+#include "vdrive/service/queues.hpp"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <tuple>
+#include <vector>
+
+namespace vdrive::simulation {
+
+/// Numbers of stamps begin here: a command writes one to 6067h, so that the parameters of an axis
+/// show which command was executed there last.
+inline constexpr std::uint32_t kFirstStamp = 1'000'000;
+
+/// Registers of an axis that the actors write.
+struct Registers {
+  std::uint16_t controlword = 0;
+  std::int8_t mode = 0;
+  std::int32_t target = 0;
+  std::uint32_t stamp = 100;        ///< 6067h, with its default
+  std::uint32_t velocity = 68'267;  ///< 6081h, with its default
+  std::array<std::int64_t, 10> test_inputs{};
+
+  bool operator==(const Registers&) const = default;
+
+  [[nodiscard]] bool has_test_input() const;
+};
+
+/// What happened to an axis since the tick before.
+struct AxisCauses {
+  bool commanded = false;  ///< a controlword was written
+  bool cycled = false;
+  bool lost = false;  ///< its master fell silent
+};
+
+/// Who commands which axis, and what becomes of each letter: an account of its own of what
+/// docs/network-interface.md promises, by what arrived. It predicts every answer, owner and
+/// register; what the bench says is held against that.
+class ControlModel {
+ public:
+  /// What a stamp stands for.
+  struct Stamped {
+    std::uint64_t incarnation = 0;  ///< 0 = any
+    std::uint64_t session = 0;
+    std::uint32_t epoch = 0;  ///< 0 = written by a request
+  };
+
+  /// Ticks of the seed in which an epoch was revoked, by incarnation and epoch.
+  using Revocations = std::map<std::pair<std::uint64_t, std::uint32_t>, std::uint64_t>;
+
+  /// Stamps of all runs of the service; the stamp is the place plus kFirstStamp.
+  void use(const std::vector<Stamped>& stamps, Revocations& revocations) {
+    stamps_ = &stamps;
+    revocations_ = &revocations;
+  }
+
+  ControlModel(const service::Configuration& configuration, std::uint64_t incarnation,
+               Happenings& happenings);
+
+  void start_at(std::uint64_t tick) { tick_ = tick; }
+
+  /// The bench takes this letter now.
+  void arrive(const msg::CommandFrame& frame);
+  void arrive(const msg::Request& request);
+  void hear(std::uint64_t session);
+
+  /// The answer to a step that was carried out or refused.
+  void expect_step_answer(const msg::Request& request, std::uint32_t reason);
+
+  void jump(std::uint64_t ticks);
+
+  /// The first half of a tick: frames that are due, silent masters.
+  void begin_tick();
+
+  /// The second half: what the axes did.
+  void end_tick(std::span<const AxisStatus> statuses);
+
+  /// What the bench says.
+  void check(const msg::CommandReply& reply);
+  void check(const msg::Reply& reply);
+  void check(const msg::AxisParameters& parameters);
+  void check(const service::EventRecord& event);
+  void check_owners(std::span<const wire::Ownership> owners);
+  /// Every answer that was due has been checked, and every event.
+  void check_all_answered();
+  void check_events();
+
+  [[nodiscard]] std::uint64_t tick() const { return tick_; }
+
+  [[nodiscard]] const Registers& registers(std::size_t axis) const { return axes_[axis].registers; }
+
+  [[nodiscard]] const AxisCauses& causes(std::size_t axis) const { return axes_[axis].causes; }
+
+  [[nodiscard]] bool was_restored() const { return restored_; }
+
+  [[nodiscard]] std::uint64_t lost_masters() const { return lost_masters_; }
+
+  [[nodiscard]] std::uint64_t refused_frames() const { return refused_frames_; }
+
+  [[nodiscard]] std::uint64_t commands() const { return commands_; }
+
+ private:
+  struct Axis {
+    std::uint64_t owner = 0;
+    std::uint32_t epoch = 0;
+    std::uint64_t last_sequence = 0;
+    bool was_enabled = false;
+    Registers registers;
+    AxisCauses causes;
+  };
+
+  struct Session {
+    std::uint64_t id = 0;
+    std::uint32_t epoch = 0;
+    std::uint64_t heard = 0;
+    std::uint64_t last_sequence = 0;
+    bool must_acquire = false;
+  };
+
+  struct Waiting {
+    std::uint64_t tick = 0;
+    msg::CommandFrame frame;
+  };
+
+  struct Refused {
+    std::uint16_t axis = 0;
+    std::uint16_t index = 0;
+    std::uint8_t subindex = 0;
+    std::uint32_t reason = 0;
+
+    bool operator==(const Refused&) const = default;
+  };
+
+  struct FrameAnswer {
+    std::uint64_t session = 0;
+    std::uint64_t sequence = 0;
+    std::uint64_t tick = 0;
+    bool is_wanted = false;
+    std::vector<Refused> refusals;
+  };
+
+  struct Answer {
+    std::uint64_t client = 0;
+    std::uint64_t request_id = 0;
+    std::uint32_t reason = 0;
+    std::uint16_t refused_axis = 0;
+    std::uint64_t owner = 0;
+    std::uint32_t epoch = 0;
+    std::uint64_t last_sequence = 0;
+    std::vector<std::uint32_t> codes;
+    std::vector<std::optional<std::int64_t>> values;
+  };
+
+  static auto head_of(const Answer& answer) {
+    return std::tie(answer.client, answer.request_id, answer.reason, answer.refused_axis,
+                    answer.owner, answer.epoch, answer.last_sequence);
+  }
+
+  static std::string words_of(const FrameAnswer& answer);
+  static std::string words_of(const Answer& answer);
+  static std::string words_of(const Registers& registers);
+  void check_stamp(std::uint16_t axis, std::uint32_t stamp);
+  void check_objects(const Answer& due, const msg::Reply& reply);
+  Axis* axis_of(std::uint16_t number);
+  Session* find(std::uint64_t session);
+  Session& find_or_add(std::uint64_t session);
+  bool owns_any(std::uint64_t session) const;
+  void renew(Session& session, bool revoked);
+  void lose(Session& session);
+  template <typename Condition>
+  void drop(Condition condition);
+  void drop_of_session(std::uint64_t session);
+  void drop_of_axis(std::uint16_t number);
+  void expect_event(std::uint32_t kind, std::uint64_t session);
+
+  std::uint32_t judge(const msg::CommandFrame& frame);
+  std::uint32_t judge_time(const msg::CommandFrame& frame) const;
+  void refuse(const msg::CommandFrame& frame, std::uint32_t reason);
+  void apply(const msg::CommandFrame& frame);
+  std::uint32_t judge_command(const msg::AxisCommand& command, std::uint64_t session,
+                              std::set<std::uint16_t>& named);
+  bool write_members(const msg::AxisCommand& command, FrameAnswer& answer);
+  void write_controlword(const msg::AxisCommand& command, std::uint64_t sequence);
+  std::uint32_t write(Axis& axis, std::uint16_t number, ObjectAddress address, std::int64_t value);
+
+  std::uint32_t carry_out(const msg::Request& request, Answer& answer);
+  std::uint32_t read_objects(const msg::Request& request, Answer& answer);
+  std::uint32_t write_objects(const msg::Request& request, Answer& answer);
+  std::uint32_t write_object(const msg::ObjectAccess& object, std::uint64_t session);
+  std::uint32_t take(const msg::Request& request, bool by_force, Answer& answer);
+  std::uint32_t release(const msg::Request& request, Answer& answer);
+  std::uint32_t power_cycle(const msg::Request& request, Answer& answer);
+  std::uint32_t set_rate(const msg::Request& request);
+  std::uint32_t snapshot(const msg::Request& request, Answer& answer);
+  std::uint32_t refuse_strangers(const msg::Request& request, bool by_force, Answer& answer);
+  void name_axis(std::uint16_t number, Answer& answer);
+  void finish(const msg::Request& request, std::uint32_t reason, Answer& answer);
+  bool time_stands() const;
+  void count_watchdog();
+
+  const service::Configuration& configuration_;
+  std::uint64_t incarnation_;
+  Happenings& happenings_;
+  std::uint64_t tick_ = 0;
+  double rate_;
+  std::uint64_t watchdog_ = 0;  ///< [ticks], 0 = off
+  std::uint32_t last_epoch_ = 0;
+  std::vector<Axis> axes_;
+  std::vector<Session> sessions_;
+  std::deque<Waiting> waiting_;
+  std::deque<FrameAnswer> frame_answers_;
+  std::deque<Answer> answers_;
+  std::map<std::pair<std::uint32_t, std::uint64_t>, int> events_;  ///< by kind and session
+  std::map<std::uint64_t, std::vector<Registers>> snapshots_;
+  std::uint64_t last_snapshot_ = 0;
+  bool restored_ = false;
+  std::uint64_t lost_masters_ = 0;
+  std::uint64_t refused_frames_ = 0;
+  std::uint64_t commands_ = 0;
+
+  const std::vector<Stamped>* stamps_ = nullptr;
+  Revocations* revocations_ = nullptr;
+};
+
+}  // namespace vdrive::simulation

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "simulation/bench.hpp"
+#include "simulation/master.hpp"
+#include "simulation/network.hpp"
+#include "simulation/random.hpp"
+
+#include <cstdint>
+#include <vector>
+
+namespace vdrive::simulation {
+
+/// What happens to the bench beside its masters.
+struct Disturbances {
+  bool restarts = true;    ///< of the service
+  bool test_bench = true;  ///< inputs 5E00h to 5E09h, power cycles, snapshots, the rate
+  bool host = true;        ///< a clock that stalls, answers that leave late, floods
+};
+
+/// The test bench and the host: disturbs axes and heals them, cycles their power, takes and
+/// restores snapshots, pauses time; lets the clock stall, the network flood and the service
+/// restart.
+class Disturber {
+ public:
+  Disturber(std::size_t place, const Disturbances& which, std::uint64_t seed,
+            Happenings& happenings);
+
+  [[nodiscard]] std::int64_t next_action() const { return next_; }
+
+  /// Does one thing.
+  void act(const View& view, Bench& bench, SimulatedTime& time, Post& post);
+
+  void on(const msg::Reply& reply);
+
+  /// @return whether the service is to be restarted now; asked once.
+  [[nodiscard]] bool wants_restart();
+
+ private:
+  struct Disturbance;
+  struct Present;
+
+  static const std::vector<Disturbance>& disturbances();
+
+  void set_input(const Present& present);
+  void heal(const Present& present);
+  void power_cycle(const Present& present);
+  void take_snapshot(const Present& present);
+  void restore_snapshot(const Present& present);
+  void drop_snapshot(const Present& present);
+  void change_rate(const Present& present);
+  void read(const Present& present);
+  void stall(const Present& present);
+  void hold_answers(const Present& present);
+  void flood(const Present& present);
+  void restart(const Present& present);
+
+  msg::Request new_request(std::uint32_t kind);
+  void post(msg::Request request, const Present& present);
+
+  struct Ailment {
+    std::uint16_t axis = 0;
+    std::uint16_t index = 0;
+  };
+
+  std::size_t place_;
+  Disturbances which_;
+  Random random_;
+  Happenings& happenings_;
+  std::int64_t now_ = 0;
+  std::int64_t next_ = 0;
+  std::uint64_t client_;
+  std::uint64_t last_request_ = 0;
+  std::uint64_t last_snapshot_ = 0;
+  std::vector<Ailment> ailments_;
+  bool wants_restart_ = false;
+};
+
+}  // namespace vdrive::simulation

@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "simulation/simulation.hpp"
+
+#include "simulation/disturber.hpp"
+#include "simulation/master.hpp"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+
+namespace vdrive::simulation {
+namespace {
+
+constexpr std::size_t kMasters = 2;
+constexpr std::size_t kDisturber = 2;  // place on the network
+constexpr std::size_t kStepper = 3;
+constexpr std::int64_t kStepPatience = 60 * kMillisecond;
+
+/// Limits of the axes of this seed; each axis has its own.
+std::vector<AxisLimits> draw_limits(std::size_t axes, Random& random) {
+  std::vector<AxisLimits> limits(axes);
+  for (AxisLimits& axis : limits) {
+    axis.speed = random.per_mille(500) ? 136'533 : random.between(20'000, 136'000);
+    const std::int64_t most = random.between(1'000, 3'000);
+    const auto within = [&] {
+      return random.per_mille(500) ? most : random.between(500, most);
+    };
+    axis.positive_torque = within();
+    axis.negative_torque = within();
+    axis.has_range = random.per_mille(500);
+    axis.lower = -random.between(10'000, 60'000);
+    axis.upper = random.between(10'000, 60'000);
+    axis.abort_connection = static_cast<int>(random.per_mille(700) ? 1 : random.below(4));
+  }
+  return limits;
+}
+
+service::Configuration configuration_of(const Options& options,
+                                        const std::vector<AxisLimits>& limits, Random& random) {
+  constexpr std::array kClocks{service::ClockMode::realtime, service::ClockMode::realtime,
+                               service::ClockMode::lockstep, service::ClockMode::freerun};
+  constexpr std::array<std::chrono::microseconds, 8> kPeriods{
+      std::chrono::microseconds{1'000}, std::chrono::microseconds{1'000},
+      std::chrono::microseconds{1'000}, std::chrono::microseconds{1'000},
+      std::chrono::microseconds{1'000}, std::chrono::microseconds{1'000},
+      std::chrono::microseconds{500},   std::chrono::microseconds{2'000}};
+  service::Configuration configuration;
+  configuration.bench = kBench;
+  configuration.clock = options.clock.value_or(random.pick<service::ClockMode>(kClocks));
+  configuration.period = options.play == Play::fight
+                             ? kPeriods.front()
+                             : random.pick<std::chrono::microseconds>(kPeriods);
+  configuration.threads = static_cast<std::uint32_t>(options.threads);
+  configuration.watchdog_is_chosen = random.per_mille(500);
+  configuration.axes = service::default_axes(options.axes);
+  for (std::size_t place = 0; place < limits.size(); ++place) {
+    const AxisLimits& axis = limits[place];
+    configuration.axes[place].configuration.parameters = {
+        {{0x607F, 0}, axis.speed},
+        {{0x6072, 0}, std::max(axis.positive_torque, axis.negative_torque)},
+        {{0x60E0, 0}, axis.positive_torque},
+        {{0x60E1, 0}, axis.negative_torque},
+        {{0x3535, 0}, axis.has_range ? 1 : 0},
+        {{0x607D, 1}, axis.lower},
+        {{0x607D, 2}, axis.upper},
+        {{0x6007, 0}, axis.abort_connection}};
+  }
+  return configuration;
+}
+
+NetworkHabits draw_habits(Random& random) {
+  const bool is_good = random.per_mille(300);
+  return {.drops = is_good ? 0 : random.below(60),
+          .doubles = is_good ? 0 : random.below(60),
+          .delays = is_good ? 0 : random.below(60),
+          .longest_delay = random.between(5 * kMillisecond, 400 * kMillisecond),
+          .keeps_order = random.per_mille(500)};
+}
+
+Temper draw_temper(Play play, Random& random) {
+  if (play == Play::fight) {
+    return {.longest_pause = 4 * kMillisecond, .greed = 120, .rudeness = 80, .lapses = 10};
+  }
+  return {.longest_pause = random.between(4 * kMillisecond, 30 * kMillisecond),
+          .greed = random.below(20),
+          .rudeness = random.below(60),
+          .lapses = random.below(8)};
+}
+
+/// All of it: time, network, clients, and one run of the service after another.
+class World {
+ public:
+  explicit World(const Options& options)
+      : options_(options),
+        random_(options.seed),
+        happenings_(options.trace),
+        limits_(draw_limits(options.axes, random_)),
+        configuration_(configuration_of(options, limits_, random_)),
+        post_(draw_habits(random_), random_.next()),
+        back_(draw_habits(random_), random_.next()),
+        frames_back_(draw_habits(random_), random_.next()),
+        disturber_(kDisturber,
+                   {.restarts = options.play == Play::everything,
+                    .test_bench = options.play == Play::everything,
+                    .host = options.play == Play::everything},
+                   random_.next(), happenings_) {
+    for (std::size_t place = 0; place < kMasters; ++place) {
+      masters_.emplace_back(place, draw_temper(options.play, random_), random_.next(), stamps_,
+                            happenings_);
+    }
+    time_.on_wake([this](std::int64_t now) {
+      live_until(now);
+    });
+    start_service();
+  }
+
+  Report run() {
+    const double period = std::chrono::duration<double>(configuration_.period).count();
+    auto ticks = static_cast<std::uint64_t>(std::ceil(options_.seconds / period));
+    if (options_.stop_at_tick != 0) {
+      ticks = std::min(ticks, options_.stop_at_tick);
+    }
+    while (happenings_.tick() < ticks && !happenings_.violation()) {
+      if (disturber_.wants_restart()) {
+        start_service();
+      }
+      bench_->cycle(mail_);
+    }
+    take_stock();
+    report_.seed = options_.seed;
+    report_.ticks = happenings_.tick();
+    report_.seconds = static_cast<double>(report_.ticks) * period;
+    report_.hash = happenings_.hash();
+    report_.violation = happenings_.violation();
+    return report_;
+  }
+
+ private:
+  void start_service() {
+    if (bench_) {
+      take_stock();
+      ++report_.restarts;
+      time_.now += random_.between(kMillisecond, 500 * kMillisecond);  // it takes time to start
+    }
+    bench_.emplace(configuration_, limits_,
+                   static_cast<std::uint64_t>(SimulatedTime::kWall + time_.now) + 1, time_,
+                   options_.sabotage, happenings_);
+    bench_->model().use(stamps_, revocations_);
+    happenings_.tell("the service starts", {bench_->incarnation()});
+  }
+
+  void take_stock() {
+    report_.commands += bench_->model().commands();
+    report_.refused_frames += bench_->model().refused_frames();
+    report_.lost_masters += bench_->model().lost_masters();
+    report_.jumps += bench_->counters().jumps.get();
+  }
+
+  /// Everybody but the bench lives until `now`; then what has arrived by now is in the inbox.
+  void live_until(std::int64_t now) {
+    const View view{bench_->incarnation(), bench_->image().tick, bench_->image().status};
+    for (Master& master : masters_) {
+      while (master.next_action() <= now) {
+        master.act(view, post_);
+      }
+    }
+    while (disturber_.next_action() <= now) {
+      disturber_.act(view, *bench_, time_, post_);
+    }
+    if (configuration_.clock == service::ClockMode::lockstep && now >= next_step_) {
+      ask_for_steps(now);
+    }
+    while (post_.has_arrived(now)) {
+      bench_->receive(post_.take().second);
+    }
+    while (back_.has_arrived(now)) {
+      hand_over(back_.take().second);
+    }
+    while (frames_back_.has_arrived(now)) {
+      const msg::CommandReply reply = frames_back_.take().second;
+      for (Master& master : masters_) {
+        master.on(reply);
+      }
+    }
+  }
+
+  void hand_over(const msg::Reply& reply) {
+    for (Master& master : masters_) {
+      master.on(reply);
+    }
+    disturber_.on(reply);
+    if (reply.client() == kStepperClient && reply.request_id() == last_step_) {
+      next_step_ = 0;
+    }
+  }
+
+  /// One program steps: sometimes for a master, whose frames it waits for. It goes on when it is
+  /// answered or has waited long enough.
+  void ask_for_steps(std::int64_t now) {
+    msg::Request request;
+    request.client(kStepperClient);
+    request.request_id(++last_step_);
+    request.bench(kBench);
+    request.kind(msg::REQUEST_STEP);
+    request.ticks(random_.below(12));
+    if (random_.per_mille(400)) {
+      request.session(masters_[random_.below(kMasters)].session());
+      request.last_sequence(random_.per_mille(200) ? random_.below(2'000) : 0);
+    }
+    next_step_ = now + kStepPatience;
+    post_.send(kStepper, std::move(request), now);
+  }
+
+  static constexpr std::uint64_t kStepperClient = 0x57E9;
+
+  const Options options_;
+  Random random_;
+  Happenings happenings_;
+  std::vector<AxisLimits> limits_;
+  service::Configuration configuration_;
+  SimulatedTime time_;
+  Post post_;
+  Network<msg::Reply> back_;
+  Network<msg::CommandReply> frames_back_;
+  Stamps stamps_;
+  ControlModel::Revocations revocations_;
+  std::vector<Master> masters_;
+  Disturber disturber_;
+  std::int64_t next_step_ = 0;
+  std::uint64_t last_step_ = 0;
+  Report report_;
+  std::optional<Bench> bench_;
+  Mail mail_{[this](const msg::Reply& reply) {
+               back_.send(kDisturber, reply, time_.now);
+             },
+             [this](const msg::CommandReply& reply) {
+               frames_back_.send(kDisturber, reply, time_.now);
+             }};
+};
+
+}  // namespace
+
+void Report::add(const Report& other) {
+  ticks += other.ticks;
+  seconds += other.seconds;
+  commands += other.commands;
+  refused_frames += other.refused_frames;
+  lost_masters += other.lost_masters;
+  jumps += other.jumps;
+  restarts += other.restarts;
+}
+
+Report simulate(const Options& options) {
+  return World(options).run();
+}
+
+}  // namespace vdrive::simulation

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "simulation/bench.hpp"
+#include "simulation/happenings.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <ostream>
+
+namespace vdrive::simulation {
+
+/// What is played.
+enum class Play : std::uint8_t {
+  everything,  ///< two masters, the bench's helpers and all disturbances; the clock by the seed
+  fight,       ///< two masters that take the axes from each other all the time, and a bad network
+};
+
+struct Options {
+  std::uint64_t seed = 1;
+  double seconds = 60.0;  ///< drive time
+  std::size_t axes = 16;
+  std::size_t threads = 1;  ///< that step the bank
+  Play play = Play::everything;
+  std::optional<service::ClockMode> clock = std::nullopt;  ///< nothing = by the seed
+  std::uint64_t stop_at_tick = 0;                          ///< 0 = at the end
+  std::ostream* trace = nullptr;
+  Sabotage sabotage = Sabotage::none;
+};
+
+/// What came of a seed.
+struct Report {
+  std::uint64_t seed = 0;
+  std::uint64_t ticks = 0;
+  double seconds = 0.0;    ///< drive time
+  std::uint64_t hash = 0;  ///< of all that happened
+  std::optional<Violation> violation;
+  std::uint64_t commands = 0;  ///< of an axis, that were executed
+  std::uint64_t refused_frames = 0;
+  std::uint64_t lost_masters = 0;
+  std::uint64_t jumps = 0;
+  std::uint64_t restarts = 0;  ///< of the service
+
+  void add(const Report& other);
+};
+
+/// Plays the seed: everything follows from it. Ends with the first violation.
+[[nodiscard]] Report simulate(const Options& options);
+
+}  // namespace vdrive::simulation

@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Seeds of the simulation, and the proof that each of its checks can fail.
+#include "simulation/simulation.hpp"
+
+#include "support/axis_invariants.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <ostream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace vdrive::simulation {
+namespace {
+
+/// Sanitizers and debug code take their time: there the same with fewer seeds.
+std::uint64_t count_of(std::uint64_t optimised, std::uint64_t debug) {
+#if defined(NDEBUG) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+  static_cast<void>(debug);
+  const std::uint64_t count = optimised;
+#else
+  static_cast<void>(optimised);
+  const std::uint64_t count = debug;
+#endif
+  const char* const nightly = std::getenv("VDRIVE_NIGHTLY");
+  return nightly != nullptr && std::string(nightly) == "1" ? count * 10 : count;
+}
+
+std::string words_of(const Report& report) {
+  std::ostringstream words;
+  words << "seed " << report.seed << ' ';
+  if (report.violation) {
+    const Violation& violation = *report.violation;
+    words << "tick " << violation.tick << " axis " << violation.axis << " violated "
+          << violation.invariant << ", expected " << violation.expected << ", seen "
+          << violation.seen;
+  }
+  return words.str();
+}
+
+Report play_all(Options options, std::uint64_t seeds) {
+  Report sum;
+  for (options.seed = 1; options.seed <= seeds; ++options.seed) {
+    const Report report = simulate(options);
+    EXPECT_FALSE(report.violation) << words_of(report);
+    sum.add(report);
+    if (report.violation) {
+      break;
+    }
+  }
+  return sum;
+}
+
+TEST(Simulation, AMinuteOfSixteenAxesKeepsEveryInvariantInEverySeed) {
+  const Report sum = play_all({}, count_of(60, 2));
+  EXPECT_GT(sum.commands, 1'000U);
+  EXPECT_GT(sum.refused_frames, 100U);
+  EXPECT_GT(sum.lost_masters, 10U);
+  EXPECT_GT(sum.restarts, 5U);
+}
+
+// A hundred ticks do for several changes of hands: a master acts every 2 ms on average, and one
+// action in eight takes axes over.
+TEST(Simulation, TwoMastersThatFightNeverExecuteACommandOfARevokedEpoch) {
+  const Report sum = play_all(
+      {.seconds = 0.1, .axes = 2, .play = Play::fight, .clock = service::ClockMode::lockstep},
+      count_of(10'000, 500));
+  EXPECT_GT(sum.commands, count_of(2'000, 100));
+  EXPECT_GT(sum.refused_frames, count_of(2'000, 100));
+}
+
+TEST(Simulation, TheSameSeedHappensTwiceTheSame) {
+  for (std::uint64_t seed = 1; seed <= count_of(12, 4); ++seed) {
+    const Options options{.seed = seed, .seconds = 2.0};
+    EXPECT_EQ(simulate(options).hash, simulate(options).hash) << "seed " << seed;
+  }
+}
+
+TEST(Simulation, TheNumberOfThreadsChangesNothing) {
+  for (std::uint64_t seed = 1; seed <= count_of(6, 2); ++seed) {
+    const Report one = simulate({.seed = seed, .seconds = 1.0, .axes = 40});
+    const Report four = simulate({.seed = seed, .seconds = 1.0, .axes = 40, .threads = 4});
+    EXPECT_EQ(one.hash, four.hash) << "seed " << seed;
+  }
+}
+
+TEST(Simulation, DifferentSeedsAreDifferent) {
+  EXPECT_NE(simulate({.seed = 1, .seconds = 1.0}).hash, simulate({.seed = 2, .seconds = 1.0}).hash);
+}
+
+TEST(Simulation, ATraceTellsWhatHappensAndChangesNothing) {
+  std::ostringstream trace;
+  const Report told = simulate({.seed = 3, .seconds = 1.0, .trace = &trace});
+  EXPECT_EQ(told.hash, simulate({.seed = 3, .seconds = 1.0}).hash);
+  EXPECT_NE(trace.str().find("sends frame"), std::string::npos);
+  EXPECT_NE(trace.str().find("answers frame"), std::string::npos);
+}
+
+struct SabotageRow {
+  const char* name;
+  Sabotage sabotage;
+  std::vector<std::string_view> noticed_as;  ///< one of these
+};
+
+std::ostream& operator<<(std::ostream& stream, const SabotageRow& row) {
+  return stream << row.name;
+}
+
+class BrokenService : public testing::TestWithParam<SabotageRow> {};
+
+TEST_P(BrokenService, IsNoticedAndFailsInTheSameTickAgain) {
+  Report noticed;
+  for (std::uint64_t seed = 1; seed <= 20 && !noticed.violation; ++seed) {
+    noticed = simulate({.seed = seed,
+                        .seconds = 5.0,
+                        .clock = service::ClockMode::realtime,
+                        .sabotage = GetParam().sabotage});
+  }
+  ASSERT_TRUE(noticed.violation);
+  EXPECT_THAT(GetParam().noticed_as, testing::Contains(noticed.violation->invariant));
+  const Report again = simulate({.seed = noticed.seed,
+                                 .seconds = 5.0,
+                                 .clock = service::ClockMode::realtime,
+                                 .stop_at_tick = noticed.violation->tick,
+                                 .sabotage = GetParam().sabotage});
+  ASSERT_TRUE(again.violation);
+  EXPECT_EQ(again.violation->tick, noticed.violation->tick);
+  EXPECT_EQ(again.hash, noticed.hash);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Each, BrokenService,
+    testing::Values(
+        SabotageRow{
+            "MotionWithoutPower", Sabotage::motion_without_power, {test::StatusInvariant::kDemand}},
+        SabotageRow{"PushWithoutPower", Sabotage::push_without_power, {Invariant::kNoMotion}},
+        SabotageRow{"PositionJump", Sabotage::position_jump, {Invariant::kNoJump}},
+        SabotageRow{"SpeedBeyondLimit", Sabotage::speed_beyond_limit, {Invariant::kSpeed}},
+        SabotageRow{"TorqueBeyondLimit", Sabotage::torque_beyond_limit, {Invariant::kTorque}},
+        SabotageRow{"ErrorCodeWithoutFault",
+                    Sabotage::error_code_without_fault,
+                    {test::StatusInvariant::kErrorCode}},
+        SabotageRow{"WrongState", Sabotage::wrong_state, {test::StatusInvariant::kState}},
+        SabotageRow{"ResumesByItself", Sabotage::resumes_by_itself, {Invariant::kResume}},
+        SabotageRow{"TwoOwners", Sabotage::two_owners, {Invariant::kOwner}},
+        SabotageRow{"AcceptsStaleEpochs",
+                    Sabotage::accepts_stale_epochs,
+                    {Invariant::kRevoked, Invariant::kOwner, Invariant::kAnswered,
+                     Invariant::kResume, Invariant::kCommanded}},
+        SabotageRow{"AcceptsOldIncarnations",
+                    Sabotage::accepts_old_incarnations,
+                    {Invariant::kRevoked, Invariant::kOwner, Invariant::kAnswered}},
+        SabotageRow{"ExecutesDoubles",
+                    Sabotage::executes_doubles,
+                    {Invariant::kOwner, Invariant::kAnswered}},
+        SabotageRow{"ForgetsAnAnswer", Sabotage::forgets_an_answer, {Invariant::kAnswered}},
+        SabotageRow{"AnswersTwice", Sabotage::answers_twice, {Invariant::kAnswered}},
+        SabotageRow{"WatchdogSleeps",
+                    Sabotage::watchdog_sleeps,
+                    {Invariant::kWatchdog, Invariant::kOwner, Invariant::kReaction}},
+        SabotageRow{"WatchdogBitesEarly",
+                    Sabotage::watchdog_bites_early,
+                    {Invariant::kWatchdog, Invariant::kOwner}},
+        SabotageRow{"NoReactionToALoss", Sabotage::no_reaction_to_a_loss, {Invariant::kReaction}}),
+    [](const auto& row) {
+      return std::string(row.param.name);
+    });
+
+// The demand starts at rest at 0 and goes 50 UU each tick of 1 ms: beyond 1000 with the 21st.
+TEST(AxisWatch, NoticesADemandThatLeavesTheRange) {
+  AxisLimits limits;
+  limits.has_range = true;
+  limits.lower = -1'000;
+  limits.upper = 1'000;
+  AxisWatch watch(1, limits, std::chrono::milliseconds{1});
+  Happenings happenings(nullptr);
+  AxisStatus status;
+  status.ds402_statusword = 0x0237;  // Operation enabled
+  status.motor_op_status = 1;
+  status.op_mode_actual = 1;
+  watch.begin(status, PowerState::operation_enabled);
+  std::int32_t position = 0;
+  for (; !happenings.violation() && position < 5'000; position += 50) {
+    status.position_demand_value = position;
+    status.load_position_actual_value = position;
+    status.velocity_demand_value = position == 0 ? 0 : 50'000;
+    status.load_velocity_actual_value = status.velocity_demand_value;
+    watch.check(status, PowerState::operation_enabled, {}, {}, false, happenings);
+  }
+  ASSERT_TRUE(happenings.violation());
+  EXPECT_EQ(happenings.violation()->invariant, Invariant::kRange);
+  EXPECT_EQ(position, 1'100) << "one step after 1050";
+}
+
+// What the engine would execute, seen in the registers alone: a command whose epoch has ended.
+TEST(ControlModel, NoticesACommandOfARevokedEpochInTheRegisters) {
+  service::Configuration configuration;
+  configuration.clock = service::ClockMode::lockstep;
+  configuration.axes = service::default_axes(1);
+  Happenings happenings(nullptr);
+  ControlModel model(configuration, 5, happenings);
+  const std::vector<ControlModel::Stamped> stamps{{.incarnation = 5, .session = 9, .epoch = 1}};
+  ControlModel::Revocations revocations;
+  model.use(stamps, revocations);
+  msg::Request acquire;
+  acquire.client(1);
+  acquire.session(9);
+  acquire.kind(msg::REQUEST_ACQUIRE);
+  acquire.axes().push_back(1);
+  model.arrive(acquire);
+  acquire.session(10);
+  acquire.kind(msg::REQUEST_TAKE_OVER);
+  model.arrive(acquire);
+  msg::AxisParameters parameters;
+  parameters.axis(1);
+  parameters.position_target_reached_window(kFirstStamp);
+  parameters.profile_velocity(68'267);
+  model.check(parameters);
+  ASSERT_TRUE(happenings.violation());
+  EXPECT_EQ(happenings.violation()->invariant, Invariant::kRevoked);
+}
+
+TEST(ControlModel, NoticesACommandForAnOldIncarnationInTheRegisters) {
+  service::Configuration configuration;
+  configuration.clock = service::ClockMode::lockstep;
+  configuration.axes = service::default_axes(1);
+  Happenings happenings(nullptr);
+  ControlModel model(configuration, 5, happenings);
+  const std::vector<ControlModel::Stamped> stamps{{.incarnation = 4, .session = 9, .epoch = 1}};
+  ControlModel::Revocations revocations;
+  model.use(stamps, revocations);
+  msg::AxisParameters parameters;
+  parameters.axis(1);
+  parameters.position_target_reached_window(kFirstStamp);
+  model.check(parameters);
+  ASSERT_TRUE(happenings.violation());
+  EXPECT_EQ(happenings.violation()->invariant, Invariant::kRevoked);
+}
+
+}  // namespace
+}  // namespace vdrive::simulation
