@@ -4,6 +4,7 @@
 #include "vdrive/axis_bank.hpp"
 #include "vdrive/service/configuration.hpp"
 #include "vdrive/service/journal.hpp"
+#include "vdrive/service/parameter_store.hpp"
 #include "vdrive/service/replay.hpp"
 #include "vdrive/service/service.hpp"
 
@@ -17,6 +18,7 @@
 #include <iostream>
 #include <optional>
 #include <string>
+#include <utility>
 
 namespace vdrive::service {
 namespace {
@@ -39,6 +41,7 @@ struct Arguments {
   std::optional<double> rate;
   std::optional<std::uint32_t> threads;
   std::optional<std::string> journal;
+  std::optional<std::string> state;
   std::optional<std::string> replay;
   std::string log_level = "info";
   bool print_config = false;
@@ -63,6 +66,10 @@ void declare(CLI::App& app, Arguments& arguments) {
       ->type_name("N");
   app.add_option("--threads", arguments.threads, "Threads that step the axes, 1 to 64")
       ->type_name("N");
+  app.add_option("--state", arguments.state,
+                 "Keep stored parameters in this directory; else in $STATE_DIRECTORY; without "
+                 "either nothing can be stored")
+      ->type_name("DIR");
   app.add_option("--journal", arguments.journal,
                  "Record what the axes do into a new file, for --replay")
       ->type_name("FILE");
@@ -119,11 +126,13 @@ sigset_t stop_signals() {
   return signals;
 }
 
-int serve(const Configuration& configuration, const std::optional<std::string>& journal) {
+int serve(const Configuration& configuration, const Arguments& arguments) {
   // Blocked before the first thread starts, so that every thread leaves them to this one.
   const sigset_t signals = stop_signals();
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-  Service service(configuration, journal ? open_journal(*journal) : nullptr);
+  auto store = open_parameter_store(arguments.state, configuration.bench);
+  Service service(configuration, arguments.journal ? open_journal(*arguments.journal) : nullptr,
+                  std::move(store));
   service.start();
   const timespec interval{.tv_sec = 0, .tv_nsec = kPollInterval};
   while (sigtimedwait(&signals, nullptr, &interval) < 0) {
@@ -158,7 +167,7 @@ int carry_out(const Arguments& arguments) {
     std::cout << to_yaml(configuration);
     return kDone;
   }
-  return serve(configuration, arguments.journal);
+  return serve(configuration, arguments);
 }
 
 }  // namespace
