@@ -534,6 +534,14 @@ AbortCode AxisBank::check_stored(ObjectAddress object, std::int64_t value) noexc
                                                   : AbortCode::cannot_store_or_transfer;
 }
 
+void AxisBank::read_parameters(std::size_t axis,
+                               std::span<std::int64_t, kStoredCount> values) const noexcept {
+  const DriveContext context = state_->context(axis);
+  for (std::size_t position = 0; position < kStoredCount; ++position) {
+    values[position] = context.registers.values[kStoredRows[position]];
+  }
+}
+
 AbortCode AxisBank::set_stored(std::size_t axis, ObjectAddress object,
                                std::int64_t value) noexcept {
   return state_->keep(axis, object, value);

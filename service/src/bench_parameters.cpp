@@ -65,9 +65,7 @@ void BenchEngine::order(std::size_t axis, bool forget, std::size_t object) {
   order.number = numbers_[axis];
   order.object = static_cast<std::uint16_t>(object);
   order.forget = forget;
-  for (std::size_t position = 0; position < kStoredCount; ++position) {
-    order.values[position] = bank_.read(axis, describe(kStoredRows[position]).address).value;
-  }
+  bank_.read_parameters(axis, order.values);
   saver_->push();
   ++ordered_;
 }

@@ -193,7 +193,7 @@ class BenchEngine {
   };
 
   static constexpr std::size_t kMostWaitingStores = 1'024;
-  static constexpr std::size_t kOrdersPerTick = 16;
+  static constexpr std::size_t kOrdersPerTick = 4;
 
   [[nodiscard]] std::uint32_t store_axes(const msg::Request& request, msg::Reply& reply);
   [[nodiscard]] std::uint32_t store_by_write(std::size_t axis, ObjectAddress address,
