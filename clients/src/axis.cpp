@@ -239,6 +239,23 @@ Outcome Axis::power_cycle(const CallOptions& options) {
   return seen && is_fault(talk.state()) ? talk.ended("Switch on disabled") : seen;
 }
 
+Outcome Axis::store() {
+  return request_memory(msg::REQUEST_STORE, "storing the parameters of axis " + to_string(id_));
+}
+
+Outcome Axis::restore_defaults() {
+  return request_memory(msg::REQUEST_RESTORE, "restoring the defaults of axis " + to_string(id_));
+}
+
+Outcome Axis::request_memory(std::uint32_t kind, const std::string& what) {
+  const auto target = core_->connect(id_.bench);
+  if (!target) return target.outcome();
+  msg::Request request;
+  request.kind(kind);
+  request.axes().push_back(id_.axis);
+  return core_->request(*target, std::move(request), what).outcome();
+}
+
 Result<Readings> Axis::read(std::span<const ObjectAddress> objects) const {
   const auto target = core_->connect(id_.bench);
   if (!target) return target.outcome();

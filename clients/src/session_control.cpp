@@ -225,7 +225,9 @@ Result<msg::Reply> SessionCore::write(const Target& target, msg::Request request
     if (Outcome matched = await_command_match(target); !matched) return matched;
   }
   const std::uint16_t axis = request.objects().front().axis();
-  auto reply = request_control(target, std::move(request), what);
+  // A store waits for a disk: it must not hold up the keep-alives.
+  auto reply = commands ? request_control(target, std::move(request), what)
+                        : this->request(target, std::move(request), what);
   if (commands && reply && reply->objects().front().abort_code() == 0) {
     note_acquired(target, {&axis, 1}, *reply);
   }

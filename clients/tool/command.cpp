@@ -85,6 +85,10 @@ std::string_view to_string(AxisWord word) noexcept {
       return "reset";
     case AxisWord::power_cycle:
       return "power-cycle";
+    case AxisWord::store:
+      return "store";
+    case AxisWord::restore:
+      return "restore";
   }
   return "unknown";
 }

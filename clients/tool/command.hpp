@@ -37,7 +37,9 @@ enum class AxisWord : std::uint8_t {
   resume,
   quick_stop,
   reset,
-  power_cycle
+  power_cycle,
+  store,
+  restore
 };
 
 struct AxisCommand {

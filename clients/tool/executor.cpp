@@ -240,6 +240,10 @@ Outcome Executor::command_axis(client::Axis& axis, const AxisCommand& command) {
       return axis.reset_fault(call);
     case AxisWord::power_cycle:
       return axis.power_cycle(call);
+    case AxisWord::store:
+      return axis.store();
+    case AxisWord::restore:
+      return axis.restore_defaults();
   }
   return Outcome::failed("unknown word");
 }

@@ -58,6 +58,9 @@ constexpr std::array kAxisWords{
     AxisWordRow{AxisWord::quick_stop, true, false, "Quick stop (0x02), wait for standstill"},
     AxisWordRow{AxisWord::reset, false, false, "Reset a fault (rising edge of bit 7)"},
     AxisWordRow{AxisWord::power_cycle, false, false, "Switch the axis off and on again"},
+    AxisWordRow{AxisWord::store, false, false, "Store the parameters for every later power-up"},
+    AxisWordRow{AxisWord::restore, false, false,
+                "Forget stored parameters: defaults after the next power cycle"},
 };
 
 std::vector<Disturbance> inputs_of(const std::string& kind, const std::string& value) {

@@ -92,6 +92,15 @@ struct Place {
   std::uint32_t lane = 0;
 };
 
+/// What 1010h stored of an axis. Not every object need be there: an earlier program may have stored
+/// it, whose dictionary had fewer.
+struct ParameterMemory {
+  std::uint64_t present = 0;  // bit n: values[n] is of row kStoredRows[n]
+  std::array<std::int64_t, kStoredCount> values{};
+};
+
+static_assert(kStoredCount <= 64);
+static_assert(std::is_trivially_copyable_v<ParameterMemory>);
 static_assert(std::is_trivially_copyable_v<ServoState>);
 static_assert(std::is_trivially_copyable_v<DriveState>);
 static_assert(std::is_trivially_copyable_v<DriveRegisters>);
@@ -109,6 +118,7 @@ struct AxisBank::State {
   std::vector<DriveState> drive_states;         // by block and lane
   std::vector<DriveRegisters> drive_registers;  // by block and lane
   std::vector<AxisStatus> statuses;             // by axis
+  std::vector<ParameterMemory> memories;        // by axis
 
   [[nodiscard]] DriveContext context(std::size_t block, std::size_t lane) {
     const std::size_t slot = block * kLanes + lane;
@@ -134,8 +144,12 @@ struct AxisBank::State {
   void design_blocks();
   void start_axis(std::size_t axis);
 
+  /// Configured values, then stored ones.
   /// @return the first initial value that was refused, or nullptr.
   const InitialValue* set_initial_values(std::size_t axis);
+  void set_stored_values(std::size_t axis);
+  AbortCode keep(std::size_t axis, ObjectAddress object, std::int64_t value);
+  void fill_memory(std::size_t axis);
   AbortCode write(std::size_t axis, ObjectRow row, std::int64_t value);
   void apply_gear(std::size_t axis);
   void apply_torques(std::size_t axis);
@@ -143,6 +157,14 @@ struct AxisBank::State {
 };
 
 namespace {
+
+[[noreturn]] void refuse(std::size_t axis, const char* kind, const InitialValue& refused) {
+  std::ostringstream message;
+  message << "axis " << axis << ": " << kind << " value " << refused.value << " of object 0x"
+          << std::hex << refused.address.index << ':' << std::dec
+          << static_cast<unsigned>(refused.address.subindex) << " is refused";
+  throw std::invalid_argument(message.str());
+}
 
 Gear gear_of(const DriveRegisters& registers) {
   return {static_cast<std::uint32_t>(registers.values["gear_ratio_numerator"_object]),
@@ -216,15 +238,45 @@ void AxisBank::State::start_axis(std::size_t axis) {
   context.registers.settings = configurations[axis].settings;
   context.registers.single_encoder =
       configurations[axis].model.feedback == Feedback::single_encoder;
+  fill_memory(axis);
   power_up(context, true);
   if (const InitialValue* const refused = set_initial_values(axis)) {
-    std::ostringstream message;
-    message << "axis " << axis << ": initial value " << refused->value << " of object 0x"
-            << std::hex << refused->address.index << ':' << std::dec
-            << static_cast<unsigned>(refused->address.subindex) << " is refused";
-    throw std::invalid_argument(message.str());
+    refuse(axis, "initial", *refused);
   }
   refresh_status(context);
+}
+
+void AxisBank::State::fill_memory(std::size_t axis) {
+  for (const InitialValue& stored : configurations[axis].stored) {
+    if (keep(axis, stored.address, stored.value) != AbortCode::none) {
+      refuse(axis, "stored", stored);
+    }
+  }
+  context(axis).registers.memory_error = configurations[axis].memory_error;
+}
+
+AbortCode AxisBank::State::keep(std::size_t axis, ObjectAddress object, std::int64_t value) {
+  const AbortCode code = check_stored(object, value);
+  if (code == AbortCode::none) {
+    const auto* const place =
+        std::lower_bound(kStoredRows.begin(), kStoredRows.end(), *find_object(object));
+    const auto position = static_cast<std::size_t>(place - kStoredRows.begin());
+    memories[axis].values[position] = value;
+    memories[axis].present |= std::uint64_t{1} << position;
+  }
+  return code;
+}
+
+void AxisBank::State::set_stored_values(std::size_t axis) {
+  const ParameterMemory& memory = memories[axis];
+  const DriveContext context = this->context(axis);
+  for (std::size_t position = 0; position < kStoredCount; ++position) {
+    if ((memory.present >> position & 1U) != 0) {
+      WriteEffect effect{};
+      static_cast<void>(
+          write_object(context, kStoredRows[position], memory.values[position], effect));
+    }
+  }
 }
 
 const InitialValue* AxisBank::State::set_initial_values(std::size_t axis) {
@@ -241,6 +293,7 @@ const InitialValue* AxisBank::State::set_initial_values(std::size_t axis) {
       refused = &initial;
     }
   }
+  set_stored_values(axis);
   update_derived(context);
   apply_gear(axis);
   return refused;
@@ -358,6 +411,7 @@ void AxisBank::State::for_each_part(Visit visit) {
   visit(drive_states.data(), drive_states.size());
   visit(drive_registers.data(), drive_registers.size());
   visit(statuses.data(), statuses.size());
+  visit(memories.data(), memories.size());
 }
 
 /// Whether no index leads outside; for state that comes from a file.
@@ -383,6 +437,7 @@ AxisBank::AxisBank(std::span<const AxisConfiguration> axes, std::chrono::microse
   }
   state.places.resize(axes.size());
   state.statuses.resize(axes.size());
+  state.memories.resize(axes.size());
   state.place_axes(Coupling::rigid);
   state.place_axes(Coupling::two_inertia);
   state.drive_states.resize(state.blocks.size() * kLanes);
@@ -470,6 +525,33 @@ void AxisBank::power_cycle(std::size_t axis) noexcept {
   refresh_status(context);
 }
 
+AbortCode AxisBank::check_stored(ObjectAddress object, std::int64_t value) noexcept {
+  const auto row = find_object(object);
+  if (!row) {
+    return check_address(object);
+  }
+  return describe(*row).storage == Storage::flash ? check_object_value(*row, value)
+                                                  : AbortCode::cannot_store_or_transfer;
+}
+
+void AxisBank::read_parameters(std::size_t axis,
+                               std::span<std::int64_t, kStoredCount> values) const noexcept {
+  const DriveContext context = state_->context(axis);
+  for (std::size_t position = 0; position < kStoredCount; ++position) {
+    values[position] = context.registers.values[kStoredRows[position]];
+  }
+}
+
+AbortCode AxisBank::set_stored(std::size_t axis, ObjectAddress object,
+                               std::int64_t value) noexcept {
+  return state_->keep(axis, object, value);
+}
+
+void AxisBank::forget_stored(std::size_t axis) noexcept {
+  state_->memories[axis] = {};
+  state_->context(axis).registers.memory_error = false;
+}
+
 void AxisBank::report_connection_loss(std::size_t axis) noexcept {
   lose_connection(state_->context(axis));
 }
@@ -478,13 +560,22 @@ AxisBank::Snapshot AxisBank::snapshot() const {
   return Snapshot(std::make_unique<State>(*state_));
 }
 
-void AxisBank::restore(const Snapshot& snapshot) {
+void AxisBank::restore(const Snapshot& snapshot, Memory memory) {
   const State& saved = *snapshot.state_;
   if (saved.places.size() != size() || saved.timing.period_us != state_->timing.period_us) {
     throw std::invalid_argument("snapshot of " + std::to_string(saved.places.size()) +
                                 " axes does not fit a bank of " + std::to_string(size()));
   }
-  *state_ = saved;
+  if (memory == Memory::of_snapshot) {
+    *state_ = saved;
+    return;
+  }
+  State next = saved;
+  next.memories.swap(state_->memories);
+  for (std::size_t axis = 0; axis < size(); ++axis) {
+    next.context(axis).registers.memory_error = state_->context(axis).registers.memory_error;
+  }
+  *state_ = std::move(next);
 }
 
 void AxisBank::save(Snapshot& snapshot) const {
@@ -501,6 +592,7 @@ std::uint64_t AxisBank::snapshot_layout() noexcept {
         std::uint64_t{sizeof(ServoState)}, std::uint64_t{sizeof(RigidParameters)},
         std::uint64_t{sizeof(ElasticParameters)}, std::uint64_t{sizeof(DriveState)},
         std::uint64_t{sizeof(DriveRegisters)}, std::uint64_t{sizeof(AxisStatus)},
+        std::uint64_t{sizeof(ParameterMemory)},
         std::uint64_t{std::endian::native == std::endian::little}}) {
     layout = (layout ^ part) * kPrime;
   }

@@ -97,6 +97,7 @@ void BenchEngine::step() {
     journal_->record_tick(bank_, tick_);
   }
   observe();
+  static_cast<void>(answer_stores());
   post_parameters();
 }
 

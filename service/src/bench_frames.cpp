@@ -239,7 +239,9 @@ bool BenchEngine::apply_registers(const msg::AxisCommand& command, bool undoable
 bool BenchEngine::apply_register(std::uint16_t number, ObjectAddress address, std::int64_t value,
                                  bool undoable) {
   const std::size_t axis = *index_of(number);
-  if (address == kControlword) {  // it has a member, whose place is last
+  // The controlword has a member, whose place is last. Storing is answered when it is durable, and
+  // frames are answered at once.
+  if (address == kControlword || address == kStoreParameters || address == kRestoreParameters) {
     refuse(number, address, wire_code(AbortCode::cannot_be_mapped_to_pdo));
     return false;
   }

@@ -67,10 +67,15 @@ void BenchEngine::handle_request(const Arrival& arrival) {
   }
   begin_reply(arrival, *outgoing);
   std::uint32_t reason = check_request(arrival);
+  ordered_ = 0;
   if (reason == msg::REASON_NONE) {
     reason = carry_out(arrival.request, outgoing->reply);
   }
-  finish_reply(arrival.request, reason, outgoing->reply);
+  if (ordered_ > 0) {
+    wait_for_orders(arrival.request.session(), reason, *outgoing);
+    return;
+  }
+  finish_reply(arrival.request.session(), reason, outgoing->reply);
   outbox_.replies.push();
 }
 
@@ -90,11 +95,9 @@ void BenchEngine::begin_reply(const Arrival& arrival, OutgoingReply& outgoing) c
   reply.statuses().clear();
 }
 
-void BenchEngine::finish_reply(const msg::Request& request, std::uint32_t reason,
-                               msg::Reply& reply) {
+void BenchEngine::finish_reply(std::uint64_t session, std::uint32_t reason, msg::Reply& reply) {
   reply.reason(reason);
-  const SessionRecord* const record =
-      request.session() == 0 ? nullptr : control_.find(request.session());
+  const SessionRecord* const record = session == 0 ? nullptr : control_.find(session);
   reply.epoch(record == nullptr ? 0 : record->epoch);
   reply.last_sequence(record == nullptr ? 0 : record->last_sequence);
   counters_.requests_answered.add();
@@ -109,9 +112,9 @@ void BenchEngine::finish_reply(const msg::Request& request, std::uint32_t reason
     counters_.refusals.add(reason);
     report({.kind = msg::EVENT_REFUSED,
             .axis = axis,
-            .session = request.session(),
+            .session = session,
             .code = reason,
-            .detail = request.request_id()});
+            .detail = reply.request_id()});
   }
 }
 
@@ -146,7 +149,7 @@ std::uint32_t BenchEngine::carry_out(const msg::Request& request, msg::Reply& re
       return power_cycle(request, reply);
     case msg::REQUEST_STORE:
     case msg::REQUEST_RESTORE:
-      return wire_code(AbortCode::cannot_store_or_transfer);  // there is no place to store to
+      return store_axes(request, reply);
     case msg::REQUEST_TAKE_SNAPSHOT:
       return take_snapshot(request, reply);
     case msg::REQUEST_RESTORE_SNAPSHOT:
@@ -180,7 +183,7 @@ std::uint32_t BenchEngine::read_objects(const msg::Request& request, msg::Reply&
 
 std::uint32_t BenchEngine::write_objects(const msg::Request& request, msg::Reply& reply) {
   for (const auto& object : request.objects()) {
-    const std::uint32_t code = write_object(object, request.session());
+    const std::uint32_t code = write_object(object, request.session(), reply.objects().size());
     add_result(object, code, reply);
     if (code == msg::REASON_UNKNOWN_AXIS || code == kLocalControl) {
       refuse_axis(object.axis(), reply);
@@ -190,7 +193,8 @@ std::uint32_t BenchEngine::write_objects(const msg::Request& request, msg::Reply
   return reason_of(reply);
 }
 
-std::uint32_t BenchEngine::write_object(const msg::ObjectAccess& object, std::uint64_t session) {
+std::uint32_t BenchEngine::write_object(const msg::ObjectAccess& object, std::uint64_t session,
+                                        std::size_t place) {
   const auto axis = index_of(object.axis());
   if (!axis) {
     return msg::REASON_UNKNOWN_AXIS;
@@ -202,6 +206,9 @@ std::uint32_t BenchEngine::write_object(const msg::ObjectAccess& object, std::ui
   }
   if (owner == 0 && is_command_object(address)) {
     return write_command_object(*axis, address, object.value(), session);
+  }
+  if (address == kStoreParameters || address == kRestoreParameters) {
+    return store_by_write(*axis, address, object.value(), place);
   }
   return wire_code(write(*axis, address, object.value()));
 }
@@ -442,7 +449,7 @@ void BenchEngine::answer_step(const Arrival& arrival, std::uint32_t reason,
     });
     refuse_axis(*unknown, reply);
   }
-  finish_reply(arrival.request, reason, reply);
+  finish_reply(arrival.request.session(), reason, reply);
   outbox_.replies.push();
 }
 

@@ -50,7 +50,7 @@ std::uint32_t BenchEngine::restore_snapshot(const msg::Request& request, msg::Re
         refuse_frame(frame, msg::REASON_CANCELLED);
       });
   counters_.pending_frames.set(pending_.size());
-  bank_.restore(*kept->state);
+  bank_.restore(*kept->state, AxisBank::Memory::kept);  // what is stored is on a disk
   if (journal_ != nullptr) {
     journal_->record_restore(kept->state, tick_);
   }

@@ -5,6 +5,7 @@
 #include "vdrive/axis_bank.hpp"
 #include "vdrive/service/configuration.hpp"
 #include "vdrive/service/journal.hpp"
+#include "vdrive/service/parameter_store.hpp"
 #include "vdrive/service/replay.hpp"
 #include "vdrive/service/service.hpp"
 #include "vdrive/wire/security.hpp"
@@ -22,6 +23,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace vdrive::service {
 namespace {
@@ -53,6 +55,7 @@ struct Arguments {
   std::optional<std::uint32_t> threads;
   std::optional<std::uint16_t> metrics;
   std::optional<std::string> journal;
+  std::optional<std::string> state;
   std::optional<std::string> replay;
   std::string log_level = "info";
   bool print_config = false;
@@ -84,6 +87,10 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--metrics", arguments.metrics,
                  "Serve Prometheus metrics on this port of 127.0.0.1, 0 = any free one")
       ->type_name("PORT");
+  app.add_option("--state", arguments.state,
+                 "Keep stored parameters in this directory; else in $STATE_DIRECTORY; without "
+                 "either nothing can be stored")
+      ->type_name("DIR");
   app.add_option("--journal", arguments.journal,
                  "Record what the axes do into a new file, for --replay")
       ->type_name("FILE");
@@ -182,12 +189,14 @@ void watch(Service& service, const ServiceManager& manager, const sigset_t& sign
   }
 }
 
-int serve(const Configuration& configuration, const std::optional<std::string>& journal) {
+int serve(const Configuration& configuration, const Arguments& arguments) {
   // Blocked before the first thread starts, so that every thread leaves them to this one.
   const sigset_t signals = stop_signals();
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   const ServiceManager manager;
-  Service service(configuration, journal ? open_journal(*journal) : nullptr);
+  auto store = open_parameter_store(arguments.state, configuration.bench);
+  Service service(configuration, arguments.journal ? open_journal(*arguments.journal) : nullptr,
+                  std::move(store));
   service.start();
   watch(service, manager, signals,
         "bench " + std::to_string(configuration.bench) + ", " +
@@ -230,7 +239,7 @@ int carry_out(const Arguments& arguments) {
     std::cout << to_yaml(configuration);
     return kDone;
   }
-  return serve(configuration, arguments.journal);
+  return serve(configuration, arguments);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include "number_text.hpp"
 #include "vdrive/cia402/power_state.hpp"
 #include "vdrive/service/bench_engine.hpp"
+#include "vdrive/service/parameter_store.hpp"
 #include "vdrive/service/stepper_table.hpp"
 #include "vdrive/wire/conversion.hpp"
 
@@ -85,6 +86,23 @@ std::string journal_text(const EventRecord& event) {
   }
 }
 
+std::string parameters_text(const EventRecord& event) {
+  switch (event.code) {
+    case ParameterNews::kLoaded:
+      return "stored parameters of " + std::to_string(event.detail) + " axes are in force";
+    case ParameterNews::kPrevious:
+      return "stored parameters: the file: " + ParameterNews::unpack(event.detail) +
+             "; the set before it is in force";
+    case ParameterNews::kDefaults:
+      return "configured values are in force: " +
+             std::string(event.axis == 0 ? "the file of stored parameters: " : "stored object ") +
+             ParameterNews::unpack(event.detail);
+    default:
+      return "parameters not stored: " +
+             std::generic_category().message(static_cast<int>(event.detail));
+  }
+}
+
 std::string text_of(const EventRecord& event) {
   switch (event.kind) {
     case msg::EVENT_STATE_CHANGED:
@@ -112,6 +130,8 @@ std::string text_of(const EventRecord& event) {
       return snapshot_text(event);
     case msg::EVENT_JOURNAL:
       return journal_text(event);
+    case msg::EVENT_PARAMETERS:
+      return parameters_text(event);
     case msg::EVENT_BENCH_CONFLICT:
       return "another service has this bench number, incarnation " + std::to_string(event.detail);
     case msg::EVENT_CLOCK_CHANGED:
@@ -153,6 +173,8 @@ const char* name_of(std::uint32_t kind) {
       return "snapshot";
     case msg::EVENT_JOURNAL:
       return "journal";
+    case msg::EVENT_PARAMETERS:
+      return "parameters";
     case msg::EVENT_SHUTDOWN:
       return "shutdown";
     default:

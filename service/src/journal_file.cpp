@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/service/journal_file.hpp"
 
+#include "content_check.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -38,21 +40,14 @@ struct ChunkHead {
 
 constexpr std::size_t kHeadSize = 24;
 
-/// FNV-1a over words of 64 bits, the last one filled up with zeros.
-std::uint64_t check_of(std::span<const std::byte> bytes) {
-  std::uint64_t check = 14695981039346656037ULL;
-  for (std::size_t position = 0; position < bytes.size(); position += sizeof(std::uint64_t)) {
-    std::uint64_t word = 0;
-    std::memcpy(&word, bytes.data() + position, std::min(sizeof(word), bytes.size() - position));
-    check = (check ^ word) * 1099511628211ULL;
-  }
-  return check;
-}
-
 std::uint32_t head_check_of(const ChunkHead& head) {
   const std::array<std::uint32_t, 3> words{head.kind, head.length, head.sequence};
   const std::uint64_t check = check_of(std::as_bytes(std::span(words)));
   return static_cast<std::uint32_t>(check ^ (check >> 32U));
+}
+
+bool has_value(JournalChange::Kind kind) {
+  return kind == JournalChange::Kind::write || kind == JournalChange::Kind::stored;
 }
 
 /// Numbers stand in the file as this machine has them: AxisBank::snapshot_layout knows its kind.
@@ -104,7 +99,7 @@ JournalWriter::JournalWriter(JournalSink sink, const JournalStart& start) : sink
 void JournalWriter::write(const JournalChange& change) {
   put(records_, static_cast<std::uint8_t>(change.kind));
   put(records_, change.axis);
-  if (change.kind == JournalChange::Kind::write) {
+  if (has_value(change.kind)) {
     put(records_, change.address.index);
     put(records_, change.address.subindex);
     put(records_, change.value);
@@ -293,12 +288,14 @@ JournalRecord JournalReader::read_change(JournalChange::Kind kind) {
   JournalChange change{.kind = kind, .axis = take<std::uint16_t>()};
   switch (kind) {
     case JournalChange::Kind::write:
+    case JournalChange::Kind::stored:
       change.address.index = take<std::uint16_t>();
       change.address.subindex = take<std::uint8_t>();
       change.value = take<std::int64_t>();
       return change;
     case JournalChange::Kind::power_cycle:
     case JournalChange::Kind::connection_loss:
+    case JournalChange::Kind::forgot:
       return change;
   }
   fail("record of an unknown kind " + std::to_string(static_cast<unsigned>(kind)));

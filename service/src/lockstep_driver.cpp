@@ -28,7 +28,11 @@ void LockstepDriver::run(const std::atomic<bool>& stop, Doorbell& doorbell) {
     beats_.add();
     const bool was_busy = handle_next(stop, doorbell);
     advance(stop);
-    if (was_busy) {
+    const bool has_stored = engine_.answer_stores();
+    if (has_stored) {
+      replies_.deliver(inbox_, outbox_);
+    }
+    if (was_busy || has_stored) {
       continue;
     }
     const auto patience = replies_.is_waiting() ? kReplyInterval : kIdleInterval;

@@ -127,6 +127,10 @@ void add_published(Families& families, const Counters& counters) {
                    counters.axis_samples_sent.get());
   families.counter("vdrive_events_sent_total", "Samples of the topic event",
                    counters.events_sent.get());
+  families.counter("vdrive_saves_total", "Axes whose stored parameters became durable",
+                   counters.saves.get());
+  families.counter("vdrive_save_failures_total", "Axes whose parameters could not be stored",
+                   counters.save_failures.get());
   families.counter("vdrive_journal_ticks_total", "Ticks written to the journal",
                    counters.journal_ticks.get());
   families.counter("vdrive_journal_losses_total", "Ticks that are missing in the journal",

@@ -73,6 +73,7 @@ void RealtimeDriver::tick() noexcept {
 
 /// Paused: whoever comes sees the axes all the same.
 void RealtimeDriver::idle() noexcept {
+  static_cast<void>(engine_.answer_stores());
   engine_.post_parameters();
   const auto now = timer_.monotonic_now();
   if (now >= next_repeat_) {

@@ -102,6 +102,12 @@ class Replay {
       case JournalChange::Kind::connection_loss:
         bank_.report_connection_loss(change.axis);
         break;
+      case JournalChange::Kind::stored:
+        code = bank_.set_stored(change.axis, change.address, change.value);
+        break;
+      case JournalChange::Kind::forgot:
+        bank_.forget_stored(change.axis);
+        break;
     }
     if (code != AbortCode::none) {
       result_.text = "tick " + std::to_string(tick_ + 1) + ": " + name_of(change.axis) +
@@ -128,7 +134,9 @@ class Replay {
   bool apply(const JournalSnapshot& snapshot) {
     started_ = true;
     try {
-      bank_.restore(bank_.snapshot_from(snapshot.state));
+      const bool was_restored = snapshot.cause == JournalSnapshot::Cause::restored;
+      bank_.restore(bank_.snapshot_from(snapshot.state),
+                    was_restored ? AxisBank::Memory::kept : AxisBank::Memory::of_snapshot);
     } catch (const std::invalid_argument& error) {
       throw JournalError(error.what());
     }

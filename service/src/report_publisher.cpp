@@ -41,12 +41,14 @@ spdlog::level::level_enum level_of(std::uint32_t kind) {
     case msg::EVENT_TICK_JUMPED:
     case msg::EVENT_QUEUE_OVERFLOW:
     case msg::EVENT_JOURNAL:
+    case msg::EVENT_PARAMETERS:
       return spdlog::level::warn;
     case msg::EVENT_FAULT:
     case msg::EVENT_FAULT_RESET:
     case msg::EVENT_REFUSED:
     case msg::EVENT_CLOCK_CHANGED:
     case msg::EVENT_SNAPSHOT:
+    case msg::EVENT_SHUTDOWN:
       return spdlog::level::info;
     default:
       return spdlog::level::debug;

@@ -54,11 +54,32 @@ void prepare_tick_thread(int priority) {
 
 }  // namespace
 
+/// Stored parameters: loaded before there are axes, saved by a thread of their own.
+struct Parameters {
+  Parameters(std::unique_ptr<ParameterStore> store, Configuration& configuration) {
+    if (store) {
+      LoadedParameters loaded = store->load();
+      news = apply(loaded, configuration);
+      const bool is_of_an_axis = std::any_of(news.begin(), news.end(), [](const auto& event) {
+        return event.axis != 0;
+      });
+      if (is_of_an_axis) {
+        store->keep_aside();
+      }
+      saver.emplace(std::move(store), std::move(loaded.table));
+    }
+  }
+
+  std::vector<EventRecord> news;  ///< to be told once
+  std::optional<ParameterSaver> saver;
+};
+
 /// Members in the order of construction; everything the threads use outlives them.
 class Service::Threads {
  public:
-  Threads(Configuration configuration, JournalSink journal)
+  Threads(Configuration configuration, JournalSink journal, std::unique_ptr<ParameterStore> store)
       : configuration_(std::move(configuration)),
+        parameters_(std::move(store), configuration_),
         identity_{configuration_.bench, static_cast<std::uint64_t>(timer_.wall_now().count())},
         participant_(configuration_.network, "vdrived " + std::to_string(configuration_.bench)),
         listening_since_(timer_.monotonic_now()),
@@ -71,6 +92,12 @@ class Service::Threads {
         reports_(participant_, configuration_, identity_, engine_.bank(), counters_) {
     if (journal) {
       journal_.emplace(configuration_, std::move(journal), counters_);
+    }
+    for (const EventRecord& event : parameters_.news) {
+      engine_.report(event);
+    }
+    if (parameters_.saver) {
+      engine_.store_with(*parameters_.saver);
     }
   }
 
@@ -94,6 +121,11 @@ class Service::Threads {
       engine_.record_to(*journal_);
     }
     serve_metrics();
+    if (parameters_.saver) {
+      parameters_.saver->start([this] {
+        doorbell_.ring();
+      });
+    }
     subscribe();
     reports_.announce(true);
     switch (configuration_.clock) {
@@ -133,6 +165,7 @@ class Service::Threads {
     }
     running_.clear();
     switch_off();
+    finish_stores();
     journal_.reset();  // writes its end; the engine is not used any more
     replies_.deliver(inbox_, outbox_);
     reports_.publish(inbox_, outbox_);
@@ -162,6 +195,16 @@ class Service::Threads {
           return QueueDepths{.inbox = inbox_.size(), .outbox = outbox_.size()};
         }));
     spdlog::info("bench={} metrics=http://127.0.0.1:{}/metrics", identity_.bench, metrics_->port());
+  }
+
+  /// What was asked for while the service ended is stored and answered too.
+  void finish_stores() noexcept {
+    if (parameters_.saver) {
+      parameters_.saver->close();
+    }
+    while (engine_.answer_stores()) {
+      replies_.deliver(inbox_, outbox_);
+    }
   }
 
   void subscribe() {
@@ -283,6 +326,7 @@ class Service::Threads {
   }
 
   Configuration configuration_;
+  Parameters parameters_;
   SystemCycleTimer timer_;
   BenchIdentity identity_;
   Counters counters_;
@@ -312,9 +356,11 @@ class Service::Threads {
   std::vector<std::thread> running_;
 };
 
-Service::Service(Configuration configuration, JournalSink journal) {
+Service::Service(Configuration configuration, JournalSink journal,
+                 std::unique_ptr<ParameterStore> store) {
   check(configuration);
-  threads_ = std::make_unique<Threads>(std::move(configuration), std::move(journal));
+  threads_ =
+      std::make_unique<Threads>(std::move(configuration), std::move(journal), std::move(store));
 }
 
 Service::~Service() = default;

@@ -7,7 +7,8 @@ set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 "$root/deploy/setup.sh" --tests
-"$root/deploy/build.sh" --tests --target vdrive_core_benchmark --target vdrive_service_benchmark
+"$root/deploy/build.sh" --tests --target vdrive_core_benchmark --target vdrive_service_benchmark \
+  --target vdrive_parameter_benchmark
 
 # A virtual processor that falls asleep wakes up late and slow. One spinner each keeps it awake; at
 # idle priority it gives way to the benchmark at once.
@@ -28,5 +29,6 @@ fi
 {
   "$root/build/release/tests/benchmark/vdrive_core_benchmark" "$@"
   "$root/build/release/tests/benchmark/vdrive_service_benchmark"
+  "$root/build/release/tests/benchmark/vdrive_parameter_benchmark" "$root/build"
 } |
   awk '/^\{"figure"/ { print; fflush(); next } { print > "/dev/stderr" }'

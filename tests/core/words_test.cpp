@@ -147,10 +147,11 @@ TEST(Controlword, WithBit7HighCarriesTheResetOnItsRisingEdgeAndNothingElse) {
 TEST(ErrorCode, SetsTheBitsOfItsGroupInTheErrorRegister) {
   // CiA 301, 1001h: bit 0 generic, 1 current, 2 voltage, 3 temperature, 4 communication,
   // 5 device profile.
-  const std::array<std::pair<ErrorCode, std::uint8_t>, 6> expected{{
+  const std::array<std::pair<ErrorCode, std::uint8_t>, 7> expected{{
       {ErrorCode::continuous_over_current, 0b00'0011},
       {ErrorCode::dc_link_under_voltage, 0b00'0101},
       {ErrorCode::excess_temperature_drive, 0b00'1001},
+      {ErrorCode::parameter_memory, 0b00'0001},
       {ErrorCode::life_guard_or_heartbeat, 0b01'0001},
       {ErrorCode::incremental_sensor_1_fault, 0b10'0001},
       {ErrorCode::following_error, 0b10'0001},
@@ -169,6 +170,7 @@ TEST(ErrorCode, CarriesTheNumbersOfCiA402) {
   EXPECT_EQ(static_cast<int>(ErrorCode::continuous_over_current), 0x2310);
   EXPECT_EQ(static_cast<int>(ErrorCode::dc_link_under_voltage), 0x3220);
   EXPECT_EQ(static_cast<int>(ErrorCode::excess_temperature_drive), 0x4310);
+  EXPECT_EQ(static_cast<int>(ErrorCode::parameter_memory), 0x5530);
   EXPECT_EQ(static_cast<int>(ErrorCode::incremental_sensor_1_fault), 0x7305);
   EXPECT_EQ(static_cast<int>(ErrorCode::life_guard_or_heartbeat), 0x8130);
   EXPECT_EQ(static_cast<int>(ErrorCode::following_error), 0x8611);

@@ -118,6 +118,8 @@ TEST(CommandLine, WaitsOfTheAxisWords) {
   EXPECT_EQ(command<AxisCommand>("quick-stop 1.1").word, AxisWord::quick_stop);
   EXPECT_EQ(command<AxisCommand>("quick-stop 1.1 --no-wait").until, client::Until::in_force);
   EXPECT_EQ(command<AxisCommand>("power-cycle 1.1").word, AxisWord::power_cycle);
+  EXPECT_EQ(command<AxisCommand>("store 1.1").word, AxisWord::store);
+  EXPECT_EQ(command<AxisCommand>("restore 1.1").word, AxisWord::restore);
 }
 
 TEST(CommandLine, OtherWords) {

@@ -30,6 +30,12 @@ class Axis {
 
   void power_cycle() noexcept { bank_.power_cycle(0); }
 
+  AbortCode set_stored(ObjectAddress object, std::int64_t value) noexcept {
+    return bank_.set_stored(0, object, value);
+  }
+
+  void forget_stored() noexcept { bank_.forget_stored(0); }
+
   void report_connection_loss() noexcept { bank_.report_connection_loss(0); }
 
  private:

@@ -39,7 +39,7 @@ class AxisBank {
   /// Powers every axis up: transitions 0 and 1 are done, the status images are valid.
   /// @throws std::invalid_argument when `axes` is empty, the period is outside 125 µs to 10 ms, a
   ///         model parameter is outside its range (naming parameter, value, unit and limit), or an
-  ///         initial value is refused by the dictionary.
+  ///         initial or stored value is refused by the dictionary.
   AxisBank(std::span<const AxisConfiguration> axes, std::chrono::microseconds period);
   ~AxisBank();
   AxisBank(const AxisBank& other);
@@ -77,9 +77,27 @@ class AxisBank {
   ///         the last step included.
   [[nodiscard]] std::uint32_t ignored_set_points(std::size_t axis) const noexcept;
 
-  /// As after power-up, the mechanical position kept: registers take their initial values, faults
-  /// and the error history are gone, 6061h = 0. Not ready to switch on shows until the next step.
+  /// As after power-up, the mechanical position kept: registers take their initial values and then
+  /// what is stored, faults and the error history are gone, 6061h = 0. Not ready to switch on shows
+  /// until the next step.
   void power_cycle(std::size_t axis) noexcept;
+
+  /// The parameter memory of an axis, which outlasts a power cycle. A bank never fills it itself:
+  /// writing 1010h and 1011h with the right signature is accepted and does nothing more. Whoever
+  /// owns the bank keeps the values safe first and then says so with these calls.
+  ///
+  /// @return AbortCode::none when 1010h could store this value of this object, else the code of the
+  ///         dictionary, or AbortCode::cannot_store_or_transfer where the object is not stored.
+  [[nodiscard]] static AbortCode check_stored(ObjectAddress object, std::int64_t value) noexcept;
+  /// Reads what 1010h would store now: the values of kStoredRows.
+  void read_parameters(std::size_t axis,
+                       std::span<std::int64_t, kStoredCount> values) const noexcept;
+  /// From the next power-up on the object has this value.
+  /// @return that of `check_stored`; where it is not none nothing has changed.
+  AbortCode set_stored(std::size_t axis, ObjectAddress object, std::int64_t value) noexcept;
+  /// Nothing is stored for the axis any more, and a memory error is over: from the next power-up on
+  /// it has its initial values.
+  void forget_stored(std::size_t axis) noexcept;
 
   /// The master of this axis fell silent: reacts per 6007h in Operation enabled and Quick stop
   /// active, else does nothing. Latched as fault 8130h where 6007h = 1.
@@ -91,8 +109,10 @@ class AxisBank {
   [[nodiscard]] Snapshot snapshot() const;
   /// Copies the whole state into a snapshot of this bank. Allocates nothing.
   void save(Snapshot& snapshot) const;
+  /// What becomes of the parameter memories when a snapshot is restored.
+  enum class Memory : std::uint8_t { of_snapshot, kept };
   /// @throws std::invalid_argument when the snapshot is of another number of axes or period.
-  void restore(const Snapshot& snapshot);
+  void restore(const Snapshot& snapshot, Memory memory = Memory::of_snapshot);
 
   /// @return a number that stands for the form of `Snapshot::bytes` in this version: what was
   ///         written under another one cannot be read.

@@ -31,6 +31,11 @@ struct AxisConfiguration {
   std::int32_t initial_position = 0;     ///< [user units] at first power-up
   std::uint32_t serial_number = 0;       ///< 1018h:04
   std::vector<InitialValue> parameters;  ///< written at every power-up
+
+  /// What the axis has stored by 1010h in an earlier life; see AxisBank::set_stored.
+  std::vector<InitialValue> stored{};
+  /// What was stored cannot be used: fault 5530h at every power-up until something else is stored.
+  bool memory_error = false;
 };
 
 }  // namespace vdrive

@@ -14,10 +14,11 @@ struct ErrorRow {
 };
 
 // 1001h: 1 current, 2 voltage, 3 temperature, 4 communication, 5 device profile.
-constexpr std::array<ErrorRow, 6> kErrors{{
+constexpr std::array<ErrorRow, 7> kErrors{{
     {ErrorCode::continuous_over_current, "continuous over-current", 1U << 1U, false},
     {ErrorCode::dc_link_under_voltage, "DC link under-voltage", 1U << 2U, true},
     {ErrorCode::excess_temperature_drive, "excess temperature drive", 1U << 3U, false},
+    {ErrorCode::parameter_memory, "parameter memory error", 0, false},
     {ErrorCode::incremental_sensor_1_fault, "incremental sensor 1 fault", 1U << 5U, true},
     {ErrorCode::life_guard_or_heartbeat, "life guard or heartbeat error", 1U << 4U, false},
     {ErrorCode::following_error, "following error", 1U << 5U, false},

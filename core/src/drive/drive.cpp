@@ -41,6 +41,15 @@ bool is_test_bench_input(const ObjectDescription& object) {
   return object.address.index >= 0x5E00 && object.address.index <= 0x5E09;
 }
 
+/// Transition 1, unless it is done already. What the memory check found is a fault from there on.
+void complete_power_up(const DriveContext& axis) {
+  const TransitionSet taken = axis.state.power.initialised();
+  act(axis, taken);
+  if (taken.contains(1) && axis.registers.memory_error) {
+    raise_fault(axis, ErrorCode::parameter_memory);
+  }
+}
+
 }  // namespace
 
 void power_up(const DriveContext& axis, bool initialise) noexcept {
@@ -62,7 +71,7 @@ void power_up(const DriveContext& axis, bool initialise) noexcept {
   set_power(axis, false);
   update_derived(axis);
   if (initialise) {
-    act(axis, axis.state.power.initialised());
+    complete_power_up(axis);
   }
 }
 
@@ -95,7 +104,7 @@ TickStart begin_tick(const DriveContext& axis, DemandBlock& demand) noexcept {
     s.plan_due = true;
   }
   if (s.attention) {
-    act(axis, s.power.initialised());
+    complete_power_up(axis);
     complete_stops(axis);
     watch_causes(axis);
     follow_mode(axis);

@@ -128,6 +128,7 @@ struct DriveRegisters {
   std::uint8_t error_count = 0;
   std::uint32_t stop_ticks = 0;  // since the demand of a stop ended
   AxisSettings settings;
+  bool memory_error = false;    // what was stored cannot be used: fault 5530h at power-up
   bool single_encoder = false;  // 6064h is encoder 1's: both readings share one frame
 };
 
@@ -147,6 +148,9 @@ enum class WriteEffect : std::uint8_t { none, torque_limits, gear };
 /// Power-up: registers take defaults, the state machine passes transitions 0 and, when
 /// `initialise`, 1. The mechanics stay as they are.
 void power_up(const DriveContext& axis, bool initialise) noexcept;
+
+/// The rules of one object for its value: those of the table, and the narrower ones of its meaning.
+[[nodiscard]] AbortCode check_object_value(ObjectRow row, std::int64_t value) noexcept;
 
 /// A write that the dictionary allows; see AxisBank::write.
 AbortCode write_object(const DriveContext& axis, ObjectRow row, std::int64_t value,

@@ -99,6 +99,10 @@ bool is_judged_by_meaning(ObjectRow row) {
   return row == "error_history_count"_object || row == "homing_method"_object;
 }
 
+bool is_request(ObjectRow row) {
+  return row == "store_all_parameters"_object || row == "restore_all_default_parameters"_object;
+}
+
 bool is_within_type(ObjectRow row, std::int64_t value) {
   const TypeRange type = range_of(describe(row).data_type);
   return value >= type.lowest && value <= type.highest;
@@ -115,6 +119,10 @@ AbortCode check_value(ObjectRow row, std::int64_t value) {
       return value <= 2 ? AbortCode::none : AbortCode::value_range_exceeded;
     case "error_history_count"_object:
       return value == 0 ? AbortCode::none : AbortCode::value_range_exceeded;
+    case "store_all_parameters"_object:
+      return value == kStoreSignature ? AbortCode::none : AbortCode::cannot_store_or_transfer;
+    case "restore_all_default_parameters"_object:
+      return value == kRestoreSignature ? AbortCode::none : AbortCode::cannot_store_or_transfer;
     default:
       return AbortCode::none;
   }
@@ -167,14 +175,20 @@ void update_derived(const DriveContext& axis) noexcept {
   s.plan_due = true;
 }
 
+AbortCode check_object_value(ObjectRow row, std::int64_t value) noexcept {
+  const AbortCode code = check_write(row, value);
+  const bool is_judged =
+      code == AbortCode::none || (is_judged_by_meaning(row) && is_within_type(row, value));
+  return is_judged ? check_value(row, value) : code;
+}
+
 AbortCode write_object(const DriveContext& axis, ObjectRow row, std::int64_t value,
                        WriteEffect& effect) noexcept {
-  AbortCode code = check_write(row, value);
-  if (code == AbortCode::none || (is_judged_by_meaning(row) && is_within_type(row, value))) {
-    code = check_value(row, value);
-  }
-  if (code != AbortCode::none) {
+  if (const AbortCode code = check_object_value(row, value); code != AbortCode::none) {
     return code;
+  }
+  if (is_request(row)) {
+    return AbortCode::none;  // whoever owns the bank carries it out; the row goes on reading 1
   }
   axis.registers.values[row] = value;
   switch (row) {

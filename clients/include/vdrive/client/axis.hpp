@@ -101,6 +101,16 @@ class Axis {
   /// As after power-up; the mechanical position is kept.
   Outcome power_cycle(const CallOptions& options = {});
 
+  /// Stores the parameters as they are now (1010h), to be in force after every later power-up, also
+  /// of another run of the service. Returns when they are durable; waits for no drive time.
+  /// @return refused with 0x08000020 where the service has no place to store to, with 0x06060000
+  ///         when storing failed: what was stored before stays.
+  Outcome store();
+
+  /// Forgets what is stored (1011h): from the next power cycle on the configured values are in
+  /// force. Refused as `store` is.
+  Outcome restore_defaults();
+
   /// Reads up to 64 objects. An object that is refused has its code in its place.
   Result<Readings> read(std::span<const ObjectAddress> objects) const;
 
@@ -120,6 +130,7 @@ class Axis {
   friend class Session;
   Axis(std::shared_ptr<SessionCore> core, AxisId id, std::string name);
   Outcome move(std::int32_t target, bool relative, const MoveOptions& options);
+  Outcome request_memory(std::uint32_t kind, const std::string& what);
 
   std::shared_ptr<SessionCore> core_;
   AxisId id_;

@@ -12,6 +12,7 @@ enum class ErrorCode : std::uint16_t {
   continuous_over_current = 0x2310,
   dc_link_under_voltage = 0x3220,
   excess_temperature_drive = 0x4310,
+  parameter_memory = 0x5530,
   incremental_sensor_1_fault = 0x7305,
   life_guard_or_heartbeat = 0x8130,
   following_error = 0x8611,

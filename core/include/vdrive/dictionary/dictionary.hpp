@@ -19,6 +19,35 @@ using ObjectRow = std::uint16_t;
 
 inline constexpr std::size_t kObjectCount = kObjectTable.size();
 
+/// 1010h:01 and 1011h:01: what has to be written to them; any other value is refused with
+/// AbortCode::cannot_store_or_transfer.
+inline constexpr ObjectAddress kStoreParameters{0x1010, 0x01};
+inline constexpr ObjectAddress kRestoreParameters{0x1011, 0x01};
+inline constexpr std::int64_t kStoreSignature = 0x65766173;    ///< "save", least byte first
+inline constexpr std::int64_t kRestoreSignature = 0x64616F6C;  ///< "load"
+
+/// How many objects 1010h stores.
+inline constexpr std::size_t kStoredCount = [] {
+  std::size_t count = 0;
+  for (const ObjectDescription& row : kObjectTable) {
+    count += row.storage == Storage::flash ? 1U : 0U;
+  }
+  return count;
+}();
+
+/// The rows that 1010h stores, in their order.
+inline constexpr std::array<ObjectRow, kStoredCount> kStoredRows = [] {
+  std::array<ObjectRow, kStoredCount> rows{};
+  std::size_t count = 0;
+  for (std::size_t row = 0; row < kObjectCount; ++row) {
+    if (kObjectTable[row].storage == Storage::flash) {
+      rows[count] = static_cast<ObjectRow>(row);
+      ++count;
+    }
+  }
+  return rows;
+}();
+
 /// @return the row at `address`, or nothing when there is no such object.
 [[nodiscard]] constexpr std::optional<ObjectRow> find_object(ObjectAddress address) noexcept {
   std::size_t first = 0;

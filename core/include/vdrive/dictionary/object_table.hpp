@@ -14,7 +14,7 @@ namespace vdrive {
 /// synchronous move 5E10h).
 /// Sorted by index and sub-index.
 // clang-format off
-inline constexpr std::array<ObjectDescription, 94> kObjectTable{{
+inline constexpr std::array<ObjectDescription, 96> kObjectTable{{
     {{0x1000, 0x00}, "Device Type", "设备类型", "Device", "device_type",
      DataType::unsigned32, Access::read_only, Storage::not_stored, Effective::read_only, 0, 4294967295, 131474, "-", Origin::companion},
     {{0x1001, 0x00}, "Error Register", "错误寄存器", "Device", "error_register",
@@ -37,6 +37,10 @@ inline constexpr std::array<ObjectDescription, 94> kObjectTable{{
      DataType::unsigned32, Access::read_only, Storage::not_stored, Effective::read_only, 0, 4294967295, 0, "-", Origin::companion},
     {{0x1003, 0x08}, "Error Field 8", "错误记录 8", "Device", "error_history_8",
      DataType::unsigned32, Access::read_only, Storage::not_stored, Effective::read_only, 0, 4294967295, 0, "-", Origin::companion},
+    {{0x1010, 0x01}, "Store All Parameters", "保存全部参数", "Device", "store_all_parameters",
+     DataType::unsigned32, Access::read_write, Storage::not_stored, Effective::immediately, 0, 4294967295, 1, "-", Origin::companion},
+    {{0x1011, 0x01}, "Restore All Default Parameters", "恢复全部默认参数", "Device", "restore_all_default_parameters",
+     DataType::unsigned32, Access::read_write, Storage::not_stored, Effective::immediately, 0, 4294967295, 1, "-", Origin::companion},
     {{0x1018, 0x01}, "Vendor Id", "厂商代码", "Device", "vendor_id",
      DataType::unsigned32, Access::read_only, Storage::not_stored, Effective::read_only, 0, 4294967295, 0, "-", Origin::companion},
     {{0x1018, 0x02}, "Product Code", "产品代码", "Device", "product_code",

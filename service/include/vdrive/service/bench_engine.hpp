@@ -6,6 +6,7 @@
 #include "vdrive/service/control_table.hpp"
 #include "vdrive/service/counters.hpp"
 #include "vdrive/service/journal.hpp"
+#include "vdrive/service/parameter_saver.hpp"
 #include "vdrive/service/pending_frames.hpp"
 #include "vdrive/service/queues.hpp"
 #include "vdrive/service/step_pool.hpp"
@@ -61,6 +62,10 @@ class BenchEngine {
   /// @throws std::system_error when the journal cannot be begun
   void record_to(Journal& journal);
 
+  /// Before the first arrival: stores parameters with `saver`, which outlives this engine. Without
+  /// one nothing can be stored.
+  void store_with(ParameterSaver& saver);
+
   /// Last completed tick.
   [[nodiscard]] std::uint64_t tick() const noexcept { return tick_; }
 
@@ -87,6 +92,10 @@ class BenchEngine {
   /// Moves as many changed parameter sets as fit into the outbox, and tells of full queues; also
   /// part of every step.
   void post_parameters();
+
+  /// Gives the axes what has become durable, and answers who waits for it; also part of every step.
+  /// @return whether there was anything.
+  bool answer_stores();
 
   /// The number of the tick jumps forward, state is held; the silence of masters does not grow.
   void jump(std::uint64_t ticks);
@@ -165,10 +174,11 @@ class BenchEngine {
   [[nodiscard]] std::uint32_t check_request(const Arrival& arrival) const;
   [[nodiscard]] std::uint32_t carry_out(const msg::Request& request, msg::Reply& reply);
   void begin_reply(const Arrival& arrival, OutgoingReply& outgoing) const;
-  void finish_reply(const msg::Request& request, std::uint32_t reason, msg::Reply& reply);
+  void finish_reply(std::uint64_t session, std::uint32_t reason, msg::Reply& reply);
   [[nodiscard]] std::uint32_t read_objects(const msg::Request& request, msg::Reply& reply);
   [[nodiscard]] std::uint32_t write_objects(const msg::Request& request, msg::Reply& reply);
-  [[nodiscard]] std::uint32_t write_object(const msg::ObjectAccess& object, std::uint64_t session);
+  [[nodiscard]] std::uint32_t write_object(const msg::ObjectAccess& object, std::uint64_t session,
+                                           std::size_t place);
   [[nodiscard]] std::uint32_t write_command_object(std::size_t axis, ObjectAddress address,
                                                    std::int64_t value, std::uint64_t session);
   [[nodiscard]] std::uint32_t acquire(const msg::Request& request, bool by_force,
@@ -198,6 +208,26 @@ class BenchEngine {
   void stop_axis(std::size_t axis);
   void switch_off_at_rest(std::size_t axis);
   [[nodiscard]] bool stands(std::size_t axis) const noexcept;
+
+  // parameters: bench_parameters.cpp
+  /// A request that waits until what it stores is durable.
+  struct WaitingStore {
+    OutgoingReply outgoing;
+    std::uint64_t session = 0;
+    std::uint32_t reason = 0;  ///< of what has come back
+    std::size_t orders = 0;    ///< on their way; 0 = the place is free
+  };
+
+  static constexpr std::size_t kMostWaitingStores = 1'024;
+  static constexpr std::size_t kOrdersPerTick = 4;
+
+  [[nodiscard]] std::uint32_t store_axes(const msg::Request& request, msg::Reply& reply);
+  [[nodiscard]] std::uint32_t store_by_write(std::size_t axis, ObjectAddress address,
+                                             std::int64_t value, std::size_t object);
+  void order(std::size_t axis, bool forget, std::size_t object);
+  void wait_for_orders(std::uint64_t session, std::uint32_t reason, OutgoingReply& outgoing);
+  void take_order(const StoreOrder& order, WaitingStore& waiting);
+  void keep_in_bank(const StoreOrder& order);
 
   // shared
   [[nodiscard]] std::optional<std::size_t> index_of(std::uint16_t number) const noexcept;
@@ -245,6 +275,10 @@ class BenchEngine {
   std::uint64_t last_snapshot_ = 0;
   Journal* journal_ = nullptr;
   std::optional<Braking> braking_;  ///< the bench ends
+  ParameterSaver* saver_ = nullptr;
+  std::vector<WaitingStore> waiting_stores_;
+  std::vector<std::uint32_t> free_places_;  ///< in waiting_stores_
+  std::size_t ordered_ = 0;                 ///< by the request in hand
 };
 
 }  // namespace vdrive::service

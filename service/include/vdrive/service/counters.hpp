@@ -94,6 +94,8 @@ struct Counters {
   Counter events_sent;
   Counter queue_overflows;
   Counter master_losses;
+  Counter saves;                  ///< axes whose stored parameters became durable
+  Counter save_failures;          ///< axes whose parameters could not be stored
   Counter snapshots;              ///< kept now
   Counter journal_ticks;          ///< written
   Counter journal_losses;         ///< ticks that are missing in the journal

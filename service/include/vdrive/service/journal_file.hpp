@@ -31,12 +31,19 @@ using JournalSink = std::function<void(std::span<const std::byte> bytes)>;
 
 /// Something that was done to an axis between two ticks.
 struct JournalChange {
-  enum class Kind : std::uint8_t { write = 1, power_cycle = 2, connection_loss = 3 };
+  enum class Kind : std::uint8_t {
+    write = 1,
+    power_cycle = 2,
+    connection_loss = 3,
+    // 4 to 6 are ticks
+    stored = 7,  ///< AxisBank::set_stored
+    forgot = 8,  ///< AxisBank::forget_stored
+  };
 
   Kind kind = Kind::write;
   std::uint16_t axis = 0;   ///< index on the bench, from 0
-  ObjectAddress address{};  ///< of a write
-  std::int64_t value = 0;   ///< of a write
+  ObjectAddress address{};  ///< written, stored
+  std::int64_t value = 0;   ///< written, stored
 
   friend bool operator==(const JournalChange&, const JournalChange&) = default;
 };

@@ -5,6 +5,7 @@
 #include "vdrive/service/configuration.hpp"
 #include "vdrive/service/counters.hpp"
 #include "vdrive/service/journal_file.hpp"
+#include "vdrive/service/parameter_store.hpp"
 
 #include <cstdint>
 #include <memory>
@@ -28,13 +29,16 @@ class BenchNumberTaken : public std::runtime_error {
 /// | status    | not in lock-step: status frames and axis samples                  |
 /// | reporter  | events, parameters, bench_state; not in lock-step: replies        |
 /// | journal   | writes the journal, where there is one                            |
+/// | saver     | saves parameters, where there is a place to save them             |
 class Service {
  public:
   /// Sets everything up; nobody sees the bench yet.
   /// @param journal takes the journal of this run; nothing = none is written
+  /// @param store what is stored in it is in force; nothing = nothing can be stored
   /// @throws ConfigurationError, std::invalid_argument when the bank refuses an axis,
   ///         wire::NetworkError
-  explicit Service(Configuration configuration, JournalSink journal = nullptr);
+  explicit Service(Configuration configuration, JournalSink journal = nullptr,
+                   std::unique_ptr<ParameterStore> store = nullptr);
 
   /// Stops.
   ~Service();

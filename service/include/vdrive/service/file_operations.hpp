@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+
+namespace vdrive::service {
+
+/// What the parameter store does with files: the seam at which a test lets each of it fail.
+/// Every member throws std::system_error with the errno when the system refuses.
+class FileOperations {
+ public:
+  enum class Purpose : std::uint8_t {
+    read,       ///< an existing file; never waits, whatever it is
+    create,     ///< a new file to be written; refused when it exists
+    lock,       ///< to be locked; made when it is not there
+    directory,  ///< an existing directory to be synced
+  };
+
+  FileOperations() = default;
+  virtual ~FileOperations() = default;
+  FileOperations(const FileOperations&) = delete;
+  FileOperations& operator=(const FileOperations&) = delete;
+
+  /// Makes a directory whose parent exists; nothing happens when it is there.
+  virtual void make_directory(const std::filesystem::path& directory) = 0;
+  [[nodiscard]] virtual int open(const std::filesystem::path& file, Purpose purpose) = 0;
+  /// @return how many bytes a regular file holds. Anything else is refused with EINVAL.
+  [[nodiscard]] virtual std::uint64_t size(int file) = 0;
+  /// @return how many bytes were read; 0 at the end.
+  [[nodiscard]] virtual std::size_t read(int file, std::span<std::byte> bytes) = 0;
+  /// @return how many bytes were written, at least one.
+  [[nodiscard]] virtual std::size_t write(int file, std::span<const std::byte> bytes) = 0;
+  virtual void sync(int file) = 0;
+  /// @return false when somebody else holds the lock.
+  [[nodiscard]] virtual bool try_lock(int file) = 0;
+  virtual void close(int file) = 0;
+  virtual void rename(const std::filesystem::path& from, const std::filesystem::path& to) = 0;
+  virtual void link(const std::filesystem::path& from, const std::filesystem::path& to) = 0;
+  virtual void remove(const std::filesystem::path& file) = 0;
+  [[nodiscard]] virtual bool exists(const std::filesystem::path& file) = 0;
+};
+
+/// @return the operations of the system.
+[[nodiscard]] std::unique_ptr<FileOperations> system_files();
+
+}  // namespace vdrive::service

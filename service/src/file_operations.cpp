@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdrive/service/file_operations.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <string>
+#include <system_error>
+
+namespace vdrive::service {
+namespace {
+
+constexpr mode_t kFileMode = 0644;
+constexpr mode_t kDirectoryMode = 0755;
+
+[[noreturn]] void fail(const std::string& what) {
+  throw std::system_error(errno, std::generic_category(), what);
+}
+
+/// Calls until no signal interrupts.
+template <typename Function>
+auto uninterrupted(Function function) {
+  auto result = function();
+  while (result < 0 && errno == EINTR) {
+    result = function();
+  }
+  return result;
+}
+
+int flags_of(FileOperations::Purpose purpose) {
+  using enum FileOperations::Purpose;
+  switch (purpose) {
+    case read:
+      return O_RDONLY | O_NONBLOCK | O_CLOEXEC;
+    case create:
+      return O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC;
+    case lock:
+      return O_RDWR | O_CREAT | O_CLOEXEC;
+    case directory:
+      return O_RDONLY | O_DIRECTORY | O_CLOEXEC;
+  }
+  return O_RDONLY;
+}
+
+class SystemFiles final : public FileOperations {
+ public:
+  void make_directory(const std::filesystem::path& directory) override {
+    if (::mkdir(directory.c_str(), kDirectoryMode) != 0 && errno != EEXIST) {
+      fail("mkdir " + directory.string());
+    }
+  }
+
+  int open(const std::filesystem::path& file, Purpose purpose) override {
+    const int opened = uninterrupted([&] {
+      return ::open(file.c_str(), flags_of(purpose), kFileMode);  // NOLINT(*-vararg)
+    });
+    if (opened < 0) {
+      fail("open " + file.string());
+    }
+    return opened;
+  }
+
+  std::uint64_t size(int file) override {
+    struct stat status {};
+
+    if (::fstat(file, &status) != 0) {
+      fail("fstat");
+    }
+    if (!S_ISREG(status.st_mode)) {
+      throw std::system_error(EINVAL, std::generic_category(), "not a regular file");
+    }
+    return static_cast<std::uint64_t>(status.st_size);
+  }
+
+  std::size_t read(int file, std::span<std::byte> bytes) override {
+    const auto count = uninterrupted([&] {
+      return ::read(file, bytes.data(), bytes.size());
+    });
+    if (count < 0) {
+      fail("read");
+    }
+    return static_cast<std::size_t>(count);
+  }
+
+  std::size_t write(int file, std::span<const std::byte> bytes) override {
+    const auto count = uninterrupted([&] {
+      return ::write(file, bytes.data(), bytes.size());
+    });
+    if (count <= 0) {
+      fail("write");
+    }
+    return static_cast<std::size_t>(count);
+  }
+
+  void sync(int file) override {
+    if (::fsync(file) != 0) {
+      fail("fsync");
+    }
+  }
+
+  bool try_lock(int file) override {
+    const int result = uninterrupted([&] {
+      return ::flock(file, LOCK_EX | LOCK_NB);
+    });
+    if (result != 0 && errno != EWOULDBLOCK) {
+      fail("flock");
+    }
+    return result == 0;
+  }
+
+  void close(int file) override {
+    if (::close(file) != 0) {
+      fail("close");
+    }
+  }
+
+  void rename(const std::filesystem::path& from, const std::filesystem::path& to) override {
+    if (::rename(from.c_str(), to.c_str()) != 0) {
+      fail("rename " + from.string());
+    }
+  }
+
+  void link(const std::filesystem::path& from, const std::filesystem::path& to) override {
+    if (::link(from.c_str(), to.c_str()) != 0) {
+      fail("link " + from.string());
+    }
+  }
+
+  void remove(const std::filesystem::path& file) override {
+    if (::unlink(file.c_str()) != 0) {
+      fail("unlink " + file.string());
+    }
+  }
+
+  bool exists(const std::filesystem::path& file) override {
+    struct stat status {};
+
+    if (::lstat(file.c_str(), &status) == 0) {
+      return true;
+    }
+    if (errno != ENOENT) {
+      fail("lstat " + file.string());
+    }
+    return false;
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<FileOperations> system_files() {
+  return std::make_unique<SystemFiles>();
+}
+
+}  // namespace vdrive::service

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdrive/service/parameter_file.hpp"
+
+#include "content_check.hpp"
+#include "number_text.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <array>
+#include <cstdio>
+#include <limits>
+#include <optional>
+#include <string_view>
+#include <system_error>
+
+namespace vdrive::service {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::string_view kMagic = "vdrive parameters, version ";
+
+template <typename... Numbers>
+std::string formatted(const char* format, Numbers... numbers) {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), format, numbers...);  // NOLINT(*-vararg)
+  return text.data();
+}
+
+std::string text_of(ObjectAddress address) {
+  return formatted("0x%04X:%u", unsigned{address.index}, unsigned{address.subindex});
+}
+
+std::string head_of(std::string_view content) {
+  return std::string(kMagic) + std::to_string(kParameterFileVersion) + ", " +
+         std::to_string(content.size()) + " bytes, check " +
+         formatted("%016llx\n", static_cast<unsigned long long>(  // NOLINT(*-runtime-int)
+                                    check_of(std::as_bytes(std::span(content)))));
+}
+
+[[noreturn]] void fail_damaged(const std::string& what) {
+  throw ParameterFileError(ParameterProblem::damaged, 0, what);
+}
+
+/// @throws when the first line is not the one that belongs to the rest.
+std::string_view content_of(std::string_view file) {
+  const std::size_t end = file.find('\n');
+  if (end == std::string_view::npos || !file.starts_with(kMagic)) {
+    fail_damaged("this is no file of parameters");
+  }
+  const std::string_view head = file.substr(0, end + 1);
+  const std::string_view content = file.substr(end + 1);
+  if (head == head_of(content)) {
+    return content;
+  }
+  const std::string_view rest = head.substr(kMagic.size());
+  const auto version = parse_integer(rest.substr(0, rest.find(',')));
+  if (version && *version >= 0 && *version != kParameterFileVersion) {
+    throw ParameterFileError(ParameterProblem::unknown_version,
+                             static_cast<std::uint64_t>(*version),
+                             "it has another version of the format");
+  }
+  fail_damaged("its content does not match its first line");
+}
+
+template <typename Number>
+Number number_of(std::string_view text) {
+  const auto number = parse_integer(text);
+  if (!number || *number < 0 || *number > std::numeric_limits<Number>::max()) {
+    fail_damaged("'" + std::string(text) + "' is no number that belongs there");
+  }
+  return static_cast<Number>(*number);
+}
+
+ObjectAddress address_of(std::string_view text) {
+  const std::size_t colon = text.find(':');
+  if (colon == std::string_view::npos) {
+    fail_damaged("'" + std::string(text) + "' is no object");
+  }
+  return {number_of<std::uint16_t>(text.substr(0, colon)),
+          number_of<std::uint8_t>(text.substr(colon + 1))};
+}
+
+}  // namespace
+
+std::string encode(const ParameterTable& table) {
+  Json axes = Json::object();
+  for (const auto& [number, values] : table) {
+    Json& axis = axes[std::to_string(number)] = Json::object();
+    for (const InitialValue& stored : values) {
+      axis[text_of(stored.address)] = stored.value;
+    }
+  }
+  const std::string content = Json{{"axes", std::move(axes)}}.dump(1) + "\n";
+  return head_of(content) + content;
+}
+
+ParameterTable decode(std::span<const std::byte> file) {
+  if (file.empty()) {
+    throw ParameterFileError(ParameterProblem::empty, 0, "it is empty");
+  }
+  const std::string_view content = content_of(
+      {reinterpret_cast<const char*>(file.data()), file.size()});  // NOLINT(*-reinterpret-cast)
+  ParameterTable table;
+  try {
+    const Json json = Json::parse(content);
+    for (const auto& [number, axis] : json.at("axes").items()) {
+      auto& values = table[number_of<std::uint16_t>(number)];
+      for (const auto& [object, value] : axis.items()) {
+        values.push_back({address_of(object), value.get<std::int64_t>()});
+      }
+    }
+  } catch (const Json::exception& error) {
+    fail_damaged(error.what());
+  }
+  return table;
+}
+
+std::string describe_problem(ParameterProblem problem, std::uint64_t number) {
+  switch (problem) {
+    case ParameterProblem::none:
+      return "good";
+    case ParameterProblem::unreadable:
+      return "cannot be read: " + std::generic_category().message(static_cast<int>(number));
+    case ParameterProblem::empty:
+      return "empty";
+    case ParameterProblem::too_large:
+      return "too large: " + std::to_string(number) + " bytes";
+    case ParameterProblem::damaged:
+      return "damaged";
+    case ParameterProblem::unknown_version:
+      return "version " + std::to_string(number) + " of the format is not known here";
+    case ParameterProblem::missing:
+      return "missing";
+    case ParameterProblem::unknown_object:
+    case ParameterProblem::refused_value:
+      return text_of({static_cast<std::uint16_t>(number >> 8U),
+                      static_cast<std::uint8_t>(number & 0xFFU)}) +
+             (problem == ParameterProblem::unknown_object ? " is no object that is stored"
+                                                          : " has a value outside of its range");
+  }
+  return "";
+}
+
+}  // namespace vdrive::service

@@ -1,0 +1,349 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdrive/service/parameter_store.hpp"
+
+#include "vdrive/axis_bank.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+namespace vdrive::service {
+namespace {
+
+using Purpose = FileOperations::Purpose;
+
+constexpr std::size_t kReadSize = 65'536;
+
+bool is_error(const std::system_error& error, int code) {
+  return error.code() == std::error_code(code, std::generic_category());
+}
+
+/// A file that closes.
+class OpenFile {
+ public:
+  OpenFile(FileOperations& files, const std::filesystem::path& file, Purpose purpose)
+      : files_(files), number_(files.open(file, purpose)) {}
+
+  ~OpenFile() {
+    try {
+      close();
+    } catch (const std::system_error& error) {
+      spdlog::debug("{}", error.what());  // a read, or a write that has failed already
+    }
+  }
+
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+
+  [[nodiscard]] int number() const noexcept { return number_; }
+
+  void close() {
+    if (number_ >= 0) {
+      files_.close(std::exchange(number_, -1));
+    }
+  }
+
+  int release() noexcept { return std::exchange(number_, -1); }
+
+ private:
+  FileOperations& files_;
+  int number_;
+};
+
+/// Does something that may be left undone.
+template <typename Function>
+bool attempt(const char* what, Function function) {
+  try {
+    function();
+    return true;
+  } catch (const std::system_error& error) {
+    spdlog::warn("{}: {}", what, error.what());
+    return false;
+  }
+}
+
+/// @return the first value of the axis that cannot be used, and why.
+std::optional<std::uint64_t> refusal_of(const std::vector<InitialValue>& values) {
+  for (const InitialValue& stored : values) {
+    const AbortCode code = AxisBank::check_stored(stored.address, stored.value);
+    if (code == AbortCode::none) {
+      continue;
+    }
+    const auto row = find_object(stored.address);
+    const bool is_stored = row && describe(*row).storage == Storage::flash;
+    return ParameterNews::pack(
+        is_stored ? ParameterProblem::refused_value : ParameterProblem::unknown_object,
+        stored.address.index * 256U + stored.address.subindex);
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+ParameterStore::ParameterStore(std::filesystem::path directory, std::uint32_t bench,
+                               std::unique_ptr<FileOperations> files)
+    : directory_(std::move(directory)),
+      name_("bench-" + std::to_string(bench)),
+      files_(std::move(files)) {
+  try {
+    if (!files_->exists(directory_)) {
+      files_->make_directory(directory_);
+    }
+    OpenFile(*files_, directory_, Purpose::directory).close();
+  } catch (const std::system_error& error) {
+    throw ConfigurationError("state directory " + directory_.string() +
+                             " cannot be used: " + error.code().message());
+  }
+  if (!lock()) {
+    throw ConfigurationError("state directory " + directory_.string() +
+                             ": the parameters of bench " + std::to_string(bench) +
+                             " are in use by another vdrived");
+  }
+}
+
+ParameterStore::~ParameterStore() {
+  if (lock_ >= 0) {
+    attempt("lock file", [this] {
+      files_->close(lock_);
+    });
+  }
+}
+
+std::filesystem::path ParameterStore::file(const char* suffix) const {
+  return directory_ / (name_ + ".parameters" + suffix);
+}
+
+/// @return false when another service holds the lock. Where there can be no lock file nobody can
+///         write the others either: a later save tries again.
+bool ParameterStore::lock() {
+  try {
+    const auto path = directory_ / (name_ + ".lock");
+    OpenFile opened(*files_, path, Purpose::lock);
+    if (!files_->try_lock(opened.number())) {
+      return false;
+    }
+    lock_ = opened.release();
+  } catch (const std::system_error& error) {
+    spdlog::warn("state directory {}: not locked, nothing can be stored: {}", directory_.string(),
+                 error.what());
+  }
+  return true;
+}
+
+// ---- load ------------------------------------------------------------------------------------
+
+ParameterTable ParameterStore::read(const std::filesystem::path& file) {
+  try {
+    const OpenFile opened(*files_, file, Purpose::read);
+    const std::uint64_t size = files_->size(opened.number());
+    if (size > kLargestParameterFile) {
+      throw ParameterFileError(ParameterProblem::too_large, size, "it is too large");
+    }
+    std::vector<std::byte> content;
+    std::vector<std::byte> part(kReadSize);
+    while (const std::size_t count = files_->read(opened.number(), part)) {
+      content.insert(content.end(), part.begin(),
+                     part.begin() + static_cast<std::ptrdiff_t>(count));
+      if (content.size() > kLargestParameterFile) {
+        throw ParameterFileError(ParameterProblem::too_large, content.size(), "it grows");
+      }
+    }
+    return decode(content);
+  } catch (const std::system_error& error) {
+    if (is_error(error, ENOENT)) {
+      throw ParameterFileError(ParameterProblem::missing, 0, "it is not there");
+    }
+    throw ParameterFileError(ParameterProblem::unreadable,
+                             static_cast<std::uint64_t>(error.code().value()), error.what());
+  }
+}
+
+LoadedParameters ParameterStore::load() {
+  LoadedParameters loaded;
+  try {
+    loaded.table = read(file(""));
+    loaded.source = LoadedParameters::Source::current;
+    return loaded;
+  } catch (const ParameterFileError& error) {
+    loaded.problem = error.problem();
+    loaded.number = error.number();
+    if (loaded.problem != ParameterProblem::missing) {
+      spdlog::error("{}: {}: {}", file("").string(),
+                    describe_problem(loaded.problem, loaded.number), error.what());
+      is_bad_ = true;
+      keep_aside();
+    }
+  }
+  load_previous(loaded);
+  return loaded;
+}
+
+/// The file is not there or cannot be used.
+void ParameterStore::load_previous(LoadedParameters& loaded) {
+  try {
+    loaded.table = read(file(".previous"));
+    loaded.source = LoadedParameters::Source::previous;
+    // The new file is complete and named last: beside it the one before is what was stored.
+    if (loaded.problem == ParameterProblem::missing && files_->exists(file(".new"))) {
+      loaded.problem = ParameterProblem::none;
+      is_away_ = true;
+    }
+  } catch (const ParameterFileError& error) {
+    const bool is_missing = error.problem() == ParameterProblem::missing;
+    if (!is_missing) {
+      spdlog::error("{}: {}: {}", file(".previous").string(),
+                    describe_problem(error.problem(), error.number()), error.what());
+    }
+    if (loaded.problem == ParameterProblem::missing) {  // of both: nothing was ever stored
+      loaded.problem = is_missing ? ParameterProblem::none : error.problem();
+      loaded.number = error.number();
+    }
+  } catch (const std::system_error& error) {
+    spdlog::warn("{}", error.what());
+  }
+}
+
+void ParameterStore::keep_aside() {
+  attempt("a damaged file is not kept aside yet", [this] {
+    const auto damaged = file(".damaged");
+    if (files_->exists(damaged)) {
+      files_->remove(damaged);
+    }
+    files_->link(file(""), damaged);
+  });
+}
+
+// ---- save ------------------------------------------------------------------------------------
+
+void ParameterStore::save(const ParameterTable& table) {
+  if (lock_ < 0 && (!lock() || lock_ < 0)) {
+    throw std::system_error(EROFS, std::generic_category(), "no lock on " + directory_.string());
+  }
+  put_back();
+  const std::string content = encode(table);
+  write_beside(std::as_bytes(std::span(content)));
+  replace();
+  sync_directory();
+}
+
+/// Undoes the first half of a replacement that was cut short.
+void ParameterStore::put_back() {
+  if (is_away_) {
+    files_->rename(file(".previous"), file(""));
+    is_away_ = false;
+  }
+}
+
+void ParameterStore::write_beside(std::span<const std::byte> content) {
+  const auto path = file(".new");
+  if (files_->exists(path)) {
+    files_->remove(path);
+  }
+  OpenFile opened(*files_, path, Purpose::create);
+  try {
+    while (!content.empty()) {
+      content = content.subspan(files_->write(opened.number(), content));
+    }
+    files_->sync(opened.number());
+    opened.close();
+  } catch (const std::system_error&) {
+    attempt("an unfinished file stays", [this, &path] {
+      files_->remove(path);  // on a full disk its space is needed
+    });
+    throw;
+  }
+}
+
+/// One rename makes room and one puts the new file in place: a file is complete under one of the
+/// two names all the time, also where the file system knows no links.
+void ParameterStore::replace() {
+  is_away_ = move_away(file(is_bad_ ? ".damaged" : ".previous")) && !is_bad_;
+  try {
+    files_->rename(file(".new"), file(""));
+  } catch (const std::system_error&) {
+    attempt("what is stored keeps another name", [this] {
+      put_back();
+    });
+    throw;
+  }
+  is_away_ = false;
+  is_bad_ = false;
+}
+
+/// @return whether there was a file.
+bool ParameterStore::move_away(const std::filesystem::path& to) {
+  try {
+    files_->rename(file(""), to);
+    return true;
+  } catch (const std::system_error& error) {
+    if (is_error(error, ENOENT)) {
+      return false;
+    }
+    throw;
+  }
+}
+
+void ParameterStore::sync_directory() {
+  OpenFile directory(*files_, directory_, Purpose::directory);
+  files_->sync(directory.number());
+  directory.close();
+}
+
+// ---- the way to the axes ---------------------------------------------------------------------
+
+std::unique_ptr<ParameterStore> open_parameter_store(const std::optional<std::string>& directory,
+                                                     std::uint32_t bench) {
+  std::string path = directory.value_or("");
+  if (!directory) {
+    const char* const variable = std::getenv("STATE_DIRECTORY");  // NOLINT(concurrency-mt-unsafe)
+    path = variable == nullptr ? "" : variable;
+    path.resize(std::min(path.size(), path.find(':')));
+    if (path.empty()) {
+      return nullptr;
+    }
+  }
+  if (path.empty()) {
+    throw ConfigurationError("--state: the name of a directory is missing");
+  }
+  return std::make_unique<ParameterStore>(path, bench);
+}
+
+std::vector<EventRecord> apply(const LoadedParameters& loaded, Configuration& configuration) {
+  std::vector<EventRecord> news;
+  const bool is_good = loaded.problem == ParameterProblem::none;
+  const auto tell = [&news](std::uint32_t code, std::uint64_t detail, std::uint16_t axis = 0) {
+    news.push_back({.kind = msg::EVENT_PARAMETERS, .axis = axis, .code = code, .detail = detail});
+  };
+  if (!is_good) {
+    const bool has_previous = loaded.source == LoadedParameters::Source::previous;
+    tell(has_previous ? ParameterNews::kPrevious : ParameterNews::kDefaults,
+         ParameterNews::pack(loaded.problem, loaded.number));
+  }
+  std::uint64_t axes = 0;
+  for (NamedAxis& axis : configuration.axes) {
+    axis.configuration.memory_error = !is_good;
+    const auto found = loaded.table.find(axis.number);
+    if (found == loaded.table.end()) {
+      continue;
+    }
+    if (const auto refusal = refusal_of(found->second)) {
+      axis.configuration.memory_error = true;
+      tell(ParameterNews::kDefaults, *refusal, axis.number);
+    } else {
+      axis.configuration.stored = found->second;
+      ++axes;
+    }
+  }
+  if (loaded.source != LoadedParameters::Source::nothing) {
+    tell(ParameterNews::kLoaded, axes);
+  }
+  return news;
+}
+
+}  // namespace vdrive::service

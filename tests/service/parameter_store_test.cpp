@@ -1,0 +1,576 @@
+// SPDX-License-Identifier: Apache-2.0
+// Stored parameters on a disk: what comes back, whatever happened to the files.
+#include "vdrive/service/parameter_store.hpp"
+
+#include "service/failing_files.hpp"
+#include "support/temporary_directory.hpp"
+#include "vdrive/service/parameter_file.hpp"
+
+#include <gtest/gtest.h>
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <optional>
+#include <string>
+#include <system_error>
+#include <vector>
+
+namespace vdrive::test {
+namespace {
+
+namespace fs = std::filesystem;
+using service::apply;
+using service::ConfigurationError;
+using service::decode;
+using service::encode;
+using service::LoadedParameters;
+using service::ParameterFileError;
+using service::ParameterNews;
+using service::ParameterProblem;
+using service::ParameterStore;
+using service::ParameterTable;
+using Source = LoadedParameters::Source;
+
+constexpr std::uint32_t kBench = 7;
+constexpr std::uintmax_t kLegible = 1U << 20U;  // larger files are compared by their size
+constexpr ObjectAddress kVelocity{0x6081, 0};
+constexpr ObjectAddress kLowerLimit{0x607D, 1};
+
+/// @return axes 1 and 2 with values that tell the generation.
+ParameterTable table_of(std::int64_t generation) {
+  return {{1, {{kLowerLimit, -generation}, {kVelocity, generation}}}, {2, {{kVelocity, 5}}}};
+}
+
+/// @return the generation of a table, if it is one of `table_of` in full.
+std::optional<std::int64_t> generation_of(const ParameterTable& table) {
+  const auto axis = table.find(1);
+  if (axis == table.end() || axis->second.size() != 2) {
+    return std::nullopt;
+  }
+  const std::int64_t generation = axis->second[1].value;
+  return encode(table) == encode(table_of(generation)) ? std::optional(generation) : std::nullopt;
+}
+
+std::span<const std::byte> bytes_of(const std::string& text) {
+  return std::as_bytes(std::span(text));
+}
+
+std::string read_text(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+void write_text(const fs::path& file, const std::string& text) {
+  std::ofstream(file, std::ios::binary | std::ios::trunc) << text;
+}
+
+// ---- the file --------------------------------------------------------------------------------
+
+TEST(ParameterFile, GivesBackWhatWasPutIn) {
+  const ParameterTable table{{1, {{kLowerLimit, -2'147'483'648LL}, {kVelocity, 4'294'967'295LL}}},
+                             {65'535, {{{0xFFFF, 255}, 0}}},
+                             {3, {}}};
+  const std::string file = encode(table);
+  EXPECT_EQ(encode(decode(bytes_of(file))), file);
+  EXPECT_EQ(decode(bytes_of(file)).at(1)[0].value, -2'147'483'648LL);
+  EXPECT_EQ(decode(bytes_of(file)).at(65'535)[0].address, (ObjectAddress{0xFFFF, 255}));
+  EXPECT_TRUE(decode(bytes_of(encode({}))).empty());
+}
+
+TEST(ParameterFile, ShowsEveryChangedBit) {
+  const std::string good = encode(table_of(100'000));
+  for (std::size_t bit = 0; bit < good.size() * 8; ++bit) {
+    std::string file = good;
+    file[bit / 8] = static_cast<char>(file[bit / 8] ^ (1 << (bit % 8)));
+    EXPECT_THROW(decode(bytes_of(file)), ParameterFileError) << "bit " << bit;
+  }
+}
+
+TEST(ParameterFile, ShowsWhereverItIsTornOrGoesOn) {
+  const std::string good = encode(table_of(100'000));
+  for (std::size_t size = 0; size < good.size(); ++size) {
+    EXPECT_THROW(decode(bytes_of(good.substr(0, size))), ParameterFileError) << size;
+    const std::string holes = good.substr(0, size) + std::string(good.size() - size, '\0');
+    EXPECT_THROW(decode(bytes_of(holes)), ParameterFileError) << size;
+  }
+  EXPECT_THROW(decode(bytes_of(good + '\n')), ParameterFileError);
+  EXPECT_THROW(decode(bytes_of(good + good)), ParameterFileError);
+}
+
+// ---- the store -------------------------------------------------------------------------------
+
+class StateDirectory : public testing::Test {
+ protected:
+  [[nodiscard]] fs::path file(const std::string& suffix = "") const {
+    return directory.path() / ("bench-7.parameters" + suffix);
+  }
+
+  [[nodiscard]] std::unique_ptr<ParameterStore> open() {
+    return std::make_unique<ParameterStore>(directory.path(), kBench,
+                                            std::make_unique<FailingFiles>(plan));
+  }
+
+  /// Saves as a service does that runs and ends. @return what it loaded before.
+  LoadedParameters save(std::int64_t generation) {
+    const auto store = open();
+    LoadedParameters loaded = store->load();
+    store->save(table_of(generation));
+    return loaded;
+  }
+
+  LoadedParameters load() { return open()->load(); }
+
+  TemporaryDirectory directory;
+  FilePlan plan;
+};
+
+TEST_F(StateDirectory, IsEmptyAtFirst) {
+  const LoadedParameters loaded = load();
+  EXPECT_EQ(loaded.source, Source::nothing);
+  EXPECT_EQ(loaded.problem, ParameterProblem::none);
+  EXPECT_FALSE(fs::exists(file()));
+}
+
+TEST_F(StateDirectory, GivesBackWhatWasSavedAndKeepsTheSetBefore) {
+  save(1);
+  EXPECT_EQ(generation_of(load().table), 1);
+  save(2);
+  const LoadedParameters loaded = load();
+  EXPECT_EQ(generation_of(loaded.table), 2);
+  EXPECT_EQ(loaded.source, Source::current);
+  EXPECT_EQ(loaded.problem, ParameterProblem::none);
+  EXPECT_EQ(read_text(file(".previous")), encode(table_of(1)));
+  EXPECT_FALSE(fs::exists(file(".new")));
+  EXPECT_FALSE(fs::exists(file(".damaged")));
+}
+
+TEST_F(StateDirectory, IsMadeIfOnlyItsLastPartIsMissing) {
+  const fs::path made = directory.path() / "state";
+  ParameterStore(made, kBench).save(table_of(1));
+  EXPECT_TRUE(fs::exists(made / "bench-7.parameters"));
+  EXPECT_THROW(ParameterStore(directory.path() / "a" / "b", kBench), ConfigurationError);
+  write_text(directory.path() / "file", "x");
+  EXPECT_THROW(ParameterStore(directory.path() / "file", kBench), ConfigurationError);
+}
+
+TEST_F(StateDirectory, BelongsToOneServiceForEachBench) {
+  const auto first = open();
+  try {
+    const auto second = open();
+    ADD_FAILURE() << "two services would write one file";
+  } catch (const ConfigurationError& error) {
+    EXPECT_NE(std::string(error.what()).find("bench 7 are in use by another vdrived"),
+              std::string::npos)
+        << error.what();
+  }
+  EXPECT_NO_THROW(ParameterStore(directory.path(), kBench + 1));
+}
+
+/// What can happen to the file.
+struct Damage {
+  const char* name;
+  ParameterProblem problem;
+  void (*inflict)(const fs::path& file);
+};
+
+std::string name_of(const testing::TestParamInfo<Damage>& info) {
+  return info.param.name;
+}
+
+const std::array<Damage, 8> kDamages{{
+    {"empty", ParameterProblem::empty,
+     [](const fs::path& file) {
+       write_text(file, "");
+     }},
+    {"torn", ParameterProblem::damaged,
+     [](const fs::path& file) {
+       fs::resize_file(file, fs::file_size(file) / 2);
+     }},
+    {"flipped", ParameterProblem::damaged,
+     [](const fs::path& file) {
+       std::string text = read_text(file);
+       text[text.size() - 9] = static_cast<char>(text[text.size() - 9] ^ 1);
+       write_text(file, text);
+     }},
+    {"huge", ParameterProblem::too_large,
+     [](const fs::path& file) {
+       fs::resize_file(file, service::kLargestParameterFile + 1);  // sparse
+     }},
+    {"newer", ParameterProblem::unknown_version,
+     [](const fs::path& file) {
+       std::string text = read_text(file);
+       write_text(file, text.replace(text.find("version 1"), 9, "version 2"));
+     }},
+    {"older", ParameterProblem::unknown_version,
+     [](const fs::path& file) {
+       std::string text = read_text(file);
+       write_text(file, text.replace(text.find("version 1"), 9, "version 0"));
+     }},
+    {"foreign", ParameterProblem::damaged,
+     [](const fs::path& file) {
+       write_text(file, "{\"axes\": {}}\n");
+     }},
+    {"a_directory", ParameterProblem::unreadable,
+     [](const fs::path& file) {
+       fs::remove(file);
+       fs::create_directory(file);
+     }},
+}};
+
+class DamagedFile : public StateDirectory, public testing::WithParamInterface<Damage> {};
+
+TEST_P(DamagedFile, LeavesTheSetBeforeItAndIsKeptAside) {
+  save(1);
+  save(2);
+  GetParam().inflict(file());
+  const bool is_directory = fs::is_directory(file());
+  const auto size = is_directory ? 0 : fs::file_size(file());
+  const bool is_legible = !is_directory && size < kLegible;
+  const std::string damaged = is_legible ? read_text(file()) : "";
+  const LoadedParameters loaded = load();
+  EXPECT_EQ(loaded.problem, GetParam().problem);
+  EXPECT_EQ(loaded.source, Source::previous);
+  EXPECT_EQ(generation_of(loaded.table), 1);
+  EXPECT_EQ(load().problem, GetParam().problem) << "until something is stored";
+  EXPECT_EQ(save(3).problem, GetParam().problem);
+  EXPECT_EQ(fs::is_directory(file(".damaged")), is_directory);
+  EXPECT_EQ(is_directory ? 0 : fs::file_size(file(".damaged")), size);
+  EXPECT_EQ(is_legible ? read_text(file(".damaged")) : "", damaged);
+  EXPECT_EQ(read_text(file(".previous")), encode(table_of(1))) << "the last set that was good";
+  EXPECT_EQ(load().problem, ParameterProblem::none);
+  EXPECT_EQ(generation_of(load().table), 3);
+}
+
+TEST_P(DamagedFile, LeavesNothingWhereThereIsNoSetBeforeIt) {
+  save(1);
+  GetParam().inflict(file());
+  const LoadedParameters loaded = load();
+  EXPECT_EQ(loaded.problem, GetParam().problem);
+  EXPECT_EQ(loaded.source, Source::nothing);
+  EXPECT_TRUE(loaded.table.empty());
+}
+
+TEST_P(DamagedFile, OfTheSetBeforeDoesNotMatterWhileTheFileIsGood) {
+  save(1);
+  save(2);
+  GetParam().inflict(file(".previous"));
+  EXPECT_EQ(load().problem, ParameterProblem::none);
+  EXPECT_EQ(generation_of(load().table), 2);
+}
+
+INSTANTIATE_TEST_SUITE_P(Parameters, DamagedFile, testing::ValuesIn(kDamages), name_of);
+
+TEST_F(StateDirectory, OfWhichNobodyMayReadTheFileGivesTheSetBefore) {
+  save(1);
+  save(2);
+  const auto store = open();
+  plan.set([](std::uint64_t number) {
+    if (number == 1) fail_with(EACCES);
+  });
+  const LoadedParameters loaded = store->load();
+  EXPECT_EQ(loaded.problem, ParameterProblem::unreadable);
+  EXPECT_EQ(loaded.number, static_cast<std::uint64_t>(EACCES));
+  EXPECT_EQ(generation_of(loaded.table), 1);
+}
+
+TEST_F(StateDirectory, MissesAFileThatWasRemoved) {
+  save(1);
+  save(2);
+  fs::remove(file());
+  const LoadedParameters loaded = load();
+  EXPECT_EQ(loaded.problem, ParameterProblem::missing);
+  EXPECT_EQ(generation_of(loaded.table), 1);
+  EXPECT_EQ(generation_of((save(3), load()).table), 3);
+}
+
+TEST_F(StateDirectory, MissesNothingWhenASaveWasCutShort) {
+  save(1);
+  fs::rename(file(), file(".previous"));
+  write_text(file(".new"), encode(table_of(2)));
+  const LoadedParameters loaded = load();
+  EXPECT_EQ(loaded.problem, ParameterProblem::none);
+  EXPECT_EQ(generation_of(loaded.table), 1);
+  EXPECT_EQ(generation_of((save(3), load()).table), 3);
+  EXPECT_EQ(read_text(file(".previous")), encode(table_of(1)));
+}
+
+TEST_F(StateDirectory, IgnoresAnUnfinishedFile) {
+  save(1);
+  write_text(file(".new"), encode(table_of(2)).substr(0, 50));
+  EXPECT_EQ(load().problem, ParameterProblem::none);
+  EXPECT_EQ(generation_of(load().table), 1);
+  EXPECT_EQ(generation_of((save(3), load()).table), 3);
+  EXPECT_FALSE(fs::exists(file(".new")));
+}
+
+TEST_F(StateDirectory, ThatIsReadOnlyGivesWhatIsStoredAndTakesNothing) {
+  save(1);
+  fs::remove(directory.path() / "bench-7.lock");
+  // Permissions do not bind a superuser: the seam refuses whatever changes something.
+  plan.set([](std::uint64_t number) {
+    if (number == 4) fail_with(EROFS);  // the lock file, after three looks at the directory
+  });
+  const auto store = open();
+  EXPECT_EQ(generation_of(store->load().table), 1);
+  plan.set([](std::uint64_t number) {
+    if (number == 1) fail_with(EROFS);
+  });
+  EXPECT_THROW(store->save(table_of(2)), std::system_error);
+  EXPECT_EQ(generation_of(load().table), 1);
+}
+
+TEST_F(StateDirectory, ThatIsFullKeepsWhatIsStored) {
+  save(1);
+  const auto store = open();
+  static_cast<void>(store->load());
+  plan.set([](std::uint64_t number) {
+    if (number == 3) fail_with(ENOSPC);  // the first write, after a look and open
+  });
+  EXPECT_THROW(store->save(table_of(2)), std::system_error);
+  plan.set({});
+  EXPECT_FALSE(fs::exists(file(".new"))) << "its space is needed";
+  EXPECT_EQ(generation_of(store->load().table), 1);
+  EXPECT_NO_THROW(store->save(table_of(3))) << "there is room again";
+  EXPECT_EQ(generation_of(store->load().table), 3);
+}
+
+// ---- every operation fails -------------------------------------------------------------------
+
+/// How long an operation fails.
+class FailingOperation : public StateDirectory, public testing::WithParamInterface<bool> {
+ protected:
+  /// Lets the operation `first` fail, and with `for_ever` all after it.
+  void fail(std::uint64_t first) {
+    plan.set([first, for_ever = GetParam()](std::uint64_t number) {
+      if (number == first || (for_ever && number > first)) fail_with(EIO);
+    });
+  }
+};
+
+TEST_P(FailingOperation, OfASaveLeavesASetInFullAndNeverLosesOneThatWasSaved) {
+  bool has_failed = true;
+  for (std::uint64_t first = 1; has_failed; ++first) {
+    SCOPED_TRACE("operation " + std::to_string(first));
+    save(1);
+    save(2);
+    auto store = open();
+    ASSERT_EQ(generation_of(store->load().table), 2);
+    fail(first);
+    has_failed = false;
+    try {
+      store->save(table_of(3));
+    } catch (const std::system_error&) {
+      has_failed = true;
+    }
+    has_failed = has_failed || plan.count >= first;
+    const bool is_saved = plan.count < first;
+    plan.set({});
+    store.reset();
+    const LoadedParameters loaded = load();
+    EXPECT_EQ(loaded.problem, ParameterProblem::none);
+    const auto generation = generation_of(loaded.table);
+    EXPECT_TRUE(generation == 3 || (generation == 2 && !is_saved));
+    save(4);
+    EXPECT_EQ(generation_of(load().table), 4) << "once nothing fails any more";
+  }
+}
+
+TEST_P(FailingOperation, OfASaveIsOverWhenTheSameServiceSavesAgain) {
+  for (std::uint64_t first = 1; first < 40; ++first) {
+    SCOPED_TRACE("operation " + std::to_string(first));
+    save(1);
+    const auto store = open();
+    static_cast<void>(store->load());
+    fail(first);
+    try {
+      store->save(table_of(2));
+    } catch (const std::system_error&) {
+      plan.set({});
+    }
+    plan.set({});
+    store->save(table_of(3));
+    const LoadedParameters loaded = store->load();
+    EXPECT_EQ(loaded.problem, ParameterProblem::none);
+    EXPECT_EQ(generation_of(loaded.table), 3);
+  }
+}
+
+TEST_P(FailingOperation, OfALoadGivesASetInFullOrNoneAndChangesNoSet) {
+  save(1);
+  save(2);
+  std::uint64_t operations = 1;
+  for (std::uint64_t first = 1; first <= operations; ++first) {
+    SCOPED_TRACE("operation " + std::to_string(first));
+    const auto store = open();
+    fail(first);
+    const LoadedParameters loaded = store->load();
+    operations = plan.count;
+    plan.set({});
+    if (loaded.source != Source::nothing) {
+      EXPECT_EQ(generation_of(loaded.table), loaded.source == Source::current ? 2 : 1);
+    }
+    EXPECT_EQ(loaded.problem == ParameterProblem::none, loaded.source == Source::current);
+    EXPECT_EQ(generation_of(store->load().table), 2);
+  }
+  EXPECT_GE(operations, 4U);
+}
+
+TEST_P(FailingOperation, OfTheStartEndsItOrLeavesAStoreThatLoads) {
+  save(1);
+  for (std::uint64_t first = 1; first <= 6; ++first) {
+    SCOPED_TRACE("operation " + std::to_string(first));
+    fail(first);
+    std::unique_ptr<ParameterStore> store;
+    try {
+      store = open();
+    } catch (const ConfigurationError&) {
+      continue;
+    }
+    plan.set({});
+    EXPECT_EQ(generation_of(store->load().table), 1);
+    EXPECT_NO_THROW(store->save(table_of(1))) << "locked by now";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Parameters, FailingOperation, testing::Bool(), [](const auto& mode) {
+  return mode.param ? "for_ever" : "once";
+});
+
+// ---- killed at every step --------------------------------------------------------------------
+
+/// A service that saves one generation after the other, tells of each that is saved, and is killed
+/// before its file operation `last`.
+[[noreturn]] void save_until_killed(const fs::path& directory, std::uint64_t last, int told) {
+  FilePlan plan;
+  plan.set([last](std::uint64_t number) {
+    if (number == last) kill(getpid(), SIGKILL);
+  });
+  ParameterStore store(directory, kBench, std::make_unique<FailingFiles>(plan));
+  std::int64_t generation = generation_of(store.load().table).value_or(0);
+  for (;;) {
+    ++generation;
+    store.save(table_of(generation));
+    if (write(told, &generation, sizeof(generation)) != sizeof(generation)) _exit(1);
+  }
+}
+
+TEST_F(StateDirectory, SurvivesAServiceThatIsKilledAtAnyStepOfASave) {
+  const bool is_nightly = std::getenv("VDRIVE_NIGHTLY") != nullptr;
+  const std::uint64_t kills = is_nightly ? 1'000 : 100;
+  std::int64_t saved = 0;
+  std::int64_t found = 0;
+  for (std::uint64_t round = 0; round < kills; ++round) {
+    std::array<int, 2> ends{};
+    ASSERT_EQ(pipe(ends.data()), 0);
+    const pid_t child = fork();
+    if (child == 0) {
+      close(ends[0]);
+      save_until_killed(directory.path(), round % 100 + 1, ends[1]);  // about three saves
+    }
+    close(ends[1]);
+    std::int64_t told = 0;
+    while (read(ends[0], &told, sizeof(told)) == sizeof(told)) {
+      saved = told;
+    }
+    close(ends[0]);
+    int status = 0;
+    waitpid(child, &status, 0);
+    ASSERT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL) << "round " << round;
+    const LoadedParameters loaded = load();
+    ASSERT_EQ(loaded.problem, ParameterProblem::none) << "round " << round;
+    const std::int64_t highest = std::max(saved, found) + 1;
+    found = generation_of(loaded.table).value_or(0);
+    ASSERT_GE(found, saved) << "round " << round;
+    ASSERT_LE(found, highest) << "round " << round;
+  }
+  EXPECT_GT(saved, static_cast<std::int64_t>(kills) / 2) << "many of them saved something";
+}
+
+// ---- what the axes get -----------------------------------------------------------------------
+
+service::Configuration three_axes() {
+  service::Configuration configuration;
+  configuration.axes = service::default_axes(3);
+  return configuration;
+}
+
+TEST(StoredParameters, GoToTheirAxes) {
+  auto configuration = three_axes();
+  const LoadedParameters loaded{.table = {{1, {{kVelocity, 5}}}, {3, {{kVelocity, 6}}}, {9, {}}},
+                                .source = Source::current};
+  const auto news = apply(loaded, configuration);
+  ASSERT_EQ(news.size(), 1U);
+  EXPECT_EQ(news[0].code, ParameterNews::kLoaded);
+  EXPECT_EQ(news[0].detail, 2U) << "axis 9 is not on this bench";
+  EXPECT_EQ(configuration.axes[0].configuration.stored.at(0).value, 5);
+  EXPECT_TRUE(configuration.axes[1].configuration.stored.empty());
+  EXPECT_EQ(configuration.axes[2].configuration.stored.at(0).value, 6);
+  EXPECT_FALSE(configuration.axes[0].configuration.memory_error);
+}
+
+TEST(StoredParameters, AreLeftOutAsAWholeWhereOneIsNotUsable) {
+  for (const InitialValue& bad : {InitialValue{{0x7000, 0}, 1}, InitialValue{{0x607A, 0}, 1},
+                                  InitialValue{kVelocity, -1}, InitialValue{{0x60F2, 0}, 3}}) {
+    auto configuration = three_axes();
+    const LoadedParameters loaded{.table = {{1, {{kVelocity, 5}}}, {2, {{kLowerLimit, 6}, bad}}},
+                                  .source = Source::current};
+    const auto news = apply(loaded, configuration);
+    ASSERT_EQ(news.size(), 2U);
+    EXPECT_EQ(news[0].code, ParameterNews::kDefaults);
+    EXPECT_EQ(news[0].axis, 2U);
+    EXPECT_FALSE(configuration.axes[0].configuration.memory_error);
+    EXPECT_TRUE(configuration.axes[1].configuration.memory_error);
+    EXPECT_TRUE(configuration.axes[1].configuration.stored.empty());
+    EXPECT_EQ(news[1].detail, 1U) << "axis 1 has its values";
+  }
+}
+
+TEST(StoredParameters, OfADamagedFileMakeEveryAxisFault) {
+  auto configuration = three_axes();
+  const LoadedParameters loaded{.table = {{1, {{kVelocity, 5}}}},
+                                .source = Source::previous,
+                                .problem = ParameterProblem::damaged};
+  const auto news = apply(loaded, configuration);
+  EXPECT_EQ(news.at(0).code, ParameterNews::kPrevious);
+  EXPECT_EQ(ParameterNews::unpack(news[0].detail), "damaged");
+  for (const auto& axis : configuration.axes) {
+    EXPECT_TRUE(axis.configuration.memory_error);
+  }
+  EXPECT_EQ(configuration.axes[0].configuration.stored.at(0).value, 5);
+  auto bare = three_axes();
+  const auto nothing =
+      apply({.table = {}, .problem = ParameterProblem::unreadable, .number = EACCES}, bare);
+  ASSERT_EQ(nothing.size(), 1U);
+  EXPECT_EQ(nothing[0].code, ParameterNews::kDefaults);
+  EXPECT_EQ(ParameterNews::unpack(nothing[0].detail), "cannot be read: Permission denied");
+  EXPECT_TRUE(bare.axes[2].configuration.memory_error);
+}
+
+TEST(StateDirectoryName, ComesFromTheCommandLineOrFromSystemd) {
+  const TemporaryDirectory first;
+  const TemporaryDirectory second;
+  unsetenv("STATE_DIRECTORY");
+  EXPECT_EQ(service::open_parameter_store(std::nullopt, 1), nullptr);
+  setenv("STATE_DIRECTORY", "", 1);
+  EXPECT_EQ(service::open_parameter_store(std::nullopt, 1), nullptr);
+  setenv("STATE_DIRECTORY", (first.path().string() + ":/nowhere/at/all").c_str(), 1);
+  EXPECT_NE(service::open_parameter_store(std::nullopt, 1), nullptr);
+  EXPECT_TRUE(fs::exists(first.path() / "bench-1.lock"));
+  EXPECT_NE(service::open_parameter_store(second.path().string(), 1), nullptr);
+  EXPECT_TRUE(fs::exists(second.path() / "bench-1.lock"));
+  unsetenv("STATE_DIRECTORY");
+  EXPECT_THROW(static_cast<void>(service::open_parameter_store("", 1)), ConfigurationError);
+}
+
+}  // namespace
+}  // namespace vdrive::test
