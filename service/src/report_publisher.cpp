@@ -33,16 +33,17 @@ std::uint32_t clock_mode_of(const Configuration& configuration) {
   }
 }
 
-spdlog::level::level_enum level_of(std::uint32_t kind) {
-  switch (kind) {
+spdlog::level::level_enum level_of(const EventRecord& event) {
+  switch (event.kind) {
     case msg::EVENT_BENCH_CONFLICT:
       return spdlog::level::err;
     case msg::EVENT_MASTER_LOST:
     case msg::EVENT_TICK_JUMPED:
     case msg::EVENT_QUEUE_OVERFLOW:
     case msg::EVENT_JOURNAL:
-    case msg::EVENT_PARAMETERS:
       return spdlog::level::warn;
+    case msg::EVENT_PARAMETERS:
+      return event.code == ParameterNews::kLoaded ? spdlog::level::info : spdlog::level::warn;
     case msg::EVENT_FAULT:
     case msg::EVENT_FAULT_RESET:
     case msg::EVENT_REFUSED:
@@ -174,7 +175,7 @@ void ReportPublisher::publish_event(const CountedEvent& counted) {
   event_.text(text);
   write(events_, event_);
   counters_.events_sent.add();
-  if (const auto level = level_of(event.kind); spdlog::should_log(level)) {
+  if (const auto level = level_of(event); spdlog::should_log(level)) {
     spdlog::log(level, log_line(identity_.bench, event, suppressed));
   }
 }
