@@ -3,6 +3,7 @@
 
 #include <set>
 #include <string>
+#include <utility>
 
 namespace vdrive::client {
 namespace {
@@ -25,7 +26,7 @@ bool is_there(const Presence& presence) {
 }
 
 std::string text_of(ServiceNews news, const Presence& presence) {
-  const std::string bench = "bench " + std::to_string(presence.key.number);
+  std::string bench = "bench " + std::to_string(presence.key.number);
   switch (news) {
     case ServiceNews::found:
       return bench + " is there";
@@ -43,34 +44,34 @@ std::string text_of(ServiceNews news, const Presence& presence) {
 
 }  // namespace
 
+std::optional<ServiceNews> ServiceWatch::note(Known& known, const Presence& presence) {
+  const bool is_ours = known.incarnation == presence.key.incarnation;
+  if (!is_there(presence)) {
+    if (!known.is_there || !is_ours) return std::nullopt;
+    known.is_there = false;
+    return presence.is_offline ? ServiceNews::went_offline : ServiceNews::fell_silent;
+  }
+  const Known before =
+      std::exchange(known, {.incarnation = presence.key.incarnation, .is_there = true});
+  if (before.incarnation == 0) return ServiceNews::found;
+  if (!is_ours) return ServiceNews::restarted;
+  return before.is_there ? std::nullopt : std::optional(ServiceNews::heard_again);
+}
+
 std::vector<ServiceChange> ServiceWatch::look(const Directory& directory,
                                               Directory::Clock::time_point now) {
   std::vector<ServiceChange> changes;
-  const auto tell = [&changes](ServiceNews news, const Presence& presence) {
-    changes.push_back({.bench = presence.key.number,
-                       .news = news,
-                       .silence = age(presence),
-                       .text = text_of(news, presence)});
-  };
   std::set<std::uint32_t> seen;
   for (const Presence& presence : directory.presences(now)) {
-    Known& known = known_[presence.key.number];
-    const bool is_ours = known.incarnation == presence.key.incarnation;
-    if (is_there(presence)) {
-      // Of two at once the earlier one keeps the number.
-      if (!seen.insert(presence.key.number).second) continue;
-      if (known.incarnation == 0) {
-        tell(ServiceNews::found, presence);
-      } else if (!is_ours) {
-        tell(ServiceNews::restarted, presence);
-      } else if (!known.is_there) {
-        tell(ServiceNews::heard_again, presence);
-      }
-      known = {.incarnation = presence.key.incarnation, .is_there = true};
-    } else if (known.is_there && is_ours) {
-      known.is_there = false;
-      tell(presence.is_offline ? ServiceNews::went_offline : ServiceNews::fell_silent, presence);
-    }
+    const std::uint32_t bench = presence.key.number;
+    // Of two runs at once the earlier one keeps the number.
+    if (is_there(presence) && !seen.insert(bench).second) continue;
+    const auto news = note(known_[bench], presence);
+    if (!news) continue;
+    changes.push_back({.bench = bench,
+                       .news = *news,
+                       .silence = age(presence),
+                       .text = text_of(*news, presence)});
   }
   return changes;
 }

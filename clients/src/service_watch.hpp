@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <vector>
 
 namespace vdrive::client {
@@ -23,6 +24,9 @@ class ServiceWatch {
     std::uint64_t incarnation = 0;
     bool is_there = false;
   };
+
+  /// @return what this run of a bench means for what is known of the bench.
+  static std::optional<ServiceNews> note(Known& known, const Presence& presence);
 
   std::map<std::uint32_t, Known> known_;  ///< by bench
 };
