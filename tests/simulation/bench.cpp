@@ -28,16 +28,18 @@ service::Configuration as_taken(service::Configuration configuration, Sabotage s
 }  // namespace
 
 Bench::Bench(const service::Configuration& configuration, const std::vector<AxisLimits>& limits,
-             std::uint64_t incarnation, SimulatedTime& time, Sabotage sabotage,
+             std::uint64_t incarnation, SimulatedTime& time, Storage* storage, Sabotage sabotage,
              Happenings& happenings)
     : configuration_(configuration),
       incarnation_(incarnation),
       time_(time),
+      storage_(storage),
       sabotage_(sabotage),
       happenings_(happenings),
       inbox_(configuration.bench, counters_),
       outbox_(configuration.axes.size()),
-      engine_(as_taken(configuration, sabotage),
+      as_started_(as_taken(configuration, sabotage)),
+      engine_((start_storage(), as_started_),
               {.bench = configuration.bench, .incarnation = incarnation}, outbox_, counters_),
       model_(configuration, incarnation, happenings) {
   if (configuration.clock == service::ClockMode::realtime) {
@@ -46,6 +48,10 @@ Bench::Bench(const service::Configuration& configuration, const std::vector<Axis
     freerun_.emplace(engine_, inbox_, outbox_, time);
   }
   model_.start_at(engine_.tick());
+  if (saver_) {
+    engine_.store_with(*saver_);
+    model_.store_with(storage_->model, loaded_);
+  }
   for (std::size_t axis = 0; axis < limits.size(); ++axis) {
     watches_.emplace_back(static_cast<std::uint16_t>(axis + 1), limits[axis], configuration.period);
     watches_.back().begin(engine_.bank().status(axis), engine_.bank().power_state(axis));
@@ -82,7 +88,96 @@ void Bench::count_arrivals() {
   }
 }
 
+/// The state directory as a service finds it that starts.
+void Bench::start_storage() {
+  if (storage_ == nullptr) {
+    return;
+  }
+  if (sabotage_ == Sabotage::syncs_nothing) {
+    storage_->disk.lie();
+  }
+  auto store = std::make_unique<service::ParameterStore>(Disk::kDirectory, configuration_.bench,
+                                                         storage_->disk.files());
+  service::LoadedParameters loaded = store->load();
+  if (sabotage_ == Sabotage::stores_half && !loaded.table.empty()) {
+    loaded.table.erase(loaded.table.begin());
+  }
+  for (const auto& [axis, values] : loaded.table) {
+    StoredValues& stored = loaded_[axis];
+    for (const InitialValue& value : values) {
+      if (value.address == ObjectAddress{0x6067, 0}) {
+        stored.stamp = static_cast<std::uint32_t>(value.value);
+      } else if (value.address == ObjectAddress{0x6081, 0}) {
+        stored.velocity = static_cast<std::uint32_t>(value.value);
+      }
+    }
+    if (values.size() != kStoredCount) {
+      happenings_.fail(Invariant::kStored, axis, std::to_string(kStoredCount) + " values",
+                       std::to_string(values.size()));
+    }
+  }
+  storage_->model.start(loaded_, happenings_);
+  for (const service::EventRecord& news : service::apply(loaded, as_started_)) {
+    if (news.code != service::ParameterNews::kLoaded) {
+      happenings_.fail(Invariant::kStored, news.axis, "every set usable",
+                       service::ParameterNews::unpack(news.detail));
+    }
+  }
+  happenings_.tell("loads the stored values of", {loaded_.size()});
+  saver_.emplace(std::move(store), std::move(loaded.table));
+}
+
+/// What the thread of the saver does, a while after there is something to save.
+void Bench::save() {
+  if (!saver_ || storage_->model.waiting() == 0) {
+    return;
+  }
+  if (!save_at_) {
+    const bool is_slow = storage_->random.per_mille(100);
+    save_at_ = time_.now + storage_->random.between(0, (is_slow ? 500 : 20) * kMillisecond);
+  }
+  if (time_.now < *save_at_) {
+    return;
+  }
+  save_at_.reset();
+  Disk& disk = storage_->disk;
+  disk.begin_save();
+  saver_->save_waiting();
+  happenings_.tell("saves", {storage_->model.waiting(), disk.has_failed() ? 1U : 0U});
+  const bool is_doubtful = disk.has_replaced() || disk.is_killed();
+  storage_->model.save(!disk.has_failed() ? StoreModel::Outcome::durable
+                       : is_doubtful      ? StoreModel::Outcome::doubtful
+                                          : StoreModel::Outcome::refused);
+}
+
+/// As many orders as the engine has taken back, which it must do a few at a time.
+void Bench::take_back_stores() {
+  constexpr std::uint64_t kMostIdle = 3;
+  if (!saver_) {
+    return;
+  }
+  const std::size_t on_their_way = service::ParameterSaver::kMostOrders - saver_->room();
+  const std::size_t expected = storage_->model.waiting() + storage_->model.saved();
+  const std::size_t taken = expected - std::min(expected, on_their_way);
+  if (on_their_way > expected || taken > storage_->model.saved()) {
+    happenings_.fail(Invariant::kAnswered, 0, std::to_string(expected) + " orders to store",
+                     std::to_string(on_their_way));
+    return;
+  }
+  model_.take_back_stores(taken);
+  const bool may =
+      storage_->model.saved() > 0 && outbox_.replies.size() < outbox_.replies.capacity();
+  idle_stores_ = may && taken == 0 ? idle_stores_ + 1 : 0;
+  if (idle_stores_ > kMostIdle) {
+    happenings_.fail(Invariant::kAnswered, 0, "an answer to a store that is saved", "none");
+  }
+}
+
 void Bench::cycle(const Mail& mail) {
+  save();
+  if (was_killed()) {
+    return;
+  }
   if (sabotage_ == Sabotage::resumes_by_itself && happenings_.tick() > kSabotageFrom) {
     enable_unasked();
   }
@@ -104,6 +199,8 @@ void Bench::cycle(const Mail& mail) {
         model_.jump(left_out);
       }
       after_tick();
+    } else {
+      take_back_stores();
     }
   } else {
     time_.wait_until(std::chrono::nanoseconds{time_.now} + configuration_.period);
@@ -116,6 +213,8 @@ void Bench::cycle(const Mail& mail) {
 
 /// As the driver of that clock: requests in their order, steps at once.
 void Bench::cycle_lockstep() {
+  static_cast<void>(engine_.answer_stores());
+  take_back_stores();
   while (engine_.can_answer()) {
     service::Arrival* const arrival = inbox_.front();
     if (arrival == nullptr) {
@@ -156,6 +255,7 @@ void Bench::step_by_request(service::Arrival& arrival) {
 void Bench::after_tick() {
   happenings_.next_tick();
   model_.begin_tick();
+  take_back_stores();
   take_images();
   if (sabotage_ == Sabotage::watchdog_sleeps) {
     engine_.hear(last_session_);
@@ -227,7 +327,12 @@ void Bench::take_answers(const Mail& mail) {
   while (const service::OutgoingReply* const outgoing = outbox_.replies.front()) {
     happenings_.tell("answers request", {outgoing->reply.client(), outgoing->reply.request_id(),
                                          outgoing->reply.reason(), outgoing->reply.epoch()});
-    if (sabotage_ != Sabotage::forgets_an_answer || ++spoiled_ != 20) {
+    if (sabotage_ == Sabotage::hides_store_failures &&
+        outgoing->reply.reason() == static_cast<std::uint32_t>(AbortCode::hardware_error)) {
+      msg::Reply lie = outgoing->reply;
+      lie.reason(msg::REASON_NONE);
+      model_.check(lie);
+    } else if (sabotage_ != Sabotage::forgets_an_answer || ++spoiled_ != 20) {
       model_.check(outgoing->reply);
     }
     mail.reply(outgoing->reply);

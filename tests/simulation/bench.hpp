@@ -3,11 +3,14 @@
 
 #include "simulation/axis_watch.hpp"
 #include "simulation/control_model.hpp"
+#include "simulation/disk.hpp"
 #include "simulation/happenings.hpp"
 #include "simulation/network.hpp"
+#include "simulation/store_model.hpp"
 #include "vdrive/service/bench_engine.hpp"
 #include "vdrive/service/cycle_timer.hpp"
 #include "vdrive/service/freerun_driver.hpp"
+#include "vdrive/service/parameter_saver.hpp"
 #include "vdrive/service/realtime_driver.hpp"
 
 #include <cstdint>
@@ -40,6 +43,9 @@ enum class Sabotage : std::uint8_t {
   watchdog_sleeps,
   watchdog_bites_early,
   no_reaction_to_a_loss,
+  stores_half,
+  hides_store_failures,
+  syncs_nothing,
 };
 
 /// Time of the simulation, which passes only when the bench waits for it.
@@ -71,6 +77,15 @@ class SimulatedTime final : public service::CycleTimer {
   std::function<void(std::int64_t)> wake_;
 };
 
+/// What outlasts the service: the disk of its host, and what must be there.
+struct Storage {
+  explicit Storage(std::uint64_t seed) : disk(seed), random(seed ^ 1U) {}
+
+  Disk disk;
+  StoreModel model;
+  Random random;  ///< of the times at which the saver is run
+};
+
 /// What leaves the bench for its clients.
 struct Mail {
   std::function<void(const msg::Reply&)> reply;
@@ -82,12 +97,14 @@ struct Mail {
 class Bench {
  public:
   Bench(const service::Configuration& configuration, const std::vector<AxisLimits>& limits,
-        std::uint64_t incarnation, SimulatedTime& time, Sabotage sabotage, Happenings& happenings);
+        std::uint64_t incarnation, SimulatedTime& time, Storage* storage, Sabotage sabotage,
+        Happenings& happenings);
 
   /// Puts the letter into the inbox, as the network does.
   void receive(const Letter& letter);
 
-  /// One cycle of the driver, and the checks of what came of it.
+  /// One cycle of the driver, and the checks of what came of it. Nothing when the service ended in
+  /// a save.
   void cycle(const Mail& mail);
 
   /// Answers do not leave before `until`.
@@ -101,9 +118,17 @@ class Bench {
 
   [[nodiscard]] const service::Counters& counters() const { return counters_; }
 
+  /// Whether the process ended in a save.
+  [[nodiscard]] bool was_killed() const {
+    return storage_ != nullptr && storage_->disk.is_killed();
+  }
+
   [[nodiscard]] double rate() const { return engine_.rate(); }
 
  private:
+  void start_storage();
+  void save();
+  void take_back_stores();
   void count_arrivals();
   void cycle_lockstep();
   void step_by_request(service::Arrival& arrival);
@@ -119,11 +144,15 @@ class Bench {
   const service::Configuration& configuration_;
   std::uint64_t incarnation_;
   SimulatedTime& time_;
+  Storage* storage_;  ///< nullptr = no state directory
   Sabotage sabotage_;
   Happenings& happenings_;
   service::Counters counters_;
   service::Inbox inbox_;
   service::Outbox outbox_;
+  service::Configuration as_started_;  ///< with what was stored
+  std::optional<service::ParameterSaver> saver_;
+  StoredSet loaded_;
   service::BenchEngine engine_;
   std::optional<service::RealtimeDriver> realtime_;
   std::optional<service::FreerunDriver> freerun_;
@@ -132,6 +161,8 @@ class Bench {
   std::deque<Letter> in_inbox_;  ///< as they were sent
   service::StatusImage image_;   ///< of the last tick
   std::int64_t answers_held_until_ = 0;
+  std::optional<std::int64_t> save_at_;
+  std::uint64_t idle_stores_ = 0;  ///< cycles in which no saved order was taken back
   std::uint64_t turned_away_ = 0;
   std::uint64_t spoiled_ = 0;
   std::uint64_t last_session_ = 0;

@@ -14,8 +14,14 @@ namespace {
 constexpr std::uint32_t kLocalControl = 0x08000021;
 constexpr std::uint32_t kReadOnly = 0x06010002;
 constexpr std::uint32_t kNoObject = 0x06020000;
+constexpr std::uint32_t kCannotStore = 0x08000020;
+constexpr std::uint32_t kHardwareError = 0x06060000;
 constexpr std::uint32_t kNotInFrames = 0x06040041;
 constexpr std::uint32_t kOutOfRange = 0x06090030;
+constexpr std::uint16_t kStoreObject = 0x1010;
+constexpr std::uint16_t kRestoreObject = 0x1011;
+constexpr std::int64_t kSave = 0x65766173;
+constexpr std::int64_t kLoad = 0x64616F6C;
 constexpr std::uint16_t kHalt = 0x0100;
 constexpr std::size_t kMostWaiting = 1'024;
 constexpr std::size_t kMostSnapshots = 16;
@@ -26,6 +32,10 @@ constexpr std::uint32_t kKnownFlags = 7;
 
 bool is_command_object(std::uint16_t index) {
   return std::ranges::find(kCommandObjects, index) != kCommandObjects.end();
+}
+
+bool is_store_object(std::uint16_t index) {
+  return index == kStoreObject || index == kRestoreObject;
 }
 
 bool is_test_input(std::uint16_t index) {
@@ -89,7 +99,29 @@ ControlModel::ControlModel(const service::Configuration& configuration, std::uin
       happenings_(happenings),
       rate_(configuration.clock == service::ClockMode::realtime ? configuration.rate : 0.0),
       axes_(configuration.axes.size()) {
+  for (std::size_t index = 0; index < axes_.size(); ++index) {
+    axes_[index].number = configuration.axes[index].number;
+  }
   count_watchdog();
+}
+
+void ControlModel::store_with(StoreModel& stores, const StoredSet& loaded) {
+  stores_ = &stores;
+  for (Axis& axis : axes_) {
+    if (const auto stored = loaded.find(axis.number); stored != loaded.end()) {
+      axis.memory = stored->second;
+    }
+    power_up(axis);
+  }
+}
+
+/// Registers have what is stored or their defaults. Test-bench inputs are no part of the drive.
+void ControlModel::power_up(Axis& axis) {
+  const StoredValues values = axis.memory.value_or(StoredValues{});
+  from_memory_.insert(values.stamp);
+  axis.registers = {.stamp = values.stamp,
+                    .velocity = values.velocity,
+                    .test_inputs = axis.registers.test_inputs};
 }
 
 // ---- who is there -----------------------------------------------------------------------------
@@ -353,8 +385,9 @@ std::uint32_t ControlModel::judge_command(const msg::AxisCommand& command, std::
 bool ControlModel::write_members(const msg::AxisCommand& command, FrameAnswer& answer) {
   Axis& axis = *axis_of(command.axis());
   const auto put = [&](ObjectAddress address, std::int64_t value) {
-    const std::uint32_t code =
-        address.index == 0x6040 ? kNotInFrames : write(axis, command.axis(), address, value);
+    const std::uint32_t code = address.index == 0x6040 || is_store_object(address.index)
+                                   ? kNotInFrames
+                                   : write(axis, command.axis(), address, value);
     if (code != 0) {
       answer.refusals.push_back({command.axis(), address.index, address.subindex, code});
     }
@@ -425,6 +458,8 @@ std::uint32_t ControlModel::write(Axis& axis, std::uint16_t number, ObjectAddres
 void ControlModel::arrive(const msg::Request& request) {
   Answer answer;
   std::uint32_t reason = msg::REASON_NONE;
+  ordered_ = 0;
+  ++last_storing_;
   if (request.client() == 0) {
     reason = msg::REASON_BAD_SESSION;
   } else if (request.incarnation() != 0 && request.incarnation() != incarnation_) {
@@ -432,6 +467,10 @@ void ControlModel::arrive(const msg::Request& request) {
   } else {
     hear(request.session());
     reason = carry_out(request, answer);
+  }
+  if (ordered_ > 0) {
+    storings_[last_storing_] = {request, reason, std::move(answer), ordered_};
+    return;
   }
   finish(request, reason, answer);
 }
@@ -463,6 +502,9 @@ std::uint32_t ControlModel::carry_out(const msg::Request& request, Answer& answe
       return take(request, true, answer);
     case msg::REQUEST_RELEASE:
       return release(request, answer);
+    case msg::REQUEST_STORE:
+    case msg::REQUEST_RESTORE:
+      return store_axes(request, answer);
     case msg::REQUEST_POWER_CYCLE:
       return power_cycle(request, answer);
     case msg::REQUEST_SET_RATE:
@@ -513,7 +555,7 @@ std::uint32_t ControlModel::read_objects(const msg::Request& request, Answer& an
 std::uint32_t ControlModel::write_objects(const msg::Request& request, Answer& answer) {
   std::uint32_t reason = request.objects().empty() ? msg::REASON_NOTHING_DONE : msg::REASON_NONE;
   for (const auto& object : request.objects()) {
-    const std::uint32_t code = write_object(object, request.session());
+    const std::uint32_t code = write_object(object, request.session(), answer.codes.size());
     answer.codes.push_back(code);
     answer.values.emplace_back();
     if (code == msg::REASON_UNKNOWN_AXIS) {
@@ -526,7 +568,8 @@ std::uint32_t ControlModel::write_objects(const msg::Request& request, Answer& a
   return reason;
 }
 
-std::uint32_t ControlModel::write_object(const msg::ObjectAccess& object, std::uint64_t session) {
+std::uint32_t ControlModel::write_object(const msg::ObjectAccess& object, std::uint64_t session,
+                                         std::size_t place) {
   Axis* const axis = axis_of(object.axis());
   if (axis == nullptr) {
     return msg::REASON_UNKNOWN_AXIS;
@@ -534,6 +577,9 @@ std::uint32_t ControlModel::write_object(const msg::ObjectAccess& object, std::u
   const bool is_strange = axis->owner != 0 && axis->owner != session;
   if (is_strange && !is_test_input(object.index())) {
     return kLocalControl;
+  }
+  if (is_store_object(object.index())) {
+    return store_by_write(*axis, object, place);
   }
   const ObjectAddress address{object.index(), object.subindex()};
   if (axis->owner != 0 || !is_command_object(object.index())) {
@@ -556,6 +602,65 @@ std::uint32_t ControlModel::write_object(const msg::ObjectAccess& object, std::u
   }
   return code;
 }
+
+// ---- stores -----------------------------------------------------------------------------------
+
+std::uint32_t ControlModel::store_axes(const msg::Request& request, Answer& answer) {
+  if (stores_ == nullptr) {
+    return kCannotStore;
+  }
+  if (const auto reason = refuse_strangers(request, false, answer); reason != 0) {
+    return reason;
+  }
+  for (const std::uint16_t number : request.axes()) {
+    order(*axis_of(number), request.kind() == msg::REQUEST_RESTORE, StoreModel::kNoObject);
+  }
+  return msg::REASON_NONE;
+}
+
+std::uint32_t ControlModel::store_by_write(Axis& axis, const msg::ObjectAccess& object,
+                                           std::size_t place) {
+  const bool forgets = object.index() == kRestoreObject;
+  if (object.value() != (forgets ? kLoad : kSave) || stores_ == nullptr) {
+    return kCannotStore;
+  }
+  order(axis, forgets, place);
+  return 0;
+}
+
+/// What is stored are the values that the registers have now.
+void ControlModel::order(const Axis& axis, bool forget, std::size_t object) {
+  StoreModel::Order order;
+  order.request = last_storing_;
+  order.axis = axis.number;
+  order.object = object;
+  if (!forget) {
+    order.values = StoredValues{axis.registers.stamp, axis.registers.velocity};
+  }
+  stores_->order(order);
+  ++ordered_;
+}
+
+void ControlModel::take_back_stores(std::size_t count) {
+  for (; count > 0; --count) {
+    const StoreModel::Order order = stores_->take_back();
+    Storing& storing = storings_.at(order.request);
+    if (!order.failed) {
+      axis_of(order.axis)->memory = order.values;
+    } else if (order.object == StoreModel::kNoObject) {
+      storing.reason = kHardwareError;
+      name_axis(order.axis, storing.answer);
+    } else {
+      storing.answer.codes[order.object] = kHardwareError;
+    }
+    if (--storing.orders == 0) {
+      finish(storing.request, storing.reason, storing.answer);
+      storings_.erase(order.request);
+    }
+  }
+}
+
+// ---- control ----------------------------------------------------------------------------------
 
 std::uint32_t ControlModel::refuse_strangers(const msg::Request& request, bool by_force,
                                              Answer& answer) {
@@ -644,9 +749,7 @@ std::uint32_t ControlModel::power_cycle(const msg::Request& request, Answer& ans
   for (const std::uint16_t number : request.axes()) {
     Axis& axis = *axis_of(number);
     drop_of_axis(number);
-    const auto test_inputs = axis.registers.test_inputs;
-    axis.registers = {};
-    axis.registers.test_inputs = test_inputs;
+    power_up(axis);
     axis.causes.cycled = true;
   }
   return msg::REASON_NONE;
@@ -780,6 +883,9 @@ void ControlModel::check_objects(const Answer& due, const msg::Reply& reply) {
 void ControlModel::check_stamp(std::uint16_t axis, std::uint32_t stamp) {
   if (stamp < kFirstStamp || stamp - kFirstStamp >= stamps_->size()) {
     return;
+  }
+  if (from_memory_.contains(stamp)) {
+    return;  // it was judged when it was stored, perhaps in an earlier run
   }
   const Stamped& command = (*stamps_)[stamp - kFirstStamp];
   if (command.incarnation != 0 && command.incarnation != incarnation_) {

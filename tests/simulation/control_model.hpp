@@ -3,6 +3,7 @@
 
 #include "simulation/happenings.hpp"
 #include "simulation/network.hpp"
+#include "simulation/store_model.hpp"
 #include "vdrive/service/configuration.hpp"
 #include "vdrive/service/queues.hpp"
 
@@ -71,6 +72,12 @@ class ControlModel {
 
   void start_at(std::uint64_t tick) { tick_ = tick; }
 
+  /// The bench has a disk, which held this set when it started.
+  void store_with(StoreModel& stores, const StoredSet& loaded);
+
+  /// The bench took back so many stores that are done or failed.
+  void take_back_stores(std::size_t count);
+
   /// The bench takes this letter now.
   void arrive(const msg::CommandFrame& frame);
   void arrive(const msg::Request& request);
@@ -113,11 +120,13 @@ class ControlModel {
 
  private:
   struct Axis {
+    std::uint16_t number = 0;
     std::uint64_t owner = 0;
     std::uint32_t epoch = 0;
     std::uint64_t last_sequence = 0;
     bool was_enabled = false;
     Registers registers;
+    std::optional<StoredValues> memory;  ///< in force from the next power-up on
     AxisCauses causes;
   };
 
@@ -163,6 +172,14 @@ class ControlModel {
     std::vector<std::optional<std::int64_t>> values;
   };
 
+  /// A request that waits for its orders.
+  struct Storing {
+    msg::Request request;  ///< who asked, and for which session
+    std::uint32_t reason = 0;
+    Answer answer;
+    std::size_t orders = 0;
+  };
+
   static auto head_of(const Answer& answer) {
     return std::tie(answer.client, answer.request_id, answer.reason, answer.refused_axis,
                     answer.owner, answer.epoch, answer.last_sequence);
@@ -198,7 +215,12 @@ class ControlModel {
   std::uint32_t carry_out(const msg::Request& request, Answer& answer);
   std::uint32_t read_objects(const msg::Request& request, Answer& answer);
   std::uint32_t write_objects(const msg::Request& request, Answer& answer);
-  std::uint32_t write_object(const msg::ObjectAccess& object, std::uint64_t session);
+  std::uint32_t write_object(const msg::ObjectAccess& object, std::uint64_t session,
+                             std::size_t place);
+  std::uint32_t store_axes(const msg::Request& request, Answer& answer);
+  std::uint32_t store_by_write(Axis& axis, const msg::ObjectAccess& object, std::size_t place);
+  void order(const Axis& axis, bool forget, std::size_t object);
+  void power_up(Axis& axis);
   std::uint32_t take(const msg::Request& request, bool by_force, Answer& answer);
   std::uint32_t release(const msg::Request& request, Answer& answer);
   std::uint32_t power_cycle(const msg::Request& request, Answer& answer);
@@ -222,6 +244,10 @@ class ControlModel {
   std::deque<Waiting> waiting_;
   std::deque<FrameAnswer> frame_answers_;
   std::deque<Answer> answers_;
+  std::map<std::uint64_t, Storing> storings_;
+  std::uint64_t last_storing_ = 0;
+  std::size_t ordered_ = 0;              ///< by the request in hand
+  std::set<std::uint32_t> from_memory_;  ///< stamps with which an axis was powered up
   std::map<std::pair<std::uint32_t, std::uint64_t>, int> events_;  ///< by kind and session
   std::map<std::uint64_t, std::vector<Registers>> snapshots_;
   std::uint64_t last_snapshot_ = 0;
@@ -232,6 +258,7 @@ class ControlModel {
 
   const std::vector<Stamped>* stamps_ = nullptr;
   Revocations* revocations_ = nullptr;
+  StoreModel* stores_ = nullptr;  ///< nullptr = nothing can be stored
 };
 
 }  // namespace vdrive::simulation

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 
 namespace vdrive::simulation {
 namespace {
@@ -10,6 +11,7 @@ namespace {
 constexpr std::int64_t kLongestPause = 120 * kMillisecond;
 constexpr std::int64_t kStrongestLoad = 2'500;  // [mN.m]
 constexpr std::uint64_t kFlood = 1'300;         // more than the inbox holds
+constexpr std::uint64_t kMostOperations = 24;   // of a save, with both halves of its writes
 constexpr std::array<double, 6> kRates{1.0, 0.5, 2.0, 10.0, 0.0, 200.0};
 
 }  // namespace
@@ -42,15 +44,20 @@ const std::vector<Disturber::Disturbance>& Disturber::disturbances() {
       {20, &Disturbances::host, &Disturber::hold_answers},
       {2, &Disturbances::host, &Disturber::flood},
       {8, &Disturbances::restarts, &Disturber::restart},
+      {40, &Disturbances::disk, &Disturber::store},
+      {16, &Disturbances::disk, &Disturber::fill_disk},
+      {16, &Disturbances::disk, &Disturber::fail_save},
+      {4, &Disturbances::disk, &Disturber::kill_in_save},
   };
   return rows;
 }
 
-Disturber::Disturber(std::size_t place, const Disturbances& which, std::uint64_t seed,
+Disturber::Disturber(std::size_t place, const Disturbances& which, std::uint64_t seed, Disk& disk,
                      Happenings& happenings)
     : place_(place),
       which_(which),
       random_(seed),
+      disk_(disk),
       happenings_(happenings),
       client_(random_.next() | 1U) {}
 
@@ -198,6 +205,36 @@ void Disturber::flood(const Present& present) {
 
 void Disturber::restart(const Present& /*present*/) {
   wants_restart_ = true;
+}
+
+void Disturber::store(const Present& present) {
+  auto request = new_request(random_.per_mille(750) ? msg::REQUEST_STORE : msg::REQUEST_RESTORE);
+  for (std::uint64_t count = random_.below(4); count > 0; --count) {
+    request.axes().push_back(
+        static_cast<std::uint16_t>(random_.below(present.view.statuses.size() + 1)));
+  }
+  post(std::move(request), present);
+}
+
+/// Full, or more often with room again.
+void Disturber::fill_disk(const Present& /*present*/) {
+  const bool full = random_.per_mille(200);
+  disk_.fill(full);
+  happenings_.tell("the disk is full", {full ? 1U : 0U});
+}
+
+void Disturber::fail_save(const Present& /*present*/) {
+  constexpr std::array kErrors{EIO, ENOSPC, EROFS, EDQUOT, EACCES};
+  const auto operation = 1 + random_.below(kMostOperations);
+  const int error = random_.pick<int>(kErrors);
+  disk_.fail_in(operation, error);
+  happenings_.tell("the disk fails", {operation, static_cast<std::uint64_t>(error)});
+}
+
+void Disturber::kill_in_save(const Present& /*present*/) {
+  const auto operation = 1 + random_.below(kMostOperations);
+  disk_.kill_in(operation);
+  happenings_.tell("the next save is cut short", {operation});
 }
 
 }  // namespace vdrive::simulation

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "simulation/bench.hpp"
+#include "simulation/disk.hpp"
 #include "simulation/master.hpp"
 #include "simulation/network.hpp"
 #include "simulation/random.hpp"
@@ -16,6 +17,7 @@ struct Disturbances {
   bool restarts = true;    ///< of the service
   bool test_bench = true;  ///< inputs 5E00h to 5E09h, power cycles, snapshots, the rate
   bool host = true;        ///< a clock that stalls, answers that leave late, floods
+  bool disk = true;        ///< stores, and a disk that is full, fails or outlives the service
 };
 
 /// The test bench and the host: disturbs axes and heals them, cycles their power, takes and
@@ -23,7 +25,7 @@ struct Disturbances {
 /// restart.
 class Disturber {
  public:
-  Disturber(std::size_t place, const Disturbances& which, std::uint64_t seed,
+  Disturber(std::size_t place, const Disturbances& which, std::uint64_t seed, Disk& disk,
             Happenings& happenings);
 
   [[nodiscard]] std::int64_t next_action() const { return next_; }
@@ -54,6 +56,10 @@ class Disturber {
   void hold_answers(const Present& present);
   void flood(const Present& present);
   void restart(const Present& present);
+  void store(const Present& present);
+  void fill_disk(const Present& present);
+  void fail_save(const Present& present);
+  void kill_in_save(const Present& present);
 
   msg::Request new_request(std::uint32_t kind);
   void post(msg::Request request, const Present& present);
@@ -66,6 +72,7 @@ class Disturber {
   std::size_t place_;
   Disturbances which_;
   Random random_;
+  Disk& disk_;
   Happenings& happenings_;
   std::int64_t now_ = 0;
   std::int64_t next_ = 0;

@@ -24,6 +24,7 @@ struct Invariant {
   static constexpr std::string_view kCommanded = "what is in force was commanded";
   static constexpr std::string_view kAnswered = "every numbered command is answered for once";
   static constexpr std::string_view kWatchdog = "a silent master is lost in time, others never";
+  static constexpr std::string_view kStored = "what was stored is there in full, and nothing else";
   static constexpr std::string_view kReaction = "the axes of a lost master react per 6007h";
 };
 

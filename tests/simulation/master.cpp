@@ -10,6 +10,8 @@ namespace vdrive::simulation {
 namespace {
 
 constexpr std::int64_t kKeepAlive = 25 * kMillisecond;
+constexpr std::int64_t kSave = 0x65766173;
+constexpr std::int64_t kLoad = 0x64616F6C;
 constexpr std::int64_t kUnitsPerTurn = 4'096;
 constexpr std::array<std::uint16_t, 20> kWordsInOperation{
     0x000F, 0x000F, 0x000F, 0x000F, 0x000F, 0x000F, 0x000F, 0x001F, 0x001F, 0x001F,
@@ -54,6 +56,8 @@ void Master::act(const View& view, Post& post) {
     take_axes(view, post, false);
   } else if (choice >= 985) {
     release(view, post);
+  } else if (choice >= 978) {
+    store(view, post);
   } else if (choice >= 900) {
     ask(view, post);
   } else if (epoch_ == 0 || choice >= 300 || now_ - last_frame_ >= kKeepAlive) {
@@ -125,7 +129,19 @@ msg::Request Master::new_request(std::uint32_t kind) {
 void Master::take_axes(const View& view, Post& post, bool by_force) {
   auto request = new_request(by_force ? msg::REQUEST_TAKE_OVER : msg::REQUEST_ACQUIRE);
   request.axes() = some_axes(view);
+  if (random_.per_mille(temper_.haste)) {
+    guess_epoch(view);
+  }
   this->post(std::move(request), post);
+}
+
+/// The next epoch of the bench, should nobody else be faster: commands in this one arrive right
+/// behind the change of hands, and in that of another where somebody was.
+void Master::guess_epoch(const View& view) {
+  for (const wire::Ownership& owner : view.owners) {
+    epoch_ = std::max(epoch_, owner.epoch);
+  }
+  ++epoch_;
 }
 
 void Master::release(const View& view, Post& post) {
@@ -174,6 +190,27 @@ void Master::ask(const View& view, Post& post) {
   }
   if (random_.per_mille(temper_.rudeness)) {
     request.client(0);
+  }
+  this->post(std::move(request), post);
+}
+
+/// Stores or forgets axes, as a request or by their objects.
+void Master::store(const View& view, Post& post) {
+  const bool forgets = random_.per_mille(250);
+  const bool writes = random_.per_mille(300);
+  auto request = new_request(writes ? msg::REQUEST_WRITE
+                                    : (forgets ? msg::REQUEST_RESTORE : msg::REQUEST_STORE));
+  for (std::uint64_t count = random_.between(1, 3); count > 0; --count) {
+    const auto axis = static_cast<std::uint16_t>(1 + random_.below(view.statuses.size()));
+    if (!writes) {
+      request.axes().push_back(axis);
+      continue;
+    }
+    auto& object = request.objects().emplace_back();
+    object.axis(axis);
+    object.index(forgets ? 0x1011 : 0x1010);
+    object.subindex(1);
+    object.value(forgets != random_.per_mille(temper_.rudeness) ? kLoad : kSave);
   }
   this->post(std::move(request), post);
 }

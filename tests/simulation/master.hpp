@@ -19,6 +19,7 @@ struct View {
   std::uint64_t incarnation = 0;
   std::uint64_t tick = 0;
   std::span<const AxisStatus> statuses;
+  std::span<const wire::Ownership> owners;
 };
 
 using Post = Network<Letter>;
@@ -32,6 +33,7 @@ struct Temper {
   std::uint64_t greed = 8;                         ///< per mille of actions that take over
   std::uint64_t rudeness = 30;                     ///< per mille that are wrong in some way
   std::uint64_t lapses = 2;                        ///< per mille that silence it for a while
+  std::uint64_t haste = 0;  ///< per mille of takings whose answer is not waited for
 };
 
 /// A program that wants axes, commands them and keeps alive, as the client library does, until it
@@ -57,8 +59,10 @@ class Master {
   void begin_session();
   void lapse(Post& post);
   void take_axes(const View& view, Post& post, bool by_force);
+  void guess_epoch(const View& view);
   void release(const View& view, Post& post);
   void ask(const View& view, Post& post);
+  void store(const View& view, Post& post);
   void send_frame(const View& view, Post& post);
   void time_frame(const View& view, msg::CommandFrame& frame);
   void spoil(msg::CommandFrame& frame);

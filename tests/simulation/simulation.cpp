@@ -80,7 +80,8 @@ NetworkHabits draw_habits(Random& random) {
 
 Temper draw_temper(Play play, Random& random) {
   if (play == Play::fight) {
-    return {.longest_pause = 4 * kMillisecond, .greed = 120, .rudeness = 80, .lapses = 10};
+    return {
+        .longest_pause = 2 * kMillisecond, .greed = 100, .rudeness = 80, .lapses = 5, .haste = 600};
   }
   return {.longest_pause = random.between(4 * kMillisecond, 30 * kMillisecond),
           .greed = random.below(20),
@@ -100,11 +101,13 @@ class World {
         post_(draw_habits(random_), random_.next()),
         back_(draw_habits(random_), random_.next()),
         frames_back_(draw_habits(random_), random_.next()),
+        storage_(random_.next()),
         disturber_(kDisturber,
                    {.restarts = options.play == Play::everything,
                     .test_bench = options.play == Play::everything,
-                    .host = options.play == Play::everything},
-                   random_.next(), happenings_) {
+                    .host = options.play == Play::everything,
+                    .disk = options.play == Play::everything},
+                   random_.next(), storage_.disk, happenings_) {
     for (std::size_t place = 0; place < kMasters; ++place) {
       masters_.emplace_back(place, draw_temper(options.play, random_), random_.next(), stamps_,
                             happenings_);
@@ -121,9 +124,12 @@ class World {
     if (options_.stop_at_tick != 0) {
       ticks = std::min(ticks, options_.stop_at_tick);
     }
-    while (happenings_.tick() < ticks && !happenings_.violation()) {
-      if (disturber_.wants_restart()) {
-        start_service();
+    while (true) {
+      if (disturber_.wants_restart() || bench_->was_killed()) {
+        start_service();  // belongs to the tick before: what it loads may be a violation
+      }
+      if (happenings_.tick() >= ticks || happenings_.violation()) {
+        break;
       }
       bench_->cycle(mail_);
     }
@@ -141,11 +147,15 @@ class World {
     if (bench_) {
       take_stock();
       ++report_.restarts;
+      report_.cut_saves += bench_->was_killed() ? 1 : 0;
       time_.now += random_.between(kMillisecond, 500 * kMillisecond);  // it takes time to start
+      bench_.reset();
+      storage_.disk.end_process(random_.per_mille(500));
     }
     bench_.emplace(configuration_, limits_,
                    static_cast<std::uint64_t>(SimulatedTime::kWall + time_.now) + 1, time_,
-                   options_.sabotage, happenings_);
+                   options_.play == Play::everything ? &storage_ : nullptr, options_.sabotage,
+                   happenings_);
     bench_->model().use(stamps_, revocations_);
     happenings_.tell("the service starts", {bench_->incarnation()});
   }
@@ -155,11 +165,14 @@ class World {
     report_.refused_frames += bench_->model().refused_frames();
     report_.lost_masters += bench_->model().lost_masters();
     report_.jumps += bench_->counters().jumps.get();
+    report_.stores += bench_->counters().saves.get();
+    report_.failed_stores += bench_->counters().save_failures.get();
   }
 
   /// Everybody but the bench lives until `now`; then what has arrived by now is in the inbox.
   void live_until(std::int64_t now) {
-    const View view{bench_->incarnation(), bench_->image().tick, bench_->image().status};
+    const View view{bench_->incarnation(), bench_->image().tick, bench_->image().status,
+                    bench_->image().owners};
     for (Master& master : masters_) {
       while (master.next_action() <= now) {
         master.act(view, post_);
@@ -223,6 +236,7 @@ class World {
   Post post_;
   Network<msg::Reply> back_;
   Network<msg::CommandReply> frames_back_;
+  Storage storage_;
   Stamps stamps_;
   ControlModel::Revocations revocations_;
   std::vector<Master> masters_;
@@ -249,6 +263,9 @@ void Report::add(const Report& other) {
   lost_masters += other.lost_masters;
   jumps += other.jumps;
   restarts += other.restarts;
+  stores += other.stores;
+  failed_stores += other.failed_stores;
+  cut_saves += other.cut_saves;
 }
 
 Report simulate(const Options& options) {

@@ -40,7 +40,10 @@ struct Report {
   std::uint64_t refused_frames = 0;
   std::uint64_t lost_masters = 0;
   std::uint64_t jumps = 0;
-  std::uint64_t restarts = 0;  ///< of the service
+  std::uint64_t restarts = 0;       ///< of the service
+  std::uint64_t stores = 0;         ///< of an axis, that were acknowledged
+  std::uint64_t failed_stores = 0;  ///< of an axis, that were refused
+  std::uint64_t cut_saves = 0;      ///< in which the service ended
 
   void add(const Report& other);
 };

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "simulation/random.hpp"
+#include "vdrive/service/file_operations.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace vdrive::simulation {
+
+/// A disk with the state directory of the service, which outlasts its runs. What was not synced is
+/// lost in part when the power fails: of a file all but its first bytes, of the names the latest
+/// changes. A name is never lost alone: file systems keep the order of their journal.
+class Disk {
+ public:
+  static constexpr const char* kDirectory = "/state";
+
+  explicit Disk(std::uint64_t seed) : random_(seed) {}
+
+  /// @return what a process does with the disk, which outlives it.
+  [[nodiscard]] std::unique_ptr<service::FileOperations> files();
+
+  /// The next save fails once, with this errno, in its operation `number`, from 1.
+  void fail_in(std::uint64_t number, int code);
+
+  /// The process ends before operation `number` of the next save.
+  void kill_in(std::uint64_t number);
+
+  /// No byte can be written until there is room again.
+  void fill(bool full) { full_ = full; }
+
+  /// Counts operations from here, for one save.
+  void begin_save();
+
+  /// Whether an operation of this save was refused.
+  [[nodiscard]] bool has_failed() const { return failed_; }
+
+  /// Whether the new file was in its place when it was: only its durability is not known.
+  [[nodiscard]] bool has_replaced() const { return replaced_; }
+
+  /// The process ended in this save: nothing that it does has an effect.
+  [[nodiscard]] bool is_killed() const { return killed_; }
+
+  /// There is no process any more. @param power_fails what was not synced is lost in part
+  void end_process(bool power_fails);
+
+  /// A disk that says it is done and is not: no sync has an effect.
+  void lie() { lies_ = true; }
+
+ private:
+  class Files;
+
+  struct File {
+    std::string content;
+    std::size_t synced = 0;  ///< so many bytes are durable
+  };
+
+  using Names = std::map<std::string, std::shared_ptr<File>>;
+
+  struct Open {
+    std::shared_ptr<File> file;  ///< nothing: the directory
+    std::size_t position = 0;
+  };
+
+  void step();
+  void change_names();
+  File& file_of(int number);
+
+  Random random_;
+  Names names_;
+  std::vector<Names> since_sync_{Names{}};  ///< the durable names, and after each change of them
+  std::map<int, Open> open_;
+  int last_number_ = 2;
+  bool locked_ = false;
+  bool full_ = false;
+  bool lies_ = false;
+  std::uint64_t count_ = 0;
+  std::uint64_t fail_in_ = 0;  ///< 0 = never
+  std::uint64_t kill_in_ = 0;
+  int code_ = 0;
+  bool is_saving_ = false;
+  bool failed_ = false;
+  bool replaced_ = false;
+  bool killed_ = false;
+};
+
+}  // namespace vdrive::simulation
