@@ -131,8 +131,16 @@ void AxisWatch::check_rest(const AxisStatus& now, Happenings& happenings) {
   rest_speed_ = speed_of(now);
 }
 
+bool AxisWatch::brakes_at_its_limit(const AxisStatus& now) const {
+  const bool is_strongest = now.load_velocity_actual_value < 0
+                                ? now.torque_demand >= limits_.positive_torque - 1
+                                : now.torque_demand <= 1 - limits_.negative_torque;
+  return is_strongest && speed_of(now) < speed_of(last_);
+}
+
 /// The demand never exceeds the limit, unless the axis was faster when the drive took control; then
-/// it only falls. The actual speed may be above it for as long as a loop needs to settle.
+/// it only falls. The actual speed may be above it for as long as a loop needs to settle; an axis
+/// that a load drove far beyond it, for as long as the drive brakes with all its torque.
 void AxisWatch::check_speed(const AxisStatus& now, Happenings& happenings) {
   const std::int64_t demand = std::abs(std::int64_t{now.velocity_demand_value});
   const std::int64_t demand_before = std::abs(std::int64_t{last_.velocity_demand_value});
@@ -141,11 +149,11 @@ void AxisWatch::check_speed(const AxisStatus& now, Happenings& happenings) {
     happenings.fail(Invariant::kSpeed, number_, "606Bh at most " + number(highest), number(demand));
   }
   const bool is_led = now.motor_op_status == 1 && !is_mode(now, 4) && !has_test_input_;
-  calm_s_ = is_led ? calm_s_ + period_s_ : 0.0;
+  calm_s_ = is_led && !brakes_at_its_limit(now) ? calm_s_ + period_s_ : 0.0;
   const std::int64_t tolerated = limits_.speed + limits_.speed / 4 + 4'000;
   if (calm_s_ > kSettled_s && speed_of(now) > tolerated) {
     happenings.fail(Invariant::kSpeed, number_, "606Ch at most " + number(tolerated),
-                    number(speed_of(now)));
+                    number(speed_of(now)) + motion_of(last_));
   }
 }
 

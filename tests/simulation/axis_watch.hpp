@@ -41,6 +41,7 @@ class AxisWatch {
   void check_jump(const AxisStatus& now, const Registers& registers, bool commanded,
                   Happenings& happenings) const;
   void check_rest(const AxisStatus& now, Happenings& happenings);
+  [[nodiscard]] bool brakes_at_its_limit(const AxisStatus& now) const;
   void check_speed(const AxisStatus& now, Happenings& happenings);
   void check_range(const AxisStatus& now, bool commanded, Happenings& happenings);
   void check_torque(const AxisStatus& now, Happenings& happenings) const;

@@ -86,12 +86,6 @@ std::string ControlModel::words_of(const Registers& registers) {
               registers.target, " 6067h ", registers.stamp, " 6081h ", registers.velocity);
 }
 
-bool Registers::has_test_input() const {
-  return std::ranges::any_of(test_inputs, [](std::int64_t value) {
-    return value != 0;
-  });
-}
-
 ControlModel::ControlModel(const service::Configuration& configuration, std::uint64_t incarnation,
                            Happenings& happenings)
     : configuration_(configuration),

@@ -36,7 +36,13 @@ struct Registers {
 
   bool operator==(const Registers&) const = default;
 
-  [[nodiscard]] bool has_test_input() const;
+  [[nodiscard]] bool has_test_input() const {
+    std::int64_t any = 0;
+    for (const std::int64_t value : test_inputs) {
+      any |= value;
+    }
+    return any != 0;
+  }
 };
 
 /// What happened to an axis since the tick before.

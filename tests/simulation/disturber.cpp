@@ -43,7 +43,7 @@ const std::vector<Disturber::Disturbance>& Disturber::disturbances() {
       {30, &Disturbances::host, &Disturber::stall},
       {20, &Disturbances::host, &Disturber::hold_answers},
       {2, &Disturbances::host, &Disturber::flood},
-      {8, &Disturbances::restarts, &Disturber::restart},
+      {5, &Disturbances::restarts, &Disturber::restart},
       {40, &Disturbances::disk, &Disturber::store},
       {16, &Disturbances::disk, &Disturber::fill_disk},
       {16, &Disturbances::disk, &Disturber::fail_save},

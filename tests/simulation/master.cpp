@@ -45,6 +45,9 @@ void Master::act(const View& view, Post& post) {
     epoch_ = 0;
     sequence_ = 0;
   }
+  if (incarnation_ == view.incarnation && random_.per_mille(temper_.haste)) {
+    look_up_epoch(view);
+  }
   if (random_.per_mille(temper_.lapses)) {
     lapse(post);
     return;
@@ -133,6 +136,15 @@ void Master::take_axes(const View& view, Post& post, bool by_force) {
     guess_epoch(view);
   }
   this->post(std::move(request), post);
+}
+
+/// The status of an axis that is owned says what an answer would, and cannot be lost for long.
+void Master::look_up_epoch(const View& view) {
+  for (const wire::Ownership& owner : view.owners) {
+    if (owner.session == session_) {
+      epoch_ = owner.epoch;
+    }
+  }
 }
 
 /// The next epoch of the bench, should nobody else be faster: commands in this one arrive right

@@ -33,7 +33,7 @@ struct Temper {
   std::uint64_t greed = 8;                         ///< per mille of actions that take over
   std::uint64_t rudeness = 30;                     ///< per mille that are wrong in some way
   std::uint64_t lapses = 2;                        ///< per mille that silence it for a while
-  std::uint64_t haste = 0;  ///< per mille of takings whose answer is not waited for
+  std::uint64_t haste = 0;  ///< per mille of actions that do not wait for an answer
 };
 
 /// A program that wants axes, commands them and keeps alive, as the client library does, until it
@@ -59,6 +59,7 @@ class Master {
   void begin_session();
   void lapse(Post& post);
   void take_axes(const View& view, Post& post, bool by_force);
+  void look_up_epoch(const View& view);
   void guess_epoch(const View& view);
   void release(const View& view, Post& post);
   void ask(const View& view, Post& post);

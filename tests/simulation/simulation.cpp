@@ -81,7 +81,7 @@ NetworkHabits draw_habits(Random& random) {
 Temper draw_temper(Play play, Random& random) {
   if (play == Play::fight) {
     return {
-        .longest_pause = 2 * kMillisecond, .greed = 100, .rudeness = 80, .lapses = 5, .haste = 600};
+        .longest_pause = 2 * kMillisecond, .greed = 60, .rudeness = 80, .lapses = 5, .haste = 500};
   }
   return {.longest_pause = random.between(4 * kMillisecond, 30 * kMillisecond),
           .greed = random.below(20),
@@ -122,14 +122,12 @@ class World {
     const double period = std::chrono::duration<double>(configuration_.period).count();
     auto ticks = static_cast<std::uint64_t>(std::ceil(options_.seconds / period));
     if (options_.stop_at_tick != 0) {
-      ticks = std::min(ticks, options_.stop_at_tick);
+      // To the last cycle of that tick: time may stand there, and the service restart.
+      ticks = std::min(ticks, options_.stop_at_tick + 1);
     }
-    while (true) {
+    while (happenings_.tick() < ticks && !happenings_.violation()) {
       if (disturber_.wants_restart() || bench_->was_killed()) {
-        start_service();  // belongs to the tick before: what it loads may be a violation
-      }
-      if (happenings_.tick() >= ticks || happenings_.violation()) {
-        break;
+        start_service();
       }
       bench_->cycle(mail_);
     }
