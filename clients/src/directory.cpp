@@ -40,14 +40,17 @@ void describe(BenchInfo& info, const msg::BenchDescription& message) {
 
 }  // namespace
 
-void Directory::on_description(const msg::BenchDescription& message, const wire::Source& source) {
-  Entry& entry = entries_[{message.bench(), message.incarnation()}];
-  entry.offline = !message.alive();
-  if (entry.offline) return;
-  describe(entry.info, message);
-  entry.source = source;
-  entry.part_count = message.parts();
-  std::vector<AxisInfo>& axes = entry.parts[message.part()];
+void Directory::on_description(const msg::BenchDescription& message, const wire::Source& source,
+                               Clock::time_point now) {
+  Entry* const entry = entry_of({message.bench(), message.incarnation()}, now);
+  if (entry == nullptr) return;
+  entry->offline = !message.alive();
+  if (entry->offline) return;
+  describe(entry->info, message);
+  entry->source = source;
+  entry->part_count = message.parts();
+  if (!entry->parts.contains(message.part()) && !has_room_for_part(now)) return;
+  std::vector<AxisInfo>& axes = entry->parts[message.part()];
   axes.clear();
   for (const msg::AxisDescription& axis : message.axes()) {
     axes.push_back(axis_info(message.bench(), axis));
@@ -57,10 +60,43 @@ void Directory::on_description(const msg::BenchDescription& message, const wire:
 void Directory::on_state(const msg::BenchState& message, Clock::time_point now) {
   const BenchKey key{message.bench(), message.incarnation()};
   heard(key, message.tick(), now);
-  Entry& entry = entries_[key];
+  const auto found = entries_.find(key);
+  if (found == entries_.end()) return;
+  Entry& entry = found->second;
   entry.info.rate = message.rate();
   entry.rate_heard = now;
   entry.slowest_stepper = message.slowest_stepper();
+}
+
+Directory::Entry* Directory::entry_of(const BenchKey& key, Clock::time_point now) {
+  if (!entries_.contains(key) && entries_.size() >= kMostRuns && !forget_the_most_silent(now)) {
+    return nullptr;
+  }
+  Entry& entry = entries_[key];
+  entry.newest = now;
+  return &entry;
+}
+
+bool Directory::has_room_for_part(Clock::time_point now) {
+  const auto parts = [this] {
+    std::size_t count = 0;
+    for (const auto& [key, entry] : entries_) count += entry.parts.size();
+    return count;
+  };
+  while (parts() >= kMostParts) {
+    if (!forget_the_most_silent(now)) return false;
+  }
+  return true;
+}
+
+bool Directory::forget_the_most_silent(Clock::time_point now) {
+  const auto oldest = std::ranges::min_element(entries_, {}, [](const auto& item) {
+    return item.second.newest;
+  });
+  // Whom everybody hears is not driven out by those who only say that they are there.
+  if (oldest == entries_.end() || now - oldest->second.newest < kForgetAfter) return false;
+  entries_.erase(oldest);
+  return true;
 }
 
 std::vector<Presence> Directory::presences(Clock::time_point now) const {
@@ -78,7 +114,8 @@ std::vector<Presence> Directory::presences(Clock::time_point now) const {
 }
 
 void Directory::set_rate(const BenchKey& key, double rate) {
-  entries_[key].info.rate = rate;
+  const auto entry = entries_.find(key);
+  if (entry != entries_.end()) entry->second.info.rate = rate;
 }
 
 bool Directory::is_paused(const BenchKey& key, Clock::time_point since) const {
@@ -98,9 +135,10 @@ bool Directory::is_restarted(const BenchKey& key, Clock::time_point now) const {
 }
 
 void Directory::heard(const BenchKey& key, std::uint64_t tick, Clock::time_point now) {
-  Entry& entry = entries_[key];
-  entry.heard = now;
-  entry.info.tick = std::max(entry.info.tick, tick);
+  Entry* const entry = entry_of(key, now);
+  if (entry == nullptr) return;
+  entry->heard = now;
+  entry->info.tick = std::max(entry->info.tick, tick);
 }
 
 bool Directory::Entry::is_present(Clock::time_point now) const {

@@ -7,6 +7,7 @@
 
 #include <chrono>
 #include <compare>
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -16,6 +17,12 @@ namespace vdrive::client {
 
 /// A bench whose samples are older is not there.
 inline constexpr std::chrono::milliseconds kPresence{300};
+
+/// Runs and parts of descriptions that a directory keeps. Beyond them the run that was silent
+/// longest is forgotten, if that was kForgetAfter or longer; otherwise who is new is not taken in.
+inline constexpr std::size_t kMostRuns = 1'024;
+inline constexpr std::size_t kMostParts = 4'096;
+inline constexpr std::chrono::seconds kForgetAfter{60};
 
 /// A run of a service; another one after a restart.
 struct BenchKey {
@@ -47,7 +54,8 @@ class Directory {
  public:
   using Clock = std::chrono::steady_clock;
 
-  void on_description(const msg::BenchDescription& message, const wire::Source& source);
+  void on_description(const msg::BenchDescription& message, const wire::Source& source,
+                      Clock::time_point now);
   void on_state(const msg::BenchState& message, Clock::time_point now);
 
   /// Another live sample of this bench: a status frame or an answer.
@@ -91,11 +99,18 @@ class Directory {
     std::uint16_t part_count = 0;
     bool offline = false;
     std::optional<Clock::time_point> heard;
+    Clock::time_point newest;  ///< of whatever it said
     Clock::time_point rate_heard{};
     std::uint64_t slowest_stepper = 0;
 
     [[nodiscard]] bool is_present(Clock::time_point now) const;
   };
+
+  /// @return the entry of this run, made if there is room; nullptr if there is none.
+  Entry* entry_of(const BenchKey& key, Clock::time_point now);
+  bool has_room_for_part(Clock::time_point now);
+  /// @return whether one was silent for long enough.
+  bool forget_the_most_silent(Clock::time_point now);
 
   std::map<BenchKey, Entry> entries_;
 };

@@ -61,8 +61,10 @@ std::optional<ServiceNews> ServiceWatch::note(Known& known, const Presence& pres
 std::vector<ServiceChange> ServiceWatch::look(const Directory& directory,
                                               Directory::Clock::time_point now) {
   std::vector<ServiceChange> changes;
+  const std::vector<Presence> presences = directory.presences(now);
+  forget_the_unknown(presences);
   std::set<std::uint32_t> seen;
-  for (const Presence& presence : directory.presences(now)) {
+  for (const Presence& presence : presences) {
     const std::uint32_t bench = presence.key.number;
     // Of two runs at once the earlier one keeps the number.
     if (is_there(presence) && !seen.insert(bench).second) continue;
@@ -74,6 +76,15 @@ std::vector<ServiceChange> ServiceWatch::look(const Directory& directory,
                        .text = text_of(*news, presence)});
   }
   return changes;
+}
+
+void ServiceWatch::forget_the_unknown(const std::vector<Presence>& presences) {
+  if (known_.size() <= kMostRuns) return;
+  std::set<std::uint32_t> named;
+  for (const Presence& presence : presences) named.insert(presence.key.number);
+  std::erase_if(known_, [&named](const auto& item) {
+    return !named.contains(item.first);
+  });
 }
 
 }  // namespace vdrive::client

@@ -28,6 +28,9 @@ class ServiceWatch {
   /// @return what this run of a bench means for what is known of the bench.
   static std::optional<ServiceNews> note(Known& known, const Presence& presence);
 
+  /// Keeps the memory bounded by that of the directory.
+  void forget_the_unknown(const std::vector<Presence>& presences);
+
   std::map<std::uint32_t, Known> known_;  ///< by bench
 };
 

@@ -170,7 +170,7 @@ void SessionCore::watch_services(std::function<void(const ServiceChange&)> obser
 void SessionCore::on_description(const msg::BenchDescription& message, const wire::Source& source) {
   if (options_.bench && message.bench() != *options_.bench) return;
   const std::scoped_lock lock(mutex_);
-  directory_.on_description(message, source);
+  directory_.on_description(message, source, Clock::now());
   changed_.notify_all();
 }
 

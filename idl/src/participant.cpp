@@ -35,6 +35,9 @@ constexpr std::uint32_t kHighestDomain = 232;
 constexpr std::uint32_t kSocketBuffer = 4U * 1024U * 1024U;
 constexpr std::uint32_t kParticipantsOfPeer = 32;
 constexpr std::size_t kMostServers = 256;  // the id has one byte
+constexpr std::size_t kMostParticipants = 512;
+constexpr std::size_t kEndpointsOfParticipant = 16;        // on average, readers and writers each
+constexpr std::uint32_t kLargestAnnouncement = 16 * 1024;  // [bytes]; those of vdrive have 1 kB
 constexpr const char* kLoopback = "127.0.0.1";
 constexpr const char* kDiscoveryGroup = "239.255.0.1";
 
@@ -163,6 +166,18 @@ void add_security(const std::filesystem::path& directory, dds::DomainParticipant
   properties.emplace_back("dds.sec.crypto.plugin", "builtin.AES-GCM-GMAC");
 }
 
+/// Whoever can send to the discovery port can announce participants, endpoints and samples of any
+/// number and size: more than this is not taken.
+void limit_discovery(dds::DomainParticipantQos& qos) {
+  auto& allocation = qos.allocation();
+  allocation.participants.maximum = kMostParticipants;
+  allocation.readers.maximum = kEndpointsOfParticipant;
+  allocation.writers.maximum = kEndpointsOfParticipant;
+  auto& builtin = qos.wire_protocol().builtin;
+  builtin.readerHistoryMemoryPolicy = rtps::PREALLOCATED_MEMORY_MODE;
+  builtin.readerPayloadSize = kLargestAnnouncement;
+}
+
 dds::DomainParticipantQos participant_qos(const NetworkSettings& settings,
                                           const std::string& name) {
   dds::DomainParticipantQos qos;
@@ -178,6 +193,7 @@ dds::DomainParticipantQos participant_qos(const NetworkSettings& settings,
   discovery.leaseDuration_announcementperiod = {0, 100'000'000};
   discovery.initial_announcements.count = 10;
   discovery.initial_announcements.period = {0, 50'000'000};
+  limit_discovery(qos);
   add_peers(settings, qos);
   add_discovery_servers(settings, qos);
   if (!settings.security.empty()) {

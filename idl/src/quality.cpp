@@ -48,9 +48,6 @@ void apply(const TopicQuality& quality, Qos& qos) {
   qos.resource_limits().max_samples = quality.depth * quality.instances;
   qos.resource_limits().allocated_samples = kFirstAllocation;
   qos.data_sharing().off();
-  // Room for what a sample needs, kept for the next one: no allocation once warm, and none of the
-  // 75 kB that the largest sample would take.
-  qos.endpoint().history_memory_policy = rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
 }
 
 }  // namespace
@@ -69,6 +66,9 @@ dds::DataWriterQos writer_qos(const TopicQuality& quality) {
   apply(quality, qos);
   qos.publish_mode().kind = dds::SYNCHRONOUS_PUBLISH_MODE;
   qos.writer_data_lifecycle().autodispose_unregistered_instances = false;
+  // Room for what a sample needs, kept for the next one: no allocation once warm, and none of the
+  // 75 kB that the largest sample would take.
+  qos.endpoint().history_memory_policy = rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
   auto& times = qos.reliable_writer_qos().times;
   times.initialHeartbeatDelay = {0, 5'000'000};
   times.heartbeatPeriod = {0, 10'000'000};
@@ -79,6 +79,9 @@ dds::DataWriterQos writer_qos(const TopicQuality& quality) {
 dds::DataReaderQos reader_qos(const TopicQuality& quality) {
   dds::DataReaderQos qos;
   apply(quality, qos);
+  // Room for the largest sample of the type, and a sample that claims more is dropped: the other
+  // modes make as much room as its sender says. The kernel gives the pages that are written to.
+  qos.endpoint().history_memory_policy = rtps::PREALLOCATED_MEMORY_MODE;
   auto& times = qos.reliable_reader_qos().times;
   times.initialAcknackDelay = {0, 5'000'000};
   times.heartbeatResponseDelay = {0, 1'000'000};

@@ -16,7 +16,7 @@ using testing::SizeIs;
 
 TEST(Directory, KnowsABenchOnceItIsDescribedAndHeard) {
   Directory sut;
-  sut.on_description(description(1, 10), kSource);
+  sut.on_description(description(1, 10), kSource, kStart);
   EXPECT_THAT(sut.present(kStart), IsEmpty()) << "a description comes from the history";
   sut.on_state(state(1, 10, 7), kStart);
   const auto benches = sut.present(kStart);
@@ -31,16 +31,16 @@ TEST(Directory, KnowsABenchOnceItIsDescribedAndHeard) {
 TEST(Directory, WaitsForEveryPartOfADescription) {
   Directory sut;
   sut.on_state(state(1, 10), kStart);
-  sut.on_description(description(1, 10, 1, 2), kSource);
+  sut.on_description(description(1, 10, 1, 2), kSource, kStart);
   EXPECT_THAT(sut.present(kStart), IsEmpty());
-  sut.on_description(description(1, 10, 0, 2), kSource);
+  sut.on_description(description(1, 10, 0, 2), kSource, kStart);
   ASSERT_THAT(sut.present(kStart), SizeIs(1));
   EXPECT_THAT(sut.present(kStart)[0].info.axes, SizeIs(2));
 }
 
 TEST(Directory, ForgetsABenchThatIsSilentForThreeHundredMilliseconds) {
   Directory sut;
-  sut.on_description(description(1, 10), kSource);
+  sut.on_description(description(1, 10), kSource, kStart);
   sut.on_state(state(1, 10), kStart);
   EXPECT_THAT(sut.present(kStart + 299ms), SizeIs(1));
   EXPECT_THAT(sut.present(kStart + 300ms), IsEmpty());
@@ -50,20 +50,20 @@ TEST(Directory, ForgetsABenchThatIsSilentForThreeHundredMilliseconds) {
 
 TEST(Directory, ForgetsABenchThatSaysGoodbyeAtOnce) {
   Directory sut;
-  sut.on_description(description(1, 10), kSource);
+  sut.on_description(description(1, 10), kSource, kStart);
   sut.on_state(state(1, 10), kStart);
   msg::BenchDescription goodbye = description(1, 10);
   goodbye.alive(false);
-  sut.on_description(goodbye, kSource);
+  sut.on_description(goodbye, kSource, kStart);
   EXPECT_THAT(sut.present(kStart), IsEmpty());
   EXPECT_FALSE(sut.is_alive({1, 10}, 1s, kStart));
 }
 
 TEST(Directory, TakesARestartForAnotherRun) {
   Directory sut;
-  sut.on_description(description(1, 10), kSource);
+  sut.on_description(description(1, 10), kSource, kStart);
   sut.on_state(state(1, 10), kStart);
-  sut.on_description(description(1, 11), kSource);
+  sut.on_description(description(1, 11), kSource, kStart);
   sut.on_state(state(1, 11), kStart + 1s);
   EXPECT_FALSE(sut.is_alive({1, 10}, 1s, kStart + 1s));
   ASSERT_TRUE(sut.find(1, kStart + 1s).has_value());
@@ -73,7 +73,7 @@ TEST(Directory, TakesARestartForAnotherRun) {
 TEST(Directory, OfTwoWithOneNumberBelievesTheLowerIncarnation) {
   Directory sut;
   for (const std::uint64_t incarnation : {11U, 10U}) {
-    sut.on_description(description(1, incarnation), kSource);
+    sut.on_description(description(1, incarnation), kSource, kStart);
     sut.on_state(state(1, incarnation), kStart);
   }
   ASSERT_THAT(sut.present(kStart), SizeIs(1));
@@ -86,10 +86,58 @@ TEST(Directory, SurvivesNonsense) {
   nonsense.period_us(0);
   nonsense.status_every_ticks(0);
   nonsense.clock_mode(99);
-  sut.on_description(nonsense, kSource);
+  sut.on_description(nonsense, kSource, kStart);
   sut.on_state(state(1, 10), kStart);
   EXPECT_THAT(sut.present(kStart), IsEmpty());
   EXPECT_EQ(sut.tick({2, 2}), 0U);
+}
+
+// Numbers that somebody makes up: each as if another service had started.
+void announce(Directory& sut, std::uint64_t first, std::size_t count,
+              Directory::Clock::time_point now, std::uint16_t parts = 1) {
+  for (std::uint64_t run = first; run < first + count; ++run) {
+    sut.on_state(state(2, run), now);
+    for (std::uint16_t part = 0; part < parts; ++part) {
+      sut.on_description(description(2, run, part, parts), kSource, now);
+    }
+  }
+}
+
+TEST(Directory, KeepsAtMostAThousandRunsAndForgetsTheOneThatIsSilentLongest) {
+  Directory sut;
+  announce(sut, 1, kMostRuns, kStart);
+  announce(sut, 1, 1, kStart + 1s);
+  sut.on_state(state(1, 10), kStart + kForgetAfter);
+  sut.on_description(description(1, 10), kSource, kStart + kForgetAfter);
+  const auto runs = sut.presences(kStart + kForgetAfter);
+  EXPECT_THAT(runs, SizeIs(kMostRuns));
+  EXPECT_EQ(runs[0].key, (BenchKey{1, 10})) << "the new one";
+  EXPECT_EQ(runs[1].key, (BenchKey{2, 1})) << "heard once more than the others";
+  EXPECT_EQ(runs[2].key, (BenchKey{2, 3})) << "in place of the first of the silent ones";
+}
+
+TEST(Directory, KeepsABenchThatIsThereWhateverManyOthersSay) {
+  Directory sut;
+  sut.on_description(description(1, 10), kSource, kStart);
+  sut.on_state(state(1, 10), kStart);
+  announce(sut, 1, 3 * kMostRuns, kStart + 100ms);
+  EXPECT_TRUE(sut.find(1, kStart + 100ms).has_value());
+  EXPECT_THAT(sut.presences(kStart + 100ms), SizeIs(kMostRuns));
+}
+
+TEST(Directory, KeepsAtMostFourThousandPartsOfDescriptions) {
+  Directory sut;
+  constexpr std::uint16_t kParts = 256;
+  announce(sut, 1, kMostParts / kParts + 1, kStart, kParts);
+  EXPECT_THAT(sut.present(kStart), SizeIs(1)) << "the first one is whole";
+  EXPECT_EQ(sut.present(kStart)[0].info.axes.size(), kParts);
+  sut.on_state(state(1, 10), kStart);
+  sut.on_description(description(1, 10), kSource, kStart);
+  EXPECT_EQ(sut.find(1, kStart), std::nullopt) << "no room for its description";
+  const auto later = kStart + kForgetAfter;
+  sut.on_state(state(1, 10), later);
+  sut.on_description(description(1, 10), kSource, later);
+  EXPECT_TRUE(sut.find(1, later).has_value()) << "in place of one that is silent";
 }
 
 TEST(AxisId, IsWrittenWithADot) {

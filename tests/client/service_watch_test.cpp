@@ -20,7 +20,7 @@ class ServiceWatchTest : public testing::Test {
     auto message = description(1, incarnation);
     message.clock_mode(clock_mode);
     message.alive(alive);
-    directory_.on_description(message, kSource);
+    directory_.on_description(message, kSource, kStart);
   }
 
   /// What is told at `now`, each as its news.
