@@ -10,7 +10,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+#include <bit>
 #include <csignal>
+#include <cstring>
 #include <fstream>
 #include <functional>
 #include <optional>
@@ -48,6 +56,8 @@ class Flooder {
   void send(const msg::CommandFrame& frame) { static_cast<void>(frames_.write(frame)); }
 
   [[nodiscard]] std::uint64_t random() { return random_(); }
+
+  [[nodiscard]] wire::Source source() const { return participant_.source(); }
 
   [[nodiscard]] msg::Request request(std::uint32_t kind) {
     msg::Request request;
@@ -194,16 +204,18 @@ std::vector<Flood> floods() {
   };
 }
 
+/// @param what "VmRSS:" resident memory of that process, "VmHWM:" the most that it ever was [kB]
+std::size_t memory_of(const Process& process, const char* what) {
+  std::ifstream status("/proc/" + std::to_string(process.id()) + "/status");
+  for (std::string line; std::getline(status, line);) {
+    if (line.starts_with(what)) return std::stoul(line.substr(6));
+  }
+  return 0;  // it has ended
+}
+
 class AFloodedService : public testing::TestWithParam<Flood> {
  protected:
-  /// Resident memory of the service [kB].
-  [[nodiscard]] std::size_t memory() const {
-    std::ifstream status("/proc/" + std::to_string(service_.id()) + "/status");
-    for (std::string line; std::getline(status, line);) {
-      if (line.starts_with("VmRSS:")) return std::stoul(line.substr(6));
-    }
-    return 0;  // it has ended
-  }
+  [[nodiscard]] std::size_t memory() const { return memory_of(service_, "VmRSS:"); }
 
   /// Floods, and waits until everything that arrived has been dealt with.
   void flood() {
@@ -240,6 +252,83 @@ INSTANTIATE_TEST_SUITE_P(Floods, AFloodedService, testing::ValuesIn(floods()),
                          [](const auto& flood) {
                            return std::string(flood.param.name);
                          });
+
+// ---- sizes that are claimed
+// -----------------------------------------------------------------------
+
+/// The first fragment of an announcement of `size` bytes (RTPS 2.3, 9.4.5.4), in the name of a
+/// participant that is known: of others nothing is taken.
+std::vector<std::uint8_t> fragment_of_an_announcement(const wire::Source& source,
+                                                      std::uint32_t size, std::uint8_t number) {
+  constexpr std::size_t kFragment = 1024;
+  std::vector<std::uint8_t> packet{'R', 'T', 'P', 'S', 2, 3, 1, 15};
+  const auto add = [&packet](std::initializer_list<std::uint8_t> bytes) {
+    packet.insert(packet.end(), bytes);
+  };
+  packet.insert(packet.end(), source.participant.begin(), source.participant.end());
+  add({0x16, 1, (32 + kFragment) % 256, (32 + kFragment) / 256});  // DATA_FRAG, little endian
+  add({0, 0, 28, 0, 0, 1, 0, 0xC7, 0, 1, 0, 0xC2});                // from and to discovery
+  add({0, 0, 0, 0, number, 0, 0, 1});                              // sequence number
+  add({1, 0, 0, 0, 1, 0, kFragment % 256, kFragment / 256});       // the first, only this
+  for (int shift = 0; shift < 32; shift += 8) {
+    packet.push_back(static_cast<std::uint8_t>(size >> shift));
+  }
+  packet.resize(packet.size() + kFragment);
+  return packet;
+}
+
+/// To the discovery ports of the first programs of the domain on this host.
+void send_to_discovery(const std::vector<std::uint8_t>& packet) {
+  const int socket_of_it = socket(AF_INET, SOCK_DGRAM, 0);
+  ASSERT_GE(socket_of_it, 0);
+  for (std::uint32_t program = 0; program < 10; ++program) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    address.sin_port = htons(static_cast<std::uint16_t>(7410 + 250 * test_domain() + 2 * program));
+    sendto(socket_of_it, packet.data(), packet.size(), 0, std::bit_cast<sockaddr*>(&address),
+           sizeof address);
+  }
+  close(socket_of_it);
+}
+
+class AService : public testing::Test {
+ protected:
+  void expect_no_room(std::size_t before) {
+    // Whoever is found now was announced after what was sent, and so was the question asked.
+    Flooder last;
+    ASSERT_TRUE(last.is_heard());
+    const auto reply = probe_.read(1, 0x6041);
+    ASSERT_TRUE(reply) << "nobody is served";
+    EXPECT_LT(memory_of(service_, "VmHWM:"), before + kLeeway);
+  }
+
+  Process service_{VDRIVE_SERVICE, tool_arguments("--log-level off --clock realtime")};
+  Probe probe_{test_domain()};
+  Flooder flooder_;
+};
+
+// A million axes with four objects each take 72 MB and more; the largest frame that is allowed has
+// less than 40 kB.
+TEST_F(AService, GivesNoRoomToAMessageThatIsLargerThanItsType) {
+  ASSERT_TRUE(probe_.find_bench());
+  ASSERT_TRUE(flooder_.is_heard());
+  const std::size_t before = memory_of(service_, "VmHWM:");
+  auto frame = flooder_.frame();
+  fill(frame, 1'000'000, 4);
+  flooder_.send(frame);
+  expect_no_room(before);
+}
+
+TEST_F(AService, GivesNoRoomToAnAnnouncementThatClaimsAGigabyte) {
+  ASSERT_TRUE(probe_.find_bench());
+  ASSERT_TRUE(flooder_.is_heard());
+  const std::size_t before = memory_of(service_, "VmHWM:");
+  for (std::uint8_t number = 1; number < 10; ++number) {
+    send_to_discovery(fragment_of_an_announcement(flooder_.source(), 1U << 30U, number));
+  }
+  expect_no_room(before);
+}
 
 }  // namespace
 }  // namespace vdrive::test
