@@ -277,6 +277,42 @@ std::vector<std::uint8_t> fragment_of_an_announcement(const wire::Source& source
   return packet;
 }
 
+/// An announcement of another participant each time, which may be silent for 2 s (RTPS 2.3, 8.5.3.2
+/// and 9.6.2.2).
+std::vector<std::uint8_t> announcement(std::uint32_t number) {
+  const std::array<std::uint8_t, 12> prefix{1,
+                                            15,
+                                            0xAB,
+                                            0xCD,
+                                            static_cast<std::uint8_t>(number),
+                                            static_cast<std::uint8_t>(number >> 8U),
+                                            static_cast<std::uint8_t>(number >> 16U),
+                                            1};
+  std::vector<std::uint8_t> packet{'R', 'T', 'P', 'S', 2, 3, 1, 15};
+  const auto add = [&packet](std::initializer_list<std::uint8_t> bytes) {
+    packet.insert(packet.end(), bytes);
+  };
+  packet.insert(packet.end(), prefix.begin(), prefix.end());
+  add({0x15, 5, 0, 0});                              // DATA to the end of the packet, little endian
+  add({0, 0, 16, 0, 0, 1, 0, 0xC7, 0, 1, 0, 0xC2});  // from and to discovery
+  add({0, 0, 0, 0, 1, 0, 0, 0});                     // sequence number
+  add({0, 3, 0, 0});                                 // a list of parameters
+  add({0x15, 0, 4, 0, 2, 3, 0, 0});                  // version
+  add({0x16, 0, 4, 0, 1, 15, 0, 0});                 // vendor
+  add({0x50, 0, 16, 0});                             // GUID
+  packet.insert(packet.end(), prefix.begin(), prefix.end());
+  add({0, 0, 1, 0xC1});
+  add({2, 0, 8, 0, 2, 0, 0, 0, 0, 0, 0, 0});  // lease
+  add({0x58, 0, 4, 0, 0x3F, 0, 0, 0});        // endpoints of discovery
+  for (const std::uint8_t locator :
+       {std::uint8_t{0x32}, std::uint8_t{0x31}}) {  // UDP, port 9, 127.0.0.1
+    add({locator, 0, 24, 0, 1, 0, 0, 0, 9, 0, 0,   0, 0, 0,
+         0,       0, 0,  0, 0, 0, 0, 0, 0, 0, 127, 0, 0, 1});
+  }
+  add({1, 0, 0, 0});
+  return packet;
+}
+
 /// To the discovery ports of the first programs of the domain on this host.
 void send_to_discovery(const std::vector<std::uint8_t>& packet) {
   const int socket_of_it = socket(AF_INET, SOCK_DGRAM, 0);
@@ -326,6 +362,15 @@ TEST_F(AService, GivesNoRoomToAnAnnouncementThatClaimsAGigabyte) {
   const std::size_t before = memory_of(service_, "VmHWM:");
   for (std::uint8_t number = 1; number < 10; ++number) {
     send_to_discovery(fragment_of_an_announcement(flooder_.source(), 1U << 30U, number));
+  }
+  expect_no_room(before);
+}
+
+TEST_F(AService, KnowsABoundedNumberOfParticipants) {
+  ASSERT_TRUE(probe_.find_bench());
+  const std::size_t before = memory_of(service_, "VmHWM:");
+  for (std::uint32_t number = 0; number < 10'000; ++number) {
+    send_to_discovery(announcement(number));
   }
   expect_no_room(before);
 }
