@@ -240,8 +240,8 @@ class Grammar {
 
   void add_global_timeout() {
     app_.add_option("--timeout", timeout_,
-                    "Seconds: wall time to find a service (default 2), drive time of motion "
-                    "(default 60)")
+                    "Seconds: wall time to find a service (default 2, in the closed mode 5), drive "
+                    "time of motion (default 60)")
         ->type_name("S");
   }
 

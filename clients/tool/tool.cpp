@@ -21,6 +21,9 @@ namespace {
 using client::Outcome;
 using client::OutcomeKind;
 
+// Whoever misses the first message of an authentication gets the next one a second later.
+constexpr std::chrono::seconds kFindClosed{5};
+
 client::SessionOptions session_options(const GlobalOptions& options) {
   client::SessionOptions session;
   session.domain = options.domain;
@@ -30,6 +33,8 @@ client::SessionOptions session_options(const GlobalOptions& options) {
   session.security = options.security;
   if (options.timeout) {
     session.find_timeout = std::chrono::ceil<std::chrono::milliseconds>(*options.timeout);
+  } else if (!options.security.empty()) {
+    session.find_timeout = kFindClosed;
   }
   return session;
 }

@@ -15,6 +15,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <functional>
@@ -137,6 +138,14 @@ TEST_F(ClosedBench, DoesNotSeeAnOpenBench) {
   const RunningService open("--clock lockstep");
   EXPECT_EQ(tool("list --timeout 20").code, 0);
   EXPECT_EQ(tool("list --timeout 2 --security " + controller_.string()).code, 3);
+}
+
+// The library repeats a lost message of an authentication after a second.
+TEST_F(ClosedBench, IsLookedForForFiveSeconds) {
+  const auto begin = std::chrono::steady_clock::now();
+  const Finished nobody = tool("list --security " + controller_.string());
+  EXPECT_EQ(nobody.code, 3) << nobody.output;
+  EXPECT_GE(std::chrono::steady_clock::now() - begin, 5s);
 }
 
 // The clock of the service is two days ahead: for it, and not for the client itself, a certificate

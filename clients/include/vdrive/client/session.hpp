@@ -39,7 +39,8 @@ struct SessionOptions {
   std::string security;                ///< directory of the closed mode's material; empty = open
   std::optional<std::uint32_t> bench;  ///< see this bench only
   KeepAlive keep_alive = KeepAlive::own_thread;
-  std::chrono::milliseconds find_timeout{2000};  ///< wall time that finding a service may take
+  /// Wall time that finding a service may take; in the closed mode better 5 s.
+  std::chrono::milliseconds find_timeout{2000};
   /// Calls that wait give a service up as lost when its newest sample is older [wall time], 50 ms
   /// or more: a busy machine may hold a process up for some hundred milliseconds.
   /// Session::watch_services tells of a silence earlier.
