@@ -369,7 +369,7 @@ TEST_F(AService, GivesNoRoomToAnAnnouncementThatClaimsAGigabyte) {
 TEST_F(AService, KnowsABoundedNumberOfParticipants) {
   ASSERT_TRUE(probe_.find_bench());
   const std::size_t before = memory_of(service_, "VmHWM:");
-  for (std::uint32_t number = 0; number < 3'000; ++number) {
+  for (std::uint32_t number = 0; number < 20'000; ++number) {
     send_to_discovery(announcement(number));
   }
   expect_no_room(before);
