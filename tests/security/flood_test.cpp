@@ -34,9 +34,9 @@ using namespace std::chrono_literals;
 /// The queues keep the room that their largest messages took: 1,024 arrivals and 1,024 waiting
 /// frames of at most 256 axes with some 300 bytes each are 160 MB, the readers' histories of 1,024
 /// samples of at most 75 kB the same again.
-constexpr std::size_t kMostMemory = 512U * 1024U;  // [kB]
+constexpr std::size_t kMostMemory = std::size_t{512} * 1024;  // [kB]
 /// What a second flood of the same kind may add to the first.
-constexpr std::size_t kLeeway = 16U * 1024U;  // [kB]
+constexpr std::size_t kLeeway = std::size_t{16} * 1024;  // [kB]
 
 /// A program that sends and reads nothing.
 class Flooder {
