@@ -10,9 +10,9 @@ namespace vdrive::wire {
 /// are valid now.
 /// @return the certificate's subject, as permissions name it (RFC 2253)
 /// @throws NetworkError
-[[nodiscard]] std::string check_identity(const std::filesystem::path& ca,
-                                         const std::filesystem::path& certificate,
-                                         const std::filesystem::path& private_key);
+[[nodiscard]] std::string check_identity(const std::filesystem::path& ca_file,
+                                         const std::filesystem::path& certificate_file,
+                                         const std::filesystem::path& key_file);
 
 /// Checks that `ca` itself signed `document` (S/MIME) and is valid now. @return the document's
 /// text.

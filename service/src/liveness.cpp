@@ -5,7 +5,7 @@
 
 namespace vdrive::service {
 
-Liveness::Liveness(std::vector<const Counter*> beats) {
+Liveness::Liveness(const std::vector<const Counter*>& beats) {
   for (const Counter* const counter : beats) {
     watched_.push_back({.beats = counter});
   }

@@ -12,7 +12,7 @@ namespace vdrive::service {
 class Liveness {
  public:
   /// @param beats one for each thread, outliving this object; none = nothing is alive
-  explicit Liveness(std::vector<const Counter*> beats);
+  explicit Liveness(const std::vector<const Counter*>& beats);
 
   /// @return whether every thread has completed something since the start.
   [[nodiscard]] bool has_begun() const noexcept;
