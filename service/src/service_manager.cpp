@@ -38,6 +38,7 @@ void ServiceManager::tell_alive() const noexcept {
 void ServiceManager::tell_stopping() const noexcept {
   tell("STOPPING=1\nSTATUS=the axes brake");
 }
+
 // NOLINTEND(readability-convert-member-functions-to-static)
 
 }  // namespace vdrive::service
