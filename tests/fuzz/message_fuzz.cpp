@@ -125,7 +125,7 @@ class Listeners {
   void hear(const msg::Event& event) { static_cast<void>(wire::describe_reason(event.code())); }
 
   void hear(const msg::BenchDescription& description) {
-    directory_.on_description(description, {});
+    directory_.on_description(description, {}, now_);
     look_around();
   }
 
