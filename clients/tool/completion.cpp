@@ -42,7 +42,7 @@ std::string words_of(const CLI::App& app) {
 }  // namespace
 
 std::string bash_completion(const CLI::App& app) {
-  const std::string name = app.get_name();
+  const std::string& name = app.get_name();
   std::string cases;
   for (const CLI::App* const word : app.get_subcommands({})) {
     cases += "    " + word->get_name() + ") choices=\"" + options_of(*word) + " $global\" ;;\n";
