@@ -70,6 +70,9 @@ class MessageType final : public SupportOf<Message>::Type {
   MessageType() {
     this->auto_fill_type_object(false);
     this->auto_fill_type_information(false);
+    // Readers drop what is larger than this without a word. Who exceeds a bound of the type by
+    // mistake gets an answer that says so.
+    this->m_typeSize *= 2;
   }
 
   bool deserialize(eprosima::fastrtps::rtps::SerializedPayload_t* payload, void* data) override {

@@ -79,8 +79,9 @@ dds::DataWriterQos writer_qos(const TopicQuality& quality) {
 dds::DataReaderQos reader_qos(const TopicQuality& quality) {
   dds::DataReaderQos qos;
   apply(quality, qos);
-  // Room for the largest sample of the type, and a sample that claims more is dropped: the other
-  // modes make as much room as its sender says. The kernel gives the pages that are written to.
+  // Room for twice the largest sample of the type, and a sample that claims more is dropped: the
+  // other modes make as much room as its sender says. The kernel gives the pages that are written
+  // to.
   qos.endpoint().history_memory_policy = rtps::PREALLOCATED_MEMORY_MODE;
   auto& times = qos.reliable_reader_qos().times;
   times.initialAcknackDelay = {0, 5'000'000};
