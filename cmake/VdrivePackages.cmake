@@ -37,6 +37,6 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libvdrive-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "Static libraries, headers and the CMake package of vdrive::client and vdrive::core.")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
-    "libeigen3-dev (>= 3.4), libfastcdr-dev, libfastrtps-dev (>= 2.9)")
+    "libeigen3-dev (>= 3.4), libfastcdr-dev, libfastrtps-dev (>= 2.9), libssl-dev, libtinyxml2-dev")
 
 include(CPack)
