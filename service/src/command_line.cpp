@@ -53,7 +53,7 @@ struct Arguments {
   std::optional<std::string> security;
   std::optional<double> rate;
   std::optional<std::uint32_t> threads;
-  std::optional<std::uint16_t> metrics;
+  std::optional<std::uint32_t> metrics;
   std::optional<std::string> journal;
   std::optional<std::string> state;
   std::optional<std::string> replay;
@@ -86,6 +86,7 @@ void declare(CLI::App& app, Arguments& arguments) {
       ->type_name("N");
   app.add_option("--metrics", arguments.metrics,
                  "Serve Prometheus metrics on this port of 127.0.0.1, 0 = any free one")
+      ->check(CLI::Range(0, 65'535))
       ->type_name("PORT");
   app.add_option("--state", arguments.state,
                  "Keep stored parameters in this directory; else in $STATE_DIRECTORY; without "
@@ -135,7 +136,7 @@ void override(Configuration& configuration, const Arguments& arguments) {
   configuration.rate = arguments.rate.value_or(configuration.rate);
   configuration.threads = arguments.threads.value_or(configuration.threads);
   if (arguments.metrics) {
-    configuration.metrics_port = arguments.metrics;
+    configuration.metrics_port = static_cast<std::uint16_t>(*arguments.metrics);
   }
   check(configuration);
 }
