@@ -210,7 +210,7 @@ void ParameterStore::load_previous(LoadedParameters& loaded) {
 }
 
 void ParameterStore::keep_aside() {
-  attempt("a damaged file is not kept aside yet", [this] {
+  is_kept_ = attempt("a damaged file is not kept aside yet", [this] {
     const auto damaged = file(".damaged");
     if (files_->exists(damaged)) {
       files_->remove(damaged);
@@ -228,8 +228,15 @@ void ParameterStore::save(const ParameterTable& table) {
   put_back();
   const std::string content = encode(table);
   write_beside(std::as_bytes(std::span(content)));
-  replace();
-  sync_directory();
+  const Replaced replaced = replace();
+  try {
+    sync_directory();
+  } catch (const std::system_error&) {
+    attempt("a restart may find the set that was refused", [this, &replaced] {
+      take_back(replaced);
+    });
+    throw;
+  }
 }
 
 /// Undoes the first half of a replacement that was cut short.
@@ -261,9 +268,12 @@ void ParameterStore::write_beside(std::span<const std::byte> content) {
 }
 
 /// One rename makes room and one puts the new file in place: a file is complete under one of the
-/// two names all the time, also where the file system knows no links.
-void ParameterStore::replace() {
-  is_away_ = move_away(file(is_bad_ ? ".damaged" : ".previous")) && !is_bad_;
+/// two names all the time, also where the file system knows no links. A bad file that has a second
+/// name stays in place until then, so that a restart between the two finds it bad.
+ParameterStore::Replaced ParameterStore::replace() {
+  Replaced before{.was_bad = is_bad_, .name = file(is_bad_ ? ".damaged" : ".previous")};
+  before.was_there = (is_bad_ && is_kept_) || move_away(before.name);
+  is_away_ = before.was_there && !is_bad_;
   try {
     files_->rename(file(".new"), file(""));
   } catch (const std::system_error&) {
@@ -274,6 +284,19 @@ void ParameterStore::replace() {
   }
   is_away_ = false;
   is_bad_ = false;
+  return before;
+}
+
+/// Whoever asked for this set hears that it is not stored: it must not come back with a restart.
+void ParameterStore::take_back(const Replaced& replaced) {
+  files_->rename(file(""), file(".new"));
+  if (replaced.was_there) {
+    is_away_ = !replaced.was_bad;
+    files_->rename(replaced.name, file(""));
+    is_away_ = false;
+    is_bad_ = replaced.was_bad;
+    is_kept_ = false;
+  }
 }
 
 /// @return whether there was a file.

@@ -46,8 +46,8 @@ class Flooder {
         requests_(participant_),
         frames_(participant_) {}
 
-  [[nodiscard]] bool is_heard() {
-    return requests_.wait_for_matched(1, 30s) && frames_.wait_for_matched(1, 30s);
+  [[nodiscard]] bool is_heard(std::chrono::milliseconds within = 30s) {
+    return requests_.wait_for_matched(1, within) && frames_.wait_for_matched(1, within);
   }
 
   // A message that is not taken has waited until the service had room, which is its right.
@@ -336,9 +336,12 @@ void send_to_discovery(const std::vector<std::uint8_t>& packet) {
 class AService : public testing::Test {
  protected:
   void expect_no_room(std::size_t before) {
-    // Whoever is found now was announced after what was sent, and so was the question asked.
-    Flooder last;
-    ASSERT_TRUE(last.is_heard());
+    // Whoever is found now was announced after what was sent, and so was the question asked. The
+    // library does not look again at one that it had no place for: the next one may be luckier.
+    const auto end = std::chrono::steady_clock::now() + 60s;
+    while (!Flooder().is_heard(3s)) {
+      ASSERT_LT(std::chrono::steady_clock::now(), end) << "nobody is heard";
+    }
     const auto reply = probe_.read(1, 0x6041);
     ASSERT_TRUE(reply) << "nobody is served";
     EXPECT_LT(memory_of(service_, "VmHWM:"), before + kLeeway);

@@ -53,7 +53,8 @@ class ParameterStore {
   [[nodiscard]] LoadedParameters load();
 
   /// Replaces what is stored; when it returns it is durable. Whatever happens meanwhile, what was
-  /// stored before or the new table is there in full.
+  /// stored before or the new table is there in full: the new one after an error only where it
+  /// could not be taken away again, or the machine loses its power before the next save.
   /// @throws std::system_error when a file cannot be written, synced or renamed.
   void save(const ParameterTable& table);
 
@@ -61,13 +62,21 @@ class ParameterStore {
   void keep_aside();
 
  private:
+  /// The file of before a save.
+  struct Replaced {
+    bool was_bad = false;
+    std::filesystem::path name;  ///< its name now
+    bool was_there = false;
+  };
+
   [[nodiscard]] std::filesystem::path file(const char* suffix) const;
   [[nodiscard]] bool lock();
   [[nodiscard]] ParameterTable read(const std::filesystem::path& file);
   void load_previous(LoadedParameters& loaded);
   void put_back();
   void write_beside(std::span<const std::byte> content);
-  void replace();
+  Replaced replace();
+  void take_back(const Replaced& replaced);
   [[nodiscard]] bool move_away(const std::filesystem::path& to);
   void sync_directory();
 
@@ -76,6 +85,7 @@ class ParameterStore {
   std::unique_ptr<FileOperations> files_;
   int lock_ = -1;
   bool is_bad_ = false;   ///< the present file must not become the previous one
+  bool is_kept_ = false;  ///< and has a second name
   bool is_away_ = false;  ///< a save was cut short: the present file has the name of the previous
 };
 
