@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/service/command_line.hpp"
 
+#include "repeat_limiter.hpp"
 #include "service_manager.hpp"
 #include "vdrive/axis_bank.hpp"
 #include "vdrive/service/configuration.hpp"
@@ -8,6 +9,7 @@
 #include "vdrive/service/parameter_store.hpp"
 #include "vdrive/service/replay.hpp"
 #include "vdrive/service/service.hpp"
+#include "vdrive/wire/library_log.hpp"
 #include "vdrive/wire/security.hpp"
 
 #include <CLI/CLI.hpp>
@@ -15,6 +17,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <cctype>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -190,11 +193,31 @@ void watch(Service& service, const ServiceManager& manager, const sigset_t& sign
   }
 }
 
+/// A line a second, whatever arrives. What the library prints of a packet is the sender's to
+/// choose.
+wire::LibraryLog::Sink log_of_the_library(std::uint32_t bench) {
+  return [bench, limiter = RepeatLimiter()](const std::string& part,
+                                            const std::string& words) mutable {
+    constexpr std::size_t kLongest = 256;
+    if (const auto suppressed = limiter.pass(std::chrono::steady_clock::now())) {
+      std::string text = words.substr(0, kLongest);
+      std::replace_if(
+          text.begin(), text.end(),
+          [](char letter) {
+            return letter == '"' || std::iscntrl(static_cast<unsigned char>(letter)) != 0;
+          },
+          ' ');
+      spdlog::warn("dds={} bench={} suppressed={} text=\"{}\"", part, bench, *suppressed, text);
+    }
+  };
+}
+
 int serve(const Configuration& configuration, const Arguments& arguments) {
   // Blocked before the first thread starts, so that every thread leaves them to this one.
   const sigset_t signals = stop_signals();
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   const ServiceManager manager;
+  const wire::LibraryLog library_log(log_of_the_library(configuration.bench));
   auto store = open_parameter_store(arguments.state, configuration.bench);
   Service service(configuration, arguments.journal ? open_journal(*arguments.journal) : nullptr,
                   std::move(store));

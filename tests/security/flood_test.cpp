@@ -3,6 +3,7 @@
 #include "service/probe.hpp"
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
+#include "vdrive/wire/library_log.hpp"
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/publication.hpp"
 #include "vdrive_messages.h"
@@ -318,6 +319,19 @@ std::vector<std::uint8_t> announcement(std::uint32_t number) {
   return packet;
 }
 
+/// An announcement that is larger than any that is taken.
+std::vector<std::uint8_t> long_announcement(std::uint32_t number) {
+  constexpr std::uint16_t kSize = 20'000;
+  std::vector<std::uint8_t> packet = announcement(number);
+  std::vector<std::uint8_t> unknown_parameter(kSize + 4);
+  unknown_parameter[0] = 0xFF;
+  unknown_parameter[1] = 0x7F;
+  unknown_parameter[2] = kSize % 256;
+  unknown_parameter[3] = kSize / 256;
+  packet.insert(packet.end() - 4, unknown_parameter.begin(), unknown_parameter.end());
+  return packet;
+}
+
 /// To the discovery ports of the service and of the two participants of this test.
 void send_to_discovery(const std::vector<std::uint8_t>& packet) {
   const int socket_of_it = socket(AF_INET, SOCK_DGRAM, 0);
@@ -372,6 +386,30 @@ TEST_F(AService, GivesNoRoomToAnAnnouncementThatClaimsAGigabyte) {
     send_to_discovery(fragment_of_an_announcement(flooder_.source(), 1U << 30U, number));
   }
   expect_no_room(before);
+}
+
+TEST(AServiceThatLogs, HasALineASecondForWhatItsLibraryComplainsOf) {
+  constexpr std::uint32_t kMany = 5'000;
+  const wire::LibraryLog quiet([](const std::string&, const std::string&) {});
+  const auto start = std::chrono::steady_clock::now();
+  Process service(VDRIVE_SERVICE, tool_arguments("--log-level warn --clock realtime"));
+  Probe probe(test_domain());
+  ASSERT_TRUE(probe.find_bench());
+  for (std::uint32_t number = 0; number < kMany; ++number) {
+    send_to_discovery(long_announcement(number));
+  }
+  ASSERT_TRUE(probe.read(1, 0x6041)) << "nobody is served";
+  service.send(SIGTERM);
+  const std::string log = service.wait().errors;
+  const auto seconds = std::chrono::steady_clock::now() - start;
+  const std::string mark = " [warning] dds=";
+  std::chrono::seconds lines{0};
+  for (auto at = log.find(mark); at != std::string::npos; at = log.find(mark, at + 1)) {
+    ++lines;
+  }
+  EXPECT_GE(lines, 1s) << log;
+  EXPECT_LE(lines, seconds + 1s) << log;
+  EXPECT_LT(log.size(), 1000 * static_cast<std::size_t>(lines.count()) + 1000) << "other lines";
 }
 
 TEST_F(AService, KnowsABoundedNumberOfParticipants) {
