@@ -342,10 +342,20 @@ Outcome SessionCore::wait(Lock& lock, const Target& target, Patience patience,
 
 template <typename Condition>
 bool SessionCore::wait_to_find(Lock& lock, const Condition& condition) {
-  const auto deadline = Directory::Clock::now() + options_.find_timeout;
+  constexpr std::chrono::seconds kUnheard{1};
+  const auto begin = Directory::Clock::now();
+  const auto deadline = begin + options_.find_timeout;
+  auto announce_at = begin + kUnheard;
   while (!condition()) {
     const auto now = Directory::Clock::now();
     if (interrupted_ || now >= deadline) return false;
+    if (now >= announce_at) {
+      announce_at = now + kUnheard;
+      lock.unlock();
+      participant_.announce_again();
+      lock.lock();
+      continue;
+    }
     changed_.wait_until(lock, std::min(deadline, now + std::chrono::milliseconds(50)));
   }
   return true;

@@ -251,6 +251,15 @@ Participant::~Participant() {
   dds::DomainParticipantFactory::get_instance()->delete_participant(entities_->participant);
 }
 
+void Participant::announce_again() {
+  dds::DomainParticipantQos qos = entities_->participant->get_qos();
+  std::vector<rtps::octet> data = qos.user_data().getValue();
+  data.resize(1);
+  ++data.front();
+  qos.user_data().setValue(data);
+  entities_->participant->set_qos(qos);
+}
+
 Source Participant::source() const noexcept {
   return source_of(rtps::InstanceHandle_t(entities_->participant->guid()));
 }

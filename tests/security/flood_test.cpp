@@ -3,6 +3,7 @@
 #include "service/probe.hpp"
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
+#include "vdrive/client/session.hpp"
 #include "vdrive/wire/library_log.hpp"
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/publication.hpp"
@@ -283,9 +284,9 @@ std::vector<std::uint8_t> fragment_of_an_announcement(const wire::Source& source
   return packet;
 }
 
-/// An announcement of another participant each time, which may be silent for 2 s (RTPS 2.3, 8.5.3.2
-/// and 9.6.2.2).
-std::vector<std::uint8_t> announcement(std::uint32_t number) {
+/// An announcement of another participant each time, which may be silent for some seconds
+/// (RTPS 2.3, 8.5.3.2 and 9.6.2.2).
+std::vector<std::uint8_t> announcement(std::uint32_t number, std::uint8_t lease = 2) {
   const std::array<std::uint8_t, 12> prefix{1,
                                             15,
                                             0xAB,
@@ -308,8 +309,8 @@ std::vector<std::uint8_t> announcement(std::uint32_t number) {
   add({0x50, 0, 16, 0});                             // GUID
   packet.insert(packet.end(), prefix.begin(), prefix.end());
   add({0, 0, 1, 0xC1});
-  add({2, 0, 8, 0, 2, 0, 0, 0, 0, 0, 0, 0});  // lease
-  add({0x58, 0, 4, 0, 0x3F, 0, 0, 0});        // endpoints of discovery
+  add({2, 0, 8, 0, lease, 0, 0, 0, 0, 0, 0, 0});
+  add({0x58, 0, 4, 0, 0x3F, 0, 0, 0});  // endpoints of discovery
   for (const std::uint8_t locator :
        {std::uint8_t{0x32}, std::uint8_t{0x31}}) {  // UDP, port 9, 127.0.0.1
     add({locator, 0, 24, 0, 1, 0, 0, 0, 9, 0, 0,   0, 0, 0,
@@ -350,12 +351,9 @@ void send_to_discovery(const std::vector<std::uint8_t>& packet) {
 class AService : public testing::Test {
  protected:
   void expect_no_room(std::size_t before) {
-    // Whoever is found now was announced after what was sent, and so was the question asked. The
-    // library does not look again at one that it had no place for: the next one may be luckier.
-    const auto end = std::chrono::steady_clock::now() + 60s;
-    while (!Flooder().is_heard(3s)) {
-      ASSERT_LT(std::chrono::steady_clock::now(), end) << "nobody is heard";
-    }
+    // Whoever is found now was announced after what was sent, and so was the question asked.
+    client::Session session({.domain = test_domain(), .find_timeout = 60s});
+    ASSERT_TRUE(session.find_bench(1));
     const auto reply = probe_.read(1, 0x6041);
     ASSERT_TRUE(reply) << "nobody is served";
     EXPECT_LT(memory_of(service_, "VmHWM:"), before + kLeeway);
@@ -386,6 +384,25 @@ TEST_F(AService, GivesNoRoomToAnAnnouncementThatClaimsAGigabyte) {
     send_to_discovery(fragment_of_an_announcement(flooder_.source(), 1U << 30U, number));
   }
   expect_no_room(before);
+}
+
+// The library looks at an announcement once: the program has to announce itself anew.
+TEST_F(AService, KnowsAProgramThatFoundNoPlaceAsSoonAsThereIsOne) {
+  constexpr std::uint8_t kLease = 4;  // [s]; longer than it takes to send all
+  constexpr std::uint32_t kMany = 2'000;
+  ASSERT_TRUE(probe_.find_bench());
+  std::chrono::steady_clock::duration looked{};
+  // Our announcement may overtake some of the others.
+  for (std::uint32_t number = 0; looked < 1s; number += kMany) {
+    ASSERT_LT(number, 20 * kMany) << "there was always a place: nothing is shown";
+    for (std::uint32_t other = number; other < number + kMany; ++other) {
+      send_to_discovery(announcement(other, kLease));
+    }
+    const auto start = std::chrono::steady_clock::now();
+    client::Session session({.domain = test_domain(), .find_timeout = 60s});
+    ASSERT_TRUE(session.find_bench(1));
+    looked = std::chrono::steady_clock::now() - start;
+  }
 }
 
 TEST(AServiceThatLogs, HasALineASecondForWhatItsLibraryComplainsOf) {

@@ -32,12 +32,12 @@ enum class KeepAlive : std::uint8_t {
 struct SessionOptions {
   std::uint32_t domain = 0;  ///< DDS domain, 0 to 232
   std::vector<std::string>
-      interfaces;                  ///< own addresses in the networks to use; empty = loopback only
-  std::vector<std::string> peers;  ///< addresses of hosts asked for benches beside multicast
+      interfaces{};  ///< own addresses in the networks to use; empty = loopback only
+  std::vector<std::string> peers{};  ///< addresses of hosts asked for benches beside multicast
   std::vector<std::string>
-      discovery_servers;               ///< such as "10.0.0.9:11811", instead of multicast and peers
-  std::string security;                ///< directory of the closed mode's material; empty = open
-  std::optional<std::uint32_t> bench;  ///< see this bench only
+      discovery_servers{};  ///< such as "10.0.0.9:11811", instead of multicast and peers
+  std::string security{};   ///< directory of the closed mode's material; empty = open
+  std::optional<std::uint32_t> bench{};  ///< see this bench only
   KeepAlive keep_alive = KeepAlive::own_thread;
   /// Wall time that finding a service may take; in the closed mode better 5 s.
   std::chrono::milliseconds find_timeout{2000};

@@ -50,6 +50,10 @@ class Participant {
   /// @return what its messages show as their source.
   [[nodiscard]] Source source() const noexcept;
 
+  /// Makes everybody look at its announcement anew. The library looks once at each: whoever had no
+  /// place for another participant then would not know this one until it changes.
+  void announce_again();
+
   struct Entities;  ///< DDS objects, known inside the wire room only
 
   [[nodiscard]] Entities& entities() noexcept { return *entities_; }
