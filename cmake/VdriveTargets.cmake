@@ -77,6 +77,10 @@ function(vdrive_target_defaults target)
   if(VDRIVE_SANITIZE)
     target_compile_options(${target} PRIVATE -fsanitize=${VDRIVE_SANITIZE} -fno-sanitize-recover=all
                                              -fno-omit-frame-pointer)
+    if(target MATCHES "^vdrive_(core|service|simulation_world)$")
+      # What every test runs through: the tests take half as long, and the build hardly longer.
+      target_compile_options(${target} PRIVATE $<$<CONFIG:Debug>:-O1>)
+    endif()
     # BUILD_INTERFACE: whoever links the library in this build needs the runtime too; an installed
     # package says nothing about it.
     target_link_options(${target} PUBLIC $<BUILD_INTERFACE:-fsanitize=${VDRIVE_SANITIZE}>)
