@@ -84,8 +84,10 @@ bool BenchEngine::answer_stores() {
   bool any = false;
   for (std::size_t count = 0; saver_ != nullptr && count < kOrdersPerTick; ++count) {
     const StoreOrder* const order = saver_->returned();
+    // The last place is for the step that is being carried out, if there is one.
+    const bool has_room = outbox_.replies.size() + 1 < outbox_.replies.capacity();
     OutgoingReply* const slot = outbox_.replies.free_slot();
-    if (order == nullptr || slot == nullptr) {
+    if (order == nullptr || !has_room || slot == nullptr) {
       break;
     }
     any = true;

@@ -90,7 +90,7 @@ void LockstepDriver::handle(Arrival& arrival, const std::atomic<bool>& stop, Doo
 void LockstepDriver::step(Arrival& arrival, const std::atomic<bool>& stop, Doorbell& doorbell) {
   const std::uint32_t reason = engine_.check_step(arrival);
   if (reason != msg::REASON_NONE) {
-    engine_.answer_step(arrival, reason);
+    answer(arrival, reason);
     replies_.deliver(inbox_, outbox_);
   } else if (steppers_.empty()) {
     step_at_once(arrival, stop, doorbell);
@@ -107,11 +107,20 @@ void LockstepDriver::step_at_once(const Arrival& arrival, const std::atomic<bool
     heard_.assign(1, arrival.request.session());
     run_ticks(arrival.request.ticks(), stop);
   }
-  engine_.answer_step(arrival, reason);
+  answer(arrival, reason);
   replies_.deliver(inbox_, outbox_);
   if (reason == msg::REASON_NONE && arrival.request.ticks() > 0) {
     publish_status();
   }
+}
+
+/// Many may be answered in one tick, beside the stores that became durable.
+void LockstepDriver::answer(const Arrival& arrival, std::uint32_t reason,
+                            std::uint64_t missing_stepper) {
+  if (outbox_.replies.free_slot() == nullptr) {
+    replies_.deliver(inbox_, outbox_);
+  }
+  engine_.answer_step(arrival, reason, missing_stepper);
 }
 
 /// The frames come on another topic than the step: they may be behind it.

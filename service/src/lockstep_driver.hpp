@@ -61,6 +61,7 @@ class LockstepDriver {
   void step_at_once(const Arrival& arrival, const std::atomic<bool>& stop, Doorbell& doorbell);
   [[nodiscard]] bool wait_for_commands(const msg::Request& request, const std::atomic<bool>& stop,
                                        Doorbell& doorbell);
+  void answer(const Arrival& arrival, std::uint32_t reason, std::uint64_t missing_stepper = 0);
   bool take_frames();
   void run_ticks(std::uint64_t ticks, const std::atomic<bool>& stop);
   [[nodiscard]] bool may_publish();

@@ -23,7 +23,7 @@ void LockstepDriver::join(const Arrival& arrival) {
     }
   }
   engine_.hear(session);
-  engine_.answer_step(arrival, reason);
+  answer(arrival, reason);
 }
 
 void LockstepDriver::leave(const Arrival& arrival) {
@@ -36,7 +36,7 @@ void LockstepDriver::leave(const Arrival& arrival) {
     part_with(session, Parting::left);
   }
   engine_.hear(session);
-  engine_.answer_step(arrival, reason);
+  answer(arrival, reason);
 }
 
 void LockstepDriver::part_with(std::uint64_t session, Parting parting) {
@@ -58,7 +58,7 @@ void LockstepDriver::put_aside(Arrival& arrival) {
     reason = msg::REASON_QUEUE_FULL;
   }
   if (reason != msg::REASON_NONE) {
-    engine_.answer_step(arrival, reason);
+    answer(arrival, reason);
     replies_.deliver(inbox_, outbox_);
     return;
   }
@@ -141,20 +141,20 @@ bool LockstepDriver::answer_if_due(const WaitingStep& waiting, Clock::time_point
   const bool is_late = now >= waiting.deadline;
   if (!waiting.is_granted) {
     if (is_late) {
-      engine_.answer_step(waiting.arrival, msg::REASON_MISSING_COMMANDS);
+      answer(waiting.arrival, msg::REASON_MISSING_COMMANDS);
     }
     return is_late;
   }
   if (engine_.tick() >= waiting.aim) {
-    engine_.answer_step(waiting.arrival, msg::REASON_NONE);
+    answer(waiting.arrival, msg::REASON_NONE);
     return true;
   }
   if (waiting.is_of_stepper && steppers_.find(waiting.arrival.request.session()) == nullptr) {
-    engine_.answer_step(waiting.arrival, msg::REASON_NOT_A_STEPPER);
+    answer(waiting.arrival, msg::REASON_NOT_A_STEPPER);
     return true;
   }
   if (is_late) {
-    engine_.answer_step(waiting.arrival, msg::REASON_MISSING_STEPPER, steppers_.slowest()->session);
+    answer(waiting.arrival, msg::REASON_MISSING_STEPPER, steppers_.slowest()->session);
   }
   return is_late;
 }

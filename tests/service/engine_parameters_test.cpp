@@ -108,6 +108,37 @@ TEST(StoreRequest, OfManyAxesHasOneAnswer) {
   EXPECT_EQ(bench.value(40, 0x6081), 1'040);
 }
 
+// A step is answered after its ticks, in which stores are answered too.
+TEST(StoreRequest, LeavesRoomForTheAnswerOfTheStepThatIsCarriedOut) {
+  StoringBench bench;
+  auto& replies = bench.outbox.replies;
+  const auto stored = bench.make_request(msg::REQUEST_STORE, kAlice, {1});
+  for (int count = 0; count < 8; ++count) {
+    bench.receive(stored);
+  }
+  bench.saver.save_waiting();
+  while (replies.size() + 4 < replies.capacity()) {
+    bench.receive(bench.make_request(msg::REQUEST_READ, kAlice));
+  }
+  ASSERT_TRUE(bench.engine.can_answer());
+  bench.steps(10);
+  service::Arrival step;
+  step.kind = service::Arrival::Kind::request;
+  step.request = bench.make_request(msg::REQUEST_STEP, kAlice);
+  bench.engine.answer_step(step, msg::REASON_NONE);
+  ASSERT_EQ(replies.size(), replies.capacity());
+  while (replies.size() > 1) {
+    replies.pop();
+  }
+  EXPECT_EQ(replies.front()->reply.request_id(), step.request.request_id());
+  replies.pop();
+  int later = 0;
+  while (bench.engine.answer_stores()) {
+    ++later;
+  }
+  EXPECT_GT(later, 0) << "nothing waited";
+}
+
 TEST(StoreRequest, NeedsAxesThatAreThereAndNobodyElses) {
   StoringBench bench;
   bench.acquire(kBob, {2});

@@ -166,7 +166,7 @@ void Bench::take_back_stores() {
   }
   model_.take_back_stores(taken);
   const bool may =
-      storage_->model.saved() > 0 && outbox_.replies.size() < outbox_.replies.capacity();
+      storage_->model.saved() > 0 && outbox_.replies.size() + 1 < outbox_.replies.capacity();
   idle_stores_ = may && taken == 0 ? idle_stores_ + 1 : 0;
   if (idle_stores_ > kMostIdle) {
     happenings_.fail(Invariant::kAnswered, 0, "an answer to a store that is saved", "none");
