@@ -7,6 +7,7 @@
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_CONTACT "vdrive maintainers <maintainers@vdrive.invalid>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "virtual CiA 402 servo drives on DDS")
 set(CPACK_PACKAGE_DIRECTORY ${PROJECT_SOURCE_DIR}/build/packages)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
@@ -21,8 +22,9 @@ set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 
 set(CPACK_DEBIAN_SERVICE_PACKAGE_NAME vdrived)
 set(CPACK_DEBIAN_SERVICE_PACKAGE_SECTION misc)
-set(CPACK_DEBIAN_SERVICE_DESCRIPTION "A service that hosts simulated servo axes: each behaves like a CiA 402 drive, with a motor,
-a load, servo loops and encoders behind it. Programs command and watch it over DDS.")
+set(CPACK_DEBIAN_SERVICE_DESCRIPTION "The service: it hosts simulated servo axes. Each behaves like a CiA 402 drive,
+with a motor, a load, servo loops and encoders behind it. Programs command and
+watch it over DDS.")
 set(CPACK_DEBIAN_SERVICE_PACKAGE_SUGGESTS vdrive)
 set(debian ${PROJECT_SOURCE_DIR}/deploy/debian)
 set(CPACK_DEBIAN_SERVICE_PACKAGE_CONTROL_EXTRA ${debian}/conffiles ${debian}/postinst
@@ -30,12 +32,13 @@ set(CPACK_DEBIAN_SERVICE_PACKAGE_CONTROL_EXTRA ${debian}/conffiles ${debian}/pos
 
 set(CPACK_DEBIAN_TOOL_PACKAGE_NAME vdrive)
 set(CPACK_DEBIAN_TOOL_PACKAGE_SECTION misc)
-set(CPACK_DEBIAN_TOOL_DESCRIPTION "A tool that finds the drives of vdrived, commands them, reads and writes their objects, records
-what they do and runs scenarios.")
+set(CPACK_DEBIAN_TOOL_DESCRIPTION "The tool: it finds the drives of vdrived, commands them, reads and writes
+their objects, records what they do and runs scenarios.")
 
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libvdrive-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
-set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "Static libraries, headers and the CMake package of vdrive::client and vdrive::core.")
+set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "The client library: archives, headers and the CMake package of vdrive::client
+and vdrive::core.")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
     "libeigen3-dev (>= 3.4), libfastcdr-dev, libfastrtps-dev (>= 2.9), libssl-dev, libtinyxml2-dev")
 

@@ -15,6 +15,19 @@ foreach(directory ${configurations})
   file(RENAME ${directory} ${root}/etc)
 endforeach()
 
+# The installation has the licence whole; Debian has that text once, and its own form of a
+# changelog, which has to name a day (SOURCE_DATE_EPOCH, if set).
+string(TIMESTAMP day "%a, %d %b %Y %H:%M:%S +0000" UTC)
+file(GLOB licences ${CPACK_TEMPORARY_DIRECTORY}/*/usr/share/doc/*/copyright)
+foreach(licence ${licences})
+  cmake_path(GET licence PARENT_PATH documents)
+  file(COPY_FILE ${CMAKE_CURRENT_LIST_DIR}/../deploy/debian/copyright ${licence})
+  file(COPY_FILE ${CMAKE_CURRENT_LIST_DIR}/../CHANGELOG.md ${documents}/NEWS)
+  file(WRITE ${documents}/changelog "vdrive (${CPACK_PACKAGE_VERSION}) stable; urgency=medium\n\n"
+       "  * What changed is in NEWS.\n\n -- ${CPACK_PACKAGE_CONTACT}  ${day}\n")
+  run(gzip -9n ${documents}/NEWS ${documents}/changelog)
+endforeach()
+
 file(GLOB_RECURSE pages ${CPACK_TEMPORARY_DIRECTORY}/*.[1-8])
 list(FILTER pages INCLUDE REGEX "/share/man/man[1-8]/")
 foreach(page ${pages})

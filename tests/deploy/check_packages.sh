@@ -38,8 +38,11 @@ expected=(
   usr/lib/systemd/system/vdrived.service
   usr/lib/systemd/system/vdrived@.service
   usr/share/bash-completion/completions/vdrive
+  usr/share/doc/libvdrive-dev/changelog.gz
   usr/share/doc/libvdrive-dev/copyright
+  usr/share/doc/vdrive/changelog.gz
   usr/share/doc/vdrive/copyright
+  usr/share/doc/vdrived/changelog.gz
   usr/share/doc/vdrived/copyright
   usr/share/man/man1/vdrive.1.gz
   usr/share/man/man8/vdrived.8.gz
