@@ -355,6 +355,17 @@ class FailingOperation : public StateDirectory, public testing::WithParamInterfa
       if (number == first || (for_ever && number > first)) fail_with(EIO);
     });
   }
+
+  /// @return whether the store says that it is saved.
+  bool tries_to_save(ParameterStore& store, std::int64_t generation, std::uint64_t first) {
+    fail(first);
+    try {
+      store.save(table_of(generation));
+    } catch (const std::system_error&) {
+      return false;
+    }
+    return true;
+  }
 };
 
 TEST_P(FailingOperation, OfASaveLeavesASetInFullAndNeverLosesOneThatWasSaved) {
@@ -365,13 +376,7 @@ TEST_P(FailingOperation, OfASaveLeavesASetInFullAndNeverLosesOneThatWasSaved) {
     save(2);
     auto store = open();
     ASSERT_EQ(generation_of(store->load().table), 2);
-    fail(first);
-    bool is_saved = true;
-    try {
-      store->save(table_of(3));
-    } catch (const std::system_error&) {
-      is_saved = false;
-    }
+    const bool is_saved = tries_to_save(*store, 3, first);
     has_failed = plan.count >= first;
     EXPECT_TRUE(is_saved || has_failed);
     plan.set({});
@@ -395,13 +400,7 @@ TEST_P(FailingOperation, OfTheFirstSaveLeavesNothingThatWasRefused) {
     }
     auto store = open();
     static_cast<void>(store->load());
-    fail(first);
-    bool is_saved = true;
-    try {
-      store->save(table_of(1));
-    } catch (const std::system_error&) {
-      is_saved = false;
-    }
+    const bool is_saved = tries_to_save(*store, 1, first);
     has_failed = plan.count >= first;
     plan.set({});
     store.reset();
@@ -421,13 +420,7 @@ TEST_P(FailingOperation, OfASaveOverADamagedFileLeavesTheDamageKnown) {
     write_text(file(), "damaged");
     auto store = open();
     static_cast<void>(store->load());
-    fail(first);
-    bool is_saved = true;
-    try {
-      store->save(table_of(3));
-    } catch (const std::system_error&) {
-      is_saved = false;
-    }
+    const bool is_saved = tries_to_save(*store, 3, first);
     has_failed = plan.count >= first;
     plan.set({});
     store.reset();
