@@ -78,7 +78,7 @@ function(vdrive_target_defaults target)
     target_compile_options(${target} PRIVATE -fsanitize=${VDRIVE_SANITIZE} -fno-sanitize-recover=all
                                              -fno-omit-frame-pointer)
     if(target MATCHES "^vdrive_(core|service|simulation_world)$")
-      # What every test runs through: the tests take half as long, and the build hardly longer.
+      # What every test runs through: the tests take a third of the time, and the build hardly longer.
       target_compile_options(${target} PRIVATE $<$<CONFIG:Debug>:-O1>)
     endif()
     # BUILD_INTERFACE: whoever links the library in this build needs the runtime too; an installed

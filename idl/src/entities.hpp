@@ -29,6 +29,7 @@ struct Participant::Entities {
   eprosima::fastdds::dds::Publisher* publisher = nullptr;
   eprosima::fastdds::dds::Subscriber* subscriber = nullptr;
   std::optional<Permissions> permissions;  ///< of a closed participant
+  std::mutex announcing;                   ///< one change of the announcement at a time
 
   /// @return the topic `name` (without prefix) with the type `type`, made at its first use.
   /// @throws NetworkError

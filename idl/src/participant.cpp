@@ -252,6 +252,7 @@ Participant::~Participant() {
 }
 
 void Participant::announce_again() {
+  const std::scoped_lock lock(entities_->announcing);
   dds::DomainParticipantQos qos = entities_->participant->get_qos();
   std::vector<rtps::octet> data = qos.user_data().getValue();
   data.resize(1);

@@ -85,11 +85,10 @@ bool BenchEngine::answer_stores() {
   for (std::size_t count = 0; saver_ != nullptr && count < kOrdersPerTick; ++count) {
     const StoreOrder* const order = saver_->returned();
     // The last place is for the step that is being carried out, if there is one.
-    const bool has_room = outbox_.replies.size() + 1 < outbox_.replies.capacity();
-    OutgoingReply* const slot = outbox_.replies.free_slot();
-    if (order == nullptr || !has_room || slot == nullptr) {
+    if (order == nullptr || outbox_.replies.size() + 1 >= outbox_.replies.capacity()) {
       break;
     }
+    OutgoingReply* const slot = outbox_.replies.free_slot();
     any = true;
     const std::uint32_t place = order->request;
     WaitingStore& waiting = waiting_stores_[place];
