@@ -36,12 +36,6 @@ struct Participant::Entities {
   eprosima::fastdds::dds::Topic* topic(std::string_view name,
                                        const eprosima::fastdds::dds::TypeSupport& type);
 
-  template <typename Message>
-  eprosima::fastdds::dds::Topic* topic_of() {
-    return topic(Topic<Message>::kName,
-                 eprosima::fastdds::dds::TypeSupport(new MessageType<Message>()));
-  }
-
  private:
   std::mutex mutex_;
 };

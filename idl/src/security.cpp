@@ -21,12 +21,6 @@ namespace {
 
 using Element = tinyxml2::XMLElement;
 
-constexpr std::array kTopics{Topic<msg::CommandFrame>::kName,     Topic<msg::CommandReply>::kName,
-                             Topic<msg::Request>::kName,          Topic<msg::Reply>::kName,
-                             Topic<msg::StatusFrame>::kName,      Topic<msg::AxisStatus>::kName,
-                             Topic<msg::AxisParameters>::kName,   Topic<msg::Event>::kName,
-                             Topic<msg::BenchDescription>::kName, Topic<msg::BenchState>::kName};
-
 bool matches(const std::string& pattern, const std::string& topic) {
   return fnmatch(pattern.c_str(), topic.c_str(), 0) == 0;
 }
@@ -142,9 +136,9 @@ void check_governance(const Document& document, std::uint32_t domain) {
   require_protection(document, *rule, "discovery_protection_kind", true);
   require_protection(document, *rule, "liveliness_protection_kind", false);
   require_protection(document, *rule, "rtps_protection_kind", false);
-  for (const std::string_view topic : kTopics) {
+  for (const TopicTraits& traits : kTopics) {
     check_topic(document, document.child(*rule, "topic_access_rules"),
-                std::string(kTopicPrefix) + std::string(topic));
+                std::string(kTopicPrefix) + std::string(traits.name));
   }
 }
 

@@ -2,49 +2,16 @@
 #include "vdrive/wire/subscription.hpp"
 
 #include "bounds.hpp"
-#include "entities.hpp"
-#include "quality.hpp"
-
-#include <fastdds/dds/subscriber/DataReader.hpp>
-#include <fastdds/dds/subscriber/DataReaderListener.hpp>
-#include <fastdds/dds/subscriber/SampleInfo.hpp>
+#include "reader.hpp"
 
 #include <atomic>
-#include <mutex>
-#include <string>
+#include <optional>
+#include <utility>
 
 namespace vdrive::wire {
 
-namespace dds = eprosima::fastdds::dds;
-
 template <typename Message>
-struct Subscription<Message>::Entities final : public dds::DataReaderListener {
-  void on_data_available(dds::DataReader* source) override {
-    // Each interface has its own receive thread: one of them at a time.
-    const std::lock_guard lock(mutex);
-    dds::SampleInfo info;
-    while (!closed && source->take_next_sample(&message, &info) ==
-                          eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
-      if (info.valid_data) {
-        deliver(source_of(info.publication_handle));
-      }
-    }
-  }
-
-  void on_subscription_matched(dds::DataReader* /*reader*/,
-                               const dds::SubscriptionMatchedStatus& status) override {
-    matches.update(status.last_publication_handle, status.current_count_change);
-  }
-
-  void on_sample_lost(dds::DataReader* /*reader*/, const dds::SampleLostStatus& status) override {
-    lost += static_cast<std::size_t>(status.total_count_change);
-  }
-
-  void on_sample_rejected(dds::DataReader* /*reader*/,
-                          const dds::SampleRejectedStatus& status) override {
-    lost += static_cast<std::size_t>(status.total_count_change);
-  }
-
+struct Subscription<Message>::Entities {
   void deliver(const Source& source) {
     if (within_bounds(message)) {
       handler(message, source);
@@ -58,14 +25,9 @@ struct Subscription<Message>::Entities final : public dds::DataReaderListener {
 
   Handler handler;
   Handler malformed_handler;
-  dds::Subscriber* subscriber = nullptr;
-  dds::DataReader* reader = nullptr;
-  Matches matches;
   std::atomic<std::size_t> malformed{0};
-  std::atomic<std::size_t> lost{0};
-  std::mutex mutex;
-  bool closed = false;
   Message message;  ///< keeps its capacity from sample to sample
+  std::optional<Reader> reader;
 };
 
 template <typename Message>
@@ -74,40 +36,31 @@ Subscription<Message>::Subscription(Participant& participant, Handler handler,
     : entities_(std::make_unique<Entities>()) {
   entities_->handler = std::move(handler);
   entities_->malformed_handler = std::move(malformed_handler);
-  auto& parent = participant.entities();
-  entities_->subscriber = parent.subscriber;
-  entities_->reader = parent.subscriber->create_datareader(
-      parent.topic_of<Message>(), reader_qos(quality_of(Topic<Message>::kName)), entities_.get());
-  if (entities_->reader == nullptr) {
-    throw NetworkError("DDS refuses a reader on topic " + std::string(Topic<Message>::kName) +
-                       (parent.permissions ? ": do the permissions allow to subscribe?" : ""));
-  }
+  entities_->reader.emplace(participant.entities(), Topic<Message>::kId,
+                            eprosima::fastdds::dds::TypeSupport(new MessageType<Message>()),
+                            &entities_->message,
+                            [entities = entities_.get()](const Source& source) {
+                              entities->deliver(source);
+                            });
 }
 
 template <typename Message>
-Subscription<Message>::~Subscription() {
-  {
-    const std::lock_guard lock(entities_->mutex);
-    entities_->closed = true;
-  }
-  entities_->reader->set_listener(nullptr);
-  entities_->subscriber->delete_datareader(entities_->reader);
-}
+Subscription<Message>::~Subscription() = default;
 
 template <typename Message>
 std::size_t Subscription<Message>::matched() const noexcept {
-  return entities_->matches.count();
+  return entities_->reader->matches().count();
 }
 
 template <typename Message>
 bool Subscription<Message>::wait_for_matched(std::size_t count, std::chrono::milliseconds timeout) {
-  return entities_->matches.wait_for(count, timeout);
+  return entities_->reader->matches().wait_for(count, timeout);
 }
 
 template <typename Message>
 bool Subscription<Message>::wait_for_match(const Source& source,
                                            std::chrono::milliseconds timeout) {
-  return entities_->matches.wait_for(source, timeout);
+  return entities_->reader->matches().wait_for(source, timeout);
 }
 
 template <typename Message>
@@ -117,7 +70,7 @@ std::size_t Subscription<Message>::malformed() const noexcept {
 
 template <typename Message>
 std::size_t Subscription<Message>::lost() const noexcept {
-  return entities_->lost;
+  return entities_->reader->lost();
 }
 
 template class Subscription<msg::CommandFrame>;

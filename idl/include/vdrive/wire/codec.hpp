@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/axis_status.hpp"
+#include "vdrive/wire/conversion.hpp"
+#include "vdrive_messages.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+/// Messages as bytes: plain CDR (XCDR version 1) behind the four bytes of the RTPS encapsulation,
+/// as they stand in a DDS sample.
+namespace vdrive::wire {
+
+/// Bytes of the encapsulation in front of every sample.
+inline constexpr std::size_t kEncapsulation = 4;
+
+/// @return how many bytes `encode` needs. For every message type of topics.hpp.
+template <typename Message>
+[[nodiscard]] std::size_t encoded_size(const Message& message);
+
+/// Writes the sample of `message`, in the byte order of this machine. Allocates nothing.
+/// @return how many bytes were written; 0 when `output` is shorter than `encoded_size`.
+template <typename Message>
+std::size_t encode(const Message& message, std::span<std::byte> output) noexcept;
+
+/// Reads the sample of a message type of topics.hpp that is not on the path of a command.
+/// @return false when the sample ends early, has another encapsulation than plain CDR, or a
+///         sequence is beyond its bound.
+template <typename Message>
+[[nodiscard]] bool decode(std::span<const std::byte> sample, Message& message) noexcept;
+
+/// What became of a sample that a client sent.
+enum class Decoding : std::uint8_t {
+  good,
+  malformed,         ///< nothing in it can be trusted
+  too_many_axes,     ///< above MAX_AXES_PER_FRAME: only the head of the message was read
+  too_many_objects,  ///< above MAX_OBJECTS_...: likewise
+};
+
+/// Reads what clients send. Checks every length before it is used, throws nothing, and allocates
+/// nothing once each message has had its largest size.
+class CommandDecoder {
+ public:
+  CommandDecoder();
+
+  /// `frame` has room for the largest message after the first call.
+  [[nodiscard]] Decoding decode(std::span<const std::byte> sample, msg::CommandFrame& frame);
+  [[nodiscard]] Decoding decode(std::span<const std::byte> sample, msg::Request& request);
+
+ private:
+  void resize(std::vector<msg::AxisCommand>& axes, std::size_t count);
+
+  std::vector<msg::AxisCommand> spare_;  ///< keep the capacity of their sequences
+};
+
+/// What all axes of a status frame have in common.
+struct StatusFrameHead {
+  std::uint32_t bench = 0;
+  std::uint64_t incarnation = 0;
+  std::uint64_t tick = 0;
+  std::int64_t time_ns = 0;
+  std::uint16_t part = 0;
+  std::uint16_t parts = 1;
+};
+
+/// Axes of a bench after one tick; the three have one length.
+struct AxesAfterTick {
+  std::span<const AxisStatus> status;
+  std::span<const Ownership> owners;
+  std::span<const std::uint16_t> numbers;
+};
+
+/// @return bytes of a sample of StatusFrame with that many axes.
+[[nodiscard]] std::size_t encoded_status_frame_size(std::size_t axes) noexcept;
+
+/// Writes a sample of StatusFrame straight from the status images: the bytes that `to_message` and
+/// `encode` would give.
+/// @return how many bytes were written; 0 when `output` is too short.
+std::size_t encode_status_frame(const StatusFrameHead& head, const AxesAfterTick& axes,
+                                std::span<std::byte> output) noexcept;
+
+/// Bytes of a sample of AxisStatus.
+inline constexpr std::size_t kAxisStatusSize = kEncapsulation + 112;
+
+/// Writes a sample of AxisStatus. @return how many bytes were written; 0 when it does not fit.
+std::size_t encode_axis_status(const AxisStatus& status, const AxisAddress& address,
+                               std::uint64_t tick, const Ownership& owner,
+                               std::span<std::byte> output) noexcept;
+
+}  // namespace vdrive::wire

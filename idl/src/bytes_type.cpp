@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bytes_type.hpp"
+
+#include "message_types.hpp"
+#include "vdrive/wire/codec.hpp"
+
+#include <fastrtps/utils/md5.h>
+
+#include <algorithm>
+#include <cstring>
+#include <string>
+
+namespace vdrive::wire {
+namespace {
+
+namespace rtps = eprosima::fastrtps::rtps;
+
+/// @return room for the largest sample of the topic, as its generated support class says.
+std::uint32_t size_of_type(TopicId topic) {
+  switch (topic) {
+    case TopicId::command:
+      return MessageType<msg::CommandFrame>().m_typeSize;
+    case TopicId::command_reply:
+      return MessageType<msg::CommandReply>().m_typeSize;
+    case TopicId::request:
+      return MessageType<msg::Request>().m_typeSize;
+    case TopicId::reply:
+      return MessageType<msg::Reply>().m_typeSize;
+    case TopicId::status:
+      return MessageType<msg::StatusFrame>().m_typeSize;
+    case TopicId::axis:
+      return MessageType<msg::AxisStatus>().m_typeSize;
+    case TopicId::parameters:
+      return MessageType<msg::AxisParameters>().m_typeSize;
+    case TopicId::event:
+      return MessageType<msg::Event>().m_typeSize;
+    case TopicId::bench:
+      return MessageType<msg::BenchDescription>().m_typeSize;
+    case TopicId::bench_state:
+      return MessageType<msg::BenchState>().m_typeSize;
+  }
+  return 0;
+}
+
+constexpr std::size_t size_of_key(TopicKey key) noexcept {
+  switch (key) {
+    case TopicKey::bench:
+      return 4;
+    case TopicKey::bench_and_number:
+      return 6;
+    default:
+      return 0;
+  }
+}
+
+/// The key hash of DDS: the key members, each with its highest byte first.
+std::array<std::byte, 16> key_of(std::span<const std::byte> sample, TopicKey key) noexcept {
+  std::array<std::byte, 16> hash{};
+  if (sample.size() < kEncapsulation + size_of_key(key)) {
+    return hash;
+  }
+  std::memcpy(hash.data(), &sample[kEncapsulation], size_of_key(key));
+  const bool is_little = sample[1] != std::byte{0};
+  if (is_little) {
+    std::reverse(hash.begin(), hash.begin() + 4);
+    if (key == TopicKey::bench_and_number) {
+      std::swap(hash[4], hash[5]);
+    }
+  }
+  return hash;
+}
+
+BytesSample& sample_at(void* data) noexcept {
+  return *static_cast<BytesSample*>(data);
+}
+
+}  // namespace
+
+BytesType::BytesType(TopicId topic) : key_(traits_of(topic).key) {
+  m_typeSize = size_of_type(topic);
+  m_isGetKeyDefined = key_ != TopicKey::none;
+  setName(std::string(traits_of(topic).type_name).c_str());
+  auto_fill_type_object(false);
+  auto_fill_type_information(false);
+}
+
+bool BytesType::serialize(void* data, rtps::SerializedPayload_t* payload) {
+  const std::span<const std::byte> bytes = sample_at(data).bytes;
+  if (bytes.size() < kEncapsulation || bytes.size() > payload->max_size) {
+    return false;
+  }
+  std::memcpy(payload->data, bytes.data(), bytes.size());
+  payload->length = static_cast<std::uint32_t>(bytes.size());
+  payload->encapsulation = bytes[1] == std::byte{0} ? CDR_BE : CDR_LE;
+  return true;
+}
+
+bool BytesType::deserialize(rtps::SerializedPayload_t* payload, void* data) {
+  BytesSample& sample = sample_at(data);
+  // NOLINTNEXTLINE(*-reinterpret-cast): the library has octets
+  const std::span bytes(reinterpret_cast<const std::byte*>(payload->data), payload->length);
+  sample.head_size = std::min(bytes.size(), sample.head.size());
+  std::copy_n(bytes.begin(), sample.head_size, sample.head.begin());
+  if (sample.take != nullptr) {
+    (*sample.take)(bytes);
+  }
+  return bytes.size() >= kEncapsulation;
+}
+
+std::function<std::uint32_t()> BytesType::getSerializedSizeProvider(void* data) {
+  return [size = sample_at(data).bytes.size()] {
+    return static_cast<std::uint32_t>(size);
+  };
+}
+
+void* BytesType::createData() {
+  return new BytesSample();  // NOLINT(*-owning-memory): the library gives it back to deleteData
+}
+
+void BytesType::deleteData(void* data) {
+  delete static_cast<BytesSample*>(data);  // NOLINT(*-owning-memory)
+}
+
+bool BytesType::getKey(void* data, rtps::InstanceHandle_t* handle, bool force_md5) {
+  if (key_ == TopicKey::none) {
+    return false;
+  }
+  const BytesSample& sample = sample_at(data);
+  const std::span<const std::byte> bytes =
+      sample.bytes.empty() ? std::span<const std::byte>(sample.head.data(), sample.head_size)
+                           : sample.bytes;
+  std::array<std::byte, 16> hash = key_of(bytes, key_);
+  if (force_md5) {
+    MD5 md5;
+    md5.init();
+    // NOLINTNEXTLINE(*-reinterpret-cast): the library has characters
+    md5.update(reinterpret_cast<const unsigned char*>(hash.data()),
+               static_cast<unsigned int>(size_of_key(key_)));
+    md5.finalize();
+    std::memcpy(hash.data(), md5.digest, hash.size());
+  }
+  for (std::size_t byte = 0; byte < hash.size(); ++byte) {
+    handle->value[byte] = std::to_integer<std::uint8_t>(hash[byte]);
+  }
+  return true;
+}
+
+}  // namespace vdrive::wire

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reader.hpp"
+
+#include "quality.hpp"
+
+#include <string>
+#include <utility>
+
+namespace vdrive::wire {
+
+namespace dds = eprosima::fastdds::dds;
+
+Reader::Reader(Participant::Entities& parent, TopicId topic, const dds::TypeSupport& type,
+               void* data, Deliver deliver)
+    : data_(data), deliver_(std::move(deliver)), subscriber_(parent.subscriber) {
+  const TopicTraits& traits = traits_of(topic);
+  reader_ =
+      subscriber_->create_datareader(parent.topic(traits.name, type), reader_qos(traits), this);
+  if (reader_ == nullptr) {
+    throw NetworkError("DDS refuses a reader on topic " + std::string(traits.name) +
+                       (parent.permissions ? ": do the permissions allow to subscribe?" : ""));
+  }
+}
+
+Reader::~Reader() {
+  {
+    const std::lock_guard lock(mutex_);
+    closed_ = true;
+  }
+  reader_->set_listener(nullptr);
+  subscriber_->delete_datareader(reader_);
+}
+
+void Reader::on_data_available(dds::DataReader* source) {
+  // Each interface has its own receive thread: one of them at a time.
+  const std::lock_guard lock(mutex_);
+  dds::SampleInfo info;
+  while (!closed_ && source->take_next_sample(data_, &info) ==
+                         eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
+    if (info.valid_data) {
+      deliver_(source_of(info.publication_handle));
+    }
+  }
+}
+
+void Reader::on_subscription_matched(dds::DataReader* /*reader*/,
+                                     const dds::SubscriptionMatchedStatus& status) {
+  matches_.update(status.last_publication_handle, status.current_count_change);
+}
+
+void Reader::on_sample_lost(dds::DataReader* /*reader*/, const dds::SampleLostStatus& status) {
+  lost_ += static_cast<std::size_t>(status.total_count_change);
+}
+
+void Reader::on_sample_rejected(dds::DataReader* /*reader*/,
+                                const dds::SampleRejectedStatus& status) {
+  lost_ += static_cast<std::size_t>(status.total_count_change);
+}
+
+}  // namespace vdrive::wire

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "writer.hpp"
+
+#include "quality.hpp"
+
+#include <string>
+#include <utility>
+
+namespace vdrive::wire {
+
+namespace dds = eprosima::fastdds::dds;
+
+Writer::Writer(Participant::Entities& parent, TopicId topic, const dds::TypeSupport& type,
+               std::function<void(std::size_t)> observer)
+    : publisher_(parent.publisher), observer_(std::move(observer)) {
+  const TopicTraits& traits = traits_of(topic);
+  const std::string name = std::string(kTopicPrefix) + std::string(traits.name);
+  if (parent.permissions && !parent.permissions->may_publish(name)) {
+    throw NotPermitted("the permissions of this identity do not allow to publish " + name);
+  }
+  writer_ = publisher_->create_datawriter(parent.topic(traits.name, type), writer_qos(traits), this,
+                                          dds::StatusMask::publication_matched());
+  if (writer_ == nullptr) {
+    throw NetworkError("DDS refuses a writer on topic " + name);
+  }
+}
+
+Writer::~Writer() {
+  writer_->set_listener(nullptr);
+  publisher_->delete_datawriter(writer_);
+}
+
+bool Writer::write(const void* data) noexcept {
+  try {
+    // The library takes a mutable pointer and does not change the message.
+    return writer_->write(const_cast<void*>(data));  // NOLINT(*-const-cast)
+  } catch (...) {
+    return false;
+  }
+}
+
+bool Writer::wait_for_acknowledged(std::chrono::milliseconds timeout) {
+  constexpr std::int64_t kMillisecondsPerSecond = 1'000;
+  constexpr std::uint32_t kNanosecondsPerMillisecond = 1'000'000;
+  const auto milliseconds = timeout.count();
+  return writer_->wait_for_acknowledgments(
+             {static_cast<std::int32_t>(milliseconds / kMillisecondsPerSecond),
+              static_cast<std::uint32_t>(milliseconds % kMillisecondsPerSecond) *
+                  kNanosecondsPerMillisecond}) ==
+         eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK;
+}
+
+void Writer::on_publication_matched(dds::DataWriter* /*writer*/,
+                                    const dds::PublicationMatchedStatus& status) {
+  matches_.update(status.last_subscription_handle, status.current_count_change);
+  if (observer_) {
+    observer_(matches_.count());
+  }
+}
+
+}  // namespace vdrive::wire

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "entities.hpp"
+
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/DataWriterListener.hpp>
+
+#include <chrono>
+#include <cstddef>
+#include <functional>
+
+namespace vdrive::wire {
+
+/// The DDS writer of a topic and who matches it; what publications of messages and of bytes share.
+class Writer final : public eprosima::fastdds::dds::DataWriterListener {
+ public:
+  /// @param observer runs with the number of matches whenever it has changed
+  /// @throws NotPermitted, NetworkError as `Publication` does
+  Writer(Participant::Entities& parent, TopicId topic,
+         const eprosima::fastdds::dds::TypeSupport& type,
+         std::function<void(std::size_t)> observer = nullptr);
+  ~Writer() override;
+  Writer(const Writer&) = delete;
+  Writer& operator=(const Writer&) = delete;
+
+  /// @param data what the type support takes; it is not changed
+  bool write(const void* data) noexcept;
+
+  [[nodiscard]] Matches& matches() noexcept { return matches_; }
+
+  [[nodiscard]] bool wait_for_acknowledged(std::chrono::milliseconds timeout);
+
+  void on_publication_matched(
+      eprosima::fastdds::dds::DataWriter* writer,
+      const eprosima::fastdds::dds::PublicationMatchedStatus& status) override;
+
+ private:
+  eprosima::fastdds::dds::Publisher* publisher_ = nullptr;
+  eprosima::fastdds::dds::DataWriter* writer_ = nullptr;
+  Matches matches_;
+  std::function<void(std::size_t)> observer_;
+};
+
+}  // namespace vdrive::wire
