@@ -2,6 +2,7 @@
 #include "vdrive/wire/participant.hpp"
 
 #include "entities.hpp"
+#include "guard/guard_transport.hpp"
 #include "vdrive/wire/address.hpp"
 #include "vdrive/wire/security.hpp"
 
@@ -38,6 +39,10 @@ constexpr std::size_t kMostServers = 256;  // the id has one byte
 constexpr std::size_t kMostParticipants = 256;
 constexpr std::size_t kEndpointsOfParticipant = 16;        // on average, readers and writers each
 constexpr std::uint32_t kLargestAnnouncement = 16 * 1024;  // [bytes]; those of vdrive have 1 kB
+// A timer of the library that judges a lease must not fire while somebody leaves. Those who have a
+// guard judge earlier; a server has none.
+constexpr std::int32_t kAnnouncedLease = 600;  // [s]
+constexpr std::int32_t kLeaseWithServer = 2;   // [s]
 constexpr const char* kLoopback = "127.0.0.1";
 constexpr const char* kDiscoveryGroup = "239.255.0.1";
 
@@ -69,19 +74,18 @@ void check_own_address(const std::string& address) {
                      "\": no interface that is up has this address; there are " + addresses);
 }
 
-std::shared_ptr<eprosima::fastdds::rtps::UDPv4TransportDescriptor> udp_transport(
-    const NetworkSettings& settings) {
-  auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
-  udp->interfaceWhiteList = {kLoopback};
+eprosima::fastdds::rtps::UDPv4TransportDescriptor udp_transport(const NetworkSettings& settings) {
+  eprosima::fastdds::rtps::UDPv4TransportDescriptor udp;
+  udp.interfaceWhiteList = {kLoopback};
   for (const auto& address : settings.interfaces) {
     check_own_address(address);
     if (address != kLoopback) {
-      udp->interfaceWhiteList.push_back(address);
+      udp.interfaceWhiteList.push_back(address);
     }
   }
-  udp->sendBufferSize = permitted_socket_buffer("/proc/sys/net/core/wmem_max");
-  udp->receiveBufferSize = permitted_socket_buffer("/proc/sys/net/core/rmem_max");
-  udp->maxInitialPeersRange = kParticipantsOfPeer;
+  udp.sendBufferSize = permitted_socket_buffer("/proc/sys/net/core/wmem_max");
+  udp.receiveBufferSize = permitted_socket_buffer("/proc/sys/net/core/rmem_max");
+  udp.maxInitialPeersRange = kParticipantsOfPeer;
   return udp;
 }
 
@@ -178,18 +182,30 @@ void limit_discovery(dds::DomainParticipantQos& qos) {
   builtin.readerPayloadSize = kLargestAnnouncement;
 }
 
-dds::DomainParticipantQos participant_qos(const NetworkSettings& settings,
-                                          const std::string& name) {
+/// The guard, if there is one, stands before each transport.
+template <typename Descriptor>
+void add_transport(const Descriptor& transport, const std::shared_ptr<Guard>& guard,
+                   dds::DomainParticipantQos& qos) {
+  if (guard == nullptr) {
+    qos.transport().user_transports.push_back(std::make_shared<Descriptor>(transport));
+  } else {
+    qos.transport().user_transports.push_back(
+        std::make_shared<Guarded<Descriptor>>(transport, guard));
+  }
+}
+
+dds::DomainParticipantQos participant_qos(const NetworkSettings& settings, const std::string& name,
+                                          const std::shared_ptr<Guard>& guard) {
   dds::DomainParticipantQos qos;
   qos.name(name.c_str());
   qos.transport().use_builtin_transports = false;
-  qos.transport().user_transports.push_back(udp_transport(settings));
+  add_transport(udp_transport(settings), guard, qos);
   if (settings.shared_memory) {
-    qos.transport().user_transports.push_back(
-        std::make_shared<eprosima::fastdds::rtps::SharedMemTransportDescriptor>());
+    add_transport(eprosima::fastdds::rtps::SharedMemTransportDescriptor(), guard, qos);
   }
   auto& discovery = qos.wire_protocol().builtin.discovery_config;
-  discovery.leaseDuration = {2, 0};
+  discovery.leaseDuration = {
+      settings.discovery_servers.empty() ? kAnnouncedLease : kLeaseWithServer, 0};
   discovery.leaseDuration_announcementperiod = {0, 100'000'000};
   discovery.initial_announcements.count = 10;
   discovery.initial_announcements.period = {0, 50'000'000};
@@ -216,7 +232,8 @@ void deliver_through_the_transport() {
 }  // namespace
 
 Participant::Participant(const NetworkSettings& settings, const std::string& name)
-    : entities_(std::make_unique<Entities>()) {
+    : guard_(settings.guard ? std::make_shared<Guard>(settings) : nullptr),
+      entities_(std::make_unique<Entities>()) {
   if (settings.domain > kHighestDomain) {
     throw NetworkError("DDS domain " + std::to_string(settings.domain) +
                        " is above the highest domain " + std::to_string(kHighestDomain));
@@ -230,7 +247,7 @@ Participant::Participant(const NetworkSettings& settings, const std::string& nam
   deliver_through_the_transport();
   auto* const factory = dds::DomainParticipantFactory::get_instance();
   entities_->participant =
-      factory->create_participant(settings.domain, participant_qos(settings, name));
+      factory->create_participant(settings.domain, participant_qos(settings, name, guard_));
   if (entities_->participant == nullptr) {
     throw NetworkError("DDS refuses a participant in domain " + std::to_string(settings.domain) +
                        (settings.security.empty()
@@ -263,6 +280,10 @@ void Participant::announce_again() {
 
 Source Participant::source() const noexcept {
   return source_of(rtps::InstanceHandle_t(entities_->participant->guid()));
+}
+
+GuardCounts Participant::guarded() const {
+  return guard_ == nullptr ? GuardCounts{} : guard_->counts();
 }
 
 }  // namespace vdrive::wire

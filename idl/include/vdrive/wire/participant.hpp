@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/wire/guard.hpp"
 #include "vdrive/wire/source.hpp"
 
 #include <cstdint>
@@ -10,6 +11,12 @@
 #include <vector>
 
 namespace vdrive::wire {
+
+class Guard;  ///< known inside the wire room only
+
+/// What a participant is for. A client takes no notice of other clients, so that joins and leaves
+/// of many cost them nothing.
+enum class Role : std::uint8_t { other, service, client };
 
 /// Where a participant may be reached, and how it finds others. The default is loopback UDP only,
 /// with multicast.
@@ -22,6 +29,10 @@ struct NetworkSettings {
       discovery_servers{};     ///< such as 10.0.0.9:11811, instead of multicast; first = id 0
   bool shared_memory = false;  ///< opt-in: killed processes leave segments behind
   std::string security{};      ///< directory of the closed mode's material; empty = open
+  Role role =
+      Role::other;         ///< client: ignores participants named "vdrive client" or "vdrive probe"
+  bool guard = true;       ///< false shows in tests what the library does without it
+  GuardSink guard_sink{};  ///< is told of each datagram that the guard refuses
 };
 
 /// DDS could not be set up; the message names the entity and the setting.
@@ -36,8 +47,10 @@ class NotPermitted : public NetworkError {
   using NetworkError::NetworkError;
 };
 
-/// A DDS domain participant: lease 2 s, no type objects on the wire. Owns everything below it; must
-/// outlive its publications and subscriptions.
+/// A DDS domain participant: no type objects on the wire. Announces itself every 100 ms with a
+/// lease of 600 s (2 s to a discovery server); its guard removes participants of vdrive after 2.5 s
+/// of silence, others after the lease that they announce. Owns everything below it; must outlive
+/// its publications and subscriptions.
 class Participant {
  public:
   /// @throws NetworkError when the domain is out of range, the security material is not in order,
@@ -54,12 +67,24 @@ class Participant {
   /// place for another participant then would not know this one until it changes.
   void announce_again();
 
+  /// @return what the guard has done; all zero without a guard.
+  [[nodiscard]] GuardCounts guarded() const;
+
   struct Entities;  ///< DDS objects, known inside the wire room only
 
   [[nodiscard]] Entities& entities() noexcept { return *entities_; }
 
  private:
+  std::shared_ptr<Guard> guard_;  ///< none without
   std::unique_ptr<Entities> entities_;
 };
+
+/// Takes leave in the name of a participant that died without leaving, such as the predecessor of a
+/// service process that was killed: those who knew it remove it at once, not when its lease ends.
+/// Sends a few datagrams to where a participant of these settings would announce itself; waits for
+/// nobody. Discovery servers are not told: they take it from the participant itself only, and judge
+/// it after its lease of 2 s. In the closed mode Fast DDS believes it, Cyclone DDS does not.
+/// @throws NetworkError when no socket can be made
+void say_goodbye(const NetworkSettings& settings, const Source& dead);
 
 }  // namespace vdrive::wire

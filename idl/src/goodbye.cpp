@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "guard/announcement.hpp"
+#include "vdrive/wire/participant.hpp"
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace vdrive::wire {
+namespace {
+
+// RTPS 2.5, 9.6.1.1: where participants listen for announcements.
+constexpr std::uint32_t kFirstPort = 7400;
+constexpr std::uint32_t kPortsOfDomain = 250;
+constexpr std::uint32_t kFirstUnicast = 10;
+constexpr std::uint32_t kParticipantsOfPeer = 32;
+constexpr int kTimes = 3;  // datagrams get lost
+constexpr const char* kGroup = "239.255.0.1";
+constexpr const char* kLoopback = "127.0.0.1";
+// Above all that the dead participant can have sent: a reader takes nothing older.
+constexpr std::uint32_t kSequence = std::numeric_limits<std::int32_t>::max();
+
+/// A socket that sends.
+class Sender {
+ public:
+  Sender() : socket_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
+    if (socket_ < 0) {
+      throw NetworkError("no socket to take leave for a dead participant");
+    }
+  }
+
+  ~Sender() { close(socket_); }
+
+  Sender(const Sender&) = delete;
+  Sender& operator=(const Sender&) = delete;
+
+  /// @return whether `interface` is an address of this host that multicast can leave by.
+  [[nodiscard]] bool leave_by(const std::string& interface) const {
+    in_addr address{};
+    return inet_pton(AF_INET, interface.c_str(), &address) == 1 &&
+           setsockopt(socket_, IPPROTO_IP, IP_MULTICAST_IF, &address, sizeof address) == 0;
+  }
+
+  // An unreachable address is no reason to leave the others out.
+  void send(const std::string& to, std::uint32_t port,
+            const std::vector<std::uint8_t>& datagram) const {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
+    if (inet_pton(AF_INET, to.c_str(), &address.sin_addr) == 1) {
+      static_cast<void>(sendto(socket_, datagram.data(), datagram.size(), MSG_DONTWAIT,
+                               std::bit_cast<sockaddr*>(&address), sizeof address));
+    }
+  }
+
+ private:
+  int socket_;
+};
+
+}  // namespace
+
+void say_goodbye(const NetworkSettings& settings, const Source& dead) {
+  if (!settings.discovery_servers.empty()) {
+    return;
+  }
+  const Sender sender;
+  const auto datagram = farewell(dead.participant, dead.participant, kSequence);
+  const std::uint32_t port = kFirstPort + kPortsOfDomain * settings.domain;
+  std::vector<std::string> interfaces = settings.interfaces;
+  interfaces.emplace_back(kLoopback);
+  for (int time = 0; time < kTimes; ++time) {
+    for (const auto& interface : interfaces) {
+      if (sender.leave_by(interface)) {
+        sender.send(kGroup, port, datagram);
+      }
+    }
+    for (const auto& peer : settings.peers) {
+      for (std::uint32_t participant = 0; participant < kParticipantsOfPeer; ++participant) {
+        sender.send(peer, port + kFirstUnicast + 2 * participant, datagram);
+      }
+    }
+  }
+}
+
+}  // namespace vdrive::wire

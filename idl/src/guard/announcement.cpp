@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "announcement.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <string_view>
+
+namespace vdrive::wire {
+namespace {
+
+using namespace rtps_bytes;
+
+constexpr std::uint32_t kEndless = 0x7FFFFFFF;  // [s]; longer leases do not end either
+
+std::chrono::milliseconds lease_of(Bytes value, bool little) {
+  Reader reader(value, little);
+  const std::uint32_t seconds = reader.u32();
+  const std::uint64_t fraction = reader.u32();
+  if (seconds >= kEndless) {
+    return std::chrono::milliseconds::max();
+  }
+  return std::chrono::seconds{seconds} + std::chrono::milliseconds{(fraction * 1000U) >> 32U};
+}
+
+Announcer announcer_of(Bytes value, bool little) {
+  Reader reader(value, little);
+  const std::size_t length = reader.u32();
+  constexpr std::size_t kLongest = 16;  // more than any name that is looked for
+  std::array<char, kLongest> start{};
+  const Bytes text = value.subspan(4, std::min(length, kLongest));
+  std::copy(text.begin(), text.end(), start.begin());
+  const std::string_view name(start.data(), text.size());
+  if (name.starts_with("vdrive client") || name.starts_with("vdrive probe")) {
+    return Announcer::vdrive_visitor;
+  }
+  return name.starts_with("vdrive") ? Announcer::vdrive : Announcer::foreign;
+}
+
+/// @return the participant that the key in the inline QoS names.
+std::optional<Prefix> key_of(const Submessage& submessage, const Data& data) {
+  List list(data.inline_qos, submessage.has(kLittle));
+  for (ListEntry entry; list.next(entry);) {
+    Prefix prefix{};
+    if (entry.id == kKeyHash && entry.value.size() >= prefix.size()) {
+      std::copy_n(entry.value.begin(), prefix.size(), prefix.begin());
+      return prefix;
+    }
+  }
+  return std::nullopt;
+}
+
+/// @return the participant that the content names.
+std::optional<Prefix> guid_of(const Data& data) {
+  List list(data.list(), data.list_is_little());
+  for (ListEntry entry; list.next(entry);) {
+    Prefix prefix{};
+    if (entry.id == kParticipantGuid && entry.value.size() >= prefix.size()) {
+      std::copy_n(entry.value.begin(), prefix.size(), prefix.begin());
+      return prefix;
+    }
+  }
+  return std::nullopt;
+}
+
+template <typename Change>
+void for_each_entry(std::span<std::uint8_t> datagram, std::size_t offset, bool little,
+                    const Change& change) {
+  List list(Bytes(datagram).subspan(offset), little);
+  for (ListEntry entry; list.next(entry);) {
+    change(entry, datagram.subspan(offset + entry.offset));
+  }
+}
+
+void put_u32(std::span<std::uint8_t> place, std::uint32_t value, bool little) {
+  for (std::size_t index = 0; index < 4; ++index) {
+    const std::size_t shift = 8 * (little ? index : 3 - index);
+    place[index] = static_cast<std::uint8_t>(value >> shift);
+  }
+}
+
+}  // namespace
+
+std::optional<Announcement> read_announcement(const Submessage& submessage,
+                                              const Data& data) noexcept {
+  Announcement announcement;
+  if (!submessage.has(kThird)) {
+    const auto key = key_of(submessage, data);
+    const auto content = data.is_list() ? guid_of(data) : std::nullopt;
+    announcement.gone = true;
+    announcement.library_knows_key = key.has_value();
+    announcement.participant = key ? *key : content.value_or(Prefix{});
+    return key || content ? std::optional(announcement) : std::nullopt;
+  }
+  const bool little = data.list_is_little();
+  bool has_guid = false;
+  bool has_lease = false;
+  List list(data.list(), little);
+  for (ListEntry entry; list.next(entry);) {
+    if (entry.id == kParticipantGuid) {
+      std::copy_n(entry.value.begin(), announcement.participant.size(),
+                  announcement.participant.begin());
+      has_guid = true;
+    } else if (entry.id == kLease) {
+      announcement.lease = lease_of(entry.value, little);
+      has_lease = true;
+    } else if (entry.id == kEntityName) {
+      announcement.announcer = announcer_of(entry.value, little);
+    }
+  }
+  return has_guid && has_lease ? std::optional(announcement) : std::nullopt;
+}
+
+void raise_leases(std::span<std::uint8_t> datagram, std::size_t offset, bool little) noexcept {
+  for_each_entry(datagram, offset, little,
+                 [little](const ListEntry& entry, std::span<std::uint8_t> place) {
+                   if (entry.id == kLease) {
+                     put_u32(place.subspan(4),
+                             static_cast<std::uint32_t>(kLeaseForTheLibrary.count()), little);
+                     put_u32(place.subspan(8), 0, little);
+                   }
+                 });
+}
+
+void hide_types(std::span<std::uint8_t> datagram, std::size_t offset, bool little) noexcept {
+  for_each_entry(
+      datagram, offset, little, [](const ListEntry& entry, std::span<std::uint8_t> place) {
+        if (entry.id == kTypeId || entry.id == kTypeObject || entry.id == kTypeInformation) {
+          place[0] = 0;  // kPad, which is skipped
+          place[1] = 0;
+        }
+      });
+}
+
+std::vector<std::uint8_t> farewell(const Prefix& gone, const Prefix& sender,
+                                   std::uint32_t sequence) {
+  std::vector<std::uint8_t> datagram{'R', 'T', 'P', 'S', 2, 3, 1, 15};
+  const auto add = [&datagram](std::initializer_list<std::uint8_t> bytes) {
+    datagram.insert(datagram.end(), bytes);
+  };
+  datagram.insert(datagram.end(), sender.begin(), sender.end());
+  add({0x15, 3, 52, 0, 0, 0, 16, 0});               // DATA, little endian, with inline QoS
+  add({0, 1, 0, 0xC7, 0, 1, 0, 0xC2, 0, 0, 0, 0});  // from and to discovery; sequence, high half
+  for (std::uint32_t shift = 0; shift < 32; shift += 8) {
+    add({static_cast<std::uint8_t>(sequence >> shift)});
+  }
+  add({0x70, 0, 16, 0});  // key
+  datagram.insert(datagram.end(), gone.begin(), gone.end());
+  add({0, 0, 1, 0xC1});
+  add({0x71, 0, 4, 0, 0, 0, 0, 3});  // status: disposed and unregistered
+  add({1, 0, 0, 0});
+  return datagram;
+}
+
+}  // namespace vdrive::wire

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// What participants announce of themselves, as it is read and changed before the library reads it.
+#pragma once
+
+#include "rtps.hpp"
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace vdrive::wire {
+
+/// The lease that the library reads of every participant. Its timer of a lease must not fire beside
+/// a removal (Fast DDS 2.9.1 and 3.1.2, PDP::check_remote_participant_liveliness aborts), so that
+/// it is longer than any service runs between two looks; the guard judges who is gone.
+constexpr std::chrono::seconds kLeaseForTheLibrary = std::chrono::hours{24};
+
+enum class Announcer : std::uint8_t {
+  foreign,         ///< no participant of vdrive
+  vdrive,          ///< its name begins with "vdrive"
+  vdrive_visitor,  ///< "vdrive client" or "vdrive probe"
+};
+
+struct Announcement {
+  rtps_bytes::Prefix participant{};
+  std::chrono::milliseconds lease{0};  ///< max() when it has no end
+  bool gone = false;                   ///< it has left, or another has said so
+  /// Who leaves is in the key of the inline QoS; Fast DDS 2.9 does not see it in the content, where
+  /// Cyclone DDS has it.
+  bool library_knows_key = false;
+  Announcer announcer = Announcer::foreign;
+};
+
+/// Reads the announcement in a DATA submessage of a datagram that passed the check.
+/// @return nothing when it does not say of whom it is, or has no lease although it does not leave.
+[[nodiscard]] std::optional<Announcement> read_announcement(
+    const rtps_bytes::Submessage& submessage, const rtps_bytes::Data& data) noexcept;
+
+/// Writes kLeaseForTheLibrary into every lease of the list at `offset` of `datagram`.
+void raise_leases(std::span<std::uint8_t> datagram, std::size_t offset, bool little) noexcept;
+
+/// Makes the library skip the types' descriptions in the list at `offset` of `datagram`: it builds
+/// types from them without a look, and one that knows none of its own follows a null pointer.
+void hide_types(std::span<std::uint8_t> datagram, std::size_t offset, bool little) noexcept;
+
+/// @return a datagram by which the participant `gone` leaves, as Fast DDS itself sends one: DATA of
+///         the announcing entity with the key and the status "disposed and unregistered".
+/// @param sender prefix in the header
+/// @param sequence 1 or more; greater than in all earlier datagrams of this sender
+[[nodiscard]] std::vector<std::uint8_t> farewell(const rtps_bytes::Prefix& gone,
+                                                 const rtps_bytes::Prefix& sender,
+                                                 std::uint32_t sequence);
+
+}  // namespace vdrive::wire

@@ -1,0 +1,377 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "datagram_check.hpp"
+
+#include "rtps.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace vdrive::wire {
+namespace rtps_bytes {
+
+Data parse_data(const Submessage& submessage, std::size_t fixed) noexcept {
+  Data data;
+  Reader reader = submessage.reader();
+  reader.skip(2);
+  const std::size_t to_inline_qos = reader.u16();
+  data.reader = reader.entity();
+  data.writer = reader.entity();
+  data.sequence = reader.sequence();
+  // A smaller offset would point into the fixed part; the library computes with it unchecked.
+  if (!reader.ok() || to_inline_qos < fixed || to_inline_qos % 4 != 0 ||
+      to_inline_qos + 4 > submessage.body.size()) {
+    return data;
+  }
+  data.payload = to_inline_qos + 4;
+  if (submessage.has(kSecond)) {
+    List list(submessage.body.subspan(data.payload), submessage.has(kLittle));
+    for (ListEntry entry; list.next(entry);) {
+    }
+    if (!list.ended()) {
+      return data;
+    }
+    data.inline_qos = submessage.body.subspan(data.payload, list.size());
+    data.payload += list.size();
+  }
+  data.content = submessage.body.subspan(data.payload);
+  data.whole = true;
+  return data;
+}
+
+bool may_announce(const Submessage& submessage, const Data& data) noexcept {
+  if (data.reader == kParticipantsReader || data.writer == kParticipantsWriter) {
+    return true;
+  }
+  // Data for any reader reaches that of announcements too; it takes what looks like one.
+  if (data.reader != kUnknownEntity || !submessage.has(kThird) || !data.is_list()) {
+    return false;
+  }
+  List list(data.list(), data.list_is_little());
+  for (ListEntry entry; list.next(entry);) {
+    if (entry.id == kParticipantGuid) {
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace rtps_bytes
+
+namespace {
+
+using namespace rtps_bytes;
+
+constexpr std::uint8_t kMajorVersion = 2;
+constexpr std::int64_t kLargestSequence = std::int64_t{1} << 40U;  // 34 years of one a millisecond
+constexpr std::uint32_t kMostBits = 256;
+constexpr std::uint32_t kLargestSample = 16U * 1024U * 1024U;  // [bytes]
+// The library keeps a number of four bytes at the start of each missing fragment.
+constexpr std::uint32_t kSmallestFragment = 16;  // [bytes]
+constexpr std::size_t kStatisticsSize = 56;
+constexpr std::size_t kDataFixed = 16;
+constexpr std::size_t kFragmentFixed = 28;
+
+bool is_sequence(std::int64_t number, std::int64_t least) {
+  return number >= least && number <= kLargestSequence;
+}
+
+/// A base has been read; the number of bits and their words follow.
+Refusal check_set(Reader& reader) {
+  const std::uint32_t bits = reader.u32();
+  if (bits > kMostBits) {
+    return Refusal::set;
+  }
+  reader.skip(std::size_t{(bits + 31) / 32} * 4);
+  return reader.ok() ? Refusal::none : Refusal::length;
+}
+
+Refusal check_acknack(const Submessage& submessage) {
+  Reader reader = submessage.reader();
+  reader.skip(8);
+  // 0 asks for a first heartbeat.
+  if (!is_sequence(reader.sequence(), 0)) {
+    return Refusal::sequence;
+  }
+  const Refusal refusal = check_set(reader);
+  reader.skip(4);
+  return refusal == Refusal::none && !reader.ok() ? Refusal::length : refusal;
+}
+
+Refusal check_heartbeat(const Submessage& submessage) {
+  Reader reader = submessage.reader();
+  reader.skip(8);
+  const std::int64_t first = reader.sequence();
+  const std::int64_t last = reader.sequence();
+  reader.skip(4);
+  if (!reader.ok()) {
+    return Refusal::length;
+  }
+  if (!is_sequence(first, 1) || !is_sequence(last, 0)) {
+    return Refusal::sequence;
+  }
+  return last >= first - 1 ? Refusal::none : Refusal::range;
+}
+
+Refusal check_gap(const Submessage& submessage, DatagramReport& report) {
+  Reader reader = submessage.reader();
+  reader.skip(8);
+  const std::int64_t start = reader.sequence();
+  const std::int64_t base = reader.sequence();
+  const Refusal set = check_set(reader);
+  if (set != Refusal::none) {
+    return set;
+  }
+  if (!is_sequence(start, 1) || !is_sequence(base, 1)) {
+    return Refusal::sequence;
+  }
+  if (base < start || base - start > kWidestGap) {
+    return Refusal::range;
+  }
+  report.gap_numbers += static_cast<std::uint32_t>(base - start);
+  return Refusal::none;
+}
+
+Refusal check_nack_frag(const Submessage& submessage) {
+  Reader reader = submessage.reader();
+  reader.skip(8);
+  const std::int64_t sequence = reader.sequence();
+  const std::uint32_t base = reader.u32();
+  const Refusal set = check_set(reader);
+  reader.skip(4);
+  if (set != Refusal::none || !reader.ok()) {
+    return set != Refusal::none ? set : Refusal::length;
+  }
+  if (!is_sequence(sequence, 1)) {
+    return Refusal::sequence;
+  }
+  return base >= 1 && base <= kLargestSample ? Refusal::none : Refusal::fragment;
+}
+
+Refusal check_heartbeat_frag(const Submessage& submessage) {
+  Reader reader = submessage.reader();
+  reader.skip(8);
+  const std::int64_t sequence = reader.sequence();
+  reader.skip(8);
+  if (!reader.ok()) {
+    return Refusal::length;
+  }
+  return is_sequence(sequence, 1) ? Refusal::none : Refusal::sequence;
+}
+
+bool is_discovery(const Data& data) {
+  constexpr std::array<std::uint32_t, 6> kOfDiscovery{kPublicationsWriter,  kPublicationsReader,
+                                                      kSubscriptionsWriter, kSubscriptionsReader,
+                                                      kParticipantsWriter,  kParticipantsReader};
+  return std::any_of(kOfDiscovery.begin(), kOfDiscovery.end(), [&data](std::uint32_t entity) {
+    return data.reader == entity || data.writer == entity;
+  });
+}
+
+/// A text of CDR: its length with the zero at its end, and as many bytes.
+bool is_text(Bytes value, bool little) {
+  Reader reader(value, little);
+  const std::uint32_t length = reader.u32();
+  return reader.ok() && length <= reader.left();
+}
+
+/// What the library reads of it without a look at the length has at least that length.
+bool is_parameter(const ListEntry& entry, bool little) {
+  switch (entry.id) {
+    case kEntityName:
+    case kTopicName:
+    case kTypeName:
+      return is_text(entry.value, little);
+    case kParticipantGuid:
+      return entry.value.size() >= 16;
+    case kLease:
+      return entry.value.size() >= 8;
+    default:
+      return true;
+  }
+}
+
+Refusal check_list(Bytes bytes, bool little) {
+  List list(bytes, little);
+  for (ListEntry entry; list.next(entry);) {
+    if (!is_parameter(entry, little)) {
+      return Refusal::parameters;
+    }
+  }
+  return list.ended() ? Refusal::none : Refusal::parameters;
+}
+
+/// @return whether the inline QoS says that an instance is gone.
+bool says_gone(const Submessage& submessage, const Data& data) {
+  List list(data.inline_qos, submessage.has(kLittle));
+  for (ListEntry entry; list.next(entry);) {
+    if (entry.id == kStatusInfo && entry.value.size() >= 4) {
+      return (entry.value[3] & 3U) != 0;
+    }
+  }
+  return false;
+}
+
+Refusal check_discovery(const Submessage& submessage, const Data& data) {
+  if (submessage.has(kThird)) {
+    return data.is_list() ? check_list(data.list(), data.list_is_little()) : Refusal::parameters;
+  }
+  return says_gone(submessage, data) ? Refusal::none : Refusal::data;
+}
+
+Refusal check_data(const Submessage& submessage, DatagramReport& report) {
+  const Data data = parse_data(submessage, kDataFixed);
+  if (!data.whole) {
+    return Refusal::length;
+  }
+  if (!is_sequence(data.sequence, 1)) {
+    return Refusal::sequence;
+  }
+  const bool has_data = submessage.has(kThird);
+  const bool has_key = submessage.has(kFourth);
+  if ((has_data && has_key) || ((has_data || has_key) && data.content.size() < 4) ||
+      (!has_data && !has_key && data.inline_qos.empty()) || data.writer == kUnknownEntity) {
+    return Refusal::data;
+  }
+  if (is_discovery(data) || may_announce(submessage, data)) {
+    report.announces = true;
+    return check_discovery(submessage, data);
+  }
+  return Refusal::none;
+}
+
+Refusal check_data_frag(const Submessage& submessage) {
+  const Data data = parse_data(submessage, kFragmentFixed);
+  if (!data.whole) {
+    return Refusal::length;
+  }
+  if (!is_sequence(data.sequence, 1)) {
+    return Refusal::sequence;
+  }
+  Reader reader = submessage.reader();
+  reader.skip(20);
+  const std::uint64_t first = reader.u32();
+  const std::uint64_t count = reader.u16();
+  const std::uint64_t size = reader.u16();
+  const std::uint64_t sample = reader.u32();
+  if (first == 0 || count == 0 || size < kSmallestFragment || sample == 0 ||
+      sample > kLargestSample || data.writer == kUnknownEntity) {
+    return Refusal::fragment;
+  }
+  const std::uint64_t fragments = (sample + size - 1) / size;
+  const std::uint64_t behind = first - 1 + count;
+  if (behind > fragments ||
+      data.content.size() < std::min(behind * size, sample) - (first - 1) * size) {
+    return Refusal::fragment;
+  }
+  // An announcement in pieces cannot be looked at; a participant's own fits one datagram.
+  const bool announces = data.reader == kParticipantsReader || data.writer == kParticipantsWriter;
+  return announces ? Refusal::announcement : Refusal::none;
+}
+
+Refusal need(const Submessage& submessage, std::size_t size) {
+  return submessage.body.size() >= size ? Refusal::none : Refusal::length;
+}
+
+Refusal check_submessage(const Submessage& submessage, DatagramReport& report) {
+  switch (submessage.kind) {
+    case Kind::pad:
+    case Kind::sec_postfix:
+    case Kind::srtps_postfix:
+      return Refusal::none;
+    case Kind::acknack:
+      return check_acknack(submessage);
+    case Kind::heartbeat:
+      return check_heartbeat(submessage);
+    case Kind::gap:
+      return check_gap(submessage, report);
+    case Kind::nack_frag:
+      return check_nack_frag(submessage);
+    case Kind::heartbeat_frag:
+      return check_heartbeat_frag(submessage);
+    case Kind::data:
+      return check_data(submessage, report);
+    case Kind::data_frag:
+      return check_data_frag(submessage);
+    case Kind::info_ts:
+      return need(submessage, submessage.has(kSecond) ? 0 : 8);
+    case Kind::info_src:
+      return need(submessage, 20);
+    case Kind::info_reply_ip4:
+      return need(submessage, 8);
+    case Kind::info_dst:
+      return need(submessage, 12);
+    case Kind::info_reply:
+    case Kind::sec_body:
+      return need(submessage, 4);
+    case Kind::sec_prefix:
+    case Kind::srtps_prefix:
+      return need(submessage, 20);
+    default:
+      // From 0x80 on each vendor has its own, which others skip.
+      return submessage.kind >= Kind::statistics ? Refusal::none : Refusal::submessage;
+  }
+}
+
+bool is_header(Bytes datagram) {
+  constexpr std::array<std::uint8_t, 5> kStart{'R', 'T', 'P', 'S', kMajorVersion};
+  return datagram.size() >= kHeaderSize &&
+         std::equal(kStart.begin(), kStart.end(), datagram.begin());
+}
+
+/// Fast DDS reads what a sender of its own vendor has in 0x80, before anything else and as it is.
+bool is_from_fast_dds(Bytes datagram) {
+  return datagram[6] == 1 && datagram[7] == 15;
+}
+
+}  // namespace
+
+DatagramReport check_datagram(std::span<const std::uint8_t> datagram) noexcept {
+  DatagramReport report{.length = datagram.size()};
+  if (!is_header(datagram)) {
+    report.refusal = Refusal::header;
+    return report;
+  }
+  Submessages submessages(datagram);
+  Submessage submessage;
+  while (!submessages.at_end()) {
+    if (!submessages.next(submessage)) {
+      report.refusal = Refusal::length;
+      return report;
+    }
+    if (submessage.kind == Kind::statistics && is_from_fast_dds(datagram)) {
+      const bool is_whole = submessage.last && submessage.body.size() == kStatisticsSize;
+      report.refusal = is_whole ? Refusal::none : Refusal::statistics;
+      report.length = submessage.offset - kSubmessageHeaderSize;
+      return report;
+    }
+    report.refusal = check_submessage(submessage, report);
+    if (report.refusal != Refusal::none) {
+      return report;
+    }
+  }
+  return report;
+}
+
+std::string_view describe(Refusal refusal) noexcept {
+  constexpr std::array<std::string_view, kRefusals> kWords{
+      "it passes",
+      "no RTPS header of version 2",
+      "a submessage that ends outside of the datagram or is too short",
+      "a submessage of an unknown kind",
+      "a submessage 0x80 in the wrong place or of the wrong length",
+      "a sequence number out of range",
+      "a HEARTBEAT or GAP with an impossible range",
+      "a set of more than 256 numbers",
+      "a DATA submessage without content",
+      "fragments that do not fit their sample",
+      "a list of parameters that does not end",
+      "an announcement without a lease, in pieces or in the name of another participant",
+      "more participants than the guard keeps"};
+  return kWords.at(static_cast<std::size_t>(refusal));
+}
+
+std::uint64_t GuardCounts::all_refused() const noexcept {
+  return std::accumulate(refused.begin(), refused.end(), std::uint64_t{0});
+}
+
+}  // namespace vdrive::wire

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "guard.hpp"
+
+#include <fastrtps/utils/IPLocator.h>
+
+#include <algorithm>
+#include <vector>
+
+namespace vdrive::wire {
+namespace {
+
+using namespace rtps_bytes;
+
+// Participants of vdrive announce themselves every 100 ms.
+constexpr std::chrono::milliseconds kPatienceWithVdrive{2'500};
+constexpr std::chrono::milliseconds kBetweenJudgements{100};
+// A GAP costs the library a step for each of its numbers and, before the next expected, memory.
+constexpr std::uint32_t kGapNumbersInASecond = 4 * kWidestGap;
+// Removals come from nobody: no participant has this prefix.
+constexpr Prefix kJudge{1, 15, 'v', 'd', 'r', 'i', 'v', 'e', 0, 0, 0, 0};
+
+Prefix sender_of(Bytes datagram) {
+  Prefix prefix{};
+  std::copy_n(datagram.begin() + kPrefixOffset, prefix.size(), prefix.begin());
+  return prefix;
+}
+
+std::string text_of(const Guard::Locator& locator) {
+  return eprosima::fastrtps::rtps::IPLocator::ip_to_string(locator) + ":" +
+         std::to_string(eprosima::fastrtps::rtps::IPLocator::getPhysicalPort(locator));
+}
+
+std::chrono::steady_clock::duration patience_with(const Announcement& announcement) {
+  if (announcement.announcer != Announcer::foreign) {
+    return kPatienceWithVdrive;
+  }
+  return announcement.lease == std::chrono::milliseconds::max()
+             ? std::chrono::steady_clock::duration::max()
+             : std::chrono::steady_clock::duration(announcement.lease);
+}
+
+}  // namespace
+
+Guard::Guard(const NetworkSettings& settings)
+    : role_(settings.role),
+      // A server speaks for its clients, and its own leases are the library's.
+      keeps_leases_(settings.discovery_servers.empty()),
+      sink_(settings.guard_sink) {
+  if (keeps_leases_) {
+    judge_ = std::thread([this] {
+      judge();
+    });
+  }
+}
+
+Guard::~Guard() {
+  {
+    const std::scoped_lock lock(end_mutex_);
+    ends_ = true;
+  }
+  end_changed_.notify_all();
+  if (judge_.joinable()) {
+    judge_.join();
+  }
+}
+
+void Guard::open(const Locator& local, Receiver* channel) {
+  const std::scoped_lock lock(channels_mutex_);
+  channels_.try_emplace(local, channel);  // a second receiver of a channel hears nothing
+}
+
+void Guard::close(const Locator& local) {
+  const std::scoped_lock lock(handing_over_, channels_mutex_, keeper_mutex_);
+  const auto found = channels_.find(local);
+  if (found != channels_.end()) {
+    keeper_.closed(found->second);
+    channels_.erase(found);
+  }
+}
+
+void Guard::receive(Receiver& channel, Bytes datagram, const Locator& local,
+                    const Locator& remote) {
+  const DatagramReport report = check_datagram(datagram);
+  if (report.refusal != Refusal::none) {
+    refuse(report.refusal, remote);
+    return;
+  }
+  if (report.gap_numbers > 0 && !has_room_for(report.gap_numbers)) {
+    refuse(Refusal::range, remote);
+    return;
+  }
+  if (keeps_leases_) {
+    const auto now = Clock::now();
+    const std::scoped_lock lock(keeper_mutex_);
+    keeper_.heard(sender_of(datagram), now);
+  }
+  const Bytes readable = datagram.first(report.length);
+  if (report.announces) {
+    pass_discovery(channel, readable, local, remote);
+  } else {
+    channel.OnDataReceived(readable.data(), static_cast<std::uint32_t>(readable.size()), local,
+                           remote);
+  }
+}
+
+GuardCounts Guard::counts() const {
+  GuardCounts counts;
+  std::copy(refused_.begin(), refused_.end(), counts.refused.begin());
+  counts.ignored = ignored_;
+  counts.judged = judged_;
+  const std::scoped_lock lock(keeper_mutex_);
+  counts.kept = keeper_.size();
+  return counts;
+}
+
+void Guard::refuse(Refusal refusal, const Locator& remote) {
+  ++refused_.at(static_cast<std::size_t>(refusal));
+  if (sink_) {
+    sink_(refusal, text_of(remote));
+  }
+}
+
+bool Guard::has_room_for(std::uint32_t gap_numbers) {
+  const std::int64_t second =
+      std::chrono::duration_cast<std::chrono::seconds>(Clock::now().time_since_epoch()).count();
+  if (gap_second_.exchange(second) != second) {
+    gap_numbers_ = 0;
+  }
+  return gap_numbers_.fetch_add(gap_numbers) <= kGapNumbersInASecond;
+}
+
+/// The transport's buffer is not ours to write: in shared memory others read it too.
+void Guard::pass_discovery(Receiver& channel, Bytes datagram, const Locator& local,
+                           const Locator& remote) {
+  std::vector<std::uint8_t> copy(datagram.begin(), datagram.end());
+  Submessages submessages(copy);
+  for (Submessage submessage; !submessages.at_end() && submessages.next(submessage);) {
+    if (submessage.kind != Kind::data) {
+      continue;
+    }
+    constexpr std::size_t kDataFixed = 16;
+    const Data data = parse_data(submessage, kDataFixed);
+    const bool has_list = submessage.has(kThird) && data.is_list();
+    const std::size_t list = submessage.offset + data.payload + 4;
+    if (keeps_leases_ && may_announce(submessage, data)) {
+      const auto announcement = read_announcement(submessage, data);
+      if (!announcement) {
+        refuse(Refusal::announcement, remote);
+        return;
+      }
+      if (role_ == Role::client && announcement->announcer == Announcer::vdrive_visitor) {
+        ++ignored_;
+        return;
+      }
+      const Refusal refusal = take_announcement(*announcement, sender_of(copy), channel);
+      if (refusal != Refusal::none) {
+        refuse(refusal, remote);
+        return;
+      }
+      if (has_list) {
+        raise_leases(copy, list, data.list_is_little());
+      }
+    } else if (has_list) {
+      hide_types(copy, list, data.list_is_little());
+    }
+  }
+  channel.OnDataReceived(copy.data(), static_cast<std::uint32_t>(copy.size()), local, remote);
+}
+
+Refusal Guard::take_announcement(const Announcement& announcement, const Prefix& sender,
+                                 Receiver& channel) {
+  const std::scoped_lock lock(keeper_mutex_);
+  if (announcement.gone) {
+    if (announcement.library_knows_key) {
+      keeper_.left(announcement.participant);
+    } else {
+      keeper_.expire(announcement.participant);
+    }
+    return Refusal::none;
+  }
+  if (announcement.participant != sender) {
+    return Refusal::announcement;
+  }
+  return keeper_.announced(sender, patience_with(announcement), &channel, Clock::now())
+             ? Refusal::none
+             : Refusal::participants;
+}
+
+void Guard::judge() {
+  std::unique_lock lock(end_mutex_);
+  while (!end_changed_.wait_for(lock, kBetweenJudgements, [this] {
+    return ends_;
+  })) {
+    lock.unlock();
+    std::vector<Keeper::Silent> silent;
+    {
+      const std::scoped_lock keeping(keeper_mutex_);
+      silent = keeper_.take_silent(Clock::now());
+    }
+    std::for_each(silent.begin(), silent.end(), [this](const Keeper::Silent& participant) {
+      remove(participant);
+    });
+    lock.lock();
+  }
+}
+
+/// The library hears that it has left, by the channel that it was announced by: as if it had said
+/// so itself, which is the one way of removal that does not meet a timer.
+void Guard::remove(const Keeper::Silent& silent) {
+  const std::scoped_lock lock(handing_over_);
+  Locator local;
+  {
+    const std::scoped_lock channels(channels_mutex_);
+    const auto found = std::find_if(channels_.begin(), channels_.end(), [&](const auto& channel) {
+      return channel.second == silent.channel;
+    });
+    if (found == channels_.end()) {
+      return;
+    }
+    local = found->first;
+  }
+  const auto datagram = farewell(silent.participant, kJudge, ++removals_);
+  silent.channel->OnDataReceived(datagram.data(), static_cast<std::uint32_t>(datagram.size()),
+                                 local, local);
+  ++judged_;
+}
+
+}  // namespace vdrive::wire

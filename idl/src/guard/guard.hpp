@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "announcement.hpp"
+#include "datagram_check.hpp"
+#include "lease_keeper.hpp"
+#include "vdrive/wire/guard.hpp"
+#include "vdrive/wire/participant.hpp"
+
+#include <fastdds/rtps/transport/TransportReceiverInterface.h>
+
+#include <array>
+#include <atomic>
+#include <condition_variable>
+#include <map>
+#include <mutex>
+#include <string>
+#include <thread>
+
+namespace vdrive::wire {
+
+/// Stands between the transports of a participant and the library: keeps away what the library does
+/// not survive, and judges which participants are gone. Thread-safe.
+class Guard {
+ public:
+  using Receiver = eprosima::fastdds::rtps::TransportReceiverInterface;
+  using Locator = eprosima::fastrtps::rtps::Locator_t;
+
+  explicit Guard(const NetworkSettings& settings);
+  ~Guard();
+  Guard(const Guard&) = delete;
+  Guard& operator=(const Guard&) = delete;
+
+  /// A channel opens; the library takes what arrives by it until it closes.
+  void open(const Locator& local, Receiver* channel);
+
+  /// The channel of `local` closes: returns when nothing is handed over to it any more.
+  void close(const Locator& local);
+
+  /// Hands a datagram over to the library, or does not.
+  void receive(Receiver& channel, rtps_bytes::Bytes datagram, const Locator& local,
+               const Locator& remote);
+
+  [[nodiscard]] GuardCounts counts() const;
+
+ private:
+  using Keeper = LeaseKeeper<Receiver*>;
+  using Clock = Keeper::Clock;
+
+  void refuse(Refusal refusal, const Locator& remote);
+  [[nodiscard]] bool has_room_for(std::uint32_t gap_numbers);
+  void pass_discovery(Receiver& channel, rtps_bytes::Bytes datagram, const Locator& local,
+                      const Locator& remote);
+  [[nodiscard]] Refusal take_announcement(const Announcement& announcement,
+                                          const rtps_bytes::Prefix& sender, Receiver& channel);
+  void judge();
+  void remove(const Keeper::Silent& silent);
+
+  const Role role_;
+  const bool keeps_leases_;
+  const GuardSink sink_;
+
+  std::array<std::atomic<std::uint64_t>, kRefusals> refused_{};
+  std::atomic<std::uint64_t> ignored_{0};
+  std::atomic<std::uint64_t> judged_{0};
+  std::atomic<std::int64_t> gap_second_{0};
+  std::atomic<std::uint32_t> gap_numbers_{0};
+
+  mutable std::mutex keeper_mutex_;
+  Keeper keeper_;
+
+  std::mutex handing_over_;  ///< a removal is on its way through a channel
+  std::mutex channels_mutex_;
+  std::map<Locator, Receiver*> channels_;
+  std::uint32_t removals_ = 0;
+
+  std::mutex end_mutex_;
+  std::condition_variable end_changed_;
+  bool ends_ = false;
+  std::thread judge_;
+};
+
+}  // namespace vdrive::wire

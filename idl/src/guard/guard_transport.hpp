@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "guard.hpp"
+
+#include <fastdds/rtps/transport/ChainingTransport.h>
+
+#include <memory>
+#include <utility>
+
+namespace vdrive::wire {
+
+/// Describes a transport that a guard stands before.
+struct GuardedTransport final : eprosima::fastdds::rtps::ChainingTransportDescriptor {
+  GuardedTransport(std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> low,
+                   std::shared_ptr<Guard> its_guard)
+      : ChainingTransportDescriptor(std::move(low)), guard(std::move(its_guard)) {}
+
+  [[nodiscard]] eprosima::fastdds::rtps::TransportInterface* create_transport() const override;
+
+  std::shared_ptr<Guard> guard;
+};
+
+/// A transport of the library with a guard between it and whoever receives.
+class GuardTransport final : public eprosima::fastdds::rtps::ChainingTransport {
+ public:
+  using Locator = Guard::Locator;
+
+  explicit GuardTransport(const GuardedTransport& description);
+
+  eprosima::fastdds::rtps::TransportDescriptorInterface* get_configuration() override {
+    return low_level_transport_->get_configuration();
+  }
+
+  bool OpenInputChannel(const Locator& local,
+                        eprosima::fastdds::rtps::TransportReceiverInterface* receiver,
+                        std::uint32_t most) override;
+  bool CloseInputChannel(const Locator& local) override;
+  bool send(eprosima::fastrtps::rtps::SenderResource* low, const std::uint8_t* bytes,
+            std::uint32_t size, eprosima::fastrtps::rtps::LocatorsIterator* first,
+            eprosima::fastrtps::rtps::LocatorsIterator* last,
+            const std::chrono::steady_clock::time_point& timeout) override;
+  void receive(eprosima::fastdds::rtps::TransportReceiverInterface* receiver,
+               const std::uint8_t* bytes, std::uint32_t size, const Locator& local,
+               const Locator& remote) override;
+
+  void shutdown() override { low_level_transport_->shutdown(); }
+
+ private:
+  std::shared_ptr<Guard> guard_;
+};
+
+/// `Descriptor` with a guard before the transport that it makes. The library asks whether a
+/// description is one of shared memory, which a GuardedTransport is not.
+template <typename Descriptor>
+class Guarded final : public Descriptor {
+ public:
+  Guarded(const Descriptor& low, std::shared_ptr<Guard> guard)
+      : Descriptor(low), guard_(std::move(guard)) {}
+
+  [[nodiscard]] eprosima::fastdds::rtps::TransportInterface* create_transport() const override {
+    return GuardedTransport(std::make_shared<Descriptor>(*this), guard_).create_transport();
+  }
+
+ private:
+  std::shared_ptr<Guard> guard_;
+};
+
+}  // namespace vdrive::wire

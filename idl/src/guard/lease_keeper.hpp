@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "rtps.hpp"
+
+#include <chrono>
+#include <cstddef>
+#include <cstring>
+#include <unordered_map>
+#include <vector>
+
+namespace vdrive::wire {
+
+/// Remembers when each participant was last heard, and which have been silent for too long. Time is
+/// an argument. Not thread-safe.
+/// @tparam Channel by which a participant announced itself
+template <typename Channel>
+class LeaseKeeper {
+ public:
+  using Clock = std::chrono::steady_clock;
+  using Prefix = rtps_bytes::Prefix;
+
+  static constexpr std::size_t kMostParticipants = 4'096;
+
+  struct Silent {
+    Prefix participant{};
+    Channel channel{};
+  };
+
+  /// A participant has announced itself.
+  /// @param patience how long it may be silent; Clock::duration::max() is for ever
+  /// @return whether there is a place for it.
+  [[nodiscard]] bool announced(const Prefix& participant, Clock::duration patience, Channel channel,
+                               Clock::time_point now) {
+    const auto found = entries_.find(participant);
+    if (found == entries_.end() && entries_.size() >= kMostParticipants) {
+      return false;
+    }
+    entries_[participant] = {now, patience, channel};
+    return true;
+  }
+
+  /// Anything of a participant has arrived.
+  void heard(const Prefix& participant, Clock::time_point now) {
+    const auto found = entries_.find(participant);
+    if (found != entries_.end()) {
+      found->second.heard = now;
+    }
+  }
+
+  /// A participant is silent for too long from now on.
+  void expire(const Prefix& participant) {
+    const auto found = entries_.find(participant);
+    if (found != entries_.end()) {
+      found->second.heard = {};
+      found->second.patience = {};
+    }
+  }
+
+  void left(const Prefix& participant) { entries_.erase(participant); }
+
+  /// Forgets whoever has announced itself by a channel that closes.
+  void closed(Channel channel) {
+    std::erase_if(entries_, [channel](const auto& entry) {
+      return entry.second.channel == channel;
+    });
+  }
+
+  /// @return those who have been silent for too long. They are forgotten.
+  [[nodiscard]] std::vector<Silent> take_silent(Clock::time_point now) {
+    std::vector<Silent> silent;
+    for (auto entry = entries_.begin(); entry != entries_.end();) {
+      if (now - entry->second.heard > entry->second.patience) {
+        silent.push_back({entry->first, entry->second.channel});
+        entry = entries_.erase(entry);
+      } else {
+        ++entry;
+      }
+    }
+    return silent;
+  }
+
+  [[nodiscard]] std::size_t size() const { return entries_.size(); }
+
+ private:
+  struct Entry {
+    Clock::time_point heard;
+    Clock::duration patience{};
+    Channel channel{};
+  };
+
+  /// The last bytes of a prefix count participants and processes, the first name the vendor.
+  struct Hash {
+    std::size_t operator()(const Prefix& prefix) const noexcept {
+      std::uint64_t end = 0;
+      std::uint32_t start = 0;
+      std::memcpy(&end, prefix.data() + 4, sizeof end);
+      std::memcpy(&start, prefix.data(), sizeof start);
+      constexpr std::uint64_t kOdd = 0x9E3779B97F4A7C15U;
+      return static_cast<std::size_t>(((end ^ (end >> 29U)) + start) * kOdd >> 16U);
+    }
+  };
+
+  std::unordered_map<Prefix, Entry, Hash> entries_;
+};
+
+}  // namespace vdrive::wire

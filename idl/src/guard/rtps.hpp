@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: Apache-2.0
+// The bytes of RTPS 2.5 (OMG formal/22-04-01, chapter 9.4) as the guard reads them.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace vdrive::wire::rtps_bytes {
+
+using Bytes = std::span<const std::uint8_t>;
+using Prefix = std::array<std::uint8_t, 12>;  ///< of a participant's GUID
+
+constexpr std::size_t kHeaderSize = 20;
+constexpr std::size_t kSubmessageHeaderSize = 4;
+constexpr std::size_t kPrefixOffset = 8;  ///< of the sender's prefix in the header
+
+/// Kinds of submessages.
+enum class Kind : std::uint8_t {
+  pad = 0x01,
+  acknack = 0x06,
+  heartbeat = 0x07,
+  gap = 0x08,
+  info_ts = 0x09,
+  info_src = 0x0C,
+  info_reply_ip4 = 0x0D,
+  info_dst = 0x0E,
+  info_reply = 0x0F,
+  nack_frag = 0x12,
+  heartbeat_frag = 0x13,
+  data = 0x15,
+  data_frag = 0x16,
+  sec_body = 0x30,
+  sec_prefix = 0x31,
+  sec_postfix = 0x32,
+  srtps_prefix = 0x33,
+  srtps_postfix = 0x34,
+  statistics = 0x80,  ///< Fast DDS, and what other vendors have there
+};
+
+/// Flags of a submessage.
+enum Flag : std::uint8_t { kLittle = 0x01, kSecond = 0x02, kThird = 0x04, kFourth = 0x08 };
+
+/// Entities of discovery.
+enum Entity : std::uint32_t {
+  kUnknownEntity = 0,
+  kPublicationsWriter = 0x000003C2,
+  kPublicationsReader = 0x000003C7,
+  kSubscriptionsWriter = 0x000004C2,
+  kSubscriptionsReader = 0x000004C7,
+  kParticipantsWriter = 0x000100C2,
+  kParticipantsReader = 0x000100C7,
+};
+
+/// Parameters of lists.
+enum Parameter : std::uint16_t {
+  kPad = 0x0000,
+  kSentinel = 0x0001,
+  kLease = 0x0002,
+  kTopicName = 0x0005,
+  kTypeName = 0x0007,
+  kParticipantGuid = 0x0050,
+  kEntityName = 0x0062,
+  kTypeId = 0x0069,
+  kKeyHash = 0x0070,
+  kStatusInfo = 0x0071,
+  kTypeObject = 0x0072,
+  kTypeInformation = 0x0075,
+};
+
+/// Reads numbers one after the other; what lies behind the end is 0 and makes `ok` false.
+class Reader {
+ public:
+  Reader(Bytes bytes, bool little) noexcept : bytes_(bytes), little_(little) {}
+
+  [[nodiscard]] bool ok() const noexcept { return ok_; }
+
+  [[nodiscard]] std::size_t position() const noexcept { return position_; }
+
+  [[nodiscard]] std::size_t left() const noexcept { return bytes_.size() - position_; }
+
+  void skip(std::size_t count) noexcept {
+    if (count > left()) {
+      ok_ = false;
+      position_ = bytes_.size();
+    } else {
+      position_ += count;
+    }
+  }
+
+  std::uint16_t u16() noexcept { return static_cast<std::uint16_t>(number(2, little_)); }
+
+  std::uint32_t u32() noexcept { return number(4, little_); }
+
+  /// Entity ids are in network order whatever the flag says.
+  std::uint32_t entity() noexcept { return number(4, false); }
+
+  /// @return a sequence number; its high half comes first and may be negative.
+  std::int64_t sequence() noexcept {
+    const std::uint64_t high = u32();
+    return static_cast<std::int64_t>((high << 32U) | u32());
+  }
+
+ private:
+  std::uint32_t number(std::size_t size, bool little) noexcept {
+    if (size > left()) {
+      skip(size);
+      return 0;
+    }
+    std::uint32_t value = 0;
+    for (std::size_t index = 0; index < size; ++index) {
+      const std::size_t place = little ? size - 1 - index : index;
+      value = (value << 8U) | bytes_[position_ + place];
+    }
+    position_ += size;
+    return value;
+  }
+
+  Bytes bytes_;
+  std::size_t position_ = 0;
+  bool little_;
+  bool ok_ = true;
+};
+
+struct Submessage {
+  Kind kind{};
+  std::uint8_t flags = 0;
+  std::size_t offset = 0;  ///< of the body in the datagram
+  Bytes body;
+  bool last = false;  ///< nothing follows it
+
+  [[nodiscard]] bool has(Flag flag) const noexcept { return (flags & flag) != 0; }
+
+  [[nodiscard]] Reader reader() const noexcept { return {body, has(kLittle)}; }
+};
+
+/// Walks the submessages of a datagram.
+class Submessages {
+ public:
+  explicit Submessages(Bytes datagram) noexcept : datagram_(datagram) {}
+
+  [[nodiscard]] bool at_end() const noexcept { return position_ >= datagram_.size(); }
+
+  /// @return whether the next submessage lies inside the datagram, and the one after it is aligned.
+  [[nodiscard]] bool next(Submessage& out) noexcept {
+    Reader header(datagram_.subspan(position_), true);
+    if (header.left() < kSubmessageHeaderSize) {
+      return false;
+    }
+    out.kind = static_cast<Kind>(datagram_[position_]);
+    out.flags = datagram_[position_ + 1];
+    header = Reader(datagram_.subspan(position_ + 2), out.has(kLittle));
+    std::size_t length = header.u16();
+    out.offset = position_ + kSubmessageHeaderSize;
+    const std::size_t left = datagram_.size() - out.offset;
+    if (length == 0 && out.kind != Kind::pad && out.kind != Kind::info_ts) {
+      length = left;  // RTPS 2.5, 9.4.5.1.3: it extends to the end
+    }
+    out.last = length == left;
+    if (length > left || (length % 4 != 0 && !out.last)) {
+      return false;
+    }
+    out.body = datagram_.subspan(out.offset, length);
+    position_ = out.offset + length;
+    return true;
+  }
+
+ private:
+  Bytes datagram_;
+  std::size_t position_ = kHeaderSize;
+};
+
+/// A parameter of a list.
+struct ListEntry {
+  std::uint16_t id = 0;
+  std::size_t offset = 0;  ///< of the id in the list
+  Bytes value;
+};
+
+/// Walks a list of parameters up to its sentinel.
+class List {
+ public:
+  List(Bytes bytes, bool little) noexcept : bytes_(bytes), little_(little) {}
+
+  /// @return whether there is another parameter; false at the sentinel, and when the list is broken
+  [[nodiscard]] bool next(ListEntry& out) noexcept {
+    Reader reader(bytes_.subspan(position_), little_);
+    out.id = reader.u16();
+    const std::size_t length = reader.u16();
+    if (!reader.ok()) {
+      return false;
+    }
+    if (out.id == kSentinel) {
+      ended_ = true;
+      position_ += 4;
+      return false;
+    }
+    const std::size_t aligned = (length + 3) & ~std::size_t{3};
+    if (aligned > reader.left()) {
+      return false;
+    }
+    out.offset = position_;
+    out.value = bytes_.subspan(position_ + 4, length);
+    position_ += 4 + aligned;
+    return true;
+  }
+
+  /// @return whether the sentinel was reached.
+  [[nodiscard]] bool ended() const noexcept { return ended_; }
+
+  /// @return the bytes read, with the sentinel once it was reached.
+  [[nodiscard]] std::size_t size() const noexcept { return position_; }
+
+ private:
+  Bytes bytes_;
+  std::size_t position_ = 0;
+  bool little_;
+  bool ended_ = false;
+};
+
+/// The parts of a DATA submessage.
+struct Data {
+  std::uint32_t reader = 0;
+  std::uint32_t writer = 0;
+  std::int64_t sequence = 0;
+  Bytes inline_qos;         ///< with its sentinel; empty without
+  std::size_t payload = 0;  ///< offset in the body
+  Bytes content;            ///< the payload
+  bool whole = false;       ///< every part lies inside the body
+
+  /// @return whether the payload is a list of parameters (PL_CDR), in either byte order.
+  [[nodiscard]] bool is_list() const noexcept {
+    return content.size() >= 4 && content[0] == 0 && (content[1] == 2 || content[1] == 3);
+  }
+
+  [[nodiscard]] bool list_is_little() const noexcept { return content[1] == 3; }
+
+  [[nodiscard]] Bytes list() const noexcept { return content.subspan(4); }
+};
+
+/// @param fixed bytes from behind octetsToInlineQos to the inline QoS, 16 for DATA, 28 for
+/// DATA_FRAG
+[[nodiscard]] Data parse_data(const Submessage& submessage, std::size_t fixed) noexcept;
+
+/// @return whether the library may take it for an announcement of a participant.
+[[nodiscard]] bool may_announce(const Submessage& submessage, const Data& data) noexcept;
+
+}  // namespace vdrive::wire::rtps_bytes

@@ -1,0 +1,491 @@
+// SPDX-License-Identifier: Apache-2.0
+// Guarded participants against the real library: what kills, wedges or fills an unguarded one.
+#include "support/test_domain.hpp"
+#include "tool/process.hpp"
+#include "vdrive/wire/participant.hpp"
+#include "vdrive/wire/publication.hpp"
+#include "vdrive/wire/subscription.hpp"
+#include "vdrive/wire/topics.hpp"
+#include "wire/datagrams.hpp"
+
+#include <gtest/gtest.h>
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <charconv>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <memory>
+#include <random>
+#include <thread>
+
+namespace vdrive::wire {
+namespace {
+
+using namespace std::chrono_literals;
+using test::Body;
+using test::Datagram;
+using test::DatagramWriter;
+using test::GuidPrefix;
+using Clock = std::chrono::steady_clock;
+
+constexpr auto kPatience = 20s;
+
+/// Asks again and again until something is so.
+bool wait_until(const std::function<bool()>& is_so, std::chrono::milliseconds within = kPatience) {
+  const auto deadline = Clock::now() + within;
+  while (!is_so()) {
+    if (Clock::now() > deadline) {
+      return false;
+    }
+    std::this_thread::sleep_for(5ms);
+  }
+  return true;
+}
+
+/// A participant in a process of its own.
+class Visitor {
+ public:
+  explicit Visitor(const std::string& name, std::vector<std::string> words = {})
+      : process_(std::make_unique<test::Process>(VDRIVE_VISITOR, arguments(name, words))) {
+    const std::string line = process_->read_line();
+    for (std::size_t byte = 0; byte < prefix_.size() && line.starts_with("ready "); ++byte) {
+      const char* const digits = line.data() + 6 + 2 * byte;
+      std::from_chars(digits, digits + 2, prefix_.at(byte), 16);
+    }
+  }
+
+  [[nodiscard]] const GuidPrefix& prefix() const { return prefix_; }
+
+  [[nodiscard]] test::Process& process() { return *process_; }
+
+  void send(int signal) const { process_->send(signal); }
+
+  [[nodiscard]] test::Finished stop() {
+    send(SIGTERM);
+    return process_->wait();
+  }
+
+ private:
+  static std::vector<std::string> arguments(const std::string& name,
+                                            std::vector<std::string> words) {
+    words.insert(words.begin(), {std::to_string(test::test_domain()), name});
+    return words;
+  }
+
+  std::unique_ptr<test::Process> process_;
+  GuidPrefix prefix_{};
+};
+
+/// A participant of this process that asks.
+class Asker {
+ public:
+  explicit Asker(const NetworkSettings& settings = {.domain = test::test_domain()})
+      : participant(settings, "asker"),
+        requests(participant),
+        replies(participant, [this](auto& reply, auto&) {
+          last_ = reply.request_id();
+        }) {}
+
+  /// @return whether somebody answers a new question.
+  bool is_answered(std::chrono::milliseconds within = kPatience) {
+    ++number_;
+    auto asked = Clock::time_point{};
+    return wait_until(
+        [&] {
+          if (Clock::now() - asked > 100ms) {
+            asked = Clock::now();
+            msg::Request request;
+            request.request_id(number_);
+            static_cast<void>(requests.write(request));
+          }
+          return last_ == number_;
+        },
+        within);
+  }
+
+  Participant participant;
+  Publication<msg::Request> requests;
+
+ private:
+  std::atomic<std::uint64_t> last_{0};
+  std::uint64_t number_ = 0;
+  Subscription<msg::Reply> replies;
+};
+
+/// Sends to every port that a participant of the domain may have on loopback.
+class Attacker {
+ public:
+  Attacker() : socket_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {}
+
+  ~Attacker() { close(socket_); }
+
+  Attacker(const Attacker&) = delete;
+  Attacker& operator=(const Attacker&) = delete;
+
+  /// @param port counted from the first of the domain: 10 metatraffic and 11 data of participant 0
+  void send(const Datagram& datagram, std::uint32_t port) const {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    address.sin_port = htons(static_cast<std::uint16_t>(7400 + 250 * test::test_domain() + port));
+    static_cast<void>(sendto(socket_, datagram.data(), datagram.size(), 0,
+                             std::bit_cast<sockaddr*>(&address), sizeof address));
+  }
+
+  void send_to_discovery(const Datagram& datagram) const {
+    for (std::uint32_t participant = 0; participant < 4; ++participant) {
+      send(datagram, 10 + 2 * participant);
+    }
+  }
+
+ private:
+  int socket_;
+};
+
+Source source_of(const GuidPrefix& prefix) {
+  Source source;
+  source.participant = prefix;
+  return source;
+}
+
+NetworkSettings settings(Role role = Role::other) {
+  return {.domain = test::test_domain(), .role = role};
+}
+
+// ---- what stays as it was
+// ------------------------------------------------------------------------
+
+TEST(AGuardedParticipant, RefusesNothingThatItsOwnKindSends) {
+  Asker asker;
+  Visitor visitor("visitor");
+  ASSERT_TRUE(asker.is_answered());
+  const test::Finished finished = visitor.stop();
+  EXPECT_EQ(finished.output.find("refused 0 "), 0U) << finished.output;
+  EXPECT_EQ(asker.participant.guarded().all_refused(), 0U);
+}
+
+TEST(AGuardedParticipant, TalksThroughSharedMemory) {
+  auto with_shared_memory = settings();
+  with_shared_memory.shared_memory = true;
+  Asker asker(with_shared_memory);
+  Visitor visitor("visitor", {"shared_memory"});
+  EXPECT_TRUE(asker.is_answered());
+  EXPECT_EQ(asker.participant.guarded().all_refused(), 0U);
+}
+
+TEST(AClient, TakesNoNoticeOfOtherClients) {
+  Visitor client("vdrive client", {"client"});
+  Asker of_a_client(settings(Role::client));
+  Asker of_another(settings());
+  // It answers whoever knows it; both have heard it once the other does.
+  ASSERT_TRUE(of_another.is_answered());
+  EXPECT_TRUE(wait_until([&] {
+    return of_a_client.participant.guarded().ignored > 0;
+  }));
+  EXPECT_FALSE(of_a_client.requests.wait_for_match(source_of(client.prefix()), 500ms));
+}
+
+// ---- who is gone
+// ---------------------------------------------------------------------------------
+
+TEST(AParticipantThatIsKilled, IsForgottenWithinThreeSeconds) {
+  Asker asker;
+  Visitor visitor("vdrive client");
+  ASSERT_TRUE(asker.is_answered());
+  visitor.send(SIGKILL);
+  const auto killed = Clock::now();
+  EXPECT_TRUE(wait_until([&] {
+    return asker.requests.matched() == 0;
+  }));
+  EXPECT_LT(Clock::now() - killed, 3500ms);
+  EXPECT_EQ(asker.participant.guarded().judged, 1U);
+}
+
+TEST(AParticipantThatLeaves, IsNotJudged) {
+  Asker asker;
+  Visitor visitor("vdrive client");
+  ASSERT_TRUE(asker.is_answered());
+  static_cast<void>(visitor.stop());
+  EXPECT_TRUE(wait_until([&] {
+    return asker.requests.matched() == 0;
+  }));
+  EXPECT_EQ(asker.participant.guarded().judged, 0U);
+  EXPECT_EQ(asker.participant.guarded().kept, 1U) << "itself alone";
+}
+
+TEST(AParticipantThatStoodStill, IsFoundAgain) {
+  Asker asker;
+  Visitor visitor("vdrive client");
+  ASSERT_TRUE(asker.is_answered());
+  visitor.send(SIGSTOP);
+  ASSERT_TRUE(wait_until([&] {
+    return asker.participant.guarded().judged == 1;
+  }));
+  visitor.send(SIGCONT);
+  EXPECT_TRUE(asker.is_answered());
+}
+
+TEST(Goodbye, MakesAllForgetADeadParticipantAtOnce) {
+  Asker asker;
+  // Foreign by its name: its own lease is 600 s.
+  Visitor visitor("talker");
+  ASSERT_TRUE(asker.is_answered());
+  visitor.send(SIGKILL);
+  static_cast<void>(visitor.process().wait());
+  const auto said = Clock::now();
+  say_goodbye(settings(), source_of(visitor.prefix()));
+  EXPECT_TRUE(wait_until([&] {
+    return asker.requests.matched() == 0;
+  }));
+  EXPECT_LT(Clock::now() - said, 1s);
+}
+
+// Each takes one of the 256 places that a participant has for others until it is judged.
+TEST(AParticipant, ServesTheNextClientAfterAThousandAreKilled) {
+  const int deaths = std::getenv("VDRIVE_NIGHTLY") != nullptr ? 1'000 : 60;
+  Asker asker(settings(Role::service));
+  for (int death = 0; death < deaths; ++death) {
+    Visitor visitor("vdrive client", {"client"});
+    asker.requests.wait_for_match(source_of(visitor.prefix()), 50ms);
+    visitor.send(SIGKILL);
+  }
+  Visitor next("vdrive client", {"client"});
+  EXPECT_TRUE(asker.requests.wait_for_match(source_of(next.prefix()), 2s));
+}
+
+TEST(AParticipant, OutlivesTwoHundredJoinsAndLeaves) {
+  Visitor bench("vdrived 1");
+  constexpr int kAtOnce = 5;
+  constexpr int kRounds = 40;
+  std::vector<std::thread> clients;
+  std::atomic<int> answered{0};
+  for (int client = 0; client < kAtOnce; ++client) {
+    clients.emplace_back([&answered] {
+      for (int round = 0; round < kRounds; ++round) {
+        Asker asker(settings(Role::client));
+        answered += asker.is_answered() ? 1 : 0;
+      }
+    });
+  }
+  for (auto& client : clients) {
+    client.join();
+  }
+  EXPECT_EQ(answered, kAtOnce * kRounds);
+  EXPECT_EQ(bench.stop().code, 0);
+}
+
+// ---- datagrams that the library does not survive ------------------------------------------------
+
+Datagram statistics_with_more_behind(const GuidPrefix& sender) {
+  Datagram datagram = DatagramWriter(sender).add(0x80, 1, Datagram(56)).bytes();
+  datagram.resize(datagram.size() + 4);
+  return datagram;
+}
+
+/// From the publications of a participant that is known: one that is not is not listened to.
+Datagram gap_without_end(const GuidPrefix& sender) {
+  const std::int64_t far = std::int64_t{1} << 36U;
+  return DatagramWriter(sender)
+      .add(0x08, 1,
+           test::gap(test::kPublicationsReader, test::kPublicationsWriter, 100, far).bytes())
+      .bytes();
+}
+
+TEST(AnUnguardedParticipant, DiesOfOneStatisticsSubmessage) {
+  Visitor visitor("visitor", {"unguarded"});
+  Attacker().send_to_discovery(statistics_with_more_behind({1, 15, 1}));
+  EXPECT_EQ(visitor.process().wait().code, -SIGABRT);
+}
+
+TEST(AnUnguardedParticipant, DiscoversNobodyAfterAGapWithoutEnd) {
+  Asker known;
+  Visitor visitor("visitor", {"unguarded"});
+  ASSERT_TRUE(known.is_answered());
+  Attacker().send_to_discovery(gap_without_end(known.participant.source().participant));
+  Asker late;
+  EXPECT_FALSE(late.is_answered(3s));
+  visitor.send(SIGKILL);  // its memory grows
+}
+
+TEST(AGuardedParticipant, LivesOnAfterBoth) {
+  Asker known;
+  Visitor visitor("visitor");
+  ASSERT_TRUE(known.is_answered());
+  const GuidPrefix sender = known.participant.source().participant;
+  Attacker().send_to_discovery(statistics_with_more_behind(sender));
+  Attacker().send_to_discovery(gap_without_end(sender));
+  Asker late;
+  EXPECT_TRUE(late.is_answered());
+  const test::Finished finished = visitor.stop();
+  EXPECT_EQ(finished.code, 0);
+  EXPECT_NE(finished.output.find("refused 2 "), std::string::npos) << finished.output;
+}
+
+TEST(TheSinkOfAGuard, IsToldReasonAndSender) {
+  std::atomic<int> told{0};
+  auto with_sink = settings();
+  with_sink.guard_sink = [&told](Refusal refusal, std::string_view sender) {
+    told += refusal == Refusal::statistics && sender.starts_with("127.0.0.1:") ? 1 : 0;
+  };
+  const Participant participant(with_sink, "told");
+  Attacker().send_to_discovery(statistics_with_more_behind({1, 15, 1}));
+  EXPECT_TRUE(wait_until([&] {
+    return told == 1;
+  }));
+}
+
+// ---- mutations of real datagrams ----------------------------------------------------------------
+
+/// Kept datagrams of participants, with these in place of who sent and who received.
+constexpr GuidPrefix kKeptSender{1, 15, 'A', 'A', 'A', 'A', 'A', 'A', 'A', 'A', 'A', 'A'};
+constexpr GuidPrefix kKeptReceiver{1, 15, 'B', 'B', 'B', 'B', 'B', 'B', 'B', 'B', 'B', 'B'};
+
+void replace_all(Datagram& datagram, const GuidPrefix& from, const GuidPrefix& to) {
+  for (auto place = datagram.begin();
+       (place = std::search(place, datagram.end(), from.begin(), from.end())) != datagram.end();) {
+    place = std::copy(to.begin(), to.end(), place);
+  }
+}
+
+std::vector<Datagram> kept_datagrams(const GuidPrefix& sender, const GuidPrefix& receiver) {
+  std::vector<std::filesystem::path> files;
+  const std::filesystem::path directory = VDRIVE_SOURCE_DIR "/tests/fuzz/corpus/datagram_fuzz";
+  for (const auto& file : std::filesystem::directory_iterator(directory)) {
+    files.push_back(file.path());
+  }
+  std::sort(files.begin(), files.end());
+  std::vector<Datagram> kept;
+  for (const auto& path : files) {
+    std::ifstream file(path, std::ios::binary);
+    Datagram datagram{std::istreambuf_iterator<char>(file), {}};
+    replace_all(datagram, kKeptSender, sender);
+    replace_all(datagram, kKeptReceiver, receiver);
+    kept.push_back(std::move(datagram));
+  }
+  return kept;
+}
+
+/// Changes a datagram as a bad network or a bad neighbour would.
+class Mutator {
+ public:
+  Mutator(std::uint64_t seed, std::vector<Datagram> kept) : random_(seed), kept_(std::move(kept)) {}
+
+  Datagram next() {
+    Datagram datagram = kept_.at(below(kept_.size()));
+    for (std::size_t changes = 1 + below(4); changes > 0 && datagram.size() > 24; --changes) {
+      change(datagram);
+    }
+    return datagram;
+  }
+
+ private:
+  std::size_t below(std::size_t bound) { return random_() % bound; }
+
+  /// @return the offset of one of the submessages.
+  std::size_t submessage(const Datagram& datagram) {
+    std::vector<std::size_t> offsets;
+    for (std::size_t offset = 20; offset + 4 <= datagram.size();) {
+      offsets.push_back(offset);
+      offset += 4U + datagram[offset + 2] + 256U * datagram[offset + 3];
+    }
+    return offsets.empty() ? 20 : offsets.at(below(offsets.size()));
+  }
+
+  void change(Datagram& datagram) {
+    constexpr std::array<std::uint8_t, 12> kKinds{0x06, 0x07, 0x08, 0x09, 0x0C, 0x0E,
+                                                  0x12, 0x13, 0x15, 0x16, 0x33, 0x80};
+    const std::size_t place = submessage(datagram);
+    switch (below(8)) {
+      case 0:
+        datagram[20 + below(datagram.size() - 20)] ^= static_cast<std::uint8_t>(1U << below(8));
+        break;
+      case 1:
+        datagram[20 + below(datagram.size() - 20)] = static_cast<std::uint8_t>(random_());
+        break;
+      case 2:
+        datagram[place + 2 + below(2)] = static_cast<std::uint8_t>(random_());
+        break;
+      case 3:
+        datagram[place] = kKinds.at(below(kKinds.size()));
+        break;
+      case 4:
+        datagram.resize(20 + below(datagram.size() - 20));
+        break;
+      case 5:
+        forge_gap(datagram);
+        break;
+      case 6:
+        splice(datagram);
+        break;
+      default:
+        overwrite_number(datagram);
+        break;
+    }
+  }
+
+  void forge_gap(Datagram& datagram) {
+    const std::array<std::uint32_t, 4> writers{0x000003C2, 0x000004C2, 0x000200C2, 0x00000203};
+    const std::uint32_t writer = writers.at(below(writers.size()));
+    const auto start = static_cast<std::int64_t>(random_() >> below(64));
+    const auto base = static_cast<std::int64_t>(random_() >> below(64));
+    const Datagram forged =
+        DatagramWriter({}).add(0x08, 1, test::gap(0, writer, start, base).bytes()).bytes();
+    datagram.insert(datagram.end(), forged.begin() + 20, forged.end());
+  }
+
+  void splice(Datagram& datagram) {
+    const Datagram& other = kept_.at(below(kept_.size()));
+    datagram.resize(20 + below(datagram.size() - 20));
+    datagram.insert(datagram.end(), other.begin() + static_cast<std::ptrdiff_t>(submessage(other)),
+                    other.end());
+  }
+
+  void overwrite_number(Datagram& datagram) {
+    constexpr std::array<std::uint32_t, 6> kNumbers{0,          1,          0x7FFFFFFF,
+                                                    0x80000000, 0xFFFFFFFF, 0x100};
+    const std::uint32_t number = kNumbers.at(below(kNumbers.size()));
+    const std::size_t place = 20 + below((datagram.size() - 20) / 4) * 4;
+    for (std::size_t byte = 0; byte < 4; ++byte) {
+      datagram[place + byte] = static_cast<std::uint8_t>(number >> (8 * byte));
+    }
+  }
+
+  std::mt19937_64 random_;
+  std::vector<Datagram> kept_;
+};
+
+TEST(AGuardedParticipant, OutlivesMutatedDatagrams) {
+  const bool is_nightly = std::getenv("VDRIVE_NIGHTLY") != nullptr;
+  const std::uint64_t count = is_nightly ? 10'000'000 : 100'000;
+  Visitor visitor("visitor");
+  Asker known;
+  ASSERT_TRUE(known.is_answered());
+  Mutator mutator(1, kept_datagrams(known.participant.source().participant, visitor.prefix()));
+  const Attacker attacker;
+  // The sockets hold some hundred datagrams: a short rest lets them be read.
+  for (std::uint64_t number = 0; number < count; ++number) {
+    attacker.send(mutator.next(), number % 3 == 0 ? 11 : 10);
+    if (number % 64 == 0) {
+      std::this_thread::sleep_for(1ms);
+    }
+  }
+  Asker late;
+  EXPECT_TRUE(late.is_answered()) << "nobody new is found";
+  const test::Finished finished = visitor.stop();
+  EXPECT_EQ(finished.code, 0) << finished.errors;
+  std::cout << finished.output;
+}
+
+}  // namespace
+}  // namespace vdrive::wire
