@@ -21,6 +21,7 @@ packages=(
   libeigen3-dev
   libfastcdr-dev
   libfastrtps-dev
+  libseccomp-dev # what each half of the service may ask of the kernel
   libspdlog-dev
   libssl-dev # checks of the security material; Fast DDS brings it too, like libtinyxml2-dev
   libsystemd-dev

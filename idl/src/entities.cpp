@@ -47,6 +47,13 @@ std::size_t Matches::count() const {
   return endpoints_.size();
 }
 
+std::vector<Source> Matches::sources() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<Source> sources(endpoints_.size());
+  std::transform(endpoints_.begin(), endpoints_.end(), sources.begin(), source_of);
+  return sources;
+}
+
 bool Matches::wait_for(std::size_t count, std::chrono::milliseconds timeout) {
   std::unique_lock lock(mutex_);
   return changed_.wait_for(lock, timeout, [&] {

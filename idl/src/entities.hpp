@@ -50,6 +50,9 @@ class Matches {
   void update(const eprosima::fastrtps::rtps::InstanceHandle_t& endpoint, int change);
 
   [[nodiscard]] std::size_t count() const;
+
+  /// @return the participants of the endpoints, in the order of their matches.
+  [[nodiscard]] std::vector<Source> sources() const;
   [[nodiscard]] bool wait_for(std::size_t count, std::chrono::milliseconds timeout);
   [[nodiscard]] bool wait_for(const Source& source, std::chrono::milliseconds timeout);
 

@@ -11,7 +11,7 @@ namespace vdrive::wire {
 namespace dds = eprosima::fastdds::dds;
 
 Writer::Writer(Participant::Entities& parent, TopicId topic, const dds::TypeSupport& type,
-               std::function<void(std::size_t)> observer)
+               std::function<void(const std::vector<Source>&)> observer)
     : publisher_(parent.publisher), observer_(std::move(observer)) {
   const TopicTraits& traits = traits_of(topic);
   const std::string name = std::string(kTopicPrefix) + std::string(traits.name);
@@ -54,7 +54,7 @@ void Writer::on_publication_matched(dds::DataWriter* /*writer*/,
                                     const dds::PublicationMatchedStatus& status) {
   matches_.update(status.last_subscription_handle, status.current_count_change);
   if (observer_) {
-    observer_(matches_.count());
+    observer_(matches_.sources());
   }
 }
 

@@ -7,19 +7,19 @@
 #include <fastdds/dds/publisher/DataWriterListener.hpp>
 
 #include <chrono>
-#include <cstddef>
 #include <functional>
+#include <vector>
 
 namespace vdrive::wire {
 
 /// The DDS writer of a topic and who matches it; what publications of messages and of bytes share.
 class Writer final : public eprosima::fastdds::dds::DataWriterListener {
  public:
-  /// @param observer runs with the number of matches whenever it has changed
+  /// @param observer runs with who matches, whenever it has changed
   /// @throws NotPermitted, NetworkError as `Publication` does
   Writer(Participant::Entities& parent, TopicId topic,
          const eprosima::fastdds::dds::TypeSupport& type,
-         std::function<void(std::size_t)> observer = nullptr);
+         std::function<void(const std::vector<Source>&)> observer = nullptr);
   ~Writer() override;
   Writer(const Writer&) = delete;
   Writer& operator=(const Writer&) = delete;
@@ -39,7 +39,7 @@ class Writer final : public eprosima::fastdds::dds::DataWriterListener {
   eprosima::fastdds::dds::Publisher* publisher_ = nullptr;
   eprosima::fastdds::dds::DataWriter* writer_ = nullptr;
   Matches matches_;
-  std::function<void(std::size_t)> observer_;
+  std::function<void(const std::vector<Source>&)> observer_;
 };
 
 }  // namespace vdrive::wire

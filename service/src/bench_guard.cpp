@@ -1,14 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench_guard.hpp"
 
+#include "vdrive/wire/codec.hpp"
+
 namespace vdrive::service {
 
-BenchGuard::BenchGuard(wire::Participant& participant, const BenchIdentity& identity)
-    : states_(participant, [this, identity](const msg::BenchState& state, const wire::Source&) {
-        if (state.bench() == identity.bench && state.incarnation() < identity.incarnation) {
-          older_ = state.incarnation();
-        }
-      }) {}
+BenchGuard::BenchGuard(ByteRing notices, const BenchIdentity& identity)
+    : notices_(notices), identity_(identity) {}
+
+void BenchGuard::look() {
+  while (const auto record = notices_.front()) {
+    if (wire::decode(record->bytes, state_) && state_.bench() == identity_.bench &&
+        state_.incarnation() < identity_.incarnation) {
+      older_ = state_.incarnation();
+    }
+    notices_.pop();
+  }
+}
 
 std::optional<std::uint64_t> BenchGuard::conflict() const noexcept {
   const std::uint64_t older = older_;

@@ -2,7 +2,8 @@
 #pragma once
 
 #include "vdrive/service/bench_engine.hpp"
-#include "vdrive/wire/subscription.hpp"
+#include "vdrive/service/byte_ring.hpp"
+#include "vdrive_messages.h"
 
 #include <atomic>
 #include <chrono>
@@ -18,14 +19,20 @@ class BenchGuard {
   /// How long to listen before announcing; running services show themselves every 50 ms.
   static constexpr std::chrono::milliseconds kListening{300};
 
-  BenchGuard(wire::Participant& participant, const BenchIdentity& identity);
+  /// @param notices where the wire puts the states of other services
+  BenchGuard(ByteRing notices, const BenchIdentity& identity);
+
+  /// Reads what has arrived. One thread at a time.
+  void look();
 
   /// @return the incarnation of the service to which the number belongs, when it is not ours.
   [[nodiscard]] std::optional<std::uint64_t> conflict() const noexcept;
 
  private:
+  ByteRing notices_;
+  BenchIdentity identity_;
+  msg::BenchState state_;
   std::atomic<std::uint64_t> older_{0};  ///< 0 = none seen
-  wire::Subscription<msg::BenchState> states_;
 };
 
 }  // namespace vdrive::service

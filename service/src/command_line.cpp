@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/service/command_line.hpp"
 
-#include "repeat_limiter.hpp"
+#include "confinement.hpp"
+#include "library_log_sink.hpp"
 #include "service_manager.hpp"
 #include "vdrive/axis_bank.hpp"
 #include "vdrive/service/configuration.hpp"
@@ -11,13 +12,16 @@
 #include "vdrive/service/service.hpp"
 #include "vdrive/wire/library_log.hpp"
 #include "vdrive/wire/security.hpp"
+#include "wire_host.hpp"
+#include "wire_process.hpp"
 
 #include <CLI/CLI.hpp>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <unistd.h>
+
 #include <algorithm>
-#include <cctype>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -26,6 +30,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <utility>
 
 namespace vdrive::service {
@@ -60,6 +65,8 @@ struct Arguments {
   std::optional<std::string> journal;
   std::optional<std::string> state;
   std::optional<std::string> replay;
+  std::optional<std::string> wire;
+  std::optional<int> wire_process;
   std::string log_level = "info";
   bool print_config = false;
 };
@@ -102,6 +109,12 @@ void declare(CLI::App& app, Arguments& arguments) {
                  "Run the axes of a journal again and compare every tick: 0 = agrees, 1 = differs "
                  "or ticks are missing, 2 = no usable journal")
       ->type_name("FILE");
+  app.add_option("--wire", arguments.wire,
+                 "Where DDS runs: in a process of its own, which is started again when it ends, or "
+                 "in threads of this one; default process in realtime, else thread")
+      ->check(CLI::IsMember({"process", "thread"}))
+      ->type_name("FORM");
+  app.add_option("--wire-process", arguments.wire_process)->group("");  // the service starts it so
   app.add_option("--log-level", arguments.log_level, "What to log on standard error")
       ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}))
       ->capture_default_str();
@@ -138,6 +151,9 @@ void override(Configuration& configuration, const Arguments& arguments) {
   }
   configuration.rate = arguments.rate.value_or(configuration.rate);
   configuration.threads = arguments.threads.value_or(configuration.threads);
+  if (arguments.wire) {
+    configuration.wire_form = wire_form_named(*arguments.wire);
+  }
   if (arguments.metrics) {
     configuration.metrics_port = static_cast<std::uint16_t>(*arguments.metrics);
   }
@@ -177,11 +193,17 @@ void watch(Service& service, const ServiceManager& manager, const sigset_t& sign
   const auto poll =
       interval ? std::min<std::chrono::microseconds>(kPollInterval, *interval / 2) : kPollInterval;
   bool is_ready = false;
+  bool is_reachable = true;
   auto next_heartbeat = std::chrono::steady_clock::time_point{};
   while (!takes_signal(signals, is_ready ? poll : kBusyPollInterval) && !service.conflict()) {
     if (!is_ready && service.has_run()) {
       manager.tell_ready(description);
       is_ready = true;
+    }
+    if (is_ready && service.is_reachable() != is_reachable) {
+      is_reachable = !is_reachable;
+      manager.tell_status(is_reachable ? description
+                                       : description + ", no network: its wire is down");
     }
     const auto now = std::chrono::steady_clock::now();
     if (is_ready && interval && now >= next_heartbeat) {
@@ -193,46 +215,53 @@ void watch(Service& service, const ServiceManager& manager, const sigset_t& sign
   }
 }
 
-/// A line a second, whatever arrives. What the library prints of a packet is the sender's to
-/// choose.
-wire::LibraryLog::Sink log_of_the_library(std::uint32_t bench) {
-  return [bench, limiter = RepeatLimiter()](const std::string& part,
-                                            const std::string& words) mutable {
-    constexpr std::size_t kLongest = 256;
-    if (const auto suppressed = limiter.pass(std::chrono::steady_clock::now())) {
-      std::string text = words.substr(0, kLongest);
-      std::replace_if(
-          text.begin(), text.end(),
-          [](char letter) {
-            return letter == '"' || std::iscntrl(static_cast<unsigned char>(letter)) != 0;
-          },
-          ' ');
-      spdlog::warn("dds={} bench={} suppressed={} text=\"{}\"", part, bench, *suppressed, text);
-    }
-  };
+/// The axes have 1.5 s to come to rest. After that only the DDS library can hang, in threads that
+/// nobody can end but with the process.
+void end_in_time(int exit_code) {
+  std::thread([exit_code] {
+    constexpr std::chrono::milliseconds kLongest{1'950};
+    std::this_thread::sleep_for(kLongest);
+    spdlog::warn("text=\"the DDS library did not end in time\"");
+    _exit(exit_code);
+  }).detach();
 }
 
 int serve(const Configuration& configuration, const Arguments& arguments) {
   // Blocked before the first thread starts, so that every thread leaves them to this one.
   const sigset_t signals = stop_signals();
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  // Before the first thread too: its child must have none of them.
+  const bool has_process = effective_wire_form(configuration) == WireForm::process;
+  auto host = has_process
+                  ? std::make_unique<WireHost>(WireSettings{.network = configuration.network,
+                                                            .bench = configuration.bench,
+                                                            .log_level = arguments.log_level})
+                  : nullptr;
   const ServiceManager manager;
-  const wire::LibraryLog library_log(log_of_the_library(configuration.bench));
+  std::optional<wire::LibraryLog> library_log;
+  if (!has_process) {
+    library_log.emplace(log_of_the_library(configuration.bench));
+  }
   auto store = open_parameter_store(arguments.state, configuration.bench);
   Service service(configuration, arguments.journal ? open_journal(*arguments.journal) : nullptr,
-                  std::move(store));
+                  std::move(store), std::move(host));
+  if (has_process) {
+    confine_engine();
+  }
   service.start();
   watch(service, manager, signals,
         "bench " + std::to_string(configuration.bench) + ", " +
             std::to_string(configuration.axes.size()) + " axes, " +
             std::string(to_string(configuration.clock)) + ", DDS domain " +
             std::to_string(configuration.network.domain));
+  const auto older = service.conflict();
+  end_in_time(older ? kNumberTaken : kDone);
   manager.tell_stopping();
   service.begin_shutdown();
   while (!service.is_shut_down() && !takes_signal(signals, kBusyPollInterval)) {
   }
   service.stop();
-  if (const auto older = service.conflict()) {
+  if (older) {
     throw BenchNumberTaken("bench " + std::to_string(configuration.bench) +
                            " belongs to a service that started earlier (incarnation " +
                            std::to_string(*older) + ")");
@@ -247,6 +276,9 @@ int replay_journal(const Arguments& arguments) {
 }
 
 int carry_out(const Arguments& arguments) {
+  if (arguments.wire_process) {
+    return run_wire_process(*arguments.wire_process);
+  }
   if (arguments.replay) {
     return replay_journal(arguments);
   }

@@ -197,6 +197,19 @@ void read_watchdog(const YamlValue& value, Configuration& configuration) {
   });
 }
 
+void read_wire(const YamlValue& value, Configuration& configuration) {
+  value.for_each_entry({"form", "memory_limit_mib"}, [&](const auto& key, const auto& entry) {
+    if (key == "form") {
+      constexpr std::array kForms{WireForm::process, WireForm::thread};
+      configuration.wire_form =
+          kForms.at(entry.choice({to_string(WireForm::process), to_string(WireForm::thread)}));
+    } else {
+      configuration.wire_memory_limit =
+          static_cast<std::uint64_t>(entry.integer({64, 65'536, "MiB"})) << 20U;
+    }
+  });
+}
+
 void read_metrics(const YamlValue& value, Configuration& configuration) {
   value.for_each_entry({"port"}, [&](const auto& /*key*/, const YamlValue& entry) {
     configuration.metrics_port =
@@ -389,7 +402,7 @@ Configuration read_configuration(const YamlValue& root) {
   Configuration configuration = demo_configuration();
   ParsedAxes parsed;
   root.for_each_entry(
-      {"bench", "clock", "status", "watchdog", "metrics", "network", "axes"},
+      {"bench", "clock", "status", "watchdog", "metrics", "wire", "network", "axes"},
       [&](const auto& key, const YamlValue& entry) {
         if (key == "bench") {
           read_bench(entry, configuration);
@@ -404,6 +417,8 @@ Configuration read_configuration(const YamlValue& root) {
           read_watchdog(entry, configuration);
         } else if (key == "metrics") {
           read_metrics(entry, configuration);
+        } else if (key == "wire") {
+          read_wire(entry, configuration);
         } else if (key == "network") {
           read_network(entry, configuration.network);
         } else {
@@ -586,6 +601,10 @@ std::string to_yaml(const Configuration& configuration) {
     out << "off";
   }
   out << YAML::EndMap;
+  out << YAML::Key << "wire" << YAML::Value << YAML::BeginMap << YAML::Key << "form" << YAML::Value
+      << std::string(to_string(effective_wire_form(configuration))) << YAML::Key
+      << "memory_limit_mib" << YAML::Value << (configuration.wire_memory_limit >> 20U)
+      << YAML::EndMap;
   if (configuration.metrics_port) {
     out << YAML::Key << "metrics" << YAML::Value << YAML::BeginMap << YAML::Key << "port"
         << YAML::Value << *configuration.metrics_port << YAML::EndMap;
@@ -597,6 +616,22 @@ std::string to_yaml(const Configuration& configuration) {
   }
   out << YAML::EndSeq << YAML::EndMap;
   return std::string(out.c_str()) + "\n";
+}
+
+std::string_view to_string(WireForm form) noexcept {
+  return form == WireForm::process ? "process" : "thread";
+}
+
+std::optional<WireForm> wire_form_named(std::string_view name) noexcept {
+  if (name == to_string(WireForm::process)) {
+    return WireForm::process;
+  }
+  return name == to_string(WireForm::thread) ? std::optional(WireForm::thread) : std::nullopt;
+}
+
+WireForm effective_wire_form(const Configuration& configuration) noexcept {
+  return configuration.wire_form.value_or(
+      configuration.clock == ClockMode::realtime ? WireForm::process : WireForm::thread);
 }
 
 std::optional<std::chrono::milliseconds> effective_watchdog(

@@ -7,6 +7,7 @@
 #include "vdrive/service/parameter_store.hpp"
 #include "vdrive/service/stepper_table.hpp"
 #include "vdrive/wire/conversion.hpp"
+#include "wire_supervisor.hpp"
 
 #include <array>
 #include <bit>
@@ -103,6 +104,19 @@ std::string parameters_text(const EventRecord& event) {
   }
 }
 
+std::string wire_text(const EventRecord& event) {
+  switch (event.code) {
+    case WireNews::kLost:
+      return "the wire (network process) " + WireLoss::unpacked(event.detail).text() +
+             "; the axes go on";
+    case WireNews::kRuns:
+      return "the wire runs again after " + std::to_string(event.detail) + " ms";
+    default:
+      return "the wire ends again and again; it is started in " + std::to_string(event.detail) +
+             " ms";
+  }
+}
+
 std::string text_of(const EventRecord& event) {
   switch (event.kind) {
     case msg::EVENT_STATE_CHANGED:
@@ -138,6 +152,8 @@ std::string text_of(const EventRecord& event) {
       return clock_text(event);
     case msg::EVENT_SHUTDOWN:
       return "the service shuts down: its axes brake, commands are refused";
+    case msg::EVENT_WIRE:
+      return wire_text(event);
     default:
       return "event " + std::to_string(event.kind);
   }
@@ -173,6 +189,8 @@ const char* name_of(std::uint32_t kind) {
       return "snapshot";
     case msg::EVENT_JOURNAL:
       return "journal";
+    case msg::EVENT_WIRE:
+      return "wire";
     case msg::EVENT_PARAMETERS:
       return "parameters";
     case msg::EVENT_SHUTDOWN:

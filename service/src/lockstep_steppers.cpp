@@ -164,11 +164,10 @@ bool LockstepDriver::answer_if_due(const WaitingStep& waiting, Clock::time_point
 void LockstepDriver::call_the_roll(Clock::time_point now) {
   std::vector<std::uint64_t> gone;
   for (Stepper& stepper : steppers_.all()) {
-    const bool is_matched = replies_.is_matched(stepper.source);
-    if (stepper.was_matched && !is_matched) {
+    if (stepper.was_matched && replies_.is_gone(stepper.source)) {
       gone.push_back(stepper.session);
     }
-    stepper.was_matched = stepper.was_matched || is_matched;
+    stepper.was_matched = stepper.was_matched || replies_.is_matched(stepper.source);
   }
   for (const std::uint64_t session : gone) {
     part_with(session, Parting::gone);

@@ -6,113 +6,110 @@
 namespace vdrive::service {
 namespace {
 
-constexpr std::size_t kTurnedAway = 256;
 constexpr std::size_t kStatusesInFlight = 65'536;
 constexpr std::size_t kLeastImages = 4;
 constexpr std::size_t kMostImages = 64;
 
-/// Everything but the sequences.
-void copy_head(const msg::CommandFrame& from, msg::CommandFrame& to) {
-  to.bench(from.bench());
-  to.incarnation(from.incarnation());
-  to.session(from.session());
-  to.epoch(from.epoch());
-  to.sequence_number(from.sequence_number());
-  to.flags(from.flags());
-  to.axes().clear();
-}
+/// Of a sample that found no room; it holds all that `TurnedAway` has.
+constexpr std::size_t kBeginning = 64;
 
-void copy_head(const msg::Request& from, msg::Request& to) {
-  to.client(from.client());
-  to.request_id(from.request_id());
-  to.bench(from.bench());
-  to.incarnation(from.incarnation());
-  to.session(from.session());
-  to.kind(from.kind());
-  to.axes().clear();
-  to.objects().clear();
-}
-
-std::uint32_t bounds_refusal(const msg::CommandFrame& frame) {
-  if (frame.axes().size() > msg::MAX_AXES_PER_FRAME) {
-    return msg::REASON_TOO_MANY_AXES;
+std::uint32_t reason_of(wire::Decoding decoding) {
+  switch (decoding) {
+    case wire::Decoding::too_many_axes:
+      return msg::REASON_TOO_MANY_AXES;
+    case wire::Decoding::too_many_objects:
+      return msg::REASON_TOO_MANY_OBJECTS;
+    default:
+      return msg::REASON_NONE;
   }
-  const bool fits = std::all_of(frame.axes().begin(), frame.axes().end(), [](const auto& axis) {
-    return axis.objects().size() <= msg::MAX_OBJECTS_PER_AXIS;
-  });
-  return fits ? msg::REASON_NONE : msg::REASON_TOO_MANY_OBJECTS;
-}
-
-std::uint32_t bounds_refusal(const msg::Request& request) {
-  if (request.axes().size() > msg::MAX_AXES_PER_FRAME) {
-    return msg::REASON_TOO_MANY_AXES;
-  }
-  return request.objects().size() <= msg::MAX_OBJECTS_PER_REQUEST ? msg::REASON_NONE
-                                                                  : msg::REASON_TOO_MANY_OBJECTS;
-}
-
-/// @return the reason why only the head was copied, or REASON_NONE.
-template <typename Message>
-std::uint32_t copy(const Message& from, Message& to) {
-  const std::uint32_t refusal = bounds_refusal(from);
-  if (refusal == msg::REASON_NONE) {
-    to = from;
-  } else {
-    copy_head(from, to);
-  }
-  return refusal;
 }
 
 }  // namespace
 
-Inbox::Inbox(std::uint32_t bench, Counters& counters)
-    : bench_(bench), counters_(counters), arrivals_(kCapacity), turned_away_(kTurnedAway) {}
-
-void Inbox::receive(const msg::CommandFrame& frame, const wire::Source& source) {
-  if (frame.bench() != bench_) {
-    return;
+bool ArrivalIntake::put(wire::TopicId topic, std::span<const std::byte> sample,
+                        const wire::Source& source) noexcept {
+  const auto room = arrivals_.size() < kCapacity ? arrivals_.reserve(sample.size()) : std::nullopt;
+  const bool fits = room.has_value();
+  const std::size_t size = fits ? sample.size() : std::min(sample.size(), kBeginning);
+  ByteRing& ring = fits ? arrivals_ : turned_away_;
+  if (const auto place = fits ? room : ring.reserve(size)) {
+    std::copy_n(sample.begin(), size, place->begin());
+    ring.commit({.size = static_cast<std::uint32_t>(size),
+                 .full_size = static_cast<std::uint32_t>(sample.size()),
+                 .topic = static_cast<std::uint16_t>(topic),
+                 .flags = 0,
+                 .party = source});
   }
-  const std::lock_guard lock(producers_);
-  Arrival* const slot = arrivals_.free_slot();
-  if (slot == nullptr) {
-    turn_away({.kind = Arrival::Kind::command_frame,
-               .source = source,
-               .session = frame.session(),
-               .sequence_number = frame.sequence_number()});
-    return;
-  }
-  slot->kind = Arrival::Kind::command_frame;
-  slot->source = source;
-  slot->refusal = copy(frame, slot->frame);
-  arrivals_.push();
+  return fits;
 }
 
-void Inbox::receive(const msg::Request& request, const wire::Source& source) {
-  if (request.bench() != bench_) {
-    return;
-  }
-  const std::lock_guard lock(producers_);
-  Arrival* const slot = arrivals_.free_slot();
-  if (slot == nullptr) {
-    turn_away({.kind = Arrival::Kind::request,
-               .source = source,
-               .client = request.client(),
-               .request_id = request.request_id(),
-               .session = request.session()});
-    return;
-  }
-  slot->kind = Arrival::Kind::request;
-  slot->source = source;
-  slot->refusal = copy(request, slot->request);
-  arrivals_.push();
+Inbox::Inbox(std::uint32_t bench, ByteRing arrivals, ByteRing turned_away, Counters& counters)
+    : bench_(bench), counters_(counters), arrivals_(arrivals), turned_away_(turned_away) {
+  arrival_.frame.axes().reserve(msg::MAX_AXES_PER_FRAME);
+  arrival_.request.axes().reserve(msg::MAX_AXES_PER_FRAME);
+  arrival_.request.objects().reserve(msg::MAX_OBJECTS_PER_REQUEST);
 }
 
-void Inbox::turn_away(const TurnedAway& arrival) {
-  counters_.queue_overflows.add();
-  if (auto* const slot = turned_away_.free_slot(); slot != nullptr) {
-    *slot = arrival;
-    turned_away_.push();
+Arrival* Inbox::front() {
+  while (!is_decoded_) {
+    const auto record = arrivals_.front();
+    if (!record) {
+      return nullptr;
+    }
+    is_decoded_ = decode(*record);
+    if (!is_decoded_) {
+      arrivals_.pop();
+    }
   }
+  return &arrival_;
+}
+
+void Inbox::pop() noexcept {
+  is_decoded_ = false;
+  arrivals_.pop();
+}
+
+bool Inbox::decode(const ByteRing::Record& record) {
+  const auto topic = wire::topic_numbered(record.head.topic);
+  const bool is_frame = topic == wire::TopicId::command;
+  if (!is_frame && topic != wire::TopicId::request) {
+    counters_.malformed.add();
+    return false;
+  }
+  const wire::Decoding decoding = is_frame ? decoder_.decode(record.bytes, arrival_.frame)
+                                           : decoder_.decode(record.bytes, arrival_.request);
+  if (decoding == wire::Decoding::malformed) {
+    counters_.malformed.add();
+    return false;
+  }
+  arrival_.kind = is_frame ? Arrival::Kind::command_frame : Arrival::Kind::request;
+  arrival_.refusal = reason_of(decoding);
+  arrival_.source = record.head.party;
+  return (is_frame ? arrival_.frame.bench() : arrival_.request.bench()) == bench_;
+}
+
+std::optional<TurnedAway> Inbox::next_turned_away() {
+  const auto record = turned_away_.front();
+  if (!record) {
+    return std::nullopt;
+  }
+  // The rest of the message is missing, so the decoder calls it malformed; its head is good.
+  TurnedAway away{.source = record->head.party};
+  if (record->head.topic == static_cast<std::uint16_t>(wire::TopicId::command)) {
+    msg::CommandFrame frame;
+    static_cast<void>(head_decoder_.decode(record->bytes, frame));
+    away.session = frame.session();
+    away.sequence_number = frame.sequence_number();
+  } else {
+    msg::Request request;
+    static_cast<void>(head_decoder_.decode(record->bytes, request));
+    away.kind = Arrival::Kind::request;
+    away.client = request.client();
+    away.request_id = request.request_id();
+    away.session = request.session();
+  }
+  turned_away_.pop();
+  return away;
 }
 
 Outbox::Outbox(std::size_t axes)

@@ -1,60 +1,43 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "repeat_limiter.hpp"
 #include "vdrive/service/bench_engine.hpp"
 #include "vdrive/service/counters.hpp"
 #include "vdrive/service/queues.hpp"
-#include "vdrive/wire/publication.hpp"
-
-#include <chrono>
-#include <cstdint>
-#include <deque>
-#include <string_view>
+#include "wire_link.hpp"
 
 namespace vdrive::service {
 
-/// Sends replies and command replies. A reply waits up to 1 s until its client's reader is known;
-/// meanwhile the others go on. Used by one thread.
+/// Sends replies and command replies. The wire lets a reply wait up to 1 s until its client's
+/// reader is known. Used by one thread.
 class ReplyPublisher {
  public:
-  static constexpr std::chrono::seconds kLongestWait{1};
-  static constexpr std::size_t kMostWaiting = 256;
+  /// @param link outlives this
+  ReplyPublisher(WireLink& link, const BenchIdentity& identity, Counters& counters);
 
-  ReplyPublisher(wire::Participant& participant, const BenchIdentity& identity, Counters& counters);
-
-  /// Sends all that waits in the outbox, what the inbox turned away, and replies whose reader has
-  /// been found since.
+  /// Sends what waits in the outbox and answers what the inbox turned away. What finds no room in
+  /// the lane of the wire stays in the outbox.
   void deliver(Inbox& inbox, Outbox& outbox);
 
   /// @return whether the participant reads replies now.
-  [[nodiscard]] bool is_matched(const wire::Source& source) {
-    return replies_.wait_for_match(source, std::chrono::milliseconds{0});
+  [[nodiscard]] bool is_matched(const wire::Source& source) const noexcept {
+    return link_.is_matched(source);
   }
 
-  /// @return whether a reply waits for its reader.
-  [[nodiscard]] bool is_waiting() const noexcept { return !waiting_.empty(); }
+  /// @return whether a participant that read replies does so no more.
+  [[nodiscard]] bool is_gone(const wire::Source& source) const noexcept {
+    return link_.is_gone(source);
+  }
+
+  /// @return whether a reply waits for its reader and this thread has to look again.
+  [[nodiscard]] bool is_waiting() const noexcept { return link_.is_holding(); }
 
  private:
-  using Clock = std::chrono::steady_clock;
+  [[nodiscard]] bool refuse(const TurnedAway& arrival);
 
-  struct Waiting {
-    OutgoingReply outgoing;
-    Clock::time_point deadline;
-  };
-
-  void send(const OutgoingReply& outgoing);
-  [[nodiscard]] bool try_send(const OutgoingReply& outgoing);
-  void retry();
-  void drop(const msg::Reply& reply, std::string_view why);
-  void refuse(const TurnedAway& arrival);
-
-  wire::Publication<msg::Reply> replies_;
-  wire::Publication<msg::CommandReply> command_replies_;
+  WireLink& link_;
   BenchIdentity identity_;
   Counters& counters_;
-  std::deque<Waiting> waiting_;
-  RepeatLimiter drop_log_;
 };
 
 }  // namespace vdrive::service

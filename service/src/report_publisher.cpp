@@ -8,6 +8,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <thread>
 #include <utility>
 
 namespace vdrive::service {
@@ -21,6 +22,11 @@ constexpr double kParametersPerSecond = 2'000.0;
 constexpr double kParameterBurst = 256.0;
 constexpr std::string_view kDictionaryVersion = "1.0";
 constexpr const char* kUnit = "UU";
+constexpr std::size_t kNumbers = 65'536;
+/// As deep as the history of the topic.
+constexpr auto kEventsKept = static_cast<std::size_t>(wire::traits_of(wire::TopicId::event).depth);
+/// The wire empties a lane within this, or hangs.
+constexpr std::chrono::milliseconds kLongestWaitForRoom{100};
 
 std::uint32_t clock_mode_of(const Configuration& configuration) {
   switch (configuration.clock) {
@@ -41,6 +47,7 @@ spdlog::level::level_enum level_of(const EventRecord& event) {
     case msg::EVENT_TICK_JUMPED:
     case msg::EVENT_QUEUE_OVERFLOW:
     case msg::EVENT_JOURNAL:
+    case msg::EVENT_WIRE:
       return spdlog::level::warn;
     case msg::EVENT_PARAMETERS:
       return event.code == ParameterNews::kLoaded ? spdlog::level::info : spdlog::level::warn;
@@ -62,20 +69,19 @@ std::int64_t read(const AxisBank& bank, std::size_t axis, ObjectRow row) {
 
 }  // namespace
 
-ReportPublisher::ReportPublisher(wire::Participant& participant, const Configuration& configuration,
+ReportPublisher::ReportPublisher(WireLink& link, const Configuration& configuration,
                                  const BenchIdentity& identity, const AxisBank& bank,
                                  Counters& counters)
-    : descriptions_(participant),
-      states_(participant),
-      parameters_(participant),
-      events_(participant),
+    : link_(link),
       identity_(identity),
       period_(configuration.period),
-      counters_(counters) {
+      counters_(counters),
+      indices_(kNumbers) {
   describe_axes(configuration, bank);
   for (std::size_t axis = 0; axis < configuration.axes.size(); ++axis) {
     wire::to_message(bank, axis, {identity.bench, configuration.axes[axis].number}, 0,
-                     first_parameters_.emplace_back());
+                     parameters_.emplace_back());
+    indices_[configuration.axes[axis].number] = static_cast<std::uint16_t>(axis);
   }
   state_.bench(identity.bench);
   state_.incarnation(identity.incarnation);
@@ -124,25 +130,49 @@ void ReportPublisher::describe_axes(const Configuration& configuration, const Ax
 void ReportPublisher::announce(bool alive) {
   for (auto& part : parts_) {
     part.alive(alive);
-    write(descriptions_, part);
   }
+  met_ = link_.running();
+  for (const auto& part : parts_) {
+    write(part);
+  }
+  has_history_ = !alive;  // who goes reports nothing more
+  link_.flush(Lane::reports);
 }
 
-void ReportPublisher::publish_first_parameters() {
-  for (auto& parameters : first_parameters_) {
-    parameters.tick(counters_.tick.get());
-    write(parameters_, parameters);
+/// What readers that come later have to find; the wire keeps it for them, as long as it lives.
+void ReportPublisher::meet_wire() {
+  const std::uint32_t running = link_.running();
+  if (running != met_) {
+    met_ = running;
+    has_history_ = false;
+    for (const auto& part : parts_) {
+      write(part);
+    }
   }
-  first_parameters_ = {};
+  if (met_ == 0 || has_history_) {
+    return;
+  }
+  has_history_ = true;
+  for (auto& parameters : parameters_) {
+    if (parameters.tick() == 0) {
+      parameters.tick(counters_.tick.get());
+    }
+    write(parameters);
+  }
+  for (const auto& event : history_) {
+    write(event);
+  }
 }
 
 void ReportPublisher::publish(Inbox& inbox, Outbox& outbox) {
+  meet_wire();
   publish_events(outbox);
   publish_parameters(outbox);
   if (const auto now = Clock::now(); now >= next_state_) {
     publish_state(inbox, outbox, now);
     next_state_ = now + kStateInterval;
   }
+  link_.flush(Lane::reports);
 }
 
 void ReportPublisher::publish_events(Outbox& outbox) {
@@ -173,7 +203,11 @@ void ReportPublisher::publish_event(const CountedEvent& counted) {
   event_.error_register(event.error_register);
   event_.suppressed(suppressed);
   event_.text(text);
-  write(events_, event_);
+  if (history_.size() == kEventsKept) {
+    history_.pop_front();
+  }
+  history_.push_back(event_);
+  write(event_);
   counters_.events_sent.add();
   if (const auto level = level_of(event); spdlog::should_log(level)) {
     spdlog::log(level, log_line(identity_.bench, event, suppressed));
@@ -190,7 +224,8 @@ void ReportPublisher::publish_parameters(Outbox& outbox) {
     if (parameters == nullptr) {
       return;
     }
-    write(parameters_, *parameters);
+    parameters_[indices_[parameters->axis()]] = *parameters;
+    write(*parameters);
     outbox.parameters.pop();
     parameter_budget_ -= 1.0;
   }
@@ -226,7 +261,8 @@ void ReportPublisher::publish_state(const Inbox& inbox, const Outbox& outbox,
   state_.snapshots(static_cast<std::uint32_t>(counters_.snapshots.get()));
   state_.journal_ticks(counters_.journal_ticks.get());
   state_.journal_losses(counters_.journal_losses.get());
-  write(states_, state_);
+  state_.wire_starts(counters_.wire_starts.get());
+  write(state_);
 }
 
 double ReportPublisher::measured_rate(std::uint64_t tick, Clock::time_point now) {
@@ -243,15 +279,21 @@ double ReportPublisher::measured_rate(std::uint64_t tick, Clock::time_point now)
   return measured_rate_;
 }
 
-void ReportPublisher::wait_for_readers(std::chrono::milliseconds timeout) {
-  if (!descriptions_.wait_for_acknowledged(timeout)) {
-    spdlog::debug("not every reader acknowledged the last announcement");
-  }
-}
-
+/// Without a wire only the history grows. A burst, such as the descriptions of all axes, waits for
+/// the wire to make room.
 template <typename Message>
-void ReportPublisher::write(wire::Publication<Message>& publication, const Message& message) {
-  if (!publication.write(message)) {
+void ReportPublisher::write(const Message& message) {
+  if (met_ == 0) {
+    return;
+  }
+  bool is_posted = link_.post(Lane::reports, message);
+  const auto deadline = Clock::now() + kLongestWaitForRoom;
+  while (!is_posted && link_.running() == met_ && Clock::now() < deadline) {
+    link_.flush(Lane::reports);
+    std::this_thread::yield();
+    is_posted = link_.post(Lane::reports, message);
+  }
+  if (!is_posted) {
     counters_.queue_overflows.add();
   }
 }

@@ -7,10 +7,11 @@
 #include "vdrive/service/counters.hpp"
 #include "vdrive/service/event_limiter.hpp"
 #include "vdrive/service/queues.hpp"
-#include "vdrive/wire/publication.hpp"
+#include "wire_link.hpp"
 
 #include <chrono>
 #include <cstdint>
+#include <deque>
 #include <string>
 #include <vector>
 
@@ -23,23 +24,19 @@ class ReportPublisher {
   static constexpr std::chrono::milliseconds kStateInterval{50};
 
   /// Reads the descriptions of the axes from `bank`: before it is stepped.
-  ReportPublisher(wire::Participant& participant, const Configuration& configuration,
-                  const BenchIdentity& identity, const AxisBank& bank, Counters& counters);
+  /// @param link outlives this
+  ReportPublisher(WireLink& link, const Configuration& configuration, const BenchIdentity& identity,
+                  const AxisBank& bank, Counters& counters);
 
   /// Tells the world that this bench is here, or goes.
   void announce(bool alive);
 
-  /// Publishes the first set of parameters of every axis.
-  void publish_first_parameters();
-
-  /// Publishes what waits, and the bench's state every 50 ms of wall time.
+  /// Publishes what waits, and the bench's state every 50 ms of wall time. A wire that is new gets
+  /// the history first: descriptions, parameters of all axes, the last events.
   void publish(Inbox& inbox, Outbox& outbox);
 
   /// Publishes one event past the queue.
   void publish_event(const CountedEvent& counted);
-
-  /// Waits until the subscribers have what was announced.
-  void wait_for_readers(std::chrono::milliseconds timeout);
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -49,13 +46,13 @@ class ReportPublisher {
   void publish_parameters(Outbox& outbox);
   void publish_state(const Inbox& inbox, const Outbox& outbox, Clock::time_point now);
   [[nodiscard]] double measured_rate(std::uint64_t tick, Clock::time_point now);
+  void meet_wire();
   template <typename Message>
-  void write(wire::Publication<Message>& publication, const Message& message);
+  void write(const Message& message);
 
-  wire::Publication<msg::BenchDescription> descriptions_;
-  wire::Publication<msg::BenchState> states_;
-  wire::Publication<msg::AxisParameters> parameters_;
-  wire::Publication<msg::Event> events_;
+  WireLink& link_;
+  std::uint32_t met_ = 0;     ///< the wire that has the descriptions, 0 = none
+  bool has_history_ = false;  ///< it has parameters and events too
   BenchIdentity identity_;
   std::chrono::nanoseconds period_;
   Counters& counters_;
@@ -63,7 +60,9 @@ class ReportPublisher {
   std::chrono::nanoseconds next_flush_{0};
   std::vector<CountedEvent> passed_;
   std::vector<msg::BenchDescription> parts_;
-  std::vector<msg::AxisParameters> first_parameters_;
+  std::vector<msg::AxisParameters> parameters_;  ///< the newest of each axis
+  std::vector<std::uint16_t> indices_;           ///< in `parameters_`, by number
+  std::deque<msg::Event> history_;               ///< the last kEventsKept
   msg::BenchState state_;
   msg::Event event_;
   Clock::time_point next_state_{};

@@ -16,7 +16,10 @@
 #include "vdrive/service/liveness.hpp"
 #include "vdrive/service/realtime_driver.hpp"
 #include "vdrive/service/shutdown.hpp"
-#include "vdrive/wire/subscription.hpp"
+#include "wire_host.hpp"
+#include "wire_link.hpp"
+#include "wire_program.hpp"
+#include "wire_supervisor.hpp"
 
 #include <spdlog/spdlog.h>
 
@@ -28,6 +31,7 @@
 #include <atomic>
 #include <string>
 #include <thread>
+#include <utility>
 
 namespace vdrive::service {
 namespace {
@@ -74,22 +78,103 @@ struct Parameters {
   std::optional<ParameterSaver> saver;
 };
 
+WireSettings wire_settings(const Configuration& configuration) {
+  return {.network = configuration.network,
+          .bench = configuration.bench,
+          .log_level = std::string(spdlog::level::to_string_view(spdlog::get_level()).data())};
+}
+
+/// The wire of a bench in either form, and the memory that it shares with the engine.
+class Wire {
+ public:
+  /// @param host of a wire's process; nothing = the wire is threads of this one
+  Wire(std::unique_ptr<WireHost> host, const Configuration& configuration, Counters& counters)
+      : host_(std::move(host)),
+        network_(configuration.network),
+        own_region_(host_ ? nullptr : std::make_unique<WireRegion>(wire_settings(configuration))),
+        link_(region()) {
+    if (host_) {
+      supervisor_.emplace(region(), host_->spawner, configuration.wire_memory_limit, counters);
+    } else {
+      program_ = std::make_unique<WireProgram>(region(), wire_settings(configuration));
+      link_.send_through(*program_);
+      counters.wire_starts.add();
+    }
+  }
+
+  [[nodiscard]] const WireRegion& region() const noexcept {
+    return host_ ? host_->region : *own_region_;
+  }
+
+  [[nodiscard]] WireLink& link() noexcept { return link_; }
+
+  /// Returns when it runs. With security material it first proves that strangers do not find it.
+  /// @throws wire::NetworkError
+  void start(Counters& counters) {
+    if (supervisor_) {
+      supervisor_->start();
+      return;
+    }
+    if (!network_.security.empty()) {
+      check_closed(program_->participant(), network_);
+    }
+    link_.control().running_generation = 1;
+    link_.control().state = WireState::running;
+    counters.wire_is_up.set(1);
+  }
+
+  void look() {
+    if (supervisor_) {
+      supervisor_->look();
+    }
+  }
+
+  std::optional<EventRecord> next_news() {
+    return supervisor_ ? supervisor_->next_news() : std::nullopt;
+  }
+
+  [[nodiscard]] std::uint64_t guarded() const {
+    return program_ ? program_->guarded() : link_.control().guarded.load();
+  }
+
+  /// Waits until the readers have what was reported, and takes leave.
+  void stop(std::chrono::milliseconds patience) {
+    if (supervisor_) {
+      supervisor_->stop(patience);
+    } else {
+      static_cast<void>(program_->wait_for_readers(patience));
+      link_.control().state = WireState::none;
+    }
+  }
+
+ private:
+  std::unique_ptr<WireHost> host_;
+  wire::NetworkSettings network_;
+  std::unique_ptr<WireRegion> own_region_;
+  WireLink link_;
+  std::optional<WireSupervisor> supervisor_;
+  std::unique_ptr<WireProgram> program_;
+};
+
 /// Members in the order of construction; everything the threads use outlives them.
 class Service::Threads {
  public:
-  Threads(Configuration configuration, JournalSink journal, std::unique_ptr<ParameterStore> store)
+  Threads(Configuration configuration, JournalSink journal, std::unique_ptr<ParameterStore> store,
+          std::unique_ptr<WireHost> host)
       : configuration_(std::move(configuration)),
         parameters_(std::move(store), configuration_),
         identity_{configuration_.bench, static_cast<std::uint64_t>(timer_.wall_now().count())},
-        participant_(configuration_.network, "vdrived " + std::to_string(configuration_.bench)),
-        listening_since_(timer_.monotonic_now()),
-        guard_(participant_, identity_),
-        inbox_(configuration_.bench, counters_),
+        wire_(std::move(host), configuration_, counters_),
+        guard_(wire_.region().ring(Lane::notices), identity_),
+        inbox_(configuration_.bench, wire_.region().ring(Lane::arrivals),
+               wire_.region().ring(Lane::turned_away), counters_),
         outbox_(configuration_.axes.size()),
         engine_(configuration_, identity_, outbox_, counters_),
-        replies_(participant_, identity_, counters_),
-        status_(participant_, configuration_, identity_, counters_),
-        reports_(participant_, configuration_, identity_, engine_.bank(), counters_) {
+        replies_(wire_.link(), identity_, counters_),
+        status_(wire_.link(), configuration_, identity_, counters_),
+        reports_(wire_.link(), configuration_, identity_, engine_.bank(), counters_),
+        doorbell_(wire_.link().control().arrivals_bell) {
+    serve_metrics();
     if (journal) {
       journal_.emplace(configuration_, std::move(journal), counters_);
     }
@@ -107,10 +192,9 @@ class Service::Threads {
   Threads& operator=(const Threads&) = delete;
 
   void start() {
-    if (!configuration_.network.security.empty()) {
-      check_closed(participant_, configuration_.network);
-    }
-    timer_.wait_until(listening_since_ + BenchGuard::kListening);
+    wire_.start(counters_);
+    timer_.wait_until(timer_.monotonic_now() + BenchGuard::kListening);
+    guard_.look();
     if (const auto older = guard_.conflict()) {
       throw BenchNumberTaken("bench " + std::to_string(identity_.bench) +
                              " is already served in domain " +
@@ -120,13 +204,11 @@ class Service::Threads {
     if (journal_) {
       engine_.record_to(*journal_);
     }
-    serve_metrics();
     if (parameters_.saver) {
       parameters_.saver->start([this] {
         doorbell_.ring();
       });
     }
-    subscribe();
     reports_.announce(true);
     switch (configuration_.clock) {
       case ClockMode::realtime:
@@ -156,8 +238,6 @@ class Service::Threads {
     if (running_.empty()) {
       return;
     }
-    frames_.reset();
-    requests_.reset();
     stop_ = true;
     doorbell_.ring();
     for (auto& thread : running_) {
@@ -170,7 +250,7 @@ class Service::Threads {
     replies_.deliver(inbox_, outbox_);
     reports_.publish(inbox_, outbox_);
     reports_.announce(false);
-    reports_.wait_for_readers(kFarewell);
+    wire_.stop(kFarewell);
     spdlog::info("bench={} offline", identity_.bench);
   }
 
@@ -179,6 +259,8 @@ class Service::Threads {
   [[nodiscard]] bool is_alive() noexcept { return liveness_.has_advanced(); }
 
   [[nodiscard]] std::optional<std::uint64_t> conflict() const noexcept { return guard_.conflict(); }
+
+  [[nodiscard]] bool is_reachable() const noexcept { return counters_.wire_is_up.get() != 0; }
 
   [[nodiscard]] const BenchIdentity& identity() const noexcept { return identity_; }
 
@@ -205,17 +287,6 @@ class Service::Threads {
     while (engine_.answer_stores()) {
       replies_.deliver(inbox_, outbox_);
     }
-  }
-
-  void subscribe() {
-    const auto take = [this](const auto& message, const wire::Source& source) {
-      inbox_.receive(message, source);
-      if (configuration_.clock == ClockMode::lockstep) {
-        doorbell_.ring();
-      }
-    };
-    frames_ = std::make_unique<wire::Subscription<msg::CommandFrame>>(participant_, take, take);
-    requests_ = std::make_unique<wire::Subscription<msg::Request>>(participant_, take, take);
   }
 
   void start_realtime() {
@@ -297,9 +368,10 @@ class Service::Threads {
   }
 
   void report() {
-    reports_.publish_first_parameters();
     bool conflict_told = false;
     while (!stop_) {
+      look_at_wire();
+      guard_.look();
       if (!lockstep_) {
         replies_.deliver(inbox_, outbox_);
       }
@@ -312,6 +384,19 @@ class Service::Threads {
       }
       nap(kReportNap);
     }
+  }
+
+  void look_at_wire() {
+    wire_.look();
+    while (auto news = wire_.next_news()) {
+      news->tick = counters_.tick.get();
+      reports_.publish_event({*news});
+    }
+    counters_.guarded.set(wire_.guarded());
+    const WireControl& control = wire_.link().control();
+    const std::uint64_t lost =
+        control.overflows.load() + control.undelivered.load() + control.not_sent.load();
+    counters_.queue_overflows.add(lost - std::exchange(lost_in_wire_, lost));
   }
 
   /// Sleeps until shortly after the next tick, `shortest` to 5 ms.
@@ -330,8 +415,7 @@ class Service::Threads {
   SystemCycleTimer timer_;
   BenchIdentity identity_;
   Counters counters_;
-  wire::Participant participant_;
-  std::chrono::nanoseconds listening_since_;
+  Wire wire_;
   BenchGuard guard_;
   Inbox inbox_;
   Outbox outbox_;
@@ -341,12 +425,11 @@ class Service::Threads {
   StatusPublisher status_;
   ReportPublisher reports_;
   std::unique_ptr<MetricsEndpoint> metrics_;
-  std::unique_ptr<wire::Subscription<msg::CommandFrame>> frames_;
-  std::unique_ptr<wire::Subscription<msg::Request>> requests_;
   std::optional<RealtimeDriver> realtime_;
   std::optional<LockstepDriver> lockstep_;
   std::optional<FreerunDriver> freerun_;
   Doorbell doorbell_;
+  std::uint64_t lost_in_wire_ = 0;
   Shutdown shutdown_{engine_, timer_};
   Counter tick_beats_;    ///< ticks; paused, looks at the inbox
   Counter status_beats_;  ///< published images
@@ -357,10 +440,10 @@ class Service::Threads {
 };
 
 Service::Service(Configuration configuration, JournalSink journal,
-                 std::unique_ptr<ParameterStore> store) {
+                 std::unique_ptr<ParameterStore> store, std::unique_ptr<WireHost> host) {
   check(configuration);
-  threads_ =
-      std::make_unique<Threads>(std::move(configuration), std::move(journal), std::move(store));
+  threads_ = std::make_unique<Threads>(std::move(configuration), std::move(journal),
+                                       std::move(store), std::move(host));
 }
 
 Service::~Service() = default;
@@ -391,6 +474,10 @@ void Service::stop() noexcept {
 
 std::optional<std::uint64_t> Service::conflict() const noexcept {
   return threads_->conflict();
+}
+
+bool Service::is_reachable() const noexcept {
+  return threads_->is_reachable();
 }
 
 const BenchIdentity& Service::identity() const noexcept {

@@ -31,6 +31,10 @@ void ServiceManager::tell_ready(const std::string& status) const noexcept {
   tell("READY=1\nSTATUS=" + status);
 }
 
+void ServiceManager::tell_status(const std::string& status) const noexcept {
+  tell("STATUS=" + status);
+}
+
 void ServiceManager::tell_alive() const noexcept {
   tell("WATCHDOG=1");
 }

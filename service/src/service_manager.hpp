@@ -20,6 +20,7 @@ class ServiceManager {
 
   /// @param status a line for people
   void tell_ready(const std::string& status) const noexcept;
+  void tell_status(const std::string& status) const noexcept;
   void tell_alive() const noexcept;
   void tell_stopping() const noexcept;
 

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "status_publisher.hpp"
 
+#include "vdrive/wire/codec.hpp"
+
 #include <algorithm>
+#include <span>
 
 namespace vdrive::service {
 namespace {
@@ -11,10 +14,9 @@ constexpr double kLargestBurst = 128.0;
 
 }  // namespace
 
-StatusPublisher::StatusPublisher(wire::Participant& participant, const Configuration& configuration,
+StatusPublisher::StatusPublisher(WireLink& link, const Configuration& configuration,
                                  const BenchIdentity& identity, Counters& counters)
-    : frames_(participant),
-      axes_(participant),
+    : link_(link),
       identity_(identity),
       period_(configuration.period),
       counters_(counters),
@@ -22,44 +24,56 @@ StatusPublisher::StatusPublisher(wire::Participant& participant, const Configura
   for (const auto& axis : configuration.axes) {
     numbers_.push_back(axis.number);
   }
-  frame_.bench(identity.bench);
-  frame_.incarnation(identity.incarnation);
 }
 
 void StatusPublisher::publish(const StatusImage& image) {
-  if (!image.repeated && frames_.matched() > 0) {
+  if (!image.repeated && link_.matched(wire::TopicId::status) > 0) {
     publish_frames(image);
   }
   publish_axes(image);
   last_tick_ = image.tick;
+  link_.flush(Lane::status);
 }
 
 void StatusPublisher::publish_frames(const StatusImage& image) {
   constexpr std::size_t kPartSize = msg::MAX_AXES_PER_FRAME;
   const std::size_t parts = (numbers_.size() + kPartSize - 1) / kPartSize;
-  frame_.tick(image.tick);
-  frame_.time_ns(static_cast<std::int64_t>(image.tick) * period_.count());
-  frame_.parts(static_cast<std::uint16_t>(parts));
+  ByteRing& ring = link_.ring(Lane::status);
   for (std::size_t part = 0; part < parts; ++part) {
     const std::size_t first = part * kPartSize;
     const std::size_t count = std::min(kPartSize, numbers_.size() - first);
-    frame_.part(static_cast<std::uint16_t>(part));
-    frame_.axes().resize(count);
-    for (std::size_t position = 0; position < count; ++position) {
-      const std::size_t axis = first + position;
-      wire::to_message(image.status[axis], {identity_.bench, numbers_[axis]}, image.tick,
-                       image.owners[axis], frame_.axes()[position]);
-    }
-    if (frames_.write(frame_)) {
-      counters_.status_frames_sent.add();
-    } else {
+    const auto place = ring.reserve(wire::encoded_status_frame_size(count));
+    if (!place) {
       counters_.queue_overflows.add();
+      return;
     }
+    const std::size_t size = wire::encode_status_frame(
+        {.bench = identity_.bench,
+         .incarnation = identity_.incarnation,
+         .tick = image.tick,
+         .time_ns = static_cast<std::int64_t>(image.tick) * period_.count(),
+         .part = static_cast<std::uint16_t>(part),
+         .parts = static_cast<std::uint16_t>(parts)},
+        {.status = std::span(image.status).subspan(first, count),
+         .owners = std::span(image.owners).subspan(first, count),
+         .numbers = std::span(numbers_).subspan(first, count)},
+        *place);
+    commit(wire::TopicId::status, size);
+    counters_.status_frames_sent.add();
   }
 }
 
+void StatusPublisher::commit(wire::TopicId topic, std::size_t size) {
+  link_.ring(Lane::status)
+      .commit({.size = static_cast<std::uint32_t>(size),
+               .full_size = static_cast<std::uint32_t>(size),
+               .topic = static_cast<std::uint16_t>(topic),
+               .flags = 0,
+               .party = {}});
+}
+
 void StatusPublisher::publish_axes(const StatusImage& image) {
-  if (axes_.matched() == 0) {
+  if (link_.matched(wire::TopicId::axis) == 0) {
     return;
   }
   const auto now = Clock::now();
@@ -82,11 +96,17 @@ void StatusPublisher::publish_axes(const StatusImage& image) {
 
 void StatusPublisher::publish_axis(const StatusImage& image, std::size_t axis,
                                    Clock::time_point now) {
-  wire::to_message(image.status[axis], {identity_.bench, numbers_[axis]}, image.tick,
-                   image.owners[axis], sample_);
   sampled_[axis] = {.statusword = image.status[axis].ds402_statusword, .time = now};
   budget_ -= 1.0;
-  (axes_.write(sample_) ? counters_.axis_samples_sent : counters_.queue_overflows).add();
+  const auto place = link_.ring(Lane::status).reserve(wire::kAxisStatusSize);
+  if (!place) {
+    counters_.queue_overflows.add();
+    return;
+  }
+  commit(wire::TopicId::axis,
+         wire::encode_axis_status(image.status[axis], {identity_.bench, numbers_[axis]}, image.tick,
+                                  image.owners[axis], *place));
+  counters_.axis_samples_sent.add();
 }
 
 void StatusPublisher::refill(Clock::time_point now) {

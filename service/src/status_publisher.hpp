@@ -5,7 +5,7 @@
 #include "vdrive/service/configuration.hpp"
 #include "vdrive/service/counters.hpp"
 #include "vdrive/service/queues.hpp"
-#include "vdrive/wire/publication.hpp"
+#include "wire_link.hpp"
 
 #include <chrono>
 #include <cstddef>
@@ -21,8 +21,9 @@ class StatusPublisher {
   static constexpr std::chrono::milliseconds kAxisInterval{20};
   static constexpr double kAxisSamplesPerSecond = 4'000.0;
 
-  StatusPublisher(wire::Participant& participant, const Configuration& configuration,
-                  const BenchIdentity& identity, Counters& counters);
+  /// @param link outlives this
+  StatusPublisher(WireLink& link, const Configuration& configuration, const BenchIdentity& identity,
+                  Counters& counters);
 
   /// One tick as frames, 256 axes each, unless it is repeated, and samples of axes: those that
   /// changed state since their last one, then those that are due.
@@ -37,6 +38,7 @@ class StatusPublisher {
   void publish_frames(const StatusImage& image);
   void publish_axes(const StatusImage& image);
   void publish_axis(const StatusImage& image, std::size_t axis, Clock::time_point now);
+  void commit(wire::TopicId topic, std::size_t size);
   void refill(Clock::time_point now);
 
   struct Sampled {
@@ -44,15 +46,12 @@ class StatusPublisher {
     Clock::time_point time{};
   };
 
-  wire::Publication<msg::StatusFrame> frames_;
-  wire::Publication<msg::AxisStatus> axes_;
+  WireLink& link_;
   BenchIdentity identity_;
   std::chrono::nanoseconds period_;
   Counters& counters_;
   std::uint64_t last_tick_ = 0;
   std::vector<std::uint16_t> numbers_;
-  msg::StatusFrame frame_;
-  msg::AxisStatus sample_;
   std::vector<Sampled> sampled_;
   std::size_t next_due_ = 0;
   double budget_ = 0.0;  ///< samples that may be sent now

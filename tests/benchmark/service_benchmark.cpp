@@ -3,6 +3,7 @@
 // How much faster than time a free-running bench goes: drive time over wall time of its tick
 // thread on one core, all axes moving, the status taken away as the status thread would. Prints
 // one JSON line: the median of the repetitions.
+#include "support/local_inbox.hpp"
 #include "vdrive/service/freerun_driver.hpp"
 
 #include <algorithm>
@@ -82,7 +83,7 @@ struct Bench {
   }
 
   service::Counters counters;
-  service::Inbox inbox;
+  test::LocalInbox inbox;
   service::Outbox outbox;
   service::BenchEngine engine;
   service::SystemCycleTimer timer;

@@ -9,6 +9,7 @@
 #include "fuzz/support/bytes.hpp"
 #include "message_types.hpp"
 #include "status_feed.hpp"
+#include "support/local_inbox.hpp"
 #include "vdrive/service/bench_engine.hpp"
 #include "vdrive/wire/conversion.hpp"
 
@@ -234,7 +235,7 @@ class Listeners {
   static constexpr std::size_t kLongestText = 200;
 
   service::Counters counters_;
-  service::Inbox inbox_;
+  test::LocalInbox inbox_;
   service::Outbox outbox_;
   service::BenchEngine engine_;
   client::Directory directory_;

@@ -247,12 +247,13 @@ TEST(Request, BeyondTheBoundsIsAnswered) {
 TEST(Inbox, TurnsAwayWhatDoesNotFitAndRemembersWhom) {
   EngineUnderTest bench;
   const auto request = bench.make_request(msg::REQUEST_READ, kAlice);
-  for (std::size_t count = 0; count < service::Inbox::kCapacity + 3; ++count) {
+  for (std::size_t count = 0; count < service::ArrivalIntake::kCapacity + 3; ++count) {
     bench.inbox.receive(request, {});
   }
   EXPECT_EQ(bench.counters.queue_overflows.get(), 3U);
-  ASSERT_NE(bench.inbox.turned_away().front(), nullptr);
-  EXPECT_EQ(bench.inbox.turned_away().front()->request_id, request.request_id());
+  const auto away = bench.inbox.next_turned_away();
+  ASSERT_TRUE(away.has_value());
+  EXPECT_EQ(away->request_id, request.request_id());
 }
 
 }  // namespace

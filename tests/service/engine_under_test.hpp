@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "support/local_inbox.hpp"
 #include "vdrive/service/bench_engine.hpp"
 
 #include <cstdint>
@@ -53,7 +54,7 @@ struct EngineUnderTest {
 
   service::Configuration configuration;
   service::Counters counters;
-  service::Inbox inbox;
+  LocalInbox inbox;
   service::Outbox outbox;
   service::BenchEngine engine;
 

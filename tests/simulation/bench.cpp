@@ -316,10 +316,9 @@ void Bench::take_parameters() {
 }
 
 void Bench::take_answers(const Mail& mail) {
-  while (const service::TurnedAway* const away = inbox_.turned_away().front()) {
+  while (const auto away = inbox_.next_turned_away()) {
     --turned_away_;
     happenings_.tell("is turned away", {away->session, away->sequence_number, away->request_id});
-    inbox_.turned_away().pop();
   }
   if (time_.now < answers_held_until_) {
     return;

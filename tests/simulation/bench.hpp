@@ -7,6 +7,7 @@
 #include "simulation/happenings.hpp"
 #include "simulation/network.hpp"
 #include "simulation/store_model.hpp"
+#include "support/local_inbox.hpp"
 #include "vdrive/service/bench_engine.hpp"
 #include "vdrive/service/cycle_timer.hpp"
 #include "vdrive/service/freerun_driver.hpp"
@@ -148,7 +149,7 @@ class Bench {
   Sabotage sabotage_;
   Happenings& happenings_;
   service::Counters counters_;
-  service::Inbox inbox_;
+  test::LocalInbox inbox_;
   service::Outbox outbox_;
   service::Configuration as_started_;  ///< with what was stored
   std::optional<service::ParameterSaver> saver_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // docs/network-interface.md is what a client in another language is written from: its bytes are
 // those of the real encoder, and no constant or topic of the contract is left out.
+#include "vdrive/wire/topics.hpp"
 #include "vdrive_messages.h"
 
 #include <fastcdr/Cdr.h>
@@ -13,6 +14,7 @@
 #include <regex>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace vdrive {
@@ -191,18 +193,16 @@ TEST(NetworkInterfacePage, HasARowForEveryConstantOfTheIdl) {
 }
 
 TEST(NetworkInterfacePage, HasARowForEveryTopic) {
-  const std::string header = read(VDRIVE_SOURCE_DIR "/idl/include/vdrive/wire/topics.hpp");
   const std::string text = page();
-  const std::regex topic(
-      R"re(Topic<msg::(\w+)> \{\s*static constexpr std::string_view kName = "(\w+)")re");
-  int topics = 0;
-  for (std::sregex_iterator match(header.begin(), header.end(), topic), end; match != end;
-       ++match) {
-    const std::string row = "\n| `" + (*match)[2].str() + "` | " + (*match)[1].str() + " | ";
+  constexpr std::string_view kModule = "vdrive::msg::";
+  std::size_t topics = 0;
+  for (const wire::TopicTraits& topic : wire::kTopics) {
+    const std::string message(topic.type_name.substr(kModule.size()));
+    const std::string row = "\n| `" + std::string(topic.name) + "` | " + message + " | ";
     EXPECT_NE(text.find(row), std::string::npos) << "no row that begins with" << row;
     ++topics;
   }
-  EXPECT_GE(topics, 10);
+  EXPECT_GE(topics, 10U);
 }
 
 }  // namespace

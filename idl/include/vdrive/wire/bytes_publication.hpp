@@ -9,6 +9,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <vector>
 
 namespace vdrive::wire {
 
@@ -16,8 +17,8 @@ namespace vdrive::wire {
 /// QoS: the sibling of `Publication` for a program that does not look into messages.
 class BytesPublication {
  public:
-  /// Runs in a DDS thread with the number of subscriptions that match now; must not wait.
-  using Observer = std::function<void(std::size_t matched)>;
+  /// Runs in a DDS thread with the participants of the subscriptions that match now; must not wait.
+  using Observer = std::function<void(const std::vector<Source>& matched)>;
 
   /// @throws NotPermitted when the permissions of a closed participant do not name the topic;
   ///         NetworkError when DDS refuses topic, publisher or writer.

@@ -43,6 +43,17 @@ struct NamedAxis {
   AxisConfiguration configuration;
 };
 
+/// Where the wire runs: everything that names DDS.
+enum class WireForm : std::uint8_t {
+  process,  ///< its own: the engine outlives it and starts it again
+  thread,   ///< threads of the service: a hop less, and its end is the service's
+};
+
+[[nodiscard]] std::string_view to_string(WireForm form) noexcept;
+
+/// @return the form of that name, or nothing.
+[[nodiscard]] std::optional<WireForm> wire_form_named(std::string_view name) noexcept;
+
 /// Everything that makes one service what it is. The initialisers are the defaults; the axes of
 /// the built-in demo bench come from `demo_configuration`.
 struct Configuration {
@@ -59,6 +70,8 @@ struct Configuration {
   bool watchdog_is_chosen = false;  ///< in freerun a watchdog that nobody chose is off
   /// Prometheus metrics on this port of 127.0.0.1, 0 = any free one; nothing = off.
   std::optional<std::uint16_t> metrics_port;
+  std::optional<WireForm> wire_form;  ///< nothing = process in realtime, else thread
+  std::uint64_t wire_memory_limit = std::uint64_t{512} << 20U;  ///< of its process [bytes]
   wire::NetworkSettings network;
   std::vector<NamedAxis> axes;  ///< 1 to kMaxAxes, in ascending order of their numbers
 };
@@ -98,6 +111,9 @@ void check(const Configuration& configuration);
 /// @return the watchdog in effect; nothing = off.
 [[nodiscard]] std::optional<std::chrono::milliseconds> effective_watchdog(
     const Configuration& configuration) noexcept;
+
+/// @return the form of the wire in effect.
+[[nodiscard]] WireForm effective_wire_form(const Configuration& configuration) noexcept;
 
 /// @return the axes as the bank wants them, with their serial numbers.
 [[nodiscard]] std::vector<AxisConfiguration> bank_axes(const Configuration& configuration);

@@ -2,16 +2,20 @@
 #pragma once
 
 #include "vdrive/axis_status.hpp"
+#include "vdrive/service/byte_ring.hpp"
 #include "vdrive/service/counters.hpp"
 #include "vdrive/service/pending_frames.hpp"
 #include "vdrive/service/ring.hpp"
+#include "vdrive/wire/codec.hpp"
 #include "vdrive/wire/conversion.hpp"
 #include "vdrive/wire/source.hpp"
+#include "vdrive/wire/topics.hpp"
 #include "vdrive_messages.h"
 
 #include <cstddef>
 #include <cstdint>
-#include <mutex>
+#include <optional>
+#include <span>
 #include <vector>
 
 namespace vdrive::service {
@@ -37,36 +41,55 @@ struct TurnedAway {
   std::uint64_t sequence_number = 0;
 };
 
-/// Everything that clients send to one bench, in order of arrival. Filled by the receive threads of
-/// the network, emptied by the thread that steps the bank.
-class Inbox {
+/// The producer's end of what clients send to one bench: samples as they came, in order of arrival.
+/// For one thread at a time.
+class ArrivalIntake {
  public:
+  /// How many arrivals wait at most; fewer when they are large.
   static constexpr std::size_t kCapacity = 1024;
 
-  Inbox(std::uint32_t bench, Counters& counters);
+  ArrivalIntake(ByteRing arrivals, ByteRing turned_away) noexcept
+      : arrivals_(arrivals), turned_away_(turned_away) {}
 
-  /// Take a message if it is for this bench, of any size. Never block on the consumer.
-  void receive(const msg::CommandFrame& frame, const wire::Source& source);
-  void receive(const msg::Request& request, const wire::Source& source);
+  /// Takes a sample of `command` or `request`; of one that does not fit only the beginning, for the
+  /// answer that says so. @return whether it fitted.
+  bool put(wire::TopicId topic, std::span<const std::byte> sample,
+           const wire::Source& source) noexcept;
 
-  /// Consumer. See Ring.
-  [[nodiscard]] Arrival* front() noexcept { return arrivals_.front(); }
+ private:
+  ByteRing arrivals_;
+  ByteRing turned_away_;
+};
 
-  void pop() noexcept { arrivals_.pop(); }
+/// The engine's end: decodes and validates what arrived. Belongs to the thread that steps the bank;
+/// `next_turned_away` to the thread that answers.
+class Inbox {
+ public:
+  Inbox(std::uint32_t bench, ByteRing arrivals, ByteRing turned_away, Counters& counters);
+
+  /// @return the oldest arrival for this bench, or nullptr; its content may be moved out. What
+  ///         cannot be decoded is dropped and counted.
+  [[nodiscard]] Arrival* front();
+
+  /// Drops the arrival of `front`.
+  void pop() noexcept;
 
   [[nodiscard]] std::size_t size() const noexcept { return arrivals_.size(); }
 
-  /// What did not fit, for the thread that answers it.
-  [[nodiscard]] Ring<TurnedAway>& turned_away() noexcept { return turned_away_; }
+  /// @return what did not fit, oldest first.
+  std::optional<TurnedAway> next_turned_away();
 
  private:
-  void turn_away(const TurnedAway& arrival);
+  [[nodiscard]] bool decode(const ByteRing::Record& record);
 
   std::uint32_t bench_;
   Counters& counters_;
-  std::mutex producers_;
-  Ring<Arrival> arrivals_;
-  Ring<TurnedAway> turned_away_;
+  ByteRing arrivals_;
+  ByteRing turned_away_;
+  wire::CommandDecoder decoder_;
+  wire::CommandDecoder head_decoder_;  ///< of what was turned away, in another thread
+  Arrival arrival_;
+  bool is_decoded_ = false;
 };
 
 /// An answer and whom it is for.

@@ -20,14 +20,18 @@ class BenchNumberTaken : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A bench on the network: threads, queues and topics around a BenchEngine.
+struct WireHost;
+
+/// A bench on the network: a BenchEngine with its threads, and a wire, which names DDS and runs as
+/// a process of its own or as threads of this one. They meet in rings of bytes.
 ///
 /// | thread    | does                                                              |
 /// | --------- | ----------------------------------------------------------------- |
-/// | receive   | (of the library) puts arrivals into the inbox                     |
+/// | receive   | (of the library, in the wire) puts arrivals into a ring           |
 /// | tick      | nothing but ticks; lock-step: steps, replies and status           |
-/// | status    | not in lock-step: status frames and axis samples                  |
-/// | reporter  | events, parameters, bench_state; not in lock-step: replies        |
+/// | status    | not in lock-step: encodes status frames and samples of axes       |
+/// | reporter  | events, parameters, bench_state, the wire's health; not in        |
+/// |           | lock-step: replies                                                |
 /// | journal   | writes the journal, where there is one                            |
 /// | saver     | saves parameters, where there is a place to save them             |
 class Service {
@@ -35,10 +39,12 @@ class Service {
   /// Sets everything up; nobody sees the bench yet.
   /// @param journal takes the journal of this run; nothing = none is written
   /// @param store what is stored in it is in force; nothing = nothing can be stored
+  /// @param host of a wire's process; nothing = the wire is threads of this process
   /// @throws ConfigurationError, std::invalid_argument when the bank refuses an axis,
   ///         wire::NetworkError
   explicit Service(Configuration configuration, JournalSink journal = nullptr,
-                   std::unique_ptr<ParameterStore> store = nullptr);
+                   std::unique_ptr<ParameterStore> store = nullptr,
+                   std::unique_ptr<WireHost> host = nullptr);
 
   /// Stops.
   ~Service();
@@ -73,6 +79,9 @@ class Service {
   /// @return the incarnation of an older service with the same bench number that was met after the
   ///         start: this one has to go.
   [[nodiscard]] std::optional<std::uint64_t> conflict() const noexcept;
+
+  /// @return whether clients can reach the bench now: its wire runs.
+  [[nodiscard]] bool is_reachable() const noexcept;
 
   [[nodiscard]] const BenchIdentity& identity() const noexcept;
   [[nodiscard]] const Counters& counters() const noexcept;

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdrive/service/byte_ring.hpp"
+
+#include <bit>
+#include <cassert>
+#include <cstring>
+
+namespace vdrive::service {
+namespace {
+
+constexpr std::uint64_t kAlignment = 8;
+constexpr std::uint32_t kSkip = 0xFFFF'FFFF;  ///< as a size: the rest of the memory is unused
+
+constexpr std::uint64_t aligned(std::uint64_t size) noexcept {
+  return (size + kAlignment - 1) / kAlignment * kAlignment;
+}
+
+static_assert(sizeof(RecordHead) % kAlignment == 0);
+
+}  // namespace
+
+ByteRing::ByteRing(RingPositions& positions, std::span<std::byte> memory) noexcept
+    : positions_(positions),
+      memory_(memory),
+      written_(positions.written.load(std::memory_order_acquire)),
+      read_(positions.read.load(std::memory_order_acquire)) {
+  assert(std::has_single_bit(memory.size()));
+}
+
+std::optional<std::span<std::byte>> ByteRing::reserve(std::size_t size) noexcept {
+  const std::uint64_t needed = sizeof(RecordHead) + aligned(size);
+  const std::uint64_t read = positions_.read.load(std::memory_order_acquire);
+  const std::uint64_t used = written_ - read;
+  const std::size_t place = offset(written_);
+  const std::uint64_t to_end = memory_.size() - place;
+  const std::uint64_t skipped = needed > to_end ? to_end : 0;
+  if (used > memory_.size() || memory_.size() - used < skipped + needed) {
+    return std::nullopt;
+  }
+  if (skipped > 0) {
+    std::memcpy(&memory_[place], &kSkip, sizeof kSkip);
+  }
+  reserved_ = written_ + skipped;
+  return memory_.subspan(offset(reserved_) + sizeof(RecordHead), size);
+}
+
+void ByteRing::commit(const RecordHead& head) noexcept {
+  std::memcpy(&memory_[offset(reserved_)], &head, sizeof head);
+  written_ = reserved_ + sizeof head + aligned(head.size);
+  positions_.records_written.fetch_add(1, std::memory_order_relaxed);
+  positions_.written.store(written_, std::memory_order_release);
+}
+
+std::optional<ByteRing::Record> ByteRing::front() noexcept {
+  const std::uint64_t written = positions_.written.load(std::memory_order_acquire);
+  while (read_ != written) {
+    const std::uint64_t waiting = written - read_;
+    const std::size_t place = offset(read_);
+    const std::uint64_t to_end = memory_.size() - place;
+    Record record;
+    std::uint32_t size = 0;
+    std::memcpy(&size, &memory_[place], sizeof size);
+    if (size == kSkip && to_end < waiting) {
+      read_ += to_end;
+      continue;
+    }
+    const std::uint64_t needed = sizeof(RecordHead) + aligned(size);
+    if (waiting > memory_.size() || needed > waiting || needed > to_end) {
+      clear();  // the other side is broken
+      return std::nullopt;
+    }
+    std::memcpy(&record.head, &memory_[place], sizeof(RecordHead));
+    record.head.size = size;
+    record.bytes = memory_.subspan(place + sizeof(RecordHead), size);
+    front_end_ = read_ + needed;
+    return record;
+  }
+  return std::nullopt;
+}
+
+void ByteRing::pop() noexcept {
+  read_ = front_end_;
+  positions_.records_read.fetch_add(1, std::memory_order_relaxed);
+  positions_.read.store(read_, std::memory_order_release);
+}
+
+void ByteRing::clear() noexcept {
+  positions_.records_read.store(positions_.records_written.load(std::memory_order_acquire),
+                                std::memory_order_relaxed);
+  read_ = positions_.written.load(std::memory_order_acquire);
+  positions_.read.store(read_, std::memory_order_release);
+}
+
+std::size_t ByteRing::size() const noexcept {
+  const std::uint64_t read = positions_.records_read.load(std::memory_order_acquire);
+  const std::uint64_t written = positions_.records_written.load(std::memory_order_acquire);
+  return written > read ? static_cast<std::size_t>(written - read) : 0;
+}
+
+}  // namespace vdrive::service

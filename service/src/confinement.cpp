@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "confinement.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <sched.h>
+#include <seccomp.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+
+#include <cerrno>
+#include <initializer_list>
+#include <memory>
+#include <system_error>
+
+namespace vdrive::service {
+namespace {
+
+using Filter = std::unique_ptr<void, decltype(&seccomp_release)>;
+
+/// What neither half does.
+constexpr std::initializer_list<int> kForNobody{SCMP_SYS(execve),
+                                                SCMP_SYS(execveat),
+                                                SCMP_SYS(ptrace),
+                                                SCMP_SYS(process_vm_readv),
+                                                SCMP_SYS(process_vm_writev),
+                                                SCMP_SYS(io_uring_setup),
+                                                SCMP_SYS(bpf),
+                                                SCMP_SYS(mount),
+                                                SCMP_SYS(setns),
+                                                SCMP_SYS(unshare),
+                                                SCMP_SYS(pivot_root),
+                                                SCMP_SYS(keyctl)};
+
+constexpr std::initializer_list<int> kFiles{SCMP_SYS(open),
+                                            SCMP_SYS(openat),
+                                            SCMP_SYS(openat2),
+                                            SCMP_SYS(creat),
+                                            SCMP_SYS(unlink),
+                                            SCMP_SYS(unlinkat),
+                                            SCMP_SYS(rename),
+                                            SCMP_SYS(renameat),
+                                            SCMP_SYS(renameat2),
+                                            SCMP_SYS(link),
+                                            SCMP_SYS(linkat),
+                                            SCMP_SYS(symlink),
+                                            SCMP_SYS(symlinkat),
+                                            SCMP_SYS(mkdir),
+                                            SCMP_SYS(mkdirat),
+                                            SCMP_SYS(rmdir),
+                                            SCMP_SYS(truncate),
+                                            SCMP_SYS(chmod),
+                                            SCMP_SYS(fchmodat),
+                                            SCMP_SYS(chown),
+                                            SCMP_SYS(fchownat),
+                                            SCMP_SYS(memfd_create),
+                                            SCMP_SYS(name_to_handle_at),
+                                            SCMP_SYS(open_by_handle_at)};
+
+int refuse(const Filter& filter, std::initializer_list<int> calls) {
+  int result = 0;
+  for (const int call : calls) {
+    const int code = seccomp_rule_add(filter.get(), SCMP_ACT_ERRNO(EPERM), call, 0);
+    result = code < 0 ? code : result;
+  }
+  return result;
+}
+
+/// @return 0, or the library's negative error number.
+int load(const Filter& filter) {
+  // Every thread, also those that the DDS library has started.
+  const int code = seccomp_attr_set(filter.get(), SCMP_FLTATR_CTL_TSYNC, 1);
+  return code < 0 ? code : seccomp_load(filter.get());
+}
+
+void log_failure(const char* half, int code) {
+  spdlog::warn("confinement={} text=\"no filter of system calls: {}\"", half,
+               std::generic_category().message(-code));
+}
+
+}  // namespace
+
+void confine_engine() {
+  prctl(PR_SET_NO_NEW_PRIVS, 1UL, 0UL, 0UL, 0UL);  // NOLINT(*-vararg)
+  // Without the privilege the filter alone has to do.
+  const bool has_own_network = unshare(CLONE_NEWNET) == 0;
+  const Filter filter(seccomp_init(SCMP_ACT_ALLOW), &seccomp_release);
+  int code = refuse(filter, kForNobody);
+  if (code == 0) {
+    code = seccomp_rule_add(filter.get(), SCMP_ACT_ERRNO(EPERM), SCMP_SYS(socket), 1,
+                            SCMP_A0(SCMP_CMP_NE, AF_UNIX));
+  }
+  code = code < 0 ? code : load(filter);
+  if (code < 0) {
+    log_failure("engine", code);
+    return;
+  }
+  spdlog::debug("confinement=engine sockets=unix network={}", has_own_network ? "none" : "host");
+}
+
+void confine_wire() {
+  prctl(PR_SET_NO_NEW_PRIVS, 1UL, 0UL, 0UL, 0UL);  // NOLINT(*-vararg)
+  const Filter filter(seccomp_init(SCMP_ACT_ALLOW), &seccomp_release);
+  int code = refuse(filter, kForNobody);
+  code = code < 0 ? code : refuse(filter, kFiles);
+  code = code < 0 ? code : load(filter);
+  if (code < 0) {
+    log_failure("wire", code);
+    return;
+  }
+  spdlog::debug("confinement=wire files=none");
+}
+
+}  // namespace vdrive::service

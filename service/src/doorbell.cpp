@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "doorbell.hpp"
+
+#include <linux/futex.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <climits>
+#include <ctime>
+
+namespace vdrive::service {
+namespace {
+
+// The standard library's waits are for threads of one process: they use private futexes.
+static_assert(sizeof(std::atomic<std::uint32_t>) == sizeof(std::uint32_t) &&
+              std::atomic<std::uint32_t>::is_always_lock_free);
+
+void futex_wait(std::atomic<std::uint32_t>& word, std::uint32_t expected,
+                std::chrono::nanoseconds timeout) noexcept {
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(timeout);
+  const timespec time{.tv_sec = seconds.count(), .tv_nsec = (timeout - seconds).count()};
+  syscall(SYS_futex, &word, FUTEX_WAIT, expected, &time, nullptr, 0);  // NOLINT(*-vararg)
+}
+
+void futex_wake(std::atomic<std::uint32_t>& word) noexcept {
+  syscall(SYS_futex, &word, FUTEX_WAKE, INT_MAX, nullptr, nullptr, 0);  // NOLINT(*-vararg)
+}
+
+}  // namespace
+
+void Doorbell::ring() noexcept {
+  state_.rings.fetch_add(1);
+  if (state_.waiting.load() != 0) {
+    futex_wake(state_.rings);
+  }
+}
+
+bool Doorbell::wait_for(std::chrono::nanoseconds timeout) noexcept {
+  const auto deadline = std::chrono::steady_clock::now() + timeout;
+  state_.waiting.store(1);
+  std::uint32_t rings = state_.rings.load();
+  while (rings == heard_) {
+    const auto left = deadline - std::chrono::steady_clock::now();
+    if (left <= std::chrono::nanoseconds::zero()) {
+      break;
+    }
+    futex_wait(state_.rings, rings, left);
+    rings = state_.rings.load();
+  }
+  state_.waiting.store(0);
+  const bool rung = rings != heard_;
+  heard_ = rings;
+  return rung;
+}
+
+}  // namespace vdrive::service

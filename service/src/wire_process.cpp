@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "wire_process.hpp"
+
+#include "closed_check.hpp"
+#include "confinement.hpp"
+#include "library_log_sink.hpp"
+#include "vdrive/wire/library_log.hpp"
+#include "wire_probe.hpp"
+#include "wire_program.hpp"
+#include "wire_region.hpp"
+
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <fcntl.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <exception>
+#include <string_view>
+#include <thread>
+
+namespace vdrive::service {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kPumpInterval = 20ms;
+constexpr auto kRetryInterval = 1ms;
+constexpr auto kProbeInterval = 500ms;
+constexpr auto kFarewell = 200ms;
+
+/// The kernel's choice, should memory run out, is the half that can be started again.
+void volunteer_for_the_kernel() {
+  constexpr std::string_view kFirst = "500";
+  const int file = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);  // NOLINT(*-vararg)
+  if (file >= 0) {
+    if (write(file, kFirst.data(), kFirst.size()) < 0) {
+      spdlog::debug("the kernel does not let the wire go first when memory runs out");
+    }
+    close(file);
+  }
+}
+
+/// Reads the memory of this process from a file that stays open: later none can be opened.
+class MemoryGauge {
+ public:
+  MemoryGauge() : file_(open("/proc/self/statm", O_RDONLY | O_CLOEXEC)) {}  // NOLINT(*-vararg)
+
+  /// @return resident memory without what is shared with the engine [bytes].
+  [[nodiscard]] std::uint64_t resident() const noexcept {
+    std::array<char, 128> text{};
+    const ssize_t size = pread(file_, text.data(), text.size(), 0);
+    if (size <= 0) {
+      return 0;
+    }
+    // Pages: size, resident, shared.
+    std::array<std::uint64_t, 3> pages{};
+    const char* place = text.data();
+    const char* const end = place + size;
+    for (auto& count : pages) {
+      while (place != end && *place == ' ') {
+        ++place;
+      }
+      place = std::from_chars(place, end, count).ptr;
+    }
+    return (pages[1] - std::min(pages[1], pages[2])) *
+           static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+  }
+
+ private:
+  int file_;
+};
+
+class WireProcess {
+ public:
+  explicit WireProcess(const WireRegion& region)
+      : control_(region.control()),
+        settings_(region.settings()),
+        generation_(control_.generation.load()),
+        program_(region, settings_),
+        probe_(settings_.network, program_) {}
+
+  /// Until the engine says stop. @return the exit code.
+  int run() {
+    if (generation_ == 1 && !settings_.network.security.empty()) {
+      check_closed(program_.participant(), settings_.network);
+    }
+    const MemoryGauge memory;
+    confine_wire();
+    std::thread status([this] {
+      pump_status();
+    });
+    std::thread reports([this] {
+      pump_reports();
+    });
+    std::thread prober([this] {
+      probe();
+    });
+    control_.running_generation.store(generation_);
+    control_.running_since.store(
+        std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count());
+    control_.state.store(WireState::running);
+    while (control_.stop.load() == 0) {
+      control_.resident.store(memory.resident());
+      control_.guarded.store(program_.guarded());
+      std::this_thread::sleep_for(100ms);
+    }
+    status.join();
+    reports.join();
+    take_leave();
+    // The library's own end may hang, and whoever listens has been told.
+    _exit(0);
+  }
+
+ private:
+  [[nodiscard]] bool goes_on() const noexcept { return control_.stop.load() == 0; }
+
+  void pump_status() {
+    Doorbell bell(control_.status_bell);
+    while (goes_on()) {
+      bell.wait_for(kPumpInterval);
+      program_.drain(Lane::status);
+      status_rounds_.fetch_add(1, std::memory_order_relaxed);
+      beat();
+    }
+    program_.drain(Lane::status);
+  }
+
+  void pump_reports() {
+    Doorbell bell(control_.reports_bell);
+    while (goes_on()) {
+      bell.wait_for(program_.is_holding() ? kRetryInterval : kPumpInterval);
+      program_.drain(Lane::replies);
+      program_.drain(Lane::reports);
+      report_rounds_.fetch_add(1, std::memory_order_relaxed);
+      beat();
+    }
+    program_.drain(Lane::replies);
+    program_.drain(Lane::reports);
+  }
+
+  /// As many rounds as the slower pump has made.
+  void beat() noexcept {
+    control_.pump_beats.store(std::min(status_rounds_.load(std::memory_order_relaxed),
+                                       report_rounds_.load(std::memory_order_relaxed)));
+  }
+
+  void probe() {
+    while (goes_on()) {
+      if (probe_.comes_through()) {
+        control_.probe_beats.fetch_add(1);
+      }
+      std::this_thread::sleep_for(kProbeInterval);
+    }
+  }
+
+  void take_leave() {
+    static_cast<void>(program_.wait_for_readers(kFarewell));
+    wire::say_goodbye(settings_.network, control_.source);
+    control_.finished.store(1);
+  }
+
+  WireControl& control_;
+  WireSettings settings_;
+  std::uint32_t generation_;
+  WireProgram program_;
+  WireProbe probe_;
+  std::atomic<std::uint64_t> status_rounds_{0};
+  std::atomic<std::uint64_t> report_rounds_{0};
+};
+
+void tell(WireControl& control, std::string_view error) {
+  const std::size_t size = std::min(error.size(), control.error.size() - 1);
+  std::copy_n(error.begin(), size, control.error.begin());
+  control.error[size] = '\0';
+}
+
+}  // namespace
+
+int run_wire_process(int region_descriptor) {
+  prctl(PR_SET_NAME, "vdrived-wire");  // NOLINT(*-vararg)
+  volunteer_for_the_kernel();
+  const WireRegion region = WireRegion::attach(region_descriptor);
+  WireControl& control = region.control();
+  tell(control, "");
+  try {
+    const WireSettings settings = region.settings();
+    spdlog::set_default_logger(spdlog::stderr_color_mt("vdrived-wire"));
+    spdlog::set_level(spdlog::level::from_str(settings.log_level));
+    const wire::LibraryLog library_log(log_of_the_library(settings.bench));
+    if (control.generation.load() > 1) {
+      // It could not say so itself, and its readers would be waited for.
+      wire::say_goodbye(settings.network, control.source);
+    }
+    WireProcess process(region);
+    return process.run();
+  } catch (const std::exception& error) {
+    tell(control, error.what());
+    control.state.store(WireState::failed);
+    return 1;
+  }
+}
+
+}  // namespace vdrive::service

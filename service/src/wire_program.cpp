@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "wire_program.hpp"
+
+#include "vdrive/wire/codec.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+#include <optional>
+#include <span>
+#include <string>
+
+namespace vdrive::service {
+namespace {
+
+using wire::TopicId;
+
+constexpr std::array kWritten{TopicId::command_reply, TopicId::reply,      TopicId::status,
+                              TopicId::axis,          TopicId::parameters, TopicId::event,
+                              TopicId::bench,         TopicId::bench_state};
+
+/// A refused datagram is logged at most once a second, with its sender.
+wire::NetworkSettings of_a_service(const WireSettings& settings) {
+  wire::NetworkSettings network = settings.network;
+  network.role = wire::Role::service;
+  network.guard_sink = [bench = settings.bench, mutex = std::make_shared<std::mutex>(),
+                        limiter = std::make_shared<RepeatLimiter>()](wire::Refusal refusal,
+                                                                     std::string_view sender) {
+    const std::lock_guard lock(*mutex);
+    if (const auto suppressed = limiter->pass(std::chrono::steady_clock::now())) {
+      spdlog::warn("datagram=refused bench={} sender={} suppressed={} text=\"{}\"", bench, sender,
+                   *suppressed, wire::describe(refusal));
+    }
+  };
+  return network;
+}
+
+/// @return the number of the bench that a sample is about, or nothing.
+std::optional<std::uint32_t> bench_of(std::span<const std::byte> sample, TopicId topic) noexcept {
+  const std::size_t offset = wire::kEncapsulation + wire::traits_of(topic).bench_offset;
+  if (sample.size() < offset + sizeof(std::uint32_t)) {
+    return std::nullopt;
+  }
+  std::array<std::byte, sizeof(std::uint32_t)> bytes{};
+  std::memcpy(bytes.data(), &sample[offset], bytes.size());
+  const bool is_native =
+      (sample[1] != std::byte{0}) == (std::endian::native == std::endian::little);
+  if (!is_native) {
+    std::reverse(bytes.begin(), bytes.end());
+  }
+  return std::bit_cast<std::uint32_t>(bytes);
+}
+
+}  // namespace
+
+WireProgram::WireProgram(const WireRegion& region, const WireSettings& settings)
+    : control_(region.control()),
+      bench_(settings.bench),
+      participant_(of_a_service(settings), "vdrived " + std::to_string(settings.bench)),
+      publications_(wire::kTopics.size()),
+      status_(region.ring(Lane::status)),
+      replies_(region.ring(Lane::replies)),
+      reports_(region.ring(Lane::reports)),
+      arrivals_(region.ring(Lane::arrivals), region.ring(Lane::turned_away)),
+      notices_(region.ring(Lane::notices)),
+      arrivals_bell_(control_.arrivals_bell) {
+  // The engine reports anew to each wire, and old status helps nobody. Answers are waited for.
+  status_.clear();
+  reports_.clear();
+  control_.source = participant_.source();
+  for (const TopicId topic : kWritten) {
+    const auto number = static_cast<std::size_t>(topic);
+    control_.matched[number] = 0;
+    publications_[number] = std::make_unique<wire::BytesPublication>(
+        participant_, topic, [this, topic](const std::vector<wire::Source>& readers) {
+          show(topic, readers);
+        });
+  }
+  subscribe(TopicId::bench_state, Lane::notices);
+  subscribe(TopicId::command, Lane::arrivals);
+  subscribe(TopicId::request, Lane::arrivals);
+}
+
+/// Nothing arrives any more before the rings go.
+WireProgram::~WireProgram() {
+  intakes_.clear();
+}
+
+// ---- what arrives ------------------------------------------------------------------------------
+
+void WireProgram::subscribe(TopicId topic, Lane lane) {
+  auto& intake = *intakes_.emplace_back(std::make_unique<Intake>());
+  intake.topic = topic;
+  intake.lane = lane;
+  intake.subscription = std::make_unique<wire::BytesSubscription>(
+      participant_, topic,
+      wire::BytesSubscription::Handler{.take =
+                                           [&intake](std::span<const std::byte> sample) {
+                                             intake.sample.assign(sample.begin(), sample.end());
+                                           },
+                                       .deliver =
+                                           [this, &intake](const wire::Source& source) {
+                                             deliver(intake, source);
+                                           }});
+}
+
+void WireProgram::deliver(Intake& intake, const wire::Source& source) {
+  const std::lock_guard lock(arriving_);
+  if (source == prober_) {
+    ++probes_heard_;
+    return;
+  }
+  if (source == control_.source || bench_of(intake.sample, intake.topic) != bench_) {
+    return;
+  }
+  if (intake.lane == Lane::notices) {
+    if (const auto place = notices_.reserve(intake.sample.size())) {
+      std::copy(intake.sample.begin(), intake.sample.end(), place->begin());
+      const auto size = static_cast<std::uint32_t>(intake.sample.size());
+      notices_.commit({.size = size,
+                       .full_size = size,
+                       .topic = static_cast<std::uint16_t>(intake.topic),
+                       .flags = 0,
+                       .party = source});
+    }
+    return;
+  }
+  if (!arrivals_.put(intake.topic, intake.sample, source)) {
+    control_.overflows.fetch_add(1, std::memory_order_relaxed);
+  }
+  arrivals_bell_.ring();
+}
+
+void WireProgram::show(TopicId topic, const std::vector<wire::Source>& readers) {
+  control_.matched[static_cast<std::size_t>(topic)].store(
+      static_cast<std::uint32_t>(readers.size()), std::memory_order_relaxed);
+  if (topic == TopicId::reply) {
+    const std::lock_guard lock(showing_);
+    control_.readers.show(readers);
+  }
+}
+
+void WireProgram::expect_probes_from(const wire::Source& source) {
+  const std::lock_guard lock(arriving_);
+  prober_ = source;
+}
+
+// ---- what leaves -------------------------------------------------------------------------------
+
+void WireProgram::drain(Lane lane) {
+  ByteRing& ring = lane == Lane::status ? status_ : lane == Lane::replies ? replies_ : reports_;
+  while (const auto record = ring.front()) {
+    send(*record);
+    ring.pop();
+  }
+  if (lane == Lane::replies && !held_.empty()) {
+    retry();
+  }
+}
+
+void WireProgram::send(const ByteRing::Record& record) {
+  if (!try_send(record.head, record.bytes)) {
+    hold(record);
+  }
+}
+
+/// @return false when its reader is not known yet.
+bool WireProgram::try_send(const RecordHead& head, std::span<const std::byte> bytes) {
+  const auto topic = wire::topic_numbered(head.topic);
+  const auto& publication =
+      topic ? publications_[static_cast<std::size_t>(*topic)] : publications_.front();
+  if (publication == nullptr) {  // the engine wrote what it never writes
+    control_.not_sent.fetch_add(1, std::memory_order_relaxed);
+    return true;
+  }
+  if ((head.flags & RecordHead::kForOne) != 0 && !publication->is_matched(head.party)) {
+    return false;
+  }
+  auto& counter = publication->write(bytes) ? control_.sent : control_.not_sent;
+  counter.fetch_add(1, std::memory_order_relaxed);
+  return true;
+}
+
+/// A client that never reads, or that has gone, fills its own places and nobody else's.
+void WireProgram::hold(const ByteRing::Record& record) {
+  std::size_t& count = held_for_[record.head.party.participant];
+  if (held_.size() >= kMostHeld || count >= kMostHeldForOne) {
+    if (count == 0) {
+      held_for_.erase(record.head.party.participant);
+    }
+    drop(record.head);
+    return;
+  }
+  ++count;
+  held_.push_back(
+      {record.head, {record.bytes.begin(), record.bytes.end()}, Clock::now() + kLongestWait});
+}
+
+void WireProgram::retry() {
+  const auto now = Clock::now();
+  std::erase_if(held_, [&](const Held& held) {
+    const bool is_sent = try_send(held.head, held.bytes);
+    if (!is_sent && now < held.deadline) {
+      return false;
+    }
+    if (!is_sent) {
+      drop(held.head);
+    }
+    const auto count = held_for_.find(held.head.party.participant);
+    if (count != held_for_.end() && --count->second == 0) {
+      held_for_.erase(count);
+    }
+    return true;
+  });
+}
+
+void WireProgram::drop(const RecordHead& head) {
+  control_.undelivered.fetch_add(1, std::memory_order_relaxed);
+  if (const auto suppressed = drop_log_.pass(Clock::now())) {
+    std::string party;
+    for (const std::uint8_t byte : head.party.participant) {
+      party += fmt::format("{:02x}", byte);
+    }
+    spdlog::warn("reply=dropped bench={} participant={} suppressed={} text=\"nobody reads it\"",
+                 bench_, party, *suppressed);
+  }
+}
+
+bool WireProgram::wait_for_readers(std::chrono::milliseconds timeout) {
+  return publications_[static_cast<std::size_t>(TopicId::bench)]->wait_for_acknowledged(timeout);
+}
+
+}  // namespace vdrive::service

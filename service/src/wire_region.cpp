@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "wire_region.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <bit>
+#include <cerrno>
+#include <new>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+namespace vdrive::service {
+namespace {
+
+constexpr std::uint64_t kLayout = 0x7664'7269'7665'0001;  // "vdrive", version 1
+constexpr std::size_t kKibi = 1'024;
+constexpr std::size_t kMebi = kKibi * kKibi;
+
+/// Some 64 ticks of 1,024 axes, 4 of 16,384; all answers to a full inbox; the descriptions and
+/// parameters of 16,384 axes at once.
+constexpr std::array<std::size_t, kLanes> kSizes{8 * kMebi, 8 * kMebi,  8 * kMebi,
+                                                 4 * kMebi, 64 * kKibi, 64 * kKibi};
+
+constexpr std::size_t kPage = 4'096;
+constexpr std::size_t kControlSize = (sizeof(WireControl) + kPage - 1) / kPage * kPage;
+
+constexpr std::size_t offset_of(Lane lane) noexcept {
+  std::size_t offset = kControlSize;
+  for (std::size_t before = 0; before < static_cast<std::size_t>(lane); ++before) {
+    offset += kSizes[before];
+  }
+  return offset;
+}
+
+constexpr std::size_t kRegionSize = offset_of(Lane::notices) + kSizes.back();
+
+[[noreturn]] void fail(const std::string& what) {
+  throw std::system_error(errno, std::generic_category(), what);
+}
+
+std::span<std::byte> map(int descriptor) {
+  // The kernel's answer is MAP_FAILED, a cast of -1.
+  void* const memory =
+      mmap(nullptr, kRegionSize, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0);
+  if (memory == MAP_FAILED) {  // NOLINT(*-cstyle-cast, performance-no-int-to-ptr)
+    fail("memory between engine and wire");
+  }
+  return {static_cast<std::byte*>(memory), kRegionSize};
+}
+
+}  // namespace
+
+void SharedSources::show(const std::vector<wire::Source>& sources) noexcept {
+  const std::size_t count = std::min(sources.size(), kCapacity);
+  version_.fetch_add(1);
+  for (std::size_t place = 0; place < count; ++place) {
+    const auto words = std::bit_cast<std::array<std::uint32_t, 3>>(sources[place].participant);
+    for (std::size_t word = 0; word < words.size(); ++word) {
+      words_[place][word].store(words[word]);
+    }
+  }
+  count_.store(static_cast<std::uint32_t>(count));
+  version_.fetch_add(1);
+}
+
+bool SharedSources::may_contain(const wire::Source& source) const noexcept {
+  const std::uint32_t version = version_.load();
+  const auto wanted = std::bit_cast<std::array<std::uint32_t, 3>>(source.participant);
+  const std::size_t count = std::min<std::size_t>(count_.load(), kCapacity);
+  for (std::size_t place = 0; place < count; ++place) {
+    if (std::equal(wanted.begin(), wanted.end(), words_[place].begin(),
+                   [](std::uint32_t left, const auto& right) {
+                     return left == right.load();
+                   })) {
+      return true;
+    }
+  }
+  return version % 2 != 0 || version_.load() != version;
+}
+
+std::string to_json(const WireSettings& settings) {
+  const auto& network = settings.network;
+  return nlohmann::json{{"bench", settings.bench},
+                        {"log_level", settings.log_level},
+                        {"domain", network.domain},
+                        {"interfaces", network.interfaces},
+                        {"peers", network.peers},
+                        {"discovery_servers", network.discovery_servers},
+                        {"shared_memory", network.shared_memory},
+                        {"security", network.security}}
+      .dump();
+}
+
+WireSettings wire_settings_from_json(const std::string& text) {
+  const auto json = nlohmann::json::parse(text);
+  WireSettings settings;
+  json.at("bench").get_to(settings.bench);
+  json.at("log_level").get_to(settings.log_level);
+  json.at("domain").get_to(settings.network.domain);
+  json.at("interfaces").get_to(settings.network.interfaces);
+  json.at("peers").get_to(settings.network.peers);
+  json.at("discovery_servers").get_to(settings.network.discovery_servers);
+  json.at("shared_memory").get_to(settings.network.shared_memory);
+  json.at("security").get_to(settings.network.security);
+  return settings;
+}
+
+WireRegion::WireRegion(const WireSettings& settings)
+    : descriptor_(memfd_create("vdrive-wire", MFD_CLOEXEC)) {
+  if (descriptor_ < 0 || ftruncate(descriptor_, static_cast<off_t>(kRegionSize)) != 0) {
+    fail("memory between engine and wire");
+  }
+  memory_ = map(descriptor_);
+  control_ = new (memory_.data()) WireControl;  // NOLINT(*-owning-memory): it lies in the region
+  const std::string text = to_json(settings);
+  if (text.size() > control_->settings.size()) {
+    throw std::runtime_error("network settings of " + std::to_string(text.size()) +
+                             " bytes: at most " + std::to_string(control_->settings.size()));
+  }
+  std::copy(text.begin(), text.end(), control_->settings.begin());
+  control_->settings_size = static_cast<std::uint32_t>(text.size());
+  control_->layout = kLayout;
+}
+
+WireRegion::WireRegion(int descriptor, std::span<std::byte> memory) noexcept
+    : descriptor_(descriptor),
+      memory_(memory),
+      // NOLINTNEXTLINE(*-reinterpret-cast): the other process made it there
+      control_(std::launder(reinterpret_cast<WireControl*>(memory.data()))) {}
+
+WireRegion WireRegion::attach(int descriptor) {
+  struct stat status {};
+
+  if (fstat(descriptor, &status) != 0) {
+    fail("memory of the engine");
+  }
+  if (static_cast<std::size_t>(status.st_size) != kRegionSize) {
+    throw std::runtime_error("memory of the engine: " + std::to_string(status.st_size) +
+                             " bytes instead of " + std::to_string(kRegionSize));
+  }
+  WireRegion region(descriptor, map(descriptor));
+  if (region.control().layout != kLayout) {
+    throw std::runtime_error("memory of the engine: of another version");
+  }
+  return region;
+}
+
+WireRegion::~WireRegion() {
+  if (!memory_.empty()) {
+    munmap(memory_.data(), memory_.size());
+    close(descriptor_);
+  }
+}
+
+WireRegion::WireRegion(WireRegion&& other) noexcept
+    : descriptor_(std::exchange(other.descriptor_, -1)),
+      memory_(std::exchange(other.memory_, {})),
+      control_(std::exchange(other.control_, nullptr)) {}
+
+ByteRing WireRegion::ring(Lane lane) const noexcept {
+  const auto number = static_cast<std::size_t>(lane);
+  return {control_->positions[number], memory_.subspan(offset_of(lane), kSizes[number])};
+}
+
+WireSettings WireRegion::settings() const {
+  const std::size_t size =
+      std::min<std::size_t>(control_->settings_size, control_->settings.size());
+  return wire_settings_from_json(std::string(control_->settings.data(), size));
+}
+
+}  // namespace vdrive::service

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "doorbell.hpp"
+#include "vdrive/service/byte_ring.hpp"
+#include "vdrive/wire/participant.hpp"
+#include "vdrive/wire/topics.hpp"
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace vdrive::service {
+
+/// The rings of the seam between engine and wire. The first three leave the engine.
+enum class Lane : std::uint8_t {
+  status,       ///< status frames and samples of axes
+  replies,      ///< answers to requests and command frames
+  reports,      ///< descriptions, states, parameters, events
+  arrivals,     ///< command frames and requests
+  turned_away,  ///< beginnings of those that found `arrivals` full
+  notices,      ///< what other services say of this bench number
+};
+
+inline constexpr std::size_t kLanes = 6;
+
+/// What the wire is doing, as it says itself.
+enum class WireState : std::uint32_t {
+  none,      ///< no wire has started
+  starting,  ///< `WireControl::generation` has not come up yet
+  running,
+  failed,  ///< it could not start; `WireControl::error` says why
+};
+
+/// Participants, shown by one side and looked at by the other without waiting for each other.
+class SharedSources {
+ public:
+  static constexpr std::size_t kCapacity = 1'024;
+
+  /// One thread at a time. What is beyond the capacity is not shown.
+  void show(const std::vector<wire::Source>& sources) noexcept;
+
+  /// @return whether it is among them; true while they are being changed.
+  [[nodiscard]] bool may_contain(const wire::Source& source) const noexcept;
+
+ private:
+  using Words = std::array<std::atomic<std::uint32_t>, 3>;
+
+  std::atomic<std::uint32_t> version_{0};  ///< odd while they are being changed
+  std::atomic<std::uint32_t> count_{0};
+  std::array<Words, kCapacity> words_{};
+};
+
+/// The part of the region beside the rings. Written by one side each; all of it is plain numbers,
+/// because either process may end at any instruction.
+struct WireControl {
+  std::atomic<std::uint64_t> layout{0};  ///< kLayout
+
+  // The engine writes.
+  std::atomic<std::uint32_t> generation{0};  ///< wires started so far
+  std::atomic<std::uint32_t> stop{0};        ///< not 0: send what waits, take leave and end
+  std::atomic<std::uint32_t> settings_size{0};
+  std::array<char, 16'384> settings{};  ///< WireSettings as JSON
+
+  // The wire writes.
+  std::atomic<WireState> state{WireState::none};
+  std::atomic<std::uint32_t> running_generation{0};  ///< that `source` belongs to
+  wire::Source source;                               ///< of the participant that runs or ran
+  std::array<char, 2'048> error{};
+  std::array<std::atomic<std::uint32_t>, wire::kTopics.size()> matched{};
+  SharedSources readers;                       ///< of `reply`
+  std::atomic<std::int64_t> running_since{0};  ///< monotonic [ns]
+  std::atomic<std::uint64_t> pump_beats{0};    ///< rounds of every pump
+  std::atomic<std::uint64_t> probe_beats{0};   ///< probes that came through
+  std::atomic<std::uint64_t> resident{0};      ///< memory of the process [bytes]
+  std::atomic<std::uint64_t> sent{0};          ///< samples that the library took
+  std::atomic<std::uint64_t> not_sent{0};      ///< samples that the library did not take
+  std::atomic<std::uint64_t> undelivered{0};   ///< answers whose reader was not found in time
+  std::atomic<std::uint64_t> guarded{0};       ///< datagrams that the guard dropped
+  std::atomic<std::uint64_t> overflows{0};     ///< arrivals that found their ring full
+  std::atomic<std::uint32_t> finished{0};      ///< after `stop`: everything is out
+
+  BellState status_bell;   ///< wakes the pump of `status`
+  BellState reports_bell;  ///< wakes the pump of `replies` and `reports`
+  BellState arrivals_bell;
+  std::array<RingPositions, kLanes> positions{};
+};
+
+/// How a wire is set up; crosses the seam as JSON.
+struct WireSettings {
+  wire::NetworkSettings network;
+  std::uint32_t bench = 1;
+  std::string log_level = "info";
+};
+
+[[nodiscard]] std::string to_json(const WireSettings& settings);
+
+/// @throws std::runtime_error when the text is not what `to_json` gives.
+[[nodiscard]] WireSettings wire_settings_from_json(const std::string& text);
+
+/// The memory that engine and wire share: the control block and the rings. Threads of one process
+/// use it like two processes.
+class WireRegion {
+ public:
+  /// Makes a region that a child process can map by its descriptor.
+  /// @throws std::system_error when the kernel gives no memory.
+  explicit WireRegion(const WireSettings& settings);
+
+  /// Maps the region behind a descriptor that was inherited.
+  /// @throws std::system_error; std::runtime_error when it is not a region of this version.
+  static WireRegion attach(int descriptor);
+
+  ~WireRegion();
+  WireRegion(WireRegion&& other) noexcept;
+  WireRegion& operator=(WireRegion&&) = delete;
+  WireRegion(const WireRegion&) = delete;
+  WireRegion& operator=(const WireRegion&) = delete;
+
+  [[nodiscard]] int descriptor() const noexcept { return descriptor_; }
+
+  [[nodiscard]] WireControl& control() const noexcept { return *control_; }
+
+  /// One side's end of a lane; each side makes one.
+  [[nodiscard]] ByteRing ring(Lane lane) const noexcept;
+
+  /// @throws std::runtime_error when they cannot be read.
+  [[nodiscard]] WireSettings settings() const;
+
+ private:
+  WireRegion(int descriptor, std::span<std::byte> memory) noexcept;
+
+  int descriptor_ = -1;
+  std::span<std::byte> memory_;
+  WireControl* control_ = nullptr;
+};
+
+}  // namespace vdrive::service

@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "wire_supervisor.hpp"
+
+#include "vdrive/wire/participant.hpp"
+
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <cstring>
+#include <thread>
+#include <utility>
+
+namespace vdrive::service {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kLookInterval = 2ms;
+constexpr std::uint64_t kMebi = 1'024ULL * 1'024ULL;
+constexpr std::size_t kMostNews = 64;
+
+WireLoss loss_of(const WireEnd& end) {
+  if (WIFSIGNALED(end.status)) {
+    return {.cause = WireLoss::Cause::signal,
+            .value = static_cast<std::uint32_t>(WTERMSIG(end.status))};
+  }
+  return {.cause = WireLoss::Cause::exit_code,
+          .value = static_cast<std::uint32_t>(WEXITSTATUS(end.status))};
+}
+
+std::string error_of(const WireControl& control) {
+  const auto* const end = std::find(control.error.begin(), control.error.end(), '\0');
+  return {control.error.begin(), end};
+}
+
+}  // namespace
+
+std::uint64_t WireLoss::packed() const noexcept {
+  return std::uint64_t{static_cast<std::uint8_t>(cause)} << 32U | value;
+}
+
+WireLoss WireLoss::unpacked(std::uint64_t detail) noexcept {
+  return {.cause = static_cast<Cause>(detail >> 32U), .value = static_cast<std::uint32_t>(detail)};
+}
+
+std::string WireLoss::text() const {
+  const std::string number = std::to_string(value);
+  switch (cause) {
+    case Cause::signal: {
+      const char* const name = sigdescr_np(static_cast<int>(value));
+      return "ended by signal " + number + (name == nullptr ? "" : " (" + std::string(name) + ")");
+    }
+    case Cause::exit_code:
+      return "ended with exit code " + number;
+    case Cause::no_start:
+      return "not ready after 10 s";
+    case Cause::hangs:
+      return "hung: sent nothing for 2 s";
+    case Cause::deaf:
+      return "deaf: no probe came through discovery and data for 4 s";
+    case Cause::memory:
+      return "used " + number + " MiB of memory, more than its limit";
+  }
+  return "gone";
+}
+
+// ---- judge -------------------------------------------------------------------------------------
+
+void WireJudge::started(Time now) noexcept {
+  start_ = now;
+  running_since_.reset();
+}
+
+std::optional<WireLoss> WireJudge::reason_to_end(const Sight& sight, Time now) noexcept {
+  if (!sight.is_running) {
+    return now - start_ > kLongestStart
+               ? std::optional(WireLoss{.cause = WireLoss::Cause::no_start})
+               : std::nullopt;
+  }
+  if (!running_since_) {
+    running_since_ = now;
+    pumped_ = now;
+    probed_ = now;
+  }
+  if (std::exchange(pump_beats_, sight.pump_beats) != sight.pump_beats) {
+    pumped_ = now;
+  }
+  if (std::exchange(probe_beats_, sight.probe_beats) != sight.probe_beats) {
+    probed_ = now;
+  }
+  if (now - pumped_ > kLongestRound) {
+    return WireLoss{.cause = WireLoss::Cause::hangs};
+  }
+  if (now - probed_ > kLongestProbe) {
+    return WireLoss{.cause = WireLoss::Cause::deaf};
+  }
+  if (sight.resident > memory_limit_) {
+    return WireLoss{.cause = WireLoss::Cause::memory,
+                    .value = static_cast<std::uint32_t>(sight.resident / kMebi)};
+  }
+  return std::nullopt;
+}
+
+WireJudge::Time WireJudge::ended(Time now) noexcept {
+  const bool was_long = running_since_ && now - *running_since_ >= kLongRun;
+  const auto delay = was_long ? 0ms : delay_;
+  delay_ = was_long ? 0ms : std::clamp(delay_ * 2, kFirstDelay, kLongestDelay);
+  return now + delay;
+}
+
+// ---- supervisor --------------------------------------------------------------------------------
+
+WireSupervisor::WireSupervisor(const WireRegion& region, WireSpawner& spawner,
+                               std::uint64_t memory_limit, Counters& counters)
+    : control_(region.control()), spawner_(spawner), judge_(memory_limit), counters_(counters) {}
+
+void WireSupervisor::start() {
+  launch(Clock::now());
+  while (!is_up_) {
+    std::this_thread::sleep_for(kLookInterval);
+    if (control_.state.load() == WireState::failed) {
+      throw wire::NetworkError(error_of(control_));
+    }
+    if (const auto end = spawner_.next_end()) {
+      // It says why before it ends.
+      const std::string error = error_of(control_);
+      throw wire::NetworkError(error.empty() ? "the wire's process: " + loss_of(*end).text()
+                                             : error);
+    }
+    judge(Clock::now());
+    if (reason_) {
+      throw wire::NetworkError("the wire's process: " + reason_->text());
+    }
+  }
+  news_.clear();
+}
+
+void WireSupervisor::launch(Clock::time_point now) {
+  next_start_.reset();
+  control_.state.store(WireState::starting);
+  for (auto& matched : control_.matched) {
+    matched = 0;
+  }
+  control_.generation.fetch_add(1);
+  is_launched_ = spawner_.launch();
+  is_up_ = false;
+  reason_.reset();
+  judge_.started(now);
+  counters_.wire_starts.add();
+}
+
+void WireSupervisor::look() {
+  const auto now = Clock::now();
+  if (is_launched_) {
+    if (const auto end = spawner_.next_end()) {
+      lose(*end, now);
+    } else {
+      judge(now);
+    }
+  }
+  if (next_start_ && now >= *next_start_) {
+    launch(now);
+  }
+}
+
+void WireSupervisor::lose(const WireEnd& end, Clock::time_point now) {
+  control_.state.store(WireState::none);
+  is_launched_ = false;
+  if (is_up_) {
+    lost_at_ = now;
+  }
+  is_up_ = false;
+  counters_.wire_is_up.set(0);
+  next_start_ = judge_.ended(now);
+  const auto delay = std::chrono::duration_cast<std::chrono::milliseconds>(*next_start_ - now);
+  tell(WireNews::kLost, reason_.value_or(loss_of(end)).packed());
+  if (delay > 0ms) {
+    tell(WireNews::kLater, static_cast<std::uint64_t>(delay.count()));
+  }
+}
+
+void WireSupervisor::tell(std::uint32_t code, std::uint64_t detail) {
+  if (news_.size() < kMostNews) {
+    news_.push_back({.kind = msg::EVENT_WIRE, .code = code, .detail = detail});
+  }
+}
+
+void WireSupervisor::judge(Clock::time_point now) {
+  const bool is_running = control_.state.load() == WireState::running;
+  counters_.wire_resident.set(control_.resident.load());
+  if (is_running && !is_up_) {
+    is_up_ = true;
+    counters_.wire_is_up.set(1);
+    const auto gap = std::chrono::duration_cast<std::chrono::milliseconds>(now - lost_at_);
+    tell(WireNews::kRuns, static_cast<std::uint64_t>(gap.count()));
+  }
+  if (reason_) {
+    return;
+  }
+  reason_ = judge_.reason_to_end({.is_running = is_running,
+                                  .pump_beats = control_.pump_beats.load(),
+                                  .probe_beats = control_.probe_beats.load(),
+                                  .resident = control_.resident.load()},
+                                 now);
+  if (reason_) {
+    spawner_.kill();
+  }
+}
+
+std::optional<EventRecord> WireSupervisor::next_news() {
+  if (news_.empty()) {
+    return std::nullopt;
+  }
+  const EventRecord news = news_.front();
+  news_.pop_front();
+  return news;
+}
+
+void WireSupervisor::stop(std::chrono::milliseconds patience) noexcept {
+  const auto deadline = Clock::now() + patience;
+  control_.stop.store(1);
+  Doorbell(control_.reports_bell).ring();
+  Doorbell(control_.status_bell).ring();
+  while (is_up_ && control_.finished.load() == 0 && Clock::now() < deadline &&
+         !spawner_.next_end()) {
+    std::this_thread::sleep_for(kLookInterval);
+  }
+  spawner_.kill();
+}
+
+}  // namespace vdrive::service

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/service/queues.hpp"
+#include "vdrive/wire/codec.hpp"
+#include "vdrive/wire/topics.hpp"
+
+#include <cstddef>
+#include <vector>
+
+namespace vdrive::test {
+
+/// The memory of two rings, made before the inbox that stands on it.
+struct InboxMemory {
+  service::ByteRing arrivals() { return {arrival_positions, as_bytes(arrival_memory)}; }
+
+  service::ByteRing turned_away() { return {turned_away_positions, as_bytes(turned_away_memory)}; }
+
+  static std::span<std::byte> as_bytes(std::vector<std::uint64_t>& memory) {
+    return std::as_writable_bytes(std::span(memory));
+  }
+
+  service::RingPositions arrival_positions;
+  service::RingPositions turned_away_positions;
+  std::vector<std::uint64_t> arrival_memory = std::vector<std::uint64_t>(128 * 1'024);
+  std::vector<std::uint64_t> turned_away_memory = std::vector<std::uint64_t>(8 * 1'024);
+};
+
+/// An inbox in the memory of a test: messages go in as they come from the network, as samples.
+class LocalInbox : private InboxMemory, public service::Inbox {
+ public:
+  LocalInbox(std::uint32_t bench, service::Counters& counters)
+      : service::Inbox(bench, arrivals(), turned_away(), counters),
+        intake_(arrivals(), turned_away()),
+        counters_of_test_(counters) {}
+
+  template <typename Message>
+  void receive(const Message& message, const wire::Source& source) {
+    sample_.resize(wire::encoded_size(message));
+    wire::encode(message, sample_);
+    receive_sample(wire::Topic<Message>::kId, sample_, source);
+  }
+
+  void receive_sample(wire::TopicId topic, std::span<const std::byte> sample,
+                      const wire::Source& source) {
+    if (!intake_.put(topic, sample, source)) {
+      counters_of_test_.queue_overflows.add();
+    }
+  }
+
+ private:
+  service::ArrivalIntake intake_;
+  service::Counters& counters_of_test_;
+  std::vector<std::byte> sample_;
+};
+
+}  // namespace vdrive::test
