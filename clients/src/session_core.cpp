@@ -3,6 +3,7 @@
 #include "session_core.hpp"
 
 #include "service_watch.hpp"
+#include "vdrive/text.hpp"
 
 #include <algorithm>
 #include <random>
@@ -43,8 +44,8 @@ std::string list_of(std::span<const PresentBench> benches) {
   std::string text = "found";
   for (const PresentBench& bench : benches) {
     text += text == "found" ? " " : ", ";
-    text += "bench " + std::to_string(bench.info.number) + " '" + bench.info.name + "' with " +
-            std::to_string(bench.info.axes.size()) + " axes";
+    text += "bench " + std::to_string(bench.info.number) + " " + in_quotes(bench.info.name) +
+            " with " + std::to_string(bench.info.axes.size()) + " axes";
   }
   return text;
 }
@@ -279,11 +280,11 @@ Result<AxisInfo> SessionCore::find_name(std::string_view name,
   }
   if (matches.size() == 1) return std::move(matches.front());
   if (matches.empty()) {
-    return Outcome::not_found("no axis is named '" + std::string(name) + "' on domain " +
+    return Outcome::not_found("no axis is named " + in_quotes(name) + " on domain " +
                               std::to_string(options_.domain) + ", " + list_of(benches));
   }
-  return Outcome::not_found("several axes are named '" + std::string(name) +
-                            "': " + to_string(matches[0].id) + ", " + to_string(matches[1].id));
+  return Outcome::not_found("several axes are named " + in_quotes(name) + ": " +
+                            to_string(matches[0].id) + ", " + to_string(matches[1].id));
 }
 
 Result<Target> SessionCore::connect(std::uint32_t number) {

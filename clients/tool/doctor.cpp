@@ -2,6 +2,7 @@
 #include "doctor.hpp"
 
 #include "report.hpp"
+#include "vdrive/text.hpp"
 
 #include <algorithm>
 #include <exception>
@@ -185,7 +186,7 @@ std::vector<Finding> look_at_benches(std::span<const client::BenchInfo> benches,
   for (const client::BenchInfo& bench : benches) {
     Finding& finding = findings.emplace_back(Finding{
         .subject = "benches",
-        .text = "bench " + std::to_string(bench.number) + " '" + bench.name + "', " +
+        .text = "bench " + std::to_string(bench.number) + " " + in_quotes(bench.name) + ", " +
                 std::to_string(bench.axes.size()) + " axes, " +
                 std::string(to_string(bench.clock_mode)) + ", version " + bench.service_version,
         .advice = ""});

@@ -2,6 +2,7 @@
 #include "executor.hpp"
 
 #include "recorder.hpp"
+#include "vdrive/text.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -75,7 +76,7 @@ Outcome Executor::list_bench(const client::BenchInfo& bench) {
   if (!seen) return seen.outcome();
   if (!is_json_) {
     terminal_.print(colored(terminal_, Color::bold,
-                            "bench " + std::to_string(bench.number) + " " + bench.name) +
+                            "bench " + std::to_string(bench.number) + " " + escaped(bench.name)) +
                     ", " + std::string(to_string(bench.clock_mode)) + ", tick " +
                     std::to_string(seen->tick) + " of " + std::to_string(bench.period.count()) +
                     " us");
@@ -199,7 +200,7 @@ Outcome Executor::run(const RecordCommand& command) {
 
 Outcome unknown_object(const client::AxisId& axis, const ObjectName& object) {
   return Outcome::refused(kNoSuchObject,
-                          "axis " + to_string(axis) + " has no object '" + object.text + "'");
+                          "axis " + to_string(axis) + " has no object " + in_quotes(object.text));
 }
 
 void print_dictionary(DictionaryCommand command, bool is_json, Terminal& terminal) {

@@ -4,11 +4,13 @@
 #include "completion.hpp"
 #include "help.hpp"
 #include "usage_error.hpp"
+#include "vdrive/text.hpp"
 
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <limits>
 #include <map>
 #include <memory>
@@ -71,7 +73,7 @@ std::vector<Disturbance> inputs_of(const std::string& kind, const std::string& v
     inputs.push_back({object, kind == "none" ? 0 : parse_value(value, object)});
   }
   if (!inputs.empty()) return inputs;
-  std::string message = "'" + kind + "' is no disturbance: write";
+  std::string message = in_quotes(kind) + " is no disturbance: write";
   for (const DisturbanceRow& row : kDisturbances) message += " " + std::string(row.kind) + ",";
   throw UsageError(message + " or none");
 }
@@ -87,10 +89,10 @@ SnapshotCommand snapshot_of(const std::string& action, const std::string& number
     }
     return {known, number.empty() ? 0 : parse_number(number, "snapshot number", kHighest64), bench};
   }
-  throw UsageError("'" + action + "' is no action: write take, restore or drop");
+  throw UsageError(in_quotes(action) + " is no action: write take, restore or drop");
 }
 
-/// @return what is wrong with ADDRESS:PORT, or nothing.
+/// @return what is wrong with ADDRESS:PORT, or nothing; part of one of CLI11's texts.
 std::string check_server(const std::string& text) {
   const auto colon = text.find(':');
   const bool is_server = colon != std::string::npos &&
@@ -102,6 +104,23 @@ std::string check_server(const std::string& text) {
 std::optional<std::uint32_t> parse_unsigned32(const std::string& text) {
   if (text.empty()) return std::nullopt;
   return static_cast<std::uint32_t>(parse_value(text, DataType::unsigned32));
+}
+
+/// CLI11 takes an empty value for one that was not given, and an empty variable for none.
+void refuse_empty_values(const CLI::App& app) {
+  for (const CLI::Option* const option : app.get_options()) {
+    if (std::ranges::find(option->results(), "") != option->results().end()) {
+      throw UsageError(option->get_name() + ": '' is no value");
+    }
+    const std::string variable = option->get_envname();
+    const char* const text = variable.empty()
+                                 ? nullptr
+                                 : std::getenv(variable.c_str());  // NOLINT(concurrency-mt-unsafe)
+    if (option->count() == 0 && text != nullptr && *text == '\0') {
+      throw UsageError(variable +
+                       " in the environment is set, but empty: unset it or give a value");
+    }
+  }
 }
 
 /// The words of the tool as CLI11 knows them. Every word takes text and makes a command of it when
@@ -173,6 +192,8 @@ class Grammar {
     check_word(arguments);
     std::ranges::reverse(arguments);  // CLI11 takes them from the back
     app_.parse(std::move(arguments));
+    refuse_empty_values(app_);
+    for (const CLI::App* const word : app_.get_subcommands()) refuse_empty_values(*word);
   }
 
   [[nodiscard]] const CLI::App& app() const { return app_; }
@@ -210,7 +231,8 @@ class Grammar {
           return word->get_name() == arguments[i];
         });
         if (!words.empty()) return;
-        throw UsageError("'" + arguments[i] + "' is no word; 'vdrive --help' shows all of them");
+        throw UsageError(in_quotes(arguments[i]) +
+                         " is no word; 'vdrive --help' shows all of them");
       }
     }
   }
@@ -297,7 +319,7 @@ class Grammar {
     record.axes = words_.axes;
     const bool is_lines = words_.file.ends_with(".jsonl") || words_.file.ends_with(".json");
     if (!is_lines && words_.file != "-" && !words_.file.ends_with(".csv")) {
-      throw UsageError("'" + words_.file + "' ends neither in .csv nor in .jsonl");
+      throw UsageError(in_quotes(words_.file) + " ends neither in .csv nor in .jsonl");
     }
     if (is_lines || (words_.file == "-" && options_.json)) record.format = RecordFormat::json_lines;
     if (!words_.duration.empty()) record.duration = parse_duration(words_.duration);
@@ -537,11 +559,12 @@ std::string help_of_all_words(const CLI::App& app) {
   return text;
 }
 
-/// CLI11's texts end with hints of their own and with line breaks.
+/// CLI11's texts end with hints of their own and with line breaks, and hold what was given as it
+/// is.
 std::string one_line(std::string text) {
   while (!text.empty() && text.back() == '\n') text.pop_back();
   std::ranges::replace(text, '\n', ' ');
-  return text;
+  return escaped(text, kShownOfMessage);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include "recorder.hpp"
 
 #include "report.hpp"
+#include "vdrive/text.hpp"
 
 #include <algorithm>
 #include <cerrno>
@@ -79,7 +80,8 @@ Outcome Recorder::record(const std::vector<RecordedBench>& benches) {
   std::ofstream file;
   if (command_.file != "-") {
     file.open(command_.file, std::ios::trunc);
-    if (!file) return Outcome::failed("cannot write '" + command_.file + "': " + system_error());
+    if (!file)
+      return Outcome::failed("cannot write " + in_quotes(command_.file) + ": " + system_error());
     file_ = &file;
   }
   std::vector<Track> tracks;
@@ -93,7 +95,7 @@ Outcome Recorder::record(const std::vector<RecordedBench>& benches) {
   if (command_.format == RecordFormat::csv) put(recording_header());
   Outcome outcome = follow(tracks);
   if (file_ != nullptr && !file.flush() && outcome) {
-    outcome = Outcome::failed("cannot write '" + command_.file + "': " + system_error());
+    outcome = Outcome::failed("cannot write " + in_quotes(command_.file) + ": " + system_error());
   }
   return outcome;
 }
@@ -124,7 +126,7 @@ Outcome Recorder::look(Track& track) {
   ++track.samples;
   track.has_ended = track.samples == command_.count;
   if (file_ == nullptr || *file_) return {};
-  return Outcome::failed("cannot write '" + command_.file + "': " + system_error());
+  return Outcome::failed("cannot write " + in_quotes(command_.file) + ": " + system_error());
 }
 
 void Recorder::write(const client::Observation& sample) {

@@ -3,6 +3,7 @@
 
 #include "vdrive/cia402/error_code.hpp"
 #include "vdrive/cia402/statusword.hpp"
+#include "vdrive/text.hpp"
 
 #include <algorithm>
 #include <array>
@@ -185,7 +186,7 @@ std::vector<std::string> status_text(const client::AxisSnapshot& axis, const std
   const AxisStatus& status = axis.status;
   const auto error = static_cast<ErrorCode>(status.error_code);
   std::vector<std::string> lines;
-  lines.push_back(to_string(axis.id) + " " + name);
+  lines.push_back(to_string(axis.id) + " " + escaped(name));
   lines.push_back("  statusword  " +
                   client::describe_statusword(status.ds402_statusword, axis.mode()));
   lines.push_back("  mode        " + std::to_string(status.op_mode_actual) + " " +
@@ -242,8 +243,8 @@ Json list_json(const client::BenchInfo& bench, const client::AxisInfo& info,
 }
 
 std::string list_text(const client::AxisInfo& info, const client::AxisSnapshot& axis) {
-  return formatted("  %-7s %-20s %-24s 0x%03X  %s", to_string(info.id).c_str(), info.name.c_str(),
-                   std::string(to_string(axis.state())).c_str(),
+  return formatted("  %-7s %-20s %-24s 0x%03X  %s", to_string(info.id).c_str(),
+                   escaped(info.name).c_str(), std::string(to_string(axis.state())).c_str(),
                    unsigned{axis.status.ds402_statusword}, owner_text(axis.owner_session).c_str());
 }
 

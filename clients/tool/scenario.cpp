@@ -3,6 +3,7 @@
 
 #include "grammar.hpp"
 #include "usage_error.hpp"
+#include "vdrive/text.hpp"
 
 #include <istream>
 
@@ -81,6 +82,10 @@ Scenario parse_scenario(std::istream& input, const std::string& file) {
   std::string text;
   for (std::size_t number = 1; std::getline(input, text); ++number) {
     std::string_view line = text;
+    if (number == 1 && is_wide_text(line)) {
+      throw UsageError(escaped(file, kShownOfMessage) +
+                       ": is text in UTF-16 or UTF-32, must be UTF-8");
+    }
     if (number == 1 && line.starts_with(kByteOrderMark)) line.remove_prefix(kByteOrderMark.size());
     try {
       std::vector<std::string> words = split_words(line);
@@ -91,7 +96,8 @@ Scenario parse_scenario(std::istream& input, const std::string& file) {
                                 .command = std::move(parsed.command),
                                 .timeout = parsed.timeout});
     } catch (const UsageError& error) {
-      throw UsageError(file + ":" + std::to_string(number) + ": " + error.what());
+      throw UsageError(escaped(file, kShownOfMessage) + ":" + std::to_string(number) + ": " +
+                       error.what());
     }
   }
   return scenario;

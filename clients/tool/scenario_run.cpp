@@ -3,6 +3,7 @@
 
 #include "junit.hpp"
 #include "live_view.hpp"
+#include "vdrive/text.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -44,7 +45,7 @@ class ScenarioRun {
 
  private:
   [[nodiscard]] std::string place_of(const ScenarioLine& line) const {
-    return scenario_.file + ":" + std::to_string(line.number);
+    return escaped(scenario_.file, kShownOfMessage) + ":" + std::to_string(line.number);
   }
 
   static std::string name_of(const ScenarioLine& line) {
@@ -88,14 +89,16 @@ class ScenarioRun {
     if (!outcome) test.failure = outcome.message();
     if (options_.is_json) print_json(line, outcome);
     if (outcome) return outcome;
-    return Outcome::failed(place_of(line) + ": " + line.text + ": " + outcome.message());
+    return Outcome::failed(place_of(line) + ": " + escaped(line.text, kShownOfMessage) + ": " +
+                           outcome.message());
   }
 
   void announce(const ScenarioLine& line) {
     if (options_.is_json) return;
     std::string number = std::to_string(line.number);
     number.insert(0, 4 - std::min<std::size_t>(number.size(), 4), ' ');
-    terminal_.print(colored(terminal_, Color::cyan, number) + "  " + line.text);
+    terminal_.print(colored(terminal_, Color::cyan, number) + "  " +
+                    escaped(line.text, kShownOfMessage));
   }
 
   void print_json(const ScenarioLine& line, const Outcome& outcome) {

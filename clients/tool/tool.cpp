@@ -8,6 +8,7 @@
 #include "report.hpp"
 #include "scenario_run.hpp"
 #include "usage_error.hpp"
+#include "vdrive/text.hpp"
 
 #include <chrono>
 #include <filesystem>
@@ -43,7 +44,8 @@ Scenario load_scenario(const std::string& name) {
   if (name == "-") return parse_scenario(std::cin, "<stdin>");
   std::ifstream file(name);
   // A directory opens, but has no bytes.
-  if (!file || std::filesystem::is_directory(name)) throw UsageError("cannot read '" + name + "'");
+  if (!file || std::filesystem::is_directory(name))
+    throw UsageError("cannot read " + in_quotes(name));
   return parse_scenario(file, name);
 }
 

@@ -2,6 +2,7 @@
 #include "value.hpp"
 
 #include "usage_error.hpp"
+#include "vdrive/text.hpp"
 
 #include <algorithm>
 #include <array>
@@ -15,10 +16,6 @@ namespace {
 
 constexpr std::int64_t kHighestHours = 1000;
 constexpr std::int64_t kHighestNanoseconds = kHighestHours * 3600 * 1'000'000'000;
-
-std::string quoted(std::string_view text) {
-  return "'" + std::string(text) + "'";
-}
 
 bool is_hexadecimal(std::string_view text) {
   return text.size() > 2 && text[0] == '0' && (text[1] == 'x' || text[1] == 'X');
@@ -53,7 +50,7 @@ std::int64_t sign_extended(std::uint64_t bits, std::uint8_t width) {
 
 [[noreturn]] void throw_too_wide(std::string_view text, DataType type) {
   const TypeRange range = range_of(type);
-  std::string message = quoted(text) + " does not fit " + std::string(to_string(type)) + ": " +
+  std::string message = in_quotes(text) + " does not fit " + std::string(to_string(type)) + ": " +
                         std::to_string(range.lowest) + " to " + std::to_string(range.highest);
   if (is_hexadecimal(text))
     message += ", at most " + std::to_string(2 * size_of(type)) + " hex digits' worth";
@@ -69,7 +66,7 @@ std::int64_t decimal_value(std::string_view text) {
                           : std::numeric_limits<std::int64_t>::max();
   }
   if (error != std::errc{} || stop != end) {
-    throw UsageError(quoted(text) + " is no value: write a decimal number or hex such as 0x1F");
+    throw UsageError(in_quotes(text) + " is no value: write a decimal number or hex such as 0x1F");
   }
   return value;
 }
@@ -140,7 +137,7 @@ ObjectName parse_object(std::string_view text) {
     if (!row) return {std::string(text), std::nullopt};
     return {std::string(text), describe(*row).address};
   }
-  throw UsageError(quoted(text) +
+  throw UsageError(in_quotes(text) +
                    " is no object: write 0x6041, 0x607D:1 or a variable_name such as "
                    "ds402_statusword");
 }
@@ -150,7 +147,8 @@ std::int64_t parse_value(std::string_view text, DataType type) {
   if (is_hexadecimal(text)) {
     const auto bits = unsigned_number(text);
     if (!bits && text.find_first_not_of("0123456789abcdefABCDEF", 2) != std::string_view::npos) {
-      throw UsageError(quoted(text) + " is no value: write a decimal number or hex such as 0x1F");
+      throw UsageError(in_quotes(text) +
+                       " is no value: write a decimal number or hex such as 0x1F");
     }
     const std::uint64_t highest = (std::uint64_t{1} << (8U * size_of(type))) - 1;
     if (!bits || *bits > highest) throw_too_wide(text, type);
@@ -172,8 +170,8 @@ std::int64_t parse_value(std::string_view text, const ObjectName& object) {
 std::uint64_t parse_number(std::string_view text, std::string_view what, std::uint64_t highest) {
   const auto number = unsigned_number(text);
   if (!number || *number > highest) {
-    throw UsageError(quoted(text) + " is no " + std::string(what) + ": write a number from 0 to " +
-                     std::to_string(highest));
+    throw UsageError(in_quotes(text) + " is no " + std::string(what) +
+                     ": write a number from 0 to " + std::to_string(highest));
   }
   return *number;
 }
@@ -181,7 +179,8 @@ std::uint64_t parse_number(std::string_view text, std::string_view what, std::ui
 std::chrono::nanoseconds parse_duration(std::string_view text) {
   const auto duration = duration_of(text);
   if (!duration) {
-    throw UsageError(quoted(text) + " is no duration: write such as 500us, 20ms or 1.5s, at most " +
+    throw UsageError(in_quotes(text) +
+                     " is no duration: write such as 500us, 20ms or 1.5s, at most " +
                      std::to_string(kHighestHours) + " hours");
   }
   return *duration;
@@ -191,7 +190,7 @@ std::chrono::nanoseconds parse_seconds(std::string_view text) {
   auto duration = duration_of(text);
   if (!duration) duration = duration_of(std::string(text) + "s");
   if (!duration) {
-    throw UsageError(quoted(text) + " is no time: write seconds such as 2 or 0.5, or 500ms");
+    throw UsageError(in_quotes(text) + " is no time: write seconds such as 2 or 0.5, or 500ms");
   }
   return *duration;
 }
@@ -201,7 +200,8 @@ double parse_real(std::string_view text, std::string_view what) {
   const char* const end = text.data() + text.size();
   const auto [stop, error] = std::from_chars(text.data(), end, value);
   if (error != std::errc{} || stop != end || !std::isfinite(value)) {
-    throw UsageError(quoted(text) + " is no " + std::string(what) + ": write a number such as 0.5");
+    throw UsageError(in_quotes(text) + " is no " + std::string(what) +
+                     ": write a number such as 0.5");
   }
   return value;
 }

@@ -3,6 +3,7 @@
 // refuses them: what is wrong is found here.
 #include "credentials.hpp"
 
+#include "vdrive/text.hpp"
 #include "vdrive/wire/participant.hpp"
 
 #include <openssl/bio.h>
@@ -42,7 +43,8 @@ using Signers = std::unique_ptr<STACK_OF(X509), Free<[](STACK_OF(X509) * list) {
                                 }>>;
 
 [[noreturn]] void refuse(const std::filesystem::path& file, std::string_view what) {
-  throw NetworkError("network security: " + file.string() + ": " + std::string(what));
+  throw NetworkError("network security: " + escaped(file.string(), kShownOfMessage) + ": " +
+                     std::string(what));
 }
 
 Bio open(const std::filesystem::path& file) {
@@ -103,7 +105,7 @@ std::string check_identity(const std::filesystem::path& ca_file,
     refuse(key_file, "is no private key in PEM without a pass phrase");
   }
   if (X509_check_private_key(certificate.get(), key.get()) != 1) {
-    refuse(key_file, "is not the key of " + certificate_file.string());
+    refuse(key_file, "is not the key of " + escaped(certificate_file.string(), kShownOfMessage));
   }
   const Store store(X509_STORE_new());
   X509_STORE_add_cert(store.get(), ca.get());
@@ -111,7 +113,7 @@ std::string check_identity(const std::filesystem::path& ca_file,
   X509_STORE_CTX_init(context.get(), store.get(), certificate.get(), nullptr);
   if (X509_verify_cert(context.get()) != 1) {
     refuse(certificate_file,
-           "was not issued by " + ca_file.string() + ": " +
+           "was not issued by " + escaped(ca_file.string(), kShownOfMessage) + ": " +
                X509_verify_cert_error_string(X509_STORE_CTX_get_error(context.get())));
   }
   const Bio subject(BIO_new(BIO_s_mem()));
@@ -137,7 +139,8 @@ std::string verified_text(const std::filesystem::path& ca_file,
   if (PKCS7_verify(signature.get(), signers.get(), nullptr, content.get(), text.get(),
                    PKCS7_TEXT | PKCS7_NOINTERN | PKCS7_NOVERIFY) != 1) {
     ERR_clear_error();
-    refuse(document, "was not signed by " + ca_file.string() + ", or was changed since");
+    refuse(document, "was not signed by " + escaped(ca_file.string(), kShownOfMessage) +
+                         ", or was changed since");
   }
   return text_of(text.get());
 }

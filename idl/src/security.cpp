@@ -3,6 +3,7 @@
 #include "vdrive/wire/security.hpp"
 
 #include "credentials.hpp"
+#include "vdrive/text.hpp"
 #include "vdrive/wire/topics.hpp"
 
 #include <tinyxml2.h>
@@ -31,12 +32,13 @@ class Document {
   Document(const std::filesystem::path& ca, std::filesystem::path file) : file_(std::move(file)) {
     const std::string text = verified_text(ca, file_);
     if (xml_.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
-      refuse("is no XML: " + std::string(xml_.ErrorStr()));
+      refuse("is no XML: " + escaped(xml_.ErrorStr(), kShownOfMessage));
     }
   }
 
   [[noreturn]] void refuse(const std::string& what) const {
-    throw NetworkError("network security: " + file_.string() + ": " + what);
+    throw NetworkError("network security: " + escaped(file_.string(), kShownOfMessage) + ": " +
+                       what);
   }
 
   /// @return the element at this place below <dds>.
@@ -102,7 +104,7 @@ void require_protection(const Document& document, const Element& rule, const cha
   const std::string kind = document.text(rule, name);
   const bool is_encrypted = kind.starts_with("ENCRYPT");
   if (!is_encrypted && (must_encrypt || !kind.starts_with("SIGN"))) {
-    document.refuse(std::string(name) + " is " + kind + ", must be " +
+    document.refuse(std::string(name) + " is " + escaped(kind) + ", must be " +
                     (must_encrypt ? "" : "SIGN or ") + "ENCRYPT: the bench would be open");
   }
 }
@@ -164,10 +166,10 @@ void check_validity(const Document& document, const Element& grant) {
   }
   const std::time_t now = std::time(nullptr);
   if (now > *to) {
-    document.refuse("expired at " + end);
+    document.refuse("expired at " + escaped(end));
   }
   if (now < *from) {
-    document.refuse("is not valid before " + begin);
+    document.refuse("is not valid before " + escaped(begin));
   }
 }
 
@@ -182,8 +184,9 @@ const Element& grant_of(const Document& document, const std::string& subject) {
     }
     others += (others.empty() ? "" : "; ") + name;
   }
-  document.refuse("grants nothing to the certificate's subject " + subject +
-                  " (in this order); it names " + (others.empty() ? "nobody" : others));
+  document.refuse("grants nothing to the certificate's subject " +
+                  escaped(subject, kShownOfMessage) + " (in this order); it names " +
+                  (others.empty() ? "nobody" : escaped(others, kShownOfMessage)));
 }
 
 Permissions::Rule publish_rule(const Element& rule) {

@@ -10,6 +10,7 @@
 #include "vdrive/service/parameter_store.hpp"
 #include "vdrive/service/replay.hpp"
 #include "vdrive/service/service.hpp"
+#include "vdrive/text.hpp"
 #include "vdrive/wire/library_log.hpp"
 #include "vdrive/wire/security.hpp"
 #include "wire_host.hpp"
@@ -25,6 +26,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
 #include <iostream>
 #include <optional>
@@ -130,7 +132,8 @@ ClockMode clock_named(const std::string& name) {
   if (name == "freerun") {
     return ClockMode::freerun;
   }
-  throw ConfigurationError("--clock " + name + ": must be one of realtime, lockstep, freerun");
+  throw ConfigurationError("--clock " + in_quotes(name) +
+                           ": must be one of realtime, lockstep, freerun");
 }
 
 void override(Configuration& configuration, const Arguments& arguments) {
@@ -158,6 +161,24 @@ void override(Configuration& configuration, const Arguments& arguments) {
     configuration.metrics_port = static_cast<std::uint16_t>(*arguments.metrics);
   }
   check(configuration);
+}
+
+/// CLI11 takes an empty value for one that was not given, and an empty variable for none.
+void refuse_empty_values(const CLI::App& app) {
+  for (const CLI::Option* const option : app.get_options()) {
+    const auto& values = option->results();
+    if (std::find(values.begin(), values.end(), "") != values.end()) {
+      throw BadArguments(option->get_name() + ": '' is no value");
+    }
+    const std::string variable = option->get_envname();
+    const char* const text = variable.empty()
+                                 ? nullptr
+                                 : std::getenv(variable.c_str());  // NOLINT(concurrency-mt-unsafe)
+    if (option->count() == 0 && text != nullptr && *text == '\0') {
+      throw BadArguments(variable +
+                         " in the environment is set, but empty: unset it or give a value");
+    }
+  }
 }
 
 /// @throws ConfigurationError for the file, BadArguments for what is laid over it
@@ -275,10 +296,22 @@ int replay_journal(const Arguments& arguments) {
   return result.agrees && result.is_complete ? kDone : kFailed;
 }
 
+/// Also those that are not used.
+/// @throws BadArguments
+void check_flags(const Arguments& arguments) {
+  Configuration configuration = demo_configuration();
+  try {
+    override(configuration, arguments);
+  } catch (const ConfigurationError& error) {
+    throw BadArguments(error.what());
+  }
+}
+
 int carry_out(const Arguments& arguments) {
   if (arguments.wire_process) {
     return run_wire_process(*arguments.wire_process);
   }
+  check_flags(arguments);
   if (arguments.replay) {
     return replay_journal(arguments);
   }
@@ -287,7 +320,7 @@ int carry_out(const Arguments& arguments) {
     if (!network.security.empty()) {
       static_cast<void>(wire::check_security(network.security, network.domain));
     }
-    std::cout << *arguments.check << ": good\n";
+    std::cout << escaped(*arguments.check, kShownOfMessage) << ": good\n";
     return kDone;
   }
   const Configuration configuration = effective_configuration(arguments);
@@ -307,11 +340,17 @@ int run_command_line(int argument_count, const char* const* arguments) {
   try {
     app.parse(argument_count, arguments);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kDone : kUsage;
+    if (error.get_exit_code() == 0) {  // help, version
+      return app.exit(error);
+    }
+    std::cerr << "vdrived: " << escaped(error.what(), kShownOfMessage)
+              << "\nRun with --help for more information.\n";
+    return kUsage;
   }
   spdlog::set_default_logger(spdlog::stderr_color_mt("vdrived"));
   spdlog::set_level(spdlog::level::from_str(given.log_level));
   try {
+    refuse_empty_values(app);
     return carry_out(given);
   } catch (const BenchNumberTaken& taken) {
     std::cerr << "vdrived: " << taken.what() << '\n';

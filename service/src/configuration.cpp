@@ -5,6 +5,7 @@
 #include "number_text.hpp"
 #include "vdrive/axis_bank.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/text.hpp"
 #include "vdrive/wire/address.hpp"
 #include "yaml_reader.hpp"
 
@@ -59,66 +60,9 @@ std::optional<ObjectRow> find_row(const std::string& key) {
       ObjectAddress{static_cast<std::uint16_t>(*index), static_cast<std::uint8_t>(*subindex)});
 }
 
-/// Well-formed byte sequences of UTF-8 (RFC 3629, section 4): the first byte, the second one, and
-/// how many there are. Further bytes are 80h to BFh.
-struct Utf8Row {
-  unsigned char first_lowest;
-  unsigned char first_highest;
-  unsigned char second_lowest;
-  unsigned char second_highest;
-  std::size_t length;
-};
-
-constexpr std::array<Utf8Row, 9> kUtf8{{
-    {0x00, 0x7F, 0x00, 0x00, 1},
-    {0xC2, 0xDF, 0x80, 0xBF, 2},
-    {0xE0, 0xE0, 0xA0, 0xBF, 3},
-    {0xE1, 0xEC, 0x80, 0xBF, 3},
-    {0xED, 0xED, 0x80, 0x9F, 3},
-    {0xEE, 0xEF, 0x80, 0xBF, 3},
-    {0xF0, 0xF0, 0x90, 0xBF, 4},
-    {0xF1, 0xF3, 0x80, 0xBF, 4},
-    {0xF4, 0xF4, 0x80, 0x8F, 4},
-}};
-
-bool is_within(char c, unsigned char lowest, unsigned char highest) {
-  const auto byte = static_cast<unsigned char>(c);
-  return byte >= lowest && byte <= highest;
-}
-
-/// @return the length of the character that `text` begins with, or 0 when it is not UTF-8.
-std::size_t character_length(std::string_view text) {
-  const auto* const row = std::find_if(kUtf8.begin(), kUtf8.end(), [&](const Utf8Row& candidate) {
-    return is_within(text[0], candidate.first_lowest, candidate.first_highest);
-  });
-  if (row == kUtf8.end() || text.size() < row->length) {
-    return 0;
-  }
-  if (row->length > 1 && !is_within(text[1], row->second_lowest, row->second_highest)) {
-    return 0;
-  }
-  const std::string_view rest =
-      text.substr(0, row->length).substr(std::min<std::size_t>(2, row->length));
-  const bool continues = std::all_of(rest.begin(), rest.end(), [](char c) {
-    return is_within(c, 0x80, 0xBF);
-  });
-  return continues ? row->length : 0;
-}
-
-bool is_utf8(std::string_view text) {
-  while (!text.empty()) {
-    const std::size_t length = character_length(text);
-    if (length == 0) {
-      return false;
-    }
-    text.remove_prefix(length);
-  }
-  return true;
-}
-
 bool has_control_characters(std::string_view name) {
   return std::any_of(name.begin(), name.end(), [](char c) {
-    return is_within(c, 0x00, 0x1F) || c == '\x7F';
+    return (c >= '\x00' && c <= '\x1F') || c == '\x7F';
   });
 }
 
@@ -237,6 +181,14 @@ std::vector<std::string> read_servers(const YamlValue& value) {
   return servers;
 }
 
+std::string checked_directory(const YamlValue& value) {
+  std::string directory = value.text();
+  if (directory.empty()) {
+    value.refuse("names no directory; without this key the bench is open");
+  }
+  return directory;
+}
+
 void read_network(const YamlValue& value, wire::NetworkSettings& network) {
   value.for_each_entry(
       {"domain", "interfaces", "peers", "discovery_server", "shared_memory", "security"},
@@ -250,7 +202,7 @@ void read_network(const YamlValue& value, wire::NetworkSettings& network) {
         } else if (key == "discovery_server") {
           network.discovery_servers = read_servers(entry);
         } else if (key == "security") {
-          network.security = entry.text();
+          network.security = checked_directory(entry);
         } else {
           network.shared_memory = entry.boolean();
         }
@@ -371,7 +323,7 @@ ParsedAxes read_axes(const YamlValue& value) {
       element.refuse("axis number " + std::to_string(axis.number) + " stands twice");
     }
     if (!names.insert(axis.name).second) {
-      element.refuse("axis name " + axis.name + " stands twice");
+      element.refuse("axis name " + escaped(axis.name) + " stands twice");
     }
     if (parsed.axes.size() > kMaxAxes) {
       element.refuse("a bench has at most " + std::to_string(kMaxAxes) + " axes");
@@ -430,6 +382,41 @@ Configuration read_configuration(const YamlValue& root) {
     configuration.axes = std::move(parsed.axes);
   }
   return configuration;
+}
+
+/// The parser would take wide text as well, and put other characters in the place of bad ones.
+void check_encoding(const std::string& text, const std::string& file_name) {
+  if (is_wide_text(text)) {
+    throw ConfigurationError(escaped(file_name, kShownOfMessage) +
+                             ": is text in UTF-16 or UTF-32, must be UTF-8");
+  }
+  std::istringstream lines(text);
+  std::string line;
+  for (std::size_t number = 1; std::getline(lines, line); ++number) {
+    if (!is_utf8(line) || line.find('\0') != std::string::npos) {
+      throw ConfigurationError(escaped(file_name, kShownOfMessage) + ":" + std::to_string(number) +
+                               ": " + in_quotes(line) + " is not text in UTF-8");
+    }
+  }
+}
+
+/// @throws ConfigurationError when the text is no YAML, or holds several documents.
+YAML::Node only_document(const std::string& text, const std::string& file_name) {
+  try {
+    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
+    if (documents.size() > 1) {
+      const YAML::Mark mark = documents[1].Mark();
+      throw ConfigurationError(
+          escaped(file_name, kShownOfMessage) +
+          (mark.is_null() ? "" : ":" + std::to_string(mark.line + 1)) +
+          ": a second YAML document begins here; a configuration is one document");
+    }
+    return documents.empty() ? YAML::Node() : documents.front();
+  } catch (const YAML::Exception& error) {
+    throw ConfigurationError(escaped(file_name, kShownOfMessage) + ":" +
+                             std::to_string(error.mark.line + 1) + ": " +
+                             escaped(error.msg, kShownOfMessage));
+  }
 }
 
 void check_range(const char* what, double value, double lowest, double highest, const char* unit) {
@@ -503,8 +490,10 @@ void write_network(YAML::Emitter& out, const wire::NetworkSettings& network) {
   out << YAML::Key << "peers" << YAML::Value << YAML::Flow << network.peers;
   out << YAML::Key << "discovery_server" << YAML::Value << YAML::Flow << network.discovery_servers;
   out << YAML::Key << "shared_memory" << YAML::Value << network.shared_memory;
-  out << YAML::Key << "security" << YAML::Value << YAML::DoubleQuoted << network.security
-      << YAML::EndMap;
+  if (!network.security.empty()) {
+    out << YAML::Key << "security" << YAML::Value << YAML::DoubleQuoted << network.security;
+  }
+  out << YAML::EndMap;
 }
 
 }  // namespace
@@ -543,13 +532,8 @@ std::vector<NamedAxis> default_axes(std::size_t count) {
 }
 
 Configuration parse_configuration(const std::string& text, const std::string& file_name) {
-  YAML::Node document;
-  try {
-    document = YAML::Load(text);
-  } catch (const YAML::Exception& error) {
-    throw ConfigurationError(file_name + ":" + std::to_string(error.mark.line + 1) + ": " +
-                             error.msg);
-  }
+  check_encoding(text, file_name);
+  const YAML::Node document = only_document(text, file_name);
   if (document.IsNull()) {
     return demo_configuration();
   }
@@ -560,7 +544,8 @@ Configuration load_configuration(const std::filesystem::path& file) {
   std::ifstream stream(file);
   std::ostringstream text;
   if (std::filesystem::is_directory(file) || !(text << stream.rdbuf())) {
-    throw ConfigurationError(file.string() + ": cannot be read, or is empty");
+    throw ConfigurationError(escaped(file.string(), kShownOfMessage) +
+                             ": cannot be read, or is empty");
   }
   return parse_configuration(text.str(), file.string());
 }

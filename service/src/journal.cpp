@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/service/journal.hpp"
 
+#include "vdrive/text.hpp"
+
 #include <spdlog/spdlog.h>
 
 #include <fcntl.h>
@@ -63,12 +65,12 @@ class File {
 JournalSink open_journal(const std::filesystem::path& file) {
   const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, kMode);  // NOLINT
   if (descriptor < 0) {
-    throw ConfigurationError("--journal " + file.string() +
+    throw ConfigurationError("--journal " + escaped(file.string(), kShownOfMessage) +
                              ": cannot be written: " + std::generic_category().message(errno));
   }
   auto opened = std::make_shared<File>(descriptor, file.string());
   if (opened->holds_something()) {
-    throw ConfigurationError("--journal " + file.string() +
+    throw ConfigurationError("--journal " + escaped(file.string(), kShownOfMessage) +
                              ": holds something already, and is not overwritten");
   }
   return [opened](std::span<const std::byte> bytes) {

@@ -2,6 +2,7 @@
 #include "vdrive/service/parameter_store.hpp"
 
 #include "vdrive/axis_bank.hpp"
+#include "vdrive/text.hpp"
 
 #include <spdlog/spdlog.h>
 
@@ -97,11 +98,11 @@ ParameterStore::ParameterStore(std::filesystem::path directory, std::uint32_t be
     }
     OpenFile(*files_, directory_, Purpose::directory).close();
   } catch (const std::system_error& error) {
-    throw ConfigurationError("state directory " + directory_.string() +
+    throw ConfigurationError("state directory " + escaped(directory_.string(), kShownOfMessage) +
                              " cannot be used: " + error.code().message());
   }
   if (!lock()) {
-    throw ConfigurationError("state directory " + directory_.string() +
+    throw ConfigurationError("state directory " + escaped(directory_.string(), kShownOfMessage) +
                              ": the parameters of bench " + std::to_string(bench) +
                              " are in use by another vdrived");
   }

@@ -3,6 +3,7 @@
 
 #include "number_text.hpp"
 #include "vdrive/service/configuration.hpp"
+#include "vdrive/text.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -96,11 +97,12 @@ std::size_t YamlValue::choice(std::initializer_list<std::string_view> choices) c
 
 void YamlValue::refuse(const std::string& problem) const {
   const YAML::Mark mark = node_.Mark();
-  std::string message = file_ + ":" + std::to_string(mark.is_null() ? 1 : mark.line + 1) + ": ";
+  std::string message = escaped(file_, kShownOfMessage) + ":" +
+                        std::to_string(mark.is_null() ? 1 : mark.line + 1) + ": ";
   if (!path_.empty()) {
-    message += path_;
+    message += escaped(path_);
     if (node_.IsScalar() && !path_.ends_with(node_.Scalar())) {
-      message += " = " + node_.Scalar();
+      message += " = " + escaped(node_.Scalar());
     }
     message += ": ";
   }

@@ -168,6 +168,18 @@ TEST_P(RefusedConfiguration, NamesFileLineKeyValueAndLimit) {
 INSTANTIATE_TEST_SUITE_P(
     Rows, RefusedConfiguration,
     testing::Values(
+        Refused{"control_characters", "clock: {mode: \"a\\nb\\e[31m\"}",
+                R"(bench.yaml:1: clock.mode = a\nb\x1B[31m: must be one of)"},
+        Refused{"control_characters_in_a_key", "{\"a\\nb\": 1}",
+                R"(bench.yaml:1: a\nb: unknown key)"},
+        Refused{"not_utf8", "bench:\n  name: \"\xFF\"",
+                R"(bench.yaml:2: '  name: "\xFF"' is not text in UTF-8)"},
+        Refused{"two_documents", "bench: {number: 1}\n---\nbench: {number: 2}",
+                "bench.yaml:3: a second YAML document"},
+        Refused{"security_names_nothing", "network: {security: \"\"}",
+                "bench.yaml:1: network.security: names no directory"},
+        Refused{"security_without_a_value", "network: {security: }",
+                "bench.yaml:1: network.security: must be a single value"},
         Refused{"not_yaml", "bench: [1\nclock: 3", "bench.yaml:2: "},
         Refused{"not_a_map", "hello", "bench.yaml:1: "},
         Refused{"unknown_section", "\nbunch: {number: 1}",
@@ -240,6 +252,45 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& row) {
       return row.param.name;
     });
+
+// 48 characters from the front and 16 from the end are shown of 64.
+TEST(Configuration, ShortensALongValueInItsRefusal) {
+  EXPECT_EQ(refusal_of("clock: {mode: " + std::string(10'000, 'a') + "}"),
+            "bench.yaml:1: clock.mode = " + std::string(48, 'a') + "..." + std::string(16, 'a') +
+                ": must be one of realtime, lockstep, freerun");
+}
+
+TEST(Configuration, IsOneDocument) {
+  EXPECT_EQ(parse("---\nbench: {number: 7}\n").bench, 7U) << "a mark at the begin is none too many";
+  EXPECT_EQ(parse("bench: {number: 7}\n...\n").bench, 7U);
+  EXPECT_EQ(parse("\xEF\xBB\xBF"
+                  "bench: {number: 7}\n")
+                .bench,
+            7U)
+      << "the mark of UTF-8";
+  EXPECT_NE(refusal_of("bench: {number: 7}\n---\n").find("a second YAML document"),
+            std::string::npos)
+      << "an empty one counts too";
+}
+
+// "a: 1" in UTF-16 and UTF-32, with and without a byte order mark.
+TEST(Configuration, InUtf16OrUtf32IsRefusedAsSuch) {
+  using namespace std::string_literals;
+  for (const std::string& text :
+       {"\xFF\xFE"s + "a\0:\0 \0001\0"s, "\xFE\xFF"s + "\0a\0:\0 \0001"s, "a\0:\0 \0001\0"s,
+        "\0a\0:\0 \0001"s, "\0\0\0a\0\0\0:\0\0\0 \0\0\0001"s}) {
+    EXPECT_EQ(refusal_of(text), "bench.yaml: is text in UTF-16 or UTF-32, must be UTF-8");
+  }
+  EXPECT_EQ(refusal_of("bench: {number: 7}\n# a\0b"s),
+            R"(bench.yaml:2: '# a\x00b' is not text in UTF-8)")
+      << "what follows a zero was not read";
+}
+
+TEST(Configuration, OfAnOpenBenchIsPrintedWithoutADirectoryOfMaterial) {
+  EXPECT_EQ(to_yaml(demo_configuration()).find("security"), std::string::npos);
+  const Configuration closed = parse("network: {security: members/cell}");
+  EXPECT_EQ(parse(to_yaml(closed)).network.security, "members/cell");
+}
 
 TEST(Configuration, NamesTheFileThatCannotBeRead) {
   try {

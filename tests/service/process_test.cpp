@@ -213,6 +213,48 @@ TEST(ServiceProcess, RefusesWhatItDoesNotKnow) {
   EXPECT_NE(domain.text().find("domain = 233"), std::string::npos);
 }
 
+// CLI11 takes an empty value for none: the bench started open, on the default domain, or without a
+// journal.
+TEST(ServiceProcess, RefusesAnEmptyValue) {
+  for (const char* const flag :
+       {"--config", "--check", "--clock", "--period", "--bench", "--axes", "--domain", "--security",
+        "--rate", "--threads", "--metrics", "--state", "--journal", "--replay"}) {
+    Process service({flag, "", "--print-config"});
+    EXPECT_EQ(service.wait(), 2) << flag;
+    EXPECT_NE(service.text().find(std::string("vdrived: ") + flag), std::string::npos)
+        << service.text();
+  }
+  for (const char* const variable : {"VDRIVE_SECURITY", "VDRIVE_DOMAIN"}) {
+    setenv(variable, "", 1);  // NOLINT(*-mt-unsafe)
+    Process service({"--print-config"});
+    unsetenv(variable);  // NOLINT(*-mt-unsafe)
+    EXPECT_EQ(service.wait(), 2) << variable;
+    EXPECT_NE(service.text().find(std::string(variable) + " in the environment is set, but empty"),
+              std::string::npos)
+        << service.text();
+  }
+}
+
+TEST(ServiceProcess, ShowsABadValueEscapedAndShortened) {
+  for (const char* const flag : {"--clock", "--threads", "--log-level", "--period"}) {
+    Process service({flag, "a\n\x1B[31m" + std::string(100'000, 'b')});
+    EXPECT_EQ(service.wait(), 2) << flag;
+    EXPECT_NE(service.text().find(R"(a\n\x1B[31mb)"), std::string::npos) << service.text();
+    EXPECT_LT(service.text().size(), 600U) << flag;
+  }
+}
+
+// A replay takes its threads from the command line: it ended with 1 where they were out of range.
+TEST(ServiceProcess, ChecksItsFlagsAlsoWhereTheyAreNotUsed) {
+  for (const char* const mode : {"--replay", "--check"}) {
+    for (const char* const threads : {"0", "65"}) {
+      Process service({mode, "/nonexistent", "--threads", threads});
+      EXPECT_EQ(service.wait(), 2) << mode;
+      EXPECT_NE(service.text().find("must be from 1 to 64"), std::string::npos) << service.text();
+    }
+  }
+}
+
 class ConfigurationFile : public testing::Test {
  protected:
   ConfigurationFile()

@@ -39,6 +39,48 @@ Word scenario_command(const std::string& text) {
   return std::get<Word>(parse_scenario_words(split(text)).command);
 }
 
+std::string refusal_of(std::vector<std::string> words) {
+  try {
+    static_cast<void>(parse_command_line(std::move(words)));
+  } catch (const UsageError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+// CLI11 takes an empty value for none.
+TEST(CommandLine, RefusesAnEmptyValue) {
+  EXPECT_EQ(refusal_of({"--security", "", "list"}), "--security: '' is no value");
+  EXPECT_THAT(refusal_of({"--domain", "", "list"}), testing::StartsWith("--domain: "));
+  EXPECT_EQ(refusal_of({"--timeout", "", "list"}), "--timeout: '' is no value");
+  EXPECT_EQ(refusal_of({"move", "1.1", "100", "--velocity", ""}), "--velocity: '' is no value");
+  setenv("VDRIVE_SECURITY", "", 1);  // NOLINT(*-mt-unsafe)
+  EXPECT_EQ(refusal_of({"list"}),
+            "VDRIVE_SECURITY in the environment is set, but empty: unset it or give a value");
+  unsetenv("VDRIVE_SECURITY");  // NOLINT(*-mt-unsafe)
+  EXPECT_EQ(refusal_of({"list"}), "accepted");
+}
+
+TEST(CommandLine, ShowsABadValueEscapedAndShortened) {
+  const std::string bad = "a\n\x1B[31m" + std::string(100'000, 'b');
+  const std::vector<std::vector<std::string>> lines{{bad},
+                                                    {"move", "1.1", bad},
+                                                    {"read", "1.1", bad},
+                                                    {"move", "1.1", "1", "--velocity", bad},
+                                                    {"disturb", "1.1", bad},
+                                                    {"snapshot", bad},
+                                                    {"record", bad},
+                                                    {"--domain", bad, "list"},
+                                                    {"--discovery-server", bad, "list"},
+                                                    {"status", "1.1", "--" + bad}};
+  for (const auto& line : lines) {
+    const std::string refusal = refusal_of(line);
+    EXPECT_THAT(refusal, HasSubstr(R"(\x1B[31mb)")) << line.front();
+    EXPECT_LT(refusal.size(), 600U) << line.front();
+    EXPECT_EQ(refusal.find_first_of("\n\x1B"), std::string::npos) << line.front();
+  }
+}
+
 TEST(CommandLine, TakesGlobalOptionsBeforeAndAfterTheWord) {
   for (const char* const text :
        {"--domain 7 --json --timeout 3 status 1.1", "status 1.1 --timeout 3 --json --domain 7",

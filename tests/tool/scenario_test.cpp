@@ -82,6 +82,15 @@ TEST(ScenarioFile, OfBytesThatAreNoTextIsAMistakeAndNothingWorse) {
   EXPECT_THROW((void)parse(std::string(1U << 20U, 'x')), UsageError);
 }
 
+// "wait" in UTF-16, with a byte order mark.
+TEST(ScenarioFile, InUtf16IsRefusedAsSuch) {
+  EXPECT_THAT(
+      [] {
+        (void)parse(std::string("\xFF\xFEw\0a\0i\0t\0", 10));
+      },
+      ThrowsMessage<UsageError>("test.scn: is text in UTF-16 or UTF-32, must be UTF-8"));
+}
+
 TEST(Junit, CountsAndEscapes) {
   const std::vector<JunitCase> cases{
       {"line 1: wait 1s", std::chrono::milliseconds(1500), std::nullopt, false},
