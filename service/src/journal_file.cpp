@@ -40,6 +40,14 @@ struct ChunkHead {
 
 constexpr std::size_t kHeadSize = 24;
 
+/// What is written at most into a chunk of each kind: a longer one is forged, not torn. The writer
+/// hands records over with the first one that fills kChunkSize; the longest is a tick that jumped.
+constexpr std::size_t kMostRecords = kChunkSize + 9 + 9 + 4 * (kStatusMembers + kMostRows);
+constexpr std::size_t kMostState = 256U << 20U;  // 16 KiB for each of 16,384 axes
+constexpr std::size_t kEndSize = 24;
+
+constexpr std::size_t kReadAtOnce = 1U << 20U;
+
 std::uint32_t head_check_of(const ChunkHead& head) {
   const std::array<std::uint32_t, 3> words{head.kind, head.length, head.sequence};
   const std::uint64_t check = check_of(std::as_bytes(std::span(words)));
@@ -212,21 +220,67 @@ std::optional<JournalRecord> JournalReader::next() {
                         .changes = take<std::uint64_t>(),
                         .lost = take<std::uint64_t>()};
     default:
-      fail("chunk of an unknown kind " + std::to_string(kind_));
+      fail("the journal starts again");
   }
+}
+
+/// Takes room only as the bytes come: the length may be forged.
+bool JournalReader::read_bytes(std::size_t length) {
+  chunk_.clear();
+  position_ = 0;
+  while (chunk_.size() < length) {
+    const std::size_t begin = chunk_.size();
+    chunk_.resize(begin + std::min(kReadAtOnce, length - begin));
+    file_.read(reinterpret_cast<char*>(&chunk_[begin]),  // NOLINT(*-reinterpret-cast): raw bytes
+               static_cast<std::streamsize>(chunk_.size() - begin));
+    if (const auto count = static_cast<std::size_t>(file_.gcount());
+        count < chunk_.size() - begin) {
+      chunk_.resize(begin + count);
+      return false;
+    }
+  }
+  return true;
+}
+
+void JournalReader::require_length(std::uint32_t kind, std::uint32_t length) const {
+  std::size_t most = 0;
+  switch (kind) {
+    case kStart:
+    case kSnapshot:
+      most = kMostState;
+      break;
+    case kRecords:
+      most = kMostRecords;
+      break;
+    case kEnd:
+      most = kEndSize;
+      break;
+    default:
+      fail("chunk of an unknown kind " + std::to_string(kind));
+  }
+  if (length > most) {
+    fail("a chunk of kind " + std::to_string(kind) + " with " + std::to_string(length) +
+         " bytes, at most " + std::to_string(most) + " belong there");
+  }
+}
+
+/// The file ends in the present chunk. Nothing proves what is there of it; it only shows how many
+/// ticks were written at least.
+void JournalReader::count_torn_ticks() {
+  try {
+    while (kind_ == kRecords && position_ < chunk_.size()) {
+      torn_ticks_ += std::holds_alternative<JournalTick>(read_record()) ? 1 : 0;
+    }
+  } catch (const JournalError&) {  // NOLINT(bugprone-empty-catch): the record that is cut off
+  }
+  chunk_.clear();
+  position_ = 0;
 }
 
 bool JournalReader::read_chunk() {
   chunk_offset_ = next_offset_;
-  chunk_.resize(kHeadSize);
-  position_ = 0;
-  const auto read = [this] {
-    file_.read(reinterpret_cast<char*>(chunk_.data()),  // NOLINT(*-reinterpret-cast): raw bytes
-               static_cast<std::streamsize>(chunk_.size()));
-    return static_cast<std::size_t>(file_.gcount());
-  };
-  if (const std::size_t count = read(); count < kHeadSize) {
-    torn_bytes_ = count;
+  if (!read_bytes(kHeadSize)) {
+    torn_bytes_ = chunk_.size();
     chunk_.clear();
     return false;
   }
@@ -242,17 +296,16 @@ bool JournalReader::read_chunk() {
     fail("chunk " + std::to_string(head.sequence) + " follows where chunk " +
          std::to_string(sequence_) + " belongs");
   }
-  chunk_.resize(head.length);
-  position_ = 0;
-  if (const std::size_t count = read(); count < chunk_.size()) {
-    torn_bytes_ = kHeadSize + count;
-    chunk_.clear();
+  require_length(head.kind, head.length);
+  kind_ = head.kind;
+  if (!read_bytes(head.length)) {
+    torn_bytes_ = kHeadSize + chunk_.size();
+    count_torn_ticks();
     return false;
   }
   if (head.check != check_of(chunk_)) {
     fail("the content of a chunk is damaged");
   }
-  kind_ = head.kind;
   ++sequence_;
   next_offset_ += kHeadSize + chunk_.size();
   return true;
@@ -303,7 +356,11 @@ JournalRecord JournalReader::read_change(JournalChange::Kind kind) {
 
 JournalRecord JournalReader::read_snapshot() {
   JournalSnapshot snapshot;
-  snapshot.cause = static_cast<JournalSnapshot::Cause>(take<std::uint8_t>());
+  const auto cause = take<std::uint8_t>();
+  if (cause < 1 || cause > 3) {
+    fail("snapshot of an unknown cause " + std::to_string(cause));
+  }
+  snapshot.cause = static_cast<JournalSnapshot::Cause>(cause);
   snapshot.tick = take<std::uint64_t>();
   snapshot.lost = take<std::uint64_t>();
   snapshot.state.assign(chunk_.begin() + static_cast<std::ptrdiff_t>(position_), chunk_.end());
@@ -324,10 +381,11 @@ Number JournalReader::take() {
 }
 
 std::string JournalReader::take_text() {
-  std::string text(take<std::uint32_t>(), '\0');
-  if (chunk_.size() - position_ < text.size()) {
-    fail("a record is cut off");
+  const auto length = take<std::uint32_t>();
+  if (chunk_.size() - position_ < length) {
+    fail("a text of " + std::to_string(length) + " bytes is cut off");
   }
+  std::string text(length, '\0');
   std::memcpy(text.data(), chunk_.data() + position_, text.size());
   position_ += text.size();
   return text;

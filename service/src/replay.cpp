@@ -5,6 +5,7 @@
 #include "vdrive/service/configuration.hpp"
 #include "vdrive/service/step_pool.hpp"
 #include "vdrive/status_digest.hpp"
+#include "vdrive/text.hpp"
 
 #include <algorithm>
 #include <array>
@@ -12,6 +13,7 @@
 #include <cstdio>
 #include <fstream>
 #include <stdexcept>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -33,13 +35,23 @@ std::string rounded(double number) {
   return text.data();
 }
 
+/// Journals were written with an empty directory where a bench was open; in a configuration that is
+/// an error now.
+std::string without_empty_security(std::string configuration) {
+  constexpr std::string_view kEmpty = "\n  security: \"\"";
+  if (const std::size_t place = configuration.find(kEmpty); place != std::string::npos) {
+    configuration.erase(place, kEmpty.size());
+  }
+  return configuration;
+}
+
 Configuration configuration_of(const JournalStart& start) {
   if (start.layout != AxisBank::snapshot_layout()) {
-    throw JournalError("it was written by vdrived " + start.version +
+    throw JournalError("it was written by vdrived " + escaped(start.version) +
                        ", whose axes keep their state in another layout: replay it with that one");
   }
   try {
-    return parse_configuration(start.configuration, "its configuration");
+    return parse_configuration(without_empty_security(start.configuration), "its configuration");
   } catch (const std::exception& error) {
     throw JournalError(error.what());
   }
@@ -68,15 +80,21 @@ class Replay {
       if (!record) {
         break;
       }
+      if (ended_) {
+        throw JournalError("something follows its end");
+      }
       agrees = std::visit(
           [this](const auto& content) {
             return apply(content);
           },
           *record);
     }
+    if (ended_ && reader_.torn_bytes() > 0) {
+      throw JournalError("something follows its end");
+    }
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
     result_.agrees = agrees;
-    result_.is_complete = lost_ == 0;
+    result_.is_complete = lost_ == 0 && ended_;
     if (agrees) {
       result_.text = summary(wall.count());
     }
@@ -204,10 +222,13 @@ class Replay {
                        " changes: every hash agrees, " + rounded(wall > 0.0 ? drive / wall : 0.0) +
                        " x real time";
     if (!ended_) {
-      text += "; ends at tick " + std::to_string(tick_) + " without an end mark";
+      text += "; the journal ends early, without an end mark: " + std::to_string(result_.ticks) +
+              " of at least " + std::to_string(result_.ticks + reader_.torn_ticks()) +
+              " ticks were replayed, up to tick " + std::to_string(tick_);
     }
     if (reader_.torn_bytes() > 0) {
-      text += ", in " + std::to_string(reader_.torn_bytes()) + " bytes of an unfinished chunk";
+      text +=
+          "; it ends in " + std::to_string(reader_.torn_bytes()) + " bytes of an unfinished chunk";
     }
     if (lost_ > 0) {
       text += "; " + std::to_string(lost_) + " ticks are missing: " + gaps_;
@@ -233,15 +254,15 @@ class Replay {
 ReplayResult replay(const std::filesystem::path& file, std::optional<std::uint32_t> threads) {
   std::ifstream stream(file, std::ios::binary);
   if (std::filesystem::is_directory(file) || !stream) {
-    throw JournalError(file.string() + ": cannot be read");
+    throw JournalError(escaped(file.string(), kShownOfMessage) + ": cannot be read");
   }
   try {
     JournalReader reader(stream);
     ReplayResult result = Replay(reader, threads).run();
-    result.text = file.string() + ": " + result.text;
+    result.text = escaped(file.string(), kShownOfMessage) + ": " + result.text;
     return result;
   } catch (const JournalError& error) {
-    throw JournalError(file.string() + ": " + error.what());
+    throw JournalError(escaped(file.string(), kShownOfMessage) + ": " + error.what());
   }
 }
 

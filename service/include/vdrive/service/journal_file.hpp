@@ -129,8 +129,14 @@ class JournalReader {
   /// @return how many bytes of an unfinished chunk the file ends in.
   [[nodiscard]] std::uint64_t torn_bytes() const noexcept { return torn_bytes_; }
 
+  /// @return how many ticks can be seen in the unfinished chunk that the file ends in.
+  [[nodiscard]] std::uint64_t torn_ticks() const noexcept { return torn_ticks_; }
+
  private:
   [[nodiscard]] bool read_chunk();
+  [[nodiscard]] bool read_bytes(std::size_t length);
+  void require_length(std::uint32_t kind, std::uint32_t length) const;
+  void count_torn_ticks();
   [[nodiscard]] JournalRecord read_record();
   [[nodiscard]] JournalRecord read_change(JournalChange::Kind kind);
   [[nodiscard]] JournalRecord read_snapshot();
@@ -148,6 +154,7 @@ class JournalReader {
   std::uint64_t chunk_offset_ = 0;  ///< of the present chunk in the file
   std::uint64_t next_offset_ = 0;
   std::uint64_t torn_bytes_ = 0;
+  std::uint64_t torn_ticks_ = 0;
   std::uint32_t sequence_ = 0;
   JournalTick tick_;  ///< the last one
 };

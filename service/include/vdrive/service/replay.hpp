@@ -13,7 +13,7 @@ namespace vdrive::service {
 /// What came of a replay.
 struct ReplayResult {
   bool agrees = true;       ///< every check that the journal has
-  bool is_complete = true;  ///< no tick is missing between its first and its last
+  bool is_complete = true;  ///< no tick is missing, and the journal has its end
   std::string text;         ///< one line for people
   std::uint64_t ticks = 0;
   std::uint64_t changes = 0;
