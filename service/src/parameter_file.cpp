@@ -3,6 +3,7 @@
 
 #include "content_check.hpp"
 #include "number_text.hpp"
+#include "vdrive/text.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -67,7 +68,7 @@ template <typename Number>
 Number number_of(std::string_view text) {
   const auto number = parse_integer(text);
   if (!number || *number < 0 || *number > std::numeric_limits<Number>::max()) {
-    fail_damaged("'" + std::string(text) + "' is no number that belongs there");
+    fail_damaged(in_quotes(text) + " is no number that belongs there");
   }
   return static_cast<Number>(*number);
 }
@@ -75,7 +76,7 @@ Number number_of(std::string_view text) {
 ObjectAddress address_of(std::string_view text) {
   const std::size_t colon = text.find(':');
   if (colon == std::string_view::npos) {
-    fail_damaged("'" + std::string(text) + "' is no object");
+    fail_damaged(in_quotes(text) + " is no object");
   }
   return {number_of<std::uint16_t>(text.substr(0, colon)),
           number_of<std::uint8_t>(text.substr(colon + 1))};
@@ -111,7 +112,12 @@ ParameterTable decode(std::span<const std::byte> file) {
       }
     }
   } catch (const Json::exception& error) {
-    fail_damaged(error.what());
+    fail_damaged(escaped(error.what(), kShownOfMessage));
+  }
+  // A check can be right over content that was never written: 1.5 or true in the place of a whole
+  // number, a number that wraps around, an object that stands twice.
+  if (content_of(encode(table)) != content) {
+    fail_damaged("its content is not as it is written");
   }
   return table;
 }

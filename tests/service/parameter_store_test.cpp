@@ -16,13 +16,17 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <iomanip>
 #include <iterator>
 #include <memory>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 namespace vdrive::test {
@@ -105,6 +109,49 @@ TEST(ParameterFile, ShowsWhereverItIsTornOrGoesOn) {
   }
   EXPECT_THROW(decode(bytes_of(good + '\n')), ParameterFileError);
   EXPECT_THROW(decode(bytes_of(good + good)), ParameterFileError);
+}
+
+/// @return the file with the content changed and the check made to fit.
+std::string forged(const std::string& file, const std::string& from, const std::string& to) {
+  std::string content = file.substr(file.find('\n') + 1);
+  content.replace(content.find(from), from.size(), to);
+  std::uint64_t check = 14695981039346656037ULL;  // FNV-1a over words, as docs/journal.md has it
+  for (std::size_t place = 0; place < content.size(); place += sizeof(std::uint64_t)) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, content.data() + place, std::min(sizeof(word), content.size() - place));
+    check = (check ^ word) * 1099511628211ULL;
+  }
+  std::ostringstream head;
+  head << "vdrive parameters, version 1, " << content.size() << " bytes, check " << std::hex
+       << std::setfill('0') << std::setw(16) << check << '\n';
+  return head.str() + content;
+}
+
+// The parser of JSON makes whole numbers of these.
+TEST(ParameterFile, WithARightCheckIsDamagedWhereAValueIsNotAsItIsWritten) {
+  const std::string good = encode({{1, {{kVelocity, 1}}}});
+  ASSERT_EQ(forged(good, ": 1", ": 1"), good) << "the check of this test is right";
+  for (const char* const value :
+       {"1.5", "1.0", "1e0", "1e3", "true", "false", "null", "\"1\"", "[1]", "01", "+1",
+        "18446744073709551617", "9223372036854775808", "1e400", "-0"}) {
+    EXPECT_THROW(decode(bytes_of(forged(good, ": 1", ": " + std::string(value)))),
+                 ParameterFileError)
+        << value;
+  }
+}
+
+TEST(ParameterFile, WithARightCheckIsDamagedWhereItsFormIsNotAsItIsWritten) {
+  const std::string good = encode({{1, {{kVelocity, 1}}}});
+  for (const auto& [from, to] : std::vector<std::pair<std::string, std::string>>{
+           {"\"1\"", "\"01\""},              // another name of axis 1
+           {"\"1\"", "\"0x1\""},             // and another
+           {"\"1\"", "\"65537\""},           // no axis has this number
+           {"0x6081", "0x16081"},            // no object has this index
+           {": 1", ": 1, \"0x6081:0\": 2"},  // an object twice
+           {"{", "{\"more\": 1, "},
+           {"\n}", "\n} "}}) {
+    EXPECT_THROW(decode(bytes_of(forged(good, from, to))), ParameterFileError) << to;
+  }
 }
 
 // ---- the store -------------------------------------------------------------------------------
