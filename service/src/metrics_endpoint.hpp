@@ -9,7 +9,8 @@
 namespace vdrive::service {
 
 /// Serves metrics as Prometheus text (exposition format 0.0.4) at http://127.0.0.1:PORT/metrics,
-/// from a thread of its own.
+/// from a thread of its own. A connection lasts at most 5 s and carries one answer; of more than 64
+/// at once the oldest is closed.
 class MetricsEndpoint {
  public:
   /// @param port 0 = any free one

@@ -15,6 +15,7 @@
 #include <array>
 #include <string>
 #include <thread>
+#include <vector>
 
 namespace vdrive::service {
 namespace {
@@ -130,13 +131,56 @@ TEST_F(MetricsTest, AreAllThatIsServed) {
 }
 
 TEST_F(MetricsTest, OutliveARequestThatIsNone) {
-  EXPECT_THAT(ask(sut_.port(), "\x16\x03\x01 no HTTP\r\n\r\n"), testing::IsEmpty());
+  EXPECT_THAT(ask(sut_.port(), "\x16\x03\x01 no HTTP\r\n\r\n"), StartsWith("HTTP/1.1 400"));
   EXPECT_THAT(ask(sut_.port(), "POST /metrics HTTP/1.1\r\nContent-Length: 3\r\n\r\nabc"),
               StartsWith("HTTP/1.1 405"));
   EXPECT_THAT(ask(sut_.port(), "GET /metrics HTTP/1.1\r\nContent-Length: 99999999\r\n\r\n"),
-              testing::IsEmpty());
-  EXPECT_THAT(ask(sut_.port(), "GET /" + std::string(100'000, 'a')), testing::IsEmpty());
+              StartsWith("HTTP/1.1 400"));
+  EXPECT_THAT(ask(sut_.port(), "GET /" + std::string(100'000, 'a')), StartsWith("HTTP/1.1 400"));
+  EXPECT_THAT(ask(sut_.port(), "GET /metrics HTTP/7.5\r\n\r\n"), StartsWith("HTTP/1.1 400"));
+  EXPECT_THAT(ask(sut_.port(), "GET /metrics\r\n\r\n"), StartsWith("HTTP/1.1 400"));
   EXPECT_THAT(get(sut_.port(), "/metrics"), StartsWith("HTTP/1.1 200"));
+}
+
+TEST_F(MetricsTest, AreThereWhateverTheQuerySays) {
+  EXPECT_THAT(get(sut_.port(), "/metrics?x=1"), StartsWith("HTTP/1.1 200"));
+  EXPECT_THAT(get(sut_.port(), "/metrics?"), StartsWith("HTTP/1.1 200"));
+  EXPECT_THAT(get(sut_.port(), "/metricsx"), StartsWith("HTTP/1.1 404"));
+  EXPECT_THAT(get(sut_.port(), "/?/metrics"), StartsWith("HTTP/1.1 404"));
+}
+
+/// Connections that nobody reads from; closed with this object.
+class IdleConnections {
+ public:
+  /// @param words what each of them sends
+  IdleConnections(int port, int count, const std::string& words) {
+    for (int i = 0; i < count; ++i) {
+      connections_.push_back(connected(port));
+      (void)send(connections_.back(), words.data(), words.size(), MSG_NOSIGNAL);
+    }
+  }
+
+  ~IdleConnections() {
+    for (const int connection : connections_) close(connection);
+  }
+
+  IdleConnections(const IdleConnections&) = delete;
+  IdleConnections& operator=(const IdleConnections&) = delete;
+
+ private:
+  std::vector<int> connections_;
+};
+
+TEST_F(MetricsTest, AreAnsweredWithinASecondBesideAHundredClientsThatHoldTheirPlace) {
+  for (const char* const words :
+       {"", "GET /metrics HTTP/1.1\r\n", "GET /metrics HTTP/1.1\r\n\r\n"}) {
+    const IdleConnections idle(sut_.port(), 100, words);
+    for (int scrape = 0; scrape < 3; ++scrape) {
+      const auto begin = std::chrono::steady_clock::now();
+      EXPECT_THAT(get(sut_.port(), "/metrics"), StartsWith("HTTP/1.1 200")) << words;
+      EXPECT_LT(std::chrono::steady_clock::now() - begin, 1s) << words;
+    }
+  }
 }
 
 TEST_F(MetricsTest, EndAtOnceWhileSomebodyIsConnected) {
