@@ -107,7 +107,7 @@ ClockMode checked_mode(const YamlValue& value) {
 void read_clock(const YamlValue& value, Configuration& configuration) {
   std::optional<YamlValue> rate;
   value.for_each_entry(
-      {"mode", "period_us", "rate", "threads", "realtime_priority"},
+      {"mode", "period_us", "rate", "clock_step", "threads", "realtime_priority"},
       [&](const auto& key, const YamlValue& entry) {
         if (key == "mode") {
           configuration.clock = checked_mode(entry);
@@ -117,6 +117,9 @@ void read_clock(const YamlValue& value, Configuration& configuration) {
         } else if (key == "rate") {
           configuration.rate = checked_rate(entry);
           rate = entry;
+        } else if (key == "clock_step") {
+          configuration.clock_step =
+              entry.choice({"steer", "jump"}) == 0 ? ClockStep::steer : ClockStep::jump;
         } else if (key == "threads") {
           configuration.threads = static_cast<std::uint32_t>(entry.integer({1, kMaxThreads, ""}));
         } else {
@@ -478,6 +481,8 @@ void write_clock(YAML::Emitter& out, const Configuration& configuration) {
   if (configuration.clock != ClockMode::freerun) {
     out << YAML::Key << "rate" << YAML::Value << to_text(configuration.rate);
   }
+  out << YAML::Key << "clock_step" << YAML::Value
+      << (configuration.clock_step == ClockStep::steer ? "steer" : "jump");
   out << YAML::Key << "threads" << YAML::Value << configuration.threads;
   out << YAML::Key << "realtime_priority" << YAML::Value << configuration.realtime_priority;
   out << YAML::EndMap;

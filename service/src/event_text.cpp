@@ -5,12 +5,14 @@
 #include "vdrive/cia402/power_state.hpp"
 #include "vdrive/service/bench_engine.hpp"
 #include "vdrive/service/parameter_store.hpp"
+#include "vdrive/service/realtime_driver.hpp"
 #include "vdrive/service/stepper_table.hpp"
 #include "vdrive/wire/conversion.hpp"
 #include "wire_supervisor.hpp"
 
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstdio>
 #include <system_error>
 
@@ -66,6 +68,19 @@ std::string clock_text(const EventRecord& event) {
     default:
       return session + " left the clock";
   }
+}
+
+std::string wall_clock_text(const EventRecord& event) {
+  constexpr double kMicroseconds = 1e6;
+  const double offset =
+      static_cast<double>(static_cast<std::int64_t>(event.detail)) / kMicroseconds;
+  const std::string place = "the wall clock was stepped, it is " + to_text(std::abs(offset)) +
+                            (offset < 0.0 ? " s behind" : " s ahead of");
+  if (event.code == WallClockNews::kJumped) {
+    return place + " drive time: the tick number jumps";
+  }
+  const auto seconds = static_cast<std::uint64_t>(std::abs(offset) / TickClock::kMaxSteering);
+  return place + " drive time, which is steered for about " + std::to_string(seconds) + " s";
 }
 
 std::string snapshot_text(const EventRecord& event) {
@@ -150,6 +165,8 @@ std::string text_of(const EventRecord& event) {
       return "another service has this bench number, incarnation " + std::to_string(event.detail);
     case msg::EVENT_CLOCK_CHANGED:
       return clock_text(event);
+    case msg::EVENT_WALL_CLOCK:
+      return wall_clock_text(event);
     case msg::EVENT_SHUTDOWN:
       return "the service shuts down: its axes brake, commands are refused";
     case msg::EVENT_WIRE:
@@ -195,6 +212,8 @@ const char* name_of(std::uint32_t kind) {
       return "parameters";
     case msg::EVENT_SHUTDOWN:
       return "shutdown";
+    case msg::EVENT_WALL_CLOCK:
+      return "wall_clock";
     default:
       return "unknown";
   }

@@ -57,6 +57,11 @@ void add_ticks(Families& families, const Counters& counters) {
                    counters.overruns.get());
   families.counter("vdrive_tick_jumps_total", "Times that the number of the tick jumped",
                    counters.jumps.get());
+  families.gauge("vdrive_wall_clock_offset_seconds",
+                 "Wall clock minus drive time; 0 while drive time is not steered to it",
+                 counters.wall_offset.load(std::memory_order_relaxed));
+  families.counter("vdrive_wall_clock_steps_total", "Steps of the wall clock that were seen",
+                   counters.wall_steps.get());
 }
 
 void add_lateness(Families& families, const Counters& counters) {

@@ -11,12 +11,13 @@ RealtimeDriver::RealtimeDriver(const Configuration& configuration, BenchEngine& 
       timer_(timer),
       period_(configuration.period),
       status_every_(configuration.status_every),
+      on_step_(configuration.clock_step),
       rate_(configuration.rate) {
   const Instant now{timer.monotonic_now(), timer.wall_now()};
   engine_.start_at(
       static_cast<std::uint64_t>(now.wall / std::chrono::nanoseconds(configuration.period)));
   if (configuration.rate > 0.0) {
-    clock_.emplace(period_, configuration.rate, now);
+    clock_.emplace(period_, configuration.rate, now, on_step_);
     next_cycle_ = clock_->deadline().count();
   } else {
     engine_.post_status();
@@ -47,8 +48,9 @@ void RealtimeDriver::change_rate() noexcept {
   } else if (clock_) {
     clock_->set_rate(rate_, now);
   } else {
-    clock_.emplace(period_, rate_, now, engine_.tick() + 1);
+    clock_.emplace(period_, rate_, now, engine_.tick() + 1, on_step_);
   }
+  counters_.wall_offset.store(0.0, std::memory_order_relaxed);
   const auto next = clock_ ? clock_->deadline() : now.monotonic + period_;
   next_cycle_.store(next.count(), std::memory_order_relaxed);
 }
@@ -64,11 +66,23 @@ void RealtimeDriver::tick() noexcept {
   if (engine_.tick() % status_every_ == 0) {
     engine_.post_status();
   }
-  clock_->advance({timer_.monotonic_now(), timer_.wall_now()});
+  follow_wall_clock();
   const auto late = timer_.monotonic_now() - clock_->deadline();
   if (late > std::chrono::nanoseconds::zero()) {
     engine_.report_overrun(late);
   }
+}
+
+void RealtimeDriver::follow_wall_clock() noexcept {
+  if (const auto step = clock_->advance({timer_.monotonic_now(), timer_.wall_now()})) {
+    const auto offset = std::chrono::duration_cast<std::chrono::microseconds>(step->offset);
+    counters_.wall_steps.add();
+    engine_.report({.kind = msg::EVENT_WALL_CLOCK,
+                    .code = step->jumped > 0 ? WallClockNews::kJumped : WallClockNews::kSteered,
+                    .detail = static_cast<std::uint64_t>(offset.count())});
+  }
+  const std::chrono::duration<double> offset = clock_->offset();
+  counters_.wall_offset.store(offset.count(), std::memory_order_relaxed);
 }
 
 /// Paused: whoever comes sees the axes all the same.

@@ -47,6 +47,7 @@ spdlog::level::level_enum level_of(const EventRecord& event) {
     case msg::EVENT_TICK_JUMPED:
     case msg::EVENT_QUEUE_OVERFLOW:
     case msg::EVENT_JOURNAL:
+    case msg::EVENT_WALL_CLOCK:
     case msg::EVENT_WIRE:
       return spdlog::level::warn;
     case msg::EVENT_PARAMETERS:

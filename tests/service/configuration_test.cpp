@@ -39,7 +39,7 @@ TEST(Configuration, WithoutAFileIsTheDemoBench) {
 TEST(Configuration, ReadsEveryKey) {
   const Configuration read = parse(R"(
 bench: {number: 7, name: "左 bench"}
-clock: {mode: lockstep, period_us: 250, rate: 2.5, threads: 3, realtime_priority: 40}
+clock: {mode: lockstep, period_us: 250, rate: 2.5, clock_step: jump, threads: 3, realtime_priority: 40}
 status: {every_ticks: 5}
 watchdog: {timeout_ms: 250}
 network: {domain: 9, interfaces: [10.0.0.1], discovery_server: ["10.0.0.9:11811", 10.0.0.8:1], shared_memory: true}
@@ -57,6 +57,8 @@ axes:
   EXPECT_EQ(read.clock, ClockMode::lockstep);
   EXPECT_EQ(read.period, 250us);
   EXPECT_EQ(read.rate, 2.5);
+  EXPECT_EQ(read.clock_step, ClockStep::jump);
+  EXPECT_EQ(parse(to_yaml(read)).clock_step, ClockStep::jump);
   EXPECT_EQ(read.threads, 3U);
   EXPECT_EQ(read.realtime_priority, 40);
   EXPECT_EQ(read.status_every, 5U);
@@ -209,6 +211,8 @@ INSTANTIATE_TEST_SUITE_P(
                 "bench.yaml:1: clock.period_us = 1000.5: must be a whole number"},
         Refused{"mode", "clock: {mode: warp}",
                 "bench.yaml:1: clock.mode = warp: must be one of realtime, lockstep, freerun"},
+        Refused{"clock_step", "clock: {clock_step: leap}",
+                "bench.yaml:1: clock.clock_step = leap: must be one of steer, jump"},
         Refused{"rate_in_freerun", "clock:\n  rate: 2\n  mode: freerun",
                 "bench.yaml:2: clock.rate = 2: has no meaning with clock.mode freerun"},
         Refused{"rate_low", "clock: {rate: 0.05}",

@@ -24,8 +24,23 @@ TEST(EventLine, IsKeysAndValuesWithTheWordsLast) {
             "0x8130\"");
 }
 
+// 500 ppm of a second are 0.5 ms: 10 s take 20,000 s.
+TEST(EventWords, TellOfAStepOfTheWallClockWhereItStandsAndWhatIsDone) {
+  EXPECT_EQ(
+      words_of({.kind = msg::EVENT_WALL_CLOCK, .code = 1, .detail = 10'000'000}),
+      "the wall clock was stepped, it is 10 s ahead of drive time, which is steered for about "
+      "20000 s");
+  EXPECT_EQ(words_of({.kind = msg::EVENT_WALL_CLOCK,
+                      .code = 1,
+                      .detail = static_cast<std::uint64_t>(std::int64_t{-1'500'000})}),
+            "the wall clock was stepped, it is 1.5 s behind drive time, which is steered for about "
+            "3000 s");
+  EXPECT_EQ(words_of({.kind = msg::EVENT_WALL_CLOCK, .code = 2, .detail = 10'000'000}),
+            "the wall clock was stepped, it is 10 s ahead of drive time: the tick number jumps");
+}
+
 TEST(EventLine, NamesEveryKindOfEvent) {
-  for (std::uint32_t kind = msg::EVENT_STATE_CHANGED; kind <= msg::EVENT_PARAMETERS; ++kind) {
+  for (std::uint32_t kind = msg::EVENT_STATE_CHANGED; kind <= msg::EVENT_WALL_CLOCK; ++kind) {
     EXPECT_EQ(log_line(1, {.kind = kind}, 0).find("unknown"), std::string::npos) << kind;
   }
 }

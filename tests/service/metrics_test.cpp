@@ -86,12 +86,16 @@ TEST_F(MetricsTest, AreServedAsPrometheusText) {
   counters_.overruns.add(2);
   counters_.commands_applied.add(3);
   counters_.master_losses.add();
+  counters_.wall_steps.add(3);
+  counters_.wall_offset = -1.5;
   const std::string answer = get(sut_.port(), "/metrics");
   EXPECT_THAT(answer, StartsWith("HTTP/1.1 200 OK"));
   EXPECT_THAT(answer, HasSubstr("text/plain"));
   for (const char* const line :
        {"\nvdrive_ticks_total{bench=\"4\"} 17\n", "\nvdrive_tick_overruns_total{bench=\"4\"} 2\n",
         "\nvdrive_commands_applied_total{bench=\"4\"} 3\n",
+        "\nvdrive_wall_clock_steps_total{bench=\"4\"} 3\n",
+        "\nvdrive_wall_clock_offset_seconds{bench=\"4\"} -1.5\n",
         "\nvdrive_watchdog_trips_total{bench=\"4\"} 1\n", "\nvdrive_axes{bench=\"4\"} 2\n",
         "\nvdrive_queue_depth{bench=\"4\",queue=\"inbox\"} 5\n",
         "\nvdrive_queue_depth{bench=\"4\",queue=\"outbox\"} 6\n",

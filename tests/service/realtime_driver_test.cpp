@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace vdrive::test {
@@ -23,7 +24,9 @@ class FakeTimer final : public service::CycleTimer {
 
   [[nodiscard]] std::chrono::nanoseconds monotonic_now() noexcept override { return now; }
 
-  [[nodiscard]] std::chrono::nanoseconds wall_now() noexcept override { return kWall + now; }
+  [[nodiscard]] std::chrono::nanoseconds wall_now() noexcept override {
+    return kWall + now + wall_step;
+  }
 
   void wait_until(std::chrono::nanoseconds deadline) noexcept override {
     now = std::max(now, deadline) + lateness;
@@ -31,6 +34,7 @@ class FakeTimer final : public service::CycleTimer {
 
   std::chrono::nanoseconds now;
   std::chrono::nanoseconds lateness{0};
+  std::chrono::nanoseconds wall_step{0};  ///< that the wall clock was set forward by
 };
 
 service::Configuration realtime_configuration(double rate = 1.0) {
@@ -60,6 +64,13 @@ struct RealtimeBench : EngineUnderTest {
   service::RealtimeDriver driver;
   std::vector<std::uint64_t> images;
 };
+
+/// @return a request for the rate.
+msg::Request rate_request(RealtimeBench& bench, double rate) {
+  auto request = bench.make_request(msg::REQUEST_SET_RATE, kAlice);
+  request.rate(rate);
+  return request;
+}
 
 TEST(RealtimeDriver, RunsEachTickOnceByTheWallClock) {
   RealtimeBench bench;
@@ -97,6 +108,68 @@ TEST(RealtimeDriver, JumpsAfterALongStallAndHoldsTheState) {
   EXPECT_EQ(events[0].detail, 4'999U);
   EXPECT_EQ(bench.counters.master_losses.get(), 0U) << "no drive time passed";
   EXPECT_EQ(bench.value(1, 0x6041) & 0x6F, 0x27);
+}
+
+TEST(RealtimeDriver, TellsOfAStepOfTheWallClockAndSteers) {
+  for (const auto offset : {10s, -3'600s}) {
+    RealtimeBench bench;
+    bench.cycles(10);
+    bench.timer.wall_step = offset;
+    bench.cycles(1'000);
+    const auto events = bench.events(msg::EVENT_WALL_CLOCK);
+    ASSERT_EQ(events.size(), 1U);
+    EXPECT_EQ(events[0].code, service::WallClockNews::kSteered);
+    EXPECT_NEAR(static_cast<double>(static_cast<std::int64_t>(events[0].detail)),
+                1e6 * static_cast<double>(offset.count()), 5.0);
+    EXPECT_EQ(bench.counters.wall_steps.get(), 1U);
+    // 1,000 ticks at 500 ppm: half a millisecond of it is gone.
+    EXPECT_NEAR(std::abs(bench.counters.wall_offset.load()),
+                std::abs(static_cast<double>(offset.count())) - 0.5e-3, 1e-5);
+    EXPECT_EQ(bench.engine.tick(), 1'700'000'001'010U) << "every number once";
+    EXPECT_EQ(bench.counters.jumps.get(), 0U);
+  }
+}
+
+TEST(RealtimeDriver, JumpsWithTheWallClockWhereItIsConfigured) {
+  auto configuration = realtime_configuration();
+  configuration.clock_step = service::ClockStep::jump;
+  RealtimeBench bench(configuration);
+  bench.write(kAlice, 1, 0x6040, 0x0F);
+  bench.cycles(10);
+  bench.timer.wall_step = 10s;
+  bench.cycles(50);
+  EXPECT_EQ(bench.engine.tick(), 1'700'000'000'060U + 10'000U);
+  EXPECT_EQ(bench.counters.jumps.get(), 1U);
+  const auto jumps = bench.events(msg::EVENT_TICK_JUMPED);
+  ASSERT_EQ(jumps.size(), 1U);
+  EXPECT_EQ(jumps[0].detail, 10'000U);
+  EXPECT_EQ(bench.value(1, 0x6041) & 0x6F, 0x27) << "no drive time passed";
+}
+
+TEST(RealtimeDriver, RepeatsNoTickWhenTheWallClockGoesBack) {
+  auto configuration = realtime_configuration();
+  configuration.clock_step = service::ClockStep::jump;
+  RealtimeBench bench(configuration);
+  bench.cycles(10);
+  bench.timer.wall_step = -10s;
+  bench.cycles(100);
+  ASSERT_EQ(bench.images.size(), 110U);
+  for (std::size_t i = 1; i < bench.images.size(); ++i) {
+    ASSERT_EQ(bench.images[i], bench.images[i - 1] + 1);
+  }
+  const auto events = bench.events(msg::EVENT_WALL_CLOCK);
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].code, service::WallClockNews::kSteered);
+}
+
+TEST(RealtimeDriver, HasNoOffsetToTheWallClockWhilePaused) {
+  RealtimeBench bench;
+  bench.timer.wall_step = 10s;
+  bench.cycles(10);
+  EXPECT_GT(bench.counters.wall_offset.load(), 9.0);
+  bench.inbox.receive(rate_request(bench, 0.0), {});
+  bench.cycles(2);
+  EXPECT_EQ(bench.counters.wall_offset.load(), 0.0);
 }
 
 TEST(RealtimeDriver, CountsHowLateTicksBegin) {
@@ -147,13 +220,6 @@ TEST(RealtimeDriver, RunsAtTheRate) {
   bench.cycles(1'000);
   EXPECT_EQ(bench.engine.tick(), 1'700'000'001'000U);
   EXPECT_NEAR(static_cast<double>(bench.timer.now.count()), 1.009e8, 1e5);
-}
-
-/// @return a request for the rate.
-msg::Request rate_request(RealtimeBench& bench, double rate) {
-  auto request = bench.make_request(msg::REQUEST_SET_RATE, kAlice);
-  request.rate(rate);
-  return request;
 }
 
 /// Asks for the rate. @return the reason of the answer.
@@ -267,7 +333,9 @@ TEST(RealtimeDriver, AllocatesNothingInATick) {
   bench.cycles(10);
   bench.images.reserve(1'000);
   const AllocationGuard guard;
-  bench.cycles(500);
+  bench.cycles(250);
+  bench.timer.wall_step = 10s;
+  bench.cycles(250);
   EXPECT_EQ(guard.count(), 0U);
 }
 

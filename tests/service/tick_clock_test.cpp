@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
+#include <vector>
 
 namespace vdrive::service {
 namespace {
@@ -57,6 +59,90 @@ TEST(TickClock, EndsOnTheWallClock) {
   const auto begin =
       std::chrono::nanoseconds(kPeriod) * static_cast<std::int64_t>(clock.next_tick());
   EXPECT_NEAR(static_cast<double>((wall - begin).count()), 0.0, 1e3);
+}
+
+/// Runs `ticks` ticks beside a wall clock that is `ahead` by then. @return the steps that it saw.
+std::vector<WallStep> run(TickClock& clock, int ticks,
+                          const std::function<std::chrono::nanoseconds(int)>& ahead) {
+  std::vector<WallStep> steps;
+  for (int tick = 0; tick < ticks; ++tick) {
+    const auto now = clock.deadline();
+    if (const auto step = clock.advance({now, kWall + (now - kMonotonic) + ahead(tick)})) {
+      steps.push_back(*step);
+    }
+  }
+  return steps;
+}
+
+TEST(TickClock, SeesAStepAboveTenMillisecondsOnce) {
+  for (const auto offset : {10'100us, -10'100us, 3'600'000'000us, -3'600'000'000us}) {
+    TickClock clock(kPeriod, 1.0, {kMonotonic, kWall});
+    const auto steps = run(clock, 20'000, [&](int tick) {
+      return tick < 10 ? 0us : offset;
+    });
+    ASSERT_EQ(steps.size(), 1U) << offset.count();
+    // The two readings before steer by 0.5 us each.
+    EXPECT_NEAR(static_cast<double>(steps[0].offset.count()), 1e3 * double(offset.count()), 2e3);
+    EXPECT_EQ(steps[0].jumped, 0U);
+    EXPECT_EQ(clock.next_tick(), kTickAtWall + 20'001) << "no number is left out or comes twice";
+  }
+}
+
+TEST(TickClock, SeesNoStepInSmallOnesInDriftAndInASingleWrongReading) {
+  TickClock small(kPeriod, 1.0, {kMonotonic, kWall});
+  EXPECT_TRUE(run(small, 1'000, [](int) {
+                return 9'900us;
+              }).empty());
+  TickClock drift(kPeriod, 1.0, {kMonotonic, kWall});
+  // 900 ppm for 100 s: 500 of them are steered away, the other 400 are 40 ms in the end.
+  EXPECT_TRUE(run(drift, 100'000, [](int tick) {
+                return 900ns * tick;
+              }).empty());
+  EXPECT_NEAR(static_cast<double>(drift.offset().count()), 40e6, 1e6);
+  TickClock wrong(kPeriod, 1.0, {kMonotonic, kWall}, ClockStep::jump);
+  EXPECT_TRUE(run(wrong, 1'000, [](int tick) {
+                return tick % 10 < 2 ? 1'000'000us : 0us;  // twice in a row
+              }).empty());
+}
+
+TEST(TickClock, SeesASecondStepWhileItSteersTheFirstAway) {
+  TickClock clock(kPeriod, 1.0, {kMonotonic, kWall});
+  const auto steps = run(clock, 2'000, [](int tick) {
+    return tick < 1'000 ? 10s : 0s;
+  });
+  ASSERT_EQ(steps.size(), 2U);
+  // 1,000 ticks at 500 ppm: half a millisecond too far, and back it is.
+  EXPECT_NEAR(static_cast<double>(steps[1].offset.count()), -0.5e6, 1e4);
+}
+
+// 10.0004 s are 10,000 ticks; the rest is steered away.
+TEST(TickClock, JumpsToTheWallClockWhereItMay) {
+  TickClock clock(kPeriod, 1.0, {kMonotonic, kWall}, ClockStep::jump);
+  const auto steps = run(clock, 1'000, [](int tick) {
+    return tick < 10 ? 0us : 10'000'400us;
+  });
+  ASSERT_EQ(steps.size(), 1U);
+  EXPECT_EQ(steps[0].jumped, 10'000U);
+  EXPECT_EQ(clock.next_tick(), kTickAtWall + 1'001 + 10'000);
+  EXPECT_NEAR(static_cast<double>(clock.offset().count()), 0.0, 1e5);
+}
+
+TEST(TickClock, NeverJumpsBack) {
+  TickClock clock(kPeriod, 1.0, {kMonotonic, kWall}, ClockStep::jump);
+  const auto steps = run(clock, 1'000, [](int tick) {
+    return tick < 10 ? 0s : -10s;
+  });
+  ASSERT_EQ(steps.size(), 1U);
+  EXPECT_EQ(steps[0].jumped, 0U);
+  EXPECT_EQ(clock.next_tick(), kTickAtWall + 1'001);
+}
+
+TEST(TickClock, SeesNoStepAtAnotherRate) {
+  TickClock clock(kPeriod, 2.0, {kMonotonic, kWall}, ClockStep::jump);
+  EXPECT_TRUE(run(clock, 100, [](int) {
+                return 10s;
+              }).empty());
+  EXPECT_EQ(clock.offset(), 0ns);
 }
 
 TEST(TickClock, CatchesUpABacklogOfAHundredTicks) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "vdrive/axis_configuration.hpp"
+#include "vdrive/service/tick_clock.hpp"
 #include "vdrive/wire/participant.hpp"
 
 #include <chrono>
@@ -60,6 +61,7 @@ struct Configuration {
   std::uint32_t bench = 1;  ///< 1 to kMaxBench
   std::string name = "demo";
   ClockMode clock = ClockMode::realtime;
+  ClockStep clock_step = ClockStep::steer;  ///< realtime
   std::chrono::microseconds period{1'000};  ///< kShortestPeriod to kLongestPeriod
   double rate = 1.0;               ///< realtime: 0 = paused, or kLowestRate to kHighestRate
   std::uint32_t threads = 1;       ///< that step the bank

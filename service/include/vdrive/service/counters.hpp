@@ -99,14 +99,16 @@ struct Counters {
   Counter wire_resident;  ///< memory of the wire's process [bytes], 0 = it has none of its own
   Counter guarded;        ///< datagrams that the guard in front of the DDS library dropped
   Counter master_losses;
-  Counter saves;                  ///< axes whose stored parameters became durable
-  Counter save_failures;          ///< axes whose parameters could not be stored
-  Counter snapshots;              ///< kept now
-  Counter journal_ticks;          ///< written
-  Counter journal_losses;         ///< ticks that are missing in the journal
-  std::atomic<double> rate{0.0};  ///< realtime: drive time over wall time, 0 = paused
-  Counter steppers;               ///< lock-step: sessions that joined the clock
-  Counter slowest_stepper;        ///< session that granted the fewest ticks, 0 = none
+  Counter saves;                         ///< axes whose stored parameters became durable
+  Counter save_failures;                 ///< axes whose parameters could not be stored
+  Counter snapshots;                     ///< kept now
+  Counter journal_ticks;                 ///< written
+  Counter journal_losses;                ///< ticks that are missing in the journal
+  std::atomic<double> rate{0.0};         ///< realtime: drive time over wall time, 0 = paused
+  Counter steppers;                      ///< lock-step: sessions that joined the clock
+  Counter slowest_stepper;               ///< session that granted the fewest ticks, 0 = none
+  Counter wall_steps;                    ///< steps of the wall clock that were seen
+  std::atomic<double> wall_offset{0.0};  ///< of the wall clock ahead of drive time [s]
 
   /// Counts a tick that started `late` after its time.
   void count_lateness(std::chrono::nanoseconds late) noexcept {

@@ -13,6 +13,13 @@
 
 namespace vdrive::service {
 
+/// Codes of EVENT_WALL_CLOCK; detail: how far the wall clock is ahead of drive time [us], as a
+/// signed number.
+struct WallClockNews {
+  static constexpr std::uint32_t kSteered = 1;
+  static constexpr std::uint32_t kJumped = 2;
+};
+
 /// Lets the wall clock advance a bench. In `cycle` no lock, no allocation, and no system call but
 /// the wait.
 class RealtimeDriver {
@@ -38,6 +45,7 @@ class RealtimeDriver {
  private:
   void change_rate() noexcept;
   void tick() noexcept;
+  void follow_wall_clock() noexcept;
   void idle() noexcept;
   void handle_arrivals();
 
@@ -47,6 +55,7 @@ class RealtimeDriver {
   CycleTimer& timer_;
   std::chrono::microseconds period_;
   std::uint32_t status_every_;
+  ClockStep on_step_;
   double rate_;
   std::optional<TickClock> clock_;  ///< nothing = paused
   std::chrono::nanoseconds next_repeat_{0};
