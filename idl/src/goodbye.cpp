@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -24,8 +23,6 @@ constexpr std::uint32_t kParticipantsOfPeer = 32;
 constexpr int kTimes = 3;  // datagrams get lost
 constexpr const char* kGroup = "239.255.0.1";
 constexpr const char* kLoopback = "127.0.0.1";
-// Above all that the dead participant can have sent: a reader takes nothing older.
-constexpr std::uint32_t kSequence = std::numeric_limits<std::int32_t>::max();
 
 /// A socket that sends.
 class Sender {
@@ -71,7 +68,7 @@ void say_goodbye(const NetworkSettings& settings, const Source& dead) {
     return;
   }
   const Sender sender;
-  const auto datagram = farewell(dead.participant, dead.participant, kSequence);
+  const auto datagram = farewell(dead.participant);
   const std::uint32_t port = kFirstPort + kPortsOfDomain * settings.domain;
   std::vector<std::string> interfaces = settings.interfaces;
   interfaces.emplace_back(kLoopback);

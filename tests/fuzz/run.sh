@@ -17,7 +17,8 @@ here=$root/tests/fuzz
 work=$root/build/fuzz
 # Inputs stay small, so that each runs in milliseconds and the kept corpus in kilobytes.
 declare -A max_length=(
-  [core_fuzz]=512 [message_fuzz]=1024 [configuration_fuzz]=2048 [scenario_fuzz]=1024)
+  [core_fuzz]=512 [message_fuzz]=1024 [datagram_fuzz]=2048 [configuration_fuzz]=2048
+  [scenario_fuzz]=1024)
 
 seconds=10
 [[ ${VDRIVE_NIGHTLY:-} == 1 ]] && seconds=300
@@ -41,7 +42,8 @@ while (($#)); do
   esac
   shift
 done
-((${#fuzzers[@]})) || fuzzers=(core_fuzz message_fuzz configuration_fuzz scenario_fuzz)
+((${#fuzzers[@]})) || fuzzers=(core_fuzz message_fuzz datagram_fuzz configuration_fuzz
+  scenario_fuzz)
 
 # The files of the tree that a fuzzer starts from.
 seed() {

@@ -294,7 +294,7 @@ std::vector<Case> cases() {
        }},
       {"Farewell", Refusal::none,
        [] {
-         return farewell(kSender, kSender, 7);
+         return farewell(kSender);
        }},
       {"EncryptedMessage", Refusal::none,
        [] {
@@ -373,8 +373,7 @@ TEST(Announcement, OfALeaseIsRaisedForTheLibrary) {
 }
 
 TEST(Announcement, OfLeavingNamesWhoLeaves) {
-  constexpr test::GuidPrefix kOther{9, 9, 9};
-  const auto leaving = read(farewell(kSender, kOther, 1));
+  const auto leaving = read(farewell(kSender));
   ASSERT_TRUE(leaving);
   EXPECT_TRUE(leaving->gone);
   EXPECT_EQ(leaving->participant, kSender);

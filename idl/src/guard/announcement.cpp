@@ -131,19 +131,16 @@ void hide_types(std::span<std::uint8_t> datagram, std::size_t offset, bool littl
       });
 }
 
-std::vector<std::uint8_t> farewell(const Prefix& gone, const Prefix& sender,
-                                   std::uint32_t sequence) {
+std::vector<std::uint8_t> farewell(const Prefix& gone) {
   std::vector<std::uint8_t> datagram{'R', 'T', 'P', 'S', 2, 3, 1, 15};
   const auto add = [&datagram](std::initializer_list<std::uint8_t> bytes) {
     datagram.insert(datagram.end(), bytes);
   };
-  datagram.insert(datagram.end(), sender.begin(), sender.end());
-  add({0x15, 3, 52, 0, 0, 0, 16, 0});               // DATA, little endian, with inline QoS
-  add({0, 1, 0, 0xC7, 0, 1, 0, 0xC2, 0, 0, 0, 0});  // from and to discovery; sequence, high half
-  for (std::uint32_t shift = 0; shift < 32; shift += 8) {
-    add({static_cast<std::uint8_t>(sequence >> shift)});
-  }
-  add({0x70, 0, 16, 0});  // key
+  datagram.insert(datagram.end(), gone.begin(), gone.end());
+  add({0x15, 3, 52, 0, 0, 0, 16, 0});         // DATA, little endian, with inline QoS
+  add({0, 1, 0, 0xC7, 0, 1, 0, 0xC2});        // from and to discovery
+  add({0, 0, 0, 0, 0xFF, 0xFF, 0xFF, 0x7F});  // sequence number 2^31 - 1
+  add({0x70, 0, 16, 0});                      // key
   datagram.insert(datagram.end(), gone.begin(), gone.end());
   add({0, 0, 1, 0xC1});
   add({0x71, 0, 4, 0, 0, 0, 0, 3});  // status: disposed and unregistered

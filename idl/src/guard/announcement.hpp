@@ -46,11 +46,10 @@ void raise_leases(std::span<std::uint8_t> datagram, std::size_t offset, bool lit
 void hide_types(std::span<std::uint8_t> datagram, std::size_t offset, bool little) noexcept;
 
 /// @return a datagram by which the participant `gone` leaves, as Fast DDS itself sends one: DATA of
-///         the announcing entity with the key and the status "disposed and unregistered".
-/// @param sender prefix in the header
-/// @param sequence 1 or more; greater than in all earlier datagrams of this sender
-[[nodiscard]] std::vector<std::uint8_t> farewell(const rtps_bytes::Prefix& gone,
-                                                 const rtps_bytes::Prefix& sender,
-                                                 std::uint32_t sequence);
+///         the announcing entity with the key and the status "disposed and unregistered". Its
+///         sequence number is above all that the participant can have sent: a reader takes nothing
+///         older, and believes only the writer itself. The library forgets the number with the
+///         participant, so that one that only stood still is found again.
+[[nodiscard]] std::vector<std::uint8_t> farewell(const rtps_bytes::Prefix& gone);
 
 }  // namespace vdrive::wire

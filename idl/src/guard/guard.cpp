@@ -16,8 +16,6 @@ constexpr std::chrono::milliseconds kPatienceWithVdrive{2'500};
 constexpr std::chrono::milliseconds kBetweenJudgements{100};
 // A GAP costs the library a step for each of its numbers and, before the next expected, memory.
 constexpr std::uint32_t kGapNumbersInASecond = 4 * kWidestGap;
-// Removals come from nobody: no participant has this prefix.
-constexpr Prefix kJudge{1, 15, 'v', 'd', 'r', 'i', 'v', 'e', 0, 0, 0, 0};
 
 Prefix sender_of(Bytes datagram) {
   Prefix prefix{};
@@ -219,7 +217,7 @@ void Guard::remove(const Keeper::Silent& silent) {
     }
     local = found->first;
   }
-  const auto datagram = farewell(silent.participant, kJudge, ++removals_);
+  const auto datagram = farewell(silent.participant);
   silent.channel->OnDataReceived(datagram.data(), static_cast<std::uint32_t>(datagram.size()),
                                  local, local);
   ++judged_;

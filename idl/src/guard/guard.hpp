@@ -72,7 +72,6 @@ class Guard {
   std::mutex handing_over_;  ///< a removal is on its way through a channel
   std::mutex channels_mutex_;
   std::map<Locator, Receiver*> channels_;
-  std::uint32_t removals_ = 0;
 
   std::mutex end_mutex_;
   std::condition_variable end_changed_;

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// Any bytes as a datagram: the guard's check, and what it reads and changes of what passes.
+#include "guard/announcement.hpp"
+#include "guard/datagram_check.hpp"
+
+#include <cstdlib>
+#include <vector>
+
+namespace {
+
+using namespace vdrive::wire;
+
+void demand(bool holds) {
+  if (!holds) {
+    std::abort();
+  }
+}
+
+/// As Guard::pass_discovery does it.
+void change(std::vector<std::uint8_t>& datagram) {
+  rtps_bytes::Submessages submessages(datagram);
+  for (rtps_bytes::Submessage submessage; !submessages.at_end() && submessages.next(submessage);) {
+    if (submessage.kind != rtps_bytes::Kind::data) {
+      continue;
+    }
+    const rtps_bytes::Data data = rtps_bytes::parse_data(submessage, 16);
+    demand(data.whole);
+    const std::size_t list = submessage.offset + data.payload + 4;
+    if (rtps_bytes::may_announce(submessage, data)) {
+      static_cast<void>(read_announcement(submessage, data));
+    }
+    if (submessage.has(rtps_bytes::kThird) && data.is_list()) {
+      raise_leases(datagram, list, data.list_is_little());
+      hide_types(datagram, list, data.list_is_little());
+    }
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const DatagramReport report = check_datagram({data, size});
+  if (report.refusal != Refusal::none) {
+    return 0;
+  }
+  demand(report.length <= size);
+  std::vector<std::uint8_t> datagram(data, data + report.length);
+  if (report.announces) {
+    change(datagram);
+    demand(check_datagram(datagram).refusal == Refusal::none);
+  }
+  return 0;
+}
