@@ -384,7 +384,7 @@ class Mutator {
 
   Datagram next() {
     Datagram datagram = kept_.at(below(kept_.size()));
-    for (std::size_t changes = 1 + below(4); changes > 0 && datagram.size() > 24; --changes) {
+    for (std::size_t changes = 1 + below(2); changes > 0 && datagram.size() > 24; --changes) {
       change(datagram);
     }
     return datagram;
@@ -421,7 +421,7 @@ class Mutator {
         datagram[place] = kKinds.at(below(kKinds.size()));
         break;
       case 4:
-        datagram.resize(20 + below(datagram.size() - 20));
+        truncate(datagram);
         break;
       case 5:
         forge_gap(datagram);
@@ -432,6 +432,20 @@ class Mutator {
       default:
         overwrite_number(datagram);
         break;
+    }
+  }
+
+  /// Ends a submessage early, with a length that agrees: what is left is looked into.
+  static void end_at(Datagram& datagram, std::size_t place, std::size_t size) {
+    datagram.resize(size);
+    datagram[place + 2] = 0;
+    datagram[place + 3] = 0;
+  }
+
+  void truncate(Datagram& datagram) {
+    const std::size_t place = submessage(datagram);
+    if (place + 4 < datagram.size()) {
+      end_at(datagram, place, place + 4 + below(datagram.size() - place - 4));
     }
   }
 
@@ -447,7 +461,7 @@ class Mutator {
 
   void splice(Datagram& datagram) {
     const Datagram& other = kept_.at(below(kept_.size()));
-    datagram.resize(20 + below(datagram.size() - 20));
+    datagram.resize(submessage(datagram));
     datagram.insert(datagram.end(), other.begin() + static_cast<std::ptrdiff_t>(submessage(other)),
                     other.end());
   }

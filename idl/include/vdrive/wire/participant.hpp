@@ -83,7 +83,8 @@ class Participant {
 /// service process that was killed: those who knew it remove it at once, not when its lease ends.
 /// Sends a few datagrams to where a participant of these settings would announce itself; waits for
 /// nobody. Discovery servers are not told: they take it from the participant itself only, and judge
-/// it after its lease of 2 s. In the closed mode Fast DDS believes it, Cyclone DDS does not.
+/// it after its lease of 2 s. It is sent in clear, in the closed mode too, as announcements are
+/// there.
 /// @throws NetworkError when no socket can be made
 void say_goodbye(const NetworkSettings& settings, const Source& dead);
 
