@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdrive/service/byte_ring.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <random>
+#include <thread>
+#include <vector>
+
+namespace vdrive::service {
+namespace {
+
+constexpr std::size_t kHead = sizeof(RecordHead);
+
+struct Memory {
+  explicit Memory(std::size_t size) : words(size / sizeof(std::uint64_t)) {}
+
+  ByteRing end() { return {positions, std::as_writable_bytes(std::span(words))}; }
+
+  RingPositions positions;
+  std::vector<std::uint64_t> words;
+};
+
+/// Puts a record of `size` bytes that all are `value`.
+bool put(ByteRing& ring, std::size_t size, std::uint8_t value) {
+  const auto room = ring.reserve(size);
+  if (!room) {
+    return false;
+  }
+  std::fill(room->begin(), room->end(), std::byte{value});
+  ring.commit({.size = static_cast<std::uint32_t>(size),
+               .full_size = static_cast<std::uint32_t>(size),
+               .topic = value,
+               .flags = 0,
+               .party = {}});
+  return true;
+}
+
+bool is_whole(const ByteRing::Record& record, std::size_t size, std::uint8_t value) {
+  return record.head.topic == value && record.bytes.size() == size &&
+         std::all_of(record.bytes.begin(), record.bytes.end(), [&](std::byte byte) {
+           return byte == std::byte{value};
+         });
+}
+
+TEST(ByteRing, GivesRecordsInTheirOrder) {
+  Memory memory(256);
+  ByteRing producer = memory.end();
+  ByteRing consumer = memory.end();
+  EXPECT_FALSE(consumer.front().has_value());
+  ASSERT_TRUE(put(producer, 10, 1));
+  ASSERT_TRUE(put(producer, 0, 2));
+  EXPECT_EQ(consumer.size(), 2U);
+  ASSERT_TRUE(is_whole(consumer.front().value(), 10, 1));
+  consumer.pop();
+  ASSERT_TRUE(is_whole(consumer.front().value(), 0, 2));
+  consumer.pop();
+  EXPECT_FALSE(consumer.front().has_value());
+  EXPECT_EQ(producer.size(), 0U);
+}
+
+// A record of 40 bytes takes 24 + 40 = 64: four fill 256 bytes, a fifth has no room.
+TEST(ByteRing, RefusesWhatHasNoRoomUntilSomethingIsTaken) {
+  Memory memory(256);
+  ByteRing producer = memory.end();
+  ByteRing consumer = memory.end();
+  for (std::uint8_t count = 0; count < 4; ++count) {
+    ASSERT_TRUE(put(producer, 64 - kHead, count));
+  }
+  EXPECT_FALSE(put(producer, 0, 9));
+  ASSERT_TRUE(consumer.front().has_value());
+  consumer.pop();
+  EXPECT_TRUE(put(producer, 64 - kHead, 4));
+  EXPECT_FALSE(put(producer, 257, 9)) << "larger than the whole ring";
+}
+
+TEST(ByteRing, KeepsRecordsInOnePieceAcrossItsEnd) {
+  Memory memory(256);
+  ByteRing producer = memory.end();
+  ByteRing consumer = memory.end();
+  std::uint8_t value = 0;
+  for (int round = 0; round < 1'000; ++round) {
+    for (const std::size_t size : {1U, 17U, 100U, 63U}) {
+      ASSERT_TRUE(put(producer, size, ++value)) << "round " << round << ", " << size << " bytes";
+      ASSERT_TRUE(is_whole(consumer.front().value(), size, value)) << "round " << round;
+      consumer.pop();
+    }
+  }
+}
+
+TEST(ByteRing, GoesOnWhereAnEndedSideStopped) {
+  Memory memory(256);
+  {
+    ByteRing producer = memory.end();
+    ASSERT_TRUE(put(producer, 8, 1));
+    static_cast<void>(producer.reserve(30));  // it ends while it fills the record
+  }
+  ByteRing second = memory.end();
+  ASSERT_TRUE(put(second, 8, 2));
+  {
+    ByteRing consumer = memory.end();
+    ASSERT_TRUE(is_whole(consumer.front().value(), 8, 1));
+    consumer.pop();
+  }
+  ByteRing consumer = memory.end();
+  EXPECT_TRUE(is_whole(consumer.front().value(), 8, 2));
+}
+
+TEST(ByteRing, IsEmptyWhereTheOtherSideWroteNonsense) {
+  Memory memory(256);
+  ByteRing producer = memory.end();
+  ByteRing consumer = memory.end();
+  ASSERT_TRUE(put(producer, 8, 1));
+  memory.positions.written.store(1'000'000);  // more than there is room for
+  EXPECT_FALSE(consumer.front().has_value());
+
+  Memory forged(256);
+  ByteRing good = forged.end();
+  ASSERT_TRUE(put(good, 8, 1));
+  constexpr std::uint32_t kAbsurd = 0xFFFF'FF00;
+  std::memcpy(forged.words.data(), &kAbsurd, sizeof kAbsurd);
+  ByteRing reader = forged.end();
+  EXPECT_FALSE(reader.front().has_value());
+  ASSERT_TRUE(put(good, 8, 2)) << "and it goes on with what comes next";
+  EXPECT_TRUE(is_whole(reader.front().value(), 8, 2));
+}
+
+TEST(ByteRing, GivesNoRoomWhenTheReaderWroteNonsense) {
+  Memory memory(256);
+  ByteRing producer = memory.end();
+  memory.positions.read.store(12'345);
+  EXPECT_FALSE(producer.reserve(8).has_value());
+}
+
+TEST(ByteRing, CarriesEverythingBetweenTwoThreads) {
+  constexpr int kRecords = 200'000;
+  Memory memory(8'192);
+  std::thread writer([&] {
+    ByteRing producer = memory.end();
+    std::minstd_rand random(1);
+    for (int count = 0; count < kRecords;) {
+      const std::size_t size = random() % 200;
+      while (!put(producer, size, static_cast<std::uint8_t>(count))) {
+        std::this_thread::yield();
+      }
+      ++count;
+    }
+  });
+  ByteRing consumer = memory.end();
+  std::minstd_rand random(1);
+  int broken = 0;
+  for (int count = 0; count < kRecords;) {
+    const auto record = consumer.front();
+    if (!record) {
+      std::this_thread::yield();
+      continue;
+    }
+    broken += is_whole(*record, random() % 200, static_cast<std::uint8_t>(count)) ? 0 : 1;
+    consumer.pop();
+    ++count;
+  }
+  writer.join();
+  EXPECT_EQ(broken, 0);
+}
+
+}  // namespace
+}  // namespace vdrive::service

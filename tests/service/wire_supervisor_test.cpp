@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "wire_supervisor.hpp"
+
+#include "doorbell.hpp"
+#include "wire_region.hpp"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <thread>
+#include <vector>
+
+namespace vdrive::service {
+namespace {
+
+using namespace std::chrono_literals;
+using Cause = WireLoss::Cause;
+
+constexpr std::uint64_t kLimit = 100ULL << 20U;
+constexpr WireJudge::Time kStart{1'000s};
+
+/// A wire that does all that it should.
+struct HealthyWire {
+  WireJudge::Sight sight{.is_running = true};
+
+  WireJudge::Sight next() {
+    ++sight.pump_beats;
+    ++sight.probe_beats;
+    return sight;
+  }
+};
+
+TEST(WireJudge, LetsAHealthyWireGoOn) {
+  WireJudge judge(kLimit);
+  HealthyWire wire;
+  judge.started(kStart);
+  for (auto time = 0s; time < 60s; time += 1s) {
+    ASSERT_FALSE(judge.reason_to_end(wire.next(), kStart + time).has_value());
+  }
+}
+
+TEST(WireJudge, EndsAWireThatDoesNotComeUp) {
+  WireJudge judge(kLimit);
+  judge.started(kStart);
+  EXPECT_FALSE(judge.reason_to_end({}, kStart + WireJudge::kLongestStart).has_value());
+  const auto loss = judge.reason_to_end({}, kStart + WireJudge::kLongestStart + 1ms);
+  ASSERT_TRUE(loss.has_value());
+  EXPECT_EQ(loss->cause, Cause::no_start);
+}
+
+TEST(WireJudge, EndsAWireWhosePumpsStandStill) {
+  WireJudge judge(kLimit);
+  HealthyWire wire;
+  judge.started(kStart);
+  ASSERT_FALSE(judge.reason_to_end(wire.next(), kStart).has_value());
+  ++wire.sight.probe_beats;
+  EXPECT_FALSE(judge.reason_to_end(wire.sight, kStart + WireJudge::kLongestRound).has_value());
+  const auto loss = judge.reason_to_end(wire.sight, kStart + WireJudge::kLongestRound + 1ms);
+  ASSERT_TRUE(loss.has_value());
+  EXPECT_EQ(loss->cause, Cause::hangs);
+}
+
+TEST(WireJudge, EndsAWireThatNoProbeReachesWithinFiveSeconds) {
+  WireJudge judge(kLimit);
+  HealthyWire wire;
+  judge.started(kStart);
+  ASSERT_FALSE(judge.reason_to_end(wire.next(), kStart).has_value());
+  auto time = 0ms;
+  std::optional<WireLoss> loss;
+  while (!loss && time < 10s) {
+    time += 10ms;
+    ++wire.sight.pump_beats;
+    loss = judge.reason_to_end(wire.sight, kStart + time);
+  }
+  ASSERT_TRUE(loss.has_value());
+  EXPECT_EQ(loss->cause, Cause::deaf);
+  EXPECT_LT(time, 5s);
+}
+
+TEST(WireJudge, EndsAWireThatUsesMoreThanItsMemory) {
+  WireJudge judge(kLimit);
+  HealthyWire wire;
+  judge.started(kStart);
+  wire.sight.resident = kLimit;
+  ASSERT_FALSE(judge.reason_to_end(wire.next(), kStart).has_value());
+  wire.sight.resident = kLimit + (1U << 20U);
+  const auto loss = judge.reason_to_end(wire.next(), kStart);
+  ASSERT_TRUE(loss.has_value());
+  EXPECT_EQ(loss->cause, Cause::memory);
+  EXPECT_EQ(loss->value, 101U);
+}
+
+// At once, then after 100, 200, 400 ms and so on, 5 s at most; a long run makes it forget.
+TEST(WireJudge, WaitsLongerAndLongerWhereAWireEndsAgainAndAgain) {
+  WireJudge judge(kLimit);
+  std::vector<std::chrono::milliseconds> delays;
+  for (int count = 0; count < 9; ++count) {
+    judge.started(kStart);
+    delays.push_back(std::chrono::duration_cast<std::chrono::milliseconds>(judge.ended(kStart) - kStart));
+  }
+  EXPECT_EQ(delays, (std::vector{0ms, 100ms, 200ms, 400ms, 800ms, 1'600ms, 3'200ms, 5'000ms, 5'000ms}));
+  HealthyWire wire;
+  judge.started(kStart);
+  ASSERT_FALSE(judge.reason_to_end(wire.next(), kStart).has_value());
+  EXPECT_EQ(judge.ended(kStart + WireJudge::kLongRun), kStart + WireJudge::kLongRun);
+}
+
+TEST(WireLoss, SurvivesItsNumberAndSaysWhatHappened) {
+  const WireLoss loss{.cause = Cause::signal, .value = 6};
+  const WireLoss read = WireLoss::unpacked(loss.packed());
+  EXPECT_EQ(read.cause, Cause::signal);
+  EXPECT_EQ(read.text(), "ended by signal 6 (Aborted)");
+  EXPECT_EQ((WireLoss{.cause = Cause::exit_code, .value = 3}).text(), "ended with exit code 3");
+}
+
+TEST(WireRegion, IsTheSameMemoryThroughItsDescriptor) {
+  const WireRegion region({.network = {.domain = 7, .peers = {"10.0.0.1"}}, .bench = 3});
+  const WireRegion other = WireRegion::attach(dup(region.descriptor()));
+  EXPECT_EQ(other.settings().bench, 3U);
+  EXPECT_EQ(other.settings().network.domain, 7U);
+  EXPECT_EQ(other.settings().network.peers, std::vector<std::string>{"10.0.0.1"});
+  ByteRing producer = region.ring(Lane::replies);
+  ByteRing consumer = other.ring(Lane::replies);
+  ASSERT_TRUE(producer.reserve(5).has_value());
+  producer.commit({.size = 5, .full_size = 5, .topic = 1, .flags = 0, .party = {}});
+  EXPECT_EQ(consumer.size(), 1U);
+  EXPECT_EQ(other.ring(Lane::reports).size(), 0U);
+}
+
+TEST(SharedSources, ShowsWhoIsThere) {
+  const WireRegion region(WireSettings{});
+  SharedSources& sources = region.control().readers;
+  const wire::Source first{{1, 2, 3}};
+  const wire::Source second{{4, 5, 6}};
+  EXPECT_FALSE(sources.may_contain(first));
+  sources.show({first, second});
+  EXPECT_TRUE(sources.may_contain(first));
+  EXPECT_TRUE(sources.may_contain(second));
+  sources.show({second});
+  EXPECT_FALSE(sources.may_contain(first));
+}
+
+TEST(Doorbell, RemembersARingThatNobodyWaitedFor) {
+  BellState state;
+  Doorbell ringing(state);
+  Doorbell waiting(state);
+  EXPECT_FALSE(waiting.wait_for(0ms));
+  ringing.ring();
+  EXPECT_TRUE(waiting.wait_for(0ms));
+  EXPECT_FALSE(waiting.wait_for(1ms)) << "one ring, one answer";
+}
+
+TEST(Doorbell, WakesAnotherThread) {
+  BellState state;
+  std::thread other([&] {
+    Doorbell(state).ring();
+  });
+  EXPECT_TRUE(Doorbell(state).wait_for(10s));
+  other.join();
+}
+
+}  // namespace
+}  // namespace vdrive::service

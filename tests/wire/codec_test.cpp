@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: Apache-2.0
+// Our own encoder and decoder against those that the generator makes of the IDL.
+#include "vdrive/wire/codec.hpp"
+
+#include <fastcdr/Cdr.h>
+#include <fastcdr/FastBuffer.h>
+#include <gtest/gtest.h>
+
+#include <random>
+#include <vector>
+
+namespace vdrive::wire {
+namespace {
+
+using Bytes = std::vector<std::byte>;
+
+template <typename Message>
+Bytes encoded(const Message& message) {
+  Bytes bytes(encoded_size(message));
+  EXPECT_EQ(encode(message, bytes), bytes.size());
+  return bytes;
+}
+
+/// The generated encoder in the other byte order.
+template <typename Message>
+Bytes encoded_big_endian(const Message& message) {
+  using eprosima::fastcdr::Cdr;
+  Bytes bytes(encoded_size(message));
+  eprosima::fastcdr::FastBuffer buffer(reinterpret_cast<char*>(bytes.data()), bytes.size());
+  Cdr cdr(buffer, Cdr::BIG_ENDIANNESS, Cdr::DDS_CDR);
+  cdr.serialize_encapsulation();
+  message.serialize(cdr);
+  return bytes;
+}
+
+/// Every member another value.
+AxisStatus make_status(int seed) {
+  std::minstd_rand random(static_cast<unsigned>(seed) + 1);
+  const auto next = [&random] {
+    return static_cast<std::int32_t>(random() * 3U);
+  };
+  AxisStatus status;
+  status.position_demand_value = next();
+  status.load_position_actual_value = next();
+  status.load_position_error_value = next();
+  status.motor_position_actual_value = next();
+  status.motor_position_error_value = next();
+  status.velocity_demand_value = next();
+  status.load_velocity_actual_value = next();
+  status.load_velocity_error_value = next();
+  status.motor_velocity_actual_value = next();
+  status.motor_velocity_error_value = next();
+  status.current_error_value = next();
+  status.current_actual_value = static_cast<std::int16_t>(next());
+  status.torque_actual_value = static_cast<std::int16_t>(next());
+  status.torque_demand = static_cast<std::int16_t>(next());
+  status.ds402_statusword = static_cast<std::uint16_t>(next());
+  status.error_code = static_cast<std::uint16_t>(next());
+  status.op_mode_actual = static_cast<std::int8_t>(next());
+  status.motor_op_status = static_cast<std::uint8_t>(next());
+  status.error_register = static_cast<std::uint8_t>(next());
+  status.digital_inputs = static_cast<std::uint8_t>(next());
+  status.ignored_set_points = static_cast<std::uint32_t>(next());
+  status.fault_count = static_cast<std::uint32_t>(next());
+  return status;
+}
+
+TEST(StatusCodec, WritesTheBytesOfTheGeneratedEncoder) {
+  constexpr std::size_t kAxes = 5;
+  std::vector<AxisStatus> status;
+  std::vector<Ownership> owners;
+  std::vector<std::uint16_t> numbers;
+  msg::StatusFrame message;
+  message.bench(3);
+  message.incarnation(0x0123456789ABCDEF);
+  message.tick(77);
+  message.time_ns(-5);
+  message.part(2);
+  message.parts(9);
+  for (std::size_t axis = 0; axis < kAxes; ++axis) {
+    status.push_back(make_status(static_cast<int>(axis)));
+    owners.push_back({.session = 0xFEDC0000 + axis, .epoch = 4, .last_sequence = 1'000 + axis});
+    numbers.push_back(static_cast<std::uint16_t>(300 + axis));
+    to_message(status.back(), {3, numbers.back()}, 77, owners.back(), message.axes().emplace_back());
+  }
+  Bytes bytes(encoded_status_frame_size(kAxes));
+  ASSERT_EQ(encode_status_frame({.bench = 3,
+                                 .incarnation = 0x0123456789ABCDEF,
+                                 .tick = 77,
+                                 .time_ns = -5,
+                                 .part = 2,
+                                 .parts = 9},
+                                {.status = status, .owners = owners, .numbers = numbers}, bytes),
+            bytes.size());
+  EXPECT_EQ(bytes, encoded(message));
+
+  Bytes sample(kAxisStatusSize);
+  ASSERT_EQ(encode_axis_status(status[1], {3, numbers[1]}, 77, owners[1], sample), sample.size());
+  EXPECT_EQ(sample, encoded(message.axes()[1]));
+}
+
+TEST(StatusCodec, WritesNothingWhereThereIsNoRoom) {
+  const std::vector<AxisStatus> status(2);
+  const std::vector<Ownership> owners(2);
+  const std::vector<std::uint16_t> numbers{1, 2};
+  Bytes bytes(encoded_status_frame_size(2) - 1, std::byte{0x55});
+  EXPECT_EQ(encode_status_frame({}, {.status = status, .owners = owners, .numbers = numbers}, bytes), 0U);
+  EXPECT_EQ(bytes, Bytes(bytes.size(), std::byte{0x55}));
+}
+
+msg::CommandFrame make_frame(std::size_t axes, std::size_t objects) {
+  msg::CommandFrame frame;
+  frame.bench(7);
+  frame.incarnation(8);
+  frame.session(9);
+  frame.epoch(10);
+  frame.sequence_number(11);
+  frame.apply_at_tick(12);
+  frame.valid_until_tick(13);
+  frame.flags(14);
+  for (std::size_t axis = 0; axis < axes; ++axis) {
+    auto& command = frame.axes().emplace_back();
+    command.axis(static_cast<std::uint16_t>(axis + 1));
+    command.members(0x7F);
+    command.ds402_controlword(0x1F);
+    command.op_mode_cmd(-3);
+    command.position_user_target_value(-1'234);
+    command.profile_velocity(5);
+    command.profile_acc(6);
+    command.profile_dec(7);
+    command.positioning_option_code(8);
+    for (std::size_t object = 0; object < objects + axis % 2; ++object) {
+      auto& value = command.objects().emplace_back();
+      value.index(0x6067);
+      value.subindex(static_cast<std::uint8_t>(object));
+      value.value(-static_cast<std::int64_t>(object) - 1);
+    }
+  }
+  return frame;
+}
+
+msg::Request make_request(std::size_t axes, std::size_t objects) {
+  msg::Request request;
+  request.client(1);
+  request.request_id(2);
+  request.bench(3);
+  request.incarnation(4);
+  request.session(5);
+  request.kind(6);
+  request.ticks(7);
+  request.last_sequence(8);
+  request.rate(0.25);
+  request.snapshot(9);
+  for (std::size_t axis = 0; axis < axes; ++axis) {
+    request.axes().push_back(static_cast<std::uint16_t>(axis));
+  }
+  for (std::size_t object = 0; object < objects; ++object) {
+    auto& access = request.objects().emplace_back();
+    access.axis(static_cast<std::uint16_t>(object));
+    access.index(0x6081);
+    access.subindex(1);
+    access.value(-7);
+  }
+  return request;
+}
+
+TEST(CommandDecoder, ReadsWhatTheGeneratedEncoderWrites) {
+  CommandDecoder decoder;
+  msg::CommandFrame frame;
+  msg::Request request;
+  // Larger and smaller in turn: what is read must not depend on what was read before.
+  for (const std::size_t size : {0U, 256U, 1U, 40U, 3U}) {
+    const auto sent = make_frame(size, 3);
+    EXPECT_EQ(decoder.decode(encoded(sent), frame), Decoding::good);
+    EXPECT_EQ(frame, sent) << size;
+    EXPECT_EQ(decoder.decode(encoded_big_endian(sent), frame), Decoding::good);
+    EXPECT_EQ(frame, sent) << size;
+    const auto asked = make_request(size, size % 65);
+    EXPECT_EQ(decoder.decode(encoded(asked), request), Decoding::good);
+    EXPECT_EQ(request, asked) << size;
+    EXPECT_EQ(decoder.decode(encoded_big_endian(asked), request), Decoding::good);
+    EXPECT_EQ(request, asked) << size;
+  }
+}
+
+TEST(CommandDecoder, CallsEverySampleThatEndsEarlyMalformed) {
+  CommandDecoder decoder;
+  msg::CommandFrame frame;
+  msg::Request request;
+  const Bytes sent = encoded(make_frame(3, 2));
+  const Bytes asked = encoded(make_request(3, 2));
+  for (std::size_t size = 0; size < sent.size(); ++size) {
+    EXPECT_EQ(decoder.decode(std::span(sent).first(size), frame), Decoding::malformed) << size;
+  }
+  for (std::size_t size = 0; size < asked.size(); ++size) {
+    EXPECT_EQ(decoder.decode(std::span(asked).first(size), request), Decoding::malformed) << size;
+  }
+}
+
+TEST(CommandDecoder, ReadsTheHeadOfWhatIsBeyondItsBounds) {
+  CommandDecoder decoder;
+  msg::CommandFrame frame;
+  EXPECT_EQ(decoder.decode(encoded(make_frame(257, 0)), frame), Decoding::too_many_axes);
+  EXPECT_EQ(frame.sequence_number(), 11U);
+  EXPECT_TRUE(frame.axes().empty());
+  EXPECT_EQ(decoder.decode(encoded(make_frame(1, 9)), frame), Decoding::too_many_objects);
+  EXPECT_EQ(frame.session(), 9U);
+  EXPECT_TRUE(frame.axes().empty());
+  msg::Request request;
+  EXPECT_EQ(decoder.decode(encoded(make_request(257, 0)), request), Decoding::too_many_axes);
+  EXPECT_EQ(decoder.decode(encoded(make_request(2, 65)), request), Decoding::too_many_objects);
+  EXPECT_EQ(request.request_id(), 2U);
+  EXPECT_TRUE(request.axes().empty());
+}
+
+TEST(CommandDecoder, TakesPlainCdrOnly) {
+  CommandDecoder decoder;
+  msg::CommandFrame frame;
+  Bytes sample = encoded(make_frame(1, 0));
+  for (const unsigned kind : {2U, 3U, 6U, 7U, 0xFFU}) {
+    sample[1] = static_cast<std::byte>(kind);
+    EXPECT_EQ(decoder.decode(sample, frame), Decoding::malformed) << kind;
+  }
+}
+
+TEST(Codec, GivesEveryMessageBack) {
+  msg::BenchState state;
+  state.bench(2);
+  state.lateness_histogram({1, 2, 3});
+  state.wire_starts(4);
+  msg::BenchState read;
+  ASSERT_TRUE(decode(encoded(state), read));
+  EXPECT_EQ(read, state);
+  Bytes bytes = encoded(state);
+  bytes.resize(bytes.size() / 2);
+  EXPECT_FALSE(decode(bytes, read));
+  EXPECT_FALSE(decode(Bytes{}, read));
+}
+
+}  // namespace
+}  // namespace vdrive::wire
