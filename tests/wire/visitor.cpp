@@ -2,7 +2,7 @@
 // A participant in a process of its own, which tests may kill, stop and attack. It answers requests
 // until SIGTERM, and says then what its guard has done.
 //
-//   wire_visitor DOMAIN NAME [unguarded] [client] [ask] [shared_memory]
+//   wire_visitor DOMAIN NAME [unguarded] [client] [ask] [shared_memory] [security=DIR]
 //
 // It prints "ready" and its prefix in hexadecimal. With `ask` it sends requests instead, one after
 // the other, and prints "answered" after the first.
@@ -111,8 +111,16 @@ int run(const std::vector<std::string>& words) {
   const auto has = [&words](const char* word) {
     return std::find(words.begin() + 2, words.end(), word) != words.end();
   };
+  std::string security;
+  for (const auto& word : words) {
+    constexpr std::string_view kKey = "security=";
+    if (word.starts_with(kKey)) {
+      security = word.substr(kKey.size());
+    }
+  }
   Participant participant({.domain = static_cast<std::uint32_t>(std::stoul(words.at(0))),
                            .shared_memory = has("shared_memory"),
+                           .security = security,
                            .role = has("client") ? Role::client : Role::other,
                            .guard = !has("unguarded")},
                           words.at(1));
