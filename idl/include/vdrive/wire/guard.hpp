@@ -35,7 +35,7 @@ constexpr std::size_t kRefusals = 13;  ///< with `none`
 struct GuardCounts {
   std::array<std::uint64_t, kRefusals> refused{};  ///< datagrams by Refusal; [none] stays 0
   std::uint64_t ignored = 0;  ///< announcements of clients that a client took no notice of
-  std::uint64_t judged = 0;   ///< participants removed because they were silent
+  std::uint64_t judged = 0;   ///< removed: silent, or left as the library does not see
   std::uint64_t kept = 0;     ///< participants that are watched now
 
   /// @return the datagrams that were refused for any reason.
