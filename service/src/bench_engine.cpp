@@ -34,6 +34,13 @@ BenchEngine::BenchEngine(const Configuration& configuration, const BenchIdentity
       bank_(bank_axes(configuration), configuration.period),
       pool_(bank_, configuration.threads),
       control_(configuration.axes.size()),
+      requests_([](msg::Reply& reply) {
+        reply.objects().reserve(msg::MAX_OBJECTS_PER_REQUEST);
+      }),
+      commands_([](msg::CommandReply& reply) {
+        reply.refusals().reserve(msg::MAX_AXES_PER_FRAME);
+        reply.ignored_set_points().reserve(msg::MAX_AXES_PER_FRAME);
+      }),
       indices_(kNumbers, static_cast<std::uint16_t>(kMaxAxes)),
       seen_(configuration.axes.size()),
       named_in_(configuration.axes.size()),

@@ -66,11 +66,24 @@ std::uint32_t wire_code(AbortCode code) {
 void BenchEngine::handle_frame(Arrival& arrival) {
   auto& frame = arrival.frame;
   counters_.frames_received.add();
-  if (const std::uint32_t reason = check_frame(arrival); reason != msg::REASON_NONE) {
+  if (const std::uint32_t reason = check_sender(frame); reason != msg::REASON_NONE) {
     refuse_frame(frame, reason);
     return;
   }
-  if ((frame.flags() & msg::FRAME_CANCEL_PENDING) != 0) {
+  SessionRecord& record = *control_.find(frame.session());
+  record.last_heard_tick = tick_;
+  if (is_repeat(frame)) {
+    return;
+  }
+  if (const std::uint32_t reason = check_frame(arrival, record); reason != msg::REASON_NONE) {
+    refuse_frame(frame, reason);
+    return;
+  }
+  const bool cancels = (frame.flags() & msg::FRAME_CANCEL_PENDING) != 0;
+  if (cancels || !frame.axes().empty()) {
+    record.last_command = frame.sequence_number();
+  }
+  if (cancels) {
     drop_pending_of_session(frame.session());
   }
   if (frame.apply_at_tick() <= tick_ + 1) {
@@ -81,27 +94,51 @@ void BenchEngine::handle_frame(Arrival& arrival) {
   counters_.pending_frames.set(pending_.size());
 }
 
-std::uint32_t BenchEngine::check_frame(const Arrival& arrival) {
-  const auto& frame = arrival.frame;
+/// What is refused here is no frame of a session of this run: it is not remembered.
+std::uint32_t BenchEngine::check_sender(const msg::CommandFrame& frame) {
   if (frame.incarnation() != identity_.incarnation) {
     return msg::REASON_WRONG_INCARNATION;
   }
   if (frame.session() == 0) {
     return msg::REASON_BAD_SESSION;
   }
-  SessionRecord* const record = control_.find_or_add(frame.session(), tick_);
-  if (record == nullptr) {
-    return msg::REASON_QUEUE_FULL;
+  return control_.find_or_add(frame.session(), tick_) == nullptr ? msg::REASON_QUEUE_FULL
+                                                                 : msg::REASON_NONE;
+}
+
+/// A client repeats what was not answered after the way between it and this bench broke.
+bool BenchEngine::is_repeat(const msg::CommandFrame& frame) {
+  const std::uint64_t session = frame.session();
+  const std::uint64_t sequence = frame.sequence_number();
+  switch (commands_.fate_of(session, sequence)) {
+    case Fate::unknown:
+      commands_.take(session, sequence);
+      return false;
+    case Fate::taken:  // it waits for its tick, or nobody wanted an answer
+      break;
+    case Fate::answered:
+      post(*commands_.answer_to(session, sequence));
+      break;
+    case Fate::forgotten:
+      if (!pending_.contains(session, sequence)) {
+        refuse_frame(frame, msg::REASON_TOO_LATE);
+      }
+      break;
   }
-  record->last_heard_tick = tick_;
-  if (frame.sequence_number() <= record->last_sequence) {
+  return true;
+}
+
+std::uint32_t BenchEngine::check_frame(const Arrival& arrival, SessionRecord& record) {
+  const auto& frame = arrival.frame;
+  record.last_sequence = std::max(record.last_sequence, frame.sequence_number());
+  // Commands keep their order; one that was overtaken by keep-alives alone still acts.
+  if (frame.sequence_number() <= record.last_command) {
     return msg::REASON_TOO_LATE;
   }
-  record->last_sequence = frame.sequence_number();
-  if (record->epoch == 0 && frame.epoch() == 0) {
+  if (record.epoch == 0 && frame.epoch() == 0) {
     return msg::REASON_NOT_OWNER;
   }
-  if (frame.epoch() != record->epoch) {
+  if (frame.epoch() != record.epoch) {
     return msg::REASON_STALE_EPOCH;
   }
   if ((frame.flags() & ~kKnownFlags) != 0) {
@@ -305,16 +342,25 @@ std::uint64_t BenchEngine::lateness(const msg::CommandFrame& frame) const noexce
 }
 
 void BenchEngine::send_reply(const msg::CommandFrame& frame, msg::CommandReply& reply) {
-  msg::CommandReply* const slot = outbox_.command_replies.free_slot();
-  if (slot == nullptr) {
-    counters_.queue_overflows.add();
-    return;
-  }
   reply.bench(identity_.bench);
   reply.incarnation(identity_.incarnation);
   reply.session(frame.session());
   reply.sequence_number(frame.sequence_number());
   reply.tick(tick_ + 1);
+  if (frame.incarnation() == identity_.incarnation) {
+    if (auto* const kept = commands_.keep(frame.session(), frame.sequence_number())) {
+      *kept = reply;
+    }
+  }
+  post(reply);
+}
+
+void BenchEngine::post(const msg::CommandReply& reply) {
+  msg::CommandReply* const slot = outbox_.command_replies.free_slot();
+  if (slot == nullptr) {
+    counters_.queue_overflows.add();
+    return;
+  }
   *slot = reply;
   outbox_.command_replies.push();
 }

@@ -2,6 +2,7 @@
 // Stored parameters: orders to the saver, and what becomes of them.
 #include "vdrive/service/bench_engine.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace vdrive::service {
@@ -78,6 +79,14 @@ void BenchEngine::wait_for_orders(std::uint64_t session, std::uint32_t reason,
   waiting.session = session;
   waiting.reason = reason;
   waiting.orders = ordered_;
+}
+
+bool BenchEngine::is_storing(const msg::Request& request) const {
+  return std::any_of(waiting_stores_.begin(), waiting_stores_.end(), [&](const auto& waiting) {
+    const auto& reply = waiting.outgoing.reply;
+    return waiting.orders > 0 && reply.client() == request.client() &&
+           reply.request_id() == request.request_id();
+  });
 }
 
 bool BenchEngine::answer_stores() {

@@ -7,6 +7,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 namespace vdrive::service {
 namespace {
@@ -65,6 +66,9 @@ void BenchEngine::handle_request(const Arrival& arrival) {
     counters_.queue_overflows.add();
     return;  // nothing is done that could not be answered
   }
+  if (is_repeat(arrival)) {
+    return;
+  }
   begin_reply(arrival, *outgoing);
   std::uint32_t reason = check_request(arrival);
   ordered_ = 0;
@@ -77,6 +81,56 @@ void BenchEngine::handle_request(const Arrival& arrival) {
   }
   finish_reply(arrival.request.session(), reason, outgoing->reply);
   outbox_.replies.push();
+}
+
+bool BenchEngine::is_repeat(const Arrival& arrival) {
+  const auto& request = arrival.request;
+  if (request.client() == 0 || !is_of_this_run(request)) {
+    return false;  // nothing is ever done
+  }
+  const Fate fate = requests_.fate_of(request.client(), request.request_id());
+  if (fate == Fate::unknown) {
+    requests_.take(request.client(), request.request_id());
+    return false;
+  }
+  if (arrival.refusal == msg::REASON_NONE) {
+    hear(request.session());
+  }
+  const bool is_in_progress =
+      fate == Fate::taken || (fate == Fate::forgotten && is_storing(request));
+  if (!is_in_progress) {
+    answer_again(arrival);
+  }
+  return true;
+}
+
+/// With the answer of then, but for the statuses of a step, which are of now; where it is not kept
+/// any more with a refusal, for doing it again would be worse.
+void BenchEngine::answer_again(const Arrival& arrival) {
+  OutgoingReply* const outgoing = outbox_.replies.free_slot();
+  if (outgoing == nullptr) {
+    counters_.queue_overflows.add();
+    return;
+  }
+  const auto& request = arrival.request;
+  begin_reply(arrival, *outgoing);
+  auto& reply = outgoing->reply;
+  const Fate fate = requests_.fate_of(request.client(), request.request_id());
+  if (fate == Fate::answered) {
+    reply = *requests_.answer_to(request.client(), request.request_id());
+    const bool shows =
+        reply.reason() == msg::REASON_NONE || reply.reason() == msg::REASON_MISSING_STEPPER;
+    if (request.kind() == msg::REQUEST_STEP && shows && knows_axes(request)) {
+      add_statuses(request, reply);
+    }
+  } else {
+    finish_reply(request.session(), msg::REASON_TOO_LATE, reply);
+  }
+  outbox_.replies.push();
+}
+
+bool BenchEngine::is_of_this_run(const msg::Request& request) const noexcept {
+  return request.incarnation() == 0 || request.incarnation() == identity_.incarnation;
 }
 
 void BenchEngine::begin_reply(const Arrival& arrival, OutgoingReply& outgoing) const {
@@ -116,6 +170,18 @@ void BenchEngine::finish_reply(std::uint64_t session, std::uint32_t reason, msg:
             .code = reason,
             .detail = reply.request_id()});
   }
+  if (reply.reason() != msg::REASON_WRONG_INCARNATION) {
+    keep(reply);
+  }
+}
+
+/// Without statuses, of which there may be very many.
+void BenchEngine::keep(msg::Reply& reply) {
+  if (auto* const kept = requests_.keep(reply.client(), reply.request_id())) {
+    std::swap(reply.statuses(), statuses_);
+    *kept = reply;
+    std::swap(reply.statuses(), statuses_);
+  }
 }
 
 std::uint32_t BenchEngine::check_request(const Arrival& arrival) const {
@@ -123,7 +189,7 @@ std::uint32_t BenchEngine::check_request(const Arrival& arrival) const {
   if (request.client() == 0) {
     return msg::REASON_BAD_SESSION;
   }
-  if (request.incarnation() != 0 && request.incarnation() != identity_.incarnation) {
+  if (!is_of_this_run(request)) {
     return msg::REASON_WRONG_INCARNATION;
   }
   if (braking_ && request.kind() != msg::REQUEST_READ) {
@@ -406,11 +472,13 @@ std::uint32_t BenchEngine::check_step(const Arrival& arrival) const {
   if (request.session() == 0 && request.last_sequence() != 0) {
     return msg::REASON_BAD_SESSION;
   }
-  const bool known =
-      std::all_of(request.axes().begin(), request.axes().end(), [&](std::uint16_t number) {
-        return index_of(number).has_value();
-      });
-  return known ? msg::REASON_NONE : msg::REASON_UNKNOWN_AXIS;
+  return knows_axes(request) ? msg::REASON_NONE : msg::REASON_UNKNOWN_AXIS;
+}
+
+bool BenchEngine::knows_axes(const msg::Request& request) const {
+  return std::all_of(request.axes().begin(), request.axes().end(), [&](std::uint16_t number) {
+    return index_of(number).has_value();
+  });
 }
 
 bool BenchEngine::has_arrived(std::uint64_t session, std::uint64_t sequence) {

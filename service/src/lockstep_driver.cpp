@@ -72,6 +72,12 @@ void LockstepDriver::handle(Arrival& arrival, const std::atomic<bool>& stop, Doo
     steppers_.hear(is_request ? arrival.request.session() : arrival.frame.session(), Clock::now());
   }
   const std::uint32_t kind = is_request ? arrival.request.kind() : 0;
+  const bool is_of_clock = kind == msg::REQUEST_STEP || kind == msg::REQUEST_JOIN_CLOCK ||
+                           kind == msg::REQUEST_LEAVE_CLOCK;
+  if (is_of_clock && engine_.is_repeat(arrival)) {
+    replies_.deliver(inbox_, outbox_);
+    return;
+  }
   if (kind == msg::REQUEST_STEP) {
     step(arrival, stop, doorbell);
     return;

@@ -37,6 +37,13 @@ bool PendingFrames::take_due(std::uint64_t tick, msg::CommandFrame& frame) noexc
   return true;
 }
 
+bool PendingFrames::contains(std::uint64_t session, std::uint64_t sequence) const noexcept {
+  return std::any_of(order_.begin(), order_.end(), [&](const Place& place) {
+    const auto& frame = slots_[place.slot].frame;
+    return frame.session() == session && frame.sequence_number() == sequence;
+  });
+}
+
 void PendingFrames::remove(std::size_t position) noexcept {
   free_.push_back(order_[position].slot);
   order_.erase(order_.begin() + static_cast<std::ptrdiff_t>(position));

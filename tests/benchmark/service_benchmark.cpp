@@ -24,8 +24,10 @@ constexpr std::uint64_t kSession = 1;
 
 /// A write of the axis that the service takes for one of a client.
 msg::Request write(std::uint16_t axis, std::uint16_t index, std::int64_t value) {
+  static std::uint64_t last_request = 0;
   msg::Request request;
   request.client(1);
+  request.request_id(++last_request);
   request.bench(1);
   request.session(kSession);
   request.kind(msg::REQUEST_WRITE);

@@ -179,6 +179,9 @@ class Listeners {
 
   /// As the lock-step driver does it, but for few ticks.
   void answer_step(const service::Arrival& arrival) {
+    if (engine_.is_repeat(arrival)) {
+      return;
+    }
     const std::uint32_t reason = engine_.check_step(arrival);
     if (reason == msg::REASON_NONE) {
       engine_.hear(arrival.request.session());

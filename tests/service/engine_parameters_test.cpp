@@ -112,9 +112,8 @@ TEST(StoreRequest, OfManyAxesHasOneAnswer) {
 TEST(StoreRequest, LeavesRoomForTheAnswerOfTheStepThatIsCarriedOut) {
   StoringBench bench;
   auto& replies = bench.outbox.replies;
-  const auto stored = bench.make_request(msg::REQUEST_STORE, kAlice, {1});
   for (int count = 0; count < 8; ++count) {
-    bench.receive(stored);
+    bench.receive(bench.make_request(msg::REQUEST_STORE, kAlice, {1}));
   }
   bench.saver.save_waiting();
   while (replies.size() + 4 < replies.capacity()) {

@@ -2,6 +2,7 @@
 #include "service/probe.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <utility>
 
 namespace vdrive::test {
@@ -68,6 +69,11 @@ bool Probe::find_bench() {
   });
   return announced && requests_.wait_for_matched(1, kPatience) &&
          frames_.wait_for_matched(1, kPatience);
+}
+
+std::uint64_t Probe::next_client() {
+  static std::atomic<std::uint64_t> last = 0x1234;
+  return ++last;
 }
 
 msg::Request Probe::make_request(std::uint32_t kind) {

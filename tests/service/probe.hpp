@@ -72,13 +72,14 @@ class Probe {
   [[nodiscard]] std::vector<msg::BenchDescription> descriptions();
   [[nodiscard]] std::optional<msg::StatusFrame> status();
 
-  std::uint64_t client = 0x1234;
+  std::uint64_t client = next_client();  ///< another program is another client
   std::uint64_t session = 0x5678;
   std::uint64_t incarnation = 0;
   std::uint32_t epoch = 0;
   std::uint64_t last_sequence = 0;
 
  private:
+  static std::uint64_t next_client();
   template <typename Message, typename Store>
   auto keep(Store store);
   template <typename Result>

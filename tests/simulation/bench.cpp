@@ -234,6 +234,14 @@ void Bench::cycle_lockstep() {
 }
 
 void Bench::step_by_request(service::Arrival& arrival) {
+  const bool is_repeat = engine_.is_repeat(arrival);
+  if (is_repeat != model_.is_repeat(arrival.request)) {
+    happenings_.fail(Invariant::kAnswered, 0, is_repeat ? "a step that is new" : "a repeated step",
+                     "the other");
+  }
+  if (is_repeat) {
+    return;
+  }
   std::uint32_t reason = engine_.check_step(arrival);
   if (reason == msg::REASON_NONE &&
       !engine_.has_arrived(arrival.request.session(), arrival.request.last_sequence())) {
@@ -365,6 +373,7 @@ void Bench::enable_unasked() {
   const std::uint64_t owner = image_.owners[static_cast<std::size_t>(axis)].session;
   msg::Request request;
   request.client(1);
+  request.request_id(++unasked_);
   request.bench(configuration_.bench);
   request.session(owner == 0 ? 1 : owner);
   request.kind(msg::REQUEST_WRITE);

@@ -166,6 +166,7 @@ class Bench {
   std::uint64_t idle_stores_ = 0;  ///< cycles in which no saved order was taken back
   std::uint64_t turned_away_ = 0;
   std::uint64_t spoiled_ = 0;
+  std::uint64_t unasked_ = 0;  ///< requests that nobody sent
   std::uint64_t last_session_ = 0;
   std::uint64_t current_sequence_ = 0;
 };

@@ -25,6 +25,9 @@ constexpr std::int64_t kLoad = 0x64616F6C;
 constexpr std::uint16_t kHalt = 0x0100;
 constexpr std::size_t kMostWaiting = 1'024;
 constexpr std::size_t kMostSnapshots = 16;
+constexpr std::uint64_t kMostOverlooked = 1'024;  // numbers below the highest one
+constexpr std::size_t kMostKept = 1'024;          // answers
+constexpr std::ptrdiff_t kMostKeptOfOne = 128;
 constexpr std::array<std::uint16_t, 5> kCommandObjects{0x6040, 0x6060, 0x607A, 0x60FF, 0x6071};
 constexpr std::array<std::int64_t, 6> kModes{0, 1, 3, 4, 6, 8};
 constexpr std::uint16_t kKnownMembers = 0x7F;
@@ -260,12 +263,52 @@ void ControlModel::end_tick(std::span<const AxisStatus> statuses) {
 
 // ---- frames -----------------------------------------------------------------------------------
 
+void ControlModel::Letters::take(std::uint64_t number) {
+  highest = std::max(highest, number);
+  taken.insert(number);
+}
+
+bool ControlModel::Letters::has_forgotten(std::uint64_t number) const {
+  return number <= highest && highest - number >= kMostOverlooked;
+}
+
+/// Of all that was answered the oldest goes first, but nobody takes all the room.
+template <typename Kept>
+void ControlModel::keep(std::deque<Kept>& memory, const Kept& answer) {
+  const auto is_of_the_same = [&](const Kept& other) {
+    return sender_of(other) == sender_of(answer);
+  };
+  if (std::ranges::count_if(memory, is_of_the_same) == kMostKeptOfOne) {
+    memory.erase(std::ranges::find_if(memory, is_of_the_same));
+  } else if (memory.size() == kMostKept) {
+    memory.pop_front();
+  }
+  memory.push_back(answer);
+}
+
 void ControlModel::arrive(const msg::CommandFrame& frame) {
+  if (frame.incarnation() != incarnation_ || frame.session() == 0) {
+    refuse(frame,
+           frame.session() == 0 && frame.incarnation() == incarnation_
+               ? msg::REASON_BAD_SESSION
+               : msg::REASON_WRONG_INCARNATION,
+           false);
+    return;
+  }
+  Session& session = find_or_add(frame.session());
+  session.heard = tick_;
+  if (is_repeat(frame)) {
+    return;
+  }
   if (const std::uint32_t reason = judge(frame); reason != msg::REASON_NONE) {
     refuse(frame, reason);
     return;
   }
-  if ((frame.flags() & msg::FRAME_CANCEL_PENDING) != 0) {
+  const bool cancels = (frame.flags() & msg::FRAME_CANCEL_PENDING) != 0;
+  if (cancels || !frame.axes().empty()) {
+    session.last_command = frame.sequence_number();
+  }
+  if (cancels) {
     drop_of_session(frame.session());
   }
   if (frame.apply_at_tick() <= tick_ + 1) {
@@ -279,19 +322,43 @@ void ControlModel::arrive(const msg::CommandFrame& frame) {
   }
 }
 
+bool ControlModel::is_waiting(const msg::CommandFrame& frame) const {
+  return std::ranges::any_of(waiting_, [&](const Waiting& waiting) {
+    return waiting.frame.session() == frame.session() &&
+           waiting.frame.sequence_number() == frame.sequence_number();
+  });
+}
+
+/// What was answered then is found out when that answer has been checked.
+bool ControlModel::is_repeat(const msg::CommandFrame& frame) {
+  Letters& letters = frames_[frame.session()];
+  const std::uint64_t number = frame.sequence_number();
+  if (letters.has_forgotten(number)) {
+    if (!is_waiting(frame)) {
+      refuse(frame, msg::REASON_TOO_LATE, false);
+    }
+    return true;
+  }
+  if (!letters.taken.contains(number)) {
+    letters.take(number);
+    return false;
+  }
+  frame_answers_.push_back({.session = frame.session(),
+                            .sequence = number,
+                            .tick = tick_ + 1,
+                            .is_wanted = true,
+                            .is_repeat = true,
+                            .is_kept = false,
+                            .refusals = {{.reason = msg::REASON_TOO_LATE}}});
+  return true;
+}
+
 std::uint32_t ControlModel::judge(const msg::CommandFrame& frame) {
-  if (frame.incarnation() != incarnation_) {
-    return msg::REASON_WRONG_INCARNATION;
-  }
-  if (frame.session() == 0) {
-    return msg::REASON_BAD_SESSION;
-  }
-  Session& session = find_or_add(frame.session());
-  session.heard = tick_;
-  if (frame.sequence_number() <= session.last_sequence) {
+  Session& session = *find(frame.session());
+  session.last_sequence = std::max(session.last_sequence, frame.sequence_number());
+  if (frame.sequence_number() <= session.last_command) {
     return msg::REASON_TOO_LATE;
   }
-  session.last_sequence = frame.sequence_number();
   if (session.epoch != frame.epoch()) {
     return msg::REASON_STALE_EPOCH;
   }
@@ -313,12 +380,13 @@ std::uint32_t ControlModel::judge_time(const msg::CommandFrame& frame) const {
   return at > tick_ + furthest ? msg::REASON_TOO_FAR_AHEAD : msg::REASON_NONE;
 }
 
-void ControlModel::refuse(const msg::CommandFrame& frame, std::uint32_t reason) {
+void ControlModel::refuse(const msg::CommandFrame& frame, std::uint32_t reason, bool is_kept) {
   ++refused_frames_;
   frame_answers_.push_back({.session = frame.session(),
                             .sequence = frame.sequence_number(),
                             .tick = tick_ + 1,
                             .is_wanted = true,
+                            .is_kept = is_kept,
                             .refusals = {{.reason = reason}}});
 }
 
@@ -451,17 +519,21 @@ std::uint32_t ControlModel::write(Axis& axis, std::uint16_t number, ObjectAddres
 
 void ControlModel::arrive(const msg::Request& request) {
   Answer answer;
-  std::uint32_t reason = msg::REASON_NONE;
-  ordered_ = 0;
   ++last_storing_;
+  ordered_ = 0;
   if (request.client() == 0) {
-    reason = msg::REASON_BAD_SESSION;
-  } else if (request.incarnation() != 0 && request.incarnation() != incarnation_) {
-    reason = msg::REASON_WRONG_INCARNATION;
-  } else {
-    hear(request.session());
-    reason = carry_out(request, answer);
+    finish(request, msg::REASON_BAD_SESSION, answer, false);
+    return;
   }
+  if (request.incarnation() != 0 && request.incarnation() != incarnation_) {
+    finish(request, msg::REASON_WRONG_INCARNATION, answer, false);
+    return;
+  }
+  if (is_repeat(request)) {
+    return;
+  }
+  hear(request.session());
+  const std::uint32_t reason = carry_out(request, answer);
   if (ordered_ > 0) {
     storings_[last_storing_] = {request, reason, std::move(answer), ordered_};
     return;
@@ -469,18 +541,52 @@ void ControlModel::arrive(const msg::Request& request) {
   finish(request, reason, answer);
 }
 
+bool ControlModel::is_storing(const msg::Request& request) const {
+  return std::ranges::any_of(storings_, [&](const auto& storing) {
+    return storing.second.request.client() == request.client() &&
+           storing.second.request.request_id() == request.request_id();
+  });
+}
+
+bool ControlModel::is_repeat(const msg::Request& request) {
+  Letters& letters = requests_[request.client()];
+  const std::uint64_t number = request.request_id();
+  const bool is_forgotten = letters.has_forgotten(number);
+  if (!is_forgotten && !letters.taken.contains(number)) {
+    letters.take(number);
+    return false;
+  }
+  hear(request.session());
+  const auto kept = std::ranges::find_if(kept_answers_, [&](const Answer& answer) {
+    return answer.client == request.client() && answer.request_id == number;
+  });
+  if (kept != kept_answers_.end() && !is_forgotten) {
+    answers_.push_back(*kept);
+  } else if (is_forgotten ? !is_storing(request) : letters.answered.contains(number)) {
+    Answer answer;
+    finish(request, msg::REASON_TOO_LATE, answer, false);
+  }
+  return true;
+}
+
 void ControlModel::expect_step_answer(const msg::Request& request, std::uint32_t reason) {
   Answer answer;
   finish(request, reason, answer);
 }
 
-void ControlModel::finish(const msg::Request& request, std::uint32_t reason, Answer& answer) {
+void ControlModel::finish(const msg::Request& request, std::uint32_t reason, Answer& answer,
+                          bool is_kept) {
   const Session* const session = find(request.session());
   answer.client = request.client();
   answer.request_id = request.request_id();
   answer.reason = reason;
   answer.epoch = session == nullptr ? 0 : session->epoch;
   answer.last_sequence = session == nullptr ? 0 : session->last_sequence;
+  Letters& letters = requests_[request.client()];
+  if (is_kept && !letters.has_forgotten(request.request_id())) {
+    letters.answered.insert(request.request_id());
+    keep(kept_answers_, answer);
+  }
   answers_.push_back(std::move(answer));
 }
 
@@ -822,18 +928,40 @@ void ControlModel::check(const msg::CommandReply& reply) {
     return due.session == seen.session && due.sequence == seen.sequence && due.tick == seen.tick &&
            due.refusals == seen.refusals && (due.is_wanted || !seen.is_wanted);
   };
-  while (!frame_answers_.empty() && !frame_answers_.front().is_wanted &&
-         !is_due(frame_answers_.front())) {
+  const auto is_skipped = [&](const FrameAnswer& due) {
+    return due.is_repeat ? kept_of(due) == nullptr : !due.is_wanted && !is_due(due);
+  };
+  while (!frame_answers_.empty() && is_skipped(frame_answers_.front())) {
     frame_answers_.pop_front();
   }
   if (frame_answers_.empty()) {
     happenings_.fail(Invariant::kAnswered, 0, "no further answer to a frame", words_of(seen));
     return;
   }
-  if (!is_due(frame_answers_.front())) {
-    happenings_.fail(Invariant::kAnswered, 0, words_of(frame_answers_.front()), words_of(seen));
+  const FrameAnswer front = frame_answers_.front();
+  const FrameAnswer& due = front.is_repeat ? *kept_of(front) : front;
+  if (!is_due(due)) {
+    happenings_.fail(Invariant::kAnswered, 0, words_of(due), words_of(seen));
   }
   frame_answers_.pop_front();
+  if (front.is_kept) {
+    frames_[seen.session].answered.insert(seen.sequence);
+    keep(kept_frame_answers_, seen);
+  }
+}
+
+/// @return what the repeated frame is answered with, by the answers up to now; nullptr = nothing.
+const ControlModel::FrameAnswer* ControlModel::kept_of(const FrameAnswer& due) const {
+  const auto kept = std::ranges::find_if(kept_frame_answers_, [&](const FrameAnswer& answer) {
+    return answer.session == due.session && answer.sequence == due.sequence;
+  });
+  if (kept != kept_frame_answers_.end()) {
+    return &*kept;
+  }
+  const auto letters = frames_.find(due.session);
+  const bool was_answered =
+      letters != frames_.end() && letters->second.answered.contains(due.sequence);
+  return was_answered ? &due : nullptr;
 }
 
 void ControlModel::check(const msg::Reply& reply) {
@@ -944,7 +1072,10 @@ void ControlModel::check_owners(std::span<const wire::Ownership> owners) {
 }
 
 void ControlModel::check_all_answered() {
-  while (!frame_answers_.empty() && !frame_answers_.front().is_wanted) {
+  const auto is_settled = [this](const FrameAnswer& due) {
+    return due.is_repeat ? kept_of(due) == nullptr : !due.is_wanted;
+  };
+  while (!frame_answers_.empty() && is_settled(frame_answers_.front())) {
     frame_answers_.pop_front();
   }
   if (!frame_answers_.empty()) {

@@ -89,6 +89,10 @@ class ControlModel {
   void arrive(const msg::Request& request);
   void hear(std::uint64_t session);
 
+  /// Notes a request that does not `arrive`. @return whether it has arrived before: then the answer
+  /// of then is due again, unless it is in progress.
+  bool is_repeat(const msg::Request& request);
+
   /// The answer to a step that was carried out or refused.
   void expect_step_answer(const msg::Request& request, std::uint32_t reason);
 
@@ -141,7 +145,19 @@ class ControlModel {
     std::uint32_t epoch = 0;
     std::uint64_t heard = 0;
     std::uint64_t last_sequence = 0;
+    std::uint64_t last_command = 0;
     bool must_acquire = false;
+  };
+
+  /// Numbers of what has arrived from one client or session.
+  struct Letters {
+    std::uint64_t highest = 0;
+    std::set<std::uint64_t> taken;
+    std::set<std::uint64_t> answered;
+
+    void take(std::uint64_t number);
+    /// @return whether it is too old to be told from one that never came.
+    [[nodiscard]] bool has_forgotten(std::uint64_t number) const;
   };
 
   struct Waiting {
@@ -163,6 +179,8 @@ class ControlModel {
     std::uint64_t sequence = 0;
     std::uint64_t tick = 0;
     bool is_wanted = false;
+    bool is_repeat = false;  ///< of whatever was answered then
+    bool is_kept = true;     ///< to be given again
     std::vector<Refused> refusals;
   };
 
@@ -191,6 +209,13 @@ class ControlModel {
                     answer.owner, answer.epoch, answer.last_sequence);
   }
 
+  template <typename Kept>
+  static void keep(std::deque<Kept>& memory, const Kept& answer);
+
+  static auto sender_of(const FrameAnswer& answer) { return answer.session; }
+
+  static auto sender_of(const Answer& answer) { return answer.client; }
+
   static std::string words_of(const FrameAnswer& answer);
   static std::string words_of(const Answer& answer);
   static std::string words_of(const Registers& registers);
@@ -208,9 +233,13 @@ class ControlModel {
   void drop_of_axis(std::uint16_t number);
   void expect_event(std::uint32_t kind, std::uint64_t session);
 
+  bool is_repeat(const msg::CommandFrame& frame);
+  bool is_waiting(const msg::CommandFrame& frame) const;
+  bool is_storing(const msg::Request& request) const;
+  const FrameAnswer* kept_of(const FrameAnswer& due) const;
   std::uint32_t judge(const msg::CommandFrame& frame);
   std::uint32_t judge_time(const msg::CommandFrame& frame) const;
-  void refuse(const msg::CommandFrame& frame, std::uint32_t reason);
+  void refuse(const msg::CommandFrame& frame, std::uint32_t reason, bool is_kept = true);
   void apply(const msg::CommandFrame& frame);
   std::uint32_t judge_command(const msg::AxisCommand& command, std::uint64_t session,
                               std::set<std::uint16_t>& named);
@@ -234,7 +263,8 @@ class ControlModel {
   std::uint32_t snapshot(const msg::Request& request, Answer& answer);
   std::uint32_t refuse_strangers(const msg::Request& request, bool by_force, Answer& answer);
   void name_axis(std::uint16_t number, Answer& answer);
-  void finish(const msg::Request& request, std::uint32_t reason, Answer& answer);
+  void finish(const msg::Request& request, std::uint32_t reason, Answer& answer,
+              bool is_kept = true);
   bool time_stands() const;
   void count_watchdog();
 
@@ -250,6 +280,10 @@ class ControlModel {
   std::deque<Waiting> waiting_;
   std::deque<FrameAnswer> frame_answers_;
   std::deque<Answer> answers_;
+  std::map<std::uint64_t, Letters> frames_;    ///< by session
+  std::map<std::uint64_t, Letters> requests_;  ///< by client
+  std::deque<FrameAnswer> kept_frame_answers_;
+  std::deque<Answer> kept_answers_;
   std::map<std::uint64_t, Storing> storings_;
   std::uint64_t last_storing_ = 0;
   std::size_t ordered_ = 0;              ///< by the request in hand

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "vdrive/axis_bank.hpp"
+#include "vdrive/service/answer_memory.hpp"
 #include "vdrive/service/configuration.hpp"
 #include "vdrive/service/control_table.hpp"
 #include "vdrive/service/counters.hpp"
@@ -106,6 +107,10 @@ class BenchEngine {
   /// Puts what happened into the outbox, with the present tick.
   void report(EventRecord event);
 
+  /// Notes a request that `handle` does not get. @return whether it has arrived before: then it is
+  /// answered again, unless it is in progress, and there is nothing to do.
+  [[nodiscard]] bool is_repeat(const Arrival& arrival);
+
   /// Checks a request about the steps of a lock-step bench. @return REASON_NONE or why it is
   /// refused.
   [[nodiscard]] std::uint32_t check_step(const Arrival& arrival) const;
@@ -151,7 +156,9 @@ class BenchEngine {
 
   // frames: bench_frames.cpp
   void handle_frame(Arrival& arrival);
-  [[nodiscard]] std::uint32_t check_frame(const Arrival& arrival);
+  [[nodiscard]] std::uint32_t check_sender(const msg::CommandFrame& frame);
+  [[nodiscard]] bool is_repeat(const msg::CommandFrame& frame);
+  [[nodiscard]] std::uint32_t check_frame(const Arrival& arrival, SessionRecord& record);
   [[nodiscard]] std::uint32_t check_time(const msg::CommandFrame& frame) const;
   void apply_due_frames();
   void apply_frame(const msg::CommandFrame& frame);
@@ -166,6 +173,7 @@ class BenchEngine {
   void refuse_frame(const msg::CommandFrame& frame, std::uint32_t reason);
   [[nodiscard]] std::uint64_t lateness(const msg::CommandFrame& frame) const noexcept;
   void send_reply(const msg::CommandFrame& frame, msg::CommandReply& reply);
+  void post(const msg::CommandReply& reply);
   void drop_pending_of_session(std::uint64_t session);
   void drop_pending_of_axis(std::uint16_t axis);
 
@@ -175,6 +183,10 @@ class BenchEngine {
   [[nodiscard]] std::uint32_t carry_out(const msg::Request& request, msg::Reply& reply);
   void begin_reply(const Arrival& arrival, OutgoingReply& outgoing) const;
   void finish_reply(std::uint64_t session, std::uint32_t reason, msg::Reply& reply);
+  void keep(msg::Reply& reply);
+  void answer_again(const Arrival& arrival);
+  [[nodiscard]] bool is_of_this_run(const msg::Request& request) const noexcept;
+  [[nodiscard]] bool knows_axes(const msg::Request& request) const;
   [[nodiscard]] std::uint32_t read_objects(const msg::Request& request, msg::Reply& reply);
   [[nodiscard]] std::uint32_t write_objects(const msg::Request& request, msg::Reply& reply);
   [[nodiscard]] std::uint32_t write_object(const msg::ObjectAccess& object, std::uint64_t session,
@@ -228,6 +240,7 @@ class BenchEngine {
   void wait_for_orders(std::uint64_t session, std::uint32_t reason, OutgoingReply& outgoing);
   void take_order(const StoreOrder& order, WaitingStore& waiting);
   void keep_in_bank(const StoreOrder& order);
+  [[nodiscard]] bool is_storing(const msg::Request& request) const;
 
   // shared
   [[nodiscard]] std::optional<std::size_t> index_of(std::uint16_t number) const noexcept;
@@ -255,6 +268,9 @@ class BenchEngine {
   AxisBank bank_;
   StepPool pool_;
   ControlTable control_;
+  AnswerMemory<msg::Reply> requests_;         ///< by client and request id
+  AnswerMemory<msg::CommandReply> commands_;  ///< by session and sequence number
+  std::vector<msg::AxisStatus> statuses_;     ///< empty: takes the place of what is not kept
   PendingFrames pending_;
   std::vector<std::uint16_t> numbers_;  ///< of the axes, by index
   std::vector<std::uint16_t> indices_;  ///< of the numbers; kMaxAxes = none

@@ -15,7 +15,8 @@ struct SessionRecord {
   std::uint64_t session = 0;
   std::uint32_t epoch = 0;            ///< current one, 0 = holds no axis
   std::uint64_t last_heard_tick = 0;  ///< last tick completed when it was heard
-  std::uint64_t last_sequence = 0;    ///< of the last command frame that arrived
+  std::uint64_t last_sequence = 0;    ///< highest one of the command frames that arrived
+  std::uint64_t last_command = 0;     ///< highest one that was accepted and does something
   std::size_t owned_axes = 0;
   bool must_acquire = false;  ///< axes were lost or taken: a late write takes none of them again
 };

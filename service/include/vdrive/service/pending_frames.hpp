@@ -38,6 +38,8 @@ class PendingFrames {
     }
   }
 
+  [[nodiscard]] bool contains(std::uint64_t session, std::uint64_t sequence) const noexcept;
+
   [[nodiscard]] std::size_t size() const noexcept { return order_.size(); }
 
  private:

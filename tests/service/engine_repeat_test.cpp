@@ -1,0 +1,491 @@
+// SPDX-License-Identifier: Apache-2.0
+// What arrives again acts once and is answered again: requests of every kind, and command frames.
+#include "core/support/allocation_guard.hpp"
+#include "service/engine_under_test.hpp"
+#include "support/temporary_directory.hpp"
+#include "vdrive/service/parameter_saver.hpp"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace vdrive::test {
+namespace {
+
+constexpr std::uint16_t kWindow = 0x6067;
+
+msg::ObjectAccess& add_write(msg::Request& request, std::uint16_t axis, std::uint16_t index,
+                             std::int64_t value) {
+  auto& object = request.objects().emplace_back();
+  object.axis(axis);
+  object.index(index);
+  object.value(value);
+  return object;
+}
+
+/// A bench whose axes 1 and 2 Alice has taken.
+struct OwnedBench : EngineUnderTest {
+  explicit OwnedBench(const service::Configuration& with = bench_configuration(3))
+      : EngineUnderTest(with) {
+    epoch = acquire(kAlice, {1, 2}).epoch();
+    static_cast<void>(events(0));
+  }
+
+  /// @return frame `sequence` of Alice; without a command it keeps her alive.
+  [[nodiscard]] msg::CommandFrame frame(std::uint64_t sequence) const {
+    msg::CommandFrame frame;
+    frame.bench(kBench);
+    frame.incarnation(kIncarnation);
+    frame.session(kAlice);
+    frame.epoch(epoch);
+    frame.sequence_number(sequence);
+    frame.flags(msg::FRAME_WANT_REPLY);
+    return frame;
+  }
+
+  /// @return a frame that writes 6067h of axis 1.
+  [[nodiscard]] msg::CommandFrame command(std::uint64_t sequence, std::int64_t value) const {
+    auto result = frame(sequence);
+    auto& object = add_command(result, 1).objects().emplace_back();
+    object.index(kWindow);
+    object.value(value);
+    return result;
+  }
+
+  std::uint32_t epoch = 0;
+};
+
+// ---- requests ---------------------------------------------------------------------------------
+
+TEST(RepeatedRequest, WritesOnceAndHasTheSameAnswer) {
+  EngineUnderTest bench;
+  auto write = bench.make_request(msg::REQUEST_WRITE, kAlice);
+  add_write(write, 1, kWindow, 50);
+  const auto first = bench.ask(write);
+  bench.write(kAlice, 1, kWindow, 60);
+  bench.steps(3);
+  EXPECT_EQ(bench.ask(write), first) << "also its tick is that of then";
+  EXPECT_EQ(bench.value(1, kWindow), 60) << "the repeat does not write";
+}
+
+TEST(RepeatedRequest, ReadsWhatItReadThen) {
+  EngineUnderTest bench;
+  auto read = bench.make_request(msg::REQUEST_READ, 0);
+  add_write(read, 1, kWindow, 0);
+  const auto first = bench.ask(read);
+  bench.write(kAlice, 1, kWindow, 61);
+  EXPECT_EQ(bench.ask(read), first);
+}
+
+TEST(RepeatedRequest, DoesNotAcquireWhatWasReleasedMeanwhile) {
+  EngineUnderTest bench;
+  const auto acquire = bench.make_request(msg::REQUEST_ACQUIRE, kAlice, {1});
+  const auto first = bench.ask(acquire);
+  ASSERT_EQ(first.reason(), msg::REASON_NONE);
+  const auto release = bench.make_request(msg::REQUEST_RELEASE, kAlice, {});
+  const auto released = bench.ask(release);
+  EXPECT_EQ(bench.ask(acquire), first);
+  EXPECT_EQ(bench.acquire(kBob, {1}).reason(), msg::REASON_NONE) << "the axis is free";
+  EXPECT_EQ(bench.ask(release), released);
+  EXPECT_EQ(bench.ask(bench.make_request(msg::REQUEST_RELEASE, kAlice)).reason(),
+            msg::REASON_NOTHING_DONE);
+}
+
+TEST(RepeatedRequest, TakesOverOnce) {
+  EngineUnderTest bench;
+  const auto take = bench.make_request(msg::REQUEST_TAKE_OVER, kAlice, {1});
+  const auto first = bench.ask(take);
+  ASSERT_EQ(bench.ask(bench.make_request(msg::REQUEST_TAKE_OVER, kBob, {1})).reason(), 0U);
+  EXPECT_EQ(bench.ask(take), first);
+  const auto others = bench.write(kAlice, 1, kWindow, 5);
+  EXPECT_EQ(others.owner_session(), kBob) << "Bob still has it";
+}
+
+TEST(RepeatedRequest, CyclesThePowerOnce) {
+  EngineUnderTest bench;
+  bench.write(kAlice, 1, kWindow, 70);
+  const auto cycle = bench.make_request(msg::REQUEST_POWER_CYCLE, kAlice, {1});
+  const auto first = bench.ask(cycle);
+  bench.write(kAlice, 1, kWindow, 71);
+  EXPECT_EQ(bench.ask(cycle), first);
+  EXPECT_EQ(bench.value(1, kWindow), 71);
+}
+
+TEST(RepeatedRequest, TakesOneSnapshotAndRestoresAndDropsItOnce) {
+  EngineUnderTest bench;
+  bench.write(kAlice, 1, kWindow, 80);
+  const auto take = bench.make_request(msg::REQUEST_TAKE_SNAPSHOT, kAlice);
+  const auto first = bench.ask(take);
+  EXPECT_EQ(bench.ask(take), first);
+  EXPECT_EQ(bench.counters.snapshots.get(), 1U);
+  auto restore = bench.make_request(msg::REQUEST_RESTORE_SNAPSHOT, kAlice);
+  restore.snapshot(first.snapshot());
+  const auto restored = bench.ask(restore);
+  bench.write(kAlice, 1, kWindow, 81);
+  EXPECT_EQ(bench.ask(restore), restored);
+  EXPECT_EQ(bench.value(1, kWindow), 81);
+  auto drop = bench.make_request(msg::REQUEST_DROP_SNAPSHOT, kAlice);
+  drop.snapshot(first.snapshot());
+  EXPECT_EQ(bench.ask(drop).reason(), msg::REASON_NONE);
+  EXPECT_EQ(bench.ask(drop).reason(), msg::REASON_NONE) << "the answer of then";
+}
+
+TEST(RepeatedRequest, SetsTheRateOnce) {
+  auto configuration = bench_configuration(1);
+  configuration.clock = service::ClockMode::realtime;
+  EngineUnderTest bench(configuration);
+  auto faster = bench.make_request(msg::REQUEST_SET_RATE, kAlice);
+  faster.rate(2.0);
+  const auto first = bench.ask(faster);
+  auto usual = bench.make_request(msg::REQUEST_SET_RATE, kAlice);
+  usual.rate(1.0);
+  bench.ask(usual);
+  EXPECT_EQ(bench.ask(faster), first);
+  EXPECT_EQ(bench.engine.rate(), 1.0);
+}
+
+TEST(RepeatedRequest, ThatWasRefusedIsRefusedAgainAndToldOnce) {
+  EngineUnderTest bench;
+  const auto release = bench.make_request(msg::REQUEST_RELEASE, kAlice);
+  const auto first = bench.ask(release);
+  EXPECT_EQ(first.reason(), msg::REASON_NOTHING_DONE);
+  EXPECT_EQ(bench.events(msg::EVENT_REFUSED).size(), 1U);
+  bench.acquire(kAlice, {1});
+  EXPECT_EQ(bench.ask(release), first);
+  EXPECT_EQ(bench.events(msg::EVENT_REFUSED).size(), 0U);
+  EXPECT_EQ(bench.read(1, kWindow).reason(), msg::REASON_NONE);
+}
+
+TEST(RepeatedRequest, OfAnotherClientIsAnotherRequest) {
+  EngineUnderTest bench;
+  auto write = bench.make_request(msg::REQUEST_WRITE, kAlice);
+  add_write(write, 1, kWindow, 50);
+  bench.ask(write);
+  write.client(2);
+  write.objects().front().value(51);
+  EXPECT_EQ(bench.ask(write).reason(), msg::REASON_NONE);
+  EXPECT_EQ(bench.value(1, kWindow), 51);
+}
+
+TEST(RepeatedRequest, WithAnOldIncarnationDoesNotCountAsTheOneOfThisRun) {
+  EngineUnderTest bench;
+  auto write = bench.make_request(msg::REQUEST_WRITE, kAlice);
+  add_write(write, 1, kWindow, 50);
+  write.incarnation(kIncarnation - 1);
+  EXPECT_EQ(bench.ask(write).reason(), msg::REASON_WRONG_INCARNATION);
+  write.incarnation(kIncarnation);
+  EXPECT_EQ(bench.ask(write).reason(), msg::REASON_NONE);
+  EXPECT_EQ(bench.value(1, kWindow), 50);
+}
+
+// Several threads of a program may write their requests in another order than they numbered them.
+TEST(RepeatedRequest, IsNotOneThatWasOvertaken) {
+  EngineUnderTest bench;
+  auto late = bench.make_request(msg::REQUEST_WRITE, kAlice);
+  add_write(late, 1, kWindow, 90);
+  bench.write(kAlice, 2, kWindow, 91);
+  EXPECT_EQ(bench.ask(late).reason(), msg::REASON_NONE);
+  EXPECT_EQ(bench.value(1, kWindow), 90);
+}
+
+TEST(RepeatedRequest, IsASignOfLife) {
+  OwnedBench bench;
+  const auto read = bench.make_request(msg::REQUEST_READ, kAlice);
+  for (int round = 0; round < 10; ++round) {
+    bench.steps(90);
+    bench.ask(read);
+  }
+  EXPECT_EQ(bench.counters.master_losses.get(), 0U);
+}
+
+TEST(RepeatedRequest, ThatWaitsForTheDiskIsIgnoredUntilItIsAnswered) {
+  EngineUnderTest bench;
+  const TemporaryDirectory directory;
+  service::ParameterSaver saver(std::make_unique<service::ParameterStore>(directory.path(), kBench),
+                                {});
+  bench.engine.store_with(saver);
+  const auto store = bench.make_request(msg::REQUEST_STORE, kAlice, {1});
+  bench.receive(store);
+  bench.receive(store);
+  EXPECT_EQ(bench.outbox.replies.size(), 0U);
+  saver.save_waiting();
+  while (bench.engine.answer_stores()) {
+  }
+  ASSERT_EQ(bench.outbox.replies.size(), 1U) << "one store, one answer";
+  const auto first = bench.outbox.replies.front()->reply;
+  bench.outbox.replies.pop();
+  EXPECT_EQ(bench.ask(store), first);
+  EXPECT_FALSE(saver.save_waiting()) << "stored once";
+}
+
+service::Arrival step_request(EngineUnderTest& bench, std::uint64_t ticks) {
+  service::Arrival arrival;
+  arrival.kind = service::Arrival::Kind::request;
+  arrival.request = bench.make_request(msg::REQUEST_STEP, kAlice, {2});
+  arrival.request.ticks(ticks);
+  return arrival;
+}
+
+TEST(RepeatedRequest, OfAStepShowsTheTickReachedThenAndTheStatusesOfNow) {
+  EngineUnderTest bench;
+  const auto step = step_request(bench, 5);
+  EXPECT_FALSE(bench.engine.is_repeat(step));
+  EXPECT_TRUE(bench.engine.is_repeat(step));
+  EXPECT_EQ(bench.outbox.replies.size(), 0U) << "it is in progress";
+  bench.steps(5);
+  bench.engine.answer_step(step, msg::REASON_NONE);
+  bench.outbox.replies.pop();
+  bench.steps(2);
+  EXPECT_TRUE(bench.engine.is_repeat(step));
+  const auto& reply = bench.outbox.replies.front()->reply;
+  EXPECT_EQ(reply.tick(), 5U);
+  ASSERT_EQ(reply.statuses().size(), 1U);
+  EXPECT_EQ(reply.statuses()[0].axis(), 2U);
+  EXPECT_EQ(reply.statuses()[0].tick(), 7U);
+}
+
+TEST(RepeatedRequest, OfAStepThatNamesOtherAxesThanItDidIsAnsweredWithoutThem) {
+  EngineUnderTest bench;
+  auto step = step_request(bench, 1);
+  EXPECT_FALSE(bench.engine.is_repeat(step));
+  bench.engine.answer_step(step, msg::REASON_NONE);
+  bench.outbox.replies.pop();
+  step.request.axes({99});
+  EXPECT_TRUE(bench.engine.is_repeat(step));
+  EXPECT_EQ(bench.outbox.replies.front()->reply.statuses().size(), 0U);
+}
+
+/// Has `count` further requests answered for the client.
+void answer_more(EngineUnderTest& bench, std::uint64_t client, std::uint64_t count) {
+  auto read = bench.make_request(msg::REQUEST_READ, 0);
+  add_write(read, 1, kWindow, 0);
+  read.client(client);
+  for (std::uint64_t number = 1; number <= count; ++number) {
+    read.request_id(1'000'000 + number);
+    bench.ask(read);
+  }
+}
+
+// 128 answers of a client are kept: with the 128th one more the first is gone.
+TEST(RepeatedRequest, WhoseAnswerIsGoneIsRefusedAndNotDoneAgain) {
+  EngineUnderTest bench;
+  auto write = bench.make_request(msg::REQUEST_WRITE, kAlice);
+  add_write(write, 1, kWindow, 50);
+  const auto first = bench.ask(write);
+  auto read = bench.make_request(msg::REQUEST_READ, 0);
+  add_write(read, 1, kWindow, 0);
+  for (std::uint64_t more = 1; more < 128; ++more) {
+    read.request_id(write.request_id() + more);
+    bench.ask(read);
+  }
+  EXPECT_EQ(bench.ask(write), first);
+  read.request_id(write.request_id() + 128);
+  bench.ask(read);
+  EXPECT_EQ(bench.ask(write).reason(), msg::REASON_TOO_LATE);
+}
+
+// The numbers 1,024 below the highest one cannot be told from those that never came.
+TEST(RepeatedRequest, IsRefusedWhenItsNumberLiesFarBelowTheHighest) {
+  EngineUnderTest bench;
+  auto late = bench.make_request(msg::REQUEST_WRITE, kAlice);
+  add_write(late, 1, kWindow, 50);
+  auto newest = bench.make_request(msg::REQUEST_READ, 0);
+  add_write(newest, 1, kWindow, 0);
+  newest.request_id(late.request_id() + 1'024);
+  bench.ask(newest);
+  EXPECT_EQ(bench.ask(late).reason(), msg::REASON_TOO_LATE);
+  EXPECT_EQ(bench.value(1, kWindow), 100) << "6067h has its default";
+}
+
+// Eight clients with 128 answers each fill the 1,024 places; a ninth drives out the oldest.
+TEST(RepeatedRequest, OfManyClientsTheOldestAnswersGoFirst) {
+  EngineUnderTest bench;
+  auto write = bench.make_request(msg::REQUEST_WRITE, kAlice);
+  write.client(100);
+  write.request_id(1'000'000);
+  add_write(write, 1, kWindow, 50);
+  const auto first = bench.ask(write);
+  answer_more(bench, 100, 127);
+  for (std::uint64_t client = 101; client < 108; ++client) {
+    answer_more(bench, client, 128);
+  }
+  EXPECT_EQ(bench.ask(write), first);
+  answer_more(bench, 108, 1);
+  EXPECT_EQ(bench.ask(write).reason(), msg::REASON_TOO_LATE);
+}
+
+// 1,024 clients are remembered: with the 1,024th other one the first is as good as new.
+TEST(RepeatedRequest, OfAClientThatIsForgottenIsTakenForANewOne) {
+  EngineUnderTest bench;
+  auto write = bench.make_request(msg::REQUEST_WRITE, 0);
+  add_write(write, 1, kWindow, 50);
+  write.client(99);
+  bench.ask(write);
+  bench.write(kAlice, 1, kWindow, 60);  // the second client
+  for (std::uint64_t client = 0; client < 1'022; ++client) {
+    answer_more(bench, 100 + client, 1);
+  }
+  bench.ask(write);
+  EXPECT_EQ(bench.engine.bank().read(0, {kWindow, 0}).value, 60);
+  answer_more(bench, 2'000, 1);
+  bench.ask(write);
+  EXPECT_EQ(bench.engine.bank().read(0, {kWindow, 0}).value, 50);
+}
+
+// ---- command frames ---------------------------------------------------------------------------
+
+TEST(RepeatedFrame, ActsOnceAndHasTheSameAnswer) {
+  OwnedBench bench;
+  const auto frame = bench.command(1, 50);
+  bench.receive(frame);
+  const auto first = bench.command_reply();
+  ASSERT_TRUE(first);
+  bench.receive(bench.command(2, 60));
+  ASSERT_TRUE(bench.command_reply());
+  bench.steps(1);
+  bench.receive(frame);
+  EXPECT_EQ(bench.command_reply(), first);
+  EXPECT_EQ(bench.value(1, kWindow), 60);
+  EXPECT_EQ(bench.events(msg::EVENT_REFUSED).size(), 0U);
+}
+
+TEST(RepeatedFrame, ThatWasRefusedIsRefusedAgainAndToldOnce) {
+  OwnedBench bench;
+  auto frame = bench.command(1, 50);
+  frame.epoch(bench.epoch + 1);
+  bench.receive(frame);
+  const auto first = bench.command_reply();
+  ASSERT_TRUE(first);
+  bench.receive(frame);
+  EXPECT_EQ(bench.command_reply(), first);
+  EXPECT_EQ(bench.events(msg::EVENT_REFUSED).size(), 1U);
+}
+
+TEST(RepeatedFrame, ThatWaitsForItsTickIsIgnored) {
+  OwnedBench bench;
+  auto frame = bench.command(1, 50);
+  frame.apply_at_tick(5);
+  bench.receive(frame);
+  bench.receive(frame);
+  EXPECT_FALSE(bench.command_reply());
+  bench.steps(5);
+  const auto first = bench.command_reply();
+  ASSERT_TRUE(first);
+  EXPECT_EQ(first->tick(), 5U);
+  EXPECT_FALSE(bench.command_reply()) << "it was taken once";
+  bench.receive(frame);
+  EXPECT_EQ(bench.command_reply(), first);
+}
+
+TEST(RepeatedFrame, ThatWaitsIsIgnoredAlsoWhenItsNumberLiesFarBelowTheHighest) {
+  OwnedBench bench;
+  auto frame = bench.command(1, 50);
+  frame.apply_at_tick(5);
+  bench.receive(frame);
+  bench.receive(bench.frame(1'025));
+  ASSERT_TRUE(bench.command_reply());
+  bench.receive(frame);
+  EXPECT_FALSE(bench.command_reply());
+}
+
+TEST(RepeatedFrame, ToWhichNoAnswerWasDueStaysUnanswered) {
+  OwnedBench bench;
+  auto frame = bench.command(1, 50);
+  frame.flags(0);
+  bench.receive(frame);
+  bench.receive(bench.command(2, 60));
+  static_cast<void>(bench.command_reply());
+  bench.receive(frame);
+  EXPECT_FALSE(bench.command_reply());
+  EXPECT_EQ(bench.value(1, kWindow), 60);
+}
+
+TEST(OvertakenFrame, ActsWhenOnlyKeepAlivesHaveOvertakenIt) {
+  OwnedBench bench;
+  bench.receive(bench.frame(3));
+  EXPECT_TRUE(bench.command_reply()->refusals().empty());
+  bench.receive(bench.command(1, 50));
+  EXPECT_TRUE(bench.command_reply()->refusals().empty());
+  bench.receive(bench.command(2, 60));
+  EXPECT_TRUE(bench.command_reply()->refusals().empty());
+  EXPECT_EQ(bench.value(1, kWindow), 60);
+}
+
+TEST(OvertakenFrame, IsRefusedWhenALaterCommandWasTaken) {
+  OwnedBench bench;
+  bench.receive(bench.command(2, 60));
+  EXPECT_TRUE(bench.command_reply()->refusals().empty());
+  bench.receive(bench.command(1, 50));
+  EXPECT_EQ(bench.frame_refusal(), msg::REASON_TOO_LATE);
+  EXPECT_EQ(bench.value(1, kWindow), 60);
+}
+
+TEST(OvertakenFrame, IsRefusedWhenALaterFrameCancelledWhatWaits) {
+  OwnedBench bench;
+  auto cancel = bench.frame(2);
+  cancel.flags(msg::FRAME_CANCEL_PENDING);
+  bench.receive(cancel);
+  auto late = bench.command(1, 50);
+  late.apply_at_tick(5);
+  bench.receive(late);
+  EXPECT_EQ(bench.frame_refusal(), msg::REASON_TOO_LATE);
+}
+
+TEST(OvertakenFrame, ActsWhenTheLaterCommandWasRefusedAsAWhole) {
+  OwnedBench bench;
+  auto refused = bench.command(2, 60);
+  refused.epoch(bench.epoch + 1);
+  bench.receive(refused);
+  EXPECT_EQ(bench.frame_refusal(), msg::REASON_STALE_EPOCH);
+  bench.receive(bench.command(1, 50));
+  EXPECT_TRUE(bench.command_reply()->refusals().empty());
+  EXPECT_EQ(bench.value(1, kWindow), 50);
+}
+
+TEST(RepeatedFrame, WhoseAnswerIsGoneIsRefusedAndNotDoneAgain) {
+  OwnedBench bench;
+  bench.receive(bench.command(1, 50));
+  ASSERT_TRUE(bench.command_reply());
+  for (std::uint64_t sequence = 2; sequence <= 129; ++sequence) {  // 128 answers are kept
+    bench.receive(bench.command(sequence, 60));
+    ASSERT_TRUE(bench.command_reply());
+  }
+  bench.receive(bench.command(2, 70));
+  EXPECT_TRUE(bench.command_reply()->refusals().empty()) << "the answer of then";
+  bench.receive(bench.command(1, 50));
+  EXPECT_EQ(bench.frame_refusal(), msg::REASON_TOO_LATE);
+  EXPECT_EQ(bench.value(1, kWindow), 60);
+}
+
+TEST(Repeats, AllocateNothingOnceWarm) {
+  OwnedBench bench;
+  auto write = bench.make_request(msg::REQUEST_WRITE, kAlice);
+  for (int count = 0; count < 64; ++count) {
+    add_write(write, 1, kWindow, count);
+  }
+  std::uint64_t allocations = 0;
+  for (std::uint64_t round = 0; round < 600; ++round) {
+    write.request_id(write.request_id() + (round % 2));  // each twice
+    bench.inbox.receive(write, {});
+    bench.inbox.receive(bench.command(1 + round / 2, 50), {});  // the receive thread may allocate
+    const AllocationGuard guard;
+    while (service::Arrival* const arrival = bench.inbox.front()) {
+      bench.engine.handle(*arrival);
+      bench.inbox.pop();
+    }
+    bench.engine.step();
+    while (bench.outbox.command_replies.front() != nullptr) {
+      bench.outbox.command_replies.pop();
+    }
+    while (bench.outbox.replies.front() != nullptr) {
+      bench.outbox.replies.pop();
+    }
+    allocations += guard.count();
+  }
+  EXPECT_EQ(allocations, 0U);
+}
+
+}  // namespace
+}  // namespace vdrive::test
