@@ -68,6 +68,17 @@ void Directory::on_state(const msg::BenchState& message, Clock::time_point now) 
   entry.slowest_stepper = message.slowest_stepper();
 }
 
+void Directory::speaks(const BenchKey& key, const wire::Source& source) {
+  const auto entry = entries_.find(key);
+  if (entry != entries_.end()) entry->second.source = source;
+}
+
+std::optional<wire::Source> Directory::source_of(const BenchKey& key) const {
+  const auto entry = entries_.find(key);
+  if (entry == entries_.end() || entry->second.source == wire::Source{}) return std::nullopt;
+  return entry->second.source;
+}
+
 Directory::Entry* Directory::entry_of(const BenchKey& key, Clock::time_point now) {
   if (!entries_.contains(key) && entries_.size() >= kMostRuns && !forget_the_most_silent(now)) {
     return nullptr;

@@ -61,6 +61,13 @@ class Directory {
   /// Another live sample of this bench: a status frame or an answer.
   void heard(const BenchKey& key, std::uint64_t tick, Clock::time_point now);
 
+  /// This participant sent a live sample of the run: from now on it speaks for it. A service whose
+  /// network part starts anew has another one, and goes on with its run.
+  void speaks(const BenchKey& key, const wire::Source& source);
+
+  /// @return the participant that speaks for this run; nothing before it has said anything.
+  [[nodiscard]] std::optional<wire::Source> source_of(const BenchKey& key) const;
+
   /// @return the benches that are described whole, not offline and heard within kPresence, by
   ///         number. Of two with one number the lower incarnation, as the services agree.
   [[nodiscard]] std::vector<PresentBench> present(Clock::time_point now) const;

@@ -21,6 +21,9 @@ constexpr SessionCore::Patience kAnswerInItsTick{std::chrono::hours(24), true, t
 constexpr milliseconds kReleaseAnswer{500};
 constexpr milliseconds kKeepAlivePeriod{25};
 
+// While a bench connects anew: its watchdog runs.
+constexpr milliseconds kKeepAliveRetry{5};
+
 // Writing one of these takes a free axis for the session.
 constexpr std::array<std::uint16_t, 5> kCommandObjects{0x6040, 0x6060, 0x607A, 0x60FF, 0x6071};
 
@@ -71,18 +74,29 @@ Outcome refusal_of(const Target& target, const msg::Refusal& refusal, std::uint6
 
 }  // namespace
 
-Result<std::uint64_t> SessionCore::send_request(const Target& target, msg::Request request) {
+Result<std::uint64_t> SessionCore::send_request(const Target& target, msg::Request request,
+                                                milliseconds patience) {
   if (!may_command()) return not_permitted(target);
+  Link& link = link_of(target.key);
+  const std::scoped_lock writing(link.mutex);
+  if (!mend_until(link, target.key, Directory::Clock::now() + patience)) {
+    return Outcome::lost(name_of(target) + " is there and cannot be asked: no match");
+  }
   Lock lock(mutex_);
   const std::uint64_t number = ++last_request_;
-  requests_.emplace(number, std::nullopt);
-  lock.unlock();
   request.client(id_);
   request.request_id(number);
   request.bench(target.key.number);
   request.incarnation(target.key.incarnation);
   request.session(id_);
-  if (request_publication_->write(request)) return number;
+  const auto entry = requests_.emplace(number, AwaitedRequest{.key = target.key,
+                                                              .request = std::move(request),
+                                                              .sent = Directory::Clock::now(),
+                                                              .reply = std::nullopt});
+  lock.unlock();
+  // Nobody else takes it away; who repeats it only reads.
+  if (write_patiently(*request_publication_, target.key, entry.first->second.request))
+    return number;
   lock.lock();
   requests_.erase(number);
   return Outcome::lost(name_of(target) + " takes no more requests");
@@ -92,9 +106,9 @@ Result<msg::Reply> SessionCore::await_reply(const Target& target, std::uint64_t 
                                             Patience patience) {
   Lock lock(mutex_);
   Outcome outcome = wait(lock, target, patience, [&] {
-    return requests_.at(number).has_value();
+    return requests_.at(number).reply.has_value();
   });
-  std::optional<msg::Reply> reply = std::move(requests_.at(number));
+  std::optional<msg::Reply> reply = std::move(requests_.at(number).reply);
   requests_.erase(number);
   if (!outcome) return outcome;
   return std::move(*reply);
@@ -204,7 +218,6 @@ Outcome SessionCore::acquire(const Target& target, std::uint16_t axis, bool show
 }
 
 Outcome SessionCore::acquire(const Target& target, std::span<const std::uint16_t> axes) {
-  if (Outcome matched = await_command_match(target); !matched) return matched;
   msg::Request request;
   request.kind(msg::REQUEST_ACQUIRE);
   request.axes().assign(axes.begin(), axes.end());
@@ -221,9 +234,6 @@ Result<msg::Reply> SessionCore::write(const Target& target, msg::Request request
   const bool commands = std::ranges::any_of(request.objects(), [](const msg::ObjectAccess& access) {
     return std::ranges::find(kCommandObjects, access.index()) != kCommandObjects.end();
   });
-  if (commands) {
-    if (Outcome matched = await_command_match(target); !matched) return matched;
-  }
   const std::uint16_t axis = request.objects().front().axis();
   // A store waits for a disk: it must not hold up the keep-alives.
   auto reply = commands ? request_control(target, std::move(request), what)
@@ -246,24 +256,13 @@ Outcome SessionCore::release() {
     if (holding.axes.empty()) continue;
     // Also after an interrupt, and to a service that may be gone: so not by request().
     const std::scoped_lock sending(send_mutex_of(number));
-    Lock lock(mutex_);
-    const std::uint64_t id = ++last_request_;
-    requests_.emplace(id, std::nullopt);
-    lock.unlock();
+    const Target target{.key = holding.key};
     msg::Request request;
-    request.client(id_);
-    request.request_id(id);
-    request.bench(number);
-    request.incarnation(holding.key.incarnation);
-    request.session(id_);
     request.kind(msg::REQUEST_RELEASE);
-    const bool sent = request_publication_->write(request);
-    lock.lock();
-    const bool answered = sent && changed_.wait_for(lock, kReleaseAnswer, [&] {
-      return requests_.at(id).has_value();
-    });
-    requests_.erase(id);
-    if (!answered) result = Outcome::lost("bench " + std::to_string(number) + " did not answer");
+    const auto sent = send_request(target, std::move(request), kReleaseAnswer);
+    if (!sent || !await_reply(target, *sent, {kReleaseAnswer, false})) {
+      result = Outcome::lost(name_of(target) + " did not answer");
+    }
   }
   return result;
 }
@@ -288,24 +287,36 @@ msg::CommandFrame SessionCore::next_frame(Holding& held) const {
 
 Outcome SessionCore::send(const Target& target, std::span<const FrameContent> frames,
                           std::vector<std::uint64_t>& sequences) {
+  if (!may_command()) return not_permitted(target);
   const std::scoped_lock sending(send_mutex_of(target.key.number));
   for (const FrameContent& content : frames) {
-    Lock lock(mutex_);
-    msg::CommandFrame frame = next_frame(holding(target.key));
-    const std::uint64_t sequence = frame.sequence_number();
-    commands_.emplace(PendingCommand{target.key, sequence},
-                      AwaitedCommand{content.apply_at_tick, std::nullopt});
-    lock.unlock();
-    frame.flags(content.flags | msg::FRAME_WANT_REPLY);
-    frame.apply_at_tick(content.apply_at_tick);
-    frame.valid_until_tick(content.apply_at_tick);
-    frame.axes() = content.commands;
-    sequences.push_back(sequence);
-    if (!command_publication_->write(frame)) {
-      return Outcome::lost(name_of(target) + " takes no more commands");
-    }
+    if (Outcome sent = send(target, content, sequences); !sent) return sent;
   }
   return {};
+}
+
+Outcome SessionCore::send(const Target& target, const FrameContent& content,
+                          std::vector<std::uint64_t>& sequences) {
+  Link& link = link_of(target.key);
+  const std::scoped_lock writing(link.mutex);
+  if (!mend_until(link, target.key, Directory::Clock::now() + kMatch)) {
+    return Outcome::lost(name_of(target) + " is there and hears no commands: no match");
+  }
+  Lock lock(mutex_);
+  msg::CommandFrame frame = next_frame(holding(target.key));
+  const std::uint64_t sequence = frame.sequence_number();
+  frame.flags(content.flags | msg::FRAME_WANT_REPLY);
+  frame.apply_at_tick(content.apply_at_tick);
+  frame.valid_until_tick(content.apply_at_tick);
+  frame.axes() = content.commands;
+  const auto entry = commands_.emplace(
+      PendingCommand{target.key, sequence},
+      AwaitedCommand{
+          .frame = std::move(frame), .sent = Directory::Clock::now(), .reply = std::nullopt});
+  lock.unlock();
+  sequences.push_back(sequence);
+  if (write_patiently(*command_publication_, target.key, entry.first->second.frame)) return {};
+  return Outcome::lost(name_of(target) + " takes no more commands");
 }
 
 Applied SessionCore::collect(const Target& target, std::span<const std::uint64_t> sequences,
@@ -315,15 +326,16 @@ Applied SessionCore::collect(const Target& target, std::span<const std::uint64_t
   for (const std::uint64_t sequence : sequences) {
     const auto entry = commands_.find({target.key, sequence});
     const AwaitedCommand& awaited = entry->second;
+    const std::uint64_t apply_at = awaited.frame.apply_at_tick();
     if (outcome) {
-      outcome = wait(lock, target, awaited.apply_at_tick == 0 ? kAnswer : kAnswerInItsTick, [&] {
+      outcome = wait(lock, target, apply_at == 0 ? kAnswer : kAnswerInItsTick, [&] {
         return awaited.reply.has_value();
       });
     }
     if (outcome && !awaited.reply->refusals().empty()) {
       if (applied.outcome) {
-        applied.outcome = refusal_of(target, awaited.reply->refusals().front(),
-                                     awaited.apply_at_tick, awaited.reply->tick());
+        applied.outcome =
+            refusal_of(target, awaited.reply->refusals().front(), apply_at, awaited.reply->tick());
       }
     } else if (outcome) {
       applied.tick = std::max(applied.tick, awaited.reply->tick());
@@ -394,28 +406,37 @@ void SessionCore::keep_alive(const std::stop_token& stop) {
   std::mutex sleep_mutex;
   std::unique_lock sleeping(sleep_mutex);
   while (!stop.stop_requested()) {
-    std::vector<std::uint32_t> benches;
+    std::vector<BenchKey> benches;
     {
       const std::scoped_lock lock(mutex_);
       for (const auto& [number, holding] : holdings_) {
-        if (holding.lives_by_wall_clock && !holding.axes.empty()) benches.push_back(number);
+        if (holding.lives_by_wall_clock && !holding.axes.empty()) benches.push_back(holding.key);
       }
     }
-    for (const std::uint32_t bench : benches) send_keep_alive(bench);
-    sleep.wait_for(sleeping, stop, kKeepAlivePeriod, [] {
+    bool are_all_reached = true;
+    for (const BenchKey& bench : benches) are_all_reached &= send_keep_alive(bench);
+    sleep.wait_for(sleeping, stop, are_all_reached ? kKeepAlivePeriod : kKeepAliveRetry, [] {
       return false;
     });
   }
 }
 
-void SessionCore::send_keep_alive(std::uint32_t bench) {
+/// @return false when the bench connects anew and is not reached yet.
+bool SessionCore::send_keep_alive(const BenchKey& key) {
   // Busy: a frame or a request is on its way, which says the same.
-  const std::unique_lock sending(send_mutex_of(bench), std::try_to_lock);
-  if (!sending) return;
+  const std::unique_lock sending(send_mutex_of(key.number), std::try_to_lock);
+  if (!sending) return true;
+  Link& link = link_of(key);
+  const std::unique_lock writing(link.mutex, std::try_to_lock);
+  if (!writing) return true;
+  if (!mend(link, key, milliseconds(0))) return false;
   Lock lock(mutex_);
-  const msg::CommandFrame frame = next_frame(holdings_.at(bench));
+  Holding& held = holdings_.at(key.number);
+  if (held.key != key) return true;
+  const msg::CommandFrame frame = next_frame(held);
   lock.unlock();
   (void)command_publication_->write(frame);  // what is not taken now is said again in 25 ms
+  return true;
 }
 
 }  // namespace vdrive::client

@@ -19,8 +19,6 @@ using std::chrono::milliseconds;
 // After this without a further bench, all benches that are there have been found.
 constexpr milliseconds kSettle{250};
 
-constexpr milliseconds kMatch{2000};
-
 // Between two looks at who is there.
 constexpr milliseconds kWatchPeriod{5};
 
@@ -56,8 +54,7 @@ Target target_of(const PresentBench& bench) {
           .period = bench.info.period,
           .status_every_ticks = bench.info.status_every_ticks,
           .rate = bench.info.rate,
-          .is_paused = bench.info.clock_mode == ClockMode::realtime && bench.info.rate == 0.0,
-          .source = bench.source};
+          .is_paused = bench.info.clock_mode == ClockMode::realtime && bench.info.rate == 0.0};
 }
 
 }  // namespace
@@ -111,16 +108,17 @@ SessionCore::SessionCore(const SessionOptions& options)
       request_publication_(publication_if_permitted<msg::Request>(participant_)),
       command_publication_(publication_if_permitted<msg::CommandFrame>(participant_)),
       reply_subscription_(participant_,
-                          [this](const msg::Reply& message, const wire::Source&) {
-                            on_reply(message);
+                          [this](const msg::Reply& message, const wire::Source& source) {
+                            on_reply(message, source);
                           }),
-      command_reply_subscription_(participant_,
-                                  [this](const msg::CommandReply& message, const wire::Source&) {
-                                    on_command_reply(message);
-                                  }),
+      command_reply_subscription_(
+          participant_,
+          [this](const msg::CommandReply& message, const wire::Source& source) {
+            on_command_reply(message, source);
+          }),
       state_subscription_(participant_,
-                          [this](const msg::BenchState& message, const wire::Source&) {
-                            on_state(message);
+                          [this](const msg::BenchState& message, const wire::Source& source) {
+                            on_state(message, source);
                           }),
       description_subscription_(
           participant_, [this](const msg::BenchDescription& message, const wire::Source& source) {
@@ -176,27 +174,31 @@ void SessionCore::on_description(const msg::BenchDescription& message, const wir
   changed_.notify_all();
 }
 
-void SessionCore::on_state(const msg::BenchState& message) {
+void SessionCore::on_state(const msg::BenchState& message, const wire::Source& source) {
   if (options_.bench && message.bench() != *options_.bench) return;
   const std::scoped_lock lock(mutex_);
   directory_.on_state(message, Clock::now());
+  directory_.speaks({message.bench(), message.incarnation()}, source);
   changed_.notify_all();
 }
 
-void SessionCore::on_reply(const msg::Reply& message) {
+void SessionCore::on_reply(const msg::Reply& message, const wire::Source& source) {
   if (message.client() != id_) return;
   const std::scoped_lock lock(mutex_);
-  directory_.heard({message.bench(), message.incarnation()}, message.tick(), Clock::now());
+  const BenchKey key{message.bench(), message.incarnation()};
+  directory_.heard(key, message.tick(), Clock::now());
+  directory_.speaks(key, source);
   const auto request = requests_.find(message.request_id());
   if (request == requests_.end()) return;
-  request->second = message;
+  request->second.reply = message;
   changed_.notify_all();
 }
 
-void SessionCore::on_command_reply(const msg::CommandReply& message) {
+void SessionCore::on_command_reply(const msg::CommandReply& message, const wire::Source& source) {
   if (message.session() != id_) return;
   const std::scoped_lock lock(mutex_);
   const BenchKey key{message.bench(), message.incarnation()};
+  directory_.speaks(key, source);
   const auto command = commands_.find({key, message.sequence_number()});
   if (command != commands_.end()) {
     command->second.reply = message;
@@ -213,10 +215,12 @@ void SessionCore::on_command_reply(const msg::CommandReply& message) {
   if (gone) holding->second.axes.clear();
 }
 
-void SessionCore::on_status(const msg::StatusFrame& message) {
+void SessionCore::on_status(const msg::StatusFrame& message, const wire::Source& source) {
   if (options_.bench && message.bench() != *options_.bench) return;
   const std::scoped_lock lock(mutex_);
-  directory_.heard({message.bench(), message.incarnation()}, message.tick(), Clock::now());
+  const BenchKey key{message.bench(), message.incarnation()};
+  directory_.heard(key, message.tick(), Clock::now());
+  directory_.speaks(key, source);
   for (const auto& weak : feeds_) {
     if (const auto feed = weak.lock()) feed->on_frame(message);
   }
@@ -292,20 +296,8 @@ Result<Target> SessionCore::connect(std::uint32_t number) {
   if (!bench) return bench.outcome();
   const Target target = target_of(*bench);
   if (!may_command()) return target;  // sees what is published
-  if (!request_publication_->wait_for_match(target.source, kMatch) ||
-      !reply_subscription_.wait_for_match(target.source, kMatch)) {
-    return Outcome::lost(name_of(target) + " is there and cannot be asked: no match of requests");
-  }
+  if (Outcome matched = await_match(target); !matched) return matched;
   return target;
-}
-
-Outcome SessionCore::await_command_match(const Target& target) {
-  if (!may_command()) return not_permitted(target);
-  if (!command_publication_->wait_for_match(target.source, kMatch) ||
-      !command_reply_subscription_.wait_for_match(target.source, kMatch)) {
-    return Outcome::lost(name_of(target) + " is there and hears no commands: no match");
-  }
-  return {};
 }
 
 }  // namespace vdrive::client

@@ -39,7 +39,6 @@ struct Target {
   std::uint32_t status_every_ticks = 1;
   double rate = 1.0;       ///< realtime: drive time over wall time
   bool is_paused = false;  ///< drive time stands still, and with it the status stream
-  wire::Source source;
 
   [[nodiscard]] bool steps() const { return clock_mode == ClockMode::lockstep; }
 };
@@ -244,11 +243,33 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   using Lock = std::unique_lock<std::mutex>;
   using PendingCommand = std::pair<BenchKey, std::uint64_t>;
 
+  /// A frame that was sent, and its answer once it is there.
+  struct AwaitedCommand {
+    msg::CommandFrame frame;
+    Directory::Clock::time_point sent;
+    std::optional<msg::CommandReply> reply;
+  };
+
+  /// A request that was sent, and its answer once it is there.
+  struct AwaitedRequest {
+    BenchKey key;
+    msg::Request request;
+    Directory::Clock::time_point sent;
+    std::optional<msg::Reply> reply;
+  };
+
+  /// The way to one run of a service. Its mutex orders what is written to it, and is taken after a
+  /// send mutex.
+  struct Link {
+    std::mutex mutex;
+    wire::Source source;  ///< participant that has what was written; guarded by the session's mutex
+  };
+
   void on_description(const msg::BenchDescription& message, const wire::Source& source);
-  void on_state(const msg::BenchState& message);
-  void on_reply(const msg::Reply& message);
-  void on_command_reply(const msg::CommandReply& message);
-  void on_status(const msg::StatusFrame& message);
+  void on_state(const msg::BenchState& message, const wire::Source& source);
+  void on_reply(const msg::Reply& message, const wire::Source& source);
+  void on_command_reply(const msg::CommandReply& message, const wire::Source& source);
+  void on_status(const msg::StatusFrame& message, const wire::Source& source);
 
   template <typename Condition>
   Outcome wait(Lock& lock, const Target& target, Patience patience, const Condition& condition);
@@ -256,7 +277,9 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   bool wait_to_find(Lock& lock, const Condition& condition);
   bool is_interrupted();
   Outcome gone(const Target& target);
-  Result<std::uint64_t> send_request(const Target& target, msg::Request request);
+  /// @param patience wall time to wait for the way to a bench that is connected anew
+  Result<std::uint64_t> send_request(const Target& target, msg::Request request,
+                                     std::chrono::milliseconds patience = kMatch);
   Result<msg::Reply> await_reply(const Target& target, std::uint64_t number, Patience patience);
   Result<msg::Reply> step_once(const Target& target, msg::Request request,
                                std::chrono::milliseconds patience);
@@ -266,7 +289,23 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   Result<msg::Reply> conclude_step(const Target& target, const Stepping& stepping,
                                    std::chrono::steady_clock::time_point deadline);
   Outcome missing_stepper(const Target& target, std::uint64_t session) const;
-  Outcome await_command_match(const Target& target);
+
+  // the way to a bench: session_link.cpp
+  /// How long a bench and this session may take to find each other's queues.
+  static constexpr std::chrono::milliseconds kMatch{2'000};
+
+  Link& link_of(const BenchKey& key);
+  bool is_matched(const wire::Source& source, std::chrono::milliseconds patience);
+  Outcome await_match(const Target& target);
+  bool mend(Link& link, const BenchKey& key, std::chrono::milliseconds patience);
+  bool mend_until(Link& link, const BenchKey& key, Directory::Clock::time_point deadline);
+  bool repeat(const BenchKey& key, Directory::Clock::time_point sent_before);
+  bool is_broken(const BenchKey& key) const;
+  bool is_overdue(const BenchKey& key, Directory::Clock::time_point now) const;
+  void repair(const BenchKey& key);
+  template <typename Message>
+  bool write_patiently(wire::Publication<Message>& publication, const BenchKey& key,
+                       const Message& message);
 
   std::mutex& send_mutex_of(std::uint32_t bench);
   Holding& holding(const BenchKey& key);
@@ -274,6 +313,8 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   bool is_refused(const SentFrames& sent) const;
   void note_acquired(const Target& target, std::span<const std::uint16_t> axes,
                      const msg::Reply& reply);
+  Outcome send(const Target& target, const FrameContent& content,
+               std::vector<std::uint64_t>& sequences);
   msg::CommandFrame next_frame(Holding& held) const;
   std::uint64_t last_sequence(const BenchKey& key);
   Result<Observation> observe_published(const Target& target, std::span<const std::uint16_t> axes);
@@ -282,7 +323,7 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
 
   void keep_alive(const std::stop_token& stop);
   void start_keep_alive();
-  void send_keep_alive(std::uint32_t bench);
+  bool send_keep_alive(const BenchKey& key);
 
   const SessionOptions options_;
   const std::uint64_t id_;
@@ -296,15 +337,9 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   std::map<std::uint32_t, Holding> holdings_;
   std::map<BenchKey, Grant> grants_;  ///< of the clocks that this session has joined
   std::uint64_t last_request_ = 0;
-  std::map<std::uint64_t, std::optional<msg::Reply>> requests_;
-
-  /// A frame that was sent, and its answer once it is there.
-  struct AwaitedCommand {
-    std::uint64_t apply_at_tick = 0;
-    std::optional<msg::CommandReply> reply;
-  };
-
+  std::map<std::uint64_t, AwaitedRequest> requests_;
   std::map<PendingCommand, AwaitedCommand> commands_;
+  std::map<BenchKey, Link> links_;  ///< stay where they are when others are added
   std::vector<std::weak_ptr<StatusFeed>> feeds_;
   bool interrupted_ = false;
 
@@ -325,17 +360,26 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
 template <typename Condition>
 Outcome SessionCore::wait(Lock& lock, const Target& target, Patience patience,
                           const Condition& condition) {
+  constexpr std::chrono::milliseconds kLook{50};
+  constexpr std::chrono::milliseconds kLookAtABrokenLink{5};
   const auto begin = Directory::Clock::now();
   const auto deadline = begin + patience.timeout;
   while (!condition()) {
     const auto now = Directory::Clock::now();
+    const bool is_broken = this->is_broken(target.key);
+    if (is_broken || is_overdue(target.key, now)) {
+      lock.unlock();
+      repair(target.key);
+      lock.lock();
+      if (condition()) break;
+    }
     if (interrupted_ && patience.may_interrupt) return Outcome::failed("interrupted");
     if (!directory_.is_alive(target.key, options_.silence, now)) return gone(target);
     if (patience.needs_drive_time && directory_.is_paused(target.key, begin)) {
       return Outcome::failed(paused_text(target));
     }
     if (now >= deadline) return Outcome::timed_out(name_of(target) + " did not answer");
-    changed_.wait_until(lock, std::min(deadline, now + std::chrono::milliseconds(50)));
+    changed_.wait_until(lock, std::min(deadline, now + (is_broken ? kLookAtABrokenLink : kLook)));
   }
   return {};
 }

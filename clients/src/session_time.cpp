@@ -13,8 +13,9 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// A running bench sends a sample of its status stream each tick; this allows for the match.
-constexpr milliseconds kFirstSample{1000};
+// A running bench sends a sample of its status stream each tick; this allows for the match, and for
+// a service that connects anew.
+constexpr milliseconds kFirstSample{2000};
 
 // Axis samples of a large bench take turns.
 constexpr SessionCore::Patience kFirstSampleOfAll{milliseconds(5000), true};
@@ -86,8 +87,9 @@ Result<Observation> SessionCore::observe_published(const Target& target,
   std::map<std::uint16_t, msg::AxisStatus> seen;
   const wire::Subscription<msg::AxisStatus> samples(
       participant_, [&](const msg::AxisStatus& message, const wire::Source& source) {
-        if (message.bench() != target.key.number || source != target.source) return;
+        if (message.bench() != target.key.number) return;
         const std::scoped_lock lock(mutex_);
+        if (source != directory_.source_of(target.key)) return;
         seen.insert_or_assign(message.axis(), message);
         changed_.notify_all();
       });
@@ -181,8 +183,8 @@ Result<std::uint64_t> SessionCore::wait_for_tick(const Target& target, std::uint
 void SessionCore::subscribe_status() {
   std::call_once(status_subscribed_, [this] {
     status_subscription_ = std::make_unique<wire::Subscription<msg::StatusFrame>>(
-        participant_, [this](const msg::StatusFrame& message, const wire::Source&) {
-          on_status(message);
+        participant_, [this](const msg::StatusFrame& message, const wire::Source& source) {
+          on_status(message, source);
         });
   });
 }

@@ -24,7 +24,7 @@ import hosts
 WATCHDOG = 100  # [ticks] of 1 ms, the default
 LEASE = 2  # [s] after which two hosts that do not hear each other forget each other
 REST = 10  # [user units] of 4096 a revolution: an axis at rest is not farther from its target
-SILENCE = 1.0  # [s] after which a client calls a service lost
+SILENCE = 1.5  # [s] after which a client calls a service lost
 TICKS_PER_SECOND = 1000
 CONNECTION_LOST = 0x8130
 STALE_EPOCH = 2

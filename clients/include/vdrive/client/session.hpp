@@ -42,9 +42,10 @@ struct SessionOptions {
   /// Wall time that finding a service may take; in the closed mode better 5 s.
   std::chrono::milliseconds find_timeout{2000};
   /// Calls that wait give a service up as lost when its newest sample is older [wall time], 50 ms
-  /// or more: a busy machine may hold a process up for some hundred milliseconds.
-  /// Session::watch_services tells of a silence earlier.
-  std::chrono::milliseconds silence{1000};
+  /// or more: a busy machine may hold a process up for some hundred milliseconds, and a service
+  /// whose network part starts anew is not heard meanwhile. Session::watch_services tells of a
+  /// silence earlier.
+  std::chrono::milliseconds silence{1500};
 };
 
 /// What became of a service.
@@ -104,6 +105,10 @@ class Follower {
 ///
 /// In the closed mode the identity may be a viewer's: then what is published can be seen, and every
 /// call that would have to ask a bench for something is refused with kNotPermitted.
+///
+/// When the network part of a service starts anew, or the link comes back, calls that wait go on by
+/// themselves: what was not answered is sent again, and acts once. Axes that the bench took away
+/// meanwhile are not taken again.
 ///
 /// Calls may come from several threads; those that step one lock-step bench from one at a time.
 class Session {
