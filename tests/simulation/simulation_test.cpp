@@ -258,10 +258,12 @@ TEST(ControlModel, NoticesACommandOfARevokedEpochInTheRegisters) {
   model.use(stamps, revocations);
   msg::Request acquire;
   acquire.client(1);
+  acquire.request_id(1);
   acquire.session(9);
   acquire.kind(msg::REQUEST_ACQUIRE);
   acquire.axes().push_back(1);
   model.arrive(acquire);
+  acquire.request_id(2);
   acquire.session(10);
   acquire.kind(msg::REQUEST_TAKE_OVER);
   model.arrive(acquire);
