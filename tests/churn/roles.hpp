@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/client/axis.hpp"
+#include "vdrive/client/session.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace vdrive::test::churn {
+
+using Json = nlohmann::ordered_json;
+
+/// What all roles are told.
+struct Setting {
+  client::SessionOptions network;
+  std::uint32_t bench = 1;
+};
+
+/// Axes of a bench by their numbers, both included; none when `last` is below `first`.
+struct AxisRange {
+  std::uint16_t first = 1;
+  std::uint16_t last = 0;
+
+  [[nodiscard]] bool contains(std::uint16_t axis) const noexcept {
+    return axis >= first && axis <= last;
+  }
+};
+
+/// Speed of the axes that move all the time [UU/s]: 4 UU in each tick of 1 ms.
+inline constexpr std::int32_t kSteadySpeed = 4000;
+
+/// One relative move of a visitor [UU]: far more than what an axis at rest may lie beside its
+/// target, so that a position tells the number of moves.
+inline constexpr std::int32_t kStep = 16;
+
+/// The object that carries the stamps: 6067h, position window [UU]. It changes no demand.
+inline constexpr ObjectAddress kStampObject{0x6067, 0};
+
+/// Time at which the role wants to end: standard input was closed.
+[[nodiscard]] bool is_told_to_stop();
+
+/// Prints a JSON object as one line on standard output, with `time`: seconds of the monotonic
+/// clock.
+void tell(Json line);
+
+/// Tells of a call that did not succeed.
+void tell_failure(const std::string& call, const client::Outcome& outcome);
+
+/// Tells of the pauses between events that come all the time: those of 5 ms and more.
+class Pauses {
+ public:
+  /// An event has come. @return true ten times a second: time to tell how it goes.
+  bool note();
+
+ private:
+  std::chrono::steady_clock::time_point last_{};
+  std::chrono::steady_clock::time_point told_{};
+};
+
+/// Fast and short: a step takes 18 ms.
+[[nodiscard]] client::MoveOptions quick(client::Until until);
+
+/// Acquires the axis, resets its fault, enables it and brings it to the nearest multiple of kStep.
+/// @return that position, the base of the relative moves that follow.
+client::Result<std::int32_t> prepare(client::Axis& axis);
+
+/// Waits until the demand rests. @return 6062h [UU]
+client::Result<std::int32_t> resting_demand(const client::Axis& axis);
+
+// The roles. Each @returns the exit code.
+
+/// Lets the axes of the range move at kSteadySpeed for more than an hour, and leaves them free.
+int start(const Setting& setting, AxisRange range);
+
+/// Follows all axes of the bench, until it is told to stop.
+int observe(const Setting& setting, AxisRange steady);
+
+/// What one visitor does: it joins, commands one axis for a while, leaves.
+struct Visit {
+  std::uint16_t axis = 1;
+  std::chrono::milliseconds duration{200};
+  std::int64_t stamp = 0;  ///< the first stamp is one more
+};
+
+int visit(const Setting& setting, const Visit& plan);
+
+/// Reads one object of one axis.
+int read(const Setting& setting, std::uint16_t axis, std::uint16_t index);
+
+// What goes on while wires are killed, until it is told to stop.
+
+int motion(const Setting& setting, AxisRange range);
+int stream(const Setting& setting, AxisRange range, std::chrono::milliseconds lead);
+int group(const Setting& setting, const std::vector<std::string>& axes);
+int store(const Setting& setting, AxisRange range);
+int step(const Setting& setting);
+
+}  // namespace vdrive::test::churn

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "churn/roles.hpp"
+
+#include <array>
+
+namespace vdrive::test::churn {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Tells what the visitor before left: position [UU] and stamp.
+bool tell_found(const client::Axis& axis) {
+  const std::array objects{ObjectAddress{0x6064, 0}, kStampObject};
+  const auto found = axis.read(objects);
+  if (!found) {
+    tell_failure("read", found.outcome());
+    return false;
+  }
+  tell({{"found", found->objects[0].value}, {"stamp", found->objects[1].value}});
+  return true;
+}
+
+/// Tells before and after each command, so that whoever kills this program knows which command was
+/// under way.
+bool command(client::Axis& axis, std::int64_t stamp) {
+  tell({{"start", "move"}});
+  if (const auto moved = axis.move_by(kStep, quick(client::Until::in_force)); !moved) {
+    tell_failure("move_by", moved);
+    return false;
+  }
+  tell({{"done", "move"}});
+  tell({{"start", "stamp"}, {"stamp", stamp}});
+  if (const auto written = axis.write(kStampObject, stamp); !written) {
+    tell_failure("write", written.outcome());
+    return false;
+  }
+  tell({{"done", "stamp"}, {"stamp", stamp}});
+  const auto read_back = axis.read(kStampObject);
+  if (!read_back) tell_failure("read", read_back.outcome());
+  if (read_back) tell({{"read", *read_back}, {"written", stamp}});
+  return static_cast<bool>(read_back);
+}
+
+bool stay(client::Axis& axis, const Visit& plan) {
+  if (const auto acquired = axis.acquire(); !acquired) {
+    tell_failure("acquire", acquired);
+    return false;
+  }
+  if (!tell_found(axis)) return false;
+  const auto base = prepare(axis);
+  if (!base) {
+    tell_failure("prepare", base.outcome());
+    return false;
+  }
+  tell({{"base", *base}});
+  std::int64_t stamp = plan.stamp;
+  for (const auto end = Clock::now() + plan.duration; Clock::now() < end;) {
+    if (!command(axis, ++stamp)) return false;
+  }
+  const auto demand = resting_demand(axis);
+  if (!demand) {
+    tell_failure("rest", demand.outcome());
+    return false;
+  }
+  tell({{"demand", *demand}});
+  return true;
+}
+
+}  // namespace
+
+int visit(const Setting& setting, const Visit& plan) {
+  client::Session session(setting.network);
+  auto axis = session.axis(std::to_string(setting.bench) + "." + std::to_string(plan.axis));
+  if (!axis) {
+    tell_failure("join", axis.outcome());
+    return 1;
+  }
+  tell({{"joined", plan.axis}});
+  if (!stay(*axis, plan)) return 1;
+  if (const auto released = session.release(); !released) {
+    tell_failure("release", released);
+    return 1;
+  }
+  tell({{"left", plan.axis}});
+  return 0;
+}
+
+}  // namespace vdrive::test::churn
