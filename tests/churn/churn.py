@@ -357,6 +357,8 @@ def arguments():
 
 def main():
     options = arguments()
+    # Who ends this program ends what it started too.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit("ended by SIGTERM"))
     problems = []
     begin = now()
     with tempfile.TemporaryDirectory(prefix="vdrive-churn-") as directory, \

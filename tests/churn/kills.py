@@ -259,7 +259,7 @@ class Variant:
                 self.problems.append(f"axis {line['axis']} has the stamp {line['stamp']}, the last "
                                      f"written was {line['last_stamp']}")
         print(f"  {sum(line['acknowledged'] for line in axes)} moves and "
-              f"{sum(line['stamps'] for line in axes)} writes acknowledged, each acted once")
+              f"{sum(line['stamps'] for line in axes)} writes acknowledged")
 
     def judge_stream(self, program):
         line = program.found("positions")[-1]
@@ -425,6 +425,8 @@ def arguments():
 
 def main():
     options = arguments()
+    # Who ends this program ends what it started too.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit("ended by SIGTERM"))
     if not has_wire_option(options.service):
         print("SKIP this vdrived has no --wire: there is no wire process to kill")
         return SKIPPED
