@@ -19,6 +19,7 @@ It passes when all of this holds:
   n relative moves moved the axis by n steps, and the stamp is the last one written. After a killed
   visitor the next one finds as many moves and the stamp that were acknowledged, or those and the one
   that was under way;
+- the watchdog took no axis from a visitor that nobody killed;
 - memory, descriptors and threads of the service and its descendants grew by no more than the bounds
   after the warm-up;
 - 2 s after SIGTERM no process of the service is left, nor a file in /dev/shm.
@@ -40,7 +41,7 @@ import bench as benches
 from bench import Failure, now, percentile
 
 STEP = 16  # [UU] of a relative move of a visitor
-WATCHDOG = 1.0  # [s] after which an axis whose master is silent is free
+WATCHDOG = 3.0  # [s] after which an axis whose master is silent is free
 FREE_AGAIN = WATCHDOG + 2  # [s] from a kill until its axis is visited again
 LONGEST_VISIT = 60.0  # [s]
 KEPT_FAILURES = 20
@@ -68,6 +69,7 @@ class Counts:
     stamps: int = 0
     found: int = 0
     after_kill: int = 0
+    unreleased: int = 0
 
 
 class Visitors:
@@ -142,8 +144,10 @@ class Visitors:
         code = program.end(LONGEST_VISIT)
         was_killed = code == -signal.SIGKILL
         self.judge(axis, ledger, program, begin, code, was_killed)
-        self.give_back(axis, FREE_AGAIN if code != 0 else 0.0)
+        is_unreleased = bool(program.found("unreleased"))
+        self.give_back(axis, FREE_AGAIN if code != 0 or is_unreleased else 0.0)
         with self.lock:
+            self.counts.unreleased += is_unreleased
             self.counts.visits += 1
             self.counts.clean += code == 0
             self.counts.killed += was_killed and is_killed
@@ -265,7 +269,8 @@ class Churn:
         counts = self.visitors.counts
         joins = self.visitors.join_times
         print(f"visits: {counts.visits}, {counts.clean} to their end, {counts.killed} killed, "
-              f"{counts.hung} hung and killed")
+              f"{counts.hung} hung and killed, {counts.unreleased} left without an answer to the "
+              "release")
         print(f"commands acknowledged: {counts.moves} moves, {counts.stamps} stamps; what was left "
               f"was looked at by the next visitor: {counts.found} times, {counts.after_kill} of them "
               "with a move under way at a kill")
@@ -287,6 +292,12 @@ class Churn:
               f"{grown('vdrive_tick_overruns_total')} overruns, {jumps} jumps, "
               f"{grown('vdrive_watchdog_trips_total')} masters lost, "
               f"{grown('vdrive_queue_overflows_total')} queue overflows")
+        counts = self.visitors.counts
+        may_be_lost = counts.killed + counts.hung + counts.unreleased
+        lost = grown("vdrive_watchdog_trips_total")
+        if lost > may_be_lost and not self.visitors.failures:
+            self.problems.append(f"the watchdog found {lost} masters silent, {may_be_lost} were "
+                                 "killed or left without an answer")
         if after["incarnation"] != before["incarnation"]:
             self.problems.append("the service has another incarnation")
         if jumps and not self.options.allow_jumps:
