@@ -208,8 +208,9 @@ bool decode(std::span<const std::byte> sample, Message& message) noexcept {
   }
 }
 
-CommandDecoder::CommandDecoder() {
-  for (std::size_t count = 0; count < msg::MAX_AXES_PER_FRAME; ++count) {
+CommandDecoder::CommandDecoder(std::size_t spare) {
+  spare_.reserve(spare + msg::MAX_AXES_PER_FRAME);
+  for (std::size_t count = 0; count < spare; ++count) {
     spare_.emplace_back().objects().reserve(msg::MAX_OBJECTS_PER_AXIS);
   }
 }
@@ -217,7 +218,6 @@ CommandDecoder::CommandDecoder() {
 /// A vector that shrinks would throw the room of its elements' sequences away.
 void CommandDecoder::resize(std::vector<msg::AxisCommand>& axes, std::size_t count) {
   axes.reserve(msg::MAX_AXES_PER_FRAME);
-  spare_.reserve(2 * std::size_t{msg::MAX_AXES_PER_FRAME});
   while (axes.size() > count) {
     if (spare_.size() < spare_.capacity()) {
       spare_.push_back(std::move(axes.back()));
@@ -226,7 +226,7 @@ void CommandDecoder::resize(std::vector<msg::AxisCommand>& axes, std::size_t cou
   }
   while (axes.size() < count) {
     if (spare_.empty()) {
-      axes.emplace_back().objects().reserve(msg::MAX_OBJECTS_PER_AXIS);
+      axes.emplace_back();
     } else {
       axes.push_back(std::move(spare_.back()));
       spare_.pop_back();

@@ -58,6 +58,7 @@ BenchEngine::BenchEngine(const Configuration& configuration, const BenchIdentity
   command_reply_.refusals().reserve(msg::MAX_AXES_PER_FRAME);
   command_reply_.ignored_set_points().reserve(msg::MAX_AXES_PER_FRAME);
   frame_refusal_.refusals().resize(1);
+  due_frame_.axes().reserve(msg::MAX_AXES_PER_FRAME);
   for (std::size_t axis = 0; axis < bank_.size(); ++axis) {
     seen_[axis].statusword = bank_.status(axis).ds402_statusword;
   }

@@ -69,6 +69,7 @@ struct Arguments {
   std::optional<std::string> replay;
   std::optional<std::string> wire;
   std::optional<int> wire_process;
+  bool without_guard = false;
   std::string log_level = "info";
   bool print_config = false;
 };
@@ -117,6 +118,7 @@ void declare(CLI::App& app, Arguments& arguments) {
       ->check(CLI::IsMember({"process", "thread"}))
       ->type_name("FORM");
   app.add_option("--wire-process", arguments.wire_process)->group("");  // the service starts it so
+  app.add_flag("--without-guard", arguments.without_guard)->group("");  // for tests of what follows
   app.add_option("--log-level", arguments.log_level, "What to log on standard error")
       ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}))
       ->capture_default_str();
@@ -154,6 +156,7 @@ void override(Configuration& configuration, const Arguments& arguments) {
   }
   configuration.rate = arguments.rate.value_or(configuration.rate);
   configuration.threads = arguments.threads.value_or(configuration.threads);
+  configuration.network.guard = !arguments.without_guard;
   if (arguments.wire) {
     configuration.wire_form = wire_form_named(*arguments.wire);
   }
@@ -254,7 +257,7 @@ int serve(const Configuration& configuration, const Arguments& arguments) {
   // Before the first thread too: its child must have none of them.
   const bool has_process = effective_wire_form(configuration) == WireForm::process;
   auto host = has_process
-                  ? std::make_unique<WireHost>(WireSettings{.network = configuration.network,
+                  ? std::make_shared<WireHost>(WireSettings{.network = configuration.network,
                                                             .bench = configuration.bench,
                                                             .log_level = arguments.log_level})
                   : nullptr;

@@ -8,6 +8,10 @@ namespace vdrive::service {
 PendingFrames::PendingFrames() : slots_(kCapacity) {
   order_.reserve(kCapacity);
   free_.reserve(kCapacity);
+  for (Slot& slot : slots_) {
+    // Frames swap their room with it. The kernel gives the pages that are written to.
+    slot.frame.axes().reserve(msg::MAX_AXES_PER_FRAME);
+  }
   for (std::size_t slot = kCapacity; slot > 0; --slot) {
     free_.push_back(static_cast<std::uint16_t>(slot - 1));
   }

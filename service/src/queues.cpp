@@ -10,6 +10,9 @@ constexpr std::size_t kStatusesInFlight = 65'536;
 constexpr std::size_t kLeastImages = 4;
 constexpr std::size_t kMostImages = 64;
 
+/// Commands of frames that wait for their tick take the room of their objects with them.
+constexpr std::size_t kSpareCommands = 1'024;
+
 /// Of a sample that found no room; it holds all that `TurnedAway` has.
 constexpr std::size_t kBeginning = 64;
 
@@ -44,7 +47,7 @@ bool ArrivalIntake::put(wire::TopicId topic, std::span<const std::byte> sample,
 }
 
 Inbox::Inbox(std::uint32_t bench, ByteRing arrivals, ByteRing turned_away, Counters& counters)
-    : bench_(bench), counters_(counters), arrivals_(arrivals), turned_away_(turned_away) {
+    : bench_(bench), counters_(counters), arrivals_(arrivals), turned_away_(turned_away), decoder_(kSpareCommands) {
   arrival_.frame.axes().reserve(msg::MAX_AXES_PER_FRAME);
   arrival_.request.axes().reserve(msg::MAX_AXES_PER_FRAME);
   arrival_.request.objects().reserve(msg::MAX_OBJECTS_PER_REQUEST);

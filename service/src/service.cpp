@@ -88,7 +88,7 @@ WireSettings wire_settings(const Configuration& configuration) {
 class Wire {
  public:
   /// @param host of a wire's process; nothing = the wire is threads of this one
-  Wire(std::unique_ptr<WireHost> host, const Configuration& configuration, Counters& counters)
+  Wire(std::shared_ptr<WireHost> host, const Configuration& configuration, Counters& counters)
       : host_(std::move(host)),
         network_(configuration.network),
         own_region_(host_ ? nullptr : std::make_unique<WireRegion>(wire_settings(configuration))),
@@ -148,7 +148,7 @@ class Wire {
   }
 
  private:
-  std::unique_ptr<WireHost> host_;
+  std::shared_ptr<WireHost> host_;
   wire::NetworkSettings network_;
   std::unique_ptr<WireRegion> own_region_;
   WireLink link_;
@@ -160,7 +160,7 @@ class Wire {
 class Service::Threads {
  public:
   Threads(Configuration configuration, JournalSink journal, std::unique_ptr<ParameterStore> store,
-          std::unique_ptr<WireHost> host)
+          std::shared_ptr<WireHost> host)
       : configuration_(std::move(configuration)),
         parameters_(std::move(store), configuration_),
         identity_{configuration_.bench, static_cast<std::uint64_t>(timer_.wall_now().count())},
@@ -440,7 +440,7 @@ class Service::Threads {
 };
 
 Service::Service(Configuration configuration, JournalSink journal,
-                 std::unique_ptr<ParameterStore> store, std::unique_ptr<WireHost> host) {
+                 std::unique_ptr<ParameterStore> store, std::shared_ptr<WireHost> host) {
   check(configuration);
   threads_ = std::make_unique<Threads>(std::move(configuration), std::move(journal),
                                        std::move(store), std::move(host));

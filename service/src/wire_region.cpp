@@ -93,7 +93,8 @@ std::string to_json(const WireSettings& settings) {
                         {"peers", network.peers},
                         {"discovery_servers", network.discovery_servers},
                         {"shared_memory", network.shared_memory},
-                        {"security", network.security}}
+                        {"security", network.security},
+                        {"guard", network.guard}}
       .dump();
 }
 
@@ -108,6 +109,7 @@ WireSettings wire_settings_from_json(const std::string& text) {
   json.at("discovery_servers").get_to(settings.network.discovery_servers);
   json.at("shared_memory").get_to(settings.network.shared_memory);
   json.at("security").get_to(settings.network.security);
+  json.at("guard").get_to(settings.network.guard);
   return settings;
 }
 

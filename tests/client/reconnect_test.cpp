@@ -2,6 +2,7 @@
 // Sessions whose bench loses its network part and gets another one, in the same run: the real
 // engine behind a wire that the test takes away.
 #include "bench_messages.hpp"
+#include "support/local_inbox.hpp"
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
 #include "vdrive/client/axis.hpp"
@@ -41,7 +42,7 @@ constexpr ObjectAddress kWindow{0x6067, 0};
 /// What of a bench names DDS. It may lose what comes or what goes.
 class Wire {
  public:
-  explicit Wire(service::Inbox& inbox)
+  explicit Wire(test::LocalInbox& inbox)
       : participant_({.domain = test::test_domain()}, "wire"),
         replies_(participant_),
         command_replies_(participant_),
@@ -254,7 +255,7 @@ class Bench {
 
   service::Configuration configuration_;
   service::Counters counters_;
-  service::Inbox inbox_;
+  test::LocalInbox inbox_;
   service::Outbox outbox_;
   std::mutex mutex_;
   std::condition_variable_any changed_;

@@ -55,6 +55,9 @@ class Probe {
   /// was seen. @return false after 10 s.
   [[nodiscard]] bool wait_until(const std::function<bool()>& condition);
 
+  /// @return whom its messages come from.
+  [[nodiscard]] wire::Source source() const { return participant_.source(); }
+
   // What was seen; inside of a condition only.
   [[nodiscard]] const std::vector<msg::BenchDescription>& seen_descriptions() const {
     return descriptions_;

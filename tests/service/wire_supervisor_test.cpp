@@ -96,9 +96,11 @@ TEST(WireJudge, WaitsLongerAndLongerWhereAWireEndsAgainAndAgain) {
   std::vector<std::chrono::milliseconds> delays;
   for (int count = 0; count < 9; ++count) {
     judge.started(kStart);
-    delays.push_back(std::chrono::duration_cast<std::chrono::milliseconds>(judge.ended(kStart) - kStart));
+    delays.push_back(
+        std::chrono::duration_cast<std::chrono::milliseconds>(judge.ended(kStart) - kStart));
   }
-  EXPECT_EQ(delays, (std::vector{0ms, 100ms, 200ms, 400ms, 800ms, 1'600ms, 3'200ms, 5'000ms, 5'000ms}));
+  EXPECT_EQ(delays,
+            (std::vector{0ms, 100ms, 200ms, 400ms, 800ms, 1'600ms, 3'200ms, 5'000ms, 5'000ms}));
   HealthyWire wire;
   judge.started(kStart);
   ASSERT_FALSE(judge.reason_to_end(wire.next(), kStart).has_value());

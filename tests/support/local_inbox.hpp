@@ -6,6 +6,8 @@
 #include "vdrive/wire/topics.hpp"
 
 #include <cstddef>
+#include <mutex>
+#include <span>
 #include <vector>
 
 namespace vdrive::test {
@@ -34,8 +36,10 @@ class LocalInbox : private InboxMemory, public service::Inbox {
         intake_(arrivals(), turned_away()),
         counters_of_test_(counters) {}
 
+  /// Any thread.
   template <typename Message>
   void receive(const Message& message, const wire::Source& source) {
+    const std::lock_guard lock(producers_);
     sample_.resize(wire::encoded_size(message));
     wire::encode(message, sample_);
     receive_sample(wire::Topic<Message>::kId, sample_, source);
@@ -49,6 +53,7 @@ class LocalInbox : private InboxMemory, public service::Inbox {
   }
 
  private:
+  std::mutex producers_;
   service::ArrivalIntake intake_;
   service::Counters& counters_of_test_;
   std::vector<std::byte> sample_;

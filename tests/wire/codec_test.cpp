@@ -81,7 +81,8 @@ TEST(StatusCodec, WritesTheBytesOfTheGeneratedEncoder) {
     status.push_back(make_status(static_cast<int>(axis)));
     owners.push_back({.session = 0xFEDC0000 + axis, .epoch = 4, .last_sequence = 1'000 + axis});
     numbers.push_back(static_cast<std::uint16_t>(300 + axis));
-    to_message(status.back(), {3, numbers.back()}, 77, owners.back(), message.axes().emplace_back());
+    to_message(status.back(), {3, numbers.back()}, 77, owners.back(),
+               message.axes().emplace_back());
   }
   Bytes bytes(encoded_status_frame_size(kAxes));
   ASSERT_EQ(encode_status_frame({.bench = 3,
@@ -104,7 +105,8 @@ TEST(StatusCodec, WritesNothingWhereThereIsNoRoom) {
   const std::vector<Ownership> owners(2);
   const std::vector<std::uint16_t> numbers{1, 2};
   Bytes bytes(encoded_status_frame_size(2) - 1, std::byte{0x55});
-  EXPECT_EQ(encode_status_frame({}, {.status = status, .owners = owners, .numbers = numbers}, bytes), 0U);
+  EXPECT_EQ(
+      encode_status_frame({}, {.status = status, .owners = owners, .numbers = numbers}, bytes), 0U);
   EXPECT_EQ(bytes, Bytes(bytes.size(), std::byte{0x55}));
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Guarded participants against the real library: what kills, wedges or fills an unguarded one.
+#include "attacker.hpp"
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
 #include "vdrive/wire/participant.hpp"
@@ -33,10 +34,13 @@ namespace vdrive::wire {
 namespace {
 
 using namespace std::chrono_literals;
+using test::Attacker;
 using test::Body;
 using test::Datagram;
 using test::DatagramWriter;
+using test::gap_without_end;
 using test::GuidPrefix;
+using test::statistics_with_more_behind;
 using Clock = std::chrono::steady_clock;
 
 constexpr auto kPatience = 20s;
@@ -121,36 +125,6 @@ class Asker {
   std::atomic<std::uint64_t> last_{0};
   std::uint64_t number_ = 0;
   Subscription<msg::Reply> replies;
-};
-
-/// Sends to every port that a participant of the domain may have on loopback.
-class Attacker {
- public:
-  Attacker() : socket_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {}
-
-  ~Attacker() { close(socket_); }
-
-  Attacker(const Attacker&) = delete;
-  Attacker& operator=(const Attacker&) = delete;
-
-  /// @param port counted from the first of the domain: 10 metatraffic and 11 data of participant 0
-  void send(const Datagram& datagram, std::uint32_t port) const {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    address.sin_port = htons(static_cast<std::uint16_t>(7400 + 250 * test::test_domain() + port));
-    static_cast<void>(sendto(socket_, datagram.data(), datagram.size(), 0,
-                             std::bit_cast<sockaddr*>(&address), sizeof address));
-  }
-
-  void send_to_discovery(const Datagram& datagram) const {
-    for (std::uint32_t participant = 0; participant < 16; ++participant) {
-      send(datagram, 10 + 2 * participant);
-    }
-  }
-
- private:
-  int socket_;
 };
 
 Source source_of(const GuidPrefix& prefix) {
@@ -287,21 +261,6 @@ TEST(AParticipant, OutlivesTwoHundredJoinsAndLeaves) {
 }
 
 // ---- datagrams that the library does not survive ------------------------------------------------
-
-Datagram statistics_with_more_behind(const GuidPrefix& sender) {
-  Datagram datagram = DatagramWriter(sender).add(0x80, 1, Datagram(56)).bytes();
-  datagram.resize(datagram.size() + 4);
-  return datagram;
-}
-
-/// From the publications of a participant that is known: one that is not is not listened to.
-Datagram gap_without_end(const GuidPrefix& sender) {
-  const std::int64_t far = std::int64_t{1} << 36U;
-  return DatagramWriter(sender)
-      .add(0x08, 1,
-           test::gap(test::kPublicationsReader, test::kPublicationsWriter, 100, far).bytes())
-      .bytes();
-}
 
 TEST(AnUnguardedParticipant, DiesOfOneStatisticsSubmessage) {
   Visitor visitor("visitor", {"unguarded"});

@@ -44,7 +44,9 @@ enum class Decoding : std::uint8_t {
 /// nothing once each message has had its largest size.
 class CommandDecoder {
  public:
-  CommandDecoder();
+  /// @param spare commands whose objects have room from the beginning; further ones get theirs
+  ///        when they are first needed
+  explicit CommandDecoder(std::size_t spare = 0);
 
   /// `frame` has room for the largest message after the first call.
   [[nodiscard]] Decoding decode(std::span<const std::byte> sample, msg::CommandFrame& frame);

@@ -44,7 +44,7 @@ class Service {
   ///         wire::NetworkError
   explicit Service(Configuration configuration, JournalSink journal = nullptr,
                    std::unique_ptr<ParameterStore> store = nullptr,
-                   std::unique_ptr<WireHost> host = nullptr);
+                   std::shared_ptr<WireHost> host = nullptr);
 
   /// Stops.
   ~Service();

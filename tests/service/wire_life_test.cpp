@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: Apache-2.0
+// The wire of a bench ends, hangs, goes deaf; the bench goes on. Real processes.
+#include "service/probe.hpp"
+#include "support/test_domain.hpp"
+#include "tool/process.hpp"
+#include "wire/attacker.hpp"
+
+#include <gtest/gtest.h>
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace vdrive::test {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+std::string text_of(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+/// @return the process whose parent is `parent`, or 0.
+pid_t child_of(pid_t parent) {
+  const std::string wanted = "PPid:\t" + std::to_string(parent) + "\n";
+  for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+    if (text_of(entry.path() / "status").find(wanted) != std::string::npos) {
+      return std::stoi(entry.path().filename().string());
+    }
+  }
+  return 0;
+}
+
+bool exists(pid_t process) {
+  return ::kill(process, 0) == 0;
+}
+
+/// Looks again until it holds. @return false after 10 s.
+template <typename Condition>
+bool holds_soon(Condition condition) {
+  const auto deadline = Clock::now() + 10s;
+  while (!condition()) {
+    if (Clock::now() > deadline) {
+      return false;
+    }
+    std::this_thread::yield();
+  }
+  return true;
+}
+
+/// vdrived with its wire in a process of its own.
+class Bench {
+ public:
+  explicit Bench(std::vector<std::string> more = {})
+      : process_(VDRIVE_SERVICE, with_wire_process(std::move(more))) {}
+
+  [[nodiscard]] pid_t engine() const { return process_.id(); }
+
+  [[nodiscard]] pid_t spawner() const { return child_of(engine()); }
+
+  [[nodiscard]] pid_t wire() const {
+    const pid_t parent = spawner();
+    return parent == 0 ? 0 : child_of(parent);
+  }
+
+  /// SIGTERM. @return how it ended, and after what time.
+  std::pair<Finished, std::chrono::milliseconds> end() {
+    const auto begin = Clock::now();
+    process_.send(SIGTERM);
+    Finished finished = process_.wait();
+    return {std::move(finished),
+            std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - begin)};
+  }
+
+ private:
+  static std::vector<std::string> with_wire_process(std::vector<std::string> more) {
+    std::vector<std::string> arguments{
+        "--domain", std::to_string(test_domain()), "--wire", "process", "--log-level", "warn"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
+
+  Process process_;
+};
+
+bool is_restart(const msg::Event& event) {
+  return event.kind() == msg::EVENT_WIRE && event.code() == 2;
+}
+
+/// @return the time from now to the first status of a tick that is not yet known.
+std::chrono::milliseconds time_to_next_status(Probe& probe) {
+  const std::uint64_t tick = probe.status().value().tick();
+  const auto begin = Clock::now();
+  EXPECT_TRUE(probe.wait_until([&] {
+    return probe.seen_status()->tick() > tick + 50;
+  }));
+  return std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - begin);
+}
+
+TEST(AnEngine, OutlivesItsWireAndStartsAnother) {
+  Bench bench({"--axes", "8"});
+  Probe probe(test_domain());
+  ASSERT_TRUE(probe.find_bench());
+  const std::uint64_t incarnation = probe.incarnation;
+  const auto epoch = probe.acquire({1});
+  ASSERT_TRUE(epoch.has_value());
+  ASSERT_TRUE(probe.wait_until([&] {
+    return probe.seen_status().has_value();
+  }));
+  for (std::uint64_t count = 1; count <= 3; ++count) {
+    const pid_t wire = bench.wire();
+    ASSERT_NE(wire, 0);
+    ::kill(wire, count == 2 ? SIGABRT : SIGKILL);
+    EXPECT_LT(time_to_next_status(probe), 5s);
+    ASSERT_TRUE(probe.event(is_restart).has_value());
+    ASSERT_TRUE(probe.wait_until([&] {
+      return probe.seen_state() && probe.seen_state()->wire_starts() == count + 1;
+    }));
+    ASSERT_NE(bench.wire(), wire);
+  }
+  EXPECT_EQ(probe.seen_state()->incarnation(), incarnation);
+  EXPECT_EQ(probe.seen_state()->jumps(), 0U);
+  ASSERT_TRUE(probe.find_bench());
+  EXPECT_EQ(probe.incarnation, incarnation);
+  EXPECT_TRUE(probe.read(1, 0x6041).has_value()) << "requests are answered through the new wire";
+}
+
+TEST(AnEngine, TellsWhoComesLaterWhatItToldBeforeItsWireEnded) {
+  Bench bench({"--axes", "2"});
+  {
+    Probe probe(test_domain());
+    ASSERT_TRUE(probe.find_bench());
+    ASSERT_TRUE(probe.acquire({1}).has_value());
+  }
+  ::kill(bench.wire(), SIGKILL);
+  Probe late(test_domain());
+  ASSERT_TRUE(late.find_bench());
+  EXPECT_TRUE(late.event(is_restart).has_value());
+  EXPECT_TRUE(late.event([](const msg::Event& event) {
+                    return event.kind() == msg::EVENT_CONTROL_CHANGED;
+                  })
+                  .has_value())
+      << "an event of before";
+  EXPECT_TRUE(late.wait_until([&] {
+    return late.seen_parameters() >= 2;
+  })) << "the parameters of both axes";
+}
+
+// A stopped process stands for every thread that spins or waits for ever: its pumps make no round
+// for 2 s. Two further seconds are for the machine.
+TEST(AnEngine, EndsAWireThatHangs) {
+  Bench bench({"--axes", "2"});
+  Probe probe(test_domain());
+  ASSERT_TRUE(probe.find_bench());
+  ASSERT_TRUE(probe.wait_until([&] {
+    return probe.seen_status().has_value();
+  }));
+  const pid_t wire = bench.wire();
+  ::kill(wire, SIGSTOP);
+  EXPECT_LT(time_to_next_status(probe), 5s);
+  EXPECT_TRUE(holds_soon([&] {
+    return !exists(wire);
+  }));
+}
+
+/// @return the text of the next event that says why a wire is gone.
+std::string reason_of_the_loss(Probe& probe) {
+  const auto lost = probe.event([](const msg::Event& event) {
+    return event.kind() == msg::EVENT_WIRE && event.code() == 1;
+  });
+  return lost ? std::string(lost->text().c_str()) : "";
+}
+
+TEST(AnEngine, OutlivesADatagramThatItsLibraryDoesNot) {
+  Bench bench({"--without-guard"});
+  Probe probe(test_domain());
+  ASSERT_TRUE(probe.find_bench());
+  ASSERT_TRUE(probe.wait_until([&] {
+    return probe.seen_status().has_value();
+  }));
+  Attacker().send_to_discovery(statistics_with_more_behind({1, 15, 1}));
+  EXPECT_LT(time_to_next_status(probe), 5s);
+  EXPECT_NE(reason_of_the_loss(probe).find("signal 6"), std::string::npos);
+}
+
+// The thread of discovery spins and takes memory: whichever bound comes first ends the wire.
+TEST(AnEngine, EndsAWireThatDiscoversNobodyAnyMore) {
+  Bench bench({"--without-guard"});
+  Probe probe(test_domain());
+  ASSERT_TRUE(probe.find_bench());
+  const auto begin = Clock::now();
+  Attacker().send_to_discovery(gap_without_end(probe.source().participant));
+  const std::string reason = reason_of_the_loss(probe);
+  // 4 s of probes that do not come through, or 512 MiB; two seconds more are for the machine.
+  EXPECT_LT(Clock::now() - begin, 7s);
+  EXPECT_TRUE(reason.find("deaf") != std::string::npos ||
+              reason.find("memory") != std::string::npos)
+      << reason;
+  EXPECT_TRUE(Probe(test_domain()).find_bench()) << "and the next wire discovers";
+}
+
+TEST(AnEngine, StepsThroughANewWireInLockStep) {
+  Bench bench({"--axes", "2", "--clock", "lockstep"});
+  Probe probe(test_domain());
+  ASSERT_TRUE(probe.find_bench());
+  ASSERT_TRUE(probe.step(5).has_value());
+  ::kill(bench.wire(), SIGKILL);
+  ASSERT_TRUE(probe.event(is_restart).has_value());
+  ASSERT_TRUE(probe.find_bench());
+  const auto reply = probe.step(1);
+  ASSERT_TRUE(reply.has_value());
+  EXPECT_EQ(reply->tick(), 6U);
+}
+
+TEST(AnEngine, GivesTheNetworkAwayAndItsWireTheFiles) {
+  Bench bench;
+  Probe probe(test_domain());
+  ASSERT_TRUE(probe.find_bench());
+  const auto is_filtered = [](pid_t process) {
+    return text_of("/proc/" + std::to_string(process) + "/status").find("Seccomp:\t2") !=
+           std::string::npos;
+  };
+  EXPECT_TRUE(is_filtered(bench.engine()));
+  EXPECT_TRUE(is_filtered(bench.wire()));
+  EXPECT_FALSE(is_filtered(bench.spawner())) << "it starts the next wire";
+}
+
+TEST(AnEngine, LeavesNoProcessBehindAndEndsInTimeWhenItsWireHangs) {
+  Bench bench;
+  Probe probe(test_domain());
+  ASSERT_TRUE(probe.find_bench());
+  const pid_t spawner = bench.spawner();
+  const pid_t wire = bench.wire();
+  ::kill(wire, SIGSTOP);
+  const auto [finished, time] = bench.end();
+  EXPECT_EQ(finished.code, 0) << finished.errors;
+  EXPECT_LE(time, 2s);
+  EXPECT_TRUE(holds_soon([&] {
+    return !exists(wire) && !exists(spawner);
+  }));
+}
+
+TEST(AnEngine, TakesItsWireWithItWhenItIsKilled) {
+  pid_t spawner = 0;
+  pid_t wire = 0;
+  {
+    Bench bench;
+    Probe probe(test_domain());
+    ASSERT_TRUE(probe.find_bench());
+    spawner = bench.spawner();
+    wire = bench.wire();
+  }
+  EXPECT_TRUE(holds_soon([&] {
+    return !exists(wire) && !exists(spawner);
+  }));
+}
+
+}  // namespace
+}  // namespace vdrive::test
