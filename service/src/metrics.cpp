@@ -111,6 +111,23 @@ void add_commands(Families& families, const Counters& counters) {
                    counters.master_losses.get());
 }
 
+void add_wire(Families& families, const Counters& counters) {
+  families.gauge("vdrive_wire_up", "1 while the service is on the network, 0 while it is not",
+                 static_cast<double>(counters.wire_is_up.get()));
+  families.counter("vdrive_wire_starts_total",
+                   "Starts of the network process; 1 = it never had to be started again",
+                   counters.wire_starts.get());
+  families.gauge("vdrive_wire_resident_bytes",
+                 "Memory of the network process; 0 = its threads belong to the service",
+                 static_cast<double>(counters.wire_resident.get()));
+  families.counter("vdrive_datagrams_dropped_total",
+                   "Datagrams that were dropped because no conforming program sends them",
+                   counters.guarded.get());
+  families.counter("vdrive_malformed_samples_total",
+                   "Commands and requests that arrived and could not be decoded",
+                   counters.malformed.get());
+}
+
 void add_refusals(Families& families, const Counters& counters) {
   bool is_first = true;
   for (const auto& [reason, count] : counters.refusals.counts()) {
@@ -167,6 +184,7 @@ std::vector<MetricFamily> Metrics::Collect() const {
   add_ticks(families, counters_);
   add_lateness(families, counters_);
   add_queues(families, counters_, depths_());
+  add_wire(families, counters_);
   add_commands(families, counters_);
   add_refusals(families, counters_);
   add_published(families, counters_);

@@ -104,6 +104,26 @@ TEST_F(MetricsTest, AreServedAsPrometheusText) {
   }
 }
 
+TEST_F(MetricsTest, TellHowTheNetworkProcessIs) {
+  counters_.wire_starts.add(3);
+  counters_.wire_is_up.set(1);
+  counters_.wire_resident.set(50'000'000);
+  counters_.guarded.set(6);
+  counters_.malformed.add(7);
+  const std::string answer = get(sut_.port(), "/metrics");
+  for (const char* const line :
+       {"# TYPE vdrive_wire_starts_total counter", "\nvdrive_wire_starts_total{bench=\"4\"} 3\n",
+        "# TYPE vdrive_wire_up gauge", "\nvdrive_wire_up{bench=\"4\"} 1\n",
+        "# TYPE vdrive_wire_resident_bytes gauge",
+        "\nvdrive_wire_resident_bytes{bench=\"4\"} 50000000\n",
+        "# TYPE vdrive_datagrams_dropped_total counter",
+        "\nvdrive_datagrams_dropped_total{bench=\"4\"} 6\n",
+        "# TYPE vdrive_malformed_samples_total counter",
+        "\nvdrive_malformed_samples_total{bench=\"4\"} 7\n"}) {
+    EXPECT_THAT(answer, HasSubstr(line));
+  }
+}
+
 TEST_F(MetricsTest, ShowTheLatenessOfTicksAsAHistogram) {
   // Bins are powers of two of microseconds: 0.5 us is below 1 us, 3 us below 4 us.
   counters_.count_lateness(500ns);
