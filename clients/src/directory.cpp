@@ -64,6 +64,7 @@ void Directory::on_state(const msg::BenchState& message, Clock::time_point now) 
   if (found == entries_.end()) return;
   Entry& entry = found->second;
   entry.info.rate = message.rate();
+  entry.info.wire_starts = message.wire_starts();
   entry.rate_heard = now;
   entry.slowest_stepper = message.slowest_stepper();
 }

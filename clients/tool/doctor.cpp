@@ -171,6 +171,36 @@ Finding look_at_segments(const HostReadings& readings) {
   return finding;
 }
 
+Finding look_at_version(const client::BenchInfo& bench) {
+  Finding finding{.subject = "benches",
+                  .text = "bench " + std::to_string(bench.number) + " " + in_quotes(bench.name) +
+                          ", " + std::to_string(bench.axes.size()) + " axes, " +
+                          std::string(to_string(bench.clock_mode)) + ", version " +
+                          bench.service_version,
+                  .advice = ""};
+  if (bench.service_version != VDRIVE_VERSION) {
+    finding.severity = Severity::hint;
+    finding.advice = "this tool is version " VDRIVE_VERSION ": update the older one";
+  }
+  return finding;
+}
+
+Finding look_at_wire(const client::BenchInfo& bench) {
+  const std::string subject = "the network process of bench " + std::to_string(bench.number);
+  if (bench.wire_starts == 1) {
+    return {.subject = "benches",
+            .text = subject + " never ended since the service started",
+            .advice = ""};
+  }
+  const std::uint64_t restarts = bench.wire_starts - 1;
+  return {.severity = Severity::hint,
+          .subject = "benches",
+          .text = subject + " was started again " +
+                  (restarts == 1 ? "once" : std::to_string(restarts) + " times") +
+                  " since the service started; its axes were not stopped by that",
+          .advice = "the log of the service and the events of the bench say why each time"};
+}
+
 }  // namespace
 
 std::vector<Finding> look_at_benches(std::span<const client::BenchInfo> benches,
@@ -184,16 +214,9 @@ std::vector<Finding> look_at_benches(std::span<const client::BenchInfo> benches,
   }
   std::vector<Finding> findings;
   for (const client::BenchInfo& bench : benches) {
-    Finding& finding = findings.emplace_back(Finding{
-        .subject = "benches",
-        .text = "bench " + std::to_string(bench.number) + " " + in_quotes(bench.name) + ", " +
-                std::to_string(bench.axes.size()) + " axes, " +
-                std::string(to_string(bench.clock_mode)) + ", version " + bench.service_version,
-        .advice = ""});
-    if (bench.service_version != VDRIVE_VERSION) {
-      finding.severity = Severity::hint;
-      finding.advice = "this tool is version " VDRIVE_VERSION ": update the older one";
-    }
+    findings.push_back(look_at_version(bench));
+    // 0: it has not said yet.
+    if (bench.wire_starts != 0) findings.push_back(look_at_wire(bench));
   }
   return findings;
 }

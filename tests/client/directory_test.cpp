@@ -80,6 +80,19 @@ TEST(Directory, OfTwoWithOneNumberBelievesTheLowerIncarnation) {
   EXPECT_EQ(sut.present(kStart)[0].info.incarnation, 10U);
 }
 
+TEST(Directory, TellsHowOftenTheNetworkProcessOfABenchWasStarted) {
+  Directory sut;
+  sut.on_description(description(1, 10), kSource, kStart);
+  sut.heard({1, 10}, 1, kStart);
+  EXPECT_EQ(sut.find(1, kStart)->info.wire_starts, 0U) << "no state was heard";
+  for (const std::uint64_t starts : {1U, 4U}) {
+    msg::BenchState message = state(1, 10);
+    message.wire_starts(starts);
+    sut.on_state(message, kStart);
+    EXPECT_EQ(sut.find(1, kStart)->info.wire_starts, starts);
+  }
+}
+
 TEST(Directory, SurvivesNonsense) {
   Directory sut;
   msg::BenchDescription nonsense = description(1, 10, 5, 0);

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace vdrive::tool {
 namespace {
@@ -103,6 +104,41 @@ TEST(Doctor, TellsABenchOfAnotherVersion) {
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].severity, Severity::hint);
   EXPECT_THAT(found[0].text, HasSubstr("bench 3 'cell', 0 axes, realtime, version 0.0.1"));
+}
+
+client::BenchInfo bench_with_wire_starts(std::uint64_t starts) {
+  client::BenchInfo bench;
+  bench.number = 3;
+  bench.wire_starts = starts;
+  return bench;
+}
+
+TEST(Doctor, TellsHowOftenTheNetworkProcessOfABenchWasStartedAgain) {
+  // The first start is no restart.
+  const client::BenchInfo once = bench_with_wire_starts(2);
+  const client::BenchInfo often = bench_with_wire_starts(5);
+  for (const auto& [bench, words] :
+       {std::pair(once, "bench 3 was started again once since the service started"),
+        std::pair(often, "bench 3 was started again 4 times since the service started")}) {
+    const auto found = look_at_benches({&bench, 1}, {});
+    ASSERT_EQ(found.size(), 2U);
+    EXPECT_EQ(found[1].severity, Severity::hint);
+    EXPECT_THAT(found[1].text, HasSubstr(words));
+    EXPECT_THAT(found[1].advice, HasSubstr("log of the service"));
+  }
+}
+
+TEST(Doctor, FindsANetworkProcessGoodThatNeverEnded) {
+  const client::BenchInfo bench = bench_with_wire_starts(1);
+  const auto found = look_at_benches({&bench, 1}, {});
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(found[1].severity, Severity::good);
+  EXPECT_THAT(found[1].text, HasSubstr("bench 3 never ended"));
+}
+
+TEST(Doctor, SaysNothingOfANetworkProcessThatItHasNotHeardOf) {
+  const client::BenchInfo bench = bench_with_wire_starts(0);
+  EXPECT_EQ(look_at_benches({&bench, 1}, {}).size(), 1U);
 }
 
 TEST(Doctor, SaysHowToGetABenchWhereNoneIs) {

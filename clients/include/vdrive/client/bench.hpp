@@ -52,6 +52,8 @@ struct BenchInfo {
   std::uint32_t status_every_ticks = 1;
   std::uint64_t tick = 0;  ///< newest one heard of
   double rate = 1.0;       ///< realtime: drive time over wall time, 0 = paused
+  /// Starts of its network process in this run: 1 = it never ended, 0 = not heard yet.
+  std::uint64_t wire_starts = 0;
   double user_units_per_revolution = 4096.0;
   std::string dictionary_version;
   std::string service_version;
