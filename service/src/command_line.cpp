@@ -270,7 +270,7 @@ int serve(const Configuration& configuration, const Arguments& arguments) {
   Service service(configuration, arguments.journal ? open_journal(*arguments.journal) : nullptr,
                   std::move(store), std::move(host));
   if (has_process) {
-    confine_engine();
+    confine_engine(manager.listens_in_network() ? Network::keep : Network::leave);
   }
   service.start();
   watch(service, manager, signals,

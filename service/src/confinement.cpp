@@ -80,10 +80,10 @@ void log_failure(const char* half, int code) {
 
 }  // namespace
 
-void confine_engine() {
+void confine_engine(Network network) {
   prctl(PR_SET_NO_NEW_PRIVS, 1UL, 0UL, 0UL, 0UL);  // NOLINT(*-vararg)
   // Without the privilege the filter alone has to do.
-  const bool has_own_network = unshare(CLONE_NEWNET) == 0;
+  const bool has_own_network = network == Network::leave && unshare(CLONE_NEWNET) == 0;
   const Filter filter(seccomp_init(SCMP_ACT_ALLOW), &seccomp_release);
   int code = refuse(filter, kForNobody);
   if (code == 0) {

@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 #include <systemd/sd-daemon.h>
 
+#include <cstdlib>
 #include <system_error>
 
 namespace vdrive::service {
@@ -23,6 +24,8 @@ ServiceManager::ServiceManager() {
   if (sd_watchdog_enabled(0, &interval_us) > 0) {
     heartbeat_interval_.emplace(static_cast<std::int64_t>(interval_us / 2));
   }
+  const char* const socket = std::getenv("NOTIFY_SOCKET");  // NOLINT(concurrency-mt-unsafe)
+  listens_in_network_ = socket != nullptr && *socket == '@';
 }
 
 // The library keeps the socket in the environment; who talks to it is the manager all the same.

@@ -18,6 +18,10 @@ class ServiceManager {
     return heartbeat_interval_;
   }
 
+  /// @return whether it can only be told from within its network namespace: the name of its socket
+  /// is no file.
+  [[nodiscard]] bool listens_in_network() const noexcept { return listens_in_network_; }
+
   /// @param status a line for people
   void tell_ready(const std::string& status) const noexcept;
   void tell_status(const std::string& status) const noexcept;
@@ -26,6 +30,7 @@ class ServiceManager {
 
  private:
   std::optional<std::chrono::microseconds> heartbeat_interval_;
+  bool listens_in_network_ = false;
 };
 
 }  // namespace vdrive::service

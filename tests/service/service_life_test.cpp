@@ -238,6 +238,36 @@ TEST(ServiceManager, HearsThatTheServiceIsReadyOnlyAfterItHasListenedForItsNumbe
   EXPECT_EQ(service->wait().code, 0);
 }
 
+/// @return the only child of a process, or nothing when it has none.
+std::optional<pid_t> child_of(pid_t process) {
+  const std::string id = std::to_string(process);
+  std::ifstream file("/proc/" + id + "/task/" + id + "/children");
+  pid_t child = 0;
+  return file >> child ? std::optional(child) : std::nullopt;
+}
+
+TEST(ServiceManager, HearsThatTheNetworkIsGoneAndThatItIsBack) {
+  NotifySocket socket;
+  const auto service = serve({"--wire", "process"});
+  const std::string good = "STATUS=bench 1, 2 axes, realtime, DDS domain " +  //
+                           std::to_string(test_domain());
+  ASSERT_TRUE(socket.wait_for(good));
+  const auto spawner = child_of(service->id());
+  ASSERT_TRUE(spawner);
+  // The first one that ends is replaced at once, within the 50 ms after which the program looks
+  // again; each further one after twice the time: 100 ms, 200 ms...
+  std::optional<std::string> message;
+  const auto deadline = Clock::now() + 10s;
+  while (!message && Clock::now() < deadline) {
+    if (const auto wire = child_of(*spawner)) kill(*wire, SIGKILL);
+    message = socket.next(20ms);
+  }
+  EXPECT_EQ(message, good + ", no network: its wire is down");
+  EXPECT_EQ(socket.next(), good);
+  service->send(SIGTERM);
+  EXPECT_EQ(service->wait().code, 0);
+}
+
 TEST(ServiceManager, DoesNotHearAnythingOfAServiceWhoseNumberIsTaken) {
   const auto first = serve({"--bench", "3"});
   Probe probe(test_domain(), 3);
