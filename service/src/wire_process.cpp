@@ -81,6 +81,7 @@ class WireProcess {
       : control_(region.control()),
         settings_(region.settings()),
         generation_(control_.generation.load()),
+        guarded_before_(control_.guarded.load()),
         program_(region, settings_),
         probe_(settings_.network, program_) {}
 
@@ -106,7 +107,7 @@ class WireProcess {
     control_.state.store(WireState::running);
     while (control_.stop.load() == 0) {
       control_.resident.store(memory.resident());
-      control_.guarded.store(program_.guarded());
+      control_.guarded.store(guarded_before_ + program_.guarded());
       std::this_thread::sleep_for(100ms);
     }
     status.join();
@@ -167,6 +168,7 @@ class WireProcess {
   WireControl& control_;
   WireSettings settings_;
   std::uint32_t generation_;
+  std::uint64_t guarded_before_;  ///< dropped by the wires before this one
   WireProgram program_;
   WireProbe probe_;
   std::atomic<std::uint64_t> status_rounds_{0};

@@ -81,7 +81,7 @@ struct WireControl {
   std::atomic<std::uint64_t> sent{0};          ///< samples that the library took
   std::atomic<std::uint64_t> not_sent{0};      ///< samples that the library did not take
   std::atomic<std::uint64_t> undelivered{0};   ///< answers whose reader was not found in time
-  std::atomic<std::uint64_t> guarded{0};       ///< datagrams that the guard dropped
+  std::atomic<std::uint64_t> guarded{0};       ///< datagrams that the guards of all wires dropped
   std::atomic<std::uint64_t> overflows{0};     ///< arrivals that found their ring full
   std::atomic<std::uint32_t> finished{0};      ///< after `stop`: everything is out
 
