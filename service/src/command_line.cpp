@@ -239,8 +239,8 @@ void watch(Service& service, const ServiceManager& manager, const sigset_t& sign
   }
 }
 
-/// The axes have 1.5 s to come to rest. After that only the DDS library can hang, in threads that
-/// nobody can end but with the process.
+/// The axes have 1.5 s to come to rest. After that only the DDS library can hang, where it runs in
+/// this process: in threads that nobody can end but with the process.
 void end_in_time(int exit_code) {
   std::thread([exit_code] {
     constexpr std::chrono::milliseconds kLongest{1'950};
@@ -279,7 +279,9 @@ int serve(const Configuration& configuration, const Arguments& arguments) {
             std::string(to_string(configuration.clock)) + ", DDS domain " +
             std::to_string(configuration.network.domain));
   const auto older = service.conflict();
-  end_in_time(older ? kNumberTaken : kDone);
+  if (!has_process) {
+    end_in_time(older ? kNumberTaken : kDone);
+  }
   manager.tell_stopping();
   service.begin_shutdown();
   while (!service.is_shut_down() && !takes_signal(signals, kBusyPollInterval)) {

@@ -567,6 +567,11 @@ void check(const Configuration& configuration) {
   check_range("domain", configuration.network.domain, 0, kHighestDomain, "");
   check_range("status.every_ticks", configuration.status_every, 1, kMaxStatusEvery, " ticks");
   check_range("axes", static_cast<double>(configuration.axes.size()), 1, kMaxAxes, "");
+  if (configuration.wire_form == WireForm::process && configuration.network.shared_memory) {
+    throw ConfigurationError(
+        "wire.form = process does not go with network.shared_memory = true: the wire's process may "
+        "open no files, and segments are files; use wire.form: thread");
+  }
   if (configuration.watchdog) {
     check_range("watchdog", static_cast<double>(configuration.watchdog->count()),
                 static_cast<double>(kShortestWatchdog.count()),
@@ -620,8 +625,9 @@ std::optional<WireForm> wire_form_named(std::string_view name) noexcept {
 }
 
 WireForm effective_wire_form(const Configuration& configuration) noexcept {
-  return configuration.wire_form.value_or(
-      configuration.clock == ClockMode::realtime ? WireForm::process : WireForm::thread);
+  const bool may_have_process =
+      configuration.clock == ClockMode::realtime && !configuration.network.shared_memory;
+  return configuration.wire_form.value_or(may_have_process ? WireForm::process : WireForm::thread);
 }
 
 std::optional<std::chrono::milliseconds> effective_watchdog(

@@ -7,6 +7,7 @@
 #include <seccomp.h>
 #include <sys/prctl.h>
 #include <sys/socket.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <initializer_list>
@@ -28,6 +29,11 @@ constexpr std::initializer_list<int> kForNobody{SCMP_SYS(execve),
                                                 SCMP_SYS(bpf),
                                                 SCMP_SYS(mount),
                                                 SCMP_SYS(setns),
+                                                SCMP_SYS(kill),
+                                                SCMP_SYS(tkill),
+                                                SCMP_SYS(rt_sigqueueinfo),
+                                                SCMP_SYS(pidfd_send_signal),
+                                                SCMP_SYS(rt_tgsigqueueinfo),
                                                 SCMP_SYS(unshare),
                                                 SCMP_SYS(pivot_root),
                                                 SCMP_SYS(keyctl)};
@@ -103,6 +109,10 @@ void confine_wire() {
   const Filter filter(seccomp_init(SCMP_ACT_ALLOW), &seccomp_release);
   int code = refuse(filter, kForNobody);
   code = code < 0 ? code : refuse(filter, kFiles);
+  if (code == 0) {  // an assertion signals its own process
+    code = seccomp_rule_add(filter.get(), SCMP_ACT_ERRNO(EPERM), SCMP_SYS(tgkill), 1,
+                            SCMP_A0(SCMP_CMP_NE, static_cast<scmp_datum_t>(getpid())));
+  }
   code = code < 0 ? code : load(filter);
   if (code < 0) {
     log_failure("wire", code);

@@ -15,7 +15,7 @@ enum class Network : std::uint8_t { leave, keep };
 void confine_engine(Network network);
 
 /// Likewise for a wire that has joined its domain: no file can be opened, made, moved or removed
-/// any more, and no program started.
+/// any more, no program started, and no other process signalled.
 void confine_wire();
 
 }  // namespace vdrive::service

@@ -47,7 +47,11 @@ bool ArrivalIntake::put(wire::TopicId topic, std::span<const std::byte> sample,
 }
 
 Inbox::Inbox(std::uint32_t bench, ByteRing arrivals, ByteRing turned_away, Counters& counters)
-    : bench_(bench), counters_(counters), arrivals_(arrivals), turned_away_(turned_away), decoder_(kSpareCommands) {
+    : bench_(bench),
+      counters_(counters),
+      arrivals_(arrivals),
+      turned_away_(turned_away),
+      decoder_(kSpareCommands) {
   arrival_.frame.axes().reserve(msg::MAX_AXES_PER_FRAME);
   arrival_.request.axes().reserve(msg::MAX_AXES_PER_FRAME);
   arrival_.request.objects().reserve(msg::MAX_OBJECTS_PER_REQUEST);

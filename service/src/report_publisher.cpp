@@ -14,6 +14,7 @@
 namespace vdrive::service {
 namespace {
 
+using namespace std::chrono_literals;
 using namespace vdrive::literals;
 
 constexpr std::chrono::seconds kRateWindow{1};
@@ -288,12 +289,14 @@ void ReportPublisher::write(const Message& message) {
     return;
   }
   bool is_posted = link_.post(Lane::reports, message);
-  const auto deadline = Clock::now() + kLongestWaitForRoom;
+  // One wait for a wire that hangs, not one for each message: this thread judges the wire too.
+  const auto deadline = Clock::now() + (is_lane_stuck_ ? 0ms : kLongestWaitForRoom);
   while (!is_posted && link_.running() == met_ && Clock::now() < deadline) {
     link_.flush(Lane::reports);
     std::this_thread::yield();
     is_posted = link_.post(Lane::reports, message);
   }
+  is_lane_stuck_ = !is_posted;
   if (!is_posted) {
     counters_.queue_overflows.add();
   }

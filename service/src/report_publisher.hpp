@@ -51,8 +51,9 @@ class ReportPublisher {
   void write(const Message& message);
 
   WireLink& link_;
-  std::uint32_t met_ = 0;     ///< the wire that has the descriptions, 0 = none
-  bool has_history_ = false;  ///< it has parameters and events too
+  std::uint32_t met_ = 0;       ///< the wire that has the descriptions, 0 = none
+  bool is_lane_stuck_ = false;  ///< the last message found no room in time
+  bool has_history_ = false;    ///< it has parameters and events too
   BenchIdentity identity_;
   std::chrono::nanoseconds period_;
   Counters& counters_;

@@ -44,6 +44,8 @@ constexpr std::chrono::microseconds kAfterTick = 60us;
 constexpr std::chrono::milliseconds kLongestNap = 5ms;
 constexpr std::chrono::microseconds kReportNap = 500us;
 constexpr std::chrono::milliseconds kFarewell = 200ms;
+/// A wire in its own process then says goodbye; after this it is killed.
+constexpr std::chrono::milliseconds kLeave = 100ms;
 
 void prepare_tick_thread(int priority) {
   prctl(PR_SET_TIMERSLACK, 1UL);  // the default lets the kernel wake it 50 us late
@@ -140,7 +142,7 @@ class Wire {
   /// Waits until the readers have what was reported, and takes leave.
   void stop(std::chrono::milliseconds patience) {
     if (supervisor_) {
-      supervisor_->stop(patience);
+      supervisor_->stop(patience + kLeave);
     } else {
       static_cast<void>(program_->wait_for_readers(patience));
       link_.control().state = WireState::none;

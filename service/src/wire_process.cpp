@@ -31,7 +31,7 @@ using namespace std::chrono_literals;
 constexpr auto kPumpInterval = 20ms;
 constexpr auto kRetryInterval = 1ms;
 constexpr auto kProbeInterval = 500ms;
-constexpr auto kFarewell = 200ms;
+constexpr auto kFarewell = 150ms;
 
 /// The kernel's choice, should memory run out, is the half that can be started again.
 void volunteer_for_the_kernel() {
@@ -202,6 +202,7 @@ int run_wire_process(int region_descriptor) {
     return process.run();
   } catch (const std::exception& error) {
     tell(control, error.what());
+    spdlog::error("wire=failed text=\"{}\"", error.what());
     control.state.store(WireState::failed);
     return 1;
   }

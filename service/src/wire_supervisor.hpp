@@ -55,7 +55,7 @@ class WireJudge {
   /// A probe through discovery and data that does not come through in this time: it is deaf.
   static constexpr std::chrono::milliseconds kLongestProbe{4'000};
   /// A wire that ran for this long did not end because of how it was started.
-  static constexpr std::chrono::seconds kLongRun{10};
+  static constexpr std::chrono::seconds kLongRun{1};
   static constexpr std::chrono::milliseconds kFirstDelay{100};
   static constexpr std::chrono::milliseconds kLongestDelay{5'000};
 

@@ -72,7 +72,7 @@ struct Configuration {
   bool watchdog_is_chosen = false;  ///< in freerun a watchdog that nobody chose is off
   /// Prometheus metrics on this port of 127.0.0.1, 0 = any free one; nothing = off.
   std::optional<std::uint16_t> metrics_port;
-  std::optional<WireForm> wire_form;  ///< nothing = process in realtime, else thread
+  std::optional<WireForm> wire_form;  ///< nothing = process in realtime without shared memory
   std::uint64_t wire_memory_limit = std::uint64_t{512} << 20U;  ///< of its process [bytes]
   wire::NetworkSettings network;
   std::vector<NamedAxis> axes;  ///< 1 to kMaxAxes, in ascending order of their numbers
