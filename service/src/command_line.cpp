@@ -210,7 +210,7 @@ bool takes_signal(const sigset_t& signals, std::chrono::nanoseconds timeout) {
   return sigtimedwait(&signals, nullptr, &time) >= 0;
 }
 
-/// Until a signal comes or an older service with the same number.
+/// Until a signal comes, an older service with the same number, or the network is gone for good.
 void watch(Service& service, const ServiceManager& manager, const sigset_t& signals,
            const std::string& description) {
   const auto interval = manager.heartbeat_interval();
@@ -219,7 +219,8 @@ void watch(Service& service, const ServiceManager& manager, const sigset_t& sign
   bool is_ready = false;
   bool is_reachable = true;
   auto next_heartbeat = std::chrono::steady_clock::time_point{};
-  while (!takes_signal(signals, is_ready ? poll : kBusyPollInterval) && !service.conflict()) {
+  while (!takes_signal(signals, is_ready ? poll : kBusyPollInterval) && !service.conflict() &&
+         !service.is_cut_off()) {
     if (!is_ready && service.has_run()) {
       manager.tell_ready(description);
       is_ready = true;
@@ -279,6 +280,7 @@ int serve(const Configuration& configuration, const Arguments& arguments) {
             std::string(to_string(configuration.clock)) + ", DDS domain " +
             std::to_string(configuration.network.domain));
   const auto older = service.conflict();
+  const bool is_cut_off = service.is_cut_off();
   if (!has_process) {
     end_in_time(older ? kNumberTaken : kDone);
   }
@@ -291,6 +293,10 @@ int serve(const Configuration& configuration, const Arguments& arguments) {
     throw BenchNumberTaken("bench " + std::to_string(configuration.bench) +
                            " belongs to a service that started earlier (incarnation " +
                            std::to_string(*older) + ")");
+  }
+  if (is_cut_off) {
+    // A process may start programs only before it is confined: another run has to do it.
+    throw std::runtime_error("the process that starts the network process has ended");
   }
   return kDone;
 }

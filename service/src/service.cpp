@@ -135,6 +135,10 @@ class Wire {
     return supervisor_ ? supervisor_->next_news() : std::nullopt;
   }
 
+  [[nodiscard]] bool is_cut_off() const noexcept {
+    return supervisor_ && supervisor_->is_cut_off();
+  }
+
   [[nodiscard]] std::uint64_t guarded() const {
     return program_ ? program_->guarded() : link_.control().guarded.load();
   }
@@ -264,6 +268,8 @@ class Service::Threads {
 
   [[nodiscard]] bool is_reachable() const noexcept { return counters_.wire_is_up.get() != 0; }
 
+  [[nodiscard]] bool is_cut_off() const noexcept { return is_cut_off_; }
+
   [[nodiscard]] const BenchIdentity& identity() const noexcept { return identity_; }
 
   [[nodiscard]] const Counters& counters() const noexcept { return counters_; }
@@ -390,6 +396,7 @@ class Service::Threads {
 
   void look_at_wire() {
     wire_.look();
+    is_cut_off_ = wire_.is_cut_off();
     while (auto news = wire_.next_news()) {
       news->tick = counters_.tick.get();
       reports_.publish_event({*news});
@@ -438,6 +445,7 @@ class Service::Threads {
   Counter report_beats_;  ///< rounds
   Liveness liveness_{{&tick_beats_, &status_beats_, &report_beats_}};
   std::atomic<bool> stop_{false};
+  std::atomic<bool> is_cut_off_{false};
   std::vector<std::thread> running_;
 };
 
@@ -480,6 +488,10 @@ std::optional<std::uint64_t> Service::conflict() const noexcept {
 
 bool Service::is_reachable() const noexcept {
   return threads_->is_reachable();
+}
+
+bool Service::is_cut_off() const noexcept {
+  return threads_->is_cut_off();
 }
 
 const BenchIdentity& Service::identity() const noexcept {

@@ -132,7 +132,8 @@ WireSpawner::~WireSpawner() {
 
 bool WireSpawner::launch() noexcept {
   const Order order = Order::launch;
-  return send(socket_, &order, sizeof order, MSG_NOSIGNAL) == sizeof order;
+  is_gone_ = send(socket_, &order, sizeof order, MSG_NOSIGNAL) != sizeof order;
+  return !is_gone_;
 }
 
 void WireSpawner::kill() noexcept {
@@ -142,10 +143,9 @@ void WireSpawner::kill() noexcept {
 
 std::optional<WireEnd> WireSpawner::next_end() noexcept {
   WireEnd end;
-  if (recv(socket_, &end, sizeof end, MSG_DONTWAIT) == sizeof end) {
-    return end;
-  }
-  return std::nullopt;
+  const ssize_t size = recv(socket_, &end, sizeof end, MSG_DONTWAIT);
+  is_gone_ = size == 0 || (size < 0 && errno == ECONNRESET);
+  return size == sizeof end ? std::optional(end) : std::nullopt;
 }
 
 }  // namespace vdrive::service

@@ -35,9 +35,14 @@ class WireSpawner {
   /// @return the end of a wire since the last call. Does not wait.
   std::optional<WireEnd> next_end() noexcept;
 
+  /// @return whether it has ended, and its wire with it, as `launch` or `next_end` found out: no
+  /// wire can be started any more. For the thread that calls those.
+  [[nodiscard]] bool is_gone() const noexcept { return is_gone_; }
+
  private:
   int socket_ = -1;
   pid_t process_ = 0;
+  bool is_gone_ = false;
 };
 
 }  // namespace vdrive::service

@@ -151,6 +151,12 @@ void WireSupervisor::launch(Clock::time_point now) {
 
 void WireSupervisor::look() {
   const auto now = Clock::now();
+  if (spawner_.is_gone()) {
+    is_launched_ = false;
+    is_up_ = false;
+    counters_.wire_is_up.set(0);
+    return;
+  }
   if (is_launched_) {
     if (const auto end = spawner_.next_end()) {
       lose(*end, now);

@@ -106,6 +106,9 @@ class WireSupervisor {
   /// @return what happened as an event without its tick, oldest first.
   std::optional<EventRecord> next_news();
 
+  /// @return whether no wire can be started any more: the spawner is gone.
+  [[nodiscard]] bool is_cut_off() const noexcept { return spawner_.is_gone(); }
+
   /// The bench ends: lets the wire send what waits and take leave, for `patience` at most.
   void stop(std::chrono::milliseconds patience) noexcept;
 

@@ -268,6 +268,22 @@ TEST(ServiceManager, HearsThatTheNetworkIsGoneAndThatItIsBack) {
   EXPECT_EQ(service->wait().code, 0);
 }
 
+// Its exit code is a failure: the service manager starts it again.
+TEST(ServiceManager, GetsBackAServiceThatCannotStartANetworkProcessAnyMore) {
+  NotifySocket socket;
+  const auto service = serve({"--wire", "process"});
+  ASSERT_TRUE(socket.wait_for("READY=1"));
+  const auto spawner = child_of(service->id());
+  ASSERT_TRUE(spawner);
+  kill(*spawner, SIGKILL);
+  EXPECT_TRUE(socket.wait_for("STOPPING=1"));
+  const Finished finished = service->wait();
+  EXPECT_EQ(finished.code, 1);
+  EXPECT_NE(finished.errors.find("the process that starts the network process has ended"),
+            std::string::npos)
+      << finished.errors;
+}
+
 TEST(ServiceManager, DoesNotHearAnythingOfAServiceWhoseNumberIsTaken) {
   const auto first = serve({"--bench", "3"});
   Probe probe(test_domain(), 3);

@@ -83,6 +83,9 @@ class Service {
   /// @return whether clients can reach the bench now: its wire runs.
   [[nodiscard]] bool is_reachable() const noexcept;
 
+  /// @return whether no client can reach the bench any more in this run: no wire can be started.
+  [[nodiscard]] bool is_cut_off() const noexcept;
+
   [[nodiscard]] const BenchIdentity& identity() const noexcept;
   [[nodiscard]] const Counters& counters() const noexcept;
 
