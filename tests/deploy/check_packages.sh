@@ -65,6 +65,7 @@ control() {
   dpkg-deb --field "$(package_of "$1")" "$2"
 }
 [[ $(control vdrived Depends) == *libfastrtps* ]] || fail "vdrived depends on no DDS"
+[[ $(control vdrived Depends) == *libseccomp2* ]] || fail "vdrived depends on no filter of system calls"
 [[ $(control libvdrive-dev Depends) == *libeigen3-dev* ]] || fail "libvdrive-dev needs Eigen"
 dpkg-deb --ctrl-tarfile "$(package_of vdrived)" | tar -xO ./conffiles |
   grep -qx /etc/vdrive/vdrived.yaml || fail "the configuration would be overwritten"
