@@ -210,33 +210,68 @@ bool takes_signal(const sigset_t& signals, std::chrono::nanoseconds timeout) {
   return sigtimedwait(&signals, nullptr, &time) >= 0;
 }
 
+/// Tells the service manager how a service is.
+class Reporter {
+ public:
+  /// @param service, manager outlive this
+  /// @param description of the service, a line for people
+  Reporter(Service& service, const ServiceManager& manager, std::string description)
+      : service_(service), manager_(manager), description_(std::move(description)) {}
+
+  /// @return after which time it has to look again.
+  [[nodiscard]] std::chrono::microseconds interval() const noexcept {
+    if (!is_ready_) {
+      return kBusyPollInterval;
+    }
+    const auto heartbeat = manager_.heartbeat_interval();
+    return heartbeat ? std::min<std::chrono::microseconds>(kPollInterval, *heartbeat / 2)
+                     : kPollInterval;
+  }
+
+  void look() {
+    if (!is_ready_) {
+      if (!service_.has_run()) {
+        return;
+      }
+      manager_.tell_ready(description_);
+      is_ready_ = true;
+    }
+    if (service_.is_reachable() != is_reachable_) {
+      is_reachable_ = !is_reachable_;
+      manager_.tell_status(is_reachable_ ? description_
+                                         : description_ + ", no network: its wire is down");
+    }
+    beat();
+  }
+
+ private:
+  void beat() {
+    const auto heartbeat = manager_.heartbeat_interval();
+    const auto now = std::chrono::steady_clock::now();
+    if (!heartbeat || now < next_heartbeat_) {
+      return;
+    }
+    next_heartbeat_ = now + *heartbeat;
+    if (service_.is_alive()) {
+      manager_.tell_alive();
+    }
+  }
+
+  Service& service_;
+  const ServiceManager& manager_;
+  std::string description_;
+  bool is_ready_ = false;
+  bool is_reachable_ = true;
+  std::chrono::steady_clock::time_point next_heartbeat_;
+};
+
 /// Until a signal comes, an older service with the same number, or the network is gone for good.
 void watch(Service& service, const ServiceManager& manager, const sigset_t& signals,
            const std::string& description) {
-  const auto interval = manager.heartbeat_interval();
-  const auto poll =
-      interval ? std::min<std::chrono::microseconds>(kPollInterval, *interval / 2) : kPollInterval;
-  bool is_ready = false;
-  bool is_reachable = true;
-  auto next_heartbeat = std::chrono::steady_clock::time_point{};
-  while (!takes_signal(signals, is_ready ? poll : kBusyPollInterval) && !service.conflict() &&
+  Reporter reporter(service, manager, description);
+  while (!takes_signal(signals, reporter.interval()) && !service.conflict() &&
          !service.is_cut_off()) {
-    if (!is_ready && service.has_run()) {
-      manager.tell_ready(description);
-      is_ready = true;
-    }
-    if (is_ready && service.is_reachable() != is_reachable) {
-      is_reachable = !is_reachable;
-      manager.tell_status(is_reachable ? description
-                                       : description + ", no network: its wire is down");
-    }
-    const auto now = std::chrono::steady_clock::now();
-    if (is_ready && interval && now >= next_heartbeat) {
-      next_heartbeat = now + *interval;
-      if (service.is_alive()) {
-        manager.tell_alive();
-      }
-    }
+    reporter.look();
   }
 }
 

@@ -31,7 +31,7 @@ constexpr int kRegionOfWire = 3;
   close_range(kRegionOfWire + 1, ~0U, 0);
   sigset_t none;
   sigemptyset(&none);
-  sigprocmask(SIG_SETMASK, &none, nullptr);
+  pthread_sigmask(SIG_SETMASK, &none, nullptr);
   // An interrupt of a terminal or of a service manager goes to all processes: the engine decides.
   std::signal(SIGINT, SIG_IGN);
   std::signal(SIGTERM, SIG_IGN);
@@ -136,7 +136,7 @@ bool WireSpawner::launch() noexcept {
   return !is_gone_;
 }
 
-void WireSpawner::kill() noexcept {
+void WireSpawner::kill() const noexcept {
   const Order order = Order::kill;
   static_cast<void>(send(socket_, &order, sizeof order, MSG_NOSIGNAL));
 }

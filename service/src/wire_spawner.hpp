@@ -30,7 +30,7 @@ class WireSpawner {
   bool launch() noexcept;
 
   /// Kills the wire; its end is told by `next_end`.
-  void kill() noexcept;
+  void kill() const noexcept;
 
   /// @return the end of a wire since the last call. Does not wait.
   std::optional<WireEnd> next_end() noexcept;
