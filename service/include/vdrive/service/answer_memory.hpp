@@ -39,6 +39,7 @@ class AnswerMemory {
     }
   }
 
+  ~AnswerMemory() = default;
   AnswerMemory(const AnswerMemory&) = delete;
   AnswerMemory& operator=(const AnswerMemory&) = delete;
 
