@@ -1,0 +1,299 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the way between a client and a bench takes: a given vdrived as a process of its own.
+//
+//   vdrive_wire_benchmark VDRIVED step|command|publish [argument of vdrived...]
+//
+// step     lock-step: one-tick steps, each waits for its reply
+// command  realtime: a command frame until the first status that shows it
+// publish  realtime: processor time of the service for each axis and published tick
+//
+// Prints JSON lines: {"figure":"step_us_p50","value":...}. Two trees are compared by two programs
+// of the same arguments in alternating runs.
+#include "support/test_domain.hpp"
+#include "vdrive/wire/participant.hpp"
+#include "vdrive/wire/publication.hpp"
+#include "vdrive/wire/subscription.hpp"
+#include "vdrive_messages.h"
+
+#include <sys/types.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <csignal>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace {
+
+using namespace vdrive;
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::uint64_t kSession = 0x5E55104;
+constexpr int kSteps = 20'000;
+constexpr int kCommands = 2'000;
+constexpr auto kPublishing = 10s;
+
+/// A running vdrived; ends with this object.
+class Service {
+ public:
+  Service(const std::string& program, std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {program, "--log-level", "error", "--domain",
+                                         std::to_string(test::test_domain())});
+    process_ = fork();
+    if (process_ == 0) {
+      std::vector<char*> values;
+      for (auto& argument : arguments) {
+        values.push_back(argument.data());
+      }
+      values.push_back(nullptr);
+      execv(program.c_str(), values.data());
+      _exit(127);
+    }
+  }
+
+  ~Service() {
+    kill(process_, SIGTERM);
+    waitpid(process_, nullptr, 0);
+  }
+
+  Service(const Service&) = delete;
+  Service& operator=(const Service&) = delete;
+
+  /// @return processor time of the process and all of its descendants so far [s].
+  [[nodiscard]] double processor_seconds() const {
+    std::map<pid_t, std::pair<pid_t, double>> processes;
+    for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+      if (entry.path().filename().string().find_first_not_of("0123456789") != std::string::npos) {
+        continue;
+      }
+      std::ifstream file(entry.path() / "stat");
+      std::string text;
+      std::getline(file, text);
+      const auto end_of_name = text.rfind(')');
+      if (end_of_name == std::string::npos) {
+        continue;
+      }
+      std::istringstream rest(text.substr(end_of_name + 2));
+      const std::vector<std::string> fields{std::istream_iterator<std::string>(rest), {}};
+      processes[std::stoi(entry.path().filename().string())] = {
+          std::stoi(fields.at(1)), std::stod(fields.at(11)) + std::stod(fields.at(12))};
+    }
+    double ticks = 0.0;
+    for (const auto& [process, parent_and_time] : processes) {
+      pid_t ancestor = process;
+      while (ancestor > 1 && ancestor != process_ && processes.contains(ancestor)) {
+        ancestor = processes[ancestor].first;
+      }
+      ticks += ancestor == process_ ? parent_and_time.second : 0.0;
+    }
+    return ticks / static_cast<double>(sysconf(_SC_CLK_TCK));
+  }
+
+ private:
+  pid_t process_ = 0;
+};
+
+class Client {
+ public:
+  Client()
+      : participant_({.domain = test::test_domain(), .role = wire::Role::client}, "vdrive client"),
+        requests_(participant_),
+        frames_(participant_),
+        replies_(participant_,
+                 [this](const msg::Reply& reply, const wire::Source&) {
+                   if (reply.client() == kSession) {
+                     const std::lock_guard lock(mutex_);
+                     reply_ = reply;
+                     changed_.notify_all();
+                   }
+                 }),
+        command_replies_(participant_, [](const msg::CommandReply&, const wire::Source&) {}),
+        descriptions_(participant_,
+                      [this](const msg::BenchDescription& bench, const wire::Source& source) {
+                        const std::lock_guard lock(mutex_);
+                        bench_ = source;
+                        incarnation_ = bench.incarnation();
+                        changed_.notify_all();
+                      }) {}
+
+  bool find() {
+    std::unique_lock lock(mutex_);
+    if (!changed_.wait_for(lock, 10s, [this] {
+          return bench_.has_value();
+        })) {
+      return false;
+    }
+    lock.unlock();
+    return requests_.wait_for_match(*bench_, 5s) && frames_.wait_for_match(*bench_, 5s) &&
+           replies_.wait_for_match(*bench_, 5s);
+  }
+
+  msg::Reply ask(msg::Request request) {
+    request.client(kSession);
+    request.session(kSession);
+    request.bench(1);
+    request.request_id(++last_request_);
+    static_cast<void>(requests_.write(request));
+    std::unique_lock lock(mutex_);
+    if (!changed_.wait_for(lock, 10s, [this] {
+          return reply_ && reply_->request_id() == last_request_;
+        })) {
+      std::cerr << "no reply\n";
+      std::exit(1);
+    }
+    return *reply_;
+  }
+
+  void send(std::uint32_t epoch, std::uint64_t sequence) {
+    msg::CommandFrame frame;
+    frame.bench(1);
+    frame.incarnation(incarnation_);
+    frame.session(kSession);
+    frame.epoch(epoch);
+    frame.sequence_number(sequence);
+    auto& command = frame.axes().emplace_back();
+    command.axis(1);
+    command.members(msg::HAS_PROFILE_VELOCITY);
+    command.profile_velocity(static_cast<std::uint32_t>(1'000 + sequence % 10));
+    static_cast<void>(frames_.write(frame));
+  }
+
+  [[nodiscard]] wire::Participant& participant() { return participant_; }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::optional<msg::Reply> reply_;
+  std::optional<wire::Source> bench_;
+  std::uint64_t incarnation_ = 0;
+  std::uint64_t last_request_ = 0;
+  wire::Participant participant_;
+  wire::Publication<msg::Request> requests_;
+  wire::Publication<msg::CommandFrame> frames_;
+  wire::Subscription<msg::Reply> replies_;
+  wire::Subscription<msg::CommandReply> command_replies_;
+  wire::Subscription<msg::BenchDescription> descriptions_;
+};
+
+void print(const std::string& figure, double value) {
+  std::cout << R"({"figure":")" << figure << R"(","value":)" << value << "}\n";
+}
+
+void print_times(const std::string& figure, std::vector<double>& microseconds) {
+  std::sort(microseconds.begin(), microseconds.end());
+  print(figure + "_p50", microseconds[microseconds.size() / 2]);
+  print(figure + "_p99", microseconds[microseconds.size() * 99 / 100]);
+}
+
+double microseconds_since(Clock::time_point begin) {
+  return std::chrono::duration<double, std::micro>(Clock::now() - begin).count();
+}
+
+void measure_steps(Client& client) {
+  std::vector<double> times;
+  const auto begin = Clock::now();
+  for (int count = 0; count < kSteps; ++count) {
+    msg::Request step;
+    step.kind(msg::REQUEST_STEP);
+    step.ticks(1);
+    const auto asked = Clock::now();
+    static_cast<void>(client.ask(step));
+    times.push_back(microseconds_since(asked));
+  }
+  print("steps_per_second", kSteps * 1e6 / microseconds_since(begin));
+  print_times("step_us", times);
+}
+
+void measure_commands(Client& client) {
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::uint64_t shown = 0;
+  const wire::Subscription<msg::StatusFrame> status(
+      client.participant(), [&](const msg::StatusFrame& frame, const wire::Source&) {
+        if (frame.axes().front().last_sequence() != shown) {
+          const std::lock_guard lock(mutex);
+          shown = frame.axes().front().last_sequence();
+          changed.notify_one();
+        }
+      });
+  msg::Request acquire;
+  acquire.kind(msg::REQUEST_ACQUIRE);
+  acquire.axes().push_back(1);
+  const std::uint32_t epoch = client.ask(acquire).epoch();
+  std::vector<double> times;
+  for (std::uint64_t sequence = 1; sequence <= kCommands; ++sequence) {
+    // Anywhere between two ticks.
+    std::this_thread::sleep_for(std::chrono::microseconds(1'000 + sequence * 37 % 1'000));
+    const auto sent = Clock::now();
+    client.send(epoch, sequence);
+    std::unique_lock lock(mutex);
+    if (changed.wait_for(lock, 1s, [&] {
+          return shown >= sequence;
+        })) {
+      times.push_back(microseconds_since(sent));
+    }
+  }
+  print("commands_shown", static_cast<double>(times.size()));
+  print_times("command_to_status_us", times);
+}
+
+void measure_publication(Client& client, const Service& service) {
+  std::atomic<std::uint64_t> axes{0};
+  const auto measure = [&] {
+    const double before = service.processor_seconds();
+    std::this_thread::sleep_for(kPublishing);
+    return service.processor_seconds() - before;
+  };
+  const double alone = measure();
+  const wire::Subscription<msg::StatusFrame> status(
+      client.participant(), [&](const msg::StatusFrame& frame, const wire::Source&) {
+        axes += frame.axes().size();
+      });
+  static_cast<void>(
+      const_cast<wire::Subscription<msg::StatusFrame>&>(status).wait_for_matched(1, 5s));
+  axes = 0;
+  const double watched = measure();
+  print("axes_received", static_cast<double>(axes.load()));
+  print("service_seconds_alone", alone);
+  print("service_seconds_watched", watched);
+  print("publication_ns_per_axis", (watched - alone) * 1e9 / static_cast<double>(axes.load()));
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  if (count < 3) {
+    std::cerr << "usage: vdrive_wire_benchmark VDRIVED step|command|publish [argument...]\n";
+    return 2;
+  }
+  const std::string what = arguments[2];
+  const Service service(arguments[1], {arguments + 3, arguments + count});
+  Client client;
+  if (!client.find()) {
+    std::cerr << "no bench 1\n";
+    return 1;
+  }
+  if (what == "step") {
+    measure_steps(client);
+  } else if (what == "command") {
+    measure_commands(client);
+  } else {
+    measure_publication(client, service);
+  }
+  return 0;
+}
