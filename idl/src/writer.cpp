@@ -52,6 +52,7 @@ bool Writer::wait_for_acknowledged(std::chrono::milliseconds timeout) {
 
 void Writer::on_publication_matched(dds::DataWriter* /*writer*/,
                                     const dds::PublicationMatchedStatus& status) {
+  const std::lock_guard lock(observing_);
   matches_.update(status.last_subscription_handle, status.current_count_change);
   if (observer_) {
     observer_(matches_.sources());

@@ -8,6 +8,7 @@
 
 #include <chrono>
 #include <functional>
+#include <mutex>
 #include <vector>
 
 namespace vdrive::wire {
@@ -39,6 +40,7 @@ class Writer final : public eprosima::fastdds::dds::DataWriterListener {
   eprosima::fastdds::dds::Publisher* publisher_ = nullptr;
   eprosima::fastdds::dds::DataWriter* writer_ = nullptr;
   Matches matches_;
+  std::mutex observing_;  ///< the newest list is told last
   std::function<void(const std::vector<Source>&)> observer_;
 };
 

@@ -55,6 +55,10 @@ std::optional<ByteRing::Record> ByteRing::front() noexcept {
   const std::uint64_t written = positions_.written.load(std::memory_order_acquire);
   while (read_ != written) {
     const std::uint64_t waiting = written - read_;
+    if (waiting > memory_.size() || waiting % kAlignment != 0) {
+      clear();  // the other side is broken
+      return std::nullopt;
+    }
     const std::size_t place = offset(read_);
     const std::uint64_t to_end = memory_.size() - place;
     Record record;
@@ -65,8 +69,8 @@ std::optional<ByteRing::Record> ByteRing::front() noexcept {
       continue;
     }
     const std::uint64_t needed = sizeof(RecordHead) + aligned(size);
-    if (waiting > memory_.size() || needed > waiting || needed > to_end) {
-      clear();  // the other side is broken
+    if (needed > waiting || needed > to_end) {
+      clear();
       return std::nullopt;
     }
     std::memcpy(&record.head, &memory_[place], sizeof(RecordHead));
@@ -87,7 +91,7 @@ void ByteRing::pop() noexcept {
 void ByteRing::clear() noexcept {
   positions_.records_read.store(positions_.records_written.load(std::memory_order_acquire),
                                 std::memory_order_relaxed);
-  read_ = positions_.written.load(std::memory_order_acquire);
+  read_ = positions_.written.load(std::memory_order_acquire) / kAlignment * kAlignment;
   positions_.read.store(read_, std::memory_order_release);
 }
 

@@ -10,6 +10,9 @@ constexpr std::size_t kStatusesInFlight = 65'536;
 constexpr std::size_t kLeastImages = 4;
 constexpr std::size_t kMostImages = 64;
 
+/// Samples that one look at the inbox drops at most.
+constexpr std::size_t kMostDropped = 64;
+
 /// Commands of frames that wait for their tick take the room of their objects with them.
 constexpr std::size_t kSpareCommands = 1'024;
 
@@ -58,7 +61,11 @@ Inbox::Inbox(std::uint32_t bench, ByteRing arrivals, ByteRing turned_away, Count
 }
 
 Arrival* Inbox::front() {
-  while (!is_decoded_) {
+  // What cannot be decoded costs time too: the rest of it waits for the next call.
+  for (std::size_t count = 0; !is_decoded_; ++count) {
+    if (count == kMostDropped) {
+      return nullptr;
+    }
     const auto record = arrivals_.front();
     if (!record) {
       return nullptr;

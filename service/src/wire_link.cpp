@@ -19,7 +19,8 @@ ByteRing& WireLink::ring(Lane lane) noexcept {
 
 void WireLink::flush(Lane lane) {
   if (program_ != nullptr) {
-    program_->drain(lane);
+    while (program_->drain(lane)) {
+    }
   } else if (lane == Lane::status) {
     status_bell_.ring();
   } else {

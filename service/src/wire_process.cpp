@@ -122,26 +122,30 @@ class WireProcess {
 
   void pump_status() {
     Doorbell bell(control_.status_bell);
-    while (goes_on()) {
-      bell.wait_for(kPumpInterval);
-      program_.drain(Lane::status);
+    bool has_more = false;
+    while (goes_on() || has_more) {
+      if (!has_more) {
+        bell.wait_for(kPumpInterval);
+      }
+      has_more = program_.drain(Lane::status) && goes_on();
       status_rounds_.fetch_add(1, std::memory_order_relaxed);
       beat();
     }
-    program_.drain(Lane::status);
   }
 
+  /// Replies go first in every round: nobody waits for an answer behind a burst of reports.
   void pump_reports() {
     Doorbell bell(control_.reports_bell);
-    while (goes_on()) {
-      bell.wait_for(program_.is_holding() ? kRetryInterval : kPumpInterval);
-      program_.drain(Lane::replies);
-      program_.drain(Lane::reports);
+    bool has_more = false;
+    while (goes_on() || has_more) {
+      if (!has_more) {
+        bell.wait_for(program_.is_holding() ? kRetryInterval : kPumpInterval);
+      }
+      const bool has_replies = program_.drain(Lane::replies);
+      has_more = program_.drain(Lane::reports) || has_replies;
       report_rounds_.fetch_add(1, std::memory_order_relaxed);
       beat();
     }
-    program_.drain(Lane::replies);
-    program_.drain(Lane::reports);
   }
 
   /// As many rounds as the slower pump has made.
@@ -162,6 +166,7 @@ class WireProcess {
   void take_leave() {
     static_cast<void>(program_.wait_for_readers(kFarewell));
     wire::say_goodbye(settings_.network, control_.source);
+    wire::say_goodbye(settings_.network, control_.prober);
     control_.finished.store(1);
   }
 
@@ -197,12 +202,15 @@ int run_wire_process(int region_descriptor) {
     if (control.generation.load() > 1) {
       // It could not say so itself, and its readers would be waited for.
       wire::say_goodbye(settings.network, control.source);
+      wire::say_goodbye(settings.network, control.prober);
     }
     WireProcess process(region);
     return process.run();
   } catch (const std::exception& error) {
     tell(control, error.what());
-    spdlog::error("wire=failed text=\"{}\"", error.what());
+    if (control.generation.load() > 1) {  // the engine prints why the first one does not start
+      spdlog::error("wire=failed text=\"{}\"", error.what());
+    }
     control.state.store(WireState::failed);
     return 1;
   }

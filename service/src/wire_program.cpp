@@ -146,19 +146,28 @@ void WireProgram::show(TopicId topic, const std::vector<wire::Source>& readers) 
 void WireProgram::expect_probes_from(const wire::Source& source) {
   const std::lock_guard lock(arriving_);
   prober_ = source;
+  control_.prober = source;
 }
 
 // ---- what leaves -------------------------------------------------------------------------------
 
-void WireProgram::drain(Lane lane) {
+/// A round has an end also while the engine fills the lane as fast as it is emptied: whoever calls
+/// shows that it works, and looks after the other lanes.
+bool WireProgram::drain(Lane lane) {
   ByteRing& ring = lane == Lane::status ? status_ : lane == Lane::replies ? replies_ : reports_;
-  while (const auto record = ring.front()) {
+  std::size_t sent = 0;
+  for (; sent < kMostInOneRound; ++sent) {
+    const auto record = ring.front();
+    if (!record) {
+      break;
+    }
     send(*record);
     ring.pop();
   }
   if (lane == Lane::replies && !held_.empty()) {
     retry();
   }
+  return sent == kMostInOneRound;
 }
 
 void WireProgram::send(const ByteRing::Record& record) {

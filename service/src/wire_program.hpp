@@ -39,8 +39,12 @@ class WireProgram {
   WireProgram(const WireProgram&) = delete;
   WireProgram& operator=(const WireProgram&) = delete;
 
-  /// Sends what waits in a lane that leaves the engine. One thread a lane.
-  void drain(Lane lane);
+  /// Records that one call of `drain` sends at most.
+  static constexpr std::size_t kMostInOneRound = 256;
+
+  /// Sends what waits in a lane that leaves the engine, kMostInOneRound records at most. One thread
+  /// a lane. @return whether more waits.
+  bool drain(Lane lane);
 
   /// @return whether an answer waits for its reader. For the thread that drains `replies`.
   [[nodiscard]] bool is_holding() const noexcept { return !held_.empty(); }
@@ -70,8 +74,8 @@ class WireProgram {
 
   /// Brings the samples of a topic into a ring.
   struct Intake {
-    wire::TopicId topic;
-    Lane lane;
+    wire::TopicId topic = wire::TopicId::command;
+    Lane lane = Lane::arrivals;
     std::vector<std::byte> sample;  ///< between the two calls of the library; keeps its capacity
     std::unique_ptr<wire::BytesSubscription> subscription;
   };

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <fcntl.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -40,6 +41,35 @@ constexpr std::size_t offset_of(Lane lane) noexcept {
 
 constexpr std::size_t kRegionSize = offset_of(Lane::notices) + kSizes.back();
 
+/// A path may be any bytes, which JSON refuses and MessagePack does not.
+std::vector<std::uint8_t> packed(const WireSettings& settings) {
+  const auto& network = settings.network;
+  return nlohmann::json::to_msgpack({{"bench", settings.bench},
+                                     {"log_level", settings.log_level},
+                                     {"domain", network.domain},
+                                     {"interfaces", network.interfaces},
+                                     {"peers", network.peers},
+                                     {"discovery_servers", network.discovery_servers},
+                                     {"shared_memory", network.shared_memory},
+                                     {"security", network.security},
+                                     {"guard", network.guard}});
+}
+
+WireSettings unpacked(std::span<const std::uint8_t> bytes) {
+  const auto json = nlohmann::json::from_msgpack(bytes.begin(), bytes.end());
+  WireSettings settings;
+  json.at("bench").get_to(settings.bench);
+  json.at("log_level").get_to(settings.log_level);
+  json.at("domain").get_to(settings.network.domain);
+  json.at("interfaces").get_to(settings.network.interfaces);
+  json.at("peers").get_to(settings.network.peers);
+  json.at("discovery_servers").get_to(settings.network.discovery_servers);
+  json.at("shared_memory").get_to(settings.network.shared_memory);
+  json.at("security").get_to(settings.network.security);
+  json.at("guard").get_to(settings.network.guard);
+  return settings;
+}
+
 [[noreturn]] void fail(const std::string& what) {
   throw std::system_error(errno, std::generic_category(), what);
 }
@@ -69,6 +99,11 @@ void SharedSources::show(const std::vector<wire::Source>& sources) noexcept {
   version_.fetch_add(1);
 }
 
+void SharedSources::reset() noexcept {
+  count_.store(0);
+  version_.store(0);
+}
+
 bool SharedSources::may_contain(const wire::Source& source) const noexcept {
   const std::uint32_t version = version_.load();
   const auto wanted = std::bit_cast<std::array<std::uint32_t, 3>>(source.participant);
@@ -84,50 +119,40 @@ bool SharedSources::may_contain(const wire::Source& source) const noexcept {
   return version % 2 != 0 || version_.load() != version;
 }
 
-std::string to_json(const WireSettings& settings) {
-  const auto& network = settings.network;
-  return nlohmann::json{{"bench", settings.bench},
-                        {"log_level", settings.log_level},
-                        {"domain", network.domain},
-                        {"interfaces", network.interfaces},
-                        {"peers", network.peers},
-                        {"discovery_servers", network.discovery_servers},
-                        {"shared_memory", network.shared_memory},
-                        {"security", network.security},
-                        {"guard", network.guard}}
-      .dump();
-}
-
-WireSettings wire_settings_from_json(const std::string& text) {
-  const auto json = nlohmann::json::parse(text);
-  WireSettings settings;
-  json.at("bench").get_to(settings.bench);
-  json.at("log_level").get_to(settings.log_level);
-  json.at("domain").get_to(settings.network.domain);
-  json.at("interfaces").get_to(settings.network.interfaces);
-  json.at("peers").get_to(settings.network.peers);
-  json.at("discovery_servers").get_to(settings.network.discovery_servers);
-  json.at("shared_memory").get_to(settings.network.shared_memory);
-  json.at("security").get_to(settings.network.security);
-  json.at("guard").get_to(settings.network.guard);
-  return settings;
-}
-
 WireRegion::WireRegion(const WireSettings& settings)
-    : descriptor_(memfd_create("vdrive-wire", MFD_CLOEXEC)) {
-  if (descriptor_ < 0 || ftruncate(descriptor_, static_cast<off_t>(kRegionSize)) != 0) {
+    : descriptor_(memfd_create("vdrive-wire", MFD_CLOEXEC | MFD_ALLOW_SEALING)),
+      settings_(packed(settings)) {
+  // Sealed: a wire that made it shorter would end the engine by SIGBUS.
+  if (descriptor_ < 0 || ftruncate(descriptor_, static_cast<off_t>(kRegionSize)) != 0 ||
+      fcntl(descriptor_, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) !=
+          0) {  // NOLINT(*-vararg)
     fail("memory between engine and wire");
   }
   memory_ = map(descriptor_);
   control_ = new (memory_.data()) WireControl;  // NOLINT(*-owning-memory): it lies in the region
-  const std::string text = to_json(settings);
-  if (text.size() > control_->settings.size()) {
-    throw std::runtime_error("network settings of " + std::to_string(text.size()) +
+  if (settings_.size() > control_->settings.size()) {
+    throw std::runtime_error("network settings of " + std::to_string(settings_.size()) +
                              " bytes: at most " + std::to_string(control_->settings.size()));
   }
-  std::copy(text.begin(), text.end(), control_->settings.begin());
-  control_->settings_size = static_cast<std::uint32_t>(text.size());
+  prepare_for(0);
+}
+
+void WireRegion::prepare_for(std::uint32_t generation) const noexcept {
+  std::copy(settings_.begin(), settings_.end(), control_->settings.begin());
+  control_->settings_size = static_cast<std::uint32_t>(settings_.size());
+  control_->stop = 0;
+  control_->generation = generation;
   control_->layout = kLayout;
+  control_->readers.reset();
+  for (auto& matched : control_->matched) {
+    matched = 0;
+  }
+  for (const Lane lane : {Lane::arrivals, Lane::turned_away, Lane::notices}) {
+    RingPositions& positions = control_->positions[static_cast<std::size_t>(lane)];
+    if (positions.written == positions.read) {
+      positions.records_written.store(positions.records_read);
+    }
+  }
 }
 
 WireRegion::WireRegion(int descriptor, std::span<std::byte> memory) noexcept
@@ -162,6 +187,7 @@ WireRegion::~WireRegion() {
 
 WireRegion::WireRegion(WireRegion&& other) noexcept
     : descriptor_(std::exchange(other.descriptor_, -1)),
+      settings_(std::move(other.settings_)),
       memory_(std::exchange(other.memory_, {})),
       control_(std::exchange(other.control_, nullptr)) {}
 
@@ -173,7 +199,7 @@ ByteRing WireRegion::ring(Lane lane) const noexcept {
 WireSettings WireRegion::settings() const {
   const std::size_t size =
       std::min<std::size_t>(control_->settings_size, control_->settings.size());
-  return wire_settings_from_json(std::string(control_->settings.data(), size));
+  return unpacked(std::span(control_->settings).first(size));
 }
 
 }  // namespace vdrive::service

@@ -42,6 +42,9 @@ class SharedSources {
  public:
   static constexpr std::size_t kCapacity = 1'024;
 
+  /// While nobody shows anything.
+  void reset() noexcept;
+
   /// One thread at a time. What is beyond the capacity is not shown.
   void show(const std::vector<wire::Source>& sources) noexcept;
 
@@ -65,12 +68,13 @@ struct WireControl {
   std::atomic<std::uint32_t> generation{0};  ///< wires started so far
   std::atomic<std::uint32_t> stop{0};        ///< not 0: send what waits, take leave and end
   std::atomic<std::uint32_t> settings_size{0};
-  std::array<char, 16'384> settings{};  ///< WireSettings as JSON
+  std::array<std::uint8_t, 16'384> settings{};  ///< WireSettings in MessagePack
 
   // The wire writes.
   std::atomic<WireState> state{WireState::none};
   std::atomic<std::uint32_t> running_generation{0};  ///< that `source` belongs to
   wire::Source source;                               ///< of the participant that runs or ran
+  wire::Source prober;                               ///< of the one that probes it
   std::array<char, 2'048> error{};
   std::array<std::atomic<std::uint32_t>, wire::kTopics.size()> matched{};
   SharedSources readers;                       ///< of `reply`
@@ -91,17 +95,12 @@ struct WireControl {
   std::array<RingPositions, kLanes> positions{};
 };
 
-/// How a wire is set up; crosses the seam as JSON.
+/// How a wire is set up.
 struct WireSettings {
   wire::NetworkSettings network;
   std::uint32_t bench = 1;
   std::string log_level = "info";
 };
-
-[[nodiscard]] std::string to_json(const WireSettings& settings);
-
-/// @throws std::runtime_error when the text is not what `to_json` gives.
-[[nodiscard]] WireSettings wire_settings_from_json(const std::string& text);
 
 /// The memory that engine and wire share: the control block and the rings. Threads of one process
 /// use it like two processes.
@@ -123,6 +122,9 @@ class WireRegion {
 
   [[nodiscard]] int descriptor() const noexcept { return descriptor_; }
 
+  /// The engine, while no wire lives: puts right what the last one may have written over.
+  void prepare_for(std::uint32_t generation) const noexcept;
+
   [[nodiscard]] WireControl& control() const noexcept { return *control_; }
 
   /// One side's end of a lane; each side makes one.
@@ -135,6 +137,7 @@ class WireRegion {
   WireRegion(int descriptor, std::span<std::byte> memory) noexcept;
 
   int descriptor_ = -1;
+  std::vector<std::uint8_t> settings_;  ///< of the engine, who made the region
   std::span<std::byte> memory_;
   WireControl* control_ = nullptr;
 };

@@ -22,6 +22,9 @@ enum class Order : std::uint8_t { launch, kill };
 /// The descriptor under which a wire finds the region.
 constexpr int kRegionOfWire = 3;
 
+/// As waitpid tells exit code 127: the kernel gave no process.
+constexpr int kNotStarted = 127 << 8;
+
 // NOLINTBEGIN(*-vararg): the kernel's interface is C
 
 [[noreturn]] void become_wire(int region) {
@@ -72,7 +75,16 @@ class Nursery {
       if (child_ == 0) {
         become_wire(region_);
       }
+      if (child_ < 0) {
+        child_ = 0;
+        tell({.process = 0, .status = kNotStarted});
+        return;
+      }
       child_descriptor_ = static_cast<int>(syscall(SYS_pidfd_open, child_, 0));
+      if (child_descriptor_ < 0) {  // nobody would notice its end
+        ::kill(child_, SIGKILL);
+        report_end();
+      }
     } else if (order == Order::kill && child_ > 0) {
       ::kill(child_, SIGKILL);
     }
@@ -81,9 +93,15 @@ class Nursery {
   void report_end() {
     WireEnd end{.process = child_};
     waitpid(child_, &end.status, 0);
-    close(child_descriptor_);
+    if (child_descriptor_ >= 0) {
+      close(child_descriptor_);
+    }
     child_ = 0;
     child_descriptor_ = -1;
+    tell(end);
+  }
+
+  void tell(const WireEnd& end) const {
     static_cast<void>(send(socket_, &end, sizeof end, MSG_NOSIGNAL));
   }
 

@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 
 #include <algorithm>
+#include <csignal>
 #include <cstring>
 #include <thread>
 #include <utility>
@@ -26,6 +27,13 @@ WireLoss loss_of(const WireEnd& end) {
   }
   return {.cause = WireLoss::Cause::exit_code,
           .value = static_cast<std::uint32_t>(WEXITSTATUS(end.status))};
+}
+
+/// The signals that end a service are blocked, and waited for only after the start.
+bool has_to_stop() {
+  sigset_t pending;
+  sigpending(&pending);
+  return sigismember(&pending, SIGTERM) == 1 || sigismember(&pending, SIGINT) == 1;
 }
 
 std::string error_of(const WireControl& control) {
@@ -68,10 +76,18 @@ std::string WireLoss::text() const {
 
 void WireJudge::started(Time now) noexcept {
   start_ = now;
+  looked_ = now;
   running_since_.reset();
 }
 
 std::optional<WireLoss> WireJudge::reason_to_end(const Sight& sight, Time now) noexcept {
+  // Whoever did not look for long, because the whole service stood still, has seen no silence.
+  constexpr std::chrono::milliseconds kLongestPause{500};
+  if (now - std::exchange(looked_, now) > kLongestPause) {
+    start_ = now;
+    pumped_ = now;
+    probed_ = now;
+  }
   if (!sight.is_running) {
     return now - start_ > kLongestStart
                ? std::optional(WireLoss{.cause = WireLoss::Cause::no_start})
@@ -101,8 +117,9 @@ std::optional<WireLoss> WireJudge::reason_to_end(const Sight& sight, Time now) n
   return std::nullopt;
 }
 
-WireJudge::Time WireJudge::ended(Time now) noexcept {
-  const bool was_long = running_since_ && now - *running_since_ >= kLongRun;
+WireJudge::Time WireJudge::ended(Time now, bool was_judged) noexcept {
+  const std::chrono::seconds long_run = was_judged ? kLongRunOfJudged : kLongRun;
+  const bool was_long = running_since_ && now - *running_since_ >= long_run;
   const auto delay = was_long ? 0ms : delay_;
   delay_ = was_long ? 0ms : std::clamp(delay_ * 2, kFirstDelay, kLongestDelay);
   return now + delay;
@@ -112,12 +129,19 @@ WireJudge::Time WireJudge::ended(Time now) noexcept {
 
 WireSupervisor::WireSupervisor(const WireRegion& region, WireSpawner& spawner,
                                std::uint64_t memory_limit, Counters& counters)
-    : control_(region.control()), spawner_(spawner), judge_(memory_limit), counters_(counters) {}
+    : region_(region),
+      control_(region.control()),
+      spawner_(spawner),
+      judge_(memory_limit),
+      counters_(counters) {}
 
 void WireSupervisor::start() {
   launch(Clock::now());
   while (!is_up_) {
     std::this_thread::sleep_for(kLookInterval);
+    if (has_to_stop()) {
+      throw wire::NetworkError("stopped by a signal before the wire ran");
+    }
     if (control_.state.load() == WireState::failed) {
       throw wire::NetworkError(error_of(control_));
     }
@@ -138,10 +162,7 @@ void WireSupervisor::start() {
 void WireSupervisor::launch(Clock::time_point now) {
   next_start_.reset();
   control_.state.store(WireState::starting);
-  for (auto& matched : control_.matched) {
-    matched = 0;
-  }
-  control_.generation.fetch_add(1);
+  region_.prepare_for(++generation_);
   is_launched_ = spawner_.launch();
   is_up_ = false;
   reason_.reset();
@@ -177,7 +198,7 @@ void WireSupervisor::lose(const WireEnd& end, Clock::time_point now) {
   }
   is_up_ = false;
   counters_.wire_is_up.set(0);
-  next_start_ = judge_.ended(now);
+  next_start_ = judge_.ended(now, reason_.has_value());
   const auto delay = std::chrono::duration_cast<std::chrono::milliseconds>(*next_start_ - now);
   tell(WireNews::kLost, reason_.value_or(loss_of(end)).packed());
   if (delay > 0ms) {

@@ -56,6 +56,8 @@ class WireJudge {
   static constexpr std::chrono::milliseconds kLongestProbe{4'000};
   /// A wire that ran for this long did not end because of how it was started.
   static constexpr std::chrono::seconds kLongRun{1};
+  /// One that had to be ended may be no better when it is started anew.
+  static constexpr std::chrono::seconds kLongRunOfJudged{60};
   static constexpr std::chrono::milliseconds kFirstDelay{100};
   static constexpr std::chrono::milliseconds kLongestDelay{5'000};
 
@@ -75,11 +77,13 @@ class WireJudge {
   [[nodiscard]] std::optional<WireLoss> reason_to_end(const Sight& sight, Time now) noexcept;
 
   /// @return when the next one is to be started.
-  [[nodiscard]] Time ended(Time now) noexcept;
+  /// @param was_judged it was ended by this judge
+  [[nodiscard]] Time ended(Time now, bool was_judged) noexcept;
 
  private:
   std::uint64_t memory_limit_;
   Time start_{};
+  Time looked_{};
   std::optional<Time> running_since_;
   std::uint64_t pump_beats_ = 0;
   std::uint64_t probe_beats_ = 0;
@@ -120,10 +124,12 @@ class WireSupervisor {
   void lose(const WireEnd& end, Clock::time_point now);
   void judge(Clock::time_point now);
 
+  const WireRegion& region_;
   WireControl& control_;
   WireSpawner& spawner_;
   WireJudge judge_;
   Counters& counters_;
+  std::uint32_t generation_ = 0;
   bool is_launched_ = false;
   bool is_up_ = false;
   std::optional<WireLoss> reason_;  ///< for which it was killed

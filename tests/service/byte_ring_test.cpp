@@ -127,6 +127,21 @@ TEST(ByteRing, IsEmptyWhereTheOtherSideWroteNonsense) {
   EXPECT_TRUE(is_whole(reader.front().value(), 8, 2));
 }
 
+TEST(ByteRing, IsEmptyAtOnceWhereAForgedPositionWouldTakeForEverToReach) {
+  Memory memory(256);
+  constexpr std::uint32_t kSkipRecord = 0xFFFF'FFFF;
+  std::memcpy(memory.words.data(), &kSkipRecord, sizeof kSkipRecord);
+  memory.positions.written.store(1ULL << 62U);
+  EXPECT_FALSE(memory.end().front().has_value());
+  Memory uneven(256);
+  uneven.positions.written.store(7);
+  ByteRing reader = uneven.end();
+  EXPECT_FALSE(reader.front().has_value());
+  ByteRing producer = uneven.end();
+  EXPECT_EQ(uneven.positions.read.load() % 8, 0U) << "what is read next lies inside of the memory";
+  static_cast<void>(producer);
+}
+
 TEST(ByteRing, GivesNoRoomWhenTheReaderWroteNonsense) {
   Memory memory(256);
   ByteRing producer = memory.end();

@@ -42,7 +42,9 @@ TEST(WireJudge, LetsAHealthyWireGoOn) {
 TEST(WireJudge, EndsAWireThatDoesNotComeUp) {
   WireJudge judge(kLimit);
   judge.started(kStart);
-  EXPECT_FALSE(judge.reason_to_end({}, kStart + WireJudge::kLongestStart).has_value());
+  for (auto time = 0ms; time <= WireJudge::kLongestStart; time += 100ms) {
+    ASSERT_FALSE(judge.reason_to_end({}, kStart + time).has_value());
+  }
   const auto loss = judge.reason_to_end({}, kStart + WireJudge::kLongestStart + 1ms);
   ASSERT_TRUE(loss.has_value());
   EXPECT_EQ(loss->cause, Cause::no_start);
@@ -54,7 +56,9 @@ TEST(WireJudge, EndsAWireWhosePumpsStandStill) {
   judge.started(kStart);
   ASSERT_FALSE(judge.reason_to_end(wire.next(), kStart).has_value());
   ++wire.sight.probe_beats;
-  EXPECT_FALSE(judge.reason_to_end(wire.sight, kStart + WireJudge::kLongestRound).has_value());
+  for (auto time = 0ms; time <= WireJudge::kLongestRound; time += 100ms) {
+    ASSERT_FALSE(judge.reason_to_end(wire.sight, kStart + time).has_value());
+  }
   const auto loss = judge.reason_to_end(wire.sight, kStart + WireJudge::kLongestRound + 1ms);
   ASSERT_TRUE(loss.has_value());
   EXPECT_EQ(loss->cause, Cause::hangs);
@@ -97,14 +101,34 @@ TEST(WireJudge, WaitsLongerAndLongerWhereAWireEndsAgainAndAgain) {
   for (int count = 0; count < 9; ++count) {
     judge.started(kStart);
     delays.push_back(
-        std::chrono::duration_cast<std::chrono::milliseconds>(judge.ended(kStart) - kStart));
+        std::chrono::duration_cast<std::chrono::milliseconds>(judge.ended(kStart, false) - kStart));
   }
   EXPECT_EQ(delays,
             (std::vector{0ms, 100ms, 200ms, 400ms, 800ms, 1'600ms, 3'200ms, 5'000ms, 5'000ms}));
   HealthyWire wire;
   judge.started(kStart);
   ASSERT_FALSE(judge.reason_to_end(wire.next(), kStart).has_value());
-  EXPECT_EQ(judge.ended(kStart + WireJudge::kLongRun), kStart + WireJudge::kLongRun);
+  EXPECT_EQ(judge.ended(kStart + WireJudge::kLongRun, false), kStart + WireJudge::kLongRun);
+}
+
+// A debugger, a terminal's stop, a machine that is suspended: nobody looked meanwhile.
+TEST(WireJudge, ForgivesAPauseOfTheWholeService) {
+  WireJudge judge(kLimit);
+  HealthyWire wire;
+  judge.started(kStart);
+  ASSERT_FALSE(judge.reason_to_end(wire.next(), kStart).has_value());
+  EXPECT_FALSE(judge.reason_to_end(wire.sight, kStart + 60s).has_value());
+}
+
+TEST(WireJudge, WaitsAfterAWireThatItHadToEnd) {
+  WireJudge judge(kLimit);
+  HealthyWire wire;
+  judge.started(kStart);
+  ASSERT_FALSE(judge.reason_to_end(wire.next(), kStart).has_value());
+  EXPECT_EQ(judge.ended(kStart + 5s, true), kStart + 5s) << "the first time at once";
+  judge.started(kStart + 5s);
+  ASSERT_FALSE(judge.reason_to_end(wire.next(), kStart + 5s).has_value());
+  EXPECT_EQ(judge.ended(kStart + 10s, true), kStart + 10s + WireJudge::kFirstDelay);
 }
 
 TEST(WireLoss, SurvivesItsNumberAndSaysWhatHappened) {
