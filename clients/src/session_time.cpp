@@ -15,7 +15,7 @@ using std::chrono::milliseconds;
 
 // A running bench sends a sample of its status stream each tick; this allows for the match, and for
 // a service that connects anew.
-constexpr milliseconds kFirstSample{2000};
+constexpr milliseconds kFirstSample{5000};
 
 // Axis samples of a large bench take turns.
 constexpr SessionCore::Patience kFirstSampleOfAll{milliseconds(5000), true};

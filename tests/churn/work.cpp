@@ -99,7 +99,8 @@ void move_axis(Prepared prepared, bool is_long) {
 
 // ---- stream
 
-constexpr double kAmplitude = 2048.0;     // [UU]
+constexpr double kAmplitude = 2048.0;  // [UU]
+constexpr std::uint64_t kMostInterruptions = 100'000;
 constexpr std::uint64_t kPeriod = 2'000;  // [ticks]
 
 Eigen::VectorXd wave(const Eigen::VectorXd& base, std::uint64_t phase) {
@@ -124,7 +125,7 @@ std::uint64_t stream_once(client::AxisGroup& group, const client::StreamOptions&
   const Eigen::VectorXd base = status->demand();
   std::uint64_t phase = 0;
   // Ends at rest: a whole number of waves.
-  while (!is_told_to_stop() || phase % kPeriod != 0) {
+  do {
     Eigen::VectorXd positions = wave(base, phase);
     const auto seen = group.stream(positions);
     if (!seen) {
@@ -134,7 +135,7 @@ std::uint64_t stream_once(client::AxisGroup& group, const client::StreamOptions&
     }
     last = std::move(positions);
     ++phase;
-  }
+  } while (!is_told_to_stop() || phase % kPeriod != 0);
   return phase;
 }
 
@@ -204,7 +205,8 @@ int stream(const Setting& setting, AxisRange range, std::chrono::milliseconds le
     if (const auto enabled = group->enable_all(); !enabled) tell_failure("enable_all", enabled);
     positions += stream_once(*group, {.lead = lead}, last);
     if (!last) static_cast<void>(group->stop_streaming());
-  } while (!is_told_to_stop());
+    // What was interrupted at the very end is done once more: the end is judged.
+  } while (!is_told_to_stop() || (!last && interruptions < kMostInterruptions));
   Json result{{"positions", positions}, {"interruptions", interruptions}};
   if (last) {
     const auto off = distance_to(session, *group, *last);
