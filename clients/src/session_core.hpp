@@ -271,6 +271,15 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   void on_command_reply(const msg::CommandReply& message, const wire::Source& source);
   void on_status(const msg::StatusFrame& message, const wire::Source& source);
 
+  /// Repairs the link to a bench that is broken or owes an answer; releases the lock meanwhile.
+  /// @return whether it was broken.
+  bool repair_if_needed(Lock& lock, const BenchKey& key, Directory::Clock::time_point now);
+
+  /// @return why a wait that began at `begin` ends without what it waits for; nothing = it goes on.
+  [[nodiscard]] std::optional<Outcome> end_of_wait(const Target& target, const Patience& patience,
+                                                   Directory::Clock::time_point begin,
+                                                   Directory::Clock::time_point now);
+
   template <typename Condition>
   Outcome wait(Lock& lock, const Target& target, Patience patience, const Condition& condition);
   template <typename Condition>
@@ -363,23 +372,13 @@ Outcome SessionCore::wait(Lock& lock, const Target& target, Patience patience,
   constexpr std::chrono::milliseconds kLook{50};
   constexpr std::chrono::milliseconds kLookAtABrokenLink{5};
   const auto begin = Directory::Clock::now();
-  const auto deadline = begin + patience.timeout;
   while (!condition()) {
     const auto now = Directory::Clock::now();
-    const bool is_broken = this->is_broken(target.key);
-    if (is_broken || is_overdue(target.key, now)) {
-      lock.unlock();
-      repair(target.key);
-      lock.lock();
-      if (condition()) break;
-    }
-    if (interrupted_ && patience.may_interrupt) return Outcome::failed("interrupted");
-    if (!directory_.is_alive(target.key, options_.silence, now)) return gone(target);
-    if (patience.needs_drive_time && directory_.is_paused(target.key, begin)) {
-      return Outcome::failed(paused_text(target));
-    }
-    if (now >= deadline) return Outcome::timed_out(name_of(target) + " did not answer");
-    changed_.wait_until(lock, std::min(deadline, now + (is_broken ? kLookAtABrokenLink : kLook)));
+    const bool is_broken = repair_if_needed(lock, target.key, now);
+    if (condition()) break;
+    if (auto end = end_of_wait(target, patience, begin, now)) return std::move(*end);
+    changed_.wait_until(
+        lock, std::min(begin + patience.timeout, now + (is_broken ? kLookAtABrokenLink : kLook)));
   }
   return {};
 }

@@ -143,4 +143,29 @@ template bool SessionCore::write_patiently(wire::Publication<msg::Request>& publ
 template bool SessionCore::write_patiently(wire::Publication<msg::CommandFrame>& publication,
                                            const BenchKey& key, const msg::CommandFrame& message);
 
+bool SessionCore::repair_if_needed(Lock& lock, const BenchKey& key,
+                                   Directory::Clock::time_point now) {
+  const bool was_broken = is_broken(key);
+  if (was_broken || is_overdue(key, now)) {
+    lock.unlock();
+    repair(key);
+    lock.lock();
+  }
+  return was_broken;
+}
+
+std::optional<Outcome> SessionCore::end_of_wait(const Target& target, const Patience& patience,
+                                                Directory::Clock::time_point begin,
+                                                Directory::Clock::time_point now) {
+  if (interrupted_ && patience.may_interrupt) return Outcome::failed("interrupted");
+  if (!directory_.is_alive(target.key, options_.silence, now)) return gone(target);
+  if (patience.needs_drive_time && directory_.is_paused(target.key, begin)) {
+    return Outcome::failed(paused_text(target));
+  }
+  if (now >= begin + patience.timeout) {
+    return Outcome::timed_out(name_of(target) + " did not answer");
+  }
+  return std::nullopt;
+}
+
 }  // namespace vdrive::client
