@@ -25,11 +25,11 @@ constexpr std::array<std::byte, kEncapsulation> kLittleEndian{std::byte{0}, std:
 /// Reads plain CDR of either byte order. After the first failure every value is 0.
 class CdrReader {
  public:
-  explicit CdrReader(std::span<const std::byte> sample) noexcept : sample_(sample) {
-    is_good_ = sample.size() >= kEncapsulation && sample[0] == std::byte{0} &&
-               (sample[1] == std::byte{0} || sample[1] == std::byte{1});
-    swaps_ = is_good_ && sample[1] == std::byte{0};
-  }
+  explicit CdrReader(std::span<const std::byte> sample) noexcept
+      : sample_(sample),
+        is_good_(sample.size() >= kEncapsulation && sample[0] == std::byte{0} &&
+                 (sample[1] == std::byte{0} || sample[1] == std::byte{1})),
+        swaps_(is_good_ && sample[1] == std::byte{0}) {}
 
   [[nodiscard]] bool is_good() const noexcept { return is_good_; }
 
@@ -58,8 +58,8 @@ class CdrReader {
  private:
   std::span<const std::byte> sample_;
   std::size_t position_ = kEncapsulation;
-  bool is_good_ = false;
-  bool swaps_ = false;
+  bool is_good_;
+  bool swaps_;
 };
 
 void read_command(CdrReader& reader, msg::AxisCommand& command) {
@@ -267,6 +267,7 @@ Decoding CommandDecoder::decode(std::span<const std::byte> sample, msg::CommandF
   return reader.is_good() ? Decoding::good : Decoding::malformed;
 }
 
+// NOLINTNEXTLINE(readability-convert-member-functions-to-static): one object decodes both kinds
 Decoding CommandDecoder::decode(std::span<const std::byte> sample, msg::Request& request) {
   CdrReader reader(sample);
   request.client(reader.next<std::uint64_t>());
@@ -350,22 +351,37 @@ std::size_t encode_axis_status(const AxisStatus& status, const AxisAddress& addr
   return kAxisStatusSize;
 }
 
-#define VDRIVE_CODEC_OF(Message)                                                   \
-  template std::size_t encoded_size(const msg::Message&);                          \
-  template std::size_t encode(const msg::Message&, std::span<std::byte>) noexcept; \
-  template bool decode(std::span<const std::byte>, msg::Message&) noexcept
+template std::size_t encoded_size(const msg::CommandFrame&);
+template std::size_t encoded_size(const msg::CommandReply&);
+template std::size_t encoded_size(const msg::Request&);
+template std::size_t encoded_size(const msg::Reply&);
+template std::size_t encoded_size(const msg::StatusFrame&);
+template std::size_t encoded_size(const msg::AxisStatus&);
+template std::size_t encoded_size(const msg::AxisParameters&);
+template std::size_t encoded_size(const msg::Event&);
+template std::size_t encoded_size(const msg::BenchDescription&);
+template std::size_t encoded_size(const msg::BenchState&);
 
-VDRIVE_CODEC_OF(CommandFrame);
-VDRIVE_CODEC_OF(CommandReply);
-VDRIVE_CODEC_OF(Request);
-VDRIVE_CODEC_OF(Reply);
-VDRIVE_CODEC_OF(StatusFrame);
-VDRIVE_CODEC_OF(AxisStatus);
-VDRIVE_CODEC_OF(AxisParameters);
-VDRIVE_CODEC_OF(Event);
-VDRIVE_CODEC_OF(BenchDescription);
-VDRIVE_CODEC_OF(BenchState);
+template std::size_t encode(const msg::CommandFrame&, std::span<std::byte>) noexcept;
+template std::size_t encode(const msg::CommandReply&, std::span<std::byte>) noexcept;
+template std::size_t encode(const msg::Request&, std::span<std::byte>) noexcept;
+template std::size_t encode(const msg::Reply&, std::span<std::byte>) noexcept;
+template std::size_t encode(const msg::StatusFrame&, std::span<std::byte>) noexcept;
+template std::size_t encode(const msg::AxisStatus&, std::span<std::byte>) noexcept;
+template std::size_t encode(const msg::AxisParameters&, std::span<std::byte>) noexcept;
+template std::size_t encode(const msg::Event&, std::span<std::byte>) noexcept;
+template std::size_t encode(const msg::BenchDescription&, std::span<std::byte>) noexcept;
+template std::size_t encode(const msg::BenchState&, std::span<std::byte>) noexcept;
 
-#undef VDRIVE_CODEC_OF
+template bool decode(std::span<const std::byte>, msg::CommandFrame&) noexcept;
+template bool decode(std::span<const std::byte>, msg::CommandReply&) noexcept;
+template bool decode(std::span<const std::byte>, msg::Request&) noexcept;
+template bool decode(std::span<const std::byte>, msg::Reply&) noexcept;
+template bool decode(std::span<const std::byte>, msg::StatusFrame&) noexcept;
+template bool decode(std::span<const std::byte>, msg::AxisStatus&) noexcept;
+template bool decode(std::span<const std::byte>, msg::AxisParameters&) noexcept;
+template bool decode(std::span<const std::byte>, msg::Event&) noexcept;
+template bool decode(std::span<const std::byte>, msg::BenchDescription&) noexcept;
+template bool decode(std::span<const std::byte>, msg::BenchState&) noexcept;
 
 }  // namespace vdrive::wire

@@ -133,36 +133,44 @@ void Guard::pass_discovery(Receiver& channel, Bytes datagram, const Locator& loc
   std::vector<std::uint8_t> copy(datagram.begin(), datagram.end());
   Submessages submessages(copy);
   for (Submessage submessage; !submessages.at_end() && submessages.next(submessage);) {
-    if (submessage.kind != Kind::data) {
-      continue;
-    }
-    constexpr std::size_t kDataFixed = 16;
-    const Data data = parse_data(submessage, kDataFixed);
-    const bool has_list = submessage.has(kThird) && data.is_list();
-    const std::size_t list = submessage.offset + data.payload + 4;
-    if (keeps_leases_ && may_announce(submessage, data)) {
-      const auto announcement = read_announcement(submessage, data);
-      if (!announcement) {
-        refuse(Refusal::announcement, remote);
-        return;
-      }
-      if (role_ == Role::client && announcement->announcer == Announcer::vdrive_visitor) {
-        ++ignored_;
-        return;
-      }
-      const Refusal refusal = take_announcement(*announcement, sender_of(copy), channel);
-      if (refusal != Refusal::none) {
-        refuse(refusal, remote);
-        return;
-      }
-      if (has_list) {
-        raise_leases(copy, list, data.list_is_little());
-      }
-    } else if (has_list) {
-      hide_types(copy, list, data.list_is_little());
+    if (submessage.kind == Kind::data && !passes(submessage, copy, channel, remote)) {
+      return;
     }
   }
   channel.OnDataReceived(copy.data(), static_cast<std::uint32_t>(copy.size()), local, remote);
+}
+
+/// @return whether the library may have the datagram; the lists of the submessage are changed in
+/// it.
+bool Guard::passes(const Submessage& submessage, std::vector<std::uint8_t>& datagram,
+                   Receiver& channel, const Locator& remote) {
+  constexpr std::size_t kDataFixed = 16;
+  const Data data = parse_data(submessage, kDataFixed);
+  const bool has_list = submessage.has(kThird) && data.is_list();
+  const std::size_t list = submessage.offset + data.payload + 4;
+  if (!keeps_leases_ || !may_announce(submessage, data)) {
+    if (has_list) {
+      hide_types(datagram, list, data.list_is_little());
+    }
+    return true;
+  }
+  const auto announcement = read_announcement(submessage, data);
+  if (announcement && role_ == Role::client &&
+      announcement->announcer == Announcer::vdrive_visitor) {
+    ++ignored_;
+    return false;
+  }
+  const Refusal refusal = announcement
+                              ? take_announcement(*announcement, sender_of(datagram), channel)
+                              : Refusal::announcement;
+  if (refusal != Refusal::none) {
+    refuse(refusal, remote);
+    return false;
+  }
+  if (has_list) {
+    raise_leases(datagram, list, data.list_is_little());
+  }
+  return true;
 }
 
 Refusal Guard::take_announcement(const Announcement& announcement, const Prefix& sender,

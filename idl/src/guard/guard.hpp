@@ -16,6 +16,7 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <vector>
 
 namespace vdrive::wire {
 
@@ -51,6 +52,9 @@ class Guard {
   [[nodiscard]] bool has_room_for(std::uint32_t gap_numbers);
   void pass_discovery(Receiver& channel, rtps_bytes::Bytes datagram, const Locator& local,
                       const Locator& remote);
+  [[nodiscard]] bool passes(const rtps_bytes::Submessage& submessage,
+                            std::vector<std::uint8_t>& datagram, Receiver& channel,
+                            const Locator& remote);
   [[nodiscard]] Refusal take_announcement(const Announcement& announcement,
                                           const rtps_bytes::Prefix& sender, Receiver& channel);
   void judge();

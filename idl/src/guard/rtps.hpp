@@ -40,34 +40,36 @@ enum class Kind : std::uint8_t {
 };
 
 /// Flags of a submessage.
-enum Flag : std::uint8_t { kLittle = 0x01, kSecond = 0x02, kThird = 0x04, kFourth = 0x08 };
+using Flag = std::uint8_t;
+inline constexpr Flag kLittle = 0x01;
+inline constexpr Flag kSecond = 0x02;
+inline constexpr Flag kThird = 0x04;
+inline constexpr Flag kFourth = 0x08;
 
 /// Entities of discovery.
-enum Entity : std::uint32_t {
-  kUnknownEntity = 0,
-  kPublicationsWriter = 0x000003C2,
-  kPublicationsReader = 0x000003C7,
-  kSubscriptionsWriter = 0x000004C2,
-  kSubscriptionsReader = 0x000004C7,
-  kParticipantsWriter = 0x000100C2,
-  kParticipantsReader = 0x000100C7,
-};
+using Entity = std::uint32_t;
+inline constexpr Entity kUnknownEntity = 0;
+inline constexpr Entity kPublicationsWriter = 0x000003C2;
+inline constexpr Entity kPublicationsReader = 0x000003C7;
+inline constexpr Entity kSubscriptionsWriter = 0x000004C2;
+inline constexpr Entity kSubscriptionsReader = 0x000004C7;
+inline constexpr Entity kParticipantsWriter = 0x000100C2;
+inline constexpr Entity kParticipantsReader = 0x000100C7;
 
 /// Parameters of lists.
-enum Parameter : std::uint16_t {
-  kPad = 0x0000,
-  kSentinel = 0x0001,
-  kLease = 0x0002,
-  kTopicName = 0x0005,
-  kTypeName = 0x0007,
-  kParticipantGuid = 0x0050,
-  kEntityName = 0x0062,
-  kTypeId = 0x0069,
-  kKeyHash = 0x0070,
-  kStatusInfo = 0x0071,
-  kTypeObject = 0x0072,
-  kTypeInformation = 0x0075,
-};
+using Parameter = std::uint16_t;
+inline constexpr Parameter kPad = 0x0000;
+inline constexpr Parameter kSentinel = 0x0001;
+inline constexpr Parameter kLease = 0x0002;
+inline constexpr Parameter kTopicName = 0x0005;
+inline constexpr Parameter kTypeName = 0x0007;
+inline constexpr Parameter kParticipantGuid = 0x0050;
+inline constexpr Parameter kEntityName = 0x0062;
+inline constexpr Parameter kTypeId = 0x0069;
+inline constexpr Parameter kKeyHash = 0x0070;
+inline constexpr Parameter kStatusInfo = 0x0071;
+inline constexpr Parameter kTypeObject = 0x0072;
+inline constexpr Parameter kTypeInformation = 0x0075;
 
 /// Reads numbers one after the other; what lies behind the end is 0 and makes `ok` false.
 class Reader {
