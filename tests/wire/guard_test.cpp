@@ -455,7 +455,8 @@ TEST(AGuardedParticipant, OutlivesMutatedDatagrams) {
     }
   }
   Asker late;
-  EXPECT_TRUE(late.is_answered()) << "nobody new is found";
+  // On a busy machine the visitor first reads what its sockets still hold, some 20,000 datagrams.
+  EXPECT_TRUE(late.is_answered(60s)) << "nobody new is found";
   const test::Finished finished = visitor.stop();
   EXPECT_EQ(finished.code, 0) << finished.errors;
   std::cout << finished.output;
