@@ -72,6 +72,12 @@ constexpr std::initializer_list<int> kFiles{SCMP_SYS(open),
                                             SCMP_SYS(name_to_handle_at),
                                             SCMP_SYS(open_by_handle_at)};
 
+/// Refuses a call whose first argument is anything but `allowed`.
+int refuse_unless_first_is(const Filter& filter, int call, scmp_datum_t allowed) {
+  const scmp_arg_cmp other{.arg = 0, .op = SCMP_CMP_NE, .datum_a = allowed, .datum_b = 0};
+  return seccomp_rule_add_array(filter.get(), SCMP_ACT_ERRNO(EPERM), call, 1, &other);
+}
+
 int refuse(const Filter& filter, std::initializer_list<int> calls) {
   int result = 0;
   for (const int call : calls) {
@@ -102,8 +108,7 @@ void confine_engine(Network network) {
   const Filter filter(seccomp_init(SCMP_ACT_ALLOW), &seccomp_release);
   int code = refuse(filter, kForNobody);
   if (code == 0) {
-    code = seccomp_rule_add(filter.get(), SCMP_ACT_ERRNO(EPERM), SCMP_SYS(socket), 1,
-                            SCMP_A0(SCMP_CMP_NE, AF_UNIX));
+    code = refuse_unless_first_is(filter, SCMP_SYS(socket), AF_UNIX);
   }
   code = code < 0 ? code : load(filter);
   if (code < 0) {
@@ -119,8 +124,7 @@ void confine_wire() {
   int code = refuse(filter, kForNobody);
   code = code < 0 ? code : refuse(filter, kFiles);
   if (code == 0) {  // an assertion signals its own process
-    code = seccomp_rule_add(filter.get(), SCMP_ACT_ERRNO(EPERM), SCMP_SYS(tgkill), 1,
-                            SCMP_A0(SCMP_CMP_NE, static_cast<scmp_datum_t>(getpid())));
+    code = refuse_unless_first_is(filter, SCMP_SYS(tgkill), static_cast<scmp_datum_t>(getpid()));
   }
   code = code < 0 ? code : load(filter);
   if (code < 0) {

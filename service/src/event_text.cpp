@@ -8,7 +8,7 @@
 #include "vdrive/service/realtime_driver.hpp"
 #include "vdrive/service/stepper_table.hpp"
 #include "vdrive/wire/conversion.hpp"
-#include "wire_supervisor.hpp"
+#include "wire_judge.hpp"
 
 #include <array>
 #include <bit>

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace vdrive::service {
+
+/// Codes of EVENT_WIRE, and what its `detail` says.
+struct WireNews {
+  static constexpr std::uint32_t kLost = 1;   ///< a wire ended or was ended; detail: WireLoss
+  static constexpr std::uint32_t kRuns = 2;   ///< another one runs; detail: time without [ms]
+  static constexpr std::uint32_t kLater = 3;  ///< it ends again and again; detail: delay [ms]
+};
+
+/// Why a wire is gone.
+struct WireLoss {
+  enum class Cause : std::uint8_t {
+    signal,     ///< value: its number
+    exit_code,  ///< value: the code
+    no_start,   ///< it did not come up in time
+    hangs,      ///< its pumps made no round
+    deaf,       ///< no probe came through discovery and data
+    memory,     ///< value: what it used [MiB]
+  };
+
+  Cause cause = Cause::signal;
+  std::uint32_t value = 0;
+
+  /// @return both in one number, for an event.
+  [[nodiscard]] std::uint64_t packed() const noexcept;
+  static WireLoss unpacked(std::uint64_t detail) noexcept;
+
+  /// @return such as "signal 6 (Aborted)".
+  [[nodiscard]] std::string text() const;
+};
+
+/// When a wire is to be ended, and when another one is to be started: decisions from what is seen
+/// of it, without system calls. Time is an argument.
+class WireJudge {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+
+  static constexpr std::chrono::seconds kLongestStart{10};
+  /// Without a round of the pumps it hangs.
+  static constexpr std::chrono::seconds kLongestRound{2};
+  /// A probe through discovery and data that does not come through in this time: it is deaf.
+  static constexpr std::chrono::milliseconds kLongestProbe{4'000};
+  /// A wire that ran for this long did not end because of how it was started.
+  static constexpr std::chrono::seconds kLongRun{1};
+  /// One that had to be ended may be no better when it is started anew.
+  static constexpr std::chrono::seconds kLongRunOfJudged{60};
+  static constexpr std::chrono::milliseconds kFirstDelay{100};
+  static constexpr std::chrono::milliseconds kLongestDelay{5'000};
+
+  /// What is seen of a wire.
+  struct Sight {
+    bool is_running = false;
+    std::uint64_t pump_beats = 0;
+    std::uint64_t probe_beats = 0;
+    std::uint64_t resident = 0;  ///< [bytes]
+  };
+
+  explicit WireJudge(std::uint64_t memory_limit) noexcept : memory_limit_(memory_limit) {}
+
+  void started(Time now) noexcept;
+
+  /// @return why the wire has to be ended now; nothing = it may go on.
+  [[nodiscard]] std::optional<WireLoss> reason_to_end(const Sight& sight, Time now) noexcept;
+
+  /// @return when the next one is to be started.
+  /// @param was_judged it was ended by this judge
+  [[nodiscard]] Time ended(Time now, bool was_judged) noexcept;
+
+ private:
+  std::uint64_t memory_limit_;
+  Time start_{};
+  Time looked_{};
+  std::optional<Time> running_since_;
+  std::uint64_t pump_beats_ = 0;
+  std::uint64_t probe_beats_ = 0;
+  Time pumped_{};
+  Time probed_{};
+  std::chrono::milliseconds delay_{0};
+};
+
+}  // namespace vdrive::service
