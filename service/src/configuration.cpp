@@ -387,41 +387,6 @@ Configuration read_configuration(const YamlValue& root) {
   return configuration;
 }
 
-/// The parser would take wide text as well, and put other characters in the place of bad ones.
-void check_encoding(const std::string& text, const std::string& file_name) {
-  if (is_wide_text(text)) {
-    throw ConfigurationError(escaped(file_name, kShownOfMessage) +
-                             ": is text in UTF-16 or UTF-32, must be UTF-8");
-  }
-  std::istringstream lines(text);
-  std::string line;
-  for (std::size_t number = 1; std::getline(lines, line); ++number) {
-    if (!is_utf8(line) || line.find('\0') != std::string::npos) {
-      throw ConfigurationError(escaped(file_name, kShownOfMessage) + ":" + std::to_string(number) +
-                               ": " + in_quotes(line) + " is not text in UTF-8");
-    }
-  }
-}
-
-/// @throws ConfigurationError when the text is no YAML, or holds several documents.
-YAML::Node only_document(const std::string& text, const std::string& file_name) {
-  try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
-    if (documents.size() > 1) {
-      const YAML::Mark mark = documents[1].Mark();
-      throw ConfigurationError(
-          escaped(file_name, kShownOfMessage) +
-          (mark.is_null() ? "" : ":" + std::to_string(mark.line + 1)) +
-          ": a second YAML document begins here; a configuration is one document");
-    }
-    return documents.empty() ? YAML::Node() : documents.front();
-  } catch (const YAML::Exception& error) {
-    throw ConfigurationError(escaped(file_name, kShownOfMessage) + ":" +
-                             std::to_string(error.mark.line + 1) + ": " +
-                             escaped(error.msg, kShownOfMessage));
-  }
-}
-
 void check_range(const char* what, double value, double lowest, double highest, const char* unit) {
   if (!(value >= lowest && value <= highest)) {
     throw ConfigurationError(std::string(what) + " = " + to_text(value) + ": must be from " +
@@ -537,8 +502,7 @@ std::vector<NamedAxis> default_axes(std::size_t count) {
 }
 
 Configuration parse_configuration(const std::string& text, const std::string& file_name) {
-  check_encoding(text, file_name);
-  const YAML::Node document = only_document(text, file_name);
+  const YAML::Node document = read_yaml(text, file_name);
   if (document.IsNull()) {
     return demo_configuration();
   }

@@ -108,14 +108,18 @@ ParameterTable decode(std::span<const std::byte> file) {
     for (const auto& [number, axis] : json.at("axes").items()) {
       auto& values = table[number_of<std::uint16_t>(number)];
       for (const auto& [object, value] : axis.items()) {
+        // The library converts a value such as 1e400 without a look at the range of the integer.
+        if (!value.is_number_integer()) {
+          fail_damaged("the value of " + in_quotes(object) + " is no whole number");
+        }
         values.push_back({address_of(object), value.get<std::int64_t>()});
       }
     }
   } catch (const Json::exception& error) {
     fail_damaged(escaped(error.what(), kShownOfMessage));
   }
-  // A check can be right over content that was never written: 1.5 or true in the place of a whole
-  // number, a number that wraps around, an object that stands twice.
+  // A check can be right over content that was never written: a number that wraps around, an
+  // object that is named twice.
   if (content_of(encode(table)) != content) {
     fail_damaged("its content is not as it is written");
   }

@@ -5,11 +5,14 @@
 #include "vdrive/service/configuration.hpp"
 #include "vdrive/text.hpp"
 
+#include <yaml-cpp/eventhandler.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <optional>
 #include <set>
+#include <sstream>
 
 namespace vdrive::service {
 namespace {
@@ -26,7 +29,86 @@ std::string with_unit(const std::string& number, std::string_view unit) {
   return unit.empty() ? number : number + " " + std::string(unit);
 }
 
+[[noreturn]] void refuse_line(const std::string& file_name, std::size_t line,
+                              const std::string& problem) {
+  throw ConfigurationError(escaped(file_name, kShownOfMessage) + ":" + std::to_string(line) + ": " +
+                           problem);
+}
+
+/// The parser would take wide text as well, and put other characters in the place of bad ones.
+void check_encoding(const std::string& text, const std::string& file_name) {
+  if (is_wide_text(text)) {
+    throw ConfigurationError(escaped(file_name, kShownOfMessage) +
+                             ": is text in UTF-16 or UTF-32, must be UTF-8");
+  }
+  std::istringstream lines(text);
+  std::string line;
+  for (std::size_t number = 1; std::getline(lines, line); ++number) {
+    if (!is_utf8(line) || line.find('\0') != std::string::npos) {
+      refuse_line(file_name, number, in_quotes(line) + " is not text in UTF-8");
+    }
+  }
+}
+
+/// Hears where each document begins.
+class DocumentStarts : public YAML::EventHandler {
+ public:
+  std::vector<YAML::Mark> starts;
+
+  void OnDocumentStart(const YAML::Mark& mark) override { starts.push_back(mark); }
+
+  void OnDocumentEnd() override {}
+
+  void OnNull(const YAML::Mark& /*mark*/, YAML::anchor_t /*anchor*/) override {}
+
+  void OnAlias(const YAML::Mark& /*mark*/, YAML::anchor_t /*anchor*/) override {}
+
+  void OnScalar(const YAML::Mark& /*mark*/, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
+                const std::string& /*value*/) override {}
+
+  void OnSequenceStart(const YAML::Mark& /*mark*/, const std::string& /*tag*/,
+                       YAML::anchor_t /*anchor*/, YAML::EmitterStyle::value /*style*/) override {}
+
+  void OnSequenceEnd() override {}
+
+  void OnMapStart(const YAML::Mark& /*mark*/, const std::string& /*tag*/,
+                  YAML::anchor_t /*anchor*/, YAML::EmitterStyle::value /*style*/) override {}
+
+  void OnMapEnd() override {}
+};
+
+/// `YAML::LoadAll` would tell as well, but never returns where a text goes on with what no document
+/// can begin with, such as a comma: each document that it then finds is empty and ends where it
+/// began.
+void check_that_one_document_is_all(const std::string& text, const std::string& file_name) {
+  std::istringstream stream(text);
+  YAML::Parser parser(stream);
+  DocumentStarts documents;
+  if (!parser.HandleNextDocument(documents) || !parser.HandleNextDocument(documents)) {
+    return;
+  }
+  const auto line = [&documents](std::size_t document) {
+    return static_cast<std::size_t>(documents.starts.at(document).line) + 1;
+  };
+  if (documents.starts.at(0).pos == documents.starts.at(1).pos) {
+    refuse_line(file_name, line(0), "no YAML document can begin like this");
+  }
+  refuse_line(file_name, line(1),
+              "a second YAML document begins here; a configuration is one document");
+}
+
 }  // namespace
+
+YAML::Node read_yaml(const std::string& text, const std::string& file_name) {
+  check_encoding(text, file_name);
+  try {
+    check_that_one_document_is_all(text, file_name);
+    return YAML::Load(text);
+  } catch (const YAML::Exception& error) {
+    refuse_line(file_name, static_cast<std::size_t>(error.mark.line) + 1,
+                escaped(error.msg, kShownOfMessage));
+  }
+}
 
 void YamlValue::for_each_entry(
     std::initializer_list<std::string_view> known,

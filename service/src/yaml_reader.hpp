@@ -12,6 +12,11 @@
 
 namespace vdrive::service {
 
+/// Parses a file that is one YAML document in UTF-8.
+/// @return the document, null where there is none.
+/// @throws ConfigurationError that names the file and the line, when `text` is anything else.
+[[nodiscard]] YAML::Node read_yaml(const std::string& text, const std::string& file_name);
+
 /// Limits of a whole number.
 struct IntegerLimits {
   std::int64_t lowest;

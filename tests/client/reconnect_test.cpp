@@ -225,6 +225,9 @@ class Bench {
           if (round % kStateEvery == 0) {
             wire_->tell(state(kBench, kIncarnation, engine_.tick()));
           }
+        } else {
+          // As the service does: the next wire starts with empty lanes.
+          while (outbox_.status.front() != nullptr) outbox_.status.pop();
         }
         while (outbox_.events.front() != nullptr) outbox_.events.pop();
         while (outbox_.parameters.front() != nullptr) outbox_.parameters.pop();

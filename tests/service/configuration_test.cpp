@@ -177,6 +177,10 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"not_utf8", "bench:\n  name: \"\xFF\"",
                 R"(bench.yaml:2: '  name: "\xFF"' is not text in UTF-8)"},
         Refused{"two_documents", "bench: {number: 1}\n---\nbench: {number: 2}",
+                "bench.yaml:2: a second YAML document"},
+        // The parser takes nothing from these and finds documents without end.
+        Refused{"begins_with_a_comma", ", name: left}", "bench.yaml:1: no YAML document can begin"},
+        Refused{"goes_on_with_a_comma", "bench: {number: 1}\n...\n, {n% ",
                 "bench.yaml:3: a second YAML document"},
         Refused{"security_names_nothing", "network: {security: \"\"}",
                 "bench.yaml:1: network.security: names no directory"},
