@@ -25,13 +25,14 @@ void change(std::vector<std::uint8_t>& datagram) {
     }
     const rtps_bytes::Data data = rtps_bytes::parse_data(submessage, 16);
     demand(data.whole);
-    const std::size_t list = submessage.offset + data.payload + 4;
     if (rtps_bytes::may_announce(submessage, data)) {
       static_cast<void>(read_announcement(submessage, data));
     }
-    if (submessage.has(rtps_bytes::kThird) && data.is_list()) {
-      raise_leases(datagram, list, data.list_is_little());
-      hide_types(datagram, list, data.list_is_little());
+    if (submessage.has(rtps_bytes::kThird) && data.is_list() &&
+        rtps_bytes::is_discovery(submessage, data)) {
+      const auto list = rtps_bytes::list_in(datagram, submessage, data);
+      raise_leases(list, data.list_is_little());
+      hide_types(list, data.list_is_little());
     }
   }
 }

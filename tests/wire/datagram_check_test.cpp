@@ -349,6 +349,14 @@ std::optional<Announcement> read(const Datagram& datagram) {
   return read_announcement(submessage, rtps_bytes::parse_data(submessage, 16));
 }
 
+/// @return the list of parameters in a datagram of one DATA submessage.
+std::span<std::uint8_t> list_of(Datagram& datagram) {
+  rtps_bytes::Submessages submessages(datagram);
+  rtps_bytes::Submessage submessage;
+  EXPECT_TRUE(submessages.next(submessage));
+  return rtps_bytes::list_in(datagram, submessage, rtps_bytes::parse_data(submessage, 16));
+}
+
 TEST(Announcement, TellsWhoAnnouncesWhatLease) {
   const auto read_one = [](const char* name) {
     return read(single(0x15, test::announcement(kSender, name, 20), kWithData));
@@ -365,11 +373,24 @@ TEST(Announcement, TellsWhoAnnouncesWhatLease) {
 
 TEST(Announcement, OfALeaseIsRaisedForTheLibrary) {
   Datagram datagram = single(0x15, test::announcement(kSender, "talker", 2), kWithData);
-  // header 20, submessage header 4, start of DATA 20, encapsulation 4
-  raise_leases(datagram, 48, true);
+  raise_leases(list_of(datagram), true);
   ASSERT_TRUE(read(datagram));
   EXPECT_EQ(read(datagram)->lease, kLeaseForTheLibrary);
   EXPECT_EQ(check_datagram(datagram).refusal, Refusal::none);
+}
+
+// A list that a program sends as its own data has passed no check: it may end anywhere.
+TEST(Announcement, OfALeaseThatIsCutShortChangesNothing) {
+  for (const std::size_t length : {4U, 6U, 10U}) {
+    Body body = data_to(0x07010000, 0x02010000, 1);  // a reader and a writer of a program
+    body.raw({0, 3, 0, 0}).raw({2, 0, 4, 0, 1, 2, 3, 4, 0x75, 0});  // a lease of 4 bytes, a type id
+    Datagram datagram = single(0x15, body, kWithData);
+    Datagram changed = datagram;
+    const auto list = list_of(changed).first(length);
+    raise_leases(list, true);
+    hide_types(list, true);
+    EXPECT_EQ(changed, datagram) << length;
+  }
 }
 
 TEST(Announcement, OfLeavingNamesWhoLeaves) {

@@ -63,11 +63,11 @@ std::optional<Prefix> guid_of(const Data& data) {
 }
 
 template <typename Change>
-void for_each_entry(std::span<std::uint8_t> datagram, std::size_t offset, bool little,
-                    const Change& change) {
-  List list(Bytes(datagram).subspan(offset), little);
+void for_each_entry(std::span<std::uint8_t> bytes, bool little, const Change& change) {
+  constexpr std::size_t kHeader = 4;
+  List list(bytes, little);
   for (ListEntry entry; list.next(entry);) {
-    change(entry, datagram.subspan(offset + entry.offset));
+    change(entry, bytes.subspan(entry.offset, kHeader + entry.value.size()));
   }
 }
 
@@ -110,25 +110,23 @@ std::optional<Announcement> read_announcement(const Submessage& submessage,
   return has_guid && has_lease ? std::optional(announcement) : std::nullopt;
 }
 
-void raise_leases(std::span<std::uint8_t> datagram, std::size_t offset, bool little) noexcept {
-  for_each_entry(datagram, offset, little,
-                 [little](const ListEntry& entry, std::span<std::uint8_t> place) {
-                   if (entry.id == kLease) {
-                     put_u32(place.subspan(4),
-                             static_cast<std::uint32_t>(kLeaseForTheLibrary.count()), little);
-                     put_u32(place.subspan(8), 0, little);
-                   }
-                 });
+void raise_leases(std::span<std::uint8_t> list, bool little) noexcept {
+  constexpr std::size_t kLeaseSize = 8;
+  for_each_entry(list, little, [little](const ListEntry& entry, std::span<std::uint8_t> place) {
+    if (entry.id == kLease && entry.value.size() >= kLeaseSize) {
+      put_u32(place.subspan(4), static_cast<std::uint32_t>(kLeaseForTheLibrary.count()), little);
+      put_u32(place.subspan(8), 0, little);
+    }
+  });
 }
 
-void hide_types(std::span<std::uint8_t> datagram, std::size_t offset, bool little) noexcept {
-  for_each_entry(
-      datagram, offset, little, [](const ListEntry& entry, std::span<std::uint8_t> place) {
-        if (entry.id == kTypeId || entry.id == kTypeObject || entry.id == kTypeInformation) {
-          place[0] = 0;  // kPad, which is skipped
-          place[1] = 0;
-        }
-      });
+void hide_types(std::span<std::uint8_t> list, bool little) noexcept {
+  for_each_entry(list, little, [](const ListEntry& entry, std::span<std::uint8_t> place) {
+    if (entry.id == kTypeId || entry.id == kTypeObject || entry.id == kTypeInformation) {
+      place[0] = 0;  // kPad, which is skipped
+      place[1] = 0;
+    }
+  });
 }
 
 std::vector<std::uint8_t> farewell(const Prefix& gone) {

@@ -38,12 +38,14 @@ struct Announcement {
 [[nodiscard]] std::optional<Announcement> read_announcement(
     const rtps_bytes::Submessage& submessage, const rtps_bytes::Data& data) noexcept;
 
-/// Writes kLeaseForTheLibrary into every lease of the list at `offset` of `datagram`.
-void raise_leases(std::span<std::uint8_t> datagram, std::size_t offset, bool little) noexcept;
+/// Writes kLeaseForTheLibrary into every lease of a list of parameters.
+/// @param list the list and nothing behind it, see rtps_bytes::list_in; changed in place
+void raise_leases(std::span<std::uint8_t> list, bool little) noexcept;
 
-/// Makes the library skip the types' descriptions in the list at `offset` of `datagram`: it builds
-/// types from them without a look, and one that knows none of its own follows a null pointer.
-void hide_types(std::span<std::uint8_t> datagram, std::size_t offset, bool little) noexcept;
+/// Makes the library skip the types' descriptions in a list of parameters: it builds types from
+/// them without a check, and a library that knows none of these types follows a null pointer.
+/// @param list as of raise_leases
+void hide_types(std::span<std::uint8_t> list, bool little) noexcept;
 
 /// @return a datagram by which the participant `gone` leaves, as Fast DDS itself sends one: DATA of
 ///         the announcing entity with the key and the status "disposed and unregistered". Its

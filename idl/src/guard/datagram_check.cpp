@@ -55,6 +55,23 @@ bool may_announce(const Submessage& submessage, const Data& data) noexcept {
   return false;
 }
 
+bool is_discovery(const Submessage& submessage, const Data& data) noexcept {
+  constexpr std::array<std::uint32_t, 6> kOfDiscovery{kPublicationsWriter,  kPublicationsReader,
+                                                      kSubscriptionsWriter, kSubscriptionsReader,
+                                                      kParticipantsWriter,  kParticipantsReader};
+  const bool is_for_it =
+      std::any_of(kOfDiscovery.begin(), kOfDiscovery.end(), [&data](std::uint32_t entity) {
+        return data.reader == entity || data.writer == entity;
+      });
+  return is_for_it || may_announce(submessage, data);
+}
+
+std::span<std::uint8_t> list_in(std::span<std::uint8_t> datagram, const Submessage& submessage,
+                                const Data& data) noexcept {
+  constexpr std::size_t kEncapsulation = 4;
+  return datagram.subspan(submessage.offset + data.payload + kEncapsulation, data.list().size());
+}
+
 }  // namespace rtps_bytes
 
 namespace {
@@ -158,15 +175,6 @@ Refusal check_heartbeat_frag(const Submessage& submessage) {
   return is_sequence(sequence, 1) ? Refusal::none : Refusal::sequence;
 }
 
-bool is_discovery(const Data& data) {
-  constexpr std::array<std::uint32_t, 6> kOfDiscovery{kPublicationsWriter,  kPublicationsReader,
-                                                      kSubscriptionsWriter, kSubscriptionsReader,
-                                                      kParticipantsWriter,  kParticipantsReader};
-  return std::any_of(kOfDiscovery.begin(), kOfDiscovery.end(), [&data](std::uint32_t entity) {
-    return data.reader == entity || data.writer == entity;
-  });
-}
-
 /// A text of CDR: its length with the zero at its end, and as many bytes.
 bool is_text(Bytes value, bool little) {
   Reader reader(value, little);
@@ -232,7 +240,7 @@ Refusal check_data(const Submessage& submessage, DatagramReport& report) {
       (!has_data && !has_key && data.inline_qos.empty()) || data.writer == kUnknownEntity) {
     return Refusal::data;
   }
-  if (is_discovery(data) || may_announce(submessage, data)) {
+  if (is_discovery(submessage, data)) {
     report.announces = true;
     return check_discovery(submessage, data);
   }

@@ -147,10 +147,9 @@ bool Guard::passes(const Submessage& submessage, std::vector<std::uint8_t>& data
   constexpr std::size_t kDataFixed = 16;
   const Data data = parse_data(submessage, kDataFixed);
   const bool has_list = submessage.has(kThird) && data.is_list();
-  const std::size_t list = submessage.offset + data.payload + 4;
   if (!keeps_leases_ || !may_announce(submessage, data)) {
-    if (has_list) {
-      hide_types(datagram, list, data.list_is_little());
+    if (has_list && is_discovery(submessage, data)) {
+      hide_types(list_in(datagram, submessage, data), data.list_is_little());
     }
     return true;
   }
@@ -168,7 +167,7 @@ bool Guard::passes(const Submessage& submessage, std::vector<std::uint8_t>& data
     return false;
   }
   if (has_list) {
-    raise_leases(datagram, list, data.list_is_little());
+    raise_leases(list_in(datagram, submessage, data), data.list_is_little());
   }
   return true;
 }

@@ -248,4 +248,14 @@ struct Data {
 /// @return whether the library may take it for an announcement of a participant.
 [[nodiscard]] bool may_announce(const Submessage& submessage, const Data& data) noexcept;
 
+/// @return whether the library may take it for discovery: its content then has passed the check.
+///         Other content is a program's own, and is nobody's to change.
+[[nodiscard]] bool is_discovery(const Submessage& submessage, const Data& data) noexcept;
+
+/// @param datagram that holds `submessage`, or a copy of it
+/// @return the bytes of data.list() in `datagram`; only where data.is_list().
+[[nodiscard]] std::span<std::uint8_t> list_in(std::span<std::uint8_t> datagram,
+                                              const Submessage& submessage,
+                                              const Data& data) noexcept;
+
 }  // namespace vdrive::wire::rtps_bytes
