@@ -3,6 +3,7 @@
 
 #include "entities.hpp"
 #include "guard/guard_transport.hpp"
+#include "vdrive/text.hpp"
 #include "vdrive/wire/address.hpp"
 #include "vdrive/wire/security.hpp"
 
@@ -56,7 +57,7 @@ std::uint32_t permitted_socket_buffer(const char* limit_file) {
 /// The library leaves an address out without a word when no interface has it.
 void check_own_address(const std::string& address) {
   if (!is_address(address)) {
-    throw NetworkError("network interface \"" + address + "\" is not an IPv4 address");
+    throw NetworkError("network interface " + in_quotes(address) + " is not an IPv4 address");
   }
   std::vector<rtps::IPFinder::info_IP> own;
   rtps::IPFinder::getIPs(&own, true);
@@ -70,8 +71,8 @@ void check_own_address(const std::string& address) {
     }
     addresses += (addresses.empty() ? "" : ", ") + ip.name;
   }
-  throw NetworkError("network interface \"" + address +
-                     "\": no interface that is up has this address; there are " + addresses);
+  throw NetworkError("network interface " + in_quotes(address) +
+                     ": no interface that is up has this address; there are " + addresses);
 }
 
 eprosima::fastdds::rtps::UDPv4TransportDescriptor udp_transport(const NetworkSettings& settings) {
@@ -101,7 +102,7 @@ void add_peers(const NetworkSettings& settings, dds::DomainParticipantQos& qos) 
   peers.push_back(group);
   for (const auto& address : settings.peers) {
     if (!is_address(address)) {
-      throw NetworkError("network peer \"" + address + "\" is not an IPv4 address");
+      throw NetworkError("network peer " + in_quotes(address) + " is not an IPv4 address");
     }
     rtps::Locator_t peer;
     IPLocator::setIPv4(peer, address);
@@ -140,8 +141,8 @@ void add_discovery_servers(const NetworkSettings& settings, dds::DomainParticipa
   for (const auto& text : settings.discovery_servers) {
     const auto locator = server_locator(text);
     if (!locator) {
-      throw NetworkError("discovery server \"" + text +
-                         "\" is not an IPv4 address and a port, such as 10.0.0.9:11811");
+      throw NetworkError("discovery server " + in_quotes(text) +
+                         " is not an IPv4 address and a port, such as 10.0.0.9:11811");
     }
     eprosima::fastdds::rtps::RemoteServerAttributes server;
     server.metatrafficUnicastLocatorList.push_back(*locator);

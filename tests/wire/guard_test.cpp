@@ -447,7 +447,8 @@ TEST(AGuardedParticipant, OutlivesMutatedDatagrams) {
   ASSERT_TRUE(known.is_answered());
   Mutator mutator(1, kept_datagrams(known.participant.source().participant, visitor.prefix()));
   const Attacker attacker;
-  // The sockets hold some hundred datagrams: a short rest lets them be read.
+  // The sockets hold some hundred datagrams: a short rest lets the visitor read them. What it has
+  // read is printed at the end; a socket that is full drops the others.
   for (std::uint64_t number = 0; number < count; ++number) {
     attacker.send(mutator.next(), number % 3 == 0 ? 11 : 10);
     if (number % 64 == 0) {

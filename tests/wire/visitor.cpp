@@ -128,7 +128,8 @@ int run(const std::vector<std::string>& words) {
   has("ask") ? ask(participant) : answer(participant);
   const GuardCounts counts = participant.guarded();
   std::cout << "refused " << counts.all_refused() << " ignored " << counts.ignored << " judged "
-            << counts.judged << " kept " << counts.kept << std::endl;
+            << counts.judged << " kept " << counts.kept << " handed over " << counts.handed_over
+            << std::endl;
   for (std::size_t reason = 1; reason < kRefusals; ++reason) {
     if (counts.refused.at(reason) > 0) {
       std::cout << counts.refused.at(reason) << " times " << describe(static_cast<Refusal>(reason))

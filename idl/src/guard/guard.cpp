@@ -96,14 +96,21 @@ void Guard::receive(Receiver& channel, Bytes datagram, const Locator& local,
   if (report.announces) {
     pass_discovery(channel, readable, local, remote);
   } else {
-    channel.OnDataReceived(readable.data(), static_cast<std::uint32_t>(readable.size()), local,
-                           remote);
+    hand_over(channel, readable, local, remote);
   }
+}
+
+void Guard::hand_over(Receiver& channel, Bytes datagram, const Locator& local,
+                      const Locator& remote) {
+  ++handed_over_;
+  channel.OnDataReceived(datagram.data(), static_cast<std::uint32_t>(datagram.size()), local,
+                         remote);
 }
 
 GuardCounts Guard::counts() const {
   GuardCounts counts;
   std::copy(refused_.begin(), refused_.end(), counts.refused.begin());
+  counts.handed_over = handed_over_;
   counts.ignored = ignored_;
   counts.judged = judged_;
   const std::scoped_lock lock(keeper_mutex_);
@@ -137,7 +144,7 @@ void Guard::pass_discovery(Receiver& channel, Bytes datagram, const Locator& loc
       return;
     }
   }
-  channel.OnDataReceived(copy.data(), static_cast<std::uint32_t>(copy.size()), local, remote);
+  hand_over(channel, copy, local, remote);
 }
 
 /// @return whether the library may have the datagram; the lists of the submessage are changed in

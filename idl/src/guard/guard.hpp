@@ -50,6 +50,8 @@ class Guard {
 
   void refuse(Refusal refusal, const Locator& remote);
   [[nodiscard]] bool has_room_for(std::uint32_t gap_numbers);
+  void hand_over(Receiver& channel, rtps_bytes::Bytes datagram, const Locator& local,
+                 const Locator& remote);
   void pass_discovery(Receiver& channel, rtps_bytes::Bytes datagram, const Locator& local,
                       const Locator& remote);
   [[nodiscard]] bool passes(const rtps_bytes::Submessage& submessage,
@@ -65,6 +67,7 @@ class Guard {
   const GuardSink sink_;
 
   std::array<std::atomic<std::uint64_t>, kRefusals> refused_{};
+  std::atomic<std::uint64_t> handed_over_{0};
   std::atomic<std::uint64_t> ignored_{0};
   std::atomic<std::uint64_t> judged_{0};
   std::atomic<std::int64_t> gap_second_{0};

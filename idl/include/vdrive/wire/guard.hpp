@@ -34,6 +34,7 @@ constexpr std::size_t kRefusals = 13;  ///< with `none`
 /// What the guard of a participant has done since the participant was made.
 struct GuardCounts {
   std::array<std::uint64_t, kRefusals> refused{};  ///< datagrams by Refusal; [none] stays 0
+  std::uint64_t handed_over = 0;                   ///< datagrams that the library got
   std::uint64_t ignored = 0;  ///< announcements of clients that a client took no notice of
   std::uint64_t judged = 0;   ///< removed: silent, or left as the library does not see
   std::uint64_t kept = 0;     ///< participants that are watched now
