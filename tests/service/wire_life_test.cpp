@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The wire of a bench ends, hangs, goes deaf; the bench goes on. Real processes.
 #include "service/probe.hpp"
+#include "support/temporary_directory.hpp"
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
 #include "wire/attacker.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <sys/types.h>
@@ -13,6 +15,7 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <sstream>
 #include <string>
 #include <thread>
@@ -209,6 +212,44 @@ TEST(AnEngine, EndsAWireThatDiscoversNobodyAnyMore) {
               reason.find("memory") != std::string::npos)
       << reason;
   EXPECT_TRUE(Probe(test_domain()).find_bench()) << "and the next wire discovers";
+}
+
+// Each number of a gap takes memory at once, much more than a probe takes to be missed.
+TEST(AnEngine, EndsAWireThatLeaks) {
+  const TemporaryDirectory directory;
+  const auto configuration = directory.path() / "bench.yaml";
+  std::ofstream(configuration) << "wire: {memory_limit_mib: 64}\n";
+  Bench bench({"--without-guard", "--config", configuration.string()});
+  Probe probe(test_domain());
+  ASSERT_TRUE(probe.find_bench());
+  const auto begin = Clock::now();
+  Attacker().send_to_discovery(gap_without_end(probe.source().participant));
+  EXPECT_THAT(reason_of_the_loss(probe), testing::HasSubstr("memory"));
+  EXPECT_LT(Clock::now() - begin, 5s);
+  EXPECT_TRUE(Probe(test_domain()).find_bench()) << "and the next wire discovers";
+}
+
+// 1,024 answers waited for all clients together, before each client had its own bound.
+TEST(AnEngine, AnswersEverybodyElseWhileEightProgramsHang) {
+  constexpr std::uint64_t kRequests = 3'000;
+  Bench bench({"--axes", "2"});
+  std::vector<std::unique_ptr<Process>> programs;
+  for (int number = 0; number < 8; ++number) {
+    programs.push_back(std::make_unique<Process>(
+        VDRIVE_TOOL, std::vector<std::string>{"--domain", std::to_string(test_domain()), "--json",
+                                              "watch", "1.1"}));
+  }
+  for (const auto& program : programs) {
+    ASSERT_NE(program->read_line(), "") << "it is in";
+  }
+  Probe probe(test_domain());
+  ASSERT_TRUE(probe.find_bench());
+  for (const auto& program : programs) {
+    program->send(SIGSTOP);
+  }
+  for (std::uint64_t number = 0; number < kRequests; ++number) {
+    ASSERT_TRUE(probe.read(1, 0x6041).has_value()) << "request " << number;
+  }
 }
 
 TEST(AnEngine, StepsThroughANewWireInLockStep) {
