@@ -5,7 +5,8 @@
 #   deploy/build.sh [--preset NAME] [--tests] [--target TARGET]... [-D VAR=VALUE]... [--keep-going]
 #
 #   --preset NAME     a preset of CMakePresets.json, default release
-#   --tests           with tests and benchmarks (once on, they stay on in that build directory)
+#   --tests           with tests (once on, they stay on in that build directory); benchmarks are built
+#                     with -D VDRIVE_BUILD_BENCHMARKS=ON
 #   --target TARGET   only this target, instead of all; may be repeated
 #   -D VAR=VALUE      passed on to CMake; may be repeated
 #   --keep-going      build what can be built after a failure
@@ -50,7 +51,7 @@ fi
 
 defaults=()
 if $tests; then
-  defaults=(-D VDRIVE_BUILD_TESTS=ON -D VDRIVE_BUILD_BENCHMARKS=ON)
+  defaults=(-D VDRIVE_BUILD_TESTS=ON)
 elif [[ ! -f $directory/CMakeCache.txt ]]; then
   # Users need no test libraries. An existing choice is kept: switching off would only throw the
   # test programs away.

@@ -1,45 +1,67 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Installs what is missing, builds, and runs every test; ends with ctest's summary.
+# Shows that vdrive works: installs what is missing, builds the release, and runs the tests.
 #
-#   tests/run.sh [--nightly] [--quick] [ctest arguments...]
+#   tests/run.sh [--full] [--nightly] [ctest arguments...]
 #
-#   --nightly   the long counts of property, fuzz and soak tests (VDRIVE_NIGHTLY=1)
-#   --quick     only the release build: no sanitizers, clang-tidy, format check, fuzzers, coverage
+# Without an option: every unit test, every test over DDS and every scenario, in 10 minutes on two
+# cores from nothing.
 #
-# The other presets are tests too (label checks), so the summary speaks for all of them. What was
-# built and linted once is not done again. Exit code 0: all tests passed.
+#   --full      also what continuous integration checks, in 40 minutes: the sanitizers, clang-tidy,
+#               the format, the fuzzers, the coverage, the packages, the sandbox, the conformance
+#               document, clients that come and go, benchmarks that still compile
+#   --nightly   --full with the long counts of property, fuzz and soak tests (VDRIVE_NIGHTLY=1)
+#
+# The steps and their times are written to standard error, ctest's summary is written last. A preset
+# is a test too (label checks), so that the summary speaks for all of them. What was built and
+# linted once is not done again. Exit code 0: all tests passed.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
-quick=false
+full=false
 ctest_arguments=()
 while (($#)); do
   case $1 in
+    --full) full=true ;;
     --nightly)
+      full=true
       export VDRIVE_NIGHTLY=1
       ctest_arguments+=(--timeout 7200)
       ;;
-    --quick) quick=true ;;
     *) ctest_arguments+=("$1") ;;
   esac
   shift
 done
 
+steps=3
+presets=()
+options=(-D VDRIVE_CHECK_PRESETS=OFF)
+if $full; then
+  presets=(asan tsan tidy fuzz coverage)
+  steps=$((3 + ${#presets[@]}))
+  options=(-D VDRIVE_CHECK_PRESETS=ON -D VDRIVE_BUILD_BENCHMARKS=ON)
+else
+  ctest_arguments=(--label-regex '^(unit|dds)$' "${ctest_arguments[@]}")
+fi
+
+step=0
+begin() {
+  step=$((step + 1))
+  printf '%s step %d of %d: %s\n' "$(date +%T)" $step $steps "$*" >&2
+}
+
+begin "packages of the system"
 "$root/deploy/setup.sh" --tests
 
-check_presets=ON
-if $quick; then
-  check_presets=OFF
-fi
-"$root/deploy/build.sh" --tests -D VDRIVE_CHECK_PRESETS=$check_presets
+begin "build of the release and its tests, 5 minutes on two cores from nothing"
+"$root/deploy/build.sh" --tests "${options[@]}"
 
-if ! $quick; then
+for preset in "${presets[@]}"; do
+  begin "build of the preset $preset"
   # Here the progress is seen; a failure is reported by the test of that preset.
-  for preset in asan tsan tidy fuzz coverage; do
-    "$root/tests/checks/build_preset.sh" $preset >&2 || true
-  done
-fi
+  "$root/tests/checks/build_preset.sh" "$preset" >&2 || true
+done
 
+begin "tests"
 cd "$root"
 exec ctest --preset release "${ctest_arguments[@]}"

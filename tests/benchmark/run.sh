@@ -7,8 +7,8 @@ set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 "$root/deploy/setup.sh" --tests
-"$root/deploy/build.sh" --tests --target vdrive_core_benchmark --target vdrive_service_benchmark \
-  --target vdrive_parameter_benchmark
+"$root/deploy/build.sh" --tests -D VDRIVE_BUILD_BENCHMARKS=ON --target vdrive_core_benchmark \
+  --target vdrive_service_benchmark --target vdrive_parameter_benchmark
 
 # A virtual processor that falls asleep wakes up late and slow. One spinner each keeps it awake; at
 # idle priority it gives way to the benchmark at once.
