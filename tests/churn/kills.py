@@ -395,8 +395,10 @@ def arguments():
     parser.add_argument("--reference", action="append", choices=VARIANTS,
                         help="variants that are run without kills too; default all")
     parser.add_argument("--no-reference", action="store_true")
-    parser.add_argument("--interval", type=float, nargs=2, default=(0.3, 1.5),
-                        metavar=("LEAST", "MOST"), help="time between kills [s]")
+    parser.add_argument("--interval", type=float, nargs=2, default=(1.1, 2.5),
+                        metavar=("LEAST", "MOST"),
+                        help="time between kills [s]; wires that end within a second again and "
+                        "again are a crash loop, in which the service waits before each start")
     parser.add_argument("--usual", type=float, default=0.5,
                         help="half of the kills: to the next sample [s]")
     parser.add_argument("--longest", type=float, default=3.0,
