@@ -341,8 +341,8 @@ void AxisBank::State::apply_torques(std::size_t axis) {
   const auto value = [&registers](ObjectRow row) {
     return static_cast<double>(registers.values[row]);
   };
-  context.state.torque_per_mille = unit / (value("motor_rated_torque"_object) * 1.0e-6);
-  context.state.current_per_mille =
+  context.state.units.torque_per_mille = unit / (value("motor_rated_torque"_object) * 1.0e-6);
+  context.state.units.current_per_mille =
       unit / model.torque_constant / (value("motor_rated_current"_object) * 1.0e-6);
   context.servo.load_torque[context.lane] =
       value("test_load_torque"_object) * 1.0e-3 * load_torque_factor(model, gear);
@@ -510,7 +510,7 @@ std::span<const AxisStatus> AxisBank::statuses() const noexcept {
 }
 
 PowerState AxisBank::power_state(std::size_t axis) const noexcept {
-  return state_->context(axis).state.power.state();
+  return state_->context(axis).state.power.machine.state();
 }
 
 std::uint32_t AxisBank::ignored_set_points(std::size_t axis) const noexcept {
@@ -584,7 +584,7 @@ void AxisBank::save(Snapshot& snapshot) const {
 
 std::uint64_t AxisBank::snapshot_layout() noexcept {
   // Counted up by hand when a member changes its meaning while every size stays as it is.
-  constexpr std::uint64_t kVersion = 1;
+  constexpr std::uint64_t kVersion = 2;
   constexpr std::uint64_t kPrime = 1099511628211ULL;  // FNV-1a over words
   std::uint64_t layout = 14695981039346656037ULL;
   for (const std::uint64_t part :

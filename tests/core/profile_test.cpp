@@ -709,7 +709,7 @@ class LongRunningDrive {
   void tick() {
     begin_tick(axis_, demand_);
     end_tick(axis_);
-    servo_.load_reading[0] = state_.demand_position + distance_;
+    servo_.load_reading[0] = state_.demand.position + distance_;
   }
 
   void tick(int count) {
@@ -750,31 +750,31 @@ TEST(Uptime, AMoveAcrossTheWholeRangeIsOnItsLineAfter24And49Days) {
   drive.write("profile_acc", 999);
   drive.write("profile_dec", 999);
   drive.write("ds402_controlword", 0x0F);
-  drive.state().demand_position = kLowest;
+  drive.state().demand.position = kLowest;
   drive.write("position_user_target_value", 2147483647);
   drive.write("ds402_controlword", 0x1F);
   drive.tick();
   const double start = drive.profile().at(0.0).position;
   ASSERT_GT(drive.profile().duration(), 49.75 * kDay);
   for (const double border : {2147483648.0, 4294967296.0}) {
-    drive.state().plan_ticks = border - 50.0;
+    drive.state().demand.plan_ticks = border - 50.0;
     // The segment in force then is the second: 999 units/s.
-    drive.state().segment = drive.profile().segment(1);
+    drive.state().demand.segment = drive.profile().segment(1);
     for (int i = 1; i <= 100; ++i) {
       drive.tick();
       // After a ramp of 1 s and 499.5 units: x = x0 + 499.5 + 999 (t - 1).
       const double seconds = (border - 50.0 + i) * 1.0e-3;
       const double position = start + 499.5 + 999.0 * (seconds - 1.0);
-      ASSERT_NEAR(drive.state().demand_position, position, 1.0e-5) << border << " + " << i - 50;
+      ASSERT_NEAR(drive.state().demand.position, position, 1.0e-5) << border << " + " << i - 50;
       ASSERT_EQ(drive.status().velocity_demand_value, 999);
       ASSERT_EQ(drive.status().ds402_statusword, 0x1237);
     }
   }
   // And it ends on its target to the unit.
-  drive.state().plan_ticks = std::floor(drive.profile().duration() * 1'000.0) - 5.0;
-  drive.state().segment = drive.profile().segment(2);
+  drive.state().demand.plan_ticks = std::floor(drive.profile().duration() * 1'000.0) - 5.0;
+  drive.state().demand.segment = drive.profile().segment(2);
   drive.tick(10);
-  EXPECT_EQ(drive.state().demand_position, start + kWholeRange);
+  EXPECT_EQ(drive.state().demand.position, start + kWholeRange);
   EXPECT_EQ(drive.status().velocity_demand_value, 0);
 }
 
@@ -785,14 +785,14 @@ TEST(Uptime, CountersOfTicksStandStillAtTheirEnds) {
     drive.write("ds402_controlword", 0x0F);
     drive.tick(100);
     ASSERT_EQ(drive.status().ds402_statusword, 0x0637);
-    drive.state().dwell = ticks - 5;
-    drive.state().ticks_in_state = ticks - 5;
+    drive.state().window.dwell = ticks - 5;
+    drive.state().power.ticks_in_state = ticks - 5;
     for (int i = 0; i < 20; ++i) {
       drive.tick();
       ASSERT_EQ(drive.status().ds402_statusword, 0x0637) << i;
     }
-    EXPECT_GE(drive.state().dwell, ticks);
-    EXPECT_GE(drive.state().ticks_in_state, ticks);
+    EXPECT_GE(drive.state().window.dwell, ticks);
+    EXPECT_GE(drive.state().power.ticks_in_state, ticks);
     // What comes next is as on the first day.
     drive.write("position_user_target_value", 0);
     drive.write("ds402_controlword", 0x1F);
@@ -817,7 +817,7 @@ TEST(Uptime, AFollowingErrorThatOnlyWarnsDoesSoFor49Days) {
     drive.write("following_error_time_out", 0);
     drive.push_away(10.0);
     drive.tick(10);
-    drive.state().following_count = ticks - 5;
+    drive.state().following_error.count = ticks - 5;
     for (int i = 0; i < 20; ++i) {
       drive.tick();
       ASSERT_EQ(drive.status().ds402_statusword & 0x2000, 0x2000) << i;
@@ -834,9 +834,9 @@ TEST(Uptime, PositionsOfAnAxisThatTurnsOneWayForYearsKeepTheirUnit) {
   drive.write("ds402_controlword", 0x0F);
   drive.write("positioning_option_code", 1);
   drive.tick();
-  drive.state().demand_position = 1099511627776.0 + 12'345.0;
+  drive.state().demand.position = 1099511627776.0 + 12'345.0;
   drive.tick(2);
-  EXPECT_EQ(drive.state().demand_position, 12'345.0) << "2⁴⁰ is a whole number of turns";
+  EXPECT_EQ(drive.state().demand.position, 12'345.0) << "2⁴⁰ is a whole number of turns";
   EXPECT_EQ(drive.status().position_demand_value, 12'345);
 }
 

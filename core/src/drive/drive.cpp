@@ -17,12 +17,12 @@ using namespace vdrive::literals;
 
 /// Modes whose demand depends on more than writes: it is looked at in every tick.
 bool evolves(const DriveState& s) {
-  switch (s.mode) {
+  switch (s.mode.actual) {
     case OperatingMode::profile_torque:
     case OperatingMode::cyclic_synchronous_position:
-      return s.powered;
+      return s.power.on;
     case OperatingMode::homing:
-      return homing_runs(s.homing);
+      return homing_runs(s.homing.stage);
     default:
       return false;
   }
@@ -30,11 +30,12 @@ bool evolves(const DriveState& s) {
 
 bool needs_attention(const DriveContext& axis) {
   const DriveState& s = axis.state;
-  const PowerState state = s.power.state();
+  const PowerState state = s.power.machine.state();
   return state == PowerState::not_ready_to_switch_on || state == PowerState::quick_stop_active ||
-         state == PowerState::fault_reaction_active || s.power.pending() != PowerCommand::none ||
-         axis.state.causes != 0 || (s.inputs & (kNegativeLimitInput | kPositiveLimitInput)) != 0 ||
-         s.wanted_mode != s.mode || evolves(s);
+         state == PowerState::fault_reaction_active ||
+         s.power.machine.pending() != PowerCommand::none || axis.state.faults.causes != 0 ||
+         (s.limits.inputs & (kNegativeLimitInput | kPositiveLimitInput)) != 0 ||
+         s.mode.wanted != s.mode.actual || evolves(s);
 }
 
 bool is_test_bench_input(const ObjectDescription& object) {
@@ -43,7 +44,7 @@ bool is_test_bench_input(const ObjectDescription& object) {
 
 /// Transition 1, unless it is done already. What the memory check found is a fault from there on.
 void complete_power_up(const DriveContext& axis) {
-  const TransitionSet taken = axis.state.power.initialised();
+  const TransitionSet taken = axis.state.power.machine.initialised();
   act(axis, taken);
   if (taken.contains(1) && axis.registers.memory_error) {
     raise_fault(axis, ErrorCode::parameter_memory);
@@ -62,12 +63,12 @@ void power_up(const DriveContext& axis, bool initialise) noexcept {
   }
   const DriveState& before = axis.state;
   DriveState fresh;
-  fresh.torque_per_mille = before.torque_per_mille;
-  fresh.current_per_mille = before.current_per_mille;
+  fresh.units.torque_per_mille = before.units.torque_per_mille;
+  fresh.units.current_per_mille = before.units.current_per_mille;
   axis.state = fresh;
   r.request = {};
-  r.error_history = {};
-  r.error_count = 0;
+  r.history.codes = {};
+  r.history.count = 0;
   set_power(axis, false);
   update_derived(axis);
   if (initialise) {
@@ -77,7 +78,7 @@ void power_up(const DriveContext& axis, bool initialise) noexcept {
 
 void lose_connection(const DriveContext& axis) noexcept {
   DriveState& s = axis.state;
-  const PowerState state = s.power.state();
+  const PowerState state = s.power.machine.state();
   if (state != PowerState::operation_enabled && state != PowerState::quick_stop_active) {
     return;
   }
@@ -86,10 +87,12 @@ void lose_connection(const DriveContext& axis) noexcept {
       raise_fault(axis, ErrorCode::life_guard_or_heartbeat);
       break;
     case 2:
-      act(axis, s.power.command(PowerCommand::disable_voltage, power_options(axis), true, false));
+      act(axis,
+          s.power.machine.command(PowerCommand::disable_voltage, power_options(axis), true, false));
       break;
     case 3:
-      act(axis, s.power.command(PowerCommand::quick_stop, power_options(axis), true, false));
+      act(axis,
+          s.power.machine.command(PowerCommand::quick_stop, power_options(axis), true, false));
       break;
     default:
       break;
@@ -98,7 +101,7 @@ void lose_connection(const DriveContext& axis) noexcept {
 
 TickStart begin_tick(const DriveContext& axis, DemandBlock& demand) noexcept {
   DriveState& s = axis.state;
-  if (std::abs(s.demand_position) > kFrame) {
+  if (std::abs(s.demand.position) > kFrame) {
     rebase(axis);
     axis.registers.request = {};
     s.plan_due = true;
@@ -115,14 +118,15 @@ TickStart begin_tick(const DriveContext& axis, DemandBlock& demand) noexcept {
     replan(axis);
   }
   const std::size_t l = axis.lane;
-  demand.position[l] = s.segment.position;
-  demand.velocity[l] = s.segment.velocity;
-  demand.acceleration[l] = s.segment.acceleration;
-  demand.reference_time[l] = s.segment.reference_time;
-  demand.first_substep[l] = s.plan_ticks * axis.timing.substeps;
+  demand.position[l] = s.demand.segment.position;
+  demand.velocity[l] = s.demand.segment.velocity;
+  demand.acceleration[l] = s.demand.segment.acceleration;
+  demand.reference_time[l] = s.demand.segment.reference_time;
+  demand.first_substep[l] = s.demand.plan_ticks * axis.timing.substeps;
   const double last_time =
       (demand.first_substep[l] + (axis.timing.substeps - 1.0)) * axis.timing.substep;
-  return {.across = last_time >= s.segment.end_time, .general = s.control != Control::position};
+  return {.across = last_time >= s.demand.segment.end_time,
+          .general = s.demand.control != Control::position};
 }
 
 void sample_across(const DriveContext& axis, DemandBlock& demand) noexcept {
@@ -139,20 +143,20 @@ void sample_across(const DriveContext& axis, DemandBlock& demand) noexcept {
 void end_tick(const DriveContext& axis) noexcept {
   DriveState& s = axis.state;
   advance_demand(axis);
-  const double demand = nearest(s.demand_position);
+  const double demand = nearest(s.demand.position);
   const double actual = nearest(axis.servo.load_reading[axis.lane]);
   watch_following_error(axis, demand - actual);
   compose_statusword(axis, demand, actual);
   fill_status(axis);
-  s.fresh = false;
-  if (s.ticks_in_state != kSaturatedCount) {
-    ++s.ticks_in_state;
+  s.target.fresh = false;
+  if (s.power.ticks_in_state != kSaturatedCount) {
+    ++s.power.ticks_in_state;
   }
   s.attention = needs_attention(axis);
 }
 
 void refresh_status(const DriveContext& axis) noexcept {
-  compose_statusword(axis, nearest(axis.state.demand_position),
+  compose_statusword(axis, nearest(axis.state.demand.position),
                      nearest(axis.servo.load_reading[axis.lane]));
   fill_status(axis);
 }

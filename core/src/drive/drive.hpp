@@ -53,60 +53,143 @@ enum class HomingStage : std::uint8_t {
   failed,
 };
 
+/// Demand generator: where the motion is.
+struct DemandState {
+  Segment segment;          // of the profile, now; a resting one between motions
+  double plan_ticks = 0.0;  // since the plan
+  double position = 0.0;    // [UU]
+  double velocity = 0.0;    // [UU/s]
+  double torque = 0.0;      // profile torque, at the end of the tick [‰ of rated]
+  Control control = Control::position;
+  bool moving = false;     // the profile has not ended
+  bool following = false;  // the demand of this tick goes to the streamed one
+};
+
+/// Where the present motion is to end.
+struct TargetState {
+  double position = 0.0;  // latched, whole [UU]
+  bool given = false;     // a set-point was taken since the set-points were cleared
+  bool given_up = false;  // a limit switch ended the motion
+  bool arrived = false;   // the demand rests on the target
+  bool fresh = false;     // a set-point was taken in this tick
+};
+
+/// What 6041h needs to have lasted: registers, and the ticks so far.
+struct WindowState {
+  std::uint32_t position = 0;         // 6067h [UU]
+  std::uint32_t position_ticks = 0;   // 6068h
+  std::uint32_t velocity = 0;         // 606Dh [UU/s]
+  std::uint32_t velocity_ticks = 0;   // 606Eh
+  std::uint32_t threshold = 0;        // 606Fh [UU/s]
+  std::uint32_t threshold_ticks = 0;  // 6070h
+  std::uint32_t dwell = 0;            // ticks inside the window, the present one included
+  std::uint32_t standstill = 0;       // ticks at or below 606Fh, the present one included
+};
+
+/// Following error 60F4h.
+struct FollowingErrorState {
+  std::uint32_t window = 0;  // 6065h [UU]
+  std::uint32_t ticks = 0;   // 6066h
+  std::uint32_t count = 0;   // ticks outside the window
+  bool shown = false;        // statusword bit 13
+};
+
+/// What bounds the position.
+struct LimitState {
+  double lower = 0.0;       // 607Dh:01 [UU]
+  double upper = 0.0;       // 607Dh:02 [UU]
+  bool enabled = false;     // 3535h
+  bool homed = false;       // a homing run found home since power-up
+  std::uint8_t inputs = 0;  // 60FDh
+};
+
+/// Faults: those that are present, and what they mean.
+struct FaultState {
+  std::uint32_t count = 0;  // since power-up
+  std::uint16_t error_code = 0;
+  std::uint8_t error_register = 0;
+  std::uint8_t causes = 0;  // fault causes present in the last tick
+  bool coasting = false;    // the fault allows no braking
+  bool dc_link = true;
+};
+
+/// Power stage.
+struct PowerStageState {
+  std::uint32_t ticks_in_state = 0;
+  std::uint32_t stop_ticks = 0;  // since the demand of a stop ended
+  PowerStateMachine machine;
+  bool on = false;
+};
+
+/// One torque unit and the motor's rating in the units of the objects.
+struct UnitState {
+  double torque_per_mille = 0.0;   // 6077h of one torque unit
+  double current_per_mille = 0.0;  // 6078h of one torque unit
+  double rated_current = 0.0;      // [mA]
+};
+
+/// Operating mode.
+struct ModeState {
+  OperatingMode actual = OperatingMode::none;  // 6061h
+  OperatingMode wanted = OperatingMode::none;  // 6060h
+};
+
+/// Profile position: the set-points that were accepted.
+struct SetPointState {
+  SetPointQueue queue;
+  bool active = false;  // the active set-point is not reached yet
+};
+
+/// Homing: the present run.
+struct HomingState {
+  HomingStage stage = HomingStage::idle;
+  std::int8_t method = 0;  // 6098h
+};
+
+/// Cyclic synchronous position.
+struct CyclicState {
+  bool streams = false;  // 607Ah was written since the mode is in force
+};
+
 /// What every tick touches of an axis.
 struct DriveState {
-  Segment segment;                       // of the profile, now; a resting one between motions
-  double plan_ticks = 0.0;               // since the plan
-  double demand_position = 0.0;          // [UU]
-  double demand_velocity = 0.0;          // [UU/s]
-  double target = 0.0;                   // latched internal target, whole [UU]
-  double demand_torque = 0.0;            // profile torque, at the end of the tick [‰ of rated]
-  double torque_per_mille = 0.0;         // 6077h of one torque unit
-  double current_per_mille = 0.0;        // 6078h of one torque unit
-  double rated_current = 0.0;            // [mA]
-  double lower_limit = 0.0;              // 607Dh:01 [UU]
-  double upper_limit = 0.0;              // 607Dh:02 [UU]
-  std::uint32_t window = 0;              // 6067h [UU]
-  std::uint32_t window_ticks = 0;        // 6068h
-  std::uint32_t dwell = 0;               // ticks inside the window, the present one included
-  std::uint32_t standstill = 0;          // ticks at or below 606Fh, the present one included
-  std::uint32_t following_window = 0;    // 6065h [UU]
-  std::uint32_t following_ticks = 0;     // 6066h
-  std::uint32_t following_count = 0;     // ticks outside the window
-  std::uint32_t velocity_threshold = 0;  // 606Fh [UU/s]
-  std::uint32_t velocity_threshold_ticks = 0;  // 6070h
-  std::uint32_t velocity_window = 0;           // 606Dh [UU/s]
-  std::uint32_t velocity_window_ticks = 0;     // 606Eh
-  std::uint32_t ticks_in_state = 0;
-  std::uint32_t ignored_set_points = 0;
-  std::uint32_t fault_count = 0;
+  DemandState demand;
+  TargetState target;
+  UnitState units;
+  LimitState limits;
+  WindowState window;
+  FollowingErrorState following_error;
+  PowerStageState power;
+  FaultState faults;
+  SetPointState set_points;
+  HomingState homing;
+  CyclicState cyclic;
+  ModeState mode;
+  bool attention = true;  // something beside the motion is going on
+  bool plan_due = true;   // the motion request may have changed
   std::uint16_t controlword = 0;
-  std::uint16_t error_code = 0;
-  OperatingMode mode = OperatingMode::none;         // 6061h
-  OperatingMode wanted_mode = OperatingMode::none;  // 6060h
-  Control control = Control::position;
-  HomingStage homing = HomingStage::idle;
-  std::uint8_t error_register = 0;
-  std::uint8_t inputs = 0;  // 60FDh
-  std::uint8_t causes = 0;  // fault causes present in the last tick
-  PowerStateMachine power;
-  SetPointQueue queue;
-  bool powered = false;
-  bool moving = false;           // the profile has not ended
-  bool arrived = false;          // the demand rests on the target
-  bool has_target = false;       // a set-point was taken since the set-points were cleared
-  bool active = false;           // the active set-point is not reached yet
-  bool limit_stop = false;       // a limit switch ended the motion
-  bool fresh = false;            // a set-point was taken in this tick
-  bool attention = true;         // something beside the motion is going on
-  bool plan_due = true;          // the motion request may have changed
-  bool following_error = false;  // statusword bit 13
-  bool coasting = false;         // the fault allows no braking
-  bool limits_enabled = false;   // 3535h
-  bool homed = false;            // a homing run found home since power-up
-  bool streams = false;          // 607Ah was written since the cyclic mode is in force
-  bool following = false;        // the demand of this tick goes to the streamed one
-  bool dc_link = true;
+  std::uint32_t ignored_set_points = 0;
+};
+
+/// What the active set-point latched beside its target.
+struct ActiveSetPoint {
+  double velocity = 0.0;  // 6081h [UU/s]
+  MoveTimes times;        // of a synchronous move; duration 0 = none
+  MotionLimits limits;    // that follow from them
+  bool starts = false;    // the synchronous move has not been planned yet
+};
+
+/// Index pulses of encoder 1.
+struct IndexPulse {
+  double offset = 0.0;   // of the pulses in the motor's frame [UU]
+  double reading = 0.0;  // of encoder 1 in the last tick of a homing run [UU]
+  bool input = false;    // 5E09h as it was in the last tick
+};
+
+/// 1003h.
+struct ErrorHistory {
+  std::array<std::uint32_t, 8> codes{};  // the latest first
+  std::uint8_t count = 0;
 };
 
 /// What only writes and plans touch.
@@ -114,19 +197,11 @@ struct DriveRegisters {
   std::array<std::int64_t, kObjectCount> values{};
   Profile profile;
   MotionRequest request;
-  double gear_ratio = 1.0;          // 3576h over 3577h
-  double velocity_cap = 0.0;        // 607Fh and 6080h as they were at transition 4 [UU/s]
-  double set_point_velocity = 0.0;  // 6081h of the active set-point [UU/s]
-  MoveTimes synchronous_times;      // of the active set-point; duration 0 = none
-  MotionLimits synchronous_limits;  // that follow from them
-  bool synchronous_start = false;   // the synchronous move has not been planned yet
-  double index_offset = 0.0;        // of the index pulses in the motor's frame [UU]
-  double index_reading = 0.0;       // of encoder 1 in the last tick of a homing run [UU]
-  std::int8_t homing_method = 0;    // 6098h of the present run
-  bool index_input = false;         // 5E09h as it was in the last tick
-  std::array<std::uint32_t, 8> error_history{};
-  std::uint8_t error_count = 0;
-  std::uint32_t stop_ticks = 0;  // since the demand of a stop ended
+  ActiveSetPoint set_point;
+  IndexPulse index;
+  ErrorHistory history;
+  double gear_ratio = 1.0;    // 3576h over 3577h
+  double velocity_cap = 0.0;  // 607Fh and 6080h as they were at transition 4 [UU/s]
   AxisSettings settings;
   bool memory_error = false;    // what was stored cannot be used: fault 5530h at power-up
   bool single_encoder = false;  // 6064h is encoder 1's: both readings share one frame

@@ -42,19 +42,20 @@ const Method* find_method(std::int64_t number) {
 
 /// The method of the present run; a run has one.
 const Method& method_of(const DriveContext& axis) {
-  return *find_method(axis.registers.homing_method);
+  return *find_method(axis.state.homing.method);
 }
 
 /// @return whether the limit switch in `direction` is active.
 bool at_limit(const DriveContext& axis, double direction) {
-  return (axis.state.inputs & (direction > 0.0 ? kPositiveLimitInput : kNegativeLimitInput)) != 0;
+  return (axis.state.limits.inputs &
+          (direction > 0.0 ? kPositiveLimitInput : kNegativeLimitInput)) != 0;
 }
 
 /// Index pulse of the motor's encoder, once a revolution: the first one that was passed in
 /// `direction` since the reading `before`. One on which the motor stood does not count.
 /// @return true and its place in the motor's frame [UU].
 bool passed_index(const DriveContext& axis, double direction, double before, double& place) {
-  const double offset = axis.registers.index_offset;
+  const double offset = axis.registers.index.offset;
   const auto revolutions = [direction, offset](double reading) {
     return direction * (reading - offset) / kUserUnitsPerRevolution;
   };
@@ -74,10 +75,10 @@ void attain(const DriveContext& axis, double home) {
   const double shift = home - offset;
   shift_frame(axis, {.motor = shift, .load = shift, .reading = shift});
   r.request = {};  // the plan was made in the frame of before
-  s.target = offset;
-  s.arrived = false;
-  s.homing = HomingStage::back;
-  s.homed = true;
+  s.target.position = offset;
+  s.target.arrived = false;
+  s.homing.stage = HomingStage::back;
+  s.limits.homed = true;
   update_derived(axis);
 }
 
@@ -95,7 +96,7 @@ void seek_index(const DriveContext& axis, double before, bool index_input_rose) 
   } else if (index_input_rose) {
     attain(axis, axis.servo.load_reading[axis.lane]);
   } else if (at_limit(axis, direction)) {
-    axis.state.homing = HomingStage::failed;
+    axis.state.homing.stage = HomingStage::failed;
   }
 }
 
@@ -103,10 +104,10 @@ void leave_limit(const DriveContext& axis) {
   DriveState& s = axis.state;
   const double direction = homing_direction(axis);
   if (at_limit(axis, direction)) {
-    s.homing = HomingStage::failed;
-  } else if (!at_limit(axis, -direction) && direction * s.demand_velocity > 0.0) {
+    s.homing.stage = HomingStage::failed;
+  } else if (!at_limit(axis, -direction) && direction * s.demand.velocity > 0.0) {
     if (method_of(axis).index) {
-      s.homing = HomingStage::index;
+      s.homing.stage = HomingStage::index;
     } else {
       attain(axis, axis.servo.load_reading[axis.lane]);
     }
@@ -124,7 +125,7 @@ bool homing_runs(HomingStage stage) {
 }
 
 double homing_direction(const DriveContext& axis) {
-  switch (axis.state.homing) {
+  switch (axis.state.homing.stage) {
     case HomingStage::search:
       return method_of(axis).direction;
     case HomingStage::leave:
@@ -141,26 +142,26 @@ double homing_direction(const DriveContext& axis) {
 bool start_homing(const DriveContext& axis) {
   DriveState& s = axis.state;
   DriveRegisters& r = axis.registers;
-  if (homing_runs(s.homing)) {
+  if (homing_runs(s.homing.stage)) {
     return false;
   }
-  s.homed = false;
-  s.dwell = 0;
-  s.arrived = false;
-  r.homing_method = static_cast<std::int8_t>(reg(axis, "homing_method"_object));
-  r.index_input = reg(axis, "test_index_pulse_input"_object) != 0;
-  r.index_reading = axis.servo.motor_reading[axis.lane];
-  const Method* const method = find_method(r.homing_method);
+  s.limits.homed = false;
+  s.window.dwell = 0;
+  s.target.arrived = false;
+  s.homing.method = static_cast<std::int8_t>(reg(axis, "homing_method"_object));
+  r.index.input = reg(axis, "test_index_pulse_input"_object) != 0;
+  r.index.reading = axis.servo.motor_reading[axis.lane];
+  const Method* const method = find_method(s.homing.method);
   const bool has_speeds =
       reg(axis, "homing_speed_search"_object) != 0 && reg(axis, "homing_speed_creep"_object) != 0;
   if (method == nullptr || (method->direction != 0 && !has_speeds)) {
-    s.homing = HomingStage::failed;
+    s.homing.stage = HomingStage::failed;
   } else if (method->direction == 0) {
-    s.homing = HomingStage::present;
+    s.homing.stage = HomingStage::present;
   } else if (method->limit) {
-    s.homing = at_limit(axis, method->direction) ? HomingStage::leave : HomingStage::search;
+    s.homing.stage = at_limit(axis, method->direction) ? HomingStage::leave : HomingStage::search;
   } else {
-    s.homing = HomingStage::index;
+    s.homing.stage = HomingStage::index;
   }
   update_derived(axis);
   return true;
@@ -168,29 +169,29 @@ bool start_homing(const DriveContext& axis) {
 
 void advance_homing(const DriveContext& axis) {
   DriveState& s = axis.state;
-  if (s.fresh || !homing_runs(s.homing)) {
+  if (s.target.fresh || !homing_runs(s.homing.stage)) {
     return;  // the status shows the start before anything is found
   }
-  if (s.power.pending() != PowerCommand::none) {
+  if (s.power.machine.pending() != PowerCommand::none) {
     interrupt_homing(axis);
     return;
   }
   DriveRegisters& r = axis.registers;
   const bool index_input = reg(axis, "test_index_pulse_input"_object) != 0;
-  const bool rose = index_input && !r.index_input;
-  const double before = r.index_reading;
-  r.index_input = index_input;
-  r.index_reading = axis.servo.motor_reading[axis.lane];
-  switch (s.homing) {
+  const bool rose = index_input && !r.index.input;
+  const double before = r.index.reading;
+  r.index.input = index_input;
+  r.index.reading = axis.servo.motor_reading[axis.lane];
+  switch (s.homing.stage) {
     case HomingStage::present:
-      if (!s.moving) {
-        attain(axis, s.demand_position);
-        rest_at(axis, s.target);  // 6099h may be 0 here: nothing may be left to travel
+      if (!s.demand.moving) {
+        attain(axis, s.demand.position);
+        rest_at(axis, s.target.position);  // 6099h may be 0 here: nothing may be left to travel
       }
       break;
     case HomingStage::search:
       if (at_limit(axis, homing_direction(axis))) {
-        s.homing = HomingStage::leave;
+        s.homing.stage = HomingStage::leave;
       }
       break;
     case HomingStage::leave:
@@ -205,8 +206,8 @@ void advance_homing(const DriveContext& axis) {
 }
 
 void interrupt_homing(const DriveContext& axis) {
-  if (homing_runs(axis.state.homing)) {
-    axis.state.homing = HomingStage::idle;
+  if (homing_runs(axis.state.homing.stage)) {
+    axis.state.homing.stage = HomingStage::idle;
     axis.state.plan_due = true;
   }
 }

@@ -34,19 +34,19 @@ bool has_lasted(bool inside, std::uint32_t& count, std::uint32_t ticks) {
 /// time.
 bool watch_target(const DriveContext& axis, double actual) {
   DriveState& s = axis.state;
-  const bool inside =
-      s.window == kWindowOff || std::abs(actual - s.target) <= static_cast<double>(s.window);
-  const bool lasted = has_lasted(inside, s.dwell, s.window_ticks);
-  return s.arrived && !s.fresh && (s.window == kWindowOff || lasted);
+  const bool inside = s.window.position == kWindowOff || std::abs(actual - s.target.position) <=
+                                                             static_cast<double>(s.window.position);
+  const bool lasted = has_lasted(inside, s.window.dwell, s.window.position_ticks);
+  return s.target.arrived && !s.target.fresh && (s.window.position == kWindowOff || lasted);
 }
 
 std::uint16_t profile_position_bits(const DriveContext& axis, double actual) {
   DriveState& s = axis.state;
   bool reached = watch_target(axis, actual);
   if (reached && !halted(axis)) {
-    s.active = false;
+    s.set_points.active = false;
     SetPoint next;
-    if (s.queue.take_buffered(s.controlword, next)) {
+    if (s.set_points.queue.take_buffered(s.controlword, next)) {
       if (can_start(axis, next)) {
         start_set_point(axis, next);
         reached = false;
@@ -57,7 +57,7 @@ std::uint16_t profile_position_bits(const DriveContext& axis, double actual) {
   }
   return static_cast<std::uint16_t>(
       reached_when(halted(axis) ? at_rest(axis) : reached) |
-      (s.queue.acknowledge() ? Statusword::kSetPointAcknowledge : 0U));
+      (s.set_points.queue.acknowledge() ? Statusword::kSetPointAcknowledge : 0U));
 }
 
 /// Bit 10 by 606Dh and 606Eh, under halt at standstill; bit 12 by 606Fh and 6070h.
@@ -65,9 +65,10 @@ std::uint16_t profile_velocity_bits(const DriveContext& axis) {
   DriveState& s = axis.state;
   const double speed = nearest(axis.servo.load_speed[axis.lane]);
   const double error = std::abs(real(axis, "target_velocity"_object) - speed);
-  const bool reached = has_lasted(error <= s.velocity_window, s.dwell, s.velocity_window_ticks);
-  const bool standing =
-      has_lasted(std::abs(speed) <= s.velocity_threshold, s.standstill, s.velocity_threshold_ticks);
+  const bool reached =
+      has_lasted(error <= s.window.velocity, s.window.dwell, s.window.velocity_ticks);
+  const bool standing = has_lasted(std::abs(speed) <= s.window.threshold, s.window.standstill,
+                                   s.window.threshold_ticks);
   return static_cast<std::uint16_t>(reached_when(halted(axis) ? at_rest(axis) : reached) |
                                     (standing ? Statusword::kSpeedZero : 0U));
 }
@@ -78,24 +79,24 @@ std::uint16_t profile_torque_bits(const DriveContext& axis) {
   if (halted(axis)) {
     return reached_when(at_rest(axis));
   }
-  const double torque = axis.servo.command[axis.lane] * s.torque_per_mille;
-  return reached_when(s.control == Control::torque && !s.moving &&
+  const double torque = axis.servo.command[axis.lane] * s.units.torque_per_mille;
+  return reached_when(s.demand.control == Control::torque && !s.demand.moving &&
                       nearest(torque) == real(axis, "target_torque"_object));
 }
 
 /// Bits 10, 12 and 13 of homing.
 std::uint16_t homing_bits(const DriveContext& axis, double actual) {
   DriveState& s = axis.state;
-  switch (s.homing) {
+  switch (s.homing.stage) {
     case HomingStage::idle:
-      return reached_when(!s.moving);  // a load that is pushed does not look like a run
+      return reached_when(!s.demand.moving);  // a load that is pushed does not look like a run
     case HomingStage::failed:
       return static_cast<std::uint16_t>(reached_when(at_rest(axis)) | Statusword::kHomingError);
     case HomingStage::back:
     case HomingStage::done: {
       const bool reached = watch_target(axis, actual);
       if (reached) {
-        s.homing = HomingStage::done;
+        s.homing.stage = HomingStage::done;
       }
       return static_cast<std::uint16_t>(reached_when(reached) | Statusword::kHomingAttained);
     }
@@ -106,20 +107,20 @@ std::uint16_t homing_bits(const DriveContext& axis, double actual) {
 
 /// The demand is the streamed position: neither a stop nor a limit keeps it away.
 bool follows_command(const DriveContext& axis) {
-  return axis.state.following &&
-         wrapped(axis.state.target) == reg(axis, "position_user_target_value"_object);
+  return axis.state.demand.following &&
+         wrapped(axis.state.target.position) == reg(axis, "position_user_target_value"_object);
 }
 
 /// @return bits 10 and 12, in homing 13 too.
 std::uint16_t motion_bits(const DriveContext& axis, double actual) {
   const DriveState& s = axis.state;
-  if (s.power.state() == PowerState::quick_stop_active) {
+  if (s.power.machine.state() == PowerState::quick_stop_active) {
     return reached_when(at_rest(axis));
   }
   if (!operation_enabled(axis)) {
     return 0;
   }
-  switch (s.mode) {
+  switch (s.mode.actual) {
     case OperatingMode::profile_position:
       return profile_position_bits(axis, actual);
     case OperatingMode::profile_velocity:
@@ -139,16 +140,16 @@ std::uint16_t motion_bits(const DriveContext& axis, double actual) {
 std::uint16_t limit_bits(const DriveContext& axis, double internal_demand, double internal_actual) {
   const DriveState& s = axis.state;
   unsigned bits = 0;
-  if ((s.inputs & (kNegativeLimitInput | kPositiveLimitInput)) != 0) {
+  if ((s.limits.inputs & (kNegativeLimitInput | kPositiveLimitInput)) != 0) {
     bits |= Statusword::kInternalLimitActive;
   }
-  if (s.limits_enabled) {
+  if (s.limits.enabled) {
     const double demand = wrapped(internal_demand);
     const double actual = wrapped(internal_actual);
-    if (std::min(demand, actual) <= s.lower_limit || std::max(demand, actual) >= s.upper_limit) {
+    if (std::min(demand, actual) <= s.limits.lower || std::max(demand, actual) >= s.limits.upper) {
       bits |= Statusword::kInternalLimitActive;
     }
-    if (actual < s.lower_limit || actual > s.upper_limit) {
+    if (actual < s.limits.lower || actual > s.limits.upper) {
       bits |= Statusword::kWarning;
     }
   }
@@ -159,26 +160,27 @@ std::uint16_t limit_bits(const DriveContext& axis, double internal_demand, doubl
 
 void watch_following_error(const DriveContext& axis, double error) {
   DriveState& s = axis.state;
-  const PowerState state = s.power.state();
+  const PowerState state = s.power.machine.state();
   const bool watched =
-      s.powered && s.control == Control::position && s.following_window != kWindowOff &&
+      s.power.on && s.demand.control == Control::position &&
+      s.following_error.window != kWindowOff &&
       (state == PowerState::operation_enabled || state == PowerState::quick_stop_active);
-  const bool outside = watched && std::abs(error) > static_cast<double>(s.following_window);
+  const bool outside = watched && std::abs(error) > static_cast<double>(s.following_error.window);
   if (!outside) {
-    s.following_count = 0;
-    if (s.following_error && !axis.registers.settings.following_error_is_fault) {
-      s.following_error = false;
+    s.following_error.count = 0;
+    if (s.following_error.shown && !axis.registers.settings.following_error_is_fault) {
+      s.following_error.shown = false;
     }
     return;
   }
-  if (s.following_count != kSaturatedCount) {
-    ++s.following_count;
+  if (s.following_error.count != kSaturatedCount) {
+    ++s.following_error.count;
   }
   // The first tick outside starts the time: it has lasted longer than n ticks with the n + 2nd.
-  if (s.following_count <= s.following_ticks + 1U || s.following_error) {
+  if (s.following_error.count <= s.following_error.ticks + 1U || s.following_error.shown) {
     return;
   }
-  s.following_error = true;
+  s.following_error.shown = true;
   if (axis.registers.settings.following_error_is_fault) {
     raise_fault(axis, ErrorCode::following_error);
   }
@@ -187,13 +189,13 @@ void watch_following_error(const DriveContext& axis, double error) {
 void compose_statusword(const DriveContext& axis, double demand, double actual) {
   DriveState& s = axis.state;
   const std::uint16_t motion = motion_bits(axis, actual);
-  unsigned word = statusword_of(s.power.state()) | Statusword::kRemote | motion;
+  unsigned word = statusword_of(s.power.machine.state()) | Statusword::kRemote | motion;
   word |= limit_bits(axis, demand, actual);
   // Before transition 1 nothing is known of the DC link yet: 0200h.
-  if (s.dc_link && s.power.state() != PowerState::not_ready_to_switch_on) {
+  if (s.faults.dc_link && s.power.machine.state() != PowerState::not_ready_to_switch_on) {
     word |= Statusword::kVoltageEnabled;
   }
-  if (s.following_error) {
+  if (s.following_error.shown) {
     word |= Statusword::kFollowingError;
   }
   axis.status.ds402_statusword = static_cast<std::uint16_t>(word);
@@ -204,10 +206,10 @@ void fill_status(const DriveContext& axis) {
   const ServoState& servo = axis.servo;
   const std::size_t l = axis.lane;
   AxisStatus& out = axis.status;
-  const double demand = nearest(s.demand_position);
+  const double demand = nearest(s.demand.position);
   const double load = nearest(servo.load_reading[l]);
   const double motor = nearest(servo.motor_reading[l]);
-  const double demand_velocity = nearest(s.demand_velocity);
+  const double demand_velocity = nearest(s.demand.velocity);
   const double load_velocity = nearest(servo.load_speed[l]);
   const double motor_velocity = nearest(servo.motor_speed[l]);
   out.position_demand_value = wrapped(demand);
@@ -220,19 +222,20 @@ void fill_status(const DriveContext& axis) {
   out.load_velocity_error_value = saturated(demand_velocity - load_velocity);
   out.motor_velocity_actual_value = saturated(motor_velocity);
   out.motor_velocity_error_value = saturated(demand_velocity - motor_velocity);
-  out.torque_demand = saturated16(servo.command[l] * s.torque_per_mille);
-  out.torque_actual_value = saturated16(servo.torque[l] * s.torque_per_mille);
-  out.current_actual_value = saturated16(servo.torque[l] * s.current_per_mille);
-  out.current_error_value = saturated(
-      static_cast<double>(out.torque_demand - out.current_actual_value) * s.rated_current / 1000.0);
+  out.torque_demand = saturated16(servo.command[l] * s.units.torque_per_mille);
+  out.torque_actual_value = saturated16(servo.torque[l] * s.units.torque_per_mille);
+  out.current_actual_value = saturated16(servo.torque[l] * s.units.current_per_mille);
+  out.current_error_value =
+      saturated(static_cast<double>(out.torque_demand - out.current_actual_value) *
+                s.units.rated_current / 1000.0);
   out.ds402_controlword = s.controlword;
-  out.error_code = s.error_code;
-  out.error_register = s.error_register;
-  out.op_mode_actual = static_cast<std::int8_t>(s.mode);
-  out.motor_op_status = s.powered ? 1 : 0;
-  out.digital_inputs = s.inputs;
+  out.error_code = s.faults.error_code;
+  out.error_register = s.faults.error_register;
+  out.op_mode_actual = static_cast<std::int8_t>(s.mode.actual);
+  out.motor_op_status = s.power.on ? 1 : 0;
+  out.digital_inputs = s.limits.inputs;
   out.ignored_set_points = s.ignored_set_points;
-  out.fault_count = s.fault_count;
+  out.fault_count = s.faults.count;
 }
 
 }  // namespace vdrive

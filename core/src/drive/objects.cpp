@@ -28,7 +28,7 @@ void command_homing(const DriveContext& axis, std::uint16_t previous, bool accep
     return;
   }
   if (accepting && !halted(axis) && start_homing(axis)) {
-    s.fresh = true;
+    s.target.fresh = true;
   } else {
     ++s.ignored_set_points;
   }
@@ -48,15 +48,16 @@ void command_set_point(const DriveContext& axis, std::uint16_t previous, bool ac
           unsigned_reg(axis, "synchronous_move_deceleration_time"_object),
       .relative = (word & Controlword::kRelative) != 0};
   // What waits for its turn is judged when it comes: its start is not known before.
-  const bool waits = s.active && (word & Controlword::kChangeSetImmediately) == 0;
+  const bool waits = s.set_points.active && (word & Controlword::kChangeSetImmediately) == 0;
   const bool startable = accepting && (waits || can_start(axis, candidate));
-  switch (s.queue.controlword(word, previous, startable, s.active, candidate)) {
+  switch (
+      s.set_points.queue.controlword(word, previous, startable, s.set_points.active, candidate)) {
     case SetPointOutcome::started:
       start_set_point(axis, candidate);
-      s.fresh = true;
+      s.target.fresh = true;
       break;
     case SetPointOutcome::buffered:
-      s.fresh = true;
+      s.target.fresh = true;
       break;
     case SetPointOutcome::ignored:
       ++s.ignored_set_points;
@@ -69,17 +70,20 @@ void command_set_point(const DriveContext& axis, std::uint16_t previous, bool ac
 void write_controlword(const DriveContext& axis, std::uint16_t word) {
   DriveState& s = axis.state;
   const std::uint16_t previous = s.controlword;
-  const bool ready_before = operation_enabled(axis) && s.power.pending() == PowerCommand::none;
+  const bool ready_before =
+      operation_enabled(axis) && s.power.machine.pending() == PowerCommand::none;
   s.controlword = word;
-  act(axis, s.power.command(decode_command(word, previous), power_options(axis),
-                            reg(axis, "test_dc_link_loss"_object) == 0, cause_present(axis)));
+  act(axis,
+      s.power.machine.command(decode_command(word, previous), power_options(axis),
+                              reg(axis, "test_dc_link_loss"_object) == 0, cause_present(axis)));
   const bool accepting = ready_before && operation_enabled(axis) &&
-                         s.power.pending() == PowerCommand::none && s.wanted_mode == s.mode;
-  if (s.mode == OperatingMode::homing) {
+                         s.power.machine.pending() == PowerCommand::none &&
+                         s.mode.wanted == s.mode.actual;
+  if (s.mode.actual == OperatingMode::homing) {
     command_homing(axis, previous, accepting);
   } else {
     command_set_point(axis, previous,
-                      accepting && s.mode == OperatingMode::profile_position &&
+                      accepting && s.mode.actual == OperatingMode::profile_position &&
                           (!halted(axis) || axis.registers.settings.acknowledge_while_halted));
   }
   s.plan_due = true;
@@ -90,7 +94,7 @@ void write_controlword(const DriveContext& axis, std::uint16_t word) {
 /// has given up.
 void take_target(const DriveContext& axis, OperatingMode mode) {
   DriveState& s = axis.state;
-  s.limit_stop = s.limit_stop && s.mode != mode;
+  s.target.given_up = s.target.given_up && s.mode.actual != mode;
   s.plan_due = true;
 }
 
@@ -149,24 +153,27 @@ WriteEffect effect_of(ObjectRow row) {
 
 void update_derived(const DriveContext& axis) noexcept {
   DriveState& s = axis.state;
-  s.window = static_cast<std::uint32_t>(reg(axis, "position_target_reached_window"_object));
-  s.window_ticks = ticks_of_ms(axis, reg(axis, "position_target_reached_window_time"_object));
-  s.following_window = static_cast<std::uint32_t>(reg(axis, "following_error_window"_object));
-  s.following_ticks = ticks_of_ms(axis, reg(axis, "following_error_time_out"_object));
-  s.velocity_threshold = static_cast<std::uint32_t>(reg(axis, "velocity_threshold"_object));
-  s.velocity_threshold_ticks = ticks_of_ms(axis, reg(axis, "velocity_threshold_time"_object));
-  s.velocity_window = static_cast<std::uint32_t>(reg(axis, "velocity_window"_object));
-  s.velocity_window_ticks = ticks_of_ms(axis, reg(axis, "velocity_window_time"_object));
-  s.rated_current = real(axis, "motor_rated_current"_object);
+  s.window.position =
+      static_cast<std::uint32_t>(reg(axis, "position_target_reached_window"_object));
+  s.window.position_ticks =
+      ticks_of_ms(axis, reg(axis, "position_target_reached_window_time"_object));
+  s.following_error.window = static_cast<std::uint32_t>(reg(axis, "following_error_window"_object));
+  s.following_error.ticks = ticks_of_ms(axis, reg(axis, "following_error_time_out"_object));
+  s.window.threshold = static_cast<std::uint32_t>(reg(axis, "velocity_threshold"_object));
+  s.window.threshold_ticks = ticks_of_ms(axis, reg(axis, "velocity_threshold_time"_object));
+  s.window.velocity = static_cast<std::uint32_t>(reg(axis, "velocity_window"_object));
+  s.window.velocity_ticks = ticks_of_ms(axis, reg(axis, "velocity_window_time"_object));
+  s.units.rated_current = real(axis, "motor_rated_current"_object);
   const std::int64_t lower = reg(axis, "user_position_lower_limit"_object);
   const std::int64_t upper = reg(axis, "user_position_upper_limit"_object);
   const TypeRange ends = range_of(DataType::integer32);
   const bool whole_range = lower == ends.lowest && upper == ends.highest;
-  s.lower_limit = static_cast<double>(lower);
-  s.upper_limit = static_cast<double>(upper);
-  s.limits_enabled = reg(axis, "app_position_limit_switch"_object) != 0 && lower < upper &&
-                     !whole_range && (s.homed || !axis.registers.settings.limits_need_homing);
-  s.inputs = static_cast<std::uint8_t>(
+  s.limits.lower = static_cast<double>(lower);
+  s.limits.upper = static_cast<double>(upper);
+  s.limits.enabled = reg(axis, "app_position_limit_switch"_object) != 0 && lower < upper &&
+                     !whole_range &&
+                     (s.limits.homed || !axis.registers.settings.limits_need_homing);
+  s.limits.inputs = static_cast<std::uint8_t>(
       (reg(axis, "test_negative_limit_input"_object) != 0 ? kNegativeLimitInput : 0U) |
       (reg(axis, "test_positive_limit_input"_object) != 0 ? kPositiveLimitInput : 0U) |
       (reg(axis, "test_home_input"_object) != 0 ? kHomeInput : 0U));
@@ -197,9 +204,10 @@ AbortCode write_object(const DriveContext& axis, ObjectRow row, std::int64_t val
       break;
     case "position_user_target_value"_object:
       // Profile position latches it with the next set-point.
-      axis.state.streams =
-          operation_enabled(axis) && axis.state.mode == OperatingMode::cyclic_synchronous_position;
-      axis.state.attention = axis.state.attention || axis.state.streams;
+      axis.state.cyclic.streams =
+          operation_enabled(axis) &&
+          axis.state.mode.actual == OperatingMode::cyclic_synchronous_position;
+      axis.state.attention = axis.state.attention || axis.state.cyclic.streams;
       break;
     case "profile_velocity"_object:
     case "synchronous_move_duration"_object:
@@ -208,7 +216,7 @@ AbortCode write_object(const DriveContext& axis, ObjectRow row, std::int64_t val
     case "positioning_option_code"_object:
       break;  // latched with the next set-point
     case "op_mode_cmd"_object:
-      axis.state.wanted_mode = static_cast<OperatingMode>(value);
+      axis.state.mode.wanted = static_cast<OperatingMode>(value);
       follow_mode(axis);
       axis.state.attention = true;
       axis.state.plan_due = true;
@@ -230,8 +238,8 @@ AbortCode write_object(const DriveContext& axis, ObjectRow row, std::int64_t val
       axis.state.plan_due = true;
       break;
     case "error_history_count"_object:
-      axis.registers.error_history = {};
-      axis.registers.error_count = 0;
+      axis.registers.history.codes = {};
+      axis.registers.history.count = 0;
       break;
     default:
       update_derived(axis);
@@ -248,9 +256,9 @@ std::int64_t read_object(const DriveContext& axis, ObjectRow row, AbortCode& cod
   }
   switch (row) {
     case "error_history_count"_object:
-      return registers.error_count;
+      return registers.history.count;
     case "dc_link_circuit_voltage"_object:
-      return axis.state.dc_link ? registers.values[row] : 0;
+      return axis.state.faults.dc_link ? registers.values[row] : 0;
     default:
       break;
   }
@@ -259,11 +267,11 @@ std::int64_t read_object(const DriveContext& axis, ObjectRow row, AbortCode& cod
     return registers.values[row];
   }
   const std::size_t entry = address.subindex - 1U;
-  if (entry >= registers.error_count) {
+  if (entry >= registers.history.count) {
     code = AbortCode::no_data_available;
     return 0;
   }
-  return registers.error_history[entry];
+  return registers.history.codes[entry];
 }
 
 }  // namespace vdrive

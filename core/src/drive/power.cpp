@@ -37,7 +37,7 @@ void take_control(const DriveContext& axis) {
   rest_at(axis, axis.servo.load_reading[axis.lane]);
   set_power(axis, true);
   axis.registers.request = {};
-  axis.state.following_count = 0;
+  axis.state.following_error.count = 0;
   seed_target(axis);
 }
 
@@ -52,35 +52,37 @@ void enable(const DriveContext& axis) {
 
 /// Transition 16: the interrupted move is forgotten; what still moves is brought to rest.
 void re_enable(const DriveContext& axis) {
-  if (!axis.state.powered) {  // 605Ah was 0 when the quick stop began: the axis coasts
+  if (!axis.state.power.on) {  // 605Ah was 0 when the quick stop began: the axis coasts
     take_control(axis);
-  } else if (axis.state.moving) {
+  } else if (axis.state.demand.moving) {
     drop_set_points(axis);
-    axis.state.arrived = false;  // a mode change meanwhile may have taken the demand as the target
-    axis.state.dwell = 0;
+    axis.state.target.arrived =
+        false;  // a mode change meanwhile may have taken the demand as the target
+    axis.state.window.dwell = 0;
   } else {
     seed_target(axis);
   }
 }
 
 void clear_fault(const DriveContext& axis) {
-  axis.state.error_code = 0;
-  axis.state.error_register = 0;
-  axis.state.following_error = false;
-  axis.state.following_count = 0;
-  axis.state.coasting = false;
+  axis.state.faults.error_code = 0;
+  axis.state.faults.error_register = 0;
+  axis.state.following_error.shown = false;
+  axis.state.following_error.count = 0;
+  axis.state.faults.coasting = false;
 }
 
 void remember_error(const DriveContext& axis, ErrorCode code) {
   DriveState& s = axis.state;
   DriveRegisters& r = axis.registers;
-  s.error_code = static_cast<std::uint16_t>(code);
-  s.error_register = static_cast<std::uint8_t>(s.error_register | error_register_of(code));
-  ++s.fault_count;
-  std::copy_backward(r.error_history.begin(), r.error_history.end() - 1, r.error_history.end());
-  r.error_history[0] = static_cast<std::uint32_t>(code);
-  r.error_count =
-      static_cast<std::uint8_t>(std::min<std::size_t>(r.error_count + 1U, r.error_history.size()));
+  s.faults.error_code = static_cast<std::uint16_t>(code);
+  s.faults.error_register =
+      static_cast<std::uint8_t>(s.faults.error_register | error_register_of(code));
+  ++s.faults.count;
+  std::copy_backward(r.history.codes.begin(), r.history.codes.end() - 1, r.history.codes.end());
+  r.history.codes[0] = static_cast<std::uint32_t>(code);
+  r.history.count = static_cast<std::uint8_t>(
+      std::min<std::size_t>(r.history.count + 1U, r.history.codes.size()));
 }
 
 bool handles_fault(PowerState state) {
@@ -111,10 +113,10 @@ bool cause_present(const DriveContext& axis) {
 }
 
 void set_power(const DriveContext& axis, bool powered) {
-  axis.state.powered = powered;
+  axis.state.power.on = powered;
   axis.servo.powered[axis.lane] = powered ? 1.0 : 0.0;
   axis.servo.integrator[axis.lane] = 0.0;
-  axis.state.control = Control::position;
+  axis.state.demand.control = Control::position;
   axis.servo.closes_position[axis.lane] = 1.0;
   axis.servo.torque_control[axis.lane] = 0.0;
   if (!powered) {
@@ -128,10 +130,10 @@ void act(const DriveContext& axis, const TransitionSet& taken) {
     return;
   }
   DriveState& s = axis.state;
-  s.ticks_in_state = 0;
+  s.power.ticks_in_state = 0;
   s.attention = true;
   s.plan_due = true;
-  axis.registers.stop_ticks = 0;
+  s.power.stop_ticks = 0;
   if (taken.contains(4)) {
     enable(axis);
   } else if (taken.contains(16)) {
@@ -143,7 +145,7 @@ void act(const DriveContext& axis, const TransitionSet& taken) {
     }
   } else if (taken.contains(13)) {
     drop_set_points(axis);
-    if (s.coasting || reg(axis, "fault_reaction_option_code"_object) == 0) {
+    if (s.faults.coasting || reg(axis, "fault_reaction_option_code"_object) == 0) {
       set_power(axis, false);
     }
   } else {
@@ -158,9 +160,9 @@ void act(const DriveContext& axis, const TransitionSet& taken) {
 void raise_fault(const DriveContext& axis, ErrorCode code) {
   DriveState& s = axis.state;
   remember_error(axis, code);
-  s.coasting = s.coasting || forces_coasting(code);
-  act(axis, s.power.fault_detected());
-  if (s.coasting && s.powered) {
+  s.faults.coasting = s.faults.coasting || forces_coasting(code);
+  act(axis, s.power.machine.fault_detected());
+  if (s.faults.coasting && s.power.on) {
     set_power(axis, false);  // a braking fault reaction that can brake no more
   }
 }
@@ -175,46 +177,46 @@ void watch_causes(const DriveContext& axis) {
       continue;
     }
     present = static_cast<std::uint8_t>(present | cause.bit);
-    const bool known = (s.causes & cause.bit) != 0 && handles_fault(s.power.state());
-    const bool harmless = cause.bit == kDcLinkCause && !has_power_to_lose(s.power.state());
+    const bool known = (s.faults.causes & cause.bit) != 0 && handles_fault(s.power.machine.state());
+    const bool harmless = cause.bit == kDcLinkCause && !has_power_to_lose(s.power.machine.state());
     if (!known && !harmless) {
       raise_fault(axis, cause.code);
     }
   }
-  s.causes = present;
-  s.dc_link = (present & kDcLinkCause) == 0;
-  if (!s.dc_link) {
-    act(axis, s.power.voltage_lost());
+  s.faults.causes = present;
+  s.faults.dc_link = (present & kDcLinkCause) == 0;
+  if (!s.faults.dc_link) {
+    act(axis, s.power.machine.voltage_lost());
   }
 }
 
 void complete_stops(const DriveContext& axis) {
   DriveState& s = axis.state;
-  const bool stopping = s.power.state() == PowerState::quick_stop_active ||
-                        s.power.state() == PowerState::fault_reaction_active ||
-                        s.power.pending() != PowerCommand::none;
-  if (!stopping || s.ticks_in_state == 0) {
+  const bool stopping = s.power.machine.state() == PowerState::quick_stop_active ||
+                        s.power.machine.state() == PowerState::fault_reaction_active ||
+                        s.power.machine.pending() != PowerCommand::none;
+  if (!stopping || s.power.ticks_in_state == 0) {
     return;
   }
   DriveRegisters& r = axis.registers;
-  if (s.powered && s.moving) {
-    r.stop_ticks = 0;
+  if (s.power.on && s.demand.moving) {
+    s.power.stop_ticks = 0;
     return;
   }
   const std::uint32_t longest = kLongestStandstillWait_us / axis.timing.period_us;
-  if (s.powered && !at_rest(axis) && ++r.stop_ticks < longest) {
+  if (s.power.on && !at_rest(axis) && ++s.power.stop_ticks < longest) {
     return;
   }
-  const bool dwells = s.power.state() == PowerState::quick_stop_active &&
-                      s.ticks_in_state < ticks_of_ms(axis, r.settings.quick_stop_dwell_ms);
+  const bool dwells = s.power.machine.state() == PowerState::quick_stop_active &&
+                      s.power.ticks_in_state < ticks_of_ms(axis, r.settings.quick_stop_dwell_ms);
   if (!dwells) {
-    act(axis, s.power.stop_finished(power_options(axis)));
+    act(axis, s.power.machine.stop_finished(power_options(axis)));
   }
 }
 
 void follow_mode(const DriveContext& axis) {
   DriveState& s = axis.state;
-  if (s.wanted_mode == s.mode) {
+  if (s.mode.wanted == s.mode.actual) {
     return;
   }
   if (operation_enabled(axis) && !at_rest(axis)) {
@@ -222,7 +224,7 @@ void follow_mode(const DriveContext& axis) {
     s.attention = true;
     return;
   }
-  s.mode = s.wanted_mode;
+  s.mode.actual = s.mode.wanted;
   seed_target(axis);
 }
 

@@ -35,7 +35,7 @@ inline constexpr std::uint8_t kHomeInput = 1U << 2U;
 }
 
 [[nodiscard]] inline bool operation_enabled(const DriveContext& axis) {
-  return axis.state.power.state() == PowerState::operation_enabled;
+  return axis.state.power.machine.state() == PowerState::operation_enabled;
 }
 
 [[nodiscard]] inline bool halted(const DriveContext& axis) {
@@ -45,13 +45,13 @@ inline constexpr std::uint8_t kHomeInput = 1U << 2U;
 /// @return `target` [UU] within 607Dh where that is in force.
 [[nodiscard]] inline double clamp_to_software_limits(const DriveContext& axis, double target) {
   const DriveState& s = axis.state;
-  return s.limits_enabled ? std::min(std::max(target, s.lower_limit), s.upper_limit) : target;
+  return s.limits.enabled ? std::min(std::max(target, s.limits.lower), s.limits.upper) : target;
 }
 
 /// Demand and actual speed are zero.
 [[nodiscard]] inline bool at_rest(const DriveContext& axis) {
-  return !axis.state.moving && std::abs(axis.servo.load_speed[axis.lane]) <=
-                                   static_cast<double>(axis.state.velocity_threshold);
+  return !axis.state.demand.moving && std::abs(axis.servo.load_speed[axis.lane]) <=
+                                          static_cast<double>(axis.state.window.threshold);
 }
 
 }  // namespace vdrive

@@ -29,7 +29,7 @@ double deceleration_of(const DriveContext& axis, ObjectRow row) {
 
 /// The normal ramp: 609Ah in homing, 6084h elsewhere.
 double normal_deceleration(const DriveContext& axis) {
-  return deceleration_of(axis, axis.state.mode == OperatingMode::homing
+  return deceleration_of(axis, axis.state.mode.actual == OperatingMode::homing
                                    ? "homing_acceleration"_object
                                    : "profile_dec"_object);
 }
@@ -45,7 +45,7 @@ MotionRequest stop_with(double deceleration) {
 double within_torque_limits(const DriveContext& axis, double torque) {
   const DriveState& s = axis.state;
   const double highest = real(axis, "max_torque"_object);
-  const double unit = std::min(s.torque_per_mille / s.current_per_mille, 1.0);
+  const double unit = std::min(s.units.torque_per_mille / s.units.current_per_mille, 1.0);
   const auto limit = [&axis, highest, unit](ObjectRow row) {
     const double relative = real(axis, row);
     return relative == 0.0 ? highest : std::min(highest, relative * unit);
@@ -65,8 +65,9 @@ MotionRequest torque_to(const DriveContext& axis, double target) {
 
 /// The normal ramp as a stop: profile torque takes the torque back, the other modes the speed.
 MotionRequest normal_stop(const DriveContext& axis) {
-  return axis.state.mode == OperatingMode::profile_torque ? torque_to(axis, 0.0)
-                                                          : stop_with(normal_deceleration(axis));
+  return axis.state.mode.actual == OperatingMode::profile_torque
+             ? torque_to(axis, 0.0)
+             : stop_with(normal_deceleration(axis));
 }
 
 /// Option codes 605Ah, 605Dh, 605Eh: 1 normal ramp, 2 quick ramp, 3 and 4 the steepest there is.
@@ -91,7 +92,7 @@ MotionRequest limit_switch_stop(const DriveContext& axis) {
 
 /// @return whether a limit switch is active in the direction of `motion`.
 bool runs_into_limit_switch(const DriveContext& axis, double motion) {
-  const std::uint8_t inputs = axis.state.inputs;
+  const std::uint8_t inputs = axis.state.limits.inputs;
   return ((inputs & kPositiveLimitInput) != 0 && motion > 0.0) ||
          ((inputs & kNegativeLimitInput) != 0 && motion < 0.0);
 }
@@ -100,24 +101,25 @@ bool runs_into_limit_switch(const DriveContext& axis, double motion) {
 /// stays 0 until a new set-point; one on the near side is approached after the stop.
 bool stopped_by_limit_switch(const DriveContext& axis) {
   DriveState& s = axis.state;
-  const double ahead = s.has_target ? s.target - s.demand_position : 0.0;
+  const double ahead = s.target.given ? s.target.position - s.demand.position : 0.0;
   if (runs_into_limit_switch(axis, ahead)) {
-    s.queue.drop_buffered(s.controlword);  // a master waits for bit 12 before it drops bit 4
-    s.has_target = false;
-    s.active = false;
-    s.limit_stop = true;
+    s.set_points.queue.drop_buffered(
+        s.controlword);  // a master waits for bit 12 before it drops bit 4
+    s.target.given = false;
+    s.set_points.active = false;
+    s.target.given_up = true;
   }
-  return runs_into_limit_switch(axis, s.demand_velocity);
+  return runs_into_limit_switch(axis, s.demand.velocity);
 }
 
 /// From rest the plan of the common times; after a halt what is left, with the same ramps and the
 /// same peak, so that axes which halt and go on together stay on their line.
 MotionRequest synchronous_move(const DriveContext& axis) {
   const DriveRegisters& r = axis.registers;
-  const bool planned = r.synchronous_start || r.request.kind == Kind::synchronous_move;
+  const bool planned = r.set_point.starts || r.request.kind == Kind::synchronous_move;
   return {.kind = planned ? Kind::synchronous_move : Kind::move,
-          .target = axis.state.target,
-          .limits = r.synchronous_limits};
+          .target = axis.state.target.position,
+          .limits = r.set_point.limits};
 }
 
 MotionRequest profile_position(const DriveContext& axis) {
@@ -126,21 +128,21 @@ MotionRequest profile_position(const DriveContext& axis) {
     return limit_switch_stop(axis);
   }
   const DriveRegisters& r = axis.registers;
-  const bool synchronous = s.has_target && r.synchronous_times.duration > 0.0;
+  const bool synchronous = s.target.given && r.set_point.times.duration > 0.0;
   if (halted(axis)) {
     const std::int64_t option = reg(axis, "halt_option_code"_object);
-    return synchronous && option == 1 ? stop_with(r.synchronous_limits.deceleration)
+    return synchronous && option == 1 ? stop_with(r.set_point.limits.deceleration)
                                       : stop_by_option(axis, option);
   }
   if (synchronous) {
     return synchronous_move(axis);
   }
-  if (!s.has_target) {
-    return s.limit_stop ? limit_switch_stop(axis) : normal_stop(axis);
+  if (!s.target.given) {
+    return s.target.given_up ? limit_switch_stop(axis) : normal_stop(axis);
   }
   return {.kind = Kind::move,
-          .target = s.target,
-          .limits = {.velocity = std::min(r.set_point_velocity, r.velocity_cap),
+          .target = s.target.position,
+          .limits = {.velocity = std::min(r.set_point.velocity, r.velocity_cap),
                      .acceleration = acceleration_of(axis, "profile_acc"_object),
                      .deceleration = deceleration_of(axis, "profile_dec"_object)}};
 }
@@ -158,11 +160,11 @@ MotionRequest profile_velocity(const DriveContext& axis) {
     request.target = 0.0;
     request.limits.deceleration = option_deceleration(axis, reg(axis, "halt_option_code"_object));
   }
-  s.limit_stop = s.limit_stop || runs_into_limit_switch(axis, target);
-  if (s.limit_stop) {
+  s.target.given_up = s.target.given_up || runs_into_limit_switch(axis, target);
+  if (s.target.given_up) {
     request.target = 0.0;
   }
-  if (s.limit_stop || runs_into_limit_switch(axis, s.demand_velocity)) {
+  if (s.target.given_up || runs_into_limit_switch(axis, s.demand.velocity)) {
     request.limits.deceleration = deceleration_of(axis, "quick_stop_deceleration"_object);
   }
   return request;
@@ -174,10 +176,11 @@ MotionRequest profile_torque(const DriveContext& axis) {
   DriveState& s = axis.state;
   const double target = real(axis, "target_torque"_object);
   const double speed = axis.servo.load_speed[axis.lane];
-  const double running = std::abs(speed) > static_cast<double>(s.velocity_threshold) ? speed : 0.0;
+  const double running = std::abs(speed) > static_cast<double>(s.window.threshold) ? speed : 0.0;
   const bool runs_in = runs_into_limit_switch(axis, running);
-  s.limit_stop = s.limit_stop || runs_into_limit_switch(axis, target) || (runs_in && target == 0.0);
-  if (s.limit_stop || runs_in) {
+  s.target.given_up =
+      s.target.given_up || runs_into_limit_switch(axis, target) || (runs_in && target == 0.0);
+  if (s.target.given_up || runs_in) {
     return limit_switch_stop(axis);
   }
   if (halted(axis)) {
@@ -191,7 +194,7 @@ MotionRequest homing(const DriveContext& axis) {
   if (halted(axis)) {
     return stop_by_option(axis, reg(axis, "halt_option_code"_object));
   }
-  const bool searches = s.homing == HomingStage::search;
+  const bool searches = s.homing.stage == HomingStage::search;
   const double speed =
       std::min(real(axis, searches ? "homing_speed_search"_object : "homing_speed_creep"_object),
                axis.registers.velocity_cap);
@@ -201,7 +204,7 @@ MotionRequest homing(const DriveContext& axis) {
       .limits = {.velocity = speed,
                  .acceleration = acceleration_of(axis, "homing_acceleration"_object),
                  .deceleration = deceleration_of(axis, "homing_acceleration"_object)}};
-  switch (s.homing) {
+  switch (s.homing.stage) {
     case HomingStage::search:
     case HomingStage::leave:
     case HomingStage::index:
@@ -209,7 +212,7 @@ MotionRequest homing(const DriveContext& axis) {
     case HomingStage::back:
     case HomingStage::done:
       request.kind = Kind::move;
-      request.target = s.target;
+      request.target = s.target.position;
       return request;
     default:
       return normal_stop(axis);
@@ -220,17 +223,17 @@ MotionRequest homing(const DriveContext& axis) {
 /// A target behind a limit switch is given up: the next one that is written counts.
 MotionRequest cyclic_synchronous_position(const DriveContext& axis) {
   DriveState& s = axis.state;
-  if (!s.streams) {
-    return s.limit_stop ? limit_switch_stop(axis) : normal_stop(axis);
+  if (!s.cyclic.streams) {
+    return s.target.given_up ? limit_switch_stop(axis) : normal_stop(axis);
   }
   const double streamed = real(axis, "position_user_target_value"_object);
   const double goal = clamp_to_software_limits(axis, streamed);
-  const double whole = nearest(s.demand_position);
-  const double target = whole + (s.limits_enabled ? goal - wrapped(whole)
+  const double whole = nearest(s.demand.position);
+  const double target = whole + (s.limits.enabled ? goal - wrapped(whole)
                                                   : static_cast<double>(wrapped(goal - whole)));
-  s.limit_stop = runs_into_limit_switch(axis, target - s.demand_position);
-  s.streams = !s.limit_stop;
-  if (s.limit_stop || runs_into_limit_switch(axis, s.demand_velocity)) {
+  s.target.given_up = runs_into_limit_switch(axis, target - s.demand.position);
+  s.cyclic.streams = !s.target.given_up;
+  if (s.target.given_up || runs_into_limit_switch(axis, s.demand.velocity)) {
     return limit_switch_stop(axis);
   }
   return {.kind = Kind::follow,
@@ -241,14 +244,14 @@ MotionRequest cyclic_synchronous_position(const DriveContext& axis) {
 
 MotionRequest request_in_operation(const DriveContext& axis) {
   const DriveState& s = axis.state;
-  if (s.wanted_mode != s.mode) {
-    return runs_into_limit_switch(axis, s.demand_velocity) ? limit_switch_stop(axis)
+  if (s.mode.wanted != s.mode.actual) {
+    return runs_into_limit_switch(axis, s.demand.velocity) ? limit_switch_stop(axis)
                                                            : stop_with(normal_deceleration(axis));
   }
-  if (s.power.pending() != PowerCommand::none) {
+  if (s.power.machine.pending() != PowerCommand::none) {
     return normal_stop(axis);
   }
-  switch (s.mode) {
+  switch (s.mode.actual) {
     case OperatingMode::profile_position:
       return profile_position(axis);
     case OperatingMode::profile_velocity:
@@ -260,7 +263,7 @@ MotionRequest request_in_operation(const DriveContext& axis) {
     case OperatingMode::cyclic_synchronous_position:
       return cyclic_synchronous_position(axis);
     default:
-      return runs_into_limit_switch(axis, s.demand_velocity) ? limit_switch_stop(axis)
+      return runs_into_limit_switch(axis, s.demand.velocity) ? limit_switch_stop(axis)
                                                              : normal_stop(axis);
   }
 }
@@ -268,10 +271,10 @@ MotionRequest request_in_operation(const DriveContext& axis) {
 }  // namespace
 
 MotionRequest requested_motion(const DriveContext& axis) {
-  if (!axis.state.powered) {
+  if (!axis.state.power.on) {
     return {};
   }
-  switch (axis.state.power.state()) {
+  switch (axis.state.power.machine.state()) {
     case PowerState::operation_enabled:
       return request_in_operation(axis);
     case PowerState::quick_stop_active: {
@@ -290,7 +293,7 @@ Control control_of(const DriveContext& axis, const MotionRequest& request) {
     return Control::torque;
   }
   const bool by_velocity =
-      request.kind == Kind::velocity && axis.state.mode == OperatingMode::profile_velocity;
+      request.kind == Kind::velocity && axis.state.mode.actual == OperatingMode::profile_velocity;
   return by_velocity ? Control::velocity : Control::position;
 }
 
