@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/axis_bank.hpp"
 
-#include "drive/drive.hpp"
+#include "drive/objects.hpp"
+#include "drive/power.hpp"
+#include "drive/registers.hpp"
+#include "drive/tick.hpp"
 #include "plant/servo_block.hpp"
 #include "plant/servo_design.hpp"
 #include "vdrive/status_digest.hpp"
@@ -120,7 +123,7 @@ struct AxisBank::State {
   std::vector<AxisStatus> statuses;             // by axis
   std::vector<ParameterMemory> memories;        // by axis
 
-  [[nodiscard]] DriveContext context(std::size_t block, std::size_t lane) {
+  [[nodiscard]] Drive drive(std::size_t block, std::size_t lane) {
     const std::size_t slot = block * kLanes + lane;
     return {drive_states[slot],
             drive_registers[slot],
@@ -130,8 +133,8 @@ struct AxisBank::State {
             timing};
   }
 
-  [[nodiscard]] DriveContext context(std::size_t axis) {
-    return context(places[axis].block, places[axis].lane);
+  [[nodiscard]] Drive drive(std::size_t axis) {
+    return drive(places[axis].block, places[axis].lane);
   }
 
   /// Shows each array of plain data that is state, in a fixed order, to `visit(first, count)`; what
@@ -228,22 +231,22 @@ void AxisBank::State::design_blocks() {
 }
 
 void AxisBank::State::start_axis(std::size_t axis) {
-  const DriveContext context = this->context(axis);
+  Drive drive = this->drive(axis);
   const auto position = static_cast<double>(configurations[axis].initial_position);
-  ServoState& servo = context.servo;
+  ServoState& servo = drive.servo();
   for (Lane* lane : {&servo.position, &servo.measured, &servo.motor_reading, &servo.load_position,
                      &servo.load_measured, &servo.load_reading}) {
-    (*lane)[context.lane] = position;
+    (*lane)[drive.lane()] = position;
   }
-  context.registers.settings = configurations[axis].settings;
-  context.registers.single_encoder =
+  drive.registers().settings = configurations[axis].settings;
+  drive.registers().single_encoder =
       configurations[axis].model.feedback == Feedback::single_encoder;
   fill_memory(axis);
-  power_up(context, true);
+  power_up(drive, true);
   if (const InitialValue* const refused = set_initial_values(axis)) {
     refuse(axis, "initial", *refused);
   }
-  refresh_status(context);
+  show(drive);
 }
 
 void AxisBank::State::fill_memory(std::size_t axis) {
@@ -252,7 +255,7 @@ void AxisBank::State::fill_memory(std::size_t axis) {
       refuse(axis, "stored", stored);
     }
   }
-  context(axis).registers.memory_error = configurations[axis].memory_error;
+  drive(axis).registers().memory_error = configurations[axis].memory_error;
 }
 
 AbortCode AxisBank::State::keep(std::size_t axis, ObjectAddress object, std::int64_t value) {
@@ -269,39 +272,40 @@ AbortCode AxisBank::State::keep(std::size_t axis, ObjectAddress object, std::int
 
 void AxisBank::State::set_stored_values(std::size_t axis) {
   const ParameterMemory& memory = memories[axis];
-  const DriveContext context = this->context(axis);
+  Drive drive = this->drive(axis);
   for (std::size_t position = 0; position < kStoredCount; ++position) {
     if ((memory.present >> position & 1U) != 0) {
       WriteEffect effect{};
       static_cast<void>(
-          write_object(context, kStoredRows[position], memory.values[position], effect));
+          write_object(drive, kStoredRows[position], memory.values[position], effect));
     }
   }
 }
 
 const InitialValue* AxisBank::State::set_initial_values(std::size_t axis) {
-  const DriveContext context = this->context(axis);
-  context.registers.values["serial_number"_object] = configurations[axis].serial_number;
+  Drive drive = this->drive(axis);
+  drive.registers().values["serial_number"_object] = configurations[axis].serial_number;
   const InitialValue* refused = nullptr;
   for (const InitialValue& initial : configurations[axis].parameters) {
     const auto row = find_object(initial.address);
     WriteEffect effect{};
     // A controlword is a command, not a parameter: no axis is enabled by its configuration.
     const bool allowed = row && *row != "ds402_controlword"_object &&
-                         write_object(context, *row, initial.value, effect) == AbortCode::none;
+                         write_object(drive, *row, initial.value, effect) == AbortCode::none;
     if (!allowed && refused == nullptr) {
       refused = &initial;
     }
   }
   set_stored_values(axis);
-  update_derived(context);
+  update_derived(drive);
   apply_gear(axis);
   return refused;
 }
 
 AbortCode AxisBank::State::write(std::size_t axis, ObjectRow row, std::int64_t value) {
   WriteEffect effect = WriteEffect::none;
-  const AbortCode code = write_object(context(axis), row, value, effect);
+  Drive drive = this->drive(axis);
+  const AbortCode code = write_object(drive, row, value, effect);
   if (effect == WriteEffect::gear) {
     apply_gear(axis);
   } else if (effect == WriteEffect::torque_limits) {
@@ -311,40 +315,40 @@ AbortCode AxisBank::State::write(std::size_t axis, ObjectRow row, std::int64_t v
 }
 
 void AxisBank::State::apply_gear(std::size_t axis) {
-  const DriveContext context = this->context(axis);
+  Drive drive = this->drive(axis);
   const AxisModel& model = configurations[axis].model;
-  const Gear gear = gear_of(context.registers);
+  const Gear gear = gear_of(drive.registers());
   const double ratio = static_cast<double>(gear.numerator) / static_cast<double>(gear.denominator);
-  DriveRegisters& registers = context.registers;
+  DriveRegisters& registers = drive.registers();
   if (ratio != registers.gear_ratio) {
     // The load stays where it is when the gear is set.
-    ServoState& servo = context.servo;
-    servo.load_offset[context.lane] +=
-        (registers.gear_ratio - ratio) * servo.position[context.lane];
+    ServoState& servo = drive.servo();
+    servo.load_offset[drive.lane()] +=
+        (registers.gear_ratio - ratio) * servo.position[drive.lane()];
     registers.gear_ratio = ratio;
     const Block& block = blocks[places[axis].block];
     if (block.coupling == Coupling::rigid) {
-      design_lane(model, gear, timing.substep, context.lane, rigid.change(block.pool_index));
+      design_lane(model, gear, timing.substep, drive.lane(), rigid.change(block.pool_index));
     } else {
-      design_lane(model, gear, timing.substep, context.lane, elastic.change(block.pool_index));
+      design_lane(model, gear, timing.substep, drive.lane(), elastic.change(block.pool_index));
     }
   }
   apply_torques(axis);
 }
 
 void AxisBank::State::apply_torques(std::size_t axis) {
-  const DriveContext context = this->context(axis);
-  const DriveRegisters& registers = context.registers;
+  Drive drive = this->drive(axis);
+  const DriveRegisters& registers = drive.registers();
   const AxisModel& model = configurations[axis].model;
   const Gear gear = gear_of(registers);
   const double unit = torque_unit(model, gear);
   const auto value = [&registers](ObjectRow row) {
     return static_cast<double>(registers.values[row]);
   };
-  context.state.units.torque_per_mille = unit / (value("motor_rated_torque"_object) * 1.0e-6);
-  context.state.units.current_per_mille =
+  drive.state().units.torque_per_mille = unit / (value("motor_rated_torque"_object) * 1.0e-6);
+  drive.state().units.current_per_mille =
       unit / model.torque_constant / (value("motor_rated_current"_object) * 1.0e-6);
-  context.servo.load_torque[context.lane] =
+  drive.servo().load_torque[drive.lane()] =
       value("test_load_torque"_object) * 1.0e-3 * load_torque_factor(model, gear);
   const TorqueLimits limits{
       .positive = torque_limit(registers, model, "positive_torque_limit_relative"_object),
@@ -352,10 +356,10 @@ void AxisBank::State::apply_torques(std::size_t axis) {
   const Block& block = blocks[places[axis].block];
   LoopParameters wanted = block.coupling == Coupling::rigid ? rigid.get(block.pool_index).loop
                                                             : elastic.get(block.pool_index).loop;
-  const double upper = wanted.upper_limit[context.lane];
-  const double lower = wanted.lower_limit[context.lane];
-  limit_lane(limits, unit, context.lane, wanted);
-  if (wanted.upper_limit[context.lane] == upper && wanted.lower_limit[context.lane] == lower) {
+  const double upper = wanted.upper_limit[drive.lane()];
+  const double lower = wanted.lower_limit[drive.lane()];
+  limit_lane(limits, unit, drive.lane(), wanted);
+  if (wanted.upper_limit[drive.lane()] == upper && wanted.lower_limit[drive.lane()] == lower) {
     return;
   }
   if (block.coupling == Coupling::rigid) {
@@ -377,14 +381,15 @@ void AxisBank::State::step_block(std::size_t block_index, DemandBlock& demand) {
   std::uint32_t across = 0;
   bool general = false;
   for (std::size_t lane = 0; lane < block.count; ++lane) {
-    const TickStart start = begin_tick(context(block_index, lane), demand);
+    Drive drive = this->drive(block_index, lane);
+    const TickStart start = begin_tick(drive, demand);
     across |= (start.across ? 1U : 0U) << lane;
     general = general || start.general;
   }
   sample_demand(demand, timing.substeps, timing.substep);
   for (std::size_t lane = 0; across != 0; ++lane, across >>= 1U) {
     if ((across & 1U) != 0) {
-      sample_across(context(block_index, lane), demand);
+      sample_across(drive(block_index, lane), demand);
     }
   }
   if (block.coupling == Coupling::rigid) {
@@ -395,7 +400,8 @@ void AxisBank::State::step_block(std::size_t block_index, DemandBlock& demand) {
     step(elastic.get(block.pool_index), demand, block.servo, timing.substeps, timing.substep);
   }
   for (std::size_t lane = 0; lane < block.count; ++lane) {
-    end_tick(context(block_index, lane));
+    Drive drive = this->drive(block_index, lane);
+    end_tick(drive);
   }
 }
 
@@ -481,7 +487,7 @@ ReadResult AxisBank::read(std::size_t axis, ObjectAddress object) const noexcept
     return {check_address(object), 0};
   }
   ReadResult result;
-  result.value = read_object(state_->context(axis), *row, result.code);
+  result.value = read_object(state_->drive(axis), *row, result.code);
   return result;
 }
 
@@ -510,19 +516,19 @@ std::span<const AxisStatus> AxisBank::statuses() const noexcept {
 }
 
 PowerState AxisBank::power_state(std::size_t axis) const noexcept {
-  return state_->context(axis).state.power.machine.state();
+  return state_->drive(axis).state().power.machine.state();
 }
 
 std::uint32_t AxisBank::ignored_set_points(std::size_t axis) const noexcept {
-  return state_->context(axis).state.ignored_set_points;
+  return state_->drive(axis).state().ignored_set_points;
 }
 
 // NOLINTNEXTLINE(bugprone-exception-escape): the matrices have fixed sizes, nothing allocates
 void AxisBank::power_cycle(std::size_t axis) noexcept {
-  const DriveContext context = state_->context(axis);
-  power_up(context, false);
+  Drive drive = state_->drive(axis);
+  power_up(drive, false);
   static_cast<void>(state_->set_initial_values(axis));
-  refresh_status(context);
+  show(drive);
 }
 
 AbortCode AxisBank::check_stored(ObjectAddress object, std::int64_t value) noexcept {
@@ -536,9 +542,9 @@ AbortCode AxisBank::check_stored(ObjectAddress object, std::int64_t value) noexc
 
 void AxisBank::read_parameters(std::size_t axis,
                                std::span<std::int64_t, kStoredCount> values) const noexcept {
-  const DriveContext context = state_->context(axis);
+  Drive drive = state_->drive(axis);
   for (std::size_t position = 0; position < kStoredCount; ++position) {
-    values[position] = context.registers.values[kStoredRows[position]];
+    values[position] = drive.registers().values[kStoredRows[position]];
   }
 }
 
@@ -549,11 +555,12 @@ AbortCode AxisBank::set_stored(std::size_t axis, ObjectAddress object,
 
 void AxisBank::forget_stored(std::size_t axis) noexcept {
   state_->memories[axis] = {};
-  state_->context(axis).registers.memory_error = false;
+  state_->drive(axis).registers().memory_error = false;
 }
 
 void AxisBank::report_connection_loss(std::size_t axis) noexcept {
-  lose_connection(state_->context(axis));
+  Drive drive = state_->drive(axis);
+  lose_connection(drive);
 }
 
 AxisBank::Snapshot AxisBank::snapshot() const {
@@ -573,7 +580,7 @@ void AxisBank::restore(const Snapshot& snapshot, Memory memory) {
   State next = saved;
   next.memories.swap(state_->memories);
   for (std::size_t axis = 0; axis < size(); ++axis) {
-    next.context(axis).registers.memory_error = state_->context(axis).registers.memory_error;
+    next.drive(axis).registers().memory_error = state_->drive(axis).registers().memory_error;
   }
   *state_ = std::move(next);
 }

@@ -5,7 +5,9 @@
 
 #include "core/support/axis_under_test.hpp"
 #include "core/support/random_cases.hpp"
-#include "drive/drive.hpp"
+#include "drive/objects.hpp"
+#include "drive/power.hpp"
+#include "drive/tick.hpp"
 #include "plant/servo_block.hpp"
 
 #include <gtest/gtest.h>
@@ -738,7 +740,7 @@ class LongRunningDrive {
   AxisStatus status_{};
   TickTiming timing_{};
   DemandBlock demand_{};
-  DriveContext axis_{state_, registers_, servo_, 0, status_, timing_};
+  Drive axis_{state_, registers_, servo_, 0, status_, timing_};
 };
 
 constexpr double kDay = 86'400.0;

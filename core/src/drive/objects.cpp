@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// Writes and reads of objects, and what they mean to the axis.
-#include "drive/demand.hpp"
-#include "drive/homing.hpp"
+#include "drive/objects.hpp"
+
+#include "drive/faults.hpp"
+#include "drive/mode_table.hpp"
+#include "drive/modes/homing.hpp"
 #include "drive/power.hpp"
 #include "drive/registers.hpp"
 
@@ -13,89 +14,28 @@ namespace {
 
 using namespace vdrive::literals;
 
-std::uint32_t unsigned_reg(const DriveContext& axis, ObjectRow row) {
-  return static_cast<std::uint32_t>(reg(axis, row));
-}
-
-/// Bit 4 starts a homing run, bit 8 ends it for good.
-void command_homing(const DriveContext& axis, std::uint16_t previous, bool accepting) {
-  DriveState& s = axis.state;
-  if (halted(axis)) {
-    interrupt_homing(axis);
-  }
-  const bool rising = (s.controlword & ~previous & Controlword::kStartHoming) != 0;
-  if (!rising) {
-    return;
-  }
-  if (accepting && !halted(axis) && start_homing(axis)) {
-    s.target.fresh = true;
-  } else {
-    ++s.ignored_set_points;
-  }
-}
-
-void command_set_point(const DriveContext& axis, std::uint16_t previous, bool accepting) {
-  DriveState& s = axis.state;
-  const std::uint16_t word = s.controlword;
-  const SetPoint candidate{
-      .position_user_target_value =
-          static_cast<std::int32_t>(reg(axis, "position_user_target_value"_object)),
-      .profile_velocity = unsigned_reg(axis, "profile_velocity"_object),
-      .synchronous_move_duration = unsigned_reg(axis, "synchronous_move_duration"_object),
-      .synchronous_move_acceleration_time =
-          unsigned_reg(axis, "synchronous_move_acceleration_time"_object),
-      .synchronous_move_deceleration_time =
-          unsigned_reg(axis, "synchronous_move_deceleration_time"_object),
-      .relative = (word & Controlword::kRelative) != 0};
-  // What waits for its turn is judged when it comes: its start is not known before.
-  const bool waits = s.set_points.active && (word & Controlword::kChangeSetImmediately) == 0;
-  const bool startable = accepting && (waits || can_start(axis, candidate));
-  switch (
-      s.set_points.queue.controlword(word, previous, startable, s.set_points.active, candidate)) {
-    case SetPointOutcome::started:
-      start_set_point(axis, candidate);
-      s.target.fresh = true;
-      break;
-    case SetPointOutcome::buffered:
-      s.target.fresh = true;
-      break;
-    case SetPointOutcome::ignored:
-      ++s.ignored_set_points;
-      break;
-    case SetPointOutcome::none:
-      break;
-  }
-}
-
-void write_controlword(const DriveContext& axis, std::uint16_t word) {
-  DriveState& s = axis.state;
+void write_controlword(Drive& drive, std::uint16_t word) {
+  DriveState& s = drive.state();
   const std::uint16_t previous = s.controlword;
   const bool ready_before =
-      operation_enabled(axis) && s.power.machine.pending() == PowerCommand::none;
+      operation_enabled(drive) && s.power.machine.pending() == PowerCommand::none;
   s.controlword = word;
-  act(axis,
-      s.power.machine.command(decode_command(word, previous), power_options(axis),
-                              reg(axis, "test_dc_link_loss"_object) == 0, cause_present(axis)));
-  const bool accepting = ready_before && operation_enabled(axis) &&
+  act(drive,
+      s.power.machine.command(decode_command(word, previous), power_options(drive),
+                              reg(drive, "test_dc_link_loss"_object) == 0, cause_present(drive)));
+  const bool accepting = ready_before && operation_enabled(drive) &&
                          s.power.machine.pending() == PowerCommand::none &&
                          s.mode.wanted == s.mode.actual;
-  if (s.mode.actual == OperatingMode::homing) {
-    command_homing(axis, previous, accepting);
-  } else {
-    command_set_point(axis, previous,
-                      accepting && s.mode.actual == OperatingMode::profile_position &&
-                          (!halted(axis) || axis.registers.settings.acknowledge_while_halted));
-  }
+  mode_of(drive).command(drive, {.previous = previous, .accepting = accepting});
   s.plan_due = true;
   s.attention = true;
 }
 
-/// A target of profile velocity or torque was written: in its mode it replaces what a limit switch
-/// has given up.
-void take_target(const DriveContext& axis, OperatingMode mode) {
-  DriveState& s = axis.state;
-  s.target.given_up = s.target.given_up && s.mode.actual != mode;
-  s.plan_due = true;
+/// The mode in force takes a target that is written; in every other one it waits in its register.
+void take_target(Drive& drive, ObjectRow row) {
+  if (const Mode& mode = mode_of(drive); mode.take_target != nullptr) {
+    mode.take_target(drive, row);
+  }
 }
 
 /// Rows that refuse what they do not mean with 0x06090030, also beyond the range that they show.
@@ -151,37 +91,6 @@ WriteEffect effect_of(ObjectRow row) {
 
 }  // namespace
 
-void update_derived(const DriveContext& axis) noexcept {
-  DriveState& s = axis.state;
-  s.window.position =
-      static_cast<std::uint32_t>(reg(axis, "position_target_reached_window"_object));
-  s.window.position_ticks =
-      ticks_of_ms(axis, reg(axis, "position_target_reached_window_time"_object));
-  s.following_error.window = static_cast<std::uint32_t>(reg(axis, "following_error_window"_object));
-  s.following_error.ticks = ticks_of_ms(axis, reg(axis, "following_error_time_out"_object));
-  s.window.threshold = static_cast<std::uint32_t>(reg(axis, "velocity_threshold"_object));
-  s.window.threshold_ticks = ticks_of_ms(axis, reg(axis, "velocity_threshold_time"_object));
-  s.window.velocity = static_cast<std::uint32_t>(reg(axis, "velocity_window"_object));
-  s.window.velocity_ticks = ticks_of_ms(axis, reg(axis, "velocity_window_time"_object));
-  s.units.rated_current = real(axis, "motor_rated_current"_object);
-  const std::int64_t lower = reg(axis, "user_position_lower_limit"_object);
-  const std::int64_t upper = reg(axis, "user_position_upper_limit"_object);
-  const TypeRange ends = range_of(DataType::integer32);
-  const bool whole_range = lower == ends.lowest && upper == ends.highest;
-  s.limits.lower = static_cast<double>(lower);
-  s.limits.upper = static_cast<double>(upper);
-  s.limits.enabled = reg(axis, "app_position_limit_switch"_object) != 0 && lower < upper &&
-                     !whole_range &&
-                     (s.limits.homed || !axis.registers.settings.limits_need_homing);
-  s.limits.inputs = static_cast<std::uint8_t>(
-      (reg(axis, "test_negative_limit_input"_object) != 0 ? kNegativeLimitInput : 0U) |
-      (reg(axis, "test_positive_limit_input"_object) != 0 ? kPositiveLimitInput : 0U) |
-      (reg(axis, "test_home_input"_object) != 0 ? kHomeInput : 0U));
-  axis.servo.blocked[axis.lane] = reg(axis, "test_blocked_load"_object) != 0 ? 1.0 : 0.0;
-  s.attention = true;
-  s.plan_due = true;
-}
-
 AbortCode check_object_value(ObjectRow row, std::int64_t value) noexcept {
   const AbortCode code = check_write(row, value);
   const bool is_judged =
@@ -189,7 +98,7 @@ AbortCode check_object_value(ObjectRow row, std::int64_t value) noexcept {
   return is_judged ? check_value(row, value) : code;
 }
 
-AbortCode write_object(const DriveContext& axis, ObjectRow row, std::int64_t value,
+AbortCode write_object(Drive& drive, ObjectRow row, std::int64_t value,
                        WriteEffect& effect) noexcept {
   if (const AbortCode code = check_object_value(row, value); code != AbortCode::none) {
     return code;
@@ -197,17 +106,13 @@ AbortCode write_object(const DriveContext& axis, ObjectRow row, std::int64_t val
   if (is_request(row)) {
     return AbortCode::none;  // whoever owns the bank carries it out; the row goes on reading 1
   }
-  axis.registers.values[row] = value;
+  drive.registers().values[row] = value;
   switch (row) {
     case "ds402_controlword"_object:
-      write_controlword(axis, static_cast<std::uint16_t>(value));
+      write_controlword(drive, static_cast<std::uint16_t>(value));
       break;
     case "position_user_target_value"_object:
-      // Profile position latches it with the next set-point.
-      axis.state.cyclic.streams =
-          operation_enabled(axis) &&
-          axis.state.mode.actual == OperatingMode::cyclic_synchronous_position;
-      axis.state.attention = axis.state.attention || axis.state.cyclic.streams;
+      take_target(drive, row);  // profile position latches it with the next set-point
       break;
     case "profile_velocity"_object:
     case "synchronous_move_duration"_object:
@@ -216,16 +121,15 @@ AbortCode write_object(const DriveContext& axis, ObjectRow row, std::int64_t val
     case "positioning_option_code"_object:
       break;  // latched with the next set-point
     case "op_mode_cmd"_object:
-      axis.state.mode.wanted = static_cast<OperatingMode>(value);
-      follow_mode(axis);
-      axis.state.attention = true;
-      axis.state.plan_due = true;
+      drive.state().mode.wanted = static_cast<OperatingMode>(value);
+      follow_mode(drive);
+      drive.state().attention = true;
+      drive.state().plan_due = true;
       break;
     case "target_velocity"_object:
-      take_target(axis, OperatingMode::profile_velocity);
-      break;
     case "target_torque"_object:
-      take_target(axis, OperatingMode::profile_torque);
+      take_target(drive, row);
+      drive.state().plan_due = true;
       break;
     case "profile_acc"_object:
     case "profile_dec"_object:
@@ -235,30 +139,29 @@ AbortCode write_object(const DriveContext& axis, ObjectRow row, std::int64_t val
     case "homing_speed_creep"_object:
     case "homing_acceleration"_object:
     case "home_offset"_object:
-      axis.state.plan_due = true;
+      drive.state().plan_due = true;
       break;
     case "error_history_count"_object:
-      axis.registers.history.codes = {};
-      axis.registers.history.count = 0;
+      clear_history(drive);
       break;
     default:
-      update_derived(axis);
+      update_derived(drive);
       effect = effect_of(row);
       break;
   }
   return AbortCode::none;
 }
 
-std::int64_t read_object(const DriveContext& axis, ObjectRow row, AbortCode& code) noexcept {
-  const DriveRegisters& registers = axis.registers;
-  if (const auto monitored = value_of(axis.status, row)) {
+std::int64_t read_object(const Drive& drive, ObjectRow row, AbortCode& code) noexcept {
+  const DriveRegisters& registers = drive.registers();
+  if (const auto monitored = value_of(drive.status(), row)) {
     return *monitored;
   }
   switch (row) {
     case "error_history_count"_object:
       return registers.history.count;
     case "dc_link_circuit_voltage"_object:
-      return axis.state.faults.dc_link ? registers.values[row] : 0;
+      return drive.state().faults.dc_link ? registers.values[row] : 0;
     default:
       break;
   }

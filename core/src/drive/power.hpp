@@ -1,34 +1,36 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "drive/drive.hpp"
+#include "drive/state.hpp"
+#include "vdrive/cia402/error_code.hpp"
 
 namespace vdrive {
 
-// Power stage, faults and operating mode of an axis.
+// Power stage of an axis: what the transitions of the power state machine do to it.
+
+/// Power-up: registers take defaults, the state machine passes transitions 0 and, when
+/// `initialise`, 1. The mechanics stay as they are.
+void power_up(Drive& drive, bool initialise) noexcept;
+
+/// Transition 1, unless it is done already. What the memory check found is a fault from there on.
+void complete_power_up(Drive& drive);
+
+/// The silent master of 6007h.
+void lose_connection(Drive& drive) noexcept;
 
 /// @return the option codes and settings that the power state machine reads.
-[[nodiscard]] PowerOptions power_options(const DriveContext& axis);
-
-/// Switches the power stage; without power the demand follows the actual position.
-void set_power(const DriveContext& axis, bool powered);
+[[nodiscard]] PowerOptions power_options(const Drive& drive);
 
 /// Carries out what transitions of the power state machine do to the axis.
-void act(const DriveContext& axis, const TransitionSet& taken);
+void act(Drive& drive, const TransitionSet& taken);
 
 /// Enters a fault into 603Fh, 1001h and 1003h and starts its reaction.
-void raise_fault(const DriveContext& axis, ErrorCode code);
+void raise_fault(Drive& drive, ErrorCode code);
 
-/// Looks at the injected causes of faults (5E02h to 5E05h).
-void watch_causes(const DriveContext& axis);
-
-/// @return true while a cause persists that refuses the fault reset.
-[[nodiscard]] bool cause_present(const DriveContext& axis);
+/// Raises the faults whose causes have come (5E02h to 5E05h).
+void watch_causes(Drive& drive);
 
 /// Ends the stops of quick stop, fault reaction and held-back transitions.
-void complete_stops(const DriveContext& axis);
-
-/// 6061h follows 6060h outside Operation enabled and at rest; a moving axis brakes first.
-void follow_mode(const DriveContext& axis);
+void complete_stops(Drive& drive);
 
 }  // namespace vdrive

@@ -23,13 +23,19 @@ struct TickTiming {
   double substep = 125.0e-6;  // [s]
 };
 
-/// What the demand generator is asked for. Two equal requests need no new plan.
+/// The outermost loop that is closed.
+enum class Control : std::uint8_t { position, velocity, torque };
+
+/// What the demand generator is asked for. Two equal requests need no new plan: other loops and
+/// other times come with a new target, which makes the request of before void.
 struct MotionRequest {
   enum class Kind : std::uint8_t { hold, stop, move, synchronous_move, velocity, torque, follow };
 
   Kind kind = Kind::hold;
+  Control control = Control::position;  // the loop that has to be the outermost one
   double target = 0.0;  // moves, follow [UU]; velocity [UU/s]; torque [‰ of rated]
   MotionLimits limits;  // stop: the deceleration; torque: the acceleration is the slope [‰/s]
+  MoveTimes times{};    // synchronous move
 
   friend bool operator==(const MotionRequest& a, const MotionRequest& b) noexcept {
     return a.kind == b.kind && a.target == b.target && a.limits.velocity == b.limits.velocity &&
@@ -37,9 +43,6 @@ struct MotionRequest {
            a.limits.deceleration == b.limits.deceleration;
   }
 };
-
-/// The outermost loop that is closed.
-enum class Control : std::uint8_t { position, velocity, torque };
 
 /// Where a homing run is.
 enum class HomingStage : std::uint8_t {
@@ -67,11 +70,12 @@ struct DemandState {
 
 /// Where the present motion is to end.
 struct TargetState {
-  double position = 0.0;  // latched, whole [UU]
-  bool given = false;     // a set-point was taken since the set-points were cleared
-  bool given_up = false;  // a limit switch ended the motion
-  bool arrived = false;   // the demand rests on the target
-  bool fresh = false;     // a set-point was taken in this tick
+  double position = 0.0;   // latched, whole [UU]
+  bool given = false;      // a set-point was taken since the set-points were cleared
+  bool given_up = false;   // a limit switch ended the motion
+  bool arrived = false;    // the demand rests on the target
+  bool fresh = false;      // a set-point was taken in this tick
+  bool unplanned = false;  // no plan was made since the target was given
 };
 
 /// What 6041h needs to have lasted: registers, and the ticks so far.
@@ -151,6 +155,13 @@ struct CyclicState {
   bool streams = false;  // 607Ah was written since the mode is in force
 };
 
+/// What the operating modes keep between ticks. As it is made here nothing is asked for.
+struct ModeStates {
+  SetPointState position;
+  HomingState homing;
+  CyclicState cyclic;
+};
+
 /// What every tick touches of an axis.
 struct DriveState {
   DemandState demand;
@@ -161,10 +172,8 @@ struct DriveState {
   FollowingErrorState following_error;
   PowerStageState power;
   FaultState faults;
-  SetPointState set_points;
-  HomingState homing;
-  CyclicState cyclic;
   ModeState mode;
+  ModeStates modes;
   bool attention = true;  // something beside the motion is going on
   bool plan_due = true;   // the motion request may have changed
   std::uint16_t controlword = 0;
@@ -176,7 +185,6 @@ struct ActiveSetPoint {
   double velocity = 0.0;  // 6081h [UU/s]
   MoveTimes times;        // of a synchronous move; duration 0 = none
   MotionLimits limits;    // that follow from them
-  bool starts = false;    // the synchronous move has not been planned yet
 };
 
 /// Index pulses of encoder 1.
@@ -207,53 +215,50 @@ struct DriveRegisters {
   bool single_encoder = false;  // 6064h is encoder 1's: both readings share one frame
 };
 
-/// One axis: its state, its lane of the servo block, its status image.
-struct DriveContext {
-  DriveState& state;
-  DriveRegisters& registers;
-  ServoState& servo;
-  std::size_t lane;
-  AxisStatus& status;
-  const TickTiming& timing;
+/// One axis: its state, its lane of the servo block, its status image. Questions take a
+/// `const Drive&`, through which nothing can be changed; commands take a `Drive&`.
+class Drive {
+ public:
+  Drive(DriveState& state, DriveRegisters& registers, ServoState& servo, std::size_t lane,
+        AxisStatus& status, const TickTiming& timing) noexcept
+      : state_(state),
+        registers_(registers),
+        servo_(servo),
+        lane_(lane),
+        status_(status),
+        timing_(timing) {}
+
+  Drive(const Drive&) = delete;  // a copy of a constant drive could be changed
+  Drive& operator=(const Drive&) = delete;
+  ~Drive() = default;
+
+  [[nodiscard]] DriveState& state() noexcept { return state_; }
+
+  [[nodiscard]] const DriveState& state() const noexcept { return state_; }
+
+  [[nodiscard]] DriveRegisters& registers() noexcept { return registers_; }
+
+  [[nodiscard]] const DriveRegisters& registers() const noexcept { return registers_; }
+
+  [[nodiscard]] ServoState& servo() noexcept { return servo_; }
+
+  [[nodiscard]] const ServoState& servo() const noexcept { return servo_; }
+
+  [[nodiscard]] AxisStatus& status() noexcept { return status_; }
+
+  [[nodiscard]] const AxisStatus& status() const noexcept { return status_; }
+
+  [[nodiscard]] std::size_t lane() const noexcept { return lane_; }
+
+  [[nodiscard]] const TickTiming& timing() const noexcept { return timing_; }
+
+ private:
+  DriveState& state_;
+  DriveRegisters& registers_;
+  ServoState& servo_;
+  std::size_t lane_;
+  AxisStatus& status_;
+  const TickTiming& timing_;
 };
-
-/// What the bank has to do after a write.
-enum class WriteEffect : std::uint8_t { none, torque_limits, gear };
-
-/// Power-up: registers take defaults, the state machine passes transitions 0 and, when
-/// `initialise`, 1. The mechanics stay as they are.
-void power_up(const DriveContext& axis, bool initialise) noexcept;
-
-/// The rules of one object for its value: those of the table, and the narrower ones of its meaning.
-[[nodiscard]] AbortCode check_object_value(ObjectRow row, std::int64_t value) noexcept;
-
-/// A write that the dictionary allows; see AxisBank::write.
-AbortCode write_object(const DriveContext& axis, ObjectRow row, std::int64_t value,
-                       WriteEffect& effect) noexcept;
-
-[[nodiscard]] std::int64_t read_object(const DriveContext& axis, ObjectRow row,
-                                       AbortCode& code) noexcept;
-
-/// The silent master of 6007h.
-void lose_connection(const DriveContext& axis) noexcept;
-
-/// What a tick of one axis asks of its block.
-struct TickStart {
-  bool across;   // the tick crosses a segment border: `sample_across` must be called
-  bool general;  // the position loop is open: the block needs the general servo step
-};
-
-/// Steps 1 and 2 of a tick: automatic transitions, mode, plan; puts the demand into the block.
-TickStart begin_tick(const DriveContext& axis, DemandBlock& demand) noexcept;
-void sample_across(const DriveContext& axis, DemandBlock& demand) noexcept;
-
-/// Steps 4 and 5: demand at the end of the tick, monitors, status image.
-void end_tick(const DriveContext& axis) noexcept;
-
-/// Statusword and identification without a tick, for an axis just powered up.
-void refresh_status(const DriveContext& axis) noexcept;
-
-/// Values of registers that the tick uses in another form; after initial values were set.
-void update_derived(const DriveContext& axis) noexcept;
 
 }  // namespace vdrive

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "drive/state.hpp"
+#include "vdrive/cia402/error_code.hpp"
+
+#include <array>
+#include <cstdint>
+
+namespace vdrive {
+
+// Faults of an axis: which causes are present, what was entered. Their reaction is the power
+// stage's part.
+
+/// A cause of a fault that is a level: an input of the test bench.
+struct FaultCause {
+  std::uint8_t bit;  // in FaultState::causes
+  ObjectRow input;
+  ErrorCode code;
+};
+
+/// The DC link is lost: a fault only where the motor is powered.
+inline constexpr std::uint8_t kDcLinkCause = 1U << 3U;
+
+/// In the order in which they are looked at.
+inline constexpr std::array<FaultCause, 4> kFaultCauses = [] {
+  using namespace vdrive::literals;
+  return std::array<FaultCause, 4>{{
+      {1U << 0U, "test_over_current"_object, ErrorCode::continuous_over_current},
+      {1U << 1U, "test_over_temperature"_object, ErrorCode::excess_temperature_drive},
+      {1U << 2U, "test_encoder_failure"_object, ErrorCode::incremental_sensor_1_fault},
+      {kDcLinkCause, "test_dc_link_loss"_object, ErrorCode::dc_link_under_voltage},
+  }};
+}();
+
+/// @return whether a cause persists that refuses the fault reset.
+[[nodiscard]] bool cause_present(const Drive& drive);
+
+/// Enters a fault into 603Fh, 1001h and 1003h.
+void enter_fault(Drive& drive, ErrorCode code);
+
+/// The fault reset: 603Fh and 1001h show none any more.
+void clear_fault(Drive& drive);
+
+/// Empties 1003h.
+void clear_history(Drive& drive);
+
+}  // namespace vdrive

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "drive/state.hpp"
+
+namespace vdrive {
+
+// The frame that all positions of an axis count in, and the demand at rest in it.
+
+/// Positions further from 0 than this (2⁴⁰) call for `rebase`.
+inline constexpr double kFrame = 1099511627776.0;
+
+/// The demand rests at `position` [UU].
+void rest_at(Drive& drive, double position);
+
+/// How far the frames of positions move [UU].
+struct FrameShift {
+  double motor = 0.0;    // encoder 1
+  double load = 0.0;     // the load itself
+  double reading = 0.0;  // encoder of the position loop, demand and target
+};
+
+/// Counts every position from a place that lies `shift` further on; nothing moves.
+void shift_frame(Drive& drive, const FrameShift& shift);
+
+/// Positions live in a frame that is kept near the 32-bit range: whole turns of the register are
+/// taken out, which is exact, so no position grows with the uptime. A plan of before is void.
+void rebase(Drive& drive);
+
+}  // namespace vdrive

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "drive/state.hpp"
+
+#include <cstdint>
+
+namespace vdrive {
+
+// Limits of position and torque, limit switches. Questions only.
+
+/// @return `target` [UU] within 607Dh where that is in force.
+[[nodiscard]] double within_software_limits(const Drive& drive, double target);
+
+/// @return `torque` [‰ of rated] within 6072h, 60E0h and 60E1h: a ramp beyond what is ever
+/// commanded
+///         would have to come all the way back before it is felt.
+[[nodiscard]] double within_torque_limits(const Drive& drive, double torque);
+
+/// @return whether the limit switch in `direction` (not 0) is active.
+[[nodiscard]] bool at_limit_switch(const Drive& drive, double direction);
+
+/// @return whether a limit switch is active in the direction of `motion`, which may be 0.
+[[nodiscard]] bool runs_into_limit_switch(const Drive& drive, double motion);
+
+/// @return bit 11 of 6041h at or beyond a software limit or on a limit switch, bit 7 strictly
+/// beyond;
+///         from whole internal positions [UU].
+[[nodiscard]] std::uint16_t limit_bits(const Drive& drive, double internal_demand,
+                                       double internal_actual);
+
+}  // namespace vdrive

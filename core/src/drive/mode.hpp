@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "drive/registers.hpp"
+#include "drive/state.hpp"
+#include "vdrive/cia402/operating_mode.hpp"
+
+#include <cstdint>
+
+namespace vdrive {
+
+/// A controlword was written; DriveState holds it already.
+struct WrittenControlword {
+  std::uint16_t previous = 0;  // the controlword in force before
+  bool accepting = false;      // the mode was in force before and is after this word
+};
+
+/// What an operating mode is to the rest of the drive. Its file in drive/modes fills in what it
+/// needs; what it leaves out does nothing.
+struct Mode {
+  OperatingMode number = OperatingMode::none;
+
+  /// Ramp object of the normal stop [UU/s²].
+  ObjectRow normal_ramp = 0;
+
+  /// Command: a controlword was written.
+  void (*command)(Drive& drive, const WrittenControlword& word) = nullptr;
+
+  /// Command: 607Ah, 60FFh or 6071h was written.
+  void (*take_target)(Drive& drive, ObjectRow row) = nullptr;
+
+  /// Command, before the drive asks for a motion: readings of the last tick take the mode on, a
+  /// limit switch takes its target away. Not called while nothing but the motion goes on.
+  void (*advance)(Drive& drive) = nullptr;
+
+  /// Question: the motion that the mode asks for in Operation enabled.
+  MotionRequest (*ask)(const Drive& drive) = nullptr;
+
+  /// Question: the normal stop, where it is another one than that with `normal_ramp`.
+  MotionRequest (*normal_stop)(const Drive& drive) = nullptr;
+
+  /// Command, after the plant: counts what has to last.
+  void (*watch)(Drive& drive) = nullptr;
+
+  /// Command, after `watch`: takes the next set-point.
+  void (*take_next)(Drive& drive) = nullptr;
+
+  /// Question: bits 10, 12 and 13 of 6041h in Operation enabled.
+  std::uint16_t (*status_bits)(const Drive& drive) = nullptr;
+
+  /// Question: whether what the mode asks for may change by itself, without a write.
+  bool (*evolves)(const Drive& drive) = nullptr;
+};
+
+/// Bit 4 means nothing where no mode takes it: its rising edge is ignored and counted.
+void ignore_edge(Drive& drive, const WrittenControlword& word);
+
+/// @return whether the mode in force decides on the motion: no stop, no change of the mode.
+[[nodiscard]] inline bool obeys_mode(const Drive& drive) {
+  const DriveState& s = drive.state();
+  return s.power.on && operation_enabled(drive) && s.mode.wanted == s.mode.actual &&
+         s.power.machine.pending() == PowerCommand::none;
+}
+
+}  // namespace vdrive

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drive/mode_table.hpp"
+
+#include "drive/limits.hpp"
+#include "drive/modes/cyclic_position.hpp"
+#include "drive/modes/homing.hpp"
+#include "drive/modes/profile_position.hpp"
+#include "drive/modes/profile_torque.hpp"
+#include "drive/modes/profile_velocity.hpp"
+#include "drive/stops.hpp"
+#include "drive/target.hpp"
+#include "drive/window.hpp"
+
+#include <array>
+#include <cstddef>
+
+namespace vdrive {
+namespace {
+
+using namespace vdrive::literals;
+
+MotionRequest stay(const Drive& drive) {
+  return runs_into_limit_switch(drive, drive.state().demand.velocity)
+             ? limit_switch_stop(drive)
+             : ramp_stop(drive, "profile_dec"_object);
+}
+
+/// 6061h = 0: enabled, no motion.
+constexpr Mode kNoMode{.number = OperatingMode::none,
+                       .normal_ramp = "profile_dec"_object,
+                       .command = ignore_edge,
+                       .ask = stay};
+
+/// By the number of the mode; a number that no mode has is never in force. A new mode is a row
+/// here.
+constexpr std::array<const Mode*, 9> kModes{
+    &kNoMode,           // 0
+    &kProfilePosition,  // 1
+    &kNoMode,           // 2
+    &kProfileVelocity,  // 3
+    &kProfileTorque,    // 4
+    &kNoMode,           // 5
+    &kHoming,           // 6
+    &kNoMode,           // 7
+    &kCyclicPosition,   // 8
+};
+
+MotionRequest normal_stop(const Drive& drive) {
+  const Mode& mode = mode_of(drive);
+  return mode.normal_stop != nullptr ? mode.normal_stop(drive) : ramp_stop(drive, mode.normal_ramp);
+}
+
+MotionRequest request_in_operation(const Drive& drive) {
+  const DriveState& s = drive.state();
+  if (s.mode.wanted != s.mode.actual) {
+    return runs_into_limit_switch(drive, s.demand.velocity)
+               ? limit_switch_stop(drive)
+               : ramp_stop(drive, mode_of(drive).normal_ramp);
+  }
+  return s.power.machine.pending() != PowerCommand::none ? normal_stop(drive)
+                                                         : mode_of(drive).ask(drive);
+}
+
+}  // namespace
+
+const Mode& mode_of(const Drive& drive) {
+  return *kModes[static_cast<std::size_t>(drive.state().mode.actual)];
+}
+
+MotionRequest requested_motion(const Drive& drive) {
+  if (!drive.state().power.on) {
+    return {};
+  }
+  switch (drive.state().power.machine.state()) {
+    case PowerState::operation_enabled:
+      return request_in_operation(drive);
+    case PowerState::quick_stop_active: {
+      const std::int64_t option = reg(drive, "quick_stop_option_code"_object);
+      return stop_by_option(drive, option > 4 ? option - 4 : option, normal_stop(drive));
+    }
+    case PowerState::fault_reaction_active:
+      return stop_by_option(drive, reg(drive, "fault_reaction_option_code"_object),
+                            normal_stop(drive));
+    default:
+      return {};
+  }
+}
+
+std::uint16_t mode_bits(const Drive& drive) {
+  if (drive.state().power.machine.state() == PowerState::quick_stop_active) {
+    return reached_when(at_rest(drive));
+  }
+  const Mode& mode = mode_of(drive);
+  const bool shows = operation_enabled(drive) && mode.status_bits != nullptr;
+  return shows ? mode.status_bits(drive) : std::uint16_t{0};
+}
+
+void follow_mode(Drive& drive) {
+  DriveState& s = drive.state();
+  if (s.mode.wanted == s.mode.actual) {
+    return;
+  }
+  if (operation_enabled(drive) && !at_rest(drive)) {
+    drop_targets(drive);
+    s.attention = true;
+    return;
+  }
+  s.mode.actual = s.mode.wanted;
+  seed_target(drive);
+}
+
+}  // namespace vdrive

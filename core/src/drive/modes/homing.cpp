@@ -1,0 +1,317 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drive/modes/homing.hpp"
+
+#include "drive/frame.hpp"
+#include "drive/limits.hpp"
+#include "drive/rounding.hpp"
+#include "drive/stops.hpp"
+#include "drive/window.hpp"
+#include "vdrive/cia402/statusword.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace vdrive {
+namespace {
+
+using namespace vdrive::literals;
+
+/// One method of 6098h.
+struct Method {
+  std::int8_t number;
+  std::int8_t direction;  // of the first movement; 0 = none
+  bool limit;             // home lies where the limit switch in that direction is left
+  bool index;             // home is the next index pulse
+};
+
+constexpr std::array<Method, 8> kMethods{{
+    {1, -1, true, true},
+    {2, +1, true, true},
+    {17, -1, true, false},
+    {18, +1, true, false},
+    {33, -1, false, true},
+    {34, +1, false, true},
+    {35, 0, false, false},
+    {37, 0, false, false},
+}};
+
+const Method* find_method(std::int64_t number) {
+  const auto* const method =
+      std::find_if(kMethods.begin(), kMethods.end(), [number](const Method& m) {
+        return m.number == number;
+      });
+  return method == kMethods.end() ? nullptr : method;
+}
+
+/// The method of the present run; a run has one.
+const Method& method_of(const Drive& drive) {
+  return *find_method(drive.state().modes.homing.method);
+}
+
+/// @return true from the start of a run to its end, the way back to home included.
+bool runs(HomingStage stage) {
+  return stage != HomingStage::idle && stage != HomingStage::done && stage != HomingStage::failed;
+}
+
+/// @return direction in which the present stage travels at 6099h: +1, -1, or 0.
+double direction_of(const Drive& drive) {
+  switch (drive.state().modes.homing.stage) {
+    case HomingStage::search:
+      return method_of(drive).direction;
+    case HomingStage::leave:
+      return -method_of(drive).direction;
+    case HomingStage::index: {
+      const Method& method = method_of(drive);
+      return method.limit ? -method.direction : method.direction;
+    }
+    default:
+      return 0.0;
+  }
+}
+
+/// Index pulse of the motor's encoder, once a revolution: the first one that was passed in
+/// `direction` since the reading `before`. One on which the motor stood does not count.
+/// @return true and its place in the motor's frame [UU].
+bool passed_index(const Drive& drive, double direction, double before, double& place) {
+  const double offset = drive.registers().index.offset;
+  const auto revolutions = [direction, offset](double reading) {
+    return direction * (reading - offset) / kUserUnitsPerRevolution;
+  };
+  const double pulse = floor_of(revolutions(before)) + 1.0;
+  if (pulse > revolutions(drive.servo().motor_reading[drive.lane()])) {
+    return false;
+  }
+  place = direction * pulse * kUserUnitsPerRevolution + offset;
+  return true;
+}
+
+/// `home` [UU] becomes position 607Ch: the frame of all positions moves, the mechanics do not.
+void attain(Drive& drive, double home) {
+  DriveState& s = drive.state();
+  DriveRegisters& r = drive.registers();
+  const double offset = real(drive, "home_offset"_object);
+  const double shift = home - offset;
+  shift_frame(drive, {.motor = shift, .load = shift, .reading = shift});
+  r.request = {};  // the plan was made in the frame of before
+  s.target.position = offset;
+  s.target.arrived = false;
+  s.modes.homing.stage = HomingStage::back;
+  s.limits.homed = true;
+  update_derived(drive);
+}
+
+void attain_at_index(Drive& drive, double place) {
+  const double ratio = drive.registers().single_encoder ? 1.0 : drive.registers().gear_ratio;
+  const std::size_t l = drive.lane();
+  attain(drive, drive.servo().load_reading[l] + ratio * (place - drive.servo().motor_reading[l]));
+}
+
+void seek_index(Drive& drive, double before, bool index_input_rose) {
+  const double direction = direction_of(drive);
+  double place = 0.0;
+  if (passed_index(drive, direction, before, place)) {
+    attain_at_index(drive, place);
+  } else if (index_input_rose) {
+    attain(drive, actual_position(drive));
+  } else if (at_limit_switch(drive, direction)) {
+    drive.state().modes.homing.stage = HomingStage::failed;
+  }
+}
+
+void leave_limit(Drive& drive) {
+  DriveState& s = drive.state();
+  const double direction = direction_of(drive);
+  if (at_limit_switch(drive, direction)) {
+    s.modes.homing.stage = HomingStage::failed;
+  } else if (!at_limit_switch(drive, -direction) && direction * s.demand.velocity > 0.0) {
+    if (method_of(drive).index) {
+      s.modes.homing.stage = HomingStage::index;
+    } else {
+      attain(drive, actual_position(drive));
+    }
+  }
+}
+
+/// Rising edge of bit 4: starts a run by 6098h.
+/// @return false when a run is under way, which ignores the edge.
+bool start(Drive& drive) {
+  DriveState& s = drive.state();
+  DriveRegisters& r = drive.registers();
+  if (runs(s.modes.homing.stage)) {
+    return false;
+  }
+  s.limits.homed = false;
+  s.window.dwell = 0;
+  s.target.arrived = false;
+  s.modes.homing.method = static_cast<std::int8_t>(reg(drive, "homing_method"_object));
+  r.index.input = reg(drive, "test_index_pulse_input"_object) != 0;
+  r.index.reading = drive.servo().motor_reading[drive.lane()];
+  const Method* const method = find_method(s.modes.homing.method);
+  const bool has_speeds =
+      reg(drive, "homing_speed_search"_object) != 0 && reg(drive, "homing_speed_creep"_object) != 0;
+  if (method == nullptr || (method->direction != 0 && !has_speeds)) {
+    s.modes.homing.stage = HomingStage::failed;
+  } else if (method->direction == 0) {
+    s.modes.homing.stage = HomingStage::present;
+  } else if (method->limit) {
+    s.modes.homing.stage =
+        at_limit_switch(drive, method->direction) ? HomingStage::leave : HomingStage::search;
+  } else {
+    s.modes.homing.stage = HomingStage::index;
+  }
+  update_derived(drive);
+  return true;
+}
+
+/// Halt or a stop ends a run that is under way; what one has found or not found before stays.
+void interrupt(Drive& drive) {
+  DriveState& s = drive.state();
+  if (runs(s.modes.homing.stage)) {
+    s.modes.homing.stage = HomingStage::idle;
+    s.plan_due = true;
+  }
+}
+
+/// Bit 4 starts a homing run, bit 8 ends it for good.
+void command(Drive& drive, const WrittenControlword& word) {
+  DriveState& s = drive.state();
+  if (halted(drive)) {
+    interrupt(drive);
+  }
+  const bool rising = (s.controlword & ~word.previous & Controlword::kStartHoming) != 0;
+  if (!rising) {
+    return;
+  }
+  if (word.accepting && !halted(drive) && start(drive)) {
+    s.target.fresh = true;
+  } else {
+    ++s.ignored_set_points;
+  }
+}
+
+/// Looks at switches, index pulse and position of the last tick; may go on to the next stage.
+void advance(Drive& drive) {
+  DriveState& s = drive.state();
+  if (s.target.fresh || !runs(s.modes.homing.stage)) {
+    return;  // the status shows the start before anything is found
+  }
+  if (s.power.machine.pending() != PowerCommand::none) {
+    interrupt(drive);
+    return;
+  }
+  DriveRegisters& r = drive.registers();
+  const bool index_input = reg(drive, "test_index_pulse_input"_object) != 0;
+  const bool rose = index_input && !r.index.input;
+  const double before = r.index.reading;
+  r.index.input = index_input;
+  r.index.reading = drive.servo().motor_reading[drive.lane()];
+  switch (s.modes.homing.stage) {
+    case HomingStage::present:
+      if (!s.demand.moving) {
+        attain(drive, s.demand.position);
+        rest_at(drive, s.target.position);  // 6099h may be 0 here: nothing may be left to travel
+      }
+      break;
+    case HomingStage::search:
+      if (at_limit_switch(drive, direction_of(drive))) {
+        s.modes.homing.stage = HomingStage::leave;
+      }
+      break;
+    case HomingStage::leave:
+      leave_limit(drive);
+      break;
+    case HomingStage::index:
+      seek_index(drive, before, rose);
+      break;
+    default:
+      break;
+  }
+}
+
+MotionRequest normal_stop(const Drive& drive) {
+  return ramp_stop(drive, "homing_acceleration"_object);
+}
+
+/// To and fro at 6099h with 609Ah; the way back to home is a move.
+MotionRequest travel(const Drive& drive) {
+  const bool searches = drive.state().modes.homing.stage == HomingStage::search;
+  const double speed =
+      std::min(real(drive, searches ? "homing_speed_search"_object : "homing_speed_creep"_object),
+               drive.registers().velocity_cap);
+  return {.kind = MotionRequest::Kind::velocity,
+          .target = direction_of(drive) * speed,
+          .limits = {.velocity = speed,
+                     .acceleration = acceleration_of(drive, "homing_acceleration"_object),
+                     .deceleration = deceleration_of(drive, "homing_acceleration"_object)}};
+}
+
+MotionRequest ask(const Drive& drive) {
+  if (halted(drive)) {
+    return stop_by_option(drive, reg(drive, "halt_option_code"_object), normal_stop(drive));
+  }
+  switch (drive.state().modes.homing.stage) {
+    case HomingStage::search:
+    case HomingStage::leave:
+    case HomingStage::index:
+      return travel(drive);
+    case HomingStage::back:
+    case HomingStage::done: {
+      MotionRequest request = travel(drive);
+      request.kind = MotionRequest::Kind::move;
+      request.target = drive.state().target.position;
+      return request;
+    }
+    default:
+      return normal_stop(drive);
+  }
+}
+
+/// The run ends when the axis has come back to home.
+void watch(Drive& drive) {
+  HomingState& homing = drive.state().modes.homing;
+  if (homing.stage == HomingStage::back || homing.stage == HomingStage::done) {
+    watch_target_window(drive);
+    if (on_target(drive)) {
+      homing.stage = HomingStage::done;
+    }
+  }
+}
+
+/// Bits 10, 12 and 13.
+std::uint16_t status_bits(const Drive& drive) {
+  switch (drive.state().modes.homing.stage) {
+    case HomingStage::idle:
+      // A load that is pushed does not look like a run.
+      return reached_when(!drive.state().demand.moving);
+    case HomingStage::failed:
+      return static_cast<std::uint16_t>(reached_when(at_rest(drive)) | Statusword::kHomingError);
+    case HomingStage::back:
+    case HomingStage::done:
+      return static_cast<std::uint16_t>(reached_when(on_target(drive)) |
+                                        Statusword::kHomingAttained);
+    default:
+      return 0;
+  }
+}
+
+/// Readings take a run from stage to stage.
+bool evolves(const Drive& drive) {
+  return runs(drive.state().modes.homing.stage);
+}
+
+}  // namespace
+
+bool is_homing_method(std::int64_t value) {
+  return value == 0 || find_method(value) != nullptr;
+}
+
+constinit const Mode kHoming{.number = OperatingMode::homing,
+                             .normal_ramp = "homing_acceleration"_object,
+                             .command = command,
+                             .advance = advance,
+                             .ask = ask,
+                             .watch = watch,
+                             .status_bits = status_bits,
+                             .evolves = evolves};
+
+}  // namespace vdrive

@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drive/modes/profile_position.hpp"
+
+#include "drive/frame.hpp"
+#include "drive/limits.hpp"
+#include "drive/rounding.hpp"
+#include "drive/stops.hpp"
+#include "drive/window.hpp"
+#include "vdrive/cia402/statusword.hpp"
+
+#include <algorithm>
+
+namespace vdrive {
+namespace {
+
+using namespace vdrive::literals;
+using Kind = MotionRequest::Kind;
+
+std::uint32_t unsigned_reg(const Drive& drive, ObjectRow row) {
+  return static_cast<std::uint32_t>(reg(drive, row));
+}
+
+/// What an edge of bit 4 latches now.
+SetPoint candidate(const Drive& drive) {
+  return {.position_user_target_value =
+              static_cast<std::int32_t>(reg(drive, "position_user_target_value"_object)),
+          .profile_velocity = unsigned_reg(drive, "profile_velocity"_object),
+          .synchronous_move_duration = unsigned_reg(drive, "synchronous_move_duration"_object),
+          .synchronous_move_acceleration_time =
+              unsigned_reg(drive, "synchronous_move_acceleration_time"_object),
+          .synchronous_move_deceleration_time =
+              unsigned_reg(drive, "synchronous_move_deceleration_time"_object),
+          .relative = (drive.state().controlword & Controlword::kRelative) != 0};
+}
+
+/// 60F2h: what a relative set-point counts from (bits 0 and 1).
+double relative_base(const Drive& drive) {
+  switch (reg(drive, "positioning_option_code"_object)) {
+    case 0:
+      return drive.state().target.position;
+    case 1:
+      return nearest(drive.state().demand.position);
+    default:
+      return nearest(actual_position(drive));
+  }
+}
+
+/// The internal target that `set_point` asks for.
+double target_of(const Drive& drive, const SetPoint& set_point) {
+  const auto value = static_cast<double>(set_point.position_user_target_value);
+  return within_software_limits(drive, set_point.relative ? relative_base(drive) + value : value);
+}
+
+MoveTimes times_of(const SetPoint& set_point) {
+  constexpr double kMicrosecond = 1.0e-6;
+  return {.duration = set_point.synchronous_move_duration * kMicrosecond,
+          .acceleration = set_point.synchronous_move_acceleration_time * kMicrosecond,
+          .deceleration = set_point.synchronous_move_deceleration_time * kMicrosecond};
+}
+
+bool is_synchronous(const SetPoint& set_point) {
+  return set_point.synchronous_move_duration != 0;
+}
+
+/// @return whether the times of a synchronous move (5E10h) leave it room: from rest, with time to
+///         accelerate and to decelerate.
+bool times_fit(const Drive& drive, const SetPoint& set_point) {
+  const MoveTimes times = times_of(set_point);
+  return !drive.state().demand.moving && times.acceleration > 0.0 && times.deceleration > 0.0 &&
+         times.acceleration + times.deceleration <= times.duration;
+}
+
+/// An absolute target counts from the frame that the set-point will start in: a synchronous move,
+/// which is judged by its way, has to be in that frame before it can be judged.
+void enter_frame(Drive& drive, const SetPoint& set_point) {
+  if (is_synchronous(set_point) && times_fit(drive, set_point)) {
+    rebase(drive);
+    rest_at(drive, drive.state().demand.position);
+  }
+}
+
+/// @return whether `set_point` may start now, in the frame of `enter_frame`: a synchronous move
+///         only within 607Fh, 6080h, 60C5h and 60C6h.
+bool can_start(const Drive& drive, const SetPoint& set_point) {
+  if (!is_synchronous(set_point)) {
+    return true;
+  }
+  if (!times_fit(drive, set_point)) {
+    return false;
+  }
+  const double way = target_of(drive, set_point) - drive.state().demand.position;
+  const MotionLimits limits = limits_of(way, times_of(set_point));
+  return limits.velocity <= drive.registers().velocity_cap &&
+         limits.acceleration <= std::max(real(drive, "app_acc_limit"_object), 1.0) &&
+         limits.deceleration <= std::max(real(drive, "app_dec_limit"_object), 1.0);
+}
+
+/// Makes `set_point` the active one; the plan follows with the next tick.
+void start(Drive& drive, const SetPoint& set_point) {
+  DriveState& s = drive.state();
+  DriveRegisters& r = drive.registers();
+  rebase(drive);
+  s.target = {.position = target_of(drive, set_point),
+              .given = true,
+              .fresh = s.target.fresh,
+              .unplanned = true};
+  r.set_point.velocity = static_cast<double>(set_point.profile_velocity);
+  r.set_point.times = times_of(set_point);
+  if (r.set_point.times.duration > 0.0) {
+    r.set_point.limits = limits_of(s.target.position - s.demand.position, r.set_point.times);
+    if (r.set_point.limits.deceleration == 0.0) {
+      r.set_point.limits.deceleration = 1.0;  // no way: a halt plans its stop all the same
+    }
+  }
+  // The profile's start was rebased too: the request must not compare equal to one of before.
+  r.request = {};
+  s.modes.position.active = true;
+  s.window.dwell = 0;
+  s.plan_due = true;
+}
+
+/// The handshake of bits 4, 5 and 12.
+void command(Drive& drive, const WrittenControlword& word) {
+  DriveState& s = drive.state();
+  SetPointState& set_points = s.modes.position;
+  const SetPoint latched = candidate(drive);
+  const bool accepting =
+      word.accepting && (!halted(drive) || drive.registers().settings.acknowledge_while_halted);
+  // What waits for its turn is judged when it comes: its start is not known before.
+  const bool waits = set_points.active && (s.controlword & Controlword::kChangeSetImmediately) == 0;
+  if (accepting && !waits) {
+    enter_frame(drive, latched);
+  }
+  const bool startable = accepting && (waits || can_start(drive, latched));
+  switch (set_points.queue.controlword(s.controlword, word.previous, startable, set_points.active,
+                                       latched)) {
+    case SetPointOutcome::started:
+      start(drive, latched);
+      s.target.fresh = true;
+      break;
+    case SetPointOutcome::buffered:
+      s.target.fresh = true;
+      break;
+    case SetPointOutcome::ignored:
+      ++s.ignored_set_points;
+      break;
+    case SetPointOutcome::none:
+      break;
+  }
+}
+
+/// A target on the far side of a limit switch is given up for good: bit 10 stays 0 until a new
+/// set-point; one on the near side is approached after the stop.
+void heed_limit_switch(Drive& drive) {
+  DriveState& s = drive.state();
+  const double ahead = s.target.given ? s.target.position - s.demand.position : 0.0;
+  if (obeys_mode(drive) && runs_into_limit_switch(drive, ahead)) {
+    // A master waits for bit 12 before it drops bit 4.
+    s.modes.position.queue.drop_buffered(s.controlword);
+    s.modes.position.active = false;
+    s.target.given = false;
+    s.target.given_up = true;
+  }
+}
+
+MotionRequest normal_stop(const Drive& drive) {
+  return ramp_stop(drive, "profile_dec"_object);
+}
+
+/// From rest the plan of the common times; after a halt what is left, with the same ramps and the
+/// same peak, so that axes which halt and go on together stay on their line.
+MotionRequest synchronous_move(const Drive& drive) {
+  const DriveRegisters& r = drive.registers();
+  const TargetState& target = drive.state().target;
+  const bool planned = target.unplanned || r.request.kind == Kind::synchronous_move;
+  return {.kind = planned ? Kind::synchronous_move : Kind::move,
+          .target = target.position,
+          .limits = r.set_point.limits,
+          .times = r.set_point.times};
+}
+
+MotionRequest halt(const Drive& drive, bool synchronous) {
+  const std::int64_t option = reg(drive, "halt_option_code"_object);
+  return synchronous && option == 1 ? stop_with(drive.registers().set_point.limits.deceleration)
+                                    : stop_by_option(drive, option, normal_stop(drive));
+}
+
+/// A limit switch stops what runs into it.
+MotionRequest ask(const Drive& drive) {
+  const DriveState& s = drive.state();
+  const DriveRegisters& r = drive.registers();
+  if (runs_into_limit_switch(drive, s.demand.velocity)) {
+    return limit_switch_stop(drive);
+  }
+  const bool synchronous = s.target.given && r.set_point.times.duration > 0.0;
+  if (halted(drive)) {
+    return halt(drive, synchronous);
+  }
+  if (synchronous) {
+    return synchronous_move(drive);
+  }
+  if (!s.target.given) {
+    return s.target.given_up ? limit_switch_stop(drive) : normal_stop(drive);
+  }
+  return {.kind = Kind::move,
+          .target = s.target.position,
+          .limits = {.velocity = std::min(r.set_point.velocity, r.velocity_cap),
+                     .acceleration = acceleration_of(drive, "profile_acc"_object),
+                     .deceleration = deceleration_of(drive, "profile_dec"_object)}};
+}
+
+/// The buffered set-point starts when the active one is reached: the status of the same tick shows
+/// it, so that a master sees no gap between them.
+void take_next(Drive& drive) {
+  DriveState& s = drive.state();
+  if (halted(drive) || !on_target(drive)) {
+    return;
+  }
+  s.modes.position.active = false;
+  SetPoint next;
+  if (!s.modes.position.queue.take_buffered(s.controlword, next)) {
+    return;
+  }
+  enter_frame(drive, next);
+  if (can_start(drive, next)) {
+    start(drive, next);
+  } else {
+    ++s.ignored_set_points;
+  }
+}
+
+/// Bit 10: the target is reached, under halt standstill; bit 12: the acknowledge.
+std::uint16_t status_bits(const Drive& drive) {
+  const bool acknowledged = drive.state().modes.position.queue.acknowledge();
+  return static_cast<std::uint16_t>(
+      reached_when(halted(drive) ? at_rest(drive) : on_target(drive)) |
+      (acknowledged ? Statusword::kSetPointAcknowledge : 0U));
+}
+
+}  // namespace
+
+constinit const Mode kProfilePosition{.number = OperatingMode::profile_position,
+                                      .normal_ramp = "profile_dec"_object,
+                                      .command = command,
+                                      .advance = heed_limit_switch,
+                                      .ask = ask,
+                                      .watch = watch_target_window,
+                                      .take_next = take_next,
+                                      .status_bits = status_bits};
+
+}  // namespace vdrive

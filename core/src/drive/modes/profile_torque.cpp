@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drive/modes/profile_torque.hpp"
+
+#include "drive/limits.hpp"
+#include "drive/rounding.hpp"
+#include "drive/stops.hpp"
+#include "drive/window.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace vdrive {
+namespace {
+
+using namespace vdrive::literals;
+
+/// A new torque replaces what a limit switch has given up.
+void take_torque(Drive& drive, ObjectRow row) {
+  if (row == "target_torque"_object) {
+    drive.state().target.given_up = false;
+  }
+}
+
+/// @return whether the axis itself runs into a limit switch; at or below 606Fh it stands.
+bool runs_in(const Drive& drive) {
+  const double speed = actual_velocity(drive);
+  const auto threshold = static_cast<double>(drive.state().window.threshold);
+  return std::abs(speed) > threshold && runs_into_limit_switch(drive, speed);
+}
+
+/// A limit switch holds the axis until a new torque is written, unless the present one leads away
+/// from it.
+void heed_limit_switch(Drive& drive) {
+  const double target = real(drive, "target_torque"_object);
+  if (obeys_mode(drive) &&
+      (runs_into_limit_switch(drive, target) || (target == 0.0 && runs_in(drive)))) {
+    drive.state().target.given_up = true;
+  }
+}
+
+/// To `target` by the slope 6087h; 0 counts as 1.
+MotionRequest torque_to(const Drive& drive, double target) {
+  return {.kind = MotionRequest::Kind::torque,
+          .control = Control::torque,
+          .target = within_torque_limits(drive, target),
+          .limits = {.velocity = 0.0,
+                     .acceleration = std::max(real(drive, "torque_slope"_object), 1.0),
+                     .deceleration = 1.0}};
+}
+
+/// The normal ramp takes the torque back.
+MotionRequest normal_stop(const Drive& drive) {
+  return torque_to(drive, 0.0);
+}
+
+/// A limit switch is stronger than halt.
+MotionRequest ask(const Drive& drive) {
+  if (drive.state().target.given_up || runs_in(drive)) {
+    return limit_switch_stop(drive);
+  }
+  if (halted(drive)) {
+    return stop_by_option(drive, reg(drive, "halt_option_code"_object), normal_stop(drive));
+  }
+  return torque_to(drive, real(drive, "target_torque"_object));
+}
+
+/// Bit 10: the torque command has arrived at 6071h; neither a limit nor a stop keeps it away.
+std::uint16_t status_bits(const Drive& drive) {
+  if (halted(drive)) {
+    return reached_when(at_rest(drive));
+  }
+  const DemandState& demand = drive.state().demand;
+  return reached_when(demand.control == Control::torque && !demand.moving &&
+                      nearest(commanded_torque(drive)) == real(drive, "target_torque"_object));
+}
+
+/// The ramp goes on with each tick, and the speed may take the axis to a limit switch.
+bool evolves(const Drive& drive) {
+  return drive.state().power.on;
+}
+
+}  // namespace
+
+constinit const Mode kProfileTorque{.number = OperatingMode::profile_torque,
+                                    .normal_ramp = "profile_dec"_object,
+                                    .command = ignore_edge,
+                                    .take_target = take_torque,
+                                    .advance = heed_limit_switch,
+                                    .ask = ask,
+                                    .normal_stop = normal_stop,
+                                    .status_bits = status_bits,
+                                    .evolves = evolves};
+
+}  // namespace vdrive

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drive/stops.hpp"
+
+#include "drive/registers.hpp"
+
+#include <algorithm>
+
+namespace vdrive {
+namespace {
+
+using namespace vdrive::literals;
+
+/// Value of a ramp object within the cap of 60C5h or 60C6h; 0 counts as 1.
+double within(const Drive& drive, ObjectRow ramp, ObjectRow cap) {
+  return std::min(std::max(real(drive, ramp), 1.0), std::max(real(drive, cap), 1.0));
+}
+
+}  // namespace
+
+double acceleration_of(const Drive& drive, ObjectRow row) {
+  return within(drive, row, "app_acc_limit"_object);
+}
+
+double deceleration_of(const Drive& drive, ObjectRow row) {
+  return within(drive, row, "app_dec_limit"_object);
+}
+
+MotionRequest stop_with(double deceleration) {
+  return {.kind = MotionRequest::Kind::stop,
+          .limits = {.velocity = 0.0, .acceleration = 1.0, .deceleration = deceleration}};
+}
+
+MotionRequest ramp_stop(const Drive& drive, ObjectRow row) {
+  return stop_with(deceleration_of(drive, row));
+}
+
+MotionRequest limit_switch_stop(const Drive& drive) {
+  return ramp_stop(drive, "quick_stop_deceleration"_object);
+}
+
+double option_deceleration(const Drive& drive, std::int64_t option, double normal) {
+  switch (option) {
+    case 1:
+      return normal;
+    case 2:
+      return deceleration_of(drive, "quick_stop_deceleration"_object);
+    default:
+      return deceleration_of(drive, "app_dec_limit"_object);
+  }
+}
+
+MotionRequest stop_by_option(const Drive& drive, std::int64_t option, const MotionRequest& normal) {
+  return option == 1 ? normal : stop_with(option_deceleration(drive, option, 0.0));
+}
+
+}  // namespace vdrive

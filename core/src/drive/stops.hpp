@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "drive/state.hpp"
+
+#include <cstdint>
+
+namespace vdrive {
+
+// Ramps, and the requests that bring an axis to rest. Questions only.
+
+/// @return the ramp in `row` [UU/s²] within 60C5h; 0 counts as 1.
+[[nodiscard]] double acceleration_of(const Drive& drive, ObjectRow row);
+
+/// @return the ramp in `row` [UU/s²] within 60C6h; 0 counts as 1.
+[[nodiscard]] double deceleration_of(const Drive& drive, ObjectRow row);
+
+/// @return the stop with `deceleration` [UU/s²].
+[[nodiscard]] MotionRequest stop_with(double deceleration);
+
+/// @return the stop with the ramp in `row`.
+[[nodiscard]] MotionRequest ramp_stop(const Drive& drive, ObjectRow row);
+
+/// @return the stop that a limit switch demands: with 6085h.
+[[nodiscard]] MotionRequest limit_switch_stop(const Drive& drive);
+
+/// Option codes 605Ah, 605Dh, 605Eh: 1 normal ramp, 2 quick ramp, 3 and 4 the steepest there is.
+/// @param normal the deceleration of the normal ramp [UU/s²]
+[[nodiscard]] double option_deceleration(const Drive& drive, std::int64_t option, double normal);
+
+/// @param normal the stop of option 1
+/// @return the stop by an option code.
+[[nodiscard]] MotionRequest stop_by_option(const Drive& drive, std::int64_t option,
+                                           const MotionRequest& normal);
+
+}  // namespace vdrive

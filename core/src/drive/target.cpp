@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drive/target.hpp"
+
+#include "drive/registers.hpp"
+#include "drive/rounding.hpp"
+
+namespace vdrive {
+
+void drop_targets(Drive& drive) {
+  DriveState& s = drive.state();
+  s.modes = {};
+  s.target.given = false;
+  s.plan_due = true;
+}
+
+void seed_target(Drive& drive) {
+  DriveState& s = drive.state();
+  drop_targets(drive);
+  s.target.position = nearest(s.demand.position);
+  s.target.arrived = true;
+  s.target.given_up = false;
+  s.window.dwell = kSaturatedCount;
+}
+
+}  // namespace vdrive

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drive/tick.hpp"
+
+#include "drive/demand.hpp"
+#include "drive/frame.hpp"
+#include "drive/limits.hpp"
+#include "drive/mode_table.hpp"
+#include "drive/power.hpp"
+#include "drive/registers.hpp"
+#include "drive/rounding.hpp"
+#include "vdrive/cia402/statusword.hpp"
+
+#include <cmath>
+
+namespace vdrive {
+namespace {
+
+/// @return whether something beside the motion goes on: the next tick has to follow it.
+bool needs_attention(const Drive& drive, const Mode& mode) {
+  const DriveState& s = drive.state();
+  const PowerState state = s.power.machine.state();
+  return state == PowerState::not_ready_to_switch_on || state == PowerState::quick_stop_active ||
+         state == PowerState::fault_reaction_active ||
+         s.power.machine.pending() != PowerCommand::none || s.faults.causes != 0 ||
+         (s.limits.inputs & (kNegativeLimitInput | kPositiveLimitInput)) != 0 ||
+         s.mode.wanted != s.mode.actual || (mode.evolves != nullptr && mode.evolves(drive));
+}
+
+/// Takes whole turns out of positions that have gone far; the plan of before is void.
+void keep_frame(Drive& drive) {
+  if (std::abs(drive.state().demand.position) > kFrame) {
+    rebase(drive);
+    drive.registers().request = {};
+    drive.state().plan_due = true;
+  }
+}
+
+void follow(Drive& drive) {
+  complete_power_up(drive);
+  complete_stops(drive);
+  watch_causes(drive);
+  follow_mode(drive);
+  if (const Mode& mode = mode_of(drive); mode.advance != nullptr) {
+    mode.advance(drive);
+  }
+  drive.state().plan_due = true;
+}
+
+/// Following error 60F4h against 6065h and 6066h.
+void watch_following_error(Drive& drive) {
+  const double error = nearest(drive.state().demand.position) - nearest(actual_position(drive));
+  DriveState& s = drive.state();
+  const PowerState state = s.power.machine.state();
+  const bool watched =
+      s.power.on && s.demand.control == Control::position &&
+      s.following_error.window != kWindowOff &&
+      (state == PowerState::operation_enabled || state == PowerState::quick_stop_active);
+  const bool outside = watched && std::abs(error) > static_cast<double>(s.following_error.window);
+  if (!outside) {
+    s.following_error.count = 0;
+    if (s.following_error.shown && !drive.registers().settings.following_error_is_fault) {
+      s.following_error.shown = false;
+    }
+    return;
+  }
+  if (s.following_error.count != kSaturatedCount) {
+    ++s.following_error.count;
+  }
+  // The first tick outside starts the time: it has lasted longer than n ticks with the n + 2nd.
+  if (s.following_error.count <= s.following_error.ticks + 1U || s.following_error.shown) {
+    return;
+  }
+  s.following_error.shown = true;
+  if (drive.registers().settings.following_error_is_fault) {
+    raise_fault(drive, ErrorCode::following_error);
+  }
+}
+
+void watch(Drive& drive, const Mode& mode) {
+  advance_demand(drive);
+  watch_following_error(drive);
+  if (operation_enabled(drive) && mode.watch != nullptr) {
+    mode.watch(drive);
+  }
+}
+
+void take_next_set_point(Drive& drive, const Mode& mode) {
+  if (operation_enabled(drive) && mode.take_next != nullptr) {
+    mode.take_next(drive);
+  }
+}
+
+/// @return 6041h, from whole internal positions [UU].
+std::uint16_t statusword(const Drive& drive, double demand, double actual) {
+  const DriveState& s = drive.state();
+  const PowerState state = s.power.machine.state();
+  unsigned word = statusword_of(state) | Statusword::kRemote | mode_bits(drive);
+  word |= limit_bits(drive, demand, actual);
+  // Before transition 1 nothing is known of the DC link yet: 0200h.
+  if (s.faults.dc_link && state != PowerState::not_ready_to_switch_on) {
+    word |= Statusword::kVoltageEnabled;
+  }
+  if (s.following_error.shown) {
+    word |= Statusword::kFollowingError;
+  }
+  return static_cast<std::uint16_t>(word);
+}
+
+}  // namespace
+
+TickStart begin_tick(Drive& drive, DemandBlock& demand) noexcept {
+  DriveState& s = drive.state();
+  keep_frame(drive);
+  if (s.attention) {
+    follow(drive);
+  }
+  if (s.plan_due) {
+    s.plan_due = false;
+    plan(drive, requested_motion(drive));
+  }
+  put_segment(drive, demand);
+  return {.across = crosses_segments(drive), .general = s.demand.control != Control::position};
+}
+
+void sample_across(const Drive& drive, DemandBlock& demand) noexcept {
+  sample_profile(drive, demand);
+}
+
+void end_tick(Drive& drive) noexcept {
+  DriveState& s = drive.state();
+  const Mode& mode = mode_of(drive);
+  watch(drive, mode);
+  take_next_set_point(drive, mode);
+  show(drive);
+  s.target.fresh = false;
+  if (s.power.ticks_in_state != kSaturatedCount) {
+    ++s.power.ticks_in_state;
+  }
+  s.attention = needs_attention(drive, mode);
+}
+
+void show(Drive& drive) noexcept {
+  const DriveState& s = drive.state();
+  const ServoState& servo = drive.servo();
+  const std::size_t l = drive.lane();
+  AxisStatus& out = drive.status();
+  const double demand = nearest(s.demand.position);
+  const double load = nearest(actual_position(drive));
+  const double motor = nearest(servo.motor_reading[l]);
+  const double demand_velocity = nearest(s.demand.velocity);
+  const double load_velocity = nearest(servo.load_speed[l]);
+  const double motor_velocity = nearest(servo.motor_speed[l]);
+  out.position_demand_value = wrapped(demand);
+  out.load_position_actual_value = wrapped(load);
+  out.load_position_error_value = wrapped(demand - load);
+  out.motor_position_actual_value = wrapped(motor);
+  out.motor_position_error_value = wrapped(demand - motor);
+  out.velocity_demand_value = saturated(demand_velocity);
+  out.load_velocity_actual_value = saturated(load_velocity);
+  out.load_velocity_error_value = saturated(demand_velocity - load_velocity);
+  out.motor_velocity_actual_value = saturated(motor_velocity);
+  out.motor_velocity_error_value = saturated(demand_velocity - motor_velocity);
+  out.torque_demand = saturated16(servo.command[l] * s.units.torque_per_mille);
+  out.torque_actual_value = saturated16(servo.torque[l] * s.units.torque_per_mille);
+  out.current_actual_value = saturated16(servo.torque[l] * s.units.current_per_mille);
+  out.current_error_value =
+      saturated(static_cast<double>(out.torque_demand - out.current_actual_value) *
+                s.units.rated_current / 1000.0);
+  out.ds402_statusword = statusword(drive, demand, load);
+  out.ds402_controlword = s.controlword;
+  out.error_code = s.faults.error_code;
+  out.error_register = s.faults.error_register;
+  out.op_mode_actual = static_cast<std::int8_t>(s.mode.actual);
+  out.motor_op_status = s.power.on ? 1 : 0;
+  out.digital_inputs = s.limits.inputs;
+  out.ignored_set_points = s.ignored_set_points;
+  out.fault_count = s.faults.count;
+}
+
+}  // namespace vdrive
