@@ -110,6 +110,31 @@ constexpr std::array kRooms{
     RoomRow{"deploy/", {}, "deploy/ has no code"},
 };
 
+/// A file of core/src/drive, without its extension, or a folder of it ("modes/"). A file includes
+/// files of lower layers only: no arrow leads upwards, none to a neighbour, so there is no circle.
+struct LayerRow {
+  std::string_view name;
+  int layer;
+};
+
+constexpr std::array kDriveLayers{
+    LayerRow{"rounding", 0},    // arithmetic
+    LayerRow{"state", 0},       // what an axis is
+    LayerRow{"frame", 1},       //   and where its positions count from
+    LayerRow{"registers", 1},   //   and its objects
+    LayerRow{"faults", 2},      // what is present, the history
+    LayerRow{"limits", 2},      // questions
+    LayerRow{"stops", 2},       // questions
+    LayerRow{"target", 2},      // forgotten or seeded
+    LayerRow{"window", 2},      // what has to last
+    LayerRow{"power", 3},       // transitions
+    LayerRow{"demand", 4},      // requests, plans; no modes
+    LayerRow{"mode", 5},        // what a mode is to the drive
+    LayerRow{"modes/", 6},      // side by side
+    LayerRow{"mode_table", 7},  // one row a mode
+    LayerRow{"tick", 8},       LayerRow{"objects", 9},
+};
+
 /// What may not stand in a folder ("" is all of them), as a regular expression.
 struct TextRule {
   std::string_view folder;
@@ -200,6 +225,38 @@ std::optional<std::string_view> refuse_include(std::string_view path, const Room
   return std::nullopt;
 }
 
+std::string_view without_extension(std::string_view path) {
+  return path.substr(0, path.rfind('.'));
+}
+
+/// @return the layer of `name`, a path below core/src/drive without extension.
+std::optional<int> layer_of(std::string_view name) {
+  const auto row = std::ranges::find_if(kDriveLayers, [name](const LayerRow& candidate) {
+    return candidate.name.ends_with('/') ? name.starts_with(candidate.name)
+                                         : name == candidate.name;
+  });
+  return row == kDriveLayers.end() ? std::nullopt : std::optional(row->layer);
+}
+
+/// The layers of one drive. Outside of it only the bank knows its files.
+std::optional<std::string_view> refuse_layer(std::string_view path, const Include& include) {
+  constexpr std::string_view kFolder = "core/src/drive/";
+  constexpr std::string_view kPrefix = "drive/";
+  if (!path.starts_with("core/") || !include.name.starts_with(kPrefix)) return std::nullopt;
+  if (!path.starts_with(kFolder)) {
+    if (path == "core/src/axis_bank.cpp") return std::nullopt;
+    return "only the bank includes the files of a drive";
+  }
+  const std::string_view from = without_extension(path.substr(kFolder.size()));
+  const std::string_view to =
+      without_extension(std::string_view(include.name).substr(kPrefix.size()));
+  const std::optional<int> upper = layer_of(from);
+  const std::optional<int> lower = layer_of(to);
+  if (!upper || !lower) return "core/src/drive has a file without a layer";
+  if (from == to || *lower < *upper) return std::nullopt;
+  return "a file of core/src/drive includes lower layers only";
+}
+
 std::optional<std::string_view> refuse_code(std::string_view path, const std::string& code) {
   for (const TextRule& rule : forbidden_code()) {
     if (path.starts_with(rule.folder) && std::regex_search(code, rule.pattern)) return rule.reason;
@@ -218,9 +275,9 @@ Violations check_source(std::string_view path, std::string_view text) {
   const std::vector<std::string> lines = split_lines(text);
   for (std::size_t i = 0; i < lines.size(); ++i) {
     if (const auto include = parse_include(lines[i])) {
-      if (const auto reason = refuse_include(path, *room, *include)) {
-        violations.push_back(violation(path, i + 1, include->name, *reason));
-      }
+      auto reason = refuse_include(path, *room, *include);
+      if (!reason) reason = refuse_layer(path, *include);
+      if (reason) violations.push_back(violation(path, i + 1, include->name, *reason));
     } else if (const auto reason = refuse_code(path, code_of(lines[i]))) {
       violations.push_back(violation(path, i + 1, lines[i], *reason));
     }
