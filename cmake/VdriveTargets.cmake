@@ -57,7 +57,8 @@ function(vdrive_target_defaults target)
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_compile_options(${target} PRIVATE ${vdrive_ccache_options})
   target_compile_definitions(${target} PRIVATE $<$<CONFIG:Debug>:_GLIBCXX_ASSERTIONS>
-                                               $<${vdrive_optimised}:_FORTIFY_SOURCE=2>)
+                                               $<${vdrive_optimised}:_FORTIFY_SOURCE=2>
+                                               $<${vdrive_asserts}:VDRIVE_ASSERTS>)
   if(NOT target STREQUAL vdrive_core)
     target_compile_options(${target} PRIVATE ${vdrive_hardening_options})
   endif()

@@ -7,6 +7,7 @@
 #include "drive/tick.hpp"
 #include "plant/servo_block.hpp"
 #include "plant/servo_design.hpp"
+#include "vdrive/assert.hpp"
 #include "vdrive/status_digest.hpp"
 
 #include <algorithm>
@@ -71,7 +72,10 @@ struct ParameterPool {
     }
   }
 
-  [[nodiscard]] const Parameters& get(std::size_t block) const { return sets[in_use[block]]; }
+  [[nodiscard]] const Parameters& get(std::size_t block) const {
+    ensure(block < in_use.size() && in_use[block] < sets.size(), "a block has its parameters");
+    return sets[in_use[block]];
+  }
 
   [[nodiscard]] Parameters& change(std::size_t block) {
     if (in_use[block] != own[block]) {
@@ -124,6 +128,7 @@ struct AxisBank::State {
   std::vector<ParameterMemory> memories;        // by axis
 
   [[nodiscard]] Drive drive(std::size_t block, std::size_t lane) {
+    ensure(block < blocks.size() && lane < blocks[block].count, "the lane has an axis");
     const std::size_t slot = block * kLanes + lane;
     return {drive_states[slot],
             drive_registers[slot],
@@ -134,6 +139,7 @@ struct AxisBank::State {
   }
 
   [[nodiscard]] Drive drive(std::size_t axis) {
+    ensure(axis < places.size(), "the axis is one of the bank's");
     return drive(places[axis].block, places[axis].lane);
   }
 
@@ -208,6 +214,7 @@ void AxisBank::State::place_axes(Coupling coupling) {
 
 void AxisBank::State::design_blocks() {
   for (const Block& block : blocks) {
+    ensure(block.count > 0, "a block has an axis");
     RigidParameters rigid_set{};
     ElasticParameters elastic_set{};
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
@@ -261,6 +268,7 @@ void AxisBank::State::fill_memory(std::size_t axis) {
 AbortCode AxisBank::State::keep(std::size_t axis, ObjectAddress object, std::int64_t value) {
   const AbortCode code = check_stored(object, value);
   if (code == AbortCode::none) {
+    ensure(axis < memories.size(), "the axis is one of the bank's");
     const auto* const place =
         std::lower_bound(kStoredRows.begin(), kStoredRows.end(), *find_object(object));
     const auto position = static_cast<std::size_t>(place - kStoredRows.begin());
@@ -500,6 +508,7 @@ std::size_t AxisBank::group_count() const noexcept {
 }
 
 void AxisBank::step_groups(std::size_t first, std::size_t last) noexcept {
+  ensure(first <= last && last <= state_->blocks.size(), "the groups are the bank's");
   // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): each block fills what it reads
   DemandBlock demand;
   for (std::size_t block = first; block < last; ++block) {
@@ -508,6 +517,7 @@ void AxisBank::step_groups(std::size_t first, std::size_t last) noexcept {
 }
 
 const AxisStatus& AxisBank::status(std::size_t axis) const noexcept {
+  ensure(axis < size(), "the axis is one of the bank's");
   return state_->statuses[axis];
 }
 

@@ -29,7 +29,7 @@ OUT = ROOT / "build" / "mutation"
 FOLDERS = ["core/src/cia402", "core/src/motion", "core/src/dictionary"]
 TABLE = "core/include/vdrive/dictionary/object_table.hpp"
 FLAGS = ["-std=c++20", "-O1", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math",
-         "-DVDRIVE_NO_TARGET_CLONES", f"-DVDRIVE_SOURCE_DIR=\"{ROOT}\"",
+         "-DVDRIVE_NO_TARGET_CLONES", "-DVDRIVE_ASSERTS", f"-DVDRIVE_SOURCE_DIR=\"{ROOT}\"",
          "-isystem", "/usr/include/eigen3"]
 INCLUDES = [f"-I{ROOT}/core/include", f"-I{ROOT}/core/src", f"-I{ROOT}/tests"]
 TIMEOUT_S = 60

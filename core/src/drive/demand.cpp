@@ -7,14 +7,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace vdrive {
 namespace {
 
 using Kind = MotionRequest::Kind;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// What the end of a profile means for the target.
 void finish_motion(Drive& drive) {

@@ -10,6 +10,7 @@
 #include "drive/stops.hpp"
 #include "drive/target.hpp"
 #include "drive/window.hpp"
+#include "vdrive/assert.hpp"
 
 #include <array>
 #include <cstddef>
@@ -64,7 +65,9 @@ MotionRequest request_in_operation(const Drive& drive) {
 }  // namespace
 
 const Mode& mode_of(const Drive& drive) {
-  return *kModes[static_cast<std::size_t>(drive.state().mode.actual)];
+  const auto number = static_cast<std::size_t>(drive.state().mode.actual);
+  ensure(number < kModes.size(), "the mode in force has a row");
+  return *kModes[number];
 }
 
 MotionRequest requested_motion(const Drive& drive) {

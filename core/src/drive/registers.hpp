@@ -2,6 +2,7 @@
 #pragma once
 
 #include "drive/state.hpp"
+#include "vdrive/assert.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -20,11 +21,12 @@ inline constexpr std::uint8_t kPositiveLimitInput = 1U << 1U;
 inline constexpr std::uint8_t kHomeInput = 1U << 2U;
 
 [[nodiscard]] inline std::int64_t reg(const Drive& drive, ObjectRow row) {
+  ensure(row < kObjectCount, "a register has a row of the dictionary");
   return drive.registers().values[row];
 }
 
 [[nodiscard]] inline double real(const Drive& drive, ObjectRow row) {
-  return static_cast<double>(drive.registers().values[row]);
+  return static_cast<double>(reg(drive, row));
 }
 
 [[nodiscard]] inline std::uint32_t ticks_of_ms(const Drive& drive, std::int64_t milliseconds) {

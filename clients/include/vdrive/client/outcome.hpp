@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/assert.hpp"
+
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -69,13 +71,19 @@ class [[nodiscard]] Result {
   explicit operator bool() const noexcept { return value_.has_value(); }
 
   /// The value; only when this converts to true.
-  [[nodiscard]] const Value& operator*() const noexcept { return *value_; }
+  [[nodiscard]] const Value& operator*() const noexcept {
+    ensure(value_.has_value(), "a result that is used has a value");
+    return *value_;
+  }
 
-  [[nodiscard]] Value& operator*() noexcept { return *value_; }
+  [[nodiscard]] Value& operator*() noexcept {
+    ensure(value_.has_value(), "a result that is used has a value");
+    return *value_;
+  }
 
-  [[nodiscard]] const Value* operator->() const noexcept { return &*value_; }
+  [[nodiscard]] const Value* operator->() const noexcept { return &**this; }
 
-  [[nodiscard]] Value* operator->() noexcept { return &*value_; }
+  [[nodiscard]] Value* operator->() noexcept { return &**this; }
 
   /// Success when there is a value.
   [[nodiscard]] const Outcome& outcome() const noexcept { return outcome_; }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/assert.hpp"
 #include "vdrive/dictionary/abort_code.hpp"
 #include "vdrive/dictionary/object.hpp"
 #include "vdrive/dictionary/object_table.hpp"
@@ -79,6 +80,7 @@ inline constexpr std::array<ObjectRow, kStoredCount> kStoredRows = [] {
 
 /// @return the description of `row`; `row` < kObjectCount.
 [[nodiscard]] constexpr const ObjectDescription& describe(ObjectRow row) noexcept {
+  ensure(row < kObjectCount, "a row of the dictionary is inside its table");
   return kObjectTable[row];
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/assert.hpp"
+
 #include <array>
 #include <cstdint>
 
@@ -56,7 +58,10 @@ class Profile {
 
   [[nodiscard]] std::size_t segment_count() const noexcept { return count_; }
 
-  [[nodiscard]] const Segment& segment(std::size_t i) const noexcept { return segments_[i]; }
+  [[nodiscard]] const Segment& segment(std::size_t i) const noexcept {
+    ensure(i < count_, "a profile has the segment that is asked for");
+    return segments_[i];
+  }
 
   /// @return the time from the plan to rest [s]; infinite for a motion without end.
   [[nodiscard]] double duration() const noexcept {

@@ -6,6 +6,7 @@
 #include "drive/rounding.hpp"
 #include "drive/stops.hpp"
 #include "drive/window.hpp"
+#include "vdrive/assert.hpp"
 #include "vdrive/cia402/statusword.hpp"
 
 #include <algorithm>
@@ -45,7 +46,9 @@ const Method* find_method(std::int64_t number) {
 
 /// The method of the present run; a run has one.
 const Method& method_of(const Drive& drive) {
-  return *find_method(drive.state().modes.homing.method);
+  const Method* const method = find_method(drive.state().modes.homing.method);
+  ensure(method != nullptr, "a homing run that travels has a method");
+  return *method;
 }
 
 /// @return true from the start of a run to its end, the way back to home included.

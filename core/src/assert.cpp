@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdrive/assert.hpp"
+
+// The standard's assert says what broke and where, on whatever standard error is: the core itself
+// writes nothing. It is needed in optimised builds too.
+#undef NDEBUG
+#include <cassert>
+
+namespace vdrive {
+
+void abort_broken_invariant(const char* invariant, const char* file, unsigned line) noexcept {
+  __assert_fail(invariant, file, line, "vdrive");
+}
+
+}  // namespace vdrive
