@@ -128,7 +128,6 @@ struct AxisBank::State {
   std::vector<ParameterMemory> memories;        // by axis
 
   [[nodiscard]] Drive drive(std::size_t block, std::size_t lane) {
-    ensure(block < blocks.size() && lane < blocks[block].count, "the lane has an axis");
     const std::size_t slot = block * kLanes + lane;
     return {drive_states[slot],
             drive_registers[slot],
@@ -378,7 +377,10 @@ void AxisBank::State::apply_torques(std::size_t axis) {
 }
 
 void AxisBank::State::step_block(std::size_t block_index, DemandBlock& demand) {
+  ensure(block_index < blocks.size(), "the block is one of the bank's");
   Block& block = blocks[block_index];
+  ensure(block.count > 0 && block.count <= kLanes,
+         "a block has an axis in each lane that it counts");
   for (std::size_t lane = block.count; lane < kLanes; ++lane) {
     demand.position[lane] = 0.0;
     demand.velocity[lane] = 0.0;

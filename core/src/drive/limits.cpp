@@ -37,7 +37,7 @@ bool runs_into_limit_switch(const Drive& drive, double motion) {
   return motion != 0.0 && at_limit_switch(drive, motion);
 }
 
-std::uint16_t limit_bits(const Drive& drive, double internal_demand, double internal_actual) {
+std::uint16_t bits_at_limits(const Drive& drive, double internal_demand, double internal_actual) {
   const LimitState& limits = drive.state().limits;
   unsigned bits = 0;
   if ((limits.inputs & (kNegativeLimitInput | kPositiveLimitInput)) != 0) {

@@ -13,8 +13,7 @@ namespace vdrive {
 [[nodiscard]] double within_software_limits(const Drive& drive, double target);
 
 /// @return `torque` [‰ of rated] within 6072h, 60E0h and 60E1h: a ramp beyond what is ever
-/// commanded
-///         would have to come all the way back before it is felt.
+///         commanded would have to come all the way back before it is felt.
 [[nodiscard]] double within_torque_limits(const Drive& drive, double torque);
 
 /// @return whether the limit switch in `direction` (not 0) is active.
@@ -23,10 +22,17 @@ namespace vdrive {
 /// @return whether a limit switch is active in the direction of `motion`, which may be 0.
 [[nodiscard]] bool runs_into_limit_switch(const Drive& drive, double motion);
 
+/// @return `limit_bits` of an axis that has limits or active inputs.
+[[nodiscard]] std::uint16_t bits_at_limits(const Drive& drive, double internal_demand,
+                                           double internal_actual);
+
 /// @return bit 11 of 6041h at or beyond a software limit or on a limit switch, bit 7 strictly
-/// beyond;
-///         from whole internal positions [UU].
-[[nodiscard]] std::uint16_t limit_bits(const Drive& drive, double internal_demand,
-                                       double internal_actual);
+///         beyond; from whole internal positions [UU].
+[[nodiscard]] inline std::uint16_t limit_bits(const Drive& drive, double internal_demand,
+                                              double internal_actual) {
+  const LimitState& limits = drive.state().limits;
+  const bool free = limits.inputs == 0 && !limits.enabled;
+  return free ? std::uint16_t{0} : bits_at_limits(drive, internal_demand, internal_actual);
+}
 
 }  // namespace vdrive

@@ -89,15 +89,6 @@ MotionRequest requested_motion(const Drive& drive) {
   }
 }
 
-std::uint16_t mode_bits(const Drive& drive) {
-  if (drive.state().power.machine.state() == PowerState::quick_stop_active) {
-    return reached_when(at_rest(drive));
-  }
-  const Mode& mode = mode_of(drive);
-  const bool shows = operation_enabled(drive) && mode.status_bits != nullptr;
-  return shows ? mode.status_bits(drive) : std::uint16_t{0};
-}
-
 void follow_mode(Drive& drive) {
   DriveState& s = drive.state();
   if (s.mode.wanted == s.mode.actual) {

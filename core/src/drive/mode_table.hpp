@@ -13,9 +13,6 @@ namespace vdrive {
 /// @return the motion that state, operating mode and controlword ask for now.
 [[nodiscard]] MotionRequest requested_motion(const Drive& drive);
 
-/// @return bits 10, 12 and 13 of 6041h, as far as the mode in force sets them.
-[[nodiscard]] std::uint16_t mode_bits(const Drive& drive);
-
 /// 6061h follows 6060h outside Operation enabled and at rest; a moving axis brakes first.
 void follow_mode(Drive& drive);
 

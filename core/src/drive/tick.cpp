@@ -8,6 +8,7 @@
 #include "drive/power.hpp"
 #include "drive/registers.hpp"
 #include "drive/rounding.hpp"
+#include "drive/window.hpp"
 #include "vdrive/cia402/statusword.hpp"
 
 #include <cmath>
@@ -84,17 +85,27 @@ void watch(Drive& drive, const Mode& mode) {
   }
 }
 
+/// A target that is not reached yet has no next one: most ticks end here.
 void take_next_set_point(Drive& drive, const Mode& mode) {
-  if (operation_enabled(drive) && mode.take_next != nullptr) {
+  if (drive.state().target.arrived && operation_enabled(drive) && mode.take_next != nullptr) {
     mode.take_next(drive);
   }
 }
 
+/// @return bits 10, 12 and 13 of 6041h, as far as the mode in force sets them.
+std::uint16_t mode_bits(const Drive& drive, const Mode& mode) {
+  if (operation_enabled(drive)) {
+    return mode.status_bits != nullptr ? mode.status_bits(drive) : std::uint16_t{0};
+  }
+  const bool stops = drive.state().power.machine.state() == PowerState::quick_stop_active;
+  return reached_when(stops && at_rest(drive));
+}
+
 /// @return 6041h, from whole internal positions [UU].
-std::uint16_t statusword(const Drive& drive, double demand, double actual) {
+std::uint16_t statusword(const Drive& drive, const Mode& mode, double demand, double actual) {
   const DriveState& s = drive.state();
   const PowerState state = s.power.machine.state();
-  unsigned word = statusword_of(state) | Statusword::kRemote | mode_bits(drive);
+  unsigned word = statusword_of(state) | Statusword::kRemote | mode_bits(drive, mode);
   word |= limit_bits(drive, demand, actual);
   // Before transition 1 nothing is known of the DC link yet: 0200h.
   if (s.faults.dc_link && state != PowerState::not_ready_to_switch_on) {
@@ -104,6 +115,45 @@ std::uint16_t statusword(const Drive& drive, double demand, double actual) {
     word |= Statusword::kFollowingError;
   }
   return static_cast<std::uint16_t>(word);
+}
+
+/// Writes the status image.
+void show(Drive& drive, const Mode& mode) {
+  const DriveState& s = drive.state();
+  const ServoState& servo = drive.servo();
+  const std::size_t l = drive.lane();
+  AxisStatus& out = drive.status();
+  const double demand = nearest(s.demand.position);
+  const double load = nearest(actual_position(drive));
+  const double motor = nearest(servo.motor_reading[l]);
+  const double demand_velocity = nearest(s.demand.velocity);
+  const double load_velocity = nearest(servo.load_speed[l]);
+  const double motor_velocity = nearest(servo.motor_speed[l]);
+  out.position_demand_value = wrapped(demand);
+  out.load_position_actual_value = wrapped(load);
+  out.load_position_error_value = wrapped(demand - load);
+  out.motor_position_actual_value = wrapped(motor);
+  out.motor_position_error_value = wrapped(demand - motor);
+  out.velocity_demand_value = saturated(demand_velocity);
+  out.load_velocity_actual_value = saturated(load_velocity);
+  out.load_velocity_error_value = saturated(demand_velocity - load_velocity);
+  out.motor_velocity_actual_value = saturated(motor_velocity);
+  out.motor_velocity_error_value = saturated(demand_velocity - motor_velocity);
+  out.torque_demand = saturated16(servo.command[l] * s.units.torque_per_mille);
+  out.torque_actual_value = saturated16(servo.torque[l] * s.units.torque_per_mille);
+  out.current_actual_value = saturated16(servo.torque[l] * s.units.current_per_mille);
+  out.current_error_value =
+      saturated(static_cast<double>(out.torque_demand - out.current_actual_value) *
+                s.units.rated_current / 1000.0);
+  out.ds402_statusword = statusword(drive, mode, demand, load);
+  out.ds402_controlword = s.controlword;
+  out.error_code = s.faults.error_code;
+  out.error_register = s.faults.error_register;
+  out.op_mode_actual = static_cast<std::int8_t>(s.mode.actual);
+  out.motor_op_status = s.power.on ? 1 : 0;
+  out.digital_inputs = s.limits.inputs;
+  out.ignored_set_points = s.ignored_set_points;
+  out.fault_count = s.faults.count;
 }
 
 }  // namespace
@@ -131,7 +181,7 @@ void end_tick(Drive& drive) noexcept {
   const Mode& mode = mode_of(drive);
   watch(drive, mode);
   take_next_set_point(drive, mode);
-  show(drive);
+  show(drive, mode);
   s.target.fresh = false;
   if (s.power.ticks_in_state != kSaturatedCount) {
     ++s.power.ticks_in_state;
@@ -140,41 +190,7 @@ void end_tick(Drive& drive) noexcept {
 }
 
 void show(Drive& drive) noexcept {
-  const DriveState& s = drive.state();
-  const ServoState& servo = drive.servo();
-  const std::size_t l = drive.lane();
-  AxisStatus& out = drive.status();
-  const double demand = nearest(s.demand.position);
-  const double load = nearest(actual_position(drive));
-  const double motor = nearest(servo.motor_reading[l]);
-  const double demand_velocity = nearest(s.demand.velocity);
-  const double load_velocity = nearest(servo.load_speed[l]);
-  const double motor_velocity = nearest(servo.motor_speed[l]);
-  out.position_demand_value = wrapped(demand);
-  out.load_position_actual_value = wrapped(load);
-  out.load_position_error_value = wrapped(demand - load);
-  out.motor_position_actual_value = wrapped(motor);
-  out.motor_position_error_value = wrapped(demand - motor);
-  out.velocity_demand_value = saturated(demand_velocity);
-  out.load_velocity_actual_value = saturated(load_velocity);
-  out.load_velocity_error_value = saturated(demand_velocity - load_velocity);
-  out.motor_velocity_actual_value = saturated(motor_velocity);
-  out.motor_velocity_error_value = saturated(demand_velocity - motor_velocity);
-  out.torque_demand = saturated16(servo.command[l] * s.units.torque_per_mille);
-  out.torque_actual_value = saturated16(servo.torque[l] * s.units.torque_per_mille);
-  out.current_actual_value = saturated16(servo.torque[l] * s.units.current_per_mille);
-  out.current_error_value =
-      saturated(static_cast<double>(out.torque_demand - out.current_actual_value) *
-                s.units.rated_current / 1000.0);
-  out.ds402_statusword = statusword(drive, demand, load);
-  out.ds402_controlword = s.controlword;
-  out.error_code = s.faults.error_code;
-  out.error_register = s.faults.error_register;
-  out.op_mode_actual = static_cast<std::int8_t>(s.mode.actual);
-  out.motor_op_status = s.power.on ? 1 : 0;
-  out.digital_inputs = s.limits.inputs;
-  out.ignored_set_points = s.ignored_set_points;
-  out.fault_count = s.faults.count;
+  show(drive, mode_of(drive));
 }
 
 }  // namespace vdrive

@@ -1,28 +1,55 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "drive/registers.hpp"
+#include "drive/rounding.hpp"
 #include "drive/state.hpp"
+#include "vdrive/cia402/statusword.hpp"
 
+#include <cmath>
 #include <cstdint>
 
 namespace vdrive {
 
-// What has to last before 6041h shows it.
+// What has to last before 6041h shows it. In the header, because every tick asks for it.
 
 /// @return whether demand and actual speed are zero.
-[[nodiscard]] bool at_rest(const Drive& drive);
+[[nodiscard]] inline bool at_rest(const Drive& drive) {
+  const DriveState& s = drive.state();
+  return !s.demand.moving &&
+         std::abs(actual_velocity(drive)) <= static_cast<double>(s.window.threshold);
+}
 
 /// @return whether the demand rests on the target and the actual position was inside 6067h for
 ///         6068h.
-[[nodiscard]] bool on_target(const Drive& drive);
+[[nodiscard]] inline bool on_target(const Drive& drive) {
+  const TargetState& target = drive.state().target;
+  const WindowState& window = drive.state().window;
+  return target.arrived && !target.fresh &&
+         (window.position == kWindowOff || window.dwell > window.position_ticks);
+}
 
 /// Counts the ticks in a row for which `inside` held.
-void count_ticks(bool inside, std::uint32_t& count);
+inline void count_ticks(bool inside, std::uint32_t& count) {
+  if (!inside) {
+    count = 0;
+  } else if (count != kSaturatedCount) {
+    ++count;
+  }
+}
 
 /// Counts the present tick of the target window 6067h; after the plant.
-void watch_target_window(Drive& drive);
+inline void watch_target_window(Drive& drive) {
+  WindowState& window = drive.state().window;
+  const double distance = nearest(actual_position(drive)) - drive.state().target.position;
+  const bool inside =
+      window.position == kWindowOff || std::abs(distance) <= static_cast<double>(window.position);
+  count_ticks(inside, window.dwell);
+}
 
 /// @return bit 10 of 6041h where `reached`.
-[[nodiscard]] std::uint16_t reached_when(bool reached);
+[[nodiscard]] inline std::uint16_t reached_when(bool reached) {
+  return reached ? Statusword::kTargetReached : 0U;
+}
 
 }  // namespace vdrive

@@ -209,6 +209,11 @@ MotionRequest ask(const Drive& drive) {
                      .deceleration = deceleration_of(drive, "profile_dec"_object)}};
 }
 
+/// 6067h and 6068h around the target.
+void watch(Drive& drive) {
+  watch_target_window(drive);
+}
+
 /// The buffered set-point starts when the active one is reached: the status of the same tick shows
 /// it, so that a master sees no gap between them.
 void take_next(Drive& drive) {
@@ -244,7 +249,7 @@ constinit const Mode kProfilePosition{.number = OperatingMode::profile_position,
                                       .command = command,
                                       .advance = heed_limit_switch,
                                       .ask = ask,
-                                      .watch = watch_target_window,
+                                      .watch = watch,
                                       .take_next = take_next,
                                       .status_bits = status_bits};
 
