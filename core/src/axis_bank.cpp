@@ -430,14 +430,20 @@ void AxisBank::State::for_each_part(Visit visit) {
   visit(memories.data(), memories.size());
 }
 
-/// Whether no index leads outside; for state that comes from a file.
+/// Whether no index leads outside of a pool or of the table of modes; for state that comes from a
+/// file.
 bool AxisBank::State::is_sound() const {
   const auto inside = [](const auto& pool) {
     return std::all_of(pool.in_use.begin(), pool.in_use.end(), [&pool](std::uint32_t set) {
       return set < pool.sets.size();
     });
   };
-  return inside(rigid) && inside(elastic);
+  const bool has_modes =
+      std::all_of(drive_states.begin(), drive_states.end(), [](const DriveState& drive) {
+        return is_operating_mode(static_cast<std::int64_t>(drive.mode.actual)) &&
+               is_operating_mode(static_cast<std::int64_t>(drive.mode.wanted));
+      });
+  return inside(rigid) && inside(elastic) && has_modes;
 }
 
 AxisBank::AxisBank(std::span<const AxisConfiguration> axes, std::chrono::microseconds period)

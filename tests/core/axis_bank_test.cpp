@@ -282,6 +282,25 @@ TEST(AxisBank, RefusesBytesThatAreNoSnapshotOfIt) {
   EXPECT_THROW(static_cast<void>(bank.snapshot_from({})), std::invalid_argument);
 }
 
+TEST(AxisBank, RefusesBytesWithAModeThatTheDriveDoesNotHave) {
+  AxisBank bank(mixed_axes(1), microseconds{1000});
+  bank.write(0, {0x6060, 0}, 1);
+  const auto before = bank.snapshot().bytes();
+  bank.write(0, {0x6060, 0}, 8);
+  const auto bytes = bank.snapshot().bytes();
+  EXPECT_NO_THROW(static_cast<void>(bank.snapshot_from(bytes)));
+  for (const int mode : {2, 9, -1}) {
+    auto forged = bytes;
+    // What went from 1 to 8 is the mode: its register, the one wanted, and the one in force.
+    for (std::size_t i = 0; i < forged.size(); ++i) {
+      if (before[i] == std::byte{1} && bytes[i] == std::byte{8}) {
+        forged[i] = static_cast<std::byte>(mode);
+      }
+    }
+    EXPECT_THROW(static_cast<void>(bank.snapshot_from(forged)), std::invalid_argument) << mode;
+  }
+}
+
 TEST(AxisBank, SavesIntoASnapshotWithoutAllocation) {
   AxisBank bank(mixed_axes(13), microseconds{1000});
   AxisBank::Snapshot snapshot = bank.snapshot();

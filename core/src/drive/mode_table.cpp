@@ -100,6 +100,7 @@ void follow_mode(Drive& drive) {
     return;
   }
   s.mode.actual = s.mode.wanted;
+  ensure(mode_of(drive).number == s.mode.actual, "each mode stands in the row of its number");
   seed_target(drive);
 }
 
