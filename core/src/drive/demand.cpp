@@ -28,28 +28,9 @@ void finish_motion(Drive& drive) {
   }
 }
 
-/// The profile at the end of the tick.
-void move_demand(Drive& drive) {
-  DriveState& s = drive.state();
-  if (!s.power.on) {
-    rest_at(drive, actual_position(drive));
-    return;
-  }
-  if (!s.demand.moving) {
-    return;
-  }
-  if (s.demand.following) {
-    s.demand.position = s.target.position;
-    return;
-  }
-  s.demand.plan_ticks += 1.0;
-  const double time = (s.demand.plan_ticks * drive.timing().substeps) * drive.timing().substep;
-  if (time < s.demand.segment.end_time) {
-    const MotionSample now = sample(s.demand.segment, time);
-    s.demand.position = now.position;
-    s.demand.velocity = now.velocity;
-    return;
-  }
+/// The tick ends in another segment, or behind the profile.
+void enter_segment(Drive& drive, double time) {
+  DemandState& demand = drive.state().demand;
   const Profile& profile = drive.registers().profile;
   if (time >= profile.duration()) {
     rest_at(drive, profile.end_position());
@@ -59,10 +40,24 @@ void move_demand(Drive& drive) {
   while (time >= profile.segment(i).end_time) {
     ++i;
   }
-  s.demand.segment = profile.segment(i);
-  const MotionSample now = sample(s.demand.segment, time);
-  s.demand.position = now.position;
-  s.demand.velocity = now.velocity;
+  demand.segment = profile.segment(i);
+  const MotionSample now = sample(demand.segment, time);
+  demand.position = now.position;
+  demand.velocity = now.velocity;
+}
+
+/// The profile at the end of the tick.
+void move_along(Drive& drive) {
+  DemandState& demand = drive.state().demand;
+  demand.plan_ticks += 1.0;
+  const double time = (demand.plan_ticks * drive.timing().substeps) * drive.timing().substep;
+  if (time < demand.segment.end_time) {
+    const MotionSample now = sample(demand.segment, time);
+    demand.position = now.position;
+    demand.velocity = now.velocity;
+  } else {
+    enter_segment(drive, time);
+  }
 }
 
 /// Another loop becomes the outermost one: it starts from what the axis does.
@@ -189,7 +184,13 @@ void sample_profile(const Drive& drive, DemandBlock& demand) {
 
 void advance_demand(Drive& drive) {
   DriveState& s = drive.state();
-  move_demand(drive);
+  if (!s.power.on) {
+    rest_at(drive, actual_position(drive));
+  } else if (s.demand.moving && s.demand.following) {
+    s.demand.position = s.target.position;
+  } else if (s.demand.moving) {
+    move_along(drive);
+  }
   if (s.demand.control != Control::position) {
     s.demand.position = actual_position(drive);
   }

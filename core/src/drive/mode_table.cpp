@@ -10,10 +10,6 @@
 #include "drive/stops.hpp"
 #include "drive/target.hpp"
 #include "drive/window.hpp"
-#include "vdrive/assert.hpp"
-
-#include <array>
-#include <cstddef>
 
 namespace vdrive {
 namespace {
@@ -31,20 +27,6 @@ constexpr Mode kNoMode{.number = OperatingMode::none,
                        .normal_ramp = "profile_dec"_object,
                        .command = ignore_edge,
                        .ask = stay};
-
-/// By the number of the mode; a number that no mode has is never in force. A new mode is a row
-/// here.
-constexpr std::array<const Mode*, 9> kModes{
-    &kNoMode,           // 0
-    &kProfilePosition,  // 1
-    &kNoMode,           // 2
-    &kProfileVelocity,  // 3
-    &kProfileTorque,    // 4
-    &kNoMode,           // 5
-    &kHoming,           // 6
-    &kNoMode,           // 7
-    &kCyclicPosition,   // 8
-};
 
 MotionRequest normal_stop(const Drive& drive) {
   const Mode& mode = mode_of(drive);
@@ -64,11 +46,18 @@ MotionRequest request_in_operation(const Drive& drive) {
 
 }  // namespace
 
-const Mode& mode_of(const Drive& drive) {
-  const auto number = static_cast<std::size_t>(drive.state().mode.actual);
-  ensure(number < kModes.size(), "the mode in force has a row");
-  return *kModes[number];
-}
+// A new mode is a row here.
+constinit const std::array<const Mode*, 9> kModes{
+    &kNoMode,           // 0
+    &kProfilePosition,  // 1
+    &kNoMode,           // 2
+    &kProfileVelocity,  // 3
+    &kProfileTorque,    // 4
+    &kNoMode,           // 5
+    &kHoming,           // 6
+    &kNoMode,           // 7
+    &kCyclicPosition,   // 8
+};
 
 MotionRequest requested_motion(const Drive& drive) {
   if (!drive.state().power.on) {

@@ -2,13 +2,24 @@
 #pragma once
 
 #include "drive/mode.hpp"
+#include "vdrive/assert.hpp"
+
+#include <array>
+#include <cstddef>
 
 namespace vdrive {
 
 // The operating modes of the drive, and what asks for a motion before the mode in force does.
 
+/// By the number of the mode; a number that no mode has is never in force.
+extern const std::array<const Mode*, 9> kModes;
+
 /// @return the mode in force, 6061h.
-[[nodiscard]] const Mode& mode_of(const Drive& drive);
+[[nodiscard]] inline const Mode& mode_of(const Drive& drive) {
+  const auto number = static_cast<std::size_t>(drive.state().mode.actual);
+  ensure(number < kModes.size(), "the mode in force has a row");
+  return *kModes[number];
+}
 
 /// @return the motion that state, operating mode and controlword ask for now.
 [[nodiscard]] MotionRequest requested_motion(const Drive& drive);
