@@ -8,13 +8,14 @@
 #include "plant/servo_block.hpp"
 #include "plant/servo_design.hpp"
 #include "vdrive/assert.hpp"
+#include "vdrive/number_text.hpp"
+#include "vdrive/plant/model_parameters.hpp"
 #include "vdrive/status_digest.hpp"
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cstring>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -167,11 +168,10 @@ struct AxisBank::State {
 namespace {
 
 [[noreturn]] void refuse(std::size_t axis, const char* kind, const InitialValue& refused) {
-  std::ostringstream message;
-  message << "axis " << axis << ": " << kind << " value " << refused.value << " of object 0x"
-          << std::hex << refused.address.index << ':' << std::dec
-          << static_cast<unsigned>(refused.address.subindex) << " is refused";
-  throw std::invalid_argument(message.str());
+  throw std::invalid_argument("axis " + std::to_string(axis) + ": " + kind + " value " +
+                              std::to_string(refused.value) + " of object " +
+                              hex(refused.address.index, 4) + ":" +
+                              std::to_string(refused.address.subindex) + " is refused");
 }
 
 Gear gear_of(const DriveRegisters& registers) {

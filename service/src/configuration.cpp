@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/service/configuration.hpp"
 
-#include "model_parameters.hpp"
-#include "number_text.hpp"
 #include "vdrive/axis_bank.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/number_text.hpp"
+#include "vdrive/plant/model_parameters.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wire/address.hpp"
 #include "yaml_reader.hpp"
@@ -215,7 +215,7 @@ void read_network(const YamlValue& value, wire::NetworkSettings& network) {
   }
 }
 
-void read_model_number(const std::string& key, const YamlValue& value, AxisModel& model) {
+const ModelParameter& model_parameter(const std::string& key, const YamlValue& value) {
   const auto* const parameter =
       std::find_if(kModelParameters.begin(), kModelParameters.end(), [&](const auto& candidate) {
         return candidate.name == key;
@@ -223,16 +223,12 @@ void read_model_number(const std::string& key, const YamlValue& value, AxisModel
   if (parameter == kModelParameters.end()) {
     std::string known = "coupling, feedback";
     for (const auto& candidate : kModelParameters) {
+  std::vector<std::pair<const ModelParameter*, YamlValue>> numbers;
       known += ", " + std::string(candidate.name);
     }
     value.refuse("unknown key; known here: " + known);
   }
-  const double number = value.number(parameter->unit);
-  if (number < parameter->lowest || (parameter->above_lowest && number == parameter->lowest)) {
-    value.refuse(std::string("must be ") + (parameter->above_lowest ? "above " : "at least ") +
-                 to_text(parameter->lowest) + " " + std::string(parameter->unit));
-  }
-  model.*(parameter->member) = number;
+  return *parameter;
 }
 
 void read_model(const YamlValue& value, AxisModel& model) {
@@ -242,10 +238,18 @@ void read_model(const YamlValue& value, AxisModel& model) {
           entry.choice({"rigid", "two_inertia"}) == 0 ? Coupling::rigid : Coupling::two_inertia;
     } else if (key == "feedback") {
       model.feedback = entry.choice({"single_encoder", "dual_encoder"}) == 0
+  // The limits depend on the coupling, which may stand below the numbers.
+  for (const auto& [parameter, entry] : numbers) {
+    if (const auto limits = limits_broken(model, *parameter)) {
+      entry.refuse(*limits);
+    }
+  }
                            ? Feedback::single_encoder
                            : Feedback::dual_encoder;
     } else {
-      read_model_number(key, entry, model);
+      const ModelParameter& parameter = model_parameter(key, entry);
+      model.*parameter.member = entry.number(parameter.unit);
+      numbers.emplace_back(&parameter, entry);
     }
   });
 }
@@ -417,7 +421,7 @@ void write_model(YAML::Emitter& out, const AxisModel& model) {
       << (model.feedback == Feedback::single_encoder ? "single_encoder" : "dual_encoder");
   for (const auto& parameter : kModelParameters) {
     out << YAML::Key << std::string(parameter.name) << YAML::Value
-        << to_text(model.*(parameter.member));
+        << to_text(model.*parameter.member);
   }
   out << YAML::EndMap;
 }

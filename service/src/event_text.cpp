@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "event_text.hpp"
 
-#include "number_text.hpp"
 #include "vdrive/cia402/power_state.hpp"
+#include "vdrive/number_text.hpp"
 #include "vdrive/service/bench_engine.hpp"
 #include "vdrive/service/parameter_store.hpp"
 #include "vdrive/service/realtime_driver.hpp"

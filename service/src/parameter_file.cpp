@@ -2,7 +2,7 @@
 #include "vdrive/service/parameter_file.hpp"
 
 #include "content_check.hpp"
-#include "number_text.hpp"
+#include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
 
 #include <nlohmann/json.hpp>
@@ -29,7 +29,7 @@ std::string formatted(const char* format, Numbers... numbers) {
 }
 
 std::string text_of(ObjectAddress address) {
-  return formatted("0x%04X:%u", unsigned{address.index}, unsigned{address.subindex});
+  return hex(address.index, 4) + ":" + std::to_string(address.subindex);
 }
 
 std::string head_of(std::string_view content) {

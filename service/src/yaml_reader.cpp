@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "yaml_reader.hpp"
 
-#include "number_text.hpp"
+#include "vdrive/number_text.hpp"
 #include "vdrive/service/configuration.hpp"
 #include "vdrive/text.hpp"
 
@@ -71,8 +71,8 @@ class DocumentStarts : public YAML::EventHandler {
 
   void OnSequenceEnd() override {}
 
-  void OnMapStart(const YAML::Mark& /*mark*/, const std::string& /*tag*/,
-                  YAML::anchor_t /*anchor*/, YAML::EmitterStyle::value /*style*/) override {}
+  void OnMapStart(const YAML::Mark& /*mark*/, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
+                  YAML::EmitterStyle::value /*style*/) override {}
 
   void OnMapEnd() override {}
 };

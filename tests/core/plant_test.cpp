@@ -4,6 +4,7 @@
 #include "core/support/axis_under_test.hpp"
 #include "plant/servo_block.hpp"
 #include "plant/servo_design.hpp"
+#include "vdrive/plant/model_parameters.hpp"
 
 #include <gtest/gtest.h>
 

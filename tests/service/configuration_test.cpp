@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/service/configuration.hpp"
 
+#include "vdrive/number_text.hpp"
+#include "vdrive/plant/model_parameters.hpp"
+
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <string>
+#include <vector>
 
 namespace vdrive::service {
 namespace {
@@ -241,12 +247,18 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"model_key", "axes:\n  - number: 1\n    model: {inertia: 1}",
                 "bench.yaml:3: axes[0].model.inertia = 1: unknown key"},
         Refused{"model_value", "axes:\n  - number: 1\n    model: {motor_inertia: 0}",
-                "bench.yaml:3: axes[0].model.motor_inertia = 0: must be above 0 kg.m2"},
+                "bench.yaml:3: axes[0].model.motor_inertia = 0: must be from 1e-08 to 10000 kg.m2"},
+        Refused{"model_below_its_limit", "axes:\n  - number: 1\n    model: {motor_inertia: 1e-9}",
+                "bench.yaml:3: axes[0].model.motor_inertia = 1e-9: must be from 1e-08 to 10000 "
+                "kg.m2"},
+        Refused{"model_above_its_limit", "axes:\n  - number: 1\n    model:\n      backlash: 99",
+                "bench.yaml:4: axes[0].model.backlash = 99: must be from 0 to 6.3 rad"},
         Refused{"model_negative", "axes:\n  - number: 1\n    model: {backlash: -1}",
-                "bench.yaml:3: axes[0].model.backlash = -1: must be at least 0 rad"},
-        Refused{"two_inertia_needs_a_load",
-                "axes:\n  - number: 1\n    model: {coupling: two_inertia, load_inertia: 0}",
-                "bench.yaml:2: axes[0]: axis 1: "},
+                "bench.yaml:3: axes[0].model.backlash = -1: must be from 0 to 6.3 rad"},
+        Refused{
+            "two_inertia_needs_a_load",
+            "axes:\n  - number: 1\n    model:\n      load_inertia: 0\n      coupling: two_inertia",
+            "bench.yaml:4: axes[0].model.load_inertia = 0: must be from 1e-08 to 10000 kg.m2"},
         Refused{"unknown_object", "axes:\n  - number: 1\n    parameters: {speed: 1}",
                 "bench.yaml:3: axes[0].parameters.speed = 1: no such object"},
         Refused{"unknown_index", "axes:\n  - number: 1\n    parameters: {\"0x6FFF\": 1}",
@@ -309,6 +321,49 @@ TEST(Configuration, NamesTheFileThatCannotBeRead) {
   }
   EXPECT_THROW(static_cast<void>(load_configuration(std::filesystem::temp_directory_path())),
                ConfigurationError);
+}
+
+/// @return the rows of docs/configuration.md that begin with a model parameter, without the words
+///         at their end.
+std::vector<std::string> documented_model_parameters() {
+  std::ifstream page(VDRIVE_SOURCE_DIR "/docs/configuration.md");
+  std::vector<std::string> rows;
+  bool is_below_the_title = false;
+  for (std::string line; std::getline(page, line);) {
+    is_below_the_title = is_below_the_title || line.starts_with("| key | unit | limits |");
+    if (is_below_the_title && line.empty()) {
+      break;
+    }
+    if (is_below_the_title && line.starts_with("| `")) {
+      rows.push_back(line.substr(0, line.rfind(" | ")));
+    }
+  }
+  return rows;
+}
+
+TEST(Configuration, DocumentsEachModelParameterWithItsLimitsAndDefault) {
+  std::vector<std::string> expected;
+  for (const ModelParameter& parameter : kModelParameters) {
+    expected.push_back("| `" + std::string(parameter.name) + "` | " + std::string(parameter.unit) +
+                       " | " + to_text(parameter.lowest) +
+                       (parameter.from_zero_if_rigid ? " (rigid: 0)" : "") + " to " +
+                       to_text(parameter.highest) + " | " + to_text(AxisModel{}.*parameter.member));
+  }
+  EXPECT_EQ(documented_model_parameters(), expected);
+}
+
+TEST(Configuration, TakesEachModelParameterAtItsLimitsAndNotBeyond) {
+  for (const ModelParameter& parameter : kModelParameters) {
+    SCOPED_TRACE(parameter.name);
+    const auto with = [&](double value) {
+      return "axes: [{number: 1, model: {coupling: two_inertia, " + std::string(parameter.name) +
+             ": " + to_text(value) + "}}]";
+    };
+    EXPECT_EQ(refusal_of(with(parameter.lowest)), "accepted");
+    EXPECT_EQ(refusal_of(with(parameter.highest)), "accepted");
+    EXPECT_NE(refusal_of(with(parameter.highest * 1.001)), "accepted");
+    EXPECT_NE(refusal_of(with(parameter.lowest * 0.999 - 1e-12)), "accepted");
+  }
 }
 
 TEST(DefaultAxes, AreNumberedFromOneUpToTheLimit) {

@@ -9,32 +9,11 @@
 #include <unsupported/Eigen/MatrixFunctions>
 
 #include <algorithm>
-#include <sstream>
-#include <stdexcept>
-#include <string>
 
 namespace vdrive {
 namespace {
 
 constexpr double kTwoPi = 6.283185307179586476925;
-
-struct Bound {
-  const char* name;
-  double value;
-  const char* unit;
-  double lowest;
-  double highest;
-};
-
-void check(const Bound& bound) {
-  if (bound.value >= bound.lowest && bound.value <= bound.highest) {
-    return;
-  }
-  std::ostringstream message;
-  message << bound.name << " = " << bound.value << ' ' << bound.unit << " must be " << bound.lowest
-          << " to " << bound.highest << ' ' << bound.unit;
-  throw std::invalid_argument(message.str());
-}
 
 double ratio_of(const Gear& gear) noexcept {
   return static_cast<double>(gear.numerator) / static_cast<double>(gear.denominator);
@@ -137,31 +116,6 @@ void set_row(const Row& values, std::size_t lane, ElasticRow& row) {
 }
 
 }  // namespace
-
-void validate(const AxisModel& model) {
-  const bool elastic = model.coupling == Coupling::two_inertia;
-  constexpr double kLeastInertia = 1.0e-8;
-  constexpr double kMostInertia = 1.0e4;
-  constexpr double kMostFriction = 1.0e4;
-  constexpr double kMostCounts = 4294967296.0;
-  check({"motor_inertia", model.motor_inertia, "kg.m2", kLeastInertia, kMostInertia});
-  check({"load_inertia", model.load_inertia, "kg.m2", elastic ? kLeastInertia : 0.0, kMostInertia});
-  check({"viscous_friction", model.viscous_friction, "N.m.s/rad", 0.0, kMostFriction});
-  check({"coulomb_friction", model.coulomb_friction, "N.m", 0.0, kMostFriction});
-  check({"load_viscous_friction", model.load_viscous_friction, "N.m.s/rad", 0.0, kMostFriction});
-  check({"load_coulomb_friction", model.load_coulomb_friction, "N.m", 0.0, kMostFriction});
-  check({"torque_constant", model.torque_constant, "N.m/A", 1.0e-6, 1.0e4});
-  check({"coupling_stiffness", model.coupling_stiffness, "N.m/rad", 1.0e-3, 1.0e7});
-  check({"coupling_damping", model.coupling_damping, "N.m.s/rad", 0.0, kMostFriction});
-  check({"backlash", model.backlash, "rad", 0.0, 6.3});
-  check({"encoder_resolution", model.encoder_resolution, "counts/revolution",
-         kUserUnitsPerRevolution, kMostCounts});
-  check({"load_encoder_resolution", model.load_encoder_resolution, "counts/revolution",
-         kUserUnitsPerRevolution, kMostCounts});
-  check({"current_loop_bandwidth", model.current_loop_bandwidth, "Hz", 1.0, 4000.0});
-  check({"velocity_loop_bandwidth", model.velocity_loop_bandwidth, "Hz", 0.1, 1000.0});
-  check({"position_loop_bandwidth", model.position_loop_bandwidth, "Hz", 0.01, 500.0});
-}
 
 double torque_unit(const AxisModel& model, const Gear& gear) noexcept {
   const double inertia =

@@ -23,10 +23,6 @@ struct TorqueLimits {
   double negative = 0.0;
 };
 
-/// @throws std::invalid_argument when a parameter is outside the range that AxisModel states; the
-///         message names the parameter, its value, unit and limit.
-void validate(const AxisModel& model);
-
 /// @return [N.m] at the motor shaft for 1 UU/s² of the block's torque unit: motor inertia, for the
 ///         rigid axis the whole inertia seen by the motor.
 [[nodiscard]] double torque_unit(const AxisModel& model, const Gear& gear) noexcept;

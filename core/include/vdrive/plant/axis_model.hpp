@@ -22,29 +22,29 @@ enum class Feedback : std::uint8_t {
 };
 
 /// Physical parameters of one axis, in SI units. Member initialisers are the default axis: it holds
-/// the manual's examples to the unit at rest.
+/// the manual's examples to the unit at rest. Limits: vdrive/plant/model_parameters.hpp.
 struct AxisModel {
   Coupling coupling = Coupling::rigid;
   Feedback feedback = Feedback::dual_encoder;
 
-  double motor_inertia = 3.0e-4;       ///< [kg.m²] 1e-8 to 1e4
-  double load_inertia = 3.0e-4;        ///< [kg.m²] at the load shaft; 1e-8 to 1e4, rigid also 0
-  double viscous_friction = 2.0e-4;    ///< [N.m.s/rad] at the motor shaft; 0 to 1e4
-  double coulomb_friction = 0.05;      ///< [N.m] at the motor shaft; 0 to 1e4
-  double load_viscous_friction = 0.0;  ///< [N.m.s/rad] at the load shaft; 0 to 1e4
-  double load_coulomb_friction = 0.0;  ///< [N.m] at the load shaft; 0 to 1e4
-  double torque_constant = 0.6;        ///< [N.m/A] 1e-6 to 1e4
+  double motor_inertia = 3.0e-4;       ///< [kg.m²]
+  double load_inertia = 3.0e-4;        ///< [kg.m²] at the load shaft
+  double viscous_friction = 2.0e-4;    ///< [N.m.s/rad] at the motor shaft
+  double coulomb_friction = 0.05;      ///< [N.m] at the motor shaft
+  double load_viscous_friction = 0.0;  ///< [N.m.s/rad] at the load shaft
+  double load_coulomb_friction = 0.0;  ///< [N.m] at the load shaft
+  double torque_constant = 0.6;        ///< [N.m/A]
 
-  double coupling_stiffness = 2000.0;  ///< [N.m/rad] at the load shaft, two_inertia; 1e-3 to 1e7
-  double coupling_damping = 0.05;      ///< [N.m.s/rad] at the load shaft, two_inertia; 0 to 1e4
-  double backlash = 0.0;               ///< [rad] at the load shaft, two_inertia; 0 to 6.3
+  double coupling_stiffness = 2000.0;  ///< [N.m/rad] at the load shaft, two_inertia
+  double coupling_damping = 0.05;      ///< [N.m.s/rad] at the load shaft, two_inertia
+  double backlash = 0.0;               ///< [rad] at the load shaft, two_inertia
 
-  double encoder_resolution = 8388608.0;       ///< encoder 1 [counts/revolution] 4096 to 2³²
-  double load_encoder_resolution = 8388608.0;  ///< encoder 2 [counts/revolution] 4096 to 2³²
+  double encoder_resolution = 8388608.0;       ///< encoder 1 [counts/revolution]
+  double load_encoder_resolution = 8388608.0;  ///< encoder 2 [counts/revolution]
 
-  double current_loop_bandwidth = 1000.0;  ///< [Hz] 1 to 4000
-  double velocity_loop_bandwidth = 100.0;  ///< [Hz] 0.1 to 1000
-  double position_loop_bandwidth = 16.0;   ///< [Hz] 0.01 to 500
+  double current_loop_bandwidth = 1000.0;  ///< [Hz]
+  double velocity_loop_bandwidth = 100.0;  ///< [Hz]
+  double position_loop_bandwidth = 16.0;   ///< [Hz]
 };
 
 }  // namespace vdrive

@@ -1,11 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "number_text.hpp"
+#include "vdrive/number_text.hpp"
 
 #include <array>
 #include <charconv>
 #include <cmath>
 
-namespace vdrive::service {
+namespace vdrive {
+namespace {
+
+std::string hex_of(std::uint64_t number, std::size_t digits, std::string_view alphabet) {
+  std::string text;
+  for (; number != 0 || text.size() < digits; number >>= 4U) {
+    text.insert(text.begin(), alphabet[number & 0xFU]);
+  }
+  return "0x" + text;
+}
+
+}  // namespace
 
 std::optional<std::int64_t> parse_integer(std::string_view text) {
   int base = 10;
@@ -16,10 +27,7 @@ std::optional<std::int64_t> parse_integer(std::string_view text) {
       return std::nullopt;
     }
   }
-  std::int64_t value = 0;
-  const char* const end = text.data() + text.size();
-  const auto result = std::from_chars(text.data(), end, value, base);
-  return result.ec == std::errc{} && result.ptr == end ? std::optional(value) : std::nullopt;
+  return parse_digits<std::int64_t>(text, base);
 }
 
 std::optional<double> parse_number(std::string_view text) {
@@ -36,4 +44,12 @@ std::string to_text(double number) {
   return {buffer.data(), result.ptr};
 }
 
-}  // namespace vdrive::service
+std::string hex(std::uint64_t number, std::size_t digits) {
+  return hex_of(number, digits, "0123456789ABCDEF");
+}
+
+std::string session_text(std::uint64_t session) {
+  return hex_of(session, 16, "0123456789abcdef");
+}
+
+}  // namespace vdrive
