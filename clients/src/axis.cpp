@@ -215,7 +215,7 @@ Outcome Axis::reset_fault(const CallOptions& options) {
   if (!reacted) return reacted;
   if (Outcome said = talk.say(reset_words()); !said) return said;
   if (!is_fault(talk.state())) return {};
-  return Outcome::refused(static_cast<std::uint32_t>(AbortCode::refused_in_present_device_state),
+  return Outcome::refused(wire_code(AbortCode::refused_in_present_device_state),
                           talk.ended("the end of the fault").message() + ", the cause persists");
 }
 
@@ -287,7 +287,7 @@ Result<std::int64_t> Axis::read(ObjectAddress object) const {
   if (!readings) return readings.outcome();
   const ObjectReading& reading = readings->objects.front();
   if (reading.code == AbortCode::none) return reading.value;
-  return Outcome::refused(static_cast<std::uint32_t>(reading.code),
+  return Outcome::refused(wire_code(reading.code),
                           "read of " + name_of(object) + " of axis " + to_string(id_) + " refused");
 }
 

@@ -142,7 +142,7 @@ GroupTalk AxisGroup::State::talk(const GroupCallOptions& options) {
 Result<std::vector<std::int32_t>> AxisGroup::State::positions_of(
     const Eigen::VectorXd& values) const {
   if (static_cast<std::size_t>(values.size()) != layout.axes.size()) {
-    return Outcome::refused(static_cast<std::uint32_t>(AbortCode::data_length_does_not_match),
+    return Outcome::refused(wire_code(AbortCode::data_length_does_not_match),
                             std::to_string(values.size()) + " positions for " +
                                 std::to_string(layout.axes.size()) + " axes");
   }
@@ -152,7 +152,7 @@ Result<std::vector<std::int32_t>> AxisGroup::State::positions_of(
     constexpr double kLowest = std::numeric_limits<std::int32_t>::min();
     constexpr double kHighest = std::numeric_limits<std::int32_t>::max();
     if (!(whole >= kLowest && whole <= kHighest)) {  // also when it is no number
-      return Outcome::refused(static_cast<std::uint32_t>(AbortCode::value_range_exceeded),
+      return Outcome::refused(wire_code(AbortCode::value_range_exceeded),
                               "axis " + to_string(layout.axes[positions.size()]) +
                                   ": the position " + std::to_string(value) + " is beyond 32 bits");
     }
@@ -165,7 +165,7 @@ Result<LineRequest> AxisGroup::State::request_of(const Eigen::VectorXd& targets,
                                                  const GroupMoveOptions& options) const {
   if (!is_factor(options.velocity_factor) || !is_factor(options.acceleration_factor) ||
       !is_factor(options.deceleration_factor)) {
-    return Outcome::refused(static_cast<std::uint32_t>(AbortCode::value_range_exceeded),
+    return Outcome::refused(wire_code(AbortCode::value_range_exceeded),
                             "the factors of a move are above 0 and at most 1");
   }
   auto positions = positions_of(targets);

@@ -134,7 +134,7 @@ Result<LineTimes> AxisGroup::State::times_of(GroupTalk& talk, const LineRequest&
     if (values[position_limit_switch] != 0 &&
         (target < values[lower_limit] || target > values[upper_limit])) {
       return Outcome::refused(
-          static_cast<std::uint32_t>(AbortCode::value_range_exceeded),
+          wire_code(AbortCode::value_range_exceeded),
           axis + ": the target " + std::to_string(target) + " is beyond its software limits");
     }
     const MotionLimits own = limits_from(values, request);

@@ -11,8 +11,7 @@ namespace {
 // Wall time that one look waits for a sample before it thinks about the deadline.
 constexpr std::chrono::milliseconds kPatience{500};
 
-constexpr auto kRefusedInState =
-    static_cast<std::uint32_t>(AbortCode::refused_in_present_device_state);
+constexpr auto kRefusedInState = wire_code(AbortCode::refused_in_present_device_state);
 
 }  // namespace
 

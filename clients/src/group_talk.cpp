@@ -35,7 +35,7 @@ constexpr std::chrono::seconds kStopTime{5};
 }  // namespace
 
 Outcome not_in_this_state(std::string message) {
-  return Outcome::refused(static_cast<std::uint32_t>(AbortCode::refused_in_present_device_state),
+  return Outcome::refused(wire_code(AbortCode::refused_in_present_device_state),
                           std::move(message));
 }
 

@@ -4,7 +4,6 @@
 #include "vdrive/dictionary/dictionary.hpp"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 namespace vdrive::client {
@@ -23,9 +22,6 @@ constexpr milliseconds kKeepAlivePeriod{25};
 
 // While a bench connects anew: its watchdog runs.
 constexpr milliseconds kKeepAliveRetry{5};
-
-// Writing one of these takes a free axis for the session.
-constexpr std::array<std::uint16_t, 5> kCommandObjects{0x6040, 0x6060, 0x607A, 0x60FF, 0x6071};
 
 }  // namespace
 
@@ -232,7 +228,7 @@ Outcome SessionCore::acquire(const Target& target, std::span<const std::uint16_t
 Result<msg::Reply> SessionCore::write(const Target& target, msg::Request request,
                                       std::string_view what) {
   const bool commands = std::ranges::any_of(request.objects(), [](const msg::ObjectAccess& access) {
-    return std::ranges::find(kCommandObjects, access.index()) != kCommandObjects.end();
+    return has_role({access.index(), access.subindex()}, Role::command);
   });
   const std::uint16_t axis = request.objects().front().axis();
   // A store waits for a disk: it must not hold up the keep-alives.

@@ -13,7 +13,7 @@ namespace {
 using client::Outcome;
 using client::OutcomeKind;
 
-constexpr auto kNoSuchObject = static_cast<std::uint32_t>(AbortCode::object_does_not_exist);
+constexpr auto kNoSuchObject = wire_code(AbortCode::object_does_not_exist);
 constexpr std::chrono::milliseconds kPatience{100};
 constexpr std::chrono::milliseconds kWatchPeriod{100};
 constexpr std::chrono::milliseconds kWatchRefresh{50};
@@ -308,7 +308,7 @@ Outcome Executor::run(const ReadCommand& command) {
 
 Outcome Executor::print_reading(const client::AxisId& axis, const ObjectName& object,
                                 const client::ObjectReading& reading, std::uint64_t tick) {
-  const auto code = static_cast<std::uint32_t>(reading.code);
+  const auto code = wire_code(reading.code);
   if (is_json_) {
     Json json = object_json(axis, object);
     if (code == 0) {

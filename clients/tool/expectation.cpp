@@ -118,8 +118,7 @@ Outcome Executor::compare(client::Axis& axis, const ExpectCommand& command) {
   if (!readings) return readings.outcome();
   const client::ObjectReading& reading = readings->objects.front();
   if (reading.code != AbortCode::none) {
-    return Outcome::refused(static_cast<std::uint32_t>(reading.code),
-                            "read of " + command.object.text + " refused");
+    return Outcome::refused(wire_code(reading.code), "read of " + command.object.text + " refused");
   }
   if (command.accepts(reading.value)) return {};
   return differs(command, reading.value, readings->tick);

@@ -57,10 +57,6 @@ constexpr std::uint16_t kKnownMembers = [] {
   return members;
 }();
 
-std::uint32_t wire_code(AbortCode code) {
-  return static_cast<std::uint32_t>(code);
-}
-
 }  // namespace
 
 void BenchEngine::handle_frame(Arrival& arrival) {

@@ -10,10 +10,6 @@ namespace {
 
 constexpr std::size_t kNoObject = msg::MAX_OBJECTS_PER_REQUEST;
 
-std::uint32_t wire_code(AbortCode code) {
-  return static_cast<std::uint32_t>(code);
-}
-
 }  // namespace
 
 void BenchEngine::store_with(ParameterSaver& saver) {

@@ -4,7 +4,6 @@
 #include "vdrive/service/bench_engine.hpp"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <utility>
@@ -12,28 +11,7 @@
 namespace vdrive::service {
 namespace {
 
-constexpr ObjectAddress kFirstTestInput{0x5E00, 0};
-constexpr ObjectAddress kLastTestInput{0x5E09, 0};
-
-/// Objects that move an axis: writing one to a free axis takes control of it.
-constexpr std::array<ObjectAddress, 5> kCommandObjects{
-    {{0x6040, 0}, {0x6060, 0}, {0x607A, 0}, {0x60FF, 0}, {0x6071, 0}}};
-
-constexpr std::uint32_t kLocalControl =
-    static_cast<std::uint32_t>(AbortCode::refused_local_control);
-
-std::uint32_t wire_code(AbortCode code) {
-  return static_cast<std::uint32_t>(code);
-}
-
-bool is_test_input(ObjectAddress address) {
-  return address >= kFirstTestInput && address <= kLastTestInput;
-}
-
-bool is_command_object(ObjectAddress address) {
-  return std::find(kCommandObjects.begin(), kCommandObjects.end(), address) !=
-         kCommandObjects.end();
-}
+constexpr std::uint32_t kLocalControl = wire_code(AbortCode::refused_local_control);
 
 msg::ObjectResult& add_result(const msg::ObjectAccess& object, std::uint32_t code,
                               msg::Reply& reply) {
@@ -267,10 +245,10 @@ std::uint32_t BenchEngine::write_object(const msg::ObjectAccess& object, std::ui
   }
   const ObjectAddress address{object.index(), object.subindex()};
   const std::uint64_t owner = control_.owner(*axis).session;
-  if (owner != 0 && owner != session && !is_test_input(address)) {
+  if (owner != 0 && owner != session && !has_role(address, Role::test_input)) {
     return kLocalControl;
   }
-  if (owner == 0 && is_command_object(address)) {
+  if (owner == 0 && has_role(address, Role::command)) {
     return write_command_object(*axis, address, object.value(), session);
   }
   if (address == kStoreParameters || address == kRestoreParameters) {

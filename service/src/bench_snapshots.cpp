@@ -39,7 +39,7 @@ std::uint32_t BenchEngine::restore_snapshot(const msg::Request& request, msg::Re
     const std::uint64_t owner = control_.owner(axis).session;
     if (owner != 0 && owner != request.session()) {
       refuse_axis(numbers_[axis], reply);
-      return static_cast<std::uint32_t>(AbortCode::refused_local_control);
+      return wire_code(AbortCode::refused_local_control);
     }
   }
   pending_.drop_if(

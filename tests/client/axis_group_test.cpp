@@ -31,8 +31,7 @@ constexpr ObjectAddress kSpeedLimit{0x607F, 0};
 constexpr ObjectAddress kBlockedLoad{0x5E01, 0};
 constexpr ObjectAddress kOverCurrent{0x5E02, 0};
 constexpr ObjectAddress kMoveDuration{0x5E10, 1};
-constexpr auto kRefusedInState =
-    static_cast<std::uint32_t>(AbortCode::refused_in_present_device_state);
+constexpr auto kRefusedInState = wire_code(AbortCode::refused_in_present_device_state);
 
 SessionOptions options() {
   SessionOptions options;

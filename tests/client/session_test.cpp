@@ -28,8 +28,7 @@ constexpr ObjectAddress kMode{0x6060, 0};
 constexpr ObjectAddress kTarget{0x607A, 0};
 constexpr ObjectAddress kDemand{0x6062, 0};
 constexpr ObjectAddress kOverCurrent{0x5E02, 0};
-constexpr auto kRefusedInState =
-    static_cast<std::uint32_t>(AbortCode::refused_in_present_device_state);
+constexpr auto kRefusedInState = wire_code(AbortCode::refused_in_present_device_state);
 
 SessionOptions options() {
   SessionOptions options;

@@ -117,6 +117,26 @@ TEST(ObjectTable, SaysWhenAWriteTakesEffectWhereTheManualsNotesAreMoreSpecific) 
   EXPECT_EQ(describe("profile_dec"_object).effective, Effective::immediately);
 }
 
+// docs/network-interface.md: a write of one of the five takes a free axis; anybody may write 5E00h
+// to 5E09h.
+TEST(ObjectTable, NamesTheCommandObjectsAndTheTestInputs) {
+  std::vector<std::uint16_t> commands;
+  std::size_t test_inputs = 0;
+  for (const ObjectDescription& object : kObjectTable) {
+    const std::uint16_t index = object.address.index;
+    EXPECT_EQ(object.role == Role::test_input, index >= 0x5E00 && index <= 0x5E09)
+        << show(object.address);
+    test_inputs += object.role == Role::test_input ? 1U : 0U;
+    if (object.role == Role::command) {
+      EXPECT_EQ(object.address.subindex, 0U);
+      commands.push_back(index);
+    }
+  }
+  EXPECT_EQ(commands, (std::vector<std::uint16_t>{0x6040, 0x6060, 0x6071, 0x607A, 0x60FF}));
+  EXPECT_EQ(test_inputs, 10U);
+  EXPECT_FALSE(has_role({0x6040, 1}, Role::command)) << "no such object";
+}
+
 TEST(ObjectTable, RowsAreConsistent) {
   std::set<std::string_view> names;
   for (const ObjectDescription& object : kObjectTable) {

@@ -387,8 +387,7 @@ TEST(PendingFrame, ThatAHaltDropsDoesNotSpoilTheAnswerToTheHalt) {
   EXPECT_EQ(reply->sequence_number(), halt.sequence_number());
   ASSERT_EQ(reply->refusals().size(), 1U);
   EXPECT_EQ(reply->refusals()[0].axis(), 2);
-  EXPECT_EQ(reply->refusals()[0].reason(),
-            static_cast<std::uint32_t>(AbortCode::write_of_read_only_object));
+  EXPECT_EQ(reply->refusals()[0].reason(), wire_code(AbortCode::write_of_read_only_object));
 }
 
 TEST(PendingFrame, GoesOnWhenItsSessionGainsAnAxis) {

@@ -335,7 +335,7 @@ void Bench::take_answers(const Mail& mail) {
     happenings_.tell("answers request", {outgoing->reply.client(), outgoing->reply.request_id(),
                                          outgoing->reply.reason(), outgoing->reply.epoch()});
     if (sabotage_ == Sabotage::hides_store_failures &&
-        outgoing->reply.reason() == static_cast<std::uint32_t>(AbortCode::hardware_error)) {
+        outgoing->reply.reason() == wire_code(AbortCode::hardware_error)) {
       msg::Reply lie = outgoing->reply;
       lie.reason(msg::REASON_NONE);
       model_.check(lie);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/dictionary/dictionary.hpp"
 
+#include "vdrive/number_text.hpp"
+
 #include <algorithm>
 #include <utility>
 
@@ -78,6 +80,11 @@ std::string_view to_string(DataType type) noexcept {
       return "UNS32";
   }
   return "";
+}
+
+std::string address_text(ObjectAddress address) {
+  const std::string index = hex(address.index, 4);
+  return address.subindex == 0 ? index : index + ":" + std::to_string(address.subindex);
 }
 
 AbortCode check_address(ObjectAddress address) noexcept {

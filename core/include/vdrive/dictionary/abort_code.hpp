@@ -38,6 +38,11 @@ enum class AbortCode : std::uint32_t {
   no_data_available = 0x08000024,
 };
 
+/// @return the number that a request or a frame is answered with.
+[[nodiscard]] constexpr std::uint32_t wire_code(AbortCode code) noexcept {
+  return static_cast<std::uint32_t>(code);
+}
+
 /// @return the standard's wording for `code`, or "unknown abort code".
 [[nodiscard]] std::string_view describe(AbortCode code) noexcept;
 

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 
 namespace vdrive {
@@ -83,6 +84,15 @@ inline constexpr std::array<ObjectRow, kStoredCount> kStoredRows = [] {
   ensure(row < kObjectCount, "a row of the dictionary is inside its table");
   return kObjectTable[row];
 }
+
+/// @return whether there is an object at `address` and it has this role.
+[[nodiscard]] constexpr bool has_role(ObjectAddress address, Role role) noexcept {
+  const auto row = find_object(address);
+  return row && describe(*row).role == role;
+}
+
+/// @return such as "0x6081", or "0x607D:1" for a sub-index other than 0.
+[[nodiscard]] std::string address_text(ObjectAddress address);
 
 /// @return AbortCode::object_does_not_exist when no object has this index,
 ///         AbortCode::subindex_does_not_exist when the index has no such sub-index, else none.

@@ -43,6 +43,13 @@ struct ObjectAddress {
   friend constexpr auto operator<=>(const ObjectAddress&, const ObjectAddress&) = default;
 };
 
+/// What a write of an object is to the one who controls the axis.
+enum class Role : std::uint8_t {
+  parameter,   ///< anybody may write it on a free axis, the owner on its own
+  command,     ///< it moves the axis: a write to a free axis takes control of it
+  test_input,  ///< it belongs to the test bench: anybody may write it on any axis
+};
+
 /// One row of the object dictionary. All text is static.
 struct ObjectDescription {
   ObjectAddress address;
@@ -59,6 +66,7 @@ struct ObjectDescription {
   std::int64_t default_value;
   std::string_view units;
   Origin origin;
+  Role role = Role::parameter;
 };
 
 /// Lowest and highest value that a data type can hold.
