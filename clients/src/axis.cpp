@@ -4,6 +4,7 @@
 #include "command_words.hpp"
 #include "conversation.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/number_text.hpp"
 
 #include <algorithm>
 #include <array>
@@ -85,10 +86,7 @@ msg::ObjectAccess access_of(const AxisId& id, ObjectAddress object, std::int64_t
 std::string name_of(ObjectAddress object) {
   const auto row = find_object(object);
   if (row) return std::string(vdrive::describe(*row).variable_name);
-  std::array<char, 16> text{};
-  std::snprintf(text.data(), text.size(), "0x%04X:%u", unsigned{object.index},
-                unsigned{object.subindex});
-  return text.data();
+  return hex(object.index, 4) + ":" + std::to_string(object.subindex);
 }
 
 }  // namespace

@@ -3,10 +3,10 @@
 
 #include "vdrive/cia402/statusword.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/number_text.hpp"
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 
 namespace vdrive::client {
 namespace {
@@ -70,10 +70,8 @@ std::vector<std::string_view> statusword_flags(std::uint16_t statusword, Operati
 }
 
 std::string describe_statusword(std::uint16_t statusword, OperatingMode mode) {
-  std::array<char, 16> hex{};
-  std::snprintf(hex.data(), hex.size(), "0x%03X", unsigned{statusword});
   std::string text =
-      std::string(hex.data()) + " " + std::string(to_string(decode_power_state(statusword)));
+      hex(statusword, 3) + " " + std::string(to_string(decode_power_state(statusword)));
   std::string_view separator = ": ";
   for (const std::string_view name : statusword_flags(statusword, mode)) {
     text.append(separator).append(name);

@@ -1,35 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/client/bench.hpp"
 
-#include <charconv>
+#include "vdrive/number_text.hpp"
 
 namespace vdrive::client {
-namespace {
-
-/// Reads digits only, the whole text.
-template <typename Number>
-std::optional<Number> parse_number(std::string_view text) noexcept {
-  Number number{};
-  const char* const end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, number);
-  if (error != std::errc{} || stop != end) return std::nullopt;
-  return number;
-}
-
-}  // namespace
-
-std::string_view to_string(ClockMode mode) noexcept {
-  switch (mode) {
-    case ClockMode::realtime:
-      return "realtime";
-    case ClockMode::lockstep:
-      return "lockstep";
-    case ClockMode::freerun:
-      return "freerun";
-  }
-  return "unknown";
-}
-
 std::string to_string(const AxisId& id) {
   return std::to_string(id.bench) + "." + std::to_string(id.axis);
 }
@@ -37,8 +11,8 @@ std::string to_string(const AxisId& id) {
 std::optional<AxisId> parse_axis_id(std::string_view text) noexcept {
   const std::size_t dot = text.find('.');
   if (dot == std::string_view::npos) return std::nullopt;
-  const auto bench = parse_number<std::uint32_t>(text.substr(0, dot));
-  const auto axis = parse_number<std::uint16_t>(text.substr(dot + 1));
+  const auto bench = parse_digits<std::uint32_t>(text.substr(0, dot));
+  const auto axis = parse_digits<std::uint16_t>(text.substr(dot + 1));
   if (!bench || !axis) return std::nullopt;
   return AxisId{*bench, *axis};
 }

@@ -2,6 +2,7 @@
 #include "conversation.hpp"
 
 #include "vdrive/cia402/error_code.hpp"
+#include "vdrive/number_text.hpp"
 
 #include <array>
 
@@ -34,9 +35,7 @@ Outcome refused_in_state(const AxisSnapshot& axis, std::string_view command,
 std::string what_it_shows(const AxisSnapshot& axis) {
   std::string text = "shows " + describe_statusword(axis.status.ds402_statusword, axis.mode());
   if (axis.status.error_code != 0) {
-    std::array<char, 16> hex{};
-    std::snprintf(hex.data(), hex.size(), "0x%04X", unsigned{axis.status.error_code});
-    text += std::string(", error ") + hex.data() + " " +
+    text += ", error " + hex(axis.status.error_code, 4) + " " +
             std::string(vdrive::describe(static_cast<ErrorCode>(axis.status.error_code)));
   }
   return text;

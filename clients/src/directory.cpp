@@ -1,21 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "directory.hpp"
 
+#include "vdrive/wire/conversion.hpp"
+
 #include <algorithm>
 
 namespace vdrive::client {
 namespace {
-
-ClockMode clock_mode_of(std::uint32_t value) {
-  switch (value) {
-    case msg::CLOCK_MODE_LOCKSTEP:
-      return ClockMode::lockstep;
-    case msg::CLOCK_MODE_FREERUN:
-      return ClockMode::freerun;
-    default:
-      return ClockMode::realtime;
-  }
-}
 
 AxisInfo axis_info(std::uint32_t bench, const msg::AxisDescription& axis) {
   return {.id = {bench, axis.axis()},
@@ -30,7 +21,7 @@ void describe(BenchInfo& info, const msg::BenchDescription& message) {
   info.number = message.bench();
   info.incarnation = message.incarnation();
   info.name = message.name().to_string();
-  info.clock_mode = clock_mode_of(message.clock_mode());
+  info.clock_mode = wire::clock_mode_of(message.clock_mode());
   info.period = std::chrono::microseconds(std::max<std::uint32_t>(message.period_us(), 1));
   info.status_every_ticks = std::max<std::uint32_t>(message.status_every_ticks(), 1);
   info.user_units_per_revolution = message.user_units_per_revolution();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The clock of a bench: steps, joining it, its rate.
 #include "session_core.hpp"
+#include "vdrive/number_text.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -156,7 +157,7 @@ Result<std::uint64_t> SessionCore::end_step(const Target& target, Stepping stepp
 Outcome SessionCore::missing_stepper(const Target& target, std::uint64_t session) const {
   if (session == 0 || session == id_)
     return Outcome::timed_out(name_of(target) + " did not answer");
-  return Outcome::timed_out(name_of(target) + " waits for stepper " + hex_of(session) +
+  return Outcome::timed_out(name_of(target) + " waits for stepper " + session_text(session) +
                             ", which has not granted the next tick");
 }
 

@@ -2,6 +2,7 @@
 // Requests, control of axes, commands.
 #include "session_core.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/number_text.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -25,13 +26,6 @@ constexpr milliseconds kKeepAliveRetry{5};
 
 }  // namespace
 
-std::string hex_of(std::uint64_t number) {
-  constexpr std::string_view kDigits = "0123456789abcdef";
-  std::string text = "0x";
-  for (unsigned shift = 64; shift != 0; shift -= 4) text += kDigits[(number >> (shift - 4)) & 0xFU];
-  return text;
-}
-
 Outcome refusal_of(const Target& target, const msg::Reply& reply, std::string_view what) {
   std::string message(what);
   message += " refused";
@@ -39,7 +33,7 @@ Outcome refusal_of(const Target& target, const msg::Reply& reply, std::string_vi
     message +=
         ", " +
         (reply.refused_axis() == 0 ? std::string("it") : name_of(target, reply.refused_axis())) +
-        " is held by session " + hex_of(reply.owner_session());
+        " is held by session " + session_text(reply.owner_session());
   } else if (reply.refused_axis() != 0) {
     message += " because of " + name_of(target, reply.refused_axis());
   }
@@ -63,7 +57,7 @@ Outcome refusal_of(const Target& target, const msg::Refusal& refusal, std::uint6
     message += "the command";
   } else {
     const auto row = find_object(ObjectAddress{refusal.index(), refusal.subindex()});
-    message += row ? std::string(describe(*row).variable_name) : hex_of(refusal.index());
+    message += row ? std::string(describe(*row).variable_name) : hex(refusal.index(), 4);
   }
   return Outcome::refused(refusal.reason(), std::move(message));
 }

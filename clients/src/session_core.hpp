@@ -404,9 +404,6 @@ bool SessionCore::wait_to_find(Lock& lock, const Condition& condition) {
   return true;
 }
 
-/// @return such as "0x000000000000002a".
-[[nodiscard]] std::string hex_of(std::uint64_t number);
-
 /// Why a whole request was refused.
 /// @param what names the request
 [[nodiscard]] Outcome refusal_of(const Target& target, const msg::Reply& reply,

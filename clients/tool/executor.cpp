@@ -2,6 +2,7 @@
 #include "executor.hpp"
 
 #include "recorder.hpp"
+#include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
 
 #include <algorithm>
@@ -314,7 +315,7 @@ Outcome Executor::print_reading(const client::AxisId& axis, const ObjectName& ob
     if (code == 0) {
       json["value"] = reading.value;
     } else {
-      json["code"] = hex_code(code);
+      json["code"] = hex(code, 8);
       json["message"] = vdrive::describe(reading.code);
     }
     json["tick"] = tick;
@@ -455,9 +456,9 @@ Outcome Executor::run(  // NOLINT(readability-convert-member-functions-to-static
 Outcome Executor::run(const std::shared_ptr<const RefusedCommand>& command) {
   const Outcome outcome = execute(command->command, timeout_);
   if (outcome.kind() == OutcomeKind::refused && outcome.code() == command->code) return {};
-  found_ = Json{{"expected", hex_code(command->code)},
+  found_ = Json{{"expected", hex(command->code, 8)},
                 {"actual", outcome ? "accepted" : outcome.message()}};
-  return Outcome::failed("expected the refusal " + hex_code(command->code) +
+  return Outcome::failed("expected the refusal " + hex(command->code, 8) +
                          ", actual: " + (outcome ? std::string("accepted") : outcome.message()));
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The word `expect`: now, within a time, throughout a time.
 #include "executor.hpp"
+#include "vdrive/number_text.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -17,7 +18,7 @@ std::string expected_text(const ExpectCommand& command) {
   std::string text = value_text(command.object, command.value);
   if (command.mask) {
     text = value_text(command.object, command.value & static_cast<std::int64_t>(*command.mask)) +
-           " under mask " + hex_code(static_cast<std::uint32_t>(*command.mask));
+           " under mask " + hex(static_cast<std::uint32_t>(*command.mask), 8);
   }
   if (command.tolerance) text += " +- " + std::to_string(*command.tolerance);
   return text;

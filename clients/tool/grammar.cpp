@@ -5,6 +5,7 @@
 #include "help.hpp"
 #include "usage_error.hpp"
 #include "vdrive/text.hpp"
+#include "vdrive/wire/address.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -94,11 +95,9 @@ SnapshotCommand snapshot_of(const std::string& action, const std::string& number
 
 /// @return what is wrong with ADDRESS:PORT, or nothing; part of one of CLI11's texts.
 std::string check_server(const std::string& text) {
-  const auto colon = text.find(':');
-  const bool is_server = colon != std::string::npos &&
-                         CLI::ValidIPV4(text.substr(0, colon)).empty() &&
-                         CLI::Range(1, 65'535)(text.substr(colon + 1)).empty();
-  return is_server ? "" : "'" + text + "' is not ADDRESS:PORT, such as 10.0.0.9:11811";
+  return wire::parse_server_address(text)
+             ? ""
+             : "'" + text + "' is not ADDRESS:PORT, such as 10.0.0.9:11811";
 }
 
 std::optional<std::uint32_t> parse_unsigned32(const std::string& text) {

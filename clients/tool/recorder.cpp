@@ -2,6 +2,7 @@
 #include "recorder.hpp"
 
 #include "report.hpp"
+#include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
 
 #include <algorithm>
@@ -40,16 +41,6 @@ std::string system_error() {
 }
 
 }  // namespace
-
-std::string csv_field(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"') quoted += '"';
-    quoted += c;
-  }
-  return quoted + '"';
-}
 
 std::string recording_header() {
   std::string header = "axis,name,tick,missed";
@@ -147,7 +138,7 @@ std::string Recorder::csv_row(const client::AxisSnapshot& axis, std::uint64_t mi
   row.append(",").append(std::to_string(axis.status.ignored_set_points));
   row.append(",").append(std::to_string(axis.status.fault_count));
   row.append(",");
-  if (axis.owner_session != 0) row.append(hex_session(axis.owner_session));
+  if (axis.owner_session != 0) row.append(session_text(axis.owner_session));
   return row + "," + std::to_string(axis.owner_epoch);
 }
 

@@ -60,7 +60,4 @@ class Recorder {
 /// @return the header of a CSV recording.
 [[nodiscard]] std::string recording_header();
 
-/// @return `text` as one field of CSV (RFC 4180).
-[[nodiscard]] std::string csv_field(const std::string& text);
-
 }  // namespace vdrive::tool

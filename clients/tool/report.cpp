@@ -3,6 +3,7 @@
 
 #include "vdrive/cia402/error_code.hpp"
 #include "vdrive/cia402/statusword.hpp"
+#include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
 
 #include <algorithm>
@@ -23,11 +24,11 @@ std::string formatted(const char* format, Arguments... arguments) {
 }
 
 Json session_json(std::uint64_t session) {
-  return session == 0 ? Json(nullptr) : Json(hex_session(session));
+  return session == 0 ? Json(nullptr) : Json(session_text(session));
 }
 
 std::string owner_text(std::uint64_t session) {
-  return session == 0 ? "free" : hex_session(session);
+  return session == 0 ? "free" : session_text(session);
 }
 
 std::string_view to_text(Access access) {
@@ -52,15 +53,8 @@ std::string_view name_in(const ObjectDescription& row, Language language) {
   return language == Language::zh ? row.name_zh : row.name;
 }
 
-std::string address_text(const ObjectDescription& row) {
-  std::string text = hex_index(row.address.index);
-  const bool is_part = row.address.subindex != 0;
-  if (is_part) text += ":" + std::to_string(row.address.subindex);
-  return text;
-}
-
 Json dictionary_json(const ObjectDescription& row, Language language) {
-  return {{"index", hex_index(row.address.index)},
+  return {{"index", hex(row.address.index, 4)},
           {"subindex", row.address.subindex},
           {"name", row.variable_name},
           {"title", name_in(row, language)},
@@ -76,16 +70,8 @@ Json dictionary_json(const ObjectDescription& row, Language language) {
           {"origin", row.origin == Origin::manual ? "manual" : "companion"}};
 }
 
-std::string csv_field(const Json& value) {
-  if (!value.is_string()) return value.dump();
-  auto text = value.get<std::string>();
-  if (text.find_first_of(",\"\n") == std::string::npos) return text;
-  std::string field = "\"";
-  for (const char c : text) {
-    if (c == '"') field += '"';
-    field += c;
-  }
-  return field + '"';
+std::string csv_value(const Json& value) {
+  return value.is_string() ? csv_field(value.get<std::string>()) : value.dump();
 }
 
 /// One line of CSV: the fields' names, or their values.
@@ -93,7 +79,7 @@ std::string csv_line(const Json& row, bool is_header) {
   std::string line;
   for (const auto& [key, value] : row.items()) {
     if (!line.empty()) line += ',';
-    line += is_header ? key : csv_field(value);
+    line += is_header ? key : csv_value(value);
   }
   return line;
 }
@@ -119,7 +105,7 @@ std::string padded(std::string_view text, std::size_t width) {
 using TableRow = std::array<std::string, 7>;
 
 TableRow table_row(const ObjectDescription& row, Language language) {
-  return {address_text(row),
+  return {address_text(row.address),
           std::string(row.variable_name),
           std::string(name_in(row, language)),
           std::string(to_string(row.data_type)),
@@ -161,7 +147,7 @@ std::string to_line(const Json& json) {
 void add_outcome(Json& json, const client::Outcome& outcome) {
   json["outcome"] = to_string(outcome.kind());
   if (outcome) return;
-  if (outcome.code() != 0) json["code"] = hex_code(outcome.code());
+  if (outcome.code() != 0) json["code"] = hex(outcome.code(), 8);
   json["message"] = outcome.message();
 }
 
@@ -252,7 +238,7 @@ Json object_json(const client::AxisId& axis, const ObjectName& object) {
   Json json{
       {"axis", to_string(axis)}, {"index", nullptr}, {"subindex", nullptr}, {"name", nullptr}};
   if (object.address) {
-    json["index"] = hex_index(object.address->index);
+    json["index"] = hex(object.address->index, 4);
     json["subindex"] = object.address->subindex;
   } else {
     json["name"] = object.text;

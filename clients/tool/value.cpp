@@ -2,13 +2,12 @@
 #include "value.hpp"
 
 #include "usage_error.hpp"
+#include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
 
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <cmath>
-#include <cstdio>
 #include <limits>
 
 namespace vdrive::tool {
@@ -21,17 +20,9 @@ bool is_hexadecimal(std::string_view text) {
   return text.size() > 2 && text[0] == '0' && (text[1] == 'x' || text[1] == 'X');
 }
 
-/// The whole text as digits of `base`.
-std::optional<std::uint64_t> digits(std::string_view text, int base) {
-  std::uint64_t number = 0;
-  const char* const end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, number, base);
-  if (error != std::errc{} || stop != end) return std::nullopt;
-  return number;
-}
-
 std::optional<std::uint64_t> unsigned_number(std::string_view text) {
-  return is_hexadecimal(text) ? digits(text.substr(2), 16) : digits(text, 10);
+  return is_hexadecimal(text) ? parse_digits<std::uint64_t>(text.substr(2), 16)
+                              : parse_digits<std::uint64_t>(text);
 }
 
 bool looks_like_name(std::string_view text) {
@@ -74,13 +65,13 @@ std::int64_t decimal_value(std::string_view text) {
 /// Decimal digits with an optional fraction, times `unit`, exactly; finer than 1 ns is dropped up.
 std::optional<std::chrono::nanoseconds> scaled(std::string_view text, std::int64_t unit) {
   const std::size_t dot = std::min(text.find('.'), text.size());
-  const auto whole = digits(text.substr(0, dot), 10);
+  const auto whole = parse_digits<std::uint64_t>(text.substr(0, dot));
   if (!whole || *whole > static_cast<std::uint64_t>(kHighestNanoseconds / unit))
     return std::nullopt;
   std::int64_t nanoseconds = static_cast<std::int64_t>(*whole) * unit;
   if (dot == text.size()) return std::chrono::nanoseconds(nanoseconds);
   const std::string_view fraction = text.substr(dot + 1);
-  const auto numerator = digits(fraction, 10);
+  const auto numerator = parse_digits<std::uint64_t>(fraction);
   if (!numerator || fraction.size() > 9) return std::nullopt;
   std::int64_t denominator = 1;
   for (std::size_t i = 0; i < fraction.size(); ++i) denominator *= 10;
@@ -106,13 +97,6 @@ std::optional<std::chrono::nanoseconds> duration_of(std::string_view text) {
     return std::nullopt;
   }
   return std::nullopt;
-}
-
-template <typename... Arguments>
-std::string formatted(const char* format, Arguments... arguments) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), format, arguments...);
-  return text.data();
 }
 
 }  // namespace
@@ -196,26 +180,22 @@ std::chrono::nanoseconds parse_seconds(std::string_view text) {
 }
 
 double parse_real(std::string_view text, std::string_view what) {
-  double value = 0.0;
-  const char* const end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc{} || stop != end || !std::isfinite(value)) {
+  const auto value = vdrive::parse_number(text);
+  if (!value) {
     throw UsageError(in_quotes(text) + " is no " + std::string(what) +
                      ": write a number such as 0.5");
   }
-  return value;
+  return *value;
 }
 
-std::string hex_code(std::uint32_t code) {
-  return formatted("0x%08X", code);
-}
-
-std::string hex_index(std::uint16_t index) {
-  return formatted("0x%04X", unsigned{index});
-}
-
-std::string hex_session(std::uint64_t session) {
-  return formatted("0x%016llx", static_cast<unsigned long long>(session));
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"') quoted += '"';
+    quoted += c;
+  }
+  return quoted + '"';
 }
 
 }  // namespace vdrive::tool

@@ -47,13 +47,7 @@ struct ObjectName {
 /// @throws UsageError naming `what` when it is no finite decimal number.
 [[nodiscard]] double parse_real(std::string_view text, std::string_view what);
 
-/// @return such as "0x06090030".
-[[nodiscard]] std::string hex_code(std::uint32_t code);
-
-/// @return such as "0x607D".
-[[nodiscard]] std::string hex_index(std::uint16_t index);
-
-/// @return a session's number as it is shown, such as "0x0123456789abcdef".
-[[nodiscard]] std::string hex_session(std::uint64_t session);
+/// @return `text` as one field of CSV (RFC 4180).
+[[nodiscard]] std::string csv_field(const std::string& text);
 
 }  // namespace vdrive::tool

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/wire/address.hpp"
 
-#include <arpa/inet.h>
+#include "vdrive/number_text.hpp"
 
-#include <charconv>
-#include <system_error>
+#include <arpa/inet.h>
 
 namespace vdrive::wire {
 
@@ -19,13 +18,11 @@ std::optional<ServerAddress> parse_server_address(std::string_view text) {
   if (colon == std::string_view::npos || !is_address(address)) {
     return std::nullopt;
   }
-  const std::string_view digits = text.substr(colon + 1);
-  std::uint16_t port = 0;
-  const auto [end, error] = std::from_chars(digits.begin(), digits.end(), port);
-  if (error != std::errc{} || end != digits.end() || port == 0) {
+  const auto port = parse_digits<std::uint16_t>(text.substr(colon + 1));
+  if (!port || *port == 0) {
     return std::nullopt;
   }
-  return ServerAddress{address, port};
+  return ServerAddress{address, *port};
 }
 
 }  // namespace vdrive::wire

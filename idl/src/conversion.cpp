@@ -3,9 +3,10 @@
 
 #include "vdrive/dictionary/abort_code.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/number_text.hpp"
 
+#include <algorithm>
 #include <array>
-#include <cstdio>
 #include <string_view>
 #include <utility>
 
@@ -210,15 +211,31 @@ std::optional<std::int64_t> value_of(const msg::AxisStatus& message, ObjectRow r
   return std::nullopt;
 }
 
+std::uint32_t clock_mode_code(ClockMode mode) noexcept {
+  switch (mode) {
+    case ClockMode::lockstep:
+      return msg::CLOCK_MODE_LOCKSTEP;
+    case ClockMode::freerun:
+      return msg::CLOCK_MODE_FREERUN;
+    default:
+      return msg::CLOCK_MODE_REALTIME;
+  }
+}
+
+ClockMode clock_mode_of(std::uint32_t code) noexcept {
+  const auto* const mode = std::find_if(kClockModes.begin(), kClockModes.end(), [code](auto each) {
+    return clock_mode_code(each) == code;
+  });
+  return mode == kClockModes.end() ? ClockMode::realtime : *mode;
+}
+
 std::string describe_reason(std::uint32_t reason) {
   for (const auto& [code, words] : kReasons) {
     if (code == reason) {
       return std::string(words);
     }
   }
-  std::array<char, 16> code{};
-  std::snprintf(code.data(), code.size(), "0x%08X", reason);  // NOLINT(*-vararg)
-  return std::string(code.data()) + ", " + std::string(describe(static_cast<AbortCode>(reason)));
+  return hex(reason, 8) + ", " + std::string(describe(static_cast<AbortCode>(reason)));
 }
 
 }  // namespace vdrive::wire

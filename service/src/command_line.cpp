@@ -125,14 +125,8 @@ void declare(CLI::App& app, Arguments& arguments) {
 }
 
 ClockMode clock_named(const std::string& name) {
-  if (name == "realtime") {
-    return ClockMode::realtime;
-  }
-  if (name == "lockstep") {
-    return ClockMode::lockstep;
-  }
-  if (name == "freerun") {
-    return ClockMode::freerun;
+  if (const auto mode = clock_mode_named(name)) {
+    return *mode;
   }
   throw ConfigurationError("--clock " + in_quotes(name) +
                            ": must be one of realtime, lockstep, freerun");

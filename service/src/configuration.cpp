@@ -34,15 +34,6 @@ struct ParsedAxes {
   std::map<std::uint16_t, YamlValue> places;  ///< by axis number
 };
 
-std::string hex_address(ObjectAddress address) {
-  constexpr std::string_view kDigits = "0123456789ABCDEF";
-  std::string text = "0x";
-  for (int shift = 12; shift >= 0; shift -= 4) {
-    text += kDigits[(address.index >> static_cast<unsigned>(shift)) & 0xFU];
-  }
-  return address.subindex == 0 ? text : text + ":" + std::to_string(address.subindex);
-}
-
 /// @return the row that `key` names: a variable_name, 0x607D:1 or 0x6081.
 std::optional<ObjectRow> find_row(const std::string& key) {
   if (const auto row = find_object(std::string_view(key))) {
@@ -100,8 +91,9 @@ double checked_rate(const YamlValue& value) {
 }
 
 ClockMode checked_mode(const YamlValue& value) {
-  constexpr std::array kModes{ClockMode::realtime, ClockMode::lockstep, ClockMode::freerun};
-  return kModes.at(value.choice({"realtime", "lockstep", "freerun"}));
+  return kClockModes.at(
+      value.choice({to_string(ClockMode::realtime), to_string(ClockMode::lockstep),
+                    to_string(ClockMode::freerun)}));
 }
 
 void read_clock(const YamlValue& value, Configuration& configuration) {
@@ -223,7 +215,6 @@ const ModelParameter& model_parameter(const std::string& key, const YamlValue& v
   if (parameter == kModelParameters.end()) {
     std::string known = "coupling, feedback";
     for (const auto& candidate : kModelParameters) {
-  std::vector<std::pair<const ModelParameter*, YamlValue>> numbers;
       known += ", " + std::string(candidate.name);
     }
     value.refuse("unknown key; known here: " + known);
@@ -232,18 +223,13 @@ const ModelParameter& model_parameter(const std::string& key, const YamlValue& v
 }
 
 void read_model(const YamlValue& value, AxisModel& model) {
+  std::vector<std::pair<const ModelParameter*, YamlValue>> numbers;
   value.for_each_entry({}, [&](const auto& key, const YamlValue& entry) {
     if (key == "coupling") {
       model.coupling =
           entry.choice({"rigid", "two_inertia"}) == 0 ? Coupling::rigid : Coupling::two_inertia;
     } else if (key == "feedback") {
       model.feedback = entry.choice({"single_encoder", "dual_encoder"}) == 0
-  // The limits depend on the coupling, which may stand below the numbers.
-  for (const auto& [parameter, entry] : numbers) {
-    if (const auto limits = limits_broken(model, *parameter)) {
-      entry.refuse(*limits);
-    }
-  }
                            ? Feedback::single_encoder
                            : Feedback::dual_encoder;
     } else {
@@ -252,6 +238,12 @@ void read_model(const YamlValue& value, AxisModel& model) {
       numbers.emplace_back(&parameter, entry);
     }
   });
+  // The limits depend on the coupling, which may stand below the numbers.
+  for (const auto& [parameter, entry] : numbers) {
+    if (const auto limits = limits_broken(model, *parameter)) {
+      entry.refuse(*limits);
+    }
+  }
 }
 
 void read_settings(const YamlValue& value, AxisSettings& settings) {
@@ -435,7 +427,7 @@ void write_axis(YAML::Emitter& out, const NamedAxis& axis) {
   if (!axis.configuration.parameters.empty()) {
     out << YAML::Key << "parameters" << YAML::Value << YAML::BeginMap;
     for (const auto& parameter : axis.configuration.parameters) {
-      out << YAML::Key << YAML::DoubleQuoted << hex_address(parameter.address) << YAML::Value
+      out << YAML::Key << YAML::DoubleQuoted << address_text(parameter.address) << YAML::Value
           << parameter.value;
     }
     out << YAML::EndMap;
@@ -471,18 +463,6 @@ void write_network(YAML::Emitter& out, const wire::NetworkSettings& network) {
 }
 
 }  // namespace
-
-std::string_view to_string(ClockMode mode) noexcept {
-  switch (mode) {
-    case ClockMode::realtime:
-      return "realtime";
-    case ClockMode::lockstep:
-      return "lockstep";
-    case ClockMode::freerun:
-      return "freerun";
-  }
-  return "unknown";
-}
 
 Configuration demo_configuration() {
   Configuration configuration;

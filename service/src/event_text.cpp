@@ -10,23 +10,14 @@
 #include "vdrive/wire/conversion.hpp"
 #include "wire_judge.hpp"
 
-#include <array>
 #include <bit>
 #include <cmath>
-#include <cstdio>
 #include <system_error>
 
 namespace vdrive::service {
 namespace {
 
 constexpr std::size_t kLongestText = 200;
-
-std::string hex(std::uint64_t value, int digits) {
-  std::array<char, 24> text{};
-  std::snprintf(text.data(), text.size(), "0x%0*llX", digits,  // NOLINT(*-vararg)
-                static_cast<unsigned long long>(value));       // NOLINT(*-runtime-int)
-  return text.data();
-}
 
 std::string who(const EventRecord& event) {
   return event.axis == 0 ? "" : "axis " + std::to_string(event.axis) + ": ";

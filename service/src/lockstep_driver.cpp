@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lockstep_driver.hpp"
 
-#include <algorithm>
 #include <utility>
 
 namespace vdrive::service {
@@ -186,15 +185,8 @@ void LockstepDriver::run_ticks(std::uint64_t ticks, const std::atomic<bool>& sto
 
 /// Wall time decides how many of the ticks of a long step are shown.
 bool LockstepDriver::may_publish() {
-  const auto now = Clock::now();
-  const double seconds = std::chrono::duration<double>(now - refilled_).count();
-  status_budget_ = std::min(kStatusBurst, status_budget_ + seconds * kStatusPerSecond);
-  refilled_ = now;
-  if (status_budget_ < 1.0) {
-    return false;
-  }
-  status_budget_ -= 1.0;
-  return true;
+  shown_ticks_.refill(Clock::now());
+  return shown_ticks_.take();
 }
 
 void LockstepDriver::publish_status(bool repeated) {

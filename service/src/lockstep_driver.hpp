@@ -4,6 +4,7 @@
 #include "doorbell.hpp"
 #include "reply_publisher.hpp"
 #include "status_publisher.hpp"
+#include "token_bucket.hpp"
 #include "vdrive/service/bench_engine.hpp"
 #include "vdrive/service/configuration.hpp"
 #include "vdrive/service/queues.hpp"
@@ -29,8 +30,7 @@ class LockstepDriver {
   static constexpr std::chrono::milliseconds kIdleInterval{20};
   static constexpr std::chrono::milliseconds kReplyInterval{1};
   static constexpr std::chrono::milliseconds kRollCallInterval{100};
-  static constexpr double kStatusPerSecond = 1'000.0;
-  static constexpr double kStatusBurst = 64.0;
+  static constexpr TokenBucket::Rate kStatusRate{.per_second = 1'000.0, .burst = 64.0};
   static constexpr std::size_t kMostDeferred = 1'024;
 
   LockstepDriver(const Configuration& configuration, BenchEngine& engine, Inbox& inbox,
@@ -94,8 +94,7 @@ class LockstepDriver {
   std::vector<std::uint64_t> heard_;  ///< sessions that step the present ticks
   Clock::time_point next_roll_call_{};
   Counter beats_;
-  double status_budget_ = kStatusBurst;
-  Clock::time_point refilled_{};
+  TokenBucket shown_ticks_{kStatusRate};
 };
 
 }  // namespace vdrive::service

@@ -2,6 +2,7 @@
 #include "vdrive/service/replay.hpp"
 
 #include "vdrive/axis_bank.hpp"
+#include "vdrive/number_text.hpp"
 #include "vdrive/service/configuration.hpp"
 #include "vdrive/service/step_pool.hpp"
 #include "vdrive/status_digest.hpp"
@@ -22,10 +23,9 @@ namespace {
 
 constexpr std::size_t kLongestNumber = 32;
 
-std::string hex(std::uint32_t number) {
-  std::array<char, kLongestNumber> text{};
-  std::snprintf(text.data(), text.size(), "%04Xh", number);  // NOLINT(*-vararg)
-  return text.data();
+/// @return such as "6041h".
+std::string index_text(std::uint16_t index) {
+  return hex(index, 4).substr(2) + "h";
 }
 
 std::string rounded(double number) {
@@ -128,10 +128,10 @@ class Replay {
         break;
     }
     if (code != AbortCode::none) {
-      result_.text = "tick " + std::to_string(tick_ + 1) + ": " + name_of(change.axis) +
-                     ": the write of " + std::to_string(change.value) + " to " +
-                     hex(change.address.index) + ":" + std::to_string(change.address.subindex) +
-                     ", accepted when it was recorded, is refused";
+      result_.text =
+          "tick " + std::to_string(tick_ + 1) + ": " + name_of(change.axis) + ": the write of " +
+          std::to_string(change.value) + " to " + index_text(change.address.index) + ":" +
+          std::to_string(change.address.subindex) + ", accepted when it was recorded, is refused";
     }
     return code == AbortCode::none;
   }
@@ -206,7 +206,7 @@ class Replay {
     std::string text =
         first == last ? name_of(first) : "one of " + name_of(first) + " to " + name_of(last);
     text += ", member " + std::string(member.name);
-    text += member.address.index == 0 ? "" : " (" + hex(member.address.index) + ")";
+    text += member.address.index == 0 ? "" : " (" + index_text(member.address.index) + ")";
     if (first == last) {
       text += ": replayed " + std::to_string(member.value(bank_.status(first))) +
               ", recorded another value";

@@ -19,8 +19,6 @@ using namespace vdrive::literals;
 
 constexpr std::chrono::seconds kRateWindow{1};
 constexpr std::chrono::milliseconds kFlushInterval{100};
-constexpr double kParametersPerSecond = 2'000.0;
-constexpr double kParameterBurst = 256.0;
 constexpr std::string_view kDictionaryVersion = "1.0";
 constexpr const char* kUnit = "UU";
 constexpr std::size_t kNumbers = 65'536;
@@ -28,17 +26,6 @@ constexpr std::size_t kNumbers = 65'536;
 constexpr auto kEventsKept = static_cast<std::size_t>(wire::traits_of(wire::TopicId::event).depth);
 /// The wire empties a lane within this, or hangs.
 constexpr std::chrono::milliseconds kLongestWaitForRoom{100};
-
-std::uint32_t clock_mode_of(const Configuration& configuration) {
-  switch (configuration.clock) {
-    case ClockMode::lockstep:
-      return msg::CLOCK_MODE_LOCKSTEP;
-    case ClockMode::freerun:
-      return msg::CLOCK_MODE_FREERUN;
-    default:
-      return msg::CLOCK_MODE_REALTIME;
-  }
-}
 
 spdlog::level::level_enum level_of(const EventRecord& event) {
   switch (event.kind) {
@@ -87,7 +74,7 @@ ReportPublisher::ReportPublisher(WireLink& link, const Configuration& configurat
   }
   state_.bench(identity.bench);
   state_.incarnation(identity.incarnation);
-  state_.clock_mode(clock_mode_of(configuration));
+  state_.clock_mode(wire::clock_mode_code(configuration.clock));
   event_.bench(identity.bench);
   event_.incarnation(identity.incarnation);
 }
@@ -102,7 +89,7 @@ void ReportPublisher::describe_axes(const Configuration& configuration, const Ax
     description.part(static_cast<std::uint16_t>(part));
     description.parts(static_cast<std::uint16_t>(parts));
     description.incarnation(identity_.incarnation);
-    description.clock_mode(clock_mode_of(configuration));
+    description.clock_mode(wire::clock_mode_code(configuration.clock));
     description.period_us(static_cast<std::uint32_t>(configuration.period.count()));
     description.status_every_ticks(configuration.status_every);
     description.dictionary_version(std::string(kDictionaryVersion));
@@ -217,11 +204,8 @@ void ReportPublisher::publish_event(const CountedEvent& counted) {
 }
 
 void ReportPublisher::publish_parameters(Outbox& outbox) {
-  const auto now = Clock::now();
-  const double seconds = std::chrono::duration<double>(now - budgeted_).count();
-  parameter_budget_ = std::min(kParameterBurst, parameter_budget_ + seconds * kParametersPerSecond);
-  budgeted_ = now;
-  while (parameter_budget_ >= 1.0) {
+  parameter_samples_.refill(Clock::now());
+  while (!parameter_samples_.is_empty()) {
     const msg::AxisParameters* const parameters = outbox.parameters.front();
     if (parameters == nullptr) {
       return;
@@ -229,7 +213,7 @@ void ReportPublisher::publish_parameters(Outbox& outbox) {
     parameters_[indices_[parameters->axis()]] = *parameters;
     write(*parameters);
     outbox.parameters.pop();
-    parameter_budget_ -= 1.0;
+    static_cast<void>(parameter_samples_.take());
   }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "token_bucket.hpp"
 #include "vdrive/axis_bank.hpp"
 #include "vdrive/service/bench_engine.hpp"
 #include "vdrive/service/configuration.hpp"
@@ -22,6 +23,7 @@ namespace vdrive::service {
 class ReportPublisher {
  public:
   static constexpr std::chrono::milliseconds kStateInterval{50};
+  static constexpr TokenBucket::Rate kParameterSamples{.per_second = 2'000.0, .burst = 256.0};
 
   /// Reads the descriptions of the axes from `bank`: before it is stepped.
   /// @param link outlives this
@@ -67,8 +69,7 @@ class ReportPublisher {
   msg::BenchState state_;
   msg::Event event_;
   Clock::time_point next_state_{};
-  double parameter_budget_ = 0.0;
-  Clock::time_point budgeted_{};
+  TokenBucket parameter_samples_{kParameterSamples};
   std::uint64_t rate_tick_ = 0;
   Clock::time_point rate_time_{};
   double measured_rate_ = 0.0;

@@ -299,32 +299,32 @@ class Service::Threads {
 
   void start_realtime() {
     realtime_.emplace(configuration_, engine_, inbox_, counters_, timer_);
-    running_.emplace_back([this] {
-      prepare_tick_thread(configuration_.realtime_priority);
-      while (!stop_) {
-        shutdown_.advance();
-        const std::uint64_t tick = engine_.tick();
-        realtime_->cycle();
-        if (engine_.tick() != tick || engine_.time_stands()) {
-          tick_beats_.add();
-        }
-      }
-    });
-    running_.emplace_back([this] {
-      publish_status();
-    });
-    running_.emplace_back([this] {
-      report();
+    start_ticking(configuration_.realtime_priority, [this] {
+      const std::uint64_t tick = engine_.tick();
+      realtime_->cycle();
+      return engine_.tick() != tick || engine_.time_stands();
     });
   }
 
   void start_freerun() {
     freerun_.emplace(engine_, inbox_, outbox_, timer_);
-    running_.emplace_back([this] {
+    start_ticking(0, [this] {
+      freerun_->cycle();
+      return true;
+    });
+  }
+
+  /// @param priority of the tick thread, 0 = none
+  /// @param cycle runs one cycle of the driver; @return whether it did what it should
+  template <typename Cycle>
+  void start_ticking(int priority, Cycle cycle) {
+    running_.emplace_back([this, priority, cycle] {
+      prepare_tick_thread(priority);
       while (!stop_) {
         shutdown_.advance();
-        freerun_->cycle();
-        tick_beats_.add();
+        if (cycle()) {
+          tick_beats_.add();
+        }
       }
     });
     running_.emplace_back([this] {

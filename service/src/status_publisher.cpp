@@ -10,7 +10,6 @@ namespace vdrive::service {
 namespace {
 
 constexpr std::uint16_t kStateBits = 0x006F;
-constexpr double kLargestBurst = 128.0;
 
 }  // namespace
 
@@ -77,14 +76,14 @@ void StatusPublisher::publish_axes(const StatusImage& image) {
     return;
   }
   const auto now = Clock::now();
-  refill(now);
-  for (std::size_t axis = 0; axis < sampled_.size() && budget_ >= 1.0; ++axis) {
+  axis_samples_.refill(now);
+  for (std::size_t axis = 0; axis < sampled_.size() && !axis_samples_.is_empty(); ++axis) {
     const auto changed = image.status[axis].ds402_statusword ^ sampled_[axis].statusword;
     if ((changed & kStateBits) != 0) {
       publish_axis(image, axis, now);
     }
   }
-  for (std::size_t count = 0; count < sampled_.size() && budget_ >= 1.0; ++count) {
+  for (std::size_t count = 0; count < sampled_.size() && !axis_samples_.is_empty(); ++count) {
     const std::size_t axis = next_due_;
     if (now - sampled_[axis].time < kAxisInterval) {
       return;  // the others were sampled later than this one
@@ -97,7 +96,7 @@ void StatusPublisher::publish_axes(const StatusImage& image) {
 void StatusPublisher::publish_axis(const StatusImage& image, std::size_t axis,
                                    Clock::time_point now) {
   sampled_[axis] = {.statusword = image.status[axis].ds402_statusword, .time = now};
-  budget_ -= 1.0;
+  static_cast<void>(axis_samples_.take());
   const auto place = link_.ring(Lane::status).reserve(wire::kAxisStatusSize);
   if (!place) {
     counters_.queue_overflows.add();
@@ -107,12 +106,6 @@ void StatusPublisher::publish_axis(const StatusImage& image, std::size_t axis,
          wire::encode_axis_status(image.status[axis], {identity_.bench, numbers_[axis]}, image.tick,
                                   image.owners[axis], *place));
   counters_.axis_samples_sent.add();
-}
-
-void StatusPublisher::refill(Clock::time_point now) {
-  const double seconds = std::chrono::duration<double>(now - refilled_).count();
-  budget_ = std::min(kLargestBurst, budget_ + seconds * kAxisSamplesPerSecond);
-  refilled_ = now;
 }
 
 }  // namespace vdrive::service

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "token_bucket.hpp"
 #include "vdrive/service/bench_engine.hpp"
 #include "vdrive/service/configuration.hpp"
 #include "vdrive/service/counters.hpp"
@@ -19,7 +20,7 @@ namespace vdrive::service {
 class StatusPublisher {
  public:
   static constexpr std::chrono::milliseconds kAxisInterval{20};
-  static constexpr double kAxisSamplesPerSecond = 4'000.0;
+  static constexpr TokenBucket::Rate kAxisSamples{.per_second = 4'000.0, .burst = 128.0};
 
   /// @param link outlives this
   StatusPublisher(WireLink& link, const Configuration& configuration, const BenchIdentity& identity,
@@ -39,7 +40,6 @@ class StatusPublisher {
   void publish_axes(const StatusImage& image);
   void publish_axis(const StatusImage& image, std::size_t axis, Clock::time_point now);
   void commit(wire::TopicId topic, std::size_t size);
-  void refill(Clock::time_point now);
 
   struct Sampled {
     std::uint16_t statusword = 0;
@@ -54,8 +54,7 @@ class StatusPublisher {
   std::vector<std::uint16_t> numbers_;
   std::vector<Sampled> sampled_;
   std::size_t next_due_ = 0;
-  double budget_ = 0.0;  ///< samples that may be sent now
-  Clock::time_point refilled_{};
+  TokenBucket axis_samples_{kAxisSamples};
 };
 
 }  // namespace vdrive::service

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/clock_mode.hpp"
+
 #include <chrono>
 #include <compare>
 #include <cstdint>
@@ -11,11 +13,8 @@
 
 namespace vdrive::client {
 
-/// Who advances the drive time of a bench.
-enum class ClockMode : std::uint8_t { realtime, lockstep, freerun };
-
-/// @return "realtime", "lockstep" or "freerun".
-[[nodiscard]] std::string_view to_string(ClockMode mode) noexcept;
+using vdrive::ClockMode;
+using vdrive::to_string;
 
 /// Address of an axis, written `bench.axis`.
 struct AxisId {

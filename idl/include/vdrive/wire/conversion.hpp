@@ -3,6 +3,7 @@
 
 #include "vdrive/axis_bank.hpp"
 #include "vdrive/axis_status.hpp"
+#include "vdrive/clock_mode.hpp"
 #include "vdrive_messages.h"
 
 #include <cstdint>
@@ -38,6 +39,12 @@ void to_message(const AxisBank& bank, std::size_t index, const AxisAddress& addr
 
 /// @return the value of the object `row` when `message` has it as a member, else nothing.
 [[nodiscard]] std::optional<std::int64_t> value_of(const msg::AxisStatus& message, ObjectRow row);
+
+/// @return the CLOCK_MODE_ constant for `mode`.
+[[nodiscard]] std::uint32_t clock_mode_code(ClockMode mode) noexcept;
+
+/// @return the mode that a CLOCK_MODE_ constant names; realtime for any other number.
+[[nodiscard]] ClockMode clock_mode_of(std::uint32_t code) noexcept;
 
 /// @return the words for a reason of the wire: a REASON_ constant or a CiA 301 abort code.
 [[nodiscard]] std::string describe_reason(std::uint32_t reason);

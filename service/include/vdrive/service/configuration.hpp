@@ -2,6 +2,7 @@
 #pragma once
 
 #include "vdrive/axis_configuration.hpp"
+#include "vdrive/clock_mode.hpp"
 #include "vdrive/service/tick_clock.hpp"
 #include "vdrive/wire/participant.hpp"
 
@@ -17,15 +18,8 @@
 
 namespace vdrive::service {
 
-/// Who advances drive time.
-enum class ClockMode : std::uint8_t {
-  realtime,  ///< the wall clock
-  lockstep,  ///< `step` requests
-  freerun,   ///< nobody: as fast as it goes
-};
-
-/// @return "realtime", "lockstep" or "freerun".
-[[nodiscard]] std::string_view to_string(ClockMode mode) noexcept;
+using vdrive::ClockMode;
+using vdrive::to_string;
 
 inline constexpr std::size_t kMaxAxes = 16'384;
 inline constexpr std::uint32_t kMaxBench = 65'535;

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace vdrive {
+
+/// Who advances the drive time of a bench.
+enum class ClockMode : std::uint8_t {
+  realtime,  ///< the wall clock
+  lockstep,  ///< `step` requests
+  freerun,   ///< nobody: as fast as it goes
+};
+
+inline constexpr std::array kClockModes{ClockMode::realtime, ClockMode::lockstep,
+                                        ClockMode::freerun};
+
+/// @return "realtime", "lockstep" or "freerun".
+[[nodiscard]] constexpr std::string_view to_string(ClockMode mode) noexcept {
+  switch (mode) {
+    case ClockMode::realtime:
+      return "realtime";
+    case ClockMode::lockstep:
+      return "lockstep";
+    case ClockMode::freerun:
+      return "freerun";
+  }
+  return "unknown";
+}
+
+/// @return the mode of that name, or nothing.
+[[nodiscard]] constexpr std::optional<ClockMode> clock_mode_named(std::string_view name) noexcept {
+  for (const ClockMode mode : kClockModes) {
+    if (to_string(mode) == name) {
+      return mode;
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace vdrive
