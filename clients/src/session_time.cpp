@@ -3,10 +3,10 @@
 #include "session_core.hpp"
 
 #include <algorithm>
-#include <array>
+#include <iterator>
 #include <map>
-#include <type_traits>
 #include <utility>
+#include <vector>
 
 namespace vdrive::client {
 namespace {
@@ -20,40 +20,14 @@ constexpr milliseconds kFirstSample{5000};
 // Axis samples of a large bench take turns.
 constexpr SessionCore::Patience kFirstSampleOfAll{milliseconds(5000), true};
 
-/// An object of the status image, as a read answers it.
-struct StatusObject {
-  std::uint16_t index;
-  void (*set)(AxisStatus& status, std::int64_t value);
-};
-
-/// Writes `value` to a member, whose type holds every value of the object.
-template <auto kMember>
-void set_member(AxisStatus& status, std::int64_t value) {
-  status.*kMember = static_cast<std::remove_reference_t<decltype(status.*kMember)>>(value);
+/// Members of the status image that can be read as objects.
+std::vector<StatusMember> readable_members() {
+  std::vector<StatusMember> members;
+  std::ranges::copy_if(status_members(), std::back_inserter(members), [](const auto& member) {
+    return member.is_published && member.address.index != 0;
+  });
+  return members;
 }
-
-constexpr std::array<StatusObject, 20> kStatusObjects{{
-    {0x6062, set_member<&AxisStatus::position_demand_value>},
-    {0x6064, set_member<&AxisStatus::load_position_actual_value>},
-    {0x60F4, set_member<&AxisStatus::load_position_error_value>},
-    {0x3572, set_member<&AxisStatus::motor_position_actual_value>},
-    {0x3573, set_member<&AxisStatus::motor_position_error_value>},
-    {0x606B, set_member<&AxisStatus::velocity_demand_value>},
-    {0x606C, set_member<&AxisStatus::load_velocity_actual_value>},
-    {0x351E, set_member<&AxisStatus::load_velocity_error_value>},
-    {0x3574, set_member<&AxisStatus::motor_velocity_actual_value>},
-    {0x3575, set_member<&AxisStatus::motor_velocity_error_value>},
-    {0x351F, set_member<&AxisStatus::current_error_value>},
-    {0x6078, set_member<&AxisStatus::current_actual_value>},
-    {0x6077, set_member<&AxisStatus::torque_actual_value>},
-    {0x6074, set_member<&AxisStatus::torque_demand>},
-    {0x6041, set_member<&AxisStatus::ds402_statusword>},
-    {0x603F, set_member<&AxisStatus::error_code>},
-    {0x6061, set_member<&AxisStatus::op_mode_actual>},
-    {0x3005, set_member<&AxisStatus::motor_op_status>},
-    {0x1001, set_member<&AxisStatus::error_register>},
-    {0x60FD, set_member<&AxisStatus::digital_inputs>},
-}};
 
 }  // namespace
 
@@ -112,13 +86,15 @@ Result<Observation> SessionCore::observe_published(const Target& target,
 Result<Observation> SessionCore::read_status(const Target& target,
                                              std::span<const std::uint16_t> axes) {
   Observation observation;
+  const std::vector<StatusMember> members = readable_members();
   for (const std::uint16_t axis : axes) {
     msg::Request request;
     request.kind(msg::REQUEST_READ);
-    for (const StatusObject& object : kStatusObjects) {
+    for (const StatusMember& member : members) {
       msg::ObjectAccess access;
       access.axis(axis);
-      access.index(object.index);
+      access.index(member.address.index);
+      access.subindex(member.address.subindex);
       request.objects().push_back(access);
     }
     const auto reply =
@@ -127,8 +103,8 @@ Result<Observation> SessionCore::read_status(const Target& target,
     AxisSnapshot snapshot;
     snapshot.id = {target.key.number, axis};
     snapshot.tick = reply->tick();
-    for (std::size_t i = 0; i < std::min(reply->objects().size(), kStatusObjects.size()); ++i) {
-      kStatusObjects[i].set(snapshot.status, reply->objects()[i].value());
+    for (std::size_t i = 0; i < std::min(reply->objects().size(), members.size()); ++i) {
+      members[i].set(snapshot.status, reply->objects()[i].value());
     }
     observation.tick = reply->tick();
     observation.axes.push_back(snapshot);

@@ -1,50 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/status_digest.hpp"
 
+#include "status_member_table.hpp"
+
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
 #include <type_traits>
+#include <utility>
 
 namespace vdrive {
 namespace {
-
-template <auto kMember>
-std::int64_t get(const AxisStatus& status) noexcept {
-  return status.*kMember;
-}
-
-template <auto kMember>
-constexpr StatusMember member(std::string_view name) {
-  const auto row = find_object(name);
-  return {name, row ? describe(*row).address : ObjectAddress{}, get<kMember>};
-}
-
-constexpr std::array<StatusMember, kStatusMembers> kMembers{{
-    member<&AxisStatus::position_demand_value>("position_demand_value"),
-    member<&AxisStatus::load_position_actual_value>("load_position_actual_value"),
-    member<&AxisStatus::load_position_error_value>("load_position_error_value"),
-    member<&AxisStatus::motor_position_actual_value>("motor_position_actual_value"),
-    member<&AxisStatus::motor_position_error_value>("motor_position_error_value"),
-    member<&AxisStatus::velocity_demand_value>("velocity_demand_value"),
-    member<&AxisStatus::load_velocity_actual_value>("load_velocity_actual_value"),
-    member<&AxisStatus::load_velocity_error_value>("load_velocity_error_value"),
-    member<&AxisStatus::motor_velocity_actual_value>("motor_velocity_actual_value"),
-    member<&AxisStatus::motor_velocity_error_value>("motor_velocity_error_value"),
-    member<&AxisStatus::current_error_value>("current_error_value"),
-    member<&AxisStatus::current_actual_value>("current_actual_value"),
-    member<&AxisStatus::torque_actual_value>("torque_actual_value"),
-    member<&AxisStatus::torque_demand>("torque_demand"),
-    member<&AxisStatus::ds402_statusword>("ds402_statusword"),
-    member<&AxisStatus::ds402_controlword>("ds402_controlword"),
-    member<&AxisStatus::error_code>("error_code"),
-    member<&AxisStatus::op_mode_actual>("op_mode_actual"),
-    member<&AxisStatus::motor_op_status>("motor_op_status"),
-    member<&AxisStatus::error_register>("error_register"),
-    member<&AxisStatus::digital_inputs>("digital_inputs"),
-    member<&AxisStatus::ignored_set_points>("ignored_set_points"),
-    member<&AxisStatus::fault_count>("fault_count"),
-}};
 
 constexpr std::uint64_t kPrime = 1099511628211ULL;  // FNV-1a, over words of 64 bits
 constexpr std::uint64_t kOffset = 14695981039346656037ULL;
@@ -85,38 +51,19 @@ std::uint64_t row_of(const AxisStatus& status) noexcept {
   return scramble(sum);
 }
 
-constexpr std::size_t kFirstNarrow = 11;  // the members before it and the last two have 32 bits
-constexpr std::size_t kColumns = 24;      // the members, rounded up to whole vectors
+constexpr std::size_t kColumns = 24;  // the members, rounded up to whole vectors
 
 /// Every member in a word of its own.
 using Columns = std::array<std::uint32_t, kColumns>;
 
-void widen(const AxisStatus& s, Columns& columns) noexcept {
-  static_assert(offsetof(AxisStatus, current_actual_value) == kFirstNarrow * sizeof(std::uint32_t));
-  const auto word = [](auto value) {
-    return static_cast<std::uint32_t>(value);
-  };
-  std::memcpy(columns.data(), &s, kFirstNarrow * sizeof(std::uint32_t));
-  columns[11] = word(s.current_actual_value);
-  columns[12] = word(s.torque_actual_value);
-  columns[13] = word(s.torque_demand);
-  columns[14] = word(s.ds402_statusword);
-  columns[15] = word(s.ds402_controlword);
-  columns[16] = word(s.error_code);
-  columns[17] = word(s.op_mode_actual);
-  columns[18] = word(s.motor_op_status);
-  columns[19] = word(s.error_register);
-  columns[20] = word(s.digital_inputs);
-  columns[21] = s.ignored_set_points;
-  columns[22] = s.fault_count;
-  columns[23] = 0;
+/// One after the other without a loop, so that the calls into the table fold to moves.
+template <std::size_t... kMember>
+void widen(const AxisStatus& status, Columns& columns,
+           std::index_sequence<kMember...> /*members*/) noexcept {
+  ((columns[kMember] = static_cast<std::uint32_t>(kStatusMemberTable[kMember].value(status))), ...);
 }
 
 }  // namespace
-
-std::span<const StatusMember, kStatusMembers> status_members() noexcept {
-  return kMembers;
-}
 
 StatusDigest digest_of(std::span<const AxisStatus> statuses, std::size_t axes_per_row,
                        std::span<std::uint32_t> rows) noexcept {
@@ -125,10 +72,9 @@ StatusDigest digest_of(std::span<const AxisStatus> statuses, std::size_t axes_pe
   std::uint64_t row = kOffset;
   std::size_t left_in_row = axes_per_row;
   std::size_t row_number = 0;
-  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): filled before it is read
-  Columns columns;
+  Columns columns{};
   for (std::size_t axis = 0; axis < statuses.size(); ++axis) {
-    widen(statuses[axis], columns);
+    widen(statuses[axis], columns, std::make_index_sequence<kStatusMembers>{});
     for (std::size_t column = 0; column < kColumns; ++column) {
       sums[column] = sums[column] * 31U + columns[column];  // 31 is odd: nothing is shifted out
     }

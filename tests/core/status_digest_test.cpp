@@ -41,6 +41,18 @@ TEST(StatusDigest, NamesEveryMemberOfAxisStatusOnce) {
   EXPECT_EQ(status_members()[14].address, (ObjectAddress{0x6041, 0}));
 }
 
+/// A member that the table lacks would keep its random value.
+TEST(StatusMembers, SetTheWholeImage) {
+  Random random(5);
+  AxisStatus status = random_statuses(1, random).front();
+  for (const StatusMember& member : status_members()) {
+    member.set(status, 0);
+    EXPECT_EQ(member.value(status), 0) << member.name;
+  }
+  using Bytes = std::array<std::uint8_t, sizeof(AxisStatus)>;
+  EXPECT_EQ(std::bit_cast<Bytes>(status), Bytes{});
+}
+
 /// One bit of one axis is flipped: the digest says which axis and, where the members say which one
 /// has another value, which member.
 TEST(StatusDigest, OneFlippedBitNamesItsAxisAndItsMember) {

@@ -3,8 +3,11 @@
 
 #include "vdrive/dictionary/dictionary.hpp"
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <string_view>
 
 namespace vdrive {
 
@@ -36,7 +39,23 @@ struct AxisStatus {
   std::uint32_t fault_count = 0;         ///< faults since power-up
 };
 
-/// @return the value of object `row` in the status image, or nothing when it is not part of it.
+inline constexpr std::size_t kStatusMembers = 23;
+
+/// A member of AxisStatus, for those who treat all of them alike.
+struct StatusMember {
+  std::string_view name;
+  ObjectAddress address;      ///< of the object that it shows; index 0 = none
+  bool is_published = false;  ///< the status on the network has it
+  std::int64_t (*value)(const AxisStatus& status) noexcept = nullptr;
+  /// The type of the member holds every value of its object; another value is cut off.
+  void (*set)(AxisStatus& status, std::int64_t value) noexcept = nullptr;
+};
+
+/// The members of AxisStatus in the order of their declaration.
+[[nodiscard]] std::span<const StatusMember, kStatusMembers> status_members() noexcept;
+
+/// @return the value of object `row` in the status image, or nothing when no published member
+///         shows it.
 [[nodiscard]] std::optional<std::int64_t> value_of(const AxisStatus& status,
                                                    ObjectRow row) noexcept;
 

@@ -2,27 +2,13 @@
 #pragma once
 
 #include "vdrive/axis_status.hpp"
-#include "vdrive/dictionary/dictionary.hpp"
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <string_view>
 
 namespace vdrive {
-
-inline constexpr std::size_t kStatusMembers = 23;
-
-/// A member of AxisStatus.
-struct StatusMember {
-  std::string_view name;
-  ObjectAddress address;  ///< of the object that it shows; index 0 = none
-  std::int64_t (*value)(const AxisStatus& status) noexcept = nullptr;
-};
-
-/// The members of AxisStatus in the order of their declaration.
-[[nodiscard]] std::span<const StatusMember, kStatusMembers> status_members() noexcept;
 
 /// Check values over the status images of a bank, the same on every machine. One member of one axis
 /// that differs always changes `image` and its entry of `members`, and all but once in 2^32 times
