@@ -8,18 +8,13 @@ namespace {
 
 constexpr std::size_t kLatenessBins = 32;
 
-template <typename Axes>
-bool axes_within_bounds(const Axes& axes) noexcept {
-  return axes.size() <= msg::MAX_AXES_PER_FRAME &&
-         std::all_of(axes.begin(), axes.end(), [](const auto& axis) {
-           return axis.objects().size() <= msg::MAX_OBJECTS_PER_AXIS;
-         });
-}
-
 }  // namespace
 
 bool within_bounds(const msg::CommandFrame& message) noexcept {
-  return axes_within_bounds(message.axes());
+  return message.axes().size() <= msg::MAX_AXES_PER_FRAME &&
+         std::all_of(message.axes().begin(), message.axes().end(), [](const auto& axis) {
+           return axis.objects().size() <= msg::MAX_OBJECTS_PER_AXIS;
+         });
 }
 
 bool within_bounds(const msg::CommandReply& message) noexcept {
@@ -34,15 +29,15 @@ bool within_bounds(const msg::Request& message) noexcept {
 
 bool within_bounds(const msg::Reply& message) noexcept {
   return message.objects().size() <= msg::MAX_OBJECTS_PER_REQUEST &&
-         axes_within_bounds(message.statuses());
+         message.statuses().size() <= msg::MAX_AXES_PER_FRAME;
 }
 
 bool within_bounds(const msg::StatusFrame& message) noexcept {
-  return axes_within_bounds(message.axes());
+  return message.axes().size() <= msg::MAX_AXES_PER_FRAME;
 }
 
-bool within_bounds(const msg::AxisStatus& message) noexcept {
-  return message.objects().size() <= msg::MAX_OBJECTS_PER_AXIS;
+bool within_bounds(const msg::AxisStatus& /*message*/) noexcept {
+  return true;
 }
 
 bool within_bounds(const msg::AxisParameters& /*message*/) noexcept {

@@ -2,6 +2,7 @@
 #include "vdrive/wire/codec.hpp"
 
 #include "bounds.hpp"
+#include "status_members.hpp"
 
 #include <fastcdr/Cdr.h>
 #include <fastcdr/FastBuffer.h>
@@ -74,45 +75,42 @@ void read_command(CdrReader& reader, msg::AxisCommand& command) {
   command.positioning_option_code(reader.next<std::uint16_t>());
 }
 
-/// A sample of AxisStatus behind the encapsulation, as CDR lays it out from a multiple of 8.
-struct StatusLayout {
-  std::uint32_t bench;
-  std::uint16_t axis;
-  std::uint16_t gap_before_tick;
-  std::uint64_t tick;
-  std::uint64_t owner_session;
-  std::uint32_t owner_epoch;
-  std::uint32_t gap_before_sequence;
-  std::uint64_t last_sequence;
-  std::uint16_t ds402_statusword;
-  std::int8_t op_mode_actual;
-  std::uint8_t motor_op_status;
-  std::uint16_t error_code;
-  std::uint8_t error_register;
-  std::uint8_t digital_inputs;
-  std::int32_t position_demand_value;
-  std::int32_t load_position_actual_value;
-  std::int32_t load_position_error_value;
-  std::int32_t motor_position_actual_value;
-  std::int32_t motor_position_error_value;
-  std::int32_t velocity_demand_value;
-  std::int32_t load_velocity_actual_value;
-  std::int32_t load_velocity_error_value;
-  std::int32_t motor_velocity_actual_value;
-  std::int32_t motor_velocity_error_value;
-  std::int16_t current_actual_value;
-  std::int16_t gap_before_current_error;
-  std::int32_t current_error_value;
-  std::int16_t torque_demand;
-  std::int16_t torque_actual_value;
-  std::uint32_t ignored_set_points;
-  std::uint32_t fault_count;
-  std::uint32_t objects;  ///< length of an empty sequence
-};
+/// Where the next number of a sample lies, behind the encapsulation.
+constexpr std::size_t aligned(std::size_t position, std::size_t size) noexcept {
+  return (position + size - 1) / size * size;
+}
 
-static_assert(kEncapsulation + sizeof(StatusLayout) == kAxisStatusSize &&
-              std::is_trivially_copyable_v<StatusLayout>);
-static_assert(sizeof(StatusLayout) % 8 == 0, "each axis of a frame begins at a multiple of 8");
+/// Calls `put(value)` for each member of an AxisStatus, in the order of the IDL.
+template <typename Put>
+constexpr void for_each_value(const AxisStatus& status, const AxisAddress& address,
+                              std::uint64_t tick, const Ownership& owner, const Put& put) {
+  put(address.bench);
+  put(address.axis);
+  put(tick);
+  put(owner.session);
+  put(owner.epoch);
+  put(owner.last_sequence);
+  for_each_status_member([&](auto member, const auto& /*in_message*/) {
+    put(status.*member);
+  });
+}
+
+/// @return bytes of an AxisStatus that begins at `start`, of which only the remainder by 8 counts.
+constexpr std::size_t status_size(std::size_t start) noexcept {
+  std::size_t position = start;
+  for_each_value({}, {}, 0, {}, [&position](auto value) {
+    position = aligned(position, sizeof value) + sizeof value;
+  });
+  return position - start;
+}
+
+// The first axis of a frame begins at a multiple of 8. It ends 4 bytes behind one, and so does
+// every further axis.
+constexpr std::size_t kFirstStatus = status_size(0);
+constexpr std::size_t kFurtherStatus = status_size(kFirstStatus);
+static_assert(kFirstStatus == 108 && kFurtherStatus == 112);
+static_assert(kEncapsulation + kFirstStatus == kAxisStatusSize);
+static_assert((kFirstStatus + kFurtherStatus) % 8 == kFirstStatus % 8);
 
 struct FrameLayout {
   std::uint32_t bench;
@@ -127,40 +125,21 @@ struct FrameLayout {
 
 static_assert(sizeof(FrameLayout) == 40 && std::is_trivially_copyable_v<FrameLayout>);
 
-StatusLayout layout_of(const AxisStatus& status, const AxisAddress& address, std::uint64_t tick,
-                       const Ownership& owner) noexcept {
-  return {.bench = address.bench,
-          .axis = address.axis,
-          .gap_before_tick = 0,
-          .tick = tick,
-          .owner_session = owner.session,
-          .owner_epoch = owner.epoch,
-          .gap_before_sequence = 0,
-          .last_sequence = owner.last_sequence,
-          .ds402_statusword = status.ds402_statusword,
-          .op_mode_actual = status.op_mode_actual,
-          .motor_op_status = status.motor_op_status,
-          .error_code = status.error_code,
-          .error_register = status.error_register,
-          .digital_inputs = status.digital_inputs,
-          .position_demand_value = status.position_demand_value,
-          .load_position_actual_value = status.load_position_actual_value,
-          .load_position_error_value = status.load_position_error_value,
-          .motor_position_actual_value = status.motor_position_actual_value,
-          .motor_position_error_value = status.motor_position_error_value,
-          .velocity_demand_value = status.velocity_demand_value,
-          .load_velocity_actual_value = status.load_velocity_actual_value,
-          .load_velocity_error_value = status.load_velocity_error_value,
-          .motor_velocity_actual_value = status.motor_velocity_actual_value,
-          .motor_velocity_error_value = status.motor_velocity_error_value,
-          .current_actual_value = status.current_actual_value,
-          .gap_before_current_error = 0,
-          .current_error_value = status.current_error_value,
-          .torque_demand = status.torque_demand,
-          .torque_actual_value = status.torque_actual_value,
-          .ignored_set_points = status.ignored_set_points,
-          .fault_count = status.fault_count,
-          .objects = 0};
+/// Writes an AxisStatus that begins at a position with the remainder `kStart` by 8.
+/// @return the place behind it.
+template <std::size_t kStart>
+std::byte* put_status(const AxisStatus& status, const AxisAddress& address, std::uint64_t tick,
+                      const Ownership& owner, std::byte* place) noexcept {
+  // Straight to its place: a copy of what was just written in small pieces would have to wait.
+  std::size_t position = kStart % 8;
+  std::byte* const origin = place - position;
+  for_each_value(status, address, tick, owner, [&](auto value) {
+    const std::size_t begin = aligned(position, sizeof value);
+    std::memset(origin + position, 0, begin - position);
+    std::memcpy(origin + begin, &value, sizeof value);
+    position = begin + sizeof value;
+  });
+  return origin + position;
 }
 
 }  // namespace
@@ -307,7 +286,8 @@ Decoding CommandDecoder::decode(std::span<const std::byte> sample, msg::Request&
 }
 
 std::size_t encoded_status_frame_size(std::size_t axes) noexcept {
-  return kEncapsulation + sizeof(FrameLayout) + axes * sizeof(StatusLayout);
+  const std::size_t of_axes = axes == 0 ? 0 : kFirstStatus + (axes - 1) * kFurtherStatus;
+  return kEncapsulation + sizeof(FrameLayout) + of_axes;
 }
 
 std::size_t encode_status_frame(const StatusFrameHead& head, const AxesAfterTick& axes,
@@ -331,10 +311,9 @@ std::size_t encode_status_frame(const StatusFrameHead& head, const AxesAfterTick
   std::memcpy(place, &frame, sizeof frame);
   place += sizeof frame;
   for (std::size_t axis = 0; axis < count; ++axis) {
-    const StatusLayout layout = layout_of(axes.status[axis], {head.bench, axes.numbers[axis]},
-                                          head.tick, axes.owners[axis]);
-    std::memcpy(place, &layout, sizeof layout);
-    place += sizeof layout;
+    const auto put = axis == 0 ? put_status<0> : put_status<kFirstStatus>;
+    place = put(axes.status[axis], {head.bench, axes.numbers[axis]}, head.tick, axes.owners[axis],
+                place);
   }
   return size;
 }
@@ -345,9 +324,8 @@ std::size_t encode_axis_status(const AxisStatus& status, const AxisAddress& addr
   if (output.size() < kAxisStatusSize) {
     return 0;
   }
-  const StatusLayout layout = layout_of(status, address, tick, owner);
   std::memcpy(output.data(), kLittleEndian.data(), kEncapsulation);
-  std::memcpy(&output[kEncapsulation], &layout, sizeof layout);
+  put_status<0>(status, address, tick, owner, &output[kEncapsulation]);
   return kAxisStatusSize;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/wire/conversion.hpp"
 
+#include "status_members.hpp"
 #include "vdrive/dictionary/abort_code.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/number_text.hpp"
@@ -136,56 +137,17 @@ void to_message(const AxisStatus& status, const AxisAddress& address, std::uint6
   message.owner_session(owner.session);
   message.owner_epoch(owner.epoch);
   message.last_sequence(owner.last_sequence);
-  message.ds402_statusword(status.ds402_statusword);
-  message.op_mode_actual(status.op_mode_actual);
-  message.motor_op_status(status.motor_op_status);
-  message.error_code(status.error_code);
-  message.error_register(status.error_register);
-  message.digital_inputs(status.digital_inputs);
-  message.position_demand_value(status.position_demand_value);
-  message.load_position_actual_value(status.load_position_actual_value);
-  message.load_position_error_value(status.load_position_error_value);
-  message.motor_position_actual_value(status.motor_position_actual_value);
-  message.motor_position_error_value(status.motor_position_error_value);
-  message.velocity_demand_value(status.velocity_demand_value);
-  message.load_velocity_actual_value(status.load_velocity_actual_value);
-  message.load_velocity_error_value(status.load_velocity_error_value);
-  message.motor_velocity_actual_value(status.motor_velocity_actual_value);
-  message.motor_velocity_error_value(status.motor_velocity_error_value);
-  message.current_actual_value(status.current_actual_value);
-  message.current_error_value(status.current_error_value);
-  message.torque_demand(status.torque_demand);
-  message.torque_actual_value(status.torque_actual_value);
-  message.ignored_set_points(status.ignored_set_points);
-  message.fault_count(status.fault_count);
-  message.objects().clear();
+  for_each_status_member([&](auto member, const auto& in_message) {
+    in_message(message) = status.*member;
+  });
 }
 
 AxisStatus from_message(const msg::AxisStatus& message) {
-  return {
-      .position_demand_value = message.position_demand_value(),
-      .load_position_actual_value = message.load_position_actual_value(),
-      .load_position_error_value = message.load_position_error_value(),
-      .motor_position_actual_value = message.motor_position_actual_value(),
-      .motor_position_error_value = message.motor_position_error_value(),
-      .velocity_demand_value = message.velocity_demand_value(),
-      .load_velocity_actual_value = message.load_velocity_actual_value(),
-      .load_velocity_error_value = message.load_velocity_error_value(),
-      .motor_velocity_actual_value = message.motor_velocity_actual_value(),
-      .motor_velocity_error_value = message.motor_velocity_error_value(),
-      .current_error_value = message.current_error_value(),
-      .current_actual_value = message.current_actual_value(),
-      .torque_actual_value = message.torque_actual_value(),
-      .torque_demand = message.torque_demand(),
-      .ds402_statusword = message.ds402_statusword(),
-      .error_code = message.error_code(),
-      .op_mode_actual = message.op_mode_actual(),
-      .motor_op_status = message.motor_op_status(),
-      .error_register = message.error_register(),
-      .digital_inputs = message.digital_inputs(),
-      .ignored_set_points = message.ignored_set_points(),
-      .fault_count = message.fault_count(),
-  };
+  AxisStatus status;
+  for_each_status_member([&](auto member, const auto& in_message) {
+    status.*member = in_message(message);
+  });
+  return status;
 }
 
 void to_message(const AxisBank& bank, std::size_t index, const AxisAddress& address,
@@ -196,19 +158,6 @@ void to_message(const AxisBank& bank, std::size_t index, const AxisAddress& addr
   for (const auto& member : kParameterMembers) {
     member.assign(message, bank.read(index, describe(member.row).address).value);
   }
-}
-
-std::optional<std::int64_t> value_of(const msg::AxisStatus& message, ObjectRow row) {
-  if (const auto monitored = value_of(from_message(message), row)) {
-    return monitored;
-  }
-  const ObjectAddress address = describe(row).address;
-  for (const auto& object : message.objects()) {
-    if (ObjectAddress{object.index(), object.subindex()} == address) {
-      return object.value();
-    }
-  }
-  return std::nullopt;
 }
 
 std::uint32_t clock_mode_code(ClockMode mode) noexcept {

@@ -116,8 +116,9 @@ class Listeners {
   }
 
   void hear(const msg::AxisStatus& status) {
+    const AxisStatus shown = wire::from_message(status);
     for (std::size_t row = 0; row < kObjectCount; ++row) {
-      static_cast<void>(wire::value_of(status, static_cast<ObjectRow>(row)));
+      static_cast<void>(value_of(shown, static_cast<ObjectRow>(row)));
     }
   }
 

@@ -46,7 +46,7 @@ typedef struct Client {
   Inbox statuses;
   Inbox command_replies;
   Inbox replies;
-  vdrive_msg_AxisStatus now;  // without its objects
+  vdrive_msg_AxisStatus now;
 } Client;
 
 static void fail(const char* format, ...) {
@@ -276,7 +276,6 @@ static void open_command_replies(Client* client) {
 
 static void note(Client* client, const vdrive_msg_AxisStatus* status) {
   client->now = *status;
-  memset(&client->now.objects, 0, sizeof client->now.objects);  // they belong to the loan
 }
 
 static void step(Client* client, uint64_t ticks) {

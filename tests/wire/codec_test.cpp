@@ -34,34 +34,12 @@ Bytes encoded_big_endian(const Message& message) {
 }
 
 /// Every member another value.
-AxisStatus make_status(int seed) {
-  std::minstd_rand random(static_cast<unsigned>(seed) + 1);
-  const auto next = [&random] {
-    return static_cast<std::int32_t>(random() * 3U);
-  };
+AxisStatus make_status(unsigned seed) {
+  std::minstd_rand random(seed + 1);
   AxisStatus status;
-  status.position_demand_value = next();
-  status.load_position_actual_value = next();
-  status.load_position_error_value = next();
-  status.motor_position_actual_value = next();
-  status.motor_position_error_value = next();
-  status.velocity_demand_value = next();
-  status.load_velocity_actual_value = next();
-  status.load_velocity_error_value = next();
-  status.motor_velocity_actual_value = next();
-  status.motor_velocity_error_value = next();
-  status.current_error_value = next();
-  status.current_actual_value = static_cast<std::int16_t>(next());
-  status.torque_actual_value = static_cast<std::int16_t>(next());
-  status.torque_demand = static_cast<std::int16_t>(next());
-  status.ds402_statusword = static_cast<std::uint16_t>(next());
-  status.error_code = static_cast<std::uint16_t>(next());
-  status.op_mode_actual = static_cast<std::int8_t>(next());
-  status.motor_op_status = static_cast<std::uint8_t>(next());
-  status.error_register = static_cast<std::uint8_t>(next());
-  status.digital_inputs = static_cast<std::uint8_t>(next());
-  status.ignored_set_points = static_cast<std::uint32_t>(next());
-  status.fault_count = static_cast<std::uint32_t>(next());
+  for (const StatusMember& member : status_members()) {
+    member.set(status, static_cast<std::int32_t>(random() * 3U));
+  }
   return status;
 }
 
@@ -78,7 +56,7 @@ TEST(StatusCodec, WritesTheBytesOfTheGeneratedEncoder) {
   message.part(2);
   message.parts(9);
   for (std::size_t axis = 0; axis < kAxes; ++axis) {
-    status.push_back(make_status(static_cast<int>(axis)));
+    status.push_back(make_status(static_cast<unsigned>(axis)));
     owners.push_back({.session = 0xFEDC0000 + axis, .epoch = 4, .last_sequence = 1'000 + axis});
     numbers.push_back(static_cast<std::uint16_t>(300 + axis));
     to_message(status.back(), {3, numbers.back()}, 77, owners.back(),

@@ -172,12 +172,12 @@ TEST(Subscription, DropsAndCountsWhatIsLongerThanTheIdlAllows) {
 TEST(Subscription, GetsMessagesAboveTheSizeOfADatagramWhole) {
   Participant sender(settings(), "sender");
   Participant receiver(settings(), "receiver");
-  Received<msg::StatusFrame> received;
-  Publication<msg::StatusFrame> publication(sender);
-  Subscription<msg::StatusFrame> subscription(receiver, received.handler());
+  Received<msg::CommandFrame> received;
+  Publication<msg::CommandFrame> publication(sender);
+  Subscription<msg::CommandFrame> subscription(receiver, received.handler());
   ASSERT_TRUE(publication.wait_for_matched(1, kPatience));
   ASSERT_TRUE(subscription.wait_for_matched(1, kPatience));
-  msg::StatusFrame frame;  // 256 axes with 8 objects each: more than 64 kB
+  msg::CommandFrame frame;  // 256 axes with 8 objects each, 42 kB: the longest message there is
   frame.axes().resize(msg::MAX_AXES_PER_FRAME);
   for (auto& axis : frame.axes()) {
     axis.objects().resize(msg::MAX_OBJECTS_PER_AXIS);

@@ -85,7 +85,7 @@ std::size_t encode_status_frame(const StatusFrameHead& head, const AxesAfterTick
                                 std::span<std::byte> output) noexcept;
 
 /// Bytes of a sample of AxisStatus.
-inline constexpr std::size_t kAxisStatusSize = kEncapsulation + 112;
+inline constexpr std::size_t kAxisStatusSize = kEncapsulation + 108;
 
 /// Writes a sample of AxisStatus. @return how many bytes were written; 0 when it does not fit.
 std::size_t encode_axis_status(const AxisStatus& status, const AxisAddress& address,

@@ -7,7 +7,6 @@
 #include "vdrive_messages.h"
 
 #include <cstdint>
-#include <optional>
 #include <string>
 
 namespace vdrive::wire {
@@ -25,8 +24,7 @@ struct AxisAddress {
   std::uint16_t axis = 0;  ///< number on its bench, from 1
 };
 
-/// Fills `message` with the status image. Sequences keep their capacity: no allocation after the
-/// first use of a message.
+/// Fills `message` with the status image.
 void to_message(const AxisStatus& status, const AxisAddress& address, std::uint64_t tick,
                 const Ownership& owner, msg::AxisStatus& message);
 
@@ -36,9 +34,6 @@ void to_message(const AxisStatus& status, const AxisAddress& address, std::uint6
 /// Fills `message` with every writable object of the manual, read from axis `index` of `bank`.
 void to_message(const AxisBank& bank, std::size_t index, const AxisAddress& address,
                 std::uint64_t tick, msg::AxisParameters& message);
-
-/// @return the value of the object `row` when `message` has it as a member, else nothing.
-[[nodiscard]] std::optional<std::int64_t> value_of(const msg::AxisStatus& message, ObjectRow row);
 
 /// @return the CLOCK_MODE_ constant for `mode`.
 [[nodiscard]] std::uint32_t clock_mode_code(ClockMode mode) noexcept;
