@@ -149,13 +149,14 @@ void BenchEngine::jump(std::uint64_t ticks) {
   }
   counters_.tick.set(tick_);
   counters_.jumps.add();
-  report({.kind = msg::EVENT_TICK_JUMPED, .detail = ticks});
+  report({.kind = msg::EVENT_TICK_JUMPED, .detail = Count{ticks}});
 }
 
 void BenchEngine::report_overrun(std::chrono::nanoseconds late) {
   counters_.overruns.add();
   report({.kind = msg::EVENT_TICK_OVERRUN,
-          .detail = static_cast<std::uint64_t>(std::max<std::int64_t>(late.count(), 0)) / 1'000});
+          .detail = std::chrono::floor<std::chrono::microseconds>(
+              std::max(late, std::chrono::nanoseconds::zero()))});
 }
 
 std::optional<std::size_t> BenchEngine::index_of(std::uint16_t number) const noexcept {
@@ -220,7 +221,7 @@ void BenchEngine::lose_master(SessionRecord& record) {
   report({.kind = msg::EVENT_MASTER_LOST,
           .axis = lost == 1 ? last_number : std::uint16_t{0},
           .session = record.session,
-          .detail = lost});
+          .detail = Count{lost}});
 }
 
 void BenchEngine::observe() {
@@ -246,7 +247,7 @@ void BenchEngine::observe() {
         report({.kind = msg::EVENT_SET_POINT_IGNORED,
                 .axis = numbers_[axis],
                 .session = control_.owner(axis).session,
-                .detail = more});
+                .detail = Count{more}});
       }
       seen.ignored_set_points = status.ignored_set_points;
     }
@@ -311,7 +312,7 @@ void BenchEngine::tell_journal() {
 void BenchEngine::tell_overflows() {
   const std::uint64_t overflows = counters_.queue_overflows.get();
   if (overflows != told_overflows_ && outbox_.events.free_slot() != nullptr) {
-    report({.kind = msg::EVENT_QUEUE_OVERFLOW, .detail = overflows - told_overflows_});
+    report({.kind = msg::EVENT_QUEUE_OVERFLOW, .detail = Count{overflows - told_overflows_}});
     told_overflows_ = overflows;
   }
 }

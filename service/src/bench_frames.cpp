@@ -193,7 +193,7 @@ void BenchEngine::apply_frame(const msg::CommandFrame& frame) {
             .axis = first.axis(),
             .session = frame.session(),
             .code = first.reason(),
-            .detail = frame.sequence_number()});
+            .detail = RefusedMessage{.number = frame.sequence_number()}});
   }
   const bool has_news =
       !command_reply_.refusals().empty() || !command_reply_.ignored_set_points().empty();
@@ -320,11 +320,12 @@ void BenchEngine::refuse(std::uint16_t axis, ObjectAddress address, std::uint32_
 void BenchEngine::refuse_frame(const msg::CommandFrame& frame, std::uint32_t reason) {
   frame_refusal_.refusals().front().reason(reason);
   counters_.frames_refused.add();
-  report({.kind = msg::EVENT_REFUSED,
-          .session = frame.session(),
-          .code = reason,
-          .detail = frame.sequence_number(),
-          .late_by = reason == msg::REASON_TOO_LATE ? lateness(frame) : 0});
+  report(
+      {.kind = msg::EVENT_REFUSED,
+       .session = frame.session(),
+       .code = reason,
+       .detail = RefusedMessage{.number = frame.sequence_number(),
+                                .late_by = reason == msg::REASON_TOO_LATE ? lateness(frame) : 0}});
   send_reply(frame, frame_refusal_);
 }
 

@@ -130,7 +130,7 @@ void BenchEngine::take_order(const StoreOrder& order, WaitingStore& waiting) {
           .axis = order.number,
           .session = waiting.session,
           .code = ParameterNews::kSaveFailed,
-          .detail = static_cast<std::uint64_t>(order.error)});
+          .detail = SystemError{order.error}});
 }
 
 /// From the next power cycle on the axis has what is durable, and not a value more.

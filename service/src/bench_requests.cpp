@@ -4,7 +4,6 @@
 #include "vdrive/service/bench_engine.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <utility>
 
@@ -146,7 +145,7 @@ void BenchEngine::finish_reply(std::uint64_t session, std::uint32_t reason, msg:
             .axis = axis,
             .session = session,
             .code = reason,
-            .detail = reply.request_id()});
+            .detail = RefusedMessage{.number = reply.request_id()}});
   }
   if (reply.reason() != msg::REASON_WRONG_INCARNATION) {
     keep(reply);
@@ -275,7 +274,7 @@ std::uint32_t BenchEngine::write_command_object(std::size_t axis, ObjectAddress 
             .axis = numbers_[axis],
             .session = session,
             .code = record->epoch,
-            .detail = 1});
+            .detail = Count{1}});
   }
   return wire_code(code);
 }
@@ -308,7 +307,7 @@ std::uint32_t BenchEngine::acquire(const msg::Request& request, bool by_force, m
             .axis = gained == 1 ? request.axes().front() : std::uint16_t{0},
             .session = request.session(),
             .code = record->epoch,
-            .detail = gained});
+            .detail = Count{gained}});
   }
   return msg::REASON_NONE;
 }
@@ -348,7 +347,7 @@ std::uint32_t BenchEngine::release(const msg::Request& request, msg::Reply& repl
   report({.kind = msg::EVENT_CONTROL_CHANGED,
           .axis = request.axes().size() == 1 ? request.axes().front() : std::uint16_t{0},
           .session = request.session(),
-          .detail = before - record->owned_axes});
+          .detail = Count{before - record->owned_axes}});
   return msg::REASON_NONE;
 }
 
@@ -401,7 +400,7 @@ std::uint32_t BenchEngine::set_rate(const msg::Request& request) {
   report({.kind = msg::EVENT_CLOCK_CHANGED,
           .session = request.session(),
           .code = msg::REQUEST_SET_RATE,
-          .detail = std::bit_cast<std::uint64_t>(rate_)});
+          .detail = NewRate{rate_}});
   return msg::REASON_NONE;
 }
 

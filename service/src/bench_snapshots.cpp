@@ -79,8 +79,10 @@ std::uint32_t BenchEngine::drop_snapshot(const msg::Request& request) {
 void BenchEngine::tell_snapshot(const msg::Request& request, std::uint32_t code,
                                 std::uint64_t number) {
   counters_.snapshots.set(snapshots_.size());
-  report(
-      {.kind = msg::EVENT_SNAPSHOT, .session = request.session(), .code = code, .detail = number});
+  report({.kind = msg::EVENT_SNAPSHOT,
+          .session = request.session(),
+          .code = code,
+          .detail = Label{number}});
 }
 
 }  // namespace vdrive::service

@@ -10,21 +10,38 @@
 #include "vdrive/wire/conversion.hpp"
 #include "wire_judge.hpp"
 
-#include <bit>
+#include <chrono>
 #include <cmath>
-#include <system_error>
+#include <variant>
 
 namespace vdrive::service {
 namespace {
 
 constexpr std::size_t kLongestText = 200;
 
+/// @return what the event has to say as a `Detail`; an empty one where it has none.
+template <typename Detail>
+Detail detail_of(const EventRecord& event) {
+  const auto* const detail = std::get_if<Detail>(&event.detail);
+  return detail == nullptr ? Detail{} : *detail;
+}
+
+std::string count_of(const EventRecord& event) {
+  return std::to_string(detail_of<Count>(event).value);
+}
+
+std::string milliseconds_of(const EventRecord& event) {
+  return std::to_string(
+      std::chrono::floor<std::chrono::milliseconds>(detail_of<std::chrono::microseconds>(event))
+          .count());
+}
+
 std::string who(const EventRecord& event) {
   return event.axis == 0 ? "" : "axis " + std::to_string(event.axis) + ": ";
 }
 
 std::string control_text(const EventRecord& event) {
-  const std::string axes = event.axis != 0 ? "" : std::to_string(event.detail) + " axes ";
+  const std::string axes = event.axis != 0 ? "" : count_of(event) + " axes ";
   if (event.code == 0) {
     return axes + "released by session " + hex(event.session, 16);
   }
@@ -33,17 +50,17 @@ std::string control_text(const EventRecord& event) {
 }
 
 std::string refusal_text(const EventRecord& event) {
-  const std::string late =
-      event.late_by == 0 ? "" : ", late by " + std::to_string(event.late_by) + " ticks";
+  const auto [number, late_by] = detail_of<RefusedMessage>(event);
+  const std::string late = late_by == 0 ? "" : ", late by " + std::to_string(late_by) + " ticks";
   return "refused: " + wire::describe_reason(event.code) + late + " (session " +
-         hex(event.session, 16) + ", number " + std::to_string(event.detail) + ")";
+         hex(event.session, 16) + ", number " + std::to_string(number) + ")";
 }
 
 std::string clock_text(const EventRecord& event) {
   const std::string session = "session " + hex(event.session, 16);
   switch (event.code) {
     case msg::REQUEST_SET_RATE: {
-      const auto rate = std::bit_cast<double>(event.detail);
+      const double rate = detail_of<NewRate>(event).value;
       return rate == 0.0 ? "paused by " + session : "rate " + to_text(rate) + " set by " + session;
     }
     case msg::REQUEST_JOIN_CLOCK:
@@ -51,7 +68,7 @@ std::string clock_text(const EventRecord& event) {
     default:
       break;
   }
-  switch (static_cast<Parting>(event.detail)) {
+  switch (detail_of<Parting>(event)) {
     case Parting::silent:
       return session + " was taken off the clock: silent while others waited for it";
     case Parting::gone:
@@ -62,9 +79,8 @@ std::string clock_text(const EventRecord& event) {
 }
 
 std::string wall_clock_text(const EventRecord& event) {
-  constexpr double kMicroseconds = 1e6;
   const double offset =
-      static_cast<double>(static_cast<std::int64_t>(event.detail)) / kMicroseconds;
+      std::chrono::duration<double>(detail_of<std::chrono::microseconds>(event)).count();
   const std::string place = "the wall clock was stepped, it is " + to_text(std::abs(offset)) +
                             (offset < 0.0 ? " s behind" : " s ahead of");
   if (event.code == WallClockNews::kJumped) {
@@ -78,7 +94,7 @@ std::string snapshot_text(const EventRecord& event) {
   const char* const what = event.code == SnapshotNews::kTaken      ? " taken"
                            : event.code == SnapshotNews::kRestored ? " restored"
                                                                    : " dropped";
-  return "snapshot " + std::to_string(event.detail) + what;
+  return "snapshot " + std::to_string(detail_of<Label>(event).value) + what;
 }
 
 std::string journal_text(const EventRecord& event) {
@@ -86,40 +102,36 @@ std::string journal_text(const EventRecord& event) {
     case JournalNews::kLosing:
       return "the journal cannot follow: ticks are missing from here on";
     case JournalNews::kResumed:
-      return "the journal goes on, " + std::to_string(event.detail) + " ticks are missing";
+      return "the journal goes on, " + count_of(event) + " ticks are missing";
     default:
-      return "the journal ended: " +
-             std::generic_category().message(static_cast<int>(event.detail));
+      return "the journal ended: " + detail_of<SystemError>(event).text();
   }
 }
 
 std::string parameters_text(const EventRecord& event) {
   switch (event.code) {
     case ParameterNews::kLoaded:
-      return "stored parameters of " + std::to_string(event.detail) + " axes are in force";
+      return "stored parameters of " + count_of(event) + " axes are in force";
     case ParameterNews::kPrevious:
-      return "stored parameters: the file: " + ParameterNews::unpack(event.detail) +
+      return "stored parameters: the file: " + detail_of<StoredProblem>(event).text() +
              "; the set before it is in force";
     case ParameterNews::kDefaults:
       return "configured values are in force: " +
              std::string(event.axis == 0 ? "the file of stored parameters: " : "stored object ") +
-             ParameterNews::unpack(event.detail);
+             detail_of<StoredProblem>(event).text();
     default:
-      return "parameters not stored: " +
-             std::generic_category().message(static_cast<int>(event.detail));
+      return "parameters not stored: " + detail_of<SystemError>(event).text();
   }
 }
 
 std::string wire_text(const EventRecord& event) {
   switch (event.code) {
     case WireNews::kLost:
-      return "the wire (network process) " + WireLoss::unpacked(event.detail).text() +
-             "; the axes go on";
+      return "the wire (network process) " + detail_of<WireLoss>(event).text() + "; the axes go on";
     case WireNews::kRuns:
-      return "the wire runs again after " + std::to_string(event.detail) + " ms";
+      return "the wire runs again after " + milliseconds_of(event) + " ms";
     default:
-      return "the wire ends again and again; it is started in " + std::to_string(event.detail) +
-             " ms";
+      return "the wire ends again and again; it is started in " + milliseconds_of(event) + " ms";
   }
 }
 
@@ -134,18 +146,19 @@ std::string text_of(const EventRecord& event) {
     case msg::EVENT_REFUSED:
       return refusal_text(event);
     case msg::EVENT_SET_POINT_IGNORED:
-      return std::to_string(event.detail) + " set-points ignored";
+      return count_of(event) + " set-points ignored";
     case msg::EVENT_CONTROL_CHANGED:
       return control_text(event);
     case msg::EVENT_MASTER_LOST:
-      return "session " + hex(event.session, 16) + " fell silent, " + std::to_string(event.detail) +
+      return "session " + hex(event.session, 16) + " fell silent, " + count_of(event) +
              " axes lost their master";
     case msg::EVENT_TICK_OVERRUN:
-      return "tick ended " + std::to_string(event.detail) + " us too late";
+      return "tick ended " + std::to_string(detail_of<std::chrono::microseconds>(event).count()) +
+             " us too late";
     case msg::EVENT_TICK_JUMPED:
-      return "tick number jumped by " + std::to_string(event.detail);
+      return "tick number jumped by " + count_of(event);
     case msg::EVENT_QUEUE_OVERFLOW:
-      return std::to_string(event.detail) + " messages lost: a queue was full";
+      return count_of(event) + " messages lost: a queue was full";
     case msg::EVENT_SNAPSHOT:
       return snapshot_text(event);
     case msg::EVENT_JOURNAL:
@@ -153,7 +166,8 @@ std::string text_of(const EventRecord& event) {
     case msg::EVENT_PARAMETERS:
       return parameters_text(event);
     case msg::EVENT_BENCH_CONFLICT:
-      return "another service has this bench number, incarnation " + std::to_string(event.detail);
+      return "another service has this bench number, incarnation " +
+             std::to_string(detail_of<Label>(event).value);
     case msg::EVENT_CLOCK_CHANGED:
       return clock_text(event);
     case msg::EVENT_WALL_CLOCK:

@@ -228,11 +228,12 @@ std::optional<JournalNews> Journal::news() noexcept {
     return JournalNews{.code = JournalNews::kLosing};
   }
   if (resumed_after_ != 0) {
-    return JournalNews{.code = JournalNews::kResumed, .detail = std::exchange(resumed_after_, 0)};
+    return JournalNews{.code = JournalNews::kResumed,
+                       .detail = Count{std::exchange(resumed_after_, 0)}};
   }
   const int error = error_.load(std::memory_order_relaxed);
   if (error != 0 && !std::exchange(told_ended_, true)) {
-    return JournalNews{.code = JournalNews::kEnded, .detail = static_cast<std::uint64_t>(error)};
+    return JournalNews{.code = JournalNews::kEnded, .detail = SystemError{error}};
   }
   return std::nullopt;
 }

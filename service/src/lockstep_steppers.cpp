@@ -44,7 +44,7 @@ void LockstepDriver::part_with(std::uint64_t session, Parting parting) {
   engine_.report({.kind = msg::EVENT_CLOCK_CHANGED,
                   .session = session,
                   .code = msg::REQUEST_LEAVE_CLOCK,
-                  .detail = static_cast<std::uint64_t>(parting)});
+                  .detail = parting});
   show_steppers();
 }
 

@@ -70,7 +70,7 @@ bool attempt(const char* what, Function function) {
 }
 
 /// @return the first value of the axis that cannot be used, and why.
-std::optional<std::uint64_t> refusal_of(const std::vector<InitialValue>& values) {
+std::optional<StoredProblem> refusal_of(const std::vector<InitialValue>& values) {
   for (const InitialValue& stored : values) {
     const AbortCode code = AxisBank::check_stored(stored.address, stored.value);
     if (code == AbortCode::none) {
@@ -78,9 +78,9 @@ std::optional<std::uint64_t> refusal_of(const std::vector<InitialValue>& values)
     }
     const auto row = find_object(stored.address);
     const bool is_stored = row && describe(*row).storage == Storage::flash;
-    return ParameterNews::pack(
+    return StoredProblem{
         is_stored ? ParameterProblem::refused_value : ParameterProblem::unknown_object,
-        stored.address.index * 256U + stored.address.subindex);
+        stored.address.index * 256U + stored.address.subindex};
   }
   return std::nullopt;
 }
@@ -341,13 +341,13 @@ std::unique_ptr<ParameterStore> open_parameter_store(const std::optional<std::st
 std::vector<EventRecord> apply(const LoadedParameters& loaded, Configuration& configuration) {
   std::vector<EventRecord> news;
   const bool is_good = loaded.problem == ParameterProblem::none;
-  const auto tell = [&news](std::uint32_t code, std::uint64_t detail, std::uint16_t axis = 0) {
+  const auto tell = [&news](std::uint32_t code, const EventDetail& detail, std::uint16_t axis = 0) {
     news.push_back({.kind = msg::EVENT_PARAMETERS, .axis = axis, .code = code, .detail = detail});
   };
   if (!is_good) {
     const bool has_previous = loaded.source == LoadedParameters::Source::previous;
     tell(has_previous ? ParameterNews::kPrevious : ParameterNews::kDefaults,
-         ParameterNews::pack(loaded.problem, loaded.number));
+         StoredProblem{loaded.problem, loaded.number});
   }
   std::uint64_t axes = 0;
   for (NamedAxis& axis : configuration.axes) {
@@ -365,7 +365,7 @@ std::vector<EventRecord> apply(const LoadedParameters& loaded, Configuration& co
     }
   }
   if (loaded.source != LoadedParameters::Source::nothing) {
-    tell(ParameterNews::kLoaded, axes);
+    tell(ParameterNews::kLoaded, Count{axes});
   }
   return news;
 }

@@ -79,7 +79,7 @@ void RealtimeDriver::follow_wall_clock() noexcept {
     counters_.wall_steps.add();
     engine_.report({.kind = msg::EVENT_WALL_CLOCK,
                     .code = step->jumped > 0 ? WallClockNews::kJumped : WallClockNews::kSteered,
-                    .detail = static_cast<std::uint64_t>(offset.count())});
+                    .detail = offset});
   }
   const std::chrono::duration<double> offset = clock_->offset();
   counters_.wall_offset.store(offset.count(), std::memory_order_relaxed);

@@ -387,8 +387,9 @@ class Service::Threads {
       report_beats_.add();
       if (const auto older = guard_.conflict(); older && !conflict_told) {
         conflict_told = true;
-        reports_.publish_event(
-            {{.kind = msg::EVENT_BENCH_CONFLICT, .tick = counters_.tick.get(), .detail = *older}});
+        reports_.publish_event({{.kind = msg::EVENT_BENCH_CONFLICT,
+                                 .tick = counters_.tick.get(),
+                                 .detail = Label{*older}}});
       }
       nap(kReportNap);
     }

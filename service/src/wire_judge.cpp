@@ -2,7 +2,6 @@
 #include "wire_judge.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <utility>
 
 namespace vdrive::service {
@@ -13,35 +12,6 @@ using namespace std::chrono_literals;
 constexpr std::uint64_t kMebi = 1'024ULL * 1'024ULL;
 
 }  // namespace
-
-std::uint64_t WireLoss::packed() const noexcept {
-  return std::uint64_t{static_cast<std::uint8_t>(cause)} << 32U | value;
-}
-
-WireLoss WireLoss::unpacked(std::uint64_t detail) noexcept {
-  return {.cause = static_cast<Cause>(detail >> 32U), .value = static_cast<std::uint32_t>(detail)};
-}
-
-std::string WireLoss::text() const {
-  const std::string number = std::to_string(value);
-  switch (cause) {
-    case Cause::signal: {
-      const char* const name = sigdescr_np(static_cast<int>(value));
-      return "ended by signal " + number + (name == nullptr ? "" : " (" + std::string(name) + ")");
-    }
-    case Cause::exit_code:
-      return "ended with exit code " + number;
-    case Cause::no_start:
-      return "not ready after 10 s";
-    case Cause::hangs:
-      return "hung: sent nothing for 2 s";
-    case Cause::deaf:
-      return "deaf: no probe came through discovery and data for 4 s";
-    case Cause::memory:
-      return "used " + number + " MiB of memory, more than its limit";
-  }
-  return "gone";
-}
 
 void WireJudge::started(Time now) noexcept {
   start_ = now;

@@ -1,40 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/service/event_record.hpp"
+
 #include <chrono>
 #include <cstdint>
 #include <optional>
-#include <string>
 
 namespace vdrive::service {
 
-/// Codes of EVENT_WIRE, and what its `detail` says.
+/// Codes of EVENT_WIRE.
 struct WireNews {
-  static constexpr std::uint32_t kLost = 1;   ///< a wire ended or was ended; detail: WireLoss
-  static constexpr std::uint32_t kRuns = 2;   ///< another one runs; detail: time without [ms]
-  static constexpr std::uint32_t kLater = 3;  ///< it ends again and again; detail: delay [ms]
-};
-
-/// Why a wire is gone.
-struct WireLoss {
-  enum class Cause : std::uint8_t {
-    signal,     ///< value: its number
-    exit_code,  ///< value: the code
-    no_start,   ///< it did not come up in time
-    hangs,      ///< its pumps made no round
-    deaf,       ///< no probe came through discovery and data
-    memory,     ///< value: what it used [MiB]
-  };
-
-  Cause cause = Cause::signal;
-  std::uint32_t value = 0;
-
-  /// @return both in one number, for an event.
-  [[nodiscard]] std::uint64_t packed() const noexcept;
-  static WireLoss unpacked(std::uint64_t detail) noexcept;
-
-  /// @return such as "signal 6 (Aborted)".
-  [[nodiscard]] std::string text() const;
+  static constexpr std::uint32_t kLost = 1;   ///< a wire ended or was ended; a WireLoss
+  static constexpr std::uint32_t kRuns = 2;   ///< another one runs; the time without
+  static constexpr std::uint32_t kLater = 3;  ///< it ends again and again; the delay
 };
 
 /// When a wire is to be ended, and when another one is to be started: decisions from what is seen

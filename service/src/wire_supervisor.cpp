@@ -116,13 +116,13 @@ void WireSupervisor::lose(const WireEnd& end, Clock::time_point now) {
   counters_.wire_is_up.set(0);
   next_start_ = judge_.ended(now, reason_.has_value());
   const auto delay = std::chrono::duration_cast<std::chrono::milliseconds>(*next_start_ - now);
-  tell(WireNews::kLost, reason_.value_or(loss_of(end)).packed());
+  tell(WireNews::kLost, reason_.value_or(loss_of(end)));
   if (delay > 0ms) {
-    tell(WireNews::kLater, static_cast<std::uint64_t>(delay.count()));
+    tell(WireNews::kLater, delay);
   }
 }
 
-void WireSupervisor::tell(std::uint32_t code, std::uint64_t detail) {
+void WireSupervisor::tell(std::uint32_t code, const EventDetail& detail) {
   if (news_.size() < kMostNews) {
     news_.push_back({.kind = msg::EVENT_WIRE, .code = code, .detail = detail});
   }
@@ -135,7 +135,7 @@ void WireSupervisor::judge(Clock::time_point now) {
     is_up_ = true;
     counters_.wire_is_up.set(1);
     const auto gap = std::chrono::duration_cast<std::chrono::milliseconds>(now - lost_at_);
-    tell(WireNews::kRuns, static_cast<std::uint64_t>(gap.count()));
+    tell(WireNews::kRuns, gap);
   }
   if (reason_) {
     return;

@@ -253,7 +253,7 @@ TEST(CommandFrame, ThatComesTooLateIsToldByHowMuch) {
   EXPECT_EQ(reply->tick() - late.apply_at_tick(), 6U);
   const auto events = bench.events(msg::EVENT_REFUSED);
   ASSERT_EQ(events.size(), 1U);
-  EXPECT_EQ(events[0].late_by, 6U);
+  EXPECT_EQ(std::get<service::RefusedMessage>(events[0].detail).late_by, 6U);
   EXPECT_NE(service::words_of(events[0]).find("late by 6 ticks"), std::string::npos);
 }
 
@@ -270,7 +270,7 @@ TEST(CommandFrame, ThatWasOvertakenIsLateByNoTick) {
   EXPECT_EQ(bench.frame_refusal(), msg::REASON_TOO_LATE);
   const auto events = bench.events(msg::EVENT_REFUSED);
   ASSERT_EQ(events.size(), 1U);
-  EXPECT_EQ(events[0].late_by, 0U);
+  EXPECT_EQ(std::get<service::RefusedMessage>(events[0].detail).late_by, 0U);
 }
 
 TEST(CommandFrame, MayBeSentTenSecondsAheadAndNoTickMore) {
@@ -316,7 +316,8 @@ TEST(PendingFrame, IsRefusedWhenAJumpCarriesTheTickPastItsValidity) {
   EXPECT_EQ(reply->refusals().at(0).reason(), msg::REASON_TOO_LATE);
   const auto events = bench.events(msg::EVENT_REFUSED);
   ASSERT_EQ(events.size(), 1U);
-  EXPECT_EQ(events[0].late_by, 11U) << "since its tick: 31 - 20";
+  EXPECT_EQ(std::get<service::RefusedMessage>(events[0].detail).late_by, 11U)
+      << "since its tick: 31 - 20";
   EXPECT_EQ(bench.value(1, 0x6041), 0x250);
 }
 

@@ -168,7 +168,8 @@ TEST(StoreRequest, ThatFailsLeavesWhatWasStored) {
   while (const auto* const event = bench.outbox.events.front()) {
     is_told = is_told || (event->kind == msg::EVENT_PARAMETERS &&
                           event->code == service::ParameterNews::kSaveFailed &&
-                          event->detail == ENOSPC && event->axis == 1);
+                          event->detail == service::EventDetail{service::SystemError{ENOSPC}} &&
+                          event->axis == 1);
     bench.outbox.events.pop();
   }
   EXPECT_TRUE(is_told);

@@ -76,7 +76,7 @@ TEST(SnapshotRequest, PutsTheAxesBackAndLetsTimeGoOn) {
   const auto news = bench.events(msg::EVENT_SNAPSHOT);
   ASSERT_EQ(news.size(), 1U);
   EXPECT_EQ(news[0].code, service::SnapshotNews::kRestored);
-  EXPECT_EQ(news[0].detail, number);
+  EXPECT_EQ(news[0].detail, service::EventDetail{service::Label{number}});
   EXPECT_EQ(bench.read(2, 0x6041).owner_session(), 0U);
   bench.steps(1);
   EXPECT_EQ(bench.events(msg::EVENT_STATE_CHANGED).size(), 1U) << "axis 2 is disabled again";

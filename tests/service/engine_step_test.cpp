@@ -95,7 +95,7 @@ TEST(Watchdog, TakesTheAxesOfASilentMasterAndFaultsTheEnabledOnes) {
   const auto events = bench.events(msg::EVENT_MASTER_LOST);
   ASSERT_EQ(events.size(), 1U);
   EXPECT_EQ(events[0].session, kAlice);
-  EXPECT_EQ(events[0].detail, 2U);
+  EXPECT_EQ(events[0].detail, service::EventDetail{service::Count{2}});
   EXPECT_EQ(bench.acquire(kBob, {1, 2}).reason(), msg::REASON_NONE);
 }
 
@@ -228,7 +228,7 @@ TEST(Outbox, CountsWhatDidNotFitAndTellsIt) {
   bench.steps(1);
   const auto events = bench.events(msg::EVENT_QUEUE_OVERFLOW);
   ASSERT_EQ(events.size(), 1U);
-  EXPECT_EQ(events[0].detail, 5U);
+  EXPECT_EQ(events[0].detail, service::EventDetail{service::Count{5}});
 }
 
 // 24.9 and 49.7 days of milliseconds: where a count of 32 bits would turn negative or start anew.

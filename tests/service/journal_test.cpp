@@ -808,7 +808,8 @@ TEST(SlowJournal, LosesWholeTicksOfTheWallClockTellsAndGoesOn) {
     }
     ASSERT_EQ(resumed.size(), 1U);
     EXPECT_EQ(resumed[0].code, JournalNews::kResumed);
-    EXPECT_EQ(resumed[0].detail, bench.counters.journal_losses.get());
+    EXPECT_EQ(resumed[0].detail,
+              service::EventDetail{service::Count{bench.counters.journal_losses.get()}});
     bench.steps(100);
     recorded.journal.close();
     EXPECT_EQ(bench.counters.journal_ticks.get() + bench.counters.journal_losses.get(),
@@ -841,7 +842,7 @@ TEST(FullDisk, EndsTheJournalAndNothingElse) {
       });
     }
     ASSERT_EQ(events.size(), 1U);
-    EXPECT_EQ(events[0].detail, static_cast<std::uint64_t>(ENOSPC));
+    EXPECT_EQ(events[0].detail, service::EventDetail{service::SystemError{ENOSPC}});
     const auto before = recorded.bench.engine.tick();
     recorded.bench.steps(2 * Journal::kSlots);
     EXPECT_EQ(recorded.bench.engine.tick(), before + 2 * Journal::kSlots);

@@ -629,7 +629,8 @@ TEST(StoredParameters, GoToTheirAxes) {
   const auto news = apply(loaded, configuration);
   ASSERT_EQ(news.size(), 1U);
   EXPECT_EQ(news[0].code, ParameterNews::kLoaded);
-  EXPECT_EQ(news[0].detail, 2U) << "axis 9 is not on this bench";
+  EXPECT_EQ(news[0].detail, service::EventDetail{service::Count{2}})
+      << "axis 9 is not on this bench";
   EXPECT_EQ(configuration.axes[0].configuration.stored.at(0).value, 5);
   EXPECT_TRUE(configuration.axes[1].configuration.stored.empty());
   EXPECT_EQ(configuration.axes[2].configuration.stored.at(0).value, 6);
@@ -649,7 +650,7 @@ TEST(StoredParameters, AreLeftOutAsAWholeWhereOneIsNotUsable) {
     EXPECT_FALSE(configuration.axes[0].configuration.memory_error);
     EXPECT_TRUE(configuration.axes[1].configuration.memory_error);
     EXPECT_TRUE(configuration.axes[1].configuration.stored.empty());
-    EXPECT_EQ(news[1].detail, 1U) << "axis 1 has its values";
+    EXPECT_EQ(news[1].detail, service::EventDetail{service::Count{1}}) << "axis 1 has its values";
   }
 }
 
@@ -660,7 +661,7 @@ TEST(StoredParameters, OfADamagedFileMakeEveryAxisFault) {
                                 .problem = ParameterProblem::damaged};
   const auto news = apply(loaded, configuration);
   EXPECT_EQ(news.at(0).code, ParameterNews::kPrevious);
-  EXPECT_EQ(ParameterNews::unpack(news[0].detail), "damaged");
+  EXPECT_EQ(std::get<service::StoredProblem>(news[0].detail).text(), "damaged");
   for (const auto& axis : configuration.axes) {
     EXPECT_TRUE(axis.configuration.memory_error);
   }
@@ -670,7 +671,8 @@ TEST(StoredParameters, OfADamagedFileMakeEveryAxisFault) {
       apply({.table = {}, .problem = ParameterProblem::unreadable, .number = EACCES}, bare);
   ASSERT_EQ(nothing.size(), 1U);
   EXPECT_EQ(nothing[0].code, ParameterNews::kDefaults);
-  EXPECT_EQ(ParameterNews::unpack(nothing[0].detail), "cannot be read: Permission denied");
+  EXPECT_EQ(std::get<service::StoredProblem>(nothing[0].detail).text(),
+            "cannot be read: Permission denied");
   EXPECT_TRUE(bare.axes[2].configuration.memory_error);
 }
 

@@ -105,7 +105,7 @@ TEST(RealtimeDriver, JumpsAfterALongStallAndHoldsTheState) {
   EXPECT_EQ(bench.counters.jumps.get(), 1U);
   const auto events = bench.events(msg::EVENT_TICK_JUMPED);
   ASSERT_EQ(events.size(), 1U);
-  EXPECT_EQ(events[0].detail, 4'999U);
+  EXPECT_EQ(events[0].detail, service::EventDetail{service::Count{4'999}});
   EXPECT_EQ(bench.counters.master_losses.get(), 0U) << "no drive time passed";
   EXPECT_EQ(bench.value(1, 0x6041) & 0x6F, 0x27);
 }
@@ -119,7 +119,7 @@ TEST(RealtimeDriver, TellsOfAStepOfTheWallClockAndSteers) {
     const auto events = bench.events(msg::EVENT_WALL_CLOCK);
     ASSERT_EQ(events.size(), 1U);
     EXPECT_EQ(events[0].code, service::WallClockNews::kSteered);
-    EXPECT_NEAR(static_cast<double>(static_cast<std::int64_t>(events[0].detail)),
+    EXPECT_NEAR(static_cast<double>(std::get<std::chrono::microseconds>(events[0].detail).count()),
                 1e6 * static_cast<double>(offset.count()), 5.0);
     EXPECT_EQ(bench.counters.wall_steps.get(), 1U);
     // 1,000 ticks at 500 ppm: half a millisecond of it is gone.
@@ -142,7 +142,7 @@ TEST(RealtimeDriver, JumpsWithTheWallClockWhereItIsConfigured) {
   EXPECT_EQ(bench.counters.jumps.get(), 1U);
   const auto jumps = bench.events(msg::EVENT_TICK_JUMPED);
   ASSERT_EQ(jumps.size(), 1U);
-  EXPECT_EQ(jumps[0].detail, 10'000U);
+  EXPECT_EQ(jumps[0].detail, service::EventDetail{service::Count{10'000}});
   EXPECT_EQ(bench.value(1, 0x6041) & 0x6F, 0x27) << "no drive time passed";
 }
 

@@ -120,7 +120,7 @@ void Bench::start_storage() {
   for (const service::EventRecord& news : service::apply(loaded, as_started_)) {
     if (news.code != service::ParameterNews::kLoaded) {
       happenings_.fail(Invariant::kStored, news.axis, "every set usable",
-                       service::ParameterNews::unpack(news.detail));
+                       std::get<service::StoredProblem>(news.detail).text());
     }
   }
   happenings_.tell("loads the stored values of", {loaded_.size()});

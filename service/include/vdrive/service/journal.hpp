@@ -4,6 +4,7 @@
 #include "vdrive/axis_bank.hpp"
 #include "vdrive/service/configuration.hpp"
 #include "vdrive/service/counters.hpp"
+#include "vdrive/service/event_record.hpp"
 #include "vdrive/service/journal_file.hpp"
 #include "vdrive/service/ring.hpp"
 
@@ -25,11 +26,11 @@ namespace vdrive::service {
 /// Something to tell about a journal.
 struct JournalNews {
   static constexpr std::uint32_t kLosing = 1;   ///< the writer cannot follow: ticks get lost
-  static constexpr std::uint32_t kResumed = 2;  ///< it goes on; detail = lost ticks
-  static constexpr std::uint32_t kEnded = 3;    ///< it cannot be written any more; detail = errno
+  static constexpr std::uint32_t kResumed = 2;  ///< it goes on; a Count of lost ticks
+  static constexpr std::uint32_t kEnded = 3;    ///< it cannot be written any more; a SystemError
 
   std::uint32_t code = 0;
-  std::uint64_t detail = 0;
+  EventDetail detail{};
 };
 
 /// Records what a bench does. The thread that steps the bank fills a bounded queue, without lock,

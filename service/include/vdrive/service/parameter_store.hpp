@@ -97,20 +97,10 @@ class ParameterStore {
 
 /// Codes of EVENT_PARAMETERS.
 struct ParameterNews {
-  static constexpr std::uint32_t kLoaded = 1;      ///< detail: of how many axes
-  static constexpr std::uint32_t kPrevious = 2;    ///< the set before is in force; detail: why
-  static constexpr std::uint32_t kDefaults = 3;    ///< configured values are in force; detail: why
-  static constexpr std::uint32_t kSaveFailed = 4;  ///< detail: errno
-
-  /// @return problem and number in one detail.
-  [[nodiscard]] static std::uint64_t pack(ParameterProblem problem, std::uint64_t number) noexcept {
-    return (number << 8U) | static_cast<std::uint64_t>(problem);
-  }
-
-  /// @return the text of a packed detail.
-  [[nodiscard]] static std::string unpack(std::uint64_t detail) {
-    return describe_problem(static_cast<ParameterProblem>(detail & 0xFFU), detail >> 8U);
-  }
+  static constexpr std::uint32_t kLoaded = 1;      ///< a Count of axes
+  static constexpr std::uint32_t kPrevious = 2;    ///< the set before is in force; a StoredProblem
+  static constexpr std::uint32_t kDefaults = 3;    ///< configured values are; a StoredProblem
+  static constexpr std::uint32_t kSaveFailed = 4;  ///< a SystemError
 };
 
 /// Gives the axes of a bench what was stored of them. An axis whose values are not all usable keeps

@@ -4,6 +4,7 @@
 #include "vdrive/axis_status.hpp"
 #include "vdrive/service/byte_ring.hpp"
 #include "vdrive/service/counters.hpp"
+#include "vdrive/service/event_record.hpp"
 #include "vdrive/service/pending_frames.hpp"
 #include "vdrive/service/ring.hpp"
 #include "vdrive/wire/codec.hpp"
@@ -96,18 +97,6 @@ class Inbox {
 struct OutgoingReply {
   wire::Source destination;
   msg::Reply reply;
-};
-
-/// Something to tell, before it becomes words.
-struct EventRecord {
-  std::uint32_t kind = 0;  ///< msg::EVENT_...
-  std::uint16_t axis = 0;  ///< number on the bench, 0 = the bench
-  std::uint64_t session = 0;
-  std::uint32_t code = 0;
-  std::uint8_t error_register = 0;
-  std::uint64_t tick = 0;
-  std::uint64_t detail = 0;   ///< a count or number for the text
-  std::uint64_t late_by = 0;  ///< of a refused frame: ticks since the one it was meant for
 };
 
 /// Status images of all axes after one tick.

@@ -13,8 +13,7 @@
 
 namespace vdrive::service {
 
-/// Codes of EVENT_WALL_CLOCK; detail: how far the wall clock is ahead of drive time [us], as a
-/// signed number.
+/// Codes of EVENT_WALL_CLOCK.
 struct WallClockNews {
   static constexpr std::uint32_t kSteered = 1;
   static constexpr std::uint32_t kJumped = 2;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/service/event_record.hpp"
 #include "vdrive/wire/source.hpp"
 
 #include <chrono>
@@ -10,13 +11,6 @@
 #include <vector>
 
 namespace vdrive::service {
-
-/// Why a stepper is no longer one.
-enum class Parting : std::uint8_t {
-  left,    ///< it asked to
-  silent,  ///< nothing was heard of it while others waited
-  gone,    ///< its participant left the network
-};
 
 /// A session that joined the clock of a lock-step bench.
 struct Stepper {
