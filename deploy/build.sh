@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Configures and builds vdrive; nothing is done twice.
+# Configures and builds vdrive; repeats no finished step.
 #
 #   deploy/build.sh [--preset NAME] [--tests] [--target TARGET]... [-D VAR=VALUE]... [--keep-going]
 #

@@ -8,8 +8,8 @@
 #   --serve   keep the service in the foreground instead of running the examples
 #
 # Meanwhile `build/release/bin/vdrive watch 1.1` shows the axis in a second terminal. The service
-# runs as bench 1 on DDS domain 0, or on VDRIVE_DOMAIN; where bench 1 is there already it takes the
-# next free number, and says so. Leaves nothing running. Exit code 0: both examples passed.
+# runs as bench 1 on DDS domain 0, or on VDRIVE_DOMAIN; when bench 1 exists already it takes the
+# next free number and reports it. No process is left running. Exit code 0: both examples passed.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -49,7 +49,7 @@ while grep -qx "$bench" <<<"$taken"; do
   bench=$((bench + 1))
   ((bench <= highest_bench)) || fail "benches 1 to $highest_bench are all taken on domain $domain"
 done
-((bench == 1)) || echo "demo: bench 1 is there already on domain $domain; this one is bench $bench"
+((bench == 1)) || echo "demo: bench 1 exists already on domain $domain; this one is bench $bench"
 
 domain_option=
 if [[ $domain != 0 ]]; then
@@ -64,7 +64,7 @@ fi
 
 work=$(mktemp -d)
 service=
-# Ends what was started, however this script ends.
+# Ends every started process, however this script ends.
 clean_up() {
   if [[ -n $service ]]; then
     kill "$service" 2>/dev/null || true
@@ -78,10 +78,10 @@ trap 'exit 130' INT TERM HUP
 "$bin/vdrived" --domain "$domain" --bench "$bench" --log-level warn 2>"$work/vdrived.log" &
 service=$!
 
-# The service listens for its own number for a moment before it says that it is there.
+# The service checks for a short time that its number is free before it announces itself.
 if ! vdrive --timeout 10 status "$bench.1" >/dev/null 2>"$work/status.log"; then
   cat "$work/vdrived.log" "$work/status.log" >&2
-  fail "the service did not come up"
+  fail "the service did not start"
 fi
 
 echo "demo: bench $bench with two axes on DDS domain $domain, in real time"

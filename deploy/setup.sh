@@ -6,8 +6,8 @@
 #
 #   --tests   also what the tests, the benchmarks and the lint need
 #
-# Installs only what is missing, by apt, through sudo unless run as root. Says nothing when nothing
-# is missing. Writes to standard error only. Exit code 0: everything is there.
+# Installs only what is missing, by apt, through sudo unless run as root. Prints nothing when
+# nothing is missing. Writes to standard error only. Exit code 0: all packages are installed.
 set -euo pipefail
 
 packages=(
@@ -91,8 +91,8 @@ if ((EUID != 0)); then
   as_root=(sudo)
 fi
 
-# Shows what apt says only when it fails. Root's environment is reset by sudo, so the variable
-# travels as an argument.
+# Shows the output of apt only when it fails. sudo resets the environment, so the variable is passed
+# as an argument.
 apt() {
   local output
   if ! output=$("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get --quiet \
@@ -103,7 +103,8 @@ apt() {
 }
 
 echo "setup: installing ${missing[*]}" >&2
-# The lists of a fresh machine are empty, those of an old one name packages that are gone.
+# The package lists of a new machine are empty; those of an old one name packages that no longer
+# exist.
 apt update || fail "apt-get update failed; missing: ${missing[*]}"
 apt install --yes --no-install-recommends "${missing[@]}" ||
   fail "apt-get install failed (vdrive is built for Debian 12); missing: ${missing[*]}"

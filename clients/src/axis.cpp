@@ -155,7 +155,8 @@ Outcome Axis::move(std::int32_t target, bool relative, const MoveOptions& option
   if (Outcome moded = ensure_profile_position(talk); !moded) return moded;
   const msg::AxisCommand command = set_point(id_.axis, target, relative, options);
   if (Outcome said = say_set_point(talk, command); !said) return said;
-  // From here on bits 12 and 10 speak of this set-point: say() showed the tick in which it counts.
+  // From here on bits 12 and 10 belong to this set-point: say() returned in the tick in which it
+  // acts.
   const auto acknowledged = [](const AxisSnapshot& axis) {
     return axis.shows(Statusword::kSetPointAcknowledge);
   };
@@ -268,7 +269,7 @@ Result<Readings> Axis::read(std::span<const ObjectAddress> objects) const {
         core_->request(*target, std::move(request), "read of axis " + to_string(id_));
     if (!reply) return reply.outcome();
     if (reply->objects().size() != part.size()) {
-      return Outcome::failed("the read of axis " + to_string(id_) + " was not answered whole");
+      return Outcome::failed("the read of axis " + to_string(id_) + " was answered only in part");
     }
     readings.tick = reply->tick();
     for (const msg::ObjectResult& result : reply->objects()) {

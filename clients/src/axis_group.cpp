@@ -60,7 +60,7 @@ Result<GroupLayout> layout_of(std::vector<AxisId> axes) {
     const AxisId& id = axes[place];
     if (!seen.insert(id).second) {
       return Outcome::refused(msg::REASON_AXIS_TWICE,
-                              "axis " + to_string(id) + " stands twice in the group");
+                              "axis " + to_string(id) + " appears twice in the group");
     }
     auto bench = std::ranges::find(layout.benches, id.bench, &GroupLayout::Bench::number);
     if (bench == layout.benches.end()) {
@@ -68,7 +68,8 @@ Result<GroupLayout> layout_of(std::vector<AxisId> axes) {
     }
     if (bench->axes.size() == msg::MAX_AXES_PER_FRAME) {
       return Outcome::refused(msg::REASON_TOO_MANY_AXES,
-                              "axis " + to_string(id) + " is one too many of its bench");
+                              "axis " + to_string(id) + " is too many: a group can have " +
+                                  std::to_string(msg::MAX_AXES_PER_FRAME) + " axes of one bench");
     }
     bench->axes.push_back(id.axis);
     bench->places.push_back(place);
@@ -154,7 +155,8 @@ Result<std::vector<std::int32_t>> AxisGroup::State::positions_of(
     if (!(whole >= kLowest && whole <= kHighest)) {  // also when it is no number
       return Outcome::refused(wire_code(AbortCode::value_range_exceeded),
                               "axis " + to_string(layout.axes[positions.size()]) +
-                                  ": the position " + std::to_string(value) + " is beyond 32 bits");
+                                  ": the position " + std::to_string(value) +
+                                  " does not fit in 32 bits");
     }
     positions.push_back(static_cast<std::int32_t>(whole));
   }
@@ -166,7 +168,7 @@ Result<LineRequest> AxisGroup::State::request_of(const Eigen::VectorXd& targets,
   if (!is_factor(options.velocity_factor) || !is_factor(options.acceleration_factor) ||
       !is_factor(options.deceleration_factor)) {
     return Outcome::refused(wire_code(AbortCode::value_range_exceeded),
-                            "the factors of a move are above 0 and at most 1");
+                            "the factors of a move must be above 0 and at most 1");
   }
   auto positions = positions_of(targets);
   if (!positions) return positions.outcome();
@@ -234,7 +236,7 @@ Result<AxisGroup> AxisGroup::create(Session& session, std::span<const Axis> axes
   for (const Axis& axis : axes) {
     if (axis.core_ != session.core_) {
       return Outcome::refused(msg::REASON_BAD_SESSION,
-                              "axis " + to_string(axis.id()) + " was found by another session");
+                              "axis " + to_string(axis.id()) + " belongs to another session");
     }
     ids.push_back(axis.id());
   }

@@ -178,9 +178,9 @@ Outcome AxisGroup::State::start(GroupTalk& talk, const LineRequest& request) {
   if (told.outcome.kind() == OutcomeKind::lost) return talk.stop_others(told.outcome);
   if (told.tick != 0) withdraw(talk);
   if (!told.outcome) return told.outcome;
-  return not_in_this_state(
-      "axis " + to_string(layout.axes[told.ignored.front()]) +
-      " ignored the set-point: it moves, or limits of before it was enabled are in force");
+  return not_in_this_state("axis " + to_string(layout.axes[told.ignored.front()]) +
+                           " ignored the set-point: it still moves, or a limit that was written "
+                           "after it was enabled is not yet in force");
 }
 
 /// Takes back a start that not every axis took part in: the others get a set-point where they

@@ -86,7 +86,7 @@ Outcome Conversation::say(const std::vector<std::uint16_t>& controlwords) {
 
 Outcome Conversation::look(std::string_view awaited) {
   if (now_.tick >= deadline_) {
-    return Outcome::timed_out("axis " + to_string(id_) + ": waited in vain for " +
+    return Outcome::timed_out("axis " + to_string(id_) + ": timed out while waiting for " +
                               std::string(awaited) + ", " + what_it_shows(now_));
   }
   // Drive time may pass slower than wall time; where none passes at all the same time has to do.
@@ -95,7 +95,7 @@ Outcome Conversation::look(std::string_view awaited) {
     auto sample = follower_->next(kPatience);
     if (sample.outcome().kind() != OutcomeKind::timed_out) return note(std::move(sample));
     if (std::chrono::steady_clock::now() - begin >= timeout_) {
-      return Outcome::timed_out("axis " + to_string(id_) + ": waited in vain for " +
+      return Outcome::timed_out("axis " + to_string(id_) + ": timed out while waiting for " +
                                 std::string(awaited) + ", " + sample.outcome().message());
     }
   }
@@ -125,7 +125,7 @@ Result<std::int64_t> Conversation::read(ObjectAddress object) {
   const auto reply = core_->request(target_, std::move(request), "read of axis " + to_string(id_));
   if (!reply) return reply.outcome();
   if (reply->objects().size() != 1) {
-    return Outcome::failed("the read of axis " + to_string(id_) + " was not answered whole");
+    return Outcome::failed("the read of axis " + to_string(id_) + " was answered only in part");
   }
   const msg::ObjectResult& result = reply->objects().front();
   if (result.abort_code() != 0) {

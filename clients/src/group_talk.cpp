@@ -78,7 +78,7 @@ Outcome GroupTalk::compare_clocks() const {
     if (lines_.size() > 1 && !shared) {
       return Outcome::refused(
           msg::REASON_WRONG_CLOCK_MODE,
-          pair + " share no clock: that takes lock-step, or real time at rate 1");
+          pair + " do not share a clock: a group needs lock-step, or real time at rate 1");
     }
   }
   return {};
@@ -116,9 +116,10 @@ Outcome GroupTalk::await_common_ticks() {
     const auto [least, most] = std::ranges::minmax_element(lines_, {}, behind);
     if (most->seen.tick - least->seen.tick <= apart) return {};
     if (std::chrono::steady_clock::now() > give_up) {
-      return Outcome::refused(msg::REASON_WRONG_CLOCK_MODE,
-                              name_of(least->target) + " and " + name_of(most->target) +
-                                  " count different ticks: their clocks are not synchronised");
+      return Outcome::refused(
+          msg::REASON_WRONG_CLOCK_MODE,
+          name_of(least->target) + " and " + name_of(most->target) +
+              " have different tick numbers: their clocks are not synchronised");
     }
     if (Outcome seen = next(*least); !seen) return seen;
     // Who waits for one bench must not fall behind on the others.
@@ -239,7 +240,7 @@ void GroupTalk::publish() {
 }
 
 Outcome GroupTalk::timed_out(std::string_view awaited, std::span<const std::size_t> late) const {
-  std::string message = "waited in vain for " + std::string(awaited);
+  std::string message = "timed out while waiting for " + std::string(awaited);
   for (std::size_t i = 0; i < std::min(late.size(), kMostNamed); ++i) {
     const AxisSnapshot& axis = now_[late[i]];
     message +=
@@ -279,7 +280,7 @@ Result<std::vector<std::vector<std::int64_t>>> GroupTalk::read(
       results.insert(results.end(), reply.objects().begin(), reply.objects().end());
     }
     if (results.size() != line.bench->axes.size() * objects.size()) {
-      return Outcome::failed(name_of(line.target) + " did not answer the read whole");
+      return Outcome::failed(name_of(line.target) + " answered the read only in part");
     }
     for (std::size_t i = 0; i < results.size(); ++i) {
       if (results[i].abort_code() != 0) {

@@ -10,7 +10,7 @@ std::string with_code(std::string message, std::uint32_t code) {
   constexpr std::uint32_t kFirstAbortCode = 0x05000000;
   message += ": ";
   if (code == kNotPermitted) {
-    return message + "the permissions of this identity do not allow to command";
+    return message + "the permissions of this identity do not allow commands";
   }
   if (code < kFirstAbortCode) message += "reason " + std::to_string(code) + ", ";
   return message + wire::describe_reason(code);  // which starts with an abort code itself

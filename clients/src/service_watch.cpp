@@ -29,13 +29,13 @@ std::string text_of(ServiceNews news, const Presence& presence) {
   std::string bench = "bench " + std::to_string(presence.key.number);
   switch (news) {
     case ServiceNews::found:
-      return bench + " is there";
+      return bench + " was found";
     case ServiceNews::fell_silent:
-      return bench + " fell silent " + std::to_string(age(presence).count()) + " ms ago";
+      return bench + " stopped sending " + std::to_string(age(presence).count()) + " ms ago";
     case ServiceNews::heard_again:
-      return bench + " is heard again";
+      return bench + " sends again";
     case ServiceNews::restarted:
-      return bench + " restarted: what was held there is not held any more";
+      return bench + " restarted: this session has lost control of its axes";
     case ServiceNews::went_offline:
       return bench + " went offline";
   }

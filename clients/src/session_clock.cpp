@@ -209,7 +209,7 @@ Result<Observation> SessionCore::step(const Target& target, std::uint64_t ticks,
     const auto reply = step_once(target, std::move(request), patience);
     if (!reply) return reply.outcome();
     if (reply->statuses().size() != wanted) {
-      return Outcome::failed(name_of(target) + " did not show the axes asked for");
+      return Outcome::failed(name_of(target) + " did not send the status of the requested axes");
     }
     observation.tick = reply->tick();
     for (const msg::AxisStatus& status : reply->statuses()) {

@@ -12,7 +12,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// A service that is heard answers within this, or it never will.
+// A service whose samples arrive answers within this time, or it never answers.
 constexpr SessionCore::Patience kAnswer{milliseconds(10'000), false};
 
 // A frame for a later tick is answered in that tick.
@@ -69,8 +69,10 @@ Result<std::uint64_t> SessionCore::send_request(const Target& target, msg::Reque
   if (!may_command()) return not_permitted(target);
   Link& link = link_of(target.key);
   const std::scoped_lock writing(link.mutex);
-  if (!mend_until(link, target.key, Directory::Clock::now() + patience)) {
-    return Outcome::lost(name_of(target) + " is there and cannot be asked: no match");
+  if (!match_until(link, target.key, Directory::Clock::now() + patience)) {
+    return Outcome::lost(
+        name_of(target) +
+        " was found, but it cannot receive requests: DDS has not matched its reader");
   }
   Lock lock(mutex_);
   const std::uint64_t number = ++last_request_;
@@ -84,12 +86,12 @@ Result<std::uint64_t> SessionCore::send_request(const Target& target, msg::Reque
                                                               .sent = Directory::Clock::now(),
                                                               .reply = std::nullopt});
   lock.unlock();
-  // Nobody else takes it away; who repeats it only reads.
+  // No other thread removes the entry; the thread that repeats the request only reads it.
   if (write_patiently(*request_publication_, target.key, entry.first->second.request))
     return number;
   lock.lock();
   requests_.erase(number);
-  return Outcome::lost(name_of(target) + " takes no more requests");
+  return Outcome::lost(name_of(target) + " accepts no more requests");
 }
 
 Result<msg::Reply> SessionCore::await_reply(const Target& target, std::uint64_t number,
@@ -289,8 +291,10 @@ Outcome SessionCore::send(const Target& target, const FrameContent& content,
                           std::vector<std::uint64_t>& sequences) {
   Link& link = link_of(target.key);
   const std::scoped_lock writing(link.mutex);
-  if (!mend_until(link, target.key, Directory::Clock::now() + kMatch)) {
-    return Outcome::lost(name_of(target) + " is there and hears no commands: no match");
+  if (!match_until(link, target.key, Directory::Clock::now() + kMatch)) {
+    return Outcome::lost(
+        name_of(target) +
+        " was found, but it cannot receive commands: DDS has not matched its reader");
   }
   Lock lock(mutex_);
   msg::CommandFrame frame = next_frame(holding(target.key));
@@ -306,7 +310,7 @@ Outcome SessionCore::send(const Target& target, const FrameContent& content,
   lock.unlock();
   sequences.push_back(sequence);
   if (write_patiently(*command_publication_, target.key, entry.first->second.frame)) return {};
-  return Outcome::lost(name_of(target) + " takes no more commands");
+  return Outcome::lost(name_of(target) + " accepts no more commands");
 }
 
 Applied SessionCore::collect(const Target& target, std::span<const std::uint64_t> sequences,

@@ -26,7 +26,7 @@ constexpr milliseconds kShortestSilence{50};
 
 SessionOptions checked(SessionOptions options) {
   if (options.silence >= kShortestSilence) return options;
-  throw std::runtime_error("the silence after which a service is lost, " +
+  throw std::runtime_error("the time without samples after which a service is lost, " +
                            std::to_string(options.silence.count()) + " ms, is below 50 ms");
 }
 
@@ -38,7 +38,7 @@ std::uint64_t random_session() {
 }
 
 std::string list_of(std::span<const PresentBench> benches) {
-  if (benches.empty()) return "no bench is there";
+  if (benches.empty()) return "no bench was found";
   std::string text = "found";
   for (const PresentBench& bench : benches) {
     text += text == "found" ? " " : ", ";
@@ -72,7 +72,7 @@ std::string paused_text(const Target& target) {
 }
 
 std::string restarted_text(const Target& target) {
-  return name_of(target) + " restarted: another run of its service is there";
+  return name_of(target) + " restarted: another run of its service has begun";
 }
 
 namespace {
@@ -91,7 +91,7 @@ std::unique_ptr<wire::Publication<Message>> publication_if_permitted(
 }  // namespace
 
 Outcome not_permitted(const Target& target) {
-  return Outcome::refused(kNotPermitted, name_of(target) + " was not asked");
+  return Outcome::refused(kNotPermitted, name_of(target) + " received no request");
 }
 
 SessionCore::SessionCore(const SessionOptions& options)
@@ -134,12 +134,12 @@ SessionCore::~SessionCore() {
   (void)release();  // nobody is left to be told
 }
 
-/// A run of the service that is heard no more. Guarded by the caller's lock.
+/// A run of the service whose samples no longer arrive. Guarded by the caller's lock.
 Outcome SessionCore::gone(const Target& target) {
   if (directory_.is_restarted(target.key, Clock::now())) {
     return Outcome::lost(restarted_text(target));
   }
-  return Outcome::lost(name_of(target) + " fell silent or went away");
+  return Outcome::lost(name_of(target) + " stopped sending or ended");
 }
 
 void SessionCore::watch_services(std::function<void(const ServiceChange&)> observer) {

@@ -31,7 +31,7 @@ namespace vdrive::client {
 /// Wall time that a step waits for the other steppers of its clock to grant the next tick.
 inline constexpr std::chrono::milliseconds kStepPatience{10'000};
 
-/// The run of a service that a call speaks to.
+/// The run of a service that a call commands.
 struct Target {
   BenchKey key;
   ClockMode clock_mode = ClockMode::realtime;
@@ -50,10 +50,10 @@ struct Target {
 /// @return why nothing moves there: "bench 1 is paused: rate 0".
 [[nodiscard]] std::string paused_text(const Target& target);
 
-/// @return that the run of the service that was spoken to is gone, and another one is there.
+/// @return the message that the run of the service has ended and that another run has begun.
 [[nodiscard]] std::string restarted_text(const Target& target);
 
-/// @return why nothing was sent by a session that may only look.
+/// @return why a session without permission to command sent nothing.
 [[nodiscard]] Outcome not_permitted(const Target& target);
 
 /// What one command frame carries.
@@ -80,8 +80,8 @@ struct Applied {
 /// Handlers run in DDS threads and only fill; calls wait on one condition variable.
 class SessionCore : public std::enable_shared_from_this<SessionCore> {
  public:
-  /// How long a wait may take. What was asked of a service is waited for also after an interrupt:
-  /// whoever is interrupted still has to clean up.
+  /// How long a wait may take. An interrupt does not end the wait for the answer to a request: the
+  /// interrupted call still has to clean up.
   struct Patience {
     std::chrono::milliseconds timeout;
     bool may_interrupt;
@@ -307,7 +307,7 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   bool is_matched(const wire::Source& source, std::chrono::milliseconds patience);
   Outcome await_match(const Target& target);
   bool mend(Link& link, const BenchKey& key, std::chrono::milliseconds patience);
-  bool mend_until(Link& link, const BenchKey& key, Directory::Clock::time_point deadline);
+  bool match_until(Link& link, const BenchKey& key, Directory::Clock::time_point deadline);
   bool repeat(const BenchKey& key, Directory::Clock::time_point sent_before);
   bool is_broken(const BenchKey& key) const;
   bool is_overdue(const BenchKey& key, Directory::Clock::time_point now) const;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The way to a bench. The network part of a service may start anew: then another participant speaks
-// for the same run, and what was on its way is lost. A service carries everything out once, however
-// often it arrives, so all that was not answered is sent again.
+// The link to a bench. The network process of a service may restart: then a new participant sends
+// for the same run, and messages in transit are lost. A service carries each message out once,
+// however often it arrives, so this session sends every unanswered message again.
 #include "session_core.hpp"
 
 #include <algorithm>
@@ -40,8 +40,10 @@ bool SessionCore::is_matched(const wire::Source& source, milliseconds patience) 
 Outcome SessionCore::await_match(const Target& target) {
   Link& link = link_of(target.key);
   const std::scoped_lock writing(link.mutex);
-  if (mend_until(link, target.key, Clock::now() + kMatch)) return {};
-  return Outcome::lost(name_of(target) + " is there and cannot be asked: no match");
+  if (match_until(link, target.key, Clock::now() + kMatch)) return {};
+  return Outcome::lost(
+      name_of(target) +
+      " was found, but it cannot receive requests: DDS has not matched its reader");
 }
 
 /// Before anything is written, with the link's mutex: after a change of the participant first sends
@@ -57,7 +59,7 @@ bool SessionCore::mend(Link& link, const BenchKey& key, milliseconds patience) {
   return true;
 }
 
-bool SessionCore::mend_until(Link& link, const BenchKey& key, Clock::time_point deadline) {
+bool SessionCore::match_until(Link& link, const BenchKey& key, Clock::time_point deadline) {
   while (!mend(link, key, kLookAtSource)) {
     if (Clock::now() >= deadline) return false;
   }

@@ -146,7 +146,7 @@ Result<std::vector<std::uint64_t>> StepClock::step(std::uint64_t ticks,
   for (const Member& other : state_->members) {
     if (other.target.period != first.target.period) {
       return Outcome::failed(period_of(first) + " and " + period_of(other) +
-                             ": step by drive time");
+                             ": use step_for with a drive time");
     }
   }
   return state_->run(nanoseconds(first.target.period) * static_cast<std::int64_t>(ticks),
@@ -158,7 +158,7 @@ Result<std::vector<std::uint64_t>> StepClock::step_for(nanoseconds duration,
   for (const Member& member : state_->members) {
     if (duration.count() < 0 || duration % nanoseconds(member.target.period) != nanoseconds(0)) {
       return Outcome::failed(period_of(member) + ", and " + std::to_string(duration.count()) +
-                             " ns is no multiple of that");
+                             " ns is not a multiple of that");
     }
   }
   return state_->run(duration, Clock::now() + patience);

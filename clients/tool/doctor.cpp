@@ -17,7 +17,7 @@ using client::Outcome;
 // Ports of a domain: DDSI-RTPS 9.6.1.1, port base and gain of a domain.
 constexpr std::uint32_t kPortBase = 7400;
 constexpr std::uint32_t kDomainGain = 250;
-// A status frame of 1,024 axes and what else a tick brings; docs/performance.md.
+// A status frame of 1,024 axes and what else a tick brings; docs/explanation/performance.md.
 constexpr std::uint64_t kGoodReceiveBuffer = 4'000'000;
 constexpr std::uint64_t kFewFiles = 256;
 
@@ -29,10 +29,11 @@ Finding look_at_domain(const HostReadings& readings, const GlobalOptions& option
                   .advice = ""};
   if (readings.first_ephemeral_port && first + kDomainGain > *readings.first_ephemeral_port) {
     finding.severity = Severity::hint;
-    finding.advice = "the kernel gives ports from " +
-                     std::to_string(*readings.first_ephemeral_port) +
-                     " to any program, which may take one of these: use a domain below " +
-                     std::to_string((*readings.first_ephemeral_port - kPortBase) / kDomainGain);
+    finding.advice =
+        "the kernel gives the UDP ports from " + std::to_string(*readings.first_ephemeral_port) +
+        " upwards to any program, so another program may hold a port of this domain: use a "
+        "domain below " +
+        std::to_string((*readings.first_ephemeral_port - kPortBase) / kDomainGain);
   }
   return finding;
 }
@@ -60,7 +61,7 @@ std::vector<Finding> look_at_interfaces(const HostReadings& readings,
     const auto own = std::ranges::find(readings.interfaces, address, &NetworkInterface::address);
     if (own == readings.interfaces.end()) {
       finding.severity = Severity::problem;
-      finding.text += " is no address of this machine";
+      finding.text += " is not an address of this machine";
       finding.advice = "name one of " + addresses_of(readings);
     } else if (!own->is_up) {
       finding.severity = Severity::problem;
@@ -77,15 +78,15 @@ std::vector<Finding> look_at_multicast(const HostReadings& readings, const Globa
   const bool is_needed = options.peers.empty() && options.discovery_servers.empty();
   std::vector<Finding> findings;
   for (const MulticastReading& reading : readings.multicast) {
-    Finding finding{
-        .subject = "multicast",
-        .text = reading.address + (reading.is_heard ? " hears what it sends to the discovery group"
-                                                    : " does not hear its own multicast"),
-        .advice = ""};
+    Finding finding{.subject = "multicast",
+                    .text = reading.address +
+                            (reading.is_heard ? " receives its own multicast to the discovery group"
+                                              : " does not receive its own multicast"),
+                    .advice = ""};
     if (!reading.is_heard) {
       finding.severity = is_needed ? Severity::problem : Severity::hint;
       finding.advice = is_needed
-                           ? "let UDP to 239.255.0.1 through the firewall, or name the other hosts "
+                           ? "allow UDP to 239.255.0.1 in the firewall, or name the other hosts "
                              "with --peer or --discovery-server"
                            : "not needed: peers or a discovery server are named";
     }
@@ -97,7 +98,7 @@ std::vector<Finding> look_at_multicast(const HostReadings& readings, const Globa
 Finding look_at_clock(const HostReadings& readings) {
   Finding finding{.subject = "clock", .text = "", .advice = ""};
   if (!readings.is_clock_synchronised) {
-    finding.text = "whether it is synchronised cannot be read";
+    finding.text = "cannot read whether it is synchronised";
   } else if (*readings.is_clock_synchronised) {
     finding.text = "synchronised";
   } else {
@@ -160,7 +161,7 @@ Finding look_at_segments(const HostReadings& readings) {
   const auto stale = std::ranges::count(readings.segments, false, &SharedSegment::is_mapped);
   Finding finding{.subject = "shared memory",
                   .text = std::to_string(readings.segments.size()) + " segments of Fast DDS, " +
-                          std::to_string(stale) + " that nobody uses",
+                          std::to_string(stale) + " that no program uses",
                   .advice = ""};
   if (stale != 0) {
     finding.severity = Severity::hint;
@@ -189,7 +190,7 @@ Finding look_at_wire(const client::BenchInfo& bench) {
   const std::string subject = "the network process of bench " + std::to_string(bench.number);
   if (bench.wire_starts == 1) {
     return {.subject = "benches",
-            .text = subject + " never ended since the service started",
+            .text = subject + " has not ended since the service started",
             .advice = ""};
   }
   const std::uint64_t restarts = bench.wire_starts - 1;
@@ -197,8 +198,9 @@ Finding look_at_wire(const client::BenchInfo& bench) {
           .subject = "benches",
           .text = subject + " was started again " +
                   (restarts == 1 ? "once" : std::to_string(restarts) + " times") +
-                  " since the service started; its axes were not stopped by that",
-          .advice = "the log of the service and the events of the bench say why each time"};
+                  " since the service started; the axes did not stop",
+          .advice =
+              "the log of the service and the events of the bench give the reason of each restart"};
 }
 
 }  // namespace
@@ -277,10 +279,11 @@ Outcome run_doctor(const GlobalOptions& options, Terminal& terminal,
   try {
     append(findings, look_at_benches(find(), options));
   } catch (const std::exception& error) {
-    findings.push_back({.severity = Severity::problem,
-                        .subject = "benches",
-                        .text = error.what(),
-                        .advice = "mend what is said above; without that nobody can be found"});
+    findings.push_back(
+        {.severity = Severity::problem,
+         .subject = "benches",
+         .text = error.what(),
+         .advice = "solve this problem first; the tool cannot look for benches before"});
   }
   for (const Finding& finding : findings) show(finding, options.json, terminal);
   const auto problems = std::ranges::count(findings, Severity::problem, &Finding::severity);

@@ -63,7 +63,7 @@ client::Result<client::BenchInfo> Executor::bench_of(const client::AxisId& axis)
 
 Outcome Executor::run(const ListCommand& /*command*/) {
   const auto benches = session_.find_benches();
-  if (benches.empty()) return Outcome::not_found("no bench is there on this domain");
+  if (benches.empty()) return Outcome::not_found("no bench was found on this domain");
   for (const client::BenchInfo& bench : benches) {
     if (Outcome listed = list_bench(bench); !listed) return listed;
   }
@@ -247,7 +247,7 @@ Outcome Executor::command_axis(client::Axis& axis, const AxisCommand& command) {
     case AxisWord::restore:
       return axis.restore_defaults();
   }
-  return Outcome::failed("unknown word");
+  return Outcome::failed("unknown command");
 }
 
 Outcome Executor::run(const MoveCommand& command) {
@@ -445,7 +445,7 @@ Outcome Executor::run(const WaitCommand& command) {
 // One overload of many, called like the others.
 Outcome Executor::run(  // NOLINT(readability-convert-member-functions-to-static)
     const DoctorCommand& /*command*/) {
-  return Outcome::failed("the doctor has no place in a scenario");
+  return Outcome::failed("doctor cannot be used in a scenario");
 }
 
 Outcome Executor::run(  // NOLINT(readability-convert-member-functions-to-static)

@@ -138,9 +138,9 @@ Outcome Executor::look_within(Looker& looker, const ExpectCommand& command) {
 
 Outcome Executor::look_throughout(Looker& looker, const ExpectCommand& command) {
   if (!looker.sees_every_tick()) {
-    return Outcome::failed(command.object.text +
-                           " is not in the status stream: --throughout can look at it in every "
-                           "tick in lock-step only");
+    return Outcome::failed(
+        command.object.text +
+        " is not in the status stream: --throughout can check it in every tick only in lock-step");
   }
   const auto bench = bench_of(axes_.at(command.axis).id());
   if (!bench) return bench.outcome();

@@ -54,7 +54,7 @@ struct AxisWordRow {
 };
 
 constexpr std::array kAxisWords{
-    AxisWordRow{AxisWord::enable, false, false, "Walk the power states to Operation enabled"},
+    AxisWordRow{AxisWord::enable, false, false, "Go through the power states to Operation enabled"},
     AxisWordRow{AxisWord::disable, false, false, "Shut down (0x06): to Ready to switch on"},
     AxisWordRow{AxisWord::halt, false, true, "Brake to standstill, keep the set-point (0x010F)"},
     AxisWordRow{AxisWord::resume, false, true, "End a halt and continue the set-point (0x0F)"},
@@ -63,7 +63,7 @@ constexpr std::array kAxisWords{
     AxisWordRow{AxisWord::power_cycle, false, false, "Switch the axis off and on again"},
     AxisWordRow{AxisWord::store, false, false, "Store the parameters for every later power-up"},
     AxisWordRow{AxisWord::restore, false, false,
-                "Forget stored parameters: defaults after the next power cycle"},
+                "Remove stored parameters; defaults are in force after the next power cycle"},
 };
 
 std::vector<Disturbance> inputs_of(const std::string& kind, const std::string& value) {
@@ -74,7 +74,7 @@ std::vector<Disturbance> inputs_of(const std::string& kind, const std::string& v
     inputs.push_back({object, kind == "none" ? 0 : parse_value(value, object)});
   }
   if (!inputs.empty()) return inputs;
-  std::string message = in_quotes(kind) + " is no disturbance: write";
+  std::string message = in_quotes(kind) + " is not a disturbance: write";
   for (const DisturbanceRow& row : kDisturbances) message += " " + std::string(row.kind) + ",";
   throw UsageError(message + " or none");
 }
@@ -90,7 +90,7 @@ SnapshotCommand snapshot_of(const std::string& action, const std::string& number
     }
     return {known, number.empty() ? 0 : parse_number(number, "snapshot number", kHighest64), bench};
   }
-  throw UsageError(in_quotes(action) + " is no action: write take, restore or drop");
+  throw UsageError(in_quotes(action) + " is not an action: write take, restore or drop");
 }
 
 /// @return what is wrong with ADDRESS:PORT, or nothing; part of one of CLI11's texts.
@@ -109,7 +109,7 @@ std::optional<std::uint32_t> parse_unsigned32(const std::string& text) {
 void refuse_empty_values(const CLI::App& app) {
   for (const CLI::Option* const option : app.get_options()) {
     if (std::ranges::find(option->results(), "") != option->results().end()) {
-      throw UsageError(option->get_name() + ": '' is no value");
+      throw UsageError(option->get_name() + ": the value is empty");
     }
     const std::string variable = option->get_envname();
     const char* const text = variable.empty()
@@ -153,14 +153,15 @@ class Grammar {
         ->envname("VDRIVE_DOMAIN")
         ->check(CLI::Range(0, 232))
         ->type_name("N");
-    add_network_option("--interface", options_.interfaces,
-                       "Reach this network beside loopback: own IPv4 address there", "ADDRESS")
+    add_network_option(
+        "--interface", options_.interfaces,
+        "Use this network in addition to loopback: IPv4 address of this machine in it", "ADDRESS")
         ->check(CLI::ValidIPV4);
     add_network_option("--peer", options_.peers,
-                       "Ask this host for benches beside multicast: its IPv4 address", "ADDRESS")
+                       "Look for benches on this host, too: its IPv4 address", "ADDRESS")
         ->check(CLI::ValidIPV4);
     add_network_option("--discovery-server", options_.discovery_servers,
-                       "Ask a discovery server instead of multicast", "ADDRESS:PORT")
+                       "Use a discovery server instead of multicast", "ADDRESS:PORT")
         ->check(check_server);
     app_.add_option("--security", options_.security,
                     "Closed mode: directory with certificate, key and permissions")
@@ -174,7 +175,7 @@ class Grammar {
     add_doctor();
     add_completion();
     // After the words: those that follow would take it over.
-    app_.set_help_all_flag("--help-all", "Print the help of every word and exit");
+    app_.set_help_all_flag("--help-all", "Print the help of every command and exit");
   }
 
   /// Words of scenarios only.
@@ -199,7 +200,7 @@ class Grammar {
 
   [[nodiscard]] std::optional<Command>& command() { return command_; }
 
-  /// What a word answers without a service.
+  /// What a command prints without a service.
   [[nodiscard]] const std::string& text() const { return text_; }
 
   [[nodiscard]] GlobalOptions options() const {
@@ -209,7 +210,7 @@ class Grammar {
   }
 
  private:
-  /// Everything that words take, as text; one word is used a line.
+  /// The arguments of all commands, as text; a command line uses one command.
   struct Words {
     std::string axis, object, value, kind, duration, mask, tolerance, within, throughout;
     std::string velocity, acceleration, deceleration, count, bench, format = "table",
@@ -219,8 +220,8 @@ class Grammar {
     bool relative = false, queue = false, wait = false, no_wait = false, live = false;
   };
 
-  /// CLI11 takes an unknown word for a missing one. The first argument that is neither an option
-  /// nor the value of one is the word.
+  /// CLI11 reports an unknown command as a missing one. The first argument that is neither an
+  /// option nor the value of an option is the command.
   void check_word(const std::vector<std::string>& arguments) const {
     for (std::size_t i = 0; i < arguments.size(); ++i) {
       if (std::ranges::find(kValuedOptions, arguments[i]) != kValuedOptions.end()) {
@@ -231,12 +232,12 @@ class Grammar {
         });
         if (!words.empty()) return;
         throw UsageError(in_quotes(arguments[i]) +
-                         " is no word; 'vdrive --help' shows all of them");
+                         " is not a command; 'vdrive --help' lists all commands");
       }
     }
   }
 
-  /// May stand several times, with one value each: what follows may be the word.
+  /// May appear several times, with one value each: the next argument may be the command.
   CLI::Option* add_network_option(const char* name, std::vector<std::string>& values,
                                   const char* help, const char* type) {
     return app_.add_option(name, values, help)->allow_extra_args(false)->type_name(type);
@@ -261,13 +262,13 @@ class Grammar {
 
   void add_global_timeout() {
     app_.add_option("--timeout", timeout_,
-                    "Seconds: wall time to find a service (default 2, in the closed mode 5), drive "
-                    "time of motion (default 60)")
+                    "Limit [s]: wall time to find a service (default 2, in the closed mode 5), "
+                    "drive time of a motion (default 60)")
         ->type_name("S");
   }
 
   void add_list() {
-    CLI::App* word = add_word("list", "Show the benches and axes that are there", "list --json");
+    CLI::App* word = add_word("list", "List all benches and axes", "list --json");
     word->callback([this] {
       command_ = ListCommand{};
     });
@@ -303,8 +304,7 @@ class Grammar {
                               "record move.csv 1.1 1.2 --for 5s");
     add_positional(word, "FILE", words_.file,
                    "CSV or JSON lines by its ending: .csv, .jsonl; - is standard output");
-    word->add_option("AXIS", words_.axes, "Default: all axes of the only bench there is")
-        ->type_name("");
+    word->add_option("AXIS", words_.axes, "Default: all axes of the only bench")->type_name("");
     word->add_option("--for", words_.duration, "Stop after this drive time")->type_name("T");
     word->add_option("--count", words_.count, "Stop after N samples")->type_name("N");
     word->callback([this] {
@@ -352,8 +352,9 @@ class Grammar {
     word->add_option("--velocity", words_.velocity, "6081h [UU/s]")->type_name("V");
     word->add_option("--acceleration", words_.acceleration, "6083h [UU/s2]")->type_name("A");
     word->add_option("--deceleration", words_.deceleration, "6084h [UU/s2]")->type_name("D");
-    word->add_flag("--queue", words_.queue, "After the present move, not at once (no bit 5)");
-    word->add_flag("--no-wait", words_.no_wait, "Return when the drive has taken the set-point");
+    word->add_flag("--queue", words_.queue,
+                   "Start after the present move, not at once (bit 5 = 0)");
+    word->add_flag("--no-wait", words_.no_wait, "Return when the drive has accepted the set-point");
     word->callback([this] {
       MoveCommand move{
           .axis = words_.axis,
@@ -430,7 +431,7 @@ class Grammar {
   void add_step() {
     CLI::App* word = add_word("step", "Step a lock-step bench by N ticks", "step 1000 --bench 2");
     add_positional(word, "N", words_.value, "Ticks");
-    word->add_option("--bench", words_.bench, "Default: the only one there is")->type_name("B");
+    word->add_option("--bench", words_.bench, "Default: the only bench")->type_name("B");
     word->callback([this] {
       command_ = StepCommand{parse_number(words_.value, "number of ticks", 1'000'000'000), bench()};
     });
@@ -440,8 +441,8 @@ class Grammar {
     CLI::App* word = add_word("snapshot", "Keep, restore or drop the state of all axes of a bench",
                               "snapshot take; vdrive snapshot restore 1");
     add_positional(word, "ACTION", words_.kind, "take, restore or drop");
-    word->add_option("N", words_.value, "Number that take has shown")->type_name("");
-    word->add_option("--bench", words_.bench, "Default: the only one there is")->type_name("B");
+    word->add_option("N", words_.value, "Number that take printed")->type_name("");
+    word->add_option("--bench", words_.bench, "Default: the only bench")->type_name("B");
     word->callback([this] {
       command_ = snapshot_of(words_.kind, words_.value, bench());
     });
@@ -456,12 +457,12 @@ class Grammar {
     CLI::App* word = add_word("rate", "Set how fast a realtime bench runs; 0 pauses it",
                               "rate 0.5\n  vdrive rate 2 0    (bench 2)");
     word->add_option("VALUE", words_.rate,
-                     "[BENCH] VALUE: drive time over wall time, 0 or from 0.1 to 100, of the bench "
-                     "with that number or the only one there is")
+                     "[BENCH] VALUE: drive time divided by wall time, 0 or from 0.1 to 100; BENCH "
+                     "defaults to the only bench")
         ->required()
         ->type_name("");
     word->callback([this] {
-      if (words_.rate.size() > 2) throw UsageError("rate takes a bench and a value, no more");
+      if (words_.rate.size() > 2) throw UsageError("rate takes at most a bench and a value");
       RateCommand rate{parse_real(words_.rate.back(), "rate"), std::nullopt};
       if (words_.rate.size() == 2) {
         rate.bench = static_cast<std::uint32_t>(
@@ -483,8 +484,9 @@ class Grammar {
   }
 
   void add_doctor() {
-    CLI::App* word = add_word("doctor", "Look at this machine and its network, and say what to do",
-                              "doctor --interface 10.0.0.1");
+    CLI::App* word =
+        add_word("doctor", "Check this machine and its network, and show what to change",
+                 "doctor --interface 10.0.0.1");
     word->callback([this] {
       command_ = DoctorCommand{};
     });
@@ -570,7 +572,7 @@ std::string one_line(std::string text) {
 
 Invocation parse_command_line(std::vector<std::string> arguments) {
   if (arguments.empty()) {
-    throw UsageError("no word given; 'vdrive --help' shows all of them");
+    throw UsageError("no command given; 'vdrive --help' lists all commands");
   }
   Grammar grammar;
   grammar.add_command_line();
@@ -604,7 +606,7 @@ ScenarioWords parse_scenario_words(std::vector<std::string> words) {
   if (std::ranges::any_of(words, [](const std::string& w) {
         return w == "--help" || w == "-h";
       })) {
-    throw UsageError("help has no place in a scenario");
+    throw UsageError("help cannot be used in a scenario");
   }
   Grammar grammar;
   grammar.add_scenario();

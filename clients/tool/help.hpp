@@ -11,20 +11,20 @@ inline constexpr std::string_view kSummary =
     "Commands virtual CiA 402 servo drives over DDS.\n"
     "AXIS is bench.axis such as 1.1, or a name. OBJECT is 0x6041, 0x607D:1 or a variable_name such "
     "as ds402_statusword. VALUE is decimal or hex as the two's complement of the object's type "
-    "(0xFFFFD8F0 is -10000). DURATION is such as 500us, 20ms, 1.5s.";
+    "(0xFFFFD8F0 is -10000). DURATION is for example 500us, 20ms or 1.5s.";
 
 inline constexpr std::string_view kExamples =
     R"(Examples:
-  vdrive list                              who is there
+  vdrive list                              all benches and axes
   vdrive enable 1.1                        power on
   vdrive move 1.1 10000 --velocity 1000    absolute, waits until reached
   vdrive move 1.1 -500 --relative          by a distance
   vdrive watch 1.1                         live, in a second terminal
   vdrive read 1.1 0x6041 position_demand_value
-  vdrive write 1.1 0x607A 0xFFFFD8F0       -10000 as the manual writes it
-  vdrive record move.csv 1.1 --for 5s      the status stream, a row a tick
+  vdrive write 1.1 0x607A 0xFFFFD8F0       -10000 as hex
+  vdrive record move.csv 1.1 --for 5s      the status stream, one row a tick
   vdrive disturb 1.1 blocked_load --for 500ms
-  vdrive rate 0                            pause a realtime bench; rate 1 goes on
+  vdrive rate 0                            pause a realtime bench; rate 1 continues
   vdrive run forward.scn --junit out.xml   a scenario, see 'vdrive run --help'
 
 Environment: VDRIVE_DOMAIN and VDRIVE_SECURITY are the defaults of --domain and --security; NO_COLOR switches colours off.
@@ -35,12 +35,12 @@ inline constexpr std::string_view kDisturbanceHelp =
     "dc_link_loss, positive_limit, negative_limit, home_switch, index_pulse, or none: clears all";
 
 inline constexpr std::string_view kScenarioHelp =
-    R"(A scenario has one command a line, in the same words without 'vdrive'. # starts a comment.
-Three words more:
+    R"(A scenario has one command a line, without 'vdrive'. # starts a comment.
+Three commands exist only in scenarios:
   expect AXIS OBJECT VALUE [--mask M | --tolerance T] [--within D | --throughout D]
   wait DURATION
   refused CODE COMMAND...
-In lock-step, words that wait step the clock themselves. The first failure ends the run.
+In lock-step, commands that wait step the clock. The first failure ends the run.
 
 Example:
   enable 1.1

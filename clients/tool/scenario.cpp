@@ -84,7 +84,7 @@ Scenario parse_scenario(std::istream& input, const std::string& file) {
     std::string_view line = text;
     if (number == 1 && is_wide_text(line)) {
       throw UsageError(escaped(file, kShownOfMessage) +
-                       ": is text in UTF-16 or UTF-32, must be UTF-8");
+                       ": is encoded in UTF-16 or UTF-32; it must be UTF-8");
     }
     if (number == 1 && line.starts_with(kByteOrderMark)) line.remove_prefix(kByteOrderMark.size());
     try {

@@ -44,7 +44,7 @@ std::int64_t sign_extended(std::uint64_t bits, std::uint8_t width) {
   std::string message = in_quotes(text) + " does not fit " + std::string(to_string(type)) + ": " +
                         std::to_string(range.lowest) + " to " + std::to_string(range.highest);
   if (is_hexadecimal(text))
-    message += ", at most " + std::to_string(2 * size_of(type)) + " hex digits' worth";
+    message += ", at most " + std::to_string(2 * size_of(type)) + " hex digits";
   throw UsageError(message);
 }
 
@@ -57,12 +57,14 @@ std::int64_t decimal_value(std::string_view text) {
                           : std::numeric_limits<std::int64_t>::max();
   }
   if (error != std::errc{} || stop != end) {
-    throw UsageError(in_quotes(text) + " is no value: write a decimal number or hex such as 0x1F");
+    throw UsageError(in_quotes(text) +
+                     " is not a value: write a decimal number or hex such as 0x1F");
   }
   return value;
 }
 
-/// Decimal digits with an optional fraction, times `unit`, exactly; finer than 1 ns is dropped up.
+/// Decimal digits with an optional fraction, times `unit`, exactly; a fraction of 1 ns is rounded
+/// up.
 std::optional<std::chrono::nanoseconds> scaled(std::string_view text, std::int64_t unit) {
   const std::size_t dot = std::min(text.find('.'), text.size());
   const auto whole = parse_digits<std::uint64_t>(text.substr(0, dot));
@@ -122,7 +124,7 @@ ObjectName parse_object(std::string_view text) {
     return {std::string(text), describe(*row).address};
   }
   throw UsageError(in_quotes(text) +
-                   " is no object: write 0x6041, 0x607D:1 or a variable_name such as "
+                   " is not an object: write 0x6041, 0x607D:1 or a variable_name such as "
                    "ds402_statusword");
 }
 
@@ -132,7 +134,7 @@ std::int64_t parse_value(std::string_view text, DataType type) {
     const auto bits = unsigned_number(text);
     if (!bits && text.find_first_not_of("0123456789abcdefABCDEF", 2) != std::string_view::npos) {
       throw UsageError(in_quotes(text) +
-                       " is no value: write a decimal number or hex such as 0x1F");
+                       " is not a value: write a decimal number or hex such as 0x1F");
     }
     const std::uint64_t highest = (std::uint64_t{1} << (8U * size_of(type))) - 1;
     if (!bits || *bits > highest) throw_too_wide(text, type);
@@ -154,7 +156,7 @@ std::int64_t parse_value(std::string_view text, const ObjectName& object) {
 std::uint64_t parse_number(std::string_view text, std::string_view what, std::uint64_t highest) {
   const auto number = unsigned_number(text);
   if (!number || *number > highest) {
-    throw UsageError(in_quotes(text) + " is no " + std::string(what) +
+    throw UsageError(in_quotes(text) + " is not a valid " + std::string(what) +
                      ": write a number from 0 to " + std::to_string(highest));
   }
   return *number;
@@ -164,7 +166,7 @@ std::chrono::nanoseconds parse_duration(std::string_view text) {
   const auto duration = duration_of(text);
   if (!duration) {
     throw UsageError(in_quotes(text) +
-                     " is no duration: write such as 500us, 20ms or 1.5s, at most " +
+                     " is not a duration: write for example 500us, 20ms or 1.5s, at most " +
                      std::to_string(kHighestHours) + " hours");
   }
   return *duration;
@@ -174,7 +176,7 @@ std::chrono::nanoseconds parse_seconds(std::string_view text) {
   auto duration = duration_of(text);
   if (!duration) duration = duration_of(std::string(text) + "s");
   if (!duration) {
-    throw UsageError(in_quotes(text) + " is no time: write seconds such as 2 or 0.5, or 500ms");
+    throw UsageError(in_quotes(text) + " is not a time: write seconds such as 2 or 0.5, or 500ms");
   }
   return *duration;
 }
@@ -182,7 +184,7 @@ std::chrono::nanoseconds parse_seconds(std::string_view text) {
 double parse_real(std::string_view text, std::string_view what) {
   const auto value = vdrive::parse_number(text);
   if (!value) {
-    throw UsageError(in_quotes(text) + " is no " + std::string(what) +
+    throw UsageError(in_quotes(text) + " is not a valid " + std::string(what) +
                      ": write a number such as 0.5");
   }
   return *value;

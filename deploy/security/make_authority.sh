@@ -36,7 +36,7 @@ if [[ -e $directory/governance.smime ]]; then
   exit 0
 fi
 [[ ! -e $directory ]] || [[ -z $(ls -A "$directory") ]] ||
-  fail "$directory is not empty, and has no whole authority"
+  fail "$directory is not empty and does not contain a complete authority"
 
 # Built beside its place and moved there whole: who is interrupted has nothing half made.
 mkdir -p "$(dirname "$directory")"

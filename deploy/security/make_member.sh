@@ -13,7 +13,7 @@
 #   --from T, --to T   the same as instants in UTC, such as 2026-01-31T00:00:00
 #
 # The directory is what `vdrived --security` and `vdrive --security` take; move it to its host, the
-# authority stays. A member that is there is not made again: remove its directory first.
+# authority stays. An existing member is not made again: remove its directory first.
 set -euo pipefail
 umask 077
 
@@ -57,7 +57,7 @@ to=${to:-$(date --utc --date "+$days days" +%FT%T)}
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 directory=$(cd "$directory" && pwd)
 member=$directory/members/$name
-[[ ! -e $member ]] || fail "$member is there; to make it anew remove it first"
+[[ ! -e $member ]] || fail "$member exists already; remove it first to make it again"
 mkdir -p "$directory/members"
 work=$(mktemp --directory "$directory/members/.$name.XXXXXX")
 trap 'rm -rf "$work"' EXIT

@@ -59,7 +59,7 @@ Bio open(const std::filesystem::path& file) {
 Certificate read_certificate(const std::filesystem::path& file) {
   Certificate certificate(PEM_read_bio_X509(open(file).get(), nullptr, nullptr, nullptr));
   if (!certificate) {
-    refuse(file, "is no certificate in PEM");
+    refuse(file, "is not a certificate in PEM format");
   }
   return certificate;
 }
@@ -102,7 +102,7 @@ std::string check_identity(const std::filesystem::path& ca_file,
   check_dates(certificate_file, certificate.get());
   const Key key(PEM_read_bio_PrivateKey(open(key_file).get(), nullptr, no_pass_phrase, nullptr));
   if (!key) {
-    refuse(key_file, "is no private key in PEM without a pass phrase");
+    refuse(key_file, "is not a private key in PEM format without a pass phrase");
   }
   if (X509_check_private_key(certificate.get(), key.get()) != 1) {
     refuse(key_file, "is not the key of " + escaped(certificate_file.string(), kShownOfMessage));
@@ -130,7 +130,7 @@ std::string verified_text(const std::filesystem::path& ca_file,
   const Signature signature(SMIME_read_PKCS7(open(document).get(), &signed_part));
   const Bio content(signed_part);
   if (!signature || !content) {
-    refuse(document, "is no document signed in S/MIME");
+    refuse(document, "is not a signed S/MIME document");
   }
   // Only the CA itself signs: a certificate that comes with the document says nothing.
   const Signers signers(sk_X509_new_null());

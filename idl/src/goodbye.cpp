@@ -29,7 +29,7 @@ class Sender {
  public:
   Sender() : socket_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
     if (socket_ < 0) {
-      throw NetworkError("no socket to take leave for a dead participant");
+      throw NetworkError("cannot open a socket to announce the end of a dead participant");
     }
   }
 

@@ -133,7 +133,7 @@ void add_discovery_servers(const NetworkSettings& settings, dds::DomainParticipa
     throw NetworkError("more than " + std::to_string(kMostServers) + " discovery servers");
   }
   if (!settings.peers.empty()) {
-    throw NetworkError("peers are not asked where a discovery server is named: name only one kind");
+    throw NetworkError("peers and discovery servers cannot be used together: name only one kind");
   }
   auto& discovery = qos.wire_protocol().builtin.discovery_config;
   discovery.discoveryProtocol = rtps::DiscoveryProtocol_t::CLIENT;
@@ -241,7 +241,8 @@ Participant::Participant(const NetworkSettings& settings, const std::string& nam
   }
   if (!settings.security.empty()) {
     if (!settings.discovery_servers.empty()) {
-      throw NetworkError("network security: does not go with a discovery server; name peers");
+      throw NetworkError(
+          "network security: cannot be combined with a discovery server; name peers instead");
     }
     entities_->permissions = check_security(settings.security, settings.domain);
   }
@@ -250,10 +251,11 @@ Participant::Participant(const NetworkSettings& settings, const std::string& nam
   entities_->participant =
       factory->create_participant(settings.domain, participant_qos(settings, name, guard_));
   if (entities_->participant == nullptr) {
-    throw NetworkError("DDS refuses a participant in domain " + std::to_string(settings.domain) +
-                       (settings.security.empty()
-                            ? ": is the network interface up, and the port range free?"
-                            : ": is the security material in " + settings.security + " whole?"));
+    throw NetworkError(
+        "DDS refuses a participant in domain " + std::to_string(settings.domain) +
+        (settings.security.empty()
+             ? ": check that the network interface is up and that the UDP ports are free"
+             : ": check that the security material in " + settings.security + " is complete"));
   }
   entities_->publisher = entities_->participant->create_publisher(dds::PUBLISHER_QOS_DEFAULT);
   entities_->subscriber = entities_->participant->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT);

@@ -17,8 +17,9 @@ Reader::Reader(Participant::Entities& parent, TopicId topic, const dds::TypeSupp
   reader_ =
       subscriber_->create_datareader(parent.topic(traits.name, type), reader_qos(traits), this);
   if (reader_ == nullptr) {
-    throw NetworkError("DDS refuses a reader on topic " + std::string(traits.name) +
-                       (parent.permissions ? ": do the permissions allow to subscribe?" : ""));
+    throw NetworkError(
+        "DDS refuses a reader on topic " + std::string(traits.name) +
+        (parent.permissions ? ": check that the permissions allow this subscription" : ""));
   }
 }
 

@@ -32,7 +32,7 @@ class Document {
   Document(const std::filesystem::path& ca, std::filesystem::path file) : file_(std::move(file)) {
     const std::string text = verified_text(ca, file_);
     if (xml_.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
-      refuse("is no XML: " + escaped(xml_.ErrorStr(), kShownOfMessage));
+      refuse("is not valid XML: " + escaped(xml_.ErrorStr(), kShownOfMessage));
     }
   }
 
@@ -162,7 +162,7 @@ void check_validity(const Document& document, const Element& grant) {
   const auto from = parse_time(begin);
   const auto to = parse_time(end);
   if (!from || !to) {
-    document.refuse("has a <validity> that is no date such as 2026-01-31T00:00:00");
+    document.refuse("has a <validity> that is not a date such as 2026-01-31T00:00:00");
   }
   const std::time_t now = std::time(nullptr);
   if (now > *to) {

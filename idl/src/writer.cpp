@@ -16,7 +16,7 @@ Writer::Writer(Participant::Entities& parent, TopicId topic, const dds::TypeSupp
   const TopicTraits& traits = traits_of(topic);
   const std::string name = std::string(kTopicPrefix) + std::string(traits.name);
   if (parent.permissions && !parent.permissions->may_publish(name)) {
-    throw NotPermitted("the permissions of this identity do not allow to publish " + name);
+    throw NotPermitted("the permissions of this identity do not allow publishing " + name);
   }
   writer_ = publisher_->create_datawriter(parent.topic(traits.name, type), writer_qos(traits), this,
                                           dds::StatusMask::publication_matched());

@@ -55,12 +55,12 @@ void check_closed(wire::Participant& participant, const wire::NetworkSettings& s
   if (!member.hears(bench, kLongestMatch) || !member.is_heard_by(bench, kLongestMatch)) {
     throw wire::NetworkError(
         "network security: self-test: a participant with the material of this service does not "
-        "find it; do its permissions allow it all topics of a service?");
+        "find the service; check that its permissions allow every topic of a service");
   }
   if (stranger.hears(bench, kLeeway) || stranger.is_heard_by(bench, 0ms)) {
     throw wire::NetworkError(
-        "network security: self-test: a participant without material finds this service: the "
-        "bench is open. Does the library of this machine have DDS Security?");
+        "network security: self-test: a participant without material finds this service, so the "
+        "bench is open; check that the DDS library of this machine has DDS Security");
   }
 }
 

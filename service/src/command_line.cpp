@@ -76,11 +76,11 @@ struct Arguments {
 
 void declare(CLI::App& app, Arguments& arguments) {
   app.set_version_flag("--version", std::string("vdrived ") + VDRIVE_VERSION);
-  app.add_option("--config", arguments.config, "Configuration in YAML; without it the demo bench")
+  app.add_option("--config", arguments.config, "Configuration in YAML; default: the demo bench")
       ->type_name("FILE");
-  app.add_option("--check", arguments.check, "Check a configuration and leave")->type_name("FILE");
+  app.add_option("--check", arguments.check, "Check a configuration and exit")->type_name("FILE");
   app.add_flag("--print-config", arguments.print_config,
-               "Print the configuration in effect as YAML and leave");
+               "Print the configuration in effect as YAML and exit");
   app.add_option("--clock", arguments.clock, "realtime, lockstep or freerun")->type_name("MODE");
   app.add_option("--period", arguments.period, "Length of a tick [us], 125 to 10000")
       ->type_name("US");
@@ -102,19 +102,19 @@ void declare(CLI::App& app, Arguments& arguments) {
       ->check(CLI::Range(0, 65'535))
       ->type_name("PORT");
   app.add_option("--state", arguments.state,
-                 "Keep stored parameters in this directory; else in $STATE_DIRECTORY; without "
-                 "either nothing can be stored")
+                 "Directory for stored parameters; default: $STATE_DIRECTORY; without a directory "
+                 "nothing can be stored")
       ->type_name("DIR");
   app.add_option("--journal", arguments.journal,
                  "Record what the axes do into a new file, for --replay")
       ->type_name("FILE");
   app.add_option("--replay", arguments.replay,
-                 "Run the axes of a journal again and compare every tick: 0 = agrees, 1 = differs "
-                 "or ticks are missing, 2 = no usable journal")
+                 "Run the axes of a journal again and compare every tick. Exit code 0: all ticks "
+                 "agree; 1: a tick differs or is missing; 2: the journal cannot be used")
       ->type_name("FILE");
   app.add_option("--wire", arguments.wire,
-                 "Where DDS runs: in a process of its own, which is started again when it ends, or "
-                 "in threads of this one; default process in realtime, else thread")
+                 "Where DDS runs: in a separate process, which the service restarts when it ends, "
+                 "or in threads of the service; default: process in realtime, thread otherwise")
       ->check(CLI::IsMember({"process", "thread"}))
       ->type_name("FORM");
   app.add_option("--wire-process", arguments.wire_process)->group("");  // the service starts it so
@@ -146,7 +146,7 @@ void override(Configuration& configuration, const Arguments& arguments) {
   configuration.network.domain = arguments.domain.value_or(configuration.network.domain);
   configuration.network.security = arguments.security.value_or(configuration.network.security);
   if (arguments.rate && configuration.clock == ClockMode::freerun) {
-    throw ConfigurationError("--rate has no meaning with the clock freerun");
+    throw ConfigurationError("--rate cannot be used with the clock freerun");
   }
   configuration.rate = arguments.rate.value_or(configuration.rate);
   configuration.threads = arguments.threads.value_or(configuration.threads);
@@ -165,7 +165,7 @@ void refuse_empty_values(const CLI::App& app) {
   for (const CLI::Option* const option : app.get_options()) {
     const auto& values = option->results();
     if (std::find(values.begin(), values.end(), "") != values.end()) {
-      throw BadArguments(option->get_name() + ": '' is no value");
+      throw BadArguments(option->get_name() + ": the value is empty");
     }
     const std::string variable = option->get_envname();
     const char* const text = variable.empty()
@@ -232,8 +232,9 @@ class Reporter {
     }
     if (service_.is_reachable() != is_reachable_) {
       is_reachable_ = !is_reachable_;
-      manager_.tell_status(is_reachable_ ? description_
-                                         : description_ + ", no network: its wire is down");
+      manager_.tell_status(is_reachable_
+                               ? description_
+                               : description_ + ", no network: the network process is down");
     }
     beat();
   }

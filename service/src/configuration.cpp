@@ -60,14 +60,14 @@ bool has_control_characters(std::string_view name) {
 std::string checked_name(const YamlValue& value, bool of_axis) {
   std::string name = value.text();
   if (name.empty() || name.size() > kMaxNameLength) {
-    value.refuse("a name has 1 to " + std::to_string(kMaxNameLength) + " bytes");
+    value.refuse("a name must have 1 to " + std::to_string(kMaxNameLength) + " bytes");
   }
   if (!is_utf8(name) || has_control_characters(name)) {
-    value.refuse("a name is text in UTF-8 without control characters");
+    value.refuse("a name must be valid UTF-8 without control characters");
   }
   if (of_axis &&
       (name.find(' ') != std::string::npos || (name.front() >= '0' && name.front() <= '9'))) {
-    value.refuse("a name has no blanks and does not begin with a digit");
+    value.refuse("a name must not contain a blank and must not begin with a digit");
   }
   return name;
 }
@@ -120,7 +120,7 @@ void read_clock(const YamlValue& value, Configuration& configuration) {
         }
       });
   if (rate && configuration.clock == ClockMode::freerun) {
-    rate->refuse("has no meaning with clock.mode freerun, which goes as fast as it can");
+    rate->refuse("cannot be used with clock.mode freerun, which runs as fast as possible");
   }
 }
 
@@ -179,7 +179,7 @@ std::vector<std::string> read_servers(const YamlValue& value) {
 std::string checked_directory(const YamlValue& value) {
   std::string directory = value.text();
   if (directory.empty()) {
-    value.refuse("names no directory; without this key the bench is open");
+    value.refuse("must name a directory; leave out this key for an open bench");
   }
   return directory;
 }
@@ -203,7 +203,7 @@ void read_network(const YamlValue& value, wire::NetworkSettings& network) {
         }
       });
   if (!network.peers.empty() && !network.discovery_servers.empty()) {
-    value.refuse("peers are not asked where a discovery server is named: name only one kind");
+    value.refuse("peers and discovery servers cannot be used together: name only one kind");
   }
 }
 
@@ -305,7 +305,7 @@ NamedAxis read_axis(const YamlValue& value) {
         }
       });
   if (axis.number == 0) {
-    value.refuse("an axis needs its number");
+    value.refuse("an axis needs a number");
   }
   if (axis.name.empty()) {
     axis.name = "axis" + std::to_string(axis.number);
@@ -319,17 +319,17 @@ ParsedAxes read_axes(const YamlValue& value) {
   value.for_each_element([&](const YamlValue& element) {
     const NamedAxis& axis = parsed.axes.emplace_back(read_axis(element));
     if (!parsed.places.emplace(axis.number, element).second) {
-      element.refuse("axis number " + std::to_string(axis.number) + " stands twice");
+      element.refuse("axis number " + std::to_string(axis.number) + " appears twice");
     }
     if (!names.insert(axis.name).second) {
-      element.refuse("axis name " + escaped(axis.name) + " stands twice");
+      element.refuse("axis name " + escaped(axis.name) + " appears twice");
     }
     if (parsed.axes.size() > kMaxAxes) {
-      element.refuse("a bench has at most " + std::to_string(kMaxAxes) + " axes");
+      element.refuse("a bench can have at most " + std::to_string(kMaxAxes) + " axes");
     }
   });
   if (parsed.axes.empty()) {
-    value.refuse("a bench has at least one axis");
+    value.refuse("a bench needs at least one axis");
   }
   std::sort(parsed.axes.begin(), parsed.axes.end(), [](const auto& a, const auto& b) {
     return a.number < b.number;
@@ -517,8 +517,8 @@ void check(const Configuration& configuration) {
   check_range("axes", static_cast<double>(configuration.axes.size()), 1, kMaxAxes, "");
   if (configuration.wire_form == WireForm::process && configuration.network.shared_memory) {
     throw ConfigurationError(
-        "wire.form = process does not go with network.shared_memory = true: the wire's process may "
-        "open no files, and segments are files; use wire.form: thread");
+        "wire.form = process cannot be combined with network.shared_memory = true: the network "
+        "process must not open files, and shared memory needs files; use wire.form: thread");
   }
   if (configuration.watchdog) {
     check_range("watchdog", static_cast<double>(configuration.watchdog->count()),

@@ -95,7 +95,7 @@ int load(const Filter& filter) {
 }
 
 void log_failure(const char* half, int code) {
-  spdlog::warn("confinement={} text=\"no filter of system calls: {}\"", half,
+  spdlog::warn("confinement={} text=\"cannot install the filter of system calls: {}\"", half,
                std::generic_category().message(-code));
 }
 

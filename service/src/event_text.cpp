@@ -70,9 +70,9 @@ std::string clock_text(const EventRecord& event) {
   }
   switch (detail_of<Parting>(event)) {
     case Parting::silent:
-      return session + " was taken off the clock: silent while others waited for it";
+      return session + " was removed from the clock: it sent nothing while others waited for it";
     case Parting::gone:
-      return session + " was taken off the clock: its program is gone";
+      return session + " was removed from the clock: its program has ended";
     default:
       return session + " left the clock";
   }
@@ -81,13 +81,13 @@ std::string clock_text(const EventRecord& event) {
 std::string wall_clock_text(const EventRecord& event) {
   const double offset =
       std::chrono::duration<double>(detail_of<std::chrono::microseconds>(event)).count();
-  const std::string place = "the wall clock was stepped, it is " + to_text(std::abs(offset)) +
+  const std::string place = "the wall clock was changed: it is " + to_text(std::abs(offset)) +
                             (offset < 0.0 ? " s behind" : " s ahead of");
   if (event.code == WallClockNews::kJumped) {
-    return place + " drive time: the tick number jumps";
+    return place + " drive time; the tick number jumps";
   }
   const auto seconds = static_cast<std::uint64_t>(std::abs(offset) / TickClock::kMaxSteering);
-  return place + " drive time, which is steered for about " + std::to_string(seconds) + " s";
+  return place + " drive time; drive time is adjusted for about " + std::to_string(seconds) + " s";
 }
 
 std::string snapshot_text(const EventRecord& event) {
@@ -100,9 +100,9 @@ std::string snapshot_text(const EventRecord& event) {
 std::string journal_text(const EventRecord& event) {
   switch (event.code) {
     case JournalNews::kLosing:
-      return "the journal cannot follow: ticks are missing from here on";
+      return "the journal is too slow: ticks are missing from this tick on";
     case JournalNews::kResumed:
-      return "the journal goes on, " + count_of(event) + " ticks are missing";
+      return "the journal continues; " + count_of(event) + " ticks are missing";
     default:
       return "the journal ended: " + detail_of<SystemError>(event).text();
   }
@@ -113,8 +113,8 @@ std::string parameters_text(const EventRecord& event) {
     case ParameterNews::kLoaded:
       return "stored parameters of " + count_of(event) + " axes are in force";
     case ParameterNews::kPrevious:
-      return "stored parameters: the file: " + detail_of<StoredProblem>(event).text() +
-             "; the set before it is in force";
+      return "the file of stored parameters cannot be used: " +
+             detail_of<StoredProblem>(event).text() + "; the previous set is in force";
     case ParameterNews::kDefaults:
       return "configured values are in force: " +
              std::string(event.axis == 0 ? "the file of stored parameters: " : "stored object ") +
@@ -127,11 +127,13 @@ std::string parameters_text(const EventRecord& event) {
 std::string wire_text(const EventRecord& event) {
   switch (event.code) {
     case WireNews::kLost:
-      return "the wire (network process) " + detail_of<WireLoss>(event).text() + "; the axes go on";
+      return "the wire (network process) failed: " + detail_of<WireLoss>(event).text() +
+             "; the axes continue";
     case WireNews::kRuns:
       return "the wire runs again after " + milliseconds_of(event) + " ms";
     default:
-      return "the wire ends again and again; it is started in " + milliseconds_of(event) + " ms";
+      return "the wire fails repeatedly; the service starts it again in " + milliseconds_of(event) +
+             " ms";
   }
 }
 
@@ -150,7 +152,7 @@ std::string text_of(const EventRecord& event) {
     case msg::EVENT_CONTROL_CHANGED:
       return control_text(event);
     case msg::EVENT_MASTER_LOST:
-      return "session " + hex(event.session, 16) + " fell silent, " + count_of(event) +
+      return "session " + hex(event.session, 16) + " stopped sending; " + count_of(event) +
              " axes lost their master";
     case msg::EVENT_TICK_OVERRUN:
       return "tick ended " + std::to_string(detail_of<std::chrono::microseconds>(event).count()) +

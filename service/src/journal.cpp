@@ -71,7 +71,7 @@ JournalSink open_journal(const std::filesystem::path& file) {
   auto opened = std::make_shared<File>(descriptor, file.string());
   if (opened->holds_something()) {
     throw ConfigurationError("--journal " + escaped(file.string(), kShownOfMessage) +
-                             ": holds something already, and is not overwritten");
+                             ": is not empty; an existing file is not overwritten");
   }
   return [opened](std::span<const std::byte> bytes) {
     opened->write(bytes);

@@ -181,18 +181,18 @@ void JournalWriter::end() {
 
 JournalReader::JournalReader(std::istream& file) : file_(file) {
   if (!read_chunk() || kind_ != kStart) {
-    fail("this is no journal");
+    fail("this is not a journal");
   }
   read_start();
 }
 
 void JournalReader::read_start() {
   if (take<std::uint64_t>() != kMagic) {
-    fail("this is no journal");
+    fail("this is not a journal");
   }
   if (const auto version = take<std::uint32_t>(); version != kVersion) {
-    fail("version " + std::to_string(version) + " of the format is not known here, only " +
-         std::to_string(kVersion));
+    fail("version " + std::to_string(version) +
+         " of the format is not supported; supported: " + std::to_string(kVersion));
   }
   start_.axes_per_row = take<std::uint32_t>();
   start_.rows = take<std::uint32_t>();
@@ -200,7 +200,7 @@ void JournalReader::read_start() {
   start_.version = take_text();
   start_.configuration = take_text();
   if (start_.axes_per_row == 0 || start_.rows > kMostRows) {
-    fail("the head makes no sense");
+    fail("the header is not valid");
   }
 }
 
@@ -220,7 +220,7 @@ std::optional<JournalRecord> JournalReader::next() {
                         .changes = take<std::uint64_t>(),
                         .lost = take<std::uint64_t>()};
     default:
-      fail("the journal starts again");
+      fail("a second start record follows");
   }
 }
 
@@ -260,7 +260,7 @@ void JournalReader::require_length(std::uint32_t kind, std::uint32_t length) con
   }
   if (length > most) {
     fail("a chunk of kind " + std::to_string(kind) + " with " + std::to_string(length) +
-         " bytes, at most " + std::to_string(most) + " belong there");
+         " bytes; the limit is " + std::to_string(most));
   }
 }
 
@@ -290,11 +290,11 @@ bool JournalReader::read_chunk() {
                  .head_check = take<std::uint32_t>(),
                  .check = take<std::uint64_t>()};
   if (head.head_check != head_check_of(head)) {
-    fail(chunk_offset_ == 0 ? "this is no journal" : "the head of a chunk is damaged");
+    fail(chunk_offset_ == 0 ? "this is not a journal" : "the header of a chunk is damaged");
   }
   if (head.sequence != sequence_) {
-    fail("chunk " + std::to_string(head.sequence) + " follows where chunk " +
-         std::to_string(sequence_) + " belongs");
+    fail("chunk " + std::to_string(head.sequence) + " was found, expected chunk " +
+         std::to_string(sequence_));
   }
   require_length(head.kind, head.length);
   kind_ = head.kind;
@@ -373,7 +373,7 @@ template <typename Number>
 Number JournalReader::take() {
   Number number{};
   if (chunk_.size() - position_ < sizeof(number)) {
-    fail("a record is cut off");
+    fail("a record is incomplete");
   }
   std::memcpy(&number, chunk_.data() + position_, sizeof(number));
   position_ += sizeof(number);
@@ -383,7 +383,7 @@ Number JournalReader::take() {
 std::string JournalReader::take_text() {
   const auto length = take<std::uint32_t>();
   if (chunk_.size() - position_ < length) {
-    fail("a text of " + std::to_string(length) + " bytes is cut off");
+    fail("a text of " + std::to_string(length) + " bytes is incomplete");
   }
   std::string text(length, '\0');
   std::memcpy(text.data(), chunk_.data() + position_, text.size());

@@ -50,24 +50,23 @@ class Families {
 void add_ticks(Families& families, const Counters& counters) {
   families.gauge("vdrive_tick", "Number of the last tick",
                  static_cast<double>(counters.tick.get()));
-  families.gauge("vdrive_rate", "Drive time over wall time that is asked for, 0 = paused",
+  families.gauge("vdrive_rate", "Requested ratio of drive time to wall time, 0 = paused",
                  counters.rate.load(std::memory_order_relaxed));
   families.counter("vdrive_ticks_total", "Ticks that were run", counters.ticks_run.get());
-  families.counter("vdrive_tick_overruns_total", "Ticks that took longer than there was",
+  families.counter("vdrive_tick_overruns_total", "Ticks that took longer than their period",
                    counters.overruns.get());
-  families.counter("vdrive_tick_jumps_total", "Times that the number of the tick jumped",
-                   counters.jumps.get());
+  families.counter("vdrive_tick_jumps_total", "Jumps of the tick number", counters.jumps.get());
   families.gauge("vdrive_wall_clock_offset_seconds",
-                 "Wall clock minus drive time; 0 while drive time is not steered to it",
+                 "Wall clock minus drive time; 0 while drive time does not follow the wall clock",
                  counters.wall_offset.load(std::memory_order_relaxed));
-  families.counter("vdrive_wall_clock_steps_total", "Steps of the wall clock that were seen",
+  families.counter("vdrive_wall_clock_steps_total", "Changes of the wall clock that were detected",
                    counters.wall_steps.get());
 }
 
 void add_lateness(Families& families, const Counters& counters) {
   auto& histogram = families
                         .add("vdrive_tick_lateness_seconds",
-                             "Time from when a tick was due to its begin", MetricType::Histogram)
+                             "Time from the due time of a tick to its begin", MetricType::Histogram)
                         .histogram;
   std::uint64_t count = 0;
   double bound = 1e-6;
@@ -86,8 +85,8 @@ void add_queues(Families& families, const Counters& counters, const QueueDepths&
     metric.label.push_back({"queue", queue});
     metric.gauge.value = static_cast<double>(value);
   };
-  depth(families.add("vdrive_queue_depth", "Messages that wait", MetricType::Gauge), "inbox",
-        depths.inbox);
+  depth(families.add("vdrive_queue_depth", "Messages that wait in a queue", MetricType::Gauge),
+        "inbox", depths.inbox);
   depth(families.another(), "outbox", depths.outbox);
   depth(families.another(), "pending_frames", counters.pending_frames.get());
   families.counter("vdrive_queue_overflows_total", "Messages lost because a queue was full",
@@ -97,17 +96,18 @@ void add_queues(Families& families, const Counters& counters, const QueueDepths&
 void add_commands(Families& families, const Counters& counters) {
   families.counter("vdrive_frames_received_total", "Command frames that arrived",
                    counters.frames_received.get());
-  families.counter("vdrive_frames_refused_total", "Command frames with a refusal",
+  families.counter("vdrive_frames_refused_total", "Command frames that were refused",
                    counters.frames_refused.get());
   families.counter("vdrive_commands_applied_total", "Commands to an axis that were carried out",
                    counters.commands_applied.get());
   families.counter("vdrive_commands_refused_total", "Commands to an axis that were refused",
                    counters.commands_refused.get());
-  families.counter("vdrive_set_points_ignored_total", "Set-points that a drive did not take",
+  families.counter("vdrive_set_points_ignored_total", "Set-points that a drive ignored",
                    counters.set_points_ignored.get());
   families.counter("vdrive_requests_answered_total", "Requests that were answered",
                    counters.requests_answered.get());
-  families.counter("vdrive_watchdog_trips_total", "Masters that were lost by their silence",
+  families.counter("vdrive_watchdog_trips_total",
+                   "Masters that were lost because they stopped sending",
                    counters.master_losses.get());
 }
 
@@ -115,10 +115,10 @@ void add_wire(Families& families, const Counters& counters) {
   families.gauge("vdrive_wire_up", "1 while the service is on the network, 0 while it is not",
                  static_cast<double>(counters.wire_is_up.get()));
   families.counter("vdrive_wire_starts_total",
-                   "Starts of the network process; 1 = it never had to be started again",
+                   "Starts of the network process; 1 = it was never restarted",
                    counters.wire_starts.get());
   families.gauge("vdrive_wire_resident_bytes",
-                 "Memory of the network process; 0 = its threads belong to the service",
+                 "Memory of the network process; 0 = DDS runs in threads of the service",
                  static_cast<double>(counters.wire_resident.get()));
   families.counter("vdrive_datagrams_dropped_total",
                    "Datagrams that were dropped because no conforming program sends them",

@@ -57,7 +57,7 @@ Response answer(const Request& request, const Metrics& metrics) {
 Response bad_request(const beast::error_code& error) {
   Response response(http::status::bad_request, 11);  // HTTP/1.1
   response.set(http::field::content_type, "text/plain; charset=utf-8");
-  response.body() = "this is no request that is understood here: " + error.message() + "\n";
+  response.body() = "this is not a valid HTTP request: " + error.message() + "\n";
   return response;
 }
 
@@ -203,8 +203,9 @@ MetricsEndpoint::MetricsEndpoint(std::uint16_t port, std::unique_ptr<const Metri
   try {
     server_ = std::make_unique<Server>(port, std::move(metrics));
   } catch (const boost::system::system_error& error) {
-    throw ConfigurationError("metrics.port = " + std::to_string(port) +
-                             ": cannot listen there on 127.0.0.1: " + error.code().message());
+    throw ConfigurationError(
+        "metrics.port = " + std::to_string(port) +
+        ": cannot listen on this port of 127.0.0.1: " + error.code().message());
   }
 }
 

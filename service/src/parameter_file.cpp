@@ -47,7 +47,7 @@ std::string head_of(std::string_view content) {
 std::string_view content_of(std::string_view file) {
   const std::size_t end = file.find('\n');
   if (end == std::string_view::npos || !file.starts_with(kMagic)) {
-    fail_damaged("this is no file of parameters");
+    fail_damaged("this is not a parameter file");
   }
   const std::string_view head = file.substr(0, end + 1);
   const std::string_view content = file.substr(end + 1);
@@ -59,7 +59,7 @@ std::string_view content_of(std::string_view file) {
   if (version && *version >= 0 && *version != kParameterFileVersion) {
     throw ParameterFileError(ParameterProblem::unknown_version,
                              static_cast<std::uint64_t>(*version),
-                             "it has another version of the format");
+                             "its format has another version");
   }
   fail_damaged("its content does not match its first line");
 }
@@ -68,7 +68,7 @@ template <typename Number>
 Number number_of(std::string_view text) {
   const auto number = parse_integer(text);
   if (!number || *number < 0 || *number > std::numeric_limits<Number>::max()) {
-    fail_damaged(in_quotes(text) + " is no number that belongs there");
+    fail_damaged(in_quotes(text) + " is not a valid number here");
   }
   return static_cast<Number>(*number);
 }
@@ -76,7 +76,7 @@ Number number_of(std::string_view text) {
 ObjectAddress address_of(std::string_view text) {
   const std::size_t colon = text.find(':');
   if (colon == std::string_view::npos) {
-    fail_damaged(in_quotes(text) + " is no object");
+    fail_damaged(in_quotes(text) + " is not an object");
   }
   return {number_of<std::uint16_t>(text.substr(0, colon)),
           number_of<std::uint8_t>(text.substr(colon + 1))};
@@ -110,7 +110,7 @@ ParameterTable decode(std::span<const std::byte> file) {
       for (const auto& [object, value] : axis.items()) {
         // The library converts a value such as 1e400 without a look at the range of the integer.
         if (!value.is_number_integer()) {
-          fail_damaged("the value of " + in_quotes(object) + " is no whole number");
+          fail_damaged("the value of " + in_quotes(object) + " is not a whole number");
         }
         values.push_back({address_of(object), value.get<std::int64_t>()});
       }
@@ -121,7 +121,7 @@ ParameterTable decode(std::span<const std::byte> file) {
   // A check can be right over content that was never written: a number that wraps around, an
   // object that is named twice.
   if (content_of(encode(table)) != content) {
-    fail_damaged("its content is not as it is written");
+    fail_damaged("its content is not in the form that vdrived writes");
   }
   return table;
 }
@@ -139,14 +139,14 @@ std::string describe_problem(ParameterProblem problem, std::uint64_t number) {
     case ParameterProblem::damaged:
       return "damaged";
     case ParameterProblem::unknown_version:
-      return "version " + std::to_string(number) + " of the format is not known here";
+      return "version " + std::to_string(number) + " of the format is not supported";
     case ParameterProblem::missing:
       return "missing";
     case ParameterProblem::unknown_object:
     case ParameterProblem::refused_value:
       return text_of({static_cast<std::uint16_t>(number >> 8U),
                       static_cast<std::uint8_t>(number & 0xFFU)}) +
-             (problem == ParameterProblem::unknown_object ? " is no object that is stored"
+             (problem == ParameterProblem::unknown_object ? " is not an object that can be stored"
                                                           : " has a value outside of its range");
   }
   return "";

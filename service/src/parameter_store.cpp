@@ -158,7 +158,7 @@ ParameterTable ParameterStore::read(const std::filesystem::path& file) {
     return decode(content);
   } catch (const std::system_error& error) {
     if (is_error(error, ENOENT)) {
-      throw ParameterFileError(ParameterProblem::missing, 0, "it is not there");
+      throw ParameterFileError(ParameterProblem::missing, 0, "it is missing");
     }
     throw ParameterFileError(ParameterProblem::unreadable,
                              static_cast<std::uint64_t>(error.code().value()), error.what());
@@ -211,7 +211,7 @@ void ParameterStore::load_previous(LoadedParameters& loaded) {
 }
 
 void ParameterStore::keep_aside() {
-  is_kept_ = attempt("a damaged file is not kept aside yet", [this] {
+  is_kept_ = attempt("the damaged file could not be kept", [this] {
     const auto damaged = file(".damaged");
     if (files_->exists(damaged)) {
       files_->remove(damaged);
@@ -233,7 +233,7 @@ void ParameterStore::save(const ParameterTable& table) {
   try {
     sync_directory();
   } catch (const std::system_error&) {
-    attempt("a restart may find the set that was refused", [this, &replaced] {
+    attempt("after a restart the refused set may be in force", [this, &replaced] {
       take_back(replaced);
     });
     throw;
@@ -261,7 +261,7 @@ void ParameterStore::write_beside(std::span<const std::byte> content) {
     files_->sync(opened.number());
     opened.close();
   } catch (const std::system_error&) {
-    attempt("an unfinished file stays", [this, &path] {
+    attempt("an unfinished file could not be removed", [this, &path] {
       files_->remove(path);  // on a full disk its space is needed
     });
     throw;
@@ -278,7 +278,7 @@ ParameterStore::Replaced ParameterStore::replace() {
   try {
     files_->rename(file(".new"), file(""));
   } catch (const std::system_error&) {
-    attempt("what is stored keeps another name", [this] {
+    attempt("the stored file could not be renamed back", [this] {
       put_back();
     });
     throw;
@@ -288,7 +288,7 @@ ParameterStore::Replaced ParameterStore::replace() {
   return before;
 }
 
-/// Whoever asked for this set hears that it is not stored: it must not come back with a restart.
+/// The request for this set is refused: the set must not be in force after a restart.
 void ParameterStore::take_back(const Replaced& replaced) {
   files_->rename(file(""), file(".new"));
   if (replaced.was_there) {

@@ -48,7 +48,7 @@ std::string without_empty_security(std::string configuration) {
 Configuration configuration_of(const JournalStart& start) {
   if (start.layout != AxisBank::snapshot_layout()) {
     throw JournalError("it was written by vdrived " + escaped(start.version) +
-                       ", whose axes keep their state in another layout: replay it with that one");
+                       ", which uses another layout of the state; replay it with that version");
   }
   try {
     return parse_configuration(without_empty_security(start.configuration), "its configuration");
@@ -68,7 +68,7 @@ class Replay {
         rows_(reader.start().rows) {
     const std::size_t per_row = reader.start().axes_per_row;
     if (rows_.size() != (bank_.size() + per_row - 1) / per_row) {
-      throw JournalError("its head does not fit its configuration");
+      throw JournalError("its header does not match its configuration");
     }
   }
 
@@ -81,7 +81,7 @@ class Replay {
         break;
       }
       if (ended_) {
-        throw JournalError("something follows its end");
+        throw JournalError("data follows after its end");
       }
       agrees = std::visit(
           [this](const auto& content) {
@@ -90,7 +90,7 @@ class Replay {
           *record);
     }
     if (ended_ && reader_.torn_bytes() > 0) {
-      throw JournalError("something follows its end");
+      throw JournalError("data follows after its end");
     }
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
     result_.agrees = agrees;
@@ -128,10 +128,11 @@ class Replay {
         break;
     }
     if (code != AbortCode::none) {
-      result_.text =
-          "tick " + std::to_string(tick_ + 1) + ": " + name_of(change.axis) + ": the write of " +
-          std::to_string(change.value) + " to " + index_text(change.address.index) + ":" +
-          std::to_string(change.address.subindex) + ", accepted when it was recorded, is refused";
+      result_.text = "tick " + std::to_string(tick_ + 1) + ": " + name_of(change.axis) +
+                     ": the write of " + std::to_string(change.value) + " to " +
+                     index_text(change.address.index) + ":" +
+                     std::to_string(change.address.subindex) +
+                     " was accepted when it was recorded and is refused now";
     }
     return code == AbortCode::none;
   }
@@ -169,8 +170,8 @@ class Replay {
 
   bool apply(const JournalEnd& end) {
     if (end.ticks != result_.ticks || end.changes != result_.changes || end.lost != lost_) {
-      throw JournalError("its end speaks of " + std::to_string(end.ticks) + " ticks and " +
-                         std::to_string(end.changes) + " changes, but it holds " +
+      throw JournalError("its end mark states " + std::to_string(end.ticks) + " ticks and " +
+                         std::to_string(end.changes) + " changes, but it contains " +
                          std::to_string(result_.ticks) + " and " + std::to_string(result_.changes));
     }
     ended_ = true;
@@ -197,7 +198,8 @@ class Replay {
             .first -
         digest.members.begin());
     if (row == rows_.size() || column == kStatusMembers) {
-      return "the status differs from the recorded one in a way that names no place";
+      return "the status differs from the recorded one; the journal does not show in which axis or "
+             "member";
     }
     const StatusMember& member = status_members()[column];
     const std::size_t per_row = reader_.start().axes_per_row;
@@ -211,7 +213,7 @@ class Replay {
       text += ": replayed " + std::to_string(member.value(bank_.status(first))) +
               ", recorded another value";
     }
-    return text + "; later differences are not looked for";
+    return text + "; the replay stops at the first difference";
   }
 
   [[nodiscard]] std::string summary(double wall) const {

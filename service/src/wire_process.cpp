@@ -39,7 +39,9 @@ void volunteer_for_the_kernel() {
   const int file = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);  // NOLINT(*-vararg)
   if (file >= 0) {
     if (write(file, kFirst.data(), kFirst.size()) < 0) {
-      spdlog::debug("the kernel does not let the wire go first when memory runs out");
+      spdlog::debug(
+          "the kernel does not permit that the wire is the first process to end when memory runs "
+          "out");
     }
     close(file);
   }

@@ -173,7 +173,7 @@ WireRegion WireRegion::attach(int descriptor) {
   }
   WireRegion region(descriptor, map(descriptor));
   if (region.control().layout != kLayout) {
-    throw std::runtime_error("memory of the engine: of another version");
+    throw std::runtime_error("memory of the engine: another version");
   }
   return region;
 }

@@ -56,7 +56,7 @@ void WireSupervisor::start() {
   while (!is_up_) {
     std::this_thread::sleep_for(kLookInterval);
     if (has_to_stop()) {
-      throw wire::NetworkError("stopped by a signal before the wire ran");
+      throw wire::NetworkError("stopped by a signal before the wire was ready");
     }
     if (control_.state.load() == WireState::failed) {
       throw wire::NetworkError(error_of(control_));

@@ -39,13 +39,13 @@ std::string with_unit(const std::string& number, std::string_view unit) {
 void check_encoding(const std::string& text, const std::string& file_name) {
   if (is_wide_text(text)) {
     throw ConfigurationError(escaped(file_name, kShownOfMessage) +
-                             ": is text in UTF-16 or UTF-32, must be UTF-8");
+                             ": is encoded in UTF-16 or UTF-32; it must be UTF-8");
   }
   std::istringstream lines(text);
   std::string line;
   for (std::size_t number = 1; std::getline(lines, line); ++number) {
     if (!is_utf8(line) || line.find('\0') != std::string::npos) {
-      refuse_line(file_name, number, in_quotes(line) + " is not text in UTF-8");
+      refuse_line(file_name, number, in_quotes(line) + " is not valid UTF-8");
     }
   }
 }
@@ -91,7 +91,7 @@ void check_that_one_document_is_all(const std::string& text, const std::string& 
     return static_cast<std::size_t>(documents.starts.at(document).line) + 1;
   };
   if (documents.starts.at(0).pos == documents.starts.at(1).pos) {
-    refuse_line(file_name, line(0), "no YAML document can begin like this");
+    refuse_line(file_name, line(0), "a YAML document cannot begin like this");
   }
   refuse_line(file_name, line(1),
               "a second YAML document begins here; a configuration is one document");
@@ -125,7 +125,7 @@ void YamlValue::for_each_entry(
       name.refuse("unknown key; known here: " + joined(known));
     }
     if (!seen.insert(key).second) {
-      name.refuse("the key stands twice");
+      name.refuse("the key appears twice");
     }
     visit(key, YamlValue(entry.second, file_, path));
   }

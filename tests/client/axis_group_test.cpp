@@ -177,7 +177,7 @@ TEST_F(LockStepGroup, IsMadeOfAddressesAndNamesAndRefusesWhatCannotBeOne) {
 
   const auto twice = AxisGroup::create(session_, std::vector<std::string>{"1.1", name, "1.1"});
   EXPECT_EQ(twice.outcome().kind(), OutcomeKind::refused);
-  EXPECT_THAT(twice.outcome().message(), HasSubstr("axis 1.1 stands twice"));
+  EXPECT_THAT(twice.outcome().message(), HasSubstr("axis 1.1 appears twice"));
   const auto nobody = AxisGroup::create(session_, std::vector<std::string>{"1.1", "1.77"});
   EXPECT_EQ(nobody.outcome().kind(), OutcomeKind::not_found);
   EXPECT_THAT(nobody.outcome().message(), HasSubstr("1.77"));
@@ -186,7 +186,7 @@ TEST_F(LockStepGroup, IsMadeOfAddressesAndNamesAndRefusesWhatCannotBeOne) {
   Session other(options());
   const std::vector<Axis> strangers{*other.axis("1.1")};
   EXPECT_THAT(AxisGroup::create(session_, strangers).outcome().message(),
-              HasSubstr("axis 1.1 was found by another session"));
+              HasSubstr("axis 1.1 belongs to another session"));
 }
 
 TEST_F(LockStepGroup, EnablesAndDisablesEveryAxisWhateverStateItIsIn) {

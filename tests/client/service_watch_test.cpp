@@ -48,7 +48,7 @@ TEST_F(ServiceWatchTest, TellsOfASilenceWithin100MillisecondsWhileTheBenchTicks)
   ASSERT_EQ(changes.size(), 1U);
   EXPECT_EQ(changes[0].news, ServiceNews::fell_silent);
   EXPECT_EQ(changes[0].silence, 85ms);
-  EXPECT_EQ(changes[0].text, "bench 1 fell silent 85 ms ago");
+  EXPECT_EQ(changes[0].text, "bench 1 stopped sending 85 ms ago");
   EXPECT_THAT(news(500ms), IsEmpty()) << "told once";
 }
 

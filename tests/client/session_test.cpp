@@ -53,7 +53,7 @@ TEST(Discovery, FindsNobodyWithinItsTime) {
   const auto axis = sut.axis("1.1");
   EXPECT_EQ(axis.outcome().kind(), OutcomeKind::not_found);
   EXPECT_THAT(axis.outcome().message(), HasSubstr("1.1"));
-  EXPECT_THAT(axis.outcome().message(), HasSubstr("no bench is there"));
+  EXPECT_THAT(axis.outcome().message(), HasSubstr("no bench was found"));
 }
 
 TEST(Discovery, RefusesADomainOutOfRange) {

@@ -97,7 +97,7 @@ for program in vdrive vdrived; do
   readelf --program-headers --wide "$file" | grep GNU_STACK | grep -q RWE && fail "$program: executable stack"
 done
 
-# Man pages without a warning, with every word and option that the programs tell of.
+# Man pages without a warning, with every command and option of the programs.
 options_of() {
   "$@" | grep -o -- '--[a-z][a-z-]*' | sort -u
 }

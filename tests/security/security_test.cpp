@@ -109,7 +109,7 @@ TEST_P(ClosedBenchByClock, ShowsEverythingToAViewerAndTakesNoCommandFromIt) {
     const Finished refused = as(viewer, words);
     EXPECT_EQ(refused.code, 5) << words << ": " << refused.errors;
     EXPECT_THAT(refused.errors + refused.output,
-                HasSubstr("the permissions of this identity do not allow to command"))
+                HasSubstr("the permissions of this identity do not allow commands"))
         << words;
   }
 }
@@ -261,7 +261,7 @@ std::vector<Flaw> flaws() {
       other_member("NotYetValid",
                    "service young --from 2090-01-01T00:00:00 --to 2091-01-01T00:00:00",
                    "certificate.pem: is not valid before Jan  1 00:00:00 2090 GMT"),
-      other_member("RoleOfAViewer", "viewer hall", "do not allow to publish vdrive/v1/"),
+      other_member("RoleOfAViewer", "viewer hall", "do not allow publishing vdrive/v1/"),
       open_governance("Unauthenticated", "participants>FALSE", "participants>TRUE",
                       "allow_unauthenticated_participants must be FALSE"),
       open_governance("AnybodyMayJoin", "join_access_control>TRUE", "join_access_control>FALSE",
@@ -300,7 +300,7 @@ INSTANTIATE_TEST_SUITE_P(Flaws, AServiceAskedToRunClosed, testing::ValuesIn(flaw
 TEST(ClosedMode, DoesNotGoWithADiscoveryServer) {
   const Finished refused = tool("list --security /nowhere --discovery-server 10.0.0.9:11811");
   EXPECT_EQ(refused.code, 1);
-  EXPECT_THAT(refused.errors, HasSubstr("does not go with a discovery server"));
+  EXPECT_THAT(refused.errors, HasSubstr("cannot be combined with a discovery server"));
 }
 
 TEST(ClosedMode, AClientWithoutItsMaterialDoesNotStartOpen) {
@@ -368,7 +368,7 @@ TEST(SecurityScripts, NeverOverwriteWhatIsThere) {
   const ShellResult again =
       shell(scripts + "make_member.sh " + authority.directory().string() + " viewer bench");
   EXPECT_EQ(again.code, 1);
-  EXPECT_THAT(again.text, HasSubstr("is there; to make it anew remove it first"));
+  EXPECT_THAT(again.text, HasSubstr("exists already; remove it first to make it again"));
   EXPECT_EQ(read_file(member / "certificate.pem"), certificate);
 }
 

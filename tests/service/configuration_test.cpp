@@ -181,15 +181,16 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"control_characters_in_a_key", "{\"a\\nb\": 1}",
                 R"(bench.yaml:1: a\nb: unknown key)"},
         Refused{"not_utf8", "bench:\n  name: \"\xFF\"",
-                R"(bench.yaml:2: '  name: "\xFF"' is not text in UTF-8)"},
+                R"(bench.yaml:2: '  name: "\xFF"' is not valid UTF-8)"},
         Refused{"two_documents", "bench: {number: 1}\n---\nbench: {number: 2}",
                 "bench.yaml:2: a second YAML document"},
         // The parser takes nothing from these and finds documents without end.
-        Refused{"begins_with_a_comma", ", name: left}", "bench.yaml:1: no YAML document can begin"},
+        Refused{"begins_with_a_comma", ", name: left}",
+                "bench.yaml:1: a YAML document cannot begin"},
         Refused{"goes_on_with_a_comma", "bench: {number: 1}\n...\n, {n% ",
                 "bench.yaml:3: a second YAML document"},
         Refused{"security_names_nothing", "network: {security: \"\"}",
-                "bench.yaml:1: network.security: names no directory"},
+                "bench.yaml:1: network.security: must name a directory"},
         Refused{"security_without_a_value", "network: {security: }",
                 "bench.yaml:1: network.security: must be a single value"},
         Refused{"not_yaml", "bench: [1\nclock: 3", "bench.yaml:2: "},
@@ -209,7 +210,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "bench.yaml:1: network.discovery_server[0] = 10.0.0.9: must be an IPv4 address and "
                 "a port"},
         Refused{"key_twice", "clock:\n  rate: 1\n  rate: 2",
-                "bench.yaml:3: clock.rate: the key stands twice"},
+                "bench.yaml:3: clock.rate: the key appears twice"},
         Refused{"section_is_no_map", "clock: 7", "bench.yaml:1: clock = 7: must be a map"},
         Refused{"bench_zero", "bench: {number: 0}",
                 "bench.yaml:1: bench.number = 0: must be a whole number from 1 to 65535"},
@@ -224,7 +225,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"clock_step", "clock: {clock_step: leap}",
                 "bench.yaml:1: clock.clock_step = leap: must be one of steer, jump"},
         Refused{"rate_in_freerun", "clock:\n  rate: 2\n  mode: freerun",
-                "bench.yaml:2: clock.rate = 2: has no meaning with clock.mode freerun"},
+                "bench.yaml:2: clock.rate = 2: cannot be used with clock.mode freerun"},
         Refused{"rate_low", "clock: {rate: 0.05}",
                 "bench.yaml:1: clock.rate = 0.05: must be 0 (paused) or from 0.1 to 100"},
         Refused{"rate_nan", "clock: {rate: nan}",
@@ -235,15 +236,15 @@ INSTANTIATE_TEST_SUITE_P(
                 "bench.yaml:1: network.domain = 233: must be a whole number from 0 to 232"},
         Refused{"boolean", "network: {shared_memory: maybe}",
                 "bench.yaml:1: network.shared_memory = maybe: must be one of false, true"},
-        Refused{"no_axes", "axes: []", "bench.yaml:1: axes: a bench has at least one axis"},
+        Refused{"no_axes", "axes: []", "bench.yaml:1: axes: a bench needs at least one axis"},
         Refused{"axis_without_number", "axes:\n  - {name: a}",
-                "bench.yaml:2: axes[0]: an axis needs its number"},
+                "bench.yaml:2: axes[0]: an axis needs a number"},
         Refused{"axis_twice", "axes:\n  - {number: 1}\n  - {number: 1}",
-                "bench.yaml:3: axes[1]: axis number 1 stands twice"},
+                "bench.yaml:3: axes[1]: axis number 1 appears twice"},
         Refused{"name_twice", "axes:\n  - {number: 1, name: a}\n  - {number: 2, name: a}",
-                "bench.yaml:3: axes[1]: axis name a stands twice"},
+                "bench.yaml:3: axes[1]: axis name a appears twice"},
         Refused{"name_like_a_number", "axes:\n  - {number: 1, name: 1.2}",
-                "bench.yaml:2: axes[0].name = 1.2: a name has no blanks"},
+                "bench.yaml:2: axes[0].name = 1.2: a name must not contain a blank"},
         Refused{"model_key", "axes:\n  - number: 1\n    model: {inertia: 1}",
                 "bench.yaml:3: axes[0].model.inertia = 1: unknown key"},
         Refused{"model_value", "axes:\n  - number: 1\n    model: {motor_inertia: 0}",
@@ -299,10 +300,10 @@ TEST(Configuration, InUtf16OrUtf32IsRefusedAsSuch) {
   for (const std::string& text :
        {"\xFF\xFE"s + "a\0:\0 \0001\0"s, "\xFE\xFF"s + "\0a\0:\0 \0001"s, "a\0:\0 \0001\0"s,
         "\0a\0:\0 \0001"s, "\0\0\0a\0\0\0:\0\0\0 \0\0\0001"s}) {
-    EXPECT_EQ(refusal_of(text), "bench.yaml: is text in UTF-16 or UTF-32, must be UTF-8");
+    EXPECT_EQ(refusal_of(text), "bench.yaml: is encoded in UTF-16 or UTF-32; it must be UTF-8");
   }
   EXPECT_EQ(refusal_of("bench: {number: 7}\n# a\0b"s),
-            R"(bench.yaml:2: '# a\x00b' is not text in UTF-8)")
+            R"(bench.yaml:2: '# a\x00b' is not valid UTF-8)")
       << "what follows a zero was not read";
 }
 

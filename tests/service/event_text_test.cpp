@@ -12,15 +12,16 @@ namespace {
 using namespace std::chrono_literals;
 
 TEST(EventLine, IsKeysAndValuesWithTheWordsLast) {
-  EXPECT_EQ(log_line(3,
-                     {.kind = msg::EVENT_MASTER_LOST,
-                      .axis = 7,
-                      .session = 0x1234,
-                      .tick = 99,
-                      .detail = Count{1}},
-                     0),
-            "event=master_lost bench=3 tick=99 axis=7 session=0x0000000000001234 suppressed=0 "
-            "text=\"axis 7: session 0x0000000000001234 fell silent, 1 axes lost their master\"");
+  EXPECT_EQ(
+      log_line(3,
+               {.kind = msg::EVENT_MASTER_LOST,
+                .axis = 7,
+                .session = 0x1234,
+                .tick = 99,
+                .detail = Count{1}},
+               0),
+      "event=master_lost bench=3 tick=99 axis=7 session=0x0000000000001234 suppressed=0 "
+      "text=\"axis 7: session 0x0000000000001234 stopped sending; 1 axes lost their master\"");
   EXPECT_EQ(log_line(3, {.kind = msg::EVENT_FAULT, .axis = 7, .code = 0x8130, .tick = 99}, 21),
             "event=fault bench=3 tick=99 axis=7 code=0x8130 suppressed=21 text=\"axis 7: fault "
             "0x8130\"");
@@ -31,17 +32,17 @@ TEST(EventWords, TellOfAStepOfTheWallClockWhereItStandsAndWhatIsDone) {
   EXPECT_EQ(
       words_of(
           {.kind = msg::EVENT_WALL_CLOCK, .code = 1, .detail = std::chrono::microseconds{10s}}),
-      "the wall clock was stepped, it is 10 s ahead of drive time, which is steered for about "
-      "20000 s");
+      "the wall clock was changed: it is 10 s ahead of drive time; drive time is adjusted "
+      "for about 20000 s");
   EXPECT_EQ(words_of({.kind = msg::EVENT_WALL_CLOCK,
                       .code = 1,
                       .detail = std::chrono::microseconds{-1'500ms}}),
-            "the wall clock was stepped, it is 1.5 s behind drive time, which is steered for about "
-            "3000 s");
+            "the wall clock was changed: it is 1.5 s behind drive time; drive time is adjusted for "
+            "about 3000 s");
   EXPECT_EQ(
       words_of(
           {.kind = msg::EVENT_WALL_CLOCK, .code = 2, .detail = std::chrono::microseconds{10s}}),
-      "the wall clock was stepped, it is 10 s ahead of drive time: the tick number jumps");
+      "the wall clock was changed: it is 10 s ahead of drive time; the tick number jumps");
 }
 
 TEST(EventLine, NamesEveryKindOfEvent) {

@@ -435,13 +435,13 @@ TEST(Replay, TellsThatAWriteIsRefusedWhichWasAccepted) {
     }
   });
   EXPECT_THAT(replay_with(file, 1).text,
-              HasSubstr("tick 1: axis 2 (axis2): the write of 1000 to 6041h:0, accepted when it "
-                        "was recorded, is refused"));
+              HasSubstr("tick 1: axis 2 (axis2): the write of 1000 to 6041h:0 was accepted when it "
+                        "was recorded and is refused now"));
 }
 
 // ---- damaged files ---------------------------------------------------------------------------
 
-/// FNV-1a over words of 64 bits, the last filled up with zeros (docs/journal.md).
+/// FNV-1a over words of 64 bits, the last filled up with zeros (docs/reference/journal.md).
 std::uint64_t fnv(std::string_view bytes) {
   std::uint64_t check = 14695981039346656037ULL;
   for (std::size_t position = 0; position < bytes.size(); position += 8) {
@@ -527,7 +527,7 @@ TEST(DamagedJournal, HasNothingAfterItsEnd) {
   seal_head(second_end, 0);
   for (const std::string& tail : {std::string("x"), second_end}) {
     file.set_bytes(whole + tail);
-    EXPECT_THAT(failure_of(file), HasSubstr("something follows its end"));
+    EXPECT_THAT(failure_of(file), HasSubstr("data follows after its end"));
   }
 }
 
@@ -552,7 +552,7 @@ TEST(DamagedJournal, WithAForgedLengthIsRefusedWithoutRoomForIt) {
   put_number(text, kHead + 28, 0xFFFFFFF0U);
   seal_content(text, 0);
   file.set_bytes(text);
-  EXPECT_THAT(failure_of(file), HasSubstr("byte 0: a text of 4294967280 bytes is cut off"));
+  EXPECT_THAT(failure_of(file), HasSubstr("byte 0: a text of 4294967280 bytes is incomplete"));
 }
 
 // 200 MiB could be a snapshot of many axes, but the file does not hold them: a torn one.
@@ -639,7 +639,7 @@ TEST(DamagedJournal, MissesAChunkThatWasCutOut) {
   const std::string whole = file.bytes();
   const std::size_t second = chunk_after(whole, 0);
   file.set_bytes(whole.substr(0, second) + whole.substr(chunk_after(whole, second)));
-  EXPECT_THAT(failure_of(file), HasSubstr("chunk 2 follows where chunk 1 belongs"));
+  EXPECT_THAT(failure_of(file), HasSubstr("chunk 2 was found, expected chunk 1"));
 }
 
 TEST(DamagedJournal, RefusesWhatIsNoJournal) {
@@ -647,7 +647,7 @@ TEST(DamagedJournal, RefusesWhatIsNoJournal) {
   for (const char* const text :
        {"", "vdrvjrnl", "this is a text with more than twenty-four bytes"}) {
     file.set_bytes(text);
-    EXPECT_THAT(failure_of(file), HasSubstr("this is no journal")) << text;
+    EXPECT_THAT(failure_of(file), HasSubstr("this is not a journal")) << text;
   }
   EXPECT_THROW(static_cast<void>(service::replay("/nonexistent/journal", std::nullopt)),
                JournalError);
@@ -662,7 +662,8 @@ TEST(DamagedJournal, RefusesAnotherVersionOfTheFormat) {
   bytes[32] = 2;
   seal_content(bytes, 0);
   file.set_bytes(bytes);
-  EXPECT_THAT(failure_of(file), HasSubstr("version 2 of the format is not known here, only 1"));
+  EXPECT_THAT(failure_of(file),
+              HasSubstr("version 2 of the format is not supported; supported: 1"));
 }
 
 TEST(DamagedJournal, RefusesAnotherLayoutOfTheState) {
@@ -678,8 +679,8 @@ TEST(DamagedJournal, RefusesAnotherLayoutOfTheState) {
     };
     JournalWriter writer(sink, start);
   }
-  EXPECT_THAT(failure_of(file), HasSubstr("it was written by vdrived 9.9, whose axes keep their "
-                                          "state in another layout"));
+  EXPECT_THAT(failure_of(file),
+              HasSubstr("it was written by vdrived 9.9, which uses another layout of the state"));
 }
 
 TEST(Journal, DoesNotOverwriteAFile) {

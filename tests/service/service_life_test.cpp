@@ -262,7 +262,7 @@ TEST(ServiceManager, HearsThatTheNetworkIsGoneAndThatItIsBack) {
     if (const auto wire = child_of(*spawner)) kill(*wire, SIGKILL);
     message = socket.next(20ms);
   }
-  EXPECT_EQ(message, good + ", no network: its wire is down");
+  EXPECT_EQ(message, good + ", no network: the network process is down");
   EXPECT_EQ(socket.next(), good);
   service->send(SIGTERM);
   EXPECT_EQ(service->wait().code, 0);

@@ -60,7 +60,7 @@ TEST(Doctor, NamesAnInterfaceThatIsNotThereOrDown) {
   const auto found = complaints(readings, options);
   ASSERT_EQ(found.size(), 2U);
   EXPECT_EQ(found[0].severity, Severity::problem);
-  EXPECT_THAT(found[0].text, HasSubstr("10.0.0.2 is no address"));
+  EXPECT_THAT(found[0].text, HasSubstr("10.0.0.2 is not an address"));
   EXPECT_THAT(found[1].text, HasSubstr("eth1, which is down"));
 }
 
@@ -92,7 +92,7 @@ TEST(Doctor, HintsAtWhatMakesTicksLateAndStreamsLossy) {
   EXPECT_THAT(found[0].advice, HasSubstr("use tsc"));
   EXPECT_THAT(found[2].advice, HasSubstr("net.core.rmem_max=4194304"));
   EXPECT_THAT(found[3].advice, HasSubstr("CAP_SYS_NICE"));
-  EXPECT_THAT(found[4].text, HasSubstr("2 segments of Fast DDS, 1 that nobody uses"));
+  EXPECT_THAT(found[4].text, HasSubstr("2 segments of Fast DDS, 1 that no program uses"));
 }
 
 TEST(Doctor, TellsABenchOfAnotherVersion) {
@@ -133,7 +133,7 @@ TEST(Doctor, FindsANetworkProcessGoodThatNeverEnded) {
   const auto found = look_at_benches({&bench, 1}, {});
   ASSERT_EQ(found.size(), 2U);
   EXPECT_EQ(found[1].severity, Severity::good);
-  EXPECT_THAT(found[1].text, HasSubstr("bench 3 never ended"));
+  EXPECT_THAT(found[1].text, HasSubstr("bench 3 has not ended since the service started"));
 }
 
 TEST(Doctor, SaysNothingOfANetworkProcessThatItHasNotHeardOf) {

@@ -50,10 +50,10 @@ std::string refusal_of(std::vector<std::string> words) {
 
 // CLI11 takes an empty value for none.
 TEST(CommandLine, RefusesAnEmptyValue) {
-  EXPECT_EQ(refusal_of({"--security", "", "list"}), "--security: '' is no value");
+  EXPECT_EQ(refusal_of({"--security", "", "list"}), "--security: the value is empty");
   EXPECT_THAT(refusal_of({"--domain", "", "list"}), testing::StartsWith("--domain: "));
-  EXPECT_EQ(refusal_of({"--timeout", "", "list"}), "--timeout: '' is no value");
-  EXPECT_EQ(refusal_of({"move", "1.1", "100", "--velocity", ""}), "--velocity: '' is no value");
+  EXPECT_EQ(refusal_of({"--timeout", "", "list"}), "--timeout: the value is empty");
+  EXPECT_EQ(refusal_of({"move", "1.1", "100", "--velocity", ""}), "--velocity: the value is empty");
   setenv("VDRIVE_SECURITY", "", 1);  // NOLINT(*-mt-unsafe)
   EXPECT_EQ(refusal_of({"list"}),
             "VDRIVE_SECURITY in the environment is set, but empty: unset it or give a value");
@@ -242,7 +242,7 @@ INSTANTIATE_TEST_SUITE_P(
                     BadRow{"an_unknown_format", "dictionary --format yaml", "yaml"},
                     BadRow{"negative_steps", "step -1", "-1"},
                     BadRow{"rate_in_words", "rate fast", "fast"},
-                    BadRow{"rate_of_too_much", "rate 1 2 3", "no more"},
+                    BadRow{"rate_of_too_much", "rate 1 2 3", "at most a bench"},
                     BadRow{"no_timeout", "list --timeout soon", "soon"},
                     BadRow{"no_interface", "--interface eth0 list", "--interface"},
                     BadRow{"no_peer", "--peer 10.0.0.256 list", "--peer"},

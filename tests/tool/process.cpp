@@ -153,7 +153,7 @@ RunningService::RunningService(const std::string& words)
   options.domain = test_domain();
   options.find_timeout = std::chrono::seconds(20);
   client::Session session(options);
-  if (session.find_benches().empty()) throw std::runtime_error("the service did not come up");
+  if (session.find_benches().empty()) throw std::runtime_error("the service did not start");
 }
 
 RunningService::~RunningService() {

@@ -88,7 +88,7 @@ TEST(ScenarioFile, InUtf16IsRefusedAsSuch) {
       [] {
         (void)parse(std::string("\xFF\xFEw\0a\0i\0t\0", 10));
       },
-      ThrowsMessage<UsageError>("test.scn: is text in UTF-16 or UTF-32, must be UTF-8"));
+      ThrowsMessage<UsageError>("test.scn: is encoded in UTF-16 or UTF-32; it must be UTF-8"));
 }
 
 TEST(Junit, CountsAndEscapes) {
