@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks docs/conformance.md: every statement is held by tests that exist, run and pass.
+"""Checks docs/reference/conformance.md: every statement is held by tests that exist, run and pass.
 
     tests/conformance/check.py --build DIRECTORY [--ctest PROGRAM] [--page FILE] [--list]
 
@@ -200,7 +200,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--build", type=pathlib.Path)
     parser.add_argument("--ctest", default="ctest")
-    parser.add_argument("--page", type=pathlib.Path, default=ROOT / "docs" / "conformance.md")
+    parser.add_argument("--page", type=pathlib.Path, default=ROOT / "docs" / "reference" / "conformance.md")
     parser.add_argument("--list", action="store_true")
     arguments = parser.parse_args()
     if not arguments.list and not arguments.build:

@@ -9,7 +9,7 @@ import unittest
 
 import check
 
-PAGE = (check.ROOT / "docs" / "conformance.md").read_text(encoding="utf-8")
+PAGE = (check.ROOT / "docs" / "reference" / "conformance.md").read_text(encoding="utf-8")
 
 
 def findings_of(text):

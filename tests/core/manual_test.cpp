@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Statements of the manual that no other test of the core holds: what docs/conformance.md would
-// have to leave without a name. Numbers are the manual's or follow from its formulas.
+// Statements of the manual that no other test of the core holds: what docs/reference/conformance.md
+// would have to leave without a name. Numbers are the manual's or follow from its formulas.
 #include "core/support/axis_under_test.hpp"
 
 #include <gtest/gtest.h>

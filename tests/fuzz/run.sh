@@ -51,7 +51,7 @@ seed() {
     configuration_fuzz)
       find "$root/deploy" -name '*.yaml' -exec cp -t "$2" {} +
       # The example of the documentation names every key.
-      sed -n '/^```yaml$/,/^```$/{/^```/d;p}' "$root/docs/configuration.md" >"$2/documentation.yaml" ;;
+      sed -n '/^```yaml$/,/^```$/{/^```/d;p}' "$root/docs/guides/configuration.md" >"$2/documentation.yaml" ;;
     scenario_fuzz)
       # By the line: a whole scenario is longer than an input.
       cat "$root"/clients/scenarios/*.scn | sed 's/ *#.*//' | sort -u | sed '/^$/d' |

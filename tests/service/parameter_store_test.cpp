@@ -115,7 +115,8 @@ TEST(ParameterFile, ShowsWhereverItIsTornOrGoesOn) {
 std::string forged(const std::string& file, const std::string& from, const std::string& to) {
   std::string content = file.substr(file.find('\n') + 1);
   content.replace(content.find(from), from.size(), to);
-  std::uint64_t check = 14695981039346656037ULL;  // FNV-1a over words, as docs/journal.md has it
+  std::uint64_t check =
+      14695981039346656037ULL;  // FNV-1a over words, as docs/reference/journal.md has it
   for (std::size_t place = 0; place < content.size(); place += sizeof(std::uint64_t)) {
     std::uint64_t word = 0;
     std::memcpy(&word, content.data() + place, std::min(sizeof(word), content.size() - place));

@@ -53,7 +53,7 @@ struct AxisCauses {
 };
 
 /// Who commands which axis, and what becomes of each letter: an account of its own of what
-/// docs/network-interface.md promises, by what arrived. It predicts every answer, owner and
+/// docs/reference/wire.md promises, by what arrived. It predicts every answer, owner and
 /// register; what the bench says is held against that.
 class ControlModel {
  public:

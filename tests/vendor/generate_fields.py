@@ -5,7 +5,7 @@
     generate_fields.py FILE.idl OUTPUT
 
 A file that includes OUTPUT defines what a row does, once for each language, and so handles every
-field without naming one. Knows the subset of IDL that docs/network-interface.md permits and refuses
+field without naming one. Knows the subset of IDL that docs/reference/wire.md permits and refuses
 the rest, so that nothing is left out in silence.
 """
 import pathlib

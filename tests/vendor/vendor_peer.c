@@ -74,7 +74,7 @@ static const int32_t kAxesInDomain = 65536;
 
 // clang-format on
 
-// The qualities of service of docs/network-interface.md.
+// The qualities of service of docs/reference/wire.md.
 typedef struct Quality {
   bool reliable;
   bool transient_local;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// docs/network-interface.md is what a client in another language is written from: its bytes are
+// docs/reference/wire.md is what a client in another language is written from: its bytes are
 // those of the real encoder, and no constant or topic of the contract is left out.
 #include "vdrive/wire/topics.hpp"
 #include "vdrive_messages.h"
@@ -30,7 +30,7 @@ std::string read(const char* path) {
 }
 
 std::string page() {
-  return read(VDRIVE_SOURCE_DIR "/docs/network-interface.md");
+  return read(VDRIVE_SOURCE_DIR "/docs/reference/wire.md");
 }
 
 /// A row of a block of bytes: "0044  3F 00   axes[0].ds402_controlword = 0x3F".

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Moves axis 1 of bench 1 to 10000 user units with nothing but the IDL and a DDS: no library of
-// vdrive. This one is in C with Cyclone DDS; the steps are those of docs/network-interface.md,
+// vdrive. This one is in C with Cyclone DDS; the steps are those of docs/reference/wire.md,
 // "From nothing to a move". For a bench in real time: raw_dds [DOMAIN]
 #include "vdrive_messages.h"  // what idlc makes of idl/vdrive_messages.idl
 

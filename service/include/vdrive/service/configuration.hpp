@@ -86,8 +86,8 @@ class ConfigurationError : public std::runtime_error {
 /// @throws ConfigurationError when `count` is outside 1 to kMaxAxes.
 [[nodiscard]] std::vector<NamedAxis> default_axes(std::size_t count);
 
-/// Reads a configuration in YAML (docs/configuration.md). What the text does not mention keeps its
-/// default.
+/// Reads a configuration in YAML (docs/guides/configuration.md). What the text does not mention
+/// keeps its default.
 /// @param file_name as it is named in error messages
 /// @throws ConfigurationError when the text is not YAML, a key is unknown or stands twice, a value
 ///         is of another type or outside its limits, or the bank refuses an axis.

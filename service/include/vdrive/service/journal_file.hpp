@@ -17,8 +17,8 @@
 
 namespace vdrive::service {
 
-/// The file of a journal, as docs/journal.md describes it: chunks with a check each, records in
-/// them.
+/// The file of a journal, as docs/reference/journal.md describes it: chunks with a check each,
+/// records in them.
 
 /// A journal cannot be read. The message says what is wrong and at which byte.
 class JournalError : public std::runtime_error {
