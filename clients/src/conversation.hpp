@@ -14,7 +14,7 @@
 
 namespace vdrive::client {
 
-/// One call that commands one axis: what it shows now, what is said to it, and until when.
+/// One call that commands one axis: its state, the commands to it, and the deadline.
 class Conversation {
  public:
   /// @param timeout drive time from the first look on

@@ -96,7 +96,7 @@ bool Directory::forget_the_most_silent(Clock::time_point now) {
   const auto oldest = std::ranges::min_element(entries_, {}, [](const auto& item) {
     return item.second.newest;
   });
-  // Whom everybody hears is not driven out by those who only say that they are there.
+  // A run whose samples arrive is never replaced by runs that only publish a description.
   if (oldest == entries_.end() || now - oldest->second.newest < kForgetAfter) return false;
   entries_.erase(oldest);
   return true;

@@ -32,7 +32,7 @@ struct BenchKey {
   friend auto operator<=>(const BenchKey&, const BenchKey&) = default;
 };
 
-/// A bench that is there, and the participant that speaks for it.
+/// A bench whose samples arrive, and the participant that sends them.
 struct PresentBench {
   BenchInfo info;
   wire::Source source;
@@ -40,7 +40,7 @@ struct PresentBench {
   [[nodiscard]] BenchKey key() const { return {info.number, info.incarnation}; }
 };
 
-/// How lately a run of a service was heard.
+/// How old the newest sample of a run of a service is.
 struct Presence {
   BenchKey key;
   std::chrono::nanoseconds age{};  ///< of its newest sample
@@ -48,8 +48,8 @@ struct Presence {
   bool is_streaming = false;  ///< its ticks pass and are published
 };
 
-/// Which benches are there, judged by the age of their samples: a description comes from the
-/// history and says nothing about now. Time is an argument. Not thread-safe.
+/// Which benches exist, judged by the age of their samples: a description comes from the history of
+/// DDS and does not show that the service still runs. Time is an argument. Not thread-safe.
 class Directory {
  public:
   using Clock = std::chrono::steady_clock;
@@ -61,14 +61,15 @@ class Directory {
   /// Another live sample of this bench: a status frame or an answer.
   void heard(const BenchKey& key, std::uint64_t tick, Clock::time_point now);
 
-  /// This participant sent a live sample of the run: from now on it speaks for it. A service whose
-  /// network part starts anew has another one, and goes on with its run.
+  /// This participant sent a live sample of the run and is its sender from now on. A service whose
+  /// network process restarts has a new participant and continues its run.
   void speaks(const BenchKey& key, const wire::Source& source);
 
-  /// @return the participant that speaks for this run; nothing before it has said anything.
+  /// @return the participant that sends for this run; nothing before its first live sample.
   [[nodiscard]] std::optional<wire::Source> source_of(const BenchKey& key) const;
 
-  /// @return the benches that are described whole, not offline and heard within kPresence, by
+  /// @return the benches with a complete description that are not offline and have a sample within
+  /// kPresence, by
   ///         number. Of two with one number the lower incarnation, as the services agree.
   [[nodiscard]] std::vector<PresentBench> present(Clock::time_point now) const;
 

@@ -57,7 +57,7 @@ struct Told {
   std::vector<std::size_t> ignored;  ///< places of the axes that did not take their set-point
 };
 
-/// One call that commands a group: what its axes show now, what is said to them, until when.
+/// One call that commands a group: the states of its axes, the commands to them, and the deadline.
 /// The counterpart of Conversation for axes on several benches.
 class GroupTalk {
  public:

@@ -16,7 +16,7 @@ namespace vdrive::tool {
 
 using Duration = std::chrono::nanoseconds;
 
-/// What the tool can be told, one struct a word. Plain data, made by the grammar only.
+/// The commands of the tool, one struct each. Plain data, made by the grammar only.
 
 struct ListCommand {};
 

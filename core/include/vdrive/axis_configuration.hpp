@@ -32,7 +32,7 @@ struct AxisConfiguration {
   std::uint32_t serial_number = 0;       ///< 1018h:04
   std::vector<InitialValue> parameters;  ///< written at every power-up
 
-  /// What the axis has stored by 1010h in an earlier life; see AxisBank::set_stored.
+  /// What the axis stored by 1010h in an earlier run; see AxisBank::set_stored.
   std::vector<InitialValue> stored{};
   /// What was stored cannot be used: fault 5530h at every power-up until something else is stored.
   bool memory_error = false;

@@ -7,7 +7,7 @@
 
 namespace vdrive {
 
-/// Foreign text in messages: what a file, a command line or another program supplied.
+/// Text in messages that comes from a file, a command line or another program.
 
 /// How much of a value a message shows.
 inline constexpr std::size_t kShownOfValue = 64;  // [characters]

@@ -53,12 +53,12 @@ struct Readings {
   std::vector<ObjectReading> objects;  ///< in the order that was asked for
 };
 
-/// One axis of a bench, commanded over the network. A handle: copies speak of the same axis; it
+/// One axis of a bench, commanded over the network. A handle: copies refer to the same axis; it
 /// must not outlive its session.
 ///
 /// Commands acquire the axis for the session. A command that the power state does not allow is
-/// refused with 0x08000022 and changes nothing. `failed` says that the drive accepted the command
-/// and a fault or a lost enable ended it.
+/// refused with 0x08000022 and changes nothing. `failed` means that the drive accepted the command
+/// and that a fault or a lost enable ended it.
 class Axis {
  public:
   [[nodiscard]] const AxisId& id() const noexcept { return id_; }
@@ -71,15 +71,15 @@ class Axis {
   /// Takes control without a command. @return refused when another session holds the axis.
   Outcome acquire();
 
-  /// Walks the power states to Operation enabled and sets nothing else. An axis that stops quickly
-  /// is let come to rest first. @return refused in a fault: reset it first.
+  /// Goes through the power states to Operation enabled and sets nothing else. If a quick stop is
+  /// in progress it waits for standstill first. @return refused in a fault: reset it first.
   Outcome enable(const CallOptions& options = {});
 
   /// Shutdown (0006h): to Ready to switch on.
   Outcome disable(const CallOptions& options = {});
 
-  /// Moves to a position [UU]: sets profile position mode if needed, hands the set-point over and
-  /// waits for bit 10. @return refused when not enabled or when the drive ignores the set-point.
+  /// Moves to a position [UU]: sets profile position mode if needed, sends the set-point and waits
+  /// for bit 10. @return refused when not enabled or when the drive ignores the set-point.
   Outcome move_to(std::int32_t position, const MoveOptions& options = {});
 
   /// The same by a distance [UU], from the base that 60F2h chooses.
@@ -98,12 +98,12 @@ class Axis {
   /// nothing.
   Outcome reset_fault(const CallOptions& options = {});
 
-  /// As after power-up; the mechanical position is kept.
+  /// Switches the axis off and on again; the mechanical position is kept.
   Outcome power_cycle(const CallOptions& options = {});
 
   /// Stores the parameters as they are now (1010h), to be in force after every later power-up, also
   /// of another run of the service. Returns when they are durable; waits for no drive time.
-  /// @return refused with 0x08000020 where the service has no place to store to, with 0x06060000
+  /// @return refused with 0x08000020 where the service has no state directory, with 0x06060000
   ///         when storing failed: what was stored before stays.
   Outcome store();
 
@@ -120,7 +120,7 @@ class Axis {
   /// Writes an object. @return the tick in which the value is in force, or refused.
   Result<std::uint64_t> write(ObjectAddress object, std::int64_t value);
 
-  /// Looks at every tick, the present one included, until `condition` holds.
+  /// Checks every tick, the present one included, until `condition` holds.
   /// @param timeout drive time
   Result<AxisSnapshot> wait_until(const std::function<bool(const AxisSnapshot&)>& condition,
                                   std::chrono::nanoseconds timeout) const;

@@ -48,19 +48,19 @@ struct GroupStatus {
   [[nodiscard]] std::vector<AxisId> not_following() const;
 };
 
-/// One look at a group while a call waits.
+/// The state of a group in one tick while a call waits.
 struct GroupProgress {
   std::uint64_t tick = 0;  ///< of the first axis' bench
-  double fraction = 0.0;   ///< of the move in hand that is done, 0 to 1; 0 without a move
+  double fraction = 0.0;   ///< of the present move that is done, 0 to 1; 0 without a move
   std::span<const AxisSnapshot> axes;
 };
 
-/// How long a call may take, what it waits for, who is told meanwhile.
+/// How long a call may take, what it waits for, and who observes it.
 struct GroupCallOptions {
   /// Drive time. By default 60 s; for a move its duration and 5 s more.
   std::optional<std::chrono::nanoseconds> timeout;
   Until until = Until::done;
-  /// Called at every tick that the call looks at, in its thread. It must not call the group.
+  /// Called at every tick that the call observes, in its thread. It must not call the group.
   std::function<void(const GroupProgress&)> progress;
 };
 
@@ -80,26 +80,26 @@ struct StreamOptions {
   Pace pace = Pace::drive;  ///< lock-step: whether each position steps one tick
 };
 
-/// Axes that move together, on one bench or on several that share a clock. A handle: copies speak
-/// of the same group; it must not outlive its session.
+/// Axes that move together, on one bench or on several that share a clock. A handle: copies refer
+/// to the same group; it must not outlive its session.
 ///
 /// Each command is one frame a bench for all its axes, so that they act on it in one tick. Several
 /// benches act in the same tick too: in lock-step the group steps them together; in real time, with
-/// equal period, rate 1 and synchronised clocks, commands that must not run apart carry the tick
+/// equal period, rate 1 and synchronised clocks, commands that must act together carry the tick
 /// number in which they are in force.
 ///
-/// Messages name the axis that refused, failed or was late. While a call waits for motion it looks
-/// at every axis: when one has a fault or loses Operation enabled, or its service falls silent, the
-/// others get a quick stop (by 605Ah) with the status that shows it, and the call returns `failed`
-/// or `lost` once they are at rest. poll() and monitor() do the same while no call waits. A call
-/// that times out leaves the motion as it is.
+/// Messages name the axis that refused, failed or was late. While a call waits for motion it checks
+/// every axis. When one has a fault, loses Operation enabled, or its service stops sending, the
+/// group sends the others a quick stop (605Ah) at once. The call returns `failed` or `lost` when
+/// they are at rest. poll() and monitor() do the same while no call waits. A call that times out
+/// leaves the motion as it is.
 ///
 /// One call at a time, save that halt_all() and quick_stop_all() may come from another thread in
 /// real time.
 class AxisGroup {
  public:
   /// @param axes addresses or names, each once; at most 256 of one bench
-  /// @return not_found, refused when an axis stands twice or the benches share no clock.
+  /// @return not_found, refused when an axis appears twice or the benches do not share a clock.
   static Result<AxisGroup> create(Session& session, std::span<const std::string> axes);
 
   /// The same of axes that this session found.
@@ -111,7 +111,7 @@ class AxisGroup {
   /// The present state of all axes.
   Result<GroupStatus> status() const;
 
-  /// Walks every axis to Operation enabled (MC_GroupEnable).
+  /// Brings every axis to Operation enabled (MC_GroupEnable).
   /// @return refused, with nothing done, when an axis has a fault.
   Outcome enable_all(const GroupCallOptions& options = {});
 
@@ -122,8 +122,8 @@ class AxisGroup {
   /// (MC_MoveLinearAbsolute): all axes start on one tick, keep the proportions of their ways and
   /// arrive on one tick, the slowest at its limit. Starts from rest; drops the queue.
   ///
-  /// Each way counts half a unit longer in the choice of the times: an axis may rest up to that
-  /// much beside the position that 6062h shows.
+  /// The times are chosen for ways that are half a unit longer: an axis at rest may stand up to
+  /// half a unit beside the position that 6062h shows.
   /// @return refused, with nothing moved, when an axis cannot take part: not enabled, moving,
   /// beyond
   ///         its software limits, or a move of more than 4294 s. Where an axis ignores its
@@ -139,15 +139,15 @@ class AxisGroup {
   /// lock-step without a tick between. `options.call` is not used.
   Outcome queue_move(const Eigen::VectorXd& targets, const GroupMoveOptions& options = {});
 
-  /// Runs the move in hand and the queue to their end. The default time-out counts for each move.
-  /// A halt keeps the queue; a fault, a refusal, a quick stop and a disable drop it.
+  /// Waits until the present move and the queue have ended. The default time-out counts for each
+  /// move. A halt keeps the queue; a fault, a refusal, a quick stop and a disable drop it.
   Outcome wait_all(const GroupCallOptions& options = {});
 
-  /// One look without stepping: stops the others when an axis failed, starts the next move of the
-  /// queue when the last has arrived. For a program with its own loop.
+  /// Checks the group once, without stepping: stops the others when an axis failed, starts the next
+  /// move of the queue when the last has arrived. For a program with its own loop.
   Result<GroupStatus> poll();
 
-  /// Real time: the same watch over faults in a thread of its own, while no call waits.
+  /// Real time: checks for faults in a thread of its own while no call waits.
   /// @return refused in lock-step, where time stands still between calls: use poll().
   Outcome monitor(bool on);
 

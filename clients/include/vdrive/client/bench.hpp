@@ -27,10 +27,10 @@ struct AxisId {
 /// @return such as "1.2".
 [[nodiscard]] std::string to_string(const AxisId& id);
 
-/// @return the address that `text` spells as `bench.axis`, or nothing: it may be a name.
+/// @return the address when `text` has the form `bench.axis`, else nothing: it may be a name.
 [[nodiscard]] std::optional<AxisId> parse_axis_id(std::string_view text) noexcept;
 
-/// What a bench says of one of its axes.
+/// What a bench publishes about one of its axes.
 struct AxisInfo {
   AxisId id;
   std::string name;
@@ -40,7 +40,7 @@ struct AxisInfo {
   std::uint32_t app_speed_limit = 0;           ///< 607Fh at power-up [UU/s]
 };
 
-/// What a bench says of itself. UU are its user units.
+/// What a bench publishes about itself. UU are its user units.
 struct BenchInfo {
   std::uint32_t number = 0;
   std::uint64_t incarnation = 0;  ///< of the service; another one after a restart
@@ -49,9 +49,9 @@ struct BenchInfo {
   std::chrono::microseconds period{1000};  ///< of one tick, in drive time
   /// One sample of the status stream each n ticks; in freerun one each millisecond of wall time.
   std::uint32_t status_every_ticks = 1;
-  std::uint64_t tick = 0;  ///< newest one heard of
+  std::uint64_t tick = 0;  ///< newest one received
   double rate = 1.0;       ///< realtime: drive time over wall time, 0 = paused
-  /// Starts of its network process in this run: 1 = it never ended, 0 = not heard yet.
+  /// Starts of its network process in this run: 1 = it never ended, 0 = not received yet.
   std::uint64_t wire_starts = 0;
   double user_units_per_revolution = 4096.0;
   std::string dictionary_version;

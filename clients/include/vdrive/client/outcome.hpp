@@ -16,8 +16,8 @@ enum class OutcomeKind : std::uint8_t {
   ok,
   refused,    ///< the service, the dictionary or the drive's state does not allow it: see the code
   timed_out,  ///< the deadline passed first
-  not_found,  ///< no such bench, axis or name is there
-  lost,       ///< the service fell silent, went away or was restarted
+  not_found,  ///< no such bench, axis or name was found
+  lost,       ///< the service stopped sending, ended or was restarted
   failed,     ///< accepted, but ended by a fault, a lost enable or an interrupt
 };
 

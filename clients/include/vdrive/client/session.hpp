@@ -22,7 +22,7 @@ class AxisGroup;
 class SessionCore;
 class StepClock;
 
-/// Who tells the benches that this program is alive while it holds axes.
+/// Who sends keep-alives to the benches while this program holds axes.
 enum class KeepAlive : std::uint8_t {
   own_thread,   ///< the session itself, every 25 ms while the bench runs in realtime
   user_frames,  ///< only the user's own commands: a program that hangs loses its axes
@@ -33,7 +33,7 @@ struct SessionOptions {
   std::uint32_t domain = 0;  ///< DDS domain, 0 to 232
   std::vector<std::string>
       interfaces{};  ///< own addresses in the networks to use; empty = loopback only
-  std::vector<std::string> peers{};  ///< addresses of hosts asked for benches beside multicast
+  std::vector<std::string> peers{};  ///< hosts asked for benches in addition to multicast
   std::vector<std::string>
       discovery_servers{};  ///< such as "10.0.0.9:11811", instead of multicast and peers
   std::string security{};   ///< directory of the closed mode's material; empty = open
@@ -41,28 +41,28 @@ struct SessionOptions {
   KeepAlive keep_alive = KeepAlive::own_thread;
   /// Wall time that finding a service may take; in the closed mode better 5 s.
   std::chrono::milliseconds find_timeout{2000};
-  /// Calls that wait give a service up as lost when its newest sample is older [wall time], 50 ms
-  /// or more: a busy machine may hold a process up for some hundred milliseconds, and a service
-  /// whose network part starts anew is not heard meanwhile. Session::watch_services tells of a
+  /// A call that waits reports a service as lost when its newest sample is older than this [wall
+  /// time], 50 ms or more: a busy machine may stop a process for some hundred milliseconds, and a
+  /// service sends nothing while its network process restarts. Session::watch_services reports the
   /// silence earlier.
   std::chrono::milliseconds silence{1500};
 };
 
-/// What became of a service.
+/// What happened to a service.
 enum class ServiceNews : std::uint8_t {
   found,         ///< it is there
-  fell_silent,   ///< nothing was heard: it ended, hangs, or the network is down
+  fell_silent,   ///< no sample arrived: it ended, hangs, or the network is down
   heard_again,   ///< the same run of the service as before
   restarted,     ///< another run: nobody holds an axis of it, every axis is disabled
-  went_offline,  ///< it said that it ends
+  went_offline,  ///< it announced its end
 };
 
-/// One change that Session::watch_services tells of.
+/// One change that Session::watch_services reports.
 struct ServiceChange {
   std::uint32_t bench = 0;
   ServiceNews news = ServiceNews::found;
   std::chrono::milliseconds silence{};  ///< age of its newest sample
-  std::string text;                     ///< such as "bench 1 fell silent 83 ms ago"
+  std::string text;                     ///< such as "bench 1 stopped sending 83 ms ago"
 };
 
 /// Whether a follower advances the clock of a lock-step bench.

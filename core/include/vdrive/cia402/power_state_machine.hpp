@@ -34,9 +34,9 @@ struct PowerOptions {
 /// Power state machine of CiA 402-2 with the manual's extension: Switch on disabled goes to
 /// Operation enabled in one command.
 ///
-/// A plain value: each function takes one event and tells the transitions that it caused; what they
-/// do to the axis is the caller's part. Where 605Bh or 605Ch asks for a ramp, transitions 8 and 5
-/// are held back in `pending` while the state stays Operation enabled.
+/// A plain value: each function takes one event and returns the transitions that it caused; the
+/// caller applies them to the axis. Where 605Bh or 605Ch asks for a ramp, transitions 8 and 5 are
+/// held back in `pending` while the state stays Operation enabled.
 class PowerStateMachine {
  public:
   [[nodiscard]] PowerState state() const noexcept { return state_; }

@@ -14,7 +14,7 @@
 namespace vdrive::wire {
 
 /// Writes samples that were encoded elsewhere (vdrive/wire/codec.hpp) on a topic, with the topic's
-/// QoS: the sibling of `Publication` for a program that does not look into messages.
+/// QoS: like `Publication`, for a program that does not decode messages.
 class BytesPublication {
  public:
   /// Runs in a DDS thread with the participants of the subscriptions that match now; must not wait.

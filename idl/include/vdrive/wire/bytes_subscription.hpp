@@ -11,9 +11,9 @@
 
 namespace vdrive::wire {
 
-/// Receives the samples of a topic as bytes: the sibling of `Subscription` for a program that does
-/// not look into messages. Nothing about the bytes is checked but their length, which is at most
-/// twice the largest of the type.
+/// Receives the samples of a topic as bytes: like `Subscription`, for a program that does not
+/// decode messages. Nothing about the bytes is checked but their length, which is at most twice the
+/// largest of the type.
 class BytesSubscription {
  public:
   /// Both run in the DDS receive thread, one sample at a time: they must be short, must not wait

@@ -32,7 +32,7 @@ std::size_t encode(const Message& message, std::span<std::byte> output) noexcept
 template <typename Message>
 [[nodiscard]] bool decode(std::span<const std::byte> sample, Message& message) noexcept;
 
-/// What became of a sample that a client sent.
+/// The result of decoding a sample that a client sent.
 enum class Decoding : std::uint8_t {
   good,
   malformed,         ///< nothing in it can be trusted

@@ -11,17 +11,18 @@ namespace vdrive::wire {
 
 /// Why the guard of a participant keeps a datagram from the DDS library.
 enum class Refusal : std::uint8_t {
-  none,        ///< it passes
-  header,      ///< no RTPS header of version 2
-  length,      ///< a submessage ends outside of the datagram, or is shorter than its kind
-  submessage,  ///< a kind that no conforming participant sends
-  statistics,  ///< the library's own 0x80 in the wrong place or of the wrong length
-  sequence,    ///< a sequence number below its least or above 2^40
-  range,       ///< a HEARTBEAT or GAP whose range is turned round or too wide
-  set,         ///< a set of numbers with more than 256 bits
-  data,        ///< a DATA without data, key and status, or with both data and key
-  fragment,    ///< fragments that do not fit their sample, or a sample above 16 MB
-  parameters,  ///< a list of parameters that does not end, or a text that is longer than its place
+  none,          ///< it passes
+  header,        ///< no RTPS header of version 2
+  length,        ///< a submessage ends outside of the datagram, or is shorter than its kind
+  submessage,    ///< a kind that no conforming participant sends
+  statistics,    ///< the library's own 0x80 in the wrong place or of the wrong length
+  sequence,      ///< a sequence number below its least or above 2^40
+  range,         ///< a HEARTBEAT or GAP whose range is reversed or too wide
+  set,           ///< a set of numbers with more than 256 bits
+  data,          ///< a DATA without data, key and status, or with both data and key
+  fragment,      ///< fragments that do not fit their sample, or a sample above 16 MB
+  parameters,    ///< a list of parameters that does not end, or a text that is longer than its
+                 ///< parameter
   announcement,  ///< a participant's announcement without a lease or in another one's name
   participants,  ///< more participants than the guard keeps, 4,096
 };
@@ -35,16 +36,16 @@ constexpr std::size_t kRefusals = 13;  ///< with `none`
 struct GuardCounts {
   std::array<std::uint64_t, kRefusals> refused{};  ///< datagrams by Refusal; [none] stays 0
   std::uint64_t handed_over = 0;                   ///< datagrams that the library got
-  std::uint64_t ignored = 0;  ///< announcements of clients that a client took no notice of
-  std::uint64_t judged = 0;   ///< removed: silent, or left as the library does not see
+  std::uint64_t ignored = 0;  ///< announcements of clients that a client ignored
+  std::uint64_t judged = 0;   ///< removed: silent, or left unnoticed by the library
   std::uint64_t kept = 0;     ///< participants that are watched now
 
   /// @return the datagrams that were refused for any reason.
   [[nodiscard]] std::uint64_t all_refused() const noexcept;
 };
 
-/// Is told of each refused datagram, with the sender's address such as "127.0.0.1:7410". Runs in
-/// the thread that receives: must be short, must not throw, and should log one line a second.
+/// Receives each refusal with the sender's address, such as "127.0.0.1:7410". Runs in the receiving
+/// thread: must be short, must not throw, and should log at most one line a second.
 using GuardSink = std::function<void(Refusal, std::string_view sender)>;
 
 }  // namespace vdrive::wire

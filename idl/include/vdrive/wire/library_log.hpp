@@ -6,16 +6,16 @@
 
 namespace vdrive::wire {
 
-/// Takes over what the DDS library has to complain about: while one of these lives nothing of it is
-/// printed. One in a process, made by its program and not by a library.
+/// Receives the log of the DDS library: while an object of this class exists the library prints
+/// nothing. At most one in a process; the program makes it, not a library.
 class LibraryLog {
  public:
-  /// Called from the thread of the library's log with the part of the library and its words.
+  /// Called in the log thread of the library with the part of the library and its message.
   using Sink = std::function<void(const std::string& part, const std::string& words)>;
 
   explicit LibraryLog(Sink sink);
 
-  /// From here on nothing is printed: what follows is the end of the process.
+  /// From here on nothing is printed: the process ends.
   ~LibraryLog();
 
   LibraryLog(const LibraryLog&) = delete;

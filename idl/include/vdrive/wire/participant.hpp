@@ -14,8 +14,8 @@ namespace vdrive::wire {
 
 class Guard;  ///< known inside the wire room only
 
-/// What a participant is for. A client takes no notice of other clients, so that joins and leaves
-/// of many cost them nothing.
+/// What a participant is for. A client ignores other clients, so that the joins and leaves of many
+/// clients cost nothing.
 enum class Role : std::uint8_t { other, service, client };
 
 /// Where a participant may be reached, and how it finds others. The default is loopback UDP only,
@@ -24,7 +24,7 @@ struct NetworkSettings {
   std::uint32_t domain = 0;  ///< DDS domain, 0 to 232
   std::vector<std::string>
       interfaces{};  ///< own addresses in the networks to use; empty = loopback only
-  std::vector<std::string> peers{};  ///< addresses asked for participants beside multicast
+  std::vector<std::string> peers{};  ///< hosts asked in addition to multicast
   std::vector<std::string>
       discovery_servers{};     ///< such as 10.0.0.9:11811, instead of multicast; first = id 0
   bool shared_memory = false;  ///< opt-in: killed processes leave segments behind
@@ -32,7 +32,7 @@ struct NetworkSettings {
   Role role =
       Role::other;         ///< client: ignores participants named "vdrive client" or "vdrive probe"
   bool guard = true;       ///< false shows in tests what the library does without it
-  GuardSink guard_sink{};  ///< is told of each datagram that the guard refuses
+  GuardSink guard_sink{};  ///< receives each refusal of the guard
 };
 
 /// DDS could not be set up; the message names the entity and the setting.
@@ -63,8 +63,8 @@ class Participant {
   /// @return what its messages show as their source.
   [[nodiscard]] Source source() const noexcept;
 
-  /// Makes everybody look at its announcement anew. The library looks once at each: whoever had no
-  /// place for another participant then would not know this one until it changes.
+  /// Makes all participants read its announcement again. The library reads each announcement once:
+  /// a participant that had no room for this one would not know it until the announcement changes.
   void announce_again();
 
   /// @return what the guard has done; all zero without a guard.
@@ -79,12 +79,12 @@ class Participant {
   std::unique_ptr<Entities> entities_;
 };
 
-/// Takes leave in the name of a participant that died without leaving, such as the predecessor of a
-/// service process that was killed: those who knew it remove it at once, not when its lease ends.
-/// Sends a few datagrams to where a participant of these settings would announce itself; waits for
-/// nobody. Discovery servers are not told: they take it from the participant itself only, and judge
-/// it after its lease of 2 s. It is sent in clear, in the closed mode too, as announcements are
-/// there.
+/// Announces the end of a participant that died without leaving, such as a network process that was
+/// killed: other participants remove it at once, not when its lease ends. Sends a few datagrams to
+/// the addresses where a participant with these settings would announce itself; waits for no
+/// answer. Sends nothing to discovery servers: they accept this from the participant itself only,
+/// and remove it after its lease of 2 s. The datagrams are not encrypted, in the closed mode
+/// neither, as announcements are not.
 /// @throws NetworkError when no socket can be made
 void say_goodbye(const NetworkSettings& settings, const Source& dead);
 

@@ -35,8 +35,7 @@ enum class TopicKey : std::uint8_t {
   bench_and_number,  ///< uint32, uint16: an axis, or a part of a description
 };
 
-/// What both sides of a topic have to know of it. Everything that is a list of topics reads this
-/// table.
+/// What both sides of a topic need to know. Every list of topics in the code reads this table.
 struct TopicTraits {
   std::string_view name;       ///< without the prefix
   std::string_view type_name;  ///< as it is announced
@@ -45,8 +44,9 @@ struct TopicTraits {
   bool reliable = false;
   bool transient_local = false;
   bool keep_all = false;  ///< of readers; and of writers unless `writer_keeps_newest`
-  /// What a reader does not fetch gives way to newer samples: replies to many clients go through
-  /// one writer, and one that hangs must not keep the others from theirs.
+  /// The writer drops samples that a reader does not fetch in favour of newer ones: one writer
+  /// sends the replies to many clients, and a client that hangs must not block the replies to the
+  /// others.
   bool writer_keeps_newest = false;
   std::int32_t depth = 1;      ///< samples kept of an instance
   std::int32_t instances = 1;  ///< keys in the whole domain

@@ -10,24 +10,24 @@
 
 namespace vdrive::service {
 
-/// What became of a numbered message by its sender's latest messages.
+/// The fate of a numbered message, derived from the latest messages of its sender.
 enum class Fate : std::uint8_t {
   unknown,    ///< it has not arrived yet
-  taken,      ///< it has arrived and was not answered: it is in progress, or no answer is due
+  taken,      ///< it has arrived and is not answered: it is in progress, or it needs no answer
   answered,   ///< its answer is kept
-  forgotten,  ///< it is too old to tell, or its answer is not kept any more
+  forgotten,  ///< it is too old to be known, or its answer was dropped
 };
 
 /// Which messages of which sender have arrived, and what was answered, so that a message acts once,
 /// however often it arrives. Fixed size: nothing allocates after construction, as far as assigning
-/// an answer does not. A sender that is not known is taken in for the one that was silent longest.
+/// an answer does not. A new sender replaces the sender whose last message is the oldest.
 template <typename Answer>
 class AnswerMemory {
  public:
   static constexpr std::size_t kSenders = 1'024;
-  static constexpr std::size_t kAnswers = 1'024;  ///< of all senders; the oldest goes first
+  static constexpr std::size_t kAnswers = 1'024;  ///< of all senders; the oldest is dropped first
   static constexpr std::size_t kAnswersPerSender = 128;
-  /// Numbers below the highest one of a sender that can still be told apart.
+  /// How many numbers below the highest one of a sender are remembered.
   static constexpr std::uint64_t kWindow = 1'024;
 
   /// @param prepare makes room in each answer
@@ -211,7 +211,7 @@ class AnswerMemory {
   std::vector<Sender> senders_;
   std::list<Slot> order_;  ///< free ones, then the answers from the oldest
   std::uint64_t uses_ = 0;
-  mutable std::size_t last_found_ = 0;  ///< who sent one message often sends the next
+  mutable std::size_t last_found_ = 0;  ///< the sender of one message often sends the next
 };
 
 }  // namespace vdrive::service

@@ -87,28 +87,30 @@ class BenchEngine {
   void step();
 
   /// Puts the status image of the last tick into the outbox.
-  /// @param repeated it was there before, and is only for those who came since
+  /// @param repeated the image was shown before; it is sent again for clients that joined later
   void post_status(bool repeated = false);
 
-  /// Moves as many changed parameter sets as fit into the outbox, and tells of full queues; also
-  /// part of every step.
+  /// Moves as many changed parameter sets as fit into the outbox and reports full queues; also part
+  /// of every step.
   void post_parameters();
 
-  /// Gives the axes what has become durable, and answers who waits for it; also part of every step.
+  /// Gives the axes the parameters that have become durable and answers the requests that wait for
+  /// them; also part of every step.
   /// @return whether there was anything.
   bool answer_stores();
 
-  /// The number of the tick jumps forward, state is held; the silence of masters does not grow.
+  /// The tick number jumps forward and the state is held; the jump does not count as silence of a
+  /// master.
   void jump(std::uint64_t ticks);
 
-  /// A tick took longer than there was.
+  /// A tick took longer than its period.
   void report_overrun(std::chrono::nanoseconds late);
 
   /// Puts what happened into the outbox, with the present tick.
   void report(EventRecord event);
 
-  /// Notes a request that `handle` does not get. @return whether it has arrived before: then it is
-  /// answered again, unless it is in progress, and there is nothing to do.
+  /// Notes a request that `handle` does not get. @return whether it has arrived before. Such a
+  /// request is answered again, unless it is in progress, and needs no further work.
   [[nodiscard]] bool is_repeat(const Arrival& arrival);
 
   /// Checks a request about the steps of a lock-step bench. @return REASON_NONE or why it is
@@ -130,12 +132,12 @@ class BenchEngine {
   /// @return whether no tick comes by itself: lock-step, or paused.
   [[nodiscard]] bool time_stands() const noexcept;
 
-  /// The session was heard now.
+  /// A message of the session arrived now.
   void hear(std::uint64_t session);
 
   /// Answers a checked request of that kind, with the status of the axes that it names when
   /// `reason` is REASON_NONE or REASON_MISSING_STEPPER.
-  /// @param missing_stepper the session that time waits for
+  /// @param missing_stepper the session whose grant is missing
   void answer_step(const Arrival& arrival, std::uint32_t reason, std::uint64_t missing_stepper = 0);
 
  private:

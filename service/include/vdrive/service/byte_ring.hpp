@@ -35,8 +35,8 @@ struct RingPositions {
 
 /// Bounded queue of records of bytes from one producer to one consumer, in memory that two
 /// processes may share. No lock, no allocation, no system call. Neither side trusts what the other
-/// one wrote: positions and sizes are checked before they are used, and a ring whose other side
-/// wrote nonsense is empty.
+/// side wrote: positions and sizes are checked before use, and a ring with invalid positions counts
+/// as empty.
 class ByteRing {
  public:
   /// A record at the front of the ring; valid until `pop`.
@@ -64,7 +64,7 @@ class ByteRing {
   /// Consumer: drops all that waits.
   void clear() noexcept;
 
-  /// @return how many records wait; exact only when nobody works on the ring.
+  /// @return how many records wait; exact only when no thread uses the ring.
   [[nodiscard]] std::size_t size() const noexcept;
 
   [[nodiscard]] std::size_t capacity() const noexcept { return memory_.size(); }

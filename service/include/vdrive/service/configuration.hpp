@@ -40,8 +40,8 @@ struct NamedAxis {
 
 /// Where the wire runs: everything that names DDS.
 enum class WireForm : std::uint8_t {
-  process,  ///< its own: the engine outlives it and starts it again
-  thread,   ///< threads of the service: a hop less, and its end is the service's
+  process,  ///< a separate process: the engine outlives it and restarts it
+  thread,   ///< threads of the service: one hop less, but its failure ends the service
 };
 
 [[nodiscard]] std::string_view to_string(WireForm form) noexcept;
@@ -72,8 +72,8 @@ struct Configuration {
   std::vector<NamedAxis> axes;  ///< 1 to kMaxAxes, in ascending order of their numbers
 };
 
-/// A configuration cannot be used. The message names file, line, key, value, unit and limit, as
-/// far as they apply.
+/// A configuration cannot be used. The message names file, line, key, value, unit and limit where
+/// they apply.
 class ConfigurationError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -89,7 +89,7 @@ class ConfigurationError : public std::runtime_error {
 /// Reads a configuration in YAML (docs/guides/configuration.md). What the text does not mention
 /// keeps its default.
 /// @param file_name as it is named in error messages
-/// @throws ConfigurationError when the text is not YAML, a key is unknown or stands twice, a value
+/// @throws ConfigurationError when the text is not YAML, a key is unknown or appears twice, a value
 ///         is of another type or outside its limits, or the bank refuses an axis.
 [[nodiscard]] Configuration parse_configuration(const std::string& text,
                                                 const std::string& file_name);
@@ -97,8 +97,8 @@ class ConfigurationError : public std::runtime_error {
 /// @throws ConfigurationError as above, and when the file cannot be read.
 [[nodiscard]] Configuration load_configuration(const std::filesystem::path& file);
 
-/// @throws ConfigurationError when a value is outside the limits above: for values that come from
-///         elsewhere than a file.
+/// @throws ConfigurationError when a value is outside the limits above: for values that do not come
+/// from a file.
 void check(const Configuration& configuration);
 
 /// @return the configuration as YAML that `parse_configuration` reads back to the same.

@@ -38,8 +38,8 @@ class ControlTable {
   ///         holds an axis.
   [[nodiscard]] SessionRecord* find_or_add(std::uint64_t session, std::uint64_t tick) noexcept;
 
-  /// Gives the free axis, or an axis of another session, to `owner`. The loser's axis count drops;
-  /// epochs are renewed by `renew_epoch`.
+  /// Gives the free axis, or an axis of another session, to `owner`. The axis count of the previous
+  /// owner drops; `renew_epoch` renews the epochs.
   void give(std::size_t axis, SessionRecord& owner) noexcept;
 
   /// Makes the axis free.

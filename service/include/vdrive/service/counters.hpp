@@ -12,7 +12,7 @@
 
 namespace vdrive::service {
 
-/// A number that one thread counts up and others look at.
+/// A number that one thread counts up and others read.
 class Counter {
  public:
   void add(std::uint64_t amount = 1) noexcept {
@@ -29,8 +29,8 @@ class Counter {
   std::atomic<std::uint64_t> value_{0};
 };
 
-/// How often each reason of a refusal (REASON_... or a CiA 301 abort code) was given. Bounded: the
-/// reasons that this project knows are fewer than its slots.
+/// Counts the refusals by reason (REASON_... or a CiA 301 abort code). Bounded: there are more
+/// slots than reasons.
 class RefusalCounters {
  public:
   struct Count {

@@ -5,7 +5,7 @@
 
 namespace vdrive::service {
 
-/// The only way to the time for the realtime clock; a test seam.
+/// The only source of time for the realtime clock; a test replaces it.
 class CycleTimer {
  public:
   CycleTimer() = default;

@@ -18,7 +18,7 @@ struct CountedEvent {
   std::uint32_t suppressed = 0;
 };
 
-/// Lets a bounded number of equal events through and counts the rest. Two events are equal when
+/// Passes a bounded number of equal events and counts the rest. Two events are equal when
 /// kind, axis, code and session are.
 class EventLimiter {
  public:
@@ -27,7 +27,7 @@ class EventLimiter {
   static constexpr std::uint32_t kAllPerWindow = 8'000;
   static constexpr std::size_t kMostKinds = 4'096;
 
-  /// Appends to `passed` what may be told now: this event, or nothing.
+  /// Appends to `passed` what may be sent now: this event, or nothing.
   void offer(const EventRecord& event, std::chrono::nanoseconds now,
              std::vector<CountedEvent>& passed);
 

@@ -9,7 +9,7 @@
 
 namespace vdrive::service {
 
-/// What the parameter store does with files: the seam at which a test lets each of it fail.
+/// The file operations of the parameter store; a test replaces them and lets each of them fail.
 /// Every member throws std::system_error with the errno when the system refuses.
 class FileOperations {
  public:

@@ -9,7 +9,8 @@
 
 namespace vdrive::service {
 
-/// Advances a bench as fast as it goes. In `cycle` no lock, no allocation, no wait.
+/// Advances a bench as fast as possible. `cycle` takes no lock, allocates nothing and does not
+/// wait.
 class FreerunDriver {
  public:
   /// The status is shown at this distance of wall time, if the image before it has left.

@@ -23,10 +23,10 @@ namespace vdrive::service {
 /// @throws ConfigurationError when it does, or cannot be opened
 [[nodiscard]] JournalSink open_journal(const std::filesystem::path& file);
 
-/// Something to tell about a journal.
+/// A state of the journal to be reported.
 struct JournalNews {
-  static constexpr std::uint32_t kLosing = 1;   ///< the writer cannot follow: ticks get lost
-  static constexpr std::uint32_t kResumed = 2;  ///< it goes on; a Count of lost ticks
+  static constexpr std::uint32_t kLosing = 1;   ///< the writer is too slow: ticks are lost
+  static constexpr std::uint32_t kResumed = 2;  ///< it continues; a Count of lost ticks
   static constexpr std::uint32_t kEnded = 3;    ///< it cannot be written any more; a SystemError
 
   std::uint32_t code = 0;
@@ -36,7 +36,7 @@ struct JournalNews {
 /// Records what a bench does. The thread that steps the bank fills a bounded queue, without lock,
 /// allocation or system call; a thread of its own writes. When the queue is full, a clock that can
 /// wait waits, so that nothing is missing. The wall clock cannot: whole ticks are lost, counted,
-/// and the journal goes on with a fresh snapshot once the queue is half empty.
+/// and the journal continues with a new snapshot once the queue is half empty.
 class Journal {
  public:
   /// Slots of the queue: at least so many ticks fit.
@@ -65,7 +65,7 @@ class Journal {
   /// A tick was completed.
   void record_tick(const AxisBank& bank, std::uint64_t tick) noexcept;
 
-  /// @return what has not been told yet.
+  /// @return what has not been reported yet.
   [[nodiscard]] std::optional<JournalNews> news() noexcept;
 
  private:

@@ -122,14 +122,14 @@ class JournalReader {
   [[nodiscard]] const JournalStart& start() const noexcept { return start_; }
 
   /// @return the next record, or nothing at the end of the file.
-  /// @throws JournalError when something in the middle is damaged or missing. A chunk that the file
-  ///         ends in is left out: so does a service that was killed leave it.
+  /// @throws JournalError when something in the middle is damaged or missing. An unfinished chunk
+  /// at the end of the file is left out: a service that was killed leaves such a chunk.
   [[nodiscard]] std::optional<JournalRecord> next();
 
-  /// @return how many bytes of an unfinished chunk the file ends in.
+  /// @return the number of bytes of the unfinished chunk at the end of the file.
   [[nodiscard]] std::uint64_t torn_bytes() const noexcept { return torn_bytes_; }
 
-  /// @return how many ticks can be seen in the unfinished chunk that the file ends in.
+  /// @return the number of ticks found in the unfinished chunk at the end of the file.
   [[nodiscard]] std::uint64_t torn_ticks() const noexcept { return torn_ticks_; }
 
  private:

@@ -8,7 +8,7 @@
 
 namespace vdrive::service {
 
-/// Looks whether everything that has to go on does: each thread counts what it has completed.
+/// Checks that every thread makes progress: each thread counts what it has completed.
 class Liveness {
  public:
   /// @param beats one for each thread, outliving this object; none = nothing is alive

@@ -19,7 +19,7 @@ using ParameterTable = std::map<std::uint16_t, std::vector<InitialValue>>;
 /// The version of the file that is written. A program that writes a later one reads this one too.
 inline constexpr std::uint32_t kParameterFileVersion = 1;
 
-/// A longer file is none of ours: 65,535 axes with every object fill less.
+/// A longer file was not written by vdrived: 65,535 axes with every object fill less.
 inline constexpr std::uint64_t kLargestParameterFile = 128ULL << 20U;
 
 /// What can be wrong with a file of parameters, or with what it holds of one axis.
@@ -58,7 +58,7 @@ class ParameterFileError : public std::runtime_error {
 /// @throws ParameterFileError unless every byte is as `encode` wrote it.
 [[nodiscard]] ParameterTable decode(std::span<const std::byte> file);
 
-/// @return such as "damaged" or "version 2 of the format is not known here".
+/// @return such as "damaged" or "version 2 of the format is not supported".
 [[nodiscard]] std::string describe_problem(ParameterProblem problem, std::uint64_t number);
 
 }  // namespace vdrive::service

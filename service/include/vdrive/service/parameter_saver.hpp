@@ -33,7 +33,7 @@ struct StoreOrder {
 /// leaves what was stored before.
 class ParameterSaver {
  public:
-  /// So many orders may be on their way.
+  /// The highest number of orders that are not finished.
   static constexpr std::size_t kMostOrders = 2'048;
 
   /// @param table what the store holds

@@ -103,9 +103,9 @@ struct ParameterNews {
   static constexpr std::uint32_t kSaveFailed = 4;  ///< a SystemError
 };
 
-/// Gives the axes of a bench what was stored of them. An axis whose values are not all usable keeps
+/// Gives each axis of a bench its stored parameters. An axis whose values are not all usable keeps
 /// its configured ones and has fault 5530h; all axes have it when the file could not be used.
-/// @return what there is to tell.
+/// @return what has to be reported.
 [[nodiscard]] std::vector<EventRecord> apply(const LoadedParameters& loaded,
                                              Configuration& configuration);
 

@@ -36,7 +36,7 @@ struct WireHost;
 /// | saver     | saves parameters, where there is a place to save them             |
 class Service {
  public:
-  /// Sets everything up; nobody sees the bench yet.
+  /// Sets everything up; the bench is not announced yet.
   /// @param journal takes the journal of this run; nothing = none is written
   /// @param store what is stored in it is in force; nothing = nothing can be stored
   /// @param host of a wire's process; nothing = the wire is threads of this process

@@ -33,7 +33,7 @@ class StepperTable {
 
   static constexpr std::size_t kMaxSteppers = 64;
 
-  /// A stepper that others have waited for, and that was not heard, for this long is silent.
+  /// A stepper is silent when others have waited for it and nothing arrived from it for this long.
   static constexpr std::chrono::seconds kLongestSilence{10};
 
   /// Makes the session (not 0) a stepper whose grant is the present tick; a stepper stays as it is.

@@ -13,9 +13,9 @@ struct Instant {
   std::chrono::nanoseconds wall{0};  ///< since the epoch
 };
 
-/// What a bench does when the wall clock was stepped.
+/// What a bench does when the wall clock was changed.
 enum class ClockStep : std::uint8_t {
-  steer,  ///< drive time goes on without a break and is steered, however long that takes
+  steer,  ///< drive time continues without a break and is adjusted, however long that takes
   jump,   ///< forward, the tick number jumps; backward as steer, since no number comes twice
 };
 
