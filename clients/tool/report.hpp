@@ -15,7 +15,7 @@ namespace vdrive::tool {
 /// Keeps the order in which fields are written.
 using Json = nlohmann::ordered_json;
 
-/// @return one line: JSON of a command's outcome, see docs/guides/tool.md.
+/// @return one line: JSON of a command's outcome, see docs/reference/json.md.
 [[nodiscard]] std::string to_line(const Json& json);
 
 /// Adds `outcome`, and for a failure `code` and `message`.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the tool shows: JSON fields as docs/guides/tool.md gives them, text, the dictionary.
+// What the tool shows: JSON fields as docs/reference/json.md gives them, text, the dictionary.
 #include "report.hpp"
 
 #include "live_view.hpp"
