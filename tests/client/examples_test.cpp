@@ -36,6 +36,13 @@ std::int64_t position(const std::string& axis) {
   return session.axis(axis)->status()->status.load_position_actual_value;
 }
 
+TEST(Examples, TheProgramOfTheReadme) {
+  const RunningService service(patient("--axes 1"));
+  const Finished ended = run("readme");
+  EXPECT_EQ(ended.code, 0) << ended.output << ended.errors;
+  EXPECT_EQ(position("1.1"), 10'000);
+}
+
 TEST(Examples, EnableAndMove) {
   const RunningService service(patient("--axes 2"));
   const Finished ended = run("01_enable_and_move");

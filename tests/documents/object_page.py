@@ -1,0 +1,52 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Writes docs/reference/objects.md from the dictionary that the tool prints.
+
+  object_page.py VDRIVE [--check]
+
+With --check the page is compared, and the exit code is 1 when it is not current.
+"""
+import json
+import pathlib
+import subprocess
+import sys
+
+PAGE = pathlib.Path(__file__).resolve().parents[2] / "docs" / "reference" / "objects.md"
+HEAD = """# Objects
+
+The object dictionary of an axis, as `vdrive dictionary` prints it. A row of `core/include/vdrive/dictionary/object_table.hpp`
+is the only definition of an object; `tests/documents/object_page.py` writes this page.
+
+- *stored*: `vdrive store` keeps the value. *effective*: when an accepted write acts on the drive.
+- *origin*: `manual` is the manual of the profile position mode, `companion` the objects of vdrive beside it.
+
+| object | variable name | type | access | range | default | unit | stored | effective | origin |
+| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |
+"""
+
+
+def row_of(row):
+    address = f"{int(row['index'], 16):04X}h:{row['subindex']:02X}"
+    return (f"| {address} | `{row['variable_name'] if 'variable_name' in row else row['name']}` | "
+            f"{row['type']} | {row['access']} | {row['lower_limit']} to {row['upper_limit']} | "
+            f"{row['default']} | {row['units']} | {'yes' if row['stored'] else ''} | "
+            f"{row['effective']} | {row['origin']} |\n")
+
+
+def main():
+    if len(sys.argv) not in (2, 3) or sys.argv[2:] not in ([], ["--check"]):
+        sys.exit(__doc__)
+    output = subprocess.run([sys.argv[1], "dictionary", "--json"], check=True, capture_output=True,
+                            text=True).stdout
+    text = HEAD + "".join(row_of(json.loads(line)) for line in output.splitlines())
+    if len(sys.argv) == 2:
+        PAGE.write_text(text, encoding="utf-8")
+        return 0
+    if PAGE.is_file() and PAGE.read_text(encoding="utf-8") == text:
+        return 0
+    print(f"{PAGE} is not current; object_page.py {sys.argv[1]} writes it")
+    return 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
