@@ -117,7 +117,7 @@ TEST(ObjectTable, SaysWhenAWriteTakesEffectWhereTheManualsNotesAreMoreSpecific) 
   EXPECT_EQ(describe("profile_dec"_object).effective, Effective::immediately);
 }
 
-// docs/network-interface.md: a write of one of the five takes a free axis; anybody may write 5E00h
+// docs/reference/wire.md: a write of one of the five takes a free axis; anybody may write 5E00h
 // to 5E09h.
 TEST(ObjectTable, NamesTheCommandObjectsAndTheTestInputs) {
   std::vector<std::uint16_t> commands;

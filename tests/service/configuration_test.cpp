@@ -324,10 +324,10 @@ TEST(Configuration, NamesTheFileThatCannotBeRead) {
                ConfigurationError);
 }
 
-/// @return the rows of docs/configuration.md that begin with a model parameter, without the words
+/// @return the rows of docs/guides/configuration.md that begin with a model parameter, without the words
 ///         at their end.
 std::vector<std::string> documented_model_parameters() {
-  std::ifstream page(VDRIVE_SOURCE_DIR "/docs/configuration.md");
+  std::ifstream page(VDRIVE_SOURCE_DIR "/docs/guides/configuration.md");
   std::vector<std::string> rows;
   bool is_below_the_title = false;
   for (std::string line; std::getline(page, line);) {
