@@ -21,7 +21,8 @@ It passes when all of this holds in each variant:
 - every sample that an observer receives shows the moving axes where that tick has to have them, as
   without kills;
 - the programs and the observers run through, without being started anew, and every call succeeds;
-  positions of a stream may come late (they are told), but its axes end on the last position;
+  positions of a stream may come late (they are told), but its axes end on the last position; a move
+  over two benches may be refused by the one whose wire was killed, once a kill, and is repeated;
 - each acknowledged command acted once: n moves moved an axis by n ways, n steps are n ticks, the
   stamp is the last one, what was stored is there in the next run of the service;
 - the time from a kill to the next sample of the observer (in lock-step: to the answer of the step
@@ -57,6 +58,7 @@ HANG_LIMIT = 5.0  # [s] within which a hung wire is noticed
 VARIANTS = ("motion", "streaming", "group", "stores", "lockstep", "closed")
 HOW = {"kill": signal.SIGKILL, "abort": signal.SIGABRT, "hang": signal.SIGSTOP}
 SHARES = (0.7, 0.15, 0.15)  # of kill, abort, hang
+MAY_FAIL = {"stream": "stream", "group": "move_together"}  # role -> call that has a tick to meet
 
 
 def has_wire_option(service):
@@ -93,6 +95,8 @@ class Variant:
         self.pauses = {how: [] for how in HOW}
         self.problems = []
         self.usages = []
+        self.overruns = 0
+        self.jumps = 0
 
     # ---- begin
 
@@ -210,8 +214,9 @@ class Variant:
                 for usage in self.usages:
                     usage.sample()
         length = now() - begin
-        self.end()
+        self.end_programs()
         self.compare(before, [bench.account() for bench in self.benches])
+        self.end_observers()
         for bench in self.benches:
             bench.stop()
         if self.name == "stores":
@@ -220,11 +225,13 @@ class Variant:
 
     # ---- end
 
-    def end(self):
+    def end_programs(self):
         for program in self.programs:
             if program in self.watchers.values() and program.role == "observe":
                 continue
             self.judge_program(program, program.end(60))
+
+    def end_observers(self):
         for program in self.programs:
             if program.role == "observe":
                 self.judge_observer(program, program.end())
@@ -234,7 +241,7 @@ class Variant:
             self.problems.append(f"the program '{program.role}' ended with {code}: "
                                  f"{program.errors.strip()[-200:]}")
         failed = [line for line in program.found("failed")
-                  if program.role != "stream" or line["failed"] != "stream"]
+                  if MAY_FAIL.get(program.role) != line["failed"]]
         if failed:
             self.problems.append(f"{len(failed)} calls of '{program.role}' failed: "
                                  f"{failed[0]['failed']}: {failed[0]['kind']}: "
@@ -267,17 +274,21 @@ class Variant:
         if line.get("off") != 0.0:
             self.problems.append("the axes did not end on the last streamed position: "
                                  f"{line.get('off', 'no position')} UU off")
-        if line["interruptions"] > sum(map(len, self.pauses.values())):
-            self.problems.append(f"{line['interruptions']} interruptions of the stream, "
-                                 "more than kills")
+        self.judge_late(f"{line['interruptions']} interruptions of the stream",
+                        line["interruptions"])
+
+    def judge_late(self, what, count):
+        """A machine that stands still makes set-points late too."""
+        if count > sum(map(len, self.pauses.values())) and not self.options.allow_jumps:
+            self.problems.append(f"{what}, more than kills")
 
     def judge_group(self, program):
         line = program.found("acknowledged")[-1]
-        print(f"  {line['acknowledged']} moves of the group")
-        if line["least"] != line["most"]:
-            self.problems.append(f"axes of the group have moved {line['least']:g} to "
-                                 f"{line['most']:g} ways")
-        self.judge_count("moves of the group", line["most"], line)
+        print(f"  {line['acknowledged']} moves of the group, {line['refused']} refused and repeated")
+        if not line["least"] == line["most"] == line["acknowledged"] > 0:
+            self.problems.append(f"{line['acknowledged']} moves of the group were acknowledged, its "
+                                 f"axes have moved {line['least']:g} to {line['most']:g} ways")
+        self.judge_late(f"{line['refused']} moves of the group were refused", line["refused"])
 
     def judge_store(self, program):
         self.stored = program.found("durable")[-1]
@@ -312,18 +323,18 @@ class Variant:
         total = totals[-1]
         print(f"  observer: {total['total']} ticks received, {total['missed']} not received, "
               f"{total['deviations']} in which a moving axis was not in its place")
-        if total["deviations"]:
+        if total["deviations"] > self.jumps:
             told = observer.found("deviation")[0]
             self.problems.append(f"tick {told['tick']}: {told['deviation']}")
         if total["backwards"]:
             self.problems.append(f"{total['backwards']} ticks came twice or out of order")
 
     def compare(self, before, after):
-        self.overruns = 0
         for old, new in zip(before, after):
             self.overruns += int(new["vdrive_tick_overruns_total"]
                                  - old["vdrive_tick_overruns_total"])
             jumps = int(new["vdrive_tick_jumps_total"] - old["vdrive_tick_jumps_total"])
+            self.jumps += jumps
             left_out = new["numbered_not_run"] - old["numbered_not_run"]
             if old["incarnation"] != new["incarnation"]:
                 self.problems.append("the service has another incarnation")
@@ -405,20 +416,23 @@ def arguments():
                         help="every kill: to the next sample [s]; a hang 5 s more")
     parser.add_argument("--overruns-per-kill", type=float, default=10)
     parser.add_argument("--lead", type=int, default=10, help="of the stream [ms]")
-    parser.add_argument("--allow-jumps", action="store_true")
+    parser.add_argument("--allow-jumps", action="store_true",
+                        help="a jump is forgiven, and so is what comes late; one deviation of the "
+                        "observer for each jump that the service counted")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--warm-up", type=float, default=20)
     parser.add_argument("--memory-growth", type=float, default=16, help="[MiB]")
     parser.add_argument("--descriptor-growth", type=float, default=8)
     parser.add_argument("--thread-growth", type=float, default=4)
     parser.add_argument("--brief", action="store_true",
-                        help="sizes of a check that runs with every change: 20 kills, none without; "
-                        "with VDRIVE_NIGHTLY=1 those of a night: 1,000")
+                        help="sizes of a check that runs with every change: 20 kills, none without, "
+                        "--allow-jumps; with VDRIVE_NIGHTLY=1 those of a night: 1,000")
     options = parser.parse_args()
     if options.brief:
         is_nightly = benches.is_nightly()
         options.kills = 1000 if is_nightly else 20
         options.no_reference = not is_nightly
+        options.allow_jumps |= not is_nightly  # changes are checked on machines that stand still
         options.interval = options.interval if is_nightly else (0.1, 0.5)
     options.variant = options.variant or list(VARIANTS)
     options.reference = [] if options.no_reference else options.reference or list(VARIANTS)

@@ -153,14 +153,14 @@ class Case:
 
 
 def find_and_move(case):
-    # A tool waits up to 2 s for benches; finding takes as long as the first answer.
-    began = time.monotonic()
-    code, out, err = case.tool("list", "--json")
-    took = time.monotonic() - began
-    expect(code == 0, f"list: {err}")
-    benches = {json.loads(line)["bench"] for line in out.splitlines()}
-    expect(benches == {1, 2}, f"found benches {benches}")
-    expect(took < 2, f"list took {took:.2f} s")
+    # The tool lists the benches that answer within its 2 s. A bench that a busy machine has just
+    # started may answer later.
+    def both_are_listed():
+        began = time.monotonic()
+        code, out, _ = case.tool("list", "--json")
+        took = time.monotonic() - began
+        return code == 0 and {json.loads(line)["bench"] for line in out.splitlines()} == {1, 2} and took
+    took = hosts.wait_for("a list of both benches", both_are_listed, 15)
     print(f"both benches listed after {took:.2f} s")
     for axis in ("1.1", "2.1"):
         # A machine that stands still for 100 ms loses the master: try again.

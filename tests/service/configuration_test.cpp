@@ -324,7 +324,8 @@ TEST(Configuration, NamesTheFileThatCannotBeRead) {
                ConfigurationError);
 }
 
-/// @return the rows of docs/guides/configuration.md that begin with a model parameter, without the words
+/// @return the rows of docs/guides/configuration.md that begin with a model parameter, without the
+/// words
 ///         at their end.
 std::vector<std::string> documented_model_parameters() {
   std::ifstream page(VDRIVE_SOURCE_DIR "/docs/guides/configuration.md");
