@@ -6,6 +6,7 @@
 
 #include <fcntl.h>
 #include <poll.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -68,6 +69,9 @@ Process::Process(const std::string& program, std::vector<std::string> arguments,
   const auto err = make_pipe();
   child_ = fork();
   if (child_ == 0) {
+    // A test that is killed, as by its time limit, takes the program with it: one that went on in
+    // the test's domain would disturb the next test there.
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
     dup2(in[0], STDIN_FILENO);
     dup2(out[1], STDOUT_FILENO);
     dup2(err[1], STDERR_FILENO);
