@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/axis_bank.hpp"
 
+#include "drive/limits.hpp"
 #include "drive/objects.hpp"
 #include "drive/power.hpp"
 #include "drive/registers.hpp"
@@ -179,8 +180,9 @@ Gear gear_of(const DriveRegisters& registers) {
           static_cast<std::uint32_t>(registers.values["gear_ratio_denominator"_object])};
 }
 
-/// 60E0h or 60E1h with 6072h [N.m]: 0 switches a relative limit off; it bounds torque and current.
-double torque_limit(const DriveRegisters& registers, const AxisModel& model, ObjectRow relative) {
+/// 60E0h or 60E1h with 6072h [N.m].
+double torque_limit_of(const DriveRegisters& registers, const AxisModel& model,
+                       ObjectRow relative) {
   const auto value = [&registers](ObjectRow row) {
     return static_cast<double>(registers.values[row]);
   };
@@ -188,8 +190,7 @@ double torque_limit(const DriveRegisters& registers, const AxisModel& model, Obj
   const double current_torque =
       value("motor_rated_current"_object) * 1.0e-3 * model.torque_constant;
   const double highest = value("max_torque"_object) * 1.0e-3 * rated_torque;
-  const double limit = value(relative) * 1.0e-3;
-  return limit == 0.0 ? highest : std::min(highest, limit * std::min(rated_torque, current_torque));
+  return torque_limit(highest, value(relative) * 1.0e-3, std::min(rated_torque, current_torque));
 }
 
 }  // namespace
@@ -282,9 +283,7 @@ void AxisBank::State::set_stored_values(std::size_t axis) {
   Drive drive = this->drive(axis);
   for (std::size_t position = 0; position < kStoredCount; ++position) {
     if ((memory.present >> position & 1U) != 0) {
-      WriteEffect effect{};
-      static_cast<void>(
-          write_object(drive, kStoredRows[position], memory.values[position], effect));
+      static_cast<void>(write_object(drive, kStoredRows[position], memory.values[position]));
     }
   }
 }
@@ -295,10 +294,9 @@ const InitialValue* AxisBank::State::set_initial_values(std::size_t axis) {
   const InitialValue* refused = nullptr;
   for (const InitialValue& initial : configurations[axis].parameters) {
     const auto row = find_object(initial.address);
-    WriteEffect effect{};
     // A controlword is a command, not a parameter: no axis is enabled by its configuration.
     const bool allowed = row && *row != "ds402_controlword"_object &&
-                         write_object(drive, *row, initial.value, effect) == AbortCode::none;
+                         write_object(drive, *row, initial.value) == AbortCode::none;
     if (!allowed && refused == nullptr) {
       refused = &initial;
     }
@@ -310,15 +308,17 @@ const InitialValue* AxisBank::State::set_initial_values(std::size_t axis) {
 }
 
 AbortCode AxisBank::State::write(std::size_t axis, ObjectRow row, std::int64_t value) {
-  WriteEffect effect = WriteEffect::none;
   Drive drive = this->drive(axis);
-  const AbortCode code = write_object(drive, row, value, effect);
-  if (effect == WriteEffect::gear) {
+  if (const AbortCode code = write_object(drive, row, value); code != AbortCode::none) {
+    return code;
+  }
+  const Change change = describe(row).change;
+  if (change == Change::gear) {
     apply_gear(axis);
-  } else if (effect == WriteEffect::torque_limits) {
+  } else if (change == Change::torque_limits) {
     apply_torques(axis);
   }
-  return code;
+  return AbortCode::none;
 }
 
 void AxisBank::State::apply_gear(std::size_t axis) {
@@ -358,8 +358,8 @@ void AxisBank::State::apply_torques(std::size_t axis) {
   drive.servo().load_torque[drive.lane()] =
       value("test_load_torque"_object) * 1.0e-3 * load_torque_factor(model, gear);
   const TorqueLimits limits{
-      .positive = torque_limit(registers, model, "positive_torque_limit_relative"_object),
-      .negative = torque_limit(registers, model, "negative_torque_limit_relative"_object)};
+      .positive = torque_limit_of(registers, model, "positive_torque_limit_relative"_object),
+      .negative = torque_limit_of(registers, model, "negative_torque_limit_relative"_object)};
   const Block& block = blocks[places[axis].block];
   LoopParameters wanted = block.coupling == Coupling::rigid ? rigid.get(block.pool_index).loop
                                                             : elastic.get(block.pool_index).loop;

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <iomanip>
 #include <optional>
@@ -135,6 +136,23 @@ TEST(ObjectTable, NamesTheCommandObjectsAndTheTestInputs) {
   EXPECT_EQ(commands, (std::vector<std::uint16_t>{0x6040, 0x6060, 0x6071, 0x607A, 0x60FF}));
   EXPECT_EQ(test_inputs, 10U);
   EXPECT_FALSE(has_role({0x6040, 1}, Role::command)) << "no such object";
+}
+
+TEST(ObjectTable, NamesACommandWhatChangesTheTargetTheModeOrThePower) {
+  constexpr std::array kCommanding{Change::power, Change::mode, Change::target,
+                                   Change::planned_target};
+  for (const ObjectDescription& object : kObjectTable) {
+    EXPECT_EQ(std::ranges::find(kCommanding, object.change) != kCommanding.end(),
+              object.role == Role::command)
+        << show(object.address);
+    if (object.access == Access::read_only) {
+      EXPECT_EQ(object.change, Change::limits) << show(object.address) << " is never written";
+    }
+    if (object.effective == Effective::at_set_point && object.origin == Origin::manual) {
+      EXPECT_TRUE(object.change == Change::nothing || object.change == Change::target)
+          << show(object.address) << " waits for the set-point";
+    }
+  }
 }
 
 TEST(ObjectTable, RowsAreConsistent) {

@@ -16,13 +16,16 @@ double within_software_limits(const Drive& drive, double target) {
   return limits.enabled ? std::min(std::max(target, limits.lower), limits.upper) : target;
 }
 
+double torque_limit(double highest, double relative, double unit) noexcept {
+  return relative == 0.0 ? highest : std::min(highest, relative * unit);
+}
+
 double within_torque_limits(const Drive& drive, double torque) {
   const UnitState& units = drive.state().units;
   const double highest = real(drive, "max_torque"_object);
   const double unit = std::min(units.torque_per_mille / units.current_per_mille, 1.0);
   const auto limit = [&drive, highest, unit](ObjectRow row) {
-    const double relative = real(drive, row);
-    return relative == 0.0 ? highest : std::min(highest, relative * unit);
+    return torque_limit(highest, real(drive, row), unit);
   };
   return std::min(std::max(torque, -limit("negative_torque_limit_relative"_object)),
                   limit("positive_torque_limit_relative"_object));

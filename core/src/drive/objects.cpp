@@ -31,6 +31,14 @@ void write_controlword(Drive& drive, std::uint16_t word) {
   s.attention = true;
 }
 
+void write_mode(Drive& drive, OperatingMode wanted) {
+  DriveState& s = drive.state();
+  s.mode.wanted = wanted;
+  follow_mode(drive);
+  s.attention = true;
+  s.plan_due = true;
+}
+
 /// The mode in force takes a target that is written; in every other one it waits in its register.
 void take_target(Drive& drive, ObjectRow row) {
   if (const Mode& mode = mode_of(drive); mode.take_target != nullptr) {
@@ -41,10 +49,6 @@ void take_target(Drive& drive, ObjectRow row) {
 /// Rows that refuse what they do not mean with 0x06090030, also beyond the range that they show.
 bool is_judged_by_meaning(ObjectRow row) {
   return row == "error_history_count"_object || row == "homing_method"_object;
-}
-
-bool is_request(ObjectRow row) {
-  return row == "store_all_parameters"_object || row == "restore_all_default_parameters"_object;
 }
 
 bool is_within_type(ObjectRow row, std::int64_t value) {
@@ -72,23 +76,6 @@ AbortCode check_value(ObjectRow row, std::int64_t value) {
   }
 }
 
-WriteEffect effect_of(ObjectRow row) {
-  switch (row) {
-    case "gear_ratio_numerator"_object:
-    case "gear_ratio_denominator"_object:
-      return WriteEffect::gear;
-    case "positive_torque_limit_relative"_object:
-    case "negative_torque_limit_relative"_object:
-    case "max_torque"_object:
-    case "motor_rated_torque"_object:
-    case "motor_rated_current"_object:
-    case "test_load_torque"_object:
-      return WriteEffect::torque_limits;
-    default:
-      return WriteEffect::none;
-  }
-}
-
 }  // namespace
 
 AbortCode check_object_value(ObjectRow row, std::int64_t value) noexcept {
@@ -98,55 +85,42 @@ AbortCode check_object_value(ObjectRow row, std::int64_t value) noexcept {
   return is_judged ? check_value(row, value) : code;
 }
 
-AbortCode write_object(Drive& drive, ObjectRow row, std::int64_t value,
-                       WriteEffect& effect) noexcept {
+AbortCode write_object(Drive& drive, ObjectRow row, std::int64_t value) noexcept {
   if (const AbortCode code = check_object_value(row, value); code != AbortCode::none) {
     return code;
   }
-  if (is_request(row)) {
-    return AbortCode::none;  // whoever owns the bank carries it out; the row goes on reading 1
+  const Change change = describe(row).change;
+  if (change == Change::memory) {
+    return AbortCode::none;  // the row goes on reading 1
   }
   drive.registers().values[row] = value;
-  switch (row) {
-    case "ds402_controlword"_object:
-      write_controlword(drive, static_cast<std::uint16_t>(value));
+  switch (change) {
+    case Change::limits:
+    case Change::torque_limits:
+    case Change::gear:
+      update_derived(drive);
       break;
-    case "position_user_target_value"_object:
-      take_target(drive, row);  // profile position latches it with the next set-point
-      break;
-    case "profile_velocity"_object:
-    case "synchronous_move_duration"_object:
-    case "synchronous_move_acceleration_time"_object:
-    case "synchronous_move_deceleration_time"_object:
-    case "positioning_option_code"_object:
-      break;  // latched with the next set-point
-    case "op_mode_cmd"_object:
-      drive.state().mode.wanted = static_cast<OperatingMode>(value);
-      follow_mode(drive);
-      drive.state().attention = true;
+    case Change::plan:
       drive.state().plan_due = true;
       break;
-    case "target_velocity"_object:
-    case "target_torque"_object:
+    case Change::target:
+      take_target(drive, row);  // profile position latches it with the next set-point
+      break;
+    case Change::planned_target:
       take_target(drive, row);
       drive.state().plan_due = true;
       break;
-    case "profile_acc"_object:
-    case "profile_dec"_object:
-    case "torque_slope"_object:
-    case "homing_method"_object:
-    case "homing_speed_search"_object:
-    case "homing_speed_creep"_object:
-    case "homing_acceleration"_object:
-    case "home_offset"_object:
-      drive.state().plan_due = true;
+    case Change::power:
+      write_controlword(drive, static_cast<std::uint16_t>(value));
       break;
-    case "error_history_count"_object:
+    case Change::mode:
+      write_mode(drive, static_cast<OperatingMode>(value));
+      break;
+    case Change::history:
       clear_history(drive);
       break;
-    default:
-      update_derived(drive);
-      effect = effect_of(row);
+    case Change::nothing:
+    case Change::memory:
       break;
   }
   return AbortCode::none;

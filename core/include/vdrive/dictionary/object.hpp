@@ -50,6 +50,21 @@ enum class Role : std::uint8_t {
   test_input,  ///< it belongs to the test bench: anybody may write it on any axis
 };
 
+/// What an accepted write changes beside the register.
+enum class Change : std::uint8_t {
+  limits,          ///< what is derived from registers: limits, windows, units
+  torque_limits,   ///< those, and the limits of the servo
+  gear,            ///< those, and the ratio of motor and load
+  nothing,         ///< the next set-point reads the register
+  plan,            ///< the motion under way is planned again
+  target,          ///< the mode in force takes it as its target
+  planned_target,  ///< the mode in force takes it as its target and plans again
+  power,           ///< the power state machine, and what the mode in force commands (6040h)
+  mode,            ///< the operating mode (6060h)
+  history,         ///< the error history is cleared (1003h)
+  memory,          ///< whoever owns the bank stores or restores parameters (1010h, 1011h)
+};
+
 /// One row of the object dictionary. All text is static.
 struct ObjectDescription {
   ObjectAddress address;
@@ -67,6 +82,7 @@ struct ObjectDescription {
   std::string_view units;
   Origin origin;
   Role role = Role::parameter;
+  Change change = Change::limits;
 };
 
 /// Lowest and highest value that a data type can hold.
