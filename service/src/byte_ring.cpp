@@ -11,6 +11,10 @@ namespace {
 constexpr std::uint64_t kAlignment = 8;
 constexpr std::uint32_t kSkip = 0xFFFF'FFFF;  ///< as a size: the rest of the memory is unused
 
+/// An empty ring goes on at the beginning of its memory once it is this far [bytes]: a ring that is
+/// seldom full keeps to few pages, which stay in the caches.
+constexpr std::size_t kRewind = std::size_t{64} * 1024;
+
 constexpr std::uint64_t aligned(std::uint64_t size) noexcept {
   return (size + kAlignment - 1) / kAlignment * kAlignment;
 }
@@ -33,7 +37,8 @@ std::optional<std::span<std::byte>> ByteRing::reserve(std::size_t size) noexcept
   const std::uint64_t used = written_ - read;
   const std::size_t place = offset(written_);
   const std::uint64_t to_end = memory_.size() - place;
-  const std::uint64_t skipped = needed > to_end ? to_end : 0;
+  const bool rewinds = used == 0 && place >= kRewind && needed <= place;
+  const std::uint64_t skipped = needed > to_end || rewinds ? to_end : 0;
   if (used > memory_.size() || memory_.size() - used < skipped + needed) {
     return std::nullopt;
   }

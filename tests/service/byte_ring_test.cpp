@@ -90,6 +90,24 @@ TEST(ByteRing, KeepsRecordsInOnePieceAcrossItsEnd) {
   }
 }
 
+// 1 MiB of room, 16 MiB in records of 1,000 bytes, each read before the next one is written: they
+// keep to the first 64 KiB and the record that goes past them.
+TEST(ByteRing, KeepsToFewPagesWhileItsReaderKeepsUp) {
+  Memory memory(std::size_t{1} << 20U);
+  ByteRing producer = memory.end();
+  ByteRing consumer = memory.end();
+  for (std::size_t count = 0; count < 16'384; ++count) {
+    ASSERT_TRUE(put(producer, 1'000, static_cast<std::uint8_t>(count % 251)));
+    const auto record = consumer.front();
+    ASSERT_TRUE(record && is_whole(*record, 1'000, static_cast<std::uint8_t>(count % 251)));
+    consumer.pop();
+  }
+  const auto touched = std::find_if(memory.words.rbegin(), memory.words.rend(), [](auto word) {
+    return word != 0;
+  });
+  EXPECT_LE(std::distance(touched, memory.words.rend()) * 8, 64 * 1024 + 1'024);
+}
+
 TEST(ByteRing, GoesOnWhereAnEndedSideStopped) {
   Memory memory(256);
   {
