@@ -2,20 +2,43 @@
 # Runs help2man on a program; the help of its commands follows, if it has any.
 cmake_minimum_required(VERSION 3.25)
 
+# Characters that mean something to roff: the backslash, the minus, a dot that begins a line.
+function(add_section title text layout)
+  string(REPLACE "\\" "\\e" text "${text}")
+  string(REPLACE "-" "\\-" text "${text}")
+  string(REGEX REPLACE "(^|\n)([.'])" "\\1\\\\&\\2" text "${text}")
+  if(layout STREQUAL "as_it_is")
+    set(text ".nf\n${text}\n.fi")
+  endif()
+  file(APPEND ${PAGE}.sections "[${title}]\n${text}\n\n")
+endfunction()
+
+file(WRITE ${PAGE}.sections "")
 execute_process(COMMAND ${PROGRAM} --help OUTPUT_VARIABLE help COMMAND_ERROR_IS_FATAL ANY)
-set(commands_options)
+execute_process(COMMAND ${PROGRAM} --version OUTPUT_VARIABLE version COMMAND_ERROR_IS_FATAL ANY)
 if(help MATCHES "--help-all")
   execute_process(COMMAND ${PROGRAM} --help-all OUTPUT_VARIABLE all COMMAND_ERROR_IS_FATAL ANY)
   string(LENGTH "${help}" length)
   string(SUBSTRING "${all}" ${length} -1 commands)
-  # Characters that mean something to roff: the backslash, the minus, a dot that begins a line.
-  string(REPLACE "\\" "\\e" commands "${commands}")
-  string(REPLACE "-" "\\-" commands "${commands}")
-  string(REGEX REPLACE "\n([.'])" "\n\\\\&\\1" commands "${commands}")
-  file(WRITE ${PAGE}.commands "[commands]\n.nf\n${commands}.fi\n")
-  set(commands_options --include=${PAGE}.commands)
+  add_section(commands "${commands}" as_it_is)
 endif()
+
+# help2man would set the examples and what follows them as one paragraph. It is given the help up to
+# them, and they are sections of their own.
+if(help MATCHES "\nExamples:\n(.*)\n\nEnvironment: ([^\n]*)\nExit codes: ([^\n]*)")
+  add_section(examples "${CMAKE_MATCH_1}" as_it_is)
+  add_section(environment "${CMAKE_MATCH_2}" filled)
+  add_section("exit status" "${CMAKE_MATCH_3}" filled)
+  string(FIND "${help}" "\nExamples:\n" length)
+  string(SUBSTRING "${help}" 0 ${length} help)
+endif()
+file(WRITE ${PAGE}.help "${help}")
+file(WRITE ${PAGE}.version "${version}")
+cmake_path(GET PROGRAM FILENAME name)
+file(WRITE ${PAGE}.program/${name} "#!/bin/sh\nexec cat \"${PAGE}.\${1#--}\"\n")
+file(CHMOD ${PAGE}.program/${name} PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE)
 
 execute_process(
   COMMAND ${HELP2MAN} --no-info --section=${SECTION} --name=${SUMMARY} --manual=vdrive
-          ${commands_options} --output=${PAGE} ${PROGRAM} COMMAND_ERROR_IS_FATAL ANY)
+          --include=${PAGE}.sections --output=${PAGE} ${PAGE}.program/${name}
+          COMMAND_ERROR_IS_FATAL ANY)

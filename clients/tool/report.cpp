@@ -53,6 +53,10 @@ std::string_view name_in(const ObjectDescription& row, Language language) {
   return language == Language::zh ? row.name_zh : row.name;
 }
 
+std::string units_in(const ObjectDescription& row, Language language) {
+  return language == Language::zh ? std::string(row.units) : english_units(row);
+}
+
 Json dictionary_json(const ObjectDescription& row, Language language) {
   return {{"index", hex(row.address.index, 4)},
           {"subindex", row.address.subindex},
@@ -66,7 +70,7 @@ Json dictionary_json(const ObjectDescription& row, Language language) {
           {"lower_limit", row.lower_limit},
           {"upper_limit", row.upper_limit},
           {"default", row.default_value},
-          {"units", row.units},
+          {"units", units_in(row, language)},
           {"origin", row.origin == Origin::manual ? "manual" : "companion"}};
 }
 

@@ -272,9 +272,8 @@ void read_parameters(const YamlValue& value, std::vector<InitialValue>& paramete
       entry.refuse(R"(no such object; write its variable_name, "0x6081" or "0x607D:1")");
     }
     const ObjectDescription& object = describe(*row);
-    const std::int64_t number =
-        entry.integer({object.lower_limit, object.upper_limit,
-                       object.units == "-" ? std::string_view{} : object.units});
+    const std::string units = object.units == "-" ? std::string() : english_units(object);
+    const std::int64_t number = entry.integer({object.lower_limit, object.upper_limit, units});
     if (const AbortCode code = check_write(*row, number); code != AbortCode::none) {
       entry.refuse(std::string(describe(code)));
     }

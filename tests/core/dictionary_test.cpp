@@ -155,6 +155,26 @@ TEST(ObjectTable, NamesACommandWhatChangesTheTargetTheModeOrThePower) {
   }
 }
 
+TEST(ObjectTable, HasUnitsInEnglishToo) {
+  using namespace literals;
+  for (const ObjectDescription& object : kObjectTable) {
+    const std::string units = english_units(object);
+    EXPECT_FALSE(units.empty()) << show(object.address);
+    // Of what is not ASCII only the sign of a thousandth stays.
+    std::string ascii = units;
+    if (const std::size_t found = ascii.find("‰"); found != std::string::npos) {
+      ascii.erase(found, std::string_view("‰").size());
+    }
+    EXPECT_TRUE(std::ranges::all_of(ascii, [](char c) {
+      return c > 0;
+    })) << show(object.address)
+        << ": " << units;
+  }
+  EXPECT_EQ(english_units(describe("profile_velocity"_object)), "VelUU");
+  EXPECT_EQ(english_units(describe("current_error_value"_object)), "TqCU (mA)");
+  EXPECT_EQ(english_units(describe("positive_torque_limit_relative"_object)), "0.1%");
+}
+
 TEST(ObjectTable, RowsAreConsistent) {
   std::set<std::string_view> names;
   for (const ObjectDescription& object : kObjectTable) {

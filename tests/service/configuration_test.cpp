@@ -267,6 +267,10 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"parameter_range", "axes:\n  - number: 1\n    parameters: {motor_max_speed_rpm: 0}",
                 "bench.yaml:3: axes[0].parameters.motor_max_speed_rpm = 0: must be a whole number "
                 "from 1 to 4294967295 RPM"},
+        Refused{"parameter_in_user_units",
+                "axes:\n  - number: 1\n    parameters: {profile_velocity: -1}",
+                "bench.yaml:3: axes[0].parameters.profile_velocity = -1: must be a whole number "
+                "from 0 to 4294967295 VelUU"},
         Refused{"parameter_read_only",
                 "axes:\n  - number: 1\n    parameters: {ds402_statusword: 1}",
                 "bench.yaml:3: axes[0].parameters.ds402_statusword = 1: "}),

@@ -82,6 +82,23 @@ std::string_view to_string(DataType type) noexcept {
   return "";
 }
 
+std::string english_units(const ObjectDescription& object) {
+  constexpr std::string_view kOpening = "（";
+  constexpr std::string_view kUserUnit = "用户单位";  // "user unit"; the unit may follow
+  constexpr std::string_view kClosing = "）";
+  const std::string_view units = object.units;
+  std::string result(units.substr(0, units.find(kOpening)));
+  if (const std::size_t found = units.find(kUserUnit); found != std::string_view::npos) {
+    std::string_view unit = units.substr(found + kUserUnit.size());
+    unit = unit.substr(0, unit.find(kClosing));
+    unit.remove_prefix(std::min(unit.find_first_not_of(' '), unit.size()));
+    if (!unit.empty()) {
+      result += " (" + std::string(unit) + ")";
+    }
+  }
+  return result;
+}
+
 std::string address_text(ObjectAddress address) {
   const std::string index = hex(address.index, 4);
   return address.subindex == 0 ? index : index + ":" + std::to_string(address.subindex);

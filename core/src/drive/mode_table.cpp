@@ -47,6 +47,8 @@ MotionRequest request_in_operation(const Drive& drive) {
 }  // namespace
 
 // A new mode is a row here.
+// Only addresses, at compile time: constinit says so.
+// NOLINTNEXTLINE(cppcoreguidelines-interfaces-global-init)
 constinit const std::array<const Mode*, 9> kModes{
     &kNoMode,           // 0
     &kProfilePosition,  // 1

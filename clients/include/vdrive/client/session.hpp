@@ -161,7 +161,7 @@ class Session {
   /// @return its number; refused while time passes, or when the bench keeps 16 already.
   Result<std::uint64_t> take_snapshot(std::uint32_t bench);
 
-  /// Puts all axes back into the state of a snapshot. Ticks are counted on, owners stay, frames
+  /// Puts all axes back into the state of a snapshot. The tick number goes on, owners stay, frames
   /// that wait are dropped.
   /// @return the tick; refused while time passes, when there is no such snapshot, or when another
   ///         session holds an axis.

@@ -91,6 +91,10 @@ inline constexpr std::array<ObjectRow, kStoredCount> kStoredRows = [] {
   return row && describe(*row).role == role;
 }
 
+/// @return the units in English, such as "VelUU" or "TqCU (mA)": the manual writes their short name
+///         first and explains it in Chinese, in brackets.
+[[nodiscard]] std::string english_units(const ObjectDescription& object);
+
 /// @return such as "0x6081", or "0x607D:1" for a sub-index other than 0.
 [[nodiscard]] std::string address_text(ObjectAddress address);
 
