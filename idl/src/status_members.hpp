@@ -3,79 +3,116 @@
 
 #include "vdrive/axis_status.hpp"
 
+#include <tuple>
+
 namespace vdrive::wire {
 
-/// Calls `visit(member, in_message)` for each member of AxisStatus that is on the network, in the
-/// order of the IDL, behind `last_sequence`. `in_message(message)` is that member of a
+/// A member of AxisStatus that is on the network. `in_message(message)` is that member of a
 /// msg::AxisStatus: its value, or where the message can be written a reference to it.
+template <typename Member, typename InMessage>
+struct WireStatusMember {
+  Member member;
+  InMessage in_message;
+};
+
+/// All of them, in the order of the IDL, behind `last_sequence`.
+inline constexpr std::tuple kWireStatusMembers{
+    WireStatusMember{&AxisStatus::ds402_statusword,
+                     [](auto& message) -> decltype(auto) {
+                       return message.ds402_statusword();
+                     }},
+    WireStatusMember{&AxisStatus::op_mode_actual,
+                     [](auto& message) -> decltype(auto) {
+                       return message.op_mode_actual();
+                     }},
+    WireStatusMember{&AxisStatus::motor_op_status,
+                     [](auto& message) -> decltype(auto) {
+                       return message.motor_op_status();
+                     }},
+    WireStatusMember{&AxisStatus::error_code,
+                     [](auto& message) -> decltype(auto) {
+                       return message.error_code();
+                     }},
+    WireStatusMember{&AxisStatus::error_register,
+                     [](auto& message) -> decltype(auto) {
+                       return message.error_register();
+                     }},
+    WireStatusMember{&AxisStatus::digital_inputs,
+                     [](auto& message) -> decltype(auto) {
+                       return message.digital_inputs();
+                     }},
+    WireStatusMember{&AxisStatus::position_demand_value,
+                     [](auto& message) -> decltype(auto) {
+                       return message.position_demand_value();
+                     }},
+    WireStatusMember{&AxisStatus::load_position_actual_value,
+                     [](auto& message) -> decltype(auto) {
+                       return message.load_position_actual_value();
+                     }},
+    WireStatusMember{&AxisStatus::load_position_error_value,
+                     [](auto& message) -> decltype(auto) {
+                       return message.load_position_error_value();
+                     }},
+    WireStatusMember{&AxisStatus::motor_position_actual_value,
+                     [](auto& message) -> decltype(auto) {
+                       return message.motor_position_actual_value();
+                     }},
+    WireStatusMember{&AxisStatus::motor_position_error_value,
+                     [](auto& message) -> decltype(auto) {
+                       return message.motor_position_error_value();
+                     }},
+    WireStatusMember{&AxisStatus::velocity_demand_value,
+                     [](auto& message) -> decltype(auto) {
+                       return message.velocity_demand_value();
+                     }},
+    WireStatusMember{&AxisStatus::load_velocity_actual_value,
+                     [](auto& message) -> decltype(auto) {
+                       return message.load_velocity_actual_value();
+                     }},
+    WireStatusMember{&AxisStatus::load_velocity_error_value,
+                     [](auto& message) -> decltype(auto) {
+                       return message.load_velocity_error_value();
+                     }},
+    WireStatusMember{&AxisStatus::motor_velocity_actual_value,
+                     [](auto& message) -> decltype(auto) {
+                       return message.motor_velocity_actual_value();
+                     }},
+    WireStatusMember{&AxisStatus::motor_velocity_error_value,
+                     [](auto& message) -> decltype(auto) {
+                       return message.motor_velocity_error_value();
+                     }},
+    WireStatusMember{&AxisStatus::current_actual_value,
+                     [](auto& message) -> decltype(auto) {
+                       return message.current_actual_value();
+                     }},
+    WireStatusMember{&AxisStatus::current_error_value,
+                     [](auto& message) -> decltype(auto) {
+                       return message.current_error_value();
+                     }},
+    WireStatusMember{&AxisStatus::torque_demand,
+                     [](auto& message) -> decltype(auto) {
+                       return message.torque_demand();
+                     }},
+    WireStatusMember{&AxisStatus::torque_actual_value,
+                     [](auto& message) -> decltype(auto) {
+                       return message.torque_actual_value();
+                     }},
+    WireStatusMember{&AxisStatus::ignored_set_points,
+                     [](auto& message) -> decltype(auto) {
+                       return message.ignored_set_points();
+                     }},
+    WireStatusMember{&AxisStatus::fault_count, [](auto& message) -> decltype(auto) {
+                       return message.fault_count();
+                     }}};
+
+/// Calls `visit(member, in_message)` for each of them in their order.
 template <typename Visit>
 constexpr void for_each_status_member(const Visit& visit) {
-  visit(&AxisStatus::ds402_statusword, [](auto& message) -> decltype(auto) {
-    return message.ds402_statusword();
-  });
-  visit(&AxisStatus::op_mode_actual, [](auto& message) -> decltype(auto) {
-    return message.op_mode_actual();
-  });
-  visit(&AxisStatus::motor_op_status, [](auto& message) -> decltype(auto) {
-    return message.motor_op_status();
-  });
-  visit(&AxisStatus::error_code, [](auto& message) -> decltype(auto) {
-    return message.error_code();
-  });
-  visit(&AxisStatus::error_register, [](auto& message) -> decltype(auto) {
-    return message.error_register();
-  });
-  visit(&AxisStatus::digital_inputs, [](auto& message) -> decltype(auto) {
-    return message.digital_inputs();
-  });
-  visit(&AxisStatus::position_demand_value, [](auto& message) -> decltype(auto) {
-    return message.position_demand_value();
-  });
-  visit(&AxisStatus::load_position_actual_value, [](auto& message) -> decltype(auto) {
-    return message.load_position_actual_value();
-  });
-  visit(&AxisStatus::load_position_error_value, [](auto& message) -> decltype(auto) {
-    return message.load_position_error_value();
-  });
-  visit(&AxisStatus::motor_position_actual_value, [](auto& message) -> decltype(auto) {
-    return message.motor_position_actual_value();
-  });
-  visit(&AxisStatus::motor_position_error_value, [](auto& message) -> decltype(auto) {
-    return message.motor_position_error_value();
-  });
-  visit(&AxisStatus::velocity_demand_value, [](auto& message) -> decltype(auto) {
-    return message.velocity_demand_value();
-  });
-  visit(&AxisStatus::load_velocity_actual_value, [](auto& message) -> decltype(auto) {
-    return message.load_velocity_actual_value();
-  });
-  visit(&AxisStatus::load_velocity_error_value, [](auto& message) -> decltype(auto) {
-    return message.load_velocity_error_value();
-  });
-  visit(&AxisStatus::motor_velocity_actual_value, [](auto& message) -> decltype(auto) {
-    return message.motor_velocity_actual_value();
-  });
-  visit(&AxisStatus::motor_velocity_error_value, [](auto& message) -> decltype(auto) {
-    return message.motor_velocity_error_value();
-  });
-  visit(&AxisStatus::current_actual_value, [](auto& message) -> decltype(auto) {
-    return message.current_actual_value();
-  });
-  visit(&AxisStatus::current_error_value, [](auto& message) -> decltype(auto) {
-    return message.current_error_value();
-  });
-  visit(&AxisStatus::torque_demand, [](auto& message) -> decltype(auto) {
-    return message.torque_demand();
-  });
-  visit(&AxisStatus::torque_actual_value, [](auto& message) -> decltype(auto) {
-    return message.torque_actual_value();
-  });
-  visit(&AxisStatus::ignored_set_points, [](auto& message) -> decltype(auto) {
-    return message.ignored_set_points();
-  });
-  visit(&AxisStatus::fault_count, [](auto& message) -> decltype(auto) {
-    return message.fault_count();
-  });
+  std::apply(
+      [&](const auto&... members) {
+        (visit(members.member, members.in_message), ...);
+      },
+      kWireStatusMembers);
 }
 
 }  // namespace vdrive::wire
