@@ -14,6 +14,8 @@ struct WireStatusMember {
   Member member;
   InMessage in_message;
 };
+template <typename Member, typename InMessage>
+WireStatusMember(Member, InMessage) -> WireStatusMember<Member, InMessage>;
 
 /// All of them, in the order of the IDL, behind `last_sequence`.
 inline constexpr std::tuple kWireStatusMembers{
