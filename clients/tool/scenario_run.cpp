@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scenario_run.hpp"
 
-#include "junit.hpp"
 #include "live_view.hpp"
 #include "vdrive/text.hpp"
 
 #include <algorithm>
 #include <chrono>
-#include <fstream>
 #include <memory>
 
 namespace vdrive::tool {
@@ -19,28 +17,34 @@ using Clock = std::chrono::steady_clock;
 /// One run: what it needs, and what it has found out so far.
 class ScenarioRun {
  public:
-  ScenarioRun(const Scenario& scenario, const RunOptions& options, client::Session& session,
-              Terminal& terminal)
+  ScenarioRun(const Scenario& scenario, const RunOptions& options, JunitReport& junit,
+              client::Session& session, Terminal& terminal)
       : scenario_(scenario),
         options_(options),
+        junit_(junit),
         session_(session),
         terminal_(terminal),
         executor_(session, terminal, options.is_json, true) {}
 
   Outcome run() {
-    if (Outcome found = find_axes(); !found) return found;
+    if (Outcome found = find_axes(); !found) {
+      cases_.push_back({.name = "axes", .error = found.message()});
+      static_cast<void>(junit_.write(scenario_.file, cases_));
+      return found;
+    }
     start_live_view();
     Outcome outcome;
     for (const ScenarioLine& line : scenario_.lines) {
       if (outcome) {
         outcome = run_line(line);
       } else {
-        cases_.push_back({name_of(line), {}, std::nullopt, true});
+        cases_.push_back({.name = name_of(line), .is_skipped = true});
       }
     }
     live_view_.reset();
     report(outcome);
-    return outcome;
+    const auto unwritten = junit_.write(scenario_.file, cases_);
+    return outcome && unwritten ? Outcome::failed(*unwritten) : outcome;
   }
 
  private:
@@ -117,14 +121,11 @@ class ScenarioRun {
       terminal_.print(colored(terminal_, Color::green, "passed") + "  " + scenario_.file + ", " +
                       std::to_string(scenario_.lines.size()) + " lines");
     }
-    if (options_.junit.empty()) return;
-    std::ofstream file(options_.junit, std::ios::trunc);
-    file << junit_xml(scenario_.file, cases_);
-    if (!file.flush()) terminal_.complain("vdrive: cannot write " + options_.junit);
   }
 
   const Scenario& scenario_;
   const RunOptions& options_;
+  JunitReport& junit_;
   client::Session& session_;
   Terminal& terminal_;
   Executor executor_;
@@ -135,9 +136,9 @@ class ScenarioRun {
 
 }  // namespace
 
-Outcome run_scenario(const Scenario& scenario, const RunOptions& options, client::Session& session,
-                     Terminal& terminal) {
-  return ScenarioRun(scenario, options, session, terminal).run();
+Outcome run_scenario(const Scenario& scenario, const RunOptions& options, JunitReport& junit,
+                     client::Session& session, Terminal& terminal) {
+  return ScenarioRun(scenario, options, junit, session, terminal).run();
 }
 
 }  // namespace vdrive::tool

@@ -11,6 +11,7 @@
 #include "vdrive/text.hpp"
 
 #include <chrono>
+#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -66,27 +67,36 @@ ExitCode finish(const Outcome& outcome, const Interrupt& interrupt, bool is_json
   return exit_code_of(outcome.kind());
 }
 
-ExitCode run_connected(const Command& command, const GlobalOptions& options, Terminal& terminal) {
-  std::optional<Scenario> scenario;
-  const RunCommand* const run = std::get_if<RunCommand>(&command);
-  if (run != nullptr) scenario = load_scenario(run->file);
+/// @param work what to do with the session
+template <typename Work>
+ExitCode run_connected(const GlobalOptions& options, Terminal& terminal, const Work& work) {
   Interrupt interrupt;
   client::Session session(session_options(options));
   interrupt.arm([&session] {
     session.interrupt();
   });
-  const Outcome outcome =
-      run != nullptr
-          ? run_scenario(*scenario,
-                         {.junit = run->junit,
-                          .is_json = options.json,
-                          .is_live = run->live,
-                          .timeout = options.timeout},
-                         session, terminal)
-          : Executor(session, terminal, options.json, false).execute(command, options.timeout);
+  const Outcome outcome = work(session);
   const ExitCode code = finish(outcome, interrupt, options.json, terminal);
   interrupt.disarm();
   return code;
+}
+
+/// What ends a scenario before its first line is in the report too: a file that cannot be read, a
+/// network that cannot be used.
+ExitCode run_file(const RunCommand& run, const GlobalOptions& options, Terminal& terminal) {
+  JunitReport junit(run.junit);
+  const std::string suite = run.file == "-" ? "<stdin>" : run.file;
+  try {
+    const Scenario scenario = load_scenario(run.file);
+    return run_connected(options, terminal, [&](client::Session& session) {
+      return run_scenario(
+          scenario, {.is_json = options.json, .is_live = run.live, .timeout = options.timeout},
+          junit, session, terminal);
+    });
+  } catch (const std::exception& error) {
+    static_cast<void>(junit.write(suite, {{.name = "start", .error = error.what()}}));
+    throw;
+  }
 }
 
 /// The doctor looks at the machine also where no session can be had.
@@ -112,7 +122,13 @@ ExitCode run_command(std::vector<std::string> arguments, Terminal& terminal) {
   if (std::holds_alternative<DoctorCommand>(*invocation.command)) {
     return see_doctor(invocation.options, terminal);
   }
-  return run_connected(*invocation.command, invocation.options, terminal);
+  if (const auto* run = std::get_if<RunCommand>(&*invocation.command)) {
+    return run_file(*run, invocation.options, terminal);
+  }
+  return run_connected(invocation.options, terminal, [&](client::Session& session) {
+    return Executor(session, terminal, invocation.options.json, false)
+        .execute(*invocation.command, invocation.options.timeout);
+  });
 }
 
 }  // namespace

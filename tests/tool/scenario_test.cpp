@@ -93,15 +93,17 @@ TEST(ScenarioFile, InUtf16IsRefusedAsSuch) {
 
 TEST(Junit, CountsAndEscapes) {
   const std::vector<JunitCase> cases{
-      {"line 1: wait 1s", std::chrono::milliseconds(1500), std::nullopt, false},
-      {"line 2: a < b", {}, "expected \"1\" & got\x01 2", false},
-      {"line 3", {}, std::nullopt, true}};
+      {.name = "line 1: wait 1s", .duration = std::chrono::milliseconds(1500)},
+      {.name = "line 2: a < b", .failure = "expected \"1\" & got\x01 2"},
+      {.name = "line 3", .is_skipped = true},
+      {.name = "start", .error = "no bench"}};
   const std::string xml = junit_xml("a.scn", cases);
   EXPECT_THAT(xml,
-              HasSubstr("tests=\"3\" failures=\"1\" skipped=\"1\" errors=\"0\" time=\"1.500000\""));
+              HasSubstr("tests=\"4\" failures=\"1\" skipped=\"1\" errors=\"1\" time=\"1.500000\""));
   EXPECT_THAT(xml, HasSubstr("name=\"line 2: a &lt; b\""));
   EXPECT_THAT(xml, HasSubstr("message=\"expected &quot;1&quot; &amp; got? 2\""));
   EXPECT_THAT(xml, HasSubstr("<skipped/>"));
+  EXPECT_THAT(xml, HasSubstr("<error message=\"no bench\"/>"));
 }
 
 }  // namespace

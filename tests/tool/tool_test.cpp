@@ -366,6 +366,32 @@ TEST_F(ToolInLockStep, AScenarioEndsAtItsFirstFailureWithPlaceAndValues) {
   EXPECT_EQ(json_of(tool("status 1.1 --json")).at(0)["ds402_statusword"], 0x250) << "not enabled";
 }
 
+// What ends a scenario before its first line, with the exit code: usage 2, nobody there 3.
+TEST_F(ToolInLockStep, AReportTellsWhyAScenarioDidNotBegin) {
+  const auto junit = std::filesystem::temp_directory_path() /
+                     ("vdrive-junit-" + std::to_string(test_domain()) + ".xml");
+  const auto report_of = [&](const std::string& lines, int code) {
+    EXPECT_EQ(tool({"run", "-", "--junit", junit.string()}, lines).code, code);
+    std::ifstream file(junit);
+    std::stringstream xml;
+    xml << file.rdbuf();
+    return xml.str();
+  };
+  EXPECT_THAT(report_of("enabel 1.1\n", 2),
+              AllOf(HasSubstr("errors=\"1\""), HasSubstr("&lt;stdin&gt;:1:"), HasSubstr("enabel")));
+  EXPECT_THAT(report_of("enable 1.77\n", 3),
+              AllOf(HasSubstr("errors=\"1\""), HasSubstr("<error message="), HasSubstr("1.77")));
+  std::filesystem::remove(junit);
+}
+
+TEST_F(ToolInLockStep, AReportThatCannotBeWrittenIsRefusedBeforeAnythingMoves) {
+  const Finished finished = tool({"run", "-", "--junit", "/nonexistent/x.xml"}, "enable 1.1\n");
+  EXPECT_EQ(finished.code, 2);
+  EXPECT_THAT(finished.errors,
+              AllOf(HasSubstr("/nonexistent/x.xml"), HasSubstr("No such file or directory")));
+  EXPECT_EQ(json_of(tool("status 1.1 --json")).at(0)["ds402_statusword"], 0x250) << "not enabled";
+}
+
 TEST_F(ToolInLockStep, AnyOtherRefusedLineEndsTheScenario) {
   const Finished other = tool("run -", "refused 0x06010002 write 1.1 0x60F2 3\n");
   EXPECT_EQ(other.code, 1);
