@@ -88,14 +88,16 @@ function(vdrive_target_defaults target)
   endif()
 endfunction()
 
-# vdrive_add_library(<room> HEADERS <file>... SOURCES <file>... [INTERNAL])
+# vdrive_add_library(<room> HEADERS <file>... SOURCES <file>... [INTERNAL] [BESIDE])
 # The static library vdrive_<room>, known in the tree as vdrive::<room> exactly as after
-# find_package. Public headers are below include/, private ones below src/. Each public header is
+# find_package. Public headers are below include/, private ones below src/. Each listed header is
 # compiled on its own by the target all_verify_interface_header_sets.
 # INTERNAL: the archive is installed because others link it, its headers are not. CMake exports no
 # target without its header sets, so the headers are then verified through a target of their own.
+# BESIDE: the library is never installed, so all of its headers are below src/, beside their
+# sources; who links it includes them as its own sources do.
 function(vdrive_add_library room)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "INTERNAL" "" "HEADERS;SOURCES")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "INTERNAL;BESIDE" "" "HEADERS;SOURCES")
   if(arg_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "vdrive_add_library(${room}): unknown ${arg_UNPARSED_ARGUMENTS}")
   endif()
@@ -114,7 +116,11 @@ function(vdrive_add_library room)
     target_sources(
       ${target}_headers INTERFACE FILE_SET HEADERS BASE_DIRS include FILES ${arg_HEADERS})
   else()
-    target_sources(${target} PUBLIC FILE_SET HEADERS BASE_DIRS include FILES ${arg_HEADERS})
+    set(base include)
+    if(arg_BESIDE)
+      set(base src)
+    endif()
+    target_sources(${target} PUBLIC FILE_SET HEADERS BASE_DIRS ${base} FILES ${arg_HEADERS})
   endif()
 endfunction()
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdrive/service/bench_engine.hpp"
+#include "bench_engine.hpp"
 
 #include "vdrive/cia402/controlword.hpp"
 #include "vdrive/cia402/statusword.hpp"

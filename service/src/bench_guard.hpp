@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "vdrive/service/bench_engine.hpp"
-#include "vdrive/service/byte_ring.hpp"
+#include "bench_engine.hpp"
+#include "byte_ring.hpp"
 #include "vdrive_messages.h"
 
 #include <atomic>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stored parameters: orders to the saver, and what becomes of them.
-#include "vdrive/service/bench_engine.hpp"
+#include "bench_engine.hpp"
 
 #include <algorithm>
 #include <utility>

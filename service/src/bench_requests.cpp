@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Requests: reads, writes, control of axes, steps.
+#include "bench_engine.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
-#include "vdrive/service/bench_engine.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The end of a bench: no more commands, axes come to rest and lose their power.
+#include "bench_engine.hpp"
 #include "vdrive/cia402/controlword.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
-#include "vdrive/service/bench_engine.hpp"
 
 #include <cstdlib>
 

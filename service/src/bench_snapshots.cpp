@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Snapshots of the whole bench by request: the state of the axes goes back, time does not.
-#include "vdrive/service/bench_engine.hpp"
+#include "bench_engine.hpp"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdrive/service/configuration.hpp"
+#include "configuration.hpp"
 
 #include "vdrive/axis_bank.hpp"
 #include "vdrive/dictionary/dictionary.hpp"

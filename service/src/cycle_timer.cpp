@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdrive/service/cycle_timer.hpp"
+#include "cycle_timer.hpp"
 
 #include <cerrno>
 #include <ctime>

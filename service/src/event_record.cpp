@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdrive/service/event_record.hpp"
+#include "event_record.hpp"
 
 #include <cstring>
 #include <system_error>

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "event_text.hpp"
 
+#include "bench_engine.hpp"
+#include "parameter_store.hpp"
+#include "realtime_driver.hpp"
+#include "stepper_table.hpp"
 #include "vdrive/cia402/power_state.hpp"
 #include "vdrive/number_text.hpp"
-#include "vdrive/service/bench_engine.hpp"
-#include "vdrive/service/parameter_store.hpp"
-#include "vdrive/service/realtime_driver.hpp"
-#include "vdrive/service/stepper_table.hpp"
 #include "vdrive/wire/conversion.hpp"
 #include "wire_judge.hpp"
 

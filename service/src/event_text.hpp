@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "vdrive/service/queues.hpp"
+#include "queues.hpp"
 
 #include <cstdint>
 #include <string>

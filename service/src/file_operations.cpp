@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdrive/service/file_operations.hpp"
+#include "file_operations.hpp"
 
 #include <fcntl.h>
 #include <sys/file.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdrive/service/freerun_driver.hpp"
+#include "freerun_driver.hpp"
 
 namespace vdrive::service {
 

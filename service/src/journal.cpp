@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdrive/service/journal.hpp"
+#include "journal.hpp"
 
 #include "vdrive/text.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdrive/service/journal_file.hpp"
+#include "journal_file.hpp"
 
 #include "content_check.hpp"
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "bench_engine.hpp"
+#include "configuration.hpp"
 #include "doorbell.hpp"
+#include "queues.hpp"
 #include "reply_publisher.hpp"
 #include "status_publisher.hpp"
+#include "stepper_table.hpp"
 #include "token_bucket.hpp"
-#include "vdrive/service/bench_engine.hpp"
-#include "vdrive/service/configuration.hpp"
-#include "vdrive/service/queues.hpp"
-#include "vdrive/service/stepper_table.hpp"
 
 #include <atomic>
 #include <chrono>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "vdrive/service/bench_engine.hpp"
-#include "vdrive/service/configuration.hpp"
-#include "vdrive/service/counters.hpp"
+#include "bench_engine.hpp"
+#include "configuration.hpp"
+#include "counters.hpp"
 
 #include <prometheus/collectable.h>
 #include <prometheus/metric_family.h>

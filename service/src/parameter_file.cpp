@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdrive/service/parameter_file.hpp"
+#include "parameter_file.hpp"
 
 #include "content_check.hpp"
 #include "vdrive/number_text.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdrive/service/parameter_saver.hpp"
+#include "parameter_saver.hpp"
 
 #include <spdlog/spdlog.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdrive/service/parameter_store.hpp"
+#include "parameter_store.hpp"
 
 #include "vdrive/axis_bank.hpp"
 #include "vdrive/text.hpp"

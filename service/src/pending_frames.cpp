@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdrive/service/pending_frames.hpp"
+#include "pending_frames.hpp"
 
 #include <algorithm>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdrive/service/replay.hpp"
+#include "replay.hpp"
 
+#include "configuration.hpp"
+#include "step_pool.hpp"
 #include "vdrive/axis_bank.hpp"
 #include "vdrive/number_text.hpp"
-#include "vdrive/service/configuration.hpp"
-#include "vdrive/service/step_pool.hpp"
 #include "vdrive/status_digest.hpp"
 #include "vdrive/text.hpp"
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "vdrive/service/bench_engine.hpp"
-#include "vdrive/service/counters.hpp"
-#include "vdrive/service/queues.hpp"
+#include "bench_engine.hpp"
+#include "counters.hpp"
+#include "queues.hpp"
 #include "wire_link.hpp"
 
 namespace vdrive::service {

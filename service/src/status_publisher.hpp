@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "bench_engine.hpp"
+#include "configuration.hpp"
+#include "counters.hpp"
+#include "queues.hpp"
 #include "token_bucket.hpp"
-#include "vdrive/service/bench_engine.hpp"
-#include "vdrive/service/configuration.hpp"
-#include "vdrive/service/counters.hpp"
-#include "vdrive/service/queues.hpp"
 #include "wire_link.hpp"
 
 #include <chrono>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdrive/service/step_pool.hpp"
+#include "step_pool.hpp"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdrive/service/stepper_table.hpp"
+#include "stepper_table.hpp"
 
 #include <algorithm>
 

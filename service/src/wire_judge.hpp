@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "vdrive/service/event_record.hpp"
+#include "event_record.hpp"
 
 #include <chrono>
 #include <cstdint>

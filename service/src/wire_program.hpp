@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "queues.hpp"
 #include "repeat_limiter.hpp"
-#include "vdrive/service/queues.hpp"
 #include "vdrive/wire/bytes_publication.hpp"
 #include "vdrive/wire/bytes_subscription.hpp"
 #include "vdrive/wire/participant.hpp"

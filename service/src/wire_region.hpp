@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "byte_ring.hpp"
 #include "doorbell.hpp"
-#include "vdrive/service/byte_ring.hpp"
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/topics.hpp"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "vdrive/service/counters.hpp"
-#include "vdrive/service/queues.hpp"
+#include "counters.hpp"
+#include "queues.hpp"
 #include "wire_judge.hpp"
 #include "wire_region.hpp"
 #include "wire_spawner.hpp"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "yaml_reader.hpp"
 
+#include "configuration.hpp"
 #include "vdrive/number_text.hpp"
-#include "vdrive/service/configuration.hpp"
 #include "vdrive/text.hpp"
 
 #include <yaml-cpp/eventhandler.h>

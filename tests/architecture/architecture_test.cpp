@@ -5,9 +5,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -54,6 +56,35 @@ TEST(Architecture, RoomsIncludeOnlyWhatTheirRowOfTheTableAllows) {
   ASSERT_GT(files.size(), 10U) << "no sources below " << kRoot;
   for (const SourceFile& file : files) {
     EXPECT_THAT(check_source(file.path, file.text), IsEmpty());
+  }
+}
+
+/// The name of a header that lies in the including room, such as "byte_ring.hpp".
+std::vector<std::string> private_includes(const std::string& text) {
+  static const std::regex pattern(R"re(\n#include "([^"]+)")re");
+  std::vector<std::string> names;
+  for (std::sregex_iterator match(text.begin(), text.end(), pattern), end; match != end; ++match) {
+    const std::string name = (*match)[1];
+    if (!name.starts_with("vdrive")) names.push_back(name);
+  }
+  return names;
+}
+
+std::string room_of(const std::string& path) {
+  return path.substr(0, path.find('/') + 1);
+}
+
+// The headers of the service have no path that tells whose they are.
+TEST(Architecture, PrivateHeadersAreIncludedInTheirOwnRoomOnly) {
+  const std::vector<SourceFile> files = sources();
+  for (const SourceFile& file : files) {
+    if (file.path.starts_with("tests/")) continue;
+    for (const std::string& name : private_includes(file.text)) {
+      const bool is_in_room = std::ranges::any_of(files, [&](const SourceFile& header) {
+        return header.path.starts_with(room_of(file.path)) && header.path.ends_with("/" + name);
+      });
+      EXPECT_TRUE(is_in_room) << file.path << " includes " << name;
+    }
   }
 }
 

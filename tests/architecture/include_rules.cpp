@@ -20,11 +20,10 @@ enum class Origin {
   core,         ///< "vdrive/axis_bank.hpp"
   wire,         ///< "vdrive/wire/topics.hpp"
   messages,     ///< the code generated from the .idl files
-  service,      ///< "vdrive/service/host.hpp"
   client,       ///< "vdrive/client/session.hpp"
   beside,       ///< a private header of the same folder: "block.hpp"
-  elsewhere,    ///< a path that leaves the folder, or starts at the repository: "../x.hpp",
-                ///< "tests/x.hpp"
+  elsewhere,    ///< a path that leaves the folder, starts at the repository or does not exist:
+                ///< "../x.hpp", "tests/x.hpp", "vdrive/service/x.hpp"
 };
 
 struct PrefixRow {
@@ -37,7 +36,7 @@ constexpr std::array kPrefixes{
     PrefixRow{"vdrive/wire/", Origin::wire},
     PrefixRow{"vdrive/msg/", Origin::messages},
     PrefixRow{"vdrive_messages", Origin::messages},
-    PrefixRow{"vdrive/service/", Origin::service},
+    PrefixRow{"vdrive/service/", Origin::elsewhere},  // no header of it is public
     PrefixRow{"vdrive/client/", Origin::client},
     PrefixRow{"vdrive/", Origin::core},
     PrefixRow{"Eigen/", Origin::eigen},
@@ -87,9 +86,9 @@ struct RoomRow {
 constexpr std::array kCoreMay{Origin::standard, Origin::eigen, Origin::core, Origin::beside};
 constexpr std::array kIdlMay{Origin::standard, Origin::system,   Origin::dds,   Origin::core,
                              Origin::wire,     Origin::messages, Origin::beside};
-constexpr std::array kServiceMay{Origin::standard,    Origin::system,  Origin::eigen,
-                                 Origin::third_party, Origin::core,    Origin::wire,
-                                 Origin::messages,    Origin::service, Origin::beside};
+constexpr std::array kServiceMay{Origin::standard,    Origin::system, Origin::eigen,
+                                 Origin::third_party, Origin::core,   Origin::wire,
+                                 Origin::messages,    Origin::beside};
 constexpr std::array kClientHeaderMay{Origin::standard, Origin::eigen, Origin::core,
                                       Origin::client};
 // What a stranger has: a DDS and what its compiler makes of the IDL.

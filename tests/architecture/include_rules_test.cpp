@@ -66,6 +66,8 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"dds_in_service", "service/src/host.cpp", "#include <fastdds/dds/topic/Topic.hpp>"},
         Case{"dds_name_in_service", "service/src/host.cpp",
              "eprosima::fastdds::dds::DataWriter* w;"},
+        Case{"public_header_of_service", "service/src/host.cpp",
+             "#include \"vdrive/service/clock.hpp\""},
         Case{"client_in_service", "service/src/host.cpp", "#include \"vdrive/client/session.hpp\""},
         Case{"wire_in_client_header", "clients/include/vdrive/client/session.hpp",
              "#include \"vdrive/wire/topics.hpp\""},

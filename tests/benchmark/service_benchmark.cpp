@@ -3,8 +3,8 @@
 // How much faster than time a free-running bench goes: drive time over wall time of its tick
 // thread on one core, all axes moving, the status taken away as the status thread would. Prints
 // one JSON line: the median of the repetitions.
+#include "freerun_driver.hpp"
 #include "support/local_inbox.hpp"
-#include "vdrive/service/freerun_driver.hpp"
 
 #include <algorithm>
 #include <array>

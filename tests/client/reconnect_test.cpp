@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sessions whose bench loses its network part and gets another one, in the same run: the real
 // engine behind a wire that the test takes away.
+#include "bench_engine.hpp"
 #include "bench_messages.hpp"
 #include "support/local_inbox.hpp"
 #include "support/test_domain.hpp"
@@ -8,7 +9,6 @@
 #include "vdrive/client/axis.hpp"
 #include "vdrive/client/axis_group.hpp"
 #include "vdrive/client/session.hpp"
-#include "vdrive/service/bench_engine.hpp"
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/publication.hpp"
 #include "vdrive/wire/subscription.hpp"

@@ -3,6 +3,7 @@
 // Bytes from strangers on every topic, and well-formed commands and requests among them. The
 // decoder refuses, or gives a message that can be written again; what receivers do with it is done:
 // the service validates, carries out and answers, a client puts status and benches together.
+#include "bench_engine.hpp"
 #include "bounds.hpp"
 #include "directory.hpp"
 #include "event_text.hpp"
@@ -10,7 +11,6 @@
 #include "message_types.hpp"
 #include "status_feed.hpp"
 #include "support/local_inbox.hpp"
-#include "vdrive/service/bench_engine.hpp"
 #include "vdrive/wire/conversion.hpp"
 
 #include <fastdds/rtps/common/SerializedPayload.h>

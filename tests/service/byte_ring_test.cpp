@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdrive/service/byte_ring.hpp"
+#include "byte_ring.hpp"
 
 #include <gtest/gtest.h>
 

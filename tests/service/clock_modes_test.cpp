@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The clock modes over real DDS: steppers of a lock-step bench, the rate of realtime, freerun.
+#include "service.hpp"
 #include "service/probe.hpp"
 #include "support/test_domain.hpp"
-#include "vdrive/service/service.hpp"
 
 #include <gtest/gtest.h>
 #include <spdlog/spdlog.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdrive/service/configuration.hpp"
+#include "configuration.hpp"
 
 #include "vdrive/number_text.hpp"
 #include "vdrive/plant/model_parameters.hpp"

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Requests that store parameters: REQUEST_STORE, REQUEST_RESTORE, and 1010h and 1011h as objects.
 #include "core/support/allocation_guard.hpp"
+#include "parameter_saver.hpp"
 #include "service/engine_under_test.hpp"
 #include "service/failing_files.hpp"
 #include "support/temporary_directory.hpp"
-#include "vdrive/service/parameter_saver.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // What arrives again acts once and is answered again: requests of every kind, and command frames.
 #include "core/support/allocation_guard.hpp"
+#include "parameter_saver.hpp"
 #include "service/engine_under_test.hpp"
 #include "support/temporary_directory.hpp"
-#include "vdrive/service/parameter_saver.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "bench_engine.hpp"
 #include "support/local_inbox.hpp"
-#include "vdrive/service/bench_engine.hpp"
 
 #include <cstdint>
 #include <functional>

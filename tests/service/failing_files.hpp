@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "vdrive/service/file_operations.hpp"
+#include "file_operations.hpp"
 
 #include <cstddef>
 #include <cstdint>

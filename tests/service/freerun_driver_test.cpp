@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdrive/service/freerun_driver.hpp"
+#include "freerun_driver.hpp"
 
 #include "core/support/allocation_guard.hpp"
 #include "service/engine_under_test.hpp"

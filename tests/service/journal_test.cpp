@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The journal of a bench and its replay, without network and clock.
-#include "vdrive/service/journal.hpp"
+#include "journal.hpp"
 
 #include "core/support/allocation_guard.hpp"
 #include "core/support/random_cases.hpp"
+#include "replay.hpp"
 #include "service/engine_under_test.hpp"
-#include "vdrive/service/replay.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdrive/service/liveness.hpp"
+#include "liveness.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Orders of the thread that steps, and the saves that they become.
-#include "vdrive/service/parameter_saver.hpp"
+#include "parameter_saver.hpp"
 
 #include "service/failing_files.hpp"
 #include "support/temporary_directory.hpp"

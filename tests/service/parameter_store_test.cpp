@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stored parameters on a disk: what comes back, whatever happened to the files.
-#include "vdrive/service/parameter_store.hpp"
+#include "parameter_store.hpp"
 
+#include "parameter_file.hpp"
 #include "service/failing_files.hpp"
 #include "support/temporary_directory.hpp"
-#include "vdrive/service/parameter_file.hpp"
 
 #include <gtest/gtest.h>
 

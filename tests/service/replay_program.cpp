@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Replays a journal; built for other instruction sets than the service.
-#include "vdrive/service/replay.hpp"
+#include "replay.hpp"
 
 #include <exception>
 #include <iostream>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdrive/service/ring.hpp"
+#include "ring.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The service over real DDS, in this process, with clients made of bare topics.
-#include "vdrive/service/service.hpp"
+#include "service.hpp"
 
 #include "service/probe.hpp"
 #include "support/test_domain.hpp"

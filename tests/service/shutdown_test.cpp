@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdrive/service/shutdown.hpp"
+#include "shutdown.hpp"
 
 #include "service/engine_under_test.hpp"
 

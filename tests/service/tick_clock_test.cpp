@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdrive/service/tick_clock.hpp"
+#include "tick_clock.hpp"
 
 #include <gtest/gtest.h>
 

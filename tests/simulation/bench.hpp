@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "bench_engine.hpp"
+#include "cycle_timer.hpp"
+#include "freerun_driver.hpp"
+#include "parameter_saver.hpp"
+#include "realtime_driver.hpp"
 #include "simulation/axis_watch.hpp"
 #include "simulation/control_model.hpp"
 #include "simulation/disk.hpp"
@@ -8,11 +13,6 @@
 #include "simulation/network.hpp"
 #include "simulation/store_model.hpp"
 #include "support/local_inbox.hpp"
-#include "vdrive/service/bench_engine.hpp"
-#include "vdrive/service/cycle_timer.hpp"
-#include "vdrive/service/freerun_driver.hpp"
-#include "vdrive/service/parameter_saver.hpp"
-#include "vdrive/service/realtime_driver.hpp"
 
 #include <cstdint>
 #include <deque>

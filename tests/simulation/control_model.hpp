@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "configuration.hpp"
+#include "queues.hpp"
 #include "simulation/happenings.hpp"
 #include "simulation/network.hpp"
 #include "simulation/store_model.hpp"
-#include "vdrive/service/configuration.hpp"
-#include "vdrive/service/queues.hpp"
 
 #include <array>
 #include <cstddef>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "vdrive/service/bench_engine.hpp"
-#include "vdrive/service/configuration.hpp"
-#include "vdrive/service/counters.hpp"
-#include "vdrive/service/journal_file.hpp"
-#include "vdrive/service/parameter_store.hpp"
+#include "bench_engine.hpp"
+#include "configuration.hpp"
+#include "counters.hpp"
+#include "journal_file.hpp"
+#include "parameter_store.hpp"
 
 #include <cstdint>
 #include <memory>

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "configuration.hpp"
+#include "counters.hpp"
+#include "event_record.hpp"
+#include "journal_file.hpp"
+#include "ring.hpp"
 #include "vdrive/axis_bank.hpp"
-#include "vdrive/service/configuration.hpp"
-#include "vdrive/service/counters.hpp"
-#include "vdrive/service/event_record.hpp"
-#include "vdrive/service/journal_file.hpp"
-#include "vdrive/service/ring.hpp"
 
 #include <array>
 #include <atomic>

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "answer_memory.hpp"
+#include "configuration.hpp"
+#include "control_table.hpp"
+#include "counters.hpp"
+#include "journal.hpp"
+#include "parameter_saver.hpp"
+#include "pending_frames.hpp"
+#include "queues.hpp"
+#include "step_pool.hpp"
 #include "vdrive/axis_bank.hpp"
-#include "vdrive/service/answer_memory.hpp"
-#include "vdrive/service/configuration.hpp"
-#include "vdrive/service/control_table.hpp"
-#include "vdrive/service/counters.hpp"
-#include "vdrive/service/journal.hpp"
-#include "vdrive/service/parameter_saver.hpp"
-#include "vdrive/service/pending_frames.hpp"
-#include "vdrive/service/queues.hpp"
-#include "vdrive/service/step_pool.hpp"
 #include "vdrive_messages.h"
 
 #include <cstddef>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "vdrive/service/bench_engine.hpp"
-#include "vdrive/service/cycle_timer.hpp"
-#include "vdrive/service/queues.hpp"
-#include "vdrive/service/tick_clock.hpp"
+#include "bench_engine.hpp"
+#include "cycle_timer.hpp"
+#include "queues.hpp"
+#include "tick_clock.hpp"
 
 #include <atomic>
 #include <chrono>

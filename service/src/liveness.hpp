@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "vdrive/service/counters.hpp"
+#include "counters.hpp"
 
 #include <cstdint>
 #include <vector>

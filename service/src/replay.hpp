@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "vdrive/service/journal_file.hpp"
+#include "journal_file.hpp"
 
 #include <cstdint>
 #include <filesystem>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "vdrive/service/configuration.hpp"
-#include "vdrive/service/file_operations.hpp"
-#include "vdrive/service/parameter_file.hpp"
-#include "vdrive/service/queues.hpp"
+#include "configuration.hpp"
+#include "file_operations.hpp"
+#include "parameter_file.hpp"
+#include "queues.hpp"
 
 #include <cstdint>
 #include <filesystem>

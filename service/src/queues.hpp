@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "byte_ring.hpp"
+#include "counters.hpp"
+#include "event_record.hpp"
+#include "pending_frames.hpp"
+#include "ring.hpp"
 #include "vdrive/axis_status.hpp"
-#include "vdrive/service/byte_ring.hpp"
-#include "vdrive/service/counters.hpp"
-#include "vdrive/service/event_record.hpp"
-#include "vdrive/service/pending_frames.hpp"
-#include "vdrive/service/ring.hpp"
 #include "vdrive/wire/codec.hpp"
 #include "vdrive/wire/conversion.hpp"
 #include "vdrive/wire/source.hpp"

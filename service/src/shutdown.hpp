@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "vdrive/service/bench_engine.hpp"
-#include "vdrive/service/cycle_timer.hpp"
+#include "bench_engine.hpp"
+#include "cycle_timer.hpp"
 
 #include <atomic>
 #include <chrono>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "parameter_store.hpp"
+#include "ring.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
-#include "vdrive/service/parameter_store.hpp"
-#include "vdrive/service/ring.hpp"
 
 #include <array>
 #include <atomic>

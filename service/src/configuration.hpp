@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "tick_clock.hpp"
 #include "vdrive/axis_configuration.hpp"
 #include "vdrive/clock_mode.hpp"
-#include "vdrive/service/tick_clock.hpp"
 #include "vdrive/wire/participant.hpp"
 
 #include <chrono>
