@@ -34,9 +34,7 @@ class AnswerMemory {
   template <typename Prepare>
   explicit AnswerMemory(Prepare prepare) : senders_(kSenders), order_(kAnswers) {
     ids_.reserve(kSenders);
-    for (Slot& slot : order_) {
-      prepare(slot.answer);
-    }
+    for (Slot& slot : order_) prepare(slot.answer);
   }
 
   ~AnswerMemory() = default;
@@ -46,19 +44,11 @@ class AnswerMemory {
   /// @return what became of message `number` of `sender`.
   [[nodiscard]] Fate fate_of(std::uint64_t sender, std::uint64_t number) const noexcept {
     const std::size_t place = find(sender);
-    if (place == ids_.size() || number > senders_[place].highest) {
-      return Fate::unknown;
-    }
+    if (place == ids_.size() || number > senders_[place].highest) return Fate::unknown;
     const Sender& known = senders_[place];
-    if (known.highest - number >= kWindow) {
-      return Fate::forgotten;
-    }
-    if (!known.taken.contains(number)) {
-      return Fate::unknown;
-    }
-    if (!known.answered.contains(number)) {
-      return Fate::taken;
-    }
+    if (known.highest - number >= kWindow) return Fate::forgotten;
+    if (!known.taken.contains(number)) return Fate::unknown;
+    if (!known.answered.contains(number)) return Fate::taken;
     return slot_of(known, number) == nullptr ? Fate::forgotten : Fate::answered;
   }
 
@@ -76,9 +66,7 @@ class AnswerMemory {
 
   /// @return where to put the answer to message `number`; nullptr unless its fate is `taken`.
   [[nodiscard]] Answer* keep(std::uint64_t sender, std::uint64_t number) noexcept {
-    if (fate_of(sender, number) != Fate::taken) {
-      return nullptr;
-    }
+    if (fate_of(sender, number) != Fate::taken) return nullptr;
     Sender& known = senders_[find(sender)];
     known.answered.add(number);
     const auto slot =
@@ -154,10 +142,8 @@ class AnswerMemory {
   };
 
   [[nodiscard]] std::size_t find(std::uint64_t sender) const noexcept {
-    if (last_found_ < ids_.size() && ids_[last_found_] == sender) {
-      return last_found_;
-    }
-    const auto found = std::find(ids_.begin(), ids_.end(), sender);
+    if (last_found_ < ids_.size() && ids_[last_found_] == sender) return last_found_;
+    const auto found = std::ranges::find(ids_, sender);
     const auto place = static_cast<std::size_t>(found - ids_.begin());
     last_found_ = place;
     return place;
@@ -165,17 +151,12 @@ class AnswerMemory {
 
   std::size_t find_or_add(std::uint64_t sender) noexcept {
     const std::size_t known = find(sender);
-    if (known < ids_.size()) {
-      return known;
-    }
+    if (known < ids_.size()) return known;
     if (ids_.size() < kSenders) {
       ids_.push_back(sender);
       return known;
     }
-    const auto silent = std::min_element(senders_.begin(), senders_.end(),
-                                         [](const Sender& left, const Sender& right) {
-                                           return left.last_use < right.last_use;
-                                         });
+    const auto silent = std::ranges::min_element(senders_, {}, &Sender::last_use);
     while (silent->count > 0) {  // what nobody asks for any more is replaced first
       const SlotPlace slot = silent->oldest;
       detach(*slot);
@@ -190,9 +171,7 @@ class AnswerMemory {
   [[nodiscard]] static const Slot* slot_of(const Sender& sender, std::uint64_t number) noexcept {
     SlotPlace slot = sender.oldest;
     for (std::size_t count = 0; count < sender.count; ++count) {
-      if (slot->number == number) {
-        return &*slot;
-      }
+      if (slot->number == number) return &*slot;
       slot = slot->next;
     }
     return nullptr;

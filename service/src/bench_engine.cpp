@@ -92,18 +92,14 @@ void BenchEngine::step() {
   apply_due_frames();
   watch_masters();
   if (braking_) {
-    for (std::size_t axis = 0; axis < numbers_.size(); ++axis) {
-      switch_off_at_rest(axis);
-    }
+    for (std::size_t axis = 0; axis < numbers_.size(); ++axis) switch_off_at_rest(axis);
   }
   pool_.step();
   ++tick_;
   counters_.tick.set(tick_);
   counters_.ticks_run.add();
   counters_.pending_frames.set(pending_.size());
-  if (journal_ != nullptr) {
-    journal_->record_tick(bank_, tick_);
-  }
+  if (journal_ != nullptr) journal_->record_tick(bank_, tick_);
   observe();
   static_cast<void>(answer_stores());
   post_parameters();
@@ -117,11 +113,9 @@ void BenchEngine::post_status(bool repeated) {
   }
   image->tick = tick_;
   image->repeated = repeated;
-  for (std::size_t axis = 0; axis < bank_.size(); ++axis) {
-    image->status[axis] = bank_.status(axis);
-  }
+  for (std::size_t axis = 0; axis < bank_.size(); ++axis) image->status[axis] = bank_.status(axis);
   const auto owners = control_.owners();
-  std::copy(owners.begin(), owners.end(), image->owners.begin());
+  std::ranges::copy(owners, image->owners.begin());
   outbox_.status.push();
 }
 
@@ -144,9 +138,7 @@ void BenchEngine::post_parameters() {
 
 void BenchEngine::jump(std::uint64_t ticks) {
   tick_ += ticks;
-  for (auto& record : control_.sessions()) {
-    record.last_heard_tick += ticks;
-  }
+  for (auto& record : control_.sessions()) record.last_heard_tick += ticks;
   counters_.tick.set(tick_);
   counters_.jumps.add();
   report({.kind = msg::EVENT_TICK_JUMPED, .detail = Count{ticks}});
@@ -172,9 +164,7 @@ AbortCode BenchEngine::write(std::size_t axis, ObjectAddress address, std::int64
   if (code == AbortCode::none) {
     to_journal({.axis = static_cast<std::uint16_t>(axis), .address = address, .value = value});
     mark_changed(axis);
-    if (may_halt) {
-      drop_pending_of_axis(numbers_[axis]);
-    }
+    if (may_halt) drop_pending_of_axis(numbers_[axis]);
   }
   return code;
 }
@@ -191,9 +181,7 @@ void BenchEngine::stretch_watchdog() {
 }
 
 void BenchEngine::watch_masters() {
-  if (watchdog_ticks_ == 0 || braking_) {
-    return;
-  }
+  if (watchdog_ticks_ == 0 || braking_) return;
   for (auto& record : control_.sessions()) {
     if (record.owned_axes > 0 && tick_ - record.last_heard_tick > watchdog_ticks_) {
       lose_master(record);
@@ -293,17 +281,13 @@ void BenchEngine::report(EventRecord event) {
 }
 
 void BenchEngine::to_journal(const JournalChange& change) {
-  if (journal_ != nullptr) {
-    journal_->record(change);
-  }
+  if (journal_ != nullptr) journal_->record(change);
 }
 
 void BenchEngine::tell_journal() {
   while (journal_ != nullptr && outbox_.events.free_slot() != nullptr) {
     const auto news = journal_->news();
-    if (!news) {
-      return;
-    }
+    if (!news) return;
     report({.kind = msg::EVENT_JOURNAL, .code = news->code, .detail = news->detail});
   }
 }

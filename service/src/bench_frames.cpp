@@ -68,20 +68,14 @@ void BenchEngine::handle_frame(Arrival& arrival) {
   }
   SessionRecord& record = *control_.find(frame.session());
   record.last_heard_tick = tick_;
-  if (is_repeat(frame)) {
-    return;
-  }
+  if (is_repeat(frame)) return;
   if (const std::uint32_t reason = check_frame(arrival, record); reason != msg::REASON_NONE) {
     refuse_frame(frame, reason);
     return;
   }
   const bool cancels = (frame.flags() & msg::FRAME_CANCEL_PENDING) != 0;
-  if (cancels || !frame.axes().empty()) {
-    record.last_command = frame.sequence_number();
-  }
-  if (cancels) {
-    drop_pending_of_session(frame.session());
-  }
+  if (cancels || !frame.axes().empty()) record.last_command = frame.sequence_number();
+  if (cancels) drop_pending_of_session(frame.session());
   if (frame.apply_at_tick() <= tick_ + 1) {
     apply_frame(frame);
   } else if (!pending_.insert(frame.apply_at_tick(), frame)) {
@@ -92,12 +86,8 @@ void BenchEngine::handle_frame(Arrival& arrival) {
 
 /// What is refused here is no frame of a session of this run: it is not remembered.
 std::uint32_t BenchEngine::check_sender(const msg::CommandFrame& frame) {
-  if (frame.incarnation() != identity_.incarnation) {
-    return msg::REASON_WRONG_INCARNATION;
-  }
-  if (frame.session() == 0) {
-    return msg::REASON_BAD_SESSION;
-  }
+  if (frame.incarnation() != identity_.incarnation) return msg::REASON_WRONG_INCARNATION;
+  if (frame.session() == 0) return msg::REASON_BAD_SESSION;
   return control_.find_or_add(frame.session(), tick_) == nullptr ? msg::REASON_QUEUE_FULL
                                                                  : msg::REASON_NONE;
 }
@@ -116,9 +106,7 @@ bool BenchEngine::is_repeat(const msg::CommandFrame& frame) {
       post(*commands_.answer_to(session, sequence));
       break;
     case Fate::forgotten:
-      if (!pending_.contains(session, sequence)) {
-        refuse_frame(frame, msg::REASON_TOO_LATE);
-      }
+      if (!pending_.contains(session, sequence)) refuse_frame(frame, msg::REASON_TOO_LATE);
       break;
   }
   return true;
@@ -128,32 +116,18 @@ std::uint32_t BenchEngine::check_frame(const Arrival& arrival, SessionRecord& re
   const auto& frame = arrival.frame;
   record.last_sequence = std::max(record.last_sequence, frame.sequence_number());
   // Commands keep their order; one that was overtaken by keep-alives alone still acts.
-  if (frame.sequence_number() <= record.last_command) {
-    return msg::REASON_TOO_LATE;
-  }
-  if (record.epoch == 0 && frame.epoch() == 0) {
-    return msg::REASON_NOT_OWNER;
-  }
-  if (frame.epoch() != record.epoch) {
-    return msg::REASON_STALE_EPOCH;
-  }
-  if ((frame.flags() & ~kKnownFlags) != 0) {
-    return msg::REASON_UNKNOWN_FLAGS;
-  }
-  if (braking_ && !frame.axes().empty()) {
-    return msg::REASON_SHUTTING_DOWN;
-  }
+  if (frame.sequence_number() <= record.last_command) return msg::REASON_TOO_LATE;
+  if (record.epoch == 0 && frame.epoch() == 0) return msg::REASON_NOT_OWNER;
+  if (frame.epoch() != record.epoch) return msg::REASON_STALE_EPOCH;
+  if ((frame.flags() & ~kKnownFlags) != 0) return msg::REASON_UNKNOWN_FLAGS;
+  if (braking_ && !frame.axes().empty()) return msg::REASON_SHUTTING_DOWN;
   return arrival.refusal != msg::REASON_NONE ? arrival.refusal : check_time(frame);
 }
 
 std::uint32_t BenchEngine::check_time(const msg::CommandFrame& frame) const {
   const std::uint64_t apply_at = frame.apply_at_tick() == 0 ? tick_ + 1 : frame.apply_at_tick();
-  if (apply_at <= tick_) {
-    return msg::REASON_TOO_LATE;
-  }
-  if (apply_at - tick_ > furthest_ahead_) {
-    return msg::REASON_TOO_FAR_AHEAD;
-  }
+  if (apply_at <= tick_) return msg::REASON_TOO_LATE;
+  if (apply_at - tick_ > furthest_ahead_) return msg::REASON_TOO_FAR_AHEAD;
   const bool expires_before = frame.valid_until_tick() != 0 && frame.valid_until_tick() < apply_at;
   return expires_before ? msg::REASON_TOO_LATE : msg::REASON_NONE;
 }
@@ -177,9 +151,7 @@ void BenchEngine::apply_frame(const msg::CommandFrame& frame) {
   for (std::size_t position = 0; position < commands.size(); ++position) {
     const std::uint32_t reason = check_command(commands[position], frame.session());
     skipped_[position] = reason != msg::REASON_NONE;
-    if (skipped_[position]) {
-      refuse(commands[position].axis(), {}, reason);
-    }
+    if (skipped_[position]) refuse(commands[position].axis(), {}, reason);
   }
   if ((frame.flags() & msg::FRAME_ALL_OR_NOTHING) == 0) {
     apply_each(frame);
@@ -197,23 +169,15 @@ void BenchEngine::apply_frame(const msg::CommandFrame& frame) {
   }
   const bool has_news =
       !command_reply_.refusals().empty() || !command_reply_.ignored_set_points().empty();
-  if (has_news || (frame.flags() & msg::FRAME_WANT_REPLY) != 0) {
-    send_reply(frame, command_reply_);
-  }
+  if (has_news || (frame.flags() & msg::FRAME_WANT_REPLY) != 0) send_reply(frame, command_reply_);
 }
 
 std::uint32_t BenchEngine::check_command(const msg::AxisCommand& command, std::uint64_t session) {
   const auto axis = index_of(command.axis());
-  if (!axis) {
-    return msg::REASON_UNKNOWN_AXIS;
-  }
-  if (named_in_[*axis] == frame_count_) {
-    return msg::REASON_AXIS_TWICE;
-  }
+  if (!axis) return msg::REASON_UNKNOWN_AXIS;
+  if (named_in_[*axis] == frame_count_) return msg::REASON_AXIS_TWICE;
   named_in_[*axis] = frame_count_;
-  if (control_.owner(*axis).session != session) {
-    return msg::REASON_NOT_OWNER;
-  }
+  if (control_.owner(*axis).session != session) return msg::REASON_NOT_OWNER;
   return (command.members() & ~kKnownMembers) != 0 ? msg::REASON_UNKNOWN_MEMBERS : msg::REASON_NONE;
 }
 
@@ -234,9 +198,7 @@ void BenchEngine::apply_each(const msg::CommandFrame& frame) {
 void BenchEngine::apply_all_or_nothing(const msg::CommandFrame& frame) {
   undo_.clear();
   bool accepted = true;
-  for (const auto& command : frame.axes()) {
-    accepted = apply_registers(command, true) && accepted;
-  }
+  for (const auto& command : frame.axes()) accepted = apply_registers(command, true) && accepted;
   if (!accepted) {
     for (; !undo_.empty(); undo_.pop_back()) {  // the latest first
       const Undo& undo = undo_.back();
@@ -247,9 +209,7 @@ void BenchEngine::apply_all_or_nothing(const msg::CommandFrame& frame) {
     counters_.commands_refused.add(frame.axes().size());
     return;
   }
-  for (const auto& command : frame.axes()) {
-    apply_controlword(command, frame.sequence_number());
-  }
+  for (const auto& command : frame.axes()) apply_controlword(command, frame.sequence_number());
   counters_.commands_applied.add(frame.axes().size());
 }
 
@@ -345,9 +305,7 @@ void BenchEngine::send_reply(const msg::CommandFrame& frame, msg::CommandReply& 
   reply.sequence_number(frame.sequence_number());
   reply.tick(tick_ + 1);
   if (frame.incarnation() == identity_.incarnation) {
-    if (auto* const kept = commands_.keep(frame.session(), frame.sequence_number())) {
-      *kept = reply;
-    }
+    if (auto* const kept = commands_.keep(frame.session(), frame.sequence_number())) *kept = reply;
   }
   post(reply);
 }
@@ -375,7 +333,7 @@ void BenchEngine::drop_pending_of_session(std::uint64_t session) {
 void BenchEngine::drop_pending_of_axis(std::uint16_t axis) {
   pending_.drop_if(
       [&](const auto& frame) {
-        return std::any_of(frame.axes().begin(), frame.axes().end(), [&](const auto& command) {
+        return std::ranges::any_of(frame.axes(), [&](const auto& command) {
           return command.axis() == axis;
         });
       },

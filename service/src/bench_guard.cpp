@@ -12,9 +12,7 @@ void BenchGuard::look() {
   constexpr int kMostInOneLook = 64;  // whoever looks has other things to do
   for (int count = 0; count < kMostInOneLook; ++count) {
     const auto record = notices_.front();
-    if (!record) {
-      return;
-    }
+    if (!record) return;
     if (wire::decode(record->bytes, state_) && state_.bench() == identity_.bench &&
         state_.incarnation() < identity_.incarnation) {
       older_ = state_.incarnation();

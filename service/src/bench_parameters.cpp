@@ -23,15 +23,11 @@ void BenchEngine::store_with(ParameterSaver& saver) {
 }
 
 std::uint32_t BenchEngine::store_axes(const msg::Request& request, msg::Reply& reply) {
-  if (saver_ == nullptr) {
-    return wire_code(AbortCode::cannot_store_or_transfer);
-  }
+  if (saver_ == nullptr) return wire_code(AbortCode::cannot_store_or_transfer);
   if (const auto reason = check_axes(request, false, reply); reason != msg::REASON_NONE) {
     return reason;
   }
-  if (free_places_.empty() || saver_->room() < request.axes().size()) {
-    return msg::REASON_QUEUE_FULL;
-  }
+  if (free_places_.empty() || saver_->room() < request.axes().size()) return msg::REASON_QUEUE_FULL;
   for (const std::uint16_t number : request.axes()) {
     order(*index_of(number), request.kind() == msg::REQUEST_RESTORE, kNoObject);
   }
@@ -44,12 +40,8 @@ std::uint32_t BenchEngine::store_by_write(std::size_t axis, ObjectAddress addres
   if (const AbortCode code = bank_.write(axis, address, value); code != AbortCode::none) {
     return wire_code(code);
   }
-  if (saver_ == nullptr) {
-    return wire_code(AbortCode::cannot_store_or_transfer);
-  }
-  if (free_places_.empty() || saver_->room() == 0) {
-    return wire_code(AbortCode::out_of_memory);
-  }
+  if (saver_ == nullptr) return wire_code(AbortCode::cannot_store_or_transfer);
+  if (free_places_.empty() || saver_->room() == 0) return wire_code(AbortCode::out_of_memory);
   order(axis, address == kRestoreParameters, object);
   return msg::REASON_NONE;
 }
@@ -78,7 +70,7 @@ void BenchEngine::wait_for_orders(std::uint64_t session, std::uint32_t reason,
 }
 
 bool BenchEngine::is_storing(const msg::Request& request) const {
-  return std::any_of(waiting_stores_.begin(), waiting_stores_.end(), [&](const auto& waiting) {
+  return std::ranges::any_of(waiting_stores_, [&](const auto& waiting) {
     const auto& reply = waiting.outgoing.reply;
     return waiting.orders > 0 && reply.client() == request.client() &&
            reply.request_id() == request.request_id();
@@ -90,9 +82,7 @@ bool BenchEngine::answer_stores() {
   for (std::size_t count = 0; saver_ != nullptr && count < kOrdersPerTick; ++count) {
     const StoreOrder* const order = saver_->returned();
     // The last place is for the step that is being carried out, if there is one.
-    if (order == nullptr || outbox_.replies.size() + 1 >= outbox_.replies.capacity()) {
-      break;
-    }
+    if (order == nullptr || outbox_.replies.size() + 1 >= outbox_.replies.capacity()) break;
     OutgoingReply* const slot = outbox_.replies.free_slot();
     any = true;
     const std::uint32_t place = order->request;
@@ -101,9 +91,7 @@ bool BenchEngine::answer_stores() {
     saver_->pop();
     if (--waiting.orders == 0) {
       std::swap(waiting.outgoing, *slot);
-      if (slot->reply.objects().empty()) {
-        slot->reply.tick(tick_);
-      }
+      if (slot->reply.objects().empty()) slot->reply.tick(tick_);
       finish_reply(waiting.session, waiting.reason, slot->reply);
       outbox_.replies.push();
       free_places_.push_back(place);

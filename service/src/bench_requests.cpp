@@ -26,10 +26,8 @@ msg::ObjectResult& add_result(const msg::ObjectAccess& object, std::uint32_t cod
 /// @return the reason of a request whose results are complete.
 std::uint32_t reason_of(const msg::Reply& reply) {
   const auto& results = reply.objects();
-  if (results.empty()) {
-    return msg::REASON_NOTHING_DONE;
-  }
-  const bool unknown_axis = std::any_of(results.begin(), results.end(), [](const auto& result) {
+  if (results.empty()) return msg::REASON_NOTHING_DONE;
+  const bool unknown_axis = std::ranges::any_of(results, [](const auto& result) {
     return result.abort_code() == msg::REASON_UNKNOWN_AXIS;
   });
   return unknown_axis ? msg::REASON_UNKNOWN_AXIS : msg::REASON_NONE;
@@ -43,15 +41,11 @@ void BenchEngine::handle_request(const Arrival& arrival) {
     counters_.queue_overflows.add();
     return;  // nothing is done that could not be answered
   }
-  if (is_repeat(arrival)) {
-    return;
-  }
+  if (is_repeat(arrival)) return;
   begin_reply(arrival, *outgoing);
   std::uint32_t reason = check_request(arrival);
   ordered_ = 0;
-  if (reason == msg::REASON_NONE) {
-    reason = carry_out(arrival.request, outgoing->reply);
-  }
+  if (reason == msg::REASON_NONE) reason = carry_out(arrival.request, outgoing->reply);
   if (ordered_ > 0) {
     wait_for_orders(arrival.request.session(), reason, *outgoing);
     return;
@@ -70,14 +64,10 @@ bool BenchEngine::is_repeat(const Arrival& arrival) {
     requests_.take(request.client(), request.request_id());
     return false;
   }
-  if (arrival.refusal == msg::REASON_NONE) {
-    hear(request.session());
-  }
+  if (arrival.refusal == msg::REASON_NONE) hear(request.session());
   const bool is_in_progress =
       fate == Fate::taken || (fate == Fate::forgotten && is_storing(request));
-  if (!is_in_progress) {
-    answer_again(arrival);
-  }
+  if (!is_in_progress) answer_again(arrival);
   return true;
 }
 
@@ -147,9 +137,7 @@ void BenchEngine::finish_reply(std::uint64_t session, std::uint32_t reason, msg:
             .code = reason,
             .detail = RefusedMessage{.number = reply.request_id()}});
   }
-  if (reply.reason() != msg::REASON_WRONG_INCARNATION) {
-    keep(reply);
-  }
+  if (reply.reason() != msg::REASON_WRONG_INCARNATION) keep(reply);
 }
 
 /// Without statuses, of which there may be very many.
@@ -163,15 +151,9 @@ void BenchEngine::keep(msg::Reply& reply) {
 
 std::uint32_t BenchEngine::check_request(const Arrival& arrival) const {
   const auto& request = arrival.request;
-  if (request.client() == 0) {
-    return msg::REASON_BAD_SESSION;
-  }
-  if (!is_of_this_run(request)) {
-    return msg::REASON_WRONG_INCARNATION;
-  }
-  if (braking_ && request.kind() != msg::REQUEST_READ) {
-    return msg::REASON_SHUTTING_DOWN;
-  }
+  if (request.client() == 0) return msg::REASON_BAD_SESSION;
+  if (!is_of_this_run(request)) return msg::REASON_WRONG_INCARNATION;
+  if (braking_ && request.kind() != msg::REQUEST_READ) return msg::REASON_SHUTTING_DOWN;
   return arrival.refusal;
 }
 
@@ -239,14 +221,10 @@ std::uint32_t BenchEngine::write_objects(const msg::Request& request, msg::Reply
 std::uint32_t BenchEngine::write_object(const msg::ObjectAccess& object, std::uint64_t session,
                                         std::size_t place) {
   const auto axis = index_of(object.axis());
-  if (!axis) {
-    return msg::REASON_UNKNOWN_AXIS;
-  }
+  if (!axis) return msg::REASON_UNKNOWN_AXIS;
   const ObjectAddress address{object.index(), object.subindex()};
   const std::uint64_t owner = control_.owner(*axis).session;
-  if (owner != 0 && owner != session && !has_role(address, Role::test_input)) {
-    return kLocalControl;
-  }
+  if (owner != 0 && owner != session && !has_role(address, Role::test_input)) return kLocalControl;
   if (owner == 0 && has_role(address, Role::command)) {
     return write_command_object(*axis, address, object.value(), session);
   }
@@ -259,9 +237,7 @@ std::uint32_t BenchEngine::write_object(const msg::ObjectAccess& object, std::ui
 std::uint32_t BenchEngine::write_command_object(std::size_t axis, ObjectAddress address,
                                                 std::int64_t value, std::uint64_t session) {
   SessionRecord* const record = session == 0 ? nullptr : control_.find_or_add(session, tick_);
-  if (record == nullptr) {
-    return kLocalControl;
-  }
+  if (record == nullptr) return kLocalControl;
   if (record->must_acquire) {  // it may have been on its way since before the loss
     return msg::REASON_STALE_EPOCH;
   }
@@ -280,16 +256,12 @@ std::uint32_t BenchEngine::write_command_object(std::size_t axis, ObjectAddress 
 }
 
 std::uint32_t BenchEngine::acquire(const msg::Request& request, bool by_force, msg::Reply& reply) {
-  if (request.session() == 0) {
-    return msg::REASON_BAD_SESSION;
-  }
+  if (request.session() == 0) return msg::REASON_BAD_SESSION;
   if (const auto reason = check_axes(request, by_force, reply); reason != msg::REASON_NONE) {
     return reason;
   }
   SessionRecord* const record = control_.find_or_add(request.session(), tick_);
-  if (record == nullptr) {
-    return msg::REASON_QUEUE_FULL;
-  }
+  if (record == nullptr) return msg::REASON_QUEUE_FULL;
   std::size_t gained = 0;
   for (const std::uint16_t number : request.axes()) {
     const std::size_t axis = *index_of(number);
@@ -315,9 +287,7 @@ std::uint32_t BenchEngine::acquire(const msg::Request& request, bool by_force, m
 /// The owner of the axis, if any, loses it to somebody else: its epoch and its waiting frames end.
 void BenchEngine::lose_axis(std::size_t axis) {
   SessionRecord* const loser = control_.find(control_.owner(axis).session);
-  if (loser == nullptr || control_.owner(axis).session == 0) {
-    return;
-  }
+  if (loser == nullptr || control_.owner(axis).session == 0) return;
   control_.take(axis);
   control_.renew_epoch(*loser);
   loser->must_acquire = true;
@@ -326,13 +296,9 @@ void BenchEngine::lose_axis(std::size_t axis) {
 }
 
 std::uint32_t BenchEngine::release(const msg::Request& request, msg::Reply& reply) {
-  if (request.session() == 0) {
-    return msg::REASON_BAD_SESSION;
-  }
+  if (request.session() == 0) return msg::REASON_BAD_SESSION;
   SessionRecord* const record = control_.find(request.session());
-  if (record == nullptr || record->owned_axes == 0) {
-    return msg::REASON_NOTHING_DONE;
-  }
+  if (record == nullptr || record->owned_axes == 0) return msg::REASON_NOTHING_DONE;
   for (const std::uint16_t number : request.axes()) {
     const auto axis = index_of(number);
     if (!axis || control_.owner(*axis).session != request.session()) {
@@ -353,13 +319,9 @@ std::uint32_t BenchEngine::release(const msg::Request& request, msg::Reply& repl
 
 /// Frees the axes that the request names, or all of its session when it names none.
 void BenchEngine::free_axes(const msg::Request& request) {
-  for (const std::uint16_t number : request.axes()) {
-    control_.take(*index_of(number));
-  }
+  for (const std::uint16_t number : request.axes()) control_.take(*index_of(number));
   for (std::size_t axis = 0; request.axes().empty() && axis < numbers_.size(); ++axis) {
-    if (control_.owner(axis).session == request.session()) {
-      control_.take(axis);
-    }
+    if (control_.owner(axis).session == request.session()) control_.take(axis);
   }
 }
 
@@ -381,16 +343,12 @@ std::uint32_t BenchEngine::power_cycle(const msg::Request& request, msg::Reply& 
 
 /// Whose bench it is does not matter: time belongs to all.
 std::uint32_t BenchEngine::set_rate(const msg::Request& request) {
-  if (clock_ != ClockMode::realtime) {
-    return msg::REASON_WRONG_CLOCK_MODE;
-  }
+  if (clock_ != ClockMode::realtime) return msg::REASON_WRONG_CLOCK_MODE;
   const double rate = request.rate();
   if (!(rate == 0.0 || (rate >= kLowestRate && rate <= kHighestRate))) {  // NaN too
     return msg::REASON_OUT_OF_RANGE;
   }
-  if (rate == rate_) {
-    return msg::REASON_NONE;
-  }
+  if (rate == rate_) return msg::REASON_NONE;
   rate_ = std::abs(rate);  // no negative zero
   counters_.rate.store(rate_, std::memory_order_relaxed);
   stretch_watchdog();
@@ -406,9 +364,7 @@ std::uint32_t BenchEngine::set_rate(const msg::Request& request) {
 
 std::uint32_t BenchEngine::check_axes(const msg::Request& request, bool owned_by_others_allowed,
                                       msg::Reply& reply) const {
-  if (request.axes().empty()) {
-    return msg::REASON_NOTHING_DONE;
-  }
+  if (request.axes().empty()) return msg::REASON_NOTHING_DONE;
   for (const std::uint16_t number : request.axes()) {
     const auto axis = index_of(number);
     if (!axis) {
@@ -426,50 +382,34 @@ std::uint32_t BenchEngine::check_axes(const msg::Request& request, bool owned_by
 
 /// Names the first axis that the refusal speaks of, and its owner.
 void BenchEngine::refuse_axis(std::uint16_t number, msg::Reply& reply) const {
-  if (reply.refused_axis() != 0) {
-    return;
-  }
+  if (reply.refused_axis() != 0) return;
   reply.refused_axis(number);
-  if (const auto axis = index_of(number)) {
-    reply.owner_session(control_.owner(*axis).session);
-  }
+  if (const auto axis = index_of(number)) reply.owner_session(control_.owner(*axis).session);
 }
 
 std::uint32_t BenchEngine::check_step(const Arrival& arrival) const {
   const auto& request = arrival.request;
-  if (const auto reason = check_request(arrival); reason != msg::REASON_NONE) {
-    return reason;
-  }
-  if (clock_ != ClockMode::lockstep) {
-    return msg::REASON_WRONG_CLOCK_MODE;
-  }
-  if (request.ticks() > kMaxTicksPerStep) {
-    return msg::REASON_TOO_MANY_TICKS;
-  }
-  if (request.session() == 0 && request.last_sequence() != 0) {
-    return msg::REASON_BAD_SESSION;
-  }
+  if (const auto reason = check_request(arrival); reason != msg::REASON_NONE) return reason;
+  if (clock_ != ClockMode::lockstep) return msg::REASON_WRONG_CLOCK_MODE;
+  if (request.ticks() > kMaxTicksPerStep) return msg::REASON_TOO_MANY_TICKS;
+  if (request.session() == 0 && request.last_sequence() != 0) return msg::REASON_BAD_SESSION;
   return knows_axes(request) ? msg::REASON_NONE : msg::REASON_UNKNOWN_AXIS;
 }
 
 bool BenchEngine::knows_axes(const msg::Request& request) const {
-  return std::all_of(request.axes().begin(), request.axes().end(), [&](std::uint16_t number) {
+  return std::ranges::all_of(request.axes(), [&](std::uint16_t number) {
     return index_of(number).has_value();
   });
 }
 
 bool BenchEngine::has_arrived(std::uint64_t session, std::uint64_t sequence) {
-  if (sequence == 0) {
-    return true;
-  }
+  if (sequence == 0) return true;
   const SessionRecord* const record = control_.find(session);
   return record != nullptr && record->last_sequence >= sequence;
 }
 
 void BenchEngine::hear(std::uint64_t session) {
-  if (session == 0) {
-    return;
-  }
+  if (session == 0) return;
   if (SessionRecord* const record = control_.find(session); record != nullptr) {
     record->last_heard_tick = tick_;
   }
@@ -489,7 +429,7 @@ void BenchEngine::answer_step(const Arrival& arrival, std::uint32_t reason,
     add_statuses(arrival.request, reply);
   } else if (reason == msg::REASON_UNKNOWN_AXIS) {
     const auto& axes = arrival.request.axes();
-    const auto unknown = std::find_if(axes.begin(), axes.end(), [&](std::uint16_t number) {
+    const auto unknown = std::ranges::find_if(axes, [&](std::uint16_t number) {
       return !index_of(number);
     });
     refuse_axis(*unknown, reply);

@@ -61,19 +61,13 @@ void BenchEngine::stop_axis(std::size_t axis) {
   const PowerState state = bank_.power_state(axis);
   switch (*braking_) {
     case Braking::ramp:
-      if (state == PowerState::operation_enabled) {
-        write(axis, kControlword, kDisableOperation);
-      }
+      if (state == PowerState::operation_enabled) write(axis, kControlword, kDisableOperation);
       break;
     case Braking::quick_stop:
-      if (state == PowerState::operation_enabled) {
-        write(axis, kControlword, kQuickStopCommand);
-      }
+      if (state == PowerState::operation_enabled) write(axis, kControlword, kQuickStopCommand);
       break;
     case Braking::none:
-      if (can_be_stopped(state)) {
-        write(axis, kControlword, kDisableVoltage);
-      }
+      if (can_be_stopped(state)) write(axis, kControlword, kDisableVoltage);
       break;
   }
 }

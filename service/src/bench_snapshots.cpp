@@ -12,12 +12,8 @@ bool BenchEngine::time_stands() const noexcept {
 
 /// Allocates, which only this request may: no tick is due while time stands.
 std::uint32_t BenchEngine::take_snapshot(const msg::Request& request, msg::Reply& reply) {
-  if (!time_stands()) {
-    return msg::REASON_TIME_PASSES;
-  }
-  if (snapshots_.size() == kMostSnapshots) {
-    return msg::REASON_QUEUE_FULL;
-  }
+  if (!time_stands()) return msg::REASON_TIME_PASSES;
+  if (snapshots_.size() == kMostSnapshots) return msg::REASON_QUEUE_FULL;
   snapshots_.push_back({.number = ++last_snapshot_,
                         .state = std::make_shared<const AxisBank::Snapshot>(bank_.snapshot())});
   reply.snapshot(last_snapshot_);
@@ -26,15 +22,11 @@ std::uint32_t BenchEngine::take_snapshot(const msg::Request& request, msg::Reply
 }
 
 std::uint32_t BenchEngine::restore_snapshot(const msg::Request& request, msg::Reply& reply) {
-  if (!time_stands()) {
-    return msg::REASON_TIME_PASSES;
-  }
-  const auto kept = std::find_if(snapshots_.begin(), snapshots_.end(), [&](const auto& snapshot) {
+  if (!time_stands()) return msg::REASON_TIME_PASSES;
+  const auto kept = std::ranges::find_if(snapshots_, [&](const auto& snapshot) {
     return snapshot.number == request.snapshot();
   });
-  if (kept == snapshots_.end()) {
-    return msg::REASON_UNKNOWN_SNAPSHOT;
-  }
+  if (kept == snapshots_.end()) return msg::REASON_UNKNOWN_SNAPSHOT;
   for (std::size_t axis = 0; axis < numbers_.size(); ++axis) {
     const std::uint64_t owner = control_.owner(axis).session;
     if (owner != 0 && owner != request.session()) {
@@ -51,27 +43,19 @@ std::uint32_t BenchEngine::restore_snapshot(const msg::Request& request, msg::Re
       });
   counters_.pending_frames.set(pending_.size());
   bank_.restore(*kept->state, AxisBank::Memory::kept);  // what is stored is on a disk
-  if (journal_ != nullptr) {
-    journal_->record_restore(kept->state, tick_);
-  }
-  for (std::size_t axis = 0; axis < numbers_.size(); ++axis) {
-    mark_changed(axis);
-  }
+  if (journal_ != nullptr) journal_->record_restore(kept->state, tick_);
+  for (std::size_t axis = 0; axis < numbers_.size(); ++axis) mark_changed(axis);
   post_status();
   tell_snapshot(request, SnapshotNews::kRestored, request.snapshot());
   return msg::REASON_NONE;
 }
 
 std::uint32_t BenchEngine::drop_snapshot(const msg::Request& request) {
-  if (!time_stands()) {
-    return msg::REASON_TIME_PASSES;
-  }
+  if (!time_stands()) return msg::REASON_TIME_PASSES;
   const std::size_t dropped = std::erase_if(snapshots_, [&](const auto& snapshot) {
     return snapshot.number == request.snapshot();
   });
-  if (dropped == 0) {
-    return msg::REASON_UNKNOWN_SNAPSHOT;
-  }
+  if (dropped == 0) return msg::REASON_UNKNOWN_SNAPSHOT;
   tell_snapshot(request, SnapshotNews::kDropped, request.snapshot());
   return msg::REASON_NONE;
 }

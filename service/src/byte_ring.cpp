@@ -39,12 +39,8 @@ std::optional<std::span<std::byte>> ByteRing::reserve(std::size_t size) noexcept
   const std::uint64_t to_end = memory_.size() - place;
   const bool rewinds = used == 0 && place >= kRewind && needed <= place;
   const std::uint64_t skipped = needed > to_end || rewinds ? to_end : 0;
-  if (used > memory_.size() || memory_.size() - used < skipped + needed) {
-    return std::nullopt;
-  }
-  if (skipped > 0) {
-    std::memcpy(&memory_[place], &kSkip, sizeof kSkip);
-  }
+  if (used > memory_.size() || memory_.size() - used < skipped + needed) return std::nullopt;
+  if (skipped > 0) std::memcpy(&memory_[place], &kSkip, sizeof kSkip);
   reserved_ = written_ + skipped;
   return memory_.subspan(offset(reserved_) + sizeof(RecordHead), size);
 }

@@ -125,23 +125,15 @@ void declare(CLI::App& app, Arguments& arguments) {
 }
 
 ClockMode clock_named(const std::string& name) {
-  if (const auto mode = clock_mode_named(name)) {
-    return *mode;
-  }
+  if (const auto mode = clock_mode_named(name)) return *mode;
   throw ConfigurationError("--clock " + in_quotes(name) +
                            ": must be one of realtime, lockstep, freerun");
 }
 
 void override(Configuration& configuration, const Arguments& arguments) {
-  if (arguments.clock) {
-    configuration.clock = clock_named(*arguments.clock);
-  }
-  if (arguments.period) {
-    configuration.period = std::chrono::microseconds{*arguments.period};
-  }
-  if (arguments.axes) {
-    configuration.axes = default_axes(*arguments.axes);
-  }
+  if (arguments.clock) configuration.clock = clock_named(*arguments.clock);
+  if (arguments.period) configuration.period = std::chrono::microseconds{*arguments.period};
+  if (arguments.axes) configuration.axes = default_axes(*arguments.axes);
   configuration.bench = arguments.bench.value_or(configuration.bench);
   configuration.network.domain = arguments.domain.value_or(configuration.network.domain);
   configuration.network.security = arguments.security.value_or(configuration.network.security);
@@ -151,9 +143,7 @@ void override(Configuration& configuration, const Arguments& arguments) {
   configuration.rate = arguments.rate.value_or(configuration.rate);
   configuration.threads = arguments.threads.value_or(configuration.threads);
   configuration.network.guard = !arguments.without_guard;
-  if (arguments.wire) {
-    configuration.wire_form = wire_form_named(*arguments.wire);
-  }
+  if (arguments.wire) configuration.wire_form = wire_form_named(*arguments.wire);
   if (arguments.metrics) {
     configuration.metrics_port = static_cast<std::uint16_t>(*arguments.metrics);
   }
@@ -164,7 +154,7 @@ void override(Configuration& configuration, const Arguments& arguments) {
 void refuse_empty_values(const CLI::App& app) {
   for (const CLI::Option* const option : app.get_options()) {
     const auto& values = option->results();
-    if (std::find(values.begin(), values.end(), "") != values.end()) {
+    if (std::ranges::find(values, "") != values.end()) {
       throw BadArguments(option->get_name() + ": the value is empty");
     }
     const std::string variable = option->get_envname();
@@ -214,9 +204,7 @@ class Reporter {
 
   /// @return after which time it has to look again.
   [[nodiscard]] std::chrono::microseconds interval() const noexcept {
-    if (!is_ready_) {
-      return kBusyPollInterval;
-    }
+    if (!is_ready_) return kBusyPollInterval;
     const auto heartbeat = manager_.heartbeat_interval();
     return heartbeat ? std::min<std::chrono::microseconds>(kPollInterval, *heartbeat / 2)
                      : kPollInterval;
@@ -224,9 +212,7 @@ class Reporter {
 
   void look() {
     if (!is_ready_) {
-      if (!service_.has_run()) {
-        return;
-      }
+      if (!service_.has_run()) return;
       manager_.tell_ready(description_);
       is_ready_ = true;
     }
@@ -243,13 +229,9 @@ class Reporter {
   void beat() {
     const auto heartbeat = manager_.heartbeat_interval();
     const auto now = std::chrono::steady_clock::now();
-    if (!heartbeat || now < next_heartbeat_) {
-      return;
-    }
+    if (!heartbeat || now < next_heartbeat_) return;
     next_heartbeat_ = now + *heartbeat;
-    if (service_.is_alive()) {
-      manager_.tell_alive();
-    }
+    if (service_.is_alive()) manager_.tell_alive();
   }
 
   Service& service_;
@@ -294,15 +276,11 @@ int serve(const Configuration& configuration, const Arguments& arguments) {
                   : nullptr;
   const ServiceManager manager;
   std::optional<wire::LibraryLog> library_log;
-  if (!has_process) {
-    library_log.emplace(log_of_the_library(configuration.bench));
-  }
+  if (!has_process) library_log.emplace(log_of_the_library(configuration.bench));
   auto store = open_parameter_store(arguments.state, configuration.bench);
   Service service(configuration, arguments.journal ? open_journal(*arguments.journal) : nullptr,
                   std::move(store), std::move(host));
-  if (has_process) {
-    confine_engine(manager.listens_in_network() ? Network::keep : Network::leave);
-  }
+  if (has_process) confine_engine(manager.listens_in_network() ? Network::keep : Network::leave);
   service.start();
   watch(service, manager, signals,
         "bench " + std::to_string(configuration.bench) + ", " +
@@ -311,9 +289,7 @@ int serve(const Configuration& configuration, const Arguments& arguments) {
             std::to_string(configuration.network.domain));
   const auto older = service.conflict();
   const bool is_cut_off = service.is_cut_off();
-  if (!has_process) {
-    end_in_time(older ? kNumberTaken : kDone);
-  }
+  if (!has_process) end_in_time(older ? kNumberTaken : kDone);
   manager.tell_stopping();
   service.begin_shutdown();
   while (!service.is_shut_down() && !takes_signal(signals, kBusyPollInterval)) {
@@ -349,13 +325,9 @@ void check_flags(const Arguments& arguments) {
 }
 
 int carry_out(const Arguments& arguments) {
-  if (arguments.wire_process) {
-    return run_wire_process(*arguments.wire_process);
-  }
+  if (arguments.wire_process) return run_wire_process(*arguments.wire_process);
   check_flags(arguments);
-  if (arguments.replay) {
-    return replay_journal(arguments);
-  }
+  if (arguments.replay) return replay_journal(arguments);
   if (arguments.check) {
     const wire::NetworkSettings network = load_configuration(*arguments.check).network;
     if (!network.security.empty()) {

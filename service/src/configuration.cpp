@@ -36,9 +36,7 @@ struct ParsedAxes {
 
 /// @return the row that `key` names: a variable_name, 0x607D:1 or 0x6081.
 std::optional<ObjectRow> find_row(const std::string& key) {
-  if (const auto row = find_object(std::string_view(key))) {
-    return row;
-  }
+  if (const auto row = find_object(std::string_view(key))) return row;
   const auto colon = key.find(':');
   const auto index = parse_integer(key.substr(0, colon));
   const auto subindex = colon == std::string::npos ? std::optional<std::int64_t>(0)
@@ -52,7 +50,7 @@ std::optional<ObjectRow> find_row(const std::string& key) {
 }
 
 bool has_control_characters(std::string_view name) {
-  return std::any_of(name.begin(), name.end(), [](char c) {
+  return std::ranges::any_of(name, [](char c) {
     return (c >= '\x00' && c <= '\x1F') || c == '\x7F';
   });
 }
@@ -208,15 +206,12 @@ void read_network(const YamlValue& value, wire::NetworkSettings& network) {
 }
 
 const ModelParameter& model_parameter(const std::string& key, const YamlValue& value) {
-  const auto* const parameter =
-      std::find_if(kModelParameters.begin(), kModelParameters.end(), [&](const auto& candidate) {
-        return candidate.name == key;
-      });
+  const auto* const parameter = std::ranges::find_if(kModelParameters, [&](const auto& candidate) {
+    return candidate.name == key;
+  });
   if (parameter == kModelParameters.end()) {
     std::string known = "coupling, feedback";
-    for (const auto& candidate : kModelParameters) {
-      known += ", " + std::string(candidate.name);
-    }
+    for (const auto& candidate : kModelParameters) known += ", " + std::string(candidate.name);
     value.refuse("unknown key; known here: " + known);
   }
   return *parameter;
@@ -240,9 +235,7 @@ void read_model(const YamlValue& value, AxisModel& model) {
   });
   // The limits depend on the coupling, which may stand below the numbers.
   for (const auto& [parameter, entry] : numbers) {
-    if (const auto limits = limits_broken(model, *parameter)) {
-      entry.refuse(*limits);
-    }
+    if (const auto limits = limits_broken(model, *parameter)) entry.refuse(*limits);
   }
 }
 
@@ -268,9 +261,7 @@ void read_settings(const YamlValue& value, AxisSettings& settings) {
 void read_parameters(const YamlValue& value, std::vector<InitialValue>& parameters) {
   value.for_each_entry({}, [&](const auto& key, const YamlValue& entry) {
     const auto row = find_row(key);
-    if (!row) {
-      entry.refuse(R"(no such object; write its variable_name, "0x6081" or "0x607D:1")");
-    }
+    if (!row) entry.refuse(R"(no such object; write its variable_name, "0x6081" or "0x607D:1")");
     const ObjectDescription& object = describe(*row);
     const std::string units = object.units == "-" ? std::string() : english_units(object);
     const std::int64_t number = entry.integer({object.lower_limit, object.upper_limit, units});
@@ -303,12 +294,8 @@ NamedAxis read_axis(const YamlValue& value) {
           read_parameters(entry, configuration.parameters);
         }
       });
-  if (axis.number == 0) {
-    value.refuse("an axis needs a number");
-  }
-  if (axis.name.empty()) {
-    axis.name = "axis" + std::to_string(axis.number);
-  }
+  if (axis.number == 0) value.refuse("an axis needs a number");
+  if (axis.name.empty()) axis.name = "axis" + std::to_string(axis.number);
   return axis;
 }
 
@@ -327,10 +314,8 @@ ParsedAxes read_axes(const YamlValue& value) {
       element.refuse("a bench can have at most " + std::to_string(kMaxAxes) + " axes");
     }
   });
-  if (parsed.axes.empty()) {
-    value.refuse("a bench needs at least one axis");
-  }
-  std::sort(parsed.axes.begin(), parsed.axes.end(), [](const auto& a, const auto& b) {
+  if (parsed.axes.empty()) value.refuse("a bench needs at least one axis");
+  std::ranges::sort(parsed.axes, [](const auto& a, const auto& b) {
     return a.number < b.number;
   });
   return parsed;
@@ -376,9 +361,7 @@ Configuration read_configuration(const YamlValue& root) {
         }
       });
   try_axes(parsed, configuration.period);
-  if (!parsed.axes.empty()) {
-    configuration.axes = std::move(parsed.axes);
-  }
+  if (!parsed.axes.empty()) configuration.axes = std::move(parsed.axes);
   return configuration;
 }
 
@@ -486,9 +469,7 @@ std::vector<NamedAxis> default_axes(std::size_t count) {
 
 Configuration parse_configuration(const std::string& text, const std::string& file_name) {
   const YAML::Node document = read_yaml(text, file_name);
-  if (document.IsNull()) {
-    return demo_configuration();
-  }
+  if (document.IsNull()) return demo_configuration();
   return read_configuration(YamlValue(document, file_name, ""));
 }
 
@@ -553,9 +534,7 @@ std::string to_yaml(const Configuration& configuration) {
   }
   write_network(out, configuration.network);
   out << YAML::Key << "axes" << YAML::Value << YAML::BeginSeq;
-  for (const auto& axis : configuration.axes) {
-    write_axis(out, axis);
-  }
+  for (const auto& axis : configuration.axes) write_axis(out, axis);
   out << YAML::EndSeq << YAML::EndMap;
   return std::string(out.c_str()) + "\n";
 }
@@ -565,9 +544,7 @@ std::string_view to_string(WireForm form) noexcept {
 }
 
 std::optional<WireForm> wire_form_named(std::string_view name) noexcept {
-  if (name == to_string(WireForm::process)) {
-    return WireForm::process;
-  }
+  if (name == to_string(WireForm::process)) return WireForm::process;
   return name == to_string(WireForm::thread) ? std::optional(WireForm::thread) : std::nullopt;
 }
 

@@ -107,9 +107,7 @@ void confine_engine(Network network) {
   const bool has_own_network = network == Network::leave && unshare(CLONE_NEWNET) == 0;
   const Filter filter(seccomp_init(SCMP_ACT_ALLOW), &seccomp_release);
   int code = refuse(filter, kForNobody);
-  if (code == 0) {
-    code = refuse_unless_first_is(filter, SCMP_SYS(socket), AF_UNIX);
-  }
+  if (code == 0) code = refuse_unless_first_is(filter, SCMP_SYS(socket), AF_UNIX);
   code = code < 0 ? code : load(filter);
   if (code < 0) {
     log_failure("engine", code);

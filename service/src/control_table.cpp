@@ -10,16 +10,14 @@ ControlTable::ControlTable(std::size_t axes) : owners_(axes) {
 }
 
 SessionRecord* ControlTable::find(std::uint64_t session) noexcept {
-  const auto found = std::find_if(sessions_.begin(), sessions_.end(), [&](const auto& record) {
+  const auto found = std::ranges::find_if(sessions_, [&](const auto& record) {
     return record.session == session;
   });
   return found == sessions_.end() ? nullptr : &*found;
 }
 
 SessionRecord* ControlTable::find_or_add(std::uint64_t session, std::uint64_t tick) noexcept {
-  if (SessionRecord* const known = find(session); known != nullptr) {
-    return known;
-  }
+  if (SessionRecord* const known = find(session); known != nullptr) return known;
   if (sessions_.size() < kMaxSessions) {
     return &sessions_.emplace_back(SessionRecord{.session = session, .last_heard_tick = tick});
   }
@@ -30,25 +28,19 @@ SessionRecord* ControlTable::find_or_add(std::uint64_t session, std::uint64_t ti
       oldest = &record;
     }
   }
-  if (oldest != nullptr) {
-    *oldest = {.session = session, .last_heard_tick = tick};
-  }
+  if (oldest != nullptr) *oldest = {.session = session, .last_heard_tick = tick};
   return oldest;
 }
 
 void ControlTable::give(std::size_t axis, SessionRecord& owner) noexcept {
-  if (owners_[axis].session == owner.session) {
-    return;
-  }
+  if (owners_[axis].session == owner.session) return;
   take(axis);
   owners_[axis] = {.session = owner.session, .epoch = owner.epoch};
   ++owner.owned_axes;
 }
 
 void ControlTable::take(std::size_t axis) noexcept {
-  if (owners_[axis].session == 0) {
-    return;
-  }
+  if (owners_[axis].session == 0) return;
   if (SessionRecord* const loser = find(owners_[axis].session); loser != nullptr) {
     --loser->owned_axes;
   }
@@ -58,9 +50,7 @@ void ControlTable::take(std::size_t axis) noexcept {
 void ControlTable::renew_epoch(SessionRecord& record) noexcept {
   record.epoch = record.owned_axes == 0 ? 0 : ++last_epoch_;
   for (auto& owner : owners_) {
-    if (owner.session == record.session) {
-      owner.epoch = record.epoch;
-    }
+    if (owner.session == record.session) owner.epoch = record.epoch;
   }
 }
 

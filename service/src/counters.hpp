@@ -41,9 +41,7 @@ class RefusalCounters {
   void add(std::uint32_t reason) noexcept {
     for (Slot& slot : slots_) {
       std::uint32_t holds = slot.reason.load(std::memory_order_relaxed);
-      if (holds == 0 && slot.reason.compare_exchange_strong(holds, reason)) {
-        holds = reason;
-      }
+      if (holds == 0 && slot.reason.compare_exchange_strong(holds, reason)) holds = reason;
       if (holds == reason) {
         slot.count.add();
         return;

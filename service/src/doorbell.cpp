@@ -30,9 +30,7 @@ void futex_wake(std::atomic<std::uint32_t>& word) noexcept {
 
 void Doorbell::ring() noexcept {
   state_.rings.fetch_add(1);
-  if (state_.waiting.load() != 0) {
-    futex_wake(state_.rings);
-  }
+  if (state_.waiting.load() != 0) futex_wake(state_.rings);
 }
 
 bool Doorbell::wait_for(std::chrono::nanoseconds timeout) noexcept {
@@ -41,9 +39,7 @@ bool Doorbell::wait_for(std::chrono::nanoseconds timeout) noexcept {
   std::uint32_t rings = state_.rings.load();
   while (rings == heard_) {
     const auto left = deadline - std::chrono::steady_clock::now();
-    if (left <= std::chrono::nanoseconds::zero()) {
-      break;
-    }
+    if (left <= std::chrono::nanoseconds::zero()) break;
     futex_wait(state_.rings, rings, left);
     rings = state_.rings.load();
   }

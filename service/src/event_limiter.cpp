@@ -12,9 +12,7 @@ void EventLimiter::offer(const EventRecord& event, std::chrono::nanoseconds now,
     passed_ = 0;
   }
   if (windows_.size() >= kMostKinds) {
-    for (const auto& [key, window] : windows_) {
-      suppressed_ += window.suppressed;
-    }
+    for (const auto& [key, window] : windows_) suppressed_ += window.suppressed;
     windows_.clear();
   }
   Window& window = windows_[{event.kind, event.axis, event.code, event.session}];
@@ -35,9 +33,7 @@ void EventLimiter::offer(const EventRecord& event, std::chrono::nanoseconds now,
 void EventLimiter::flush(std::chrono::nanoseconds now, std::vector<CountedEvent>& passed) {
   std::erase_if(windows_, [&](const auto& entry) {
     const Window& window = entry.second;
-    if (now - window.begin < kWindow) {
-      return false;
-    }
+    if (now - window.begin < kWindow) return false;
     if (window.suppressed > 0) {  // the last of them is told, the others are its count
       passed.push_back({window.last, window.suppressed - 1});
     }

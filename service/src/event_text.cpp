@@ -42,9 +42,7 @@ std::string who(const EventRecord& event) {
 
 std::string control_text(const EventRecord& event) {
   const std::string axes = event.axis != 0 ? "" : count_of(event) + " axes ";
-  if (event.code == 0) {
-    return axes + "released by session " + hex(event.session, 16);
-  }
+  if (event.code == 0) return axes + "released by session " + hex(event.session, 16);
   return axes + "controlled by session " + hex(event.session, 16) + " in epoch " +
          std::to_string(event.code);
 }
@@ -83,9 +81,7 @@ std::string wall_clock_text(const EventRecord& event) {
       std::chrono::duration<double>(detail_of<std::chrono::microseconds>(event)).count();
   const std::string place = "the wall clock was changed: it is " + to_text(std::abs(offset)) +
                             (offset < 0.0 ? " s behind" : " s ahead of");
-  if (event.code == WallClockNews::kJumped) {
-    return place + " drive time; the tick number jumps";
-  }
+  if (event.code == WallClockNews::kJumped) return place + " drive time; the tick number jumps";
   const auto seconds = static_cast<std::uint64_t>(std::abs(offset) / TickClock::kMaxSteering);
   return place + " drive time; drive time is adjusted for about " + std::to_string(seconds) + " s";
 }
@@ -231,15 +227,9 @@ const char* name_of(std::uint32_t kind) {
 std::string log_line(std::uint32_t bench, const EventRecord& event, std::uint32_t suppressed) {
   std::string line = std::string("event=") + name_of(event.kind) +
                      " bench=" + std::to_string(bench) + " tick=" + std::to_string(event.tick);
-  if (event.axis != 0) {
-    line += " axis=" + std::to_string(event.axis);
-  }
-  if (event.session != 0) {
-    line += " session=" + hex(event.session, 16);
-  }
-  if (event.code != 0) {
-    line += " code=" + hex(event.code, 4);
-  }
+  if (event.axis != 0) line += " axis=" + std::to_string(event.axis);
+  if (event.session != 0) line += " session=" + hex(event.session, 16);
+  if (event.code != 0) line += " code=" + hex(event.code, 4);
   return line + " suppressed=" + std::to_string(suppressed) + " text=\"" + words_of(event) + "\"";
 }
 

@@ -24,9 +24,7 @@ constexpr mode_t kDirectoryMode = 0755;
 template <typename Function>
 auto uninterrupted(Function function) {
   auto result = function();
-  while (result < 0 && errno == EINTR) {
-    result = function();
-  }
+  while (result < 0 && errno == EINTR) result = function();
   return result;
 }
 
@@ -57,18 +55,14 @@ class SystemFiles final : public FileOperations {
     const int opened = uninterrupted([&] {
       return ::open(file.c_str(), flags_of(purpose), kFileMode);  // NOLINT(*-vararg)
     });
-    if (opened < 0) {
-      fail("open " + file.string());
-    }
+    if (opened < 0) fail("open " + file.string());
     return opened;
   }
 
   std::uint64_t size(int file) override {
     struct stat status {};
 
-    if (::fstat(file, &status) != 0) {
-      fail("fstat");
-    }
+    if (::fstat(file, &status) != 0) fail("fstat");
     if (!S_ISREG(status.st_mode)) {
       throw std::system_error(EINVAL, std::generic_category(), "not a regular file");
     }
@@ -79,9 +73,7 @@ class SystemFiles final : public FileOperations {
     const auto count = uninterrupted([&] {
       return ::read(file, bytes.data(), bytes.size());
     });
-    if (count < 0) {
-      fail("read");
-    }
+    if (count < 0) fail("read");
     return static_cast<std::size_t>(count);
   }
 
@@ -89,61 +81,43 @@ class SystemFiles final : public FileOperations {
     const auto count = uninterrupted([&] {
       return ::write(file, bytes.data(), bytes.size());
     });
-    if (count <= 0) {
-      fail("write");
-    }
+    if (count <= 0) fail("write");
     return static_cast<std::size_t>(count);
   }
 
   void sync(int file) override {
-    if (::fsync(file) != 0) {
-      fail("fsync");
-    }
+    if (::fsync(file) != 0) fail("fsync");
   }
 
   bool try_lock(int file) override {
     const int result = uninterrupted([&] {
       return ::flock(file, LOCK_EX | LOCK_NB);
     });
-    if (result != 0 && errno != EWOULDBLOCK) {
-      fail("flock");
-    }
+    if (result != 0 && errno != EWOULDBLOCK) fail("flock");
     return result == 0;
   }
 
   void close(int file) override {
-    if (::close(file) != 0) {
-      fail("close");
-    }
+    if (::close(file) != 0) fail("close");
   }
 
   void rename(const std::filesystem::path& from, const std::filesystem::path& to) override {
-    if (::rename(from.c_str(), to.c_str()) != 0) {
-      fail("rename " + from.string());
-    }
+    if (::rename(from.c_str(), to.c_str()) != 0) fail("rename " + from.string());
   }
 
   void link(const std::filesystem::path& from, const std::filesystem::path& to) override {
-    if (::link(from.c_str(), to.c_str()) != 0) {
-      fail("link " + from.string());
-    }
+    if (::link(from.c_str(), to.c_str()) != 0) fail("link " + from.string());
   }
 
   void remove(const std::filesystem::path& file) override {
-    if (::unlink(file.c_str()) != 0) {
-      fail("unlink " + file.string());
-    }
+    if (::unlink(file.c_str()) != 0) fail("unlink " + file.string());
   }
 
   bool exists(const std::filesystem::path& file) override {
     struct stat status {};
 
-    if (::lstat(file.c_str(), &status) == 0) {
-      return true;
-    }
-    if (errno != ENOENT) {
-      fail("lstat " + file.string());
-    }
+    if (::lstat(file.c_str(), &status) == 0) return true;
+    if (errno != ENOENT) fail("lstat " + file.string());
     return false;
   }
 };

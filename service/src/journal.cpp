@@ -99,9 +99,7 @@ void Journal::begin(const AxisBank& bank, std::uint64_t tick) {
   writer_.emplace(sink_, start_);
   writer_->write(JournalSnapshot{
       .cause = JournalSnapshot::Cause::start, .tick = tick, .state = bank.snapshot().bytes()});
-  if (!may_wait_) {
-    spare_ = std::make_shared<AxisBank::Snapshot>(bank.snapshot());
-  }
+  if (!may_wait_) spare_ = std::make_shared<AxisBank::Snapshot>(bank.snapshot());
   ended_ = false;
   thread_ = std::thread([this] {
     write();
@@ -109,12 +107,8 @@ void Journal::begin(const AxisBank& bank, std::uint64_t tick) {
 }
 
 void Journal::close() noexcept {
-  if (std::exchange(ended_, true)) {
-    return;
-  }
-  if (slot_ != nullptr) {
-    push(Slot::End::none, 0);
-  }
+  if (std::exchange(ended_, true)) return;
+  if (slot_ != nullptr) push(Slot::End::none, 0);
   stop_.store(true, std::memory_order_release);
   thread_.join();
 }
@@ -148,12 +142,8 @@ void Journal::push(Slot::End end, std::uint64_t tick) noexcept {
 }
 
 void Journal::record(const JournalChange& change) noexcept {
-  if (!is_recording() || losing_) {
-    return;
-  }
-  if (slot_ != nullptr && slot_->change_count == Slot::kChanges) {
-    push(Slot::End::none, 0);
-  }
+  if (!is_recording() || losing_) return;
+  if (slot_ != nullptr && slot_->change_count == Slot::kChanges) push(Slot::End::none, 0);
   if (Slot* const slot = open_slot(); slot != nullptr) {
     slot->changes[slot->change_count] = change;
     ++slot->change_count;
@@ -164,9 +154,7 @@ void Journal::record(const JournalChange& change) noexcept {
 
 void Journal::record_restore(std::shared_ptr<const AxisBank::Snapshot> snapshot,
                              std::uint64_t tick) noexcept {
-  if (!is_recording() || losing_) {
-    return;
-  }
+  if (!is_recording() || losing_) return;
   if (Slot* const slot = open_slot(); slot != nullptr) {
     slot->snapshot = std::move(snapshot);
     push(Slot::End::restored, tick);
@@ -187,9 +175,7 @@ void Journal::record_tick(const AxisBank& bank, std::uint64_t tick) noexcept {
     push(Slot::End::tick, tick);
   } else {
     start_losing();
-    if (losing_) {
-      lose_tick(bank, tick);
-    }
+    if (losing_) lose_tick(bank, tick);
   }
 }
 
@@ -207,13 +193,9 @@ void Journal::start_losing() noexcept {
 void Journal::lose_tick(const AxisBank& bank, std::uint64_t tick) noexcept {
   ++lost_;
   counters_.journal_losses.add();
-  if (ring_.size() > ring_.capacity() / 2 || spare_used_.load(std::memory_order_acquire)) {
-    return;
-  }
+  if (ring_.size() > ring_.capacity() / 2 || spare_used_.load(std::memory_order_acquire)) return;
   Slot* const slot = open_slot();
-  if (slot == nullptr) {
-    return;
-  }
+  if (slot == nullptr) return;
   bank.save(*spare_);
   spare_used_.store(true, std::memory_order_relaxed);  // handed over by the push
   slot->snapshot = spare_;
@@ -224,9 +206,7 @@ void Journal::lose_tick(const AxisBank& bank, std::uint64_t tick) noexcept {
 }
 
 std::optional<JournalNews> Journal::news() noexcept {
-  if (!std::exchange(told_losing_, true)) {
-    return JournalNews{.code = JournalNews::kLosing};
-  }
+  if (!std::exchange(told_losing_, true)) return JournalNews{.code = JournalNews::kLosing};
   if (resumed_after_ != 0) {
     return JournalNews{.code = JournalNews::kResumed,
                        .detail = Count{std::exchange(resumed_after_, 0)}};
@@ -245,9 +225,7 @@ void Journal::write() noexcept {
     auto next_flush = Clock::now() + kFlushInterval;
     for (bool last = false; !last;) {
       last = stop_.load(std::memory_order_acquire);
-      if (!write_waiting() && !last) {
-        std::this_thread::sleep_for(kWriterNap);
-      }
+      if (!write_waiting() && !last) std::this_thread::sleep_for(kWriterNap);
       if (Clock::now() >= next_flush) {
         writer_->flush();
         next_flush = Clock::now() + kFlushInterval;

@@ -142,12 +142,8 @@ void JournalWriter::write_tick(std::uint64_t number, const StatusDigest& digest,
   } else {
     put(records_, kTick);
     put(records_, digest.image);
-    for (const std::uint32_t check : digest.members) {
-      put(records_, check);
-    }
-    for (const std::uint32_t check : rows) {
-      put(records_, check);
-    }
+    for (const std::uint32_t check : digest.members) put(records_, check);
+    for (const std::uint32_t check : rows) put(records_, check);
   }
   last_tick_ = number;
   last_image_ = digest.image;
@@ -164,9 +160,7 @@ void JournalWriter::flush() {
 }
 
 void JournalWriter::flush_if_large() {
-  if (records_.size() >= kChunkSize) {
-    flush();
-  }
+  if (records_.size() >= kChunkSize) flush();
 }
 
 void JournalWriter::end() {
@@ -180,16 +174,12 @@ void JournalWriter::end() {
 }
 
 JournalReader::JournalReader(std::istream& file) : file_(file) {
-  if (!read_chunk() || kind_ != kStart) {
-    fail("this is not a journal");
-  }
+  if (!read_chunk() || kind_ != kStart) fail("this is not a journal");
   read_start();
 }
 
 void JournalReader::read_start() {
-  if (take<std::uint64_t>() != kMagic) {
-    fail("this is not a journal");
-  }
+  if (take<std::uint64_t>() != kMagic) fail("this is not a journal");
   if (const auto version = take<std::uint32_t>(); version != kVersion) {
     fail("version " + std::to_string(version) +
          " of the format is not supported; supported: " + std::to_string(kVersion));
@@ -199,16 +189,12 @@ void JournalReader::read_start() {
   start_.layout = take<std::uint64_t>();
   start_.version = take_text();
   start_.configuration = take_text();
-  if (start_.axes_per_row == 0 || start_.rows > kMostRows) {
-    fail("the header is not valid");
-  }
+  if (start_.axes_per_row == 0 || start_.rows > kMostRows) fail("the header is not valid");
 }
 
 std::optional<JournalRecord> JournalReader::next() {
   while (position_ == chunk_.size()) {
-    if (!read_chunk()) {
-      return std::nullopt;
-    }
+    if (!read_chunk()) return std::nullopt;
   }
   switch (kind_) {
     case kRecords:
@@ -303,9 +289,7 @@ bool JournalReader::read_chunk() {
     count_torn_ticks();
     return false;
   }
-  if (head.check != check_of(chunk_)) {
-    fail("the content of a chunk is damaged");
-  }
+  if (head.check != check_of(chunk_)) fail("the content of a chunk is damaged");
   ++sequence_;
   next_offset_ += kHeadSize + chunk_.size();
   return true;
@@ -324,13 +308,9 @@ JournalRecord JournalReader::read_record() {
     case kTick:
       ++tick_.number;
       tick_.digest.image = take<std::uint64_t>();
-      for (std::uint32_t& check : tick_.digest.members) {
-        check = take<std::uint32_t>();
-      }
+      for (std::uint32_t& check : tick_.digest.members) check = take<std::uint32_t>();
       tick_.rows.resize(start_.rows);
-      for (std::uint32_t& check : tick_.rows) {
-        check = take<std::uint32_t>();
-      }
+      for (std::uint32_t& check : tick_.rows) check = take<std::uint32_t>();
       return tick_;
     default:
       return read_change(static_cast<JournalChange::Kind>(kind));
@@ -357,9 +337,7 @@ JournalRecord JournalReader::read_change(JournalChange::Kind kind) {
 JournalRecord JournalReader::read_snapshot() {
   JournalSnapshot snapshot;
   const auto cause = take<std::uint8_t>();
-  if (cause < 1 || cause > 3) {
-    fail("snapshot of an unknown cause " + std::to_string(cause));
-  }
+  if (cause < 1 || cause > 3) fail("snapshot of an unknown cause " + std::to_string(cause));
   snapshot.cause = static_cast<JournalSnapshot::Cause>(cause);
   snapshot.tick = take<std::uint64_t>();
   snapshot.lost = take<std::uint64_t>();
@@ -372,9 +350,7 @@ JournalRecord JournalReader::read_snapshot() {
 template <typename Number>
 Number JournalReader::take() {
   Number number{};
-  if (chunk_.size() - position_ < sizeof(number)) {
-    fail("a record is incomplete");
-  }
+  if (chunk_.size() - position_ < sizeof(number)) fail("a record is incomplete");
   std::memcpy(&number, chunk_.data() + position_, sizeof(number));
   position_ += sizeof(number);
   return number;

@@ -17,7 +17,7 @@ wire::LibraryLog::Sink log_of_the_library(std::uint32_t bench) {
                                             const std::string& words) mutable {
     if (const auto suppressed = limiter.pass(std::chrono::steady_clock::now())) {
       std::string text = escaped(words, kShownOfMessage);
-      std::replace(text.begin(), text.end(), '"', '\'');
+      std::ranges::replace(text, '"', '\'');
       spdlog::warn("dds={} bench={} suppressed={} text=\"{}\"", part, bench, *suppressed, text);
     }
   };

@@ -6,9 +6,7 @@
 namespace vdrive::service {
 
 Liveness::Liveness(const std::vector<const Counter*>& beats) {
-  for (const Counter* const counter : beats) {
-    watched_.push_back({.beats = counter});
-  }
+  for (const Counter* const counter : beats) watched_.push_back({.beats = counter});
 }
 
 bool Liveness::has_begun() const noexcept {

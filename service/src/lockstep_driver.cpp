@@ -28,16 +28,10 @@ void LockstepDriver::run(const std::atomic<bool>& stop, Doorbell& doorbell) {
     const bool was_busy = handle_next(stop, doorbell);
     advance(stop);
     const bool has_stored = engine_.answer_stores();
-    if (has_stored) {
-      replies_.deliver(inbox_, outbox_);
-    }
-    if (was_busy || has_stored) {
-      continue;
-    }
+    if (has_stored) replies_.deliver(inbox_, outbox_);
+    if (was_busy || has_stored) continue;
     const auto patience = replies_.is_waiting() ? kReplyInterval : kIdleInterval;
-    if (!doorbell.wait_for(patience)) {
-      idle();
-    }
+    if (!doorbell.wait_for(patience)) idle();
   }
 }
 
@@ -49,9 +43,7 @@ bool LockstepDriver::handle_next(const std::atomic<bool>& stop, Doorbell& doorbe
     return true;
   }
   Arrival* const arrival = inbox_.front();
-  if (arrival == nullptr) {
-    return false;
-  }
+  if (arrival == nullptr) return false;
   const bool is_step =
       arrival->kind == Arrival::Kind::request && arrival->request.kind() == msg::REQUEST_STEP;
   if (is_step) {  // it may have to look behind itself in the inbox
@@ -114,17 +106,13 @@ void LockstepDriver::step_at_once(const Arrival& arrival, const std::atomic<bool
   }
   answer(arrival, reason);
   replies_.deliver(inbox_, outbox_);
-  if (reason == msg::REASON_NONE && arrival.request.ticks() > 0) {
-    publish_status();
-  }
+  if (reason == msg::REASON_NONE && arrival.request.ticks() > 0) publish_status();
 }
 
 /// Many may be answered in one tick, beside the stores that became durable.
 void LockstepDriver::answer(const Arrival& arrival, std::uint32_t reason,
                             std::uint64_t missing_stepper) {
-  if (outbox_.replies.free_slot() == nullptr) {
-    replies_.deliver(inbox_, outbox_);
-  }
+  if (outbox_.replies.free_slot() == nullptr) replies_.deliver(inbox_, outbox_);
   engine_.answer_step(arrival, reason, missing_stepper);
 }
 
@@ -134,12 +122,8 @@ bool LockstepDriver::wait_for_commands(const msg::Request& request, const std::a
   const auto deadline = Clock::now() + kLongestWaitForCommands;
   while (!engine_.has_arrived(request.session(), request.last_sequence())) {
     const auto left = deadline - Clock::now();
-    if (stop || left <= Clock::duration::zero()) {
-      return false;
-    }
-    if (!take_frames()) {
-      doorbell.wait_for(left);
-    }
+    if (stop || left <= Clock::duration::zero()) return false;
+    if (!take_frames()) doorbell.wait_for(left);
   }
   return true;
 }
@@ -148,9 +132,7 @@ bool LockstepDriver::wait_for_commands(const msg::Request& request, const std::a
 /// anything.
 bool LockstepDriver::take_frames() {
   Arrival* const arrival = inbox_.front();
-  if (arrival == nullptr) {
-    return false;
-  }
+  if (arrival == nullptr) return false;
   if (arrival->kind == Arrival::Kind::command_frame) {
     engine_.handle(*arrival);
     replies_.deliver(inbox_, outbox_);
@@ -165,21 +147,13 @@ bool LockstepDriver::take_frames() {
 
 void LockstepDriver::run_ticks(std::uint64_t ticks, const std::atomic<bool>& stop) {
   for (std::uint64_t count = 1; count <= ticks; ++count) {
-    for (const std::uint64_t session : heard_) {
-      engine_.hear(session);
-    }
+    for (const std::uint64_t session : heard_) engine_.hear(session);
     engine_.step();
     beats_.add();
     const bool last = count == ticks;
-    if (!last && engine_.tick() % status_every_ == 0 && may_publish()) {
-      publish_status();
-    }
-    if (stop) {
-      return;
-    }
-    if (count % kTicksPerDelivery == 0) {
-      replies_.deliver(inbox_, outbox_);
-    }
+    if (!last && engine_.tick() % status_every_ == 0 && may_publish()) publish_status();
+    if (stop) return;
+    if (count % kTicksPerDelivery == 0) replies_.deliver(inbox_, outbox_);
   }
 }
 

@@ -10,9 +10,7 @@ namespace vdrive::service {
 void LockstepDriver::join(const Arrival& arrival) {
   const std::uint64_t session = arrival.request.session();
   std::uint32_t reason = engine_.check_step(arrival);
-  if (reason == msg::REASON_NONE && session == 0) {
-    reason = msg::REASON_BAD_SESSION;
-  }
+  if (reason == msg::REASON_NONE && session == 0) reason = msg::REASON_BAD_SESSION;
   if (reason == msg::REASON_NONE && steppers_.find(session) == nullptr) {
     if (steppers_.join(session, arrival.source, engine_.tick(), Clock::now())) {
       engine_.report(
@@ -32,9 +30,7 @@ void LockstepDriver::leave(const Arrival& arrival) {
   if (reason == msg::REASON_NONE && steppers_.find(session) == nullptr) {
     reason = msg::REASON_NOT_A_STEPPER;
   }
-  if (reason == msg::REASON_NONE) {
-    part_with(session, Parting::left);
-  }
+  if (reason == msg::REASON_NONE) part_with(session, Parting::left);
   engine_.hear(session);
   answer(arrival, reason);
 }
@@ -68,17 +64,13 @@ void LockstepDriver::put_aside(Arrival& arrival) {
 
 /// Lets time pass as far as all steppers grant it, and answers each step in its tick.
 void LockstepDriver::advance(const std::atomic<bool>& stop) {
-  if (steppers_.empty() && waiting_.empty()) {
-    return;
-  }
+  if (steppers_.empty() && waiting_.empty()) return;
   const auto now = Clock::now();
   grant_arrived(now);
   bool has_moved = false;
   for (std::uint64_t ticks = ticks_to_go(); ticks > 0 && !stop; ticks = ticks_to_go()) {
     heard_.clear();
-    for (const Stepper& stepper : steppers_.all()) {
-      heard_.push_back(stepper.session);
-    }
+    for (const Stepper& stepper : steppers_.all()) heard_.push_back(stepper.session);
     run_ticks(ticks, stop);
     has_moved = true;
     answer_due(now);
@@ -90,9 +82,7 @@ void LockstepDriver::advance(const std::atomic<bool>& stop) {
   }
   show_steppers();
   replies_.deliver(inbox_, outbox_);
-  if (has_moved) {
-    publish_status();
-  }
+  if (has_moved) publish_status();
 }
 
 /// A step grants its ticks once the command frames that were sent before it are here.
@@ -119,14 +109,10 @@ void LockstepDriver::grant_arrived(Clock::time_point now) {
 /// @return how many ticks may pass until a step is to be answered.
 std::uint64_t LockstepDriver::ticks_to_go() const {
   const Stepper* const slowest = steppers_.slowest();
-  if (slowest == nullptr) {
-    return 0;
-  }
+  if (slowest == nullptr) return 0;
   std::uint64_t limit = slowest->granted;
   for (const WaitingStep& waiting : waiting_) {
-    if (waiting.is_granted && waiting.aim > engine_.tick()) {
-      limit = std::min(limit, waiting.aim);
-    }
+    if (waiting.is_granted && waiting.aim > engine_.tick()) limit = std::min(limit, waiting.aim);
   }
   return limit - engine_.tick();
 }
@@ -140,9 +126,7 @@ void LockstepDriver::answer_due(Clock::time_point now) {
 bool LockstepDriver::answer_if_due(const WaitingStep& waiting, Clock::time_point now) {
   const bool is_late = now >= waiting.deadline;
   if (!waiting.is_granted) {
-    if (is_late) {
-      answer(waiting.arrival, msg::REASON_MISSING_COMMANDS);
-    }
+    if (is_late) answer(waiting.arrival, msg::REASON_MISSING_COMMANDS);
     return is_late;
   }
   if (engine_.tick() >= waiting.aim) {
@@ -153,9 +137,7 @@ bool LockstepDriver::answer_if_due(const WaitingStep& waiting, Clock::time_point
     answer(waiting.arrival, msg::REASON_NOT_A_STEPPER);
     return true;
   }
-  if (is_late) {
-    answer(waiting.arrival, msg::REASON_MISSING_STEPPER, steppers_.slowest()->session);
-  }
+  if (is_late) answer(waiting.arrival, msg::REASON_MISSING_STEPPER, steppers_.slowest()->session);
   return is_late;
 }
 
@@ -164,14 +146,10 @@ bool LockstepDriver::answer_if_due(const WaitingStep& waiting, Clock::time_point
 void LockstepDriver::call_the_roll(Clock::time_point now) {
   std::vector<std::uint64_t> gone;
   for (Stepper& stepper : steppers_.all()) {
-    if (stepper.was_matched && replies_.is_gone(stepper.source)) {
-      gone.push_back(stepper.session);
-    }
+    if (stepper.was_matched && replies_.is_gone(stepper.source)) gone.push_back(stepper.session);
     stepper.was_matched = stepper.was_matched || replies_.is_matched(stepper.source);
   }
-  for (const std::uint64_t session : gone) {
-    part_with(session, Parting::gone);
-  }
+  for (const std::uint64_t session : gone) part_with(session, Parting::gone);
   while (const Stepper* const stepper = steppers_.silent(now)) {
     part_with(stepper->session, Parting::silent);
   }

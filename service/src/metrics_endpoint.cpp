@@ -96,9 +96,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     response_ = std::move(response);
     response_.keep_alive(false);
     response_.prepare_payload();
-    if (is_head_) {
-      response_.body().clear();
-    }
+    if (is_head_) response_.body().clear();
     http::async_write(stream_, response_,
                       [self = shared_from_this()](beast::error_code error, std::size_t) {
                         if (!error) {
@@ -114,9 +112,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     buffer_.clear();
     stream_.async_read_some(buffer_.prepare(kLongestHead),
                             [self = shared_from_this()](beast::error_code error, std::size_t) {
-                              if (!error) {
-                                self->drain();
-                              }
+                              if (!error) self->drain();
                             });
   }
 
@@ -173,21 +169,15 @@ class MetricsEndpoint::Server {
     std::erase_if(connections_, [](const auto& connection) {
       return connection.expired();
     });
-    if (connections_.size() >= kMostConnections) {
-      close_oldest();
-    }
+    if (connections_.size() >= kMostConnections) close_oldest();
     const auto connection = std::make_shared<Connection>(std::move(socket), *metrics_);
     connections_.push_back(connection);
     connection->run();
   }
 
   void close_oldest() {
-    if (connections_.empty()) {
-      return;
-    }
-    if (const auto oldest = connections_.front().lock()) {
-      oldest->close();
-    }
+    if (connections_.empty()) return;
+    if (const auto oldest = connections_.front().lock()) oldest->close();
     connections_.pop_front();
   }
 

@@ -51,9 +51,7 @@ std::string_view content_of(std::string_view file) {
   }
   const std::string_view head = file.substr(0, end + 1);
   const std::string_view content = file.substr(end + 1);
-  if (head == head_of(content)) {
-    return content;
-  }
+  if (head == head_of(content)) return content;
   const std::string_view rest = head.substr(kMagic.size());
   const auto version = parse_integer(rest.substr(0, rest.find(',')));
   if (version && *version >= 0 && *version != kParameterFileVersion) {
@@ -75,9 +73,7 @@ Number number_of(std::string_view text) {
 
 ObjectAddress address_of(std::string_view text) {
   const std::size_t colon = text.find(':');
-  if (colon == std::string_view::npos) {
-    fail_damaged(in_quotes(text) + " is not an object");
-  }
+  if (colon == std::string_view::npos) fail_damaged(in_quotes(text) + " is not an object");
   return {number_of<std::uint16_t>(text.substr(0, colon)),
           number_of<std::uint8_t>(text.substr(colon + 1))};
 }
@@ -88,18 +84,14 @@ std::string encode(const ParameterTable& table) {
   Json axes = Json::object();
   for (const auto& [number, values] : table) {
     Json& axis = axes[std::to_string(number)] = Json::object();
-    for (const InitialValue& stored : values) {
-      axis[text_of(stored.address)] = stored.value;
-    }
+    for (const InitialValue& stored : values) axis[text_of(stored.address)] = stored.value;
   }
   const std::string content = Json{{"axes", std::move(axes)}}.dump(1) + "\n";
   return head_of(content) + content;
 }
 
 ParameterTable decode(std::span<const std::byte> file) {
-  if (file.empty()) {
-    throw ParameterFileError(ParameterProblem::empty, 0, "it is empty");
-  }
+  if (file.empty()) throw ParameterFileError(ParameterProblem::empty, 0, "it is empty");
   const std::string_view content = content_of(
       {reinterpret_cast<const char*>(file.data()), file.size()});  // NOLINT(*-reinterpret-cast)
   ParameterTable table;

@@ -100,9 +100,7 @@ bool ParameterSaver::save_waiting() {
 int ParameterSaver::save_batch() noexcept {
   try {
     ParameterTable next = table_;
-    for (const StoreOrder& order : batch_) {
-      carry_out(order, next);
-    }
+    for (const StoreOrder& order : batch_) carry_out(order, next);
     store_->save(next);
     table_ = std::move(next);
     return 0;

@@ -45,9 +45,7 @@ class OpenFile {
   [[nodiscard]] int number() const noexcept { return number_; }
 
   void close() {
-    if (number_ >= 0) {
-      files_.close(std::exchange(number_, -1));
-    }
+    if (number_ >= 0) files_.close(std::exchange(number_, -1));
   }
 
   int release() noexcept { return std::exchange(number_, -1); }
@@ -73,9 +71,7 @@ bool attempt(const char* what, Function function) {
 std::optional<StoredProblem> refusal_of(const std::vector<InitialValue>& values) {
   for (const InitialValue& stored : values) {
     const AbortCode code = AxisBank::check_stored(stored.address, stored.value);
-    if (code == AbortCode::none) {
-      continue;
-    }
+    if (code == AbortCode::none) continue;
     const auto row = find_object(stored.address);
     const bool is_stored = row && describe(*row).storage == Storage::flash;
     return StoredProblem{
@@ -93,9 +89,7 @@ ParameterStore::ParameterStore(std::filesystem::path directory, std::uint32_t be
       name_("bench-" + std::to_string(bench)),
       files_(std::move(files)) {
   try {
-    if (!files_->exists(directory_)) {
-      files_->make_directory(directory_);
-    }
+    if (!files_->exists(directory_)) files_->make_directory(directory_);
     OpenFile(*files_, directory_, Purpose::directory).close();
   } catch (const std::system_error& error) {
     throw ConfigurationError("state directory " + escaped(directory_.string(), kShownOfMessage) +
@@ -126,9 +120,7 @@ bool ParameterStore::lock() {
   try {
     const auto path = directory_ / (name_ + ".lock");
     OpenFile opened(*files_, path, Purpose::lock);
-    if (!files_->try_lock(opened.number())) {
-      return false;
-    }
+    if (!files_->try_lock(opened.number())) return false;
     lock_ = opened.release();
   } catch (const std::system_error& error) {
     spdlog::warn("state directory {}: not locked, nothing can be stored: {}", directory_.string(),
@@ -213,9 +205,7 @@ void ParameterStore::load_previous(LoadedParameters& loaded) {
 void ParameterStore::keep_aside() {
   is_kept_ = attempt("the damaged file could not be kept", [this] {
     const auto damaged = file(".damaged");
-    if (files_->exists(damaged)) {
-      files_->remove(damaged);
-    }
+    if (files_->exists(damaged)) files_->remove(damaged);
     files_->link(file(""), damaged);
   });
 }
@@ -250,14 +240,10 @@ void ParameterStore::put_back() {
 
 void ParameterStore::write_beside(std::span<const std::byte> content) {
   const auto path = file(".new");
-  if (files_->exists(path)) {
-    files_->remove(path);
-  }
+  if (files_->exists(path)) files_->remove(path);
   OpenFile opened(*files_, path, Purpose::create);
   try {
-    while (!content.empty()) {
-      content = content.subspan(files_->write(opened.number(), content));
-    }
+    while (!content.empty()) content = content.subspan(files_->write(opened.number(), content));
     files_->sync(opened.number());
     opened.close();
   } catch (const std::system_error&) {
@@ -306,9 +292,7 @@ bool ParameterStore::move_away(const std::filesystem::path& to) {
     files_->rename(file(""), to);
     return true;
   } catch (const std::system_error& error) {
-    if (is_error(error, ENOENT)) {
-      return false;
-    }
+    if (is_error(error, ENOENT)) return false;
     throw;
   }
 }
@@ -328,13 +312,9 @@ std::unique_ptr<ParameterStore> open_parameter_store(const std::optional<std::st
     const char* const variable = std::getenv("STATE_DIRECTORY");  // NOLINT(concurrency-mt-unsafe)
     path = variable == nullptr ? "" : variable;
     path.resize(std::min(path.size(), path.find(':')));
-    if (path.empty()) {
-      return nullptr;
-    }
+    if (path.empty()) return nullptr;
   }
-  if (path.empty()) {
-    throw ConfigurationError("--state: the name of a directory is missing");
-  }
+  if (path.empty()) throw ConfigurationError("--state: the name of a directory is missing");
   return std::make_unique<ParameterStore>(path, bench);
 }
 
@@ -353,9 +333,7 @@ std::vector<EventRecord> apply(const LoadedParameters& loaded, Configuration& co
   for (NamedAxis& axis : configuration.axes) {
     axis.configuration.memory_error = !is_good;
     const auto found = loaded.table.find(axis.number);
-    if (found == loaded.table.end()) {
-      continue;
-    }
+    if (found == loaded.table.end()) continue;
     if (const auto refusal = refusal_of(found->second)) {
       axis.configuration.memory_error = true;
       tell(ParameterNews::kDefaults, *refusal, axis.number);
@@ -364,9 +342,7 @@ std::vector<EventRecord> apply(const LoadedParameters& loaded, Configuration& co
       ++axes;
     }
   }
-  if (loaded.source != LoadedParameters::Source::nothing) {
-    tell(ParameterNews::kLoaded, Count{axes});
-  }
+  if (loaded.source != LoadedParameters::Source::nothing) tell(ParameterNews::kLoaded, Count{axes});
   return news;
 }
 

@@ -18,31 +18,24 @@ PendingFrames::PendingFrames() : slots_(kCapacity) {
 }
 
 bool PendingFrames::insert(std::uint64_t tick, msg::CommandFrame& frame) noexcept {
-  if (free_.empty()) {
-    return false;
-  }
+  if (free_.empty()) return false;
   const std::uint16_t slot = free_.back();
   free_.pop_back();
   std::swap(slots_[slot].frame, frame);
-  const auto place = std::upper_bound(order_.begin(), order_.end(), tick,
-                                      [](std::uint64_t wanted, const Place& other) {
-                                        return wanted < other.tick;
-                                      });
+  const auto place = std::ranges::upper_bound(order_, tick, {}, &Place::tick);
   order_.insert(place, {tick, slot});
   return true;
 }
 
 bool PendingFrames::take_due(std::uint64_t tick, msg::CommandFrame& frame) noexcept {
-  if (order_.empty() || order_.front().tick > tick) {
-    return false;
-  }
+  if (order_.empty() || order_.front().tick > tick) return false;
   std::swap(slots_[order_.front().slot].frame, frame);
   remove(0);
   return true;
 }
 
 bool PendingFrames::contains(std::uint64_t session, std::uint64_t sequence) const noexcept {
-  return std::any_of(order_.begin(), order_.end(), [&](const Place& place) {
+  return std::ranges::any_of(order_, [&](const Place& place) {
     const auto& frame = slots_[place.slot].frame;
     return frame.session() == session && frame.sequence_number() == sequence;
   });

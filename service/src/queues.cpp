@@ -39,7 +39,7 @@ bool ArrivalIntake::put(wire::TopicId topic, std::span<const std::byte> sample,
   const std::size_t size = fits ? sample.size() : std::min(sample.size(), kBeginning);
   ByteRing& ring = fits ? arrivals_ : turned_away_;
   if (const auto place = fits ? room : ring.reserve(size)) {
-    std::copy_n(sample.begin(), size, place->begin());
+    std::ranges::copy(sample.first(size), place->begin());
     ring.commit({.size = static_cast<std::uint32_t>(size),
                  .full_size = static_cast<std::uint32_t>(sample.size()),
                  .topic = static_cast<std::uint16_t>(topic),
@@ -63,17 +63,11 @@ Inbox::Inbox(std::uint32_t bench, ByteRing arrivals, ByteRing turned_away, Count
 Arrival* Inbox::front() {
   // What cannot be decoded costs time too: the rest of it waits for the next call.
   for (std::size_t count = 0; !is_decoded_; ++count) {
-    if (count == kMostDropped) {
-      return nullptr;
-    }
+    if (count == kMostDropped) return nullptr;
     const auto record = arrivals_.front();
-    if (!record) {
-      return nullptr;
-    }
+    if (!record) return nullptr;
     is_decoded_ = decode(*record);
-    if (!is_decoded_) {
-      arrivals_.pop();
-    }
+    if (!is_decoded_) arrivals_.pop();
   }
   return &arrival_;
 }
@@ -104,9 +98,7 @@ bool Inbox::decode(const ByteRing::Record& record) {
 
 std::optional<TurnedAway> Inbox::next_turned_away() {
   const auto record = turned_away_.front();
-  if (!record) {
-    return std::nullopt;
-  }
+  if (!record) return std::nullopt;
   // The rest of the message is missing, so the decoder calls it malformed; its head is good.
   TurnedAway away{.source = record->head.party};
   if (record->head.topic == static_cast<std::uint16_t>(wire::TopicId::command)) {

@@ -63,14 +63,10 @@ void RealtimeDriver::tick() noexcept {
   }
   counters_.count_lateness(begin - clock_->deadline());
   engine_.step();
-  if (engine_.tick() % status_every_ == 0) {
-    engine_.post_status();
-  }
+  if (engine_.tick() % status_every_ == 0) engine_.post_status();
   follow_wall_clock();
   const auto late = timer_.monotonic_now() - clock_->deadline();
-  if (late > std::chrono::nanoseconds::zero()) {
-    engine_.report_overrun(late);
-  }
+  if (late > std::chrono::nanoseconds::zero()) engine_.report_overrun(late);
 }
 
 void RealtimeDriver::follow_wall_clock() noexcept {
@@ -101,9 +97,7 @@ void RealtimeDriver::idle() noexcept {
 void RealtimeDriver::handle_arrivals() {
   for (std::size_t count = 0; count < kArrivalsPerTick && engine_.can_answer(); ++count) {
     Arrival* const arrival = inbox_.front();
-    if (arrival == nullptr) {
-      return;
-    }
+    if (arrival == nullptr) return;
     engine_.handle(*arrival);
     inbox_.pop();
   }

@@ -77,27 +77,19 @@ class Replay {
     bool agrees = true;
     while (agrees) {
       const auto record = reader_.next();
-      if (!record) {
-        break;
-      }
-      if (ended_) {
-        throw JournalError("data follows after its end");
-      }
+      if (!record) break;
+      if (ended_) throw JournalError("data follows after its end");
       agrees = std::visit(
           [this](const auto& content) {
             return apply(content);
           },
           *record);
     }
-    if (ended_ && reader_.torn_bytes() > 0) {
-      throw JournalError("data follows after its end");
-    }
+    if (ended_ && reader_.torn_bytes() > 0) throw JournalError("data follows after its end");
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
     result_.agrees = agrees;
     result_.is_complete = lost_ == 0 && ended_;
-    if (agrees) {
-      result_.text = summary(wall.count());
-    }
+    if (agrees) result_.text = summary(wall.count());
     return result_;
   }
 
@@ -143,9 +135,7 @@ class Replay {
     tick_ = tick.number;
     ++result_.ticks;
     const StatusDigest digest = digest_of(bank_.statuses(), reader_.start().axes_per_row, rows_);
-    if (digest.image == tick.digest.image) {
-      return true;
-    }
+    if (digest.image == tick.digest.image) return true;
     result_.text = "tick " + std::to_string(tick.number) + ": " + place_of(digest, tick);
     return false;
   }
@@ -179,9 +169,7 @@ class Replay {
   }
 
   void require_start() const {
-    if (!started_) {
-      throw JournalError("it does not begin with a snapshot");
-    }
+    if (!started_) throw JournalError("it does not begin with a snapshot");
   }
 
   [[nodiscard]] std::string name_of(std::size_t axis) const {
@@ -191,12 +179,10 @@ class Replay {
 
   /// The first row and the first member that differ, where the journal tells them apart.
   [[nodiscard]] std::string place_of(const StatusDigest& digest, const JournalTick& tick) const {
-    const auto row = static_cast<std::size_t>(
-        std::mismatch(rows_.begin(), rows_.end(), tick.rows.begin()).first - rows_.begin());
+    const auto row =
+        static_cast<std::size_t>(std::ranges::mismatch(rows_, tick.rows).in1 - rows_.begin());
     const auto column = static_cast<std::size_t>(
-        std::mismatch(digest.members.begin(), digest.members.end(), tick.digest.members.begin())
-            .first -
-        digest.members.begin());
+        std::ranges::mismatch(digest.members, tick.digest.members).in1 - digest.members.begin());
     if (row == rows_.size() || column == kStatusMembers) {
       return "the status differs from the recorded one; the journal does not show in which axis or "
              "member";
@@ -232,9 +218,7 @@ class Replay {
       text +=
           "; it ends in " + std::to_string(reader_.torn_bytes()) + " bytes of an unfinished chunk";
     }
-    if (lost_ > 0) {
-      text += "; " + std::to_string(lost_) + " ticks are missing: " + gaps_;
-    }
+    if (lost_ > 0) text += "; " + std::to_string(lost_) + " ticks are missing: " + gaps_;
     return text;
   }
 

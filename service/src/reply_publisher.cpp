@@ -8,21 +8,15 @@ ReplyPublisher::ReplyPublisher(WireLink& link, const BenchIdentity& identity, Co
 
 void ReplyPublisher::deliver(Inbox& inbox, Outbox& outbox) {
   while (const OutgoingReply* const outgoing = outbox.replies.front()) {
-    if (!link_.post_to(outgoing->destination, outgoing->reply)) {
-      break;
-    }
+    if (!link_.post_to(outgoing->destination, outgoing->reply)) break;
     outbox.replies.pop();
   }
   while (const msg::CommandReply* const reply = outbox.command_replies.front()) {
-    if (!link_.post(Lane::replies, *reply)) {
-      break;
-    }
+    if (!link_.post(Lane::replies, *reply)) break;
     outbox.command_replies.pop();
   }
   while (const auto arrival = inbox.next_turned_away()) {
-    if (!refuse(*arrival)) {
-      counters_.queue_overflows.add();
-    }
+    if (!refuse(*arrival)) counters_.queue_overflows.add();
   }
   link_.flush(Lane::replies);
 }

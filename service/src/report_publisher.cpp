@@ -117,13 +117,9 @@ void ReportPublisher::describe_axes(const Configuration& configuration, const Ax
 }
 
 void ReportPublisher::announce(bool alive) {
-  for (auto& part : parts_) {
-    part.alive(alive);
-  }
+  for (auto& part : parts_) part.alive(alive);
   met_ = link_.running();
-  for (const auto& part : parts_) {
-    write(part);
-  }
+  for (const auto& part : parts_) write(part);
   has_history_ = !alive;  // who goes reports nothing more
   link_.flush(Lane::reports);
 }
@@ -134,23 +130,15 @@ void ReportPublisher::meet_wire() {
   if (running != met_) {
     met_ = running;
     has_history_ = false;
-    for (const auto& part : parts_) {
-      write(part);
-    }
+    for (const auto& part : parts_) write(part);
   }
-  if (met_ == 0 || has_history_) {
-    return;
-  }
+  if (met_ == 0 || has_history_) return;
   has_history_ = true;
   for (auto& parameters : parameters_) {
-    if (parameters.tick() == 0) {
-      parameters.tick(counters_.tick.get());
-    }
+    if (parameters.tick() == 0) parameters.tick(counters_.tick.get());
     write(parameters);
   }
-  for (const auto& event : history_) {
-    write(event);
-  }
+  for (const auto& event : history_) write(event);
 }
 
 void ReportPublisher::publish(Inbox& inbox, Outbox& outbox) {
@@ -175,9 +163,7 @@ void ReportPublisher::publish_events(Outbox& outbox) {
     limiter_.flush(now, passed_);
     next_flush_ = now + kFlushInterval;
   }
-  for (const auto& counted : passed_) {
-    publish_event(counted);
-  }
+  for (const auto& counted : passed_) publish_event(counted);
 }
 
 void ReportPublisher::publish_event(const CountedEvent& counted) {
@@ -192,9 +178,7 @@ void ReportPublisher::publish_event(const CountedEvent& counted) {
   event_.error_register(event.error_register);
   event_.suppressed(suppressed);
   event_.text(text);
-  if (history_.size() == kEventsKept) {
-    history_.pop_front();
-  }
+  if (history_.size() == kEventsKept) history_.pop_front();
   history_.push_back(event_);
   write(event_);
   counters_.events_sent.add();
@@ -207,9 +191,7 @@ void ReportPublisher::publish_parameters(Outbox& outbox) {
   parameter_samples_.refill(Clock::now());
   while (!parameter_samples_.is_empty()) {
     const msg::AxisParameters* const parameters = outbox.parameters.front();
-    if (parameters == nullptr) {
-      return;
-    }
+    if (parameters == nullptr) return;
     parameters_[indices_[parameters->axis()]] = *parameters;
     write(*parameters);
     outbox.parameters.pop();
@@ -229,9 +211,7 @@ void ReportPublisher::publish_state(const Inbox& inbox, const Outbox& outbox,
   state_.overruns(counters_.overruns.get());
   state_.jumps(counters_.jumps.get());
   state_.lateness_histogram().clear();
-  for (const auto& bin : counters_.lateness) {
-    state_.lateness_histogram().push_back(bin.get());
-  }
+  for (const auto& bin : counters_.lateness) state_.lateness_histogram().push_back(bin.get());
   state_.inbox_depth(static_cast<std::uint32_t>(inbox.size()));
   state_.outbox_depth(static_cast<std::uint32_t>(outbox.size()));
   state_.pending_frames(static_cast<std::uint32_t>(counters_.pending_frames.get()));
@@ -269,9 +249,7 @@ double ReportPublisher::measured_rate(std::uint64_t tick, Clock::time_point now)
 /// the wire to make room.
 template <typename Message>
 void ReportPublisher::write(const Message& message) {
-  if (met_ == 0) {
-    return;
-  }
+  if (met_ == 0) return;
   bool is_posted = link_.post(Lane::reports, message);
   // One wait for a wire that hangs, not one for each message: this thread judges the wire too.
   const auto deadline = Clock::now() + (is_lane_stuck_ ? 0ms : kLongestWaitForRoom);
@@ -281,9 +259,7 @@ void ReportPublisher::write(const Message& message) {
     is_posted = link_.post(Lane::reports, message);
   }
   is_lane_stuck_ = !is_posted;
-  if (!is_posted) {
-    counters_.queue_overflows.add();
-  }
+  if (!is_posted) counters_.queue_overflows.add();
 }
 
 }  // namespace vdrive::service

@@ -50,9 +50,7 @@ class Ring {
   /// Prepares every slot before the threads start, for example reserves its sequences.
   template <typename Function>
   void for_each_slot(Function function) {
-    for (auto& slot : slots_) {
-      function(slot);
-    }
+    for (auto& slot : slots_) function(slot);
   }
 
  private:

@@ -49,9 +49,7 @@ constexpr std::chrono::milliseconds kLeave = 100ms;
 
 void prepare_tick_thread(int priority) {
   prctl(PR_SET_TIMERSLACK, 1UL);  // the default lets the kernel wake it 50 us late
-  if (priority == 0) {
-    return;
-  }
+  if (priority == 0) return;
   const sched_param parameters{.sched_priority = priority};
   if (pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters) != 0) {
     spdlog::warn("realtime_priority={} not permitted; the tick thread runs without it", priority);
@@ -66,12 +64,10 @@ struct Parameters {
     if (store) {
       LoadedParameters loaded = store->load();
       news = apply(loaded, configuration);
-      const bool is_of_an_axis = std::any_of(news.begin(), news.end(), [](const auto& event) {
+      const bool is_of_an_axis = std::ranges::any_of(news, [](const auto& event) {
         return event.axis != 0;
       });
-      if (is_of_an_axis) {
-        store->keep_aside();
-      }
+      if (is_of_an_axis) store->keep_aside();
       saver.emplace(std::move(store), std::move(loaded.table));
     }
   }
@@ -117,18 +113,14 @@ class Wire {
       supervisor_->start();
       return;
     }
-    if (!network_.security.empty()) {
-      check_closed(program_->participant(), network_);
-    }
+    if (!network_.security.empty()) check_closed(program_->participant(), network_);
     link_.control().running_generation = 1;
     link_.control().state = WireState::running;
     counters.wire_is_up.set(1);
   }
 
   void look() {
-    if (supervisor_) {
-      supervisor_->look();
-    }
+    if (supervisor_) supervisor_->look();
   }
 
   std::optional<EventRecord> next_news() {
@@ -181,15 +173,9 @@ class Service::Threads {
         reports_(wire_.link(), configuration_, identity_, engine_.bank(), counters_),
         doorbell_(wire_.link().control().arrivals_bell) {
     serve_metrics();
-    if (journal) {
-      journal_.emplace(configuration_, std::move(journal), counters_);
-    }
-    for (const EventRecord& event : parameters_.news) {
-      engine_.report(event);
-    }
-    if (parameters_.saver) {
-      engine_.store_with(*parameters_.saver);
-    }
+    if (journal) journal_.emplace(configuration_, std::move(journal), counters_);
+    for (const EventRecord& event : parameters_.news) engine_.report(event);
+    if (parameters_.saver) engine_.store_with(*parameters_.saver);
   }
 
   ~Threads() { stop(); }
@@ -207,9 +193,7 @@ class Service::Threads {
                              std::to_string(configuration_.network.domain) + " (incarnation " +
                              std::to_string(*older) + ")");
     }
-    if (journal_) {
-      engine_.record_to(*journal_);
-    }
+    if (journal_) engine_.record_to(*journal_);
     if (parameters_.saver) {
       parameters_.saver->start([this] {
         doorbell_.ring();
@@ -241,14 +225,10 @@ class Service::Threads {
   [[nodiscard]] bool is_shut_down() const noexcept { return lockstep_ || shutdown_.is_done(); }
 
   void stop() noexcept {
-    if (running_.empty()) {
-      return;
-    }
+    if (running_.empty()) return;
     stop_ = true;
     doorbell_.ring();
-    for (auto& thread : running_) {
-      thread.join();
-    }
+    for (auto& thread : running_) thread.join();
     running_.clear();
     switch_off();
     finish_stores();
@@ -276,9 +256,7 @@ class Service::Threads {
 
  private:
   void serve_metrics() {
-    if (!configuration_.metrics_port) {
-      return;
-    }
+    if (!configuration_.metrics_port) return;
     metrics_ = std::make_unique<MetricsEndpoint>(
         *configuration_.metrics_port,
         std::make_unique<Metrics>(configuration_, identity_, counters_, [this] {
@@ -289,12 +267,8 @@ class Service::Threads {
 
   /// What was asked for while the service ended is stored and answered too.
   void finish_stores() noexcept {
-    if (parameters_.saver) {
-      parameters_.saver->close();
-    }
-    while (engine_.answer_stores()) {
-      replies_.deliver(inbox_, outbox_);
-    }
+    if (parameters_.saver) parameters_.saver->close();
+    while (engine_.answer_stores()) replies_.deliver(inbox_, outbox_);
   }
 
   void start_realtime() {
@@ -322,9 +296,7 @@ class Service::Threads {
       prepare_tick_thread(priority);
       while (!stop_) {
         shutdown_.advance();
-        if (cycle()) {
-          tick_beats_.add();
-        }
+        if (cycle()) tick_beats_.add();
       }
     });
     running_.emplace_back([this] {
@@ -380,9 +352,7 @@ class Service::Threads {
     while (!stop_) {
       look_at_wire();
       guard_.look();
-      if (!lockstep_) {
-        replies_.deliver(inbox_, outbox_);
-      }
+      if (!lockstep_) replies_.deliver(inbox_, outbox_);
       reports_.publish(inbox_, outbox_);
       report_beats_.add();
       if (const auto older = guard_.conflict(); older && !conflict_told) {
@@ -413,9 +383,7 @@ class Service::Threads {
   void nap(std::chrono::nanoseconds shortest) {
     const auto now = timer_.monotonic_now();
     auto wanted = now + std::chrono::nanoseconds(lockstep_ ? kLongestNap : kReportNap);
-    if (realtime_) {
-      wanted = realtime_->next_cycle() + kAfterTick;
-    }
+    if (realtime_) wanted = realtime_->next_cycle() + kAfterTick;
     timer_.wait_until(
         std::clamp(wanted, now + shortest, now + std::chrono::nanoseconds(kLongestNap)));
   }

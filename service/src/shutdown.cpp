@@ -14,17 +14,11 @@ void Shutdown::begin() noexcept {
 
 void Shutdown::advance() noexcept {
   const auto begin = begin_.load(std::memory_order_relaxed);
-  if (begin == 0 || is_done()) {
-    return;
-  }
+  if (begin == 0 || is_done()) return;
   const auto passed = timer_.monotonic_now() - std::chrono::nanoseconds(begin);
   const bool time_is_up = passed >= kLongest || engine_.time_stands();
-  if (!time_is_up) {
-    brake(passed < kLongestRamp ? Braking::ramp : Braking::quick_stop);
-  }
-  if (time_is_up || !engine_.has_power()) {
-    done_.store(true, std::memory_order_release);
-  }
+  if (!time_is_up) brake(passed < kLongestRamp ? Braking::ramp : Braking::quick_stop);
+  if (time_is_up || !engine_.has_power()) done_.store(true, std::memory_order_release);
 }
 
 void Shutdown::brake(Braking braking) noexcept {

@@ -20,15 +20,11 @@ StatusPublisher::StatusPublisher(WireLink& link, const Configuration& configurat
       period_(configuration.period),
       counters_(counters),
       sampled_(configuration.axes.size()) {
-  for (const auto& axis : configuration.axes) {
-    numbers_.push_back(axis.number);
-  }
+  for (const auto& axis : configuration.axes) numbers_.push_back(axis.number);
 }
 
 void StatusPublisher::publish(const StatusImage& image) {
-  if (!image.repeated && link_.matched(wire::TopicId::status) > 0) {
-    publish_frames(image);
-  }
+  if (!image.repeated && link_.matched(wire::TopicId::status) > 0) publish_frames(image);
   publish_axes(image);
   last_tick_ = image.tick;
   link_.flush(Lane::status);
@@ -72,16 +68,12 @@ void StatusPublisher::commit(wire::TopicId topic, std::size_t size) {
 }
 
 void StatusPublisher::publish_axes(const StatusImage& image) {
-  if (link_.matched(wire::TopicId::axis) == 0) {
-    return;
-  }
+  if (link_.matched(wire::TopicId::axis) == 0) return;
   const auto now = Clock::now();
   axis_samples_.refill(now);
   for (std::size_t axis = 0; axis < sampled_.size() && !axis_samples_.is_empty(); ++axis) {
     const auto changed = image.status[axis].ds402_statusword ^ sampled_[axis].statusword;
-    if ((changed & kStateBits) != 0) {
-      publish_axis(image, axis, now);
-    }
+    if ((changed & kStateBits) != 0) publish_axis(image, axis, now);
   }
   for (std::size_t count = 0; count < sampled_.size() && !axis_samples_.is_empty(); ++count) {
     const std::size_t axis = next_due_;

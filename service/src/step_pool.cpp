@@ -11,9 +11,7 @@ constexpr int kSpins = 2'000;
 /// Waits until `value` is no longer `old`: spins, then sleeps.
 std::uint32_t wait_for_change(const std::atomic<std::uint32_t>& value, std::uint32_t old) noexcept {
   for (int spin = 0; spin < kSpins; ++spin) {
-    if (const std::uint32_t now = value.load(std::memory_order_acquire); now != old) {
-      return now;
-    }
+    if (const std::uint32_t now = value.load(std::memory_order_acquire); now != old) return now;
   }
   value.wait(old, std::memory_order_acquire);
   return value.load(std::memory_order_acquire);
@@ -34,9 +32,7 @@ StepPool::~StepPool() {
   stop_ = true;
   round_.fetch_add(1, std::memory_order_release);
   round_.notify_all();
-  for (auto& helper : helpers_) {
-    helper.join();
-  }
+  for (auto& helper : helpers_) helper.join();
 }
 
 void StepPool::step() noexcept {
@@ -49,22 +45,16 @@ void StepPool::step() noexcept {
   round_.notify_all();
   step_part(0);
   std::uint32_t left = unfinished_.load(std::memory_order_acquire);
-  while (left != 0) {
-    left = wait_for_change(unfinished_, left);
-  }
+  while (left != 0) left = wait_for_change(unfinished_, left);
 }
 
 void StepPool::work(std::size_t part) noexcept {
   std::uint32_t round = 0;
   while (true) {
     round = wait_for_change(round_, round);
-    if (stop_) {
-      return;
-    }
+    if (stop_) return;
     step_part(part);
-    if (unfinished_.fetch_sub(1, std::memory_order_acq_rel) == 1) {
-      unfinished_.notify_one();
-    }
+    if (unfinished_.fetch_sub(1, std::memory_order_acq_rel) == 1) unfinished_.notify_one();
   }
 }
 

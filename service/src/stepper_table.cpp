@@ -4,22 +4,11 @@
 #include <algorithm>
 
 namespace vdrive::service {
-namespace {
-
-bool grants_less(const Stepper& a, const Stepper& b) {
-  return a.granted < b.granted;
-}
-
-}  // namespace
 
 bool StepperTable::join(std::uint64_t session, const wire::Source& source, std::uint64_t tick,
                         Time now) {
-  if (find(session) != nullptr) {
-    return true;
-  }
-  if (steppers_.size() == kMaxSteppers) {
-    return false;
-  }
+  if (find(session) != nullptr) return true;
+  if (steppers_.size() == kMaxSteppers) return false;
   steppers_.push_back({.session = session, .source = source, .granted = tick, .heard = now});
   note_waits(now);
   return true;
@@ -34,16 +23,14 @@ bool StepperTable::leave(std::uint64_t session, Time now) {
 }
 
 Stepper* StepperTable::find(std::uint64_t session) noexcept {
-  const auto found = std::find_if(steppers_.begin(), steppers_.end(), [&](const auto& stepper) {
+  const auto found = std::ranges::find_if(steppers_, [&](const auto& stepper) {
     return stepper.session == session;
   });
   return found == steppers_.end() ? nullptr : &*found;
 }
 
 void StepperTable::hear(std::uint64_t session, Time now) noexcept {
-  if (Stepper* const stepper = find(session); stepper != nullptr) {
-    stepper->heard = now;
-  }
+  if (Stepper* const stepper = find(session); stepper != nullptr) stepper->heard = now;
 }
 
 void StepperTable::grant(Stepper& stepper, std::uint64_t ticks, Time now) noexcept {
@@ -52,12 +39,12 @@ void StepperTable::grant(Stepper& stepper, std::uint64_t ticks, Time now) noexce
 }
 
 const Stepper* StepperTable::slowest() const noexcept {
-  const auto found = std::min_element(steppers_.begin(), steppers_.end(), grants_less);
+  const auto found = std::ranges::min_element(steppers_, {}, &Stepper::granted);
   return found == steppers_.end() ? nullptr : &*found;
 }
 
 const Stepper* StepperTable::silent(Time now) const noexcept {
-  const auto found = std::find_if(steppers_.begin(), steppers_.end(), [&](const auto& stepper) {
+  const auto found = std::ranges::find_if(steppers_, [&](const auto& stepper) {
     const Time since = std::max(stepper.heard, stepper.waited_for_since);
     return stepper.is_waited_for && now - since >= kLongestSilence;
   });
@@ -65,12 +52,10 @@ const Stepper* StepperTable::silent(Time now) const noexcept {
 }
 
 void StepperTable::note_waits(Time now) noexcept {
-  const auto farthest = std::max_element(steppers_.begin(), steppers_.end(), grants_less);
+  const auto farthest = std::ranges::max_element(steppers_, {}, &Stepper::granted);
   for (auto& stepper : steppers_) {
     const bool is_behind = stepper.granted < farthest->granted;
-    if (is_behind && !stepper.is_waited_for) {
-      stepper.waited_for_since = now;
-    }
+    if (is_behind && !stepper.is_waited_for) stepper.waited_for_since = now;
     stepper.is_waited_for = is_behind;
   }
 }

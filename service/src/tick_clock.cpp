@@ -55,9 +55,7 @@ void TickClock::rebase(const Instant& now) noexcept {
 
 std::uint64_t TickClock::skip_backlog(std::chrono::nanoseconds monotonic_now) noexcept {
   const double late = static_cast<double>(monotonic_now.count()) - deadline_;
-  if (late <= interval_ * static_cast<double>(kMaxBacklog)) {
-    return 0;
-  }
+  if (late <= interval_ * static_cast<double>(kMaxBacklog)) return 0;
   const auto skipped = static_cast<std::uint64_t>(late / interval_);
   next_tick_ += skipped;
   deadline_ += interval_ * static_cast<double>(skipped);
@@ -83,18 +81,14 @@ bool TickClock::sees_step() noexcept {
     deviations_ = 0;
     return false;
   }
-  if (++deviations_ < kReadings) {
-    return false;
-  }
+  if (++deviations_ < kReadings) return false;
   expected_ = offset_;
   deviations_ = 0;
   return true;
 }
 
 std::optional<WallStep> TickClock::watch_wall_clock() noexcept {
-  if (!sees_step()) {
-    return std::nullopt;
-  }
+  if (!sees_step()) return std::nullopt;
   WallStep step{.offset = offset()};
   if (on_step_ == ClockStep::jump && offset_ > 0.0) {
     step.jumped = static_cast<std::uint64_t>(std::llround(offset_ / period_));

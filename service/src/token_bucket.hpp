@@ -29,9 +29,7 @@ class TokenBucket {
 
   /// Takes one token. @return false when there is none.
   bool take() noexcept {
-    if (is_empty()) {
-      return false;
-    }
+    if (is_empty()) return false;
     tokens_ -= 1.0;
     return true;
   }

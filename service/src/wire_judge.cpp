@@ -37,18 +37,10 @@ std::optional<WireLoss> WireJudge::reason_to_end(const Sight& sight, Time now) n
     pumped_ = now;
     probed_ = now;
   }
-  if (std::exchange(pump_beats_, sight.pump_beats) != sight.pump_beats) {
-    pumped_ = now;
-  }
-  if (std::exchange(probe_beats_, sight.probe_beats) != sight.probe_beats) {
-    probed_ = now;
-  }
-  if (now - pumped_ > kLongestRound) {
-    return WireLoss{.cause = WireLoss::Cause::hangs};
-  }
-  if (now - probed_ > kLongestProbe) {
-    return WireLoss{.cause = WireLoss::Cause::deaf};
-  }
+  if (std::exchange(pump_beats_, sight.pump_beats) != sight.pump_beats) pumped_ = now;
+  if (std::exchange(probe_beats_, sight.probe_beats) != sight.probe_beats) probed_ = now;
+  if (now - pumped_ > kLongestRound) return WireLoss{.cause = WireLoss::Cause::hangs};
+  if (now - probed_ > kLongestProbe) return WireLoss{.cause = WireLoss::Cause::deaf};
   if (sight.resident > memory_limit_) {
     return WireLoss{.cause = WireLoss::Cause::memory,
                     .value = static_cast<std::uint32_t>(sight.resident / kMebi)};

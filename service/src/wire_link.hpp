@@ -73,9 +73,7 @@ class WireLink {
   bool post(Lane lane, const Message& message, RecordHead head) {
     const std::size_t size = wire::encoded_size(message);
     const auto place = ring(lane).reserve(size);
-    if (!place) {
-      return false;
-    }
+    if (!place) return false;
     head.size = static_cast<std::uint32_t>(wire::encode(message, *place));
     head.full_size = head.size;
     ring(lane).commit(head);

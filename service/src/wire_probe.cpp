@@ -43,17 +43,13 @@ bool WireProbe::comes_through() {
       });
   wire::Publication<msg::BenchState> publication(participant_);
   const auto deadline = Clock::now() + kPatience;
-  if (!publication.wait_for_match(wire, std::chrono::milliseconds(kPatience))) {
-    return false;
-  }
+  if (!publication.wait_for_match(wire, std::chrono::milliseconds(kPatience))) return false;
   msg::BenchState state;
   state.bench(kNoBench);
   constexpr std::chrono::milliseconds kRepeat{50};  // best effort
   std::unique_lock lock(mutex);
   while (Clock::now() < deadline) {
-    if (is_heard && program_.probes_heard() != before) {
-      return true;
-    }
+    if (is_heard && program_.probes_heard() != before) return true;
     lock.unlock();
     static_cast<void>(publication.write(state));
     lock.lock();

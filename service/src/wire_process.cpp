@@ -56,17 +56,13 @@ class MemoryGauge {
   [[nodiscard]] std::uint64_t resident() const noexcept {
     std::array<char, 128> text{};
     const ssize_t size = pread(file_, text.data(), text.size(), 0);
-    if (size <= 0) {
-      return 0;
-    }
+    if (size <= 0) return 0;
     // Pages: size, resident, shared.
     std::array<std::uint64_t, 3> pages{};
     const char* place = text.data();
     const char* const end = place + size;
     for (auto& count : pages) {
-      while (place != end && *place == ' ') {
-        ++place;
-      }
+      while (place != end && *place == ' ') ++place;
       place = std::from_chars(place, end, count).ptr;
     }
     return (pages[1] - std::min(pages[1], pages[2])) *
@@ -126,9 +122,7 @@ class WireProcess {
     Doorbell bell(control_.status_bell);
     bool has_more = false;
     while (goes_on() || has_more) {
-      if (!has_more) {
-        bell.wait_for(kPumpInterval);
-      }
+      if (!has_more) bell.wait_for(kPumpInterval);
       has_more = program_.drain(Lane::status) && goes_on();
       status_rounds_.fetch_add(1, std::memory_order_relaxed);
       beat();
@@ -140,9 +134,7 @@ class WireProcess {
     Doorbell bell(control_.reports_bell);
     bool has_more = false;
     while (goes_on() || has_more) {
-      if (!has_more) {
-        bell.wait_for(program_.is_holding() ? kRetryInterval : kPumpInterval);
-      }
+      if (!has_more) bell.wait_for(program_.is_holding() ? kRetryInterval : kPumpInterval);
       const bool has_replies = program_.drain(Lane::replies);
       has_more = program_.drain(Lane::reports) || has_replies;
       report_rounds_.fetch_add(1, std::memory_order_relaxed);
@@ -158,9 +150,7 @@ class WireProcess {
 
   void probe() {
     while (goes_on()) {
-      if (probe_.comes_through()) {
-        control_.probe_beats.fetch_add(1);
-      }
+      if (probe_.comes_through()) control_.probe_beats.fetch_add(1);
       std::this_thread::sleep_for(kProbeInterval);
     }
   }
@@ -183,9 +173,9 @@ class WireProcess {
 };
 
 void tell(WireControl& control, std::string_view error) {
-  const std::size_t size = std::min(error.size(), control.error.size() - 1);
-  std::copy_n(error.begin(), size, control.error.begin());
-  control.error[size] = '\0';
+  const std::string_view text = error.substr(0, control.error.size() - 1);
+  std::ranges::copy(text, control.error.begin());
+  control.error[text.size()] = '\0';
 }
 
 }  // namespace

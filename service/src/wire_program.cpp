@@ -41,16 +41,12 @@ wire::NetworkSettings of_a_service(const WireSettings& settings) {
 /// @return the number of the bench that a sample is about, or nothing.
 std::optional<std::uint32_t> bench_of(std::span<const std::byte> sample, TopicId topic) noexcept {
   const std::size_t offset = wire::kEncapsulation + wire::traits_of(topic).bench_offset;
-  if (sample.size() < offset + sizeof(std::uint32_t)) {
-    return std::nullopt;
-  }
+  if (sample.size() < offset + sizeof(std::uint32_t)) return std::nullopt;
   std::array<std::byte, sizeof(std::uint32_t)> bytes{};
   std::memcpy(bytes.data(), &sample[offset], bytes.size());
   const bool is_native =
       (sample[1] != std::byte{0}) == (std::endian::native == std::endian::little);
-  if (!is_native) {
-    std::reverse(bytes.begin(), bytes.end());
-  }
+  if (!is_native) std::ranges::reverse(bytes);
   return std::bit_cast<std::uint32_t>(bytes);
 }
 
@@ -113,12 +109,10 @@ void WireProgram::deliver(Intake& intake, const wire::Source& source) {
     ++probes_heard_;
     return;
   }
-  if (source == control_.source || bench_of(intake.sample, intake.topic) != bench_) {
-    return;
-  }
+  if (source == control_.source || bench_of(intake.sample, intake.topic) != bench_) return;
   if (intake.lane == Lane::notices) {
     if (const auto place = notices_.reserve(intake.sample.size())) {
-      std::copy(intake.sample.begin(), intake.sample.end(), place->begin());
+      std::ranges::copy(intake.sample, place->begin());
       const auto size = static_cast<std::uint32_t>(intake.sample.size());
       notices_.commit({.size = size,
                        .full_size = size,
@@ -158,22 +152,16 @@ bool WireProgram::drain(Lane lane) {
   std::size_t sent = 0;
   for (; sent < kMostInOneRound; ++sent) {
     const auto record = ring.front();
-    if (!record) {
-      break;
-    }
+    if (!record) break;
     send(*record);
     ring.pop();
   }
-  if (lane == Lane::replies && !held_.empty()) {
-    retry();
-  }
+  if (lane == Lane::replies && !held_.empty()) retry();
   return sent == kMostInOneRound;
 }
 
 void WireProgram::send(const ByteRing::Record& record) {
-  if (!try_send(record.head, record.bytes)) {
-    hold(record);
-  }
+  if (!try_send(record.head, record.bytes)) hold(record);
 }
 
 /// @return false when its reader is not known yet.
@@ -185,9 +173,7 @@ bool WireProgram::try_send(const RecordHead& head, std::span<const std::byte> by
     control_.not_sent.fetch_add(1, std::memory_order_relaxed);
     return true;
   }
-  if ((head.flags & RecordHead::kForOne) != 0 && !publication->is_matched(head.party)) {
-    return false;
-  }
+  if ((head.flags & RecordHead::kForOne) != 0 && !publication->is_matched(head.party)) return false;
   auto& counter = publication->write(bytes) ? control_.sent : control_.not_sent;
   counter.fetch_add(1, std::memory_order_relaxed);
   return true;
@@ -197,9 +183,7 @@ bool WireProgram::try_send(const RecordHead& head, std::span<const std::byte> by
 void WireProgram::hold(const ByteRing::Record& record) {
   std::size_t& count = held_for_[record.head.party.participant];
   if (held_.size() >= kMostHeld || count >= kMostHeldForOne) {
-    if (count == 0) {
-      held_for_.erase(record.head.party.participant);
-    }
+    if (count == 0) held_for_.erase(record.head.party.participant);
     drop(record.head);
     return;
   }
@@ -212,16 +196,10 @@ void WireProgram::retry() {
   const auto now = Clock::now();
   std::erase_if(held_, [&](const Held& held) {
     const bool is_sent = try_send(held.head, held.bytes);
-    if (!is_sent && now < held.deadline) {
-      return false;
-    }
-    if (!is_sent) {
-      drop(held.head);
-    }
+    if (!is_sent && now < held.deadline) return false;
+    if (!is_sent) drop(held.head);
     const auto count = held_for_.find(held.head.party.participant);
-    if (count != held_for_.end() && --count->second == 0) {
-      held_for_.erase(count);
-    }
+    if (count != held_for_.end() && --count->second == 0) held_for_.erase(count);
     return true;
   });
 }
@@ -230,9 +208,7 @@ void WireProgram::drop(const RecordHead& head) {
   control_.undelivered.fetch_add(1, std::memory_order_relaxed);
   if (const auto suppressed = drop_log_.pass(Clock::now())) {
     std::string party;
-    for (const std::uint8_t byte : head.party.participant) {
-      party += fmt::format("{:02x}", byte);
-    }
+    for (const std::uint8_t byte : head.party.participant) party += fmt::format("{:02x}", byte);
     spdlog::warn("reply=dropped bench={} participant={} suppressed={} text=\"nobody reads it\"",
                  bench_, party, *suppressed);
   }

@@ -91,9 +91,7 @@ void SharedSources::show(const std::vector<wire::Source>& sources) noexcept {
   version_.fetch_add(1);
   for (std::size_t place = 0; place < count; ++place) {
     const auto words = std::bit_cast<std::array<std::uint32_t, 3>>(sources[place].participant);
-    for (std::size_t word = 0; word < words.size(); ++word) {
-      words_[place][word].store(words[word]);
-    }
+    for (std::size_t word = 0; word < words.size(); ++word) words_[place][word].store(words[word]);
   }
   count_.store(static_cast<std::uint32_t>(count));
   version_.fetch_add(1);
@@ -109,10 +107,9 @@ bool SharedSources::may_contain(const wire::Source& source) const noexcept {
   const auto wanted = std::bit_cast<std::array<std::uint32_t, 3>>(source.participant);
   const std::size_t count = std::min<std::size_t>(count_.load(), kCapacity);
   for (std::size_t place = 0; place < count; ++place) {
-    if (std::equal(wanted.begin(), wanted.end(), words_[place].begin(),
-                   [](std::uint32_t left, const auto& right) {
-                     return left == right.load();
-                   })) {
+    if (std::ranges::equal(wanted, words_[place], [](std::uint32_t left, const auto& right) {
+          return left == right.load();
+        })) {
       return true;
     }
   }
@@ -138,15 +135,13 @@ WireRegion::WireRegion(const WireSettings& settings)
 }
 
 void WireRegion::prepare_for(std::uint32_t generation) const noexcept {
-  std::copy(settings_.begin(), settings_.end(), control_->settings.begin());
+  std::ranges::copy(settings_, control_->settings.begin());
   control_->settings_size = static_cast<std::uint32_t>(settings_.size());
   control_->stop = 0;
   control_->generation = generation;
   control_->layout = kLayout;
   control_->readers.reset();
-  for (auto& matched : control_->matched) {
-    matched = 0;
-  }
+  for (auto& matched : control_->matched) matched = 0;
   for (const Lane lane : {Lane::arrivals, Lane::turned_away, Lane::notices}) {
     RingPositions& positions = control_->positions[static_cast<std::size_t>(lane)];
     if (positions.written == positions.read) {
@@ -164,9 +159,7 @@ WireRegion::WireRegion(int descriptor, std::span<std::byte> memory) noexcept
 WireRegion WireRegion::attach(int descriptor) {
   struct stat status {};
 
-  if (fstat(descriptor, &status) != 0) {
-    fail("memory of the engine");
-  }
+  if (fstat(descriptor, &status) != 0) fail("memory of the engine");
   if (static_cast<std::size_t>(status.st_size) != kRegionSize) {
     throw std::runtime_error("memory of the engine: " + std::to_string(status.st_size) +
                              " bytes instead of " + std::to_string(kRegionSize));

@@ -51,15 +51,9 @@ class Nursery {
     while (true) {
       std::array<pollfd, 2> watched{{{.fd = socket_, .events = POLLIN, .revents = 0},
                                      {.fd = child_descriptor_, .events = POLLIN, .revents = 0}}};
-      if (poll(watched.data(), watched.size(), -1) < 0 && errno != EINTR) {
-        leave();
-      }
-      if (watched[1].revents != 0) {
-        report_end();
-      }
-      if (watched[0].revents != 0) {
-        obey();
-      }
+      if (poll(watched.data(), watched.size(), -1) < 0 && errno != EINTR) leave();
+      if (watched[1].revents != 0) report_end();
+      if (watched[0].revents != 0) obey();
     }
   }
 
@@ -72,9 +66,7 @@ class Nursery {
     }
     if (order == Order::launch && child_ == 0) {
       child_ = fork();
-      if (child_ == 0) {
-        become_wire(region_);
-      }
+      if (child_ == 0) become_wire(region_);
       if (child_ < 0) {
         child_ = 0;
         tell({.process = 0, .status = kNotStarted});
@@ -93,9 +85,7 @@ class Nursery {
   void report_end() {
     WireEnd end{.process = child_};
     waitpid(child_, &end.status, 0);
-    if (child_descriptor_ >= 0) {
-      close(child_descriptor_);
-    }
+    if (child_descriptor_ >= 0) close(child_descriptor_);
     child_ = 0;
     child_descriptor_ = -1;
     tell(end);

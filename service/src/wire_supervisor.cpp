@@ -35,7 +35,7 @@ bool has_to_stop() {
 }
 
 std::string error_of(const WireControl& control) {
-  const auto* const end = std::find(control.error.begin(), control.error.end(), '\0');
+  const auto* const end = std::ranges::find(control.error, '\0');
   return {control.error.begin(), end};
 }
 
@@ -55,12 +55,8 @@ void WireSupervisor::start() {
   launch(Clock::now());
   while (!is_up_) {
     std::this_thread::sleep_for(kLookInterval);
-    if (has_to_stop()) {
-      throw wire::NetworkError("stopped by a signal before the wire was ready");
-    }
-    if (control_.state.load() == WireState::failed) {
-      throw wire::NetworkError(error_of(control_));
-    }
+    if (has_to_stop()) throw wire::NetworkError("stopped by a signal before the wire was ready");
+    if (control_.state.load() == WireState::failed) throw wire::NetworkError(error_of(control_));
     if (const auto end = spawner_.next_end()) {
       // It says why before it ends.
       const std::string error = error_of(control_);
@@ -68,9 +64,7 @@ void WireSupervisor::start() {
                                              : error);
     }
     judge(Clock::now());
-    if (reason_) {
-      throw wire::NetworkError("the wire's process: " + reason_->text());
-    }
+    if (reason_) throw wire::NetworkError("the wire's process: " + reason_->text());
   }
   news_.clear();
 }
@@ -101,25 +95,19 @@ void WireSupervisor::look() {
       judge(now);
     }
   }
-  if (next_start_ && now >= *next_start_) {
-    launch(now);
-  }
+  if (next_start_ && now >= *next_start_) launch(now);
 }
 
 void WireSupervisor::lose(const WireEnd& end, Clock::time_point now) {
   control_.state.store(WireState::none);
   is_launched_ = false;
-  if (is_up_) {
-    lost_at_ = now;
-  }
+  if (is_up_) lost_at_ = now;
   is_up_ = false;
   counters_.wire_is_up.set(0);
   next_start_ = judge_.ended(now, reason_.has_value());
   const auto delay = std::chrono::duration_cast<std::chrono::milliseconds>(*next_start_ - now);
   tell(WireNews::kLost, reason_.value_or(loss_of(end)));
-  if (delay > 0ms) {
-    tell(WireNews::kLater, delay);
-  }
+  if (delay > 0ms) tell(WireNews::kLater, delay);
 }
 
 void WireSupervisor::tell(std::uint32_t code, const EventDetail& detail) {
@@ -137,23 +125,17 @@ void WireSupervisor::judge(Clock::time_point now) {
     const auto gap = std::chrono::duration_cast<std::chrono::milliseconds>(now - lost_at_);
     tell(WireNews::kRuns, gap);
   }
-  if (reason_) {
-    return;
-  }
+  if (reason_) return;
   reason_ = judge_.reason_to_end({.is_running = is_running,
                                   .pump_beats = control_.pump_beats.load(),
                                   .probe_beats = control_.probe_beats.load(),
                                   .resident = control_.resident.load()},
                                  now);
-  if (reason_) {
-    spawner_.kill();
-  }
+  if (reason_) spawner_.kill();
 }
 
 std::optional<EventRecord> WireSupervisor::next_news() {
-  if (news_.empty()) {
-    return std::nullopt;
-  }
+  if (news_.empty()) return std::nullopt;
   const EventRecord news = news_.front();
   news_.pop_front();
   return news;

@@ -19,9 +19,7 @@ namespace {
 
 std::string joined(std::initializer_list<std::string_view> words) {
   std::string list;
-  for (const auto word : words) {
-    list += (list.empty() ? "" : ", ") + std::string(word);
-  }
+  for (const auto word : words) list += (list.empty() ? "" : ", ") + std::string(word);
   return list;
 }
 
@@ -84,9 +82,7 @@ void check_that_one_document_is_all(const std::string& text, const std::string& 
   std::istringstream stream(text);
   YAML::Parser parser(stream);
   DocumentStarts documents;
-  if (!parser.HandleNextDocument(documents) || !parser.HandleNextDocument(documents)) {
-    return;
-  }
+  if (!parser.HandleNextDocument(documents) || !parser.HandleNextDocument(documents)) return;
   const auto line = [&documents](std::size_t document) {
     return static_cast<std::size_t>(documents.starts.at(document).line) + 1;
   };
@@ -113,28 +109,22 @@ YAML::Node read_yaml(const std::string& text, const std::string& file_name) {
 void YamlValue::for_each_entry(
     std::initializer_list<std::string_view> known,
     const std::function<void(const std::string&, const YamlValue&)>& visit) const {
-  if (!node_.IsMap()) {
-    refuse("must be a map of keys and values");
-  }
+  if (!node_.IsMap()) refuse("must be a map of keys and values");
   std::set<std::string> seen;
   for (const auto& entry : node_) {
     const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "?";
     const std::string path = path_.empty() ? key : path_ + "." + key;
     const YamlValue name(entry.first, file_, path);
-    if (known.size() > 0 && std::find(known.begin(), known.end(), key) == known.end()) {
+    if (known.size() > 0 && std::ranges::find(known, key) == known.end()) {
       name.refuse("unknown key; known here: " + joined(known));
     }
-    if (!seen.insert(key).second) {
-      name.refuse("the key appears twice");
-    }
+    if (!seen.insert(key).second) name.refuse("the key appears twice");
     visit(key, YamlValue(entry.second, file_, path));
   }
 }
 
 void YamlValue::for_each_element(const std::function<void(const YamlValue&)>& visit) const {
-  if (!node_.IsSequence()) {
-    refuse("must be a list");
-  }
+  if (!node_.IsSequence()) refuse("must be a list");
   for (std::size_t position = 0; position < node_.size(); ++position) {
     visit(YamlValue(node_[position], file_, path_ + "[" + std::to_string(position) + "]"));
   }
@@ -162,18 +152,14 @@ bool YamlValue::boolean() const {
 }
 
 std::string YamlValue::text() const {
-  if (!node_.IsScalar()) {
-    refuse("must be a single value");
-  }
+  if (!node_.IsScalar()) refuse("must be a single value");
   return node_.Scalar();
 }
 
 std::size_t YamlValue::choice(std::initializer_list<std::string_view> choices) const {
   const std::string value = text();
-  const auto* const found = std::find(choices.begin(), choices.end(), value);
-  if (found == choices.end()) {
-    refuse("must be one of " + joined(choices));
-  }
+  const auto* const found = std::ranges::find(choices, value);
+  if (found == choices.end()) refuse("must be one of " + joined(choices));
   return static_cast<std::size_t>(found - choices.begin());
 }
 
