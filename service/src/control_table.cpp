@@ -10,9 +10,12 @@ ControlTable::ControlTable(std::size_t axes) : owners_(axes) {
 }
 
 SessionRecord* ControlTable::find(std::uint64_t session) noexcept {
-  const auto found = std::ranges::find_if(sessions_, [&](const auto& record) {
-    return record.session == session;
-  });
+  const auto found = std::ranges::find(sessions_, session, &SessionRecord::session);
+  return found == sessions_.end() ? nullptr : &*found;
+}
+
+const SessionRecord* ControlTable::find(std::uint64_t session) const noexcept {
+  const auto found = std::ranges::find(sessions_, session, &SessionRecord::session);
   return found == sessions_.end() ? nullptr : &*found;
 }
 

@@ -32,6 +32,7 @@ class ControlTable {
 
   /// @return the record of `session`, or nullptr.
   [[nodiscard]] SessionRecord* find(std::uint64_t session) noexcept;
+  [[nodiscard]] const SessionRecord* find(std::uint64_t session) const noexcept;
 
   /// @return the record of `session` (not 0), made when there is none: a full table forgets the
   ///         session without axes that was heard of least recently; nullptr when every session

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "event_text.hpp"
 
-#include "bench_engine.hpp"
+#include "journal.hpp"
 #include "parameter_store.hpp"
 #include "realtime_driver.hpp"
+#include "snapshots.hpp"
 #include "stepper_table.hpp"
 #include "vdrive/cia402/power_state.hpp"
 #include "vdrive/number_text.hpp"

@@ -65,7 +65,7 @@ void LockstepDriver::handle(Arrival& arrival, const std::atomic<bool>& stop, Doo
   const std::uint32_t kind = is_request ? arrival.request.kind() : 0;
   const bool is_of_clock = kind == msg::REQUEST_STEP || kind == msg::REQUEST_JOIN_CLOCK ||
                            kind == msg::REQUEST_LEAVE_CLOCK;
-  if (is_of_clock && engine_.is_repeat(arrival)) {
+  if (is_of_clock && engine_.answer_repeat(arrival)) {
     replies_.deliver(inbox_, outbox_);
     return;
   }

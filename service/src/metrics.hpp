@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "bench_engine.hpp"
+#include "bench_identity.hpp"
 #include "configuration.hpp"
 #include "counters.hpp"
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "service.hpp"
 
+#include "bench_engine.hpp"
 #include "bench_guard.hpp"
 #include "closed_check.hpp"
 #include "cycle_timer.hpp"

@@ -23,9 +23,7 @@ bool StepperTable::leave(std::uint64_t session, Time now) {
 }
 
 Stepper* StepperTable::find(std::uint64_t session) noexcept {
-  const auto found = std::ranges::find_if(steppers_, [&](const auto& stepper) {
-    return stepper.session == session;
-  });
+  const auto found = std::ranges::find(steppers_, session, &Stepper::session);
   return found == steppers_.end() ? nullptr : &*found;
 }
 

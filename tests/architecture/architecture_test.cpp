@@ -9,7 +9,9 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <regex>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -59,15 +61,19 @@ TEST(Architecture, RoomsIncludeOnlyWhatTheirRowOfTheTableAllows) {
   }
 }
 
-/// The name of a header that lies in the including room, such as "byte_ring.hpp".
-std::vector<std::string> private_includes(const std::string& text) {
+/// Our own headers, as a file names them, such as "byte_ring.hpp" and "vdrive/axis_bank.hpp".
+std::vector<std::string> own_includes(const std::string& text) {
   static const std::regex pattern(R"re(\n#include "([^"]+)")re");
   std::vector<std::string> names;
   for (std::sregex_iterator match(text.begin(), text.end(), pattern), end; match != end; ++match) {
     const std::string name = (*match)[1];
-    if (!name.starts_with("vdrive")) names.push_back(name);
+    if (!name.starts_with("vdrive_messages")) names.push_back(name);
   }
   return names;
+}
+
+bool is_public(const std::string& name) {
+  return name.starts_with("vdrive/");
 }
 
 std::string room_of(const std::string& path) {
@@ -79,12 +85,57 @@ TEST(Architecture, PrivateHeadersAreIncludedInTheirOwnRoomOnly) {
   const std::vector<SourceFile> files = sources();
   for (const SourceFile& file : files) {
     if (file.path.starts_with("tests/")) continue;
-    for (const std::string& name : private_includes(file.text)) {
+    for (const std::string& name : own_includes(file.text)) {
+      if (is_public(name)) continue;
       const bool is_in_room = std::ranges::any_of(files, [&](const SourceFile& header) {
         return header.path.starts_with(room_of(file.path)) && header.path.ends_with("/" + name);
       });
       EXPECT_TRUE(is_in_room) << file.path << " includes " << name;
     }
+  }
+}
+
+/// Which header includes which, by their paths.
+using IncludeGraph = std::map<std::string, std::vector<std::string>>;
+
+IncludeGraph include_graph(const std::vector<SourceFile>& files) {
+  IncludeGraph graph;
+  for (const SourceFile& file : files) {
+    if (!file.path.ends_with(".hpp") || file.path.starts_with("tests/")) continue;
+    auto& included = graph[file.path];
+    for (const std::string& name : own_includes(file.text)) {
+      for (const SourceFile& header : files) {
+        const bool is_meant = is_public(name) || room_of(header.path) == room_of(file.path);
+        if (is_meant && header.path.ends_with("/" + name)) included.push_back(header.path);
+      }
+    }
+  }
+  return graph;
+}
+
+TEST(Architecture, NoHeaderIncludesItselfThroughOthers) {
+  IncludeGraph graph = include_graph(sources());
+  ASSERT_GT(graph.size(), 100U);
+  // A header whose includes have all been taken away is part of no circle.
+  const auto is_free = [&](const IncludeGraph::value_type& header) {
+    return std::ranges::none_of(header.second, [&](const std::string& included) {
+      return graph.contains(included);
+    });
+  };
+  while (std::erase_if(graph, is_free) > 0) {
+  }
+  EXPECT_THAT(graph, IsEmpty());
+}
+
+// The engine conducts: what it consists of does not know it.
+TEST(Architecture, OnlyDriversAndTheServiceKnowTheEngine) {
+  const std::set<std::string> may{"bench_engine.cpp",    "freerun_driver.hpp",
+                                  "lockstep_driver.hpp", "realtime_driver.hpp",
+                                  "service.cpp",         "shutdown.hpp"};
+  for (const SourceFile& file : sources()) {
+    if (!file.path.starts_with("service/")) continue;
+    const bool knows = std::ranges::count(own_includes(file.text), "bench_engine.hpp") > 0;
+    EXPECT_TRUE(!knows || may.contains(fs::path(file.path).filename())) << file.path;
   }
 }
 

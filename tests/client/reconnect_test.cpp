@@ -247,7 +247,7 @@ class Bench {
       engine_.handle(arrival);
       return;
     }
-    if (engine_.is_repeat(arrival)) return;
+    if (engine_.answer_repeat(arrival)) return;
     const std::uint32_t reason = engine_.check_step(arrival);
     for (std::uint64_t tick = 0; reason == 0 && tick < arrival.request.ticks(); ++tick) {
       engine_.hear(arrival.request.session());

@@ -180,7 +180,7 @@ class Listeners {
 
   /// As the lock-step driver does it, but for few ticks.
   void answer_step(const service::Arrival& arrival) {
-    if (engine_.is_repeat(arrival)) {
+    if (engine_.answer_repeat(arrival)) {
       return;
     }
     const std::uint32_t reason = engine_.check_step(arrival);

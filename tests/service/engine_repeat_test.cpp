@@ -231,14 +231,14 @@ service::Arrival step_request(EngineUnderTest& bench, std::uint64_t ticks) {
 TEST(RepeatedRequest, OfAStepShowsTheTickReachedThenAndTheStatusesOfNow) {
   EngineUnderTest bench;
   const auto step = step_request(bench, 5);
-  EXPECT_FALSE(bench.engine.is_repeat(step));
-  EXPECT_TRUE(bench.engine.is_repeat(step));
+  EXPECT_FALSE(bench.engine.answer_repeat(step));
+  EXPECT_TRUE(bench.engine.answer_repeat(step));
   EXPECT_EQ(bench.outbox.replies.size(), 0U) << "it is in progress";
   bench.steps(5);
   bench.engine.answer_step(step, msg::REASON_NONE);
   bench.outbox.replies.pop();
   bench.steps(2);
-  EXPECT_TRUE(bench.engine.is_repeat(step));
+  EXPECT_TRUE(bench.engine.answer_repeat(step));
   const auto& reply = bench.outbox.replies.front()->reply;
   EXPECT_EQ(reply.tick(), 5U);
   ASSERT_EQ(reply.statuses().size(), 1U);
@@ -249,11 +249,11 @@ TEST(RepeatedRequest, OfAStepShowsTheTickReachedThenAndTheStatusesOfNow) {
 TEST(RepeatedRequest, OfAStepThatNamesOtherAxesThanItDidIsAnsweredWithoutThem) {
   EngineUnderTest bench;
   auto step = step_request(bench, 1);
-  EXPECT_FALSE(bench.engine.is_repeat(step));
+  EXPECT_FALSE(bench.engine.answer_repeat(step));
   bench.engine.answer_step(step, msg::REASON_NONE);
   bench.outbox.replies.pop();
   step.request.axes({99});
-  EXPECT_TRUE(bench.engine.is_repeat(step));
+  EXPECT_TRUE(bench.engine.answer_repeat(step));
   EXPECT_EQ(bench.outbox.replies.front()->reply.statuses().size(), 0U);
 }
 

@@ -234,7 +234,7 @@ void Bench::cycle_lockstep() {
 }
 
 void Bench::step_by_request(service::Arrival& arrival) {
-  const bool is_repeat = engine_.is_repeat(arrival);
+  const bool is_repeat = engine_.answer_repeat(arrival);
   if (is_repeat != model_.is_repeat(arrival.request)) {
     happenings_.fail(Invariant::kAnswered, 0, is_repeat ? "a step that is new" : "a repeated step",
                      "the other");

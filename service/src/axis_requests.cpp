@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "axis_requests.hpp"
+
+#include "vdrive/dictionary/dictionary.hpp"
+
+#include <algorithm>
+
+namespace vdrive::service {
+namespace {
+
+constexpr std::uint32_t kLocalControl = wire_code(AbortCode::refused_local_control);
+
+msg::ObjectResult& add_result(const msg::ObjectAccess& object, std::uint32_t code,
+                              msg::Reply& reply) {
+  auto& result = reply.objects().emplace_back();
+  result.axis(object.axis());
+  result.index(object.index());
+  result.subindex(object.subindex());
+  result.abort_code(code);
+  result.value(object.value());
+  return result;
+}
+
+/// @return the reason of a request whose results are complete.
+std::uint32_t reason_of(const msg::Reply& reply) {
+  const auto& results = reply.objects();
+  if (results.empty()) return msg::REASON_NOTHING_DONE;
+  const bool unknown_axis = std::ranges::any_of(results, [](const auto& result) {
+    return result.abort_code() == msg::REASON_UNKNOWN_AXIS;
+  });
+  return unknown_axis ? msg::REASON_UNKNOWN_AXIS : msg::REASON_NONE;
+}
+
+}  // namespace
+
+AxisRequests::AxisRequests(BenchAxes& axes, AxisWriter& writer, const BenchClock& clock,
+                           Masters& masters, FrameSchedule& schedule, StoreRequests& stores)
+    : axes_(axes),
+      writer_(writer),
+      clock_(clock),
+      masters_(masters),
+      schedule_(schedule),
+      stores_(stores) {}
+
+std::uint32_t AxisRequests::read(const msg::Request& request, msg::Reply& reply) const {
+  for (const auto& object : request.objects()) {
+    const auto axis = axes_.index_of(object.axis());
+    if (!axis) {
+      add_result(object, msg::REASON_UNKNOWN_AXIS, reply).value(0);
+      masters_.name_refused(object.axis(), reply);
+      continue;
+    }
+    const ReadResult result = axes_.bank().read(*axis, {object.index(), object.subindex()});
+    add_result(object, wire_code(result.code), reply).value(result.value);
+  }
+  return reason_of(reply);
+}
+
+std::uint32_t AxisRequests::write(const msg::Request& request, msg::Reply& reply) {
+  for (const auto& object : request.objects()) {
+    const std::uint32_t code = write_object(object, request.session(), reply.objects().size());
+    add_result(object, code, reply);
+    if (code == msg::REASON_UNKNOWN_AXIS || code == kLocalControl) {
+      masters_.name_refused(object.axis(), reply);
+    }
+  }
+  reply.tick(clock_.next_tick());
+  return reason_of(reply);
+}
+
+std::uint32_t AxisRequests::write_object(const msg::ObjectAccess& object, std::uint64_t session,
+                                         std::size_t place) {
+  const auto axis = axes_.index_of(object.axis());
+  if (!axis) return msg::REASON_UNKNOWN_AXIS;
+  const ObjectAddress address{object.index(), object.subindex()};
+  const std::uint64_t owner = masters_.owner(*axis).session;
+  if (owner != 0 && owner != session && !has_role(address, Role::test_input)) return kLocalControl;
+  if (owner == 0 && has_role(address, Role::command)) {
+    return write_command_object(*axis, address, object.value(), session);
+  }
+  if (address == kStoreParameters || address == kRestoreParameters) {
+    return stores_.store_by_write(*axis, address, object.value(), place);
+  }
+  return wire_code(writer_.write(*axis, address, object.value()));
+}
+
+/// Who writes a command object of a free axis becomes its owner.
+std::uint32_t AxisRequests::write_command_object(std::size_t axis, ObjectAddress address,
+                                                 std::int64_t value, std::uint64_t session) {
+  SessionRecord* const record = session == 0 ? nullptr : masters_.admit(session);
+  if (record == nullptr) return kLocalControl;
+  // The request may have been sent before the session lost its axes.
+  if (record->must_acquire) return msg::REASON_STALE_EPOCH;
+  const AbortCode code = writer_.write(axis, address, value);
+  if (code == AbortCode::none) masters_.give(axis, *record);
+  return wire_code(code);
+}
+
+std::uint32_t AxisRequests::power_cycle(const msg::Request& request, msg::Reply& reply) {
+  if (const auto reason = masters_.check_axes(request, false, reply); reason != msg::REASON_NONE) {
+    return reason;
+  }
+  for (const std::uint16_t number : request.axes()) {
+    schedule_.cancel_of_axis(number);
+    axes_.power_cycle(*axes_.index_of(number));
+  }
+  reply.tick(clock_.next_tick());
+  return msg::REASON_NONE;
+}
+
+}  // namespace vdrive::service

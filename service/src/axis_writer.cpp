@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "axis_writer.hpp"
+
+#include "vdrive/cia402/controlword.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
+
+namespace vdrive::service {
+namespace {
+
+using namespace vdrive::literals;
+
+constexpr ObjectAddress kControlword = describe("ds402_controlword"_object).address;
+
+}  // namespace
+
+AxisWriter::AxisWriter(BenchAxes& axes, FrameSchedule& schedule)
+    : axes_(axes), schedule_(schedule) {}
+
+AbortCode AxisWriter::write(std::size_t axis, ObjectAddress address, std::int64_t value) {
+  const bool halts = schedule_.size() > 0 && begins_halt(axis, address, value);
+  const AbortCode code = axes_.write(axis, address, value);
+  if (code == AbortCode::none && halts) schedule_.cancel_of_axis(axes_.number_of(axis));
+  return code;
+}
+
+bool AxisWriter::begins_halt(std::size_t axis, ObjectAddress address,
+                             std::int64_t value) const noexcept {
+  return address == kControlword && (value & Controlword::kHalt) != 0 &&
+         (axes_.bank().read(axis, kControlword).value & Controlword::kHalt) == 0;
+}
+
+}  // namespace vdrive::service

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "master_watch.hpp"
+
+#include <algorithm>
+
+namespace vdrive::service {
+
+MasterWatch::MasterWatch(const Configuration& configuration, const BenchClock& clock,
+                         Masters& masters)
+    : clock_(clock),
+      masters_(masters),
+      watchdog_(effective_watchdog(configuration)),
+      ticks_(patience()) {}
+
+void MasterWatch::watch() {
+  if (ticks_ == 0) return;
+  for (auto& record : masters_.sessions()) {
+    const std::uint64_t silence = clock_.tick() - record.last_heard_tick;
+    if (record.owned_axes > 0 && silence > ticks_) masters_.lose(record);
+  }
+}
+
+void MasterWatch::follow_rate() {
+  ticks_ = patience();
+  for (auto& record : masters_.sessions()) record.last_heard_tick = clock_.tick();
+}
+
+void MasterWatch::skip(std::uint64_t ticks) {
+  for (auto& record : masters_.sessions()) record.last_heard_tick += ticks;
+}
+
+std::uint64_t MasterWatch::patience() const noexcept {
+  if (!watchdog_) return 0;
+  return clock_.ticks_in(std::chrono::duration_cast<std::chrono::microseconds>(
+      std::chrono::duration<double, std::milli>(*watchdog_) * std::max(clock_.rate(), 1.0)));
+}
+
+}  // namespace vdrive::service

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "observation.hpp"
+
+#include "vdrive/cia402/statusword.hpp"
+
+namespace vdrive::service {
+namespace {
+
+constexpr std::uint16_t kStateBits = 0x006F;
+
+}  // namespace
+
+Observation::Observation(const BenchAxes& axes, const Masters& masters, FrameSchedule& schedule,
+                         BenchEvents& events, Counters& counters)
+    : axes_(axes),
+      masters_(masters),
+      schedule_(schedule),
+      events_(events),
+      counters_(counters),
+      seen_(axes.size()) {
+  for (std::size_t axis = 0; axis < axes.size(); ++axis) {
+    seen_[axis].statusword = axes.bank().status(axis).ds402_statusword;
+  }
+}
+
+void Observation::observe() {
+  for (std::size_t axis = 0; axis < seen_.size(); ++axis) {
+    const AxisStatus& status = axes_.bank().status(axis);
+    Seen& seen = seen_[axis];
+    if (((status.ds402_statusword ^ seen.statusword) & kStateBits) != 0) {
+      observe_state(axis, status, seen);
+    }
+    if (status.fault_count != seen.fault_count) observe_faults(axis, status, seen);
+    if (status.ignored_set_points != seen.ignored_set_points) {
+      observe_set_points(axis, status, seen);
+    }
+    seen = {.statusword = status.ds402_statusword,
+            .error_code = status.error_code,
+            .ignored_set_points = status.ignored_set_points,
+            .fault_count = status.fault_count};
+  }
+}
+
+void Observation::observe_state(std::size_t axis, const AxisStatus& status, const Seen& seen) {
+  const PowerState before = decode_power_state(seen.statusword);
+  events_.report({.kind = msg::EVENT_STATE_CHANGED,
+                  .axis = axes_.number_of(axis),
+                  .code = status.ds402_statusword,
+                  .error_register = status.error_register});
+  if (before == PowerState::fault) {
+    events_.report({.kind = msg::EVENT_FAULT_RESET,
+                    .axis = axes_.number_of(axis),
+                    .code = seen.error_code,
+                    .error_register = status.error_register});
+  }
+  if (before == PowerState::operation_enabled && schedule_.size() > 0) {
+    schedule_.cancel_of_axis(axes_.number_of(axis));
+  }
+}
+
+/// The count falls when the axis is switched on again or a snapshot is restored.
+void Observation::observe_faults(std::size_t axis, const AxisStatus& status, const Seen& seen) {
+  if (status.fault_count < seen.fault_count) return;
+  events_.report({.kind = msg::EVENT_FAULT,
+                  .axis = axes_.number_of(axis),
+                  .code = status.error_code,
+                  .error_register = status.error_register});
+}
+
+void Observation::observe_set_points(std::size_t axis, const AxisStatus& status, const Seen& seen) {
+  if (status.ignored_set_points < seen.ignored_set_points) return;
+  const std::uint32_t more = status.ignored_set_points - seen.ignored_set_points;
+  counters_.set_points_ignored.add(more);
+  events_.report({.kind = msg::EVENT_SET_POINT_IGNORED,
+                  .axis = axes_.number_of(axis),
+                  .session = masters_.owner(axis).session,
+                  .detail = Count{more}});
+}
+
+}  // namespace vdrive::service

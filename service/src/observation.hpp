@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "bench_axes.hpp"
+#include "bench_events.hpp"
+#include "counters.hpp"
+#include "frame_schedule.hpp"
+#include "masters.hpp"
+#include "vdrive/axis_status.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace vdrive::service {
+
+/// Notices after a tick what has changed on an axis: its state, its faults, ignored set-points.
+class Observation {
+ public:
+  Observation(const BenchAxes& axes, const Masters& masters, FrameSchedule& schedule,
+              BenchEvents& events, Counters& counters);
+
+  /// Reports what has changed since the last call. Frames that wait for an axis that has left
+  /// Operation enabled are cancelled.
+  void observe();
+
+ private:
+  /// What was last seen of an axis.
+  struct Seen {
+    std::uint16_t statusword = 0;
+    std::uint16_t error_code = 0;
+    std::uint32_t ignored_set_points = 0;
+    std::uint32_t fault_count = 0;
+  };
+
+  void observe_state(std::size_t axis, const AxisStatus& status, const Seen& seen);
+  void observe_faults(std::size_t axis, const AxisStatus& status, const Seen& seen);
+  void observe_set_points(std::size_t axis, const AxisStatus& status, const Seen& seen);
+
+  const BenchAxes& axes_;
+  const Masters& masters_;
+  FrameSchedule& schedule_;
+  BenchEvents& events_;
+  Counters& counters_;
+  std::vector<Seen> seen_;
+};
+
+}  // namespace vdrive::service

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "bench_axes.hpp"
+#include "bench_clock.hpp"
+#include "bench_events.hpp"
+#include "bench_output.hpp"
+#include "counters.hpp"
+#include "frame_schedule.hpp"
+#include "masters.hpp"
+#include "vdrive_messages.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace vdrive::service {
+
+/// Codes of EVENT_SNAPSHOT.
+struct SnapshotNews {
+  static constexpr std::uint32_t kTaken = 1;
+  static constexpr std::uint32_t kRestored = 2;
+  static constexpr std::uint32_t kDropped = 3;
+};
+
+/// Saved states of all axes, taken and restored by request: the state goes back, time does not.
+/// Each function returns REASON_NONE or why the request is refused.
+class Snapshots {
+ public:
+  static constexpr std::size_t kMost = 16;
+
+  Snapshots(BenchAxes& axes, const BenchClock& clock, const Masters& masters,
+            FrameSchedule& schedule, BenchOutput& output, BenchEvents& events, Counters& counters);
+
+  /// Allocates, which only this request may: no tick is due while time stands.
+  [[nodiscard]] std::uint32_t take(const msg::Request& request, msg::Reply& reply);
+  [[nodiscard]] std::uint32_t restore(const msg::Request& request, msg::Reply& reply);
+  [[nodiscard]] std::uint32_t drop(const msg::Request& request);
+
+ private:
+  struct Kept {
+    std::uint64_t number = 0;
+    std::shared_ptr<const AxisBank::Snapshot> state;
+  };
+
+  [[nodiscard]] std::uint32_t check_owners(const msg::Request& request, msg::Reply& reply) const;
+  void report(const msg::Request& request, std::uint32_t code, std::uint64_t number);
+
+  BenchAxes& axes_;
+  const BenchClock& clock_;
+  const Masters& masters_;
+  FrameSchedule& schedule_;
+  BenchOutput& output_;
+  BenchEvents& events_;
+  Counters& counters_;
+  std::vector<Kept> kept_;  ///< by number
+  std::uint64_t last_number_ = 0;
+};
+
+}  // namespace vdrive::service
