@@ -95,18 +95,18 @@ Axis::Axis(std::shared_ptr<SessionCore> core, AxisId id, std::string name)
     : core_(std::move(core)), id_(id), name_(std::move(name)) {}
 
 Result<AxisSnapshot> Axis::status() const {
-  const auto target = core_->connect(id_.bench);
+  const auto target = core_->connection.connect(id_.bench);
   if (!target) return target.outcome();
   const std::array axes{id_.axis};
-  auto seen = core_->observe(*target, axes);
+  auto seen = core_->observer.observe(*target, axes);
   if (!seen) return seen.outcome();
   return seen->axes.front();
 }
 
 Outcome Axis::acquire() {
-  const auto target = core_->connect(id_.bench);
+  const auto target = core_->connection.connect(id_.bench);
   if (!target) return target.outcome();
-  return core_->acquire(*target, id_.axis, false);
+  return core_->control.acquire(*target, {&id_.axis, 1});
 }
 
 Outcome Axis::enable(const CallOptions& options) {
@@ -224,8 +224,8 @@ Outcome Axis::power_cycle(const CallOptions& options) {
   msg::Request request;
   request.kind(msg::REQUEST_POWER_CYCLE);
   request.axes().push_back(id_.axis);
-  const auto reply = core_->request_control(talk.target(), std::move(request),
-                                            "power cycle of axis " + to_string(id_));
+  const auto reply = core_->control.exchange(talk.target(), std::move(request),
+                                             "power cycle of axis " + to_string(id_));
   if (!reply) return reply.outcome();
   if (options.until == Until::in_force) return {};
   if (Outcome seen = talk.look_at(std::max(reply->tick(), talk.now().tick + 1), "the power-up");
@@ -247,16 +247,16 @@ Outcome Axis::restore_defaults() {
 }
 
 Outcome Axis::request_memory(std::uint32_t kind, const std::string& what) {
-  const auto target = core_->connect(id_.bench);
+  const auto target = core_->connection.connect(id_.bench);
   if (!target) return target.outcome();
   msg::Request request;
   request.kind(kind);
   request.axes().push_back(id_.axis);
-  return core_->request(*target, std::move(request), what).outcome();
+  return core_->requests.exchange(*target, std::move(request), what).outcome();
 }
 
 Result<Readings> Axis::read(std::span<const ObjectAddress> objects) const {
-  const auto target = core_->connect(id_.bench);
+  const auto target = core_->connection.connect(id_.bench);
   if (!target) return target.outcome();
   Readings readings;
   for (std::size_t first = 0; first < objects.size(); first += msg::MAX_OBJECTS_PER_REQUEST) {
@@ -266,7 +266,7 @@ Result<Readings> Axis::read(std::span<const ObjectAddress> objects) const {
     request.kind(msg::REQUEST_READ);
     for (const ObjectAddress& object : part) request.objects().push_back(access_of(id_, object));
     const auto reply =
-        core_->request(*target, std::move(request), "read of axis " + to_string(id_));
+        core_->requests.exchange(*target, std::move(request), "read of axis " + to_string(id_));
     if (!reply) return reply.outcome();
     if (reply->objects().size() != part.size()) {
       return Outcome::failed("the read of axis " + to_string(id_) + " was answered only in part");
@@ -291,14 +291,14 @@ Result<std::int64_t> Axis::read(ObjectAddress object) const {
 }
 
 Result<std::uint64_t> Axis::write(ObjectAddress object, std::int64_t value) {
-  const auto target = core_->connect(id_.bench);
+  const auto target = core_->connection.connect(id_.bench);
   if (!target) return target.outcome();
   msg::Request request;
   request.kind(msg::REQUEST_WRITE);
   request.objects().push_back(access_of(id_, object, value));
   const std::string what =
       "write of " + std::to_string(value) + " to " + name_of(object) + " of axis " + to_string(id_);
-  const auto reply = core_->write(*target, std::move(request), what);
+  const auto reply = core_->control.write(*target, std::move(request), what);
   if (!reply) return reply.outcome();
   for (const msg::ObjectResult& result : reply->objects()) {
     if (result.abort_code() != 0) return Outcome::refused(result.abort_code(), what + " refused");

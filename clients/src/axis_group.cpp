@@ -223,8 +223,8 @@ Result<AxisGroup> AxisGroup::create(Session& session, std::span<const std::strin
   std::vector<Axis> found;
   for (const std::string& text : axes) {
     const bool is_name = !parse_axis_id(text);
-    if (is_name && !benches) benches = core.find_benches();
-    auto info = is_name ? core.find_name(text, *benches) : core.find_axis(text);
+    if (is_name && !benches) benches = core.discovery.find_benches();
+    auto info = is_name ? core.discovery.find_name(text, *benches) : core.discovery.find_axis(text);
     if (!info) return info.outcome();
     found.push_back(Axis(session.core_, info->id, std::move(info->name)));
   }

@@ -46,33 +46,40 @@ Conversation::Conversation(std::shared_ptr<SessionCore> core, AxisId id,
     : core_(std::move(core)), id_(id), timeout_(timeout) {}
 
 Outcome Conversation::listen() {
-  auto target = core_->connect(id_.bench);
+  auto target = core_->connection.connect(id_.bench);
   if (!target) return target.outcome();
   target_ = *target;
   const std::array axes{id_.axis};
   follower_ = core_->follow(target_, {axes.begin(), axes.end()}, Pace::drive);
-  if (Outcome seen = note(core_->observe(target_, axes)); !seen) return seen;
+  if (Outcome seen = note(core_->observer.observe(target_, axes)); !seen) return seen;
   deadline_ = now_.tick + ticks_of(timeout_, target_.period);
   return {};
 }
 
 Outcome Conversation::take_control() {
   if (Outcome heard = listen(); !heard) return heard;
-  if (!core_->may_command()) return not_permitted(target_);
-  if (core_->is_paused(target_)) return Outcome::failed(paused_text(target_));
-  return core_->acquire(target_, id_.axis, now_.owner_session == core_->id());
+  if (!core_->connection.may_command()) return not_permitted(target_);
+  if (core_->discovery.is_paused(target_.key)) return Outcome::failed(paused_text(target_));
+  const std::array axes{id_.axis};
+  if (now_.owner_session == core_->id && core_->control.holds(target_, axes)) return {};
+  return core_->control.acquire(target_, axes);
 }
 
 Outcome Conversation::say(std::span<const msg::AxisCommand> commands) {
-  const auto applied = core_->command(target_, commands);
-  if (!applied) return applied.outcome();
-  if (!applied->ignored_set_points.empty()) {
+  std::vector<FrameContent> frames;
+  for (const msg::AxisCommand& command : commands) frames.push_back({.commands = {command}});
+  SentFrames sent{.target = target_, .sequences = {}};
+  Outcome outcome = core_->commands.send(sent, frames);
+  if (outcome && target_.steps()) outcome = core_->clocks.step(target_, 1, {}).outcome();
+  const Applied applied = core_->commands.collect(sent, std::move(outcome));
+  if (!applied.outcome) return applied.outcome;
+  if (!applied.ignored_set_points.empty()) {
     return Outcome::refused(
         kRefusedInState, "axis " + to_string(id_) + " ignored the set-point, its buffer is full");
   }
-  if (!target_.steps()) return look_at(applied->tick, "the command to be in force");
+  if (!target_.steps()) return look_at(applied.tick, "the command to be in force");
   const std::array axes{id_.axis};
-  return note(core_->observe(target_, axes));
+  return note(core_->observer.observe(target_, axes));
 }
 
 Outcome Conversation::say(const std::vector<std::uint16_t>& controlwords) {
@@ -122,7 +129,8 @@ Result<std::int64_t> Conversation::read(ObjectAddress object) {
   msg::Request request;
   request.kind(msg::REQUEST_READ);
   request.objects().push_back(access);
-  const auto reply = core_->request(target_, std::move(request), "read of axis " + to_string(id_));
+  const auto reply =
+      core_->requests.exchange(target_, std::move(request), "read of axis " + to_string(id_));
   if (!reply) return reply.outcome();
   if (reply->objects().size() != 1) {
     return Outcome::failed("the read of axis " + to_string(id_) + " was answered only in part");

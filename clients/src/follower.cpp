@@ -19,9 +19,9 @@ Follower::Follower(Follower&&) noexcept = default;
 Follower& Follower::operator=(Follower&&) noexcept = default;
 
 Result<Observation> Follower::next(std::chrono::milliseconds patience) {
-  if (!state_->feed) return state_->core->step(state_->target, 1, state_->axes, patience);
-  return state_->core->next(state_->target, *state_->feed,
-                            {patience, true, state_->pace == Pace::drive});
+  if (!state_->feed) return state_->core->clocks.step(state_->target, 1, state_->axes, patience);
+  return state_->core->stream.next(state_->target, *state_->feed,
+                                   {patience, true, state_->pace == Pace::drive});
 }
 
 Follower SessionCore::follow(const Target& target, std::vector<std::uint16_t> axes, Pace pace) {
@@ -29,7 +29,7 @@ Follower SessionCore::follow(const Target& target, std::vector<std::uint16_t> ax
   state->core = shared_from_this();
   state->target = target;
   state->pace = pace;
-  if (pace == Pace::listen || !target.steps()) state->feed = open_feed(target, axes);
+  if (pace == Pace::listen || !target.steps()) state->feed = stream.open_feed(target, axes);
   state->axes = std::move(axes);
   return Follower(std::move(state));
 }

@@ -50,12 +50,12 @@ GroupTalk::GroupTalk(std::shared_ptr<SessionCore> core, const GroupLayout& layou
 
 Outcome GroupTalk::connect() {
   for (const GroupLayout::Bench& bench : layout_.benches) {
-    auto target = core_->connect(bench.number);
+    auto target = core_->connection.connect(bench.number);
     if (!target) return target.outcome();
     Line& line = lines_.emplace_back();
     line.bench = &bench;
     line.target = *target;
-    if (!line.target.steps()) line.feed = core_->open_feed(line.target, bench.axes);
+    if (!line.target.steps()) line.feed = core_->stream.open_feed(line.target, bench.axes);
   }
   return compare_clocks();
 }
@@ -94,8 +94,9 @@ Outcome GroupTalk::listen(std::chrono::nanoseconds timeout) {
 /// The first sample of each stream, then the first tick that all of them show.
 Outcome GroupTalk::look_at_streams() {
   for (Line& line : lines_) {
-    Outcome seen = line.target.is_paused ? note(line, core_->observe(line.target, line.bench->axes))
-                                         : next(line);
+    Outcome seen = line.target.is_paused
+                       ? note(line, core_->observer.observe(line.target, line.bench->axes))
+                       : next(line);
     if (!seen) return seen;
   }
   if (Outcome shared = await_common_ticks(); !shared) return shared;
@@ -111,7 +112,7 @@ Outcome GroupTalk::await_common_ticks() {
   const auto behind = [](const Line& line) {
     return line.seen.tick;
   };
-  const auto give_up = std::chrono::steady_clock::now() + core_->silence();
+  const auto give_up = std::chrono::steady_clock::now() + core_->discovery.silence();
   while (true) {
     const auto [least, most] = std::ranges::minmax_element(lines_, {}, behind);
     if (most->seen.tick - least->seen.tick <= apart) return {};
@@ -132,7 +133,7 @@ Outcome GroupTalk::await_common_ticks() {
 /// Takes what has arrived, without waiting.
 Outcome GroupTalk::catch_up(Line& line) {
   while (true) {
-    auto sample = core_->next(line.target, *line.feed, {milliseconds(0), true});
+    auto sample = core_->stream.next(line.target, *line.feed, {milliseconds(0), true});
     if (sample.outcome().kind() == OutcomeKind::timed_out) return {};
     if (Outcome noted = note(line, std::move(sample)); !noted) return noted;
   }
@@ -150,10 +151,10 @@ Outcome GroupTalk::take_control(std::chrono::nanoseconds timeout) {
 Outcome GroupTalk::acquire() {
   for (Line& line : lines_) {
     const bool ours = std::ranges::all_of(line.seen.axes, [this](const AxisSnapshot& axis) {
-      return axis.owner_session == core_->id();
+      return axis.owner_session == core_->id;
     });
-    if (ours && core_->holds(line.target, line.bench->axes)) continue;
-    if (Outcome taken = core_->acquire(line.target, line.bench->axes); !taken) {
+    if (ours && core_->control.holds(line.target, line.bench->axes)) continue;
+    if (Outcome taken = core_->control.acquire(line.target, line.bench->axes); !taken) {
       return note_lost(line, std::move(taken));
     }
   }
@@ -164,8 +165,8 @@ Outcome GroupTalk::advance(std::uint64_t ticks) {
   Outcome result;
   for (Line& line : lines_) {
     if (line.is_lost) continue;
-    Outcome seen =
-        line.feed ? next(line) : note(line, core_->step(line.target, ticks, line.bench->axes));
+    Outcome seen = line.feed ? next(line)
+                             : note(line, core_->clocks.step(line.target, ticks, line.bench->axes));
     if (!seen && !line.is_lost) return seen;
     if (!seen && result) result = std::move(seen);
   }
@@ -177,7 +178,7 @@ Outcome GroupTalk::advance(std::uint64_t ticks) {
 
 Outcome GroupTalk::next(Line& line) {
   while (true) {
-    auto sample = core_->next(line.target, *line.feed, {kPatience, true});
+    auto sample = core_->stream.next(line.target, *line.feed, {kPatience, true});
     if (stop_.stop_requested()) return Outcome::failed("interrupted");
     if (sample.outcome().kind() == OutcomeKind::timed_out) continue;
     return note(line, std::move(sample));
@@ -272,8 +273,8 @@ Result<std::vector<std::vector<std::int64_t>>> GroupTalk::read(
     std::span<const ObjectAddress> objects) {
   std::vector<std::vector<std::int64_t>> values(now_.size());
   for (Line& line : lines_) {
-    const auto replies = core_->requests(line.target, read_requests(line, objects),
-                                         "read of axes of " + name_of(line.target));
+    const auto replies = core_->requests.exchange_all(line.target, read_requests(line, objects),
+                                                      "read of axes of " + name_of(line.target));
     if (!replies) return note_lost(line, replies.outcome());
     std::vector<msg::ObjectResult> results;
     for (const msg::Reply& reply : *replies) {
@@ -304,7 +305,7 @@ msg::AxisCommand GroupTalk::command_to(std::size_t place) const {
 Result<std::uint64_t> GroupTalk::newest_tick() {
   std::uint64_t newest = tick_;
   for (const Line& line : lines_) {
-    const auto present = core_->present_tick(line.target);
+    const auto present = core_->observer.present_tick(line.target);
     if (!present) return present.outcome();
     newest = std::max(newest, *present);
   }
@@ -331,7 +332,7 @@ Told GroupTalk::tell_at(std::span<const Round> rounds, std::uint64_t apply_at) {
     if (outcome) outcome = send(round, apply_at, sent);
   }
   if (outcome && apply_at != 0) {
-    const auto accepted = core_->await_answers(sent);
+    const auto accepted = core_->commands.await_answers(sent);
     if (!accepted || !*accepted) cancel_pending();
   }
   return collect(sent, std::move(outcome));
@@ -349,7 +350,7 @@ Outcome GroupTalk::send(const Round& round, std::uint64_t apply_at, std::vector<
       }
     }
     if (frame.commands.empty() || line.is_lost) continue;
-    if (Outcome outcome = core_->send(line.target, {&frame, 1}, sent[i].sequences); !outcome) {
+    if (Outcome outcome = core_->commands.send(sent[i], {&frame, 1}); !outcome) {
       return outcome;
     }
   }
@@ -360,9 +361,9 @@ Outcome GroupTalk::send(const Round& round, std::uint64_t apply_at, std::vector<
 void GroupTalk::cancel_pending() {
   const FrameContent cancel{.commands = {}, .flags = msg::FRAME_CANCEL_PENDING};
   for (const Line& line : lines_) {
-    std::vector<std::uint64_t> sequences;
-    Outcome sent = core_->send(line.target, {&cancel, 1}, sequences);
-    (void)core_->collect(line.target, sequences, std::move(sent));  // the frames' answers tell
+    SentFrames sent{.target = line.target, .sequences = {}};
+    Outcome outcome = core_->commands.send(sent, {&cancel, 1});
+    (void)core_->commands.collect(sent, std::move(outcome));  // the frames' answers tell
   }
 }
 
@@ -371,8 +372,7 @@ Told GroupTalk::collect(std::span<const SentFrames> sent, Outcome outcome) {
   const bool wait = static_cast<bool>(told.outcome);
   for (std::size_t i = 0; i < sent.size(); ++i) {
     if (sent[i].sequences.empty()) continue;
-    auto applied =
-        core_->collect(sent[i].target, sent[i].sequences, wait ? Outcome() : told.outcome);
+    auto applied = core_->commands.collect(sent[i], wait ? Outcome() : told.outcome);
     applied.outcome = note_lost(lines_[i], std::move(applied.outcome));
     // What was cancelled was cancelled because of another refusal, which says more.
     if (!applied.outcome && (told.outcome || told.outcome.code() == msg::REASON_CANCELLED)) {

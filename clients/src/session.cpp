@@ -21,6 +21,20 @@ Result<std::vector<std::uint16_t>> numbers_of(std::span<const AxisId> axes) {
   return numbers;
 }
 
+/// A request about saved states of a bench.
+Result<msg::Reply> exchange_snapshot(SessionCore& core, std::uint32_t bench, std::uint32_t kind,
+                                     std::uint64_t snapshot) {
+  const auto target = core.connection.connect(bench);
+  if (!target) return target.outcome();
+  msg::Request request;
+  request.kind(kind);
+  request.snapshot(snapshot);
+  const bool names_one = kind != msg::REQUEST_TAKE_SNAPSHOT;
+  return core.control.exchange(
+      *target, std::move(request),
+      "snapshot " + (names_one ? std::to_string(snapshot) + " " : "") + "of " + name_of(*target));
+}
+
 }  // namespace
 
 Session::Session(const SessionOptions& options) : core_(std::make_shared<SessionCore>(options)) {}
@@ -28,97 +42,98 @@ Session::Session(const SessionOptions& options) : core_(std::make_shared<Session
 Session::~Session() = default;
 
 std::uint64_t Session::id() const noexcept {
-  return core_->id();
+  return core_->id;
 }
 
 std::vector<BenchInfo> Session::find_benches() {
   std::vector<BenchInfo> benches;
-  for (PresentBench& bench : core_->find_benches()) benches.push_back(std::move(bench.info));
+  for (PresentBench& bench : core_->discovery.find_benches())
+    benches.push_back(std::move(bench.info));
   return benches;
 }
 
 Result<BenchInfo> Session::find_bench(std::optional<std::uint32_t> number) {
-  auto bench = core_->find_bench(number);
+  auto bench = core_->discovery.find_bench(number);
   if (!bench) return bench.outcome();
   return std::move(bench->info);
 }
 
 Result<Axis> Session::axis(std::string_view text) {
-  auto axis = core_->find_axis(text);
+  auto axis = core_->discovery.find_axis(text);
   if (!axis) return axis.outcome();
   return Axis(core_, axis->id, std::move(axis->name));
 }
 
 Result<std::uint64_t> Session::step(std::uint32_t bench, std::uint64_t ticks) {
-  const auto target = core_->connect(bench);
+  const auto target = core_->connection.connect(bench);
   if (!target) return target.outcome();
-  const auto reached = core_->step(*target, ticks, {});
+  const auto reached = core_->clocks.step(*target, ticks, {});
   if (!reached) return reached.outcome();
   return reached->tick;
 }
 
 Result<std::uint64_t> Session::set_rate(std::uint32_t bench, double rate) {
-  const auto target = core_->connect(bench);
+  const auto target = core_->connection.connect(bench);
   if (!target) return target.outcome();
-  return core_->set_rate(*target, rate);
+  return core_->clocks.set_rate(*target, rate);
 }
 
 Result<std::uint64_t> Session::wait(std::uint32_t bench, std::chrono::nanoseconds duration) {
-  const auto target = core_->connect(bench);
+  const auto target = core_->connection.connect(bench);
   if (!target) return target.outcome();
-  auto present = core_->present_tick(*target);
+  auto present = core_->observer.present_tick(*target);
   if (!present) return present;
-  return core_->wait_for_tick(*target, *present + ticks_of(duration, target->period));
+  return core_->observer.wait_for_tick(*target, *present + ticks_of(duration, target->period));
 }
 
 Result<std::uint64_t> Session::wait_for_tick(std::uint32_t bench, std::uint64_t tick) {
-  const auto target = core_->connect(bench);
+  const auto target = core_->connection.connect(bench);
   if (!target) return target.outcome();
-  return core_->wait_for_tick(*target, tick);
+  return core_->observer.wait_for_tick(*target, tick);
 }
 
 Result<std::uint64_t> Session::take_snapshot(std::uint32_t bench) {
-  const auto reply = core_->request_snapshot(bench, msg::REQUEST_TAKE_SNAPSHOT, 0);
+  const auto reply = exchange_snapshot(*core_, bench, msg::REQUEST_TAKE_SNAPSHOT, 0);
   if (!reply) return reply.outcome();
   return reply->snapshot();
 }
 
 Result<std::uint64_t> Session::restore_snapshot(std::uint32_t bench, std::uint64_t snapshot) {
-  const auto reply = core_->request_snapshot(bench, msg::REQUEST_RESTORE_SNAPSHOT, snapshot);
+  const auto reply = exchange_snapshot(*core_, bench, msg::REQUEST_RESTORE_SNAPSHOT, snapshot);
   if (!reply) return reply.outcome();
   return reply->tick();
 }
 
 Outcome Session::drop_snapshot(std::uint32_t bench, std::uint64_t snapshot) {
-  return core_->request_snapshot(bench, msg::REQUEST_DROP_SNAPSHOT, snapshot).outcome();
+  return exchange_snapshot(*core_, bench, msg::REQUEST_DROP_SNAPSHOT, snapshot).outcome();
 }
 
 Result<Observation> Session::observe(std::span<const AxisId> axes) {
   const auto numbers = numbers_of(axes);
   if (!numbers) return numbers.outcome();
-  const auto target = core_->connect(axes.front().bench);
+  const auto target = core_->connection.connect(axes.front().bench);
   if (!target) return target.outcome();
-  return core_->observe(*target, *numbers);
+  return core_->observer.observe(*target, *numbers);
 }
 
 Result<Follower> Session::follow(std::vector<AxisId> axes, Pace pace) {
   auto numbers = numbers_of(axes);
   if (!numbers) return numbers.outcome();
-  const auto target = core_->connect(axes.front().bench);
+  const auto target = core_->connection.connect(axes.front().bench);
   if (!target) return target.outcome();
   return core_->follow(*target, std::move(*numbers), pace);
 }
 
 void Session::watch_services(std::function<void(const ServiceChange&)> observer) {
-  core_->watch_services(std::move(observer));
+  core_->watcher.watch(std::move(observer));
 }
 
 Outcome Session::release() {
-  return core_->release();
+  return core_->control.release();
 }
 
 void Session::interrupt() noexcept {
-  core_->interrupt();
+  core_->wakeup.interrupt();
 }
 
 }  // namespace vdrive::client

@@ -38,7 +38,7 @@ struct StepClock::State {
   explicit State(std::shared_ptr<SessionCore> session) : core(std::move(session)) {}
 
   ~State() {
-    for (const Member& member : members) core->leave_clock(member.target);
+    for (const Member& member : members) core->clocks.leave(member.target);
   }
 
   State(const State&) = delete;
@@ -52,7 +52,7 @@ struct StepClock::State {
 
 /// Joins the clock of the bench.
 Outcome StepClock::State::add(std::uint32_t bench) {
-  const auto target = core->connect(bench);
+  const auto target = core->connection.connect(bench);
   if (!target) return target.outcome();
   if (!target->steps()) {
     return Outcome::refused(msg::REASON_WRONG_CLOCK_MODE,
@@ -60,7 +60,7 @@ Outcome StepClock::State::add(std::uint32_t bench) {
                                 std::string(to_string(target->clock_mode)) +
                                 ", a common clock needs lockstep");
   }
-  const auto tick = core->join_clock(*target);
+  const auto tick = core->clocks.join(*target);
   if (!tick) return tick.outcome();
   members.push_back({.target = *target});
   return {};
@@ -69,7 +69,7 @@ Outcome StepClock::State::add(std::uint32_t bench) {
 /// A step that timed out goes on from where it began, a new one from where each bench is.
 void StepClock::State::begin_step() {
   for (Member& member : members) {
-    const auto grant = core->grant_of(member.target.key);
+    const auto grant = core->clocks.grant_of(member.target.key);
     if (!is_unfinished && grant) member.begin = grant->reached;
   }
   is_unfinished = true;
@@ -77,19 +77,20 @@ void StepClock::State::begin_step() {
 
 /// Grants up to `ticks` more towards each aim on all benches, then waits for all.
 Outcome StepClock::State::round(std::uint64_t ticks, Clock::time_point deadline) {
-  std::vector<SessionCore::Stepping> steppings;
+  std::vector<PendingStep> steppings;
   for (const Member& member : members) {
-    const auto grant = core->grant_of(member.target.key);
+    const auto grant = core->clocks.grant_of(member.target.key);
     const std::uint64_t reached = grant ? grant->reached : member.begin;
     const auto stepping =
-        core->begin_step_to(member.target, std::min(member.aim, reached + ticks), {});
+        core->clocks.begin_step_to(member.target, std::min(member.aim, reached + ticks), {});
     if (!stepping) return stepping.outcome();
     steppings.push_back(*stepping);
   }
   std::string late;
   Outcome failure;
   for (std::size_t i = 0; i < members.size(); ++i) {
-    const Outcome ended = core->end_step(members[i].target, steppings[i], deadline).outcome();
+    const Outcome ended =
+        core->clocks.end_step(members[i].target, steppings[i], deadline).outcome();
     if (ended.kind() == OutcomeKind::timed_out) {
       late += (late.empty() ? "" : "; ") + ended.message();
     } else if (!ended && failure) {
@@ -102,7 +103,7 @@ Outcome StepClock::State::round(std::uint64_t ticks, Clock::time_point deadline)
 Result<std::vector<std::uint64_t>> StepClock::State::run(nanoseconds duration,
                                                          Clock::time_point deadline) {
   for (const Member& member : members) {
-    if (Outcome there = core->check_presence(member.target); !there) return there;
+    if (Outcome there = core->discovery.check_presence(member.target); !there) return there;
   }
   begin_step();
   std::uint64_t rounds = 1;
@@ -116,7 +117,7 @@ Result<std::vector<std::uint64_t>> StepClock::State::run(nanoseconds duration,
   }
   std::vector<std::uint64_t> reached;
   for (const Member& member : members) {
-    const auto grant = core->grant_of(member.target.key);
+    const auto grant = core->clocks.grant_of(member.target.key);
     reached.push_back(grant ? grant->reached : member.aim);
   }
   is_unfinished = false;

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// The clock of a bench: steps, joining it, its rate.
-#include "session_core.hpp"
+#include "bench_clocks.hpp"
+
+#include "status_feed.hpp"
 #include "vdrive/number_text.hpp"
 
 #include <algorithm>
+#include <string>
 #include <utility>
 
 namespace vdrive::client {
 namespace {
 
-using Clock = Directory::Clock;
+using Clock = Wakeup::Clock;
 using std::chrono::milliseconds;
 
 // One request steps at most this far, so that an interrupt or a lost service is noticed.
@@ -17,7 +19,7 @@ constexpr std::uint64_t kTicksPerRequest = 2000;
 
 constexpr std::size_t kAxesPerRequest = msg::MAX_AXES_PER_FRAME;
 
-constexpr SessionCore::Patience kFarewell{milliseconds(500), false};
+constexpr Patience kLeaveAnswer{milliseconds(500), false};
 
 /// Wall time until the deadline, which may have passed.
 milliseconds left_until(Clock::time_point deadline) {
@@ -28,72 +30,67 @@ std::string step_of(const Target& target) {
   return "step of " + name_of(target);
 }
 
-}  // namespace
-
-bool SessionCore::is_paused(const Target& target) {
-  const std::scoped_lock lock(mutex_);
-  return directory_.is_paused(target.key, {});
+/// Whether a step was accepted: it ended, or waits for another stepper.
+bool is_accepted(const msg::Reply& reply) {
+  return reply.reason() == msg::REASON_NONE || reply.reason() == msg::REASON_MISSING_STEPPER;
 }
 
-Result<std::uint64_t> SessionCore::set_rate(const Target& target, double rate) {
+}  // namespace
+
+BenchClocks::BenchClocks(std::uint64_t session, Requests& requests, Holdings& holdings,
+                         Discovery& discovery, const Wakeup& wakeup)
+    : session_(session),
+      requests_(requests),
+      holdings_(holdings),
+      discovery_(discovery),
+      wakeup_(wakeup) {}
+
+Result<std::uint64_t> BenchClocks::set_rate(const Target& target, double rate) {
   msg::Request request;
   request.kind(msg::REQUEST_SET_RATE);
   request.rate(rate);
-  const auto reply = this->request(target, std::move(request), "rate of " + name_of(target));
+  const auto reply = requests_.exchange(target, std::move(request), "rate of " + name_of(target));
   if (!reply) return reply.outcome();
-  const std::scoped_lock lock(mutex_);
-  directory_.set_rate(target.key, rate);
+  discovery_.set_rate(target.key, rate);
   return reply->tick();
-}
-
-Outcome SessionCore::check_presence(const Target& target) {
-  const std::scoped_lock lock(mutex_);
-  const auto now = Clock::now();
-  const bool is_there = directory_.is_alive(target.key, options_.silence, now) &&
-                        !directory_.is_restarted(target.key, now);
-  return is_there ? Outcome() : gone(target);
 }
 
 // ---- steppers ---------------------------------------------------------------------------------
 
-Result<std::uint64_t> SessionCore::join_clock(const Target& target) {
-  {
-    const std::scoped_lock lock(mutex_);
-    if (grants_.contains(target.key)) {
-      return Outcome::failed("this session has joined the clock of " + name_of(target) +
-                             " already");
-    }
+Result<std::uint64_t> BenchClocks::join(const Target& target) {
+  if (grant_of(target.key)) {
+    return Outcome::failed("this session has joined the clock of " + name_of(target) + " already");
   }
   msg::Request request;
   request.kind(msg::REQUEST_JOIN_CLOCK);
   const auto reply =
-      this->request(target, std::move(request), "joining the clock of " + name_of(target));
+      requests_.exchange(target, std::move(request), "joining the clock of " + name_of(target));
   if (!reply) return reply.outcome();
   const std::scoped_lock lock(mutex_);
   grants_[target.key] = {.granted = reply->tick(), .reached = reply->tick()};
   return reply->tick();
 }
 
-void SessionCore::leave_clock(const Target& target) {
+void BenchClocks::leave(const Target& target) {
   {
     const std::scoped_lock lock(mutex_);
     grants_.erase(target.key);
   }
   msg::Request request;
   request.kind(msg::REQUEST_LEAVE_CLOCK);
-  const auto number = send_request(target, std::move(request));
-  if (number) (void)await_reply(target, *number, kFarewell);  // it may be gone
+  const auto number = requests_.send(target, std::move(request));
+  if (number) (void)requests_.await(target, *number, kLeaveAnswer);  // it may be gone
 }
 
-std::optional<SessionCore::Grant> SessionCore::grant_of(const BenchKey& key) {
+std::optional<Grant> BenchClocks::grant_of(const BenchKey& key) const {
   const std::scoped_lock lock(mutex_);
   const auto grant = grants_.find(key);
   return grant == grants_.end() ? std::nullopt : std::optional(grant->second);
 }
 
-Result<SessionCore::Stepping> SessionCore::begin_step_to(const Target& target, std::uint64_t tick,
-                                                         msg::Request request) {
-  Stepping stepping;
+Result<PendingStep> BenchClocks::begin_step_to(const Target& target, std::uint64_t tick,
+                                               msg::Request request) {
+  PendingStep step;
   {
     const std::scoped_lock lock(mutex_);
     const auto grant = grants_.find(target.key);
@@ -101,77 +98,81 @@ Result<SessionCore::Stepping> SessionCore::begin_step_to(const Target& target, s
       return Outcome::refused(msg::REASON_NOT_A_STEPPER, step_of(target) + " refused");
     }
     const std::uint64_t granted = grant->second.granted;
-    stepping.ticks = tick > granted ? tick - granted : 0;
-    grant->second.granted += stepping.ticks;
+    step.ticks = tick > granted ? tick - granted : 0;
+    grant->second.granted += step.ticks;
   }
   request.kind(msg::REQUEST_STEP);
-  request.ticks(stepping.ticks);
-  request.last_sequence(last_sequence(target.key));
-  const auto number = send_request(target, std::move(request));
+  request.ticks(step.ticks);
+  request.last_sequence(holdings_.last_sequence(target.key));
+  const auto number = requests_.send(target, std::move(request));
   if (!number) return number.outcome();
-  stepping.request = *number;
-  return stepping;
+  step.request = *number;
+  return step;
+}
+
+void BenchClocks::note_reply(const BenchKey& key, const PendingStep& step,
+                             const msg::Reply& reply) {
+  const std::scoped_lock lock(mutex_);
+  const auto grant = grants_.find(key);
+  if (grant == grants_.end()) return;
+  if (is_accepted(reply)) {
+    grant->second.reached = std::max(grant->second.reached, reply.tick());
+  } else if (reply.reason() == msg::REASON_NOT_A_STEPPER) {  // taken off the clock
+    grants_.erase(grant);
+  } else {
+    grant->second.granted -= step.ticks;
+  }
 }
 
 /// What a step came to: reached, or REASON_MISSING_STEPPER in the reply.
-Result<msg::Reply> SessionCore::conclude_step(const Target& target, const Stepping& stepping,
+Result<msg::Reply> BenchClocks::conclude_step(const Target& target, const PendingStep& step,
                                               Clock::time_point deadline) {
-  auto reply = await_reply(target, stepping.request, {left_until(deadline), true});
+  auto reply = requests_.await(target, step.request, {left_until(deadline), true});
   if (reply.outcome().kind() == OutcomeKind::timed_out) {
-    std::unique_lock lock(mutex_);
-    const std::uint64_t slowest = directory_.slowest_stepper(target.key);
-    lock.unlock();
-    return missing_stepper(target, slowest);
+    return missing_stepper(target, discovery_.slowest_stepper(target.key));
   }
   if (!reply) return reply;
-  const std::uint32_t reason = reply->reason();
-  if (reason == msg::REASON_WRONG_INCARNATION) return Outcome::lost(restarted_text(target));
-  const bool is_fine = reason == msg::REASON_NONE || reason == msg::REASON_MISSING_STEPPER;
-  const std::scoped_lock lock(mutex_);
-  if (const auto grant = grants_.find(target.key); grant != grants_.end()) {
-    if (is_fine) {
-      grant->second.reached = std::max(grant->second.reached, reply->tick());
-    } else if (reason == msg::REASON_NOT_A_STEPPER) {  // taken off the clock
-      grants_.erase(grant);
-    } else {
-      grant->second.granted -= stepping.ticks;
-    }
+  if (reply->reason() == msg::REASON_WRONG_INCARNATION) {
+    return Outcome::lost(restarted_text(target));
   }
-  if (!is_fine) return refusal_of(target, *reply, step_of(target));
+  note_reply(target.key, step, *reply);
+  if (!is_accepted(*reply)) return refusal_of(target, *reply, step_of(target));
   return reply;
 }
 
-Result<std::uint64_t> SessionCore::end_step(const Target& target, Stepping stepping,
+Result<std::uint64_t> BenchClocks::end_step(const Target& target, PendingStep step,
                                             Clock::time_point deadline) {
   while (true) {
-    const auto reply = conclude_step(target, stepping, deadline);
+    const auto reply = conclude_step(target, step, deadline);
     if (!reply) return reply.outcome();
     if (reply->reason() == msg::REASON_NONE) return reply->tick();
     if (Clock::now() >= deadline) return missing_stepper(target, reply->missing_stepper());
     const auto again = begin_step_to(target, 0, {});
     if (!again) return again.outcome();
-    stepping = *again;
+    step = *again;
   }
 }
 
-Outcome SessionCore::missing_stepper(const Target& target, std::uint64_t session) const {
-  if (session == 0 || session == id_)
+Outcome BenchClocks::missing_stepper(const Target& target, std::uint64_t session) const {
+  if (session == 0 || session == session_)
     return Outcome::timed_out(name_of(target) + " did not answer");
   return Outcome::timed_out(name_of(target) + " waits for stepper " + session_text(session) +
                             ", which has not granted the next tick");
 }
 
-Result<msg::Reply> SessionCore::step_as_stepper(const Target& target, const Grant& grant,
+// ---- steps -----------------------------------------------------------------------------------
+
+Result<msg::Reply> BenchClocks::step_as_stepper(const Target& target, const Grant& grant,
                                                 const msg::Request& request,
                                                 milliseconds patience) {
   const std::uint64_t aim = grant.reached + request.ticks();
   std::uint64_t reached = grant.reached;
   auto deadline = Clock::now() + patience;
   while (true) {
-    const auto stepping = begin_step_to(target, aim, request);
-    if (!stepping) return stepping.outcome();
-    auto reply = conclude_step(target, *stepping, deadline);
-    // Who only looks is content with what it sees.
+    const auto step = begin_step_to(target, aim, request);
+    if (!step) return step.outcome();
+    auto reply = conclude_step(target, *step, deadline);
+    // Who only observes takes the state as it is.
     if (!reply || reply->reason() == msg::REASON_NONE || request.ticks() == 0) return reply;
     if (reply->tick() > reached) deadline = Clock::now() + patience;
     reached = reply->tick();
@@ -179,22 +180,22 @@ Result<msg::Reply> SessionCore::step_as_stepper(const Target& target, const Gran
   }
 }
 
-Result<msg::Reply> SessionCore::step_once(const Target& target, msg::Request request,
+Result<msg::Reply> BenchClocks::step_once(const Target& target, msg::Request request,
                                           milliseconds patience) {
   if (const auto grant = grant_of(target.key)) {
     return step_as_stepper(target, *grant, request, patience);
   }
-  request.last_sequence(last_sequence(target.key));
-  return this->request(target, std::move(request), step_of(target));
+  request.last_sequence(holdings_.last_sequence(target.key));
+  return requests_.exchange(target, std::move(request), step_of(target));
 }
 
-Result<Observation> SessionCore::step(const Target& target, std::uint64_t ticks,
+Result<Observation> BenchClocks::step(const Target& target, std::uint64_t ticks,
                                       std::span<const std::uint16_t> axes, milliseconds patience) {
   std::uint64_t left = ticks;
   std::size_t shown = 0;
   Observation observation;
   do {
-    if (left != 0 && is_interrupted()) return Outcome::failed("interrupted");
+    if (left != 0 && wakeup_.is_interrupted()) return Outcome::failed("interrupted");
     msg::Request request;
     request.kind(msg::REQUEST_STEP);
     request.ticks(std::min(left, kTicksPerRequest));

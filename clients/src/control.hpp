@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "holdings.hpp"
+#include "keep_alive.hpp"
+#include "requests.hpp"
+#include "target.hpp"
+#include "vdrive/client/session.hpp"
+#include "vdrive_messages.h"
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+namespace vdrive::client {
+
+/// Takes control of axes, keeps it and gives it back. Thread-safe.
+class Control {
+ public:
+  Control(KeepAlive keep_alive, Requests& requests, Holdings& holdings, Connection& connection);
+
+  /// Ends the keep-alives and gives all axes back.
+  ~Control();
+  Control(const Control&) = delete;
+  Control& operator=(const Control&) = delete;
+
+  /// Takes these axes, all or none.
+  Outcome acquire(const Target& target, std::span<const std::uint16_t> axes);
+
+  /// @return whether this session took all of these and has not received the loss of them.
+  [[nodiscard]] bool holds(const Target& target, std::span<const std::uint16_t> axes);
+
+  /// A request that may change the session's epoch: acquire, write, power cycle. No frame is sent
+  /// to the bench until it is answered.
+  Result<msg::Reply> exchange(const Target& target, msg::Request request, std::string_view what);
+
+  /// Writes objects of one axis, which takes the axis when one of them is a command object.
+  Result<msg::Reply> write(const Target& target, msg::Request request, std::string_view what);
+
+  /// Gives all axes back.
+  Outcome release();
+
+ private:
+  void note_acquired(const Target& target, std::span<const std::uint16_t> axes,
+                     const msg::Reply& reply);
+
+  const KeepAlive keep_alive_;
+  Requests& requests_;
+  Holdings& holdings_;
+  KeepAliveSender keep_alive_sender_;
+};
+
+}  // namespace vdrive::client

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "discovery.hpp"
+
+#include "vdrive/text.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <string>
+#include <utility>
+
+namespace vdrive::client {
+namespace {
+
+using std::chrono::milliseconds;
+
+// After this without a further bench, all benches that are there have been found.
+constexpr milliseconds kSettle{250};
+
+// A search looks at the clock at least this often.
+constexpr milliseconds kSearchPeriod{50};
+
+// A service that had no room for this participant reads its announcement again after a change.
+constexpr milliseconds kAnnounceAgain{1'000};
+
+std::string list_of(std::span<const PresentBench> benches) {
+  if (benches.empty()) return "no bench was found";
+  std::string text = "found";
+  for (const PresentBench& bench : benches) {
+    text += text == "found" ? " " : ", ";
+    text += "bench " + std::to_string(bench.info.number) + " " + in_quotes(bench.info.name) +
+            " with " + std::to_string(bench.info.axes.size()) + " axes";
+  }
+  return text;
+}
+
+}  // namespace
+
+Discovery::Discovery(wire::Participant& participant, const SessionOptions& options, Wakeup& wakeup)
+    : participant_(participant),
+      options_(options),
+      wakeup_(wakeup),
+      state_subscription_(participant,
+                          [this](const msg::BenchState& message, const wire::Source& source) {
+                            on_state(message, source);
+                          }),
+      description_subscription_(
+          participant, [this](const msg::BenchDescription& message, const wire::Source& source) {
+            on_description(message, source);
+          }) {}
+
+// ---- waiting for a bench ---------------------------------------------------------------------
+
+template <typename Condition>
+bool Discovery::wait_to_find(const Condition& condition) {
+  const auto begin = Clock::now();
+  const auto deadline = begin + options_.find_timeout;
+  auto announce_at = begin + kAnnounceAgain;
+  while (true) {
+    const std::uint64_t changes = wakeup_.changes();
+    if (condition()) return true;
+    const auto now = Clock::now();
+    if (wakeup_.is_interrupted() || now >= deadline) return false;
+    if (now >= announce_at) {
+      announce_at = now + kAnnounceAgain;
+      participant_.announce_again();
+      continue;
+    }
+    wakeup_.wait_until(changes, std::min(deadline, now + kSearchPeriod));
+  }
+}
+
+std::vector<PresentBench> Discovery::find_benches() {
+  std::size_t count = 0;
+  auto settled = Clock::time_point::max();
+  (void)wait_to_find([&] {
+    const std::size_t found = present().size();
+    const auto now = Clock::now();
+    if (found != count) settled = now + kSettle;
+    count = found;
+    return count != 0 && now >= settled;
+  });
+  return present();
+}
+
+Result<PresentBench> Discovery::find_bench(std::optional<std::uint32_t> number) {
+  if (!number && !options_.bench) {
+    std::vector<PresentBench> benches = find_benches();
+    if (benches.size() == 1) return std::move(benches.front());
+    return Outcome::not_found((benches.empty() ? "" : "several benches, name one: ") +
+                              list_of(benches) + " on domain " + std::to_string(options_.domain));
+  }
+  const std::uint32_t wanted = number.value_or(options_.bench.value_or(0));
+  std::optional<PresentBench> found;
+  (void)wait_to_find([&] {
+    const std::scoped_lock lock(mutex_);
+    found = directory_.find(wanted, Clock::now());
+    return found.has_value();
+  });
+  if (found) return std::move(*found);
+  return Outcome::not_found("no bench " + std::to_string(wanted) + " on domain " +
+                            std::to_string(options_.domain) + ", " + list_of(present()));
+}
+
+Result<AxisInfo> Discovery::find_axis(std::string_view text) {
+  if (const auto id = parse_axis_id(text)) {
+    const auto bench = find_bench(id->bench);
+    if (!bench)
+      return Outcome::not_found("no axis " + to_string(*id) + ": " + bench.outcome().message());
+    for (const AxisInfo& axis : bench->info.axes) {
+      if (axis.id == *id) return axis;
+    }
+    return Outcome::not_found("no axis " + to_string(*id) + ", " + list_of({&*bench, 1}));
+  }
+  return find_name(text, find_benches());
+}
+
+Result<AxisInfo> Discovery::find_name(std::string_view name,
+                                      std::span<const PresentBench> benches) const {
+  std::vector<AxisInfo> matches;
+  for (const PresentBench& bench : benches) {
+    std::ranges::copy_if(bench.info.axes, std::back_inserter(matches), [&](const AxisInfo& axis) {
+      return axis.name == name;
+    });
+  }
+  if (matches.size() == 1) return std::move(matches.front());
+  if (matches.empty()) {
+    return Outcome::not_found("no axis is named " + in_quotes(name) + " on domain " +
+                              std::to_string(options_.domain) + ", " + list_of(benches));
+  }
+  return Outcome::not_found("several axes are named " + in_quotes(name) + ": " +
+                            to_string(matches[0].id) + ", " + to_string(matches[1].id));
+}
+
+// ---- what arrives ----------------------------------------------------------------------------
+
+bool Discovery::sees(std::uint32_t bench) const {
+  return !options_.bench || bench == *options_.bench;
+}
+
+void Discovery::on_description(const msg::BenchDescription& message, const wire::Source& source) {
+  if (!sees(message.bench())) return;
+  {
+    const std::scoped_lock lock(mutex_);
+    directory_.on_description(message, source, Clock::now());
+  }
+  wakeup_.notify();
+}
+
+void Discovery::on_state(const msg::BenchState& message, const wire::Source& source) {
+  if (!sees(message.bench())) return;
+  {
+    const std::scoped_lock lock(mutex_);
+    directory_.on_state(message, Clock::now());
+    directory_.speaks({message.bench(), message.incarnation()}, source);
+  }
+  wakeup_.notify();
+}
+
+void Discovery::note_sender(const BenchKey& key, const wire::Source& source) {
+  const std::scoped_lock lock(mutex_);
+  directory_.speaks(key, source);
+}
+
+void Discovery::note_sample(const BenchKey& key, std::uint64_t tick, const wire::Source& source) {
+  const std::scoped_lock lock(mutex_);
+  directory_.heard(key, tick, Clock::now());
+  directory_.speaks(key, source);
+}
+
+void Discovery::set_rate(const BenchKey& key, double rate) {
+  const std::scoped_lock lock(mutex_);
+  directory_.set_rate(key, rate);
+}
+
+// ---- questions -------------------------------------------------------------------------------
+
+std::vector<PresentBench> Discovery::present() const {
+  const std::scoped_lock lock(mutex_);
+  return directory_.present(Clock::now());
+}
+
+std::optional<wire::Source> Discovery::source_of(const BenchKey& key) const {
+  const std::scoped_lock lock(mutex_);
+  return directory_.source_of(key);
+}
+
+bool Discovery::is_alive(const BenchKey& key, milliseconds patience) const {
+  const std::scoped_lock lock(mutex_);
+  return directory_.is_alive(key, patience, Clock::now());
+}
+
+Outcome Discovery::check_presence(const Target& target) const {
+  const std::scoped_lock lock(mutex_);
+  const auto now = Clock::now();
+  if (directory_.is_restarted(target.key, now)) return Outcome::lost(restarted_text(target));
+  if (directory_.is_alive(target.key, options_.silence, now)) return {};
+  return Outcome::lost(name_of(target) + " stopped sending or ended");
+}
+
+Outcome Discovery::check_samples(const Target& target) const {
+  return is_alive(target.key, options_.silence) ? Outcome() : check_presence(target);
+}
+
+bool Discovery::is_paused(const BenchKey& key, Clock::time_point since) const {
+  const std::scoped_lock lock(mutex_);
+  return directory_.is_paused(key, since);
+}
+
+std::uint64_t Discovery::slowest_stepper(const BenchKey& key) const {
+  const std::scoped_lock lock(mutex_);
+  return directory_.slowest_stepper(key);
+}
+
+std::uint64_t Discovery::tick(const BenchKey& key) const {
+  const std::scoped_lock lock(mutex_);
+  return directory_.tick(key);
+}
+
+std::vector<ServiceChange> Discovery::changes(ServiceWatch& watch) const {
+  const std::scoped_lock lock(mutex_);
+  return watch.look(directory_, Clock::now());
+}
+
+}  // namespace vdrive::client

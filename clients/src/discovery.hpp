@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "directory.hpp"
+#include "service_watch.hpp"
+#include "target.hpp"
+#include "vdrive/client/session.hpp"
+#include "vdrive/wire/participant.hpp"
+#include "vdrive/wire/subscription.hpp"
+#include "vdrive_messages.h"
+#include "wakeup.hpp"
+
+#include <chrono>
+#include <cstdint>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace vdrive::client {
+
+/// Which benches and axes are there: receives what benches publish about themselves, and answers
+/// questions by the age of their samples. Thread-safe; its lock is never held while another one is
+/// taken.
+class Discovery {
+ public:
+  using Clock = Directory::Clock;
+
+  Discovery(wire::Participant& participant, const SessionOptions& options, Wakeup& wakeup);
+
+  // ---- waiting for a bench
+
+  std::vector<PresentBench> find_benches();
+  Result<PresentBench> find_bench(std::optional<std::uint32_t> number);
+
+  /// An axis by address or name.
+  Result<AxisInfo> find_axis(std::string_view text);
+
+  /// An axis by name among `benches`.
+  Result<AxisInfo> find_name(std::string_view name, std::span<const PresentBench> benches) const;
+
+  // ---- what other messages show
+
+  /// @return whether this session sees that bench.
+  [[nodiscard]] bool sees(std::uint32_t bench) const;
+
+  /// A live sample of this run that carries no tick. `source` is its sender from now on.
+  void note_sender(const BenchKey& key, const wire::Source& source);
+
+  /// A live sample of this run, a status frame or an answer.
+  void note_sample(const BenchKey& key, std::uint64_t tick, const wire::Source& source);
+
+  /// This run answered that it has another rate, before its state says so.
+  void set_rate(const BenchKey& key, double rate);
+
+  // ---- questions that do not wait
+
+  /// @return the participant that sends for this run; nothing before its first live sample.
+  [[nodiscard]] std::optional<wire::Source> source_of(const BenchKey& key) const;
+
+  /// @return whether this run was heard within `patience` and has not gone offline.
+  [[nodiscard]] bool is_alive(const BenchKey& key, std::chrono::milliseconds patience) const;
+
+  /// @return lost when this run of the service was silent for silence(), ended, or was replaced.
+  [[nodiscard]] Outcome check_presence(const Target& target) const;
+
+  /// @return the same for a call that waits: the run of a service that was replaced goes on as long
+  ///         as its samples arrive.
+  [[nodiscard]] Outcome check_samples(const Target& target) const;
+
+  /// @return whether this run said after `since` that its drive time stands still.
+  [[nodiscard]] bool is_paused(const BenchKey& key, Clock::time_point since = {}) const;
+
+  /// @return the stepper that time waits for by the newest state, 0 = none.
+  [[nodiscard]] std::uint64_t slowest_stepper(const BenchKey& key) const;
+
+  /// @return the newest tick received, 0 when none was.
+  [[nodiscard]] std::uint64_t tick(const BenchKey& key) const;
+
+  /// @return what has changed since `watch` was asked last.
+  [[nodiscard]] std::vector<ServiceChange> changes(ServiceWatch& watch) const;
+
+  /// Wall time without a sample after which a service counts as lost.
+  [[nodiscard]] std::chrono::milliseconds silence() const noexcept { return options_.silence; }
+
+ private:
+  void on_description(const msg::BenchDescription& message, const wire::Source& source);
+  void on_state(const msg::BenchState& message, const wire::Source& source);
+  [[nodiscard]] std::vector<PresentBench> present() const;
+  template <typename Condition>
+  bool wait_to_find(const Condition& condition);
+
+  wire::Participant& participant_;
+  const SessionOptions options_;
+  Wakeup& wakeup_;
+  mutable std::mutex mutex_;  ///< guards the directory
+  Directory directory_;
+  wire::Subscription<msg::BenchState> state_subscription_;
+  wire::Subscription<msg::BenchDescription> description_subscription_;
+};
+
+}  // namespace vdrive::client

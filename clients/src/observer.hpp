@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "bench_clocks.hpp"
+#include "connection.hpp"
+#include "requests.hpp"
+#include "status_stream.hpp"
+#include "target.hpp"
+#include "vdrive/client/axis_snapshot.hpp"
+
+#include <cstdint>
+#include <span>
+
+namespace vdrive::client {
+
+/// What axes show now and which tick it is, in whatever way the clock of their bench and the
+/// permissions of this session allow. Has no state. Thread-safe.
+class Observer {
+ public:
+  Observer(const Discovery& discovery, const Connection& connection, Requests& requests,
+           BenchClocks& clocks, StatusStream& stream, Waiter& waiter);
+
+  /// The present state of `axes`.
+  Result<Observation> observe(const Target& target, std::span<const std::uint16_t> axes);
+
+  /// The newest tick of the bench.
+  Result<std::uint64_t> present_tick(const Target& target);
+
+  /// Waits until the bench has reached `tick`; in lock-step steps to it. @return the tick reached.
+  Result<std::uint64_t> wait_for_tick(const Target& target, std::uint64_t tick);
+
+ private:
+  Result<Observation> read_status(const Target& target, std::span<const std::uint16_t> axes);
+
+  const Discovery& discovery_;
+  const Connection& connection_;
+  Requests& requests_;
+  BenchClocks& clocks_;
+  StatusStream& stream_;
+  Waiter& waiter_;
+};
+
+}  // namespace vdrive::client

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "status_stream.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <optional>
+#include <utility>
+
+namespace vdrive::client {
+namespace {
+
+// Axis samples of a large bench take turns.
+constexpr Patience kFirstSampleOfAll{std::chrono::milliseconds(5000), true};
+
+}  // namespace
+
+StatusStream::StatusStream(wire::Participant& participant, Discovery& discovery, Waiter& waiter,
+                           Wakeup& wakeup)
+    : participant_(participant), discovery_(discovery), waiter_(waiter), wakeup_(wakeup) {}
+
+void StatusStream::subscribe() {
+  std::call_once(subscribed_, [this] {
+    subscription_ = std::make_unique<wire::Subscription<msg::StatusFrame>>(
+        participant_, [this](const msg::StatusFrame& message, const wire::Source& source) {
+          on_status(message, source);
+        });
+  });
+}
+
+void StatusStream::on_status(const msg::StatusFrame& message, const wire::Source& source) {
+  if (!discovery_.sees(message.bench())) return;
+  discovery_.note_sample({message.bench(), message.incarnation()}, message.tick(), source);
+  {
+    const std::scoped_lock lock(mutex_);
+    for (const auto& weak : feeds_) {
+      if (const auto feed = weak.lock()) feed->on_frame(message);
+    }
+  }
+  wakeup_.notify();
+}
+
+std::shared_ptr<StatusFeed> StatusStream::open_feed(const Target& target,
+                                                    std::vector<std::uint16_t> axes) {
+  auto feed = std::make_shared<StatusFeed>(target.key, std::move(axes), target.status_every_ticks);
+  {
+    const std::scoped_lock lock(mutex_);
+    std::erase_if(feeds_, [](const auto& weak) {
+      return weak.expired();
+    });
+    feeds_.push_back(feed);
+  }
+  subscribe();
+  return feed;
+}
+
+Result<Observation> StatusStream::next(const Target& target, StatusFeed& feed,
+                                       const Patience& patience) {
+  std::optional<Observation> sample;
+  const Outcome outcome = waiter_.wait(target, patience, [&] {
+    const std::scoped_lock lock(mutex_);
+    sample = feed.take();
+    return sample.has_value();
+  });
+  if (!outcome) return outcome;
+  return std::move(*sample);
+}
+
+Result<Observation> StatusStream::next_samples(const Target& target,
+                                               std::span<const std::uint16_t> axes) {
+  std::mutex mutex;
+  std::map<std::uint16_t, msg::AxisStatus> seen;  // guarded by that mutex
+  // Declared last: its end waits for the handler, which uses both.
+  const wire::Subscription<msg::AxisStatus> samples(
+      participant_, [&](const msg::AxisStatus& message, const wire::Source& source) {
+        if (message.bench() != target.key.number) return;
+        if (source != discovery_.source_of(target.key)) return;
+        {
+          const std::scoped_lock lock(mutex);
+          seen.insert_or_assign(message.axis(), message);
+        }
+        wakeup_.notify();
+      });
+  const Outcome outcome = waiter_.wait(target, kFirstSampleOfAll, [&] {
+    const std::scoped_lock lock(mutex);
+    return std::ranges::all_of(axes, [&](std::uint16_t axis) {
+      return seen.contains(axis);
+    });
+  });
+  if (!outcome) return outcome;
+  const std::scoped_lock lock(mutex);
+  Observation observation;
+  for (const std::uint16_t axis : axes) {
+    observation.axes.push_back(snapshot_of(seen.at(axis)));
+    observation.tick = std::max(observation.tick, seen.at(axis).tick());
+  }
+  return observation;
+}
+
+}  // namespace vdrive::client

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "discovery.hpp"
+#include "status_feed.hpp"
+#include "target.hpp"
+#include "vdrive/wire/participant.hpp"
+#include "vdrive/wire/subscription.hpp"
+#include "vdrive_messages.h"
+#include "waiter.hpp"
+#include "wakeup.hpp"
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <vector>
+
+namespace vdrive::client {
+
+/// What benches publish about their axes: status frames, tick by tick, and axis samples, now and
+/// then. Thread-safe.
+class StatusStream {
+ public:
+  StatusStream(wire::Participant& participant, Discovery& discovery, Waiter& waiter,
+               Wakeup& wakeup);
+
+  /// Receives status frames from now on; without that a session does not load the network.
+  void subscribe();
+
+  /// Starts to collect the status stream for `axes`; ends with the last pointer to it.
+  std::shared_ptr<StatusFeed> open_feed(const Target& target, std::vector<std::uint16_t> axes);
+
+  /// Waits for the next sample of a feed.
+  Result<Observation> next(const Target& target, StatusFeed& feed, const Patience& patience);
+
+  /// Waits for an axis sample of each of these axes: a bench sends them also while its time stands
+  /// still.
+  Result<Observation> next_samples(const Target& target, std::span<const std::uint16_t> axes);
+
+ private:
+  void on_status(const msg::StatusFrame& message, const wire::Source& source);
+
+  wire::Participant& participant_;
+  Discovery& discovery_;
+  Waiter& waiter_;
+  Wakeup& wakeup_;
+  std::mutex mutex_;  ///< guards the feeds and what they collect
+  std::vector<std::weak_ptr<StatusFeed>> feeds_;
+  std::once_flag subscribed_;
+  std::unique_ptr<wire::Subscription<msg::StatusFrame>> subscription_;
+};
+
+}  // namespace vdrive::client
