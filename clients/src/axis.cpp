@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/client/axis.hpp"
 
+#include "axes_call.hpp"
 #include "command_words.hpp"
-#include "conversation.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/number_text.hpp"
 
@@ -12,35 +12,29 @@
 namespace vdrive::client {
 namespace {
 
-/// Lets a quick stop end, or come to rest where 605Ah keeps the state.
-Outcome await_quick_stop(Conversation& talk) {
-  using namespace literals;
-  const auto option = talk.read(vdrive::describe("quick_stop_option_code"_object).address);
-  if (!option) return option.outcome();
-  return talk.look_until("the quick stop to end", [&option](const AxisSnapshot& axis) {
-    return quick_stop_ended(axis, *option);
-  });
-}
+constexpr std::string_view kQuickStopEnd = "the quick stop to end";
 
 /// Sets profile position mode and waits until 6061h shows it.
-Outcome ensure_profile_position(Conversation& talk) {
-  if (talk.now().mode() == OperatingMode::profile_position) return {};
-  msg::AxisCommand command;
-  command.axis(talk.id().axis);
+Outcome ensure_profile_position(AxesCall& call) {
+  if (call.axis().mode() == OperatingMode::profile_position) return {};
+  Round round = call.round_to(every_axis);
+  msg::AxisCommand& command = round.entries.front().command;
   command.members(msg::HAS_OP_MODE_CMD);
   command.op_mode_cmd(static_cast<std::int8_t>(OperatingMode::profile_position));
-  if (Outcome said = talk.say({&command, 1}); !said) return said;
-  return talk.look_enabled_until("profile position mode", [](const AxisSnapshot& axis) {
+  if (Outcome done = call.put_in_force({&round, 1}); !done) return done;
+  return call.await_enabled("profile position mode", call.tick(), [](const AxisSnapshot& axis) {
     return axis.mode() == OperatingMode::profile_position;
   });
 }
 
-msg::AxisCommand set_point(std::uint16_t axis, std::int32_t target, bool relative,
-                           const MoveOptions& options) {
+/// The edge of bit 4 with the set-point.
+Round set_point(const AxesCall& call, std::int32_t target, bool relative,
+                const MoveOptions& options) {
   std::uint16_t word = kEnableOperation | Controlword::kNewSetPoint;
   if (!options.queue) word |= Controlword::kChangeSetImmediately;
   if (relative) word |= Controlword::kRelative;
-  msg::AxisCommand command = controlword_command(axis, word);
+  Round round = call.round_of(word, every_axis);
+  msg::AxisCommand& command = round.entries.front().command;
   std::uint16_t members = msg::HAS_DS402_CONTROLWORD | msg::HAS_POSITION_USER_TARGET_VALUE;
   command.position_user_target_value(target);
   if (options.velocity) {
@@ -56,22 +50,23 @@ msg::AxisCommand set_point(std::uint16_t axis, std::int32_t target, bool relativ
     command.profile_dec(*options.deceleration);
   }
   command.members(members);
-  return command;
+  return round;
 }
 
 /// Hands the set-point over: an edge of bit 4, which may have to drop first.
-Outcome say_set_point(Conversation& talk, const msg::AxisCommand& command) {
+Outcome put_set_point_in_force(AxesCall& call, Round set_point) {
   using namespace literals;
-  const auto present = talk.read(vdrive::describe("ds402_controlword"_object).address);
+  const std::array controlword{vdrive::describe("ds402_controlword"_object).address};
+  const auto present = call.read(controlword);
   if (!present) return present.outcome();
-  const auto word = static_cast<std::uint16_t>(*present);
-  std::vector<msg::AxisCommand> commands;
+  const auto word = static_cast<std::uint16_t>(present->front().front());
+  std::vector<Round> rounds;
   if ((word & Controlword::kNewSetPoint) != 0) {
-    commands.push_back(controlword_command(
-        talk.id().axis, static_cast<std::uint16_t>(word & ~Controlword::kNewSetPoint)));
+    const auto dropped = static_cast<std::uint16_t>(word & ~Controlword::kNewSetPoint);
+    rounds.push_back(call.round_of(dropped, every_axis));
   }
-  commands.push_back(command);
-  return talk.say(commands);
+  rounds.push_back(std::move(set_point));
+  return call.put_in_force(rounds);
 }
 
 msg::ObjectAccess access_of(const AxisId& id, ObjectAddress object, std::int64_t value = 0) {
@@ -110,32 +105,38 @@ Outcome Axis::acquire() {
 }
 
 Outcome Axis::enable(const CallOptions& options) {
-  Conversation talk(core_, id_, options.timeout);
-  if (Outcome ready = talk.take_control(); !ready) return ready;
-  if (is_fault(talk.state())) return talk.not_now("enabling", "a fault reset first");
-  if (talk.state() == PowerState::operation_enabled) return {};
-  if (talk.state() == PowerState::quick_stop_active && options.until == Until::done) {
-    if (Outcome rested = await_quick_stop(talk); !rested) return rested;
+  AxesCall call(core_, layout_of(id_), Caller::axis);
+  if (Outcome ready = call.begin_control(options.timeout); !ready) return ready;
+  if (is_fault(call.axis().state())) {
+    return refused_in_state(call.axis(), "enabling", "a fault reset first");
   }
-  if (Outcome said = talk.say(enabling_words(talk.state())); !said) return said;
-  if (talk.state() == PowerState::operation_enabled) return {};
-  return talk.ended("Operation enabled");
+  if (call.axis().state() == PowerState::operation_enabled) return {};
+  if (call.axis().state() == PowerState::quick_stop_active && options.until == Until::done) {
+    if (Outcome rested = call.await_quick_stops(kQuickStopEnd); !rested) return rested;
+  }
+  if (Outcome done = call.put_in_force(enabling_words(call.axis().state())); !done) return done;
+  if (call.axis().state() == PowerState::operation_enabled) return {};
+  return failed_instead_of("Operation enabled", call.axis());
 }
 
 Outcome Axis::disable(const CallOptions& options) {
-  Conversation talk(core_, id_, options.timeout);
-  if (Outcome ready = talk.take_control(); !ready) return ready;
-  if (is_fault(talk.state())) return talk.not_now("disabling", "a fault reset first");
-  if (talk.state() == PowerState::quick_stop_active) {
-    if (Outcome rested = await_quick_stop(talk); !rested) return rested;
-    if (Outcome said = talk.say({kDisableVoltage}); !said) return said;  // where 605Ah keeps it
+  AxesCall call(core_, layout_of(id_), Caller::axis);
+  if (Outcome ready = call.begin_control(options.timeout); !ready) return ready;
+  if (is_fault(call.axis().state())) {
+    return refused_in_state(call.axis(), "disabling", "a fault reset first");
   }
-  if (Outcome said = talk.say({kShutdown}); !said) return said;
+  if (call.axis().state() == PowerState::quick_stop_active) {
+    if (Outcome rested = call.await_quick_stops(kQuickStopEnd); !rested) return rested;
+    // Where 605Ah keeps the state.
+    if (Outcome done = call.put_in_force({kDisableVoltage}); !done) return done;
+  }
+  if (Outcome done = call.put_in_force({kShutdown}); !done) return done;
   if (options.until == Until::in_force) return {};
-  Outcome seen = talk.look_until("Ready to switch on", [](const AxisSnapshot& axis) {
+  Outcome seen = call.await("Ready to switch on", call.tick(), [](const AxisSnapshot& axis) {
     return axis.state() == PowerState::ready_to_switch_on || is_fault(axis.state());
   });
-  return seen && is_fault(talk.state()) ? talk.ended("Ready to switch on") : seen;
+  if (!seen || !is_fault(call.axis().state())) return seen;
+  return failed_instead_of("Ready to switch on", call.axis());
 }
 
 Outcome Axis::move_to(std::int32_t position, const MoveOptions& options) {
@@ -147,95 +148,99 @@ Outcome Axis::move_by(std::int32_t distance, const MoveOptions& options) {
 }
 
 Outcome Axis::move(std::int32_t target, bool relative, const MoveOptions& options) {
-  Conversation talk(core_, id_, options.call.timeout);
-  if (Outcome ready = talk.take_control(); !ready) return ready;
-  if (talk.state() != PowerState::operation_enabled) {
-    return talk.not_now("a move", "Operation enabled");
+  AxesCall call(core_, layout_of(id_), Caller::axis);
+  if (Outcome ready = call.begin_control(options.call.timeout); !ready) return ready;
+  if (call.axis().state() != PowerState::operation_enabled) {
+    return refused_in_state(call.axis(), "a move", "Operation enabled");
   }
-  if (Outcome moded = ensure_profile_position(talk); !moded) return moded;
-  const msg::AxisCommand command = set_point(id_.axis, target, relative, options);
-  if (Outcome said = say_set_point(talk, command); !said) return said;
-  // From here on bits 12 and 10 belong to this set-point: say() returned in the tick in which it
-  // acts.
+  if (Outcome moded = ensure_profile_position(call); !moded) return moded;
+  Round edge = set_point(call, target, relative, options);
+  if (Outcome done = put_set_point_in_force(call, std::move(edge)); !done) return done;
+  // From here on bits 12 and 10 belong to this set-point: it acts in the tick that was observed.
   const auto acknowledged = [](const AxisSnapshot& axis) {
     return axis.shows(Statusword::kSetPointAcknowledge);
   };
-  if (Outcome taken = talk.look_enabled_until("the acknowledge, bit 12", acknowledged); !taken) {
+  if (Outcome taken = call.await_enabled("the acknowledge, bit 12", call.tick(), acknowledged);
+      !taken) {
     return taken;
   }
   if (options.call.until == Until::done) {
-    if (Outcome reached = talk.look_enabled_until("target reached, bit 10", target_reached);
+    if (Outcome reached = call.await_enabled("target reached, bit 10", call.tick(), target_reached);
         !reached) {
       return reached;
     }
   }
-  return talk.say({kEnableOperation});
+  return call.put_in_force({kEnableOperation});
 }
 
 Outcome Axis::halt(const CallOptions& options) {
-  Conversation talk(core_, id_, options.timeout);
-  if (Outcome ready = talk.take_control(); !ready) return ready;
-  if (talk.state() != PowerState::operation_enabled) {
-    return talk.not_now("a halt", "Operation enabled");
+  AxesCall call(core_, layout_of(id_), Caller::axis);
+  if (Outcome ready = call.begin_control(options.timeout); !ready) return ready;
+  if (call.axis().state() != PowerState::operation_enabled) {
+    return refused_in_state(call.axis(), "a halt", "Operation enabled");
   }
-  if (Outcome said = talk.say({kHalt}); !said) return said;
+  if (Outcome done = call.put_in_force({kHalt}); !done) return done;
   if (options.until == Until::in_force) return {};
-  return talk.look_enabled_until("standstill, bit 10", target_reached);
+  return call.await_enabled("standstill, bit 10", call.tick(), target_reached);
 }
 
 Outcome Axis::resume(const CallOptions& options) {
-  Conversation talk(core_, id_, options.timeout);
-  if (Outcome ready = talk.take_control(); !ready) return ready;
-  if (talk.state() != PowerState::operation_enabled) {
-    return talk.not_now("resuming", "Operation enabled");
+  AxesCall call(core_, layout_of(id_), Caller::axis);
+  if (Outcome ready = call.begin_control(options.timeout); !ready) return ready;
+  if (call.axis().state() != PowerState::operation_enabled) {
+    return refused_in_state(call.axis(), "resuming", "Operation enabled");
   }
-  if (Outcome said = talk.say({kEnableOperation}); !said) return said;
+  if (Outcome done = call.put_in_force({kEnableOperation}); !done) return done;
   if (options.until == Until::in_force) return {};
-  return talk.look_enabled_until("target reached, bit 10", target_reached);
+  return call.await_enabled("target reached, bit 10", call.tick(), target_reached);
 }
 
 Outcome Axis::quick_stop(const CallOptions& options) {
-  Conversation talk(core_, id_, options.timeout);
-  if (Outcome ready = talk.take_control(); !ready) return ready;
-  if (is_fault(talk.state())) return talk.not_now("a quick stop", "a fault reset first");
-  if (Outcome said = talk.say({kQuickStop}); !said) return said;
+  AxesCall call(core_, layout_of(id_), Caller::axis);
+  if (Outcome ready = call.begin_control(options.timeout); !ready) return ready;
+  if (is_fault(call.axis().state())) {
+    return refused_in_state(call.axis(), "a quick stop", "a fault reset first");
+  }
+  if (Outcome done = call.put_in_force({kQuickStop}); !done) return done;
   if (options.until == Until::in_force) return {};
-  if (Outcome rested = await_quick_stop(talk); !rested) return rested;
-  return is_fault(talk.state()) ? talk.ended("the quick stop to end") : Outcome();
+  if (Outcome rested = call.await_quick_stops(kQuickStopEnd); !rested) return rested;
+  return is_fault(call.axis().state()) ? failed_instead_of(kQuickStopEnd, call.axis()) : Outcome();
 }
 
 Outcome Axis::reset_fault(const CallOptions& options) {
-  Conversation talk(core_, id_, options.timeout);
-  if (Outcome ready = talk.take_control(); !ready) return ready;
-  if (!is_fault(talk.state())) return {};
-  Outcome reacted = talk.look_until("the fault reaction to end", [](const AxisSnapshot& axis) {
-    return axis.state() != PowerState::fault_reaction_active;
-  });
+  AxesCall call(core_, layout_of(id_), Caller::axis);
+  if (Outcome ready = call.begin_control(options.timeout); !ready) return ready;
+  if (!is_fault(call.axis().state())) return {};
+  Outcome reacted =
+      call.await("the fault reaction to end", call.tick(), [](const AxisSnapshot& axis) {
+        return axis.state() != PowerState::fault_reaction_active;
+      });
   if (!reacted) return reacted;
-  if (Outcome said = talk.say(reset_words()); !said) return said;
-  if (!is_fault(talk.state())) return {};
-  return Outcome::refused(wire_code(AbortCode::refused_in_present_device_state),
-                          talk.ended("the end of the fault").message() + ", the cause persists");
+  if (Outcome done = call.put_in_force(reset_words()); !done) return done;
+  if (!is_fault(call.axis().state())) return {};
+  return not_in_this_state(failed_instead_of("the end of the fault", call.axis()).message() +
+                           ", the cause persists");
 }
 
 Outcome Axis::power_cycle(const CallOptions& options) {
-  Conversation talk(core_, id_, options.timeout);
-  if (Outcome ready = talk.listen(); !ready) return ready;
+  AxesCall call(core_, layout_of(id_), Caller::axis);
+  if (Outcome ready = call.begin(options.timeout); !ready) return ready;
   msg::Request request;
   request.kind(msg::REQUEST_POWER_CYCLE);
   request.axes().push_back(id_.axis);
-  const auto reply = core_->control.exchange(talk.target(), std::move(request),
+  const auto reply = core_->control.exchange(call.axes().parts().front().target, std::move(request),
                                              "power cycle of axis " + to_string(id_));
   if (!reply) return reply.outcome();
   if (options.until == Until::in_force) return {};
-  if (Outcome seen = talk.look_at(std::max(reply->tick(), talk.now().tick + 1), "the power-up");
+  if (Outcome seen = call.await_tick("the power-up", std::max(reply->tick(), call.axis().tick + 1));
       !seen) {
     return seen;
   }
-  Outcome seen = talk.look_until("Switch on disabled", [](const AxisSnapshot& axis) {
+  Outcome seen = call.await("Switch on disabled", call.tick(), [](const AxisSnapshot& axis) {
     return axis.state() == PowerState::switch_on_disabled || is_fault(axis.state());
   });
-  return seen && is_fault(talk.state()) ? talk.ended("Switch on disabled") : seen;
+  if (!seen || !is_fault(call.axis().state())) return seen;
+  return failed_instead_of("Switch on disabled", call.axis());
 }
 
 Outcome Axis::store() {
@@ -308,10 +313,10 @@ Result<std::uint64_t> Axis::write(ObjectAddress object, std::int64_t value) {
 
 Result<AxisSnapshot> Axis::wait_until(const std::function<bool(const AxisSnapshot&)>& condition,
                                       std::chrono::nanoseconds timeout) const {
-  Conversation talk(core_, id_, timeout);
-  if (Outcome ready = talk.listen(); !ready) return ready;
-  if (Outcome seen = talk.look_until("the condition", condition); !seen) return seen;
-  return talk.now();
+  AxesCall call(core_, layout_of(id_), Caller::axis);
+  if (Outcome ready = call.begin(timeout); !ready) return ready;
+  if (Outcome seen = call.await("the condition", call.tick(), condition); !seen) return seen;
+  return call.axis();
 }
 
 }  // namespace vdrive::client

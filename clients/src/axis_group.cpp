@@ -3,7 +3,6 @@
 #include "vdrive/client/axis_group.hpp"
 
 #include "command_words.hpp"
-#include "conversation.hpp"
 #include "group_state.hpp"
 #include "vdrive/client/session.hpp"
 
@@ -130,10 +129,10 @@ std::chrono::nanoseconds timeout_of(const GroupCallOptions& options) {
   return options.timeout.value_or(kUsualTimeout);
 }
 
-GroupTalk AxisGroup::State::talk(const GroupCallOptions& options) {
-  if (!options.progress) return {core, layout, {}};
+AxesCall AxisGroup::State::call(const GroupCallOptions& options) {
+  if (!options.progress) return {core, layout, Caller::group};
   return {
-      core, layout,
+      core, layout, Caller::group,
       [this, progress = options.progress](std::uint64_t tick, std::span<const AxisSnapshot> axes) {
         const auto moving = line_in_hand();
         progress({tick, moving ? fraction_of(*moving, axes) : 0.0, axes});
@@ -202,13 +201,13 @@ void AxisGroup::State::drop_all() {
   queue.clear();
 }
 
-GroupStatus AxisGroup::State::status_of(const GroupTalk& talk) {
+GroupStatus AxisGroup::State::status_of(const AxesCall& call) {
   const std::scoped_lock lock(mutex);
-  GroupStatus status{.tick = talk.tick(),
-                     .state = state_of(talk.now()),
+  GroupStatus status{.tick = call.tick(),
+                     .state = state_of(call.now()),
                      .queued = queue.size(),
-                     .axes = talk.now()};
-  const bool is_due = line && talk.tick() < line->start_tick;
+                     .axes = call.now()};
+  const bool is_due = line && call.tick() < line->start_tick;
   if (is_due && status.state == GroupState::standby) status.state = GroupState::moving;
   return status;
 }
@@ -219,7 +218,7 @@ AxisGroup::AxisGroup(std::shared_ptr<State> state) : state_(std::move(state)) {}
 
 Result<AxisGroup> AxisGroup::create(Session& session, std::span<const std::string> axes) {
   SessionCore& core = *session.core_;
-  std::optional<std::vector<PresentBench>> benches;  // looked for once, when a name is given
+  std::optional<std::vector<PresentBench>> benches;  // searched once, when a name is given
   std::vector<Axis> found;
   for (const std::string& text : axes) {
     const bool is_name = !parse_axis_id(text);
@@ -255,103 +254,96 @@ std::vector<AxisId> AxisGroup::axes() const {
 }
 
 Result<GroupStatus> AxisGroup::status() const {
-  GroupTalk talk = state_->talk({});
-  if (Outcome heard = talk.listen(kUsualTimeout); !heard) return heard;
-  return state_->status_of(talk);
+  AxesCall call = state_->call({});
+  if (Outcome begun = call.begin(kUsualTimeout); !begun) return begun;
+  return state_->status_of(call);
 }
 
 // ---- power states ----------------------------------------------------------------------------
 
 Outcome AxisGroup::enable_all(const GroupCallOptions& options) {
-  GroupTalk talk = state_->talk(options);
-  if (Outcome ready = talk.take_control(timeout_of(options)); !ready) return ready;
-  for (const AxisSnapshot& axis : talk.now()) {
+  AxesCall call = state_->call(options);
+  if (Outcome ready = call.begin_control(timeout_of(options)); !ready) return ready;
+  for (const AxisSnapshot& axis : call.now()) {
     if (is_fault(axis.state())) return refused_in_state(axis, "enabling", "a fault reset first");
   }
   if (options.until == Until::done) {
-    if (Outcome rested = talk.await_quick_stops(); !rested) return rested;
+    if (Outcome rested = call.await_quick_stops(); !rested) return rested;
   }
   std::vector<Round> rounds;
-  for (std::size_t place = 0; place < talk.now().size(); ++place) {
-    const std::vector<std::uint16_t> words = enabling_words(talk.now()[place].state());
+  for (std::size_t place = 0; place < call.now().size(); ++place) {
+    const std::vector<std::uint16_t> words = enabling_words(call.now()[place].state());
     rounds.resize(std::max(rounds.size(), words.size()));
     for (std::size_t i = 0; i < words.size(); ++i) {
-      msg::AxisCommand command = talk.command_to(place);
+      msg::AxisCommand command = call.command_to(place);
       command.members(msg::HAS_DS402_CONTROLWORD);
       command.ds402_controlword(words[i]);
-      rounds[i].words.push_back({place, std::move(command)});
+      rounds[i].entries.push_back({place, std::move(command)});
     }
   }
-  const Told told = talk.tell(rounds, Timing::at_once);
-  if (!told.outcome) return told.outcome;
-  Outcome seen = talk.look_until("Operation enabled", told.tick, [](std::size_t) {
-    return true;
-  });
-  return seen ? talk.check("Operation enabled", told.tick) : seen;
+  const Answers answers = call.exchange(rounds, Timing::at_once);
+  if (!answers.outcome) return answers.outcome;
+  Outcome seen = call.await_tick("Operation enabled", answers.tick);
+  return seen ? call.check("Operation enabled", answers.tick) : seen;
 }
 
 Outcome AxisGroup::disable_all(const GroupCallOptions& options) {
-  GroupTalk talk = state_->talk(options);
-  if (Outcome ready = talk.take_control(timeout_of(options)); !ready) return ready;
+  AxesCall call = state_->call(options);
+  if (Outcome ready = call.begin_control(timeout_of(options)); !ready) return ready;
   state_->drop_all();
-  if (Outcome rested = talk.await_quick_stops(); !rested) return rested;
+  if (Outcome rested = call.await_quick_stops(); !rested) return rested;
   const auto stays = [](const AxisSnapshot& axis) {  // where 605Ah keeps the state
     return axis.state() == PowerState::quick_stop_active;
   };
   const auto is_sound = [](const AxisSnapshot& axis) {
     return !is_fault(axis.state());
   };
-  const std::array rounds{talk.round_of(kDisableVoltage, stays),
-                          talk.round_of(kShutdown, is_sound)};
-  const Told told = talk.tell(rounds, Timing::at_once);
-  if (!told.outcome) return told.outcome;
+  const std::array rounds{call.round_of(kDisableVoltage, stays),
+                          call.round_of(kShutdown, is_sound)};
+  const Answers answers = call.exchange(rounds, Timing::at_once);
+  if (!answers.outcome) return answers.outcome;
   const bool to_the_end = options.until == Until::done;
-  return talk.look_until("Ready to switch on", told.tick, [&](std::size_t place) {
-    const AxisSnapshot& axis = talk.now()[place];
+  return call.await("Ready to switch on", answers.tick, [&](const AxisSnapshot& axis) {
     return !to_the_end || axis.state() == PowerState::ready_to_switch_on || is_fault(axis.state());
   });
 }
 
 Outcome AxisGroup::quick_stop_all(const GroupCallOptions& options) {
-  GroupTalk talk = state_->talk(options);
-  if (Outcome ready = talk.take_control(timeout_of(options)); !ready) return ready;
+  AxesCall call = state_->call(options);
+  if (Outcome ready = call.begin_control(timeout_of(options)); !ready) return ready;
   state_->drop_all();
-  const Round stop = talk.round_of(kQuickStop, [](const AxisSnapshot& axis) {
+  const Round stop = call.round_of(kQuickStop, [](const AxisSnapshot& axis) {
     return !is_fault(axis.state());
   });
-  const Told told = talk.tell({&stop, 1}, Timing::at_once);
-  if (!told.outcome) return told.outcome;
-  Outcome seen = talk.look_until("the quick stop", told.tick, [](std::size_t) {
-    return true;
-  });
-  return seen && options.until == Until::done ? talk.await_quick_stops() : seen;
+  const Answers answers = call.exchange({&stop, 1}, Timing::at_once);
+  if (!answers.outcome) return answers.outcome;
+  Outcome seen = call.await_tick("the quick stop", answers.tick);
+  return seen && options.until == Until::done ? call.await_quick_stops() : seen;
 }
 
 Outcome AxisGroup::reset_all(const GroupCallOptions& options) {
-  GroupTalk talk = state_->talk(options);
-  if (Outcome ready = talk.take_control(timeout_of(options)); !ready) return ready;
+  AxesCall call = state_->call(options);
+  if (Outcome ready = call.begin_control(timeout_of(options)); !ready) return ready;
   Outcome reacted =
-      talk.look_until("the end of the fault reaction", talk.tick(), [&talk](std::size_t place) {
-        return talk.now()[place].state() != PowerState::fault_reaction_active;
+      call.await("the end of the fault reaction", call.tick(), [](const AxisSnapshot& axis) {
+        return axis.state() != PowerState::fault_reaction_active;
       });
   if (!reacted) return reacted;
   std::vector<Round> rounds;
   for (const std::uint16_t word : reset_words()) {
-    rounds.push_back(talk.round_of(word, [](const AxisSnapshot& axis) {
+    rounds.push_back(call.round_of(word, [](const AxisSnapshot& axis) {
       return is_fault(axis.state());
     }));
   }
-  if (rounds.front().words.empty()) return {};
-  const Told told = talk.tell(rounds, Timing::at_once);
-  if (!told.outcome) return told.outcome;
-  Outcome seen = talk.look_until("the fault reset", told.tick, [](std::size_t) {
-    return true;
-  });
+  if (rounds.front().entries.empty()) return {};
+  const Answers answers = call.exchange(rounds, Timing::at_once);
+  if (!answers.outcome) return answers.outcome;
+  Outcome seen = call.await_tick("the fault reset", answers.tick);
   if (!seen) return seen;
-  const auto faulty = std::ranges::find_if(talk.now(), [](const AxisSnapshot& axis) {
+  const auto faulty = std::ranges::find_if(call.now(), [](const AxisSnapshot& axis) {
     return is_fault(axis.state());
   });
-  if (faulty == talk.now().end()) return {};
+  if (faulty == call.now().end()) return {};
   return not_in_this_state("axis " + to_string(faulty->id) + " " + what_it_shows(*faulty) +
                            ", the cause persists");
 }
@@ -359,47 +351,47 @@ Outcome AxisGroup::reset_all(const GroupCallOptions& options) {
 // ---- watching --------------------------------------------------------------------------------
 
 /// Stops the enabled axes when one has a fault, or is not enabled while a line is in hand.
-Outcome AxisGroup::State::watch(GroupTalk& talk) {
+Outcome AxisGroup::State::watch(AxesCall& call) {
   const auto moving = line_in_hand();
-  if (moving && talk.tick() < moving->start_tick) return {};
-  const auto failed = std::ranges::find_if(talk.now(), [&moving](const AxisSnapshot& axis) {
+  if (moving && call.tick() < moving->start_tick) return {};
+  const auto failed = std::ranges::find_if(call.now(), [&moving](const AxisSnapshot& axis) {
     return is_fault(axis.state()) || (moving && !is_enabled(axis));
   });
-  if (failed == talk.now().end()) return {};
-  if (!moving && std::ranges::none_of(talk.now(), is_enabled)) return {};
+  if (failed == call.now().end()) return {};
+  if (!moving && std::ranges::none_of(call.now(), is_enabled)) return {};
   drop_all();
-  Told stop;
-  return talk.say_stop(
+  Answers stop;
+  return call.send_stop(
       Outcome::failed("axis " + to_string(failed->id) + " " + what_it_shows(*failed)), stop);
 }
 
 Result<GroupStatus> AxisGroup::poll() {
-  GroupTalk talk = state_->talk({});
-  if (Outcome heard = talk.listen(kUsualTimeout); !heard) return heard;
-  if (Outcome sound = state_->watch(talk); !sound) return sound;
+  AxesCall call = state_->call({});
+  if (Outcome begun = call.begin(kUsualTimeout); !begun) return begun;
+  if (Outcome sound = state_->watch(call); !sound) return sound;
   const auto moving = state_->line_in_hand();
   const bool at_rest =
-      !moving || (talk.tick() >= moving->start_tick && state_->has_arrived(*moving, talk.now()));
+      !moving || (call.tick() >= moving->start_tick && state_->has_arrived(*moving, call.now()));
   if (at_rest) {
     state_->set_line(std::nullopt);
     if (const auto next = state_->next_request()) {
-      Outcome started = talk.acquire();
-      if (started) started = state_->start(talk, *next);
+      Outcome started = call.acquire();
+      if (started) started = state_->start(call, *next);
       if (!started) {
         state_->drop_all();
         return started;
       }
     }
   }
-  return state_->status_of(talk);
+  return state_->status_of(call);
 }
 
 Outcome AxisGroup::monitor(bool on) {
   state_->monitor = {};
   if (!on) return {};
-  GroupTalk talk = state_->talk({});
-  if (Outcome heard = talk.listen(kUsualTimeout); !heard) return heard;
-  if (talk.steps()) {
+  AxesCall call = state_->call({});
+  if (Outcome begun = call.begin(kUsualTimeout); !begun) return begun;
+  if (call.steps()) {
     return Outcome::refused(msg::REASON_WRONG_CLOCK_MODE,
                             "a monitor needs a clock that runs by itself");
   }
@@ -410,14 +402,14 @@ Outcome AxisGroup::monitor(bool on) {
 }
 
 void AxisGroup::State::monitor_loop(const std::stop_token& stop) {
-  GroupTalk talk = this->talk({});
-  talk.stop_by(stop);
-  if (!talk.listen(kUsualTimeout)) return;
+  AxesCall call = this->call({});
+  call.axes().stop_by(stop);
+  if (!call.begin(kUsualTimeout)) return;
   while (!stop.stop_requested()) {
-    (void)watch(talk);
-    if (Outcome seen = talk.advance(1); !seen) {
-      Told told;
-      if (seen.kind() == OutcomeKind::lost) (void)talk.say_stop(std::move(seen), told);
+    (void)watch(call);
+    if (Outcome seen = call.axes().advance(1); !seen) {
+      Answers answers;
+      if (seen.kind() == OutcomeKind::lost) (void)call.send_stop(std::move(seen), answers);
       return;
     }
   }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Straight lines: times, start on one tick, arrival, queue, halt.
 #include "command_words.hpp"
-#include "conversation.hpp"
 #include "group_state.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/plant/axis_model.hpp"
@@ -89,30 +88,26 @@ void add_target(msg::AxisCommand& command, std::int32_t target) {
   command.position_user_target_value(target);
 }
 
-bool every_axis(const AxisSnapshot& /*axis*/) {
-  return true;
-}
-
 /// The whole handshake: bit 4 low, the set-point's edge with the common times, bit 4 low again. The
 /// drive latches the times with the edge; cleared, they do not outlast it.
-std::array<Round, 3> start_rounds(const GroupTalk& talk, const LineRequest& request,
+std::array<Round, 3> start_rounds(const AxesCall& call, const LineRequest& request,
                                   const LineTimes& times) {
-  std::array<Round, 3> rounds{talk.round_of(kEnableOperation, every_axis),
-                              talk.round_of(kEnableOperation, every_axis),
-                              talk.round_of(kEnableOperation, every_axis)};
+  std::array<Round, 3> rounds{call.round_of(kEnableOperation, every_axis),
+                              call.round_of(kEnableOperation, every_axis),
+                              call.round_of(kEnableOperation, every_axis)};
   for (Round& round : rounds) round.flags = msg::FRAME_ALL_OR_NOTHING;
   for (std::size_t place = 0; place < request.targets.size(); ++place) {
-    msg::AxisCommand& before = rounds[0].words[place].command;
+    msg::AxisCommand& before = rounds[0].entries[place].command;
     before.members(static_cast<std::uint16_t>(before.members() | msg::HAS_OP_MODE_CMD));
     before.op_mode_cmd(static_cast<std::int8_t>(OperatingMode::profile_position));
-    msg::AxisCommand& edge = rounds[1].words[place].command;
+    msg::AxisCommand& edge = rounds[1].entries[place].command;
     add_object(edge, kDuration, times.duration.count());
     add_object(edge, kAccelerationTime, times.acceleration.count());
     add_object(edge, kDecelerationTime, times.deceleration.count());
     add_target(edge, request.targets[place]);
     add_word(edge,
              kEnableOperation | Controlword::kNewSetPoint | Controlword::kChangeSetImmediately);
-    add_object(rounds[2].words[place].command, kDuration, 0);
+    add_object(rounds[2].entries[place].command, kDuration, 0);
   }
   return rounds;
 }
@@ -123,8 +118,8 @@ bool demand_arrived(const AxisSnapshot& axis, std::int32_t target) {
 
 }  // namespace
 
-Result<LineTimes> AxisGroup::State::times_of(GroupTalk& talk, const LineRequest& request) const {
-  const auto limits = talk.read(kLimitObjects);
+Result<LineTimes> AxisGroup::State::times_of(AxesCall& call, const LineRequest& request) const {
+  const auto limits = call.read(kLimitObjects);
   if (!limits) return limits.outcome();
   std::vector<AxisWay> ways;
   for (std::size_t place = 0; place < request.targets.size(); ++place) {
@@ -139,10 +134,10 @@ Result<LineTimes> AxisGroup::State::times_of(GroupTalk& talk, const LineRequest&
     }
     const MotionLimits own = limits_from(values, request);
     if (own.velocity <= 0.0) return not_in_this_state(axis + " may not move: its speed limit is 0");
-    const double way = static_cast<double>(target) - talk.now()[place].status.position_demand_value;
+    const double way = static_cast<double>(target) - call.now()[place].status.position_demand_value;
     ways.push_back({.distance = std::abs(way) + kBesideDemand, .limits = own});
   }
-  const auto times = plan_line(ways, talk.period());
+  const auto times = plan_line(ways, call.period());
   if (times) return *times;
   const auto slowest = std::ranges::max_element(ways, {}, [](const AxisWay& way) {
     return way.distance / way.limits.velocity;
@@ -152,8 +147,8 @@ Result<LineTimes> AxisGroup::State::times_of(GroupTalk& talk, const LineRequest&
       " would take longer than a synchronous move can last, 4294 s");
 }
 
-Outcome AxisGroup::State::start(GroupTalk& talk, const LineRequest& request) {
-  for (const AxisSnapshot& axis : talk.now()) {
+Outcome AxisGroup::State::start(AxesCall& call, const LineRequest& request) {
+  for (const AxisSnapshot& axis : call.now()) {
     if (!is_enabled(axis)) {
       return refused_in_state(axis, "a move", "Operation enabled");
     }
@@ -161,46 +156,45 @@ Outcome AxisGroup::State::start(GroupTalk& talk, const LineRequest& request) {
       return not_in_this_state("axis " + to_string(axis.id) + " still moves");
     }
   }
-  const auto times = times_of(talk, request);
+  const auto times = times_of(call, request);
   if (!times) return times.outcome();
-  const Told told = talk.tell(start_rounds(talk, request, *times), Timing::common_tick);
-  if (told.outcome && told.ignored.empty()) {
+  const Answers answers = call.exchange(start_rounds(call, request, *times), Timing::common_tick);
+  if (answers.outcome && answers.ignored.empty()) {
     LineInHand started{.starts = {},
                        .targets = request.targets,
                        .duration = times->duration,
-                       .start_tick = told.tick};
-    for (const AxisSnapshot& axis : talk.now()) {
+                       .start_tick = answers.tick};
+    for (const AxisSnapshot& axis : call.now()) {
       started.starts.push_back(axis.status.position_demand_value);
     }
     set_line(std::move(started));
     return {};
   }
-  if (told.outcome.kind() == OutcomeKind::lost) return talk.stop_others(told.outcome);
-  if (told.tick != 0) withdraw(talk);
-  if (!told.outcome) return told.outcome;
-  return not_in_this_state("axis " + to_string(layout.axes[told.ignored.front()]) +
+  if (answers.outcome.kind() == OutcomeKind::lost) return call.stop_others(answers.outcome);
+  if (answers.tick != 0) withdraw(call);
+  if (!answers.outcome) return answers.outcome;
+  return not_in_this_state("axis " + to_string(layout.axes[answers.ignored.front()]) +
                            " ignored the set-point: it still moves, or a limit that was written "
                            "after it was enabled is not yet in force");
 }
 
-/// Takes back a start that not every axis took part in: the others get a set-point where they
+/// Takes back a start in which not every axis took part: the others get a set-point where they
 /// stand.
-void AxisGroup::State::withdraw(GroupTalk& talk) {
-  const Round halt = talk.round_of(kHalt, every_axis);
-  const Told halted = talk.tell({&halt, 1}, Timing::at_once);
-  if (!talk.steps()) {
-    (void)talk.look_until("standstill", halted.tick, [&talk](std::size_t place) {
-      const AxisSnapshot& axis = talk.now()[place];
+void AxisGroup::State::withdraw(AxesCall& call) {
+  const Round halt = call.round_of(kHalt, every_axis);
+  const Answers halted = call.exchange({&halt, 1}, Timing::at_once);
+  if (!call.steps()) {
+    (void)call.await("standstill", halted.tick, [](const AxisSnapshot& axis) {
       return !is_enabled(axis) || target_reached(axis);
     });
   }
-  std::array<Round, 2> rounds{talk.round_of(kHalt, is_enabled),
-                              talk.round_of(kEnableOperation, is_enabled)};
-  for (Round::Word& word : rounds[0].words) {
-    add_target(word.command, talk.now()[word.place].status.position_demand_value);
-    add_word(word.command, kHalt | Controlword::kNewSetPoint | Controlword::kChangeSetImmediately);
+  std::array<Round, 2> rounds{call.round_of(kHalt, is_enabled),
+                              call.round_of(kEnableOperation, is_enabled)};
+  for (Round::Entry& entry : rounds[0].entries) {
+    add_target(entry.command, call.now()[entry.place].status.position_demand_value);
+    add_word(entry.command, kHalt | Controlword::kNewSetPoint | Controlword::kChangeSetImmediately);
   }
-  (void)talk.tell(rounds, Timing::at_once);  // what refused the start may refuse this too
+  (void)call.exchange(rounds, Timing::at_once);  // what refused the start may refuse this too
 }
 
 bool AxisGroup::State::has_arrived(const LineInHand& line, std::span<const AxisSnapshot> axes) {
@@ -210,18 +204,18 @@ bool AxisGroup::State::has_arrived(const LineInHand& line, std::span<const AxisS
   return true;
 }
 
-Outcome AxisGroup::State::await_line(GroupTalk& talk, const GroupCallOptions& options,
+Outcome AxisGroup::State::await_line(AxesCall& call, const GroupCallOptions& options,
                                      bool in_position) {
   const auto moving = line_in_hand();
   if (!moving) return {};
-  talk.set_timeout(options.timeout.value_or(moving->duration + kBeyondDuration));
+  call.set_timeout(options.timeout.value_or(moving->duration + kBeyondDuration));
   Outcome outcome =
-      talk.look_enabled_until(in_position ? "target reached, bit 10" : "the arrival of the demand",
-                              moving->start_tick, [&](std::size_t place) {
-                                const AxisSnapshot& axis = talk.now()[place];
-                                return demand_arrived(axis, moving->targets[place]) &&
-                                       (!in_position || target_reached(axis));
-                              });
+      call.await_enabled(in_position ? "target reached, bit 10" : "the arrival of the demand",
+                         moving->start_tick, [&](std::size_t place) {
+                           const AxisSnapshot& axis = call.now()[place];
+                           return demand_arrived(axis, moving->targets[place]) &&
+                                  (!in_position || target_reached(axis));
+                         });
   if (outcome) {
     set_line(std::nullopt);
   } else if (outcome.kind() != OutcomeKind::timed_out) {
@@ -230,35 +224,33 @@ Outcome AxisGroup::State::await_line(GroupTalk& talk, const GroupCallOptions& op
   return outcome;
 }
 
-Outcome AxisGroup::State::run(GroupTalk& talk, const LineRequest& request,
+Outcome AxisGroup::State::run(AxesCall& call, const LineRequest& request,
                               const GroupCallOptions& options) {
   drop_all();
-  if (Outcome started = start(talk, request); !started) return started;
-  if (options.until == Until::done) return await_line(talk, options, true);
-  return talk.look_enabled_until("the start", line_in_hand()->start_tick, [](std::size_t) {
-    return true;
-  });
+  if (Outcome started = start(call, request); !started) return started;
+  if (options.until == Until::done) return await_line(call, options, true);
+  return call.await_enabled("the start", line_in_hand()->start_tick, every_axis);
 }
 
 Outcome AxisGroup::move_together(const Eigen::VectorXd& targets, const GroupMoveOptions& options) {
   const auto request = state_->request_of(targets, options);
   if (!request) return request.outcome();
-  GroupTalk talk = state_->talk(options.call);
-  if (Outcome ready = talk.take_control(timeout_of(options.call)); !ready) return ready;
-  return state_->run(talk, *request, options.call);
+  AxesCall call = state_->call(options.call);
+  if (Outcome ready = call.begin_control(timeout_of(options.call)); !ready) return ready;
+  return state_->run(call, *request, options.call);
 }
 
 Outcome AxisGroup::move_by(const Eigen::VectorXd& displacements, const GroupMoveOptions& options) {
-  GroupTalk talk = state_->talk(options.call);
-  if (Outcome ready = talk.take_control(timeout_of(options.call)); !ready) return ready;
+  AxesCall call = state_->call(options.call);
+  if (Outcome ready = call.begin_control(timeout_of(options.call)); !ready) return ready;
   Eigen::VectorXd targets = displacements;
-  for (Eigen::Index i = 0; i < std::min<Eigen::Index>(targets.size(), std::ssize(talk.now()));
+  for (Eigen::Index i = 0; i < std::min<Eigen::Index>(targets.size(), std::ssize(call.now()));
        ++i) {
-    targets[i] += talk.now()[static_cast<std::size_t>(i)].status.position_demand_value;
+    targets[i] += call.now()[static_cast<std::size_t>(i)].status.position_demand_value;
   }
   const auto request = state_->request_of(targets, options);
   if (!request) return request.outcome();
-  return state_->run(talk, *request, options.call);
+  return state_->run(call, *request, options.call);
 }
 
 Outcome AxisGroup::queue_move(const Eigen::VectorXd& targets, const GroupMoveOptions& options) {
@@ -270,18 +262,18 @@ Outcome AxisGroup::queue_move(const Eigen::VectorXd& targets, const GroupMoveOpt
 }
 
 Outcome AxisGroup::wait_all(const GroupCallOptions& options) {
-  GroupTalk talk = state_->talk(options);
-  if (Outcome ready = talk.take_control(timeout_of(options)); !ready) return ready;
+  AxesCall call = state_->call(options);
+  if (Outcome ready = call.begin_control(timeout_of(options)); !ready) return ready;
   while (true) {
     bool last = false;
     {
       const std::scoped_lock lock(state_->mutex);
       last = state_->queue.empty();
     }
-    if (Outcome arrived = state_->await_line(talk, options, last); !arrived) return arrived;
+    if (Outcome arrived = state_->await_line(call, options, last); !arrived) return arrived;
     const auto next = state_->next_request();
     if (!next) return {};
-    if (Outcome started = state_->start(talk, *next); !started) {
+    if (Outcome started = state_->start(call, *next); !started) {
       state_->drop_all();
       return started;
     }
@@ -289,48 +281,45 @@ Outcome AxisGroup::wait_all(const GroupCallOptions& options) {
 }
 
 Outcome AxisGroup::halt_all(const GroupCallOptions& options) {
-  GroupTalk talk = state_->talk(options);
-  if (Outcome ready = talk.take_control(timeout_of(options)); !ready) return ready;
-  const Round halt = talk.round_of(kHalt, is_enabled);
-  if (halt.words.empty())
-    return refused_in_state(talk.now().front(), "a halt", "Operation enabled");
-  Told told = talk.tell({&halt, 1}, Timing::common_tick);
-  if (!told.outcome) told = talk.tell({&halt, 1}, Timing::at_once);  // rather apart than not at all
-  if (!told.outcome) return told.outcome;
+  AxesCall call = state_->call(options);
+  if (Outcome ready = call.begin_control(timeout_of(options)); !ready) return ready;
+  const Round halt = call.round_of(kHalt, is_enabled);
+  if (halt.entries.empty())
+    return refused_in_state(call.now().front(), "a halt", "Operation enabled");
+  Answers answers = call.exchange({&halt, 1}, Timing::common_tick);
+  if (!answers.outcome)
+    answers = call.exchange({&halt, 1}, Timing::at_once);  // rather apart than not at all
+  if (!answers.outcome) return answers.outcome;
   const bool to_standstill = options.until == Until::done;
-  Outcome seen = talk.look_until("standstill, bit 10", told.tick, [&](std::size_t place) {
-    const AxisSnapshot& axis = talk.now()[place];
+  Outcome seen = call.await("standstill, bit 10", answers.tick, [&](const AxisSnapshot& axis) {
     return !to_standstill || !is_enabled(axis) || target_reached(axis);
   });
-  if (!seen) return talk.stop_if_lost(std::move(seen));
+  if (!seen) return call.stop_if_lost(std::move(seen));
   // An axis that was to halt and failed instead stops the others as in a move.
-  const bool all = halt.words.size() == talk.now().size();
-  return all ? talk.check("standstill", told.tick) : seen;
+  const bool all = halt.entries.size() == call.now().size();
+  return all ? call.check("standstill", answers.tick) : seen;
 }
 
 Outcome AxisGroup::resume_all(const GroupCallOptions& options) {
-  GroupTalk talk = state_->talk(options);
-  if (Outcome ready = talk.take_control(timeout_of(options)); !ready) return ready;
-  for (const AxisSnapshot& axis : talk.now()) {
+  AxesCall call = state_->call(options);
+  if (Outcome ready = call.begin_control(timeout_of(options)); !ready) return ready;
+  for (const AxisSnapshot& axis : call.now()) {
     if (!is_enabled(axis)) {
       return refused_in_state(axis, "resuming", "Operation enabled");
     }
   }
-  const Round resume = talk.round_of(kEnableOperation, every_axis);
-  const Told told = talk.tell({&resume, 1}, Timing::common_tick);
-  if (!told.outcome) {
-    const Round halt = talk.round_of(kHalt, every_axis);
-    if (told.tick != 0) (void)talk.tell({&halt, 1}, Timing::at_once);  // nobody goes on alone
-    return told.outcome;
+  const Round resume = call.round_of(kEnableOperation, every_axis);
+  const Answers answers = call.exchange({&resume, 1}, Timing::common_tick);
+  if (!answers.outcome) {
+    const Round halt = call.round_of(kHalt, every_axis);
+    if (answers.tick != 0)
+      (void)call.exchange({&halt, 1}, Timing::at_once);  // nobody goes on alone
+    return answers.outcome;
   }
-  Outcome seen = talk.look_enabled_until("the release", told.tick, [](std::size_t) {
-    return true;
-  });
+  Outcome seen = call.await_enabled("the release", answers.tick, every_axis);
   if (!seen || options.until == Until::in_force) return seen;
-  if (state_->line_in_hand()) return state_->await_line(talk, options, true);
-  return talk.look_enabled_until("target reached, bit 10", told.tick, [&talk](std::size_t place) {
-    return target_reached(talk.now()[place]);
-  });
+  if (state_->line_in_hand()) return state_->await_line(call, options, true);
+  return call.await_enabled("target reached, bit 10", answers.tick, target_reached);
 }
 
 }  // namespace vdrive::client

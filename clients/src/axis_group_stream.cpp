@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Cyclic streaming of positions.
 #include "command_words.hpp"
-#include "conversation.hpp"
 #include "group_state.hpp"
 
 #include <algorithm>
@@ -16,13 +15,11 @@ constexpr std::chrono::seconds kModeChange{5};
 constexpr std::uint64_t kShortestLead = 2;
 constexpr std::chrono::seconds kLongestLead{1};
 
-Round mode_round(const GroupTalk& talk, OperatingMode mode) {
-  Round round;
-  for (std::size_t place = 0; place < talk.now().size(); ++place) {
-    msg::AxisCommand command = talk.command_to(place);
-    command.members(msg::HAS_OP_MODE_CMD);
-    command.op_mode_cmd(static_cast<std::int8_t>(mode));
-    round.words.push_back({place, std::move(command)});
+Round mode_round(const AxesCall& call, OperatingMode mode) {
+  Round round = call.round_to(every_axis);
+  for (Round::Entry& entry : round.entries) {
+    entry.command.members(msg::HAS_OP_MODE_CMD);
+    entry.command.op_mode_cmd(static_cast<std::int8_t>(mode));
   }
   round.flags = msg::FRAME_ALL_OR_NOTHING;
   return round;
@@ -31,15 +28,15 @@ Round mode_round(const GroupTalk& talk, OperatingMode mode) {
 std::uint64_t lead_of(const Stream& stream) {
   return std::max(kShortestLead,
                   ticks_of(std::min<std::chrono::nanoseconds>(stream.options.lead, kLongestLead),
-                           stream.talk.period()));
+                           stream.call.period()));
 }
 
 }  // namespace
 
 Outcome AxisGroup::start_streaming(const StreamOptions& options) {
-  GroupTalk talk = state_->talk({});
-  if (Outcome ready = talk.take_control(kModeChange); !ready) return ready;
-  for (const AxisSnapshot& axis : talk.now()) {
+  AxesCall call = state_->call({});
+  if (Outcome ready = call.begin_control(kModeChange); !ready) return ready;
+  for (const AxisSnapshot& axis : call.now()) {
     if (!is_enabled(axis)) {
       return refused_in_state(axis, "streaming", "Operation enabled");
     }
@@ -48,16 +45,16 @@ Outcome AxisGroup::start_streaming(const StreamOptions& options) {
     }
   }
   state_->drop_all();
-  const Round mode = mode_round(talk, OperatingMode::cyclic_synchronous_position);
-  const Told told = talk.tell({&mode, 1}, Timing::at_once);
-  if (!told.outcome) return told.outcome;
-  Outcome seen = talk.look_enabled_until(
-      "cyclic synchronous position mode", told.tick, [&talk](std::size_t place) {
-        return talk.now()[place].mode() == OperatingMode::cyclic_synchronous_position;
+  const Round mode = mode_round(call, OperatingMode::cyclic_synchronous_position);
+  const Answers answers = call.exchange({&mode, 1}, Timing::at_once);
+  if (!answers.outcome) return answers.outcome;
+  Outcome seen = call.await_enabled(
+      "cyclic synchronous position mode", answers.tick, [](const AxisSnapshot& axis) {
+        return axis.mode() == OperatingMode::cyclic_synchronous_position;
       });
   if (!seen) return seen;
   state_->stream = std::make_unique<Stream>(
-      Stream{.options = options, .talk = std::move(talk), .in_flight = {}, .next_tick = 0});
+      Stream{.options = options, .call = std::move(call), .in_flight = {}, .next_tick = 0});
   return {};
 }
 
@@ -65,28 +62,26 @@ Result<GroupStatus> AxisGroup::stream(const Eigen::VectorXd& positions) {
   if (!state_->stream) return not_in_this_state("streaming was not started");
   const auto whole = state_->positions_of(positions);
   if (!whole) return whole.outcome();
-  GroupTalk& talk = state_->stream->talk;
-  Round round;
-  for (std::size_t place = 0; place < whole->size(); ++place) {
-    msg::AxisCommand command = talk.command_to(place);
-    command.members(msg::HAS_POSITION_USER_TARGET_VALUE);
-    command.position_user_target_value((*whole)[place]);
-    round.words.push_back({place, std::move(command)});
+  AxesCall& call = state_->stream->call;
+  Round round = call.round_to(every_axis);
+  for (Round::Entry& entry : round.entries) {
+    entry.command.members(msg::HAS_POSITION_USER_TARGET_VALUE);
+    entry.command.position_user_target_value((*whole)[entry.place]);
   }
-  Outcome sent = talk.steps() ? state_->stream_stepping(round) : state_->stream_ahead(round);
-  if (!sent) return talk.stop_if_lost(std::move(sent));
-  if (Outcome sound = talk.check("the stream to go on", 0); !sound) return sound;
-  return state_->status_of(talk);
+  Outcome sent = call.steps() ? state_->stream_stepping(round) : state_->stream_ahead(round);
+  if (!sent) return call.stop_if_lost(std::move(sent));
+  if (Outcome sound = call.check("the stream to go on", 0); !sound) return sound;
+  return state_->status_of(call);
 }
 
 /// The step waits for the frames, so that their answers are there after it.
 Outcome AxisGroup::State::stream_stepping(const Round& round) const {
-  GroupTalk& talk = stream->talk;
+  AxesCall& call = stream->call;
   const std::uint64_t ticks = stream->options.pace == Pace::drive ? 1 : 0;
   std::vector<SentFrames> sent;
-  Outcome outcome = talk.send(round, 0, sent);
-  if (outcome) outcome = talk.advance(ticks);
-  return talk.collect(sent, std::move(outcome)).outcome;
+  Outcome outcome = call.send({&round, 1}, 0, sent);
+  if (outcome) outcome = call.axes().advance(ticks);
+  return call.collect(sent, std::move(outcome)).outcome;
 }
 
 /// Positions are sent for one tick after the other. The answer to one comes in its tick, and with
@@ -94,16 +89,16 @@ Outcome AxisGroup::State::stream_stepping(const Round& round) const {
 Outcome AxisGroup::State::stream_ahead(const Round& round) const {
   const std::uint64_t lead = lead_of(*stream);
   if (stream->next_tick == 0) {
-    const auto newest = stream->talk.newest_tick();
+    const auto newest = stream->call.axes().newest_tick();
     if (!newest) return newest.outcome();
     stream->next_tick = *newest + lead;
   }
   std::vector<SentFrames>& sent = stream->in_flight.emplace_back();
-  Outcome outcome = stream->talk.send(round, stream->next_tick++, sent);
+  Outcome outcome = stream->call.send({&round, 1}, stream->next_tick++, sent);
   while (outcome && stream->in_flight.size() >= lead) outcome = collect_oldest();
   if (!outcome) {  // the next position starts anew, as far ahead as the first
     while (!stream->in_flight.empty()) {
-      (void)stream->talk.collect(stream->in_flight.front(), {});
+      (void)stream->call.collect(stream->in_flight.front(), {});
       stream->in_flight.pop_front();
     }
     stream->next_tick = 0;
@@ -112,11 +107,11 @@ Outcome AxisGroup::State::stream_ahead(const Round& round) const {
 }
 
 Outcome AxisGroup::State::collect_oldest() const {
-  const Told told = stream->talk.collect(stream->in_flight.front(), {});
+  const Answers answers = stream->call.collect(stream->in_flight.front(), {});
   stream->in_flight.pop_front();
-  if (!told.outcome) return told.outcome;
-  while (stream->talk.tick() < told.tick) {
-    if (Outcome seen = stream->talk.advance(1); !seen) return seen;
+  if (!answers.outcome) return answers.outcome;
+  while (stream->call.tick() < answers.tick) {
+    if (Outcome seen = stream->call.axes().advance(1); !seen) return seen;
   }
   return {};
 }
@@ -126,14 +121,14 @@ Outcome AxisGroup::stop_streaming(const GroupCallOptions& options) {
   Outcome rest;
   while (rest && !state_->stream->in_flight.empty()) rest = state_->collect_oldest();
   state_->stream.reset();
-  GroupTalk talk = state_->talk(options);
-  if (Outcome ready = talk.take_control(timeout_of(options)); !ready) return ready;
-  const Round mode = mode_round(talk, OperatingMode::profile_position);
-  const Told told = talk.tell({&mode, 1}, Timing::at_once);
-  if (!told.outcome) return told.outcome;
+  AxesCall call = state_->call(options);
+  if (Outcome ready = call.begin_control(timeout_of(options)); !ready) return ready;
+  const Round mode = mode_round(call, OperatingMode::profile_position);
+  const Answers answers = call.exchange({&mode, 1}, Timing::at_once);
+  if (!answers.outcome) return answers.outcome;
   const bool to_the_end = options.until == Until::done;
-  return talk.look_until("profile position mode", told.tick, [&](std::size_t place) {
-    return !to_the_end || talk.now()[place].mode() == OperatingMode::profile_position;
+  return call.await("profile position mode", answers.tick, [&](const AxisSnapshot& axis) {
+    return !to_the_end || axis.mode() == OperatingMode::profile_position;
   });
 }
 

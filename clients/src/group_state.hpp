@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "group_talk.hpp"
+#include "axes_call.hpp"
 #include "line_times.hpp"
 #include "vdrive/client/axis_group.hpp"
 
@@ -16,7 +16,7 @@
 
 namespace vdrive::client {
 
-/// A straight line that was asked for.
+/// A straight line that was requested.
 struct LineRequest {
   std::vector<std::int32_t> targets;
   double velocity_factor = 1.0;
@@ -35,7 +35,7 @@ struct LineInHand {
 /// Positions on their way in cyclic streaming.
 struct Stream {
   StreamOptions options;
-  GroupTalk talk;
+  AxesCall call;
   std::deque<std::vector<SentFrames>> in_flight;  ///< real time: oldest first
   std::uint64_t next_tick = 0;                    ///< real time: of the next position; 0 = none yet
 };
@@ -52,8 +52,8 @@ struct AxisGroup::State {
   std::unique_ptr<Stream> stream;
   std::jthread monitor;
 
-  /// A call that tells `options` of its progress.
-  GroupTalk talk(const GroupCallOptions& options);
+  /// A call that reports its progress to `options`.
+  AxesCall call(const GroupCallOptions& options);
 
   /// Vectors of the caller as whole positions.
   Result<std::vector<std::int32_t>> positions_of(const Eigen::VectorXd& values) const;
@@ -61,16 +61,16 @@ struct AxisGroup::State {
                                  const GroupMoveOptions& options) const;
 
   /// Hands a line to the axes, from rest; no time passes in lock-step.
-  Outcome start(GroupTalk& talk, const LineRequest& request);
+  Outcome start(AxesCall& call, const LineRequest& request);
 
   /// @return whether the demands have come to rest on their targets.
   [[nodiscard]] static bool has_arrived(const LineInHand& line, std::span<const AxisSnapshot> axes);
 
-  /// Looks until the line in hand has arrived: the demands, and when `in_position` the axes too.
-  Outcome await_line(GroupTalk& talk, const GroupCallOptions& options, bool in_position);
+  /// Waits until the line in hand has arrived: the demands, and when `in_position` the axes too.
+  Outcome await_line(AxesCall& call, const GroupCallOptions& options, bool in_position);
 
-  /// Starts `request` and does with it what the options say.
-  Outcome run(GroupTalk& talk, const LineRequest& request, const GroupCallOptions& options);
+  /// Starts `request` and waits as long as the options require.
+  Outcome run(AxesCall& call, const LineRequest& request, const GroupCallOptions& options);
 
   [[nodiscard]] std::optional<LineInHand> line_in_hand();
   void set_line(std::optional<LineInHand> started);
@@ -79,10 +79,10 @@ struct AxisGroup::State {
   /// Nothing is left to do: after a stop or a failure.
   void drop_all();
 
-  [[nodiscard]] GroupStatus status_of(const GroupTalk& talk);
+  [[nodiscard]] GroupStatus status_of(const AxesCall& call);
 
   /// One turn of poll().
-  Outcome watch(GroupTalk& talk);
+  Outcome watch(AxesCall& call);
   void monitor_loop(const std::stop_token& stop);
 
   /// What stream() does in lock-step and in real time.
@@ -91,8 +91,8 @@ struct AxisGroup::State {
   Outcome collect_oldest() const;
 
  private:
-  Result<LineTimes> times_of(GroupTalk& talk, const LineRequest& request) const;
-  static void withdraw(GroupTalk& talk);
+  Result<LineTimes> times_of(AxesCall& call, const LineRequest& request) const;
+  static void withdraw(AxesCall& call);
 };
 
 /// @return the time-out of a call that is no move.

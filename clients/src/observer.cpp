@@ -41,15 +41,25 @@ Result<Observation> Observer::observe(const Target& target, std::span<const std:
   if (target.steps()) return clocks_.step(target, 0, axes);
   if (target.is_paused) return read_status(target, axes);
   const auto feed = stream_.open_feed(target, {axes.begin(), axes.end()});
-  auto sample = stream_.next(target, *feed, kFirstSample);
-  if (!sample && discovery_.is_paused(target.key)) return read_status(target, axes);
+  return observe(target, axes, *feed);
+}
+
+Result<Observation> Observer::observe(const Target& target, std::span<const std::uint16_t> axes,
+                                      StatusFeed& feed) {
+  auto sample = stream_.next(target, feed, kFirstSample);
+  if (!sample && discovery_.is_paused(target.key)) return observe_at_rest(target, axes);
   if (sample.outcome().kind() == OutcomeKind::timed_out) {
     return Outcome::timed_out(name_of(target) + " sends no status stream");
   }
   return sample;
 }
 
-/// While time stands still a bench sends no status frames, but it answers requests.
+/// While time stands still a bench sends no status frames.
+Result<Observation> Observer::observe_at_rest(const Target& target,
+                                              std::span<const std::uint16_t> axes) {
+  return connection_.may_command() ? read_status(target, axes) : stream_.next_samples(target, axes);
+}
+
 Result<Observation> Observer::read_status(const Target& target,
                                           std::span<const std::uint16_t> axes) {
   Observation observation;
@@ -67,14 +77,14 @@ Result<Observation> Observer::read_status(const Target& target,
     const auto reply =
         requests_.exchange(target, std::move(request), "status of " + name_of(target, axis));
     if (!reply) return reply.outcome();
-    AxisSnapshot snapshot;
-    snapshot.id = {target.key.number, axis};
-    snapshot.tick = reply->tick();
+    AxisSnapshot sample;
+    sample.id = {target.key.number, axis};
+    sample.tick = reply->tick();
     for (std::size_t i = 0; i < std::min(reply->objects().size(), members.size()); ++i) {
-      members[i].set(snapshot.status, reply->objects()[i].value());
+      members[i].set(sample.status, reply->objects()[i].value());
     }
     observation.tick = reply->tick();
-    observation.axes.push_back(snapshot);
+    observation.axes.push_back(sample);
   }
   return observation;
 }

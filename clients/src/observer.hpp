@@ -23,6 +23,10 @@ class Observer {
   /// The present state of `axes`.
   Result<Observation> observe(const Target& target, std::span<const std::uint16_t> axes);
 
+  /// The same from the next sample of a feed, of a bench whose drive time is not lock-step.
+  Result<Observation> observe(const Target& target, std::span<const std::uint16_t> axes,
+                              StatusFeed& feed);
+
   /// The newest tick of the bench.
   Result<std::uint64_t> present_tick(const Target& target);
 
@@ -30,6 +34,7 @@ class Observer {
   Result<std::uint64_t> wait_for_tick(const Target& target, std::uint64_t tick);
 
  private:
+  Result<Observation> observe_at_rest(const Target& target, std::span<const std::uint16_t> axes);
   Result<Observation> read_status(const Target& target, std::span<const std::uint16_t> axes);
 
   const Discovery& discovery_;
