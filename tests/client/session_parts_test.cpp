@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: Apache-2.0
+// The parts of a session that several threads use: wake-ups, what is unanswered, what is held.
+#include "holdings.hpp"
+#include "unanswered.hpp"
+#include "wakeup.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <thread>
+#include <vector>
+
+namespace vdrive::client {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+constexpr BenchKey kBench{1, 10};
+constexpr BenchKey kOtherBench{2, 10};
+constexpr BenchKey kNextRun{1, 11};
+constexpr auto kEver = Directory::Clock::time_point::max();
+
+// ---- wake-ups --------------------------------------------------------------------------------
+
+TEST(Wakeup, MissesNoChangeBetweenTheConditionAndTheWait) {
+  Wakeup sut;
+  const std::uint64_t changes = sut.changes();
+  sut.notify();
+  const auto begin = Wakeup::Clock::now();
+  sut.wait_until(changes, begin + 1h);
+  EXPECT_LT(Wakeup::Clock::now(), begin + 1h);
+}
+
+TEST(Wakeup, WakesTheCallOfAnotherThread) {
+  Wakeup sut;
+  const std::uint64_t changes = sut.changes();
+  std::jthread other([&sut] {
+    sut.notify();
+  });
+  sut.wait_until(changes, Wakeup::Clock::now() + 1h);
+  EXPECT_NE(sut.changes(), changes);
+}
+
+TEST(Wakeup, WaitsNoLongerThanItsDeadline) {
+  Wakeup sut;
+  sut.wait_until(sut.changes(), Wakeup::Clock::now());
+  EXPECT_FALSE(sut.is_interrupted());
+}
+
+TEST(Wakeup, IsAChangeWhenItIsInterrupted) {
+  Wakeup sut;
+  const std::uint64_t changes = sut.changes();
+  sut.interrupt();
+  sut.wait_until(changes, Wakeup::Clock::now() + 1h);
+  EXPECT_TRUE(sut.is_interrupted());
+}
+
+// ---- what is unanswered ----------------------------------------------------------------------
+
+using Numbers = Unanswered<int, int, int>;
+
+TEST(UnansweredMessages, KeepAnAnswerForTheNumberThatItAnswers) {
+  Numbers sut;
+  EXPECT_EQ(sut.add(1, kBench, 100), 100);
+  sut.add(2, kBench, 200);
+  EXPECT_TRUE(sut.answer(2, -2));
+  EXPECT_FALSE(sut.is_answered(1));
+  EXPECT_TRUE(sut.is_answered(2));
+  EXPECT_EQ(sut.message(1), 100);
+  EXPECT_EQ(sut.take(2), -2);
+  EXPECT_EQ(sut.take(1), std::nullopt);
+}
+
+TEST(UnansweredMessages, IgnoreAnAnswerThatNobodyAwaits) {
+  Numbers sut;
+  EXPECT_FALSE(sut.answer(1, -1));
+  sut.add(1, kBench, 100);
+  EXPECT_EQ(sut.take(1), std::nullopt);
+  EXPECT_FALSE(sut.answer(1, -1));
+}
+
+TEST(UnansweredMessages, AreRepeatedInOrderToTheirRunUntilTheyAreAnswered) {
+  Numbers sut;
+  sut.add(3, kBench, 300);
+  sut.add(1, kBench, 100);
+  sut.add(2, kBench, 200);
+  sut.add(4, kNextRun, 400);
+  sut.answer(2, -2);
+  EXPECT_THAT(sut.to_repeat(kBench, kEver), ElementsAre(100, 300));
+  sut.answer(1, -1);
+  EXPECT_THAT(sut.to_repeat(kBench, kEver), ElementsAre(300));
+}
+
+TEST(UnansweredMessages, AreDueOnlyWhenTheyWereSentBefore) {
+  Numbers sut;
+  const auto before = Directory::Clock::now();
+  sut.add(1, kBench, 100);
+  EXPECT_FALSE(sut.has_due(kBench, before));
+  EXPECT_THAT(sut.to_repeat(kBench, before), IsEmpty());
+  EXPECT_TRUE(sut.has_due(kBench, kEver));
+  EXPECT_FALSE(sut.has_due(kNextRun, kEver));
+}
+
+TEST(UnansweredMessages, AreAnsweredByAnotherThreadWhileTheyAreRepeated) {
+  constexpr int kCount = 1000;
+  Numbers sut;
+  for (int number = 0; number < kCount; ++number) sut.add(number, kBench, number);
+  std::jthread other([&sut] {
+    for (int number = 0; number < kCount; ++number) sut.answer(number, -number);
+  });
+  while (!sut.to_repeat(kBench, kEver).empty()) {
+  }
+  for (int number = 0; number < kCount; ++number) EXPECT_EQ(sut.take(number), -number);
+}
+
+// ---- what is held ----------------------------------------------------------------------------
+
+constexpr std::array<std::uint16_t, 2> kAxes{1, 2};
+
+msg::CommandReply refusal(const BenchKey& key, std::uint64_t sequence, std::uint32_t reason) {
+  msg::CommandReply reply;
+  reply.bench(key.number);
+  reply.incarnation(key.incarnation);
+  reply.sequence_number(sequence);
+  reply.refusals().emplace_back().reason(reason);
+  return reply;
+}
+
+TEST(Holdings, NumberTheFramesOfEachRunFromOne) {
+  Holdings sut(99);
+  EXPECT_EQ(sut.last_sequence(kBench), 0U);
+  EXPECT_EQ(sut.next_frame(kBench).sequence_number(), 1U);
+  EXPECT_EQ(sut.next_frame(kBench).sequence_number(), 2U);
+  EXPECT_EQ(sut.next_frame(kOtherBench).sequence_number(), 1U);
+  EXPECT_EQ(sut.last_sequence(kBench), 2U);
+  EXPECT_EQ(sut.next_frame(kNextRun).sequence_number(), 1U);
+}
+
+TEST(Holdings, PutSessionRunAndEpochIntoAFrame) {
+  Holdings sut(99);
+  sut.note_acquired(kBench, kAxes, 5, true);
+  const msg::CommandFrame frame = sut.next_frame(kBench);
+  EXPECT_EQ(frame.session(), 99U);
+  EXPECT_EQ(frame.bench(), 1U);
+  EXPECT_EQ(frame.incarnation(), 10U);
+  EXPECT_EQ(frame.epoch(), 5U);
+}
+
+TEST(Holdings, LoseControlByARefusedFrameOfThePresentEpochOnly) {
+  Holdings sut(99);
+  (void)sut.next_frame(kBench);  // 1: of the epoch before
+  sut.note_acquired(kBench, kAxes, 5, true);
+  (void)sut.next_frame(kBench);  // 2
+  sut.note_answer(refusal(kBench, 1, msg::REASON_STALE_EPOCH));
+  sut.note_answer(refusal(kNextRun, 2, msg::REASON_STALE_EPOCH));
+  sut.note_answer(refusal(kBench, 2, msg::REASON_TOO_LATE));
+  EXPECT_TRUE(sut.holds(kBench, kAxes));
+  sut.note_answer(refusal(kBench, 2, msg::REASON_STALE_EPOCH));
+  EXPECT_FALSE(sut.holds(kBench, kAxes));
+  EXPECT_THAT(sut.to_keep_alive(), IsEmpty());
+}
+
+TEST(Holdings, NeedKeepAlivesWhereAWallClockRunsAndAxesAreHeld) {
+  Holdings sut(99);
+  sut.note_acquired(kBench, kAxes, 5, true);
+  sut.note_acquired(kOtherBench, kAxes, 1, false);
+  EXPECT_THAT(sut.to_keep_alive(), ElementsAre(kBench));
+  EXPECT_EQ(sut.next_keep_alive(kBench)->sequence_number(), 1U);
+  EXPECT_FALSE(sut.next_keep_alive(kNextRun)) << "another run has the number";
+  EXPECT_THAT(sut.drop_all(), ElementsAre(kBench, kOtherBench));
+  EXPECT_THAT(sut.to_keep_alive(), IsEmpty());
+  EXPECT_THAT(sut.drop_all(), IsEmpty());
+}
+
+TEST(Holdings, LetOneThreadAtATimeSendToABench) {
+  Holdings sut(99);
+  const auto sending = sut.lock_sending(1);
+  std::jthread other([&sut] {
+    EXPECT_FALSE(sut.try_lock_sending(1).owns_lock());
+    EXPECT_TRUE(sut.try_lock_sending(2).owns_lock());
+  });
+  other.join();
+  EXPECT_TRUE(sending.owns_lock());
+}
+
+}  // namespace
+}  // namespace vdrive::client
