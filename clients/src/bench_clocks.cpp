@@ -214,7 +214,7 @@ Result<Observation> BenchClocks::step(const Target& target, std::uint64_t ticks,
     }
     observation.tick = reply->tick();
     for (const msg::AxisStatus& status : reply->statuses()) {
-      observation.axes.push_back(snapshot_of(status));
+      observation.axes.push_back(sample_of(status));
     }
   } while (left != 0 || shown < axes.size());
   return observation;

@@ -12,7 +12,7 @@ namespace {
 using Clock = Discovery::Clock;
 using std::chrono::milliseconds;
 
-// What is not answered within this, while the bench is heard, is sent again.
+// What is not answered within this, while samples of the bench arrive, is sent again.
 constexpr milliseconds kRepeatAfter{1'000};
 
 // While a match is awaited the bench may change its participant: checked this often.
@@ -64,7 +64,7 @@ void Connection::on_command_reply(const msg::CommandReply& message, const wire::
   if (message.session() != session_) return;
   const BenchKey key{message.bench(), message.incarnation()};
   discovery_.note_sender(key, source);
-  // Who receives the answer must find what it says about control.
+  // Who receives the answer must find the loss of control that it may show.
   holdings_.note_answer(message);
   if (unanswered_.frames.answer({key, message.sequence_number()}, message)) wakeup_.notify();
 }

@@ -61,8 +61,8 @@ class Connection {
   Result<OpenLink> open(const Target& target, std::string_view what,
                         std::chrono::milliseconds patience = kMatch);
 
-  /// Sends through an open link. @return false when the queue stays full, or the bench is not heard
-  /// meanwhile.
+  /// Sends through an open link. @return false when the queue stays full, or no sample of the bench
+  /// arrives meanwhile.
   bool send(const OpenLink& link, const msg::Request& request);
   bool send(const OpenLink& link, const msg::CommandFrame& frame);
 

@@ -50,17 +50,17 @@ void Directory::on_description(const msg::BenchDescription& message, const wire:
 
 void Directory::on_state(const msg::BenchState& message, Clock::time_point now) {
   const BenchKey key{message.bench(), message.incarnation()};
-  heard(key, message.tick(), now);
+  note_sample(key, message.tick(), now);
   const auto found = entries_.find(key);
   if (found == entries_.end()) return;
   Entry& entry = found->second;
   entry.info.rate = message.rate();
   entry.info.wire_starts = message.wire_starts();
-  entry.rate_heard = now;
+  entry.rate_time = now;
   entry.slowest_stepper = message.slowest_stepper();
 }
 
-void Directory::speaks(const BenchKey& key, const wire::Source& source) {
+void Directory::note_sender(const BenchKey& key, const wire::Source& source) {
   const auto entry = entries_.find(key);
   if (entry != entries_.end()) entry->second.source = source;
 }
@@ -105,11 +105,11 @@ bool Directory::forget_the_most_silent(Clock::time_point now) {
 std::vector<Presence> Directory::presences(Clock::time_point now) const {
   std::vector<Presence> runs;
   for (const auto& [key, entry] : entries_) {
-    if (!entry.heard || entry.part_count == 0) continue;
+    if (!entry.newest_sample || entry.part_count == 0) continue;
     const bool stands = entry.info.clock_mode == ClockMode::lockstep ||
                         (entry.info.clock_mode == ClockMode::realtime && entry.info.rate == 0.0);
     runs.push_back({.key = key,
-                    .age = now - *entry.heard,
+                    .age = now - *entry.newest_sample,
                     .is_offline = entry.offline,
                     .is_streaming = !stands});
   }
@@ -124,7 +124,7 @@ void Directory::set_rate(const BenchKey& key, double rate) {
 bool Directory::is_paused(const BenchKey& key, Clock::time_point since) const {
   const auto entry = entries_.find(key);
   return entry != entries_.end() && entry->second.info.clock_mode == ClockMode::realtime &&
-         entry->second.info.rate == 0.0 && entry->second.rate_heard > since;
+         entry->second.info.rate == 0.0 && entry->second.rate_time > since;
 }
 
 std::uint64_t Directory::slowest_stepper(const BenchKey& key) const {
@@ -137,16 +137,16 @@ bool Directory::is_restarted(const BenchKey& key, Clock::time_point now) const {
   return present && present->info.incarnation != key.incarnation;
 }
 
-void Directory::heard(const BenchKey& key, std::uint64_t tick, Clock::time_point now) {
+void Directory::note_sample(const BenchKey& key, std::uint64_t tick, Clock::time_point now) {
   Entry* const entry = entry_of(key, now);
   if (entry == nullptr) return;
-  entry->heard = now;
+  entry->newest_sample = now;
   entry->info.tick = std::max(entry->info.tick, tick);
 }
 
 bool Directory::Entry::is_present(Clock::time_point now) const {
-  return !offline && part_count != 0 && parts.size() == part_count && heard &&
-         now - *heard < kPresence;
+  return !offline && part_count != 0 && parts.size() == part_count && newest_sample &&
+         now - *newest_sample < kPresence;
 }
 
 std::vector<PresentBench> Directory::present(Clock::time_point now) const {
@@ -172,8 +172,8 @@ std::optional<PresentBench> Directory::find(std::uint32_t number, Clock::time_po
 bool Directory::is_alive(const BenchKey& key, std::chrono::milliseconds patience,
                          Clock::time_point now) const {
   const auto entry = entries_.find(key);
-  return entry != entries_.end() && !entry->second.offline && entry->second.heard &&
-         now - *entry->second.heard < patience;
+  return entry != entries_.end() && !entry->second.offline && entry->second.newest_sample &&
+         now - *entry->second.newest_sample < patience;
 }
 
 std::uint64_t Directory::tick(const BenchKey& key) const {

@@ -58,12 +58,12 @@ class Directory {
                       Clock::time_point now);
   void on_state(const msg::BenchState& message, Clock::time_point now);
 
-  /// Another live sample of this bench: a status frame or an answer.
-  void heard(const BenchKey& key, std::uint64_t tick, Clock::time_point now);
+  /// Another live sample of this run: a status frame or an answer.
+  void note_sample(const BenchKey& key, std::uint64_t tick, Clock::time_point now);
 
   /// This participant sent a live sample of the run and is its sender from now on. A service whose
   /// network process restarts has a new participant and continues its run.
-  void speaks(const BenchKey& key, const wire::Source& source);
+  void note_sender(const BenchKey& key, const wire::Source& source);
 
   /// @return the participant that sends for this run; nothing before its first live sample.
   [[nodiscard]] std::optional<wire::Source> source_of(const BenchKey& key) const;
@@ -76,17 +76,18 @@ class Directory {
   /// @return the bench `number` if it is there.
   [[nodiscard]] std::optional<PresentBench> find(std::uint32_t number, Clock::time_point now) const;
 
-  /// @return whether this run was heard within `patience` and has not gone offline.
+  /// @return whether a sample of this run arrived within `patience` and has not gone offline.
   [[nodiscard]] bool is_alive(const BenchKey& key, std::chrono::milliseconds patience,
                               Clock::time_point now) const;
 
-  /// @return every run that has been described and heard, by bench; of one bench the newest last.
+  /// @return every run that has a description and a sample, by bench; of one bench the newest last.
   [[nodiscard]] std::vector<Presence> presences(Clock::time_point now) const;
 
   /// This run answered that it has another rate, before its state says so.
   void set_rate(const BenchKey& key, double rate);
 
-  /// @return whether this run said after `since` that its drive time stands still: realtime at
+  /// @return whether a state of this run after `since` shows that its drive time stands still:
+  /// realtime at
   ///         rate 0.
   [[nodiscard]] bool is_paused(const BenchKey& key, Clock::time_point since) const;
 
@@ -96,7 +97,7 @@ class Directory {
   /// @return whether another run has the bench number now.
   [[nodiscard]] bool is_restarted(const BenchKey& key, Clock::time_point now) const;
 
-  /// @return the newest tick heard of, 0 when none was.
+  /// @return the newest tick received, 0 when none was.
   [[nodiscard]] std::uint64_t tick(const BenchKey& key) const;
 
  private:
@@ -106,9 +107,9 @@ class Directory {
     std::map<std::uint16_t, std::vector<AxisInfo>> parts;
     std::uint16_t part_count = 0;
     bool offline = false;
-    std::optional<Clock::time_point> heard;
-    Clock::time_point newest;  ///< of whatever it said
-    Clock::time_point rate_heard{};
+    std::optional<Clock::time_point> newest_sample;
+    Clock::time_point newest;  ///< message of any kind
+    Clock::time_point rate_time{};
     std::uint64_t slowest_stepper = 0;
 
     [[nodiscard]] bool is_present(Clock::time_point now) const;

@@ -16,7 +16,7 @@ using std::chrono::milliseconds;
 // After this without a further bench, all benches that are there have been found.
 constexpr milliseconds kSettle{250};
 
-// A search looks at the clock at least this often.
+// A search compares its deadline at least this often.
 constexpr milliseconds kSearchPeriod{50};
 
 // A service that had no room for this participant reads its announcement again after a change.
@@ -151,20 +151,20 @@ void Discovery::on_state(const msg::BenchState& message, const wire::Source& sou
   {
     const std::scoped_lock lock(mutex_);
     directory_.on_state(message, Clock::now());
-    directory_.speaks({message.bench(), message.incarnation()}, source);
+    directory_.note_sender({message.bench(), message.incarnation()}, source);
   }
   wakeup_.notify();
 }
 
 void Discovery::note_sender(const BenchKey& key, const wire::Source& source) {
   const std::scoped_lock lock(mutex_);
-  directory_.speaks(key, source);
+  directory_.note_sender(key, source);
 }
 
 void Discovery::note_sample(const BenchKey& key, std::uint64_t tick, const wire::Source& source) {
   const std::scoped_lock lock(mutex_);
-  directory_.heard(key, tick, Clock::now());
-  directory_.speaks(key, source);
+  directory_.note_sample(key, tick, Clock::now());
+  directory_.note_sender(key, source);
 }
 
 void Discovery::set_rate(const BenchKey& key, double rate) {
@@ -218,7 +218,7 @@ std::uint64_t Discovery::tick(const BenchKey& key) const {
 
 std::vector<ServiceChange> Discovery::changes(ServiceWatch& watch) const {
   const std::scoped_lock lock(mutex_);
-  return watch.look(directory_, Clock::now());
+  return watch.changes(directory_, Clock::now());
 }
 
 }  // namespace vdrive::client

@@ -59,7 +59,7 @@ class Discovery {
   /// @return the participant that sends for this run; nothing before its first live sample.
   [[nodiscard]] std::optional<wire::Source> source_of(const BenchKey& key) const;
 
-  /// @return whether this run was heard within `patience` and has not gone offline.
+  /// @return whether a sample of this run arrived within `patience` and has not gone offline.
   [[nodiscard]] bool is_alive(const BenchKey& key, std::chrono::milliseconds patience) const;
 
   /// @return lost when this run of the service was silent for silence(), ended, or was replaced.
@@ -69,7 +69,7 @@ class Discovery {
   ///         as its samples arrive.
   [[nodiscard]] Outcome check_samples(const Target& target) const;
 
-  /// @return whether this run said after `since` that its drive time stands still.
+  /// @return whether a state of this run after `since` shows that its drive time stands still.
   [[nodiscard]] bool is_paused(const BenchKey& key, Clock::time_point since = {}) const;
 
   /// @return the stepper that time waits for by the newest state, 0 = none.
@@ -78,7 +78,7 @@ class Discovery {
   /// @return the newest tick received, 0 when none was.
   [[nodiscard]] std::uint64_t tick(const BenchKey& key) const;
 
-  /// @return what has changed since `watch` was asked last.
+  /// @return what has changed since the last call with `watch`.
   [[nodiscard]] std::vector<ServiceChange> changes(ServiceWatch& watch) const;
 
   /// Wall time without a sample after which a service counts as lost.

@@ -9,7 +9,7 @@ struct Follower::State {
   Target target;
   std::vector<std::uint16_t> axes;
   Pace pace = Pace::drive;
-  std::shared_ptr<StatusFeed> feed;  ///< none when each look steps
+  std::shared_ptr<StatusFeed> feed;  ///< none when each sample is a step
 };
 
 Follower::Follower(std::unique_ptr<State> state) : state_(std::move(state)) {}

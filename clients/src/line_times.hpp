@@ -28,7 +28,7 @@ struct LineTimes {
 /// the smallest of each count. Without a cruise the peak is p² = 2ad/(a + d). Rounding up makes the
 /// ramps and the duration longer, never an axis faster than its limits.
 /// @return all 0 when no axis has a way; nothing when one has a way and may not move, or when the
-///         duration exceeds what 5E10h can say, 2^32 - 1 us
+///         duration exceeds what 5E10h can hold, 2^32 - 1 us
 [[nodiscard]] std::optional<LineTimes> plan_line(std::span<const AxisWay> ways,
                                                  std::chrono::microseconds period);
 

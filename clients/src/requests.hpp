@@ -21,7 +21,7 @@ class Requests {
   Requests(std::uint64_t session, Connection& connection, UnansweredRequests& unanswered,
            Waiter& waiter);
 
-  /// Sends a request and awaits its reply. Fills in who asks whom.
+  /// Sends a request and awaits its reply. Fills in sender and receiver.
   /// @param what names the request in messages, such as "read of axis 1.1"
   Result<msg::Reply> exchange(const Target& target, msg::Request request, std::string_view what);
 
@@ -35,7 +35,7 @@ class Requests {
   Result<std::uint64_t> send(const Target& target, msg::Request request,
                              std::chrono::milliseconds patience = kMatch);
 
-  /// Awaits the reply to a request, whatever it says.
+  /// Awaits the reply to a request, also a refusal.
   Result<msg::Reply> await(const Target& target, std::uint64_t number, const Patience& patience);
 
  private:

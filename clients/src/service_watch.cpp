@@ -10,8 +10,8 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// A bench whose ticks are published is heard every few milliseconds: with what the look itself may
-// be late its silence is told within 100 ms.
+// Samples of a bench whose ticks are published arrive every few milliseconds: its silence is
+// reported within 100 ms, also when the check itself is late.
 constexpr milliseconds kSilenceOfAStream{80};
 // One that stands still publishes its state 20 times a second: a lost sample is no silence.
 constexpr milliseconds kSilenceOfAState{250};
@@ -58,8 +58,8 @@ std::optional<ServiceNews> ServiceWatch::note(Known& known, const Presence& pres
   return before.is_there ? std::nullopt : std::optional(ServiceNews::heard_again);
 }
 
-std::vector<ServiceChange> ServiceWatch::look(const Directory& directory,
-                                              Directory::Clock::time_point now) {
+std::vector<ServiceChange> ServiceWatch::changes(const Directory& directory,
+                                                 Directory::Clock::time_point now) {
   std::vector<ServiceChange> changes;
   const std::vector<Presence> presences = directory.presences(now);
   forget_the_unknown(presences);

@@ -15,9 +15,9 @@ namespace vdrive::client {
 /// thread-safe.
 class ServiceWatch {
  public:
-  /// @return what has changed since the last look, by bench.
-  [[nodiscard]] std::vector<ServiceChange> look(const Directory& directory,
-                                                Directory::Clock::time_point now);
+  /// @return what has changed since the last call, by bench.
+  [[nodiscard]] std::vector<ServiceChange> changes(const Directory& directory,
+                                                   Directory::Clock::time_point now);
 
  private:
   struct Known {

@@ -8,12 +8,12 @@
 namespace vdrive::client {
 namespace {
 
-// Four seconds at the usual period; who does not look for longer has missed the oldest.
+// Four seconds at the usual period; who takes none for longer has missed the oldest.
 constexpr std::size_t kCapacity = 4096;
 
 }  // namespace
 
-AxisSnapshot snapshot_of(const msg::AxisStatus& message) {
+AxisSnapshot sample_of(const msg::AxisStatus& message) {
   return {.id = {message.bench(), message.axis()},
           .tick = message.tick(),
           .status = wire::from_message(message),
@@ -51,7 +51,7 @@ void StatusFeed::start(std::uint64_t tick) {
 void StatusFeed::put(const msg::AxisStatus& status) {
   const auto place = std::ranges::lower_bound(places_, status.axis(), {}, &Place::axis);
   if (place == places_.end() || place->axis != status.axis() || seen_[place->position]) return;
-  growing_.axes[place->position] = snapshot_of(status);
+  growing_.axes[place->position] = sample_of(status);
   seen_[place->position] = true;
   ++seen_count_;
 }

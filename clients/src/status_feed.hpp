@@ -12,8 +12,8 @@
 
 namespace vdrive::client {
 
-/// @return a message as a snapshot.
-[[nodiscard]] AxisSnapshot snapshot_of(const msg::AxisStatus& message);
+/// @return a message as a sample of its axis.
+[[nodiscard]] AxisSnapshot sample_of(const msg::AxisStatus& message);
 
 /// Puts the status frames of a bench together into samples that show all wanted axes after one
 /// tick, and counts the ticks that went missing. Not thread-safe.

@@ -91,7 +91,7 @@ Result<Observation> StatusStream::next_samples(const Target& target,
   const std::scoped_lock lock(mutex);
   Observation observation;
   for (const std::uint16_t axis : axes) {
-    observation.axes.push_back(snapshot_of(seen.at(axis)));
+    observation.axes.push_back(sample_of(seen.at(axis)));
     observation.tick = std::max(observation.tick, seen.at(axis).tick());
   }
   return observation;

@@ -69,25 +69,25 @@ std::vector<std::string> axes_of(const Command& command) {
                     command);
 }
 
-std::string_view to_string(AxisWord word) noexcept {
-  switch (word) {
-    case AxisWord::enable:
+std::string_view to_string(AxisAction action) noexcept {
+  switch (action) {
+    case AxisAction::enable:
       return "enable";
-    case AxisWord::disable:
+    case AxisAction::disable:
       return "disable";
-    case AxisWord::halt:
+    case AxisAction::halt:
       return "halt";
-    case AxisWord::resume:
+    case AxisAction::resume:
       return "resume";
-    case AxisWord::quick_stop:
+    case AxisAction::quick_stop:
       return "quick-stop";
-    case AxisWord::reset:
+    case AxisAction::reset:
       return "reset";
-    case AxisWord::power_cycle:
+    case AxisAction::power_cycle:
       return "power-cycle";
-    case AxisWord::store:
+    case AxisAction::store:
       return "store";
-    case AxisWord::restore:
+    case AxisAction::restore:
       return "restore";
   }
   return "unknown";

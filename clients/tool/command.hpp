@@ -29,8 +29,8 @@ struct WatchCommand {
   std::uint64_t count = 0;  ///< samples an axis; 0 = until interrupted
 };
 
-/// The words that only take an axis.
-enum class AxisWord : std::uint8_t {
+/// What a command does that takes an axis and nothing else.
+enum class AxisAction : std::uint8_t {
   enable,
   disable,
   halt,
@@ -42,8 +42,8 @@ enum class AxisWord : std::uint8_t {
   restore
 };
 
-struct AxisCommand {
-  AxisWord word;
+struct ActionCommand {
+  AxisAction action;
   std::string axis;
   client::Until until = client::Until::done;
 };
@@ -115,7 +115,7 @@ struct RateCommand {
   std::optional<std::uint32_t> bench;
 };
 
-/// Looks at this machine and at who is there.
+/// Checks this machine and finds who is there.
 struct DoctorCommand {};
 
 struct RunCommand {
@@ -124,7 +124,7 @@ struct RunCommand {
   bool live = false;
 };
 
-/// Words of scenarios.
+/// Commands of scenarios.
 
 struct ExpectCommand {
   std::string axis;
@@ -146,7 +146,7 @@ struct WaitCommand {
 struct RefusedCommand;
 
 using Command =
-    std::variant<ListCommand, StatusCommand, WatchCommand, AxisCommand, MoveCommand, ReadCommand,
+    std::variant<ListCommand, StatusCommand, WatchCommand, ActionCommand, MoveCommand, ReadCommand,
                  WriteCommand, DisturbCommand, DictionaryCommand, StepCommand, RateCommand,
                  SnapshotCommand, RecordCommand, DoctorCommand, RunCommand, ExpectCommand,
                  WaitCommand, std::shared_ptr<const RefusedCommand>>;
@@ -159,8 +159,8 @@ struct RefusedCommand {
 /// @return the axes that the command names.
 [[nodiscard]] std::vector<std::string> axes_of(const Command& command);
 
-/// @return the word, such as "quick-stop".
-[[nodiscard]] std::string_view to_string(AxisWord word) noexcept;
+/// @return the name of the command, such as "quick-stop".
+[[nodiscard]] std::string_view to_string(AxisAction action) noexcept;
 
 /// @return "take", "restore" or "drop".
 [[nodiscard]] std::string_view to_string(SnapshotCommand::Action action) noexcept;

@@ -217,7 +217,7 @@ std::vector<Finding> look_at_benches(std::span<const client::BenchInfo> benches,
   std::vector<Finding> findings;
   for (const client::BenchInfo& bench : benches) {
     findings.push_back(look_at_version(bench));
-    // 0: it has not said yet.
+    // 0: not received yet.
     if (bench.wire_starts != 0) findings.push_back(look_at_wire(bench));
   }
   return findings;

@@ -37,9 +37,9 @@ struct Finding {
 [[nodiscard]] std::vector<Finding> look_at_benches(std::span<const client::BenchInfo> benches,
                                                    const GlobalOptions& options);
 
-/// `vdrive doctor`: reads, looks who is there, and shows the findings.
+/// `vdrive doctor`: reads, finds who is there, and shows the findings.
 /// @return failed when there is a problem.
-/// @param find looks who is on the domain; what it throws is a problem
+/// @param find finds who is on the domain; what it throws is a problem
 client::Outcome run_doctor(const GlobalOptions& options, Terminal& terminal,
                            const std::function<std::vector<client::BenchInfo>()>& find);
 

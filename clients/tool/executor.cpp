@@ -122,7 +122,7 @@ Outcome Executor::watch(const std::vector<client::AxisId>& ids,
   const bool is_live = terminal_.is_interactive() && !is_json_ && count == 0;
   const auto period = is_live ? kWatchRefresh : kWatchPeriod;
   std::uint64_t shown = 0;
-  // The first look asks: the stream of a bench in lock-step may stand still.
+  // The first sample is a request: the stream of a bench in lock-step may stand still.
   auto sample = session_.observe(ids);
   for (auto due = Clock::now(); terminal_.is_open(); sample = follower->next(kPatience)) {
     if (sample.outcome().kind() == OutcomeKind::timed_out || Clock::now() < due) continue;
@@ -219,32 +219,32 @@ Outcome Executor::run(const DictionaryCommand& command) {
 
 // ---- motion ----------------------------------------------------------------------------------
 
-Outcome Executor::run(const AxisCommand& command) {
+Outcome Executor::run(const ActionCommand& command) {
   auto axis = this->axis(command.axis);
   if (!axis) return axis.outcome();
-  return report_motion(*axis, to_string(command.word), command_axis(*axis, command));
+  return report_motion(*axis, to_string(command.action), command_axis(*axis, command));
 }
 
-Outcome Executor::command_axis(client::Axis& axis, const AxisCommand& command) {
+Outcome Executor::command_axis(client::Axis& axis, const ActionCommand& command) {
   const client::CallOptions call = call_options(command.until, timeout_);
-  switch (command.word) {
-    case AxisWord::enable:
+  switch (command.action) {
+    case AxisAction::enable:
       return axis.enable(call);
-    case AxisWord::disable:
+    case AxisAction::disable:
       return axis.disable(call);
-    case AxisWord::halt:
+    case AxisAction::halt:
       return axis.halt(call);
-    case AxisWord::resume:
+    case AxisAction::resume:
       return axis.resume(call);
-    case AxisWord::quick_stop:
+    case AxisAction::quick_stop:
       return axis.quick_stop(call);
-    case AxisWord::reset:
+    case AxisAction::reset:
       return axis.reset_fault(call);
-    case AxisWord::power_cycle:
+    case AxisAction::power_cycle:
       return axis.power_cycle(call);
-    case AxisWord::store:
+    case AxisAction::store:
       return axis.store();
-    case AxisWord::restore:
+    case AxisAction::restore:
       return axis.restore_defaults();
   }
   return Outcome::failed("unknown command");
@@ -363,7 +363,7 @@ Outcome Executor::run(const DisturbCommand& command) {
   }
   if (!command.duration) return {};
   const auto waited = session_.wait(axis->id().bench, *command.duration);
-  // Cleared in any case: who interrupts the time does not ask for a disturbance without end.
+  // Cleared in any case: an interrupt does not mean a disturbance without end.
   for (const Disturbance& input : command.inputs) {
     if (Outcome written = write(*axis, input.object, 0); !written) return written;
   }

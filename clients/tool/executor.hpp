@@ -19,11 +19,11 @@
 namespace vdrive::tool {
 
 /// Carries commands out over one session, and prints what they answer. Success and failure are the
-/// outcome; what a failure says to the user is the caller's to print.
+/// outcome; the caller prints the message of a failure.
 class Executor {
  public:
   /// @param is_json one JSON object a line instead of text
-  /// @param is_quiet only words that ask print; those that command do not
+  /// @param is_quiet only commands that read print; the others print nothing
   Executor(client::Session& session, Terminal& terminal, bool is_json, bool is_quiet);
 
   /// @param timeout drive time of motion, none = the default
@@ -45,7 +45,7 @@ class Executor {
   Outcome run(const ListCommand& command);
   Outcome run(const StatusCommand& command);
   Outcome run(const WatchCommand& command);
-  Outcome run(const AxisCommand& command);
+  Outcome run(const ActionCommand& command);
   Outcome run(const MoveCommand& command);
   Outcome run(const ReadCommand& command);
   Outcome run(const WriteCommand& command);
@@ -67,7 +67,7 @@ class Executor {
   void show_watched(const client::Observation& sample,
                     const std::map<client::AxisId, std::string>& names, bool is_live);
   Outcome list_bench(const client::BenchInfo& bench);
-  Outcome command_axis(client::Axis& axis, const AxisCommand& command);
+  Outcome command_axis(client::Axis& axis, const ActionCommand& command);
   Outcome report_motion(const client::Axis& axis, std::string_view word, const Outcome& outcome);
   Outcome write(client::Axis& axis, const ObjectName& object, std::int64_t value);
   Outcome print_reading(const client::AxisId& axis, const ObjectName& object,

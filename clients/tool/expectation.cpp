@@ -26,14 +26,14 @@ std::string expected_text(const ExpectCommand& command) {
 
 }  // namespace
 
-/// Looks at one object of an axis in tick after tick, from the tick on in which the last write is
+/// Observes one object of an axis in tick after tick, from the tick on in which the last write is
 /// in force.
 class Executor::Looker {
  public:
   Looker(client::Session& session, client::Axis& axis, ObjectAddress object)
       : session_(session), axis_(axis), object_(object) {}
 
-  /// The first look. @param in_force the earliest tick that counts
+  /// The first observation. @param in_force the earliest tick that counts
   Outcome start(const client::BenchInfo& bench, std::uint64_t in_force) {
     is_lockstep_ = bench.clock_mode == client::ClockMode::lockstep;
     auto follower = session_.follow({axis_.id()}, client::Pace::drive);
@@ -48,7 +48,7 @@ class Executor::Looker {
     return {};
   }
 
-  /// Looks at the next tick.
+  /// Observes the next tick.
   Outcome next() {
     while (true) {
       auto sample = follower_->next(kPatience);
@@ -64,7 +64,7 @@ class Executor::Looker {
 
   [[nodiscard]] std::int64_t value() const { return value_; }
 
-  /// Samples of the stream lost since the first look.
+  /// Samples of the stream lost since the first observation.
   [[nodiscard]] std::uint64_t missed() const { return missed_; }
 
  private:

@@ -46,24 +46,24 @@ constexpr std::array kDisturbances{
 constexpr std::array<std::string_view, 6> kValuedOptions{
     "--domain", "--timeout", "--interface", "--peer", "--discovery-server", "--security"};
 
-struct AxisWordRow {
-  AxisWord word;
+struct ActionRow {
+  AxisAction action;
   bool may_return_early;  ///< takes --no-wait
   bool may_wait;          ///< returns early unless --wait
   std::string_view summary;
 };
 
-constexpr std::array kAxisWords{
-    AxisWordRow{AxisWord::enable, false, false, "Go through the power states to Operation enabled"},
-    AxisWordRow{AxisWord::disable, false, false, "Shut down (0x06): to Ready to switch on"},
-    AxisWordRow{AxisWord::halt, false, true, "Brake to standstill, keep the set-point (0x010F)"},
-    AxisWordRow{AxisWord::resume, false, true, "End a halt and continue the set-point (0x0F)"},
-    AxisWordRow{AxisWord::quick_stop, true, false, "Quick stop (0x02), wait for standstill"},
-    AxisWordRow{AxisWord::reset, false, false, "Reset a fault (rising edge of bit 7)"},
-    AxisWordRow{AxisWord::power_cycle, false, false, "Switch the axis off and on again"},
-    AxisWordRow{AxisWord::store, false, false, "Store the parameters for every later power-up"},
-    AxisWordRow{AxisWord::restore, false, false,
-                "Remove stored parameters; defaults are in force after the next power cycle"},
+constexpr std::array kActions{
+    ActionRow{AxisAction::enable, false, false, "Go through the power states to Operation enabled"},
+    ActionRow{AxisAction::disable, false, false, "Shut down (0x06): to Ready to switch on"},
+    ActionRow{AxisAction::halt, false, true, "Brake to standstill, keep the set-point (0x010F)"},
+    ActionRow{AxisAction::resume, false, true, "End a halt and continue the set-point (0x0F)"},
+    ActionRow{AxisAction::quick_stop, true, false, "Quick stop (0x02), wait for standstill"},
+    ActionRow{AxisAction::reset, false, false, "Reset a fault (rising edge of bit 7)"},
+    ActionRow{AxisAction::power_cycle, false, false, "Switch the axis off and on again"},
+    ActionRow{AxisAction::store, false, false, "Store the parameters for every later power-up"},
+    ActionRow{AxisAction::restore, false, false,
+              "Remove stored parameters; defaults are in force after the next power cycle"},
 };
 
 std::vector<Disturbance> inputs_of(const std::string& kind, const std::string& value) {
@@ -327,8 +327,8 @@ class Grammar {
   }
 
   void add_axis_words() {
-    for (const AxisWordRow& row : kAxisWords) {
-      const std::string name(to_string(row.word));
+    for (const ActionRow& row : kActions) {
+      const std::string name(to_string(row.action));
       CLI::App* word = add_word(name, row.summary, name + " 1.1");
       add_axis(word);
       if (row.may_wait) word->add_flag("--wait", words_.wait, "Wait for standstill or target");
@@ -337,8 +337,8 @@ class Grammar {
       }
       word->callback([this, row] {
         const bool early = row.may_wait ? !words_.wait : words_.no_wait;
-        command_ = AxisCommand{row.word, words_.axis,
-                               early ? client::Until::in_force : client::Until::done};
+        command_ = ActionCommand{row.action, words_.axis,
+                                 early ? client::Until::in_force : client::Until::done};
       });
     }
   }

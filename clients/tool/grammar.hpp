@@ -14,14 +14,14 @@ namespace vdrive::tool {
 struct GlobalOptions {
   std::uint32_t domain = 0;
   std::vector<std::string> interfaces;         ///< own addresses in the networks to use
-  std::vector<std::string> peers;              ///< addresses asked beside multicast
+  std::vector<std::string> peers;              ///< addresses searched beside multicast
   std::vector<std::string> discovery_servers;  ///< such as 10.0.0.9:11811, instead of multicast
   std::string security;                        ///< directory of the closed mode; empty = open
   bool json = false;
   std::optional<Duration> timeout;  ///< wall time to find a service, drive time of motion
 };
 
-/// What the command line asks for: a command, or a text (help, version) and nothing else.
+/// What the command line requests: a command, or a text (help, version) and nothing else.
 struct Invocation {
   GlobalOptions options;
   std::optional<Command> command;

@@ -109,7 +109,7 @@ bool hears_multicast(const std::string& own_address) {
 
 // NOLINTEND(*-reinterpret-cast)
 
-/// Whether a process that we may look at has the file mapped.
+/// Whether a process that we may inspect has the file mapped.
 bool is_mapped(const std::string& file) {
   std::error_code ignored;
   for (const auto& process : fs::directory_iterator("/proc", ignored)) {

@@ -15,7 +15,7 @@ struct NetworkInterface {
   bool is_up = false;
 };
 
-/// Whether a datagram to the discovery group of DDS, sent from an own address, is heard there.
+/// Whether a datagram to the discovery group of DDS, sent from an own address, arrives there.
 struct MulticastReading {
   std::string address;
   bool is_heard = false;
@@ -24,10 +24,10 @@ struct MulticastReading {
 /// Shared memory of Fast DDS in /dev/shm.
 struct SharedSegment {
   std::string name;
-  bool is_mapped = false;  ///< by a process that we may look at
+  bool is_mapped = false;  ///< by a process that we may inspect
 };
 
-/// What the machine says of itself, as far as it concerns DDS and ticks. Nothing = it cannot be
+/// What the machine shows of itself, as far as it concerns DDS and ticks. Nothing = it cannot be
 /// read.
 struct HostReadings {
   std::vector<NetworkInterface> interfaces;

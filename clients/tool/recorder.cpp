@@ -96,14 +96,14 @@ Outcome Recorder::follow(std::vector<Track>& tracks) {
   while (goes_on && terminal_.is_open()) {
     goes_on = false;
     for (Track& track : tracks) {
-      if (Outcome seen = look(track); !seen) return seen;
+      if (Outcome seen = take_sample(track); !seen) return seen;
       goes_on = goes_on || !track.has_ended;
     }
   }
   return {};
 }
 
-Outcome Recorder::look(Track& track) {
+Outcome Recorder::take_sample(Track& track) {
   if (track.has_ended) return {};
   const auto sample = track.follower.next(track.patience);
   if (sample.outcome().kind() == OutcomeKind::timed_out) return {};

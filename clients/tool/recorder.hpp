@@ -29,7 +29,7 @@ class Recorder {
            std::map<client::AxisId, std::string> names);
 
   /// @return failed when the file cannot be written, else how the stream ended; ok when it was
-  ///         recorded for as long as asked.
+  ///         recorded for as long as requested.
   client::Outcome record(const std::vector<RecordedBench>& benches);
 
   /// @return samples recorded, one a tick of a bench.
@@ -42,7 +42,7 @@ class Recorder {
   struct Track;
 
   client::Outcome follow(std::vector<Track>& tracks);
-  client::Outcome look(Track& track);
+  client::Outcome take_sample(Track& track);
   void write(const client::Observation& sample);
   [[nodiscard]] std::string csv_row(const client::AxisSnapshot& axis, std::uint64_t missed) const;
   [[nodiscard]] std::string json_row(const client::AxisSnapshot& axis, std::uint64_t missed) const;

@@ -204,7 +204,7 @@ std::string status_line(const client::AxisSnapshot& axis) {
                                axis.status.load_position_actual_value,
                                axis.status.load_velocity_actual_value, unsigned{word}) +
                      std::string(to_string(axis.state()));
-  // Bits 4 and 9 are 1 on every drive that is there: a line says when they are not.
+  // Bits 4 and 9 are 1 on every drive that is there: a line shows when they are not.
   std::string_view separator = ": ";
   if ((word & kUsual) != kUsual) {
     text.append(separator).append("no voltage or not remote");

@@ -18,7 +18,7 @@ bool may_color() {
 }
 
 void put(std::FILE* stream, std::string_view text) {
-  // A failure shows in the stream's state, which is_open() tells.
+  // A failure shows in the stream's state, which is_open() shows.
   (void)std::fwrite(text.data(), 1, text.size(), stream);
 }
 

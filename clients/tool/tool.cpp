@@ -99,7 +99,7 @@ ExitCode run_file(const RunCommand& run, const GlobalOptions& options, Terminal&
   }
 }
 
-/// The doctor looks at the machine also where no session can be had.
+/// The doctor checks the machine also where no session can be opened.
 ExitCode see_doctor(const GlobalOptions& options, Terminal& terminal) {
   const Outcome outcome = run_doctor(options, terminal, [&options] {
     return client::Session(session_options(options)).find_benches();

@@ -21,7 +21,7 @@ struct ObjectName {
 };
 
 /// @param text `0x6041` (sub-index 0), `0x607D:1` or a variable_name
-/// @throws UsageError for anything else. Whether the object exists is the drive's to say.
+/// @throws UsageError for anything else. The drive decides whether the object exists.
 [[nodiscard]] ObjectName parse_object(std::string_view text);
 
 /// @param text decimal, negative, or hexadecimal as the two's complement of `type`: 0xFFFFD8F0 is

@@ -44,7 +44,7 @@ TEST(Directory, ForgetsABenchThatIsSilentForThreeHundredMilliseconds) {
   sut.on_state(state(1, 10), kStart);
   EXPECT_THAT(sut.present(kStart + 299ms), SizeIs(1));
   EXPECT_THAT(sut.present(kStart + 300ms), IsEmpty());
-  sut.heard({1, 10}, 1, kStart + 400ms);
+  sut.note_sample({1, 10}, 1, kStart + 400ms);
   EXPECT_THAT(sut.present(kStart + 500ms), SizeIs(1));
 }
 
@@ -83,7 +83,7 @@ TEST(Directory, OfTwoWithOneNumberBelievesTheLowerIncarnation) {
 TEST(Directory, TellsHowOftenTheNetworkProcessOfABenchWasStarted) {
   Directory sut;
   sut.on_description(description(1, 10), kSource, kStart);
-  sut.heard({1, 10}, 1, kStart);
+  sut.note_sample({1, 10}, 1, kStart);
   EXPECT_EQ(sut.find(1, kStart)->info.wire_starts, 0U) << "no state was heard";
   for (const std::uint64_t starts : {1U, 4U}) {
     msg::BenchState message = state(1, 10);

@@ -26,7 +26,7 @@ class ServiceWatchTest : public testing::Test {
   /// What is told at `now`, each as its news.
   std::vector<ServiceNews> news(std::chrono::milliseconds now) {
     std::vector<ServiceNews> told;
-    for (const ServiceChange& change : sut_.look(directory_, kStart + now)) {
+    for (const ServiceChange& change : sut_.changes(directory_, kStart + now)) {
       EXPECT_EQ(change.bench, 1U);
       EXPECT_FALSE(change.text.empty());
       told.push_back(change.news);
@@ -42,9 +42,9 @@ TEST_F(ServiceWatchTest, TellsOfASilenceWithin100MillisecondsWhileTheBenchTicks)
   describe(10, msg::CLOCK_MODE_REALTIME);
   directory_.on_state(state(1, 10), kStart);
   EXPECT_THAT(news(0ms), ElementsAre(ServiceNews::found));
-  directory_.heard({1, 10}, 5, kStart + 40ms);
+  directory_.note_sample({1, 10}, 5, kStart + 40ms);
   EXPECT_THAT(news(110ms), IsEmpty());
-  const auto changes = sut_.look(directory_, kStart + 125ms);
+  const auto changes = sut_.changes(directory_, kStart + 125ms);
   ASSERT_EQ(changes.size(), 1U);
   EXPECT_EQ(changes[0].news, ServiceNews::fell_silent);
   EXPECT_EQ(changes[0].silence, 85ms);

@@ -98,7 +98,7 @@ class Listeners {
   }
 
   void hear(const msg::Reply& reply) {
-    directory_.heard({reply.bench(), reply.incarnation()}, reply.tick(), now_);
+    directory_.note_sample({reply.bench(), reply.incarnation()}, reply.tick(), now_);
     static_cast<void>(wire::describe_reason(reply.reason()));
     for (const auto& status : reply.statuses()) {
       hear(status);
@@ -106,7 +106,7 @@ class Listeners {
   }
 
   void hear(const msg::StatusFrame& frame) {
-    directory_.heard({frame.bench(), frame.incarnation()}, frame.tick(), now_);
+    directory_.note_sample({frame.bench(), frame.incarnation()}, frame.tick(), now_);
     feed_.on_frame(frame);
     while (const auto sample = feed_.take()) {
       demand(

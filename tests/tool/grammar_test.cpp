@@ -154,14 +154,14 @@ TEST(CommandLine, DisturbsWithNoneOnEveryInput) {
 }
 
 TEST(CommandLine, WaitsOfTheAxisWords) {
-  EXPECT_EQ(command<AxisCommand>("enable 1.1").until, client::Until::done);
-  EXPECT_EQ(command<AxisCommand>("halt 1.1").until, client::Until::in_force);
-  EXPECT_EQ(command<AxisCommand>("halt 1.1 --wait").until, client::Until::done);
-  EXPECT_EQ(command<AxisCommand>("quick-stop 1.1").word, AxisWord::quick_stop);
-  EXPECT_EQ(command<AxisCommand>("quick-stop 1.1 --no-wait").until, client::Until::in_force);
-  EXPECT_EQ(command<AxisCommand>("power-cycle 1.1").word, AxisWord::power_cycle);
-  EXPECT_EQ(command<AxisCommand>("store 1.1").word, AxisWord::store);
-  EXPECT_EQ(command<AxisCommand>("restore 1.1").word, AxisWord::restore);
+  EXPECT_EQ(command<ActionCommand>("enable 1.1").until, client::Until::done);
+  EXPECT_EQ(command<ActionCommand>("halt 1.1").until, client::Until::in_force);
+  EXPECT_EQ(command<ActionCommand>("halt 1.1 --wait").until, client::Until::done);
+  EXPECT_EQ(command<ActionCommand>("quick-stop 1.1").action, AxisAction::quick_stop);
+  EXPECT_EQ(command<ActionCommand>("quick-stop 1.1 --no-wait").until, client::Until::in_force);
+  EXPECT_EQ(command<ActionCommand>("power-cycle 1.1").action, AxisAction::power_cycle);
+  EXPECT_EQ(command<ActionCommand>("store 1.1").action, AxisAction::store);
+  EXPECT_EQ(command<ActionCommand>("restore 1.1").action, AxisAction::restore);
 }
 
 TEST(CommandLine, OtherWords) {

@@ -50,7 +50,7 @@ struct ObjectReading {
 /// Answer to the read of several objects, all of one tick.
 struct Readings {
   std::uint64_t tick = 0;
-  std::vector<ObjectReading> objects;  ///< in the order that was asked for
+  std::vector<ObjectReading> objects;  ///< in the order of the request
 };
 
 /// One axis of a bench, commanded over the network. A handle: copies refer to the same axis; it

@@ -44,7 +44,7 @@ struct AxisSnapshot {
 struct Observation {
   std::uint64_t tick = 0;
   std::uint64_t missed = 0;        ///< samples of the stream lost since the one before
-  std::vector<AxisSnapshot> axes;  ///< in the order that was asked for
+  std::vector<AxisSnapshot> axes;  ///< in the order of the request
 };
 
 /// @return the object's value when the status image has it, else nothing.

@@ -21,13 +21,13 @@ enum class OutcomeKind : std::uint8_t {
   failed,     ///< accepted, but ended by a fault, a lost enable or an interrupt
 };
 
-/// Code of a refusal by this program's own permissions (closed mode): no bench was asked.
+/// Code of a refusal by this program's own permissions (closed mode): nothing was sent to a bench.
 inline constexpr std::uint32_t kNotPermitted = 1000;
 
 /// @return the kind as one word, such as "timed_out".
 [[nodiscard]] std::string_view to_string(OutcomeKind kind) noexcept;
 
-/// Answer to a client call. Converts to true when the call did what it says.
+/// Answer to a client call. Converts to true when the call did what it is for.
 class [[nodiscard]] Outcome {
  public:
   /// Success.

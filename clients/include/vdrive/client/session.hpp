@@ -33,7 +33,7 @@ struct SessionOptions {
   std::uint32_t domain = 0;  ///< DDS domain, 0 to 232
   std::vector<std::string>
       interfaces{};  ///< own addresses in the networks to use; empty = loopback only
-  std::vector<std::string> peers{};  ///< hosts asked for benches in addition to multicast
+  std::vector<std::string> peers{};  ///< hosts searched for benches in addition to multicast
   std::vector<std::string>
       discovery_servers{};  ///< such as "10.0.0.9:11811", instead of multicast and peers
   std::string security{};   ///< directory of the closed mode's material; empty = open
@@ -67,7 +67,7 @@ struct ServiceChange {
 
 /// Whether a follower advances the clock of a lock-step bench.
 enum class Pace : std::uint8_t {
-  drive,   ///< in lock-step each look steps one tick; else follows the status stream
+  drive,   ///< in lock-step each sample is a step of one tick; else follows the status stream
   listen,  ///< follows the status stream, whoever advances the clock, also while it is paused
 };
 
@@ -104,7 +104,7 @@ class Follower {
 /// their ticks and wait for the other steppers, up to 10 s of wall time for the next tick.
 ///
 /// In the closed mode the identity may be a viewer's: then what is published can be seen, and every
-/// call that would have to ask a bench for something is refused with kNotPermitted.
+/// call that would have to send something to a bench is refused with kNotPermitted.
 ///
 /// When the network part of a service starts anew, or the link comes back, calls that wait go on by
 /// themselves: what was not answered is sent again, and acts once. Axes that the bench took away
@@ -125,7 +125,7 @@ class Session {
 
   /// Waits until some bench is there and no further one turns up for 250 ms.
   /// @return the benches by number; none after `find_timeout`. A bench is there while its samples
-  ///         are younger than 300 ms and it has not said that it went offline.
+  ///         are younger than 300 ms and it has not announced its end.
   [[nodiscard]] std::vector<BenchInfo> find_benches();
 
   /// @param number of the bench; none = the only one there is
@@ -179,8 +179,9 @@ class Session {
   Result<Follower> follow(std::vector<AxisId> axes, Pace pace);
 
   /// Calls `observer`, in a thread of the session, when a service is found, falls silent, is heard
-  /// again, restarts or goes offline. A silence is judged by the age of samples: it is told within
-  /// 100 ms while the bench ticks, within 300 ms where time stands still (lock-step, paused).
+  /// again, restarts or goes offline. A silence is judged by the age of samples: it is reported
+  /// within 100 ms while the bench ticks, within 300 ms where time stands still (lock-step,
+  /// paused).
   /// @param observer must not end the session; an empty one ends the watch. It replaces the last.
   void watch_services(std::function<void(const ServiceChange&)> observer);
 
