@@ -2,6 +2,7 @@
 #include "report_publisher.hpp"
 
 #include "event_text.hpp"
+#include "parameter_store.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/wire/conversion.hpp"
 
