@@ -80,17 +80,18 @@ Outcome ObservedAxes::compare_clocks() const {
   return {};
 }
 
+/// A group waits for a bench that is paused while it begins.
+Outcome ObservedAxes::first_sample(BenchPart& part) {
+  const bool is_running = part.feed && !part.target.is_paused;
+  if (!is_running) return note(part, core_->observer.observe(part.target, part.bench->axes));
+  if (caller_ == Caller::group) return next(part);
+  return note(part, core_->observer.observe(part.target, part.bench->axes, *part.feed));
+}
+
 /// The first sample of each bench, then the first tick that all of them show.
 Outcome ObservedAxes::observe_first() {
   for (BenchPart& part : parts_) {
-    const bool is_running = part.feed && !part.target.is_paused;
-    if (caller_ == Caller::group && is_running) {
-      if (Outcome seen = next(part); !seen) return seen;
-      continue;
-    }
-    auto sample = is_running ? core_->observer.observe(part.target, part.bench->axes, *part.feed)
-                             : core_->observer.observe(part.target, part.bench->axes);
-    if (Outcome seen = note(part, std::move(sample)); !seen) return seen;
+    if (Outcome seen = first_sample(part); !seen) return seen;
   }
   if (!steps()) {
     if (Outcome shared = await_common_ticks(); !shared) return shared;

@@ -93,6 +93,7 @@ class ObservedAxes {
 
  private:
   [[nodiscard]] Outcome compare_clocks() const;
+  Outcome first_sample(BenchPart& part);
   Outcome observe_first();
   Outcome await_common_ticks();
   Outcome catch_up(BenchPart& part);
