@@ -493,16 +493,21 @@ std::chrono::microseconds AxisBank::period() const noexcept {
 
 AbortCode AxisBank::write(std::size_t axis, ObjectAddress object, std::int64_t value) noexcept {
   const auto row = find_object(object);
-  return row ? state_->write(axis, *row, value) : check_address(object);
+  return row ? write(axis, *row, value) : check_address(object);
+}
+
+AbortCode AxisBank::write(std::size_t axis, ObjectRow row, std::int64_t value) noexcept {
+  return state_->write(axis, row, value);
 }
 
 ReadResult AxisBank::read(std::size_t axis, ObjectAddress object) const noexcept {
   const auto row = find_object(object);
-  if (!row) {
-    return {check_address(object), 0};
-  }
+  return row ? read(axis, *row) : ReadResult{check_address(object), 0};
+}
+
+ReadResult AxisBank::read(std::size_t axis, ObjectRow row) const noexcept {
   ReadResult result;
-  result.value = read_object(state_->drive(axis), *row, result.code);
+  result.value = read_object(state_->drive(axis), row, result.code);
   return result;
 }
 

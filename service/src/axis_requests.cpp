@@ -73,25 +73,29 @@ std::uint32_t AxisRequests::write_object(const msg::ObjectAccess& object, std::u
   const auto axis = axes_.index_of(object.axis());
   if (!axis) return msg::REASON_UNKNOWN_AXIS;
   const ObjectAddress address{object.index(), object.subindex()};
+  const auto row = find_object(address);
   const std::uint64_t owner = masters_.owner(*axis).session;
-  if (owner != 0 && owner != session && !has_role(address, Role::test_input)) return kLocalControl;
-  if (owner == 0 && has_role(address, Role::command)) {
-    return write_command_object(*axis, address, object.value(), session);
+  if (owner != 0 && owner != session && !(row && has_role(*row, Role::test_input))) {
+    return kLocalControl;
   }
-  if (address == kStoreParameters || address == kRestoreParameters) {
-    return stores_.store_by_write(*axis, address, object.value(), place);
+  if (!row) return wire_code(check_address(address));
+  if (owner == 0 && has_role(*row, Role::command)) {
+    return write_command_object(*axis, *row, object.value(), session);
   }
-  return wire_code(writer_.write(*axis, address, object.value()));
+  if (describe(*row).change == Change::memory) {
+    return stores_.store_by_write(*axis, *row, object.value(), place);
+  }
+  return wire_code(writer_.write(*axis, *row, object.value()));
 }
 
 /// Who writes a command object of a free axis becomes its owner.
-std::uint32_t AxisRequests::write_command_object(std::size_t axis, ObjectAddress address,
+std::uint32_t AxisRequests::write_command_object(std::size_t axis, ObjectRow row,
                                                  std::int64_t value, std::uint64_t session) {
   SessionRecord* const record = session == 0 ? nullptr : masters_.admit(session);
   if (record == nullptr) return kLocalControl;
   // The request may have been sent before the session lost its axes.
   if (record->must_acquire) return msg::REASON_STALE_EPOCH;
-  const AbortCode code = writer_.write(axis, address, value);
+  const AbortCode code = writer_.write(axis, row, value);
   if (code == AbortCode::none) masters_.give(axis, *record);
   return wire_code(code);
 }

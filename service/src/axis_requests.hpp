@@ -28,7 +28,7 @@ class AxisRequests {
  private:
   [[nodiscard]] std::uint32_t write_object(const msg::ObjectAccess& object, std::uint64_t session,
                                            std::size_t place);
-  [[nodiscard]] std::uint32_t write_command_object(std::size_t axis, ObjectAddress address,
+  [[nodiscard]] std::uint32_t write_command_object(std::size_t axis, ObjectRow row,
                                                    std::int64_t value, std::uint64_t session);
 
   BenchAxes& axes_;

@@ -5,28 +5,22 @@
 #include "vdrive/dictionary/dictionary.hpp"
 
 namespace vdrive::service {
-namespace {
 
 using namespace vdrive::literals;
-
-constexpr ObjectAddress kControlword = describe("ds402_controlword"_object).address;
-
-}  // namespace
 
 AxisWriter::AxisWriter(BenchAxes& axes, FrameSchedule& schedule)
     : axes_(axes), schedule_(schedule) {}
 
-AbortCode AxisWriter::write(std::size_t axis, ObjectAddress address, std::int64_t value) {
-  const bool halts = schedule_.size() > 0 && begins_halt(axis, address, value);
-  const AbortCode code = axes_.write(axis, address, value);
+AbortCode AxisWriter::write(std::size_t axis, ObjectRow row, std::int64_t value) {
+  const bool halts = schedule_.size() > 0 && begins_halt(axis, row, value);
+  const AbortCode code = axes_.write(axis, row, value);
   if (code == AbortCode::none && halts) schedule_.cancel_of_axis(axes_.number_of(axis));
   return code;
 }
 
-bool AxisWriter::begins_halt(std::size_t axis, ObjectAddress address,
-                             std::int64_t value) const noexcept {
-  return address == kControlword && (value & Controlword::kHalt) != 0 &&
-         (axes_.bank().read(axis, kControlword).value & Controlword::kHalt) == 0;
+bool AxisWriter::begins_halt(std::size_t axis, ObjectRow row, std::int64_t value) const noexcept {
+  return row == "ds402_controlword"_object && (value & Controlword::kHalt) != 0 &&
+         (axes_.bank().read(axis, row).value & Controlword::kHalt) == 0;
 }
 
 }  // namespace vdrive::service

@@ -16,10 +16,10 @@ class AxisWriter {
   AxisWriter(BenchAxes& axes, FrameSchedule& schedule);
 
   /// @return the abort code of the refusal, or AbortCode::none
-  AbortCode write(std::size_t axis, ObjectAddress address, std::int64_t value);
+  AbortCode write(std::size_t axis, ObjectRow row, std::int64_t value);
 
  private:
-  [[nodiscard]] bool begins_halt(std::size_t axis, ObjectAddress address,
+  [[nodiscard]] bool begins_halt(std::size_t axis, ObjectRow row,
                                  std::int64_t value) const noexcept;
 
   BenchAxes& axes_;

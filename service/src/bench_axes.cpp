@@ -29,17 +29,19 @@ std::optional<std::size_t> BenchAxes::index_of(std::uint16_t number) const noexc
   return index < numbers_.size() ? std::optional<std::size_t>(index) : std::nullopt;
 }
 
-AbortCode BenchAxes::write(std::size_t axis, ObjectAddress address, std::int64_t value) {
-  const AbortCode code = bank_.write(axis, address, value);
+AbortCode BenchAxes::write(std::size_t axis, ObjectRow row, std::int64_t value) {
+  const AbortCode code = bank_.write(axis, row, value);
   if (code == AbortCode::none) {
-    record({.axis = static_cast<std::uint16_t>(axis), .address = address, .value = value});
+    record({.axis = static_cast<std::uint16_t>(axis),
+            .address = describe(row).address,
+            .value = value});
     changed_.mark(axis);
   }
   return code;
 }
 
-AbortCode BenchAxes::write_signature(std::size_t axis, ObjectAddress address, std::int64_t value) {
-  return bank_.write(axis, address, value);
+AbortCode BenchAxes::write_signature(std::size_t axis, ObjectRow row, std::int64_t value) {
+  return bank_.write(axis, row, value);
 }
 
 void BenchAxes::power_cycle(std::size_t axis) {

@@ -37,10 +37,10 @@ class BenchAxes {
   [[nodiscard]] std::optional<std::size_t> index_of(std::uint16_t number) const noexcept;
 
   /// @return the abort code of the refusal, or AbortCode::none
-  AbortCode write(std::size_t axis, ObjectAddress address, std::int64_t value);
+  AbortCode write(std::size_t axis, ObjectRow row, std::int64_t value);
 
   /// 1010h and 1011h: the bank judges the signature, and nothing changes.
-  AbortCode write_signature(std::size_t axis, ObjectAddress address, std::int64_t value);
+  AbortCode write_signature(std::size_t axis, ObjectRow row, std::int64_t value);
 
   void power_cycle(std::size_t axis);
 

@@ -11,7 +11,7 @@ namespace {
 
 using namespace vdrive::literals;
 
-constexpr ObjectAddress kControlword = describe("ds402_controlword"_object).address;
+constexpr ObjectRow kControlword = "ds402_controlword"_object;
 
 // The commands of CiA 402, by the bits of 6040h.
 constexpr std::uint16_t kQuickStopCommand = Controlword::kEnableVoltage;

@@ -10,37 +10,37 @@ namespace {
 
 using namespace vdrive::literals;
 
-constexpr ObjectAddress kControlword = describe("ds402_controlword"_object).address;
+constexpr ObjectRow kControlword = "ds402_controlword"_object;
 
 /// A register member of AxisCommand. Rows in the order of their bits: the order of application.
 struct RegisterMember {
   std::uint16_t bit = 0;
-  ObjectAddress address;
+  ObjectRow row = 0;
   std::int64_t (*value)(const msg::AxisCommand& command) = nullptr;
 };
 
 constexpr std::array<RegisterMember, 6> kRegisterMembers{{
-    {msg::HAS_OP_MODE_CMD, describe("op_mode_cmd"_object).address,
+    {msg::HAS_OP_MODE_CMD, "op_mode_cmd"_object,
      [](const auto& c) -> std::int64_t {
        return c.op_mode_cmd();
      }},
-    {msg::HAS_POSITION_USER_TARGET_VALUE, describe("position_user_target_value"_object).address,
+    {msg::HAS_POSITION_USER_TARGET_VALUE, "position_user_target_value"_object,
      [](const auto& c) -> std::int64_t {
        return c.position_user_target_value();
      }},
-    {msg::HAS_PROFILE_VELOCITY, describe("profile_velocity"_object).address,
+    {msg::HAS_PROFILE_VELOCITY, "profile_velocity"_object,
      [](const auto& c) -> std::int64_t {
        return c.profile_velocity();
      }},
-    {msg::HAS_PROFILE_ACC, describe("profile_acc"_object).address,
+    {msg::HAS_PROFILE_ACC, "profile_acc"_object,
      [](const auto& c) -> std::int64_t {
        return c.profile_acc();
      }},
-    {msg::HAS_PROFILE_DEC, describe("profile_dec"_object).address,
+    {msg::HAS_PROFILE_DEC, "profile_dec"_object,
      [](const auto& c) -> std::int64_t {
        return c.profile_dec();
      }},
-    {msg::HAS_POSITIONING_OPTION_CODE, describe("positioning_option_code"_object).address,
+    {msg::HAS_POSITIONING_OPTION_CODE, "positioning_option_code"_object,
      [](const auto& c) -> std::int64_t {
        return c.positioning_option_code();
      }},
@@ -151,7 +151,7 @@ void FrameApplication::apply_all_or_nothing(const msg::CommandFrame& frame) {
 void FrameApplication::take_back() {
   for (; !undo_.empty(); undo_.pop_back()) {
     const Undo& undo = undo_.back();
-    axes_.write(undo.axis, undo.address, undo.value);
+    axes_.write(undo.axis, undo.row, undo.value);
   }
 }
 
@@ -159,35 +159,40 @@ bool FrameApplication::apply_registers(const msg::AxisCommand& command, bool und
   bool accepted = true;
   for (const auto& member : kRegisterMembers) {
     if ((command.members() & member.bit) != 0) {
-      accepted = apply_register(command.axis(), member.address, member.value(command), undoable) &&
-                 accepted;
+      accepted =
+          apply_register(command.axis(), member.row, member.value(command), undoable) && accepted;
     }
   }
   for (const auto& object : command.objects()) {
-    accepted = apply_register(command.axis(), {object.index(), object.subindex()}, object.value(),
-                              undoable) &&
-               accepted;
+    const ObjectAddress address{object.index(), object.subindex()};
+    if (const auto row = find_object(address)) {
+      accepted = apply_register(command.axis(), *row, object.value(), undoable) && accepted;
+    } else {
+      refuse(command.axis(), address, wire_code(check_address(address)));
+      accepted = false;
+    }
   }
   return accepted;
 }
 
-bool FrameApplication::apply_register(std::uint16_t number, ObjectAddress address,
-                                      std::int64_t value, bool undoable) {
+bool FrameApplication::apply_register(std::uint16_t number, ObjectRow row, std::int64_t value,
+                                      bool undoable) {
   const std::size_t axis = *axes_.index_of(number);
   // The controlword has a member, whose place is last. Storing is answered when it is durable, and
   // frames are answered at once.
-  if (address == kControlword || address == kStoreParameters || address == kRestoreParameters) {
-    refuse(number, address, wire_code(AbortCode::cannot_be_mapped_to_pdo));
+  const Change change = describe(row).change;
+  if (change == Change::power || change == Change::memory) {
+    refuse(number, describe(row).address, wire_code(AbortCode::cannot_be_mapped_to_pdo));
     return false;
   }
-  const ReadResult before = undoable ? axes_.bank().read(axis, address) : ReadResult{};
-  const AbortCode code = writer_.write(axis, address, value);
+  const ReadResult before = undoable ? axes_.bank().read(axis, row) : ReadResult{};
+  const AbortCode code = writer_.write(axis, row, value);
   if (code != AbortCode::none) {
-    refuse(number, address, wire_code(code));
+    refuse(number, describe(row).address, wire_code(code));
     return false;
   }
   if (undoable && before.code == AbortCode::none && undo_.size() < undo_.capacity()) {
-    undo_.push_back({static_cast<std::uint16_t>(axis), address, before.value});
+    undo_.push_back({static_cast<std::uint16_t>(axis), row, before.value});
   }
   return true;
 }
@@ -198,7 +203,7 @@ void FrameApplication::apply_controlword(const msg::AxisCommand& command, std::u
     const std::uint32_t ignored = axes_.bank().ignored_set_points(axis);
     const AbortCode code = writer_.write(axis, kControlword, command.ds402_controlword());
     if (code != AbortCode::none) {
-      refuse(command.axis(), kControlword, wire_code(code));
+      refuse(command.axis(), describe(kControlword).address, wire_code(code));
     } else if (axes_.bank().ignored_set_points(axis) != ignored) {
       reply_.ignored_set_points().push_back(command.axis());
     }

@@ -27,7 +27,7 @@ class FrameApplication {
   /// A register before it was overwritten by a frame that may have to be taken back.
   struct Undo {
     std::uint16_t axis = 0;
-    ObjectAddress address;
+    ObjectRow row = 0;
     std::int64_t value = 0;
   };
 
@@ -38,8 +38,7 @@ class FrameApplication {
   void apply_all_or_nothing(const msg::CommandFrame& frame);
   void take_back();
   bool apply_registers(const msg::AxisCommand& command, bool undoable);
-  bool apply_register(std::uint16_t number, ObjectAddress address, std::int64_t value,
-                      bool undoable);
+  bool apply_register(std::uint16_t number, ObjectRow row, std::int64_t value, bool undoable);
   void apply_controlword(const msg::AxisCommand& command, std::uint64_t sequence);
   void refuse(std::uint16_t axis, ObjectAddress address, std::uint32_t reason);
 

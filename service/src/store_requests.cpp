@@ -7,6 +7,8 @@
 namespace vdrive::service {
 namespace {
 
+using namespace vdrive::literals;
+
 constexpr std::size_t kNoObject = msg::MAX_OBJECTS_PER_REQUEST;
 constexpr std::size_t kMostWaiting = 1'024;
 constexpr std::size_t kOrdersPerTick = 4;
@@ -46,14 +48,14 @@ std::uint32_t StoreRequests::store_axes(const msg::Request& request, msg::Reply&
   return msg::REASON_NONE;
 }
 
-std::uint32_t StoreRequests::store_by_write(std::size_t axis, ObjectAddress address,
-                                            std::int64_t value, std::size_t place) {
-  if (const AbortCode code = axes_.write_signature(axis, address, value); code != AbortCode::none) {
+std::uint32_t StoreRequests::store_by_write(std::size_t axis, ObjectRow row, std::int64_t value,
+                                            std::size_t place) {
+  if (const AbortCode code = axes_.write_signature(axis, row, value); code != AbortCode::none) {
     return wire_code(code);
   }
   if (saver_ == nullptr) return wire_code(AbortCode::cannot_store_or_transfer);
   if (free_places_.empty() || saver_->room() == 0) return wire_code(AbortCode::out_of_memory);
-  order(axis, address == kRestoreParameters, place);
+  order(axis, row == "restore_all_default_parameters"_object, place);
   return msg::REASON_NONE;
 }
 

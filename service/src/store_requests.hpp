@@ -39,8 +39,8 @@ class StoreRequests {
   /// Writes 1010h or 1011h.
   /// @param place of the object in the request
   /// @return REASON_NONE or an abort code
-  [[nodiscard]] std::uint32_t store_by_write(std::size_t axis, ObjectAddress address,
-                                             std::int64_t value, std::size_t place);
+  [[nodiscard]] std::uint32_t store_by_write(std::size_t axis, ObjectRow row, std::int64_t value,
+                                             std::size_t place);
 
   /// @return whether the request in hand has given orders, so that its answer waits for them.
   [[nodiscard]] bool has_ordered() const noexcept { return ordered_ > 0; }

@@ -54,9 +54,11 @@ class AxisBank {
   /// @return the CiA 301 abort code of the refusal, or AbortCode::none. Checked in this order:
   ///         index, sub-index, access, range, state.
   AbortCode write(std::size_t axis, ObjectAddress object, std::int64_t value) noexcept;
+  AbortCode write(std::size_t axis, ObjectRow row, std::int64_t value) noexcept;
 
   /// Reads an object of axis `axis` (< size()).
   [[nodiscard]] ReadResult read(std::size_t axis, ObjectAddress object) const noexcept;
+  [[nodiscard]] ReadResult read(std::size_t axis, ObjectRow row) const noexcept;
 
   /// One tick of all axes.
   void step() noexcept;

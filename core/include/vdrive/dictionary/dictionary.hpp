@@ -85,10 +85,14 @@ inline constexpr std::array<ObjectRow, kStoredCount> kStoredRows = [] {
   return kObjectTable[row];
 }
 
+[[nodiscard]] constexpr bool has_role(ObjectRow row, Role role) noexcept {
+  return describe(row).role == role;
+}
+
 /// @return whether there is an object at `address` and it has this role.
 [[nodiscard]] constexpr bool has_role(ObjectAddress address, Role role) noexcept {
   const auto row = find_object(address);
-  return row && describe(*row).role == role;
+  return row && has_role(*row, role);
 }
 
 /// @return the units in English, such as "VelUU" or "TqCU (mA)": the manual writes their short name
