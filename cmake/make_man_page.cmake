@@ -32,6 +32,11 @@ if(help MATCHES "\nExamples:\n(.*)\n\nEnvironment: ([^\n]*)\nExit codes: ([^\n]*
   string(FIND "${help}" "\nExamples:\n" length)
   string(SUBSTRING "${help}" 0 ${length} help)
 endif()
+set(sections)
+file(SIZE ${PAGE}.sections size)
+if(size GREATER 0)
+  set(sections --include=${PAGE}.sections)
+endif()
 file(WRITE ${PAGE}.help "${help}")
 file(WRITE ${PAGE}.version "${version}")
 cmake_path(GET PROGRAM FILENAME name)
@@ -40,5 +45,5 @@ file(CHMOD ${PAGE}.program/${name} PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXEC
 
 execute_process(
   COMMAND ${HELP2MAN} --no-info --section=${SECTION} --name=${SUMMARY} --manual=vdrive
-          --include=${PAGE}.sections --output=${PAGE} ${PAGE}.program/${name}
+          ${sections} --output=${PAGE} ${PAGE}.program/${name}
           COMMAND_ERROR_IS_FATAL ANY)
