@@ -90,8 +90,8 @@ endfunction()
 
 # vdrive_add_library(<room> HEADERS <file>... SOURCES <file>... [INTERNAL] [BESIDE])
 # The static library vdrive_<room>, known in the tree as vdrive::<room> exactly as after
-# find_package. Public headers are below include/, private ones below src/. Each listed header is
-# compiled on its own by the target all_verify_interface_header_sets.
+# find_package. Public headers are below include/, private ones below src/. Each listed public
+# header is compiled on its own by the target all_verify_interface_header_sets.
 # INTERNAL: the archive is installed because others link it, its headers are not. CMake exports no
 # target without its header sets, so the headers are then verified through a target of their own.
 # BESIDE: the library is never installed, so all of its headers are below src/, beside their
@@ -104,7 +104,10 @@ function(vdrive_add_library room)
   set(target vdrive_${room})
   add_library(${target} STATIC ${arg_SOURCES})
   add_library(vdrive::${room} ALIAS ${target})
-  set_target_properties(${target} PROPERTIES EXPORT_NAME ${room} VERIFY_INTERFACE_HEADER_SETS ON)
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${room})
+  if(NOT arg_BESIDE)
+    set_target_properties(${target} PROPERTIES VERIFY_INTERFACE_HEADER_SETS ON)
+  endif()
   target_include_directories(${target} PRIVATE src)
   vdrive_target_defaults(${target})
   if(arg_INTERNAL)
@@ -121,6 +124,15 @@ function(vdrive_add_library room)
       set(base src)
     endif()
     target_sources(${target} PUBLIC FILE_SET HEADERS BASE_DIRS ${base} FILES ${arg_HEADERS})
+  endif()
+endfunction()
+
+# vdrive_precompile(<target> <header>...)
+# Headers of libraries that most sources of the target include: reading them takes longer than the
+# rest of a source file. Not where clang-tidy reads the sources: there each file stands by itself.
+function(vdrive_precompile target)
+  if(NOT CMAKE_CXX_CLANG_TIDY)
+    target_precompile_headers(${target} PRIVATE ${ARGN})
   endif()
 endfunction()
 

@@ -35,9 +35,9 @@ std::string list_of(std::span<const PresentBench> benches) {
 
 }  // namespace
 
-Discovery::Discovery(wire::Participant& participant, const SessionOptions& options, Wakeup& wakeup)
+Discovery::Discovery(wire::Participant& participant, SessionOptions options, Wakeup& wakeup)
     : participant_(participant),
-      options_(options),
+      options_(std::move(options)),
       wakeup_(wakeup),
       state_subscription_(participant,
                           [this](const msg::BenchState& message, const wire::Source& source) {

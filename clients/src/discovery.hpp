@@ -27,7 +27,7 @@ class Discovery {
  public:
   using Clock = Directory::Clock;
 
-  Discovery(wire::Participant& participant, const SessionOptions& options, Wakeup& wakeup);
+  Discovery(wire::Participant& participant, SessionOptions options, Wakeup& wakeup);
 
   // ---- waiting for a bench
 
