@@ -28,7 +28,7 @@ namespace vdrive::client {
 class SessionCore : public std::enable_shared_from_this<SessionCore> {
  public:
   /// @throws what Session throws
-  explicit SessionCore(const SessionOptions& options);
+  explicit SessionCore(const SessionOptions& chosen);
 
   /// Observes `axes` tick by tick.
   Follower follow(const Target& target, std::vector<std::uint16_t> axes, Pace pace);
