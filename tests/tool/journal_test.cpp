@@ -10,6 +10,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace vdrive::test {
 namespace {
@@ -44,8 +45,9 @@ class JournalName {
   std::string path_;
 };
 
-void expect_it_replays(const JournalName& journal, const std::string& says, int code = 0) {
-  for (const char* const threads : {"1", "4"}) {
+void expect_it_replays(const JournalName& journal, const std::string& says, int code = 0,
+                       const std::vector<std::string>& threads_of_replays = {"1", "4"}) {
+  for (const std::string& threads : threads_of_replays) {
     const Finished replayed = journal.replay(threads);
     EXPECT_EQ(replayed.code, code) << replayed.errors;
     EXPECT_THAT(replayed.output, HasSubstr("every hash agrees"));
@@ -85,7 +87,13 @@ TEST_P(JournalOfAClock, RecordsAndReplays) {
   RunningService service("--axes 20 --clock " + GetParam() + journal.flag());
   use();
   service.stop();
-  expect_it_replays(journal, " ticks of 20 axes, ");
+  // A freerun bench has run a million ticks and more in these seconds. Threads that meet in each of
+  // them on a busy machine would take minutes.
+  if (GetParam() == "freerun") {
+    expect_it_replays(journal, " ticks of 20 axes, ", 0, {"1"});
+  } else {
+    expect_it_replays(journal, " ticks of 20 axes, ");
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Clocks, JournalOfAClock, testing::Values("realtime", "freerun"),
