@@ -14,6 +14,7 @@ struct WireStatusMember {
   Member member;
   InMessage in_message;
 };
+
 template <typename Member, typename InMessage>
 WireStatusMember(Member, InMessage) -> WireStatusMember<Member, InMessage>;
 

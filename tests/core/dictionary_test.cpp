@@ -165,10 +165,11 @@ TEST(ObjectTable, HasUnitsInEnglishToo) {
     if (const std::size_t found = ascii.find("‰"); found != std::string::npos) {
       ascii.erase(found, std::string_view("‰").size());
     }
-    EXPECT_TRUE(std::ranges::all_of(ascii, [](char c) {
-      return c > 0;
-    })) << show(object.address)
-        << ": " << units;
+    EXPECT_TRUE(std::ranges::all_of(ascii,
+                                    [](char c) {
+                                      return c > 0;
+                                    }))
+        << show(object.address) << ": " << units;
   }
   EXPECT_EQ(english_units(describe("profile_velocity"_object)), "VelUU");
   EXPECT_EQ(english_units(describe("current_error_value"_object)), "TqCU (mA)");
