@@ -5,6 +5,7 @@
 #include "confinement.hpp"
 #include "journal.hpp"
 #include "library_log_sink.hpp"
+#include "log.hpp"
 #include "parameter_store.hpp"
 #include "replay.hpp"
 #include "service.hpp"
@@ -258,7 +259,7 @@ void end_in_time(int exit_code) {
   std::thread([exit_code] {
     constexpr std::chrono::milliseconds kLongest{1'950};
     std::this_thread::sleep_for(kLongest);
-    spdlog::warn("text=\"the DDS library did not end in time\"");
+    log_warning("text=\"the DDS library did not end in time\"");
     _exit(exit_code);
   }).detach();
 }

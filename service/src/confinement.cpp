@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "confinement.hpp"
 
-#include <spdlog/spdlog.h>
+#include "log.hpp"
 
 #include <sched.h>
 #include <seccomp.h>
@@ -95,8 +95,8 @@ int load(const Filter& filter) {
 }
 
 void log_failure(const char* half, int code) {
-  spdlog::warn("confinement={} text=\"cannot install the filter of system calls: {}\"", half,
-               std::generic_category().message(-code));
+  log_warning("confinement={} text=\"cannot install the filter of system calls: {}\"", half,
+              std::generic_category().message(-code));
 }
 
 }  // namespace
@@ -113,7 +113,7 @@ void confine_engine(Network network) {
     log_failure("engine", code);
     return;
   }
-  spdlog::debug("confinement=engine sockets=unix network={}", has_own_network ? "none" : "host");
+  log_debug("confinement=engine sockets=unix network={}", has_own_network ? "none" : "host");
 }
 
 void confine_wire() {
@@ -129,7 +129,7 @@ void confine_wire() {
     log_failure("wire", code);
     return;
   }
-  spdlog::debug("confinement=wire files=none");
+  log_debug("confinement=wire files=none");
 }
 
 }  // namespace vdrive::service

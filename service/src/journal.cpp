@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "journal.hpp"
 
+#include "log.hpp"
 #include "vdrive/text.hpp"
-
-#include <spdlog/spdlog.h>
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -234,10 +233,10 @@ void Journal::write() noexcept {
     writer_->end();
   } catch (const std::system_error& error) {
     error_.store(error.code().value() == 0 ? EIO : error.code().value());
-    spdlog::error("the journal ended: {}", error.what());
+    log_error("the journal ended: {}", error.what());
   } catch (const std::exception& error) {
     error_.store(ENOMEM);
-    spdlog::error("the journal ended: {}", error.what());
+    log_error("the journal ended: {}", error.what());
   }
 }
 

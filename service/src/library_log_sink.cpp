@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "library_log_sink.hpp"
 
+#include "log.hpp"
 #include "repeat_limiter.hpp"
 #include "vdrive/text.hpp"
-
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <chrono>
@@ -18,7 +17,7 @@ wire::LibraryLog::Sink log_of_the_library(std::uint32_t bench) {
     if (const auto suppressed = limiter.pass(std::chrono::steady_clock::now())) {
       std::string text = escaped(words, kShownOfMessage);
       std::ranges::replace(text, '"', '\'');
-      spdlog::warn("dds={} bench={} suppressed={} text=\"{}\"", part, bench, *suppressed, text);
+      log_warning("dds={} bench={} suppressed={} text=\"{}\"", part, bench, *suppressed, text);
     }
   };
 }

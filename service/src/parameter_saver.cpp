@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "parameter_saver.hpp"
 
-#include <spdlog/spdlog.h>
+#include "log.hpp"
 
 #include <cerrno>
 #include <chrono>
@@ -105,10 +105,10 @@ int ParameterSaver::save_batch() noexcept {
     table_ = std::move(next);
     return 0;
   } catch (const std::system_error& error) {
-    spdlog::error("parameters are not stored: {}", error.what());
+    log_error("parameters are not stored: {}", error.what());
     return error.code().value() == 0 ? EIO : error.code().value();
   } catch (const std::exception& error) {
-    spdlog::error("parameters are not stored: {}", error.what());
+    log_error("parameters are not stored: {}", error.what());
     return ENOMEM;
   }
 }

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "parameter_store.hpp"
 
+#include "log.hpp"
 #include "vdrive/axis_bank.hpp"
 #include "vdrive/text.hpp"
-
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <array>
@@ -35,7 +34,7 @@ class OpenFile {
     try {
       close();
     } catch (const std::system_error& error) {
-      spdlog::debug("{}", error.what());  // a read, or a write that has failed already
+      log_debug("{}", error.what());  // a read, or a write that has failed already
     }
   }
 
@@ -62,7 +61,7 @@ bool attempt(const char* what, Function function) {
     function();
     return true;
   } catch (const std::system_error& error) {
-    spdlog::warn("{}: {}", what, error.what());
+    log_warning("{}: {}", what, error.what());
     return false;
   }
 }
@@ -123,8 +122,8 @@ bool ParameterStore::lock() {
     if (!files_->try_lock(opened.number())) return false;
     lock_ = opened.release();
   } catch (const std::system_error& error) {
-    spdlog::warn("state directory {}: not locked, nothing can be stored: {}", directory_.string(),
-                 error.what());
+    log_warning("state directory {}: not locked, nothing can be stored: {}", directory_.string(),
+                error.what());
   }
   return true;
 }
@@ -167,8 +166,8 @@ LoadedParameters ParameterStore::load() {
     loaded.problem = error.problem();
     loaded.number = error.number();
     if (loaded.problem != ParameterProblem::missing) {
-      spdlog::error("{}: {}: {}", file("").string(),
-                    describe_problem(loaded.problem, loaded.number), error.what());
+      log_error("{}: {}: {}", file("").string(), describe_problem(loaded.problem, loaded.number),
+                error.what());
       is_bad_ = true;
       keep_aside();
     }
@@ -190,15 +189,15 @@ void ParameterStore::load_previous(LoadedParameters& loaded) {
   } catch (const ParameterFileError& error) {
     const bool is_missing = error.problem() == ParameterProblem::missing;
     if (!is_missing) {
-      spdlog::error("{}: {}: {}", file(".previous").string(),
-                    describe_problem(error.problem(), error.number()), error.what());
+      log_error("{}: {}: {}", file(".previous").string(),
+                describe_problem(error.problem(), error.number()), error.what());
     }
     if (loaded.problem == ParameterProblem::missing) {  // of both: nothing was ever stored
       loaded.problem = is_missing ? ParameterProblem::none : error.problem();
       loaded.number = error.number();
     }
   } catch (const std::system_error& error) {
-    spdlog::warn("{}", error.what());
+    log_warning("{}", error.what());
   }
 }
 

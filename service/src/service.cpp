@@ -10,6 +10,7 @@
 #include "journal.hpp"
 #include "liveness.hpp"
 #include "lockstep_driver.hpp"
+#include "log.hpp"
 #include "metrics.hpp"
 #include "metrics_endpoint.hpp"
 #include "realtime_driver.hpp"
@@ -53,7 +54,7 @@ void prepare_tick_thread(int priority) {
   if (priority == 0) return;
   const sched_param parameters{.sched_priority = priority};
   if (pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters) != 0) {
-    spdlog::warn("realtime_priority={} not permitted; the tick thread runs without it", priority);
+    log_warning("realtime_priority={} not permitted; the tick thread runs without it", priority);
   }
 }
 
@@ -212,12 +213,11 @@ class Service::Threads {
         start_freerun();
         break;
     }
-    spdlog::info("bench={} name={} axes={} clock={} period_us={} domain={} {} incarnation={}",
-                 identity_.bench, configuration_.name, configuration_.axes.size(),
-                 to_string(configuration_.clock), configuration_.period.count(),
-                 configuration_.network.domain,
-                 configuration_.network.security.empty() ? "open" : "closed",
-                 identity_.incarnation);
+    log_info("bench={} name={} axes={} clock={} period_us={} domain={} {} incarnation={}",
+             identity_.bench, configuration_.name, configuration_.axes.size(),
+             to_string(configuration_.clock), configuration_.period.count(),
+             configuration_.network.domain,
+             configuration_.network.security.empty() ? "open" : "closed", identity_.incarnation);
   }
 
   void begin_shutdown() noexcept { shutdown_.begin(); }
@@ -238,7 +238,7 @@ class Service::Threads {
     reports_.publish(inbox_, outbox_);
     reports_.announce(false);
     wire_.stop(kFarewell);
-    spdlog::info("bench={} offline", identity_.bench);
+    log_info("bench={} offline", identity_.bench);
   }
 
   [[nodiscard]] bool has_run() const noexcept { return liveness_.has_begun(); }
@@ -263,7 +263,7 @@ class Service::Threads {
         std::make_unique<Metrics>(configuration_, identity_, counters_, [this] {
           return QueueDepths{.inbox = inbox_.size(), .outbox = outbox_.size()};
         }));
-    spdlog::info("bench={} metrics=http://127.0.0.1:{}/metrics", identity_.bench, metrics_->port());
+    log_info("bench={} metrics=http://127.0.0.1:{}/metrics", identity_.bench, metrics_->port());
   }
 
   /// What was asked for while the service ended is stored and answered too.

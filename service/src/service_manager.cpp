@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "service_manager.hpp"
 
-#include <spdlog/spdlog.h>
+#include "log.hpp"
+
 #include <systemd/sd-daemon.h>
 
 #include <cstdlib>
@@ -13,7 +14,7 @@ namespace {
 /// The environment stays as it is: it is read again with each message.
 void tell(const std::string& state) noexcept {
   if (const int result = sd_notify(0, state.c_str()); result < 0) {
-    spdlog::warn("NOTIFY_SOCKET: {}", std::generic_category().message(-result));
+    log_warning("NOTIFY_SOCKET: {}", std::generic_category().message(-result));
   }
 }
 

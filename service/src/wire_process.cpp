@@ -4,6 +4,7 @@
 #include "closed_check.hpp"
 #include "confinement.hpp"
 #include "library_log_sink.hpp"
+#include "log.hpp"
 #include "vdrive/wire/library_log.hpp"
 #include "wire_probe.hpp"
 #include "wire_program.hpp"
@@ -39,7 +40,7 @@ void volunteer_for_the_kernel() {
   const int file = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);  // NOLINT(*-vararg)
   if (file >= 0) {
     if (write(file, kFirst.data(), kFirst.size()) < 0) {
-      spdlog::debug(
+      log_debug(
           "the kernel does not permit that the wire is the first process to end when memory runs "
           "out");
     }
@@ -201,7 +202,7 @@ int run_wire_process(int region_descriptor) {
   } catch (const std::exception& error) {
     tell(control, error.what());
     if (control.generation.load() > 1) {  // the engine prints why the first one does not start
-      spdlog::error("wire=failed text=\"{}\"", error.what());
+      log_error("wire=failed text=\"{}\"", error.what());
     }
     control.state.store(WireState::failed);
     return 1;

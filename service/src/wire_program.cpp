@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "wire_program.hpp"
 
+#include "log.hpp"
 #include "vdrive/wire/codec.hpp"
-
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <array>
@@ -31,8 +30,8 @@ wire::NetworkSettings of_a_service(const WireSettings& settings) {
                                                                      std::string_view sender) {
     const std::lock_guard lock(*mutex);
     if (const auto suppressed = limiter->pass(std::chrono::steady_clock::now())) {
-      spdlog::warn("datagram=refused bench={} sender={} suppressed={} text=\"{}\"", bench, sender,
-                   *suppressed, wire::describe(refusal));
+      log_warning("datagram=refused bench={} sender={} suppressed={} text=\"{}\"", bench, sender,
+                  *suppressed, wire::describe(refusal));
     }
   };
   return network;
@@ -209,8 +208,8 @@ void WireProgram::drop(const RecordHead& head) {
   if (const auto suppressed = drop_log_.pass(Clock::now())) {
     std::string party;
     for (const std::uint8_t byte : head.party.participant) party += fmt::format("{:02x}", byte);
-    spdlog::warn("reply=dropped bench={} participant={} suppressed={} text=\"nobody reads it\"",
-                 bench_, party, *suppressed);
+    log_warning("reply=dropped bench={} participant={} suppressed={} text=\"nobody reads it\"",
+                bench_, party, *suppressed);
   }
 }
 
