@@ -159,7 +159,7 @@ int shown_velocity() {
 }
 
 TEST_F(StoredParameters, OutlastAServiceThatIsKilledWhileItSaves) {
-  const int kills = std::getenv("VDRIVE_NIGHTLY") == nullptr ? 6 : 60;
+  const int kills = std::getenv("VDRIVE_NIGHTLY") == nullptr ? 3 : 60;
   int saved = 68'267;
   for (int round = 1; round <= kills; ++round) {
     RunningService service(flags("realtime"));
