@@ -3,10 +3,10 @@
 
 #include "connection.hpp"
 #include "holdings.hpp"
+#include "periodic_thread.hpp"
 
+#include <chrono>
 #include <mutex>
-#include <stop_token>
-#include <thread>
 
 namespace vdrive::client {
 
@@ -21,15 +21,16 @@ class KeepAliveSender {
   void start();
 
   /// Ends the thread. Nobody may start it at the same time.
-  void stop();
+  void stop() { thread_.stop(); }
 
  private:
-  void run(const std::stop_token& stop);
+  /// @return wall time until the next ones.
+  [[nodiscard]] std::chrono::milliseconds send();
 
   const Holdings& holdings_;
   Connection& connection_;
   std::once_flag started_;
-  std::jthread thread_;
+  PeriodicThread thread_;
 };
 
 }  // namespace vdrive::client

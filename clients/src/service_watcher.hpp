@@ -2,11 +2,11 @@
 #pragma once
 
 #include "discovery.hpp"
+#include "periodic_thread.hpp"
 #include "status_stream.hpp"
 #include "vdrive/client/session.hpp"
 
 #include <functional>
-#include <thread>
 
 namespace vdrive::client {
 
@@ -22,7 +22,7 @@ class ServiceWatcher {
  private:
   const Discovery& discovery_;
   StatusStream& stream_;
-  std::jthread thread_;
+  PeriodicThread thread_;
 };
 
 }  // namespace vdrive::client
