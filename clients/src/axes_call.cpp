@@ -23,9 +23,6 @@ constexpr milliseconds kFirstMargin{20};
 constexpr int kMarginGrowth = 4;
 constexpr int kAttempts = 4;
 
-// Axes that a message names; the others are counted.
-constexpr std::size_t kMostNamed = 4;
-
 // Longer than any stop by the steepest ramps that the defaults allow.
 constexpr std::chrono::seconds kStopTime{5};
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who belongs to a group, its power states, and the watch over faults.
+// The axes of a group, their power states, and the watch over faults.
 #include "vdrive/client/axis_group.hpp"
 
 #include "command_words.hpp"
@@ -151,7 +151,7 @@ Result<std::vector<std::int32_t>> AxisGroup::State::positions_of(
     const double whole = std::nearbyint(value);
     constexpr double kLowest = std::numeric_limits<std::int32_t>::min();
     constexpr double kHighest = std::numeric_limits<std::int32_t>::max();
-    if (!(whole >= kLowest && whole <= kHighest)) {  // also when it is no number
+    if (!(whole >= kLowest && whole <= kHighest)) {  // NaN too
       return Outcome::refused(wire_code(AbortCode::value_range_exceeded),
                               "axis " + to_string(layout.axes[positions.size()]) +
                                   ": the position " + std::to_string(value) +
@@ -212,7 +212,7 @@ GroupStatus AxisGroup::State::status_of(const AxesCall& call) {
   return status;
 }
 
-// ---- who belongs to it -----------------------------------------------------------------------
+// ---- its axes --------------------------------------------------------------------------------
 
 AxisGroup::AxisGroup(std::shared_ptr<State> state) : state_(std::move(state)) {}
 

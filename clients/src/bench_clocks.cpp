@@ -172,7 +172,7 @@ Result<msg::Reply> BenchClocks::step_as_stepper(const Target& target, const Gran
     const auto step = begin_step_to(target, aim, request);
     if (!step) return step.outcome();
     auto reply = conclude_step(target, *step, deadline);
-    // Who only observes takes the state as it is.
+    // A call that only observes takes the state as it is.
     if (!reply || reply->reason() == msg::REASON_NONE || request.ticks() == 0) return reply;
     if (reply->tick() > reached) deadline = Clock::now() + patience;
     reached = reply->tick();

@@ -64,7 +64,7 @@ void Connection::on_command_reply(const msg::CommandReply& message, const wire::
   if (message.session() != session_) return;
   const BenchKey key{message.bench(), message.incarnation()};
   discovery_.note_sender(key, source);
-  // Who receives the answer must find the loss of control that it may show.
+  // First: the call that receives the answer has to find the loss of control that it may show.
   holdings_.note_answer(message);
   if (unanswered_.frames.answer({key, message.sequence_number()}, message)) wakeup_.notify();
 }
@@ -105,7 +105,7 @@ Result<OpenLink> Connection::open(const Target& target, std::string_view what,
   if (!may_command()) return not_permitted(target);
   OpenLink link{.key = target.key, .sending = std::unique_lock(link_of(target.key).mutex)};
   const auto deadline = Clock::now() + patience;
-  while (!mend(target.key, kCheckSource)) {
+  while (!reconnect(target.key, kCheckSource)) {
     if (Clock::now() >= deadline) {
       return Outcome::lost(name_of(target) + " was found, but it cannot receive " +
                            std::string(what) + ": DDS has not matched its reader");
@@ -117,13 +117,13 @@ Result<OpenLink> Connection::open(const Target& target, std::string_view what,
 
 OpenLink Connection::try_open(const BenchKey& key) {
   OpenLink link{.key = key, .sending = {link_of(key).mutex, std::try_to_lock}};
-  link.is_matched = link.sending && mend(key, milliseconds(0));
+  link.is_matched = link.sending && reconnect(key, milliseconds(0));
   return link;
 }
 
-/// Before anything is sent, with the link's mutex: after a change of the participant first sends
-/// again what was not answered. @return whether the link is open.
-bool Connection::mend(const BenchKey& key, milliseconds patience) {
+/// With the link's mutex, before anything is sent: when another participant sends for the run now,
+/// matches it and sends again what is not answered. @return whether the link is open.
+bool Connection::reconnect(const BenchKey& key, milliseconds patience) {
   const auto source = discovery_.source_of(key);
   if (!source || reached_source_of(key) == *source) return true;
   if (!is_matched(*source, patience) || !repeat(key, Clock::time_point::max())) return false;

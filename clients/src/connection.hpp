@@ -40,7 +40,7 @@ struct OpenLink {
 
 /// The links to benches. The network process of a service may restart: then a new participant sends
 /// for the same run, and messages in transit are lost. A service carries out each message once,
-/// however often it arrives, so a link that is mended sends every unanswered message again.
+/// however often it arrives, so after a reconnection every unanswered message is sent again.
 /// Thread-safe.
 class Connection {
  public:
@@ -55,7 +55,7 @@ class Connection {
   /// Finds the bench and waits until it receives requests, if we may send any, and we its answers.
   Result<Target> connect(std::uint32_t number);
 
-  /// Waits until nobody else sends to this run, then until its link is mended.
+  /// Waits until nobody else sends to this run, then until its link is connected.
   /// @param what is to be sent, for the message: "requests" or "commands"
   /// @param patience wall time to wait for the match of a bench that is connected anew
   Result<OpenLink> open(const Target& target, std::string_view what,
@@ -70,8 +70,8 @@ class Connection {
   /// @return false when the bench is connected anew and not reached yet.
   bool send_keep_alive(const BenchKey& key);
 
-  /// For who waits for an answer: mends the link when it is broken, and repeats what is overdue.
-  /// Does not wait; where somebody sends at this moment, they do it.
+  /// For a call that waits for an answer: reconnects a broken link, and sends again what is
+  /// overdue. Does not wait: when another thread sends at this moment, that thread reconnects.
   /// @return whether it was broken.
   bool repair(const BenchKey& key);
 
@@ -89,7 +89,7 @@ class Connection {
   [[nodiscard]] wire::Source reached_source_of(const BenchKey& key) const;
   bool is_matched(const wire::Source& source, std::chrono::milliseconds patience);
   OpenLink try_open(const BenchKey& key);
-  bool mend(const BenchKey& key, std::chrono::milliseconds patience);
+  bool reconnect(const BenchKey& key, std::chrono::milliseconds patience);
   bool repeat(const BenchKey& key, Discovery::Clock::time_point sent_before);
   [[nodiscard]] bool is_broken(const BenchKey& key) const;
   template <typename Message>

@@ -18,8 +18,8 @@ namespace vdrive::client {
 /// A bench whose samples are older is not there.
 inline constexpr std::chrono::milliseconds kPresence{300};
 
-/// Runs and parts of descriptions that a directory keeps. Beyond them the run that was silent
-/// longest is forgotten, if that was kForgetAfter or longer; otherwise who is new is not taken in.
+/// Runs and parts of descriptions that a directory keeps. When it is full, the run that was silent
+/// longest is forgotten if that was kForgetAfter or longer; otherwise a new run is left out.
 inline constexpr std::size_t kMostRuns = 1'024;
 inline constexpr std::size_t kMostParts = 4'096;
 inline constexpr std::chrono::seconds kForgetAfter{60};
@@ -68,9 +68,9 @@ class Directory {
   /// @return the participant that sends for this run; nothing before its first live sample.
   [[nodiscard]] std::optional<wire::Source> source_of(const BenchKey& key) const;
 
-  /// @return the benches with a complete description that are not offline and have a sample within
-  /// kPresence, by
-  ///         number. Of two with one number the lower incarnation, as the services agree.
+  /// @return the benches with a complete description that are not offline and have a sample
+  ///         within kPresence, by number. Of two with one number the lower incarnation, as the
+  ///         services agree.
   [[nodiscard]] std::vector<PresentBench> present(Clock::time_point now) const;
 
   /// @return the bench `number` if it is there.
@@ -87,8 +87,7 @@ class Directory {
   void set_rate(const BenchKey& key, double rate);
 
   /// @return whether a state of this run after `since` shows that its drive time stands still:
-  /// realtime at
-  ///         rate 0.
+  ///         realtime at rate 0.
   [[nodiscard]] bool is_paused(const BenchKey& key, Clock::time_point since) const;
 
   /// @return the stepper that time waits for by the newest state, 0 = none.

@@ -29,7 +29,7 @@ Follower SessionCore::follow(const Target& target, std::vector<std::uint16_t> ax
   state->core = shared_from_this();
   state->target = target;
   state->pace = pace;
-  if (pace == Pace::listen || !target.steps()) state->feed = stream.open_feed(target, axes);
+  if (pace == Pace::observe || !target.steps()) state->feed = stream.open_feed(target, axes);
   state->axes = std::move(axes);
   return Follower(std::move(state));
 }

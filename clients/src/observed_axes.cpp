@@ -15,9 +15,6 @@ constexpr milliseconds kSamplePatience{500};
 // Benches whose clocks differ by more do not act on common ticks.
 constexpr milliseconds kSynchronised{100};
 
-// Axes that a message names; the others are counted.
-constexpr std::size_t kMostNamed = 4;
-
 std::string axes_of(const GroupLayout::Bench& bench) {
   std::string text;
   for (std::size_t i = 0; i < std::min(bench.axes.size(), kMostNamed); ++i) {
@@ -119,7 +116,7 @@ Outcome ObservedAxes::await_common_ticks() {
               " have different tick numbers: their clocks are not synchronised");
     }
     if (Outcome seen = next(*least); !seen) return seen;
-    // Who waits for one bench must not fall behind on the others.
+    // The call that waits for one bench must not fall behind on the others.
     for (BenchPart& part : parts_) {
       if (Outcome seen = catch_up(part); !seen) return seen;
     }

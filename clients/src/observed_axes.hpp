@@ -27,11 +27,14 @@ struct GroupLayout {
   std::vector<Bench> benches;
 };
 
+/// Axes that the message of a group names; the others are counted.
+inline constexpr std::size_t kMostNamed = 4;
+
 /// @return the layout of one axis.
 [[nodiscard]] GroupLayout layout_of(const AxisId& axis);
 
-/// Who makes a call. A call of an axis fails while the bench is paused and names no axis that its
-/// program knows anyway; a call of a group waits for a bench that is paused.
+/// Whether a call is of an axis or of a group. The call of an axis fails while its bench is paused,
+/// and its messages do not list axes; the call of a group waits while a bench is paused.
 enum class Caller : std::uint8_t { axis, group };
 
 /// The axes of one bench, as a call observes them.

@@ -5,6 +5,7 @@
 #include <utility>
 
 namespace vdrive::client {
+
 Requests::Requests(std::uint64_t session, Connection& connection, UnansweredRequests& unanswered,
                    Waiter& waiter)
     : session_(session), connection_(connection), unanswered_(unanswered), waiter_(waiter) {}

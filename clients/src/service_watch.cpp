@@ -32,7 +32,7 @@ std::string text_of(ServiceNews news, const Presence& presence) {
       return bench + " was found";
     case ServiceNews::fell_silent:
       return bench + " stopped sending " + std::to_string(age(presence).count()) + " ms ago";
-    case ServiceNews::heard_again:
+    case ServiceNews::sends_again:
       return bench + " sends again";
     case ServiceNews::restarted:
       return bench + " restarted: this session has lost control of its axes";
@@ -55,7 +55,7 @@ std::optional<ServiceNews> ServiceWatch::note(Known& known, const Presence& pres
       std::exchange(known, {.incarnation = presence.key.incarnation, .is_there = true});
   if (before.incarnation == 0) return ServiceNews::found;
   if (!is_ours) return ServiceNews::restarted;
-  return before.is_there ? std::nullopt : std::optional(ServiceNews::heard_again);
+  return before.is_there ? std::nullopt : std::optional(ServiceNews::sends_again);
 }
 
 std::vector<ServiceChange> ServiceWatch::changes(const Directory& directory,

@@ -8,7 +8,7 @@
 namespace vdrive::client {
 namespace {
 
-// Four seconds at the usual period; who takes none for longer has missed the oldest.
+// Four seconds at the usual period; a reader that takes none for longer misses the oldest.
 constexpr std::size_t kCapacity = 4096;
 
 }  // namespace

@@ -43,15 +43,15 @@ class Waiter {
       const bool is_broken = connection_.repair(target.key);
       if (condition()) return {};
       if (auto end = end_of_wait(target, patience, begin)) return std::move(*end);
-      wakeup_.wait_until(
-          changes, std::min(begin + patience.timeout, now + (is_broken ? kMendPeriod : kPeriod)));
+      wakeup_.wait_until(changes, std::min(begin + patience.timeout,
+                                           now + (is_broken ? kReconnectPeriod : kPeriod)));
     }
   }
 
  private:
   // A wait checks the presence of the bench at least this often; a broken link more often.
   static constexpr std::chrono::milliseconds kPeriod{50};
-  static constexpr std::chrono::milliseconds kMendPeriod{5};
+  static constexpr std::chrono::milliseconds kReconnectPeriod{5};
 
   /// @return why a wait that began at `begin` ends without what it waits for; nothing = it goes on.
   [[nodiscard]] std::optional<Outcome> end_of_wait(const Target& target, const Patience& patience,

@@ -22,7 +22,8 @@ class Wakeup {
   void interrupt() noexcept;
   [[nodiscard]] bool is_interrupted() const;
 
-  /// @return the number of changes. Who reads it before a condition misses no change after it.
+  /// @return the number of changes. A call that reads it before its condition misses
+  ///         no change after it.
   [[nodiscard]] std::uint64_t changes() const;
 
   /// Waits until there were more than `changes`, or for the deadline.

@@ -115,7 +115,7 @@ struct RateCommand {
   std::optional<std::uint32_t> bench;
 };
 
-/// Checks this machine and finds who is there.
+/// Checks this machine and finds the benches on the domain.
 struct DoctorCommand {};
 
 struct RunCommand {

@@ -21,7 +21,7 @@ constexpr std::uint32_t kDomainGain = 250;
 constexpr std::uint64_t kGoodReceiveBuffer = 4'000'000;
 constexpr std::uint64_t kFewFiles = 256;
 
-Finding look_at_domain(const HostReadings& readings, const GlobalOptions& options) {
+Finding check_domain(const HostReadings& readings, const GlobalOptions& options) {
   const std::uint32_t first = kPortBase + kDomainGain * options.domain;
   Finding finding{.subject = "domain",
                   .text = "domain " + std::to_string(options.domain) + ", UDP ports from " +
@@ -46,8 +46,7 @@ std::string addresses_of(const HostReadings& readings) {
   return text.empty() ? "none" : text;
 }
 
-std::vector<Finding> look_at_interfaces(const HostReadings& readings,
-                                        const GlobalOptions& options) {
+std::vector<Finding> check_interfaces(const HostReadings& readings, const GlobalOptions& options) {
   if (options.interfaces.empty()) {
     return {
         {.subject = "interfaces",
@@ -74,16 +73,17 @@ std::vector<Finding> look_at_interfaces(const HostReadings& readings,
   return findings;
 }
 
-std::vector<Finding> look_at_multicast(const HostReadings& readings, const GlobalOptions& options) {
+std::vector<Finding> check_multicast(const HostReadings& readings, const GlobalOptions& options) {
   const bool is_needed = options.peers.empty() && options.discovery_servers.empty();
   std::vector<Finding> findings;
   for (const MulticastReading& reading : readings.multicast) {
-    Finding finding{.subject = "multicast",
-                    .text = reading.address +
-                            (reading.is_heard ? " receives its own multicast to the discovery group"
-                                              : " does not receive its own multicast"),
-                    .advice = ""};
-    if (!reading.is_heard) {
+    Finding finding{
+        .subject = "multicast",
+        .text = reading.address + (reading.is_received
+                                       ? " receives its own multicast to the discovery group"
+                                       : " does not receive its own multicast"),
+        .advice = ""};
+    if (!reading.is_received) {
       finding.severity = is_needed ? Severity::problem : Severity::hint;
       finding.advice = is_needed
                            ? "allow UDP to 239.255.0.1 in the firewall, or name the other hosts "
@@ -95,7 +95,7 @@ std::vector<Finding> look_at_multicast(const HostReadings& readings, const Globa
   return findings;
 }
 
-Finding look_at_clock(const HostReadings& readings) {
+Finding check_clock(const HostReadings& readings) {
   Finding finding{.subject = "clock", .text = "", .advice = ""};
   if (!readings.is_clock_synchronised) {
     finding.text = "cannot read whether it is synchronised";
@@ -117,7 +117,7 @@ Finding look_at_clock(const HostReadings& readings) {
   return finding;
 }
 
-std::vector<Finding> look_at_limits(const HostReadings& readings) {
+std::vector<Finding> check_limits(const HostReadings& readings) {
   std::vector<Finding> findings;
   Finding& files =
       findings.emplace_back(Finding{.subject = "limits",
@@ -143,7 +143,7 @@ std::vector<Finding> look_at_limits(const HostReadings& readings) {
   return findings;
 }
 
-Finding look_at_priority(const HostReadings& readings) {
+Finding check_priority(const HostReadings& readings) {
   Finding finding{.subject = "real time",
                   .text = "SCHED_FIFO is permitted, " + std::to_string(readings.cores) + " cores",
                   .advice = ""};
@@ -157,7 +157,7 @@ Finding look_at_priority(const HostReadings& readings) {
   return finding;
 }
 
-Finding look_at_segments(const HostReadings& readings) {
+Finding check_segments(const HostReadings& readings) {
   const auto stale = std::ranges::count(readings.segments, false, &SharedSegment::is_mapped);
   Finding finding{.subject = "shared memory",
                   .text = std::to_string(readings.segments.size()) + " segments of Fast DDS, " +
@@ -172,7 +172,7 @@ Finding look_at_segments(const HostReadings& readings) {
   return finding;
 }
 
-Finding look_at_version(const client::BenchInfo& bench) {
+Finding check_version(const client::BenchInfo& bench) {
   Finding finding{.subject = "benches",
                   .text = "bench " + std::to_string(bench.number) + " " + in_quotes(bench.name) +
                           ", " + std::to_string(bench.axes.size()) + " axes, " +
@@ -186,7 +186,7 @@ Finding look_at_version(const client::BenchInfo& bench) {
   return finding;
 }
 
-Finding look_at_wire(const client::BenchInfo& bench) {
+Finding check_wire(const client::BenchInfo& bench) {
   const std::string subject = "the network process of bench " + std::to_string(bench.number);
   if (bench.wire_starts == 1) {
     return {.subject = "benches",
@@ -205,8 +205,8 @@ Finding look_at_wire(const client::BenchInfo& bench) {
 
 }  // namespace
 
-std::vector<Finding> look_at_benches(std::span<const client::BenchInfo> benches,
-                                     const GlobalOptions& options) {
+std::vector<Finding> check_benches(std::span<const client::BenchInfo> benches,
+                                   const GlobalOptions& options) {
   if (benches.empty()) {
     return {{.severity = Severity::hint,
              .subject = "benches",
@@ -216,9 +216,9 @@ std::vector<Finding> look_at_benches(std::span<const client::BenchInfo> benches,
   }
   std::vector<Finding> findings;
   for (const client::BenchInfo& bench : benches) {
-    findings.push_back(look_at_version(bench));
+    findings.push_back(check_version(bench));
     // 0: not received yet.
-    if (bench.wire_starts != 0) findings.push_back(look_at_wire(bench));
+    if (bench.wire_starts != 0) findings.push_back(check_wire(bench));
   }
   return findings;
 }
@@ -263,13 +263,13 @@ void show(const Finding& finding, bool is_json, Terminal& terminal) {
 }  // namespace
 
 std::vector<Finding> diagnose(const HostReadings& readings, const GlobalOptions& options) {
-  std::vector<Finding> findings{look_at_domain(readings, options)};
-  append(findings, look_at_interfaces(readings, options));
-  append(findings, look_at_multicast(readings, options));
-  findings.push_back(look_at_clock(readings));
-  append(findings, look_at_limits(readings));
-  findings.push_back(look_at_priority(readings));
-  findings.push_back(look_at_segments(readings));
+  std::vector<Finding> findings{check_domain(readings, options)};
+  append(findings, check_interfaces(readings, options));
+  append(findings, check_multicast(readings, options));
+  findings.push_back(check_clock(readings));
+  append(findings, check_limits(readings));
+  findings.push_back(check_priority(readings));
+  findings.push_back(check_segments(readings));
   return findings;
 }
 
@@ -277,7 +277,7 @@ Outcome run_doctor(const GlobalOptions& options, Terminal& terminal,
                    const std::function<std::vector<client::BenchInfo>()>& find) {
   std::vector<Finding> findings = diagnose(read_host(options.interfaces), options);
   try {
-    append(findings, look_at_benches(find(), options));
+    append(findings, check_benches(find(), options));
   } catch (const std::exception& error) {
     findings.push_back(
         {.severity = Severity::problem,

@@ -21,7 +21,7 @@ enum class Severity : std::uint8_t {
   problem,  ///< benches will not be found, or not run
 };
 
-/// One thing that was looked at.
+/// One thing that was checked.
 struct Finding {
   Severity severity = Severity::good;
   std::string subject;  ///< such as "multicast"
@@ -33,13 +33,13 @@ struct Finding {
 [[nodiscard]] std::vector<Finding> diagnose(const HostReadings& readings,
                                             const GlobalOptions& options);
 
-/// Judges who was found on the domain.
-[[nodiscard]] std::vector<Finding> look_at_benches(std::span<const client::BenchInfo> benches,
-                                                   const GlobalOptions& options);
+/// Judges the benches that were found on the domain.
+[[nodiscard]] std::vector<Finding> check_benches(std::span<const client::BenchInfo> benches,
+                                                 const GlobalOptions& options);
 
-/// `vdrive doctor`: reads, finds who is there, and shows the findings.
+/// `vdrive doctor`: reads the machine, finds the benches, and shows the findings.
 /// @return failed when there is a problem.
-/// @param find finds who is on the domain; what it throws is a problem
+/// @param find finds the benches on the domain; what it throws is a problem
 client::Outcome run_doctor(const GlobalOptions& options, Terminal& terminal,
                            const std::function<std::vector<client::BenchInfo>()>& find);
 

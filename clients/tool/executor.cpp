@@ -117,7 +117,7 @@ Outcome Executor::run(const WatchCommand& command) {
 Outcome Executor::watch(const std::vector<client::AxisId>& ids,
                         const std::map<client::AxisId, std::string>& names, std::uint64_t count) {
   using Clock = std::chrono::steady_clock;
-  auto follower = session_.follow(ids, client::Pace::listen);
+  auto follower = session_.follow(ids, client::Pace::observe);
   if (!follower) return follower.outcome();
   const bool is_live = terminal_.is_interactive() && !is_json_ && count == 0;
   const auto period = is_live ? kWatchRefresh : kWatchPeriod;

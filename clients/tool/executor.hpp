@@ -40,7 +40,7 @@ class Executor {
 
  private:
   using Outcome = client::Outcome;
-  class Looker;
+  class ValueObserver;
 
   Outcome run(const ListCommand& command);
   Outcome run(const StatusCommand& command);
@@ -73,8 +73,8 @@ class Executor {
   Outcome print_reading(const client::AxisId& axis, const ObjectName& object,
                         const client::ObjectReading& reading, std::uint64_t tick);
   Outcome compare(client::Axis& axis, const ExpectCommand& command);
-  Outcome look_within(Looker& looker, const ExpectCommand& command);
-  Outcome look_throughout(Looker& looker, const ExpectCommand& command);
+  Outcome expect_within(ValueObserver& observer, const ExpectCommand& command);
+  Outcome expect_throughout(ValueObserver& observer, const ExpectCommand& command);
   Outcome differs(const ExpectCommand& command, std::int64_t actual, std::uint64_t tick);
   Outcome report_clock(Json json, const std::string& text,
                        const client::Result<std::uint64_t>& tick);

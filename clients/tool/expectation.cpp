@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The word `expect`: now, within a time, throughout a time.
+// The command `expect`: now, within a time, throughout a time.
 #include "executor.hpp"
 #include "vdrive/number_text.hpp"
 
@@ -28,9 +28,9 @@ std::string expected_text(const ExpectCommand& command) {
 
 /// Observes one object of an axis in tick after tick, from the tick on in which the last write is
 /// in force.
-class Executor::Looker {
+class Executor::ValueObserver {
  public:
-  Looker(client::Session& session, client::Axis& axis, ObjectAddress object)
+  ValueObserver(client::Session& session, client::Axis& axis, ObjectAddress object)
       : session_(session), axis_(axis), object_(object) {}
 
   /// The first observation. @param in_force the earliest tick that counts
@@ -57,7 +57,7 @@ class Executor::Looker {
     }
   }
 
-  /// @return whether every tick of realtime can be looked at: the status stream has the object.
+  /// @return whether every tick of realtime can be observed: the status stream has the object.
   [[nodiscard]] bool sees_every_tick() const { return is_lockstep_ || is_streamed_; }
 
   [[nodiscard]] std::uint64_t tick() const { return tick_; }
@@ -102,16 +102,16 @@ Outcome Executor::run(const ExpectCommand& command) {
   if (!command.within && !command.throughout) return compare(*axis, command);
   const auto bench = bench_of(axis->id());
   if (!bench) return bench.outcome();
-  Looker looker(session_, *axis, *command.object.address);
-  if (Outcome seen = looker.start(*bench, in_force_[axis->id()]); !seen) return seen;
-  return command.within ? look_within(looker, command) : look_throughout(looker, command);
+  ValueObserver observer(session_, *axis, *command.object.address);
+  if (Outcome seen = observer.start(*bench, in_force_[axis->id()]); !seen) return seen;
+  return command.within ? expect_within(observer, command) : expect_throughout(observer, command);
 }
 
 Outcome Executor::compare(client::Axis& axis, const ExpectCommand& command) {
   const auto bench = bench_of(axis.id());
   if (!bench) return bench.outcome();
   if (bench->clock_mode != client::ClockMode::lockstep) {
-    // Time passes by itself: what was just written is looked at once it is in force.
+    // Time passes by itself: a value that was just written is read once it is in force.
     const auto reached = session_.wait_for_tick(axis.id().bench, in_force_[axis.id()]);
     if (!reached) return reached.outcome();
   }
@@ -125,35 +125,37 @@ Outcome Executor::compare(client::Axis& axis, const ExpectCommand& command) {
   return differs(command, reading.value, readings->tick);
 }
 
-Outcome Executor::look_within(Looker& looker, const ExpectCommand& command) {
+Outcome Executor::expect_within(ValueObserver& observer, const ExpectCommand& command) {
   const auto bench = bench_of(axes_.at(command.axis).id());
   if (!bench) return bench.outcome();
-  const std::uint64_t last = looker.tick() + client::ticks_of(*command.within, bench->period);
-  while (!command.accepts(looker.value())) {
-    if (looker.tick() >= last) return differs(command, looker.value(), looker.tick());
-    if (Outcome seen = looker.next(); !seen) return seen;
+  const std::uint64_t last = observer.tick() + client::ticks_of(*command.within, bench->period);
+  while (!command.accepts(observer.value())) {
+    if (observer.tick() >= last) return differs(command, observer.value(), observer.tick());
+    if (Outcome seen = observer.next(); !seen) return seen;
   }
   return {};
 }
 
-Outcome Executor::look_throughout(Looker& looker, const ExpectCommand& command) {
-  if (!looker.sees_every_tick()) {
+Outcome Executor::expect_throughout(ValueObserver& observer, const ExpectCommand& command) {
+  if (!observer.sees_every_tick()) {
     return Outcome::failed(
         command.object.text +
         " is not in the status stream: --throughout can check it in every tick only in lock-step");
   }
   const auto bench = bench_of(axes_.at(command.axis).id());
   if (!bench) return bench.outcome();
-  const std::uint64_t last = looker.tick() + client::ticks_of(*command.throughout, bench->period);
+  const std::uint64_t last = observer.tick() + client::ticks_of(*command.throughout, bench->period);
   while (true) {
-    if (!command.accepts(looker.value())) return differs(command, looker.value(), looker.tick());
-    if (looker.missed() != 0) {
-      return Outcome::failed(
-          std::to_string(looker.missed()) + " samples of the status stream were lost before tick " +
-          std::to_string(looker.tick()) + ": --throughout did not see every tick");
+    if (!command.accepts(observer.value()))
+      return differs(command, observer.value(), observer.tick());
+    if (observer.missed() != 0) {
+      return Outcome::failed(std::to_string(observer.missed()) +
+                             " samples of the status stream were lost before tick " +
+                             std::to_string(observer.tick()) +
+                             ": --throughout did not see every tick");
     }
-    if (looker.tick() >= last) return {};
-    if (Outcome seen = looker.next(); !seen) return seen;
+    if (observer.tick() >= last) return {};
+    if (Outcome seen = observer.next(); !seen) return seen;
   }
 }
 

@@ -79,7 +79,7 @@ class Socket {
 };
 
 // NOLINTBEGIN(*-reinterpret-cast): what the socket interface takes
-bool hears_multicast(const std::string& own_address) {
+bool receives_multicast(const std::string& own_address) {
   const Socket receiver;
   const Socket sender;
   sockaddr_in address{};
@@ -163,7 +163,7 @@ HostReadings read_host(const std::vector<std::string>& addresses) {
   readings.interfaces = read_interfaces();
   for (const std::string& address :
        addresses.empty() ? std::vector<std::string>{"127.0.0.1"} : addresses) {
-    readings.multicast.push_back({address, hears_multicast(address)});
+    readings.multicast.push_back({address, receives_multicast(address)});
   }
   readings.segments = read_segments();
   readings.is_clock_synchronised = read_clock_state();

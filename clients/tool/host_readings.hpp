@@ -18,7 +18,7 @@ struct NetworkInterface {
 /// Whether a datagram to the discovery group of DDS, sent from an own address, arrives there.
 struct MulticastReading {
   std::string address;
-  bool is_heard = false;
+  bool is_received = false;
 };
 
 /// Shared memory of Fast DDS in /dev/shm.

@@ -46,7 +46,7 @@ void LiveView::aim(const client::AxisId& axis, std::int64_t target) {
 }
 
 void LiveView::follow(const std::stop_token& stop) {
-  auto follower = session_.follow(axes_, client::Pace::listen);
+  auto follower = session_.follow(axes_, client::Pace::observe);
   if (!follower) return;  // the commands themselves report what is wrong
   auto next_refresh = Clock::now();
   client::Observation last;

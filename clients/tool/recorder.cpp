@@ -77,7 +77,7 @@ Outcome Recorder::record(const std::vector<RecordedBench>& benches) {
   }
   std::vector<Track> tracks;
   for (const RecordedBench& bench : benches) {
-    auto follower = session_.follow(bench.axes, client::Pace::listen);
+    auto follower = session_.follow(bench.axes, client::Pace::observe);
     if (!follower) return follower.outcome();
     Track track{std::move(*follower), benches.size() == 1 ? kPatience : kPatienceOfMany};
     if (command_.duration) track.ticks = client::ticks_of(*command_.duration, bench.info.period);

@@ -23,7 +23,7 @@ namespace {
 using client::Outcome;
 using client::OutcomeKind;
 
-// Whoever misses the first message of an authentication gets the next one a second later.
+// A program that misses the first message of an authentication gets the next one a second later.
 constexpr std::chrono::seconds kFindClosed{5};
 
 client::SessionOptions session_options(const GlobalOptions& options) {

@@ -26,14 +26,14 @@ struct ObjectName {
 
 /// @param text decimal, negative, or hexadecimal as the two's complement of `type`: 0xFFFFD8F0 is
 ///        -10000 as INTEGER32
-/// @throws UsageError naming text and limits when it is no number or too wide for `type`.
+/// @throws UsageError naming text and limits when it is not a number or too wide for `type`.
 [[nodiscard]] std::int64_t parse_value(std::string_view text, DataType type);
 
 /// The value of an object: by its type, else (the object does not exist) any 32-bit number.
 [[nodiscard]] std::int64_t parse_value(std::string_view text, const ObjectName& object);
 
 /// @param text decimal or hexadecimal
-/// @throws UsageError naming `what` when it is no number from 0 to `highest`.
+/// @throws UsageError naming `what` when it is not a number from 0 to `highest`.
 [[nodiscard]] std::uint64_t parse_number(std::string_view text, std::string_view what,
                                          std::uint64_t highest);
 

@@ -145,7 +145,7 @@ int observe(const Setting& setting, AxisRange steady) {
   client::Session session(setting.network);
   const auto axes = all_axes(session, setting.bench);
   if (axes.empty()) return 1;
-  auto follower = session.follow(axes, client::Pace::listen);
+  auto follower = session.follow(axes, client::Pace::observe);
   if (!follower) {
     tell_failure("follow", follower.outcome());
     return 1;

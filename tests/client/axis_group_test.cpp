@@ -504,7 +504,7 @@ TEST_F(LockStepGroup, StreamsACircle) {
 
 TEST_F(LockStepGroup, AStreamTellsWhoDoesNotFollow) {
   AxisGroup group = enabled(2);
-  ASSERT_TRUE(group.start_streaming({.pace = Pace::listen}));
+  ASSERT_TRUE(group.start_streaming({.pace = Pace::observe}));
   const std::uint64_t before = tick();
   ASSERT_TRUE(group.stream(vector({10, 5000})));  // 5000 UU in 1 ms: beyond 607Fh
   EXPECT_EQ(tick(), before) << "the caller steps";

@@ -84,7 +84,7 @@ TEST(Directory, TellsHowOftenTheNetworkProcessOfABenchWasStarted) {
   Directory sut;
   sut.on_description(description(1, 10), kSource, kStart);
   sut.note_sample({1, 10}, 1, kStart);
-  EXPECT_EQ(sut.find(1, kStart)->info.wire_starts, 0U) << "no state was heard";
+  EXPECT_EQ(sut.find(1, kStart)->info.wire_starts, 0U) << "no state has arrived";
   for (const std::uint64_t starts : {1U, 4U}) {
     msg::BenchState message = state(1, 10);
     message.wire_starts(starts);
@@ -125,7 +125,7 @@ TEST(Directory, KeepsAtMostAThousandRunsAndForgetsTheOneThatIsSilentLongest) {
   const auto runs = sut.presences(kStart + kForgetAfter);
   EXPECT_THAT(runs, SizeIs(kMostRuns));
   EXPECT_EQ(runs[0].key, (BenchKey{1, 10})) << "the new one";
-  EXPECT_EQ(runs[1].key, (BenchKey{2, 1})) << "heard once more than the others";
+  EXPECT_EQ(runs[1].key, (BenchKey{2, 1})) << "received once more than the others";
   EXPECT_EQ(runs[2].key, (BenchKey{2, 3})) << "in place of the first of the silent ones";
 }
 

@@ -51,11 +51,11 @@ class Wire {
         description_(participant_),
         requests_(participant_,
                   [&inbox, this](const msg::Request& request, const wire::Source& source) {
-                    if (is_heard()) inbox.receive(request, source);
+                    if (arrives()) inbox.receive(request, source);
                   }),
         frames_(participant_,
                 [&inbox, this](const msg::CommandFrame& frame, const wire::Source& source) {
-                  if (frame.axes().empty() || is_heard()) inbox.receive(frame, source);
+                  if (frame.axes().empty() || arrives()) inbox.receive(frame, source);
                 }) {}
 
   void announce(const msg::BenchDescription& description) { (void)description_.write(description); }
@@ -91,7 +91,7 @@ class Wire {
   std::atomic<int> lost{0};
 
  private:
-  bool is_heard() { return take(to_lose_in); }
+  bool arrives() { return take(to_lose_in); }
 
   bool is_taken() { return take(to_lose_out); }
 
@@ -250,7 +250,7 @@ class Bench {
     if (engine_.answer_repeat(arrival)) return;
     const std::uint32_t reason = engine_.check_step(arrival);
     for (std::uint64_t tick = 0; reason == 0 && tick < arrival.request.ticks(); ++tick) {
-      engine_.hear(arrival.request.session());
+      engine_.note_message(arrival.request.session());
       engine_.step();
     }
     engine_.answer_step(arrival, reason);
@@ -370,7 +370,7 @@ TEST(Reconnect, AGroupMoveGoesOnToItsEnd) {
 TEST(Reconnect, AFollowerGoesOnAndTellsOfTheGap) {
   Bench bench(service::ClockMode::realtime);
   Session sut(options());
-  auto follower = sut.follow({{1, 1}}, Pace::listen);
+  auto follower = sut.follow({{1, 1}}, Pace::observe);
   ASSERT_TRUE(follower) << follower.outcome().message();
   ASSERT_TRUE(follower->next(5s));
   bench.disconnect();

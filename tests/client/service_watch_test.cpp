@@ -66,7 +66,7 @@ TEST_F(ServiceWatchTest, TellsTheSameRunFromAnother) {
   EXPECT_THAT(news(0ms), ElementsAre(ServiceNews::found));
   EXPECT_THAT(news(200ms), ElementsAre(ServiceNews::fell_silent));
   directory_.on_state(state(1, 10), kStart + 300ms);
-  EXPECT_THAT(news(300ms), ElementsAre(ServiceNews::heard_again));
+  EXPECT_THAT(news(300ms), ElementsAre(ServiceNews::sends_again));
   describe(11, msg::CLOCK_MODE_REALTIME);
   directory_.on_state(state(1, 11), kStart + 500ms);
   EXPECT_THAT(news(500ms), ElementsAre(ServiceNews::fell_silent, ServiceNews::restarted));

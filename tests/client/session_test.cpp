@@ -285,7 +285,7 @@ TEST_F(LockStep, ShowsSeveralAxesInOneLook) {
 }
 
 TEST_F(LockStep, ListensWhileAnotherSessionSteps) {
-  auto follower = sut_.follow({{1, 1}}, Pace::listen);
+  auto follower = sut_.follow({{1, 1}}, Pace::observe);
   ASSERT_TRUE(follower);
   Session stepper(options());
   // Matching takes its time: step until a sample comes through, then none may be missing.

@@ -125,7 +125,7 @@ void count_samples(client::Session& session, const std::string& name, const std:
   while (!stop.stop_requested()) {
     const auto axis = session.axis(name);
     if (!axis) continue;
-    auto follower = session.follow({axis->id()}, client::Pace::listen);
+    auto follower = session.follow({axis->id()}, client::Pace::observe);
     if (!follower) continue;
     for (auto seen = follower->next(500ms); seen; seen = follower->next(500ms)) {
       if (last != 0 && seen->tick <= last) {
@@ -229,7 +229,7 @@ int observe(const Arguments& arguments) {
     }
     axes.push_back(axis->id());
   }
-  auto follower = session.follow(axes, client::Pace::listen);
+  auto follower = session.follow(axes, client::Pace::observe);
   if (!follower) return 1;
   std::map<std::string, Json> last;
   while (true) {

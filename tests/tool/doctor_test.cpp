@@ -66,7 +66,7 @@ TEST(Doctor, NamesAnInterfaceThatIsNotThereOrDown) {
 
 TEST(Doctor, NeedsMulticastOnlyWherePeersAreNotNamed) {
   HostReadings readings = healthy();
-  readings.multicast[0].is_heard = false;
+  readings.multicast[0].is_received = false;
   auto found = complaints(readings);
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].severity, Severity::problem);
@@ -100,7 +100,7 @@ TEST(Doctor, TellsABenchOfAnotherVersion) {
   bench.number = 3;
   bench.name = "cell";
   bench.service_version = "0.0.1";
-  const auto found = look_at_benches({&bench, 1}, {});
+  const auto found = check_benches({&bench, 1}, {});
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].severity, Severity::hint);
   EXPECT_THAT(found[0].text, HasSubstr("bench 3 'cell', 0 axes, realtime, version 0.0.1"));
@@ -120,7 +120,7 @@ TEST(Doctor, TellsHowOftenTheNetworkProcessOfABenchWasStartedAgain) {
   for (const auto& [bench, words] :
        {std::pair(once, "bench 3 was started again once since the service started"),
         std::pair(often, "bench 3 was started again 4 times since the service started")}) {
-    const auto found = look_at_benches({&bench, 1}, {});
+    const auto found = check_benches({&bench, 1}, {});
     ASSERT_EQ(found.size(), 2U);
     EXPECT_EQ(found[1].severity, Severity::hint);
     EXPECT_THAT(found[1].text, HasSubstr(words));
@@ -130,7 +130,7 @@ TEST(Doctor, TellsHowOftenTheNetworkProcessOfABenchWasStartedAgain) {
 
 TEST(Doctor, FindsANetworkProcessGoodThatNeverEnded) {
   const client::BenchInfo bench = bench_with_wire_starts(1);
-  const auto found = look_at_benches({&bench, 1}, {});
+  const auto found = check_benches({&bench, 1}, {});
   ASSERT_EQ(found.size(), 2U);
   EXPECT_EQ(found[1].severity, Severity::good);
   EXPECT_THAT(found[1].text, HasSubstr("bench 3 has not ended since the service started"));
@@ -138,11 +138,11 @@ TEST(Doctor, FindsANetworkProcessGoodThatNeverEnded) {
 
 TEST(Doctor, SaysNothingOfANetworkProcessThatItHasNotHeardOf) {
   const client::BenchInfo bench = bench_with_wire_starts(0);
-  EXPECT_EQ(look_at_benches({&bench, 1}, {}).size(), 1U);
+  EXPECT_EQ(check_benches({&bench, 1}, {}).size(), 1U);
 }
 
 TEST(Doctor, SaysHowToGetABenchWhereNoneIs) {
-  const auto found = look_at_benches({}, {});
+  const auto found = check_benches({}, {});
   ASSERT_EQ(found.size(), 1U);
   EXPECT_THAT(found[0].advice, HasSubstr("vdrived"));
 }

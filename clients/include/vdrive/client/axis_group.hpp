@@ -171,7 +171,7 @@ class AxisGroup {
   Outcome start_streaming(const StreamOptions& options = {});
 
   /// The positions of the next tick [UU, rounded], one frame a bench. In lock-step it steps one
-  /// tick and returns its state, with Pace::listen the state before that tick. In real time it
+  /// tick and returns its state, with Pace::observe the state before that tick. In real time it
   /// waits until the bench has come within `lead` of the tick before, which paces the caller, and
   /// returns the newest state.
   /// @return failed when an axis failed (the others are stopped), refused when a position came

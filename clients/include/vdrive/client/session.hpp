@@ -52,7 +52,7 @@ struct SessionOptions {
 enum class ServiceNews : std::uint8_t {
   found,         ///< it is there
   fell_silent,   ///< no sample arrived: it ended, hangs, or the network is down
-  heard_again,   ///< the same run of the service as before
+  sends_again,   ///< the same run of the service as before
   restarted,     ///< another run: nobody holds an axis of it, every axis is disabled
   went_offline,  ///< it announced its end
 };
@@ -67,8 +67,8 @@ struct ServiceChange {
 
 /// Whether a follower advances the clock of a lock-step bench.
 enum class Pace : std::uint8_t {
-  drive,   ///< in lock-step each sample is a step of one tick; else follows the status stream
-  listen,  ///< follows the status stream, whoever advances the clock, also while it is paused
+  drive,    ///< in lock-step each sample is a step of one tick; else follows the status stream
+  observe,  ///< follows the status stream, whoever advances the clock, also while it is paused
 };
 
 /// Sees axes of one bench tick by tick. Made by Session::follow; must not outlive the session.
@@ -178,7 +178,7 @@ class Session {
   /// @param axes of one bench, none of them twice
   Result<Follower> follow(std::vector<AxisId> axes, Pace pace);
 
-  /// Calls `observer`, in a thread of the session, when a service is found, falls silent, is heard
+  /// Calls `observer`, in a thread of the session, when a service is found, falls silent, sends
   /// again, restarts or goes offline. A silence is judged by the age of samples: it is reported
   /// within 100 ms while the bench ticks, within 300 ms where time stands still (lock-step,
   /// paused).
