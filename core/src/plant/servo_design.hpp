@@ -17,6 +17,11 @@ struct Gear {
   std::uint32_t denominator = 1;
 };
 
+/// @return load over motor revolutions.
+[[nodiscard]] inline double ratio_of(const Gear& gear) noexcept {
+  return static_cast<double>(gear.numerator) / static_cast<double>(gear.denominator);
+}
+
 /// Torque limits at the motor shaft [N.m], both >= 0.
 struct TorqueLimits {
   double positive = 0.0;
