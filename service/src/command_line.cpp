@@ -2,6 +2,8 @@
 #include "command_line.hpp"
 
 #include "configuration.hpp"
+#include "configuration_help.hpp"
+#include "configuration_warnings.hpp"
 #include "confinement.hpp"
 #include "journal.hpp"
 #include "library_log_sink.hpp"
@@ -73,6 +75,7 @@ struct Arguments {
   bool without_guard = false;
   std::string log_level = "info";
   bool print_config = false;
+  bool help_config = false;
 };
 
 void declare(CLI::App& app, Arguments& arguments) {
@@ -82,6 +85,8 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--check", arguments.check, "Check a configuration and exit")->type_name("FILE");
   app.add_flag("--print-config", arguments.print_config,
                "Print the configuration in effect as YAML and exit");
+  app.add_flag("--help-config", arguments.help_config,
+               "Print every key of a configuration, with its values and default, and exit");
   app.add_option("--clock", arguments.clock, "realtime, lockstep or freerun")->type_name("MODE");
   app.add_option("--period", arguments.period, "Length of a tick [us], 125 to 10000")
       ->type_name("US");
@@ -328,11 +333,18 @@ void check_flags(const Arguments& arguments) {
 int carry_out(const Arguments& arguments) {
   if (arguments.wire_process) return run_wire_process(*arguments.wire_process);
   check_flags(arguments);
+  if (arguments.help_config) {
+    std::cout << configuration_help();
+    return kDone;
+  }
   if (arguments.replay) return replay_journal(arguments);
   if (arguments.check) {
     const wire::NetworkSettings network = load_configuration(*arguments.check).network;
     if (!network.security.empty()) {
       static_cast<void>(wire::check_security(network.security, network.domain));
+    }
+    for (const std::string& warning : configuration_warnings(*arguments.check)) {
+      std::cerr << "vdrived: warning: " << warning << '\n';
     }
     std::cout << escaped(*arguments.check, kShownOfMessage) << ": good\n";
     return kDone;

@@ -400,6 +400,14 @@ void write_model(YAML::Emitter& out, const AxisModel& model) {
   out << YAML::EndMap;
 }
 
+/// @return such as "profile_velocity [VelUU]".
+std::string comment_on(ObjectRow row) {
+  const ObjectDescription& object = describe(row);
+  std::string comment(object.variable_name);
+  if (object.units != "-") comment += " [" + english_units(object) + "]";
+  return comment;
+}
+
 void write_axis(YAML::Emitter& out, const NamedAxis& axis) {
   out << YAML::BeginMap << YAML::Key << "number" << YAML::Value << axis.number;
   out << YAML::Key << "name" << YAML::Value << axis.name;
@@ -411,6 +419,7 @@ void write_axis(YAML::Emitter& out, const NamedAxis& axis) {
     for (const auto& parameter : axis.configuration.parameters) {
       out << YAML::Key << YAML::DoubleQuoted << address_text(parameter.address) << YAML::Value
           << parameter.value;
+      if (const auto row = find_object(parameter.address)) out << YAML::Comment(comment_on(*row));
     }
     out << YAML::EndMap;
   }

@@ -163,18 +163,22 @@ std::size_t YamlValue::choice(std::initializer_list<std::string_view> choices) c
   return static_cast<std::size_t>(found - choices.begin());
 }
 
-void YamlValue::refuse(const std::string& problem) const {
+std::string YamlValue::message(const std::string& problem) const {
   const YAML::Mark mark = node_.Mark();
-  std::string message = escaped(file_, kShownOfMessage) + ":" +
-                        std::to_string(mark.is_null() ? 1 : mark.line + 1) + ": ";
+  std::string text = escaped(file_, kShownOfMessage) + ":" +
+                     std::to_string(mark.is_null() ? 1 : mark.line + 1) + ": ";
   if (!path_.empty()) {
-    message += escaped(path_);
+    text += escaped(path_);
     if (node_.IsScalar() && !path_.ends_with(node_.Scalar())) {
-      message += " = " + escaped(node_.Scalar());
+      text += " = " + escaped(node_.Scalar());
     }
-    message += ": ";
+    text += ": ";
   }
-  throw ConfigurationError(message + problem);
+  return text + problem;
+}
+
+void YamlValue::refuse(const std::string& problem) const {
+  throw ConfigurationError(message(problem));
 }
 
 }  // namespace vdrive::service

@@ -57,7 +57,10 @@ class YamlValue {
   /// @throws ConfigurationError naming the choices, when it is none of them.
   [[nodiscard]] std::size_t choice(std::initializer_list<std::string_view> choices) const;
 
-  /// @throws ConfigurationError: file, line, key, value, and `problem`.
+  /// @return file, line, key, value, and `problem`.
+  [[nodiscard]] std::string message(const std::string& problem) const;
+
+  /// @throws ConfigurationError with that message.
   [[noreturn]] void refuse(const std::string& problem) const;
 
  private:

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "configuration.hpp"
 
+#include "configuration_help.hpp"
+#include "configuration_warnings.hpp"
+#include "support/temporary_directory.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/plant/model_parameters.hpp"
 
@@ -9,6 +12,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -341,7 +345,7 @@ std::vector<std::string> documented_model_parameters() {
       break;
     }
     if (is_below_the_title && line.starts_with("| `")) {
-      rows.push_back(line.substr(0, line.rfind(" | ")));
+      rows.push_back(line);
     }
   }
   return rows;
@@ -353,7 +357,8 @@ TEST(Configuration, DocumentsEachModelParameterWithItsLimitsAndDefault) {
     expected.push_back("| `" + std::string(parameter.name) + "` | " + std::string(parameter.unit) +
                        " | " + to_text(parameter.lowest) +
                        (parameter.from_zero_if_rigid ? " (rigid: 0)" : "") + " to " +
-                       to_text(parameter.highest) + " | " + to_text(AxisModel{}.*parameter.member));
+                       to_text(parameter.highest) + " | " + to_text(AxisModel{}.*parameter.member) +
+                       " | " + std::string(parameter.what) + " |");
   }
   EXPECT_EQ(documented_model_parameters(), expected);
 }
@@ -370,6 +375,120 @@ TEST(Configuration, TakesEachModelParameterAtItsLimitsAndNotBeyond) {
     EXPECT_NE(refusal_of(with(parameter.highest * 1.001)), "accepted");
     EXPECT_NE(refusal_of(with(parameter.lowest * 0.999 - 1e-12)), "accepted");
   }
+}
+
+// ---- help ------------------------------------------------------------------------------------
+
+/// @return the keys that the error about an unknown key of a section names.
+std::vector<std::string> known_keys(const std::string& text) {
+  const std::string message = refusal_of(text);
+  const std::string_view title = "known here: ";
+  const auto begin = message.find(title);
+  std::vector<std::string> keys;
+  if (begin == std::string::npos) return keys;
+  std::istringstream list(message.substr(begin + title.size()));
+  for (std::string key; std::getline(list >> std::ws, key, ',');) keys.push_back(key);
+  return keys;
+}
+
+TEST(ConfigurationHelp, DescribesEachKeyThatIsRead) {
+  const std::string help = configuration_help();
+  const auto expect_described = [&help](const std::string& prefix, const std::string& text) {
+    const auto keys = known_keys(text);
+    EXPECT_FALSE(keys.empty()) << text;
+    for (const std::string& key : keys) {
+      const std::string path = "\n" + prefix + key;
+      EXPECT_NE(("\n" + help).find(path), std::string::npos)
+          << prefix << key << " is not in kKeys of service/src/configuration_help.cpp";
+    }
+  };
+  for (const std::string& section : known_keys("zz: 1")) {
+    if (section == "axes") continue;
+    expect_described(section + ".", section + ": {zz: 1}");
+  }
+  expect_described("axes[].", "axes: [{zz: 1}]");
+  expect_described("axes[].settings.", "axes: [{number: 1, settings: {zz: 1}}]");
+  expect_described("axes[].model.", "axes: [{number: 1, model: {zz: 1}}]");
+}
+
+// The limits stand in the texts as words: what is refused shows those in force.
+TEST(ConfigurationHelp, NamesTheLimitsThatAreInForce) {
+  std::size_t compared = 0;
+  for (const ConfigurationKey& key : configuration_keys()) {
+    std::string path(key.path);
+    std::string text;
+    if (path.starts_with("axes[].settings.")) {
+      text = "axes: [{number: 1, settings: {" + path.substr(16) + ": zz}}]";
+    } else if (path == "axes[].number") {
+      text = "axes: [{number: zz}]";
+    } else if (!path.starts_with("axes")) {
+      const auto dot = path.find('.');
+      text = path.substr(0, dot) + ": {" + path.substr(dot + 1) + ": zz}";
+    }
+    const std::string refusal = refusal_of(text);
+    const std::string_view title = "must be a whole number from ";
+    const auto begin = refusal.find(title);
+    if (begin == std::string::npos) continue;
+    const std::string limits = refusal.substr(begin + title.size());  // "1 to 64 ms"
+    const auto end = limits.find_first_not_of("0123456789", limits.find(" to ") + 4);
+    EXPECT_NE(key.what.find(limits.substr(0, end)), std::string_view::npos)
+        << path << ": " << key.what << " " << limits;
+    ++compared;
+  }
+  EXPECT_GE(compared, 9U);
+}
+
+TEST(ConfigurationHelp, HasTheDefaultsOfAPrintedConfiguration) {
+  const std::string help = configuration_help();
+  EXPECT_NE(help.find("\nclock.period_us\n    Length of a tick, 125 to 10000 us. Default: 1000.\n"),
+            std::string::npos);
+  EXPECT_NE(help.find("\naxes[].model.backlash\n    of the shaft, at the load, both directions "
+                      "together, 0 to 6.3 rad. Default: 0.\n"),
+            std::string::npos);
+}
+
+// ---- warnings --------------------------------------------------------------------------------
+
+std::vector<std::string> warnings_of(const std::string& text) {
+  const test::TemporaryDirectory directory;
+  const auto file = directory.path() / "bench.yaml";
+  std::ofstream(file) << text;
+  std::vector<std::string> warnings = configuration_warnings(file);
+  for (std::string& warning : warnings) warning.erase(0, directory.path().string().size() + 1);
+  return warnings;
+}
+
+TEST(ConfigurationWarnings, AreNoneForLoadsThatTheLoopsHold) {
+  EXPECT_TRUE(warnings_of("bench: {number: 2}").empty());
+  EXPECT_TRUE(
+      warnings_of("axes: [{number: 1}, {number: 2, model: {coupling: two_inertia}}]").empty());
+  EXPECT_TRUE(warnings_of("axes:\n  - number: 1\n    model: {load_inertia: 0.03}\n"
+                          "    parameters: {gear_ratio_numerator: 1, gear_ratio_denominator: 10}\n")
+                  .empty());
+}
+
+// 0.1 kg.m2 times 10² and the motor's 3e-4: 33334 times the motor; 409600 UU/s² at the load are 20π
+// rad/s² at the motor, on 10.0003 kg.m2 628 N.m.
+TEST(ConfigurationWarnings, NameLineAndAxisOfAGearThatWasExchanged) {
+  const auto warnings = warnings_of(
+      "axes:\n  - {number: 2, name: table}\n  - number: 1\n    name: lift\n"
+      "    model: {load_inertia: 0.1}\n    parameters: {gear_ratio_numerator: 10}\n");
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_EQ(warnings.front(),
+            "bench.yaml:3: axes[1]: axis 1 (lift): profile_acc and profile_dec need 628 N.m at the "
+            "motor, its limit is 9 N.m; motor and load have 33334 times the inertia of the motor, "
+            "the load turns 10 times as fast as the motor (a gear that reduces has a "
+            "gear_ratio_numerator below its gear_ratio_denominator)");
+}
+
+// An elastic load of a hundred times the motor's inertia leaves 1000 Hz / 101 for the velocity
+// loop.
+TEST(ConfigurationWarnings, NameTheBandwidthThatALoadLeaves) {
+  const auto warnings =
+      warnings_of("axes: [{number: 1, model: {coupling: two_inertia, load_inertia: 0.03}}]");
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_NE(warnings.front().find("the velocity loop reaches 9.9 Hz of 100 Hz"), std::string::npos)
+      << warnings.front();
 }
 
 TEST(DefaultAxes, AreNumberedFromOneUpToTheLimit) {

@@ -15,6 +15,7 @@ struct ModelParameter {
   std::string_view name;  ///< of the member, and of the key in a configuration
   double AxisModel::*member;
   std::string_view unit;
+  std::string_view what;  ///< of which part, where it acts
   double lowest;
   double highest;
   bool from_zero_if_rigid = false;  ///< the lowest value of a rigid axis is 0
@@ -23,23 +24,32 @@ struct ModelParameter {
 /// Every number of AxisModel with its limits: what the configuration reads, checks and prints, and
 /// what the bank checks.
 inline constexpr std::array<ModelParameter, 15> kModelParameters{{
-    {"motor_inertia", &AxisModel::motor_inertia, "kg.m2", 1.0e-8, 1.0e4},
-    {"load_inertia", &AxisModel::load_inertia, "kg.m2", 1.0e-8, 1.0e4, true},
-    {"viscous_friction", &AxisModel::viscous_friction, "N.m.s/rad", 0.0, 1.0e4},
-    {"coulomb_friction", &AxisModel::coulomb_friction, "N.m", 0.0, 1.0e4},
-    {"load_viscous_friction", &AxisModel::load_viscous_friction, "N.m.s/rad", 0.0, 1.0e4},
-    {"load_coulomb_friction", &AxisModel::load_coulomb_friction, "N.m", 0.0, 1.0e4},
-    {"torque_constant", &AxisModel::torque_constant, "N.m/A", 1.0e-6, 1.0e4},
-    {"coupling_stiffness", &AxisModel::coupling_stiffness, "N.m/rad", 1.0e-3, 1.0e7},
-    {"coupling_damping", &AxisModel::coupling_damping, "N.m.s/rad", 0.0, 1.0e4},
-    {"backlash", &AxisModel::backlash, "rad", 0.0, 6.3},
+    {"motor_inertia", &AxisModel::motor_inertia, "kg.m2", "of the rotor", 1.0e-8, 1.0e4},
+    {"load_inertia", &AxisModel::load_inertia, "kg.m2", "at the load shaft", 1.0e-8, 1.0e4, true},
+    {"viscous_friction", &AxisModel::viscous_friction, "N.m.s/rad", "at the motor shaft", 0.0,
+     1.0e4},
+    {"coulomb_friction", &AxisModel::coulomb_friction, "N.m", "at the motor shaft", 0.0, 1.0e4},
+    {"load_viscous_friction", &AxisModel::load_viscous_friction, "N.m.s/rad", "at the load shaft",
+     0.0, 1.0e4},
+    {"load_coulomb_friction", &AxisModel::load_coulomb_friction, "N.m", "at the load shaft", 0.0,
+     1.0e4},
+    {"torque_constant", &AxisModel::torque_constant, "N.m/A", "of the motor", 1.0e-6, 1.0e4},
+    {"coupling_stiffness", &AxisModel::coupling_stiffness, "N.m/rad", "of the shaft, at the load",
+     1.0e-3, 1.0e7},
+    {"coupling_damping", &AxisModel::coupling_damping, "N.m.s/rad", "of the shaft, at the load",
+     0.0, 1.0e4},
+    {"backlash", &AxisModel::backlash, "rad", "of the shaft, at the load, both directions together",
+     0.0, 6.3},
     {"encoder_resolution", &AxisModel::encoder_resolution, "counts/revolution",
-     kUserUnitsPerRevolution, 4294967296.0},
+     "of encoder 1, on the motor", kUserUnitsPerRevolution, 4294967296.0},
     {"load_encoder_resolution", &AxisModel::load_encoder_resolution, "counts/revolution",
-     kUserUnitsPerRevolution, 4294967296.0},
-    {"current_loop_bandwidth", &AxisModel::current_loop_bandwidth, "Hz", 1.0, 4000.0},
-    {"velocity_loop_bandwidth", &AxisModel::velocity_loop_bandwidth, "Hz", 0.1, 1000.0},
-    {"position_loop_bandwidth", &AxisModel::position_loop_bandwidth, "Hz", 0.01, 500.0},
+     "of encoder 2, on the load", kUserUnitsPerRevolution, 4294967296.0},
+    {"current_loop_bandwidth", &AxisModel::current_loop_bandwidth, "Hz", "of the current loop", 1.0,
+     4000.0},
+    {"velocity_loop_bandwidth", &AxisModel::velocity_loop_bandwidth, "Hz", "of the velocity loop",
+     0.1, 1000.0},
+    {"position_loop_bandwidth", &AxisModel::position_loop_bandwidth, "Hz", "of the position loop",
+     0.01, 500.0},
 }};
 
 /// @return nothing when the model's value of `parameter` is within its limits, else the limits,

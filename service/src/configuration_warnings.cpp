@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "configuration_warnings.hpp"
+
+#include "configuration.hpp"
+#include "vdrive/plant/loop_report.hpp"
+#include "yaml_reader.hpp"
+
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <sstream>
+
+namespace vdrive::service {
+namespace {
+
+/// An oscillation that lasts longer is seen as ringing [s].
+constexpr double kLongestRinging = 0.25;
+
+/// Loops that are slower than this part of what is configured do not do what their author expects.
+constexpr double kLeastBandwidth = 0.5;
+
+/// @return three digits that count, or a whole number.
+std::string rounded(double value) {
+  constexpr double kLeastWhole = 1'000.0;
+  std::ostringstream text;
+  if (value >= kLeastWhole) {
+    text << std::fixed << std::setprecision(0) << value;
+  } else {
+    text << std::setprecision(3) << value;
+  }
+  return text.str();
+}
+
+void add(std::string& findings, const std::string& finding) {
+  findings += (findings.empty() ? "" : "; ") + finding;
+}
+
+/// @return what is wrong; empty = nothing.
+std::string findings_of(const LoopReport& report, const AxisModel& model) {
+  std::string findings;
+  if (std::isinf(report.ringing_time)) {
+    add(findings, "the axis oscillates at " + rounded(report.ringing) + " Hz, growing");
+  } else if (report.ringing_time > kLongestRinging) {
+    add(findings, "the axis rings at " + rounded(report.ringing) + " Hz for " +
+                      rounded(report.ringing_time) + " s");
+  }
+  if (report.velocity_bandwidth < kLeastBandwidth * model.velocity_loop_bandwidth) {
+    add(findings, "the velocity loop reaches " + rounded(report.velocity_bandwidth) + " Hz of " +
+                      rounded(model.velocity_loop_bandwidth) + " Hz, the position loop " +
+                      rounded(report.position_bandwidth) + " Hz of " +
+                      rounded(model.position_loop_bandwidth) + " Hz");
+  }
+  if (report.torque_needed > report.torque_limit) {
+    add(findings, "profile_acc and profile_dec need " + rounded(report.torque_needed) +
+                      " N.m at the motor, its limit is " + rounded(report.torque_limit) + " N.m");
+  }
+  return findings;
+}
+
+/// @return the numbers behind the findings.
+std::string reasons_of(const LoopReport& report) {
+  std::string reasons =
+      "motor and load have " + rounded(report.inertia_ratio) + " times the inertia of the motor";
+  if (report.load_resonance > 0.0) {
+    reasons += ", the load's resonance on its shaft is " + rounded(report.load_resonance) + " Hz";
+  }
+  if (report.gear_ratio > 1.0) {
+    reasons += ", the load turns " + rounded(report.gear_ratio) +
+               " times as fast as the motor (a gear that reduces has a gear_ratio_numerator below "
+               "its gear_ratio_denominator)";
+  }
+  return reasons;
+}
+
+void examine(const NamedAxis& axis, const Configuration& configuration, const YamlValue& place,
+             std::vector<std::string>& warnings) {
+  const AxisModel& model = axis.configuration.model;
+  const LoopReport report = examine_loops(axis.configuration, configuration.period);
+  const std::string findings = findings_of(report, model);
+  if (findings.empty()) return;
+  warnings.push_back(place.message("axis " + std::to_string(axis.number) + " (" + axis.name +
+                                   "): " + findings + "; " + reasons_of(report)));
+}
+
+}  // namespace
+
+std::vector<std::string> configuration_warnings(const std::filesystem::path& file) {
+  const Configuration configuration = load_configuration(file);
+  std::vector<std::string> warnings;
+  const YAML::Node document = YAML::LoadFile(file.string());
+  if (!document.IsMap() || !document["axes"]) return warnings;
+  YamlValue(document["axes"], file.string(), "axes").for_each_element([&](const YamlValue& place) {
+    place.for_each_entry({}, [&](const std::string& key, const YamlValue& entry) {
+      if (key != "number") return;
+      const auto number = static_cast<std::uint16_t>(entry.integer({1, 65'535, ""}));
+      const auto axis = std::ranges::find(configuration.axes, number, &NamedAxis::number);
+      if (axis != configuration.axes.end()) examine(*axis, configuration, place, warnings);
+    });
+  });
+  return warnings;
+}
+
+}  // namespace vdrive::service
