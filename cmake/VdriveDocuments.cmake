@@ -30,6 +30,22 @@ endfunction()
 vdrive_man_page(vdrive 1 "commands virtual CiA 402 servo drives over DDS" tool)
 vdrive_man_page(vdrived 8 "a bench of virtual CiA 402 servo drives on DDS" service)
 
+set(configuration_page ${documents}/vdrived.yaml.5)
+set(configuration_example ${PROJECT_SOURCE_DIR}/deploy/systemd/vdrived.yaml)
+add_custom_command(
+  OUTPUT ${configuration_page}
+  COMMAND
+    ${CMAKE_COMMAND} -D PROGRAM=$<TARGET_FILE:vdrived> -D EXAMPLE=${configuration_example} -D
+    VERSION=${PROJECT_VERSION} -D PAGE=${configuration_page} -P
+    ${PROJECT_SOURCE_DIR}/cmake/make_configuration_page.cmake
+  DEPENDS vdrived ${configuration_example} ${PROJECT_SOURCE_DIR}/cmake/make_configuration_page.cmake
+  COMMENT "Making the man page of the configuration"
+  VERBATIM)
+add_custom_target(vdrived_configuration_page ALL DEPENDS ${configuration_page})
+if(VDRIVE_INSTALL)
+  install(FILES ${configuration_page} DESTINATION ${CMAKE_INSTALL_MANDIR}/man5 COMPONENT service)
+endif()
+
 set(completion ${documents}/vdrive.bash)
 add_custom_command(
   OUTPUT ${completion}

@@ -42,7 +42,21 @@ install(FILES ${unit_dir}/realtime.conf DESTINATION ${CMAKE_INSTALL_DATADIR}/vdr
 install(FILES ${unit_dir}/vdrived.yaml DESTINATION ${CMAKE_INSTALL_SYSCONFDIR}/vdrive
         COMPONENT service)
 
-foreach(package vdrived:service vdrive:tool libvdrive-dev:development)
+# The documents, the IDL and the examples lie as they do in the project: the links between them lead
+# to something.
+set(tree ${CMAKE_INSTALL_DATADIR}/doc/vdrive-doc)
+install(FILES ${PROJECT_SOURCE_DIR}/README.md DESTINATION ${tree} COMPONENT documents)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs DESTINATION ${tree} COMPONENT documents)
+install(FILES ${PROJECT_SOURCE_DIR}/idl/vdrive_messages.idl DESTINATION ${tree}/idl
+        COMPONENT documents)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/clients/examples DESTINATION ${tree}/clients
+        COMPONENT documents PATTERN CMakeLists.txt EXCLUDE PATTERN installed EXCLUDE)
+install(FILES ${PROJECT_SOURCE_DIR}/clients/examples/installed/CMakeLists.txt
+        DESTINATION ${tree}/clients/examples COMPONENT documents)
+install(FILES ${PROJECT_SOURCE_DIR}/clients/examples/06_raw_dds/CMakeLists.txt
+        DESTINATION ${tree}/clients/examples/06_raw_dds COMPONENT documents)
+
+foreach(package vdrived:service vdrive:tool libvdrive-dev:development vdrive-doc:documents)
   string(REPLACE ":" ";" package ${package})
   list(GET package 0 name)
   list(GET package 1 component)

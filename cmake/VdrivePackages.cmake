@@ -4,6 +4,7 @@
 #   vdrived         the service, its units, its first configuration
 #   vdrive          the tool, its completion, the scenarios
 #   libvdrive-dev   the client library: archives, headers, CMake package
+#   vdrive-doc      the documents, the IDL, the examples
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_CONTACT "vdrive maintainers <maintainers@vdrive.invalid>")
@@ -11,7 +12,7 @@ set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "virtual CiA 402 servo drives on DDS")
 set(CPACK_PACKAGE_DIRECTORY ${PROJECT_SOURCE_DIR}/build/packages)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
-set(CPACK_COMPONENTS_ALL service tool development)
+set(CPACK_COMPONENTS_ALL service tool development documents)
 set(CPACK_PRE_BUILD_SCRIPTS ${PROJECT_SOURCE_DIR}/cmake/finish_packages.cmake)
 
 set(CPACK_DEB_COMPONENT_INSTALL ON)
@@ -25,7 +26,7 @@ set(CPACK_DEBIAN_SERVICE_PACKAGE_SECTION misc)
 set(CPACK_DEBIAN_SERVICE_DESCRIPTION "The service: it hosts simulated servo axes. Each behaves like a CiA 402 drive,
 with a motor, a load, servo loops and encoders behind it. Programs command and
 watch it over DDS.")
-set(CPACK_DEBIAN_SERVICE_PACKAGE_SUGGESTS vdrive)
+set(CPACK_DEBIAN_SERVICE_PACKAGE_SUGGESTS "vdrive, vdrive-doc")
 set(debian ${PROJECT_SOURCE_DIR}/deploy/debian)
 set(CPACK_DEBIAN_SERVICE_PACKAGE_CONTROL_EXTRA ${debian}/conffiles ${debian}/postinst
                                                ${debian}/prerm ${debian}/postrm)
@@ -41,5 +42,12 @@ set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "The client library: archives, headers 
 and vdrive::core.")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
     "libeigen3-dev (>= 3.4), libfastcdr-dev, libfastrtps-dev (>= 2.9), libssl-dev, libtinyxml2-dev")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS vdrive-doc)
+
+set(CPACK_DEBIAN_DOCUMENTS_PACKAGE_NAME vdrive-doc)
+set(CPACK_DEBIAN_DOCUMENTS_PACKAGE_SECTION doc)
+set(CPACK_DEBIAN_DOCUMENTS_PACKAGE_ARCHITECTURE all)
+set(CPACK_DEBIAN_DOCUMENTS_DESCRIPTION "The documents: tutorial, guides, reference, explanation; the IDL of the network
+contract; programs that use the client library or a DDS library alone.")
 
 include(CPack)

@@ -22,7 +22,10 @@ file(GLOB licences ${CPACK_TEMPORARY_DIRECTORY}/*/usr/share/doc/*/copyright)
 foreach(licence ${licences})
   cmake_path(GET licence PARENT_PATH documents)
   file(COPY_FILE ${CMAKE_CURRENT_LIST_DIR}/../deploy/debian/copyright ${licence})
-  file(COPY_FILE ${CMAKE_CURRENT_LIST_DIR}/../CHANGELOG.md ${documents}/NEWS)
+  # What is not released in the project is released by the package.
+  file(READ ${CMAKE_CURRENT_LIST_DIR}/../CHANGELOG.md news)
+  string(REPLACE "\n## Unreleased\n" "\n## ${CPACK_PACKAGE_VERSION}\n" news "${news}")
+  file(WRITE ${documents}/NEWS "${news}")
   file(WRITE ${documents}/changelog "vdrive (${CPACK_PACKAGE_VERSION}) stable; urgency=medium\n\n"
        "  * What changed is in NEWS.\n\n -- ${CPACK_PACKAGE_CONTACT}  ${day}\n")
   run(gzip -9n ${documents}/NEWS ${documents}/changelog)

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds the Debian packages vdrived, vdrive and libvdrive-dev into build/packages.
+# Builds the Debian packages vdrived, vdrive, libvdrive-dev and vdrive-doc into build/packages.
 #
 #   deploy/package.sh
 #

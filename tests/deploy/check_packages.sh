@@ -18,7 +18,7 @@ fail() {
 
 list=$("$root/deploy/package.sh")
 mapfile -t packages <<<"$list"
-((${#packages[@]} == 3)) || fail "expected three packages: ${packages[*]}"
+((${#packages[@]} == 4)) || fail "expected four packages: ${packages[*]}"
 
 unpacked=$work/root
 for package in "${packages[@]}"; do
@@ -40,11 +40,19 @@ expected=(
   usr/share/bash-completion/completions/vdrive
   usr/share/doc/libvdrive-dev/changelog.gz
   usr/share/doc/libvdrive-dev/copyright
+  usr/share/doc/vdrive-doc/README.md
+  usr/share/doc/vdrive-doc/changelog.gz
+  usr/share/doc/vdrive-doc/clients/examples/01_enable_and_move.cpp
+  usr/share/doc/vdrive-doc/clients/examples/06_raw_dds/raw_dds.c
+  usr/share/doc/vdrive-doc/copyright
+  usr/share/doc/vdrive-doc/docs/guides/configuration.md
+  usr/share/doc/vdrive-doc/idl/vdrive_messages.idl
   usr/share/doc/vdrive/changelog.gz
   usr/share/doc/vdrive/copyright
   usr/share/doc/vdrived/changelog.gz
   usr/share/doc/vdrived/copyright
   usr/share/man/man1/vdrive.1.gz
+  usr/share/man/man5/vdrived.yaml.5.gz
   usr/share/man/man8/vdrived.8.gz
   usr/share/vdrive/realtime.conf
   usr/share/vdrive/scenarios/absolute_forward.scn
@@ -69,6 +77,24 @@ control() {
 [[ $(control libvdrive-dev Depends) == *libeigen3-dev* ]] || fail "libvdrive-dev needs Eigen"
 dpkg-deb --ctrl-tarfile "$(package_of vdrived)" | tar -xO ./conffiles |
   grep -qx /etc/vdrive/vdrived.yaml || fail "the configuration would be overwritten"
+
+# A document that a configuration or a unit names is in a package; the news are of this version.
+manuals() {
+  { grep -o 'man [a-z][a-z.]*' "$unpacked"/etc/vdrive/*.yaml || true
+    grep -oh 'man:[a-z.]*' "$unpacked"/usr/lib/systemd/system/*; } | sed 's/^.*man[ :]//; s/\.$//' | sort -u
+}
+[[ -n $(manuals) ]] || fail "neither configuration nor units name a manual page"
+for page in $(manuals); do
+  compgen -G "$unpacked/usr/share/man/man?/$page.?.gz" >/dev/null || fail "man $page is in no package"
+done
+if grep -rn 'docs/' "$unpacked/etc" "$unpacked/usr/lib/systemd"; then
+  fail "the lines above name a document that no package installs there"
+fi
+for news in "$unpacked"/usr/share/doc/*/NEWS.gz; do
+  zgrep -qi unreleased "$news" && fail "$news: a package is released"
+  zgrep -q "^## $("$unpacked/usr/bin/vdrived" --version | sed 's/vdrived //')$" "$news" ||
+    fail "$news does not name the version of the package"
+done
 
 # The programs run.
 "$unpacked/usr/bin/vdrived" --check "$unpacked/etc/vdrive/vdrived.yaml" >"$work/check"
@@ -119,6 +145,11 @@ done
 
 cmp --silent <("$unpacked/usr/bin/vdrive" completion bash) \
   "$unpacked/usr/share/bash-completion/completions/vdrive" || fail "the completion is of another build"
+
+# An example, with the list that is installed beside it.
+cmake -S "$unpacked/usr/share/doc/vdrive-doc/clients/examples" -B "$work/examples" -G Ninja \
+  -DCMAKE_PREFIX_PATH="$unpacked/usr" >"$work/log" 2>&1 || fail "$(cat "$work/log")"
+cmake --build "$work/examples" --target 01_enable_and_move >"$work/log" 2>&1 || fail "$(cat "$work/log")"
 
 # A stranger's program.
 cmake -S "$root/tests/package/consumer" -B "$work/consumer" -G Ninja \
