@@ -87,6 +87,11 @@ std::string what_it_shows(const AxisSnapshot& axis) {
     text += ", error " + hex(axis.status.error_code, 4) + " " +
             std::string(vdrive::describe(static_cast<ErrorCode>(axis.status.error_code)));
   }
+  if (static_cast<ErrorCode>(axis.status.error_code) == ErrorCode::life_guard_or_heartbeat) {
+    text +=
+        ": the bench did not hear the owner of the axis in time; raise its watchdog.timeout_ms, or "
+        "use lock-step";
+  }
   return text;
 }
 

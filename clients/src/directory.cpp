@@ -56,6 +56,7 @@ void Directory::on_state(const msg::BenchState& message, Clock::time_point now) 
   Entry& entry = found->second;
   entry.info.rate = message.rate();
   entry.info.wire_starts = message.wire_starts();
+  entry.info.longest_silence = std::chrono::microseconds(message.longest_silence_us());
   entry.rate_time = now;
   entry.slowest_stepper = message.slowest_stepper();
 }

@@ -203,6 +203,25 @@ Finding check_wire(const client::BenchInfo& bench) {
               "the log of the service and the events of the bench give the reason of each restart"};
 }
 
+/// The time of a watchdog that nobody set, in docs/guides/configuration.md: half of it is close.
+constexpr std::chrono::milliseconds kLongSilence{250};
+
+Finding check_silence(const client::BenchInfo& bench) {
+  const auto silence = std::chrono::floor<std::chrono::milliseconds>(bench.longest_silence);
+  Finding finding{.subject = "benches",
+                  .text = "the longest time in which bench " + std::to_string(bench.number) +
+                          " did not hear an owner of axes is " + std::to_string(silence.count()) +
+                          " ms of drive time",
+                  .advice = ""};
+  if (silence >= kLongSilence) {
+    finding.severity = Severity::hint;
+    finding.advice =
+        "the machine or the network is busy: keep watchdog.timeout_ms above twice this time, or "
+        "use lock-step";
+  }
+  return finding;
+}
+
 }  // namespace
 
 std::vector<Finding> check_benches(std::span<const client::BenchInfo> benches,
@@ -218,7 +237,10 @@ std::vector<Finding> check_benches(std::span<const client::BenchInfo> benches,
   for (const client::BenchInfo& bench : benches) {
     findings.push_back(check_version(bench));
     // 0: not received yet.
-    if (bench.wire_starts != 0) findings.push_back(check_wire(bench));
+    if (bench.wire_starts != 0) {
+      findings.push_back(check_wire(bench));
+      findings.push_back(check_silence(bench));
+    }
   }
   return findings;
 }

@@ -17,7 +17,7 @@ BenchEngine::BenchEngine(const Configuration& configuration, const BenchIdentity
       writer_(axes_, schedule_),
       brake_(axes_, writer_, schedule_, events_),
       masters_(axes_, clock_, schedule_, events_, counters),
-      master_watch_(configuration, clock_, masters_),
+      master_watch_(configuration, clock_, masters_, counters_),
       application_(axes_, writer_, masters_, frame_answers_, events_, counters),
       frames_(clock_, brake_, masters_, schedule_, frame_answers_, application_, counters),
       observation_(axes_, masters_, schedule_, events_, counters),

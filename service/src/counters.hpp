@@ -97,6 +97,7 @@ struct Counters {
   Counter wire_resident;  ///< memory of the wire's process [bytes], 0 = it has none of its own
   Counter guarded;        ///< datagrams that the guard in front of the DDS library dropped
   Counter master_losses;
+  Counter longest_silence_us;            ///< of an owner of axes, in drive time
   Counter saves;                         ///< axes whose stored parameters became durable
   Counter save_failures;                 ///< axes whose parameters could not be stored
   Counter snapshots;                     ///< kept now

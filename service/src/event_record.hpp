@@ -18,6 +18,14 @@ struct Count {
   friend bool operator==(const Count&, const Count&) = default;
 };
 
+/// Axes whose owner the bench did not hear in time.
+struct LostAxes {
+  std::uint64_t count = 0;
+  std::uint64_t silence_ms = 0;  ///< of the owner, in drive time
+
+  friend bool operator==(const LostAxes&, const LostAxes&) = default;
+};
+
 /// A number that names something: a snapshot, an incarnation.
 struct Label {
   std::uint64_t value = 0;
@@ -93,7 +101,8 @@ struct WireLoss {
 /// | event | detail |
 /// | --- | --- |
 /// | refused | RefusedMessage |
-/// | set-point ignored, control changed, master lost, tick jumped, queue overflow | Count |
+/// | set-point ignored, control changed, tick jumped, queue overflow | Count |
+/// | master lost | LostAxes |
 /// | tick overrun | how late it ended |
 /// | wall clock | how far the wall clock is ahead of drive time |
 /// | clock changed | NewRate, or why a stepper left: Parting |
@@ -102,8 +111,9 @@ struct WireLoss {
 /// | parameters | Count of axes, StoredProblem, or SystemError |
 /// | wire | WireLoss, or the time without one, or until the next one |
 /// | any other | nothing |
-using EventDetail = std::variant<std::monostate, Count, Label, RefusedMessage, NewRate, Parting,
-                                 SystemError, StoredProblem, WireLoss, std::chrono::microseconds>;
+using EventDetail =
+    std::variant<std::monostate, Count, LostAxes, Label, RefusedMessage, NewRate, Parting,
+                 SystemError, StoredProblem, WireLoss, std::chrono::microseconds>;
 
 /// Something to tell, before it becomes words.
 struct EventRecord {

@@ -48,6 +48,13 @@ std::string control_text(const EventRecord& event) {
          std::to_string(event.code);
 }
 
+std::string lost_text(const EventRecord& event) {
+  const auto [count, silence_ms] = detail_of<LostAxes>(event);
+  return "session " + hex(event.session, 16) + " was not heard for " + std::to_string(silence_ms) +
+         " ms; " + (count == 1 ? "1 axis lost its" : std::to_string(count) + " axes lost their") +
+         " master";
+}
+
 std::string refusal_text(const EventRecord& event) {
   const auto [number, late_by] = detail_of<RefusedMessage>(event);
   const std::string late = late_by == 0 ? "" : ", late by " + std::to_string(late_by) + " ticks";
@@ -149,8 +156,7 @@ std::string text_of(const EventRecord& event) {
     case msg::EVENT_CONTROL_CHANGED:
       return control_text(event);
     case msg::EVENT_MASTER_LOST:
-      return "session " + hex(event.session, 16) + " stopped sending; " + count_of(event) +
-             " axes lost their master";
+      return lost_text(event);
     case msg::EVENT_TICK_OVERRUN:
       return "tick ended " + std::to_string(detail_of<std::chrono::microseconds>(event).count()) +
              " us too late";

@@ -3,6 +3,7 @@
 
 #include "bench_clock.hpp"
 #include "configuration.hpp"
+#include "counters.hpp"
 #include "masters.hpp"
 
 #include <chrono>
@@ -15,9 +16,10 @@ namespace vdrive::service {
 /// the wall clock: where drive time runs faster, they have more ticks.
 class MasterWatch {
  public:
-  MasterWatch(const Configuration& configuration, const BenchClock& clock, Masters& masters);
+  MasterWatch(const Configuration& configuration, const BenchClock& clock, Masters& masters,
+              Counters& counters);
 
-  /// Takes the axes from every master that was silent for too long.
+  /// Takes the axes from every master that was silent for too long, and notes the longest silence.
   void watch();
 
   /// The rate of the clock has changed: the time of every master begins anew.
@@ -27,10 +29,14 @@ class MasterWatch {
   void skip(std::uint64_t ticks);
 
  private:
+  [[nodiscard]] std::chrono::microseconds time_of(std::uint64_t ticks) const noexcept;
   [[nodiscard]] std::uint64_t patience() const noexcept;
 
   const BenchClock& clock_;
   Masters& masters_;
+  Counters& counters_;
+  std::chrono::microseconds period_;
+  std::uint64_t longest_silence_ = 0;                  ///< [ticks]
   std::optional<std::chrono::milliseconds> watchdog_;  ///< at a rate of 1 or below
   std::uint64_t ticks_;                                ///< that a master may be silent; 0 = off
 };

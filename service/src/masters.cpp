@@ -136,7 +136,7 @@ void Masters::give(std::size_t axis, SessionRecord& record) {
                   .detail = Count{1}});
 }
 
-void Masters::lose(SessionRecord& record) {
+void Masters::lose(SessionRecord& record, std::chrono::milliseconds silence) {
   std::size_t lost = 0;
   std::uint16_t last_number = 0;
   for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
@@ -154,7 +154,8 @@ void Masters::lose(SessionRecord& record) {
   events_.report({.kind = msg::EVENT_MASTER_LOST,
                   .axis = lost == 1 ? last_number : std::uint16_t{0},
                   .session = record.session,
-                  .detail = Count{lost}});
+                  .code = static_cast<std::uint32_t>(silence.count()),
+                  .detail = LostAxes{lost, static_cast<std::uint64_t>(silence.count())}});
 }
 
 }  // namespace vdrive::service

@@ -9,6 +9,7 @@
 #include "frame_schedule.hpp"
 #include "vdrive_messages.h"
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -63,8 +64,9 @@ class Masters {
   /// Gives the free axis to the session, which wrote a command object of it.
   void give(std::size_t axis, SessionRecord& record);
 
-  /// The session, which owns axes, fell silent: its axes react to the loss of the connection.
-  void lose(SessionRecord& record);
+  /// The session, which owns axes, was not heard for `silence` of drive time: its axes react to the
+  /// loss of the connection.
+  void lose(SessionRecord& record, std::chrono::milliseconds silence);
 
  private:
   void take_from_owner(std::size_t axis);

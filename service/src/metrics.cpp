@@ -107,8 +107,11 @@ void add_commands(Families& families, const Counters& counters) {
   families.counter("vdrive_requests_answered_total", "Requests that were answered",
                    counters.requests_answered.get());
   families.counter("vdrive_watchdog_trips_total",
-                   "Masters that were lost because they stopped sending",
+                   "Masters that were lost because they were not heard in time",
                    counters.master_losses.get());
+  families.gauge("vdrive_longest_silence_seconds",
+                 "Longest time in which an owner of axes was not heard, in drive time",
+                 static_cast<double>(counters.longest_silence_us.get()) * 1.0e-6);
 }
 
 void add_wire(Families& families, const Counters& counters) {

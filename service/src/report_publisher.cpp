@@ -229,6 +229,7 @@ void ReportPublisher::publish_state(const Inbox& inbox, const Outbox& outbox,
   state_.journal_ticks(counters_.journal_ticks.get());
   state_.journal_losses(counters_.journal_losses.get());
   state_.wire_starts(counters_.wire_starts.get());
+  state_.longest_silence_us(counters_.longest_silence_us.get());
   write(state_);
 }
 

@@ -360,8 +360,8 @@ TEST(RealtimeSession, MovesHaltsAndKeepsItsAxisAlive) {
   ASSERT_TRUE(axis->move_to(2000));
   EXPECT_EQ(*axis->read(kDemand), 2000);
   ASSERT_TRUE(axis->move_by(500));
-  // Six times the watchdog's patience without a word from this thread.
-  ASSERT_TRUE(sut.wait(1, 600ms));
+  // Three times the watchdog's patience without a word from this thread.
+  ASSERT_TRUE(sut.wait(1, 1500ms));
   EXPECT_EQ(axis->status()->state(), PowerState::operation_enabled);
   EXPECT_EQ(axis->status()->owner_session, sut.id());
   EXPECT_EQ(sut.step(1, 1).outcome().kind(), OutcomeKind::refused);

@@ -43,7 +43,7 @@ TEST(Configuration, WithoutAFileIsTheDemoBench) {
   EXPECT_EQ(demo.axes[1].name, "y");
   EXPECT_EQ(demo.clock, ClockMode::realtime);
   EXPECT_EQ(demo.period, 1ms);
-  EXPECT_EQ(demo.watchdog, 100ms);
+  EXPECT_EQ(demo.watchdog, 500ms);
 }
 
 TEST(Configuration, ReadsEveryKey) {
@@ -152,7 +152,7 @@ TEST(Configuration, OfAFreeRunningClockHasNoWatchdogUnlessTheFileNamesOne) {
   EXPECT_EQ(effective_watchdog(parse("clock: {mode: freerun}")), std::nullopt);
   const auto chosen = parse("clock: {mode: freerun}\nwatchdog: {timeout_ms: 50}");
   EXPECT_EQ(effective_watchdog(chosen), std::chrono::milliseconds{50});
-  EXPECT_EQ(effective_watchdog(parse("clock: {mode: realtime}")), std::chrono::milliseconds{100});
+  EXPECT_EQ(effective_watchdog(parse("clock: {mode: realtime}")), std::chrono::milliseconds{500});
   const std::string text = to_yaml(parse("clock: {mode: freerun, period_us: 250}"));
   EXPECT_EQ(to_yaml(parse(text)), text);
   EXPECT_EQ(effective_watchdog(parse(text)), std::nullopt);

@@ -95,7 +95,10 @@ TEST(Watchdog, TakesTheAxesOfASilentMasterAndFaultsTheEnabledOnes) {
   const auto events = bench.events(msg::EVENT_MASTER_LOST);
   ASSERT_EQ(events.size(), 1U);
   EXPECT_EQ(events[0].session, kAlice);
-  EXPECT_EQ(events[0].detail, service::EventDetail{service::Count{2}});
+  EXPECT_EQ(events[0].detail, (service::EventDetail{service::LostAxes{2, 101}}))
+      << "the first tick beyond the 100 ms";
+  EXPECT_EQ(events[0].code, 101U);
+  EXPECT_EQ(bench.counters.longest_silence_us.get(), 101'000U);
   EXPECT_EQ(bench.acquire(kBob, {1, 2}).reason(), msg::REASON_NONE);
 }
 

@@ -11,6 +11,7 @@ service::Configuration bench_configuration(std::size_t axes) {
   service::Configuration configuration;
   configuration.bench = kBench;
   configuration.clock = service::ClockMode::lockstep;
+  configuration.watchdog = std::chrono::milliseconds{100};
   configuration.axes = service::default_axes(axes);
   return configuration;
 }

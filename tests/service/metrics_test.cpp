@@ -86,6 +86,7 @@ TEST_F(MetricsTest, AreServedAsPrometheusText) {
   counters_.overruns.add(2);
   counters_.commands_applied.add(3);
   counters_.master_losses.add();
+  counters_.longest_silence_us.set(112'000);
   counters_.wall_steps.add(3);
   counters_.wall_offset = -1.5;
   const std::string answer = get(sut_.port(), "/metrics");
@@ -96,7 +97,8 @@ TEST_F(MetricsTest, AreServedAsPrometheusText) {
         "\nvdrive_commands_applied_total{bench=\"4\"} 3\n",
         "\nvdrive_wall_clock_steps_total{bench=\"4\"} 3\n",
         "\nvdrive_wall_clock_offset_seconds{bench=\"4\"} -1.5\n",
-        "\nvdrive_watchdog_trips_total{bench=\"4\"} 1\n", "\nvdrive_axes{bench=\"4\"} 2\n",
+        "\nvdrive_watchdog_trips_total{bench=\"4\"} 1\n",
+        "\nvdrive_longest_silence_seconds{bench=\"4\"} 0.112\n", "\nvdrive_axes{bench=\"4\"} 2\n",
         "\nvdrive_queue_depth{bench=\"4\",queue=\"inbox\"} 5\n",
         "\nvdrive_queue_depth{bench=\"4\",queue=\"outbox\"} 6\n",
         "# TYPE vdrive_ticks_total counter", "name=\"cell \\\"7\\\"\""}) {

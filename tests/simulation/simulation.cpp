@@ -52,6 +52,7 @@ service::Configuration configuration_of(const Options& options,
                              ? kPeriods.front()
                              : random.pick<std::chrono::microseconds>(kPeriods);
   configuration.threads = static_cast<std::uint32_t>(options.threads);
+  configuration.watchdog = std::chrono::milliseconds{100};
   configuration.watchdog_is_chosen = random.per_mille(500);
   configuration.axes = service::default_axes(options.axes);
   for (std::size_t place = 0; place < limits.size(); ++place) {

@@ -121,7 +121,7 @@ TEST(Doctor, TellsHowOftenTheNetworkProcessOfABenchWasStartedAgain) {
        {std::pair(once, "bench 3 was started again once since the service started"),
         std::pair(often, "bench 3 was started again 4 times since the service started")}) {
     const auto found = check_benches({&bench, 1}, {});
-    ASSERT_EQ(found.size(), 2U);
+    ASSERT_EQ(found.size(), 3U);
     EXPECT_EQ(found[1].severity, Severity::hint);
     EXPECT_THAT(found[1].text, HasSubstr(words));
     EXPECT_THAT(found[1].advice, HasSubstr("log of the service"));
@@ -131,9 +131,20 @@ TEST(Doctor, TellsHowOftenTheNetworkProcessOfABenchWasStartedAgain) {
 TEST(Doctor, FindsANetworkProcessGoodThatNeverEnded) {
   const client::BenchInfo bench = bench_with_wire_starts(1);
   const auto found = check_benches({&bench, 1}, {});
-  ASSERT_EQ(found.size(), 2U);
+  ASSERT_EQ(found.size(), 3U);
   EXPECT_EQ(found[1].severity, Severity::good);
   EXPECT_THAT(found[1].text, HasSubstr("bench 3 has not ended since the service started"));
+}
+
+TEST(Doctor, TellsHowLongABenchDidNotHearAnOwner) {
+  client::BenchInfo bench = bench_with_wire_starts(1);
+  bench.longest_silence = std::chrono::milliseconds{26};  // keep-alives come each 25 ms
+  EXPECT_EQ(check_benches({&bench, 1}, {}).at(2).severity, Severity::good);
+  bench.longest_silence = std::chrono::milliseconds{312};
+  const Finding late = check_benches({&bench, 1}, {}).at(2);
+  EXPECT_EQ(late.severity, Severity::hint);
+  EXPECT_THAT(late.text, HasSubstr("bench 3 did not hear an owner of axes is 312 ms"));
+  EXPECT_THAT(late.advice, HasSubstr("watchdog.timeout_ms"));
 }
 
 TEST(Doctor, SaysNothingOfANetworkProcessThatItHasNotHeardOf) {

@@ -208,6 +208,7 @@ TEST(Codec, GivesEveryMessageBack) {
   state.bench(2);
   state.lateness_histogram({1, 2, 3});
   state.wire_starts(4);
+  state.longest_silence_us(5);
   msg::BenchState read;
   ASSERT_TRUE(decode(encoded(state), read));
   EXPECT_EQ(read, state);
