@@ -117,7 +117,7 @@ void AxesCall::set_timeout(std::chrono::nanoseconds timeout) {
   deadline_ = tick() + ticks_of(timeout, period());
 }
 
-Outcome AxesCall::acquire() {
+Outcome AxesCall::acquire(bool by_force) {
   for (BenchPart& part : axes_.parts()) {
     if (!core_->connection.may_command()) return not_permitted(part.target);
     if (axes_.caller() == Caller::axis && core_->discovery.is_paused(part.target.key)) {
@@ -127,7 +127,7 @@ Outcome AxesCall::acquire() {
       return axis.owner_session == core_->id;
     });
     if (ours && core_->control.holds(part.target, part.bench->axes)) continue;
-    if (Outcome taken = core_->control.acquire(part.target, part.bench->axes); !taken) {
+    if (Outcome taken = core_->control.acquire(part.target, part.bench->axes, by_force); !taken) {
       return axes_.note_lost(part, std::move(taken));
     }
   }

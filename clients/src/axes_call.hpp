@@ -72,7 +72,8 @@ class AxesCall {
   Outcome begin(std::chrono::nanoseconds timeout);
 
   /// Takes control of every axis: after begin() and before the first command.
-  Outcome acquire();
+  /// @param by_force also of those that another session owns
+  Outcome acquire(bool by_force = false);
 
   /// Both.
   Outcome begin_control(std::chrono::nanoseconds timeout);

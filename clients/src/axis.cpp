@@ -2,12 +2,14 @@
 #include "vdrive/client/axis.hpp"
 
 #include "axes_call.hpp"
+#include "axes_stop.hpp"
 #include "command_words.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/number_text.hpp"
 
 #include <algorithm>
 #include <array>
+#include <string>
 
 namespace vdrive::client {
 namespace {
@@ -53,20 +55,41 @@ Round set_point(const AxesCall& call, std::int32_t target, bool relative,
   return round;
 }
 
-/// Hands the set-point over: an edge of bit 4, which may have to drop first.
-Outcome put_set_point_in_force(AxesCall& call, Round set_point) {
+/// @return 6040h as it is in force.
+Result<std::uint16_t> controlword_of(AxesCall& call) {
   using namespace literals;
   const std::array controlword{vdrive::describe("ds402_controlword"_object).address};
   const auto present = call.read(controlword);
   if (!present) return present.outcome();
-  const auto word = static_cast<std::uint16_t>(present->front().front());
+  return static_cast<std::uint16_t>(present->front().front());
+}
+
+/// Hands the set-point over: an edge of bit 4, which may have to drop first.
+Outcome put_set_point_in_force(AxesCall& call, Round set_point) {
+  const auto word = controlword_of(call);
+  if (!word) return word.outcome();
   std::vector<Round> rounds;
-  if ((word & Controlword::kNewSetPoint) != 0) {
-    const auto dropped = static_cast<std::uint16_t>(word & ~Controlword::kNewSetPoint);
+  if ((*word & Controlword::kNewSetPoint) != 0) {
+    const auto dropped = static_cast<std::uint16_t>(*word & ~Controlword::kNewSetPoint);
     rounds.push_back(call.round_of(dropped, every_axis));
   }
   rounds.push_back(std::move(set_point));
   return call.put_in_force(rounds);
+}
+
+/// Waits until the axis is at its target. Bit 10 also shows that an axis which was halted, by this
+/// session or another one, stands still: 6040h tells which it is.
+Outcome await_target(AxesCall& call, const Wakeup& wakeup) {
+  Outcome reached = call.await_enabled("target reached, bit 10", call.tick(), target_reached);
+  const std::string axis = "axis " + to_string(call.axis().id);
+  if (reached.kind() == OutcomeKind::failed && is_enabled(call.axis()) && wakeup.is_interrupted()) {
+    return Outcome::failed("interrupted; " + axis + " goes on to its target");
+  }
+  if (!reached) return reached;
+  const auto word = controlword_of(call);
+  if (!word) return word.outcome();
+  if ((*word & Controlword::kHalt) == 0) return {};
+  return Outcome::failed(axis + " was halted before it reached its target");
 }
 
 msg::ObjectAccess access_of(const AxisId& id, ObjectAddress object, std::int64_t value = 0) {
@@ -102,6 +125,12 @@ Outcome Axis::acquire() {
   const auto target = core_->connection.connect(id_.bench);
   if (!target) return target.outcome();
   return core_->control.acquire(*target, {&id_.axis, 1});
+}
+
+Outcome Axis::take_over() {
+  const auto target = core_->connection.connect(id_.bench);
+  if (!target) return target.outcome();
+  return core_->control.acquire(*target, {&id_.axis, 1}, true);
 }
 
 Outcome Axis::enable(const CallOptions& options) {
@@ -165,21 +194,20 @@ Outcome Axis::move(std::int32_t target, bool relative, const MoveOptions& option
     return taken;
   }
   if (options.call.until == Until::done) {
-    if (Outcome reached = call.await_enabled("target reached, bit 10", call.tick(), target_reached);
-        !reached) {
-      return reached;
-    }
+    if (Outcome reached = await_target(call, core_->wakeup); !reached) return reached;
   }
   return call.put_in_force({kEnableOperation});
 }
 
 Outcome Axis::halt(const CallOptions& options) {
   AxesCall call(core_, layout_of(id_), Caller::axis);
-  if (Outcome ready = call.begin_control(options.timeout); !ready) return ready;
+  AxesStop stop(*core_, call);
+  if (Outcome ready = stop.begin(options.timeout); !ready) return ready;
   if (call.axis().state() != PowerState::operation_enabled) {
     return refused_in_state(call.axis(), "a halt", "Operation enabled");
   }
-  if (Outcome done = call.put_in_force({kHalt}); !done) return done;
+  if (Outcome taken = stop.acquire_free(); !taken) return taken;
+  if (Outcome done = stop.put_in_force(kHalt); !done) return done;
   if (options.until == Until::in_force) return {};
   return call.await_enabled("standstill, bit 10", call.tick(), target_reached);
 }
@@ -192,16 +220,17 @@ Outcome Axis::resume(const CallOptions& options) {
   }
   if (Outcome done = call.put_in_force({kEnableOperation}); !done) return done;
   if (options.until == Until::in_force) return {};
-  return call.await_enabled("target reached, bit 10", call.tick(), target_reached);
+  return await_target(call, core_->wakeup);
 }
 
 Outcome Axis::quick_stop(const CallOptions& options) {
   AxesCall call(core_, layout_of(id_), Caller::axis);
-  if (Outcome ready = call.begin_control(options.timeout); !ready) return ready;
+  AxesStop stop(*core_, call);
+  if (Outcome ready = stop.begin(options.timeout); !ready) return ready;
   if (is_fault(call.axis().state())) {
     return refused_in_state(call.axis(), "a quick stop", "a fault reset first");
   }
-  if (Outcome done = call.put_in_force({kQuickStop}); !done) return done;
+  if (Outcome done = stop.put_in_force(kQuickStop); !done) return done;
   if (options.until == Until::in_force) return {};
   if (Outcome rested = call.await_quick_stops(kQuickStopEnd); !rested) return rested;
   return is_fault(call.axis().state()) ? failed_instead_of(kQuickStopEnd, call.axis()) : Outcome();

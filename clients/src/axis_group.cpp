@@ -2,6 +2,7 @@
 // The axes of a group, their power states, and the watch over faults.
 #include "vdrive/client/axis_group.hpp"
 
+#include "axes_stop.hpp"
 #include "command_words.hpp"
 #include "group_state.hpp"
 #include "vdrive/client/session.hpp"
@@ -310,15 +311,16 @@ Outcome AxisGroup::disable_all(const GroupCallOptions& options) {
 
 Outcome AxisGroup::quick_stop_all(const GroupCallOptions& options) {
   AxesCall call = state_->call(options);
-  if (Outcome ready = call.begin_control(timeout_of(options)); !ready) return ready;
+  AxesStop stop(*state_->core, call);
+  if (Outcome ready = stop.begin(timeout_of(options)); !ready) return ready;
   state_->drop_all();
-  const Round stop = call.round_of(kQuickStop, [](const AxisSnapshot& axis) {
-    return !is_fault(axis.state());
-  });
-  const Answers answers = call.exchange({&stop, 1}, Timing::at_once);
-  if (!answers.outcome) return answers.outcome;
-  Outcome seen = call.await_tick("the quick stop", answers.tick);
-  return seen && options.until == Until::done ? call.await_quick_stops() : seen;
+  return stop.quick_stop(options.until);
+}
+
+Outcome AxisGroup::take_over() {
+  AxesCall call = state_->call({});
+  if (Outcome begun = call.begin(kUsualTimeout); !begun) return begun;
+  return call.acquire(true);
 }
 
 Outcome AxisGroup::reset_all(const GroupCallOptions& options) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Straight lines: times, start on one tick, arrival, queue, halt.
+#include "axes_stop.hpp"
 #include "command_words.hpp"
 #include "group_state.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
@@ -282,13 +283,15 @@ Outcome AxisGroup::wait_all(const GroupCallOptions& options) {
 
 Outcome AxisGroup::halt_all(const GroupCallOptions& options) {
   AxesCall call = state_->call(options);
-  if (Outcome ready = call.begin_control(timeout_of(options)); !ready) return ready;
+  AxesStop stop(*state_->core, call);
+  if (Outcome ready = stop.begin(timeout_of(options)); !ready) return ready;
   const Round halt = call.round_of(kHalt, is_enabled);
   if (halt.entries.empty())
     return refused_in_state(call.now().front(), "a halt", "Operation enabled");
-  Answers answers = call.exchange({&halt, 1}, Timing::common_tick);
+  if (Outcome taken = stop.acquire_free(); !taken) return taken;
+  Answers answers = stop.exchange(halt, Timing::common_tick);
   if (!answers.outcome)
-    answers = call.exchange({&halt, 1}, Timing::at_once);  // rather apart than not at all
+    answers = stop.exchange(halt, Timing::at_once);  // rather apart than not at all
   if (!answers.outcome) return answers.outcome;
   const bool to_standstill = options.until == Until::done;
   Outcome seen = call.await("standstill, bit 10", answers.tick, [&](const AxisSnapshot& axis) {

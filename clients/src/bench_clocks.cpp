@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace vdrive::client {
 namespace {
@@ -80,6 +81,15 @@ void BenchClocks::leave(const Target& target) {
   request.kind(msg::REQUEST_LEAVE_CLOCK);
   const auto number = requests_.send(target, std::move(request));
   if (number) (void)requests_.await(target, *number, kLeaveAnswer);  // it may be gone
+}
+
+void BenchClocks::leave_all() {
+  std::vector<BenchKey> joined;
+  {
+    const std::scoped_lock lock(mutex_);
+    for (const auto& [key, grant] : grants_) joined.push_back(key);
+  }
+  for (const BenchKey& key : joined) leave({.key = key});
 }
 
 std::optional<Grant> BenchClocks::grant_of(const BenchKey& key) const {

@@ -54,6 +54,9 @@ class BenchClocks {
   /// Ends that, if the service still answers.
   void leave(const Target& target);
 
+  /// Leaves the clock of every bench.
+  void leave_all();
+
   /// What this session granted; nothing when it has not joined the clock.
   [[nodiscard]] std::optional<Grant> grant_of(const BenchKey& key) const;
 

@@ -21,6 +21,8 @@ constexpr milliseconds kCheckSource{20};
 // A queue that is full has room again when its readers follow, or when one that is gone is dropped.
 constexpr milliseconds kFullQueue{2'500};
 
+constexpr const char* kSessionEnded = "the session has ended: nothing was sent";
+
 /// @return nothing when the permissions of this participant do not name the topic.
 template <typename Message>
 std::unique_ptr<wire::Publication<Message>> publication_if_permitted(
@@ -72,6 +74,7 @@ void Connection::on_command_reply(const msg::CommandReply& message, const wire::
 // ---- matching --------------------------------------------------------------------------------
 
 Result<Target> Connection::connect(std::uint32_t number) {
+  if (is_closed_) return Outcome::failed(kSessionEnded);
   const auto bench = discovery_.find_bench(number);
   if (!bench) return bench.outcome();
   const Target target = target_of(*bench);
@@ -102,6 +105,7 @@ bool Connection::is_matched(const wire::Source& source, milliseconds patience) {
 
 Result<OpenLink> Connection::open(const Target& target, std::string_view what,
                                   milliseconds patience) {
+  if (is_closed_) return Outcome::failed(kSessionEnded);
   if (!may_command()) return not_permitted(target);
   OpenLink link{.key = target.key, .sending = std::unique_lock(link_of(target.key).mutex)};
   const auto deadline = Clock::now() + patience;

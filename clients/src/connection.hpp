@@ -11,6 +11,7 @@
 #include "vdrive_messages.h"
 #include "wakeup.hpp"
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <map>
@@ -61,6 +62,9 @@ class Connection {
   Result<OpenLink> open(const Target& target, std::string_view what,
                         std::chrono::milliseconds patience = kMatch);
 
+  /// The session has ended: connect() and open() fail from now on.
+  void close() noexcept { is_closed_ = true; }
+
   /// Sends through an open link. @return false when the queue stays full, or no sample of the bench
   /// arrives meanwhile.
   bool send(const OpenLink& link, const msg::Request& request);
@@ -97,6 +101,7 @@ class Connection {
                       const Message& message);
 
   const std::uint64_t session_;
+  std::atomic<bool> is_closed_ = false;
   Discovery& discovery_;
   Holdings& holdings_;
   UnansweredMessages& unanswered_;

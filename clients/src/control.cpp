@@ -1,17 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "control.hpp"
 
+#include "vdrive/cia402/controlword.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 
 #include <algorithm>
 #include <chrono>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace vdrive::client {
 namespace {
 
+using namespace literals;
+
 constexpr std::chrono::milliseconds kReleaseAnswer{500};
+
+constexpr ObjectAddress kControlword = vdrive::describe("ds402_controlword"_object).address;
 
 }  // namespace
 
@@ -23,6 +29,10 @@ Control::Control(KeepAlive keep_alive, Requests& requests, Holdings& holdings,
       keep_alive_sender_(holdings, connection) {}
 
 Control::~Control() {
+  end();
+}
+
+void Control::end() {
   keep_alive_sender_.stop();
   (void)release();  // nobody is left to receive the outcome
 }
@@ -44,9 +54,9 @@ bool Control::holds(const Target& target, std::span<const std::uint16_t> axes) {
   return holdings_.holds(target.key, axes);
 }
 
-Outcome Control::acquire(const Target& target, std::span<const std::uint16_t> axes) {
+Outcome Control::acquire(const Target& target, std::span<const std::uint16_t> axes, bool by_force) {
   msg::Request request;
-  request.kind(msg::REQUEST_ACQUIRE);
+  request.kind(by_force ? msg::REQUEST_TAKE_OVER : msg::REQUEST_ACQUIRE);
   request.axes().assign(axes.begin(), axes.end());
   const std::string what =
       "control of " + (axes.size() == 1 ? name_of(target, axes.front()) : name_of(target));
@@ -69,6 +79,40 @@ Result<msg::Reply> Control::write(const Target& target, msg::Request request,
     note_acquired(target, {&axis, 1}, *reply);
   }
   return reply;
+}
+
+Result<std::uint64_t> Control::stop(const Target& target, std::span<const std::uint16_t> axes,
+                                    std::uint16_t word) {
+  std::vector<msg::Request> requests;
+  for (const std::uint16_t axis : axes) {
+    if (requests.empty() || requests.back().objects().size() == msg::MAX_OBJECTS_PER_REQUEST) {
+      requests.emplace_back().kind(msg::REQUEST_WRITE);
+    }
+    auto& access = requests.back().objects().emplace_back();
+    access.axis(axis);
+    access.index(kControlword.index);
+    access.subindex(kControlword.subindex);
+    access.value(word);
+  }
+  const auto sending = holdings_.lock_sending(target.key.number);
+  const auto replies =
+      requests_.exchange_all(target, std::move(requests),
+                             "stop of " + (axes.size() == 1 ? name_of(target, axes.front())
+                                                            : "axes of " + name_of(target)));
+  if (!replies) return replies.outcome();
+  std::uint64_t tick = 0;
+  for (const msg::Reply& reply : *replies) {
+    tick = std::max(tick, reply.tick());
+    for (const msg::ObjectResult& result : reply.objects()) {
+      if (result.abort_code() != 0) {
+        return Outcome::refused(result.abort_code(),
+                                "stop of " + name_of(target, result.axis()) + " refused");
+      }
+    }
+    // The halt of an axis that has become free takes it.
+    if ((word & Controlword::kHalt) != 0) note_acquired(target, axes, reply);
+  }
+  return tick;
 }
 
 Outcome Control::release() {

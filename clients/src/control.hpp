@@ -19,13 +19,13 @@ class Control {
  public:
   Control(KeepAlive keep_alive, Requests& requests, Holdings& holdings, Connection& connection);
 
-  /// Ends the keep-alives and gives all axes back.
   ~Control();
   Control(const Control&) = delete;
   Control& operator=(const Control&) = delete;
 
   /// Takes these axes, all or none.
-  Outcome acquire(const Target& target, std::span<const std::uint16_t> axes);
+  /// @param by_force also from other sessions
+  Outcome acquire(const Target& target, std::span<const std::uint16_t> axes, bool by_force = false);
 
   /// @return whether this session took all of these and has not received the loss of them.
   [[nodiscard]] bool holds(const Target& target, std::span<const std::uint16_t> axes);
@@ -37,8 +37,16 @@ class Control {
   /// Writes objects of one axis, which takes the axis when one of them is a command object.
   Result<msg::Reply> write(const Target& target, msg::Request request, std::string_view what);
 
+  /// Writes `word`, a halt or a quick stop, to axes of any owner.
+  /// @return the tick in which it is in force; refused, naming the first axis that refused it.
+  Result<std::uint64_t> stop(const Target& target, std::span<const std::uint16_t> axes,
+                             std::uint16_t word);
+
   /// Gives all axes back.
   Outcome release();
+
+  /// Ends the keep-alives and gives all axes back: the session takes none any more.
+  void end();
 
  private:
   void note_acquired(const Target& target, std::span<const std::uint16_t> axes,

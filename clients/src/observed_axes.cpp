@@ -32,6 +32,16 @@ GroupLayout layout_of(const AxisId& axis) {
   return {.axes = {axis}, .benches = {{.number = axis.bench, .axes = {axis.axis}, .places = {0}}}};
 }
 
+GroupLayout layout_of(const BenchInfo& bench) {
+  GroupLayout layout{.axes = {}, .benches = {{.number = bench.number, .axes = {}, .places = {}}}};
+  for (const AxisInfo& axis : bench.axes) {
+    layout.benches.front().axes.push_back(axis.id.axis);
+    layout.benches.front().places.push_back(layout.axes.size());
+    layout.axes.push_back(axis.id);
+  }
+  return layout;
+}
+
 ObservedAxes::ObservedAxes(std::shared_ptr<SessionCore> core, GroupLayout layout, Caller caller,
                            Progress progress)
     : core_(std::move(core)),

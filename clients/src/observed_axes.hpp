@@ -33,6 +33,9 @@ inline constexpr std::size_t kMostNamed = 4;
 /// @return the layout of one axis.
 [[nodiscard]] GroupLayout layout_of(const AxisId& axis);
 
+/// @return the layout of all axes of a bench.
+[[nodiscard]] GroupLayout layout_of(const BenchInfo& bench);
+
 /// Whether a call is of an axis or of a group. The call of an axis fails while its bench is paused,
 /// and its messages do not list axes; the call of a group waits while a bench is paused.
 enum class Caller : std::uint8_t { axis, group };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/client/session.hpp"
 
+#include "axes_stop.hpp"
 #include "session_core.hpp"
 #include "vdrive/client/axis.hpp"
 
@@ -39,7 +40,9 @@ Result<msg::Reply> exchange_snapshot(SessionCore& core, std::uint32_t bench, std
 
 Session::Session(const SessionOptions& options) : core_(std::make_shared<SessionCore>(options)) {}
 
-Session::~Session() = default;
+Session::~Session() {
+  core_->end();
+}
 
 std::uint64_t Session::id() const noexcept {
   return core_->id;
@@ -124,6 +127,18 @@ Result<Follower> Session::follow(std::vector<AxisId> axes, Pace pace) {
   return core_->follow(*target, std::move(*numbers), pace);
 }
 
+Outcome Session::quick_stop(std::uint32_t bench, const CallOptions& options) {
+  const Wakeup::StopInProgress in_progress(core_->wakeup);
+  const auto found = core_->discovery.find_bench(bench);
+  if (!found) return found.outcome();
+  AxesCall call(core_, layout_of(found->info), Caller::group);
+  AxesStop stop(*core_, call);
+  if (Outcome ready = stop.begin(options.timeout); !ready) return ready;
+  const Target& target = call.axes().parts().front().target;
+  if (core_->discovery.is_paused(target.key)) return Outcome::failed(paused_text(target));
+  return stop.quick_stop(options.until);
+}
+
 void Session::watch_services(std::function<void(const ServiceChange&)> observer) {
   core_->watcher.watch(std::move(observer));
 }
@@ -134,6 +149,10 @@ Outcome Session::release() {
 
 void Session::interrupt() noexcept {
   core_->wakeup.interrupt();
+}
+
+bool Session::is_interrupted() const noexcept {
+  return core_->wakeup.is_interrupted();
 }
 
 }  // namespace vdrive::client

@@ -52,4 +52,11 @@ SessionCore::SessionCore(const SessionOptions& chosen)
       observer(discovery, connection, requests, clocks, stream, waiter),
       watcher(discovery, stream) {}
 
+void SessionCore::end() {
+  watcher.watch({});
+  clocks.leave_all();
+  control.end();
+  connection.close();
+}
+
 }  // namespace vdrive::client

@@ -30,6 +30,9 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   /// @throws what Session throws
   explicit SessionCore(const SessionOptions& chosen);
 
+  /// The session ends: gives all axes back, and no handle that is left sends anything.
+  void end();
+
   /// Observes `axes` tick by tick.
   Follower follow(const Target& target, std::vector<std::uint16_t> axes, Pace pace);
 

@@ -2,6 +2,31 @@
 #include "wakeup.hpp"
 
 namespace vdrive::client {
+namespace {
+
+/// Interrupts that the call of this thread survives. The parts of a session that wait are shared by
+/// all calls, but each call waits in the thread of its caller.
+struct Survived {
+  const Wakeup* wakeup = nullptr;
+  std::uint64_t interrupts = 0;
+};
+
+Survived& survived() {
+  thread_local Survived interrupts;
+  return interrupts;
+}
+
+}  // namespace
+
+Wakeup::StopInProgress::StopInProgress(const Wakeup& wakeup)
+    : outer_wakeup_(survived().wakeup), outer_interrupts_(survived().interrupts) {
+  const std::scoped_lock lock(wakeup.mutex_);
+  survived() = {.wakeup = &wakeup, .interrupts = wakeup.interrupts_};
+}
+
+Wakeup::StopInProgress::~StopInProgress() {
+  survived() = {.wakeup = outer_wakeup_, .interrupts = outer_interrupts_};
+}
 
 void Wakeup::notify() {
   const std::scoped_lock lock(mutex_);
@@ -11,14 +36,14 @@ void Wakeup::notify() {
 
 void Wakeup::interrupt() noexcept {
   const std::scoped_lock lock(mutex_);
-  is_interrupted_ = true;
+  ++interrupts_;
   ++changes_;
   changed_.notify_all();
 }
 
 bool Wakeup::is_interrupted() const {
   const std::scoped_lock lock(mutex_);
-  return is_interrupted_;
+  return interrupts_ > (survived().wakeup == this ? survived().interrupts : 0);
 }
 
 std::uint64_t Wakeup::changes() const {

@@ -20,7 +20,23 @@ class Wakeup {
 
   /// Ends the calls that may be interrupted, now and later.
   void interrupt() noexcept;
+
+  /// @return whether the call of this thread is to end.
   [[nodiscard]] bool is_interrupted() const;
+
+  /// A call of this thread that stops axes, while it lives. A program that was interrupted can
+  /// still stop what moves: only a later interrupt ends the call.
+  class StopInProgress {
+   public:
+    explicit StopInProgress(const Wakeup& wakeup);
+    ~StopInProgress();
+    StopInProgress(const StopInProgress&) = delete;
+    StopInProgress& operator=(const StopInProgress&) = delete;
+
+   private:
+    const Wakeup* const outer_wakeup_;
+    const std::uint64_t outer_interrupts_;
+  };
 
   /// @return the number of changes. A call that reads it before its condition misses
   ///         no change after it.
@@ -33,7 +49,7 @@ class Wakeup {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::uint64_t changes_ = 0;
-  bool is_interrupted_ = false;
+  std::uint64_t interrupts_ = 0;
 };
 
 }  // namespace vdrive::client

@@ -36,6 +36,9 @@ std::vector<std::string> axes_of(const Command& command) {
                                [](const DictionaryCommand&) {
                                  return Axes{};
                                },
+                               [](const StopCommand&) {
+                                 return Axes{};
+                               },
                                [](const StepCommand&) {
                                  return Axes{};
                                },

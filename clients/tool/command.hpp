@@ -46,6 +46,13 @@ struct ActionCommand {
   AxisAction action;
   std::string axis;
   client::Until until = client::Until::done;
+  bool take_over = false;
+};
+
+/// Quick stop of every axis of a bench.
+struct StopCommand {
+  std::optional<std::uint32_t> bench;  ///< none = the only one there is
+  client::Until until = client::Until::done;
 };
 
 struct MoveCommand {
@@ -53,6 +60,8 @@ struct MoveCommand {
   std::int32_t position = 0;
   bool relative = false;
   client::MoveOptions options;
+  bool take_over = false;
+  bool stop_on_interrupt = false;
 };
 
 struct ReadCommand {
@@ -64,6 +73,7 @@ struct WriteCommand {
   std::string axis;
   ObjectName object;
   std::int64_t value = 0;
+  bool take_over = false;
 };
 
 /// One test-bench input.
@@ -146,10 +156,10 @@ struct WaitCommand {
 struct RefusedCommand;
 
 using Command =
-    std::variant<ListCommand, StatusCommand, WatchCommand, ActionCommand, MoveCommand, ReadCommand,
-                 WriteCommand, DisturbCommand, DictionaryCommand, StepCommand, RateCommand,
-                 SnapshotCommand, RecordCommand, DoctorCommand, RunCommand, ExpectCommand,
-                 WaitCommand, std::shared_ptr<const RefusedCommand>>;
+    std::variant<ListCommand, StatusCommand, WatchCommand, ActionCommand, StopCommand, MoveCommand,
+                 ReadCommand, WriteCommand, DisturbCommand, DictionaryCommand, StepCommand,
+                 RateCommand, SnapshotCommand, RecordCommand, DoctorCommand, RunCommand,
+                 ExpectCommand, WaitCommand, std::shared_ptr<const RefusedCommand>>;
 
 struct RefusedCommand {
   std::uint32_t code = 0;

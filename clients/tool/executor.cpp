@@ -220,9 +220,33 @@ Outcome Executor::run(const DictionaryCommand& command) {
 // ---- motion ----------------------------------------------------------------------------------
 
 Outcome Executor::run(const ActionCommand& command) {
-  auto axis = this->axis(command.axis);
+  auto axis = axis_to_command(command.axis, command.take_over);
   if (!axis) return axis.outcome();
   return report_motion(*axis, to_string(command.action), command_axis(*axis, command));
+}
+
+client::Result<client::Axis> Executor::axis_to_command(const std::string& name, bool take_over) {
+  auto axis = this->axis(name);
+  if (!axis || !take_over) return axis;
+  if (Outcome taken = axis->take_over(); !taken) return taken;
+  return axis;
+}
+
+Outcome Executor::run(const StopCommand& command) {
+  const auto bench = session_.find_bench(command.bench);
+  if (!bench) return bench.outcome();
+  const std::string name = "bench " + std::to_string(bench->number);
+  const Outcome outcome = session_.quick_stop(bench->number, call_options(command.until, timeout_));
+  if (is_quiet_) return outcome;
+  if (is_json_) {
+    Json json{{"bench", bench->number}, {"command", "stop"}, {"axes", bench->axes.size()}};
+    add_outcome(json, outcome);
+    terminal_.print(to_line(json));
+  } else if (outcome) {
+    terminal_.print(name + ": quick stop of " + std::to_string(bench->axes.size()) +
+                    (bench->axes.size() == 1 ? " axis" : " axes"));
+  }
+  return outcome;
 }
 
 Outcome Executor::command_axis(client::Axis& axis, const ActionCommand& command) {
@@ -251,14 +275,27 @@ Outcome Executor::command_axis(client::Axis& axis, const ActionCommand& command)
 }
 
 Outcome Executor::run(const MoveCommand& command) {
-  auto axis = this->axis(command.axis);
+  auto axis = axis_to_command(command.axis, command.take_over);
   if (!axis) return axis.outcome();
   client::MoveOptions options = command.options;
   options.call = call_options(options.call.until, timeout_);
   if (on_aim_ && !command.relative) on_aim_(axis->id(), command.position);
-  return report_motion(*axis, "move",
-                       command.relative ? axis->move_by(command.position, options)
-                                        : axis->move_to(command.position, options));
+  const Outcome moved = command.relative ? axis->move_by(command.position, options)
+                                         : axis->move_to(command.position, options);
+  if (session_.is_interrupted()) report_interrupted_move(*axis, command, moved);
+  return report_motion(*axis, "move", moved);
+}
+
+/// Whoever interrupts a move has to know whether the axis still moves.
+void Executor::report_interrupted_move(client::Axis& axis, const MoveCommand& command,
+                                       const Outcome& moved) {
+  if (!command.stop_on_interrupt) {
+    if (!moved) terminal_.complain("vdrive: " + moved.message());
+    return;
+  }
+  const Outcome halted = axis.halt();
+  terminal_.complain("vdrive: interrupted; " +
+                     (halted ? "axis " + to_string(axis.id()) + " is halted" : halted.message()));
 }
 
 Outcome Executor::report_motion(const client::Axis& axis, std::string_view word,
@@ -329,7 +366,7 @@ Outcome Executor::print_reading(const client::AxisId& axis, const ObjectName& ob
 }
 
 Outcome Executor::run(const WriteCommand& command) {
-  auto axis = this->axis(command.axis);
+  auto axis = axis_to_command(command.axis, command.take_over);
   if (!axis) return axis.outcome();
   return write(*axis, command.object, command.value);
 }

@@ -46,6 +46,7 @@ class Executor {
   Outcome run(const StatusCommand& command);
   Outcome run(const WatchCommand& command);
   Outcome run(const ActionCommand& command);
+  Outcome run(const StopCommand& command);
   Outcome run(const MoveCommand& command);
   Outcome run(const ReadCommand& command);
   Outcome run(const WriteCommand& command);
@@ -67,7 +68,10 @@ class Executor {
   void show_watched(const client::Observation& sample,
                     const std::map<client::AxisId, std::string>& names, bool is_live);
   Outcome list_bench(const client::BenchInfo& bench);
+  client::Result<client::Axis> axis_to_command(const std::string& name, bool take_over);
   Outcome command_axis(client::Axis& axis, const ActionCommand& command);
+  void report_interrupted_move(client::Axis& axis, const MoveCommand& command,
+                               const Outcome& moved);
   Outcome report_motion(const client::Axis& axis, std::string_view word, const Outcome& outcome);
   Outcome write(client::Axis& axis, const ObjectName& object, std::int64_t value);
   Outcome print_reading(const client::AxisId& axis, const ObjectName& object,

@@ -136,6 +136,7 @@ class Grammar {
     add_global_timeout();
     add_list();
     add_axis_words();
+    add_stop();
     add_status();
     add_move();
     add_read();
@@ -218,6 +219,7 @@ class Grammar {
     std::string file, junit;
     std::vector<std::string> axes, objects, rate;
     bool relative = false, queue = false, wait = false, no_wait = false, live = false;
+    bool take_over = false, stop_on_interrupt = false;
   };
 
   /// CLI11 reports an unknown command as a missing one. The first argument that is neither an
@@ -253,6 +255,11 @@ class Grammar {
     word->add_option("AXIS", words_.axis, "bench.axis such as 1.1, or a name")
         ->required()
         ->type_name("");
+  }
+
+  void add_take_over(CLI::App* word) {
+    word->add_flag("--take-over", words_.take_over,
+                   "Take control of the axis first, also from another session");
   }
 
   static CLI::Option* add_positional(CLI::App* word, const char* name, std::string& text,
@@ -335,12 +342,25 @@ class Grammar {
       if (row.may_return_early) {
         word->add_flag("--no-wait", words_.no_wait, "Return when the command is in force");
       }
+      add_take_over(word);
       word->callback([this, row] {
         const bool early = row.may_wait ? !words_.wait : words_.no_wait;
-        command_ = ActionCommand{row.action, words_.axis,
-                                 early ? client::Until::in_force : client::Until::done};
+        command_ =
+            ActionCommand{row.action, words_.axis,
+                          early ? client::Until::in_force : client::Until::done, words_.take_over};
       });
     }
+  }
+
+  void add_stop() {
+    CLI::App* word =
+        add_word("stop", "Quick stop of every axis of a bench, whoever controls it", "stop 1");
+    word->add_option("BENCH", words_.bench, "Default: the only bench")->type_name("");
+    word->add_flag("--no-wait", words_.no_wait, "Return when the command is in force");
+    word->callback([this] {
+      command_ =
+          StopCommand{bench(), words_.no_wait ? client::Until::in_force : client::Until::done};
+    });
   }
 
   void add_move() {
@@ -355,12 +375,17 @@ class Grammar {
     word->add_flag("--queue", words_.queue,
                    "Start after the present move, not at once (bit 5 = 0)");
     word->add_flag("--no-wait", words_.no_wait, "Return when the drive has accepted the set-point");
+    word->add_flag("--stop-on-interrupt", words_.stop_on_interrupt,
+                   "Halt the axis when Ctrl-C ends the wait; it goes on otherwise");
+    add_take_over(word);
     word->callback([this] {
       MoveCommand move{
           .axis = words_.axis,
           .position = static_cast<std::int32_t>(parse_value(words_.value, DataType::integer32)),
           .relative = words_.relative,
-          .options = {}};
+          .options = {},
+          .take_over = words_.take_over,
+          .stop_on_interrupt = words_.stop_on_interrupt};
       move.options.velocity = parse_unsigned32(words_.velocity);
       move.options.acceleration = parse_unsigned32(words_.acceleration);
       move.options.deceleration = parse_unsigned32(words_.deceleration);
@@ -388,8 +413,9 @@ class Grammar {
     add_axis(word);
     add_positional(word, "OBJECT", words_.object, "0x6040, 0x607D:1 or a variable_name");
     add_positional(word, "VALUE", words_.value, "Decimal, or hex as the type's two's complement");
+    add_take_over(word);
     word->callback([this] {
-      WriteCommand write{words_.axis, parse_object(words_.object), 0};
+      WriteCommand write{words_.axis, parse_object(words_.object), 0, words_.take_over};
       write.value = parse_value(words_.value, write.object);
       command_ = std::move(write);
     });

@@ -20,6 +20,7 @@ inline constexpr std::string_view kExamples =
   vdrive move 1.1 10000 --velocity 1000    absolute, waits until reached
   vdrive move 1.1 -500 --relative          by a distance
   vdrive watch 1.1                         live, in a second terminal
+  vdrive quick-stop 1.1                    from any terminal; vdrive stop stops all axes
   vdrive read 1.1 0x6041 position_demand_value
   vdrive write 1.1 0x607A 0xFFFFD8F0       -10000 as hex
   vdrive record move.csv 1.1 --for 5s      the status stream, one row a tick

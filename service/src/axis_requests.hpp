@@ -4,6 +4,7 @@
 #include "axis_writer.hpp"
 #include "bench_axes.hpp"
 #include "bench_clock.hpp"
+#include "bench_events.hpp"
 #include "frame_schedule.hpp"
 #include "masters.hpp"
 #include "store_requests.hpp"
@@ -19,7 +20,7 @@ namespace vdrive::service {
 class AxisRequests {
  public:
   AxisRequests(BenchAxes& axes, AxisWriter& writer, const BenchClock& clock, Masters& masters,
-               FrameSchedule& schedule, StoreRequests& stores);
+               FrameSchedule& schedule, StoreRequests& stores, BenchEvents& events);
 
   [[nodiscard]] std::uint32_t read(const msg::Request& request, msg::Reply& reply) const;
   [[nodiscard]] std::uint32_t write(const msg::Request& request, msg::Reply& reply);
@@ -28,6 +29,7 @@ class AxisRequests {
  private:
   [[nodiscard]] std::uint32_t write_object(const msg::ObjectAccess& object, std::uint64_t session,
                                            std::size_t place);
+  [[nodiscard]] std::uint32_t stop_axis(std::size_t axis, bool by_halt, std::uint64_t session);
   [[nodiscard]] std::uint32_t write_command_object(std::size_t axis, ObjectRow row,
                                                    std::int64_t value, std::uint64_t session);
 
@@ -37,6 +39,7 @@ class AxisRequests {
   Masters& masters_;
   FrameSchedule& schedule_;
   StoreRequests& stores_;
+  BenchEvents& events_;
 };
 
 }  // namespace vdrive::service

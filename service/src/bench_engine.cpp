@@ -24,7 +24,7 @@ BenchEngine::BenchEngine(const Configuration& configuration, const BenchIdentity
       output_(identity, clock_, axes_, masters_, events_, outbox, counters),
       request_answers_(identity, clock_, axes_, masters_, events_, outbox.replies, counters),
       stores_(axes_, clock_, masters_, request_answers_, events_, outbox.replies, counters),
-      axis_requests_(axes_, writer_, clock_, masters_, schedule_, stores_),
+      axis_requests_(axes_, writer_, clock_, masters_, schedule_, stores_, events_),
       snapshots_(axes_, clock_, masters_, schedule_, output_, events_, counters),
       requests_(
           clock_, master_watch_, brake_,

@@ -107,6 +107,7 @@ struct WireLoss {
 /// | wall clock | how far the wall clock is ahead of drive time |
 /// | clock changed | NewRate, or why a stepper left: Parting |
 /// | snapshot, bench conflict | Label |
+/// | stopped | Label of the owner's session |
 /// | journal | Count of lost ticks, or SystemError |
 /// | parameters | Count of axes, StoredProblem, or SystemError |
 /// | wire | WireLoss, or the time without one, or until the next one |

@@ -6,6 +6,7 @@
 #include "realtime_driver.hpp"
 #include "snapshots.hpp"
 #include "stepper_table.hpp"
+#include "vdrive/cia402/controlword.hpp"
 #include "vdrive/cia402/power_state.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/wire/conversion.hpp"
@@ -92,6 +93,14 @@ std::string wall_clock_text(const EventRecord& event) {
   if (event.code == WallClockNews::kJumped) return place + " drive time; the tick number jumps";
   const auto seconds = static_cast<std::uint64_t>(std::abs(offset) / TickClock::kMaxSteering);
   return place + " drive time; drive time is adjusted for about " + std::to_string(seconds) + " s";
+}
+
+std::string stop_text(const EventRecord& event) {
+  const std::string how = (event.code & Controlword::kHalt) != 0 ? "halted" : "quick stop";
+  const std::string by =
+      event.session == 0 ? "a client without a session" : "session " + hex(event.session, 16);
+  return how + " by " + by + "; session " + hex(detail_of<Label>(event).value, 16) +
+         " stays in control";
 }
 
 std::string snapshot_text(const EventRecord& event) {
@@ -181,6 +190,8 @@ std::string text_of(const EventRecord& event) {
       return "the service shuts down: its axes brake, commands are refused";
     case msg::EVENT_WIRE:
       return wire_text(event);
+    case msg::EVENT_STOPPED:
+      return stop_text(event);
     default:
       return "event " + std::to_string(event.kind);
   }
@@ -218,6 +229,8 @@ const char* name_of(std::uint32_t kind) {
       return "journal";
     case msg::EVENT_WIRE:
       return "wire";
+    case msg::EVENT_STOPPED:
+      return "stopped";
     case msg::EVENT_PARAMETERS:
       return "parameters";
     case msg::EVENT_SHUTDOWN:

@@ -46,6 +46,7 @@ spdlog::level::level_enum level_of(const EventRecord& event) {
     case msg::EVENT_REFUSED:
     case msg::EVENT_CLOCK_CHANGED:
     case msg::EVENT_SNAPSHOT:
+    case msg::EVENT_STOPPED:
     case msg::EVENT_SHUTDOWN:
       return spdlog::level::info;
     default:

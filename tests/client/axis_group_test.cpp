@@ -316,6 +316,32 @@ TEST_F(LockStepGroup, AnAxisOfAnotherSessionRefusesThemAll) {
   EXPECT_EQ(group->status()->axes[0].state(), PowerState::switch_on_disabled);
 }
 
+TEST_F(LockStepGroup, HaltsQuickStopsAndTakesOverAxesOfAnotherSession) {
+  Session other(options());
+  auto theirs = other.axis("1.3");
+  ASSERT_TRUE(theirs->enable());
+  auto ours = session_.axis("1.1");
+  ASSERT_TRUE(ours->enable());
+  MoveOptions move;
+  move.call.until = Until::in_force;
+  ASSERT_TRUE(theirs->move_to(1'000'000, move));
+  ASSERT_TRUE(ours->move_to(1'000'000, move));
+  auto group = AxisGroup::create(session_, std::vector<std::string>{"1.1", "1.3"});
+  const Outcome halted = group->halt_all();
+  ASSERT_TRUE(halted) << halted.message();
+  for (const AxisSnapshot& axis : group->status()->axes) {
+    EXPECT_EQ(axis.status.velocity_demand_value, 0) << to_string(axis.id);
+  }
+  EXPECT_EQ(theirs->status()->owner_session, other.id());
+  const Outcome stopped = group->quick_stop_all();
+  ASSERT_TRUE(stopped) << stopped.message();
+  EXPECT_EQ(group->status()->axes[1].state(), PowerState::switch_on_disabled);
+  EXPECT_EQ(group->enable_all().kind(), OutcomeKind::refused);
+  ASSERT_TRUE(group->take_over());
+  EXPECT_TRUE(group->enable_all());
+  EXPECT_EQ(theirs->status()->owner_session, session_.id());
+}
+
 TEST_F(LockStepGroup, AFaultOfOneStopsTheOthersWithinTwoTicksOfItsStatus) {
   AxisGroup group = enabled(4);
   std::uint64_t fault = 0;

@@ -222,6 +222,9 @@ class PausedBench : public testing::Test {
 TEST_F(PausedBench, FailsCallsThatWaitForDriveTime) {
   expect_paused(axis_->enable());
   expect_paused(axis_->move_to(5));
+  expect_paused(axis_->halt());
+  expect_paused(axis_->quick_stop());
+  expect_paused(sut_.quick_stop(1));
   expect_paused(sut_.wait(1, 1s).outcome());
   expect_paused(axis_
                     ->wait_until(

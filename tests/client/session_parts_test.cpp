@@ -11,6 +11,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <future>
 #include <thread>
 #include <vector>
 
@@ -78,6 +79,24 @@ TEST(Wakeup, IsAChangeWhenItIsInterrupted) {
   EXPECT_FALSE(sut.is_interrupted());
   sut.interrupt();
   EXPECT_TRUE(is_woken(sut, changes));
+  EXPECT_TRUE(sut.is_interrupted());
+}
+
+TEST(Wakeup, SurvivesAnEarlierInterruptInTheThreadThatStops) {
+  Wakeup sut;
+  sut.interrupt();
+  {
+    const Wakeup::StopInProgress stop(sut);
+    EXPECT_FALSE(sut.is_interrupted());
+    std::async(std::launch::async, [&sut] {
+      EXPECT_TRUE(sut.is_interrupted()) << "another call";
+    }).wait();
+    Wakeup other;
+    other.interrupt();
+    EXPECT_TRUE(other.is_interrupted()) << "another session";
+    sut.interrupt();
+    EXPECT_TRUE(sut.is_interrupted()) << "a later interrupt";
+  }
   EXPECT_TRUE(sut.is_interrupted());
 }
 

@@ -276,6 +276,121 @@ TEST_F(LockStep, KeepsItsAxisFromOthersAndReleasesItAtTheEnd) {
   EXPECT_TRUE(theirs->disable());
 }
 
+/// A bench whose owners may be silent for long: in lock-step while others step, in real time on a
+/// busy machine.
+std::string patient(const std::string& words) {
+  return words + " --axes 2 --config " VDRIVE_SOURCE_DIR "/tests/data/patient.yaml";
+}
+
+/// Another session owns axis 1.1, which moves slowly to a far target.
+class AxisOfAnother : public testing::Test {
+ protected:
+  void SetUp() override {
+    axis_.emplace(*sut_.axis("1.1"));
+    theirs_.emplace(*owner_.axis("1.1"));
+    ASSERT_TRUE(theirs_->enable());
+    MoveOptions move = slow();
+    move.call.until = Until::in_force;
+    ASSERT_TRUE(theirs_->move_to(1'000'000, move));
+    ASSERT_TRUE(sut_.step(1, 500));
+  }
+
+  RunningService service_{patient("--clock lockstep")};
+  Session sut_{options()};
+  Session owner_{options()};
+  std::optional<Axis> axis_;
+  std::optional<Axis> theirs_;
+};
+
+TEST_F(AxisOfAnother, IsHaltedAndStaysTheirs) {
+  const Outcome halted = axis_->halt();
+  ASSERT_TRUE(halted) << halted.message();
+  const auto status = axis_->status();
+  EXPECT_EQ(status->status.velocity_demand_value, 0);
+  EXPECT_EQ(status->state(), PowerState::operation_enabled);
+  EXPECT_EQ(status->owner_session, owner_.id());
+  EXPECT_EQ(axis_->resume().code(), 0x08000021U) << "going on is a command";
+  CallOptions at_once;
+  at_once.until = Until::in_force;
+  EXPECT_TRUE(theirs_->resume(at_once));
+  ASSERT_TRUE(sut_.step(1, 100));
+  EXPECT_NE(axis_->status()->status.velocity_demand_value, 0);
+}
+
+TEST_F(AxisOfAnother, IsQuickStoppedAndStaysTheirs) {
+  const Outcome stopped = axis_->quick_stop();
+  ASSERT_TRUE(stopped) << stopped.message();
+  EXPECT_EQ(axis_->status()->state(), PowerState::switch_on_disabled);
+  EXPECT_EQ(axis_->status()->owner_session, owner_.id());
+  EXPECT_TRUE(theirs_->enable()) << "by its owner";
+}
+
+TEST_F(AxisOfAnother, IsStoppedByAWriteThatOnlyStops) {
+  EXPECT_EQ(axis_->write(kControlword, 0x06).outcome().code(), 0x08000021U);
+  ASSERT_TRUE(axis_->write(kControlword, 0x02));
+  ASSERT_TRUE(sut_.step(1, 1));
+  EXPECT_EQ(axis_->status()->state(), PowerState::quick_stop_active);
+}
+
+TEST_F(AxisOfAnother, IsTakenOver) {
+  EXPECT_EQ(axis_->acquire().kind(), OutcomeKind::refused);
+  const Outcome taken = axis_->take_over();
+  ASSERT_TRUE(taken) << taken.message();
+  EXPECT_EQ(axis_->status()->owner_session, sut_.id());
+  EXPECT_NE(axis_->status()->status.velocity_demand_value, 0) << "it goes on";
+  EXPECT_TRUE(axis_->disable());
+  EXPECT_EQ(theirs_->enable().code(), 0x08000021U);
+}
+
+TEST_F(AxisOfAnother, IsStoppedWithAllAxesOfItsBench) {
+  auto ours = sut_.axis("1.2");
+  ASSERT_TRUE(ours->enable());
+  const Outcome stopped = sut_.quick_stop(1);
+  ASSERT_TRUE(stopped) << stopped.message();
+  const std::array ids{AxisId{1, 1}, AxisId{1, 2}};
+  for (const AxisSnapshot& axis : sut_.observe(ids)->axes) {
+    EXPECT_EQ(axis.state(), PowerState::switch_on_disabled) << to_string(axis.id);
+  }
+  EXPECT_EQ(axis_->status()->owner_session, owner_.id());
+}
+
+TEST_F(LockStep, AQuickStopAcquiresNothing) {
+  ASSERT_TRUE(axis_->quick_stop());
+  EXPECT_EQ(axis_->status()->owner_session, 0U);
+}
+
+TEST_F(LockStep, AnInterruptLeavesTheStopsPossible) {
+  ASSERT_TRUE(axis_->enable());
+  MoveOptions move = slow();
+  move.call.until = Until::in_force;
+  ASSERT_TRUE(axis_->move_to(1'000'000, move));
+  sut_.interrupt();
+  EXPECT_TRUE(sut_.is_interrupted());
+  EXPECT_EQ(axis_->resume().kind(), OutcomeKind::failed) << "as every other call";
+  const Outcome halted = axis_->halt();
+  EXPECT_TRUE(halted) << halted.message();
+  EXPECT_EQ(axis_->status()->status.velocity_demand_value, 0);
+  EXPECT_TRUE(axis_->quick_stop());
+  EXPECT_TRUE(sut_.quick_stop(1));
+}
+
+TEST_F(LockStep, AnAxisThatOutlivesItsSessionCommandsNothing) {
+  std::optional<Axis> left;
+  {
+    Session ended(options());
+    left.emplace(*ended.axis("1.2"));
+    ASSERT_TRUE(left->enable());
+  }
+  const Outcome outcome = left->disable();
+  EXPECT_EQ(outcome.kind(), OutcomeKind::failed);
+  EXPECT_THAT(outcome.message(), HasSubstr("the session has ended"));
+  EXPECT_FALSE(left->write(kTarget, 5));
+  EXPECT_FALSE(left->take_over());
+  const auto status = sut_.axis("1.2")->status();
+  EXPECT_EQ(status->owner_session, 0U) << "it was released at the end of the session";
+  EXPECT_EQ(status->state(), PowerState::operation_enabled);
+}
+
 TEST_F(LockStep, ShowsSeveralAxesInOneLook) {
   const std::array ids{AxisId{1, 2}, AxisId{1, 1}};
   const auto seen = sut_.observe(ids);
@@ -365,6 +480,46 @@ TEST(RealtimeSession, MovesHaltsAndKeepsItsAxisAlive) {
   EXPECT_EQ(axis->status()->state(), PowerState::operation_enabled);
   EXPECT_EQ(axis->status()->owner_session, sut.id());
   EXPECT_EQ(sut.step(1, 1).outcome().kind(), OutcomeKind::refused);
+}
+
+TEST(RealtimeSession, AMoveThatAnotherSessionHaltsFailsAndTheAxisStands) {
+  const RunningService service(patient("--clock realtime"));
+  Session owner(options());
+  Session other(options());
+  auto ours = owner.axis("1.1");
+  auto theirs = other.axis("1.1");
+  ASSERT_TRUE(ours->enable());
+  auto moving = std::async(std::launch::async, [&] {
+    return ours->move_to(1'000'000, slow());
+  });
+  ASSERT_TRUE(theirs->wait_until(
+      [](const AxisSnapshot& seen) {
+        return seen.status.velocity_demand_value != 0;
+      },
+      20s));
+  const Outcome halted = theirs->halt();
+  ASSERT_TRUE(halted) << halted.message();
+  const Outcome moved = moving.get();
+  EXPECT_EQ(moved.kind(), OutcomeKind::failed);
+  EXPECT_THAT(moved.message(), HasSubstr("was halted before it reached its target"));
+  EXPECT_EQ(*theirs->read(kControlword) & 0x0100, 0x0100) << "the halt is still in force";
+}
+
+TEST(RealtimeSession, AnInterruptedMoveTellsThatTheAxisGoesOn) {
+  const RunningService service(patient("--clock realtime"));
+  Session sut(options());
+  auto axis = sut.axis("1.1");
+  ASSERT_TRUE(axis->enable());
+  auto moving = std::async(std::launch::async, [&] {
+    return axis->move_to(1'000'000, slow());
+  });
+  ASSERT_TRUE(axis->wait_until(
+      [](const AxisSnapshot& seen) {
+        return seen.status.velocity_demand_value >= 500;  // long after the acknowledge
+      },
+      20s));
+  sut.interrupt();
+  EXPECT_EQ(moving.get().message(), "interrupted; axis 1.1 goes on to its target");
 }
 
 TEST(RealtimeSession, ThatLeavesKeepingAliveToTheUserIsLostWhenTheUserIsSilent) {

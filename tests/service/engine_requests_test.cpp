@@ -116,6 +116,135 @@ TEST(WriteRequest, ReachesSeveralAxesAndCountsEveryControlword) {
   EXPECT_EQ(bench.value(3, 0x6041) & 0x4F, 0x40);
 }
 
+service::Configuration without_watchdog() {
+  service::Configuration configuration = bench_configuration(3);
+  configuration.watchdog.reset();
+  return configuration;
+}
+
+/// Alice owns axis 1, which moves by her set-point 1,000,000 with controlword 003Fh.
+struct MovingAxis : EngineUnderTest {
+  MovingAxis() : EngineUnderTest(without_watchdog()) {
+    acquire(kAlice, {1});
+    write(kAlice, 1, 0x6060, 1);
+    write(kAlice, 1, 0x607A, 1'000'000);
+    for (const std::uint16_t word : kEnabling) write(kAlice, 1, 0x6040, word);
+    steps(1);
+    write(kAlice, 1, 0x6040, kNewSetPoint);
+    steps(200);
+  }
+
+  static constexpr std::uint16_t kNewSetPoint = 0x3F;
+  static constexpr std::uint16_t kStateBits = 0x6F;
+  static constexpr std::uint16_t kQuickStopActive = 0x07;
+  static constexpr std::uint16_t kOperationEnabled = 0x27;
+
+  std::uint32_t write_word(std::uint64_t session, std::int64_t word) {
+    return write(session, 1, 0x6040, word).objects()[0].abort_code();
+  }
+
+  [[nodiscard]] std::int64_t state() { return value(1, 0x6041) & kStateBits; }
+
+  /// A write of Bob that is refused names the owner.
+  [[nodiscard]] std::uint64_t owner() { return write(kBob, 1, 0x6081, 5).owner_session(); }
+};
+
+TEST(StopOfAStranger, QuickStopsTheAxisAndTellsItsOwner) {
+  MovingAxis bench;
+  bench.events(msg::EVENT_STOPPED);
+  EXPECT_EQ(bench.write_word(kBob, 0x02), 0U);
+  bench.steps(1);
+  EXPECT_EQ(bench.state(), MovingAxis::kQuickStopActive);
+  const auto events = bench.events(msg::EVENT_STOPPED);
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].axis, 1U);
+  EXPECT_EQ(events[0].session, kBob);
+  EXPECT_EQ(events[0].code, 0x02U);
+  EXPECT_EQ(events[0].detail, service::EventDetail(service::Label{kAlice}));
+}
+
+TEST(StopOfAStranger, LeavesTheOwnerInControlInItsEpoch) {
+  MovingAxis bench;
+  auto frame = bench.make_frame(kAlice);
+  bench.write_word(kBob, 0x02);
+  EXPECT_EQ(bench.owner(), kAlice);
+  set_controlword(add_command(frame, 1), 0x00);  // quick stop active to switch on disabled
+  bench.receive(frame);
+  bench.steps(1);
+  EXPECT_EQ(bench.state() & 0x4F, 0x40);
+  EXPECT_EQ(bench.frame_refusal(), std::nullopt);
+}
+
+// The set-point and its handshake stay the owner's: 003Fh with bit 8 is 013Fh.
+TEST(StopOfAStranger, HaltsWithTheSetPointAsItIs) {
+  MovingAxis bench;
+  EXPECT_EQ(bench.write_word(kBob, 0x010F), 0U);
+  bench.steps(1);
+  EXPECT_EQ(bench.value(1, 0x6040), 0x013F);
+  EXPECT_EQ(bench.state(), MovingAxis::kOperationEnabled);
+  bench.steps(2'000);
+  EXPECT_EQ(bench.value(1, 0x606B), 0) << "at rest";
+  const auto position = bench.value(1, 0x6062);
+  EXPECT_LT(position, 1'000'000);
+  bench.write_word(kAlice, MovingAxis::kNewSetPoint);
+  bench.steps(100);
+  EXPECT_GT(bench.value(1, 0x6062), position) << "the owner lets it go on";
+}
+
+TEST(StopOfAStranger, IsReportedOnce) {
+  MovingAxis bench;
+  bench.write_word(kBob, 0x010F);
+  bench.write_word(kBob, 0x010F);
+  EXPECT_EQ(bench.events(msg::EVENT_STOPPED).size(), 1U);
+}
+
+TEST(StopOfAStranger, NeedsNoSession) {
+  MovingAxis bench;
+  EXPECT_EQ(bench.write_word(0, 0x02), 0U);
+  bench.steps(1);
+  EXPECT_EQ(bench.state(), MovingAxis::kQuickStopActive);
+}
+
+TEST(StopOfAStranger, CancelsTheFramesThatWaitForTheAxis) {
+  for (const std::int64_t stop : {0x0002, 0x010F}) {
+    MovingAxis bench;
+    auto frame = bench.make_frame(kAlice);
+    set_controlword(add_command(frame, 1), 0x0F);
+    frame.apply_at_tick(bench.engine.tick() + 50);
+    bench.receive(frame);
+    bench.write_word(kBob, stop);
+    EXPECT_EQ(bench.frame_refusal(), msg::REASON_CANCELLED) << stop;
+  }
+}
+
+// Each of these commands something beside the stop, or nothing that stops.
+TEST(StopOfAStranger, IsTheOnlyCommandThatIsAccepted) {
+  MovingAxis bench;
+  for (const std::int64_t word : {0x00, 0x06, 0x07, 0x0F, 0x3F,  // no stop
+                                  0x80, 0x82,                    // fault reset
+                                  0x0100,                        // Disable voltage
+                                  0x0107,                        // Disable operation
+                                  0x011F, 0x12,                  // a set-point
+                                  0x1'0002, -0xFFFE}) {          // no controlword
+    EXPECT_EQ(bench.write_word(kBob, word), kLocalControl) << word;
+  }
+  EXPECT_EQ(bench.write(kBob, 1, 0x607A, 0).objects()[0].abort_code(), kLocalControl);
+  EXPECT_EQ(bench.value(1, 0x6040), MovingAxis::kNewSetPoint);
+  EXPECT_TRUE(bench.events(msg::EVENT_STOPPED).empty());
+}
+
+TEST(QuickStopOfAFreeAxis, GivesNoControlAndNeedsNone) {
+  MovingAxis bench;
+  bench.ask(bench.make_request(msg::REQUEST_RELEASE, kAlice, {1}));
+  bench.events(msg::EVENT_CONTROL_CHANGED);
+  EXPECT_EQ(bench.write_word(0, 0x02), 0U);
+  bench.steps(1);
+  EXPECT_EQ(bench.state(), MovingAxis::kQuickStopActive);
+  EXPECT_EQ(bench.owner(), 0U);
+  EXPECT_TRUE(bench.events(msg::EVENT_CONTROL_CHANGED).empty());
+  EXPECT_TRUE(bench.events(msg::EVENT_STOPPED).empty()) << "it has no owner";
+}
+
 TEST(AcquireRequest, GivesAxesAndAnEpoch) {
   EngineUnderTest bench;
   const auto first = bench.acquire(kAlice, {1, 2});

@@ -47,8 +47,24 @@ TEST(EventWords, TellOfAStepOfTheWallClockWhereItStandsAndWhatIsDone) {
       "the wall clock was changed: it is 10 s ahead of drive time; the tick number jumps");
 }
 
+TEST(EventWords, TellWhoStoppedAnAxisAndWhoStaysInControl) {
+  EventRecord stop{.kind = msg::EVENT_STOPPED,
+                   .axis = 2,
+                   .session = 0xB0B,
+                   .code = 0x0002,
+                   .detail = Label{0xA11CE}};
+  EXPECT_EQ(words_of(stop),
+            "axis 2: quick stop by session 0x0000000000000B0B; session 0x00000000000A11CE stays in "
+            "control");
+  stop.code = 0x013F;  // bit 8
+  stop.session = 0;
+  EXPECT_EQ(words_of(stop),
+            "axis 2: halted by a client without a session; session 0x00000000000A11CE stays in "
+            "control");
+}
+
 TEST(EventLine, NamesEveryKindOfEvent) {
-  for (std::uint32_t kind = msg::EVENT_STATE_CHANGED; kind <= msg::EVENT_WALL_CLOCK; ++kind) {
+  for (std::uint32_t kind = msg::EVENT_STATE_CHANGED; kind <= msg::EVENT_STOPPED; ++kind) {
     EXPECT_EQ(log_line(1, {.kind = kind}, 0).find("unknown"), std::string::npos) << kind;
   }
 }

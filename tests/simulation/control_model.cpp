@@ -23,6 +23,8 @@ constexpr std::uint16_t kRestoreObject = 0x1011;
 constexpr std::int64_t kSave = 0x65766173;
 constexpr std::int64_t kLoad = 0x64616F6C;
 constexpr std::uint16_t kHalt = 0x0100;
+constexpr std::uint16_t kHaltOfOther = 0x010F;
+constexpr std::uint16_t kQuickStop = 0x0002;
 constexpr std::size_t kMostWaiting = 1'024;
 constexpr std::size_t kMostSnapshots = 16;
 constexpr std::uint64_t kMostOverlooked = 1'024;  // numbers below the highest one
@@ -668,6 +670,17 @@ std::uint32_t ControlModel::write_objects(const msg::Request& request, Answer& a
   return reason;
 }
 
+/// By somebody who does not own the axis: nothing but the stop acts.
+void ControlModel::stop(Axis& axis, std::uint16_t number, bool by_halt) {
+  const std::uint16_t present = axis.registers.controlword;
+  const auto word = by_halt ? static_cast<std::uint16_t>(present | kHalt) : kQuickStop;
+  if (word == present) {
+    return;
+  }
+  write(axis, number, {0x6040, 0}, word);
+  drop_of_axis(number);
+}
+
 std::uint32_t ControlModel::write_object(const msg::ObjectAccess& object, std::uint64_t session,
                                          std::size_t place) {
   Axis* const axis = axis_of(object.axis());
@@ -675,6 +688,12 @@ std::uint32_t ControlModel::write_object(const msg::ObjectAccess& object, std::u
     return msg::REASON_UNKNOWN_AXIS;
   }
   const bool is_strange = axis->owner != 0 && axis->owner != session;
+  const bool is_quick_stop = object.index() == 0x6040 && (object.value() & 0x0096) == 0x0002;
+  const bool is_halt = object.index() == 0x6040 && (object.value() & 0x019F) == kHaltOfOther;
+  if ((is_quick_stop && (axis->owner == 0 || is_strange)) || (is_halt && is_strange)) {
+    stop(*axis, object.axis(), is_halt);
+    return 0;
+  }
   if (is_strange && !is_test_input(object.index())) {
     return kLocalControl;
   }

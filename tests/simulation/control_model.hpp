@@ -252,6 +252,7 @@ class ControlModel {
   std::uint32_t write_objects(const msg::Request& request, Answer& answer);
   std::uint32_t write_object(const msg::ObjectAccess& object, std::uint64_t session,
                              std::size_t place);
+  void stop(Axis& axis, std::uint16_t number, bool by_halt);
   std::uint32_t store_axes(const msg::Request& request, Answer& answer);
   std::uint32_t store_by_write(Axis& axis, const msg::ObjectAccess& object, std::size_t place);
   void order(const Axis& axis, bool forget, std::size_t object);

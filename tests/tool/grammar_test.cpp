@@ -164,6 +164,28 @@ TEST(CommandLine, WaitsOfTheAxisWords) {
   EXPECT_EQ(command<ActionCommand>("restore 1.1").action, AxisAction::restore);
 }
 
+TEST(CommandLine, StopTakesABenchOrTheOnlyOne) {
+  EXPECT_EQ(command<StopCommand>("stop").bench, std::nullopt);
+  EXPECT_EQ(command<StopCommand>("stop 3").bench, 3U);
+  EXPECT_EQ(command<StopCommand>("stop").until, client::Until::done);
+  EXPECT_EQ(command<StopCommand>("stop 3 --no-wait").until, client::Until::in_force);
+}
+
+TEST(CommandLine, CommandsOfAnAxisTakeItOverWhenTold) {
+  for (const std::string word : {"enable", "disable", "halt", "resume", "quick-stop", "reset",
+                                 "power-cycle", "store", "restore"}) {
+    EXPECT_FALSE(command<ActionCommand>(word + " 1.1").take_over) << word;
+    EXPECT_TRUE(command<ActionCommand>(word + " 1.1 --take-over").take_over) << word;
+  }
+  EXPECT_TRUE(command<MoveCommand>("move 1.1 5 --take-over").take_over);
+  EXPECT_TRUE(command<WriteCommand>("write 1.1 0x6040 6 --take-over").take_over);
+}
+
+TEST(CommandLine, MoveStopsOnAnInterruptWhenTold) {
+  EXPECT_FALSE(command<MoveCommand>("move 1.1 5").stop_on_interrupt);
+  EXPECT_TRUE(command<MoveCommand>("move 1.1 5 --stop-on-interrupt").stop_on_interrupt);
+}
+
 TEST(CommandLine, OtherWords) {
   EXPECT_THAT(command<WatchCommand>("watch 1.1 y --count 5").axes, ElementsAre("1.1", "y"));
   EXPECT_EQ(command<WatchCommand>("watch 1.1 --count 5").count, 5U);

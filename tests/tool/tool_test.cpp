@@ -12,6 +12,7 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <sstream>
 
 namespace vdrive::test {
@@ -458,6 +459,89 @@ TEST(ToolInRealtime, WatchStreamsWhileAnotherCallMoves) {
   ASSERT_THAT(samples, SizeIs(15));
   EXPECT_NE(samples.front()["load_position_actual_value"],
             samples.back()["load_position_actual_value"]);
+}
+
+/// A service in real time and another terminal, in which axis 1.1 moves to a far target.
+class MoveElsewhere : public testing::Test {
+ protected:
+  /// @param words options of the move
+  void begin(const std::string& words = "") {
+    ASSERT_EQ(tool("enable 1.1").code, 0);
+    move_.emplace(VDRIVE_TOOL, tool_arguments("move 1.1 10000000 --velocity 1000 " + words));
+    const auto deadline = std::chrono::steady_clock::now() + 20s;
+    while (speed() == 0) ASSERT_LT(std::chrono::steady_clock::now(), deadline);
+  }
+
+  static std::int64_t speed() { return status()["velocity_demand_value"].get<std::int64_t>(); }
+
+  static Json status() { return json_of(tool("status 1.1 --json")).at(0); }
+
+  // Whose owners may be silent for long: the machine may be busy.
+  RunningService service_{"--clock realtime --axes 2 --config " VDRIVE_SOURCE_DIR
+                          "/tests/data/patient.yaml"};
+  std::optional<Process> move_;
+};
+
+TEST_F(MoveElsewhere, IsHaltedFromThisTerminal) {
+  begin();
+  const Finished halted = tool("halt 1.1 --wait");
+  EXPECT_EQ(halted.code, 0) << halted.errors;
+  const Finished moved = move_->wait();
+  EXPECT_EQ(moved.code, 1);
+  EXPECT_THAT(moved.errors, HasSubstr("axis 1.1 was halted before it reached its target"));
+  EXPECT_EQ(speed(), 0);
+}
+
+TEST_F(MoveElsewhere, IsQuickStoppedFromThisTerminal) {
+  begin();
+  EXPECT_EQ(tool("quick-stop 1.1").code, 0);
+  EXPECT_EQ(move_->wait().code, 1);
+  EXPECT_EQ(status()["state"], "Switch on disabled");
+}
+
+TEST_F(MoveElsewhere, IsStoppedByAWriteOfTheControlword) {
+  begin();
+  EXPECT_EQ(tool("write 1.1 0x6040 0x06").code, 5) << "no stop";
+  EXPECT_EQ(tool("write 1.1 0x6040 0x02").code, 0);
+  EXPECT_EQ(move_->wait().code, 1);
+}
+
+TEST_F(MoveElsewhere, IsStoppedWithItsBench) {
+  begin();
+  const Finished stopped = tool("stop --json");
+  EXPECT_EQ(stopped.code, 0) << stopped.errors;
+  const Json told = json_of(stopped).at(0);
+  EXPECT_THAT(keys(told), ElementsAre("bench", "command", "axes", "outcome"));
+  EXPECT_EQ(told["axes"], 2);
+  EXPECT_EQ(move_->wait().code, 1);
+  EXPECT_EQ(status()["state"], "Switch on disabled");
+  EXPECT_EQ(tool("stop 1").output, "bench 1: quick stop of 2 axes\n");
+  EXPECT_EQ(tool("stop 7 --timeout 0.3").code, 3);
+}
+
+TEST_F(MoveElsewhere, IsTakenOver) {
+  begin();
+  EXPECT_EQ(tool("disable 1.1").code, 5);
+  EXPECT_EQ(tool("disable 1.1 --take-over").code, 0);
+  EXPECT_EQ(move_->wait().code, 1);
+}
+
+TEST_F(MoveElsewhere, TellsOnAnInterruptThatTheAxisGoesOn) {
+  begin();
+  move_->send(SIGINT);
+  const Finished moved = move_->wait();
+  EXPECT_EQ(moved.code, 130);
+  EXPECT_EQ(moved.errors, "vdrive: interrupted; axis 1.1 goes on to its target\n");
+  EXPECT_NE(speed(), 0);
+}
+
+TEST_F(MoveElsewhere, HaltsTheAxisOnAnInterruptWhenTold) {
+  begin("--stop-on-interrupt");
+  move_->send(SIGINT);
+  const Finished moved = move_->wait();
+  EXPECT_EQ(moved.code, 130);
+  EXPECT_EQ(moved.errors, "vdrive: interrupted; axis 1.1 is halted\n");
+  EXPECT_EQ(speed(), 0);
 }
 
 TEST(ToolInRealtime, ShowsABenchThatIsPaused) {

@@ -53,12 +53,13 @@ struct Readings {
   std::vector<ObjectReading> objects;  ///< in the order of the request
 };
 
-/// One axis of a bench, commanded over the network. A handle: copies refer to the same axis; it
-/// must not outlive its session.
+/// One axis of a bench, commanded over the network. A handle: copies refer to the same axis. Calls
+/// after the end of its session fail and send nothing.
 ///
-/// Commands acquire the axis for the session. A command that the power state does not allow is
-/// refused with 0x08000022 and changes nothing. `failed` means that the drive accepted the command
-/// and that a fault or a lost enable ended it.
+/// Commands acquire the axis for the session, and are refused while another session owns it. Only
+/// halt() and quick_stop() act then too: the owner keeps the axis. A command that the power state
+/// does not allow is refused with 0x08000022 and changes nothing. `failed` means that the drive
+/// accepted the command and that a fault, a lost enable or a halt ended it.
 class Axis {
  public:
   [[nodiscard]] const AxisId& id() const noexcept { return id_; }
@@ -71,6 +72,10 @@ class Axis {
   /// Takes control without a command. @return refused when another session holds the axis.
   Outcome acquire();
 
+  /// The same, also from another session: that session loses the axis, and frames of it that wait
+  /// are dropped. The axis goes on as it is.
+  Outcome take_over();
+
   /// Goes through the power states to Operation enabled and sets nothing else. If a quick stop is
   /// in progress it waits for standstill first. @return refused in a fault: reset it first.
   Outcome enable(const CallOptions& options = {});
@@ -79,19 +84,23 @@ class Axis {
   Outcome disable(const CallOptions& options = {});
 
   /// Moves to a position [UU]: sets profile position mode if needed, sends the set-point and waits
-  /// for bit 10. @return refused when not enabled or when the drive ignores the set-point.
+  /// for bit 10. @return refused when not enabled or when the drive ignores the set-point; failed
+  ///         when the axis was halted on the way, or when the wait was interrupted: then it goes
+  ///         on.
   Outcome move_to(std::int32_t position, const MoveOptions& options = {});
 
   /// The same by a distance [UU], from the base that 60F2h chooses.
   Outcome move_by(std::int32_t distance, const MoveOptions& options = {});
 
-  /// Brakes to standstill in Operation enabled (010Fh); the set-point stays.
+  /// Brakes to standstill in Operation enabled (bit 8); the set-point stays. Also of an axis that
+  /// another session owns, and after Session::interrupt().
   Outcome halt(const CallOptions& options = {});
 
   /// Ends a halt and continues the set-point (000Fh), done when it is reached.
   Outcome resume(const CallOptions& options = {});
 
-  /// Quick stop (0002h): done in Switch on disabled, or at rest where 605Ah keeps the state.
+  /// Quick stop (0002h): done in Switch on disabled, or at rest where 605Ah keeps the state. Also
+  /// of an axis that another session owns, and after Session::interrupt(). Acquires nothing.
   Outcome quick_stop(const CallOptions& options = {});
 
   /// Rising edge of bit 7. @return refused while the cause persists. Without a fault it does

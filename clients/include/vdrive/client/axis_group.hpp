@@ -81,7 +81,7 @@ struct StreamOptions {
 };
 
 /// Axes that move together, on one bench or on several that share a clock. A handle: copies refer
-/// to the same group; it must not outlive its session.
+/// to the same group. Calls after the end of its session fail.
 ///
 /// Each command is one frame a bench for all its axes, so that they act on it in one tick. Several
 /// benches act in the same tick too: in lock-step the group steps them together; in real time, with
@@ -110,6 +110,10 @@ class AxisGroup {
 
   /// The present state of all axes.
   Result<GroupStatus> status() const;
+
+  /// Takes control of every axis, also from other sessions, which lose it. The axes go on as they
+  /// are.
+  Outcome take_over();
 
   /// Brings every axis to Operation enabled (MC_GroupEnable).
   /// @return refused, with nothing done, when an axis has a fault.
@@ -152,14 +156,16 @@ class AxisGroup {
   Outcome monitor(bool on);
 
   /// Brakes the enabled axes to standstill by 605Dh (010Fh; MC_GroupHalt, MC_GroupInterrupt); with
-  /// 605Dh = 1 they stay on their line. The move and the queue stay.
+  /// 605Dh = 1 they stay on their line. The move and the queue stay. Also of axes that another
+  /// session owns, and after Session::interrupt().
   Outcome halt_all(const GroupCallOptions& options = {});
 
   /// Continues what was halted (000Fh; MC_GroupContinue), done when it has arrived.
   Outcome resume_all(const GroupCallOptions& options = {});
 
   /// Quick stop (0002h) of every axis without a fault, at once (MC_GroupStop): done when all are at
-  /// rest. Drops the queue.
+  /// rest. Drops the queue. Also of axes that another session owns, and after
+  /// Session::interrupt().
   Outcome quick_stop_all(const GroupCallOptions& options = {});
 
   /// Rising edge of bit 7 on every axis with a fault (MC_GroupReset).

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/client/axis.hpp"
 #include "vdrive/client/axis_snapshot.hpp"
 #include "vdrive/client/bench.hpp"
 #include "vdrive/client/outcome.hpp"
@@ -17,7 +18,6 @@
 
 namespace vdrive::client {
 
-class Axis;
 class AxisGroup;
 class SessionCore;
 class StepClock;
@@ -116,6 +116,9 @@ class Session {
   /// @throws std::runtime_error when the domain or `silence` is out of range, the security material
   ///         is not in order, or DDS cannot be set up.
   explicit Session(const SessionOptions& options = {});
+
+  /// Gives all axes back. Axes and groups of the session, and their copies, command nothing any
+  /// more.
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
@@ -185,11 +188,21 @@ class Session {
   /// @param observer must not end the session; an empty one ends the watch. It replaces the last.
   void watch_services(std::function<void(const ServiceChange&)> observer);
 
+  /// Quick stop of every axis of a bench that has no fault, whoever owns it, at once. The owners
+  /// keep their axes; nothing is acquired. Also after interrupt().
+  /// @param options done = all axes are at rest
+  Outcome quick_stop(std::uint32_t bench, const CallOptions& options = {});
+
   /// Gives all axes back. They stay as they are.
   Outcome release();
 
-  /// Ends all calls that wait, now and later, with `failed`. May be called from any thread.
+  /// Ends all calls that wait, now and later, with `failed`; what moves goes on. A call that stops
+  /// axes (Axis::halt, Axis::quick_stop, quick_stop, AxisGroup::halt_all,
+  /// AxisGroup::quick_stop_all) works after it. May be called from any thread.
   void interrupt() noexcept;
+
+  /// @return whether interrupt() was called.
+  [[nodiscard]] bool is_interrupted() const noexcept;
 
  private:
   friend class AxisGroup;
