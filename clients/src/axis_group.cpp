@@ -218,13 +218,9 @@ GroupStatus AxisGroup::State::status_of(const AxesCall& call) {
 AxisGroup::AxisGroup(std::shared_ptr<State> state) : state_(std::move(state)) {}
 
 Result<AxisGroup> AxisGroup::create(Session& session, std::span<const std::string> axes) {
-  SessionCore& core = *session.core_;
-  std::optional<std::vector<PresentBench>> benches;  // searched once, when a name is given
   std::vector<Axis> found;
   for (const std::string& text : axes) {
-    const bool is_name = !parse_axis_id(text);
-    if (is_name && !benches) benches = core.discovery.find_benches();
-    auto info = is_name ? core.discovery.find_name(text, *benches) : core.discovery.find_axis(text);
+    auto info = session.core_->discovery.find_axis(text);
     if (!info) return info.outcome();
     found.push_back(Axis(session.core_, info->id, std::move(info->name)));
   }

@@ -170,6 +170,19 @@ std::optional<PresentBench> Directory::find(std::uint32_t number, Clock::time_po
   return std::nullopt;
 }
 
+std::size_t Directory::described() const {
+  return static_cast<std::size_t>(std::ranges::count_if(entries_, [](const auto& item) {
+    return item.second.part_count != 0;
+  }));
+}
+
+bool Directory::expects_more(Clock::time_point now) const {
+  return std::ranges::any_of(entries_, [now](const auto& item) {
+    const Entry& entry = item.second;
+    return !entry.offline && !entry.is_present(now) && now - entry.newest < kPresence;
+  });
+}
+
 bool Directory::is_alive(const BenchKey& key, std::chrono::milliseconds patience,
                          Clock::time_point now) const {
   const auto entry = entries_.find(key);

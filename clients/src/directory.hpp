@@ -76,6 +76,13 @@ class Directory {
   /// @return the bench `number` if it is there.
   [[nodiscard]] std::optional<PresentBench> find(std::uint32_t number, Clock::time_point now) const;
 
+  /// @return of how many runs a description has arrived.
+  [[nodiscard]] std::size_t described() const;
+
+  /// @return whether a bench has begun to show itself: part of its description or its first sample
+  ///         is still missing.
+  [[nodiscard]] bool expects_more(Clock::time_point now) const;
+
   /// @return whether a sample of this run arrived within `patience` and has not gone offline.
   [[nodiscard]] bool is_alive(const BenchKey& key, std::chrono::milliseconds patience,
                               Clock::time_point now) const;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -22,6 +23,21 @@ constexpr milliseconds kSearchPeriod{50};
 // A service that had no room for this participant reads its announcement again after a change.
 constexpr milliseconds kAnnounceAgain{1'000};
 
+/// Some bench is there, and for a while no further one has come.
+class Settling {
+ public:
+  bool has_ended(std::size_t count) {
+    const auto now = Discovery::Clock::now();
+    if (count != count_) end_ = now + kSettle;
+    count_ = count;
+    return count != 0 && now >= end_;
+  }
+
+ private:
+  std::size_t count_ = 0;
+  Discovery::Clock::time_point end_ = Discovery::Clock::time_point::max();
+};
+
 std::string list_of(std::span<const PresentBench> benches) {
   if (benches.empty()) return "no bench was found";
   std::string text = "found";
@@ -31,6 +47,16 @@ std::string list_of(std::span<const PresentBench> benches) {
             " with " + std::to_string(bench.info.axes.size()) + " axes";
   }
   return text;
+}
+
+std::vector<AxisInfo> axes_named(std::string_view name, std::span<const PresentBench> benches) {
+  std::vector<AxisInfo> axes;
+  for (const PresentBench& bench : benches) {
+    std::ranges::copy_if(bench.info.axes, std::back_inserter(axes), [&](const AxisInfo& axis) {
+      return axis.name == name;
+    });
+  }
+  return axes;
 }
 
 }  // namespace
@@ -70,14 +96,9 @@ bool Discovery::wait_to_find(const Condition& condition) {
 }
 
 std::vector<PresentBench> Discovery::find_benches() {
-  std::size_t count = 0;
-  auto settled = Clock::time_point::max();
+  Settling settling;
   (void)wait_to_find([&] {
-    const std::size_t found = present().size();
-    const auto now = Clock::now();
-    if (found != count) settled = now + kSettle;
-    count = found;
-    return count != 0 && now >= settled;
+    return settling.has_ended(present().size());
   });
   return present();
 }
@@ -111,17 +132,21 @@ Result<AxisInfo> Discovery::find_axis(std::string_view text) {
     }
     return Outcome::not_found("no axis " + to_string(*id) + ", " + list_of({&*bench, 1}));
   }
-  return find_name(text, find_benches());
+  return find_name(text);
 }
 
-Result<AxisInfo> Discovery::find_name(std::string_view name,
-                                      std::span<const PresentBench> benches) const {
+/// Ends with the bench that has the name, once every bench that was met has said what it has: of two
+/// axes with one name none may be commanded by chance.
+Result<AxisInfo> Discovery::find_name(std::string_view name) {
+  Settling settling;
+  std::vector<PresentBench> benches;
   std::vector<AxisInfo> matches;
-  for (const PresentBench& bench : benches) {
-    std::ranges::copy_if(bench.info.axes, std::back_inserter(matches), [&](const AxisInfo& axis) {
-      return axis.name == name;
-    });
-  }
+  (void)wait_to_find([&] {
+    benches = present();
+    matches = axes_named(name, benches);
+    const bool has_settled = settling.has_ended(benches.size());
+    return has_settled || (!matches.empty() && !expects_more());
+  });
   if (matches.size() == 1) return std::move(matches.front());
   if (matches.empty()) {
     return Outcome::not_found("no axis is named " + in_quotes(name) + " on domain " +
@@ -129,6 +154,14 @@ Result<AxisInfo> Discovery::find_name(std::string_view name,
   }
   return Outcome::not_found("several axes are named " + in_quotes(name) + ": " +
                             to_string(matches[0].id) + ", " + to_string(matches[1].id));
+}
+
+/// A session that sees one bench only expects no other.
+bool Discovery::expects_more() const {
+  if (options_.bench) return false;
+  const std::size_t matched = description_subscription_.matched();
+  const std::scoped_lock lock(mutex_);
+  return matched > directory_.described() || directory_.expects_more(Clock::now());
 }
 
 // ---- what arrives ----------------------------------------------------------------------------

@@ -14,7 +14,6 @@
 #include <cstdint>
 #include <mutex>
 #include <optional>
-#include <span>
 #include <string_view>
 #include <vector>
 
@@ -36,9 +35,6 @@ class Discovery {
 
   /// An axis by address or name.
   Result<AxisInfo> find_axis(std::string_view text);
-
-  /// An axis by name among `benches`.
-  Result<AxisInfo> find_name(std::string_view name, std::span<const PresentBench> benches) const;
 
   // ---- what other messages show
 
@@ -88,6 +84,8 @@ class Discovery {
   void on_description(const msg::BenchDescription& message, const wire::Source& source);
   void on_state(const msg::BenchState& message, const wire::Source& source);
   [[nodiscard]] std::vector<PresentBench> present() const;
+  Result<AxisInfo> find_name(std::string_view name);
+  [[nodiscard]] bool expects_more() const;
   template <typename Condition>
   bool wait_to_find(const Condition& condition);
 

@@ -59,6 +59,22 @@ TEST(Directory, ForgetsABenchThatSaysGoodbyeAtOnce) {
   EXPECT_FALSE(sut.is_alive({1, 10}, 1s, kStart));
 }
 
+TEST(Directory, ExpectsABenchThatHasBegunToShowItself) {
+  Directory sut;
+  EXPECT_FALSE(sut.expects_more(kStart));
+  sut.on_description(description(1, 10), kSource, kStart);
+  EXPECT_TRUE(sut.expects_more(kStart)) << "described, no sample";
+  EXPECT_EQ(sut.described(), 1U);
+  sut.on_state(state(1, 10), kStart);
+  EXPECT_FALSE(sut.expects_more(kStart)) << "it is there";
+  sut.on_state(state(2, 20), kStart);
+  EXPECT_TRUE(sut.expects_more(kStart)) << "a sample, no description";
+  EXPECT_EQ(sut.described(), 1U);
+  sut.on_description(description(2, 20, 0, 2), kSource, kStart);
+  EXPECT_TRUE(sut.expects_more(kStart)) << "half of its description";
+  EXPECT_FALSE(sut.expects_more(kStart + 300ms)) << "it fell silent";
+}
+
 TEST(Directory, TakesARestartForAnotherRun) {
   Directory sut;
   sut.on_description(description(1, 10), kSource, kStart);
