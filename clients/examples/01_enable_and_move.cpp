@@ -4,8 +4,7 @@
 //
 //   vdrived &                        a bench with the axes 1.1 and 1.2
 //   01_enable_and_move [domain]
-#include <vdrive/client/axis.hpp>
-#include <vdrive/client/session.hpp>
+#include <vdrive/client.hpp>
 
 #include <iostream>
 #include <string>

@@ -6,8 +6,7 @@
 //   vdrived --axes 3 &
 //   02_three_axis_figure [domain]
 #include <Eigen/Geometry>
-#include <vdrive/client/axis_group.hpp>
-#include <vdrive/client/session.hpp>
+#include <vdrive/client.hpp>
 
 #include <algorithm>
 #include <array>

@@ -6,8 +6,7 @@
 //   vdrived --bench 1 --axes 1 &
 //   vdrived --bench 2 --axes 1 &
 //   03_two_services_one_group [domain]
-#include <vdrive/client/axis_group.hpp>
-#include <vdrive/client/session.hpp>
+#include <vdrive/client.hpp>
 
 #include <algorithm>
 #include <cmath>

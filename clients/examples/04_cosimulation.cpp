@@ -6,8 +6,7 @@
 //
 //   vdrived --clock lockstep &
 //   04_cosimulation [domain]
-#include <vdrive/client/axis.hpp>
-#include <vdrive/client/session.hpp>
+#include <vdrive/client.hpp>
 
 #include <cmath>
 #include <iostream>

@@ -5,8 +5,7 @@
 //
 //   vdrived &
 //   05_test_bench_with_faults [domain]
-#include <vdrive/client/axis.hpp>
-#include <vdrive/client/session.hpp>
+#include <vdrive/client.hpp>
 
 #include <array>
 #include <iostream>

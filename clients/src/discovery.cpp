@@ -108,7 +108,7 @@ Result<PresentBench> Discovery::find_bench(std::optional<std::uint32_t> number) 
     std::vector<PresentBench> benches = find_benches();
     if (benches.size() == 1) return std::move(benches.front());
     return Outcome::not_found((benches.empty() ? "" : "several benches, name one: ") +
-                              list_of(benches) + " on domain " + std::to_string(options_.domain));
+                              list_of(benches) + " on domain " + std::to_string(*options_.domain));
   }
   const std::uint32_t wanted = number.value_or(options_.bench.value_or(0));
   std::optional<PresentBench> found;
@@ -119,7 +119,7 @@ Result<PresentBench> Discovery::find_bench(std::optional<std::uint32_t> number) 
   });
   if (found) return std::move(*found);
   return Outcome::not_found("no bench " + std::to_string(wanted) + " on domain " +
-                            std::to_string(options_.domain) + ", " + list_of(present()));
+                            std::to_string(*options_.domain) + ", " + list_of(present()));
 }
 
 Result<AxisInfo> Discovery::find_axis(std::string_view text) {
@@ -135,8 +135,8 @@ Result<AxisInfo> Discovery::find_axis(std::string_view text) {
   return find_name(text);
 }
 
-/// Ends with the bench that has the name, once every bench that was met has said what it has: of two
-/// axes with one name none may be commanded by chance.
+/// Ends with the bench that has the name, once every bench that was met has said what it has: of
+/// two axes with one name none may be commanded by chance.
 Result<AxisInfo> Discovery::find_name(std::string_view name) {
   Settling settling;
   std::vector<PresentBench> benches;
@@ -150,7 +150,7 @@ Result<AxisInfo> Discovery::find_name(std::string_view name) {
   if (matches.size() == 1) return std::move(matches.front());
   if (matches.empty()) {
     return Outcome::not_found("no axis is named " + in_quotes(name) + " on domain " +
-                              std::to_string(options_.domain) + ", " + list_of(benches));
+                              std::to_string(*options_.domain) + ", " + list_of(benches));
   }
   return Outcome::not_found("several axes are named " + in_quotes(name) + ": " +
                             to_string(matches[0].id) + ", " + to_string(matches[1].id));

@@ -3,6 +3,10 @@
 
 #include "vdrive/wire/conversion.hpp"
 
+#include <cstdio>
+#include <cstdlib>
+#include <utility>
+
 namespace vdrive::client {
 namespace {
 
@@ -38,6 +42,14 @@ std::string_view to_string(OutcomeKind kind) noexcept {
 
 Outcome::Outcome(OutcomeKind kind, std::uint32_t code, std::string message)
     : kind_(kind), code_(code), message_(std::move(message)) {}
+
+OutcomeError::OutcomeError(Outcome outcome)
+    : std::runtime_error(outcome.message()), outcome_(std::move(outcome)) {}
+
+void abort_on_failed_result(const Outcome& outcome) noexcept {
+  std::fprintf(stderr, "vdrive: a failed result was used: %s\n", outcome.message().c_str());
+  std::abort();
+}
 
 Outcome Outcome::refused(std::uint32_t code, std::string message) {
   return {OutcomeKind::refused, code, with_code(std::move(message), code)};

@@ -1,17 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "session_core.hpp"
 
+#include "vdrive/text.hpp"
+
+#include <charconv>
 #include <chrono>
+#include <cstdlib>
 #include <random>
 #include <stdexcept>
 #include <string>
+#include <string_view>
+#include <system_error>
 
 namespace vdrive::client {
 namespace {
 
 constexpr std::chrono::milliseconds kShortestSilence{50};
+constexpr std::uint32_t kHighestDomain = 232;
 
+/// @return the options with their domain.
 SessionOptions checked(SessionOptions options) {
+  if (!options.domain) options.domain = default_domain();
   if (options.silence >= kShortestSilence) return options;
   throw std::runtime_error("the time without samples after which a service is lost, " +
                            std::to_string(options.silence.count()) + " ms, is below 50 ms");
@@ -25,7 +34,7 @@ std::uint64_t random_session() {
 }
 
 wire::NetworkSettings settings_of(const SessionOptions& options) {
-  return {.domain = options.domain,
+  return {.domain = *options.domain,
           .interfaces = options.interfaces,
           .peers = options.peers,
           .discovery_servers = options.discovery_servers,
@@ -35,6 +44,22 @@ wire::NetworkSettings settings_of(const SessionOptions& options) {
 }
 
 }  // namespace
+
+std::uint32_t default_domain() {
+  const char* const text =
+      std::getenv("VDRIVE_DOMAIN");  // NOLINT(concurrency-mt-unsafe): read only
+  if (text == nullptr) return 0;
+  const std::string_view digits(text);
+  if (digits.empty()) {
+    throw std::runtime_error(
+        "VDRIVE_DOMAIN in the environment is set, but empty: unset it or give a value");
+  }
+  std::uint32_t domain = 0;
+  const auto [end, error] = std::from_chars(digits.begin(), digits.end(), domain);
+  if (error == std::errc() && end == digits.end() && domain <= kHighestDomain) return domain;
+  throw std::runtime_error("VDRIVE_DOMAIN in the environment is " + in_quotes(digits) +
+                           ": a DDS domain is a number from 0 to 232");
+}
 
 SessionCore::SessionCore(const SessionOptions& chosen)
     : options(checked(chosen)),

@@ -4,6 +4,7 @@
 #include "completion.hpp"
 #include "help.hpp"
 #include "usage_error.hpp"
+#include "vdrive/client/session.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wire/address.hpp"
 
@@ -15,6 +16,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <stdexcept>
 #include <utility>
 
 namespace vdrive::tool {
@@ -150,8 +152,7 @@ class Grammar {
 
   /// Words and options of the command line only.
   void add_command_line() {
-    app_.add_option("--domain", options_.domain, "DDS domain, 0 to 232")
-        ->envname("VDRIVE_DOMAIN")
+    app_.add_option("--domain", domain_, "DDS domain, 0 to 232; default: VDRIVE_DOMAIN, else 0")
         ->check(CLI::Range(0, 232))
         ->type_name("N");
     add_network_option(
@@ -203,6 +204,16 @@ class Grammar {
 
   /// What a command prints without a service.
   [[nodiscard]] const std::string& text() const { return text_; }
+
+  /// @throws UsageError
+  [[nodiscard]] std::uint32_t domain() const {
+    if (domain_) return *domain_;
+    try {
+      return client::default_domain();
+    } catch (const std::runtime_error& error) {
+      throw UsageError(error.what());
+    }
+  }
 
   [[nodiscard]] GlobalOptions options() const {
     GlobalOptions options = options_;
@@ -571,6 +582,7 @@ class Grammar {
 
   CLI::App app_;
   GlobalOptions options_;
+  std::optional<std::uint32_t> domain_;
   std::string timeout_;
   Words words_;
   std::optional<Command> command_;
@@ -606,6 +618,7 @@ Invocation parse_command_line(std::vector<std::string> arguments) {
   try {
     grammar.parse(std::move(arguments));
     invocation.options = grammar.options();
+    invocation.options.domain = grammar.domain();
     invocation.command = std::move(grammar.command());
     invocation.text = grammar.text();
   } catch (const CLI::CallForHelp&) {

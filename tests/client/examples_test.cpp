@@ -38,8 +38,10 @@ std::int64_t position(const std::string& axis) {
 
 TEST(Examples, TheProgramOfTheReadme) {
   const RunningService service(patient("--axes 1"));
+  setenv("VDRIVE_DOMAIN", std::to_string(test::test_domain()).c_str(), 1);  // NOLINT(*-mt-unsafe)
   const Finished ended = run("readme");
   EXPECT_EQ(ended.code, 0) << ended.output << ended.errors;
+  EXPECT_EQ(ended.output, "at 10000\n");
   EXPECT_EQ(position("1.1"), 10'000);
 }
 

@@ -33,11 +33,11 @@ struct CallOptions {
 
 /// A set-point of profile position mode. What is not given stays as the drive has it.
 struct MoveOptions {
-  std::optional<std::uint32_t> velocity;      ///< 6081h [UU/s]
-  std::optional<std::uint32_t> acceleration;  ///< 6083h [UU/s²]
-  std::optional<std::uint32_t> deceleration;  ///< 6084h [UU/s²]
+  std::optional<std::uint32_t> velocity{};      ///< 6081h [UU/s]
+  std::optional<std::uint32_t> acceleration{};  ///< 6083h [UU/s²]
+  std::optional<std::uint32_t> deceleration{};  ///< 6084h [UU/s²]
   bool queue = false;  ///< after the present move (bit 5 = 0) instead of at once
-  CallOptions call;
+  CallOptions call{};
 };
 
 /// Answer to the read of one object: `value` holds when `code` is AbortCode::none.

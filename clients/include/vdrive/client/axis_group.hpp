@@ -58,10 +58,10 @@ struct GroupProgress {
 /// How long a call may take, what it waits for, and who observes it.
 struct GroupCallOptions {
   /// Drive time. By default 60 s; for a move its duration and 5 s more.
-  std::optional<std::chrono::nanoseconds> timeout;
+  std::optional<std::chrono::nanoseconds> timeout{};
   Until until = Until::done;
   /// Called at every tick that the call observes, in its thread. It must not call the group.
-  std::function<void(const GroupProgress&)> progress;
+  std::function<void(const GroupProgress&)> progress{};
 };
 
 /// How a group moves: each axis within its own 6081h, 6083h and 6084h, bounded by 607Fh, 6080h,
@@ -70,7 +70,7 @@ struct GroupMoveOptions {
   double velocity_factor = 1.0;
   double acceleration_factor = 1.0;
   double deceleration_factor = 1.0;
-  GroupCallOptions call;
+  GroupCallOptions call{};
 };
 
 /// How a group streams positions.

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "vdrive/assert.hpp"
-
 #include <cstdint>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -59,6 +58,20 @@ class [[nodiscard]] Outcome {
   std::string message_;
 };
 
+/// What Result::value() throws: the message of the outcome that stands in place of the value.
+class OutcomeError final : public std::runtime_error {
+ public:
+  explicit OutcomeError(Outcome outcome);
+
+  [[nodiscard]] const Outcome& outcome() const noexcept { return outcome_; }
+
+ private:
+  Outcome outcome_;
+};
+
+/// Writes the message of the outcome to standard error and ends the program.
+[[noreturn]] void abort_on_failed_result(const Outcome& outcome) noexcept;
+
 /// A value, or the outcome that stands in its place.
 template <typename Value>
 class [[nodiscard]] Result {
@@ -70,14 +83,31 @@ class [[nodiscard]] Result {
 
   explicit operator bool() const noexcept { return value_.has_value(); }
 
-  /// The value; only when this converts to true.
+  /// The value. @throws OutcomeError when there is none.
+  [[nodiscard]] const Value& value() const& {
+    throw_if_failed();
+    return *value_;
+  }
+
+  [[nodiscard]] Value& value() & {
+    throw_if_failed();
+    return *value_;
+  }
+
+  [[nodiscard]] Value&& value() && {
+    throw_if_failed();
+    return std::move(*value_);
+  }
+
+  /// The value; only when this converts to true. Otherwise the program ends with the message of the
+  /// outcome, in every build.
   [[nodiscard]] const Value& operator*() const noexcept {
-    ensure(value_.has_value(), "a result that is used has a value");
+    abort_if_failed();
     return *value_;
   }
 
   [[nodiscard]] Value& operator*() noexcept {
-    ensure(value_.has_value(), "a result that is used has a value");
+    abort_if_failed();
     return *value_;
   }
 
@@ -89,6 +119,14 @@ class [[nodiscard]] Result {
   [[nodiscard]] const Outcome& outcome() const noexcept { return outcome_; }
 
  private:
+  void throw_if_failed() const {
+    if (!value_) throw OutcomeError(outcome_);
+  }
+
+  void abort_if_failed() const noexcept {
+    if (!value_) abort_on_failed_result(outcome_);
+  }
+
   std::optional<Value> value_;
   Outcome outcome_;
 };

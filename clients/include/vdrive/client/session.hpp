@@ -28,9 +28,13 @@ enum class KeepAlive : std::uint8_t {
   user_frames,  ///< only the user's own commands: a program that hangs loses its axes
 };
 
-/// What to reach, and how. The defaults see every bench of this machine on domain 0.
+/// @return the DDS domain that the environment variable VDRIVE_DOMAIN names, 0 when it is not set.
+/// @throws std::runtime_error when it is set, but no number from 0 to 232
+[[nodiscard]] std::uint32_t default_domain();
+
+/// What to reach, and how. The defaults see every bench of this machine on the default domain.
 struct SessionOptions {
-  std::uint32_t domain = 0;  ///< DDS domain, 0 to 232
+  std::optional<std::uint32_t> domain{};  ///< DDS domain, 0 to 232; none = default_domain()
   std::vector<std::string>
       interfaces{};  ///< own addresses in the networks to use; empty = loopback only
   std::vector<std::string> peers{};  ///< hosts searched for benches in addition to multicast
@@ -113,7 +117,9 @@ class Follower {
 /// Calls may come from several threads; those that step one lock-step bench from one at a time.
 class Session {
  public:
-  /// @throws std::runtime_error when the domain or `silence` is out of range, the security material
+  /// @throws std::runtime_error when the domain or `silence` is out of range, VDRIVE_DOMAIN is
+  /// needed
+  ///         and is no domain, the security material
   ///         is not in order, or DDS cannot be set up.
   explicit Session(const SessionOptions& options = {});
 

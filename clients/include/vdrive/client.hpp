@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The whole client library: sessions, axes, groups, clocks, outcomes.
+
+#include "vdrive/client/axis.hpp"
+#include "vdrive/client/axis_group.hpp"
+#include "vdrive/client/axis_snapshot.hpp"
+#include "vdrive/client/bench.hpp"
+#include "vdrive/client/outcome.hpp"
+#include "vdrive/client/session.hpp"
+#include "vdrive/client/step_clock.hpp"
