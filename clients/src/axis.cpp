@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/client/axis.hpp"
 
+#include "arrival.hpp"
 #include "axes_call.hpp"
 #include "axes_stop.hpp"
 #include "command_words.hpp"
@@ -55,15 +56,6 @@ Round set_point(const AxesCall& call, std::int32_t target, bool relative,
   return round;
 }
 
-/// @return 6040h as it is in force.
-Result<std::uint16_t> controlword_of(AxesCall& call) {
-  using namespace literals;
-  const std::array controlword{vdrive::describe("ds402_controlword"_object).address};
-  const auto present = call.read(controlword);
-  if (!present) return present.outcome();
-  return static_cast<std::uint16_t>(present->front().front());
-}
-
 /// Hands the set-point over: an edge of bit 4, which may have to drop first.
 Outcome put_set_point_in_force(AxesCall& call, Round set_point) {
   const auto word = controlword_of(call);
@@ -75,21 +67,6 @@ Outcome put_set_point_in_force(AxesCall& call, Round set_point) {
   }
   rounds.push_back(std::move(set_point));
   return call.put_in_force(rounds);
-}
-
-/// Waits until the axis is at its target. Bit 10 also shows that an axis which was halted, by this
-/// session or another one, stands still: 6040h tells which it is.
-Outcome await_target(AxesCall& call, const Wakeup& wakeup) {
-  Outcome reached = call.await_enabled("target reached, bit 10", call.tick(), target_reached);
-  const std::string axis = "axis " + to_string(call.axis().id);
-  if (reached.kind() == OutcomeKind::failed && is_enabled(call.axis()) && wakeup.is_interrupted()) {
-    return Outcome::failed("interrupted; " + axis + " goes on to its target");
-  }
-  if (!reached) return reached;
-  const auto word = controlword_of(call);
-  if (!word) return word.outcome();
-  if ((*word & Controlword::kHalt) == 0) return {};
-  return Outcome::failed(axis + " was halted before it reached its target");
 }
 
 msg::ObjectAccess access_of(const AxisId& id, ObjectAddress object, std::int64_t value = 0) {
@@ -197,6 +174,28 @@ Outcome Axis::move(std::int32_t target, bool relative, const MoveOptions& option
     if (Outcome reached = await_target(call, core_->wakeup); !reached) return reached;
   }
   return call.put_in_force({kEnableOperation});
+}
+
+Result<Motion> Axis::start_move(std::int32_t position, const MoveOptions& options) {
+  MoveOptions start = options;
+  start.call.until = Until::in_force;
+  if (Outcome started = move(position, false, start); !started) return started;
+  return Motion(*this);
+}
+
+Outcome Motion::wait(std::chrono::nanoseconds timeout) const {
+  AxesCall call(axis_.core_, layout_of(axis_.id_), Caller::axis);
+  if (Outcome ready = call.begin(timeout); !ready) return ready;
+  return await_target(call, axis_.core_->wakeup);
+}
+
+Result<bool> Motion::has_ended() const {
+  AxesCall call(axis_.core_, layout_of(axis_.id_), Caller::axis);
+  if (Outcome ready = call.begin(std::chrono::nanoseconds(0)); !ready) return ready;
+  if (!is_enabled(call.axis())) return failed_instead_of(kTargetReached, call.axis());
+  if (!target_reached(call.axis())) return false;
+  if (Outcome ended = check_halt(call); !ended) return ended;
+  return true;
 }
 
 Outcome Axis::halt(const CallOptions& options) {

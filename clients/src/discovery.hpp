@@ -52,6 +52,9 @@ class Discovery {
 
   // ---- questions that do not wait
 
+  /// @return the benches whose samples arrive, by number.
+  [[nodiscard]] std::vector<PresentBench> present() const;
+
   /// @return the participant that sends for this run; nothing before its first live sample.
   [[nodiscard]] std::optional<wire::Source> source_of(const BenchKey& key) const;
 
@@ -83,7 +86,6 @@ class Discovery {
  private:
   void on_description(const msg::BenchDescription& message, const wire::Source& source);
   void on_state(const msg::BenchState& message, const wire::Source& source);
-  [[nodiscard]] std::vector<PresentBench> present() const;
   Result<AxisInfo> find_name(std::string_view name);
   [[nodiscard]] bool expects_more() const;
   template <typename Condition>

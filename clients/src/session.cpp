@@ -127,6 +127,10 @@ Result<Follower> Session::follow(std::vector<AxisId> axes, Pace pace) {
   return core_->follow(*target, std::move(*numbers), pace);
 }
 
+void Session::on_event(std::function<void(const Event&)> observer) {
+  core_->events.watch(std::move(observer));
+}
+
 Outcome Session::quick_stop(std::uint32_t bench, const CallOptions& options) {
   const Wakeup::StopInProgress in_progress(core_->wakeup);
   const auto found = core_->discovery.find_bench(bench);

@@ -75,10 +75,12 @@ SessionCore::SessionCore(const SessionOptions& chosen)
       clocks(id, requests, holdings, discovery, wakeup),
       stream(participant, discovery, waiter, wakeup),
       observer(discovery, connection, requests, clocks, stream, waiter),
-      watcher(discovery, stream) {}
+      watcher(discovery, stream),
+      events(participant, discovery) {}
 
 void SessionCore::end() {
   watcher.watch({});
+  events.watch({});
   clocks.leave_all();
   control.end();
   connection.close();

@@ -6,6 +6,7 @@
 #include "connection.hpp"
 #include "control.hpp"
 #include "discovery.hpp"
+#include "event_watcher.hpp"
 #include "holdings.hpp"
 #include "observer.hpp"
 #include "requests.hpp"
@@ -53,6 +54,7 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   StatusStream stream;
   Observer observer;
   ServiceWatcher watcher;
+  EventWatcher events;
 };
 
 }  // namespace vdrive::client

@@ -10,6 +10,7 @@
 #include "vdrive/cia402/power_state.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/wire/conversion.hpp"
+#include "vdrive/wire/event_name.hpp"
 #include "wire_judge.hpp"
 
 #include <chrono>
@@ -197,55 +198,10 @@ std::string text_of(const EventRecord& event) {
   }
 }
 
-const char* name_of(std::uint32_t kind) {
-  switch (kind) {
-    case msg::EVENT_STATE_CHANGED:
-      return "state_changed";
-    case msg::EVENT_FAULT:
-      return "fault";
-    case msg::EVENT_FAULT_RESET:
-      return "fault_reset";
-    case msg::EVENT_REFUSED:
-      return "refused";
-    case msg::EVENT_SET_POINT_IGNORED:
-      return "set_point_ignored";
-    case msg::EVENT_CONTROL_CHANGED:
-      return "control_changed";
-    case msg::EVENT_MASTER_LOST:
-      return "master_lost";
-    case msg::EVENT_TICK_OVERRUN:
-      return "tick_overrun";
-    case msg::EVENT_TICK_JUMPED:
-      return "tick_jumped";
-    case msg::EVENT_QUEUE_OVERFLOW:
-      return "queue_overflow";
-    case msg::EVENT_BENCH_CONFLICT:
-      return "bench_conflict";
-    case msg::EVENT_CLOCK_CHANGED:
-      return "clock_changed";
-    case msg::EVENT_SNAPSHOT:
-      return "snapshot";
-    case msg::EVENT_JOURNAL:
-      return "journal";
-    case msg::EVENT_WIRE:
-      return "wire";
-    case msg::EVENT_STOPPED:
-      return "stopped";
-    case msg::EVENT_PARAMETERS:
-      return "parameters";
-    case msg::EVENT_SHUTDOWN:
-      return "shutdown";
-    case msg::EVENT_WALL_CLOCK:
-      return "wall_clock";
-    default:
-      return "unknown";
-  }
-}
-
 }  // namespace
 
 std::string log_line(std::uint32_t bench, const EventRecord& event, std::uint32_t suppressed) {
-  std::string line = std::string("event=") + name_of(event.kind) +
+  std::string line = "event=" + std::string(wire::event_name(event.kind)) +
                      " bench=" + std::to_string(bench) + " tick=" + std::to_string(event.tick);
   if (event.axis != 0) line += " axis=" + std::to_string(event.axis);
   if (event.session != 0) line += " session=" + hex(event.session, 16);

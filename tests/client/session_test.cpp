@@ -11,8 +11,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
+#include <condition_variable>
 #include <future>
+#include <mutex>
+#include <optional>
+#include <vector>
 
 namespace vdrive::client {
 namespace {
@@ -82,6 +87,25 @@ TEST(Discovery, FindsBenchesAxesAndNames) {
   EXPECT_EQ(sut.axis("nobody").outcome().kind(), OutcomeKind::not_found);
   EXPECT_EQ(sut.find_bench().outcome().kind(), OutcomeKind::not_found) << "several are there";
   EXPECT_TRUE(sut.find_bench(7));
+}
+
+// Whoever waits for further benches waits 250 ms.
+TEST(Discovery, FindsANameAsSoonAsItsBenchAnswers) {
+  const RunningService service("--clock lockstep");
+  std::string name;
+  {
+    Session known(options());
+    name = known.find_bench()->axes[0].name;
+  }
+  const auto deadline = std::chrono::steady_clock::now() + 30s;
+  auto shortest = std::chrono::steady_clock::duration::max();
+  while (shortest >= 250ms) {  // the machine may be busy
+    ASSERT_LT(std::chrono::steady_clock::now(), deadline);
+    Session sut(options());
+    const auto begin = std::chrono::steady_clock::now();
+    ASSERT_TRUE(sut.axis(name));
+    shortest = std::min(shortest, std::chrono::steady_clock::now() - begin);
+  }
 }
 
 TEST(Discovery, ListsAServiceNoLongerOnceItIsKilled) {
@@ -352,6 +376,87 @@ TEST_F(AxisOfAnother, IsStoppedWithAllAxesOfItsBench) {
     EXPECT_EQ(axis.state(), PowerState::switch_on_disabled) << to_string(axis.id);
   }
   EXPECT_EQ(axis_->status()->owner_session, owner_.id());
+}
+
+/// Events in the order in which a session reports them.
+class Reported {
+ public:
+  void add(const Event& event) {
+    const std::scoped_lock lock(mutex_);
+    events_.push_back(event);
+    arrived_.notify_all();
+  }
+
+  /// @return the first event of this kind; nothing after 10 s without one.
+  std::optional<Event> await(EventKind kind) {
+    std::unique_lock lock(mutex_);
+    std::optional<Event> found;
+    arrived_.wait_for(lock, 10s, [&] {
+      const auto event = std::ranges::find(events_, kind, &Event::kind);
+      if (event != events_.end()) found = *event;
+      return found.has_value();
+    });
+    return found;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable arrived_;
+  std::vector<Event> events_;
+};
+
+TEST_F(AxisOfAnother, TellsItsOwnerWhoStoppedIt) {
+  Reported reported;
+  owner_.on_event([&reported](const Event& event) {
+    reported.add(event);
+  });
+  ASSERT_TRUE(axis_->quick_stop());
+  const auto stopped = reported.await(EventKind::stopped);
+  ASSERT_TRUE(stopped);
+  EXPECT_EQ((AxisId{stopped->bench, stopped->axis}), (AxisId{1, 1}));
+  EXPECT_EQ(stopped->session, sut_.id());
+  EXPECT_EQ(stopped->code, 0x0002U);
+  EXPECT_THAT(stopped->text, HasSubstr("quick stop by session"));
+}
+
+TEST_F(LockStep, AnObserverOfEventsMayCommandAxes) {
+  Reported reported;
+  auto other = sut_.axis("1.2");
+  ASSERT_TRUE(axis_->enable());
+  ASSERT_TRUE(other->enable());
+  sut_.on_event([&](const Event& event) {
+    if (event.kind == EventKind::fault && event.axis == 1) (void)other->quick_stop();
+    reported.add(event);
+  });
+  ASSERT_TRUE(axis_->write(kOverCurrent, 1));
+  ASSERT_TRUE(sut_.step(1, 1));
+  const auto fault = reported.await(EventKind::fault);
+  ASSERT_TRUE(fault);
+  EXPECT_EQ(other->status()->state(), PowerState::switch_on_disabled);
+}
+
+TEST_F(LockStep, AMoveThatWasStartedIsAwaitedLater) {
+  ASSERT_TRUE(axis_->enable());
+  EXPECT_EQ(sut_.axis("1.2")->start_move(5).outcome().code(), kRefusedInState);
+  const auto motion = axis_->start_move(2000, slow());
+  ASSERT_TRUE(motion) << motion.outcome().message();
+  EXPECT_NE(*axis_->read(kDemand), 2000);
+  EXPECT_FALSE(*motion->has_ended());
+  EXPECT_EQ(motion->wait(10ms).kind(), OutcomeKind::timed_out) << "it is on the way";
+  EXPECT_TRUE(motion->wait());
+  EXPECT_TRUE(*motion->has_ended());
+  EXPECT_EQ(*axis_->read(kDemand), 2000);
+}
+
+TEST_F(LockStep, AMoveThatWasStartedAndHaltedHasFailed) {
+  ASSERT_TRUE(axis_->enable());
+  const auto motion = axis_->start_move(1'000'000, slow());
+  ASSERT_TRUE(sut_.step(1, 100));
+  ASSERT_TRUE(axis_->halt());
+  EXPECT_THAT(motion->wait().message(), HasSubstr("was halted"));
+  EXPECT_EQ(motion->has_ended().outcome().kind(), OutcomeKind::failed);
+  ASSERT_TRUE(axis_->disable());
+  EXPECT_EQ(motion->has_ended().outcome().kind(), OutcomeKind::failed);
 }
 
 TEST_F(LockStep, AQuickStopAcquiresNothing) {

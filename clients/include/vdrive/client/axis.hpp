@@ -13,6 +13,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace vdrive::client {
@@ -53,6 +54,8 @@ struct Readings {
   std::vector<ObjectReading> objects;  ///< in the order of the request
 };
 
+class Motion;
+
 /// One axis of a bench, commanded over the network. A handle: copies refer to the same axis. Calls
 /// after the end of its session fail and send nothing.
 ///
@@ -91,6 +94,10 @@ class Axis {
 
   /// The same by a distance [UU], from the base that 60F2h chooses.
   Outcome move_by(std::int32_t distance, const MoveOptions& options = {});
+
+  /// Starts move_to() and returns when the drive has acknowledged the set-point.
+  /// @return a handle to wait on; refused as move_to() is. `options.call.until` is not used.
+  Result<Motion> start_move(std::int32_t position, const MoveOptions& options = {});
 
   /// Brakes to standstill in Operation enabled (bit 8); the set-point stays. Also of an axis that
   /// another session owns, and after Session::interrupt().
@@ -136,6 +143,7 @@ class Axis {
 
  private:
   friend class AxisGroup;
+  friend class Motion;
   friend class Session;
   Axis(std::shared_ptr<SessionCore> core, AxisId id, std::string name);
   Outcome move(std::int32_t target, bool relative, const MoveOptions& options);
@@ -144,6 +152,26 @@ class Axis {
   std::shared_ptr<SessionCore> core_;
   AxisId id_;
   std::string name_;
+};
+
+/// A move that was started. A handle: copies refer to the same axis. A set-point that is sent later
+/// takes the place of this one.
+class Motion {
+ public:
+  /// Waits until the axis is at its target.
+  /// @param timeout drive time
+  /// @return failed when the axis was halted, or when a fault or a lost enable ended the move.
+  Outcome wait(std::chrono::nanoseconds timeout = std::chrono::seconds(60)) const;
+
+  /// Does not wait. @return whether the axis is at its target; failed as wait() is.
+  [[nodiscard]] Result<bool> has_ended() const;
+
+ private:
+  friend class Axis;
+
+  explicit Motion(Axis axis) : axis_(std::move(axis)) {}
+
+  Axis axis_;
 };
 
 }  // namespace vdrive::client

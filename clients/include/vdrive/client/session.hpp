@@ -4,6 +4,7 @@
 #include "vdrive/client/axis.hpp"
 #include "vdrive/client/axis_snapshot.hpp"
 #include "vdrive/client/bench.hpp"
+#include "vdrive/client/event.hpp"
 #include "vdrive/client/outcome.hpp"
 
 #include <chrono>
@@ -193,6 +194,12 @@ class Session {
   /// paused).
   /// @param observer must not end the session; an empty one ends the watch. It replaces the last.
   void watch_services(std::function<void(const ServiceChange&)> observer);
+
+  /// Calls `observer`, in a thread of the session, for each event of the benches that this session
+  /// sees, from now on: a fault, a refusal, a loss of control, a stop by another session. Each
+  /// event of a bench comes once and in order. A program that is slow loses the oldest of 4,096.
+  /// @param observer must not end the session; an empty one ends the reports. It replaces the last.
+  void on_event(std::function<void(const Event&)> observer);
 
   /// Quick stop of every axis of a bench that has no fault, whoever owns it, at once. The owners
   /// keep their axes; nothing is acquired. Also after interrupt().

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdrive/client/event.hpp"
+
+#include "vdrive/wire/event_name.hpp"
+#include "vdrive_messages.h"
+
+namespace vdrive::client {
+
+static_assert(static_cast<std::uint32_t>(EventKind::state_changed) == msg::EVENT_STATE_CHANGED);
+static_assert(static_cast<std::uint32_t>(EventKind::stopped) == msg::EVENT_STOPPED);
+
+std::string_view to_string(EventKind kind) noexcept {
+  return wire::event_name(static_cast<std::uint32_t>(kind));
+}
+
+}  // namespace vdrive::client
