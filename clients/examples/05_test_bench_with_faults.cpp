@@ -18,21 +18,21 @@ namespace {
 
 struct Fault {
   std::string_view name;
-  vdrive::ObjectAddress input;
+  Disturbance disturbance;
   std::uint16_t error_code;  // what 603Fh must show
 };
 
 constexpr std::array kFaults{
-    Fault{"over-current", {0x5E02, 0}, 0x2310},
-    Fault{"over-temperature", {0x5E03, 0}, 0x4310},
-    Fault{"encoder failure", {0x5E04, 0}, 0x7305},
-    Fault{"loss of the DC link", {0x5E05, 0}, 0x3220},
-    Fault{"blocked load, hence a following error", {0x5E01, 0}, 0x8611},
+    Fault{"over-current", Disturbance::over_current, 0x2310},
+    Fault{"over-temperature", Disturbance::over_temperature, 0x4310},
+    Fault{"encoder failure", Disturbance::encoder_failure, 0x7305},
+    Fault{"loss of the DC link", Disturbance::dc_link_loss, 0x3220},
+    Fault{"blocked load, hence a following error", Disturbance::blocked_load, 0x8611},
 };
 
 /// @return whether the axis failed with the fault and came back after it.
 bool survives(Axis& axis, const Fault& fault) {
-  if (!axis.enable() || !axis.write(fault.input, 1)) return false;
+  if (!axis.enable() || !axis.disturb(fault.disturbance)) return false;
 
   // The move ends with `failed`, and its message says with what.
   const Outcome ended = axis.move_by(100'000);
@@ -46,7 +46,7 @@ bool survives(Axis& axis, const Fault& fault) {
   const Outcome early = axis.reset_fault();
   if (!early) std::cout << "  too early: " << early.message() << '\n';
 
-  if (!axis.write(fault.input, 0)) return false;
+  if (!axis.disturb(fault.disturbance, 0)) return false;
   if (const Outcome reset = axis.reset_fault(); !reset) {
     std::cerr << reset.message() << '\n';
     return false;

@@ -5,6 +5,7 @@
 #include "axes_call.hpp"
 #include "axes_stop.hpp"
 #include "command_words.hpp"
+#include "vdrive/assert.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/number_text.hpp"
 
@@ -337,6 +338,19 @@ Result<std::uint64_t> Axis::write(ObjectAddress object, std::int64_t value) {
     if (result.abort_code() != 0) return Outcome::refused(result.abort_code(), what + " refused");
   }
   return reply->tick();
+}
+
+Result<std::uint64_t> Axis::disturb(Disturbance disturbance, std::int64_t value) {
+  const auto row = std::ranges::find(kDisturbances, disturbance, &DisturbanceRow::disturbance);
+  ensure(row != kDisturbances.end(), "every disturbance has a row");
+  return write(vdrive::describe(*find_object(row->variable_name)).address, value);
+}
+
+Outcome Axis::end_disturbances() {
+  for (const DisturbanceRow& row : kDisturbances) {
+    if (const auto ended = disturb(row.disturbance, 0); !ended) return ended.outcome();
+  }
+  return {};
 }
 
 Result<AxisSnapshot> Axis::wait_until(const std::function<bool(const AxisSnapshot&)>& condition,

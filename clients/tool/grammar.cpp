@@ -25,25 +25,6 @@ namespace {
 constexpr std::uint64_t kHighest32 = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint64_t kHighest64 = std::numeric_limits<std::uint64_t>::max();
 
-/// Test-bench inputs by their kind.
-struct DisturbanceRow {
-  std::string_view kind;
-  std::string_view variable_name;
-};
-
-constexpr std::array kDisturbances{
-    DisturbanceRow{"load_torque", "test_load_torque"},
-    DisturbanceRow{"blocked_load", "test_blocked_load"},
-    DisturbanceRow{"over_current", "test_over_current"},
-    DisturbanceRow{"over_temperature", "test_over_temperature"},
-    DisturbanceRow{"encoder_failure", "test_encoder_failure"},
-    DisturbanceRow{"dc_link_loss", "test_dc_link_loss"},
-    DisturbanceRow{"positive_limit", "test_positive_limit_input"},
-    DisturbanceRow{"negative_limit", "test_negative_limit_input"},
-    DisturbanceRow{"home_switch", "test_home_input"},
-    DisturbanceRow{"index_pulse", "test_index_pulse_input"},
-};
-
 /// Global options that take a value.
 constexpr std::array<std::string_view, 6> kValuedOptions{
     "--domain", "--timeout", "--interface", "--peer", "--discovery-server", "--security"};
@@ -70,14 +51,16 @@ constexpr std::array kActions{
 
 std::vector<Disturbance> inputs_of(const std::string& kind, const std::string& value) {
   std::vector<Disturbance> inputs;
-  for (const DisturbanceRow& row : kDisturbances) {
-    if (kind != row.kind && kind != "none") continue;
+  for (const client::DisturbanceRow& row : client::kDisturbances) {
+    if (kind != row.name && kind != "none") continue;
     const ObjectName object = parse_object(row.variable_name);
     inputs.push_back({object, kind == "none" ? 0 : parse_value(value, object)});
   }
   if (!inputs.empty()) return inputs;
   std::string message = in_quotes(kind) + " is not a disturbance: write";
-  for (const DisturbanceRow& row : kDisturbances) message += " " + std::string(row.kind) + ",";
+  for (const client::DisturbanceRow& row : client::kDisturbances) {
+    message += " " + std::string(row.name) + ",";
+  }
   throw UsageError(message + " or none");
 }
 

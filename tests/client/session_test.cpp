@@ -459,6 +459,22 @@ TEST_F(LockStep, AMoveThatWasStartedAndHaltedHasFailed) {
   EXPECT_EQ(motion->has_ended().outcome().kind(), OutcomeKind::failed);
 }
 
+TEST_F(LockStep, DisturbsAnAxisAndEndsIt) {
+  for (const DisturbanceRow& row : kDisturbances) {
+    const Result<std::uint64_t> disturbed = axis_->disturb(row.disturbance);
+    ASSERT_TRUE(disturbed) << row.name << disturbed.outcome().message();
+  }
+  for (std::uint16_t index = 0x5E00; index <= 0x5E09; ++index) {
+    EXPECT_EQ(*axis_->read({index, 0}), 1) << std::hex << index;
+  }
+  ASSERT_TRUE(axis_->disturb(Disturbance::load_torque, -250));
+  EXPECT_EQ(*axis_->read({0x5E00, 0}), -250);
+  ASSERT_TRUE(axis_->end_disturbances());
+  for (std::uint16_t index = 0x5E00; index <= 0x5E09; ++index) {
+    EXPECT_EQ(*axis_->read({index, 0}), 0) << std::hex << index;
+  }
+}
+
 TEST_F(LockStep, AQuickStopAcquiresNothing) {
   ASSERT_TRUE(axis_->quick_stop());
   EXPECT_EQ(axis_->status()->owner_session, 0U);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "vdrive/client/axis_snapshot.hpp"
+#include "vdrive/client/disturbance.hpp"
 #include "vdrive/client/outcome.hpp"
 #include "vdrive/dictionary/abort_code.hpp"
 #include "vdrive/dictionary/object.hpp"
@@ -135,6 +136,14 @@ class Axis {
 
   /// Writes an object. @return the tick in which the value is in force, or refused.
   Result<std::uint64_t> write(ObjectAddress object, std::int64_t value);
+
+  /// Sets a test-bench input, also of an axis that another session owns. It stays until it is set
+  /// again: 0 ends it.
+  /// @return the tick in which it is in force, or refused.
+  Result<std::uint64_t> disturb(Disturbance disturbance, std::int64_t value = 1);
+
+  /// Ends every disturbance of the axis.
+  Outcome end_disturbances();
 
   /// Checks every tick, the present one included, until `condition` holds.
   /// @param timeout drive time

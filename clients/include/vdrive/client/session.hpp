@@ -144,6 +144,8 @@ class Session {
   Result<BenchInfo> find_bench(std::optional<std::uint32_t> number = std::nullopt);
 
   /// @param text an address such as "1.2", or the name of an axis
+  /// A name is found as soon as a bench that has it answers. Where benches may share a name, give
+  /// the address: one that answers late is not compared.
   /// @return not_found after `find_timeout`, at once when the bench is there without such an axis
   ///         or several axes have the name.
   Result<Axis> axis(std::string_view text);
@@ -204,6 +206,7 @@ class Session {
   /// Quick stop of every axis of a bench that has no fault, whoever owns it, at once. The owners
   /// keep their axes; nothing is acquired. Also after interrupt().
   /// @param options done = all axes are at rest
+  /// @return failed, with nothing sent, while the bench is paused.
   Outcome quick_stop(std::uint32_t bench, const CallOptions& options = {});
 
   /// Gives all axes back. They stay as they are.
