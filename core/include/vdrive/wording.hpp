@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace vdrive {
+
+/// Words in messages.
+
+/// @return such as "1 axis" or "3 axes".
+[[nodiscard]] std::string counted(std::uint64_t count, std::string_view one, std::string_view many);
+
+/// @return the least number of characters that have to be put in, taken out, replaced, or exchanged
+///         with their neighbour, so that one text becomes the other.
+[[nodiscard]] std::size_t edit_distance(std::string_view a, std::string_view b);
+
+/// @return " (did you mean 'x'?)" with the candidate nearest to `text`, or nothing where none is
+///         near: more than a third of the characters differ.
+[[nodiscard]] std::string suggestion(std::string_view text,
+                                     const std::vector<std::string>& candidates);
+
+}  // namespace vdrive

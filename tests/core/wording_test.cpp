@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// Numbers of things; "did you mean": what is near enough, and what is not.
+#include "vdrive/wording.hpp"
+
+#include <gtest/gtest.h>
+
+namespace vdrive {
+namespace {
+
+TEST(Counted, SaysOneOrMany) {
+  EXPECT_EQ(counted(0, "axis", "axes"), "0 axes");
+  EXPECT_EQ(counted(1, "axis", "axes"), "1 axis");
+  EXPECT_EQ(counted(2, "axis", "axes"), "2 axes");
+}
+
+TEST(EditDistance, CountsCharactersPutInTakenOutReplacedAndExchanged) {
+  EXPECT_EQ(edit_distance("", ""), 0U);
+  EXPECT_EQ(edit_distance("axis", "axis"), 0U);
+  EXPECT_EQ(edit_distance("", "axis"), 4U);
+  EXPECT_EQ(edit_distance("axs", "axis"), 1U);
+  EXPECT_EQ(edit_distance("axxis", "axis"), 1U);
+  EXPECT_EQ(edit_distance("axos", "axis"), 1U);
+  EXPECT_EQ(edit_distance("enabel", "enable"), 1U) << "two neighbours exchanged";
+  EXPECT_EQ(edit_distance("kitten", "sitting"), 3U);
+}
+
+TEST(Suggestion, IsTheNearestOfThoseThatAreNear) {
+  EXPECT_EQ(suggestion("grippper", {"gantry", "gripper", "grip"}), " (did you mean 'gripper'?)");
+  EXPECT_EQ(suggestion("dance", {"enable", "disable", "halt"}), "");
+  EXPECT_EQ(suggestion("", {"halt"}), "");
+  EXPECT_EQ(suggestion("--speed", {"--peer"}), "") << "two of five letters differ";
+  EXPECT_EQ(suggestion("x", {"y"}), "") << "nothing in common";
+  EXPECT_EQ(suggestion(std::string(100'000, 'a'), {"halt"}), "");
+}
+
+}  // namespace
+}  // namespace vdrive
