@@ -16,8 +16,6 @@ using client::OutcomeKind;
 
 constexpr auto kNoSuchObject = wire_code(AbortCode::object_does_not_exist);
 constexpr std::chrono::milliseconds kPatience{100};
-constexpr std::chrono::milliseconds kWatchPeriod{100};
-constexpr std::chrono::milliseconds kWatchRefresh{50};
 
 client::CallOptions call_options(client::Until until, std::optional<Duration> timeout) {
   client::CallOptions call;
@@ -111,41 +109,29 @@ Outcome Executor::run(const WatchCommand& command) {
     if (!axis) return axis.outcome();
     if (names.emplace(axis->id(), axis->name()).second) ids.push_back(axis->id());
   }
-  return watch(ids, names, command.count);
+  using Form = WatchView::Form;
+  const bool is_table = terminal_.is_interactive() && command.count == 0;
+  const Form form = is_table ? Form::table : Form::lines;
+  WatchView view(terminal_, std::move(names), is_json_ ? Form::json : form);
+  return watch(ids, view, command.count);
 }
 
-Outcome Executor::watch(const std::vector<client::AxisId>& ids,
-                        const std::map<client::AxisId, std::string>& names, std::uint64_t count) {
-  using Clock = std::chrono::steady_clock;
+Outcome Executor::watch(const std::vector<client::AxisId>& ids, WatchView& view,
+                        std::uint64_t count) {
   auto follower = session_.follow(ids, client::Pace::observe);
   if (!follower) return follower.outcome();
-  const bool is_live = terminal_.is_interactive() && !is_json_ && count == 0;
-  const auto period = is_live ? kWatchRefresh : kWatchPeriod;
   std::uint64_t shown = 0;
   // The first sample is a request: the stream of a bench in lock-step may stand still.
   auto sample = session_.observe(ids);
-  for (auto due = Clock::now(); terminal_.is_open(); sample = follower->next(kPatience)) {
-    if (sample.outcome().kind() == OutcomeKind::timed_out || Clock::now() < due) continue;
-    if (!sample) return sample.outcome();
-    due = Clock::now() + period;
-    show_watched(*sample, names, is_live);
-    if (++shown == count) return {};
+  for (; terminal_.is_open(); sample = follower->next(kPatience)) {
+    if (sample) {
+      view.take(std::move(*sample));
+    } else if (sample.outcome().kind() != OutcomeKind::timed_out) {
+      return sample.outcome();
+    }
+    if (view.refresh() && ++shown == count) return {};
   }
   return {};
-}
-
-void Executor::show_watched(const client::Observation& sample,
-                            const std::map<client::AxisId, std::string>& names, bool is_live) {
-  std::vector<std::string> lines;
-  for (const client::AxisSnapshot& axis : sample.axes) {
-    lines.push_back(is_json_ ? to_line(status_json(axis, names.at(axis.id)))
-                             : std::to_string(axis.tick) + "  " + status_line(axis));
-  }
-  if (is_live) {
-    terminal_.show_live(std::move(lines));
-    return;
-  }
-  for (const std::string& line : lines) terminal_.print(line);
 }
 
 client::Result<std::vector<client::Axis>> Executor::axes_to_record(const RecordCommand& command) {

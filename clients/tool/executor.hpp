@@ -6,6 +6,7 @@
 #include "terminal.hpp"
 #include "vdrive/client/axis.hpp"
 #include "vdrive/client/session.hpp"
+#include "watch_view.hpp"
 
 #include <cstdint>
 #include <functional>
@@ -63,10 +64,7 @@ class Executor {
   Outcome run(const std::shared_ptr<const RefusedCommand>& command);
 
   client::Result<std::vector<client::Axis>> axes_to_record(const RecordCommand& command);
-  Outcome watch(const std::vector<client::AxisId>& ids,
-                const std::map<client::AxisId, std::string>& names, std::uint64_t count);
-  void show_watched(const client::Observation& sample,
-                    const std::map<client::AxisId, std::string>& names, bool is_live);
+  Outcome watch(const std::vector<client::AxisId>& ids, WatchView& view, std::uint64_t count);
   Outcome list_bench(const client::BenchInfo& bench);
   client::Result<client::Axis> axis_to_command(const std::string& name, bool take_over);
   Outcome command_axis(client::Axis& axis, const ActionCommand& command);

@@ -36,6 +36,11 @@ void Interrupt::arm(std::function<void()> action) {
   if (happened_ && action_) action_();
 }
 
+void Interrupt::before_exit(std::function<void()> action) {
+  const std::scoped_lock lock(mutex_);
+  last_action_ = std::move(action);
+}
+
 void Interrupt::disarm() {
   const std::scoped_lock lock(mutex_);
   action_ = nullptr;
@@ -45,8 +50,11 @@ void Interrupt::wait(const std::stop_token& stop) {
   int signal = 0;
   while (sigwait(&signals_, &signal) == 0 && !stop.stop_requested()) {
     if (signal == SIGUSR1) continue;
-    if (happened_.exchange(true)) _exit(kInterrupted);
     const std::scoped_lock lock(mutex_);
+    if (happened_.exchange(true)) {
+      if (last_action_) last_action_();
+      _exit(kInterrupted);
+    }
     if (action_) action_();
   }
 }

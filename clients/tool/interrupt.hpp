@@ -23,6 +23,9 @@ class Interrupt {
   /// Calls `action` on a signal, also when it has come already. Any thread.
   void arm(std::function<void()> action);
 
+  /// Calls `action` before a second signal ends the process. To be set before arm().
+  void before_exit(std::function<void()> action);
+
   /// No call from here on.
   void disarm();
 
@@ -35,6 +38,7 @@ class Interrupt {
   std::atomic<bool> happened_ = false;
   std::mutex mutex_;
   std::function<void()> action_;
+  std::function<void()> last_action_;
   std::jthread thread_;
 };
 

@@ -77,20 +77,15 @@ void LiveView::note(const client::Observation& sample) {
 }
 
 void LiveView::show(const client::Observation& sample) {
-  std::vector<std::string> lines;
-  for (const client::AxisSnapshot& axis : sample.axes) lines.push_back(line_of(axis));
+  std::vector<LiveLine> lines;
+  for (const client::AxisSnapshot& axis : sample.axes) {
+    lines.push_back({bar_of(axis) + status_line(axis), color_of(axis)});
+  }
   if (terminal_.is_interactive()) {
     terminal_.show_live(std::move(lines));
     return;
   }
-  for (const std::string& line : lines) terminal_.print("    " + line);
-}
-
-std::string LiveView::line_of(const client::AxisSnapshot& axis) {
-  std::string line = bar_of(axis) + status_line(axis);
-  // A line that wraps cannot be refreshed in place.
-  if (terminal_.is_interactive()) line.resize(std::min(line.size(), terminal_width() - 1));
-  return line;
+  for (const LiveLine& line : lines) terminal_.print("    " + line.text);
 }
 
 std::string LiveView::bar_of(const client::AxisSnapshot& axis) {
@@ -103,7 +98,7 @@ std::string LiveView::bar_of(const client::AxisSnapshot& axis) {
                           static_cast<double>(aim.target - aim.start);
   std::string percent = std::to_string(static_cast<int>(std::clamp(fraction, 0.0, 1.0) * 100.0));
   percent.insert(0, 3 - std::min<std::size_t>(percent.size(), 3), ' ');
-  const std::size_t width = terminal_width() < kWideTerminal ? kBarWidth / 2 : kBarWidth;
+  const std::size_t width = terminal_size().columns < kWideTerminal ? kBarWidth / 2 : kBarWidth;
   const std::string bar = terminal_.is_interactive() ? progress_bar(fraction, width) + " " : "";
   return bar + percent + " %  ";
 }

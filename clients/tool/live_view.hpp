@@ -37,7 +37,6 @@ class LiveView {
   void follow(const std::stop_token& stop);
   void note(const client::Observation& sample);
   void show(const client::Observation& sample);
-  [[nodiscard]] std::string line_of(const client::AxisSnapshot& axis);
   [[nodiscard]] std::string bar_of(const client::AxisSnapshot& axis);
 
   client::Session& session_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "report.hpp"
 
+#include "columns.hpp"
 #include "vdrive/cia402/error_code.hpp"
 #include "vdrive/cia402/statusword.hpp"
 #include "vdrive/number_text.hpp"
@@ -88,24 +89,6 @@ std::string csv_line(const Json& row, bool is_header) {
   return line;
 }
 
-/// Columns that a text takes on a terminal: Chinese characters take two.
-std::size_t display_width(std::string_view text) {
-  std::size_t width = 0;
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if ((byte & 0xC0U) == 0x80U) continue;
-    width += byte >= 0xE3U ? 2 : 1;
-  }
-  return width;
-}
-
-std::string padded(std::string_view text, std::size_t width) {
-  std::string result(text);
-  const std::size_t taken = display_width(text);
-  if (taken < width) result.append(width - taken, ' ');
-  return result;
-}
-
 using TableRow = std::array<std::string, 7>;
 
 TableRow table_row(const ObjectDescription& row, Language language) {
@@ -138,11 +121,15 @@ std::vector<std::string> table_lines(Language language) {
   return lines;
 }
 
-std::string per_mille(int value) {
-  return formatted("%.1f %%", value / 10.0);
+std::string error_text(std::uint16_t code) {
+  return hex(code, 4) + " " + std::string(vdrive::describe(static_cast<ErrorCode>(code)));
 }
 
 }  // namespace
+
+std::string per_mille_text(int value) {
+  return formatted("%.1f %%", value / 10.0);
+}
 
 std::string to_line(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -174,7 +161,6 @@ Json status_json(const client::AxisSnapshot& axis, const std::string& name) {
 
 std::vector<std::string> status_text(const client::AxisSnapshot& axis, const std::string& name) {
   const AxisStatus& status = axis.status;
-  const auto error = static_cast<ErrorCode>(status.error_code);
   std::vector<std::string> lines;
   lines.push_back(to_string(axis.id) + " " + escaped(name));
   lines.push_back("  statusword  " +
@@ -186,24 +172,20 @@ std::vector<std::string> status_text(const client::AxisSnapshot& axis, const std
                             status.load_position_error_value));
   lines.push_back(formatted("  velocity    %d UU/s, demand %d", status.load_velocity_actual_value,
                             status.velocity_demand_value));
-  lines.push_back("  torque      " + per_mille(status.torque_actual_value) + " of rated, current " +
-                  per_mille(status.current_actual_value));
-  lines.push_back("  error       " + (status.error_code == 0
-                                          ? std::string("none")
-                                          : formatted("0x%04X ", unsigned{status.error_code}) +
-                                                std::string(vdrive::describe(error))));
+  lines.push_back("  torque      " + per_mille_text(status.torque_actual_value) +
+                  " of rated, current " + per_mille_text(status.current_actual_value));
+  lines.push_back("  error       " +
+                  (status.error_code == 0 ? std::string("none") : error_text(status.error_code)));
   lines.push_back("  owner       " + owner_text(axis.owner_session));
   lines.push_back("  tick        " + std::to_string(axis.tick));
   return lines;
 }
 
-std::string status_line(const client::AxisSnapshot& axis) {
+std::string state_text(const client::AxisSnapshot& axis) {
   constexpr std::uint16_t kUsual = Statusword::kVoltageEnabled | Statusword::kRemote;
   const std::uint16_t word = axis.status.ds402_statusword;
-  std::string text = formatted("%-4s %10d UU %8d UU/s  0x%03X ", to_string(axis.id).c_str(),
-                               axis.status.load_position_actual_value,
-                               axis.status.load_velocity_actual_value, unsigned{word}) +
-                     std::string(to_string(axis.state()));
+  std::string text(to_string(axis.state()));
+  if (axis.status.error_code != 0) text += " " + error_text(axis.status.error_code);
   // Bits 4 and 9 are 1 on every drive that is there: a line shows when they are not.
   std::string_view separator = ": ";
   if ((word & kUsual) != kUsual) {
@@ -216,6 +198,22 @@ std::string status_line(const client::AxisSnapshot& axis) {
     separator = ", ";
   }
   return text;
+}
+
+std::string status_line(const client::AxisSnapshot& axis) {
+  return formatted("%-4s %10d UU %8d UU/s  0x%03X ", to_string(axis.id).c_str(),
+                   axis.status.load_position_actual_value, axis.status.load_velocity_actual_value,
+                   unsigned{axis.status.ds402_statusword}) +
+         state_text(axis);
+}
+
+std::optional<Color> color_of(const client::AxisSnapshot& axis) {
+  const PowerState state = axis.state();
+  if (state == PowerState::fault || state == PowerState::fault_reaction_active) return Color::red;
+  if (state == PowerState::quick_stop_active || axis.shows(Statusword::kWarning)) {
+    return Color::yellow;
+  }
+  return std::nullopt;
 }
 
 Json list_json(const client::BenchInfo& bench, const client::AxisInfo& info,

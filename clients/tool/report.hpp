@@ -2,11 +2,13 @@
 #pragma once
 
 #include "command.hpp"
+#include "terminal.hpp"
 #include "vdrive/client/axis.hpp"
 #include "vdrive/client/session.hpp"
 
 #include <nlohmann/json.hpp>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,6 +32,16 @@ void add_outcome(Json& json, const client::Outcome& outcome);
 
 /// The same as one line of text.
 [[nodiscard]] std::string status_line(const client::AxisSnapshot& axis);
+
+/// @return the state, the error that 603Fh shows, and the bits of the statusword that are not
+///         always 1, such as "Fault 0x8611 following error" or "Operation enabled: target reached".
+[[nodiscard]] std::string state_text(const client::AxisSnapshot& axis);
+
+/// @return the colour of an axis: red in a fault, yellow with a warning or in a quick stop.
+[[nodiscard]] std::optional<Color> color_of(const client::AxisSnapshot& axis);
+
+/// @return tenths of a percent as "12.5 %".
+[[nodiscard]] std::string per_mille_text(int value);
 
 /// One axis as `list` shows it.
 [[nodiscard]] Json list_json(const client::BenchInfo& bench, const client::AxisInfo& info,

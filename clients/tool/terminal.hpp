@@ -1,24 +1,51 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
+#include <cstddef>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace vdrive::tool {
 
+/// A colour of the terminal, as its escape sequence takes it.
+enum class Color : int { green = 32, red = 31, yellow = 33, cyan = 36, bold = 1 };
+
+/// One row of what is refreshed in place.
+struct LiveLine {
+  std::string text;  ///< without escape sequences
+  std::optional<Color> color;
+
+  friend bool operator==(const LiveLine&, const LiveLine&) = default;
+};
+
+/// Room on a terminal.
+struct TerminalSize {
+  std::size_t columns = 100;
+  std::size_t rows = 24;
+
+  friend bool operator==(const TerminalSize&, const TerminalSize&) = default;
+};
+
 /// Standard output and standard error, shared by the commands and a live view. Lines are whole:
 /// a live block at the end of the terminal is taken away before a line and drawn again after it.
-/// Thread-safe.
+/// What is refreshed in place is cut to the terminal's present size, row by row: a row that wrapped
+/// could not be refreshed. Thread-safe.
 class Terminal {
  public:
   Terminal();
+  ~Terminal();
+  Terminal(const Terminal&) = delete;
+  Terminal& operator=(const Terminal&) = delete;
 
-  /// @return whether standard output is a terminal.
+  /// @return whether standard output is a terminal that can be refreshed in place: TERM is neither
+  ///         unset nor "dumb".
   [[nodiscard]] bool is_interactive() const noexcept { return is_interactive_; }
 
-  /// @return whether colours may be used: a terminal, and NO_COLOR unset.
+  /// @return whether colours may be used: interactive, and NO_COLOR unset.
   [[nodiscard]] bool has_color() const noexcept { return has_color_; }
 
   /// One line on standard output.
@@ -27,11 +54,18 @@ class Terminal {
   /// One line on standard error.
   void complain(std::string_view line);
 
-  /// Replaces the live block, on a terminal only.
-  void show_live(std::vector<std::string> lines);
+  /// Replaces the live block below the last line, on a terminal only. Where it is higher than the
+  /// terminal its last row tells how many are left out.
+  void show_live(std::vector<LiveLine> lines);
 
-  /// Leaves the live block as it is and starts a new one below.
+  /// Replaces the whole screen, on a terminal only: the alternate screen, which end_live() leaves.
+  void show_screen(std::vector<LiveLine> lines);
+
+  /// Leaves what was shown last as lines, and starts a new block below.
   void end_live();
+
+  /// Leaves the alternate screen without a lock, before the process ends at once.
+  void leave_screen_at_once() noexcept;
 
   /// @return false once the reader of standard output has gone away.
   [[nodiscard]] bool is_open() const;
@@ -39,19 +73,21 @@ class Terminal {
  private:
   void erase_live();
   void draw_live();
+  void leave_screen();
+  [[nodiscard]] std::string row_of(const LiveLine& line, std::size_t width) const;
 
   const bool is_interactive_;
   const bool has_color_;
   mutable std::mutex mutex_;
-  std::vector<std::string> live_;
+  std::vector<LiveLine> live_;
+  std::size_t live_rows_ = 0;  ///< drawn below the last line
+  std::vector<LiveLine> screen_;
+  std::atomic<bool> is_on_screen_ = false;
   bool is_open_ = true;
 };
 
-/// @return the width of the terminal [columns], 100 when unknown.
-[[nodiscard]] std::size_t terminal_width();
-
-/// A colour of the terminal, as its escape sequence takes it.
-enum class Color : int { green = 32, red = 31, yellow = 33, cyan = 36, bold = 1 };
+/// @return the present size of the terminal; the default where it is unknown.
+[[nodiscard]] TerminalSize terminal_size();
 
 /// @return `text` in this colour, or as it is.
 [[nodiscard]] std::string colored(const Terminal& terminal, Color color, std::string_view text);

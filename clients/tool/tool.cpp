@@ -71,6 +71,9 @@ ExitCode finish(const Outcome& outcome, const Interrupt& interrupt, bool is_json
 template <typename Work>
 ExitCode run_connected(const GlobalOptions& options, Terminal& terminal, const Work& work) {
   Interrupt interrupt;
+  interrupt.before_exit([&terminal] {
+    terminal.leave_screen_at_once();
+  });
   client::Session session(session_options(options));
   interrupt.arm([&session] {
     session.interrupt();

@@ -73,6 +73,20 @@ TEST(StatusText, NamesTheError) {
   EXPECT_THAT(text, HasSubstr("0x8611 "));
 }
 
+TEST(StateText, HasTheErrorBehindTheStateThenTheBits) {
+  client::AxisSnapshot axis = moving_axis();
+  EXPECT_EQ(state_text(axis), "Operation enabled: set-point acknowledge");
+  EXPECT_EQ(color_of(axis), std::nullopt);
+  axis.status.ds402_statusword = 0x0218;
+  axis.status.error_code = 0x8611;
+  EXPECT_EQ(state_text(axis), "Fault 0x8611 following error");
+  EXPECT_EQ(color_of(axis), Color::red);
+  axis.status = {};
+  axis.status.ds402_statusword = 0x0AB7;  // bits 7 and 11 beside those of 0x0237
+  EXPECT_EQ(state_text(axis), "Operation enabled: warning, internal limit active");
+  EXPECT_EQ(color_of(axis), Color::yellow);
+}
+
 TEST(ListJson, HasBenchAxisStateAndOwner) {
   client::BenchInfo bench;
   bench.number = 1;

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "tool/screen.hpp"
+
+#include <sys/types.h>
+
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace vdrive::test {
+
+/// The tool on a terminal of its own, on the domain of this test. Killed by the destructor unless
+/// it has ended.
+class PseudoTerminal {
+ public:
+  /// @param environment variables such as "NO_COLOR=1"; TERM is xterm, NO_COLOR else unset
+  PseudoTerminal(std::size_t rows, std::size_t columns, const std::string& words,
+                 const std::vector<std::string>& environment = {});
+  ~PseudoTerminal();
+  PseudoTerminal(const PseudoTerminal&) = delete;
+  PseudoTerminal& operator=(const PseudoTerminal&) = delete;
+
+  [[nodiscard]] const Screen& screen() const noexcept { return screen_; }
+
+  /// Everything that the program has sent.
+  [[nodiscard]] const std::string& output() const noexcept { return output_; }
+
+  /// Reads until the screen is as wanted. @return false after 60 s, and when the program has ended.
+  bool wait_until(const std::function<bool(const Screen&)>& is_wanted);
+
+  /// Another size, as when a window is dragged.
+  void resize(std::size_t rows, std::size_t columns);
+
+  /// Types Ctrl-C.
+  void interrupt();
+
+  /// Reads to the end. @return the exit code, or -signal.
+  int wait();
+
+ private:
+  bool read_some();
+
+  Screen screen_;
+  std::string output_;
+  int terminal_ = -1;
+  pid_t child_ = 0;
+};
+
+}  // namespace vdrive::test

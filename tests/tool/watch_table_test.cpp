@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+// The table of `watch`: what a width has room for, and that no row is wider than the terminal.
+#include "watch_table.hpp"
+
+#include "columns.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <limits>
+
+namespace vdrive::tool {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+using testing::SizeIs;
+using testing::StartsWith;
+
+client::AxisSnapshot axis_of(std::uint16_t number) {
+  client::AxisSnapshot axis;
+  axis.id = {1, number};
+  axis.status.ds402_statusword = 0x0637;
+  axis.status.op_mode_actual = 1;
+  return axis;
+}
+
+/// Axes 1.1 to 1.`count` at tick 42, each with the widest numbers there are.
+client::Observation observation(std::uint16_t count) {
+  client::Observation sample;
+  sample.tick = 42;
+  for (std::uint16_t number = 1; number <= count; ++number) {
+    client::AxisSnapshot& axis = sample.axes.emplace_back(axis_of(number));
+    axis.status.load_position_actual_value = std::numeric_limits<std::int32_t>::min();
+    axis.status.load_velocity_actual_value = std::numeric_limits<std::int32_t>::min();
+    axis.status.position_demand_value = std::numeric_limits<std::int32_t>::max();
+  }
+  return sample;
+}
+
+std::map<client::AxisId, std::string> names_of(const client::Observation& sample,
+                                               const std::string& name) {
+  std::map<client::AxisId, std::string> names;
+  for (const client::AxisSnapshot& axis : sample.axes) names[axis.id] = name;
+  return names;
+}
+
+std::vector<LiveLine> table_of(const client::Observation& sample, TerminalSize size) {
+  return watch_table(sample, names_of(sample, "gantry_left"), size);
+}
+
+TEST(WatchTable, HasNoRowWiderThanTheTerminalAndNoMoreRows) {
+  const client::Observation sample = observation(20);
+  const auto names = names_of(sample, "轴_with_a_long_name_of_many_characters");
+  for (std::size_t columns = 2; columns <= 300; ++columns) {
+    for (const std::size_t rows : {1U, 3U, 10U, 22U, 100U}) {
+      const auto lines = watch_table(sample, names, {columns, rows});
+      EXPECT_LE(lines.size(), std::max<std::size_t>(rows, 3));
+      for (const LiveLine& line : lines) {
+        EXPECT_LT(display_width(line.text), columns) << line.text;
+      }
+    }
+  }
+}
+
+// 4 + 1 + 10 + 1 + 8 + 2 = 26 columns before the state, 33 for "Operation enabled: target reached".
+TEST(WatchTable, HasRoomForPositionVelocityAndStateIn60Columns) {
+  client::Observation sample;
+  sample.axes = {axis_of(1)};
+  sample.axes[0].status.load_position_actual_value = -123'456'789;
+  sample.axes[0].status.load_velocity_actual_value = 1'234'567;
+  EXPECT_EQ(table_of(sample, {60, 24}).at(2).text,
+            "1.1  -123456789  1234567  Operation enabled: target reached");
+}
+
+TEST(WatchTable, HasMoreColumnsOnAWiderTerminal) {
+  const client::Observation sample = observation(1);
+  const auto header = [&](std::size_t columns) {
+    return table_of(sample, {columns, 24}).at(1).text;
+  };
+  EXPECT_THAT(header(79), Not(HasSubstr("word")));
+  EXPECT_THAT(header(80), HasSubstr("word"));
+  EXPECT_THAT(header(100), HasSubstr("name"));
+  EXPECT_THAT(header(120), HasSubstr("torque"));
+  EXPECT_THAT(header(160), HasSubstr("demand"));
+}
+
+TEST(WatchTable, OfAFaultIsRedAlsoWhereItsAxisIsLeftOut) {
+  client::Observation sample = observation(5);
+  sample.axes[4].status.ds402_statusword = 0x0218;
+  sample.axes[4].status.error_code = 0x8611;
+  const auto whole = table_of(sample, {80, 24});
+  ASSERT_THAT(whole, SizeIs(7));
+  EXPECT_THAT(whole[6].text, HasSubstr("Fault 0x8611 following error"));
+  EXPECT_EQ(whole[6].color, Color::red);
+  EXPECT_EQ(whole[5].color, std::nullopt);
+  // Five rows: title, header, two axes, and one for the other three.
+  const auto cut = table_of(sample, {80, 5});
+  ASSERT_THAT(cut, SizeIs(5));
+  EXPECT_EQ(cut[4], (LiveLine{"... 3 more axes, 1 with a fault", Color::red}));
+}
+
+TEST(Columns, CutTextAtCharactersAndCountChineseOnesTwice) {
+  EXPECT_EQ(display_width("a轴b"), 4U);
+  EXPECT_EQ(clipped("abcdef", 6), "abcdef");
+  EXPECT_EQ(clipped("abcdef", 5), "abc..");
+  EXPECT_EQ(clipped("轴轴轴", 5), "轴..") << "half a character does not fit";
+  EXPECT_EQ(clipped("abc", 1), "a");
+  EXPECT_EQ(padded("轴", 3), "轴 ");
+  EXPECT_EQ(aligned_right("轴", 3), " 轴");
+}
+
+}  // namespace
+}  // namespace vdrive::tool

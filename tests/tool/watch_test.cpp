@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+// `vdrive watch` and the live view of `vdrive run` on terminals of several sizes.
+#include "support/temporary_directory.hpp"
+#include "tool/process.hpp"
+#include "tool/pseudo_terminal.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+
+namespace vdrive::test {
+namespace {
+
+using testing::AllOf;
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+using testing::StartsWith;
+
+constexpr std::size_t kRows = 24;
+constexpr int kRed = 31;
+
+/// A title, a header and a row for each of three axes, with nothing below.
+bool shows_three_axes(const Screen& screen) {
+  const std::vector<std::string> rows = screen.rows();
+  return rows[0].starts_with("tick ") && rows[1].starts_with("axis") &&
+         rows[2].starts_with("1.1") && rows[3].starts_with("1.2") && rows[4].starts_with("1.3") &&
+         rows[5].empty();
+}
+
+std::string error_of(const Screen& screen) {
+  return "screen:\n" + testing::PrintToString(screen.rows());
+}
+
+/// Three axes in lock-step; the first is on a long way.
+class WatchOnATerminal : public testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_EQ(tool("enable 1.1").code, 0);
+    ASSERT_EQ(tool("move 1.1 1000000 --no-wait").code, 0);
+  }
+
+  /// Lets the axes move until the table has shown another tick.
+  static bool see_another_tick(PseudoTerminal& watch) {
+    const std::string before = watch.screen().rows()[0];
+    return tool("step 20").code == 0 && watch.wait_until([&](const Screen& screen) {
+      return shows_three_axes(screen) && screen.rows()[0] != before;
+    });
+  }
+
+  static void expect_sound(const PseudoTerminal& watch) {
+    EXPECT_EQ(watch.screen().scrolled(), 0U) << error_of(watch.screen());
+    EXPECT_EQ(watch.screen().wrapped(), 0U) << error_of(watch.screen());
+    EXPECT_THAT(watch.screen().unknown(), IsEmpty());
+  }
+
+ private:
+  RunningService service_{"--clock lockstep --axes 3"};
+};
+
+TEST_F(WatchOnATerminal, ShowsEachAxisOnOneRowAtAnyWidth) {
+  for (const std::size_t columns : {60U, 80U, 200U}) {
+    PseudoTerminal watch(kRows, columns, "watch 1.1 1.2 1.3");
+    ASSERT_TRUE(watch.wait_until(shows_three_axes)) << columns << error_of(watch.screen());
+    for (int i = 0; i < 3; ++i) {
+      ASSERT_TRUE(see_another_tick(watch)) << columns << error_of(watch.screen());
+    }
+    expect_sound(watch);
+    const std::vector<std::string> rows = watch.screen().rows();
+    EXPECT_THAT(rows[1], AllOf(HasSubstr("position"), HasSubstr("velocity"), HasSubstr("state")));
+    EXPECT_THAT(rows[2], HasSubstr("Operation enabled")) << columns;
+    EXPECT_THAT(rows[3], HasSubstr("Switch on disabled")) << columns;
+    EXPECT_EQ(rows[1].find("word") != std::string::npos, columns >= 80) << rows[1];
+    EXPECT_EQ(rows[1].find("demand") != std::string::npos, columns >= 160) << rows[1];
+    EXPECT_EQ(rows[3].find("axis2") != std::string::npos, columns >= 100) << rows[3];
+  }
+}
+
+TEST_F(WatchOnATerminal, FollowsTheSizeWhileItRuns) {
+  PseudoTerminal watch(kRows, 200, "watch 1.1 1.2 1.3");
+  ASSERT_TRUE(watch.wait_until(shows_three_axes)) << error_of(watch.screen());
+  // Time stands still: the size alone has to draw it anew.
+  for (const std::size_t columns : {60U, 80U, 40U, 200U}) {
+    watch.resize(kRows, columns);
+    ASSERT_TRUE(watch.wait_until([&](const Screen& screen) {
+      const bool has_word = screen.rows()[1].find("word") != std::string::npos;
+      const bool has_demand = screen.rows()[1].find("demand") != std::string::npos;
+      return shows_three_axes(screen) && has_word == (columns >= 80) &&
+             has_demand == (columns >= 160);
+    })) << columns
+        << error_of(watch.screen());
+    ASSERT_TRUE(see_another_tick(watch)) << columns << error_of(watch.screen());
+  }
+  expect_sound(watch);
+}
+
+TEST_F(WatchOnATerminal, ShowsAFaultWithItsCodeItsNameAndAColor) {
+  PseudoTerminal watch(kRows, 60, "watch 1.1 1.2 1.3");
+  PseudoTerminal without_color(kRows, 60, "watch 1.1 1.2 1.3", {"NO_COLOR=1"});
+  ASSERT_TRUE(watch.wait_until(shows_three_axes)) << error_of(watch.screen());
+  EXPECT_NE(watch.screen().color_of_row(2), kRed);
+  ASSERT_EQ(tool("disturb 1.1 over_current").code, 0);
+  ASSERT_EQ(tool("step 5").code, 0);
+  const auto shows_fault = [](const Screen& screen) {
+    return screen.rows()[2].find("Fault 0x2310") != std::string::npos;
+  };
+  ASSERT_TRUE(watch.wait_until(shows_fault)) << error_of(watch.screen());
+  EXPECT_THAT(watch.screen().rows()[2], HasSubstr("over-cu"));
+  EXPECT_EQ(watch.screen().color_of_row(2), kRed);
+  EXPECT_NE(watch.screen().color_of_row(3), kRed);
+  ASSERT_TRUE(without_color.wait_until(shows_fault)) << error_of(without_color.screen());
+  EXPECT_THAT(without_color.output(), Not(HasSubstr("\x1b[31m")));
+  EXPECT_THAT(without_color.output(), Not(HasSubstr("\x1b[1m")));
+}
+
+TEST_F(WatchOnATerminal, LeavesTheLastTableOnTheUsualScreen) {
+  PseudoTerminal watch(kRows, 80, "watch 1.1 1.2 1.3");
+  ASSERT_TRUE(watch.wait_until(shows_three_axes)) << error_of(watch.screen());
+  EXPECT_TRUE(watch.screen().is_alternate());
+  EXPECT_FALSE(watch.screen().shows_cursor());
+  watch.interrupt();
+  EXPECT_EQ(watch.wait(), 130);
+  EXPECT_FALSE(watch.screen().is_alternate());
+  EXPECT_TRUE(watch.screen().shows_cursor());
+  EXPECT_THAT(watch.screen().rows(), Contains(StartsWith("1.3")));
+}
+
+TEST_F(WatchOnATerminal, ThatIsTooLowTellsHowManyAxesAreLeftOut) {
+  // Four rows: title, header, one axis, and the row that tells of two more.
+  PseudoTerminal watch(4, 60, "watch 1.1 1.2 1.3");
+  ASSERT_TRUE(watch.wait_until([](const Screen& screen) {
+    return screen.rows()[3] == "... 2 more axes";
+  })) << error_of(watch.screen());
+  EXPECT_THAT(watch.screen().rows()[2], StartsWith("1.1"));
+  expect_sound(watch);
+}
+
+TEST_F(WatchOnATerminal, SendsNoEscapesWhereItIsNone) {
+  EXPECT_THAT(tool("watch 1.1 1.2 1.3 --count 1").output, Not(HasSubstr("\x1b")));
+  PseudoTerminal dumb(kRows, 200, "watch 1.1 1.2 1.3", {"TERM=dumb"});
+  ASSERT_TRUE(dumb.wait_until([](const Screen& screen) {
+    return screen.rows()[2].find("1.3") != std::string::npos;
+  })) << error_of(dumb.screen());
+  EXPECT_THAT(dumb.output(), Not(HasSubstr("\x1b")));
+}
+
+// The lines of a scenario stay, and the live block below them has one row an axis.
+TEST_F(WatchOnATerminal, ARunKeepsItsLinesAndOneRowAnAxis) {
+  const TemporaryDirectory directory;
+  const std::string file = directory.path() / "far.scn";
+  std::ofstream(file) << "enable 1.2\nmove 1.2 20000 --velocity 20000\nmove 1.2 0\n";
+  PseudoTerminal run(kRows, 60, "run " + file);
+  EXPECT_EQ(run.wait(), 0) << error_of(run.screen());
+  EXPECT_EQ(run.screen().wrapped(), 0U) << error_of(run.screen());
+  std::vector<std::string> rows = run.screen().rows();
+  EXPECT_THAT(rows, Contains(HasSubstr("move 1.2 20000")));
+  EXPECT_THAT(rows, Contains(HasSubstr("move 1.2 0")));
+  EXPECT_THAT(rows, Contains(StartsWith("passed")));
+  const auto live = std::ranges::count_if(rows, [](const std::string& row) {
+    return row.find(" UU") != std::string::npos;
+  });
+  EXPECT_EQ(live, 1) << error_of(run.screen());
+}
+
+}  // namespace
+}  // namespace vdrive::test
