@@ -5,6 +5,7 @@
 #include "axes_call.hpp"
 #include "axes_stop.hpp"
 #include "command_words.hpp"
+#include "profile_move.hpp"
 #include "vdrive/assert.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/number_text.hpp"
@@ -29,45 +30,6 @@ Outcome ensure_profile_position(AxesCall& call) {
   return call.await_enabled("profile position mode", call.tick(), [](const AxisSnapshot& axis) {
     return axis.mode() == OperatingMode::profile_position;
   });
-}
-
-/// The edge of bit 4 with the set-point.
-Round set_point(const AxesCall& call, std::int32_t target, bool relative,
-                const MoveOptions& options) {
-  std::uint16_t word = kEnableOperation | Controlword::kNewSetPoint;
-  if (!options.queue) word |= Controlword::kChangeSetImmediately;
-  if (relative) word |= Controlword::kRelative;
-  Round round = call.round_of(word, every_axis);
-  msg::AxisCommand& command = round.entries.front().command;
-  std::uint16_t members = msg::HAS_DS402_CONTROLWORD | msg::HAS_POSITION_USER_TARGET_VALUE;
-  command.position_user_target_value(target);
-  if (options.velocity) {
-    members |= msg::HAS_PROFILE_VELOCITY;
-    command.profile_velocity(*options.velocity);
-  }
-  if (options.acceleration) {
-    members |= msg::HAS_PROFILE_ACC;
-    command.profile_acc(*options.acceleration);
-  }
-  if (options.deceleration) {
-    members |= msg::HAS_PROFILE_DEC;
-    command.profile_dec(*options.deceleration);
-  }
-  command.members(members);
-  return round;
-}
-
-/// Hands the set-point over: an edge of bit 4, which may have to drop first.
-Outcome put_set_point_in_force(AxesCall& call, Round set_point) {
-  const auto word = controlword_of(call);
-  if (!word) return word.outcome();
-  std::vector<Round> rounds;
-  if ((*word & Controlword::kNewSetPoint) != 0) {
-    const auto dropped = static_cast<std::uint16_t>(*word & ~Controlword::kNewSetPoint);
-    rounds.push_back(call.round_of(dropped, every_axis));
-  }
-  rounds.push_back(std::move(set_point));
-  return call.put_in_force(rounds);
 }
 
 msg::ObjectAccess access_of(const AxisId& id, ObjectAddress object, std::int64_t value = 0) {
@@ -160,21 +122,14 @@ Outcome Axis::move(std::int32_t target, bool relative, const MoveOptions& option
   if (call.axis().state() != PowerState::operation_enabled) {
     return refused_in_state(call.axis(), "a move", "Operation enabled");
   }
+  ProfileMove move(call, core_->wakeup, options);
+  if (Outcome ready = move.prepare(); !ready) return ready;
   if (Outcome moded = ensure_profile_position(call); !moded) return moded;
-  Round edge = set_point(call, target, relative, options);
-  if (Outcome done = put_set_point_in_force(call, std::move(edge)); !done) return done;
-  // From here on bits 12 and 10 belong to this set-point: it acts in the tick that was observed.
-  const auto acknowledged = [](const AxisSnapshot& axis) {
-    return axis.shows(Statusword::kSetPointAcknowledge);
-  };
-  if (Outcome taken = call.await_enabled("the acknowledge, bit 12", call.tick(), acknowledged);
-      !taken) {
-    return taken;
-  }
+  if (Outcome taken = move.start(target, relative); !taken) return taken;
   if (options.call.until == Until::done) {
-    if (Outcome reached = await_target(call, core_->wakeup); !reached) return reached;
+    if (Outcome reached = move.await_target(); !reached) return reached;
   }
-  return call.put_in_force({kEnableOperation});
+  return move.finish();
 }
 
 Result<Motion> Axis::start_move(std::int32_t position, const MoveOptions& options) {

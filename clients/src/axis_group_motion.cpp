@@ -3,6 +3,7 @@
 #include "axes_stop.hpp"
 #include "command_words.hpp"
 #include "group_state.hpp"
+#include "profile_move.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/plant/axis_model.hpp"
 
@@ -10,6 +11,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -30,39 +32,40 @@ constexpr ObjectAddress kAccelerationTime =
 constexpr ObjectAddress kDecelerationTime =
     vdrive::describe("synchronous_move_deceleration_time"_object).address;
 
-/// What the times of a line depend on, in the order of LimitObject.
-constexpr std::array kLimitObjects{vdrive::describe("profile_velocity"_object).address,
-                                   vdrive::describe("profile_acc"_object).address,
-                                   vdrive::describe("profile_dec"_object).address,
-                                   vdrive::describe("app_speed_limit"_object).address,
-                                   vdrive::describe("motor_max_speed_rpm"_object).address,
-                                   vdrive::describe("app_acc_limit"_object).address,
-                                   vdrive::describe("app_dec_limit"_object).address,
-                                   vdrive::describe("app_position_limit_switch"_object).address,
-                                   vdrive::describe("user_position_lower_limit"_object).address,
-                                   vdrive::describe("user_position_upper_limit"_object).address};
+/// What the times of a line depend on, in the order of LimitObject: kMoveBounds, then the others.
+constexpr std::array kOtherLimits{vdrive::describe("motor_max_speed_rpm"_object).address,
+                                  vdrive::describe("app_position_limit_switch"_object).address,
+                                  vdrive::describe("user_position_lower_limit"_object).address,
+                                  vdrive::describe("user_position_upper_limit"_object).address};
+
+constexpr auto kLimitObjects = [] {
+  std::array<ObjectAddress, kMoveBounds.size() + kOtherLimits.size()> objects{};
+  const auto rest = std::ranges::copy(kMoveBounds, objects.begin()).out;
+  std::ranges::copy(kOtherLimits, rest);
+  return objects;
+}();
 
 enum LimitObject : std::size_t {
   profile_velocity,
   profile_acceleration,
   profile_deceleration,
   speed_limit,
-  motor_speed_rpm,
   acceleration_limit,
   deceleration_limit,
+  motor_speed_rpm,
   position_limit_switch,
   lower_limit,
   upper_limit,
 };
 
-/// The limits of one axis as the drive applies them: a ramp or a cap of 0 counts as 1.
+/// The limits of one axis as the drive applies them.
 MotionLimits limits_from(const std::vector<std::int64_t>& values, const LineRequest& request) {
   const auto real = [&values](LimitObject object) {
     return static_cast<double>(values[object]);
   };
   const double motor_speed = real(motor_speed_rpm) * kUserUnitsPerRevolution / 60.0;
   const auto ramp = [&](LimitObject profile, LimitObject cap) {
-    return std::min(std::max(real(profile), 1.0), std::max(real(cap), 1.0));
+    return std::min(real(profile), real(cap));
   };
   return {
       .velocity = request.velocity_factor *
@@ -133,8 +136,9 @@ Result<LineTimes> AxisGroup::State::times_of(AxesCall& call, const LineRequest& 
           wire_code(AbortCode::value_range_exceeded),
           axis + ": the target " + std::to_string(target) + " is beyond its software limits");
     }
+    const auto bounds = std::span(values).first(kMoveBounds.size());
+    if (Outcome moves = check_bounds(layout.axes[place], bounds); !moves) return moves;
     const MotionLimits own = limits_from(values, request);
-    if (own.velocity <= 0.0) return not_in_this_state(axis + " may not move: its speed limit is 0");
     const double way = static_cast<double>(target) - call.now()[place].status.position_demand_value;
     ways.push_back({.distance = std::abs(way) + kBesideDemand, .limits = own});
   }

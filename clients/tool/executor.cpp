@@ -268,6 +268,12 @@ Outcome Executor::run(const MoveCommand& command) {
   if (on_aim_ && !command.relative) on_aim_(axis->id(), command.position);
   const Outcome moved = command.relative ? axis->move_by(command.position, options)
                                          : axis->move_to(command.position, options);
+  const bool leaves_ramps = options.call.until == client::Until::in_force &&
+                            (options.acceleration || options.deceleration);
+  if (moved && leaves_ramps && !is_quiet_) {
+    terminal_.complain(
+        "vdrive: the ramps of this move act while it lasts: 6083h and 6084h stay as given");
+  }
   if (session_.is_interrupted()) report_interrupted_move(*axis, command, moved);
   return report_motion(*axis, "move", moved);
 }

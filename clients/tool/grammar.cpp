@@ -363,9 +363,11 @@ class Grammar {
     add_axis(word);
     add_positional(word, "POSITION", words_.value, "Target, or distance with --relative [UU]");
     word->add_flag("--relative", words_.relative, "POSITION is a distance (bit 6)");
-    word->add_option("--velocity", words_.velocity, "6081h [UU/s]")->type_name("V");
-    word->add_option("--acceleration", words_.acceleration, "6083h [UU/s2]")->type_name("A");
-    word->add_option("--deceleration", words_.deceleration, "6084h [UU/s2]")->type_name("D");
+    word->add_option("--velocity", words_.velocity, "6081h [UU/s] for this move")->type_name("V");
+    word->add_option("--acceleration", words_.acceleration, "6083h [UU/s2] for this move")
+        ->type_name("A");
+    word->add_option("--deceleration", words_.deceleration, "6084h [UU/s2] for this move")
+        ->type_name("D");
     word->add_flag("--queue", words_.queue,
                    "Start after the present move, not at once (bit 5 = 0)");
     word->add_flag("--no-wait", words_.no_wait, "Return when the drive has accepted the set-point");

@@ -297,7 +297,7 @@ TEST_F(LockStepGroup, AStartThatOneAxisCannotTakePartInMovesNone) {
   write("1.3", {0x3535, 0}, 0);
   write("1.1", kVelocity, 0);
   EXPECT_THAT(group.move_together(vector({1000, 1000, 1000})).message(),
-              HasSubstr("axis 1.1 may not move"));
+              HasSubstr("axis 1.1: profile_velocity (6081h) is 0: the axis cannot move"));
   write("1.1", kVelocity, 1);
   EXPECT_THAT(group.move_together(vector({5000, 1000, 1000})).message(),
               HasSubstr("axis 1.1 would take longer"));

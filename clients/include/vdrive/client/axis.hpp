@@ -33,7 +33,10 @@ struct CallOptions {
   Until until = Until::done;
 };
 
-/// A set-point of profile position mode. What is not given stays as the drive has it.
+/// A set-point of profile position mode, with the speed and the ramps of this move. What is not
+/// given is as the drive has it. What is given has its old value again after the move: 6081h, which
+/// the drive takes with the set-point, at once; 6083h and 6084h, which act during the motion, when
+/// the call has waited for its end. With Until::in_force, and after a time-out, the ramps stay.
 struct MoveOptions {
   std::optional<std::uint32_t> velocity{};      ///< 6081h [UU/s]
   std::optional<std::uint32_t> acceleration{};  ///< 6083h [UU/s²]
@@ -88,9 +91,10 @@ class Axis {
   Outcome disable(const CallOptions& options = {});
 
   /// Moves to a position [UU]: sets profile position mode if needed, sends the set-point and waits
-  /// for bit 10. @return refused when not enabled or when the drive ignores the set-point; failed
-  ///         when the axis was halted on the way, or when the wait was interrupted: then it goes
-  ///         on.
+  /// for bit 10. @return refused when not enabled, when the drive ignores the set-point, and where
+  ///         a speed or a ramp of 0 allows no motion; failed when a software limit (607Dh) has cut
+  ///         the move off, when the axis was halted on the way, or when the wait was interrupted:
+  ///         then it goes on.
   Outcome move_to(std::int32_t position, const MoveOptions& options = {});
 
   /// The same by a distance [UU], from the base that 60F2h chooses.
