@@ -72,6 +72,20 @@ std::vector<std::string> axes_of(const Command& command) {
                     command);
 }
 
+std::optional<std::uint32_t> bench_of(const Command& command) {
+  return std::visit(
+      [](const auto& word) -> std::optional<std::uint32_t> {
+        if constexpr (requires { word.bench; }) {
+          return word.bench;
+        } else if constexpr (requires { word->command; }) {
+          return bench_of(word->command);
+        } else {
+          return std::nullopt;
+        }
+      },
+      command);
+}
+
 std::string_view to_string(AxisAction action) noexcept {
   switch (action) {
     case AxisAction::enable:

@@ -169,6 +169,9 @@ struct RefusedCommand {
 /// @return the axes that the command names.
 [[nodiscard]] std::vector<std::string> axes_of(const Command& command);
 
+/// @return the bench that the command names, if it names one.
+[[nodiscard]] std::optional<std::uint32_t> bench_of(const Command& command);
+
 /// @return the name of the command, such as "quick-stop".
 [[nodiscard]] std::string_view to_string(AxisAction action) noexcept;
 

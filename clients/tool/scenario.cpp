@@ -2,6 +2,7 @@
 #include "scenario.hpp"
 
 #include "grammar.hpp"
+#include "scenario_check.hpp"
 #include "usage_error.hpp"
 #include "vdrive/text.hpp"
 
@@ -91,6 +92,7 @@ Scenario parse_scenario(std::istream& input, const std::string& file) {
       std::vector<std::string> words = split_words(line);
       if (words.empty()) continue;
       ScenarioWords parsed = parse_scenario_words(std::move(words));
+      check_objects(parsed.command);
       scenario.lines.push_back({.number = number,
                                 .text = std::string(trimmed(line.substr(0, comment_start(line)))),
                                 .command = std::move(parsed.command),

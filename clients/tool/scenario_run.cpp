@@ -56,9 +56,13 @@ class ScenarioRun {
     return "line " + std::to_string(line.number) + ": " + line.text;
   }
 
-  /// A name that is wrong is found before anything moves.
+  /// A name or a bench that is wrong is found before anything moves.
   Outcome find_axes() {
     for (const ScenarioLine& line : scenario_.lines) {
+      if (const auto number = bench_of(line.command)) {
+        const auto bench = session_.find_bench(number);
+        if (!bench) return Outcome::not_found(place_of(line) + ": " + bench.outcome().message());
+      }
       for (const std::string& name : axes_of(line.command)) {
         const auto axis = executor_.axis(name);
         if (!axis) return Outcome::not_found(place_of(line) + ": " + axis.outcome().message());

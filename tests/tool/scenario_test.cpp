@@ -75,6 +75,36 @@ TEST(ScenarioFile, NamesFileAndLineOfAMistake) {
       ThrowsMessage<UsageError>(HasSubstr("-128 to 127")));
 }
 
+std::string mistake_in(const std::string& text) {
+  try {
+    (void)parse(text);
+  } catch (const UsageError& error) {
+    return error.what();
+  }
+  return "none";
+}
+
+TEST(ScenarioFile, NamesAnObjectThatDoesNotExistAndAValueOutOfItsRange) {
+  EXPECT_THAT(mistake_in("wait 1s\nread 1.1 0x6041 no_such_object\n"),
+              StartsWith("test.scn:2: 'no_such_object' is not an object"));
+  EXPECT_THAT(mistake_in("write 1.1 0x9999 0\n"), StartsWith("test.scn:1: '0x9999' is not"));
+  EXPECT_THAT(mistake_in("expect 1.1 0x607D:7 0\n"), StartsWith("test.scn:1: '0x607D:7' is not"));
+  EXPECT_EQ(mistake_in("write 1.1 0x6041 0\n"), "test.scn:1: '0x6041' is read-only");
+  EXPECT_EQ(mistake_in("write 1.1 0x6080 0\n"),
+            "test.scn:1: 0 is out of range: motor_max_speed_rpm has 1 to 4294967295");
+  EXPECT_EQ(mistake_in("expect 1.1 0x3535 2 --within 1s\n"),
+            "test.scn:1: 2 is never reached: app_position_limit_switch has 0 to 1");
+  EXPECT_EQ(mistake_in("expect 1.1 0x3535 2 --tolerance 1\n"), "none");
+  EXPECT_EQ(mistake_in("disturb 1.1 blocked_load 2\n"),
+            "test.scn:1: 2 is out of range: test_blocked_load has 0 to 1");
+}
+
+TEST(ScenarioFile, MayHaveAnyObjectWhereARefusalIsExpected) {
+  EXPECT_EQ(mistake_in("refused 0x06020000 read 1.1 no_such_object\n"), "none");
+  EXPECT_EQ(mistake_in("refused 0x06010002 write 1.1 0x6041 0\n"), "none");
+  EXPECT_EQ(mistake_in("refused 0x06090032 write 1.1 0x6080 0\n"), "none");
+}
+
 TEST(ScenarioFile, OfBytesThatAreNoTextIsAMistakeAndNothingWorse) {
   std::string garbage;
   for (int byte = 255; byte >= 0; --byte) garbage += static_cast<char>(byte);

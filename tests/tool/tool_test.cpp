@@ -406,6 +406,12 @@ TEST_F(ToolInLockStep, AScenarioIsReadWholeBeforeItDoesAnything) {
   EXPECT_EQ(finished.code, 2);
   EXPECT_THAT(finished.errors, HasSubstr("<stdin>:2:"));
   EXPECT_EQ(tool("run -", "enable 1.1\nenable 1.9\n").code, 3) << "an axis that is not there";
+  const Finished no_bench = tool("run - --timeout 0.2", "enable 1.1\nstep 1 --bench 9\n");
+  EXPECT_EQ(no_bench.code, 3);
+  EXPECT_THAT(no_bench.errors, HasSubstr("<stdin>:2: no bench 9"));
+  const Finished no_object = tool("run -", "enable 1.1\nexpect 1.1 profile_velocty 1\n");
+  EXPECT_EQ(no_object.code, 2);
+  EXPECT_THAT(no_object.errors, HasSubstr("<stdin>:2: 'profile_velocty' is not an object"));
   EXPECT_EQ(json_of(tool("status 1.1 --json")).at(0)["ds402_statusword"], 0x250);
 }
 
