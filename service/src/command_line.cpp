@@ -7,6 +7,7 @@
 #include "confinement.hpp"
 #include "journal.hpp"
 #include "library_log_sink.hpp"
+#include "limit_warnings.hpp"
 #include "log.hpp"
 #include "parameter_store.hpp"
 #include "replay.hpp"
@@ -339,12 +340,17 @@ int carry_out(const Arguments& arguments) {
   }
   if (arguments.replay) return replay_journal(arguments);
   if (arguments.check) {
-    const wire::NetworkSettings network = load_configuration(*arguments.check).network;
+    const Configuration configuration = load_configuration(*arguments.check);
+    const wire::NetworkSettings& network = configuration.network;
     if (!network.security.empty()) {
       static_cast<void>(wire::check_security(network.security, network.domain));
     }
     for (const std::string& warning : configuration_warnings(*arguments.check)) {
       std::cerr << "vdrived: warning: " << warning << '\n';
+    }
+    for (const std::string& warning : limit_warnings(configuration)) {
+      std::cerr << "vdrived: warning: " << escaped(*arguments.check, kShownOfMessage) << ": "
+                << warning << '\n';
     }
     std::cout << escaped(*arguments.check, kShownOfMessage) << ": good\n";
     return kDone;
@@ -365,6 +371,11 @@ int run_command_line(int argument_count, const char* const* arguments) {
   declare(app, given);
   try {
     app.parse(argument_count, arguments);
+  } catch (const CLI::ExtrasError&) {
+    // CLI11 lists them from the last to the first.
+    std::cerr << "vdrived: " << in_quotes(app.remaining().front())
+              << " is not an option\nRun with --help for more information.\n";
+    return kUsage;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) {  // help, version
       return app.exit(error);

@@ -13,14 +13,18 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <fstream>
 #include <limits>
 #include <map>
 #include <set>
 #include <sstream>
+#include <system_error>
 
 namespace vdrive::service {
 namespace {
+
+using namespace vdrive::literals;
 
 constexpr std::int64_t kHighestDomain = 232;
 constexpr std::int64_t kHighestPort = 65'535;
@@ -258,7 +262,24 @@ void read_settings(const YamlValue& value, AxisSettings& settings) {
                        });
 }
 
+/// A value of `parameters`, and where it stands.
+struct PlacedValue {
+  std::int64_t value;
+  YamlValue place;
+};
+
+/// The drive takes every value of each limit, and has none while they are in the wrong order.
+void check_software_limits(const std::map<ObjectAddress, PlacedValue>& values) {
+  const auto lower = values.find(describe("user_position_lower_limit"_object).address);
+  const auto upper = values.find(describe("user_position_upper_limit"_object).address);
+  if (lower == values.end() || upper == values.end()) return;
+  if (lower->second.value < upper->second.value) return;
+  lower->second.place.refuse("must be below user_position_upper_limit (607Dh:2) = " +
+                             std::to_string(upper->second.value));
+}
+
 void read_parameters(const YamlValue& value, std::vector<InitialValue>& parameters) {
+  std::map<ObjectAddress, PlacedValue> values;
   value.for_each_entry({}, [&](const auto& key, const YamlValue& entry) {
     const auto row = find_row(key);
     if (!row) entry.refuse(R"(no such object; write its variable_name, "0x6081" or "0x607D:1")");
@@ -269,7 +290,9 @@ void read_parameters(const YamlValue& value, std::vector<InitialValue>& paramete
       entry.refuse(std::string(describe(code)));
     }
     parameters.push_back({object.address, number});
+    values.insert_or_assign(object.address, PlacedValue{number, entry});
   });
+  check_software_limits(values);
 }
 
 NamedAxis read_axis(const YamlValue& value) {
@@ -483,12 +506,17 @@ Configuration parse_configuration(const std::string& text, const std::string& fi
 }
 
 Configuration load_configuration(const std::filesystem::path& file) {
+  const auto refuse = [&file](const std::string& problem) {
+    throw ConfigurationError(escaped(file.string(), kShownOfMessage) + ": " + problem);
+  };
   std::ifstream stream(file);
-  std::ostringstream text;
-  if (std::filesystem::is_directory(file) || !(text << stream.rdbuf())) {
-    throw ConfigurationError(escaped(file.string(), kShownOfMessage) +
-                             ": cannot be read, or is empty");
+  if (!stream) refuse("cannot be read: " + std::generic_category().message(errno));
+  if (std::filesystem::is_directory(file)) refuse("is a directory, not a file");
+  if (stream.peek() == std::ifstream::traits_type::eof()) {
+    refuse("is empty; without --config the service has the demo bench");
   }
+  std::ostringstream text;
+  if (!(text << stream.rdbuf())) refuse("cannot be read");
   return parse_configuration(text.str(), file.string());
 }
 

@@ -8,6 +8,7 @@
 #include "doorbell.hpp"
 #include "freerun_driver.hpp"
 #include "journal.hpp"
+#include "limit_warnings.hpp"
 #include "liveness.hpp"
 #include "lockstep_driver.hpp"
 #include "log.hpp"
@@ -218,6 +219,9 @@ class Service::Threads {
              to_string(configuration_.clock), configuration_.period.count(),
              configuration_.network.domain,
              configuration_.network.security.empty() ? "open" : "closed", identity_.incarnation);
+    for (const std::string& warning : limit_warnings(configuration_)) {
+      log_warning("bench={} configuration=\"{}\"", identity_.bench, warning);
+    }
   }
 
   void begin_shutdown() noexcept { shutdown_.begin(); }

@@ -93,6 +93,18 @@ void check_that_one_document_is_all(const std::string& text, const std::string& 
               "a second YAML document begins here; a configuration is one document");
 }
 
+/// @return the number of the first line that a tab indents, up to `last`; 0 = none. YAML allows
+///         blanks only, and its parser does not name the tab.
+std::size_t first_line_with_tab(const std::string& text, std::size_t last) {
+  std::istringstream lines(text);
+  std::string line;
+  for (std::size_t number = 1; number <= last && std::getline(lines, line); ++number) {
+    const std::size_t indented = line.find_first_not_of(' ');
+    if (indented != std::string::npos && line[indented] == '\t') return number;
+  }
+  return 0;
+}
+
 }  // namespace
 
 YAML::Node read_yaml(const std::string& text, const std::string& file_name) {
@@ -101,8 +113,11 @@ YAML::Node read_yaml(const std::string& text, const std::string& file_name) {
     check_that_one_document_is_all(text, file_name);
     return YAML::Load(text);
   } catch (const YAML::Exception& error) {
-    refuse_line(file_name, static_cast<std::size_t>(error.mark.line) + 1,
-                escaped(error.msg, kShownOfMessage));
+    const auto line = static_cast<std::size_t>(error.mark.line) + 1;
+    if (const std::size_t tab = first_line_with_tab(text, line); tab != 0) {
+      refuse_line(file_name, tab, "a tab indents this line; YAML needs blanks");
+    }
+    refuse_line(file_name, line, escaped(error.msg, kShownOfMessage));
   }
 }
 

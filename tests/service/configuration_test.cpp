@@ -3,7 +3,9 @@
 
 #include "configuration_help.hpp"
 #include "configuration_warnings.hpp"
+#include "limit_warnings.hpp"
 #include "support/temporary_directory.hpp"
+#include "vdrive/axis_bank.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/plant/model_parameters.hpp"
 
@@ -321,15 +323,82 @@ TEST(Configuration, OfAnOpenBenchIsPrintedWithoutADirectoryOfMaterial) {
   EXPECT_EQ(parse(to_yaml(closed)).network.security, "members/cell");
 }
 
-TEST(Configuration, NamesTheFileThatCannotBeRead) {
+std::string refusal_of_file(const std::filesystem::path& file) {
   try {
-    static_cast<void>(load_configuration("/nowhere/bench.yaml"));
-    FAIL() << "accepted";
+    static_cast<void>(load_configuration(file));
   } catch (const ConfigurationError& error) {
-    EXPECT_EQ(std::string(error.what()).find("/nowhere/bench.yaml"), 0U);
+    return error.what();
   }
-  EXPECT_THROW(static_cast<void>(load_configuration(std::filesystem::temp_directory_path())),
-               ConfigurationError);
+  return "accepted";
+}
+
+TEST(Configuration, TellsWhyAFileCannotBeRead) {
+  EXPECT_EQ(refusal_of_file("/nowhere/bench.yaml"),
+            "/nowhere/bench.yaml: cannot be read: No such file or directory");
+  const test::TemporaryDirectory directory;
+  EXPECT_EQ(refusal_of_file(directory.path()),
+            directory.path().string() + ": is a directory, not a file");
+  const std::filesystem::path empty = directory.path() / "empty.yaml";
+  std::ofstream(empty).close();
+  EXPECT_EQ(refusal_of_file(empty),
+            empty.string() + ": is empty; without --config the service has the demo bench");
+}
+
+TEST(Configuration, NamesTheLineThatATabIndents) {
+  EXPECT_EQ(refusal_of("bench:\n  number: 1\nclock:\n\tmode: lockstep\n"),
+            "bench.yaml:4: a tab indents this line; YAML needs blanks");
+  EXPECT_EQ(refusal_of("bench:\n  number: 1\n  \tname: x\n"),
+            "bench.yaml:3: a tab indents this line; YAML needs blanks");
+  EXPECT_EQ(refusal_of("bench: {number: 1}\t# behind the value\n"), "accepted");
+}
+
+constexpr const char* kAxisWith = "axes:\n  - number: 1\n    parameters:\n";
+
+TEST(Configuration, RefusesALowerLimitThatIsNotBelowTheUpperOne) {
+  for (const char* const lower : {"201", "200"}) {
+    EXPECT_EQ(refusal_of(std::string(kAxisWith) + "      user_position_upper_limit: 200\n" +
+                         "      user_position_lower_limit: " + lower + "\n"),
+              std::string("bench.yaml:5: axes[0].parameters.user_position_lower_limit = ") + lower +
+                  ": must be below user_position_upper_limit (607Dh:2) = 200");
+  }
+  EXPECT_EQ(refusal_of(std::string(kAxisWith) + "      \"0x607D:1\": 199\n" +
+                       "      \"0x607D:2\": 200\n"),
+            "accepted");
+}
+
+TEST(Configuration, WarnsOfLimitsThatAreSwitchedOff) {
+  const std::string limit = std::string(kAxisWith) + "      \"0x607D:2\": 200\n";
+  const std::vector<std::string> warnings = limit_warnings(parse(limit));
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_EQ(
+      warnings[0],
+      "axis 1 axis1: user_position_upper_limit = 200 has no effect: app_position_limit_switch "
+      "(3535h) is 0");
+  EXPECT_EQ(limit_warnings(parse(limit + "      app_position_limit_switch: 0\n")).size(), 1U);
+  EXPECT_TRUE(limit_warnings(parse(limit + "      app_position_limit_switch: 1\n")).empty());
+  EXPECT_TRUE(limit_warnings(demo_configuration()).empty());
+}
+
+/// @return the example of docs/guides/configuration.md: its first block of YAML.
+std::string documented_example() {
+  std::ifstream page(VDRIVE_SOURCE_DIR "/docs/guides/configuration.md");
+  std::string text;
+  bool is_inside = false;
+  for (std::string line; std::getline(page, line);) {
+    if (is_inside && line == "```") break;
+    if (is_inside) text += line + "\n";
+    is_inside = is_inside || line == "```yaml";
+  }
+  return text;
+}
+
+TEST(Configuration, OfTheGuideIsGoodWithoutAWarningAndItsLimitsAreInForce) {
+  const Configuration example = parse(documented_example());
+  EXPECT_TRUE(limit_warnings(example).empty());
+  const std::vector<AxisConfiguration> axes = bank_axes(example);
+  AxisBank bank(axes, example.period);
+  EXPECT_EQ(bank.read(0, {0x3535, 0}).value, 1);
+  EXPECT_EQ(bank.read(0, {0x607D, 1}).value, -100'000);
 }
 
 /// @return the rows of docs/guides/configuration.md that begin with a model parameter, without the

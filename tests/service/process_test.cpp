@@ -244,6 +244,13 @@ TEST(ServiceProcess, ShowsABadValueEscapedAndShortened) {
   }
 }
 
+TEST(ServiceProcess, NamesTheFirstOptionThatItDoesNotKnow) {
+  Process service({"--axis", "3", "--verbose"});
+  EXPECT_EQ(service.wait(), 2);
+  EXPECT_NE(service.text().find("vdrived: '--axis' is not an option"), std::string::npos)
+      << service.text();
+}
+
 // A replay takes its threads from the command line: it ended with 1 where they were out of range.
 TEST(ServiceProcess, ChecksItsFlagsAlsoWhereTheyAreNotUsed) {
   for (const char* const mode : {"--replay", "--check"}) {
@@ -272,6 +279,13 @@ TEST_F(ConfigurationFile, IsCheckedWithoutStartingAnything) {
   write("bench: {number: 3}\n");
   Process good({"--check", file_.string()});
   EXPECT_EQ(good.wait(), 0);
+  write("axes: [{number: 1, parameters: {user_position_lower_limit: -5}}]\n");
+  Process odd({"--check", file_.string()});
+  EXPECT_EQ(odd.wait(), 0);
+  EXPECT_NE(odd.text().find("warning: " + file_.string() +
+                            ": axis 1 axis1: user_position_lower_limit = -5"),
+            std::string::npos)
+      << odd.text();
   write("bench: {number: 3}\nclock: {period_us: 7}\n");
   Process bad({"--check", file_.string()});
   EXPECT_EQ(bad.wait(), 1);
