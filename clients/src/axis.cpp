@@ -241,7 +241,11 @@ Outcome Axis::request_memory(std::uint32_t kind, const std::string& what) {
   msg::Request request;
   request.kind(kind);
   request.axes().push_back(id_.axis);
-  return core_->requests.exchange(*target, std::move(request), what).outcome();
+  Outcome outcome = core_->requests.exchange(*target, std::move(request), what).outcome();
+  if (outcome.code() != wire_code(AbortCode::cannot_store_or_transfer)) return outcome;
+  return Outcome::refused(outcome.code(), what +
+                                              " refused, the service has no state directory (start "
+                                              "vdrived with --state DIR)");
 }
 
 Result<Readings> Axis::read(std::span<const ObjectAddress> objects) const {

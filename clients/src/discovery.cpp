@@ -2,6 +2,7 @@
 #include "discovery.hpp"
 
 #include "vdrive/text.hpp"
+#include "vdrive/wording.hpp"
 
 #include <algorithm>
 #include <iterator>
@@ -44,7 +45,7 @@ std::string list_of(std::span<const PresentBench> benches) {
   for (const PresentBench& bench : benches) {
     text += text == "found" ? " " : ", ";
     text += "bench " + std::to_string(bench.info.number) + " " + in_quotes(bench.info.name) +
-            " with " + std::to_string(bench.info.axes.size()) + " axes";
+            " with " + counted(bench.info.axes.size(), "axis", "axes");
   }
   return text;
 }
@@ -149,8 +150,13 @@ Result<AxisInfo> Discovery::find_name(std::string_view name) {
   });
   if (matches.size() == 1) return std::move(matches.front());
   if (matches.empty()) {
-    return Outcome::not_found("no axis is named " + in_quotes(name) + " on domain " +
-                              std::to_string(*options_.domain) + ", " + list_of(benches));
+    std::vector<std::string> names;
+    for (const PresentBench& bench : benches) {
+      for (const AxisInfo& axis : bench.info.axes) names.push_back(axis.name);
+    }
+    return Outcome::not_found("no axis is named " + in_quotes(name) + suggestion(name, names) +
+                              " on domain " + std::to_string(*options_.domain) + ", " +
+                              list_of(benches));
   }
   return Outcome::not_found("several axes are named " + in_quotes(name) + ": " +
                             to_string(matches[0].id) + ", " + to_string(matches[1].id));

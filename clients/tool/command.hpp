@@ -95,6 +95,7 @@ enum class Language : std::uint8_t { en, zh };
 struct DictionaryCommand {
   TableFormat format = TableFormat::table;
   Language language = Language::en;
+  std::vector<ObjectName> objects = {};  ///< rows of these; none = all
 };
 
 struct StepCommand {
@@ -121,7 +122,7 @@ struct SnapshotCommand {
 };
 
 struct RateCommand {
-  double rate = 0.0;
+  std::optional<double> rate;  ///< none = show those of all benches
   std::optional<std::uint32_t> bench;
 };
 

@@ -4,9 +4,12 @@
 #include "recorder.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
+#include "vdrive/wording.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
+#include <utility>
 
 namespace vdrive::tool {
 namespace {
@@ -16,6 +19,36 @@ using client::OutcomeKind;
 
 constexpr auto kNoSuchObject = wire_code(AbortCode::object_does_not_exist);
 constexpr std::chrono::milliseconds kPatience{100};
+
+/// @return ", paused" or ", rate 0.5" of a realtime bench that does not run as fast as the wall
+///         clock.
+std::string rate_text(const client::BenchInfo& bench) {
+  if (bench.clock_mode != client::ClockMode::realtime || bench.rate == 1.0) return {};
+  return bench.rate == 0.0 ? ", paused" : ", rate " + to_text(bench.rate);
+}
+
+/// @return an outcome of the same kind in other words.
+Outcome reworded(const Outcome& outcome, const std::function<std::string(std::string)>& words) {
+  std::string message = outcome.message();
+  switch (outcome.kind()) {
+    case OutcomeKind::ok:
+      return {};
+    case OutcomeKind::timed_out:
+      return Outcome::timed_out(words(std::move(message)));
+    case OutcomeKind::not_found:
+      return Outcome::not_found(words(std::move(message)));
+    case OutcomeKind::lost:
+      return Outcome::lost(words(std::move(message)));
+    case OutcomeKind::failed:
+      return Outcome::failed(words(std::move(message)));
+    case OutcomeKind::refused:
+      break;
+  }
+  // A refusal ends with its code and the code's meaning, and would get them twice.
+  const std::string end = Outcome::refused(outcome.code(), "").message();
+  if (message.ends_with(end)) message.resize(message.size() - end.size());
+  return Outcome::refused(outcome.code(), words(std::move(message)));
+}
 
 client::CallOptions call_options(client::Until until, std::optional<Duration> timeout) {
   client::CallOptions call;
@@ -32,11 +65,11 @@ Executor::Executor(client::Session& session, Terminal& terminal, bool is_json, b
 Outcome Executor::execute(const Command& command, std::optional<Duration> timeout) {
   timeout_ = timeout;
   found_.reset();
-  return std::visit(
+  return named(std::visit(
       [this](const auto& word) {
         return run(word);
       },
-      command);
+      command));
 }
 
 client::Result<client::Axis> Executor::axis(const std::string& name) {
@@ -45,12 +78,45 @@ client::Result<client::Axis> Executor::axis(const std::string& name) {
   auto found = session_.axis(name);
   if (!found) return found;
   axes_.emplace(name, *found);
+  if (name != to_string(found->id())) typed_names_[found->id()] = name;
   benches_.insert(found->id().bench);
   return found;
 }
 
 void Executor::on_aim(std::function<void(const client::AxisId&, std::int64_t)> handler) {
   on_aim_ = std::move(handler);
+}
+
+/// @return an axis as the user calls it.
+std::string Executor::label_of(const client::AxisId& axis) const {
+  const auto typed = typed_names_.find(axis);
+  return typed == typed_names_.end() ? to_string(axis) : escaped(typed->second);
+}
+
+/// The client's messages call an axis by its number. @return them with the name that was typed:
+/// "axis gantry_left (7.1)".
+Outcome Executor::named(const Outcome& outcome) const {
+  return reworded(outcome, [this](std::string message) {
+    for (const auto& [id, name] : typed_names_) {
+      const std::string number = "axis " + to_string(id);
+      const std::string both = "axis " + escaped(name) + " (" + to_string(id) + ")";
+      for (std::size_t at = message.find(number); at != std::string::npos;
+           at = message.find(number, at + both.size())) {
+        const std::size_t end = at + number.size();
+        const bool goes_on = end < message.size() && message[end] >= '0' && message[end] <= '9';
+        if (!goes_on) message.replace(at, number.size(), both);
+      }
+    }
+    return message;
+  });
+}
+
+/// @param how_to_name what to write where there are several benches
+client::Result<client::BenchInfo> Executor::find_bench(std::optional<std::uint32_t> number,
+                                                       std::string_view how_to_name) {
+  auto bench = session_.find_bench(number);
+  if (bench || number || session_.find_benches().size() < 2) return bench;
+  return Outcome::not_found(bench.outcome().message() + "; " + std::string(how_to_name));
 }
 
 client::Result<client::BenchInfo> Executor::bench_of(const client::AxisId& axis) {
@@ -78,7 +144,7 @@ Outcome Executor::list_bench(const client::BenchInfo& bench) {
                             "bench " + std::to_string(bench.number) + " " + escaped(bench.name)) +
                     ", " + std::string(to_string(bench.clock_mode)) + ", tick " +
                     std::to_string(seen->tick) + " of " + std::to_string(bench.period.count()) +
-                    " us");
+                    " us" + rate_text(bench));
   }
   for (std::size_t i = 0; i < bench.axes.size(); ++i) {
     const client::AxisInfo& info = bench.axes[i];
@@ -137,7 +203,7 @@ Outcome Executor::watch(const std::vector<client::AxisId>& ids, WatchView& view,
 client::Result<std::vector<client::Axis>> Executor::axes_to_record(const RecordCommand& command) {
   std::vector<std::string> names = command.axes;
   if (names.empty()) {
-    const auto only = session_.find_bench();
+    const auto only = find_bench(std::nullopt, "write for example: record out.csv 2.1 2.2");
     if (!only) return only.outcome();
     for (const client::AxisInfo& axis : only->axes) names.push_back(to_string(axis.id));
   }
@@ -172,22 +238,24 @@ Outcome Executor::run(const RecordCommand& command) {
   for (auto& [number, bench] : benches) tracks.push_back(std::move(bench));
   Recorder recorder(session_, terminal_, command, std::move(names));
   Outcome outcome = recorder.record(tracks);
+  if (!recorder.has_begun()) return outcome;
   if (is_json_ && command.file != "-") {
     terminal_.print(to_line({{"file", command.file},
                              {"axes", axes->size()},
                              {"samples", recorder.samples()},
                              {"lost", recorder.lost()}}));
   } else {
-    terminal_.complain("vdrive: recorded " + std::to_string(recorder.samples()) + " samples of " +
-                       std::to_string(axes->size()) + " axes, " + std::to_string(recorder.lost()) +
-                       " lost");
+    terminal_.complain("vdrive: recorded " + counted(recorder.samples(), "sample", "samples") +
+                       " of " + counted(axes->size(), "axis", "axes") + ", " +
+                       std::to_string(recorder.lost()) + " lost");
   }
   return outcome;
 }
 
 Outcome unknown_object(const client::AxisId& axis, const ObjectName& object) {
-  return Outcome::refused(kNoSuchObject,
-                          "axis " + to_string(axis) + " has no object " + in_quotes(object.text));
+  return Outcome::refused(kNoSuchObject, "axis " + to_string(axis) + " has no object " +
+                                             in_quotes(object.text) +
+                                             object_suggestion(object.text));
 }
 
 void print_dictionary(DictionaryCommand command, bool is_json, Terminal& terminal) {
@@ -208,7 +276,7 @@ Outcome Executor::run(const DictionaryCommand& command) {
 Outcome Executor::run(const ActionCommand& command) {
   auto axis = axis_to_command(command.axis, command.take_over);
   if (!axis) return axis.outcome();
-  return report_motion(*axis, to_string(command.action), command_axis(*axis, command));
+  return report_motion(*axis, to_string(command.action), command_axis(*axis, command), false);
 }
 
 client::Result<client::Axis> Executor::axis_to_command(const std::string& name, bool take_over) {
@@ -275,7 +343,7 @@ Outcome Executor::run(const MoveCommand& command) {
         "vdrive: the ramps of this move act while it lasts: 6083h and 6084h stay as given");
   }
   if (session_.is_interrupted()) report_interrupted_move(*axis, command, moved);
-  return report_motion(*axis, "move", moved);
+  return report_motion(*axis, "move", moved, options.call.until == client::Until::done);
 }
 
 /// Whoever interrupts a move has to know whether the axis still moves.
@@ -290,13 +358,30 @@ void Executor::report_interrupted_move(client::Axis& axis, const MoveCommand& co
                      (halted ? "axis " + to_string(axis.id()) + " is halted" : halted.message()));
 }
 
-Outcome Executor::report_motion(const client::Axis& axis, std::string_view word,
-                                const Outcome& outcome) {
+/// @return what to do first where the power state has refused a command, or nothing.
+std::string Executor::next_step(const client::AxisId& axis, PowerState state) const {
+  const bool is_fault = state == PowerState::fault || state == PowerState::fault_reaction_active;
+  if (is_fault) return "; reset it first: vdrive reset " + label_of(axis);
+  if (state == PowerState::operation_enabled) return {};
+  return "; enable it first: vdrive enable " + label_of(axis);
+}
+
+/// @param has_arrived what is left of the speed is the end of a motion
+Outcome Executor::report_motion(const client::Axis& axis, std::string_view word, Outcome outcome,
+                                bool has_arrived) {
   if (is_quiet_) return outcome;
   const auto status = axis.status();
+  const bool is_refused_by_state =
+      outcome.code() == wire_code(AbortCode::refused_in_present_device_state) &&
+      word != to_string(AxisAction::reset);
+  if (is_refused_by_state && status) {
+    outcome = reworded(outcome, [&](const std::string& message) {
+      return message + next_step(axis.id(), status->state());
+    });
+  }
   if (is_json_) {
     Json json{{"axis", to_string(axis.id())}, {"command", word}};
-    add_outcome(json, outcome);
+    add_outcome(json, named(outcome));
     if (status) {
       json["tick"] = status->tick;
       json["state"] = to_string(status->state());
@@ -305,7 +390,8 @@ Outcome Executor::report_motion(const client::Axis& axis, std::string_view word,
     }
     terminal_.print(to_line(json));
   } else if (outcome && status) {
-    terminal_.print(status_line(*status));
+    const std::string label = label_of(axis.id());
+    terminal_.print(has_arrived ? arrival_line(*status, label) : status_line(*status, label));
   }
   return outcome;
 }
@@ -350,9 +436,10 @@ Outcome Executor::print_reading(const client::AxisId& axis, const ObjectName& ob
     json["tick"] = tick;
     terminal_.print(to_line(json));
   } else if (code == 0) {
-    terminal_.print(reading_text(axis, object, reading.value));
+    terminal_.print(reading_text(label_of(axis), object, reading.value));
   }
   if (code == 0) return {};
+  if (!object.address) return unknown_object(axis, object);
   return Outcome::refused(code,
                           "read of " + object.text + " of axis " + to_string(axis) + " refused");
 }
@@ -371,17 +458,60 @@ Outcome Executor::write(client::Axis& axis, const ObjectName& object, std::int64
   if (is_json_ && !is_quiet_) {
     Json json = object_json(axis.id(), object);
     json["value"] = value;
-    add_outcome(json, tick.outcome());
+    add_outcome(json, named(tick.outcome()));
     if (tick) json["tick"] = *tick;
     terminal_.print(to_line(json));
   } else if (tick && !is_quiet_) {
-    terminal_.print(reading_text(axis.id(), object, value) + ", in force at tick " +
+    terminal_.print(reading_text(label_of(axis.id()), object, value) + ", in force at tick " +
                     std::to_string(*tick));
   }
   if (!tick) return tick.outcome();
   in_force_[axis.id()] = *tick;
+  note_disturbance(axis, *object.address, value);
   if (on_aim_ && object.address->index == kTarget) on_aim_(axis.id(), value);
+  if (!is_quiet_) note_limits(axis, *object.address);
   return {};
+}
+
+void Executor::note_disturbance(const client::Axis& axis, ObjectAddress object,
+                                std::int64_t value) {
+  if (!has_role(object, Role::test_input)) return;
+  disturbed_.erase(std::pair(axis.id(), object));
+  if (value != 0) disturbed_.emplace(std::pair(axis.id(), object), axis);
+}
+
+std::vector<std::string> Executor::clear_disturbances() {
+  std::vector<std::string> cleared;
+  for (auto& [input, axis] : std::exchange(disturbed_, {})) {
+    const auto row = find_object(input.second);
+    if (!row || !axis.write(input.second, 0)) continue;
+    cleared.push_back(std::string(describe(*row).variable_name) + " of " + label_of(input.first));
+  }
+  return cleared;
+}
+
+/// The drive takes every value of 607Dh, and uses them with 3535h and in the right order only.
+void Executor::note_limits(const client::Axis& axis, ObjectAddress written) {
+  using namespace vdrive::literals;
+  const std::array limits{describe("app_position_limit_switch"_object).address,
+                          describe("user_position_lower_limit"_object).address,
+                          describe("user_position_upper_limit"_object).address};
+  if (std::ranges::find(limits, written) == limits.end()) return;
+  const auto values = axis.read(limits);
+  if (!values) return;  // the write itself has succeeded
+  const std::int64_t lower = values->objects[1].value;
+  const std::int64_t upper = values->objects[2].value;
+  if (values->objects[0].value == 0) {
+    if (written == limits[0]) return;
+    terminal_.complain(
+        "vdrive: the software limits are off: app_position_limit_switch (3535h) = 1 switches them "
+        "on");
+  } else if (lower >= upper) {
+    terminal_.complain(
+        "vdrive: the software limits are not in force: user_position_lower_limit (607Dh:1) = " +
+        std::to_string(lower) +
+        " is not below user_position_upper_limit (607Dh:2) = " + std::to_string(upper));
+  }
 }
 
 Outcome Executor::run(const DisturbCommand& command) {
@@ -402,7 +532,7 @@ Outcome Executor::run(const DisturbCommand& command) {
 // ---- drive time ------------------------------------------------------------------------------
 
 Outcome Executor::run(const StepCommand& command) {
-  const auto bench = session_.find_bench(command.bench);
+  const auto bench = find_bench(command.bench, "write for example: step 1000 --bench 2");
   if (!bench) return bench.outcome();
   return report_clock({{"bench", bench->number}, {"ticks", command.ticks}},
                       "bench " + std::to_string(bench->number),
@@ -410,12 +540,31 @@ Outcome Executor::run(const StepCommand& command) {
 }
 
 Outcome Executor::run(const RateCommand& command) {
-  const auto bench = session_.find_bench(command.bench);
+  if (!command.rate) return show_rates();
+  const auto bench = find_bench(command.bench, "write for example: rate 2 0.5");
   if (!bench) return bench.outcome();
-  const Json json{{"bench", bench->number}, {"rate", command.rate}};
+  const Json json{{"bench", bench->number}, {"rate", *command.rate}};
   return report_clock(json,
                       "bench " + std::to_string(bench->number) + " rate " + json["rate"].dump(),
-                      session_.set_rate(bench->number, command.rate));
+                      session_.set_rate(bench->number, *command.rate));
+}
+
+Outcome Executor::show_rates() {
+  const auto benches = session_.find_benches();
+  if (benches.empty()) return Outcome::not_found("no bench was found on this domain");
+  for (const client::BenchInfo& bench : benches) {
+    const bool has_rate = bench.clock_mode == client::ClockMode::realtime;
+    if (is_json_) {
+      terminal_.print(to_line({{"bench", bench.number},
+                               {"clock", to_string(bench.clock_mode)},
+                               {"rate", has_rate ? Json(bench.rate) : Json(nullptr)}}));
+      continue;
+    }
+    terminal_.print("bench " + std::to_string(bench.number) + " " +
+                    std::string(to_string(bench.clock_mode)) +
+                    (has_rate ? " rate " + to_text(bench.rate) : std::string()));
+  }
+  return {};
 }
 
 /// What a word about a bench's clock came to, and at which tick.
@@ -434,7 +583,7 @@ Outcome Executor::report_clock(Json json, const std::string& text,
 
 Outcome Executor::run(const SnapshotCommand& command) {
   using Action = SnapshotCommand::Action;
-  const auto bench = session_.find_bench(command.bench);
+  const auto bench = find_bench(command.bench, "write for example: snapshot take --bench 2");
   if (!bench) return bench.outcome();
   std::uint64_t number = command.snapshot;
   Outcome outcome;
@@ -460,7 +609,8 @@ Outcome Executor::run(const SnapshotCommand& command) {
 
 Outcome Executor::run(const WaitCommand& command) {
   if (benches_.empty()) {
-    const auto only = session_.find_bench();
+    const auto only =
+        find_bench(std::nullopt, "wait passes time on the benches whose axes the file names");
     if (!only) return only.outcome();
     benches_.insert(only->number);
   }

@@ -15,6 +15,8 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 namespace vdrive::tool {
@@ -35,6 +37,10 @@ class Executor {
 
   /// Runs before a position is commanded: who, and where to. For a progress display.
   void on_aim(std::function<void(const client::AxisId&, std::int64_t)> handler);
+
+  /// Sets every test-bench input back that a command has set and none has cleared.
+  /// @return what was cleared, such as "test_blocked_load of 1.1".
+  std::vector<std::string> clear_disturbances();
 
   /// What the last failed `expect` found; none for other failures.
   [[nodiscard]] const std::optional<Json>& found() const noexcept { return found_; }
@@ -70,8 +76,13 @@ class Executor {
   Outcome command_axis(client::Axis& axis, const ActionCommand& command);
   void report_interrupted_move(client::Axis& axis, const MoveCommand& command,
                                const Outcome& moved);
-  Outcome report_motion(const client::Axis& axis, std::string_view word, const Outcome& outcome);
+  Outcome report_motion(const client::Axis& axis, std::string_view word, Outcome outcome,
+                        bool has_arrived);
+  [[nodiscard]] std::string next_step(const client::AxisId& axis, PowerState state) const;
+  Outcome show_rates();
   Outcome write(client::Axis& axis, const ObjectName& object, std::int64_t value);
+  void note_disturbance(const client::Axis& axis, ObjectAddress object, std::int64_t value);
+  void note_limits(const client::Axis& axis, ObjectAddress written);
   Outcome print_reading(const client::AxisId& axis, const ObjectName& object,
                         const client::ObjectReading& reading, std::uint64_t tick);
   Outcome compare(client::Axis& axis, const ExpectCommand& command);
@@ -81,6 +92,10 @@ class Executor {
   Outcome report_clock(Json json, const std::string& text,
                        const client::Result<std::uint64_t>& tick);
   client::Result<client::BenchInfo> bench_of(const client::AxisId& axis);
+  client::Result<client::BenchInfo> find_bench(std::optional<std::uint32_t> number,
+                                               std::string_view how_to_name);
+  [[nodiscard]] std::string label_of(const client::AxisId& axis) const;
+  [[nodiscard]] Outcome named(const Outcome& outcome) const;
 
   client::Session& session_;
   Terminal& terminal_;
@@ -88,6 +103,8 @@ class Executor {
   const bool is_quiet_;
   std::optional<Duration> timeout_;
   std::map<std::string, client::Axis> axes_;
+  std::map<client::AxisId, std::string> typed_names_;  ///< of axes that were not called by number
+  std::map<std::pair<client::AxisId, ObjectAddress>, client::Axis> disturbed_;  ///< inputs not 0
   std::set<std::uint32_t> benches_;
   std::map<client::AxisId, std::uint64_t> in_force_;  ///< tick of the last write
   std::function<void(const client::AxisId&, std::int64_t)> on_aim_;

@@ -7,6 +7,7 @@
 #include "vdrive/client/session.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wire/address.hpp"
+#include "vdrive/wording.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -24,10 +25,6 @@ namespace {
 
 constexpr std::uint64_t kHighest32 = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint64_t kHighest64 = std::numeric_limits<std::uint64_t>::max();
-
-/// Global options that take a value.
-constexpr std::array<std::string_view, 6> kValuedOptions{
-    "--domain", "--timeout", "--interface", "--peer", "--discovery-server", "--security"};
 
 struct ActionRow {
   AxisAction action;
@@ -49,6 +46,12 @@ constexpr std::array kActions{
               "Remove stored parameters; defaults are in force after the next power cycle"},
 };
 
+std::vector<std::string> names_of_disturbances() {
+  std::vector<std::string> names{"none"};
+  for (const client::DisturbanceRow& row : client::kDisturbances) names.emplace_back(row.name);
+  return names;
+}
+
 std::vector<Disturbance> inputs_of(const std::string& kind, const std::string& value) {
   std::vector<Disturbance> inputs;
   for (const client::DisturbanceRow& row : client::kDisturbances) {
@@ -61,7 +64,7 @@ std::vector<Disturbance> inputs_of(const std::string& kind, const std::string& v
   for (const client::DisturbanceRow& row : client::kDisturbances) {
     message += " " + std::string(row.name) + ",";
   }
-  throw UsageError(message + " or none");
+  throw UsageError(message + " or none" + suggestion(kind, names_of_disturbances()));
 }
 
 SnapshotCommand snapshot_of(const std::string& action, const std::string& number,
@@ -105,6 +108,36 @@ void refuse_empty_values(const CLI::App& app) {
                        " in the environment is set, but empty: unset it or give a value");
     }
   }
+}
+
+std::vector<std::string> names_of_options(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* const option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  return names;
+}
+
+/// @return whether an argument is meant as an option: no negative number.
+bool is_option(const std::string& argument) {
+  return argument.size() > 1 && argument[0] == '-' && (argument[1] < '0' || argument[1] > '9');
+}
+
+/// @return what is wrong with arguments that no option and no place of a command takes, the first
+///         option of them or else the first: CLI11 lists them from the last to the first.
+std::string unexpected_text(const CLI::App& app) {
+  const std::vector<std::string> extras = app.remaining(true);
+  const auto chosen = app.get_subcommands();
+  const CLI::App& word = chosen.empty() ? app : *chosen.front();
+  const std::string command = "'vdrive " + word.get_name() + "'";
+  auto extra = std::ranges::find_if(extras, is_option);
+  if (extra == extras.end()) {
+    return in_quotes(extras.front()) + " is one argument too many for " + command;
+  }
+  const std::string name = extra->substr(0, extra->find('='));
+  std::vector<std::string> known = names_of_options(word);
+  for (std::string& global : names_of_options(app)) known.push_back(std::move(global));
+  return in_quotes(name) + " is not an option of " + command + suggestion(name, known);
 }
 
 /// The words of the tool as CLI11 knows them. Every word takes text and makes a command of it when
@@ -216,21 +249,46 @@ class Grammar {
     bool take_over = false, stop_on_interrupt = false;
   };
 
-  /// CLI11 reports an unknown command as a missing one. The first argument that is neither an
-  /// option nor the value of an option is the command.
+  /// CLI11 reports an unknown command as a missing one, and takes the value of an unknown option
+  /// for the command. The first argument that is neither an option nor the value of an option is
+  /// the command.
   void check_word(const std::vector<std::string>& arguments) const {
     for (std::size_t i = 0; i < arguments.size(); ++i) {
-      if (std::ranges::find(kValuedOptions, arguments[i]) != kValuedOptions.end()) {
-        ++i;
-      } else if (!arguments[i].starts_with('-')) {
-        const auto words = app_.get_subcommands([&](const CLI::App* word) {
-          return word->get_name() == arguments[i];
-        });
-        if (!words.empty()) return;
-        throw UsageError(in_quotes(arguments[i]) +
-                         " is not a command; 'vdrive --help' lists all commands");
+      const std::string& argument = arguments[i];
+      if (!argument.starts_with('-')) {
+        check_command(argument);
+        return;
       }
+      const std::string name = argument.substr(0, argument.find('='));
+      const CLI::Option* const option = app_.get_option_no_throw(name);
+      if (option == nullptr) throw UsageError(unknown_option(name));
+      const bool has_value = option->get_items_expected_max() > 0;
+      if (has_value && name == argument) ++i;
     }
+  }
+
+  void check_command(const std::string& name) const {
+    const std::vector<std::string> commands = names_of_commands();
+    if (std::ranges::find(commands, name) != commands.end()) return;
+    const std::string nearest = suggestion(name, commands);
+    throw UsageError(in_quotes(name) + " is not a command" +
+                     (nearest.empty() ? "; 'vdrive --help' lists all commands" : nearest));
+  }
+
+  [[nodiscard]] std::vector<std::string> names_of_commands() const {
+    std::vector<std::string> names;
+    for (const CLI::App* const word : app_.get_subcommands({})) names.push_back(word->get_name());
+    return names;
+  }
+
+  /// @param name of an option that stands before the command
+  [[nodiscard]] std::string unknown_option(const std::string& name) const {
+    for (const CLI::App* const word : app_.get_subcommands({})) {
+      if (word->get_option_no_throw(name) == nullptr) continue;
+      return in_quotes(name) + " belongs behind its command, such as 'vdrive " + word->get_name() +
+             " ... " + name + "'";
+    }
+    return in_quotes(name) + " is not an option" + suggestion(name, names_of_options(app_));
   }
 
   /// May appear several times, with one value each: the next argument may be the command.
@@ -434,7 +492,9 @@ class Grammar {
 
   void add_dictionary() {
     CLI::App* word = add_word("dictionary", "Show the object dictionary; needs no service",
-                              "dictionary --format csv --language zh");
+                              "dictionary 0x607D --language zh");
+    word->add_option("OBJECT", words_.objects, "Show these only; an index shows all sub-indices")
+        ->type_name("");
     word->add_option("--format", words_.format, "table, json or csv")
         ->check(CLI::IsMember({"table", "json", "csv"}))
         ->type_name("F");
@@ -446,7 +506,17 @@ class Grammar {
       if (words_.format == "json") dictionary.format = TableFormat::json;
       if (words_.format == "csv") dictionary.format = TableFormat::csv;
       if (words_.language == "zh") dictionary.language = Language::zh;
-      command_ = dictionary;
+      for (const std::string& text : words_.objects) {
+        const ObjectName& object = dictionary.objects.emplace_back(parse_object(text));
+        const bool exists = std::ranges::any_of(kObjectTable, [&](const ObjectDescription& row) {
+          return object.covers(row.address);
+        });
+        if (!exists) {
+          throw UsageError("the dictionary has no object " + in_quotes(text) +
+                           object_suggestion(text));
+        }
+      }
+      command_ = std::move(dictionary);
     });
   }
 
@@ -476,15 +546,19 @@ class Grammar {
   }
 
   void add_rate() {
-    CLI::App* word = add_word("rate", "Set how fast a realtime bench runs; 0 pauses it",
+    CLI::App* word = add_word("rate", "Set or show how fast a realtime bench runs; 0 pauses it",
                               "rate 0.5\n  vdrive rate 2 0    (bench 2)");
     word->add_option("VALUE", words_.rate,
                      "[BENCH] VALUE: drive time divided by wall time, 0 or from 0.1 to 100; BENCH "
-                     "defaults to the only bench")
-        ->required()
+                     "defaults to the only bench. Without a value the rates of all benches are "
+                     "shown")
         ->type_name("");
     word->callback([this] {
       if (words_.rate.size() > 2) throw UsageError("rate takes at most a bench and a value");
+      if (words_.rate.empty()) {
+        command_ = RateCommand{};
+        return;
+      }
       RateCommand rate{parse_real(words_.rate.back(), "rate"), std::nullopt};
       if (words_.rate.size() == 2) {
         rate.bench = static_cast<std::uint32_t>(
@@ -612,6 +686,8 @@ Invocation parse_command_line(std::vector<std::string> arguments) {
     invocation.text = help_of_all_words(grammar.app());
   } catch (const CLI::CallForVersion& version) {
     invocation.text = std::string(version.what()) + "\n";
+  } catch (const CLI::ExtrasError&) {
+    throw UsageError(unexpected_text(grammar.app()));
   } catch (const CLI::ParseError& error) {
     throw UsageError(one_line(error.what()));
   }
@@ -638,6 +714,8 @@ ScenarioWords parse_scenario_words(std::vector<std::string> words) {
     grammar.parse(std::move(words));
     ScenarioWords result{std::move(grammar.command()).value(), grammar.options().timeout};
     return result;
+  } catch (const CLI::ExtrasError&) {
+    throw UsageError(unexpected_text(grammar.app()));
   } catch (const CLI::ParseError& error) {
     throw UsageError(one_line(error.what()));
   }

@@ -79,7 +79,7 @@ void LiveView::note(const client::Observation& sample) {
 void LiveView::show(const client::Observation& sample) {
   std::vector<LiveLine> lines;
   for (const client::AxisSnapshot& axis : sample.axes) {
-    lines.push_back({bar_of(axis) + status_line(axis), color_of(axis)});
+    lines.push_back({bar_of(axis) + status_line(axis, to_string(axis.id)), color_of(axis)});
   }
   if (terminal_.is_interactive()) {
     terminal_.show_live(std::move(lines));

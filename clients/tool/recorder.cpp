@@ -83,6 +83,7 @@ Outcome Recorder::record(const std::vector<RecordedBench>& benches) {
     if (command_.duration) track.ticks = client::ticks_of(*command_.duration, bench.info.period);
     tracks.push_back(std::move(track));
   }
+  has_begun_ = true;
   if (command_.format == RecordFormat::csv) put(recording_header());
   Outcome outcome = follow(tracks);
   if (file_ != nullptr && !file.flush() && outcome) {

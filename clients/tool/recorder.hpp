@@ -32,6 +32,9 @@ class Recorder {
   ///         recorded for as long as requested.
   client::Outcome record(const std::vector<RecordedBench>& benches);
 
+  /// @return whether the file could be opened and the streams were followed.
+  [[nodiscard]] bool has_begun() const noexcept { return has_begun_; }
+
   /// @return samples recorded, one a tick of a bench.
   [[nodiscard]] std::uint64_t samples() const noexcept { return samples_; }
 
@@ -53,6 +56,7 @@ class Recorder {
   const RecordCommand& command_;
   std::map<client::AxisId, std::string> names_;
   std::ostream* file_ = nullptr;  ///< none: standard output
+  bool has_begun_ = false;
   std::uint64_t samples_ = 0;
   std::uint64_t lost_ = 0;
 };

@@ -89,7 +89,7 @@ std::string csv_line(const Json& row, bool is_header) {
   return line;
 }
 
-using TableRow = std::array<std::string, 7>;
+using TableRow = std::array<std::string, 9>;
 
 TableRow table_row(const ObjectDescription& row, Language language) {
   return {address_text(row.address),
@@ -97,14 +97,25 @@ TableRow table_row(const ObjectDescription& row, Language language) {
           std::string(name_in(row, language)),
           std::string(to_string(row.data_type)),
           std::string(to_text(row.access)),
+          row.storage == Storage::flash ? "yes" : "",
           std::to_string(row.default_value),
-          std::to_string(row.lower_limit) + " .. " + std::to_string(row.upper_limit)};
+          std::to_string(row.lower_limit) + " .. " + std::to_string(row.upper_limit),
+          row.units == "-" ? std::string() : units_in(row, language)};
 }
 
-std::vector<std::string> table_lines(Language language) {
+bool is_listed(const ObjectDescription& row, const DictionaryCommand& command) {
+  return command.objects.empty() ||
+         std::ranges::any_of(command.objects, [&row](const ObjectName& object) {
+           return object.covers(row.address);
+         });
+}
+
+std::vector<std::string> table_lines(const DictionaryCommand& command) {
   std::vector<TableRow> rows{
-      {"object", "variable_name", "name", "type", "access", "default", "range"}};
-  for (const ObjectDescription& row : kObjectTable) rows.push_back(table_row(row, language));
+      {"object", "variable_name", "name", "type", "access", "stored", "default", "range", "units"}};
+  for (const ObjectDescription& row : kObjectTable) {
+    if (is_listed(row, command)) rows.push_back(table_row(row, command.language));
+  }
   std::array<std::size_t, std::tuple_size_v<TableRow>> widths{};
   for (const TableRow& row : rows) {
     for (std::size_t i = 0; i < row.size(); ++i) {
@@ -200,9 +211,16 @@ std::string state_text(const client::AxisSnapshot& axis) {
   return text;
 }
 
-std::string status_line(const client::AxisSnapshot& axis) {
-  return formatted("%-4s %10d UU %8d UU/s  0x%03X ", to_string(axis.id).c_str(),
-                   axis.status.load_position_actual_value, axis.status.load_velocity_actual_value,
+std::string status_line(const client::AxisSnapshot& axis, const std::string& label) {
+  return padded(label, 4) +
+         formatted(" %10d UU %8d UU/s  0x%03X ", axis.status.load_position_actual_value,
+                   axis.status.load_velocity_actual_value, unsigned{axis.status.ds402_statusword}) +
+         state_text(axis);
+}
+
+std::string arrival_line(const client::AxisSnapshot& axis, const std::string& label) {
+  return padded(label, 4) +
+         formatted(" %10d UU  0x%03X ", axis.status.load_position_actual_value,
                    unsigned{axis.status.ds402_statusword}) +
          state_text(axis);
 }
@@ -258,9 +276,9 @@ std::string value_text(const ObjectName& object, std::int64_t value) {
   return text;
 }
 
-std::string reading_text(const client::AxisId& axis, const ObjectName& object, std::int64_t value) {
+std::string reading_text(const std::string& label, const ObjectName& object, std::int64_t value) {
   const auto row = object.row();
-  std::string text = to_string(axis) + " " + object.text;
+  std::string text = label + " " + object.text;
   if (row && describe(*row).variable_name != object.text) {
     text += " " + std::string(describe(*row).variable_name);
   }
@@ -272,9 +290,10 @@ std::string reading_text(const client::AxisId& axis, const ObjectName& object, s
 }
 
 std::vector<std::string> dictionary_lines(const DictionaryCommand& command) {
-  if (command.format == TableFormat::table) return table_lines(command.language);
+  if (command.format == TableFormat::table) return table_lines(command);
   std::vector<std::string> lines;
   for (const ObjectDescription& row : kObjectTable) {
+    if (!is_listed(row, command)) continue;
     const Json json = dictionary_json(row, command.language);
     if (command.format == TableFormat::json) {
       lines.push_back(to_line(json));

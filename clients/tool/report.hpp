@@ -30,8 +30,11 @@ void add_outcome(Json& json, const client::Outcome& outcome);
 [[nodiscard]] std::vector<std::string> status_text(const client::AxisSnapshot& axis,
                                                    const std::string& name);
 
-/// The same as one line of text.
-[[nodiscard]] std::string status_line(const client::AxisSnapshot& axis);
+/// The same as one line of text. @param label what the axis is called
+[[nodiscard]] std::string status_line(const client::AxisSnapshot& axis, const std::string& label);
+
+/// The same of an axis at the end of a motion: its speed is what is left within the window.
+[[nodiscard]] std::string arrival_line(const client::AxisSnapshot& axis, const std::string& label);
 
 /// @return the state, the error that 603Fh shows, and the bits of the statusword that are not
 ///         always 1, such as "Fault 0x8611 following error" or "Operation enabled: target reached".
@@ -50,7 +53,7 @@ void add_outcome(Json& json, const client::Outcome& outcome);
 
 /// One object as `read` and `write` show it.
 [[nodiscard]] Json object_json(const client::AxisId& axis, const ObjectName& object);
-[[nodiscard]] std::string reading_text(const client::AxisId& axis, const ObjectName& object,
+[[nodiscard]] std::string reading_text(const std::string& label, const ObjectName& object,
                                        std::int64_t value);
 
 /// The object dictionary as lines.

@@ -12,8 +12,8 @@ namespace {
 
 ObjectRow checked_row(const ObjectName& object) {
   if (const auto row = object.row()) return *row;
-  throw UsageError(in_quotes(object.text) +
-                   " is not an object of the dictionary; 'vdrive dictionary' lists all objects");
+  throw UsageError(in_quotes(object.text) + " is not an object of the dictionary" +
+                   object_suggestion(object.text) + "; 'vdrive dictionary' lists all objects");
 }
 
 std::string range_text(ObjectRow row) {

@@ -3,6 +3,7 @@
 
 #include "live_view.hpp"
 #include "vdrive/text.hpp"
+#include "vdrive/wording.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -42,6 +43,7 @@ class ScenarioRun {
       }
     }
     live_view_.reset();
+    if (!outcome) clear_disturbances();
     report(outcome);
     const auto unwritten = junit_.write(scenario_.file, cases_);
     return outcome && unwritten ? Outcome::failed(*unwritten) : outcome;
@@ -101,6 +103,13 @@ class ScenarioRun {
                            outcome.message());
   }
 
+  /// Who runs the next scenario finds the bench without the faults of this one.
+  void clear_disturbances() {
+    for (const std::string& cleared : executor_.clear_disturbances()) {
+      terminal_.complain("vdrive: cleared " + cleared);
+    }
+  }
+
   void announce(const ScenarioLine& line) {
     if (options_.is_json) return;
     std::string number = std::to_string(line.number);
@@ -123,7 +132,7 @@ class ScenarioRun {
                                {"lines", scenario_.lines.size()}}));
     } else if (outcome) {
       terminal_.print(colored(terminal_, Color::green, "passed") + "  " + scenario_.file + ", " +
-                      std::to_string(scenario_.lines.size()) + " lines");
+                      counted(scenario_.lines.size(), "line", "lines"));
     }
   }
 

@@ -4,17 +4,56 @@
 #include "usage_error.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
+#include "vdrive/wording.hpp"
 
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <limits>
+#include <vector>
 
 namespace vdrive::tool {
 namespace {
 
 constexpr std::int64_t kHighestHours = 1000;
 constexpr std::int64_t kHighestNanoseconds = kHighestHours * 3600 * 1'000'000'000;
+
+/// Names of CiA 402 in the place of the manual's.
+struct StandardName {
+  std::string_view name;
+  ObjectRow row;
+};
+
+using namespace vdrive::literals;
+
+constexpr std::array kStandardNames{
+    StandardName{"controlword", "ds402_controlword"_object},
+    StandardName{"statusword", "ds402_statusword"_object},
+    StandardName{"modes_of_operation", "op_mode_cmd"_object},
+    StandardName{"modes_of_operation_display", "op_mode_actual"_object},
+    StandardName{"position_actual_value", "load_position_actual_value"_object},
+    StandardName{"velocity_actual_value", "load_velocity_actual_value"_object},
+    StandardName{"following_error_actual_value", "load_position_error_value"_object},
+    StandardName{"target_position", "position_user_target_value"_object},
+    StandardName{"position_window", "position_target_reached_window"_object},
+    StandardName{"position_window_time", "position_target_reached_window_time"_object},
+    StandardName{"min_position_limit", "user_position_lower_limit"_object},
+    StandardName{"max_position_limit", "user_position_upper_limit"_object},
+    StandardName{"max_profile_velocity", "app_speed_limit"_object},
+    StandardName{"max_motor_speed", "motor_max_speed_rpm"_object},
+    StandardName{"profile_acceleration", "profile_acc"_object},
+    StandardName{"profile_deceleration", "profile_dec"_object},
+    StandardName{"max_acceleration", "app_acc_limit"_object},
+    StandardName{"max_deceleration", "app_dec_limit"_object},
+    StandardName{"positive_torque_limit_value", "positive_torque_limit_relative"_object},
+    StandardName{"negative_torque_limit_value", "negative_torque_limit_relative"_object},
+};
+
+std::optional<ObjectRow> row_named(std::string_view name) {
+  if (const auto row = find_object(name)) return row;
+  const auto* const standard = std::ranges::find(kStandardNames, name, &StandardName::name);
+  return standard == kStandardNames.end() ? std::nullopt : std::optional(standard->row);
+}
 
 bool is_hexadecimal(std::string_view text) {
   return text.size() > 2 && text[0] == '0' && (text[1] == 'x' || text[1] == 'X');
@@ -107,6 +146,12 @@ std::optional<ObjectRow> ObjectName::row() const {
   return address ? find_object(*address) : std::nullopt;
 }
 
+bool ObjectName::covers(ObjectAddress other) const {
+  if (!address || address->index != other.index) return false;
+  const bool is_whole_index = is_hexadecimal(text) && text.find(':') == std::string::npos;
+  return is_whole_index || address->subindex == other.subindex;
+}
+
 ObjectName parse_object(std::string_view text) {
   const std::size_t colon = std::min(text.find(':'), text.size());
   const std::string_view index_text = text.substr(0, colon);
@@ -119,13 +164,20 @@ ObjectName parse_object(std::string_view text) {
                                                static_cast<std::uint8_t>(*subindex)}};
     }
   } else if (looks_like_name(text)) {
-    const auto row = find_object(text);
+    const auto row = row_named(text);
     if (!row) return {std::string(text), std::nullopt};
     return {std::string(text), describe(*row).address};
   }
   throw UsageError(in_quotes(text) +
                    " is not an object: write 0x6041, 0x607D:1 or a variable_name such as "
                    "ds402_statusword");
+}
+
+std::string object_suggestion(std::string_view name) {
+  std::vector<std::string> names;
+  for (const ObjectDescription& row : kObjectTable) names.emplace_back(row.variable_name);
+  for (const StandardName& standard : kStandardNames) names.emplace_back(standard.name);
+  return suggestion(name, names);
 }
 
 std::int64_t parse_value(std::string_view text, DataType type) {

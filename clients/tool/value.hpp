@@ -18,11 +18,21 @@ struct ObjectName {
 
   /// @return its row, none for an object that does not exist.
   [[nodiscard]] std::optional<ObjectRow> row() const;
+
+  /// @return whether a list of this object has the row at `other`: an index that was spelled
+  /// without
+  ///         a sub-index stands for all of them.
+  [[nodiscard]] bool covers(ObjectAddress other) const;
 };
 
-/// @param text `0x6041` (sub-index 0), `0x607D:1` or a variable_name
+/// @param text `0x6041` (sub-index 0), `0x607D:1`, a variable_name, or the name that the standard
+///        (CiA 402) has for the object, such as `statusword`
 /// @throws UsageError for anything else. The drive decides whether the object exists.
 [[nodiscard]] ObjectName parse_object(std::string_view text);
+
+/// @return " (did you mean 'x'?)" with the name nearest to that of an object that does not exist,
+///         or nothing.
+[[nodiscard]] std::string object_suggestion(std::string_view name);
 
 /// @param text decimal, negative, or hexadecimal as the two's complement of `type`: 0xFFFFD8F0 is
 ///        -10000 as INTEGER32

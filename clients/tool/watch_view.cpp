@@ -42,7 +42,8 @@ void WatchView::show() {
       terminal_.print(to_line(status_json(axis, names_.at(axis.id))));
       continue;
     }
-    const std::string line = std::to_string(axis.tick) + "  " + status_line(axis);
+    const std::string line =
+        std::to_string(axis.tick) + "  " + status_line(axis, to_string(axis.id));
     const auto color = color_of(axis);
     terminal_.print(color ? colored(terminal_, *color, line) : line);
   }

@@ -48,6 +48,38 @@ std::string refusal_of(std::vector<std::string> words) {
   return "accepted";
 }
 
+TEST(CommandLine, NamesWhatItDoesNotExpectInTheOrderOfTheLine) {
+  EXPECT_EQ(refusal_of(split("move 1.1 5 --speed 3 --fast")),
+            "'--speed' is not an option of 'vdrive move'");
+  EXPECT_EQ(refusal_of(split("move 1.1 5 --velocty 3")),
+            "'--velocty' is not an option of 'vdrive move' (did you mean '--velocity'?)");
+  EXPECT_EQ(refusal_of(split("move 1.1 5 6 7")), "'6' is one argument too many for 'vdrive move'");
+  EXPECT_EQ(refusal_of(split("status 1.1 -5")),
+            "'-5' is one argument too many for 'vdrive status'");
+}
+
+TEST(CommandLine, TellsWhereAnOptionOfACommandBelongs) {
+  EXPECT_EQ(refusal_of(split("--bench 7 step 1")),
+            "'--bench' belongs behind its command, such as 'vdrive step ... --bench'");
+  EXPECT_EQ(refusal_of(split("--jsn list")), "'--jsn' is not an option (did you mean '--json'?)");
+  EXPECT_EQ(refusal_of(split("--nothing=3 list")), "'--nothing' is not an option");
+}
+
+TEST(CommandLine, SuggestsAnObjectOfTheDictionary) {
+  EXPECT_EQ(command<DictionaryCommand>("dictionary 0x607D").objects.size(), 1U);
+  EXPECT_EQ(refusal_of(split("dictionary 0x9999")), "the dictionary has no object '0x9999'");
+  EXPECT_EQ(refusal_of(split("dictionary profil_acc")),
+            "the dictionary has no object 'profil_acc' (did you mean 'profile_acc'?)");
+}
+
+TEST(CommandLine, SuggestsACommandAndADisturbance) {
+  EXPECT_EQ(refusal_of(split("enabel 1.1")), "'enabel' is not a command (did you mean 'enable'?)");
+  EXPECT_EQ(refusal_of(split("dance")),
+            "'dance' is not a command; 'vdrive --help' lists all commands");
+  EXPECT_THAT(refusal_of(split("disturb 1.1 overcurrent")),
+              testing::EndsWith("or none (did you mean 'over_current'?)"));
+}
+
 // CLI11 takes an empty value for none.
 TEST(CommandLine, RefusesAnEmptyValue) {
   EXPECT_EQ(refusal_of({"--security", "", "list"}), "--security: the value is empty");
@@ -195,6 +227,7 @@ TEST(CommandLine, OtherWords) {
   EXPECT_EQ(command<SnapshotCommand>("snapshot restore 7").snapshot, 7U);
   EXPECT_EQ(command<SnapshotCommand>("snapshot drop 7 --bench 2").bench, 2U);
   EXPECT_EQ(command<RateCommand>("rate 0").rate, 0.0);
+  EXPECT_EQ(command<RateCommand>("rate").rate, std::nullopt);
   EXPECT_FALSE(command<RateCommand>("rate 0.5").bench);
   EXPECT_EQ(command<RateCommand>("rate 3 0.5").bench, 3U);
   EXPECT_EQ(command<RateCommand>("rate 3 0.5").rate, 0.5);

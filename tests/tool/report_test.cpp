@@ -7,6 +7,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace vdrive::tool {
 namespace {
 
@@ -132,6 +134,35 @@ TEST(Dictionary, HasARowForEachObjectInEachFormat) {
     EXPECT_THAT(dictionary_lines({TableFormat::csv, language}), SizeIs(kObjectCount + 1));
     EXPECT_THAT(dictionary_lines({TableFormat::json, language}), SizeIs(kObjectCount));
   }
+}
+
+TEST(Dictionary, TableHasTheColumnsThatTheGuideNames) {
+  const auto lines = dictionary_lines({TableFormat::table, Language::en});
+  EXPECT_THAT(lines[0], testing::ContainsRegex("access +stored +default +range +units$"));
+  const auto velocity = std::ranges::find_if(lines, [](const std::string& line) {
+    return line.starts_with("0x6081");
+  });
+  ASSERT_NE(velocity, lines.end());
+  EXPECT_THAT(*velocity, testing::ContainsRegex("RW +yes +68267 +0 .. 4294967295 +VelUU$"));
+}
+
+TEST(Dictionary, ShowsTheObjectsThatAreNamed) {
+  EXPECT_THAT(dictionary_lines({TableFormat::json, Language::en, {parse_object("0x607D")}}),
+              SizeIs(2));
+  EXPECT_THAT(dictionary_lines({TableFormat::table,
+                                Language::en,
+                                {parse_object("statusword"), parse_object("0x607D:1")}}),
+              SizeIs(3));
+}
+
+TEST(ArrivalLine, HasNoSpeedAndTheNameThatWasTyped) {
+  client::AxisSnapshot axis = moving_axis();
+  axis.status.ds402_statusword = 0x0637;
+  axis.status.load_velocity_actual_value = 15;
+  EXPECT_EQ(arrival_line(axis, "gantry_left"),
+            "gantry_left       -500 UU  0x637 Operation enabled: target reached");
+  EXPECT_EQ(status_line(axis, "1.2"),
+            "1.2        -500 UU       15 UU/s  0x637 Operation enabled: target reached");
 }
 
 TEST(Dictionary, JsonCarriesTheRow) {

@@ -200,6 +200,31 @@ TEST_F(ToolInLockStep, AMoveEndedByAFaultExitsOne) {
   EXPECT_THAT(finished.errors, HasSubstr("0x8611"));
 }
 
+TEST_F(ToolInLockStep, AMoveThatALimitCutsExitsOneAndLimitsWithoutEffectAreSaid) {
+  ASSERT_EQ(tool("enable 1.1").code, 0);
+  EXPECT_THAT(tool("write 1.1 0x607D:2 1000").errors,
+              HasSubstr("app_position_limit_switch (3535h)"));
+  EXPECT_EQ(tool("move 1.1 8000").code, 0) << "3535h is 0";
+  ASSERT_EQ(tool("move 1.1 0").code, 0);
+  EXPECT_THAT(tool("write 1.1 0x3535 1").errors, IsEmpty());
+  ASSERT_EQ(tool("step 1").code, 0);
+  const Finished cut = tool("move 1.1 8000");
+  EXPECT_EQ(cut.code, 1);
+  EXPECT_THAT(cut.errors, HasSubstr("user_position_upper_limit (607Dh:2) = 1000"));
+  EXPECT_THAT(tool("write 1.1 0x607D:1 1000").errors,
+              HasSubstr("607Dh:1) = 1000 is not below user_position_upper_limit (607Dh:2) = 1000"));
+}
+
+TEST_F(ToolInLockStep, AMoveWithoutSpeedIsRefusedAtOnce) {
+  ASSERT_EQ(tool("enable 1.1").code, 0);
+  const Finished refused = tool("move 1.1 1000 --velocity 0");
+  EXPECT_EQ(refused.code, 5);
+  EXPECT_THAT(refused.errors, HasSubstr("profile_velocity (6081h) is 0: the axis cannot move"));
+  EXPECT_EQ(tool("run -", "refused 0x08000022 move 1.1 1000 --acceleration 0\nmove 1.1 9\n").code,
+            0);
+  EXPECT_THAT(tool("move 1.1 0 --deceleration 9000 --no-wait").errors, HasSubstr("6084h"));
+}
+
 TEST_F(ToolInLockStep, ADisturbanceForATimeIsClearedAfterIt) {
   ASSERT_EQ(tool("disturb 1.1 load_torque -100 --for 20ms").code, 0);
   const auto objects = json_of(tool("read 1.1 0x5E00 --json"));
@@ -211,8 +236,62 @@ TEST_F(ToolInLockStep, TwoBenchesNeedANumberForAStep) {
   const RunningService other("--clock lockstep --bench 2");
   const Finished finished = tool("step 1");
   EXPECT_EQ(finished.code, 3);
-  EXPECT_THAT(finished.errors, AllOf(HasSubstr("bench 1"), HasSubstr("bench 2")));
+  EXPECT_THAT(finished.errors,
+              AllOf(HasSubstr("bench 1"), HasSubstr("bench 2"), HasSubstr("step 1000 --bench 2")));
   EXPECT_EQ(tool("step 1 --bench 2").code, 0);
+  EXPECT_THAT(tool("rate 1").errors, HasSubstr("rate 2 0.5"));
+  EXPECT_THAT(tool("record -").errors, HasSubstr("record out.csv 2.1 2.2"));
+}
+
+TEST_F(ToolInLockStep, CallsAnAxisAsItWasTyped) {
+  EXPECT_THAT(tool("halt x").errors, HasSubstr("axis x (1.1) is in Switch on disabled"));
+  EXPECT_THAT(tool("halt 1.1").errors, HasSubstr("axis 1.1 is in Switch on disabled"));
+  EXPECT_THAT(json_of(tool("halt x --json")).at(0)["message"].get<std::string>(),
+              HasSubstr("axis x (1.1)"));
+  EXPECT_THAT(tool("enable x").output, testing::StartsWith("x    "));
+  EXPECT_THAT(tool("read x 0x6061").output, testing::StartsWith("x 0x6061"));
+  EXPECT_THAT(tool("write x 0x6041 1").errors, HasSubstr("axis x (1.1)"));
+}
+
+TEST_F(ToolInLockStep, ARefusalNamesTheNextStepAndAMistypedNameItsNearest) {
+  EXPECT_THAT(tool("move x 100").errors, HasSubstr("; enable it first: vdrive enable x"));
+  ASSERT_EQ(tool("disturb 1.1 over_current").code, 0);
+  ASSERT_EQ(tool("step 2").code, 0);
+  EXPECT_THAT(tool("enable 1.1").errors, HasSubstr("; reset it first: vdrive reset 1.1"));
+  EXPECT_THAT(tool("read 1.1 statusward").errors, HasSubstr("(did you mean 'statusword'?)"));
+  const RunningService other("--clock lockstep --bench 2 --axes 3");
+  EXPECT_THAT(tool("status axs3").errors, HasSubstr("'axs3' (did you mean 'axis3'?)"));
+}
+
+TEST_F(ToolInLockStep, AFinishedMoveShowsNoSpeed) {
+  ASSERT_EQ(tool("enable 1.1").code, 0);
+  EXPECT_THAT(tool("move 1.1 1000").output,
+              AllOf(HasSubstr("1000 UU  0x637"), Not(HasSubstr("UU/s"))));
+  EXPECT_THAT(tool("move 1.1 0 --no-wait").output, HasSubstr("UU/s"));
+}
+
+TEST_F(ToolInLockStep, AScenarioThatFailsLeavesNoDisturbance) {
+  const Finished finished = tool("run -",
+                                 "disturb 1.1 blocked_load\n"
+                                 "write y 0x5E00 500\n"
+                                 "disturb 1.2 over_current\n"
+                                 "disturb 1.2 over_current 0\n"
+                                 "expect 1.1 0x6041 0\n");
+  EXPECT_EQ(finished.code, 1);
+  EXPECT_THAT(finished.errors, AllOf(HasSubstr("cleared test_blocked_load of 1.1"),
+                                     HasSubstr("cleared test_load_torque of y"),
+                                     Not(HasSubstr("test_over_current"))));
+  EXPECT_THAT(tool("read 1.1 0x5E01").output, HasSubstr("= 0"));
+  EXPECT_THAT(tool("read 1.2 0x5E00").output, HasSubstr("= 0"));
+  EXPECT_EQ(tool("run -", "disturb 1.1 blocked_load\n").code, 0);
+  EXPECT_THAT(tool("read 1.1 0x5E01").output, HasSubstr("= 1")) << "it has passed: as it says";
+}
+
+TEST_F(ToolInLockStep, StoringWithoutAStateDirectoryTellsWhatIsMissing) {
+  const Finished finished = tool("store 1.1");
+  EXPECT_EQ(finished.code, 5);
+  EXPECT_THAT(finished.errors,
+              AllOf(HasSubstr("0x08000020"), HasSubstr("vdrived with --state DIR")));
 }
 
 TEST_F(ToolInLockStep, WatchEndsOnAnInterruptWith130) {
@@ -312,7 +391,9 @@ TEST_F(Recording, ThatIsInterruptedIsWholeAndToldAs130) {
 TEST_F(Recording, IntoAPlaceThatCannotBeWrittenNamesIt) {
   const Finished finished = tool("record " + file("no/such/folder.csv") + " 1.1");
   EXPECT_EQ(finished.code, 1);
-  EXPECT_THAT(finished.errors, AllOf(HasSubstr("no/such/folder.csv"), HasSubstr("No such file")));
+  EXPECT_THAT(finished.errors, AllOf(HasSubstr("no/such/folder.csv"), HasSubstr("No such file"),
+                                     Not(HasSubstr("recorded"))));
+  EXPECT_THAT(tool("record - 1.1 --count 1").errors, HasSubstr("recorded 1 sample of 1 axis,"));
 }
 
 TEST_F(ToolInLockStep, ALongRunEndsOnAnInterruptWith130AndReleases) {
@@ -568,7 +649,11 @@ TEST(ToolInRealtime, PausesAndGoesOn) {
   EXPECT_EQ(enable.code, 1) << "at once, not at the end of drive time that never comes";
   EXPECT_THAT(enable.errors, HasSubstr("bench 1 is paused: rate 0"));
   EXPECT_LT(enable.duration, 10s);
+  EXPECT_THAT(tool("list").output, HasSubstr(" us, paused\n"));
+  EXPECT_EQ(tool("rate").output, "bench 1 realtime rate 0\n");
   EXPECT_EQ(tool("rate 1 0.5").output.substr(0, 21), "bench 1 rate 0.5 tick");
+  EXPECT_THAT(tool("list").output, HasSubstr(" us, rate 0.5\n"));
+  EXPECT_EQ(tool("rate --json").output, "{\"bench\":1,\"clock\":\"realtime\",\"rate\":0.5}\n");
   const Finished enabled = tool("enable 1.1");
   EXPECT_EQ(enabled.code, 0) << enabled.errors;
 }

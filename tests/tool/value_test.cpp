@@ -16,6 +16,22 @@ using testing::ThrowsMessage;
 
 constexpr ObjectAddress kStatusword{0x6041, 0};
 
+TEST(ObjectName, MayBeTheOneOfTheStandard) {
+  EXPECT_EQ(parse_object("statusword").address, (ObjectAddress{0x6041, 0}));
+  EXPECT_EQ(parse_object("target_position").address, (ObjectAddress{0x607A, 0}));
+  EXPECT_EQ(parse_object("max_position_limit").address, (ObjectAddress{0x607D, 2}));
+  EXPECT_EQ(object_suggestion("profile_velocty"), " (did you mean 'profile_velocity'?)");
+  EXPECT_EQ(object_suggestion("gravity"), "");
+}
+
+TEST(ObjectName, WithoutASubindexCoversAllOfThem) {
+  EXPECT_TRUE(parse_object("0x607D").covers({0x607D, 1}));
+  EXPECT_TRUE(parse_object("0x607D").covers({0x607D, 2}));
+  EXPECT_FALSE(parse_object("0x607D:1").covers({0x607D, 2}));
+  EXPECT_FALSE(parse_object("user_position_upper_limit").covers({0x607D, 1}));
+  EXPECT_FALSE(parse_object("no_such").covers({0x607D, 1}));
+}
+
 TEST(ObjectName, IsAnIndexOfSubIndexZero) {
   EXPECT_EQ(parse_object("0x6041").address, kStatusword);
 }
