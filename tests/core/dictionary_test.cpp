@@ -28,6 +28,11 @@ using test::read_csv;
 
 const std::string kData = VDRIVE_SOURCE_DIR "/tests/data/";
 
+// Which file is to be changed when a row of the table and another file differ.
+constexpr std::string_view kTable = "core/include/vdrive/dictionary/object_table.hpp";
+constexpr std::string_view kManualCsv = "tests/data/object-dictionary.csv";
+constexpr std::string_view kCompanionCsv = "tests/data/companion-objects.csv";
+
 /// Modes that 6060h takes; bit n - 1 of 6502h stands for mode n: pp, pv, tq, hm, csp.
 const std::set<std::int64_t> kWorkingModes{0, 1, 3, 4, 6, 8};
 constexpr std::int64_t kModeBits = 0b1010'1101;
@@ -62,9 +67,10 @@ TEST(ObjectTable, CarriesEveryCellOfTheManualsTable) {
   const std::vector<CsvRow> rows = read_csv(kData + "object-dictionary.csv");
   ASSERT_EQ(rows.size(), 32U);
   for (const CsvRow& row : rows) {
-    SCOPED_TRACE(row.at("index") + ":" + row.at("subindex"));
+    SCOPED_TRACE(row.at("index") + ":" + row.at("subindex") + " of " + std::string(kManualCsv) +
+                 " and of " + std::string(kTable));
     const auto found = find_object(address_of(row));
-    ASSERT_TRUE(found.has_value());
+    ASSERT_TRUE(found.has_value()) << "the object has no row in " << kTable;
     const ObjectDescription& object = describe(*found);
 
     expect_common_cells(object, row);
@@ -79,10 +85,11 @@ TEST(ObjectTable, CarriesEveryCellOfTheManualsTable) {
 
 TEST(ObjectTable, CarriesEveryCellOfTheCompanionTable) {
   for (const CsvRow& row : read_csv(kData + "companion-objects.csv")) {
-    SCOPED_TRACE(row.at("index") + ":" + row.at("subindex"));
+    SCOPED_TRACE(row.at("index") + ":" + row.at("subindex") + " of " + std::string(kCompanionCsv) +
+                 " and of " + std::string(kTable));
     const ObjectAddress address = address_of(row);
     const auto found = find_object(address);
-    ASSERT_TRUE(found.has_value()) << "missing in the table";
+    ASSERT_TRUE(found.has_value()) << "the object has no row in " << kTable;
     const ObjectDescription& object = describe(*found);
     expect_common_cells(object, row);
     EXPECT_EQ(object.origin, Origin::companion);
@@ -100,7 +107,9 @@ TEST(ObjectTable, HasNoRowThatNeitherTableNames) {
     }
   }
   for (const ObjectDescription& object : kObjectTable) {
-    EXPECT_TRUE(named.contains(object.address)) << show(object.address);
+    EXPECT_TRUE(named.contains(object.address))
+        << show(object.address) << " " << object.variable_name << " of " << kTable
+        << " has no row in " << kCompanionCsv;
   }
 }
 

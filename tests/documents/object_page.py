@@ -44,7 +44,8 @@ def main():
         return 0
     if PAGE.is_file() and PAGE.read_text(encoding="utf-8") == text:
         return 0
-    print(f"{PAGE} is not current; object_page.py {sys.argv[1]} writes it")
+    print("docs/reference/objects.md is not current; this writes it: "
+          f"tests/documents/object_page.py {sys.argv[1]}")
     return 1
 
 

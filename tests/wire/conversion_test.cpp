@@ -65,7 +65,9 @@ TEST(StatusConversion, CarriesEveryMonitoredObjectOfTheManual) {
   for (ObjectRow row = 0; row < kObjectCount; ++row) {
     const auto& object = describe(row);
     if (object.origin == Origin::manual && object.access == Access::read_only) {
-      EXPECT_NE(value_of(received, row).value_or(0), 0) << object.variable_name;
+      EXPECT_NE(value_of(received, row).value_or(0), 0)
+          << object.variable_name << " needs a row in core/src/status_member_table.hpp and one in "
+          << "idl/src/status_members.hpp";
     }
   }
   EXPECT_EQ(value_of(received, "profile_velocity"_object), std::nullopt);

@@ -51,8 +51,11 @@ TEST(Idl, HasAMemberOfSameNameAndTypeForEveryObjectOfTheManual) {
     if (object.origin == Origin::manual) {
       const std::string name(object.variable_name);
       ++rows;
-      ASSERT_TRUE(members.contains(name)) << "the IDL lacks " << name;
-      EXPECT_EQ(members[name], idl_type(object.data_type)) << name;
+      ASSERT_TRUE(members.contains(name)) << "idl/vdrive_messages.idl has no member " << name
+                                          << " in AxisCommand, AxisStatus or AxisParameters";
+      EXPECT_EQ(members[name], idl_type(object.data_type))
+          << "idl/vdrive_messages.idl gives " << name << " another type than "
+          << "core/include/vdrive/dictionary/object_table.hpp";
     }
   }
   EXPECT_EQ(rows, 32);  // rows of the manual's tables
@@ -66,7 +69,9 @@ TEST(Idl, CallsNoMemberLikeAnObjectOfAnotherType) {
     for (const auto& [name, type] : members) {
       const auto row = find_object(std::string_view(name));
       if (row && name != "digital_inputs") {  // three of its bits, in one byte
-        EXPECT_EQ(type, idl_type(describe(*row).data_type)) << structure << "." << name;
+        EXPECT_EQ(type, idl_type(describe(*row).data_type))
+            << "idl/vdrive_messages.idl: " << structure << "." << name << " has another type than "
+            << "core/include/vdrive/dictionary/object_table.hpp";
       }
     }
   }
