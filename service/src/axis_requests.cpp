@@ -136,7 +136,7 @@ std::uint32_t AxisRequests::stop_axis(std::size_t axis, bool by_halt, std::uint6
   return wire_code(AbortCode::none);
 }
 
-/// Who writes a command object of a free axis becomes its owner.
+/// The session that writes a command object of a free axis becomes its owner.
 std::uint32_t AxisRequests::write_command_object(std::size_t axis, ObjectRow row,
                                                  std::int64_t value, std::uint64_t session) {
   SessionRecord* const record = session == 0 ? nullptr : masters_.admit(session);

@@ -20,7 +20,7 @@ BenchEngine::BenchEngine(const Configuration& configuration, const BenchIdentity
       master_watch_(configuration, clock_, masters_, counters_),
       application_(axes_, writer_, masters_, frame_answers_, events_, counters),
       frames_(clock_, brake_, masters_, schedule_, frame_answers_, application_, counters),
-      observation_(axes_, masters_, schedule_, events_, counters),
+      axis_events_(axes_, masters_, schedule_, events_, counters),
       output_(identity, clock_, axes_, masters_, events_, outbox, counters),
       request_answers_(identity, clock_, axes_, masters_, events_, outbox.replies, counters),
       stores_(axes_, clock_, masters_, request_answers_, events_, outbox.replies, counters),
@@ -52,7 +52,7 @@ void BenchEngine::step() {
   axes_.step();
   clock_.complete_tick();
   axes_.record_tick(clock_.tick());
-  observation_.observe();
+  axis_events_.report_changes();
   stores_.answer();
   output_.post_parameters();
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "axis_events.hpp"
 #include "axis_requests.hpp"
 #include "axis_writer.hpp"
 #include "bench_axes.hpp"
@@ -18,7 +19,6 @@
 #include "journal.hpp"
 #include "master_watch.hpp"
 #include "masters.hpp"
-#include "observation.hpp"
 #include "parameter_saver.hpp"
 #include "queues.hpp"
 #include "request_answers.hpp"
@@ -124,9 +124,9 @@ class BenchEngine {
   }
 
   /// A message of the session arrived now.
-  void hear(std::uint64_t session) { masters_.hear(session); }
+  void note_message(std::uint64_t session) { masters_.note_message(session); }
 
-  /// The bench ends: from the first call on only reads are answered, masters need not be heard, and
+  /// The bench ends: from the first call on only reads are answered, masters may be silent, and
   /// every step switches off what has come to rest. Writes the controlwords that brake the axes
   /// that are still enabled; may be called again to brake harder.
   void shut_down(Braking braking) { brake_.engage(braking); }
@@ -150,7 +150,7 @@ class BenchEngine {
   MasterWatch master_watch_;
   FrameApplication application_;
   CommandFrames frames_;
-  Observation observation_;
+  AxisEvents axis_events_;
   BenchOutput output_;
   RequestAnswers request_answers_;
   StoreRequests stores_;

@@ -8,9 +8,9 @@ namespace vdrive::service {
 BenchGuard::BenchGuard(ByteRing notices, const BenchIdentity& identity)
     : notices_(notices), identity_(identity) {}
 
-void BenchGuard::look() {
-  constexpr int kMostInOneLook = 64;  // whoever looks has other things to do
-  for (int count = 0; count < kMostInOneLook; ++count) {
+void BenchGuard::receive() {
+  constexpr int kMostAtOnce = 64;  // the calling thread has other work
+  for (int count = 0; count < kMostAtOnce; ++count) {
     const auto record = notices_.front();
     if (!record) return;
     if (wire::decode(record->bytes, state_) && state_.bench() == identity_.bench &&

@@ -16,14 +16,14 @@ namespace vdrive::service {
 /// which started first, keeps the number.
 class BenchGuard {
  public:
-  /// How long to listen before announcing; running services show themselves every 50 ms.
-  static constexpr std::chrono::milliseconds kListening{300};
+  /// How long to receive before announcing; running services publish their state every 50 ms.
+  static constexpr std::chrono::milliseconds kReceiving{300};
 
   /// @param notices where the wire puts the states of other services
   BenchGuard(ByteRing notices, const BenchIdentity& identity);
 
   /// Reads what has arrived. One thread at a time.
-  void look();
+  void receive();
 
   /// @return the incarnation of the service to which the number belongs, when it is not ours.
   [[nodiscard]] std::optional<std::uint64_t> conflict() const noexcept;

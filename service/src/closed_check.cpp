@@ -17,7 +17,7 @@ constexpr std::chrono::milliseconds kLongestMatch = 5s;
 /// How long a stranger goes on trying after a member has matched, which it began before the member.
 constexpr std::chrono::milliseconds kLeeway = 100ms;
 
-/// Somebody who hears and says what benches say of themselves.
+/// Receives and publishes what benches publish about themselves.
 class Visitor {
  public:
   Visitor(const wire::NetworkSettings& settings, const std::string& name)
@@ -25,13 +25,13 @@ class Visitor {
         states_(participant_, [](const msg::BenchState&, const wire::Source&) {}),
         own_states_(participant_) {}
 
-  /// @return whether it hears `other`.
-  [[nodiscard]] bool hears(const wire::Source& other, std::chrono::milliseconds patience) {
+  /// @return whether it receives what `other` publishes.
+  [[nodiscard]] bool receives_from(const wire::Source& other, std::chrono::milliseconds patience) {
     return states_.wait_for_match(other, patience);
   }
 
-  /// @return whether `other` hears it.
-  [[nodiscard]] bool is_heard_by(const wire::Source& other, std::chrono::milliseconds patience) {
+  /// @return whether `other` receives what it publishes.
+  [[nodiscard]] bool is_received_by(const wire::Source& other, std::chrono::milliseconds patience) {
     return own_states_.wait_for_match(other, patience);
   }
 
@@ -52,12 +52,12 @@ void check_closed(wire::Participant& participant, const wire::NetworkSettings& s
   const wire::Source bench = participant.source();
   Visitor stranger(without_material(settings), "vdrived self-test: stranger");
   Visitor member(settings, "vdrived self-test: member");
-  if (!member.hears(bench, kLongestMatch) || !member.is_heard_by(bench, kLongestMatch)) {
+  if (!member.receives_from(bench, kLongestMatch) || !member.is_received_by(bench, kLongestMatch)) {
     throw wire::NetworkError(
         "network security: self-test: a participant with the material of this service does not "
         "find the service; check that its permissions allow every topic of a service");
   }
-  if (stranger.hears(bench, kLeeway) || stranger.is_heard_by(bench, 0ms)) {
+  if (stranger.receives_from(bench, kLeeway) || stranger.is_received_by(bench, 0ms)) {
     throw wire::NetworkError(
         "network security: self-test: a participant without material finds this service, so the "
         "bench is open; check that the DDS library of this machine has DDS Security");

@@ -8,8 +8,8 @@
 namespace vdrive::service {
 
 /// The self-test of the closed mode: a second participant with the material of `settings` finds
-/// `participant`, and a stranger without material, on the same interfaces, does not, neither to
-/// hear it nor to be heard. `participant` publishes and subscribes to bench_state already. Takes
+/// `participant`, and a stranger without material, on the same interfaces, does not: neither
+/// receives from the other. `participant` publishes and subscribes to bench_state already. Takes
 /// some 0.2 s.
 /// @throws wire::NetworkError when the bench would be open, or when those who are permitted do not
 ///         find it either

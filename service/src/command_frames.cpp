@@ -37,7 +37,7 @@ void CommandFrames::handle(Arrival& arrival) {
     answers_.refuse(frame, msg::REASON_QUEUE_FULL);
     return;
   }
-  record->last_heard_tick = clock_.tick();
+  record->last_message_tick = clock_.tick();
   if (answer_repeat(frame)) return;
   record->last_sequence = std::max(record->last_sequence, frame.sequence_number());
   if (const std::uint32_t reason = check(arrival, *record); reason != msg::REASON_NONE) {

@@ -49,13 +49,13 @@ constexpr int kNumberTaken = 5;
 constexpr std::chrono::milliseconds kPollInterval{50};
 constexpr std::chrono::milliseconds kBusyPollInterval{5};  ///< while it starts, and while it ends
 
-/// The command line asks for something that cannot be.
+/// The command line requests something that is impossible.
 class BadArguments : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// What the command line says; it overrides the file.
+/// The settings of the command line; they override the file.
 struct Arguments {
   std::optional<std::string> config;
   std::optional<std::string> check;
@@ -201,7 +201,7 @@ bool takes_signal(const sigset_t& signals, std::chrono::nanoseconds timeout) {
   return sigtimedwait(&signals, nullptr, &time) >= 0;
 }
 
-/// Tells the service manager how a service is.
+/// Reports to the service manager how a service is.
 class Reporter {
  public:
   /// @param service, manager outlive this
@@ -209,7 +209,7 @@ class Reporter {
   Reporter(Service& service, const ServiceManager& manager, std::string description)
       : service_(service), manager_(manager), description_(std::move(description)) {}
 
-  /// @return after which time it has to look again.
+  /// @return the time until the next report.
   [[nodiscard]] std::chrono::microseconds interval() const noexcept {
     if (!is_ready_) return kBusyPollInterval;
     const auto heartbeat = manager_.heartbeat_interval();
@@ -217,7 +217,7 @@ class Reporter {
                      : kPollInterval;
   }
 
-  void look() {
+  void report() {
     if (!is_ready_) {
       if (!service_.has_run()) return;
       manager_.tell_ready(description_);
@@ -255,7 +255,7 @@ void watch(Service& service, const ServiceManager& manager, const sigset_t& sign
   Reporter reporter(service, manager, description);
   while (!takes_signal(signals, reporter.interval()) && !service.conflict() &&
          !service.is_cut_off()) {
-    reporter.look();
+    reporter.report();
   }
 }
 

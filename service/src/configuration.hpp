@@ -61,7 +61,7 @@ struct Configuration {
   std::uint32_t threads = 1;       ///< that step the bank
   int realtime_priority = 0;       ///< SCHED_FIFO of the tick thread, 0 = none
   std::uint32_t status_every = 1;  ///< one status frame each n ticks
-  /// The owner of an axis must be heard within this drive time; nothing = off.
+  /// The owner of an axis must send something within this drive time; nothing = off.
   std::optional<std::chrono::milliseconds> watchdog = std::chrono::milliseconds{500};
   bool watchdog_is_chosen = false;  ///< in freerun a watchdog that nobody chose is off
   /// Prometheus metrics on this port of 127.0.0.1, 0 = any free one; nothing = off.

@@ -22,16 +22,16 @@ const SessionRecord* ControlTable::find(std::uint64_t session) const noexcept {
 SessionRecord* ControlTable::find_or_add(std::uint64_t session, std::uint64_t tick) noexcept {
   if (SessionRecord* const known = find(session); known != nullptr) return known;
   if (sessions_.size() < kMaxSessions) {
-    return &sessions_.emplace_back(SessionRecord{.session = session, .last_heard_tick = tick});
+    return &sessions_.emplace_back(SessionRecord{.session = session, .last_message_tick = tick});
   }
   SessionRecord* oldest = nullptr;
   for (auto& record : sessions_) {
     if (record.owned_axes == 0 &&
-        (oldest == nullptr || record.last_heard_tick < oldest->last_heard_tick)) {
+        (oldest == nullptr || record.last_message_tick < oldest->last_message_tick)) {
       oldest = &record;
     }
   }
-  if (oldest != nullptr) *oldest = {.session = session, .last_heard_tick = tick};
+  if (oldest != nullptr) *oldest = {.session = session, .last_message_tick = tick};
   return oldest;
 }
 

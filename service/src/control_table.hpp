@@ -13,10 +13,10 @@ namespace vdrive::service {
 /// A client's session as the bench knows it.
 struct SessionRecord {
   std::uint64_t session = 0;
-  std::uint32_t epoch = 0;            ///< current one, 0 = holds no axis
-  std::uint64_t last_heard_tick = 0;  ///< last tick completed when it was heard
-  std::uint64_t last_sequence = 0;    ///< highest one of the command frames that arrived
-  std::uint64_t last_command = 0;     ///< highest one that was accepted and does something
+  std::uint32_t epoch = 0;              ///< current one, 0 = holds no axis
+  std::uint64_t last_message_tick = 0;  ///< last tick completed when a message of it arrived
+  std::uint64_t last_sequence = 0;      ///< highest one of the command frames that arrived
+  std::uint64_t last_command = 0;       ///< highest one that was accepted and does something
   std::size_t owned_axes = 0;
   bool must_acquire = false;  ///< axes were lost or taken: a late write takes none of them again
 };
@@ -35,7 +35,7 @@ class ControlTable {
   [[nodiscard]] const SessionRecord* find(std::uint64_t session) const noexcept;
 
   /// @return the record of `session` (not 0), made when there is none: a full table forgets the
-  ///         session without axes that was heard of least recently; nullptr when every session
+  ///         session without axes whose last message is the oldest; nullptr when every session
   ///         holds an axis.
   [[nodiscard]] SessionRecord* find_or_add(std::uint64_t session, std::uint64_t tick) noexcept;
 

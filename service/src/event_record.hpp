@@ -50,8 +50,8 @@ struct NewRate {
 
 /// Why a stepper is no longer one.
 enum class Parting : std::uint8_t {
-  left,    ///< it asked to
-  silent,  ///< nothing was heard of it while others waited
+  left,    ///< it left by request
+  silent,  ///< nothing arrived from it while others waited
   gone,    ///< its participant left the network
 };
 

@@ -68,7 +68,7 @@ FrameApplication::FrameApplication(BenchAxes& axes, AxisWriter& writer, Masters&
       named_in_(axes.size()) {
   reply_.refusals().reserve(msg::MAX_AXES_PER_FRAME);
   reply_.ignored_set_points().reserve(msg::MAX_AXES_PER_FRAME);
-  undo_.reserve(std::size_t{msg::MAX_AXES_PER_FRAME} * (msg::MAX_OBJECTS_PER_AXIS + 8));
+  undo_.reserve(msg::MAX_AXES_PER_FRAME * (kRegisterMembers.size() + msg::MAX_OBJECTS_PER_AXIS));
 }
 
 void FrameApplication::apply(const msg::CommandFrame& frame) {

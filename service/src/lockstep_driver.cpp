@@ -60,7 +60,8 @@ bool LockstepDriver::handle_next(const std::atomic<bool>& stop, Doorbell& doorbe
 void LockstepDriver::handle(Arrival& arrival, const std::atomic<bool>& stop, Doorbell& doorbell) {
   const bool is_request = arrival.kind == Arrival::Kind::request;
   if (!steppers_.empty()) {
-    steppers_.hear(is_request ? arrival.request.session() : arrival.frame.session(), Clock::now());
+    steppers_.note_message(is_request ? arrival.request.session() : arrival.frame.session(),
+                           Clock::now());
   }
   const std::uint32_t kind = is_request ? arrival.request.kind() : 0;
   const bool is_of_clock = kind == msg::REQUEST_STEP || kind == msg::REQUEST_JOIN_CLOCK ||
@@ -101,7 +102,7 @@ void LockstepDriver::step_at_once(const Arrival& arrival, const std::atomic<bool
   const bool complete = wait_for_commands(arrival.request, stop, doorbell);
   const std::uint32_t reason = complete ? msg::REASON_NONE : msg::REASON_MISSING_COMMANDS;
   if (complete) {
-    heard_.assign(1, arrival.request.session());
+    stepping_.assign(1, arrival.request.session());
     run_ticks(arrival.request.ticks(), stop);
   }
   answer(arrival, reason);
@@ -147,7 +148,7 @@ bool LockstepDriver::take_frames() {
 
 void LockstepDriver::run_ticks(std::uint64_t ticks, const std::atomic<bool>& stop) {
   for (std::uint64_t count = 1; count <= ticks; ++count) {
-    for (const std::uint64_t session : heard_) engine_.hear(session);
+    for (const std::uint64_t session : stepping_) engine_.note_message(session);
     engine_.step();
     beats_.add();
     const bool last = count == ticks;
@@ -171,7 +172,7 @@ void LockstepDriver::publish_status(bool repeated) {
   }
 }
 
-/// Whoever comes while nothing moves sees the axes all the same.
+/// While nothing moves: clients that join later see the axes, too.
 void LockstepDriver::idle() {
   engine_.post_parameters();
   replies_.deliver(inbox_, outbox_);

@@ -40,7 +40,7 @@ class LockstepDriver {
   /// Works until `stop`. `doorbell` rings for arrivals and for the stop.
   void run(const std::atomic<bool>& stop, Doorbell& doorbell);
 
-  /// Counts rounds and ticks, for who wants to know that it works.
+  /// Counts rounds and ticks: it grows while the driver makes progress.
   [[nodiscard]] const Counter& beats() const noexcept { return beats_; }
 
  private:
@@ -91,7 +91,7 @@ class LockstepDriver {
   std::deque<Arrival> deferred_;  ///< requests that came while a step waited for its commands
   StepperTable steppers_;
   std::deque<WaitingStep> waiting_;
-  std::vector<std::uint64_t> heard_;  ///< sessions that step the present ticks
+  std::vector<std::uint64_t> stepping_;  ///< sessions that step the present ticks
   Clock::time_point next_roll_call_{};
   Counter beats_;
   TokenBucket shown_ticks_{kStatusRate};

@@ -20,7 +20,7 @@ void LockstepDriver::join(const Arrival& arrival) {
       reason = msg::REASON_QUEUE_FULL;
     }
   }
-  engine_.hear(session);
+  engine_.note_message(session);
   answer(arrival, reason);
 }
 
@@ -31,7 +31,7 @@ void LockstepDriver::leave(const Arrival& arrival) {
     reason = msg::REASON_NOT_A_STEPPER;
   }
   if (reason == msg::REASON_NONE) part_with(session, Parting::left);
-  engine_.hear(session);
+  engine_.note_message(session);
   answer(arrival, reason);
 }
 
@@ -44,7 +44,7 @@ void LockstepDriver::part_with(std::uint64_t session, Parting parting) {
   show_steppers();
 }
 
-/// A step of no ticks only looks: anybody may.
+/// A step of no ticks only observes: every session may request it.
 void LockstepDriver::put_aside(Arrival& arrival) {
   const bool is_stepper = steppers_.find(arrival.request.session()) != nullptr;
   std::uint32_t reason = msg::REASON_NONE;
@@ -69,8 +69,8 @@ void LockstepDriver::advance(const std::atomic<bool>& stop) {
   grant_arrived(now);
   bool has_moved = false;
   for (std::uint64_t ticks = ticks_to_go(); ticks > 0 && !stop; ticks = ticks_to_go()) {
-    heard_.clear();
-    for (const Stepper& stepper : steppers_.all()) heard_.push_back(stepper.session);
+    stepping_.clear();
+    for (const Stepper& stepper : steppers_.all()) stepping_.push_back(stepper.session);
     run_ticks(ticks, stop);
     has_moved = true;
     answer_due(now);
@@ -100,7 +100,7 @@ void LockstepDriver::grant_arrived(Clock::time_point now) {
     if (stepper != nullptr) {
       steppers_.grant(*stepper, request.ticks(), now);
       waiting.aim = stepper->granted;
-    } else if (waiting.is_of_stepper) {  // it was one when it asked
+    } else if (waiting.is_of_stepper) {  // it was one when it sent the request
       waiting.aim = engine_.tick() + 1;
     }
   }

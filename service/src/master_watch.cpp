@@ -18,7 +18,7 @@ void MasterWatch::watch() {
   if (ticks_ == 0) return;
   for (auto& record : masters_.sessions()) {
     if (record.owned_axes == 0) continue;
-    const std::uint64_t silence = clock_.tick() - record.last_heard_tick;
+    const std::uint64_t silence = clock_.tick() - record.last_message_tick;
     if (silence > longest_silence_) {
       longest_silence_ = silence;
       counters_.longest_silence_us.set(static_cast<std::uint64_t>(time_of(silence).count()));
@@ -31,11 +31,11 @@ void MasterWatch::watch() {
 
 void MasterWatch::follow_rate() {
   ticks_ = patience();
-  for (auto& record : masters_.sessions()) record.last_heard_tick = clock_.tick();
+  for (auto& record : masters_.sessions()) record.last_message_tick = clock_.tick();
 }
 
 void MasterWatch::skip(std::uint64_t ticks) {
-  for (auto& record : masters_.sessions()) record.last_heard_tick += ticks;
+  for (auto& record : masters_.sessions()) record.last_message_tick += ticks;
 }
 
 std::chrono::microseconds MasterWatch::time_of(std::uint64_t ticks) const noexcept {

@@ -12,8 +12,8 @@
 
 namespace vdrive::service {
 
-/// The watchdog of the masters: a session that owns axes has to be heard in time. Masters live by
-/// the wall clock: where drive time runs faster, they have more ticks.
+/// The watchdog of the masters: a session that owns axes has to send something in time. Masters
+/// live by the wall clock: where drive time runs faster, they have more ticks.
 class MasterWatch {
  public:
   MasterWatch(const Configuration& configuration, const BenchClock& clock, Masters& masters,

@@ -20,10 +20,10 @@ SessionRecord* Masters::admit(std::uint64_t session) {
   return control_.find_or_add(session, clock_.tick());
 }
 
-void Masters::hear(std::uint64_t session) {
+void Masters::note_message(std::uint64_t session) {
   if (session == 0) return;
   if (SessionRecord* const record = control_.find(session); record != nullptr) {
-    record->last_heard_tick = clock_.tick();
+    record->last_message_tick = clock_.tick();
   }
 }
 
@@ -69,7 +69,7 @@ std::uint32_t Masters::acquire(const msg::Request& request, bool by_force, msg::
       ++gained;
     }
   }
-  record->last_heard_tick = clock_.tick();
+  record->last_message_tick = clock_.tick();
   record->must_acquire = false;
   if (gained > 0) {
     control_.renew_epoch(*record);
@@ -128,7 +128,7 @@ void Masters::free_axes(const msg::Request& request) {
 void Masters::give(std::size_t axis, SessionRecord& record) {
   control_.give(axis, record);
   control_.renew_epoch(record);
-  record.last_heard_tick = clock_.tick();
+  record.last_message_tick = clock_.tick();
   events_.report({.kind = msg::EVENT_CONTROL_CHANGED,
                   .axis = axes_.number_of(axis),
                   .session = record.session,

@@ -40,7 +40,7 @@ class Masters {
   [[nodiscard]] SessionRecord* admit(std::uint64_t session);
 
   /// A message of the session arrived now.
-  void hear(std::uint64_t session);
+  void note_message(std::uint64_t session);
 
   /// A command frame of the owner was applied to the axis.
   void set_applied(std::size_t axis, std::uint64_t sequence) noexcept {

@@ -163,8 +163,8 @@ class MetricsEndpoint::Server {
     });
   }
 
-  /// Whoever comes is served: a scraper asks at once, so the oldest connection is the one that only
-  /// holds its place.
+  /// Every connection is served: a scraper sends its request at once, so the oldest connection is
+  /// the one that only holds its place.
   void serve(tcp::socket socket) {
     std::erase_if(connections_, [](const auto& connection) {
       return connection.expired();

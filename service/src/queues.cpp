@@ -10,7 +10,7 @@ constexpr std::size_t kStatusesInFlight = 65'536;
 constexpr std::size_t kLeastImages = 4;
 constexpr std::size_t kMostImages = 64;
 
-/// Samples that one look at the inbox drops at most.
+/// Samples that one pass over the inbox drops at most.
 constexpr std::size_t kMostDropped = 64;
 
 /// Commands of frames that wait for their tick take the room of their objects with them.

@@ -81,7 +81,7 @@ void RealtimeDriver::follow_wall_clock() noexcept {
   counters_.wall_offset.store(offset.count(), std::memory_order_relaxed);
 }
 
-/// Paused: whoever comes sees the axes all the same.
+/// While paused: clients that join later see the axes, too.
 void RealtimeDriver::idle() noexcept {
   static_cast<void>(engine_.answer_stores());
   engine_.post_parameters();

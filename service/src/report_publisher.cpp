@@ -122,7 +122,7 @@ void ReportPublisher::announce(bool alive) {
   for (auto& part : parts_) part.alive(alive);
   met_ = link_.running();
   for (const auto& part : parts_) write(part);
-  has_history_ = !alive;  // who goes reports nothing more
+  has_history_ = !alive;  // a bench that has ended reports nothing more
   link_.flush(Lane::reports);
 }
 

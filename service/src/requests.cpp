@@ -37,7 +37,7 @@ bool Requests::answer_repeat(const Arrival& arrival) {
     answers_.take(request);
     return false;
   }
-  if (arrival.refusal == msg::REASON_NONE) parts_.masters.hear(request.session());
+  if (arrival.refusal == msg::REASON_NONE) parts_.masters.note_message(request.session());
   const bool is_in_progress =
       fate == Fate::taken || (fate == Fate::forgotten && parts_.stores.is_waiting(request));
   if (!is_in_progress) answers_.repeat(arrival);
@@ -53,7 +53,7 @@ std::uint32_t Requests::check(const Arrival& arrival) const {
 }
 
 std::uint32_t Requests::carry_out(const msg::Request& request, msg::Reply& reply) {
-  parts_.masters.hear(request.session());
+  parts_.masters.note_message(request.session());
   switch (request.kind()) {
     case msg::REQUEST_READ:
       return parts_.axes.read(request, reply);

@@ -41,7 +41,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// A thread that follows the tick thread wakes this long after the tick is due, and looks again at
+/// A thread that follows the tick thread wakes this long after the tick is due, and then again at
 /// this distance.
 constexpr std::chrono::microseconds kAfterTick = 60us;
 constexpr std::chrono::milliseconds kLongestNap = 5ms;
@@ -75,7 +75,7 @@ struct Parameters {
     }
   }
 
-  std::vector<EventRecord> news;  ///< to be told once
+  std::vector<EventRecord> news;  ///< to be reported once
   std::optional<ParameterSaver> saver;
 };
 
@@ -122,8 +122,8 @@ class Wire {
     counters.wire_is_up.set(1);
   }
 
-  void look() {
-    if (supervisor_) supervisor_->look();
+  void supervise() {
+    if (supervisor_) supervisor_->supervise();
   }
 
   std::optional<EventRecord> next_news() {
@@ -188,8 +188,8 @@ class Service::Threads {
 
   void start() {
     wire_.start(counters_);
-    timer_.wait_until(timer_.monotonic_now() + BenchGuard::kListening);
-    guard_.look();
+    timer_.wait_until(timer_.monotonic_now() + BenchGuard::kReceiving);
+    guard_.receive();
     if (const auto older = guard_.conflict()) {
       throw BenchNumberTaken("bench " + std::to_string(identity_.bench) +
                              " is already served in domain " +
@@ -339,7 +339,7 @@ class Service::Threads {
   }
 
   /// After the last thread has ended. Axes that still have power, because there was no time to
-  /// brake, lose it in one last tick; whoever listens sees it.
+  /// brake, lose it in one last tick; every receiver sees it.
   void switch_off() noexcept {
     publish_waiting_status();
     if (engine_.has_power()) {
@@ -353,15 +353,15 @@ class Service::Threads {
   }
 
   void report() {
-    bool conflict_told = false;
+    bool is_conflict_reported = false;
     while (!stop_) {
-      look_at_wire();
-      guard_.look();
+      supervise_wire();
+      guard_.receive();
       if (!lockstep_) replies_.deliver(inbox_, outbox_);
       reports_.publish(inbox_, outbox_);
       report_beats_.add();
-      if (const auto older = guard_.conflict(); older && !conflict_told) {
-        conflict_told = true;
+      if (const auto older = guard_.conflict(); older && !is_conflict_reported) {
+        is_conflict_reported = true;
         reports_.publish_event({{.kind = msg::EVENT_BENCH_CONFLICT,
                                  .tick = counters_.tick.get(),
                                  .detail = Label{*older}}});
@@ -370,8 +370,8 @@ class Service::Threads {
     }
   }
 
-  void look_at_wire() {
-    wire_.look();
+  void supervise_wire() {
+    wire_.supervise();
     is_cut_off_ = wire_.is_cut_off();
     while (auto news = wire_.next_news()) {
       news->tick = counters_.tick.get();
@@ -414,7 +414,7 @@ class Service::Threads {
   Doorbell doorbell_;
   std::uint64_t lost_in_wire_ = 0;
   Shutdown shutdown_{engine_, timer_};
-  Counter tick_beats_;    ///< ticks; paused, looks at the inbox
+  Counter tick_beats_;    ///< ticks; while paused, passes over the inbox
   Counter status_beats_;  ///< published images
   Counter report_beats_;  ///< rounds
   Liveness liveness_{{&tick_beats_, &status_beats_, &report_beats_}};

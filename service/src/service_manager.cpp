@@ -29,7 +29,7 @@ ServiceManager::ServiceManager() {
   listens_in_network_ = socket != nullptr && *socket == '@';
 }
 
-// The library keeps the socket in the environment; who talks to it is the manager all the same.
+// The library keeps the socket in the environment; every receiver on it is the manager.
 // NOLINTBEGIN(readability-convert-member-functions-to-static)
 void ServiceManager::tell_ready(const std::string& status) const noexcept {
   tell("READY=1\nSTATUS=" + status);

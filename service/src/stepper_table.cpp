@@ -9,7 +9,7 @@ bool StepperTable::join(std::uint64_t session, const wire::Source& source, std::
                         Time now) {
   if (find(session) != nullptr) return true;
   if (steppers_.size() == kMaxSteppers) return false;
-  steppers_.push_back({.session = session, .source = source, .granted = tick, .heard = now});
+  steppers_.push_back({.session = session, .source = source, .granted = tick, .last_message = now});
   note_waits(now);
   return true;
 }
@@ -27,8 +27,8 @@ Stepper* StepperTable::find(std::uint64_t session) noexcept {
   return found == steppers_.end() ? nullptr : &*found;
 }
 
-void StepperTable::hear(std::uint64_t session, Time now) noexcept {
-  if (Stepper* const stepper = find(session); stepper != nullptr) stepper->heard = now;
+void StepperTable::note_message(std::uint64_t session, Time now) noexcept {
+  if (Stepper* const stepper = find(session); stepper != nullptr) stepper->last_message = now;
 }
 
 void StepperTable::grant(Stepper& stepper, std::uint64_t ticks, Time now) noexcept {
@@ -43,7 +43,7 @@ const Stepper* StepperTable::slowest() const noexcept {
 
 const Stepper* StepperTable::silent(Time now) const noexcept {
   const auto found = std::ranges::find_if(steppers_, [&](const auto& stepper) {
-    const Time since = std::max(stepper.heard, stepper.waited_for_since);
+    const Time since = std::max(stepper.last_message, stepper.waited_for_since);
     return stepper.is_waited_for && now - since >= kLongestSilence;
   });
   return found == steppers_.end() ? nullptr : &*found;

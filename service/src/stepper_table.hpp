@@ -19,7 +19,7 @@ struct Stepper {
   std::uint64_t session = 0;
   wire::Source source{};
   std::uint64_t granted = 0;   ///< last tick that it lets pass
-  Time heard{};                ///< when something arrived from it last
+  Time last_message{};         ///< when something arrived from it last
   bool is_waited_for = false;  ///< another stepper has granted more
   Time waited_for_since{};     ///< holds when `is_waited_for`
   bool was_matched = false;    ///< its participant has been seen on the network
@@ -48,7 +48,7 @@ class StepperTable {
   [[nodiscard]] Stepper* find(std::uint64_t session) noexcept;
 
   /// Something arrived from the session, stepper or not.
-  void hear(std::uint64_t session, Time now) noexcept;
+  void note_message(std::uint64_t session, Time now) noexcept;
 
   /// The stepper lets `ticks` more pass.
   void grant(Stepper& stepper, std::uint64_t ticks, Time now) noexcept;

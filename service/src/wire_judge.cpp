@@ -15,14 +15,15 @@ constexpr std::uint64_t kMebi = 1'024ULL * 1'024ULL;
 
 void WireJudge::started(Time now) noexcept {
   start_ = now;
-  looked_ = now;
+  judged_ = now;
   running_since_.reset();
 }
 
 std::optional<WireLoss> WireJudge::reason_to_end(const Sight& sight, Time now) noexcept {
-  // Whoever did not look for long, because the whole service stood still, has seen no silence.
+  // A judge that was not called for long, because the whole service stood still, has seen no
+  // silence.
   constexpr std::chrono::milliseconds kLongestPause{500};
-  if (now - std::exchange(looked_, now) > kLongestPause) {
+  if (now - std::exchange(judged_, now) > kLongestPause) {
     start_ = now;
     pumped_ = now;
     probed_ = now;

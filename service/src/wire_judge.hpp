@@ -56,7 +56,7 @@ class WireJudge {
  private:
   std::uint64_t memory_limit_;
   Time start_{};
-  Time looked_{};
+  Time judged_{};
   std::optional<Time> running_since_;
   std::uint64_t pump_beats_ = 0;
   std::uint64_t probe_beats_ = 0;

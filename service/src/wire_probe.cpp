@@ -31,14 +31,14 @@ WireProbe::WireProbe(wire::NetworkSettings settings, WireProgram& program)
 
 bool WireProbe::comes_through() {
   const wire::Source wire = program_.participant().source();
-  const std::uint64_t before = program_.probes_heard();
+  const std::uint64_t before = program_.probes_received();
   std::mutex mutex;
   std::condition_variable changed;
-  bool is_heard = false;
+  bool has_received = false;
   const wire::Subscription<msg::BenchState> states(
       participant_, [&](const msg::BenchState&, const wire::Source& source) {
         const std::lock_guard lock(mutex);
-        is_heard = is_heard || source == wire;
+        has_received = has_received || source == wire;
         changed.notify_one();
       });
   wire::Publication<msg::BenchState> publication(participant_);
@@ -49,7 +49,7 @@ bool WireProbe::comes_through() {
   constexpr std::chrono::milliseconds kRepeat{50};  // best effort
   std::unique_lock lock(mutex);
   while (Clock::now() < deadline) {
-    if (is_heard && program_.probes_heard() != before) return true;
+    if (has_received && program_.probes_received() != before) return true;
     lock.unlock();
     static_cast<void>(publication.write(state));
     lock.lock();

@@ -105,7 +105,7 @@ void WireProgram::subscribe(TopicId topic, Lane lane) {
 void WireProgram::deliver(Intake& intake, const wire::Source& source) {
   const std::lock_guard lock(arriving_);
   if (source == prober_) {
-    ++probes_heard_;
+    ++probes_received_;
     return;
   }
   if (source == control_.source || bench_of(intake.sample, intake.topic) != bench_) return;

@@ -57,7 +57,7 @@ class WireProgram {
   /// What comes from `source` is a probe: counted, and passed on to nobody.
   void expect_probes_from(const wire::Source& source);
 
-  [[nodiscard]] std::uint64_t probes_heard() const noexcept { return probes_heard_; }
+  [[nodiscard]] std::uint64_t probes_received() const noexcept { return probes_received_; }
 
   /// @return datagrams that the guard of the participant dropped.
   [[nodiscard]] std::uint64_t guarded() const { return participant_.guarded().all_refused(); }
@@ -104,7 +104,7 @@ class WireProgram {
   ArrivalIntake arrivals_;
   ByteRing notices_;
   wire::Source prober_;
-  std::atomic<std::uint64_t> probes_heard_{0};
+  std::atomic<std::uint64_t> probes_received_{0};
   Doorbell arrivals_bell_;
   std::vector<std::unique_ptr<Intake>> intakes_;
 };

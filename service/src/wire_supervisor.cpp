@@ -80,7 +80,7 @@ void WireSupervisor::launch(Clock::time_point now) {
   counters_.wire_starts.add();
 }
 
-void WireSupervisor::look() {
+void WireSupervisor::supervise() {
   const auto now = Clock::now();
   if (spawner_.is_gone()) {
     is_launched_ = false;

@@ -15,8 +15,8 @@
 
 namespace vdrive::service {
 
-/// Keeps a wire running in a process of its own. Used by one thread at a time, which looks every
-/// few milliseconds.
+/// Keeps a wire running in a process of its own. Used by one thread at a time, which calls
+/// supervise() every few milliseconds.
 class WireSupervisor {
  public:
   /// @param region, spawner, counters outlive this
@@ -27,8 +27,8 @@ class WireSupervisor {
   /// @throws wire::NetworkError with what it says when it cannot start
   void start();
 
-  /// Looks at the wire, ends it, starts another one.
-  void look();
+  /// Judges the wire; ends one that hangs or leaks, and starts another one.
+  void supervise();
 
   /// @return what happened as an event without its tick, oldest first.
   std::optional<EventRecord> next_news();

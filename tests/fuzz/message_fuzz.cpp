@@ -70,42 +70,42 @@ service::Configuration bench_configuration() {
   return configuration;
 }
 
-/// Everybody who listens: a bench without network and clock, and the two parts of a client that
+/// All that receive: a bench without network and clock, and the two parts of a client that
 /// keep what they hear.
-class Listeners {
+class Peers {
  public:
-  Listeners()
+  Peers()
       : inbox_(kBench, counters_),
         outbox_(kAxes),
         engine_(bench_configuration(), {.bench = kBench, .incarnation = kIncarnation}, outbox_,
                 counters_),
         feed_({kBench, kIncarnation}, {1, 3}, 1) {}
 
-  void hear(const msg::CommandFrame& frame) {
+  void receive(const msg::CommandFrame& frame) {
     inbox_.receive(frame, {});
     handle_arrivals();
   }
 
-  void hear(const msg::Request& request) {
+  void receive(const msg::Request& request) {
     inbox_.receive(request, {});
     handle_arrivals();
   }
 
-  void hear(const msg::CommandReply& reply) {
+  void receive(const msg::CommandReply& reply) {
     for (const auto& refusal : reply.refusals()) {
       static_cast<void>(wire::describe_reason(refusal.reason()));
     }
   }
 
-  void hear(const msg::Reply& reply) {
+  void receive(const msg::Reply& reply) {
     directory_.note_sample({reply.bench(), reply.incarnation()}, reply.tick(), now_);
     static_cast<void>(wire::describe_reason(reply.reason()));
     for (const auto& status : reply.statuses()) {
-      hear(status);
+      receive(status);
     }
   }
 
-  void hear(const msg::StatusFrame& frame) {
+  void receive(const msg::StatusFrame& frame) {
     directory_.note_sample({frame.bench(), frame.incarnation()}, frame.tick(), now_);
     feed_.on_frame(frame);
     while (const auto sample = feed_.take()) {
@@ -115,23 +115,23 @@ class Listeners {
     }
   }
 
-  void hear(const msg::AxisStatus& status) {
+  void receive(const msg::AxisStatus& status) {
     const AxisStatus shown = wire::from_message(status);
     for (std::size_t row = 0; row < kObjectCount; ++row) {
       static_cast<void>(value_of(shown, static_cast<ObjectRow>(row)));
     }
   }
 
-  void hear(const msg::AxisParameters& /*parameters*/) {}
+  void receive(const msg::AxisParameters& /*parameters*/) {}
 
-  void hear(const msg::Event& event) { static_cast<void>(wire::describe_reason(event.code())); }
+  void receive(const msg::Event& event) { static_cast<void>(wire::describe_reason(event.code())); }
 
-  void hear(const msg::BenchDescription& description) {
+  void receive(const msg::BenchDescription& description) {
     directory_.on_description(description, {}, now_);
     look_around();
   }
 
-  void hear(const msg::BenchState& state) {
+  void receive(const msg::BenchState& state) {
     directory_.on_state(state, now_);
     look_around();
   }
@@ -185,7 +185,7 @@ class Listeners {
     }
     const std::uint32_t reason = engine_.check_step(arrival);
     if (reason == msg::REASON_NONE) {
-      engine_.hear(arrival.request.session());
+      engine_.note_message(arrival.request.session());
       for (std::uint64_t tick = std::min(arrival.request.ticks(), kMostTicks); tick > 0; --tick) {
         engine_.step();
       }
@@ -221,11 +221,11 @@ class Listeners {
     }
   }
 
-  /// What the bench says is within the bounds, survives the wire and can be listened to.
+  /// What the bench sends is within the bounds, survives the wire and can be received.
   template <typename Message>
   void pass_on(Message& message) {
     demand(wire::within_bounds(message), "what the bench says is within the bounds of the IDL");
-    hear(sent(message));
+    receive(sent(message));
   }
 
   void look_around() {
@@ -251,7 +251,7 @@ class Listeners {
 /// Any bytes as a sample of this topic. As in a subscription, what is beyond the bounds reaches
 /// nobody but the bench, which answers for it.
 template <typename Message>
-void receive_raw(std::span<const std::uint8_t> data, Listeners& listeners) {
+void receive_raw(std::span<const std::uint8_t> data, Peers& peers) {
   Message message;
   if (!decode(data, message)) {
     return;
@@ -259,11 +259,11 @@ void receive_raw(std::span<const std::uint8_t> data, Listeners& listeners) {
   constexpr bool kIsForBench =
       std::is_same_v<Message, msg::CommandFrame> || std::is_same_v<Message, msg::Request>;
   if (kIsForBench || wire::within_bounds(message)) {
-    listeners.hear(sent(message));
+    peers.receive(sent(message));
   }
 }
 
-using Receiver = void (*)(std::span<const std::uint8_t>, Listeners&);
+using Receiver = void (*)(std::span<const std::uint8_t>, Peers&);
 
 /// A row for each topic.
 constexpr std::array<Receiver, 10> kReceivers{
@@ -313,16 +313,16 @@ msg::Request request_from(Bytes& bytes) {
 }
 
 /// A frame such as a client of ours makes, or one that is a little wrong.
-msg::CommandFrame frame_from(Bytes& bytes, const Listeners& listeners, std::uint64_t sequence) {
+msg::CommandFrame frame_from(Bytes& bytes, const Peers& peers, std::uint64_t sequence) {
   msg::CommandFrame frame;
   frame.bench(kBench);
   frame.incarnation(kIncarnation);
   frame.session(bytes.below(kSessions + 1));
   const std::uint8_t odd = bytes.take();
-  frame.epoch((odd & 0x10U) != 0 ? odd : listeners.epoch(frame.session()));
+  frame.epoch((odd & 0x10U) != 0 ? odd : peers.epoch(frame.session()));
   frame.sequence_number((odd & 0x20U) != 0 ? odd : sequence);
-  frame.apply_at_tick((odd & 0x40U) != 0 ? listeners.tick() + bytes.below(8) : 0);
-  frame.valid_until_tick((odd & 0x80U) != 0 ? listeners.tick() + bytes.below(8) : 0);
+  frame.apply_at_tick((odd & 0x40U) != 0 ? peers.tick() + bytes.below(8) : 0);
+  frame.valid_until_tick((odd & 0x80U) != 0 ? peers.tick() + bytes.below(8) : 0);
   frame.flags(odd & 0x0FU);
   for (std::size_t count = bytes.below(4); count > 0; --count) {
     auto& command = frame.axes().emplace_back();
@@ -346,30 +346,30 @@ msg::CommandFrame frame_from(Bytes& bytes, const Listeners& listeners, std::uint
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   Bytes bytes({data, size});
-  Listeners listeners;
+  Peers peers;
   for (int actions = 1; actions <= kMostActions && !bytes.empty(); ++actions) {
     const std::size_t action = bytes.below(kReceivers.size() + 6);
     if (action < kReceivers.size()) {
       const std::size_t length = bytes.take<std::uint16_t>() % 1024U;
-      kReceivers[action](bytes.take_span(length), listeners);
+      kReceivers[action](bytes.take_span(length), peers);
       continue;
     }
     switch (action - kReceivers.size()) {
       case 0:
-        listeners.step(bytes.below(kMostTicks));
+        peers.step(bytes.below(kMostTicks));
         break;
       case 1:
-        listeners.jump(bytes.take());
+        peers.jump(bytes.take());
         break;
       case 2:
       case 3: {
         msg::Request request = request_from(bytes);
-        listeners.hear(sent(request));
+        peers.receive(sent(request));
         break;
       }
       default: {
-        msg::CommandFrame frame = frame_from(bytes, listeners, static_cast<std::uint64_t>(actions));
-        listeners.hear(sent(frame));
+        msg::CommandFrame frame = frame_from(bytes, peers, static_cast<std::uint64_t>(actions));
+        peers.receive(sent(frame));
         break;
       }
     }

@@ -48,7 +48,7 @@ class Flooder {
         requests_(participant_),
         frames_(participant_) {}
 
-  [[nodiscard]] bool is_heard(std::chrono::milliseconds within = 30s) {
+  [[nodiscard]] bool is_received(std::chrono::milliseconds within = 30s) {
     return requests_.wait_for_matched(1, within) && frames_.wait_for_matched(1, within);
   }
 
@@ -199,7 +199,7 @@ std::vector<Flood> floods() {
        [](Flooder&, Probe&) {
          for (int count = 0; count < 15; ++count) {
            Flooder visitor;
-           ASSERT_TRUE(visitor.is_heard());
+           ASSERT_TRUE(visitor.is_received());
            visitor.send(visitor.request(msg::REQUEST_READ));
          }
        }},
@@ -223,7 +223,7 @@ class AFloodedService : public testing::TestWithParam<Flood> {
   void flood() {
     {
       Flooder flooder;
-      ASSERT_TRUE(flooder.is_heard());
+      ASSERT_TRUE(flooder.is_received());
       GetParam().send(flooder, probe_);
     }
     ASSERT_TRUE(probe_.wait_until([&] {
@@ -368,7 +368,7 @@ class AService : public testing::Test {
 // less than 40 kB.
 TEST_F(AService, GivesNoRoomToAMessageThatIsLargerThanItsType) {
   ASSERT_TRUE(probe_.find_bench());
-  ASSERT_TRUE(flooder_.is_heard());
+  ASSERT_TRUE(flooder_.is_received());
   const std::size_t before = memory_of(service_, "VmHWM:");
   auto frame = flooder_.frame();
   fill(frame, 1'000'000, 4);
@@ -378,7 +378,7 @@ TEST_F(AService, GivesNoRoomToAMessageThatIsLargerThanItsType) {
 
 TEST_F(AService, GivesNoRoomToAnAnnouncementThatClaimsAGigabyte) {
   ASSERT_TRUE(probe_.find_bench());
-  ASSERT_TRUE(flooder_.is_heard());
+  ASSERT_TRUE(flooder_.is_received());
   const std::size_t before = memory_of(service_, "VmHWM:");
   for (std::uint8_t number = 1; number < 10; ++number) {
     send_to_discovery(fragment_of_an_announcement(flooder_.source(), 1U << 30U, number));

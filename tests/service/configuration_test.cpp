@@ -402,8 +402,7 @@ TEST(Configuration, OfTheGuideIsGoodWithoutAWarningAndItsLimitsAreInForce) {
 }
 
 /// @return the rows of docs/guides/configuration.md that begin with a model parameter, without the
-/// words
-///         at their end.
+///         words at their end.
 std::vector<std::string> documented_model_parameters() {
   std::ifstream page(VDRIVE_SOURCE_DIR "/docs/guides/configuration.md");
   std::vector<std::string> rows;

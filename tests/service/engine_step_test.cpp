@@ -133,7 +133,7 @@ TEST(Watchdog, HearsRequestsAndSteps) {
   bench.ask(bench.make_request(msg::REQUEST_READ, kAlice));
   bench.steps(90);
   for (int tick = 0; tick < 500; ++tick) {  // the owner steps: it counts in each tick
-    bench.engine.hear(kAlice);
+    bench.engine.note_message(kAlice);
     bench.steps(1);
   }
   EXPECT_EQ(bench.counters.master_losses.get(), 0U);

@@ -83,7 +83,7 @@ TEST(StepperTable, FindsTheOneThatIsSilentWhileOthersWaitForTenSeconds) {
 TEST(StepperTable, KeepsTheOneThatIsHeardHoweverSlow) {
   TwoSteppers two;
   two.grant(kAlice, 1'000);
-  two.table.hear(kBob, kStart + 9s);
+  two.table.note_message(kBob, kStart + 9s);
   EXPECT_EQ(two.table.silent(kStart + 18s), nullptr);
   EXPECT_NE(two.table.silent(kStart + 19s), nullptr);
 }

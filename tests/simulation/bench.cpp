@@ -249,8 +249,8 @@ void Bench::step_by_request(service::Arrival& arrival) {
   }
   for (std::uint64_t tick = 0; reason == msg::REASON_NONE && tick < arrival.request.ticks();
        ++tick) {
-    engine_.hear(arrival.request.session());
-    model_.hear(arrival.request.session());
+    engine_.note_message(arrival.request.session());
+    model_.note_message(arrival.request.session());
     engine_.step();
     engine_.post_status();
     after_tick();
@@ -266,7 +266,7 @@ void Bench::after_tick() {
   take_back_stores();
   take_images();
   if (sabotage_ == Sabotage::watchdog_sleeps) {
-    engine_.hear(last_session_);
+    engine_.note_message(last_session_);
   }
   const AxisBank& bank = engine_.bank();
   for (std::size_t axis = 0; axis < watches_.size(); ++axis) {

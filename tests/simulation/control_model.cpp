@@ -136,7 +136,9 @@ ControlModel::Session* ControlModel::find(std::uint64_t session) {
 
 ControlModel::Session& ControlModel::find_or_add(std::uint64_t session) {
   Session* const known = find(session);
-  return known != nullptr ? *known : sessions_.emplace_back(Session{.id = session, .heard = tick_});
+  return known != nullptr
+             ? *known
+             : sessions_.emplace_back(Session{.id = session, .last_message_tick = tick_});
 }
 
 bool ControlModel::owns_any(std::uint64_t session) const {
@@ -157,9 +159,9 @@ void ControlModel::renew(Session& session, bool revoked) {
   }
 }
 
-void ControlModel::hear(std::uint64_t session) {
+void ControlModel::note_message(std::uint64_t session) {
   if (Session* const known = find(session)) {
-    known->heard = tick_;
+    known->last_message_tick = tick_;
   }
 }
 
@@ -185,7 +187,7 @@ bool ControlModel::time_stands() const {
 void ControlModel::jump(std::uint64_t ticks) {
   tick_ += ticks;
   for (Session& session : sessions_) {
-    session.heard += ticks;
+    session.last_message_tick += ticks;
   }
 }
 
@@ -228,7 +230,7 @@ void ControlModel::begin_tick() {
     }
   }
   for (Session& session : sessions_) {
-    if (watchdog_ != 0 && tick_ - session.heard > watchdog_ && owns_any(session.id)) {
+    if (watchdog_ != 0 && tick_ - session.last_message_tick > watchdog_ && owns_any(session.id)) {
       lose(session);
     }
   }
@@ -298,7 +300,7 @@ void ControlModel::arrive(const msg::CommandFrame& frame) {
     return;
   }
   Session& session = find_or_add(frame.session());
-  session.heard = tick_;
+  session.last_message_tick = tick_;
   if (is_repeat(frame)) {
     return;
   }
@@ -534,7 +536,7 @@ void ControlModel::arrive(const msg::Request& request) {
   if (is_repeat(request)) {
     return;
   }
-  hear(request.session());
+  note_message(request.session());
   const std::uint32_t reason = carry_out(request, answer);
   if (ordered_ > 0) {
     storings_[last_storing_] = {request, reason, std::move(answer), ordered_};
@@ -558,7 +560,7 @@ bool ControlModel::is_repeat(const msg::Request& request) {
     letters.take(number);
     return false;
   }
-  hear(request.session());
+  note_message(request.session());
   const auto kept = std::ranges::find_if(kept_answers_, [&](const Answer& answer) {
     return answer.client == request.client() && answer.request_id == number;
   });
@@ -716,7 +718,7 @@ std::uint32_t ControlModel::write_object(const msg::ObjectAccess& object, std::u
     axis->owner = session;
     axis->last_sequence = 0;
     renew(record, false);
-    record.heard = tick_;
+    record.last_message_tick = tick_;
     expect_event(msg::EVENT_CONTROL_CHANGED, session);
   }
   return code;
@@ -824,7 +826,7 @@ std::uint32_t ControlModel::take(const msg::Request& request, bool by_force, Ans
     gained = true;
   }
   Session& session = find_or_add(request.session());
-  session.heard = tick_;
+  session.last_message_tick = tick_;
   session.must_acquire = false;
   if (gained) {
     renew(session, false);
@@ -886,7 +888,7 @@ std::uint32_t ControlModel::set_rate(const msg::Request& request) {
     rate_ = rate;
     count_watchdog();
     for (Session& session : sessions_) {
-      session.heard = tick_;
+      session.last_message_tick = tick_;
     }
   }
   return msg::REASON_NONE;

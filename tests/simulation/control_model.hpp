@@ -87,7 +87,7 @@ class ControlModel {
   /// The bench takes this letter now.
   void arrive(const msg::CommandFrame& frame);
   void arrive(const msg::Request& request);
-  void hear(std::uint64_t session);
+  void note_message(std::uint64_t session);
 
   /// Notes a request that does not `arrive`. @return whether it has arrived before: then the answer
   /// of then is due again, unless it is in progress.
@@ -143,7 +143,7 @@ class ControlModel {
   struct Session {
     std::uint64_t id = 0;
     std::uint32_t epoch = 0;
-    std::uint64_t heard = 0;
+    std::uint64_t last_message_tick = 0;
     std::uint64_t last_sequence = 0;
     std::uint64_t last_command = 0;
     bool must_acquire = false;

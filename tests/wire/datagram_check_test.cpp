@@ -432,7 +432,7 @@ TEST_F(Keeper, ReportsWhoeverIsSilentForLongerThanItsPatience) {
 
 TEST_F(Keeper, IsContentWithAnythingThatIsHeard) {
   ASSERT_TRUE(keeper_.announced(kSender, 2s, 7, now_));
-  keeper_.heard(kSender, now_ + 1500ms);
+  keeper_.note_datagram(kSender, now_ + 1500ms);
   EXPECT_TRUE(keeper_.take_silent(now_ + 3s).empty());
   EXPECT_EQ(keeper_.take_silent(now_ + 4s).size(), 1U);
 }

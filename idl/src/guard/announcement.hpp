@@ -14,7 +14,7 @@ namespace vdrive::wire {
 
 /// The lease that the library reads of every participant. Its timer of a lease must not fire beside
 /// a removal (Fast DDS 2.9.1 and 3.1.2, PDP::check_remote_participant_liveliness aborts), so that
-/// it is longer than any service runs between two looks; the guard judges who is gone.
+/// it is longer than any service runs between two checks; the guard judges who is gone.
 constexpr std::chrono::seconds kLeaseForTheLibrary = std::chrono::hours{24};
 
 enum class Announcer : std::uint8_t {

@@ -64,7 +64,7 @@ Guard::~Guard() {
 
 void Guard::open(const Locator& local, Receiver* channel) {
   const std::scoped_lock lock(channels_mutex_);
-  channels_.try_emplace(local, channel);  // a second receiver of a channel hears nothing
+  channels_.try_emplace(local, channel);  // a second receiver of a channel gets nothing
 }
 
 void Guard::close(const Locator& local) {
@@ -90,7 +90,7 @@ void Guard::receive(Receiver& channel, Bytes datagram, const Locator& local,
   if (keeps_leases_) {
     const auto now = Clock::now();
     const std::scoped_lock lock(keeper_mutex_);
-    keeper_.heard(sender_of(datagram), now);
+    keeper_.note_datagram(sender_of(datagram), now);
   }
   const Bytes readable = datagram.first(report.length);
   if (report.announces) {
@@ -216,8 +216,8 @@ void Guard::judge() {
   }
 }
 
-/// The library hears that it has left, by the channel that it was announced by: as if it had said
-/// so itself, which is the one way of removal that does not meet a timer.
+/// Gives the library the departure of the participant, on the channel of its announcement, as if
+/// the participant had sent it: the only removal that does not meet a timer of the library.
 void Guard::remove(const Keeper::Silent& silent) {
   const std::scoped_lock lock(handing_over_);
   Locator local;

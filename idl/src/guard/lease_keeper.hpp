@@ -11,8 +11,8 @@
 
 namespace vdrive::wire {
 
-/// Remembers when each participant was last heard, and which have been silent for too long. Time is
-/// an argument. Not thread-safe.
+/// Remembers when each participant last sent something, and which have been silent for too long.
+/// Time is an argument. Not thread-safe.
 /// @tparam Channel by which a participant announced itself
 template <typename Channel>
 class LeaseKeeper {
@@ -41,10 +41,10 @@ class LeaseKeeper {
   }
 
   /// Anything of a participant has arrived.
-  void heard(const Prefix& participant, Clock::time_point now) {
+  void note_datagram(const Prefix& participant, Clock::time_point now) {
     const auto found = entries_.find(participant);
     if (found != entries_.end()) {
-      found->second.heard = now;
+      found->second.last_datagram = now;
     }
   }
 
@@ -52,7 +52,7 @@ class LeaseKeeper {
   void expire(const Prefix& participant) {
     const auto found = entries_.find(participant);
     if (found != entries_.end()) {
-      found->second.heard = {};
+      found->second.last_datagram = {};
       found->second.patience = {};
     }
   }
@@ -70,7 +70,7 @@ class LeaseKeeper {
   [[nodiscard]] std::vector<Silent> take_silent(Clock::time_point now) {
     std::vector<Silent> silent;
     for (auto entry = entries_.begin(); entry != entries_.end();) {
-      if (now - entry->second.heard > entry->second.patience) {
+      if (now - entry->second.last_datagram > entry->second.patience) {
         silent.push_back({entry->first, entry->second.channel});
         entry = entries_.erase(entry);
       } else {
@@ -84,7 +84,7 @@ class LeaseKeeper {
 
  private:
   struct Entry {
-    Clock::time_point heard;
+    Clock::time_point last_datagram;
     Clock::duration patience{};
     Channel channel{};
   };

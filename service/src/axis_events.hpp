@@ -15,14 +15,14 @@
 namespace vdrive::service {
 
 /// Notices after a tick what has changed on an axis: its state, its faults, ignored set-points.
-class Observation {
+class AxisEvents {
  public:
-  Observation(const BenchAxes& axes, const Masters& masters, FrameSchedule& schedule,
-              BenchEvents& events, Counters& counters);
+  AxisEvents(const BenchAxes& axes, const Masters& masters, FrameSchedule& schedule,
+             BenchEvents& events, Counters& counters);
 
   /// Reports what has changed since the last call. Frames that wait for an axis that has left
   /// Operation enabled are cancelled.
-  void observe();
+  void report_changes();
 
  private:
   /// What was last seen of an axis.
@@ -33,9 +33,9 @@ class Observation {
     std::uint32_t fault_count = 0;
   };
 
-  void observe_state(std::size_t axis, const AxisStatus& status, const Seen& seen);
-  void observe_faults(std::size_t axis, const AxisStatus& status, const Seen& seen);
-  void observe_set_points(std::size_t axis, const AxisStatus& status, const Seen& seen);
+  void report_state(std::size_t axis, const AxisStatus& status, const Seen& seen);
+  void report_faults(std::size_t axis, const AxisStatus& status, const Seen& seen);
+  void report_set_points(std::size_t axis, const AxisStatus& status, const Seen& seen);
 
   const BenchAxes& axes_;
   const Masters& masters_;

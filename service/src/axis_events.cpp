@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "observation.hpp"
+#include "axis_events.hpp"
 
 #include "vdrive/cia402/statusword.hpp"
 
@@ -10,8 +10,8 @@ constexpr std::uint16_t kStateBits = 0x006F;
 
 }  // namespace
 
-Observation::Observation(const BenchAxes& axes, const Masters& masters, FrameSchedule& schedule,
-                         BenchEvents& events, Counters& counters)
+AxisEvents::AxisEvents(const BenchAxes& axes, const Masters& masters, FrameSchedule& schedule,
+                       BenchEvents& events, Counters& counters)
     : axes_(axes),
       masters_(masters),
       schedule_(schedule),
@@ -23,16 +23,16 @@ Observation::Observation(const BenchAxes& axes, const Masters& masters, FrameSch
   }
 }
 
-void Observation::observe() {
+void AxisEvents::report_changes() {
   for (std::size_t axis = 0; axis < seen_.size(); ++axis) {
     const AxisStatus& status = axes_.bank().status(axis);
     Seen& seen = seen_[axis];
     if (((status.ds402_statusword ^ seen.statusword) & kStateBits) != 0) {
-      observe_state(axis, status, seen);
+      report_state(axis, status, seen);
     }
-    if (status.fault_count != seen.fault_count) observe_faults(axis, status, seen);
+    if (status.fault_count != seen.fault_count) report_faults(axis, status, seen);
     if (status.ignored_set_points != seen.ignored_set_points) {
-      observe_set_points(axis, status, seen);
+      report_set_points(axis, status, seen);
     }
     seen = {.statusword = status.ds402_statusword,
             .error_code = status.error_code,
@@ -41,7 +41,7 @@ void Observation::observe() {
   }
 }
 
-void Observation::observe_state(std::size_t axis, const AxisStatus& status, const Seen& seen) {
+void AxisEvents::report_state(std::size_t axis, const AxisStatus& status, const Seen& seen) {
   const PowerState before = decode_power_state(seen.statusword);
   events_.report({.kind = msg::EVENT_STATE_CHANGED,
                   .axis = axes_.number_of(axis),
@@ -59,7 +59,7 @@ void Observation::observe_state(std::size_t axis, const AxisStatus& status, cons
 }
 
 /// The count falls when the axis is switched on again or a snapshot is restored.
-void Observation::observe_faults(std::size_t axis, const AxisStatus& status, const Seen& seen) {
+void AxisEvents::report_faults(std::size_t axis, const AxisStatus& status, const Seen& seen) {
   if (status.fault_count < seen.fault_count) return;
   events_.report({.kind = msg::EVENT_FAULT,
                   .axis = axes_.number_of(axis),
@@ -67,7 +67,7 @@ void Observation::observe_faults(std::size_t axis, const AxisStatus& status, con
                   .error_register = status.error_register});
 }
 
-void Observation::observe_set_points(std::size_t axis, const AxisStatus& status, const Seen& seen) {
+void AxisEvents::report_set_points(std::size_t axis, const AxisStatus& status, const Seen& seen) {
   if (status.ignored_set_points < seen.ignored_set_points) return;
   const std::uint32_t more = status.ignored_set_points - seen.ignored_set_points;
   counters_.set_points_ignored.add(more);
