@@ -10,12 +10,11 @@
 
 namespace vdrive::client {
 
-// Commands of the power state machine, as the manual writes them.
-inline constexpr std::uint16_t kDisableVoltage = 0x0000;
-inline constexpr std::uint16_t kQuickStop = 0x0002;
-inline constexpr std::uint16_t kShutdown = 0x0006;
-inline constexpr std::uint16_t kSwitchOn = 0x0007;
-inline constexpr std::uint16_t kEnableOperation = 0x000F;
+using controlwords::kDisableVoltage;
+using controlwords::kEnableOperation;
+using controlwords::kQuickStop;
+using controlwords::kShutdown;
+using controlwords::kSwitchOn;
 inline constexpr std::uint16_t kHalt = kEnableOperation | Controlword::kHalt;
 
 /// The first value of 605Ah after which an axis stays in Quick stop active.

@@ -13,12 +13,6 @@ using namespace vdrive::literals;
 
 constexpr ObjectRow kControlword = "ds402_controlword"_object;
 
-// The commands of CiA 402, by the bits of 6040h.
-constexpr std::uint16_t kQuickStopCommand = Controlword::kEnableVoltage;
-constexpr std::uint16_t kDisableOperation =
-    Controlword::kSwitchOn | Controlword::kEnableVoltage | Controlword::kQuickStop;
-constexpr std::uint16_t kDisableVoltage = 0;
-
 bool can_be_stopped(PowerState state) {
   return state == PowerState::operation_enabled || state == PowerState::quick_stop_active;
 }
@@ -64,13 +58,13 @@ void BenchBrake::stop_axis(std::size_t axis, Braking braking) {
   const bool is_enabled = state == PowerState::operation_enabled;
   switch (braking) {
     case Braking::ramp:
-      if (is_enabled) writer_.write(axis, kControlword, kDisableOperation);
+      if (is_enabled) writer_.write(axis, kControlword, controlwords::kDisableOperation);
       break;
     case Braking::quick_stop:
-      if (is_enabled) writer_.write(axis, kControlword, kQuickStopCommand);
+      if (is_enabled) writer_.write(axis, kControlword, controlwords::kQuickStop);
       break;
     case Braking::none:
-      if (can_be_stopped(state)) writer_.write(axis, kControlword, kDisableVoltage);
+      if (can_be_stopped(state)) writer_.write(axis, kControlword, controlwords::kDisableVoltage);
       break;
   }
 }
@@ -79,14 +73,13 @@ void BenchBrake::stop_axis(std::size_t axis, Braking braking) {
 void BenchBrake::switch_off_at_rest(std::size_t axis) {
   const PowerState state = axes_.bank().power_state(axis);
   if (is_between(state) || (state == PowerState::quick_stop_active && stands(axis))) {
-    writer_.write(axis, kControlword, kDisableVoltage);
+    writer_.write(axis, kControlword, controlwords::kDisableVoltage);
   }
 }
 
 bool BenchBrake::stands(std::size_t axis) const noexcept {
   const AxisStatus& status = axes_.bank().status(axis);
-  const std::int64_t threshold =
-      axes_.bank().read(axis, describe("velocity_threshold"_object).address).value;
+  const std::int64_t threshold = axes_.bank().read(axis, "velocity_threshold"_object).value;
   return status.velocity_demand_value == 0 &&
          std::abs(std::int64_t{status.load_velocity_actual_value}) <= threshold;
 }

@@ -20,6 +20,8 @@ using test::AxisUnderTest;
 using enum PowerState;
 
 constexpr std::chrono::milliseconds kPeriod{1};
+constexpr ObjectAddress kStoreParameters{0x1010, 1};
+constexpr ObjectAddress kRestoreParameters{0x1011, 1};
 constexpr ObjectAddress kProfileVelocity{0x6081, 0};
 constexpr ObjectAddress kLowerLimit{0x607D, 1};
 constexpr ObjectAddress kGearNumerator{0x3576, 0};

@@ -41,7 +41,8 @@ struct AxisStatus {
 
 inline constexpr std::size_t kStatusMembers = 23;
 
-/// A member of AxisStatus, for those who treat all of them alike.
+/// A row of the table of the members of AxisStatus. The digest, the replay of journals and clients
+/// read this table.
 struct StatusMember {
   std::string_view name;
   ObjectAddress address;      ///< of the object that it shows; index 0 = none

@@ -12,10 +12,10 @@ namespace vdrive {
 /// @return `target` [UU] within 607Dh where that is in force.
 [[nodiscard]] double within_software_limits(const Drive& drive, double target);
 
-/// @return 6072h (`highest`), bounded by 60E0h or 60E1h (`relative`, of `unit`) where that is not
-/// 0,
-///         which switches it off. `unit` is the lesser of the rated torque and the torque of the
-///         rated current, since 60E0h and 60E1h bound both; all in the unit of the result.
+/// @return the torque limit: 6072h (`highest`) or 60E0h or 60E1h (`relative`) times `unit`, the
+///         lower one; `relative` = 0 switches the latter off. 60E0h and 60E1h bound torque and
+///         current, so `unit` is the lesser of the rated torque and the torque of the rated
+///         current. `highest`, `unit` and the result have one unit.
 [[nodiscard]] double torque_limit(double highest, double relative, double unit) noexcept;
 
 /// @return `torque` [‰ of rated] within 6072h, 60E0h and 60E1h: a ramp beyond what is ever

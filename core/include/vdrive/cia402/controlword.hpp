@@ -19,6 +19,17 @@ struct Controlword {
   static constexpr std::uint16_t kHalt = 1U << 8U;
 };
 
+/// Controlwords that carry one command of the power state machine (CiA 402, command coding) and
+/// nothing else.
+namespace controlwords {
+inline constexpr std::uint16_t kDisableVoltage = 0;
+inline constexpr std::uint16_t kQuickStop = Controlword::kEnableVoltage;
+inline constexpr std::uint16_t kShutdown = kQuickStop | Controlword::kQuickStop;
+inline constexpr std::uint16_t kSwitchOn = kShutdown | Controlword::kSwitchOn;
+inline constexpr std::uint16_t kDisableOperation = kSwitchOn;  ///< in Operation enabled
+inline constexpr std::uint16_t kEnableOperation = kSwitchOn | Controlword::kEnableOperation;
+}  // namespace controlwords
+
 /// What bits 0 to 3 and 7 of a controlword ask for (CiA 402, command coding).
 enum class PowerCommand : std::uint8_t {
   none,

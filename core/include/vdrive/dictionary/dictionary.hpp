@@ -21,10 +21,8 @@ using ObjectRow = std::uint16_t;
 
 inline constexpr std::size_t kObjectCount = kObjectTable.size();
 
-/// 1010h:01 and 1011h:01: what has to be written to them; any other value is refused with
+/// What has to be written to 1010h:01 and 1011h:01; any other value is refused with
 /// AbortCode::cannot_store_or_transfer.
-inline constexpr ObjectAddress kStoreParameters{0x1010, 0x01};
-inline constexpr ObjectAddress kRestoreParameters{0x1011, 0x01};
 inline constexpr std::int64_t kStoreSignature = 0x65766173;    ///< "save", least byte first
 inline constexpr std::int64_t kRestoreSignature = 0x64616F6C;  ///< "load"
 
