@@ -61,9 +61,7 @@ struct ParameterPool {
       return alike(set, initial);
     });
     in_use.push_back(static_cast<std::uint32_t>(same - sets.begin()));
-    if (same == sets.end()) {
-      sets.push_back(initial);
-    }
+    if (same == sets.end()) sets.push_back(initial);
   }
 
   void finish() {
@@ -198,9 +196,7 @@ double torque_limit_of(const DriveRegisters& registers, const AxisModel& model,
 void AxisBank::State::place_axes(Coupling coupling) {
   std::uint32_t pool_index = 0;
   for (std::uint32_t axis = 0; axis < configurations.size(); ++axis) {
-    if (configurations[axis].model.coupling != coupling) {
-      continue;
-    }
+    if (configurations[axis].model.coupling != coupling) continue;
     if (pool_index == 0 || blocks.back().count == kLanes) {
       blocks.push_back({.coupling = coupling, .pool_index = pool_index});
       ++pool_index;
@@ -258,9 +254,7 @@ void AxisBank::State::start_axis(std::size_t axis) {
 
 void AxisBank::State::fill_memory(std::size_t axis) {
   for (const InitialValue& stored : configurations[axis].stored) {
-    if (keep(axis, stored.address, stored.value) != AbortCode::none) {
-      refuse(axis, "stored", stored);
-    }
+    if (keep(axis, stored.address, stored.value) != AbortCode::none) refuse(axis, "stored", stored);
   }
   drive(axis).registers().memory_error = configurations[axis].memory_error;
 }
@@ -297,9 +291,7 @@ const InitialValue* AxisBank::State::set_initial_values(std::size_t axis) {
     // A controlword is a command, not a parameter: no axis is enabled by its configuration.
     const bool allowed = row && *row != "ds402_controlword"_object &&
                          write_object(drive, *row, initial.value) == AbortCode::none;
-    if (!allowed && refused == nullptr) {
-      refused = &initial;
-    }
+    if (!allowed && refused == nullptr) refused = &initial;
   }
   set_stored_values(axis);
   update_derived(drive);
@@ -309,9 +301,7 @@ const InitialValue* AxisBank::State::set_initial_values(std::size_t axis) {
 
 AbortCode AxisBank::State::write(std::size_t axis, ObjectRow row, std::int64_t value) {
   Drive drive = this->drive(axis);
-  if (const AbortCode code = write_object(drive, row, value); code != AbortCode::none) {
-    return code;
-  }
+  if (const AbortCode code = write_object(drive, row, value); code != AbortCode::none) return code;
   const Change change = describe(row).change;
   if (change == Change::gear) {
     apply_gear(axis);
@@ -397,9 +387,7 @@ void AxisBank::State::step_block(std::size_t block_index, DemandBlock& demand) {
   }
   sample_demand(demand, timing.substeps, timing.substep);
   for (std::size_t lane = 0; across != 0; ++lane, across >>= 1U) {
-    if ((across & 1U) != 0) {
-      sample_across(drive(block_index, lane), demand);
-    }
+    if ((across & 1U) != 0) sample_across(drive(block_index, lane), demand);
   }
   if (block.coupling == Coupling::rigid) {
     const auto step = general ? step_rigid_general : step_rigid;
@@ -416,9 +404,7 @@ void AxisBank::State::step_block(std::size_t block_index, DemandBlock& demand) {
 
 template <typename Visit>
 void AxisBank::State::for_each_part(Visit visit) {
-  for (Block& block : blocks) {
-    visit(&block.servo, 1);
-  }
+  for (Block& block : blocks) visit(&block.servo, 1);
   visit(rigid.sets.data(), rigid.sets.size());
   visit(rigid.in_use.data(), rigid.in_use.size());
   visit(elastic.sets.data(), elastic.sets.size());
@@ -447,15 +433,11 @@ bool AxisBank::State::is_sound() const {
 
 AxisBank::AxisBank(std::span<const AxisConfiguration> axes, std::chrono::microseconds period)
     : state_(std::make_unique<State>()) {
-  if (axes.empty()) {
-    throw std::invalid_argument("a bank needs at least one axis");
-  }
+  if (axes.empty()) throw std::invalid_argument("a bank needs at least one axis");
   State& state = *state_;
   state.timing = timing_of(period);
   state.configurations.assign(axes.begin(), axes.end());
-  for (const AxisConfiguration& axis : axes) {
-    validate(axis.model);
-  }
+  for (const AxisConfiguration& axis : axes) validate(axis.model);
   state.places.resize(axes.size());
   state.statuses.resize(axes.size());
   state.memories.resize(axes.size());
@@ -464,9 +446,7 @@ AxisBank::AxisBank(std::span<const AxisConfiguration> axes, std::chrono::microse
   state.drive_states.resize(state.blocks.size() * kLanes);
   state.drive_registers.resize(state.blocks.size() * kLanes);
   state.design_blocks();
-  for (std::size_t axis = 0; axis < axes.size(); ++axis) {
-    state.start_axis(axis);
-  }
+  for (std::size_t axis = 0; axis < axes.size(); ++axis) state.start_axis(axis);
 }
 
 AxisBank::~AxisBank() = default;
@@ -474,9 +454,7 @@ AxisBank::~AxisBank() = default;
 AxisBank::AxisBank(const AxisBank& other) : state_(std::make_unique<State>(*other.state_)) {}
 
 AxisBank& AxisBank::operator=(const AxisBank& other) {
-  if (this != &other) {
-    *state_ = *other.state_;
-  }
+  if (this != &other) *state_ = *other.state_;
   return *this;
 }
 
@@ -523,9 +501,7 @@ void AxisBank::step_groups(std::size_t first, std::size_t last) noexcept {
   ensure(first <= last && last <= state_->blocks.size(), "the groups are the bank's");
   // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): each block fills what it reads
   DemandBlock demand;
-  for (std::size_t block = first; block < last; ++block) {
-    state_->step_block(block, demand);
-  }
+  for (std::size_t block = first; block < last; ++block) state_->step_block(block, demand);
 }
 
 const AxisStatus& AxisBank::status(std::size_t axis) const noexcept {
@@ -555,9 +531,7 @@ void AxisBank::power_cycle(std::size_t axis) noexcept {
 
 AbortCode AxisBank::check_stored(ObjectAddress object, std::int64_t value) noexcept {
   const auto row = find_object(object);
-  if (!row) {
-    return check_address(object);
-  }
+  if (!row) return check_address(object);
   return describe(*row).storage == Storage::flash ? check_object_value(*row, value)
                                                   : AbortCode::cannot_store_or_transfer;
 }
@@ -673,9 +647,7 @@ AxisBank::Snapshot::Snapshot(const Snapshot& other)
     : state_(std::make_unique<State>(*other.state_)) {}
 
 AxisBank::Snapshot& AxisBank::Snapshot::operator=(const Snapshot& other) {
-  if (this != &other) {
-    *state_ = *other.state_;
-  }
+  if (this != &other) *state_ = *other.state_;
   return *this;
 }
 

@@ -17,9 +17,7 @@ std::optional<std::int64_t> value_of(const AxisStatus& status, ObjectRow row) no
       kStatusMemberTable.begin(), kStatusMemberTable.end(), [&](const StatusMember& candidate) {
         return candidate.is_published && candidate.address == address;
       });
-  if (member == kStatusMemberTable.end()) {
-    return std::nullopt;
-  }
+  if (member == kStatusMemberTable.end()) return std::nullopt;
   return member->value(status);
 }
 

@@ -23,9 +23,7 @@ std::optional<std::int64_t> parse_integer(std::string_view text) {
   if (text.starts_with("0x") || text.starts_with("0X")) {
     text.remove_prefix(2);
     base = 16;
-    if (text.starts_with('-')) {
-      return std::nullopt;
-    }
+    if (text.starts_with('-')) return std::nullopt;
   }
   return parse_digits<std::int64_t>(text, base);
 }

@@ -35,9 +35,7 @@ static_assert(std::has_unique_object_representations_v<AxisStatus>, "no padding 
 /// Odd factors, by which no difference of one word vanishes.
 constexpr Words kKeys = [] {
   Words keys{};
-  for (std::size_t word = 0; word < keys.size(); ++word) {
-    keys[word] = scramble(word) | 1U;
-  }
+  for (std::size_t word = 0; word < keys.size(); ++word) keys[word] = scramble(word) | 1U;
   return keys;
 }();
 
@@ -45,9 +43,7 @@ std::uint64_t row_of(const AxisStatus& status) noexcept {
   Words words{};
   std::memcpy(words.data(), &status, sizeof(status));
   std::uint64_t sum = 0;
-  for (std::size_t word = 0; word < words.size(); ++word) {
-    sum += words[word] * kKeys[word];
-  }
+  for (std::size_t word = 0; word < words.size(); ++word) sum += words[word] * kKeys[word];
   return scramble(sum);
 }
 
@@ -83,9 +79,7 @@ StatusDigest digest_of(std::span<const AxisStatus> statuses, std::size_t axes_pe
     row = (row ^ axis_row) * kPrime;
     --left_in_row;
     if (left_in_row == 0 || axis + 1 == statuses.size()) {
-      if (row_number < rows.size()) {
-        rows[row_number] = fold(row);
-      }
+      if (row_number < rows.size()) rows[row_number] = fold(row);
       ++row_number;
       row = kOffset;
       left_in_row = axes_per_row;

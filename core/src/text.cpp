@@ -39,12 +39,8 @@ std::size_t character_length(std::string_view text) noexcept {
   const auto* const row = std::find_if(kUtf8.begin(), kUtf8.end(), [&](const Utf8Row& candidate) {
     return is_within(text[0], candidate.first_lowest, candidate.first_highest);
   });
-  if (row == kUtf8.end() || text.size() < row->length) {
-    return 0;
-  }
-  if (row->length > 1 && !is_within(text[1], row->second_lowest, row->second_highest)) {
-    return 0;
-  }
+  if (row == kUtf8.end() || text.size() < row->length) return 0;
+  if (row->length > 1 && !is_within(text[1], row->second_lowest, row->second_highest)) return 0;
   const std::string_view rest =
       text.substr(0, row->length).substr(std::min<std::size_t>(2, row->length));
   const bool continues = std::all_of(rest.begin(), rest.end(), [](char c) {
@@ -63,9 +59,7 @@ std::string_view take_character(std::string_view& text) noexcept {
 
 std::size_t count_characters(std::string_view text) noexcept {
   std::size_t count = 0;
-  for (; !text.empty(); ++count) {
-    static_cast<void>(take_character(text));
-  }
+  for (; !text.empty(); ++count) static_cast<void>(take_character(text));
   return count;
 }
 
@@ -74,9 +68,7 @@ bool is_unprintable(std::string_view character) noexcept {
   if (character.size() == 2) {  // U+0080 to U+009F
     return character[0] == '\xC2' && is_within(character[1], 0x80, 0x9F);
   }
-  if (!character.starts_with("\xE2\x80") && !character.starts_with("\xE2\x81")) {
-    return false;
-  }
+  if (!character.starts_with("\xE2\x80") && !character.starts_with("\xE2\x81")) return false;
   return character[1] == '\x80' ? is_within(character[2], 0xA8, 0xAE)   // U+2028 to U+202E
                                 : is_within(character[2], 0xA6, 0xA9);  // U+2066 to U+2069
 }
@@ -123,12 +115,8 @@ std::string escaped(std::string_view text, std::size_t longest) {
   std::string out;
   for (std::size_t i = 0; i < count; ++i) {
     const std::string_view character = take_character(text);
-    if (i < head || i >= count - tail) {
-      append_character(out, character);
-    }
-    if (i == head) {
-      out += "...";
-    }
+    if (i < head || i >= count - tail) append_character(out, character);
+    if (i == head) out += "...";
   }
   return out;
 }
@@ -146,9 +134,7 @@ std::string in_quotes(std::string_view text) {
 bool is_utf8(std::string_view text) noexcept {
   while (!text.empty()) {
     const std::size_t length = character_length(text);
-    if (length == 0) {
-      return false;
-    }
+    if (length == 0) return false;
     text.remove_prefix(length);
   }
   return true;

@@ -15,13 +15,9 @@ bool is_address(const std::string& text) {
 std::optional<ServerAddress> parse_server_address(std::string_view text) {
   const auto colon = text.find(':');
   const std::string address(text.substr(0, colon));
-  if (colon == std::string_view::npos || !is_address(address)) {
-    return std::nullopt;
-  }
+  if (colon == std::string_view::npos || !is_address(address)) return std::nullopt;
   const auto port = parse_digits<std::uint16_t>(text.substr(colon + 1));
-  if (!port || *port == 0) {
-    return std::nullopt;
-  }
+  if (!port || *port == 0) return std::nullopt;
   return ServerAddress{address, *port};
 }
 

@@ -56,16 +56,12 @@ constexpr std::size_t size_of_key(TopicKey key) noexcept {
 /// The key hash of DDS: the key members, each with its highest byte first.
 std::array<std::byte, 16> key_of(std::span<const std::byte> sample, TopicKey key) noexcept {
   std::array<std::byte, 16> hash{};
-  if (sample.size() < kEncapsulation + size_of_key(key)) {
-    return hash;
-  }
+  if (sample.size() < kEncapsulation + size_of_key(key)) return hash;
   std::memcpy(hash.data(), &sample[kEncapsulation], size_of_key(key));
   const bool is_little = sample[1] != std::byte{0};
   if (is_little) {
     std::reverse(hash.begin(), hash.begin() + 4);
-    if (key == TopicKey::bench_and_number) {
-      std::swap(hash[4], hash[5]);
-    }
+    if (key == TopicKey::bench_and_number) std::swap(hash[4], hash[5]);
   }
   return hash;
 }
@@ -86,9 +82,7 @@ BytesType::BytesType(TopicId topic) : key_(traits_of(topic).key) {
 
 bool BytesType::serialize(void* data, rtps::SerializedPayload_t* payload) {
   const std::span<const std::byte> bytes = sample_at(data).bytes;
-  if (bytes.size() < kEncapsulation || bytes.size() > payload->max_size) {
-    return false;
-  }
+  if (bytes.size() < kEncapsulation || bytes.size() > payload->max_size) return false;
   std::memcpy(payload->data, bytes.data(), bytes.size());
   payload->length = static_cast<std::uint32_t>(bytes.size());
   payload->encapsulation = bytes[1] == std::byte{0} ? CDR_BE : CDR_LE;
@@ -101,9 +95,7 @@ bool BytesType::deserialize(rtps::SerializedPayload_t* payload, void* data) {
   const std::span bytes(reinterpret_cast<const std::byte*>(payload->data), payload->length);
   sample.head_size = std::min(bytes.size(), sample.head.size());
   std::copy_n(bytes.begin(), sample.head_size, sample.head.begin());
-  if (sample.take != nullptr) {
-    (*sample.take)(bytes);
-  }
+  if (sample.take != nullptr) (*sample.take)(bytes);
   return bytes.size() >= kEncapsulation;
 }
 
@@ -122,9 +114,7 @@ void BytesType::deleteData(void* data) {
 }
 
 bool BytesType::getKey(void* data, rtps::InstanceHandle_t* handle, bool force_md5) {
-  if (key_ == TopicKey::none) {
-    return false;
-  }
+  if (key_ == TopicKey::none) return false;
   const BytesSample& sample = sample_at(data);
   const std::span<const std::byte> bytes =
       sample.bytes.empty() ? std::span<const std::byte>(sample.head.data(), sample.head_size)

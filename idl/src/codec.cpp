@@ -169,9 +169,7 @@ std::size_t encode(const Message& message, std::span<std::byte> output) noexcept
 template <typename Message>
 bool decode(std::span<const std::byte> sample, Message& message) noexcept {
   using eprosima::fastcdr::Cdr;
-  if (!CdrReader(sample).is_good()) {
-    return false;
-  }
+  if (!CdrReader(sample).is_good()) return false;
   try {
     // The buffer takes a mutable pointer; only reading functions are called.
     eprosima::fastcdr::FastBuffer buffer(
@@ -198,9 +196,7 @@ CommandDecoder::CommandDecoder(std::size_t spare) {
 void CommandDecoder::resize(std::vector<msg::AxisCommand>& axes, std::size_t count) {
   axes.reserve(msg::MAX_AXES_PER_FRAME);
   while (axes.size() > count) {
-    if (spare_.size() < spare_.capacity()) {
-      spare_.push_back(std::move(axes.back()));
-    }
+    if (spare_.size() < spare_.capacity()) spare_.push_back(std::move(axes.back()));
     axes.pop_back();
   }
   while (axes.size() < count) {
@@ -226,9 +222,7 @@ Decoding CommandDecoder::decode(std::span<const std::byte> sample, msg::CommandF
   const auto count = reader.next<std::uint32_t>();
   const bool fits = count <= msg::MAX_AXES_PER_FRAME;
   resize(frame.axes(), fits ? count : 0);
-  if (!fits) {
-    return Decoding::too_many_axes;
-  }
+  if (!fits) return Decoding::too_many_axes;
   for (auto& command : frame.axes()) {
     read_command(reader, command);
     const auto objects = reader.next<std::uint32_t>();
@@ -264,9 +258,7 @@ Decoding CommandDecoder::decode(std::span<const std::byte> sample, msg::Request&
   request.axes().clear();
   request.objects().clear();
   const auto axes = reader.next<std::uint32_t>();
-  if (axes > msg::MAX_AXES_PER_FRAME) {
-    return Decoding::too_many_axes;
-  }
+  if (axes > msg::MAX_AXES_PER_FRAME) return Decoding::too_many_axes;
   for (std::uint32_t count = 0; count < axes; ++count) {
     request.axes().push_back(reader.next<std::uint16_t>());
   }
@@ -294,9 +286,7 @@ std::size_t encode_status_frame(const StatusFrameHead& head, const AxesAfterTick
                                 std::span<std::byte> output) noexcept {
   const std::size_t count = axes.status.size();
   const std::size_t size = encoded_status_frame_size(count);
-  if (output.size() < size) {
-    return 0;
-  }
+  if (output.size() < size) return 0;
   const FrameLayout frame{.bench = head.bench,
                           .gap_before_incarnation = 0,
                           .incarnation = head.incarnation,
@@ -321,9 +311,7 @@ std::size_t encode_status_frame(const StatusFrameHead& head, const AxesAfterTick
 std::size_t encode_axis_status(const AxisStatus& status, const AxisAddress& address,
                                std::uint64_t tick, const Ownership& owner,
                                std::span<std::byte> output) noexcept {
-  if (output.size() < kAxisStatusSize) {
-    return 0;
-  }
+  if (output.size() < kAxisStatusSize) return 0;
   std::memcpy(output.data(), kLittleEndian.data(), kEncapsulation);
   put_status<0>(status, address, tick, owner, &output[kEncapsulation]);
   return kAxisStatusSize;

@@ -180,9 +180,7 @@ ClockMode clock_mode_of(std::uint32_t code) noexcept {
 
 std::string describe_reason(std::uint32_t reason) {
   for (const auto& [code, words] : kReasons) {
-    if (code == reason) {
-      return std::string(words);
-    }
+    if (code == reason) return std::string(words);
   }
   return hex(reason, 8) + ", " + std::string(describe(static_cast<AbortCode>(reason)));
 }

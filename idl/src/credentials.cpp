@@ -58,9 +58,7 @@ Bio open(const std::filesystem::path& file) {
 
 Certificate read_certificate(const std::filesystem::path& file) {
   Certificate certificate(PEM_read_bio_X509(open(file).get(), nullptr, nullptr, nullptr));
-  if (!certificate) {
-    refuse(file, "is not a certificate in PEM format");
-  }
+  if (!certificate) refuse(file, "is not a certificate in PEM format");
   return certificate;
 }
 
@@ -83,12 +81,8 @@ std::string date_of(const ASN1_TIME* time) {
 void check_dates(const std::filesystem::path& file, const X509* certificate) {
   const ASN1_TIME* const begin = X509_get0_notBefore(certificate);
   const ASN1_TIME* const end = X509_get0_notAfter(certificate);
-  if (X509_cmp_current_time(end) < 0) {
-    refuse(file, "expired at " + date_of(end));
-  }
-  if (X509_cmp_current_time(begin) > 0) {
-    refuse(file, "is not valid before " + date_of(begin));
-  }
+  if (X509_cmp_current_time(end) < 0) refuse(file, "expired at " + date_of(end));
+  if (X509_cmp_current_time(begin) > 0) refuse(file, "is not valid before " + date_of(begin));
 }
 
 }  // namespace
@@ -101,9 +95,7 @@ std::string check_identity(const std::filesystem::path& ca_file,
   check_dates(ca_file, ca.get());
   check_dates(certificate_file, certificate.get());
   const Key key(PEM_read_bio_PrivateKey(open(key_file).get(), nullptr, no_pass_phrase, nullptr));
-  if (!key) {
-    refuse(key_file, "is not a private key in PEM format without a pass phrase");
-  }
+  if (!key) refuse(key_file, "is not a private key in PEM format without a pass phrase");
   if (X509_check_private_key(certificate.get(), key.get()) != 1) {
     refuse(key_file, "is not the key of " + escaped(certificate_file.string(), kShownOfMessage));
   }
@@ -129,9 +121,7 @@ std::string verified_text(const std::filesystem::path& ca_file,
   BIO* signed_part = nullptr;
   const Signature signature(SMIME_read_PKCS7(open(document).get(), &signed_part));
   const Bio content(signed_part);
-  if (!signature || !content) {
-    refuse(document, "is not a signed S/MIME document");
-  }
+  if (!signature || !content) refuse(document, "is not a signed S/MIME document");
   // Only the CA itself signs: a certificate that comes with the document says nothing.
   const Signers signers(sk_X509_new_null());
   sk_X509_push(signers.get(), ca.get());

@@ -19,9 +19,7 @@ dds::Topic* Participant::Entities::topic(std::string_view name, const dds::TypeS
   }
   auto* const topic =
       participant->create_topic(full_name, type.get_type_name(), dds::TOPIC_QOS_DEFAULT);
-  if (topic == nullptr) {
-    throw NetworkError("DDS refuses the topic " + full_name);
-  }
+  if (topic == nullptr) throw NetworkError("DDS refuses the topic " + full_name);
   return topic;
 }
 
@@ -36,9 +34,7 @@ Source source_of(const rtps::InstanceHandle_t& handle) noexcept {
 void Matches::update(const rtps::InstanceHandle_t& endpoint, int change) {
   const std::lock_guard lock(mutex_);
   std::erase(endpoints_, endpoint);
-  if (change > 0) {
-    endpoints_.push_back(endpoint);
-  }
+  if (change > 0) endpoints_.push_back(endpoint);
   changed_.notify_all();
 }
 

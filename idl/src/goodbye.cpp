@@ -64,9 +64,7 @@ class Sender {
 }  // namespace
 
 void say_goodbye(const NetworkSettings& settings, const Source& dead) {
-  if (!settings.discovery_servers.empty()) {
-    return;
-  }
+  if (!settings.discovery_servers.empty()) return;
   const Sender sender;
   const auto datagram = farewell(dead.participant);
   const std::uint32_t port = kFirstPort + kPortsOfDomain * settings.domain;
@@ -74,9 +72,7 @@ void say_goodbye(const NetworkSettings& settings, const Source& dead) {
   interfaces.emplace_back(kLoopback);
   for (int time = 0; time < kTimes; ++time) {
     for (const auto& interface : interfaces) {
-      if (sender.leave_by(interface)) {
-        sender.send(kGroup, port, datagram);
-      }
+      if (sender.leave_by(interface)) sender.send(kGroup, port, datagram);
     }
     for (const auto& peer : settings.peers) {
       for (std::uint32_t participant = 0; participant < kParticipantsOfPeer; ++participant) {

@@ -63,12 +63,8 @@ void check_own_address(const std::string& address) {
   rtps::IPFinder::getIPs(&own, true);
   std::string addresses;
   for (const auto& ip : own) {
-    if (ip.type != rtps::IPFinder::IP4 && ip.type != rtps::IPFinder::IP4_LOCAL) {
-      continue;
-    }
-    if (ip.name == address) {
-      return;
-    }
+    if (ip.type != rtps::IPFinder::IP4 && ip.type != rtps::IPFinder::IP4_LOCAL) continue;
+    if (ip.name == address) return;
     addresses += (addresses.empty() ? "" : ", ") + ip.name;
   }
   throw NetworkError("network interface " + in_quotes(address) +
@@ -80,9 +76,7 @@ eprosima::fastdds::rtps::UDPv4TransportDescriptor udp_transport(const NetworkSet
   udp.interfaceWhiteList = {kLoopback};
   for (const auto& address : settings.interfaces) {
     check_own_address(address);
-    if (address != kLoopback) {
-      udp.interfaceWhiteList.push_back(address);
-    }
+    if (address != kLoopback) udp.interfaceWhiteList.push_back(address);
   }
   udp.sendBufferSize = permitted_socket_buffer("/proc/sys/net/core/wmem_max");
   udp.receiveBufferSize = permitted_socket_buffer("/proc/sys/net/core/rmem_max");
@@ -92,9 +86,7 @@ eprosima::fastdds::rtps::UDPv4TransportDescriptor udp_transport(const NetworkSet
 
 /// Multicast first, then the peers: a list of peers replaces the library's own.
 void add_peers(const NetworkSettings& settings, dds::DomainParticipantQos& qos) {
-  if (settings.peers.empty()) {
-    return;
-  }
+  if (settings.peers.empty()) return;
   auto& peers = qos.wire_protocol().builtin.initialPeersList;
   rtps::Locator_t group;
   IPLocator::setIPv4(group, kDiscoveryGroup);
@@ -114,9 +106,7 @@ void add_peers(const NetworkSettings& settings, dds::DomainParticipantQos& qos) 
 /// @return the locator that "10.0.0.9:11811" names.
 std::optional<rtps::Locator_t> server_locator(std::string_view text) {
   const auto server = parse_server_address(text);
-  if (!server) {
-    return std::nullopt;
-  }
+  if (!server) return std::nullopt;
   rtps::Locator_t locator;
   IPLocator::setIPv4(locator, server->address);
   locator.port = server->port;
@@ -126,9 +116,7 @@ std::optional<rtps::Locator_t> server_locator(std::string_view text) {
 /// With servers nobody is asked by multicast. A client is told what matches its own endpoints,
 /// which is all that any part of vdrive looks for.
 void add_discovery_servers(const NetworkSettings& settings, dds::DomainParticipantQos& qos) {
-  if (settings.discovery_servers.empty()) {
-    return;
-  }
+  if (settings.discovery_servers.empty()) return;
   if (settings.discovery_servers.size() > kMostServers) {
     throw NetworkError("more than " + std::to_string(kMostServers) + " discovery servers");
   }
@@ -213,9 +201,7 @@ dds::DomainParticipantQos participant_qos(const NetworkSettings& settings, const
   limit_discovery(qos);
   add_peers(settings, qos);
   add_discovery_servers(settings, qos);
-  if (!settings.security.empty()) {
-    add_security(settings.security, qos);
-  }
+  if (!settings.security.empty()) add_security(settings.security, qos);
   return qos;
 }
 

@@ -33,9 +33,7 @@ void apply(const TopicTraits& topic, Qos& qos) {
 dds::DataWriterQos writer_qos(const TopicTraits& topic) {
   dds::DataWriterQos qos;
   apply(topic, qos);
-  if (topic.writer_keeps_newest) {
-    qos.history().kind = dds::KEEP_LAST_HISTORY_QOS;
-  }
+  if (topic.writer_keeps_newest) qos.history().kind = dds::KEEP_LAST_HISTORY_QOS;
   qos.publish_mode().kind = dds::SYNCHRONOUS_PUBLISH_MODE;
   qos.writer_data_lifecycle().autodispose_unregistered_instances = false;
   // Room for what a sample needs, kept for the next one: no allocation once warm, and none of the

@@ -44,17 +44,13 @@ class Document {
   /// @return the element at this place below <dds>.
   [[nodiscard]] const Element& part(const char* name) const {
     const Element* const root = xml_.FirstChildElement("dds");
-    if (root == nullptr) {
-      refuse("has no <dds>");
-    }
+    if (root == nullptr) refuse("has no <dds>");
     return child(*root, name);
   }
 
   [[nodiscard]] const Element& child(const Element& parent, const char* name) const {
     const Element* const found = parent.FirstChildElement(name);
-    if (found == nullptr) {
-      refuse(std::string("has no <") + name + "> in <" + parent.Name() + ">");
-    }
+    if (found == nullptr) refuse(std::string("has no <") + name + "> in <" + parent.Name() + ">");
     return *found;
   }
 
@@ -78,9 +74,7 @@ class Document {
       const Element* const highest = is_range ? entry->FirstChildElement("max") : entry;
       const unsigned from = lowest == nullptr ? 0 : lowest->UnsignedText(UINT32_MAX);
       const unsigned to = highest == nullptr ? UINT32_MAX : highest->UnsignedText(0);
-      if (domain >= from && domain <= to) {
-        return true;
-      }
+      if (domain >= from && domain <= to) return true;
     }
     return false;
   }
@@ -112,9 +106,7 @@ void require_protection(const Document& document, const Element& rule, const cha
 void check_topic(const Document& document, const Element& rules, const std::string& topic) {
   for (const Element* rule = rules.FirstChildElement("topic_rule"); rule != nullptr;
        rule = rule->NextSiblingElement("topic_rule")) {
-    if (!matches(document.text(*rule, "topic_expression"), topic)) {
-      continue;
-    }
+    if (!matches(document.text(*rule, "topic_expression"), topic)) continue;
     require(document, *rule, "enable_discovery_protection", true);
     require(document, *rule, "enable_read_access_control", true);
     require(document, *rule, "enable_write_access_control", true);
@@ -130,9 +122,7 @@ void check_governance(const Document& document, std::uint32_t domain) {
   while (rule != nullptr && !document.holds(*rule, domain)) {
     rule = rule->NextSiblingElement("domain_rule");
   }
-  if (rule == nullptr) {
-    document.refuse("has no <domain_rule> for domain " + std::to_string(domain));
-  }
+  if (rule == nullptr) document.refuse("has no <domain_rule> for domain " + std::to_string(domain));
   require(document, *rule, "allow_unauthenticated_participants", false);
   require(document, *rule, "enable_join_access_control", true);
   require_protection(document, *rule, "discovery_protection_kind", true);
@@ -149,9 +139,7 @@ void check_governance(const Document& document, std::uint32_t domain) {
 std::optional<std::time_t> parse_time(const std::string& text) {
   std::tm fields{};
   std::istringstream stream(text);
-  if (!(stream >> std::get_time(&fields, "%Y-%m-%dT%H:%M:%S"))) {
-    return std::nullopt;
-  }
+  if (!(stream >> std::get_time(&fields, "%Y-%m-%dT%H:%M:%S"))) return std::nullopt;
   return timegm(&fields);
 }
 
@@ -165,12 +153,8 @@ void check_validity(const Document& document, const Element& grant) {
     document.refuse("has a <validity> that is not a date such as 2026-01-31T00:00:00");
   }
   const std::time_t now = std::time(nullptr);
-  if (now > *to) {
-    document.refuse("expired at " + escaped(end));
-  }
-  if (now < *from) {
-    document.refuse("is not valid before " + escaped(begin));
-  }
+  if (now > *to) document.refuse("expired at " + escaped(end));
+  if (now < *from) document.refuse("is not valid before " + escaped(begin));
 }
 
 const Element& grant_of(const Document& document, const std::string& subject) {
@@ -179,9 +163,7 @@ const Element& grant_of(const Document& document, const std::string& subject) {
   for (const Element* grant = permissions.FirstChildElement("grant"); grant != nullptr;
        grant = grant->NextSiblingElement("grant")) {
     const std::string name = document.text(*grant, "subject_name");
-    if (name == subject) {
-      return *grant;
-    }
+    if (name == subject) return *grant;
     others += (others.empty() ? "" : "; ") + name;
   }
   document.refuse("grants nothing to the certificate's subject " +
@@ -231,9 +213,7 @@ bool Permissions::may_publish(const std::string& topic) const {
         std::any_of(rule.topics.begin(), rule.topics.end(), [&](const auto& name) {
           return matches(name, topic);
         });
-    if (names_it) {
-      return rule.allows;
-    }
+    if (names_it) return rule.allows;
   }
   return by_default_;
 }

@@ -18,9 +18,7 @@ struct Subscription<Message>::Entities {
       return;
     }
     ++malformed;
-    if (malformed_handler) {
-      malformed_handler(message, source);
-    }
+    if (malformed_handler) malformed_handler(message, source);
   }
 
   Handler handler;

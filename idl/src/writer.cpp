@@ -21,9 +21,7 @@ Writer::Writer(Participant::Entities& parent, TopicId topic, const dds::TypeSupp
   }
   writer_ = publisher_->create_datawriter(parent.topic(traits.name, type), writer_qos(traits), this,
                                           dds::StatusMask::publication_matched());
-  if (writer_ == nullptr) {
-    throw NetworkError("DDS refuses a writer on topic " + name);
-  }
+  if (writer_ == nullptr) throw NetworkError("DDS refuses a writer on topic " + name);
 }
 
 Writer::~Writer() {
@@ -60,9 +58,7 @@ void Writer::on_publication_matched(dds::DataWriter* /*writer*/,
                                     const dds::PublicationMatchedStatus& status) {
   const std::lock_guard lock(observing_);
   matches_.update(status.last_subscription_handle, status.current_count_change);
-  if (observer_) {
-    observer_(matches_.sources());
-  }
+  if (observer_) observer_(matches_.sources());
 }
 
 }  // namespace vdrive::wire

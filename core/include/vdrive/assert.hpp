@@ -20,9 +20,7 @@ inline constexpr bool kChecksInvariants = false;
 /// @param invariant what holds, as a sentence: "the index is inside the table"
 constexpr void ensure(bool holds, const char* invariant, const char* file = __builtin_FILE(),
                       unsigned line = __builtin_LINE()) noexcept {
-  if (kChecksInvariants && !holds) {
-    abort_broken_invariant(invariant, file, line);
-  }
+  if (kChecksInvariants && !holds) abort_broken_invariant(invariant, file, line);
 }
 
 }  // namespace vdrive

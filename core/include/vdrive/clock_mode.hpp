@@ -34,9 +34,7 @@ inline constexpr std::array kClockModes{ClockMode::realtime, ClockMode::lockstep
 /// @return the mode of that name, or nothing.
 [[nodiscard]] constexpr std::optional<ClockMode> clock_mode_named(std::string_view name) noexcept {
   for (const ClockMode mode : kClockModes) {
-    if (to_string(mode) == name) {
-      return mode;
-    }
+    if (to_string(mode) == name) return mode;
   }
   return std::nullopt;
 }

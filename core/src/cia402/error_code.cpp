@@ -28,9 +28,7 @@ constexpr std::uint8_t kGenericError = 1U << 0U;
 
 const ErrorRow* find(ErrorCode code) noexcept {
   for (const ErrorRow& row : kErrors) {
-    if (row.code == code) {
-      return &row;
-    }
+    if (row.code == code) return &row;
   }
   return nullptr;
 }
@@ -38,9 +36,7 @@ const ErrorRow* find(ErrorCode code) noexcept {
 }  // namespace
 
 std::string_view describe(ErrorCode code) noexcept {
-  if (code == ErrorCode::none) {
-    return "no error";
-  }
+  if (code == ErrorCode::none) return "no error";
   const ErrorRow* const row = find(code);
   return row == nullptr ? "unknown error" : row->text;
 }

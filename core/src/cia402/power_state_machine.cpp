@@ -82,26 +82,20 @@ void PowerStateMachine::take(unsigned number, TransitionSet& taken) noexcept {
 
 TransitionSet PowerStateMachine::initialised() noexcept {
   TransitionSet taken;
-  if (state_ == not_ready_to_switch_on) {
-    take(1, taken);
-  }
+  if (state_ == not_ready_to_switch_on) take(1, taken);
   return taken;
 }
 
 TransitionSet PowerStateMachine::command(PowerCommand command, const PowerOptions& options,
                                          bool voltage, bool cause_present) noexcept {
   TransitionSet taken;
-  if (!permitted(state_, command, options, voltage, cause_present)) {
-    return taken;
-  }
+  if (!permitted(state_, command, options, voltage, cause_present)) return taken;
   const bool ramped =
       state_ == operation_enabled &&
       ((command == PowerCommand::shutdown && options.shutdown_option_code == 1) ||
        (command == PowerCommand::switch_on && options.disable_operation_option_code == 1));
   if (ramped) {
-    if (pending_ != PowerCommand::shutdown) {
-      pending_ = command;
-    }
+    if (pending_ != PowerCommand::shutdown) pending_ = command;
     return taken;
   }
   if (command == PowerCommand::switch_on && pending_ == PowerCommand::shutdown) {
@@ -110,18 +104,14 @@ TransitionSet PowerStateMachine::command(PowerCommand command, const PowerOption
   const Path& path =
       kReactions[static_cast<std::size_t>(state_)][static_cast<std::size_t>(command)];
   for (const unsigned number : path) {
-    if (number != 0) {
-      take(number, taken);
-    }
+    if (number != 0) take(number, taken);
   }
   return taken;
 }
 
 TransitionSet PowerStateMachine::fault_detected() noexcept {
   TransitionSet taken;
-  if (state_ != fault_reaction_active && state_ != fault) {
-    take(13, taken);
-  }
+  if (state_ != fault_reaction_active && state_ != fault) take(13, taken);
   return taken;
 }
 

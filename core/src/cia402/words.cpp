@@ -31,9 +31,7 @@ constexpr std::array<StateRow, 8> kStates{{
 
 constexpr bool rows_follow_the_enumeration() {
   for (std::size_t i = 0; i < kStates.size(); ++i) {
-    if (static_cast<std::size_t>(kStates[i].state) != i) {
-      return false;
-    }
+    if (static_cast<std::size_t>(kStates[i].state) != i) return false;
   }
   return true;
 }
@@ -48,9 +46,7 @@ std::string_view to_string(PowerState state) noexcept {
 
 PowerState decode_power_state(std::uint16_t statusword) noexcept {
   for (const StateRow& row : kStates) {
-    if ((statusword & row.mask) == row.value) {
-      return row.state;
-    }
+    if ((statusword & row.mask) == row.value) return row.state;
   }
   return PowerState::not_ready_to_switch_on;
 }
@@ -82,15 +78,9 @@ PowerCommand decode_command(std::uint16_t word, std::uint16_t previous_word) noe
     const bool rising = (previous_word & Controlword::kFaultReset) == 0;
     return rising ? PowerCommand::fault_reset : PowerCommand::none;
   }
-  if ((word & Controlword::kEnableVoltage) == 0) {
-    return PowerCommand::disable_voltage;
-  }
-  if ((word & Controlword::kQuickStop) == 0) {
-    return PowerCommand::quick_stop;
-  }
-  if ((word & Controlword::kSwitchOn) == 0) {
-    return PowerCommand::shutdown;
-  }
+  if ((word & Controlword::kEnableVoltage) == 0) return PowerCommand::disable_voltage;
+  if ((word & Controlword::kQuickStop) == 0) return PowerCommand::quick_stop;
+  if ((word & Controlword::kSwitchOn) == 0) return PowerCommand::shutdown;
   return (word & Controlword::kEnableOperation) == 0 ? PowerCommand::switch_on
                                                      : PowerCommand::enable_operation;
 }

@@ -45,9 +45,7 @@ constexpr std::array<std::pair<AbortCode, std::string_view>, 27> kAbortTexts{{
 
 constexpr bool sorted_without_duplicates() {
   for (std::size_t row = 1; row < kObjectCount; ++row) {
-    if (!(kObjectTable[row - 1].address < kObjectTable[row].address)) {
-      return false;
-    }
+    if (!(kObjectTable[row - 1].address < kObjectTable[row].address)) return false;
   }
   return true;
 }
@@ -92,9 +90,7 @@ std::string english_units(const ObjectDescription& object) {
     std::string_view unit = units.substr(found + kUserUnit.size());
     unit = unit.substr(0, unit.find(kClosing));
     unit.remove_prefix(std::min(unit.find_first_not_of(' '), unit.size()));
-    if (!unit.empty()) {
-      result += " (" + std::string(unit) + ")";
-    }
+    if (!unit.empty()) result += " (" + std::string(unit) + ")";
   }
   return result;
 }
@@ -105,9 +101,7 @@ std::string address_text(ObjectAddress address) {
 }
 
 AbortCode check_address(ObjectAddress address) noexcept {
-  if (find_object(address)) {
-    return AbortCode::none;
-  }
+  if (find_object(address)) return AbortCode::none;
   const bool index_exists =
       std::any_of(kObjectTable.begin(), kObjectTable.end(), [address](const auto& row) {
         return row.address.index == address.index;
@@ -117,15 +111,9 @@ AbortCode check_address(ObjectAddress address) noexcept {
 
 AbortCode check_write(ObjectRow row, std::int64_t value) noexcept {
   const ObjectDescription& object = describe(row);
-  if (object.access == Access::read_only) {
-    return AbortCode::write_of_read_only_object;
-  }
-  if (value > object.upper_limit) {
-    return AbortCode::value_too_high;
-  }
-  if (value < object.lower_limit) {
-    return AbortCode::value_too_low;
-  }
+  if (object.access == Access::read_only) return AbortCode::write_of_read_only_object;
+  if (value > object.upper_limit) return AbortCode::value_too_high;
+  if (value < object.lower_limit) return AbortCode::value_too_low;
   return AbortCode::none;
 }
 

@@ -17,9 +17,7 @@ using Kind = MotionRequest::Kind;
 void finish_motion(Drive& drive) {
   DriveState& s = drive.state();
   const DriveRegisters& r = drive.registers();
-  if (s.target.arrived || !s.power.on) {
-    return;
-  }
+  if (s.target.arrived || !s.power.on) return;
   if (r.request.kind == Kind::move || r.request.kind == Kind::synchronous_move) {
     s.target.arrived = r.profile.reaches_target();
   } else if (!s.target.given && !s.target.given_up) {
@@ -37,9 +35,7 @@ void enter_segment(Drive& drive, double time) {
     return;
   }
   std::size_t i = 0;
-  while (time >= profile.segment(i).end_time) {
-    ++i;
-  }
+  while (time >= profile.segment(i).end_time) ++i;
   demand.segment = profile.segment(i);
   const MotionSample now = sample(demand.segment, time);
   demand.position = now.position;
@@ -63,9 +59,7 @@ void move_along(Drive& drive) {
 /// Another loop becomes the outermost one: it starts from what the axis does.
 void take_control(Drive& drive, Control control) {
   DriveState& s = drive.state();
-  if (control == s.demand.control) {
-    return;
-  }
+  if (control == s.demand.control) return;
   ServoState& servo = drive.servo();
   const std::size_t l = drive.lane();
   if (s.demand.control == Control::torque) {
@@ -87,9 +81,7 @@ void start_ramp(Drive& drive, const MotionRequest& request) {
   DriveState& s = drive.state();
   const double commanded = commanded_torque(drive);
   const double step = request.limits.acceleration * drive.timing().period_us * 1.0e-6;
-  if (std::abs(s.demand.torque) > std::abs(commanded) + step) {
-    s.demand.torque = commanded;
-  }
+  if (std::abs(s.demand.torque) > std::abs(commanded) + step) s.demand.torque = commanded;
 }
 
 /// One tick of the torque's ramp.
@@ -158,9 +150,7 @@ void plan(Drive& drive, const MotionRequest& request) {
   r.request = request;
   s.target.unplanned = false;
   if (request.kind == Kind::torque) {
-    if (!same) {
-      start_ramp(drive, request);
-    }
+    if (!same) start_ramp(drive, request);
     ramp_torque(drive, request);
   } else if (request.kind == Kind::follow) {
     follow_target(drive, request);
@@ -191,12 +181,8 @@ void advance_demand(Drive& drive) {
   } else if (s.demand.moving) {
     move_along(drive);
   }
-  if (s.demand.control != Control::position) {
-    s.demand.position = actual_position(drive);
-  }
-  if (!s.demand.moving) {
-    finish_motion(drive);
-  }
+  if (s.demand.control != Control::position) s.demand.position = actual_position(drive);
+  if (!s.demand.moving) finish_motion(drive);
 }
 
 }  // namespace vdrive

@@ -52,9 +52,7 @@ std::uint16_t bits_at_limits(const Drive& drive, double internal_demand, double 
     if (std::min(demand, actual) <= limits.lower || std::max(demand, actual) >= limits.upper) {
       bits |= Statusword::kInternalLimitActive;
     }
-    if (actual < limits.lower || actual > limits.upper) {
-      bits |= Statusword::kWarning;
-    }
+    if (actual < limits.lower || actual > limits.upper) bits |= Statusword::kWarning;
   }
   return static_cast<std::uint16_t>(bits);
 }

@@ -5,9 +5,7 @@ namespace vdrive {
 
 void ignore_edge(Drive& drive, const WrittenControlword& word) {
   DriveState& s = drive.state();
-  if ((s.controlword & ~word.previous & Controlword::kNewSetPoint) != 0) {
-    ++s.ignored_set_points;
-  }
+  if ((s.controlword & ~word.previous & Controlword::kNewSetPoint) != 0) ++s.ignored_set_points;
 }
 
 }  // namespace vdrive

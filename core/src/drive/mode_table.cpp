@@ -62,9 +62,7 @@ constinit const std::array<const Mode*, 9> kModes{
 };
 
 MotionRequest requested_motion(const Drive& drive) {
-  if (!drive.state().power.on) {
-    return {};
-  }
+  if (!drive.state().power.on) return {};
   switch (drive.state().power.machine.state()) {
     case PowerState::operation_enabled:
       return request_in_operation(drive);
@@ -82,9 +80,7 @@ MotionRequest requested_motion(const Drive& drive) {
 
 void follow_mode(Drive& drive) {
   DriveState& s = drive.state();
-  if (s.mode.wanted == s.mode.actual) {
-    return;
-  }
+  if (s.mode.wanted == s.mode.actual) return;
   if (operation_enabled(drive) && !at_rest(drive)) {
     drop_targets(drive);
     s.attention = true;

@@ -41,9 +41,7 @@ void write_mode(Drive& drive, OperatingMode wanted) {
 
 /// The mode in force takes a target that is written; in every other one it waits in its register.
 void take_target(Drive& drive, ObjectRow row) {
-  if (const Mode& mode = mode_of(drive); mode.take_target != nullptr) {
-    mode.take_target(drive, row);
-  }
+  if (const Mode& mode = mode_of(drive); mode.take_target != nullptr) mode.take_target(drive, row);
 }
 
 /// Rows that refuse what they do not mean with 0x06090030, also beyond the range that they show.
@@ -86,9 +84,7 @@ AbortCode check_object_value(ObjectRow row, std::int64_t value) noexcept {
 }
 
 AbortCode write_object(Drive& drive, ObjectRow row, std::int64_t value) noexcept {
-  if (const AbortCode code = check_object_value(row, value); code != AbortCode::none) {
-    return code;
-  }
+  if (const AbortCode code = check_object_value(row, value); code != AbortCode::none) return code;
   const Change change = describe(row).change;
   if (change == Change::memory) {
     return AbortCode::none;  // the row goes on reading 1
@@ -128,9 +124,7 @@ AbortCode write_object(Drive& drive, ObjectRow row, std::int64_t value) noexcept
 
 std::int64_t read_object(const Drive& drive, ObjectRow row, AbortCode& code) noexcept {
   const DriveRegisters& registers = drive.registers();
-  if (const auto monitored = value_of(drive.status(), row)) {
-    return *monitored;
-  }
+  if (const auto monitored = value_of(drive.status(), row)) return *monitored;
   switch (row) {
     case "error_history_count"_object:
       return registers.history.count;
@@ -140,9 +134,7 @@ std::int64_t read_object(const Drive& drive, ObjectRow row, AbortCode& code) noe
       break;
   }
   const ObjectAddress address = describe(row).address;
-  if (address.index != 0x1003) {
-    return registers.values[row];
-  }
+  if (address.index != 0x1003) return registers.values[row];
   const std::size_t entry = address.subindex - 1U;
   if (entry >= registers.history.count) {
     code = AbortCode::no_data_available;

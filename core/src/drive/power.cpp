@@ -92,9 +92,7 @@ PowerOptions power_options(const Drive& drive) {
 }
 
 void act(Drive& drive, const TransitionSet& taken) {
-  if (taken.empty()) {
-    return;
-  }
+  if (taken.empty()) return;
   DriveState& s = drive.state();
   s.power.ticks_in_state = 0;
   s.attention = true;
@@ -106,9 +104,7 @@ void act(Drive& drive, const TransitionSet& taken) {
     re_enable(drive);
   } else if (taken.contains(11)) {
     drop_targets(drive);
-    if (reg(drive, "quick_stop_option_code"_object) == 0) {
-      set_power(drive, false);
-    }
+    if (reg(drive, "quick_stop_option_code"_object) == 0) set_power(drive, false);
   } else if (taken.contains(13)) {
     drop_targets(drive);
     if (s.faults.coasting || reg(drive, "fault_reaction_option_code"_object) == 0) {
@@ -118,9 +114,7 @@ void act(Drive& drive, const TransitionSet& taken) {
     drop_targets(drive);
     set_power(drive, false);
   }
-  if (taken.contains(15)) {
-    clear_fault(drive);
-  }
+  if (taken.contains(15)) clear_fault(drive);
 }
 
 void raise_fault(Drive& drive, ErrorCode code) {
@@ -139,21 +133,15 @@ void watch_causes(Drive& drive) {
   DriveState& s = drive.state();
   std::uint8_t present = 0;
   for (const FaultCause& cause : kFaultCauses) {
-    if (reg(drive, cause.input) == 0) {
-      continue;
-    }
+    if (reg(drive, cause.input) == 0) continue;
     present = static_cast<std::uint8_t>(present | cause.bit);
     const bool known = (s.faults.causes & cause.bit) != 0 && handles_fault(s.power.machine.state());
     const bool harmless = cause.bit == kDcLinkCause && !has_power_to_lose(s.power.machine.state());
-    if (!known && !harmless) {
-      raise_fault(drive, cause.code);
-    }
+    if (!known && !harmless) raise_fault(drive, cause.code);
   }
   s.faults.causes = present;
   s.faults.dc_link = (present & kDcLinkCause) == 0;
-  if (!s.faults.dc_link) {
-    act(drive, s.power.machine.voltage_lost());
-  }
+  if (!s.faults.dc_link) act(drive, s.power.machine.voltage_lost());
 }
 
 void complete_stops(Drive& drive) {
@@ -161,32 +149,24 @@ void complete_stops(Drive& drive) {
   const bool stopping = s.power.machine.state() == PowerState::quick_stop_active ||
                         s.power.machine.state() == PowerState::fault_reaction_active ||
                         s.power.machine.pending() != PowerCommand::none;
-  if (!stopping || s.power.ticks_in_state == 0) {
-    return;
-  }
+  if (!stopping || s.power.ticks_in_state == 0) return;
   DriveRegisters& r = drive.registers();
   if (s.power.on && s.demand.moving) {
     s.power.stop_ticks = 0;
     return;
   }
   const std::uint32_t longest = kLongestStandstillWait_us / drive.timing().period_us;
-  if (s.power.on && !at_rest(drive) && ++s.power.stop_ticks < longest) {
-    return;
-  }
+  if (s.power.on && !at_rest(drive) && ++s.power.stop_ticks < longest) return;
   const bool dwells = s.power.machine.state() == PowerState::quick_stop_active &&
                       s.power.ticks_in_state < ticks_of_ms(drive, r.settings.quick_stop_dwell_ms);
-  if (!dwells) {
-    act(drive, s.power.machine.stop_finished(power_options(drive)));
-  }
+  if (!dwells) act(drive, s.power.machine.stop_finished(power_options(drive)));
 }
 
 void power_up(Drive& drive, bool initialise) noexcept {
   DriveRegisters& r = drive.registers();
   for (std::size_t row = 0; row < kObjectCount; ++row) {
     // The test bench is not the drive: what it does to the axis outlasts a power cycle.
-    if (!is_test_bench_input(kObjectTable[row])) {
-      r.values[row] = kObjectTable[row].default_value;
-    }
+    if (!is_test_bench_input(kObjectTable[row])) r.values[row] = kObjectTable[row].default_value;
   }
   const DriveState& before = drive.state();
   DriveState fresh;
@@ -197,9 +177,7 @@ void power_up(Drive& drive, bool initialise) noexcept {
   clear_history(drive);
   set_power(drive, false);
   update_derived(drive);
-  if (initialise) {
-    complete_power_up(drive);
-  }
+  if (initialise) complete_power_up(drive);
 }
 
 void complete_power_up(Drive& drive) {
@@ -213,9 +191,7 @@ void complete_power_up(Drive& drive) {
 void lose_connection(Drive& drive) noexcept {
   DriveState& s = drive.state();
   const PowerState state = s.power.machine.state();
-  if (state != PowerState::operation_enabled && state != PowerState::quick_stop_active) {
-    return;
-  }
+  if (state != PowerState::operation_enabled && state != PowerState::quick_stop_active) return;
   switch (reg(drive, "abort_connection_option_code"_object)) {
     case 1:
       raise_fault(drive, ErrorCode::life_guard_or_heartbeat);

@@ -41,9 +41,7 @@ void follow(Drive& drive) {
   complete_stops(drive);
   watch_causes(drive);
   follow_mode(drive);
-  if (const Mode& mode = mode_of(drive); mode.advance != nullptr) {
-    mode.advance(drive);
-  }
+  if (const Mode& mode = mode_of(drive); mode.advance != nullptr) mode.advance(drive);
   drive.state().plan_due = true;
 }
 
@@ -64,13 +62,9 @@ void watch_following_error(Drive& drive) {
     }
     return;
   }
-  if (s.following_error.count != kSaturatedCount) {
-    ++s.following_error.count;
-  }
+  if (s.following_error.count != kSaturatedCount) ++s.following_error.count;
   // The first tick outside starts the time: it has lasted longer than n ticks with the n + 2nd.
-  if (s.following_error.count <= s.following_error.ticks + 1U || s.following_error.shown) {
-    return;
-  }
+  if (s.following_error.count <= s.following_error.ticks + 1U || s.following_error.shown) return;
   s.following_error.shown = true;
   if (drive.registers().settings.following_error_is_fault) {
     raise_fault(drive, ErrorCode::following_error);
@@ -80,9 +74,7 @@ void watch_following_error(Drive& drive) {
 void watch(Drive& drive, const Mode& mode) {
   advance_demand(drive);
   watch_following_error(drive);
-  if (operation_enabled(drive) && mode.watch != nullptr) {
-    mode.watch(drive);
-  }
+  if (operation_enabled(drive) && mode.watch != nullptr) mode.watch(drive);
 }
 
 /// A target that is not reached yet has no next one: most ticks end here.
@@ -111,9 +103,7 @@ std::uint16_t statusword(const Drive& drive, const Mode& mode, double demand, do
   if (s.faults.dc_link && state != PowerState::not_ready_to_switch_on) {
     word |= Statusword::kVoltageEnabled;
   }
-  if (s.following_error.shown) {
-    word |= Statusword::kFollowingError;
-  }
+  if (s.following_error.shown) word |= Statusword::kFollowingError;
   return static_cast<std::uint16_t>(word);
 }
 
@@ -161,9 +151,7 @@ void show(Drive& drive, const Mode& mode) {
 TickStart begin_tick(Drive& drive, DemandBlock& demand) noexcept {
   DriveState& s = drive.state();
   keep_frame(drive);
-  if (s.attention) {
-    follow(drive);
-  }
+  if (s.attention) follow(drive);
   if (s.plan_due) {
     s.plan_due = false;
     plan(drive, requested_motion(drive));
@@ -183,9 +171,7 @@ void end_tick(Drive& drive) noexcept {
   take_next_set_point(drive, mode);
   show(drive, mode);
   s.target.fresh = false;
-  if (s.power.ticks_in_state != kSaturatedCount) {
-    ++s.power.ticks_in_state;
-  }
+  if (s.power.ticks_in_state != kSaturatedCount) ++s.power.ticks_in_state;
   s.attention = needs_attention(drive, mode);
 }
 

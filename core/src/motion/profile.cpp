@@ -64,9 +64,7 @@ class ProfileBuilder {
 
  private:
   void append(double duration, double velocity, double acceleration) noexcept {
-    if (!(duration > 0.0)) {
-      return;
-    }
+    if (!(duration > 0.0)) return;
     profile_.segments_[profile_.count_] = {.end_time = time_ + duration,
                                            .reference_time = time_,
                                            .position = position_,
@@ -120,13 +118,9 @@ void approach(ProfileBuilder& builder, double direction, double velocity, double
 }  // namespace
 
 MotionSample Profile::at(double time) const noexcept {
-  if (count_ == 0 || time >= duration()) {
-    return {end_position_, 0.0, 0.0};
-  }
+  if (count_ == 0 || time >= duration()) return {end_position_, 0.0, 0.0};
   std::size_t i = 0;
-  while (time >= segments_[i].end_time) {
-    ++i;
-  }
+  while (time >= segments_[i].end_time) ++i;
   return sample(segments_[i], std::max(time, 0.0));
 }
 
@@ -134,9 +128,7 @@ Profile plan_move(const MotionState& start, double target, const MotionLimits& l
   ProfileBuilder builder(start.position);
   const double displacement = target - start.position;
   double direction = displacement < 0.0 ? -1.0 : 1.0;
-  if (start.velocity != 0.0) {
-    direction = start.velocity < 0.0 ? -1.0 : 1.0;
-  }
+  if (start.velocity != 0.0) direction = start.velocity < 0.0 ? -1.0 : 1.0;
   double speed = direction * start.velocity;
   const bool behind = direction * displacement < stopping_distance(speed, limits.deceleration);
   if (speed > 0.0 && (behind || limits.velocity == 0.0)) {
@@ -144,9 +136,7 @@ Profile plan_move(const MotionState& start, double target, const MotionLimits& l
     speed = 0.0;
     direction = target < builder.position() ? -1.0 : 1.0;
   }
-  if (limits.velocity == 0.0) {
-    return builder.finish(builder.position() == target);
-  }
+  if (limits.velocity == 0.0) return builder.finish(builder.position() == target);
   approach(builder, direction, speed, target, limits);
   return builder.finish(true);
 }
@@ -183,9 +173,7 @@ Profile plan_velocity(const MotionState& start, double target,
   }
   const double change = wanted - speed;
   builder.ramp(direction, speed, change, change > 0.0 ? limits.acceleration : limits.deceleration);
-  if (wanted > 0.0) {
-    builder.run(direction, wanted);
-  }
+  if (wanted > 0.0) builder.run(direction, wanted);
   return builder.finish(true);
 }
 

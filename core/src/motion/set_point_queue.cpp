@@ -13,18 +13,14 @@ SetPointOutcome SetPointQueue::controlword(std::uint16_t word, std::uint16_t pre
     release_acknowledge(word);
     return SetPointOutcome::none;
   }
-  if (!accepting) {
-    return SetPointOutcome::ignored;
-  }
+  if (!accepting) return SetPointOutcome::ignored;
   const bool immediately = (word & Controlword::kChangeSetImmediately) != 0;
   if (immediately || !moving) {
     full_ = false;
     acknowledge_ = true;
     return SetPointOutcome::started;
   }
-  if (full_) {
-    return SetPointOutcome::ignored;
-  }
+  if (full_) return SetPointOutcome::ignored;
   buffered_ = candidate;
   full_ = true;
   acknowledge_ = true;
@@ -32,9 +28,7 @@ SetPointOutcome SetPointQueue::controlword(std::uint16_t word, std::uint16_t pre
 }
 
 bool SetPointQueue::take_buffered(std::uint16_t word, SetPoint& next) noexcept {
-  if (!full_) {
-    return false;
-  }
+  if (!full_) return false;
   next = buffered_;
   full_ = false;
   release_acknowledge(word);
@@ -52,9 +46,7 @@ void SetPointQueue::clear() noexcept {
 }
 
 void SetPointQueue::release_acknowledge(std::uint16_t word) noexcept {
-  if ((word & Controlword::kNewSetPoint) == 0 && !full_) {
-    acknowledge_ = false;
-  }
+  if ((word & Controlword::kNewSetPoint) == 0 && !full_) acknowledge_ = false;
 }
 
 }  // namespace vdrive

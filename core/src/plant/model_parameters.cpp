@@ -11,9 +11,7 @@ std::optional<std::string> limits_broken(const AxisModel& model, const ModelPara
   const double value = model.*parameter.member;
   const bool from_zero = parameter.from_zero_if_rigid && model.coupling == Coupling::rigid;
   const double lowest = from_zero ? 0.0 : parameter.lowest;
-  if (value >= lowest && value <= parameter.highest) {
-    return std::nullopt;
-  }
+  if (value >= lowest && value <= parameter.highest) return std::nullopt;
   return "must be from " + to_text(lowest) + " to " + to_text(parameter.highest) + " " +
          std::string(parameter.unit);
 }

@@ -276,9 +276,7 @@ template <bool kGeneral>
     }
   }
   const double tick_rate = 1.0 / (static_cast<double>(substeps) * substep);
-  for (std::size_t l = 0; l < kLanes; ++l) {
-    read_encoders(parameters.loop, state, l, tick_rate);
-  }
+  for (std::size_t l = 0; l < kLanes; ++l) read_encoders(parameters.loop, state, l, tick_rate);
 }
 
 }  // namespace

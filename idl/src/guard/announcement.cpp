@@ -16,9 +16,7 @@ std::chrono::milliseconds lease_of(Bytes value, bool little) {
   Reader reader(value, little);
   const std::uint32_t seconds = reader.u32();
   const std::uint64_t fraction = reader.u32();
-  if (seconds >= kEndless) {
-    return std::chrono::milliseconds::max();
-  }
+  if (seconds >= kEndless) return std::chrono::milliseconds::max();
   return std::chrono::seconds{seconds} + std::chrono::milliseconds{(fraction * 1000U) >> 32U};
 }
 

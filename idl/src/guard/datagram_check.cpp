@@ -27,9 +27,7 @@ Data parse_data(const Submessage& submessage, std::size_t fixed) noexcept {
     List list(submessage.body.subspan(data.payload), submessage.has(kLittle));
     for (ListEntry entry; list.next(entry);) {
     }
-    if (!list.ended()) {
-      return data;
-    }
+    if (!list.ended()) return data;
     data.inline_qos = submessage.body.subspan(data.payload, list.size());
     data.payload += list.size();
   }
@@ -39,18 +37,12 @@ Data parse_data(const Submessage& submessage, std::size_t fixed) noexcept {
 }
 
 bool may_announce(const Submessage& submessage, const Data& data) noexcept {
-  if (data.reader == kParticipantsReader || data.writer == kParticipantsWriter) {
-    return true;
-  }
+  if (data.reader == kParticipantsReader || data.writer == kParticipantsWriter) return true;
   // Data for any reader reaches that of announcements too; it takes what looks like one.
-  if (data.reader != kUnknownEntity || !submessage.has(kThird) || !data.is_list()) {
-    return false;
-  }
+  if (data.reader != kUnknownEntity || !submessage.has(kThird) || !data.is_list()) return false;
   List list(data.list(), data.list_is_little());
   for (ListEntry entry; list.next(entry);) {
-    if (entry.id == kParticipantGuid) {
-      return true;
-    }
+    if (entry.id == kParticipantGuid) return true;
   }
   return false;
 }
@@ -95,9 +87,7 @@ bool is_sequence(std::int64_t number, std::int64_t least) {
 /// A base has been read; the number of bits and their words follow.
 Refusal check_set(Reader& reader) {
   const std::uint32_t bits = reader.u32();
-  if (bits > kMostBits) {
-    return Refusal::set;
-  }
+  if (bits > kMostBits) return Refusal::set;
   reader.skip(std::size_t{(bits + 31) / 32} * 4);
   return reader.ok() ? Refusal::none : Refusal::length;
 }
@@ -106,9 +96,7 @@ Refusal check_acknack(const Submessage& submessage) {
   Reader reader = submessage.reader();
   reader.skip(8);
   // 0 asks for a first heartbeat.
-  if (!is_sequence(reader.sequence(), 0)) {
-    return Refusal::sequence;
-  }
+  if (!is_sequence(reader.sequence(), 0)) return Refusal::sequence;
   const Refusal refusal = check_set(reader);
   reader.skip(4);
   return refusal == Refusal::none && !reader.ok() ? Refusal::length : refusal;
@@ -120,12 +108,8 @@ Refusal check_heartbeat(const Submessage& submessage) {
   const std::int64_t first = reader.sequence();
   const std::int64_t last = reader.sequence();
   reader.skip(4);
-  if (!reader.ok()) {
-    return Refusal::length;
-  }
-  if (!is_sequence(first, 1) || !is_sequence(last, 0)) {
-    return Refusal::sequence;
-  }
+  if (!reader.ok()) return Refusal::length;
+  if (!is_sequence(first, 1) || !is_sequence(last, 0)) return Refusal::sequence;
   return last >= first - 1 ? Refusal::none : Refusal::range;
 }
 
@@ -135,15 +119,9 @@ Refusal check_gap(const Submessage& submessage, DatagramReport& report) {
   const std::int64_t start = reader.sequence();
   const std::int64_t base = reader.sequence();
   const Refusal set = check_set(reader);
-  if (set != Refusal::none) {
-    return set;
-  }
-  if (!is_sequence(start, 1) || !is_sequence(base, 1)) {
-    return Refusal::sequence;
-  }
-  if (base < start || base - start > kWidestGap) {
-    return Refusal::range;
-  }
+  if (set != Refusal::none) return set;
+  if (!is_sequence(start, 1) || !is_sequence(base, 1)) return Refusal::sequence;
+  if (base < start || base - start > kWidestGap) return Refusal::range;
   report.gap_numbers += static_cast<std::uint32_t>(base - start);
   return Refusal::none;
 }
@@ -155,12 +133,8 @@ Refusal check_nack_frag(const Submessage& submessage) {
   const std::uint32_t base = reader.u32();
   const Refusal set = check_set(reader);
   reader.skip(4);
-  if (set != Refusal::none || !reader.ok()) {
-    return set != Refusal::none ? set : Refusal::length;
-  }
-  if (!is_sequence(sequence, 1)) {
-    return Refusal::sequence;
-  }
+  if (set != Refusal::none || !reader.ok()) return set != Refusal::none ? set : Refusal::length;
+  if (!is_sequence(sequence, 1)) return Refusal::sequence;
   return base >= 1 && base <= kLargestSample ? Refusal::none : Refusal::fragment;
 }
 
@@ -169,9 +143,7 @@ Refusal check_heartbeat_frag(const Submessage& submessage) {
   reader.skip(8);
   const std::int64_t sequence = reader.sequence();
   reader.skip(8);
-  if (!reader.ok()) {
-    return Refusal::length;
-  }
+  if (!reader.ok()) return Refusal::length;
   return is_sequence(sequence, 1) ? Refusal::none : Refusal::sequence;
 }
 
@@ -201,9 +173,7 @@ bool is_parameter(const ListEntry& entry, bool little) {
 Refusal check_list(Bytes bytes, bool little) {
   List list(bytes, little);
   for (ListEntry entry; list.next(entry);) {
-    if (!is_parameter(entry, little)) {
-      return Refusal::parameters;
-    }
+    if (!is_parameter(entry, little)) return Refusal::parameters;
   }
   return list.ended() ? Refusal::none : Refusal::parameters;
 }
@@ -212,9 +182,7 @@ Refusal check_list(Bytes bytes, bool little) {
 bool says_gone(const Submessage& submessage, const Data& data) {
   List list(data.inline_qos, submessage.has(kLittle));
   for (ListEntry entry; list.next(entry);) {
-    if (entry.id == kStatusInfo && entry.value.size() >= 4) {
-      return (entry.value[3] & 3U) != 0;
-    }
+    if (entry.id == kStatusInfo && entry.value.size() >= 4) return (entry.value[3] & 3U) != 0;
   }
   return false;
 }
@@ -228,12 +196,8 @@ Refusal check_discovery(const Submessage& submessage, const Data& data) {
 
 Refusal check_data(const Submessage& submessage, DatagramReport& report) {
   const Data data = parse_data(submessage, kDataFixed);
-  if (!data.whole) {
-    return Refusal::length;
-  }
-  if (!is_sequence(data.sequence, 1)) {
-    return Refusal::sequence;
-  }
+  if (!data.whole) return Refusal::length;
+  if (!is_sequence(data.sequence, 1)) return Refusal::sequence;
   const bool has_data = submessage.has(kThird);
   const bool has_key = submessage.has(kFourth);
   if ((has_data && has_key) || ((has_data || has_key) && data.content.size() < 4) ||
@@ -249,12 +213,8 @@ Refusal check_data(const Submessage& submessage, DatagramReport& report) {
 
 Refusal check_data_frag(const Submessage& submessage) {
   const Data data = parse_data(submessage, kFragmentFixed);
-  if (!data.whole) {
-    return Refusal::length;
-  }
-  if (!is_sequence(data.sequence, 1)) {
-    return Refusal::sequence;
-  }
+  if (!data.whole) return Refusal::length;
+  if (!is_sequence(data.sequence, 1)) return Refusal::sequence;
   Reader reader = submessage.reader();
   reader.skip(20);
   const std::uint64_t first = reader.u32();
@@ -353,9 +313,7 @@ DatagramReport check_datagram(std::span<const std::uint8_t> datagram) noexcept {
       return report;
     }
     report.refusal = check_submessage(submessage, report);
-    if (report.refusal != Refusal::none) {
-      return report;
-    }
+    if (report.refusal != Refusal::none) return report;
   }
   return report;
 }

@@ -29,9 +29,7 @@ std::string text_of(const Guard::Locator& locator) {
 }
 
 std::chrono::steady_clock::duration patience_with(const Announcement& announcement) {
-  if (announcement.announcer != Announcer::foreign) {
-    return kPatienceWithVdrive;
-  }
+  if (announcement.announcer != Announcer::foreign) return kPatienceWithVdrive;
   return announcement.lease == std::chrono::milliseconds::max()
              ? std::chrono::steady_clock::duration::max()
              : std::chrono::steady_clock::duration(announcement.lease);
@@ -57,9 +55,7 @@ Guard::~Guard() {
     ends_ = true;
   }
   end_changed_.notify_all();
-  if (judge_.joinable()) {
-    judge_.join();
-  }
+  if (judge_.joinable()) judge_.join();
 }
 
 void Guard::open(const Locator& local, Receiver* channel) {
@@ -120,17 +116,13 @@ GuardCounts Guard::counts() const {
 
 void Guard::refuse(Refusal refusal, const Locator& remote) {
   ++refused_.at(static_cast<std::size_t>(refusal));
-  if (sink_) {
-    sink_(refusal, text_of(remote));
-  }
+  if (sink_) sink_(refusal, text_of(remote));
 }
 
 bool Guard::has_room_for(std::uint32_t gap_numbers) {
   const std::int64_t second =
       std::chrono::duration_cast<std::chrono::seconds>(Clock::now().time_since_epoch()).count();
-  if (gap_second_.exchange(second) != second) {
-    gap_numbers_ = 0;
-  }
+  if (gap_second_.exchange(second) != second) gap_numbers_ = 0;
   return gap_numbers_.fetch_add(gap_numbers) <= kGapNumbersInASecond;
 }
 
@@ -140,9 +132,7 @@ void Guard::pass_discovery(Receiver& channel, Bytes datagram, const Locator& loc
   std::vector<std::uint8_t> copy(datagram.begin(), datagram.end());
   Submessages submessages(copy);
   for (Submessage submessage; !submessages.at_end() && submessages.next(submessage);) {
-    if (submessage.kind == Kind::data && !passes(submessage, copy, channel, remote)) {
-      return;
-    }
+    if (submessage.kind == Kind::data && !passes(submessage, copy, channel, remote)) return;
   }
   hand_over(channel, copy, local, remote);
 }
@@ -173,9 +163,7 @@ bool Guard::passes(const Submessage& submessage, std::vector<std::uint8_t>& data
     refuse(refusal, remote);
     return false;
   }
-  if (has_list) {
-    raise_leases(list_in(datagram, submessage, data), data.list_is_little());
-  }
+  if (has_list) raise_leases(list_in(datagram, submessage, data), data.list_is_little());
   return true;
 }
 
@@ -190,9 +178,7 @@ Refusal Guard::take_announcement(const Announcement& announcement, const Prefix&
     }
     return Refusal::none;
   }
-  if (announcement.participant != sender) {
-    return Refusal::announcement;
-  }
+  if (announcement.participant != sender) return Refusal::announcement;
   return keeper_.announced(sender, patience_with(announcement), &channel, Clock::now())
              ? Refusal::none
              : Refusal::participants;
@@ -226,9 +212,7 @@ void Guard::remove(const Keeper::Silent& silent) {
     const auto found = std::find_if(channels_.begin(), channels_.end(), [&](const auto& channel) {
       return channel.second == silent.channel;
     });
-    if (found == channels_.end()) {
-      return;
-    }
+    if (found == channels_.end()) return;
     local = found->first;
   }
   const auto datagram = farewell(silent.participant);

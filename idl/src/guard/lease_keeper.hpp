@@ -33,9 +33,7 @@ class LeaseKeeper {
   [[nodiscard]] bool announced(const Prefix& participant, Clock::duration patience, Channel channel,
                                Clock::time_point now) {
     const auto found = entries_.find(participant);
-    if (found == entries_.end() && entries_.size() >= kMostParticipants) {
-      return false;
-    }
+    if (found == entries_.end() && entries_.size() >= kMostParticipants) return false;
     entries_[participant] = {now, patience, channel};
     return true;
   }
@@ -43,9 +41,7 @@ class LeaseKeeper {
   /// Anything of a participant has arrived.
   void note_datagram(const Prefix& participant, Clock::time_point now) {
     const auto found = entries_.find(participant);
-    if (found != entries_.end()) {
-      found->second.last_datagram = now;
-    }
+    if (found != entries_.end()) found->second.last_datagram = now;
   }
 
   /// A participant is silent for too long from now on.

@@ -147,9 +147,7 @@ class Submessages {
   /// @return whether the next submessage lies inside the datagram, and the one after it is aligned.
   [[nodiscard]] bool next(Submessage& out) noexcept {
     Reader header(datagram_.subspan(position_), true);
-    if (header.left() < kSubmessageHeaderSize) {
-      return false;
-    }
+    if (header.left() < kSubmessageHeaderSize) return false;
     out.kind = static_cast<Kind>(datagram_[position_]);
     out.flags = datagram_[position_ + 1];
     header = Reader(datagram_.subspan(position_ + 2), out.has(kLittle));
@@ -160,9 +158,7 @@ class Submessages {
       length = left;  // RTPS 2.5, 9.4.5.1.3: it extends to the end
     }
     out.last = length == left;
-    if (length > left || (length % 4 != 0 && !out.last)) {
-      return false;
-    }
+    if (length > left || (length % 4 != 0 && !out.last)) return false;
     out.body = datagram_.subspan(out.offset, length);
     position_ = out.offset + length;
     return true;
@@ -190,18 +186,14 @@ class List {
     Reader reader(bytes_.subspan(position_), little_);
     out.id = reader.u16();
     const std::size_t length = reader.u16();
-    if (!reader.ok()) {
-      return false;
-    }
+    if (!reader.ok()) return false;
     if (out.id == kSentinel) {
       ended_ = true;
       position_ += 4;
       return false;
     }
     const std::size_t aligned = (length + 3) & ~std::size_t{3};
-    if (aligned > reader.left()) {
-      return false;
-    }
+    if (aligned > reader.left()) return false;
     out.offset = position_;
     out.value = bytes_.subspan(position_ + 4, length);
     position_ += 4 + aligned;

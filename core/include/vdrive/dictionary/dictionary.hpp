@@ -70,9 +70,7 @@ inline constexpr std::array<ObjectRow, kStoredCount> kStoredRows = [] {
 [[nodiscard]] constexpr std::optional<ObjectRow> find_object(
     std::string_view variable_name) noexcept {
   for (std::size_t row = 0; row < kObjectCount; ++row) {
-    if (kObjectTable[row].variable_name == variable_name) {
-      return static_cast<ObjectRow>(row);
-    }
+    if (kObjectTable[row].variable_name == variable_name) return static_cast<ObjectRow>(row);
   }
   return std::nullopt;
 }

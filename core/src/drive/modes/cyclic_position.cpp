@@ -13,9 +13,7 @@ using namespace vdrive::literals;
 
 /// 607Ah counts from its first write in Operation enabled.
 void take_position(Drive& drive, ObjectRow row) {
-  if (row != "position_user_target_value"_object) {
-    return;
-  }
+  if (row != "position_user_target_value"_object) return;
   DriveState& s = drive.state();
   s.modes.cyclic.streams = operation_enabled(drive);
   s.attention = s.attention || s.modes.cyclic.streams;
@@ -34,9 +32,7 @@ double streamed_target(const Drive& drive) {
 /// A target behind a limit switch is given up: the next one that is written counts.
 void heed_limit_switch(Drive& drive) {
   DriveState& s = drive.state();
-  if (!obeys_mode(drive) || !s.modes.cyclic.streams) {
-    return;
-  }
+  if (!obeys_mode(drive) || !s.modes.cyclic.streams) return;
   s.target.given_up = runs_into_limit_switch(drive, streamed_target(drive) - s.demand.position);
   s.modes.cyclic.streams = !s.target.given_up;
 }
@@ -46,9 +42,7 @@ MotionRequest ask(const Drive& drive) {
   if (!s.modes.cyclic.streams) {
     return s.target.given_up ? limit_switch_stop(drive) : ramp_stop(drive, "profile_dec"_object);
   }
-  if (runs_into_limit_switch(drive, s.demand.velocity)) {
-    return limit_switch_stop(drive);
-  }
+  if (runs_into_limit_switch(drive, s.demand.velocity)) return limit_switch_stop(drive);
   return {
       .kind = MotionRequest::Kind::follow,
       .target = streamed_target(drive),

@@ -81,9 +81,7 @@ bool passed_index(const Drive& drive, double direction, double before, double& p
     return direction * (reading - offset) / kUserUnitsPerRevolution;
   };
   const double pulse = floor_of(revolutions(before)) + 1.0;
-  if (pulse > revolutions(drive.servo().motor_reading[drive.lane()])) {
-    return false;
-  }
+  if (pulse > revolutions(drive.servo().motor_reading[drive.lane()])) return false;
   place = direction * pulse * kUserUnitsPerRevolution + offset;
   return true;
 }
@@ -140,9 +138,7 @@ void leave_limit(Drive& drive) {
 bool start(Drive& drive) {
   DriveState& s = drive.state();
   DriveRegisters& r = drive.registers();
-  if (runs(s.modes.homing.stage)) {
-    return false;
-  }
+  if (runs(s.modes.homing.stage)) return false;
   s.limits.homed = false;
   s.window.dwell = 0;
   s.target.arrived = false;
@@ -178,13 +174,9 @@ void interrupt(Drive& drive) {
 /// Bit 4 starts a homing run, bit 8 ends it for good.
 void command(Drive& drive, const WrittenControlword& word) {
   DriveState& s = drive.state();
-  if (halted(drive)) {
-    interrupt(drive);
-  }
+  if (halted(drive)) interrupt(drive);
   const bool rising = (s.controlword & ~word.previous & Controlword::kStartHoming) != 0;
-  if (!rising) {
-    return;
-  }
+  if (!rising) return;
   if (word.accepting && !halted(drive) && start(drive)) {
     s.target.fresh = true;
   } else {
@@ -216,9 +208,7 @@ void advance(Drive& drive) {
       }
       break;
     case HomingStage::search:
-      if (at_limit_switch(drive, direction_of(drive))) {
-        s.modes.homing.stage = HomingStage::leave;
-      }
+      if (at_limit_switch(drive, direction_of(drive))) s.modes.homing.stage = HomingStage::leave;
       break;
     case HomingStage::leave:
       leave_limit(drive);
@@ -274,9 +264,7 @@ void watch(Drive& drive) {
   HomingState& homing = drive.state().modes.homing;
   if (homing.stage == HomingStage::back || homing.stage == HomingStage::done) {
     watch_target_window(drive);
-    if (on_target(drive)) {
-      homing.stage = HomingStage::done;
-    }
+    if (on_target(drive)) homing.stage = HomingStage::done;
   }
 }
 

@@ -82,12 +82,8 @@ void enter_frame(Drive& drive, const SetPoint& set_point) {
 /// @return whether `set_point` may start now, in the frame of `enter_frame`: a synchronous move
 ///         only within 607Fh, 6080h, 60C5h and 60C6h.
 bool can_start(const Drive& drive, const SetPoint& set_point) {
-  if (!is_synchronous(set_point)) {
-    return true;
-  }
-  if (!times_fit(drive, set_point)) {
-    return false;
-  }
+  if (!is_synchronous(set_point)) return true;
+  if (!times_fit(drive, set_point)) return false;
   const double way = target_of(drive, set_point) - drive.state().demand.position;
   const MotionLimits limits = limits_of(way, times_of(set_point));
   return limits.velocity <= drive.registers().velocity_cap &&
@@ -128,9 +124,7 @@ void command(Drive& drive, const WrittenControlword& word) {
       word.accepting && (!halted(drive) || drive.registers().settings.acknowledge_while_halted);
   // What waits for its turn is judged when it comes: its start is not known before.
   const bool waits = set_points.active && (s.controlword & Controlword::kChangeSetImmediately) == 0;
-  if (accepting && !waits) {
-    enter_frame(drive, latched);
-  }
+  if (accepting && !waits) enter_frame(drive, latched);
   const bool startable = accepting && (waits || can_start(drive, latched));
   switch (set_points.queue.controlword(s.controlword, word.previous, startable, set_points.active,
                                        latched)) {
@@ -189,19 +183,11 @@ MotionRequest halt(const Drive& drive, bool synchronous) {
 MotionRequest ask(const Drive& drive) {
   const DriveState& s = drive.state();
   const DriveRegisters& r = drive.registers();
-  if (runs_into_limit_switch(drive, s.demand.velocity)) {
-    return limit_switch_stop(drive);
-  }
+  if (runs_into_limit_switch(drive, s.demand.velocity)) return limit_switch_stop(drive);
   const bool synchronous = s.target.given && r.set_point.times.duration > 0.0;
-  if (halted(drive)) {
-    return halt(drive, synchronous);
-  }
-  if (synchronous) {
-    return synchronous_move(drive);
-  }
-  if (!s.target.given) {
-    return s.target.given_up ? limit_switch_stop(drive) : normal_stop(drive);
-  }
+  if (halted(drive)) return halt(drive, synchronous);
+  if (synchronous) return synchronous_move(drive);
+  if (!s.target.given) return s.target.given_up ? limit_switch_stop(drive) : normal_stop(drive);
   return {.kind = Kind::move,
           .target = s.target.position,
           .limits = {.velocity = std::min(r.set_point.velocity, r.velocity_cap),
@@ -218,14 +204,10 @@ void watch(Drive& drive) {
 /// it, so that a master sees no gap between them.
 void take_next(Drive& drive) {
   DriveState& s = drive.state();
-  if (halted(drive) || !on_target(drive)) {
-    return;
-  }
+  if (halted(drive) || !on_target(drive)) return;
   s.modes.position.active = false;
   SetPoint next;
-  if (!s.modes.position.queue.take_buffered(s.controlword, next)) {
-    return;
-  }
+  if (!s.modes.position.queue.take_buffered(s.controlword, next)) return;
   enter_frame(drive, next);
   if (can_start(drive, next)) {
     start(drive, next);

@@ -16,9 +16,7 @@ using namespace vdrive::literals;
 
 /// A new torque replaces what a limit switch has given up.
 void take_torque(Drive& drive, ObjectRow row) {
-  if (row == "target_torque"_object) {
-    drive.state().target.given_up = false;
-  }
+  if (row == "target_torque"_object) drive.state().target.given_up = false;
 }
 
 /// @return whether the axis itself runs into a limit switch; at or below 606Fh it stands.
@@ -55,9 +53,7 @@ MotionRequest normal_stop(const Drive& drive) {
 
 /// A limit switch is stronger than halt.
 MotionRequest ask(const Drive& drive) {
-  if (drive.state().target.given_up || runs_in(drive)) {
-    return limit_switch_stop(drive);
-  }
+  if (drive.state().target.given_up || runs_in(drive)) return limit_switch_stop(drive);
   if (halted(drive)) {
     return stop_by_option(drive, reg(drive, "halt_option_code"_object), normal_stop(drive));
   }
@@ -66,9 +62,7 @@ MotionRequest ask(const Drive& drive) {
 
 /// Bit 10: the torque command has arrived at 6071h; neither a limit nor a stop keeps it away.
 std::uint16_t status_bits(const Drive& drive) {
-  if (halted(drive)) {
-    return reached_when(at_rest(drive));
-  }
+  if (halted(drive)) return reached_when(at_rest(drive));
   const DemandState& demand = drive.state().demand;
   return reached_when(demand.control == Control::torque && !demand.moving &&
                       nearest(commanded_torque(drive)) == real(drive, "target_torque"_object));

@@ -16,9 +16,7 @@ using namespace vdrive::literals;
 
 /// A new velocity replaces what a limit switch has given up.
 void take_velocity(Drive& drive, ObjectRow row) {
-  if (row == "target_velocity"_object) {
-    drive.state().target.given_up = false;
-  }
+  if (row == "target_velocity"_object) drive.state().target.given_up = false;
 }
 
 /// A target that runs into a limit switch is given up for good: a new one has to be written.
@@ -41,9 +39,7 @@ MotionRequest ask(const Drive& drive) {
     request.limits.deceleration = option_deceleration(drive, reg(drive, "halt_option_code"_object),
                                                       request.limits.deceleration);
   }
-  if (s.target.given_up) {
-    request.target = 0.0;
-  }
+  if (s.target.given_up) request.target = 0.0;
   if (s.target.given_up || runs_into_limit_switch(drive, s.demand.velocity)) {
     request.limits.deceleration = deceleration_of(drive, "quick_stop_deceleration"_object);
   }
