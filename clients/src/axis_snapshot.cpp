@@ -40,10 +40,9 @@ constexpr std::array kModeFlags{
 constexpr ModeFlags kOtherMode{OperatingMode::none, "bit 12", "following error"};
 
 const ModeFlags& flags_of(OperatingMode mode) {
-  const auto* const found =
-      std::find_if(kModeFlags.begin(), kModeFlags.end(), [mode](const ModeFlags& row) {
-        return row.mode == mode;
-      });
+  const auto* const found = std::ranges::find_if(kModeFlags, [mode](const ModeFlags& row) {
+    return row.mode == mode;
+  });
   return found == kModeFlags.end() ? kOtherMode : *found;
 }
 

@@ -57,7 +57,7 @@ struct ParameterPool {
   std::vector<std::uint32_t> own;     // by block of this kind
 
   void add_block(const Parameters& initial) {
-    const auto same = std::find_if(sets.begin(), sets.end(), [&initial](const Parameters& set) {
+    const auto same = std::ranges::find_if(sets, [&initial](const Parameters& set) {
       return alike(set, initial);
     });
     in_use.push_back(static_cast<std::uint32_t>(same - sets.begin()));
@@ -263,8 +263,7 @@ AbortCode AxisBank::State::keep(std::size_t axis, ObjectAddress object, std::int
   const AbortCode code = check_stored(object, value);
   if (code == AbortCode::none) {
     ensure(axis < memories.size(), "the axis is one of the bank's");
-    const auto* const place =
-        std::lower_bound(kStoredRows.begin(), kStoredRows.end(), *find_object(object));
+    const auto* const place = std::ranges::lower_bound(kStoredRows, *find_object(object));
     const auto position = static_cast<std::size_t>(place - kStoredRows.begin());
     memories[axis].values[position] = value;
     memories[axis].present |= std::uint64_t{1} << position;
@@ -419,15 +418,14 @@ void AxisBank::State::for_each_part(Visit visit) {
 /// file.
 bool AxisBank::State::is_sound() const {
   const auto inside = [](const auto& pool) {
-    return std::all_of(pool.in_use.begin(), pool.in_use.end(), [&pool](std::uint32_t set) {
+    return std::ranges::all_of(pool.in_use, [&pool](std::uint32_t set) {
       return set < pool.sets.size();
     });
   };
-  const bool has_modes =
-      std::all_of(drive_states.begin(), drive_states.end(), [](const DriveState& drive) {
-        return is_operating_mode(static_cast<std::int64_t>(drive.mode.actual)) &&
-               is_operating_mode(static_cast<std::int64_t>(drive.mode.wanted));
-      });
+  const bool has_modes = std::ranges::all_of(drive_states, [](const DriveState& drive) {
+    return is_operating_mode(static_cast<std::int64_t>(drive.mode.actual)) &&
+           is_operating_mode(static_cast<std::int64_t>(drive.mode.wanted));
+  });
   return inside(rigid) && inside(elastic) && has_modes;
 }
 

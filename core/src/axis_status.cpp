@@ -13,8 +13,8 @@ std::span<const StatusMember, kStatusMembers> status_members() noexcept {
 
 std::optional<std::int64_t> value_of(const AxisStatus& status, ObjectRow row) noexcept {
   const ObjectAddress address = describe(row).address;
-  const auto* const member = std::find_if(
-      kStatusMemberTable.begin(), kStatusMemberTable.end(), [&](const StatusMember& candidate) {
+  const auto* const member =
+      std::ranges::find_if(kStatusMemberTable, [&](const StatusMember& candidate) {
         return candidate.is_published && candidate.address == address;
       });
   if (member == kStatusMemberTable.end()) return std::nullopt;

@@ -36,14 +36,14 @@ bool is_within(char c, unsigned char lowest, unsigned char highest) noexcept {
 
 /// @return the length of the character that `text` begins with, or 0 when it is not UTF-8.
 std::size_t character_length(std::string_view text) noexcept {
-  const auto* const row = std::find_if(kUtf8.begin(), kUtf8.end(), [&](const Utf8Row& candidate) {
+  const auto* const row = std::ranges::find_if(kUtf8, [&](const Utf8Row& candidate) {
     return is_within(text[0], candidate.first_lowest, candidate.first_highest);
   });
   if (row == kUtf8.end() || text.size() < row->length) return 0;
   if (row->length > 1 && !is_within(text[1], row->second_lowest, row->second_highest)) return 0;
   const std::string_view rest =
       text.substr(0, row->length).substr(std::min<std::size_t>(2, row->length));
-  const bool continues = std::all_of(rest.begin(), rest.end(), [](char c) {
+  const bool continues = std::ranges::all_of(rest, [](char c) {
     return is_within(c, 0x80, 0xBF);
   });
   return continues ? row->length : 0;

@@ -12,7 +12,7 @@ constexpr std::size_t kLatenessBins = 32;
 
 bool within_bounds(const msg::CommandFrame& message) noexcept {
   return message.axes().size() <= msg::MAX_AXES_PER_FRAME &&
-         std::all_of(message.axes().begin(), message.axes().end(), [](const auto& axis) {
+         std::ranges::all_of(message.axes(), [](const auto& axis) {
            return axis.objects().size() <= msg::MAX_OBJECTS_PER_AXIS;
          });
 }

@@ -172,7 +172,7 @@ std::uint32_t clock_mode_code(ClockMode mode) noexcept {
 }
 
 ClockMode clock_mode_of(std::uint32_t code) noexcept {
-  const auto* const mode = std::find_if(kClockModes.begin(), kClockModes.end(), [code](auto each) {
+  const auto* const mode = std::ranges::find_if(kClockModes, [code](auto each) {
     return clock_mode_code(each) == code;
   });
   return mode == kClockModes.end() ? ClockMode::realtime : *mode;

@@ -46,7 +46,7 @@ std::size_t Matches::count() const {
 std::vector<Source> Matches::sources() const {
   const std::lock_guard lock(mutex_);
   std::vector<Source> sources(endpoints_.size());
-  std::transform(endpoints_.begin(), endpoints_.end(), sources.begin(), source_of);
+  std::ranges::transform(endpoints_, sources.begin(), source_of);
   return sources;
 }
 
@@ -68,7 +68,7 @@ bool Matches::wait_for(const Source& source, std::chrono::milliseconds timeout) 
 }
 
 bool Matches::contains(const Source& source) const {
-  return std::any_of(endpoints_.begin(), endpoints_.end(), [&](const auto& endpoint) {
+  return std::ranges::any_of(endpoints_, [&](const auto& endpoint) {
     return source_of(endpoint) == source;
   });
 }

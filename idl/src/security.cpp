@@ -209,10 +209,9 @@ Permissions read_permissions(const Document& document, const Element& grant, std
 
 bool Permissions::may_publish(const std::string& topic) const {
   for (const Rule& rule : rules_) {
-    const bool names_it =
-        std::any_of(rule.topics.begin(), rule.topics.end(), [&](const auto& name) {
-          return matches(name, topic);
-        });
+    const bool names_it = std::ranges::any_of(rule.topics, [&](const auto& name) {
+      return matches(name, topic);
+    });
     if (names_it) return rule.allows;
   }
   return by_default_;

@@ -55,10 +55,9 @@ static_assert(sorted_without_duplicates(), "find_object searches by bisection");
 }  // namespace
 
 std::string_view describe(AbortCode code) noexcept {
-  const auto* const found =
-      std::find_if(kAbortTexts.begin(), kAbortTexts.end(), [code](const auto& entry) {
-        return entry.first == code;
-      });
+  const auto* const found = std::ranges::find_if(kAbortTexts, [code](const auto& entry) {
+    return entry.first == code;
+  });
   return found == kAbortTexts.end() ? "unknown abort code" : found->second;
 }
 
@@ -102,10 +101,9 @@ std::string address_text(ObjectAddress address) {
 
 AbortCode check_address(ObjectAddress address) noexcept {
   if (find_object(address)) return AbortCode::none;
-  const bool index_exists =
-      std::any_of(kObjectTable.begin(), kObjectTable.end(), [address](const auto& row) {
-        return row.address.index == address.index;
-      });
+  const bool index_exists = std::ranges::any_of(kObjectTable, [address](const auto& row) {
+    return row.address.index == address.index;
+  });
   return index_exists ? AbortCode::subindex_does_not_exist : AbortCode::object_does_not_exist;
 }
 

@@ -9,7 +9,7 @@
 namespace vdrive {
 
 bool cause_present(const Drive& drive) {
-  return std::any_of(kFaultCauses.begin(), kFaultCauses.end(), [&drive](const FaultCause& cause) {
+  return std::ranges::any_of(kFaultCauses, [&drive](const FaultCause& cause) {
     return reg(drive, cause.input) != 0;
   });
 }

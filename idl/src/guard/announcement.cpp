@@ -26,7 +26,7 @@ Announcer announcer_of(Bytes value, bool little) {
   constexpr std::size_t kLongest = 16;  // more than any name that is looked for
   std::array<char, kLongest> start{};
   const Bytes text = value.subspan(4, std::min(length, kLongest));
-  std::copy(text.begin(), text.end(), start.begin());
+  std::ranges::copy(text, start.begin());
   const std::string_view name(start.data(), text.size());
   if (name.starts_with("vdrive client") || name.starts_with("vdrive probe")) {
     return Announcer::vdrive_visitor;

@@ -51,10 +51,9 @@ bool is_discovery(const Submessage& submessage, const Data& data) noexcept {
   constexpr std::array<std::uint32_t, 6> kOfDiscovery{kPublicationsWriter,  kPublicationsReader,
                                                       kSubscriptionsWriter, kSubscriptionsReader,
                                                       kParticipantsWriter,  kParticipantsReader};
-  const bool is_for_it =
-      std::any_of(kOfDiscovery.begin(), kOfDiscovery.end(), [&data](std::uint32_t entity) {
-        return data.reader == entity || data.writer == entity;
-      });
+  const bool is_for_it = std::ranges::any_of(kOfDiscovery, [&data](std::uint32_t entity) {
+    return data.reader == entity || data.writer == entity;
+  });
   return is_for_it || may_announce(submessage, data);
 }
 

@@ -105,7 +105,7 @@ void Guard::hand_over(Receiver& channel, Bytes datagram, const Locator& local,
 
 GuardCounts Guard::counts() const {
   GuardCounts counts;
-  std::copy(refused_.begin(), refused_.end(), counts.refused.begin());
+  std::ranges::copy(refused_, counts.refused.begin());
   counts.handed_over = handed_over_;
   counts.ignored = ignored_;
   counts.judged = judged_;
@@ -209,7 +209,7 @@ void Guard::remove(const Keeper::Silent& silent) {
   Locator local;
   {
     const std::scoped_lock channels(channels_mutex_);
-    const auto found = std::find_if(channels_.begin(), channels_.end(), [&](const auto& channel) {
+    const auto found = std::ranges::find_if(channels_, [&](const auto& channel) {
       return channel.second == silent.channel;
     });
     if (found == channels_.end()) return;

@@ -37,10 +37,9 @@ constexpr std::array<Method, 8> kMethods{{
 }};
 
 const Method* find_method(std::int64_t number) {
-  const auto* const method =
-      std::find_if(kMethods.begin(), kMethods.end(), [number](const Method& m) {
-        return m.number == number;
-      });
+  const auto* const method = std::ranges::find_if(kMethods, [number](const Method& m) {
+    return m.number == number;
+  });
   return method == kMethods.end() ? nullptr : method;
 }
 
