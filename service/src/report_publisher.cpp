@@ -20,7 +20,6 @@ using namespace vdrive::literals;
 
 constexpr std::chrono::seconds kRateWindow{1};
 constexpr std::chrono::milliseconds kFlushInterval{100};
-constexpr std::string_view kDictionaryVersion = "1.0";
 constexpr const char* kUnit = "UU";
 constexpr std::size_t kNumbers = 65'536;
 /// As deep as the history of the topic.

@@ -113,6 +113,31 @@ TEST(ObjectTable, HasNoRowThatNeitherTableNames) {
   }
 }
 
+/// FNV-1a of what a client knows of the objects.
+std::uint32_t dictionary_check() {
+  constexpr std::uint32_t kOffset = 2166136261U;
+  constexpr std::uint32_t kPrime = 16777619U;
+  std::uint32_t check = kOffset;
+  for (const ObjectDescription& object : kObjectTable) {
+    std::ostringstream row;
+    row << address_text(object.address) << ' ' << object.variable_name << ' '
+        << to_string(object.data_type) << ' ' << (object.access == Access::read_write ? "RW" : "RO")
+        << ' ' << object.lower_limit << ' ' << object.upper_limit << '\n';
+    for (const char c : row.str()) check = (check ^ static_cast<std::uint8_t>(c)) * kPrime;
+  }
+  return check;
+}
+
+TEST(ObjectTable, HasAVersionThatGrowsWithItsRows) {
+  constexpr std::string_view kVersion = "1.0";
+  constexpr std::uint32_t kCheck = 0xEAD30AC4;  // of the rows of that version
+  EXPECT_EQ(kDictionaryVersion, kVersion);
+  EXPECT_EQ(dictionary_check(), kCheck)
+      << "the rows of " << kTable << " have changed: kDictionaryVersion of "
+      << "core/include/vdrive/dictionary/dictionary.hpp needs the next version, and this test of "
+      << "tests/core/dictionary_test.cpp that version and the check " << dictionary_check();
+}
+
 TEST(ObjectTable, SaysWhenAWriteTakesEffectWhereTheManualsNotesAreMoreSpecific) {
   using namespace literals;
   // 607Ah and 6081h: "bit 4 has to go from 0 to 1 before they take effect"; 607Fh: "only after
