@@ -7,8 +7,8 @@
 
 namespace vdrive::client {
 
-/// A thread that calls a function again and again. Not thread-safe; its end waits for a call that is
-/// under way.
+/// A thread that calls a function again and again. Not thread-safe; its end waits for a call that
+/// is under way.
 class PeriodicThread {
  public:
   /// @return wall time until the next call.

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/axis_bank.hpp"
 
-#include "drive/limits.hpp"
 #include "drive/objects.hpp"
 #include "drive/power.hpp"
 #include "drive/registers.hpp"
 #include "drive/tick.hpp"
 #include "plant/servo_block.hpp"
 #include "plant/servo_design.hpp"
+#include "torque_limit.hpp"
 #include "vdrive/assert.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/plant/model_parameters.hpp"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/plant/loop_report.hpp"
 
-#include "drive/limits.hpp"
 #include "plant/servo_design.hpp"
+#include "torque_limit.hpp"
 #include "vdrive/axis_bank.hpp"
 
 #include <Eigen/Core>
@@ -124,10 +124,12 @@ Matrix step_of(const ElasticParameters& p, double substep) {
 
 void find_ringing(const Matrix& step, double substep, double highest, LoopReport& report) {
   const Eigen::EigenSolver<Matrix> solver(step, false);
+  // The poles in continuous time [1/s].
+  const Eigen::ArrayXcd poles = solver.eigenvalues().array().log() / substep;
   double slowest = std::numeric_limits<double>::infinity();
-  for (const std::complex<double>& value : solver.eigenvalues()) {
-    const double frequency = std::arg(value) / (kTwoPi * substep);
-    const double decay_rate = -std::log(std::abs(value)) / substep;
+  for (const std::complex<double>& pole : poles) {
+    const double frequency = pole.imag() / kTwoPi;
+    const double decay_rate = -pole.real();
     if (frequency < kLowestRinging || frequency > highest || decay_rate >= slowest) continue;
     slowest = decay_rate;
     report.ringing = frequency;

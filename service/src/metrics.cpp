@@ -111,7 +111,7 @@ void add_commands(Families& families, const Counters& counters) {
                    counters.master_losses.get());
   families.gauge("vdrive_longest_silence_seconds",
                  "Longest time in which an owner of axes was not heard, in drive time",
-                 static_cast<double>(counters.longest_silence_us.get()) * 1.0e-6);
+                 static_cast<double>(counters.longest_silence_us.get()) / 1.0e6);
 }
 
 void add_wire(Families& families, const Counters& counters) {

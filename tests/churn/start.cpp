@@ -55,7 +55,7 @@ bool start_block(Probe& probe, const std::vector<std::uint16_t>& axes) {
 }  // namespace
 
 int start(const Setting& setting, AxisRange range) {
-  Probe probe({.domain = setting.network.domain, .security = setting.network.security},
+  Probe probe({.domain = *setting.network.domain, .security = setting.network.security},
               setting.bench);
   probe.client = probe.session = static_cast<std::uint64_t>(getpid());
   if (!probe.find_bench()) {

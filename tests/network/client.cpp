@@ -318,7 +318,7 @@ class Holder {
 int hold(const Arguments& arguments) {
   const auto id = client::parse_axis_id(arguments.axes.at(0));
   if (!id) return 2;
-  Holder holder({.domain = arguments.network.domain,
+  Holder holder({.domain = arguments.network.domain.value_or(client::default_domain()),
                  .interfaces = arguments.network.interfaces,
                  .peers = arguments.network.peers,
                  .discovery_servers = arguments.network.discovery_servers},

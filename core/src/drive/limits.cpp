@@ -3,6 +3,7 @@
 
 #include "drive/registers.hpp"
 #include "drive/rounding.hpp"
+#include "torque_limit.hpp"
 #include "vdrive/cia402/statusword.hpp"
 
 #include <algorithm>
@@ -14,10 +15,6 @@ using namespace vdrive::literals;
 double within_software_limits(const Drive& drive, double target) {
   const LimitState& limits = drive.state().limits;
   return limits.enabled ? std::min(std::max(target, limits.lower), limits.upper) : target;
-}
-
-double torque_limit(double highest, double relative, double unit) noexcept {
-  return relative == 0.0 ? highest : std::min(highest, relative * unit);
 }
 
 double within_torque_limits(const Drive& drive, double torque) {

@@ -12,12 +12,6 @@ namespace vdrive {
 /// @return `target` [UU] within 607Dh where that is in force.
 [[nodiscard]] double within_software_limits(const Drive& drive, double target);
 
-/// @return the torque limit: 6072h (`highest`) or 60E0h or 60E1h (`relative`) times `unit`, the
-///         lower one; `relative` = 0 switches the latter off. 60E0h and 60E1h bound torque and
-///         current, so `unit` is the lesser of the rated torque and the torque of the rated
-///         current. `highest`, `unit` and the result have one unit.
-[[nodiscard]] double torque_limit(double highest, double relative, double unit) noexcept;
-
 /// @return `torque` [‰ of rated] within 6072h, 60E0h and 60E1h: a ramp beyond what is ever
 ///         commanded would have to come all the way back before it is felt.
 [[nodiscard]] double within_torque_limits(const Drive& drive, double torque);
