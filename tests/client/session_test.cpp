@@ -410,8 +410,10 @@ TEST_F(AxisOfAnother, TellsItsOwnerWhoStoppedIt) {
   owner_.on_event([&reported](const Event& event) {
     reported.add(event);
   });
-  ASSERT_TRUE(axis_->quick_stop());
+  const Outcome quick_stop = axis_->quick_stop();
   const auto stopped = reported.await(EventKind::stopped);
+  owner_.on_event({});  // it outlives `reported`
+  ASSERT_TRUE(quick_stop);
   ASSERT_TRUE(stopped);
   EXPECT_EQ((AxisId{stopped->bench, stopped->axis}), (AxisId{1, 1}));
   EXPECT_EQ(stopped->session, sut_.id());
@@ -428,9 +430,11 @@ TEST_F(LockStep, AnObserverOfEventsMayCommandAxes) {
     if (event.kind == EventKind::fault && event.axis == 1) (void)other->quick_stop();
     reported.add(event);
   });
-  ASSERT_TRUE(axis_->write(kOverCurrent, 1));
-  ASSERT_TRUE(sut_.step(1, 1));
+  const auto written = axis_->write(kOverCurrent, 1);
+  const bool has_stepped = static_cast<bool>(sut_.step(1, 1));
   const auto fault = reported.await(EventKind::fault);
+  sut_.on_event({});  // it outlives `reported`
+  ASSERT_TRUE(written && has_stepped);
   ASSERT_TRUE(fault);
   EXPECT_EQ(other->status()->state(), PowerState::switch_on_disabled);
 }
