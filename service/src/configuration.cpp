@@ -290,7 +290,8 @@ void read_parameters(const YamlValue& value, std::vector<InitialValue>& paramete
       entry.refuse(std::string(describe(code)));
     }
     parameters.push_back({object.address, number});
-    values.insert_or_assign(object.address, PlacedValue{number, entry});
+    values.erase(object.address);  // of two spellings of an object the last one counts
+    values.emplace(object.address, PlacedValue{number, entry});
   });
   check_software_limits(values);
 }
