@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <iterator>
 #include <utility>
 
 namespace vdrive::client {
@@ -32,50 +33,65 @@ Outcome AxesStop::begin(std::chrono::nanoseconds timeout) {
 }
 
 Outcome AxesStop::acquire_free() {
-  constexpr std::uint32_t kLocalControl = wire_code(AbortCode::refused_local_control);
   for (BenchPart& part : call_.axes().parts()) {
-    std::vector<std::uint16_t> free;
-    for (const std::size_t place : part.bench->places) {
-      const AxisSnapshot& axis = call_.now()[place];
-      if (axis.owner_session == 0) free.push_back(axis.id.axis);
-    }
-    if (free.empty()) continue;
-    Outcome taken = core_.control.acquire(part.target, free);
-    // Another session was faster: what it owns is stopped without control.
-    if (taken.code() == kLocalControl) continue;
-    if (!taken) return call_.axes().note_lost(part, std::move(taken));
-    for (const std::size_t place : part.bench->places) {
-      if (call_.now()[place].owner_session == 0) held_[place] = true;
-    }
+    if (Outcome taken = acquire_free_of(part); !taken) return taken;
   }
   return {};
 }
 
+Outcome AxesStop::acquire_free_of(BenchPart& part) {
+  constexpr std::uint32_t kLocalControl = wire_code(AbortCode::refused_local_control);
+  std::vector<std::size_t> free;
+  std::ranges::copy_if(part.bench->places, std::back_inserter(free), [this](std::size_t place) {
+    return call_.now()[place].owner_session == 0;
+  });
+  if (free.empty()) return {};
+  std::vector<std::uint16_t> axes;
+  for (const std::size_t place : free) axes.push_back(call_.now()[place].id.axis);
+  Outcome taken = core_.control.acquire(part.target, axes);
+  // Another session was faster: what it owns is stopped without control.
+  if (taken.code() == kLocalControl) return {};
+  if (!taken) return call_.axes().note_lost(part, std::move(taken));
+  for (const std::size_t place : free) held_[place] = true;
+  return {};
+}
+
 Answers AxesStop::exchange(const Round& round, Timing timing) {
-  std::vector<Round> own;  // a frame has room for so many
+  Answers answers;
+  if (const std::vector<Round> own = held_of(round); !own.empty()) {
+    answers = call_.exchange(own, timing);
+  }
+  for (BenchPart& part : call_.axes().parts()) {
+    if (!part.is_lost) stop_others(part, round, answers);
+  }
+  return answers;
+}
+
+/// @return the round for the axes that this session owns, in rounds that fit into a frame.
+std::vector<Round> AxesStop::held_of(const Round& round) const {
+  std::vector<Round> own;
   for (const Round::Entry& entry : round.entries) {
     if (!held_[entry.place]) continue;
     if (own.empty() || own.back().entries.size() == msg::MAX_AXES_PER_FRAME) own.emplace_back();
     own.back().entries.push_back(entry);
   }
-  Answers answers;
-  if (!own.empty()) answers = call_.exchange(own, timing);
-  for (BenchPart& part : call_.axes().parts()) {
-    std::vector<std::uint16_t> others;
-    for (const Round::Entry& entry : round.entries) {
-      const AxisId& id = call_.axes().layout().axes[entry.place];
-      if (id.bench == part.bench->number && !held_[entry.place]) others.push_back(id.axis);
-    }
-    if (others.empty() || part.is_lost) continue;
-    const std::uint16_t word = round.entries.front().command.ds402_controlword();
-    const auto stopped = core_.control.stop(part.target, others, word);
-    if (stopped) {
-      answers.tick = std::max(answers.tick, *stopped);
-    } else if (answers.outcome) {
-      answers.outcome = call_.axes().note_lost(part, stopped.outcome());
-    }
+  return own;
+}
+
+void AxesStop::stop_others(BenchPart& part, const Round& round, Answers& answers) {
+  std::vector<std::uint16_t> others;
+  for (const Round::Entry& entry : round.entries) {
+    const AxisId& id = call_.axes().layout().axes[entry.place];
+    if (id.bench == part.bench->number && !held_[entry.place]) others.push_back(id.axis);
   }
-  return answers;
+  if (others.empty()) return;
+  const std::uint16_t word = round.entries.front().command.ds402_controlword();
+  const auto stopped = core_.control.stop(part.target, others, word);
+  if (stopped) {
+    answers.tick = std::max(answers.tick, *stopped);
+  } else if (answers.outcome) {
+    answers.outcome = call_.axes().note_lost(part, stopped.outcome());
+  }
 }
 
 Outcome AxesStop::put_in_force(std::uint16_t word) {

@@ -34,6 +34,10 @@ class AxesStop {
   Outcome quick_stop(Until until);
 
  private:
+  Outcome acquire_free_of(BenchPart& part);
+  [[nodiscard]] std::vector<Round> held_of(const Round& round) const;
+  void stop_others(BenchPart& part, const Round& round, Answers& answers);
+
   SessionCore& core_;
   AxesCall& call_;
   Wakeup::StopInProgress in_progress_;
