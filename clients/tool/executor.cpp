@@ -290,7 +290,7 @@ Outcome Executor::run(const StopCommand& command) {
   const auto bench = session_.find_bench(command.bench);
   if (!bench) return bench.outcome();
   const std::string name = "bench " + std::to_string(bench->number);
-  const Outcome outcome = session_.quick_stop(bench->number, call_options(command.until, timeout_));
+  Outcome outcome = session_.quick_stop(bench->number, call_options(command.until, timeout_));
   if (is_quiet_) return outcome;
   if (is_json_) {
     Json json{{"bench", bench->number}, {"command", "stop"}, {"axes", bench->axes.size()}};
