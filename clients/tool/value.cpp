@@ -175,6 +175,7 @@ ObjectName parse_object(std::string_view text) {
 
 std::string object_suggestion(std::string_view name) {
   std::vector<std::string> names;
+  names.reserve(kObjectTable.size() + kStandardNames.size());
   for (const ObjectDescription& row : kObjectTable) names.emplace_back(row.variable_name);
   for (const StandardName& standard : kStandardNames) names.emplace_back(standard.name);
   return suggestion(name, names);

@@ -91,7 +91,7 @@ class WatchTable {
       for (const WatchedAxis& watched : axes) {
         widest = std::max(widest, display_width(column.cell(watched)));
       }
-      columns_.push_back({&column, widest});
+      columns_.emplace_back(&column, widest);
     }
   }
 
