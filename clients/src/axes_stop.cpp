@@ -47,6 +47,7 @@ Outcome AxesStop::acquire_free_of(BenchPart& part) {
   });
   if (free.empty()) return {};
   std::vector<std::uint16_t> axes;
+  axes.reserve(free.size());
   for (const std::size_t place : free) axes.push_back(call_.now()[place].id.axis);
   Outcome taken = core_.control.acquire(part.target, axes);
   // Another session was faster: what it owns is stopped without control.
