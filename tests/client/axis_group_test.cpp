@@ -329,7 +329,9 @@ TEST_F(LockStepGroup, HaltsQuickStopsAndTakesOverAxesOfAnotherSession) {
   auto group = AxisGroup::create(session_, std::vector<std::string>{"1.1", "1.3"});
   const Outcome halted = group->halt_all();
   ASSERT_TRUE(halted) << halted.message();
-  for (const AxisSnapshot& axis : group->status()->axes) {
+  const auto seen = group->status();
+  ASSERT_TRUE(seen);
+  for (const AxisSnapshot& axis : seen->axes) {
     EXPECT_EQ(axis.status.velocity_demand_value, 0) << to_string(axis.id);
   }
   EXPECT_EQ(theirs->status()->owner_session, other.id());

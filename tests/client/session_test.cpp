@@ -372,7 +372,9 @@ TEST_F(AxisOfAnother, IsStoppedWithAllAxesOfItsBench) {
   const Outcome stopped = sut_.quick_stop(1);
   ASSERT_TRUE(stopped) << stopped.message();
   const std::array ids{AxisId{1, 1}, AxisId{1, 2}};
-  for (const AxisSnapshot& axis : sut_.observe(ids)->axes) {
+  const auto seen = sut_.observe(ids);
+  ASSERT_TRUE(seen);
+  for (const AxisSnapshot& axis : seen->axes) {
     EXPECT_EQ(axis.state(), PowerState::switch_on_disabled) << to_string(axis.id);
   }
   EXPECT_EQ(axis_->status()->owner_session, owner_.id());
