@@ -16,7 +16,6 @@ namespace vdrive::client {
 namespace {
 
 constexpr std::chrono::milliseconds kShortestSilence{50};
-constexpr std::uint32_t kHighestDomain = 232;
 
 /// @return the options with their domain.
 SessionOptions checked(SessionOptions options) {
@@ -44,22 +43,6 @@ wire::NetworkSettings settings_of(const SessionOptions& options) {
 }
 
 }  // namespace
-
-std::uint32_t default_domain() {
-  const char* const text =
-      std::getenv("VDRIVE_DOMAIN");  // NOLINT(concurrency-mt-unsafe): read only
-  if (text == nullptr) return 0;
-  const std::string_view digits(text);
-  if (digits.empty()) {
-    throw std::runtime_error(
-        "VDRIVE_DOMAIN in the environment is set, but empty: unset it or give a value");
-  }
-  std::uint32_t domain = 0;
-  const auto [end, error] = std::from_chars(digits.begin(), digits.end(), domain);
-  if (error == std::errc() && end == digits.end() && domain <= kHighestDomain) return domain;
-  throw std::runtime_error("VDRIVE_DOMAIN in the environment is " + in_quotes(digits) +
-                           ": a DDS domain is a number from 0 to 232");
-}
 
 SessionCore::SessionCore(const SessionOptions& chosen)
     : options(checked(chosen)),
