@@ -30,6 +30,8 @@ endfunction()
 vdrive_man_page(vdrive 1 "commands virtual CiA 402 servo drives over DDS" tool)
 vdrive_man_page(vdrived 8 "a bench of virtual CiA 402 servo drives on DDS" service)
 
+vdrive_man_page(vdrive-gateway 8 "shows virtual servo drives to browsers and dashboards" gateway)
+
 set(configuration_page ${documents}/vdrived.yaml.5)
 set(configuration_example ${PROJECT_SOURCE_DIR}/deploy/systemd/vdrived.yaml)
 add_custom_command(
@@ -46,18 +48,42 @@ if(VDRIVE_INSTALL)
   install(FILES ${configuration_page} DESTINATION ${CMAKE_INSTALL_MANDIR}/man5 COMPONENT service)
 endif()
 
-set(completion ${documents}/vdrive.bash)
+# vdrive_completion(<shell> <directory below share> <name there>)
+function(vdrive_completion shell directory name)
+  set(script ${documents}/vdrive.${shell})
+  add_custom_command(
+    OUTPUT ${script}
+    COMMAND $<TARGET_FILE:vdrive> completion ${shell} > ${script}
+    DEPENDS vdrive
+    COMMENT "Making the completion of vdrive for ${shell}"
+    VERBATIM)
+  add_custom_target(vdrive_completion_${shell} ALL DEPENDS ${script})
+  if(VDRIVE_INSTALL)
+    install(
+      FILES ${script}
+      DESTINATION ${CMAKE_INSTALL_DATADIR}/${directory}
+      RENAME ${name}
+      COMPONENT tool)
+  endif()
+endfunction()
+
+vdrive_completion(bash bash-completion/completions vdrive)
+vdrive_completion(zsh zsh/vendor-completions _vdrive)
+vdrive_completion(fish fish/vendor_completions.d vdrive.fish)
+
+set(gateway_completion ${documents}/vdrive-gateway.bash)
 add_custom_command(
-  OUTPUT ${completion}
-  COMMAND $<TARGET_FILE:vdrive> completion bash > ${completion}
-  DEPENDS vdrive
-  COMMENT "Making the completion of vdrive"
+  OUTPUT ${gateway_completion}
+  COMMAND ${CMAKE_COMMAND} -D PROGRAM=$<TARGET_FILE:vdrive-gateway> -D OUTPUT=${gateway_completion}
+          -P ${PROJECT_SOURCE_DIR}/cmake/make_completion.cmake
+  DEPENDS vdrive-gateway ${PROJECT_SOURCE_DIR}/cmake/make_completion.cmake
+  COMMENT "Making the completion of vdrive-gateway"
   VERBATIM)
-add_custom_target(vdrive_completion ALL DEPENDS ${completion})
+add_custom_target(vdrive_gateway_completion ALL DEPENDS ${gateway_completion})
 if(VDRIVE_INSTALL)
   install(
-    FILES ${completion}
+    FILES ${gateway_completion}
     DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
-    RENAME vdrive
-    COMPONENT tool)
+    RENAME vdrive-gateway
+    COMPONENT gateway)
 endif()

@@ -15,6 +15,7 @@ install(
 install(TARGETS vdrive_wire EXPORT vdrive-targets ARCHIVE COMPONENT development)
 install(TARGETS vdrived COMPONENT service)
 install(TARGETS vdrive COMPONENT tool)
+install(TARGETS vdrive-gateway COMPONENT gateway)
 install(EXPORT vdrive-targets NAMESPACE vdrive:: DESTINATION ${package_dir} COMPONENT development)
 
 configure_package_config_file(
@@ -37,6 +38,7 @@ string(REPLACE "StateDirectory=vdrive\n" "StateDirectory=vdrive-%i\n" unit "${un
 file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/vdrived@.service CONTENT "${unit}" @ONLY)
 install(FILES ${unit_dir}/vdrived.service ${PROJECT_BINARY_DIR}/vdrived@.service
         DESTINATION lib/systemd/system COMPONENT service)
+install(FILES ${unit_dir}/vdrive-gateway.service DESTINATION lib/systemd/system COMPONENT gateway)
 install(FILES ${unit_dir}/realtime.conf DESTINATION ${CMAKE_INSTALL_DATADIR}/vdrive
         COMPONENT service)
 install(FILES ${unit_dir}/vdrived.yaml DESTINATION ${CMAKE_INSTALL_SYSCONFDIR}/vdrive
@@ -56,7 +58,8 @@ install(FILES ${PROJECT_SOURCE_DIR}/clients/examples/installed/CMakeLists.txt
 install(FILES ${PROJECT_SOURCE_DIR}/clients/examples/06_raw_dds/CMakeLists.txt
         DESTINATION ${tree}/clients/examples/06_raw_dds COMPONENT documents)
 
-foreach(package vdrived:service vdrive:tool libvdrive-dev:development vdrive-doc:documents)
+foreach(package vdrived:service vdrive:tool vdrive-gateway:gateway libvdrive-dev:development
+                vdrive-doc:documents)
   string(REPLACE ":" ";" package ${package})
   list(GET package 0 name)
   list(GET package 1 component)

@@ -3,6 +3,7 @@
 #
 #   vdrived         the service, its units, its first configuration
 #   vdrive          the tool, its completion, the scenarios
+#   vdrive-gateway  the gateway to browsers and dashboards, its unit, its completion
 #   libvdrive-dev   the client library: archives, headers, CMake package
 #   vdrive-doc      the documents, the IDL, the examples
 
@@ -12,7 +13,7 @@ set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "virtual CiA 402 servo drives on DDS")
 set(CPACK_PACKAGE_DIRECTORY ${PROJECT_SOURCE_DIR}/build/packages)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
-set(CPACK_COMPONENTS_ALL service tool development documents)
+set(CPACK_COMPONENTS_ALL service tool gateway development documents)
 set(CPACK_PRE_BUILD_SCRIPTS ${PROJECT_SOURCE_DIR}/cmake/finish_packages.cmake)
 
 set(CPACK_DEB_COMPONENT_INSTALL ON)
@@ -35,6 +36,14 @@ set(CPACK_DEBIAN_TOOL_PACKAGE_NAME vdrive)
 set(CPACK_DEBIAN_TOOL_PACKAGE_SECTION misc)
 set(CPACK_DEBIAN_TOOL_DESCRIPTION "The tool: it finds the drives of vdrived, commands them, reads and writes
 their objects, records what they do and runs scenarios.")
+
+set(CPACK_DEBIAN_GATEWAY_PACKAGE_NAME vdrive-gateway)
+set(CPACK_DEBIAN_GATEWAY_PACKAGE_SECTION misc)
+set(CPACK_DEBIAN_GATEWAY_DESCRIPTION "The gateway: it shows the drives of vdrived in a browser, and to Foxglove,
+Lichtblick and PlotJuggler, and lets them command when it is told to.")
+set(CPACK_DEBIAN_GATEWAY_PACKAGE_SUGGESTS "vdrived, vdrive-doc")
+set(CPACK_DEBIAN_GATEWAY_PACKAGE_CONTROL_EXTRA ${debian}/gateway/postinst ${debian}/gateway/prerm
+                                               ${debian}/gateway/postrm)
 
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libvdrive-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)

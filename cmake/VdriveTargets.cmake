@@ -70,9 +70,10 @@ function(vdrive_target_defaults target)
     target_compile_options(${target} PRIVATE ${vdrive_warnings}
                                              $<$<BOOL:${VDRIVE_WARNINGS_AS_ERRORS}>:-Werror>)
     if(CMAKE_CXX_CLANG_TIDY)
-      # The build system knows a file's headers, but not that its lint depends on this.
-      get_target_property(sources ${target} SOURCES)
-      set_property(SOURCE ${sources} PROPERTY OBJECT_DEPENDS ${PROJECT_SOURCE_DIR}/.clang-tidy)
+      # The build system knows a file's headers, but not that its lint depends on these rules.
+      set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/.clang-tidy)
+      file(SHA256 ${PROJECT_SOURCE_DIR}/.clang-tidy rules)
+      target_compile_definitions(${target} PRIVATE VDRIVE_LINT_RULES=0x${rules})
     endif()
   endif()
   if(VDRIVE_SANITIZE)
@@ -136,6 +137,20 @@ function(vdrive_precompile target)
   endif()
 endfunction()
 
+# vdrive_compile_together(<target> [APART <file>...])
+# With VDRIVE_UNITY_BUILD up to eight sources of the target are compiled at once: they share the
+# reading of their headers and their templates. Names in their unnamed namespaces must differ.
+# APART: sources whose names cannot.
+function(vdrive_compile_together target)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "APART")
+  if(VDRIVE_UNITY_BUILD)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+    set_source_files_properties(${arg_APART} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+    # A source that is included is no header: its unnamed namespace belongs to one object.
+    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+  endif()
+endfunction()
+
 # vdrive_add_executable(<target> SOURCES <file>...)
 # A program for users, in <build>/bin.
 function(vdrive_add_executable target)
@@ -146,8 +161,9 @@ function(vdrive_add_executable target)
 endfunction()
 
 # vdrive_add_test(<name> LABEL unit|dds SOURCES <file>... [LIBRARIES <target>...] [SERIAL])
-# A GoogleTest program with one ctest case per test, run each in a process of its own; SERIAL: while
-# no other test runs, because it holds a promise about time. It sees
+# A GoogleTest program with one ctest case per test, run each in a process of its own (unit tests
+# under a sanitizer: one case for the program); SERIAL: while no other test runs, because it holds a
+# promise about time. It sees
 #   VDRIVE_SOURCE_DIR   the source tree, for tests/data and the scenarios
 #   VDRIVE_SERVICE, VDRIVE_TOOL   (label dds only) the programs vdrived and vdrive of this build
 # With VDRIVE_NIGHTLY=1 in the environment a test may run its long count. The target unit_tests
@@ -173,6 +189,13 @@ function(vdrive_add_test name)
     target_compile_definitions(${name} PRIVATE VDRIVE_SERVICE="$<TARGET_FILE:vdrived>"
                                                VDRIVE_TOOL="$<TARGET_FILE:vdrive>")
     add_dependencies(${name} vdrived vdrive)
+    target_link_libraries(${name} PRIVATE vdrive_test_support)
+  endif()
+  if(VDRIVE_SANITIZE AND arg_LABEL STREQUAL "unit")
+    # A program that a sanitizer watches takes long to start: all of its tests run in one process.
+    add_test(NAME ${name} COMMAND ${name} --gtest_brief=1)
+    set_tests_properties(${name} PROPERTIES LABELS unit TIMEOUT 1800)
+    return()
   endif()
   gtest_discover_tests(
     ${name}

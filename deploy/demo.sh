@@ -5,7 +5,9 @@
 #
 #   deploy/demo.sh [--serve]
 #
-#   --serve   keep the service in the foreground instead of running the examples
+#   --serve   keep the service in the foreground instead of running the examples, and beside it the
+#             gateway with its page, which may command the axes: http://127.0.0.1:8765/, or
+#             VDRIVE_LISTEN=ADDRESS:PORT
 #
 # Meanwhile `build/release/bin/vdrive watch 1.1` shows the axis in a second terminal. The service
 # runs as bench 1 on DDS domain 0, or on VDRIVE_DOMAIN; when bench 1 exists already it takes the
@@ -15,6 +17,7 @@ set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 bin=$root/build/release/bin
 domain=${VDRIVE_DOMAIN:-0}
+listen=${VDRIVE_LISTEN:-127.0.0.1:8765}
 highest_bench=9
 serve=false
 
@@ -31,8 +34,14 @@ while (($#)); do
   shift
 done
 
-"$root/deploy/setup.sh"
-"$root/deploy/build.sh" --target vdrived --target vdrive
+setup_options=()
+targets=(--target vdrived --target vdrive)
+if $serve; then
+  setup_options+=(--page)
+  targets+=(--target vdrive-gateway)
+fi
+"$root/deploy/setup.sh" "${setup_options[@]}"
+"$root/deploy/build.sh" "${targets[@]}"
 
 vdrive() {
   "$bin/vdrive" --domain "$domain" "$@"
@@ -57,26 +66,32 @@ if [[ $domain != 0 ]]; then
 fi
 watch_command="build/release/bin/vdrive$domain_option watch $bench.1"
 
-if $serve; then
-  echo "demo: bench $bench on domain $domain; in a second terminal: $watch_command"
-  exec "$bin/vdrived" --domain "$domain" --bench "$bench"
-fi
-
 work=$(mktemp -d)
-service=
+programs=()
 # Ends every started process, however this script ends.
 clean_up() {
-  if [[ -n $service ]]; then
-    kill "$service" 2>/dev/null || true
-    wait "$service" 2>/dev/null || true
+  if ((${#programs[@]})); then
+    kill "${programs[@]}" 2>/dev/null || true
+    wait "${programs[@]}" 2>/dev/null || true
   fi
   rm -rf "$work"
 }
 trap clean_up EXIT
 trap 'exit 130' INT TERM HUP
 
+if $serve; then
+  echo "demo: bench $bench on domain $domain; in a second terminal: $watch_command"
+  # Its first line is the address of the page.
+  "$bin/vdrive-gateway" --domain "$domain" --listen "$listen" --control &
+  programs+=($!)
+  "$bin/vdrived" --domain "$domain" --bench "$bench" &
+  programs+=($!)
+  wait -n "${programs[@]}"
+  exit
+fi
+
 "$bin/vdrived" --domain "$domain" --bench "$bench" --log-level warn 2>"$work/vdrived.log" &
-service=$!
+programs+=($!)
 
 # The service checks for a short time that its number is free before it announces itself.
 if ! vdrive --timeout 10 status "$bench.1" >/dev/null 2>"$work/status.log"; then

@@ -2,9 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 # Installs the Debian packages that building and running vdrive needs.
 #
-#   deploy/setup.sh [--tests]
+#   deploy/setup.sh [--tests] [--page] [--browser]
 #
-#   --tests   also what the tests, the benchmarks and the lint need
+#   --tests     also what the tests, the benchmarks and the lint need
+#   --page      also node and npm, where these programs are missing: they build the page of the gateway
+#   --browser   also the browser that tests this page
 #
 # Installs only what is missing, by apt, through sudo unless run as root. Prints nothing when
 # nothing is missing. Writes to standard error only. Exit code 0: all packages are installed.
@@ -16,8 +18,9 @@ packages=(
   cmake
   fastddsgen # brings a Java runtime, through antlr4
   help2man
-  libboost-dev # Beast, the web server of the metrics
+  libboost-dev # Beast, the web servers of the metrics and of the gateway
   libcli11-dev
+  libedit-dev # lines of the shell of the tool
   libeigen3-dev
   libfastcdr-dev
   libfastrtps-dev
@@ -41,6 +44,7 @@ test_packages=(
   cyclonedds-tools
   faketime # a clock that is ahead, for certificates that expire
   fastdds-tools # the discovery server of the network tests
+  fish # completion of the tool
   gcovr # coverage of core/
   iproute2 # hosts of the network tests
   libbenchmark-dev
@@ -52,9 +56,17 @@ test_packages=(
   nftables # loss and blocked multicast in the network tests
   openssl # makes the material of the closed mode
   python3 # the conformance and mutation checks, the list of the IDL's fields
+  python3-websockets # a client of the gateway that others wrote
   python3-seccomp # the sandbox of the systemd unit
   systemd # systemd-analyze
   util-linux # chrt and setarch
+  zsh # completion of the tool
+)
+
+browser_packages=(
+  chromium
+  fonts-wqy-microhei # Chinese characters
+  pngquant # pictures of the documents
 )
 
 fail() {
@@ -65,7 +77,13 @@ fail() {
 while (($#)); do
   case $1 in
     --tests) packages+=("${test_packages[@]}") ;;
-    *) fail "unknown option '$1'; usage: deploy/setup.sh [--tests]" ;;
+    --page)
+      # Many machines have a newer node than Debian's; npm is 350 packages there.
+      command -v node >/dev/null || packages+=(nodejs)
+      command -v npm >/dev/null || packages+=(npm)
+      ;;
+    --browser) packages+=("${browser_packages[@]}") ;;
+    *) fail "unknown option '$1'; usage: deploy/setup.sh [--tests] [--page] [--browser]" ;;
   esac
   shift
 done

@@ -9,7 +9,8 @@
 #
 #   --full      also what continuous integration checks, in 40 minutes: the sanitizers, clang-tidy,
 #               the format, the fuzzers, the coverage, the packages, the sandbox, the conformance
-#               document, clients that come and go, benchmarks that still compile
+#               document, clients that come and go, benchmarks that still compile, the page of the
+#               gateway in a browser
 #   --nightly   --full with the long counts of property, fuzz and soak tests (VDRIVE_NIGHTLY=1)
 #
 # The steps and their times are written to standard error, ctest's summary is written last. A preset
@@ -35,8 +36,10 @@ done
 
 steps=3
 presets=()
+setup_options=(--tests)
 options=(-D VDRIVE_CHECK_PRESETS=OFF)
 if $full; then
+  setup_options+=(--page --browser)
   presets=(asan tsan tidy fuzz coverage)
   steps=$((3 + ${#presets[@]}))
   options=(-D VDRIVE_CHECK_PRESETS=ON -D VDRIVE_BUILD_BENCHMARKS=ON)
@@ -51,7 +54,7 @@ begin() {
 }
 
 begin "packages of the system"
-"$root/deploy/setup.sh" --tests
+"$root/deploy/setup.sh" "${setup_options[@]}"
 
 begin "build of the release and its tests, 5 minutes on two cores from nothing"
 "$root/deploy/build.sh" --tests "${options[@]}"

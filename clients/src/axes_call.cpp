@@ -2,7 +2,6 @@
 #include "axes_call.hpp"
 
 #include "command_words.hpp"
-#include "vdrive/cia402/error_code.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/number_text.hpp"
 
@@ -81,23 +80,14 @@ Outcome refused_in_state(const AxisSnapshot& axis, std::string_view command,
                            " needs " + std::string(hint));
 }
 
-std::string what_it_shows(const AxisSnapshot& axis) {
-  std::string text = "shows " + describe_statusword(axis.status.ds402_statusword, axis.mode());
-  if (axis.status.error_code != 0) {
-    text += ", error " + hex(axis.status.error_code, 4) + " " +
-            std::string(vdrive::describe(static_cast<ErrorCode>(axis.status.error_code)));
-  }
-  if (static_cast<ErrorCode>(axis.status.error_code) == ErrorCode::life_guard_or_heartbeat) {
-    text +=
-        ": the bench did not hear the owner of the axis in time; raise its watchdog.timeout_ms, or "
-        "use lock-step";
-  }
-  return text;
-}
-
 Outcome failed_instead_of(std::string_view awaited, const AxisSnapshot& axis) {
   return Outcome::failed("axis " + to_string(axis.id) + ": waited for " + std::string(awaited) +
                          ", " + what_it_shows(axis));
+}
+
+Outcome timed_out_for(std::string_view awaited, const AxisSnapshot& axis) {
+  return Outcome::timed_out("axis " + to_string(axis.id) + ": timed out while waiting for " +
+                            std::string(awaited) + ", " + what_it_shows(axis));
 }
 
 AxesCall::AxesCall(std::shared_ptr<SessionCore> core, GroupLayout layout, Caller caller,
@@ -142,8 +132,8 @@ Outcome AxesCall::begin_control(std::chrono::nanoseconds timeout) {
 // ---- what is observed ------------------------------------------------------------------------
 
 std::string AxesCall::read_name(const BenchPart& part) const {
-  return axes_.caller() == Caller::axis ? "axis " + to_string(axis().id)
-                                        : "axes of " + name_of(part.target);
+  const bool is_one = axes_.caller() == Caller::axis && now().size() == 1;
+  return is_one ? "axis " + to_string(axis().id) : "axes of " + name_of(part.target);
 }
 
 Result<std::vector<std::vector<std::int64_t>>> AxesCall::read(
@@ -297,11 +287,8 @@ Outcome AxesCall::observe_next(std::string_view awaited, std::span<const std::si
 }
 
 Outcome AxesCall::timed_out(std::string_view awaited, std::span<const std::size_t> late) const {
+  if (axes_.caller() == Caller::axis) return timed_out_for(awaited, axis());
   std::string message = "timed out while waiting for " + std::string(awaited);
-  if (axes_.caller() == Caller::axis) {
-    return Outcome::timed_out("axis " + to_string(axis().id) + ": " + message + ", " +
-                              what_it_shows(axis()));
-  }
   for (std::size_t i = 0; i < std::min(late.size(), kMostNamed); ++i) {
     const AxisSnapshot& axis = now()[late[i]];
     message +=

@@ -34,8 +34,8 @@ namespace vdrive::client {
 /// @return failed, with what the axis shows instead of what was awaited.
 [[nodiscard]] Outcome failed_instead_of(std::string_view awaited, const AxisSnapshot& axis);
 
-/// @return such as "shows 0x218 Fault, error 0x8611 following error".
-[[nodiscard]] std::string what_it_shows(const AxisSnapshot& axis);
+/// @return timed_out, with what the axis shows instead of what was awaited.
+[[nodiscard]] Outcome timed_out_for(std::string_view awaited, const AxisSnapshot& axis);
 
 /// What one frame for each bench carries: commands to axes by their place in the group.
 struct Round {

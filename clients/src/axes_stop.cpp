@@ -95,8 +95,8 @@ void AxesStop::stop_others(BenchPart& part, const Round& round, Answers& answers
   }
 }
 
-Outcome AxesStop::put_in_force(std::uint16_t word) {
-  const Answers answers = exchange(call_.round_of(word, every_axis), Timing::at_once);
+Outcome AxesStop::put_in_force(const Round& round) {
+  const Answers answers = exchange(round, Timing::at_once);
   if (!answers.outcome) return answers.outcome;
   return call_.await_tick("the stop to be in force", answers.tick);
 }

@@ -26,8 +26,8 @@ class AxesStop {
   /// Sends the round, which has one controlword for all its axes.
   Answers exchange(const Round& round, Timing timing);
 
-  /// Sends `word` to every axis and observes the tick in which it is in force.
-  Outcome put_in_force(std::uint16_t word);
+  /// Sends the round and observes the tick in which it is in force.
+  Outcome put_in_force(const Round& round);
 
   /// Quick stop of every axis without a fault, at once.
   /// @param until done = all are at rest

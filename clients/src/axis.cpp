@@ -3,12 +3,12 @@
 
 #include "arrival.hpp"
 #include "axes_call.hpp"
-#include "axes_stop.hpp"
 #include "command_words.hpp"
+#include "each_axis.hpp"
 #include "profile_move.hpp"
 #include "vdrive/assert.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
-#include "vdrive/number_text.hpp"
+#include "vdrive/dictionary/object_text.hpp"
 
 #include <algorithm>
 #include <array>
@@ -16,8 +16,6 @@
 
 namespace vdrive::client {
 namespace {
-
-constexpr std::string_view kQuickStopEnd = "the quick stop to end";
 
 /// Sets profile position mode and waits until 6061h shows it.
 Outcome ensure_profile_position(AxesCall& call) {
@@ -41,16 +39,13 @@ msg::ObjectAccess access_of(const AxisId& id, ObjectAddress object, std::int64_t
   return access;
 }
 
-std::string name_of(ObjectAddress object) {
-  const auto row = find_object(object);
-  if (row) return std::string(vdrive::describe(*row).variable_name);
-  return hex(object.index, 4) + ":" + std::to_string(object.subindex);
-}
-
 }  // namespace
 
-Axis::Axis(std::shared_ptr<SessionCore> core, AxisId id, std::string name)
-    : core_(std::move(core)), id_(id), name_(std::move(name)) {}
+Axis::Axis(std::shared_ptr<SessionCore> core, AxisInfo info)
+    : core_(std::move(core)),
+      id_(info.id),
+      name_(std::move(info.name)),
+      unit_(std::move(info.unit)) {}
 
 Result<AxisSnapshot> Axis::status() const {
   const auto target = core_->connection.connect(id_.bench);
@@ -73,39 +68,16 @@ Outcome Axis::take_over() {
   return core_->control.acquire(*target, {&id_.axis, 1}, true);
 }
 
+Outcome Axis::command(EachCommand command, const CallOptions& options) {
+  return command_each(core_, {&id_, 1}, command, options).front();
+}
+
 Outcome Axis::enable(const CallOptions& options) {
-  AxesCall call(core_, layout_of(id_), Caller::axis);
-  if (Outcome ready = call.begin_control(options.timeout); !ready) return ready;
-  if (is_fault(call.axis().state())) {
-    return refused_in_state(call.axis(), "enabling", "a fault reset first");
-  }
-  if (call.axis().state() == PowerState::operation_enabled) return {};
-  if (call.axis().state() == PowerState::quick_stop_active && options.until == Until::done) {
-    if (Outcome rested = call.await_quick_stops(kQuickStopEnd); !rested) return rested;
-  }
-  if (Outcome done = call.put_in_force(enabling_words(call.axis().state())); !done) return done;
-  if (call.axis().state() == PowerState::operation_enabled) return {};
-  return failed_instead_of("Operation enabled", call.axis());
+  return command(EachCommand::enable, options);
 }
 
 Outcome Axis::disable(const CallOptions& options) {
-  AxesCall call(core_, layout_of(id_), Caller::axis);
-  if (Outcome ready = call.begin_control(options.timeout); !ready) return ready;
-  if (is_fault(call.axis().state())) {
-    return refused_in_state(call.axis(), "disabling", "a fault reset first");
-  }
-  if (call.axis().state() == PowerState::quick_stop_active) {
-    if (Outcome rested = call.await_quick_stops(kQuickStopEnd); !rested) return rested;
-    // Where 605Ah keeps the state.
-    if (Outcome done = call.put_in_force({kDisableVoltage}); !done) return done;
-  }
-  if (Outcome done = call.put_in_force({kShutdown}); !done) return done;
-  if (options.until == Until::in_force) return {};
-  Outcome seen = call.await("Ready to switch on", call.tick(), [](const AxisSnapshot& axis) {
-    return axis.state() == PowerState::ready_to_switch_on || is_fault(axis.state());
-  });
-  if (!seen || !is_fault(call.axis().state())) return seen;
-  return failed_instead_of("Ready to switch on", call.axis());
+  return command(EachCommand::disable, options);
 }
 
 Outcome Axis::move_to(std::int32_t position, const MoveOptions& options) {
@@ -136,95 +108,45 @@ Result<Motion> Axis::start_move(std::int32_t position, const MoveOptions& option
   MoveOptions start = options;
   start.call.until = Until::in_force;
   if (Outcome started = move(position, false, start); !started) return started;
-  return Motion(*this);
+  return Motion(*this, position);
 }
 
 Outcome Motion::wait(std::chrono::nanoseconds timeout) const {
   AxesCall call(axis_.core_, layout_of(axis_.id_), Caller::axis);
   if (Outcome ready = call.begin(timeout); !ready) return ready;
-  return await_target(call, axis_.core_->wakeup);
+  return await_target(call, axis_.core_->wakeup, target_);
 }
 
 Result<bool> Motion::has_ended() const {
   AxesCall call(axis_.core_, layout_of(axis_.id_), Caller::axis);
   if (Outcome ready = call.begin(std::chrono::nanoseconds(0)); !ready) return ready;
   if (!is_enabled(call.axis())) return failed_instead_of(kTargetReached, call.axis());
-  if (!target_reached(call.axis())) return false;
+  if (!target_reached(call.axis())) {
+    if (Outcome ended = check_limit_switch(call.axis(), target_); !ended) return ended;
+    return false;
+  }
   if (Outcome ended = check_halt(call); !ended) return ended;
   return true;
 }
 
 Outcome Axis::halt(const CallOptions& options) {
-  AxesCall call(core_, layout_of(id_), Caller::axis);
-  AxesStop stop(*core_, call);
-  if (Outcome ready = stop.begin(options.timeout); !ready) return ready;
-  if (call.axis().state() != PowerState::operation_enabled) {
-    return refused_in_state(call.axis(), "a halt", "Operation enabled");
-  }
-  if (Outcome taken = stop.acquire_free(); !taken) return taken;
-  if (Outcome done = stop.put_in_force(kHalt); !done) return done;
-  if (options.until == Until::in_force) return {};
-  return call.await_enabled("standstill, bit 10", call.tick(), target_reached);
+  return command(EachCommand::halt, options);
 }
 
 Outcome Axis::resume(const CallOptions& options) {
-  AxesCall call(core_, layout_of(id_), Caller::axis);
-  if (Outcome ready = call.begin_control(options.timeout); !ready) return ready;
-  if (call.axis().state() != PowerState::operation_enabled) {
-    return refused_in_state(call.axis(), "resuming", "Operation enabled");
-  }
-  if (Outcome done = call.put_in_force({kEnableOperation}); !done) return done;
-  if (options.until == Until::in_force) return {};
-  return await_target(call, core_->wakeup);
+  return command(EachCommand::resume, options);
 }
 
 Outcome Axis::quick_stop(const CallOptions& options) {
-  AxesCall call(core_, layout_of(id_), Caller::axis);
-  AxesStop stop(*core_, call);
-  if (Outcome ready = stop.begin(options.timeout); !ready) return ready;
-  if (is_fault(call.axis().state())) {
-    return refused_in_state(call.axis(), "a quick stop", "a fault reset first");
-  }
-  if (Outcome done = stop.put_in_force(kQuickStop); !done) return done;
-  if (options.until == Until::in_force) return {};
-  if (Outcome rested = call.await_quick_stops(kQuickStopEnd); !rested) return rested;
-  return is_fault(call.axis().state()) ? failed_instead_of(kQuickStopEnd, call.axis()) : Outcome();
+  return command(EachCommand::quick_stop, options);
 }
 
 Outcome Axis::reset_fault(const CallOptions& options) {
-  AxesCall call(core_, layout_of(id_), Caller::axis);
-  if (Outcome ready = call.begin_control(options.timeout); !ready) return ready;
-  if (!is_fault(call.axis().state())) return {};
-  Outcome reacted =
-      call.await("the fault reaction to end", call.tick(), [](const AxisSnapshot& axis) {
-        return axis.state() != PowerState::fault_reaction_active;
-      });
-  if (!reacted) return reacted;
-  if (Outcome done = call.put_in_force(reset_words()); !done) return done;
-  if (!is_fault(call.axis().state())) return {};
-  return not_in_this_state(failed_instead_of("the end of the fault", call.axis()).message() +
-                           ", the cause persists");
+  return command(EachCommand::reset_fault, options);
 }
 
 Outcome Axis::power_cycle(const CallOptions& options) {
-  AxesCall call(core_, layout_of(id_), Caller::axis);
-  if (Outcome ready = call.begin(options.timeout); !ready) return ready;
-  msg::Request request;
-  request.kind(msg::REQUEST_POWER_CYCLE);
-  request.axes().push_back(id_.axis);
-  const auto reply = core_->control.exchange(call.axes().parts().front().target, std::move(request),
-                                             "power cycle of axis " + to_string(id_));
-  if (!reply) return reply.outcome();
-  if (options.until == Until::in_force) return {};
-  if (Outcome seen = call.await_tick("the power-up", std::max(reply->tick(), call.axis().tick + 1));
-      !seen) {
-    return seen;
-  }
-  Outcome seen = call.await("Switch on disabled", call.tick(), [](const AxisSnapshot& axis) {
-    return axis.state() == PowerState::switch_on_disabled || is_fault(axis.state());
-  });
-  if (!seen || !is_fault(call.axis().state())) return seen;
-  return failed_instead_of("Switch on disabled", call.axis());
+  return command(EachCommand::power_cycle, options);
 }
 
 Outcome Axis::store() {
@@ -279,8 +201,8 @@ Result<std::int64_t> Axis::read(ObjectAddress object) const {
   if (!readings) return readings.outcome();
   const ObjectReading& reading = readings->objects.front();
   if (reading.code == AbortCode::none) return reading.value;
-  return Outcome::refused(wire_code(reading.code),
-                          "read of " + name_of(object) + " of axis " + to_string(id_) + " refused");
+  return Outcome::refused(wire_code(reading.code), "read of " + object_text(object) + " of axis " +
+                                                       to_string(id_) + " refused");
 }
 
 Result<std::uint64_t> Axis::write(ObjectAddress object, std::int64_t value) {
@@ -289,8 +211,8 @@ Result<std::uint64_t> Axis::write(ObjectAddress object, std::int64_t value) {
   msg::Request request;
   request.kind(msg::REQUEST_WRITE);
   request.objects().push_back(access_of(id_, object, value));
-  const std::string what =
-      "write of " + std::to_string(value) + " to " + name_of(object) + " of axis " + to_string(id_);
+  const std::string what = "write of " + std::to_string(value) + " to " + object_text(object) +
+                           " of axis " + to_string(id_);
   const auto reply = core_->control.write(*target, std::move(request), what);
   if (!reply) return reply.outcome();
   for (const msg::ObjectResult& result : reply->objects()) {

@@ -222,7 +222,7 @@ Result<AxisGroup> AxisGroup::create(Session& session, std::span<const std::strin
   for (const std::string& text : axes) {
     auto info = session.core_->discovery.find_axis(text);
     if (!info) return info.outcome();
-    found.push_back(Axis(session.core_, info->id, std::move(info->name)));
+    found.push_back(Axis(session.core_, std::move(*info)));
   }
   return create(session, found);
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Straight lines: times, start on one tick, arrival, queue, halt.
+#include "arrival.hpp"
 #include "axes_stop.hpp"
 #include "command_words.hpp"
 #include "group_state.hpp"
@@ -214,13 +215,17 @@ Outcome AxisGroup::State::await_line(AxesCall& call, const GroupCallOptions& opt
   const auto moving = line_in_hand();
   if (!moving) return {};
   call.set_timeout(options.timeout.value_or(moving->duration + kBeyondDuration));
+  Outcome cut;
   Outcome outcome =
       call.await_enabled(in_position ? "target reached, bit 10" : "the arrival of the demand",
                          moving->start_tick, [&](std::size_t place) {
                            const AxisSnapshot& axis = call.now()[place];
-                           return demand_arrived(axis, moving->targets[place]) &&
-                                  (!in_position || target_reached(axis));
+                           if (cut) cut = check_limit_switch(axis, moving->targets[place]);
+                           return !cut || (demand_arrived(axis, moving->targets[place]) &&
+                                           (!in_position || target_reached(axis)));
                          });
+  // The line is lost: the others must not go on alone.
+  if (outcome && !cut) outcome = call.stop_others(std::move(cut));
   if (outcome) {
     set_line(std::nullopt);
   } else if (outcome.kind() != OutcomeKind::timed_out) {

@@ -193,6 +193,7 @@ bool Connection::send(const OpenLink& link, const msg::CommandFrame& frame) {
 }
 
 bool Connection::send_keep_alive(const BenchKey& key) {
+  if (is_closed_) return true;
   // Busy: a frame or a request is on its way, which shows the same.
   const auto sending = holdings_.try_lock_sending(key.number);
   if (!sending) return true;

@@ -14,7 +14,8 @@ AxisInfo axis_info(std::uint32_t bench, const msg::AxisDescription& axis) {
           .supported_drive_modes = axis.supported_drive_modes(),
           .user_position_lower_limit = axis.user_position_lower_limit(),
           .user_position_upper_limit = axis.user_position_upper_limit(),
-          .app_speed_limit = axis.app_speed_limit()};
+          .app_speed_limit = axis.app_speed_limit(),
+          .unit = wire::unit_of(axis)};
 }
 
 void describe(BenchInfo& info, const msg::BenchDescription& message) {
@@ -134,8 +135,8 @@ std::uint64_t Directory::slowest_stepper(const BenchKey& key) const {
 }
 
 bool Directory::is_restarted(const BenchKey& key, Clock::time_point now) const {
-  const auto present = find(key.number, now);
-  return present && present->info.incarnation != key.incarnation;
+  const auto* const run = find_run(key.number, now);
+  return run != nullptr && run->first.incarnation != key.incarnation;
 }
 
 void Directory::note_sample(const BenchKey& key, std::uint64_t tick, Clock::time_point now) {
@@ -150,24 +151,53 @@ bool Directory::Entry::is_present(Clock::time_point now) const {
          now - *newest_sample < kPresence;
 }
 
+template <typename Visit>
+void Directory::for_each_present(Clock::time_point now, const Visit& visit) const {
+  std::optional<std::uint32_t> last;
+  for (const auto& run : entries_) {
+    if (run.first.number == last || !run.second.is_present(now)) continue;
+    last = run.first.number;
+    visit(run);
+  }
+}
+
+PresentBench Directory::whole(const Entry& entry, Clock::time_point now) {
+  PresentBench bench{entry.info, entry.source};
+  bench.info.sample_age = now - *entry.newest_sample;
+  for (const auto& [part, axes] : entry.parts) {
+    bench.info.axes.insert(bench.info.axes.end(), axes.begin(), axes.end());
+  }
+  return bench;
+}
+
 std::vector<PresentBench> Directory::present(Clock::time_point now) const {
   std::vector<PresentBench> benches;
-  for (const auto& [key, entry] : entries_) {
-    const bool taken = !benches.empty() && benches.back().info.number == key.number;
-    if (taken || !entry.is_present(now)) continue;
-    PresentBench& bench = benches.emplace_back(PresentBench{entry.info, entry.source});
-    for (const auto& [part, axes] : entry.parts) {
-      bench.info.axes.insert(bench.info.axes.end(), axes.begin(), axes.end());
-    }
-  }
+  for_each_present(now, [&](const auto& run) {
+    benches.push_back(whole(run.second, now));
+  });
   return benches;
 }
 
+std::size_t Directory::count_present(Clock::time_point now) const {
+  std::size_t count = 0;
+  for_each_present(now, [&](const auto& /*run*/) {
+    ++count;
+  });
+  return count;
+}
+
+const std::pair<const BenchKey, Directory::Entry>* Directory::find_run(
+    std::uint32_t number, Clock::time_point now) const {
+  const std::pair<const BenchKey, Entry>* found = nullptr;
+  for_each_present(now, [&](const auto& run) {
+    if (run.first.number == number) found = &run;
+  });
+  return found;
+}
+
 std::optional<PresentBench> Directory::find(std::uint32_t number, Clock::time_point now) const {
-  for (PresentBench& bench : present(now)) {
-    if (bench.info.number == number) return std::move(bench);
-  }
-  return std::nullopt;
+  const auto* const run = find_run(number, now);
+  return run == nullptr ? std::nullopt : std::optional(whole(run->second, now));
 }
 
 std::size_t Directory::described() const {

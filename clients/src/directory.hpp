@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace vdrive::client {
@@ -73,6 +74,9 @@ class Directory {
   ///         services agree.
   [[nodiscard]] std::vector<PresentBench> present(Clock::time_point now) const;
 
+  /// @return how many benches present() has.
+  [[nodiscard]] std::size_t count_present(Clock::time_point now) const;
+
   /// @return the bench `number` if it is there.
   [[nodiscard]] std::optional<PresentBench> find(std::uint32_t number, Clock::time_point now) const;
 
@@ -120,6 +124,15 @@ class Directory {
 
     [[nodiscard]] bool is_present(Clock::time_point now) const;
   };
+
+  /// Calls `visit(run)` with the item of `entries_` of each bench that is there, by number.
+  template <typename Visit>
+  void for_each_present(Clock::time_point now, const Visit& visit) const;
+  /// @return the item of the bench `number`, or nullptr.
+  [[nodiscard]] const std::pair<const BenchKey, Entry>* find_run(std::uint32_t number,
+                                                                 Clock::time_point now) const;
+  /// With the axes of all parts: copied only for those who want them, a bench may have thousands.
+  [[nodiscard]] static PresentBench whole(const Entry& entry, Clock::time_point now);
 
   /// @return the entry of this run, made if there is room; nullptr if there is none.
   Entry* entry_of(const BenchKey& key, Clock::time_point now);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "discovery.hpp"
 
+#include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wording.hpp"
 
@@ -16,7 +17,7 @@ namespace {
 using std::chrono::milliseconds;
 
 // After this without a further bench, all benches that are there have been found.
-constexpr milliseconds kSettle{250};
+constexpr milliseconds kSettle{150};
 
 // A search compares its deadline at least this often.
 constexpr milliseconds kSearchPeriod{50};
@@ -99,7 +100,8 @@ bool Discovery::wait_to_find(const Condition& condition) {
 std::vector<PresentBench> Discovery::find_benches() {
   Settling settling;
   (void)wait_to_find([&] {
-    return settling.has_ended(present().size());
+    const std::scoped_lock lock(mutex_);
+    return settling.has_ended(directory_.count_present(Clock::now()));
   });
   return present();
 }
@@ -123,17 +125,26 @@ Result<PresentBench> Discovery::find_bench(std::optional<std::uint32_t> number) 
                             std::to_string(*options_.domain) + ", " + list_of(present()));
 }
 
+/// The name of an axis does not begin with a digit: what begins so is an address.
 Result<AxisInfo> Discovery::find_axis(std::string_view text) {
-  if (const auto id = parse_axis_id(text)) {
-    const auto bench = find_bench(id->bench);
-    if (!bench)
-      return Outcome::not_found("no axis " + to_string(*id) + ": " + bench.outcome().message());
-    for (const AxisInfo& axis : bench->info.axes) {
-      if (axis.id == *id) return axis;
-    }
-    return Outcome::not_found("no axis " + to_string(*id) + ", " + list_of({&*bench, 1}));
+  const std::size_t dot = std::min(text.find('.'), text.size());
+  const auto bench = parse_digits<std::uint32_t>(text.substr(0, dot));
+  return bench && dot < text.size() ? find_on_bench(*bench, text.substr(dot + 1)) : find_name(text);
+}
+
+/// @param axis its number or its name
+Result<AxisInfo> Discovery::find_on_bench(std::uint32_t bench, std::string_view axis) {
+  const std::string what = "no axis " + std::to_string(bench) + "." + escaped(axis);
+  const auto found = find_bench(bench);
+  if (!found) return Outcome::not_found(what + ": " + found.outcome().message());
+  const auto number = parse_digits<std::uint16_t>(axis);
+  std::vector<std::string> names;
+  for (const AxisInfo& info : found->info.axes) {
+    if (number ? info.id.axis == *number : info.name == axis) return info;
+    names.push_back(info.name);
   }
-  return find_name(text);
+  return Outcome::not_found(what + (number ? std::string() : suggestion(axis, names)) + ", " +
+                            list_of({&*found, 1}));
 }
 
 /// Ends with the bench that has the name, once every bench that was met has said what it has: of

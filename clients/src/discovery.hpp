@@ -87,6 +87,7 @@ class Discovery {
   void on_description(const msg::BenchDescription& message, const wire::Source& source);
   void on_state(const msg::BenchState& message, const wire::Source& source);
   Result<AxisInfo> find_name(std::string_view name);
+  Result<AxisInfo> find_on_bench(std::uint32_t bench, std::string_view axis);
   [[nodiscard]] bool expects_more() const;
   template <typename Condition>
   bool wait_to_find(const Condition& condition);

@@ -11,7 +11,7 @@ namespace {
 // Events that wait for the program; of more the oldest are dropped.
 constexpr std::size_t kMostWaiting = 4'096;
 
-// The first sample of a bench, which tells its tick, may come after its first event.
+// The first sample of a bench, which has its tick, may come after its first event.
 constexpr std::chrono::milliseconds kMeetPeriod{5};
 
 Event event_of(const msg::Event& message) {
@@ -28,15 +28,14 @@ Event event_of(const msg::Event& message) {
 
 }  // namespace
 
-void EventWatcher::watch(std::function<void(const Event&)> observer) {
+void EventWatcher::watch(std::function<void(const Event&)> observer, EventHistory history) {
   subscription_.reset();  // no handler runs after this
   thread_ = {};           // ends the last watch
   queue_.clear();
   if (!observer) return;
+  history_ = history;
   EventFilter filter;
-  for (const PresentBench& bench : discovery_.present()) {
-    filter.begin(bench.key(), discovery_.tick(bench.key()));
-  }
+  for (const PresentBench& bench : discovery_.present()) begin(bench.key(), filter);
   thread_ = std::jthread([this, filter = std::move(filter),
                           observe = std::move(observer)](const std::stop_token& stop) mutable {
     run(stop, filter, observe);
@@ -78,7 +77,7 @@ std::optional<msg::Event> EventWatcher::next(const std::stop_token& stop) {
   return message;
 }
 
-/// Events of a bench that is met now begin at its present tick, which a sample of it tells.
+/// Events of a bench that is met now begin at its present tick, which a sample of it has.
 /// @return false when no sample comes: the run has ended.
 bool EventWatcher::meet(const BenchKey& key, EventFilter& filter, const std::stop_token& stop) {
   const auto deadline = Discovery::Clock::now() + kPresence;
@@ -89,8 +88,12 @@ bool EventWatcher::meet(const BenchKey& key, EventFilter& filter, const std::sto
       return false;
     });
   }
-  filter.begin(key, discovery_.tick(key));
+  begin(key, filter);
   return true;
+}
+
+void EventWatcher::begin(const BenchKey& key, EventFilter& filter) const {
+  filter.begin(key, history_ == EventHistory::kept ? 0 : discovery_.tick(key));
 }
 
 }  // namespace vdrive::client

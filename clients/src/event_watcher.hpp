@@ -27,18 +27,20 @@ class EventWatcher {
       : participant_(participant), discovery_(discovery) {}
 
   /// Session::on_event.
-  void watch(std::function<void(const Event&)> observer);
+  void watch(std::function<void(const Event&)> observer, EventHistory history);
 
  private:
   void on_event(const msg::Event& message);
   void run(const std::stop_token& stop, EventFilter& filter,
            const std::function<void(const Event&)>& observe);
   [[nodiscard]] std::optional<msg::Event> next(const std::stop_token& stop);
+  void begin(const BenchKey& key, EventFilter& filter) const;
   bool meet(const BenchKey& key, EventFilter& filter, const std::stop_token& stop);
 
   wire::Participant& participant_;
   const Discovery& discovery_;
-  std::mutex mutex_;  ///< guards the queue
+  EventHistory history_ = EventHistory::left_out;  ///< changes while no watch runs
+  std::mutex mutex_;                               ///< guards the queue
   std::deque<msg::Event> queue_;
   std::condition_variable_any arrived_;
   std::jthread thread_;

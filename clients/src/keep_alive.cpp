@@ -12,7 +12,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds kPeriod{25};
+constexpr milliseconds kKeepAlivePeriod{25};
 
 // While a bench connects anew: its watchdog runs.
 constexpr milliseconds kRetry{5};
@@ -43,7 +43,7 @@ milliseconds KeepAliveSender::send() {
   for (const BenchKey& key : holdings_.to_keep_alive()) {
     are_all_reached &= connection_.send_keep_alive(key);
   }
-  return are_all_reached ? kPeriod : kRetry;
+  return are_all_reached ? kKeepAlivePeriod : kRetry;
 }
 
 }  // namespace vdrive::client

@@ -3,9 +3,10 @@
 
 #include "arrival.hpp"
 #include "command_words.hpp"
-#include "vdrive/number_text.hpp"
+#include "vdrive/dictionary/object_text.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -24,21 +25,13 @@ void add_members(msg::AxisCommand& command, std::uint16_t members) {
   command.members(static_cast<std::uint16_t>(command.members() | members));
 }
 
-/// @return such as "profile_velocity (6081h)" or "user_position_upper_limit (607Dh:2)".
-std::string name_of(ObjectAddress object) {
-  const std::string digits = hex(object.index, 4).substr(2) + "h";
-  const auto row = find_object(object);
-  return std::string(row ? vdrive::describe(*row).variable_name : "object") + " (" + digits +
-         (object.subindex == 0 ? "" : ":" + std::to_string(object.subindex)) + ")";
-}
-
 }  // namespace
 
 Outcome check_bounds(const AxisId& axis, std::span<const std::int64_t> values) {
   const auto zero = std::ranges::find(values, 0);
   if (zero == values.end()) return {};
   const auto place = static_cast<std::size_t>(zero - values.begin());
-  return not_in_this_state("axis " + to_string(axis) + ": " + name_of(kMoveBounds.at(place)) +
+  return not_in_this_state("axis " + to_string(axis) + ": " + object_text(kMoveBounds.at(place)) +
                            " is 0: the axis cannot move");
 }
 
@@ -84,7 +77,7 @@ Round ProfileMove::set_point(std::int32_t target, bool relative) const {
   return round;
 }
 
-/// A relative target counts from where the axis is told to be now: exact for an axis at rest.
+/// A relative target counts from the present demand position: exact for an axis at rest.
 std::int32_t ProfileMove::target_of(std::int32_t value, bool relative) const {
   if (!relative) return value;
   const AxisStatus& status = call_.axis().status;
@@ -97,6 +90,8 @@ std::int32_t ProfileMove::target_of(std::int32_t value, bool relative) const {
 
 Outcome ProfileMove::start(std::int32_t target, bool relative) {
   target_ = target_of(target, relative);
+  const bool leads_up = target_ > call_.axis().status.position_demand_value;
+  wraps_ = relative && target != 0 && leads_up != (target > 0);
   std::vector<Round> rounds;
   if ((controlword_ & Controlword::kNewSetPoint) != 0) {  // bit 4 has to drop before its edge
     const auto dropped = static_cast<std::uint16_t>(controlword_ & ~Controlword::kNewSetPoint);
@@ -120,9 +115,14 @@ Outcome ProfileMove::start(std::int32_t target, bool relative) {
 }
 
 Outcome ProfileMove::await_target() {
-  Outcome reached = client::await_target(call_, wakeup_);
-  // After a time-out the axis still moves, and the ramps are those of its motion.
-  if (!reached && !is_enabled(call_.axis())) put_back_ramps();
+  Outcome reached =
+      client::await_target(call_, wakeup_, wraps_ ? std::nullopt : std::optional(target_));
+  if (reached) return reached;
+  // After a time-out the axis still moves, and after a halt it goes on: the ramps are those of its
+  // motion.
+  const AxisSnapshot& axis = call_.axis();
+  const bool is_over = axis.status.velocity_demand_value == 0 && !target_reached(axis);
+  if (!is_enabled(axis) || is_over) put_back_ramps();
   return reached;
 }
 
@@ -166,7 +166,7 @@ Outcome ProfileMove::check_limits(const AxisSnapshot& at_rest) {
   if (limit == values->front().end()) return {};
   const auto place = static_cast<std::size_t>(limit - values->front().begin());
   return Outcome::failed("axis " + to_string(at_rest.id) + ": the software limit " +
-                         name_of(limits.at(place)) + " = " + std::to_string(demand) +
+                         object_text(limits.at(place)) + " = " + std::to_string(demand) +
                          " has cut the move to " + std::to_string(target_) + " off");
 }
 

@@ -63,6 +63,7 @@ class ProfileMove {
   std::int64_t positioning_option_ = 0;
   std::vector<std::int64_t> bounds_;  ///< of kMoveBounds, before the move
   std::int32_t target_ = 0;           ///< absolute
+  bool wraps_ = false;                ///< the way to it leads through the end of the register
 };
 
 }  // namespace vdrive::client

@@ -7,7 +7,7 @@
 namespace vdrive::client {
 namespace {
 
-constexpr std::chrono::milliseconds kPeriod{5};
+constexpr std::chrono::milliseconds kWatchPeriod{5};
 
 }  // namespace
 
@@ -17,7 +17,7 @@ void ServiceWatcher::watch(std::function<void(const ServiceChange&)> observer) {
   stream_.subscribe();
   thread_.start([this, observe = std::move(observer), watch = ServiceWatch()]() mutable {
     for (const ServiceChange& change : discovery_.changes(watch)) observe(change);
-    return kPeriod;
+    return kWatchPeriod;
   });
 }
 

@@ -2,11 +2,19 @@
 #include "vdrive/client/session.hpp"
 
 #include "axes_stop.hpp"
+#include "each_axis.hpp"
 #include "session_core.hpp"
 #include "vdrive/client/axis.hpp"
 
 namespace vdrive::client {
 namespace {
+
+std::vector<BenchInfo> infos_of(std::vector<PresentBench>&& benches) {
+  std::vector<BenchInfo> infos;
+  infos.reserve(benches.size());
+  for (PresentBench& bench : benches) infos.push_back(std::move(bench.info));
+  return infos;
+}
 
 /// The numbers of axes that share a bench.
 Result<std::vector<std::uint16_t>> numbers_of(std::span<const AxisId> axes) {
@@ -30,7 +38,8 @@ Result<msg::Reply> exchange_snapshot(SessionCore& core, std::uint32_t bench, std
   msg::Request request;
   request.kind(kind);
   request.snapshot(snapshot);
-  const bool names_one = kind != msg::REQUEST_TAKE_SNAPSHOT;
+  const bool names_one =
+      kind == msg::REQUEST_RESTORE_SNAPSHOT || kind == msg::REQUEST_DROP_SNAPSHOT;
   return core.control.exchange(
       *target, std::move(request),
       "snapshot " + (names_one ? std::to_string(snapshot) + " " : "") + "of " + name_of(*target));
@@ -49,10 +58,11 @@ std::uint64_t Session::id() const noexcept {
 }
 
 std::vector<BenchInfo> Session::find_benches() {
-  std::vector<BenchInfo> benches;
-  for (PresentBench& bench : core_->discovery.find_benches())
-    benches.push_back(std::move(bench.info));
-  return benches;
+  return infos_of(core_->discovery.find_benches());
+}
+
+std::vector<BenchInfo> Session::present_benches() const {
+  return infos_of(core_->discovery.present());
 }
 
 Result<BenchInfo> Session::find_bench(std::optional<std::uint32_t> number) {
@@ -64,7 +74,24 @@ Result<BenchInfo> Session::find_bench(std::optional<std::uint32_t> number) {
 Result<Axis> Session::axis(std::string_view text) {
   auto axis = core_->discovery.find_axis(text);
   if (!axis) return axis.outcome();
-  return Axis(core_, axis->id, std::move(axis->name));
+  return Axis(core_, std::move(*axis));
+}
+
+Result<std::vector<Axis>> Session::axes(std::optional<std::uint32_t> bench) {
+  auto found = core_->discovery.find_bench(bench);
+  if (!found) return found.outcome();
+  std::vector<Axis> axes;
+  axes.reserve(found->info.axes.size());
+  for (AxisInfo& info : found->info.axes) axes.push_back(Axis(core_, std::move(info)));
+  return axes;
+}
+
+std::vector<Outcome> Session::command_each(std::span<const Axis> axes, EachCommand command,
+                                           const CallOptions& options) {
+  std::vector<AxisId> ids;
+  ids.reserve(axes.size());
+  for (const Axis& axis : axes) ids.push_back(axis.id());
+  return client::command_each(core_, ids, command, options);
 }
 
 Result<std::uint64_t> Session::step(std::uint32_t bench, std::uint64_t ticks) {
@@ -107,6 +134,18 @@ Result<std::uint64_t> Session::restore_snapshot(std::uint32_t bench, std::uint64
   return reply->tick();
 }
 
+Result<std::vector<KeptSnapshot>> Session::snapshots(std::uint32_t bench) {
+  std::vector<KeptSnapshot> kept;
+  while (true) {
+    const std::uint64_t newest_known = kept.empty() ? 0 : kept.back().number;
+    const auto next = exchange_snapshot(*core_, bench, msg::REQUEST_NEXT_SNAPSHOT, newest_known);
+    if (!next) return next.outcome();
+    // A service that counts back would never end the list.
+    if (next->snapshot() <= newest_known) return kept;
+    kept.push_back({.number = next->snapshot(), .tick = next->tick()});
+  }
+}
+
 Outcome Session::drop_snapshot(std::uint32_t bench, std::uint64_t snapshot) {
   return exchange_snapshot(*core_, bench, msg::REQUEST_DROP_SNAPSHOT, snapshot).outcome();
 }
@@ -127,8 +166,24 @@ Result<Follower> Session::follow(std::vector<AxisId> axes, Pace pace) {
   return core_->follow(*target, std::move(*numbers), pace);
 }
 
-void Session::on_event(std::function<void(const Event&)> observer) {
-  core_->events.watch(std::move(observer));
+void Session::on_event(std::function<void(const Event&)> observer, EventHistory history) {
+  core_->events.watch(std::move(observer), history);
+}
+
+Outcome Session::on_status(std::span<const AxisId> axes, std::chrono::milliseconds period,
+                           std::function<void(const Observation&)> observer) {
+  core_->statuses.stop();
+  if (!observer) return {};
+  std::map<std::uint32_t, std::vector<std::uint16_t>> numbers;
+  for (const AxisId& axis : axes) {
+    if (const auto found = core_->discovery.find_axis(to_string(axis)); !found) {
+      return found.outcome();
+    }
+    std::vector<std::uint16_t>& of_bench = numbers[axis.bench];
+    if (std::ranges::find(of_bench, axis.axis) == of_bench.end()) of_bench.push_back(axis.axis);
+  }
+  core_->statuses.watch(numbers, period, std::move(observer));
+  return {};
 }
 
 Outcome Session::quick_stop(std::uint32_t bench, const CallOptions& options) {
@@ -151,8 +206,16 @@ Outcome Session::release() {
   return core_->control.release();
 }
 
+void Session::abandon() noexcept {
+  core_->abandon();
+}
+
 void Session::interrupt() noexcept {
   core_->wakeup.interrupt();
+}
+
+void Session::end_interrupt() noexcept {
+  core_->wakeup.end_interrupt();
 }
 
 bool Session::is_interrupted() const noexcept {

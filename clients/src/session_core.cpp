@@ -59,14 +59,22 @@ SessionCore::SessionCore(const SessionOptions& chosen)
       stream(participant, discovery, waiter, wakeup),
       observer(discovery, connection, requests, clocks, stream, waiter),
       watcher(discovery, stream),
-      events(participant, discovery) {}
+      events(participant, discovery),
+      statuses(discovery, stream) {}
 
 void SessionCore::end() {
   watcher.watch({});
-  events.watch({});
+  events.watch({}, EventHistory::left_out);
+  statuses.stop();
   clocks.leave_all();
   control.end();
   connection.close();
+}
+
+void SessionCore::abandon() noexcept {
+  // In this order: a call that waits must not send again what was not answered.
+  connection.close();
+  wakeup.interrupt();
 }
 
 }  // namespace vdrive::client

@@ -12,6 +12,7 @@
 #include "requests.hpp"
 #include "service_watcher.hpp"
 #include "status_stream.hpp"
+#include "status_watcher.hpp"
 #include "unanswered.hpp"
 #include "vdrive/client/session.hpp"
 #include "vdrive/wire/participant.hpp"
@@ -34,6 +35,9 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   /// The session ends: gives all axes back, and no handle that is left sends anything.
   void end();
 
+  /// The session ends without a word: it sends nothing any more and gives nothing back.
+  void abandon() noexcept;
+
   /// Observes `axes` tick by tick.
   Follower follow(const Target& target, std::vector<std::uint16_t> axes, Pace pace);
 
@@ -55,6 +59,7 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   Observer observer;
   ServiceWatcher watcher;
   EventWatcher events;
+  StatusWatcher statuses;
 };
 
 }  // namespace vdrive::client

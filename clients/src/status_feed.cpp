@@ -4,6 +4,7 @@
 #include "vdrive/wire/conversion.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace vdrive::client {
 namespace {
@@ -22,38 +23,50 @@ AxisSnapshot sample_of(const msg::AxisStatus& message) {
           .last_sequence = message.last_sequence()};
 }
 
-StatusFeed::StatusFeed(BenchKey key, std::vector<std::uint16_t> axes,
-                       std::uint32_t status_every_ticks)
-    : key_(key), status_every_ticks_(status_every_ticks), seen_(axes.size()) {
-  for (std::size_t position = 0; position < axes.size(); ++position) {
-    places_.push_back({axes[position], position});
-  }
-  std::ranges::sort(places_, {}, &Place::axis);
-  growing_.axes.resize(axes.size());
+AxisSnapshot sample_of(const wire::ReceivedStatus& received) {
+  return {.id = {received.address.bench, received.address.axis},
+          .tick = received.tick,
+          .status = received.status,
+          .owner_session = received.owner.session,
+          .owner_epoch = received.owner.epoch,
+          .last_sequence = received.owner.last_sequence};
 }
 
-void StatusFeed::on_frame(const msg::StatusFrame& frame) {
-  if (frame.bench() != key_.number || frame.incarnation() != key_.incarnation) return;
-  if (frame.tick() < growing_.tick) return;
-  if (frame.tick() > growing_.tick || seen_count_ == places_.size()) start(frame.tick());
-  for (const msg::AxisStatus& status : frame.axes()) put(status);
-  if (seen_count_ != places_.size()) return;
-  samples_.push_back(growing_);
+StatusFeed::StatusFeed(BenchKey key, std::vector<std::uint16_t> axes,
+                       std::uint32_t status_every_ticks)
+    : key_(key),
+      count_(axes.size()),
+      places_(axes.empty() ? std::size_t{0} : *std::ranges::max_element(axes) + std::size_t{1},
+              axes.size()),
+      status_every_ticks_(status_every_ticks),
+      seen_(axes.size()) {
+  for (std::size_t place = 0; place < axes.size(); ++place) places_[axes[place]] = place;
+}
+
+void StatusFeed::on_frame(const wire::StatusFrameView& frame) {
+  const wire::StatusFrameHead& head = frame.head();
+  if (head.bench != key_.number || head.incarnation != key_.incarnation) return;
+  if (head.tick < growing_.tick) return;
+  if (head.tick > growing_.tick || seen_count_ == count_) start(head.tick);
+  for (std::size_t position = 0; position < frame.size(); ++position) {
+    const std::size_t number = frame.number(position);
+    const std::size_t place = number < places_.size() ? places_[number] : count_;
+    if (place == count_ || seen_[place]) continue;
+    growing_.axes[place] = sample_of(frame.axis(position));
+    seen_[place] = true;
+    ++seen_count_;
+  }
+  if (seen_count_ != count_) return;
+  samples_.push_back(
+      {.tick = growing_.tick, .missed = 0, .axes = std::exchange(growing_.axes, {})});
   if (samples_.size() > kCapacity) samples_.pop_front();
 }
 
 void StatusFeed::start(std::uint64_t tick) {
   growing_.tick = tick;
-  seen_.assign(places_.size(), false);
+  growing_.axes.resize(count_);
+  seen_.assign(count_, false);
   seen_count_ = 0;
-}
-
-void StatusFeed::put(const msg::AxisStatus& status) {
-  const auto place = std::ranges::lower_bound(places_, status.axis(), {}, &Place::axis);
-  if (place == places_.end() || place->axis != status.axis() || seen_[place->position]) return;
-  growing_.axes[place->position] = sample_of(status);
-  seen_[place->position] = true;
-  ++seen_count_;
 }
 
 std::optional<Observation> StatusFeed::take() {

@@ -3,6 +3,7 @@
 
 #include "directory.hpp"
 #include "vdrive/client/axis_snapshot.hpp"
+#include "vdrive/wire/status_frame.hpp"
 #include "vdrive_messages.h"
 
 #include <cstdint>
@@ -23,22 +24,17 @@ class StatusFeed {
   StatusFeed(BenchKey key, std::vector<std::uint16_t> axes, std::uint32_t status_every_ticks);
 
   /// Takes one frame; others' benches are ignored.
-  void on_frame(const msg::StatusFrame& frame);
+  void on_frame(const wire::StatusFrameView& frame);
 
   /// @return the oldest sample that was not taken yet, or nothing.
   [[nodiscard]] std::optional<Observation> take();
 
  private:
-  struct Place {
-    std::uint16_t axis;
-    std::size_t position;
-  };
-
   void start(std::uint64_t tick);
-  void put(const msg::AxisStatus& status);
 
   BenchKey key_;
-  std::vector<Place> places_;  ///< sorted by axis
+  std::size_t count_;
+  std::vector<std::size_t> places_;  ///< in a sample, by number of the axis; count_ = not wanted
   std::uint32_t status_every_ticks_;
   Observation growing_;
   std::vector<bool> seen_;

@@ -4,8 +4,9 @@
 #include "discovery.hpp"
 #include "status_feed.hpp"
 #include "target.hpp"
+#include "vdrive/wire/bytes_subscription.hpp"
 #include "vdrive/wire/participant.hpp"
-#include "vdrive/wire/subscription.hpp"
+#include "vdrive/wire/status_frame.hpp"
 #include "vdrive_messages.h"
 #include "waiter.hpp"
 #include "wakeup.hpp"
@@ -13,6 +14,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -34,12 +36,18 @@ class StatusStream {
   /// Waits for the next sample of a feed.
   Result<Observation> next(const Target& target, StatusFeed& feed, const Patience& patience);
 
+  /// Does not wait. @return the newest sample of a feed, with the samples lost since the one that
+  /// was
+  ///         taken last; nothing where no other has come.
+  std::optional<Observation> take_newest(StatusFeed& feed);
+
   /// Waits for an axis sample of each of these axes: a bench sends them also while its time stands
   /// still.
   Result<Observation> next_samples(const Target& target, std::span<const std::uint16_t> axes);
 
  private:
-  void on_status(const msg::StatusFrame& message, const wire::Source& source);
+  void take(std::span<const std::byte> sample);
+  void deliver(const wire::Source& source);
 
   wire::Participant& participant_;
   Discovery& discovery_;
@@ -48,7 +56,8 @@ class StatusStream {
   std::mutex mutex_;  ///< guards the feeds and what they collect
   std::vector<std::weak_ptr<StatusFeed>> feeds_;
   std::once_flag subscribed_;
-  std::unique_ptr<wire::Subscription<msg::StatusFrame>> subscription_;
+  std::optional<wire::StatusFrameHead> taken_;  ///< of the frame that `deliver` names the sender of
+  std::unique_ptr<wire::BytesSubscription> subscription_;
 };
 
 }  // namespace vdrive::client

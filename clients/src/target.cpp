@@ -67,7 +67,7 @@ Outcome refusal_of(const Target& target, const msg::CommandReply& reply,
     message += "the command";
   } else {
     const auto row = find_object(ObjectAddress{refusal.index(), refusal.subindex()});
-    message += row ? std::string(describe(*row).variable_name) : hex(refusal.index(), 4);
+    message += row ? std::string(vdrive::describe(*row).variable_name) : hex(refusal.index(), 4);
   }
   return Outcome::refused(refusal.reason(), std::move(message));
 }

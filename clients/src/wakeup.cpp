@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "wakeup.hpp"
 
+#include <algorithm>
+
 namespace vdrive::client {
 namespace {
 
@@ -41,9 +43,15 @@ void Wakeup::interrupt() noexcept {
   changed_.notify_all();
 }
 
+void Wakeup::end_interrupt() noexcept {
+  const std::scoped_lock lock(mutex_);
+  ended_interrupts_ = interrupts_;
+}
+
 bool Wakeup::is_interrupted() const {
   const std::scoped_lock lock(mutex_);
-  return interrupts_ > (survived().wakeup == this ? survived().interrupts : 0);
+  const std::uint64_t survived_here = survived().wakeup == this ? survived().interrupts : 0;
+  return interrupts_ > std::max(survived_here, ended_interrupts_);
 }
 
 std::uint64_t Wakeup::changes() const {

@@ -21,6 +21,9 @@ class Wakeup {
   /// Ends the calls that may be interrupted, now and later.
   void interrupt() noexcept;
 
+  /// Later calls wait again.
+  void end_interrupt() noexcept;
+
   /// @return whether the call of this thread is to end.
   [[nodiscard]] bool is_interrupted() const;
 
@@ -50,6 +53,7 @@ class Wakeup {
   std::condition_variable changed_;
   std::uint64_t changes_ = 0;
   std::uint64_t interrupts_ = 0;
+  std::uint64_t ended_interrupts_ = 0;
 };
 
 }  // namespace vdrive::client

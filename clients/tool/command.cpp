@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "command.hpp"
 
+#include <algorithm>
+#include <array>
+
 namespace vdrive::tool {
 namespace {
 
@@ -12,6 +15,17 @@ struct Overloaded : Functions... {
 template <typename... Functions>
 Overloaded(Functions...) -> Overloaded<Functions...>;
 
+struct ComparisonRow {
+  Comparison comparison;
+  std::string_view text;
+};
+
+constexpr std::array kComparisons{
+    ComparisonRow{Comparison::equal, "=="}, ComparisonRow{Comparison::not_equal, "!="},
+    ComparisonRow{Comparison::less, "<"},   ComparisonRow{Comparison::at_most, "<="},
+    ComparisonRow{Comparison::more, ">"},   ComparisonRow{Comparison::at_least, ">="},
+};
+
 std::uint64_t distance(std::int64_t a, std::int64_t b) {
   return a > b ? static_cast<std::uint64_t>(a) - static_cast<std::uint64_t>(b)
                : static_cast<std::uint64_t>(b) - static_cast<std::uint64_t>(a);
@@ -19,13 +33,41 @@ std::uint64_t distance(std::int64_t a, std::int64_t b) {
 
 }  // namespace
 
-bool ExpectCommand::accepts(std::int64_t actual) const noexcept {
+bool ExpectCommand::equals(std::int64_t actual) const noexcept {
   if (mask) {
     return (static_cast<std::uint64_t>(actual) & *mask) ==
            (static_cast<std::uint64_t>(value) & *mask);
   }
   if (tolerance) return distance(actual, value) <= *tolerance;
   return actual == value;
+}
+
+bool ExpectCommand::accepts(std::int64_t actual) const noexcept {
+  switch (comparison) {
+    case Comparison::equal:
+      return equals(actual);
+    case Comparison::not_equal:
+      return !equals(actual);
+    case Comparison::less:
+      return actual < value;
+    case Comparison::at_most:
+      return actual <= value;
+    case Comparison::more:
+      return actual > value;
+    case Comparison::at_least:
+      return actual >= value;
+  }
+  return false;
+}
+
+std::string_view to_string(Comparison comparison) noexcept {
+  const auto* const row = std::ranges::find(kComparisons, comparison, &ComparisonRow::comparison);
+  return row == kComparisons.end() ? "unknown" : row->text;
+}
+
+std::optional<Comparison> comparison_named(std::string_view text) noexcept {
+  const auto* const row = std::ranges::find(kComparisons, text, &ComparisonRow::text);
+  return row == kComparisons.end() ? std::nullopt : std::optional(row->comparison);
 }
 
 std::vector<std::string> axes_of(const Command& command) {
@@ -54,7 +96,19 @@ std::vector<std::string> axes_of(const Command& command) {
                                [](const DoctorCommand&) {
                                  return Axes{};
                                },
+                               [](const BenchCommand&) {
+                                 return Axes{};
+                               },
                                [](const RunCommand&) {
+                                 return Axes{};
+                               },
+                               [](const TestCommand&) {
+                                 return Axes{};
+                               },
+                               [](const EventsCommand&) {
+                                 return Axes{};
+                               },
+                               [](const ShellCommand&) {
                                  return Axes{};
                                },
                                [](const WaitCommand&) {
@@ -65,6 +119,12 @@ std::vector<std::string> axes_of(const Command& command) {
                                },
                                [](const std::shared_ptr<const RefusedCommand>& refused) {
                                  return axes_of(refused->command);
+                               },
+                               [](const StatusCommand& status) {
+                                 return status.axes;
+                               },
+                               [](const ActionCommand& action) {
+                                 return action.axes;
                                },
                                [](const auto& other) {
                                  return Axes{other.axis};
@@ -118,6 +178,8 @@ std::string_view to_string(SnapshotCommand::Action action) noexcept {
       return "restore";
     case SnapshotCommand::Action::drop:
       return "drop";
+    case SnapshotCommand::Action::list:
+      return "list";
   }
   return "unknown";
 }

@@ -1,14 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "bench_names.hpp"
+
 #include <CLI/CLI.hpp>
 
 #include <string>
+#include <string_view>
+#include <vector>
 
 namespace vdrive::tool {
 
-/// @return a script that completes command lines of `app` in bash: its words, what they take, and
-///         names of files wherever neither fits.
-[[nodiscard]] std::string bash_completion(const CLI::App& app);
+/// What a command line may go on with.
+
+/// @return whether an argument is meant as an option: no negative number.
+[[nodiscard]] bool is_option(const std::string& argument);
+
+/// @param app the commands
+/// @param words of the command line without the program; the last one is completed
+/// @return the words in its place, none where a file's name may stand.
+[[nodiscard]] std::vector<std::string> candidates(const CLI::App& app,
+                                                  const std::vector<std::string>& words,
+                                                  const BenchNames& names);
+
+/// @return the shells that shell_completion() knows.
+[[nodiscard]] std::vector<std::string> completed_shells();
+
+/// @return a script for this shell that completes command lines: it calls the program.
+[[nodiscard]] std::string shell_completion(std::string_view shell);
 
 }  // namespace vdrive::tool

@@ -3,6 +3,7 @@
 
 #include "report.hpp"
 #include "vdrive/text.hpp"
+#include "vdrive/wording.hpp"
 
 #include <algorithm>
 #include <exception>
@@ -172,6 +173,25 @@ Finding check_segments(const HostReadings& readings) {
   return finding;
 }
 
+Finding check_gateway(const HostReadings& readings) {
+  const std::string address = "127.0.0.1:" + std::to_string(kGatewayPort);
+  Finding finding{.subject = "gateway", .text = "", .advice = ""};
+  switch (readings.gateway) {
+    case GatewayReading::nobody:
+      finding.text = "no vdrive-gateway on " + address;
+      break;
+    case GatewayReading::gateway:
+      finding.text = "vdrive-gateway answers on http://" + address + "/";
+      break;
+    case GatewayReading::another:
+      finding.severity = Severity::hint;
+      finding.text = "another program has port " + address;
+      finding.advice = "give vdrive-gateway another port with --listen";
+      break;
+  }
+  return finding;
+}
+
 Finding check_version(const client::BenchInfo& bench) {
   Finding finding{.subject = "benches",
                   .text = "bench " + std::to_string(bench.number) + " " + in_quotes(bench.name) +
@@ -292,6 +312,7 @@ std::vector<Finding> diagnose(const HostReadings& readings, const GlobalOptions&
   append(findings, check_limits(readings));
   findings.push_back(check_priority(readings));
   findings.push_back(check_segments(readings));
+  findings.push_back(check_gateway(readings));
   return findings;
 }
 
@@ -310,7 +331,7 @@ Outcome run_doctor(const GlobalOptions& options, Terminal& terminal,
   for (const Finding& finding : findings) show(finding, options.json, terminal);
   const auto problems = std::ranges::count(findings, Severity::problem, &Finding::severity);
   if (problems == 0) return {};
-  return Outcome::failed(std::to_string(problems) + (problems == 1 ? " problem" : " problems"));
+  return Outcome::failed(counted(static_cast<std::uint64_t>(problems), "problem", "problems"));
 }
 
 }  // namespace vdrive::tool

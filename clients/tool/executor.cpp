@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "executor.hpp"
 
+#include "columns.hpp"
+#include "event_view.hpp"
 #include "recorder.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
@@ -9,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <limits>
 #include <utility>
 
 namespace vdrive::tool {
@@ -18,13 +21,70 @@ using client::Outcome;
 using client::OutcomeKind;
 
 constexpr auto kNoSuchObject = wire_code(AbortCode::object_does_not_exist);
-constexpr std::chrono::milliseconds kPatience{100};
+constexpr std::chrono::milliseconds kPatienceOfWatch{100};
 
 /// @return ", paused" or ", rate 0.5" of a realtime bench that does not run as fast as the wall
 ///         clock.
 std::string rate_text(const client::BenchInfo& bench) {
   if (bench.clock_mode != client::ClockMode::realtime || bench.rate == 1.0) return {};
   return bench.rate == 0.0 ? ", paused" : ", rate " + to_text(bench.rate);
+}
+
+Outcome take_over_all(std::vector<client::Axis>& axes) {
+  for (client::Axis& axis : axes) {
+    if (Outcome taken = axis.take_over(); !taken) return taken;
+  }
+  return {};
+}
+
+/// Takes what each bench has sent since the last call; waits for a while where nothing has come.
+Outcome take_samples(std::vector<client::Follower>& followers, WatchView& view) {
+  const auto patience = kPatienceOfWatch / followers.size();
+  for (client::Follower& follower : followers) {
+    auto sample = follower.next(patience);
+    // A bench whose time stands still must not hold up what the others send.
+    for (; sample; sample = follower.next(std::chrono::milliseconds(0))) {
+      view.take(std::move(*sample));
+    }
+    if (sample.outcome().kind() != OutcomeKind::timed_out) return sample.outcome();
+  }
+  return {};
+}
+
+/// @return whether no key ends the view.
+bool press_all(KeyInput& keys, WatchView& view) {
+  while (const auto key = keys.next()) {
+    if (!view.press(*key)) return false;
+  }
+  return true;
+}
+
+/// @return the command that axes get together, none of what goes to each by a request of its own.
+std::optional<client::EachCommand> each_command_of(AxisAction action) {
+  switch (action) {
+    case AxisAction::enable:
+      return client::EachCommand::enable;
+    case AxisAction::disable:
+      return client::EachCommand::disable;
+    case AxisAction::halt:
+      return client::EachCommand::halt;
+    case AxisAction::resume:
+      return client::EachCommand::resume;
+    case AxisAction::quick_stop:
+      return client::EachCommand::quick_stop;
+    case AxisAction::reset:
+      return client::EachCommand::reset_fault;
+    case AxisAction::power_cycle:
+      return client::EachCommand::power_cycle;
+    case AxisAction::store:
+    case AxisAction::restore:
+      break;
+  }
+  return std::nullopt;
+}
+
+AxisFace face_of(const client::Axis& axis) {
+  return {axis.name(), axis.unit()};
 }
 
 /// @return an outcome of the same kind in other words.
@@ -50,13 +110,6 @@ Outcome reworded(const Outcome& outcome, const std::function<std::string(std::st
   return Outcome::refused(outcome.code(), words(std::move(message)));
 }
 
-client::CallOptions call_options(client::Until until, std::optional<Duration> timeout) {
-  client::CallOptions call;
-  call.until = until;
-  if (timeout) call.timeout = *timeout;
-  return call;
-}
-
 }  // namespace
 
 Executor::Executor(client::Session& session, Terminal& terminal, bool is_json, bool is_quiet)
@@ -67,7 +120,7 @@ Outcome Executor::execute(const Command& command, std::optional<Duration> timeou
   found_.reset();
   return named(std::visit(
       [this](const auto& word) {
-        return run(word);
+        return this->run(word);
       },
       command));
 }
@@ -81,6 +134,13 @@ client::Result<client::Axis> Executor::axis(const std::string& name) {
   if (name != to_string(found->id())) typed_names_[found->id()] = name;
   benches_.insert(found->id().bench);
   return found;
+}
+
+client::CallOptions Executor::call_options(client::Until until) const {
+  client::CallOptions call;
+  call.until = until;
+  if (timeout_) call.timeout = *timeout_;
+  return call;
 }
 
 void Executor::on_aim(std::function<void(const client::AxisId&, std::int64_t)> handler) {
@@ -155,68 +215,88 @@ Outcome Executor::list_bench(const client::BenchInfo& bench) {
 }
 
 Outcome Executor::run(const StatusCommand& command) {
-  const auto axis = this->axis(command.axis);
-  if (!axis) return axis.outcome();
-  const auto status = axis->status();
+  const auto found = command.axes.empty() ? axes_of_all_benches() : axes(command.axes);
+  if (!found) return found.outcome();
+  for (const client::Axis& axis : *found) {
+    if (Outcome shown = show_status(axis, found->size() == 1); !shown) return shown;
+  }
+  return {};
+}
+
+/// @param is_only_one in full, else on one line
+Outcome Executor::show_status(const client::Axis& axis, bool is_only_one) {
+  const auto status = axis.status();
   if (!status) return status.outcome();
   if (is_json_) {
-    terminal_.print(to_line(status_json(*status, axis->name())));
-    return {};
+    terminal_.print(to_line(status_json(*status, face_of(axis))));
+  } else if (is_only_one) {
+    for (const std::string& line : status_text(*status, face_of(axis))) terminal_.print(line);
+  } else {
+    const std::string line = status_line(
+        *status, padded(to_string(axis.id()), 6) + " " + padded(escaped(axis.name()), 16),
+        axis.unit());
+    const auto color = color_of(*status);
+    terminal_.print(color ? colored(terminal_, *color, line) : line);
   }
-  for (const std::string& line : status_text(*status, axis->name())) terminal_.print(line);
   return {};
 }
 
 Outcome Executor::run(const WatchCommand& command) {
-  std::map<client::AxisId, std::string> names;
-  std::vector<client::AxisId> ids;
-  for (const std::string& name : command.axes) {
-    const auto axis = this->axis(name);
-    if (!axis) return axis.outcome();
-    if (names.emplace(axis->id(), axis->name()).second) ids.push_back(axis->id());
+  const auto found = command.axes.empty() ? axes_of_all_benches() : axes(command.axes);
+  if (!found) return found.outcome();
+  std::map<client::AxisId, AxisFace> faces;
+  std::map<std::uint32_t, std::vector<client::AxisId>> benches;
+  for (const client::Axis& axis : *found) {
+    const auto bench = bench_of(axis.id());
+    if (!bench) return bench.outcome();
+    faces.emplace(axis.id(), AxisFace{axis.name(), axis.unit(), bench->name});
+    benches[axis.id().bench].push_back(axis.id());
   }
   using Form = WatchView::Form;
   const bool is_table = terminal_.is_interactive() && command.count == 0;
   const Form form = is_table ? Form::table : Form::lines;
-  WatchView view(terminal_, std::move(names), is_json_ ? Form::json : form);
-  return watch(ids, view, command.count);
+  WatchView view(terminal_, std::move(faces), is_json_ ? Form::json : form);
+  return watch(benches, view, command.count);
 }
 
-Outcome Executor::watch(const std::vector<client::AxisId>& ids, WatchView& view,
-                        std::uint64_t count) {
-  auto follower = session_.follow(ids, client::Pace::observe);
-  if (!follower) return follower.outcome();
-  std::uint64_t shown = 0;
-  // The first sample is a request: the stream of a bench in lock-step may stand still.
-  auto sample = session_.observe(ids);
-  for (; terminal_.is_open(); sample = follower->next(kPatience)) {
-    if (sample) {
-      view.take(std::move(*sample));
-    } else if (sample.outcome().kind() != OutcomeKind::timed_out) {
-      return sample.outcome();
+Outcome Executor::follow(const std::map<std::uint32_t, std::vector<client::AxisId>>& benches,
+                         WatchView& view, std::vector<client::Follower>& followers) {
+  followers.reserve(benches.size());
+  for (const auto& [bench, ids] : benches) {
+    auto follower = session_.follow(ids, client::Pace::observe);
+    if (!follower) return follower.outcome();
+    followers.push_back(std::move(*follower));
+    // The first sample is a request: the stream of a bench in lock-step may stand still.
+    auto first = session_.observe(ids);
+    if (first) {
+      view.take(std::move(*first));
+    } else if (first.outcome().kind() != OutcomeKind::timed_out) {
+      return first.outcome();
     }
+  }
+  return {};
+}
+
+Outcome Executor::watch(const std::map<std::uint32_t, std::vector<client::AxisId>>& benches,
+                        WatchView& view, std::uint64_t count) {
+  std::vector<client::Follower> followers;
+  if (Outcome outcome = follow(benches, view, followers); !outcome) return outcome;
+  std::uint64_t shown = 0;
+  std::optional<KeyInput> keys;
+  if (terminal_.is_interactive() && count == 0) keys.emplace();
+  while (terminal_.is_open()) {
+    if (keys && !press_all(*keys, view)) return {};
     if (view.refresh() && ++shown == count) return {};
+    if (Outcome seen = take_samples(followers, view); !seen) return seen;
   }
   return {};
 }
 
 client::Result<std::vector<client::Axis>> Executor::axes_to_record(const RecordCommand& command) {
-  std::vector<std::string> names = command.axes;
-  if (names.empty()) {
-    const auto only = find_bench(std::nullopt, "write for example: record out.csv 2.1 2.2");
-    if (!only) return only.outcome();
-    for (const client::AxisInfo& axis : only->axes) names.push_back(to_string(axis.id));
-  }
-  std::vector<client::Axis> axes;
-  for (const std::string& name : names) {
-    const auto axis = this->axis(name);
-    if (!axis) return axis.outcome();
-    const bool twice = std::ranges::any_of(axes, [&](const client::Axis& other) {
-      return other.id() == axis->id();
-    });
-    if (!twice) axes.push_back(*axis);
-  }
-  return axes;
+  if (!command.axes.empty()) return axes(command.axes);
+  const auto only = find_bench(std::nullopt, "write for example: record out.csv 2.1 2.2");
+  if (!only) return only.outcome();
+  return axes_of_bench(only->number);
 }
 
 Outcome Executor::run(const RecordCommand& command) {
@@ -273,10 +353,66 @@ Outcome Executor::run(const DictionaryCommand& command) {
 
 // ---- motion ----------------------------------------------------------------------------------
 
+/// Several axes get the command together, and one that fails does not keep it from the others.
+/// @return the first failure.
 Outcome Executor::run(const ActionCommand& command) {
-  auto axis = axis_to_command(command.axis, command.take_over);
-  if (!axis) return axis.outcome();
-  return report_motion(*axis, to_string(command.action), command_axis(*axis, command), false);
+  auto found = axes(command.axes);
+  if (!found) return found.outcome();
+  if (command.take_over) {
+    if (Outcome taken = take_over_all(*found); !taken) return taken;
+  }
+  const std::vector<Outcome> outcomes = carry_out(*found, command);
+  const auto shown = is_quiet_ ? Statuses() : statuses_of(*found);
+  Outcome first_failure;
+  std::set<std::string> told;  // the loss of a bench is the same failure for all its axes
+  for (std::size_t i = 0; i < found->size(); ++i) {
+    const client::Axis& axis = (*found)[i];
+    const auto status = shown.find(axis.id());
+    Outcome reported = report(axis, to_string(command.action), outcomes[i],
+                              status == shown.end() ? nullptr : &status->second, false);
+    if (reported && command.action == AxisAction::enable) held_.insert(axis.id());
+    if (reported || told.insert(reported.message()).second) {
+      keep_first_failure(std::move(reported), first_failure);
+    }
+  }
+  return first_failure;
+}
+
+void Executor::keep_first_failure(Outcome reported, Outcome& first_failure) {
+  if (reported) return;
+  if (first_failure) {
+    first_failure = std::move(reported);
+  } else {
+    terminal_.complain("vdrive: " + named(reported).message());
+  }
+}
+
+std::vector<Outcome> Executor::carry_out(std::vector<client::Axis>& axes,
+                                         const ActionCommand& command) {
+  if (const auto each = each_command_of(command.action)) {
+    return session_.command_each(axes, *each, call_options(command.until));
+  }
+  // What a disk keeps waits for no drive time.
+  std::vector<Outcome> outcomes;
+  outcomes.reserve(axes.size());
+  for (client::Axis& axis : axes) {
+    outcomes.push_back(command.action == AxisAction::store ? axis.store()
+                                                           : axis.restore_defaults());
+  }
+  return outcomes;
+}
+
+/// @return what the axes show, without those of a bench that does not answer.
+Executor::Statuses Executor::statuses_of(const std::vector<client::Axis>& axes) {
+  std::map<std::uint32_t, std::vector<client::AxisId>> benches;
+  for (const client::Axis& axis : axes) benches[axis.id().bench].push_back(axis.id());
+  Statuses shown;
+  for (const auto& [bench, ids] : benches) {
+    const auto seen = session_.observe(ids);
+    if (!seen) continue;
+    for (const client::AxisSnapshot& axis : seen->axes) shown.emplace(axis.id, axis);
+  }
+  return shown;
 }
 
 client::Result<client::Axis> Executor::axis_to_command(const std::string& name, bool take_over) {
@@ -290,52 +426,31 @@ Outcome Executor::run(const StopCommand& command) {
   const auto bench = session_.find_bench(command.bench);
   if (!bench) return bench.outcome();
   const std::string name = "bench " + std::to_string(bench->number);
-  Outcome outcome = session_.quick_stop(bench->number, call_options(command.until, timeout_));
+  Outcome outcome = session_.quick_stop(bench->number, call_options(command.until));
   if (is_quiet_) return outcome;
   if (is_json_) {
     Json json{{"bench", bench->number}, {"command", "stop"}, {"axes", bench->axes.size()}};
     add_outcome(json, outcome);
     terminal_.print(to_line(json));
   } else if (outcome) {
-    terminal_.print(name + ": quick stop of " + std::to_string(bench->axes.size()) +
-                    (bench->axes.size() == 1 ? " axis" : " axes"));
+    terminal_.print(name + ": quick stop of " + counted(bench->axes.size(), "axis", "axes"));
   }
   return outcome;
-}
-
-Outcome Executor::command_axis(client::Axis& axis, const ActionCommand& command) {
-  const client::CallOptions call = call_options(command.until, timeout_);
-  switch (command.action) {
-    case AxisAction::enable:
-      return axis.enable(call);
-    case AxisAction::disable:
-      return axis.disable(call);
-    case AxisAction::halt:
-      return axis.halt(call);
-    case AxisAction::resume:
-      return axis.resume(call);
-    case AxisAction::quick_stop:
-      return axis.quick_stop(call);
-    case AxisAction::reset:
-      return axis.reset_fault(call);
-    case AxisAction::power_cycle:
-      return axis.power_cycle(call);
-    case AxisAction::store:
-      return axis.store();
-    case AxisAction::restore:
-      return axis.restore_defaults();
-  }
-  return Outcome::failed("unknown command");
 }
 
 Outcome Executor::run(const MoveCommand& command) {
   auto axis = axis_to_command(command.axis, command.take_over);
   if (!axis) return axis.outcome();
-  client::MoveOptions options = command.options;
-  options.call = call_options(options.call.until, timeout_);
-  if (on_aim_ && !command.relative) on_aim_(axis->id(), command.position);
-  const Outcome moved = command.relative ? axis->move_by(command.position, options)
-                                         : axis->move_to(command.position, options);
+  const auto position = static_cast<std::int32_t>(user_units(*axis, command.position));
+  const client::MoveOptions options{.velocity = limit(*axis, command.velocity),
+                                    .acceleration = limit(*axis, command.acceleration),
+                                    .deceleration = limit(*axis, command.deceleration),
+                                    .queue = command.queue,
+                                    .call = call_options(command.until)};
+  if (on_aim_ && !command.relative) on_aim_(axis->id(), position);
+  const Outcome moved =
+      command.relative ? axis->move_by(position, options) : axis->move_to(position, options);
+  if (moved) held_.insert(axis->id());
   const bool leaves_ramps = options.call.until == client::Until::in_force &&
                             (options.acceleration || options.deceleration);
   if (moved && leaves_ramps && !is_quiet_) {
@@ -366,11 +481,18 @@ std::string Executor::next_step(const client::AxisId& axis, PowerState state) co
   return "; enable it first: vdrive enable " + label_of(axis);
 }
 
-/// @param has_arrived what is left of the speed is the end of a motion
 Outcome Executor::report_motion(const client::Axis& axis, std::string_view word, Outcome outcome,
                                 bool has_arrived) {
   if (is_quiet_) return outcome;
   const auto status = axis.status();
+  return report(axis, word, std::move(outcome), status ? &*status : nullptr, has_arrived);
+}
+
+/// @param status what the axis shows now, none where it is not known
+/// @param has_arrived what is left of the speed is the end of a motion
+Outcome Executor::report(const client::Axis& axis, std::string_view word, Outcome outcome,
+                         const client::AxisSnapshot* status, bool has_arrived) {
+  if (is_quiet_) return outcome;
   const bool is_refused_by_state =
       outcome.code() == wire_code(AbortCode::refused_in_present_device_state) &&
       word != to_string(AxisAction::reset);
@@ -391,7 +513,8 @@ Outcome Executor::report_motion(const client::Axis& axis, std::string_view word,
     terminal_.print(to_line(json));
   } else if (outcome && status) {
     const std::string label = label_of(axis.id());
-    terminal_.print(has_arrived ? arrival_line(*status, label) : status_line(*status, label));
+    terminal_.print(has_arrived ? arrival_line(*status, label, axis.unit())
+                                : status_line(*status, label, axis.unit()));
   }
   return outcome;
 }
@@ -447,7 +570,8 @@ Outcome Executor::print_reading(const client::AxisId& axis, const ObjectName& ob
 Outcome Executor::run(const WriteCommand& command) {
   auto axis = axis_to_command(command.axis, command.take_over);
   if (!axis) return axis.outcome();
-  return write(*axis, command.object, command.value);
+  return write(*axis, command.object,
+               command.quantity ? user_units(*axis, *command.quantity) : command.value);
 }
 
 Outcome Executor::write(client::Axis& axis, const ObjectName& object, std::int64_t value) {
@@ -480,14 +604,19 @@ void Executor::note_disturbance(const client::Axis& axis, ObjectAddress object,
   if (value != 0) disturbed_.emplace(std::pair(axis.id(), object), axis);
 }
 
-std::vector<std::string> Executor::clear_disturbances() {
-  std::vector<std::string> cleared;
+std::vector<std::string> Executor::put_back() {
+  std::vector<std::string> done;
+  for (const auto& [bench, rate] : std::exchange(rates_before_, {})) {
+    if (!session_.set_rate(bench, rate)) continue;
+    done.push_back("rate of bench " + std::to_string(bench) + " is " + to_text(rate));
+  }
   for (auto& [input, axis] : std::exchange(disturbed_, {})) {
     const auto row = find_object(input.second);
     if (!row || !axis.write(input.second, 0)) continue;
-    cleared.push_back(std::string(describe(*row).variable_name) + " of " + label_of(input.first));
+    done.push_back(std::string(describe(*row).variable_name) + " of " + label_of(input.first) +
+                   " is 0");
   }
-  return cleared;
+  return done;
 }
 
 /// The drive takes every value of 607Dh, and uses them with 3535h and in the right order only.
@@ -544,9 +673,10 @@ Outcome Executor::run(const RateCommand& command) {
   const auto bench = find_bench(command.bench, "write for example: rate 2 0.5");
   if (!bench) return bench.outcome();
   const Json json{{"bench", bench->number}, {"rate", *command.rate}};
-  return report_clock(json,
-                      "bench " + std::to_string(bench->number) + " rate " + json["rate"].dump(),
-                      session_.set_rate(bench->number, *command.rate));
+  const auto set = session_.set_rate(bench->number, *command.rate);
+  if (set) rates_before_.emplace(bench->number, bench->rate);
+  return report_clock(
+      json, "bench " + std::to_string(bench->number) + " rate " + json["rate"].dump(), set);
 }
 
 Outcome Executor::show_rates() {
@@ -583,6 +713,7 @@ Outcome Executor::report_clock(Json json, const std::string& text,
 
 Outcome Executor::run(const SnapshotCommand& command) {
   using Action = SnapshotCommand::Action;
+  if (command.action == Action::list) return list_snapshots(command);
   const auto bench = find_bench(command.bench, "write for example: snapshot take --bench 2");
   if (!bench) return bench.outcome();
   std::uint64_t number = command.snapshot;
@@ -607,6 +738,35 @@ Outcome Executor::run(const SnapshotCommand& command) {
   return {};
 }
 
+/// Of one bench, or of all where none is named.
+Outcome Executor::list_snapshots(const SnapshotCommand& command) {
+  std::vector<client::BenchInfo> benches;
+  if (command.bench) {
+    auto bench = session_.find_bench(command.bench);
+    if (!bench) return bench.outcome();
+    benches.push_back(std::move(*bench));
+  } else {
+    benches = session_.find_benches();
+    if (benches.empty()) return Outcome::not_found("no bench was found on this domain");
+  }
+  for (const client::BenchInfo& bench : benches) {
+    const auto kept = session_.snapshots(bench.number);
+    if (!kept) return kept.outcome();
+    const std::string name = "bench " + std::to_string(bench.number);
+    if (kept->empty() && !is_json_) terminal_.print(name + " keeps no snapshot");
+    for (const client::KeptSnapshot& snapshot : *kept) {
+      terminal_.print(is_json_ ? to_line({{"bench", bench.number},
+                                          {"action", "list"},
+                                          {"snapshot", snapshot.number},
+                                          {"tick", snapshot.tick}})
+                               : name + " snapshot " + std::to_string(snapshot.number) +
+                                     ", taken at tick " + std::to_string(snapshot.tick) + ", " +
+                                     counted(bench.axes.size(), "axis", "axes"));
+    }
+  }
+  return {};
+}
+
 Outcome Executor::run(const WaitCommand& command) {
   if (benches_.empty()) {
     const auto only =
@@ -616,20 +776,35 @@ Outcome Executor::run(const WaitCommand& command) {
   }
   for (const std::uint32_t bench : benches_) {
     const auto reached = session_.wait(bench, command.duration);
-    if (!reached) return reached.outcome();
+    if (Outcome told = report_clock({{"bench", bench}, {"command", "wait"}},
+                                    "bench " + std::to_string(bench), reached);
+        !told) {
+      return told;
+    }
   }
   return {};
 }
 
-// One overload of many, called like the others.
-Outcome Executor::run(  // NOLINT(readability-convert-member-functions-to-static)
-    const DoctorCommand& /*command*/) {
-  return Outcome::failed("doctor cannot be used in a scenario");
-}
-
-Outcome Executor::run(  // NOLINT(readability-convert-member-functions-to-static)
-    const RunCommand& /*command*/) {
-  return Outcome::failed("a scenario cannot run another one");
+Outcome Executor::run(const EventsCommand& command) {
+  EventChoice choice{.bench = {}, .axis = {}, .follow = command.follow, .is_json = is_json_};
+  const bool is_number = std::ranges::all_of(command.of, [](char c) {
+    return c >= '0' && c <= '9';
+  });
+  if (command.of.empty()) {
+    if (session_.find_benches().empty()) {
+      return Outcome::not_found("no bench was found on this domain");
+    }
+  } else if (is_number) {
+    choice.bench = static_cast<std::uint32_t>(
+        parse_number(command.of, "bench number", std::numeric_limits<std::uint32_t>::max()));
+    const auto bench = session_.find_bench(choice.bench);
+    if (!bench) return bench.outcome();
+  } else {
+    const auto axis = this->axis(command.of);
+    if (!axis) return axis.outcome();
+    choice.axis = axis->id();
+  }
+  return show_events(session_, choice, terminal_);
 }
 
 Outcome Executor::run(const std::shared_ptr<const RefusedCommand>& command) {

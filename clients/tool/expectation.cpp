@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The command `expect`: now, within a time, throughout a time.
+// The commands `expect` and `wait`: now, within a time, throughout a time.
+#include "condition.hpp"
 #include "executor.hpp"
 #include "vdrive/number_text.hpp"
 
@@ -12,7 +13,7 @@ namespace {
 using client::Outcome;
 using client::OutcomeKind;
 
-constexpr std::chrono::milliseconds kPatience{500};
+constexpr std::chrono::milliseconds kPatienceOfExpectation{500};
 
 std::string expected_text(const ExpectCommand& command) {
   std::string text = value_text(command.object, command.value);
@@ -21,7 +22,8 @@ std::string expected_text(const ExpectCommand& command) {
            " under mask " + hex(static_cast<std::uint32_t>(*command.mask), 8);
   }
   if (command.tolerance) text += " +- " + std::to_string(*command.tolerance);
-  return text;
+  if (command.comparison == Comparison::equal) return text;
+  return std::string(to_string(command.comparison)) + " " + text;
 }
 
 }  // namespace
@@ -51,7 +53,7 @@ class Executor::ValueObserver {
   /// Observes the next tick.
   Outcome next() {
     while (true) {
-      auto sample = follower_->next(kPatience);
+      auto sample = follower_->next(kPatienceOfExpectation);
       if (sample.outcome().kind() == OutcomeKind::timed_out) continue;  // a busy machine
       return see(std::move(sample));
     }
@@ -61,6 +63,9 @@ class Executor::ValueObserver {
   [[nodiscard]] bool sees_every_tick() const { return is_lockstep_ || is_streamed_; }
 
   [[nodiscard]] std::uint64_t tick() const { return tick_; }
+
+  /// The axis as it was last observed.
+  [[nodiscard]] const client::AxisSnapshot& shown() const { return shown_; }
 
   [[nodiscard]] std::int64_t value() const { return value_; }
 
@@ -72,7 +77,8 @@ class Executor::ValueObserver {
     if (!sample) return sample.outcome();
     tick_ = sample->tick;
     missed_ += sample->missed;
-    const auto streamed = client::value_of(sample->axes.front(), object_);
+    shown_ = sample->axes.front();
+    const auto streamed = client::value_of(shown_, object_);
     is_streamed_ = streamed.has_value();
     if (streamed) {
       value_ = *streamed;
@@ -93,18 +99,70 @@ class Executor::ValueObserver {
   std::uint64_t tick_ = 0;
   std::uint64_t missed_ = 0;
   std::int64_t value_ = 0;
+  client::AxisSnapshot shown_;
 };
 
-Outcome Executor::run(const ExpectCommand& command) {
+Outcome Executor::run(const ExpectCommand& typed) {
+  auto axis = this->axis(typed.axis);
+  if (!axis) return axis.outcome();
+  const ExpectCommand command = in_user_units(*axis, typed);
+  Outcome outcome = judge(*axis, command);
+  if (is_quiet_) return outcome;
+  if (is_json_) {
+    Json json = object_json(axis->id(), command.object);
+    add_outcome(json, named(outcome));
+    json["comparison"] = to_string(command.comparison);
+    json["expected"] = command.value;
+    if (found_) json.update(*found_);
+    terminal_.print(to_line(json));
+  } else if (outcome) {
+    terminal_.print(label_of(axis->id()) + " " + command.object.text + ": " +
+                    expected_text(command) + ", as expected");
+  }
+  return outcome;
+}
+
+Outcome Executor::judge(client::Axis& axis, const ExpectCommand& command) {
+  if (!command.object.address) return unknown_object(axis.id(), command.object);
+  if (!command.within && !command.throughout) return compare(axis, command);
+  const auto bench = bench_of(axis.id());
+  if (!bench) return bench.outcome();
+  ValueObserver observer(session_, axis, *command.object.address);
+  if (Outcome seen = observer.start(*bench, in_force_[axis.id()]); !seen) return seen;
+  return command.within ? expect_within(observer, command) : expect_throughout(observer, command);
+}
+
+Outcome Executor::run(const AwaitCommand& command) {
+  constexpr std::chrono::seconds kLimit{60};  // of drive time, as for a motion
   auto axis = this->axis(command.axis);
   if (!axis) return axis.outcome();
-  if (!command.object.address) return unknown_object(axis->id(), command.object);
-  if (!command.within && !command.throughout) return compare(*axis, command);
-  const auto bench = bench_of(axis->id());
-  if (!bench) return bench.outcome();
-  ValueObserver observer(session_, *axis, *command.object.address);
-  if (Outcome seen = observer.start(*bench, in_force_[axis->id()]); !seen) return seen;
-  return command.within ? expect_within(observer, command) : expect_throughout(observer, command);
+  const Duration limit = timeout_.value_or(kLimit);
+  Outcome outcome;
+  if (command.expectation) {
+    ExpectCommand expectation = in_user_units(*axis, *command.expectation);
+    expectation.within = limit;
+    outcome = judge(*axis, expectation);
+    if (found_) outcome = Outcome::timed_out(outcome.message());
+  } else {
+    outcome = await(*axis, command.condition, limit);
+  }
+  return report_motion(*axis, "wait", std::move(outcome), false);
+}
+
+Outcome Executor::await(const client::Axis& axis, const std::string& condition, Duration limit) {
+  Outcome held;
+  const auto shown = axis.wait_until(
+      [&](const client::AxisSnapshot& now) {
+        if (tool::shows(now, condition)) return true;
+        held = check_control(now);
+        return !held;
+      },
+      limit);
+  if (!held || shown) return held;
+  if (shown.outcome().kind() != OutcomeKind::timed_out) return shown.outcome();
+  const auto now = axis.status();
+  return Outcome::timed_out("axis " + to_string(axis.id()) + ": timed out while waiting for " +
+                            condition + (now ? ", " + client::what_it_shows(*now) : ""));
 }
 
 Outcome Executor::compare(client::Axis& axis, const ExpectCommand& command) {
@@ -130,10 +188,25 @@ Outcome Executor::expect_within(ValueObserver& observer, const ExpectCommand& co
   if (!bench) return bench.outcome();
   const std::uint64_t last = observer.tick() + client::ticks_of(*command.within, bench->period);
   while (!command.accepts(observer.value())) {
+    if (Outcome held = check_control(observer.shown()); !held) return held;
     if (observer.tick() >= last) return differs(command, observer.value(), observer.tick());
     if (Outcome seen = observer.next(); !seen) return seen;
   }
   return {};
+}
+
+/// An axis that this session has lost does not do what the scenario commanded any more.
+Outcome Executor::check_control(const client::AxisSnapshot& axis) {
+  if (axis.owner_session == session_.id()) {
+    held_.insert(axis.id);
+    return {};
+  }
+  if (!held_.contains(axis.id)) return {};
+  const std::string owner = axis.owner_session == 0
+                                ? "nobody controls it"
+                                : "session " + hex(axis.owner_session, 16) + " controls it";
+  return Outcome::lost("axis " + to_string(axis.id) + " was lost: " + owner + " at tick " +
+                       std::to_string(axis.tick) + ", it " + client::what_it_shows(axis));
 }
 
 Outcome Executor::expect_throughout(ValueObserver& observer, const ExpectCommand& command) {
@@ -146,6 +219,7 @@ Outcome Executor::expect_throughout(ValueObserver& observer, const ExpectCommand
   if (!bench) return bench.outcome();
   const std::uint64_t last = observer.tick() + client::ticks_of(*command.throughout, bench->period);
   while (true) {
+    if (Outcome held = check_control(observer.shown()); !held) return held;
     if (!command.accepts(observer.value()))
       return differs(command, observer.value(), observer.tick());
     if (observer.missed() != 0) {

@@ -2,6 +2,7 @@
 #include "grammar.hpp"
 
 #include "completion.hpp"
+#include "condition.hpp"
 #include "help.hpp"
 #include "usage_error.hpp"
 #include "vdrive/client/session.hpp"
@@ -17,7 +18,10 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <span>
+#include <sstream>
 #include <stdexcept>
+#include <thread>
 #include <utility>
 
 namespace vdrive::tool {
@@ -70,15 +74,16 @@ std::vector<Disturbance> inputs_of(const std::string& kind, const std::string& v
 SnapshotCommand snapshot_of(const std::string& action, const std::string& number,
                             std::optional<std::uint32_t> bench) {
   using Action = SnapshotCommand::Action;
-  for (const Action known : {Action::take, Action::restore, Action::drop}) {
+  for (const Action known : {Action::take, Action::list, Action::restore, Action::drop}) {
     if (action != to_string(known)) continue;
-    if (number.empty() != (known == Action::take)) {
+    const bool takes_number = known == Action::restore || known == Action::drop;
+    if (number.empty() == takes_number) {
       throw UsageError("'snapshot " + action + "' takes " +
                        (number.empty() ? "the number of a snapshot" : "no number"));
     }
     return {known, number.empty() ? 0 : parse_number(number, "snapshot number", kHighest64), bench};
   }
-  throw UsageError(in_quotes(action) + " is not an action: write take, restore or drop");
+  throw UsageError(in_quotes(action) + " is not an action: write take, list, restore or drop");
 }
 
 /// @return what is wrong with ADDRESS:PORT, or nothing; part of one of CLI11's texts.
@@ -88,9 +93,21 @@ std::string check_server(const std::string& text) {
              : "'" + text + "' is not ADDRESS:PORT, such as 10.0.0.9:11811";
 }
 
-std::optional<std::uint32_t> parse_unsigned32(const std::string& text) {
+/// @return a speed or a ramp of a move, if it was given.
+std::optional<Quantity> limit(const std::string& text, Dimension dimension) {
   if (text.empty()) return std::nullopt;
-  return static_cast<std::uint32_t>(parse_value(text, DataType::unsigned32));
+  return parse_quantity(text, dimension, DataType::unsigned32);
+}
+
+/// @return the value of an object where it was typed with a unit, or with an exponent.
+std::optional<Quantity> quantity_of(const std::string& text, const ObjectName& object) {
+  const auto row = object.row();
+  const auto dimension = row ? dimension_of(*row) : std::nullopt;
+  const bool is_plain = text.find_first_not_of("-0123456789") == std::string::npos;
+  if (!dimension || is_plain || text.starts_with("0x") || text.starts_with("0X")) {
+    return std::nullopt;
+  }
+  return parse_quantity(text, *dimension, describe(*row).data_type);
 }
 
 /// CLI11 takes an empty value for one that was not given, and an empty variable for none.
@@ -116,11 +133,6 @@ std::vector<std::string> names_of_options(const CLI::App& app) {
     for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
   }
   return names;
-}
-
-/// @return whether an argument is meant as an option: no negative number.
-bool is_option(const std::string& argument) {
-  return argument.size() > 1 && argument[0] == '-' && (argument[1] < '0' || argument[1] > '9');
 }
 
 /// @return what is wrong with arguments that no option and no place of a command takes, the first
@@ -151,12 +163,16 @@ class Grammar {
     app_.require_subcommand(1);
     app_.fallthrough();
     app_.get_formatter()->column_width(28);
+    app_.get_formatter()->label("SUBCOMMAND", "COMMAND");
     add_global_timeout();
     add_list();
     add_axis_words();
     add_stop();
     add_status();
     add_move();
+    add_home();
+    add_velocity();
+    add_torque();
     add_read();
     add_write();
     add_disturb();
@@ -164,6 +180,8 @@ class Grammar {
     add_step();
     add_snapshot();
     add_rate();
+    add_expect();
+    add_wait();
   }
 
   /// Words and options of the command line only.
@@ -185,15 +203,31 @@ class Grammar {
                     "Closed mode: directory with certificate, key and permissions")
         ->envname("VDRIVE_SECURITY")
         ->type_name("DIR");
-    app_.add_flag("--json", options_.json, "One JSON object a line on standard output");
     app_.set_version_flag("--version", "vdrive " VDRIVE_VERSION);
-    add_watch(false);
-    add_record();
-    add_run();
+    add_shell_words();
+    add_jog(false);
+    add_test();
+    add_shell();
     add_doctor();
+    add_bench();
     add_completion();
     // After the words: those that follow would take it over.
     app_.set_help_all_flag("--help-all", "Print the help of every command and exit");
+  }
+
+  /// What a shell has beside what a scenario has, too.
+  void add_shell_words() {
+    app_.add_flag("--json", options_.json, "One JSON object a line on standard output");
+    add_watch(false);
+    add_events();
+    add_record();
+    add_run();
+  }
+
+  /// What a line of a shell may be.
+  void add_shell_line() {
+    add_shell_words();
+    add_jog(true);
   }
 
   /// Words of scenarios only.
@@ -201,8 +235,7 @@ class Grammar {
     app_.set_help_flag();
     for (CLI::App* word : app_.get_subcommands({})) word->set_help_flag();
     add_watch(true);
-    add_expect();
-    add_wait();
+    add_jog(true);
   }
 
   /// @throws CLI::ParseError, UsageError
@@ -241,12 +274,12 @@ class Grammar {
   /// The arguments of all commands, as text; a command line uses one command.
   struct Words {
     std::string axis, object, value, kind, duration, mask, tolerance, within, throughout;
-    std::string velocity, acceleration, deceleration, count, bench, format = "table",
-                                                                    language = "en";
-    std::string file, junit;
-    std::vector<std::string> axes, objects, rate;
+    std::string velocity, acceleration, deceleration, method, offset, search, creep, slope, count,
+        bench, format = "table", language = "en";
+    std::string file, junit, configuration, service, jobs;
+    std::vector<std::string> axes, objects, rate, values, files, settings;
     bool relative = false, queue = false, wait = false, no_wait = false, live = false;
-    bool take_over = false, stop_on_interrupt = false;
+    bool take_over = false, stop_on_interrupt = false, follow = false, all = false, quick = false;
   };
 
   /// CLI11 reports an unknown command as a missing one, and takes the value of an unknown option
@@ -309,6 +342,22 @@ class Grammar {
         ->type_name("");
   }
 
+  /// @param without what happens when none is named
+  void add_axes(CLI::App* word, const std::string& without) {
+    word->add_option("AXIS", words_.axes,
+                     "Axes: 7.1, 7.lift or a name; '7.*' is every axis of bench 7; " + without)
+        ->type_name("");
+  }
+
+  /// The axes of a command that takes --all.
+  [[nodiscard]] std::vector<std::string> axes_or_all() const {
+    if (words_.all && !words_.axes.empty()) throw UsageError("--all takes no AXIS beside it");
+    if (!words_.all && words_.axes.empty()) {
+      throw UsageError("AXIS is required, or --all for every axis of every bench");
+    }
+    return words_.all ? std::vector<std::string>{"*"} : words_.axes;
+  }
+
   void add_take_over(CLI::App* word) {
     word->add_flag("--take-over", words_.take_over,
                    "Take control of the axis first, also from another session");
@@ -334,19 +383,19 @@ class Grammar {
   }
 
   void add_status() {
-    CLI::App* word = add_word("status", "Show an axis once, its statusword decoded", "status 1.1");
-    add_axis(word);
+    CLI::App* word =
+        add_word("status", "Show one axis with its statusword decoded, or several axes, one a line",
+                 "status 1.1\n  vdrive status         # every axis");
+    add_axes(word, "default: every axis of every bench");
     word->callback([this] {
-      command_ = StatusCommand{words_.axis};
+      command_ = StatusCommand{words_.axes};
     });
   }
 
   void add_watch(bool needs_count) {
-    CLI::App* word =
-        add_word("watch", "Show axes live until interrupted", "watch 1.1 1.2 --count 20");
-    word->add_option("AXIS", words_.axes, "bench.axis such as 1.1, or a name")
-        ->required()
-        ->type_name("");
+    CLI::App* word = add_word("watch", "Show axes live until interrupted",
+                              "watch 1.1 1.2 --count 20\n  vdrive watch          # every axis");
+    add_axes(word, "default: every axis of every bench");
     CLI::Option* count =
         word->add_option("--count", words_.count, "Stop after N samples of each axis");
     count->type_name("N");
@@ -363,7 +412,7 @@ class Grammar {
                               "record move.csv 1.1 1.2 --for 5s");
     add_positional(word, "FILE", words_.file,
                    "CSV or JSON lines by its ending: .csv, .jsonl; - is standard output");
-    word->add_option("AXIS", words_.axes, "Default: all axes of the only bench")->type_name("");
+    add_axes(word, "default: every axis of the only bench");
     word->add_option("--for", words_.duration, "Stop after this drive time")->type_name("T");
     word->add_option("--count", words_.count, "Stop after N samples")->type_name("N");
     word->callback([this] {
@@ -389,7 +438,8 @@ class Grammar {
     for (const ActionRow& row : kActions) {
       const std::string name(to_string(row.action));
       CLI::App* word = add_word(name, row.summary, name + " 1.1");
-      add_axis(word);
+      add_axes(word, "required unless --all is given");
+      word->add_flag("--all", words_.all, "Every axis of every bench");
       if (row.may_wait) word->add_flag("--wait", words_.wait, "Wait for standstill or target");
       if (row.may_return_early) {
         word->add_flag("--no-wait", words_.no_wait, "Return when the command is in force");
@@ -398,7 +448,7 @@ class Grammar {
       word->callback([this, row] {
         const bool early = row.may_wait ? !words_.wait : words_.no_wait;
         command_ =
-            ActionCommand{row.action, words_.axis,
+            ActionCommand{row.action, axes_or_all(),
                           early ? client::Until::in_force : client::Until::done, words_.take_over};
       });
     }
@@ -419,12 +469,16 @@ class Grammar {
     CLI::App* word = add_word("move", "Move to a position and wait until it is reached",
                               "move 1.1 10000 --velocity 1000 --acceleration 6000");
     add_axis(word);
-    add_positional(word, "POSITION", words_.value, "Target, or distance with --relative [UU]");
+    add_positional(word, "POSITION", words_.value,
+                   "Target, or distance with --relative [UU, or with a unit: 90deg, 12.5mm]");
     word->add_flag("--relative", words_.relative, "POSITION is a distance (bit 6)");
-    word->add_option("--velocity", words_.velocity, "6081h [UU/s] for this move")->type_name("V");
-    word->add_option("--acceleration", words_.acceleration, "6083h [UU/s2] for this move")
+    word->add_option("--velocity", words_.velocity, "6081h [UU/s, or 180deg/s] for this move")
+        ->type_name("V");
+    word->add_option("--acceleration", words_.acceleration,
+                     "6083h [UU/s2, or 900deg/s2] for this move")
         ->type_name("A");
-    word->add_option("--deceleration", words_.deceleration, "6084h [UU/s2] for this move")
+    word->add_option("--deceleration", words_.deceleration,
+                     "6084h [UU/s2, or 900deg/s2] for this move")
         ->type_name("D");
     word->add_flag("--queue", words_.queue,
                    "Start after the present move, not at once (bit 5 = 0)");
@@ -435,17 +489,137 @@ class Grammar {
     word->callback([this] {
       MoveCommand move{
           .axis = words_.axis,
-          .position = static_cast<std::int32_t>(parse_value(words_.value, DataType::integer32)),
+          .position = parse_quantity(words_.value, Dimension::position, DataType::integer32),
           .relative = words_.relative,
-          .options = {},
+          .velocity = limit(words_.velocity, Dimension::velocity),
+          .acceleration = limit(words_.acceleration, Dimension::acceleration),
+          .deceleration = limit(words_.deceleration, Dimension::acceleration),
+          .queue = words_.queue,
+          .until = words_.no_wait ? client::Until::in_force : client::Until::done,
           .take_over = words_.take_over,
           .stop_on_interrupt = words_.stop_on_interrupt};
-      move.options.velocity = parse_unsigned32(words_.velocity);
-      move.options.acceleration = parse_unsigned32(words_.acceleration);
-      move.options.deceleration = parse_unsigned32(words_.deceleration);
-      move.options.queue = words_.queue;
-      move.options.call.until = words_.no_wait ? client::Until::in_force : client::Until::done;
       command_ = std::move(move);
+    });
+  }
+
+  static client::Until until_of(bool no_wait) {
+    return no_wait ? client::Until::in_force : client::Until::done;
+  }
+
+  void add_no_wait(CLI::App* word) {
+    word->add_flag("--no-wait", words_.no_wait, "Return when the command is in force");
+  }
+
+  void add_home() {
+    CLI::App* word = add_word("home", "Home the axis (mode 6) and wait until home is attained",
+                              "home 1.1 --method 37 --offset 0deg");
+    add_axis(word);
+    word->add_option(
+            "--method", words_.method,
+            "6098h: 17, 18 to a limit switch; 1, 2 to a limit switch, then to the index pulse; "
+            "33, 34 to the index pulse; 35, 37 where the axis is")
+        ->type_name("M");
+    word->add_option("--offset", words_.offset, "607Ch: the position of home [UU, or 90deg]")
+        ->type_name("P");
+    word->add_option("--speed", words_.search, "6099h:1 towards the switch [UU/s, or 90deg/s]")
+        ->type_name("V");
+    word->add_option("--creep", words_.creep, "6099h:2 towards home [UU/s, or 9deg/s]")
+        ->type_name("V");
+    word->add_option("--acceleration", words_.acceleration, "609Ah [UU/s2, or 900deg/s2]")
+        ->type_name("A");
+    add_no_wait(word);
+    add_take_over(word);
+    word->callback([this] {
+      HomeCommand home;
+      home.axis = words_.axis;
+      if (!words_.method.empty()) {
+        home.method = static_cast<std::int8_t>(parse_value(words_.method, DataType::integer8));
+      }
+      if (!words_.offset.empty()) {
+        home.offset = parse_quantity(words_.offset, Dimension::position, DataType::integer32);
+      }
+      home.search_speed = limit(words_.search, Dimension::velocity);
+      home.creep_speed = limit(words_.creep, Dimension::velocity);
+      home.acceleration = limit(words_.acceleration, Dimension::acceleration);
+      home.until = until_of(words_.no_wait);
+      home.take_over = words_.take_over;
+      command_ = std::move(home);
+    });
+  }
+
+  /// The arguments of a command that runs at a velocity.
+  void add_run_words(CLI::App* word) {
+    add_axis(word);
+    add_positional(word, "VELOCITY", words_.velocity, "60FFh [UU/s, or 180deg/s]");
+    word->add_option("--acceleration", words_.acceleration,
+                     "6083h [UU/s2, or 900deg/s2]; keeps this value")
+        ->type_name("A");
+    word->add_option("--deceleration", words_.deceleration,
+                     "6084h [UU/s2, or 900deg/s2]; keeps this value")
+        ->type_name("D");
+    add_take_over(word);
+  }
+
+  [[nodiscard]] Quantity run_velocity() const {
+    return parse_quantity(words_.velocity, Dimension::velocity, DataType::integer32);
+  }
+
+  [[nodiscard]] RunRamps run_ramps() const {
+    return {.acceleration = limit(words_.acceleration, Dimension::acceleration),
+            .deceleration = limit(words_.deceleration, Dimension::acceleration)};
+  }
+
+  void add_velocity() {
+    CLI::App* word =
+        add_word("velocity", "Run at a velocity (mode 3) until another command; 0 stops",
+                 "velocity 1.1 180deg/s");
+    add_run_words(word);
+    add_no_wait(word);
+    word->callback([this] {
+      command_ = VelocityCommand{words_.axis, run_velocity(), run_ramps(), until_of(words_.no_wait),
+                                 words_.take_over};
+    });
+  }
+
+  void add_torque() {
+    CLI::App* word = add_word("torque", "Apply a torque (mode 4) until another command; 0 ends it",
+                              "torque 1.1 10% --slope 500");
+    add_axis(word);
+    add_positional(word, "TORQUE", words_.value, "6071h [per mille of rated torque, or 10%]");
+    word->add_option("--slope", words_.slope,
+                     "6087h [per mille of rated torque a second]; keeps this value")
+        ->type_name("S");
+    add_no_wait(word);
+    add_take_over(word);
+    word->callback([this] {
+      TorqueCommand torque{.axis = words_.axis,
+                           .torque = parse_torque(words_.value),
+                           .slope = std::nullopt,
+                           .until = until_of(words_.no_wait),
+                           .take_over = words_.take_over};
+      if (!words_.slope.empty()) {
+        torque.slope = static_cast<std::uint32_t>(parse_value(words_.slope, DataType::unsigned32));
+      }
+      command_ = std::move(torque);
+    });
+  }
+
+  void add_jog(bool needs_duration) {
+    CLI::App* word = add_word("jog", "Run at a velocity until Enter or Ctrl-C, then stand",
+                              "jog 1.1 90deg/s --for 2s");
+    add_run_words(word);
+    CLI::Option* duration =
+        word->add_option("--for", words_.duration, "Run for this drive time instead");
+    duration->type_name("T");
+    if (needs_duration) duration->required();
+    word->callback([this] {
+      JogCommand jog{.axis = words_.axis,
+                     .velocity = run_velocity(),
+                     .ramps = run_ramps(),
+                     .duration = std::nullopt,
+                     .take_over = words_.take_over};
+      if (!words_.duration.empty()) jog.duration = parse_duration(words_.duration);
+      command_ = std::move(jog);
     });
   }
 
@@ -466,11 +640,17 @@ class Grammar {
     CLI::App* word = add_word("write", "Write an object", "write 1.1 0x607A 0xFFFFD8F0");
     add_axis(word);
     add_positional(word, "OBJECT", words_.object, "0x6040, 0x607D:1 or a variable_name");
-    add_positional(word, "VALUE", words_.value, "Decimal, or hex as the type's two's complement");
+    add_positional(
+        word, "VALUE", words_.value,
+        "Decimal, or hex as the type's two's complement; positions, speeds and ramps also "
+        "with a unit");
     add_take_over(word);
     word->callback([this] {
-      WriteCommand write{words_.axis, parse_object(words_.object), 0, words_.take_over};
-      write.value = parse_value(words_.value, write.object);
+      WriteCommand write{.axis = words_.axis,
+                         .object = parse_object(words_.object),
+                         .take_over = words_.take_over};
+      write.quantity = quantity_of(words_.value, write.object);
+      if (!write.quantity) write.value = parse_value(words_.value, write.object);
       command_ = std::move(write);
     });
   }
@@ -530,10 +710,12 @@ class Grammar {
   }
 
   void add_snapshot() {
-    CLI::App* word = add_word("snapshot", "Keep, restore or drop the state of all axes of a bench",
-                              "snapshot take; vdrive snapshot restore 1");
-    add_positional(word, "ACTION", words_.kind, "take, restore or drop");
-    word->add_option("N", words_.value, "Number that take printed")->type_name("");
+    CLI::App* word =
+        add_word("snapshot", "Take, list, restore or drop saved states of all axes of a bench",
+                 "snapshot take\n  vdrive snapshot restore 1");
+    add_positional(word, "ACTION", words_.kind, "take, list, restore or drop");
+    word->add_option("N", words_.value, "Number of the snapshot, as take and list print it")
+        ->type_name("");
     word->add_option("--bench", words_.bench, "Default: the only bench")->type_name("B");
     word->callback([this] {
       command_ = snapshot_of(words_.kind, words_.value, bench());
@@ -547,7 +729,7 @@ class Grammar {
 
   void add_rate() {
     CLI::App* word = add_word("rate", "Set or show how fast a realtime bench runs; 0 pauses it",
-                              "rate 0.5\n  vdrive rate 2 0    (bench 2)");
+                              "rate 0.5\n  vdrive rate 2 0       # bench 2");
     word->add_option("VALUE", words_.rate,
                      "[BENCH] VALUE: drive time divided by wall time, 0 or from 0.1 to 100; BENCH "
                      "defaults to the only bench. Without a value the rates of all benches are "
@@ -569,13 +751,76 @@ class Grammar {
   }
 
   void add_run() {
-    CLI::App* word = add_word("run", "Execute a scenario file", "run forward.scn --junit out.xml");
+    CLI::App* word = add_word("run", "Execute scenario files", "run forward.scn --junit out.xml");
     word->footer(std::string(kScenarioHelp));
-    add_positional(word, "FILE", words_.file, "Scenario, - for standard input");
-    word->add_option("--junit", words_.junit, "Write a JUnit report")->type_name("OUT.xml");
+    add_files(word, "Scenario, - for standard input; several run one after the other");
     word->add_flag("--live", words_.live, "Show the axes while time passes, also when piped");
     word->callback([this] {
-      command_ = RunCommand{words_.file, words_.junit, words_.live};
+      command_ = RunCommand{words_.files, words_.settings, words_.junit, words_.live};
+    });
+  }
+
+  /// What `run` and `test` have in common.
+  void add_files(CLI::App* word, const char* help) {
+    word->add_option("FILE", words_.files, help)->required()->type_name("");
+    word->add_option("--set", words_.settings, "Value of the variable ${NAME}; may be repeated")
+        ->allow_extra_args(false)
+        ->type_name("NAME=VALUE");
+    word->add_option("--junit", words_.junit, "Write a JUnit report")->type_name("OUT.xml");
+  }
+
+  void add_test() {
+    CLI::App* word = add_word("test", "Run scenario files side by side, each on a bench of its own",
+                              "test tests/*.scn --config bench.yaml --junit out.xml");
+    add_files(word, "Scenario");
+    word->add_option("--config", words_.configuration,
+                     "Configuration of the benches; default: the demo bench")
+        ->type_name("FILE");
+    word->add_option("--jobs", words_.jobs,
+                     "How many files run at the same time; default: one a processor")
+        ->type_name("N");
+    add_service(word);
+    word->callback([this] {
+      command_ = make_test();
+    });
+  }
+
+  void add_service(CLI::App* word) {
+    word->add_option("--service", words_.service,
+                     "The program vdrived; default: beside this program, else in PATH")
+        ->type_name("FILE");
+  }
+
+  [[nodiscard]] TestCommand make_test() const {
+    TestCommand test{.files = words_.files,
+                     .settings = words_.settings,
+                     .junit = words_.junit,
+                     .configuration = words_.configuration,
+                     .service = words_.service,
+                     .jobs = std::max(std::thread::hardware_concurrency(), 1U)};
+    constexpr std::uint64_t kMostJobs = 64;
+    if (!words_.jobs.empty()) test.jobs = parse_number(words_.jobs, "number of jobs", kMostJobs);
+    if (test.jobs == 0) throw UsageError("--jobs: at least one file must run");
+    return test;
+  }
+
+  void add_events() {
+    CLI::App* word =
+        add_word("events", "Show what has happened: faults, refusals, who took control",
+                 "events 1.1 --follow");
+    word->add_option("WHAT", words_.axis, "A bench's number or an axis; default: all benches")
+        ->type_name("");
+    word->add_flag("--follow", words_.follow, "Then print new events until interrupted");
+    word->callback([this] {
+      command_ = EventsCommand{words_.axis, words_.follow};
+    });
+  }
+
+  void add_shell() {
+    CLI::App* word = add_word("shell", "Carry out commands line by line, in one session", "shell");
+    word->footer(std::string(kShellHelp));
+    word->callback([this] {
+      command_ = ShellCommand{};
     });
   }
 
@@ -588,55 +833,134 @@ class Grammar {
     });
   }
 
+  void add_bench() {
+    CLI::App* word = add_word(
+        "bench", "Measure in a minute how many axes this machine holds, and how late its ticks are",
+        "bench --json");
+    add_service(word);
+    word->add_flag("--quick", words_.quick, "A few seconds, at most 1,024 axes: for a first look");
+    word->callback([this] {
+      command_ = BenchCommand{words_.service, words_.quick};
+    });
+  }
+
   void add_completion() {
     CLI::App* word =
         add_word("completion", "Print a script that completes command lines",
                  "completion bash > ~/.local/share/bash-completion/completions/vdrive");
-    word->add_option("SHELL", words_.file, "bash")
+    word->add_option("SHELL", words_.file, "bash, zsh or fish")
         ->required()
-        ->check(CLI::IsMember({"bash"}))
+        ->check(CLI::IsMember(completed_shells()))
         ->type_name("");
     word->callback([this] {
-      text_ = bash_completion(app_);
+      text_ = shell_completion(words_.file);
     });
   }
 
   void add_expect() {
-    CLI::App* word = add_word("expect", "Compare an object", "");
+    CLI::App* word = add_word("expect", "Compare an object; exit code 1 when it is another value",
+                              "expect 1.1 position 1000 --tolerance 1\n"
+                              "  vdrive expect 1.1 torque '<' 500 --throughout 2s");
     add_axis(word);
-    add_positional(word, "OBJECT", words_.object, "");
-    add_positional(word, "VALUE", words_.value, "");
-    CLI::Option* mask = word->add_option("--mask", words_.mask);
-    word->add_option("--tolerance", words_.tolerance)->excludes(mask);
-    CLI::Option* within = word->add_option("--within", words_.within);
-    word->add_option("--throughout", words_.throughout)->excludes(within);
+    add_positional(word, "OBJECT", words_.object, "0x6064, 0x607D:1 or a variable_name");
+    word->add_option("VALUE", words_.values,
+                     "[COMPARISON] VALUE: the comparison is ==, !=, <, <=, > or >=; default: ==")
+        ->required()
+        ->type_name("");
+    CLI::Option* mask =
+        word->add_option("--mask", words_.mask, "Compare these bits only")->type_name("M");
+    word->add_option("--tolerance", words_.tolerance, "A difference of at most T is equal")
+        ->excludes(mask)
+        ->type_name("T");
+    CLI::Option* within =
+        word->add_option("--within", words_.within, "Wait at most this drive time for it")
+            ->type_name("D");
+    word->add_option("--throughout", words_.throughout, "Check every tick of this drive time")
+        ->excludes(within)
+        ->type_name("D");
     word->callback([this] {
       command_ = make_expect();
     });
   }
 
   [[nodiscard]] ExpectCommand make_expect() const {
-    ExpectCommand expect;
-    expect.axis = words_.axis;
-    expect.object = parse_object(words_.object);
-    expect.value = parse_value(words_.value, expect.object);
+    ExpectCommand expect = expectation_of(words_.axis, words_.object, words_.values);
+    const bool is_ordered =
+        expect.comparison != Comparison::equal && expect.comparison != Comparison::not_equal;
+    if (is_ordered && (!words_.mask.empty() || !words_.tolerance.empty())) {
+      throw UsageError("--mask and --tolerance go with == and !=, not with " +
+                       std::string(to_string(expect.comparison)));
+    }
     if (!words_.mask.empty()) {
       expect.mask = static_cast<std::uint64_t>(parse_value(words_.mask, expect.object));
     }
     if (!words_.tolerance.empty()) {
-      expect.tolerance = parse_number(words_.tolerance, "tolerance", kHighest32);
+      expect.quantity_of_tolerance = quantity_of(words_.tolerance, expect.object);
+      if (expect.quantity_of_tolerance) expect.quantity_of_tolerance->type = DataType::unsigned32;
+      expect.tolerance = expect.quantity_of_tolerance
+                             ? 0
+                             : parse_number(words_.tolerance, "tolerance", kHighest32);
     }
     if (!words_.within.empty()) expect.within = parse_duration(words_.within);
     if (!words_.throughout.empty()) expect.throughout = parse_duration(words_.throughout);
     return expect;
   }
 
+  /// @param values [COMPARISON] VALUE
+  static ExpectCommand expectation_of(const std::string& axis, const std::string& object,
+                                      std::span<const std::string> values) {
+    ExpectCommand expect;
+    expect.axis = axis;
+    expect.object = parse_object(object);
+    if (values.size() > 2) {
+      throw UsageError(in_quotes(values[2]) + " is one argument too many: write OBJECT [==] VALUE");
+    }
+    if (values.size() == 2) {
+      const auto comparison = comparison_named(values.front());
+      if (!comparison) {
+        throw UsageError(in_quotes(values.front()) +
+                         " is not a comparison: write ==, !=, <, <=, > or >=");
+      }
+      expect.comparison = *comparison;
+    }
+    expect.quantity = quantity_of(values.back(), expect.object);
+    if (!expect.quantity) expect.value = parse_value(values.back(), expect.object);
+    return expect;
+  }
+
   void add_wait() {
-    CLI::App* word = add_word("wait", "Let drive time pass", "");
-    add_positional(word, "DURATION", words_.duration, "");
+    CLI::App* word =
+        add_word("wait", "Wait until an axis shows something; exit code 4 after --timeout",
+                 "wait 1.1 target_reached --timeout 5s\n"
+                 "  vdrive wait 1.1 position '>' 1000\n"
+                 "  vdrive wait 500ms");
+    std::string help =
+        "AXIS CONDITION, AXIS OBJECT [COMPARISON] VALUE, or DURATION of drive time. CONDITION is a "
+        "state or a bit of the statusword:";
+    std::string_view separator = " ";
+    for (const std::string& name : condition_names()) {
+      help.append(separator).append(name);
+      separator = ", ";
+    }
+    word->add_option("WHAT", words_.values, help)->required()->type_name("");
     word->callback([this] {
-      command_ = WaitCommand{parse_duration(words_.duration)};
+      command_ = make_wait();
     });
+  }
+
+  [[nodiscard]] Command make_wait() const {
+    const std::vector<std::string>& what = words_.values;
+    if (what.size() == 1) return WaitCommand{parse_duration(what.front())};
+    if (what.size() > 2) {
+      return AwaitCommand{what[0], "",
+                          expectation_of(what[0], what[1], std::span(what).subspan(2))};
+    }
+    const std::vector<std::string>& names = condition_names();
+    if (std::ranges::find(names, what[1]) == names.end()) {
+      throw UsageError(in_quotes(what[1]) + " is not a condition" + suggestion(what[1], names) +
+                       "; 'vdrive wait --help' lists all conditions");
+    }
+    return AwaitCommand{what[0], what[1], std::nullopt};
   }
 
   CLI::App app_;
@@ -667,17 +991,14 @@ std::string one_line(std::string text) {
 
 }  // namespace
 
-Invocation parse_command_line(std::vector<std::string> arguments) {
-  if (arguments.empty()) {
-    throw UsageError("no command given; 'vdrive --help' lists all commands");
-  }
-  Grammar grammar;
-  grammar.add_command_line();
+namespace {
+
+/// What a command line, or a line of a shell, requests.
+Invocation invocation_of(Grammar& grammar, std::vector<std::string> arguments) {
   Invocation invocation;
   try {
     grammar.parse(std::move(arguments));
     invocation.options = grammar.options();
-    invocation.options.domain = grammar.domain();
     invocation.command = std::move(grammar.command());
     invocation.text = grammar.text();
   } catch (const CLI::CallForHelp&) {
@@ -692,6 +1013,42 @@ Invocation parse_command_line(std::vector<std::string> arguments) {
     throw UsageError(one_line(error.what()));
   }
   return invocation;
+}
+
+}  // namespace
+
+Invocation parse_command_line(std::vector<std::string> arguments) {
+  if (arguments.empty()) {
+    throw UsageError("no command given; 'vdrive --help' lists all commands");
+  }
+  Grammar grammar;
+  grammar.add_command_line();
+  Invocation invocation = invocation_of(grammar, std::move(arguments));
+  if (invocation.command) invocation.options.domain = grammar.domain();
+  return invocation;
+}
+
+Invocation parse_shell_words(std::vector<std::string> words) {
+  Grammar grammar;
+  grammar.add_shell_line();
+  return invocation_of(grammar, std::move(words));
+}
+
+std::vector<std::string> complete_words(const std::vector<std::string>& words,
+                                        const BenchNames& names) {
+  Grammar grammar;
+  grammar.add_command_line();
+  return candidates(grammar.app(), words, names);
+}
+
+std::vector<std::string> complete_line(const std::string& line, const BenchNames& names) {
+  std::vector<std::string> words;
+  std::istringstream stream(line);
+  for (std::string word; stream >> word;) words.push_back(word);
+  if (line.empty() || line.ends_with(' ') || line.ends_with('\t')) words.emplace_back();
+  Grammar grammar;
+  grammar.add_shell_line();
+  return candidates(grammar.app(), words, names);
 }
 
 ScenarioWords parse_scenario_words(std::vector<std::string> words) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "bench_names.hpp"
 #include "command.hpp"
 
 #include <cstdint>
@@ -31,6 +32,20 @@ struct Invocation {
 /// @param arguments without the program's name
 /// @throws UsageError naming what is wrong and how to get help.
 [[nodiscard]] Invocation parse_command_line(std::vector<std::string> arguments);
+
+/// One line of a shell: the commands of the command line that work in its session, with --json and
+/// --timeout.
+/// @throws UsageError
+[[nodiscard]] Invocation parse_shell_words(std::vector<std::string> words);
+
+/// @param words of a command line without the program; the last one is completed
+/// @return what may stand in its place.
+[[nodiscard]] std::vector<std::string> complete_words(const std::vector<std::string>& words,
+                                                      const BenchNames& names);
+
+/// @return the same for a line of a shell, up to the cursor.
+[[nodiscard]] std::vector<std::string> complete_line(const std::string& line,
+                                                     const BenchNames& names);
 
 /// One line of a scenario: the same words, and `expect`, `wait` and `refused`.
 struct ScenarioWords {

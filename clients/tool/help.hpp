@@ -11,7 +11,8 @@ inline constexpr std::string_view kSummary =
     "Commands virtual CiA 402 servo drives over DDS.\n"
     "AXIS is bench.axis such as 1.1, or a name. OBJECT is 0x6041, 0x607D:1 or a variable_name such "
     "as ds402_statusword. VALUE is decimal or hex as the two's complement of the object's type "
-    "(0xFFFFD8F0 is -10000). DURATION is for example 500us, 20ms or 1.5s.";
+    "(0xFFFFD8F0 is -10000). A position, a speed or a ramp is in user units (UU), or has a unit of "
+    "its axis: 90deg, 180deg/s, 900deg/s2, 12.5mm. DURATION is for example 500us, 20ms or 1.5s.";
 
 inline constexpr std::string_view kExamples =
     R"(Examples:
@@ -19,6 +20,10 @@ inline constexpr std::string_view kExamples =
   vdrive enable 1.1                        power on
   vdrive move 1.1 10000 --velocity 1000    absolute, waits until reached
   vdrive move 1.1 -500 --relative          by a distance
+  vdrive move 1.1 90deg --velocity 180deg/s
+  vdrive home 1.1 --method 37              home is here
+  vdrive velocity 1.1 180deg/s             runs on; velocity 1.1 0 stops
+  vdrive jog 1.1 90deg/s                   until Enter or Ctrl-C
   vdrive watch 1.1                         live, in a second terminal
   vdrive quick-stop 1.1                    from any terminal; vdrive stop stops all axes
   vdrive read 1.1 0x6041 position_demand_value
@@ -26,7 +31,10 @@ inline constexpr std::string_view kExamples =
   vdrive record move.csv 1.1 --for 5s      the status stream, one row a tick
   vdrive disturb 1.1 blocked_load --for 500ms
   vdrive rate 0                            pause a realtime bench; rate 1 continues
+  vdrive wait 1.1 target_reached --timeout 5s
+  vdrive events --follow                   faults, refusals, who took control
   vdrive run forward.scn --junit out.xml   a scenario, see 'vdrive run --help'
+  vdrive test *.scn --junit out.xml        each on a bench of its own, for CI
 
 Environment: VDRIVE_DOMAIN and VDRIVE_SECURITY are the defaults of --domain and --security; NO_COLOR switches colours off.
 Exit codes: 0 ok, 1 failed, 2 usage, 3 not found, 4 timed out, 5 refused, 130 interrupted.)";
@@ -37,11 +45,11 @@ inline constexpr std::string_view kDisturbanceHelp =
 
 inline constexpr std::string_view kScenarioHelp =
     R"(A scenario has one command a line, without 'vdrive'. # starts a comment.
-Three commands exist only in scenarios:
-  expect AXIS OBJECT VALUE [--mask M | --tolerance T] [--within D | --throughout D]
-  wait DURATION
-  refused CODE COMMAND...
-In lock-step, commands that wait step the clock. The first failure ends the run.
+Beside the commands of the command line there are:
+  refused CODE COMMAND...    passes if the command is refused with this code
+  let NAME = VALUE           ${NAME} stands for VALUE below; --set gives another value
+  finally                    lines below run last, also after a failure and Ctrl-C
+In lock-step, commands that wait step the clock. The first failure ends the file.
 
 Example:
   enable 1.1
@@ -49,6 +57,16 @@ Example:
   write 1.1 0x6040 0x3F
   expect 1.1 0x6041 0x1237 --within 2ms
   expect 1.1 0x6041 0x1637 --within 11s    # arrived
+  expect 1.1 torque < 500 --throughout 2s
   refused 0x06010002 write 1.1 0x6041 0    # read-only)";
+
+inline constexpr std::string_view kShellHelp =
+    R"(Commands are those of a scenario, and watch, events, record and run, without 'vdrive'. The session
+keeps the axes that it commands until the shell ends: at 'exit', 'quit', Ctrl-D or the end of the
+input. Tab completes, the arrow keys find earlier lines, Ctrl-C ends the command that runs.
+
+Example:
+  vdrive shell
+  vdrive shell < commands.txt)";
 
 }  // namespace vdrive::tool

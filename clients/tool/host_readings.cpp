@@ -18,6 +18,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <string_view>
 #include <thread>
 
 namespace vdrive::tool {
@@ -60,10 +61,11 @@ std::vector<NetworkInterface> read_interfaces() {
   return interfaces;
 }
 
-/// A UDP socket, closed with it.
+/// A socket, closed with it.
 class Socket {
  public:
-  Socket() : descriptor_(socket(AF_INET, SOCK_DGRAM, 0)) {}
+  /// @param type SOCK_DGRAM for UDP, SOCK_STREAM for TCP
+  explicit Socket(int type = SOCK_DGRAM) : descriptor_(socket(AF_INET, type, 0)) {}
 
   ~Socket() {
     if (descriptor_ >= 0) close(descriptor_);
@@ -105,6 +107,30 @@ bool receives_multicast(const std::string& own_address) {
   }
   pollfd arrival{.fd = receiver.get(), .events = POLLIN, .revents = 0};
   return poll(&arrival, 1, kMulticastPatience) == 1;
+}
+
+/// Asks whoever listens on a port of loopback for a page.
+GatewayReading read_gateway(std::uint16_t port) {
+  constexpr std::string_view kRequest =
+      "GET / HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
+  const Socket client(SOCK_STREAM);
+  const timeval patience{.tv_sec = 0, .tv_usec = kMulticastPatience * 1000L};
+  setsockopt(client.get(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof(patience));
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  address.sin_port = htons(port);
+  if (connect(client.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
+    return GatewayReading::nobody;
+  }
+  std::array<char, 512> answer{};
+  if (send(client.get(), kRequest.data(), kRequest.size(), MSG_NOSIGNAL) < 0) {
+    return GatewayReading::another;
+  }
+  const ssize_t size = recv(client.get(), answer.data(), answer.size(), 0);
+  const std::string_view head(answer.data(), size > 0 ? static_cast<std::size_t>(size) : 0);
+  const bool is_gateway = head.find("Server: vdrive-gateway") != std::string_view::npos;
+  return is_gateway ? GatewayReading::gateway : GatewayReading::another;
 }
 
 // NOLINTEND(*-reinterpret-cast)
@@ -175,6 +201,7 @@ HostReadings read_host(const std::vector<std::string>& addresses) {
   if (getrlimit(RLIMIT_NOFILE, &files) == 0) readings.open_files = files.rlim_cur;
   readings.cores = std::thread::hardware_concurrency();
   readings.may_run_realtime = may_run_realtime();
+  readings.gateway = read_gateway(kGatewayPort);
   return readings;
 }
 

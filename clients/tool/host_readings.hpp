@@ -27,6 +27,9 @@ struct SharedSegment {
   bool is_mapped = false;  ///< by a process that we may inspect
 };
 
+/// Who listens on the port of vdrive-gateway on loopback.
+enum class GatewayReading : std::uint8_t { nobody, gateway, another };
+
 /// What the machine shows of itself, as far as it concerns DDS and ticks. Nothing = it cannot be
 /// read.
 struct HostReadings {
@@ -40,7 +43,11 @@ struct HostReadings {
   std::uint64_t open_files = 0;  ///< RLIMIT_NOFILE
   unsigned cores = 0;
   bool may_run_realtime = false;  ///< SCHED_FIFO
+  GatewayReading gateway = GatewayReading::nobody;
 };
+
+/// Default port of vdrive-gateway.
+inline constexpr std::uint16_t kGatewayPort = 8765;
 
 /// Takes the readings. Writes nothing; the multicast probe waits up to 300 ms an address.
 /// @param addresses own addresses in the networks that are used; none = loopback

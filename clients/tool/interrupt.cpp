@@ -51,6 +51,7 @@ void Interrupt::wait(const std::stop_token& stop) {
   while (sigwait(&signals_, &signal) == 0 && !stop.stop_requested()) {
     if (signal == SIGUSR1) continue;
     const std::scoped_lock lock(mutex_);
+    if (signal == SIGTERM) is_termination_ = true;
     if (happened_.exchange(true)) {
       if (last_action_) last_action_();
       _exit(kInterrupted);

@@ -31,11 +31,18 @@ class Interrupt {
 
   [[nodiscard]] bool happened() const noexcept { return happened_; }
 
+  /// @return whether SIGTERM has come.
+  [[nodiscard]] bool is_termination() const noexcept { return is_termination_; }
+
+  /// @return whether a signal has come since the last call. The next one is a first one again.
+  bool take() noexcept { return happened_.exchange(false); }
+
  private:
   void wait(const std::stop_token& stop);
 
   sigset_t signals_{};
   std::atomic<bool> happened_ = false;
+  std::atomic<bool> is_termination_ = false;
   std::mutex mutex_;
   std::function<void()> action_;
   std::function<void()> last_action_;

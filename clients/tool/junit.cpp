@@ -4,7 +4,6 @@
 #include "usage_error.hpp"
 #include "vdrive/text.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdio>
@@ -53,32 +52,47 @@ std::string case_xml(const std::string& suite, const JunitCase& test) {
   return xml + "><failure message=\"" + xml_escaped(*test.failure) + "\"/></testcase>\n";
 }
 
+/// How many cases there are, and what became of them.
+struct Counts {
+  std::size_t tests = 0;
+  std::size_t failures = 0;
+  std::size_t skipped = 0;
+  std::size_t errors = 0;
+  std::chrono::nanoseconds time{};
+
+  void add(const JunitCase& test) {
+    ++tests;
+    if (test.failure) ++failures;
+    if (test.is_skipped) ++skipped;
+    if (test.error) ++errors;
+    time += test.duration;
+  }
+
+  [[nodiscard]] std::string xml() const {
+    return " tests=\"" + std::to_string(tests) + "\" failures=\"" + std::to_string(failures) +
+           "\" skipped=\"" + std::to_string(skipped) + "\" errors=\"" + std::to_string(errors) +
+           "\" time=\"" + seconds(time) + "\"";
+  }
+};
+
 }  // namespace
 
-std::string junit_xml(const std::string& suite, const std::vector<JunitCase>& cases) {
-  std::chrono::nanoseconds total{};
-  for (const JunitCase& test : cases) total += test.duration;
-  const auto failures = std::ranges::count_if(cases, [](const JunitCase& test) {
-    return test.failure.has_value();
-  });
-  const auto skipped = std::ranges::count_if(cases, &JunitCase::is_skipped);
-  const auto errors = std::ranges::count_if(cases, [](const JunitCase& test) {
-    return test.error.has_value();
-  });
-  std::string counts;
-  const auto count = [&counts](const char* name, const std::string& value) {
-    counts += std::string(" ") + name + "=\"" + value + '"';
-  };
-  count("tests", std::to_string(cases.size()));
-  count("failures", std::to_string(failures));
-  count("skipped", std::to_string(skipped));
-  count("errors", std::to_string(errors));
-  count("time", seconds(total));
-  std::string xml = R"(<?xml version="1.0" encoding="UTF-8"?>)";
-  xml += "\n<testsuites" + counts + ">\n";
-  xml += "  <testsuite name=\"" + xml_escaped(suite) + "\"" + counts + ">\n";
-  for (const JunitCase& test : cases) xml += case_xml(suite, test);
-  return xml + "  </testsuite>\n</testsuites>\n";
+std::string junit_xml(const std::vector<JunitSuite>& suites) {
+  Counts all;
+  std::string text;
+  for (const JunitSuite& suite : suites) {
+    Counts counts;
+    std::string cases;
+    for (const JunitCase& test : suite.cases) {
+      counts.add(test);
+      all.add(test);
+      cases += case_xml(suite.name, test);
+    }
+    text += "  <testsuite name=\"" + xml_escaped(suite.name) + "\"" + counts.xml() + ">\n" + cases +
+            "  </testsuite>\n";
+  }
+  return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites" + all.xml() + ">\n" + text +
+         "</testsuites>\n";
 }
 
 JunitReport::JunitReport(const std::string& file) : name_(file) {
@@ -90,10 +104,9 @@ JunitReport::JunitReport(const std::string& file) : name_(file) {
   }
 }
 
-std::optional<std::string> JunitReport::write(const std::string& suite,
-                                              const std::vector<JunitCase>& cases) {
+std::optional<std::string> JunitReport::write(const std::vector<JunitSuite>& suites) {
   if (name_.empty()) return std::nullopt;
-  file_ << junit_xml(suite, cases);
+  file_ << junit_xml(suites);
   if (file_.flush()) return std::nullopt;
   return "cannot write the report " + in_quotes(name_);
 }

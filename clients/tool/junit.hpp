@@ -18,8 +18,13 @@ struct JunitCase {
   bool is_skipped = false;
 };
 
-/// @return a JUnit report with one test suite.
-[[nodiscard]] std::string junit_xml(const std::string& suite, const std::vector<JunitCase>& cases);
+/// A scenario.
+struct JunitSuite {
+  std::string name;
+  std::vector<JunitCase> cases;
+};
+
+[[nodiscard]] std::string junit_xml(const std::vector<JunitSuite>& suites);
 
 /// The file of a report. It is opened before anything moves, so that a wrong name is found then.
 class JunitReport {
@@ -29,8 +34,7 @@ class JunitReport {
   explicit JunitReport(const std::string& file);
 
   /// @return why the report could not be written, or nothing.
-  [[nodiscard]] std::optional<std::string> write(const std::string& suite,
-                                                 const std::vector<JunitCase>& cases);
+  [[nodiscard]] std::optional<std::string> write(const std::vector<JunitSuite>& suites);
 
  private:
   std::string name_;

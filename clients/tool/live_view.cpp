@@ -11,7 +11,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds kPatience{200};
+constexpr std::chrono::milliseconds kPatienceOfView{200};
 constexpr std::chrono::milliseconds kRefresh{50};
 constexpr std::size_t kBarWidth = 20;
 constexpr std::size_t kWideTerminal = 110;
@@ -27,7 +27,10 @@ std::string progress_bar(double fraction, std::size_t width) {
 LiveView::LiveView(client::Session& session, Terminal& terminal, std::vector<client::AxisId> axes)
     : session_(session), terminal_(terminal), axes_(std::move(axes)) {
   const auto bench = session_.find_bench(axes_.front().bench);
-  if (bench) ticks_per_line_ = client::ticks_of(std::chrono::seconds(1), bench->period);
+  if (bench) {
+    ticks_per_line_ = client::ticks_of(std::chrono::seconds(1), bench->period);
+    for (const client::AxisInfo& axis : bench->axes) units_[axis.id] = axis.unit;
+  }
   thread_ = std::jthread([this](const std::stop_token& stop) {
     follow(stop);
   });
@@ -51,7 +54,7 @@ void LiveView::follow(const std::stop_token& stop) {
   auto next_refresh = Clock::now();
   client::Observation last;
   while (!stop.stop_requested()) {
-    auto sample = follower->next(kPatience);
+    auto sample = follower->next(kPatienceOfView);
     if (!sample) {
       if (sample.outcome().kind() == client::OutcomeKind::timed_out) continue;
       return;
@@ -79,7 +82,8 @@ void LiveView::note(const client::Observation& sample) {
 void LiveView::show(const client::Observation& sample) {
   std::vector<LiveLine> lines;
   for (const client::AxisSnapshot& axis : sample.axes) {
-    lines.push_back({bar_of(axis) + status_line(axis, to_string(axis.id)), color_of(axis)});
+    lines.push_back(
+        {bar_of(axis) + status_line(axis, to_string(axis.id), units_[axis.id]), color_of(axis)});
   }
   if (terminal_.is_interactive()) {
     terminal_.show_live(std::move(lines));

@@ -45,6 +45,7 @@ class LiveView {
   std::mutex mutex_;
   std::map<client::AxisId, Aim> aims_;
   std::map<client::AxisId, std::int64_t> positions_;
+  std::map<client::AxisId, client::Unit> units_;
   std::uint64_t ticks_per_line_ = 1000;
   std::uint64_t next_line_ = 0;  ///< tick
   std::jthread thread_;

@@ -18,7 +18,7 @@ using client::Outcome;
 using client::OutcomeKind;
 
 /// Short where several benches take turns: none may wait long for another that stands still.
-constexpr std::chrono::milliseconds kPatience{100};
+constexpr std::chrono::milliseconds kPatienceOfOne{100};
 constexpr std::chrono::milliseconds kPatienceOfMany{5};
 
 /// Objects of the status image, the columns of a recording.
@@ -79,7 +79,7 @@ Outcome Recorder::record(const std::vector<RecordedBench>& benches) {
   for (const RecordedBench& bench : benches) {
     auto follower = session_.follow(bench.axes, client::Pace::observe);
     if (!follower) return follower.outcome();
-    Track track{std::move(*follower), benches.size() == 1 ? kPatience : kPatienceOfMany};
+    Track track{std::move(*follower), benches.size() == 1 ? kPatienceOfOne : kPatienceOfMany};
     if (command_.duration) track.ticks = client::ticks_of(*command_.duration, bench.info.period);
     tracks.push_back(std::move(track));
   }

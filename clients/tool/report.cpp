@@ -32,24 +32,6 @@ std::string owner_text(std::uint64_t session) {
   return session == 0 ? "free" : session_text(session);
 }
 
-std::string_view to_text(Access access) {
-  return access == Access::read_only ? "RO" : "RW";
-}
-
-std::string_view to_text(Effective effective) {
-  switch (effective) {
-    case Effective::read_only:
-      return "read_only";
-    case Effective::immediately:
-      return "immediately";
-    case Effective::at_set_point:
-      return "at_set_point";
-    case Effective::at_enable:
-      return "at_enable";
-  }
-  return "unknown";
-}
-
 std::string_view name_in(const ObjectDescription& row, Language language) {
   return language == Language::zh ? row.name_zh : row.name;
 }
@@ -65,9 +47,9 @@ Json dictionary_json(const ObjectDescription& row, Language language) {
           {"title", name_in(row, language)},
           {"category", row.category},
           {"type", to_string(row.data_type)},
-          {"access", to_text(row.access)},
+          {"access", to_string(row.access)},
           {"stored", row.storage == Storage::flash},
-          {"effective", to_text(row.effective)},
+          {"effective", to_string(row.effective)},
           {"lower_limit", row.lower_limit},
           {"upper_limit", row.upper_limit},
           {"default", row.default_value},
@@ -96,7 +78,7 @@ TableRow table_row(const ObjectDescription& row, Language language) {
           std::string(row.variable_name),
           std::string(name_in(row, language)),
           std::string(to_string(row.data_type)),
-          std::string(to_text(row.access)),
+          std::string(to_string(row.access)),
           row.storage == Storage::flash ? "yes" : "",
           std::to_string(row.default_value),
           std::to_string(row.lower_limit) + " .. " + std::to_string(row.upper_limit),
@@ -170,10 +152,23 @@ Json status_json(const client::AxisSnapshot& axis, const std::string& name) {
   return json;
 }
 
-std::vector<std::string> status_text(const client::AxisSnapshot& axis, const std::string& name) {
+Json status_json(const client::AxisSnapshot& axis, const AxisFace& face) {
+  Json json = status_json(axis, face.name);
+  json["unit"] = face.unit.name;
+  json["position_in_unit"] =
+      client::from_user_units(axis.status.load_position_actual_value, face.unit);
+  json["velocity_in_unit"] =
+      client::from_user_units(axis.status.load_velocity_actual_value, face.unit);
+  return json;
+}
+
+std::vector<std::string> status_text(const client::AxisSnapshot& axis, const AxisFace& face) {
+  const auto in_unit = [&face](std::int32_t user_units) {
+    return position_text(user_units, face.unit);
+  };
   const AxisStatus& status = axis.status;
   std::vector<std::string> lines;
-  lines.push_back(to_string(axis.id) + " " + escaped(name));
+  lines.push_back(to_string(axis.id) + " " + escaped(face.name));
   lines.push_back("  statusword  " +
                   client::describe_statusword(status.ds402_statusword, axis.mode()));
   lines.push_back("  mode        " + std::to_string(status.op_mode_actual) + " " +
@@ -181,8 +176,13 @@ std::vector<std::string> status_text(const client::AxisSnapshot& axis, const std
   lines.push_back(formatted("  position    %d UU, demand %d, error %d",
                             status.load_position_actual_value, status.position_demand_value,
                             status.load_position_error_value));
+  lines.push_back("              " + in_unit(status.load_position_actual_value) + ", demand " +
+                  in_unit(status.position_demand_value) + ", error " +
+                  in_unit(status.load_position_error_value));
   lines.push_back(formatted("  velocity    %d UU/s, demand %d", status.load_velocity_actual_value,
                             status.velocity_demand_value));
+  lines.push_back("              " + in_unit(status.load_velocity_actual_value) + "/s, demand " +
+                  in_unit(status.velocity_demand_value) + "/s");
   lines.push_back("  torque      " + per_mille_text(status.torque_actual_value) +
                   " of rated, current " + per_mille_text(status.current_actual_value));
   lines.push_back("  error       " +
@@ -211,18 +211,31 @@ std::string state_text(const client::AxisSnapshot& axis) {
   return text;
 }
 
-std::string status_line(const client::AxisSnapshot& axis, const std::string& label) {
-  return padded(label, 4) +
-         formatted(" %10d UU %8d UU/s  0x%03X ", axis.status.load_position_actual_value,
-                   axis.status.load_velocity_actual_value, unsigned{axis.status.ds402_statusword}) +
+namespace {
+
+/// @return such as "1.1        1024 UU   90.00 deg".
+std::string place_text(const client::AxisSnapshot& axis, const std::string& label,
+                       const client::Unit& unit) {
+  constexpr std::size_t kUsualWidth = 12;
+  const std::int32_t position = axis.status.load_position_actual_value;
+  return padded(label, 4) + formatted(" %10d UU ", position) +
+         aligned_right(escaped(position_text(position, unit)), kUsualWidth);
+}
+
+}  // namespace
+
+std::string status_line(const client::AxisSnapshot& axis, const std::string& label,
+                        const client::Unit& unit) {
+  return place_text(axis, label, unit) +
+         formatted(" %8d UU/s  0x%03X ", axis.status.load_velocity_actual_value,
+                   unsigned{axis.status.ds402_statusword}) +
          state_text(axis);
 }
 
-std::string arrival_line(const client::AxisSnapshot& axis, const std::string& label) {
-  return padded(label, 4) +
-         formatted(" %10d UU  0x%03X ", axis.status.load_position_actual_value,
-                   unsigned{axis.status.ds402_statusword}) +
-         state_text(axis);
+std::string arrival_line(const client::AxisSnapshot& axis, const std::string& label,
+                         const client::Unit& unit) {
+  return place_text(axis, label, unit) +
+         formatted("  0x%03X ", unsigned{axis.status.ds402_statusword}) + state_text(axis);
 }
 
 std::optional<Color> color_of(const client::AxisSnapshot& axis) {

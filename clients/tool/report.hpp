@@ -23,18 +23,30 @@ using Json = nlohmann::ordered_json;
 /// Adds `outcome`, and for a failure `code` and `message`.
 void add_outcome(Json& json, const client::Outcome& outcome);
 
-/// One axis as `status` and `watch` show it.
+/// What an axis is called, and what its user units are.
+struct AxisFace {
+  std::string name;
+  client::Unit unit;
+  std::string bench{};  ///< name of its bench, for a view of several benches
+};
+
+/// One axis as `status` and `watch` show it, but for its unit.
 [[nodiscard]] Json status_json(const client::AxisSnapshot& axis, const std::string& name);
+
+/// The same with position and velocity in the unit of the axis.
+[[nodiscard]] Json status_json(const client::AxisSnapshot& axis, const AxisFace& face);
 
 /// The same as some lines of text.
 [[nodiscard]] std::vector<std::string> status_text(const client::AxisSnapshot& axis,
-                                                   const std::string& name);
+                                                   const AxisFace& face);
 
 /// The same as one line of text. @param label what the axis is called
-[[nodiscard]] std::string status_line(const client::AxisSnapshot& axis, const std::string& label);
+[[nodiscard]] std::string status_line(const client::AxisSnapshot& axis, const std::string& label,
+                                      const client::Unit& unit);
 
 /// The same of an axis at the end of a motion: its speed is what is left within the window.
-[[nodiscard]] std::string arrival_line(const client::AxisSnapshot& axis, const std::string& label);
+[[nodiscard]] std::string arrival_line(const client::AxisSnapshot& axis, const std::string& label,
+                                       const client::Unit& unit);
 
 /// @return the state, the error that 603Fh shows, and the bits of the statusword that are not
 ///         always 1, such as "Fault 0x8611 following error" or "Operation enabled: target reached".

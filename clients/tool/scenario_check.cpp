@@ -35,10 +35,44 @@ void check_value_written(const ObjectName& object, std::int64_t value) {
 void check_expectation(const ExpectCommand& expect) {
   const ObjectRow row = checked_row(expect.object);
   // Under a mask, and with a tolerance, a value beyond the range may match all the same.
-  if (expect.mask || expect.tolerance) return;
+  if (expect.mask || expect.tolerance || expect.quantity) return;
   const ObjectDescription& object = describe(row);
-  if (expect.value >= object.lower_limit && expect.value <= object.upper_limit) return;
-  throw UsageError(std::to_string(expect.value) + " is never reached: " + range_text(row));
+  // Of an unequal value there is always another one; the other comparisons hold at an end of the
+  // range, or nowhere.
+  const bool is_possible =
+      expect.comparison == Comparison::not_equal || expect.accepts(object.lower_limit) ||
+      expect.accepts(object.upper_limit) ||
+      (expect.comparison == Comparison::equal && expect.value >= object.lower_limit &&
+       expect.value <= object.upper_limit);
+  if (is_possible) return;
+  const std::string sign =
+      expect.comparison == Comparison::equal ? "" : std::string(to_string(expect.comparison)) + " ";
+  throw UsageError(sign + std::to_string(expect.value) + " is never reached: " + range_text(row));
+}
+
+/// A command without objects.
+template <typename Word>
+void check(const Word& /*command*/) {}
+
+void check(const ReadCommand& command) {
+  for (const ObjectName& object : command.objects) static_cast<void>(checked_row(object));
+}
+
+void check(const WriteCommand& command) {
+  // With a unit the value is known once the axis is: the drive refuses it then.
+  if (!command.quantity) check_value_written(command.object, command.value);
+}
+
+void check(const DisturbCommand& command) {
+  for (const Disturbance& input : command.inputs) check_value_written(input.object, input.value);
+}
+
+void check(const ExpectCommand& command) {
+  check_expectation(command);
+}
+
+void check(const AwaitCommand& command) {
+  if (command.expectation) check_expectation(*command.expectation);
 }
 
 }  // namespace
@@ -46,18 +80,7 @@ void check_expectation(const ExpectCommand& expect) {
 void check_objects(const Command& command) {
   std::visit(
       [](const auto& word) {
-        using Word = std::decay_t<decltype(word)>;
-        if constexpr (std::is_same_v<Word, ReadCommand>) {
-          for (const ObjectName& object : word.objects) static_cast<void>(checked_row(object));
-        } else if constexpr (std::is_same_v<Word, WriteCommand>) {
-          check_value_written(word.object, word.value);
-        } else if constexpr (std::is_same_v<Word, DisturbCommand>) {
-          for (const Disturbance& input : word.inputs) {
-            check_value_written(input.object, input.value);
-          }
-        } else if constexpr (std::is_same_v<Word, ExpectCommand>) {
-          check_expectation(word);
-        }
+        check(word);
       },
       command);
 }

@@ -6,6 +6,7 @@
 #include "scenario.hpp"
 
 #include <optional>
+#include <vector>
 
 namespace vdrive::tool {
 
@@ -16,10 +17,12 @@ struct RunOptions {
   std::optional<Duration> timeout;
 };
 
-/// Runs the lines until the first failure, and writes the report.
-/// @return not_found before anything is done when an axis is not there; else the failure, with
-///         file and line.
-client::Outcome run_scenario(const Scenario& scenario, const RunOptions& options,
-                             JunitReport& junit, client::Session& session, Terminal& terminal);
+/// Runs scenarios one after the other, each until its first failure and then its final lines, and
+/// writes the report. A failure does not keep the next file from running, an interrupt does.
+/// @return not_found before anything is done when an axis is not there; else the failure with file
+///         and line, or, of several files, how many passed: then the failures are on standard
+///         error.
+client::Outcome run_scenarios(const std::vector<Scenario>& scenarios, const RunOptions& options,
+                              JunitReport& junit, client::Session& session, Terminal& terminal);
 
 }  // namespace vdrive::tool

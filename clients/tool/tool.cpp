@@ -1,20 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tool.hpp"
 
+#include "bench_names.hpp"
 #include "doctor.hpp"
 #include "executor.hpp"
 #include "grammar.hpp"
 #include "interrupt.hpp"
+#include "keys.hpp"
+#include "measurement.hpp"
 #include "report.hpp"
 #include "scenario_run.hpp"
+#include "scenario_tests.hpp"
+#include "shell.hpp"
 #include "usage_error.hpp"
+#include "value.hpp"
 #include "vdrive/text.hpp"
 
 #include <chrono>
 #include <exception>
-#include <filesystem>
-#include <fstream>
-#include <iostream>
 #include <optional>
 
 namespace vdrive::tool {
@@ -41,15 +44,6 @@ client::SessionOptions session_options(const GlobalOptions& options) {
   return session;
 }
 
-Scenario load_scenario(const std::string& name) {
-  if (name == "-") return parse_scenario(std::cin, "<stdin>");
-  std::ifstream file(name);
-  // A directory opens, but has no bytes.
-  if (!file || std::filesystem::is_directory(name))
-    throw UsageError("cannot read " + in_quotes(name));
-  return parse_scenario(file, name);
-}
-
 /// The exit code, and on standard error what went wrong.
 ExitCode finish(const Outcome& outcome, const Interrupt& interrupt, bool is_json,
                 Terminal& terminal) {
@@ -73,6 +67,7 @@ ExitCode run_connected(const GlobalOptions& options, Terminal& terminal, const W
   Interrupt interrupt;
   interrupt.before_exit([&terminal] {
     terminal.leave_screen_at_once();
+    KeyInput::restore_at_once();
   });
   client::Session session(session_options(options));
   interrupt.arm([&session] {
@@ -86,20 +81,88 @@ ExitCode run_connected(const GlobalOptions& options, Terminal& terminal, const W
 
 /// What ends a scenario before its first line is in the report too: a file that cannot be read, a
 /// network that cannot be used.
-ExitCode run_file(const RunCommand& run, const GlobalOptions& options, Terminal& terminal) {
+ExitCode run_files(const RunCommand& run, const GlobalOptions& options, Terminal& terminal) {
   JunitReport junit(run.junit);
-  const std::string suite = run.file == "-" ? "<stdin>" : run.file;
   try {
-    const Scenario scenario = load_scenario(run.file);
+    const auto scenarios = load_scenarios(run.files, settings_of(run.settings));
     return run_connected(options, terminal, [&](client::Session& session) {
-      return run_scenario(
-          scenario, {.is_json = options.json, .is_live = run.live, .timeout = options.timeout},
+      return run_scenarios(
+          scenarios, {.is_json = options.json, .is_live = run.live, .timeout = options.timeout},
           junit, session, terminal);
     });
   } catch (const std::exception& error) {
-    static_cast<void>(junit.write(suite, {{.name = "start", .error = error.what()}}));
+    const std::string suite = run.files.size() == 1 ? name_of_scenario(run.files.front()) : "start";
+    static_cast<void>(junit.write({{suite, {{.name = "start", .error = error.what()}}}}));
     throw;
   }
+}
+
+ExitCode run_tests(const TestCommand& test, const GlobalOptions& options, Terminal& terminal) {
+  Interrupt interrupt;
+  return run_scenario_tests(test, options, interrupt, terminal);
+}
+
+ExitCode measure(const BenchCommand& bench, const GlobalOptions& options, Terminal& terminal) {
+  Interrupt interrupt;
+  return run_measurement(bench, options.json, interrupt, terminal);
+}
+
+ExitCode open_shell(const GlobalOptions& options, Terminal& terminal) {
+  Interrupt interrupt;
+  interrupt.before_exit([&terminal] {
+    terminal.leave_screen_at_once();
+  });
+  client::Session session(session_options(options));
+  return run_shell(options, session, interrupt, terminal);
+}
+
+/// The options of the network in a command line that is not whole yet.
+GlobalOptions network_of(const std::vector<std::string>& words) {
+  GlobalOptions options;
+  options.domain = client::default_domain();
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    const std::string& name = words[i - 1];
+    if (name == "--domain") {
+      options.domain = static_cast<std::uint32_t>(parse_number(words[i], "domain", 232));
+    } else if (name == "--interface") {
+      options.interfaces.push_back(words[i]);
+    } else if (name == "--peer") {
+      options.peers.push_back(words[i]);
+    } else if (name == "--discovery-server") {
+      options.discovery_servers.push_back(words[i]);
+    } else if (name == "--security") {
+      options.security = words[i];
+    }
+  }
+  return options;
+}
+
+/// What the completion of a shell calls: a person waits for it, and nobody reads an error.
+ExitCode complete(const std::vector<std::string>& words, Terminal& terminal) {
+  constexpr std::chrono::milliseconds kPatience{400};
+  std::optional<client::Session> session;
+  const auto names_in_session = [&] {
+    if (!session) {
+      GlobalOptions options = network_of(words);
+      options.timeout = kPatience;
+      session.emplace(session_options(options));
+    }
+    return names_of(*session);
+  };
+  const BenchNames names{.axes =
+                             [&] {
+                               return names_in_session().axes();
+                             },
+                         .benches =
+                             [&] {
+                               return names_in_session().benches();
+                             }};
+  try {
+    for (const std::string& word : complete_words(words, names)) terminal.print(word);
+  } catch (const std::exception&) {
+    return ExitCode::failed;
+  }
+  return ExitCode::ok;
 }
 
 /// The doctor checks the machine also where no session can be opened.
@@ -111,6 +174,9 @@ ExitCode see_doctor(const GlobalOptions& options, Terminal& terminal) {
 }
 
 ExitCode run_command(std::vector<std::string> arguments, Terminal& terminal) {
+  if (!arguments.empty() && arguments.front() == "__complete") {
+    return complete({arguments.begin() + 1, arguments.end()}, terminal);
+  }
   const Invocation invocation = parse_command_line(std::move(arguments));
   if (!invocation.command) {
     std::string text = invocation.text;
@@ -126,9 +192,21 @@ ExitCode run_command(std::vector<std::string> arguments, Terminal& terminal) {
     return see_doctor(invocation.options, terminal);
   }
   if (const auto* run = std::get_if<RunCommand>(&*invocation.command)) {
-    return run_file(*run, invocation.options, terminal);
+    return run_files(*run, invocation.options, terminal);
   }
-  return run_connected(invocation.options, terminal, [&](client::Session& session) {
+  if (const auto* test = std::get_if<TestCommand>(&*invocation.command)) {
+    return run_tests(*test, invocation.options, terminal);
+  }
+  if (const auto* bench = std::get_if<BenchCommand>(&*invocation.command)) {
+    return measure(*bench, invocation.options, terminal);
+  }
+  if (std::holds_alternative<ShellCommand>(*invocation.command)) {
+    return open_shell(invocation.options, terminal);
+  }
+  GlobalOptions options = invocation.options;
+  // How long it waits does not limit how long the bench is looked for.
+  if (std::holds_alternative<AwaitCommand>(*invocation.command)) options.timeout.reset();
+  return run_connected(options, terminal, [&](client::Session& session) {
     return Executor(session, terminal, invocation.options.json, false)
         .execute(*invocation.command, invocation.options.timeout);
   });

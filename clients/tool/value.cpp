@@ -2,6 +2,7 @@
 #include "value.hpp"
 
 #include "usage_error.hpp"
+#include "vdrive/dictionary/standard_names.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wording.hpp"
@@ -18,41 +19,19 @@ namespace {
 constexpr std::int64_t kHighestHours = 1000;
 constexpr std::int64_t kHighestNanoseconds = kHighestHours * 3600 * 1'000'000'000;
 
-/// Names of CiA 402 in the place of the manual's.
-struct StandardName {
-  std::string_view name;
-  ObjectRow row;
-};
-
-using namespace vdrive::literals;
-
-constexpr std::array kStandardNames{
-    StandardName{"controlword", "ds402_controlword"_object},
-    StandardName{"statusword", "ds402_statusword"_object},
-    StandardName{"modes_of_operation", "op_mode_cmd"_object},
-    StandardName{"modes_of_operation_display", "op_mode_actual"_object},
-    StandardName{"position_actual_value", "load_position_actual_value"_object},
-    StandardName{"velocity_actual_value", "load_velocity_actual_value"_object},
-    StandardName{"following_error_actual_value", "load_position_error_value"_object},
-    StandardName{"target_position", "position_user_target_value"_object},
-    StandardName{"position_window", "position_target_reached_window"_object},
-    StandardName{"position_window_time", "position_target_reached_window_time"_object},
-    StandardName{"min_position_limit", "user_position_lower_limit"_object},
-    StandardName{"max_position_limit", "user_position_upper_limit"_object},
-    StandardName{"max_profile_velocity", "app_speed_limit"_object},
-    StandardName{"max_motor_speed", "motor_max_speed_rpm"_object},
-    StandardName{"profile_acceleration", "profile_acc"_object},
-    StandardName{"profile_deceleration", "profile_dec"_object},
-    StandardName{"max_acceleration", "app_acc_limit"_object},
-    StandardName{"max_deceleration", "app_dec_limit"_object},
-    StandardName{"positive_torque_limit_value", "positive_torque_limit_relative"_object},
-    StandardName{"negative_torque_limit_value", "negative_torque_limit_relative"_object},
+/// What people call the values of a moving axis.
+constexpr std::array kShortNames{
+    StandardName{"position", "load_position_actual_value"},
+    StandardName{"velocity", "load_velocity_actual_value"},
+    StandardName{"torque", "torque_actual_value"},
+    StandardName{"following_error", "load_position_error_value"},
+    StandardName{"mode", "op_mode_actual"},
 };
 
 std::optional<ObjectRow> row_named(std::string_view name) {
-  if (const auto row = find_object(name)) return row;
-  const auto* const standard = std::ranges::find(kStandardNames, name, &StandardName::name);
-  return standard == kStandardNames.end() ? std::nullopt : std::optional(standard->row);
+  if (const auto row = find_named(name)) return row;
+  const auto* const found = std::ranges::find(kShortNames, name, &StandardName::name);
+  return found == kShortNames.end() ? std::nullopt : find_object(found->variable_name);
 }
 
 bool is_hexadecimal(std::string_view text) {
@@ -175,9 +154,10 @@ ObjectName parse_object(std::string_view text) {
 
 std::string object_suggestion(std::string_view name) {
   std::vector<std::string> names;
-  names.reserve(kObjectTable.size() + kStandardNames.size());
+  names.reserve(kObjectTable.size() + kStandardNames.size() + kShortNames.size());
   for (const ObjectDescription& row : kObjectTable) names.emplace_back(row.variable_name);
   for (const StandardName& standard : kStandardNames) names.emplace_back(standard.name);
+  for (const StandardName& each : kShortNames) names.emplace_back(each.name);
   return suggestion(name, names);
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/axis_bank.hpp"
 
+#include "drive/block.hpp"
+#include "drive/demand.hpp"
 #include "drive/objects.hpp"
 #include "drive/power.hpp"
 #include "drive/registers.hpp"
@@ -9,7 +11,7 @@
 #include "plant/servo_design.hpp"
 #include "torque_limit.hpp"
 #include "vdrive/assert.hpp"
-#include "vdrive/number_text.hpp"
+#include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/plant/model_parameters.hpp"
 #include "vdrive/status_digest.hpp"
 
@@ -87,12 +89,30 @@ struct ParameterPool {
 };
 
 struct Block {
-  ServoState servo{};
+  BlockState state{};
   Coupling coupling = Coupling::rigid;
   std::uint32_t pool_index = 0;
   std::uint32_t count = 0;
+  bool has_play = false;
   std::array<std::uint32_t, kLanes> axes{};
 };
+
+/// Blocks of one coupling that are stepped side by side.
+struct Batch {
+  std::size_t first = 0;
+  std::size_t count = 0;  // 1 to kInterleavedBlocks
+};
+
+/// Lanes of a block in a tick.
+struct TickLanes {
+  std::uint64_t steady = 0;  // nothing goes on but the motion, at the start of the tick
+  std::uint64_t across = 0;  // the tick crosses a border between two segments
+};
+
+template <typename Visit>
+void for_each_lane(std::uint64_t lanes, Visit visit) {
+  for (; lanes != 0; lanes &= lanes - 1U) visit(static_cast<std::size_t>(std::countr_zero(lanes)));
+}
 
 struct Place {
   std::uint32_t block = 0;
@@ -108,7 +128,7 @@ struct ParameterMemory {
 
 static_assert(kStoredCount <= 64);
 static_assert(std::is_trivially_copyable_v<ParameterMemory>);
-static_assert(std::is_trivially_copyable_v<ServoState>);
+static_assert(std::is_trivially_copyable_v<BlockState>);
 static_assert(std::is_trivially_copyable_v<DriveState>);
 static_assert(std::is_trivially_copyable_v<DriveRegisters>);
 static_assert(std::is_trivially_copyable_v<AxisStatus>);
@@ -131,7 +151,7 @@ struct AxisBank::State {
     const std::size_t slot = block * kLanes + lane;
     return {drive_states[slot],
             drive_registers[slot],
-            blocks[block].servo,
+            blocks[block].state,
             lane,
             statuses[blocks[block].axes[lane]],
             timing};
@@ -140,6 +160,13 @@ struct AxisBank::State {
   [[nodiscard]] Drive drive(std::size_t axis) {
     ensure(axis < places.size(), "the axis is one of the bank's");
     return drive(places[axis].block, places[axis].lane);
+  }
+
+  /// @return the axis for a change from outside: its next tick looks at all of it.
+  [[nodiscard]] Drive changed_drive(std::size_t axis) {
+    ensure(axis < places.size(), "the axis is one of the bank's");
+    blocks[places[axis].block].state.steady.lanes &= ~(std::uint64_t{1} << places[axis].lane);
+    return drive(axis);
   }
 
   /// Shows each array of plain data that is state, in a fixed order, to `visit(first, count)`; what
@@ -161,16 +188,29 @@ struct AxisBank::State {
   AbortCode write(std::size_t axis, ObjectRow row, std::int64_t value);
   void apply_gear(std::size_t axis);
   void apply_torques(std::size_t axis);
-  void step_block(std::size_t block, DemandBlock& demand);
+
+  /// What the axes of a block do before the servo step.
+  TickLanes begin_block(std::size_t block);
+
+  /// Puts the segments that hold at `substep` into the lanes that cross a border.
+  /// @return the sub-step up to which all of them hold.
+  std::size_t cross_segments(const Batch& batch, std::size_t substep,
+                             std::span<const TickLanes> lanes);
+
+  /// What the axes of a block do after the servo step.
+  void end_block(std::size_t block, const TickLanes& lanes);
+
+  template <typename Parameters>
+  void step_batch(const ParameterPool<Parameters>& pool, const Batch& batch);
+  void step_blocks(std::size_t first, std::size_t last);
 };
 
 namespace {
 
 [[noreturn]] void refuse(std::size_t axis, const char* kind, const InitialValue& refused) {
   throw std::invalid_argument("axis " + std::to_string(axis) + ": " + kind + " value " +
-                              std::to_string(refused.value) + " of object " +
-                              hex(refused.address.index, 4) + ":" +
-                              std::to_string(refused.address.subindex) + " is refused");
+                              std::to_string(refused.value) + " of " +
+                              object_text(refused.address) + " is refused");
 }
 
 Gear gear_of(const DriveRegisters& registers) {
@@ -209,12 +249,14 @@ void AxisBank::State::place_axes(Coupling coupling) {
 }
 
 void AxisBank::State::design_blocks() {
-  for (const Block& block : blocks) {
+  for (Block& block : blocks) {
     ensure(block.count > 0, "a block has an axis");
     RigidParameters rigid_set{};
     ElasticParameters elastic_set{};
+    block.state.servo.powered.fill(1.0);
+    block.state.servo.closes_position.fill(1.0);
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      // Lanes without an axis compute a copy of the first one, without power.
+      // Lanes without an axis compute a copy of the first one, which stands still at 0.
       const std::uint32_t axis = block.axes[lane < block.count ? lane : 0];
       const AxisModel& model = configurations[axis].model;
       if (block.coupling == Coupling::rigid) {
@@ -226,6 +268,9 @@ void AxisBank::State::design_blocks() {
     if (block.coupling == Coupling::rigid) {
       rigid.add_block(rigid_set);
     } else {
+      block.has_play = std::ranges::any_of(elastic_set.half_backlash, [](double play) {
+        return play != 0.0;
+      });
       elastic.add_block(elastic_set);
     }
   }
@@ -238,7 +283,7 @@ void AxisBank::State::start_axis(std::size_t axis) {
   const auto position = static_cast<double>(configurations[axis].initial_position);
   ServoState& servo = drive.servo();
   for (Lane* lane : {&servo.position, &servo.measured, &servo.motor_reading, &servo.load_position,
-                     &servo.load_measured, &servo.load_reading}) {
+                     &servo.load_reading}) {
     (*lane)[drive.lane()] = position;
   }
   drive.registers().settings = configurations[axis].settings;
@@ -299,7 +344,7 @@ const InitialValue* AxisBank::State::set_initial_values(std::size_t axis) {
 }
 
 AbortCode AxisBank::State::write(std::size_t axis, ObjectRow row, std::int64_t value) {
-  Drive drive = this->drive(axis);
+  Drive drive = changed_drive(axis);
   if (const AbortCode code = write_object(drive, row, value); code != AbortCode::none) return code;
   const Change change = describe(row).change;
   if (change == Change::gear) {
@@ -341,8 +386,9 @@ void AxisBank::State::apply_torques(std::size_t axis) {
   const auto value = [&registers](ObjectRow row) {
     return static_cast<double>(registers.values[row]);
   };
-  drive.state().units.torque_per_mille = unit / (value("motor_rated_torque"_object) * 1.0e-6);
-  drive.state().units.current_per_mille =
+  UnitBlock& units = drive.block().units;
+  units.torque_per_mille[drive.lane()] = unit / (value("motor_rated_torque"_object) * 1.0e-6);
+  units.current_per_mille[drive.lane()] =
       unit / model.torque_constant / (value("motor_rated_current"_object) * 1.0e-6);
   drive.servo().load_torque[drive.lane()] =
       value("test_load_torque"_object) * 1.0e-3 * load_torque_factor(model, gear);
@@ -365,45 +411,95 @@ void AxisBank::State::apply_torques(std::size_t axis) {
   }
 }
 
-void AxisBank::State::step_block(std::size_t block_index, DemandBlock& demand) {
-  ensure(block_index < blocks.size(), "the block is one of the bank's");
+TickLanes AxisBank::State::begin_block(std::size_t block_index) {
   Block& block = blocks[block_index];
   ensure(block.count > 0, "a block has an axis");
-  for (std::size_t lane = block.count; lane < kLanes; ++lane) {
-    demand.position[lane] = 0.0;
-    demand.velocity[lane] = 0.0;
-    demand.acceleration[lane] = 0.0;
-    demand.reference_time[lane] = 0.0;
-    demand.first_substep[lane] = 0.0;
-  }
-  std::uint32_t across = 0;
-  bool general = false;
-  for (std::size_t lane = 0; lane < block.count; ++lane) {
+  const DemandBlock& demand = block.state.demand;
+  const std::uint64_t all = (std::uint64_t{1} << block.count) - 1U;
+  TickLanes lanes{.steady = block.state.steady.lanes & ~lanes_out_of_frame(demand) & all};
+  for_each_lane(all & ~lanes.steady, [this, block_index](std::size_t lane) {
     Drive drive = this->drive(block_index, lane);
-    const TickStart start = begin_tick(drive, demand);
-    across |= (start.across ? 1U : 0U) << lane;
-    general = general || start.general;
+    begin_tick(drive);
+  });
+  lanes.across = lanes_across(demand, timing) & all;
+  return lanes;
+}
+
+std::size_t AxisBank::State::cross_segments(const Batch& batch, std::size_t substep,
+                                            std::span<const TickLanes> lanes) {
+  std::size_t last = timing.substeps;
+  for (std::size_t i = 0; i < batch.count; ++i) {
+    for_each_lane(lanes[i].across, [&](std::size_t lane) {
+      Drive drive = this->drive(batch.first + i, lane);
+      last = std::min(last, vdrive::cross_segments(drive, substep));
+    });
   }
-  sample_demand(demand, timing.substeps, timing.substep);
-  for (std::size_t lane = 0; across != 0; ++lane, across >>= 1U) {
-    if ((across & 1U) != 0) sample_across(drive(block_index, lane), demand);
-  }
-  if (block.coupling == Coupling::rigid) {
-    const auto step = general ? step_rigid_general : step_rigid;
-    step(rigid.get(block.pool_index), demand, block.servo, timing.substeps, timing.substep);
-  } else {
-    const auto step = general ? step_elastic_general : step_elastic;
-    step(elastic.get(block.pool_index), demand, block.servo, timing.substeps, timing.substep);
-  }
-  for (std::size_t lane = 0; lane < block.count; ++lane) {
+  return last;
+}
+
+void AxisBank::State::end_block(std::size_t block_index, const TickLanes& lanes) {
+  Block& block = blocks[block_index];
+  const std::uint64_t steady = end_steady_tick(block.state, lanes.steady, timing);
+  const std::uint64_t others = ((std::uint64_t{1} << block.count) - 1U) & ~steady;
+  for_each_lane(others, [this, block_index](std::size_t lane) {
     Drive drive = this->drive(block_index, lane);
-    end_tick(drive);
+    watch_tick(drive);
+  });
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): filled by the next statement
+  NumberBlock numbers;
+  round_numbers(block.state, numbers);
+  for_each_lane(steady, [&](std::size_t lane) {
+    show_numbers(numbers, lane, statuses[block.axes[lane]]);
+  });
+  for_each_lane(others, [&](std::size_t lane) {
+    Drive drive = this->drive(block_index, lane);
+    end_tick(drive, numbers);
+  });
+}
+
+template <typename Parameters>
+void AxisBank::State::step_batch(const ParameterPool<Parameters>& pool, const Batch& batch) {
+  std::array<ServoBlock<Parameters>, kInterleavedBlocks> servo_blocks{};
+  std::array<TickLanes, kInterleavedBlocks> lanes{};
+  ServoFeatures features;
+  std::uint64_t across = 0;
+  for (std::size_t i = 0; i < batch.count; ++i) {
+    Block& block = blocks[batch.first + i];
+    lanes[i] = begin_block(batch.first + i);
+    across |= lanes[i].across;
+    features.general = features.general || !is_plain(block.state.servo);
+    features.play = features.play || block.has_play;
+    servo_blocks[i] = {&pool.get(block.pool_index), &block.state.demand, &block.state.servo};
+  }
+  const std::span<const ServoBlock<Parameters>> work(servo_blocks.data(), batch.count);
+  for (std::size_t first = 0; first < timing.substeps;) {
+    const std::size_t last = across == 0 ? timing.substeps : cross_segments(batch, first, lanes);
+    step_servo(work, {first, last, static_cast<double>(timing.substeps), timing.substep}, features);
+    first = last;
+  }
+  for (std::size_t i = 0; i < batch.count; ++i) end_block(batch.first + i, lanes[i]);
+}
+
+void AxisBank::State::step_blocks(std::size_t first, std::size_t last) {
+  while (first < last) {
+    const Coupling coupling = blocks[first].coupling;
+    Batch batch{.first = first, .count = 1};
+    while (batch.count < kInterleavedBlocks && first + batch.count < last &&
+           blocks[first + batch.count].coupling == coupling) {
+      ++batch.count;
+    }
+    if (coupling == Coupling::rigid) {
+      step_batch(rigid, batch);
+    } else {
+      step_batch(elastic, batch);
+    }
+    first += batch.count;
   }
 }
 
 template <typename Visit>
 void AxisBank::State::for_each_part(Visit visit) {
-  for (Block& block : blocks) visit(&block.servo, 1);
+  for (Block& block : blocks) visit(&block.state, 1);
   visit(rigid.sets.data(), rigid.sets.size());
   visit(rigid.in_use.data(), rigid.in_use.size());
   visit(elastic.sets.data(), elastic.sets.size());
@@ -497,9 +593,7 @@ std::size_t AxisBank::group_count() const noexcept {
 
 void AxisBank::step_groups(std::size_t first, std::size_t last) noexcept {
   ensure(first <= last && last <= state_->blocks.size(), "the groups are the bank's");
-  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): each block fills what it reads
-  DemandBlock demand;
-  for (std::size_t block = first; block < last; ++block) state_->step_block(block, demand);
+  state_->step_blocks(first, last);
 }
 
 const AxisStatus& AxisBank::status(std::size_t axis) const noexcept {
@@ -521,7 +615,7 @@ std::uint32_t AxisBank::ignored_set_points(std::size_t axis) const noexcept {
 
 // NOLINTNEXTLINE(bugprone-exception-escape): the matrices have fixed sizes, nothing allocates
 void AxisBank::power_cycle(std::size_t axis) noexcept {
-  Drive drive = state_->drive(axis);
+  Drive drive = state_->changed_drive(axis);
   power_up(drive, false);
   static_cast<void>(state_->set_initial_values(axis));
   show(drive);
@@ -553,7 +647,7 @@ void AxisBank::forget_stored(std::size_t axis) noexcept {
 }
 
 void AxisBank::report_connection_loss(std::size_t axis) noexcept {
-  Drive drive = state_->drive(axis);
+  Drive drive = state_->changed_drive(axis);
   lose_connection(drive);
 }
 
@@ -585,12 +679,12 @@ void AxisBank::save(Snapshot& snapshot) const {
 
 std::uint64_t AxisBank::snapshot_layout() noexcept {
   // Counted up by hand when a member changes its meaning while every size stays as it is.
-  constexpr std::uint64_t kVersion = 2;
+  constexpr std::uint64_t kVersion = 3;
   constexpr std::uint64_t kPrime = 1099511628211ULL;  // FNV-1a over words
   std::uint64_t layout = 14695981039346656037ULL;
   for (const std::uint64_t part :
        {kVersion, std::uint64_t{kObjectCount}, std::uint64_t{kLanes},
-        std::uint64_t{sizeof(ServoState)}, std::uint64_t{sizeof(RigidParameters)},
+        std::uint64_t{sizeof(BlockState)}, std::uint64_t{sizeof(RigidParameters)},
         std::uint64_t{sizeof(ElasticParameters)}, std::uint64_t{sizeof(DriveState)},
         std::uint64_t{sizeof(DriveRegisters)}, std::uint64_t{sizeof(AxisStatus)},
         std::uint64_t{sizeof(ParameterMemory)},

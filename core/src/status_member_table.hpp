@@ -21,11 +21,26 @@ void set_status_member(AxisStatus& status, std::int64_t value) noexcept {
   status.*kMember = static_cast<std::remove_reference_t<decltype(status.*kMember)>>(value);
 }
 
+template <typename Number>
+constexpr DataType data_type_of() noexcept {
+  constexpr bool kIsSigned = std::is_signed_v<Number>;
+  switch (sizeof(Number)) {
+    case 1:
+      return kIsSigned ? DataType::integer8 : DataType::unsigned8;
+    case 2:
+      return kIsSigned ? DataType::integer16 : DataType::unsigned16;
+    default:
+      static_assert(sizeof(Number) <= 4, "the dictionary has no longer type");
+      return kIsSigned ? DataType::integer32 : DataType::unsigned32;
+  }
+}
+
 template <auto kMember>
 constexpr StatusMember status_member(std::string_view name, bool is_published = true) {
   const auto row = find_object(name);
   return {.name = name,
           .address = row ? describe(*row).address : ObjectAddress{},
+          .data_type = data_type_of<std::remove_cvref_t<decltype(AxisStatus{}.*kMember)>>(),
           .is_published = is_published,
           .value = get_status_member<kMember>,
           .set = set_status_member<kMember>};

@@ -2,7 +2,6 @@
 #include "vdrive/wire/codec.hpp"
 
 #include "bounds.hpp"
-#include "status_members.hpp"
 
 #include <fastcdr/Cdr.h>
 #include <fastcdr/FastBuffer.h>
@@ -11,17 +10,10 @@
 #include <bit>
 #include <concepts>
 #include <cstring>
-#include <type_traits>
 #include <utility>
 
 namespace vdrive::wire {
 namespace {
-
-static_assert(std::endian::native == std::endian::little,
-              "status samples are copied as they stand in memory and announced as CDR_LE");
-
-constexpr std::array<std::byte, kEncapsulation> kLittleEndian{std::byte{0}, std::byte{1},
-                                                              std::byte{0}, std::byte{0}};
 
 /// Reads plain CDR of either byte order. After the first failure every value is 0.
 class CdrReader {
@@ -73,73 +65,6 @@ void read_command(CdrReader& reader, msg::AxisCommand& command) {
   command.profile_acc(reader.next<std::uint32_t>());
   command.profile_dec(reader.next<std::uint32_t>());
   command.positioning_option_code(reader.next<std::uint16_t>());
-}
-
-/// Where the next number of a sample lies, behind the encapsulation.
-constexpr std::size_t aligned(std::size_t position, std::size_t size) noexcept {
-  return (position + size - 1) / size * size;
-}
-
-/// Calls `put(value)` for each member of an AxisStatus, in the order of the IDL.
-template <typename Put>
-constexpr void for_each_value(const AxisStatus& status, const AxisAddress& address,
-                              std::uint64_t tick, const Ownership& owner, const Put& put) {
-  put(address.bench);
-  put(address.axis);
-  put(tick);
-  put(owner.session);
-  put(owner.epoch);
-  put(owner.last_sequence);
-  for_each_status_member([&](auto member, const auto& /*in_message*/) {
-    put(status.*member);
-  });
-}
-
-/// @return bytes of an AxisStatus that begins at `start`, of which only the remainder by 8 counts.
-constexpr std::size_t status_size(std::size_t start) noexcept {
-  std::size_t position = start;
-  for_each_value({}, {}, 0, {}, [&position](auto value) {
-    position = aligned(position, sizeof value) + sizeof value;
-  });
-  return position - start;
-}
-
-// The first axis of a frame begins at a multiple of 8. It ends 4 bytes behind one, and so does
-// every further axis.
-constexpr std::size_t kFirstStatus = status_size(0);
-constexpr std::size_t kFurtherStatus = status_size(kFirstStatus);
-static_assert(kFirstStatus == 108 && kFurtherStatus == 112);
-static_assert(kEncapsulation + kFirstStatus == kAxisStatusSize);
-static_assert((kFirstStatus + kFurtherStatus) % 8 == kFirstStatus % 8);
-
-struct FrameLayout {
-  std::uint32_t bench;
-  std::uint32_t gap_before_incarnation;
-  std::uint64_t incarnation;
-  std::uint64_t tick;
-  std::int64_t time_ns;
-  std::uint16_t part;
-  std::uint16_t parts;
-  std::uint32_t axes;  ///< length of the sequence
-};
-
-static_assert(sizeof(FrameLayout) == 40 && std::is_trivially_copyable_v<FrameLayout>);
-
-/// Writes an AxisStatus that begins at a position with the remainder `kStart` by 8.
-/// @return the place behind it.
-template <std::size_t kStart>
-std::byte* put_status(const AxisStatus& status, const AxisAddress& address, std::uint64_t tick,
-                      const Ownership& owner, std::byte* place) noexcept {
-  // Straight to its place: a copy of what was just written in small pieces would have to wait.
-  std::size_t position = kStart % 8;
-  std::byte* const origin = place - position;
-  for_each_value(status, address, tick, owner, [&](auto value) {
-    const std::size_t begin = aligned(position, sizeof value);
-    std::memset(origin + position, 0, begin - position);
-    std::memcpy(origin + begin, &value, sizeof value);
-    position = begin + sizeof value;
-  });
-  return origin + position;
 }
 
 }  // namespace
@@ -275,46 +200,6 @@ Decoding CommandDecoder::decode(std::span<const std::byte> sample, msg::Request&
     object.value(reader.next<std::int64_t>());
   }
   return reader.is_good() ? Decoding::good : Decoding::malformed;
-}
-
-std::size_t encoded_status_frame_size(std::size_t axes) noexcept {
-  const std::size_t of_axes = axes == 0 ? 0 : kFirstStatus + (axes - 1) * kFurtherStatus;
-  return kEncapsulation + sizeof(FrameLayout) + of_axes;
-}
-
-std::size_t encode_status_frame(const StatusFrameHead& head, const AxesAfterTick& axes,
-                                std::span<std::byte> output) noexcept {
-  const std::size_t count = axes.status.size();
-  const std::size_t size = encoded_status_frame_size(count);
-  if (output.size() < size) return 0;
-  const FrameLayout frame{.bench = head.bench,
-                          .gap_before_incarnation = 0,
-                          .incarnation = head.incarnation,
-                          .tick = head.tick,
-                          .time_ns = head.time_ns,
-                          .part = head.part,
-                          .parts = head.parts,
-                          .axes = static_cast<std::uint32_t>(count)};
-  std::byte* place = output.data();
-  std::memcpy(place, kLittleEndian.data(), kEncapsulation);
-  place += kEncapsulation;
-  std::memcpy(place, &frame, sizeof frame);
-  place += sizeof frame;
-  for (std::size_t axis = 0; axis < count; ++axis) {
-    const auto put = axis == 0 ? put_status<0> : put_status<kFirstStatus>;
-    place = put(axes.status[axis], {head.bench, axes.numbers[axis]}, head.tick, axes.owners[axis],
-                place);
-  }
-  return size;
-}
-
-std::size_t encode_axis_status(const AxisStatus& status, const AxisAddress& address,
-                               std::uint64_t tick, const Ownership& owner,
-                               std::span<std::byte> output) noexcept {
-  if (output.size() < kAxisStatusSize) return 0;
-  std::memcpy(output.data(), kLittleEndian.data(), kEncapsulation);
-  put_status<0>(status, address, tick, owner, &output[kEncapsulation]);
-  return kAxisStatusSize;
 }
 
 template std::size_t encoded_size(const msg::CommandFrame&);

@@ -178,6 +178,22 @@ ClockMode clock_mode_of(std::uint32_t code) noexcept {
   return mode == kClockModes.end() ? ClockMode::realtime : *mode;
 }
 
+void to_message(const Unit& unit, msg::AxisDescription& message) {
+  message.unit_kind(unit.kind == UnitKind::rotary ? msg::UNIT_ROTARY : msg::UNIT_LINEAR);
+  message.unit_name(unit.name);
+  message.unit_size(unit.size);
+}
+
+Unit unit_of(const msg::AxisDescription& message) {
+  const bool is_known =
+      message.unit_kind() == msg::UNIT_ROTARY || message.unit_kind() == msg::UNIT_LINEAR;
+  const Unit unit{
+      .kind = message.unit_kind() == msg::UNIT_LINEAR ? UnitKind::linear : UnitKind::rotary,
+      .name = message.unit_name().to_string(),
+      .size = message.unit_size()};
+  return is_known && is_usable(unit) ? unit : Unit();
+}
+
 std::string describe_reason(std::uint32_t reason) {
   for (const auto& [code, words] : kReasons) {
     if (code == reason) return std::string(words);

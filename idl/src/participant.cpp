@@ -113,7 +113,7 @@ std::optional<rtps::Locator_t> server_locator(std::string_view text) {
   return locator;
 }
 
-/// With servers nobody is asked by multicast. A client is told what matches its own endpoints,
+/// With servers there is no multicast. A server reports to a client what matches its own endpoints,
 /// which is all that any part of vdrive looks for.
 void add_discovery_servers(const NetworkSettings& settings, dds::DomainParticipantQos& qos) {
   if (settings.discovery_servers.empty()) return;

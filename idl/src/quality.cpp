@@ -34,6 +34,13 @@ dds::DataWriterQos writer_qos(const TopicTraits& topic) {
   dds::DataWriterQos qos;
   apply(topic, qos);
   if (topic.writer_keeps_newest) qos.history().kind = dds::KEEP_LAST_HISTORY_QOS;
+  if (!topic.reliable) {
+    // Nobody can ask for a sample that was sent. The next one takes its memory, which the caches of
+    // the processor still have.
+    qos.history().depth = 1;
+    qos.resource_limits().max_samples_per_instance = 1;
+    qos.resource_limits().max_samples = topic.instances;
+  }
   qos.publish_mode().kind = dds::SYNCHRONOUS_PUBLISH_MODE;
   qos.writer_data_lifecycle().autodispose_unregistered_instances = false;
   // Room for what a sample needs, kept for the next one: no allocation once warm, and none of the

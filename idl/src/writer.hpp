@@ -40,7 +40,7 @@ class Writer final : public eprosima::fastdds::dds::DataWriterListener {
   eprosima::fastdds::dds::Publisher* publisher_ = nullptr;
   eprosima::fastdds::dds::DataWriter* writer_ = nullptr;
   Matches matches_;
-  std::mutex observing_;  ///< the newest list is told last
+  std::mutex observing_;  ///< the newest list is reported last
   std::function<void(const std::vector<Source>&)> observer_;
 };
 

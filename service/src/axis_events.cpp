@@ -4,11 +4,6 @@
 #include "vdrive/cia402/statusword.hpp"
 
 namespace vdrive::service {
-namespace {
-
-constexpr std::uint16_t kStateBits = 0x006F;
-
-}  // namespace
 
 AxisEvents::AxisEvents(const BenchAxes& axes, const Masters& masters, FrameSchedule& schedule,
                        BenchEvents& events, Counters& counters)
@@ -27,7 +22,7 @@ void AxisEvents::report_changes() {
   for (std::size_t axis = 0; axis < seen_.size(); ++axis) {
     const AxisStatus& status = axes_.bank().status(axis);
     Seen& seen = seen_[axis];
-    if (((status.ds402_statusword ^ seen.statusword) & kStateBits) != 0) {
+    if (((status.ds402_statusword ^ seen.statusword) & Statusword::kState) != 0) {
       report_state(axis, status, seen);
     }
     if (status.fault_count != seen.fault_count) report_faults(axis, status, seen);

@@ -13,7 +13,6 @@ namespace {
 using namespace vdrive::literals;
 
 constexpr std::uint32_t kLocalControl = wire_code(AbortCode::refused_local_control);
-constexpr std::uint16_t kQuickStopCommand = Controlword::kEnableVoltage;
 
 msg::ObjectResult& add_result(const msg::ObjectAccess& object, std::uint32_t code,
                               msg::Reply& reply) {
@@ -117,12 +116,12 @@ std::uint32_t AxisRequests::write_object(const msg::ObjectAccess& object, std::u
 /// A halt sets bit 8 and leaves the other bits of the controlword as they are: the set-point and
 /// its handshake with the owner stay.
 std::uint32_t AxisRequests::stop_axis(std::size_t axis, bool by_halt, std::uint64_t session) {
-  constexpr ObjectRow kControlword = "ds402_controlword"_object;
-  const auto present = static_cast<std::uint16_t>(axes_.bank().read(axis, kControlword).value);
+  const auto present =
+      static_cast<std::uint16_t>(axes_.bank().read(axis, "ds402_controlword"_object).value);
   const auto halted = static_cast<std::uint16_t>(present | Controlword::kHalt);
-  const std::uint16_t word = by_halt ? halted : kQuickStopCommand;
+  const std::uint16_t word = by_halt ? halted : controlwords::kQuickStop;
   if (word == present) return wire_code(AbortCode::none);
-  const AbortCode code = writer_.write(axis, kControlword, word);
+  const AbortCode code = writer_.write(axis, "ds402_controlword"_object, word);
   if (code != AbortCode::none) return wire_code(code);
   schedule_.cancel_of_axis(axes_.number_of(axis));
   const std::uint64_t owner = masters_.owner(axis).session;

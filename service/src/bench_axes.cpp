@@ -2,16 +2,11 @@
 #include "bench_axes.hpp"
 
 namespace vdrive::service {
-namespace {
-
-constexpr std::size_t kNumbers = 65'536;
-
-}  // namespace
 
 BenchAxes::BenchAxes(const Configuration& configuration)
     : bank_(bank_axes(configuration), configuration.period),
       pool_(bank_, configuration.threads),
-      indices_(kNumbers, static_cast<std::uint16_t>(kMaxAxes)),
+      indices_(kAxisNumbers, static_cast<std::uint16_t>(kMaxAxes)),
       changed_(configuration.axes.size()) {
   for (const auto& axis : configuration.axes) {
     indices_[axis.number] = static_cast<std::uint16_t>(numbers_.size());

@@ -7,7 +7,6 @@
 #include "confinement.hpp"
 #include "journal.hpp"
 #include "library_log_sink.hpp"
-#include "limit_warnings.hpp"
 #include "log.hpp"
 #include "parameter_store.hpp"
 #include "replay.hpp"
@@ -345,7 +344,7 @@ int carry_out(const Arguments& arguments) {
     if (!network.security.empty()) {
       static_cast<void>(wire::check_security(network.security, network.domain));
     }
-    for (const std::string& warning : configuration_warnings(*arguments.check)) {
+    for (const std::string& warning : loop_warnings(*arguments.check)) {
       std::cerr << "vdrived: warning: " << warning << '\n';
     }
     for (const std::string& warning : limit_warnings(configuration)) {

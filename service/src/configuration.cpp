@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "configuration.hpp"
 
+#include "unit_settings.hpp"
 #include "vdrive/axis_bank.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/standard_names.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/plant/model_parameters.hpp"
 #include "vdrive/text.hpp"
@@ -38,9 +40,9 @@ struct ParsedAxes {
   std::map<std::uint16_t, YamlValue> places;  ///< by axis number
 };
 
-/// @return the row that `key` names: a variable_name, 0x607D:1 or 0x6081.
+/// @return the row that `key` names: a variable_name, the standard's name, 0x607D:1 or 0x6081.
 std::optional<ObjectRow> find_row(const std::string& key) {
-  if (const auto row = find_object(std::string_view(key))) return row;
+  if (const auto row = find_named(key)) return row;
   const auto colon = key.find(':');
   const auto index = parse_integer(key.substr(0, colon));
   const auto subindex = colon == std::string::npos ? std::optional<std::int64_t>(0)
@@ -289,9 +291,14 @@ void read_parameters(const YamlValue& value, std::vector<InitialValue>& paramete
     if (const AbortCode code = check_write(*row, number); code != AbortCode::none) {
       entry.refuse(std::string(describe(code)));
     }
-    parameters.push_back({object.address, number});
     values.erase(object.address);  // of two spellings of an object the last one counts
     values.emplace(object.address, PlacedValue{number, entry});
+    const auto known = std::ranges::find(parameters, object.address, &InitialValue::address);
+    if (known == parameters.end()) {
+      parameters.push_back({object.address, number});
+    } else {
+      known->value = number;
+    }
   });
   check_software_limits(values);
 }
@@ -299,13 +306,15 @@ void read_parameters(const YamlValue& value, std::vector<InitialValue>& paramete
 NamedAxis read_axis(const YamlValue& value) {
   NamedAxis axis;
   value.for_each_entry(
-      {"number", "name", "initial_position", "settings", "model", "parameters"},
+      {"number", "name", "unit", "initial_position", "settings", "model", "parameters"},
       [&](const auto& key, const YamlValue& entry) {
         auto& configuration = axis.configuration;
         if (key == "number") {
           axis.number = static_cast<std::uint16_t>(entry.integer({1, kHighestAxisNumber, ""}));
         } else if (key == "name") {
           axis.name = checked_name(entry, true);
+        } else if (key == "unit") {
+          axis.unit = read_unit(entry);
         } else if (key == "initial_position") {
           configuration.initial_position = static_cast<std::int32_t>(
               entry.integer({std::numeric_limits<std::int32_t>::min(),
@@ -435,6 +444,7 @@ std::string comment_on(ObjectRow row) {
 void write_axis(YAML::Emitter& out, const NamedAxis& axis) {
   out << YAML::BeginMap << YAML::Key << "number" << YAML::Value << axis.number;
   out << YAML::Key << "name" << YAML::Value << axis.name;
+  write_unit(out, axis.unit);
   out << YAML::Key << "initial_position" << YAML::Value << axis.configuration.initial_position;
   write_settings(out, axis.configuration.settings);
   write_model(out, axis.configuration.model);

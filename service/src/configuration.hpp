@@ -4,6 +4,7 @@
 #include "tick_clock.hpp"
 #include "vdrive/axis_configuration.hpp"
 #include "vdrive/clock_mode.hpp"
+#include "vdrive/unit.hpp"
 #include "vdrive/wire/participant.hpp"
 
 #include <chrono>
@@ -22,6 +23,9 @@ using vdrive::ClockMode;
 using vdrive::to_string;
 
 inline constexpr std::size_t kMaxAxes = 16'384;
+
+/// How many numbers an axis may have: 0 is none.
+inline constexpr std::size_t kAxisNumbers = 65'536;
 inline constexpr std::uint32_t kMaxBench = 65'535;
 inline constexpr std::size_t kMaxNameLength = 64;
 inline constexpr std::uint32_t kMaxThreads = 64;
@@ -35,6 +39,7 @@ inline constexpr std::chrono::milliseconds kLongestWatchdog{10'000};
 struct NamedAxis {
   std::uint16_t number = 0;  ///< on its bench, from 1
   std::string name;
+  Unit unit;  ///< of its user units, for programs and people; the drive does not use it
   AxisConfiguration configuration;
 };
 

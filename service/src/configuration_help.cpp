@@ -61,6 +61,20 @@ constexpr std::array kKeys{
                      "1 to 65535, unique on the bench. Default: none, each axis needs it."},
     ConfigurationKey{"axes[].name",
                      "Unique, no blanks, no digit first. Default: axis and its number."},
+    ConfigurationKey{
+        "axes[].unit.kind",
+        "What the user units of the axis are: rotary (parts of a revolution) or linear "
+        "(parts of a length). Programs convert; the drive does not use it."},
+    ConfigurationKey{
+        "axes[].unit.name",
+        "In which positions are shown. rotary: deg, rad or rev; linear: letters, such "
+        "as mm, at most 16 bytes; the key is needed. m, cm, mm and um follow from each "
+        "other."},
+    ConfigurationKey{"axes[].unit.per_revolution",
+                     "rotary: user units in a revolution of the load, 1e-06 to 1e+09."},
+    ConfigurationKey{"axes[].unit.per_unit",
+                     "linear: user units in one unit, 1e-06 to 1e+09. Default: none, a linear axis "
+                     "needs it."},
     ConfigurationKey{"axes[].initial_position", "At the first power-up, in user units."},
     ConfigurationKey{"axes[].settings.acknowledge_while_halted",
                      "false: no set-point is taken while bit 8 of the controlword is 1."},
@@ -79,7 +93,8 @@ constexpr std::array kKeys{
                      "load (dual_encoder)."},
     ConfigurationKey{"axes[].parameters",
                      "Map of objects to the values that they have from power-up on, by "
-                     "variable_name or address, such as profile_velocity: 68267 and \"0x607D:1\": "
+                     "variable_name, name in CiA 402 or address, such as profile_velocity: 68267 "
+                     "and \"0x607D:1\": "
                      "-100000. The gear is load turns over motor turns: gear_ratio_numerator: 1 "
                      "with gear_ratio_denominator: 10 is a gear that reduces ten to one."},
 };

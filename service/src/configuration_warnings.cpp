@@ -1,19 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "configuration_warnings.hpp"
 
-#include "configuration.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/plant/loop_report.hpp"
+#include "vdrive/text.hpp"
 #include "yaml_reader.hpp"
 
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iomanip>
+#include <optional>
 #include <sstream>
 
 namespace vdrive::service {
 namespace {
+
+using namespace vdrive::literals;
 
 /// An oscillation that lasts longer is seen as ringing [s].
 constexpr double kLongestRinging = 0.25;
@@ -22,7 +27,7 @@ constexpr double kLongestRinging = 0.25;
 constexpr double kLeastBandwidth = 0.5;
 
 /// @return three digits that count, or a whole number.
-std::string rounded(double value) {
+std::string three_digits(double value) {
   constexpr double kLeastWhole = 1'000.0;
   std::ostringstream text;
   if (value >= kLeastWhole) {
@@ -41,33 +46,35 @@ void add(std::string& findings, const std::string& finding) {
 std::string findings_of(const LoopReport& report, const AxisModel& model) {
   std::string findings;
   if (std::isinf(report.ringing_time)) {
-    add(findings, "the axis oscillates at " + rounded(report.ringing) + " Hz, growing");
+    add(findings, "the axis oscillates at " + three_digits(report.ringing) + " Hz, growing");
   } else if (report.ringing_time > kLongestRinging) {
-    add(findings, "the axis rings at " + rounded(report.ringing) + " Hz for " +
-                      rounded(report.ringing_time) + " s");
+    add(findings, "the axis rings at " + three_digits(report.ringing) + " Hz for " +
+                      three_digits(report.ringing_time) + " s");
   }
   if (report.velocity_bandwidth < kLeastBandwidth * model.velocity_loop_bandwidth) {
-    add(findings, "the velocity loop reaches " + rounded(report.velocity_bandwidth) + " Hz of " +
-                      rounded(model.velocity_loop_bandwidth) + " Hz, the position loop " +
-                      rounded(report.position_bandwidth) + " Hz of " +
-                      rounded(model.position_loop_bandwidth) + " Hz");
+    add(findings, "the velocity loop reaches " + three_digits(report.velocity_bandwidth) +
+                      " Hz of " + three_digits(model.velocity_loop_bandwidth) +
+                      " Hz, the position loop " + three_digits(report.position_bandwidth) +
+                      " Hz of " + three_digits(model.position_loop_bandwidth) + " Hz");
   }
   if (report.torque_needed > report.torque_limit) {
-    add(findings, "profile_acc and profile_dec need " + rounded(report.torque_needed) +
-                      " N.m at the motor, its limit is " + rounded(report.torque_limit) + " N.m");
+    add(findings, "profile_acc and profile_dec need " + three_digits(report.torque_needed) +
+                      " N.m at the motor, its limit is " + three_digits(report.torque_limit) +
+                      " N.m");
   }
   return findings;
 }
 
 /// @return the numbers behind the findings.
 std::string reasons_of(const LoopReport& report) {
-  std::string reasons =
-      "motor and load have " + rounded(report.inertia_ratio) + " times the inertia of the motor";
+  std::string reasons = "motor and load have " + three_digits(report.inertia_ratio) +
+                        " times the inertia of the motor";
   if (report.load_resonance > 0.0) {
-    reasons += ", the load's resonance on its shaft is " + rounded(report.load_resonance) + " Hz";
+    reasons +=
+        ", the load's resonance on its shaft is " + three_digits(report.load_resonance) + " Hz";
   }
   if (report.gear_ratio > 1.0) {
-    reasons += ", the load turns " + rounded(report.gear_ratio) +
+    reasons += ", the load turns " + three_digits(report.gear_ratio) +
                " times as fast as the motor (a gear that reduces has a gear_ratio_numerator below "
                "its gear_ratio_denominator)";
   }
@@ -84,9 +91,37 @@ void examine(const NamedAxis& axis, const Configuration& configuration, const Ya
                                    "): " + findings + "; " + reasons_of(report)));
 }
 
+/// @return the value that the configuration gives to an object, the last one if there are several.
+std::optional<std::int64_t> given(const AxisConfiguration& axis, ObjectRow row) {
+  const ObjectAddress address = describe(row).address;
+  const auto found = std::find_if(axis.parameters.rbegin(), axis.parameters.rend(),
+                                  [address](const InitialValue& parameter) {
+                                    return parameter.address == address;
+                                  });
+  return found == axis.parameters.rend() ? std::nullopt : std::optional(found->value);
+}
+
+void warn_of_limits_without_effect(const NamedAxis& axis, std::vector<std::string>& warnings) {
+  if (given(axis.configuration, "app_position_limit_switch"_object).value_or(0) != 0) return;
+  for (const ObjectRow row :
+       std::array{"user_position_lower_limit"_object, "user_position_upper_limit"_object}) {
+    const auto limit = given(axis.configuration, row);
+    if (!limit) continue;
+    warnings.push_back("axis " + std::to_string(axis.number) + " " + escaped(axis.name) + ": " +
+                       std::string(describe(row).variable_name) + " = " + std::to_string(*limit) +
+                       " has no effect: app_position_limit_switch (3535h) is 0");
+  }
+}
+
 }  // namespace
 
-std::vector<std::string> configuration_warnings(const std::filesystem::path& file) {
+std::vector<std::string> limit_warnings(const Configuration& configuration) {
+  std::vector<std::string> warnings;
+  for (const NamedAxis& axis : configuration.axes) warn_of_limits_without_effect(axis, warnings);
+  return warnings;
+}
+
+std::vector<std::string> loop_warnings(const std::filesystem::path& file) {
   const Configuration configuration = load_configuration(file);
   std::vector<std::string> warnings;
   const YAML::Node document = YAML::LoadFile(file.string());

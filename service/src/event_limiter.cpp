@@ -34,7 +34,7 @@ void EventLimiter::flush(std::chrono::nanoseconds now, std::vector<CountedEvent>
   std::erase_if(windows_, [&](const auto& entry) {
     const Window& window = entry.second;
     if (now - window.begin < kWindow) return false;
-    if (window.suppressed > 0) {  // the last of them is told, the others are its count
+    if (window.suppressed > 0) {  // the last of them is reported, with the count of the others
       passed.push_back({window.last, window.suppressed - 1});
     }
     return true;

@@ -18,7 +18,7 @@ struct Count {
   friend bool operator==(const Count&, const Count&) = default;
 };
 
-/// Axes whose owner the bench did not hear in time.
+/// Axes whose owner sent nothing to the bench in time.
 struct LostAxes {
   std::uint64_t count = 0;
   std::uint64_t silence_ms = 0;  ///< of the owner, in drive time
@@ -116,7 +116,7 @@ using EventDetail =
     std::variant<std::monostate, Count, LostAxes, Label, RefusedMessage, NewRate, Parting,
                  SystemError, StoredProblem, WireLoss, std::chrono::microseconds>;
 
-/// Something to tell, before it becomes words.
+/// Something to report, before it becomes text.
 struct EventRecord {
   std::uint32_t kind = 0;  ///< msg::EVENT_...
   std::uint16_t axis = 0;  ///< number on the bench, 0 = the bench

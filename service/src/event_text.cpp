@@ -11,6 +11,7 @@
 #include "vdrive/number_text.hpp"
 #include "vdrive/wire/conversion.hpp"
 #include "vdrive/wire/event_name.hpp"
+#include "vdrive/wording.hpp"
 #include "wire_judge.hpp"
 
 #include <chrono>
@@ -29,8 +30,8 @@ Detail detail_of(const EventRecord& event) {
   return detail == nullptr ? Detail{} : *detail;
 }
 
-std::string count_of(const EventRecord& event) {
-  return std::to_string(detail_of<Count>(event).value);
+std::string counted(const EventRecord& event, std::string_view one, std::string_view many) {
+  return vdrive::counted(detail_of<Count>(event).value, one, many);
 }
 
 std::string milliseconds_of(const EventRecord& event) {
@@ -44,7 +45,7 @@ std::string who(const EventRecord& event) {
 }
 
 std::string control_text(const EventRecord& event) {
-  const std::string axes = event.axis != 0 ? "" : count_of(event) + " axes ";
+  const std::string axes = event.axis != 0 ? "" : counted(event, "axis ", "axes ");
   if (event.code == 0) return axes + "released by session " + hex(event.session, 16);
   return axes + "controlled by session " + hex(event.session, 16) + " in epoch " +
          std::to_string(event.code);
@@ -53,8 +54,7 @@ std::string control_text(const EventRecord& event) {
 std::string lost_text(const EventRecord& event) {
   const auto [count, silence_ms] = detail_of<LostAxes>(event);
   return "session " + hex(event.session, 16) + " was not heard for " + std::to_string(silence_ms) +
-         " ms; " + (count == 1 ? "1 axis lost its" : std::to_string(count) + " axes lost their") +
-         " master";
+         " ms; " + vdrive::counted(count, "axis lost its", "axes lost their") + " master";
 }
 
 std::string refusal_text(const EventRecord& event) {
@@ -116,7 +116,7 @@ std::string journal_text(const EventRecord& event) {
     case JournalNews::kLosing:
       return "the journal is too slow: ticks are missing from this tick on";
     case JournalNews::kResumed:
-      return "the journal continues; " + count_of(event) + " ticks are missing";
+      return "the journal continues; " + counted(event, "tick is missing", "ticks are missing");
     default:
       return "the journal ended: " + detail_of<SystemError>(event).text();
   }
@@ -125,7 +125,7 @@ std::string journal_text(const EventRecord& event) {
 std::string parameters_text(const EventRecord& event) {
   switch (event.code) {
     case ParameterNews::kLoaded:
-      return "stored parameters of " + count_of(event) + " axes are in force";
+      return "stored parameters of " + counted(event, "axis", "axes") + " are in force";
     case ParameterNews::kPrevious:
       return "the file of stored parameters cannot be used: " +
              detail_of<StoredProblem>(event).text() + "; the previous set is in force";
@@ -162,7 +162,7 @@ std::string text_of(const EventRecord& event) {
     case msg::EVENT_REFUSED:
       return refusal_text(event);
     case msg::EVENT_SET_POINT_IGNORED:
-      return count_of(event) + " set-points ignored";
+      return counted(event, "set-point", "set-points") + " ignored";
     case msg::EVENT_CONTROL_CHANGED:
       return control_text(event);
     case msg::EVENT_MASTER_LOST:
@@ -171,9 +171,9 @@ std::string text_of(const EventRecord& event) {
       return "tick ended " + std::to_string(detail_of<std::chrono::microseconds>(event).count()) +
              " us too late";
     case msg::EVENT_TICK_JUMPED:
-      return "tick number jumped by " + count_of(event);
+      return "tick number jumped by " + counted(event, "tick", "ticks");
     case msg::EVENT_QUEUE_OVERFLOW:
-      return count_of(event) + " messages lost: a queue was full";
+      return counted(event, "message", "messages") + " lost: a queue was full";
     case msg::EVENT_SNAPSHOT:
       return snapshot_text(event);
     case msg::EVENT_JOURNAL:

@@ -10,8 +10,6 @@ namespace {
 
 using namespace vdrive::literals;
 
-constexpr ObjectRow kControlword = "ds402_controlword"_object;
-
 /// A register member of AxisCommand. Rows in the order of their bits: the order of application.
 struct RegisterMember {
   std::uint16_t bit = 0;
@@ -201,9 +199,10 @@ void FrameApplication::apply_controlword(const msg::AxisCommand& command, std::u
   const std::size_t axis = *axes_.index_of(command.axis());
   if ((command.members() & msg::HAS_DS402_CONTROLWORD) != 0) {
     const std::uint32_t ignored = axes_.bank().ignored_set_points(axis);
-    const AbortCode code = writer_.write(axis, kControlword, command.ds402_controlword());
+    const AbortCode code =
+        writer_.write(axis, "ds402_controlword"_object, command.ds402_controlword());
     if (code != AbortCode::none) {
-      refuse(command.axis(), describe(kControlword).address, wire_code(code));
+      refuse(command.axis(), describe("ds402_controlword"_object).address, wire_code(code));
     } else if (axes_.bank().ignored_set_points(axis) != ignored) {
       reply_.ignored_set_points().push_back(command.axis());
     }

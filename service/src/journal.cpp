@@ -2,6 +2,7 @@
 #include "journal.hpp"
 
 #include "log.hpp"
+#include "system_failure.hpp"
 #include "vdrive/text.hpp"
 
 #include <fcntl.h>
@@ -41,7 +42,7 @@ class File {
     while (!bytes.empty()) {
       const ssize_t count = ::write(descriptor_, bytes.data(), bytes.size());
       if (count < 0 && errno != EINTR) {
-        throw std::system_error(errno, std::generic_category(), name_);
+        fail(name_);
       }
       bytes = bytes.subspan(static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
     }

@@ -114,7 +114,7 @@ class Journal {
   bool ended_ = true;
   bool told_losing_ = true;
   bool told_ended_ = false;
-  std::uint64_t resumed_after_ = 0;  ///< to be told
+  std::uint64_t resumed_after_ = 0;  ///< to be reported
 };
 
 }  // namespace vdrive::service

@@ -13,7 +13,7 @@
 namespace vdrive::service {
 namespace {
 
-constexpr std::uint64_t kMagic = 0x6C6E726A76726476ULL;  // "vdrvjrnl"
+constexpr std::uint64_t kJournalMagic = 0x6C6E726A76726476ULL;  // "vdrvjrnl"
 constexpr std::uint32_t kVersion = 1;
 constexpr std::size_t kChunkSize = 65'536;  // records are handed over when there is so much of them
 constexpr std::uint32_t kMostRows = 16'384;
@@ -93,7 +93,7 @@ void put_chunk(std::uint32_t kind, std::uint32_t sequence, std::span<const std::
 JournalWriter::JournalWriter(JournalSink sink, const JournalStart& start) : sink_(std::move(sink)) {
   records_.reserve(2 * kChunkSize);
   std::vector<std::byte> content;
-  put(content, kMagic);
+  put(content, kJournalMagic);
   put(content, kVersion);
   put(content, start.axes_per_row);
   put(content, start.rows);
@@ -179,7 +179,7 @@ JournalReader::JournalReader(std::istream& file) : file_(file) {
 }
 
 void JournalReader::read_start() {
-  if (take<std::uint64_t>() != kMagic) fail("this is not a journal");
+  if (take<std::uint64_t>() != kJournalMagic) fail("this is not a journal");
   if (const auto version = take<std::uint32_t>(); version != kVersion) {
     fail("version " + std::to_string(version) +
          " of the format is not supported; supported: " + std::to_string(kVersion));

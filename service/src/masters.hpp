@@ -64,7 +64,7 @@ class Masters {
   /// Gives the free axis to the session, which wrote a command object of it.
   void give(std::size_t axis, SessionRecord& record);
 
-  /// The session, which owns axes, was not heard for `silence` of drive time: its axes react to the
+  /// The session, which owns axes, sent nothing for `silence` of drive time: its axes react to the
   /// loss of the connection.
   void lose(SessionRecord& record, std::chrono::milliseconds silence);
 

@@ -33,7 +33,7 @@ constexpr std::size_t kMostConnections = 64;
 using Request = http::request<http::empty_body>;
 using Response = http::response<http::string_body>;
 
-/// @return the path of what is asked for; a query says nothing here.
+/// @return the requested path; a query has no meaning here.
 beast::string_view path_of(const Request& request) {
   return request.target().substr(0, request.target().find('?'));
 }
@@ -71,7 +71,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
   void run() {
     stream_.expires_after(kPatience);
-    // The head says what is asked for; a body is of no use and is not read.
+    // The head names what is requested; a body is of no use and is not read.
     http::async_read_header(stream_, buffer_, parser_,
                             [self = shared_from_this()](beast::error_code error, std::size_t) {
                               self->reply_to(error);

@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::string_view kMagic = "vdrive parameters, version ";
+constexpr std::string_view kFirstWords = "vdrive parameters, version ";
 
 template <typename... Numbers>
 std::string formatted(const char* format, Numbers... numbers) {
@@ -28,12 +28,12 @@ std::string formatted(const char* format, Numbers... numbers) {
   return text.data();
 }
 
-std::string text_of(ObjectAddress address) {
+std::string key_of(ObjectAddress address) {
   return hex(address.index, 4) + ":" + std::to_string(address.subindex);
 }
 
 std::string head_of(std::string_view content) {
-  return std::string(kMagic) + std::to_string(kParameterFileVersion) + ", " +
+  return std::string(kFirstWords) + std::to_string(kParameterFileVersion) + ", " +
          std::to_string(content.size()) + " bytes, check " +
          formatted("%016llx\n", static_cast<unsigned long long>(  // NOLINT(*-runtime-int)
                                     check_of(std::as_bytes(std::span(content)))));
@@ -46,13 +46,13 @@ std::string head_of(std::string_view content) {
 /// @throws when the first line is not the one that belongs to the rest.
 std::string_view content_of(std::string_view file) {
   const std::size_t end = file.find('\n');
-  if (end == std::string_view::npos || !file.starts_with(kMagic)) {
+  if (end == std::string_view::npos || !file.starts_with(kFirstWords)) {
     fail_damaged("this is not a parameter file");
   }
   const std::string_view head = file.substr(0, end + 1);
   const std::string_view content = file.substr(end + 1);
   if (head == head_of(content)) return content;
-  const std::string_view rest = head.substr(kMagic.size());
+  const std::string_view rest = head.substr(kFirstWords.size());
   const auto version = parse_integer(rest.substr(0, rest.find(',')));
   if (version && *version >= 0 && *version != kParameterFileVersion) {
     throw ParameterFileError(ParameterProblem::unknown_version,
@@ -84,7 +84,7 @@ std::string encode(const ParameterTable& table) {
   Json axes = Json::object();
   for (const auto& [number, values] : table) {
     Json& axis = axes[std::to_string(number)] = Json::object();
-    for (const InitialValue& stored : values) axis[text_of(stored.address)] = stored.value;
+    for (const InitialValue& stored : values) axis[key_of(stored.address)] = stored.value;
   }
   const std::string content = Json{{"axes", std::move(axes)}}.dump(1) + "\n";
   return head_of(content) + content;
@@ -136,8 +136,8 @@ std::string describe_problem(ParameterProblem problem, std::uint64_t number) {
       return "missing";
     case ParameterProblem::unknown_object:
     case ParameterProblem::refused_value:
-      return text_of({static_cast<std::uint16_t>(number >> 8U),
-                      static_cast<std::uint8_t>(number & 0xFFU)}) +
+      return key_of({static_cast<std::uint16_t>(number >> 8U),
+                     static_cast<std::uint8_t>(number & 0xFFU)}) +
              (problem == ParameterProblem::unknown_object ? " is not an object that can be stored"
                                                           : " has a value outside of its range");
   }

@@ -107,8 +107,8 @@ struct StatusImage {
   std::vector<wire::Ownership> owners;
 };
 
-/// Everything that leaves the thread that steps the bank. Full queues are counted, and told by an
-/// event as soon as there is room for one.
+/// Everything that leaves the thread that steps the bank. Full queues are counted, and reported by
+/// an event as soon as there is room for one.
 struct Outbox {
   static constexpr std::size_t kReplies = 256;
   /// All frames that wait may be dropped at once.

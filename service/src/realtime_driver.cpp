@@ -38,7 +38,7 @@ void RealtimeDriver::cycle() noexcept {
   }
 }
 
-/// A request asked for another rate. The tick that was due comes with it, not now.
+/// A request has set another rate. The tick that was due follows that rate; it does not come now.
 void RealtimeDriver::change_rate() noexcept {
   rate_ = engine_.rate();
   const Instant now{timer_.monotonic_now(), timer_.wall_now()};

@@ -4,7 +4,7 @@
 #include "configuration.hpp"
 #include "step_pool.hpp"
 #include "vdrive/axis_bank.hpp"
-#include "vdrive/number_text.hpp"
+#include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/status_digest.hpp"
 #include "vdrive/text.hpp"
 
@@ -23,12 +23,7 @@ namespace {
 
 constexpr std::size_t kLongestNumber = 32;
 
-/// @return such as "6041h".
-std::string index_text(std::uint16_t index) {
-  return hex(index, 4).substr(2) + "h";
-}
-
-std::string rounded(double number) {
+std::string speed_text(double number) {
   std::array<char, kLongestNumber> text{};
   std::snprintf(text.data(), text.size(), number < 10.0 ? "%.1f" : "%.0f",
                 number);  // NOLINT(*-vararg)
@@ -57,7 +52,7 @@ Configuration configuration_of(const JournalStart& start) {
   }
 }
 
-/// A journal being replayed. Members that return bool tell whether it still agrees.
+/// A journal being replayed. Members that return bool return whether it still agrees.
 class Replay {
  public:
   Replay(JournalReader& reader, std::optional<std::uint32_t> threads)
@@ -122,8 +117,7 @@ class Replay {
     if (code != AbortCode::none) {
       result_.text = "tick " + std::to_string(tick_ + 1) + ": " + name_of(change.axis) +
                      ": the write of " + std::to_string(change.value) + " to " +
-                     index_text(change.address.index) + ":" +
-                     std::to_string(change.address.subindex) +
+                     object_text(change.address) +
                      " was accepted when it was recorded and is refused now";
     }
     return code == AbortCode::none;
@@ -207,8 +201,8 @@ class Replay {
         std::chrono::duration<double>(bank_.period()).count() * static_cast<double>(result_.ticks);
     std::string text = std::to_string(result_.ticks) + " ticks of " + std::to_string(bank_.size()) +
                        " axes, " + std::to_string(result_.changes) +
-                       " changes: every hash agrees, " + rounded(wall > 0.0 ? drive / wall : 0.0) +
-                       " x real time";
+                       " changes: every hash agrees, " +
+                       speed_text(wall > 0.0 ? drive / wall : 0.0) + " x real time";
     if (!ended_) {
       text += "; the journal ends early, without an end mark: " + std::to_string(result_.ticks) +
               " of at least " + std::to_string(result_.ticks + reader_.torn_ticks()) +

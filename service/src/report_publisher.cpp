@@ -19,9 +19,8 @@ using namespace std::chrono_literals;
 using namespace vdrive::literals;
 
 constexpr std::chrono::seconds kRateWindow{1};
-constexpr std::chrono::milliseconds kFlushInterval{100};
+constexpr std::chrono::milliseconds kReportInterval{100};
 constexpr const char* kUnit = "UU";
-constexpr std::size_t kNumbers = 65'536;
 /// As deep as the history of the topic.
 constexpr auto kEventsKept = static_cast<std::size_t>(wire::traits_of(wire::TopicId::event).depth);
 /// The wire empties a lane within this, or hangs.
@@ -66,7 +65,7 @@ ReportPublisher::ReportPublisher(WireLink& link, const Configuration& configurat
       identity_(identity),
       period_(configuration.period),
       counters_(counters),
-      indices_(kNumbers) {
+      indices_(kAxisNumbers) {
   describe_axes(configuration, bank);
   for (std::size_t axis = 0; axis < configuration.axes.size(); ++axis) {
     wire::to_message(bank, axis, {identity.bench, configuration.axes[axis].number}, 0,
@@ -113,6 +112,7 @@ void ReportPublisher::describe_axes(const Configuration& configuration, const Ax
       entry.user_position_upper_limit(
           static_cast<std::int32_t>(read(bank, axis, "user_position_upper_limit"_object)));
       entry.app_speed_limit(static_cast<std::uint32_t>(read(bank, axis, "app_speed_limit"_object)));
+      wire::to_message(configuration.axes[axis].unit, entry);
     }
   }
 }
@@ -162,7 +162,7 @@ void ReportPublisher::publish_events(Outbox& outbox) {
   }
   if (now >= next_flush_) {
     limiter_.flush(now, passed_);
-    next_flush_ = now + kFlushInterval;
+    next_flush_ = now + kReportInterval;
   }
   for (const auto& counted : passed_) publish_event(counted);
 }

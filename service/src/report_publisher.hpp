@@ -30,7 +30,7 @@ class ReportPublisher {
   ReportPublisher(WireLink& link, const Configuration& configuration, const BenchIdentity& identity,
                   const AxisBank& bank, Counters& counters);
 
-  /// Tells the world that this bench is here, or goes.
+  /// Announces this bench, or its end.
   void announce(bool alive);
 
   /// Publishes what waits, and the bench's state every 50 ms of wall time. A wire that is new gets

@@ -76,6 +76,8 @@ std::uint32_t Requests::carry_out(const msg::Request& request, msg::Reply& reply
       return parts_.snapshots.restore(request, reply);
     case msg::REQUEST_DROP_SNAPSHOT:
       return parts_.snapshots.drop(request);
+    case msg::REQUEST_NEXT_SNAPSHOT:
+      return parts_.snapshots.show_next(request, reply);
     case msg::REQUEST_SET_RATE:
       return set_rate(request);
     case msg::REQUEST_STEP:

@@ -4,11 +4,11 @@
 #include "bench_engine.hpp"
 #include "bench_guard.hpp"
 #include "closed_check.hpp"
+#include "configuration_warnings.hpp"
 #include "cycle_timer.hpp"
 #include "doorbell.hpp"
 #include "freerun_driver.hpp"
 #include "journal.hpp"
-#include "limit_warnings.hpp"
 #include "liveness.hpp"
 #include "lockstep_driver.hpp"
 #include "log.hpp"
@@ -270,7 +270,7 @@ class Service::Threads {
     log_info("bench={} metrics=http://127.0.0.1:{}/metrics", identity_.bench, metrics_->port());
   }
 
-  /// What was asked for while the service ended is stored and answered too.
+  /// Requests that arrived while the service ended are stored and answered too.
   void finish_stores() noexcept {
     if (parameters_.saver) parameters_.saver->close();
     while (engine_.answer_stores()) replies_.deliver(inbox_, outbox_);

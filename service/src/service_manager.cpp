@@ -12,7 +12,7 @@ namespace vdrive::service {
 namespace {
 
 /// The environment stays as it is: it is read again with each message.
-void tell(const std::string& state) noexcept {
+void notify(const std::string& state) noexcept {
   if (const int result = sd_notify(0, state.c_str()); result < 0) {
     log_warning("NOTIFY_SOCKET: {}", std::generic_category().message(-result));
   }
@@ -32,19 +32,19 @@ ServiceManager::ServiceManager() {
 // The library keeps the socket in the environment; every receiver on it is the manager.
 // NOLINTBEGIN(readability-convert-member-functions-to-static)
 void ServiceManager::tell_ready(const std::string& status) const noexcept {
-  tell("READY=1\nSTATUS=" + status);
+  notify("READY=1\nSTATUS=" + status);
 }
 
 void ServiceManager::tell_status(const std::string& status) const noexcept {
-  tell("STATUS=" + status);
+  notify("STATUS=" + status);
 }
 
 void ServiceManager::tell_alive() const noexcept {
-  tell("WATCHDOG=1");
+  notify("WATCHDOG=1");
 }
 
 void ServiceManager::tell_stopping() const noexcept {
-  tell("STOPPING=1\nSTATUS=the axes brake");
+  notify("STOPPING=1\nSTATUS=the axes brake");
 }
 
 // NOLINTEND(readability-convert-member-functions-to-static)

@@ -7,18 +7,19 @@
 
 namespace vdrive::service {
 
-/// What systemd is told about this process (sd_notify(3)); nothing happens where nobody listens.
+/// Reports the state of this process to systemd (sd_notify(3)); does nothing where systemd does not
+/// wait for it.
 class ServiceManager {
  public:
   /// Reads NOTIFY_SOCKET, WATCHDOG_USEC and WATCHDOG_PID.
   ServiceManager();
 
-  /// @return half of the time in which it wants to hear that all is well; nothing = never.
+  /// @return half of the time in which it expects a sign of life; nothing = never.
   [[nodiscard]] std::optional<std::chrono::microseconds> heartbeat_interval() const noexcept {
     return heartbeat_interval_;
   }
 
-  /// @return whether it can only be told from within its network namespace: the name of its socket
+  /// @return whether only its own network namespace reaches it: the name of its socket
   /// is no file.
   [[nodiscard]] bool listens_in_network() const noexcept { return listens_in_network_; }
 

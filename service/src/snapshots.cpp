@@ -22,6 +22,7 @@ std::uint32_t Snapshots::take(const msg::Request& request, msg::Reply& reply) {
   if (!clock_.time_stands()) return msg::REASON_TIME_PASSES;
   if (kept_.size() == kMost) return msg::REASON_QUEUE_FULL;
   kept_.push_back({.number = ++last_number_,
+                   .tick = clock_.tick(),
                    .state = std::make_shared<const AxisBank::Snapshot>(axes_.bank().snapshot())});
   reply.snapshot(last_number_);
   report(request, SnapshotNews::kTaken, last_number_);
@@ -58,6 +59,14 @@ std::uint32_t Snapshots::drop(const msg::Request& request) {
   });
   if (dropped == 0) return msg::REASON_UNKNOWN_SNAPSHOT;
   report(request, SnapshotNews::kDropped, request.snapshot());
+  return msg::REASON_NONE;
+}
+
+std::uint32_t Snapshots::show_next(const msg::Request& request, msg::Reply& reply) const {
+  const auto next = std::ranges::upper_bound(kept_, request.snapshot(), {}, &Kept::number);
+  if (next == kept_.end()) return msg::REASON_NONE;
+  reply.snapshot(next->number);
+  reply.tick(next->tick);
   return msg::REASON_NONE;
 }
 

@@ -38,9 +38,13 @@ class Snapshots {
   [[nodiscard]] std::uint32_t restore(const msg::Request& request, msg::Reply& reply);
   [[nodiscard]] std::uint32_t drop(const msg::Request& request);
 
+  /// Names the first kept snapshot after that of the request, and the tick in which it was taken.
+  [[nodiscard]] std::uint32_t show_next(const msg::Request& request, msg::Reply& reply) const;
+
  private:
   struct Kept {
     std::uint64_t number = 0;
+    std::uint64_t tick = 0;  ///< in which it was taken
     std::shared_ptr<const AxisBank::Snapshot> state;
   };
 

@@ -1,17 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "status_publisher.hpp"
 
-#include "vdrive/wire/codec.hpp"
+#include "vdrive/cia402/statusword.hpp"
+#include "vdrive/wire/status_frame.hpp"
 
 #include <algorithm>
 #include <span>
 
 namespace vdrive::service {
-namespace {
-
-constexpr std::uint16_t kStateBits = 0x006F;
-
-}  // namespace
 
 StatusPublisher::StatusPublisher(WireLink& link, const Configuration& configuration,
                                  const BenchIdentity& identity, Counters& counters)
@@ -73,7 +69,7 @@ void StatusPublisher::publish_axes(const StatusImage& image) {
   axis_samples_.refill(now);
   for (std::size_t axis = 0; axis < sampled_.size() && !axis_samples_.is_empty(); ++axis) {
     const auto changed = image.status[axis].ds402_statusword ^ sampled_[axis].statusword;
-    if ((changed & kStateBits) != 0) publish_axis(image, axis, now);
+    if ((changed & Statusword::kState) != 0) publish_axis(image, axis, now);
   }
   for (std::size_t count = 0; count < sampled_.size() && !axis_samples_.is_empty(); ++count) {
     const std::size_t axis = next_due_;

@@ -9,7 +9,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::uint64_t kMebi = 1'024ULL * 1'024ULL;
+constexpr std::uint64_t kBytesOfMebibyte = 1'024ULL * 1'024ULL;
 
 }  // namespace
 
@@ -44,7 +44,7 @@ std::optional<WireLoss> WireJudge::reason_to_end(const Sight& sight, Time now) n
   if (now - probed_ > kLongestProbe) return WireLoss{.cause = WireLoss::Cause::deaf};
   if (sight.resident > memory_limit_) {
     return WireLoss{.cause = WireLoss::Cause::memory,
-                    .value = static_cast<std::uint32_t>(sight.resident / kMebi)};
+                    .value = static_cast<std::uint32_t>(sight.resident / kBytesOfMebibyte)};
   }
   return std::nullopt;
 }

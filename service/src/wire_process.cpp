@@ -32,7 +32,7 @@ using namespace std::chrono_literals;
 constexpr auto kPumpInterval = 20ms;
 constexpr auto kRetryInterval = 1ms;
 constexpr auto kProbeInterval = 500ms;
-constexpr auto kFarewell = 150ms;
+constexpr auto kFarewellOfWire = 150ms;
 
 /// The kernel's choice, should memory run out, is the half that can be started again.
 void volunteer_for_the_kernel() {
@@ -112,7 +112,7 @@ class WireProcess {
     status.join();
     reports.join();
     take_leave();
-    // The library's own end may hang, and whoever listens has been told.
+    // The library's own end may hang, and every reader has the last message.
     _exit(0);
   }
 
@@ -157,7 +157,7 @@ class WireProcess {
   }
 
   void take_leave() {
-    static_cast<void>(program_.wait_for_readers(kFarewell));
+    static_cast<void>(program_.wait_for_readers(kFarewellOfWire));
     wire::say_goodbye(settings_.network, control_.source);
     wire::say_goodbye(settings_.network, control_.prober);
     control_.finished.store(1);
@@ -173,7 +173,7 @@ class WireProcess {
   std::atomic<std::uint64_t> report_rounds_{0};
 };
 
-void tell(WireControl& control, std::string_view error) {
+void report_error(WireControl& control, std::string_view error) {
   const std::string_view text = error.substr(0, control.error.size() - 1);
   std::ranges::copy(text, control.error.begin());
   control.error[text.size()] = '\0';
@@ -186,7 +186,7 @@ int run_wire_process(int region_descriptor) {
   volunteer_for_the_kernel();
   const WireRegion region = WireRegion::attach(region_descriptor);
   WireControl& control = region.control();
-  tell(control, "");
+  report_error(control, "");
   try {
     const WireSettings settings = region.settings();
     spdlog::set_default_logger(spdlog::stderr_color_mt("vdrived-wire"));
@@ -200,7 +200,7 @@ int run_wire_process(int region_descriptor) {
     WireProcess process(region);
     return process.run();
   } catch (const std::exception& error) {
-    tell(control, error.what());
+    report_error(control, error.what());
     if (control.generation.load() > 1) {  // the engine prints why the first one does not start
       log_error("wire=failed text=\"{}\"", error.what());
     }

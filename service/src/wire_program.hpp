@@ -91,7 +91,7 @@ class WireProgram {
 
   WireControl& control_;
   std::uint32_t bench_;
-  std::mutex showing_;  ///< matches are told by several threads of the library
+  std::mutex showing_;  ///< several threads of the library report matches
   wire::Participant participant_;
   std::vector<std::unique_ptr<wire::BytesPublication>> publications_;  ///< by TopicId, or nothing
   ByteRing status_;

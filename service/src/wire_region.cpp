@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "wire_region.hpp"
 
+#include "system_failure.hpp"
+
 #include <nlohmann/json.hpp>
 
 #include <fcntl.h>
@@ -68,10 +70,6 @@ WireSettings unpacked(std::span<const std::uint8_t> bytes) {
   json.at("security").get_to(settings.network.security);
   json.at("guard").get_to(settings.network.guard);
   return settings;
-}
-
-[[noreturn]] void fail(const std::string& what) {
-  throw std::system_error(errno, std::generic_category(), what);
 }
 
 std::span<std::byte> map(int descriptor) {

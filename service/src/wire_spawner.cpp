@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "wire_spawner.hpp"
 
+#include "system_failure.hpp"
+
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/prctl.h>
@@ -22,7 +24,7 @@ enum class Order : std::uint8_t { launch, kill };
 /// The descriptor under which a wire finds the region.
 constexpr int kRegionOfWire = 3;
 
-/// As waitpid tells exit code 127: the kernel gave no process.
+/// The status of exit code 127, as waitpid returns it: the kernel gave no process.
 constexpr int kNotStarted = 127 << 8;
 
 // NOLINTBEGIN(*-vararg): the kernel's interface is C
@@ -69,7 +71,7 @@ class Nursery {
       if (child_ == 0) become_wire(region_);
       if (child_ < 0) {
         child_ = 0;
-        tell({.process = 0, .status = kNotStarted});
+        send_end({.process = 0, .status = kNotStarted});
         return;
       }
       child_descriptor_ = static_cast<int>(syscall(SYS_pidfd_open, child_, 0));
@@ -88,10 +90,10 @@ class Nursery {
     if (child_descriptor_ >= 0) close(child_descriptor_);
     child_ = 0;
     child_descriptor_ = -1;
-    tell(end);
+    send_end(end);
   }
 
-  void tell(const WireEnd& end) const {
+  void send_end(const WireEnd& end) const {
     static_cast<void>(send(socket_, &end, sizeof end, MSG_NOSIGNAL));
   }
 
@@ -116,11 +118,11 @@ class Nursery {
 WireSpawner::WireSpawner(int region) {
   std::array<int, 2> ends{};
   if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()) != 0) {
-    throw std::system_error(errno, std::generic_category(), "start of the wire's process");
+    fail("start of the wire's process");
   }
   process_ = fork();
   if (process_ < 0) {
-    throw std::system_error(errno, std::generic_category(), "start of the wire's process");
+    fail("start of the wire's process");
   }
   if (process_ == 0) {
     close(ends[0]);

@@ -29,7 +29,7 @@ class WireSpawner {
   /// Starts a wire; there is one at a time. @return false when the spawner is gone.
   bool launch() noexcept;
 
-  /// Kills the wire; its end is told by `next_end`.
+  /// Kills the wire; `next_end` reports its end.
   void kill() const noexcept;
 
   /// @return the end of a wire since the last call. Does not wait.

@@ -106,11 +106,11 @@ void WireSupervisor::lose(const WireEnd& end, Clock::time_point now) {
   counters_.wire_is_up.set(0);
   next_start_ = judge_.ended(now, reason_.has_value());
   const auto delay = std::chrono::duration_cast<std::chrono::milliseconds>(*next_start_ - now);
-  tell(WireNews::kLost, reason_.value_or(loss_of(end)));
-  if (delay > 0ms) tell(WireNews::kLater, delay);
+  report(WireNews::kLost, reason_.value_or(loss_of(end)));
+  if (delay > 0ms) report(WireNews::kLater, delay);
 }
 
-void WireSupervisor::tell(std::uint32_t code, const EventDetail& detail) {
+void WireSupervisor::report(std::uint32_t code, const EventDetail& detail) {
   if (news_.size() < kMostNews) {
     news_.push_back({.kind = msg::EVENT_WIRE, .code = code, .detail = detail});
   }
@@ -123,7 +123,7 @@ void WireSupervisor::judge(Clock::time_point now) {
     is_up_ = true;
     counters_.wire_is_up.set(1);
     const auto gap = std::chrono::duration_cast<std::chrono::milliseconds>(now - lost_at_);
-    tell(WireNews::kRuns, gap);
+    report(WireNews::kRuns, gap);
   }
   if (reason_) return;
   reason_ = judge_.reason_to_end({.is_running = is_running,

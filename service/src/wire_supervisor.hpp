@@ -43,7 +43,7 @@ class WireSupervisor {
   using Clock = std::chrono::steady_clock;
 
   void launch(Clock::time_point now);
-  void tell(std::uint32_t code, const EventDetail& detail);
+  void report(std::uint32_t code, const EventDetail& detail);
   void lose(const WireEnd& end, Clock::time_point now);
   void judge(Clock::time_point now);
 

@@ -24,16 +24,15 @@ struct IntegerLimits {
   std::string_view unit;  ///< empty = none
 };
 
-/// A value of a YAML document that knows its file and its key, so that whatever is wrong with it
-/// can be told.
+/// A value of a YAML document with its file and its key, which every error about it names.
 class YamlValue {
  public:
   YamlValue(const YAML::Node& node, std::string file, std::string path)
       : node_(node), file_(std::move(file)), path_(std::move(path)) {}
 
   /// Calls `visit(key, value)` for each entry of a map.
-  /// @throws ConfigurationError when this is no map, a key is not in `known` (empty = any key), or
-  ///         stands twice.
+  /// @throws ConfigurationError when this is not a map, when a key is not in `known` (empty = any
+  ///         key), or when a key is repeated.
   void for_each_entry(std::initializer_list<std::string_view> known,
                       const std::function<void(const std::string&, const YamlValue&)>& visit) const;
 

@@ -117,9 +117,9 @@ struct LayerRow {
 };
 
 constexpr std::array kDriveLayers{
-    LayerRow{"rounding", 0},    // arithmetic
     LayerRow{"state", 0},       // what an axis is
     LayerRow{"frame", 1},       //   and where its positions count from
+    LayerRow{"block", 2},       //   and its steady ticks, side by side with others
     LayerRow{"registers", 1},   //   and its objects
     LayerRow{"faults", 2},      // what is present, the history
     LayerRow{"limits", 2},      // questions

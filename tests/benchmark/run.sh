@@ -1,34 +1,84 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds the benchmarks and runs them; prints one JSON line a figure on standard output:
+# Builds the benchmarks and runs all of them, some 8 minutes; prints one JSON line a figure on
+# standard output (figures.py table FILE makes a table of them):
 #   {"figure":"axis_tick_ns","axes":1024,"value":...}
-# Everything else goes to standard error. Arguments are passed on to the benchmark of the core.
+# Everything else goes to standard error. The figures of the network stand beside those of the DDS
+# library alone, taken in the same run. Needs a machine without other work, and leave to use the
+# loopback interface.
+#
+#   ./tests/benchmark/run.sh [--quick]      --quick: short runs, for a first look
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
-"$root/deploy/setup.sh" --tests
-"$root/deploy/build.sh" --tests -D VDRIVE_BUILD_BENCHMARKS=ON --target vdrive_core_benchmark \
-  --target vdrive_service_benchmark --target vdrive_parameter_benchmark
+source "$root/tests/benchmark/spinners.sh"
+rounds=21
+follow_seconds=20
+longest_seconds=60
+steps=3
+for argument in "$@"; do
+  case $argument in
+    --quick) rounds=5 follow_seconds=4 longest_seconds=10 steps=1 ;;
+    *) echo "run: unknown option '$argument'" >&2 && exit 2 ;;
+  esac
+done
 
-# A virtual processor that falls asleep wakes up late and slow. One spinner each keeps it awake; at
-# idle priority it gives way to the benchmark at once.
-spinners=()
-stop_spinners() {
-  if ((${#spinners[@]})); then
-    kill "${spinners[@]}" 2>/dev/null || true
-  fi
+"$root/deploy/setup.sh" --tests
+"$root/deploy/build.sh" --tests -D VDRIVE_BUILD_BENCHMARKS=ON --target vdrived --target vdrive \
+  --target vdrive_core_benchmark --target vdrive_service_benchmark \
+  --target vdrive_parameter_benchmark --target vdrive_publication_benchmark \
+  --target vdrive_bare_benchmark --target vdrive_wire_benchmark --target vdrive_follow_benchmark
+
+build=$root/build/release
+programs=$build/tests/benchmark
+service=$build/bin/vdrived
+work=$(mktemp -d)
+keep_awake
+trap 'stop_spinners; rm -rf "$work"' EXIT
+
+figure() {
+  printf '{"figure":"%s","axes":%s,"value":%s}\n' "$1" "$2" "$3"
 }
-trap stop_spinners EXIT
-if command -v chrt >/dev/null && chrt -i 0 true 2>/dev/null; then
-  for ((i = 0; i < $(nproc); ++i)); do
-    chrt -i 0 sh -c 'while :; do :; done' &
-    spinners+=($!)
+
+# How long `vdrive list` takes that finds one bench.
+measure_list() {
+  local axes=$1 domain=19 attempt begin end
+  "$service" --axes "$axes" --domain $domain --log-level error &
+  local bench=$!
+  "$build/bin/vdrive" --domain $domain --timeout 20 list >"$work/list"
+  for attempt in 1 2 3 4 5; do
+    begin=$(date +%s%N)
+    "$build/bin/vdrive" --domain $domain list >"$work/list"
+    end=$(date +%s%N)
+    figure list_ms "$axes" $(((end - begin) / 1000000))
   done
-fi
+  kill $bench
+  wait $bench || true
+}
+
+follow() {
+  "$programs/vdrive_follow_benchmark" "$service" "$@"
+}
 
 {
-  "$root/build/release/tests/benchmark/vdrive_core_benchmark" "$@"
-  "$root/build/release/tests/benchmark/vdrive_service_benchmark"
-  "$root/build/release/tests/benchmark/vdrive_parameter_benchmark" "$root/build"
+  "$programs/vdrive_core_benchmark" --benchmark_min_time=0.1
+  "$programs/vdrive_service_benchmark"
+  "$programs/vdrive_parameter_benchmark" "$root/build"
+  "$programs/vdrive_publication_benchmark" 1024 $rounds
+  "$programs/vdrive_publication_benchmark" 4096 $rounds
+  for ((step = 0; step < steps; ++step)); do
+    "$programs/vdrive_bare_benchmark" round-trip 10000
+    "$programs/vdrive_wire_benchmark" "$service" step --clock lockstep --axes 64
+  done
+  for axes in 1024 2048; do
+    follow $follow_seconds 1 --axes $axes
+  done
+  follow $longest_seconds 1 --axes 4096
+  follow $follow_seconds 2 --axes 4096
+  printf 'status:\n  every_ticks: 10\n' >"$work/decimated.yaml"
+  follow $follow_seconds 1 --config "$work/decimated.yaml" --axes 16384
+  follow 1 1 --axes 10000
+  measure_list 1024
+  "$programs/vdrive_bare_benchmark" sleep $follow_seconds
 } |
   awk '/^\{"figure"/ { print; fflush(); next } { print > "/dev/stderr" }'

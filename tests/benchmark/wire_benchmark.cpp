@@ -9,30 +9,21 @@
 //
 // Prints JSON lines: {"figure":"step_us_p50","value":...}. Two trees are compared by two programs
 // of the same arguments in alternating runs.
+#include "service_process.hpp"
 #include "support/test_domain.hpp"
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/publication.hpp"
 #include "vdrive/wire/subscription.hpp"
 #include "vdrive_messages.h"
 
-#include <sys/types.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
-#include <csignal>
 #include <cstdint>
-#include <filesystem>
-#include <fstream>
 #include <iostream>
-#include <iterator>
-#include <map>
 #include <mutex>
 #include <optional>
-#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -47,66 +38,6 @@ constexpr std::uint64_t kSession = 0x5E55104;
 constexpr int kSteps = 20'000;
 constexpr int kCommands = 2'000;
 constexpr auto kPublishing = 10s;
-
-/// A running vdrived; ends with this object.
-class Service {
- public:
-  Service(const std::string& program, std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), {program, "--log-level", "error", "--domain",
-                                         std::to_string(test::test_domain())});
-    process_ = fork();
-    if (process_ == 0) {
-      std::vector<char*> values;
-      for (auto& argument : arguments) {
-        values.push_back(argument.data());
-      }
-      values.push_back(nullptr);
-      execv(program.c_str(), values.data());
-      _exit(127);
-    }
-  }
-
-  ~Service() {
-    kill(process_, SIGTERM);
-    waitpid(process_, nullptr, 0);
-  }
-
-  Service(const Service&) = delete;
-  Service& operator=(const Service&) = delete;
-
-  /// @return processor time of the process and all of its descendants so far [s].
-  [[nodiscard]] double processor_seconds() const {
-    std::map<pid_t, std::pair<pid_t, double>> processes;
-    for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
-      if (entry.path().filename().string().find_first_not_of("0123456789") != std::string::npos) {
-        continue;
-      }
-      std::ifstream file(entry.path() / "stat");
-      std::string text;
-      std::getline(file, text);
-      const auto end_of_name = text.rfind(')');
-      if (end_of_name == std::string::npos) {
-        continue;
-      }
-      std::istringstream rest(text.substr(end_of_name + 2));
-      const std::vector<std::string> fields{std::istream_iterator<std::string>(rest), {}};
-      processes[std::stoi(entry.path().filename().string())] = {
-          std::stoi(fields.at(1)), std::stod(fields.at(11)) + std::stod(fields.at(12))};
-    }
-    double ticks = 0.0;
-    for (const auto& [process, parent_and_time] : processes) {
-      pid_t ancestor = process;
-      while (ancestor > 1 && ancestor != process_ && processes.contains(ancestor)) {
-        ancestor = processes[ancestor].first;
-      }
-      ticks += ancestor == process_ ? parent_and_time.second : 0.0;
-    }
-    return ticks / static_cast<double>(sysconf(_SC_CLK_TCK));
-  }
-
- private:
-  pid_t process_ = 0;
-};
 
 class Client {
  public:
@@ -252,7 +183,7 @@ void measure_commands(Client& client) {
   print_times("command_to_status_us", times);
 }
 
-void measure_publication(Client& client, const Service& service) {
+void measure_publication(Client& client, const test::ServiceProcess& service) {
   std::atomic<std::uint64_t> axes{0};
   const auto measure = [&] {
     const double before = service.processor_seconds();
@@ -282,7 +213,7 @@ int main(int count, char** arguments) {
     return 2;
   }
   const std::string what = arguments[2];
-  const Service service(arguments[1], {arguments + 3, arguments + count});
+  const test::ServiceProcess service(arguments[1], {arguments + 3, arguments + count});
   Client client;
   if (!client.find()) {
     std::cerr << "no bench 1\n";

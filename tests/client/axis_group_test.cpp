@@ -2,7 +2,7 @@
 // AxisGroup against the real service.
 #include "vdrive/client/axis_group.hpp"
 
-#include "support/test_domain.hpp"
+#include "client/session_options.hpp"
 #include "tool/process.hpp"
 #include "vdrive/cia402/statusword.hpp"
 
@@ -19,6 +19,7 @@ namespace vdrive::client {
 namespace {
 
 using namespace std::chrono_literals;
+using test::options;
 using test::RunningService;
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -30,15 +31,9 @@ constexpr ObjectAddress kDeceleration{0x6084, 0};
 constexpr ObjectAddress kSpeedLimit{0x607F, 0};
 constexpr ObjectAddress kBlockedLoad{0x5E01, 0};
 constexpr ObjectAddress kOverCurrent{0x5E02, 0};
+constexpr ObjectAddress kPositiveLimit{0x5E06, 0};
 constexpr ObjectAddress kMoveDuration{0x5E10, 1};
 constexpr auto kRefusedInState = wire_code(AbortCode::refused_in_present_device_state);
-
-SessionOptions options() {
-  SessionOptions options;
-  options.domain = test::test_domain();
-  options.find_timeout = 10s;
-  return options;
-}
 
 /// A service in real time whose axes outlast a busy machine.
 std::string patient(const std::string& words) {
@@ -762,6 +757,27 @@ TEST(RealtimeGroup, AMonitorStopsTheOthersWhileNoCallWaits) {
       10s);
   EXPECT_TRUE(stopped) << stopped.outcome().message();
   EXPECT_TRUE(group->monitor(false));
+}
+
+// The others are on a way of 1 s when the second axis meets the switch: its line is lost.
+TEST_F(Group, StopsWhereALimitSwitchEndsTheWayOfOneAxis) {
+  AxisGroup group = enabled(3);
+  ASSERT_TRUE(group.move_together(vector({60'000, 60'000, 60'000}), at_start()));
+  ASSERT_TRUE(session_.step(1, 100));
+  write("1.2", kPositiveLimit, 1);
+  const std::uint64_t start = tick();
+  const Outcome ended = group.wait_all();
+  EXPECT_EQ(ended.kind(), OutcomeKind::failed);
+  EXPECT_THAT(ended.message(),
+              HasSubstr("axis 1.2: the positive limit switch (60FDh bit 1) has ended the move to "
+                        "60000"));
+  EXPECT_LT(tick(), start + 1'000);
+  const auto status = group.status();
+  ASSERT_TRUE(status);
+  for (const AxisSnapshot& axis : status->axes) {
+    EXPECT_EQ(axis.status.velocity_demand_value, 0) << to_string(axis.id);
+    EXPECT_LT(axis.status.position_demand_value, 60'000) << to_string(axis.id);
+  }
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Clocks of the client against the real service: steppers, restarts, pauses, freerun.
+#include "client/session_options.hpp"
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
 #include "vdrive/client/axis.hpp"
@@ -21,6 +22,7 @@ namespace vdrive::client {
 namespace {
 
 using namespace std::chrono_literals;
+using test::options;
 using test::RunningService;
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -28,13 +30,6 @@ using testing::HasSubstr;
 constexpr std::array<std::uint32_t, 1> kFirst{1};
 constexpr std::array<std::uint32_t, 2> kBoth{1, 2};
 constexpr std::chrono::milliseconds kSoon{500};
-
-SessionOptions options() {
-  SessionOptions options;
-  options.domain = test::test_domain();
-  options.find_timeout = 10s;
-  return options;
-}
 
 /// @return the session's number as messages write it.
 std::string hex(std::uint64_t session) {

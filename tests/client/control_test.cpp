@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Who is in control when programs die, hang or come back late: real services, real clients.
+#include "client/session_options.hpp"
 #include "service/probe.hpp"
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
@@ -24,6 +25,7 @@ namespace vdrive::client {
 namespace {
 
 using namespace std::chrono_literals;
+using test::options;
 using test::Probe;
 using test::Process;
 using test::RunningService;
@@ -33,13 +35,6 @@ constexpr std::uint16_t kConnectionLost = 0x8130;
 // A machine that stands still for half a second makes everybody lose everybody: such a run says
 // nothing.
 constexpr int kAttempts = 5;
-
-SessionOptions options() {
-  SessionOptions options;
-  options.domain = test::test_domain();
-  options.find_timeout = 20s;
-  return options;
-}
 
 /// Ticks of a bench in real time are milliseconds since the epoch.
 std::uint64_t tick_now() {
@@ -317,6 +312,26 @@ TEST(SessionOptions, RefuseASilenceThatIsTooShort) {
   SessionOptions hasty = options();
   hasty.silence = 49ms;
   EXPECT_THROW(Session{hasty}, std::runtime_error);
+}
+
+TEST(Abandon, SendsNothingMoreSoThatTheBenchNoticesALostMaster) {
+  const RunningService service("--clock realtime");
+  Session other(options());
+  auto axis = other.axis("1.1");
+  ASSERT_TRUE(axis);
+  {
+    Session sut(options());
+    auto own = sut.axis("1.1");
+    ASSERT_TRUE(own);
+    ASSERT_TRUE(own->enable());
+    sut.abandon();
+    EXPECT_FALSE(own->halt());
+    EXPECT_FALSE(own->acquire());
+    const auto fault = axis->wait_until(in_fault, 10s);
+    ASSERT_TRUE(fault) << fault.outcome().message();
+    EXPECT_EQ(fault->status.error_code, 0x8130);
+  }
+  EXPECT_TRUE(axis->reset_fault()) << "the bench took the axis from the session that was abandoned";
 }
 
 }  // namespace

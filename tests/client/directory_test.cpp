@@ -28,6 +28,19 @@ TEST(Directory, KnowsABenchOnceItIsDescribedAndHeard) {
   EXPECT_EQ(benches[0].info.axes[0].id, (AxisId{1, 1}));
 }
 
+TEST(Directory, KnowsTheUnitOfAnAxis) {
+  msg::BenchDescription message = description(1, 10);
+  message.axes().front().unit_kind(msg::UNIT_LINEAR);
+  message.axes().front().unit_name("mm");
+  message.axes().front().unit_size(1'000.0);
+  Directory sut;
+  sut.on_description(message, kSource, kStart);
+  sut.on_state(state(1, 10), kStart);
+  ASSERT_THAT(sut.present(kStart), SizeIs(1));
+  EXPECT_EQ(sut.present(kStart)[0].info.axes.at(0).unit,
+            (Unit{.kind = UnitKind::linear, .name = "mm", .size = 1'000.0}));
+}
+
 TEST(Directory, WaitsForEveryPartOfADescription) {
   Directory sut;
   sut.on_state(state(1, 10), kStart);
@@ -46,6 +59,17 @@ TEST(Directory, ForgetsABenchThatIsSilentForThreeHundredMilliseconds) {
   EXPECT_THAT(sut.present(kStart + 300ms), IsEmpty());
   sut.note_sample({1, 10}, 1, kStart + 400ms);
   EXPECT_THAT(sut.present(kStart + 500ms), SizeIs(1));
+}
+
+TEST(Directory, TellsHowOldTheNewestSampleIsWhetherTicksPassOrNot) {
+  Directory sut;
+  sut.on_description(description(1, 10), kSource, kStart);
+  sut.on_state(state(1, 10, 7), kStart);
+  EXPECT_EQ(sut.present(kStart + 40ms).at(0).info.sample_age, 40ms);
+  sut.on_state(state(1, 10, 7), kStart + 50ms);  // the same tick: its time stands still
+  EXPECT_EQ(sut.present(kStart + 52ms).at(0).info.sample_age, 2ms);
+  sut.note_sample({1, 10}, 8, kStart + 60ms);
+  EXPECT_EQ(sut.present(kStart + 60ms).at(0).info.sample_age, 0ms);
 }
 
 TEST(Directory, ForgetsABenchThatSaysGoodbyeAtOnce) {

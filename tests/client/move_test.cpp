@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Axis::move_to and move_by: parameters for one move, moves that cannot be, software limits.
-#include "support/test_domain.hpp"
+#include "client/session_options.hpp"
 #include "tool/process.hpp"
 #include "vdrive/cia402/statusword.hpp"
 #include "vdrive/client/axis.hpp"
@@ -16,6 +16,7 @@ namespace vdrive::client {
 namespace {
 
 using namespace std::chrono_literals;
+using test::options;
 using testing::AllOf;
 using testing::HasSubstr;
 
@@ -43,13 +44,6 @@ MoveOptions with(Limit velocity, Limit acceleration = {}, Limit deceleration = {
 
 MoveOptions not_awaited(MoveOptions options) {
   options.call.until = Until::in_force;
-  return options;
-}
-
-SessionOptions options() {
-  SessionOptions options;
-  options.domain = test::test_domain();
-  options.find_timeout = 10s;
   return options;
 }
 
@@ -192,6 +186,34 @@ TEST_F(Move, ByADistanceIsJudgedFromItsBase) {
     ASSERT_TRUE(axis_.move_to(400)) << option;
     EXPECT_THAT(axis_.move_by(601).message(), HasSubstr("the move to 1001")) << option;
   }
+}
+
+TEST_F(Move, IntoALimitSwitchSaysSoAtOnceAndLeavesNothingOfItsOwn) {
+  ASSERT_TRUE(axis_.disturb(Disturbance::positive_limit));
+  const std::uint64_t start = axis_.status()->tick;
+  const Outcome ended = axis_.move_to(8000, with(1000, 10'000, 10'000));
+  EXPECT_EQ(ended.kind(), OutcomeKind::failed);
+  EXPECT_THAT(ended.message(),
+              HasSubstr("the positive limit switch (60FDh bit 1) has ended the move to 8000 at "
+                        "position 0"));
+  EXPECT_LT(axis_.status()->tick, start + 20);
+  expect_defaults();
+  EXPECT_TRUE(axis_.move_to(-500)) << "the other way is free";
+  EXPECT_THAT(axis_.move_by(600).message(), HasSubstr("has ended the move to 100"));
+}
+
+// After 100 ms at the default ramp the axis is at 40960 UU/s, some 2000 UU on its way.
+TEST_F(Move, ThatMeetsALimitSwitchOnItsWayEndsThere) {
+  const auto motion = axis_.start_move(-1'000'000);
+  ASSERT_TRUE(motion) << motion.outcome().message();
+  ASSERT_TRUE(session_.step(1, 100));
+  ASSERT_TRUE(axis_.disturb(Disturbance::negative_limit));
+  const Outcome ended = motion->wait();
+  EXPECT_EQ(ended.kind(), OutcomeKind::failed);
+  EXPECT_THAT(ended.message(), AllOf(HasSubstr("the negative limit switch (60FDh bit 0)"),
+                                     HasSubstr("the move to -1000000")));
+  EXPECT_GT(axis_.status()->status.load_position_actual_value, -100'000);
+  EXPECT_EQ(motion->has_ended().outcome().kind(), OutcomeKind::failed);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 // engine behind a wire that the test takes away.
 #include "bench_engine.hpp"
 #include "bench_messages.hpp"
+#include "client/session_options.hpp"
 #include "support/local_inbox.hpp"
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
@@ -32,6 +33,7 @@ namespace vdrive::client {
 namespace {
 
 using namespace std::chrono_literals;
+using test::options;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::uint32_t kBench = 1;
@@ -266,13 +268,6 @@ class Bench {
   std::unique_ptr<Wire> wire_;
   std::jthread thread_;
 };
-
-SessionOptions options() {
-  SessionOptions options;
-  options.domain = test::test_domain();
-  options.find_timeout = 10s;
-  return options;
-}
 
 TEST(Reconnect, ARequestThatIsLostWithTheWireIsSentToTheNextOne) {
   Bench bench(service::ClockMode::realtime);

@@ -2,7 +2,7 @@
 // Session and Axis against the real service.
 #include "vdrive/client/session.hpp"
 
-#include "support/test_domain.hpp"
+#include "client/session_options.hpp"
 #include "tool/process.hpp"
 #include "vdrive/cia402/statusword.hpp"
 #include "vdrive/client/axis.hpp"
@@ -23,6 +23,7 @@ namespace vdrive::client {
 namespace {
 
 using namespace std::chrono_literals;
+using test::options;
 using test::RunningService;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -34,13 +35,6 @@ constexpr ObjectAddress kTarget{0x607A, 0};
 constexpr ObjectAddress kDemand{0x6062, 0};
 constexpr ObjectAddress kOverCurrent{0x5E02, 0};
 constexpr auto kRefusedInState = wire_code(AbortCode::refused_in_present_device_state);
-
-SessionOptions options() {
-  SessionOptions options;
-  options.domain = test::test_domain();
-  options.find_timeout = 10s;
-  return options;
-}
 
 SessionOptions hasty() {
   SessionOptions hasty = options();
@@ -89,7 +83,7 @@ TEST(Discovery, FindsBenchesAxesAndNames) {
   EXPECT_TRUE(sut.find_bench(7));
 }
 
-// Whoever waits for further benches waits 250 ms.
+// Whoever waits for further benches waits 150 ms.
 TEST(Discovery, FindsANameAsSoonAsItsBenchAnswers) {
   const RunningService service("--clock lockstep");
   std::string name;
@@ -99,7 +93,7 @@ TEST(Discovery, FindsANameAsSoonAsItsBenchAnswers) {
   }
   const auto deadline = std::chrono::steady_clock::now() + 30s;
   auto shortest = std::chrono::steady_clock::duration::max();
-  while (shortest >= 250ms) {  // the machine may be busy
+  while (shortest >= 150ms) {  // the machine may be busy
     ASSERT_LT(std::chrono::steady_clock::now(), deadline);
     Session sut(options());
     const auto begin = std::chrono::steady_clock::now();

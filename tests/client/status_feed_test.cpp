@@ -2,7 +2,14 @@
 // Status frames become samples of the wanted axes; what went missing is counted.
 #include "status_feed.hpp"
 
+#include "vdrive/wire/codec.hpp"
+
 #include <gtest/gtest.h>
+
+#include <cstddef>
+#include <optional>
+#include <utility>
+#include <vector>
 
 namespace vdrive::client {
 namespace {
@@ -24,8 +31,28 @@ msg::StatusFrame frame(std::uint64_t tick, std::initializer_list<std::uint16_t> 
   return message;
 }
 
+/// As it arrives.
+class Feed {
+ public:
+  Feed(std::vector<std::uint16_t> axes, std::uint32_t status_every_ticks)
+      : feed_(kBench, std::move(axes), status_every_ticks) {}
+
+  void on_frame(const msg::StatusFrame& message) {
+    std::vector<std::byte> sample(wire::encoded_size(message));
+    ASSERT_EQ(wire::encode(message, sample), sample.size());
+    const auto view = wire::StatusFrameView::of(sample);
+    ASSERT_TRUE(view.has_value());
+    feed_.on_frame(*view);
+  }
+
+  std::optional<Observation> take() { return feed_.take(); }
+
+ private:
+  StatusFeed feed_;
+};
+
 TEST(StatusFeed, ShowsTheAxesInTheOrderAskedFor) {
-  StatusFeed sut(kBench, {3, 1}, 1);
+  Feed sut({3, 1}, 1);
   sut.on_frame(frame(5, {1, 2, 3}));
   const auto sample = sut.take();
   ASSERT_TRUE(sample.has_value());
@@ -36,7 +63,7 @@ TEST(StatusFeed, ShowsTheAxesInTheOrderAskedFor) {
 }
 
 TEST(StatusFeed, PutsThePartsOfATickTogether) {
-  StatusFeed sut(kBench, {1, 300}, 1);
+  Feed sut({1, 300}, 1);
   sut.on_frame(frame(5, {1}));
   EXPECT_FALSE(sut.take().has_value());
   sut.on_frame(frame(5, {300}));
@@ -44,7 +71,7 @@ TEST(StatusFeed, PutsThePartsOfATickTogether) {
 }
 
 TEST(StatusFeed, DropsATickWithAMissingPartAndCountsIt) {
-  StatusFeed sut(kBench, {1, 300}, 1);
+  Feed sut({1, 300}, 1);
   for (const std::uint64_t tick : {5U, 6U, 7U}) {
     sut.on_frame(frame(tick, {1}));
     if (tick != 6) sut.on_frame(frame(tick, {300}));
@@ -56,7 +83,7 @@ TEST(StatusFeed, DropsATickWithAMissingPartAndCountsIt) {
 }
 
 TEST(StatusFeed, CountsSamplesOfAThinnedStream) {
-  StatusFeed sut(kBench, {1}, 10);
+  Feed sut({1}, 10);
   for (const std::uint64_t tick : {10U, 20U, 50U}) sut.on_frame(frame(tick, {1}));
   EXPECT_EQ(sut.take()->missed, 0U);
   EXPECT_EQ(sut.take()->missed, 0U);
@@ -64,7 +91,7 @@ TEST(StatusFeed, CountsSamplesOfAThinnedStream) {
 }
 
 TEST(StatusFeed, IgnoresOtherBenchesRunsAndThePast) {
-  StatusFeed sut(kBench, {1}, 1);
+  Feed sut({1}, 1);
   msg::StatusFrame other = frame(5, {1});
   other.bench(2);
   sut.on_frame(other);
@@ -79,7 +106,7 @@ TEST(StatusFeed, IgnoresOtherBenchesRunsAndThePast) {
 }
 
 TEST(StatusFeed, ThatNobodyReadsKeepsTheNewest) {
-  StatusFeed sut(kBench, {1}, 1);
+  Feed sut({1}, 1);
   sut.on_frame(frame(1, {1}));
   EXPECT_EQ(sut.take()->tick, 1U);
   for (std::uint64_t tick = 2; tick <= 10'000; ++tick) sut.on_frame(frame(tick, {1}));
@@ -88,8 +115,16 @@ TEST(StatusFeed, ThatNobodyReadsKeepsTheNewest) {
   EXPECT_EQ(oldest->missed, oldest->tick - 2);
 }
 
+TEST(StatusFeed, TakesATickThatIsSentAgain) {
+  Feed sut({1, 2}, 1);
+  sut.on_frame(frame(5, {1, 2}));
+  sut.on_frame(frame(5, {1, 2}));
+  EXPECT_EQ(sut.take()->axes.size(), 2U);
+  EXPECT_EQ(sut.take()->axes.size(), 2U);
+}
+
 TEST(StatusFeed, SurvivesAnAxisTwiceInAFrame) {
-  StatusFeed sut(kBench, {1, 2}, 1);
+  Feed sut({1, 2}, 1);
   sut.on_frame(frame(5, {1, 1}));
   EXPECT_FALSE(sut.take().has_value());
 }

@@ -5,6 +5,8 @@
 
 #include "core/support/axis_under_test.hpp"
 #include "core/support/csv.hpp"
+#include "vdrive/dictionary/object_text.hpp"
+#include "vdrive/dictionary/standard_names.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -483,6 +485,25 @@ TEST(Registers, ReadsAgreeWithTheStatusImage) {
   EXPECT_EQ(axis.read("error_code"), status.error_code);
   EXPECT_EQ(axis.read("error_register"), status.error_register);
   EXPECT_EQ(axis.read("digital_inputs"), status.digital_inputs);
+}
+
+TEST(ObjectText, NamesAnObjectAsTheDictionaryAndTheStandardDo) {
+  EXPECT_EQ(object_text({0x6081, 0}), "profile_velocity (6081h)");
+  EXPECT_EQ(object_text({0x607D, 2}), "user_position_upper_limit (607Dh:2)");
+  EXPECT_EQ(object_text({0x5FFF, 0}), "object (5FFFh)");
+  EXPECT_EQ(index_text(0x0FFF), "0FFFh");
+}
+
+TEST(StandardNames, LeadToTheirObjectsAndAreNotNamesOfTheManual) {
+  for (const StandardName& standard : kStandardNames) {
+    const auto row = find_object(standard.variable_name);
+    ASSERT_TRUE(row) << standard.name;
+    EXPECT_EQ(find_named(standard.name), row) << standard.name;
+    EXPECT_FALSE(find_object(standard.name)) << standard.name;
+  }
+  EXPECT_EQ(find_named("ds402_statusword"), find_object(ObjectAddress{0x6041, 0}));
+  EXPECT_EQ(find_named("speed_during_search_for_zero"), find_object(ObjectAddress{0x6099, 2}));
+  EXPECT_FALSE(find_named("gravity"));
 }
 
 }  // namespace

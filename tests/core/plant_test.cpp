@@ -611,9 +611,9 @@ class FreeAxis {
 
   void step() {
     if (model_.coupling == Coupling::rigid) {
-      step_rigid(rigid_, demand_, state_, 1, substep_);
+      step(rigid_);
     } else {
-      step_elastic(elastic_, demand_, state_, 1, substep_);
+      step(elastic_);
     }
   }
 
@@ -645,6 +645,14 @@ class FreeAxis {
   }
 
  private:
+  /// Without power, with play: the general step.
+  template <typename Parameters>
+  void step(const Parameters& parameters) {
+    const ServoBlock<Parameters> block{&parameters, &demand_, &state_};
+    step_servo(std::span(&block, 1), {.first = 0, .last = 1, .count = 1.0, .length = substep_},
+               {.general = true, .play = true});
+  }
+
   AxisModel model_;
   Gear gear_;
   double substep_;

@@ -5,6 +5,8 @@
 
 #include "core/support/axis_under_test.hpp"
 #include "core/support/random_cases.hpp"
+#include "drive/block.hpp"
+#include "drive/frame.hpp"
 #include "drive/objects.hpp"
 #include "drive/power.hpp"
 #include "drive/tick.hpp"
@@ -73,6 +75,17 @@ TEST(TrapezoidalProfile, RunsTheManualsExampleIn10166Milliseconds) {
   EXPECT_EQ(profile.at(5.0).velocity, 1000.0);
   EXPECT_EQ(profile.end_position(), 10000.0);
   EXPECT_TRUE(profile.reaches_target());
+}
+
+TEST(TrapezoidalProfile, RestsAtItsEndForEver) {
+  const Profile profile = plan(kManual);
+
+  for (const double time : {profile.duration(), 1e300, std::numeric_limits<double>::infinity()}) {
+    const MotionSample sample = profile.at(time);
+    EXPECT_EQ(sample.position, 10000.0) << time;
+    EXPECT_EQ(sample.velocity, 0.0) << time;
+    EXPECT_EQ(sample.acceleration, 0.0) << time;
+  }
 }
 
 TEST(TrapezoidalProfile, RunsTheDefaultsAsATriangle) {
@@ -708,9 +721,13 @@ class LongRunningDrive {
 
   /// One tick of an ideal servo: the load is where the demand is.
   void tick() {
-    begin_tick(axis_, demand_);
-    end_tick(axis_);
-    servo_.load_reading[0] = state_.demand.position + distance_;
+    begin_tick(axis_);
+    watch_tick(axis_);
+    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): filled by the next statement
+    NumberBlock numbers;
+    round_numbers(block_, numbers);
+    end_tick(axis_, numbers);
+    block_.servo.load_reading[0] = demand_position() + distance_;
   }
 
   void tick(int count) {
@@ -727,6 +744,16 @@ class LongRunningDrive {
 
   DriveState& state() { return state_; }
 
+  [[nodiscard]] double demand_position() const { return block_.demand.position[0]; }
+
+  void set_demand_position(double position) { block_.demand.position[0] = position; }
+
+  /// So many ticks after the plan, in the `segment`th of its segments.
+  void go_to(double ticks, std::size_t segment) {
+    block_.demand.plan_ticks[0] = ticks;
+    put_segment(axis_, profile().segment(segment));
+  }
+
   [[nodiscard]] const Profile& profile() const { return registers_.profile; }
 
   [[nodiscard]] const AxisStatus& status() const { return status_; }
@@ -735,11 +762,10 @@ class LongRunningDrive {
   double distance_ = 0.0;
   DriveState state_{};
   DriveRegisters registers_;
-  ServoState servo_{};
+  BlockState block_{};
   AxisStatus status_{};
   TickTiming timing_{};
-  DemandBlock demand_{};
-  Drive axis_{state_, registers_, servo_, 0, status_, timing_};
+  Drive axis_{state_, registers_, block_, 0, status_, timing_};
 };
 
 constexpr double kDay = 86'400.0;
@@ -751,31 +777,29 @@ TEST(Uptime, AMoveAcrossTheWholeRangeIsOnItsLineAfter24And49Days) {
   drive.write("profile_acc", 999);
   drive.write("profile_dec", 999);
   drive.write("ds402_controlword", 0x0F);
-  drive.state().demand.position = kLowest;
+  drive.set_demand_position(kLowest);
   drive.write("position_user_target_value", 2147483647);
   drive.write("ds402_controlword", 0x1F);
   drive.tick();
   const double start = drive.profile().at(0.0).position;
   ASSERT_GT(drive.profile().duration(), 49.75 * kDay);
   for (const double border : {2147483648.0, 4294967296.0}) {
-    drive.state().demand.plan_ticks = border - 50.0;
     // The segment in force then is the second: 999 units/s.
-    drive.state().demand.segment = drive.profile().segment(1);
+    drive.go_to(border - 50.0, 1);
     for (int i = 1; i <= 100; ++i) {
       drive.tick();
       // After a ramp of 1 s and 499.5 units: x = x0 + 499.5 + 999 (t - 1).
       const double seconds = (border - 50.0 + i) * 1.0e-3;
       const double position = start + 499.5 + 999.0 * (seconds - 1.0);
-      ASSERT_NEAR(drive.state().demand.position, position, 1.0e-5) << border << " + " << i - 50;
+      ASSERT_NEAR(drive.demand_position(), position, 1.0e-5) << border << " + " << i - 50;
       ASSERT_EQ(drive.status().velocity_demand_value, 999);
       ASSERT_EQ(drive.status().ds402_statusword, 0x1237);
     }
   }
   // And it ends on its target to the unit.
-  drive.state().demand.plan_ticks = std::floor(drive.profile().duration() * 1'000.0) - 5.0;
-  drive.state().demand.segment = drive.profile().segment(2);
+  drive.go_to(std::floor(drive.profile().duration() * 1'000.0) - 5.0, 2);
   drive.tick(10);
-  EXPECT_EQ(drive.state().demand.position, start + kWholeRange);
+  EXPECT_EQ(drive.demand_position(), start + kWholeRange);
   EXPECT_EQ(drive.status().velocity_demand_value, 0);
 }
 
@@ -835,9 +859,9 @@ TEST(Uptime, PositionsOfAnAxisThatTurnsOneWayForYearsKeepTheirUnit) {
   drive.write("ds402_controlword", 0x0F);
   drive.write("positioning_option_code", 1);
   drive.tick();
-  drive.state().demand.position = 1099511627776.0 + 12'345.0;
+  drive.set_demand_position(1099511627776.0 + 12'345.0);
   drive.tick(2);
-  EXPECT_EQ(drive.state().demand.position, 12'345.0) << "2⁴⁰ is a whole number of turns";
+  EXPECT_EQ(drive.demand_position(), 12'345.0) << "2⁴⁰ is a whole number of turns";
   EXPECT_EQ(drive.status().position_demand_value, 12'345);
 }
 

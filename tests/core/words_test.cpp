@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Controlword decoding, statusword bits and error codes against the tables of the manual and of
 // CiA 402.
+#include "vdrive/cia402/bit_names.hpp"
 #include "vdrive/cia402/controlword.hpp"
 #include "vdrive/cia402/error_code.hpp"
 #include "vdrive/cia402/power_state.hpp"
@@ -201,6 +202,32 @@ TEST(AbortCode, EveryCodeOfCiA301HasItsOwnText) {
     texts.push_back(text);
   }
   EXPECT_EQ(describe(AbortCode{1}), "unknown abort code");
+}
+
+// CiA 402-2: bits 4 to 6 of the controlword, 12 and 13 of the statusword are the mode's.
+TEST(BitNames, AreThoseOfTheMode) {
+  EXPECT_EQ(controlword_bit_name(0x0010, OperatingMode::profile_position), "new set-point");
+  EXPECT_EQ(controlword_bit_name(0x0010, OperatingMode::homing), "start homing");
+  EXPECT_EQ(controlword_bit_name(0x0010, OperatingMode::profile_velocity), "");
+  EXPECT_EQ(statusword_bit_name(0x1000, OperatingMode::profile_position), "set-point acknowledge");
+  EXPECT_EQ(statusword_bit_name(0x1000, OperatingMode::profile_velocity), "speed zero");
+  EXPECT_EQ(statusword_bit_name(0x2000, OperatingMode::homing), "homing error");
+  EXPECT_EQ(statusword_bit_name(0x2000, OperatingMode::profile_position), "following error");
+}
+
+TEST(BitNames, AreTheSameInEveryModeForTheBitsOfTheState) {
+  for (const OperatingMode mode : {OperatingMode::none, OperatingMode::homing}) {
+    EXPECT_EQ(controlword_bit_name(0x0080, mode), "fault reset");
+    EXPECT_EQ(statusword_bit_name(0x0008, mode), "fault");
+    EXPECT_EQ(statusword_bit_name(0x0020, mode), "quick stop");
+  }
+}
+
+TEST(BitNames, AreEmptyForTheBitsThatNobodyUses) {
+  for (const std::uint16_t bit : {0x0100, 0x4000, 0x8000}) {
+    EXPECT_EQ(statusword_bit_name(bit, OperatingMode::profile_position), "") << bit;
+  }
+  EXPECT_EQ(controlword_bit_name(0x8000, OperatingMode::profile_position), "");
 }
 
 }  // namespace

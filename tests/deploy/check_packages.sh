@@ -18,7 +18,7 @@ fail() {
 
 list=$("$root/deploy/package.sh")
 mapfile -t packages <<<"$list"
-((${#packages[@]} == 4)) || fail "expected four packages: ${packages[*]}"
+((${#packages[@]} == 5)) || fail "expected five packages: ${packages[*]}"
 
 unpacked=$work/root
 for package in "${packages[@]}"; do
@@ -28,6 +28,7 @@ done
 expected=(
   etc/vdrive/vdrived.yaml
   usr/bin/vdrive
+  usr/bin/vdrive-gateway
   usr/bin/vdrived
   usr/include/vdrive/client/session.hpp
   usr/include/vdrive/dictionary/dictionary.hpp
@@ -35,9 +36,11 @@ expected=(
   usr/lib/libvdrive_client.a
   usr/lib/libvdrive_core.a
   usr/lib/libvdrive_wire.a
+  usr/lib/systemd/system/vdrive-gateway.service
   usr/lib/systemd/system/vdrived.service
   usr/lib/systemd/system/vdrived@.service
   usr/share/bash-completion/completions/vdrive
+  usr/share/bash-completion/completions/vdrive-gateway
   usr/share/doc/libvdrive-dev/changelog.gz
   usr/share/doc/libvdrive-dev/copyright
   usr/share/doc/vdrive-doc/README.md
@@ -47,15 +50,20 @@ expected=(
   usr/share/doc/vdrive-doc/copyright
   usr/share/doc/vdrive-doc/docs/guides/configuration.md
   usr/share/doc/vdrive-doc/idl/vdrive_messages.idl
+  usr/share/doc/vdrive-gateway/changelog.gz
+  usr/share/doc/vdrive-gateway/copyright
   usr/share/doc/vdrive/changelog.gz
   usr/share/doc/vdrive/copyright
   usr/share/doc/vdrived/changelog.gz
   usr/share/doc/vdrived/copyright
+  usr/share/fish/vendor_completions.d/vdrive.fish
   usr/share/man/man1/vdrive.1.gz
   usr/share/man/man5/vdrived.yaml.5.gz
+  usr/share/man/man8/vdrive-gateway.8.gz
   usr/share/man/man8/vdrived.8.gz
   usr/share/vdrive/realtime.conf
   usr/share/vdrive/scenarios/absolute_forward.scn
+  usr/share/zsh/vendor-completions/_vdrive
 )
 for pattern in "${expected[@]}"; do
   compgen -G "$unpacked/$pattern" >/dev/null || fail "$pattern is in no package"
@@ -80,8 +88,8 @@ dpkg-deb --ctrl-tarfile "$(package_of vdrived)" | tar -xO ./conffiles |
 
 # A document that a configuration or a unit names is in a package; the news are of this version.
 manuals() {
-  { grep -o 'man [a-z][a-z.]*' "$unpacked"/etc/vdrive/*.yaml || true
-    grep -oh 'man:[a-z.]*' "$unpacked"/usr/lib/systemd/system/*; } | sed 's/^.*man[ :]//; s/\.$//' | sort -u
+  { grep -o 'man [a-z][a-z.-]*' "$unpacked"/etc/vdrive/*.yaml || true
+    grep -oh 'man:[a-z.-]*' "$unpacked"/usr/lib/systemd/system/*; } | sed 's/^.*man[ :]//; s/\.$//' | sort -u
 }
 [[ -n $(manuals) ]] || fail "neither configuration nor units name a manual page"
 for page in $(manuals); do
@@ -99,10 +107,11 @@ done
 # The programs run.
 "$unpacked/usr/bin/vdrived" --check "$unpacked/etc/vdrive/vdrived.yaml" >"$work/check"
 "$unpacked/usr/bin/vdrived" --version | grep -q '^vdrived ' || fail "vdrived --version"
+"$unpacked/usr/bin/vdrive-gateway" --version | grep -q '^vdrive-gateway ' || fail "vdrive-gateway --version"
 "$unpacked/usr/bin/vdrive" --version | grep -q '^vdrive ' || fail "vdrive --version"
 
 # The units name what is there.
-for unit in vdrived.service vdrived@.service; do
+for unit in vdrived.service vdrived@.service vdrive-gateway.service; do
   program=$(sed -n 's/^ExecStart=\([^ ]*\).*/\1/p' "$unpacked/usr/lib/systemd/system/$unit")
   [[ -x $unpacked$program ]] || fail "$unit starts $program, which is in no package"
 done
@@ -112,7 +121,7 @@ grep -q '^StateDirectory=vdrive-%i$' "$unpacked/usr/lib/systemd/system/vdrived@.
   fail "each instance needs its own state"
 
 # Position independent, read-only relocations bound at the start, guarded stack, checked copies.
-for program in vdrive vdrived; do
+for program in vdrive vdrived vdrive-gateway; do
   file=$unpacked/usr/bin/$program
   readelf --file-header "$file" | grep -q 'Type:.*DYN' || fail "$program: no PIE"
   readelf --program-headers --wide "$file" | grep -q GNU_RELRO || fail "$program: no RELRO"
@@ -127,7 +136,7 @@ done
 options_of() {
   "$@" | grep -o -- '--[a-z][a-z-]*' | sort -u
 }
-for page in man1/vdrive.1.gz man8/vdrived.8.gz; do
+for page in man1/vdrive.1.gz man8/vdrived.8.gz man8/vdrive-gateway.8.gz; do
   text=$(LC_ALL=C.UTF-8 MANWIDTH=200 man --warnings --local-file "$unpacked/usr/share/man/$page" 2>"$work/warnings" | col -b)
   [[ ! -s $work/warnings ]] || fail "$page: $(cat "$work/warnings")"
   program=$unpacked/usr/bin/$(basename "${page%.?.gz}")
@@ -143,8 +152,12 @@ for page in man1/vdrive.1.gz man8/vdrived.8.gz; do
   done
 done
 
-cmp --silent <("$unpacked/usr/bin/vdrive" completion bash) \
-  "$unpacked/usr/share/bash-completion/completions/vdrive" || fail "the completion is of another build"
+declare -A completions=([bash]=bash-completion/completions/vdrive [zsh]=zsh/vendor-completions/_vdrive
+  [fish]=fish/vendor_completions.d/vdrive.fish)
+for shell in "${!completions[@]}"; do
+  cmp --silent <("$unpacked/usr/bin/vdrive" completion "$shell") \
+    "$unpacked/usr/share/${completions[$shell]}" || fail "the completion for $shell is of another build"
+done
 
 # An example, with the list that is installed beside it.
 cmake -S "$unpacked/usr/share/doc/vdrive-doc/clients/examples" -B "$work/examples" -G Ninja \

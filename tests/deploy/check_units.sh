@@ -28,13 +28,18 @@ check_exposure() {
 cp "$root/deploy/systemd/vdrived.service" "$work/"
 check_exposure "$work/vdrived.service" 15
 
+cp "$root/deploy/systemd/vdrive-gateway.service" "$work/"
+check_exposure "$work/vdrive-gateway.service" 15
+
 mkdir "$work/vdrived.service.d"
 cp "$root/deploy/systemd/realtime.conf" "$work/vdrived.service.d/"
 check_exposure "$work/vdrived.service" 19
 
 # The program is not installed here; everything else has to be right.
-sed -i 's|^ExecStart=.*|ExecStart=/bin/true|; /^Documentation=/d' "$work/vdrived.service"
-output=$(systemd-analyze verify --man=no "$work/vdrived.service" 2>&1) || true
-if [[ -n $output ]]; then
-  fail "$output"
-fi
+for unit in vdrived.service vdrive-gateway.service; do
+  sed -i 's|^ExecStart=.*|ExecStart=/bin/true|; /^Documentation=/d' "$work/$unit"
+  output=$(systemd-analyze verify --man=no "$work/$unit" 2>&1) || true
+  if [[ -n $output ]]; then
+    fail "$output"
+  fi
+done

@@ -18,7 +18,7 @@ PATH = re.compile(r"(?<![\w./-])docs/[\w./-]*\w\.(?:md|svg|yaml)\b")
 CODE = re.compile(r"^```.*?^```", re.DOTALL | re.MULTILINE)
 TEXTS = {".md", ".hpp", ".cpp", ".c", ".py", ".sh", ".idl", ".yaml", ".txt", ".cmake", ".service",
          ".conf", ".scn", ".json"}
-SKIPPED = {"build", ".git", "corpus"}
+SKIPPED = {"build", ".git", "corpus", "node_modules"}
 
 
 def anchors_of(text):

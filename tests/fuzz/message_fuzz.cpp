@@ -11,15 +11,21 @@
 #include "message_types.hpp"
 #include "status_feed.hpp"
 #include "support/local_inbox.hpp"
+#include "vdrive/wire/codec.hpp"
 #include "vdrive/wire/conversion.hpp"
+#include "vdrive/wire/status_frame.hpp"
 
 #include <fastdds/rtps/common/SerializedPayload.h>
 
 #include <array>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <map>
+#include <span>
+#include <type_traits>
+#include <vector>
 
 namespace {
 
@@ -107,7 +113,14 @@ class Peers {
 
   void receive(const msg::StatusFrame& frame) {
     directory_.note_sample({frame.bench(), frame.incarnation()}, frame.tick(), now_);
-    feed_.on_frame(frame);
+    std::vector<std::byte> sample(wire::encoded_size(frame));
+    demand(wire::encode(frame, sample) == sample.size(), "a frame can be encoded");
+    receive_status(sample);
+  }
+
+  /// Any bytes as a client reads them.
+  void receive_status(std::span<const std::byte> bytes) {
+    if (const auto frame = wire::StatusFrameView::of(bytes)) feed_.on_frame(*frame);
     while (const auto sample = feed_.take()) {
       demand(
           sample->axes.size() == 2 && sample->axes[0].id.axis == 1 && sample->axes[1].id.axis == 3,
@@ -252,6 +265,9 @@ class Peers {
 /// nobody but the bench, which answers for it.
 template <typename Message>
 void receive_raw(std::span<const std::uint8_t> data, Peers& peers) {
+  if constexpr (std::is_same_v<Message, msg::StatusFrame>) {
+    peers.receive_status(std::as_bytes(data));
+  }
   Message message;
   if (!decode(data, message)) {
     return;

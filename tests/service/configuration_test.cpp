@@ -3,7 +3,6 @@
 
 #include "configuration_help.hpp"
 #include "configuration_warnings.hpp"
-#include "limit_warnings.hpp"
 #include "support/temporary_directory.hpp"
 #include "vdrive/axis_bank.hpp"
 #include "vdrive/number_text.hpp"
@@ -58,10 +57,11 @@ network: {domain: 9, interfaces: [10.0.0.1], discovery_server: ["10.0.0.9:11811"
 axes:
   - number: 4
     name: lift
+    unit: {kind: linear, name: mm, per_unit: 1000.5}
     initial_position: -12
     settings: {acknowledge_while_halted: false, enable_from_switch_on_disabled: false, following_error_is_fault: false, limits_need_homing: true, quick_stop_dwell_ms: 8}
     model: {coupling: two_inertia, feedback: single_encoder, load_inertia: 0.002, backlash: 1e-3}
-    parameters: {profile_velocity: 1000, "0x607D:1": -500, "0x6084": 0x10}
+    parameters: {profile_velocity: 1000, "0x607D:1": -500, "0x6084": 0x10, profile_deceleration: 0x11}
   - number: 2
 )");
   EXPECT_EQ(read.bench, 7U);
@@ -85,6 +85,9 @@ axes:
   EXPECT_EQ(read.axes[0].name, "axis2");
   const auto& lift = read.axes[1].configuration;
   EXPECT_EQ(read.axes[1].name, "lift");
+  EXPECT_EQ(read.axes[1].unit, (Unit{.kind = UnitKind::linear, .name = "mm", .size = 1'000.5}));
+  EXPECT_EQ(parse(to_yaml(read)).axes[1].unit, read.axes[1].unit);
+  EXPECT_EQ(read.axes[0].unit, Unit()) << "a revolution of 4096 user units, shown in degrees";
   EXPECT_EQ(lift.initial_position, -12);
   EXPECT_FALSE(lift.settings.enable_from_switch_on_disabled);
   EXPECT_FALSE(lift.settings.following_error_is_fault);
@@ -95,11 +98,12 @@ axes:
   EXPECT_EQ(lift.model.feedback, Feedback::single_encoder);
   EXPECT_EQ(lift.model.load_inertia, 0.002);
   EXPECT_EQ(lift.model.backlash, 1e-3);
-  ASSERT_EQ(lift.parameters.size(), 3U);
+  ASSERT_EQ(lift.parameters.size(), 3U) << "of two spellings of an object the last one counts";
   EXPECT_EQ(lift.parameters[0].address, (ObjectAddress{0x6081, 0}));
   EXPECT_EQ(lift.parameters[1].address, (ObjectAddress{0x607D, 1}));
   EXPECT_EQ(lift.parameters[1].value, -500);
-  EXPECT_EQ(lift.parameters[2].value, 16);
+  EXPECT_EQ(lift.parameters[2].address, (ObjectAddress{0x6084, 0}));
+  EXPECT_EQ(lift.parameters[2].value, 17) << "by its name in CiA 402";
 }
 
 TEST(Configuration, OfAnEmptyFileIsTheDefault) {
@@ -352,6 +356,38 @@ TEST(Configuration, NamesTheLineThatATabIndents) {
   EXPECT_EQ(refusal_of("bench: {number: 1}\t# behind the value\n"), "accepted");
 }
 
+std::string refusal_of_unit(const std::string& unit) {
+  return refusal_of("axes:\n  - number: 1\n    unit: " + unit + "\n");
+}
+
+TEST(Configuration, OfAUnitMayNameWhatARotaryAxisShows) {
+  const Configuration read =
+      parse("axes: [{number: 1, unit: {kind: rotary, name: rev, per_revolution: 8192}}]");
+  EXPECT_EQ(read.axes[0].unit, (Unit{.kind = UnitKind::rotary, .name = "rev", .size = 8'192.0}));
+  EXPECT_EQ(parse(to_yaml(read)).axes[0].unit, read.axes[0].unit);
+}
+
+TEST(Configuration, RefusesAUnitThatIsIncompleteMixedOrOutOfRange) {
+  const std::string place = "bench.yaml:3: axes[0].unit";
+  EXPECT_EQ(refusal_of_unit("{name: mm}"), place + ": a unit needs a kind: rotary or linear");
+  EXPECT_EQ(refusal_of_unit("{kind: curved}"),
+            place + ".kind = curved: must be one of rotary, linear");
+  EXPECT_EQ(refusal_of_unit("{kind: linear, name: mm}"),
+            place +
+                ": a linear unit needs name and per_unit, such as {kind: linear, name: mm, "
+                "per_unit: 1000}");
+  EXPECT_EQ(refusal_of_unit("{kind: rotary, per_unit: 5}"),
+            place + ".per_unit = 5: belongs to the other kind; a rotary unit has per_revolution");
+  EXPECT_EQ(refusal_of_unit("{kind: linear, name: m2, per_unit: 5}"),
+            place + ".name = m2: the name of a unit must consist of letters, such as mm");
+  for (const char* const size : {"0", "-1", "9e-07", "1.1e+09"}) {
+    EXPECT_EQ(refusal_of_unit(std::string("{kind: rotary, per_revolution: ") + size + "}"),
+              place + ".per_revolution = " + size + ": must be from 1e-06 to 1e+09 user units");
+  }
+  EXPECT_EQ(refusal_of_unit("{kind: rotary, per_revolution: nan}"),
+            place + ".per_revolution = nan: must be a finite number [user units]");
+}
+
 constexpr const char* kAxisWith = "axes:\n  - number: 1\n    parameters:\n";
 
 TEST(Configuration, RefusesALowerLimitThatIsNotBelowTheUpperOne) {
@@ -521,7 +557,7 @@ std::vector<std::string> warnings_of(const std::string& text) {
   const test::TemporaryDirectory directory;
   const auto file = directory.path() / "bench.yaml";
   std::ofstream(file) << text;
-  std::vector<std::string> warnings = configuration_warnings(file);
+  std::vector<std::string> warnings = loop_warnings(file);
   for (std::string& warning : warnings) warning.erase(0, directory.path().string().size() + 1);
   return warnings;
 }

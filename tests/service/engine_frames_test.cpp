@@ -10,8 +10,6 @@
 namespace vdrive::test {
 namespace {
 
-constexpr std::uint16_t kFirstTwo[] = {1, 2};
-
 /// A bench whose axes 1 and 2 belong to Alice.
 struct OwnedBench : EngineUnderTest {
   OwnedBench() {

@@ -16,7 +16,6 @@ namespace vdrive::test {
 namespace {
 
 constexpr std::uint32_t kCannotStore = 0x08000020;
-constexpr std::uint32_t kLocalControl = 0x08000021;
 constexpr std::uint32_t kHardwareError = 0x06060000;
 constexpr std::uint32_t kNotInAFrame = 0x06040041;
 constexpr std::int64_t kSave = 0x65766173;

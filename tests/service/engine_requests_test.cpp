@@ -7,8 +7,6 @@
 namespace vdrive::test {
 namespace {
 
-constexpr std::uint32_t kLocalControl = 0x08000021;
-constexpr std::uint16_t kFirstTwo[] = {1, 2};
 constexpr std::uint16_t kEnabling[] = {0x06, 0x07, 0x0F};
 
 TEST(ReadRequest, AnswersEachObjectWithItsOwnCode) {

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace vdrive::test {
@@ -131,6 +133,26 @@ TEST(SnapshotRequest, IsKeptSixteenTimesAndForgottenOnRequest) {
   EXPECT_EQ(take(bench), 17U) << "a number is never used again";
 }
 
+// Taken in ticks 0, 10 and 10; the second is dropped.
+TEST(SnapshotRequest, ShowsWhichAreKeptOneAfterTheOther) {
+  EngineUnderTest bench(standing_bench());
+  const auto next = [&bench](std::uint64_t after) {
+    const auto reply = ask_about(bench, msg::REQUEST_NEXT_SNAPSHOT, after);
+    EXPECT_EQ(reply.reason(), msg::REASON_NONE);
+    return std::pair(reply.snapshot(), reply.tick());
+  };
+  EXPECT_EQ(next(0).first, 0U) << "none is kept";
+  EXPECT_EQ(take(bench), 1U);
+  bench.steps(10);
+  EXPECT_EQ(take(bench), 2U);
+  EXPECT_EQ(take(bench), 3U);
+  ASSERT_EQ(ask_about(bench, msg::REQUEST_DROP_SNAPSHOT, 2).reason(), msg::REASON_NONE);
+  bench.steps(5);
+  EXPECT_EQ(next(0), std::pair(1UL, 0UL));
+  EXPECT_EQ(next(1), std::pair(3UL, 10UL));
+  EXPECT_EQ(next(3).first, 0U) << "there is no further one";
+}
+
 TEST(SnapshotRequest, NeedsAClockThatStandsStill) {
   auto configuration = standing_bench();
   configuration.clock = service::ClockMode::realtime;
@@ -142,6 +164,8 @@ TEST(SnapshotRequest, NeedsAClockThatStandsStill) {
   configuration.rate = 0.0;
   EngineUnderTest paused(configuration);
   EXPECT_EQ(restore(paused, take(paused)).reason(), msg::REASON_NONE);
+  EXPECT_EQ(ask_about(running, msg::REQUEST_NEXT_SNAPSHOT, 0).reason(), msg::REASON_NONE)
+      << "what is kept may be asked at any time";
 }
 
 }  // namespace

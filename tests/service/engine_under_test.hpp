@@ -15,6 +15,8 @@ inline constexpr std::uint32_t kBench = 4;
 inline constexpr std::uint64_t kIncarnation = 1'000;
 inline constexpr std::uint64_t kAlice = 0xA11CE;
 inline constexpr std::uint64_t kBob = 0xB0B;
+inline constexpr std::uint16_t kFirstTwo[] = {1, 2};  ///< axes
+inline constexpr std::uint32_t kLocalControl = 0x08000021;
 
 /// @return a lock-step bench number 4 with `axes` default axes and the watchdog at 100 ms.
 [[nodiscard]] service::Configuration bench_configuration(std::size_t axes);

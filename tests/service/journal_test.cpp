@@ -434,9 +434,9 @@ TEST(Replay, TellsThatAWriteIsRefusedWhichWasAccepted) {
       change.address.index = 0x6041;
     }
   });
-  EXPECT_THAT(replay_with(file, 1).text,
-              HasSubstr("tick 1: axis 2 (axis2): the write of 1000 to 6041h:0 was accepted when it "
-                        "was recorded and is refused now"));
+  EXPECT_THAT(replay_with(file, 1).text, HasSubstr("tick 1: axis 2 (axis2): the write of 1000 to "
+                                                   "ds402_statusword (6041h) was accepted when it "
+                                                   "was recorded and is refused now"));
 }
 
 // ---- damaged files ---------------------------------------------------------------------------

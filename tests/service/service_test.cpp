@@ -183,6 +183,9 @@ TEST(Service, DescribesTheBenchInParts) {
     EXPECT_TRUE(part.alive());
     EXPECT_EQ(part.clock_mode(), msg::CLOCK_MODE_REALTIME);
     EXPECT_EQ(part.axes().front().axis(), part.part() * 256 + 1);
+    EXPECT_EQ(part.axes().front().unit_kind(), msg::UNIT_ROTARY);
+    EXPECT_EQ(part.axes().front().unit_name().to_string(), "deg");
+    EXPECT_EQ(part.axes().front().unit_size(), 4'096.0);
     axes += part.axes().size();
   }
   EXPECT_EQ(axes, 600U);

@@ -2,6 +2,7 @@
 #include "simulation/master.hpp"
 
 #include "vdrive/cia402/power_state.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,13 +11,11 @@ namespace vdrive::simulation {
 namespace {
 
 constexpr std::int64_t kKeepAlive = 25 * kMillisecond;
-constexpr std::int64_t kSave = 0x65766173;
-constexpr std::int64_t kLoad = 0x64616F6C;
 constexpr std::int64_t kUnitsPerTurn = 4'096;
 constexpr std::array<std::uint16_t, 20> kWordsInOperation{
     0x000F, 0x000F, 0x000F, 0x000F, 0x000F, 0x000F, 0x000F, 0x001F, 0x001F, 0x001F,
     0x001F, 0x001F, 0x003F, 0x003F, 0x005F, 0x010F, 0x0002, 0x0006, 0x0007, 0x0000};
-constexpr std::array<std::int8_t, 8> kModes{1, 1, 1, 3, 4, 6, 8, 0};
+constexpr std::array<std::int8_t, 8> kModesToSet{1, 1, 1, 3, 4, 6, 8, 0};
 constexpr std::array<std::int8_t, 4> kHomingMethods{35, 33, 34, 1};
 
 }  // namespace
@@ -192,7 +191,7 @@ void Master::ask(const View& view, Post& post) {
         break;
       case 3:
         object.index(0x6060);
-        object.value(random_.per_mille(900) ? random_.pick<std::int8_t>(kModes) : 2);
+        object.value(random_.per_mille(900) ? random_.pick<std::int8_t>(kModesToSet) : 2);
         break;
       default:
         object.index(0x6067);
@@ -222,7 +221,8 @@ void Master::store(const View& view, Post& post) {
     object.axis(axis);
     object.index(forgets ? 0x1011 : 0x1010);
     object.subindex(1);
-    object.value(forgets != random_.per_mille(temper_.rudeness) ? kLoad : kSave);
+    object.value(forgets != random_.per_mille(temper_.rudeness) ? kRestoreSignature
+                                                                : kStoreSignature);
   }
   this->post(std::move(request), post);
 }
@@ -340,7 +340,7 @@ void Master::fill(msg::AxisCommand& command, const AxisStatus& status,
   }
   if (status.op_mode_actual == 0 || random_.per_mille(40)) {
     add(msg::HAS_OP_MODE_CMD);
-    command.op_mode_cmd(random_.per_mille(980) ? random_.pick<std::int8_t>(kModes) : 2);
+    command.op_mode_cmd(random_.per_mille(980) ? random_.pick<std::int8_t>(kModesToSet) : 2);
   }
   if (random_.per_mille(300)) {
     add(msg::HAS_PROFILE_VELOCITY);

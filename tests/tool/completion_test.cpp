@@ -1,67 +1,90 @@
 // SPDX-License-Identifier: Apache-2.0
-// The script of `vdrive completion bash`, carried out by bash.
+// What may stand in the place of a word of a command line.
 #include "grammar.hpp"
 #include "usage_error.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <array>
-#include <cstdio>
-#include <memory>
 #include <sstream>
 #include <string>
 #include <vector>
 
-namespace vdrive::test {
+namespace vdrive::tool {
 namespace {
 
+using testing::AllOf;
 using testing::Contains;
 using testing::ElementsAre;
 using testing::IsEmpty;
+using testing::Not;
 
-std::string script() {
-  return tool::parse_command_line({"completion", "bash"}).text;
+using Words = std::vector<std::string>;
+
+BenchNames some_names() {
+  return {.axes =
+              [] {
+                return Words{"1.1", "x", "1.2", "y"};
+              },
+          .benches =
+              [] {
+                return Words{"1"};
+              }};
 }
 
-/// @return what bash offers for the last of the words.
-std::vector<std::string> offers(const std::string& words, int last) {
-  // The script has no single quotes that would end those of the command.
-  const std::string command = "bash -c '" + script() + "COMP_WORDS=(" + words +
-                              "); COMP_CWORD=" + std::to_string(last) +
-                              "; _vdrive; printf \"%s\\n\" \"${COMPREPLY[@]}\"'";
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> pipe(popen(command.c_str(), "r"), pclose);
-  std::vector<std::string> lines;
-  std::array<char, 256> line{};
-  while (std::fgets(line.data(), line.size(), pipe.get()) != nullptr) {
-    std::string text = line.data();
-    text.pop_back();
-    if (!text.empty()) lines.push_back(text);
-  }
-  return lines;
+Words offers(const Words& words) {
+  return complete_words(words, some_names());
 }
 
-TEST(Completion, OffersTheWords) {
-  EXPECT_THAT(offers("vdrive mo", 1), ElementsAre("move"));
-  EXPECT_THAT(offers("vdrive re", 1), Contains("record"));
+TEST(Completion, OffersTheCommands) {
+  EXPECT_THAT(offers({"mo"}), ElementsAre("move"));
+  EXPECT_THAT(offers({"re"}), Contains("record"));
+  EXPECT_THAT(offers({"--domain", "5", "mo"}), ElementsAre("move")) << "5 is no command";
+  EXPECT_THAT(offers({"dance", ""}), IsEmpty());
 }
 
-TEST(Completion, OffersTheOptionsOfTheWordAndTheGlobalOnes) {
-  EXPECT_THAT(offers("vdrive move 1.1 10 --vel", 4), ElementsAre("--velocity"));
-  EXPECT_THAT(offers("vdrive move 1.1 10 --js", 4), ElementsAre("--json"));
-  EXPECT_THAT(offers("vdrive list --vel", 2), IsEmpty()) << "an option of another word";
+TEST(Completion, OffersTheOptionsOfTheCommandAndTheGlobalOnes) {
+  EXPECT_THAT(offers({"move", "1.1", "10", "--vel"}), ElementsAre("--velocity"));
+  EXPECT_THAT(offers({"move", "1.1", "10", "--js"}), ElementsAre("--json"));
+  EXPECT_THAT(offers({"list", "--vel"}), IsEmpty()) << "an option of another command";
+  EXPECT_THAT(offers({"--js"}), ElementsAre("--json"));
 }
 
-TEST(Completion, DoesNotTakeTheValueOfAnOptionForTheWord) {
-  EXPECT_THAT(offers("vdrive --domain 5 mo", 3), ElementsAre("move"));
+TEST(Completion, OffersWhatTheBenchesHave) {
+  EXPECT_THAT(offers({"enable", ""}), ElementsAre("1.1", "1.2", "x", "y"));
+  EXPECT_THAT(offers({"watch", "1.1", "1.2", "x"}), ElementsAre("x"));
+  EXPECT_THAT(offers({"step", "5", "--bench", ""}), ElementsAre("1"));
+  EXPECT_THAT(offers({"stop", ""}), ElementsAre("1"));
+  EXPECT_THAT(offers({"events", "1"}), ElementsAre("1", "1.1", "1.2"));
 }
 
-TEST(Completion, KnowsEveryWordOfTheHelp) {
-  std::istringstream help(tool::parse_command_line({"--help"}).text);
+TEST(Completion, OffersObjectsDisturbancesAndValues) {
+  EXPECT_THAT(offers({"read", "1.1", "profile_v"}), ElementsAre("profile_velocity"));
+  EXPECT_THAT(offers({"read", "1.1", "profile_velocity", "profile_a"}), ElementsAre("profile_acc"));
+  EXPECT_THAT(offers({"disturb", "1.1", "blo"}), ElementsAre("blocked_load"));
+  EXPECT_THAT(offers({"write", "1.1", "op_mode_cmd", ""}),
+              ElementsAre("0", "1", "3", "4", "6", "8"));
+  EXPECT_THAT(offers({"write", "1.1", "app_position_limit_switch", ""}), ElementsAre("0", "1"));
+  EXPECT_THAT(offers({"write", "1.1", "profile_velocity", ""}), IsEmpty());
+  EXPECT_THAT(offers({"expect", "1.1", "position", ">"}), ElementsAre(">", ">="));
+  EXPECT_THAT(offers({"wait", "1.1", "target_r"}), Contains("target_reached"));
+  EXPECT_THAT(offers({"dictionary", "--format", "c"}), ElementsAre("csv"));
+  EXPECT_THAT(offers({"snapshot", "r"}), ElementsAre("restore"));
+  EXPECT_THAT(offers({"snapshot", "l"}), ElementsAre("list"));
+  EXPECT_THAT(offers({"completion", ""}), ElementsAre("bash", "fish", "zsh"));
+}
+
+TEST(Completion, LeavesFilesToTheShell) {
+  EXPECT_THAT(offers({"run", ""}), IsEmpty());
+  EXPECT_THAT(offers({"test", "a.scn", "--junit", ""}), IsEmpty());
+}
+
+TEST(Completion, KnowsEveryCommandOfTheHelp) {
+  std::istringstream help(parse_command_line({"--help"}).text);
   std::string line;
   while (std::getline(help, line) && line != "Subcommands:") {
   }
-  const auto words = offers("vdrive ", 1);
+  const auto words = offers({""});
   std::size_t count = 0;
   while (std::getline(help, line) && line.starts_with("  ")) {
     std::istringstream columns(line);
@@ -73,10 +96,15 @@ TEST(Completion, KnowsEveryWordOfTheHelp) {
   EXPECT_GT(count, 20U);
 }
 
+TEST(Completion, OfAShellLineHasTheCommandsOfTheShell) {
+  EXPECT_THAT(complete_line("enable 1.1", some_names()), ElementsAre("1.1"));
+  EXPECT_THAT(complete_line("enable ", some_names()), Contains("x"));
+  EXPECT_THAT(complete_line("", some_names()), AllOf(Contains("events"), Not(Contains("shell"))));
+}
+
 TEST(Completion, IsRefusedForAnotherShell) {
-  EXPECT_THROW(static_cast<void>(tool::parse_command_line({"completion", "tcsh"})),
-               tool::UsageError);
+  EXPECT_THROW(static_cast<void>(parse_command_line({"completion", "tcsh"})), UsageError);
 }
 
 }  // namespace
-}  // namespace vdrive::test
+}  // namespace vdrive::tool

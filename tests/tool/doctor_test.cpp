@@ -41,6 +41,21 @@ TEST(Doctor, HasNothingToSayOfAHealthyMachine) {
   EXPECT_TRUE(complaints(healthy()).empty());
 }
 
+TEST(Doctor, SaysWhoAnswersOnThePortOfTheGateway) {
+  HostReadings readings = healthy();
+  const auto text = [&] {
+    return diagnose(readings, {}).back().text;
+  };
+  EXPECT_THAT(text(), HasSubstr("no vdrive-gateway on 127.0.0.1:8765"));
+  readings.gateway = GatewayReading::gateway;
+  EXPECT_THAT(text(), HasSubstr("answers on http://127.0.0.1:8765/"));
+  EXPECT_TRUE(complaints(readings).empty());
+  readings.gateway = GatewayReading::another;
+  const auto found = complaints(readings);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_THAT(found[0].advice, HasSubstr("--listen"));
+}
+
 TEST(Doctor, NamesADomainWhosePortsTheKernelGivesAway) {
   GlobalOptions options;
   options.domain = 101;  // ports 32650 to 32899; the kernel's begin at 32768

@@ -54,8 +54,8 @@ TEST(CommandLine, NamesWhatItDoesNotExpectInTheOrderOfTheLine) {
   EXPECT_EQ(refusal_of(split("move 1.1 5 --velocty 3")),
             "'--velocty' is not an option of 'vdrive move' (did you mean '--velocity'?)");
   EXPECT_EQ(refusal_of(split("move 1.1 5 6 7")), "'6' is one argument too many for 'vdrive move'");
-  EXPECT_EQ(refusal_of(split("status 1.1 -5")),
-            "'-5' is one argument too many for 'vdrive status'");
+  EXPECT_EQ(refusal_of(split("write 1.1 0x6081 5 -5")),
+            "'-5' is one argument too many for 'vdrive write'");
 }
 
 TEST(CommandLine, TellsWhereAnOptionOfACommandBelongs) {
@@ -121,7 +121,7 @@ TEST(CommandLine, TakesGlobalOptionsBeforeAndAfterTheWord) {
     EXPECT_EQ(invocation.options.domain, 7U) << text;
     EXPECT_TRUE(invocation.options.json) << text;
     EXPECT_EQ(invocation.options.timeout, Duration(3s)) << text;
-    EXPECT_EQ(std::get<StatusCommand>(*invocation.command).axis, "1.1") << text;
+    EXPECT_THAT(std::get<StatusCommand>(*invocation.command).axes, ElementsAre("1.1")) << text;
   }
 }
 
@@ -137,11 +137,11 @@ TEST(CommandLine, TakesNetworkOptionsOneValueEach) {
 
 TEST(CommandLine, MoveTakesANegativePosition) {
   const auto move = command<MoveCommand>("move 1.1 -10000");
-  EXPECT_EQ(move.position, -10000);
+  EXPECT_EQ(move.position.value, -10000.0);
   EXPECT_FALSE(move.relative);
-  EXPECT_FALSE(move.options.queue);
-  EXPECT_EQ(move.options.call.until, client::Until::done);
-  EXPECT_EQ(move.options.velocity, std::nullopt);
+  EXPECT_FALSE(move.queue);
+  EXPECT_EQ(move.until, client::Until::done);
+  EXPECT_FALSE(move.velocity);
 }
 
 TEST(CommandLine, MoveTakesEverything) {
@@ -149,13 +149,13 @@ TEST(CommandLine, MoveTakesEverything) {
       "move x 0xFFFFD8F0 --relative --velocity 1000 --acceleration 6000 --deceleration 7000 "
       "--queue --no-wait");
   EXPECT_EQ(move.axis, "x");
-  EXPECT_EQ(move.position, -10000);
+  EXPECT_EQ(move.position.value, -10000.0);
   EXPECT_TRUE(move.relative);
-  EXPECT_TRUE(move.options.queue);
-  EXPECT_EQ(move.options.velocity, 1000U);
-  EXPECT_EQ(move.options.acceleration, 6000U);
-  EXPECT_EQ(move.options.deceleration, 7000U);
-  EXPECT_EQ(move.options.call.until, client::Until::in_force);
+  EXPECT_TRUE(move.queue);
+  EXPECT_EQ(move.velocity.value().value, 1000.0);
+  EXPECT_EQ(move.acceleration.value().value, 6000.0);
+  EXPECT_EQ(move.deceleration.value().value, 7000.0);
+  EXPECT_EQ(move.until, client::Until::in_force);
 }
 
 TEST(CommandLine, WritesTheValueInTheTypeOfTheObject) {
@@ -226,13 +226,14 @@ TEST(CommandLine, OtherWords) {
   EXPECT_EQ(command<SnapshotCommand>("snapshot take").action, SnapshotCommand::Action::take);
   EXPECT_EQ(command<SnapshotCommand>("snapshot restore 7").snapshot, 7U);
   EXPECT_EQ(command<SnapshotCommand>("snapshot drop 7 --bench 2").bench, 2U);
+  EXPECT_EQ(command<SnapshotCommand>("snapshot list").action, SnapshotCommand::Action::list);
   EXPECT_EQ(command<RateCommand>("rate 0").rate, 0.0);
   EXPECT_EQ(command<RateCommand>("rate").rate, std::nullopt);
   EXPECT_FALSE(command<RateCommand>("rate 0.5").bench);
   EXPECT_EQ(command<RateCommand>("rate 3 0.5").bench, 3U);
   EXPECT_EQ(command<RateCommand>("rate 3 0.5").rate, 0.5);
   EXPECT_EQ(command<RunCommand>("run - --junit out.xml").junit, "out.xml");
-  EXPECT_EQ(command<RunCommand>("run -").file, "-");
+  EXPECT_THAT(command<RunCommand>("run - b.scn").files, testing::ElementsAre("-", "b.scn"));
   EXPECT_EQ(command<DictionaryCommand>("dictionary --format csv --language zh").language,
             Language::zh);
 }
@@ -262,6 +263,35 @@ TEST(CommandLine, HelpTeachesWithExamples) {
   EXPECT_THAT(parse("run --help").text, HasSubstr("--throughout"));
 }
 
+TEST(Grammar, TakesSeveralAxesOfACommandAndAll) {
+  EXPECT_THAT(command<ActionCommand>("enable 7.1 7.2").axes, ElementsAre("7.1", "7.2"));
+  EXPECT_THAT(command<ActionCommand>("quick-stop 7.*").axes, ElementsAre("7.*"));
+  EXPECT_THAT(command<ActionCommand>("reset --all").axes, ElementsAre("*"));
+  EXPECT_THAT(command<StatusCommand>("status").axes, testing::IsEmpty());
+}
+
+TEST(Grammar, ReadsHomeVelocityTorqueAndJog) {
+  const auto home = command<HomeCommand>(
+      "home x --method 37 --offset -90deg --speed 1000 --creep 9deg/s --acceleration 5 --no-wait");
+  EXPECT_EQ(home.method, 37);
+  EXPECT_EQ(home.offset.value().value, -90.0);
+  EXPECT_EQ(home.search_speed.value().value, 1'000.0);
+  EXPECT_EQ(home.creep_speed.value().unit, "deg");
+  EXPECT_EQ(home.acceleration.value().value, 5.0);
+  EXPECT_EQ(home.until, client::Until::in_force);
+  const auto velocity = command<VelocityCommand>("velocity x -180deg/s --deceleration 7");
+  EXPECT_EQ(velocity.velocity.value, -180.0);
+  EXPECT_FALSE(velocity.ramps.acceleration);
+  EXPECT_EQ(velocity.ramps.deceleration.value().value, 7.0);
+  EXPECT_EQ(velocity.until, client::Until::done);
+  EXPECT_EQ(command<TorqueCommand>("torque x -12.5%").torque, -125);
+  EXPECT_EQ(command<TorqueCommand>("torque x 30 --slope 500").slope, 500U);
+  EXPECT_EQ(command<JogCommand>("jog x 90deg/s").duration, std::nullopt);
+  EXPECT_EQ(command<JogCommand>("jog x 90deg/s --for 2s").duration, Duration(2s));
+  EXPECT_THROW(static_cast<void>(parse_scenario_words(split("jog x 90deg/s"))), UsageError)
+      << "nobody presses Enter in a scenario";
+}
+
 struct BadRow {
   const char* name;
   const char* text;
@@ -282,12 +312,18 @@ INSTANTIATE_TEST_SUITE_P(
     Lines, BadCommandLine,
     testing::Values(BadRow{"nothing", "", "--help"},
                     BadRow{"an_unknown_word", "dance 1.1", "dance"},
-                    BadRow{"no_axis", "status", "AXIS"},
+                    BadRow{"no_axis", "enable", "AXIS is required, or --all"},
+                    BadRow{"all_and_an_axis", "enable 1.1 --all", "--all takes no AXIS"},
+                    BadRow{"a_speed_without_a_second", "velocity 1.1 180deg", "180deg/s"},
+                    BadRow{"a_torque_in_words", "torque 1.1 much", "much"},
+                    BadRow{"a_torque_too_wide", "torque 1.1 4000%", "-32768 to 32767"},
+                    BadRow{"a_method_too_wide", "home 1.1 --method 300", "-128 to 127"},
                     BadRow{"a_snapshot_without_a_number", "snapshot restore", "the number"},
+                    BadRow{"a_list_of_snapshots_with_a_number", "snapshot list 1", "no number"},
                     BadRow{"a_number_for_a_new_snapshot", "snapshot take 1", "no number"},
-                    BadRow{"an_unknown_action", "snapshot shoot", "take, restore or drop"},
+                    BadRow{"an_unknown_action", "snapshot shoot", "take, list, restore or drop"},
                     BadRow{"no_position", "move 1.1", "POSITION"},
-                    BadRow{"one_word_too_many", "enable 1.1 1.2", "1.2"},
+                    BadRow{"one_word_too_many", "write 1.1 0x6081 5 1.2", "1.2"},
                     BadRow{"an_unknown_option", "enable 1.1 --fast", "--fast"},
                     BadRow{"a_domain_too_high", "--domain 233 list", "domain"},
                     BadRow{"a_position_too_wide", "move 1.1 3000000000", "3000000000"},
@@ -303,7 +339,7 @@ INSTANTIATE_TEST_SUITE_P(
                     BadRow{"no_peer", "--peer 10.0.0.256 list", "--peer"},
                     BadRow{"no_port", "--discovery-server 10.0.0.9 list", "ADDRESS:PORT"},
                     BadRow{"port_0", "--discovery-server 10.0.0.9:0 list", "ADDRESS:PORT"},
-                    BadRow{"a_word_of_scenarios", "expect 1.1 0x6041 0", "expect"}),
+                    BadRow{"a_word_of_scenarios", "refused 5 list", "refused"}),
     [](const auto& row) {
       return row.param.name;
     });

@@ -92,8 +92,14 @@ void PseudoTerminal::resize(std::size_t rows, std::size_t columns) {
   screen_.resize(rows, columns);
 }
 
+void PseudoTerminal::type(const std::string& text) {
+  if (write(terminal_, text.data(), text.size()) != static_cast<ssize_t>(text.size())) {
+    throw std::runtime_error("keys not taken");
+  }
+}
+
 void PseudoTerminal::interrupt() {
-  if (write(terminal_, "\x03", 1) != 1) throw std::runtime_error("key not taken");
+  type("\x03");
 }
 
 int PseudoTerminal::wait() {

@@ -34,6 +34,9 @@ class PseudoTerminal {
   /// Another size, as when a window is dragged.
   void resize(std::size_t rows, std::size_t columns);
 
+  /// Types these characters.
+  void type(const std::string& text);
+
   /// Types Ctrl-C.
   void interrupt();
 

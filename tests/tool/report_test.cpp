@@ -58,11 +58,29 @@ TEST(StatusJson, OfAFreeAxisHasNoOwner) {
 }
 
 TEST(StatusText, DecodesTheStatusword) {
-  const std::vector<std::string> lines = status_text(moving_axis(), "y");
+  const std::vector<std::string> lines = status_text(moving_axis(), {"y", {}});
   EXPECT_EQ(lines[0], "1.2 y");
   EXPECT_THAT(lines[1], HasSubstr("0x1237 Operation enabled: voltage enabled, remote, set-point "
                                   "acknowledge"));
   EXPECT_THAT(lines[2], HasSubstr("1 profile position"));
+}
+
+TEST(StatusJson, OfAnAxisWithAUnitHasPositionAndVelocityInIt) {
+  const client::Unit mm{.kind = client::UnitKind::linear, .name = "mm", .size = 1'000.0};
+  const Json json = status_json(moving_axis(), AxisFace{"y", mm});
+  EXPECT_EQ(json["load_position_actual_value"], -500);
+  EXPECT_EQ(json["unit"], "mm");
+  EXPECT_EQ(json["position_in_unit"], -0.5);
+  EXPECT_EQ(json["velocity_in_unit"], 1.0);
+}
+
+TEST(StatusText, ShowsUserUnitsAndTheUnitOfTheAxis) {
+  const client::Unit mm{.kind = client::UnitKind::linear, .name = "mm", .size = 1'000.0};
+  const std::vector<std::string> lines = status_text(moving_axis(), {"y", mm});
+  EXPECT_EQ(lines[3], "  position    -500 UU, demand 0, error 0");
+  EXPECT_EQ(lines[4], "              -0.500 mm, demand 0.000 mm, error 0.000 mm");
+  EXPECT_EQ(lines[5], "  velocity    1000 UU/s, demand 0");
+  EXPECT_EQ(lines[6], "              1.000 mm/s, demand 0.000 mm/s");
 }
 
 TEST(StatusText, NamesTheError) {
@@ -70,7 +88,7 @@ TEST(StatusText, NamesTheError) {
   axis.status.ds402_statusword = 0x2218;
   axis.status.error_code = 0x8611;
   std::string text;
-  for (const std::string& line : status_text(axis, "y")) text += line + "\n";
+  for (const std::string& line : status_text(axis, {"y", {}})) text += line + "\n";
   EXPECT_THAT(text, HasSubstr("0x2218 Fault"));
   EXPECT_THAT(text, HasSubstr("0x8611 "));
 }
@@ -159,10 +177,12 @@ TEST(ArrivalLine, HasNoSpeedAndTheNameThatWasTyped) {
   client::AxisSnapshot axis = moving_axis();
   axis.status.ds402_statusword = 0x0637;
   axis.status.load_velocity_actual_value = 15;
-  EXPECT_EQ(arrival_line(axis, "gantry_left"),
-            "gantry_left       -500 UU  0x637 Operation enabled: target reached");
-  EXPECT_EQ(status_line(axis, "1.2"),
-            "1.2        -500 UU       15 UU/s  0x637 Operation enabled: target reached");
+  // -500 of 4096 are -43.945 of 360 deg.
+  EXPECT_EQ(arrival_line(axis, "gantry_left", {}),
+            "gantry_left       -500 UU   -43.95 deg  0x637 Operation enabled: target reached");
+  EXPECT_EQ(
+      status_line(axis, "1.2", {}),
+      "1.2        -500 UU   -43.95 deg       15 UU/s  0x637 Operation enabled: target reached");
 }
 
 TEST(Dictionary, JsonCarriesTheRow) {

@@ -13,6 +13,7 @@
 namespace vdrive::tool {
 namespace {
 
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -121,15 +122,104 @@ TEST(ScenarioFile, InUtf16IsRefusedAsSuch) {
       ThrowsMessage<UsageError>("test.scn: is encoded in UTF-16 or UTF-32; it must be UTF-8"));
 }
 
+TEST(ScenarioFile, NamesAComparisonThatCannotHold) {
+  EXPECT_EQ(mistake_in("expect 1.1 position > 100\nexpect 1.1 0x3535 != 7\n"), "none");
+  // 6041h is an UNSIGNED16.
+  EXPECT_EQ(mistake_in("expect 1.1 statusword > 65535\n"),
+            "test.scn:1: > 65535 is never reached: ds402_statusword has 0 to 65535");
+  EXPECT_EQ(mistake_in("expect 1.1 statusword < 0\n"),
+            "test.scn:1: < 0 is never reached: ds402_statusword has 0 to 65535");
+  EXPECT_EQ(mistake_in("expect 1.1 statusword <= 0\n"), "none");
+  EXPECT_THAT(mistake_in("expect 1.1 position => 100\n"), HasSubstr("'=>' is not a comparison"));
+  EXPECT_THAT(mistake_in("expect 1.1 position > 100 --tolerance 1\n"),
+              HasSubstr("go with == and !=, not with >"));
+  EXPECT_THAT(mistake_in("wait 1.1 target_reachd\n"), HasSubstr("did you mean 'target_reached'?"));
+}
+
+bool holds(const std::string& comparison, std::int64_t actual) {
+  const Scenario scenario = parse("expect 1.1 position " + comparison + "\n");
+  return std::get<ExpectCommand>(scenario.lines.front().command).accepts(actual);
+}
+
+TEST(ScenarioFile, ComparesAsItsSignSays) {
+  struct Row {
+    const char* sign;
+    bool below, equal, above;
+  };
+
+  for (const Row& row :
+       {Row{"==", false, true, false}, Row{"!=", true, false, true}, Row{"<", true, false, false},
+        Row{"<=", true, true, false}, Row{">", false, false, true}, Row{">=", false, true, true}}) {
+    const std::string comparison = std::string(row.sign) + " -5";
+    EXPECT_EQ(holds(comparison, -6), row.below) << row.sign;
+    EXPECT_EQ(holds(comparison, -5), row.equal) << row.sign;
+    EXPECT_EQ(holds(comparison, -4), row.above) << row.sign;
+  }
+  EXPECT_TRUE(holds("!= 100 --tolerance 2", 103));
+  EXPECT_FALSE(holds("!= 100 --tolerance 2", 102));
+}
+
+std::vector<std::string> texts_of(const Scenario& scenario) {
+  std::vector<std::string> texts;
+  for (const ScenarioLine& line : scenario.lines) texts.push_back(line.text);
+  return texts;
+}
+
+TEST(ScenarioVariable, StandsInTheLineAsItsValue) {
+  EXPECT_THAT(texts_of(parse("let a = 1.1\nenable ${a}  # ${b}\ndisable '${a}'\n")),
+              ElementsAre("enable 1.1", "disable '1.1'"));
+}
+
+TEST(ScenarioVariable, OfTheCommandLineTakesPrecedence) {
+  std::istringstream input(
+      "let axis = 7.1   # ${comment}\n"
+      "let zeros=00\n"
+      "let target=1${zeros}\n"
+      "let ramps = --velocity 500 --acceleration 100\n"
+      "move ${axis} ${target} ${ramps}\n"
+      "wait ${time}ms\n");
+  const Scenario scenario =
+      parse_scenario(input, "test.scn", settings_of({"axis=1.2", "time = 20"}));
+  EXPECT_THAT(texts_of(scenario),
+              ElementsAre("move 1.2 100 --velocity 500 --acceleration 100", "wait 20ms"));
+  EXPECT_THAT(scenario.variables, ElementsAre("axis", "ramps", "target", "time", "zeros"));
+}
+
+TEST(ScenarioVariable, ThatCannotBeUsedIsNamed) {
+  EXPECT_THAT(mistake_in("let speed = 5\nwait ${sped}ms\n"),
+              AllOf(StartsWith("test.scn:2: "), HasSubstr("did you mean 'speed'?"),
+                    HasSubstr("--set sped=VALUE")));
+  EXPECT_THAT(mistake_in("let speed 5\n"), HasSubstr("let speed = 500"));
+  EXPECT_THAT(mistake_in("let 5th = 5\n"), HasSubstr("'5th' is not a name"));
+  EXPECT_THAT(mistake_in("let a =\n"), HasSubstr("has no value"));
+  EXPECT_THAT(mistake_in("let a = 'x'\n"), HasSubstr("must not contain"));
+  EXPECT_THAT(mistake_in("let a = 1\nlet a = 2\n"), HasSubstr("has a value already"));
+  EXPECT_THAT(mistake_in("wait ${a\n"), HasSubstr("no }"));
+  EXPECT_THROW((void)settings_of({"axis"}), UsageError);
+  EXPECT_THROW((void)settings_of({"axis=1", "axis=2"}), UsageError);
+}
+
+TEST(ScenarioFile, HasFinalLinesBelowFinally) {
+  const Scenario scenario = parse("enable 1.1\nfinally\ndisable 1.1\n");
+  ASSERT_EQ(scenario.lines.size(), 2U);
+  EXPECT_FALSE(scenario.lines[0].is_final);
+  EXPECT_TRUE(scenario.lines[1].is_final);
+  EXPECT_EQ(scenario.lines[1].number, 3U);
+  EXPECT_THAT(mistake_in("finally\nfinally\n"), StartsWith("test.scn:2: "));
+  EXPECT_THAT(mistake_in("finally disable 1.1\n"), HasSubstr("finally stands alone"));
+}
+
 TEST(Junit, CountsAndEscapes) {
   const std::vector<JunitCase> cases{
       {.name = "line 1: wait 1s", .duration = std::chrono::milliseconds(1500)},
       {.name = "line 2: a < b", .failure = "expected \"1\" & got\x01 2"},
       {.name = "line 3", .is_skipped = true},
       {.name = "start", .error = "no bench"}};
-  const std::string xml = junit_xml("a.scn", cases);
-  EXPECT_THAT(xml,
-              HasSubstr("tests=\"4\" failures=\"1\" skipped=\"1\" errors=\"1\" time=\"1.500000\""));
+  const std::string xml = junit_xml({{"a.scn", cases}, {"b.scn", {{.name = "line 1"}}}});
+  EXPECT_THAT(xml, HasSubstr("<testsuites tests=\"5\" failures=\"1\" skipped=\"1\" errors=\"1\""));
+  EXPECT_THAT(xml, HasSubstr("<testsuite name=\"a.scn\" tests=\"4\" failures=\"1\" skipped=\"1\" "
+                             "errors=\"1\" time=\"1.500000\""));
+  EXPECT_THAT(xml, HasSubstr("<testsuite name=\"b.scn\" tests=\"1\" failures=\"0\""));
   EXPECT_THAT(xml, HasSubstr("name=\"line 2: a &lt; b\""));
   EXPECT_THAT(xml, HasSubstr("message=\"expected &quot;1&quot; &amp; got? 2\""));
   EXPECT_THAT(xml, HasSubstr("<skipped/>"));

@@ -128,6 +128,20 @@ TEST_F(ToolInLockStep, EveryWordAnswersInJsonAsDocumented) {
   EXPECT_THAT(fields("watch 1.1 --count 1"), testing::Contains("position_demand_value"));
 }
 
+// Taken in ticks 0 and 7.
+TEST_F(ToolInLockStep, SnapshotListShowsWhatTheBenchKeeps) {
+  EXPECT_EQ(tool("snapshot list").output, "bench 1 keeps no snapshot\n");
+  ASSERT_EQ(tool("snapshot take").code, 0);
+  ASSERT_EQ(tool("step 7").code, 0);
+  ASSERT_EQ(tool("snapshot take").code, 0);
+  EXPECT_THAT(tool("snapshot list --bench 1").lines(),
+              ElementsAre("bench 1 snapshot 1, taken at tick 0, 2 axes",
+                          "bench 1 snapshot 2, taken at tick 7, 2 axes"));
+  ASSERT_EQ(tool("snapshot drop 1").code, 0);
+  EXPECT_THAT(tool("snapshot list --json").lines(),
+              ElementsAre(R"({"bench":1,"action":"list","snapshot":2,"tick":7})"));
+}
+
 TEST_F(ToolInLockStep, ARefusalExitsFiveWithItsCodeAndMeaning) {
   struct Row {
     const char* words;
@@ -266,7 +280,7 @@ TEST_F(ToolInLockStep, ARefusalNamesTheNextStepAndAMistypedNameItsNearest) {
 TEST_F(ToolInLockStep, AFinishedMoveShowsNoSpeed) {
   ASSERT_EQ(tool("enable 1.1").code, 0);
   EXPECT_THAT(tool("move 1.1 1000").output,
-              AllOf(HasSubstr("1000 UU  0x637"), Not(HasSubstr("UU/s"))));
+              AllOf(HasSubstr("1000 UU    87.89 deg  0x637"), Not(HasSubstr("UU/s"))));
   EXPECT_THAT(tool("move 1.1 0 --no-wait").output, HasSubstr("UU/s"));
 }
 
@@ -278,8 +292,8 @@ TEST_F(ToolInLockStep, AScenarioThatFailsLeavesNoDisturbance) {
                                  "disturb 1.2 over_current 0\n"
                                  "expect 1.1 0x6041 0\n");
   EXPECT_EQ(finished.code, 1);
-  EXPECT_THAT(finished.errors, AllOf(HasSubstr("cleared test_blocked_load of 1.1"),
-                                     HasSubstr("cleared test_load_torque of y"),
+  EXPECT_THAT(finished.errors, AllOf(HasSubstr("put back: test_blocked_load of 1.1 is 0"),
+                                     HasSubstr("put back: test_load_torque of y is 0"),
                                      Not(HasSubstr("test_over_current"))));
   EXPECT_THAT(tool("read 1.1 0x5E01").output, HasSubstr("= 0"));
   EXPECT_THAT(tool("read 1.2 0x5E00").output, HasSubstr("= 0"));
@@ -502,10 +516,10 @@ TEST_F(ToolInLockStep, AScenarioTellsItsLinesInJson) {
   EXPECT_EQ(finished.code, 1);
   const auto objects = json_of(finished);
   ASSERT_THAT(objects, SizeIs(5));
-  EXPECT_THAT(keys(objects[0]), ElementsAre("file", "line", "command", "outcome"));
+  EXPECT_THAT(keys(objects[0]), ElementsAre("file", "line", "command", "outcome", "seconds"));
   EXPECT_EQ(objects[1]["tick"], 3) << "what a word answers comes before its line";
   EXPECT_THAT(keys(objects[3]), ElementsAre("file", "line", "command", "outcome", "message",
-                                            "expected", "actual", "tick"));
+                                            "expected", "actual", "tick", "seconds"));
   EXPECT_EQ(objects[3]["actual"], 0x250);
   EXPECT_EQ(objects[4]["passed"], false);
 }

@@ -3,6 +3,7 @@
 #include "watch_table.hpp"
 
 #include "columns.hpp"
+#include "keys.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,6 +14,7 @@
 namespace vdrive::tool {
 namespace {
 
+using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 using testing::SizeIs;
@@ -39,23 +41,23 @@ client::Observation observation(std::uint16_t count) {
   return sample;
 }
 
-std::map<client::AxisId, std::string> names_of(const client::Observation& sample,
-                                               const std::string& name) {
-  std::map<client::AxisId, std::string> names;
-  for (const client::AxisSnapshot& axis : sample.axes) names[axis.id] = name;
-  return names;
+std::map<client::AxisId, AxisFace> faces_of(const client::Observation& sample,
+                                            const std::string& name) {
+  std::map<client::AxisId, AxisFace> faces;
+  for (const client::AxisSnapshot& axis : sample.axes) faces[axis.id] = {name, {}};
+  return faces;
 }
 
 std::vector<LiveLine> table_of(const client::Observation& sample, TerminalSize size) {
-  return watch_table(sample, names_of(sample, "gantry_left"), size);
+  return watch_table(sample, faces_of(sample, "gantry_left"), size);
 }
 
 TEST(WatchTable, HasNoRowWiderThanTheTerminalAndNoMoreRows) {
   const client::Observation sample = observation(20);
-  const auto names = names_of(sample, "轴_with_a_long_name_of_many_characters");
+  const auto faces = faces_of(sample, "轴_with_a_long_name_of_many_characters");
   for (std::size_t columns = 2; columns <= 300; ++columns) {
     for (const std::size_t rows : {1U, 3U, 10U, 22U, 100U}) {
-      const auto lines = watch_table(sample, names, {columns, rows});
+      const auto lines = watch_table(sample, faces, {columns, rows});
       EXPECT_LE(lines.size(), std::max<std::size_t>(rows, 3));
       for (const LiveLine& line : lines) {
         EXPECT_LT(display_width(line.text), columns) << line.text;
@@ -79,11 +81,28 @@ TEST(WatchTable, HasMoreColumnsOnAWiderTerminal) {
   const auto header = [&](std::size_t columns) {
     return table_of(sample, {columns, 24}).at(1).text;
   };
-  EXPECT_THAT(header(79), Not(HasSubstr("word")));
-  EXPECT_THAT(header(80), HasSubstr("word"));
+  EXPECT_THAT(header(79), Not(HasSubstr("in units")));
+  EXPECT_THAT(header(80), HasSubstr("in units"));
+  EXPECT_THAT(header(89), Not(HasSubstr("word")));
+  EXPECT_THAT(header(90), HasSubstr("word"));
   EXPECT_THAT(header(100), HasSubstr("name"));
   EXPECT_THAT(header(120), HasSubstr("torque"));
   EXPECT_THAT(header(160), HasSubstr("demand"));
+}
+
+// A quarter of 4096 user units is 90 deg.
+TEST(WatchTable, ShowsThePositionInTheUnitOfEachAxis) {
+  client::Observation sample;
+  sample.axes = {axis_of(1), axis_of(2)};
+  sample.axes[0].status.load_position_actual_value = 1'024;
+  sample.axes[1].status.load_position_actual_value = 1'024;
+  auto faces = faces_of(sample, "axis");
+  faces[{1, 2}].unit = {.kind = client::UnitKind::linear, .name = "mm", .size = 1'000.0};
+  const auto lines = watch_table(sample, faces, {80, 24});
+  EXPECT_EQ(lines.at(2).text,
+            "1.1        1024    90.00 deg        0  Operation enabled: target reached");
+  EXPECT_EQ(lines.at(3).text,
+            "1.2        1024     1.024 mm        0  Operation enabled: target reached");
 }
 
 TEST(WatchTable, OfAFaultIsRedAlsoWhereItsAxisIsLeftOut) {
@@ -99,6 +118,70 @@ TEST(WatchTable, OfAFaultIsRedAlsoWhereItsAxisIsLeftOut) {
   const auto cut = table_of(sample, {80, 5});
   ASSERT_THAT(cut, SizeIs(5));
   EXPECT_EQ(cut[4], (LiveLine{"... 3 more axes, 1 with a fault", Color::red}));
+}
+
+/// The first cells of the rows below title and header.
+std::vector<std::string> axes_of(const std::vector<LiveLine>& lines) {
+  std::vector<std::string> axes;
+  for (std::size_t i = 2; i < lines.size(); ++i) {
+    axes.push_back(lines[i].text.substr(0, lines[i].text.find(' ')));
+  }
+  return axes;
+}
+
+TEST(WatchTable, IsSortedAsChosen) {
+  client::Observation sample;
+  sample.axes = {axis_of(1), axis_of(2), axis_of(3)};
+  sample.axes[0].status.load_velocity_actual_value = 5;
+  sample.axes[1].status.load_velocity_actual_value = -70;
+  sample.axes[0].status.load_position_actual_value = 9;
+  sample.axes[2].status.ds402_statusword = 0x0218;
+  const auto faces = faces_of(sample, "axis");
+  const auto sorted = [&](WatchChoice choice) {
+    return watch_table(sample, faces, {80, 24}, choice);
+  };
+  EXPECT_THAT(axes_of(sorted({})), ElementsAre("1.1", "1.2", "1.3"));
+  EXPECT_THAT(axes_of(sorted({.is_reversed = true})), ElementsAre("1.3", "1.2", "1.1"));
+  EXPECT_THAT(axes_of(sorted({.sort = WatchSort::velocity})), ElementsAre("1.2", "1.1", "1.3"));
+  EXPECT_THAT(axes_of(sorted({.sort = WatchSort::position})), ElementsAre("1.2", "1.3", "1.1"));
+  EXPECT_THAT(axes_of(sorted({.sort = WatchSort::state})), ElementsAre("1.3", "1.1", "1.2"));
+  EXPECT_THAT(axes_of(sorted({.only_faults = true})), ElementsAre("1.3"));
+  EXPECT_THAT(
+      sorted({.sort = WatchSort::velocity, .is_reversed = true, .only_faults = true})[0].text,
+      testing::EndsWith(", by velocity reversed, faults only"));
+}
+
+// Six rows: title, header, three axes and the row that counts the others.
+TEST(WatchTable, HasPagesWhereNotAllAxesFit) {
+  const client::Observation sample = observation(8);
+  const auto faces = faces_of(sample, "axis");
+  const auto page = [&](std::size_t first) {
+    return axes_of(watch_table(sample, faces, {80, 6}, {.first = first}));
+  };
+  EXPECT_THAT(page(0), ElementsAre("1.1", "1.2", "1.3", "..."));
+  EXPECT_THAT(page(3), ElementsAre("1.4", "1.5", "1.6", "..."));
+  EXPECT_THAT(page(6), ElementsAre("1.7", "1.8", "..."));
+  EXPECT_THAT(page(1'000), ElementsAre("1.7", "1.8", "...")) << "beyond the end: the last page";
+}
+
+TEST(WatchTable, SaysThatNoAxisHasAFault) {
+  const client::Observation sample = observation(2);
+  const auto lines = watch_table(sample, faces_of(sample, "axis"), {80, 24}, {.only_faults = true});
+  ASSERT_THAT(lines, SizeIs(3));
+  EXPECT_EQ(lines[2].text, "no axis has a fault");
+}
+
+TEST(Keys, AreLettersAndThePageKeys) {
+  std::string typed = "xs\x1b[6~\x1b[5~q";
+  EXPECT_EQ(take_key(typed), Key::sort) << "x is no key";
+  EXPECT_EQ(take_key(typed), Key::next_page);
+  EXPECT_EQ(take_key(typed), Key::previous_page);
+  EXPECT_EQ(take_key(typed), Key::quit);
+  EXPECT_EQ(take_key(typed), std::nullopt);
+  typed = "\x1b[6";
+  EXPECT_EQ(take_key(typed), std::nullopt) << "the rest of the sequence is still to come";
+  typed += "~";
+  EXPECT_EQ(take_key(typed), Key::next_page);
 }
 
 TEST(Columns, CutTextAtCharactersAndCountChineseOnesTwice) {

@@ -73,7 +73,7 @@ TEST_F(WatchOnATerminal, ShowsEachAxisOnOneRowAtAnyWidth) {
     EXPECT_THAT(rows[1], AllOf(HasSubstr("position"), HasSubstr("velocity"), HasSubstr("state")));
     EXPECT_THAT(rows[2], HasSubstr("Operation enabled")) << columns;
     EXPECT_THAT(rows[3], HasSubstr("Switch on disabled")) << columns;
-    EXPECT_EQ(rows[1].find("word") != std::string::npos, columns >= 80) << rows[1];
+    EXPECT_EQ(rows[1].find("word") != std::string::npos, columns >= 90) << rows[1];
     EXPECT_EQ(rows[1].find("demand") != std::string::npos, columns >= 160) << rows[1];
     EXPECT_EQ(rows[3].find("axis2") != std::string::npos, columns >= 100) << rows[3];
   }
@@ -88,7 +88,7 @@ TEST_F(WatchOnATerminal, FollowsTheSizeWhileItRuns) {
     ASSERT_TRUE(watch.wait_until([&](const Screen& screen) {
       const bool has_word = screen.rows()[1].find("word") != std::string::npos;
       const bool has_demand = screen.rows()[1].find("demand") != std::string::npos;
-      return shows_three_axes(screen) && has_word == (columns >= 80) &&
+      return shows_three_axes(screen) && has_word == (columns >= 90) &&
              has_demand == (columns >= 160);
     })) << columns
         << error_of(watch.screen());
@@ -138,6 +138,40 @@ TEST_F(WatchOnATerminal, ThatIsTooLowTellsHowManyAxesAreLeftOut) {
   expect_sound(watch);
 }
 
+TEST_F(WatchOnATerminal, SortsFiltersPagesAndEndsByKeys) {
+  for (const std::size_t columns : {60U, 80U, 200U}) {
+    PseudoTerminal watch(kRows, columns, "watch");
+    ASSERT_TRUE(watch.wait_until(shows_three_axes)) << error_of(watch.screen());
+    const auto shows_in_third_row = [&watch](const std::string& text) {
+      return watch.wait_until([&text](const Screen& screen) {
+        return screen.rows()[2].starts_with(text);
+      });
+    };
+    watch.type("r");
+    EXPECT_TRUE(shows_in_third_row("1.3")) << columns << error_of(watch.screen());
+    watch.type("r");
+    EXPECT_TRUE(shows_in_third_row("1.1")) << columns << error_of(watch.screen());
+    watch.type("f");
+    EXPECT_TRUE(shows_in_third_row("no axis has a fault")) << columns << error_of(watch.screen());
+    expect_sound(watch);
+    watch.type("q");
+    EXPECT_EQ(watch.wait(), 0);
+    EXPECT_FALSE(watch.screen().is_alternate());
+  }
+}
+
+TEST_F(WatchOnATerminal, ShowsTheNextPageOfATerminalThatIsTooLow) {
+  PseudoTerminal watch(4, 60, "watch");
+  ASSERT_TRUE(watch.wait_until([](const Screen& screen) {
+    return screen.rows()[2].starts_with("1.1") && screen.rows()[3] == "... 2 more axes";
+  })) << error_of(watch.screen());
+  watch.type("\x1b[6~");
+  EXPECT_TRUE(watch.wait_until([](const Screen& screen) {
+    return screen.rows()[2].starts_with("1.2");
+  })) << error_of(watch.screen());
+  expect_sound(watch);
+}
+
 TEST_F(WatchOnATerminal, SendsNoEscapesWhereItIsNone) {
   EXPECT_THAT(tool("watch 1.1 1.2 1.3 --count 1").output, Not(HasSubstr("\x1b")));
   PseudoTerminal dumb(kRows, 200, "watch 1.1 1.2 1.3", {"TERM=dumb"});
@@ -163,6 +197,35 @@ TEST_F(WatchOnATerminal, ARunKeepsItsLinesAndOneRowAnAxis) {
     return row.find(" UU") != std::string::npos;
   });
   EXPECT_EQ(live, 1) << error_of(run.screen());
+}
+
+/// The first bench stands still, the second runs.
+class WatchOfTwoBenches : public testing::Test {
+ private:
+  RunningService standing_{"--clock lockstep --bench 1"};
+  RunningService running_{"--clock realtime --bench 2"};
+};
+
+TEST_F(WatchOfTwoBenches, IsOneTableWithTheTickOfEach) {
+  PseudoTerminal watch(kRows, 120, "watch");
+  const auto shows_all = [](const Screen& screen) {
+    const std::vector<std::string> rows = screen.rows();
+    return rows[0].starts_with("bench 1 tick 0, bench 2 tick ") && rows[2].starts_with("1.1") &&
+           rows[3].starts_with("1.2") && rows[4].starts_with("2.1") && rows[5].starts_with("2.2") &&
+           rows[6].empty();
+  };
+  ASSERT_TRUE(watch.wait_until(shows_all)) << error_of(watch.screen());
+  EXPECT_THAT(watch.screen().rows()[1], HasSubstr("bench"));
+  const std::string before = watch.screen().rows()[0];
+  EXPECT_TRUE(watch.wait_until([&](const Screen& screen) {
+    return shows_all(screen) && screen.rows()[0] != before;
+  })) << error_of(watch.screen());
+  EXPECT_EQ(watch.screen().wrapped(), 0U);
+}
+
+TEST_F(WatchOfTwoBenches, PrintsLinesOfBothInAPipe) {
+  EXPECT_EQ(tool("watch 1.* 2.1 --count 2 --json").lines().size(), 6U);
+  EXPECT_EQ(tool("watch --count 1").lines().size(), 4U);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // Programs in C with Cyclone DDS against the service of this build.
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
+#include "vdrive/client/session.hpp"
 #include "vendor/peer.hpp"
 
 #include <gmock/gmock.h>
@@ -9,10 +10,13 @@
 
 #include <unistd.h>
 
+#include <chrono>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <optional>
+#include <stdexcept>
 #include <string>
 
 namespace vdrive::test {
@@ -25,6 +29,32 @@ using testing::StartsWith;
 Finished client_on(const std::string& bench, const std::string& axis) {
   setenv("CYCLONEDDS_URI", kCycloneOnLoopback, 1);  // NOLINT(concurrency-mt-unsafe): one thread
   return Process(VDRIVE_VENDOR_CLIENT, {std::to_string(test_domain()), bench, axis}).wait();
+}
+
+// A client that is killed leaves the axis in fault 8130h (6007h = 1), and free.
+Finished client_after_a_killed_one() {
+  setenv("CYCLONEDDS_URI", kCycloneOnLoopback, 1);  // NOLINT(concurrency-mt-unsafe): one thread
+  Process killed(VDRIVE_VENDOR_CLIENT, {std::to_string(test_domain()), "1", "2"});
+  std::string line = killed.read_line();
+  while (!line.empty() && !line.starts_with("8 start")) line = killed.read_line();
+  killed.send(SIGKILL);
+  (void)killed.wait();
+  const auto options = [] {
+    client::SessionOptions result;
+    result.domain = test_domain();
+    return result;
+  }();
+  client::Session session(options);
+  const auto axis = session.axis("1.2");
+  if (!axis) throw std::runtime_error(axis.outcome().message());
+  const auto lost = axis->wait_until(
+      [](const client::AxisSnapshot& shown) {
+        return shown.state() == PowerState::fault && shown.owner_session == 0;
+      },
+      std::chrono::seconds(30));
+  if (!lost) throw std::runtime_error(lost.outcome().message());
+  EXPECT_EQ(lost->status.error_code, 0x8130);
+  return client_on("1", "2");
 }
 
 /// The statuswords are the manual's, "absolute position mode, forward"; 0x233 is Switched on, which
@@ -71,6 +101,16 @@ class FastBench {
 TEST(CycloneClient, RunsTheManualsForwardExampleInRealTime) {
   const FastBench bench;
   expect_the_manuals_rows(client_on("1", "2"), "real time");
+}
+
+// The walk of docs/reference/wire.md, step 5: the fault reset comes first. 0x250 is Switch on
+// disabled, the state of transition 15.
+TEST(CycloneClient, RunsTheManualsForwardExampleAfterAClientThatWasKilled) {
+  const FastBench bench;
+  const Finished client = client_after_a_killed_one();
+  EXPECT_EQ(client.code, 0) << client.output << client.errors;
+  EXPECT_THAT(client.lines(), Contains("0 fault reset: 6040h = 0x80, 6041h = 0x250"));
+  EXPECT_THAT(client.lines(), Contains("9 arrived: 6041h = 0x1637, 6062h = 10000, 6064h = 10000"));
 }
 
 TEST(CycloneClient, TellsWhyWhenTheAxisDoesNotExist) {

@@ -394,7 +394,16 @@ static void wait_for_arrival(Client* client) {
   }
 }
 
+// An axis whose last client was killed stands in a fault.
+static void reset_fault(Client* client) {
+  look(client, 1);
+  if ((client->now.ds402_statusword & 0x8) != 0) {
+    controlword(client, "0 fault reset", 0x80, 0x250);
+  }
+}
+
 static void run_example(Client* client) {
+  reset_fault(client);
   controlword(client, "1 disable", 0x06, 0x231);
   set_mode(client);
   set_target(client);
@@ -425,6 +434,7 @@ int main(int argc, char** argv) {
   if (argc != 4) {
     fail("usage: vendor_client DOMAIN BENCH AXIS");
   }
+  setvbuf(stdout, NULL, _IOLBF, BUFSIZ);  // who reads it sees each row at once
   Client client = {.bench = (uint32_t)strtoul(argv[2], NULL, 10),
                    .axis = (uint16_t)strtoul(argv[3], NULL, 10)};
   open_client(&client, (dds_domainid_t)strtoul(argv[1], NULL, 10));

@@ -2,6 +2,8 @@
 // Our own encoder and decoder against those that the generator makes of the IDL.
 #include "vdrive/wire/codec.hpp"
 
+#include "vdrive/wire/status_frame.hpp"
+
 #include <fastcdr/Cdr.h>
 #include <fastcdr/FastBuffer.h>
 #include <gtest/gtest.h>
@@ -86,6 +88,78 @@ TEST(StatusCodec, WritesNothingWhereThereIsNoRoom) {
   EXPECT_EQ(
       encode_status_frame({}, {.status = status, .owners = owners, .numbers = numbers}, bytes), 0U);
   EXPECT_EQ(bytes, Bytes(bytes.size(), std::byte{0x55}));
+}
+
+/// A frame of that many axes.
+Bytes status_frame(std::size_t count) {
+  std::vector<AxisStatus> status;
+  std::vector<Ownership> owners;
+  std::vector<std::uint16_t> numbers;
+  for (std::size_t axis = 0; axis < count; ++axis) {
+    status.push_back(make_status(static_cast<unsigned>(axis)));
+    status.back().ds402_controlword = 0;  // not on the wire
+    owners.push_back({.session = 0xFEDC0000 + axis, .epoch = 4, .last_sequence = 1'000 + axis});
+    numbers.push_back(static_cast<std::uint16_t>(300 + axis));
+  }
+  Bytes bytes(encoded_status_frame_size(count));
+  EXPECT_EQ(encode_status_frame({.bench = 3,
+                                 .incarnation = 0x0123456789ABCDEF,
+                                 .tick = 77,
+                                 .time_ns = -5,
+                                 .part = 2,
+                                 .parts = 9},
+                                {.status = status, .owners = owners, .numbers = numbers}, bytes),
+            bytes.size());
+  return bytes;
+}
+
+/// Every member, through the generated message.
+Bytes bytes_of(const ReceivedStatus& received) {
+  msg::AxisStatus message;
+  to_message(received.status, received.address, received.tick, received.owner, message);
+  return encoded(message);
+}
+
+TEST(StatusFrameView, ReadsWhatTheGeneratedDecoderReads) {
+  constexpr std::size_t kAxes = 5;
+  const Bytes sample = status_frame(kAxes);
+  msg::StatusFrame message;
+  ASSERT_TRUE(decode(sample, message));
+  const auto sut = StatusFrameView::of(sample);
+  ASSERT_TRUE(sut.has_value());
+  EXPECT_EQ(sut->head().bench, 3U);
+  EXPECT_EQ(sut->head().incarnation, 0x0123456789ABCDEFU);
+  EXPECT_EQ(sut->head().tick, 77U);
+  EXPECT_EQ(sut->head().time_ns, -5);
+  EXPECT_EQ(sut->head().part, 2U);
+  EXPECT_EQ(sut->head().parts, 9U);
+  ASSERT_EQ(sut->size(), kAxes);
+  for (std::size_t axis = 0; axis < kAxes; ++axis) {
+    EXPECT_EQ(sut->number(axis), 300 + axis);
+    EXPECT_EQ(bytes_of(sut->axis(axis)), encoded(message.axes()[axis])) << axis;
+  }
+}
+
+TEST(StatusFrameView, TakesWholeFramesOnly) {
+  const Bytes sample = status_frame(3);
+  for (std::size_t size = 0; size < sample.size(); ++size) {
+    EXPECT_FALSE(StatusFrameView::of(std::span(sample).first(size)).has_value()) << size;
+  }
+  EXPECT_TRUE(StatusFrameView::of(sample).has_value());
+  EXPECT_EQ(StatusFrameView::of(status_frame(0))->size(), 0U);
+}
+
+TEST(StatusFrameView, TakesNoMoreAxesThanAFrameMayHold) {
+  EXPECT_EQ(StatusFrameView::of(status_frame(256))->size(), 256U);
+  EXPECT_FALSE(StatusFrameView::of(status_frame(257)).has_value());
+}
+
+TEST(StatusFrameView, TakesPlainLittleEndianCdrOnly) {
+  for (const std::size_t byte : {0U, 1U}) {
+    Bytes sample = status_frame(1);
+    sample[byte] ^= std::byte{1};
+    EXPECT_FALSE(StatusFrameView::of(sample).has_value());
+  }
 }
 
 msg::CommandFrame make_frame(std::size_t axes, std::size_t objects) {

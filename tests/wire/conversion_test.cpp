@@ -110,6 +110,32 @@ TEST(ParameterConversion, ReadsEveryWritableObjectOfTheManual) {
   EXPECT_EQ(message.positioning_option_code(), 1U);
 }
 
+TEST(ConvertUnit, GoesThroughTheDescriptionOfAnAxis) {
+  const Unit mm{.kind = UnitKind::linear, .name = "mm", .size = 1'000.5};
+  msg::AxisDescription message;
+  to_message(mm, message);
+  EXPECT_EQ(message.unit_kind(), msg::UNIT_LINEAR);
+  EXPECT_EQ(unit_of(message), mm);
+  to_message(Unit(), message);
+  EXPECT_EQ(message.unit_kind(), msg::UNIT_ROTARY);
+  EXPECT_EQ(message.unit_size(), 4'096.0);
+  EXPECT_EQ(unit_of(message), Unit());
+}
+
+TEST(ConvertUnit, ThatIsNotUsableIsTheDefault) {
+  msg::AxisDescription message;
+  EXPECT_EQ(unit_of(message), Unit()) << "kind 0";
+  message.unit_kind(msg::UNIT_LINEAR);
+  message.unit_name("mm");
+  EXPECT_EQ(unit_of(message), Unit()) << "size 0";
+  message.unit_size(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_EQ(unit_of(message), Unit());
+  message.unit_size(10.0);
+  EXPECT_EQ(unit_of(message).name, "mm");
+  message.unit_kind(3);
+  EXPECT_EQ(unit_of(message), Unit());
+}
+
 TEST(DescribeReason, HasWordsForReasonsAndAbortCodes) {
   EXPECT_EQ(describe_reason(msg::REASON_UNKNOWN_AXIS), "no such axis");
   const std::string abort_code = describe_reason(0x06010002);

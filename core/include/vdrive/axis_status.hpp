@@ -45,8 +45,9 @@ inline constexpr std::size_t kStatusMembers = 23;
 /// read this table.
 struct StatusMember {
   std::string_view name;
-  ObjectAddress address;      ///< of the object that it shows; index 0 = none
-  bool is_published = false;  ///< the status on the network has it
+  ObjectAddress address;                     ///< of the object that it shows; index 0 = none
+  DataType data_type = DataType::integer32;  ///< of the member
+  bool is_published = false;                 ///< the status on the network has it
   std::int64_t (*value)(const AxisStatus& status) noexcept = nullptr;
   /// The type of the member holds every value of its object; another value is cut off.
   void (*set)(AxisStatus& status, std::int64_t value) noexcept = nullptr;

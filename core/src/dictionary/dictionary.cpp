@@ -79,6 +79,24 @@ std::string_view to_string(DataType type) noexcept {
   return "";
 }
 
+std::string_view to_string(Access access) noexcept {
+  return access == Access::read_only ? "RO" : "RW";
+}
+
+std::string_view to_string(Effective effective) noexcept {
+  switch (effective) {
+    case Effective::read_only:
+      return "read_only";
+    case Effective::immediately:
+      return "immediately";
+    case Effective::at_set_point:
+      return "at_set_point";
+    case Effective::at_enable:
+      return "at_enable";
+  }
+  return "unknown";
+}
+
 std::string english_units(const ObjectDescription& object) {
   constexpr std::string_view kOpening = "（";
   constexpr std::string_view kUserUnit = "用户单位";  // "user unit"; the unit may follow

@@ -3,7 +3,7 @@
 
 #include "drive/frame.hpp"
 #include "drive/registers.hpp"
-#include "drive/rounding.hpp"
+#include "rounding.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -21,36 +21,39 @@ void finish_motion(Drive& drive) {
   if (r.request.kind == Kind::move || r.request.kind == Kind::synchronous_move) {
     s.target.arrived = r.profile.reaches_target();
   } else if (!s.target.given && !s.target.given_up) {
-    s.target.position = nearest(s.demand.position);
+    s.target.position = nearest(demand_position(drive));
     s.target.arrived = true;
   }
 }
 
+/// The demand at `time` of the segment in force.
+void go_along(Drive& drive, double time) {
+  DemandBlock& demand = drive.demand();
+  const std::size_t l = drive.lane();
+  const MotionSample now = sample(segment_of(demand, l), time);
+  demand.position[l] = now.position;
+  demand.velocity[l] = now.velocity;
+}
+
 /// The tick ends in another segment, or behind the profile.
 void enter_segment(Drive& drive, double time) {
-  DemandState& demand = drive.state().demand;
   const Profile& profile = drive.registers().profile;
   if (time >= profile.duration()) {
     rest_at(drive, profile.end_position());
     return;
   }
-  std::size_t i = 0;
-  while (time >= profile.segment(i).end_time) ++i;
-  demand.segment = profile.segment(i);
-  const MotionSample now = sample(demand.segment, time);
-  demand.position = now.position;
-  demand.velocity = now.velocity;
+  put_segment(drive, profile.segment_at(time));
+  go_along(drive, time);
 }
 
 /// The profile at the end of the tick.
 void move_along(Drive& drive) {
-  DemandState& demand = drive.state().demand;
-  demand.plan_ticks += 1.0;
-  const double time = (demand.plan_ticks * drive.timing().substeps) * drive.timing().substep;
-  if (time < demand.segment.end_time) {
-    const MotionSample now = sample(demand.segment, time);
-    demand.position = now.position;
-    demand.velocity = now.velocity;
+  DemandBlock& demand = drive.demand();
+  const std::size_t l = drive.lane();
+  demand.plan_ticks[l] += 1.0;
+  const double time = (demand.plan_ticks[l] * drive.timing().substeps) * drive.timing().substep;
+  if (time < demand.end_time[l]) {
+    go_along(drive, time);
   } else {
     enter_segment(drive, time);
   }
@@ -63,11 +66,11 @@ void take_control(Drive& drive, Control control) {
   ServoState& servo = drive.servo();
   const std::size_t l = drive.lane();
   if (s.demand.control == Control::torque) {
-    s.demand.velocity = servo.load_speed[l];
+    drive.demand().velocity[l] = servo.load_speed[l];
     s.demand.moving = false;
   }
   if (control == Control::torque) {
-    s.demand.torque = servo.command[l] * s.units.torque_per_mille;
+    s.demand.torque = commanded_torque(drive);
     rest_at(drive, servo.load_reading[l]);
   }
   s.demand.control = control;
@@ -91,8 +94,9 @@ void ramp_torque(Drive& drive, const MotionRequest& request) {
   const double left = request.target - s.demand.torque;
   const double change = std::min(std::max(left, -most), most);
   const std::size_t l = drive.lane();
-  drive.servo().torque_wanted[l] = s.demand.torque / s.units.torque_per_mille;
-  drive.servo().torque_step[l] = change / s.units.torque_per_mille / drive.timing().substeps;
+  const double unit = drive.block().units.torque_per_mille[l];
+  drive.servo().torque_wanted[l] = s.demand.torque / unit;
+  drive.servo().torque_step[l] = change / unit / drive.timing().substeps;
   s.demand.torque = change == left ? request.target : s.demand.torque + change;
   s.demand.moving = change != 0.0;
 }
@@ -102,18 +106,19 @@ void follow_target(Drive& drive, const MotionRequest& request) {
   DriveState& s = drive.state();
   const double period = drive.timing().period_us * 1.0e-6;
   const double most = request.limits.velocity * period;
-  const double distance = request.target - s.demand.position;
+  const double distance = request.target - demand_position(drive);
   const double step = std::min(std::max(distance, -most), most);
-  const double start = s.demand.position;
+  const double start = demand_position(drive);
+  const std::size_t l = drive.lane();
   rest_at(drive, start);
-  s.demand.velocity = step / period;
-  s.demand.segment.velocity = s.demand.velocity;
+  drive.demand().velocity[l] = step / period;
+  drive.demand().segment_velocity[l] = step / period;
   s.demand.moving = step != 0.0;
   s.target.position = step == distance ? request.target : start + step;
 }
 
 Profile planned(const Drive& drive, const MotionRequest& request) {
-  const MotionState start{drive.state().demand.position, drive.state().demand.velocity};
+  const MotionState start{demand_position(drive), demand_velocity(drive)};
   switch (request.kind) {
     case Kind::move:
       return plan_move(start, request.target, request.limits);
@@ -134,8 +139,8 @@ void start_profile(Drive& drive, const Profile& profile) {
     rest_at(drive, profile.end_position());
     return;
   }
-  s.demand.segment = profile.segment(0);
-  s.demand.plan_ticks = 0.0;
+  put_segment(drive, profile.segment(0));
+  drive.demand().plan_ticks[drive.lane()] = 0.0;
   s.demand.moving = true;
 }
 
@@ -160,16 +165,20 @@ void plan(Drive& drive, const MotionRequest& request) {
   }
 }
 
-void sample_profile(const Drive& drive, DemandBlock& demand) {
+std::size_t cross_segments(Drive& drive, std::size_t substep) {
   const TickTiming& timing = drive.timing();
+  DemandBlock& demand = drive.demand();
   const std::size_t l = drive.lane();
-  for (std::size_t k = 0; k < timing.substeps; ++k) {
-    const double time = (demand.first_substep[l] + static_cast<double>(k)) * timing.substep;
-    const MotionSample now = drive.registers().profile.at(time);
-    demand.positions[k][l] = now.position;
-    demand.velocities[k][l] = now.velocity;
-    demand.accelerations[k][l] = now.acceleration;
-  }
+  const double first = demand.plan_ticks[l] * timing.substeps;
+  const auto time_at = [&timing, first](std::size_t k) {
+    return (first + static_cast<double>(k)) * timing.substep;
+  };
+  const double end_time = demand.end_time[l];
+  const Segment segment = drive.registers().profile.segment_at(time_at(substep));
+  put_segment(drive, segment);
+  demand.end_time[l] = end_time;
+  while (substep < timing.substeps && time_at(substep) < segment.end_time) ++substep;
+  return substep;
 }
 
 void advance_demand(Drive& drive) {
@@ -177,11 +186,13 @@ void advance_demand(Drive& drive) {
   if (!s.power.on) {
     rest_at(drive, actual_position(drive));
   } else if (s.demand.moving && s.demand.following) {
-    s.demand.position = s.target.position;
+    drive.demand().position[drive.lane()] = s.target.position;
   } else if (s.demand.moving) {
     move_along(drive);
   }
-  if (s.demand.control != Control::position) s.demand.position = actual_position(drive);
+  if (s.demand.control != Control::position) {
+    drive.demand().position[drive.lane()] = actual_position(drive);
+  }
   if (!s.demand.moving) finish_motion(drive);
 }
 

@@ -13,27 +13,10 @@ namespace vdrive {
 /// Plans anew when `request` differs from the one in force; the same request changes no bit.
 void plan(Drive& drive, const MotionRequest& request);
 
-/// @return whether the present tick crosses a border between two segments of the profile.
-[[nodiscard]] inline bool crosses_segments(const Drive& drive) {
-  const DemandState& own = drive.state().demand;
-  const TickTiming& timing = drive.timing();
-  const double first = own.plan_ticks * timing.substeps;
-  return (first + (timing.substeps - 1.0)) * timing.substep >= own.segment.end_time;
-}
-
-/// Puts the segment in force into the lane of the block.
-inline void put_segment(const Drive& drive, DemandBlock& demand) {
-  const DemandState& own = drive.state().demand;
-  const std::size_t l = drive.lane();
-  demand.position[l] = own.segment.position;
-  demand.velocity[l] = own.segment.velocity;
-  demand.acceleration[l] = own.segment.acceleration;
-  demand.reference_time[l] = own.segment.reference_time;
-  demand.first_substep[l] = own.plan_ticks * drive.timing().substeps;
-}
-
-/// Samples the whole profile for the lane, for a tick that crosses segments.
-void sample_profile(const Drive& drive, DemandBlock& demand);
+/// For a tick that crosses segments: puts the one that holds at `substep` into the lane. The tick
+/// ends with `advance_demand`, which needs the end of the segment of before: it stays.
+/// @return the sub-step up to which the segment holds, at most the count of the tick.
+std::size_t cross_segments(Drive& drive, std::size_t substep);
 
 /// Goes to the end of the tick; what the end of a profile means for the target.
 void advance_demand(Drive& drive);

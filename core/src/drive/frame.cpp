@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "drive/frame.hpp"
 
-#include "drive/rounding.hpp"
+#include "rounding.hpp"
 
 #include <limits>
 
@@ -18,13 +18,24 @@ double whole_turns(double position) {
 
 }  // namespace
 
+void put_segment(Drive& drive, const Segment& segment) {
+  DemandBlock& demand = drive.demand();
+  const std::size_t l = drive.lane();
+  demand.segment_position[l] = segment.position;
+  demand.segment_velocity[l] = segment.velocity;
+  demand.segment_acceleration[l] = segment.acceleration;
+  demand.reference_time[l] = segment.reference_time;
+  demand.end_time[l] = segment.end_time;
+}
+
 void rest_at(Drive& drive, double position) {
-  DemandState& demand = drive.state().demand;
-  demand.position = position;
-  demand.velocity = 0.0;
-  demand.segment = {.end_time = kInfinity, .position = position};
-  demand.plan_ticks = 0.0;
-  demand.moving = false;
+  DemandBlock& demand = drive.demand();
+  const std::size_t l = drive.lane();
+  demand.position[l] = position;
+  demand.velocity[l] = 0.0;
+  demand.plan_ticks[l] = 0.0;
+  put_segment(drive, {.end_time = kInfinity, .position = position});
+  drive.state().demand.moving = false;
 }
 
 void shift_frame(Drive& drive, const FrameShift& shift) {
@@ -40,9 +51,8 @@ void shift_frame(Drive& drive, const FrameShift& shift) {
   r.index.reading -= shift.motor;
   servo.load_offset[l] += r.gear_ratio * shift.motor - shift.load;
   servo.load_position[l] -= shift.load;
-  servo.load_measured[l] -= shift.reading;
   servo.load_reading[l] -= shift.reading;
-  s.demand.position -= shift.reading;
+  drive.demand().position[l] -= shift.reading;
   s.target.position -= shift.reading;
 }
 
@@ -50,7 +60,7 @@ void rebase(Drive& drive) {
   const ServoState& servo = drive.servo();
   const std::size_t l = drive.lane();
   const bool single = drive.registers().single_encoder;
-  const double turns = whole_turns(drive.state().demand.position);
+  const double turns = whole_turns(drive.demand().position[l]);
   const double motor = whole_turns(servo.motor_reading[l]);
   const double load = whole_turns(servo.load_position[l]);
   shift_frame(drive,

@@ -10,6 +10,9 @@ namespace vdrive {
 /// Positions further from 0 than this (2⁴⁰) call for `rebase`.
 inline constexpr double kFrame = 1099511627776.0;
 
+/// Puts `segment` into the lane of the axis, from now on.
+void put_segment(Drive& drive, const Segment& segment);
+
 /// The demand rests at `position` [UU].
 void rest_at(Drive& drive, double position);
 

@@ -2,7 +2,7 @@
 #include "drive/limits.hpp"
 
 #include "drive/registers.hpp"
-#include "drive/rounding.hpp"
+#include "rounding.hpp"
 #include "torque_limit.hpp"
 #include "vdrive/cia402/statusword.hpp"
 
@@ -18,9 +18,10 @@ double within_software_limits(const Drive& drive, double target) {
 }
 
 double within_torque_limits(const Drive& drive, double torque) {
-  const UnitState& units = drive.state().units;
+  const UnitBlock& units = drive.block().units;
+  const std::size_t l = drive.lane();
   const double highest = real(drive, "max_torque"_object);
-  const double unit = std::min(units.torque_per_mille / units.current_per_mille, 1.0);
+  const double unit = std::min(units.torque_per_mille[l] / units.current_per_mille[l], 1.0);
   const auto limit = [&drive, highest, unit](ObjectRow row) {
     return torque_limit(highest, real(drive, row), unit);
   };

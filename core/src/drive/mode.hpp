@@ -48,6 +48,10 @@ struct Mode {
   /// Question: bits 10, 12 and 13 of 6041h in Operation enabled.
   std::uint16_t (*status_bits)(const Drive& drive) = nullptr;
 
+  /// Where the demand moves outside of the target window, `watch` and `take_next` do nothing and
+  /// `status_bits` stay as they are.
+  bool moves_steadily = false;
+
   /// Question: whether what the mode asks for may change by itself, without a write.
   bool (*evolves)(const Drive& drive) = nullptr;
 };

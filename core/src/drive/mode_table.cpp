@@ -17,7 +17,7 @@ namespace {
 using namespace vdrive::literals;
 
 MotionRequest stay(const Drive& drive) {
-  return runs_into_limit_switch(drive, drive.state().demand.velocity)
+  return runs_into_limit_switch(drive, demand_velocity(drive))
              ? limit_switch_stop(drive)
              : ramp_stop(drive, "profile_dec"_object);
 }
@@ -36,7 +36,7 @@ MotionRequest normal_stop(const Drive& drive) {
 MotionRequest request_in_operation(const Drive& drive) {
   const DriveState& s = drive.state();
   if (s.mode.wanted != s.mode.actual) {
-    return runs_into_limit_switch(drive, s.demand.velocity)
+    return runs_into_limit_switch(drive, demand_velocity(drive))
                ? limit_switch_stop(drive)
                : ramp_stop(drive, mode_of(drive).normal_ramp);
   }

@@ -168,11 +168,7 @@ void power_up(Drive& drive, bool initialise) noexcept {
     // The test bench is not the drive: what it does to the axis outlasts a power cycle.
     if (!is_test_bench_input(kObjectTable[row])) r.values[row] = kObjectTable[row].default_value;
   }
-  const DriveState& before = drive.state();
-  DriveState fresh;
-  fresh.units.torque_per_mille = before.units.torque_per_mille;
-  fresh.units.current_per_mille = before.units.current_per_mille;
-  drive.state() = fresh;
+  drive.state() = {};
   r.request = {};
   clear_history(drive);
   set_power(drive, false);

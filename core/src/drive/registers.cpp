@@ -46,7 +46,7 @@ void update_derived(Drive& drive) noexcept {
   update_windows(drive);
   update_limits(drive);
   DriveState& s = drive.state();
-  s.units.rated_current = real(drive, "motor_rated_current"_object);
+  drive.block().units.rated_current[drive.lane()] = real(drive, "motor_rated_current"_object);
   drive.servo().blocked[drive.lane()] = reg(drive, "test_blocked_load"_object) != 0 ? 1.0 : 0.0;
   s.attention = true;
   s.plan_due = true;

@@ -34,6 +34,16 @@ inline constexpr std::uint8_t kHomeInput = 1U << 2U;
   return static_cast<std::uint32_t>((milliseconds * 1000 + period - 1) / period);
 }
 
+/// @return the demand at the end of the last tick [UU], not rounded.
+[[nodiscard]] inline double demand_position(const Drive& drive) {
+  return drive.demand().position[drive.lane()];
+}
+
+/// @return the same's velocity [UU/s], not rounded.
+[[nodiscard]] inline double demand_velocity(const Drive& drive) {
+  return drive.demand().velocity[drive.lane()];
+}
+
 /// @return the actual position 6064h [UU], not rounded.
 [[nodiscard]] inline double actual_position(const Drive& drive) {
   return drive.servo().load_reading[drive.lane()];
@@ -46,7 +56,7 @@ inline constexpr std::uint8_t kHomeInput = 1U << 2U;
 
 /// @return the torque that is commanded [‰ of rated].
 [[nodiscard]] inline double commanded_torque(const Drive& drive) {
-  return drive.servo().command[drive.lane()] * drive.state().units.torque_per_mille;
+  return drive.servo().command[drive.lane()] * drive.block().units.torque_per_mille[drive.lane()];
 }
 
 [[nodiscard]] inline bool operation_enabled(const Drive& drive) {

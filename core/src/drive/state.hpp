@@ -56,13 +56,9 @@ enum class HomingStage : std::uint8_t {
   failed,
 };
 
-/// Demand generator: where the motion is.
+/// Demand generator, beside the lane of its block.
 struct DemandState {
-  Segment segment;          // of the profile, now; a resting one between motions
-  double plan_ticks = 0.0;  // since the plan
-  double position = 0.0;    // [UU]
-  double velocity = 0.0;    // [UU/s]
-  double torque = 0.0;      // profile torque, at the end of the tick [‰ of rated]
+  double torque = 0.0;  // profile torque, at the end of the tick [‰ of rated]
   Control control = Control::position;
   bool moving = false;     // the profile has not ended
   bool following = false;  // the demand of this tick goes to the streamed one
@@ -119,17 +115,10 @@ struct FaultState {
 
 /// Power stage.
 struct PowerStageState {
-  std::uint32_t ticks_in_state = 0;
-  std::uint32_t stop_ticks = 0;  // since the demand of a stop ended
+  std::uint32_t ticks_in_state = 0;  // steady ticks are not counted: no stop waits in them
+  std::uint32_t stop_ticks = 0;      // since the demand of a stop ended
   PowerStateMachine machine;
   bool on = false;
-};
-
-/// One torque unit and the motor's rating in the units of the objects.
-struct UnitState {
-  double torque_per_mille = 0.0;   // 6077h of one torque unit
-  double current_per_mille = 0.0;  // 6078h of one torque unit
-  double rated_current = 0.0;      // [mA]
 };
 
 /// Operating mode.
@@ -166,7 +155,6 @@ struct ModeStates {
 struct DriveState {
   DemandState demand;
   TargetState target;
-  UnitState units;
   LimitState limits;
   WindowState window;
   FollowingErrorState following_error;
@@ -215,15 +203,38 @@ struct DriveRegisters {
   bool single_encoder = false;  // 6064h is encoder 1's: both readings share one frame
 };
 
-/// One axis: its state, its lane of the servo block, its status image. Questions take a
+/// One torque unit and the motor's rating in the units of the objects.
+struct alignas(64) UnitBlock {
+  Lane torque_per_mille;   // 6077h of one torque unit
+  Lane current_per_mille;  // 6078h of one torque unit
+  Lane rated_current;      // [mA]
+};
+
+/// Lanes in which nothing goes on but the motion, and what ends that.
+struct alignas(64) SteadyBlock {
+  Lane following_error_window;  // 6065h; infinite = off [UU]
+  Lane target;                  // internal target [UU]
+  Lane target_window;           // 6067h [UU]
+  std::uint64_t lanes;          // bit l: lane l is steady
+};
+
+/// What every tick touches of the axes of a block, side by side.
+struct BlockState {
+  ServoState servo;
+  DemandBlock demand;
+  UnitBlock units;
+  SteadyBlock steady;
+};
+
+/// One axis: its state, its lane of the block, its status image. Questions take a
 /// `const Drive&`, through which nothing can be changed; commands take a `Drive&`.
 class Drive {
  public:
-  Drive(DriveState& state, DriveRegisters& registers, ServoState& servo, std::size_t lane,
+  Drive(DriveState& state, DriveRegisters& registers, BlockState& block, std::size_t lane,
         AxisStatus& status, const TickTiming& timing) noexcept
       : state_(state),
         registers_(registers),
-        servo_(servo),
+        block_(block),
         lane_(lane),
         status_(status),
         timing_(timing) {}
@@ -240,9 +251,17 @@ class Drive {
 
   [[nodiscard]] const DriveRegisters& registers() const noexcept { return registers_; }
 
-  [[nodiscard]] ServoState& servo() noexcept { return servo_; }
+  [[nodiscard]] BlockState& block() noexcept { return block_; }
 
-  [[nodiscard]] const ServoState& servo() const noexcept { return servo_; }
+  [[nodiscard]] const BlockState& block() const noexcept { return block_; }
+
+  [[nodiscard]] ServoState& servo() noexcept { return block_.servo; }
+
+  [[nodiscard]] const ServoState& servo() const noexcept { return block_.servo; }
+
+  [[nodiscard]] DemandBlock& demand() noexcept { return block_.demand; }
+
+  [[nodiscard]] const DemandBlock& demand() const noexcept { return block_.demand; }
 
   [[nodiscard]] AxisStatus& status() noexcept { return status_; }
 
@@ -255,7 +274,7 @@ class Drive {
  private:
   DriveState& state_;
   DriveRegisters& registers_;
-  ServoState& servo_;
+  BlockState& block_;
   std::size_t lane_;
   AxisStatus& status_;
   const TickTiming& timing_;

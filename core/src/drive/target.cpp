@@ -2,7 +2,7 @@
 #include "drive/target.hpp"
 
 #include "drive/registers.hpp"
-#include "drive/rounding.hpp"
+#include "rounding.hpp"
 
 namespace vdrive {
 
@@ -16,7 +16,7 @@ void drop_targets(Drive& drive) {
 void seed_target(Drive& drive) {
   DriveState& s = drive.state();
   drop_targets(drive);
-  s.target.position = nearest(s.demand.position);
+  s.target.position = nearest(demand_position(drive));
   s.target.arrived = true;
   s.target.given_up = false;
   s.window.dwell = kSaturatedCount;

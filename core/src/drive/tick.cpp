@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "drive/tick.hpp"
 
+#include "drive/block.hpp"
 #include "drive/demand.hpp"
 #include "drive/frame.hpp"
 #include "drive/limits.hpp"
 #include "drive/mode_table.hpp"
 #include "drive/power.hpp"
 #include "drive/registers.hpp"
-#include "drive/rounding.hpp"
 #include "drive/window.hpp"
+#include "rounding.hpp"
 #include "vdrive/cia402/statusword.hpp"
 
 #include <cmath>
+#include <limits>
 
 namespace vdrive {
 namespace {
@@ -29,7 +31,7 @@ bool needs_attention(const Drive& drive, const Mode& mode) {
 
 /// Takes whole turns out of positions that have gone far; the plan of before is void.
 void keep_frame(Drive& drive) {
-  if (std::abs(drive.state().demand.position) > kFrame) {
+  if (std::abs(demand_position(drive)) > kFrame) {
     rebase(drive);
     drive.registers().request = {};
     drive.state().plan_due = true;
@@ -47,7 +49,7 @@ void follow(Drive& drive) {
 
 /// Following error 60F4h against 6065h and 6066h.
 void watch_following_error(Drive& drive) {
-  const double error = nearest(drive.state().demand.position) - nearest(actual_position(drive));
+  const double error = nearest(demand_position(drive)) - nearest(actual_position(drive));
   DriveState& s = drive.state();
   const PowerState state = s.power.machine.state();
   const bool watched =
@@ -93,12 +95,12 @@ std::uint16_t mode_bits(const Drive& drive, const Mode& mode) {
   return reached_when(stops && at_rest(drive));
 }
 
-/// @return 6041h, from whole internal positions [UU].
-std::uint16_t statusword(const Drive& drive, const Mode& mode, double demand, double actual) {
+/// @return 6041h.
+std::uint16_t statusword(const Drive& drive, const Mode& mode) {
   const DriveState& s = drive.state();
   const PowerState state = s.power.machine.state();
   unsigned word = statusword_of(state) | Statusword::kRemote | mode_bits(drive, mode);
-  word |= limit_bits(drive, demand, actual);
+  word |= limit_bits(drive, nearest(demand_position(drive)), nearest(actual_position(drive)));
   // Before transition 1 nothing is known of the DC link yet: 0200h.
   if (s.faults.dc_link && state != PowerState::not_ready_to_switch_on) {
     word |= Statusword::kVoltageEnabled;
@@ -108,34 +110,11 @@ std::uint16_t statusword(const Drive& drive, const Mode& mode, double demand, do
 }
 
 /// Writes the status image.
-void show(Drive& drive, const Mode& mode) {
+void show(Drive& drive, const Mode& mode, const NumberBlock& numbers) {
   const DriveState& s = drive.state();
-  const ServoState& servo = drive.servo();
-  const std::size_t l = drive.lane();
   AxisStatus& out = drive.status();
-  const double demand = nearest(s.demand.position);
-  const double load = nearest(actual_position(drive));
-  const double motor = nearest(servo.motor_reading[l]);
-  const double demand_velocity = nearest(s.demand.velocity);
-  const double load_velocity = nearest(servo.load_speed[l]);
-  const double motor_velocity = nearest(servo.motor_speed[l]);
-  out.position_demand_value = wrapped(demand);
-  out.load_position_actual_value = wrapped(load);
-  out.load_position_error_value = wrapped(demand - load);
-  out.motor_position_actual_value = wrapped(motor);
-  out.motor_position_error_value = wrapped(demand - motor);
-  out.velocity_demand_value = saturated(demand_velocity);
-  out.load_velocity_actual_value = saturated(load_velocity);
-  out.load_velocity_error_value = saturated(demand_velocity - load_velocity);
-  out.motor_velocity_actual_value = saturated(motor_velocity);
-  out.motor_velocity_error_value = saturated(demand_velocity - motor_velocity);
-  out.torque_demand = saturated16(servo.command[l] * s.units.torque_per_mille);
-  out.torque_actual_value = saturated16(servo.torque[l] * s.units.torque_per_mille);
-  out.current_actual_value = saturated16(servo.torque[l] * s.units.current_per_mille);
-  out.current_error_value =
-      saturated(static_cast<double>(out.torque_demand - out.current_actual_value) *
-                s.units.rated_current / 1000.0);
-  out.ds402_statusword = statusword(drive, mode, demand, load);
+  show_numbers(numbers, drive.lane(), out);
+  out.ds402_statusword = statusword(drive, mode);
   out.ds402_controlword = s.controlword;
   out.error_code = s.faults.error_code;
   out.error_register = s.faults.error_register;
@@ -146,9 +125,38 @@ void show(Drive& drive, const Mode& mode) {
   out.fault_count = s.faults.count;
 }
 
+/// @return whether the status changes in its numbers only until something is written, the motion
+///         leaves its segment or the axis a window.
+bool is_steady(const Drive& drive, const Mode& mode) {
+  const DriveState& s = drive.state();
+  return mode.moves_steadily && !s.attention && !s.plan_due && operation_enabled(drive) &&
+         s.demand.moving && !s.demand.following && s.demand.control == Control::position &&
+         !s.target.arrived && s.window.dwell == 0 && s.following_error.count == 0 &&
+         !s.following_error.shown && !s.limits.enabled && s.limits.inputs == 0;
+}
+
+double window_of(std::uint32_t window) {
+  return window == kWindowOff ? std::numeric_limits<double>::infinity() : window;
+}
+
+/// Whether the next ticks need no look at the axis, and what ends that.
+void note_steadiness(Drive& drive, const Mode& mode) {
+  SteadyBlock& steady = drive.block().steady;
+  const std::size_t l = drive.lane();
+  const std::uint64_t bit = std::uint64_t{1} << l;
+  if (!is_steady(drive, mode)) {
+    steady.lanes &= ~bit;
+    return;
+  }
+  steady.lanes |= bit;
+  steady.following_error_window[l] = window_of(drive.state().following_error.window);
+  steady.target_window[l] = window_of(drive.state().window.position);
+  steady.target[l] = drive.state().target.position;
+}
+
 }  // namespace
 
-TickStart begin_tick(Drive& drive, DemandBlock& demand) noexcept {
+void begin_tick(Drive& drive) noexcept {
   DriveState& s = drive.state();
   keep_frame(drive);
   if (s.attention) follow(drive);
@@ -156,27 +164,29 @@ TickStart begin_tick(Drive& drive, DemandBlock& demand) noexcept {
     s.plan_due = false;
     plan(drive, requested_motion(drive));
   }
-  put_segment(drive, demand);
-  return {.across = crosses_segments(drive), .general = s.demand.control != Control::position};
 }
 
-void sample_across(const Drive& drive, DemandBlock& demand) noexcept {
-  sample_profile(drive, demand);
-}
-
-void end_tick(Drive& drive) noexcept {
-  DriveState& s = drive.state();
+void watch_tick(Drive& drive) noexcept {
   const Mode& mode = mode_of(drive);
   watch(drive, mode);
   take_next_set_point(drive, mode);
-  show(drive, mode);
+}
+
+void end_tick(Drive& drive, const NumberBlock& numbers) noexcept {
+  DriveState& s = drive.state();
+  const Mode& mode = mode_of(drive);
+  show(drive, mode, numbers);
   s.target.fresh = false;
   if (s.power.ticks_in_state != kSaturatedCount) ++s.power.ticks_in_state;
   s.attention = needs_attention(drive, mode);
+  note_steadiness(drive, mode);
 }
 
 void show(Drive& drive) noexcept {
-  show(drive, mode_of(drive));
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): filled by the next statement
+  NumberBlock numbers;
+  round_numbers(drive.block(), numbers);
+  show(drive, mode_of(drive), numbers);
 }
 
 }  // namespace vdrive

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "drive/block.hpp"
 #include "drive/state.hpp"
 
 namespace vdrive {
@@ -11,26 +12,21 @@ namespace vdrive {
 //            the next stage of the mode
 //   ask      what state, mode and controlword request
 //   plan     the demand generator, where the request has changed
-//   sample   the demand at each sub-step     (sample_demand for the block, sample_across)
-//   step     servo loops and plant           (the block)
+//   step     demand, servo loops and plant at each sub-step (the block)
 //   watch    demand at the end of the tick, monitors, windows
 //   take     the next set-point, where the active one is reached
 //   show     the status image
+// A lane is steady where a tick of these would do nothing but go on in the segment and show other
+// numbers: its ticks are done with those of the block (drive/block.hpp) until something happens.
 
-/// What a tick of one axis asks of its block.
-struct TickStart {
-  bool across;   // the tick crosses a segment border: `sample_across` must be called
-  bool general;  // the position loop is open: the block needs the general servo step
-};
+/// Follow, ask, plan.
+void begin_tick(Drive& drive) noexcept;
 
-/// Follow, ask, plan; puts the segment in force into the block.
-TickStart begin_tick(Drive& drive, DemandBlock& demand) noexcept;
+/// Watch, take.
+void watch_tick(Drive& drive) noexcept;
 
-/// Sample, for the lane of an axis whose tick crosses a segment border.
-void sample_across(const Drive& drive, DemandBlock& demand) noexcept;
-
-/// Watch, take, show.
-void end_tick(Drive& drive) noexcept;
+/// Show, with the numbers of the block; whether the next tick is a steady one.
+void end_tick(Drive& drive, const NumberBlock& numbers) noexcept;
 
 /// Shows without a tick, for an axis just powered up.
 void show(Drive& drive) noexcept;

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "drive/registers.hpp"
-#include "drive/rounding.hpp"
 #include "drive/state.hpp"
+#include "rounding.hpp"
 #include "vdrive/cia402/statusword.hpp"
 
 #include <cmath>

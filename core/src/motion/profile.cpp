@@ -117,11 +117,18 @@ void approach(ProfileBuilder& builder, double direction, double velocity, double
 
 }  // namespace
 
-MotionSample Profile::at(double time) const noexcept {
-  if (count_ == 0 || time >= duration()) return {end_position_, 0.0, 0.0};
+Segment Profile::segment_at(double time) const noexcept {
+  if (time >= duration()) {
+    return {.end_time = std::numeric_limits<double>::infinity(), .position = end_position_};
+  }
   std::size_t i = 0;
   while (time >= segments_[i].end_time) ++i;
-  return sample(segments_[i], std::max(time, 0.0));
+  return segments_[i];
+}
+
+MotionSample Profile::at(double time) const noexcept {
+  if (time >= duration()) return {end_position_, 0.0, 0.0};  // at an infinite time, too
+  return sample(segment_at(time), std::max(time, 0.0));
 }
 
 Profile plan_move(const MotionState& start, double target, const MotionLimits& limits) noexcept {

@@ -1,19 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
+#include "lanes.hpp"
+#include "vdrive/motion/profile.hpp"
+
 #include <cstddef>
+#include <span>
 
 namespace vdrive {
 
-/// Axes whose servo loops and physics are computed side by side.
-inline constexpr std::size_t kLanes = 8;
-
-/// Longest tick (10 ms) in servo cycles of 125 µs.
-inline constexpr std::size_t kMaximumSubsteps = 80;
-
-/// One double per axis of a block.
-using Lane = std::array<double, kLanes>;
+/// Blocks that are stepped side by side: a sub-step of one block waits for its own results most of
+/// the time, which the others fill.
+inline constexpr std::size_t kInterleavedBlocks = 4;
 
 /// Servo loop settings of a block. Accelerations are torques over the motor's (two inertias) or the
 /// whole (rigid) inertia, so that one unit serves loop, limits and plant.
@@ -46,7 +44,8 @@ struct alignas(64) RigidParameters {
   Lane position_from_load;
   Lane torque_from_torque;
   Lane torque_from_command;
-  Lane friction;  // Coulomb friction [UU/s²]
+  Lane friction;          // Coulomb friction [UU/s²]
+  Lane friction_impulse;  // its effect on the velocity of a sub-step [UU/s]
 };
 
 /// Seven coefficients of one output of the elastic model.
@@ -74,9 +73,11 @@ struct alignas(64) ElasticParameters {
   ElasticRow free_load_position;
   Lane torque_from_torque;
   Lane torque_from_command;
-  Lane half_backlash;  // [UU] at the load
-  Lane friction;       // motor side [UU/s²]
-  Lane load_friction;  // load side [UU/s²]
+  Lane half_backlash;          // [UU] at the load
+  Lane friction;               // motor side [UU/s²]
+  Lane load_friction;          // load side [UU/s²]
+  Lane friction_impulse;       // effect of `friction` on the velocity of a sub-step [UU/s]
+  Lane load_friction_impulse;  // the same of `load_friction`
 };
 
 /// State of a block, and what acts on it from outside.
@@ -88,14 +89,13 @@ struct alignas(64) ServoState {
   Lane measured;         // encoder 1 at the last sub-step [UU]
   Lane load_position;    // load [UU]; rigid: computed from the motor
   Lane load_velocity;    // load [UU/s]; rigid: unused
-  Lane load_measured;    // encoder of the position loop at the last sub-step [UU]
   Lane load_offset;      // load position minus ratio times motor position, untwisted [UU]
   Lane load_torque;      // from outside, over the inertia that it acts on [UU/s²]
   Lane powered;          // 1 = power stage on
   Lane blocked;          // 1 = load blocked
   Lane speed_limit;      // of what the position loop asks for: 607Fh and 6080h [UU/s]
-  Lane closes_position;  // 1 = position loop closed; general step only
-  Lane torque_control;   // 1 = torque_wanted is the command, within speed_limit; general step only
+  Lane closes_position;  // 1 = position loop closed
+  Lane torque_control;   // 1 = torque_wanted is the command, within speed_limit
   Lane torque_wanted;    // of the next sub-step [UU/s²]
   Lane torque_step;      // its change from one sub-step to the next [UU/s²]
   Lane command;          // last torque command [UU/s²]
@@ -105,31 +105,57 @@ struct alignas(64) ServoState {
   Lane load_speed;       // encoder of the position loop over the tick [UU/s]
 };
 
-/// Demand of one tick for a block: polynomial pieces and, from them, the values at each sub-step.
+/// Demand of a block: the segment in force of each lane, and where its motion is.
 struct alignas(64) DemandBlock {
-  Lane position;        // of the segment [UU]
-  Lane velocity;        // of the segment [UU/s]
-  Lane acceleration;    // of the segment [UU/s²]
-  Lane reference_time;  // of the segment [s]
-  Lane first_substep;   // since the plan, at the start of the tick
-  std::array<Lane, kMaximumSubsteps> positions;
-  std::array<Lane, kMaximumSubsteps> velocities;
-  std::array<Lane, kMaximumSubsteps> accelerations;
+  Lane segment_position;      // at the reference [UU]
+  Lane segment_velocity;      // at the reference [UU/s]
+  Lane segment_acceleration;  // [UU/s²]
+  Lane reference_time;        // [s] since the plan
+  Lane end_time;              // of the segment [s] since the plan
+  Lane plan_ticks;            // since the plan
+  Lane position;              // at the end of the last tick [UU]
+  Lane velocity;              // at the end of the last tick [UU/s]
 };
 
-/// Samples each lane's segment at the start of each sub-step.
-void sample_demand(DemandBlock& demand, std::size_t substeps, double substep) noexcept;
+/// @return the segment in force of lane `l`.
+[[gnu::always_inline]] inline Segment segment_of(const DemandBlock& demand, std::size_t l) {
+  return {.end_time = demand.end_time[l],
+          .reference_time = demand.reference_time[l],
+          .position = demand.segment_position[l],
+          .velocity = demand.segment_velocity[l],
+          .acceleration = demand.segment_acceleration[l]};
+}
 
-/// One tick of servo loops and plant. `substep` is the length of a sub-step [s]. The general step
-/// serves every kind of control; for lanes with closed position loop it gives the same bits as the
-/// plain one, which serves only these.
-void step_rigid(const RigidParameters& parameters, const DemandBlock& demand, ServoState& state,
-                std::size_t substeps, double substep) noexcept;
-void step_elastic(const ElasticParameters& parameters, const DemandBlock& demand, ServoState& state,
-                  std::size_t substeps, double substep) noexcept;
-void step_rigid_general(const RigidParameters& parameters, const DemandBlock& demand,
-                        ServoState& state, std::size_t substeps, double substep) noexcept;
-void step_elastic_general(const ElasticParameters& parameters, const DemandBlock& demand,
-                          ServoState& state, std::size_t substeps, double substep) noexcept;
+/// A block as the kernel steps it: equal blocks share their parameters.
+template <typename Parameters>
+struct ServoBlock {
+  const Parameters* parameters;
+  const DemandBlock* demand;
+  ServoState* state;
+};
+
+/// Sub-steps `first` to `last` - 1 of a tick of `count`, each of `length` [s].
+struct Substeps {
+  std::size_t first;
+  std::size_t last;
+  double count;
+  double length;
+};
+
+/// @return whether all lanes have power, a load that can move, and a closed position loop.
+[[nodiscard]] bool is_plain(const ServoState& state) noexcept;
+
+/// What the lanes of some blocks need of the servo step.
+struct ServoFeatures {
+  bool general = false;  // a block is not plain
+  bool play = false;     // a block has play (two inertias)
+};
+
+/// Servo loops and plant of some blocks over some sub-steps of a tick; the encoders are read behind
+/// the last one. What a feature adds changes no bit of a lane that does not use it.
+void step_servo(std::span<const ServoBlock<RigidParameters>> blocks, const Substeps& substeps,
+                ServoFeatures features) noexcept;
+void step_servo(std::span<const ServoBlock<ElasticParameters>> blocks, const Substeps& substeps,
+                ServoFeatures features) noexcept;
 
 }  // namespace vdrive

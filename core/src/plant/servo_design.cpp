@@ -187,6 +187,8 @@ void design_lane(const AxisModel& model, const Gear& gear, double substep, std::
   parameters.torque_from_command[lane] = step(2, 3);
   parameters.friction[lane] = (model.coulomb_friction + model.load_coulomb_friction * ratio) *
                               kUserUnitsPerRadian / inertia;
+  parameters.friction_impulse[lane] =
+      parameters.velocity_from_load[lane] * parameters.friction[lane];
 }
 
 void design_lane(const AxisModel& model, const Gear& gear, double substep, std::size_t lane,
@@ -219,6 +221,10 @@ void design_lane(const AxisModel& model, const Gear& gear, double substep, std::
   parameters.friction[lane] = model.coulomb_friction * kUserUnitsPerRadian / model.motor_inertia;
   parameters.load_friction[lane] =
       model.load_coulomb_friction * kUserUnitsPerRadian / model.load_inertia;
+  parameters.friction_impulse[lane] =
+      parameters.free_motor_velocity.motor_load[lane] * parameters.friction[lane];
+  parameters.load_friction_impulse[lane] =
+      parameters.free_load_velocity.load_load[lane] * parameters.load_friction[lane];
 }
 
 void limit_lane(const TorqueLimits& limits, double torque_unit, std::size_t lane,

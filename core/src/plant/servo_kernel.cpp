@@ -1,34 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// The hot loops: plain loops over lanes that the compiler vectorises for each instruction set. Only
-// + - * / and comparisons, no contraction, no sum across lanes: the same bits for every width.
 #include "plant/servo_block.hpp"
+#include "rounding.hpp"
 #include "vdrive/motion/profile.hpp"
-
-// Sanitizer runtimes are not ready when the loader resolves the clones.
-#if defined(__x86_64__) && !defined(VDRIVE_NO_TARGET_CLONES)
-#define VDRIVE_VECTOR_CLONES \
-  __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
-#else
-#define VDRIVE_VECTOR_CLONES
-#endif
-
-#if defined(VDRIVE_NO_TARGET_CLONES)
-#define VDRIVE_INDEPENDENT_LANES
-#elif defined(__clang__)
-#define VDRIVE_INDEPENDENT_LANES _Pragma("clang loop vectorize(assume_safety)")
-#else
-#define VDRIVE_INDEPENDENT_LANES _Pragma("GCC ivdep")
-#endif
 
 namespace vdrive {
 namespace {
 
-/// Adding and subtracting 1.5·2⁵² rounds to the nearest integer for |x| < 2⁵¹ on every unit.
-constexpr double kRounder = 6755399441055744.0;
-
 [[gnu::always_inline]] inline double quantise(double x, double per_unit, double unit) {
-  return ((x * per_unit + kRounder) - kRounder) * unit;
+  return nearest(x * per_unit) * unit;
 }
 
 [[gnu::always_inline]] inline double clamp(double x, double lower, double upper) {
@@ -48,8 +27,9 @@ constexpr double kRounder = 6755399441055744.0;
 }
 
 /// Position P within the speed limit, velocity PI with feed-forward, clamped without wind-up: the
-/// torque command. `kGeneral`: the position loop may be open, or the torque asked for directly; its
-/// integrator then follows the command, so that the velocity loop takes over without a step.
+/// torque command. `kGeneral`: the power stage may be off, the position loop open, or the torque
+/// asked for directly; the integrator then follows the command, so that the velocity loop takes
+/// over without a step.
 template <bool kGeneral>
 [[gnu::always_inline]] inline double control(const LoopParameters& p, ServoState& s, std::size_t l,
                                              const MotionSample& demand, double measured,
@@ -68,11 +48,10 @@ template <bool kGeneral>
   const double free_command = by_torque ? torque_command : speed_command;
   const double command = clamp(free_command, p.lower_limit[l], p.upper_limit[l]);
   const bool winds_up = (free_command - command) * error > 0.0;
-  const double powered = s.powered[l];
+  const double powered = kGeneral ? s.powered[l] : 1.0;
   const double integral = s.integrator[l] + (winds_up ? 0.0 : p.integral_step[l] * error);
   s.integrator[l] = (by_torque ? command : integral) * powered;
   s.measured[l] = measured;
-  s.load_measured[l] = load_measured;
   s.command[l] = command * powered;
   return s.command[l];
 }
@@ -99,30 +78,11 @@ struct Friction {
 
 [[gnu::always_inline]] inline Friction rub(double velocity, double free_velocity, double impulse) {
   const double moving = velocity != 0.0 ? velocity : free_velocity;
-  const double direction = moving > 0.0 ? 1.0 : (moving < 0.0 ? -1.0 : 0.0);
+  const double direction = __builtin_copysign(moving != 0.0 ? 1.0 : 0.0, moving);
   const double next = free_velocity - direction * impulse;
   const bool stuck = (next * direction <= 0.0) & (impulse > 0.0);
   return {stuck ? 0.0 : next, direction, stuck};
 }
-
-}  // namespace
-
-VDRIVE_VECTOR_CLONES
-void sample_demand(DemandBlock& demand, std::size_t substeps, double substep) noexcept {
-  for (std::size_t k = 0; k < substeps; ++k) {
-    const auto step = static_cast<double>(k);
-    VDRIVE_INDEPENDENT_LANES
-    for (std::size_t l = 0; l < kLanes; ++l) {
-      const double tau = (demand.first_substep[l] + step) * substep - demand.reference_time[l];
-      demand.positions[k][l] =
-          demand.position[l] + (demand.velocity[l] + 0.5 * demand.acceleration[l] * tau) * tau;
-      demand.velocities[k][l] = demand.velocity[l] + demand.acceleration[l] * tau;
-      demand.accelerations[k][l] = demand.acceleration[l];
-    }
-  }
-}
-
-namespace {
 
 /// One increment of the elastic model: velocities and steps of motor and load.
 struct ElasticStep {
@@ -166,10 +126,10 @@ struct ElasticInput {
   const std::size_t l = in.l;
   const Friction on_motor = rub(
       in.motor_velocity, coupled(p.motor_velocity, p.free_motor_velocity, engaged, in, 0.0, load),
-      p.free_motor_velocity.motor_load[l] * p.friction[l]);
+      p.friction_impulse[l]);
   const Friction on_load =
       rub(in.load_velocity, coupled(p.load_velocity, p.free_load_velocity, engaged, in, 0.0, load),
-          p.free_load_velocity.load_load[l] * p.load_friction[l]);
+          p.load_friction_impulse[l]);
   const double dm = -on_motor.direction * p.friction[l];
   const double dl = load - on_load.direction * p.load_friction[l];
   const double vm = coupled(p.motor_velocity, p.free_motor_velocity, engaged, in, dm, dl);
@@ -180,7 +140,7 @@ struct ElasticInput {
           on_load.stuck ? 0.0 : vl, on_load.stuck ? half_substep * in.load_velocity : xl};
 }
 
-template <bool kGeneral>
+template <bool kGeneral, bool kPlay>
 [[gnu::always_inline]] inline void step_elastic_lane(const ElasticParameters& p, ServoState& state,
                                                      std::size_t l, const MotionSample& demand,
                                                      double rate, double half_substep) {
@@ -191,18 +151,18 @@ template <bool kGeneral>
       quantise(p.loop.closes_on_load[l] != 0.0 ? xl : xm, p.loop.load_counts_per_unit[l],
                p.loop.load_units_per_count[l]);
   const double u = control<kGeneral>(p.loop, state, l, demand, measured, load_measured, rate);
-  const double torque = state.torque[l] * state.powered[l];
+  const double torque = kGeneral ? state.torque[l] * state.powered[l] : state.torque[l];
 
   // Inside the play both inertias are on their own; outside it the shaft is twisted by the rest.
   const double twist = p.loop.ratio[l] * xm + state.load_offset[l] - xl;
-  const double play = p.half_backlash[l];
+  const double play = kPlay ? p.half_backlash[l] : 0.0;
   const double below = twist > play ? play : twist;
   const double strain = twist - (below < -play ? -play : below);
-  const bool engaged = (strain != 0.0) | (play == 0.0);
+  const bool engaged = !kPlay || ((strain != 0.0) | (play == 0.0));
 
   const ElasticInput in{l, strain, state.velocity[l], state.load_velocity[l], torque, u};
   const ElasticStep next = advance(p, in, engaged, state.load_torque[l], half_substep);
-  const bool blocked = state.blocked[l] != 0.0;
+  const bool blocked = kGeneral && state.blocked[l] != 0.0;
   state.position[l] = xm + next.motor_step;
   state.velocity[l] = next.motor_velocity;
   state.load_position[l] = blocked ? xl : xl + next.load_step;
@@ -222,87 +182,142 @@ template <bool kGeneral>
       quantise(p.loop.closes_on_load[l] != 0.0 ? load_x : x, p.loop.load_counts_per_unit[l],
                p.loop.load_units_per_count[l]);
   const double u = control<kGeneral>(p.loop, state, l, demand, measured, load_measured, rate);
-  const double torque = state.torque[l] * state.powered[l];
+  const double torque = kGeneral ? state.torque[l] * state.powered[l] : state.torque[l];
   const double load = state.load_torque[l];
   const double free_velocity = p.velocity_from_velocity[l] * v +
                                p.velocity_from_torque[l] * torque + p.velocity_from_command[l] * u +
                                p.velocity_from_load[l] * load;
-  const Friction friction = rub(v, free_velocity, p.velocity_from_load[l] * p.friction[l]);
+  const Friction friction = rub(v, free_velocity, p.friction_impulse[l]);
   const double moved = x + p.position_from_velocity[l] * v + p.position_from_torque[l] * torque +
                        p.position_from_command[l] * u +
                        p.position_from_load[l] * (load - friction.direction * p.friction[l]);
   const double next = friction.stuck ? x + half_substep * v : moved;
-  const bool blocked = state.blocked[l] != 0.0;
+  const bool blocked = kGeneral && state.blocked[l] != 0.0;
   state.position[l] = blocked ? x : next;
   state.velocity[l] = blocked ? 0.0 : friction.velocity;
   state.torque[l] = p.torque_from_torque[l] * torque + p.torque_from_command[l] * u;
 }
 
-[[gnu::always_inline]] inline MotionSample demand_at(const DemandBlock& demand, std::size_t k,
-                                                     std::size_t l) {
-  return {demand.positions[k][l], demand.velocities[k][l], demand.accelerations[k][l]};
+/// The segment of lane `l` at sub-step `k` of the tick.
+[[gnu::always_inline]] inline MotionSample demand_at(const DemandBlock& demand, std::size_t l,
+                                                     const Substeps& substeps, double k) {
+  const double first = demand.plan_ticks[l] * substeps.count;
+  return sample(segment_of(demand, l), (first + k) * substeps.length);
 }
 
-template <bool kGeneral>
-[[gnu::always_inline]] inline void step_rigid_block(const RigidParameters& parameters,
-                                                    const DemandBlock& demand, ServoState& state,
-                                                    std::size_t substeps, double substep) {
-  const double rate = 1.0 / substep;
-  const double half_substep = 0.5 * substep;
-  for (std::size_t k = 0; k < substeps; ++k) {
-    VDRIVE_INDEPENDENT_LANES
-    for (std::size_t l = 0; l < kLanes; ++l) {
-      step_rigid_lane<kGeneral>(parameters, state, l, demand_at(demand, k, l), rate, half_substep);
-    }
-  }
-  const double tick_rate = 1.0 / (static_cast<double>(substeps) * substep);
+/// Load of a rigid axis; a load on a shaft has its position from the model.
+[[gnu::always_inline]] inline void place_load(const RigidParameters& p, ServoState& s,
+                                              std::size_t l) {
+  s.load_position[l] = p.loop.ratio[l] * s.position[l] + s.load_offset[l];
+}
+
+[[gnu::always_inline]] inline void place_load(const ElasticParameters& /*p*/, ServoState& /*s*/,
+                                              std::size_t /*l*/) {}
+
+template <typename Parameters>
+[[gnu::always_inline]] inline void end_tick(const ServoBlock<Parameters>& block, double tick_rate) {
+  VDRIVE_INDEPENDENT_LANES
   for (std::size_t l = 0; l < kLanes; ++l) {
-    state.load_position[l] = parameters.loop.ratio[l] * state.position[l] + state.load_offset[l];
-    read_encoders(parameters.loop, state, l, tick_rate);
+    place_load(*block.parameters, *block.state, l);
+    read_encoders(block.parameters->loop, *block.state, l, tick_rate);
   }
 }
 
-template <bool kGeneral>
-[[gnu::always_inline]] inline void step_elastic_block(const ElasticParameters& parameters,
-                                                      const DemandBlock& demand, ServoState& state,
-                                                      std::size_t substeps, double substep) {
-  const double rate = 1.0 / substep;
-  const double half_substep = 0.5 * substep;
-  for (std::size_t k = 0; k < substeps; ++k) {
-    VDRIVE_INDEPENDENT_LANES
-    for (std::size_t l = 0; l < kLanes; ++l) {
-      step_elastic_lane<kGeneral>(parameters, state, l, demand_at(demand, k, l), rate,
-                                  half_substep);
+/// The sub-steps of the blocks alternate: `step_lane(block, lane, demand)` of one block does not
+/// wait for that of another.
+template <typename Parameters, typename StepLane>
+[[gnu::always_inline]] inline void step_blocks(std::span<const ServoBlock<Parameters>> blocks,
+                                               const Substeps& substeps, StepLane step_lane) {
+  for (std::size_t k = substeps.first; k < substeps.last; ++k) {
+    const auto step = static_cast<double>(k);
+    for (const ServoBlock<Parameters>& block : blocks) {
+      VDRIVE_INDEPENDENT_LANES
+      for (std::size_t l = 0; l < kLanes; ++l) {
+        step_lane(block, l, demand_at(*block.demand, l, substeps, step));
+      }
     }
   }
-  const double tick_rate = 1.0 / (static_cast<double>(substeps) * substep);
-  for (std::size_t l = 0; l < kLanes; ++l) read_encoders(parameters.loop, state, l, tick_rate);
+  if (static_cast<double>(substeps.last) != substeps.count) return;
+  const double tick_rate = 1.0 / (substeps.count * substeps.length);
+  for (const ServoBlock<Parameters>& block : blocks) end_tick(block, tick_rate);
+}
+
+template <bool kGeneral>
+[[gnu::always_inline]] inline void step_rigid(std::span<const ServoBlock<RigidParameters>> blocks,
+                                              const Substeps& substeps) {
+  const double rate = 1.0 / substeps.length;
+  const double half_substep = 0.5 * substeps.length;
+  step_blocks(
+      blocks, substeps,
+      [=](const ServoBlock<RigidParameters>& block, std::size_t l,
+          const MotionSample& demand) __attribute__((always_inline)) {
+        step_rigid_lane<kGeneral>(*block.parameters, *block.state, l, demand, rate, half_substep);
+      });
+}
+
+template <bool kGeneral, bool kPlay>
+[[gnu::always_inline]] inline void step_elastic(
+    std::span<const ServoBlock<ElasticParameters>> blocks, const Substeps& substeps) {
+  const double rate = 1.0 / substeps.length;
+  const double half_substep = 0.5 * substeps.length;
+  step_blocks(
+      blocks, substeps,
+      [=](const ServoBlock<ElasticParameters>& block, std::size_t l, const MotionSample& demand)
+          __attribute__((always_inline)) {
+            step_elastic_lane<kGeneral, kPlay>(*block.parameters, *block.state, l, demand, rate,
+                                               half_substep);
+          });
+}
+
+VDRIVE_VECTOR_CLONES
+void rigid_plain(std::span<const ServoBlock<RigidParameters>> blocks, const Substeps& substeps) {
+  step_rigid<false>(blocks, substeps);
+}
+
+VDRIVE_VECTOR_CLONES
+void rigid_general(std::span<const ServoBlock<RigidParameters>> blocks, const Substeps& substeps) {
+  step_rigid<true>(blocks, substeps);
+}
+
+VDRIVE_VECTOR_CLONES
+void elastic_plain(std::span<const ServoBlock<ElasticParameters>> blocks,
+                   const Substeps& substeps) {
+  step_elastic<false, false>(blocks, substeps);
+}
+
+VDRIVE_VECTOR_CLONES
+void elastic_general(std::span<const ServoBlock<ElasticParameters>> blocks,
+                     const Substeps& substeps) {
+  step_elastic<true, true>(blocks, substeps);
 }
 
 }  // namespace
 
 VDRIVE_VECTOR_CLONES
-void step_rigid(const RigidParameters& parameters, const DemandBlock& demand, ServoState& state,
-                std::size_t substeps, double substep) noexcept {
-  step_rigid_block<false>(parameters, demand, state, substeps, substep);
+bool is_plain(const ServoState& state) noexcept {
+  std::uint64_t others = 0;
+  VDRIVE_INDEPENDENT_LANES
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    const bool powered = state.powered[l] == 1.0;
+    const bool moves = state.blocked[l] == 0.0;
+    const bool closed = state.closes_position[l] == 1.0;
+    const bool by_position = state.torque_control[l] == 0.0;
+    const bool plain = powered & moves & closed & by_position;
+    others |= plain ? 0U : 1U;
+  }
+  return others == 0;
 }
 
-VDRIVE_VECTOR_CLONES
-void step_elastic(const ElasticParameters& parameters, const DemandBlock& demand, ServoState& state,
-                  std::size_t substeps, double substep) noexcept {
-  step_elastic_block<false>(parameters, demand, state, substeps, substep);
+void step_servo(std::span<const ServoBlock<RigidParameters>> blocks, const Substeps& substeps,
+                ServoFeatures features) noexcept {
+  const auto step = features.general ? rigid_general : rigid_plain;
+  step(blocks, substeps);
 }
 
-VDRIVE_VECTOR_CLONES
-void step_rigid_general(const RigidParameters& parameters, const DemandBlock& demand,
-                        ServoState& state, std::size_t substeps, double substep) noexcept {
-  step_rigid_block<true>(parameters, demand, state, substeps, substep);
-}
-
-VDRIVE_VECTOR_CLONES
-void step_elastic_general(const ElasticParameters& parameters, const DemandBlock& demand,
-                          ServoState& state, std::size_t substeps, double substep) noexcept {
-  step_elastic_block<true>(parameters, demand, state, substeps, substep);
+void step_servo(std::span<const ServoBlock<ElasticParameters>> blocks, const Substeps& substeps,
+                ServoFeatures features) noexcept {
+  const auto step = features.general || features.play ? elastic_general : elastic_plain;
+  step(blocks, substeps);
 }
 
 }  // namespace vdrive

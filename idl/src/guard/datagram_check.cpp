@@ -94,7 +94,7 @@ Refusal check_set(Reader& reader) {
 Refusal check_acknack(const Submessage& submessage) {
   Reader reader = submessage.reader();
   reader.skip(8);
-  // 0 asks for a first heartbeat.
+  // 0 requests a first heartbeat.
   if (!is_sequence(reader.sequence(), 0)) return Refusal::sequence;
   const Refusal refusal = check_set(reader);
   reader.skip(4);

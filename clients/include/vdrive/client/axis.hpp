@@ -33,6 +33,17 @@ struct CallOptions {
   Until until = Until::done;
 };
 
+/// A command that several axes may get together: see Session::command_each().
+enum class EachCommand : std::uint8_t {
+  enable,       ///< Axis::enable()
+  disable,      ///< Axis::disable()
+  halt,         ///< Axis::halt()
+  resume,       ///< Axis::resume()
+  quick_stop,   ///< Axis::quick_stop()
+  reset_fault,  ///< Axis::reset_fault()
+  power_cycle,  ///< Axis::power_cycle()
+};
+
 /// A set-point of profile position mode, with the speed and the ramps of this move. What is not
 /// given is as the drive has it. What is given has its old value again after the move: 6081h, which
 /// the drive takes with the set-point, at once; 6083h and 6084h, which act during the motion, when
@@ -42,6 +53,30 @@ struct MoveOptions {
   std::optional<std::uint32_t> acceleration{};  ///< 6083h [UU/s²]
   std::optional<std::uint32_t> deceleration{};  ///< 6084h [UU/s²]
   bool queue = false;  ///< after the present move (bit 5 = 0) instead of at once
+  CallOptions call{};
+};
+
+/// A homing run. What is not given is as the drive has it; what is given stays in the drive.
+struct HomingOptions {
+  std::optional<std::int8_t> method{};          ///< 6098h: 1, 2, 17, 18, 33, 34, 35 or 37
+  std::optional<std::int32_t> offset{};         ///< 607Ch [UU]: position of home
+  std::optional<std::uint32_t> search_speed{};  ///< 6099h:1 [UU/s]
+  std::optional<std::uint32_t> creep_speed{};   ///< 6099h:2 [UU/s]
+  std::optional<std::uint32_t> acceleration{};  ///< 609Ah [UU/s²]
+  CallOptions call{};
+};
+
+/// The ramps of profile velocity mode. What is not given is as the drive has it; what is given
+/// stays in the drive.
+struct VelocityOptions {
+  std::optional<std::uint32_t> acceleration{};  ///< 6083h [UU/s²]
+  std::optional<std::uint32_t> deceleration{};  ///< 6084h [UU/s²]
+  CallOptions call{};
+};
+
+/// The ramp of profile torque mode. What is given stays in the drive.
+struct TorqueOptions {
+  std::optional<std::uint32_t> slope{};  ///< 6087h [‰ of rated torque a second]
   CallOptions call{};
 };
 
@@ -73,6 +108,9 @@ class Axis {
 
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
 
+  /// What its user units are, as its bench describes it. All calls take and give user units.
+  [[nodiscard]] const Unit& unit() const noexcept { return unit_; }
+
   /// The present state.
   Result<AxisSnapshot> status() const;
 
@@ -93,8 +131,8 @@ class Axis {
   /// Moves to a position [UU]: sets profile position mode if needed, sends the set-point and waits
   /// for bit 10. @return refused when not enabled, when the drive ignores the set-point, and where
   ///         a speed or a ramp of 0 allows no motion; failed when a software limit (607Dh) has cut
-  ///         the move off, when the axis was halted on the way, or when the wait was interrupted:
-  ///         then it goes on.
+  ///         the move off, when a limit switch (60FDh) has ended it, when the axis was halted on
+  ///         the way, or when the wait was interrupted: then it goes on.
   Outcome move_to(std::int32_t position, const MoveOptions& options = {});
 
   /// The same by a distance [UU], from the base that 60F2h chooses.
@@ -103,6 +141,39 @@ class Axis {
   /// Starts move_to() and returns when the drive has acknowledged the set-point.
   /// @return a handle to wait on; refused as move_to() is. `options.call.until` is not used.
   Result<Motion> start_move(std::int32_t position, const MoveOptions& options = {});
+
+  /// A homing run (6060h = 6, edge of bit 4): waits until the drive shows homing attained (bit 12)
+  /// and is back at home. The axis stays in homing mode; the next move sets its own.
+  /// @return failed on a homing error (bit 13) and when a halt or a stop ended the run; refused
+  ///         while a run is in progress.
+  Outcome home(const HomingOptions& options = {});
+
+  /// Profile velocity mode (6060h = 3) with 60FFh = `velocity`: waits until it is reached (bit 10).
+  /// The axis runs on, also after the call; 0 brakes it to standstill.
+  /// @param velocity [UU/s]
+  /// @return refused where a ramp or a limit of 0 allows no motion, and above 607Fh or 6080h;
+  /// failed
+  ///         when a limit switch (60FDh) stops the axis, when the drive limits the velocity by the
+  ///         607Fh and 6080h of its last enabling, when the axis was halted on the way, or when the
+  ///         wait was interrupted: then it goes on.
+  Outcome run_at(std::int32_t velocity, const VelocityOptions& options = {});
+
+  /// Profile torque mode (6060h = 4) with 6071h = `torque`: waits until the torque command has
+  /// reached it (bit 10). The torque stays, also after the call, and an axis without a load speeds
+  /// up to the limit of its speed.
+  /// @param torque [‰ of rated torque]
+  /// @return refused above 6072h, 60E0h or 60E1h; failed when one of them, by way of the rated
+  ///         current, or a limit switch (60FDh) keeps the torque back; else as run_at().
+  Outcome apply_torque(std::int16_t torque, const TorqueOptions& options = {});
+
+  /// Runs at `velocity` in profile velocity mode while `held` returns true, then brakes and waits
+  /// for standstill. Session::interrupt() ends the jog likewise. When this program hangs or dies
+  /// meanwhile the watchdog of the bench stops the axis.
+  /// @param velocity [UU/s]
+  /// @param held asked in every tick that is observed; must neither wait nor throw
+  /// @param options its time-out is that of the start and of the braking
+  Outcome jog(std::int32_t velocity, const std::function<bool(const AxisSnapshot&)>& held,
+              const VelocityOptions& options = {});
 
   /// Brakes to standstill in Operation enabled (bit 8); the set-point stays. Also of an axis that
   /// another session owns, and after Session::interrupt().
@@ -158,13 +229,15 @@ class Axis {
   friend class AxisGroup;
   friend class Motion;
   friend class Session;
-  Axis(std::shared_ptr<SessionCore> core, AxisId id, std::string name);
+  Axis(std::shared_ptr<SessionCore> core, AxisInfo info);
+  Outcome command(EachCommand command, const CallOptions& options);
   Outcome move(std::int32_t target, bool relative, const MoveOptions& options);
   Outcome request_memory(std::uint32_t kind, const std::string& what);
 
   std::shared_ptr<SessionCore> core_;
   AxisId id_;
   std::string name_;
+  Unit unit_;
 };
 
 /// A move that was started. A handle: copies refer to the same axis. A set-point that is sent later
@@ -173,7 +246,9 @@ class Motion {
  public:
   /// Waits until the axis is at its target.
   /// @param timeout drive time
-  /// @return failed when the axis was halted, or when a fault or a lost enable ended the move.
+  /// @return failed when the axis was halted, or when a fault, a lost enable or a limit switch
+  /// ended
+  ///         the move.
   Outcome wait(std::chrono::nanoseconds timeout = std::chrono::seconds(60)) const;
 
   /// Does not wait. @return whether the axis is at its target; failed as wait() is.
@@ -182,9 +257,10 @@ class Motion {
  private:
   friend class Axis;
 
-  explicit Motion(Axis axis) : axis_(std::move(axis)) {}
+  Motion(Axis axis, std::int32_t target) : axis_(std::move(axis)), target_(target) {}
 
   Axis axis_;
+  std::int32_t target_ = 0;
 };
 
 }  // namespace vdrive::client

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "vdrive/clock_mode.hpp"
+#include "vdrive/unit.hpp"
 
 #include <chrono>
 #include <compare>
@@ -14,7 +15,11 @@
 namespace vdrive::client {
 
 using vdrive::ClockMode;
+using vdrive::from_user_units;
 using vdrive::to_string;
+using vdrive::to_user_units;
+using vdrive::Unit;
+using vdrive::UnitKind;
 
 /// Address of an axis, written `bench.axis`.
 struct AxisId {
@@ -38,6 +43,7 @@ struct AxisInfo {
   std::int32_t user_position_lower_limit = 0;  ///< 607Dh:01 at power-up [UU]
   std::int32_t user_position_upper_limit = 0;  ///< 607Dh:02 at power-up [UU]
   std::uint32_t app_speed_limit = 0;           ///< 607Fh at power-up [UU/s]
+  Unit unit;  ///< what its user units are; the conversions: vdrive/unit.hpp
 };
 
 /// What a bench publishes about itself. UU are its user units.
@@ -50,7 +56,10 @@ struct BenchInfo {
   /// One sample of the status stream each n ticks; in freerun one each millisecond of wall time.
   std::uint32_t status_every_ticks = 1;
   std::uint64_t tick = 0;  ///< newest one received
-  double rate = 1.0;       ///< realtime: drive time over wall time, 0 = paused
+  /// Of its newest sample, whatever it carried, when this was found, in wall time. A bench whose
+  /// time stands still sends its state 20 times a second.
+  std::chrono::nanoseconds sample_age{0};
+  double rate = 1.0;  ///< realtime: drive time over wall time, 0 = paused
   /// Starts of its network process in this run: 1 = it never ended, 0 = not received yet.
   std::uint64_t wire_starts = 0;
   /// Longest time in which it did not hear an owner of axes, in drive time.

@@ -30,6 +30,12 @@ enum class EventKind : std::uint32_t {
   stopped = 19,  ///< by a session that does not own the axis; code: 6040h in force; session: whose
 };
 
+/// Whether Session::on_event begins with what the benches keep.
+enum class EventHistory : std::uint8_t {
+  left_out,
+  kept,  ///< the last 1,024 events of each bench come first
+};
+
 /// @return such as "fault_reset"; "unknown" for a kind of a later version.
 [[nodiscard]] std::string_view to_string(EventKind kind) noexcept;
 

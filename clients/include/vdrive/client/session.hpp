@@ -70,6 +70,12 @@ struct ServiceChange {
   std::string text;                     ///< such as "bench 1 stopped sending 83 ms ago"
 };
 
+/// A saved state of all axes of a bench, which the bench keeps.
+struct KeptSnapshot {
+  std::uint64_t number = 0;
+  std::uint64_t tick = 0;  ///< in which it was taken
+};
+
 /// Whether a follower advances the clock of a lock-step bench.
 enum class Pace : std::uint8_t {
   drive,    ///< in lock-step each sample is a step of one tick; else follows the status stream
@@ -133,22 +139,37 @@ class Session {
   /// The session's number; the owner that an axis shows while this session holds it.
   [[nodiscard]] std::uint64_t id() const noexcept;
 
-  /// Waits until some bench is there and no further one turns up for 250 ms.
+  /// Waits until some bench is there and no further one turns up for 150 ms.
   /// @return the benches by number; none after `find_timeout`. A bench is there while its samples
   ///         are younger than 300 ms and it has not announced its end.
   [[nodiscard]] std::vector<BenchInfo> find_benches();
+
+  /// The benches that are there now, by number. Waits for none.
+  [[nodiscard]] std::vector<BenchInfo> present_benches() const;
 
   /// @param number of the bench; none = the only one there is
   /// @return not_found after `find_timeout` or, without a number, when several are there. The
   ///         message names what was looked for and what was found.
   Result<BenchInfo> find_bench(std::optional<std::uint32_t> number = std::nullopt);
 
-  /// @param text an address such as "1.2", or the name of an axis
+  /// @param text an address such as "1.2" or "1.lift", or the name of an axis
   /// A name is found as soon as a bench that has it answers. Where benches may share a name, give
   /// the address: one that answers late is not compared.
   /// @return not_found after `find_timeout`, at once when the bench is there without such an axis
   ///         or several axes have the name.
   Result<Axis> axis(std::string_view text);
+
+  /// Every axis of a bench, by number.
+  /// @param bench none = the only one there is
+  /// @return not_found as find_bench() is.
+  Result<std::vector<Axis>> axes(std::optional<std::uint32_t> bench = std::nullopt);
+
+  /// Gives several axes the same command: first to all of them, then waits for all. One that
+  /// refuses it or fails does not keep it from the others; the time-out is that of all together.
+  /// @param axes of this session, of any benches, each once
+  /// @return one outcome an axis, in their order, as the call of Axis has it.
+  std::vector<Outcome> command_each(std::span<const Axis> axes, EachCommand command,
+                                    const CallOptions& options = {});
 
   /// Steps a lock-step bench.
   /// @return the tick reached; refused under another clock mode, and while others have joined the
@@ -179,6 +200,9 @@ class Session {
   ///         session holds an axis.
   Result<std::uint64_t> restore_snapshot(std::uint32_t bench, std::uint64_t snapshot);
 
+  /// @return the snapshots that a bench keeps, by number; in any clock mode.
+  Result<std::vector<KeptSnapshot>> snapshots(std::uint32_t bench);
+
   /// Forgets a snapshot.
   /// @return refused while time passes, or when there is no such snapshot.
   Outcome drop_snapshot(std::uint32_t bench, std::uint64_t snapshot);
@@ -201,7 +225,19 @@ class Session {
   /// sees, from now on: a fault, a refusal, a loss of control, a stop by another session. Each
   /// event of a bench comes once and in order. A program that is slow loses the oldest of 4,096.
   /// @param observer must not end the session; an empty one ends the reports. It replaces the last.
-  void on_event(std::function<void(const Event&)> observer);
+  /// @param history kept = from the oldest event on that each bench still has
+  void on_event(std::function<void(const Event&)> observer,
+                EventHistory history = EventHistory::left_out);
+
+  /// Calls `observer`, in a thread of the session, with the newest state of these axes: for each of
+  /// their benches at most once in `period`, when a tick later than the one before has come. For a
+  /// program with a loop of its own. While drive time stands still nothing comes; see observe().
+  /// A service that restarts is followed.
+  /// @param period wall time, 1 ms or more
+  /// @param observer must not end the session; an empty one ends the reports. It replaces the last.
+  /// @return not_found when one of the axes is not there.
+  Outcome on_status(std::span<const AxisId> axes, std::chrono::milliseconds period,
+                    std::function<void(const Observation&)> observer);
 
   /// Quick stop of every axis of a bench that has no fault, whoever owns it, at once. The owners
   /// keep their axes; nothing is acquired. Also after interrupt().
@@ -212,12 +248,23 @@ class Session {
   /// Gives all axes back. They stay as they are.
   Outcome release();
 
+  /// Ends the session as the end of its program without a word would: from now on it sends nothing,
+  /// gives no axis back, and every call fails. A bench in realtime notices the silence and its axes
+  /// react as 6007h says. For a program that commands for somebody whom it has lost. May be called
+  /// from any thread.
+  void abandon() noexcept;
+
   /// Ends all calls that wait, now and later, with `failed`; what moves goes on. A call that stops
   /// axes (Axis::halt, Axis::quick_stop, quick_stop, AxisGroup::halt_all,
   /// AxisGroup::quick_stop_all) works after it. May be called from any thread.
   void interrupt() noexcept;
 
-  /// @return whether interrupt() was called.
+  /// Ends what interrupt() has begun: calls from now on wait again. For a program that goes on,
+  /// such as one that cleans up. A call that is still waiting in another thread may go on, too:
+  /// make sure that there is none.
+  void end_interrupt() noexcept;
+
+  /// @return whether interrupt() was called, and end_interrupt() not since.
   [[nodiscard]] bool is_interrupted() const noexcept;
 
  private:

@@ -26,6 +26,8 @@ struct Statusword {
   static constexpr std::uint16_t kFollowsCommand = 1U << 12U;       ///< cyclic modes
   static constexpr std::uint16_t kFollowingError = 1U << 13U;       ///< with closed position loop
   static constexpr std::uint16_t kHomingError = 1U << 13U;          ///< homing
+  static constexpr std::uint16_t kState =
+      kReadyToSwitchOn | kSwitchedOn | kOperationEnabled | kFault | kQuickStop | kSwitchOnDisabled;
 };
 
 /// @return bits 0, 1, 2, 3, 5 and 6 as `state` shows them. Bit 5 is 1 in Ready to switch on,

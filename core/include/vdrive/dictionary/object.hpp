@@ -129,4 +129,10 @@ struct TypeRange {
 /// @return the manual's spelling of `type`, such as "UNS16" or "INTEGER32".
 [[nodiscard]] std::string_view to_string(DataType type) noexcept;
 
+/// @return "RO" or "RW".
+[[nodiscard]] std::string_view to_string(Access access) noexcept;
+
+/// @return the name of the enumerator, such as "at_set_point".
+[[nodiscard]] std::string_view to_string(Effective effective) noexcept;
+
 }  // namespace vdrive

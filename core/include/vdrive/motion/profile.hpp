@@ -75,6 +75,10 @@ class Profile {
   ///         is 0.
   [[nodiscard]] bool reaches_target() const noexcept { return reaches_target_; }
 
+  /// @return the segment that holds at `time` [s] since the plan; after the motion a resting one
+  ///         without end.
+  [[nodiscard]] Segment segment_at(double time) const noexcept;
+
   /// @return the demand at `time` [s] since the plan.
   [[nodiscard]] MotionSample at(double time) const noexcept;
 

@@ -2,8 +2,8 @@
 #include "drive/modes/cyclic_position.hpp"
 
 #include "drive/limits.hpp"
-#include "drive/rounding.hpp"
 #include "drive/stops.hpp"
+#include "rounding.hpp"
 #include "vdrive/cia402/statusword.hpp"
 
 namespace vdrive {
@@ -24,7 +24,7 @@ double streamed_target(const Drive& drive) {
   const DriveState& s = drive.state();
   const double streamed = real(drive, "position_user_target_value"_object);
   const double goal = within_software_limits(drive, streamed);
-  const double whole = nearest(s.demand.position);
+  const double whole = nearest(demand_position(drive));
   return whole +
          (s.limits.enabled ? goal - wrapped(whole) : static_cast<double>(wrapped(goal - whole)));
 }
@@ -33,7 +33,8 @@ double streamed_target(const Drive& drive) {
 void heed_limit_switch(Drive& drive) {
   DriveState& s = drive.state();
   if (!obeys_mode(drive) || !s.modes.cyclic.streams) return;
-  s.target.given_up = runs_into_limit_switch(drive, streamed_target(drive) - s.demand.position);
+  s.target.given_up =
+      runs_into_limit_switch(drive, streamed_target(drive) - demand_position(drive));
   s.modes.cyclic.streams = !s.target.given_up;
 }
 
@@ -42,7 +43,7 @@ MotionRequest ask(const Drive& drive) {
   if (!s.modes.cyclic.streams) {
     return s.target.given_up ? limit_switch_stop(drive) : ramp_stop(drive, "profile_dec"_object);
   }
-  if (runs_into_limit_switch(drive, s.demand.velocity)) return limit_switch_stop(drive);
+  if (runs_into_limit_switch(drive, demand_velocity(drive))) return limit_switch_stop(drive);
   return {
       .kind = MotionRequest::Kind::follow,
       .target = streamed_target(drive),

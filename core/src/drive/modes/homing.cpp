@@ -3,9 +3,9 @@
 
 #include "drive/frame.hpp"
 #include "drive/limits.hpp"
-#include "drive/rounding.hpp"
 #include "drive/stops.hpp"
 #include "drive/window.hpp"
+#include "rounding.hpp"
 #include "vdrive/assert.hpp"
 #include "vdrive/cia402/statusword.hpp"
 
@@ -123,7 +123,7 @@ void leave_limit(Drive& drive) {
   const double direction = direction_of(drive);
   if (at_limit_switch(drive, direction)) {
     s.modes.homing.stage = HomingStage::failed;
-  } else if (!at_limit_switch(drive, -direction) && direction * s.demand.velocity > 0.0) {
+  } else if (!at_limit_switch(drive, -direction) && direction * demand_velocity(drive) > 0.0) {
     if (method_of(drive).index) {
       s.modes.homing.stage = HomingStage::index;
     } else {
@@ -202,7 +202,7 @@ void advance(Drive& drive) {
   switch (s.modes.homing.stage) {
     case HomingStage::present:
       if (!s.demand.moving) {
-        attain(drive, s.demand.position);
+        attain(drive, demand_position(drive));
         rest_at(drive, s.target.position);  // 6099h may be 0 here: nothing may be left to travel
       }
       break;

@@ -3,9 +3,9 @@
 
 #include "drive/frame.hpp"
 #include "drive/limits.hpp"
-#include "drive/rounding.hpp"
 #include "drive/stops.hpp"
 #include "drive/window.hpp"
+#include "rounding.hpp"
 #include "vdrive/cia402/statusword.hpp"
 
 #include <algorithm>
@@ -39,13 +39,13 @@ double relative_base(const Drive& drive) {
     case 0:
       return drive.state().target.position;
     case 1:
-      return nearest(drive.state().demand.position);
+      return nearest(demand_position(drive));
     default:
       return nearest(actual_position(drive));
   }
 }
 
-/// The internal target that `set_point` asks for.
+/// The internal target of `set_point`.
 double target_of(const Drive& drive, const SetPoint& set_point) {
   const auto value = static_cast<double>(set_point.position_user_target_value);
   return within_software_limits(drive, set_point.relative ? relative_base(drive) + value : value);
@@ -75,7 +75,7 @@ bool times_fit(const Drive& drive, const SetPoint& set_point) {
 void enter_frame(Drive& drive, const SetPoint& set_point) {
   if (is_synchronous(set_point) && times_fit(drive, set_point)) {
     rebase(drive);
-    rest_at(drive, drive.state().demand.position);
+    rest_at(drive, demand_position(drive));
   }
 }
 
@@ -84,7 +84,7 @@ void enter_frame(Drive& drive, const SetPoint& set_point) {
 bool can_start(const Drive& drive, const SetPoint& set_point) {
   if (!is_synchronous(set_point)) return true;
   if (!times_fit(drive, set_point)) return false;
-  const double way = target_of(drive, set_point) - drive.state().demand.position;
+  const double way = target_of(drive, set_point) - demand_position(drive);
   const MotionLimits limits = limits_of(way, times_of(set_point));
   return limits.velocity <= drive.registers().velocity_cap &&
          limits.acceleration <= std::max(real(drive, "app_acc_limit"_object), 1.0) &&
@@ -103,7 +103,7 @@ void start(Drive& drive, const SetPoint& set_point) {
   r.set_point.velocity = static_cast<double>(set_point.profile_velocity);
   r.set_point.times = times_of(set_point);
   if (r.set_point.times.duration > 0.0) {
-    r.set_point.limits = limits_of(s.target.position - s.demand.position, r.set_point.times);
+    r.set_point.limits = limits_of(s.target.position - demand_position(drive), r.set_point.times);
     if (r.set_point.limits.deceleration == 0.0) {
       r.set_point.limits.deceleration = 1.0;  // no way: a halt plans its stop all the same
     }
@@ -147,7 +147,7 @@ void command(Drive& drive, const WrittenControlword& word) {
 /// set-point; one on the near side is approached after the stop.
 void heed_limit_switch(Drive& drive) {
   DriveState& s = drive.state();
-  const double ahead = s.target.given ? s.target.position - s.demand.position : 0.0;
+  const double ahead = s.target.given ? s.target.position - demand_position(drive) : 0.0;
   if (obeys_mode(drive) && runs_into_limit_switch(drive, ahead)) {
     // A master waits for bit 12 before it drops bit 4.
     s.modes.position.queue.drop_buffered(s.controlword);
@@ -183,7 +183,7 @@ MotionRequest halt(const Drive& drive, bool synchronous) {
 MotionRequest ask(const Drive& drive) {
   const DriveState& s = drive.state();
   const DriveRegisters& r = drive.registers();
-  if (runs_into_limit_switch(drive, s.demand.velocity)) return limit_switch_stop(drive);
+  if (runs_into_limit_switch(drive, demand_velocity(drive))) return limit_switch_stop(drive);
   const bool synchronous = s.target.given && r.set_point.times.duration > 0.0;
   if (halted(drive)) return halt(drive, synchronous);
   if (synchronous) return synchronous_move(drive);
@@ -233,6 +233,7 @@ constinit const Mode kProfilePosition{.number = OperatingMode::profile_position,
                                       .ask = ask,
                                       .watch = watch,
                                       .take_next = take_next,
-                                      .status_bits = status_bits};
+                                      .status_bits = status_bits,
+                                      .moves_steadily = true};
 
 }  // namespace vdrive

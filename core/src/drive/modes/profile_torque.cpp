@@ -2,9 +2,9 @@
 #include "drive/modes/profile_torque.hpp"
 
 #include "drive/limits.hpp"
-#include "drive/rounding.hpp"
 #include "drive/stops.hpp"
 #include "drive/window.hpp"
+#include "rounding.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,9 +2,9 @@
 #include "drive/modes/profile_velocity.hpp"
 
 #include "drive/limits.hpp"
-#include "drive/rounding.hpp"
 #include "drive/stops.hpp"
 #include "drive/window.hpp"
+#include "rounding.hpp"
 #include "vdrive/cia402/statusword.hpp"
 
 #include <cmath>
@@ -40,7 +40,7 @@ MotionRequest ask(const Drive& drive) {
                                                       request.limits.deceleration);
   }
   if (s.target.given_up) request.target = 0.0;
-  if (s.target.given_up || runs_into_limit_switch(drive, s.demand.velocity)) {
+  if (s.target.given_up || runs_into_limit_switch(drive, demand_velocity(drive))) {
     request.limits.deceleration = deceleration_of(drive, "quick_stop_deceleration"_object);
   }
   return request;

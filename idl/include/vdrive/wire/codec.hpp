@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "vdrive/axis_status.hpp"
-#include "vdrive/wire/conversion.hpp"
 #include "vdrive_messages.h"
 
 #include <cstddef>
@@ -57,39 +55,5 @@ class CommandDecoder {
 
   std::vector<msg::AxisCommand> spare_;  ///< keep the capacity of their sequences
 };
-
-/// What all axes of a status frame have in common.
-struct StatusFrameHead {
-  std::uint32_t bench = 0;
-  std::uint64_t incarnation = 0;
-  std::uint64_t tick = 0;
-  std::int64_t time_ns = 0;
-  std::uint16_t part = 0;
-  std::uint16_t parts = 1;
-};
-
-/// Axes of a bench after one tick; the three have one length.
-struct AxesAfterTick {
-  std::span<const AxisStatus> status;
-  std::span<const Ownership> owners;
-  std::span<const std::uint16_t> numbers;
-};
-
-/// @return bytes of a sample of StatusFrame with that many axes.
-[[nodiscard]] std::size_t encoded_status_frame_size(std::size_t axes) noexcept;
-
-/// Writes a sample of StatusFrame straight from the status images: the bytes that `to_message` and
-/// `encode` would give.
-/// @return how many bytes were written; 0 when `output` is too short.
-std::size_t encode_status_frame(const StatusFrameHead& head, const AxesAfterTick& axes,
-                                std::span<std::byte> output) noexcept;
-
-/// Bytes of a sample of AxisStatus.
-inline constexpr std::size_t kAxisStatusSize = kEncapsulation + 108;
-
-/// Writes a sample of AxisStatus. @return how many bytes were written; 0 when it does not fit.
-std::size_t encode_axis_status(const AxisStatus& status, const AxisAddress& address,
-                               std::uint64_t tick, const Ownership& owner,
-                               std::span<std::byte> output) noexcept;
 
 }  // namespace vdrive::wire

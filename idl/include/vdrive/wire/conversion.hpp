@@ -4,6 +4,7 @@
 #include "vdrive/axis_bank.hpp"
 #include "vdrive/axis_status.hpp"
 #include "vdrive/clock_mode.hpp"
+#include "vdrive/unit.hpp"
 #include "vdrive_messages.h"
 
 #include <cstdint>
@@ -40,6 +41,13 @@ void to_message(const AxisBank& bank, std::size_t index, const AxisAddress& addr
 
 /// @return the mode that a CLOCK_MODE_ constant names; realtime for any other number.
 [[nodiscard]] ClockMode clock_mode_of(std::uint32_t code) noexcept;
+
+/// Fills the unit of an axis into its description.
+void to_message(const Unit& unit, msg::AxisDescription& message);
+
+/// @return the unit that the description names; the default unit where it names none that is
+///         usable.
+[[nodiscard]] Unit unit_of(const msg::AxisDescription& message);
 
 /// @return the words for a reason of the wire: a REASON_ constant or a CiA 301 abort code.
 [[nodiscard]] std::string describe_reason(std::uint32_t reason);

@@ -32,10 +32,10 @@ namespace vdrive {
   return wrapped(below < -2147483648.0 ? -2147483648.0 : below);
 }
 
-/// Nearest integer, limited to the range of 16 bits.
-[[nodiscard]] inline std::int16_t saturated16(double x) noexcept {
+/// Nearest integer within the range of 16 bits.
+[[nodiscard]] inline double rounded16(double x) noexcept {
   const double below = x > 32767.0 ? 32767.0 : x;
-  return static_cast<std::int16_t>(wrapped(below < -32768.0 ? -32768.0 : below));
+  return nearest(below < -32768.0 ? -32768.0 : below);
 }
 
 }  // namespace vdrive

@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "messages.hpp"
+
+#include "cdr_writer.hpp"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <numbers>
+
+namespace vdrive::bridge {
+namespace {
+
+constexpr std::string_view kTimeText =
+    "================================================================================\n"
+    "MSG: builtin_interfaces/Time\n"
+    "int32 sec\n"
+    "uint32 nanosec\n";
+
+const std::vector<StatusMember>& published_members() {
+  static const std::vector<StatusMember> members = [] {
+    std::vector<StatusMember> published;
+    std::ranges::copy_if(status_members(), std::back_inserter(published),
+                         &StatusMember::is_published);
+    return published;
+  }();
+  return members;
+}
+
+std::string_view ros_type(DataType type) {
+  switch (type) {
+    case DataType::integer8:
+      return "int8";
+    case DataType::integer16:
+      return "int16";
+    case DataType::integer32:
+      return "int32";
+    case DataType::unsigned8:
+      return "uint8";
+    case DataType::unsigned16:
+      return "uint16";
+    case DataType::unsigned32:
+      return "uint32";
+  }
+  return "int64";
+}
+
+/// A line for each published member of the status.
+/// @param suffix of the types: "[]" or nothing
+std::string member_lines(std::string_view suffix) {
+  std::string text;
+  for (const StatusMember& member : published_members()) {
+    text.append(ros_type(member.data_type)).append(suffix).append(" ");
+    text.append(member.name).append("\n");
+  }
+  return text;
+}
+
+std::string with_time(std::string text) {
+  return text.append(kTimeText);
+}
+
+/// One array: the value that `value_of` finds in each element.
+template <typename Elements, typename Value>
+void put_array(CdrWriter& writer, const Elements& elements, const Value& value_of) {
+  writer.put_count(elements.size());
+  for (const auto& element : elements) writer.put(value_of(element));
+}
+
+std::uint8_t level_of(client::EventKind kind) {
+  constexpr std::uint8_t kInfo = 2;
+  constexpr std::uint8_t kWarning = 3;
+  constexpr std::uint8_t kError = 4;
+  switch (kind) {
+    case client::EventKind::fault:
+    case client::EventKind::bench_conflict:
+      return kError;
+    case client::EventKind::refused:
+    case client::EventKind::set_point_ignored:
+    case client::EventKind::master_lost:
+    case client::EventKind::tick_overrun:
+    case client::EventKind::tick_jumped:
+    case client::EventKind::queue_overflow:
+    case client::EventKind::journal:
+    case client::EventKind::wire:
+    case client::EventKind::stopped:
+      return kWarning;
+    default:
+      return kInfo;
+  }
+}
+
+}  // namespace
+
+MessageSchema bench_status_schema() {
+  return {.name = "vdrive_msgs/msg/BenchStatus",
+          .text = with_time("builtin_interfaces/Time stamp\n"
+                            "uint64 tick\n"
+                            "uint16[] axis\n" +
+                            member_lines("[]") +
+                            "uint64[] owner_session\n"
+                            "uint32[] owner_epoch\n"
+                            "uint64[] last_sequence\n")};
+}
+
+MessageSchema axis_status_schema() {
+  return {.name = "vdrive_msgs/msg/AxisStatus",
+          .text = with_time("builtin_interfaces/Time stamp\n"
+                            "uint64 tick\n"
+                            "uint16 axis\n" +
+                            member_lines("") +
+                            "uint64 owner_session\n"
+                            "uint32 owner_epoch\n"
+                            "uint64 last_sequence\n")};
+}
+
+MessageSchema axis_trace_schema() {
+  return {.name = "vdrive_msgs/msg/AxisTrace",
+          .text = with_time("builtin_interfaces/Time stamp\n"
+                            "uint16 axis\n"
+                            "uint64 missed\n"
+                            "uint64[] tick\n" +
+                            member_lines("[]"))};
+}
+
+MessageSchema log_schema() {
+  return {.name = "foxglove.Log",
+          .text = with_time("uint8 UNKNOWN=0\n"
+                            "uint8 DEBUG=1\n"
+                            "uint8 INFO=2\n"
+                            "uint8 WARNING=3\n"
+                            "uint8 ERROR=4\n"
+                            "uint8 FATAL=5\n"
+                            "builtin_interfaces/Time timestamp\n"
+                            "uint8 level\n"
+                            "string message\n"
+                            "string name\n"
+                            "string file\n"
+                            "uint32 line\n")};
+}
+
+MessageSchema joint_states_schema() {
+  return {.name = "foxglove.JointStates",
+          .text = with_time("builtin_interfaces/Time timestamp\n"
+                            "foxglove_msgs/JointState[] joints\n"
+                            "=========================================================="
+                            "======================\n"
+                            "MSG: foxglove_msgs/JointState\n"
+                            "string name\n"
+                            "float64 position\n"
+                            "float64 velocity\n"
+                            "float64 acceleration\n"
+                            "float64 effort\n")};
+}
+
+std::string encode_bench_status(const client::Observation& observation, std::uint64_t time) {
+  constexpr std::size_t kBytesOfAxis = 96;
+  std::string bytes;
+  bytes.reserve((observation.axes.size() + 4) * kBytesOfAxis);
+  CdrWriter writer(bytes);
+  writer.put_time(time);
+  writer.put(observation.tick);
+  put_array(writer, observation.axes, [](const auto& axis) {
+    return axis.id.axis;
+  });
+  for (const StatusMember& member : published_members()) {
+    writer.put_count(observation.axes.size());
+    for (const client::AxisSnapshot& axis : observation.axes) {
+      writer.put(member.data_type, member.value(axis.status));
+    }
+  }
+  put_array(writer, observation.axes, [](const auto& axis) {
+    return axis.owner_session;
+  });
+  put_array(writer, observation.axes, [](const auto& axis) {
+    return axis.owner_epoch;
+  });
+  put_array(writer, observation.axes, [](const auto& axis) {
+    return axis.last_sequence;
+  });
+  return bytes;
+}
+
+std::string encode_axis_status(const client::AxisSnapshot& axis, std::uint64_t time) {
+  std::string bytes;
+  CdrWriter writer(bytes);
+  writer.put_time(time);
+  writer.put(axis.tick);
+  writer.put(axis.id.axis);
+  for (const StatusMember& member : published_members()) {
+    writer.put(member.data_type, member.value(axis.status));
+  }
+  writer.put(axis.owner_session);
+  writer.put(axis.owner_epoch);
+  writer.put(axis.last_sequence);
+  return bytes;
+}
+
+std::string encode_axis_trace(const Trace& trace, std::uint64_t time) {
+  std::string bytes;
+  CdrWriter writer(bytes);
+  writer.put_time(time);
+  writer.put(trace.axis);
+  writer.put(trace.missed);
+  put_array(writer, trace.ticks, [](std::uint64_t tick) {
+    return tick;
+  });
+  for (const StatusMember& member : published_members()) {
+    writer.put_count(trace.status.size());
+    for (const AxisStatus& status : trace.status) {
+      writer.put(member.data_type, member.value(status));
+    }
+  }
+  return bytes;
+}
+
+std::string encode_event(const client::Event& event, std::string_view name, std::uint64_t time) {
+  std::string text = event.text;
+  if (event.suppressed != 0) {
+    text.append(" (").append(std::to_string(event.suppressed)).append(" more left out before)");
+  }
+  std::string bytes;
+  CdrWriter writer(bytes);
+  writer.put_time(time);
+  writer.put(level_of(event.kind));
+  writer.put(std::string_view(text));
+  writer.put(name);
+  // The log panels of the tools filter by file: it says what kind of event this is.
+  writer.put(to_string(event.kind));
+  writer.put(std::uint32_t{0});
+  return bytes;
+}
+
+double si_per_user_unit(const Unit& unit) {
+  const char* const si = unit.kind == UnitKind::rotary ? "rad" : "m";
+  return 1.0 / user_units_in(unit, si).value_or(unit.size);
+}
+
+double effort_per_mille(const Unit& unit, const TorqueRating& rating) {
+  // 1 ‰ of so many mN.m, at the motor [N.m].
+  const double motor = static_cast<double>(rating.motor_rated_torque) * 1e-6;
+  // A gear keeps the power, torque x speed. For `denominator` turns of the motor the load makes
+  // `numerator`: the load has that much less speed and that much more torque.
+  const double load = motor * static_cast<double>(rating.gear_ratio_denominator) /
+                      static_cast<double>(rating.gear_ratio_numerator);
+  // So does what makes the axis' own unit of the turning load: for a turn of 2 pi rad the axis goes
+  // so many rad or m. Of an axis that shows the load's angle both are 2 pi.
+  const double way = kUserUnitsPerRevolution * si_per_user_unit(unit);
+  return load * 2.0 * std::numbers::pi / way;
+}
+
+std::string encode_joint_states(const client::Observation& observation,
+                                std::span<const Joint> joints, std::uint64_t time) {
+  // The status has none, and the differences of velocities in user units are mostly their rounding.
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  std::string bytes;
+  CdrWriter writer(bytes);
+  writer.put_time(time);
+  writer.put_count(joints.size());
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const AxisStatus& status = observation.axes[i].status;
+    writer.put(joints[i].name);
+    writer.put(status.load_position_actual_value * joints[i].si_per_user_unit);
+    writer.put(status.load_velocity_actual_value * joints[i].si_per_user_unit);
+    writer.put(kUnknown);
+    writer.put(status.torque_actual_value * joints[i].effort_per_mille);
+  }
+  return bytes;
+}
+
+}  // namespace vdrive::bridge

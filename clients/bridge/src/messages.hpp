@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/axis_status.hpp"
+#include "vdrive/client/axis_snapshot.hpp"
+#include "vdrive/client/event.hpp"
+#include "vdrive/unit.hpp"
+
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// What benches publish, as messages of ROS 2: their schemas as ros2msg text, and their bytes as
+/// CDR. The members of the status come from the table of the core. A time is drive time [ns].
+namespace vdrive::bridge {
+
+/// Name and text of a message type. The text has the types that it uses behind it, each after a
+/// line of 80 equals signs, as rosbag2 writes them.
+struct MessageSchema {
+  std::string name;
+  std::string text;
+};
+
+/// vdrive_msgs/msg/BenchStatus: all axes of a bench after one tick, an array a member.
+[[nodiscard]] MessageSchema bench_status_schema();
+
+/// vdrive_msgs/msg/AxisStatus: one axis after one tick.
+[[nodiscard]] MessageSchema axis_status_schema();
+
+/// vdrive_msgs/msg/AxisTrace: one axis after each tick since the message before.
+[[nodiscard]] MessageSchema axis_trace_schema();
+
+/// foxglove.Log.
+[[nodiscard]] MessageSchema log_schema();
+
+/// foxglove.JointStates: rad, rad/s and N.m, or m, m/s and N. The status has no acceleration and
+/// the schema nothing that is absent: it is NaN.
+[[nodiscard]] MessageSchema joint_states_schema();
+
+/// Some ticks of one axis, one after the other.
+struct Trace {
+  std::uint16_t axis = 0;
+  std::uint64_t missed = 0;  ///< ticks that did not arrive, since the first one
+  std::vector<std::uint64_t> ticks;
+  std::vector<AxisStatus> status;  ///< as many as `ticks`
+};
+
+/// One joint of a JointStates message.
+struct Joint {
+  std::string_view name;
+  double si_per_user_unit = 0.0;  ///< [rad or m] of one user unit: si_per_user_unit()
+  /// [N.m or N] of 1 ‰ of the rated torque: effort_per_mille(). NaN while it is not known.
+  double effort_per_mille = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// What relates 6077h to the load, as the drive has it.
+struct TorqueRating {
+  std::int64_t motor_rated_torque = 0;      ///< 6076h [mN.m]
+  std::int64_t gear_ratio_numerator = 1;    ///< 3576h [load revolutions]
+  std::int64_t gear_ratio_denominator = 1;  ///< 3577h [motor revolutions]
+};
+
+/// @return [rad] of one user unit of a rotary axis, [m] of a linear one; of a linear axis whose
+/// unit
+///         is no length that unit itself.
+[[nodiscard]] double si_per_user_unit(const Unit& unit);
+
+/// @return what 1 ‰ of the rated torque is where 6064h is measured, friction left out: [N.m] of a
+///         rotary axis, [N] of a linear one.
+[[nodiscard]] double effort_per_mille(const Unit& unit, const TorqueRating& rating);
+
+[[nodiscard]] std::string encode_bench_status(const client::Observation& observation,
+                                              std::uint64_t time);
+[[nodiscard]] std::string encode_axis_status(const client::AxisSnapshot& axis, std::uint64_t time);
+[[nodiscard]] std::string encode_axis_trace(const Trace& trace, std::uint64_t time);
+
+/// @param name what the event is about, such as "bench1/x"
+[[nodiscard]] std::string encode_event(const client::Event& event, std::string_view name,
+                                       std::uint64_t time);
+
+/// @param joints one for each axis of the observation
+[[nodiscard]] std::string encode_joint_states(const client::Observation& observation,
+                                              std::span<const Joint> joints, std::uint64_t time);
+
+}  // namespace vdrive::bridge

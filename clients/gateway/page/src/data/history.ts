@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+// The last minutes of one axis, every tick, and how a plot of any width shows them without hiding a
+// single sample.
+
+/** Samples in a block, of which the extremes are kept: long windows read blocks, not samples. */
+export const BLOCK = 64;
+
+/** Points of a plot: x ascending; null is a gap. */
+export interface Points {
+  x: number[];
+  y: (number | null)[][];
+}
+
+interface Extremes {
+  minimum: number;
+  maximum: number;
+  minimumFirst: boolean;
+}
+
+export class History {
+  readonly capacity: number;
+  private readonly times: Float64Array;
+  private readonly values: Int32Array[];
+  private readonly blockMinimum: Int32Array[];
+  private readonly blockMaximum: Int32Array[];
+  private total = 0;
+  /** numbers of the samples before which others were lost, ascending */
+  private readonly gaps = new Set<number>();
+
+  /** @param capacity [samples], rounded up to whole blocks */
+  constructor(
+    readonly series: number,
+    capacity: number,
+  ) {
+    this.capacity = Math.max(2, Math.ceil(capacity / BLOCK)) * BLOCK;
+    const blocks = this.capacity / BLOCK;
+    this.times = new Float64Array(this.capacity);
+    const make = (length: number) => Array.from({ length: series }, () => new Int32Array(length));
+    this.values = make(this.capacity);
+    this.blockMinimum = make(blocks);
+    this.blockMaximum = make(blocks);
+  }
+
+  /** Number of the oldest sample kept; numbers count from 0 since `clear`. */
+  get first(): number {
+    if (this.total <= this.capacity) return 0;
+    return Math.ceil((this.total - this.capacity) / BLOCK) * BLOCK;
+  }
+
+  /** Number of the sample that will come next. */
+  get end(): number {
+    return this.total;
+  }
+
+  clear(): void {
+    this.total = 0;
+    this.gaps.clear();
+  }
+
+  /** Samples were lost before the next one. */
+  markGap(): void {
+    this.gaps.add(this.total);
+    for (const gap of this.gaps) {
+      if (gap >= this.first) break;
+      this.gaps.delete(gap);
+    }
+  }
+
+  /** @param time [s], not before the last one */
+  append(time: number, sample: ArrayLike<number>): void {
+    const slot = this.total % this.capacity;
+    const block = Math.floor(slot / BLOCK);
+    const starts = slot % BLOCK === 0;
+    this.times[slot] = time;
+    for (let s = 0; s < this.series; ++s) {
+      const value = sample[s];
+      this.values[s][slot] = value;
+      if (starts || value < this.blockMinimum[s][block]) this.blockMinimum[s][block] = value;
+      if (starts || value > this.blockMaximum[s][block]) this.blockMaximum[s][block] = value;
+    }
+    ++this.total;
+  }
+
+  time(number: number): number {
+    return this.times[number % this.capacity];
+  }
+
+  value(series: number, number: number): number {
+    return this.values[series][number % this.capacity];
+  }
+
+  /** @return the number of the first sample at or after `time`, `end` when there is none. */
+  lowerBound(time: number): number {
+    let low = this.first;
+    let high = this.total;
+    while (low < high) {
+      const middle = Math.floor((low + high) / 2);
+      if (this.time(middle) < time) low = middle + 1;
+      else high = middle;
+    }
+    return low;
+  }
+
+  /** @return the number of the sample nearest to `time`, or undefined without samples. */
+  nearest(time: number): number | undefined {
+    if (this.first === this.total) return undefined;
+    const after = this.lowerBound(time);
+    if (after === this.first) return after;
+    if (after === this.total) return after - 1;
+    return time - this.time(after - 1) <= this.time(after) - time ? after - 1 : after;
+  }
+
+  /** The samples from `from` to `to` [s] in at most two points a column: where a column has more
+   *  samples than that, the least and the greatest of each series in the order in which they came.
+   *  Columns stand at fixed times, so that a plot that moves does not flicker. */
+  points(from: number, to: number, columns: number): Points {
+    const start = Math.max(this.first, this.lowerBound(from) - 1);
+    const end = Math.min(this.total, this.lowerBound(to) + 1);
+    const count = end - start;
+    if (count <= 3 * columns) return this.samples(start, end);
+    const width = (to - from) / columns;
+    return this.columns(start, end, width, count / columns >= 2 * BLOCK ? BLOCK : 1);
+  }
+
+  private samples(start: number, end: number): Points {
+    const points: Points = { x: [], y: this.values.map(() => []) };
+    for (let n = start; n < end; ++n) {
+      if (n > start && this.gaps.has(n)) this.addGap(points, (this.time(n - 1) + this.time(n)) / 2);
+      points.x.push(this.time(n));
+      for (let s = 0; s < this.series; ++s) points.y[s].push(this.value(s, n));
+    }
+    return points;
+  }
+
+  private columns(start: number, end: number, width: number, step: number): Points {
+    const points: Points = { x: [], y: this.values.map(() => []) };
+    const columnOf = (n: number) => Math.floor(this.time(n) / width);
+    let n = step === 1 ? start : Math.floor(start / step) * step;
+    if (n < this.first) n = this.first;
+    let before = 0;
+    while (n < end) {
+      const column = columnOf(n);
+      const begin = n;
+      while (n < end && columnOf(n) === column) n += step;
+      // Columns have several samples each: an empty one means that samples were lost.
+      if (begin > start && column > before + 1) this.addGap(points, (before + 1) * width);
+      before = column;
+      points.x.push((column + 0.25) * width, (column + 0.75) * width);
+      for (let s = 0; s < this.series; ++s) {
+        const found = this.extremes(s, begin, Math.min(n, this.total), step);
+        if (found.minimumFirst) points.y[s].push(found.minimum, found.maximum);
+        else points.y[s].push(found.maximum, found.minimum);
+      }
+    }
+    return points;
+  }
+
+  private extremes(series: number, begin: number, end: number, step: number): Extremes {
+    const low = step === 1 ? this.values[series] : this.blockMinimum[series];
+    const high = step === 1 ? this.values[series] : this.blockMaximum[series];
+    const places = this.capacity / step;
+    const count = Math.ceil((end - begin) / step);
+    let at = Math.floor((begin % this.capacity) / step);
+    let lowAt = 0;
+    let highAt = 0;
+    let minimum = Infinity;
+    let maximum = -Infinity;
+    for (let i = 0; i < count; ++i) {
+      if (low[at] < minimum) {
+        minimum = low[at];
+        lowAt = i;
+      }
+      if (high[at] > maximum) {
+        maximum = high[at];
+        highAt = i;
+      }
+      if (++at === places) at = 0;
+    }
+    return { minimum, maximum, minimumFirst: lowAt <= highAt };
+  }
+
+  private addGap(points: Points, time: number): void {
+    points.x.push(time);
+    for (const line of points.y) line.push(null);
+  }
+}
+
+/** @return limits of an axis around the values: round, and not narrower than `least`. */
+export function niceRange(minimum: number, maximum: number, least: number): [number, number] {
+  if (!Number.isFinite(minimum) || !Number.isFinite(maximum)) return [-least / 2, least / 2];
+  const middle = (minimum + maximum) / 2;
+  const span = Math.max(maximum - minimum, least) * 1.1;
+  const power = Math.pow(10, Math.floor(Math.log10(span / 4)));
+  const step = [1, 2, 5, 10].map((factor) => factor * power).find((size) => span / size <= 8) ?? 10 * power;
+  return [
+    Math.floor((middle - span / 2) / step) * step,
+    Math.ceil((middle + span / 2) / step) * step,
+  ];
+}

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which axes the overview shows, and in which order.
+
+import type { PowerState } from "./power";
+
+/** What filters and orders look at. */
+export interface Row {
+  bench: number;
+  axis: number;
+  name: string;
+  state: PowerState;
+  mode: number;
+  /** [UU] */
+  position: number;
+  /** [UU/s] */
+  velocity: number;
+  /** [permille of the rated torque] */
+  torque: number;
+  /** [UU] */
+  error: number;
+  /** "" = nobody */
+  owner: string;
+  fault: number;
+  moving: boolean;
+  /** [ms] */
+  age: number;
+}
+
+export interface Filter {
+  text: string;
+  bench: number | undefined;
+  faulted: boolean;
+  moving: boolean;
+  owned: boolean;
+}
+
+export type SortKey =
+  | "address"
+  | "name"
+  | "state"
+  | "mode"
+  | "position"
+  | "velocity"
+  | "torque"
+  | "error"
+  | "owner"
+  | "fault"
+  | "age";
+
+export interface Order {
+  key: SortKey;
+  descending: boolean;
+}
+
+const SEVERITY: Record<PowerState, number> = {
+  fault: 0,
+  fault_reaction: 1,
+  quick_stop: 2,
+  enabled: 3,
+  switched_on: 4,
+  ready: 5,
+  switch_on_disabled: 6,
+  not_ready: 7,
+};
+
+/** Each word of the text must occur in the name, or be how the address starts. */
+export function matches(row: Row, filter: Filter): boolean {
+  if (filter.bench !== undefined && row.bench !== filter.bench) return false;
+  const faulted = row.state === "fault" || row.state === "fault_reaction";
+  if (filter.faulted && !faulted) return false;
+  if (filter.moving && !row.moving) return false;
+  if (filter.owned && row.owner === "") return false;
+  const name = row.name.toLowerCase();
+  const address = `${row.bench}.${row.axis}`;
+  const words = filter.text.toLowerCase().split(/\s+/).filter((word) => word !== "");
+  return words.every((word) => name.includes(word) || address.startsWith(word));
+}
+
+function compareBy(key: SortKey, a: Row, b: Row): number {
+  switch (key) {
+    case "address":
+      return 0;
+    case "name":
+      return a.name.localeCompare(b.name, undefined, { numeric: true });
+    case "owner":
+      return a.owner < b.owner ? -1 : a.owner > b.owner ? 1 : 0;
+    case "state":
+      return SEVERITY[a.state] - SEVERITY[b.state];
+    case "velocity":
+    case "torque":
+    case "error":
+      return Math.abs(a[key]) - Math.abs(b[key]);
+    default:
+      return a[key] - b[key];
+  }
+}
+
+/** @return the rows in order; those that are equal stand in the order of their addresses. Speeds,
+ *          torques and errors are ordered by their size. */
+export function sorted<T extends Row>(rows: readonly T[], order: Order): T[] {
+  const sign = order.descending ? -1 : 1;
+  return [...rows].sort(
+    (a, b) =>
+      sign * compareBy(order.key, a, b) ||
+      (order.key === "address" ? sign : 1) * (a.bench - b.bench || a.axis - b.axis),
+  );
+}

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// How many set-points a drive in profile position mode holds, as far as its words tell.
+
+import { decodePowerState, STATUS_BIT } from "./power";
+
+export const CONTROL_BIT = {
+  newSetPoint: 1 << 4,
+  changeSetImmediately: 1 << 5,
+  halt: 1 << 8,
+} as const;
+
+const PROFILE_POSITION = 1;
+
+export interface HeldSetPoints {
+  /** 1 while the drive goes to a target */
+  active: 0 | 1;
+  /** 1 while another one waits behind it; undefined where the words do not tell */
+  waiting: 0 | 1 | undefined;
+}
+
+/**
+ * @param control and status 6040h and 6041h after the same tick
+ * @param mode 6061h
+ * @return undefined outside of profile position mode and of Operation enabled, and under halt, where
+ * bit 10 is standstill
+ *
+ * Bit 12 stays 1 while a set-point waits. It also stays 1 while bit 4 does: then the one that was taken
+ * last waits, has its turn already, or waits for none, which bit 5 says.
+ */
+export function heldSetPoints(control: number, status: number, mode: number): HeldSetPoints | undefined {
+  if (mode !== PROFILE_POSITION || decodePowerState(status) !== "enabled") return undefined;
+  if ((control & CONTROL_BIT.halt) !== 0) return undefined;
+  if ((status & STATUS_BIT.targetReached) !== 0) return { active: 0, waiting: 0 };
+  if ((status & STATUS_BIT.acknowledge) === 0) return { active: 1, waiting: 0 };
+  if ((control & CONTROL_BIT.newSetPoint) === 0) return { active: 1, waiting: 1 };
+  return { active: 1, waiting: (control & CONTROL_BIT.changeSetImmediately) !== 0 ? 0 : undefined };
+}

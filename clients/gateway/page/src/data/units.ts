@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+// User units of a drive (UU) and what an engineer reads.
+
+export interface AxisUnit {
+  kind: "rotary" | "linear";
+  name: string;
+  /** [UU] in one revolution (rotary) or in one unit (linear) */
+  per: number;
+}
+
+/** How an axis' positions are shown: `factor` units for one UU. */
+export interface Scale {
+  name: string;
+  factor: number;
+  decimals: number;
+}
+
+export const USER_UNITS: Scale = { name: "UU", factor: 1, decimals: 0 };
+
+const PER_REVOLUTION: Record<string, number> = { deg: 360, rad: 2 * Math.PI, rev: 1 };
+const MOST_DECIMALS = 6;
+
+/** @return the scale of `unit`, with as many decimals as tell one UU from the next. */
+export function scaleOf(unit: AxisUnit | undefined): Scale {
+  if (unit === undefined || !(unit.per > 0)) return USER_UNITS;
+  const amount = unit.kind === "rotary" ? PER_REVOLUTION[unit.name] : 1;
+  if (amount === undefined) return USER_UNITS;
+  const factor = amount / unit.per;
+  const decimals = Math.min(MOST_DECIMALS, Math.max(0, Math.ceil(-Math.log10(factor))));
+  return { name: unit.name === "deg" ? "°" : unit.name, factor, decimals };
+}
+
+export function toShown(userUnits: number, scale: Scale): number {
+  return userUnits * scale.factor;
+}
+
+/** @return whole user units, the nearest to what was typed. */
+export function toUserUnits(shown: number, scale: Scale): number {
+  return Math.round(shown / scale.factor);
+}
+
+const NARROW_SPACE = "\u202f";
+const MINUS = "\u2212";
+
+/** @return the number with groups of three digits and a true minus sign: figures of equal width
+ *          stand under each other. */
+export function formatNumber(value: number, decimals: number): string {
+  if (!Number.isFinite(value)) return "–";
+  const text = Math.abs(value).toFixed(decimals);
+  const [whole, fraction] = text.split(".");
+  const grouped = whole.replace(/\B(?=(\d{3})+(?!\d))/g, NARROW_SPACE);
+  const negative = value < 0 && Number(text) !== 0;
+  return (negative ? MINUS : "") + grouped + (fraction === undefined ? "" : "." + fraction);
+}
+
+export function formatUnits(userUnits: number, scale: Scale): string {
+  return formatNumber(userUnits * scale.factor, scale.decimals);
+}
+
+/** Permille of the rated value as per cent. */
+export function formatPermille(value: number): string {
+  return formatNumber(value / 10, 1);
+}
+
+export function formatHex(value: number, digits = 4): string {
+  return value.toString(16).toUpperCase().padStart(digits, "0") + "h";
+}
+
+/** @param text decimal with either minus sign, spaces allowed, or 0x...
+ *  @return the number, or undefined when the text is none. */
+export function parseNumber(text: string): number | undefined {
+  const clean = text.replace(/[\s\u202f\u00a0_]/g, "").replace(MINUS, "-");
+  if (clean === "") return undefined;
+  const value = Number(clean);
+  return Number.isFinite(value) ? value : undefined;
+}
+
+/** @return a time that does not flicker: tenths of a second below 10 s. */
+export function formatAge(milliseconds: number): string {
+  if (!Number.isFinite(milliseconds)) return "–";
+  if (milliseconds < 100) return "<0.1 s";
+  const seconds = milliseconds / 1000;
+  if (seconds < 10) return `${seconds.toFixed(1)} s`;
+  if (seconds < 120) return `${seconds.toFixed(0)} s`;
+  return `${(seconds / 60).toFixed(0)} min`;
+}

@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every text of the page in English and Chinese.
+
+import type { PowerState } from "./data/power";
+
+export type Language = "en" | "zh";
+
+const TEXTS = {
+  overview: ["Overview", "总览"],
+  axis: ["Axis", "轴"],
+  control: ["Control", "控制"],
+  stop: ["STOP", "停止"],
+  stop_hint: [
+    "Quick stop of every axis of every bench (Ctrl + . at any time; Escape while this page has control)",
+    "所有台架的所有轴快速停机（随时按 Ctrl + .；本页持有控制权时按 Esc）",
+  ],
+  connected: ["connected", "已连接"],
+  connecting: ["no connection", "未连接"],
+  lost_banner: [
+    "No connection to the gateway. What is shown is old. The page connects again by itself.",
+    "与网关的连接已断开，显示的是旧数据。页面会自动重新连接。",
+  ],
+  bench_silent: ["silent for", "无数据"],
+  no_benches: ["No bench on this network yet. It appears here when its service starts.", "网络上尚无台架。服务启动后会显示在这里。"],
+  no_rows: ["No axis matches the search and the filters.", "没有符合搜索和筛选条件的轴。"],
+  search: ["Search", "搜索"],
+  search_axes: ["Name or address", "名称或地址"],
+  all_benches: ["All benches", "全部台架"],
+  faulted: ["Faulted", "故障"],
+  moving: ["Moving", "运动中"],
+  owned: ["Owned", "已占用"],
+  sort_by: ["Sort by", "排序"],
+  axes: ["axes", "个轴"],
+  chosen: ["chosen", "已选"],
+  choose: ["Choose", "选择"],
+  choose_shown: ["Choose every axis shown", "选择所有显示的轴"],
+  address: ["Axis", "轴"],
+  name: ["Name", "名称"],
+  state: ["State", "状态"],
+  mode: ["Mode", "模式"],
+  position: ["Position", "位置"],
+  velocity: ["Velocity", "速度"],
+  torque: ["Torque", "转矩"],
+  current: ["Current", "电流"],
+  error: ["Foll. error", "跟随误差"],
+  following_error: ["Following error", "跟随误差"],
+  trend: ["Position, 10 s", "位置 10 秒"],
+  owner: ["Owner", "占用者"],
+  fault: ["Fault", "故障"],
+  age: ["Age", "时效"],
+  demand: ["demand", "指令"],
+  actual: ["actual", "实际"],
+  motor: ["motor", "电机端"],
+  load: ["load", "负载端"],
+  torque_and_current: ["Torque, current", "转矩、电流"],
+  free: ["free", "空闲"],
+  this_page: ["this page", "本页"],
+  theme: ["Theme", "主题"],
+  theme_auto: ["auto", "自动"],
+  theme_light: ["light", "浅色"],
+  theme_dark: ["dark", "深色"],
+  language: ["Language", "语言"],
+  units: ["Units", "单位"],
+  units_user: ["UU", "UU"],
+  units_axis: ["deg / mm", "° / mm"],
+  window: ["Window", "时间窗"],
+  pause_plots: ["Pause", "暂停"],
+  go_on: ["Live", "实时"],
+  reset_zoom: ["Reset zoom", "复位缩放"],
+  plot_hint: [
+    "Drag to zoom, wheel to zoom in time, double-click to go back; space pauses",
+    "拖动缩放，滚轮缩放时间，双击恢复；空格键暂停",
+  ],
+  cursor: ["Cursor", "光标"],
+  tick: ["tick", "周期"],
+  missed: ["ticks lost", "丢失周期"],
+  statusword: ["Statusword 6041h", "状态字 6041h"],
+  controlword: ["Controlword 6040h", "控制字 6040h"],
+  controlword_source: ["read 2 times a second", "每秒读取 2 次"],
+  bit: ["bit", "位"],
+  power_machine: ["Power state machine", "电源状态机"],
+  last_way: ["Last way", "最近转换"],
+  no_way: ["no change seen yet", "尚无转换"],
+  handshake: ["Set-points", "设定点"],
+  bit4: ["4 new", "4 新设定"],
+  bit12: ["12 ack", "12 应答"],
+  bit10: ["10 reached", "10 到达"],
+  handshake_hint: [
+    "Bit 4 of the controlword is read 5 times a second; bits 12 and 10 of the statusword are those of every tick",
+    "控制字位 4 每秒读取 5 次；状态字位 12 和位 10 为每个周期的值",
+  ],
+  held: ["active + waiting", "执行中 + 等待"],
+  held_hint: [
+    "Set-points that the drive holds. ? = while bit 4 is 1 its words do not tell whether one waits",
+    "驱动器持有的设定点。? = 位 4 为 1 时控制字和状态字无法说明是否有等待的设定点",
+  ],
+  any_state: ["any state", "任意状态"],
+  accepted: ["accepted", "已接受"],
+  ignored: ["ignored", "已忽略"],
+  reached: ["reached", "已到达"],
+  events: ["Events", "事件"],
+  no_events: ["No event yet.", "尚无事件。"],
+  objects: ["Objects", "对象字典"],
+  search_objects: ["Index, name or variable", "索引、名称或变量"],
+  object: ["Object", "对象"],
+  value: ["Value", "数值"],
+  unit: ["Unit", "单位"],
+  range: ["Range", "范围"],
+  default_value: ["Default", "默认值"],
+  access: ["Access", "访问"],
+  stored: ["Stored", "保存"],
+  write: ["Write", "写入"],
+  edit: ["Edit", "编辑"],
+  cancel: ["Cancel", "取消"],
+  csv: ["CSV", "CSV"],
+  png: ["PNG", "PNG"],
+  plots: ["Plots", "曲线"],
+  drive: ["Drive", "驱动器"],
+  choose_axis: ["Choose an axis in the overview.", "请在总览中选择一个轴。"],
+  view_only: ["The gateway only shows: start it with --control to command axes.", "网关仅供查看：以 --control 启动后方可控制。"],
+  view_only_short: ["View only", "仅查看"],
+  take: ["Take control", "获取控制权"],
+  take_by_force: ["Take control from", "接管控制权："],
+  release: ["Give back", "释放控制权"],
+  you_hold: ["You have control", "您持有控制权"],
+  held_by: ["Control is held by", "控制权持有者："],
+  nobody_holds: ["Nobody has control", "无人持有控制权"],
+  need_control: ["Take control to command axes.", "获取控制权后方可控制轴。"],
+  control_lost: [
+    "The connection to the gateway was lost, and control with it.",
+    "与网关的连接已断开，控制权随之失去。",
+  ],
+  power: ["Power", "电源"],
+  enable: ["Enable", "使能"],
+  disable: ["Disable", "去使能"],
+  reset: ["Reset fault", "故障复位"],
+  motion: ["Motion", "运动"],
+  move: ["Move", "移动"],
+  relative: ["relative", "相对"],
+  queue: ["queue", "排队"],
+  acceleration: ["Acceleration", "加速度"],
+  deceleration: ["Deceleration", "减速度"],
+  as_set: ["as set", "保持设定"],
+  halt: ["Halt", "暂停"],
+  resume: ["Resume", "继续"],
+  quick_stop: ["Quick stop", "快速停机"],
+  home: ["Home", "回零"],
+  jog: ["Jog", "点动"],
+  jog_hint: ["Hold the button; the axis stops when you let go", "按住按钮运动，松开即停"],
+  jog_minus: ["Jog in negative direction", "负方向点动"],
+  jog_plus: ["Jog in positive direction", "正方向点动"],
+  group_move: ["Group move", "多轴联动"],
+  group_hint: ["All chosen axes arrive at the same time on a straight line.", "所选各轴沿直线同时到达。"],
+  chosen_axes: ["Chosen axes", "所选轴"],
+  none_chosen: ["No axis is chosen. Choose axes in the overview.", "未选择轴。请在总览中选择。"],
+  remove: ["Remove", "移除"],
+  target: ["Target", "目标"],
+  test_inputs: ["Test-bench inputs", "台架测试输入"],
+  end_disturbances: ["End all", "全部清除"],
+  load_torque: ["load torque", "负载转矩"],
+  blocked_load: ["blocked load", "负载堵转"],
+  over_current: ["over-current", "过流"],
+  over_temperature: ["over-temperature", "过温"],
+  encoder_failure: ["encoder failure", "编码器故障"],
+  dc_link_loss: ["DC link loss", "母线掉电"],
+  positive_limit: ["positive limit", "正限位"],
+  negative_limit: ["negative limit", "负限位"],
+  home_switch: ["home switch", "原点开关"],
+  index_pulse: ["index pulse", "索引脉冲"],
+  memory: ["Memory", "存储"],
+  store: ["Store parameters", "保存参数"],
+  restore: ["Restore defaults", "恢复默认"],
+  power_cycle: ["Power cycle", "断电重启"],
+  again: ["Press again", "再按一次确认"],
+  clock: ["Clock of the bench", "台架时钟"],
+  pause_clock: ["Pause", "暂停"],
+  run_clock: ["Run", "运行"],
+  rate: ["Rate", "速率"],
+  set: ["Set", "设置"],
+  step: ["Step", "步进"],
+  ticks: ["ticks", "周期"],
+  step_hint: ["A bench in lock-step only advances by steps.", "锁步模式的台架仅随步进推进。"],
+  done: ["done", "完成"],
+  refused: ["refused", "被拒绝"],
+  not_a_number: ["is not a number", "不是数字"],
+  level_1: ["debug", "调试"],
+  level_2: ["info", "信息"],
+  level_3: ["warning", "警告"],
+  level_4: ["error", "错误"],
+  level_5: ["fatal", "严重"],
+  back: ["Back to the overview", "返回总览"],
+  drive_time: ["drive time", "驱动时间"],
+  paused: ["paused", "已暂停"],
+} satisfies Record<string, readonly [string, string]>;
+
+export type TextKey = keyof typeof TEXTS;
+
+const STATES: Record<PowerState, readonly [string, string]> = {
+  not_ready: ["Not ready to switch on", "未准备好接通"],
+  switch_on_disabled: ["Switch on disabled", "禁止接通"],
+  ready: ["Ready to switch on", "准备接通"],
+  switched_on: ["Switched on", "已接通"],
+  enabled: ["Operation enabled", "运行使能"],
+  quick_stop: ["Quick stop active", "快速停机"],
+  fault_reaction: ["Fault reaction active", "故障反应"],
+  fault: ["Fault", "故障"],
+};
+
+const MODES: Record<number, readonly [string, string]> = {
+  0: ["none", "无"],
+  1: ["profile position", "轮廓位置"],
+  3: ["profile velocity", "轮廓速度"],
+  4: ["profile torque", "轮廓转矩"],
+  6: ["homing", "回零"],
+  8: ["cyclic position", "周期同步位置"],
+};
+
+/** Names of bits as the gateway gives them; the ones of a newer gateway stay English. */
+const BITS: Record<string, string> = {
+  "ready to switch on": "准备接通",
+  "switched on": "已接通",
+  "operation enabled": "运行使能",
+  fault: "故障",
+  "voltage enabled": "电压使能",
+  "quick stop": "快速停机（0 有效）",
+  "switch on disabled": "禁止接通",
+  warning: "警告",
+  remote: "远程",
+  "target reached": "到达目标",
+  "internal limit active": "内部限制有效",
+  "set-point acknowledge": "设定点应答",
+  "following error": "跟随误差",
+  "speed zero": "零速",
+  "homing attained": "回零完成",
+  "homing error": "回零错误",
+  "follows command": "跟随指令",
+  "switch on": "接通",
+  "enable voltage": "使能电压",
+  "enable operation": "使能运行",
+  "fault reset": "故障复位",
+  halt: "暂停",
+  "new set-point": "新设定点",
+  "change set immediately": "立即更改",
+  relative: "相对",
+  "start homing": "开始回零",
+};
+
+let chosen: Language = "en";
+
+export function setLanguage(language: Language): void {
+  chosen = language;
+  document.documentElement.lang = language === "zh" ? "zh-CN" : "en";
+}
+
+export function language(): Language {
+  return chosen;
+}
+
+function pick(pair: readonly [string, string]): string {
+  return chosen === "en" ? pair[0] : pair[1];
+}
+
+export function t(key: TextKey): string {
+  return pick(TEXTS[key]);
+}
+
+export function isTextKey(key: string): key is TextKey {
+  return key in TEXTS;
+}
+
+export function stateName(state: PowerState): string {
+  return pick(STATES[state]);
+}
+
+export function bitName(name: string): string {
+  return chosen === "zh" ? (BITS[name] ?? name) : name;
+}
+
+export function modeName(mode: number): string {
+  const pair = MODES[mode];
+  return pair === undefined ? String(mode) : pick(pair);
+}

@@ -1,0 +1,390 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the gateway says about benches and axes, and what this browser has chosen.
+
+import type { AxisUnit, Scale } from "./data/units";
+import { scaleOf, USER_UNITS } from "./data/units";
+import { t, type Language } from "./i18n";
+import type { Message, NumberArray } from "./protocol/cdr";
+import { Connection, type Answer, type ServerStatus } from "./protocol/connection";
+
+export interface AxisDescription {
+  axis: number;
+  name: string;
+  /** the name as it stands in topics */
+  topic: string;
+  unit?: AxisUnit;
+  supported_drive_modes?: number;
+  user_position_lower_limit?: number;
+  user_position_upper_limit?: number;
+  app_speed_limit?: number;
+}
+
+export interface BenchDescription {
+  bench: number;
+  name: string;
+  clock_mode: string;
+  period_us: number;
+  service_version?: string;
+  incarnation?: string;
+  axes: AxisDescription[];
+}
+
+export interface BenchState {
+  tick: number;
+  rate: number;
+  clock_mode: string;
+  alive: boolean;
+  age_ms: number;
+  wire_starts?: number;
+  longest_silence_us?: number;
+}
+
+export interface ControlState {
+  enabled: boolean;
+  holder: string;
+  you: boolean;
+  name: string;
+  session?: string;
+}
+
+export interface ObjectRow {
+  index: string | number;
+  sub_index: string | number;
+  name: string;
+  title: string;
+  title_zh: string;
+  type: string;
+  access: string;
+  minimum: number;
+  maximum: number;
+  default: number;
+  unit: string;
+  storage: string;
+  effect: string;
+}
+
+export interface Disturbance {
+  name: string;
+  object: string;
+  kind: string;
+  minimum: number;
+  maximum: number;
+}
+
+export interface Dictionary {
+  version: string | number;
+  objects: ObjectRow[];
+  modes?: { mode: number; name: string }[];
+  error_codes?: { code: number | string; name: string }[];
+  statusword_bits?: { mode: number; bits: string[] }[];
+  controlword_bits?: { mode: number; bits: string[] }[];
+  disturbances?: Disturbance[];
+}
+
+export interface LogEvent {
+  /** [s] of drive time */
+  time: number;
+  level: number;
+  name: string;
+  message: string;
+}
+
+/** How many positions of the last 10 s the overview keeps of each axis. */
+export const TREND_LENGTH = 100;
+const TREND_EVERY_MS = 100;
+const MOST_EVENTS = 1_000;
+
+/** One frame of the status of all axes of a bench; arrays by the names of the core. */
+export class Bench {
+  private described?: BenchDescription;
+  private readonly axes = new Map<number, AxisDescription>();
+  state?: BenchState;
+  stateAt = 0;
+  frame?: Message;
+  frameAt = 0;
+  tick = 0;
+  /** axis number -> place in the arrays of the frame */
+  readonly places = new Map<number, number>();
+  trend = new Float32Array(0);
+  trendHead = 0;
+  trendCount = 0;
+  private trendAt = 0;
+
+  constructor(
+    readonly number: number,
+    readonly topic: string,
+  ) {}
+
+  get description(): BenchDescription | undefined {
+    return this.described;
+  }
+
+  set description(description: BenchDescription | undefined) {
+    this.described = description;
+    this.axes.clear();
+    for (const axis of description?.axes ?? []) this.axes.set(axis.axis, axis);
+  }
+
+  /** @param number of the axis on this bench */
+  axis(number: number): AxisDescription | undefined {
+    return this.axes.get(number);
+  }
+
+  take(frame: Message): void {
+    const axes = frame["axis"] as Uint16Array;
+    if (this.places.size !== axes.length || this.frame === undefined) {
+      this.places.clear();
+      axes.forEach((axis, place) => this.places.set(axis, place));
+      this.trend = new Float32Array(axes.length * TREND_LENGTH);
+      this.trendCount = 0;
+    }
+    this.frame = frame;
+    this.frameAt = performance.now();
+    this.tick = Number(frame["tick"] as bigint);
+    if (this.frameAt - this.trendAt >= TREND_EVERY_MS) this.keepTrend(frame);
+  }
+
+  /** @return the numbers of that member, or undefined when the status has none of that name. */
+  numbers(member: string): NumberArray | undefined {
+    return this.frame?.[member] as NumberArray | undefined;
+  }
+
+  private keepTrend(frame: Message): void {
+    this.trendAt = this.frameAt;
+    const positions = frame["load_position_actual_value"] as Int32Array;
+    this.trendHead = (this.trendHead + 1) % TREND_LENGTH;
+    this.trendCount = Math.min(TREND_LENGTH, this.trendCount + 1);
+    for (let i = 0; i < positions.length; ++i) {
+      this.trend[i * TREND_LENGTH + this.trendHead] = positions[i];
+    }
+  }
+}
+
+export interface AxisRef {
+  bench: Bench;
+  axis: AxisDescription;
+}
+
+export function addressOf(ref: AxisRef): string {
+  return `${ref.bench.number}.${ref.axis.axis}`;
+}
+
+export function topicOf(ref: AxisRef): string {
+  return `${ref.bench.topic}/${ref.axis.topic}`;
+}
+
+export type Theme = "auto" | "light" | "dark";
+
+export interface Settings {
+  language: Language;
+  theme: Theme;
+  axisUnits: boolean;
+  window: number;
+}
+
+const SETTINGS_KEY = "vdrive";
+// The gateway gives the holder of control 2 s.
+const SIGN_OF_LIFE_MS = 500;
+const DEFAULTS: Settings = {
+  language: navigator.language.startsWith("zh") ? "zh" : "en",
+  theme: "auto",
+  axisUnits: false,
+  window: 10,
+};
+
+function loadSettings(): Settings {
+  try {
+    const kept = JSON.parse(localStorage.getItem(SETTINGS_KEY) ?? "{}") as Partial<Settings>;
+    return { ...DEFAULTS, ...kept };
+  } catch {
+    return { ...DEFAULTS };
+  }
+}
+
+/** What a command did, for the line under the controls. */
+export interface Outcome {
+  text: string;
+  ok: boolean;
+}
+
+export class Model {
+  readonly connection: Connection;
+  readonly benches = new Map<number, Bench>();
+  readonly settings = loadSettings();
+  readonly chosen = new Set<string>();
+  readonly events: LogEvent[] = [];
+  connected = false;
+  server = "";
+  control: ControlState = { enabled: false, holder: "", you: false, name: "" };
+  dictionary?: Dictionary;
+  outcome?: Outcome;
+  /** Grows when benches, axes, control or the dictionary change: views build themselves again. */
+  version = 0;
+  eventCount = 0;
+  private statusWanted = false;
+  private readonly ends = new Map<string, () => void>();
+
+  constructor(url: string) {
+    this.connection = new Connection(url, {
+      connected: (info) => {
+        this.connected = true;
+        this.server = `${info.name} ${info.metadata?.["version"] ?? ""}`.trim();
+        this.changed();
+      },
+      disconnected: () => {
+        this.connected = false;
+        if (this.control.you) this.outcome = { ok: false, text: t("control_lost") };
+        this.control = { ...this.control, holder: "", you: false };
+        this.changed();
+      },
+      topicsChanged: () => this.follow(),
+      status: (status) => this.serverSays(status),
+      parameters: () => undefined,
+    });
+    this.connection.subscribe("/gateway/control", (message) => {
+      this.control = message as unknown as ControlState;
+      this.changed();
+    });
+    this.connection.subscribe("/gateway/dictionary", (message) => {
+      this.dictionary = message as unknown as Dictionary;
+      this.changed();
+    });
+    this.connection.open();
+    window.setInterval(() => {
+      if (this.control.you) this.connection.signOfLife();
+    }, SIGN_OF_LIFE_MS);
+  }
+
+  /** The status of all axes is only asked for while a view shows it. */
+  wantStatus(wanted: boolean): void {
+    this.statusWanted = wanted;
+    this.follow();
+  }
+
+  saveSettings(): void {
+    localStorage.setItem(SETTINGS_KEY, JSON.stringify(this.settings));
+  }
+
+  axes(): AxisRef[] {
+    const found: AxisRef[] = [];
+    for (const bench of this.sortedBenches()) {
+      for (const axis of bench.description?.axes ?? []) found.push({ bench, axis });
+    }
+    return found;
+  }
+
+  sortedBenches(): Bench[] {
+    return [...this.benches.values()].sort((a, b) => a.number - b.number);
+  }
+
+  find(address: string): AxisRef | undefined {
+    const [number, axis] = address.split(".").map(Number);
+    const bench = this.benches.get(number);
+    const found = bench?.axis(axis);
+    return bench !== undefined && found !== undefined ? { bench, axis: found } : undefined;
+  }
+
+  scale(axis: AxisDescription): Scale {
+    return this.settings.axisUnits ? scaleOf(axis.unit) : USER_UNITS;
+  }
+
+  /** @return the age of what the page shows of the bench [ms]. */
+  age(bench: Bench, now: number): number {
+    const state = bench.state;
+    if (state === undefined) return Infinity;
+    return state.age_ms + Math.max(0, now - bench.stateAt - 250);
+  }
+
+  ownerName(session: bigint): string {
+    if (session === 0n) return "";
+    const text = session.toString(16).padStart(16, "0");
+    const holder = this.control.session?.replace(/^0x/, "").padStart(16, "0");
+    if (holder === text) return this.control.you ? "@" : this.control.holder;
+    return text.slice(0, 8);
+  }
+
+  errorName(code: number): string {
+    const row = this.dictionary?.error_codes?.find((e) => Number(e.code) === code);
+    return row?.name ?? "";
+  }
+
+  /** Calls a service and keeps what it answered for the line under the controls. */
+  async command(service: string, request: object): Promise<Answer> {
+    const began = performance.now();
+    const answer = await this.connection.call(service, request);
+    const took = (performance.now() - began).toFixed(0);
+    const what = service.slice(1).replaceAll("_", " ");
+    const why = answer.message === "" ? answer.outcome : answer.message;
+    this.outcome = { ok: answer.ok, text: answer.ok ? `${what}: ok, ${took} ms` : `${what}: ${why}` };
+    return answer;
+  }
+
+  private serverSays(status: ServerStatus): void {
+    if (status.level > 0) this.outcome = { ok: false, text: status.message };
+  }
+
+  private changed(): void {
+    ++this.version;
+  }
+
+  private follow(): void {
+    const topics = new Set<string>();
+    const present = new Set<number>();
+    for (const topic of this.connection.topics()) {
+      const match = /^\/bench(\d+)\/(description|state|events|status)$/.exec(topic);
+      if (match === null) continue;
+      const number = Number(match[1]);
+      present.add(number);
+      let bench = this.benches.get(number);
+      if (bench === undefined) {
+        bench = new Bench(number, `/bench${number}`);
+        this.benches.set(number, bench);
+      }
+      if (match[2] === "status" && !this.statusWanted) continue;
+      topics.add(topic);
+      if (!this.ends.has(topic)) this.ends.set(topic, this.subscribe(bench, topic, match[2]));
+    }
+    if (this.connected) {
+      for (const number of this.benches.keys()) if (!present.has(number)) this.benches.delete(number);
+      for (const [topic, end] of this.ends) {
+        if (topics.has(topic)) continue;
+        end();
+        this.ends.delete(topic);
+      }
+    }
+    this.changed();
+  }
+
+  private subscribe(bench: Bench, topic: string, kind: string): () => void {
+    switch (kind) {
+      case "description":
+        return this.connection.subscribe(topic, (message) => {
+          bench.description = message as unknown as BenchDescription;
+          this.changed();
+        });
+      case "state":
+        return this.connection.subscribe(topic, (message) => {
+          const before = bench.state?.alive;
+          bench.state = message as unknown as BenchState;
+          bench.stateAt = performance.now();
+          if (before !== bench.state.alive) this.changed();
+        });
+      case "status":
+        return this.connection.subscribe(topic, (message) => bench.take(message));
+      default:
+        return this.connection.subscribe(topic, (message) => this.addEvent(message));
+    }
+  }
+
+  private addEvent(message: Message): void {
+    const stamp = message["timestamp"] as { sec: number; nanosec?: number; nsec?: number };
+    this.events.push({
+      time: stamp.sec + (stamp.nanosec ?? stamp.nsec ?? 0) * 1e-9,
+      level: message["level"] as number,
+      name: message["name"] as string,
+      message: message["message"] as string,
+    });
+    if (this.events.length > MOST_EVENTS) this.events.shift();
+    ++this.eventCount;
+  }
+}

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+// Everything of one axis: figures, plots, words, state machine, controls, events, objects.
+
+import { decodePowerState } from "../data/power";
+import { formatAge, formatHex, formatPermille, formatUnits } from "../data/units";
+import { modeName, stateName, t, type TextKey } from "../i18n";
+import { addressOf, type Model } from "../model";
+import type { Trace } from "../trace";
+import { Commands } from "./commands";
+import { h, mark, put, type View } from "./dom";
+import { PowerMachine, Words } from "./drive";
+import { Events } from "./events";
+import { Objects } from "./objects";
+import { Plots } from "./plots";
+
+const FIGURES: { key: string; text: TextKey; wide?: boolean }[] = [
+  { key: "state", text: "state", wide: true },
+  { key: "mode", text: "mode", wide: true },
+  { key: "position", text: "position" },
+  { key: "velocity", text: "velocity" },
+  { key: "torque", text: "torque" },
+  { key: "error", text: "error" },
+  { key: "owner", text: "owner" },
+  { key: "fault", text: "fault", wide: true },
+  { key: "age", text: "age" },
+];
+const FIGURES_EVERY_MS = 66;
+const OLD_FROM_MS = 500;
+
+/** The line of figures above the plots. */
+class Figures implements View {
+  readonly root = h("dl", { class: "figures panel" });
+  private readonly cells = new Map<string, HTMLElement>();
+  private readonly lamp = h("span", { class: "lamp" });
+  private readonly state = h("span");
+  private shownAt = 0;
+
+  constructor(
+    private readonly model: Model,
+    private readonly trace: Trace,
+  ) {
+    for (const { key, text, wide } of FIGURES) {
+      const value = h("dd", { class: wide === true ? "" : "number", attributes: { "data-figure": key } });
+      this.cells.set(key, value);
+      this.root.append(h("div", { class: wide === true ? "wide" : "" }, h("dt", {}, t(text)), value));
+    }
+    this.cells.get("state")?.append(this.lamp, this.state);
+  }
+
+  update(now: number): void {
+    if (now - this.shownAt < FIGURES_EVERY_MS) return;
+    this.shownAt = now;
+    const { last } = this.trace;
+    const age = this.model.age(this.trace.ref.bench, now);
+    this.set("age", formatAge(age));
+    mark(this.root, "old", age > OLD_FROM_MS);
+    if (last["ds402_statusword"] === undefined) return;
+    const scale = this.model.scale(this.trace.ref.axis);
+    const state = decodePowerState(last["ds402_statusword"]);
+    const lamp = `lamp ${state}`;
+    if (this.lamp.className !== lamp) this.lamp.className = lamp;
+    put(this.state, stateName(state));
+    this.set("mode", modeName(last["op_mode_actual"]));
+    this.set("position", `${formatUnits(last["load_position_actual_value"], scale)} ${scale.name}`);
+    this.set("velocity", `${formatUnits(last["load_velocity_actual_value"], scale)} ${scale.name}/s`);
+    this.set("torque", `${formatPermille(last["torque_actual_value"])} %`);
+    this.set("error", `${formatUnits(last["load_position_error_value"], scale)} ${scale.name}`);
+    const owner = this.model.ownerName(this.trace.owner);
+    this.set("owner", owner === "" ? t("free") : owner === "@" ? t("this_page") : owner);
+    const fault = last["error_code"];
+    this.set("fault", fault === 0 ? "–" : `${formatHex(fault)} ${this.model.errorName(fault)}`);
+    mark(this.root, "faulted", fault !== 0);
+  }
+
+  private set(key: string, text: string): void {
+    const cell = this.cells.get(key);
+    if (cell !== undefined) put(cell, text);
+  }
+}
+
+export class AxisView implements View {
+  readonly root: HTMLElement;
+  private readonly parts: View[];
+
+  constructor(
+    model: Model,
+    private readonly trace: Trace,
+  ) {
+    const { ref } = trace;
+    const address = addressOf(ref);
+    const name = `bench${ref.bench.number}/${ref.axis.name}`;
+    const figures = new Figures(model, this.trace);
+    const plots = new Plots(model, this.trace);
+    const commands = new Commands(model, () => [ref]);
+    const machine = new PowerMachine(this.trace);
+    const words = new Words(model, this.trace);
+    const events = new Events(model, (e) => e.name === name || e.name === `bench${ref.bench.number}/${ref.axis.axis}`);
+    const objects = new Objects(model, address);
+    this.parts = [figures, plots, commands, machine, words, events, objects];
+    const title = h(
+      "h2",
+      {},
+      h("a", { attributes: { href: "#/", "aria-label": t("back") } }, "‹"),
+      ` ${address} `,
+      h("span", { class: "axis-name" }, ref.axis.name),
+    );
+    this.root = h(
+      "div",
+      { class: "axis-view" },
+      title,
+      figures.root,
+      h("div", { class: "main-column" }, plots.root, objects.root),
+      h("div", { class: "side-column" }, commands.root, machine.root, words.root, events.root),
+    );
+  }
+
+  update(now: number): void {
+    for (const part of this.parts) part.update(now);
+  }
+
+  redraw(): void {
+    for (const part of this.parts) part.redraw?.();
+  }
+
+  close(): void {
+    for (const part of this.parts) part.close?.();
+  }
+}

@@ -1,0 +1,498 @@
+// SPDX-License-Identifier: Apache-2.0
+// The controls of axes. Each is a service of the gateway; its answer is shown at the foot of the page.
+
+import { parseNumber, toUserUnits, type Scale } from "../data/units";
+import { isTextKey, t, type TextKey } from "../i18n";
+import { addressOf, type AxisRef, type Disturbance, type Model } from "../model";
+import { button, field, h, put, select, type View } from "./dom";
+
+const JOG_EVERY_MS = 100;
+const CONFIRM_MS = 3_000;
+const INPUTS_EVERY_MS = 1_000;
+
+type Axes = () => AxisRef[];
+
+function addresses(axes: Axes): string[] {
+  return axes().map(addressOf);
+}
+
+/** A button that wants a second press, for what cannot be taken back. */
+function carefulButton(label: string, press: () => void): HTMLButtonElement {
+  let armed = 0;
+  const made = button(label, () => {
+    if (armed !== 0) {
+      window.clearTimeout(armed);
+      armed = 0;
+      put(made, label);
+      press();
+      return;
+    }
+    put(made, t("again"));
+    armed = window.setTimeout(() => {
+      armed = 0;
+      put(made, label);
+    }, CONFIRM_MS);
+  });
+  return made;
+}
+
+function group(title: TextKey, ...children: Node[]): HTMLFieldSetElement {
+  return h("fieldset", {}, h("legend", {}, t(title)), ...children);
+}
+
+function serviceButton(model: Model, axes: Axes, service: string, text: TextKey, careful = false): HTMLButtonElement {
+  const press = () => void model.command(service, { axes: addresses(axes) });
+  const made = careful ? carefulButton(t(text), press) : button(t(text), press);
+  made.dataset["test"] = service.slice(1);
+  return made;
+}
+
+/** @return the typed number, nothing for an empty field.
+ *  @throws Error when the text is no number. */
+function typed(input: HTMLInputElement): number | undefined {
+  if (input.value.trim() === "") return undefined;
+  const value = parseNumber(input.value);
+  if (value === undefined) throw new Error(`"${input.value}" ${t("not_a_number")}`);
+  return value;
+}
+
+function inUserUnits(input: HTMLInputElement, scale: Scale): number | undefined {
+  const value = typed(input);
+  return value === undefined ? undefined : toUserUnits(value, scale);
+}
+
+function attempt(model: Model, act: () => void): void {
+  try {
+    act();
+  } catch (error) {
+    model.outcome = { ok: false, text: (error as Error).message };
+  }
+}
+
+function checkbox(text: TextKey): { root: HTMLElement; input: HTMLInputElement } {
+  const input = h("input", { attributes: { type: "checkbox" } });
+  return { root: h("label", { class: "check" }, input, t(text)), input };
+}
+
+class Ramps {
+  readonly velocity = field(t("velocity"), { placeholder: t("as_set") });
+  readonly acceleration = field(t("acceleration"), { placeholder: t("as_set") });
+  readonly deceleration = field(t("deceleration"), { placeholder: t("as_set") });
+  readonly root = h("div", { class: "fields" }, this.velocity.root, this.acceleration.root, this.deceleration.root);
+
+  showUnits(scale: Scale): void {
+    put(this.velocity.unit, `${scale.name}/s`);
+    put(this.acceleration.unit, `${scale.name}/s²`);
+    put(this.deceleration.unit, `${scale.name}/s²`);
+  }
+
+  read(scale: Scale): object {
+    return {
+      velocity: inUserUnits(this.velocity.input, scale),
+      acceleration: inUserUnits(this.acceleration.input, scale),
+      deceleration: inUserUnits(this.deceleration.input, scale),
+    };
+  }
+}
+
+/** Moves one axis. */
+class MoveForm {
+  readonly root: HTMLElement;
+  private readonly target = field(t("target"), { value: "0", id: "move-target" });
+  private readonly ramps = new Ramps();
+  private readonly relative = checkbox("relative");
+  private readonly queue = checkbox("queue");
+
+  constructor(
+    private readonly model: Model,
+    private readonly axis: () => AxisRef | undefined,
+  ) {
+    const form = h("form", {}, h("div", { class: "fields" }, this.target.root), this.ramps.root);
+    form.append(
+      h("div", { class: "line" }, this.relative.root, this.queue.root, h("button", { class: "primary", attributes: { "data-test": "move" } }, t("move"))),
+    );
+    form.addEventListener("submit", (event) => {
+      event.preventDefault();
+      attempt(model, () => this.move());
+    });
+    this.root = form;
+  }
+
+  update(): void {
+    const ref = this.axis();
+    if (ref === undefined) return;
+    const scale = this.model.scale(ref.axis);
+    put(this.target.unit, scale.name);
+    this.ramps.showUnits(scale);
+  }
+
+  private move(): void {
+    const ref = this.axis();
+    if (ref === undefined) return;
+    const scale = this.model.scale(ref.axis);
+    void this.model.command("/move", {
+      axis: addressOf(ref),
+      position: inUserUnits(this.target.input, scale) ?? 0,
+      relative: this.relative.input.checked,
+      queue: this.queue.input.checked,
+      ...this.ramps.read(scale),
+    });
+  }
+}
+
+/** Two buttons that move an axis while they are pressed. */
+class Jog {
+  readonly root: HTMLElement;
+  private readonly speed = field(t("velocity"), { value: "" });
+  private timer = 0;
+  private scaleName = "";
+
+  constructor(
+    private readonly model: Model,
+    private readonly axis: () => AxisRef | undefined,
+  ) {
+    const buttons = ([-1, 1] as const).map((sign) => {
+      const made = h("button", {
+        class: "jog",
+        title: t("jog_hint"),
+        attributes: { type: "button", "aria-label": t(sign < 0 ? "jog_minus" : "jog_plus"), "data-test": sign < 0 ? "jog-minus" : "jog-plus" },
+      }, sign < 0 ? "◀ −" : "+ ▶");
+      made.addEventListener("pointerdown", (event) => {
+        made.setPointerCapture(event.pointerId);
+        this.start(sign);
+      });
+      for (const end of ["pointerup", "pointercancel", "lostpointercapture", "blur", "keyup"]) {
+        made.addEventListener(end, () => this.end());
+      }
+      made.addEventListener("keydown", (event) => {
+        if ((event.key === " " || event.key === "Enter") && !event.repeat) this.start(sign);
+      });
+      made.addEventListener("contextmenu", (event) => event.preventDefault());
+      return made;
+    });
+    this.root = h("div", { class: "line" }, buttons[0], buttons[1], this.speed.root);
+  }
+
+  update(): void {
+    const ref = this.axis();
+    if (ref === undefined) return;
+    const scale = this.model.scale(ref.axis);
+    if (scale.name !== this.scaleName) {
+      // A tenth of a turn a second is slow enough for a first try.
+      const slow = (ref.axis.unit?.per ?? 4096) / 10;
+      this.speed.input.value = String(Number((slow * scale.factor).toFixed(scale.decimals)));
+      this.scaleName = scale.name;
+    }
+    put(this.speed.unit, `${scale.name}/s`);
+  }
+
+  end(): void {
+    if (this.timer === 0) return;
+    window.clearInterval(this.timer);
+    this.timer = 0;
+    const ref = this.axis();
+    if (ref !== undefined) void this.model.command("/jog", { axis: addressOf(ref), velocity: 0 });
+  }
+
+  private start(sign: number): void {
+    const ref = this.axis();
+    if (ref === undefined || this.timer !== 0) return;
+    attempt(this.model, () => {
+      const speed = inUserUnits(this.speed.input, this.model.scale(ref.axis)) ?? 0;
+      const velocity = sign * Math.abs(speed);
+      const send = async () => {
+        const answer = await this.model.connection.call("/jog", { axis: addressOf(ref), velocity });
+        if (answer.ok || this.timer === 0) return;
+        window.clearInterval(this.timer);
+        this.timer = 0;
+        this.model.outcome = { ok: false, text: `jog: ${answer.message}` };
+      };
+      this.timer = window.setInterval(() => void send(), JOG_EVERY_MS);
+      void send();
+    });
+  }
+}
+
+/** What acts on axes from outside. */
+class TestInputs {
+  readonly root: HTMLElement;
+  private built?: unknown;
+  private readAt = 0;
+  /** Grows with each command: what was read before it is old. */
+  private commands = 0;
+  private readonly shows = new Map<string, (value: number) => void>();
+
+  constructor(
+    private readonly model: Model,
+    private readonly axes: Axes,
+  ) {
+    this.root = h("div", { class: "inputs" });
+  }
+
+  update(now: number): void {
+    this.build();
+    if (now - this.readAt < INPUTS_EVERY_MS || !this.model.connected) return;
+    this.readAt = now;
+    if (this.axes().length === 1 && this.root.getClientRects().length > 0) void this.read();
+  }
+
+  /** Shows what acts on the axis, whoever has set it. */
+  private async read(): Promise<void> {
+    const before = this.commands;
+    const inputs = this.model.dictionary?.disturbances ?? [];
+    const answer = await this.model.connection.call("/read", {
+      axis: addresses(this.axes)[0],
+      objects: inputs.map((input) => input.object),
+    });
+    const values = (answer["values"] ?? []) as { value?: number; code?: number }[];
+    if (before !== this.commands) return;
+    values.forEach(({ value, code }, i) => {
+      if (value !== undefined && (code ?? 0) === 0) this.shows.get(inputs[i].name)?.(value);
+    });
+  }
+
+  private build(): void {
+    if (this.built === this.model.dictionary || this.model.dictionary === undefined) return;
+    this.built = this.model.dictionary;
+    const rows: Node[] = [];
+    for (const input of this.model.dictionary.disturbances ?? []) {
+      if (input.name === "load_torque") rows.push(this.slider());
+      else rows.push(input.kind === "switch" ? this.toggle(input.name) : this.choice(input));
+    }
+    rows.push(
+      button(t("end_disturbances"), () => void this.end(), { attributes: { "data-test": "end_disturbances" } }),
+    );
+    this.root.replaceChildren(...rows);
+  }
+
+  private async end(): Promise<void> {
+    ++this.commands;
+    const answer = await this.model.command("/end_disturbances", { axes: addresses(this.axes) });
+    if (!answer.ok) return;
+    for (const show of this.shows.values()) show(0);
+  }
+
+  private async disturb(name: string, value: number): Promise<boolean> {
+    ++this.commands;
+    let ok = true;
+    for (const axis of addresses(this.axes)) {
+      ok = (await this.model.command("/disturb", { axis, name, value })).ok && ok;
+    }
+    ++this.commands;
+    return ok;
+  }
+
+  private toggle(name: string): HTMLElement {
+    const input = h("input", { attributes: { type: "checkbox", role: "switch", "data-test": name } });
+    input.addEventListener("change", () => {
+      const wanted = input.checked;
+      void this.disturb(name, wanted ? 1 : 0).then((ok) => {
+        if (!ok) input.checked = !wanted;
+      });
+    });
+    this.shows.set(name, (value) => (input.checked = value !== 0));
+    return h("label", { class: "switch" }, input, h("span", { class: "knob" }), isTextKey(name) ? t(name) : name);
+  }
+
+  /** An input with a few values, of which 0 is off. */
+  private choice(input: Disturbance): HTMLElement {
+    const label = isTextKey(input.name) ? t(input.name) : input.name;
+    const values = Array.from({ length: input.maximum + 1 }, (_, value) => String(value));
+    const made = select(
+      label,
+      values.map((value) => ({ value, text: value })),
+      "0",
+      (value) => void this.disturb(input.name, Number(value)),
+    );
+    made.dataset["test"] = input.name;
+    this.shows.set(input.name, (value) => (made.value = String(value)));
+    return h("label", { class: "choice" }, made, label);
+  }
+
+  private slider(): HTMLElement {
+    const input = h("input", {
+      attributes: { type: "range", min: "-9", max: "9", step: "0.1", value: "0", "aria-label": t("load_torque") },
+    });
+    const value = h("span", { class: "number" }, "0.0 N·m");
+    const show = () => put(value, `${Number(input.value).toFixed(1).replace("-", "−")} N·m`);
+    input.addEventListener("input", () => {
+      ++this.commands; // while it is dragged
+      show();
+    });
+    this.shows.set("load_torque", (torque) => {
+      input.value = String(torque / 1000);
+      show();
+    });
+    input.addEventListener("change", () => void this.disturb("load_torque", Math.round(Number(input.value) * 1000)));
+    return h("label", { class: "slider" }, h("span", {}, t("load_torque")), input, value);
+  }
+}
+
+/** Every control of some axes; those that move one axis, when there is one. */
+export class Commands implements View {
+  readonly root: HTMLElement;
+  private readonly need = h("p", { class: "need" });
+  private readonly move: MoveForm;
+  private readonly jog: Jog;
+  private readonly inputs: TestInputs;
+  private readonly jogGroup: HTMLFieldSetElement;
+  private readonly groups: HTMLFieldSetElement[];
+
+  constructor(
+    private readonly model: Model,
+    private readonly axes: Axes,
+  ) {
+    const one = () => axes()[0];
+    this.move = new MoveForm(model, one);
+    this.jog = new Jog(model, one);
+    this.inputs = new TestInputs(model, axes);
+    const services = (names: [string, TextKey][], careful = false) =>
+      h("div", { class: "line" }, ...names.map(([service, text]) => serviceButton(model, axes, service, text, careful)));
+    const home = button(t("home"), () => void this.home());
+    const motion = services([["/halt", "halt"], ["/resume", "resume"], ["/quick_stop", "quick_stop"]]);
+    motion.append(home);
+    this.jogGroup = group("jog", this.jog.root);
+    this.groups = [
+      group("power", services([["/enable", "enable"], ["/disable", "disable"], ["/reset", "reset"]])),
+      group("motion", this.move.root, motion),
+      this.jogGroup,
+      group("test_inputs", this.inputs.root),
+      group("memory", services([["/store", "store"], ["/restore", "restore"], ["/power_cycle", "power_cycle"]], true)),
+    ];
+    this.root = h("section", { class: "panel commands" }, h("h3", {}, t("control")), this.need, ...this.groups);
+  }
+
+  update(now: number): void {
+    const { control, connected } = this.model;
+    const may = control.enabled && control.you && connected;
+    for (const group of this.groups) if (group.disabled === may) group.disabled = !may;
+    put(this.need, may ? "" : control.enabled ? t("need_control") : t("view_only"));
+    const single = this.axes().length === 1; // several axes move as a group
+    this.move.root.hidden = !single;
+    this.jogGroup.hidden = !single;
+    this.move.update();
+    this.jog.update();
+    this.inputs.update(now);
+  }
+
+  close(): void {
+    this.jog.end();
+  }
+
+  private async home(): Promise<void> {
+    for (const axis of addresses(this.axes)) await this.model.command("/home", { axis });
+  }
+}
+
+/** Targets of several axes that arrive together. */
+export class GroupMove implements View {
+  readonly root: HTMLElement;
+  private readonly list = h("div", { class: "targets" });
+  private readonly velocity = field(t("velocity"), { placeholder: t("as_set") });
+  private readonly fields = new Map<string, ReturnType<typeof field>>();
+  private readonly fieldset: HTMLFieldSetElement;
+  private shown = "";
+
+  constructor(
+    private readonly model: Model,
+    private readonly axes: Axes,
+  ) {
+    const form = h(
+      "form",
+      {},
+      this.list,
+      h("div", { class: "line" }, this.velocity.root, h("button", { class: "primary", attributes: { "data-test": "move_group" } }, t("move"))),
+    );
+    form.addEventListener("submit", (event) => {
+      event.preventDefault();
+      attempt(model, () => this.go());
+    });
+    this.fieldset = group("group_move", h("p", { class: "hint" }, t("group_hint")), form);
+    this.root = h("section", { class: "panel" }, this.fieldset);
+  }
+
+  update(): void {
+    const { control, connected } = this.model;
+    const axes = this.axes();
+    this.root.hidden = axes.length < 2;
+    const may = control.enabled && control.you && connected;
+    if (this.fieldset.disabled === may) this.fieldset.disabled = !may;
+    const wanted = axes.map(addressOf).join(" ") + String(this.model.settings.axisUnits);
+    if (wanted === this.shown) return;
+    this.shown = wanted;
+    this.fields.clear();
+    for (const ref of axes) {
+      const made = field(`${addressOf(ref)} ${ref.axis.name}`, { unit: () => this.model.scale(ref.axis).name });
+      this.fields.set(addressOf(ref), made);
+    }
+    if (axes.length > 0) put(this.velocity.unit, `${this.model.scale(axes[0].axis).name}/s`);
+    this.list.replaceChildren(...[...this.fields.values()].map((made) => made.root));
+  }
+
+  private go(): void {
+    const axes = this.axes();
+    const moves = axes.flatMap((ref) => {
+      const made = this.fields.get(addressOf(ref));
+      const position = made === undefined ? undefined : inUserUnits(made.input, this.model.scale(ref.axis));
+      return position === undefined ? [] : [{ axis: addressOf(ref), position }];
+    });
+    const scale = this.model.scale(axes[0].axis);
+    void this.model.command("/move_group", { moves, velocity: inUserUnits(this.velocity.input, scale) });
+  }
+}
+
+/** Pause, rate and steps of one bench. */
+export class BenchClock implements View {
+  readonly root: HTMLElement;
+  private readonly text = h("p", { class: "clock-text" });
+  private readonly fieldset: HTMLFieldSetElement;
+  private readonly rateLine: HTMLElement;
+  private readonly stepLine: HTMLElement;
+
+  constructor(
+    private readonly model: Model,
+    private readonly bench: number,
+  ) {
+    const rate = field(t("rate"), { value: "1" });
+    put(rate.unit, "×");
+    const ticks = field(t("step"), { value: "100" });
+    put(ticks.unit, t("ticks"));
+    const call = (service: string, more: object = {}) => void model.command(service, { bench, ...more });
+    this.stepLine = h(
+      "div",
+      { class: "line", title: t("step_hint") },
+      ticks.root,
+      button(t("step"), () => attempt(model, () => call("/step", { ticks: typed(ticks.input) ?? 1 })), { attributes: { "data-test": "step" } }),
+    );
+    this.rateLine = h(
+      "div",
+      { class: "line" },
+      button(t("pause_clock"), () => call("/pause"), { attributes: { "data-test": "pause_clock" } }),
+      button(t("run_clock"), () => call("/rate", { rate: 1 })),
+      rate.root,
+      button(t("set"), () => attempt(model, () => call("/rate", { rate: typed(rate.input) ?? 1 }))),
+    );
+    this.fieldset = h(
+      "fieldset",
+      {},
+      h("legend", {}, `${t("clock")} ${bench}`),
+      this.text,
+      this.rateLine,
+      this.stepLine,
+    );
+    this.root = h("section", { class: "panel" }, this.fieldset);
+  }
+
+  update(): void {
+    const { control, connected } = this.model;
+    const may = control.enabled && control.you && connected;
+    if (this.fieldset.disabled === may) this.fieldset.disabled = !may;
+    const state = this.model.benches.get(this.bench)?.state;
+    if (state === undefined) return;
+    const steps = state.clock_mode === "lockstep";
+    const rate = steps ? "" : state.rate === 0 ? `${t("paused")}, ` : `× ${state.rate}, `;
+    put(this.text, `${state.clock_mode}, ${rate}${t("tick")} ${state.tick}`);
+    this.stepLine.hidden = !steps;
+    this.rateLine.hidden = steps;
+  }
+}

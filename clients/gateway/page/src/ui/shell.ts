@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+// The frame of every view: where one is, who has control, the stop.
+
+import { setLanguage, t } from "../i18n";
+import { addressOf, type AxisRef, type Model, type Theme } from "../model";
+import { Trace } from "../trace";
+import { AxisView } from "./axis";
+import { ControlView } from "./control";
+import { button, h, mark, put, select, type View } from "./dom";
+import { Overview, overviewMemory } from "./overview";
+
+const SILENT_FROM_MS = 1_000;
+
+export class Shell {
+  private readonly memory = overviewMemory();
+  private view?: View;
+  /** outlives its view when that is built again in another language or unit */
+  private trace?: Trace;
+  private traceKey = "";
+  private viewKey = "";
+  private lastAxis?: string;
+  private readonly main = h("main");
+  private readonly links = new Map<string, HTMLAnchorElement>();
+  private readonly lamp = h("span", { class: "lamp" });
+  private readonly link = h("span");
+  private readonly clock = h("span", { class: "number bench-clock" });
+  private readonly banner = h("p", { class: "banner", attributes: { role: "alert" } });
+  private readonly holder = h("span", { class: "holder" });
+  private readonly takeButton = button("", () => this.take(), { class: "take", attributes: { "data-test": "take" } });
+  private readonly stopButton = button("", () => this.stop(), { class: "stop", attributes: { "data-test": "stop" } });
+  private readonly outcome = h("p", { class: "outcome", attributes: { role: "status" } });
+  private version = -1;
+
+  constructor(
+    private readonly model: Model,
+    private readonly app: HTMLElement,
+  ) {
+    setLanguage(model.settings.language);
+    this.applyTheme();
+    this.build();
+    window.addEventListener("hashchange", () => this.route());
+    document.addEventListener("keydown", (event) => this.key(event), { capture: true });
+    const frame = (now: number) => {
+      this.update(now);
+      requestAnimationFrame(frame);
+    };
+    requestAnimationFrame(frame);
+  }
+
+  private build(): void {
+    const nav = h("nav", { attributes: { "aria-label": "vdrive" } });
+    for (const [key, href] of [["overview", "#/"], ["axis", "#/axis"], ["control", "#/control"]] as const) {
+      const link = h("a", { attributes: { href } }, t(key));
+      this.links.set(key, link);
+      nav.append(link);
+    }
+    put(this.stopButton, t("stop"));
+    this.stopButton.title = t("stop_hint");
+    this.stopButton.setAttribute("aria-label", `${t("stop")}: ${t("stop_hint")}`);
+    const { settings } = this.model;
+    const theme = select(
+      t("theme"),
+      (["auto", "light", "dark"] as const).map((value) => ({ value, text: t(`theme_${value}`) })),
+      settings.theme,
+      (value) => {
+        settings.theme = value as Theme;
+        this.model.saveSettings();
+        this.applyTheme();
+        this.view?.redraw?.();
+      },
+    );
+    const language = select(
+      t("language"),
+      [{ value: "en", text: "English" }, { value: "zh", text: "中文" }],
+      settings.language,
+      (value) => {
+        settings.language = value === "zh" ? "zh" : "en";
+        this.settingsChanged();
+      },
+    );
+    const units = select(
+      t("units"),
+      [{ value: "user", text: t("units_user") }, { value: "axis", text: t("units_axis") }],
+      settings.axisUnits ? "axis" : "user",
+      (value) => {
+        settings.axisUnits = value === "axis";
+        this.settingsChanged();
+      },
+    );
+    const header = h(
+      "header",
+      {},
+      h("h1", {}, "vdrive"),
+      nav,
+      h("div", { class: "link" }, this.lamp, this.link, this.clock),
+      h("div", { class: "settings" }, units, language, theme),
+      h("div", { class: "holding" }, this.holder, this.takeButton),
+      this.stopButton,
+    );
+    this.app.replaceChildren(header, this.banner, this.main, h("footer", {}, this.outcome));
+    this.viewKey = "";
+    this.version = -1;
+    this.route();
+  }
+
+  private settingsChanged(): void {
+    this.model.saveSettings();
+    setLanguage(this.model.settings.language);
+    this.build();
+  }
+
+  private applyTheme(): void {
+    const { theme } = this.model.settings;
+    if (theme === "auto") delete document.documentElement.dataset["theme"];
+    else document.documentElement.dataset["theme"] = theme;
+  }
+
+  private route(): void {
+    const [, view = "", address = ""] = location.hash.split("/");
+    const name = view === "axis" || view === "control" ? view : "overview";
+    const ref = name === "axis" ? this.axisOf(address) : undefined;
+    const incarnation = ref?.bench.description?.incarnation ?? "";
+    const key = `${name} ${ref === undefined ? "" : addressOf(ref)} ${incarnation}`;
+    for (const [link, element] of this.links) {
+      if (link === name) element.setAttribute("aria-current", "page");
+      else element.removeAttribute("aria-current");
+    }
+    if (key === this.viewKey) return;
+    this.viewKey = key;
+    this.view?.close?.();
+    this.keepTrace(key, ref);
+    this.view = this.make(name);
+    this.main.className = name;
+    this.main.replaceChildren(this.view.root);
+  }
+
+  private axisOf(address: string): AxisRef | undefined {
+    if (address !== "") this.lastAxis = address;
+    const wanted = address === "" ? (this.lastAxis ?? [...this.model.chosen][0]) : address;
+    return wanted === undefined ? this.model.axes()[0] : this.model.find(wanted);
+  }
+
+  private keepTrace(key: string, ref: AxisRef | undefined): void {
+    if (key === this.traceKey && this.trace !== undefined) return;
+    this.trace?.close();
+    this.traceKey = key;
+    this.trace = ref === undefined ? undefined : new Trace(this.model, ref);
+  }
+
+  private make(name: string): View {
+    if (name === "control") return new ControlView(this.model);
+    if (name === "overview") return new Overview(this.model, this.memory);
+    if (this.trace !== undefined) return new AxisView(this.model, this.trace);
+    return { root: h("p", { class: "nothing" }, t("choose_axis")), update: () => undefined };
+  }
+
+  private update(now: number): void {
+    if (this.version !== this.model.version) {
+      this.version = this.model.version;
+      this.route();
+      this.showControl();
+    }
+    this.showLink(now);
+    this.showOutcome();
+    this.view?.update(now);
+  }
+
+  private showLink(now: number): void {
+    const { connected } = this.model;
+    const benches = this.model.sortedBenches();
+    const silent = benches.filter((b) => b.state !== undefined && (!b.state.alive || this.model.age(b, now) > SILENT_FROM_MS));
+    const lamp = `lamp ${connected ? (silent.length > 0 ? "quick_stop" : "enabled") : "fault"}`;
+    if (this.lamp.className !== lamp) this.lamp.className = lamp;
+    put(this.link, connected ? t("connected") : t("connecting"));
+    const first = benches[0];
+    const time = first?.state === undefined ? "" : `${t("tick")} ${first.state.tick}`;
+    put(this.clock, time);
+    const silence = silent
+      .map((b) => `${b.description?.name ?? ""} (${b.number}) ${t("bench_silent")} ${(this.model.age(b, now) / 1000).toFixed(0)} s`)
+      .join(", ");
+    put(this.banner, connected ? silence : t("lost_banner"));
+    this.banner.hidden = connected && silence === "";
+    mark(document.body, "lost", !connected);
+  }
+
+  private showControl(): void {
+    const { control, connected } = this.model;
+    const able = control.enabled && connected;
+    this.stopButton.disabled = !able;
+    this.takeButton.hidden = !able;
+    mark(this.holder, "you", control.you);
+    if (!control.enabled) {
+      put(this.holder, t("view_only_short"));
+      this.holder.title = t("view_only");
+      return;
+    }
+    this.holder.title = "";
+    const held = control.holder !== "";
+    put(this.holder, control.you ? t("you_hold") : held ? `${t("held_by")} ${control.holder}` : t("nobody_holds"));
+    put(this.takeButton, control.you ? t("release") : held ? `${t("take_by_force")} ${control.holder}` : t("take"));
+  }
+
+  private showOutcome(): void {
+    const { outcome } = this.model;
+    put(this.outcome, outcome?.text ?? "");
+    const wanted = outcome === undefined ? "outcome" : outcome.ok ? "outcome good" : "outcome bad";
+    if (this.outcome.className !== wanted) this.outcome.className = wanted;
+  }
+
+  private take(): void {
+    const { control } = this.model;
+    if (control.you) void this.model.command("/release_control", {});
+    else void this.model.command("/take_control", { name: "page", force: control.holder !== "" });
+  }
+
+  private stop(): void {
+    void this.model.command("/quick_stop", {});
+  }
+
+  /** Escape ends a composition of Chinese characters too: that one does not stop the axes. */
+  private key(event: KeyboardEvent): void {
+    const escape = event.key === "Escape" && !event.isComposing && this.model.control.you;
+    if (!escape && !(event.ctrlKey && event.key === ".")) return;
+    event.preventDefault();
+    this.stop();
+  }
+}

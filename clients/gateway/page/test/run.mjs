@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// Runs the tests of the page's pure parts with node's own runner.
+import { build } from "esbuild";
+import { spawnSync } from "node:child_process";
+import { mkdtempSync, readdirSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { dirname, join } from "node:path";
+import { fileURLToPath } from "node:url";
+
+const here = dirname(fileURLToPath(import.meta.url));
+const sources = readdirSync(here).filter((name) => name.endsWith(".test.ts"));
+const work = mkdtempSync(join(tmpdir(), "vdrive-page-"));
+try {
+  await build({
+    entryPoints: sources.map((name) => join(here, name)),
+    bundle: true,
+    platform: "node",
+    format: "esm",
+    outdir: work,
+    outExtension: { ".js": ".mjs" },
+    logLevel: "warning",
+  });
+  const programs = sources.map((name) => join(work, name.replace(/\.ts$/, ".mjs")));
+  process.exitCode = spawnSync(process.execPath, ["--test", ...programs], { stdio: "inherit" }).status ?? 1;
+} finally {
+  rmSync(work, { recursive: true });
+}

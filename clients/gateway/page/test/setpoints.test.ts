@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+import { heldSetPoints } from "../src/data/setpoints";
+
+// Statuswords of Operation enabled, voltage on, remote: 0237h; bit 10 = 0400h, bit 12 = 1000h.
+const MOVING = 0x0237;
+const REACHED = 0x0637;
+const MOVING_ACKNOWLEDGED = 0x1237;
+
+test("a drive at its target holds no set-point", () => {
+  assert.deepEqual(heldSetPoints(0x0f, REACHED, 1), { active: 0, waiting: 0 });
+  assert.deepEqual(heldSetPoints(0x3f, REACHED | 0x1000, 1), { active: 0, waiting: 0 });
+});
+
+test("a drive that moves and acknowledges nothing has a free place", () => {
+  assert.deepEqual(heldSetPoints(0x0f, MOVING, 1), { active: 1, waiting: 0 });
+});
+
+test("an acknowledge that outlives bit 4 is a set-point that waits", () => {
+  assert.deepEqual(heldSetPoints(0x0f, MOVING_ACKNOWLEDGED, 1), { active: 1, waiting: 1 });
+});
+
+test("while bit 4 is up, bit 5 tells that none waits, and without it nobody knows", () => {
+  assert.deepEqual(heldSetPoints(0x3f, MOVING_ACKNOWLEDGED, 1), { active: 1, waiting: 0 });
+  assert.deepEqual(heldSetPoints(0x1f, MOVING_ACKNOWLEDGED, 1), { active: 1, waiting: undefined });
+});
+
+test("in another mode or state, and under halt, the words tell nothing of set-points", () => {
+  assert.equal(heldSetPoints(0x010f, REACHED, 1), undefined);
+  assert.equal(heldSetPoints(0x0f, MOVING, 3), undefined);
+  assert.equal(heldSetPoints(0x07, 0x0233, 1), undefined); // Switched on
+});

@@ -1,0 +1,399 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench_feed.hpp"
+
+#include "descriptions.hpp"
+#include "vdrive/cia402/power_state.hpp"
+#include "vdrive/client/axis.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace vdrive::gateway {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr milliseconds kIdle{50};
+constexpr milliseconds kRetry{200};
+constexpr milliseconds kStatePeriod{200};
+constexpr milliseconds kUrgentPeriod{5};
+constexpr milliseconds kRatingPeriod{200};
+constexpr std::size_t kLongestTrace = 1024;  // [ticks] of one message
+
+ChannelInfo ros_channel(std::string topic, bridge::MessageSchema schema) {
+  return {.id = next_channel_id(),
+          .topic = std::move(topic),
+          .encoding = "cdr",
+          .schema_name = std::move(schema.name),
+          .schema = std::move(schema.text),
+          .schema_encoding = "ros2msg"};
+}
+
+ChannelPointer make(ChannelInfo info) {
+  return std::make_shared<Channel>(std::move(info));
+}
+
+SharedBytes share(std::string bytes) {
+  return std::make_shared<const std::string>(std::move(bytes));
+}
+
+/// What is shown at once when it changes: the power state and the error.
+std::uint32_t news_of(const AxisStatus& status) {
+  constexpr std::uint32_t kErrorPlace = 8;
+  const auto state = static_cast<std::uint32_t>(decode_power_state(status.ds402_statusword));
+  return state | static_cast<std::uint32_t>(status.error_code) << kErrorPlace;
+}
+
+}  // namespace
+
+std::uint32_t next_channel_id() {
+  static std::atomic<std::uint32_t> last = 0;
+  return ++last;
+}
+
+std::vector<ChannelPointer> BenchChannels::all() const {
+  std::vector<ChannelPointer> channels{status, description, state, events, joints};
+  channels.insert(channels.end(), axis_status.begin(), axis_status.end());
+  channels.insert(channels.end(), axis_trace.begin(), axis_trace.end());
+  return channels;
+}
+
+BenchChannels bench_channels(const KnownBench& bench) {
+  const std::string topic = "/" + bench.topic + "/";
+  BenchChannels channels;
+  channels.status = make(ros_channel(topic + "status", bridge::bench_status_schema()));
+  channels.description = make(description_channel(topic + "description"));
+  channels.state = make(state_channel(topic + "state"));
+  channels.events = make(ros_channel(topic + "events", bridge::log_schema()));
+  channels.joints = make(ros_channel(topic + "joint_states", bridge::joint_states_schema()));
+  const bridge::MessageSchema status = bridge::axis_status_schema();
+  const bridge::MessageSchema trace = bridge::axis_trace_schema();
+  for (const std::string& name : bench.axis_names) {
+    channels.axis_status.push_back(make(ros_channel(topic + name + "/status", status)));
+    channels.axis_trace.push_back(make(ros_channel(topic + name + "/trace", trace)));
+  }
+  return channels;
+}
+
+BenchFeed::BenchFeed(client::Session& session, KnownBench bench, FeedSettings settings,
+                     Publish publish)
+    : session_(session),
+      settings_(settings),
+      publish_(std::move(publish)),
+      channels_(bench_channels(bench)),
+      bench_(std::move(bench)),
+      newest_sample_(Clock::now() - bench_.info.sample_age),
+      published_states_(bench_.info.axes.size()),
+      traces_(bench_.info.axes.size()) {
+  period_ = static_cast<std::uint64_t>(std::chrono::nanoseconds(bench_.info.period).count());
+  joints_.reserve(bench_.info.axes.size());
+  for (std::size_t i = 0; i < bench_.info.axes.size(); ++i) {
+    traces_[i].axis = bench_.info.axes[i].id.axis;
+    joints_.push_back({.name = bench_.axis_names[i],
+                       .si_per_user_unit = bridge::si_per_user_unit(bench_.info.axes[i].unit)});
+  }
+  thread_ = std::jthread([this](const std::stop_token& stop) {
+    run(stop);
+  });
+}
+
+BenchFeed::~BenchFeed() {
+  thread_.request_stop();
+  woken_.notify_all();
+}
+
+KnownBench BenchFeed::bench() const {
+  const std::scoped_lock lock(mutex_);
+  return bench_;
+}
+
+void BenchFeed::update(client::BenchInfo info) {
+  const std::scoped_lock lock(mutex_);
+  if (!are_same_axes(bench_.info, info)) return;
+  has_changed_ = has_changed_ || info.incarnation != bench_.info.incarnation;
+  newest_sample_ = Clock::now() - info.sample_age;
+  bench_.info = std::move(info);
+}
+
+void BenchFeed::note_alive(bool is_alive, milliseconds sample_age) {
+  const std::scoped_lock lock(mutex_);
+  is_alive_ = is_alive;
+  newest_sample_ = Clock::now() - sample_age;
+}
+
+std::chrono::nanoseconds BenchFeed::sample_age() const {
+  const std::scoped_lock lock(mutex_);
+  return Clock::now() - newest_sample_;
+}
+
+std::optional<milliseconds> BenchFeed::silence() const {
+  const std::scoped_lock lock(mutex_);
+  if (is_alive_) return std::nullopt;
+  return std::chrono::duration_cast<milliseconds>(Clock::now() - newest_sample_);
+}
+
+void BenchFeed::on_event(const client::Event& event) {
+  if (!channels_.events->is_wanted()) return;
+  std::string name;
+  {
+    const std::scoped_lock lock(mutex_);
+    name = bench_.topic;
+    for (std::size_t i = 0; i < bench_.info.axes.size(); ++i) {
+      if (bench_.info.axes[i].id.axis == event.axis) name += "/" + bench_.axis_names[i];
+    }
+  }
+  const std::uint64_t time = time_of(event.tick);
+  Batch batch{.bench = event.bench, .time = time, .publications = {}};
+  batch.publications.push_back({channels_.events, share(bridge::encode_event(event, name, time))});
+  publish_(std::move(batch));
+}
+
+void BenchFeed::rest(milliseconds duration, const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  woken_.wait_for(lock, stop, duration, [] {
+    return false;
+  });
+}
+
+void BenchFeed::run(const std::stop_token& stop) {
+  const auto period = std::chrono::duration_cast<Clock::duration>(
+      std::chrono::duration<double>(1.0 / settings_.rate));
+  Clock::time_point due = Clock::now();
+  while (!stop.stop_requested()) {
+    if (*settings_.clients == 0) {
+      follower_.reset();
+      rest(kIdle, stop);
+      continue;
+    }
+    publish_description();
+    publish_state(Clock::now());
+    if (!is_stream_wanted()) {
+      follower_.reset();
+      newest_.reset();
+      rest(kIdle, stop);
+      continue;
+    }
+    if (!follower_ && !open_follower()) {
+      rest(kRetry, stop);
+      continue;
+    }
+    // A late message does not shift those that follow, unless it is later than a whole period.
+    due = std::max(due + period, Clock::now());
+    follow(due);
+    publish_axes();
+  }
+}
+
+bool BenchFeed::is_stream_wanted() const {
+  const auto is_wanted = [](const ChannelPointer& channel) {
+    return channel->is_wanted();
+  };
+  return channels_.status->is_wanted() || channels_.joints->is_wanted() ||
+         std::ranges::any_of(channels_.axis_status, is_wanted) ||
+         std::ranges::any_of(channels_.axis_trace, is_wanted);
+}
+
+bool BenchFeed::open_follower() {
+  std::vector<client::AxisId> axes;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (!is_alive_) return false;
+    axes.reserve(bench_.info.axes.size());
+    for (const client::AxisInfo& axis : bench_.info.axes) axes.push_back(axis.id);
+  }
+  auto follower = session_.follow(std::move(axes), client::Pace::observe);
+  if (!follower) return false;
+  follower_.emplace(std::move(*follower));
+  newest_.reset();
+  next_rating_ = 0;
+  choose_traces();
+  return true;
+}
+
+/// Takes ticks until `until`, or until something has to be published at once.
+void BenchFeed::follow(Clock::time_point until) {
+  const Clock::time_point begin = Clock::now();
+  while (true) {
+    const auto now = Clock::now();
+    if (is_urgent_ && now - begin >= kUrgentPeriod) return;
+    const auto left = std::chrono::ceil<milliseconds>(until - now);
+    auto observation = follower_->next(std::clamp(left, milliseconds(0), kIdle));
+    if (observation) {
+      take(std::move(*observation));
+      const bool is_full = !traced_.empty() && traces_[traced_[0]].ticks.size() >= kLongestTrace;
+      if (is_full) return;
+      continue;
+    }
+    if (observation.outcome().kind() != client::OutcomeKind::timed_out) {
+      follower_.reset();  // the service fell silent or is another run
+      return;
+    }
+    if (left.count() <= 0) return;
+  }
+}
+
+void BenchFeed::take(client::Observation&& observation) {
+  if (newest_) missed_ += observation.missed;
+  trace(observation);
+  is_urgent_ = is_urgent_ || has_news(observation);
+  newest_ = std::move(observation);
+  is_new_ = true;
+}
+
+bool BenchFeed::has_news(const client::Observation& observation) const {
+  for (std::size_t i = 0; i < observation.axes.size(); ++i) {
+    if (news_of(observation.axes[i].status) != published_states_[i]) return true;
+  }
+  return false;
+}
+
+void BenchFeed::trace(const client::Observation& observation) {
+  for (const std::size_t place : traced_) {
+    traces_[place].ticks.push_back(observation.tick);
+    traces_[place].status.push_back(observation.axes[place].status);
+  }
+}
+
+void BenchFeed::choose_traces() {
+  traced_.clear();
+  for (std::size_t i = 0; i < channels_.axis_trace.size(); ++i) {
+    traces_[i].ticks.clear();
+    traces_[i].status.clear();
+    if (channels_.axis_trace[i]->is_wanted()) traced_.push_back(i);
+  }
+}
+
+/// While time stands still no tick comes, and who subscribes then wants to see something too.
+void BenchFeed::observe_once() {
+  std::vector<client::AxisId> axes;
+  {
+    const std::scoped_lock lock(mutex_);
+    for (const client::AxisInfo& axis : bench_.info.axes) axes.push_back(axis.id);
+  }
+  auto observation = session_.observe(axes);
+  if (!observation) return;
+  newest_ = std::move(*observation);
+  is_new_ = true;
+}
+
+void BenchFeed::publish_axes() {
+  if (!follower_) return;
+  const auto wants_now = [](const ChannelPointer& channel) {
+    return channel->is_wanted_now.load();
+  };
+  const bool is_first = wants_now(channels_.status) || wants_now(channels_.joints) ||
+                        std::ranges::any_of(channels_.axis_status, wants_now);
+  if (is_first && !newest_) observe_once();
+  if (!newest_ || (!is_new_ && !is_first)) return;
+  Batch batch{
+      .bench = newest_->axes.front().id.bench, .time = time_of(newest_->tick), .publications = {}};
+  add_axes(batch);
+  add_traces(batch);
+  for (std::size_t i = 0; i < newest_->axes.size(); ++i) {
+    published_states_[i] = news_of(newest_->axes[i].status);
+  }
+  is_new_ = false;
+  is_urgent_ = false;
+  publish_(std::move(batch));
+}
+
+void BenchFeed::add_axes(Batch& batch) {
+  const auto wants = [this](const ChannelPointer& channel) {
+    // The flag first: who subscribes after it was read sets it again.
+    const bool is_first = channel->is_wanted_now.exchange(false);
+    return channel->is_wanted() && (is_new_ || is_first);
+  };
+  if (wants(channels_.status)) {
+    batch.publications.push_back(
+        {channels_.status, share(bridge::encode_bench_status(*newest_, batch.time))});
+  }
+  if (wants(channels_.joints)) {
+    refresh_joints(Clock::now());
+    batch.publications.push_back(
+        {channels_.joints, share(bridge::encode_joint_states(*newest_, joints_, batch.time))});
+  }
+  for (std::size_t i = 0; i < channels_.axis_status.size(); ++i) {
+    if (!wants(channels_.axis_status[i])) continue;
+    batch.publications.push_back({channels_.axis_status[i],
+                                  share(bridge::encode_axis_status(newest_->axes[i], batch.time))});
+  }
+}
+
+/// The first message has the efforts of all axes. Their ratings hardly ever change: later ones come
+/// one at a time.
+void BenchFeed::refresh_joints(Clock::time_point now) {
+  if (next_rating_ != 0 && now < rating_due_) return;
+  rating_due_ = now + kRatingPeriod;
+  const std::size_t count = next_rating_ < joints_.size() ? joints_.size() : 1;
+  for (std::size_t i = 0; i < count; ++i) read_rating(next_rating_++ % joints_.size());
+}
+
+void BenchFeed::read_rating(std::size_t place) {
+  using namespace literals;
+  constexpr std::array kRating{vdrive::describe("motor_rated_torque"_object).address,
+                               vdrive::describe("gear_ratio_numerator"_object).address,
+                               vdrive::describe("gear_ratio_denominator"_object).address};
+  const client::AxisInfo info = bench().info.axes[place];
+  const auto axis = session_.axis(to_string(info.id));
+  if (!axis) return;
+  const auto readings = axis->read(kRating);
+  if (!readings) return;
+  const std::vector<client::ObjectReading>& values = readings->objects;
+  joints_[place].effort_per_mille =
+      bridge::effort_per_mille(info.unit, {.motor_rated_torque = values[0].value,
+                                           .gear_ratio_numerator = values[1].value,
+                                           .gear_ratio_denominator = values[2].value});
+}
+
+void BenchFeed::add_traces(Batch& batch) {
+  for (const std::size_t place : traced_) {
+    bridge::Trace& trace = traces_[place];
+    if (trace.ticks.empty()) continue;
+    trace.missed = missed_;
+    batch.publications.push_back(
+        {channels_.axis_trace[place], share(bridge::encode_axis_trace(trace, batch.time))});
+  }
+  choose_traces();
+}
+
+void BenchFeed::publish_description() {
+  Batch batch;
+  {
+    const std::scoped_lock lock(mutex_);
+    const bool is_first = channels_.description->is_wanted_now.exchange(false);
+    const bool has_changed = std::exchange(has_changed_, false);
+    if (!channels_.description->is_wanted() || !(is_first || has_changed)) return;
+    batch.bench = bench_.info.number;
+    batch.time = time_of(bench_.info.tick);
+    batch.publications.push_back({channels_.description, share(description_text(bench_))});
+  }
+  publish_(std::move(batch));
+}
+
+/// Also without a receiver, as the clock of the tools, and while the bench is silent.
+void BenchFeed::publish_state(Clock::time_point now) {
+  const bool is_first = channels_.state->is_wanted_now.exchange(false);
+  if (!is_first && now < next_state_) return;
+  next_state_ = now + kStatePeriod;
+  const std::uint32_t number = bench().info.number;
+  for (client::BenchInfo& present : session_.present_benches()) {
+    if (present.number == number) update(std::move(present));
+  }
+  const KnownBench known = bench();
+  Batch batch{.bench = known.info.number, .time = time_of(known.info.tick), .publications = {}};
+  if (channels_.state->is_wanted()) {
+    batch.publications.push_back(
+        {channels_.state,
+         share(state_text(known.info, batch.time,
+                          std::chrono::duration_cast<milliseconds>(sample_age()), !silence()))});
+  }
+  publish_(std::move(batch));
+}
+
+std::uint64_t BenchFeed::time_of(std::uint64_t tick) const {
+  return tick * period_;
+}
+
+}  // namespace vdrive::gateway

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "bench_feed.hpp"
+
+#include <condition_variable>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace vdrive::gateway {
+
+/// What happens to benches. Called in threads of the gateway; may not wait.
+struct BenchEvents {
+  std::function<void(std::uint32_t bench, std::vector<ChannelPointer> channels)> came;
+  std::function<void(std::uint32_t bench, std::vector<ChannelPointer> channels)> went;
+  Publish publish;
+};
+
+/// What is known of a bench that has topics.
+struct BenchSight {
+  std::uint32_t number = 0;
+  bool is_alive = false;
+  std::chrono::nanoseconds sample_age{};  ///< of its newest sample
+};
+
+/// Finds benches as they come and go, and keeps a feed for each. A bench that falls silent keeps
+/// its topics for a minute; one that announces its end loses them at once.
+class BenchWatch {
+ public:
+  /// @param session outlives the watch
+  BenchWatch(client::Session& session, FeedSettings settings, BenchEvents events);
+  ~BenchWatch();
+  BenchWatch(const BenchWatch&) = delete;
+  BenchWatch& operator=(const BenchWatch&) = delete;
+
+  /// @return the benches that have topics now. Any thread.
+  [[nodiscard]] BenchList benches() const;
+
+  /// @return them as they are at this moment. Any thread.
+  [[nodiscard]] std::vector<BenchSight> sights() const;
+
+ private:
+  void run(const std::stop_token& stop);
+  void reconcile(std::vector<client::BenchInfo> found);
+  void add(client::BenchInfo info);
+  void remove(std::uint32_t bench);
+  void remove_silent();
+  void on_change(const client::ServiceChange& change);
+  void refresh();
+
+  client::Session& session_;
+  const FeedSettings settings_;
+  const BenchEvents events_;
+  mutable std::mutex mutex_;  ///< guards what follows
+  std::map<std::uint32_t, std::shared_ptr<BenchFeed>> feeds_;
+  BenchList benches_ = std::make_shared<std::vector<KnownBench>>();
+  std::vector<std::uint32_t> offline_;  ///< benches that announced their end
+  std::condition_variable_any changed_;
+  bool has_changed_ = false;
+  std::jthread thread_;
+};
+
+}  // namespace vdrive::gateway

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "protocol.hpp"
+#include "web_server.hpp"
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+namespace vdrive::gateway {
+
+/// One subscription of one connection.
+struct Receiver {
+  ConnectionId connection = 0;
+  std::uint32_t subscription = 0;
+};
+
+/// A topic. Who publishes it reads whether anybody wants it; everything else is the hub's.
+struct Channel {
+  explicit Channel(ChannelInfo described) : info(std::move(described)) {}
+
+  const ChannelInfo info;
+  std::atomic<std::uint32_t> subscriptions = 0;
+  std::atomic<bool> is_wanted_now = false;  ///< somebody new waits for its first message
+  std::vector<Receiver> receivers{};        ///< of the hub's thread
+
+  /// @return whether anybody receives it.
+  [[nodiscard]] bool is_wanted() const noexcept { return subscriptions != 0; }
+};
+
+using ChannelPointer = std::shared_ptr<Channel>;
+
+/// A message for all who receive a channel.
+struct Publication {
+  ChannelPointer channel;
+  SharedBytes bytes;
+};
+
+/// What a bench has to publish at one time.
+struct Batch {
+  std::uint32_t bench = 0;
+  std::uint64_t time = 0;  ///< drive time [ns]
+  std::vector<Publication> publications;
+};
+
+using Publish = std::function<void(Batch batch)>;
+
+/// @return the next number for a channel; never the same twice in one run. Thread-safe.
+[[nodiscard]] std::uint32_t next_channel_id();
+
+}  // namespace vdrive::gateway

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "command_line.hpp"
+
+#include "hub.hpp"
+#include "page.hpp"
+#include "vdrive/number_text.hpp"
+#include "vdrive/text.hpp"
+#include "web_server.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <csignal>
+#include <exception>
+#include <fstream>
+#include <iostream>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace vdrive::gateway {
+namespace {
+
+constexpr int kDone = 0;
+constexpr int kFailed = 1;
+constexpr int kUsage = 2;
+constexpr double kLowestRate = 1.0;  // [1/s]
+constexpr double kHighestRate = 1000.0;
+constexpr std::size_t kShortestToken = 16;  // [characters]
+constexpr std::chrono::seconds kFind{1};
+constexpr std::chrono::seconds kFindClosed{5};
+
+class BadArguments : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+struct Arguments {
+  std::optional<std::uint32_t> domain;
+  std::vector<std::string> interfaces;
+  std::vector<std::string> peers;
+  std::vector<std::string> discovery_servers;
+  std::string security;
+  std::string listen = "127.0.0.1:8765";
+  std::string metrics;
+  bool control = false;
+  std::string token;
+  std::vector<std::string> hosts;
+  std::vector<std::string> origins;
+  double rate = 60.0;
+  std::size_t clients = 32;
+};
+
+void declare(CLI::App& app, Arguments& arguments) {
+  app.set_version_flag("--version", std::string("vdrive-gateway ") + VDRIVE_VERSION);
+  app.add_option("--domain", arguments.domain, "DDS domain, 0 to 232")
+      ->check(CLI::Range(0, 232))
+      ->type_name("N");
+  app.add_option("--interface", arguments.interfaces,
+                 "Own address in a network to use for DDS; default: loopback only")
+      ->type_name("ADDRESS");
+  app.add_option("--peer", arguments.peers, "Host searched for benches in addition to multicast")
+      ->type_name("ADDRESS");
+  app.add_option("--discovery-server", arguments.discovery_servers,
+                 "Such as 10.0.0.9:11811, instead of multicast and peers")
+      ->type_name("ADDRESS");
+  app.add_option("--security", arguments.security,
+                 "Closed mode: directory with certificate, key and permissions")
+      ->envname("VDRIVE_SECURITY")
+      ->type_name("DIR");
+  app.add_option("--listen", arguments.listen,
+                 "Address and port for browsers and tools; port 0 = any")
+      ->capture_default_str()
+      ->type_name("ADDRESS:PORT");
+  app.add_option("--metrics", arguments.metrics,
+                 "Serve Prometheus metrics at http://ADDRESS:PORT/metrics; port 0 = any")
+      ->type_name("ADDRESS:PORT");
+  app.add_flag("--control", arguments.control, "Clients may command; default: they only look");
+  app.add_option("--token", arguments.token,
+                 "File whose first line clients must send as ?token=...; needed off loopback")
+      ->type_name("FILE");
+  app.add_option("--host", arguments.hosts,
+                 "Name under which browsers reach this gateway, beside localhost and addresses")
+      ->type_name("NAME");
+  app.add_option("--origin", arguments.origins,
+                 "Page elsewhere that may connect, such as https://app.example.org")
+      ->type_name("ORIGIN");
+  app.add_option("--rate", arguments.rate, "Messages of a channel a second, 1 to 1000")
+      ->check(CLI::Range(kLowestRate, kHighestRate))
+      ->capture_default_str()
+      ->type_name("HZ");
+  app.add_option("--clients", arguments.clients, "Connections at a time, 1 to 1000")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str()
+      ->type_name("N");
+}
+
+bool is_loopback(const std::string& address) {
+  return address.starts_with("127.") || address == "::1";
+}
+
+ListenAddress read_address(std::string_view option, const std::string& text) {
+  const auto colon = text.rfind(':');
+  const auto port = colon == std::string::npos
+                        ? std::nullopt
+                        : parse_digits<std::uint16_t>(text.substr(colon + 1));
+  if (!port) {
+    throw BadArguments(std::string(option) + " " + in_quotes(text) +
+                       ": must be an address and a port, such as 127.0.0.1:8765");
+  }
+  ListenAddress listen{.address = text.substr(0, colon), .port = *port};
+  if (listen.address.starts_with('[') && listen.address.ends_with(']')) {
+    listen.address = listen.address.substr(1, listen.address.size() - 2);
+  }
+  return listen;
+}
+
+std::string read_token(const std::string& file) {
+  std::ifstream stream(file);
+  std::string token;
+  if (!stream || !std::getline(stream, token)) {
+    throw BadArguments("--token: cannot read " + in_quotes(file));
+  }
+  while (!token.empty() && (token.back() == '\r' || token.back() == ' ')) token.pop_back();
+  if (token.size() < kShortestToken ||
+      token.find_first_not_of(
+          "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_.~") !=
+          std::string::npos) {
+    throw BadArguments("--token: the first line of " + in_quotes(file) +
+                       " must have at least 16 letters, digits, '-', '_', '.' or '~'");
+  }
+  return token;
+}
+
+WebSettings web_settings(const Arguments& arguments) {
+  WebSettings settings;
+  settings.listen = read_address("--listen", arguments.listen);
+  if (!arguments.metrics.empty()) settings.metrics = read_address("--metrics", arguments.metrics);
+  settings.rules.hosts = arguments.hosts;
+  settings.rules.origins = arguments.origins;
+  settings.most_clients = arguments.clients;
+  if (!arguments.token.empty()) settings.rules.token = read_token(arguments.token);
+  if (!is_loopback(settings.listen.address) && settings.rules.token.empty()) {
+    throw BadArguments("--listen " + in_quotes(arguments.listen) +
+                       ": other machines reach this address, so that --token is needed");
+  }
+  return settings;
+}
+
+HubSettings hub_settings(const Arguments& arguments) {
+  HubSettings settings;
+  settings.rate = arguments.rate;
+  settings.is_control = arguments.control;
+  settings.is_token = !arguments.token.empty();
+  settings.session.domain = arguments.domain;
+  settings.session.interfaces = arguments.interfaces;
+  settings.session.peers = arguments.peers;
+  settings.session.discovery_servers = arguments.discovery_servers;
+  settings.session.security = arguments.security;
+  settings.session.find_timeout = arguments.security.empty() ? kFind : kFindClosed;
+  return settings;
+}
+
+std::string url_of(const std::string& address, std::uint16_t port) {
+  const bool is_v6 = address.find(':') != std::string::npos;
+  return "http://" + (is_v6 ? "[" + address + "]" : address) + ":" + std::to_string(port) + "/";
+}
+
+int serve(const Arguments& arguments) {
+  std::signal(SIGPIPE, SIG_IGN);  // NOLINT(cert-err33-c): it cannot fail for this signal
+  const WebSettings settings = web_settings(arguments);
+  WebServer server(settings, embedded_page());
+  Hub hub(server, hub_settings(arguments));
+  std::cout << "vdrive-gateway: " << url_of(settings.listen.address, server.port())
+            << (arguments.control ? " (clients may command)" : " (looking only)") << std::endl;
+  if (const auto port = server.metrics_port()) {
+    std::cout << "vdrive-gateway: " << url_of(settings.metrics->address, *port) << "metrics"
+              << std::endl;
+  }
+  server.run(hub.events());
+  return kDone;
+}
+
+}  // namespace
+
+int run_command_line(int argument_count, const char* const* argument_list) {
+  CLI::App app(
+      "Shows benches of virtual servo drives in a browser, Foxglove, Lichtblick and "
+      "PlotJuggler, by the Foxglove WebSocket protocol.",
+      "vdrive-gateway");
+  Arguments arguments;
+  declare(app, arguments);
+  try {
+    app.parse(argument_count, argument_list);
+    return serve(arguments);
+  } catch (const CLI::ParseError& error) {
+    const bool is_help = app.exit(error) == 0;
+    std::cout.flush();  // the program ends without
+    return is_help ? kDone : kUsage;
+  } catch (const BadArguments& error) {
+    std::cerr << "vdrive-gateway: " << error.what() << '\n';
+    return kUsage;
+  } catch (const std::exception& error) {
+    std::cerr << "vdrive-gateway: " << error.what() << '\n';
+    return kFailed;
+  }
+}
+
+}  // namespace vdrive::gateway

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "directory.hpp"
+#include "protocol.hpp"
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+namespace vdrive::gateway {
+
+/// The topics whose messages are JSON, with their schemas, and the messages themselves.
+
+[[nodiscard]] ChannelInfo description_channel(std::string topic);
+[[nodiscard]] std::string description_text(const KnownBench& bench);
+
+[[nodiscard]] ChannelInfo state_channel(std::string topic);
+
+/// @param time drive time [ns]
+/// @param age of the newest sample
+[[nodiscard]] std::string state_text(const client::BenchInfo& bench, std::uint64_t time,
+                                     std::chrono::milliseconds age, bool is_alive);
+
+/// Who commands through this gateway.
+struct ControlState {
+  bool is_enabled = false;  ///< the gateway lets clients command
+  std::string holder;       ///< name of the connection that does; empty = none
+  std::uint64_t session = 0;
+  std::uint64_t taken_at = 0;  ///< [ns since the epoch]
+};
+
+[[nodiscard]] ChannelInfo control_channel();
+
+/// @param name of the connection that receives the message
+/// @param is_holder whether it holds control
+[[nodiscard]] std::string control_text(const ControlState& control, const std::string& name,
+                                       bool is_holder);
+
+[[nodiscard]] ChannelInfo dictionary_channel();
+
+/// @return objects, modes, errors, bits and test-bench inputs, from the tables of the core.
+[[nodiscard]] std::string dictionary_text();
+
+/// JSON schemas.
+
+/// An object with these properties, all of them required unless they end with '?'.
+[[nodiscard]] Json object_schema(
+    std::initializer_list<std::pair<std::string_view, Json>> properties);
+
+/// @param type of JSON schema, such as "integer"
+[[nodiscard]] Json type_schema(std::string_view type);
+[[nodiscard]] Json array_schema(Json items);
+
+}  // namespace vdrive::gateway

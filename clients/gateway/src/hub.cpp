@@ -1,0 +1,646 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hub.hpp"
+
+#include "metrics.hpp"
+#include "vdrive/number_text.hpp"
+#include "vdrive/text.hpp"
+#include "vdrive/wording.hpp"
+
+#include <algorithm>
+#include <random>
+#include <stdexcept>
+#include <utility>
+
+namespace vdrive::gateway {
+namespace {
+
+using client::Outcome;
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+constexpr milliseconds kTidyPeriod{500};
+constexpr milliseconds kParameterPoll{500};  // at most twice a second
+constexpr milliseconds kGraphPeriod{500};
+constexpr milliseconds kTimePeriod{50};
+constexpr milliseconds kPatienceOfHolder{2000};
+constexpr std::size_t kMostBatches = 256;  // under way to the server's thread
+constexpr std::size_t kMostSubscriptions = 16'384;
+constexpr std::size_t kMostParameters = 512;
+constexpr std::size_t kLongestName = 64;
+// What the drive itself says when somebody else holds an axis.
+constexpr std::uint32_t kControlled = wire_code(AbortCode::refused_local_control);
+constexpr std::uint32_t kOwnChannels = 0;  // no bench has this number
+
+std::string random_text() {
+  std::random_device device;
+  return session_text((std::uint64_t{device()} << 32U) | device());
+}
+
+SharedBytes share(std::string text) {
+  return std::make_shared<const std::string>(std::move(text));
+}
+
+Frame text_frame(SharedBytes text) {
+  Frame frame;
+  frame.is_text = true;
+  frame.body = std::move(text);
+  return frame;
+}
+
+SharedBytes advertisement(const std::vector<ChannelPointer>& channels) {
+  std::vector<ChannelInfo> infos;
+  infos.reserve(channels.size());
+  for (const ChannelPointer& channel : channels) infos.push_back(channel->info);
+  return share(advertise_text(infos));
+}
+
+std::uint64_t wall_time() {
+  return static_cast<std::uint64_t>(
+      std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count());
+}
+
+std::string name_of_bench(const std::string& topic) {
+  return topic.substr(1, topic.find('/', 1) - 1);
+}
+
+/// The request of a service: an object; nothing at all stands for an empty one.
+Json parse_request(const CallService& message) {
+  if (message.encoding != "json") {
+    throw ProtocolError("the encoding " + in_quotes(message.encoding) + R"( is not "json")");
+  }
+  if (message.payload.empty()) return Json::object();
+  Json request = Json::parse(message.payload, nullptr, false);
+  if (!request.is_object()) throw ProtocolError("the request is no JSON object");
+  return request;
+}
+
+/// Carries a service out. What is wrong with the request is an answer too.
+CallAnswer carry_out(const ServiceRow& row, client::Session& session, const Json& request) {
+  try {
+    return row.call(session, request);
+  } catch (const ProtocolError& error) {
+    return {.outcome = Outcome::failed(error.what())};
+  }
+}
+
+}  // namespace
+
+Hub::Hub(WebServer& server, HubSettings settings)
+    : server_(server),
+      settings_(std::move(settings)),
+      run_(random_text()),
+      session_(settings_.session),
+      control_(settings_.is_control),
+      control_channel_(std::make_shared<Channel>(control_channel())),
+      dictionary_channel_(std::make_shared<Channel>(dictionary_channel())),
+      dictionary_(share(dictionary_text())),
+      services_(share(advertise_services_text(service_infos()))) {
+  channels_[control_channel_->info.id] = control_channel_;
+  channels_[dictionary_channel_->info.id] = dictionary_channel_;
+  advertisements_[kOwnChannels] = advertisement({control_channel_, dictionary_channel_});
+  server_.every(kTidyPeriod, [this] {
+    control_.forget_ended();
+    forget_workers();
+  });
+  server_.every(kParameterPoll, [this] {
+    poll_parameters();
+  });
+  server_.every(kGraphPeriod, [this] {
+    if (std::exchange(has_graph_changed_, false)) send_graphs();
+  });
+  watch_.emplace(session_, FeedSettings{.rate = settings_.rate, .clients = &client_count_},
+                 BenchEvents{.came =
+                                 [this](std::uint32_t bench, std::vector<ChannelPointer> channels) {
+                                   server_.post([this, bench, channels = std::move(channels)] {
+                                     add(bench, channels);
+                                   });
+                                 },
+                             .went =
+                                 [this](std::uint32_t bench, std::vector<ChannelPointer> channels) {
+                                   server_.post([this, bench, channels = std::move(channels)] {
+                                     remove(bench, channels);
+                                   });
+                                 },
+                             .publish =
+                                 [this](Batch batch) {
+                                   post_batch(std::move(batch));
+                                 }});
+}
+
+/// After the server has ended: every connection is closed, nothing is posted any more.
+Hub::~Hub() {
+  session_.interrupt();
+  watch_.reset();
+}
+
+WebEvents Hub::events() {
+  return {.opened =
+              [this](ConnectionId id) {
+                on_open(id);
+              },
+          .received =
+              [this](ConnectionId id, bool is_text, std::string_view bytes) {
+                on_bytes(id, is_text, bytes);
+              },
+          .closed =
+              [this](ConnectionId id, bool is_graceful) {
+                on_close(id, is_graceful);
+              },
+          .metrics =
+              [this] {
+                return metrics();
+              }};
+}
+
+std::string Hub::metrics() const {
+  GatewayCounts counts{.web = server_.counters(),
+                       .channels = channels_.size(),
+                       .lost_batches = lost_batches_,
+                       .is_controlled = control_.holder().has_value(),
+                       .benches = watch_->sights()};
+  for (const auto& [id, channel] : channels_) {
+    counts.subscribed += channel->is_wanted() ? 1U : 0U;
+    counts.subscriptions += channel->subscriptions;
+  }
+  return metrics_text(counts);
+}
+
+// ---- the server's events
+
+void Hub::on_open(ConnectionId id) {
+  Client& client = clients_[id];
+  client.name = "client " + std::to_string(id);
+  client.worker = std::make_shared<Worker>();
+  client_count_ = clients_.size();
+  server_.send_answer(id, server_info_text({.is_control = settings_.is_control,
+                                            .is_token = settings_.is_token,
+                                            .version = VDRIVE_VERSION,
+                                            .session = run_}));
+  send_shared(id, services_);
+  for (const auto& [bench, text] : advertisements_) send_shared(id, text);
+}
+
+void Hub::on_bytes(ConnectionId id, bool is_text, std::string_view bytes) {
+  if (!clients_.contains(id)) return;
+  try {
+    const ClientMessage message = is_text ? parse_text(bytes) : parse_binary(bytes);
+    std::visit(
+        [&](const auto& kind) {
+          handle(id, kind);
+        },
+        message);
+  } catch (const ProtocolError& error) {
+    tell(id, Level::error, error.what());
+  }
+}
+
+void Hub::on_close(ConnectionId id, bool is_graceful) {
+  const auto found = clients_.find(id);
+  if (found == clients_.end()) return;
+  Client client = std::move(found->second);
+  clients_.erase(found);
+  client_count_ = clients_.size();
+  for (const auto& [subscription, channel] : client.subscriptions) {
+    end_subscription(id, subscription, *channel);
+  }
+  client.worker->close();
+  ended_.push_back(client.worker);
+  if (!control_.is_holder(id)) return;
+  if (is_graceful) {
+    control_.release();
+  } else {
+    control_.abandon();
+  }
+  send_control();
+}
+
+void Hub::forget_workers() {
+  std::erase_if(ended_, [](const std::shared_ptr<Worker>& worker) {
+    return worker->has_ended();
+  });
+}
+
+// ---- channels
+
+void Hub::handle(ConnectionId id, const Subscribe& message) {
+  Client& client = clients_.at(id);
+  for (const Subscription& wanted : message.subscriptions) {
+    const auto channel = channels_.find(wanted.channel);
+    if (channel == channels_.end()) {
+      tell(id, Level::error, "there is no channel " + std::to_string(wanted.channel));
+      continue;
+    }
+    if (client.subscriptions.size() >= kMostSubscriptions) {
+      tell(id, Level::error,
+           "a connection has " + std::to_string(kMostSubscriptions) + " subscriptions at most");
+      return;
+    }
+    if (!client.subscriptions.emplace(wanted.id, channel->second).second) {
+      tell(id, Level::error, "there is a subscription " + std::to_string(wanted.id) + " already");
+      continue;
+    }
+    Channel& subscribed = *channel->second;
+    subscribed.receivers.push_back({id, wanted.id});
+    ++subscribed.subscriptions;
+    subscribed.is_wanted_now = true;
+    send_first(id, wanted.id, subscribed);
+  }
+  has_graph_changed_ = true;
+}
+
+/// The topics of the gateway itself have their message at once; a feed sends those of a bench.
+void Hub::send_first(ConnectionId id, std::uint32_t subscription, const Channel& channel) {
+  if (&channel == dictionary_channel_.get()) {
+    server_.send_answer(id, message_frame(subscription, wall_time(), dictionary_), true);
+  } else if (&channel == control_channel_.get()) {
+    send_control_to(id, subscription);
+  }
+}
+
+void Hub::handle(ConnectionId id, const Unsubscribe& message) {
+  Client& client = clients_.at(id);
+  for (const std::uint32_t subscription : message.ids) {
+    const auto found = client.subscriptions.find(subscription);
+    if (found == client.subscriptions.end()) {
+      tell(id, Level::warning, "there is no subscription " + std::to_string(subscription));
+      continue;
+    }
+    end_subscription(id, subscription, *found->second);
+    client.subscriptions.erase(found);
+  }
+}
+
+void Hub::end_subscription(ConnectionId id, std::uint32_t subscription, Channel& channel) {
+  const auto ended = std::erase_if(channel.receivers, [&](const Receiver& receiver) {
+    return receiver.connection == id && receiver.subscription == subscription;
+  });
+  channel.subscriptions -= static_cast<std::uint32_t>(ended);
+  has_graph_changed_ = true;
+}
+
+void Hub::send_control() {
+  for (const Receiver& receiver : control_channel_->receivers) {
+    send_control_to(receiver.connection, receiver.subscription);
+  }
+}
+
+void Hub::send_control_to(ConnectionId id, std::uint32_t subscription) {
+  const auto client = clients_.find(id);
+  if (client == clients_.end()) return;
+  const std::string text =
+      control_text(control_.state(holder_name()), client->second.name, control_.is_holder(id));
+  server_.send_answer(id, message_frame(subscription, wall_time(), share(text)));
+}
+
+std::string Hub::holder_name() const {
+  const auto holder = control_.holder();
+  return holder ? clients_.at(*holder).name : std::string();
+}
+
+// ---- benches
+
+void Hub::add(std::uint32_t bench, const std::vector<ChannelPointer>& channels) {
+  for (const ChannelPointer& channel : channels) channels_[channel->info.id] = channel;
+  const SharedBytes text = advertisement(channels);
+  advertisements_[bench] = text;
+  for (const auto& [id, client] : clients_) send_shared(id, text);
+  has_graph_changed_ = true;
+}
+
+void Hub::remove(std::uint32_t bench, const std::vector<ChannelPointer>& channels) {
+  std::vector<std::uint32_t> ids;
+  ids.reserve(channels.size());
+  for (const ChannelPointer& channel : channels) {
+    ids.push_back(channel->info.id);
+    removed_topics_.push_back(channel->info.topic);
+    for (const Receiver& receiver : std::exchange(channel->receivers, {})) {
+      const auto client = clients_.find(receiver.connection);
+      if (client != clients_.end()) client->second.subscriptions.erase(receiver.subscription);
+    }
+    channel->subscriptions = 0;
+    channels_.erase(channel->info.id);
+  }
+  advertisements_.erase(bench);
+  const SharedBytes text = share(unadvertise_text(ids));
+  for (const auto& [id, client] : clients_) send_shared(id, text);
+  has_graph_changed_ = true;
+}
+
+void Hub::post_batch(Batch batch) {
+  // The thread of the server stands still: what it cannot take now it does not need later.
+  if (batches_under_way_ >= kMostBatches) {
+    ++lost_batches_;
+    return;
+  }
+  ++batches_under_way_;
+  server_.post([this, batch = std::move(batch)] {
+    --batches_under_way_;
+    publish(batch);
+  });
+}
+
+void Hub::publish(const Batch& batch) {
+  for (const Publication& publication : batch.publications) {
+    for (const Receiver& receiver : publication.channel->receivers) {
+      server_.send_data(receiver.connection,
+                        message_frame(receiver.subscription, batch.time, publication.bytes));
+    }
+  }
+  send_time(batch);
+}
+
+/// The clock of the tools is that of the bench with the lowest number.
+void Hub::send_time(const Batch& batch) {
+  const auto first = advertisements_.upper_bound(kOwnChannels);
+  if (first == advertisements_.end() || first->first != batch.bench || batch.time == 0) return;
+  const auto now = Clock::now();
+  if (now - time_sent_ < kTimePeriod) return;
+  time_sent_ = now;
+  for (const auto& [id, client] : clients_) server_.send_data(id, time_frame(batch.time));
+}
+
+// ---- the graph of connections
+
+void Hub::handle(ConnectionId id, const SubscribeGraph& message) {
+  clients_.at(id).wants_graph = message.is_on;
+  if (message.is_on) send_graph(id);
+}
+
+void Hub::send_graphs() {
+  for (const auto& [id, client] : clients_) {
+    if (client.wants_graph) send_graph(id);
+  }
+  removed_topics_.clear();
+}
+
+void Hub::send_graph(ConnectionId id) {
+  Graph graph;
+  for (const auto& [number, channel] : channels_) {
+    const std::string& topic = channel->info.topic;
+    graph.published.push_back({topic, {name_of_bench(topic)}});
+    GraphEntry subscribed{topic, {}};
+    for (const Receiver& receiver : channel->receivers) {
+      subscribed.ids.push_back(clients_.at(receiver.connection).name);
+    }
+    // Also without subscribers: those that a client knows of are gone then.
+    graph.subscribed.push_back(std::move(subscribed));
+  }
+  for (const ServiceRow& row : services()) {
+    graph.services.push_back({std::string(row.name), {"gateway"}});
+  }
+  graph.removed_topics = removed_topics_;
+  server_.send_answer(id, graph_text(graph));
+}
+
+// ---- parameters
+
+bool Hub::post(ConnectionId id, std::function<void()> job) {
+  if (clients_.at(id).worker->post(std::move(job))) return true;
+  tell(id, Level::error, "too many requests wait: this one is dropped");
+  return false;
+}
+
+void Hub::handle(ConnectionId id, const GetParameters& message) {
+  const BenchList benches = watch_->benches();
+  std::vector<std::string> names = message.names;
+  if (names.empty()) {
+    names = all_parameters(*benches);
+    if (names.empty() && !benches->empty()) {
+      tell(id, Level::warning,
+           "the benches have more than " + std::to_string(kMostAxesOfAll) +
+               R"( axes: ask for parameters by name, such as "bench1/x/0x6081")");
+    }
+  }
+  (void)post(id, [this, id, benches, names = std::move(names), request = message.id] {
+    auto read = read_parameters(session_, *benches, names);
+    server_.post([this, id, read = std::move(read), request] {
+      send_parameters(id, read, request);
+    });
+  });
+}
+
+void Hub::handle(ConnectionId id, const SetParameters& message) {
+  if (const Outcome right = check_right(id, Right::command); !right) {
+    tell(id, Level::error, right.message());
+    return;
+  }
+  (void)post(id, [this, id, benches = watch_->benches(), message, session = control_.session()] {
+    auto written = write_parameters(*session, *benches, message.parameters);
+    server_.post([this, id, written = std::move(written), message] {
+      send_parameters(id, written, message.id);
+    });
+  });
+}
+
+void Hub::send_parameters(ConnectionId id, const ParameterAnswer& answer,
+                          const std::optional<std::string>& request) {
+  if (!clients_.contains(id)) return;
+  for (const std::string& complaint : answer.complaints) tell(id, Level::error, complaint);
+  if (clients_.contains(id)) {
+    server_.send_answer(id, parameters_text(answer.parameters, request));
+  }
+}
+
+void Hub::handle(ConnectionId id, const SubscribeParameters& message) {
+  Client& client = clients_.at(id);
+  for (const std::string& name : message.names) {
+    if (!message.is_on) {
+      client.parameters.erase(name);
+      client.unsent.erase(name);
+      continue;
+    }
+    if (client.parameters.size() >= kMostParameters) {
+      tell(id, Level::error,
+           "a connection subscribes " + std::to_string(kMostParameters) + " parameters at most");
+      return;
+    }
+    if (client.parameters.emplace(name, std::nullopt).second) client.unsent.insert(name);
+  }
+}
+
+void Hub::poll_parameters() {
+  if (is_polling_) return;
+  std::set<std::string> names;
+  for (const auto& [id, client] : clients_) {
+    for (const auto& [name, value] : client.parameters) names.insert(name);
+  }
+  if (names.empty()) return;
+  is_polling_ = polls_.post(
+      [this, benches = watch_->benches(), list = std::vector(names.begin(), names.end())] {
+        auto answer = read_parameters(session_, *benches, list);
+        server_.post([this, answer = std::move(answer)] {
+          on_polled(answer);
+        });
+      });
+}
+
+void Hub::on_polled(const ParameterAnswer& answer) {
+  is_polling_ = false;
+  for (auto& [id, client] : clients_) {
+    std::vector<Parameter> changed;
+    for (const Parameter& parameter : answer.parameters) {
+      const auto known = client.parameters.find(parameter.name);
+      if (known == client.parameters.end()) continue;
+      const bool is_first = client.unsent.erase(parameter.name) != 0;
+      if (!is_first && known->second == parameter.value) continue;
+      known->second = parameter.value;
+      changed.push_back(parameter);
+    }
+    if (!changed.empty()) server_.send_answer(id, parameters_text(changed, std::nullopt));
+  }
+}
+
+// ---- services
+
+Outcome Hub::check_right(ConnectionId id, Right right) const {
+  if (right == Right::look) return {};
+  if (!control_.is_enabled()) {
+    return Outcome::refused(kControlled,
+                            "this gateway only looks: start it with --control to command");
+  }
+  const bool needs_control = right == Right::command || right == Right::jog;
+  if (!needs_control || control_.is_holder(id)) return {};
+  if (control_.holder()) return held_outcome();
+  return Outcome::refused(kControlled, "take control first, with /take_control");
+}
+
+Outcome Hub::held_outcome() const {
+  return Outcome::refused(kControlled,
+                          "control is held by " + in_quotes(holder_name()) +
+                              ": /take_control takes it over when its request has force");
+}
+
+void Hub::handle(ConnectionId id, const CallService& message) {
+  try {
+    if (message.service == 0 || message.service > services().size()) {
+      throw ProtocolError("there is no service " + std::to_string(message.service));
+    }
+    const ServiceRow& row = services()[message.service - 1];
+    Json request = parse_request(message);
+    if (Outcome right = check_right(id, row.right); !right) {
+      answer(id, message, {.outcome = std::move(right)});
+    } else if (row.right == Right::change_control) {
+      change_control(id, message, row, request);
+    } else if (row.right == Right::jog) {
+      jog(id, message, request);
+    } else {
+      run_call(id, message, row, std::move(request));
+    }
+  } catch (const ProtocolError& error) {
+    server_.send_answer(id, call_failure_text(message.service, message.call, error.what()));
+  }
+}
+
+void Hub::run_call(ConnectionId id, const CallService& message, const ServiceRow& row,
+                   Json request) {
+  const SessionPointer own = control_.is_holder(id) ? control_.session() : nullptr;
+  auto job = [this, id, message, &row, request = std::move(request), own] {
+    auto answered = carry_out(row, own ? *own : session_, request);
+    server_.post([this, id, message, answered = std::move(answered)] {
+      answer(id, message, answered);
+    });
+  };
+  // A stop waits for no other call of this client.
+  const bool is_posted = row.right == Right::stop ? stops_.post(std::move(job))
+                                                  : clients_.at(id).worker->post(std::move(job));
+  if (!is_posted) {
+    answer(id, message, {.outcome = Outcome::failed("too many calls wait: this one is dropped")});
+  }
+}
+
+void Hub::jog(ConnectionId id, const CallService& message, const Json& request) {
+  try {
+    control_.jog(jog_of(request), Clock::now(), [this, id, message](const CallAnswer& answered) {
+      server_.post([this, id, message, answered] {
+        answer(id, message, answered);
+      });
+    });
+  } catch (const ProtocolError& error) {
+    answer(id, message, {.outcome = Outcome::failed(error.what())});
+  }
+}
+
+void Hub::answer(ConnectionId id, const CallService& message, const CallAnswer& answer) {
+  if (!clients_.contains(id)) return;
+  server_.send_answer(id, response_frame(message.service, message.call, answer_text(answer)));
+}
+
+// ---- control
+
+void Hub::change_control(ConnectionId id, const CallService& message, const ServiceRow& row,
+                         const Json& request) {
+  if (row.name == "/take_control") {
+    take_control(id, message, request);
+    return;
+  }
+  if (control_.is_holder(id)) {
+    control_.release();
+    server_.set_patience(id, WebServer::kPatience);
+    send_control();
+  }
+  answer(id, message, {});
+}
+
+void Hub::take_control(ConnectionId id, const CallService& message, const Json& request) {
+  std::string name = escaped(text_of(request, "name"), kLongestName);
+  const bool by_force = flag_of(request, "force");
+  if (control_.holder() && !control_.is_holder(id) && !by_force) {
+    answer(id, message, {.outcome = held_outcome()});
+    return;
+  }
+  if (control_.is_holder(id)) {
+    if (!name.empty()) clients_.at(id).name = std::move(name);
+    send_control();
+    answer(id, message, {});
+    return;
+  }
+  const bool is_posted =
+      clients_.at(id).worker->post([this, id, message, by_force, name = std::move(name)] {
+        SessionPointer session;
+        std::string error;
+        try {
+          session = std::make_shared<client::Session>(settings_.session);
+        } catch (const std::exception& failure) {
+          error = failure.what();
+        }
+        server_.post([this, id, message, by_force, name, session = std::move(session), error] {
+          on_session(id, message, {.name = name, .by_force = by_force}, session, error);
+        });
+      });
+  if (!is_posted) answer(id, message, {.outcome = Outcome::failed("too many calls wait")});
+}
+
+void Hub::on_session(ConnectionId id, const CallService& message, const Taking& taking,
+                     const SessionPointer& session, const std::string& error) {
+  const auto client = clients_.find(id);
+  if (client == clients_.end()) return;  // it closed meanwhile, and the session held nothing yet
+  if (!session) {
+    answer(id, message, {.outcome = Outcome::failed(error)});
+    return;
+  }
+  if (control_.holder() && !control_.is_holder(id)) {
+    // Somebody else may have taken it while the session was made.
+    if (!taking.by_force) {
+      answer(id, message, {.outcome = held_outcome()});
+      return;
+    }
+    const ConnectionId before = *control_.holder();
+    server_.set_patience(before, WebServer::kPatience);
+    tell(before, Level::warning, "control was taken over");
+  }
+  if (!taking.name.empty()) client->second.name = taking.name;
+  control_.take(id, session);
+  server_.set_patience(id, kPatienceOfHolder);
+  send_control();
+  answer(id, message, {});
+}
+
+void Hub::tell(ConnectionId id, Level level, std::string_view text) {
+  server_.send_answer(id, status_text(level, text));
+}
+
+void Hub::send_shared(ConnectionId id, const SharedBytes& text) {
+  server_.send_answer(id, text_frame(text), true);
+}
+
+}  // namespace vdrive::gateway

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "jogs.hpp"
+
+#include "vdrive/client/axis.hpp"
+#include "vdrive/wording.hpp"
+
+#include <utility>
+
+namespace vdrive::gateway {
+namespace {
+
+using client::Outcome;
+
+/// Jogs an axis until `is_held` says no, and answers as soon as it runs or is refused.
+void jog(client::Session& session, const JogRequest& request, const std::function<bool()>& is_held,
+         const Jogs::Answer& answer) {
+  auto axis = session.axis(request.axis);
+  if (!axis) {
+    answer({.outcome = axis.outcome()});
+    return;
+  }
+  bool has_begun = false;
+  const Outcome outcome = axis->jog(
+      request.velocity,
+      [&](const client::AxisSnapshot&) {
+        if (!std::exchange(has_begun, true)) answer({});
+        return is_held();
+      },
+      jog_options());
+  // What ends it later, such as a fault, is seen in the status and among the events.
+  if (!has_begun) answer({.outcome = outcome});
+}
+
+}  // namespace
+
+Jogs::~Jogs() {
+  // All of them first: they brake at the same time.
+  for (auto& [name, jog] : jogs_) let_go(jog);
+}
+
+void Jogs::let_go(Jog& jog) {
+  if (jog.held_until) *jog.held_until = Clock::time_point::min();
+}
+
+bool Jogs::runs_on(const Jog& jog, std::int32_t velocity, Clock::time_point now) {
+  return jog.held_until && jog.calls != 0 && jog.velocity == velocity &&
+         now < jog.held_until->load();
+}
+
+void Jogs::post(Jog& jog, const Answer& answer, std::function<void()> call) {
+  ++jog.calls;
+  const bool is_posted = jog.worker.post([&jog, call = std::move(call)] {
+    call();
+    --jog.calls;
+  });
+  if (is_posted) return;
+  --jog.calls;
+  answer({.outcome = Outcome::failed("too many calls wait: this one is dropped")});
+}
+
+void Jogs::request(const JogRequest& request, Clock::time_point now, const Answer& answer) {
+  if (jogs_.size() >= kMostAxes && !jogs_.contains(request.axis)) {
+    answer({.outcome = Outcome::failed(counted(kMostAxes, "axis jogs", "axes jog") + " already")});
+    return;
+  }
+  Jog& jog = jogs_[request.axis];
+  if (request.velocity != 0 && runs_on(jog, request.velocity, now)) {
+    *jog.held_until = now + kHeldTime;
+    answer({});
+    return;
+  }
+  let_go(jog);
+  if (request.velocity == 0) {
+    post(jog, answer, [answer] {
+      answer({});  // after the jog before: the axis stands
+    });
+    return;
+  }
+  jog.velocity = request.velocity;
+  jog.held_until = std::make_shared<Hold>(now + kHeldTime);
+  post(jog, answer, [session = session_, request, held_until = jog.held_until, answer] {
+    const auto is_held = [&held_until] {
+      return Clock::now() < held_until->load();
+    };
+    gateway::jog(*session, request, is_held, answer);
+  });
+}
+
+void Jogs::forget_ended() {
+  std::erase_if(jogs_, [](const auto& entry) {
+    return entry.second.calls == 0;
+  });
+}
+
+}  // namespace vdrive::gateway

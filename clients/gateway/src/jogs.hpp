@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "services.hpp"
+#include "worker.hpp"
+
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+
+namespace vdrive::gateway {
+
+using SessionPointer = std::shared_ptr<client::Session>;
+
+/// The axes that a client jogs: each runs while the client says so again within kHeldTime, then
+/// brakes and stands. Of one thread; each axis waits in a thread of its own.
+class Jogs {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  /// How long a call counts.
+  static constexpr std::chrono::milliseconds kHeldTime{400};
+
+  /// Axes at a time.
+  static constexpr std::size_t kMostAxes = 32;
+
+  /// Called once for each request, in any thread.
+  using Answer = std::function<void(const CallAnswer& answer)>;
+
+  explicit Jogs(SessionPointer session) : session_(std::move(session)) {}
+
+  /// Lets go of all axes and waits until they stand, or until the session is interrupted.
+  ~Jogs();
+  Jogs(const Jogs&) = delete;
+  Jogs& operator=(const Jogs&) = delete;
+
+  /// Runs an axis, or lets it run on; with velocity 0 lets it go. An axis that runs at another
+  /// velocity brakes first.
+  /// @param answer when the axis runs, when it stands, or when it was refused
+  void request(const JogRequest& request, Clock::time_point now, const Answer& answer);
+
+  /// Drops the threads of axes that nobody jogs any more.
+  void forget_ended();
+
+ private:
+  /// Until when a press of a button counts.
+  using Hold = std::atomic<Clock::time_point>;
+
+  struct Jog {
+    std::int32_t velocity = 0;
+    std::shared_ptr<Hold> held_until;
+    std::atomic<std::size_t> calls = 0;  ///< that the worker has to do
+    Worker worker;
+  };
+
+  [[nodiscard]] static bool runs_on(const Jog& jog, std::int32_t velocity, Clock::time_point now);
+  static void let_go(Jog& jog);
+  static void post(Jog& jog, const Answer& answer, std::function<void()> call);
+
+  SessionPointer session_;
+  std::map<std::string, Jog> jogs_;  ///< by the name that the client gives the axis
+};
+
+}  // namespace vdrive::gateway

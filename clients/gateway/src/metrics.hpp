@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "bench_watch.hpp"
+#include "web_server.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace vdrive::gateway {
+
+/// What the gateway is and does at one moment.
+struct GatewayCounts {
+  WebCounters web{};
+  std::size_t channels = 0;        ///< topics
+  std::size_t subscribed = 0;      ///< topics that somebody receives
+  std::size_t subscriptions = 0;   ///< of all clients
+  std::uint64_t lost_batches = 0;  ///< left out because the server's thread was late
+  bool is_controlled = false;      ///< a client holds control
+  std::vector<BenchSight> benches{};
+};
+
+/// @return the counts as Prometheus text (exposition format 0.0.4).
+[[nodiscard]] std::string metrics_text(const GatewayCounts& counts);
+
+}  // namespace vdrive::gateway

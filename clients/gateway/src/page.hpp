@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <string_view>
+
+namespace vdrive::gateway {
+
+/// A file of the web page, as the build embedded it.
+struct PageFile {
+  std::string_view path;  ///< below the page's directory, such as "assets/index.js"
+  std::string_view bytes;
+};
+
+using Page = std::span<const PageFile>;
+
+/// @return the web page of this build: empty when the build had no node or no package registry.
+[[nodiscard]] Page embedded_page();
+
+/// What HTTP answers with.
+struct PageAnswer {
+  unsigned status = 200;
+  std::string_view content_type;
+  std::string_view cache_control;
+  std::string_view bytes;
+};
+
+/// @param target of an HTTP request, such as "/?token=x"
+/// @return the file for it; without a page one that says how to get it.
+[[nodiscard]] PageAnswer find_page_file(Page page, std::string_view target);
+
+/// What the page may do, in the words of the header Content-Security-Policy.
+inline constexpr std::string_view kContentSecurityPolicy =
+    "default-src 'self'; connect-src 'self'; img-src 'self' blob: data:; object-src 'none'; "
+    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+}  // namespace vdrive::gateway

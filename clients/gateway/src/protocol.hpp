@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "send_queue.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+/// The Foxglove WebSocket protocol: what a client may send, and what the gateway sends. Pure: bytes
+/// in, bytes out.
+namespace vdrive::gateway {
+
+using Json = nlohmann::json;
+
+/// Names of the protocol, old and new: they differ in nothing else.
+inline constexpr std::array<std::string_view, 2> kSubprotocols{"foxglove.sdk.v1",
+                                                               "foxglove.websocket.v1"};
+
+/// What a client sent breaks the protocol. The message says what and where.
+class ProtocolError final : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// What a client may send.
+
+struct Subscription {
+  std::uint32_t id = 0;  ///< chosen by the client
+  std::uint32_t channel = 0;
+};
+
+struct Subscribe {
+  std::vector<Subscription> subscriptions;
+};
+
+struct Unsubscribe {
+  std::vector<std::uint32_t> ids;  ///< of subscriptions
+};
+
+struct GetParameters {
+  std::vector<std::string> names;  ///< none = all
+  std::optional<std::string> id;   ///< chosen by the client, repeated in the answer
+};
+
+struct ParameterChange {
+  std::string name;
+  std::int64_t value = 0;
+};
+
+struct SetParameters {
+  std::vector<ParameterChange> parameters;
+  std::optional<std::string> id;
+};
+
+struct SubscribeParameters {
+  bool is_on = false;
+  std::vector<std::string> names;
+};
+
+struct SubscribeGraph {
+  bool is_on = false;
+};
+
+struct CallService {
+  std::uint32_t service = 0;
+  std::uint32_t call = 0;  ///< chosen by the client, repeated in the answer
+  std::string encoding;
+  std::string payload;
+};
+
+using ClientMessage = std::variant<Subscribe, Unsubscribe, GetParameters, SetParameters,
+                                   SubscribeParameters, SubscribeGraph, CallService>;
+
+/// @throws ProtocolError when `text` is no message of the protocol that this gateway knows.
+[[nodiscard]] ClientMessage parse_text(std::string_view text);
+
+/// @throws ProtocolError as parse_text does.
+[[nodiscard]] ClientMessage parse_binary(std::string_view bytes);
+
+/// How important a status message is.
+enum class Level : std::uint8_t { info = 0, warning = 1, error = 2 };
+
+/// What a channel is to a client.
+struct ChannelInfo {
+  std::uint32_t id = 0;
+  std::string topic;
+  std::string encoding;
+  std::string schema_name;
+  std::string schema;
+  std::string schema_encoding;
+};
+
+/// What a service is to a client. The schemas are JSON schemas.
+struct ServiceInfo {
+  std::uint32_t id = 0;
+  std::string name;
+  std::string type;
+  Json request_schema;
+  Json response_schema;
+};
+
+/// A parameter and its value; none: the drive refused to give it.
+struct Parameter {
+  std::string name;
+  std::optional<std::int64_t> value;
+};
+
+struct ServerInfo {
+  bool is_control = false;  ///< clients may command
+  bool is_token = false;    ///< clients need a token
+  std::string version;
+  std::string session;  ///< another one in each run
+};
+
+/// A topic or a service, and who publishes, receives or offers it.
+struct GraphEntry {
+  std::string name;
+  std::vector<std::string> ids;
+};
+
+struct Graph {
+  std::vector<GraphEntry> published;
+  std::vector<GraphEntry> subscribed;
+  std::vector<GraphEntry> services;
+  std::vector<std::string> removed_topics;
+};
+
+/// Text messages.
+[[nodiscard]] std::string server_info_text(const ServerInfo& info);
+[[nodiscard]] std::string advertise_text(std::span<const ChannelInfo> channels);
+[[nodiscard]] std::string unadvertise_text(std::span<const std::uint32_t> channels);
+[[nodiscard]] std::string advertise_services_text(std::span<const ServiceInfo> services);
+[[nodiscard]] std::string status_text(Level level, std::string_view message);
+[[nodiscard]] std::string parameters_text(std::span<const Parameter> parameters,
+                                          const std::optional<std::string>& id);
+[[nodiscard]] std::string graph_text(const Graph& graph);
+[[nodiscard]] std::string call_failure_text(std::uint32_t service, std::uint32_t call,
+                                            std::string_view message);
+
+/// Binary messages.
+[[nodiscard]] Frame message_frame(std::uint32_t subscription, std::uint64_t time,
+                                  SharedBytes payload);
+[[nodiscard]] Frame time_frame(std::uint64_t time);
+[[nodiscard]] Frame response_frame(std::uint32_t service, std::uint32_t call,
+                                   std::string_view payload);
+
+}  // namespace vdrive::gateway

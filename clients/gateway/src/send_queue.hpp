@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace vdrive::gateway {
+
+/// Bytes that several connections send: encoded once.
+using SharedBytes = std::shared_ptr<const std::string>;
+
+/// One WebSocket message: a head of this connection, and bytes that others may send too.
+struct Frame {
+  bool is_text = false;
+  std::uint8_t head_size = 0;
+  std::array<char, 13> head{};  ///< the longest one is that of message data
+  SharedBytes body;
+
+  /// [bytes]
+  [[nodiscard]] std::size_t size() const noexcept { return head_size + (body ? body->size() : 0); }
+};
+
+/// How much one connection may keep waiting.
+struct QueueLimits {
+  std::size_t data_bytes = 2U << 20U;
+  std::size_t data_frames = 4096;
+  std::size_t answer_bytes = 1U << 20U;
+  std::size_t answer_frames = 2048;
+};
+
+/// What waits to be sent to one client: answers, which are never left out, before data, of which
+/// the oldest is dropped when the queue is full. Not thread-safe.
+class SendQueue {
+ public:
+  explicit SendQueue(const QueueLimits& limits = {}) : limits_(limits) {}
+
+  /// Appends data and drops the oldest data beyond the limits.
+  /// @return how many frames were dropped.
+  std::size_t push_data(Frame frame);
+
+  /// Appends an answer.
+  /// @param is_shared the bytes are kept by others in any case and cost this connection nothing
+  /// @return false when the answers are beyond their limits: the client does not read them.
+  [[nodiscard]] bool push_answer(Frame frame, bool is_shared = false);
+
+  /// @return the frame to send next; nothing when none waits.
+  [[nodiscard]] std::optional<Frame> pop();
+
+  /// @return how many data frames were dropped since the last call.
+  [[nodiscard]] std::uint64_t take_dropped() noexcept;
+
+  /// @return bytes that wait, shared ones left out.
+  [[nodiscard]] std::size_t bytes() const noexcept { return data_bytes_ + answer_bytes_; }
+
+ private:
+  struct Answer {
+    Frame frame;
+    std::size_t cost = 0;
+  };
+
+  QueueLimits limits_;
+  std::deque<Answer> answers_;
+  std::deque<Frame> data_;
+  std::size_t answer_bytes_ = 0;
+  std::size_t data_bytes_ = 0;
+  std::uint64_t dropped_ = 0;
+};
+
+}  // namespace vdrive::gateway

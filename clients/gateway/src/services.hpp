@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "protocol.hpp"
+#include "vdrive/client/axis.hpp"
+#include "vdrive/client/session.hpp"
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace vdrive::gateway {
+
+/// What a client must have to call a service.
+enum class Right : std::uint8_t {
+  look,            ///< nothing
+  stop,            ///< a gateway that lets clients command
+  command,         ///< control, taken by this connection
+  jog,             ///< as `command`; the hub carries it out
+  change_control,  ///< as `stop`; the hub carries it out
+};
+
+/// The answer to a call, in the words of the client library.
+struct CallAnswer {
+  client::Outcome outcome{};
+  Json fields = Json::object();  ///< beside those of the outcome
+};
+
+/// A service: a row of the table that clients, the hub and the documents read.
+struct ServiceRow {
+  std::string_view name;  ///< such as "/move"
+  std::string_view type;  ///< such as "vdrive.Move"
+  Right right;
+  Json (*request_schema)();
+  /// Carries it out and waits until the drive has acted on it. Null where the hub does.
+  /// @throws ProtocolError when the request is wrong, saying what and where.
+  CallAnswer (*call)(client::Session& session, const Json& request);
+};
+
+/// Every service; its number in the protocol is its place here, from 1 on.
+[[nodiscard]] std::span<const ServiceRow> services();
+
+/// @return what a client is told about them.
+[[nodiscard]] std::vector<ServiceInfo> service_infos();
+
+/// @return the answer as the response of a service.
+[[nodiscard]] std::string answer_text(const CallAnswer& answer);
+
+/// @return the member `key` of a request as a text, empty without it.
+/// @throws ProtocolError when it is no text.
+[[nodiscard]] std::string text_of(const Json& request, const char* key);
+
+/// @return the member `key` of a request, false without it.
+/// @throws ProtocolError when it is neither true nor false.
+[[nodiscard]] bool flag_of(const Json& request, const char* key);
+
+/// A call of /jog.
+struct JogRequest {
+  std::string axis;           ///< address or name
+  std::int32_t velocity = 0;  ///< [UU/s]; 0 = the button was let go
+};
+
+/// @throws ProtocolError when the request is wrong.
+[[nodiscard]] JogRequest jog_of(const Json& request);
+
+/// How client::Axis::jog is called.
+[[nodiscard]] client::VelocityOptions jog_options();
+
+}  // namespace vdrive::gateway

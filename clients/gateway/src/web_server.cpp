@@ -1,0 +1,669 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "web_server.hpp"
+
+#include "protocol.hpp"
+#include "rate_limit.hpp"
+#include "vdrive/text.hpp"
+#include "vdrive/wording.hpp"
+
+// One thread runs the server: nothing to fence, and the thread sanitizer does not know fences.
+#define BOOST_ASIO_DISABLE_FENCED_BLOCK
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+
+#include <algorithm>
+#include <array>
+#include <csignal>
+#include <map>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+namespace vdrive::gateway {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+namespace websocket = beast::websocket;
+using asio::ip::tcp;
+using Clock = std::chrono::steady_clock;
+using Request = http::request<http::string_body>;
+using Response = http::response<http::string_body>;
+
+constexpr std::chrono::seconds kHandshake{5};
+constexpr std::chrono::milliseconds kAcceptPause{100};
+constexpr std::chrono::milliseconds kWatchPeriod{250};
+constexpr std::chrono::milliseconds kPingPeriod{500};
+constexpr std::chrono::milliseconds kDropReport{1000};
+constexpr std::chrono::milliseconds kCloseTime{1000};
+constexpr std::size_t kLongestHead = 8192;            // [bytes] of an HTTP request
+constexpr std::size_t kLongestMessage = 1U << 18U;    // [bytes] of a WebSocket message
+constexpr int kSendBuffer = 1 << 18;                  // [bytes] in the kernel, which doubles it
+constexpr std::ptrdiff_t kMostPlainConnections = 32;  // HTTP beside the WebSockets, a use
+
+// What a client may send: the page subscribes to a thousand axes at once.
+constexpr double kMessagesPerSecond = 200.0;
+constexpr double kMessagesAtOnce = 4000.0;
+constexpr double kBytesPerSecond = 1e6;
+constexpr double kBytesAtOnce = 4e6;
+
+std::string_view view(boost::beast::string_view text) {
+  return {text.data(), text.size()};
+}
+
+boost::beast::string_view beast_view(std::string_view text) {
+  return {text.data(), text.size()};
+}
+
+/// What a connection is for.
+enum class Use : std::uint8_t {
+  clients,  ///< the page and WebSockets
+  metrics,  ///< /metrics, for an operator's monitoring
+};
+
+/// What a connection needs of its server.
+struct Shared {
+  WebSettings settings;
+  Page page;
+  WebEvents events;
+  WebCounters counters;
+};
+
+/// One more of that kind.
+template <typename Counts, typename Kind>
+void count(Counts& counts, Kind kind) {
+  ++counts.at(static_cast<std::size_t>(kind));
+}
+
+class Connection final : public std::enable_shared_from_this<Connection> {
+ public:
+  Connection(tcp::socket&& socket, Shared& shared, ConnectionId id, Use use)
+      : shared_(shared), id_(id), use_(use), socket_(std::move(socket)) {}
+
+  void start() { read_request(); }
+
+  [[nodiscard]] bool is_over() const noexcept { return phase_ == Phase::over; }
+
+  /// It has opened no WebSocket, or its use needs none.
+  [[nodiscard]] bool is_plain(Use use) const noexcept {
+    return use_ == use && phase_ == Phase::http;
+  }
+
+  void push_data(Frame frame) {
+    if (phase_ != Phase::open) return;
+    shared_.counters.dropped += queue_.push_data(std::move(frame));
+    write_next();
+  }
+
+  void push_answer(Frame frame, bool is_shared) {
+    if (phase_ != Phase::open) return;
+    // It reads nothing. The end comes from watch(): the caller may go through all connections.
+    if (!queue_.push_answer(std::move(frame), is_shared)) is_overfull_ = true;
+    write_next();
+  }
+
+  void set_patience(std::chrono::milliseconds patience) { patience_ = patience; }
+
+  /// Pings, reports what was dropped, notices who is gone. Called each kWatchPeriod.
+  void watch(Clock::time_point now) {
+    if (phase_ == Phase::closing && now >= close_deadline_) end(false);
+    if (phase_ != Phase::open) return;
+    // A close frame would wait behind what is not read.
+    if (is_overfull_ || now - heard_ > patience_) {
+      count(shared_.counters.cut_off, is_overfull_ ? CutOff::unread : CutOff::silent);
+      end(false);
+      return;
+    }
+    if (now - pinged_ >= kPingPeriod) ping(now);
+    if (now - reported_ >= kDropReport) report_dropped(now);
+  }
+
+  /// The server ends: the client is told so.
+  void say_goodbye() {
+    is_goodbye_ = true;
+    if (phase_ == Phase::open) close(websocket::close_code::going_away, "the gateway ends");
+    if (phase_ == Phase::http) end(false);
+  }
+
+  /// @param is_graceful see WebEvents::closed
+  void end(bool is_graceful) {
+    if (phase_ == Phase::over) return;
+    const bool was_open = phase_ == Phase::open || phase_ == Phase::closing;
+    phase_ = Phase::over;
+    beast::error_code ignored;
+    stream().socket().shutdown(tcp::socket::shutdown_both, ignored);
+    stream().close();
+    if (!was_open) return;
+    --shared_.counters.clients;
+    if (shared_.events.closed) shared_.events.closed(id_, is_graceful || is_goodbye_);
+  }
+
+ private:
+  enum class Phase : std::uint8_t { http, open, closing, over };
+
+  beast::tcp_stream& stream() { return socket_.next_layer(); }
+
+  // ---- HTTP
+
+  void read_request() {
+    parser_.emplace();
+    parser_->header_limit(kLongestHead);
+    parser_->body_limit(0);
+    stream().expires_after(kHandshake);
+    http::async_read(stream(), buffer_, *parser_,
+                     [self = shared_from_this()](beast::error_code error, std::size_t) {
+                       self->on_request(error);
+                     });
+  }
+
+  void on_request(beast::error_code error) {
+    if (error) {
+      on_bad_request(error);
+      return;
+    }
+    const Request request = parser_->release();
+    if (use_ == Use::metrics) {
+      answer_metrics(request);
+      return;
+    }
+    if (websocket::is_upgrade(request)) {
+      upgrade(request);
+      return;
+    }
+    if (!is_own_host(view(request[http::field::host]), shared_.settings.rules)) {
+      answer(request, 403, "text/plain", "no-store", "This host is no name of the gateway.\n");
+      return;
+    }
+    if (!is_reading(request)) return;
+    const PageAnswer file = find_page_file(shared_.page, view(request.target()));
+    answer(request, file.status, file.content_type, file.cache_control, file.bytes);
+  }
+
+  /// The client is gone or its time is over, or what it sent is no HTTP.
+  void on_bad_request(beast::error_code error) {
+    const bool is_gone = error == http::error::end_of_stream ||
+                         error.category() != make_error_code(http::error::bad_version).category();
+    if (is_gone) {
+      end(false);
+      return;
+    }
+    Request unread;
+    unread.version(11);  // HTTP/1.1
+    unread.keep_alive(false);
+    answer(unread, 400, "text/plain", "no-store",
+           "This is not a valid HTTP request: " + error.message() + ".\n");
+  }
+
+  /// Answers a request that would change something.
+  bool is_reading(const Request& request) {
+    const bool reads = request.method() == http::verb::get || request.method() == http::verb::head;
+    if (!reads) answer(request, 405, "text/plain", "no-store", "GET and HEAD only.\n");
+    return reads;
+  }
+
+  void answer_metrics(const Request& request) {
+    if (!is_reading(request)) return;
+    const std::string_view target = view(request.target());
+    if (target.substr(0, target.find('?')) != "/metrics") {
+      answer(request, 404, "text/plain", "no-store", "The metrics are at /metrics.\n");
+      return;
+    }
+    answer(request, 200, "text/plain; version=0.0.4; charset=utf-8", "no-store",
+           shared_.events.metrics ? shared_.events.metrics() : std::string());
+  }
+
+  void answer(const Request& request, unsigned status, std::string_view type,
+              std::string_view cache_control, std::string_view body) {
+    response_ = Response(static_cast<http::status>(status), request.version());
+    response_.set(http::field::server, "vdrive-gateway");
+    response_.set(http::field::content_type, beast_view(type));
+    response_.set(http::field::cache_control, beast_view(cache_control));
+    response_.set("Content-Security-Policy", beast_view(kContentSecurityPolicy));
+    response_.set("X-Content-Type-Options", "nosniff");
+    response_.set("Referrer-Policy", "no-referrer");
+    // One answer a connection for a scraper, as of the service's metrics.
+    response_.keep_alive(use_ == Use::clients && request.keep_alive());
+    response_.content_length(body.size());
+    if (request.method() != http::verb::head) response_.body() = body;
+    stream().expires_after(kHandshake);
+    http::async_write(stream(), response_,
+                      [self = shared_from_this()](beast::error_code error, std::size_t) {
+                        if (error || !self->response_.keep_alive()) {
+                          self->end(false);
+                        } else {
+                          self->read_request();
+                        }
+                      });
+  }
+
+  // ---- WebSocket
+
+  void upgrade(const Request& request) {
+    Admission admission = admit({.target = view(request.target()),
+                                 .host = view(request[http::field::host]),
+                                 .origin = view(request[http::field::origin]),
+                                 .protocols = view(request[http::field::sec_websocket_protocol]),
+                                 .authorization = view(request[http::field::authorization])},
+                                shared_.settings.rules);
+    const std::size_t clients = shared_.counters.clients;
+    if (admission.status == 101 && clients >= shared_.settings.most_clients) {
+      admission.status = 503;
+      admission.refusal = Refusal::clients;
+      admission.reason = counted(clients, "client is", "clients are") +
+                         " connected, which is as many as --clients allows";
+    }
+    if (admission.status != 101) {
+      count(shared_.counters.refused, admission.refusal);
+      Request last = request;
+      last.keep_alive(false);
+      answer(last, admission.status, "text/plain", "no-store", admission.reason + "\n");
+      return;
+    }
+    accept(request, admission.subprotocol);
+  }
+
+  void accept(const Request& request, const std::string& subprotocol) {
+    stream().expires_never();
+    websocket::stream_base::timeout times{};
+    times.handshake_timeout = kHandshake;
+    times.idle_timeout = websocket::stream_base::none();
+    times.keep_alive_pings = false;
+    socket_.set_option(times);
+    socket_.set_option(
+        websocket::stream_base::decorator([subprotocol](websocket::response_type& response) {
+          response.set(http::field::server, "vdrive-gateway");
+          response.set(http::field::sec_websocket_protocol, subprotocol);
+        }));
+    socket_.read_message_max(kLongestMessage);
+    // One frame a message: nothing is copied on its way into the kernel.
+    socket_.auto_fragment(false);
+    socket_.control_callback([this](websocket::frame_type, beast::string_view) {
+      heard_ = Clock::now();
+    });
+    buffer_.consume(buffer_.size());
+    socket_.async_accept(request, [self = shared_from_this()](beast::error_code error) {
+      self->on_accept(error);
+    });
+  }
+
+  void on_accept(beast::error_code error) {
+    if (phase_ != Phase::http) return;
+    if (error) {
+      end(false);
+      return;
+    }
+    phase_ = Phase::open;
+    ++shared_.counters.clients;
+    ++shared_.counters.connections;
+    heard_ = Clock::now();
+    if (shared_.events.opened) shared_.events.opened(id_);
+    read_message();
+  }
+
+  void read_message() {
+    if (phase_ == Phase::over) return;
+    socket_.async_read(buffer_, [self = shared_from_this()](beast::error_code error, std::size_t) {
+      self->on_message(error);
+    });
+  }
+
+  void on_message(beast::error_code error) {
+    if (error) {
+      const auto code = socket_.reason().code;
+      const bool is_closed = error == websocket::error::closed;
+      end(is_closed &&
+          (code == websocket::close_code::normal || code == websocket::close_code::going_away ||
+           code == websocket::close_code::no_status));
+      return;
+    }
+    heard_ = Clock::now();
+    const auto bytes = buffer_.cdata();
+    if (!messages_.take(heard_) || !bytes_.take(heard_, static_cast<double>(bytes.size()))) {
+      if (phase_ == Phase::open) count(shared_.counters.cut_off, CutOff::flood);
+      close(websocket::close_code::policy_error, "too many messages");
+    } else if (phase_ == Phase::open && shared_.events.received) {
+      shared_.events.received(id_, socket_.got_text(),
+                              {static_cast<const char*>(bytes.data()), bytes.size()});
+    }
+    buffer_.consume(buffer_.size());
+    read_message();
+  }
+
+  void write_next() {
+    if (is_writing_ || phase_ != Phase::open) return;
+    auto frame = queue_.pop();
+    if (!frame) return;
+    current_ = std::move(*frame);
+    is_writing_ = true;
+    socket_.binary(!current_.is_text);
+    const std::array<asio::const_buffer, 2> buffers{
+        asio::buffer(current_.head.data(), current_.head_size),
+        current_.body ? asio::buffer(*current_.body) : asio::const_buffer()};
+    socket_.async_write(buffers, [self = shared_from_this()](beast::error_code error, std::size_t) {
+      self->is_writing_ = false;
+      const Frame sent = std::exchange(self->current_, {});
+      if (error) {
+        self->end(false);
+      } else {
+        ++self->shared_.counters.messages_sent;
+        self->shared_.counters.bytes_sent += sent.size();
+        self->write_next();
+      }
+    });
+  }
+
+  void ping(Clock::time_point now) {
+    if (is_pinging_) return;
+    is_pinging_ = true;
+    pinged_ = now;
+    socket_.async_ping({}, [self = shared_from_this()](beast::error_code) {
+      self->is_pinging_ = false;  // a broken connection ends its read
+    });
+  }
+
+  void report_dropped(Clock::time_point now) {
+    reported_ = now;
+    const std::uint64_t dropped = queue_.take_dropped();
+    if (dropped == 0) return;
+    Frame frame;
+    frame.is_text = true;
+    frame.body = std::make_shared<const std::string>(status_text(
+        Level::warning, counted(dropped, "message was", "messages were") +
+                            " left out: this connection is slower than what it subscribes"));
+    push_answer(std::move(frame), false);
+  }
+
+  void close(websocket::close_code code, const char* reason) {
+    if (phase_ != Phase::open) return;
+    phase_ = Phase::closing;
+    close_deadline_ = Clock::now() + kCloseTime;
+    socket_.async_close({code, reason}, [self = shared_from_this()](beast::error_code) {
+      self->end(false);
+    });
+  }
+
+  Shared& shared_;
+  const ConnectionId id_;
+  const Use use_;
+  Phase phase_ = Phase::http;
+  websocket::stream<beast::tcp_stream> socket_;
+  beast::flat_buffer buffer_{kLongestMessage};
+  std::optional<http::request_parser<http::string_body>> parser_;
+  Response response_;
+  SendQueue queue_;
+  Frame current_;  ///< on its way
+  bool is_writing_ = false;
+  bool is_pinging_ = false;
+  bool is_overfull_ = false;  ///< more answers wait than may
+  bool is_goodbye_ = false;   ///< it is the server that ends
+  bridge::RateLimit messages_{kMessagesPerSecond, kMessagesAtOnce};
+  bridge::RateLimit bytes_{kBytesPerSecond, kBytesAtOnce};
+  std::chrono::milliseconds patience_ = WebServer::kPatience;
+  Clock::time_point heard_{};
+  Clock::time_point pinged_{};
+  Clock::time_point reported_{};
+  Clock::time_point close_deadline_{};
+};
+
+/// A socket that listens.
+struct Listener {
+  Use use;
+  tcp::acceptor acceptor;
+  asio::steady_timer pause;
+};
+
+tcp::endpoint endpoint_of(const ListenAddress& listen) {
+  beast::error_code error;
+  const auto address = asio::ip::make_address(listen.address, error);
+  if (error) {
+    throw std::runtime_error("cannot listen on " + in_quotes(listen.address) +
+                             ": it is no address of a network");
+  }
+  return {address, listen.port};
+}
+
+void open(tcp::acceptor& acceptor, const ListenAddress& listen) {
+  const tcp::endpoint endpoint = endpoint_of(listen);
+  try {
+    acceptor.open(endpoint.protocol());
+    acceptor.set_option(asio::socket_base::reuse_address(true));
+    acceptor.bind(endpoint);
+    acceptor.listen();
+  } catch (const boost::system::system_error& error) {
+    throw std::runtime_error("cannot listen on " + listen.address + " port " +
+                             std::to_string(listen.port) + ": " + error.code().message());
+  }
+}
+
+}  // namespace
+
+std::string_view to_string(CutOff cut_off) noexcept {
+  switch (cut_off) {
+    case CutOff::silent:
+      return "silent";
+    case CutOff::unread:
+      return "unread";
+    case CutOff::flood:
+      return "flood";
+  }
+  return "unknown";
+}
+
+class WebServer::Server {
+ public:
+  Server(WebSettings&& settings, Page page)
+      : shared_{.settings = std::move(settings), .page = page, .events = {}, .counters = {}} {
+    open(clients_.acceptor, shared_.settings.listen);
+    if (shared_.settings.metrics) open(metrics_.acceptor, *shared_.settings.metrics);
+  }
+
+  [[nodiscard]] std::uint16_t port() const { return clients_.acceptor.local_endpoint().port(); }
+
+  [[nodiscard]] std::optional<std::uint16_t> metrics_port() const {
+    if (!metrics_.acceptor.is_open()) return std::nullopt;
+    return metrics_.acceptor.local_endpoint().port();
+  }
+
+  [[nodiscard]] const WebCounters& counters() const noexcept { return shared_.counters; }
+
+  void run(WebEvents&& events) {
+    shared_.events = std::move(events);
+    signals_.async_wait([this](beast::error_code error, int) {
+      if (!error) begin_to_stop();
+    });
+    accept(clients_);
+    if (metrics_.acceptor.is_open()) accept(metrics_);
+    watch();
+    for (Timer& timer : timers_) arm(timer);
+    context_.run();
+    // Also when its time was too short for the goodbyes: a server that ends gives control back.
+    for (const auto& [id, connection] : connections_) {
+      connection->say_goodbye();
+      connection->end(true);
+    }
+    connections_.clear();
+    shared_.events = {};
+  }
+
+  void stop() {
+    asio::post(context_, [this] {
+      begin_to_stop();
+    });
+  }
+
+  void post(std::function<void()>&& action) { asio::post(context_, std::move(action)); }
+
+  void every(std::chrono::milliseconds period, std::function<void()>&& action) {
+    timers_.push_back({asio::steady_timer(context_), period, std::move(action)});
+  }
+
+  [[nodiscard]] Connection* find(ConnectionId id) {
+    const auto found = connections_.find(id);
+    return found == connections_.end() ? nullptr : found->second.get();
+  }
+
+ private:
+  struct Timer {
+    asio::steady_timer timer;
+    std::chrono::milliseconds period;
+    std::function<void()> action;
+  };
+
+  void accept(Listener& listener) {
+    listener.acceptor.async_accept([this, &listener](beast::error_code error, tcp::socket socket) {
+      if (error == asio::error::operation_aborted) return;
+      if (error) {
+        // Such as too many open files: those that are open go on.
+        listener.pause.expires_after(kAcceptPause);
+        listener.pause.async_wait([this, &listener](beast::error_code ended) {
+          if (!ended) accept(listener);
+        });
+        return;
+      }
+      serve(std::move(socket), listener.use);
+      accept(listener);
+    });
+  }
+
+  void serve(tcp::socket&& socket, Use use) {
+    forget_ended();
+    make_room(use);
+    beast::error_code ignored;
+    socket.set_option(tcp::no_delay(true), ignored);
+    socket.set_option(asio::socket_base::send_buffer_size(kSendBuffer), ignored);
+    const ConnectionId id = ++last_id_;
+    const auto connection = std::make_shared<Connection>(std::move(socket), shared_, id, use);
+    connections_.emplace(id, connection);
+    connection->start();
+  }
+
+  /// Who comes always finds room: a client asks at once, and of the connections that have opened no
+  /// WebSocket the oldest only holds its place.
+  void make_room(Use use) {
+    const auto is_plain = [use](const auto& entry) {
+      return entry.second->is_plain(use);
+    };
+    if (std::ranges::count_if(connections_, is_plain) < kMostPlainConnections) return;
+    std::ranges::find_if(connections_, is_plain)->second->end(false);
+    forget_ended();
+  }
+
+  void forget_ended() {
+    std::erase_if(connections_, [](const auto& entry) {
+      return entry.second->is_over();
+    });
+  }
+
+  void watch() {
+    watch_.expires_after(kWatchPeriod);
+    watch_.async_wait([this](beast::error_code error) {
+      if (error) return;
+      forget_ended();
+      // An event of one connection may reach others: none is added or removed meanwhile.
+      for (const auto& [id, connection] : connections_) connection->watch(Clock::now());
+      if (is_stopping_ && (connections_.empty() || Clock::now() >= stop_deadline_)) {
+        context_.stop();
+      } else {
+        watch();
+      }
+    });
+  }
+
+  void arm(Timer& timer) {
+    timer.timer.expires_after(timer.period);
+    timer.timer.async_wait([this, &timer](beast::error_code error) {
+      if (error) return;
+      timer.action();
+      arm(timer);
+    });
+  }
+
+  void begin_to_stop() {
+    if (std::exchange(is_stopping_, true)) return;
+    stop_deadline_ = Clock::now() + kCloseTime;
+    beast::error_code ignored;
+    clients_.acceptor.close(ignored);
+    metrics_.acceptor.close(ignored);
+    for (const auto& [id, connection] : connections_) connection->say_goodbye();
+  }
+
+  asio::io_context context_{1};
+  Shared shared_;
+  Listener clients_{.use = Use::clients,
+                    .acceptor = tcp::acceptor(context_),
+                    .pause = asio::steady_timer(context_)};
+  Listener metrics_{.use = Use::metrics,
+                    .acceptor = tcp::acceptor(context_),
+                    .pause = asio::steady_timer(context_)};
+  asio::signal_set signals_{context_, SIGINT, SIGTERM};
+  asio::steady_timer watch_{context_};
+  std::vector<Timer> timers_;
+  std::map<ConnectionId, std::shared_ptr<Connection>> connections_;
+  ConnectionId last_id_ = 0;
+  bool is_stopping_ = false;
+  Clock::time_point stop_deadline_{};
+};
+
+WebServer::WebServer(WebSettings settings, Page page)
+    : server_(std::make_unique<Server>(std::move(settings), page)) {}
+
+WebServer::~WebServer() = default;
+
+std::uint16_t WebServer::port() const {
+  return server_->port();
+}
+
+std::optional<std::uint16_t> WebServer::metrics_port() const {
+  return server_->metrics_port();
+}
+
+const WebCounters& WebServer::counters() const noexcept {
+  return server_->counters();
+}
+
+void WebServer::run(WebEvents events) {
+  server_->run(std::move(events));
+}
+
+void WebServer::stop() {
+  server_->stop();
+}
+
+void WebServer::post(std::function<void()> action) {
+  server_->post(std::move(action));
+}
+
+void WebServer::every(std::chrono::milliseconds period, std::function<void()> action) {
+  server_->every(period, std::move(action));
+}
+
+void WebServer::send_data(ConnectionId id, Frame frame) {
+  if (Connection* const connection = server_->find(id)) connection->push_data(std::move(frame));
+}
+
+void WebServer::send_answer(ConnectionId id, Frame frame, bool is_shared) {
+  if (Connection* const connection = server_->find(id)) {
+    connection->push_answer(std::move(frame), is_shared);
+  }
+}
+
+void WebServer::send_answer(ConnectionId id, std::string text) {
+  Frame frame;
+  frame.is_text = true;
+  frame.body = std::make_shared<const std::string>(std::move(text));
+  send_answer(id, std::move(frame));
+}
+
+void WebServer::set_patience(ConnectionId id, std::chrono::milliseconds patience) {
+  if (Connection* const connection = server_->find(id)) connection->set_patience(patience);
+}
+
+}  // namespace vdrive::gateway

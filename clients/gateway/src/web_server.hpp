@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "admission.hpp"
+#include "page.hpp"
+#include "send_queue.hpp"
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace vdrive::gateway {
+
+/// Number of a WebSocket connection, never used twice in one run.
+using ConnectionId = std::uint64_t;
+
+/// Where a server listens.
+struct ListenAddress {
+  std::string address = "127.0.0.1";
+  std::uint16_t port = 0;  ///< 0 = any free one
+};
+
+struct WebSettings {
+  ListenAddress listen{};
+  std::optional<ListenAddress> metrics{};  ///< nothing = metrics are not served
+  AdmissionRules rules{};
+  std::size_t most_clients = 32;  ///< WebSocket connections at a time
+};
+
+/// Why a WebSocket was closed by the gateway before its client ended it.
+enum class CutOff : std::uint8_t {
+  silent,  ///< nothing was heard of it for too long
+  unread,  ///< too many answers waited for it
+  flood,   ///< it sent too much
+};
+
+inline constexpr std::size_t kCutOffs = 3;
+
+/// @return such as "silent".
+[[nodiscard]] std::string_view to_string(CutOff cut_off) noexcept;
+
+/// What a server counts from its start on, except where it says otherwise.
+struct WebCounters {
+  std::size_t clients = 0;                         ///< WebSockets that are open now
+  std::uint64_t connections = 0;                   ///< WebSockets that were opened
+  std::uint64_t messages_sent = 0;                 ///< WebSocket messages given to the kernel
+  std::uint64_t bytes_sent = 0;                    ///< their payload
+  std::uint64_t dropped = 0;                       ///< messages left out for slow clients
+  std::array<std::uint64_t, kRefusals> refused{};  ///< by Refusal
+  std::array<std::uint64_t, kCutOffs> cut_off{};   ///< by CutOff
+};
+
+/// What a server reports, in its thread.
+struct WebEvents {
+  std::function<void(ConnectionId id)> opened;
+  std::function<void(ConnectionId id, bool is_text, std::string_view bytes)> received;
+  /// @param is_graceful the client closed the WebSocket as the protocol says, and was not lost
+  std::function<void(ConnectionId id, bool is_graceful)> closed;
+  std::function<std::string()> metrics{};  ///< makes the text of /metrics
+};
+
+/// The web server of the gateway: a page over HTTP, and WebSocket connections that are bounded in
+/// what they send, in what waits for them and in how long they may be silent. One thread.
+class WebServer {
+ public:
+  /// How long a client may be silent; it is pinged twice a second.
+  static constexpr std::chrono::milliseconds kPatience{10'000};
+
+  /// Listens.
+  /// @param page outlives the server
+  /// @throws std::runtime_error when it cannot listen there.
+  WebServer(WebSettings settings, Page page);
+  ~WebServer();
+  WebServer(const WebServer&) = delete;
+  WebServer& operator=(const WebServer&) = delete;
+
+  [[nodiscard]] std::uint16_t port() const;
+
+  /// @return where the metrics are served; nothing when they are not.
+  [[nodiscard]] std::optional<std::uint16_t> metrics_port() const;
+
+  /// Serves until stop(), SIGINT or SIGTERM. On return every connection is closed, and `closed` was
+  /// called for it.
+  void run(WebEvents events);
+
+  /// Ends run(). Any thread.
+  void stop();
+
+  /// Calls `action` in the thread of run(). Any thread.
+  void post(std::function<void()> action);
+
+  /// Calls `action` each `period` in the thread of run(). Before run().
+  void every(std::chrono::milliseconds period, std::function<void()> action);
+
+  // ---- in the thread of run() only; a connection that is closed already is ignored
+
+  /// Data: the oldest is dropped when the client is slow, and a status message says how many.
+  void send_data(ConnectionId id, Frame frame);
+
+  /// An answer: never dropped; a client that lets too many wait is closed.
+  /// @param is_shared others keep the bytes too
+  void send_answer(ConnectionId id, Frame frame, bool is_shared = false);
+  void send_answer(ConnectionId id, std::string text);
+
+  [[nodiscard]] const WebCounters& counters() const noexcept;
+
+  /// How long this client may be silent from now on.
+  void set_patience(ConnectionId id, std::chrono::milliseconds patience);
+
+ private:
+  class Server;
+  std::unique_ptr<Server> server_;
+};
+
+}  // namespace vdrive::gateway

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker.hpp"
+
+#include <utility>
+
+namespace vdrive::gateway {
+
+Worker::~Worker() {
+  close();
+  if (thread_.joinable()) thread_.join();
+}
+
+bool Worker::post(std::function<void()> job) {
+  const std::scoped_lock lock(mutex_);
+  if (is_closed_ || jobs_.size() >= kMostJobs) return false;
+  jobs_.push_back(std::move(job));
+  start();
+  changed_.notify_one();
+  return true;
+}
+
+void Worker::close(std::function<void()> last) {
+  const std::scoped_lock lock(mutex_);
+  if (std::exchange(is_closed_, true)) return;
+  jobs_.clear();
+  if (last) {
+    jobs_.push_back(std::move(last));
+    start();
+  }
+  changed_.notify_one();
+}
+
+void Worker::start() {
+  if (thread_.joinable()) return;
+  has_ended_ = false;
+  thread_ = std::thread([this] {
+    run();
+  });
+}
+
+void Worker::run() {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    changed_.wait(lock, [this] {
+      return is_closed_ || !jobs_.empty();
+    });
+    if (jobs_.empty()) break;
+    auto job = std::move(jobs_.front());
+    jobs_.pop_front();
+    lock.unlock();
+    job();
+    job = {};  // what it holds ends here, without the lock
+    lock.lock();
+  }
+  has_ended_ = true;
+}
+
+}  // namespace vdrive::gateway

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstddef>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <thread>
+
+namespace vdrive::gateway {
+
+/// A thread that does one thing after the other: calls to benches wait, and nobody else waits for
+/// them. Its thread starts with the first job.
+class Worker {
+ public:
+  /// Jobs that may wait.
+  static constexpr std::size_t kMostJobs = 64;
+
+  Worker() = default;
+
+  /// Waits for the job under way; the others are dropped.
+  ~Worker();
+  Worker(const Worker&) = delete;
+  Worker& operator=(const Worker&) = delete;
+
+  /// Any thread. @return false when too many jobs wait, or after close().
+  [[nodiscard]] bool post(std::function<void()> job);
+
+  /// Ends after `last` and the job under way; the other jobs are dropped. Does not wait.
+  void close(std::function<void()> last = {});
+
+  /// @return whether the thread has ended, or never was.
+  [[nodiscard]] bool has_ended() const noexcept { return has_ended_; }
+
+ private:
+  void run();
+  void start();
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<std::function<void()>> jobs_;
+  bool is_closed_ = false;
+  std::atomic<bool> has_ended_ = true;
+  std::thread thread_;
+};
+
+}  // namespace vdrive::gateway

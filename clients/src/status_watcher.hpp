@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "discovery.hpp"
+#include "periodic_thread.hpp"
+#include "status_stream.hpp"
+#include "vdrive/client/axis_snapshot.hpp"
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <vector>
+
+namespace vdrive::client {
+
+/// Reports what axes show to the program, in a thread of its own and at a rate of its own. Not
+/// thread-safe.
+class StatusWatcher {
+ public:
+  using Observer = std::function<void(const Observation&)>;
+
+  StatusWatcher(const Discovery& discovery, StatusStream& stream)
+      : discovery_(discovery), stream_(stream) {}
+
+  /// Session::on_status.
+  /// @param axes by bench
+  void watch(const std::map<std::uint32_t, std::vector<std::uint16_t>>& axes,
+             std::chrono::milliseconds period, Observer observer);
+
+  /// Ends the reports.
+  void stop() { thread_.stop(); }
+
+ private:
+  const Discovery& discovery_;
+  StatusStream& stream_;
+  PeriodicThread thread_;
+};
+
+}  // namespace vdrive::client

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "child_process.hpp"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+// The header of glibc 2.36 does not say so itself.
+extern "C" {
+#include <sys/pidfd.h>
+}
+
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <string_view>
+#include <system_error>
+
+namespace vdrive::tool {
+namespace {
+
+/// What exec takes. Made before the fork: after it the child may not allocate.
+std::vector<char*> pointers_to(std::vector<std::string>& texts) {
+  std::vector<char*> pointers;
+  pointers.reserve(texts.size() + 1);
+  for (std::string& text : texts) pointers.push_back(text.data());
+  pointers.push_back(nullptr);
+  return pointers;
+}
+
+std::string_view variable_name(std::string_view variable) {
+  return variable.substr(0, variable.find('='));
+}
+
+/// @return the environment of this process with `changes` in the place of those of the same name.
+std::vector<std::string> environment_with(std::vector<std::string> changes) {
+  const std::size_t added = changes.size();
+  for (char** variable = environ; variable != nullptr && *variable != nullptr; ++variable) {
+    bool is_replaced = false;
+    for (std::size_t i = 0; i < added; ++i) {
+      is_replaced = is_replaced || variable_name(changes[i]) == variable_name(*variable);
+    }
+    if (!is_replaced) changes.emplace_back(*variable);
+  }
+  std::erase_if(changes, [](const std::string& variable) {
+    return variable.find('=') == std::string::npos;
+  });
+  return changes;
+}
+
+int checked(int result, const char* what) {
+  if (result >= 0) return result;
+  throw std::system_error(errno, std::generic_category(), what);
+}
+
+/// In the child, between fork and exec: system calls only.
+[[noreturn]] void become(const std::vector<char*>& command, const std::vector<char*>& environment,
+                         int output, int errors, pid_t parent) {
+  constexpr int kCannotStart = 127;
+  sigset_t none;
+  sigemptyset(&none);
+  // NOLINTNEXTLINE(concurrency-mt-unsafe): of the only thread of the child
+  sigprocmask(SIG_SETMASK, &none, nullptr);
+  (void)std::signal(SIGPIPE, SIG_DFL);
+  setpgid(0, 0);
+  prctl(PR_SET_PDEATHSIG, SIGTERM);
+  if (getppid() != parent) _exit(kCannotStart);  // it has ended before the line above
+  const int input = open("/dev/null", O_RDONLY | O_CLOEXEC);
+  if (input < 0 || dup2(input, STDIN_FILENO) < 0 || dup2(output, STDOUT_FILENO) < 0 ||
+      dup2(errors, STDERR_FILENO) < 0) {
+    _exit(kCannotStart);
+  }
+  execve(command.front(), command.data(), environment.data());
+  _exit(kCannotStart);
+}
+
+pid_t start(std::vector<std::string> command, std::vector<std::string> changes, int output,
+            int errors) {
+  std::vector<std::string> environment = environment_with(std::move(changes));
+  const std::vector<char*> arguments = pointers_to(command);
+  const std::vector<char*> variables = pointers_to(environment);
+  const pid_t parent = getpid();
+  const pid_t child = checked(fork(), "fork");
+  if (child == 0) become(arguments, variables, output, errors, parent);
+  return child;
+}
+
+std::string content_of(int file) {
+  std::string text;
+  std::array<char, 4096> block{};
+  while (true) {
+    const ssize_t count = pread(file, block.data(), block.size(), static_cast<off_t>(text.size()));
+    if (count <= 0) return text;
+    text.append(block.data(), static_cast<std::size_t>(count));
+  }
+}
+
+}  // namespace
+
+Descriptor::~Descriptor() {
+  if (number_ >= 0) close(number_);
+}
+
+ChildProcess::ChildProcess(std::vector<std::string> command, std::vector<std::string> environment)
+    : output_(checked(memfd_create("output", MFD_CLOEXEC), "memfd_create")),
+      errors_(checked(memfd_create("errors", MFD_CLOEXEC), "memfd_create")),
+      id_(start(std::move(command), std::move(environment), output_.get(), errors_.get())),
+      handle_(pidfd_open(id_, 0)) {}
+
+ChildProcess::~ChildProcess() {
+  send(SIGKILL);
+  static_cast<void>(wait());
+}
+
+void ChildProcess::send(int signal) const noexcept {
+  // The handle, unlike the number, never means another process.
+  (void)pidfd_send_signal(handle_.get(), signal, nullptr, 0);
+}
+
+std::optional<int> ChildProcess::wait(std::optional<std::chrono::milliseconds> patience) {
+  if (code_) return code_;
+  if (patience) {
+    pollfd ended{handle_.get(), POLLIN, 0};
+    if (poll(&ended, 1, static_cast<int>(patience->count())) == 0) return std::nullopt;
+  }
+  int status = 0;
+  while (waitpid(id_, &status, 0) < 0 && errno == EINTR) {
+  }
+  code_ = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+  return code_;
+}
+
+void ChildProcess::stop(std::chrono::milliseconds patience) {
+  send(SIGTERM);
+  if (wait(patience)) return;
+  send(SIGKILL);
+  static_cast<void>(wait());
+}
+
+std::string ChildProcess::output() const {
+  return content_of(output_.get());
+}
+
+std::string ChildProcess::errors() const {
+  return content_of(errors_.get());
+}
+
+}  // namespace vdrive::tool

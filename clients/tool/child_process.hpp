@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vdrive::tool {
+
+/// A descriptor, closed with this object.
+class Descriptor {
+ public:
+  explicit Descriptor(int number) noexcept : number_(number) {}
+
+  ~Descriptor();
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+
+  [[nodiscard]] int get() const noexcept { return number_; }
+
+ private:
+  int number_;
+};
+
+/// A program that this one has started. It receives SIGTERM when the thread that started it ends,
+/// so that a killed tool leaves nothing behind. It is in a process group of its own: Ctrl-C reaches
+/// it through send() only. Standard input is empty; its output is kept in memory.
+class ChildProcess {
+ public:
+  /// @param command the program's path, then its arguments
+  /// @param environment changes of that of this process: NAME=VALUE, or NAME for a variable that
+  /// goes
+  /// @throws std::system_error
+  ChildProcess(std::vector<std::string> command, std::vector<std::string> environment = {});
+
+  /// Kills it, if it still runs.
+  ~ChildProcess();
+  ChildProcess(const ChildProcess&) = delete;
+  ChildProcess& operator=(const ChildProcess&) = delete;
+
+  /// Also after its end. Any thread.
+  void send(int signal) const noexcept;
+
+  /// @return the exit code, or -signal; nothing while it still runs after `patience`.
+  std::optional<int> wait(std::optional<std::chrono::milliseconds> patience = std::nullopt);
+
+  /// SIGTERM, and SIGKILL when it has not ended after `patience`.
+  void stop(std::chrono::milliseconds patience);
+
+  /// Readable once the program has ended.
+  [[nodiscard]] int descriptor() const noexcept { return handle_.get(); }
+
+  /// What it has written so far.
+  [[nodiscard]] std::string output() const;
+  [[nodiscard]] std::string errors() const;
+
+ private:
+  Descriptor output_;
+  Descriptor errors_;
+  pid_t id_;
+  Descriptor handle_;
+  std::optional<int> code_;
+};
+
+}  // namespace vdrive::tool

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/client/bench.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace vdrive::tool {
+
+/// What a quantity measures.
+enum class Dimension : std::uint8_t { position, velocity, acceleration };
+
+/// A position, a speed or a ramp as it was typed. Its axis tells how many user units it is.
+struct Quantity {
+  std::string text;
+  Dimension dimension = Dimension::position;
+  DataType type = DataType::integer32;  ///< that has to hold it
+  double value = 0.0;
+  std::string unit;  ///< of the position, without "/s" or "/s2"; "UU" where none was typed
+
+  /// @return whether every axis takes it for the same number: in user units.
+  [[nodiscard]] bool is_in_user_units() const { return unit == "UU"; }
+};
+
+/// @param text a number such as -500, 12.5, 1e4, 0xFFFFD8F0 (two's complement of `type`), with or
+///        without a unit: 90deg, 180deg/s, 900deg/s2, 300rpm
+/// @throws UsageError for anything else, and for user units that `type` does not hold.
+[[nodiscard]] Quantity parse_quantity(std::string_view text, Dimension dimension, DataType type);
+
+/// @param text [per mille of rated torque], or a percentage such as 12.5%
+/// @return [per mille of rated torque], rounded to the nearest.
+/// @throws UsageError for anything else, and for more than INTEGER16 holds.
+[[nodiscard]] std::int16_t parse_torque(std::string_view text);
+
+/// @param axis what messages call the axis
+/// @return [UU], rounded to the nearest.
+/// @throws UsageError where the axis has no such unit, naming those that it has, and where the type
+///         does not hold the value.
+[[nodiscard]] std::int64_t user_units_of(const Quantity& quantity, const client::Unit& unit,
+                                         std::string_view axis);
+
+/// @return what the object measures; nothing where it is no position, speed or ramp.
+[[nodiscard]] std::optional<Dimension> dimension_of(ObjectRow row);
+
+}  // namespace vdrive::tool

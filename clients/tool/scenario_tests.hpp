@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "grammar.hpp"
+#include "interrupt.hpp"
+#include "terminal.hpp"
+#include "tool.hpp"
+
+namespace vdrive::tool {
+
+/// Runs each scenario on a bench of its own, several side by side, and writes one report. A bench
+/// is a service in lock-step on a domain that nobody else uses; it ends with its scenario.
+/// @return the exit code of the first file that failed, in the order of the command line.
+/// @throws UsageError before anything starts: a mistake in a file, no service, a report that cannot
+///         be written.
+[[nodiscard]] ExitCode run_scenario_tests(const TestCommand& command, const GlobalOptions& options,
+                                          Interrupt& interrupt, Terminal& terminal);
+
+}  // namespace vdrive::tool

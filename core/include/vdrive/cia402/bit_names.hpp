@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/cia402/operating_mode.hpp"
+
+#include <cstdint>
+#include <string_view>
+
+namespace vdrive {
+
+/// @param bit one bit of the statusword 6041h, such as Statusword::kFault
+/// @return its name as `mode` reads it, such as "target reached"; empty where it has none. Bit 13
+/// is
+///         read so in Operation enabled only: outside of it, it is OperatingMode::none's.
+[[nodiscard]] std::string_view statusword_bit_name(std::uint16_t bit, OperatingMode mode) noexcept;
+
+/// @param bit one bit of the controlword 6040h, such as Controlword::kHalt
+/// @return its name as `mode` reads it, such as "new set-point"; empty where it has none.
+[[nodiscard]] std::string_view controlword_bit_name(std::uint16_t bit, OperatingMode mode) noexcept;
+
+}  // namespace vdrive

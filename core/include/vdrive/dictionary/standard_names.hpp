@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/dictionary/dictionary.hpp"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <string_view>
+
+namespace vdrive {
+
+/// The name that CiA 402-2 has for an object, where the manual has another. Users may write either.
+struct StandardName {
+  std::string_view name;
+  std::string_view variable_name;
+};
+
+inline constexpr std::array kStandardNames{
+    StandardName{"controlword", "ds402_controlword"},
+    StandardName{"statusword", "ds402_statusword"},
+    StandardName{"modes_of_operation", "op_mode_cmd"},
+    StandardName{"modes_of_operation_display", "op_mode_actual"},
+    StandardName{"position_actual_value", "load_position_actual_value"},
+    StandardName{"velocity_actual_value", "load_velocity_actual_value"},
+    StandardName{"following_error_actual_value", "load_position_error_value"},
+    StandardName{"target_position", "position_user_target_value"},
+    StandardName{"position_window", "position_target_reached_window"},
+    StandardName{"position_window_time", "position_target_reached_window_time"},
+    StandardName{"min_position_limit", "user_position_lower_limit"},
+    StandardName{"max_position_limit", "user_position_upper_limit"},
+    StandardName{"max_profile_velocity", "app_speed_limit"},
+    StandardName{"max_motor_speed", "motor_max_speed_rpm"},
+    StandardName{"torque_demand_value", "torque_demand"},
+    StandardName{"speed_during_search_for_switch", "homing_speed_search"},
+    StandardName{"speed_during_search_for_zero", "homing_speed_creep"},
+    StandardName{"profile_acceleration", "profile_acc"},
+    StandardName{"profile_deceleration", "profile_dec"},
+    StandardName{"max_acceleration", "app_acc_limit"},
+    StandardName{"max_deceleration", "app_dec_limit"},
+    StandardName{"positive_torque_limit_value", "positive_torque_limit_relative"},
+    StandardName{"negative_torque_limit_value", "negative_torque_limit_relative"},
+};
+
+/// @param name a variable_name, or the standard's
+/// @return the row of that object, or nothing.
+[[nodiscard]] constexpr std::optional<ObjectRow> find_named(std::string_view name) noexcept {
+  if (const auto row = find_object(name)) return row;
+  const auto* const standard = std::ranges::find(kStandardNames, name, &StandardName::name);
+  return standard == kStandardNames.end() ? std::nullopt : find_object(standard->variable_name);
+}
+
+}  // namespace vdrive

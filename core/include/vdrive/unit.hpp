@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/plant/axis_model.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace vdrive {
+
+/// What the user units (UU) of an axis are in the world: parts of a revolution or of a length. The
+/// drive knows UU only; programs convert.
+
+enum class UnitKind : std::uint8_t {
+  rotary,  ///< deg, rad and rev
+  linear,  ///< the unit's own name; with the name m, cm, mm or um all four
+};
+
+inline constexpr std::size_t kMaxUnitNameLength = 16;  // [bytes]
+inline constexpr double kSmallestUnit = 1e-6;          // [UU]
+inline constexpr double kLargestUnit = 1e9;            // [UU]
+
+/// The unit of an axis. The default is that of the default axis.
+struct Unit {
+  UnitKind kind = UnitKind::rotary;
+  std::string name = "deg";               ///< in which positions are shown; rotary: deg, rad or rev
+  double size = kUserUnitsPerRevolution;  ///< [UU] of a revolution; linear: of one `name`
+
+  friend bool operator==(const Unit&, const Unit&) = default;
+};
+
+/// @return "rotary" or "linear".
+[[nodiscard]] std::string_view to_string(UnitKind kind) noexcept;
+
+/// @return what is wrong with the name of a unit of that kind; nothing for a good one. The name of
+///         a length has 1 to kMaxUnitNameLength bytes of UTF-8, of ASCII only letters and %, and is
+///         not UU, deg, rad, rev or rpm.
+[[nodiscard]] std::optional<std::string> check_unit_name(UnitKind kind, std::string_view name);
+
+/// @return whether name and size are within their limits: for units that another program sent.
+[[nodiscard]] bool is_usable(const Unit& unit);
+
+/// @return the names of the units in which a position of this axis can be given, such as {"deg",
+///         "rad", "rev"}; its own name first.
+[[nodiscard]] std::vector<std::string> units_of(const Unit& unit);
+
+/// @return [UU] in one `name`, nothing where the axis has no such unit: see units_of. "UU" is one.
+[[nodiscard]] std::optional<double> user_units_in(const Unit& unit, std::string_view name);
+
+/// @param value [unit.name] a position, or per s or s² a speed or an acceleration
+/// @return [UU], not rounded.
+[[nodiscard]] double to_user_units(double value, const Unit& unit);
+
+/// @param user_units [UU] a position, or per s or s² a speed or an acceleration
+/// @return [unit.name].
+[[nodiscard]] double from_user_units(double user_units, const Unit& unit);
+
+/// @return a position as it is shown, such as "90.00 deg": with the digits that show 1 UU.
+[[nodiscard]] std::string position_text(std::int64_t user_units, const Unit& unit);
+
+}  // namespace vdrive

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "drive/state.hpp"
+#include "vdrive/axis_status.hpp"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace vdrive {
+
+// What a tick does for all lanes of a block at once. A set of lanes is a number: bit l = lane l.
+
+/// @return the lanes whose position is further from 0 than `kFrame`.
+[[nodiscard]] std::uint64_t lanes_out_of_frame(const DemandBlock& demand) noexcept;
+
+/// @return the lanes in which the present tick crosses a border between two segments.
+[[nodiscard]] std::uint64_t lanes_across(const DemandBlock& demand,
+                                         const TickTiming& timing) noexcept;
+
+/// Ends the tick of those `lanes` in which still nothing goes on but the motion: the demand stays
+/// in its segment, the following error in its window, the axis out of the target window.
+/// @return these lanes; of the others nothing is changed.
+std::uint64_t end_steady_tick(BlockState& block, std::uint64_t lanes,
+                              const TickTiming& timing) noexcept;
+
+/// Members of AxisStatus that are measured or planned, of a block.
+struct alignas(64) NumberBlock {
+  using Row = std::array<std::int32_t, kLanes>;
+
+  Row position_demand_value;
+  Row load_position_actual_value;
+  Row load_position_error_value;
+  Row motor_position_actual_value;
+  Row motor_position_error_value;
+  Row velocity_demand_value;
+  Row load_velocity_actual_value;
+  Row load_velocity_error_value;
+  Row motor_velocity_actual_value;
+  Row motor_velocity_error_value;
+  Row current_error_value;
+  Row current_actual_value;
+  Row torque_actual_value;
+  Row torque_demand;
+};
+
+/// Rounds the numbers of a block.
+void round_numbers(const BlockState& block, NumberBlock& numbers) noexcept;
+
+/// Puts the numbers of lane `l` into the status image.
+inline void show_numbers(const NumberBlock& numbers, std::size_t l, AxisStatus& out) noexcept {
+  out.position_demand_value = numbers.position_demand_value[l];
+  out.load_position_actual_value = numbers.load_position_actual_value[l];
+  out.load_position_error_value = numbers.load_position_error_value[l];
+  out.motor_position_actual_value = numbers.motor_position_actual_value[l];
+  out.motor_position_error_value = numbers.motor_position_error_value[l];
+  out.velocity_demand_value = numbers.velocity_demand_value[l];
+  out.load_velocity_actual_value = numbers.load_velocity_actual_value[l];
+  out.load_velocity_error_value = numbers.load_velocity_error_value[l];
+  out.motor_velocity_actual_value = numbers.motor_velocity_actual_value[l];
+  out.motor_velocity_error_value = numbers.motor_velocity_error_value[l];
+  out.current_error_value = numbers.current_error_value[l];
+  out.current_actual_value = static_cast<std::int16_t>(numbers.current_actual_value[l]);
+  out.torque_actual_value = static_cast<std::int16_t>(numbers.torque_actual_value[l]);
+  out.torque_demand = static_cast<std::int16_t>(numbers.torque_demand[l]);
+}
+
+}  // namespace vdrive

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/axis_status.hpp"
+#include "vdrive/wire/conversion.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+/// Samples of StatusFrame and AxisStatus, which a service sends each tick: written and read in one
+/// pass, without a message object between the status images and the bytes.
+namespace vdrive::wire {
+
+/// What all axes of a status frame have in common.
+struct StatusFrameHead {
+  std::uint32_t bench = 0;
+  std::uint64_t incarnation = 0;
+  std::uint64_t tick = 0;
+  std::int64_t time_ns = 0;
+  std::uint16_t part = 0;
+  std::uint16_t parts = 1;
+};
+
+/// Axes of a bench after one tick; the three have one length.
+struct AxesAfterTick {
+  std::span<const AxisStatus> status;
+  std::span<const Ownership> owners;
+  std::span<const std::uint16_t> numbers;
+};
+
+/// @return bytes of a sample of StatusFrame with that many axes.
+[[nodiscard]] std::size_t encoded_status_frame_size(std::size_t axes) noexcept;
+
+/// Writes a sample of StatusFrame: the bytes that `to_message` and `encode` would give.
+/// @return how many bytes were written; 0 when `output` is too short.
+std::size_t encode_status_frame(const StatusFrameHead& head, const AxesAfterTick& axes,
+                                std::span<std::byte> output) noexcept;
+
+/// Bytes of a sample of AxisStatus.
+inline constexpr std::size_t kAxisStatusSize = 112;
+
+/// Writes a sample of AxisStatus. @return how many bytes were written; 0 when it does not fit.
+std::size_t encode_axis_status(const AxisStatus& status, const AxisAddress& address,
+                               std::uint64_t tick, const Ownership& owner,
+                               std::span<std::byte> output) noexcept;
+
+/// An axis of a status frame that was received.
+struct ReceivedStatus {
+  AxisAddress address;
+  std::uint64_t tick = 0;
+  Ownership owner;
+  AxisStatus status;
+};
+
+/// A received sample of StatusFrame, read where it lies: an axis that the program does not want
+/// costs nothing. Valid as long as the bytes.
+class StatusFrameView {
+ public:
+  /// @return nothing when the sample ends early, has more than MAX_AXES_PER_FRAME axes, or is not
+  ///         plain CDR in little-endian byte order, which every service writes.
+  [[nodiscard]] static std::optional<StatusFrameView> of(
+      std::span<const std::byte> sample) noexcept;
+
+  [[nodiscard]] const StatusFrameHead& head() const noexcept { return head_; }
+
+  /// @return how many axes it holds.
+  [[nodiscard]] std::size_t size() const noexcept { return size_; }
+
+  /// @param position below size()
+  /// @return the number of that axis on its bench.
+  [[nodiscard]] std::uint16_t number(std::size_t position) const noexcept;
+
+  /// @param position below size()
+  [[nodiscard]] ReceivedStatus axis(std::size_t position) const noexcept;
+
+ private:
+  StatusFrameView() = default;
+
+  StatusFrameHead head_;
+  std::size_t size_ = 0;
+  std::span<const std::byte> axes_;
+};
+
+}  // namespace vdrive::wire

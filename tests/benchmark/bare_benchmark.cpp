@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the DDS library and the kernel take alone, for the ratios of other figures.
+//
+//   vdrive_bare_benchmark round-trip COUNT
+//       a reliable request and its reply between two processes, handed from the listener to a
+//       worker on both sides: the sizes and the QoS of a step of one tick
+//   vdrive_bare_benchmark sleep SECONDS
+//       how late a thread wakes that sleeps to each millisecond
+//
+// Prints JSON lines: {"figure":"bare_round_trip_us_p50","value":...}.
+#include "bare_node.hpp"
+#include "support/test_domain.hpp"
+
+#include <sys/prctl.h>
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <ctime>
+#include <iostream>
+#include <mutex>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace {
+
+using namespace vdrive::bare;
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kRequest = 92;  // a step that names no axes
+constexpr std::size_t kReply = 92;    // and its reply
+
+/// Hands samples from the listener's thread to another one.
+class Mailbox {
+ public:
+  void put(const Bytes& bytes) {
+    {
+      const std::scoped_lock lock(mutex_);
+      bytes_ = bytes;
+      ++count_;
+    }
+    changed_.notify_one();
+  }
+
+  /// @return false when less than `count` samples have come by then.
+  bool wait_for(std::uint64_t count, std::chrono::milliseconds patience) {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, patience, [&] {
+      return count_ >= count;
+    });
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  Bytes bytes_;
+  std::uint64_t count_ = 0;
+};
+
+double microseconds_since(Clock::time_point begin) {
+  return std::chrono::duration<double, std::micro>(Clock::now() - begin).count();
+}
+
+/// The partner: a reply to each request.
+[[noreturn]] void answer(std::uint32_t domain) {
+  Mailbox mailbox;
+  Listener listener([&mailbox](const Bytes& sample) {
+    mailbox.put(sample);
+  });
+  Node node(domain);
+  auto& writer = node.writer("reply", true);
+  node.read("request", true, listener);
+  Bytes reply(kReply);
+  for (std::uint64_t number = 1; true; ++number) {
+    while (!mailbox.wait_for(number, 1s)) {
+    }
+    writer.write(&reply);
+  }
+}
+
+int go_round(int count) {
+  const std::uint32_t domain = vdrive::test::test_domain();
+  const Partner partner([domain] {
+    answer(domain);
+  });
+  Mailbox mailbox;
+  Listener listener([&mailbox](const Bytes& sample) {
+    mailbox.put(sample);
+  });
+  Node node(domain);
+  auto& writer = node.writer("request", true);
+  node.read("reply", true, listener);
+  if (!wait_for_reader(writer)) return 1;
+  std::this_thread::sleep_for(500ms);  // the match of the replies
+  Bytes request(kRequest);
+  std::vector<double> times;
+  const auto begin = Clock::now();
+  for (int number = 1; number <= count; ++number) {
+    const auto asked = Clock::now();
+    writer.write(&request);
+    if (!mailbox.wait_for(static_cast<std::uint64_t>(number), 10s)) {
+      std::cerr << "no reply\n";
+      return 1;
+    }
+    times.push_back(microseconds_since(asked));
+  }
+  print_figure("bare_round_trips_per_second", count * 1e6 / microseconds_since(begin));
+  std::sort(times.begin(), times.end());
+  print_figure("bare_round_trip_us_p50", quantile(times, 0.5));
+  print_figure("bare_round_trip_us_p99", quantile(times, 0.99));
+  return 0;
+}
+
+int sleep_and_wake(int seconds) {
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  prctl(PR_SET_TIMERSLACK, 1UL);
+  std::vector<double> late;
+  timespec next{};
+  clock_gettime(CLOCK_MONOTONIC, &next);
+  for (int tick = 0; tick < seconds * 1'000; ++tick) {
+    next.tv_nsec += 1'000'000;
+    if (next.tv_nsec >= kSecond) {
+      next.tv_nsec -= kSecond;
+      ++next.tv_sec;
+    }
+    clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &next, nullptr);
+    timespec now{};
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    late.push_back(1e6 * static_cast<double>(now.tv_sec - next.tv_sec) +
+                   1e-3 * static_cast<double>(now.tv_nsec - next.tv_nsec));
+  }
+  std::sort(late.begin(), late.end());
+  print_figure("bare_late_us_p50", quantile(late, 0.5));
+  print_figure("bare_late_us_p99", quantile(late, 0.99));
+  print_figure("bare_late_us_p99.9", quantile(late, 0.999));
+  print_figure("bare_late_us_max", late.back());
+  return 0;
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  const std::vector<std::string> words(arguments + 1, arguments + count);
+  try {
+    if (words.size() == 2 && words[0] == "round-trip") return go_round(std::stoi(words[1]));
+    if (words.size() == 2 && words[0] == "sleep") return sleep_and_wake(std::stoi(words[1]));
+  } catch (const std::logic_error&) {  // not a number
+  }
+  std::cerr << "usage: vdrive_bare_benchmark round-trip COUNT | sleep SECONDS\n";
+  return 2;
+}

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
+#include <fastdds/dds/subscriber/DataReader.hpp>
+#include <fastdds/dds/subscriber/DataReaderListener.hpp>
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
+#include <fastdds/dds/subscriber/Subscriber.hpp>
+#include <fastdds/dds/topic/TopicDataType.hpp>
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastrtps/attributes/LibrarySettingsAttributes.h>
+#include <fastrtps/xmlparser/XMLProfileManager.h>
+
+#include <sys/prctl.h>
+#include <sys/types.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdint>
+#include <cstring>
+#include <functional>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+/// The DDS library without vdrive, with the QoS of vdrive's topics: what the figures of the wire
+/// are compared with.
+namespace vdrive::bare {
+
+namespace dds = eprosima::fastdds::dds;
+namespace rtps = eprosima::fastrtps::rtps;
+
+/// A status frame on the wire [bytes].
+inline constexpr std::size_t kAxesPerFrame = 256;
+inline constexpr std::size_t kFrameHead = 40;
+inline constexpr std::size_t kAxis = 112;
+
+using Bytes = std::vector<std::uint8_t>;
+
+/// Bytes, copied onto the wire and from it.
+class BytesType final : public dds::TopicDataType {
+ public:
+  BytesType() {
+    m_typeSize = static_cast<std::uint32_t>(2 * (kFrameHead + kAxesPerFrame * kAxis));
+    setName("Bytes");
+    auto_fill_type_object(false);
+    auto_fill_type_information(false);
+  }
+
+  bool serialize(void* data, rtps::SerializedPayload_t* payload) override {
+    const Bytes& bytes = *static_cast<Bytes*>(data);
+    std::memcpy(payload->data, bytes.data(), bytes.size());
+    payload->length = static_cast<std::uint32_t>(bytes.size());
+    payload->encapsulation = CDR_LE;
+    return true;
+  }
+
+  bool deserialize(rtps::SerializedPayload_t* payload, void* data) override {
+    static_cast<Bytes*>(data)->assign(payload->data, payload->data + payload->length);
+    return true;
+  }
+
+  std::function<std::uint32_t()> getSerializedSizeProvider(void* data) override {
+    return [size = static_cast<Bytes*>(data)->size()] {
+      return static_cast<std::uint32_t>(size);
+    };
+  }
+
+  void* createData() override { return new Bytes(); }
+
+  void deleteData(void* data) override { delete static_cast<Bytes*>(data); }
+
+  bool getKey(void* /*data*/, rtps::InstanceHandle_t* /*handle*/, bool /*force_md5*/) override {
+    return false;
+  }
+};
+
+/// A participant with UDP on loopback.
+class Node {
+ public:
+  explicit Node(std::uint32_t domain) : type_(new BytesType()) {
+    constexpr std::uint32_t kSocketBuffer = 4U * 1024U * 1024U;
+    auto settings = eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings();
+    settings.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
+    eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(settings);
+    auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
+    udp->interfaceWhiteList = {"127.0.0.1"};
+    udp->sendBufferSize = kSocketBuffer;
+    udp->receiveBufferSize = kSocketBuffer;
+    dds::DomainParticipantQos qos;
+    qos.transport().use_builtin_transports = false;
+    qos.transport().user_transports.push_back(udp);
+    participant_ = dds::DomainParticipantFactory::get_instance()->create_participant(domain, qos);
+    require(participant_, "participant");
+    participant_->register_type(type_);
+    publisher_ = participant_->create_publisher(dds::PUBLISHER_QOS_DEFAULT);
+    subscriber_ = participant_->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT);
+  }
+
+  ~Node() {
+    participant_->delete_contained_entities();
+    dds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
+  }
+
+  Node(const Node&) = delete;
+  Node& operator=(const Node&) = delete;
+
+  dds::DataWriter& writer(const std::string& topic, bool reliable) {
+    dds::DataWriterQos qos;
+    apply(reliable, qos);
+    qos.publish_mode().kind = dds::SYNCHRONOUS_PUBLISH_MODE;
+    qos.endpoint().history_memory_policy = rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
+    auto* const writer = publisher_->create_datawriter(topic_named(topic), qos);
+    require(writer, "writer");
+    return *writer;
+  }
+
+  /// @param listener outlives this
+  void read(const std::string& topic, bool reliable, dds::DataReaderListener& listener) {
+    dds::DataReaderQos qos;
+    apply(reliable, qos);
+    qos.endpoint().history_memory_policy = rtps::PREALLOCATED_MEMORY_MODE;
+    require(subscriber_->create_datareader(topic_named(topic), qos, &listener), "reader");
+  }
+
+ private:
+  template <typename Qos>
+  static void apply(bool reliable, Qos& qos) {
+    constexpr std::int32_t kStatusDepth = 64;
+    constexpr std::int32_t kQueueDepth = 1'024;
+    const std::int32_t depth = reliable ? kQueueDepth : kStatusDepth;
+    qos.reliability().kind =
+        reliable ? dds::RELIABLE_RELIABILITY_QOS : dds::BEST_EFFORT_RELIABILITY_QOS;
+    qos.durability().kind = dds::VOLATILE_DURABILITY_QOS;
+    qos.history().kind = reliable ? dds::KEEP_ALL_HISTORY_QOS : dds::KEEP_LAST_HISTORY_QOS;
+    qos.history().depth = depth;
+    qos.resource_limits().max_instances = 1;
+    qos.resource_limits().max_samples_per_instance = depth;
+    qos.resource_limits().max_samples = depth;
+    qos.resource_limits().allocated_samples = 8;
+    qos.data_sharing().off();
+  }
+
+  dds::Topic* topic_named(const std::string& name) {
+    return participant_->create_topic(name, type_.get_type_name(), dds::TOPIC_QOS_DEFAULT);
+  }
+
+  static void require(const void* entity, const char* what) {
+    if (entity != nullptr) return;
+    std::cerr << "the library refuses a " << what << '\n';
+    std::_Exit(1);
+  }
+
+  dds::TypeSupport type_;
+  dds::DomainParticipant* participant_ = nullptr;
+  dds::Publisher* publisher_ = nullptr;
+  dds::Subscriber* subscriber_ = nullptr;
+};
+
+/// Calls `take` with each sample.
+class Listener final : public dds::DataReaderListener {
+ public:
+  explicit Listener(std::function<void(const Bytes&)> take) : take_(std::move(take)) {}
+
+  void on_data_available(dds::DataReader* reader) override {
+    dds::SampleInfo info;
+    while (reader->take_next_sample(&bytes_, &info) ==
+           eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
+      if (info.valid_data) take_(bytes_);
+    }
+  }
+
+ private:
+  std::function<void(const Bytes&)> take_;
+  Bytes bytes_;
+};
+
+inline bool wait_for_reader(dds::DataWriter& writer) {
+  constexpr int kAttempts = 1'000;
+  for (int count = 0; count < kAttempts; ++count) {
+    dds::PublicationMatchedStatus status;
+    writer.get_publication_matched_status(status);
+    if (status.current_count > 0) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  std::cerr << "no reader\n";
+  return false;
+}
+
+/// A second process that runs a function; ends with this object.
+class Partner {
+ public:
+  explicit Partner(const std::function<void()>& run) : process_(fork()) {
+    if (process_ != 0) return;
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    run();
+    std::_Exit(0);
+  }
+
+  ~Partner() {
+    kill(process_, SIGKILL);
+    waitpid(process_, nullptr, 0);
+  }
+
+  Partner(const Partner&) = delete;
+  Partner& operator=(const Partner&) = delete;
+
+  [[nodiscard]] pid_t process() const noexcept { return process_; }
+
+ private:
+  pid_t process_;
+};
+
+/// One figure as a line of JSON.
+inline void print_figure(const std::string& figure, double value, std::size_t axes = 0) {
+  std::cout << R"({"figure":")" << figure << '"';
+  if (axes != 0) std::cout << R"(,"axes":)" << axes;
+  std::cout << R"(,"value":)" << value << "}\n" << std::flush;
+}
+
+/// @return the value that this share of `sorted` does not exceed.
+inline double quantile(const std::vector<double>& sorted, double share) {
+  const auto place = static_cast<std::size_t>(share * static_cast<double>(sorted.size()));
+  return sorted[std::min(place, sorted.size() - 1)];
+}
+
+}  // namespace vdrive::bare

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whether clients receive every tick of all axes of a realtime bench, and how soon the first one.
+//
+//   vdrive_follow_benchmark VDRIVED SECONDS CLIENTS [argument of vdrived...]
+//
+// Each client is a process with a session that follows all axes of bench 1; the figures are those
+// of the first one. Prints JSON lines: {"figure":"status_missed_share","axes":1024,"value":...}.
+#include "bare_node.hpp"
+#include "service_process.hpp"
+#include "support/test_domain.hpp"
+#include "vdrive/client/axis.hpp"
+#include "vdrive/client/session.hpp"
+#include "vdrive/wire/participant.hpp"
+#include "vdrive/wire/subscription.hpp"
+#include "vdrive_messages.h"
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <iostream>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace {
+
+using namespace vdrive;
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+struct Followed {
+  std::size_t axes = 0;
+  std::uint64_t samples = 0;
+  std::uint64_t missed = 0;
+  double first = 0.0;  ///< from the start of the service [s]
+};
+
+/// What the service says of its ticks.
+class States {
+ public:
+  explicit States(std::uint32_t domain)
+      : participant_({.domain = domain, .role = wire::Role::client}, "benchmark"),
+        states_(participant_, [this](const msg::BenchState& state, const wire::Source&) {
+          tick_ = state.tick();
+          overruns_ = state.overruns();
+        }) {}
+
+  [[nodiscard]] std::uint64_t tick() const noexcept { return tick_; }
+
+  [[nodiscard]] std::uint64_t overruns() const noexcept { return overruns_; }
+
+ private:
+  std::atomic<std::uint64_t> tick_{0};
+  std::atomic<std::uint64_t> overruns_{0};
+  wire::Participant participant_;
+  wire::Subscription<msg::BenchState> states_;
+};
+
+client::Follower follower_of_all(client::Session& session, Followed& followed) {
+  const auto bench = session.find_bench(1);
+  if (!bench) throw std::runtime_error(bench.outcome().message());
+  std::vector<client::AxisId> axes;
+  for (const auto& axis : bench->axes) axes.push_back(axis.id);
+  followed.axes = axes.size();
+  auto follower = session.follow(std::move(axes), client::Pace::observe);
+  if (!follower) throw std::runtime_error(follower.outcome().message());
+  return std::move(*follower);
+}
+
+/// @param begun called after the first sample
+Followed follow(Clock::time_point start, std::chrono::seconds duration,
+                const std::function<void()>& begun) {
+  Followed followed;
+  client::Session session({.domain = test::test_domain(), .bench = 1, .find_timeout = 30s});
+  client::Follower follower = follower_of_all(session, followed);
+  if (const auto sample = follower.next(10s); !sample) {
+    throw std::runtime_error(sample.outcome().message());
+  }
+  followed.first = std::chrono::duration<double>(Clock::now() - start).count();
+  begun();
+  const auto end = Clock::now() + duration;
+  while (Clock::now() < end) {
+    const auto sample = follower.next(1s);
+    if (!sample) throw std::runtime_error(sample.outcome().message());
+    ++followed.samples;
+    followed.missed += sample->missed;
+  }
+  return followed;
+}
+
+int run(const std::string& program, std::chrono::seconds duration, int clients,
+        const std::vector<std::string>& arguments) {
+  static_cast<void>(test::test_domain());  // the other processes use the same one
+  const auto start = Clock::now();
+  const test::ServiceProcess service(program, arguments);
+  std::vector<std::unique_ptr<bare::Partner>> others;
+  for (int count = 1; count < clients; ++count) {
+    others.push_back(std::make_unique<bare::Partner>([&] {
+      static_cast<void>(follow(start, duration + 30s, [] {}));
+    }));
+  }
+  const States states(test::test_domain());
+  std::uint64_t overruns = 0;
+  std::uint64_t tick = 0;
+  double processor = 0.0;
+  const auto begin = [&] {
+    overruns = states.overruns();
+    tick = states.tick();
+    processor = service.processor_seconds();
+  };
+  const Followed followed = follow(start, duration, begin);
+  const auto print = [&](const std::string& figure, double value) {
+    bare::print_figure(figure, value, followed.axes);
+  };
+  const auto all = static_cast<double>(followed.samples + followed.missed);
+  print("first_status_s", followed.first);
+  print("status_samples", static_cast<double>(followed.samples));
+  print("status_missed_share", static_cast<double>(followed.missed) / all);
+  print("overrun_share", static_cast<double>(states.overruns() - overruns) /
+                             static_cast<double>(states.tick() - tick));
+  print("service_processor_share",
+        (service.processor_seconds() - processor) / static_cast<double>(duration.count()));
+  return 0;
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  if (count < 4) {
+    std::cerr << "usage: vdrive_follow_benchmark VDRIVED SECONDS CLIENTS [argument...]\n";
+    return 2;
+  }
+  try {
+    return run(arguments[1], std::chrono::seconds(std::stoi(arguments[2])), std::stoi(arguments[3]),
+               {arguments + 4, arguments + count});
+  } catch (const std::exception& error) {
+    std::cerr << error.what() << '\n';
+    return 1;
+  }
+}

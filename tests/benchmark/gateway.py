@@ -1,0 +1,136 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""What the gateway costs: its processor time and memory, the age of what it sends, the bench's ticks.
+
+  gateway.py [--axes 256] [--clients 20] [--seconds 20] [--domain 43] [--build build/release]
+  gateway.py --soak 30 [--axes 64] [--clients 5] [--domain 43] [--build build/release]
+
+--soak watches the memory of a gateway that sends for so many minutes, instead of the rest.
+Prints one JSON object. Needs the targets vdrived, vdrive-gateway and gateway_load.
+"""
+import argparse
+import json
+import os
+import pathlib
+import re
+import subprocess
+import time
+import urllib.request
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+
+def processor_seconds(pid):
+    fields = pathlib.Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def resident_mb(pid):
+    return int(re.search(r"VmRSS:\s+(\d+)", pathlib.Path(f"/proc/{pid}/status").read_text())[1]) / 1024
+
+
+def overruns(port):
+    text = urllib.request.urlopen(f"http://127.0.0.1:{port}/metrics", timeout=5).read().decode()
+    return sum(float(line.split()[-1]) for line in text.splitlines()
+               if re.match(r"vdrive_\w*overruns\w*[ {]", line))
+
+
+def start_service(options, running, *more):
+    running.append(subprocess.Popen(
+        [options.build / "bin/vdrived", "--domain", options.domain, "--axes", str(options.axes),
+         "--log-level", "error", *more]))
+
+
+def start_gateway(options, running):
+    """Returns the gateway and its port."""
+    gateway = subprocess.Popen([options.build / "bin/vdrive-gateway", "--domain", options.domain,
+                                "--listen", "127.0.0.1:0"], stdout=subprocess.PIPE, text=True)
+    running.append(gateway)
+    return gateway, gateway.stdout.readline().split("127.0.0.1:")[1].split("/")[0]
+
+
+def slope(times, values):
+    """The slope of the straight line of least squares."""
+    middle, mean = sum(times) / len(times), sum(values) / len(values)
+    squares = sum((t - middle) ** 2 for t in times)
+    return sum((t - middle) * (v - mean) for t, v in zip(times, values)) / squares
+
+
+def soak(options, running):
+    start_service(options, running)
+    time.sleep(3)
+    gateway, port = start_gateway(options, running)
+    seconds = options.soak * 60
+    load = subprocess.Popen([options.build / "bin/gateway_load", port, str(options.clients),
+                             str(seconds)], stdout=subprocess.PIPE, text=True)
+    running.append(load)
+    begin, loads, times, sizes = time.monotonic(), [], [], []
+    while load.poll() is None:
+        time.sleep(10)
+        times.append(time.monotonic() - begin)
+        sizes.append(resident_mb(gateway.pid))
+        loads.append(os.getloadavg()[0])
+    running.remove(load)
+    result = json.loads(load.stdout.read())
+    later = next(i for i, t in enumerate(times) if t >= seconds / 10)  # the start is left out
+    hours = [t / 3600 for t in times[later:]]
+    return {"axes": options.axes, "minutes": options.soak, "load_average": [min(loads), max(loads)],
+            "clients": options.clients, "messages_per_second": result["messages_per_second"],
+            "rss_mb": {"after_10_s": sizes[0], "after_a_tenth": sizes[later], "end": sizes[-1],
+                       "least": min(sizes), "most": max(sizes)},
+            "growth_mb_per_hour": slope(hours, sizes[later:]),
+            "samples": [round(size, 2) for size in sizes[::6]]}
+
+
+def cost(options, running):
+    metrics = 18_943
+    result = {"axes": options.axes, "seconds": options.seconds, "load_average": os.getloadavg()[0]}
+    start_service(options, running, "--metrics", str(metrics))
+    time.sleep(3)
+    before = overruns(metrics)
+    time.sleep(options.seconds)
+    result["overruns_without"] = overruns(metrics) - before
+    gateway, port = start_gateway(options, running)
+    time.sleep(2)
+    result["rss_idle_mb"] = resident_mb(gateway.pid)
+    before, spent = overruns(metrics), processor_seconds(gateway.pid)
+    load = subprocess.run([options.build / "bin/gateway_load", port, str(options.clients),
+                           str(options.seconds)], check=True, capture_output=True, text=True)
+    result.update(json.loads(load.stdout))
+    result["overruns_with"] = overruns(metrics) - before
+    result["cores_of_gateway"] = (processor_seconds(gateway.pid) - spent) / options.seconds
+    result["rss_mb"] = resident_mb(gateway.pid)
+    # They read nothing for less than the time after which a silent client is closed.
+    deaf = subprocess.Popen([options.build / "bin/gateway_load", port, "10", "8", "--deaf"])
+    running.append(deaf)
+    time.sleep(7)
+    result["rss_of_a_deaf_client_mb"] = (resident_mb(gateway.pid) - result["rss_mb"]) / 10
+    deaf.wait()
+    time.sleep(4)
+    result["rss_after_mb"] = resident_mb(gateway.pid)
+    return result
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--soak", type=int, default=0, metavar="MINUTES")
+    parser.add_argument("--axes", type=int)
+    parser.add_argument("--clients", type=int)
+    parser.add_argument("--seconds", type=int, default=20)
+    parser.add_argument("--domain", default="43")
+    parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build" / "release")
+    options = parser.parse_args()
+    options.axes = options.axes or (64 if options.soak else 256)
+    options.clients = options.clients or (5 if options.soak else 20)
+    running = []
+    try:
+        result = soak(options, running) if options.soak else cost(options, running)
+    finally:
+        for process in reversed(running):
+            process.terminate()
+            process.wait(timeout=10)
+    print(json.dumps(result, indent=1))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,21 @@
+# SPDX-License-Identifier: Apache-2.0
+# For the scripts that measure. A virtual processor that falls asleep wakes up late and slow. One
+# spinner each keeps it awake; at idle priority it gives way to the benchmark at once.
+
+spinners=()
+
+stop_spinners() {
+  if ((${#spinners[@]})); then
+    kill "${spinners[@]}" 2>/dev/null || true
+  fi
+}
+
+keep_awake() {
+  trap stop_spinners EXIT
+  if command -v chrt >/dev/null && chrt -i 0 true 2>/dev/null; then
+    for ((i = 0; i < $(nproc); ++i)); do
+      chrt -i 0 sh -c 'while :; do :; done' &
+      spinners+=($!)
+    done
+  fi
+}

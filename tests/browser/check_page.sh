@@ -1,0 +1,16 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Runs a program of node in the directory where the page of the gateway was built.
+#
+#   tests/browser/check_page.sh DIRECTORY PROGRAM [ARGUMENTS...]
+#
+# Exit code: of the program; 77: the page was not built, because npm or its registry was missing.
+set -euo pipefail
+
+cd "$1"
+shift
+if [[ ! -d node_modules || ! -f page.stamp ]]; then
+  echo "the page was not built here: npm or its registry was missing"
+  exit 77
+fi
+exec node "$@"

@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: Apache-2.0
+// The page of the gateway in a real browser, against a real service. The tests follow each other:
+// each starts where the one before it ended.
+import assert from "node:assert/strict";
+import { readFile } from "node:fs/promises";
+import { after, before, test as nodeTest } from "node:test";
+
+import { callService, PATIENCE_MS, startBrowser, startGateway, startService, stopAll } from "./bench.mjs";
+
+let service;
+let gateway;
+let browser;
+let page;
+
+let failed = false;
+
+/** After a failure the next test would only wait for what never comes. */
+function test(name, body) {
+  nodeTest(name, async (context) => {
+    if (failed) return context.skip("a test before it failed");
+    failed = true;
+    await body();
+    failed = false;
+    return undefined;
+  });
+}
+
+const figure = (name) => page.locator(`[data-figure="${name}"]`);
+const command = (name) => page.locator(`[data-test="${name}"]`);
+
+/** Waits until the element has a text that fits; the failure shows the last one. */
+async function waitForText(locator, pattern) {
+  const deadline = Date.now() + PATIENCE_MS;
+  let text = "";
+  do {
+    text = (await locator.textContent({ timeout: PATIENCE_MS })) ?? "";
+    if (pattern.test(text)) return text;
+    await new Promise((resolve) => setTimeout(resolve, 20));
+  } while (Date.now() < deadline);
+  return assert.fail(`"${text}" does not match ${pattern}; ${await page.locator("footer").textContent()}`);
+}
+
+const numberIn = (text) => Number(text.replace("−", "-").replace(/[^\d.-]/g, ""));
+
+before(async () => {
+  service = startService();
+  gateway = await startGateway(0, "--control");
+  browser = await startBrowser();
+  page = await (await browser.newContext({ viewport: { width: 1280, height: 900 }, locale: "en-US" })).newPage();
+  page.setDefaultTimeout(PATIENCE_MS);
+  page.on("pageerror", (error) => assert.fail(`the page threw: ${error.stack}`));
+  await page.goto(gateway.address);
+});
+
+after(async () => {
+  await browser?.close();
+  await stopAll();
+});
+
+test("the overview shows every axis with its state as a word", async () => {
+  await page.locator('[data-address="1.2"]').waitFor({ timeout: PATIENCE_MS });
+  await waitForText(page.locator('[data-address="1.1"] .state'), /Switch on disabled/);
+  await waitForText(page.locator('[data-address="1.1"] .age'), /<0.1 s/);
+});
+
+test("the search keeps the axes that it names", async () => {
+  await page.fill(".search", "1.2");
+  await page.locator('[data-address="1.1"]').waitFor({ state: "hidden" });
+  assert.ok(await page.locator('[data-address="1.2"]').isVisible());
+  await page.fill(".search", "");
+  await page.locator('[data-address="1.1"]').waitFor();
+});
+
+test("a page without control cannot command, and the gateway refuses what goes past the page", async () => {
+  await page.click('[data-address="1.1"]');
+  await waitForText(figure("state"), /Switch on disabled/);
+  assert.ok(await command("enable").isDisabled());
+  const answer = await callService(page, "/enable", { axes: ["1.1"] });
+  assert.equal(answer.ok, false);
+  assert.match(answer.message, /control/);
+});
+
+test("after taking control the page enables an axis", async () => {
+  await command("take").click();
+  await command("enable").click();
+  await waitForText(figure("state"), /Operation enabled/);
+  assert.equal(await page.locator(".box.lit text").textContent(), "Operation enabled");
+  // Transitions 2, 3 and 4 happen in one tick, or in ticks of their own.
+  await waitForText(page.locator(".way"), /\b4\), tick \d+/);
+});
+
+test("a move is seen in the figures and in the plot", async () => {
+  const plot = page.locator(".plot canvas").first();
+  const pixels = () => plot.evaluate((canvas) => canvas.toDataURL());
+  const before = await pixels();
+  await page.fill("#move-target", "5000");
+  await command("move").click();
+  await waitForText(figure("position"), /^(4.99\d|5.00\d) UU/);
+  assert.notEqual(await pixels(), before);
+  await waitForText(page.locator(".reading .number").nth(1), /^(4.99\d|5.00\d)$/);
+});
+
+test("a set-point that waits behind another one is counted until its turn comes", async () => {
+  const held = command("set-points");
+  await waitForText(held, /^0 \+ 0$/);
+  await page.fill("#move-target", "600000");
+  await command("move").click();
+  await waitForText(held, /^1 \+ 0$/);
+  const queue = page.locator("label", { hasText: "queue" }).locator("input");
+  await queue.check();
+  await page.fill("#move-target", "5000");
+  await command("move").click();
+  await waitForText(held, /^1 \+ 1$/);
+  await waitForText(held, /^1 \+ 0$/);
+  await waitForText(held, /^0 \+ 0$/);
+  await waitForText(figure("position"), /^(4.99\d|5.00\d) UU/);
+  await queue.uncheck();
+});
+
+test("a paused plot stands still and its samples are saved as CSV", async () => {
+  await command("pause").click();
+  const plot = page.locator(".plot canvas").first();
+  const before = await plot.evaluate((canvas) => canvas.toDataURL());
+  const [download] = await Promise.all([page.waitForEvent("download"), page.click("text=CSV")]);
+  const text = await readFile(await download.path(), "utf8");
+  const lines = text.trimEnd().split("\n");
+  assert.match(lines[0], /^tick,time_s,position_demand_value,load_position_actual_value/);
+  const ticks = lines.slice(1).map((line) => Number(line.split(",")[0]));
+  assert.ok(ticks.length > 100);
+  // Every tick or a gap, never twice the same.
+  for (let i = 1; i < ticks.length; ++i) assert.ok(ticks[i] > ticks[i - 1]);
+  assert.equal(await plot.evaluate((canvas) => canvas.toDataURL()), before);
+  await command("pause").click();
+});
+
+test("an axis jogs while the button is pressed", async () => {
+  const box = await command("jog-plus").boundingBox();
+  await page.mouse.move(box.x + 5, box.y + 5);
+  await page.mouse.down();
+  await waitForText(figure("velocity"), /^(3[89]\d|4[0-4]\d) UU\/s/);
+  await waitForText(figure("mode"), /profile velocity/);
+  await page.mouse.up();
+  await waitForText(figure("velocity"), /^−?\d UU\/s/);
+});
+
+test("a blocked load ends in the fault 8611h", async () => {
+  await page.locator('[data-test="blocked_load"]').check({ force: true });
+  await page.fill("#move-target", "300000");
+  await command("move").click();
+  await waitForText(figure("fault"), /8611h following error/);
+  await waitForText(figure("state"), /^Fault$/);
+  await waitForText(page.locator(".way"), /14/);
+});
+
+test("a switch shows what acts on the axis after the page was opened again", async () => {
+  await page.click("nav a >> nth=0");
+  await page.click('[data-address="1.1"]');
+  const deadline = Date.now() + PATIENCE_MS;
+  while (!(await page.isChecked('[data-test="blocked_load"]'))) assert.ok(Date.now() < deadline);
+});
+
+test("a reset clears the fault", async () => {
+  await command("end_disturbances").click();
+  await command("reset").click();
+  await waitForText(figure("state"), /Switch on disabled/);
+  await waitForText(figure("fault"), /^–$/);
+});
+
+test("an object is found, written and read back", async () => {
+  await page.fill(".objects .search", "6081");
+  const row = page.locator('[data-object="0x6081"]');
+  await row.locator("button.edit").click();
+  await row.locator("input").fill("12345");
+  await row.locator("input").press("Enter");
+  await waitForText(row.locator(".value .number"), /^12.345$/);
+  await row.locator("button.edit").click();
+  await row.locator("input").fill("-1");
+  await row.locator("input").press("Enter");
+  await waitForText(page.locator("footer"), /write: .*(range|0x06)/i);
+  await row.locator("text=Cancel").click();
+});
+
+test("looking at objects causes no refusal", async () => {
+  // The list of errors has the one entry of the fault; the other seven would be refused.
+  await page.fill(".objects .search", "");
+  await waitForText(page.locator('[data-object="0x1003"] .value .number'), /^1$/);
+  await waitForText(page.locator('[data-object="0x1003:01"] .value .number'), /^\d/);
+  await waitForText(page.locator('[data-object="0x1003:02"] .value .number'), /^–$/);
+  assert.doesNotMatch((await page.locator(".events").textContent()) ?? "", /0x08000024/);
+});
+
+test("Escape stops every axis", async () => {
+  await command("enable").click();
+  await waitForText(figure("state"), /Operation enabled/);
+  await page.fill("#move-target", "-2000000");
+  await command("move").click();
+  const at = (text) => Math.abs(numberIn(text)) > 5_000;
+  await waitForText(figure("velocity"), /−/);
+  assert.ok(at(await waitForText(figure("velocity"), /−\d\d.\d{3}/)));
+  await page.keyboard.press("Escape");
+  await waitForText(figure("velocity"), /^−?\d UU\/s/);
+  await waitForText(figure("state"), /Switch on disabled|Quick stop active/);
+});
+
+test("chosen axes move together", async () => {
+  await page.click("nav a >> nth=0");
+  for (const address of ["1.1", "1.2"]) await page.check(`[data-address="${address}"] input`);
+  await page.click("nav a >> nth=2");
+  await command("enable").click();
+  const lines = page.locator(".chosen li");
+  for (const line of [0, 1]) await waitForText(lines.nth(line).locator(".state"), /Operation enabled/);
+  for (const [field, target] of [[0, "3000"], [1, "-2000"]]) {
+    await page.locator(".targets input").nth(field).fill(target);
+  }
+  await command("move_group").click();
+  await waitForText(lines.nth(0).locator(".number"), /^(2.99\d|3.00\d) UU/);
+  await waitForText(lines.nth(1).locator(".number"), /^−(1.99\d|2.00\d) UU/);
+});
+
+test("the clock of the bench is paused and runs again", async () => {
+  await command("pause_clock").click();
+  await waitForText(page.locator(".clock-text"), /realtime, paused/);
+  // It still sends its state: what is seen is not old.
+  await page.click("nav a >> nth=0");
+  await waitForText(page.locator('[data-address="1.1"] .age'), /<0.1 s|0\.\d s/);
+  assert.equal(await page.locator(".row.old").count(), 0);
+  await page.click("nav a >> nth=2");
+  await page.click("text=Run");
+  await waitForText(page.locator(".clock-text"), /realtime, × 1/);
+});
+
+test("a second page sees who has control, takes it, and stops all by keyboard", async () => {
+  const other = await (await browser.newContext({ locale: "en-US" })).newPage();
+  await other.goto(gateway.address);
+  const take = other.locator('[data-test="take"]');
+  await waitForText(take, /Take control from/);
+  await take.click();
+  await waitForText(other.locator(".holder"), /You have control/);
+  await waitForText(page.locator(".holder"), /Control is held by/);
+  await other.close();
+  await waitForText(page.locator(".holder"), /Nobody has control/);
+  await page.keyboard.press("Control+.");
+  await waitForText(page.locator(".chosen li").nth(0).locator(".state"), /Switch on disabled|Quick stop active/);
+  await command("take").click();
+  await page.goto(`${gateway.address}#/axis/1.1`);
+});
+
+test("the page speaks Chinese and keeps the choice", async () => {
+  await page.selectOption(".settings select >> nth=1", "zh");
+  await waitForText(page.locator("[aria-current]"), /轴/);
+  await page.reload();
+  await waitForText(figure("state"), /禁止接通|快速停机/);
+  await page.selectOption(".settings select >> nth=1", "en");
+});
+
+test("a page that is closed gives its control back", async () => {
+  await waitForText(page.locator(".holder"), /Nobody has control/);
+});
+
+test("a service that is killed is missed, and found again", async () => {
+  await service.stop("SIGKILL");
+  await waitForText(page.locator(".banner"), /silent for \d+ s/);
+  service = startService();
+  await page.locator(".banner").waitFor({ state: "hidden", timeout: PATIENCE_MS });
+  await waitForText(figure("state"), /Switch on disabled/);
+});
+
+test("a gateway that is killed is missed, and found again", async () => {
+  const { port } = gateway;
+  await gateway.stop("SIGKILL");
+  await waitForText(page.locator(".banner"), /No connection to the gateway/);
+  gateway = await startGateway(port, "--control");
+  await page.locator(".banner").waitFor({ state: "hidden", timeout: PATIENCE_MS });
+  await waitForText(figure("age"), /<0.1 s/);
+});
+
+test("a gateway that only shows offers no command", async () => {
+  await gateway.stop();
+  gateway = await startGateway(gateway.port);
+  await waitForText(page.locator(".holder"), /View only/);
+  assert.ok(await command("stop").isDisabled());
+  const answer = await callService(page, "/quick_stop", {});
+  assert.equal(answer.ok, false);
+  assert.match(answer.message, /--control/);
+});

@@ -1,0 +1,63 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# The page of the gateway in a real browser (Debian's chromium): builds what it needs, then runs
+# page_test.mjs, or makes the pictures of the documents.
+#
+#   tests/browser/run.sh [--no-build] [--pictures | --frames]
+#
+#   --no-build   the programs in build/release/bin are current
+#   --pictures   makes docs/images/page_*.png instead of testing
+#   --frames     counts the frames a second of the overview with 1,024 axes instead of testing
+#
+# Exit code 0: all passed; 77: the registry of npm cannot be reached, nothing was tested.
+set -euo pipefail
+
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+root=$(cd "$here/../.." && pwd)
+program=(--test page_test.mjs)
+build=true
+
+fail() {
+  echo "browser: $*" >&2
+  exit 1
+}
+
+while (($#)); do
+  case $1 in
+    --no-build) build=false ;;
+    --pictures) program=(pictures.mjs) ;;
+    --frames) program=(frames.mjs) ;;
+    *) fail "unknown option '$1'; usage: tests/browser/run.sh [--no-build] [--pictures | --frames]" ;;
+  esac
+  shift
+done
+
+if $build; then
+  "$root/deploy/setup.sh" --page --browser
+  "$root/deploy/build.sh" --target vdrived --target vdrive-gateway
+fi
+
+# npm writes beside package.json: a copy keeps the source tree clean.
+work=$root/build/browser
+mkdir -p "$work"
+cp "$here"/*.mjs "$here"/package.json "$here"/package-lock.json "$here"/.npmrc "$work"
+cd "$work"
+if ! cmp -s package-lock.json node_modules/lock; then
+  if ! npm ci --no-audit --no-fund --prefer-offline --fetch-retries=0 >npm.log 2>&1; then
+    cat npm.log >&2
+    echo "browser: npm ci failed, is the registry reachable?" >&2
+    exit 77
+  fi
+  cp package-lock.json node_modules/lock
+fi
+
+# A domain that no other test uses now, by the lock that the other tests take (tests/support/test_domain.hpp).
+for domain in $(seq 20 99 | shuf); do
+  exec 9>"${TMPDIR:-/tmp}/vdrive-test-domain-$domain.lock"
+  if flock --nonblock 9; then
+    break
+  fi
+done
+
+export VDRIVE_BIN=$root/build/release/bin VDRIVE_DOMAIN=$domain VDRIVE_ROOT=$root
+node "${program[@]}" 9>&-

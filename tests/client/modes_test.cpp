@@ -1,0 +1,403 @@
+// SPDX-License-Identifier: Apache-2.0
+// Axis::home, run_at, apply_torque and jog; a stream of one axis; Session::on_status.
+#include "support/test_domain.hpp"
+#include "tool/process.hpp"
+#include "vdrive/cia402/statusword.hpp"
+#include "vdrive/client.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdint>
+#include <cstdlib>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace vdrive::client {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr ObjectAddress kTargetVelocity{0x60FF, 0};
+constexpr ObjectAddress kTorqueDemand{0x6074, 0};
+constexpr ObjectAddress kDemand{0x6062, 0};
+constexpr ObjectAddress kAcceleration{0x6083, 0};
+constexpr ObjectAddress kSpeedLimit{0x607F, 0};
+constexpr ObjectAddress kMotorSpeed{0x6080, 0};
+constexpr ObjectAddress kMaxTorque{0x6072, 0};
+constexpr ObjectAddress kRatedCurrent{0x6075, 0};
+constexpr ObjectAddress kPositiveTorqueLimit{0x60E0, 0};
+constexpr ObjectAddress kNegativeTorqueLimit{0x60E1, 0};
+constexpr auto kRefusedInState = wire_code(AbortCode::refused_in_present_device_state);
+
+SessionOptions options() {
+  SessionOptions options;
+  options.domain = test::test_domain();
+  options.find_timeout = 10s;
+  return options;
+}
+
+CallOptions in_force() {
+  return {.until = Until::in_force};
+}
+
+/// An enabled axis in lock-step.
+class Modes : public testing::Test {
+ protected:
+  void SetUp() override { ASSERT_TRUE(axis_.enable()); }
+
+  [[nodiscard]] std::int64_t value_of(ObjectAddress object) const {
+    const auto value = axis_.read(object);
+    EXPECT_TRUE(value) << value.outcome().message();
+    return value ? *value : -1;
+  }
+
+  [[nodiscard]] AxisSnapshot now() const { return axis_.status().value(); }
+
+ private:
+  test::RunningService service_{"--clock lockstep"};
+
+ protected:
+  Session session_{options()};
+  Axis axis_ = *session_.axis("1.1");
+};
+
+// Method 37 takes the present position for home.
+TEST_F(Modes, HomeAttainsHomeAndGivesItItsPosition) {
+  const Outcome homed = axis_.home({.method = 37, .offset = -500, .call = {}});
+  EXPECT_TRUE(homed) << homed.message();
+  EXPECT_EQ(now().mode(), OperatingMode::homing);
+  EXPECT_TRUE(now().shows(Statusword::kHomingAttained | Statusword::kTargetReached));
+  EXPECT_EQ(value_of(kDemand), -500);
+  EXPECT_TRUE(axis_.home()) << "bit 4 has dropped: the next run has its edge";
+  EXPECT_TRUE(axis_.move_to(100)) << "a move sets its own mode";
+}
+
+TEST_F(Modes, HomeWithoutAMethodIsAHomingError) {
+  const Outcome failed = axis_.home({.method = 0, .call = {}});
+  EXPECT_EQ(failed.kind(), OutcomeKind::failed);
+  EXPECT_THAT(failed.message(), HasSubstr("homing error, bit 13, with homing_method (6098h) = 0"));
+  const Outcome refused = axis_.home({.method = 19, .call = {}});
+  EXPECT_EQ(refused.kind(), OutcomeKind::refused);
+  EXPECT_THAT(refused.message(), HasSubstr("homing_method"));
+}
+
+TEST_F(Modes, HomeThatAHaltEndsFailsAndASecondOneIsRefusedMeanwhile) {
+  ASSERT_TRUE(
+      axis_.home({.method = 17, .search_speed = 100, .creep_speed = 100, .call = in_force()}));
+  ASSERT_TRUE(session_.step(1, 10));
+  EXPECT_EQ(axis_.home().code(), kRefusedInState);
+  ASSERT_TRUE(axis_.halt());
+}
+
+TEST_F(Modes, RunAtReachesTheVelocityAndStaysAtIt) {
+  const Outcome reached = axis_.run_at(-20'000, {.acceleration = 200'000, .call = {}});
+  ASSERT_TRUE(reached) << reached.message();
+  EXPECT_EQ(now().mode(), OperatingMode::profile_velocity);
+  EXPECT_EQ(value_of(kTargetVelocity), -20'000);
+  EXPECT_EQ(value_of(kAcceleration), 200'000) << "what is given stays";
+  ASSERT_TRUE(session_.step(1, 100));
+  EXPECT_EQ(now().status.velocity_demand_value, -20'000);
+  ASSERT_TRUE(axis_.run_at(0));
+  EXPECT_EQ(now().status.velocity_demand_value, 0);
+}
+
+TEST_F(Modes, RunAtWhatTheDriveCannotReachIsRefused) {
+  ASSERT_TRUE(axis_.write(kSpeedLimit, 5'000));
+  EXPECT_THAT(axis_.run_at(5'001).message(),
+              HasSubstr("the velocity 5001 is above app_speed_limit (607Fh) = 5000"));
+  EXPECT_THAT(axis_.run_at(100, {.acceleration = 0, .call = {}}).message(),
+              HasSubstr("profile_acc (6083h) is 0"));
+  EXPECT_EQ(now().mode(), OperatingMode::none);
+  ASSERT_TRUE(axis_.disable());
+  EXPECT_EQ(axis_.run_at(100).code(), kRefusedInState);
+}
+
+// 60 rpm are 4096 UU/s.
+TEST_F(Modes, RunAtAboveTheSpeedOfTheMotorIsRefused) {
+  ASSERT_TRUE(axis_.disable());
+  ASSERT_TRUE(axis_.write(kMotorSpeed, 60));
+  ASSERT_TRUE(axis_.enable());
+  const Outcome refused = axis_.run_at(-4'097);
+  EXPECT_EQ(refused.code(), kRefusedInState);
+  EXPECT_THAT(refused.message(),
+              HasSubstr("the velocity -4097 is above motor_max_speed_rpm (6080h) = 60"));
+  EXPECT_EQ(now().mode(), OperatingMode::none) << "nothing was changed";
+  EXPECT_TRUE(axis_.run_at(-4'096));
+}
+
+// 607Fh acts from the next enabling on. 5000 UU/s are reached within 13 ms.
+TEST_F(Modes, RunAtSaysThatALimitOfTheLastEnablingCutsItOff) {
+  ASSERT_TRUE(axis_.disable());
+  ASSERT_TRUE(axis_.write(kSpeedLimit, 5'000));
+  ASSERT_TRUE(axis_.enable());
+  ASSERT_TRUE(axis_.write(kSpeedLimit, 20'000));
+  const std::uint64_t start = now().tick;
+  const Outcome cut = axis_.run_at(8'000);
+  EXPECT_EQ(cut.kind(), OutcomeKind::failed);
+  EXPECT_THAT(cut.message(), AllOf(HasSubstr("the velocity of 8000 stays at 5000"),
+                                   HasSubstr("app_speed_limit (607Fh)")));
+  EXPECT_LT(now().tick, start + 200);
+}
+
+// At 40 UU/s² the demand shows a new whole number each 25 ms; 606Dh = 100 is reached after 500 ms.
+TEST_F(Modes, RunAtWaitsForASlowRamp) {
+  const Outcome reached = axis_.run_at(120, {.acceleration = 40, .call = {}});
+  EXPECT_TRUE(reached) << reached.message();
+}
+
+TEST_F(Modes, RunAtIntoALimitSwitchSaysSoAtOnce) {
+  ASSERT_TRUE(axis_.disturb(Disturbance::negative_limit));
+  const std::uint64_t start = now().tick;
+  const Outcome ended = axis_.run_at(-2'000);
+  EXPECT_EQ(ended.kind(), OutcomeKind::failed);
+  EXPECT_THAT(ended.message(), HasSubstr("the negative limit switch (60FDh bit 0) has ended the "
+                                         "velocity of -2000"));
+  EXPECT_LT(now().tick, start + 20);
+  EXPECT_TRUE(axis_.run_at(2'000)) << "the other way is free";
+}
+
+TEST_F(Modes, ApplyTorqueAboveALimitIsRefused) {
+  ASSERT_TRUE(axis_.write(kMaxTorque, 300));
+  ASSERT_TRUE(axis_.write(kPositiveTorqueLimit, 20));
+  ASSERT_TRUE(axis_.write(kNegativeTorqueLimit, 10));
+  EXPECT_THAT(axis_.apply_torque(301).message(),
+              HasSubstr("the torque 301 is above max_torque (6072h) = 300"));
+  EXPECT_THAT(axis_.apply_torque(21).message(),
+              HasSubstr("the torque 21 is above positive_torque_limit_relative (60E0h) = 20"));
+  const Outcome refused = axis_.apply_torque(-11);
+  EXPECT_EQ(refused.code(), kRefusedInState);
+  EXPECT_THAT(refused.message(),
+              HasSubstr("the torque -11 is above negative_torque_limit_relative (60E1h) = 10"));
+  EXPECT_EQ(now().mode(), OperatingMode::none) << "nothing was changed";
+  EXPECT_TRUE(axis_.apply_torque(20)) << "the limit itself can be applied";
+}
+
+// With half the rated current 60E0h = 40 ‰ of it give 20 ‰ of the rated torque.
+TEST_F(Modes, ApplyTorqueSaysThatALimitOfTheCurrentCutsItOff) {
+  ASSERT_TRUE(axis_.write(kRatedCurrent, 2'500));
+  ASSERT_TRUE(axis_.write(kPositiveTorqueLimit, 40));
+  const std::uint64_t start = now().tick;
+  const Outcome cut = axis_.apply_torque(30);
+  EXPECT_EQ(cut.kind(), OutcomeKind::failed);
+  EXPECT_THAT(cut.message(), AllOf(HasSubstr("the torque of 30 stays at 20"),
+                                   HasSubstr("positive_torque_limit_relative (60E0h)")));
+  EXPECT_LT(now().tick, start + 200);
+}
+
+TEST_F(Modes, ApplyTorqueIntoALimitSwitchSaysSoAtOnce) {
+  ASSERT_TRUE(axis_.disturb(Disturbance::positive_limit));
+  EXPECT_THAT(axis_.apply_torque(20).message(),
+              HasSubstr("the positive limit switch (60FDh bit 1) has ended the torque of 20"));
+}
+
+TEST_F(Modes, ApplyTorqueReachesTheTorque) {
+  const Outcome reached = axis_.apply_torque(30, {.slope = 1'000, .call = {}});
+  ASSERT_TRUE(reached) << reached.message();
+  EXPECT_EQ(now().mode(), OperatingMode::profile_torque);
+  EXPECT_EQ(value_of(kTorqueDemand), 30);
+  ASSERT_TRUE(axis_.apply_torque(0));
+  EXPECT_EQ(value_of(kTorqueDemand), 0);
+}
+
+// At 10000 UU/s for 100 ms the axis covers some 1000 UU, and brakes from there.
+TEST_F(Modes, JogRunsWhileItIsHeldAndStandsAfterIt) {
+  std::uint64_t first = 0;
+  std::int32_t fastest = 0;
+  const Outcome jogged = axis_.jog(10'000, [&](const AxisSnapshot& axis) {
+    if (first == 0) first = axis.tick;
+    fastest = std::max(fastest, axis.status.velocity_demand_value);
+    return axis.tick < first + 100;
+  });
+  ASSERT_TRUE(jogged) << jogged.message();
+  EXPECT_EQ(fastest, 10'000);
+  EXPECT_EQ(now().status.velocity_demand_value, 0);
+  EXPECT_EQ(value_of(kTargetVelocity), 0);
+  EXPECT_GT(now().status.load_position_actual_value, 500);
+}
+
+TEST_F(Modes, JogThatIsInterruptedStandsAfterIt) {
+  const Outcome jogged = axis_.jog(10'000, [&](const AxisSnapshot& axis) {
+    if (axis.status.velocity_demand_value == 10'000) session_.interrupt();
+    return true;
+  });
+  EXPECT_TRUE(jogged) << jogged.message();
+  Session other(options());
+  const auto status = other.axis("1.1")->status();
+  ASSERT_TRUE(status);
+  EXPECT_EQ(status->status.velocity_demand_value, 0);
+}
+
+TEST_F(Modes, JogEndsWithTheFaultThatStopsTheAxis) {
+  int ticks = 0;
+  const Outcome failed = axis_.jog(10'000, [&](const AxisSnapshot&) {
+    ++ticks;
+    if (ticks == 20) {
+      EXPECT_TRUE(axis_.disturb(Disturbance::over_current));
+    }
+    return ticks < 1'000;
+  });
+  EXPECT_EQ(failed.kind(), OutcomeKind::failed);
+  EXPECT_LT(ticks, 100);
+}
+
+// 10 positions, 7 UU apart: the demand follows each of them in its tick.
+TEST_F(Modes, AGroupOfOneStreamsAnAxis) {
+  auto group = AxisGroup::create(session_, std::vector<Axis>{axis_});
+  ASSERT_TRUE(group);
+  ASSERT_TRUE(group->start_streaming());
+  for (int i = 1; i <= 10; ++i) {
+    const auto status = group->stream(Eigen::VectorXd::Constant(1, 7.0 * i));
+    ASSERT_TRUE(status) << status.outcome().message();
+    EXPECT_EQ(status->axes.front().status.position_demand_value, 7 * i);
+  }
+  EXPECT_TRUE(group->stop_streaming());
+}
+
+/// What a program with its own loop keeps of the reports.
+struct Reports {
+  std::mutex mutex;
+  std::vector<Observation> seen;  ///< guarded by the mutex
+
+  [[nodiscard]] std::size_t count() {
+    const std::scoped_lock lock(mutex);
+    return seen.size();
+  }
+
+  /// @return whether there are that many within 20 s.
+  bool wait_for(std::size_t many) {
+    const auto deadline = std::chrono::steady_clock::now() + 20s;
+    while (count() < many && std::chrono::steady_clock::now() < deadline) {
+      std::this_thread::yield();
+    }
+    return count() >= many;
+  }
+
+  [[nodiscard]] std::function<void(const Observation&)> keeper() {
+    return [this](const Observation& observation) {
+      const std::scoped_lock lock(mutex);
+      seen.push_back(observation);
+    };
+  }
+};
+
+TEST(OnStatus, ReportsNewerTicksOfTheAxesUntilItIsEnded) {
+  const test::RunningService service("");
+  Session session(options());
+  Reports reports;
+  const std::vector<AxisId> axes{{1, 2}, {1, 1}};
+  ASSERT_TRUE(session.on_status(axes, 20ms, reports.keeper()));
+  ASSERT_TRUE(reports.wait_for(5));
+  ASSERT_TRUE(session.on_status({}, 20ms, {}));
+  const std::size_t count = reports.count();
+  for (std::size_t i = 0; i < reports.seen.size(); ++i) {
+    ASSERT_EQ(reports.seen[i].axes.size(), 2U);
+    EXPECT_EQ(reports.seen[i].axes[0].id, (AxisId{1, 2})) << "in the order of the request";
+    if (i > 0) {
+      EXPECT_GT(reports.seen[i].tick, reports.seen[i - 1].tick);
+    }
+  }
+  ASSERT_TRUE(session.wait(1, 100ms));
+  EXPECT_EQ(reports.count(), count) << "nothing comes after its end";
+}
+
+TEST(OnStatus, GoesOnWhenTheServiceRestarts) {
+  test::RunningService service("");
+  Session session(options());
+  Reports reports;
+  const std::vector<AxisId> axes{{1, 1}};
+  ASSERT_TRUE(session.on_status(axes, 5ms, reports.keeper()));
+  ASSERT_TRUE(reports.wait_for(3));
+  service.kill();
+  const std::size_t before = reports.count();
+  const test::RunningService again("");
+  // At most one report of the first run may still have been on its way.
+  EXPECT_TRUE(reports.wait_for(before + 5));
+}
+
+TEST(OnStatus, OfAnAxisThatIsNotThereIsNotFound) {
+  const test::RunningService service("");
+  Session session(options());
+  const std::vector<AxisId> axes{{1, 1}, {1, 9}};
+  EXPECT_EQ(session.on_status(axes, 20ms, [](const Observation&) {}).kind(),
+            OutcomeKind::not_found);
+}
+
+/// Three axes in lock-step.
+class CommandEach : public testing::Test {
+ protected:
+  std::vector<Outcome> command(EachCommand command, const CallOptions& call = {}) {
+    return session_.command_each(axes_, command, call);
+  }
+
+  [[nodiscard]] std::uint64_t tick() const { return axes_.front().status()->tick; }
+
+ private:
+  test::RunningService service_{"--clock lockstep --axes 3"};
+
+ protected:
+  Session session_{options()};
+  std::vector<Axis> axes_ = *session_.axes(1);
+};
+
+TEST_F(CommandEach, TakesAsManyTicksAsForOneAxis) {
+  for (const EachCommand each : {EachCommand::enable, EachCommand::halt, EachCommand::resume,
+                                 EachCommand::disable, EachCommand::quick_stop}) {
+    const std::uint64_t start = tick();
+    for (const Outcome& outcome : command(each, in_force())) {
+      EXPECT_TRUE(outcome) << outcome.message();
+    }
+    EXPECT_EQ(tick(), start + 1) << static_cast<int>(each);
+  }
+  for (const Outcome& outcome : command(EachCommand::power_cycle)) {
+    EXPECT_TRUE(outcome) << outcome.message();
+  }
+  for (const Axis& axis : axes_) {
+    EXPECT_EQ(axis.status()->state(), PowerState::switch_on_disabled);
+  }
+}
+
+// The second has a fault, the third belongs to another session.
+TEST_F(CommandEach, GivesEveryAxisAnOutcomeOfItsOwn) {
+  ASSERT_TRUE(axes_[1].disturb(Disturbance::over_current));
+  ASSERT_TRUE(session_.step(1, 2));
+  Session other(options());
+  ASSERT_TRUE(other.axis("1.3")->enable());
+  const std::vector<Outcome> outcomes = command(EachCommand::enable);
+  ASSERT_EQ(outcomes.size(), 3U);
+  EXPECT_TRUE(outcomes[0]) << outcomes[0].message();
+  EXPECT_EQ(outcomes[1].code(), kRefusedInState);
+  EXPECT_THAT(outcomes[1].message(), HasSubstr("axis 1.2 is in Fault"));
+  EXPECT_EQ(outcomes[2].code(), wire_code(AbortCode::refused_local_control));
+  EXPECT_THAT(outcomes[2].message(), HasSubstr("axis 1.3"));
+  const std::vector<Outcome> resets = command(EachCommand::reset_fault);
+  EXPECT_THAT(resets[1].message(), HasSubstr("the cause persists"));
+  const std::vector<Outcome> halts = command(EachCommand::halt, in_force());
+  EXPECT_TRUE(halts[0]) << halts[0].message();
+  EXPECT_EQ(halts[1].code(), kRefusedInState);
+  EXPECT_TRUE(halts[2]) << "stopping is always possible: " << halts[2].message();
+}
+
+// At 2048 UU/s and 100 UU/s² the quick stop would take 20 s: all of them share one time-out.
+TEST_F(CommandEach, HasOneTimeOutForAll) {
+  constexpr ObjectAddress kQuickStopRamp{0x6085, 0};
+  command(EachCommand::enable);
+  for (Axis& axis : axes_) {
+    ASSERT_TRUE(axis.run_at(2'048));
+    ASSERT_TRUE(axis.write(kQuickStopRamp, 100));
+  }
+  const std::uint64_t start = tick();
+  const std::vector<Outcome> outcomes = command(EachCommand::quick_stop, {.timeout = 500ms});
+  for (std::size_t i = 0; i < outcomes.size(); ++i) {
+    EXPECT_EQ(outcomes[i].kind(), OutcomeKind::timed_out);
+    EXPECT_THAT(outcomes[i].message(), HasSubstr("axis " + to_string(axes_[i].id())));
+  }
+  EXPECT_LT(tick(), start + 600);
+}
+
+}  // namespace
+}  // namespace vdrive::client

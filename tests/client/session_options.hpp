@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "support/test_domain.hpp"
+#include "vdrive/client/session.hpp"
+
+#include <chrono>
+
+namespace vdrive::test {
+
+/// @return a session on the domain of this test, which waits long enough for a service on a busy
+///         machine.
+inline client::SessionOptions options() {
+  client::SessionOptions options;
+  options.domain = test_domain();
+  options.find_timeout = std::chrono::seconds(20);
+  return options;
+}
+
+}  // namespace vdrive::test

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "directory.hpp"
+
+#include "descriptions.hpp"
+#include "parameters.hpp"
+#include "services.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace vdrive::gateway {
+namespace {
+
+using testing::ElementsAre;
+
+KnownBench bench_of(const std::vector<std::string>& names) {
+  client::BenchInfo info;
+  info.number = 3;
+  for (const std::string& name : names) {
+    info.axes.push_back(
+        {.id = {3, static_cast<std::uint16_t>(info.axes.size() + 1)}, .name = name, .unit = {}});
+  }
+  return known_bench(std::move(info));
+}
+
+TEST(Names, HaveLettersDigitsAndUnderlinesAndAreUnique) {
+  const KnownBench bench = bench_of({"x", "x-y", "x/y", "x y", ""});
+  EXPECT_EQ(bench.topic, "bench3");
+  EXPECT_THAT(bench.axis_names, ElementsAre("x", "x_y", "x_y_3", "x_y_4", "axis5"));
+}
+
+TEST(Parameters, AreFoundUnderTheNamesThatTheyAreListedWith) {
+  const std::vector<KnownBench> benches{bench_of({"x", "y"})};
+  const auto names = all_parameters(benches);
+  EXPECT_EQ(names.size(), 2 * kObjectCount);
+  for (const std::string& name : names) EXPECT_TRUE(find_parameter(benches, name)) << name;
+  const auto found = find_parameter(benches, "bench3/y/0x607D:01");
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->axis, (client::AxisId{3, 2}));
+  EXPECT_EQ(found->object, (ObjectAddress{0x607D, 1}));
+}
+
+TEST(Parameters, AreNotFoundUnderOtherNames) {
+  const std::vector<KnownBench> benches{bench_of({"x"})};
+  for (const char* name :
+       {"", "/", "bench3/x", "bench3/x/6081", "bench3/x/0x", "bench3/x/0x6081:", "bench3/x/0xFFFF",
+        "bench3/z/0x6081", "bench4/x/0x6081", "bench3/x/0x6081/", "bench3/x/0x607D:100"}) {
+    EXPECT_FALSE(find_parameter(benches, name)) << name;
+  }
+}
+
+TEST(Parameters, AreNotListedOfManyAxes) {
+  std::vector<std::string> names(kMostAxesOfAll + 1, "a");
+  EXPECT_TRUE(all_parameters({bench_of(names)}).empty());
+  names.pop_back();
+  EXPECT_EQ(all_parameters({bench_of(names)}).size(), kMostAxesOfAll * kObjectCount);
+}
+
+TEST(Dictionary, HasEveryObjectAndTheNamesOfBits) {
+  const Json dictionary = Json::parse(dictionary_text());
+  EXPECT_EQ(dictionary["objects"].size(), kObjectCount);
+  EXPECT_EQ(dictionary["modes"].size(), 6U);        // 0, 1, 3, 4, 6, 8
+  EXPECT_EQ(dictionary["error_codes"].size(), 8U);  // 7 errors and none
+  const auto bits = [&](const char* word, int mode) {
+    for (const Json& row : dictionary[word]) {
+      if (row["mode"] == mode) return row["bits"];
+    }
+    return Json();
+  };
+  EXPECT_EQ(bits("statusword_bits", 1)[12], "set-point acknowledge");
+  EXPECT_EQ(bits("statusword_bits", 6)[12], "homing attained");
+  EXPECT_EQ(bits("statusword_bits", 6)[13], "homing error");
+  EXPECT_EQ(bits("statusword_bits", 1)[3], "fault");
+  EXPECT_EQ(bits("statusword_bits", 1)[10], "target reached");
+  EXPECT_EQ(bits("controlword_bits", 1)[4], "new set-point");
+  EXPECT_EQ(bits("controlword_bits", 6)[4], "start homing");
+  EXPECT_EQ(bits("controlword_bits", 3)[4], "");
+  EXPECT_EQ(dictionary["disturbances"][0]["kind"], "value");
+  EXPECT_EQ(dictionary["disturbances"][1]["kind"], "switch");
+}
+
+TEST(Services, HaveNamesTypesAndSchemas) {
+  std::set<std::string> names;
+  for (const ServiceInfo& service : service_infos()) {
+    EXPECT_TRUE(names.insert(service.name).second) << service.name;
+    EXPECT_TRUE(service.type.starts_with("vdrive.")) << service.name;
+    EXPECT_EQ(service.request_schema["type"], "object") << service.name;
+    EXPECT_EQ(service.response_schema["required"], Json({"ok", "outcome", "message", "code"}));
+  }
+  EXPECT_EQ(names.size(), 22U);
+}
+
+TEST(Services, AnswerInTheWordsOfTheClientLibrary) {
+  const Json answer = Json::parse(answer_text(
+      {.outcome = client::Outcome::refused(0x08000022, "no"), .fields = {{"tick", 5}}}));
+  EXPECT_EQ(answer["ok"], false);
+  EXPECT_EQ(answer["outcome"], "refused");
+  EXPECT_EQ(answer["code"], 0x08000022);
+  EXPECT_EQ(answer["tick"], 5);
+}
+
+}  // namespace
+}  // namespace vdrive::gateway

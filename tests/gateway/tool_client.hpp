@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "gateway/web_client.hpp"
+#include "tool/process.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace vdrive::test {
+
+using Json = nlohmann::json;
+
+/// A gateway of this build on the domain of this test.
+class RunningGateway {
+ public:
+  /// @param words command line beside the domain and the port
+  explicit RunningGateway(const std::string& words = "");
+
+  [[nodiscard]] std::uint16_t port() const noexcept { return port_; }
+
+  [[nodiscard]] Process& process() noexcept { return process_; }
+
+ private:
+  Process process_;
+  std::uint16_t port_ = 0;
+};
+
+/// A message of ROS 2: numbers by the names of their fields, a single one as a list of one.
+using RosMessage = std::map<std::string, std::vector<std::int64_t>>;
+
+/// @param schema ros2msg text, whose own type has numbers, arrays of numbers and a time
+/// @throws std::runtime_error when the bytes end too early or too late.
+[[nodiscard]] RosMessage decode(const std::string& schema, const std::string& bytes);
+
+/// A message of a channel.
+struct ChannelMessage {
+  std::uint64_t time = 0;  ///< [ns]
+  std::string payload;
+};
+
+/// What a tool does with the protocol.
+class ToolClient {
+ public:
+  explicit ToolClient(std::uint16_t port);
+  explicit ToolClient(const WebOptions& options);
+
+  [[nodiscard]] WebClient& web() noexcept { return web_; }
+
+  /// @return the server's first message.
+  [[nodiscard]] const Json& server_info();
+
+  /// Waits until a topic is advertised. @return its channel. @throws std::runtime_error after 10 s.
+  [[nodiscard]] Json channel(const std::string& topic);
+
+  /// @return whether a topic is advertised now.
+  [[nodiscard]] bool has_topic(const std::string& topic);
+
+  /// Subscribes a topic.
+  void subscribe(const std::string& topic);
+
+  /// @return the next message of a topic that was subscribed. @throws std::runtime_error after 10 s
+  ChannelMessage next(const std::string& topic);
+
+  /// The same as JSON, or decoded by the schema that was advertised.
+  Json next_json(const std::string& topic);
+  RosMessage next_ros(const std::string& topic);
+
+  /// Calls a service. @return its response, or {"failure": text}. @throws after 20 s.
+  Json call(const std::string& service, const Json& request);
+
+  void send(const Json& message);
+
+  /// Waits for a text message of this operation. @throws std::runtime_error after 10 s
+  Json next_text(const std::string& operation);
+
+  /// Reads what comes for some time.
+  void read_for(std::chrono::milliseconds duration);
+
+ private:
+  template <typename Condition>
+  void read_until(const std::string& what, std::chrono::milliseconds patience,
+                  const Condition& condition);
+  void take(const WebMessage& message);
+  void take_text(const Json& message);
+
+  WebClient web_;
+  Json server_info_;
+  std::map<std::string, Json> channels_;
+  std::map<std::string, std::uint32_t> services_;
+  std::map<std::string, std::uint32_t> subscriptions_;
+  std::map<std::uint32_t, std::vector<ChannelMessage>> messages_;
+  std::map<std::uint32_t, Json> answers_;
+  std::vector<Json> texts_;
+  std::uint32_t last_id_ = 0;
+};
+
+}  // namespace vdrive::test
