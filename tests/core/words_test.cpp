@@ -224,7 +224,7 @@ TEST(BitNames, AreTheSameInEveryModeForTheBitsOfTheState) {
 }
 
 TEST(BitNames, AreEmptyForTheBitsThatNobodyUses) {
-  for (const std::uint16_t bit : {0x0100, 0x4000, 0x8000}) {
+  for (const std::uint16_t bit : std::array<std::uint16_t, 3>{0x0100, 0x4000, 0x8000}) {
     EXPECT_EQ(statusword_bit_name(bit, OperatingMode::profile_position), "") << bit;
   }
   EXPECT_EQ(controlword_bit_name(0x8000, OperatingMode::profile_position), "");
