@@ -16,8 +16,11 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// After this without a further bench, all benches that are there have been found.
+// After this without a further bench, all benches that are there have been found. A busy machine
+// or a slow network took long for the first bench already: there a search waits this many times as
+// long as for the first.
 constexpr milliseconds kSettle{150};
+constexpr int kSettleTimes = 4;
 
 // A search compares its deadline at least this often.
 constexpr milliseconds kSearchPeriod{50};
@@ -30,12 +33,16 @@ class Settling {
  public:
   bool has_ended(std::size_t count) {
     const auto now = Discovery::Clock::now();
-    if (count != count_) end_ = now + kSettle;
+    if (count_ == 0)
+      settle_ = std::max<Discovery::Clock::duration>(kSettle, kSettleTimes * (now - begin_));
+    if (count != count_) end_ = now + settle_;
     count_ = count;
     return count != 0 && now >= end_;
   }
 
  private:
+  Discovery::Clock::time_point begin_ = Discovery::Clock::now();
+  Discovery::Clock::duration settle_{};
   std::size_t count_ = 0;
   Discovery::Clock::time_point end_ = Discovery::Clock::time_point::max();
 };

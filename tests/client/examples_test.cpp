@@ -31,7 +31,7 @@ std::string patient(const std::string& words) {
 std::int64_t position(const std::string& axis) {
   SessionOptions options;
   options.domain = test::test_domain();
-  options.find_timeout = 10s;
+  options.find_timeout = 20s;
   Session session(options);
   return session.axis(axis)->status()->status.load_position_actual_value;
 }

@@ -37,7 +37,7 @@ constexpr auto kRefusedInState = wire_code(AbortCode::refused_in_present_device_
 SessionOptions options() {
   SessionOptions options;
   options.domain = test::test_domain();
-  options.find_timeout = 10s;
+  options.find_timeout = 20s;
   return options;
 }
 

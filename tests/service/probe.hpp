@@ -20,20 +20,20 @@ namespace vdrive::test {
 /// everything that comes back.
 class Probe {
  public:
-  static constexpr std::chrono::seconds kPatience{10};
+  static constexpr std::chrono::seconds kPatience{40};  // a busy machine
 
   explicit Probe(std::uint32_t domain, std::uint32_t bench = 1)
       : Probe({.domain = domain}, bench) {}
 
   Probe(const wire::NetworkSettings& network, std::uint32_t bench);
 
-  /// Waits until the bench is announced and hears requests. @return false after 10 s.
+  /// Waits until the bench is announced and hears requests. @return false after `kPatience`.
   [[nodiscard]] bool find_bench();
 
   /// @return a request of `kind` with the next number.
   [[nodiscard]] msg::Request make_request(std::uint32_t kind);
 
-  /// Sends the request. @return its reply, or nothing after 10 s.
+  /// Sends the request. @return its reply, or nothing after `kPatience`.
   std::optional<msg::Reply> ask(const msg::Request& request);
 
   std::optional<msg::Reply> acquire(std::vector<std::uint16_t> axes);
@@ -45,14 +45,14 @@ class Probe {
   [[nodiscard]] msg::CommandFrame make_frame();
   bool send(const msg::CommandFrame& frame);
 
-  /// Waits for the reply to that command frame. @return nothing after 10 s.
+  /// Waits for the reply to that command frame. @return nothing after `kPatience`.
   std::optional<msg::CommandReply> reply_to(std::uint64_t sequence);
 
-  /// Waits until `condition` holds for an event. @return nothing after 10 s.
+  /// Waits until `condition` holds for an event. @return nothing after `kPatience`.
   std::optional<msg::Event> event(const std::function<bool(const msg::Event&)>& condition);
 
   /// Waits until `condition()` holds; it is asked again after each message and may look at what
-  /// was seen. @return false after 10 s.
+  /// was seen. @return false after `kPatience`.
   [[nodiscard]] bool wait_until(const std::function<bool()>& condition);
 
   /// @return whom its messages come from.

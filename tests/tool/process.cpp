@@ -10,8 +10,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <csignal>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
@@ -42,6 +44,13 @@ bool read_some(int descriptor, std::string& text) {
   const ssize_t count = read(descriptor, block.data(), block.size());
   if (count > 0) text.append(block.data(), static_cast<std::size_t>(count));
   return count > 0;
+}
+
+/// @return the number that these arguments give the bench, if they do.
+std::optional<std::uint32_t> bench_of(const std::vector<std::string>& arguments) {
+  const auto option = std::ranges::find(arguments, "--bench");
+  if (option == arguments.end() || option + 1 == arguments.end()) return std::nullopt;
+  return static_cast<std::uint32_t>(std::stoul(*(option + 1)));
 }
 
 void close_if_open(int& descriptor) {
@@ -157,7 +166,11 @@ RunningService::RunningService(const std::string& words)
   options.domain = test_domain();
   options.find_timeout = std::chrono::seconds(20);
   client::Session session(options);
-  if (session.find_benches().empty()) throw std::runtime_error("the service did not start");
+  // Beside other services only the one with this number is meant.
+  const auto bench = bench_of(split(words));
+  const bool is_there =
+      bench ? static_cast<bool>(session.find_bench(bench)) : !session.find_benches().empty();
+  if (!is_there) throw std::runtime_error("the service did not start");
 }
 
 RunningService::~RunningService() {

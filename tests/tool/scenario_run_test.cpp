@@ -89,7 +89,7 @@ TEST(WaitingExpect, EndsWhenTheWatchdogTakesItsAxis) {
   const RunningService service("--clock realtime --axes 2");
   client::SessionOptions options;
   options.domain = test_domain();
-  options.find_timeout = 10s;
+  options.find_timeout = 20s;
   client::Session session(options);
   const auto axis = session.axis("1.1");
   ASSERT_TRUE(axis) << axis.outcome().message();

@@ -27,7 +27,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::chrono::milliseconds kPatience = 10s;
+constexpr std::chrono::milliseconds kPatience = 40s;
 
 template <typename Message>
 std::string full_name() {

@@ -43,7 +43,7 @@ using test::GuidPrefix;
 using test::statistics_with_more_behind;
 using Clock = std::chrono::steady_clock;
 
-constexpr auto kPatience = 20s;
+constexpr auto kPatience = 40s;
 
 /// Asks again and again until something is so.
 bool wait_until(const std::function<bool()>& is_so, std::chrono::milliseconds within = kPatience) {

@@ -23,7 +23,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kPatience = 10s;
+constexpr auto kPatience = 40s;
 
 NetworkSettings settings() {
   return {.domain = test::test_domain()};

@@ -139,7 +139,8 @@ class Session {
   /// The session's number; the owner that an axis shows while this session holds it.
   [[nodiscard]] std::uint64_t id() const noexcept;
 
-  /// Waits until some bench is there and no further one turns up for 150 ms.
+  /// Waits until some bench is there and no further one turns up for 150 ms, or for four times as
+  /// long as the first one took.
   /// @return the benches by number; none after `find_timeout`. A bench is there while its samples
   ///         are younger than 300 ms and it has not announced its end.
   [[nodiscard]] std::vector<BenchInfo> find_benches();
