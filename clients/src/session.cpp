@@ -137,11 +137,11 @@ Result<std::uint64_t> Session::restore_snapshot(std::uint32_t bench, std::uint64
 Result<std::vector<KeptSnapshot>> Session::snapshots(std::uint32_t bench) {
   std::vector<KeptSnapshot> kept;
   while (true) {
-    const std::uint64_t newest_known = kept.empty() ? 0 : kept.back().number;
-    const auto next = exchange_snapshot(*core_, bench, msg::REQUEST_NEXT_SNAPSHOT, newest_known);
+    const std::uint64_t snapshot = kept.empty() ? 0 : kept.back().number;
+    const auto next = exchange_snapshot(*core_, bench, msg::REQUEST_NEXT_SNAPSHOT, snapshot);
     if (!next) return next.outcome();
     // A service that counts back would never end the list.
-    if (next->snapshot() <= newest_known) return kept;
+    if (next->snapshot() <= snapshot) return kept;
     kept.push_back({.number = next->snapshot(), .tick = next->tick()});
   }
 }

@@ -752,19 +752,24 @@ Outcome Executor::list_snapshots(const SnapshotCommand& command) {
   for (const client::BenchInfo& bench : benches) {
     const auto kept = session_.snapshots(bench.number);
     if (!kept) return kept.outcome();
-    const std::string name = "bench " + std::to_string(bench.number);
-    if (kept->empty() && !is_json_) terminal_.print(name + " keeps no snapshot");
-    for (const client::KeptSnapshot& snapshot : *kept) {
-      terminal_.print(is_json_ ? to_line({{"bench", bench.number},
-                                          {"action", "list"},
-                                          {"snapshot", snapshot.number},
-                                          {"tick", snapshot.tick}})
-                               : name + " snapshot " + std::to_string(snapshot.number) +
-                                     ", taken at tick " + std::to_string(snapshot.tick) + ", " +
-                                     counted(bench.axes.size(), "axis", "axes"));
-    }
+    print_snapshots(bench, *kept);
   }
   return {};
+}
+
+void Executor::print_snapshots(const client::BenchInfo& bench,
+                               std::span<const client::KeptSnapshot> kept) {
+  const std::string name = "bench " + std::to_string(bench.number);
+  if (kept.empty() && !is_json_) terminal_.print(name + " keeps no snapshot");
+  for (const client::KeptSnapshot& snapshot : kept) {
+    terminal_.print(is_json_ ? to_line({{"bench", bench.number},
+                                        {"action", "list"},
+                                        {"snapshot", snapshot.number},
+                                        {"tick", snapshot.tick}})
+                             : name + " snapshot " + std::to_string(snapshot.number) +
+                                   ", taken at tick " + std::to_string(snapshot.tick) + ", " +
+                                   counted(bench.axes.size(), "axis", "axes"));
+  }
 }
 
 Outcome Executor::run(const WaitCommand& command) {

@@ -14,6 +14,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -121,6 +122,7 @@ class Executor {
   [[nodiscard]] std::string next_step(const client::AxisId& axis, PowerState state) const;
   Outcome show_rates();
   Outcome list_snapshots(const SnapshotCommand& command);
+  void print_snapshots(const client::BenchInfo& bench, std::span<const client::KeptSnapshot> kept);
   Outcome write(client::Axis& axis, const ObjectName& object, std::int64_t value);
   void note_disturbance(const client::Axis& axis, ObjectAddress object, std::int64_t value);
   void note_limits(const client::Axis& axis, ObjectAddress written);

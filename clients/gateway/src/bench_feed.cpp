@@ -35,10 +35,6 @@ ChannelPointer make(ChannelInfo info) {
   return std::make_shared<Channel>(std::move(info));
 }
 
-SharedBytes share(std::string bytes) {
-  return std::make_shared<const std::string>(std::move(bytes));
-}
-
 /// What is shown at once when it changes: the power state and the error.
 std::uint32_t news_of(const AxisStatus& status) {
   constexpr std::uint32_t kErrorPlace = 8;

@@ -36,10 +36,6 @@ std::string random_text() {
   return session_text((std::uint64_t{device()} << 32U) | device());
 }
 
-SharedBytes share(std::string text) {
-  return std::make_shared<const std::string>(std::move(text));
-}
-
 Frame text_frame(SharedBytes text) {
   Frame frame;
   frame.is_text = true;

@@ -8,11 +8,17 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 namespace vdrive::gateway {
 
 /// Bytes that several connections send: encoded once.
 using SharedBytes = std::shared_ptr<const std::string>;
+
+/// @return these bytes for the queues of all connections.
+[[nodiscard]] inline SharedBytes share(std::string bytes) {
+  return std::make_shared<const std::string>(std::move(bytes));
+}
 
 /// One WebSocket message: a head of this connection, and bytes that others may send too.
 struct Frame {
