@@ -29,6 +29,7 @@ export class Shell {
   private readonly takeButton = button("", () => this.take(), { class: "take", attributes: { "data-test": "take" } });
   private readonly stopButton = button("", () => this.stop(), { class: "stop", attributes: { "data-test": "stop" } });
   private readonly outcome = h("p", { class: "outcome", attributes: { role: "status" } });
+  private readonly prefersDark = window.matchMedia("(prefers-color-scheme: dark)");
   private version = -1;
 
   constructor(
@@ -37,6 +38,7 @@ export class Shell {
   ) {
     setLanguage(model.settings.language);
     this.applyTheme();
+    this.prefersDark.addEventListener("change", () => this.applyTheme());
     this.build();
     window.addEventListener("hashchange", () => this.route());
     document.addEventListener("keydown", (event) => this.key(event), { capture: true });
@@ -111,8 +113,8 @@ export class Shell {
 
   private applyTheme(): void {
     const { theme } = this.model.settings;
-    if (theme === "auto") delete document.documentElement.dataset["theme"];
-    else document.documentElement.dataset["theme"] = theme;
+    const systems = this.prefersDark.matches ? "dark" : "light";
+    document.documentElement.dataset["theme"] = theme === "auto" ? systems : theme;
   }
 
   private route(): void {
