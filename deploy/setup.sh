@@ -30,10 +30,12 @@ packages=(
   libsystemd-dev
   libtinyxml2-dev
   libyaml-cpp-dev
+  libzstd-dev # chunks of recordings
   ninja-build
   nlohmann-json3-dev
   pkg-config
   prometheus-cpp-dev # text of the metrics
+  zlib1g-dev # check sums of recordings
 )
 test_packages=(
   bubblewrap # the sandbox of the systemd unit

@@ -87,6 +87,9 @@ std::vector<std::string> axes_of(const Command& command) {
                                [](const RecordCommand& record) {
                                  return record.axes;
                                },
+                               [](const ConvertCommand&) {
+                                 return Axes{};
+                               },
                                [](const SnapshotCommand&) {
                                  return Axes{};
                                },

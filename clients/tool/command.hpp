@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "format.hpp"
 #include "quantity.hpp"
 #include "value.hpp"
 #include "vdrive/client/axis.hpp"
@@ -155,14 +156,19 @@ struct StepCommand {
   std::optional<std::uint32_t> bench;
 };
 
-enum class RecordFormat : std::uint8_t { csv, json_lines };
-
 struct RecordCommand {
   std::string file;               ///< - = standard output
   std::vector<std::string> axes;  ///< none = all of the only bench there is
-  RecordFormat format = RecordFormat::csv;
+  recording::Format format = recording::Format::csv;
   std::optional<Duration> duration;  ///< drive time; none = until interrupted
   std::uint64_t count = 0;           ///< samples of each bench; 0 = until interrupted
+};
+
+/// Writes the status of one recording as another.
+struct ConvertCommand {
+  std::string from;
+  std::string to;
+  std::optional<Duration> period;  ///< of a tick, where `from` does not say it
 };
 
 struct SnapshotCommand {
@@ -251,8 +257,8 @@ using Command =
     std::variant<ListCommand, StatusCommand, WatchCommand, ActionCommand, StopCommand, MoveCommand,
                  HomeCommand, VelocityCommand, TorqueCommand, JogCommand, ReadCommand, WriteCommand,
                  DisturbCommand, DictionaryCommand, StepCommand, RateCommand, SnapshotCommand,
-                 RecordCommand, DoctorCommand, BenchCommand, RunCommand, TestCommand, EventsCommand,
-                 ShellCommand, ExpectCommand, WaitCommand, AwaitCommand,
+                 RecordCommand, ConvertCommand, DoctorCommand, BenchCommand, RunCommand,
+                 TestCommand, EventsCommand, ShellCommand, ExpectCommand, WaitCommand, AwaitCommand,
                  std::shared_ptr<const RefusedCommand>>;
 
 struct RefusedCommand {

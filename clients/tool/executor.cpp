@@ -2,6 +2,7 @@
 #include "executor.hpp"
 
 #include "columns.hpp"
+#include "convert.hpp"
 #include "event_view.hpp"
 #include "recorder.hpp"
 #include "vdrive/number_text.hpp"
@@ -299,37 +300,94 @@ client::Result<std::vector<client::Axis>> Executor::axes_to_record(const RecordC
   return axes_of_bench(only->number);
 }
 
+/// What was recorded, as the last line.
+void Executor::report_recording(const RecordCommand& command, std::size_t axes,
+                                const recording::Summary& summary) {
+  constexpr std::size_t kMostGaps = 100;
+  constexpr std::size_t kMostGapsOfText = 4;
+  const std::uint64_t lost = summary.gaps.missed();
+  if (is_json_ && command.file != "-") {
+    Json gaps = Json::array();
+    for (const recording::Gap& gap : summary.gaps.gaps()) {
+      if (gaps.size() == kMostGaps) break;
+      gaps.push_back({{"bench", gap.bench},
+                      {"after", gap.after},
+                      {"before", gap.before},
+                      {"missed", gap.missed}});
+    }
+    const std::uint64_t left_out =
+        summary.gaps.gaps().size() - gaps.size() + summary.gaps.left_out();
+    Json json{{"file", command.file}, {"axes", axes}, {"samples", summary.samples},
+              {"lost", lost},         {"gaps", gaps}, {"gaps_left_out", left_out}};
+    if (command.format == recording::Format::mcap) {
+      json["events"] = summary.events;
+      json["events_lost"] = summary.events_lost;
+    }
+    terminal_.print(to_line(json));
+    return;
+  }
+  std::string text = "vdrive: recorded " + counted(summary.samples, "sample", "samples") + " of " +
+                     counted(axes, "axis", "axes") + ", " + std::to_string(lost) + " lost";
+  if (lost != 0) text += " " + summary.gaps.text(kMostGapsOfText);
+  if (command.format == recording::Format::mcap) {
+    text += ", " + counted(summary.events, "event", "events");
+    if (summary.events_lost != 0) text += " and " + std::to_string(summary.events_lost) + " lost";
+  }
+  terminal_.complain(text);
+}
+
 Outcome Executor::run(const RecordCommand& command) {
   const auto axes = axes_to_record(command);
   if (!axes) return axes.outcome();
-  std::map<std::uint32_t, RecordedBench> benches;
-  std::map<client::AxisId, std::string> names;
+  std::map<std::uint32_t, ObservedBench> benches;
   for (const client::Axis& axis : *axes) {
     if (!benches.contains(axis.id().bench)) {
       auto info = bench_of(axis.id());
       if (!info) return info.outcome();
       benches[axis.id().bench].info = std::move(*info);
     }
-    benches[axis.id().bench].axes.push_back(axis.id());
-    names[axis.id()] = axis.name();
+    benches[axis.id().bench].axes.push_back(axis);
   }
-  std::vector<RecordedBench> tracks;
+  std::vector<ObservedBench> tracks;
   tracks.reserve(benches.size());
   for (auto& [number, bench] : benches) tracks.push_back(std::move(bench));
-  Recorder recorder(session_, terminal_, command, std::move(names));
-  Outcome outcome = recorder.record(tracks);
-  if (!recorder.has_begun()) return outcome;
-  if (is_json_ && command.file != "-") {
-    terminal_.print(to_line({{"file", command.file},
-                             {"axes", axes->size()},
-                             {"samples", recorder.samples()},
-                             {"lost", recorder.lost()}}));
-  } else {
-    terminal_.complain("vdrive: recorded " + counted(recorder.samples(), "sample", "samples") +
-                       " of " + counted(axes->size(), "axis", "axes") + ", " +
-                       std::to_string(recorder.lost()) + " lost");
+  Recorder recorder(session_, terminal_, command);
+  const auto recorded = recorder.record(tracks);
+  if (recorder.has_begun()) report_recording(command, axes->size(), recorder.summary());
+  return recorded;
+}
+
+Outcome convert_recording(const ConvertCommand& command, bool is_json, Terminal& terminal) {
+  try {
+    const recording::Contents contents = recording::convert({.from = command.from,
+                                                             .to = command.to,
+                                                             .period = command.period,
+                                                             .version = VDRIVE_VERSION});
+    if (is_json) {
+      Json json{{"file", command.to},
+                {"samples", contents.samples},
+                {"rows", contents.rows},
+                {"events_left_out", contents.events},
+                {"parameters_left_out", contents.parameters},
+                {"cut", contents.cut.empty() ? Json(nullptr) : Json(contents.cut)}};
+      terminal.print(to_line(json));
+      return {};
+    }
+    std::string text = "vdrive: wrote " + counted(contents.samples, "sample", "samples") + ", " +
+                       counted(contents.rows, "row", "rows") + " to " + in_quotes(command.to);
+    if (contents.events + contents.parameters != 0) {
+      text += "; left out " + counted(contents.events, "event", "events") + " and " +
+              counted(contents.parameters, "set of parameters", "sets of parameters");
+    }
+    terminal.complain(text);
+    if (!contents.cut.empty()) {
+      terminal.complain("vdrive: " + in_quotes(command.from) + " was cut off: " + contents.cut +
+                        "; all before was taken");
+    }
+    return {};
+  } catch (const recording::RecordingError& error) {
+    return Outcome::failed(error.what());
   }
-  return outcome;
 }
 
 Outcome unknown_object(const client::AxisId& axis, const ObjectName& object) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "command.hpp"
+#include "recording.hpp"
 #include "report.hpp"
 #include "terminal.hpp"
 #include "vdrive/client/axis.hpp"
@@ -92,9 +93,10 @@ class Executor {
   /// Commands that need no session, or make their own.
   template <typename Word>
 
-  requires(std::is_same_v<Word, DoctorCommand> || std::is_same_v<Word, BenchCommand> ||
-           std::is_same_v<Word, RunCommand> || std::is_same_v<Word, TestCommand> ||
-           std::is_same_v<Word, ShellCommand>) static Outcome run(const Word& /*command*/) {
+  requires(std::is_same_v<Word, ConvertCommand> || std::is_same_v<Word, DoctorCommand> ||
+           std::is_same_v<Word, BenchCommand> || std::is_same_v<Word, RunCommand> ||
+           std::is_same_v<Word, TestCommand> || std::is_same_v<Word, ShellCommand>) static Outcome
+      run(const Word& /*command*/) {
     return Outcome::failed("this command cannot be used here");
   }
 
@@ -103,6 +105,8 @@ class Executor {
   client::Result<std::vector<client::Axis>> axes_of_all_benches();
   Outcome show_status(const client::Axis& axis, bool is_only_one);
   client::Result<std::vector<client::Axis>> axes_to_record(const RecordCommand& command);
+  void report_recording(const RecordCommand& command, std::size_t axes,
+                        const recording::Summary& summary);
   Outcome follow(const std::map<std::uint32_t, std::vector<client::AxisId>>& benches,
                  WatchView& view, std::vector<client::Follower>& followers);
   Outcome watch(const std::map<std::uint32_t, std::vector<client::AxisId>>& benches,
@@ -179,6 +183,9 @@ class Executor {
 
 /// @return the refusal of an object that no address is known of.
 [[nodiscard]] client::Outcome unknown_object(const client::AxisId& axis, const ObjectName& object);
+
+/// Writes the status of one recording as another, and prints what it was; needs no session.
+client::Outcome convert_recording(const ConvertCommand& command, bool is_json, Terminal& terminal);
 
 /// Prints the object dictionary; needs no session.
 void print_dictionary(DictionaryCommand command, bool is_json, Terminal& terminal);

@@ -206,6 +206,7 @@ class Grammar {
     app_.set_version_flag("--version", "vdrive " VDRIVE_VERSION);
     add_shell_words();
     add_jog(false);
+    add_convert();
     add_test();
     add_shell();
     add_doctor();
@@ -276,7 +277,7 @@ class Grammar {
     std::string axis, object, value, kind, duration, mask, tolerance, within, throughout;
     std::string velocity, acceleration, deceleration, method, offset, search, creep, slope, count,
         bench, format = "table", language = "en";
-    std::string file, junit, configuration, service, jobs;
+    std::string file, to, junit, configuration, service, jobs;
     std::vector<std::string> axes, objects, rate, values, files, settings;
     bool relative = false, queue = false, wait = false, no_wait = false, live = false;
     bool take_over = false, stop_on_interrupt = false, follow = false, all = false, quick = false;
@@ -410,8 +411,9 @@ class Grammar {
   void add_record() {
     CLI::App* word = add_word("record", "Record the status stream of axes to a file",
                               "record move.csv 1.1 1.2 --for 5s");
-    add_positional(word, "FILE", words_.file,
-                   "CSV or JSON lines by its ending: .csv, .jsonl; - is standard output");
+    add_positional(
+        word, "FILE", words_.file,
+        "CSV, JSON lines or MCAP by its ending: .csv, .jsonl, .mcap; - is standard output");
     add_axes(word, "default: every axis of the only bench");
     word->add_option("--for", words_.duration, "Stop after this drive time")->type_name("T");
     word->add_option("--count", words_.count, "Stop after N samples")->type_name("N");
@@ -424,14 +426,49 @@ class Grammar {
     RecordCommand record;
     record.file = words_.file;
     record.axes = words_.axes;
-    const bool is_lines = words_.file.ends_with(".jsonl") || words_.file.ends_with(".json");
-    if (!is_lines && words_.file != "-" && !words_.file.ends_with(".csv")) {
-      throw UsageError(in_quotes(words_.file) + " ends neither in .csv nor in .jsonl");
+    if (words_.file != "-") {
+      record.format = format_of(words_.file);
+    } else if (options_.json) {
+      record.format = recording::Format::json_lines;
     }
-    if (is_lines || (words_.file == "-" && options_.json)) record.format = RecordFormat::json_lines;
     if (!words_.duration.empty()) record.duration = parse_duration(words_.duration);
     if (!words_.count.empty()) record.count = parse_number(words_.count, "count", kHighest32);
     return record;
+  }
+
+  /// @throws UsageError
+  static recording::Format format_of(const std::string& file) {
+    const auto format = recording::format_of(file);
+    if (format) return *format;
+    throw UsageError(in_quotes(file) + " ends in none of .csv, .jsonl and .mcap");
+  }
+
+  void add_convert() {
+    CLI::App* word = add_word("convert", "Write the status of a recording in another format",
+                              "convert run.mcap run.csv");
+    add_positional(word, "FROM", words_.file, "The recording: .csv, .jsonl or .mcap");
+    add_positional(word, "TO", words_.to, "The new file: .csv, .jsonl or .mcap by its ending");
+    word->add_option("--period", words_.duration,
+                     "Drive time of a tick, where FROM does not say it: default 1ms")
+        ->type_name("T");
+    word->callback([this] {
+      command_ = make_convert();
+    });
+  }
+
+  [[nodiscard]] ConvertCommand make_convert() const {
+    ConvertCommand convert{.from = words_.file, .to = words_.to, .period = {}};
+    if (format_of(convert.from) == format_of(convert.to)) {
+      throw UsageError(in_quotes(convert.from) + " and " + in_quotes(convert.to) +
+                       " have the same format");
+    }
+    if (words_.duration.empty()) return convert;
+    if (format_of(convert.from) == recording::Format::mcap) {
+      throw UsageError("--period is for recordings of text; one of MCAP says it");
+    }
+    convert.period = parse_duration(words_.duration);
+    if (convert.period->count() <= 0) throw UsageError("--period has to be above 0");
+    return convert;
   }
 
   void add_axis_words() {

@@ -1,54 +1,62 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "recorder.hpp"
 
-#include "report.hpp"
-#include "vdrive/number_text.hpp"
-#include "vdrive/text.hpp"
+#include "convert.hpp"
+#include "text_recording.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
 
 #include <algorithm>
-#include <cerrno>
 #include <chrono>
-#include <fstream>
-#include <system_error>
+#include <map>
+#include <set>
+#include <span>
+#include <utility>
 
 namespace vdrive::tool {
 namespace {
 
 using client::Outcome;
 using client::OutcomeKind;
+using recording::RecordingError;
 
 /// Short where several benches take turns: none may wait long for another that stands still.
 constexpr std::chrono::milliseconds kPatienceOfOne{100};
 constexpr std::chrono::milliseconds kPatienceOfMany{5};
 
-/// Objects of the status image, the columns of a recording.
-std::vector<ObjectRow> recorded_objects() {
-  std::vector<ObjectRow> rows;
-  for (std::size_t row = 0; row < kObjectCount; ++row) {
-    const auto object = static_cast<ObjectRow>(row);
-    if (value_of(AxisStatus{}, object)) rows.push_back(object);
+/// What one request reads.
+constexpr std::size_t kReadAtOnce = 64;
+
+std::vector<ObjectAddress> all_objects() {
+  std::vector<ObjectAddress> objects;
+  objects.reserve(kObjectCount);
+  for (const ObjectDescription& object : kObjectTable) objects.push_back(object.address);
+  return objects;
+}
+
+std::vector<client::AxisId> ids_of(const ObservedBench& bench) {
+  std::vector<client::AxisId> ids;
+  ids.reserve(bench.axes.size());
+  for (const client::Axis& axis : bench.axes) ids.push_back(axis.id());
+  return ids;
+}
+
+/// Every object of an axis, an object that is refused with its code.
+client::Result<bridge::ParameterImage> image_of(const client::Axis& axis) {
+  static const std::vector<ObjectAddress> objects = all_objects();
+  bridge::ParameterImage image{.axis = axis.id(), .tick = 0, .objects = {}};
+  std::span<const ObjectAddress> left(objects);
+  while (!left.empty()) {
+    const auto part = left.first(std::min(left.size(), kReadAtOnce));
+    const auto readings = axis.read(part);
+    if (!readings) return readings.outcome();
+    image.tick = readings->tick;
+    image.objects.insert(image.objects.end(), readings->objects.begin(), readings->objects.end());
+    left = left.subspan(part.size());
   }
-  return rows;
-}
-
-const std::vector<ObjectRow>& columns() {
-  static const std::vector<ObjectRow> rows = recorded_objects();
-  return rows;
-}
-
-std::string system_error() {
-  return std::generic_category().message(errno);
+  return image;
 }
 
 }  // namespace
-
-std::string recording_header() {
-  std::string header = "axis,name,tick,missed";
-  for (const ObjectRow row : columns()) {
-    header.append(",").append(describe(row).variable_name);
-  }
-  return header + ",ignored_set_points,fault_count,owner,owner_epoch";
-}
 
 /// One bench on its way through the recording.
 struct Recorder::Track {
@@ -63,33 +71,96 @@ struct Recorder::Track {
   bool has_ended = false;
 };
 
-Recorder::Recorder(client::Session& session, Terminal& terminal, const RecordCommand& command,
-                   std::map<client::AxisId, std::string> names)
-    : session_(session), terminal_(terminal), command_(command), names_(std::move(names)) {}
+Recorder::Recorder(client::Session& session, Terminal& terminal, const RecordCommand& command)
+    : session_(session), terminal_(terminal), command_(command) {}
 
-Outcome Recorder::record(const std::vector<RecordedBench>& benches) {
-  std::ofstream file;
-  if (command_.file != "-") {
-    file.open(command_.file, std::ios::trunc);
-    if (!file)
-      return Outcome::failed("cannot write " + in_quotes(command_.file) + ": " + system_error());
-    file_ = &file;
+std::unique_ptr<recording::Writer> Recorder::open() {
+  if (command_.file != "-") return recording::open_recording(command_.file, VDRIVE_VERSION);
+  return std::make_unique<recording::TextRecording>(
+      recording::LineSink{.put =
+                              [this](std::string_view line) {
+                                terminal_.print(line);
+                              },
+                          .flush = [] {}},
+      command_.format);
+}
+
+Outcome Recorder::record(const std::vector<ObservedBench>& benches) {
+  try {
+    auto writer = open();
+    // In front of the stream: a thousand axes take a while, and the stream keeps no more than that.
+    client::Result<std::vector<bridge::ParameterImage>> images =
+        std::vector<bridge::ParameterImage>{};
+    if (command_.format == recording::Format::mcap) images = read_parameters(benches);
+    if (!images) return images.outcome();
+    auto tracks = open_tracks(benches);
+    if (!tracks) return tracks.outcome();
+    std::vector<recording::RecordedBench> recorded;
+    recorded.reserve(benches.size());
+    for (const ObservedBench& bench : benches) {
+      recorded.push_back(recording::describe(bench.info, ids_of(bench)));
+    }
+    has_begun_ = true;
+    writer->begin(recorded);
+    for (const bridge::ParameterImage& image : *images) writer->parameters(image);
+    return record_into(std::move(writer), benches, *tracks);
+  } catch (const RecordingError& error) {
+    has_begun_ = false;
+    // The exit code of an interrupt comes without a message.
+    if (session_.is_interrupted()) terminal_.complain(std::string("vdrive: ") + error.what());
+    return Outcome::failed(error.what());
   }
+}
+
+client::Result<std::vector<bridge::ParameterImage>> Recorder::read_parameters(
+    const std::vector<ObservedBench>& benches) {
+  std::vector<bridge::ParameterImage> images;
+  for (const ObservedBench& bench : benches) {
+    images.reserve(images.size() + bench.axes.size());
+    for (const client::Axis& axis : bench.axes) {
+      auto image = image_of(axis);
+      if (!image) return image.outcome();
+      images.push_back(std::move(*image));
+    }
+  }
+  return images;
+}
+
+client::Result<std::vector<Recorder::Track>> Recorder::open_tracks(
+    const std::vector<ObservedBench>& benches) {
   std::vector<Track> tracks;
-  for (const RecordedBench& bench : benches) {
-    auto follower = session_.follow(bench.axes, client::Pace::observe);
+  tracks.reserve(benches.size());
+  for (const ObservedBench& bench : benches) {
+    auto follower = session_.follow(ids_of(bench), client::Pace::observe);
     if (!follower) return follower.outcome();
     Track track{std::move(*follower), benches.size() == 1 ? kPatienceOfOne : kPatienceOfMany};
     if (command_.duration) track.ticks = client::ticks_of(*command_.duration, bench.info.period);
     tracks.push_back(std::move(track));
   }
-  has_begun_ = true;
-  if (command_.format == RecordFormat::csv) put(recording_header());
+  return tracks;
+}
+
+/// Writes the end of the recording in any case but one: the file cannot be written.
+Outcome Recorder::record_into(std::unique_ptr<recording::Writer> writer,
+                              const std::vector<ObservedBench>& benches,
+                              std::vector<Track>& tracks) {
+  queue_ = std::make_unique<recording::RecordingQueue>(std::move(writer));
+  if (command_.format == recording::Format::mcap) watch_events(benches);
   Outcome outcome = follow(tracks);
-  if (file_ != nullptr && !file.flush() && outcome) {
-    outcome = Outcome::failed("cannot write " + in_quotes(command_.file) + ": " + system_error());
-  }
+  session_.on_event(nullptr);
+  summary_ = queue_->finish();
   return outcome;
+}
+
+void Recorder::watch_events(const std::vector<ObservedBench>& benches) {
+  std::set<client::AxisId> chosen;
+  for (const ObservedBench& bench : benches) {
+    chosen.insert({bench.info.number, 0});  // events of the bench itself
+    for (const client::Axis& axis : bench.axes) chosen.insert(axis.id());
+  }
+  session_.on_event([this, chosen](const client::Event& event) {
+    if (chosen.contains({event.bench, event.axis})) queue_->push(event);
+  });
 }
 
 Outcome Recorder::follow(std::vector<Track>& tracks) {
@@ -106,7 +177,10 @@ Outcome Recorder::follow(std::vector<Track>& tracks) {
 
 Outcome Recorder::take_sample(Track& track) {
   if (track.has_ended) return {};
-  const auto sample = track.follower.next(track.patience);
+  auto sample = track.follower.next(track.patience);
+  if (std::string failure = queue_->failure(); !failure.empty()) {
+    return Outcome::failed(std::move(failure));
+  }
   if (sample.outcome().kind() == OutcomeKind::timed_out) return {};
   if (!sample) return sample.outcome();
   if (!track.first_tick) track.first_tick = sample->tick;
@@ -114,47 +188,10 @@ Outcome Recorder::take_sample(Track& track) {
     track.has_ended = true;
     return {};
   }
-  write(*sample);
+  queue_->push(std::move(*sample));
   ++track.samples;
   track.has_ended = track.samples == command_.count;
-  if (file_ == nullptr || *file_) return {};
-  return Outcome::failed("cannot write " + in_quotes(command_.file) + ": " + system_error());
-}
-
-void Recorder::write(const client::Observation& sample) {
-  ++samples_;
-  lost_ += sample.missed;
-  for (const client::AxisSnapshot& axis : sample.axes) {
-    put(command_.format == RecordFormat::csv ? csv_row(axis, sample.missed)
-                                             : json_row(axis, sample.missed));
-  }
-}
-
-std::string Recorder::csv_row(const client::AxisSnapshot& axis, std::uint64_t missed) const {
-  std::string row = to_string(axis.id) + "," + csv_field(names_.at(axis.id)) + "," +
-                    std::to_string(axis.tick) + "," + std::to_string(missed);
-  for (const ObjectRow object : columns()) {
-    row.append(",").append(std::to_string(*value_of(axis.status, object)));
-  }
-  row.append(",").append(std::to_string(axis.status.ignored_set_points));
-  row.append(",").append(std::to_string(axis.status.fault_count));
-  row.append(",");
-  if (axis.owner_session != 0) row.append(session_text(axis.owner_session));
-  return row + "," + std::to_string(axis.owner_epoch);
-}
-
-std::string Recorder::json_row(const client::AxisSnapshot& axis, std::uint64_t missed) const {
-  Json json = status_json(axis, names_.at(axis.id));
-  json["missed"] = missed;
-  return to_line(json);
-}
-
-void Recorder::put(const std::string& line) {
-  if (file_ == nullptr) {
-    terminal_.print(line);
-  } else {
-    *file_ << line << '\n';
-  }
+  return {};
 }
 
 }  // namespace vdrive::tool

@@ -2,66 +2,64 @@
 #pragma once
 
 #include "command.hpp"
+#include "messages.hpp"
+#include "recording.hpp"
+#include "recording_queue.hpp"
 #include "terminal.hpp"
 #include "vdrive/client/axis.hpp"
 #include "vdrive/client/session.hpp"
 
 #include <cstdint>
-#include <map>
-#include <ostream>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace vdrive::tool {
 
 /// Axes of one bench whose status stream is recorded.
-struct RecordedBench {
+struct ObservedBench {
   client::BenchInfo info;
-  std::vector<client::AxisId> axes;
+  std::vector<client::Axis> axes;
 };
 
-/// Writes the status images of axes to a file, one row an axis and tick, until interrupted or for a
-/// while: the stream as it comes, each row with the number of samples that were lost before it.
+/// Records the status images of axes, one sample a bench and tick, until interrupted or for a
+/// while: the stream as it comes, with the number of samples that were lost. As MCAP also every
+/// object of the axes as it is at the beginning, and the events of the benches and axes.
 class Recorder {
  public:
-  /// @param names of the axes
-  Recorder(client::Session& session, Terminal& terminal, const RecordCommand& command,
-           std::map<client::AxisId, std::string> names);
+  Recorder(client::Session& session, Terminal& terminal, const RecordCommand& command);
 
   /// @return failed when the file cannot be written, else how the stream ended; ok when it was
   ///         recorded for as long as requested.
-  client::Outcome record(const std::vector<RecordedBench>& benches);
+  client::Outcome record(const std::vector<ObservedBench>& benches);
 
   /// @return whether the file could be opened and the streams were followed.
   [[nodiscard]] bool has_begun() const noexcept { return has_begun_; }
 
-  /// @return samples recorded, one a tick of a bench.
-  [[nodiscard]] std::uint64_t samples() const noexcept { return samples_; }
-
-  /// @return samples that were published, or due, and did not arrive.
-  [[nodiscard]] std::uint64_t lost() const noexcept { return lost_; }
+  /// What was recorded.
+  [[nodiscard]] const recording::Summary& summary() const noexcept { return summary_; }
 
  private:
   struct Track;
 
+  [[nodiscard]] std::unique_ptr<recording::Writer> open();
+  client::Result<std::vector<Track>> open_tracks(const std::vector<ObservedBench>& benches);
+  client::Result<std::vector<bridge::ParameterImage>> read_parameters(
+      const std::vector<ObservedBench>& benches);
+  client::Outcome record_into(std::unique_ptr<recording::Writer> writer,
+                              const std::vector<ObservedBench>& benches,
+                              std::vector<Track>& tracks);
+  void watch_events(const std::vector<ObservedBench>& benches);
   client::Outcome follow(std::vector<Track>& tracks);
   client::Outcome take_sample(Track& track);
-  void write(const client::Observation& sample);
-  [[nodiscard]] std::string csv_row(const client::AxisSnapshot& axis, std::uint64_t missed) const;
-  [[nodiscard]] std::string json_row(const client::AxisSnapshot& axis, std::uint64_t missed) const;
-  void put(const std::string& line);
 
   client::Session& session_;
   Terminal& terminal_;
   const RecordCommand& command_;
-  std::map<client::AxisId, std::string> names_;
-  std::ostream* file_ = nullptr;  ///< none: standard output
+  std::unique_ptr<recording::RecordingQueue> queue_;
+  recording::Summary summary_;
   bool has_begun_ = false;
-  std::uint64_t samples_ = 0;
-  std::uint64_t lost_ = 0;
 };
-
-/// @return the header of a CSV recording.
-[[nodiscard]] std::string recording_header();
 
 }  // namespace vdrive::tool

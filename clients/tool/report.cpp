@@ -2,6 +2,7 @@
 #include "report.hpp"
 
 #include "columns.hpp"
+#include "csv_field.hpp"
 #include "vdrive/cia402/error_code.hpp"
 #include "vdrive/cia402/statusword.hpp"
 #include "vdrive/number_text.hpp"
@@ -58,7 +59,7 @@ Json dictionary_json(const ObjectDescription& row, Language language) {
 }
 
 std::string csv_value(const Json& value) {
-  return value.is_string() ? csv_field(value.get<std::string>()) : value.dump();
+  return value.is_string() ? recording::csv_field(value.get<std::string>()) : value.dump();
 }
 
 /// One line of CSV: the fields' names, or their values.
@@ -124,32 +125,11 @@ std::string per_mille_text(int value) {
   return formatted("%.1f %%", value / 10.0);
 }
 
-std::string to_line(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
 void add_outcome(Json& json, const client::Outcome& outcome) {
   json["outcome"] = to_string(outcome.kind());
   if (outcome) return;
   if (outcome.code() != 0) json["code"] = hex(outcome.code(), 8);
   json["message"] = outcome.message();
-}
-
-Json status_json(const client::AxisSnapshot& axis, const std::string& name) {
-  Json json{{"axis", to_string(axis.id)},
-            {"name", name},
-            {"tick", axis.tick},
-            {"state", to_string(axis.state())},
-            {"flags", client::statusword_flags(axis.status.ds402_statusword, axis.mode())}};
-  for (const ObjectDescription& row : kObjectTable) {
-    const auto value = client::value_of(axis, row.address);
-    if (value) json[std::string(row.variable_name)] = *value;
-  }
-  json["ignored_set_points"] = axis.status.ignored_set_points;
-  json["fault_count"] = axis.status.fault_count;
-  json["owner"] = session_json(axis.owner_session);
-  json["owner_epoch"] = axis.owner_epoch;
-  return json;
 }
 
 Json status_json(const client::AxisSnapshot& axis, const AxisFace& face) {

@@ -2,11 +2,10 @@
 #pragma once
 
 #include "command.hpp"
+#include "status_json.hpp"
 #include "terminal.hpp"
 #include "vdrive/client/axis.hpp"
 #include "vdrive/client/session.hpp"
-
-#include <nlohmann/json.hpp>
 
 #include <optional>
 #include <string>
@@ -14,11 +13,9 @@
 
 namespace vdrive::tool {
 
-/// Keeps the order in which fields are written.
-using Json = nlohmann::ordered_json;
-
-/// @return one line: JSON of a command's outcome, see docs/reference/json.md.
-[[nodiscard]] std::string to_line(const Json& json);
+using recording::Json;
+using recording::status_json;
+using recording::to_line;
 
 /// Adds `outcome`, and for a failure `code` and `message`.
 void add_outcome(Json& json, const client::Outcome& outcome);
@@ -30,10 +27,8 @@ struct AxisFace {
   std::string bench{};  ///< name of its bench, for a view of several benches
 };
 
-/// One axis as `status` and `watch` show it, but for its unit.
-[[nodiscard]] Json status_json(const client::AxisSnapshot& axis, const std::string& name);
-
-/// The same with position and velocity in the unit of the axis.
+/// One axis as `status` and `watch` show it: recording::status_json with position and velocity in
+/// the unit of the axis.
 [[nodiscard]] Json status_json(const client::AxisSnapshot& axis, const AxisFace& face);
 
 /// The same as some lines of text.

@@ -188,6 +188,10 @@ ExitCode run_command(std::vector<std::string> arguments, Terminal& terminal) {
     print_dictionary(*dictionary, invocation.options.json, terminal);
     return ExitCode::ok;
   }
+  if (const auto* convert = std::get_if<ConvertCommand>(&*invocation.command)) {
+    return finish(convert_recording(*convert, invocation.options.json, terminal), Interrupt(),
+                  invocation.options.json, terminal);
+  }
   if (std::holds_alternative<DoctorCommand>(*invocation.command)) {
     return see_doctor(invocation.options, terminal);
   }

@@ -57,7 +57,4 @@ struct ObjectName {
 /// @throws UsageError naming `what` when it is no finite decimal number.
 [[nodiscard]] double parse_real(std::string_view text, std::string_view what);
 
-/// @return `text` as one field of CSV (RFC 4180).
-[[nodiscard]] std::string csv_field(const std::string& text);
-
 }  // namespace vdrive::tool

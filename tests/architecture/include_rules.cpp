@@ -94,6 +94,9 @@ constexpr std::array kClientHeaderMay{Origin::standard, Origin::eigen, Origin::c
 // What a stranger has: a DDS and what its compiler makes of the IDL.
 constexpr std::array kRawExampleMay{Origin::standard, Origin::system, Origin::dds,
                                     Origin::messages};
+// The formats know no DDS: what a bench publishes comes to them through the client library.
+constexpr std::array kRecordingMay{Origin::standard, Origin::system, Origin::third_party,
+                                   Origin::core,     Origin::client, Origin::beside};
 constexpr std::array kClientMay{Origin::standard,    Origin::system, Origin::eigen,
                                 Origin::third_party, Origin::core,   Origin::wire,
                                 Origin::messages,    Origin::client, Origin::beside};
@@ -105,6 +108,8 @@ constexpr std::array kRooms{
     RoomRow{"clients/include/", kClientHeaderMay, "a public client header names no DDS type"},
     RoomRow{"clients/examples/06_raw_dds/", kRawExampleMay,
             "the raw example has nothing of ours but the IDL"},
+    RoomRow{"clients/recording/", kRecordingMay,
+            "clients/recording/ knows what the client library tells, and no DDS"},
     RoomRow{"clients/", kClientMay, "clients/ reaches DDS through vdrive/wire and no service"},
     RoomRow{"deploy/", {}, "deploy/ has no code"},
 };

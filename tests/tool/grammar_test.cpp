@@ -2,7 +2,7 @@
 // The words of the command line and of scenarios.
 #include "grammar.hpp"
 
-#include "recorder.hpp"
+#include "csv_field.hpp"
 #include "usage_error.hpp"
 
 #include <gmock/gmock.h>
@@ -239,10 +239,10 @@ TEST(CommandLine, OtherWords) {
 }
 
 TEST(CommandLine, TheEndingOfARecordingDecidesItsFormat) {
-  EXPECT_EQ(command<RecordCommand>("record a.csv").format, RecordFormat::csv);
-  EXPECT_EQ(command<RecordCommand>("record a.jsonl").format, RecordFormat::json_lines);
-  EXPECT_EQ(command<RecordCommand>("record -").format, RecordFormat::csv);
-  EXPECT_EQ(command<RecordCommand>("--json record -").format, RecordFormat::json_lines);
+  EXPECT_EQ(command<RecordCommand>("record a.csv").format, recording::Format::csv);
+  EXPECT_EQ(command<RecordCommand>("record a.jsonl").format, recording::Format::json_lines);
+  EXPECT_EQ(command<RecordCommand>("record -").format, recording::Format::csv);
+  EXPECT_EQ(command<RecordCommand>("--json record -").format, recording::Format::json_lines);
   const auto record = command<RecordCommand>("record a.csv 1.1 y --for 20ms --count 7");
   EXPECT_THAT(record.axes, ElementsAre("1.1", "y"));
   EXPECT_EQ(record.duration, Duration(20'000'000));
@@ -251,9 +251,9 @@ TEST(CommandLine, TheEndingOfARecordingDecidesItsFormat) {
 }
 
 TEST(Recording, AFieldOfCsvIsQuotedWhereItMustBe) {
-  EXPECT_EQ(csv_field("lift"), "lift");
-  EXPECT_EQ(csv_field("lift, left"), "\"lift, left\"");
-  EXPECT_EQ(csv_field("the \"lift\""), "\"the \"\"lift\"\"\"");
+  EXPECT_EQ(recording::csv_field("lift"), "lift");
+  EXPECT_EQ(recording::csv_field("lift, left"), "\"lift, left\"");
+  EXPECT_EQ(recording::csv_field("the \"lift\""), "\"the \"\"lift\"\"\"");
 }
 
 TEST(CommandLine, HelpTeachesWithExamples) {

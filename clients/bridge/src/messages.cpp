@@ -2,11 +2,13 @@
 #include "messages.hpp"
 
 #include "cdr_writer.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
 
 #include <algorithm>
 #include <array>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 namespace vdrive::bridge {
 namespace {
@@ -123,6 +125,19 @@ MessageSchema axis_trace_schema() {
                             member_lines("[]"))};
 }
 
+MessageSchema axis_parameters_schema() {
+  std::string text =
+      "builtin_interfaces/Time stamp\n"
+      "uint64 tick\n"
+      "uint16 axis\n";
+  for (const ObjectDescription& object : kObjectTable) {
+    text.append(ros_type(object.data_type)).append(" ");
+    text.append(object.variable_name).append("\n");
+  }
+  return {.name = "vdrive_msgs/msg/AxisParameters",
+          .text = with_time(text.append("uint32[] refused\n"))};
+}
+
 MessageSchema log_schema() {
   return {.name = "foxglove.Log",
           .text = with_time("uint8 UNKNOWN=0\n"
@@ -211,6 +226,30 @@ std::string encode_axis_trace(const Trace& trace, std::uint64_t time) {
       writer.put(member.data_type, member.value(status));
     }
   }
+  return bytes;
+}
+
+std::string encode_axis_parameters(const ParameterImage& image, std::uint64_t time) {
+  std::array<std::optional<std::int64_t>, kObjectCount> values{};
+  for (const client::ObjectReading& reading : image.objects) {
+    const auto row = find_object(reading.object);
+    if (row && reading.code == AbortCode::none) values[*row] = reading.value;
+  }
+  std::string bytes;
+  CdrWriter writer(bytes);
+  writer.put_time(time);
+  writer.put(image.tick);
+  writer.put(image.axis.axis);
+  std::vector<std::uint32_t> refused;
+  refused.reserve(kObjectCount);
+  for (std::size_t row = 0; row < kObjectCount; ++row) {
+    const ObjectDescription& object = kObjectTable[row];
+    writer.put(object.data_type, values[row].value_or(0));
+    if (!values[row]) refused.push_back(object.address.index * 256U + object.address.subindex);
+  }
+  put_array(writer, refused, [](std::uint32_t object) {
+    return object;
+  });
   return bytes;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "vdrive/axis_status.hpp"
+#include "vdrive/client/axis.hpp"
 #include "vdrive/client/axis_snapshot.hpp"
 #include "vdrive/client/event.hpp"
 #include "vdrive/unit.hpp"
@@ -33,6 +34,9 @@ struct MessageSchema {
 /// vdrive_msgs/msg/AxisTrace: one axis after each tick since the message before.
 [[nodiscard]] MessageSchema axis_trace_schema();
 
+/// vdrive_msgs/msg/AxisParameters: every object of one axis, read in one go.
+[[nodiscard]] MessageSchema axis_parameters_schema();
+
 /// foxglove.Log.
 [[nodiscard]] MessageSchema log_schema();
 
@@ -46,6 +50,13 @@ struct Trace {
   std::uint64_t missed = 0;  ///< ticks that did not arrive, since the first one
   std::vector<std::uint64_t> ticks;
   std::vector<AxisStatus> status;  ///< as many as `ticks`
+};
+
+/// What the objects of one axis were when they were read.
+struct ParameterImage {
+  client::AxisId axis;
+  std::uint64_t tick = 0;                      ///< in which the last of them was read
+  std::vector<client::ObjectReading> objects;  ///< in any order
 };
 
 /// One joint of a JointStates message.
@@ -76,6 +87,9 @@ struct TorqueRating {
                                               std::uint64_t time);
 [[nodiscard]] std::string encode_axis_status(const client::AxisSnapshot& axis, std::uint64_t time);
 [[nodiscard]] std::string encode_axis_trace(const Trace& trace, std::uint64_t time);
+
+/// An object that `image` has no value of is 0, and stands in `refused` as index x 256 + sub-index.
+[[nodiscard]] std::string encode_axis_parameters(const ParameterImage& image, std::uint64_t time);
 
 /// @param name what the event is about, such as "bench1/x"
 [[nodiscard]] std::string encode_event(const client::Event& event, std::string_view name,

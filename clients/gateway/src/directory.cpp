@@ -1,28 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "directory.hpp"
 
+#include "topic_names.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/number_text.hpp"
 
 #include <algorithm>
-#include <cctype>
-#include <set>
 
 namespace vdrive::gateway {
 namespace {
 
 constexpr std::string_view kHexPrefix = "0x";
-
-std::string plain_name(const client::AxisInfo& axis) {
-  std::string name = axis.name;
-  std::ranges::replace_if(
-      name,
-      [](char c) {
-        return std::isalnum(static_cast<unsigned char>(c)) == 0;
-      },
-      '_');
-  return name.empty() ? "axis" + std::to_string(axis.id.axis) : name;
-}
 
 }  // namespace
 
@@ -35,14 +23,8 @@ bool are_same_axes(const client::BenchInfo& a, const client::BenchInfo& b) {
 
 KnownBench known_bench(client::BenchInfo info) {
   KnownBench bench;
-  bench.topic = "bench" + std::to_string(info.number);
-  std::set<std::string> taken;
-  bench.axis_names.reserve(info.axes.size());
-  for (const client::AxisInfo& axis : info.axes) {
-    std::string name = plain_name(axis);
-    while (!taken.insert(name).second) name.append("_").append(std::to_string(axis.id.axis));
-    bench.axis_names.push_back(std::move(name));
-  }
+  bench.topic = bridge::bench_topic(info.number);
+  bench.axis_names = bridge::topic_names(info.axes);
   bench.info = std::move(info);
   return bench;
 }

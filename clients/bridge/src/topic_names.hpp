@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/client/bench.hpp"
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace vdrive::bridge {
+
+/// @return the part of a topic that names a bench, such as "bench1".
+[[nodiscard]] std::string bench_topic(std::uint32_t bench);
+
+/// The part of a topic that names an axis: letters, digits and _; where two axes of a bench would
+/// have one name, the second one's has its number too.
+/// @param axes all of a bench
+/// @return one name each, in their order
+[[nodiscard]] std::vector<std::string> topic_names(std::span<const client::AxisInfo> axes);
+
+}  // namespace vdrive::bridge

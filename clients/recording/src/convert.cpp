@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "convert.hpp"
+
+#include "mcap_recording.hpp"
+#include "output_file.hpp"
+#include "text_recording.hpp"
+#include "topic_names.hpp"
+#include "vdrive/text.hpp"
+
+#include <sys/stat.h>
+
+#include <cerrno>
+#include <filesystem>
+#include <fstream>
+#include <system_error>
+#include <utility>
+
+namespace vdrive::recording {
+namespace {
+
+/// Lines of a file, some at a time.
+class BufferedLines {
+ public:
+  explicit BufferedLines(const std::string& path) : file_(path) {}
+
+  void put(std::string_view line) {
+    constexpr std::size_t kMost = std::size_t{64} * 1024;
+    buffer_.append(line).push_back('\n');
+    if (buffer_.size() >= kMost) flush();
+  }
+
+  void flush() {
+    file_.write(buffer_);
+    buffer_.clear();
+  }
+
+ private:
+  OutputFile file_;
+  std::string buffer_;
+};
+
+Format format_or_refuse(const std::string& file) {
+  const auto format = format_of(file);
+  if (!format) throw RecordingError(in_quotes(file) + " ends in none of .csv, .jsonl and .mcap");
+  return *format;
+}
+
+/// Topics of axes as the gateway would name them.
+void name_topics(RecordedBench& bench) {
+  std::vector<client::AxisInfo> infos;
+  infos.reserve(bench.axes.size());
+  for (const RecordedAxis& axis : bench.axes) {
+    client::AxisInfo& info = infos.emplace_back();
+    info.id = axis.id;
+    info.name = axis.name;
+  }
+  const std::vector<std::string> topics = bridge::topic_names(infos);
+  for (std::size_t i = 0; i < topics.size(); ++i) bench.axes[i].topic = topics[i];
+}
+
+}  // namespace
+
+std::unique_ptr<Writer> open_recording(const std::string& file, const std::string& version) {
+  const Format format = format_or_refuse(file);
+  if (format == Format::mcap) {
+    auto output = std::make_shared<OutputFile>(file);
+    return std::make_unique<McapRecording>(
+        [output](std::string_view bytes) {
+          output->write(bytes);
+        },
+        version);
+  }
+  auto lines = std::make_shared<BufferedLines>(file);
+  return std::make_unique<TextRecording>(LineSink{.put =
+                                                      [lines](std::string_view line) {
+                                                        lines->put(line);
+                                                      },
+                                                  .flush =
+                                                      [lines] {
+                                                        lines->flush();
+                                                      }},
+                                         format);
+}
+
+Contents read_recording(const std::string& file, const SampleHandler& handler) {
+  const Format format = format_or_refuse(file);
+  const std::string cannot = "cannot read " + in_quotes(file) + ": ";
+
+  struct stat state {};
+
+  if (::stat(file.c_str(), &state) != 0) {
+    throw RecordingError(cannot + std::generic_category().message(errno));
+  }
+  if (!S_ISREG(state.st_mode)) throw RecordingError(cannot + "it is no file");
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw RecordingError(cannot + std::generic_category().message(errno));
+  try {
+    return format == Format::mcap ? read_mcap(stream, handler) : read_text(stream, format, handler);
+  } catch (const RecordingError& error) {
+    throw RecordingError(cannot + error.what());
+  }
+}
+
+Contents convert(const ConvertOptions& options) {
+  (void)format_or_refuse(options.to);
+  std::error_code error;
+  if (std::filesystem::equivalent(options.from, options.to, error)) {
+    throw RecordingError(in_quotes(options.from) + " and " + in_quotes(options.to) +
+                         " are one file");
+  }
+  Contents contents = read_recording(options.from, [](const client::Observation&) {});
+  for (RecordedBench& bench : contents.benches) {
+    if (options.period) bench.period = *options.period;
+    name_topics(bench);
+  }
+  const auto writer = open_recording(options.to, options.version);
+  writer->begin(contents.benches);
+  Summary summary;
+  (void)read_recording(options.from, [&](const client::Observation& sample) {
+    ++summary.samples;
+    summary.gaps.note_sample(sample.axes.front().id.bench, sample.tick, sample.missed);
+    writer->status(sample);
+  });
+  writer->finish(summary);
+  return contents;
+}
+
+}  // namespace vdrive::recording

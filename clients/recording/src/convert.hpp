@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "recording.hpp"
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace vdrive::recording {
+
+/// Opens a file for a recording; one that is there is emptied.
+/// @param file its ending decides the format
+/// @param version of the program, for people
+/// @throws RecordingError when the ending stands for no format or the file cannot be written
+[[nodiscard]] std::unique_ptr<Writer> open_recording(const std::string& file,
+                                                     const std::string& version);
+
+/// Reads a recording; its ending decides the format.
+/// @throws RecordingError when it cannot be read
+[[nodiscard]] Contents read_recording(const std::string& file, const SampleHandler& handler);
+
+struct ConvertOptions {
+  std::string from;
+  std::string to;
+  std::optional<std::chrono::nanoseconds> period{};  ///< of a tick, where `from` does not say it
+  std::string version;                               ///< of the program
+};
+
+/// Writes the status of one recording as another. All of `from` is read and checked first: where it
+/// has an error nothing is written. Of an MCAP file that was cut off all that is there is taken.
+/// @throws RecordingError when `from` cannot be read, `to` not be written, or both are one file
+Contents convert(const ConvertOptions& options);
+
+}  // namespace vdrive::recording

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+/// Recordings of what benches publish: CSV and JSON lines with the status, MCAP with the status,
+/// events and parameters as messages of ROS 2.
+namespace vdrive::recording {
+
+enum class Format : std::uint8_t { csv, json_lines, mcap };
+
+/// @return the format that the ending of a file's name stands for: .csv, .jsonl or .json, .mcap;
+///         nothing for another one.
+[[nodiscard]] std::optional<Format> format_of(std::string_view file) noexcept;
+
+}  // namespace vdrive::recording

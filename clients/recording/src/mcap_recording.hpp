@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mcap_writer.hpp"
+#include "recording.hpp"
+
+#include <cstddef>
+#include <istream>
+#include <map>
+#include <string>
+
+namespace vdrive::recording {
+
+/// Records as MCAP: status, events and parameters as CDR with the schemas of the gateway, in drive
+/// time. A bench of few axes has a topic for each of them, one of many axes one for all.
+class McapRecording : public Writer {
+ public:
+  /// Most axes of a bench that have a topic each.
+  static constexpr std::size_t kMostTopics = 16;
+
+  /// @param version of the program, for people
+  McapRecording(McapWriter::Sink sink, const std::string& version);
+
+  void begin(const std::vector<RecordedBench>& benches) override;
+  void status(const client::Observation& sample) override;
+  void event(const client::Event& event) override;
+  void parameters(const bridge::ParameterImage& image) override;
+  void flush(Clock::time_point now) override;
+  void finish(const Summary& summary) override;
+
+ private:
+  struct Channels {
+    std::uint64_t period = 0;                           ///< of a tick [ns]
+    std::string topic{};                                ///< such as "bench1"
+    std::map<std::uint16_t, std::string> names{};       ///< of the axes, in topics
+    std::map<std::uint16_t, std::uint16_t> status{};    ///< by axis; 0 = of all axes
+    std::map<std::uint16_t, std::uint16_t> readings{};  ///< of parameters, likewise
+    std::uint16_t events = 0;
+  };
+
+  void add_bench(const RecordedBench& bench);
+  void end_chunk();
+
+  McapWriter file_;
+  std::uint16_t axis_status_ = 0;  ///< numbers of the schemas
+  std::uint16_t bench_status_ = 0;
+  std::uint16_t axis_parameters_ = 0;
+  std::uint16_t log_ = 0;
+  std::map<std::uint32_t, Channels> benches_;
+  TextMap gaps_;  ///< of the samples in the chunk that is being filled
+  Clock::time_point chunk_began_{};
+};
+
+/// Reads the status of an MCAP recording: this program's, or one that Foxglove made of what the
+/// gateway publishes.
+/// @param file from its beginning
+/// @throws RecordingError without the name of the file
+[[nodiscard]] Contents read_mcap(std::istream& file, const SampleHandler& handler);
+
+}  // namespace vdrive::recording

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "recording.hpp"
+
+#include "topic_names.hpp"
+#include "vdrive/number_text.hpp"
+
+#include <algorithm>
+
+namespace vdrive::recording {
+
+RecordedBench describe(const client::BenchInfo& bench, const std::vector<client::AxisId>& axes) {
+  constexpr std::size_t kHexDigits = 16;
+  RecordedBench recorded{.number = bench.number, .period = bench.period};
+  recorded.facts = {{"name", bench.name},
+                    {"clock", std::string(to_string(bench.clock_mode))},
+                    {"status_every_ticks", std::to_string(bench.status_every_ticks)},
+                    {"incarnation", hex(bench.incarnation, kHexDigits)},
+                    {"dictionary_version", bench.dictionary_version},
+                    {"service_version", bench.service_version}};
+  const std::vector<std::string> topics = bridge::topic_names(bench.axes);
+  recorded.axes.reserve(axes.size());
+  for (const client::AxisId& id : axes) {
+    const auto info = std::ranges::find(bench.axes, id, &client::AxisInfo::id);
+    if (info == bench.axes.end()) continue;
+    const auto place = static_cast<std::size_t>(info - bench.axes.begin());
+    recorded.axes.push_back({.id = id, .name = info->name, .topic = topics[place]});
+    const std::string number = std::to_string(id.axis);
+    recorded.facts["unit." + number] = info->unit.name;
+    recorded.facts["unit_size." + number] = to_text(info->unit.size);
+  }
+  return recorded;
+}
+
+std::map<client::AxisId, std::string> names_of(const std::vector<RecordedBench>& benches) {
+  std::map<client::AxisId, std::string> names;
+  for (const RecordedBench& bench : benches) {
+    for (const RecordedAxis& axis : bench.axes) names[axis.id] = axis.name;
+  }
+  return names;
+}
+
+}  // namespace vdrive::recording

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "format.hpp"
+#include "gap_log.hpp"
+#include "messages.hpp"
+#include "vdrive/client/axis_snapshot.hpp"
+#include "vdrive/client/bench.hpp"
+#include "vdrive/client/event.hpp"
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace vdrive::recording {
+
+/// A recording that cannot be written or read. The text names the file, the place and the reason.
+class RecordingError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// An axis of a recording.
+struct RecordedAxis {
+  client::AxisId id{};
+  std::string name{};
+  std::string topic{};  ///< its part of a topic: bridge::topic_names
+};
+
+/// A bench of a recording.
+struct RecordedBench {
+  std::uint32_t number = 0;
+  std::chrono::nanoseconds period{std::chrono::milliseconds(1)};  ///< of a tick, drive time
+  std::map<std::string, std::string> facts{};  ///< further ones, for people and programs
+  std::vector<RecordedAxis> axes{};
+};
+
+/// @return a bench as a recording of some of its axes describes it.
+/// @param axes of this bench, all of them known to it
+[[nodiscard]] RecordedBench describe(const client::BenchInfo& bench,
+                                     const std::vector<client::AxisId>& axes);
+
+/// @return the names of all axes.
+[[nodiscard]] std::map<client::AxisId, std::string> names_of(
+    const std::vector<RecordedBench>& benches);
+
+/// How a recording ended.
+struct Summary {
+  std::uint64_t samples = 0;      ///< of the status, one a tick of a bench
+  std::uint64_t events = 0;       ///< recorded
+  std::uint64_t events_lost = 0;  ///< received and not recorded
+  GapLog gaps{};
+};
+
+/// Takes a recording piece by piece. Each call throws RecordingError when it cannot be written.
+class Writer {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  Writer() = default;
+  virtual ~Writer() = default;
+  Writer(const Writer&) = delete;
+  Writer& operator=(const Writer&) = delete;
+
+  /// First: what will be recorded.
+  virtual void begin(const std::vector<RecordedBench>& benches) = 0;
+
+  /// One tick of the axes of a bench.
+  virtual void status(const client::Observation& sample) = 0;
+
+  virtual void event(const client::Event& event) = 0;
+
+  virtual void parameters(const bridge::ParameterImage& image) = 0;
+
+  /// Time passes: what was taken some time ago is handed to the system.
+  virtual void flush(Clock::time_point now) = 0;
+
+  /// Last: nothing else follows.
+  virtual void finish(const Summary& summary) = 0;
+};
+
+/// What a recording that was read contains.
+struct Contents {
+  std::vector<RecordedBench> benches{};
+  std::uint64_t samples = 0;
+  std::uint64_t rows = 0;        ///< of the status: one an axis and sample
+  std::uint64_t events = 0;      ///< seen and passed over
+  std::uint64_t parameters = 0;  ///< images seen and passed over
+  std::string cut{};             ///< where the file ends before its end; empty for a whole one
+};
+
+/// Gets each sample of a recording, in order.
+using SampleHandler = std::function<void(const client::Observation&)>;
+
+}  // namespace vdrive::recording

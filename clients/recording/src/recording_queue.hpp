@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "recording.hpp"
+
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <variant>
+#include <vector>
+
+namespace vdrive::recording {
+
+/// Hands what is recorded to a writer, in a thread of its own: who receives it is never held up.
+/// When the writer falls behind, what comes next is left out and counted until it has caught up.
+class RecordingQueue {
+ public:
+  /// Most status images of axes that wait; 64 MB, half a second of 1,024 axes at 1 kHz.
+  static constexpr std::size_t kMostImages = std::size_t{512} * 1024;
+  /// Most events that wait.
+  static constexpr std::size_t kMostEvents = 4096;
+
+  /// @param writer one on which begin() was called
+  /// @param most_images kMostImages; one sample is always taken
+  explicit RecordingQueue(std::unique_ptr<Writer> writer, std::size_t most_images = kMostImages);
+
+  /// Ends the thread; without finish() the recording has no end.
+  ~RecordingQueue();
+  RecordingQueue(const RecordingQueue&) = delete;
+  RecordingQueue& operator=(const RecordingQueue&) = delete;
+
+  /// Any thread.
+  void push(client::Observation sample);
+  void push(const client::Event& event);
+
+  /// @return why nothing is recorded any more; empty while it is.
+  [[nodiscard]] std::string failure() const;
+
+  /// Writes what waits and the end. Call once, last.
+  /// @return what was recorded
+  /// @throws RecordingError when something could not be written
+  Summary finish();
+
+ private:
+  using Item = std::variant<client::Observation, client::Event>;
+
+  void run();
+  void write(const std::deque<Item>& items);
+
+  std::unique_ptr<Writer> writer_;
+  const std::size_t most_images_;
+
+  mutable std::mutex mutex_;  ///< guards all below but the thread
+  std::condition_variable arrived_;
+  std::deque<Item> items_;
+  std::size_t images_ = 0;  ///< in `items_` and in the hands of the thread
+  std::size_t events_ = 0;
+  std::map<std::uint32_t, std::uint64_t> dropped_;  ///< samples since the last one taken, by bench
+  Summary summary_;
+  std::string failure_;
+  bool is_ending_ = false;
+  std::thread thread_;
+};
+
+}  // namespace vdrive::recording

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/client/axis_snapshot.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <string>
+
+namespace vdrive::recording {
+
+/// Keeps the order in which fields are written.
+using Json = nlohmann::ordered_json;
+
+/// @return one line; bytes that are not UTF-8 are replaced.
+[[nodiscard]] std::string to_line(const Json& json);
+
+/// One axis as the tool's `status`, `watch` and JSON recordings have it, but for its unit.
+[[nodiscard]] Json status_json(const client::AxisSnapshot& axis, const std::string& name);
+
+}  // namespace vdrive::recording

@@ -1,0 +1,352 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "text_recording.hpp"
+
+#include "csv_field.hpp"
+#include "status_json.hpp"
+#include "topic_names.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/number_text.hpp"
+#include "vdrive/text.hpp"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <optional>
+#include <set>
+#include <utility>
+
+namespace vdrive::recording {
+namespace {
+
+/// What the fields of a row mean beside the objects of the status, in the order of a CSV.
+constexpr std::array<std::string_view, 4> kBeforeObjects{"axis", "name", "tick", "missed"};
+constexpr std::array<std::string_view, 4> kBehindObjects{"ignored_set_points", "fault_count",
+                                                         "owner", "owner_epoch"};
+
+/// In JSON only, made of the others.
+constexpr std::array<std::string_view, 2> kDerived{"state", "flags"};
+
+/// Objects of the status image, the columns of a recording.
+const std::vector<ObjectRow>& recorded_objects() {
+  static const std::vector<ObjectRow> objects = [] {
+    std::vector<ObjectRow> rows;
+    rows.reserve(kStatusMembers);
+    for (std::size_t row = 0; row < kObjectCount; ++row) {
+      const auto object = static_cast<ObjectRow>(row);
+      if (value_of(AxisStatus{}, object)) rows.push_back(object);
+    }
+    return rows;
+  }();
+  return objects;
+}
+
+/// The names of all fields.
+const std::vector<std::string>& columns() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all(kBeforeObjects.begin(), kBeforeObjects.end());
+    for (const ObjectRow object : recorded_objects()) {
+      all.emplace_back(vdrive::describe(object).variable_name);
+    }
+    all.insert(all.end(), kBehindObjects.begin(), kBehindObjects.end());
+    return all;
+  }();
+  return names;
+}
+
+/// The members of the status by the name of their field: that of the object, or their own.
+const std::map<std::string, const StatusMember*>& members_by_name() {
+  static const std::map<std::string, const StatusMember*> members = [] {
+    std::map<std::string, const StatusMember*> all;
+    for (const StatusMember& member : status_members()) {
+      if (!member.is_published) continue;
+      const auto row = find_object(member.address);
+      all[std::string(row ? vdrive::describe(*row).variable_name : member.name)] = &member;
+    }
+    return all;
+  }();
+  return members;
+}
+
+}  // namespace
+
+std::string csv_header() {
+  std::string header;
+  for (const std::string& name : columns()) {
+    if (!header.empty()) header += ',';
+    header += name;
+  }
+  return header;
+}
+
+// ---- writing -----------------------------------------------------------------------------------
+
+TextRecording::TextRecording(LineSink sink, Format format)
+    : sink_(std::move(sink)), format_(format) {}
+
+void TextRecording::begin(const std::vector<RecordedBench>& benches) {
+  names_ = names_of(benches);
+  if (format_ == Format::csv) sink_.put(csv_header());
+  sink_.flush();
+}
+
+void TextRecording::status(const client::Observation& sample) {
+  for (const client::AxisSnapshot& axis : sample.axes) {
+    sink_.put(format_ == Format::csv ? csv_row(axis, sample.missed)
+                                     : json_row(axis, sample.missed));
+  }
+}
+
+void TextRecording::event(const client::Event& /*event*/) {}
+
+void TextRecording::parameters(const bridge::ParameterImage& /*image*/) {}
+
+void TextRecording::flush(Clock::time_point /*now*/) {
+  sink_.flush();
+}
+
+void TextRecording::finish(const Summary& /*summary*/) {
+  sink_.flush();
+}
+
+std::string TextRecording::csv_row(const client::AxisSnapshot& axis, std::uint64_t missed) const {
+  std::string row = to_string(axis.id) + "," + csv_field(names_.at(axis.id)) + "," +
+                    std::to_string(axis.tick) + "," + std::to_string(missed);
+  for (const ObjectRow object : recorded_objects()) {
+    row.append(",").append(std::to_string(*value_of(axis.status, object)));
+  }
+  row.append(",").append(std::to_string(axis.status.ignored_set_points));
+  row.append(",").append(std::to_string(axis.status.fault_count));
+  row.append(",");
+  if (axis.owner_session != 0) row.append(session_text(axis.owner_session));
+  return row + "," + std::to_string(axis.owner_epoch);
+}
+
+std::string TextRecording::json_row(const client::AxisSnapshot& axis, std::uint64_t missed) const {
+  Json json = status_json(axis, names_.at(axis.id));
+  json["missed"] = missed;
+  return to_line(json);
+}
+
+// ---- reading -----------------------------------------------------------------------------------
+
+namespace {
+
+/// One row, as it is read.
+struct Row {
+  client::AxisSnapshot axis;
+  std::string name;
+  std::uint64_t missed = 0;
+};
+
+[[noreturn]] void refuse(std::string_view column, std::string_view text, const std::string& what) {
+  throw RecordingError(std::string(column) + " is " + in_quotes(text) + ": " + what);
+}
+
+template <typename Number>
+Number number_of(std::string_view column, std::string_view text) {
+  const auto number = parse_digits<Number>(text);
+  if (number) return *number;
+  refuse(column, text,
+         "a whole number from 0 to " + std::to_string(std::numeric_limits<Number>::max()) +
+             " is expected");
+}
+
+std::uint64_t session_of(std::string_view column, std::string_view text) {
+  constexpr std::string_view kHex = "0x";
+  constexpr int kBase = 16;
+  if (text.empty()) return 0;
+  const auto session = text.starts_with(kHex)
+                           ? parse_digits<std::uint64_t>(text.substr(kHex.size()), kBase)
+                           : std::nullopt;
+  if (!session) refuse(column, text, "a session such as 0x0123456789abcdef is expected");
+  return *session;
+}
+
+void set_member(const StatusMember& member, AxisStatus& status, std::string_view text) {
+  const TypeRange range = range_of(member.data_type);
+  const auto value = parse_digits<std::int64_t>(text);
+  if (!value || *value < range.lowest || *value > range.highest) {
+    refuse(member.name, text,
+           "a whole number from " + std::to_string(range.lowest) + " to " +
+               std::to_string(range.highest) + " is expected");
+  }
+  member.set(status, *value);
+}
+
+/// Sets what a field means.
+/// @return false when no field has this name
+bool set_field(Row& row, const std::string& column, const std::string& text) {
+  const auto member = members_by_name().find(column);
+  if (member != members_by_name().end()) {
+    set_member(*member->second, row.axis.status, text);
+  } else if (column == "axis") {
+    const auto id = client::parse_axis_id(text);
+    if (!id) refuse(column, text, "an address such as 1.2 is expected");
+    row.axis.id = *id;
+  } else if (column == "name") {
+    row.name = text;
+  } else if (column == "tick") {
+    row.axis.tick = number_of<std::uint64_t>(column, text);
+  } else if (column == "missed") {
+    row.missed = number_of<std::uint64_t>(column, text);
+  } else if (column == "owner") {
+    row.axis.owner_session = session_of(column, text);
+  } else if (column == "owner_epoch") {
+    row.axis.owner_epoch = number_of<std::uint32_t>(column, text);
+  } else {
+    return false;
+  }
+  return true;
+}
+
+[[noreturn]] void refuse_columns(const std::string& what, const std::string& column) {
+  throw RecordingError(what + " " + in_quotes(column));
+}
+
+/// @throws RecordingError when one is missing, unknown, or there twice
+void check_columns(const std::vector<std::string>& present) {
+  std::set<std::string> seen;
+  for (const std::string& column : present) {
+    if (std::ranges::find(columns(), column) == columns().end()) {
+      refuse_columns("there is no column", column);
+    }
+    if (!seen.insert(column).second) refuse_columns("there are two columns", column);
+  }
+  for (const std::string& column : columns()) {
+    if (!seen.contains(column)) refuse_columns("it lacks the column", column);
+  }
+}
+
+std::string text_of(const Json& value) {
+  if (value.is_null()) return {};
+  return value.is_string() ? value.get<std::string>() : value.dump();
+}
+
+/// Reads line by line.
+class TextReader {
+ public:
+  TextReader(std::istream& file, Format format, const SampleHandler& handler)
+      : file_(file), format_(format), handler_(handler) {}
+
+  Contents read() {
+    try {
+      for (std::string line; std::getline(file_, line);) {
+        ++number_;
+        if (file_.eof()) throw RecordingError("it has no line break at its end: it is torn");
+        if (line.ends_with('\r')) line.pop_back();
+        take(line);
+      }
+      if (number_ == 0) throw RecordingError("the file is empty");
+    } catch (const RecordingError& error) {
+      throw RecordingError("line " + std::to_string(number_) + ": " + error.what());
+    }
+    end_sample();
+    contents_.benches.reserve(benches_.size());
+    for (auto& [number, bench] : benches_) contents_.benches.push_back(finished(bench));
+    return std::move(contents_);
+  }
+
+ private:
+  void take(const std::string& line) {
+    if (format_ == Format::json_lines) {
+      add(json_row(line));
+    } else if (number_ == 1) {
+      header_ = csv_fields(line);
+      check_columns(header_);
+    } else {
+      add(csv_row(line));
+    }
+  }
+
+  [[nodiscard]] Row csv_row(const std::string& line) const {
+    const std::vector<std::string> fields = csv_fields(line);
+    if (fields.size() != header_.size()) {
+      throw RecordingError("it has " + std::to_string(fields.size()) + " fields, the header has " +
+                           std::to_string(header_.size()));
+    }
+    Row row;
+    for (std::size_t i = 0; i < fields.size(); ++i) (void)set_field(row, header_[i], fields[i]);
+    return row;
+  }
+
+  [[nodiscard]] static Row json_row(const std::string& line) {
+    const Json json = Json::parse(line, nullptr, false);
+    if (!json.is_object()) throw RecordingError("it is no JSON object: " + in_quotes(line));
+    Row row;
+    std::set<std::string> seen;
+    for (const auto& [key, value] : json.items()) {
+      seen.insert(key);
+      if (std::ranges::find(kDerived, key) != kDerived.end()) continue;
+      if (!set_field(row, key, text_of(value))) refuse_columns("there is no field", key);
+    }
+    for (const std::string& column : columns()) {
+      if (!seen.contains(column)) refuse_columns("it lacks the field", column);
+    }
+    return row;
+  }
+
+  void add(const Row& row) {
+    if (!sample_.axes.empty()) {
+      const client::AxisSnapshot& first = sample_.axes.front();
+      const bool is_next = row.axis.tick != sample_.tick || row.axis.id.bench != first.id.bench ||
+                           in_sample_.contains(row.axis.id);
+      if (is_next) end_sample();
+    }
+    if (sample_.axes.empty()) {
+      sample_.tick = row.axis.tick;
+      sample_.missed = row.missed;
+    } else if (sample_.missed != row.missed) {
+      throw RecordingError("missed is " + std::to_string(row.missed) +
+                           ", in the row before, of the same tick, " +
+                           std::to_string(sample_.missed));
+    }
+    sample_.axes.push_back(row.axis);
+    in_sample_.insert(row.axis.id);
+    note_axis(row);
+  }
+
+  void note_axis(const Row& row) {
+    const auto [name, is_new] = names_.try_emplace(row.axis.id, row.name);
+    if (!is_new && name->second != row.name) {
+      throw RecordingError("the name of the axis " + to_string(row.axis.id) + " is " +
+                           in_quotes(row.name) + ", before it was " + in_quotes(name->second));
+    }
+    if (!is_new) return;
+    RecordedBench& bench = benches_[row.axis.id.bench];
+    bench.number = row.axis.id.bench;
+    bench.axes.push_back({.id = row.axis.id, .name = row.name});
+  }
+
+  void end_sample() {
+    if (sample_.axes.empty()) return;
+    ++contents_.samples;
+    contents_.rows += sample_.axes.size();
+    handler_(sample_);
+    sample_ = {};
+    in_sample_.clear();
+  }
+
+  static RecordedBench finished(RecordedBench& bench) {
+    std::ranges::sort(bench.axes, {}, &RecordedAxis::id);
+    return std::move(bench);
+  }
+
+  std::istream& file_;
+  const Format format_;
+  const SampleHandler& handler_;
+  std::uint64_t number_ = 0;  ///< of the line
+  std::vector<std::string> header_;
+  Contents contents_;
+  client::Observation sample_;
+  std::set<client::AxisId> in_sample_;
+  std::map<client::AxisId, std::string> names_;
+  std::map<std::uint32_t, RecordedBench> benches_;
+};
+
+}  // namespace
+
+Contents read_text(std::istream& file, Format format, const SampleHandler& handler) {
+  return TextReader(file, format, handler).read();
+}
+
+}  // namespace vdrive::recording

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "recording.hpp"
+
+#include <functional>
+#include <istream>
+#include <map>
+#include <string>
+#include <string_view>
+
+namespace vdrive::recording {
+
+/// Where the lines of a text go.
+struct LineSink {
+  std::function<void(std::string_view line)> put;  ///< one line, without its line break
+  std::function<void()> flush;
+};
+
+/// Records the status as text: CSV, or JSON lines. Events and parameters have no place there.
+class TextRecording : public Writer {
+ public:
+  /// @param format csv or json_lines
+  TextRecording(LineSink sink, Format format);
+
+  void begin(const std::vector<RecordedBench>& benches) override;
+  void status(const client::Observation& sample) override;
+  void event(const client::Event& event) override;
+  void parameters(const bridge::ParameterImage& image) override;
+  void flush(Clock::time_point now) override;
+  void finish(const Summary& summary) override;
+
+ private:
+  [[nodiscard]] std::string csv_row(const client::AxisSnapshot& axis, std::uint64_t missed) const;
+  [[nodiscard]] std::string json_row(const client::AxisSnapshot& axis, std::uint64_t missed) const;
+
+  LineSink sink_;
+  Format format_;
+  std::map<client::AxisId, std::string> names_;
+};
+
+/// @return the first line of a CSV recording.
+[[nodiscard]] std::string csv_header();
+
+/// Reads a recording of text. Rows of one bench and tick that follow each other are one sample.
+/// @param file from its beginning
+/// @param format csv or json_lines
+/// @throws RecordingError without the name of the file, with the line
+[[nodiscard]] Contents read_text(std::istream& file, Format format, const SampleHandler& handler);
+
+}  // namespace vdrive::recording

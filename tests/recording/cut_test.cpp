@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+// A file that was cut off anywhere is readable up to there.
+#include "mcap_reader.hpp"
+#include "recording/sample_recording.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <sstream>
+
+namespace vdrive::test {
+namespace {
+
+using namespace recording;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+/// A recording with a chunk for each `in_chunk` samples.
+struct Chunked {
+  std::string bytes;
+  std::vector<std::size_t> ends;  ///< of the chunks, with their indexes
+};
+
+Chunked chunked(const std::vector<RecordedBench>& benches,
+                const std::vector<client::Observation>& samples, std::size_t in_chunk) {
+  Chunked file;
+  McapRecording writer(
+      [&](std::string_view part) {
+        file.bytes.append(part);
+      },
+      "test");
+  writer.begin(benches);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    writer.status(samples[i]);
+    if ((i + 1) % in_chunk != 0) continue;
+    // Two seconds later: what was recorded is with the system.
+    writer.flush(Writer::Clock::now() + std::chrono::seconds(2));
+    file.ends.push_back(file.bytes.size());
+  }
+  writer.finish({});
+  return file;
+}
+
+TEST(CutMcap, IsReadUpToItsLastWholeChunkWhereverItEnds) {
+  constexpr std::size_t kInChunk = 3;
+  const auto benches = benches_of(1, 2);
+  const auto samples = samples_of(benches[0], 30);
+  const Chunked file = chunked(benches, samples, kInChunk);
+  ASSERT_EQ(file.ends.size(), 10U);
+  // Every length, from the whole magic on.
+  for (std::size_t size = kMcapMagic.size(); size < file.bytes.size(); ++size) {
+    SCOPED_TRACE("cut at " + std::to_string(size));
+    const Read read = read_back(Format::mcap, file.bytes.substr(0, size));
+    EXPECT_THAT(read.contents.cut, HasSubstr("at byte " + std::to_string(size)));
+    // The chunks whose end is there; the one whose indexes only are missing has its messages too.
+    const auto whole =
+        static_cast<std::size_t>(std::ranges::count_if(file.ends, [size](std::size_t end) {
+          return end <= size;
+        }));
+    ASSERT_GE(read.samples.size(), whole * kInChunk);
+    ASSERT_LE(read.samples.size(), (whole + 1) * kInChunk);
+    ASSERT_EQ(read.samples.size() % kInChunk, 0U);
+    const std::vector<client::Observation> expected(
+        samples.begin(), samples.begin() + static_cast<std::ptrdiff_t>(read.samples.size()));
+    expect_equal(read.samples, expected, true);
+    if (testing::Test::HasFailure()) return;
+  }
+  const Read whole = read_back(Format::mcap, file.bytes);
+  EXPECT_THAT(whole.contents.cut, IsEmpty());
+  expect_equal(whole.samples, samples, true);
+}
+
+TEST(CutMcap, WithADamagedByteNeverGivesOtherValues) {
+  const auto benches = benches_of(1, 1);
+  const auto samples = samples_of(benches[0], 6);
+  const Chunked file = chunked(benches, samples, 2);
+  const std::uint32_t seed = std::random_device()();
+  std::mt19937 random(seed);
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  for (int i = 0; i < 300; ++i) {
+    std::string damaged = file.bytes;
+    const std::size_t place = random() % file.ends.back();
+    damaged[place] = static_cast<char>(damaged[place] ^ (1 << random() % 8));
+    SCOPED_TRACE("byte " + std::to_string(place));
+    // A record that claims to be longer than the file ends it there; another one is refused.
+    try {
+      const Read read = read_back(Format::mcap, damaged);
+      ASSERT_THAT(read.contents.cut, Not(IsEmpty()));
+      ASSERT_LE(read.samples.size(), samples.size());
+    } catch (const RecordingError& error) {
+      ASSERT_THAT(std::string(error.what()), Not(IsEmpty()));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace vdrive::test

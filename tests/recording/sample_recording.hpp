@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "convert.hpp"
+#include "mcap_recording.hpp"
+#include "recording.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace vdrive::test {
+
+/// Benches of so many axes each, numbered from 1, with a tick of 500 us.
+std::vector<recording::RecordedBench> benches_of(std::size_t benches, std::size_t axes);
+
+/// Samples in which every published member of every axis has a value of its own, the lowest and the
+/// highest of its type among them. The ticks count from 1,000; 2 are missed before each fifth.
+std::vector<client::Observation> samples_of(const recording::RecordedBench& bench,
+                                            std::size_t count);
+
+/// @return the bytes of an MCAP recording.
+std::string mcap_of(const std::vector<recording::RecordedBench>& benches,
+                    const std::vector<client::Observation>& samples,
+                    const std::vector<client::Event>& events = {});
+
+/// @return the text of a recording of text.
+std::string text_of(recording::Format format, const std::vector<recording::RecordedBench>& benches,
+                    const std::vector<client::Observation>& samples);
+
+/// What was read.
+struct Read {
+  recording::Contents contents;
+  std::vector<client::Observation> samples;
+};
+
+/// @throws RecordingError
+Read read_back(recording::Format format, const std::string& bytes);
+
+/// Compares the status of axes, owner included, and what was missed.
+/// @param has_sequence also the last sequence, which texts do not have
+void expect_equal(const std::vector<client::Observation>& read,
+                  const std::vector<client::Observation>& written, bool has_sequence);
+
+}  // namespace vdrive::test

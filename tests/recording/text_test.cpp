@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+// Recordings of text: CSV and JSON lines.
+#include "csv_field.hpp"
+#include "gap_log.hpp"
+#include "recording/sample_recording.hpp"
+#include "text_recording.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace vdrive::test {
+namespace {
+
+using namespace recording;
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+class Text : public testing::TestWithParam<Format> {
+ protected:
+  /// What reading a text is refused with.
+  [[nodiscard]] static std::string refusal_of(const std::string& text) {
+    try {
+      (void)read_back(GetParam(), text);
+    } catch (const RecordingError& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  const std::vector<RecordedBench> benches_ = benches_of(2, 3);
+  const std::vector<client::Observation> samples_ = samples_of(benches_[0], 12);
+  const std::string text_ = text_of(GetParam(), benches_, samples_);
+};
+
+TEST_P(Text, IsReadAsItWasWritten) {
+  const Read read = read_back(GetParam(), text_);
+  expect_equal(read.samples, samples_, false);
+  EXPECT_EQ(read.contents.rows, 36U);
+  ASSERT_EQ(read.contents.benches.size(), 1U);
+  EXPECT_EQ(read.contents.benches[0].axes.size(), 3U);
+  EXPECT_EQ(read.contents.benches[0].axes[1].name, "lift \"2\", left");
+}
+
+TEST_P(Text, IsTheSameTextAgain) {
+  const Read read = read_back(GetParam(), text_);
+  EXPECT_EQ(text_of(GetParam(), read.contents.benches, read.samples), text_);
+}
+
+TEST_P(Text, ThatIsTornIsRefusedWithItsLastLine) {
+  const auto lines = static_cast<std::size_t>(std::ranges::count(text_, '\n'));
+  const std::string torn = text_.substr(0, text_.size() - 3);
+  EXPECT_THAT(refusal_of(torn),
+              AllOf(HasSubstr("line " + std::to_string(lines)), HasSubstr("torn")));
+}
+
+TEST_P(Text, WithATornLineInTheMiddleIsRefusedWithItsNumber) {
+  std::string text = text_;
+  const std::size_t second = text.find('\n', text.find('\n') + 1);
+  text.erase(second - 40, 40);
+  EXPECT_THAT(refusal_of(text), HasSubstr("line 2: "));
+}
+
+TEST_P(Text, WithAValueOutOfRangeIsRefusedWithRangeAndColumn) {
+  std::string text = text_;
+  // The first row's statusword is of 16 bits; its name stands once in a CSV, in each line of JSON.
+  if (GetParam() == Format::csv) {
+    const std::size_t end_of_header = text.find('\n');
+    const auto header = csv_fields(text.substr(0, end_of_header));
+    const std::size_t end_of_row = text.find('\n', end_of_header + 1);
+    auto fields = csv_fields(text.substr(end_of_header + 1, end_of_row - end_of_header - 1));
+    std::string row;
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+      if (header[i] == "ds402_statusword") fields[i] = "65536";
+      row.append(i == 0 ? "" : ",").append(csv_field(fields[i]));
+    }
+    text.replace(end_of_header + 1, end_of_row - end_of_header - 1, row);
+  } else {
+    const std::size_t place = text.find(':', text.find("\"ds402_statusword\"")) + 1;
+    text.replace(place, text.find(',', place) - place, "65536");
+  }
+  EXPECT_THAT(refusal_of(text),
+              AllOf(HasSubstr("ds402_statusword is '65536'"), HasSubstr("from 0 to 65535")));
+}
+
+TEST_P(Text, ThatIsEmptyIsRefused) {
+  EXPECT_THAT(refusal_of(""), HasSubstr("the file is empty"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Recording, Text, testing::Values(Format::csv, Format::json_lines),
+                         [](const testing::TestParamInfo<Format>& tested) {
+                           return tested.param == Format::csv ? "Csv" : "JsonLines";
+                         });
+
+std::string csv_refusal(const std::string& text) {
+  try {
+    (void)read_back(Format::csv, text);
+  } catch (const RecordingError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(CsvRecording, WithAnUnknownColumnIsRefused) {
+  EXPECT_THAT(csv_refusal(csv_header() + ",temperature\n"),
+              AllOf(HasSubstr("line 1"), HasSubstr("no column 'temperature'")));
+}
+
+TEST(CsvRecording, WithoutAColumnIsRefused) {
+  const std::string header = csv_header();
+  EXPECT_THAT(csv_refusal(header.substr(0, header.rfind(',')) + "\n"),
+              HasSubstr("lacks the column 'owner_epoch'"));
+  EXPECT_THAT(csv_refusal(header + ",tick\n"), HasSubstr("two columns 'tick'"));
+}
+
+TEST(CsvRecording, WithBadCellsNamesThem) {
+  const auto benches = benches_of(1, 1);
+  const std::string text = text_of(Format::csv, benches, samples_of(benches[0], 1));
+  std::string no_axis = text;
+  no_axis.replace(text.find("\n1.1,") + 1, 3, "one");
+  EXPECT_THAT(csv_refusal(no_axis), AllOf(HasSubstr("line 2"), HasSubstr("axis is 'one'")));
+  std::string no_tick = text;
+  no_tick.replace(text.find(",1001,") + 1, 4, "-1");
+  EXPECT_THAT(csv_refusal(no_tick), HasSubstr("tick is '-1'"));
+}
+
+TEST(JsonRecording, WithAnUnknownOrMissingFieldIsRefused) {
+  const auto benches = benches_of(1, 1);
+  std::string text = text_of(Format::json_lines, benches, samples_of(benches[0], 1));
+  const auto refusal = [](const std::string& line) -> std::string {
+    try {
+      (void)read_back(Format::json_lines, line);
+    } catch (const RecordingError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  std::string more = text;
+  more.insert(1, "\"temperature\":3,");
+  EXPECT_THAT(refusal(more), HasSubstr("no field 'temperature'"));
+  std::string less = text;
+  less.replace(less.find("\"owner_epoch\""), 13, "\"state\"");
+  EXPECT_THAT(refusal(less), HasSubstr("lacks the field 'owner_epoch'"));
+}
+
+TEST(CsvFields, AreThoseThatWereWritten) {
+  EXPECT_THAT(csv_fields("a,\"b,\"\"c\"\"\",,d"), ElementsAre("a", "b,\"c\"", "", "d"));
+  EXPECT_THAT(csv_fields(""), ElementsAre(""));
+  EXPECT_THAT(csv_fields("a,"), ElementsAre("a", ""));
+  EXPECT_THAT(csv_fields("\"open"), ElementsAre("open"));
+}
+
+TEST(GapLog, NamesGapsByTheTicksAroundThem) {
+  GapLog log;
+  log.note_sample(1, 10, 0);
+  log.note_sample(1, 14, 3);
+  log.note_sample(2, 20, 0);
+  log.note_sample(1, 15, 0);
+  log.note_lost_end(1, 7);
+  EXPECT_EQ(log.missed(), 10U);
+  EXPECT_EQ(log.text(4),
+            "between the ticks 10 and 14 of bench 1 (3), behind the tick 15 of bench 1 (7)");
+  EXPECT_EQ(log.text(1), "between the ticks 10 and 14 of bench 1 (3), and 1 further gap");
+}
+
+TEST(GapLog, KeepsSoManyGapsAndCountsTheOthers) {
+  GapLog log;
+  std::uint64_t tick = 0;
+  for (std::size_t i = 0; i < GapLog::kKept + 5; ++i) log.note_sample(1, tick += 2, 1);
+  EXPECT_EQ(log.gaps().size(), GapLog::kKept);
+  EXPECT_EQ(log.left_out(), 5U);
+  EXPECT_EQ(log.missed(), GapLog::kKept + 5);
+}
+
+}  // namespace
+}  // namespace vdrive::test
