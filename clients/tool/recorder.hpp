@@ -52,7 +52,8 @@ class Recorder {
                               std::vector<Track>& tracks);
   void watch_events(const std::vector<ObservedBench>& benches);
   client::Outcome follow(std::vector<Track>& tracks);
-  client::Outcome take_sample(Track& track);
+  client::Outcome take_samples(Track& track);
+  void take(Track& track, client::Observation&& sample);
 
   client::Session& session_;
   Terminal& terminal_;

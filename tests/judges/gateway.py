@@ -31,17 +31,17 @@ def skip(reason):
 
 
 def fail(text):
-    print(f"gateway.py: {text}", file=sys.stderr)
+    print(f"{pathlib.Path(sys.argv[0]).name}: {text}", file=sys.stderr)
     sys.exit(1)
 
 
-def install(work):
-    """The packages of the lock file, below `work`."""
+def install(work, judge="foxglove"):
+    """The packages of the lock file of a judge, below `work`."""
     if not shutil.which("npm") or not shutil.which("node"):
         skip("node or npm is not installed")
     work.mkdir(parents=True, exist_ok=True)
     for name in ("package.json", "package-lock.json", "judge.mjs"):
-        shutil.copy(HERE / "foxglove" / name, work / name)
+        shutil.copy(HERE / judge / name, work / name)
     done = subprocess.run(["npm", "ci", "--no-audit", "--no-fund", "--ignore-scripts"], cwd=work,
                           capture_output=True, text=True, timeout=300)
     if done.returncode != 0:

@@ -241,6 +241,7 @@ TEST(CommandLine, OtherWords) {
 TEST(CommandLine, TheEndingOfARecordingDecidesItsFormat) {
   EXPECT_EQ(command<RecordCommand>("record a.csv").format, recording::Format::csv);
   EXPECT_EQ(command<RecordCommand>("record a.jsonl").format, recording::Format::json_lines);
+  EXPECT_EQ(command<RecordCommand>("record a.mcap").format, recording::Format::mcap);
   EXPECT_EQ(command<RecordCommand>("record -").format, recording::Format::csv);
   EXPECT_EQ(command<RecordCommand>("--json record -").format, recording::Format::json_lines);
   const auto record = command<RecordCommand>("record a.csv 1.1 y --for 20ms --count 7");
@@ -248,6 +249,19 @@ TEST(CommandLine, TheEndingOfARecordingDecidesItsFormat) {
   EXPECT_EQ(record.duration, Duration(20'000'000));
   EXPECT_EQ(record.count, 7U);
   EXPECT_THROW(parse("record a.txt"), UsageError);
+}
+
+TEST(CommandLine, ConvertTakesTwoFilesOfDifferentFormatsAndThePeriodOfAText) {
+  const auto convert = command<ConvertCommand>("convert a.csv b.mcap --period 500us");
+  EXPECT_EQ(convert.from, "a.csv");
+  EXPECT_EQ(convert.to, "b.mcap");
+  EXPECT_EQ(convert.period, Duration(500'000));
+  EXPECT_FALSE(command<ConvertCommand>("convert a.mcap b.jsonl").period);
+  for (const char* const words :
+       {"convert a.csv", "convert a.csv b.txt", "convert a.csv b.csv", "convert a.json b.jsonl",
+        "convert a.mcap b.csv --period 1ms", "convert a.csv b.mcap --period 0ms"}) {
+    EXPECT_THROW(parse(words), UsageError) << words;
+  }
 }
 
 TEST(Recording, AFieldOfCsvIsQuotedWhereItMustBe) {

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <iterator>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -42,6 +43,44 @@ class CdrWriter {
   /// The number of elements that follow.
   /// @param count below 2^32
   void put_count(std::size_t count);
+
+  /// A sequence: the number of its elements, and them. Room is made once for all.
+  /// @param value_of gives the number of an element, as a type of its own width
+  template <typename Elements, typename Value>
+  void put_sequence(const Elements& elements, const Value& value_of) {
+    using Number = std::remove_cvref_t<decltype(value_of(*std::begin(elements)))>;
+    static_assert(std::integral<Number> || std::floating_point<Number>);
+    put_count(std::size(elements));
+    if (std::empty(elements)) return;
+    align(sizeof(Number));
+    const std::size_t place = out_.size();
+    out_.resize(place + std::size(elements) * sizeof(Number));
+    char* next = out_.data() + place;
+    for (const auto& element : elements) {
+      const Number number = value_of(element);
+      std::memcpy(next, &number, sizeof(Number));
+      next += sizeof(Number);
+    }
+  }
+
+  /// The same with elements of `type`, which holds each of the numbers.
+  template <typename Elements, typename Value>
+  void put_sequence(DataType type, const Elements& elements, const Value& value_of) {
+    switch (size_of(type)) {
+      case sizeof(std::uint8_t):
+        return put_sequence(elements, [&](const auto& element) {
+          return static_cast<std::uint8_t>(value_of(element));
+        });
+      case sizeof(std::uint16_t):
+        return put_sequence(elements, [&](const auto& element) {
+          return static_cast<std::uint16_t>(value_of(element));
+        });
+      default:
+        return put_sequence(elements, [&](const auto& element) {
+          return static_cast<std::uint32_t>(value_of(element));
+        });
+    }
+  }
 
   /// A time of ROS: seconds and nanoseconds. Seconds beyond 2^31 - 1 wrap, as they do there.
   void put_time(std::uint64_t nanoseconds);

@@ -62,13 +62,6 @@ std::string with_time(std::string text) {
   return text.append(kTimeText);
 }
 
-/// One array: the value that `value_of` finds in each element.
-template <typename Elements, typename Value>
-void put_array(CdrWriter& writer, const Elements& elements, const Value& value_of) {
-  writer.put_count(elements.size());
-  for (const auto& element : elements) writer.put(value_of(element));
-}
-
 std::uint8_t level_of(client::EventKind kind) {
   constexpr std::uint8_t kInfo = 2;
   constexpr std::uint8_t kWarning = 3;
@@ -175,22 +168,21 @@ std::string encode_bench_status(const client::Observation& observation, std::uin
   CdrWriter writer(bytes);
   writer.put_time(time);
   writer.put(observation.tick);
-  put_array(writer, observation.axes, [](const auto& axis) {
+  writer.put_sequence(observation.axes, [](const auto& axis) {
     return axis.id.axis;
   });
   for (const StatusMember& member : published_members()) {
-    writer.put_count(observation.axes.size());
-    for (const client::AxisSnapshot& axis : observation.axes) {
-      writer.put(member.data_type, member.value(axis.status));
-    }
+    writer.put_sequence(member.data_type, observation.axes, [&](const client::AxisSnapshot& axis) {
+      return member.value(axis.status);
+    });
   }
-  put_array(writer, observation.axes, [](const auto& axis) {
+  writer.put_sequence(observation.axes, [](const auto& axis) {
     return axis.owner_session;
   });
-  put_array(writer, observation.axes, [](const auto& axis) {
+  writer.put_sequence(observation.axes, [](const auto& axis) {
     return axis.owner_epoch;
   });
-  put_array(writer, observation.axes, [](const auto& axis) {
+  writer.put_sequence(observation.axes, [](const auto& axis) {
     return axis.last_sequence;
   });
   return bytes;
@@ -217,14 +209,13 @@ std::string encode_axis_trace(const Trace& trace, std::uint64_t time) {
   writer.put_time(time);
   writer.put(trace.axis);
   writer.put(trace.missed);
-  put_array(writer, trace.ticks, [](std::uint64_t tick) {
+  writer.put_sequence(trace.ticks, [](std::uint64_t tick) {
     return tick;
   });
   for (const StatusMember& member : published_members()) {
-    writer.put_count(trace.status.size());
-    for (const AxisStatus& status : trace.status) {
-      writer.put(member.data_type, member.value(status));
-    }
+    writer.put_sequence(member.data_type, trace.status, [&](const AxisStatus& status) {
+      return member.value(status);
+    });
   }
   return bytes;
 }
@@ -247,7 +238,7 @@ std::string encode_axis_parameters(const ParameterImage& image, std::uint64_t ti
     writer.put(object.data_type, values[row].value_or(0));
     if (!values[row]) refused.push_back(object.address.index * 256U + object.address.subindex);
   }
-  put_array(writer, refused, [](std::uint32_t object) {
+  writer.put_sequence(refused, [](std::uint32_t object) {
     return object;
   });
   return bytes;

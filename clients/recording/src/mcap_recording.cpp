@@ -293,9 +293,14 @@ class StatusReader {
   }
 
   void note_axis(const client::AxisId& id, const StatusChannel& channel) {
-    RecordedBench& bench = bench_numbered(id.bench);
+    RecordedAxis& axis = axis_numbered(bench_numbered(id.bench), id.axis);
+    if (axis.name.empty()) axis.name = channel.name;
+  }
+
+  static RecordedAxis& axis_numbered(RecordedBench& bench, std::uint16_t number) {
+    const client::AxisId id{bench.number, number};
     const auto known = std::ranges::find(bench.axes, id, &RecordedAxis::id);
-    if (known == bench.axes.end()) bench.axes.push_back({.id = id, .name = channel.name});
+    return known == bench.axes.end() ? bench.axes.emplace_back(RecordedAxis{.id = id}) : *known;
   }
 
   RecordedBench& bench_numbered(std::uint32_t number) {
@@ -344,11 +349,10 @@ class StatusReader {
     RecordedBench& bench = bench_numbered(value_of(kBenchKey));
     bench.period = std::chrono::nanoseconds(value_of(kPeriodKey));
     bench.facts = facts;
-    bench.axes.clear();
     for (const auto& [key, name] : facts) {
       if (!key.starts_with(kAxisKey)) continue;
       const auto axis = parse_digits<std::uint16_t>(std::string_view(key).substr(kAxisKey.size()));
-      if (axis) bench.axes.push_back({.id = {bench.number, *axis}, .name = name});
+      if (axis) axis_numbered(bench, *axis).name = name;
     }
     std::ranges::sort(bench.axes, {}, &RecordedAxis::id);
   }

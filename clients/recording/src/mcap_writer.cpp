@@ -66,6 +66,8 @@ std::uint16_t McapWriter::add_schema(const bridge::MessageSchema& schema) {
 
 std::uint16_t McapWriter::add_channel(std::string_view topic, std::uint16_t schema,
                                       const TextMap& metadata) {
+  constexpr std::size_t kMost = 0xFFFF;
+  if (sequences_.size() >= kMost) throw RecordingError("a file has at most 65535 topics");
   const auto id = static_cast<std::uint16_t>(sequences_.size());
   const std::size_t start = channels_.size();
   RecordBuilder(channels_, Opcode::channel)

@@ -57,7 +57,7 @@ class RecordingQueue {
   const std::size_t most_images_;
 
   mutable std::mutex mutex_;  ///< guards all below but the thread
-  std::condition_variable arrived_;
+  std::condition_variable ending_;
   std::deque<Item> items_;
   std::size_t images_ = 0;  ///< in `items_` and in the hands of the thread
   std::size_t events_ = 0;

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Apache-2.0
+// `vdrive record` to MCAP and `vdrive convert`, against the real service.
+#include "convert.hpp"
+#include "support/temporary_directory.hpp"
+#include "tool/process.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <chrono>
+#include <csignal>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <sstream>
+#include <thread>
+
+namespace vdrive::test {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::chrono::seconds kDeadline{60};
+
+/// A service, and a place for recordings.
+class McapRecordingOf {
+ public:
+  explicit McapRecordingOf(const std::string& words) : service_(words) {}
+
+  [[nodiscard]] std::string file(const std::string& name) const { return directory_.path() / name; }
+
+ private:
+  TemporaryDirectory directory_;
+  RunningService service_;
+};
+
+std::vector<std::string> lines_of(const std::string& path) {
+  std::ifstream file(path);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(file, line);) lines.push_back(line);
+  return lines;
+}
+
+/// The rows of a CSV recording by axis and tick, without what was missed before them.
+std::map<std::string, std::string> rows_of(const std::string& path) {
+  std::map<std::string, std::string> rows;
+  const auto lines = lines_of(path);
+  for (std::size_t i = 1; i < lines.size(); ++i) {
+    std::istringstream text(lines[i]);
+    std::string axis;
+    std::string name;
+    std::string tick;
+    std::string missed;
+    std::string values;
+    std::getline(text, axis, ',');
+    std::getline(text, name, ',');
+    std::getline(text, tick, ',');
+    std::getline(text, missed, ',');
+    std::getline(text, values);
+    rows[axis.append(" ").append(tick)] = name.append(",").append(values);
+  }
+  return rows;
+}
+
+/// Lets some ticks pass until both files have something: their recorders follow the stream then.
+void step_until_written(const std::vector<std::string>& files) {
+  const auto end = std::chrono::steady_clock::now() + kDeadline;
+  for (const std::string& file : files) {
+    while (!std::filesystem::exists(file) || std::filesystem::file_size(file) == 0) {
+      ASSERT_LT(std::chrono::steady_clock::now(), end) << file;
+      ASSERT_EQ(tool("step 1").code, 0);
+    }
+  }
+}
+
+std::size_t samples_in(const std::string& path) {
+  std::size_t samples = 0;
+  (void)recording::read_recording(path, [&](const client::Observation&) {
+    ++samples;
+  });
+  return samples;
+}
+
+TEST(McapRecording, HasTheValuesOfTheCsvOfTheSameRun) {
+  const McapRecordingOf bench("--clock lockstep --axes 2");
+  const std::string csv = bench.file("run.csv");
+  const std::string mcap = bench.file("run.mcap");
+  Process text(VDRIVE_TOOL, tool_arguments("record " + csv));
+  Process recorder(VDRIVE_TOOL, tool_arguments("record " + mcap + " --json"));
+  step_until_written({csv, mcap});
+  ASSERT_EQ(tool("enable 1.1").code, 0);
+  ASSERT_EQ(tool("move 1.1 200 --no-wait").code, 0);
+  for (int i = 0; i < 20; ++i) ASSERT_EQ(tool("step 20").code, 0);
+  for (Process* process : {&text, &recorder}) process->send(SIGINT);
+  EXPECT_EQ(text.wait().code, 130);
+  const Finished finished = recorder.wait();
+  EXPECT_EQ(finished.code, 130);
+  const Json summary = Json::parse(finished.output);
+  EXPECT_GT(summary["events"], 0);
+
+  const std::string back = bench.file("back.csv");
+  const Finished converted = tool("convert " + mcap + " " + back + " --json");
+  ASSERT_EQ(converted.code, 0) << converted.errors;
+  const Json contents = Json::parse(converted.output);
+  EXPECT_EQ(contents["samples"], summary["samples"]);
+  EXPECT_EQ(contents["rows"], 2 * summary["samples"].get<std::uint64_t>());
+  EXPECT_EQ(contents["events_left_out"], summary["events"]);
+  EXPECT_EQ(contents["parameters_left_out"], 2);
+  EXPECT_TRUE(contents["cut"].is_null());
+  // The stream is best effort: each recorder may have lost some, and says so.
+  const auto direct = rows_of(csv);
+  const auto through = rows_of(back);
+  std::size_t common = 0;
+  for (const auto& [key, values] : through) {
+    const auto other = direct.find(key);
+    if (other == direct.end()) continue;
+    EXPECT_EQ(values, other->second) << key;
+    ++common;
+  }
+  EXPECT_GE(common, 400U) << "of 2 axes in some 440 ticks";
+  EXPECT_EQ(lines_of(back).front(), lines_of(csv).front());
+
+  // There and back again: nothing of the text changes.
+  const std::string again = bench.file("again.mcap");
+  const std::string last = bench.file("last.csv");
+  ASSERT_EQ(tool("convert " + csv + " " + again).code, 0);
+  ASSERT_EQ(tool("convert " + again + " " + last).code, 0);
+  EXPECT_EQ(lines_of(last), lines_of(csv));
+}
+
+TEST(McapRecording, OfARecorderThatWasKilledIsReadableUpToThere) {
+  const McapRecordingOf bench("--axes 2");
+  const std::string mcap = bench.file("run.mcap");
+  Process recorder(VDRIVE_TOOL, tool_arguments("record " + mcap));
+  // What was recorded is in the file a second later: then there are samples in it.
+  const auto end = std::chrono::steady_clock::now() + kDeadline;
+  const auto has_samples = [&] {
+    return std::filesystem::exists(mcap) && std::filesystem::file_size(mcap) != 0 &&
+           samples_in(mcap) != 0;
+  };
+  while (!has_samples() && std::chrono::steady_clock::now() < end) std::this_thread::yield();
+  recorder.send(SIGKILL);
+  EXPECT_EQ(recorder.wait().code, -SIGKILL);
+  const std::string csv = bench.file("run.csv");
+  const Finished converted = tool("convert " + mcap + " " + csv);
+  EXPECT_EQ(converted.code, 0) << converted.errors;
+  EXPECT_THAT(converted.errors, AllOf(HasSubstr("was cut off"), HasSubstr("at byte ")));
+  const std::size_t samples = samples_in(mcap);
+  EXPECT_GT(samples, 0U);
+  EXPECT_EQ(lines_of(csv).size(), 1 + 2 * samples);
+}
+
+TEST(McapRecording, OnAFullDiskOrInAWrongPlaceFailsAndSaysWhy) {
+  const McapRecordingOf bench("--axes 1");
+  const std::string full = bench.file("full.mcap");
+  std::filesystem::create_symlink("/dev/full", full);
+  const Finished finished = tool("record " + full + " --for 3600s");
+  EXPECT_EQ(finished.code, 1);
+  EXPECT_THAT(finished.errors, AllOf(HasSubstr("full.mcap"), HasSubstr("No space left on device"),
+                                     Not(HasSubstr("recorded"))));
+  const Finished wrong = tool("record " + bench.file("no/such/run.mcap"));
+  EXPECT_EQ(wrong.code, 1);
+  EXPECT_THAT(wrong.errors, HasSubstr("No such file"));
+}
+
+TEST(McapRecording, EndsAfterSoManySamplesWithItsSummary) {
+  const McapRecordingOf bench("--axes 20");
+  const std::string mcap = bench.file("run.mcap");
+  const Finished finished = tool("record " + mcap + " --count 50 --json");
+  ASSERT_EQ(finished.code, 0) << finished.errors;
+  const Json summary = Json::parse(finished.output);
+  EXPECT_EQ(summary["samples"], 50);
+  std::uint64_t lost = 0;
+  std::uint64_t last = 0;
+  const auto contents = recording::read_recording(mcap, [&](const client::Observation& sample) {
+    EXPECT_EQ(sample.axes.size(), 20U);
+    if (last != 0) {
+      EXPECT_EQ(sample.tick - last, 1 + sample.missed);
+    }
+    last = sample.tick;
+    lost += sample.missed;
+  });
+  EXPECT_THAT(contents.cut, IsEmpty());
+  EXPECT_EQ(contents.samples, 50U);
+  EXPECT_EQ(contents.parameters, 20U);
+  EXPECT_EQ(summary["lost"], lost);
+  std::uint64_t in_gaps = 0;
+  for (const Json& gap : summary["gaps"]) in_gaps += gap["missed"].get<std::uint64_t>();
+  EXPECT_EQ(in_gaps, lost);
+}
+
+TEST(Convert, NeedsNoServiceAndNamesFileAndLine) {
+  const TemporaryDirectory directory;
+  const std::string csv = directory.path() / "a.csv";
+  const std::string mcap = directory.path() / "a.mcap";
+  std::ofstream(csv) << "axis,name,temperature\n";
+  const Finished unknown = tool("convert " + csv + " " + mcap);
+  EXPECT_EQ(unknown.code, 1);
+  EXPECT_THAT(unknown.errors,
+              AllOf(HasSubstr("a.csv"), HasSubstr("line 1"), HasSubstr("no column 'temperature'")));
+  EXPECT_FALSE(std::filesystem::exists(mcap));
+  EXPECT_EQ(tool("convert " + csv + " " + csv).code, 2);
+  std::ofstream(mcap) << "no such thing";
+  const Finished foreign = tool("convert " + mcap + " " + csv);
+  EXPECT_EQ(foreign.code, 1);
+  EXPECT_THAT(foreign.errors, AllOf(HasSubstr("a.mcap"), HasSubstr("no MCAP file")));
+}
+
+}  // namespace
+}  // namespace vdrive::test
