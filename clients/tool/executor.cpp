@@ -352,7 +352,7 @@ Outcome Executor::run(const RecordCommand& command) {
   tracks.reserve(benches.size());
   for (auto& [number, bench] : benches) tracks.push_back(std::move(bench));
   Recorder recorder(session_, terminal_, command);
-  const auto recorded = recorder.record(tracks);
+  Outcome recorded = recorder.record(tracks);
   if (recorder.has_begun()) report_recording(command, axes->size(), recorder.summary());
   return recorded;
 }

@@ -45,7 +45,7 @@ class Recorder {
 
   [[nodiscard]] std::unique_ptr<recording::Writer> open();
   client::Result<std::vector<Track>> open_tracks(const std::vector<ObservedBench>& benches);
-  client::Result<std::vector<bridge::ParameterImage>> read_parameters(
+  static client::Result<std::vector<bridge::ParameterImage>> read_parameters(
       const std::vector<ObservedBench>& benches);
   client::Outcome record_into(std::unique_ptr<recording::Writer> writer,
                               const std::vector<ObservedBench>& benches,

@@ -79,6 +79,7 @@ follow() {
   follow $follow_seconds 1 --config "$work/decimated.yaml" --axes 16384
   follow 1 1 --axes 10000
   measure_list 1024
+  "$root/tests/benchmark/record.py" --axes 1024 --seconds $follow_seconds
   "$programs/vdrive_bare_benchmark" sleep $follow_seconds
 } |
   awk '/^\{"figure"/ { print; fflush(); next } { print > "/dev/stderr" }'

@@ -9,10 +9,10 @@
 
 namespace vdrive::recording {
 
-RecordBuilder::RecordBuilder(std::string& out, Opcode opcode) : out_(out), start_(0) {
+RecordBuilder::RecordBuilder(std::string& out, Opcode opcode)
+    : out_(out), start_(out.size() + kMcapHead) {
   out_.push_back(static_cast<char>(opcode));
   put(std::uint64_t{0});
-  start_ = out_.size();
 }
 
 RecordBuilder::~RecordBuilder() {

@@ -44,7 +44,8 @@ struct McapReader::Decompressor {
   std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context{ZSTD_createDCtx(), &ZSTD_freeDCtx};
 
   /// @return an error's name, or nothing.
-  [[nodiscard]] std::string run(std::string_view bytes, std::uint64_t size, std::string& out) {
+  [[nodiscard]] std::string run(std::string_view bytes, std::uint64_t size,
+                                std::string& out) const {
     ZSTD_DCtx_reset(context.get(), ZSTD_reset_session_only);
     ZSTD_inBuffer in{bytes.data(), bytes.size(), 0};
     out.clear();

@@ -122,41 +122,43 @@ std::optional<StatusLayout::Type> StatusLayout::type_named(std::string_view name
   return std::nullopt;
 }
 
-StatusLayout::StatusLayout(std::string_view schema) {
+/// @return what a line of a schema says; nothing for a line without a field, such as a constant.
+std::optional<StatusLayout::Field> StatusLayout::field_of(std::string_view line) {
   constexpr std::array<std::pair<std::string_view, Meaning>, 5> kMeanings{
       {{"tick", Meaning::tick},
        {"axis", Meaning::axis},
        {"owner_session", Meaning::owner_session},
        {"owner_epoch", Meaning::owner_epoch},
        {"last_sequence", Meaning::last_sequence}}};
+  if (line.find('=') != std::string_view::npos) return std::nullopt;
+  std::string_view type = take_word(line);
+  Field field{.name = std::string(take_word(line))};
+  if (field.name.empty()) return std::nullopt;
+  field.is_array = type.ends_with("[]");
+  if (field.is_array) type.remove_suffix(2);
+  const auto known = type_named(type);
+  if (!known) {
+    throw RecordingError("the schema of the status has the field " + in_quotes(field.name) +
+                         " of the type " + in_quotes(type) + ", which is not known");
+  }
+  field.type = *known;
+  const auto members = status_members();
+  const auto member = std::ranges::find(members, field.name, &StatusMember::name);
+  if (member != members.end()) {
+    field.meaning = Meaning::member;
+    field.member = &*member;
+  }
+  for (const auto& [name, meaning] : kMeanings) {
+    if (name == field.name) field.meaning = meaning;
+  }
+  return field;
+}
+
+StatusLayout::StatusLayout(std::string_view schema) {
   while (!schema.empty()) {
-    std::string_view line = take_line(schema);
+    const std::string_view line = take_line(schema);
     if (line.starts_with("===")) break;
-    std::string_view type = take_word(line);
-    if (type.empty()) continue;
-    Field field{.name = std::string(take_word(line))};
-    if (field.name.empty() || field.name.find('=') != std::string::npos ||
-        line.find('=') != std::string_view::npos) {
-      continue;  // a constant
-    }
-    field.is_array = type.ends_with("[]");
-    if (field.is_array) type.remove_suffix(2);
-    const auto known = type_named(type);
-    if (!known) {
-      throw RecordingError("the schema of the status has the field " + in_quotes(field.name) +
-                           " of the type " + in_quotes(type) + ", which is not known");
-    }
-    field.type = *known;
-    const auto members = status_members();
-    const auto member = std::ranges::find(members, field.name, &StatusMember::name);
-    if (member != members.end()) {
-      field.meaning = Meaning::member;
-      field.member = &*member;
-    }
-    for (const auto& [name, meaning] : kMeanings) {
-      if (name == field.name) field.meaning = meaning;
-    }
-    fields_.push_back(std::move(field));
+    if (auto field = field_of(line)) fields_.push_back(std::move(*field));
   }
 }
 

@@ -64,6 +64,7 @@ class StatusLayout {
   class Cursor;
 
   static std::optional<Type> type_named(std::string_view name);
+  static std::optional<Field> field_of(std::string_view line);
   static void set(client::AxisSnapshot& axis, const Field& field, std::uint64_t value);
   static void decode_array(const Field& field, Cursor& cursor,
                            std::vector<client::AxisSnapshot>& axes);
