@@ -89,6 +89,14 @@ function(vdrive_target_defaults target)
   endif()
 endfunction()
 
+# vdrive_make_position_independent(<target>)
+# For what others link into shared libraries, such as the Python module and plug-ins of users. A
+# function calls another one of ours directly, as it does in a program.
+function(vdrive_make_position_independent target)
+  set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fno-semantic-interposition>)
+endfunction()
+
 # vdrive_add_library(<room> HEADERS <file>... SOURCES <file>... [INTERNAL] [BESIDE])
 # The static library vdrive_<room>, known in the tree as vdrive::<room> exactly as after
 # find_package. Public headers are below include/, private ones below src/. Each listed public
@@ -108,6 +116,7 @@ function(vdrive_add_library room)
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${room})
   if(NOT arg_BESIDE)
     set_target_properties(${target} PROPERTIES VERIFY_INTERFACE_HEADER_SETS ON)
+    vdrive_make_position_independent(${target})
   endif()
   target_include_directories(${target} PRIVATE src)
   vdrive_target_defaults(${target})

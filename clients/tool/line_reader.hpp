@@ -36,7 +36,7 @@ class LineReader {
   class Editor;
   std::optional<std::string> next_of_pipe();
 
-  Descriptor end_;
+  process::Descriptor end_;
   std::unique_ptr<Editor> editor_;  ///< none when standard input is no terminal
   std::string ahead_;
 };

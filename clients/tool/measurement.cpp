@@ -3,6 +3,7 @@
 
 #include "columns.hpp"
 #include "private_bench.hpp"
+#include "service_program.hpp"
 #include "vdrive/client/axis.hpp"
 #include "vdrive/client/session.hpp"
 #include "vdrive/wire/participant.hpp"
@@ -173,7 +174,8 @@ class Measuring {
   /// Starts a bench and does something with it; an interrupt ends both.
   template <typename Work>
   void with_bench(std::string_view clock, std::size_t axes, const Work& work) {
-    PrivateBench bench(service_, {"--clock", std::string(clock), "--axes", std::to_string(axes)});
+    process::PrivateBench bench(service_,
+                                {"--clock", std::string(clock), "--axes", std::to_string(axes)});
     {
       const OnInterrupt end(interrupt_, [&bench] {
         bench.end();

@@ -6,6 +6,7 @@
 #include "private_bench.hpp"
 #include "report.hpp"
 #include "scenario.hpp"
+#include "service_program.hpp"
 #include "usage_error.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wording.hpp"
@@ -170,7 +171,7 @@ class ScenarioTests {
   };
 
   void test(std::size_t place, Result& result) {
-    PrivateBench bench(service_, arguments_of_service());
+    process::PrivateBench bench(service_, arguments_of_service());
     {
       const Job job(*this, place, [&bench] {
         bench.end();
@@ -182,7 +183,7 @@ class ScenarioTests {
         return;
       }
     }
-    ChildProcess run(command_to_run(scenarios_[place], bench.domain()));
+    process::ChildProcess run(command_to_run(scenarios_[place], bench.domain()));
     const Job job(*this, place, [&run] {
       run.send(SIGINT);
     });
@@ -190,7 +191,7 @@ class ScenarioTests {
   }
 
   /// An interrupted scenario ends by itself; one that does not is killed.
-  int wait_for(ChildProcess& run) {
+  int wait_for(process::ChildProcess& run) {
     constexpr std::chrono::milliseconds kPeriod{200};
     std::optional<Clock::time_point> deadline;
     while (true) {
@@ -206,7 +207,7 @@ class ScenarioTests {
     constexpr std::chrono::seconds kTimeout{60};
     const auto timeout = std::chrono::duration_cast<std::chrono::microseconds>(
         options_.timeout.value_or(Duration(kTimeout)));
-    std::vector<std::string> command{own_program(),
+    std::vector<std::string> command{process::own_program(),
                                      "--domain",
                                      std::to_string(domain),
                                      "--timeout",
@@ -243,7 +244,8 @@ class ScenarioTests {
     result.suite.cases = {std::move(error)};
   }
 
-  static void judge(const Scenario& scenario, const ChildProcess& run, int code, Result& result) {
+  static void judge(const Scenario& scenario, const process::ChildProcess& run, int code,
+                    Result& result) {
     auto cases = cases_of(run.output());
     result.code = code >= 0 ? code : static_cast<int>(ExitCode::failed);
     result.messages = lines_of(run.errors());
@@ -301,7 +303,7 @@ class ScenarioTests {
 /// A configuration that cannot be used is one mistake, not one a file.
 void check_configuration(const std::string& service, const std::string& configuration) {
   if (configuration.empty()) return;
-  ChildProcess check({service, "--check", configuration});
+  process::ChildProcess check({service, "--check", configuration});
   if (check.wait() != 0) {
     std::string text = check.errors();
     while (text.ends_with('\n')) text.pop_back();

@@ -20,7 +20,7 @@ extern "C" {
 #include <string_view>
 #include <system_error>
 
-namespace vdrive::tool {
+namespace vdrive::process {
 namespace {
 
 /// What exec takes. Made before the fork: after it the child may not allocate.
@@ -149,4 +149,4 @@ std::string ChildProcess::errors() const {
   return content_of(errors_.get());
 }
 
-}  // namespace vdrive::tool
+}  // namespace vdrive::process

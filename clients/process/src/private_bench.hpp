@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace vdrive::tool {
+namespace vdrive::process {
 
 /// A service on a domain that nobody else uses. It ends with this object.
 class PrivateBench {
@@ -37,11 +37,14 @@ class PrivateBench {
   ChildProcess service_;
 };
 
-/// @param chosen by the user; empty = vdrived beside this program, else the one in PATH
-/// @throws UsageError when there is none.
-[[nodiscard]] std::string find_service(const std::string& chosen);
+/// @return the path of vdrived beside this program, else of the one in PATH; nothing where there is
+///         none.
+[[nodiscard]] std::optional<std::string> find_service();
+
+/// @return whether `file` is there and may be run.
+[[nodiscard]] bool is_program(const std::string& file);
 
 /// @return the path of this program.
 [[nodiscard]] std::string own_program();
 
-}  // namespace vdrive::tool
+}  // namespace vdrive::process

@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-namespace vdrive::tool {
+namespace vdrive::process {
 
 /// A DDS domain that no program on this machine uses: claimed by a lock on a file in the temporary
 /// directory, for the life of this object, and without a socket on its discovery port.
@@ -21,4 +21,4 @@ class PrivateDomain {
   Descriptor lock_;
 };
 
-}  // namespace vdrive::tool
+}  // namespace vdrive::process

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace vdrive::tool {
+namespace vdrive::process {
 
 /// A descriptor, closed with this object.
 class Descriptor {
@@ -65,4 +65,4 @@ class ChildProcess {
   std::optional<int> code_;
 };
 
-}  // namespace vdrive::tool
+}  // namespace vdrive::process

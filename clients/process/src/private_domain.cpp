@@ -11,7 +11,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace vdrive::tool {
+namespace vdrive::process {
 namespace {
 
 // Above what people use by hand, below the domains whose ports end above the ephemeral range.
@@ -63,4 +63,4 @@ int claim_any(std::uint32_t& domain) {
 
 PrivateDomain::PrivateDomain() : lock_(claim_any(number_)) {}
 
-}  // namespace vdrive::tool
+}  // namespace vdrive::process

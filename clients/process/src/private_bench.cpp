@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "private_bench.hpp"
 
-#include "usage_error.hpp"
-#include "vdrive/text.hpp"
-
 #include <poll.h>
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -21,7 +18,7 @@
 #include <system_error>
 #include <vector>
 
-namespace vdrive::tool {
+namespace vdrive::process {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -61,10 +58,6 @@ std::vector<std::string> command_of(const std::string& service, std::uint32_t do
                                    "error"};
   command.insert(command.end(), arguments.begin(), arguments.end());
   return command;
-}
-
-bool is_program(const std::filesystem::path& file) {
-  return access(file.c_str(), X_OK) == 0 && !std::filesystem::is_directory(file);
 }
 
 std::string without_line_end(std::string text) {
@@ -107,13 +100,11 @@ std::string own_program() {
   return std::filesystem::read_symlink("/proc/self/exe").string();
 }
 
-std::string find_service(const std::string& chosen) {
-  if (!chosen.empty()) {
-    if (!is_program(chosen)) {
-      throw UsageError("--service: " + in_quotes(chosen) + " is not a program");
-    }
-    return std::filesystem::absolute(chosen).string();
-  }
+bool is_program(const std::string& file) {
+  return access(file.c_str(), X_OK) == 0 && !std::filesystem::is_directory(file);
+}
+
+std::optional<std::string> find_service() {
   const std::filesystem::path beside =
       std::filesystem::path(own_program()).parent_path() / "vdrived";
   if (is_program(beside)) return beside.string();
@@ -123,7 +114,7 @@ std::string find_service(const std::string& chosen) {
     const std::filesystem::path found = std::filesystem::path(directory) / "vdrived";
     if (is_program(found)) return std::filesystem::absolute(found).string();
   }
-  throw UsageError("there is no vdrived beside this program or in PATH: give --service FILE");
+  return std::nullopt;
 }
 
-}  // namespace vdrive::tool
+}  // namespace vdrive::process
