@@ -16,6 +16,7 @@ enum class Origin {
   system,       ///< <unistd.h>, <sys/socket.h>, and C's own <math.h>
   eigen,        ///< <Eigen/Core>, <unsupported/Eigen/MatrixFunctions>
   dds,          ///< Fast DDS, Fast CDR, any other DDS
+  python,       ///< <pybind11/pybind11.h>, <Python.h>
   third_party,  ///< any other library: <spdlog/spdlog.h>
   core,         ///< "vdrive/axis_bank.hpp"
   wire,         ///< "vdrive/wire/topics.hpp"
@@ -46,6 +47,8 @@ constexpr std::array kPrefixes{
     PrefixRow{"fastcdr/", Origin::dds},
     PrefixRow{"openssl/", Origin::dds},  // the cryptography of DDS Security
     PrefixRow{"dds/", Origin::dds},
+    PrefixRow{"pybind11/", Origin::python},
+    PrefixRow{"Python.h", Origin::python},
     PrefixRow{"ddsc/", Origin::dds},
     PrefixRow{"core/", Origin::elsewhere},
     PrefixRow{"idl/", Origin::elsewhere},
@@ -100,6 +103,9 @@ constexpr std::array kRecordingMay{Origin::standard, Origin::system, Origin::thi
 constexpr std::array kClientMay{Origin::standard,    Origin::system, Origin::eigen,
                                 Origin::third_party, Origin::core,   Origin::wire,
                                 Origin::messages,    Origin::client, Origin::beside};
+// Python is the outside world of one bridge. It has nothing to say on the wire.
+constexpr std::array kPythonMay{Origin::standard, Origin::system, Origin::eigen, Origin::python,
+                                Origin::core,     Origin::client, Origin::beside};
 
 constexpr std::array kRooms{
     RoomRow{"core/", kCoreMay, "core/ knows the standard library and Eigen only"},
@@ -110,6 +116,7 @@ constexpr std::array kRooms{
             "the raw example has nothing of ours but the IDL"},
     RoomRow{"clients/recording/", kRecordingMay,
             "clients/recording/ knows what the client library tells, and no DDS"},
+    RoomRow{"clients/python/", kPythonMay, "the Python module is a client and names no wire"},
     RoomRow{"clients/", kClientMay, "clients/ reaches DDS through vdrive/wire and no service"},
     RoomRow{"deploy/", {}, "deploy/ has no code"},
 };

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "arguments.hpp"
+
+#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/standard_names.hpp"
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <tuple>
+
+namespace vdrive::python {
+namespace {
+
+using std::chrono::nanoseconds;
+
+// 100 years: more than any wait, less than nanoseconds hold.
+constexpr double kLongest = 3.2e9;
+
+std::int64_t in_range(std::int64_t value, std::int64_t highest, const char* what) {
+  if (value >= 0 && value <= highest) return value;
+  throw py::value_error(std::string(what) + " " + std::to_string(value) + " is not from 0 to " +
+                        std::to_string(highest));
+}
+
+ObjectAddress address_of(std::int64_t index, std::int64_t subindex) {
+  constexpr auto kLastIndex = std::numeric_limits<std::uint16_t>::max();
+  constexpr auto kLastSubindex = std::numeric_limits<std::uint8_t>::max();
+  return {.index = static_cast<std::uint16_t>(in_range(index, kLastIndex, "index")),
+          .subindex = static_cast<std::uint8_t>(in_range(subindex, kLastSubindex, "sub-index"))};
+}
+
+}  // namespace
+
+nanoseconds nanoseconds_of(double seconds) {
+  if (!(seconds >= 0.0) || seconds > kLongest) {
+    throw py::value_error("a time has 0 to 3.2e9 seconds, not " + std::to_string(seconds));
+  }
+  return nanoseconds(std::llround(seconds * 1e9));
+}
+
+std::chrono::milliseconds milliseconds_of(double seconds) {
+  return std::chrono::ceil<std::chrono::milliseconds>(nanoseconds_of(seconds));
+}
+
+double seconds_of(nanoseconds duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+client::Until until_of(const std::string& until) {
+  if (until == "done") return client::Until::done;
+  if (until == "in_force") return client::Until::in_force;
+  throw py::value_error("until is \"done\" or \"in_force\", not \"" + until + "\"");
+}
+
+client::CallOptions call_options(double timeout, const std::string& until) {
+  return {.timeout = nanoseconds_of(timeout), .until = until_of(until)};
+}
+
+client::Pace pace_of(const std::string& pace) {
+  if (pace == "drive") return client::Pace::drive;
+  if (pace == "observe") return client::Pace::observe;
+  throw py::value_error("pace is \"drive\" or \"observe\", not \"" + pace + "\"");
+}
+
+ObjectAddress object_of(const py::object& object) {
+  if (py::isinstance<py::str>(object)) {
+    const auto name = object.cast<std::string>();
+    const auto row = find_named(name);
+    if (!row) throw py::key_error("the dictionary has no object \"" + name + "\"");
+    return describe(*row).address;
+  }
+  if (py::isinstance<py::tuple>(object)) {
+    const auto [index, subindex] = object.cast<std::tuple<std::int64_t, std::int64_t>>();
+    return address_of(index, subindex);
+  }
+  return address_of(object.cast<std::int64_t>(), 0);
+}
+
+}  // namespace vdrive::python

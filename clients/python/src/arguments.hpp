@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "presence.hpp"
+#include "python.hpp"
+#include "vdrive/client/axis.hpp"
+#include "vdrive/client/session.hpp"
+
+#include <chrono>
+#include <string>
+#include <vector>
+
+/// Arguments of Python as the client library takes them.
+namespace vdrive::python {
+
+/// @param seconds [s] finite, 0 or more. @throws py::value_error
+[[nodiscard]] std::chrono::nanoseconds nanoseconds_of(double seconds);
+
+/// The same, rounded up to whole milliseconds.
+[[nodiscard]] std::chrono::milliseconds milliseconds_of(double seconds);
+
+/// @return seconds [s]
+[[nodiscard]] double seconds_of(std::chrono::nanoseconds duration);
+
+/// @param until "done" or "in_force". @throws py::value_error
+[[nodiscard]] client::Until until_of(const std::string& until);
+
+/// @param timeout [s] drive time
+[[nodiscard]] client::CallOptions call_options(double timeout, const std::string& until);
+
+/// @param pace "drive" or "observe". @throws py::value_error
+[[nodiscard]] client::Pace pace_of(const std::string& pace);
+
+/// @param object its index, (index, subindex), or its name in the dictionary or the standard
+/// @throws py::key_error where the dictionary has no such name, py::value_error outside of the
+/// range
+[[nodiscard]] ObjectAddress object_of(const py::object& object);
+
+}  // namespace vdrive::python

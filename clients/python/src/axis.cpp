@@ -1,0 +1,445 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "axis.hpp"
+
+#include "arguments.hpp"
+#include "vdrive/client/disturbance.hpp"
+#include "vdrive/dictionary/object_text.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <vector>
+
+namespace vdrive::python {
+namespace {
+
+using client::Axis;
+using client::AxisSnapshot;
+using client::EachCommand;
+using client::Outcome;
+using client::Session;
+using OptionalU32 = std::optional<std::uint32_t>;
+
+struct CommandName {
+  std::string_view name;
+  EachCommand command;
+};
+
+constexpr std::array kCommandNames{
+    CommandName{"enable", EachCommand::enable},
+    CommandName{"disable", EachCommand::disable},
+    CommandName{"halt", EachCommand::halt},
+    CommandName{"resume", EachCommand::resume},
+    CommandName{"quick_stop", EachCommand::quick_stop},
+    CommandName{"reset_fault", EachCommand::reset_fault},
+    CommandName{"power_cycle", EachCommand::power_cycle},
+};
+
+struct PyMotion {
+  client::Motion motion;
+  SharedPresence presence;
+};
+
+client::Disturbance disturbance_named(std::string_view name) {
+  std::string known;
+  for (const client::DisturbanceRow& row : client::kDisturbances) {
+    if (row.name == name) return row.disturbance;
+    known.append(known.empty() ? "" : ", ").append(row.name);
+  }
+  throw py::value_error("no disturbance \"" + std::string(name) + "\": " + known);
+}
+
+/// Runs a call of the axis that ends with an outcome.
+template <typename Call>
+void run(PyAxis& self, const Call& call) {
+  check(waiting(self.presence, [&](Session& /*session*/) {
+    return call(self.axis);
+  }));
+}
+
+/// Runs a call of the axis that gives a value.
+template <typename Call>
+auto get(PyAxis& self, const Call& call) {
+  return value_or_raise(waiting(self.presence, [&](Session& /*session*/) {
+    return call(self.axis);
+  }));
+}
+
+using AxisClass = py::class_<PyAxis>;
+
+/// A command that has nothing but a time-out and what it waits for.
+void add_command(AxisClass& axis, const char* name,
+                 Outcome (Axis::*command)(const client::CallOptions&), const char* text) {
+  axis.def(
+      name,
+      [command](PyAxis& self, double timeout, const std::string& until) {
+        const client::CallOptions options = call_options(timeout, until);
+        run(self, [&](Axis& target) {
+          return (target.*command)(options);
+        });
+      },
+      py::kw_only(), py::arg("timeout") = 60.0, py::arg("until") = "done", text);
+}
+
+void add_commands(AxisClass& axis) {
+  add_command(axis, "enable", &Axis::enable,
+              "Goes to Operation enabled. Refused in a fault: reset it first.");
+  add_command(axis, "disable", &Axis::disable, "Goes to Ready to switch on.");
+  add_command(
+      axis, "halt", &Axis::halt,
+      "Brakes to standstill; the set-point stays. Also of an axis that another session holds.");
+  add_command(axis, "resume", &Axis::resume, "Ends a halt and continues the set-point.");
+  add_command(axis, "quick_stop", &Axis::quick_stop,
+              "Quick stop. Also of an axis that another session holds.");
+  add_command(axis, "reset_fault", &Axis::reset_fault,
+              "Resets a fault. Refused while its cause persists.");
+  add_command(axis, "power_cycle", &Axis::power_cycle, "Switches the axis off and on again.");
+}
+
+client::MoveOptions move_options(OptionalU32 velocity, OptionalU32 acceleration,
+                                 OptionalU32 deceleration, bool queue,
+                                 const client::CallOptions& call) {
+  return {.velocity = velocity,
+          .acceleration = acceleration,
+          .deceleration = deceleration,
+          .queue = queue,
+          .call = call};
+}
+
+void add_move(AxisClass& axis, const char* name, const char* target,
+              Outcome (Axis::*move)(std::int32_t, const client::MoveOptions&), const char* text) {
+  axis.def(
+      name,
+      [move](PyAxis& self, std::int32_t aim, OptionalU32 velocity, OptionalU32 acceleration,
+             OptionalU32 deceleration, bool queue, double timeout, const std::string& until) {
+        const client::MoveOptions options =
+            move_options(velocity, acceleration, deceleration, queue, call_options(timeout, until));
+        run(self, [&](Axis& moved) {
+          return (moved.*move)(aim, options);
+        });
+      },
+      py::arg(target), py::kw_only(), py::arg("velocity") = py::none(),
+      py::arg("acceleration") = py::none(), py::arg("deceleration") = py::none(),
+      py::arg("queue") = false, py::arg("timeout") = 60.0, py::arg("until") = "done", text);
+}
+
+void add_moves(AxisClass& axis) {
+  add_move(axis, "move_to", "position", &Axis::move_to,
+           "Moves to a position in UU. Speed (UU/s) and ramps (UU/s^2) are for this move.");
+  add_move(axis, "move_by", "distance", &Axis::move_by,
+           "Moves by a distance in UU, from the base that 60F2h chooses.");
+  axis.def(
+      "start_move",
+      [](PyAxis& self, std::int32_t position, OptionalU32 velocity, OptionalU32 acceleration,
+         OptionalU32 deceleration, bool queue) {
+        const client::MoveOptions options =
+            move_options(velocity, acceleration, deceleration, queue, {});
+        return PyMotion{get(self,
+                            [&](Axis& moved) {
+                              return moved.start_move(position, options);
+                            }),
+                        self.presence};
+      },
+      py::arg("position"), py::kw_only(), py::arg("velocity") = py::none(),
+      py::arg("acceleration") = py::none(), py::arg("deceleration") = py::none(),
+      py::arg("queue") = false,
+      "Starts move_to() and returns when the drive has acknowledged the set-point.");
+}
+
+void add_homing(AxisClass& axis) {
+  axis.def(
+      "home",
+      [](PyAxis& self, std::optional<std::int8_t> method, std::optional<std::int32_t> offset,
+         OptionalU32 search_speed, OptionalU32 creep_speed, OptionalU32 acceleration,
+         double timeout, const std::string& until) {
+        const client::HomingOptions options{.method = method,
+                                            .offset = offset,
+                                            .search_speed = search_speed,
+                                            .creep_speed = creep_speed,
+                                            .acceleration = acceleration,
+                                            .call = call_options(timeout, until)};
+        run(self, [&](Axis& homed) {
+          return homed.home(options);
+        });
+      },
+      py::kw_only(), py::arg("method") = py::none(), py::arg("offset") = py::none(),
+      py::arg("search_speed") = py::none(), py::arg("creep_speed") = py::none(),
+      py::arg("acceleration") = py::none(), py::arg("timeout") = 60.0, py::arg("until") = "done",
+      "A homing run: waits until the axis is at home.");
+}
+
+void add_velocity_and_torque(AxisClass& axis) {
+  axis.def(
+      "run_at",
+      [](PyAxis& self, std::int32_t velocity, OptionalU32 acceleration, OptionalU32 deceleration,
+         double timeout, const std::string& until) {
+        const client::VelocityOptions options{.acceleration = acceleration,
+                                              .deceleration = deceleration,
+                                              .call = call_options(timeout, until)};
+        run(self, [&](Axis& target) {
+          return target.run_at(velocity, options);
+        });
+      },
+      py::arg("velocity"), py::kw_only(), py::arg("acceleration") = py::none(),
+      py::arg("deceleration") = py::none(), py::arg("timeout") = 60.0, py::arg("until") = "done",
+      "Profile velocity mode: waits until `velocity` (UU/s) is reached. The axis runs on.");
+  axis.def(
+      "apply_torque",
+      [](PyAxis& self, std::int16_t torque, OptionalU32 slope, double timeout,
+         const std::string& until) {
+        const client::TorqueOptions options{.slope = slope, .call = call_options(timeout, until)};
+        run(self, [&](Axis& target) {
+          return target.apply_torque(torque, options);
+        });
+      },
+      py::arg("torque"), py::kw_only(), py::arg("slope") = py::none(), py::arg("timeout") = 60.0,
+      py::arg("until") = "done",
+      "Profile torque mode: waits until `torque` (parts of 1,000 of the rated) is reached. It "
+      "stays.");
+}
+
+void add_jog(AxisClass& axis) {
+  axis.def(
+      "jog",
+      [](PyAxis& self, std::int32_t velocity, const py::function& held, OptionalU32 acceleration,
+         OptionalU32 deceleration, double timeout) {
+        const client::VelocityOptions options{.acceleration = acceleration,
+                                              .deceleration = deceleration,
+                                              .call = call_options(timeout, "done")};
+        KeptException kept;
+        const Outcome outcome = waiting(self.presence, [&](Session& /*session*/) {
+          return self.axis.jog(
+              velocity,
+              [&](const AxisSnapshot& status) {
+                return kept.run(false, [&] {
+                  return held(status).cast<bool>();
+                });
+              },
+              options);
+        });
+        kept.raise_again();
+        check(outcome);
+      },
+      py::arg("velocity"), py::arg("held"), py::kw_only(), py::arg("acceleration") = py::none(),
+      py::arg("deceleration") = py::none(), py::arg("timeout") = 60.0,
+      "Runs at `velocity` (UU/s) while `held(status)` is true, asked every tick, then brakes.");
+}
+
+void add_ownership(AxisClass& axis) {
+  const auto add = [&axis](const char* name, Outcome (Axis::*call)(), const char* text) {
+    axis.def(
+        name,
+        [call](PyAxis& self) {
+          run(self, [call](Axis& target) {
+            return (target.*call)();
+          });
+        },
+        text);
+  };
+  add("acquire", &Axis::acquire, "Takes control. Refused while another session holds the axis.");
+  add("take_over", &Axis::take_over, "Takes control, also from another session, which loses it.");
+  add("store", &Axis::store, "Stores the parameters (1010h); returns when they are durable.");
+  add("restore_defaults", &Axis::restore_defaults,
+      "Forgets what is stored (1011h), from the next power cycle on.");
+  add("end_disturbances", &Axis::end_disturbances, "Ends every disturbance of the axis.");
+}
+
+py::list read_many(PyAxis& self, const py::iterable& objects) {
+  std::vector<ObjectAddress> addresses;
+  for (const py::handle object : objects) {
+    addresses.push_back(object_of(py::reinterpret_borrow<py::object>(object)));
+  }
+  const client::Readings readings = get(self, [&](Axis& read) {
+    return read.read(addresses);
+  });
+  py::list values;
+  for (const client::ObjectReading& reading : readings.objects) {
+    if (reading.code == AbortCode::none) {
+      values.append(reading.value);
+    } else {
+      values.append(exception_of(Outcome::refused(
+          wire_code(reading.code), "read of " + object_text(reading.object) + " refused")));
+    }
+  }
+  return values;
+}
+
+void add_objects(AxisClass& axis) {
+  axis.def(
+      "read",
+      [](PyAxis& self, const py::object& object) {
+        const ObjectAddress address = object_of(object);
+        return get(self, [&](Axis& read) {
+          return read.read(address);
+        });
+      },
+      py::arg("object"),
+      "Reads an object: an index, (index, subindex), or a name such as \"profile_velocity\".");
+  axis.def("read_many", &read_many, py::arg("objects"),
+           "Reads up to 64 objects in one tick. One that is refused is an exception in the list.");
+  axis.def(
+      "write",
+      [](PyAxis& self, const py::object& object, std::int64_t value) {
+        const ObjectAddress address = object_of(object);
+        return get(self, [&](Axis& written) {
+          return written.write(address, value);
+        });
+      },
+      py::arg("object"), py::arg("value"),
+      "Writes an object. Returns the tick in which the value is in force.");
+  axis.def(
+      "disturb",
+      [](PyAxis& self, const std::string& disturbance, std::int64_t value) {
+        const client::Disturbance chosen = disturbance_named(disturbance);
+        return get(self, [&](Axis& disturbed) {
+          return disturbed.disturb(chosen, value);
+        });
+      },
+      py::arg("disturbance"), py::arg("value") = 1,
+      "Sets an input of the test bench, such as \"blocked_load\": 1 = on, 0 = off; \"load_torque\" "
+      "in "
+      "mN.m. Returns the tick in which it is in force.");
+}
+
+void add_observing(AxisClass& axis) {
+  axis.def(
+      "status",
+      [](PyAxis& self) {
+        return get(self, [](Axis& shown) {
+          return shown.status();
+        });
+      },
+      "The present state.");
+  axis.def(
+      "wait_until",
+      [](PyAxis& self, const py::function& condition, double timeout) {
+        const std::chrono::nanoseconds limit = nanoseconds_of(timeout);
+        KeptException kept;
+        client::Result<AxisSnapshot> result = waiting(self.presence, [&](Session& /*session*/) {
+          return self.axis.wait_until(
+              [&](const AxisSnapshot& status) {
+                return kept.run(true, [&] {
+                  return condition(status).cast<bool>();
+                });
+              },
+              limit);
+        });
+        kept.raise_again();
+        return value_or_raise(std::move(result));
+      },
+      py::arg("condition"), py::arg("timeout") = 60.0,
+      "Checks every tick until `condition(status)` is true; returns that status. `timeout` in s of "
+      "drive time.");
+}
+
+void add_motion(py::module_& module) {
+  py::class_<PyMotion>(module, "Motion", "A move that was started.")
+      .def(
+          "wait",
+          [](PyMotion& self, double timeout) {
+            const std::chrono::nanoseconds limit = nanoseconds_of(timeout);
+            check(waiting(self.presence, [&](Session& /*session*/) {
+              return self.motion.wait(limit);
+            }));
+          },
+          py::arg("timeout") = 60.0,
+          "Waits until the axis is at its target. `timeout` in s of drive time.")
+      .def(
+          "has_ended",
+          [](PyMotion& self) {
+            return value_or_raise(waiting(self.presence, [&](Session& /*session*/) {
+              return self.motion.has_ended();
+            }));
+          },
+          "Whether the axis is at its target. Does not wait.");
+}
+
+client::Axis axis_of(const SharedPresence& presence, const py::handle& axis) {
+  if (py::isinstance<PyAxis>(axis)) return axis.cast<const PyAxis&>().axis;
+  const auto text = axis.cast<std::string>();
+  return value_or_raise(waiting(presence, [&](Session& session) {
+    return session.axis(text);
+  }));
+}
+
+}  // namespace
+
+std::vector<Axis> axes_of(const SharedPresence& presence, const py::object& axes) {
+  if (axes.is_none()) {
+    return value_or_raise(waiting(presence, [](Session& session) {
+      return session.axes();
+    }));
+  }
+  std::vector<Axis> found;
+  if (py::isinstance<PyAxis>(axes) || py::isinstance<py::str>(axes)) {
+    found.push_back(axis_of(presence, axes));
+    return found;
+  }
+  for (const py::handle axis : axes) found.push_back(axis_of(presence, axis));
+  return found;
+}
+
+std::vector<client::AxisId> ids_of(const std::vector<Axis>& axes) {
+  std::vector<client::AxisId> ids;
+  ids.reserve(axes.size());
+  for (const Axis& axis : axes) ids.push_back(axis.id());
+  return ids;
+}
+
+EachCommand each_command_of(const std::string& name) {
+  const auto* const row = std::ranges::find(kCommandNames, name, &CommandName::name);
+  if (row == kCommandNames.end())
+    throw py::value_error("no command \"" + name + "\" for several axes");
+  return row->command;
+}
+
+void add_axis(py::module_& module) {
+  add_motion(module);
+  AxisClass axis(
+      module, "Axis",
+      "One axis of a bench. A handle: Session.axis() gives it, and several may mean the same "
+      "axis. Commands take control of the axis. `timeout` is drive time in s; `until` is "
+      "\"done\" or \"in_force\": the drive has acted on the command.");
+  axis.def_property_readonly(
+          "id",
+          [](const PyAxis& self) {
+            return to_string(self.axis.id());
+          },
+          "Address, such as \"1.2\".")
+      .def_property_readonly(
+          "bench",
+          [](const PyAxis& self) {
+            return self.axis.id().bench;
+          },
+          "Number of its bench.")
+      .def_property_readonly(
+          "name",
+          [](const PyAxis& self) {
+            return self.axis.name();
+          },
+          "Its name.")
+      .def_property_readonly(
+          "unit",
+          [](const PyAxis& self) {
+            return self.axis.unit();
+          },
+          "What its user units are.")
+      .def("__repr__", [](const PyAxis& self) {
+        return "<vdrive.Axis " + to_string(self.axis.id()) + " " + self.axis.name() + ">";
+      });
+  add_ownership(axis);
+  add_commands(axis);
+  add_moves(axis);
+  add_homing(axis);
+  add_velocity_and_torque(axis);
+  add_jog(axis);
+  add_objects(axis);
+  add_observing(axis);
+}
+
+}  // namespace vdrive::python

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+// What benches are: their descriptions, units, and a private one.
+#include "vdrive/client/bench.hpp"
+
+#include "arguments.hpp"
+#include "private_bench.hpp"
+
+#include <cstdint>
+#include <exception>
+#include <future>
+#include <optional>
+#include <stdexcept>
+#include <stop_token>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace vdrive::python {
+namespace {
+
+/// A service that ends with this object. The system ends it when the thread that started it ends:
+/// that is one of its own, which does nothing else, so that a bench may be handed from thread to
+/// thread, and ends when this process is killed.
+class OwnBench {
+ public:
+  OwnBench(const std::string& service, const std::vector<std::string>& arguments);
+
+  [[nodiscard]] std::uint32_t domain() const { return get().domain(); }
+
+  /// Waits until the service has ended. Any number of times.
+  void close() {
+    const py::gil_scoped_release unlocked;
+    starter_.request_stop();
+    if (starter_.joinable()) starter_.join();
+    bench_ = nullptr;
+  }
+
+ private:
+  [[nodiscard]] process::PrivateBench& get() const {
+    if (bench_ == nullptr) raise(client::Outcome::failed("the bench has ended"));
+    return *bench_;
+  }
+
+  void wait_until_ready();
+
+  process::PrivateBench* bench_ = nullptr;
+  std::jthread starter_;
+};
+
+void keep_bench(const std::stop_token& stop, std::promise<process::PrivateBench*>& started,
+                const std::string& service, const std::vector<std::string>& arguments) {
+  try {
+    process::PrivateBench bench(service, arguments);
+    std::promise<void> ended;
+    const std::stop_callback end(stop, [&ended] {
+      ended.set_value();
+    });
+    started.set_value(&bench);
+    ended.get_future().wait();
+  } catch (const std::exception&) {
+    started.set_exception(std::current_exception());
+  }
+}
+
+OwnBench::OwnBench(const std::string& service, const std::vector<std::string>& arguments) {
+  std::promise<process::PrivateBench*> started;
+  std::future<process::PrivateBench*> bench = started.get_future();
+  starter_ = std::jthread(
+      [service, arguments](const std::stop_token& stop,
+                           std::promise<process::PrivateBench*> answer) {
+        keep_bench(stop, answer, service, arguments);
+      },
+      std::move(started));
+  bench_ = bench.get();
+  wait_until_ready();
+}
+
+void OwnBench::wait_until_ready() {
+  const std::optional<std::string> problem = interruptible(
+      [this] {
+        bench_->end();
+      },
+      [] {},
+      [this] {
+        return bench_->wait_until_ready();
+      });
+  if (problem) raise(client::Outcome::failed(*problem));
+}
+
+std::string name_or_number(const client::BenchInfo& bench) {
+  return "<vdrive.BenchInfo " + std::to_string(bench.number) + ", " +
+         std::to_string(bench.axes.size()) + " axes, " + std::string(to_string(bench.clock_mode)) +
+         ">";
+}
+
+void add_unit(py::module_& module) {
+  py::class_<Unit>(module, "Unit", "What the user units (UU) of an axis are in the world.")
+      .def_property_readonly(
+          "kind",
+          [](const Unit& unit) {
+            return std::string(to_string(unit.kind));
+          },
+          "\"rotary\" or \"linear\".")
+      .def_readonly("name", &Unit::name, "In which positions are shown, such as \"deg\" or \"mm\".")
+      .def_readonly("size", &Unit::size, "UU of a revolution; linear: of one `name`.")
+      .def(
+          "to_user_units",
+          [](const Unit& unit, double value) {
+            return to_user_units(value, unit);
+          },
+          py::arg("value"),
+          "A position in `name`, or a speed or acceleration in it per s or s^2, in UU, not "
+          "rounded.")
+      .def(
+          "from_user_units",
+          [](const Unit& unit, double user_units) {
+            return from_user_units(user_units, unit);
+          },
+          py::arg("user_units"),
+          "A position in UU, or a speed or acceleration in UU per s or s^2, in `name`.")
+      .def("__repr__", [](const Unit& unit) {
+        return "<vdrive.Unit " + unit.name + ">";
+      });
+}
+
+void add_axis_info(py::module_& module) {
+  using client::AxisInfo;
+  py::class_<AxisInfo>(module, "AxisInfo", "What a bench publishes about one of its axes.")
+      .def_property_readonly(
+          "id",
+          [](const AxisInfo& axis) {
+            return to_string(axis.id);
+          },
+          "Address, such as \"1.2\".")
+      .def_readonly("name", &AxisInfo::name, "Its name.")
+      .def_readonly("supported_drive_modes", &AxisInfo::supported_drive_modes, "6502h.")
+      .def_readonly("user_position_lower_limit", &AxisInfo::user_position_lower_limit,
+                    "607Dh:1 at power-up, in UU.")
+      .def_readonly("user_position_upper_limit", &AxisInfo::user_position_upper_limit,
+                    "607Dh:2 at power-up, in UU.")
+      .def_readonly("app_speed_limit", &AxisInfo::app_speed_limit, "607Fh at power-up, in UU/s.")
+      .def_readonly("unit", &AxisInfo::unit, "What its user units are.")
+      .def("__repr__", [](const AxisInfo& axis) {
+        return "<vdrive.AxisInfo " + to_string(axis.id) + " " + axis.name + ">";
+      });
+}
+
+void add_bench_info(py::module_& module) {
+  using client::BenchInfo;
+  py::class_<BenchInfo>(module, "BenchInfo", "What a bench publishes about itself.")
+      .def_readonly("number", &BenchInfo::number, "Its number on the domain.")
+      .def_readonly("incarnation", &BenchInfo::incarnation,
+                    "Of the service: another number after a restart.")
+      .def_readonly("name", &BenchInfo::name, "Its name.")
+      .def_property_readonly(
+          "clock_mode",
+          [](const BenchInfo& bench) {
+            return std::string(to_string(bench.clock_mode));
+          },
+          "\"realtime\", \"lockstep\" or \"freerun\".")
+      .def_property_readonly(
+          "period",
+          [](const BenchInfo& bench) {
+            return seconds_of(bench.period);
+          },
+          "Drive time of a tick, in s.")
+      .def_readonly("status_every_ticks", &BenchInfo::status_every_ticks,
+                    "Ticks from one sample of the status stream to the next.")
+      .def_readonly("tick", &BenchInfo::tick, "Newest tick received.")
+      .def_property_readonly(
+          "sample_age",
+          [](const BenchInfo& bench) {
+            return seconds_of(bench.sample_age);
+          },
+          "Wall time since its newest sample came, in s, when this was found.")
+      .def_readonly("rate", &BenchInfo::rate, "Drive time over wall time; 0 = paused.")
+      .def_readonly("wire_starts", &BenchInfo::wire_starts,
+                    "Starts of its network process; 0 = not known yet.")
+      .def_property_readonly(
+          "longest_silence",
+          [](const BenchInfo& bench) {
+            return seconds_of(bench.longest_silence);
+          },
+          "Drive time without a sign of an owner after which it takes the axes away, in s.")
+      .def_readonly("user_units_per_revolution", &BenchInfo::user_units_per_revolution,
+                    "UU of a revolution.")
+      .def_readonly("dictionary_version", &BenchInfo::dictionary_version,
+                    "Version of its object dictionary.")
+      .def_readonly("service_version", &BenchInfo::service_version, "Version of vdrived.")
+      .def_readonly("axes", &BenchInfo::axes, "Its axes, by number.")
+      .def("__repr__", &name_or_number);
+}
+
+}  // namespace
+
+void add_bench(py::module_& module) {
+  add_unit(module);
+  add_axis_info(module);
+  add_bench_info(module);
+  py::class_<OwnBench>(module, "PrivateBench",
+                       "A service on a domain that nobody else uses; vdrive.Bench has the comfort.")
+      .def(py::init<const std::string&, const std::vector<std::string>&>(), py::arg("service"),
+           py::arg("arguments"), "Starts the program `service` and waits until it runs.")
+      .def_property_readonly("domain", &OwnBench::domain, "The DDS domain.")
+      .def("close", &OwnBench::close, "Ends the service.");
+  module.def("find_service", &process::find_service,
+             "The path of vdrived beside the interpreter or in PATH, else None.");
+}
+
+}  // namespace vdrive::python

@@ -1,0 +1,297 @@
+// SPDX-License-Identifier: Apache-2.0
+// Axes that move together.
+#include "arguments.hpp"
+#include "axis.hpp"
+#include "presence.hpp"
+#include "vdrive/client/axis_group.hpp"
+
+#include <pybind11/eigen.h>
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vdrive::python {
+namespace {
+
+using client::AxisGroup;
+using client::GroupCallOptions;
+using client::GroupMoveOptions;
+using client::GroupStatus;
+using client::Outcome;
+using client::Session;
+using Progress = std::optional<py::function>;
+using Vector = Eigen::VectorXd;
+
+struct PyGroup {
+  AxisGroup group;
+  SharedPresence presence;
+};
+
+using GroupClass = py::class_<PyGroup>;
+
+/// The options of a call, with the exception that its observer in Python may raise.
+class GroupCall {
+ public:
+  GroupCall(const PyGroup& group, std::optional<double> timeout, const std::string& until,
+            Progress progress)
+      : progress_(std::move(progress)), session_(group.presence->session()) {
+    if (timeout) options.timeout = nanoseconds_of(*timeout);
+    options.until = until_of(until);
+    if (!progress_) return;
+    options.progress = [this](const client::GroupProgress& seen) {
+      observe(seen);
+    };
+  }
+
+  GroupCallOptions options;
+
+  /// Runs the call. @throws py::error_already_set with what the observer raised, else when it
+  /// failed
+  template <typename Call>
+  void run(PyGroup& group, const Call& call) {
+    const Outcome outcome = waiting(group.presence, [&](Session& /*session*/) {
+      return call(group.group);
+    });
+    if (has_raised_) session_->end_interrupt();
+    kept_.raise_again();
+    check(outcome);
+  }
+
+ private:
+  void observe(const client::GroupProgress& seen) {
+    const bool goes_on = kept_.run(false, [&] {
+      (*progress_)(seen.tick, seen.fraction);
+      return true;
+    });
+    if (goes_on || has_raised_) return;
+    has_raised_ = true;
+    session_->interrupt();
+  }
+
+  Progress progress_;
+  std::shared_ptr<Session> session_;
+  KeptException kept_;
+  bool has_raised_ = false;
+};
+
+PyGroup open_group(const SharedPresence& presence, const py::object& axes) {
+  const std::vector<client::Axis> found = axes_of(presence, axes);
+  return {value_or_raise(waiting(presence,
+                                 [&](Session& session) {
+                                   return AxisGroup::create(session, found);
+                                 })),
+          presence};
+}
+
+/// @throws py::value_error unless there is a number for each axis
+void check_size(const PyGroup& group, const Vector& numbers) {
+  const std::size_t axes = group.group.axes().size();
+  if (static_cast<std::size_t>(numbers.size()) == axes) return;
+  throw py::value_error("the group has " + std::to_string(axes) + " axes, not " +
+                        std::to_string(numbers.size()));
+}
+
+void add_call(GroupClass& group, const char* name,
+              Outcome (AxisGroup::*call)(const GroupCallOptions&), const char* text) {
+  group.def(
+      name,
+      [call](PyGroup& self, std::optional<double> timeout, const std::string& until,
+             Progress progress) {
+        GroupCall made(self, timeout, until, std::move(progress));
+        made.run(self, [&](AxisGroup& called) {
+          return (called.*call)(made.options);
+        });
+      },
+      py::kw_only(), py::arg("timeout") = py::none(), py::arg("until") = "done",
+      py::arg("progress") = py::none(), text);
+}
+
+void add_move(GroupClass& group, const char* name, const char* numbers,
+              Outcome (AxisGroup::*move)(const Vector&, const GroupMoveOptions&),
+              const char* text) {
+  group.def(
+      name,
+      [move](PyGroup& self, const Vector& aims, double velocity_factor, double acceleration_factor,
+             double deceleration_factor, std::optional<double> timeout, const std::string& until,
+             Progress progress) {
+        check_size(self, aims);
+        GroupCall made(self, timeout, until, std::move(progress));
+        const GroupMoveOptions options{.velocity_factor = velocity_factor,
+                                       .acceleration_factor = acceleration_factor,
+                                       .deceleration_factor = deceleration_factor,
+                                       .call = made.options};
+        made.run(self, [&](AxisGroup& moved) {
+          return (moved.*move)(aims, options);
+        });
+      },
+      py::arg(numbers), py::kw_only(), py::arg("velocity_factor") = 1.0,
+      py::arg("acceleration_factor") = 1.0, py::arg("deceleration_factor") = 1.0,
+      py::arg("timeout") = py::none(), py::arg("until") = "done", py::arg("progress") = py::none(),
+      text);
+}
+
+void add_calls(GroupClass& group) {
+  add_call(group, "enable_all", &AxisGroup::enable_all, "Brings every axis to Operation enabled.");
+  add_call(group, "disable_all", &AxisGroup::disable_all,
+           "Shutdown of every axis without a fault. Drops the queue.");
+  add_call(group, "wait_all", &AxisGroup::wait_all,
+           "Waits until the present move and the queue have ended.");
+  add_call(group, "halt_all", &AxisGroup::halt_all,
+           "Brakes to standstill; the move and the queue stay.");
+  add_call(group, "resume_all", &AxisGroup::resume_all, "Continues what was halted.");
+  add_call(group, "quick_stop_all", &AxisGroup::quick_stop_all,
+           "Quick stop of every axis without a fault. Drops the queue.");
+  add_call(group, "reset_all", &AxisGroup::reset_all,
+           "Resets the fault of every axis that has one.");
+  add_call(group, "stop_streaming", &AxisGroup::stop_streaming,
+           "Back to profile position mode; the axes brake to rest.");
+  group.def(
+      "take_over",
+      [](PyGroup& self) {
+        check(waiting(self.presence, [&](Session& /*session*/) {
+          return self.group.take_over();
+        }));
+      },
+      "Takes control of every axis, also from other sessions.");
+}
+
+void add_moves(GroupClass& group) {
+  add_move(
+      group, "move_together", "targets", &AxisGroup::move_together,
+      "A straight line to absolute positions (UU): all axes start on one tick and arrive on one "
+      "tick. progress(tick, fraction) is called at every tick that the call observes.");
+  add_move(group, "move_by", "displacements", &AxisGroup::move_by,
+           "The same by displacements (UU) from the demand positions.");
+  group.def(
+      "queue_move",
+      [](PyGroup& self, const Vector& targets, double velocity_factor, double acceleration_factor,
+         double deceleration_factor) {
+        check_size(self, targets);
+        const GroupMoveOptions options{.velocity_factor = velocity_factor,
+                                       .acceleration_factor = acceleration_factor,
+                                       .deceleration_factor = deceleration_factor};
+        check(waiting(self.presence, [&](Session& /*session*/) {
+          return self.group.queue_move(targets, options);
+        }));
+      },
+      py::arg("targets"), py::kw_only(), py::arg("velocity_factor") = 1.0,
+      py::arg("acceleration_factor") = 1.0, py::arg("deceleration_factor") = 1.0,
+      "Appends a move_together(). It starts in wait_all() or poll().");
+}
+
+GroupStatus status_from(PyGroup& self, client::Result<GroupStatus> (*call)(AxisGroup&)) {
+  return value_or_raise(waiting(self.presence, [&](Session& /*session*/) {
+    return call(self.group);
+  }));
+}
+
+void add_state(GroupClass& group) {
+  group.def(
+      "status",
+      [](PyGroup& self) {
+        return status_from(self, [](AxisGroup& shown) {
+          return shown.status();
+        });
+      },
+      "The present state of all axes.");
+  group.def(
+      "poll",
+      [](PyGroup& self) {
+        return status_from(self, [](AxisGroup& polled) {
+          return polled.poll();
+        });
+      },
+      "Checks the group once: stops the others when an axis failed, starts the next move.");
+  group.def(
+      "monitor",
+      [](PyGroup& self, bool on) {
+        check(waiting(self.presence, [&](Session& /*session*/) {
+          return self.group.monitor(on);
+        }));
+      },
+      py::arg("on"), "Real time: checks for faults in a thread of its own while no call waits.");
+}
+
+void add_streaming(GroupClass& group) {
+  group.def(
+      "start_streaming",
+      [](PyGroup& self, double lead, const std::string& pace) {
+        const client::StreamOptions options{.lead = nanoseconds_of(lead), .pace = pace_of(pace)};
+        check(waiting(self.presence, [&](Session& /*session*/) {
+          return self.group.start_streaming(options);
+        }));
+      },
+      py::kw_only(), py::arg("lead") = 0.01, py::arg("pace") = "drive",
+      "Cyclic synchronous position mode on every axis, from rest. `lead`: s ahead in real time.");
+  group.def(
+      "stream",
+      [](PyGroup& self, const Vector& positions) {
+        check_size(self, positions);
+        return value_or_raise(waiting(self.presence, [&](Session& /*session*/) {
+          return self.group.stream(positions);
+        }));
+      },
+      py::arg("positions"), "The positions of the next tick (UU). In lock-step it steps one tick.");
+}
+
+void add_group_status(py::module_& module) {
+  py::class_<GroupStatus>(module, "GroupStatus", "All axes of a group after one tick.")
+      .def_readonly("tick", &GroupStatus::tick, "The tick, of the first axis' bench.")
+      .def_property_readonly(
+          "state",
+          [](const GroupStatus& status) {
+            return std::string(to_string(status.state));
+          },
+          "\"disabled\", \"standby\", \"moving\", \"stopping\" or \"error_stop\".")
+      .def_readonly("queued", &GroupStatus::queued, "Moves that have not started yet.")
+      .def_readonly("axes", &GroupStatus::axes, "Status of each axis.")
+      .def_property_readonly("demand", &GroupStatus::demand, "6062h of each axis (UU), numpy.")
+      .def_property_readonly("actual", &GroupStatus::actual, "6064h of each axis (UU), numpy.")
+      .def_property_readonly(
+          "not_following",
+          [](const GroupStatus& status) {
+            std::vector<std::string> axes;
+            for (const client::AxisId& axis : status.not_following())
+              axes.push_back(to_string(axis));
+            return axes;
+          },
+          "In cyclic streaming: the axes whose demand is not the streamed position.")
+      .def("__repr__", [](const GroupStatus& status) {
+        return "<vdrive.GroupStatus tick " + std::to_string(status.tick) + ", " +
+               std::string(to_string(status.state)) + ">";
+      });
+}
+
+}  // namespace
+
+void add_group(py::module_& module) {
+  add_group_status(module);
+  GroupClass group(
+      module, "AxisGroup",
+      "Axes that move together, on one bench or on several that share a clock. When one "
+      "fails the others are stopped. Positions are numpy arrays in UU, in the order of the "
+      "group. `timeout` is drive time in s: by default 60, for a move its duration and 5.");
+  group
+      .def(py::init(&open_group), py::arg("session"), py::arg("axes"),
+           "axes: addresses, names or axes, each once.")
+      .def_property_readonly(
+          "axes",
+          [](const PyGroup& self) {
+            std::vector<std::string> axes;
+            for (const client::AxisId& axis : self.group.axes()) axes.push_back(to_string(axis));
+            return axes;
+          },
+          "Addresses of the axes, in the order of the group.")
+      .def("__repr__", [](const PyGroup& self) {
+        return "<vdrive.AxisGroup of " + std::to_string(self.group.axes().size()) + " axes>";
+      });
+  add_calls(group);
+  add_moves(group);
+  add_state(group);
+  add_streaming(group);
+}
+
+}  // namespace vdrive::python

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "presence.hpp"
+#include "python.hpp"
+#include "vdrive/client/disturbance.hpp"
+#include "vdrive/client/session.hpp"
+
+#include <string>
+
+PYBIND11_MODULE(_vdrive, module) {
+  namespace py = pybind11;
+  module.doc() = "What `import vdrive` has in C++: the client library of vdrive.";
+  module.attr("__version__") = VDRIVE_VERSION;
+  vdrive::python::add_bench(module);
+  vdrive::python::add_status(module);
+  vdrive::python::add_axis(module);
+  vdrive::python::add_queues(module);
+  vdrive::python::add_session(module);
+  vdrive::python::add_group(module);
+  vdrive::python::add_step_clock(module);
+  py::tuple disturbances(vdrive::client::kDisturbances.size());
+  for (std::size_t i = 0; i < disturbances.size(); ++i) {
+    disturbances[i] = std::string(vdrive::client::kDisturbances.at(i).name);
+  }
+  module.attr("DISTURBANCES") = disturbances;
+  module.def("default_domain", &vdrive::client::default_domain,
+             "The DDS domain that VDRIVE_DOMAIN names, 0 when it is not set.");
+  // Python's last act before it takes itself apart: axes are given back, threads have ended.
+  py::module_::import("atexit").attr("register")(
+      py::cpp_function(&vdrive::python::close_all_sessions));
+}

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "errors.hpp"
+#include "python.hpp"
+#include "signal_watch.hpp"
+#include "vdrive/client/session.hpp"
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace vdrive::python {
+
+/// Something that must not outlive its session.
+class Dependent {
+ public:
+  Dependent() = default;
+  virtual ~Dependent() = default;
+  Dependent(const Dependent&) = delete;
+  Dependent& operator=(const Dependent&) = delete;
+
+  /// Ends what uses the session; waits for calls of other threads that use it. Any thread.
+  virtual void close() noexcept = 0;
+};
+
+/// A session as Python has it: every handle keeps it, close() ends it before they go.
+class Presence {
+ public:
+  /// @throws std::runtime_error as client::Session does
+  explicit Presence(const client::SessionOptions& options);
+  ~Presence();
+  Presence(const Presence&) = delete;
+  Presence& operator=(const Presence&) = delete;
+
+  /// @return the session, which ends no earlier than what is returned.
+  /// @throws py::error_already_set when it was closed
+  [[nodiscard]] std::shared_ptr<client::Session> session() const;
+
+  [[nodiscard]] bool is_closed() const;
+
+  /// Closes `dependent` before the session.
+  void adopt(const std::shared_ptr<Dependent>& dependent);
+
+  /// Ends the calls that wait, and the session. Without the interpreter lock. Any thread.
+  void close() noexcept;
+
+  /// The bench of calls that name none. Guarded by the interpreter lock.
+  std::optional<std::uint32_t> only_bench;
+
+ private:
+  mutable std::mutex mutex_;
+  std::shared_ptr<client::Session> session_;
+  std::vector<std::weak_ptr<Dependent>> dependents_;
+};
+
+using SharedPresence = std::shared_ptr<Presence>;
+
+/// Runs Python's handlers of the signals that have come.
+/// @throws py::error_already_set with what they raise, such as KeyboardInterrupt
+inline void handle_signals() {
+  if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+}
+
+/// Calls `call` without the interpreter lock. A signal that arrives meanwhile calls `end_wait`.
+/// @throws py::error_already_set with what a handler of a signal raises
+template <typename Call>
+auto interruptible(std::function<void()> end_wait, const std::function<void()>& wait_again,
+                   const Call& call) {
+  SignalWatch watch(std::move(end_wait));
+  handle_signals();  // one that came just before the watch began
+  auto result = [&call] {
+    const py::gil_scoped_release unlocked;
+    return call();
+  }();
+  if (watch.end()) wait_again();
+  handle_signals();
+  return result;
+}
+
+/// Calls `call(session)` without the interpreter lock; Ctrl-C interrupts the session.
+/// @throws py::error_already_set when the session was closed, and with what a handler of a signal
+///         raises
+template <typename Call>
+auto waiting(const SharedPresence& presence, const Call& call) {
+  const std::shared_ptr<client::Session> session = presence->session();
+  return interruptible(
+      [session] {
+        session->interrupt();
+      },
+      [&session] {
+        session->end_interrupt();
+      },
+      [&] {
+        return call(*session);
+      });
+}
+
+/// An exception that Python raised in a callback: kept while C++ ends the call, raised after it.
+class KeptException {
+ public:
+  /// Calls `call` with the interpreter lock. @return what it returns, or `otherwise` when it, or a
+  /// call before, raised an exception.
+  template <typename Value, typename Call>
+  Value run(Value otherwise, const Call& call) {
+    const py::gil_scoped_acquire locked;
+    if (exception_) return otherwise;
+    try {
+      return call();
+    } catch (py::error_already_set& error) {
+      exception_ = std::make_unique<py::error_already_set>(std::move(error));
+    }
+    return otherwise;
+  }
+
+  /// @throws py::error_already_set when there was one
+  void raise_again() {
+    if (exception_) throw py::error_already_set(std::move(*exception_));
+  }
+
+ private:
+  std::unique_ptr<py::error_already_set> exception_;
+};
+
+/// Ends every session that is still there: Python calls it before it ends itself.
+void close_all_sessions();
+
+}  // namespace vdrive::python

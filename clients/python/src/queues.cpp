@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+// What comes by itself: status streams and events.
+#include "queues.hpp"
+
+#include "axis.hpp"
+#include "status.hpp"
+
+#include <pybind11/numpy.h>
+
+#include <limits>
+#include <string>
+
+namespace vdrive::python {
+namespace {
+
+using client::Event;
+using client::Observation;
+using client::Outcome;
+using client::OutcomeKind;
+using client::Session;
+
+// In which a thread sees that it is to end.
+constexpr std::chrono::milliseconds kSlice{100};
+constexpr std::chrono::milliseconds kPause{10};
+
+/// What Python calls on a queue of either kind.
+template <typename Source, typename Item>
+std::deque<Item> take(Source& source, std::size_t most, std::optional<double> timeout) {
+  const std::chrono::nanoseconds patience = nanoseconds_of(timeout.value_or(1e9));
+  Queue<Item>& queue = source.queue();
+  std::deque<Item> items = interruptible(
+      [&queue] {
+        queue.wake();
+      },
+      [&queue] {
+        queue.wait_again();
+      },
+      [&] {
+        return queue.take(most, patience);
+      });
+  if (items.empty()) {
+    if (const auto outcome = queue.ended(); outcome) check(*outcome);
+  }
+  return items;
+}
+
+/// @return the next item; nothing when none has come within `timeout`.
+/// @throws py::stop_iteration at the end
+template <typename Source, typename Item>
+std::optional<Item> take_one(Source& source, std::optional<double> timeout) {
+  std::deque<Item> items = take<Source, Item>(source, 1, timeout);
+  if (!items.empty()) return std::move(items.front());
+  if (source.queue().ended()) throw py::stop_iteration();
+  return std::nullopt;
+}
+
+template <typename Source, typename Item>
+Item next_of(Source& source) {
+  while (true) {
+    if (auto item = take_one<Source, Item>(source, std::nullopt)) return std::move(*item);
+  }
+}
+
+template <typename Source>
+void close_source(Source& source) {
+  const py::gil_scoped_release unlocked;
+  source.close();
+}
+
+template <typename Source, typename Item>
+void add_queue(py::class_<Source, std::shared_ptr<Source>>& queue) {
+  queue.def(
+      "next", &take_one<Source, Item>, py::arg("timeout") = py::none(),
+      "Waits for the next one, at most for `timeout` s; None when none has come. StopIteration "
+      "at the end.");
+  queue.def("close", &close_source<Source>, "Ends it.");
+  queue.def(
+      "fileno",
+      [](Source& source) {
+        return source.queue().file();
+      },
+      "A file that is readable while something is there, for select, asyncio and their like.");
+  queue.def_property_readonly(
+      "dropped",
+      [](Source& source) {
+        return source.queue().dropped();
+      },
+      "How many were dropped, the oldest first, because the program did not take them.");
+  queue.def("__iter__", [](py::object self) {
+    return self;
+  });
+  queue.def("__next__", &next_of<Source, Item>);
+  queue.def("__enter__", [](py::object self) {
+    return self;
+  });
+  queue.def("__exit__", [](Source& source, const py::args& /*exception*/) {
+    close_source(source);
+  });
+}
+
+py::object take_frames(StatusQueue& source, std::optional<double> timeout, std::size_t most) {
+  const std::deque<Observation> samples = take<StatusQueue, Observation>(source, most, timeout);
+  if (samples.empty() && source.queue().ended()) throw py::stop_iteration();
+  return frames_of(samples, source.axes().size());
+}
+
+void add_status_queue(py::module_& module) {
+  py::class_<StatusQueue, std::shared_ptr<StatusQueue>> queue(
+      module, "StatusStream",
+      "Status of axes as it comes, received by a thread of its own. An iterator of observations.");
+  add_queue<StatusQueue, Observation>(queue);
+  queue.def(
+      "take", &take_frames, py::arg("timeout") = py::none(),
+      py::arg("most") = std::numeric_limits<std::size_t>::max(),
+      "Waits for samples, at most for `timeout` s, and takes at most `most` of those that are "
+      "there: a numpy array of records, a row a sample, a column an axis.");
+  queue.def_property_readonly(
+      "axes",
+      [](const StatusQueue& source) {
+        std::vector<std::string> names;
+        names.reserve(source.axes().size());
+        for (const client::AxisId& axis : source.axes()) names.push_back(to_string(axis));
+        return names;
+      },
+      "Addresses of the axes, in the order of the columns.");
+}
+
+void add_event(py::module_& module) {
+  py::class_<Event>(module, "Event", "Something that happened on a bench.")
+      .def_readonly("bench", &Event::bench, "Number of the bench.")
+      .def_readonly("axis", &Event::axis, "Number of the axis; 0 = the bench, or several axes.")
+      .def_property_readonly(
+          "kind",
+          [](const Event& event) {
+            return std::string(to_string(event.kind));
+          },
+          "What happened, such as \"fault\".")
+      .def_readonly("tick", &Event::tick, "The tick.")
+      .def_readonly("session", &Event::session, "Whose command it was, 0 = none.")
+      .def_readonly("code", &Event::code, "Of a fault 603Fh; see docs/reference/wire.md.")
+      .def_readonly("error_register", &Event::error_register, "1001h of a fault.")
+      .def_readonly("suppressed", &Event::suppressed, "Equal events left out before this one.")
+      .def_readonly("text", &Event::text, "For people.")
+      .def("__repr__", [](const Event& event) {
+        return "<vdrive.Event " + std::string(to_string(event.kind)) + " tick " +
+               std::to_string(event.tick) + ": " + event.text + ">";
+      });
+}
+
+void add_event_queue(py::module_& module) {
+  add_event(module);
+  py::class_<EventQueue, std::shared_ptr<EventQueue>> queue(
+      module, "EventStream", "Events of benches as they come. An iterator of events.");
+  add_queue<EventQueue, Event>(queue);
+}
+
+}  // namespace
+
+StatusQueue::StatusQueue(std::shared_ptr<Session> session, client::Follower follower,
+                         std::vector<client::AxisId> axes, std::size_t capacity)
+    : axes_(std::move(axes)),
+      queue_(capacity),
+      session_(std::move(session)),
+      follower_(std::move(follower)),
+      thread_([this](const std::stop_token& stop) {
+        run(stop);
+      }) {}
+
+StatusQueue::~StatusQueue() {
+  close();
+}
+
+void StatusQueue::run(const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
+    auto sample = follower_->next(kSlice);
+    if (sample) {
+      queue_.push(std::move(*sample));
+    } else if (sample.outcome().kind() == OutcomeKind::failed) {
+      std::this_thread::sleep_for(kPause);  // Ctrl-C ends other calls of the session, not this one
+    } else if (sample.outcome().kind() != OutcomeKind::timed_out) {
+      queue_.end(sample.outcome());
+      return;
+    }
+  }
+}
+
+void StatusQueue::close() noexcept {
+  const std::scoped_lock lock(closing_);
+  thread_.request_stop();
+  if (thread_.joinable()) thread_.join();
+  follower_.reset();
+  session_.reset();
+  queue_.end({});
+}
+
+EventQueue::EventQueue(std::shared_ptr<Session> session, std::size_t capacity, bool with_history)
+    : queue_(std::make_shared<Queue<Event>>(capacity)), session_(std::move(session)) {
+  session_->on_event(
+      [queue = queue_](const Event& event) {
+        queue->push(event);
+      },
+      with_history ? client::EventHistory::kept : client::EventHistory::left_out);
+}
+
+EventQueue::~EventQueue() {
+  close();
+}
+
+void EventQueue::close() noexcept {
+  const std::scoped_lock lock(mutex_);
+  if (session_) session_->on_event({});
+  session_.reset();
+  queue_->end({});
+}
+
+StepFollower::StepFollower(client::Follower follower) : follower_(std::move(follower)) {}
+
+void StepFollower::close() noexcept {
+  const std::scoped_lock lock(mutex_);
+  follower_.reset();
+}
+
+client::Result<Observation> StepFollower::next(std::chrono::milliseconds patience) {
+  const std::scoped_lock lock(mutex_);
+  if (!follower_) return Outcome::failed("the follower is closed");
+  return follower_->next(patience);
+}
+
+void add_queues(py::module_& module) {
+  add_status_queue(module);
+  add_event_queue(module);
+}
+
+}  // namespace vdrive::python

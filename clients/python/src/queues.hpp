@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "arguments.hpp"
+#include "presence.hpp"
+#include "python.hpp"
+#include "vdrive/client/event.hpp"
+#include "vdrive/client/session.hpp"
+
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace vdrive::python {
+
+/// What a thread of C++ hands over to Python: bounded, the oldest goes first when it is full. A
+/// program with a loop of its own waits for its file. No thread of C++ ever runs Python.
+template <typename Item>
+class Queue {
+ public:
+  explicit Queue(std::size_t capacity)
+      : capacity_(capacity), file_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {}
+
+  ~Queue() { ::close(file_); }
+
+  Queue(const Queue&) = delete;
+  Queue& operator=(const Queue&) = delete;
+
+  void push(Item item) {
+    const std::scoped_lock lock(mutex_);
+    if (items_.size() == capacity_) {
+      items_.pop_front();
+      ++dropped_;
+    }
+    items_.push_back(std::move(item));
+    tell();
+  }
+
+  /// Nothing comes any more. @param why failed where it is the fault of the source
+  void end(client::Outcome why) {
+    const std::scoped_lock lock(mutex_);
+    if (has_ended_) return;
+    has_ended_ = true;
+    outcome_ = std::move(why);
+    tell();
+  }
+
+  /// Ends the wait of take(), now and later, until wait_again(). Any thread.
+  void wake() {
+    const std::scoped_lock lock(mutex_);
+    is_woken_ = true;
+    changed_.notify_all();
+  }
+
+  void wait_again() {
+    const std::scoped_lock lock(mutex_);
+    is_woken_ = false;
+  }
+
+  /// Waits until there is an item, at most for `patience`.
+  /// @return at most `most` of the oldest; none also when nothing comes any more.
+  std::deque<Item> take(std::size_t most, std::chrono::nanoseconds patience) {
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, patience, [this] {
+      return !items_.empty() || has_ended_ || is_woken_;
+    });
+    std::deque<Item> taken;
+    if (items_.size() <= most) {
+      taken.swap(items_);
+    } else {
+      for (std::size_t i = 0; i < most; ++i) {
+        taken.push_back(std::move(items_.front()));
+        items_.pop_front();
+      }
+    }
+    // The file stays readable at the end: who waits for it is to see the end.
+    if (items_.empty() && !has_ended_) forget();
+    return taken;
+  }
+
+  /// @return the outcome of the source when all has been taken, else nothing.
+  [[nodiscard]] std::optional<client::Outcome> ended() const {
+    const std::scoped_lock lock(mutex_);
+    if (!has_ended_ || !items_.empty()) return std::nullopt;
+    return outcome_;
+  }
+
+  [[nodiscard]] std::uint64_t dropped() const {
+    const std::scoped_lock lock(mutex_);
+    return dropped_;
+  }
+
+  /// Readable while there are items and after the end.
+  [[nodiscard]] int file() const noexcept { return file_; }
+
+ private:
+  void tell() {
+    const std::uint64_t one = 1;
+    const ssize_t written = write(file_, &one, sizeof one);
+    static_cast<void>(written);
+    changed_.notify_all();
+  }
+
+  void forget() const {
+    std::uint64_t count = 0;
+    const ssize_t got = read(file_, &count, sizeof count);
+    static_cast<void>(got);
+  }
+
+  const std::size_t capacity_;
+  const int file_;
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<Item> items_;
+  std::uint64_t dropped_ = 0;
+  bool has_ended_ = false;
+  bool is_woken_ = false;
+  client::Outcome outcome_;
+};
+
+/// Follows the status stream of axes in a thread of its own.
+class StatusQueue final : public Dependent {
+ public:
+  StatusQueue(std::shared_ptr<client::Session> session, client::Follower follower,
+              std::vector<client::AxisId> axes, std::size_t capacity);
+  ~StatusQueue() override;
+
+  void close() noexcept override;
+
+  [[nodiscard]] Queue<client::Observation>& queue() noexcept { return queue_; }
+
+  [[nodiscard]] const std::vector<client::AxisId>& axes() const noexcept { return axes_; }
+
+ private:
+  void run(const std::stop_token& stop);
+
+  std::mutex closing_;
+  std::vector<client::AxisId> axes_;
+  Queue<client::Observation> queue_;
+  std::shared_ptr<client::Session> session_;
+  std::optional<client::Follower> follower_;
+  std::jthread thread_;
+};
+
+/// The events of benches.
+class EventQueue final : public Dependent {
+ public:
+  EventQueue(std::shared_ptr<client::Session> session, std::size_t capacity, bool with_history);
+  ~EventQueue() override;
+
+  void close() noexcept override;
+
+  [[nodiscard]] Queue<client::Event>& queue() noexcept { return *queue_; }
+
+ private:
+  std::shared_ptr<Queue<client::Event>> queue_;
+  std::mutex mutex_;
+  std::shared_ptr<client::Session> session_;
+};
+
+/// Sees axes tick by tick in the thread that asks.
+class StepFollower final : public Dependent {
+ public:
+  explicit StepFollower(client::Follower follower);
+
+  void close() noexcept override;
+
+  /// @return failed after close()
+  client::Result<client::Observation> next(std::chrono::milliseconds patience);
+
+ private:
+  std::mutex mutex_;
+  std::optional<client::Follower> follower_;
+};
+
+}  // namespace vdrive::python

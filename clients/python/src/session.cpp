@@ -1,0 +1,408 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdrive/client/session.hpp"
+
+#include "arguments.hpp"
+#include "axis.hpp"
+#include "queues.hpp"
+
+#include <cstdint>
+#include <exception>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vdrive::python {
+namespace {
+
+using client::Outcome;
+using client::Session;
+using SessionClass = py::class_<Presence, SharedPresence>;
+
+client::KeepAlive keep_alive_of(const std::string& name) {
+  if (name == "own_thread") return client::KeepAlive::own_thread;
+  if (name == "user_frames") return client::KeepAlive::user_frames;
+  throw py::value_error("keep_alive is \"own_thread\" or \"user_frames\", not \"" + name + "\"");
+}
+
+SharedPresence open_session(std::optional<std::uint32_t> domain,
+                            std::vector<std::string> interfaces, std::vector<std::string> peers,
+                            std::vector<std::string> discovery_servers, std::string security,
+                            std::optional<std::uint32_t> bench, const std::string& keep_alive,
+                            double find_timeout, double silence) {
+  const client::SessionOptions options{.domain = domain,
+                                       .interfaces = std::move(interfaces),
+                                       .peers = std::move(peers),
+                                       .discovery_servers = std::move(discovery_servers),
+                                       .security = std::move(security),
+                                       .bench = bench,
+                                       .keep_alive = keep_alive_of(keep_alive),
+                                       .find_timeout = milliseconds_of(find_timeout),
+                                       .silence = milliseconds_of(silence)};
+  try {
+    const py::gil_scoped_release unlocked;
+    return std::make_shared<Presence>(options);
+  } catch (const std::runtime_error& error) {
+    raise_configuration_error(error.what());
+  }
+}
+
+void close_session(Presence& self) {
+  const py::gil_scoped_release unlocked;
+  self.close();
+}
+
+/// @return the bench of that number, or the only one: finding out that there is no other takes 150
+///         ms, so it is done once.
+std::uint32_t bench_number(const SharedPresence& self, std::optional<std::uint32_t> bench) {
+  if (bench) return *bench;
+  if (!self->only_bench) {
+    self->only_bench = value_or_raise(waiting(self, [](Session& session) {
+                         return session.find_bench();
+                       })).number;
+  }
+  return *self->only_bench;
+}
+
+/// A call that gives a tick or a number of a bench.
+template <typename Call>
+auto of_bench(const SharedPresence& self, std::optional<std::uint32_t> bench, const Call& call) {
+  const std::uint32_t number = bench_number(self, bench);
+  return value_or_raise(waiting(self, [&](Session& session) {
+    return call(session, number);
+  }));
+}
+
+struct PyFollower {
+  std::shared_ptr<StepFollower> follower;
+  SharedPresence presence;
+  std::chrono::milliseconds patience;
+  std::optional<std::uint64_t> left;
+
+  client::Observation next() {
+    if (left && *left == 0) throw py::stop_iteration();
+    auto sample = value_or_raise(waiting(presence, [this](Session& /*session*/) {
+      return follower->next(patience);
+    }));
+    if (left) --*left;
+    return sample;
+  }
+};
+
+PyFollower follow(const SharedPresence& self, const py::object& axes, const std::string& pace,
+                  double patience, std::optional<std::uint64_t> count) {
+  const client::Pace chosen = pace_of(pace);
+  const std::chrono::milliseconds longest = milliseconds_of(patience);
+  std::vector<client::AxisId> ids = ids_of(axes_of(self, axes));
+  auto follower =
+      std::make_shared<StepFollower>(value_or_raise(waiting(self, [&](Session& session) {
+        return session.follow(ids, chosen);
+      })));
+  self->adopt(follower);
+  return {std::move(follower), self, longest, count};
+}
+
+std::shared_ptr<StatusQueue> stream(const SharedPresence& self, const py::object& axes,
+                                    std::size_t capacity) {
+  if (capacity == 0) throw py::value_error("a stream has a capacity of 1 or more");
+  const std::vector<client::AxisId> ids = ids_of(axes_of(self, axes));
+  auto follower = value_or_raise(waiting(self, [&](Session& session) {
+    return session.follow(ids, client::Pace::observe);
+  }));
+  auto queue = std::make_shared<StatusQueue>(self->session(), std::move(follower), ids, capacity);
+  self->adopt(queue);
+  return queue;
+}
+
+std::shared_ptr<EventQueue> events(const SharedPresence& self, bool history, std::size_t capacity) {
+  if (capacity == 0) throw py::value_error("a stream has a capacity of 1 or more");
+  const std::shared_ptr<Session> session = self->session();
+  auto queue = [&] {
+    const py::gil_scoped_release unlocked;
+    return std::make_shared<EventQueue>(session, capacity, history);
+  }();
+  self->adopt(queue);
+  return queue;
+}
+
+py::list command_each(const SharedPresence& self, const py::object& axes,
+                      const std::string& command, double timeout, const std::string& until) {
+  const client::EachCommand chosen = each_command_of(command);
+  const client::CallOptions options = call_options(timeout, until);
+  const std::vector<client::Axis> commanded = axes_of(self, axes);
+  const std::vector<Outcome> outcomes = waiting(self, [&](Session& session) {
+    return session.command_each(commanded, chosen, options);
+  });
+  py::list results;
+  for (const Outcome& outcome : outcomes) {
+    results.append(outcome ? py::none() : exception_of(outcome));
+  }
+  return results;
+}
+
+void add_finding(SessionClass& session) {
+  session.def(
+      "find_benches",
+      [](const SharedPresence& self) {
+        return waiting(self, [](Session& found) {
+          return found.find_benches();
+        });
+      },
+      "Waits until some bench is there; the benches by number, none after `find_timeout`.");
+  session.def(
+      "present_benches",
+      [](const SharedPresence& self) {
+        return self->session()->present_benches();
+      },
+      "The benches that are there now. Does not wait.");
+  session.def(
+      "find_bench",
+      [](const SharedPresence& self, std::optional<std::uint32_t> number) {
+        return value_or_raise(waiting(self, [&](Session& found) {
+          return found.find_bench(number);
+        }));
+      },
+      py::arg("number") = py::none(),
+      "The bench of that number; without one the only one there is.");
+  session.def(
+      "axis",
+      [](const SharedPresence& self, const std::string& text) {
+        return PyAxis{value_or_raise(waiting(self,
+                                             [&](Session& found) {
+                                               return found.axis(text);
+                                             })),
+                      self};
+      },
+      py::arg("text"), "The axis of an address such as \"1.2\" or \"1.lift\", or of a name.");
+  session.def(
+      "axes",
+      [](const SharedPresence& self, std::optional<std::uint32_t> bench) {
+        const std::vector<client::Axis> found = value_or_raise(waiting(self, [&](Session& there) {
+          return there.axes(bench);
+        }));
+        std::vector<PyAxis> axes;
+        axes.reserve(found.size());
+        for (const client::Axis& axis : found) axes.push_back({axis, self});
+        return axes;
+      },
+      py::arg("bench") = py::none(), "Every axis of a bench, by number.");
+}
+
+void add_clock(SessionClass& session) {
+  session.def(
+      "step",
+      [](const SharedPresence& self, std::uint64_t ticks, std::optional<std::uint32_t> bench) {
+        return of_bench(self, bench, [ticks](Session& stepped, std::uint32_t number) {
+          return stepped.step(number, ticks);
+        });
+      },
+      py::arg("ticks") = 1, py::kw_only(), py::arg("bench") = py::none(),
+      "Steps a lock-step bench. Returns the tick reached.");
+  session.def(
+      "wait",
+      [](const SharedPresence& self, double duration, std::optional<std::uint32_t> bench) {
+        const std::chrono::nanoseconds time = nanoseconds_of(duration);
+        return of_bench(self, bench, [time](Session& waiter, std::uint32_t number) {
+          return waiter.wait(number, time);
+        });
+      },
+      py::arg("duration"), py::kw_only(), py::arg("bench") = py::none(),
+      "Lets drive time pass, in s; in lock-step by steps. Returns the tick reached.");
+  session.def(
+      "wait_for_tick",
+      [](const SharedPresence& self, std::uint64_t tick, std::optional<std::uint32_t> bench) {
+        return of_bench(self, bench, [tick](Session& waiter, std::uint32_t number) {
+          return waiter.wait_for_tick(number, tick);
+        });
+      },
+      py::arg("tick"), py::kw_only(), py::arg("bench") = py::none(),
+      "Waits until the bench has reached a tick; in lock-step steps to it.");
+  session.def(
+      "set_rate",
+      [](const SharedPresence& self, double rate, std::optional<std::uint32_t> bench) {
+        return of_bench(self, bench, [rate](Session& set, std::uint32_t number) {
+          return set.set_rate(number, rate);
+        });
+      },
+      py::arg("rate"), py::kw_only(), py::arg("bench") = py::none(),
+      "Drive time over wall time of a realtime bench, for everybody: 0 = pause, 0.1 to 100.");
+}
+
+void add_snapshots(SessionClass& session) {
+  session.def(
+      "take_snapshot",
+      [](const SharedPresence& self, std::optional<std::uint32_t> bench) {
+        return of_bench(self, bench, [](Session& taken, std::uint32_t number) {
+          return taken.take_snapshot(number);
+        });
+      },
+      py::kw_only(), py::arg("bench") = py::none(),
+      "Saves the state of all axes of a bench whose time stands still. Returns its number.");
+  session.def(
+      "restore_snapshot",
+      [](const SharedPresence& self, std::uint64_t snapshot, std::optional<std::uint32_t> bench) {
+        return of_bench(self, bench, [snapshot](Session& restored, std::uint32_t number) {
+          return restored.restore_snapshot(number, snapshot);
+        });
+      },
+      py::arg("snapshot"), py::kw_only(), py::arg("bench") = py::none(),
+      "Puts all axes back into that state. Returns the tick, which goes on.");
+  session.def(
+      "snapshots",
+      [](const SharedPresence& self, std::optional<std::uint32_t> bench) {
+        const auto kept = of_bench(self, bench, [](Session& listed, std::uint32_t number) {
+          return listed.snapshots(number);
+        });
+        py::dict ticks;
+        for (const client::KeptSnapshot& snapshot : kept) {
+          ticks[py::int_(snapshot.number)] = snapshot.tick;
+        }
+        return ticks;
+      },
+      py::kw_only(), py::arg("bench") = py::none(),
+      "The snapshots that a bench keeps: {number: tick}.");
+  session.def(
+      "drop_snapshot",
+      [](const SharedPresence& self, std::uint64_t snapshot, std::optional<std::uint32_t> bench) {
+        const std::uint32_t number = bench_number(self, bench);
+        check(waiting(self, [&](Session& forgetting) {
+          return forgetting.drop_snapshot(number, snapshot);
+        }));
+      },
+      py::arg("snapshot"), py::kw_only(), py::arg("bench") = py::none(), "Forgets a snapshot.");
+}
+
+void add_observing(SessionClass& session) {
+  session.def(
+      "observe",
+      [](const SharedPresence& self, const py::object& axes) {
+        const std::vector<client::AxisId> ids = ids_of(axes_of(self, axes));
+        return value_or_raise(waiting(self, [&](Session& observed) {
+          return observed.observe(ids);
+        }));
+      },
+      py::arg("axes") = py::none(),
+      "The present state of some axes of one bench; without any, all of the only bench.");
+  session.def(
+      "follow", &follow, py::arg("axes") = py::none(), py::kw_only(), py::arg("pace") = "drive",
+      py::arg("patience") = 10.0, py::arg("count") = py::none(),
+      "Iterates over the ticks of axes of one bench. With pace \"drive\" each sample of a "
+      "lock-step bench is a step of one tick; \"observe\" takes what is published. It raises "
+      "TimedOut when no sample comes for `patience` s of wall time.");
+  session.def(
+      "stream", &stream, py::arg("axes") = py::none(), py::kw_only(), py::arg("capacity") = 10000,
+      py::keep_alive<0, 1>(),
+      "Receives every published sample of axes of one bench in a thread of its own; keeps the "
+      "newest `capacity`.");
+  session.def("events", &events, py::kw_only(), py::arg("history") = false,
+              py::arg("capacity") = 10000, py::keep_alive<0, 1>(),
+              "The events of the benches that this session sees; with `history` from the oldest on "
+              "that each bench still has. A second stream takes the place of the first.");
+}
+
+void add_control(SessionClass& session) {
+  session.def(
+      "command_each", &command_each, py::arg("axes"), py::arg("command"), py::kw_only(),
+      py::arg("timeout") = 60.0, py::arg("until") = "done",
+      "Gives axes the same command: enable, disable, halt, resume, quick_stop, reset_fault or "
+      "power_cycle. Returns for each axis None or the exception that tells why not.");
+  session.def(
+      "quick_stop",
+      [](const SharedPresence& self, std::optional<std::uint32_t> bench, double timeout,
+         const std::string& until) {
+        const client::CallOptions options = call_options(timeout, until);
+        const std::uint32_t number = bench_number(self, bench);
+        check(waiting(self, [&](Session& stopping) {
+          return stopping.quick_stop(number, options);
+        }));
+      },
+      py::arg("bench") = py::none(), py::kw_only(), py::arg("timeout") = 60.0,
+      py::arg("until") = "done",
+      "Quick stop of every axis of a bench that has no fault, whoever holds it.");
+  session.def(
+      "release",
+      [](const SharedPresence& self) {
+        check(waiting(self, [](Session& releasing) {
+          return releasing.release();
+        }));
+      },
+      "Gives all axes back. They stay as they are.");
+  session.def(
+      "interrupt",
+      [](const Presence& self) {
+        self.session()->interrupt();
+      },
+      "Ends all calls that wait, now and later, with Failed, until end_interrupt(). Any thread.");
+  session.def(
+      "end_interrupt",
+      [](const Presence& self) {
+        self.session()->end_interrupt();
+      },
+      "Calls from now on wait again.");
+  session.def("close", &close_session, "Gives all axes back and ends the session.");
+}
+
+void add_follower(py::module_& module) {
+  py::class_<PyFollower>(
+      module, "Follower",
+      "Sees axes tick by tick: an iterator of observations, see Session.follow().")
+      .def("__iter__",
+           [](py::object self) {
+             return self;
+           })
+      .def("__next__", &PyFollower::next)
+      .def(
+          "close",
+          [](PyFollower& self) {
+            const py::gil_scoped_release unlocked;
+            self.follower->close();
+          },
+          "Ends it.");
+}
+
+}  // namespace
+
+void add_session(py::module_& module) {
+  add_follower(module);
+  SessionClass session(
+      module, "Session",
+      "A program's presence on a DDS domain: finds benches, reads, writes, commands their axes. It "
+      "keeps the axes that it commands, and gives them back when it is closed. `with` closes it. "
+      "Calls may come from several threads; those that step one bench from one at a time.");
+  session.def(
+      py::init(&open_session), py::kw_only(), py::arg("domain") = py::none(),
+      py::arg("interfaces") = std::vector<std::string>{},
+      py::arg("peers") = std::vector<std::string>{},
+      py::arg("discovery_servers") = std::vector<std::string>{}, py::arg("security") = "",
+      py::arg("bench") = py::none(), py::arg("keep_alive") = "own_thread",
+      py::arg("find_timeout") = 2.0, py::arg("silence") = 1.5,
+      "domain: 0 to 232, by default that of VDRIVE_DOMAIN, else 0. interfaces: own addresses, "
+      "by default loopback only. security: directory of the closed mode's material. bench: see "
+      "this one only. find_timeout, silence: wall time in s.");
+  session
+      .def_property_readonly(
+          "id",
+          [](const Presence& self) {
+            return self.session()->id();
+          },
+          "Number of the session: the owner that an axis shows while this session holds it.")
+      .def_property_readonly("is_closed", &Presence::is_closed, "Whether close() was called.")
+      .def("__enter__",
+           [](py::object self) {
+             return self;
+           })
+      .def("__exit__",
+           [](Presence& self, const py::args& /*exception*/) {
+             close_session(self);
+           })
+      .def("__repr__", [](const Presence& self) {
+        return std::string(self.is_closed() ? "<vdrive.Session, closed>" : "<vdrive.Session>");
+      });
+  add_finding(session);
+  add_control(session);
+  add_clock(session);
+  add_snapshots(session);
+  add_observing(session);
+}
+
+}  // namespace vdrive::python

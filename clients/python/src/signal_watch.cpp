@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "signal_watch.hpp"
+
+#include "python.hpp"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <pthread.h>
+#include <sys/types.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstddef>
+#include <mutex>
+#include <string>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+namespace vdrive::python {
+namespace {
+
+/// Signals that say nothing about what the program does: their handlers run after the wait.
+bool ends_waits(char signal) {
+  return signal != SIGCHLD && signal != SIGWINCH && signal != SIGCONT;
+}
+
+/// The thread that waits for signals, and the wait that it ends.
+class Watcher {
+ public:
+  Watcher();
+
+  [[nodiscard]] bool is_of_this_process() const noexcept { return process_ == getpid(); }
+
+  [[nodiscard]] int file() const noexcept { return ends_[1]; }
+
+  /// @return what was to be called before.
+  std::function<void()> begin(std::function<void()> end_wait);
+
+  struct Signals {
+    std::string numbers;  ///< one byte each
+    bool has_ended_wait = false;
+  };
+
+  /// @return what has come since begin().
+  Signals end(std::function<void()> outer);
+
+ private:
+  [[noreturn]] void run();
+  void read_signals();
+
+  std::array<int, 2> ends_{-1, -1};
+  pid_t process_ = getpid();
+  std::mutex mutex_;
+  std::function<void()> end_wait_;
+  Signals signals_;
+};
+
+Watcher::Watcher() {
+  if (pipe2(ends_.data(), O_CLOEXEC | O_NONBLOCK) != 0) {
+    throw std::system_error(errno, std::generic_category(), "pipe for signals");
+  }
+  sigset_t all;
+  sigset_t before;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);
+  std::thread([this] {
+    run();
+  }).detach();
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+}
+
+std::function<void()> Watcher::begin(std::function<void()> end_wait) {
+  const std::scoped_lock lock(mutex_);
+  return std::exchange(end_wait_, std::move(end_wait));
+}
+
+Watcher::Signals Watcher::end(std::function<void()> outer) {
+  const std::scoped_lock lock(mutex_);
+  read_signals();
+  end_wait_ = std::move(outer);
+  return std::exchange(signals_, {});
+}
+
+/// Called with the mutex held.
+void Watcher::read_signals() {
+  std::array<char, 64> numbers{};
+  const ssize_t count = read(ends_[0], numbers.data(), numbers.size());
+  for (std::size_t i = 0; count > 0 && i < static_cast<std::size_t>(count); ++i) {
+    signals_.numbers.push_back(numbers.at(i));
+    if (!ends_waits(numbers.at(i)) || !end_wait_) continue;
+    end_wait_();
+    signals_.has_ended_wait = true;
+  }
+}
+
+void Watcher::run() {
+  while (true) {
+    pollfd news{ends_[0], POLLIN, 0};
+    if (poll(&news, 1, -1) <= 0) continue;
+    const std::scoped_lock lock(mutex_);
+    read_signals();
+  }
+}
+
+/// Never destroyed: its thread ends with the process. A forked process has no such thread, and gets
+/// its own. Guarded by the interpreter lock.
+Watcher& watcher() {
+  static Watcher* only = nullptr;
+  if (only == nullptr || !only->is_of_this_process()) {
+    only = new Watcher();  // NOLINT(cppcoreguidelines-owning-memory): on purpose, see above
+  }
+  return *only;
+}
+
+/// signal.set_wakeup_fd: the interpreter keeps the function behind it to itself.
+/// @return the file before, -1 = none.
+int set_wakeup_file(int file) {
+  // Never destroyed: the interpreter may be gone by then.
+  static const py::handle set =
+      py::module_::import("signal").attr("set_wakeup_fd").cast<py::object>().release();
+  static const py::handle quietly = [] {
+    py::dict arguments;
+    arguments["warn_on_full_buffer"] = false;
+    return arguments.release();
+  }();
+  const py::tuple files = py::make_tuple(file);
+  PyObject* const before = PyObject_Call(set.ptr(), files.ptr(), quietly.ptr());
+  if (before == nullptr) throw py::error_already_set();
+  return py::reinterpret_steal<py::int_>(before).cast<int>();
+}
+
+/// Keeps an exception that is on its way.
+void restore_wakeup_file(int file) noexcept {
+  const py::error_scope on_its_way;
+  try {
+    set_wakeup_file(file);
+  } catch (const py::error_already_set&) {
+    // Its owner has closed it meanwhile: then nobody waits for it.
+    try {
+      set_wakeup_file(-1);
+    } catch (const py::error_already_set&) {  // NOLINT(bugprone-empty-catch): nothing is left to do
+    }
+  }
+}
+
+bool is_main_thread() {
+  return gettid() == getpid();
+}
+
+}  // namespace
+
+SignalWatch::SignalWatch(std::function<void()> end_wait) : is_on_(is_main_thread()) {
+  if (!is_on_) return;
+  outer_file_ = set_wakeup_file(watcher().file());
+  outer_ = watcher().begin(std::move(end_wait));
+}
+
+SignalWatch::~SignalWatch() {
+  end();
+}
+
+bool SignalWatch::end() {
+  if (!std::exchange(is_on_, false)) return false;
+  restore_wakeup_file(outer_file_);
+  const Watcher::Signals signals = watcher().end(std::move(outer_));
+  const bool has_reader = outer_file_ >= 0 && outer_file_ != watcher().file();
+  // Such as the loop of asyncio, to which the interpreter would have written them.
+  if (has_reader && !signals.numbers.empty()) {
+    const ssize_t written = write(outer_file_, signals.numbers.data(), signals.numbers.size());
+    static_cast<void>(written);
+  }
+  return signals.has_ended_wait;
+}
+
+}  // namespace vdrive::python

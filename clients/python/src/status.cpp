@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: Apache-2.0
+// The state of axes: objects for people, arrays of numpy for calculations.
+#include "status.hpp"
+
+#include "arguments.hpp"
+#include "vdrive/axis_status.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_text.hpp"
+
+#include <pybind11/numpy.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <deque>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace vdrive::python {
+namespace {
+
+using client::AxisSnapshot;
+using client::Observation;
+
+/// Short names for what programs ask most.
+struct Alias {
+  const char* name;
+  std::string_view member;
+  const char* text;
+};
+
+constexpr std::array kAliases{
+    Alias{"position", "load_position_actual_value", "Actual position (6064h), in UU."},
+    Alias{"demand", "position_demand_value", "Demand position (6062h), in UU."},
+    Alias{"following_error", "load_position_error_value", "Following error (60F4h), in UU."},
+    Alias{"velocity", "load_velocity_actual_value", "Actual velocity (606Ch), in UU/s."},
+    Alias{"torque", "torque_actual_value",
+          "Actual torque (6077h), in parts of 1,000 of the rated."},
+    Alias{"statusword", "ds402_statusword", "Statusword (6041h)."},
+};
+
+const StatusMember& member_named(std::string_view name) {
+  for (const StatusMember& member : status_members()) {
+    if (member.name == name) return member;
+  }
+  throw std::logic_error("the status has no member " + std::string(name));
+}
+
+std::string text_of(const StatusMember& member) {
+  if (member.address.index == 0) return "Counted by the drive since power-up.";
+  const auto row = find_object(member.address);
+  const std::string units = row ? english_units(describe(*row)) : "";
+  return object_text(member.address) + (units.empty() ? "." : ", in " + units + ".");
+}
+
+/// A field of a record.
+struct Field {
+  std::string name;
+  std::string format;
+  std::size_t size;
+};
+
+Field field_of(const StatusMember& member) {
+  const bool is_signed = range_of(member.data_type).lowest < 0;
+  const std::size_t size = size_of(member.data_type);
+  return {std::string(member.name), (is_signed ? "<i" : "<u") + std::to_string(size), size};
+}
+
+std::vector<const StatusMember*> published_members() {
+  std::vector<const StatusMember*> members;
+  members.reserve(kStatusMembers);
+  for (const StatusMember& member : status_members()) {
+    if (member.is_published) members.push_back(&member);
+  }
+  return members;
+}
+
+/// Writes one number after the other.
+class RecordWriter {
+ public:
+  explicit RecordWriter(std::byte* place) : place_(place) {}
+
+  /// The least significant bytes come first, as on every machine that runs this.
+  void put(const void* number, std::size_t size) {
+    std::memcpy(place_, number, size);
+    place_ += size;  // NOLINT(*-pointer-arithmetic): the records lie behind each other
+  }
+
+ private:
+  std::byte* place_;
+};
+
+/// The records of an array: tick and missed samples, the members of the status, the owner.
+class RecordLayout {
+ public:
+  RecordLayout() : members_(published_members()) {
+    add({"tick", "<u8", sizeof(std::uint64_t)});
+    add({"missed", "<u8", sizeof(std::uint64_t)});
+    for (const StatusMember* const member : members_) add(field_of(*member));
+    add({"owner", "<u8", sizeof(std::uint64_t)});
+    add({"owner_epoch", "<u4", sizeof(std::uint32_t)});
+  }
+
+  [[nodiscard]] py::dtype type() const {
+    py::list names;
+    py::list formats;
+    for (const Field& field : fields_) {
+      names.append(field.name);
+      formats.append(field.format);
+    }
+    py::dict description;
+    description["names"] = names;
+    description["formats"] = formats;
+    return py::dtype::from_args(description);
+  }
+
+  void write(const AxisSnapshot& axis, std::uint64_t missed, RecordWriter& record) const {
+    record.put(&axis.tick, sizeof axis.tick);
+    record.put(&missed, sizeof missed);
+    for (const StatusMember* const member : members_) {
+      const std::int64_t value = member->value(axis.status);
+      record.put(&value, size_of(member->data_type));
+    }
+    record.put(&axis.owner_session, sizeof axis.owner_session);
+    record.put(&axis.owner_epoch, sizeof axis.owner_epoch);
+  }
+
+ private:
+  void add(Field field) { fields_.push_back(std::move(field)); }
+
+  std::vector<const StatusMember*> members_;
+  std::vector<Field> fields_;
+};
+
+const RecordLayout& layout() {
+  static const RecordLayout only;
+  return only;
+}
+
+std::string repr_of(const AxisSnapshot& status) {
+  return "<vdrive.Status " + to_string(status.id) + " tick " + std::to_string(status.tick) + " " +
+         client::describe_statusword(status.status.ds402_statusword, status.mode()) + ">";
+}
+
+/// The members of the status, each under its own name: the table of the core lists them.
+void add_members(py::class_<AxisSnapshot>& status) {
+  for (const StatusMember* const member : published_members()) {
+    const std::string name(member->name);
+    status.def_property_readonly(
+        name.c_str(),
+        [member](const AxisSnapshot& axis) {
+          return member->value(axis.status);
+        },
+        text_of(*member).c_str());
+  }
+  for (const Alias& alias : kAliases) {
+    const StatusMember* const member = &member_named(alias.member);
+    status.def_property_readonly(
+        alias.name,
+        [member](const AxisSnapshot& axis) {
+          return member->value(axis.status);
+        },
+        alias.text);
+  }
+}
+
+void add_states(py::class_<AxisSnapshot>& status) {
+  status
+      .def_property_readonly(
+          "state",
+          [](const AxisSnapshot& axis) {
+            return std::string(to_string(axis.state()));
+          },
+          "State of the power drive system, such as \"Operation enabled\".")
+      .def_property_readonly(
+          "mode",
+          [](const AxisSnapshot& axis) {
+            return std::string(to_string(axis.mode()));
+          },
+          "Operating mode in force (6061h), such as \"profile position\".")
+      .def_property_readonly(
+          "flags",
+          [](const AxisSnapshot& axis) {
+            return client::statusword_flags(axis.status.ds402_statusword, axis.mode());
+          },
+          "Names of the bits of the statusword that are 1, such as \"target reached\".")
+      .def_property_readonly(
+          "is_enabled",
+          [](const AxisSnapshot& axis) {
+            return axis.state() == PowerState::operation_enabled;
+          },
+          "Whether the state is Operation enabled.")
+      .def_property_readonly(
+          "has_fault",
+          [](const AxisSnapshot& axis) {
+            return axis.state() == PowerState::fault ||
+                   axis.state() == PowerState::fault_reaction_active;
+          },
+          "Whether the state is Fault or Fault reaction active.")
+      .def(
+          "shows",
+          [](const AxisSnapshot& axis, std::uint16_t bits) {
+            return axis.shows(bits);
+          },
+          py::arg("bits"), "Whether all of `bits` are 1 in the statusword.")
+      .def(
+          "value",
+          [](const AxisSnapshot& axis, const py::object& object) {
+            return value_of(axis, object_of(object));
+          },
+          py::arg("object"),
+          "Value of an object that is part of the status, else None. `object` as in Axis.read().");
+}
+
+std::vector<std::uint64_t> owners_of(const Observation& sample) {
+  std::vector<std::uint64_t> owners;
+  owners.reserve(sample.axes.size());
+  for (const AxisSnapshot& axis : sample.axes) owners.push_back(axis.owner_session);
+  return owners;
+}
+
+void add_observation(py::module_& module) {
+  py::class_<Observation>(module, "Observation", "All watched axes after the same tick.")
+      .def_readonly("tick", &Observation::tick, "The tick.")
+      .def_readonly("missed", &Observation::missed,
+                    "Samples of the stream lost since the one before.")
+      .def_readonly("axes", &Observation::axes, "Status of each axis, in the order of the request.")
+      .def_property_readonly("owners", &owners_of, "Session that holds each axis, 0 = none.")
+      .def(
+          "array",
+          [](const Observation& sample) {
+            const py::object frames = frames_of({sample}, sample.axes.size());
+            return py::object(frames[py::int_(0)]);
+          },
+          "The axes as a numpy array of records, a field for each member of the status.")
+      .def("__len__",
+           [](const Observation& sample) {
+             return sample.axes.size();
+           })
+      .def(
+          "__getitem__",
+          [](const Observation& sample, std::size_t place) {
+            if (place >= sample.axes.size()) throw py::index_error("no such axis in the sample");
+            return sample.axes[place];
+          },
+          py::arg("place"))
+      .def("__repr__", [](const Observation& sample) {
+        return "<vdrive.Observation tick " + std::to_string(sample.tick) + ", " +
+               std::to_string(sample.axes.size()) + " axes>";
+      });
+}
+
+}  // namespace
+
+py::object frames_of(const std::deque<Observation>& samples, std::size_t axes) {
+  py::array frames(layout().type(),
+                   std::vector<py::ssize_t>{static_cast<py::ssize_t>(samples.size()),
+                                            static_cast<py::ssize_t>(axes)});
+  RecordWriter record(static_cast<std::byte*>(frames.mutable_data()));
+  for (const Observation& sample : samples) {
+    if (sample.axes.size() != axes) throw std::logic_error("a sample has other axes");
+    for (const AxisSnapshot& axis : sample.axes) layout().write(axis, sample.missed, record);
+  }
+  return frames;
+}
+
+void add_status(py::module_& module) {
+  py::class_<AxisSnapshot> status(module, "Status", "One axis as a tick left it. UU: user units.");
+  status
+      .def_property_readonly(
+          "id",
+          [](const AxisSnapshot& axis) {
+            return to_string(axis.id);
+          },
+          "Address of the axis, such as \"1.2\".")
+      .def_readonly("tick", &AxisSnapshot::tick, "The tick.")
+      .def_readonly("owner", &AxisSnapshot::owner_session, "Session that holds the axis, 0 = none.")
+      .def_readonly("owner_epoch", &AxisSnapshot::owner_epoch, "Epoch of that session.")
+      .def("__repr__", &repr_of);
+  add_states(status);
+  add_members(status);
+  add_observation(module);
+  module.def(
+      "record_type",
+      [] {
+        return layout().type();
+      },
+      "The numpy dtype of the records of recordings and observations.");
+}
+
+}  // namespace vdrive::python

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdrive/client/step_clock.hpp"
+
+#include "arguments.hpp"
+#include "presence.hpp"
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+namespace vdrive::python {
+namespace {
+
+using client::Outcome;
+using client::Session;
+using client::StepClock;
+using Ticks = client::Result<std::vector<std::uint64_t>>;
+
+// Wall time after which a step that waits for others looks whether it is to end.
+constexpr std::chrono::milliseconds kSlice{100};
+
+class OwnClock final : public Dependent {
+ public:
+  OwnClock(SharedPresence presence, StepClock clock)
+      : presence_(std::move(presence)), clock_(std::move(clock)) {}
+
+  void close() noexcept override {
+    const std::scoped_lock lock(mutex_);
+    clock_.reset();
+  }
+
+  /// @param step called again with what is left of `patience` while it times out
+  template <typename Step>
+  std::vector<std::uint64_t> step(double patience, const Step& step) {
+    const std::chrono::milliseconds limit = milliseconds_of(patience);
+    return value_or_raise(waiting(presence_, [&](Session& session) {
+      return steps(session, limit, step);
+    }));
+  }
+
+  [[nodiscard]] double now() {
+    const std::scoped_lock lock(mutex_);
+    if (!clock_) raise(Outcome::failed("the clock is closed"));
+    return seconds_of(clock_->now());
+  }
+
+ private:
+  template <typename Step>
+  Ticks steps(Session& session, std::chrono::milliseconds patience, const Step& step) {
+    const auto deadline = std::chrono::steady_clock::now() + patience;
+    while (true) {
+      const std::scoped_lock lock(mutex_);
+      if (!clock_) return Outcome::failed("the clock is closed");
+      const auto left =
+          std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
+      // What was granted stays granted: the same call again goes on with it.
+      Ticks reached = step(*clock_, std::clamp(left, std::chrono::milliseconds(0), kSlice));
+      const bool waits = reached.outcome().kind() == client::OutcomeKind::timed_out;
+      if (!waits || left <= kSlice) return reached;
+      if (session.is_interrupted()) return Outcome::failed("the wait was interrupted");
+    }
+  }
+
+  SharedPresence presence_;
+  std::mutex mutex_;
+  std::optional<StepClock> clock_;
+};
+
+std::shared_ptr<OwnClock> join(const SharedPresence& presence,
+                               const std::vector<std::uint32_t>& benches) {
+  auto clock =
+      std::make_shared<OwnClock>(presence, value_or_raise(waiting(presence, [&](Session& session) {
+                                   return StepClock::join(session, benches);
+                                 })));
+  presence->adopt(clock);
+  return clock;
+}
+
+constexpr double kPatience = std::chrono::duration<double>(StepClock::kPatience).count();
+
+}  // namespace
+
+void add_step_clock(py::module_& module) {
+  py::class_<OwnClock, std::shared_ptr<OwnClock>>(
+      module, "StepClock",
+      "One clock for several lock-step benches, shared with other programs that step them. `with` "
+      "leaves it.")
+      .def(py::init(&join), py::arg("session"), py::arg("benches"),
+           "Joins the clock of each bench, by its number.")
+      .def(
+          "step",
+          [](OwnClock& self, std::uint64_t ticks, double patience) {
+            return self.step(patience, [ticks](StepClock& clock, std::chrono::milliseconds left) {
+              return clock.step(ticks, left);
+            });
+          },
+          py::arg("ticks") = 1, py::kw_only(), py::arg("patience") = kPatience,
+          "Steps all benches and waits for them, `patience` s of wall time. Returns the tick of "
+          "each.")
+      .def(
+          "step_for",
+          [](OwnClock& self, double duration, double patience) {
+            const std::chrono::nanoseconds time = nanoseconds_of(duration);
+            return self.step(patience, [time](StepClock& clock, std::chrono::milliseconds left) {
+              return clock.step_for(time, left);
+            });
+          },
+          py::arg("duration"), py::kw_only(), py::arg("patience") = kPatience,
+          "The same by drive time in s, a multiple of the period of every bench.")
+      .def_property_readonly("now", &OwnClock::now,
+                             "Drive time that this clock has let pass on all benches, in s.")
+      .def(
+          "close",
+          [](OwnClock& self) {
+            const py::gil_scoped_release unlocked;
+            self.close();
+          },
+          "Leaves the clock of each bench.")
+      .def("__enter__",
+           [](py::object self) {
+             return self;
+           })
+      .def("__exit__", [](OwnClock& self, const py::args& /*exception*/) {
+        const py::gil_scoped_release unlocked;
+        self.close();
+      });
+}
+
+}  // namespace vdrive::python

@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Virtual CiA 402 servo drives on DDS, from Python.
+
+    import vdrive
+
+    with vdrive.Session() as session:
+        axis = session.axis("1.1")
+        axis.enable()
+        axis.move_to(10000, velocity=20000)
+        print(axis.status().position)
+
+Positions are user units (UU) of the axis, times are seconds. Calls that wait release the
+interpreter lock and end on Ctrl-C. What fails raises an Error, with `code` and text.
+"""
+from ._errors import ConfigurationError, Error, Failed, Lost, NotFound, Refused, TimedOut
+from . import _asynchronous, _recording, _vdrive
+from ._asynchronous import AsyncStream
+from ._bench import Bench, find_service
+from ._recording import Recording, load
+from ._vdrive import (
+    DISTURBANCES,
+    Axis,
+    AxisGroup,
+    AxisInfo,
+    BenchInfo,
+    Event,
+    EventStream,
+    Follower,
+    GroupStatus,
+    Motion,
+    Observation,
+    Session,
+    Status,
+    StatusStream,
+    StepClock,
+    Unit,
+    __version__,
+    default_domain,
+    record_type,
+)
+
+Session.follow_async = _asynchronous.follow_async
+Session.events_async = _asynchronous.events_async
+Session.record = _recording.record
+
+__all__ = [
+    "DISTURBANCES",
+    "AsyncStream",
+    "Axis",
+    "AxisGroup",
+    "AxisInfo",
+    "Bench",
+    "BenchInfo",
+    "ConfigurationError",
+    "Error",
+    "Event",
+    "EventStream",
+    "Failed",
+    "Follower",
+    "GroupStatus",
+    "Lost",
+    "Motion",
+    "NotFound",
+    "Observation",
+    "Recording",
+    "Refused",
+    "Session",
+    "Status",
+    "StatusStream",
+    "StepClock",
+    "TimedOut",
+    "Unit",
+    "__version__",
+    "default_domain",
+    "find_service",
+    "load",
+    "record_type",
+]

@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a call raises that did not do what it is for."""
+
+
+class Error(Exception):
+    """Why a call did not do what it is for.
+
+    `code` is the code of a refusal: a CiA 301 abort code, or a reason of the wire contract (below
+    0x05000000); 0 for every other error. The text is `str(error)`.
+    """
+
+    def __init__(self, message: str, code: int = 0):
+        super().__init__(message)
+        self.code = code
+
+    def __reduce__(self):
+        return type(self), (str(self), self.code)
+
+
+class Refused(Error):
+    """The service, the dictionary or the state of the drive does not allow it: see `code`."""
+
+
+class TimedOut(Error, TimeoutError):
+    """The deadline passed first."""
+
+
+class NotFound(Error, LookupError):
+    """No such bench, axis or name was found."""
+
+
+class Lost(Error, ConnectionError):
+    """The service stopped sending, ended or was restarted."""
+
+
+class Failed(Error):
+    """Accepted, but ended by a fault, a lost enable or an interrupt."""
+
+
+class ConfigurationError(Error, ValueError):
+    """A session cannot be set up with these options."""

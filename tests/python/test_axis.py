@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: Apache-2.0
+"""An axis from Python: commands, objects, errors."""
+import math
+
+import pytest
+import vdrive
+
+FOLLOWING_ERROR = 0x8611
+
+
+@pytest.fixture
+def axis(vdrive_session):
+    return vdrive_session.axis("1.1")
+
+
+def test_a_move_ends_at_its_target_with_the_speed_it_was_given(vdrive_session, axis):
+    axis.enable()
+    speed_of_the_drive = axis.read("profile_velocity")
+    fastest = 0
+    motion = axis.start_move(10000, velocity=20000)
+    while not motion.has_ended():
+        vdrive_session.step()
+        fastest = max(fastest, axis.status().velocity_demand_value)
+    assert axis.status().position == 10000
+    assert fastest == 20000
+    axis.move_by(-2500)
+    assert axis.status().demand == 7500
+    assert axis.read(0x6081) == speed_of_the_drive
+
+
+def test_an_object_is_named_by_index_pair_name_or_name_of_the_standard(axis):
+    # The manual's limits of an axis that has none: the range of INTEGER32.
+    assert axis.read((0x607D, 1)) == -2**31
+    assert axis.read("user_position_lower_limit") == -2**31
+    axis.write("max_position_limit", 5000)
+    assert axis.read((0x607D, 2)) == 5000
+    assert axis.read(0x6041) == axis.status().statusword == axis.status().value(0x6041)
+
+
+def test_an_object_that_is_no_object_is_an_error_before_anything_is_sent(axis):
+    with pytest.raises(KeyError, match="no_such_object"):
+        axis.read("no_such_object")
+    with pytest.raises(ValueError, match="65535"):
+        axis.read(0x10000)
+
+
+def test_a_refusal_has_the_abort_code_of_the_standard_and_a_text(axis):
+    with pytest.raises(vdrive.Refused, match="object does not exist") as refusal:
+        axis.read(0x5FFF)
+    assert refusal.value.code == 0x06020000
+    with pytest.raises(vdrive.Error) as refusal:
+        axis.write(0x6041, 0)
+    assert refusal.value.code == 0x06010002  # a read-only object
+
+
+def test_several_objects_are_read_in_one_tick_and_a_refused_one_is_an_exception(axis):
+    values = axis.read_many([0x6041, 0x5FFF, (0x607D, 1)])
+    assert values[0] == axis.status().statusword
+    assert isinstance(values[1], vdrive.Refused) and values[1].code == 0x06020000
+    assert values[2] == -2**31
+
+
+def test_a_command_that_the_state_does_not_allow_is_refused_with_its_code(axis):
+    with pytest.raises(vdrive.Refused) as refusal:
+        axis.move_to(100)
+    assert refusal.value.code == 0x08000022
+
+
+def test_a_blocked_load_ends_a_move_in_a_fault_that_a_reset_ends(axis):
+    axis.enable()
+    axis.disturb("blocked_load")
+    with pytest.raises(vdrive.Failed, match="0x8611"):
+        axis.move_to(100000)
+    status = axis.wait_until(lambda shown: shown.state == "Fault")
+    assert status.has_fault and status.error_code == FOLLOWING_ERROR
+    axis.end_disturbances()
+    axis.reset_fault()
+    assert not axis.status().has_fault
+
+
+def test_an_unknown_disturbance_is_an_error_that_names_the_known_ones(axis):
+    with pytest.raises(ValueError, match="no disturbance \"rust\": load_torque, blocked_load"):
+        axis.disturb("rust")
+    assert "blocked_load" in vdrive.DISTURBANCES
+
+
+def test_a_time_out_is_one_of_python_too(axis):
+    axis.enable()
+    with pytest.raises(TimeoutError):
+        axis.move_to(100000, timeout=0.05)
+    with pytest.raises(vdrive.TimedOut):
+        axis.wait_until(lambda status: False, timeout=0.05)
+
+
+def test_what_a_condition_raises_is_raised_by_the_wait(axis):
+    with pytest.raises(ZeroDivisionError):
+        axis.wait_until(lambda status: 1 // 0)
+    with pytest.raises(ZeroDivisionError):
+        axis.enable()
+        axis.jog(1000, lambda status: 1 // 0)
+
+
+def test_a_jog_runs_while_it_is_held_and_brakes(axis):
+    axis.enable()
+    seen = []
+
+    def held(status):
+        seen.append(status.velocity_demand_value)
+        return status.position < 2000
+
+    axis.jog(4000, held)
+    assert max(seen) == 4000
+    assert axis.status().velocity_demand_value == 0
+
+
+def test_the_other_modes_reach_what_they_were_given(axis):
+    axis.enable()
+    axis.home(method=37)
+    assert axis.status().mode == "homing"
+    axis.run_at(3000)
+    assert axis.status().velocity_demand_value == 3000
+    axis.halt()
+    axis.apply_torque(20, slope=1000)
+    assert axis.status().torque_demand == 20
+
+
+def test_a_unit_converts_between_user_units_and_degrees(axis):
+    # 4096 user units a revolution.
+    assert axis.unit.name == "deg"
+    assert axis.unit.to_user_units(90.0) == 1024.0
+    assert axis.unit.from_user_units(1024.0) == 90.0
+
+
+@pytest.mark.parametrize("seconds", [-1.0, math.nan, math.inf])
+def test_a_time_that_is_none_is_an_error(axis, seconds):
+    with pytest.raises(ValueError, match="seconds"):
+        axis.enable(timeout=seconds)
+
+
+def test_a_word_that_is_none_of_the_choices_is_an_error(vdrive_session, axis):
+    with pytest.raises(ValueError, match="in_force"):
+        axis.enable(until="soon")
+    with pytest.raises(ValueError, match="observe"):
+        vdrive_session.follow(pace="slow")
+    with pytest.raises(ValueError, match="dance"):
+        vdrive_session.command_each("1.1", "dance")
+
+
+def test_several_axes_get_a_command_and_each_has_its_outcome(vdrive_session):
+    assert vdrive_session.command_each(["1.1", "1.2"], "enable") == [None, None]
+    vdrive_session.axis("1.2").disturb("over_temperature")
+    vdrive_session.axis("1.2").wait_until(lambda status: status.state == "Fault")
+    first, second = vdrive_session.command_each(None, "enable")
+    assert first is None and isinstance(second, vdrive.Refused)

@@ -1,0 +1,218 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Ctrl-C, other signals, and processes that are killed."""
+import os
+import pathlib
+import select
+import signal
+import subprocess
+import sys
+import textwrap
+import threading
+
+import pytest
+import vdrive
+
+PATIENCE = 60
+
+
+def begin(program):
+    """Start a Python program; return it when it has said that it waits."""
+    process = subprocess.Popen([sys.executable, "-c", textwrap.dedent(program)],
+                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    return process
+
+
+def said(process, word):
+    ready, _, _ = select.select([process.stdout], [], [], PATIENCE)
+    assert ready, "it said nothing"
+    line = process.stdout.readline()
+    assert line.startswith(word), line + process.stderr.read()
+    return line.split()[1:]
+
+
+def interrupt_until_it_ends(process):
+    """Send Ctrl-C, again while it has not arrived before the wait; return what was printed."""
+    try:
+        process.send_signal(signal.SIGINT)
+        return process.communicate(timeout=PATIENCE)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        pytest.fail("it did not end: " + process.communicate()[1])
+
+
+WAITS = {
+    "a move": "axis.enable(); axis.move_to(10**9, timeout=1e6)",
+    "a condition": "axis.wait_until(lambda status: False, timeout=1e6)",
+    "drive time": "session.wait(1e6)",
+    "a stream": "stream = session.stream(); [None for _ in stream]",
+    "a queue": "session.events().next()",
+    "a follower": "[None for _ in session.follow(pace='observe', patience=1e6)]",
+    "a group": "group = vdrive.AxisGroup(session, ['1.1', '1.2']); group.enable_all();"
+               " group.move_together([10**8, 10**8], timeout=1e6)",
+    "finding": "vdrive.Session(domain=bench.domain, find_timeout=1e6, bench=9).find_bench()",
+}
+
+
+@pytest.mark.parametrize("wait", WAITS.values(), ids=WAITS.keys())
+def test_ctrl_c_ends_a_wait_and_the_session_goes_on(wait):
+    process = begin(f"""
+        import threading, vdrive
+        with vdrive.Bench(2) as bench, bench.session() as session:
+            axis = session.axis("1.1")
+            session.step()
+            # From another thread: the wait below has begun by then, or begins with the signal.
+            threading.Timer(0.3, lambda: print("waits", flush=True)).start()
+            try:
+                {wait}
+            except KeyboardInterrupt:
+                print("interrupted", session.observe().tick > 0, session.is_closed, flush=True)
+        """)
+    said(process, "waits")
+    output, errors = interrupt_until_it_ends(process)
+    assert output == "interrupted True False\n", errors
+    assert process.returncode == 0
+
+
+def test_ctrl_c_ends_the_wait_for_another_stepper():
+    process = begin("""
+        import threading, vdrive
+        with vdrive.Bench(1) as bench:
+            other, session = bench.session(), bench.session()
+            slow, clock = vdrive.StepClock(other, [1]), vdrive.StepClock(session, [1])
+            threading.Timer(0.3, lambda: print("waits", flush=True)).start()
+            try:
+                clock.step(5, patience=1e6)
+            except KeyboardInterrupt:
+                print("interrupted", flush=True)
+        """)
+    said(process, "waits")
+    output, errors = interrupt_until_it_ends(process)
+    assert output == "interrupted\n", errors
+
+
+def test_ctrl_c_ends_the_start_of_a_private_bench(tmp_path):
+    # A service that is started and never ready.
+    service = tmp_path / "vdrived"
+    service.write_text("#!/bin/sh\nexec sleep 1000\n")
+    service.chmod(0o755)
+    process = begin(f"""
+        import threading, vdrive
+        threading.Timer(0.3, lambda: print("waits", flush=True)).start()
+        try:
+            vdrive.Bench(service={str(service)!r})
+        except KeyboardInterrupt:
+            print("interrupted", flush=True)
+        """)
+    said(process, "waits")
+    output, errors = interrupt_until_it_ends(process)
+    assert output == "interrupted\n", errors
+
+
+def test_a_service_that_does_not_start_says_why():
+    with pytest.raises(vdrive.Failed, match="did not start.*axes.*16384"):
+        vdrive.Bench(axes=-1)
+    with pytest.raises(vdrive.Error, match="did not start"):
+        vdrive.Bench(service="/nowhere/vdrived")
+
+
+def test_a_handler_that_raises_ends_a_wait_with_what_it_raises(vdrive_session):
+    class Alarm(Exception):
+        pass
+
+    def ring(number, frame):
+        raise Alarm
+
+    before = signal.signal(signal.SIGALRM, ring)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.2)
+        with pytest.raises(Alarm):
+            vdrive_session.events().next()
+        assert vdrive_session.step() > 0
+    finally:
+        signal.signal(signal.SIGALRM, before)
+
+
+def test_the_file_of_a_loop_that_waits_for_signals_is_its_own_again(vdrive_session):
+    reader, writer = os.pipe()
+    os.set_blocking(writer, False)
+    before = signal.signal(signal.SIGUSR1, lambda number, frame: None)
+    try:
+        signal.set_wakeup_fd(writer)
+        axis = vdrive_session.axis("1.1")
+        axis.wait_until(lambda status: signal.raise_signal(signal.SIGUSR1) or True)
+        assert signal.set_wakeup_fd(-1) == writer
+        assert os.read(reader, 10) == bytes([signal.SIGUSR1])
+    finally:
+        signal.signal(signal.SIGUSR1, before)
+        os.close(reader)
+        os.close(writer)
+
+
+def test_interrupt_ends_a_wait_of_another_thread(vdrive_session):
+    errors = []
+    vdrive_session.find_bench()
+
+    def wait():
+        try:
+            vdrive_session.wait(1e6, bench=1)
+        except vdrive.Error as error:
+            errors.append(error)
+
+    thread = threading.Thread(target=wait)
+    thread.start()
+    vdrive_session.interrupt()
+    thread.join(PATIENCE)
+    vdrive_session.end_interrupt()
+    assert not thread.is_alive() and isinstance(errors[0], vdrive.Failed)
+    assert vdrive_session.step(bench=1) > 0
+
+
+def services_on(domain):
+    """The running services whose command names this domain."""
+    found = []
+    for command in pathlib.Path("/proc").glob("[0-9]*/cmdline"):
+        try:
+            words = command.read_bytes().split(b"\0")
+        except OSError:
+            continue  # it has ended
+        if words[0].endswith(b"vdrived") and str(domain).encode() in words:
+            found.append(int(command.parent.name))
+    return found
+
+
+def test_a_killed_program_leaves_no_service_behind():
+    process = begin("""
+        import threading, vdrive
+        benches = []
+        # A thread that starts a bench and ends is not its end.
+        starter = threading.Thread(target=lambda: benches.append(vdrive.Bench(1)))
+        starter.start(); starter.join()
+        with benches[0].session() as session:
+            session.step()
+            print("runs", benches[0].domain, flush=True)
+            threading.Event().wait()
+        """)
+    domain = int(said(process, "runs")[0])
+    services = services_on(domain)
+    assert len(services) == 1
+    handle = os.pidfd_open(services[0])
+    process.kill()
+    process.communicate()
+    ended, _, _ = select.select([handle], [], [], PATIENCE)
+    os.close(handle)
+    assert ended, "the service still runs"
+
+
+def test_a_program_that_ends_without_closing_gives_its_axes_back(vdrive_bench, vdrive_session):
+    program = f"""
+        import vdrive
+        session = vdrive.Session(domain={vdrive_bench.domain}, find_timeout=30)
+        axis = session.axis("1.1")
+        axis.enable()
+        stream, events, follower = session.stream(), session.events(), session.follow()
+        """
+    process = begin(program)
+    _, errors = process.communicate(timeout=PATIENCE)
+    assert (process.returncode, errors) == (0, "")
+    status = vdrive_session.axis("1.1").status()
+    assert status.is_enabled and status.owner == 0

@@ -1,0 +1,167 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The module as its readers see it: type stubs, docstrings, recordings of the tool."""
+import ast
+import inspect
+import os
+import pathlib
+import re
+import subprocess
+
+import numpy
+import pytest
+import vdrive
+from vdrive import _vdrive
+
+STUB = pathlib.Path(vdrive.__file__).parent / "_vdrive.pyi"
+
+
+def parameters_of_stub(function):
+    """Return (name, has a default, is by keyword only) for each parameter."""
+    arguments = function.args
+    count = len(arguments.args) - len(arguments.defaults)
+    plain = [(each.arg, place >= count, False) for place, each in enumerate(arguments.args)]
+    keywords = [(each.arg, default is not None, True)
+                for each, default in zip(arguments.kwonlyargs, arguments.kw_defaults)]
+    return plain + keywords
+
+
+def signature_of(callable_object):
+    """The parameters of a function of C++ are in the first line of its docstring."""
+    line = callable_object.__doc__.splitlines()[0]
+    text = line[line.index("(") + 1:line.rindex(") ->")]
+    # Types and defaults may have commas inside brackets and quotes.
+    parts, depth, quoted, start = [], 0, False, 0
+    for place, letter in enumerate(text):
+        quoted ^= letter == "'"
+        depth += (letter in "([{<") - (letter in ")]}>")
+        if letter == "," and depth == 0 and not quoted:
+            parts.append(text[start:place])
+            start = place + 1
+    return [part.strip() for part in parts + [text[start:]] if part.strip()]
+
+
+def parameters_of_module(callable_object):
+    found, keyword_only = [], False
+    for part in signature_of(callable_object):
+        if part == "*":
+            keyword_only = True
+        elif not part.startswith("*"):
+            found.append((part.split(":")[0].strip(), " = " in part, keyword_only))
+    return found
+
+
+def own_members(kind):
+    return {name: value for name, value in vars(kind).items()
+            if not name.startswith("_") or name in ("__init__", "__iter__", "__next__", "__len__",
+                                                    "__getitem__", "__enter__", "__exit__")}
+
+
+CLASSES = {name: value for name, value in vars(_vdrive).items() if inspect.isclass(value)}
+TREE = ast.parse(STUB.read_text())
+STUB_CLASSES = {node.name: node for node in TREE.body if isinstance(node, ast.ClassDef)}
+
+
+def test_the_stub_has_the_classes_and_functions_of_the_module():
+    assert set(STUB_CLASSES) == set(CLASSES)
+    functions = {node.name for node in TREE.body if isinstance(node, ast.FunctionDef)}
+    assert functions == {name for name, value in vars(_vdrive).items()
+                         if inspect.isbuiltin(value) and not name.startswith("_")}
+
+
+@pytest.mark.parametrize("name", CLASSES)
+def test_a_class_of_the_stub_has_the_members_and_parameters_of_the_class(name):
+    stub = {node.name: node for node in STUB_CLASSES[name].body if isinstance(node, ast.FunctionDef)}
+    members = own_members(CLASSES[name])
+    if "No constructor defined" in (members.get("__init__").__doc__ or "") if "__init__" in members else False:
+        del members["__init__"]
+    if "__init__" not in stub:
+        members.pop("__init__", None)
+    assert set(stub) == set(members)
+    for member, node in stub.items():
+        value = members[member]
+        is_property = any(getattr(each, "id", "") == "property" for each in node.decorator_list)
+        assert is_property == isinstance(value, property), member
+        if is_property or node.args.vararg or inspect.isfunction(value):
+            continue
+        found = [each for each in parameters_of_module(value)]
+        expected = parameters_of_stub(node)
+        # The first is the object itself.
+        assert found[1:] == expected[1:], member
+
+
+def test_functions_that_are_written_in_python_have_the_parameters_of_the_stub():
+    stub = {node.name: node for node in STUB_CLASSES["Session"].body
+            if isinstance(node, ast.FunctionDef)}
+    for name in ("follow_async", "events_async", "record"):
+        found = [(each.name, each.default is not each.empty, each.kind is each.KEYWORD_ONLY)
+                 for each in inspect.signature(getattr(vdrive.Session, name)).parameters.values()]
+        assert found == parameters_of_stub(stub[name])
+
+
+def test_everything_that_users_see_has_a_docstring():
+    missing = []
+    for name in vdrive.__all__:
+        value = getattr(vdrive, name)
+        if inspect.isclass(value) or callable(value):
+            text = value.__doc__ or ""
+            missing += [name] if not text.strip() else []
+        if not inspect.isclass(value):
+            continue
+        for member, item in own_members(value).items():
+            if member.startswith("_"):
+                continue
+            text = inspect.getdoc(item) or ""
+            # Of a function of C++ the first line is its signature.
+            own = re.sub(r"^\w+\(.*\) -> .*$", "", text, count=1, flags=re.M).strip()
+            missing += [f"{name}.{member}"] if not own else []
+    assert missing == []
+
+
+def test_the_members_of_a_status_are_those_of_a_record(vdrive_session):
+    status = vdrive_session.axis("1.1").status()
+    record = vdrive_session.observe("1.1").array()[0]
+    for name in record.dtype.names:
+        if name not in ("missed",):
+            assert getattr(status, name) == record[name], name
+
+
+def test_a_recording_of_the_tool_is_read_as_it_was_written(vdrive_bench, vdrive_session, tmp_path):
+    axis = vdrive_session.axis("1.1")
+    axis.enable()
+    path = tmp_path / "run.csv"
+    tool = subprocess.Popen(
+        [os.environ["VDRIVE_TOOL"], "--domain", str(vdrive_bench.domain), "--timeout", "30", "record",
+         str(path), "1.1", "1.2", "--count", "40"], stderr=subprocess.PIPE)
+    motion = axis.start_move(300)
+    while tool.poll() is None:
+        vdrive_session.step()
+    assert tool.returncode == 0, tool.stderr.read()
+    recording = vdrive.load(path)
+    assert recording.axes == ["1.1", "1.2"] and recording["position"].shape == (40, 2)
+    assert recording.axis("1.1")["owner"].tolist() == [vdrive_session.id] * 40
+    lines = path.read_text().splitlines()
+    column = lines[0].split(",").index("load_position_actual_value")
+    written = [int(line.split(",")[column]) for line in lines[1:] if line.startswith("1.1,")]
+    assert recording["position"][:, 0].tolist() == written
+    motion.wait()
+
+
+@pytest.mark.parametrize("text, complaint", [
+    ("", "no recording"), ("a,b\n", "no recording"),
+    ("axis,name,tick,missed,error_code\n1.1,x,1,0,0\n1.1,x,2\n", ":3: 3 columns of 5"),
+    ("axis,name,tick,missed\n1.1,x,1,0\n2.1,y,1,0\n", "several benches"),
+    ("axis,name,tick,missed\n1.1,x,1,0\n1.2,y,2,0\n", "different ticks")])
+def test_a_file_that_is_no_recording_is_an_error_that_says_where(tmp_path, text, complaint):
+    path = tmp_path / "bad.csv"
+    path.write_text(text)
+    with pytest.raises(ValueError, match=complaint):
+        vdrive.load(path)
+
+
+def test_one_bench_of_a_recording_of_several_can_be_chosen(tmp_path):
+    path = tmp_path / "two.csv"
+    path.write_text("axis,name,tick,missed,error_code\n1.1,x,1,2,5\n2.1,y,7,0,6\n1.1,x,2,0,8\n")
+    recording = vdrive.load(path, bench=1)
+    assert recording.ticks.tolist() == [1, 2] and recording["error_code"].tolist() == [[5], [8]]
+    assert recording.missed == 2 and recording.names == ["x"]
+    assert isinstance(recording.frames, numpy.ndarray)

@@ -1,0 +1,241 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Sessions, clocks, groups and streams."""
+import asyncio
+import gc
+import threading
+
+import numpy
+import pytest
+import vdrive
+
+
+def test_the_bench_of_the_fixture_is_found_and_described(vdrive_bench, vdrive_session):
+    bench = vdrive_session.find_bench()
+    assert bench.clock_mode == "lockstep" and bench.period == 0.001
+    assert [axis.id for axis in bench.axes] == ["1.1", "1.2"]
+    assert bench.service_version == vdrive.__version__
+    with vdrive.Session() as other:  # VDRIVE_DOMAIN is that of the bench
+        assert [found.number for found in other.find_benches()] == [1]
+
+
+def test_what_is_not_there_is_not_found(vdrive_session):
+    with pytest.raises(vdrive.NotFound):
+        vdrive_session.axis("1.7")
+    with pytest.raises(LookupError):
+        vdrive_session.axis("lift")
+
+
+def test_options_of_a_session_that_are_none_are_an_error():
+    with pytest.raises(vdrive.ConfigurationError, match="233"):
+        vdrive.Session(domain=233)
+    with pytest.raises(ValueError, match="keep_alive"):
+        vdrive.Session(keep_alive="sometimes")
+
+
+def test_a_closed_session_has_given_its_axes_back_and_its_handles_fail(vdrive_bench):
+    session = vdrive_bench.session()
+    axis = session.axis("1.1")
+    follower, stream, events = session.follow(), session.stream(), session.events()
+    clock = vdrive.StepClock(session, [1])
+    axis.enable()
+    assert axis.status().owner == session.id
+    session.close()
+    assert session.is_closed
+    for call in (axis.enable, axis.status, session.find_benches, lambda: next(follower), clock.step):
+        with pytest.raises(vdrive.Failed, match="closed"):
+            call()
+    # What was received before can still be taken; then they end.
+    assert len(list(stream)) <= 10 and len(list(events)) <= 10
+    assert vdrive_bench.session().axis("1.1").status().owner == 0
+
+
+def test_a_handle_keeps_its_session(vdrive_bench):
+    axis = vdrive_bench.session().axis("1.1")
+    gc.collect()
+    axis.enable()
+    assert axis.status().is_enabled
+
+
+def test_steps_and_waits_pass_exactly_the_time_they_are_given(vdrive_session):
+    begin = vdrive_session.step(5)
+    assert vdrive_session.step() == begin + 1
+    assert vdrive_session.wait(0.0105) == begin + 12  # 10.5 ms are 11 ticks
+    assert vdrive_session.wait_for_tick(begin + 100, bench=1) == begin + 100
+
+
+def test_a_step_clock_steps_its_benches_together(vdrive_session):
+    with vdrive.StepClock(vdrive_session, [1]) as clock:
+        begin = clock.step(1)
+        assert clock.step_for(0.02) == [begin[0] + 20]
+        assert clock.now == pytest.approx(0.021)
+    with pytest.raises(vdrive.Failed, match="closed"):
+        clock.step()
+
+
+def test_a_snapshot_brings_the_axes_back(vdrive_session):
+    axis = vdrive_session.axis("1.1")
+    axis.enable()
+    axis.move_to(1000)
+    number = vdrive_session.take_snapshot()
+    axis.move_to(5000)
+    vdrive_session.restore_snapshot(number)
+    assert axis.status().position == 1000
+    assert list(vdrive_session.snapshots()) == [number]
+    vdrive_session.drop_snapshot(number)
+    assert vdrive_session.snapshots() == {}
+
+
+def test_a_group_moves_on_a_straight_line_given_as_an_array(vdrive_session):
+    group = vdrive.AxisGroup(vdrive_session, ["1.1", "1.2"])
+    group.enable_all()
+    seen = []
+    group.move_together(numpy.array([4000.0, -8000.0]), progress=lambda *step: seen.append(step))
+    status = group.status()
+    assert isinstance(status.actual, numpy.ndarray)
+    assert status.demand.tolist() == [4000.0, -8000.0]
+    assert status.actual == pytest.approx([4000.0, -8000.0], abs=1)
+    assert [tick for tick, _ in seen] == sorted(tick for tick, _ in seen) and seen[-1][1] == 1.0
+    with pytest.raises(ValueError, match="2 axes, not 3"):
+        group.move_by([1, 2, 3])
+
+
+def test_what_an_observer_of_a_group_raises_is_raised_and_the_group_goes_on(vdrive_session):
+    group = vdrive.AxisGroup(vdrive_session, ["1.1", "1.2"])
+    group.enable_all()
+
+    def stumble(tick, fraction):
+        if fraction > 0.2:
+            raise RuntimeError("stumbled")
+
+    with pytest.raises(RuntimeError, match="stumbled"):
+        group.move_together([4000, 4000], progress=stumble)
+    vdrive_session.wait(2.0)
+    assert group.status().demand.tolist() == [4000.0, 4000.0]
+
+
+def test_a_streamed_position_is_the_demand_of_the_tick(vdrive_session):
+    group = vdrive.AxisGroup(vdrive_session, ["1.1"])
+    group.enable_all()
+    group.start_streaming()
+    # The axis follows a set-point a tick long: it is the demand in the tick for which it was sent.
+    demands = [group.stream([position]).demand[0] for position in (1, 2, 3, 4, 5)]
+    assert demands == [1, 2, 3, 4, 5]
+    group.stop_streaming()
+
+
+def test_following_in_lockstep_is_a_step_a_sample(vdrive_session):
+    begin = vdrive_session.step()
+    samples = list(vdrive_session.follow("1.1", count=10))
+    assert [sample.tick for sample in samples] == list(range(begin + 1, begin + 11))
+    assert samples[0][0].id == "1.1" and len(samples[0]) == 1
+
+
+def test_a_recording_has_what_each_sample_shows(vdrive_session):
+    axis = vdrive_session.axis("1.2")
+    axis.enable()
+    axis.start_move(3000)
+    recording = vdrive_session.record(["1.1", "1.2"], ticks=50)
+    assert recording["position"].shape == (50, 2)
+    assert numpy.diff(recording.ticks).tolist() == [1] * 49
+    assert recording["demand"][-1, 1] == axis.status().demand > 0
+    assert recording.axis("1.2")["owner"].tolist() == [vdrive_session.id] * 50
+    assert recording["load_position_actual_value"] is not None and recording.missed == 0
+
+
+def test_a_stream_gives_every_sample_in_arrays(vdrive_session):
+    with vdrive_session.stream() as stream:
+        assert stream.next(timeout=0) is None
+        begin = vdrive_session.step(20)
+        ticks = []
+        while not ticks or ticks[-1] < begin:
+            frames = stream.take(timeout=10)
+            assert frames.shape[1] == 2 and stream.axes == ["1.1", "1.2"]
+            ticks += frames["tick"][:, 0].tolist()
+        assert ticks == list(range(begin - 19, begin + 1))
+        assert stream.dropped == 0
+
+
+def test_a_stream_that_nobody_reads_drops_the_oldest_and_counts(vdrive_session):
+    with vdrive_session.stream(capacity=5) as stream:
+        begin = vdrive_session.step(20)
+        newest = stream
+        while newest.dropped < 15:
+            assert stream.fileno() >= 0
+            threading.Event().wait(0.01)
+        assert stream.take(timeout=10)["tick"][:, 0].tolist() == list(range(begin - 4, begin + 1))
+
+
+def test_events_tell_what_happened(vdrive_session):
+    with vdrive_session.events() as events:
+        axis = vdrive_session.axis("1.1")
+        axis.enable()
+        axis.disturb("over_current")
+        vdrive_session.step(10)
+        for event in events:
+            if event.kind == "fault":
+                break
+        assert (event.bench, event.axis) == (1, 1) and event.code == axis.status().error_code != 0
+
+
+def test_status_comes_to_a_loop_of_asyncio_beside_its_other_tasks(vdrive_session):
+    async def watch(stream):
+        seen = []
+        async for sample in stream:
+            seen.append(sample.tick)
+            if len(seen) == 30:
+                return seen
+
+    async def run():
+        axis = vdrive_session.axis("1.1")
+        async with vdrive_session.follow_async("1.1") as stream:
+            watching = asyncio.create_task(watch(stream))
+            await asyncio.to_thread(axis.enable)
+            await asyncio.to_thread(axis.move_to, 2000)
+            return await asyncio.wait_for(watching, 60)
+
+    ticks = asyncio.run(run())
+    assert ticks == list(range(ticks[0], ticks[0] + 30))
+
+
+def test_the_end_of_a_stream_ends_its_loop(vdrive_session):
+    async def run():
+        stream = vdrive_session.follow_async()
+        stream.close()
+        return [sample async for sample in stream]
+
+    assert asyncio.run(run()) == []
+
+
+def test_another_thread_runs_while_a_move_waits(vdrive_session):
+    axis = vdrive_session.axis("1.1")
+    axis.enable()
+    counted, ended = 0, threading.Event()
+
+    def move():
+        axis.move_to(100000, velocity=20000)  # 5 s of drive time, at least 5000 steps over DDS
+        ended.set()
+
+    thread = threading.Thread(target=move)
+    thread.start()
+    while not ended.wait(0.001):
+        counted += 1
+    thread.join()
+    assert counted > 20
+    assert axis.status().position == 100000
+
+
+@pytest.mark.vdrive(axes=3, arguments=["--period", "2000"])
+def test_the_marker_chooses_the_bench(vdrive_session):
+    bench = vdrive_session.find_bench()
+    assert len(bench.axes) == 3 and bench.period == 0.002
+
+
+def test_a_service_that_ends_is_lost(vdrive_bench):
+    session = vdrive.Session(domain=vdrive_bench.domain, find_timeout=30)
+    axis = session.axis("1.1")
+    vdrive_bench.close()
+    with pytest.raises(vdrive.Error) as lost:
+        axis.status()
+    assert isinstance(lost.value, (vdrive.Lost, vdrive.NotFound))
+    with pytest.raises(vdrive.Failed, match="ended"):
+        print(vdrive_bench.domain)
