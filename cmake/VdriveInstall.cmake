@@ -53,13 +53,19 @@ install(FILES ${PROJECT_SOURCE_DIR}/idl/vdrive_messages.idl DESTINATION ${tree}/
         COMPONENT documents)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/clients/examples DESTINATION ${tree}/clients
         COMPONENT documents PATTERN CMakeLists.txt EXCLUDE PATTERN installed EXCLUDE)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/clients/python/examples DESTINATION ${tree}/clients/python
+        COMPONENT documents)
 install(FILES ${PROJECT_SOURCE_DIR}/clients/examples/installed/CMakeLists.txt
         DESTINATION ${tree}/clients/examples COMPONENT documents)
 install(FILES ${PROJECT_SOURCE_DIR}/clients/examples/06_raw_dds/CMakeLists.txt
         DESTINATION ${tree}/clients/examples/06_raw_dds COMPONENT documents)
 
-foreach(package vdrived:service vdrive:tool vdrive-gateway:gateway libvdrive-dev:development
-                vdrive-doc:documents)
+set(packages vdrived:service vdrive:tool vdrive-gateway:gateway libvdrive-dev:development
+             vdrive-doc:documents)
+if(TARGET vdrive_python)
+  list(APPEND packages python3-vdrive:python)
+endif()
+foreach(package ${packages})
   string(REPLACE ":" ";" package ${package})
   list(GET package 0 name)
   list(GET package 1 component)

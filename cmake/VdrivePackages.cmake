@@ -5,6 +5,7 @@
 #   vdrive          the tool, its completion, the scenarios
 #   vdrive-gateway  the gateway to browsers and dashboards, its unit, its completion
 #   libvdrive-dev   the client library: archives, headers, CMake package
+#   python3-vdrive  the Python module, where it was built
 #   vdrive-doc      the documents, the IDL, the examples
 
 set(CPACK_GENERATOR DEB)
@@ -14,6 +15,9 @@ set(CPACK_PACKAGE_DIRECTORY ${PROJECT_SOURCE_DIR}/build/packages)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_COMPONENTS_ALL service tool gateway development documents)
+if(TARGET vdrive_python)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+endif()
 set(CPACK_PRE_BUILD_SCRIPTS ${PROJECT_SOURCE_DIR}/cmake/finish_packages.cmake)
 
 set(CPACK_DEB_COMPONENT_INSTALL ON)
@@ -52,6 +56,20 @@ and vdrive::core.")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
     "libeigen3-dev (>= 3.4), libfastcdr-dev, libfastrtps-dev (>= 2.9), libssl-dev, libtinyxml2-dev")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS vdrive-doc)
+
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-vdrive)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON_DESCRIPTION "The Python module: import vdrive finds the drives of vdrived, commands and
+observes them; a plug-in of pytest gives each test a bench of its own.")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "vdrived, vdrive-doc, python3-pytest, python3-matplotlib")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${debian}/python/postinst ${debian}/python/prerm)
+if(TARGET vdrive_python)
+  # The name of the module has the version of the interpreter in it.
+  get_target_property(version vdrive_python VDRIVE_PYTHON_VERSION)
+  get_target_property(next vdrive_python VDRIVE_NEXT_PYTHON_VERSION)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+      "python3 (>= ${version}), python3 (<< ${next}~), python3-numpy")
+endif()
 
 set(CPACK_DEBIAN_DOCUMENTS_PACKAGE_NAME vdrive-doc)
 set(CPACK_DEBIAN_DOCUMENTS_PACKAGE_SECTION doc)

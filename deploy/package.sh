@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds the Debian packages vdrived, vdrive, vdrive-gateway, libvdrive-dev and vdrive-doc into
-# build/packages.
+# Builds the Debian packages vdrived, vdrive, vdrive-gateway, libvdrive-dev, python3-vdrive and
+# vdrive-doc into build/packages.
 #
 #   deploy/package.sh
 #
-# From the release build. Needs deploy/setup.sh --page first. Prints the names of the packages.
+# From the release build. Needs deploy/setup.sh --page --python first. Prints the names of the packages.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)

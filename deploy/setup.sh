@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 # Installs the Debian packages that building and running vdrive needs.
 #
-#   deploy/setup.sh [--tests] [--page] [--browser]
+#   deploy/setup.sh [--tests] [--page] [--python] [--browser]
 #
 #   --tests     also what the tests, the benchmarks and the lint need
 #   --page      also node and npm, where these programs are missing: they build the page of the gateway
+#   --python    also what the Python module is built from; --tests brings it, too
 #   --browser   also the browser that tests this page
 #
 # Installs only what is missing, by apt, through sudo unless run as root. Prints nothing when
@@ -58,11 +59,21 @@ test_packages=(
   nftables # loss and blocked multicast in the network tests
   openssl # makes the material of the closed mode
   python3 # the conformance and mutation checks, the list of the IDL's fields
+  python3-matplotlib # a plot of the documents
+  python3-pip # the wheel
+  python3-pytest
+  python3-pytest-xdist # tests side by side
   python3-websockets # a client of the gateway that others wrote
   python3-seccomp # the sandbox of the systemd unit
   systemd # systemd-analyze
   util-linux # chrt and setarch
   zsh # completion of the tool
+)
+
+python_packages=(
+  pybind11-dev
+  python3-dev
+  python3-numpy
 )
 
 browser_packages=(
@@ -78,14 +89,15 @@ fail() {
 
 while (($#)); do
   case $1 in
-    --tests) packages+=("${test_packages[@]}") ;;
+    --tests) packages+=("${test_packages[@]}" "${python_packages[@]}") ;;
     --page)
       # Many machines have a newer node than Debian's; npm is 350 packages there.
       command -v node >/dev/null || packages+=(nodejs)
       command -v npm >/dev/null || packages+=(npm)
       ;;
+    --python) packages+=("${python_packages[@]}") ;;
     --browser) packages+=("${browser_packages[@]}") ;;
-    *) fail "unknown option '$1'; usage: deploy/setup.sh [--tests] [--page] [--browser]" ;;
+    *) fail "unknown option '$1'; usage: deploy/setup.sh [--tests] [--page] [--python] [--browser]" ;;
   esac
   shift
 done

@@ -18,7 +18,7 @@ fail() {
 
 list=$("$root/deploy/package.sh")
 mapfile -t packages <<<"$list"
-((${#packages[@]} == 5)) || fail "expected five packages: ${packages[*]}"
+((${#packages[@]} == 6)) || fail "expected six packages: ${packages[*]}"
 
 unpacked=$work/root
 for package in "${packages[@]}"; do
@@ -36,6 +36,10 @@ expected=(
   usr/lib/libvdrive_client.a
   usr/lib/libvdrive_core.a
   usr/lib/libvdrive_wire.a
+  usr/lib/python3/dist-packages/vdrive-*.dist-info/entry_points.txt
+  usr/lib/python3/dist-packages/vdrive/__init__.py
+  usr/lib/python3/dist-packages/vdrive/_vdrive.cpython-*.so
+  usr/lib/python3/dist-packages/vdrive/py.typed
   usr/lib/systemd/system/vdrive-gateway.service
   usr/lib/systemd/system/vdrived.service
   usr/lib/systemd/system/vdrived@.service
@@ -43,10 +47,13 @@ expected=(
   usr/share/bash-completion/completions/vdrive-gateway
   usr/share/doc/libvdrive-dev/changelog.gz
   usr/share/doc/libvdrive-dev/copyright
+  usr/share/doc/python3-vdrive/changelog.gz
+  usr/share/doc/python3-vdrive/copyright
   usr/share/doc/vdrive-doc/README.md
   usr/share/doc/vdrive-doc/changelog.gz
   usr/share/doc/vdrive-doc/clients/examples/01_enable_and_move.cpp
   usr/share/doc/vdrive-doc/clients/examples/06_raw_dds/raw_dds.c
+  usr/share/doc/vdrive-doc/clients/python/examples/two_joint_arm.py
   usr/share/doc/vdrive-doc/copyright
   usr/share/doc/vdrive-doc/docs/guides/configuration.md
   usr/share/doc/vdrive-doc/idl/vdrive_messages.idl
@@ -83,6 +90,8 @@ control() {
 [[ $(control vdrived Depends) == *libfastrtps* ]] || fail "vdrived depends on no DDS"
 [[ $(control vdrived Depends) == *libseccomp2* ]] || fail "vdrived depends on no filter of system calls"
 [[ $(control libvdrive-dev Depends) == *libeigen3-dev* ]] || fail "libvdrive-dev needs Eigen"
+[[ $(control python3-vdrive Depends) == *python3-numpy* ]] || fail "python3-vdrive needs numpy"
+[[ $(control python3-vdrive Depends) == *libfastrtps* ]] || fail "python3-vdrive depends on no DDS"
 dpkg-deb --ctrl-tarfile "$(package_of vdrived)" | tar -xO ./conffiles |
   grep -qx /etc/vdrive/vdrived.yaml || fail "the configuration would be overwritten"
 
@@ -110,6 +119,17 @@ done
 "$unpacked/usr/bin/vdrive-gateway" --version | grep -q '^vdrive-gateway ' || fail "vdrive-gateway --version"
 "$unpacked/usr/bin/vdrive" --version | grep -q '^vdrive ' || fail "vdrive --version"
 
+# The Python module, with the service that was packed with it.
+PYTHONPATH=$unpacked/usr/lib/python3/dist-packages VDRIVE_SERVICE=$unpacked/usr/bin/vdrived /usr/bin/python3 -B \
+  >"$work/log" 2>&1 <<'END' || fail "import vdrive: $(cat "$work/log")"
+import vdrive
+with vdrive.Bench() as bench, bench.session() as session:
+    axis = session.axis("1.1")
+    axis.enable()
+    axis.move_to(1000)
+    assert axis.status().position == 1000
+END
+
 # The units name what is there.
 for unit in vdrived.service vdrived@.service vdrive-gateway.service; do
   program=$(sed -n 's/^ExecStart=\([^ ]*\).*/\1/p' "$unpacked/usr/lib/systemd/system/$unit")
@@ -121,8 +141,8 @@ grep -q '^StateDirectory=vdrive-%i$' "$unpacked/usr/lib/systemd/system/vdrived@.
   fail "each instance needs its own state"
 
 # Position independent, read-only relocations bound at the start, guarded stack, checked copies.
-for program in vdrive vdrived vdrive-gateway; do
-  file=$unpacked/usr/bin/$program
+for file in "$unpacked"/usr/bin/* "$unpacked"/usr/lib/python3/dist-packages/vdrive/*.so; do
+  program=$(basename "$file")
   readelf --file-header "$file" | grep -q 'Type:.*DYN' || fail "$program: no PIE"
   readelf --program-headers --wide "$file" | grep -q GNU_RELRO || fail "$program: no RELRO"
   readelf --dynamic "$file" | grep -q BIND_NOW || fail "$program: not bound at the start"

@@ -231,7 +231,7 @@ def test_the_marker_chooses_the_bench(vdrive_session):
 
 
 def test_a_service_that_ends_is_lost(vdrive_bench):
-    session = vdrive.Session(domain=vdrive_bench.domain, find_timeout=30)
+    session = vdrive.Session(domain=vdrive_bench.domain, find_timeout=5)
     axis = session.axis("1.1")
     vdrive_bench.close()
     with pytest.raises(vdrive.Error) as lost:

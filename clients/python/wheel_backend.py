@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Builds the wheel (PEP 517): CMake makes the module, the standard library packs it.
+
+Needs deploy/setup.sh --python. VDRIVE_BUILD_DIR names a configured build directory to use instead of
+that of the preset release.
+"""
+import base64
+import hashlib
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import sysconfig
+import tempfile
+import zipfile
+
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+
+
+def _built_package():
+    """Build the module; return the directory that has the package and its metadata."""
+    chosen = os.environ.get("VDRIVE_BUILD_DIR")
+    if chosen:
+        command = ["cmake", "--build", chosen, "--target", "vdrive_python"]
+    else:
+        command = [ROOT / "deploy/build.sh", "--target", "vdrive_python", "-D", "VDRIVE_BUILD_PYTHON=ON",
+                   "-D", f"VDRIVE_PYTHON={sys.executable}"]
+    subprocess.run(command, check=True, stdout=sys.stderr)
+    return pathlib.Path(chosen or ROOT / "build/release") / "python"
+
+
+def _tag():
+    version = f"cp{sys.version_info.major}{sys.version_info.minor}"
+    platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
+    return f"{version}-{version}-{platform}"
+
+
+def _stripped(module, work):
+    """The module without debug information, which is ten times its code."""
+    copy = pathlib.Path(work) / module.name
+    shutil.copyfile(module, copy)
+    subprocess.run(["strip", "--strip-unneeded", copy], check=True)
+    return copy.read_bytes()
+
+
+def _contents(package, work):
+    """Return {path in the wheel: bytes}."""
+    suffix = sysconfig.get_config_var("EXT_SUFFIX")
+    module = package / "vdrive" / f"_vdrive{suffix}"
+    if not module.exists():
+        raise RuntimeError(f"{module} is missing: the build has another Python than {sys.executable}")
+    files = {f"vdrive/{file.name}": file.read_bytes()
+             for file in sorted((package / "vdrive").iterdir())
+             if file.suffix in (".py", ".pyi", ".typed") or file.name == "py.typed"}
+    files[f"vdrive/{module.name}"] = _stripped(module, work)
+    return files
+
+
+def _record(files, path):
+    lines = []
+    for name, content in files.items():
+        digest = base64.urlsafe_b64encode(hashlib.sha256(content).digest()).rstrip(b"=").decode()
+        lines.append(f"{name},sha256={digest},{len(content)}")
+    return "\n".join(lines + [f"{path},,", ""]).encode()
+
+
+def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
+    """Build the wheel; return its name."""
+    package = _built_package()
+    information = next(package.glob("vdrive-*.dist-info"))
+    with tempfile.TemporaryDirectory() as work:
+        files = _contents(package, work)
+    for name in ("METADATA", "entry_points.txt"):
+        files[f"{information.name}/{name}"] = (information / name).read_bytes()
+    files[f"{information.name}/LICENSE"] = (ROOT / "LICENSE").read_bytes()
+    files[f"{information.name}/WHEEL"] = (
+        "Wheel-Version: 1.0\nGenerator: vdrive\nRoot-Is-Purelib: false\n"
+        f"Tag: {_tag()}\n").encode()
+    record = f"{information.name}/RECORD"
+    files[record] = _record(files, record)
+    name = f"{information.name.removesuffix('.dist-info')}-{_tag()}.whl"
+    with zipfile.ZipFile(pathlib.Path(wheel_directory) / name, "w", zipfile.ZIP_DEFLATED) as wheel:
+        for path, content in files.items():
+            entry = zipfile.ZipInfo(path)  # of 1980: the same files give the same wheel
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.external_attr = (0o755 if path.endswith(".so") else 0o644) << 16
+            wheel.writestr(entry, content)
+    return name
+
+
+def build_sdist(sdist_directory, config_settings=None):
+    """There is none: the module is built from the whole project."""
+    raise NotImplementedError("build the wheel from the project's source tree")
