@@ -79,7 +79,7 @@ def test_a_blocked_load_ends_a_move_in_a_fault_that_a_reset_ends(axis):
 
 
 def test_an_unknown_disturbance_is_an_error_that_names_the_known_ones(axis):
-    with pytest.raises(ValueError, match="no disturbance \"rust\": load_torque, blocked_load"):
+    with pytest.raises(ValueError, match="no disturbance .rust.: load_torque, blocked_load"):
         axis.disturb("rust")
     assert "blocked_load" in vdrive.DISTURBANCES
 

@@ -3,6 +3,7 @@
 
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/dictionary/standard_names.hpp"
+#include "vdrive/text.hpp"
 
 #include <cmath>
 #include <cstdint>
@@ -50,7 +51,7 @@ double seconds_of(nanoseconds duration) {
 client::Until until_of(const std::string& until) {
   if (until == "done") return client::Until::done;
   if (until == "in_force") return client::Until::in_force;
-  throw py::value_error("until is \"done\" or \"in_force\", not \"" + until + "\"");
+  throw py::value_error(R"(until is "done" or "in_force", not )" + in_quotes(until));
 }
 
 client::CallOptions call_options(double timeout, const std::string& until) {
@@ -60,14 +61,14 @@ client::CallOptions call_options(double timeout, const std::string& until) {
 client::Pace pace_of(const std::string& pace) {
   if (pace == "drive") return client::Pace::drive;
   if (pace == "observe") return client::Pace::observe;
-  throw py::value_error("pace is \"drive\" or \"observe\", not \"" + pace + "\"");
+  throw py::value_error(R"(pace is "drive" or "observe", not )" + in_quotes(pace));
 }
 
 ObjectAddress object_of(const py::object& object) {
   if (py::isinstance<py::str>(object)) {
     const auto name = object.cast<std::string>();
     const auto row = find_named(name);
-    if (!row) throw py::key_error("the dictionary has no object \"" + name + "\"");
+    if (!row) throw py::key_error("the dictionary has no object " + in_quotes(name));
     return describe(*row).address;
   }
   if (py::isinstance<py::tuple>(object)) {

@@ -4,6 +4,7 @@
 #include "arguments.hpp"
 #include "vdrive/client/disturbance.hpp"
 #include "vdrive/dictionary/object_text.hpp"
+#include "vdrive/text.hpp"
 
 #include <algorithm>
 #include <array>
@@ -51,7 +52,7 @@ client::Disturbance disturbance_named(std::string_view name) {
     if (row.name == name) return row.disturbance;
     known.append(known.empty() ? "" : ", ").append(row.name);
   }
-  throw py::value_error("no disturbance \"" + std::string(name) + "\": " + known);
+  throw py::value_error("no disturbance " + in_quotes(name) + ": " + known);
 }
 
 /// Runs a call of the axis that ends with an outcome.
@@ -279,7 +280,7 @@ void add_objects(AxisClass& axis) {
         });
       },
       py::arg("object"),
-      "Reads an object: an index, (index, subindex), or a name such as \"profile_velocity\".");
+      R"(Reads an object: an index, (index, subindex), or a name such as "profile_velocity".)");
   axis.def("read_many", &read_many, py::arg("objects"),
            "Reads up to 64 objects in one tick. One that is refused is an exception in the list.");
   axis.def(
@@ -301,7 +302,7 @@ void add_objects(AxisClass& axis) {
         });
       },
       py::arg("disturbance"), py::arg("value") = 1,
-      "Sets an input of the test bench, such as \"blocked_load\": 1 = on, 0 = off; \"load_torque\" "
+      R"(Sets an input of the test bench, such as "blocked_load": 1 = on, 0 = off; "load_torque" )"
       "in "
       "mN.m. Returns the tick in which it is in force.");
 }
@@ -394,7 +395,7 @@ std::vector<client::AxisId> ids_of(const std::vector<Axis>& axes) {
 EachCommand each_command_of(const std::string& name) {
   const auto* const row = std::ranges::find(kCommandNames, name, &CommandName::name);
   if (row == kCommandNames.end())
-    throw py::value_error("no command \"" + name + "\" for several axes");
+    throw py::value_error("no command " + in_quotes(name) + " for several axes");
   return row->command;
 }
 
@@ -404,13 +405,13 @@ void add_axis(py::module_& module) {
       module, "Axis",
       "One axis of a bench. A handle: Session.axis() gives it, and several may mean the same "
       "axis. Commands take control of the axis. `timeout` is drive time in s; `until` is "
-      "\"done\" or \"in_force\": the drive has acted on the command.");
+      R"("done" or "in_force": the drive has acted on the command.)");
   axis.def_property_readonly(
           "id",
           [](const PyAxis& self) {
             return to_string(self.axis.id());
           },
-          "Address, such as \"1.2\".")
+          R"(Address, such as "1.2".)")
       .def_property_readonly(
           "bench",
           [](const PyAxis& self) {

@@ -100,8 +100,8 @@ void add_unit(py::module_& module) {
           [](const Unit& unit) {
             return std::string(to_string(unit.kind));
           },
-          "\"rotary\" or \"linear\".")
-      .def_readonly("name", &Unit::name, "In which positions are shown, such as \"deg\" or \"mm\".")
+          R"("rotary" or "linear".)")
+      .def_readonly("name", &Unit::name, R"(In which positions are shown, such as "deg" or "mm".)")
       .def_readonly("size", &Unit::size, "UU of a revolution; linear: of one `name`.")
       .def(
           "to_user_units",
@@ -131,7 +131,7 @@ void add_axis_info(py::module_& module) {
           [](const AxisInfo& axis) {
             return to_string(axis.id);
           },
-          "Address, such as \"1.2\".")
+          R"(Address, such as "1.2".)")
       .def_readonly("name", &AxisInfo::name, "Its name.")
       .def_readonly("supported_drive_modes", &AxisInfo::supported_drive_modes, "6502h.")
       .def_readonly("user_position_lower_limit", &AxisInfo::user_position_lower_limit,
@@ -157,7 +157,7 @@ void add_bench_info(py::module_& module) {
           [](const BenchInfo& bench) {
             return std::string(to_string(bench.clock_mode));
           },
-          "\"realtime\", \"lockstep\" or \"freerun\".")
+          R"("realtime", "lockstep" or "freerun".)")
       .def_property_readonly(
           "period",
           [](const BenchInfo& bench) {

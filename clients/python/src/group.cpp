@@ -245,7 +245,7 @@ void add_group_status(py::module_& module) {
           [](const GroupStatus& status) {
             return std::string(to_string(status.state));
           },
-          "\"disabled\", \"standby\", \"moving\", \"stopping\" or \"error_stop\".")
+          R"("disabled", "standby", "moving", "stopping" or "error_stop".)")
       .def_readonly("queued", &GroupStatus::queued, "Moves that have not started yet.")
       .def_readonly("axes", &GroupStatus::axes, "Status of each axis.")
       .def_property_readonly("demand", &GroupStatus::demand, "6062h of each axis (UU), numpy.")

@@ -134,7 +134,7 @@ void add_event(py::module_& module) {
           [](const Event& event) {
             return std::string(to_string(event.kind));
           },
-          "What happened, such as \"fault\".")
+          R"(What happened, such as "fault".)")
       .def_readonly("tick", &Event::tick, "The tick.")
       .def_readonly("session", &Event::session, "Whose command it was, 0 = none.")
       .def_readonly("code", &Event::code, "Of a fault 603Fh; see docs/reference/wire.md.")

@@ -4,6 +4,7 @@
 #include "arguments.hpp"
 #include "axis.hpp"
 #include "queues.hpp"
+#include "vdrive/text.hpp"
 
 #include <cstdint>
 #include <exception>
@@ -22,7 +23,7 @@ using SessionClass = py::class_<Presence, SharedPresence>;
 client::KeepAlive keep_alive_of(const std::string& name) {
   if (name == "own_thread") return client::KeepAlive::own_thread;
   if (name == "user_frames") return client::KeepAlive::user_frames;
-  throw py::value_error("keep_alive is \"own_thread\" or \"user_frames\", not \"" + name + "\"");
+  throw py::value_error(R"(keep_alive is "own_thread" or "user_frames", not )" + in_quotes(name));
 }
 
 SharedPresence open_session(std::optional<std::uint32_t> domain,
@@ -173,7 +174,7 @@ void add_finding(SessionClass& session) {
                                              })),
                       self};
       },
-      py::arg("text"), "The axis of an address such as \"1.2\" or \"1.lift\", or of a name.");
+      py::arg("text"), R"(The axis of an address such as "1.2" or "1.lift", or of a name.)");
   session.def(
       "axes",
       [](const SharedPresence& self, std::optional<std::uint32_t> bench) {
@@ -286,8 +287,8 @@ void add_observing(SessionClass& session) {
   session.def(
       "follow", &follow, py::arg("axes") = py::none(), py::kw_only(), py::arg("pace") = "drive",
       py::arg("patience") = 10.0, py::arg("count") = py::none(),
-      "Iterates over the ticks of axes of one bench. With pace \"drive\" each sample of a "
-      "lock-step bench is a step of one tick; \"observe\" takes what is published. It raises "
+      R"(Iterates over the ticks of axes of one bench. With pace "drive" each sample of a )"
+      R"(lock-step bench is a step of one tick; "observe" takes what is published. It raises )"
       "TimedOut when no sample comes for `patience` s of wall time.");
   session.def(
       "stream", &stream, py::arg("axes") = py::none(), py::kw_only(), py::arg("capacity") = 10000,

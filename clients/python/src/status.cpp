@@ -175,19 +175,19 @@ void add_states(py::class_<AxisSnapshot>& status) {
           [](const AxisSnapshot& axis) {
             return std::string(to_string(axis.state()));
           },
-          "State of the power drive system, such as \"Operation enabled\".")
+          R"(State of the power drive system, such as "Operation enabled".)")
       .def_property_readonly(
           "mode",
           [](const AxisSnapshot& axis) {
             return std::string(to_string(axis.mode()));
           },
-          "Operating mode in force (6061h), such as \"profile position\".")
+          R"(Operating mode in force (6061h), such as "profile position".)")
       .def_property_readonly(
           "flags",
           [](const AxisSnapshot& axis) {
             return client::statusword_flags(axis.status.ds402_statusword, axis.mode());
           },
-          "Names of the bits of the statusword that are 1, such as \"target reached\".")
+          R"(Names of the bits of the statusword that are 1, such as "target reached".)")
       .def_property_readonly(
           "is_enabled",
           [](const AxisSnapshot& axis) {
@@ -276,7 +276,7 @@ void add_status(py::module_& module) {
           [](const AxisSnapshot& axis) {
             return to_string(axis.id);
           },
-          "Address of the axis, such as \"1.2\".")
+          R"(Address of the axis, such as "1.2".)")
       .def_readonly("tick", &AxisSnapshot::tick, "The tick.")
       .def_readonly("owner", &AxisSnapshot::owner_session, "Session that holds the axis, 0 = none.")
       .def_readonly("owner_epoch", &AxisSnapshot::owner_epoch, "Epoch of that session.")

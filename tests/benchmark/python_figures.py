@@ -1,0 +1,90 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""What the Python module costs beside the C++ library, in the same run.
+
+  python_figures.py [--build build/release] [--rounds 9] [--steps 2000] [--axes 256] [--seconds 20]
+
+Steps: rounds of one-tick steps of a private bench in lock-step, C++ and Python in turn; the medians of
+the rounds and the median of the ratios of neighbours. Stream: every status of a bench in real time
+at 1 kHz, taken as numpy arrays; samples that were lost on the way or dropped. One JSON line a
+figure. Needs the targets vdrived, vdrive_python and vdrive_step_benchmark, and Debian's python3.
+"""
+import argparse
+import json
+import os
+import pathlib
+import statistics
+import subprocess
+import sys
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+
+def figure(name, **values):
+    print(json.dumps({"figure": name, **values}), flush=True)
+
+
+def steps_in_python(session, count):
+    clock, step = time.perf_counter_ns, session.step
+    times = []
+    for _ in range(count):
+        begin = clock()
+        step(1, bench=1)
+        times.append((clock() - begin) / 1000)
+    return statistics.median(times)
+
+
+def measure_steps(vdrive, options):
+    program = options.build / "tests/benchmark/vdrive_step_benchmark"
+    in_cpp, in_python = [], []
+    with vdrive.Bench(1) as bench, bench.session() as session:
+        steps_in_python(session, options.steps)  # warm
+        for _ in range(options.rounds):
+            output = subprocess.run([program, str(bench.domain), str(options.steps)], check=True,
+                                    capture_output=True, text=True).stdout
+            in_cpp.append(float(output.split()[0]))
+            in_python.append(steps_in_python(session, options.steps))
+    ratios = [python / cpp for python, cpp in zip(in_python, in_cpp)]
+    figure("python_step_us", cpp=round(statistics.median(in_cpp), 1),
+           python=round(statistics.median(in_python), 1), ratio=round(statistics.median(ratios), 3),
+           ratios=[round(ratio, 2) for ratio in sorted(ratios)])
+
+
+def measure_stream(vdrive, options):
+    with vdrive.Bench(options.axes, clock="realtime") as bench, bench.session() as session:
+        session.find_bench(1)
+        with session.stream() as stream:
+            stream.take(timeout=10)
+            busy, begin = time.process_time(), time.monotonic()
+            samples = missed = highest = 0
+            while time.monotonic() - begin < options.seconds:
+                frames = stream.take(timeout=1)
+                samples += len(frames)
+                missed += int(frames["missed"][:, 0].sum())
+                highest = max(highest, int(frames["load_position_actual_value"].max(initial=0)))
+                time.sleep(0.01)  # a program that has other work: it takes ten samples at once
+            took = time.monotonic() - begin
+            figure("python_stream", axes=options.axes, seconds=round(took, 1), samples=samples,
+                   lost=missed, dropped=stream.dropped,
+                   core_percent=round(100 * (time.process_time() - busy) / took, 1))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/release")
+    parser.add_argument("--rounds", type=int, default=9)
+    parser.add_argument("--steps", type=int, default=2000)
+    parser.add_argument("--axes", type=int, default=256)
+    parser.add_argument("--seconds", type=float, default=20)
+    options = parser.parse_args()
+    sys.path.insert(0, str(options.build / "python"))
+    os.environ.setdefault("VDRIVE_SERVICE", str(options.build / "bin/vdrived"))
+    import vdrive
+
+    measure_steps(vdrive, options)
+    measure_stream(vdrive, options)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// One-tick steps of a lock-step bench by the client library: what python_figures.py compares with.
+//
+//   vdrive_step_benchmark DOMAIN STEPS     prints the median and the 99th percentile [us]
+#include <vdrive/client.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <exception>
+#include <iostream>
+#include <string>
+#include <vector>
+
+int main(int argc, char** argv) try {
+  using namespace vdrive::client;
+  using Clock = std::chrono::steady_clock;
+  if (argc != 3) {
+    std::cerr << "usage: vdrive_step_benchmark DOMAIN STEPS\n";
+    return 2;
+  }
+  SessionOptions options;
+  options.domain = static_cast<std::uint32_t>(std::stoul(argv[1]));
+  options.find_timeout = std::chrono::seconds(30);
+  Session session(options);
+  const std::uint32_t bench = session.find_bench().value().number;
+  const std::size_t steps = std::stoul(argv[2]);
+  std::vector<double> times;
+  times.reserve(steps);
+  for (std::size_t i = 0; i < steps; ++i) {
+    const auto begin = Clock::now();
+    static_cast<void>(session.step(bench, 1).value());
+    times.push_back(std::chrono::duration<double, std::micro>(Clock::now() - begin).count());
+  }
+  std::ranges::sort(times);
+  std::cout << times.at(steps / 2) << ' ' << times.at(steps * 99 / 100) << '\n';
+
+} catch (const std::exception& error) {
+  std::cerr << error.what() << '\n';
+  return 1;
+}

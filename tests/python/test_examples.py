@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The examples run, and the picture of the documents is the one that they draw."""
+import pathlib
+import subprocess
+import sys
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+EXAMPLES = ROOT / "clients/python/examples"
+
+
+def run(name, *arguments, cwd=None):
+    done = subprocess.run([sys.executable, str(EXAMPLES / name), *arguments], capture_output=True,
+                          text=True, cwd=cwd)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+def test_the_arm_keeps_its_energy_balance_and_moves_the_same_way_twice():
+    lines = run("two_joint_arm.py").splitlines()
+    assert lines[-1].split()[-1] == lines[-2].split()[-1]
+
+
+def test_the_energy_of_the_arm_belongs_to_its_torques():
+    # Along any smooth motion the power of the torques is the rate of the energy; here the rate is
+    # a difference quotient of the closed form.
+    sys.path.insert(0, str(EXAMPLES))
+    import numpy
+    import two_joint_arm
+
+    arm = two_joint_arm.Arm()
+
+    def angles(t):
+        return numpy.array([numpy.sin(t), 0.5 * numpy.cos(2 * t)])
+
+    def speeds(t):
+        return numpy.array([numpy.cos(t), -numpy.sin(2 * t)])
+
+    def accelerations(t):
+        return numpy.array([-numpy.sin(t), -2 * numpy.cos(2 * t)])
+
+    for t in (0.1, 0.7, 1.9):
+        power = arm.torque(angles(t), speeds(t), accelerations(t)) @ speeds(t)
+        step = 1e-5
+        rate = (arm.energy(angles(t + step), speeds(t + step))
+                - arm.energy(angles(t - step), speeds(t - step))) / (2 * step)
+        assert power == pytest.approx(rate, rel=1e-6)
+
+
+def test_the_plot_of_the_documents_is_what_the_script_draws(tmp_path):
+    matplotlib = pytest.importorskip("matplotlib")
+    run("plot_a_move.py", str(tmp_path / "move.svg"), cwd=tmp_path)
+    drawn = (tmp_path / "move.svg").read_text()
+    shown = (ROOT / "docs/images/python_move.svg").read_text()
+    if f"Matplotlib v{matplotlib.__version__}," not in shown:
+        pytest.skip("the picture was drawn by another version of matplotlib")
+    assert drawn == shown, "run plot_a_move.py docs/images/python_move.svg"
