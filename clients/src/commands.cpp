@@ -31,18 +31,37 @@ Outcome Commands::send_one(SentFrames& sent, const FrameContent& content) {
   const Target& target = sent.target;
   const auto link = connection_.open(target, "commands");
   if (!link) return link.outcome();
-  msg::CommandFrame frame = holdings_.next_frame(target.key);
+  msg::CommandFrame frame = next_frame(target, content);
   const std::uint64_t sequence = frame.sequence_number();
   frame.flags(content.flags | msg::FRAME_WANT_REPLY);
-  frame.apply_at_tick(content.apply_at_tick);
-  frame.valid_until_tick(content.apply_at_tick);
-  frame.axes() = content.commands;
   // Kept before it is sent: the answer may arrive first.
   const msg::CommandFrame& kept =
       unanswered_.add({target.key, sequence}, target.key, std::move(frame));
   sent.sequences.push_back(sequence);
   if (connection_.send(*link, kept)) return {};
   return Outcome::lost(name_of(target) + " accepts no more commands");
+}
+
+msg::CommandFrame Commands::next_frame(const Target& target, const FrameContent& content) {
+  msg::CommandFrame frame = holdings_.next_frame(target.key);
+  frame.flags(content.flags);
+  frame.apply_at_tick(content.apply_at_tick);
+  frame.valid_until_tick(content.apply_at_tick);
+  frame.axes() = content.commands;
+  return frame;
+}
+
+Outcome Commands::send_unawaited(const Target& target, std::span<const FrameContent> frames) {
+  if (!connection_.may_command()) return not_permitted(target);
+  const auto sending = holdings_.lock_sending(target.key.number);
+  const auto link = connection_.open(target, "commands");
+  if (!link) return link.outcome();
+  for (const FrameContent& content : frames) {
+    if (!connection_.send(*link, next_frame(target, content))) {
+      return Outcome::lost(name_of(target) + " accepts no more commands");
+    }
+  }
+  return {};
 }
 
 Applied Commands::collect(const SentFrames& sent, Outcome outcome) {

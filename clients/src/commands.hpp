@@ -44,6 +44,9 @@ class Commands {
   /// sent, also before a failure.
   Outcome send(SentFrames& sent, std::span<const FrameContent> frames);
 
+  /// Sends frames of which only a refusal is answered, and nobody waits for it.
+  Outcome send_unawaited(const Target& target, std::span<const FrameContent> frames);
+
   /// Waits for the answers to these frames. A frame that waits for its tick is answered then.
   /// @param outcome of the sending; when it failed nothing is waited for
   Applied collect(const SentFrames& sent, Outcome outcome);
@@ -54,6 +57,7 @@ class Commands {
 
  private:
   Outcome send_one(SentFrames& sent, const FrameContent& content);
+  msg::CommandFrame next_frame(const Target& target, const FrameContent& content);
   [[nodiscard]] bool is_answered(const SentFrames& sent) const;
   [[nodiscard]] bool is_refused(const SentFrames& sent) const;
 

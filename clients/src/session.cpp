@@ -5,6 +5,7 @@
 #include "each_axis.hpp"
 #include "session_core.hpp"
 #include "vdrive/client/axis.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
 
 namespace vdrive::client {
 namespace {
@@ -43,6 +44,49 @@ Result<msg::Reply> exchange_snapshot(SessionCore& core, std::uint32_t bench, std
   return core.control.exchange(
       *target, std::move(request),
       "snapshot " + (names_one ? std::to_string(snapshot) + " " : "") + "of " + name_of(*target));
+}
+
+void add_target_object(msg::AxisCommand& command, ObjectAddress address, std::int64_t value) {
+  auto& object = command.objects().emplace_back();
+  object.index(address.index);
+  object.subindex(address.subindex);
+  object.value(value);
+}
+
+msg::AxisCommand command_of(const SetPoint& point) {
+  using namespace literals;
+  msg::AxisCommand command;
+  command.axis(point.axis);
+  std::uint16_t members = 0;
+  if (point.mode) {
+    members |= msg::HAS_OP_MODE_CMD;
+    command.op_mode_cmd(static_cast<std::int8_t>(*point.mode));
+  }
+  if (point.position) {
+    members |= msg::HAS_POSITION_USER_TARGET_VALUE;
+    command.position_user_target_value(*point.position);
+  }
+  if (point.velocity) {
+    add_target_object(command, vdrive::describe("target_velocity"_object).address, *point.velocity);
+  }
+  if (point.torque) {
+    add_target_object(command, vdrive::describe("target_torque"_object).address, *point.torque);
+  }
+  if (point.controlword) {
+    members |= msg::HAS_DS402_CONTROLWORD;
+    command.ds402_controlword(*point.controlword);
+  }
+  command.members(members);
+  return command;
+}
+
+FrameContent content_of(const SetPointFrame& frame) {
+  FrameContent content{.commands = {},
+                       .apply_at_tick = frame.tick,
+                       .flags = frame.drops_waiting ? msg::FRAME_CANCEL_PENDING : 0U};
+  content.commands.reserve(frame.axes.size());
+  for (const SetPoint& point : frame.axes) content.commands.push_back(command_of(point));
+  return content;
 }
 
 }  // namespace
@@ -148,6 +192,15 @@ Result<std::vector<KeptSnapshot>> Session::snapshots(std::uint32_t bench) {
 
 Outcome Session::drop_snapshot(std::uint32_t bench, std::uint64_t snapshot) {
   return exchange_snapshot(*core_, bench, msg::REQUEST_DROP_SNAPSHOT, snapshot).outcome();
+}
+
+Outcome Session::send_set_points(std::uint32_t bench, std::span<const SetPointFrame> frames) {
+  const auto target = core_->connection.connect(bench);
+  if (!target) return target.outcome();
+  std::vector<FrameContent> contents;
+  contents.reserve(frames.size());
+  for (const SetPointFrame& frame : frames) contents.push_back(content_of(frame));
+  return core_->commands.send_unawaited(*target, contents);
 }
 
 Result<Observation> Session::observe(std::span<const AxisId> axes) {

@@ -8,18 +8,16 @@ namespace vdrive::wire {
 namespace dds = eprosima::fastdds::dds;
 namespace rtps = eprosima::fastrtps::rtps;
 
-dds::Topic* Participant::Entities::topic(std::string_view name, const dds::TypeSupport& type) {
+dds::Topic* Participant::Entities::topic(const std::string& name, const dds::TypeSupport& type) {
   const std::lock_guard lock(mutex_);
-  const std::string full_name = std::string(kTopicPrefix) + std::string(name);
-  if (auto* const known = participant->lookup_topicdescription(full_name); known != nullptr) {
+  if (auto* const known = participant->lookup_topicdescription(name); known != nullptr) {
     return dynamic_cast<dds::Topic*>(known);
   }
   if (participant->register_type(type) != eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
-    throw NetworkError("DDS refuses the type of topic " + full_name);
+    throw NetworkError("DDS refuses the type of topic " + name);
   }
-  auto* const topic =
-      participant->create_topic(full_name, type.get_type_name(), dds::TOPIC_QOS_DEFAULT);
-  if (topic == nullptr) throw NetworkError("DDS refuses the topic " + full_name);
+  auto* const topic = participant->create_topic(name, type.get_type_name(), dds::TOPIC_QOS_DEFAULT);
+  if (topic == nullptr) throw NetworkError("DDS refuses the topic " + name);
   return topic;
 }
 

@@ -31,9 +31,9 @@ struct Participant::Entities {
   std::optional<Permissions> permissions;  ///< of a closed participant
   std::mutex announcing;                   ///< one change of the announcement at a time
 
-  /// @return the topic `name` (without prefix) with the type `type`, made at its first use.
+  /// @return the topic `name`, in full, with the type `type`, made at its first use.
   /// @throws NetworkError
-  eprosima::fastdds::dds::Topic* topic(std::string_view name,
+  eprosima::fastdds::dds::Topic* topic(const std::string& name,
                                        const eprosima::fastdds::dds::TypeSupport& type);
 
  private:

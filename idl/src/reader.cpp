@@ -12,13 +12,17 @@ namespace dds = eprosima::fastdds::dds;
 
 Reader::Reader(Participant::Entities& parent, TopicId topic, const dds::TypeSupport& type,
                void* data, Deliver deliver)
+    : Reader(parent, std::string(kTopicPrefix) + std::string(traits_of(topic).name), type,
+             reader_qos(traits_of(topic)), data, std::move(deliver)) {}
+
+Reader::Reader(Participant::Entities& parent, const std::string& topic,
+               const dds::TypeSupport& type, const dds::DataReaderQos& qos, void* data,
+               Deliver deliver)
     : data_(data), deliver_(std::move(deliver)), subscriber_(parent.subscriber) {
-  const TopicTraits& traits = traits_of(topic);
-  reader_ =
-      subscriber_->create_datareader(parent.topic(traits.name, type), reader_qos(traits), this);
+  reader_ = subscriber_->create_datareader(parent.topic(topic, type), qos, this);
   if (reader_ == nullptr) {
     throw NetworkError(
-        "DDS refuses a reader on topic " + std::string(traits.name) +
+        "DDS refuses a reader on topic " + topic +
         (parent.permissions ? ": check that the permissions allow this subscription" : ""));
   }
 }

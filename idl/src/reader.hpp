@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <functional>
 #include <mutex>
+#include <string>
 
 namespace vdrive::wire {
 
@@ -25,6 +26,12 @@ class Reader final : public eprosima::fastdds::dds::DataReaderListener {
   /// @throws NetworkError as `Subscription` does
   Reader(Participant::Entities& parent, TopicId topic,
          const eprosima::fastdds::dds::TypeSupport& type, void* data, Deliver deliver);
+
+  /// The same on a topic of another contract.
+  /// @param topic in full
+  Reader(Participant::Entities& parent, const std::string& topic,
+         const eprosima::fastdds::dds::TypeSupport& type,
+         const eprosima::fastdds::dds::DataReaderQos& qos, void* data, Deliver deliver);
   ~Reader() override;  ///< nothing is delivered after this returns
   Reader(const Reader&) = delete;
   Reader& operator=(const Reader&) = delete;

@@ -13,13 +13,17 @@ namespace dds = eprosima::fastdds::dds;
 
 Writer::Writer(Participant::Entities& parent, TopicId topic, const dds::TypeSupport& type,
                std::function<void(const std::vector<Source>&)> observer)
+    : Writer(parent, std::string(kTopicPrefix) + std::string(traits_of(topic).name), type,
+             writer_qos(traits_of(topic)), std::move(observer)) {}
+
+Writer::Writer(Participant::Entities& parent, const std::string& name, const dds::TypeSupport& type,
+               const dds::DataWriterQos& qos,
+               std::function<void(const std::vector<Source>&)> observer)
     : publisher_(parent.publisher), observer_(std::move(observer)) {
-  const TopicTraits& traits = traits_of(topic);
-  const std::string name = std::string(kTopicPrefix) + std::string(traits.name);
   if (parent.permissions && !parent.permissions->may_publish(name)) {
     throw NotPermitted("the permissions of this identity do not allow publishing " + name);
   }
-  writer_ = publisher_->create_datawriter(parent.topic(traits.name, type), writer_qos(traits), this,
+  writer_ = publisher_->create_datawriter(parent.topic(name, type), qos, this,
                                           dds::StatusMask::publication_matched());
   if (writer_ == nullptr) throw NetworkError("DDS refuses a writer on topic " + name);
 }

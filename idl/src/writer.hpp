@@ -9,6 +9,7 @@
 #include <chrono>
 #include <functional>
 #include <mutex>
+#include <string>
 #include <vector>
 
 namespace vdrive::wire {
@@ -20,6 +21,13 @@ class Writer final : public eprosima::fastdds::dds::DataWriterListener {
   /// @throws NotPermitted, NetworkError as `Publication` does
   Writer(Participant::Entities& parent, TopicId topic,
          const eprosima::fastdds::dds::TypeSupport& type,
+         std::function<void(const std::vector<Source>&)> observer = nullptr);
+
+  /// The same on a topic of another contract.
+  /// @param topic in full
+  Writer(Participant::Entities& parent, const std::string& topic,
+         const eprosima::fastdds::dds::TypeSupport& type,
+         const eprosima::fastdds::dds::DataWriterQos& qos,
          std::function<void(const std::vector<Source>&)> observer = nullptr);
   ~Writer() override;
   Writer(const Writer&) = delete;

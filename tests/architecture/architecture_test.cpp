@@ -67,7 +67,8 @@ std::vector<std::string> own_includes(const std::string& text) {
   std::vector<std::string> names;
   for (std::sregex_iterator match(text.begin(), text.end(), pattern), end; match != end; ++match) {
     const std::string name = (*match)[1];
-    if (!name.starts_with("vdrive_messages")) names.push_back(name);
+    if (!name.starts_with("vdrive_messages") && !name.starts_with("ros_messages"))
+      names.push_back(name);
   }
   return names;
 }

@@ -37,6 +37,7 @@ constexpr std::array kPrefixes{
     PrefixRow{"vdrive/wire/", Origin::wire},
     PrefixRow{"vdrive/msg/", Origin::messages},
     PrefixRow{"vdrive_messages", Origin::messages},
+    PrefixRow{"ros_messages", Origin::messages},
     PrefixRow{"vdrive/service/", Origin::elsewhere},  // no header of it is public
     PrefixRow{"vdrive/client/", Origin::client},
     PrefixRow{"vdrive/", Origin::core},

@@ -70,6 +70,23 @@ struct ServiceChange {
   std::string text;                     ///< such as "bench 1 stopped sending 83 ms ago"
 };
 
+/// What a frame of set-points brings to one axis. What is not given stays.
+struct SetPoint {
+  std::uint16_t axis = 0;                      ///< number on the bench
+  std::optional<OperatingMode> mode{};         ///< 6060h
+  std::optional<std::int32_t> position{};      ///< 607Ah [UU]
+  std::optional<std::int32_t> velocity{};      ///< 60FFh [UU/s]
+  std::optional<std::int16_t> torque{};        ///< 6071h [‰ of rated torque]
+  std::optional<std::uint16_t> controlword{};  ///< 6040h, acts last
+};
+
+/// Set-points that are in force in one tick.
+struct SetPointFrame {
+  std::uint64_t tick = 0;        ///< 0 = the next
+  bool drops_waiting = false;    ///< first drops the frames of the session that wait for their tick
+  std::vector<SetPoint> axes{};  ///< at most 256, each once
+};
+
 /// A saved state of all axes of a bench, which the bench keeps.
 struct KeptSnapshot {
   std::uint64_t number = 0;
@@ -207,6 +224,13 @@ class Session {
   /// Forgets a snapshot.
   /// @return refused while time passes, or when there is no such snapshot.
   Outcome drop_snapshot(std::uint32_t bench, std::uint64_t snapshot);
+
+  /// Sends set-points to axes of one bench, which the session holds, in order, and waits for no
+  /// answer: the status shows what became of them, and on_event() reports a refusal. Frames for
+  /// later ticks, up to 10 s ahead and up to 1,024 of all sessions, wait in the bench; one that
+  /// comes too late is refused. Steps no clock.
+  /// @return lost when the bench cannot be reached, refused without permission to command.
+  Outcome send_set_points(std::uint32_t bench, std::span<const SetPointFrame> frames);
 
   /// The present state of some axes of one bench.
   /// @param axes of one bench, in any order; the result has the same order

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "joint_limits.hpp"
+#include "joints.hpp"
+#include "reports.hpp"
+#include "vdrive/client/session.hpp"
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <vector>
+
+namespace vdrive::ros2 {
+
+/// What a bench showed last.
+struct Sight {
+  std::uint64_t tick = 0;
+  std::vector<client::AxisSnapshot> axes;  ///< in the order of the joints
+};
+
+/// A bench as the bridge reaches it: a thread follows its axes, takes control of them, and reads
+/// their limits. Everything that waits for the bench waits there.
+class BenchLink {
+ public:
+  /// @param session outlives the link
+  /// @param notify runs in the thread of the link when there is a new sight
+  BenchLink(client::Session& session, client::BenchInfo info, std::vector<Joint> joints,
+            Reports& reports, std::function<void()> notify);
+  ~BenchLink();
+  BenchLink(const BenchLink&) = delete;
+  BenchLink& operator=(const BenchLink&) = delete;
+
+  [[nodiscard]] const client::BenchInfo& info() const noexcept { return info_; }
+
+  [[nodiscard]] const std::vector<Joint>& joints() const noexcept { return joints_; }
+
+  [[nodiscard]] std::string name() const { return "bench " + std::to_string(info_.number); }
+
+  /// @return [s] of a tick
+  [[nodiscard]] double period() const noexcept;
+
+  /// @return the newest sight; none while the bench is silent.
+  [[nodiscard]] std::shared_ptr<const Sight> sight() const;
+
+  /// @return drive time over wall time; 1 where time does not pass by itself.
+  [[nodiscard]] double rate() const noexcept { return rate_; }
+
+  void set_rate(double rate) noexcept { rate_ = rate; }
+
+  /// Takes control of all axes as soon as it can, and again when it was lost, or gives them back.
+  void want_control(bool wanted);
+
+  /// @return the limits of all joints; none before they were read.
+  [[nodiscard]] std::shared_ptr<const std::vector<JointLimits>> limits() const;
+
+  /// Reads the limits anew. @return a number that limits_read() reaches then.
+  std::uint64_t ask_limits();
+
+  [[nodiscard]] std::uint64_t limits_read() const noexcept { return limits_read_; }
+
+ private:
+  void run(const std::stop_token& stop);
+  bool open_follower();
+  void follow();
+  void show(client::Observation&& observation);
+  void take_control();
+  [[nodiscard]] bool is_held(const Sight& sight) const;
+  void read_limits();
+  [[nodiscard]] std::optional<JointLimits> limits_of(client::Axis& axis, const Joint& joint) const;
+  void rest(std::chrono::milliseconds duration, const std::stop_token& stop);
+
+  client::Session& session_;
+  const client::BenchInfo info_;
+  const std::vector<Joint> joints_;
+  Reports& reports_;
+  const std::function<void()> notify_;
+  std::vector<client::AxisId> ids_;
+  std::vector<client::Axis> axes_;
+  std::optional<client::Follower> follower_;
+  std::chrono::steady_clock::time_point limits_due_{};
+  std::chrono::steady_clock::time_point control_due_{};
+  std::atomic<double> rate_ = 1.0;
+  std::atomic<bool> wants_control_ = false;
+  std::atomic<std::uint64_t> limits_asked_ = 0;
+  std::atomic<std::uint64_t> limits_read_ = 0;
+  mutable std::mutex mutex_;  ///< guards what follows
+  std::shared_ptr<const Sight> sight_;
+  std::shared_ptr<const std::vector<JointLimits>> limits_;
+  std::condition_variable_any woken_;
+  std::jthread thread_;
+};
+
+}  // namespace vdrive::ros2

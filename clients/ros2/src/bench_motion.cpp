@@ -1,0 +1,561 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench_motion.hpp"
+
+#include "vdrive/cia402/controlword.hpp"
+#include "vdrive/cia402/power_state.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace vdrive::ros2 {
+namespace {
+
+using client::ClockMode;
+using std::chrono::milliseconds;
+
+// How far ahead of the bench set-points are sent [s of wall time]: a trajectory outlasts a pause of
+// the machine, and positions that come from time to time are late by no more than needed.
+constexpr double kAheadOnTrajectory = 0.15;
+constexpr double kAheadOnTrack = 0.015;
+constexpr double kLead = 0.008;  // to the first tick that a new set-point can reach
+
+// In lock-step no time passes by itself: ticks that a step may have.
+constexpr std::uint64_t kTrajectoryTicks = 100;
+constexpr std::uint64_t kTrackTicks = 20;
+
+// A bench keeps 1,024 frames of all its clients.
+constexpr std::uint64_t kMostAhead = 400;
+
+// The line to a position takes longer than the position was awaited: one that is late by this part
+// of the interval stops nothing.
+constexpr double kMargin = 0.5;
+constexpr double kShortestMargin = 0.004;  // [s]
+constexpr double kLongestInterval = 0.1;
+constexpr double kFirstInterval = 0.01;
+
+constexpr milliseconds kRepeatWords{500};
+constexpr std::size_t kAxesOfFrame = 256;
+
+bool is_enabled(const client::AxisSnapshot& axis) {
+  return axis.state() == PowerState::operation_enabled;
+}
+
+/// @return frames with no more axes than a bench takes.
+std::vector<client::SetPointFrame> divided(const std::vector<client::SetPointFrame>& frames) {
+  std::vector<client::SetPointFrame> parts;
+  parts.reserve(frames.size());
+  for (const client::SetPointFrame& frame : frames) {
+    for (std::size_t begin = 0; begin < frame.axes.size(); begin += kAxesOfFrame) {
+      const auto first = frame.axes.begin() + static_cast<std::ptrdiff_t>(begin);
+      const auto count = std::min(kAxesOfFrame, frame.axes.size() - begin);
+      parts.push_back({.tick = frame.tick,
+                       .drops_waiting = frame.drops_waiting && begin == 0,
+                       .axes = {first, first + static_cast<std::ptrdiff_t>(count)}});
+    }
+  }
+  return parts;
+}
+
+bool is_in_fault(const client::AxisSnapshot& axis) {
+  return axis.state() == PowerState::fault || axis.state() == PowerState::fault_reaction_active;
+}
+
+}  // namespace
+
+std::string_view to_string(Duty duty) noexcept {
+  constexpr std::array<std::string_view, 6> kNames{"none",       "hold",     "track",
+                                                   "trajectory", "velocity", "effort"};
+  return kNames[static_cast<std::size_t>(duty)];
+}
+
+BenchMotion::BenchMotion(client::Session& session, BenchLink& link, Reports& reports,
+                         double command_timeout)
+    : session_(session),
+      link_(link),
+      reports_(reports),
+      command_timeout_(command_timeout),
+      plans_(link.joints().size()),
+      to_enable_(link.joints().size()),
+      was_in_fault_(link.joints().size()) {}
+
+// ---- time ------------------------------------------------------------------------------------
+
+/// @return wall time in ticks of the bench.
+std::uint64_t BenchMotion::ticks(double seconds) const {
+  const double count = std::ceil(seconds * link_.rate() / link_.period());
+  return static_cast<std::uint64_t>(std::clamp(count, 1.0, static_cast<double>(kMostAhead)));
+}
+
+std::uint64_t BenchMotion::lead() const {
+  return link_.info().clock_mode == ClockMode::lockstep ? 1 : ticks(kLead);
+}
+
+std::uint64_t BenchMotion::window() const {
+  const bool is_long = std::ranges::any_of(plans_, [](const Plan& plan) {
+    return plan.duty == Duty::trajectory;
+  });
+  if (link_.info().clock_mode == ClockMode::lockstep) {
+    return is_long ? kTrajectoryTicks : kTrackTicks;
+  }
+  return ticks(is_long ? kAheadOnTrajectory : kAheadOnTrack);
+}
+
+bool BenchMotion::positions_are_due() const {
+  return std::ranges::any_of(plans_, [](const Plan& plan) {
+    return plan.duty == Duty::track || plan.duty == Duty::trajectory;
+  });
+}
+
+std::uint64_t BenchMotion::begin_tick(std::uint64_t wanted) {
+  if (positions_are_due()) return sent_until_;
+  sent_until_ = std::max(sent_until_, sight_->tick + lead() - 1);
+  const bool is_lockstep = link_.info().clock_mode == ClockMode::lockstep;
+  const std::uint64_t ahead = is_lockstep ? kTrajectoryTicks / 2 : ticks(kAheadOnTrajectory);
+  if (wanted > sent_until_ && wanted <= sight_->tick + ahead) sent_until_ = wanted;
+  return sent_until_;
+}
+
+// ---- power -----------------------------------------------------------------------------------
+
+void BenchMotion::want_enabled(bool wanted, bool resets_faults) {
+  wants_enabled_ = wanted;
+  resets_faults_ = wanted && resets_faults;
+  to_enable_.assign(plans_.size(), wanted);
+  had_control_ = false;
+  has_lost_control_ = false;
+  attempts_ = 0;
+  words_due_ = {};
+  words_tick_ = 0;
+}
+
+bool BenchMotion::is_disabled() const {
+  if (!sight_) return true;
+  return std::ranges::none_of(sight_->axes, [this](const client::AxisSnapshot& axis) {
+    return is_enabled(axis) && axis.owner_session == session_.id();
+  });
+}
+
+std::string BenchMotion::obstacle(std::size_t place) const {
+  if (!wants_enabled_) return "is not enabled: publish true on the topic enable, or use --enable";
+  if (!sight_) return "is on a bench that is silent";
+  if (!limits_) return "has limits that are not known yet";
+  const client::AxisSnapshot& axis = sight_->axes[place];
+  if (axis.owner_session != session_.id()) return "is controlled by another session";
+  if (!is_enabled(axis)) return client::what_it_shows(axis);
+  return {};
+}
+
+void BenchMotion::tell_faults() {
+  for (std::size_t i = 0; i < plans_.size(); ++i) {
+    const client::AxisSnapshot& axis = sight_->axes[i];
+    const bool is_fault = is_in_fault(axis);
+    if (is_fault && !was_in_fault_[i]) {
+      reports_.tell(Severity::error, name_of(i), client::what_it_shows(axis));
+    }
+    was_in_fault_[i] = is_fault;
+  }
+}
+
+void BenchMotion::power(Clock::time_point now) {
+  if (wants_enabled_) {
+    const bool all_held = std::ranges::all_of(sight_->axes, [this](const auto& axis) {
+      return axis.owner_session == session_.id();
+    });
+    keep_control(all_held);
+    if (all_held) enable(now);
+  } else if (was_enabled_) {
+    disable();
+  }
+}
+
+/// Control that another session has taken is taken back when it is wanted anew.
+void BenchMotion::keep_control(bool all_held) {
+  if (had_control_ && !all_held && !has_lost_control_) {
+    has_lost_control_ = true;
+    reports_.tell(Severity::error, link_.name(),
+                  "control of its axes is lost: publish true on enable to take it again");
+  }
+  had_control_ = had_control_ || all_held;
+  link_.want_control(!has_lost_control_);
+}
+
+std::vector<std::uint16_t> BenchMotion::enabling_words(const client::AxisSnapshot& axis) const {
+  using namespace controlwords;
+  switch (axis.state()) {
+    case PowerState::fault:
+      if (!resets_faults_) return {};
+      return {Controlword::kFaultReset, kShutdown, kSwitchOn, kEnableOperation};
+    case PowerState::switch_on_disabled:
+    case PowerState::ready_to_switch_on:
+    case PowerState::switched_on:
+      return {kDisableVoltage, kShutdown, kSwitchOn, kEnableOperation};
+    case PowerState::quick_stop_active:
+      return {kEnableOperation, kEnableOperation, kEnableOperation, kEnableOperation};
+    default:
+      return {};
+  }
+}
+
+void BenchMotion::enable(Clock::time_point now) {
+  constexpr std::size_t kWords = 4;
+  constexpr int kMostAttempts = 10;
+  if (now < words_due_ || sight_->tick == words_tick_) return;
+  std::vector<client::SetPointFrame> frames(kWords);
+  for (std::size_t i = 0; i < plans_.size(); ++i) {
+    const client::AxisSnapshot& axis = sight_->axes[i];
+    const bool is_hopeless = axis.state() == PowerState::fault && !resets_faults_;
+    if (is_enabled(axis) || is_hopeless) to_enable_[i] = false;
+    if (!to_enable_[i]) continue;
+    const auto words = enabling_words(axis);
+    for (std::size_t word = 0; word < words.size(); ++word) {
+      frames[word].axes.push_back({.axis = axis_number(i), .controlword = words[word]});
+    }
+  }
+  resets_faults_ = false;
+  if (frames.front().axes.empty()) return;
+  if (++attempts_ > kMostAttempts) {
+    to_enable_.assign(plans_.size(), false);
+    reports_.tell(Severity::error, link_.name(), "its axes cannot be enabled");
+    return;
+  }
+  was_enabled_ = true;
+  words_due_ = now + kRepeatWords;
+  words_tick_ = sight_->tick;
+  (void)send(frames);
+}
+
+void BenchMotion::disable() {
+  if (is_disabled()) {
+    was_enabled_ = false;
+    link_.want_control(false);
+    return;
+  }
+  if (sight_->tick == words_tick_) return;
+  words_tick_ = sight_->tick;
+  client::SetPointFrame frame{.drops_waiting = true};
+  for (std::size_t i = 0; i < plans_.size(); ++i) {
+    plans_[i] = {};
+    const client::AxisSnapshot& axis = sight_->axes[i];
+    if (axis.owner_session != session_.id() || !is_enabled(axis)) continue;
+    frame.axes.push_back({.axis = axis_number(i), .controlword = controlwords::kShutdown});
+  }
+  (void)send({frame});
+}
+
+// ---- commands --------------------------------------------------------------------------------
+
+std::int32_t BenchMotion::user_units(std::size_t place, double value) const {
+  return static_cast<std::int32_t>(std::llround(value / link_.joints()[place].si_per_user_unit));
+}
+
+JointMotion BenchMotion::motion(std::size_t place) const {
+  const Plan& plan = plans_[place];
+  const double unit = link_.joints()[place].si_per_user_unit;
+  const AxisStatus& status = sight_->axes[place].status;
+  switch (plan.duty) {
+    case Duty::hold:
+      return {plan.position, 0.0, 0.0};
+    case Duty::track:
+      return plan.tracker->now();
+    case Duty::trajectory: {
+      const double ticks = static_cast<double>(sent_until_) - static_cast<double>(plan.begin);
+      return plan.path->at(ticks * link_.period());
+    }
+    case Duty::velocity:
+    case Duty::effort:
+      return {status.load_position_actual_value * unit, status.load_velocity_actual_value * unit,
+              0.0};
+    default:
+      return {status.position_demand_value * unit, status.velocity_demand_value * unit, 0.0};
+  }
+}
+
+std::string BenchMotion::check_value(std::size_t place, const JointCommand& command) const {
+  constexpr double kHighest = 2147483647.0;
+  const JointLimits& limits = (*limits_)[place];
+  const Joint& joint = link_.joints()[place];
+  const std::string what = std::string(to_string(command.interface)) + " " +
+                           text_of(command.value) + " " + joint.unit_name();
+  if (command.interface == Interface::position) {
+    if (command.value < limits.lower || command.value > limits.upper) {
+      return what + " is beyond the limits " + text_of(limits.lower) + " to " +
+             text_of(limits.upper);
+    }
+    if (std::abs(command.value / joint.si_per_user_unit) > kHighest) {
+      return what + " is beyond what the drive can count";
+    }
+    return limits.ramp > 0.0 && limits.velocity > 0.0
+               ? ""
+               : "has a limit of speed or a ramp of 0, which allows no motion";
+  }
+  const bool is_velocity = command.interface == Interface::velocity;
+  const double limit = is_velocity ? limits.velocity : limits.effort;
+  if (std::abs(command.value) <= limit) return {};
+  return std::string(to_string(command.interface)) + " " + text_of(command.value) +
+         " is above the limit " + text_of(limit);
+}
+
+void BenchMotion::command(const JointCommand& command) {
+  const std::size_t place = command.joint.place;
+  Plan& plan = plans_[place];
+  std::string problem = obstacle(place);
+  if (problem.empty() && plan.duty == Duty::trajectory) problem = "follows a trajectory";
+  if (problem.empty()) problem = check_value(place, command);
+  if (!problem.empty()) {
+    reports_.tell(Severity::warning, name_of(place), problem + ": the command is ignored");
+    return;
+  }
+  plan.is_lost = false;
+  switch (command.interface) {
+    case Interface::position:
+      track(place, command);
+      break;
+    case Interface::velocity:
+      set_free(place, Duty::velocity, command.value);
+      break;
+    case Interface::effort:
+      set_free(place, Duty::effort, command.value);
+      break;
+  }
+  plan.commanded_at = sight_->tick;
+}
+
+void BenchMotion::track(std::size_t place, const JointCommand& command) {
+  Plan& plan = plans_[place];
+  double passed = kLongestInterval;
+  if (plan.duty == Duty::track) {
+    passed = static_cast<double>(sight_->tick - plan.commanded_at) * link_.period();
+  } else {
+    if (plan.duty == Duty::hold && plan.position == command.value) return;  // it is there
+    (void)begin_tick();
+    plan.tracker.emplace(motion(place));
+    plan.needs_mode = plan.duty != Duty::hold;
+    plan.duty = Duty::track;
+  }
+  if (passed < kLongestInterval) {
+    constexpr double kShare = 0.25;
+    plan.interval += kShare * (std::max(passed, link_.period()) - plan.interval);
+  } else if (plan.interval == 0.0) {
+    plan.interval = kFirstInterval;
+  }
+  plan.tracker->go_to(command.value,
+                      plan.interval + std::max(kShortestMargin, kMargin * plan.interval));
+}
+
+void BenchMotion::set_free(std::size_t place, Duty duty, double value) {
+  Plan& plan = plans_[place];
+  const bool changes = plan.duty != duty;
+  plan.is_due = plan.is_due || changes || plan.value != value;
+  plan.needs_mode = plan.needs_mode || changes;
+  plan.duty = duty;
+  plan.value = value;
+}
+
+void BenchMotion::stop_free_joints(const std::string& reason) {
+  for (std::size_t i = 0; i < plans_.size(); ++i) {
+    const Plan& plan = plans_[i];
+    const bool moves =
+        plan.duty == Duty::effort || (plan.duty == Duty::velocity && plan.value != 0.0);
+    if (!moves) continue;
+    reports_.tell(Severity::warning, name_of(i), reason + ": it brakes");
+    set_free(i, Duty::velocity, 0.0);
+  }
+}
+
+void BenchMotion::follow(std::size_t place, std::shared_ptr<const JointPath> path,
+                         std::uint64_t begin, std::uint64_t number) {
+  Plan& plan = plans_[place];
+  plan.needs_mode = plan.duty == Duty::none || plan.duty == Duty::velocity ||
+                    plan.duty == Duty::effort || plan.needs_mode;
+  plan.duty = Duty::trajectory;
+  plan.tracker.reset();
+  plan.path = std::move(path);
+  plan.begin = begin;
+  plan.trajectory = number;
+  plan.commanded_at = sight_->tick;
+}
+
+void BenchMotion::brake(std::uint64_t number) {
+  for (std::size_t i = 0; i < plans_.size(); ++i) {
+    Plan& plan = plans_[i];
+    if (plan.duty != Duty::trajectory || plan.trajectory != number || !sight_ || !limits_) continue;
+    plan.tracker.emplace(motion(i));
+    plan.tracker->stop((*limits_)[i]);
+    plan.duty = Duty::track;
+    plan.path.reset();
+  }
+}
+
+bool BenchMotion::follows(std::uint64_t number) const {
+  return std::ranges::any_of(plans_, [number](const Plan& plan) {
+    return plan.duty == Duty::trajectory && plan.trajectory == number;
+  });
+}
+
+// ---- each turn -------------------------------------------------------------------------------
+
+std::vector<BrokenTrajectory> BenchMotion::update(Clock::time_point now) {
+  std::vector<BrokenTrajectory> broken;
+  auto seen = link_.sight();
+  if (!seen) {
+    if (sight_) drop_plans(link_.name() + " fell silent", broken);
+    sight_.reset();
+    return broken;
+  }
+  if (sight_ && seen->tick < sight_->tick) drop_plans(link_.name() + " began anew", broken);
+  sight_ = std::move(seen);
+  limits_ = link_.limits();
+  tell_faults();
+  check_enabled(broken);
+  power(now);
+  check_timeouts();
+  catch_up(broken);
+  send_positions();
+  send_free();
+  return broken;
+}
+
+/// The bench dropped the set-points that wait, or will hold where they end.
+void BenchMotion::drop_plans(const std::string& reason, std::vector<BrokenTrajectory>& broken) {
+  for (Plan& plan : plans_) {
+    if (plan.duty == Duty::trajectory) {
+      broken.push_back({.number = plan.trajectory, .reason = reason});
+    }
+    plan = {};
+  }
+  sent_until_ = 0;
+}
+
+void BenchMotion::check_enabled(std::vector<BrokenTrajectory>& broken) {
+  for (std::size_t i = 0; i < plans_.size(); ++i) {
+    if (plans_[i].duty == Duty::none) continue;
+    const std::string problem = wants_enabled_ ? obstacle(i) : "is disabled";
+    if (problem.empty()) continue;
+    drop_plans(name_of(i) + " " + problem, broken);
+    return;
+  }
+}
+
+void BenchMotion::check_timeouts() {
+  if (command_timeout_ <= 0.0) return;
+  for (std::size_t i = 0; i < plans_.size(); ++i) {
+    Plan& plan = plans_[i];
+    const bool is_fed =
+        plan.duty == Duty::track || plan.duty == Duty::velocity || plan.duty == Duty::effort;
+    const double passed = static_cast<double>(sight_->tick - plan.commanded_at) * link_.period();
+    if (!is_fed || plan.is_lost || passed <= command_timeout_) continue;
+    const bool rests = plan.duty == Duty::velocity && plan.value == 0.0;
+    if (!rests) {
+      reports_.tell(Severity::warning, name_of(i),
+                    "no command for " + text_of(command_timeout_) + " s: it brakes");
+    }
+    if (plan.duty == Duty::track) {
+      plan.tracker->stop((*limits_)[i]);
+    } else {
+      set_free(i, Duty::velocity, 0.0);
+    }
+    plan.is_lost = true;
+  }
+}
+
+/// Where the bench has passed the last set-point that it has it holds: what follows begins anew.
+void BenchMotion::catch_up(std::vector<BrokenTrajectory>& broken) {
+  if (!positions_are_due() || sight_->tick <= sent_until_) return;
+  const std::string reason = link_.name() + " was " + std::to_string(sight_->tick - sent_until_) +
+                             " ticks ahead of its set-points";
+  for (std::size_t i = 0; i < plans_.size(); ++i) {
+    Plan& plan = plans_[i];
+    if (plan.duty == Duty::trajectory) {
+      broken.push_back({.number = plan.trajectory, .reason = reason});
+      plan = {.duty = Duty::hold, .position = motion(i).position, .needs_mode = false};
+    } else if (plan.duty == Duty::track) {
+      plan.tracker->rest();
+    }
+  }
+  sent_until_ = sight_->tick + lead() - 1;
+}
+
+void BenchMotion::add_point(std::size_t place, std::uint64_t tick, client::SetPointFrame& frame) {
+  Plan& plan = plans_[place];
+  client::SetPoint point{.axis = axis_number(place)};
+  bool ends = false;
+  if (plan.duty == Duty::track) {
+    plan.position = plan.tracker->step(link_.period(), (*limits_)[place]).position;
+    ends = plan.tracker->is_at_rest();
+  } else {
+    const double time =
+        (static_cast<double>(tick) - static_cast<double>(plan.begin)) * link_.period();
+    plan.position = plan.path->at(time).position;
+    ends = time >= plan.path->duration();
+  }
+  point.position = user_units(place, plan.position);
+  if (std::exchange(plan.needs_mode, false)) {
+    point.mode = OperatingMode::cyclic_synchronous_position;
+  }
+  frame.axes.push_back(point);
+  if (!ends) return;
+  plan.duty = Duty::hold;
+  plan.tracker.reset();
+  plan.path.reset();
+}
+
+void BenchMotion::send_positions() {
+  std::vector<client::SetPointFrame> frames;
+  const std::uint64_t last = sight_->tick + window();
+  while (positions_are_due() && sent_until_ < last) {
+    ++sent_until_;
+    client::SetPointFrame frame{.tick = sent_until_};
+    for (std::size_t i = 0; i < plans_.size(); ++i) {
+      const Duty duty = plans_[i].duty;
+      if (duty == Duty::track || duty == Duty::trajectory) add_point(i, sent_until_, frame);
+    }
+    frames.push_back(std::move(frame));
+  }
+  (void)send(frames);
+}
+
+/// Velocities and torques act at once; behind positions that are on their way.
+void BenchMotion::send_free() {
+  client::SetPointFrame frame{.tick = sent_until_ > sight_->tick ? sent_until_ + 1 : 0};
+  for (std::size_t i = 0; i < plans_.size(); ++i) {
+    Plan& plan = plans_[i];
+    if (!std::exchange(plan.is_due, false)) continue;
+    client::SetPoint point{.axis = axis_number(i)};
+    const bool is_velocity = plan.duty == Duty::velocity;
+    if (is_velocity) {
+      point.velocity = user_units(i, plan.value);
+    } else {
+      point.torque =
+          static_cast<std::int16_t>(std::lround(plan.value / (*limits_)[i].effort_per_mille));
+    }
+    if (std::exchange(plan.needs_mode, false)) {
+      point.mode = is_velocity ? OperatingMode::profile_velocity : OperatingMode::profile_torque;
+    }
+    frame.axes.push_back(point);
+  }
+  if (!frame.axes.empty()) (void)send({frame});
+}
+
+bool BenchMotion::send(const std::vector<client::SetPointFrame>& frames) {
+  if (frames.empty()) return true;
+  const bool is_small = plans_.size() <= kAxesOfFrame;
+  const client::Outcome sent =
+      session_.send_set_points(link_.info().number, is_small ? frames : divided(frames));
+  if (!sent) reports_.tell(Severity::error, link_.name(), sent.message());
+  return static_cast<bool>(sent);
+}
+
+std::vector<Duty> BenchMotion::duties() const {
+  std::vector<Duty> duties;
+  duties.reserve(plans_.size());
+  for (const Plan& plan : plans_) duties.push_back(plan.duty);
+  return duties;
+}
+
+bool BenchMotion::is_busy() const {
+  return positions_are_due();
+}
+
+}  // namespace vdrive::ros2

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "bench_link.hpp"
+#include "joint_path.hpp"
+#include "joint_tracker.hpp"
+#include "requests.hpp"
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vdrive::ros2 {
+
+/// What a joint does for the bridge.
+enum class Duty : std::uint8_t {
+  none,        ///< nothing was commanded since it was enabled
+  hold,        ///< stays where the last command ended
+  track,       ///< follows positions that come from time to time
+  trajectory,  ///< follows a trajectory
+  velocity,
+  effort,
+};
+
+/// @return such as "trajectory".
+[[nodiscard]] std::string_view to_string(Duty duty) noexcept;
+
+/// A trajectory that ended before its time.
+struct BrokenTrajectory {
+  std::uint64_t number = 0;
+  std::string reason;
+};
+
+/// Moves the joints of one bench: what each of them does in the ticks to come. The set-points of a
+/// tick go to the bench some time before it, and what was sent stays: a new command begins behind
+/// it. For one thread.
+class BenchMotion {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  /// @param link outlives this
+  BenchMotion(client::Session& session, BenchLink& link, Reports& reports, double command_timeout);
+
+  [[nodiscard]] BenchLink& link() noexcept { return link_; }
+
+  [[nodiscard]] const BenchLink& link() const noexcept { return link_; }
+
+  // ---- power
+
+  /// Takes control and enables all axes, or disables those that it has enabled.
+  /// @param resets_faults also of axes in a fault, once
+  void want_enabled(bool wanted, bool resets_faults);
+
+  [[nodiscard]] bool wants_enabled() const noexcept { return wants_enabled_; }
+
+  /// @return whether no axis that this session holds is enabled.
+  [[nodiscard]] bool is_disabled() const;
+
+  /// @return why the joint cannot be commanded now; empty when it can.
+  [[nodiscard]] std::string obstacle(std::size_t place) const;
+
+  // ---- commands
+
+  /// Carries out a command, or tells why not.
+  void command(const JointCommand& command);
+
+  /// Brakes the joints that velocity or effort move: nobody commands them any more.
+  void stop_free_joints(const std::string& reason);
+
+  /// @param wanted a later tick, taken when it is near and no set-points are on their way
+  /// @return the last tick that set-points were sent for: a new path begins there. Only with a
+  ///         sight.
+  [[nodiscard]] std::uint64_t begin_tick(std::uint64_t wanted = 0);
+
+  /// @return how the joint moves in the begin_tick().
+  [[nodiscard]] JointMotion motion(std::size_t place) const;
+
+  /// Starts a path at `begin`, which is the begin_tick().
+  /// @param number of the trajectory
+  void follow(std::size_t place, std::shared_ptr<const JointPath> path, std::uint64_t begin,
+              std::uint64_t number);
+
+  /// Brakes the joints that follow this trajectory.
+  void brake(std::uint64_t number);
+
+  /// @return the number of the trajectory that the joint follows, 0 = none.
+  [[nodiscard]] std::uint64_t trajectory_of(std::size_t place) const {
+    return plans_[place].duty == Duty::trajectory ? plans_[place].trajectory : 0;
+  }
+
+  /// @return whether a joint follows this trajectory.
+  [[nodiscard]] bool follows(std::uint64_t number) const;
+
+  // ---- each turn
+
+  /// Looks at the bench and sends what is due. @return the trajectories that ended before time.
+  std::vector<BrokenTrajectory> update(Clock::time_point now);
+
+  [[nodiscard]] std::vector<Duty> duties() const;
+
+  /// @return what the last update() looked at; none while the bench is silent.
+  [[nodiscard]] const std::shared_ptr<const Sight>& sight() const noexcept { return sight_; }
+
+  /// @return whether set-points have to be sent again soon.
+  [[nodiscard]] bool is_busy() const;
+
+ private:
+  struct Plan {
+    Duty duty = Duty::none;
+    double position = 0.0;  ///< hold [rad or m]
+    double value = 0.0;     ///< velocity and effort [SI]
+    std::optional<JointTracker> tracker{};
+    std::shared_ptr<const JointPath> path{};
+    std::uint64_t begin = 0;         ///< tick of the path's time 0
+    std::uint64_t trajectory = 0;    ///< number
+    std::uint64_t commanded_at = 0;  ///< tick of the last command
+    double interval = 0.0;           ///< [s] between commands, as they come
+    bool needs_mode = true;          ///< the next set-point sets the mode of operation
+    bool is_due = false;             ///< velocity and effort: to be sent
+    bool is_lost = false;            ///< no command came for too long, and that was told
+  };
+
+  void drop_plans(const std::string& reason, std::vector<BrokenTrajectory>& broken);
+  void tell_faults();
+  void power(Clock::time_point now);
+  void keep_control(bool all_held);
+  void enable(Clock::time_point now);
+  void disable();
+  [[nodiscard]] std::vector<std::uint16_t> enabling_words(const client::AxisSnapshot& axis) const;
+  void check_enabled(std::vector<BrokenTrajectory>& broken);
+  void check_timeouts();
+  void catch_up(std::vector<BrokenTrajectory>& broken);
+  void send_positions();
+  void send_free();
+  void add_point(std::size_t place, std::uint64_t tick, client::SetPointFrame& frame);
+  bool send(const std::vector<client::SetPointFrame>& frames);
+  void track(std::size_t place, const JointCommand& command);
+  void set_free(std::size_t place, Duty duty, double value);
+  [[nodiscard]] std::string check_value(std::size_t place, const JointCommand& command) const;
+  [[nodiscard]] bool positions_are_due() const;
+  [[nodiscard]] std::uint64_t ticks(double seconds) const;
+  [[nodiscard]] std::uint64_t lead() const;
+  [[nodiscard]] std::uint64_t window() const;
+
+  [[nodiscard]] std::uint16_t axis_number(std::size_t place) const {
+    return link_.joints()[place].axis.axis;
+  }
+
+  [[nodiscard]] std::int32_t user_units(std::size_t place, double value) const;
+
+  [[nodiscard]] std::string name_of(std::size_t place) const {
+    return "joint " + link_.joints()[place].name;
+  }
+
+  client::Session& session_;
+  BenchLink& link_;
+  Reports& reports_;
+  const double command_timeout_;
+  std::vector<Plan> plans_;
+  std::shared_ptr<const Sight> sight_;
+  std::shared_ptr<const std::vector<JointLimits>> limits_;
+  std::uint64_t sent_until_ = 0;  ///< tick
+  bool wants_enabled_ = false;
+  bool resets_faults_ = false;
+  bool was_enabled_ = false;  ///< by this bridge
+  bool had_control_ = false;  ///< of all axes, since it is wanted
+  bool has_lost_control_ = false;
+  std::vector<bool> to_enable_;  ///< axes that have not been enabled since it was wanted
+  int attempts_ = 0;
+  Clock::time_point words_due_{};
+  std::uint64_t words_tick_ = 0;
+  std::vector<bool> was_in_fault_;
+};
+
+}  // namespace vdrive::ros2

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bridge.hpp"
+
+#include "vdrive/client/event.hpp"
+
+namespace vdrive::ros2 {
+namespace {
+
+wire::NetworkSettings network_of(const Settings& settings) {
+  const client::SessionOptions& session = settings.session;
+  return {.domain = session.domain.value_or(client::default_domain()),
+          .interfaces = session.interfaces,
+          .peers = session.peers,
+          .discovery_servers = session.discovery_servers};
+}
+
+}  // namespace
+
+Bridge::Bridge(const Settings& settings)
+    : participant_(network_of(settings), "vdrive ros2"),
+      session_(settings.session),
+      reports_(participant_, settings.topics.rosout),
+      controller_(session_, settings, reports_, board_),
+      publisher_(participant_, settings, board_),
+      commands_(participant_, settings.topics.joint_commands,
+                [this](const wire::ros::JointState& message) {
+                  controller_.take(message);
+                }),
+      trajectories_(participant_, settings.topics.joint_trajectory,
+                    [this](const wire::ros::JointTrajectory& message) {
+                      controller_.take(message);
+                    }),
+      enable_(participant_, settings.topics.enable, [this](const wire::ros::Bool& message) {
+        controller_.take(message);
+      }) {
+  session_.on_event([this](const client::Event& event) {
+    if (event.kind != client::EventKind::refused || event.session != session_.id()) return;
+    reports_.tell(Severity::warning, "bench " + std::to_string(event.bench),
+                  "a command was refused: " + event.text);
+  });
+  controller_.set_writers([this] {
+    return commands_.matched();
+  });
+}
+
+Bridge::~Bridge() {
+  session_.on_event({});
+  controller_.set_writers({});
+}
+
+}  // namespace vdrive::ros2

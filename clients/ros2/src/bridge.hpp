@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "controller.hpp"
+#include "joint_publisher.hpp"
+
+namespace vdrive::ros2 {
+
+/// Everything between the benches and ROS: one session towards the benches, one participant towards
+/// ROS.
+class Bridge {
+ public:
+  /// @throws std::runtime_error when DDS cannot be set up.
+  explicit Bridge(const Settings& settings);
+  ~Bridge();
+  Bridge(const Bridge&) = delete;
+  Bridge& operator=(const Bridge&) = delete;
+
+ private:
+  wire::Participant participant_;
+  client::Session session_;
+  Reports reports_;
+  Board board_;
+  Controller controller_;
+  JointPublisher publisher_;
+  wire::ros::Subscription<wire::ros::JointState> commands_;
+  wire::ros::Subscription<wire::ros::JointTrajectory> trajectories_;
+  wire::ros::Subscription<wire::ros::Bool> enable_;
+};
+
+}  // namespace vdrive::ros2

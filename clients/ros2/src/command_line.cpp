@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "command_line.hpp"
+
+#include "bridge.hpp"
+#include "vdrive/text.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <csignal>
+#include <exception>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <string>
+
+namespace vdrive::ros2 {
+namespace {
+
+constexpr int kDone = 0;
+constexpr int kFailed = 1;
+constexpr int kUsage = 2;
+constexpr std::chrono::seconds kFind{1};
+constexpr std::chrono::seconds kFindClosed{5};
+
+struct Arguments {
+  Settings settings;
+  std::string file;
+  std::string name_space;
+  std::optional<double> rate;
+  std::vector<std::uint32_t> benches;
+  bool enable = false;
+  bool prefix = false;
+  bool only_checks = false;
+};
+
+void declare(CLI::App& app, Arguments& arguments) {
+  client::SessionOptions& session = arguments.settings.session;
+  app.set_version_flag("--version", std::string("vdrive-ros2 ") + VDRIVE_VERSION);
+  app.add_option("--domain", session.domain, "DDS domain, 0 to 232; ROS_DOMAIN_ID of the nodes")
+      ->check(CLI::Range(0, 232))
+      ->type_name("N");
+  app.add_option("--bench", arguments.benches, "Serve this bench; may be repeated; default: all")
+      ->check(CLI::Range(1, 65'535))
+      ->type_name("N");
+  app.add_option("--namespace", arguments.name_space, "Before the names of topics, such as /cell1")
+      ->type_name("NAME");
+  app.add_flag("--enable", arguments.enable,
+               "Enable the axes of each bench that is found; default: look only, until true comes "
+               "on the topic enable");
+  app.add_flag("--prefix", arguments.prefix, "Call joints bench1_x instead of x");
+  app.add_option("--rate", arguments.rate, "Joint states a second, 1 to 1000; default: 100")
+      ->check(CLI::Range(Settings::kLowestRate, Settings::kHighestRate))
+      ->type_name("HZ");
+  app.add_option("--config", arguments.file, "YAML file; the command line goes before it")
+      ->type_name("FILE");
+  app.add_flag("--check", arguments.only_checks, "Check command line and configuration, and end");
+  app.add_option("--interface", session.interfaces,
+                 "Own address in a network to use for DDS; default: loopback only")
+      ->type_name("ADDRESS");
+  app.add_option("--peer", session.peers, "Host searched for benches and nodes beside multicast")
+      ->type_name("ADDRESS");
+  app.add_option("--discovery-server", session.discovery_servers,
+                 "Such as 10.0.0.9:11811, instead of multicast and peers")
+      ->type_name("ADDRESS");
+  app.add_option("--security", session.security,
+                 "Closed mode towards the benches: directory with certificate, key, permissions")
+      ->envname("VDRIVE_SECURITY")
+      ->type_name("DIR");
+}
+
+/// The file first, then what the command line has.
+void complete(Arguments& arguments) {
+  Settings& settings = arguments.settings;
+  if (!arguments.file.empty()) {
+    std::ifstream stream(arguments.file, std::ios::binary);
+    if (!stream) throw BadSettings("--config: cannot read " + in_quotes(arguments.file));
+    read_settings({std::istreambuf_iterator<char>(stream), {}}, arguments.file, settings);
+  }
+  if (!arguments.name_space.empty()) settings.name_space = arguments.name_space;
+  if (!arguments.benches.empty()) settings.benches = arguments.benches;
+  if (arguments.rate) settings.rate = *arguments.rate;
+  settings.is_enabled = settings.is_enabled || arguments.enable;
+  settings.is_prefixed = settings.is_prefixed || arguments.prefix;
+  settings.session.find_timeout = settings.session.security.empty() ? kFind : kFindClosed;
+  resolve_topics(settings);
+}
+
+/// Signals go to whoever waits for them: no other thread takes them.
+sigset_t block_end_signals() {
+  sigset_t signals{};
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  return signals;
+}
+
+int serve(const Arguments& arguments) {
+  const sigset_t signals = block_end_signals();
+  const Bridge bridge(arguments.settings);
+  std::cout << "vdrive-ros2: " << arguments.settings.topics.joint_states
+            << (arguments.settings.is_enabled ? " (axes are enabled)" : " (looking only)")
+            << std::endl;
+  int received = 0;
+  sigwait(&signals, &received);
+  return kDone;
+}
+
+}  // namespace
+
+int run_command_line(int argument_count, const char* const* argument_list) {
+  CLI::App app(
+      "Shows benches of virtual servo drives to ROS 2 as joints, and lets ROS 2 move them, by "
+      "plain "
+      "DDS.",
+      "vdrive-ros2");
+  Arguments arguments;
+  declare(app, arguments);
+  try {
+    app.parse(argument_count, argument_list);
+    complete(arguments);
+    if (arguments.only_checks) {
+      std::cout << "vdrive-ros2: the configuration is good" << std::endl;
+      return kDone;
+    }
+    return serve(arguments);
+  } catch (const CLI::ParseError& error) {
+    const bool is_help = app.exit(error) == 0;
+    std::cout.flush();  // the program ends without
+    return is_help ? kDone : kUsage;
+  } catch (const BadSettings& error) {
+    std::cerr << "vdrive-ros2: " << error.what() << '\n';
+    return kUsage;
+  } catch (const std::exception& error) {
+    std::cerr << "vdrive-ros2: " << error.what() << '\n';
+    return kFailed;
+  }
+}
+
+}  // namespace vdrive::ros2

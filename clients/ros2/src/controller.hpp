@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "board.hpp"
+#include "requests.hpp"
+#include "settings.hpp"
+#include "vdrive/wire/ros.hpp"
+
+#include <condition_variable>
+#include <deque>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+#include <thread>
+#include <variant>
+#include <vector>
+
+namespace vdrive::ros2 {
+
+/// Commands the benches: takes what ROS sends, in a thread of its own that waits for nobody.
+class Controller {
+ public:
+  /// @param session outlives the controller, as the others do
+  Controller(client::Session& session, const Settings& settings, Reports& reports, Board& board);
+
+  /// Disables the axes that it has enabled, as far as that is possible within two seconds.
+  ~Controller();
+  Controller(const Controller&) = delete;
+  Controller& operator=(const Controller&) = delete;
+
+  using Message = std::variant<wire::ros::JointState, wire::ros::JointTrajectory, wire::ros::Bool>;
+
+  /// Any thread; does not wait. Of more messages than can wait the oldest are dropped and counted.
+  void take(Message message);
+
+  /// The number of those who write joint commands now; when the last one goes, what velocity or
+  /// effort move brakes.
+  void set_writers(std::function<std::size_t()> writers);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  /// A bench that the bridge serves.
+  struct Bench {
+    std::unique_ptr<BenchLink> link;
+    std::unique_ptr<BenchMotion> motion;
+    std::shared_ptr<const client::BenchInfo> info;
+    std::shared_ptr<const std::vector<Joint>> joints;
+    Clock::time_point last_present{};
+  };
+
+  /// A trajectory that waits for its time, or for the limits.
+  struct Waiting {
+    Trajectory trajectory;
+    std::map<std::uint32_t, std::uint64_t> limits;  ///< what limits_read() has to reach, by bench
+    bool is_checked = false;
+  };
+
+  /// The paths of a trajectory that may start.
+  struct Start {
+    std::vector<std::shared_ptr<const JointPath>> paths;  ///< one a joint; none where it is there
+    std::map<std::uint32_t, std::uint64_t> begins;        ///< tick, by bench
+    std::string problem;
+    bool waits = false;  ///< its time has not come
+  };
+
+  void run(const std::stop_token& stop);
+  void turn();
+  void end();
+  void wait(const std::stop_token& stop);
+  void find_benches(Clock::time_point now);
+  void add_bench(const client::BenchInfo& info);
+  void note_present(Bench& bench, const client::BenchInfo& info, Clock::time_point now);
+  void remove_absent(Clock::time_point now);
+  void handle_messages();
+  void handle(const wire::ros::JointState& message);
+  void handle(const wire::ros::JointTrajectory& message);
+  void handle(const wire::ros::Bool& message);
+  void check_writers();
+  [[nodiscard]] std::optional<KnownJoint> find(const std::string& name) const;
+  [[nodiscard]] std::string trajectory_problem(const Trajectory& trajectory) const;
+  void start_waiting();
+  [[nodiscard]] bool try_start(Waiting& waiting);
+  [[nodiscard]] bool has_limits(const Waiting& waiting) const;
+  void find_begins(const Trajectory& trajectory, Start& start,
+                   std::map<std::uint32_t, double>& passed);
+  [[nodiscard]] Start prepare(const Trajectory& trajectory);
+  void add_path(const Trajectory& trajectory, std::size_t joint, double passed, Start& start);
+  void begin(const Trajectory& trajectory, const Start& start);
+  void break_off(const std::vector<BrokenTrajectory>& broken);
+  void forget_trajectories();
+  void publish(bool is_urgent);
+
+  [[nodiscard]] BenchMotion& motion_of(const JointPlace& place) {
+    return *benches_.at(place.bench).motion;
+  }
+
+  void refuse_trajectory(const std::string& problem);
+
+  client::Session& session_;
+  const Settings settings_;
+  Reports& reports_;
+  Board& board_;
+  std::map<std::uint32_t, Bench> benches_;
+  JointDirectory directory_;
+  std::set<std::uint64_t> refused_benches_;  ///< incarnations whose joints clash
+  std::vector<Waiting> waiting_;
+  std::map<std::uint64_t, std::string> trajectories_;  ///< under way: number and text
+  std::uint64_t last_trajectory_ = 0;
+  std::int64_t last_command_stamp_ = 0;
+  std::int64_t last_trajectory_stamp_ = 0;
+  bool is_enabled_;
+  bool had_writers_ = false;
+  Clock::time_point find_due_{};
+  std::mutex mutex_;  ///< guards what follows
+  std::condition_variable_any woken_;
+  bool is_woken_ = false;
+  std::deque<Message> messages_;
+  std::uint64_t dropped_ = 0;
+  std::function<std::size_t()> writers_;
+  std::jthread thread_;
+};
+
+}  // namespace vdrive::ros2

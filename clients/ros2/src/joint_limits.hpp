@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <limits>
+#include <string>
+
+namespace vdrive::ros2 {
+
+/// What a joint may do, in rad or m and s. A value that is not limited is infinite.
+struct JointLimits {
+  static constexpr double kNone = std::numeric_limits<double>::infinity();
+
+  double lower = -kNone;            ///< 607Dh:1 where 3535h switches it on
+  double upper = kNone;             ///< 607Dh:2
+  double velocity = kNone;          ///< the lower one of 607Fh and 6080h
+  double acceleration = kNone;      ///< 60C5h
+  double deceleration = kNone;      ///< 60C6h
+  double ramp = kNone;              ///< the lowest of 6083h, 6084h, 60C5h and 60C6h
+  double effort = kNone;            ///< 6072h [N.m or N]
+  double effort_per_mille = 0.001;  ///< [N.m or N] of 1 ‰ of the rated torque
+};
+
+/// A joint in one instant [rad or m, s].
+struct JointMotion {
+  double position = 0.0;
+  double velocity = 0.0;
+  double acceleration = 0.0;
+};
+
+/// @return a number for people, such as "1.5" and "-0.0625".
+[[nodiscard]] std::string text_of(double value);
+
+}  // namespace vdrive::ros2

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "joint_path.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace vdrive::ros2 {
+namespace {
+
+constexpr double kRoom = 1e-9;  // what a calculation may err by, as a part of a limit
+
+/// @return the text of a limit that is broken.
+std::string broken(const char* what, double value, const std::string& unit, double time,
+                   double limit) {
+  return std::string(what) + " " + text_of(value) + " " + unit + " at " + text_of(time) +
+         " s is beyond the limit " + text_of(limit) + " " + unit;
+}
+
+bool is_above(double value, double limit) noexcept {
+  return value > limit + kRoom * std::max(1.0, std::abs(limit));
+}
+
+}  // namespace
+
+std::string text_of(double value) {
+  constexpr int kDigits = 6;
+  std::ostringstream text;
+  text.precision(kDigits);
+  text << value;
+  return text.str();
+}
+
+JointPath::JointPath(const JointMotion& start, std::span<const PathPoint> points) {
+  pieces_.reserve(points.size());
+  PathPoint from{.time = 0.0,
+                 .position = start.position,
+                 .velocity = start.velocity,
+                 .acceleration = start.acceleration};
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    add(from, points[i], i + 1 < points.size() ? &points[i + 1] : nullptr);
+    from = points[i];
+  }
+}
+
+void JointPath::add(const PathPoint& from, const PathPoint& to, const PathPoint* next) {
+  const double length = to.time - from.time;
+  JointMotion begin{from.position, from.velocity.value_or(0.0), from.acceleration.value_or(0.0)};
+  JointMotion end{to.position, to.velocity.value_or(0.0), to.acceleration.value_or(0.0)};
+  Piece piece{.begin = from.time, .end = to.time};
+  if (from.velocity && to.velocity && from.acceleration && to.acceleration) {
+    piece.position = quintic(begin, end, length);
+  } else if (from.velocity && to.velocity) {
+    piece.position = cubic(begin, end, length);
+  } else if (begin.velocity != 0.0 && pieces_.empty()) {
+    if (next != nullptr) end.velocity = (next->position - to.position) / (next->time - to.time);
+    piece.position = cubic(begin, end, length);
+  } else {
+    piece.position = {from.position, (to.position - from.position) / length};
+  }
+  pieces_.push_back(piece);
+}
+
+JointPath::Polynomial JointPath::cubic(const JointMotion& from, const JointMotion& to,
+                                       double length) noexcept {
+  const double way = to.position - from.position;
+  const double square = length * length;
+  return {from.position, from.velocity,
+          (3.0 * way - (2.0 * from.velocity + to.velocity) * length) / square,
+          (-2.0 * way + (from.velocity + to.velocity) * length) / (square * length)};
+}
+
+JointPath::Polynomial JointPath::quintic(const JointMotion& from, const JointMotion& to,
+                                         double length) noexcept {
+  const double way = to.position - from.position;
+  const double t2 = length * length;
+  const double t3 = t2 * length;
+  const double v0 = from.velocity * length;
+  const double v1 = to.velocity * length;
+  const double a0 = from.acceleration * t2;
+  const double a1 = to.acceleration * t2;
+  return {from.position,
+          from.velocity,
+          0.5 * from.acceleration,
+          (20.0 * way - 8.0 * v1 - 12.0 * v0 - 3.0 * a0 + a1) / (2.0 * t3),
+          (-30.0 * way + 14.0 * v1 + 16.0 * v0 + 3.0 * a0 - 2.0 * a1) / (2.0 * t3 * length),
+          (12.0 * way - 6.0 * v1 - 6.0 * v0 - a0 + a1) / (2.0 * t3 * t2)};
+}
+
+double JointPath::value(const Polynomial& polynomial, double time) noexcept {
+  double sum = 0.0;
+  for (std::size_t i = polynomial.size(); i-- > 0;) sum = sum * time + polynomial[i];
+  return sum;
+}
+
+JointPath::Polynomial JointPath::derivative(const Polynomial& polynomial) noexcept {
+  Polynomial result{};
+  for (std::size_t i = 1; i < polynomial.size(); ++i) {
+    result[i - 1] = polynomial[i] * static_cast<double>(i);
+  }
+  return result;
+}
+
+JointPath::Range JointPath::range(const Polynomial& polynomial, double length) noexcept {
+  constexpr int kParts = 64;
+  constexpr int kHalvings = 50;
+  Range found{value(polynomial, 0.0), 0.0, value(polynomial, 0.0), 0.0};
+  const auto take = [&](double time) {
+    const double here = value(polynomial, time);
+    if (here < found.low) found = {here, time, found.high, found.high_time};
+    if (here > found.high) found = {found.low, found.low_time, here, time};
+  };
+  const Polynomial slope = derivative(polynomial);
+  for (int part = 0; part < kParts; ++part) {
+    double low = length * part / kParts;
+    double high = length * (part + 1) / kParts;
+    take(high);
+    const bool rises = value(slope, low) > 0.0;
+    if (rises == (value(slope, high) > 0.0)) continue;
+    for (int i = 0; i < kHalvings; ++i) {
+      const double middle = 0.5 * (low + high);
+      ((value(slope, middle) > 0.0) == rises ? low : high) = middle;
+    }
+    take(low);
+  }
+  return found;
+}
+
+JointMotion JointPath::at(double time) const noexcept {
+  if (time >= duration()) {
+    const Piece& last = pieces_.back();
+    return {value(last.position, last.end - last.begin), 0.0, 0.0};
+  }
+  const auto after = std::ranges::upper_bound(pieces_, time, {}, &Piece::end);
+  const double inside = std::max(0.0, time - after->begin);
+  const Polynomial speed = derivative(after->position);
+  return {value(after->position, inside), value(speed, inside), value(derivative(speed), inside)};
+}
+
+std::optional<std::string> JointPath::check(const JointLimits& limits,
+                                            const std::string& unit) const {
+  const double start = value(pieces_.front().position, 0.0);
+  const double lower = std::min(limits.lower, start);
+  const double upper = std::max(limits.upper, start);
+  for (const Piece& piece : pieces_) {
+    const double length = piece.end - piece.begin;
+    const Range way = range(piece.position, length);
+    if (is_above(way.high, upper)) {
+      return broken("position", way.high, unit, piece.begin + way.high_time, limits.upper);
+    }
+    if (is_above(-way.low, -lower)) {
+      return broken("position", way.low, unit, piece.begin + way.low_time, limits.lower);
+    }
+    const Polynomial slope = derivative(piece.position);
+    const Range speed = range(slope, length);
+    const bool is_forward = speed.high >= -speed.low;
+    const double fastest = is_forward ? speed.high : speed.low;
+    if (is_above(std::abs(fastest), limits.velocity)) {
+      return broken("velocity", fastest, unit + "/s",
+                    piece.begin + (is_forward ? speed.high_time : speed.low_time), limits.velocity);
+    }
+    const double strongest = std::min(limits.acceleration, limits.deceleration);
+    const Range push = range(derivative(slope), length);
+    if (is_above(push.high, strongest)) {
+      return broken("acceleration", push.high, unit + "/s²", piece.begin + push.high_time,
+                    strongest);
+    }
+    if (is_above(-push.low, strongest)) {
+      return broken("acceleration", push.low, unit + "/s²", piece.begin + push.low_time, strongest);
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace vdrive::ros2

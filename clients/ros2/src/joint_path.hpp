@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "joint_limits.hpp"
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace vdrive::ros2 {
+
+/// A point of a trajectory for one joint.
+struct PathPoint {
+  double time = 0.0;  ///< [s] since the begin of the path
+  double position = 0.0;
+  std::optional<double> velocity{};
+  std::optional<double> acceleration{};
+};
+
+/// The way of one joint through the points of a trajectory. Between two points that both have
+/// velocity and acceleration it is a quintic polynomial, between two that both have a velocity a
+/// cubic one, else a straight line, as joint_trajectory_controller does it. A path of straight
+/// lines that begins in motion begins with a cubic one that ends with the speed of the next line.
+class JointPath {
+ public:
+  /// @param start where the joint is at time 0, and how it moves
+  /// @param points at least one; their times rise, the first is above 0
+  JointPath(const JointMotion& start, std::span<const PathPoint> points);
+
+  /// @param time [s] since the begin; before it the start, after the end at rest at the last point
+  [[nodiscard]] JointMotion at(double time) const noexcept;
+
+  /// [s]
+  [[nodiscard]] double duration() const noexcept { return pieces_.back().end; }
+
+  /// Looks at the extremes of every piece. A joint that begins beyond a position limit may return.
+  /// @return which limit the path would break first, such as "velocity 12 rad/s at 0.25 s is above
+  ///         the limit 10 rad/s"; nothing when it keeps all of them.
+  /// @param unit "rad" or "m"
+  [[nodiscard]] std::optional<std::string> check(const JointLimits& limits,
+                                                 const std::string& unit) const;
+
+ private:
+  static constexpr std::size_t kCoefficients = 6;
+  using Polynomial = std::array<double, kCoefficients>;  ///< rising powers of the time in the piece
+
+  struct Piece {
+    double begin = 0.0;  ///< [s]
+    double end = 0.0;
+    Polynomial position{};
+  };
+
+  /// The lowest and the highest value of a polynomial within [0, length], and when.
+  struct Range {
+    double low = 0.0;
+    double low_time = 0.0;
+    double high = 0.0;
+    double high_time = 0.0;
+  };
+
+  static double value(const Polynomial& polynomial, double time) noexcept;
+  static Polynomial derivative(const Polynomial& polynomial) noexcept;
+  static Range range(const Polynomial& polynomial, double length) noexcept;
+  static Polynomial quintic(const JointMotion& from, const JointMotion& to, double length) noexcept;
+  static Polynomial cubic(const JointMotion& from, const JointMotion& to, double length) noexcept;
+  void add(const PathPoint& from, const PathPoint& to, const PathPoint* next);
+
+  std::vector<Piece> pieces_;
+};
+
+}  // namespace vdrive::ros2

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "joint_limits.hpp"
+
+namespace vdrive::ros2 {
+
+/// Follows positions that come from time to time: goes from one to the next in a straight line, and
+/// keeps the limits of speed and acceleration whatever comes, so that it never jumps. At the last
+/// one it rests.
+class JointTracker {
+ public:
+  /// @param start where the joint is
+  explicit JointTracker(const JointMotion& start) noexcept
+      : now_{start.position, start.velocity, 0.0},
+        reference_(start.position),
+        goal_(start.position) {}
+
+  /// @param goal [rad or m]
+  /// @param over [s] time in which the line reaches it
+  void go_to(double goal, double over) noexcept {
+    goal_ = goal;
+    left_ = over;
+  }
+
+  /// Brakes to rest, as soon as the limits permit.
+  void stop(const JointLimits& limits) noexcept;
+
+  /// It has come to rest by other means: what follows begins there.
+  void rest() noexcept {
+    now_.velocity = 0.0;
+    now_.acceleration = 0.0;
+    reference_ = now_.position;
+  }
+
+  /// @param period [s] that passes, above 0
+  /// @param limits velocity and ramp count; both above 0
+  JointMotion step(double period, const JointLimits& limits) noexcept;
+
+  [[nodiscard]] bool is_at_rest() const noexcept {
+    return now_.position == goal_ && now_.velocity == 0.0;
+  }
+
+  [[nodiscard]] const JointMotion& now() const noexcept { return now_; }
+
+ private:
+  JointMotion now_;
+  double reference_;  ///< on the line to the goal
+  double goal_;
+  double left_ = 0.0;  ///< [s] until the reference is at the goal
+};
+
+}  // namespace vdrive::ros2

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/client/session.hpp"
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace vdrive::ros2 {
+
+/// What a joint is commanded with.
+enum class Interface : std::uint8_t { position, velocity, effort };
+
+/// @return "position", "velocity" or "effort".
+[[nodiscard]] std::string_view to_string(Interface interface) noexcept;
+
+/// Names of topics: those that begin with '/' stay, the others get the namespace before them.
+struct TopicNames {
+  std::string joint_states = "joint_states";
+  std::string joint_commands = "robot_joint_commands";
+  std::string joint_trajectory = "joint_trajectory";
+  std::string enable = "enable";
+  std::string diagnostics = "/diagnostics";
+  std::string rosout = "/rosout";
+  std::string clock = "/clock";
+};
+
+/// A joint that the configuration names.
+struct JointSetting {
+  std::string name;
+  std::string axis;                       ///< "1.2", "1.lift" or the axis' own name
+  std::optional<Interface> interface {};  ///< the only one that commands it
+};
+
+/// What vdrive-ros2 does.
+struct Settings {
+  static constexpr double kLowestRate = 1.0;
+  static constexpr double kHighestRate = 1000.0;
+
+  client::SessionOptions session{};
+  std::vector<std::uint32_t> benches{};  ///< empty = every bench
+  std::string name_space{};              ///< such as "/cell1"
+  double rate = 100.0;                   ///< messages of joint states a second
+  bool is_enabled = false;               ///< axes are enabled as soon as their bench is found
+  bool is_prefixed = false;              ///< joints are called bench1_x
+  double command_timeout = 0.0;          ///< [s] after which a joint brakes; 0 = never
+  double start_tolerance = 0.01;         ///< [rad or m] between a joint and a point at time 0
+  TopicNames topics{};
+  std::vector<JointSetting> joints{};
+};
+
+/// The command line or the configuration is wrong: file, line, key, value and limit.
+class BadSettings : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Reads a YAML document over what `settings` has.
+/// @throws BadSettings
+void read_settings(const std::string& text, const std::string& file, Settings& settings);
+
+/// Puts the namespace before the topics. @throws BadSettings for a name that ROS does not have.
+void resolve_topics(Settings& settings);
+
+}  // namespace vdrive::ros2

@@ -1,0 +1,594 @@
+// SPDX-License-Identifier: Apache-2.0
+// The program vdrive-ros2 between a service and nodes of ROS.
+#include "client/session_options.hpp"
+#include "ros2/ros_peer.hpp"
+#include "support/temporary_directory.hpp"
+#include "support/test_domain.hpp"
+#include "tool/process.hpp"
+#include "vdrive/client/axis.hpp"
+#include "vdrive/client/session.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <numbers>
+#include <string>
+#include <vector>
+
+namespace vdrive::test {
+namespace {
+
+using namespace std::chrono_literals;
+using client::Session;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+using testing::SizeIs;
+using testing::StartsWith;
+
+constexpr double kTurn = 2.0 * std::numbers::pi;
+constexpr double kUnit = kTurn / 4096.0;   // [rad] of a user unit of the default axis
+constexpr std::int64_t kTick = 1'000'000;  // [ns]
+constexpr std::int64_t kSecond = 1'000'000'000;
+
+/// A configuration of a bench. Axes are called x and y unless `names` says otherwise.
+class BenchFile {
+ public:
+  explicit BenchFile(const std::string& text) {
+    std::ofstream(directory_.path() / "bench.yaml") << text;
+  }
+
+  [[nodiscard]] std::string option() const {
+    return "--config " + (directory_.path() / "bench.yaml").string();
+  }
+
+ private:
+  TemporaryDirectory directory_;
+};
+
+/// Steps a bench, the bridge and its peer together.
+class Stepper {
+ public:
+  Stepper(Session& session, const RosPeer& peer, std::uint32_t bench = 1, std::string joint = "x")
+      : session_(session), peer_(peer), bench_(bench), joint_(std::move(joint)) {}
+
+  /// Steps and waits until the bridge has published the tick: its set-points are sent by then.
+  void step(std::uint64_t ticks) {
+    const auto reached = session_.step(bench_, ticks);
+    ASSERT_TRUE(reached) << reached.outcome().message();
+    tick_ = *reached;
+    ASSERT_TRUE(peer_.wait_for_stamp(joint_, static_cast<std::int64_t>(tick_) * kTick));
+  }
+
+  /// Steps in tens until the condition holds. @return false after 20 s of drive time.
+  template <typename Condition>
+  [[nodiscard]] bool step_until(const Condition& condition) {
+    for (int i = 0; i < 2'000; ++i) {
+      if (condition()) return true;
+      step(10);
+    }
+    return false;
+  }
+
+  [[nodiscard]] std::uint64_t tick() const noexcept { return tick_; }
+
+ private:
+  Session& session_;
+  const RosPeer& peer_;
+  std::uint32_t bench_;
+  std::string joint_;
+  std::uint64_t tick_ = 0;
+};
+
+bool is_enabled(Session& session, const std::string& axis) {
+  const auto status = session.axis(axis)->status();
+  return status && status->state() == PowerState::operation_enabled;
+}
+
+/// A bench in lock-step whose axes x and y the bridge has enabled.
+class LockStep {
+ public:
+  explicit LockStep(const std::string& words = "--enable")
+      : service_("--clock lockstep"),
+        bridge_(words),
+        session_(options()),
+        stepper_(session_, peer_) {
+    if (!peer_.wait_for_bridge()) throw std::runtime_error("no bridge");
+    if (words.find("--enable") == std::string::npos) return;
+    const bool enabled = stepper_.step_until([this] {
+      return is_enabled(session_, "1.1") && is_enabled(session_, "1.2");
+    });
+    if (!enabled) throw std::runtime_error("the axes were not enabled");
+    stepper_.step(10);
+  }
+
+  [[nodiscard]] RosPeer& peer() { return peer_; }
+
+  [[nodiscard]] Session& session() { return session_; }
+
+  [[nodiscard]] Stepper& stepper() { return stepper_; }
+
+  [[nodiscard]] RunningBridge& bridge() { return bridge_; }
+
+  [[nodiscard]] client::AxisSnapshot axis(const std::string& name = "1.1") {
+    return session_.axis(name)->status().value();
+  }
+
+ private:
+  RunningService service_;
+  RosPeer peer_;
+  RunningBridge bridge_;
+  Session session_;
+  Stepper stepper_;
+};
+
+ros::JointTrajectoryPoint point(double time, std::vector<double> positions,
+                                std::vector<double> velocities = {},
+                                std::vector<double> accelerations = {}) {
+  ros::JointTrajectoryPoint point;
+  point.positions(std::move(positions));
+  point.velocities(std::move(velocities));
+  point.accelerations(std::move(accelerations));
+  point.time_from_start().sec(static_cast<std::int32_t>(std::floor(time)));
+  point.time_from_start().nanosec(
+      static_cast<std::uint32_t>(std::llround((time - std::floor(time)) * 1e9)));
+  return point;
+}
+
+ros::JointTrajectory trajectory(std::vector<std::string> names,
+                                std::vector<ros::JointTrajectoryPoint> points,
+                                std::int64_t start = 0) {
+  ros::JointTrajectory message;
+  message.joint_names(std::move(names));
+  message.points(std::move(points));
+  message.header().stamp().sec(static_cast<std::int32_t>(start / kSecond));
+  message.header().stamp().nanosec(static_cast<std::uint32_t>(start % kSecond));
+  return message;
+}
+
+// ---- the program -----------------------------------------------------------------------------
+
+TEST(Ros2CommandLine, PrintsItsHelpAndChecksItsConfiguration) {
+  const Finished help = Process(VDRIVE_ROS2, {"--help"}).wait();
+  EXPECT_EQ(help.code, 0);
+  EXPECT_THAT(help.output, HasSubstr("--namespace"));
+  EXPECT_EQ(Process(VDRIVE_ROS2, {"--nonsense"}).wait().code, 2);
+  EXPECT_THAT(Process(VDRIVE_ROS2, {"--version"}).wait().output, StartsWith("vdrive-ros2 "));
+  const BenchFile good("rate: 50\n");
+  const BenchFile bad("enable: true\nrate: 0\n");
+  const auto check = [](const BenchFile& file) {
+    return Process(VDRIVE_ROS2, {"--config", file.option().substr(9), "--check"}).wait();
+  };
+  EXPECT_EQ(check(good).code, 0);
+  const Finished refused = check(bad);
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.errors, HasSubstr("bench.yaml:2: rate '0': must be a number from 1 to 1000"));
+  EXPECT_EQ(Process(VDRIVE_ROS2, {"--config", "/nothing/here"}).wait().code, 2);
+}
+
+TEST(Ros2, PublishesWholeArraysInTheUnitsOfTheJoints) {
+  const BenchFile file(
+      "bench: {number: 1}\nclock: {mode: realtime}\naxes:\n"
+      "  - {number: 1, name: arm}\n"
+      "  - {number: 2, name: lift, unit: {kind: linear, name: mm, size: 100}}\n");
+  const RunningService service(file.option());
+  RosPeer peer("/cell1");
+  RunningBridge bridge("--namespace /cell1");
+  ASSERT_TRUE(peer.wait_for_bridge());
+  Session session(options());
+  ASSERT_TRUE(session.axis("1.lift")->enable());
+  ASSERT_TRUE(session.axis("1.lift")->move_to(5'000));  // 50 mm
+  ASSERT_TRUE(session.axis("1.arm")->enable());
+  ASSERT_TRUE(session.axis("1.arm")->move_to(1'024));  // a quarter turn
+  EXPECT_TRUE(peer.wait([&] {
+    return std::abs(*peer.position("lift") - 0.05) < 1e-4 &&
+           std::abs(*peer.position("arm") - kTurn / 4) < 1e-2;
+  })) << *peer.position("lift");
+  const auto state = peer.state("arm");
+  EXPECT_THAT(state->name(), ElementsAre("arm", "lift"));
+  EXPECT_THAT(state->position(), SizeIs(2));
+  EXPECT_THAT(state->velocity(), SizeIs(2));
+  EXPECT_THAT(state->effort(), SizeIs(2));
+  // In realtime drive time is the time of the day.
+  const auto now = std::chrono::duration_cast<std::chrono::seconds>(
+      std::chrono::system_clock::now().time_since_epoch());
+  EXPECT_NEAR(static_cast<double>(state->header().stamp().sec()), static_cast<double>(now.count()),
+              20.0);
+  EXPECT_EQ(peer.clock(), 0) << "the clock is for drive time only";
+}
+
+TEST(Ros2, LooksOnlyUntilItIsEnabledAndDisablesAtItsEnd) {
+  LockStep bench("");
+  RosPeer& peer = bench.peer();
+  bench.stepper().step(10);
+  peer.command({"x"}, {1.0});
+  ASSERT_TRUE(peer.wait_for_log("joint x: is not enabled"));
+  bench.stepper().step(100);
+  EXPECT_EQ(bench.axis().status.position_demand_value, 0);
+  EXPECT_EQ(bench.axis().owner_session, 0U);
+  peer.enable(true);
+  ASSERT_TRUE(bench.stepper().step_until([&] {
+    return is_enabled(bench.session(), "1.1");
+  }));
+  peer.enable(false);
+  ASSERT_TRUE(bench.stepper().step_until([&] {
+    return bench.axis().owner_session == 0;
+  }));
+  EXPECT_FALSE(is_enabled(bench.session(), "1.1"));
+  EXPECT_EQ(bench.bridge().stop().code, 0);
+}
+
+TEST(Ros2, PublishesTheClockInLockStep) {
+  LockStep bench("");
+  bench.stepper().step(250);
+  EXPECT_TRUE(bench.peer().wait([&] {
+    return bench.peer().clock() == static_cast<std::int64_t>(bench.stepper().tick()) * kTick;
+  }));
+  EXPECT_TRUE(bench.peer().wait([&] {
+    return bench.peer().diagnosis("joint x") == "0 Switch on disabled";
+  })) << bench.peer().diagnosis("joint x");
+}
+
+// ---- joint commands --------------------------------------------------------------------------
+
+TEST(Ros2Commands, MoveToAPositionAndHoldItInSilence) {
+  LockStep bench;
+  bench.peer().command({"y", "x"}, {-0.5, 0.25});
+  ASSERT_TRUE(bench.stepper().step_until([&] {
+    return bench.axis().status.position_demand_value == std::lround(0.25 / kUnit) &&
+           bench.axis("1.2").status.position_demand_value == std::lround(-0.5 / kUnit);
+  }));
+  for (int i = 0; i < 30; ++i) bench.stepper().step(100);
+  EXPECT_TRUE(is_enabled(bench.session(), "1.1"));
+  EXPECT_EQ(bench.axis().mode(), OperatingMode::cyclic_synchronous_position);
+  EXPECT_NEAR(*bench.peer().position("x"), 0.25, 2 * kUnit);
+  EXPECT_NEAR(*bench.peer().position("y"), -0.5, 2 * kUnit);
+}
+
+TEST(Ros2Commands, NeverJump) {
+  LockStep bench;
+  bench.peer().command({"x"}, {20.0});
+  // Of the default axis: 136,533 UU/s and 409,600 UU/s², so 137 UU and 0.41 UU a tick.
+  std::int32_t position = 0;
+  std::int32_t step = 0;
+  int largest_step = 0;
+  for (int tick = 0; tick < 600; ++tick) {
+    bench.stepper().step(1);
+    const std::int32_t now = bench.axis().status.position_demand_value;
+    EXPECT_LE(std::abs(now - position - step), 2) << tick;  // rounded twice
+    step = now - position;
+    largest_step = std::max(largest_step, step);
+    position = now;
+  }
+  EXPECT_GT(largest_step, 50) << "it moves";
+  EXPECT_LE(largest_step, 137);
+}
+
+TEST(Ros2Commands, AreIgnoredWithALineWhereTheyMakeNoSense) {
+  LockStep bench;
+  RosPeer& peer = bench.peer();
+  ros::JointState early;
+  early.name({"x"});
+  early.position({std::nan("")});
+  peer.command(early);
+  peer.command({"elbow"}, {1.0});
+  EXPECT_TRUE(peer.wait_for_log("joint 'elbow' is unknown"));
+  peer.command({"x", "y"}, {1.0});
+  EXPECT_TRUE(peer.wait_for_log("position has 1 values for 2 names"));
+  ros::JointState mixed;
+  mixed.name({"x"});
+  mixed.position({1.0});
+  mixed.velocity({1.0});
+  peer.command(mixed);
+  EXPECT_TRUE(peer.wait_for_log("'x' has a position and a velocity: refused"));
+  peer.command_velocity({"x"}, {1e6});
+  EXPECT_TRUE(peer.wait_for_log("is above the limit"));
+  peer.command_effort({"x"}, {1e6});
+  EXPECT_TRUE(peer.wait([&] {
+    return peer.log().find("effort 1e+06") != std::string::npos;
+  }));
+  ros::JointState stamped;
+  stamped.name({"x"});
+  stamped.position({0.0});
+  stamped.header().stamp().sec(7);
+  peer.command(stamped);
+  stamped.header().stamp().sec(6);
+  stamped.position({3.0});
+  peer.command(stamped);
+  EXPECT_TRUE(peer.wait_for_log("a stamp is earlier"));
+  bench.stepper().step(100);
+  EXPECT_EQ(bench.axis().status.position_demand_value, 0) << "nothing has moved";
+  EXPECT_THAT(peer.log(), Not(HasSubstr("nan")));
+}
+
+TEST(Ros2Commands, KeepTheSoftwareLimits) {
+  LockStep bench;
+  auto axis = bench.session().axis("1.1").value();
+  ASSERT_TRUE(axis.write({0x607D, 1}, -1'000));
+  ASSERT_TRUE(axis.write({0x607D, 2}, 1'000));
+  ASSERT_TRUE(axis.write({0x3535, 0}, 1));
+  // The limits are read again every two seconds of wall time.
+  ASSERT_TRUE(bench.peer().wait([&] {
+    bench.peer().command({"x"}, {1'001 * kUnit});
+    return bench.peer().log().find("is beyond the limits") != std::string::npos;
+  }));
+  bench.peer().command({"x"}, {999 * kUnit});
+  EXPECT_TRUE(bench.stepper().step_until([&] {
+    return bench.axis().status.position_demand_value == 999;
+  }));
+}
+
+TEST(Ros2Commands, RunAtAVelocityAndBrakeWhenTheWriterGoes) {
+  LockStep bench;
+  bench.peer().command_velocity({"x"}, {2.0});
+  ASSERT_TRUE(bench.stepper().step_until([&] {
+    return bench.axis().status.velocity_demand_value == std::lround(2.0 / kUnit);
+  }));
+  EXPECT_EQ(bench.axis().mode(), OperatingMode::profile_velocity);
+  bench.stepper().step(100);
+  EXPECT_NEAR(*bench.peer().velocity("x"), 2.0, 0.1);
+  bench.peer().stop_commanding();
+  ASSERT_TRUE(bench.peer().wait_for_log("nobody writes joint commands any more"));
+  EXPECT_TRUE(bench.stepper().step_until([&] {
+    return bench.axis().status.velocity_demand_value == 0;
+  }));
+  EXPECT_TRUE(is_enabled(bench.session(), "1.1"));
+}
+
+TEST(Ros2Commands, ApplyAnEffortAndGoBackToPositions) {
+  LockStep bench;
+  bench.peer().command_effort({"x"}, {0.3});  // 100 ‰ of the rated 3 N.m
+  ASSERT_TRUE(bench.stepper().step_until([&] {
+    return bench.axis().status.torque_demand == 100;
+  }));
+  EXPECT_EQ(bench.axis().mode(), OperatingMode::profile_torque);
+  EXPECT_NEAR(bench.peer().state("x")->effort()[0], 0.3, 0.02);
+  bench.peer().command({"x"}, {0.1});
+  EXPECT_TRUE(bench.stepper().step_until([&] {
+    return bench.axis().status.position_demand_value == std::lround(0.1 / kUnit);
+  }));
+  EXPECT_EQ(bench.axis().mode(), OperatingMode::cyclic_synchronous_position);
+}
+
+TEST(Ros2Commands, BrakeAfterTheTimeOutOfTheConfiguration) {
+  const BenchFile file("command_timeout: 0.2\n");
+  LockStep bench("--enable " + file.option());
+  bench.peer().command_velocity({"x"}, {2.0});
+  ASSERT_TRUE(bench.stepper().step_until([&] {
+    return bench.axis().status.velocity_demand_value > 0;
+  }));
+  ASSERT_TRUE(bench.stepper().step_until([&] {
+    return bench.axis().status.velocity_demand_value == 0;
+  }));
+  EXPECT_THAT(bench.peer().log(), HasSubstr("joint x: no command for 0.2 s: it brakes"));
+}
+
+// ---- trajectories ----------------------------------------------------------------------------
+
+// The curve q(s) = A (s - sin(2 pi s) / 2 pi), s = t / T: at rest at both ends, with v = A / T
+// (1 - cos 2 pi s) and a = 2 pi A / T² sin 2 pi s.
+struct Curve {
+  double amplitude;
+  double duration;
+
+  [[nodiscard]] double position(double time) const {
+    const double s = std::clamp(time / duration, 0.0, 1.0);
+    return amplitude * (s - std::sin(kTurn * s) / kTurn);
+  }
+
+  [[nodiscard]] double velocity(double time) const {
+    return amplitude / duration * (1.0 - std::cos(kTurn * time / duration));
+  }
+
+  [[nodiscard]] double acceleration(double time) const {
+    return kTurn * amplitude / (duration * duration) * std::sin(kTurn * time / duration);
+  }
+};
+
+TEST(Ros2Trajectory, OfFiftyPointsIsFollowedAlongItsAnalyticCurve) {
+  LockStep bench;
+  const Curve x{.amplitude = 3.0, .duration = 1.0};
+  const Curve y{.amplitude = -5.0, .duration = 1.0};
+  std::vector<ros::JointTrajectoryPoint> points;
+  for (int i = 1; i <= 50; ++i) {
+    const double time = i / 50.0;
+    const bool is_last = i == 50;
+    points.push_back(
+        point(time, {x.position(time), y.position(time)},
+              {is_last ? 0.0 : x.velocity(time), is_last ? 0.0 : y.velocity(time)},
+              {is_last ? 0.0 : x.acceleration(time), is_last ? 0.0 : y.acceleration(time)}));
+  }
+  const std::uint64_t start = bench.stepper().tick() + 200;
+  bench.peer().start(trajectory({"x", "y"}, points, static_cast<std::int64_t>(start) * kTick));
+  // Taken, and waiting for its time: it is told when it starts.
+  double furthest = 0.0;
+  double largest_error = 0.0;
+  bool has_started = false;
+  while (bench.stepper().tick() < start + 1'200) {
+    bench.stepper().step(10);
+    const double time =
+        (static_cast<double>(bench.stepper().tick()) - static_cast<double>(start)) * 1e-3;
+    const AxisStatus one = bench.axis("1.1").status;
+    const AxisStatus other = bench.axis("1.2").status;
+    // The demand is the curve, rounded to a user unit; between points quintic polynomials differ
+    // from it by less than 1e-6 rad.
+    EXPECT_NEAR(one.position_demand_value * kUnit, x.position(time), 0.51 * kUnit + 1e-6) << time;
+    EXPECT_NEAR(other.position_demand_value * kUnit, y.position(time), 0.51 * kUnit + 1e-6) << time;
+    largest_error = std::max(largest_error,
+                             std::abs(other.load_position_actual_value * kUnit - y.position(time)));
+    furthest = std::max(furthest, std::abs(other.load_position_actual_value * kUnit));
+    has_started = has_started || one.position_demand_value != 0;
+  }
+  EXPECT_TRUE(has_started);
+  EXPECT_NEAR(furthest, 5.0, 2 * kUnit);
+  // A position loop of 16 Hz without feed-forward lags by v / (2 pi 16/s); the axis has
+  // feed-forward, and lags less. The fastest is 10 rad/s.
+  EXPECT_LT(largest_error, 10.0 / (kTurn * 16.0));
+  EXPECT_NEAR(*bench.peer().position("y"), -5.0, 2 * kUnit) << "held at the end";
+}
+
+TEST(Ros2Trajectory, IsReplacedWithoutAJumpAndHeldAtItsEnd) {
+  LockStep bench;
+  bench.peer().start(trajectory({"x"}, {point(1.0, {4.0}, {0.0})}));
+  ASSERT_TRUE(bench.stepper().step_until([&] {
+    return bench.axis().status.position_demand_value > 1'000;
+  }));
+  bench.peer().start(trajectory({"x"}, {point(1.0, {-1.0}, {0.0})}));
+  ASSERT_TRUE(bench.peer().wait([&] {
+    const std::string log = bench.peer().log();
+    const auto first = log.find(": starts");
+    return first != std::string::npos && log.find(": starts", first + 1) != std::string::npos;
+  }));
+  std::int32_t position = bench.axis().status.position_demand_value;
+  std::int32_t step = 0;
+  for (int tick = 0; tick < 1'500; ++tick) {
+    bench.stepper().step(1);
+    const std::int32_t now = bench.axis().status.position_demand_value;
+    // 5 rad in a second by a cubic: less than 60 rad/s², 0.04 UU a tick and tick.
+    if (tick > 0) {
+      EXPECT_LE(std::abs(now - position - step), 2) << tick;
+    }
+    step = now - position;
+    position = now;
+  }
+  EXPECT_EQ(position, std::lround(-1.0 / kUnit));
+}
+
+TEST(Ros2Trajectory, IsRefusedBeforeItStartsWhenItBreaksALimit) {
+  LockStep bench;
+  RosPeer& peer = bench.peer();
+  // 300 rad in a second by a cubic: 450 rad/s at the peak; the drive has 136,533 UU/s = 209 rad/s.
+  peer.start(trajectory({"x"}, {point(1.0, {300.0}, {0.0})}));
+  EXPECT_TRUE(peer.wait_for_log("refused: joint x: velocity 450 rad/s at 0.5 s"));
+  peer.start(trajectory({"x", "z"}, {point(1.0, {1.0, 1.0})}));
+  EXPECT_TRUE(peer.wait_for_log("refused: joint 'z' is unknown"));
+  peer.start(trajectory({"x"}, {point(0.0, {1.0}), point(1.0, {2.0})}));
+  EXPECT_TRUE(peer.wait_for_log("more than the start_tolerance"));
+  bench.stepper().step(100);
+  EXPECT_EQ(bench.axis().status.position_demand_value, 0);
+}
+
+TEST(Ros2Trajectory, StopsWhenAnAxisFails) {
+  LockStep bench;
+  RosPeer& peer = bench.peer();
+  peer.start(trajectory({"x", "y"}, {point(2.0, {6.0, 6.0}, {0.0, 0.0})}));
+  ASSERT_TRUE(bench.stepper().step_until([&] {
+    return bench.axis().status.position_demand_value > 500;
+  }));
+  ASSERT_TRUE(bench.session().axis("1.1")->disturb(client::Disturbance::encoder_failure));
+  bench.stepper().step(50);
+  EXPECT_TRUE(peer.wait_for_log("stopped, joint x shows"));
+  EXPECT_TRUE(peer.wait([&] {
+    return peer.diagnosis("joint x").starts_with("2 ");
+  }));
+  bench.stepper().step(100);
+  const std::int32_t rest = bench.axis("1.2").status.position_demand_value;
+  EXPECT_LT(rest, std::lround(6.0 / kUnit));
+  bench.stepper().step(500);
+  EXPECT_EQ(bench.axis("1.2").status.position_demand_value, rest) << "y stays where it was";
+  EXPECT_TRUE(is_enabled(bench.session(), "1.2"));
+  // True on enable resets the fault.
+  ASSERT_TRUE(bench.session().axis("1.1")->end_disturbances());
+  peer.enable(true);
+  EXPECT_TRUE(bench.stepper().step_until([&] {
+    return is_enabled(bench.session(), "1.1");
+  }));
+}
+
+// ---- several benches, restarts ---------------------------------------------------------------
+
+TEST(Ros2, ServesTwoBenchesWithOneTrajectory) {
+  const RunningService first("--clock lockstep --bench 1");
+  const RunningService second("--clock lockstep --bench 2");
+  RosPeer peer;
+  RunningBridge bridge("--enable --prefix --bench 1 --bench 2");
+  Session session(options());
+  ASSERT_TRUE(peer.wait_for_bridge());
+  ASSERT_TRUE(peer.wait([&] {
+    return peer.state("bench1_x") && peer.state("bench2_x");
+  }));
+  Stepper one(session, peer, 1, "bench1_x");
+  Stepper two(session, peer, 2, "bench2_x");
+  const auto step = [&] {
+    one.step(10);
+    two.step(10);
+  };
+  for (int i = 0; i < 100 && !(is_enabled(session, "1.1") && is_enabled(session, "2.1")); ++i)
+    step();
+  ASSERT_TRUE(is_enabled(session, "1.1") && is_enabled(session, "2.1"));
+  step();
+  peer.start(trajectory({"bench1_x", "bench2_x"}, {point(0.5, {1.0, -2.0}, {0.0, 0.0})}));
+  ASSERT_TRUE(peer.wait_for_log("of bench1_x, bench2_x, 1 points: starts"));
+  for (int i = 0; i < 100; ++i) step();
+  EXPECT_NEAR(*peer.position("bench1_x"), 1.0, 2 * kUnit);
+  EXPECT_NEAR(*peer.position("bench2_x"), -2.0, 2 * kUnit);
+}
+
+TEST(Ros2, LeavesABenchOutWhoseJointsClash) {
+  const RunningService first("--clock lockstep --bench 1");
+  RosPeer peer;
+  RunningBridge bridge;
+  ASSERT_TRUE(peer.wait_for_bridge());
+  const RunningService second("--clock lockstep --bench 2");
+  EXPECT_TRUE(peer.wait_for_log("bench 2 is left out: its joint \"x\" is also on bench 1"));
+  EXPECT_EQ(peer.diagnosis("bench 2"), "");
+}
+
+TEST(Ros2, GoesOnAfterTheServiceWasStartedAnew) {
+  auto service = std::make_unique<RunningService>("--clock lockstep");
+  RosPeer peer;
+  RunningBridge bridge("--enable");
+  ASSERT_TRUE(peer.wait_for_bridge());
+  service->kill();
+  EXPECT_TRUE(peer.wait([&] {
+    return peer.diagnosis("bench 1").starts_with("3 ");
+  })) << peer.diagnosis("bench 1");
+  service = std::make_unique<RunningService>("--clock lockstep");
+  ASSERT_TRUE(peer.wait_for_log("was started anew"));
+  Session session(options());
+  Stepper stepper(session, peer);
+  EXPECT_TRUE(stepper.step_until([&] {
+    return is_enabled(session, "1.1");
+  }));
+  stepper.step(10);
+  peer.command({"x"}, {0.5});
+  EXPECT_TRUE(stepper.step_until([&] {
+    const auto position = peer.position("x");
+    return position && std::abs(*position - 0.5) < 2 * kUnit;
+  }));
+}
+
+#ifdef VDRIVE_ROS2_PLUGIN
+// In realtime: a second vendor's program with the habits of ros2_control's plugin writes NaN first,
+// then a sine on two of three joints at 100 Hz, then nothing for ten seconds.
+TEST(Ros2Plugin, OfAnotherVendorMovesTwoAxesAndIsSilentForTenSeconds) {
+  const RunningService service("--axes 3");
+  Session session(options());
+  const auto axes = session.axes(1);
+  ASSERT_TRUE(axes);
+  RunningBridge bridge("--enable");
+  ASSERT_TRUE((*axes)[1].wait_until(
+      [](const client::AxisSnapshot& axis) {
+        return axis.state() == PowerState::operation_enabled;
+      },
+      30s));
+  const Finished plugin = Process(VDRIVE_ROS2_PLUGIN, {std::to_string(test_domain()),
+                                                       (*axes)[0].name(), (*axes)[1].name()})
+                              .wait();
+  EXPECT_EQ(plugin.code, 0) << plugin.output << plugin.errors;
+  for (const client::Axis& axis : *axes) {
+    const auto status = axis.status();
+    ASSERT_TRUE(status);
+    EXPECT_EQ(status->state(), PowerState::operation_enabled)
+        << "the watchdog has not tripped: " << client::what_it_shows(*status);
+    EXPECT_EQ(status->status.fault_count, 0U);
+  }
+  EXPECT_EQ((*axes)[2].status()->status.position_demand_value, 0) << "it was not commanded";
+}
+#endif
+
+}  // namespace
+}  // namespace vdrive::test

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "tool/process.hpp"
+#include "vdrive/wire/ros.hpp"
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vdrive::test {
+
+namespace ros = wire::ros;
+
+/// vdrive-ros2 of this build on the domain of this test.
+class RunningBridge {
+ public:
+  /// @param words command line beside the domain
+  explicit RunningBridge(const std::string& words = "");
+
+  /// Ends it as a user would.
+  Finished stop();
+
+ private:
+  Process process_;
+};
+
+/// What nodes of ROS do: reads what the bridge publishes, and commands it.
+class RosPeer {
+ public:
+  explicit RosPeer(const std::string& name_space = "");
+
+  /// Waits until the bridge reads what this writes, and back. @return false after 20 s.
+  [[nodiscard]] bool wait_for_bridge();
+
+  void command(ros::JointState message) { (void)commands_->write(message); }
+
+  void command(const std::vector<std::string>& names, const std::vector<double>& positions);
+  void command_velocity(const std::vector<std::string>& names,
+                        const std::vector<double>& velocities);
+  void command_effort(const std::vector<std::string>& names, const std::vector<double>& efforts);
+
+  void start(const ros::JointTrajectory& trajectory) { (void)trajectories_.write(trajectory); }
+
+  void enable(bool value);
+
+  /// Nobody writes joint commands any more.
+  void stop_commanding() { commands_.reset(); }
+
+  /// @return the newest state of the bench that has this joint.
+  [[nodiscard]] std::optional<ros::JointState> state(const std::string& joint) const;
+
+  /// @return the newest position, or nothing.
+  [[nodiscard]] std::optional<double> position(const std::string& joint) const;
+  [[nodiscard]] std::optional<double> velocity(const std::string& joint) const;
+
+  /// @return the level and the message of the newest diagnostics about a name.
+  [[nodiscard]] std::string diagnosis(const std::string& name) const;
+
+  /// @return the lines of rosout so far, each with a line end.
+  [[nodiscard]] std::string log() const;
+
+  /// @return [ns], 0 before the first.
+  [[nodiscard]] std::int64_t clock() const;
+
+  /// Waits until the condition holds, checked whenever something comes. @return false after 30 s.
+  [[nodiscard]] bool wait(const std::function<bool()>& condition) const;
+
+  /// Waits until the state of the bench with this joint is of this time or later.
+  [[nodiscard]] bool wait_for_stamp(const std::string& joint, std::int64_t nanoseconds) const;
+
+  [[nodiscard]] bool wait_for_log(const std::string& text) const;
+
+  /// @return messages of joint states so far.
+  [[nodiscard]] std::size_t states() const;
+
+ private:
+  template <typename Store>
+  void take(const Store& store) {
+    const std::scoped_lock lock(mutex_);
+    store();
+    changed_.notify_all();
+  }
+
+  [[nodiscard]] std::optional<double> value(const std::string& joint,
+                                            const std::vector<double>& (ros::JointState::*member)()
+                                                const) const;
+
+  mutable std::mutex mutex_;
+  mutable std::condition_variable changed_;
+  std::vector<ros::JointState> states_;  ///< the newest of each bench
+  std::size_t count_ = 0;
+  ros::DiagnosticArray diagnostics_;
+  std::string log_;
+  std::int64_t clock_ = 0;
+  wire::Participant participant_;
+  std::optional<ros::Publication<ros::JointState>> commands_;
+  ros::Publication<ros::JointTrajectory> trajectories_;
+  ros::Publication<ros::Bool> enable_;
+  ros::Subscription<ros::JointState> state_reader_;
+  ros::Subscription<ros::DiagnosticArray> diagnostics_reader_;
+  ros::Subscription<ros::Log> log_reader_;
+  ros::Subscription<ros::Clock> clock_reader_;
+};
+
+}  // namespace vdrive::test
