@@ -14,6 +14,8 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <iostream>
+#include <memory>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -91,6 +93,13 @@ bool is_enabled(Session& session, const std::string& axis) {
 /// A bench in lock-step whose axes x and y the bridge has enabled.
 class LockStep {
  public:
+  ~LockStep() {
+    if (testing::Test::HasFailure()) std::cerr << peer_.log();
+  }
+
+  LockStep(const LockStep&) = delete;
+  LockStep& operator=(const LockStep&) = delete;
+
   explicit LockStep(const std::string& words = "--enable")
       : service_("--clock lockstep"),
         bridge_(words),
@@ -173,7 +182,7 @@ TEST(Ros2, PublishesWholeArraysInTheUnitsOfTheJoints) {
   const BenchFile file(
       "bench: {number: 1}\nclock: {mode: realtime}\naxes:\n"
       "  - {number: 1, name: arm}\n"
-      "  - {number: 2, name: lift, unit: {kind: linear, name: mm, size: 100}}\n");
+      "  - {number: 2, name: lift, unit: {kind: linear, name: mm, per_unit: 100}}\n");
   const RunningService service(file.option());
   RosPeer peer("/cell1");
   RunningBridge bridge("--namespace /cell1");
@@ -249,7 +258,7 @@ TEST(Ros2Commands, MoveToAPositionAndHoldItInSilence) {
 }
 
 TEST(Ros2Commands, NeverJump) {
-  LockStep bench;
+  LockStep bench("--enable --rate 1000");
   bench.peer().command({"x"}, {20.0});
   // Of the default axis: 136,533 UU/s and 409,600 UU/s², so 137 UU and 0.41 UU a tick.
   std::int32_t position = 0;
@@ -305,11 +314,16 @@ TEST(Ros2Commands, AreIgnoredWithALineWhereTheyMakeNoSense) {
 }
 
 TEST(Ros2Commands, KeepTheSoftwareLimits) {
-  LockStep bench;
+  LockStep bench("");
   auto axis = bench.session().axis("1.1").value();
   ASSERT_TRUE(axis.write({0x607D, 1}, -1'000));
   ASSERT_TRUE(axis.write({0x607D, 2}, 1'000));
   ASSERT_TRUE(axis.write({0x3535, 0}, 1));
+  bench.peer().enable(true);
+  ASSERT_TRUE(bench.stepper().step_until([&] {
+    return is_enabled(bench.session(), "1.1");
+  }));
+  bench.stepper().step(10);
   // The limits are read again every two seconds of wall time.
   ASSERT_TRUE(bench.peer().wait([&] {
     bench.peer().command({"x"}, {1'001 * kUnit});
@@ -431,7 +445,7 @@ TEST(Ros2Trajectory, OfFiftyPointsIsFollowedAlongItsAnalyticCurve) {
 }
 
 TEST(Ros2Trajectory, IsReplacedWithoutAJumpAndHeldAtItsEnd) {
-  LockStep bench;
+  LockStep bench("--enable --rate 1000");
   bench.peer().start(trajectory({"x"}, {point(1.0, {4.0}, {0.0})}));
   ASSERT_TRUE(bench.stepper().step_until([&] {
     return bench.axis().status.position_demand_value > 1'000;

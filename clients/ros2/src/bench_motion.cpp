@@ -21,9 +21,14 @@ constexpr double kAheadOnTrajectory = 0.15;
 constexpr double kAheadOnTrack = 0.015;
 constexpr double kLead = 0.008;  // to the first tick that a new set-point can reach
 
-// In lock-step no time passes by itself: ticks that a step may have.
+// In lock-step nobody knows how far the next step goes: ticks between the newest sight and the
+// first set-point of a motion, and those that a step may have while it lasts.
+constexpr std::uint64_t kLeadTicks = 20;
 constexpr std::uint64_t kTrajectoryTicks = 100;
-constexpr std::uint64_t kTrackTicks = 20;
+constexpr std::uint64_t kTrackTicks = 40;
+
+// A bench in lock-step counts drive time until it misses its master.
+constexpr double kKeepAlive = 0.02;  // [s] of drive time
 
 // A bench keeps 1,024 frames of all its clients.
 constexpr std::uint64_t kMostAhead = 400;
@@ -65,8 +70,8 @@ bool is_in_fault(const client::AxisSnapshot& axis) {
 }  // namespace
 
 std::string_view to_string(Duty duty) noexcept {
-  constexpr std::array<std::string_view, 6> kNames{"none",       "hold",     "track",
-                                                   "trajectory", "velocity", "effort"};
+  constexpr std::array<std::string_view, 7> kNames{"none",     "hold",   "track", "trajectory",
+                                                   "velocity", "effort", "settle"};
   return kNames[static_cast<std::size_t>(duty)];
 }
 
@@ -89,7 +94,7 @@ std::uint64_t BenchMotion::ticks(double seconds) const {
 }
 
 std::uint64_t BenchMotion::lead() const {
-  return link_.info().clock_mode == ClockMode::lockstep ? 1 : ticks(kLead);
+  return link_.info().clock_mode == ClockMode::lockstep ? kLeadTicks : ticks(kLead);
 }
 
 std::uint64_t BenchMotion::window() const {
@@ -145,6 +150,20 @@ std::string BenchMotion::obstacle(std::size_t place) const {
   if (axis.owner_session != session_.id()) return "is controlled by another session";
   if (!is_enabled(axis)) return client::what_it_shows(axis);
   return {};
+}
+
+/// @return whether the drive moves, or may, by what does not come from a stream of positions.
+bool BenchMotion::moves_by_itself(std::size_t place) const {
+  const Duty duty = plans_[place].duty;
+  if (duty == Duty::hold || duty == Duty::track || duty == Duty::trajectory) return false;
+  return duty == Duty::effort || duty == Duty::settle ||
+         sight_->axes[place].status.velocity_demand_value != 0;
+}
+
+std::string BenchMotion::trajectory_obstacle(std::size_t place) const {
+  std::string problem = obstacle(place);
+  if (problem.empty() && moves_by_itself(place)) problem = "moves: it has to rest first";
+  return problem;
 }
 
 void BenchMotion::tell_faults() {
@@ -263,10 +282,6 @@ JointMotion BenchMotion::motion(std::size_t place) const {
       const double ticks = static_cast<double>(sent_until_) - static_cast<double>(plan.begin);
       return plan.path->at(ticks * link_.period());
     }
-    case Duty::velocity:
-    case Duty::effort:
-      return {status.load_position_actual_value * unit, status.load_velocity_actual_value * unit,
-              0.0};
     default:
       return {status.position_demand_value * unit, status.velocity_demand_value * unit, 0.0};
   }
@@ -324,15 +339,19 @@ void BenchMotion::command(const JointCommand& command) {
 
 void BenchMotion::track(std::size_t place, const JointCommand& command) {
   Plan& plan = plans_[place];
+  if (moves_by_itself(place)) {
+    if (plan.duty != Duty::settle) plan.sent_for = 0;
+    plan.duty = Duty::settle;
+    plan.value = command.value;
+    return;
+  }
   double passed = kLongestInterval;
   if (plan.duty == Duty::track) {
     passed = static_cast<double>(sight_->tick - plan.commanded_at) * link_.period();
   } else {
     if (plan.duty == Duty::hold && plan.position == command.value) return;  // it is there
-    (void)begin_tick();
-    plan.tracker.emplace(motion(place));
-    plan.needs_mode = plan.duty != Duty::hold;
-    plan.duty = Duty::track;
+    start_tracking(place, command.value);
+    plan.interval = 0.0;
   }
   if (passed < kLongestInterval) {
     constexpr double kShare = 0.25;
@@ -344,11 +363,37 @@ void BenchMotion::track(std::size_t place, const JointCommand& command) {
                       plan.interval + std::max(kShortestMargin, kMargin * plan.interval));
 }
 
+void BenchMotion::start_tracking(std::size_t place, double goal) {
+  Plan& plan = plans_[place];
+  (void)begin_tick();
+  plan.tracker.emplace(motion(place));
+  plan.tracker->go_to(goal, kFirstInterval);
+  plan.duty = Duty::track;
+}
+
+/// A drive changes its mode where it rests, and counts positions from then on.
+void BenchMotion::settle() {
+  constexpr OperatingMode kMode = OperatingMode::cyclic_synchronous_position;
+  client::SetPointFrame frame;
+  for (std::size_t i = 0; i < plans_.size(); ++i) {
+    Plan& plan = plans_[i];
+    if (plan.duty != Duty::settle) continue;
+    const client::AxisSnapshot& axis = sight_->axes[i];
+    if (axis.mode() == kMode && axis.status.velocity_demand_value == 0) {
+      plan.duty = Duty::none;
+      start_tracking(i, plan.value);
+    } else if (sight_->tick > plan.sent_for) {
+      plan.sent_for = sight_->tick + lead();
+      frame.axes.push_back({.axis = axis_number(i), .mode = kMode});
+    }
+  }
+  if (!frame.axes.empty()) (void)send({frame});
+}
+
 void BenchMotion::set_free(std::size_t place, Duty duty, double value) {
   Plan& plan = plans_[place];
   const bool changes = plan.duty != duty;
   plan.is_due = plan.is_due || changes || plan.value != value;
-  plan.needs_mode = plan.needs_mode || changes;
   plan.duty = duty;
   plan.value = value;
 }
@@ -367,8 +412,6 @@ void BenchMotion::stop_free_joints(const std::string& reason) {
 void BenchMotion::follow(std::size_t place, std::shared_ptr<const JointPath> path,
                          std::uint64_t begin, std::uint64_t number) {
   Plan& plan = plans_[place];
-  plan.needs_mode = plan.duty == Duty::none || plan.duty == Duty::velocity ||
-                    plan.duty == Duty::effort || plan.needs_mode;
   plan.duty = Duty::trajectory;
   plan.tracker.reset();
   plan.path = std::move(path);
@@ -412,8 +455,10 @@ std::vector<BrokenTrajectory> BenchMotion::update(Clock::time_point now) {
   power(now);
   check_timeouts();
   catch_up(broken);
+  settle();
   send_positions();
   send_free();
+  keep_alive();
   return broken;
 }
 
@@ -469,7 +514,7 @@ void BenchMotion::catch_up(std::vector<BrokenTrajectory>& broken) {
     Plan& plan = plans_[i];
     if (plan.duty == Duty::trajectory) {
       broken.push_back({.number = plan.trajectory, .reason = reason});
-      plan = {.duty = Duty::hold, .position = motion(i).position, .needs_mode = false};
+      plan = {.duty = Duty::hold, .position = motion(i).position};
     } else if (plan.duty == Duty::track) {
       plan.tracker->rest();
     }
@@ -491,7 +536,7 @@ void BenchMotion::add_point(std::size_t place, std::uint64_t tick, client::SetPo
     ends = time >= plan.path->duration();
   }
   point.position = user_units(place, plan.position);
-  if (std::exchange(plan.needs_mode, false)) {
+  if (sight_->axes[place].mode() != OperatingMode::cyclic_synchronous_position) {
     point.mode = OperatingMode::cyclic_synchronous_position;
   }
   frame.axes.push_back(point);
@@ -521,26 +566,38 @@ void BenchMotion::send_free() {
   client::SetPointFrame frame{.tick = sent_until_ > sight_->tick ? sent_until_ + 1 : 0};
   for (std::size_t i = 0; i < plans_.size(); ++i) {
     Plan& plan = plans_[i];
-    if (!std::exchange(plan.is_due, false)) continue;
-    client::SetPoint point{.axis = axis_number(i)};
     const bool is_velocity = plan.duty == Duty::velocity;
+    if (!is_velocity && plan.duty != Duty::effort) continue;
+    const OperatingMode mode =
+        is_velocity ? OperatingMode::profile_velocity : OperatingMode::profile_torque;
+    const bool is_missed = sight_->axes[i].mode() != mode && sight_->tick > plan.sent_for;
+    if (!std::exchange(plan.is_due, false) && !is_missed) continue;
+    plan.sent_for = std::max(frame.tick, sight_->tick + lead());
+    client::SetPoint point{.axis = axis_number(i), .mode = mode};
     if (is_velocity) {
       point.velocity = user_units(i, plan.value);
     } else {
       point.torque =
           static_cast<std::int16_t>(std::lround(plan.value / (*limits_)[i].effort_per_mille));
     }
-    if (std::exchange(plan.needs_mode, false)) {
-      point.mode = is_velocity ? OperatingMode::profile_velocity : OperatingMode::profile_torque;
-    }
     frame.axes.push_back(point);
   }
   if (!frame.axes.empty()) (void)send({frame});
 }
 
+/// In realtime the session does it.
+void BenchMotion::keep_alive() {
+  const bool is_needed = link_.info().clock_mode == ClockMode::lockstep && had_control_;
+  const double passed =
+      (static_cast<double>(sight_->tick) - static_cast<double>(heard_at_)) * link_.period();
+  if (!is_needed || std::abs(passed) < kKeepAlive) return;
+  heard_at_ = sight_->tick;
+  (void)send({client::SetPointFrame{}});
+}
+
 bool BenchMotion::send(const std::vector<client::SetPointFrame>& frames) {
   if (frames.empty()) return true;
-  const bool is_small = plans_.size() <= kAxesOfFrame;
+  const bool is_small = plans_.size() <= kAxesOfFrame || frames.front().axes.empty();
   const client::Outcome sent =
       session_.send_set_points(link_.info().number, is_small ? frames : divided(frames));
   if (!sent) reports_.tell(Severity::error, link_.name(), sent.message());

@@ -23,6 +23,7 @@ enum class Duty : std::uint8_t {
   trajectory,  ///< follows a trajectory
   velocity,
   effort,
+  settle,  ///< comes to rest, then follows positions
 };
 
 /// @return such as "trajectory".
@@ -61,6 +62,9 @@ class BenchMotion {
 
   /// @return why the joint cannot be commanded now; empty when it can.
   [[nodiscard]] std::string obstacle(std::size_t place) const;
+
+  /// @return the same for a trajectory.
+  [[nodiscard]] std::string trajectory_obstacle(std::size_t place) const;
 
   // ---- commands
 
@@ -111,14 +115,14 @@ class BenchMotion {
   struct Plan {
     Duty duty = Duty::none;
     double position = 0.0;  ///< hold [rad or m]
-    double value = 0.0;     ///< velocity and effort [SI]
+    double value = 0.0;     ///< velocity and effort [SI]; settle: the position to go to
     std::optional<JointTracker> tracker{};
     std::shared_ptr<const JointPath> path{};
     std::uint64_t begin = 0;         ///< tick of the path's time 0
     std::uint64_t trajectory = 0;    ///< number
     std::uint64_t commanded_at = 0;  ///< tick of the last command
+    std::uint64_t sent_for = 0;      ///< tick of the velocity or effort that was sent last
     double interval = 0.0;           ///< [s] between commands, as they come
-    bool needs_mode = true;          ///< the next set-point sets the mode of operation
     bool is_due = false;             ///< velocity and effort: to be sent
     bool is_lost = false;            ///< no command came for too long, and that was told
   };
@@ -135,6 +139,10 @@ class BenchMotion {
   void catch_up(std::vector<BrokenTrajectory>& broken);
   void send_positions();
   void send_free();
+  void settle();
+  void start_tracking(std::size_t place, double goal);
+  [[nodiscard]] bool moves_by_itself(std::size_t place) const;
+  void keep_alive();
   void add_point(std::size_t place, std::uint64_t tick, client::SetPointFrame& frame);
   bool send(const std::vector<client::SetPointFrame>& frames);
   void track(std::size_t place, const JointCommand& command);
@@ -172,6 +180,7 @@ class BenchMotion {
   int attempts_ = 0;
   Clock::time_point words_due_{};
   std::uint64_t words_tick_ = 0;
+  std::uint64_t heard_at_ = 0;  ///< tick of the last sign of life
   std::vector<bool> was_in_fault_;
 };
 

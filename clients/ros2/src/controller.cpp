@@ -289,7 +289,7 @@ std::string Controller::trajectory_problem(const Trajectory& trajectory) const {
   }
   for (std::size_t i = 0; i < trajectory.joints.size(); ++i) {
     const JointPlace& joint = trajectory.joints[i];
-    const std::string problem = benches_.at(joint.bench).motion->obstacle(joint.place);
+    const std::string problem = benches_.at(joint.bench).motion->trajectory_obstacle(joint.place);
     if (!problem.empty()) return "joint " + trajectory.names[i] + " " + problem;
   }
   return {};
@@ -337,7 +337,8 @@ bool Controller::try_start(Waiting& waiting) {
   for (std::size_t i = 0; i < trajectory.joints.size(); ++i) {
     const auto known = find(trajectory.names[i]);
     const std::string problem =
-        known ? motion_of(known->place).obstacle(known->place.place) : "is not there any more";
+        known ? motion_of(known->place).trajectory_obstacle(known->place.place)
+              : "is not there any more";
     if (problem.empty()) continue;
     refuse_trajectory("joint " + trajectory.names[i] + " " + problem);
     return true;
@@ -432,8 +433,8 @@ void Controller::add_path(const Trajectory& trajectory, std::size_t joint, doubl
 
 void Controller::begin(const Trajectory& trajectory, const Start& start) {
   const std::uint64_t number = ++last_trajectory_;
-  const std::string text = "of " + joined(trajectory.names) + ", " +
-                           std::to_string(trajectory.points.size()) + " points";
+  const std::string text = "number " + std::to_string(number) + " of " + joined(trajectory.names) +
+                           ", " + std::to_string(trajectory.points.size()) + " points";
   std::set<std::uint64_t> replaced;
   for (const auto& [old, unused] : trajectories_) {
     const bool is_replaced = std::ranges::any_of(trajectory.joints, [&](const JointPlace& joint) {

@@ -10,6 +10,8 @@ namespace vdrive::ros2 {
 namespace {
 
 constexpr std::size_t kMostSubjects = 1024;
+constexpr std::size_t kMostTexts = 64;
+constexpr std::chrono::seconds kAgain{1};
 constexpr std::size_t kLongestText = 1000;
 constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
 
@@ -23,11 +25,20 @@ const char* word_of(Severity severity) {
 Reports::Reports(wire::Participant& participant, const std::string& topic)
     : rosout_(participant, topic) {}
 
+bool Reports::may_tell(Subject& subject, const std::string& text) {
+  const auto now = bridge::RateLimit::Clock::now();
+  if (subject.texts.size() > kMostTexts) subject.texts.clear();
+  const auto [told, is_new] = subject.texts.try_emplace(text, now);
+  if ((!is_new && now - told->second < kAgain) || !subject.limit.take(now)) return false;
+  told->second = now;
+  return true;
+}
+
 void Reports::tell(Severity severity, const std::string& subject, const std::string& text) {
   const std::scoped_lock lock(mutex_);
   if (subjects_.size() > kMostSubjects) subjects_.clear();
   Subject& known = subjects_[subject];
-  if (!known.limit.take(bridge::RateLimit::Clock::now())) {
+  if (!may_tell(known, text)) {
     ++known.left_out;
     return;
   }

@@ -15,8 +15,8 @@ namespace vdrive::ros2 {
 enum class Severity : std::uint8_t { info = 20, warning = 30, error = 40 };
 
 /// Tells people what happens: a line on standard error and a message on rosout. What comes again
-/// and again is told once a second, with the number of those left out. Thread-safe; not for DDS
-/// threads.
+/// and again is told once a second, and of a subject no more than five texts a second, with the
+/// number of those left out. Thread-safe; not for DDS threads.
 class Reports {
  public:
   Reports(wire::Participant& participant, const std::string& topic);
@@ -26,11 +26,14 @@ class Reports {
   void tell(Severity severity, const std::string& subject, const std::string& text);
 
  private:
-  /// Whether a subject may be told, and what was left out before.
+  /// Whether a text about a subject may be told, and what was left out before.
   struct Subject {
-    bridge::RateLimit limit{1.0, 3.0};
+    bridge::RateLimit limit{5.0, 10.0};
+    std::map<std::string, bridge::RateLimit::Clock::time_point> texts{};  ///< when they were told
     std::uint64_t left_out = 0;
   };
+
+  [[nodiscard]] static bool may_tell(Subject& subject, const std::string& text);
 
   std::mutex mutex_;
   std::map<std::string, Subject> subjects_;
