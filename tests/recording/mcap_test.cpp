@@ -255,6 +255,24 @@ TEST(Mcap, OfFoxgloveFromTheGatewayIsReadWithoutOurMetadata) {
   EXPECT_EQ(read.contents.benches.at(0).axes.at(0).name, "lift");
 }
 
+TEST(Mcap, OfAnAxisWithTheNumber0IsRefused) {
+  auto samples = samples_of(benches_of(1, 1)[0], 1);
+  Foreign file;
+  const auto schema = bridge::axis_status_schema();
+  add_topic(file, schema.name, schema.text, "/bench1/x/status");
+  samples[0].axes[0].id.axis = 0;
+  std::string records;
+  RecordBuilder(records, Opcode::message)
+      .put(std::uint16_t{8})
+      .put(std::uint32_t{0})
+      .put(std::uint64_t{0})
+      .put(std::uint64_t{0})
+      .put_raw(bridge::encode_axis_status(samples[0].axes[0], 0));
+  file.chunk("", records, records.size());
+  file.end();
+  EXPECT_THAT(refusal_of(file.bytes()), HasSubstr("the number 0"));
+}
+
 TEST(Mcap, OfAnotherVersionIsReadByItsSchema) {
   // Fields in another order, one that is not known, and none of the others.
   const StatusLayout layout(

@@ -119,6 +119,9 @@ TEST(CsvRecording, WithBadCellsNamesThem) {
   std::string no_axis = text;
   no_axis.replace(text.find("\n1.1,") + 1, 3, "one");
   EXPECT_THAT(csv_refusal(no_axis), AllOf(HasSubstr("line 2"), HasSubstr("axis is 'one'")));
+  std::string axis_0 = text;
+  axis_0.replace(text.find("\n1.1,") + 1, 3, "1.0");
+  EXPECT_THAT(csv_refusal(axis_0), HasSubstr("axis is '1.0'"));
   std::string no_tick = text;
   no_tick.replace(text.find(",1001,") + 1, 4, "-1");
   EXPECT_THAT(csv_refusal(no_tick), HasSubstr("tick is '-1'"));

@@ -275,6 +275,10 @@ class StatusReader {
     (void)body.take(sizeof(std::uint32_t) + 2 * sizeof(std::uint64_t));  // sequence, times
     for (client::AxisSnapshot& axis : channel->second.layout->decode(body.rest())) {
       axis.id.bench = channel->second.bench;
+      if (axis.id.axis == 0) {
+        throw RecordingError(where(record) + " on " + in_quotes(channel->second.topic) +
+                             " is of an axis with the number 0, which there is not");
+      }
       add(axis, channel->second);
     }
   }

@@ -181,7 +181,7 @@ bool set_field(Row& row, const std::string& column, const std::string& text) {
     set_member(*member->second, row.axis.status, text);
   } else if (column == "axis") {
     const auto id = client::parse_axis_id(text);
-    if (!id) refuse(column, text, "an address such as 1.2 is expected");
+    if (!id || id->axis == 0) refuse(column, text, "an address such as 1.2 is expected");
     row.axis.id = *id;
   } else if (column == "name") {
     row.name = text;
