@@ -29,15 +29,20 @@ class Bench:
     """A bench in lock-step, and the tool."""
 
     def __init__(self, vdrived, vdrive, domain, axes, programs):
-        self.command = [vdrive, "--domain", domain]
+        # A busy machine may stop a process for seconds.
+        self.command = [vdrive, "--domain", domain, "--timeout", "20"]
         self.programs = programs
-        programs.start(vdrived, "--domain", domain, "--clock", "lockstep", "--axes", str(axes),
-                       "--log-level", "error")
-        self.run("--timeout", "20", "list")
+        self.service = programs.start(vdrived, "--domain", domain, "--clock", "lockstep", "--axes",
+                                      str(axes), "--log-level", "error")
+        self.run("list")
 
     def run(self, *words):
-        return subprocess.run([*self.command, *words], check=True, capture_output=True, text=True,
-                              timeout=120).stdout
+        done = subprocess.run([*self.command, *words], capture_output=True, text=True, timeout=120)
+        if done.returncode != 0:
+            ended = self.service.poll()
+            fail(f"{' '.join(words)}: {done.stderr.strip()}; the service "
+                 f"{'is there' if ended is None else f'ended with {ended}'}")
+        return done.stdout
 
     def record(self, file):
         file.unlink(missing_ok=True)
