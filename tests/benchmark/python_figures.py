@@ -54,7 +54,7 @@ def measure_steps(vdrive, options):
 def measure_stream(vdrive, options):
     with vdrive.Bench(options.axes, clock="realtime") as bench, bench.session() as session:
         session.find_bench(1)
-        with session.stream() as stream:
+        with session.stream() as stream, session.events() as events:
             stream.take(timeout=10)
             busy, begin = time.process_time(), time.monotonic()
             samples = missed = highest = 0
@@ -65,8 +65,13 @@ def measure_stream(vdrive, options):
                 highest = max(highest, int(frames["load_position_actual_value"].max(initial=0)))
                 time.sleep(0.01)  # a program that has other work: it takes ten samples at once
             took = time.monotonic() - begin
+            # What a full queue of the service lost never left it; the event says how many.
+            in_service = 0
+            while event := events.next(timeout=0.5):
+                if event.kind == "queue_overflow":
+                    in_service += int(event.text.split()[0])
             figure("python_stream", axes=options.axes, seconds=round(took, 1), samples=samples,
-                   lost=missed, dropped=stream.dropped,
+                   lost=missed, lost_in_service=in_service, dropped=stream.dropped,
                    core_percent=round(100 * (time.process_time() - busy) / took, 1))
 
 

@@ -136,6 +136,8 @@ class StatusQueue final : public Dependent {
   StatusQueue(std::shared_ptr<client::Session> session, client::Follower follower,
               std::vector<client::AxisId> axes, std::size_t capacity);
   ~StatusQueue() override;
+  StatusQueue(const StatusQueue&) = delete;
+  StatusQueue& operator=(const StatusQueue&) = delete;
 
   void close() noexcept override;
 
@@ -159,6 +161,8 @@ class EventQueue final : public Dependent {
  public:
   EventQueue(std::shared_ptr<client::Session> session, std::size_t capacity, bool with_history);
   ~EventQueue() override;
+  EventQueue(const EventQueue&) = delete;
+  EventQueue& operator=(const EventQueue&) = delete;
 
   void close() noexcept override;
 

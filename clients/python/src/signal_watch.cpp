@@ -108,7 +108,7 @@ void Watcher::run() {
 /// Never destroyed: its thread ends with the process. A forked process has no such thread, and gets
 /// its own. Guarded by the interpreter lock.
 Watcher& watcher() {
-  static Watcher* only = nullptr;
+  static Watcher* only = nullptr;  // NOLINT(*-avoid-non-const-global-variables): see above
   if (only == nullptr || !only->is_of_this_process()) {
     only = new Watcher();  // NOLINT(cppcoreguidelines-owning-memory): on purpose, see above
   }
@@ -132,17 +132,14 @@ int set_wakeup_file(int file) {
   return py::reinterpret_steal<py::int_>(before).cast<int>();
 }
 
-/// Keeps an exception that is on its way.
-void restore_wakeup_file(int file) noexcept {
-  const py::error_scope on_its_way;
+/// Tries to. Keeps an exception that is on its way.
+bool restore_wakeup_file(int file) noexcept {
   try {
+    const py::error_scope on_its_way;
     set_wakeup_file(file);
-  } catch (const py::error_already_set&) {
-    // Its owner has closed it meanwhile: then nobody waits for it.
-    try {
-      set_wakeup_file(-1);
-    } catch (const py::error_already_set&) {  // NOLINT(bugprone-empty-catch): nothing is left to do
-    }
+    return true;
+  } catch (...) {
+    return false;  // its owner has closed it meanwhile: then nobody waits for it
   }
 }
 
@@ -159,12 +156,15 @@ SignalWatch::SignalWatch(std::function<void()> end_wait) : is_on_(is_main_thread
 }
 
 SignalWatch::~SignalWatch() {
-  end();
+  try {
+    end();
+  } catch (...) {  // NOLINT(bugprone-empty-catch): of a mutex; the call has its own exception
+  }
 }
 
 bool SignalWatch::end() {
   if (!std::exchange(is_on_, false)) return false;
-  restore_wakeup_file(outer_file_);
+  if (!restore_wakeup_file(outer_file_)) restore_wakeup_file(-1);
   const Watcher::Signals signals = watcher().end(std::move(outer_));
   const bool has_reader = outer_file_ >= 0 && outer_file_ != watcher().file();
   // Such as the loop of asyncio, to which the interpreter would have written them.
