@@ -12,9 +12,12 @@
 #include <string>
 #include <vector>
 
-int main(int argc, char** argv) try {
-  using namespace vdrive::client;
-  using Clock = std::chrono::steady_clock;
+namespace {
+
+using namespace vdrive::client;
+using Clock = std::chrono::steady_clock;
+
+int measure(int argc, char** argv) {
   if (argc != 3) {
     std::cerr << "usage: vdrive_step_benchmark DOMAIN STEPS\n";
     return 2;
@@ -35,7 +38,16 @@ int main(int argc, char** argv) try {
   std::ranges::sort(times);
   std::cout << times.at(steps / 2) << ' ' << times.at(steps * 99 / 100) << '\n';
 
-} catch (const std::exception& error) {
-  std::cerr << error.what() << '\n';
-  return 1;
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return measure(argc, argv);
+  } catch (const std::exception& error) {
+    std::cerr << error.what() << '\n';
+    return 1;
+  }
 }
