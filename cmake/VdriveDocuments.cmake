@@ -31,6 +31,7 @@ vdrive_man_page(vdrive 1 "commands virtual CiA 402 servo drives over DDS" tool)
 vdrive_man_page(vdrived 8 "a bench of virtual CiA 402 servo drives on DDS" service)
 
 vdrive_man_page(vdrive-gateway 8 "shows virtual servo drives to browsers and dashboards" gateway)
+vdrive_man_page(vdrive-ros2 8 "shows virtual servo drives to ROS 2 as joints" ros2)
 
 set(configuration_page ${documents}/vdrived.yaml.5)
 set(configuration_example ${PROJECT_SOURCE_DIR}/deploy/systemd/vdrived.yaml)
@@ -71,19 +72,25 @@ vdrive_completion(bash bash-completion/completions vdrive)
 vdrive_completion(zsh zsh/vendor-completions _vdrive)
 vdrive_completion(fish fish/vendor_completions.d vdrive.fish)
 
-set(gateway_completion ${documents}/vdrive-gateway.bash)
-add_custom_command(
-  OUTPUT ${gateway_completion}
-  COMMAND ${CMAKE_COMMAND} -D PROGRAM=$<TARGET_FILE:vdrive-gateway> -D OUTPUT=${gateway_completion}
-          -P ${PROJECT_SOURCE_DIR}/cmake/make_completion.cmake
-  DEPENDS vdrive-gateway ${PROJECT_SOURCE_DIR}/cmake/make_completion.cmake
-  COMMENT "Making the completion of vdrive-gateway"
-  VERBATIM)
-add_custom_target(vdrive_gateway_completion ALL DEPENDS ${gateway_completion})
-if(VDRIVE_INSTALL)
-  install(
-    FILES ${gateway_completion}
-    DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
-    RENAME vdrive-gateway
-    COMPONENT gateway)
-endif()
+# vdrive_simple_completion(<target> <component>)
+function(vdrive_simple_completion target component)
+  set(completion ${documents}/${target}.bash)
+  add_custom_command(
+    OUTPUT ${completion}
+    COMMAND ${CMAKE_COMMAND} -D PROGRAM=$<TARGET_FILE:${target}> -D OUTPUT=${completion} -P
+            ${PROJECT_SOURCE_DIR}/cmake/make_completion.cmake
+    DEPENDS ${target} ${PROJECT_SOURCE_DIR}/cmake/make_completion.cmake
+    COMMENT "Making the completion of ${target}"
+    VERBATIM)
+  add_custom_target(${target}_completion ALL DEPENDS ${completion})
+  if(VDRIVE_INSTALL)
+    install(
+      FILES ${completion}
+      DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
+      RENAME ${target}
+      COMPONENT ${component})
+  endif()
+endfunction()
+
+vdrive_simple_completion(vdrive-gateway gateway)
+vdrive_simple_completion(vdrive-ros2 ros2)

@@ -16,6 +16,7 @@ install(TARGETS vdrive_wire EXPORT vdrive-targets ARCHIVE COMPONENT development)
 install(TARGETS vdrived COMPONENT service)
 install(TARGETS vdrive COMPONENT tool)
 install(TARGETS vdrive-gateway COMPONENT gateway)
+install(TARGETS vdrive-ros2 COMPONENT ros2)
 install(EXPORT vdrive-targets NAMESPACE vdrive:: DESTINATION ${package_dir} COMPONENT development)
 
 configure_package_config_file(
@@ -39,6 +40,7 @@ file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/vdrived@.service CONTENT "${unit}" @
 install(FILES ${unit_dir}/vdrived.service ${PROJECT_BINARY_DIR}/vdrived@.service
         DESTINATION lib/systemd/system COMPONENT service)
 install(FILES ${unit_dir}/vdrive-gateway.service DESTINATION lib/systemd/system COMPONENT gateway)
+install(FILES ${unit_dir}/vdrive-ros2.service DESTINATION lib/systemd/system COMPONENT ros2)
 install(FILES ${unit_dir}/realtime.conf DESTINATION ${CMAKE_INSTALL_DATADIR}/vdrive
         COMPONENT service)
 install(FILES ${unit_dir}/vdrived.yaml DESTINATION ${CMAKE_INSTALL_SYSCONFDIR}/vdrive
@@ -49,8 +51,8 @@ install(FILES ${unit_dir}/vdrived.yaml DESTINATION ${CMAKE_INSTALL_SYSCONFDIR}/v
 set(tree ${CMAKE_INSTALL_DATADIR}/doc/vdrive-doc)
 install(FILES ${PROJECT_SOURCE_DIR}/README.md DESTINATION ${tree} COMPONENT documents)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs DESTINATION ${tree} COMPONENT documents)
-install(FILES ${PROJECT_SOURCE_DIR}/idl/vdrive_messages.idl DESTINATION ${tree}/idl
-        COMPONENT documents)
+install(FILES ${PROJECT_SOURCE_DIR}/idl/vdrive_messages.idl ${PROJECT_SOURCE_DIR}/idl/ros_messages.idl
+        DESTINATION ${tree}/idl COMPONENT documents)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/clients/examples DESTINATION ${tree}/clients
         COMPONENT documents PATTERN CMakeLists.txt EXCLUDE PATTERN installed EXCLUDE)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/clients/python/examples DESTINATION ${tree}/clients/python
@@ -60,8 +62,8 @@ install(FILES ${PROJECT_SOURCE_DIR}/clients/examples/installed/CMakeLists.txt
 install(FILES ${PROJECT_SOURCE_DIR}/clients/examples/06_raw_dds/CMakeLists.txt
         DESTINATION ${tree}/clients/examples/06_raw_dds COMPONENT documents)
 
-set(packages vdrived:service vdrive:tool vdrive-gateway:gateway libvdrive-dev:development
-             vdrive-doc:documents)
+set(packages vdrived:service vdrive:tool vdrive-gateway:gateway vdrive-ros2:ros2
+             libvdrive-dev:development vdrive-doc:documents)
 if(TARGET vdrive_python)
   list(APPEND packages python3-vdrive:python)
 endif()

@@ -4,6 +4,7 @@
 #   vdrived         the service, its units, its first configuration
 #   vdrive          the tool, its completion, the scenarios
 #   vdrive-gateway  the gateway to browsers and dashboards, its unit, its completion
+#   vdrive-ros2     the bridge to ROS 2, its unit, its completion
 #   libvdrive-dev   the client library: archives, headers, CMake package
 #   python3-vdrive  the Python module, where it was built
 #   vdrive-doc      the documents, the IDL, the examples
@@ -14,7 +15,7 @@ set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "virtual CiA 402 servo drives on DDS")
 set(CPACK_PACKAGE_DIRECTORY ${PROJECT_SOURCE_DIR}/build/packages)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
-set(CPACK_COMPONENTS_ALL service tool gateway development documents)
+set(CPACK_COMPONENTS_ALL service tool gateway ros2 development documents)
 if(TARGET vdrive_python)
   list(APPEND CPACK_COMPONENTS_ALL python)
 endif()
@@ -48,6 +49,14 @@ Lichtblick and PlotJuggler, and lets them command when it is told to.")
 set(CPACK_DEBIAN_GATEWAY_PACKAGE_SUGGESTS "vdrived, vdrive-doc")
 set(CPACK_DEBIAN_GATEWAY_PACKAGE_CONTROL_EXTRA ${debian}/gateway/postinst ${debian}/gateway/prerm
                                                ${debian}/gateway/postrm)
+
+set(CPACK_DEBIAN_ROS2_PACKAGE_NAME vdrive-ros2)
+set(CPACK_DEBIAN_ROS2_PACKAGE_SECTION misc)
+set(CPACK_DEBIAN_ROS2_DESCRIPTION "The bridge to ROS 2: it shows the drives of vdrived as joints and lets
+ros2_control and trajectories move them, over plain DDS and without ROS.")
+set(CPACK_DEBIAN_ROS2_PACKAGE_SUGGESTS "vdrived, vdrive-doc")
+set(CPACK_DEBIAN_ROS2_PACKAGE_CONTROL_EXTRA ${debian}/ros2/postinst ${debian}/ros2/prerm
+                                            ${debian}/ros2/postrm)
 
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libvdrive-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)

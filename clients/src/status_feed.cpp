@@ -47,7 +47,8 @@ void StatusFeed::on_frame(const wire::StatusFrameView& frame) {
   const wire::StatusFrameHead& head = frame.head();
   if (head.bench != key_.number || head.incarnation != key_.incarnation) return;
   if (head.tick < growing_.tick) return;
-  if (head.tick > growing_.tick || seen_count_ == count_) start(head.tick);
+  const bool has_begun = growing_.axes.size() == count_;  // not before the first frame: tick 0 too
+  if (head.tick > growing_.tick || seen_count_ == count_ || !has_begun) start(head.tick);
   for (std::size_t position = 0; position < frame.size(); ++position) {
     const std::size_t number = frame.number(position);
     const std::size_t place = number < places_.size() ? places_[number] : count_;

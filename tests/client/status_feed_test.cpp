@@ -62,6 +62,16 @@ TEST(StatusFeed, ShowsTheAxesInTheOrderAskedFor) {
   EXPECT_FALSE(sut.take().has_value());
 }
 
+// A bench in lock-step that nobody has stepped shows tick 0.
+TEST(StatusFeed, BeginsWithTick0) {
+  Feed sut({1, 300}, 1);
+  sut.on_frame(frame(0, {1}));
+  sut.on_frame(frame(0, {300}));
+  const auto sample = sut.take();
+  ASSERT_TRUE(sample.has_value());
+  EXPECT_EQ(sample->tick, 0U);
+}
+
 TEST(StatusFeed, PutsThePartsOfATickTogether) {
   Feed sut({1, 300}, 1);
   sut.on_frame(frame(5, {1}));

@@ -18,7 +18,7 @@ fail() {
 
 list=$("$root/deploy/package.sh")
 mapfile -t packages <<<"$list"
-((${#packages[@]} == 6)) || fail "expected six packages: ${packages[*]}"
+((${#packages[@]} == 7)) || fail "expected seven packages: ${packages[*]}"
 
 unpacked=$work/root
 for package in "${packages[@]}"; do
@@ -29,6 +29,7 @@ expected=(
   etc/vdrive/vdrived.yaml
   usr/bin/vdrive
   usr/bin/vdrive-gateway
+  usr/bin/vdrive-ros2
   usr/bin/vdrived
   usr/include/vdrive/client/session.hpp
   usr/include/vdrive/dictionary/dictionary.hpp
@@ -41,10 +42,12 @@ expected=(
   usr/lib/python3/dist-packages/vdrive/_vdrive.cpython-*.so
   usr/lib/python3/dist-packages/vdrive/py.typed
   usr/lib/systemd/system/vdrive-gateway.service
+  usr/lib/systemd/system/vdrive-ros2.service
   usr/lib/systemd/system/vdrived.service
   usr/lib/systemd/system/vdrived@.service
   usr/share/bash-completion/completions/vdrive
   usr/share/bash-completion/completions/vdrive-gateway
+  usr/share/bash-completion/completions/vdrive-ros2
   usr/share/doc/libvdrive-dev/changelog.gz
   usr/share/doc/libvdrive-dev/copyright
   usr/share/doc/python3-vdrive/changelog.gz
@@ -58,7 +61,9 @@ expected=(
   usr/share/doc/vdrive-doc/docs/guides/configuration.md
   usr/share/doc/vdrive-doc/idl/vdrive_messages.idl
   usr/share/doc/vdrive-gateway/changelog.gz
+  usr/share/doc/vdrive-ros2/changelog.gz
   usr/share/doc/vdrive-gateway/copyright
+  usr/share/doc/vdrive-ros2/copyright
   usr/share/doc/vdrive/changelog.gz
   usr/share/doc/vdrive/copyright
   usr/share/doc/vdrived/changelog.gz
@@ -67,6 +72,7 @@ expected=(
   usr/share/man/man1/vdrive.1.gz
   usr/share/man/man5/vdrived.yaml.5.gz
   usr/share/man/man8/vdrive-gateway.8.gz
+  usr/share/man/man8/vdrive-ros2.8.gz
   usr/share/man/man8/vdrived.8.gz
   usr/share/vdrive/realtime.conf
   usr/share/vdrive/scenarios/absolute_forward.scn
@@ -117,6 +123,7 @@ done
 "$unpacked/usr/bin/vdrived" --check "$unpacked/etc/vdrive/vdrived.yaml" >"$work/check"
 "$unpacked/usr/bin/vdrived" --version | grep -q '^vdrived ' || fail "vdrived --version"
 "$unpacked/usr/bin/vdrive-gateway" --version | grep -q '^vdrive-gateway ' || fail "vdrive-gateway --version"
+"$unpacked/usr/bin/vdrive-ros2" --version | grep -q '^vdrive-ros2 ' || fail "vdrive-ros2 --version"
 "$unpacked/usr/bin/vdrive" --version | grep -q '^vdrive ' || fail "vdrive --version"
 
 # The Python module, with the service that was packed with it.
@@ -131,7 +138,7 @@ with vdrive.Bench() as bench, bench.session() as session:
 END
 
 # The units name what is there.
-for unit in vdrived.service vdrived@.service vdrive-gateway.service; do
+for unit in vdrived.service vdrived@.service vdrive-gateway.service vdrive-ros2.service; do
   program=$(sed -n 's/^ExecStart=\([^ ]*\).*/\1/p' "$unpacked/usr/lib/systemd/system/$unit")
   [[ -x $unpacked$program ]] || fail "$unit starts $program, which is in no package"
 done
@@ -156,7 +163,7 @@ done
 options_of() {
   "$@" | grep -o -- '--[a-z][a-z-]*' | sort -u
 }
-for page in man1/vdrive.1.gz man8/vdrived.8.gz man8/vdrive-gateway.8.gz; do
+for page in man1/vdrive.1.gz man8/vdrived.8.gz man8/vdrive-gateway.8.gz man8/vdrive-ros2.8.gz; do
   text=$(LC_ALL=C.UTF-8 MANWIDTH=200 man --warnings --local-file "$unpacked/usr/share/man/$page" 2>"$work/warnings" | col -b)
   [[ ! -s $work/warnings ]] || fail "$page: $(cat "$work/warnings")"
   program=$unpacked/usr/bin/$(basename "${page%.?.gz}")

@@ -3,6 +3,8 @@
 
 #include "support/test_domain.hpp"
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <csignal>
 #include <iostream>
@@ -38,7 +40,14 @@ RunningBridge::RunningBridge(const std::string& words)
   }
 }
 
+RunningBridge::~RunningBridge() {
+  if (has_ended_) return;
+  const Finished finished = stop();
+  EXPECT_EQ(finished.code, 0) << finished.errors;
+}
+
 Finished RunningBridge::stop() {
+  has_ended_ = true;
   process_.send(SIGTERM);
   return process_.wait();
 }

@@ -23,11 +23,16 @@ class RunningBridge {
   /// @param words command line beside the domain
   explicit RunningBridge(const std::string& words = "");
 
+  ~RunningBridge();  ///< ends it as a user would; the test fails when it ended otherwise
+  RunningBridge(const RunningBridge&) = delete;
+  RunningBridge& operator=(const RunningBridge&) = delete;
+
   /// Ends it as a user would.
   Finished stop();
 
  private:
   Process process_;
+  bool has_ended_ = false;
 };
 
 /// What nodes of ROS do: reads what the bridge publishes, and commands it.

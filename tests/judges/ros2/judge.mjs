@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// A node of ROS 2 by the stack that Foxglove publishes, which is no Fast DDS and no Cyclone DDS.
+//
+//   node judge.mjs DOMAIN MESSAGES
+//
+// Waits for the topic /joint_states, reads so many messages of it with every field, and looks at
+// what the writer announces. Standard output: the line "first" with the first message, at the end one JSON
+// object {"topic", "dataType", "type", "userData", "messages": [...]}. Exit code 0: all of that came.
+import rosmsg from "@foxglove/rosmsg";
+import ros2 from "@foxglove/ros2";
+import nodejs from "@foxglove/ros2/nodejs";
+
+const { RosNode } = ros2;
+const { getNetworkInterfaces, UdpSocketNode } = nodejs;
+const [domain, wanted] = [Number(process.argv[2]), Number(process.argv[3])];
+const topic = "/joint_states";
+const dataType = "sensor_msgs/msg/JointState";
+const separator = "=".repeat(80);
+const definition = rosmsg.parse(
+  [
+    "std_msgs/Header header\nstring[] name\nfloat64[] position\nfloat64[] velocity\nfloat64[] effort",
+    "MSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id",
+    "MSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec",
+  ].join(`\n${separator}\n`),
+  { ros2: true },
+);
+
+const node = new RosNode({
+  name: "judge",
+  addresses: ["127.0.0.1"],
+  domainId: domain,
+  udpSocketCreate: UdpSocketNode.Create,
+  getNetworkInterfaces,
+});
+setTimeout(() => {
+  console.error("judge: not enough messages in 90 s");
+  process.exit(1);
+}, 90_000);
+
+const result = { topic: null, type: null, userData: null, messages: [] };
+node.on("error", (error) => console.error(String(error)));
+node.on("discoveredPublication", (endpoint) => {
+  if (endpoint.topicName !== "rt/joint_states") return;
+  result.type = endpoint.typeName;
+  result.userData = endpoint.userData;
+});
+await node.start();
+const subscription = node.subscribe({ topic, dataType, msgDefinition: definition });
+subscription.on("message", (_timestamp, message) => {
+  if (result.messages.length >= wanted) return;
+  if (result.messages.length === 0) process.stdout.write("first\n");
+  result.messages.push({
+    sec: message.header.stamp.sec,
+    nanosec: message.header.stamp.nanosec ?? message.header.stamp.nsec,
+    frame_id: message.header.frame_id,
+    name: [...message.name],
+    position: [...message.position],
+    velocity: [...message.velocity],
+    effort: [...message.effort],
+  });
+  if (result.messages.length === wanted) {
+    const published = node.getPublishedTopics().find(([name]) => name === topic);
+    result.topic = published?.[0];
+    result.dataType = published?.[1];
+    process.stdout.write(JSON.stringify(result) + "\n", () => process.exit(0));
+  }
+});
