@@ -24,8 +24,8 @@ class Writer final : public eprosima::fastdds::dds::DataWriterListener {
          std::function<void(const std::vector<Source>&)> observer = nullptr);
 
   /// The same on a topic of another contract.
-  /// @param topic in full
-  Writer(Participant::Entities& parent, const std::string& topic,
+  /// @param name of the topic, in full
+  Writer(Participant::Entities& parent, const std::string& name,
          const eprosima::fastdds::dds::TypeSupport& type,
          const eprosima::fastdds::dds::DataWriterQos& qos,
          std::function<void(const std::vector<Source>&)> observer = nullptr);

@@ -15,6 +15,14 @@ TEST(RosTypeHash, OfJointStateIsTheOneThatRosAnnounces) {
             "RIHS01_a13ee3a330e346c9d87b5aa18d24e11690752bd33a0350f11c5882bc9179260e");
 }
 
+// The same of two types that nearly every node announces.
+TEST(RosTypeHash, OfLogAndClockAreThoseThatRosAnnounces) {
+  EXPECT_EQ(type_hash("rcl_interfaces/msg/Log"),
+            "RIHS01_e28ce254ca8abc06abf92773b74602cdbf116ed34fbaf294fb9f81da9f318eac");
+  EXPECT_EQ(type_hash("rosgraph_msgs/msg/Clock"),
+            "RIHS01_692f7a66e93a3c83e71765d033b60349ba68023a8c689a79e48078bcb5c58564");
+}
+
 TEST(RosTypeHash, DescribesTypesInTheCanonicalForm) {
   EXPECT_EQ(type_description("std_msgs/msg/Bool"),
             R"({"type_description": {"type_name": "std_msgs/msg/Bool", "fields": [)"

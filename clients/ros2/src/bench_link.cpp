@@ -197,7 +197,7 @@ void BenchLink::read_limits() {
   notify_();
 }
 
-std::optional<JointLimits> BenchLink::limits_of(client::Axis& axis, const Joint& joint) const {
+std::optional<JointLimits> BenchLink::limits_of(client::Axis& axis, const Joint& joint) {
   const auto readings = axis.read(kLimitObjects);
   if (!readings) return std::nullopt;
   const auto real = [&](LimitObject object) {

@@ -72,7 +72,7 @@ class BenchLink {
   void take_control();
   [[nodiscard]] bool is_held(const Sight& sight) const;
   void read_limits();
-  [[nodiscard]] std::optional<JointLimits> limits_of(client::Axis& axis, const Joint& joint) const;
+  [[nodiscard]] static std::optional<JointLimits> limits_of(client::Axis& axis, const Joint& joint);
   void rest(std::chrono::milliseconds duration, const std::stop_token& stop);
 
   client::Session& session_;

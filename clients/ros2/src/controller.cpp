@@ -436,7 +436,8 @@ void Controller::begin(const Trajectory& trajectory, const Start& start) {
   const std::string text = "number " + std::to_string(number) + " of " + joined(trajectory.names) +
                            ", " + std::to_string(trajectory.points.size()) + " points";
   std::set<std::uint64_t> replaced;
-  for (const auto& [old, unused] : trajectories_) {
+  for (const auto& known : trajectories_) {
+    const std::uint64_t old = known.first;
     const bool is_replaced = std::ranges::any_of(trajectory.joints, [&](const JointPlace& joint) {
       return motion_of(joint).trajectory_of(joint.place) == old;
     });

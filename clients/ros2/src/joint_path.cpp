@@ -137,37 +137,41 @@ JointMotion JointPath::at(double time) const noexcept {
   return {value(after->position, inside), value(speed, inside), value(derivative(speed), inside)};
 }
 
+std::optional<std::string> JointPath::check_position(const Piece& piece, const JointLimits& limits,
+                                                     const std::string& unit) const {
+  const double start = value(pieces_.front().position, 0.0);
+  const Range way = range(piece.position, piece.end - piece.begin);
+  if (is_above(way.high, std::max(limits.upper, start))) {
+    return broken("position", way.high, unit, piece.begin + way.high_time, limits.upper);
+  }
+  if (is_above(-way.low, -std::min(limits.lower, start))) {
+    return broken("position", way.low, unit, piece.begin + way.low_time, limits.lower);
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> JointPath::check_size(const char* what, const Polynomial& polynomial,
+                                                 const Piece& piece, double limit,
+                                                 const std::string& unit) {
+  const Range found = range(polynomial, piece.end - piece.begin);
+  const bool is_high = found.high >= -found.low;
+  const double largest = is_high ? found.high : found.low;
+  if (!is_above(std::abs(largest), limit)) return std::nullopt;
+  return broken(what, largest, unit, piece.begin + (is_high ? found.high_time : found.low_time),
+                limit);
+}
+
 std::optional<std::string> JointPath::check(const JointLimits& limits,
                                             const std::string& unit) const {
-  const double start = value(pieces_.front().position, 0.0);
-  const double lower = std::min(limits.lower, start);
-  const double upper = std::max(limits.upper, start);
   for (const Piece& piece : pieces_) {
-    const double length = piece.end - piece.begin;
-    const Range way = range(piece.position, length);
-    if (is_above(way.high, upper)) {
-      return broken("position", way.high, unit, piece.begin + way.high_time, limits.upper);
+    const Polynomial speed = derivative(piece.position);
+    auto problem = check_position(piece, limits, unit);
+    if (!problem) problem = check_size("velocity", speed, piece, limits.velocity, unit + "/s");
+    if (!problem) {
+      problem = check_size("acceleration", derivative(speed), piece,
+                           std::min(limits.acceleration, limits.deceleration), unit + "/s²");
     }
-    if (is_above(-way.low, -lower)) {
-      return broken("position", way.low, unit, piece.begin + way.low_time, limits.lower);
-    }
-    const Polynomial slope = derivative(piece.position);
-    const Range speed = range(slope, length);
-    const bool is_forward = speed.high >= -speed.low;
-    const double fastest = is_forward ? speed.high : speed.low;
-    if (is_above(std::abs(fastest), limits.velocity)) {
-      return broken("velocity", fastest, unit + "/s",
-                    piece.begin + (is_forward ? speed.high_time : speed.low_time), limits.velocity);
-    }
-    const double strongest = std::min(limits.acceleration, limits.deceleration);
-    const Range push = range(derivative(slope), length);
-    if (is_above(push.high, strongest)) {
-      return broken("acceleration", push.high, unit + "/s²", piece.begin + push.high_time,
-                    strongest);
-    }
-    if (is_above(-push.low, strongest)) {
-      return broken("acceleration", push.low, unit + "/s²", piece.begin + push.low_time, strongest);
-    }
+    if (problem) return problem;
   }
   return std::nullopt;
 }

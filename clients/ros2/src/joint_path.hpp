@@ -66,6 +66,13 @@ class JointPath {
   static Range range(const Polynomial& polynomial, double length) noexcept;
   static Polynomial quintic(const JointMotion& from, const JointMotion& to, double length) noexcept;
   static Polynomial cubic(const JointMotion& from, const JointMotion& to, double length) noexcept;
+  [[nodiscard]] std::optional<std::string> check_position(const Piece& piece,
+                                                          const JointLimits& limits,
+                                                          const std::string& unit) const;
+  [[nodiscard]] static std::optional<std::string> check_size(const char* what,
+                                                             const Polynomial& polynomial,
+                                                             const Piece& piece, double limit,
+                                                             const std::string& unit);
   void add(const PathPoint& from, const PathPoint& to, const PathPoint* next);
 
   std::vector<Piece> pieces_;

@@ -152,7 +152,8 @@ void JointPublisher::publish(const Board::Views& views, Clock::time_point now) {
   }
 }
 
-bool JointPublisher::is_due(const BenchView& view, Published& published, Clock::time_point now) {
+bool JointPublisher::is_due(const BenchView& view, Published& published,
+                            Clock::time_point now) const {
   const std::uint64_t tick = view.sight->tick;
   if (published.incarnation != view.info->incarnation) {
     published = {.incarnation = view.info->incarnation};

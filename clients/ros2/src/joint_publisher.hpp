@@ -38,7 +38,8 @@ class JointPublisher {
 
   void run(const std::stop_token& stop);
   void publish(const Board::Views& views, Clock::time_point now);
-  [[nodiscard]] bool is_due(const BenchView& view, Published& published, Clock::time_point now);
+  [[nodiscard]] bool is_due(const BenchView& view, Published& published,
+                            Clock::time_point now) const;
   void publish_diagnostics(const Board::Views& views, Clock::time_point now);
 
   const double rate_;

@@ -51,7 +51,7 @@ std::string dds_topic(std::string_view name) {
 }
 
 std::string check_topic(std::string_view name) {
-  const std::string rule =
+  std::string rule =
       in_quotes(name) +
       " is no name of a topic: it begins with '/', and its parts have letters, digits and '_' and "
       "begin with no digit";

@@ -8,7 +8,7 @@
 // object {"topic", "dataType", "type", "userData", "messages": [...]}. Exit code 0: all of that came.
 import rosmsg from "@foxglove/rosmsg";
 import ros2 from "@foxglove/ros2";
-import nodejs from "@foxglove/ros2/nodejs";
+import nodejs from "@foxglove/ros2/nodejs.js";
 
 const { RosNode } = ros2;
 const { getNetworkInterfaces, UdpSocketNode } = nodejs;
