@@ -9,12 +9,13 @@
 import rosmsg from "@foxglove/rosmsg";
 import ros2 from "@foxglove/ros2";
 import nodejs from "@foxglove/ros2/nodejs.js";
+import serialization from "@foxglove/rosmsg2-serialization";
+import rtps from "@foxglove/rtps";
 
 const { RosNode } = ros2;
 const { getNetworkInterfaces, UdpSocketNode } = nodejs;
 const [domain, wanted] = [Number(process.argv[2]), Number(process.argv[3])];
 const topic = "/joint_states";
-const dataType = "sensor_msgs/msg/JointState";
 const separator = "=".repeat(80);
 const definition = rosmsg.parse(
   [
@@ -45,8 +46,27 @@ node.on("discoveredPublication", (endpoint) => {
   result.userData = endpoint.userData;
 });
 await node.start();
-const subscription = node.subscribe({ topic, dataType, msgDefinition: definition });
-subscription.on("message", (_timestamp, message) => {
+// RosNode.subscribe() asks for TRANSIENT_LOCAL, which joint states are not, in no ROS either: the same
+// stack one layer below.
+const reader = new serialization.MessageReader(definition);
+const participant = new rtps.Participant({
+  name: "judge",
+  addresses: ["127.0.0.1"],
+  domainId: domain,
+  udpSocketCreate: UdpSocketNode.Create,
+});
+participant.on("error", (error) => console.error(String(error)));
+await participant.start();
+participant.subscribe({
+  topicName: "rt/joint_states",
+  typeName: "sensor_msgs::msg::dds_::JointState_",
+  durability: rtps.Durability.Volatile,
+  reliability: { kind: rtps.Reliability.Reliable, maxBlockingTime: { sec: 1, nsec: 0 } },
+  history: { kind: rtps.HistoryKind.KeepLast, depth: 10 },
+});
+participant.on("userData", (data) => {
+  if (data.subscription.topicName !== "rt/joint_states") return;
+  const message = reader.readMessage(data.serializedData);
   if (result.messages.length >= wanted) return;
   if (result.messages.length === 0) process.stdout.write("first\n");
   result.messages.push({
