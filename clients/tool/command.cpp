@@ -7,14 +7,6 @@
 namespace vdrive::tool {
 namespace {
 
-template <typename... Functions>
-struct Overloaded : Functions... {
-  using Functions::operator()...;
-};
-
-template <typename... Functions>
-Overloaded(Functions...) -> Overloaded<Functions...>;
-
 struct ComparisonRow {
   Comparison comparison;
   std::string_view text;
@@ -71,68 +63,19 @@ std::optional<Comparison> comparison_named(std::string_view text) noexcept {
 }
 
 std::vector<std::string> axes_of(const Command& command) {
-  using Axes = std::vector<std::string>;
-  return std::visit(Overloaded{[](const ListCommand&) {
-                                 return Axes{};
-                               },
-                               [](const DictionaryCommand&) {
-                                 return Axes{};
-                               },
-                               [](const StopCommand&) {
-                                 return Axes{};
-                               },
-                               [](const StepCommand&) {
-                                 return Axes{};
-                               },
-                               [](const RecordCommand& record) {
-                                 return record.axes;
-                               },
-                               [](const ConvertCommand&) {
-                                 return Axes{};
-                               },
-                               [](const SnapshotCommand&) {
-                                 return Axes{};
-                               },
-                               [](const RateCommand&) {
-                                 return Axes{};
-                               },
-                               [](const DoctorCommand&) {
-                                 return Axes{};
-                               },
-                               [](const BenchCommand&) {
-                                 return Axes{};
-                               },
-                               [](const RunCommand&) {
-                                 return Axes{};
-                               },
-                               [](const TestCommand&) {
-                                 return Axes{};
-                               },
-                               [](const EventsCommand&) {
-                                 return Axes{};
-                               },
-                               [](const ShellCommand&) {
-                                 return Axes{};
-                               },
-                               [](const WaitCommand&) {
-                                 return Axes{};
-                               },
-                               [](const WatchCommand& watch) {
-                                 return watch.axes;
-                               },
-                               [](const std::shared_ptr<const RefusedCommand>& refused) {
-                                 return axes_of(refused->command);
-                               },
-                               [](const StatusCommand& status) {
-                                 return status.axes;
-                               },
-                               [](const ActionCommand& action) {
-                                 return action.axes;
-                               },
-                               [](const auto& other) {
-                                 return Axes{other.axis};
-                               }},
-                    command);
+  return std::visit(
+      [](const auto& word) -> std::vector<std::string> {
+        if constexpr (requires { word.axes; }) {
+          return word.axes;
+        } else if constexpr (requires { word.axis; }) {
+          return {word.axis};
+        } else if constexpr (requires { word->command; }) {
+          return axes_of(word->command);
+        } else {
+          return {};
+        }
+      },
+      command);
 }
 
 std::optional<std::uint32_t> bench_of(const Command& command) {

@@ -90,6 +90,9 @@ class LineReader::Editor {
   Editor& operator=(const Editor&) = delete;
 
   std::optional<std::string> next() {
+    // By itself the editor shows its prompt first. What is typed in between would be edited by the
+    // terminal, and Ctrl-C a signal that nobody waits for.
+    el_set(editor_, EL_PREP_TERM, 1);
     int length = 0;
     const char* const line = el_gets(editor_, &length);
     if (line == nullptr || length <= 0) return std::nullopt;
