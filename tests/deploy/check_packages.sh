@@ -103,8 +103,8 @@ dpkg-deb --ctrl-tarfile "$(package_of vdrived)" | tar -xO ./conffiles |
 
 # A document that a configuration or a unit names is in a package; the news are of this version.
 manuals() {
-  { grep -o 'man [a-z][a-z.-]*' "$unpacked"/etc/vdrive/*.yaml || true
-    grep -oh 'man:[a-z.-]*' "$unpacked"/usr/lib/systemd/system/*; } | sed 's/^.*man[ :]//; s/\.$//' | sort -u
+  { grep -o 'man [a-z][a-z0-9.-]*' "$unpacked"/etc/vdrive/*.yaml || true
+    grep -oh 'man:[a-z0-9.-]*' "$unpacked"/usr/lib/systemd/system/*; } | sed 's/^.*man[ :]//; s/\.$//' | sort -u
 }
 [[ -n $(manuals) ]] || fail "neither configuration nor units name a manual page"
 for page in $(manuals); do
