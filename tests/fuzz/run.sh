@@ -71,7 +71,7 @@ run() {
   grep --extended-regexp '^(Done|#[0-9]+.DONE)' "$log" | tail --lines 1 || true
 }
 
-"$root/deploy/build.sh" --preset fuzz --target fuzzers
+"$root/tests/checks/build_preset.sh" fuzz
 
 mkdir -p "$work/failures"
 for fuzzer in "${fuzzers[@]}"; do
