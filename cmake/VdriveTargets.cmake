@@ -148,10 +148,17 @@ endfunction()
 
 # vdrive_compile_together(<target> [APART <file>...])
 # With VDRIVE_UNITY_BUILD up to eight sources of the target are compiled at once: they share the
-# reading of their headers and their templates. Names in their unnamed namespaces must differ.
-# APART: sources whose names cannot.
+# reading of their headers and their templates. Names in their unnamed namespaces must differ: the
+# wrong one of two functions may fit a call. The architecture test reads the list written here.
+# APART: sources whose names cannot differ.
 function(vdrive_compile_together target)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "APART")
+  get_target_property(together ${target} SOURCES)
+  list(REMOVE_ITEM together ${arg_APART})
+  list(FILTER together INCLUDE REGEX "\\.cpp$")
+  list(TRANSFORM together PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
+  list(JOIN together "\n" together)
+  file(WRITE ${PROJECT_BINARY_DIR}/compiled_together/${target}.txt "${together}\n")
   if(VDRIVE_UNITY_BUILD)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
     set_source_files_properties(${arg_APART} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)

@@ -58,7 +58,7 @@ std::string unit_of(std::string_view suffix, std::string_view text, Dimension di
 }
 
 /// @throws UsageError naming what was typed when the type does not hold the value.
-std::int64_t rounded(const Quantity& quantity, double user_units, std::string_view which) {
+std::int64_t rounded_quantity(const Quantity& quantity, double user_units, std::string_view which) {
   const TypeRange range = range_of(quantity.type);
   const double nearest = std::round(user_units);
   const bool fits =
@@ -102,7 +102,8 @@ Quantity parse_quantity(std::string_view text, Dimension dimension, DataType typ
   // from_chars takes "inf" and "nan" too, and what no double holds is none of these quantities.
   if (error != std::errc{} || !std::isfinite(quantity.value)) refuse_text(text, dimension);
   quantity.unit = unit_of({stop, static_cast<std::size_t>(end - stop)}, text, dimension);
-  if (quantity.is_in_user_units()) static_cast<void>(rounded(quantity, quantity.value, ""));
+  if (quantity.is_in_user_units())
+    static_cast<void>(rounded_quantity(quantity, quantity.value, ""));
   return quantity;
 }
 
@@ -132,7 +133,7 @@ std::int64_t user_units_of(const Quantity& quantity, const client::Unit& unit,
                      in_quotes(quantity.unit) + "; it has " +
                      list_of_units(quantity.dimension, unit));
   }
-  return rounded(quantity, quantity.value * *size, " of axis " + std::string(axis));
+  return rounded_quantity(quantity, quantity.value * *size, " of axis " + std::string(axis));
 }
 
 std::optional<Dimension> dimension_of(ObjectRow row) {

@@ -153,7 +153,7 @@ LiveLine left_out(std::size_t count, std::size_t faults, std::size_t width) {
 }
 
 /// @return the name of the order, as the title has it.
-std::string_view name_of(WatchSort sort) {
+std::string_view name_of_column(WatchSort sort) {
   constexpr std::array<std::string_view, 6> kNames{"axis",     "name",   "position",
                                                    "velocity", "torque", "state"};
   return kNames.at(static_cast<std::size_t>(sort));
@@ -212,7 +212,7 @@ std::string tick_text(const client::Observation& sample, std::span<const Watched
 std::string title_of(std::string title, const WatchChoice& choice) {
   title += ", positions in UU, velocities in UU/s";
   if (choice.sort != WatchSort::axis || choice.is_reversed) {
-    title.append(", by ").append(name_of(choice.sort));
+    title.append(", by ").append(name_of_column(choice.sort));
     if (choice.is_reversed) title += " reversed";
   }
   return choice.only_faults ? title + ", faults only" : title;

@@ -38,7 +38,7 @@ std::string three_digits(double value) {
   return text.str();
 }
 
-void add(std::string& findings, const std::string& finding) {
+void add_warning(std::string& findings, const std::string& finding) {
   findings += (findings.empty() ? "" : "; ") + finding;
 }
 
@@ -46,21 +46,22 @@ void add(std::string& findings, const std::string& finding) {
 std::string findings_of(const LoopReport& report, const AxisModel& model) {
   std::string findings;
   if (std::isinf(report.ringing_time)) {
-    add(findings, "the axis oscillates at " + three_digits(report.ringing) + " Hz, growing");
+    add_warning(findings,
+                "the axis oscillates at " + three_digits(report.ringing) + " Hz, growing");
   } else if (report.ringing_time > kLongestRinging) {
-    add(findings, "the axis rings at " + three_digits(report.ringing) + " Hz for " +
-                      three_digits(report.ringing_time) + " s");
+    add_warning(findings, "the axis rings at " + three_digits(report.ringing) + " Hz for " +
+                              three_digits(report.ringing_time) + " s");
   }
   if (report.velocity_bandwidth < kLeastBandwidth * model.velocity_loop_bandwidth) {
-    add(findings, "the velocity loop reaches " + three_digits(report.velocity_bandwidth) +
-                      " Hz of " + three_digits(model.velocity_loop_bandwidth) +
-                      " Hz, the position loop " + three_digits(report.position_bandwidth) +
-                      " Hz of " + three_digits(model.position_loop_bandwidth) + " Hz");
+    add_warning(findings, "the velocity loop reaches " + three_digits(report.velocity_bandwidth) +
+                              " Hz of " + three_digits(model.velocity_loop_bandwidth) +
+                              " Hz, the position loop " + three_digits(report.position_bandwidth) +
+                              " Hz of " + three_digits(model.position_loop_bandwidth) + " Hz");
   }
   if (report.torque_needed > report.torque_limit) {
-    add(findings, "profile_acc and profile_dec need " + three_digits(report.torque_needed) +
-                      " N.m at the motor, its limit is " + three_digits(report.torque_limit) +
-                      " N.m");
+    add_warning(findings, "profile_acc and profile_dec need " + three_digits(report.torque_needed) +
+                              " N.m at the motor, its limit is " +
+                              three_digits(report.torque_limit) + " N.m");
   }
   return findings;
 }

@@ -15,7 +15,7 @@ namespace {
 // A thread that ticks must not be made to ring: this one looks.
 constexpr std::chrono::milliseconds kNap{2};
 
-void carry_out(const StoreOrder& order, ParameterTable& table) {
+void save(const StoreOrder& order, ParameterTable& table) {
   if (order.forget) {
     table.erase(order.number);
     return;
@@ -100,7 +100,7 @@ bool ParameterSaver::save_waiting() {
 int ParameterSaver::save_batch() noexcept {
   try {
     ParameterTable next = table_;
-    for (const StoreOrder& order : batch_) carry_out(order, next);
+    for (const StoreOrder& order : batch_) save(order, next);
     store_->save(next);
     table_ = std::move(next);
     return 0;

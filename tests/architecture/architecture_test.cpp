@@ -12,6 +12,7 @@
 #include <map>
 #include <regex>
 #include <set>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -138,6 +139,41 @@ TEST(Architecture, OnlyDriversAndTheServiceKnowTheEngine) {
     const bool knows = std::ranges::count(own_includes(file.text), "bench_engine.hpp") > 0;
     EXPECT_TRUE(!knows || may.contains(fs::path(file.path).filename())) << file.path;
   }
+}
+
+/// Names of the functions in the unnamed namespaces of a source: what begins at the margin there.
+std::set<std::string> own_functions(const std::string& text) {
+  static const std::regex function(R"re(^[A-Za-z_][^(=;]*[ &*>](\w+)\()re");
+  std::set<std::string> names;
+  std::istringstream lines(text);
+  bool is_inside = false;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("namespace {")) is_inside = true;
+    if (line.starts_with("}  // namespace")) is_inside = false;
+    std::smatch match;
+    if (is_inside && std::regex_search(line, match, function)) names.insert(match[1]);
+  }
+  return names;
+}
+
+// Of two functions with one name in one unnamed namespace the compiler takes the one that fits the
+// arguments better: it may be that of the other source.
+TEST(Architecture, UnnamedFunctionsOfSourcesThatAreCompiledTogetherHaveDifferentNames) {
+  std::size_t targets = 0;
+  for (const fs::directory_entry& list :
+       fs::directory_iterator(fs::path(VDRIVE_BINARY_DIR) / "compiled_together")) {
+    ++targets;
+    std::map<std::string, std::string> owners;
+    std::istringstream paths(read(list.path()));
+    for (std::string path; std::getline(paths, path);) {
+      for (const std::string& name : own_functions(read(path))) {
+        const auto [owner, is_new] = owners.try_emplace(name, path);
+        EXPECT_TRUE(is_new) << list.path().stem() << ": " << name << " is in " << owner->second
+                            << " and in " << path << ": rename one, or compile one APART";
+      }
+    }
+  }
+  EXPECT_GT(targets, 10U) << "the lists are written by vdrive_compile_together";
 }
 
 TEST(Architecture, TopLevelOfTheRepositoryHasTheRoomsAndNothingElse) {

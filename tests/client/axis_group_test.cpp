@@ -2,6 +2,7 @@
 // AxisGroup against the real service.
 #include "vdrive/client/axis_group.hpp"
 
+#include "client/objects.hpp"
 #include "client/session_options.hpp"
 #include "tool/process.hpp"
 #include "vdrive/cia402/statusword.hpp"
@@ -20,25 +21,11 @@ namespace {
 
 using namespace std::chrono_literals;
 using test::options;
+using test::patient;
 using test::RunningService;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
-
-constexpr ObjectAddress kVelocity{0x6081, 0};
-constexpr ObjectAddress kAcceleration{0x6083, 0};
-constexpr ObjectAddress kDeceleration{0x6084, 0};
-constexpr ObjectAddress kSpeedLimit{0x607F, 0};
-constexpr ObjectAddress kBlockedLoad{0x5E01, 0};
-constexpr ObjectAddress kOverCurrent{0x5E02, 0};
-constexpr ObjectAddress kPositiveLimit{0x5E06, 0};
-constexpr ObjectAddress kMoveDuration{0x5E10, 1};
-constexpr auto kRefusedInState = wire_code(AbortCode::refused_in_present_device_state);
-
-/// A service in real time whose axes outlast a busy machine.
-std::string patient(const std::string& words) {
-  return "--clock realtime --config " VDRIVE_SOURCE_DIR "/tests/data/patient.yaml " + words;
-}
 
 std::vector<std::string> names(std::uint32_t bench, int first, int count) {
   std::vector<std::string> axes;
@@ -704,8 +691,8 @@ class FirstMotion {
 };
 
 TEST(TwoServices, InRealTimeStartInTheSameTick) {
-  const RunningService left(patient("--axes 1"));
-  const RunningService right(patient("--bench 2 --axes 1"));
+  const RunningService left(patient("--clock realtime --axes 1"));
+  const RunningService right(patient("--clock realtime --bench 2 --axes 1"));
   Session session(options());
   auto group = AxisGroup::create(session, std::vector<std::string>{"1.1", "2.1"});
   ASSERT_TRUE(group) << group.outcome().message();
@@ -722,7 +709,7 @@ TEST(TwoServices, InRealTimeStartInTheSameTick) {
 }
 
 TEST(RealtimeGroup, StreamsAheadOfTheClock) {
-  const RunningService service(patient("--axes 2"));
+  const RunningService service(patient("--clock realtime --axes 2"));
   SessionOptions streaming = options();
   streaming.keep_alive = KeepAlive::user_frames;
   Session session(streaming);
@@ -744,7 +731,7 @@ TEST(RealtimeGroup, StreamsAheadOfTheClock) {
 }
 
 TEST(RealtimeGroup, AMonitorStopsTheOthersWhileNoCallWaits) {
-  const RunningService service(patient("--axes 2"));
+  const RunningService service(patient("--clock realtime --axes 2"));
   Session session(options());
   auto group = AxisGroup::create(session, names(1, 1, 2));
   ASSERT_TRUE(group->enable_all());

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The programs that people copy, as they stand, against real services.
+#include "client/session_options.hpp"
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
 #include "vdrive/client/axis.hpp"
@@ -13,6 +14,7 @@ namespace {
 
 using namespace std::chrono_literals;
 using test::Finished;
+using test::patient;
 using test::RunningService;
 using testing::HasSubstr;
 
@@ -20,11 +22,6 @@ Finished run(const std::string& example) {
   return test::Process(std::string(VDRIVE_EXAMPLES "/").append(example),
                        {std::to_string(test::test_domain())})
       .wait();
-}
-
-/// A service in real time whose axes outlast a busy machine.
-std::string patient(const std::string& words) {
-  return "--clock realtime --config " VDRIVE_SOURCE_DIR "/tests/data/patient.yaml " + words;
 }
 
 /// 6064h of an axis.
@@ -37,7 +34,7 @@ std::int64_t position(const std::string& axis) {
 }
 
 TEST(Examples, TheProgramOfTheReadme) {
-  const RunningService service(patient("--axes 1"));
+  const RunningService service(patient("--clock realtime --axes 1"));
   setenv("VDRIVE_DOMAIN", std::to_string(test::test_domain()).c_str(), 1);  // NOLINT(*-mt-unsafe)
   const Finished ended = run("readme");
   EXPECT_EQ(ended.code, 0) << ended.output << ended.errors;
@@ -46,7 +43,7 @@ TEST(Examples, TheProgramOfTheReadme) {
 }
 
 TEST(Examples, EnableAndMove) {
-  const RunningService service(patient("--axes 2"));
+  const RunningService service(patient("--clock realtime --axes 2"));
   const Finished ended = run("01_enable_and_move");
   EXPECT_EQ(ended.code, 0) << ended.errors;
   EXPECT_THAT(ended.output, HasSubstr("asked for -5000, is at -5000"));
@@ -64,8 +61,8 @@ TEST(Examples, ThreeAxisFigure) {
 /// Runs the example of two services. @return whether the machine kept up: a bench that had to skip
 /// ticks says so, and has left the other behind.
 bool draw_gantry() {
-  RunningService left(patient("--axes 1 --log-level debug"));
-  RunningService right(patient("--bench 2 --axes 1 --log-level debug"));
+  RunningService left(patient("--clock realtime --axes 1 --log-level debug"));
+  RunningService right(patient("--clock realtime --bench 2 --axes 1 --log-level debug"));
   const Finished ended = run("03_two_services_one_group");
   EXPECT_EQ(ended.code, 0) << ended.output << ended.errors;
   EXPECT_EQ(position("1.1"), 1000);

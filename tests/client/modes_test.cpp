@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Axis::home, run_at, apply_torque and jog; a stream of one axis; Session::on_status.
+#include "client/objects.hpp"
+#include "client/session_options.hpp"
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
 #include "vdrive/cia402/statusword.hpp"
@@ -19,27 +21,9 @@ namespace vdrive::client {
 namespace {
 
 using namespace std::chrono_literals;
+using test::options;
 using testing::AllOf;
 using testing::HasSubstr;
-
-constexpr ObjectAddress kTargetVelocity{0x60FF, 0};
-constexpr ObjectAddress kTorqueDemand{0x6074, 0};
-constexpr ObjectAddress kDemand{0x6062, 0};
-constexpr ObjectAddress kAcceleration{0x6083, 0};
-constexpr ObjectAddress kSpeedLimit{0x607F, 0};
-constexpr ObjectAddress kMotorSpeed{0x6080, 0};
-constexpr ObjectAddress kMaxTorque{0x6072, 0};
-constexpr ObjectAddress kRatedCurrent{0x6075, 0};
-constexpr ObjectAddress kPositiveTorqueLimit{0x60E0, 0};
-constexpr ObjectAddress kNegativeTorqueLimit{0x60E1, 0};
-constexpr auto kRefusedInState = wire_code(AbortCode::refused_in_present_device_state);
-
-SessionOptions options() {
-  SessionOptions options;
-  options.domain = test::test_domain();
-  options.find_timeout = 20s;
-  return options;
-}
 
 CallOptions in_force() {
   return {.until = Until::in_force};

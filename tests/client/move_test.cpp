@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Axis::move_to and move_by: parameters for one move, moves that cannot be, software limits.
+#include "client/objects.hpp"
 #include "client/session_options.hpp"
 #include "tool/process.hpp"
 #include "vdrive/cia402/statusword.hpp"
@@ -19,17 +20,6 @@ using namespace std::chrono_literals;
 using test::options;
 using testing::AllOf;
 using testing::HasSubstr;
-
-constexpr ObjectAddress kVelocity{0x6081, 0};
-constexpr ObjectAddress kAcceleration{0x6083, 0};
-constexpr ObjectAddress kDeceleration{0x6084, 0};
-constexpr ObjectAddress kSpeedLimit{0x607F, 0};
-constexpr ObjectAddress kDemand{0x6062, 0};
-constexpr ObjectAddress kLimitSwitch{0x3535, 0};
-constexpr ObjectAddress kLowerLimit{0x607D, 1};
-constexpr ObjectAddress kUpperLimit{0x607D, 2};
-constexpr ObjectAddress kPositioningOption{0x60F2, 0};
-constexpr auto kRefusedInState = wire_code(AbortCode::refused_in_present_device_state);
 
 // 68267 UU/s and 409600 UU/s², as the manual's table has them.
 constexpr std::int64_t kDefaultVelocity = 68'267;

@@ -3,6 +3,7 @@
 // engine behind a wire that the test takes away.
 #include "bench_engine.hpp"
 #include "bench_messages.hpp"
+#include "client/objects.hpp"
 #include "client/session_options.hpp"
 #include "support/local_inbox.hpp"
 #include "support/test_domain.hpp"
@@ -39,7 +40,6 @@ using Clock = std::chrono::steady_clock;
 constexpr std::uint32_t kBench = 1;
 constexpr std::uint64_t kIncarnation = 1'000;
 constexpr auto kDeadline = 20s;
-constexpr ObjectAddress kWindow{0x6067, 0};
 
 /// What of a bench names DDS. It may lose what comes or what goes.
 class Wire {

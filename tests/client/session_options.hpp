@@ -5,6 +5,7 @@
 #include "vdrive/client/session.hpp"
 
 #include <chrono>
+#include <string>
 
 namespace vdrive::test {
 
@@ -15,6 +16,12 @@ inline client::SessionOptions options() {
   options.domain = test_domain();
   options.find_timeout = std::chrono::seconds(20);
   return options;
+}
+
+/// @return the arguments of a service whose axes wait long for a silent owner: in lock-step while
+///         others step, in real time on a busy machine.
+inline std::string patient(const std::string& arguments) {
+  return "--config " VDRIVE_SOURCE_DIR "/tests/data/patient.yaml " + arguments;
 }
 
 }  // namespace vdrive::test

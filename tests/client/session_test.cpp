@@ -2,6 +2,7 @@
 // Session and Axis against the real service.
 #include "vdrive/client/session.hpp"
 
+#include "client/objects.hpp"
 #include "client/session_options.hpp"
 #include "tool/process.hpp"
 #include "vdrive/cia402/statusword.hpp"
@@ -24,17 +25,11 @@ namespace {
 
 using namespace std::chrono_literals;
 using test::options;
+using test::patient;
 using test::RunningService;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
-
-constexpr ObjectAddress kControlword{0x6040, 0};
-constexpr ObjectAddress kMode{0x6060, 0};
-constexpr ObjectAddress kTarget{0x607A, 0};
-constexpr ObjectAddress kDemand{0x6062, 0};
-constexpr ObjectAddress kOverCurrent{0x5E02, 0};
-constexpr auto kRefusedInState = wire_code(AbortCode::refused_in_present_device_state);
 
 SessionOptions hasty() {
   SessionOptions hasty = options();
@@ -294,12 +289,6 @@ TEST_F(LockStep, KeepsItsAxisFromOthersAndReleasesItAtTheEnd) {
   EXPECT_TRUE(theirs->disable());
 }
 
-/// A bench whose owners may be silent for long: in lock-step while others step, in real time on a
-/// busy machine.
-std::string patient(const std::string& words) {
-  return words + " --axes 2 --config " VDRIVE_SOURCE_DIR "/tests/data/patient.yaml";
-}
-
 /// Another session owns axis 1.1, which moves slowly to a far target.
 class AxisOfAnother : public testing::Test {
  protected:
@@ -313,7 +302,7 @@ class AxisOfAnother : public testing::Test {
     ASSERT_TRUE(sut_.step(1, 500));
   }
 
-  RunningService service_{patient("--clock lockstep")};
+  RunningService service_{patient("--clock lockstep --axes 2")};
   Session sut_{options()};
   Session owner_{options()};
   std::optional<Axis> axis_;
@@ -604,7 +593,7 @@ TEST(RealtimeSession, MovesHaltsAndKeepsItsAxisAlive) {
 }
 
 TEST(RealtimeSession, AMoveThatAnotherSessionHaltsFailsAndTheAxisStands) {
-  const RunningService service(patient("--clock realtime"));
+  const RunningService service(patient("--clock realtime --axes 2"));
   Session owner(options());
   Session other(options());
   auto ours = owner.axis("1.1");
@@ -627,7 +616,7 @@ TEST(RealtimeSession, AMoveThatAnotherSessionHaltsFailsAndTheAxisStands) {
 }
 
 TEST(RealtimeSession, AnInterruptedMoveTellsThatTheAxisGoesOn) {
-  const RunningService service(patient("--clock realtime"));
+  const RunningService service(patient("--clock realtime --axes 2"));
   Session sut(options());
   auto axis = sut.axis("1.1");
   ASSERT_TRUE(axis->enable());

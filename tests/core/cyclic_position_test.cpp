@@ -28,7 +28,7 @@ using enum PowerState;
 constexpr std::uint16_t kFollows = 0x1000;  // bit 12
 
 /// Cyclic position in Operation enabled, at rest.
-void enable(AxisUnderTest& axis) {
+void enable_cyclic_position(AxisUnderTest& axis) {
   axis.write("op_mode_cmd", 8);
   axis.command(0x000F);
 }
@@ -54,7 +54,7 @@ std::int32_t stream_at(AxisUnderTest& axis, std::int32_t speed, int ticks) {
 
 TEST(CyclicPosition, TheDemandIsTheTargetInTheSameTick) {
   AxisUnderTest axis;
-  enable(axis);
+  enable_cyclic_position(axis);
   std::int32_t position = 0;
   for (int i = 0; i < 500; ++i) {
     const std::int32_t step = (i * 37) % 120 - 40;
@@ -69,7 +69,7 @@ TEST(CyclicPosition, TheDemandIsTheTargetInTheSameTick) {
 TEST(CyclicPosition, AnOldTargetCausesNoJump) {
   AxisUnderTest axis;
   axis.write("position_user_target_value", 50'000);
-  enable(axis);
+  enable_cyclic_position(axis);
   EXPECT_EQ(axis.statusword(), 0x0237) << "bit 12: no command is followed yet";
   axis.step(200);
   EXPECT_EQ(axis.actual(), 0);
@@ -96,7 +96,7 @@ TEST(CyclicPosition, EnteringTheModeNeedsANewTargetToo) {
 
 TEST(CyclicPosition, AfterEnablingAgainANewTargetIsNeeded) {
   AxisUnderTest axis;
-  enable(axis);
+  enable_cyclic_position(axis);
   stream_at(axis, 10, 100);
   axis.step(200);
   axis.command(0x0000);
@@ -113,7 +113,7 @@ TEST(CyclicPosition, ATargetFromBeforeAnInterruptionIsForgotten) {
   for (const bool quick_stop : {false, true}) {
     AxisUnderTest axis;
     axis.write("quick_stop_option_code", 6);
-    enable(axis);
+    enable_cyclic_position(axis);
     const std::int32_t last = stream_at(axis, 40, 200);
     axis.command(quick_stop ? 0x0002 : 0x0000);  // brakes or coasts beyond the last target
     axis.step(2'000);
@@ -128,7 +128,7 @@ TEST(CyclicPosition, ATargetFromBeforeAnInterruptionIsForgotten) {
 
 TEST(CyclicPosition, AMissingUpdateHoldsTheTarget) {
   AxisUnderTest axis;
-  enable(axis);
+  enable_cyclic_position(axis);
   stream_at(axis, 20, 50);
   axis.step(10);
   EXPECT_EQ(axis.demand(), 1'000);
@@ -144,7 +144,7 @@ TEST(CyclicPosition, TheSpeedIsCappedBy607FhAndBit12TellsIt) {
   for (const int sign : {1, -1}) {
     AxisUnderTest axis;
     axis.write("app_speed_limit", 50'000);
-    enable(axis);
+    enable_cyclic_position(axis);
     axis.write("position_user_target_value", sign * 1'020);
     for (int tick = 1; tick <= 20; ++tick) {
       axis.step();
@@ -164,7 +164,7 @@ TEST(CyclicPosition, AStreamWrapsAtTheEndsOfTheRegisterTheShortWay) {
     AxisConfiguration configuration;
     configuration.initial_position = up ? kHighest - 500 : -kHighest + 500;
     AxisUnderTest axis(configuration);
-    enable(axis);
+    enable_cyclic_position(axis);
     std::uint32_t position = static_cast<std::uint32_t>(configuration.initial_position);
     for (int i = 0; i < 100; ++i) {
       position += up ? 15U : -15U;
@@ -184,7 +184,7 @@ TEST(CyclicPosition, StopsAtTheSoftwareLimitsAndBit12TellsIt) {
   axis.write("app_position_limit_switch", 1);
   axis.write("user_position_lower_limit", -100);
   axis.write("user_position_upper_limit", 200);
-  enable(axis);
+  enable_cyclic_position(axis);
   for (const std::int32_t way : {30, -30}) {
     const std::int32_t limit = way > 0 ? 200 : -100;
     std::int32_t position = 0;
@@ -211,7 +211,7 @@ TEST(CyclicPosition, WithSoftwareLimitsNoWayLeadsThroughTheEndsOfTheRegister) {
   axis.write("app_position_limit_switch", 1);
   axis.write("user_position_lower_limit", -2'100'000'000);
   axis.write("user_position_upper_limit", 2'100'000'000);
-  enable(axis);
+  enable_cyclic_position(axis);
   stream(axis, -2'000'000'000);
   EXPECT_LT(axis.demand_velocity(), 0) << "the short way leads through the limits";
   axis.step(100);
@@ -220,7 +220,7 @@ TEST(CyclicPosition, WithSoftwareLimitsNoWayLeadsThroughTheEndsOfTheRegister) {
 
 TEST(CyclicPosition, HaltIsIgnored) {
   AxisUnderTest axis;
-  enable(axis);
+  enable_cyclic_position(axis);
   axis.controlword(0x010F);
   for (int i = 1; i <= 100; ++i) {
     stream(axis, 20 * i);
@@ -233,7 +233,7 @@ TEST(CyclicPosition, QuickStopBrakesFromTheSpeedOfTheStream) {
   AxisUnderTest axis;
   axis.write("quick_stop_deceleration", 100'000);
   axis.write("quick_stop_option_code", 6);
-  enable(axis);
+  enable_cyclic_position(axis);
   const std::int32_t last = stream_at(axis, 30, 100);
   axis.controlword(0x0002);
   for (int tick = 1; tick <= 300; ++tick) {
@@ -254,7 +254,7 @@ TEST(CyclicPosition, QuickStopBrakesFromTheSpeedOfTheStream) {
 TEST(CyclicPosition, AFaultBrakesWithItsReaction) {
   AxisUnderTest axis;
   axis.write("quick_stop_deceleration", 100'000);
-  enable(axis);
+  enable_cyclic_position(axis);
   stream_at(axis, 30, 100);
   axis.write("test_over_temperature", 1);
   axis.step(100);
@@ -265,7 +265,7 @@ TEST(CyclicPosition, AFaultBrakesWithItsReaction) {
 
 TEST(CyclicPosition, ABlockedAxisHasAFollowingError) {
   AxisUnderTest axis;
-  enable(axis);
+  enable_cyclic_position(axis);
   axis.write("test_blocked_load", 1);
   stream_at(axis, 100, 400);  // 6065h = 20480 is passed after 205 ticks, 20 ms later it is a fault
   axis.step(10);
@@ -276,7 +276,7 @@ TEST(CyclicPosition, ABlockedAxisHasAFollowingError) {
 TEST(CyclicPosition, ALimitSwitchStopsWith6085hAndOnlyANewTargetMovesAgain) {
   AxisUnderTest axis;
   axis.write("quick_stop_deceleration", 100'000);
-  enable(axis);
+  enable_cyclic_position(axis);
   const std::int32_t last = stream_at(axis, 30, 100);
   axis.write("test_positive_limit_input", 1);
   for (int tick = 1; tick <= 300; ++tick) {
@@ -301,7 +301,7 @@ TEST(CyclicPosition, AModeChangeWhileStreamingBrakesWith6084h) {
     SCOPED_TRACE(mode);
     AxisUnderTest axis;
     axis.write("profile_dec", 100'000);
-    enable(axis);
+    enable_cyclic_position(axis);
     const std::int32_t last = stream_at(axis, 30, 100);
     axis.write("op_mode_cmd", mode);
     for (int tick = 1; tick <= 299; ++tick) {
@@ -317,7 +317,7 @@ TEST(CyclicPosition, AModeChangeWhileStreamingBrakesWith6084h) {
 
 TEST(CyclicPosition, IgnoresAndCountsAnEdgeOfBit4) {
   AxisUnderTest axis;
-  enable(axis);
+  enable_cyclic_position(axis);
   axis.command(0x001F);
   EXPECT_EQ(axis.status().ignored_set_points, 1U);
   EXPECT_FALSE(follows(axis)) << "bit 12 is no acknowledge here";
@@ -335,7 +335,7 @@ TEST(CyclicPosition, AStreamedSineIsFollowedWithinWhatTheLoopsNeed) {
       (acceleration + 2.0 * friction) / (kTwoPi * 100.0 * kTwoPi * 16.0) + 1.0;  // and rounding
   ASSERT_LT(bound, 7.0);
   AxisUnderTest axis;
-  enable(axis);
+  enable_cyclic_position(axis);
   for (int i = 1; i <= 3'000; ++i) {
     // Starts with the smooth half: no step in speed.
     const double position = kAmplitude * (1.0 - std::cos(kTwoPi * i * 1.0e-3));
@@ -349,7 +349,7 @@ TEST(CyclicPosition, AStreamedSineIsFollowedWithinWhatTheLoopsNeed) {
 TEST(CyclicPosition, RunsAtEveryPeriod) {
   for (const std::int64_t period : {125, 1'000, 10'000}) {
     AxisUnderTest axis({}, microseconds{period});
-    enable(axis);
+    enable_cyclic_position(axis);
     for (int i = 1; i <= 200; ++i) {
       stream(axis, 3 * i);
       ASSERT_EQ(axis.demand(), 3 * i);

@@ -322,16 +322,18 @@ TEST_P(ImmediateEffect, ShowsWithTheNextTick) {
   EXPECT_NEAR(row.figure(changed), row.with, row.tolerance);
 }
 
-std::string name_of(const testing::TestParamInfo<EffectRow>& info) {
+std::string name_of_effect(const testing::TestParamInfo<EffectRow>& info) {
   return info.param.object;
 }
 
-INSTANTIATE_TEST_SUITE_P(Stops, ImmediateEffect, testing::ValuesIn(stop_rows()), name_of);
-INSTANTIATE_TEST_SUITE_P(Motion, ImmediateEffect, testing::ValuesIn(motion_rows()), name_of);
-INSTANTIATE_TEST_SUITE_P(Windows, ImmediateEffect, testing::ValuesIn(window_rows()), name_of);
-INSTANTIATE_TEST_SUITE_P(Torques, ImmediateEffect, testing::ValuesIn(torque_rows()), name_of);
-INSTANTIATE_TEST_SUITE_P(Gear, ImmediateEffect, testing::ValuesIn(gear_rows()), name_of);
-INSTANTIATE_TEST_SUITE_P(Bench, ImmediateEffect, testing::ValuesIn(bench_rows()), name_of);
+INSTANTIATE_TEST_SUITE_P(Stops, ImmediateEffect, testing::ValuesIn(stop_rows()), name_of_effect);
+INSTANTIATE_TEST_SUITE_P(Motion, ImmediateEffect, testing::ValuesIn(motion_rows()), name_of_effect);
+INSTANTIATE_TEST_SUITE_P(Windows, ImmediateEffect, testing::ValuesIn(window_rows()),
+                         name_of_effect);
+INSTANTIATE_TEST_SUITE_P(Torques, ImmediateEffect, testing::ValuesIn(torque_rows()),
+                         name_of_effect);
+INSTANTIATE_TEST_SUITE_P(Gear, ImmediateEffect, testing::ValuesIn(gear_rows()), name_of_effect);
+INSTANTIATE_TEST_SUITE_P(Bench, ImmediateEffect, testing::ValuesIn(bench_rows()), name_of_effect);
 
 // ---- later
 // ------------------------------------------------------------------------------------------

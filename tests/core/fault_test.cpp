@@ -23,11 +23,11 @@ struct Cause {
   std::uint16_t fault_word;  // statusword of Fault while the cause lasts
 };
 
-std::string name_of(const testing::TestParamInfo<Cause>& info) {
+std::string name_of_cause(const testing::TestParamInfo<Cause>& info) {
   return info.param.name;
 }
 
-void start_moving(AxisUnderTest& axis) {
+void start_moving_to_fail(AxisUnderTest& axis) {
   axis.enable();
   axis.write("profile_velocity", 40'000);
   axis.write("position_user_target_value", 1'000'000);
@@ -56,7 +56,7 @@ class InjectedFault : public testing::TestWithParam<Cause> {
 
 TEST_P(InjectedFault, StopsAMovingAxisAndIsLatched) {
   const Cause& cause = GetParam();
-  ASSERT_NO_FATAL_FAILURE(start_moving(axis));
+  ASSERT_NO_FATAL_FAILURE(start_moving_to_fail(axis));
   inject();
   axis.step();
 
@@ -115,7 +115,7 @@ TEST_P(InjectedFault, IsResetInTheTickInWhichItsCauseGoes) {
 }
 
 TEST_P(InjectedFault, DropsTheMoveForGood) {
-  ASSERT_NO_FATAL_FAILURE(start_moving(axis));
+  ASSERT_NO_FATAL_FAILURE(start_moving_to_fail(axis));
   inject();
   axis.step();
   remove();
@@ -136,7 +136,7 @@ INSTANTIATE_TEST_SUITE_P(
         Cause{"over_temperature", "test_over_temperature", 0x4310, 1U << 3U, false, 0x0218},
         Cause{"encoder_failure", "test_encoder_failure", 0x7305, 1U << 5U, true, 0x0218},
         Cause{"dc_link_loss", "test_dc_link_loss", 0x3220, 1U << 2U, true, 0x0208}),
-    name_of);
+    name_of_cause);
 
 TEST(Fault, EitherEncoderFailureIsAnEncoderFault) {
   for (const std::int64_t which : {1, 2}) {
@@ -283,7 +283,7 @@ TEST(Fault, ACauseThatComesBackInTheTickOfTheResetIsANewFault) {
 
 TEST(Fault, AnEncoderFailureDuringABrakingReactionTakesThePower) {
   AxisUnderTest axis;
-  ASSERT_NO_FATAL_FAILURE(start_moving(axis));
+  ASSERT_NO_FATAL_FAILURE(start_moving_to_fail(axis));
   axis.write("quick_stop_deceleration", 10'000);
   axis.write("test_over_current", 1);
   axis.step(100);

@@ -404,7 +404,7 @@ TEST_P(ReactionMatrix, HoldsOnAnAxis) {
   EXPECT_EQ(axis.axis().power_state(), row.to);
 }
 
-std::string name_of(const testing::TestParamInfo<MatrixRow>& info) {
+std::string name_of_row(const testing::TestParamInfo<MatrixRow>& info) {
   return info.param.name;
 }
 
@@ -468,7 +468,7 @@ INSTANTIATE_TEST_SUITE_P(
         MatrixRow{"fault_ignores_switch_on", fault, 0x07, fault},
         MatrixRow{"fault_ignores_enable_operation", fault, 0x0F, fault},
         MatrixRow{"T15_fault_reset", fault, 0x86, switch_on_disabled}),
-    name_of);
+    name_of_row);
 
 TEST(ReactionMatrix, T5DisableOperationAtRestIsDoneWithinTwoTicks) {
   AxisUnderTest axis;

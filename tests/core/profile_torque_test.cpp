@@ -22,7 +22,7 @@ using enum PowerState;
 constexpr std::int64_t kAtOnce = 4'294'967'295;  // 6087h: any torque within a tick
 
 /// Profile torque in Operation enabled, at rest.
-void enable(AxisUnderTest& axis) {
+void enable_profile_torque(AxisUnderTest& axis) {
   axis.write("op_mode_cmd", 4);
   axis.command(0x000F);
 }
@@ -41,7 +41,7 @@ void run_with(AxisUnderTest& axis, std::int64_t torque) {
   axis.write("app_dec_limit", 200'000);
   axis.write("app_speed_limit", 40'000);
   axis.write("torque_slope", kAtOnce);
-  enable(axis);
+  enable_profile_torque(axis);
   axis.write("target_torque", torque);
   axis.step(1'000);
   ASSERT_GT(axis.velocity() * (torque < 0 ? -1 : 1), 35'000);
@@ -55,7 +55,7 @@ TEST(ProfileTorque, TheDemandRampsWithTheSlope6087h) {
     AxisUnderTest axis;
     axis.write("test_blocked_load", 1);
     axis.write("torque_slope", 8'000);  // 1 per mille in each of the 8 servo cycles of a tick
-    enable(axis);
+    enable_profile_torque(axis);
     axis.write("target_torque", sign * 400);
     for (int tick = 1; tick <= 50; ++tick) {
       axis.step();
@@ -81,7 +81,7 @@ TEST(ProfileTorque, ASlopeOf0CountsAs1AndActsLive) {
   AxisUnderTest axis;
   axis.write("test_blocked_load", 1);
   axis.write("torque_slope", 0);
-  enable(axis);
+  enable_profile_torque(axis);
   axis.write("target_torque", 100);
   axis.step(3'000);
   EXPECT_EQ(axis.status().torque_demand, 3);
@@ -105,7 +105,7 @@ TEST(ProfileTorque, ConstantTorqueAcceleratesTheInertia) {
   for (const int sign : {1, -1}) {
     AxisUnderTest axis(without_friction());
     axis.write("torque_slope", kAtOnce);
-    enable(axis);
+    enable_profile_torque(axis);
     axis.write("target_torque", sign * 100);
     axis.step();  // the ramp: 0 to 7/8 of the torque in 8 servo cycles, 7/16 in the mean
     for (int tick = 2; tick <= 300; ++tick) {
@@ -120,7 +120,7 @@ TEST(ProfileTorque, ConstantTorqueAcceleratesTheInertia) {
 
 TEST(ProfileTorque, ATorqueBelowFrictionMovesNothing) {
   AxisUnderTest axis;
-  enable(axis);
+  enable_profile_torque(axis);
   axis.write("target_torque", 16);  // 0.048 N.m against 0.05 N.m
   axis.step(500);
   EXPECT_EQ(axis.actual(), 0);
@@ -135,7 +135,7 @@ TEST(ProfileTorque, TheTorqueIsLimitedBy6072h60E0hAnd60E1h) {
   axis.write("test_blocked_load", 1);
   axis.write("max_torque", 500);
   axis.write("torque_slope", 100'000);
-  enable(axis);
+  enable_profile_torque(axis);
   axis.write("target_torque", 1'000);
   axis.step(50);
   EXPECT_EQ(axis.status().torque_demand, 500);
@@ -157,7 +157,7 @@ TEST(ProfileTorque, WhereALimitIsLiftedTheDemandRampsOn) {
   axis.write("max_torque", 500);
   axis.write("positive_torque_limit_relative", 900);
   axis.write("torque_slope", 8'000);
-  enable(axis);
+  enable_profile_torque(axis);
   axis.write("target_torque", 2'000);
   axis.step(500);
   ASSERT_EQ(axis.status().torque_demand, 500);
@@ -190,7 +190,7 @@ TEST(ProfileTorque, FromALimitTheDemandComesBackAtOnce) {
     axis.write("max_torque", relative == 500 ? 3'000 : 500);
     axis.write("positive_torque_limit_relative", relative);
     axis.write("torque_slope", 8'000);
-    enable(axis);
+    enable_profile_torque(axis);
     axis.write("target_torque", 30'000);
     axis.step(2'000);
     ASSERT_EQ(axis.status().torque_demand, 500);
@@ -218,7 +218,7 @@ TEST(ProfileTorque, WithoutPowerThereIsNoTorque) {
 
 TEST(ProfileTorque, HasNoFollowingError) {
   AxisUnderTest axis;
-  enable(axis);
+  enable_profile_torque(axis);
   axis.write("target_torque", 500);
   for (int i = 0; i < 1'000; ++i) {
     axis.step();
@@ -237,7 +237,7 @@ TEST(ProfileTorque, The607FhBoundsTheRunningSpeed) {
       AxisUnderTest axis({}, microseconds{period});
       axis.write("app_speed_limit", 20'000);
       axis.write("torque_slope", kAtOnce);
-      enable(axis);
+      enable_profile_torque(axis);
       axis.write("target_torque", torque);
       for (std::int64_t time = 0; time < 600'000; time += period) {
         axis.step();
@@ -252,7 +252,7 @@ TEST(ProfileTorque, The607FhBoundsTheRunningSpeed) {
 TEST(ProfileTorque, The6080hBoundsTheRunningSpeedToo) {
   AxisUnderTest axis;
   axis.write("motor_max_speed_rpm", 300);  // 20480 UU/s
-  enable(axis);
+  enable_profile_torque(axis);
   axis.write("target_torque", 500);
   for (int i = 0; i < 1'000; ++i) {
     axis.step();
@@ -264,7 +264,7 @@ TEST(ProfileTorque, The6080hBoundsTheRunningSpeedToo) {
 TEST(ProfileTorque, A607FhIsInForceAfterEnabling) {
   AxisUnderTest axis;
   axis.write("app_speed_limit", 20'000);
-  enable(axis);
+  enable_profile_torque(axis);
   axis.write("app_speed_limit", 10'000);
   axis.write("target_torque", 500);
   axis.step(500);
@@ -277,7 +277,7 @@ TEST(ProfileTorque, TheSpeedLimitHoldsInBothDirectionsOfAGear) {
                               {AxisUnderTest::address_of("gear_ratio_denominator"), 2}};
   AxisUnderTest axis(configuration);
   axis.write("app_speed_limit", 20'000);
-  enable(axis);
+  enable_profile_torque(axis);
   axis.write("target_torque", 500);
   for (int i = 0; i < 1'000; ++i) {
     axis.step();
@@ -292,7 +292,7 @@ TEST(ProfileTorque, TheSpeedLimitHoldsInBothDirectionsOfAGear) {
 TEST(ProfileTorque, HaltWithOption1TakesTheTorqueBackWithItsSlope) {
   AxisUnderTest axis;
   axis.write("torque_slope", 8'000);
-  enable(axis);
+  enable_profile_torque(axis);
   axis.write("target_torque", 80);
   axis.step(30);
   ASSERT_EQ(axis.status().torque_demand, 80);
@@ -379,7 +379,7 @@ TEST(ProfileTorque, QuickStopWithOption1TakesTheTorqueBack) {
 
 TEST(ProfileTorque, DisableOperationTakesTheTorqueBackAndWaitsForStandstill) {
   AxisUnderTest axis;
-  enable(axis);
+  enable_profile_torque(axis);
   axis.write("target_torque", 50);
   axis.step(300);
   ASSERT_GT(axis.velocity(), 10'000);
@@ -466,7 +466,7 @@ TEST(ProfileTorque, ALimitSwitchLetsATorqueLeadAway) {
 TEST(ProfileTorque, ALoadDoesNotPushTheAxisThroughALimitSwitch) {
   AxisUnderTest axis;
   axis.write("app_speed_limit", 40'000);
-  enable(axis);
+  enable_profile_torque(axis);
   axis.write("test_load_torque", 300);
   axis.step(200);
   ASSERT_GT(axis.velocity(), 1'000);

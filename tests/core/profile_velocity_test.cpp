@@ -22,7 +22,7 @@ using enum PowerState;
 constexpr std::uint16_t kBits = 0x1400;  // 12 speed zero, 10 target reached
 
 /// Profile velocity in Operation enabled, at rest.
-void enable(AxisUnderTest& axis) {
+void enable_profile_velocity(AxisUnderTest& axis) {
   axis.write("op_mode_cmd", 3);
   axis.command(0x000F);
 }
@@ -35,14 +35,14 @@ void set_ramps(AxisUnderTest& axis) {
   axis.write("app_dec_limit", 200'000);
 }
 
-std::int32_t ramp_of(std::int64_t option) {
+std::int32_t ramp_of_quick_stop(std::int64_t option) {
   constexpr std::array<std::int32_t, 5> kRamps{0, 50'000, 100'000, 200'000, 200'000};
   return kRamps.at(static_cast<std::size_t>(option));
 }
 
 void run_at(AxisUnderTest& axis, std::int32_t speed) {
   set_ramps(axis);
-  enable(axis);
+  enable_profile_velocity(axis);
   axis.write("target_velocity", speed);
   axis.step(400);
   ASSERT_EQ(axis.demand_velocity(), speed);
@@ -64,7 +64,7 @@ void expect_ramp(AxisUnderTest& axis, std::int32_t from, std::int32_t ramp, int 
 
 TEST(ProfileVelocity, ATargetActsAtOnceWithoutAnEdge) {
   AxisUnderTest axis;
-  enable(axis);
+  enable_profile_velocity(axis);
   axis.write("target_velocity", 20'000);
   axis.step();
   EXPECT_EQ(axis.demand_velocity(), 410) << "409600 UU/s² for 1 ms";
@@ -78,7 +78,7 @@ TEST(ProfileVelocity, SpeedsUpWith6083hAndSlowsDownWith6084h) {
     AxisUnderTest axis;
     axis.write("profile_acc", 200'000);
     axis.write("profile_dec", 100'000);
-    enable(axis);
+    enable_profile_velocity(axis);
     axis.write("target_velocity", sign * 20'000);
     for (int tick = 1; tick <= 100; ++tick) {
       axis.step();
@@ -99,7 +99,7 @@ TEST(ProfileVelocity, AReversalBrakesWith6084hAndSpeedsUpWith6083h) {
   AxisUnderTest axis;
   axis.write("profile_acc", 200'000);
   axis.write("profile_dec", 100'000);
-  enable(axis);
+  enable_profile_velocity(axis);
   axis.write("target_velocity", 10'000);
   axis.step(100);
   axis.write("target_velocity", -10'000);
@@ -115,7 +115,7 @@ TEST(ProfileVelocity, RampsAreCappedBy60C5hAnd60C6hAndKeepTheirValue) {
   axis.write("profile_dec", 500'000);
   axis.write("app_acc_limit", 100'000);
   axis.write("app_dec_limit", 50'000);
-  enable(axis);
+  enable_profile_velocity(axis);
   axis.write("target_velocity", 10'000);
   axis.step(50);
   EXPECT_EQ(axis.demand_velocity(), 5'000);
@@ -128,7 +128,7 @@ TEST(ProfileVelocity, RampsAreCappedBy60C5hAnd60C6hAndKeepTheirValue) {
 
 TEST(ProfileVelocity, RampsActLiveAnd0CountsAs1) {
   AxisUnderTest axis;
-  enable(axis);
+  enable_profile_velocity(axis);
   axis.write("profile_acc", 100'000);
   axis.write("target_velocity", 50'000);
   axis.step(100);
@@ -143,7 +143,7 @@ TEST(ProfileVelocity, RampsActLiveAnd0CountsAs1) {
 
 TEST(ProfileVelocity, TheSpeedIsCappedBy607FhAfterEnabling) {
   AxisUnderTest axis;
-  enable(axis);
+  enable_profile_velocity(axis);
   axis.write("app_speed_limit", 5'000);
   axis.write("target_velocity", 200'000);
   axis.step(1'000);
@@ -177,7 +177,7 @@ TEST(ProfileVelocity, TheActualSpeedFollowsTheDemandAlsoUnderLoad) {
   for (const std::int64_t load : {0, 1'500, -1'500}) {  // half of the rated torque
     AxisUnderTest axis;
     axis.write("test_load_torque", load);
-    enable(axis);
+    enable_profile_velocity(axis);
     axis.write("target_velocity", 30'000);
     axis.step(1'000);
     EXPECT_NEAR(axis.velocity(), 30'000, 5) << load;
@@ -189,7 +189,7 @@ TEST(ProfileVelocity, TheActualSpeedFollowsTheDemandAlsoUnderLoad) {
 
 TEST(ProfileVelocity, HasNoFollowingErrorAndABlockedAxisShowsItsTorque) {
   AxisUnderTest axis;
-  enable(axis);
+  enable_profile_velocity(axis);
   axis.write("test_blocked_load", 1);
   axis.write("target_velocity", 100'000);
   axis.step(3'000);
@@ -204,7 +204,7 @@ TEST(ProfileVelocity, HasNoFollowingErrorAndABlockedAxisShowsItsTorque) {
 
 TEST(ProfileVelocity, A6062hFollows6064h) {
   AxisUnderTest axis;
-  enable(axis);
+  enable_profile_velocity(axis);
   axis.write("target_velocity", -12'345);
   for (int i = 0; i < 500; ++i) {
     axis.step();
@@ -217,7 +217,7 @@ TEST(ProfileVelocity, PositionsWrapAtTheEndsOfTheRegister) {
     AxisConfiguration configuration;
     configuration.initial_position = sign * 2'147'480'000;
     AxisUnderTest axis(configuration);
-    enable(axis);
+    enable_profile_velocity(axis);
     axis.write("target_velocity", sign * 100'000);
     std::uint32_t last = static_cast<std::uint32_t>(axis.actual());
     for (int i = 0; i < 1'000; ++i) {
@@ -253,7 +253,7 @@ TEST(ProfileVelocity, RunsManyTurnsOfTheRegister) {
                               {AxisUnderTest::address_of("max_torque"), 65'535}};
   configuration.model.viscous_friction = 0.0;
   AxisUnderTest axis(configuration, std::chrono::microseconds{10'000});
-  enable(axis);
+  enable_profile_velocity(axis);
   axis.write("target_velocity", 1'000'000'000);
   axis.step(3'000);  // 30 s: more than 6 turns
   EXPECT_NEAR(axis.velocity(), 1'000'000'000, 1'000'000);
@@ -271,7 +271,7 @@ TEST(ProfileVelocity, Bit10TellsThatTheSpeedWasInTheWindow606DhForTheTime606Eh) 
   AxisUnderTest axis;
   axis.write("velocity_window", 500);
   axis.write("velocity_window_time", 30);
-  enable(axis);
+  enable_profile_velocity(axis);
   EXPECT_EQ(axis.statusword() & kBits, kBits) << "enabled at rest with 60FFh = 0";
   axis.write("target_velocity", 30'000);
   std::uint64_t inside = 0;
@@ -293,7 +293,7 @@ TEST(ProfileVelocity, Bit12TellsThatTheSpeedWasAtMost606FhForTheTime6070h) {
   AxisUnderTest axis;
   axis.write("velocity_threshold", 1'000);
   axis.write("velocity_threshold_time", 25);
-  enable(axis);
+  enable_profile_velocity(axis);
   axis.write("target_velocity", 20'000);
   axis.step(300);
   EXPECT_EQ(axis.statusword() & 0x1000, 0);
@@ -309,7 +309,7 @@ TEST(ProfileVelocity, Bit12TellsThatTheSpeedWasAtMost606FhForTheTime6070h) {
 
 TEST(ProfileVelocity, Bits10And12AreOfOperationEnabledOnly) {
   AxisUnderTest axis;
-  enable(axis);
+  enable_profile_velocity(axis);
   EXPECT_EQ(axis.statusword(), 0x1637);
   EXPECT_EQ(axis.command(0x0006), 0x0231);
   EXPECT_EQ(axis.command(0x0000), 0x0250);
@@ -326,8 +326,8 @@ TEST_P(VelocityStop, HaltBrakesWithTheRampOf605DhAndTheTargetReturns) {
     axis.write("halt_option_code", GetParam());
     ASSERT_NO_FATAL_FAILURE(run_at(axis, speed));
     axis.controlword(0x010F);
-    const int ticks = 40'000 / (ramp_of(GetParam()) / 1'000);
-    ASSERT_NO_FATAL_FAILURE(expect_ramp(axis, speed, ramp_of(GetParam()), ticks - 1));
+    const int ticks = 40'000 / (ramp_of_quick_stop(GetParam()) / 1'000);
+    ASSERT_NO_FATAL_FAILURE(expect_ramp(axis, speed, ramp_of_quick_stop(GetParam()), ticks - 1));
     EXPECT_FALSE(axis.reached()) << "still braking";
     axis.step(100);
     EXPECT_EQ(axis.statusword(), 0x1637) << "at rest bit 10 = 1";
@@ -343,7 +343,7 @@ TEST_P(VelocityStop, QuickStopBrakesWithTheRampOf605Ah) {
   axis.write("quick_stop_option_code", GetParam() + 4);
   ASSERT_NO_FATAL_FAILURE(run_at(axis, 40'000));
   axis.controlword(0x0002);
-  ASSERT_NO_FATAL_FAILURE(expect_ramp(axis, 40'000, ramp_of(GetParam()), 190));
+  ASSERT_NO_FATAL_FAILURE(expect_ramp(axis, 40'000, ramp_of_quick_stop(GetParam()), 190));
   EXPECT_EQ(axis.statusword() & 0x006F, 0x0007);
   axis.step(900);
   EXPECT_EQ(axis.statusword(), 0x0617);
@@ -355,7 +355,7 @@ TEST_P(VelocityStop, TheFaultReactionBrakesWithTheRampOf605Eh) {
   axis.write("fault_reaction_option_code", GetParam());
   ASSERT_NO_FATAL_FAILURE(run_at(axis, -40'000));
   axis.write("test_over_temperature", 1);
-  ASSERT_NO_FATAL_FAILURE(expect_ramp(axis, -40'000, ramp_of(GetParam()), 190));
+  ASSERT_NO_FATAL_FAILURE(expect_ramp(axis, -40'000, ramp_of_quick_stop(GetParam()), 190));
   axis.step(900);
   EXPECT_EQ(axis.statusword(), 0x0218);
   EXPECT_EQ(axis.status().motor_op_status, 0);
@@ -507,7 +507,7 @@ TEST(ProfileVelocity, ToProfilePositionAndBackNothingJumps) {
 
 TEST(ProfileVelocity, IgnoresAndCountsAnEdgeOfBit4) {
   AxisUnderTest axis;
-  enable(axis);
+  enable_profile_velocity(axis);
   axis.write("position_user_target_value", 1'000);
   axis.command(0x001F);
   axis.step(100);
@@ -532,7 +532,7 @@ TEST(ProfileVelocity, TheDemandNeverStepsInRandomSequences) {
     constexpr std::array<std::int64_t, 4> kRamps{50'000, 100'000, 200'000, 400'000};
     set_ramps(axis);
     axis.write("profile_acc", 400'000);
-    enable(axis);
+    enable_profile_velocity(axis);
     std::int32_t last = 0;
     for (int i = 0; i < 3'000; ++i) {
       if (random.one_in(40)) {

@@ -37,7 +37,7 @@ void start_moving(AxisUnderTest& axis) {
   ASSERT_EQ(axis.demand_velocity(), kSpeed);
 }
 
-std::int64_t ramp_of(std::int64_t option) {
+std::int64_t ramp_of_stop(std::int64_t option) {
   switch (option) {
     case 1:
       return kNormalRamp;
@@ -84,7 +84,7 @@ TEST_P(QuickStop, BrakesWithTheRampOfItsOptionAndThenLeavesOrStays) {
   ASSERT_NO_FATAL_FAILURE(start_moving(axis));
 
   EXPECT_EQ(axis.command(0x0002), 0x0217);
-  expect_braking(axis, quick_stop_active, ramp_of(option > 4 ? option - 4 : option));
+  expect_braking(axis, quick_stop_active, ramp_of_stop(option > 4 ? option - 4 : option));
 
   if (option <= 4) {
     EXPECT_EQ(axis.statusword(), 0x0250);
@@ -332,7 +332,7 @@ TEST_P(HaltOption, BrakesWithItsRampAndStaysInOperationEnabled) {
   axis.write("halt_option_code", GetParam());
   ASSERT_NO_FATAL_FAILURE(start_moving(axis));
   EXPECT_EQ(axis.command(0x010F), 0x0237);
-  expect_braking(axis, operation_enabled, ramp_of(GetParam()));
+  expect_braking(axis, operation_enabled, ramp_of_stop(GetParam()));
   EXPECT_EQ(axis.statusword(), 0x0637);
 }
 
@@ -401,7 +401,7 @@ TEST_P(FaultReaction, IsTheOneOf605EhForEveryCauseThatCanBrakeAndCoastingForTheO
   if (following_error) {
     axis.step();  // found after the demand of its tick: the ramp begins with the next
   }
-  expect_braking(axis, fault_reaction_active, ramp_of(option));
+  expect_braking(axis, fault_reaction_active, ramp_of_stop(option));
   EXPECT_EQ(axis.statusword(), 0x0208 | bits);
   EXPECT_EQ(axis.status().motor_op_status, 0);
 }

@@ -154,7 +154,7 @@ struct Case {
   MotionLimits limits;
 };
 
-Case random_case(Random& random) {
+Case random_velocity_case(Random& random) {
   const auto magnitude = [&random](double most) {
     return most * std::pow(10.0, -6.0 * random.unit());
   };
@@ -215,14 +215,14 @@ TEST(PlanVelocity, HoldsItsPropertiesInRandomCases) {
   Random random(11);
   for (std::uint64_t i = 0; i < cases; ++i) {
     SCOPED_TRACE("case " + std::to_string(i));
-    ASSERT_NO_FATAL_FAILURE(expect_properties(random_case(random)));
+    ASSERT_NO_FATAL_FAILURE(expect_properties(random_velocity_case(random)));
   }
 }
 
 TEST(PlanVelocity, IsSymmetricInTheSign) {
   Random random(12);
   for (int i = 0; i < 2'000; ++i) {
-    const Case c = random_case(random);
+    const Case c = random_velocity_case(random);
     const Profile a = plan_velocity(c.start, c.target, c.limits);
     const Profile b = plan_velocity({-c.start.position, -c.start.velocity}, -c.target, c.limits);
     const double time = change_time(a);

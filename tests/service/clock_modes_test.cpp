@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The clock modes over real DDS: steppers of a lock-step bench, the rate of realtime, freerun.
 #include "service.hpp"
+#include "service/configuration.hpp"
 #include "service/probe.hpp"
 #include "support/test_domain.hpp"
 
@@ -12,15 +13,6 @@
 
 namespace vdrive::test {
 namespace {
-
-service::Configuration configuration(service::ClockMode clock, std::size_t axes) {
-  spdlog::set_level(spdlog::level::warn);
-  service::Configuration with;
-  with.clock = clock;
-  with.network.domain = test_domain();
-  with.axes = service::default_axes(axes);
-  return with;
-}
 
 /// A lock-step service and two clients that found it.
 struct TwoClients {

@@ -103,7 +103,7 @@ service::Configuration many_kinds(std::size_t axes) {
   return configuration;
 }
 
-service::Configuration without_watchdog(service::ClockMode clock) {
+service::Configuration unwatched(service::ClockMode clock) {
   auto configuration = bench_configuration(2);
   configuration.clock = clock;
   configuration.watchdog.reset();
@@ -215,7 +215,7 @@ TEST(Journal, ReplaysWhateverClientsDidWithAnyNumberOfThreads) {
 TEST(Journal, RecordsThatARefusedFramePutItsRegistersBack) {
   const JournalFile file;
   {
-    RecordedBench recorded(without_watchdog(service::ClockMode::lockstep),
+    RecordedBench recorded(unwatched(service::ClockMode::lockstep),
                            service::open_journal(file.path()));
     auto& bench = recorded.bench;
     bench.acquire(kAlice, {1});
@@ -260,7 +260,7 @@ TEST(Journal, RecordsLostMastersAndPowerCycles) {
 TEST(Journal, RecordsHowTheAxesOfAnEndingBenchComeToRest) {
   const JournalFile file;
   {
-    RecordedBench recorded(without_watchdog(service::ClockMode::freerun),
+    RecordedBench recorded(unwatched(service::ClockMode::freerun),
                            service::open_journal(file.path()));
     auto& bench = recorded.bench;
     bench.write(kAlice, 1, 0x6060, 1);
@@ -758,7 +758,7 @@ TEST(SlowJournal, HoldsTheClockThatCanWaitSoThatNothingIsMissing) {
   Gate gate;
   constexpr std::uint64_t kTicks = 3 * Journal::kSlots;
   {
-    RecordedBench recorded(without_watchdog(service::ClockMode::lockstep),
+    RecordedBench recorded(unwatched(service::ClockMode::lockstep),
                            gate.around(service::open_journal(file.path())));
     start_moving(recorded.bench);
     gate.close();
@@ -786,7 +786,7 @@ TEST(SlowJournal, LosesWholeTicksOfTheWallClockTellsAndGoesOn) {
   const JournalFile file;
   Gate gate;
   {
-    RecordedBench recorded(without_watchdog(service::ClockMode::realtime),
+    RecordedBench recorded(unwatched(service::ClockMode::realtime),
                            gate.around(service::open_journal(file.path())));
     auto& bench = recorded.bench;
     start_moving(bench);
@@ -831,7 +831,7 @@ TEST(FullDisk, EndsTheJournalAndNothingElse) {
         throw std::system_error(ENOSPC, std::generic_category(), "disk");
       }
     };
-    RecordedBench recorded(without_watchdog(clock), sink);
+    RecordedBench recorded(unwatched(clock), sink);
     start_moving(recorded.bench);
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
     std::vector<service::EventRecord> events;
@@ -854,7 +854,7 @@ TEST(FullDisk, EndsTheJournalAndNothingElse) {
 TEST(Journal, AllocatesNothingOnTheThreadOfTheTicks) {
   const JournalFile file;
   Gate gate;
-  RecordedBench recorded(without_watchdog(service::ClockMode::realtime),
+  RecordedBench recorded(unwatched(service::ClockMode::realtime),
                          gate.around(service::open_journal(file.path())));
   start_moving(recorded.bench);
   recorded.bench.steps(10);

@@ -10,7 +10,7 @@
 namespace vdrive::service {
 namespace {
 
-void put(Ring<int>& ring, int value) {
+void put_number(Ring<int>& ring, int value) {
   int* const slot = ring.free_slot();
   ASSERT_NE(slot, nullptr);
   *slot = value;
@@ -20,8 +20,8 @@ void put(Ring<int>& ring, int value) {
 TEST(Ring, GivesMessagesBackInTheirOrder) {
   Ring<int> ring(3);
   for (int round = 0; round < 5; ++round) {
-    put(ring, round);
-    put(ring, round + 100);
+    put_number(ring, round);
+    put_number(ring, round + 100);
     EXPECT_EQ(*ring.front(), round);
     ring.pop();
     EXPECT_EQ(*ring.front(), round + 100);
@@ -32,8 +32,8 @@ TEST(Ring, GivesMessagesBackInTheirOrder) {
 
 TEST(Ring, HoldsAsManyAsItsCapacityAndNoMore) {
   Ring<int> ring(2);
-  put(ring, 1);
-  put(ring, 2);
+  put_number(ring, 1);
+  put_number(ring, 2);
   EXPECT_EQ(ring.free_slot(), nullptr);
   EXPECT_EQ(ring.size(), 2U);
   ring.pop();

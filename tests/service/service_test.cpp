@@ -2,6 +2,7 @@
 // The service over real DDS, in this process, with clients made of bare topics.
 #include "service.hpp"
 
+#include "service/configuration.hpp"
 #include "service/probe.hpp"
 #include "support/test_domain.hpp"
 
@@ -18,15 +19,6 @@ namespace vdrive::test {
 namespace {
 
 using namespace std::chrono_literals;
-
-service::Configuration configuration(service::ClockMode clock, std::size_t axes) {
-  spdlog::set_level(spdlog::level::warn);
-  service::Configuration with;
-  with.clock = clock;
-  with.network.domain = test_domain();
-  with.axes = service::default_axes(axes);
-  return with;
-}
 
 /// A running service and a client that found it.
 struct Running {

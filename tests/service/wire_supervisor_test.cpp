@@ -17,7 +17,7 @@ using namespace std::chrono_literals;
 using Cause = WireLoss::Cause;
 
 constexpr std::uint64_t kLimit = 100ULL << 20U;
-constexpr WireJudge::Time kStart{1'000s};
+constexpr WireJudge::Time kSpawned{1'000s};
 
 /// A wire that does all that it should.
 struct HealthyWire {
@@ -33,19 +33,19 @@ struct HealthyWire {
 TEST(WireJudge, LetsAHealthyWireGoOn) {
   WireJudge judge(kLimit);
   HealthyWire wire;
-  judge.started(kStart);
+  judge.started(kSpawned);
   for (auto time = 0s; time < 60s; time += 1s) {
-    ASSERT_FALSE(judge.reason_to_end(wire.next(), kStart + time).has_value());
+    ASSERT_FALSE(judge.reason_to_end(wire.next(), kSpawned + time).has_value());
   }
 }
 
 TEST(WireJudge, EndsAWireThatDoesNotComeUp) {
   WireJudge judge(kLimit);
-  judge.started(kStart);
+  judge.started(kSpawned);
   for (auto time = 0ms; time <= WireJudge::kLongestStart; time += 100ms) {
-    ASSERT_FALSE(judge.reason_to_end({}, kStart + time).has_value());
+    ASSERT_FALSE(judge.reason_to_end({}, kSpawned + time).has_value());
   }
-  const auto loss = judge.reason_to_end({}, kStart + WireJudge::kLongestStart + 1ms);
+  const auto loss = judge.reason_to_end({}, kSpawned + WireJudge::kLongestStart + 1ms);
   ASSERT_TRUE(loss.has_value());
   EXPECT_EQ(loss->cause, Cause::no_start);
 }
@@ -53,13 +53,13 @@ TEST(WireJudge, EndsAWireThatDoesNotComeUp) {
 TEST(WireJudge, EndsAWireWhosePumpsStandStill) {
   WireJudge judge(kLimit);
   HealthyWire wire;
-  judge.started(kStart);
-  ASSERT_FALSE(judge.reason_to_end(wire.next(), kStart).has_value());
+  judge.started(kSpawned);
+  ASSERT_FALSE(judge.reason_to_end(wire.next(), kSpawned).has_value());
   ++wire.sight.probe_beats;
   for (auto time = 0ms; time <= WireJudge::kLongestRound; time += 100ms) {
-    ASSERT_FALSE(judge.reason_to_end(wire.sight, kStart + time).has_value());
+    ASSERT_FALSE(judge.reason_to_end(wire.sight, kSpawned + time).has_value());
   }
-  const auto loss = judge.reason_to_end(wire.sight, kStart + WireJudge::kLongestRound + 1ms);
+  const auto loss = judge.reason_to_end(wire.sight, kSpawned + WireJudge::kLongestRound + 1ms);
   ASSERT_TRUE(loss.has_value());
   EXPECT_EQ(loss->cause, Cause::hangs);
 }
@@ -67,14 +67,14 @@ TEST(WireJudge, EndsAWireWhosePumpsStandStill) {
 TEST(WireJudge, EndsAWireThatNoProbeReachesWithinFiveSeconds) {
   WireJudge judge(kLimit);
   HealthyWire wire;
-  judge.started(kStart);
-  ASSERT_FALSE(judge.reason_to_end(wire.next(), kStart).has_value());
+  judge.started(kSpawned);
+  ASSERT_FALSE(judge.reason_to_end(wire.next(), kSpawned).has_value());
   auto time = 0ms;
   std::optional<WireLoss> loss;
   while (!loss && time < 10s) {
     time += 10ms;
     ++wire.sight.pump_beats;
-    loss = judge.reason_to_end(wire.sight, kStart + time);
+    loss = judge.reason_to_end(wire.sight, kSpawned + time);
   }
   ASSERT_TRUE(loss.has_value());
   EXPECT_EQ(loss->cause, Cause::deaf);
@@ -84,11 +84,11 @@ TEST(WireJudge, EndsAWireThatNoProbeReachesWithinFiveSeconds) {
 TEST(WireJudge, EndsAWireThatUsesMoreThanItsMemory) {
   WireJudge judge(kLimit);
   HealthyWire wire;
-  judge.started(kStart);
+  judge.started(kSpawned);
   wire.sight.resident = kLimit;
-  ASSERT_FALSE(judge.reason_to_end(wire.next(), kStart).has_value());
+  ASSERT_FALSE(judge.reason_to_end(wire.next(), kSpawned).has_value());
   wire.sight.resident = kLimit + (1U << 20U);
-  const auto loss = judge.reason_to_end(wire.next(), kStart);
+  const auto loss = judge.reason_to_end(wire.next(), kSpawned);
   ASSERT_TRUE(loss.has_value());
   EXPECT_EQ(loss->cause, Cause::memory);
   EXPECT_EQ(loss->value, 101U);
@@ -99,36 +99,36 @@ TEST(WireJudge, WaitsLongerAndLongerWhereAWireEndsAgainAndAgain) {
   WireJudge judge(kLimit);
   std::vector<std::chrono::milliseconds> delays;
   for (int count = 0; count < 9; ++count) {
-    judge.started(kStart);
-    delays.push_back(
-        std::chrono::duration_cast<std::chrono::milliseconds>(judge.ended(kStart, false) - kStart));
+    judge.started(kSpawned);
+    delays.push_back(std::chrono::duration_cast<std::chrono::milliseconds>(
+        judge.ended(kSpawned, false) - kSpawned));
   }
   EXPECT_EQ(delays,
             (std::vector{0ms, 100ms, 200ms, 400ms, 800ms, 1'600ms, 3'200ms, 5'000ms, 5'000ms}));
   HealthyWire wire;
-  judge.started(kStart);
-  ASSERT_FALSE(judge.reason_to_end(wire.next(), kStart).has_value());
-  EXPECT_EQ(judge.ended(kStart + WireJudge::kLongRun, false), kStart + WireJudge::kLongRun);
+  judge.started(kSpawned);
+  ASSERT_FALSE(judge.reason_to_end(wire.next(), kSpawned).has_value());
+  EXPECT_EQ(judge.ended(kSpawned + WireJudge::kLongRun, false), kSpawned + WireJudge::kLongRun);
 }
 
 // A debugger, a terminal's stop, a machine that is suspended: nobody looked meanwhile.
 TEST(WireJudge, ForgivesAPauseOfTheWholeService) {
   WireJudge judge(kLimit);
   HealthyWire wire;
-  judge.started(kStart);
-  ASSERT_FALSE(judge.reason_to_end(wire.next(), kStart).has_value());
-  EXPECT_FALSE(judge.reason_to_end(wire.sight, kStart + 60s).has_value());
+  judge.started(kSpawned);
+  ASSERT_FALSE(judge.reason_to_end(wire.next(), kSpawned).has_value());
+  EXPECT_FALSE(judge.reason_to_end(wire.sight, kSpawned + 60s).has_value());
 }
 
 TEST(WireJudge, WaitsAfterAWireThatItHadToEnd) {
   WireJudge judge(kLimit);
   HealthyWire wire;
-  judge.started(kStart);
-  ASSERT_FALSE(judge.reason_to_end(wire.next(), kStart).has_value());
-  EXPECT_EQ(judge.ended(kStart + 5s, true), kStart + 5s) << "the first time at once";
-  judge.started(kStart + 5s);
-  ASSERT_FALSE(judge.reason_to_end(wire.next(), kStart + 5s).has_value());
-  EXPECT_EQ(judge.ended(kStart + 10s, true), kStart + 10s + WireJudge::kFirstDelay);
+  judge.started(kSpawned);
+  ASSERT_FALSE(judge.reason_to_end(wire.next(), kSpawned).has_value());
+  EXPECT_EQ(judge.ended(kSpawned + 5s, true), kSpawned + 5s) << "the first time at once";
+  judge.started(kSpawned + 5s);
+  ASSERT_FALSE(judge.reason_to_end(wire.next(), kSpawned + 5s).has_value());
+  EXPECT_EQ(judge.ended(kSpawned + 10s, true), kSpawned + 10s + WireJudge::kFirstDelay);
 }
 
 TEST(WireLoss, SaysWhatHappened) {

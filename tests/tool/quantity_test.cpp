@@ -33,7 +33,7 @@ std::int64_t ramp(const std::string& text, const client::Unit& unit) {
 }
 
 template <typename Work>
-std::string refusal_of(const Work& work) {
+std::string refusal_of_quantity(const Work& work) {
   try {
     static_cast<void>(work());
   } catch (const UsageError& error) {
@@ -74,19 +74,19 @@ TEST(Quantity, IsRoundedToTheNearestUserUnit) {
 }
 
 TEST(Quantity, OfAnotherUnitIsRefusedWithThoseThatTheAxisHas) {
-  EXPECT_EQ(refusal_of([] {
+  EXPECT_EQ(refusal_of_quantity([] {
               return position("12.5mm", kTurning);
             }),
             "'12.5mm': axis 1.1 has no unit 'mm'; it has deg, rad, rev, UU");
-  EXPECT_EQ(refusal_of([] {
+  EXPECT_EQ(refusal_of_quantity([] {
               return speed("5deg/s", kSliding);
             }),
             "'5deg/s': axis 1.1 has no unit 'deg'; it has mm/s, m/s, cm/s, um/s, UU/s");
-  EXPECT_THAT(refusal_of([] {
+  EXPECT_THAT(refusal_of_quantity([] {
                 return speed("5mm/s", kTurning);
               }),
               HasSubstr("rev/s, rpm, UU/s"));
-  EXPECT_THAT(refusal_of([] {
+  EXPECT_THAT(refusal_of_quantity([] {
                 return speed("5rpm", kSliding);
               }),
               HasSubstr("no unit 'rpm'"));
@@ -94,15 +94,15 @@ TEST(Quantity, OfAnotherUnitIsRefusedWithThoseThatTheAxisHas) {
 
 // 1e9 deg are 11377777778 UU.
 TEST(Quantity, OutOfRangeIsRefusedWithValueAndLimit) {
-  EXPECT_EQ(refusal_of([] {
+  EXPECT_EQ(refusal_of_quantity([] {
               return position("1e9deg", kTurning);
             }),
             "'1e9deg' of axis 1.1 is 11377777778 UU: must be from -2147483648 to 2147483647 UU");
-  EXPECT_EQ(refusal_of([] {
+  EXPECT_EQ(refusal_of_quantity([] {
               return parse_quantity("3000000000", Dimension::position, DataType::integer32);
             }),
             "'3000000000' is 3e+09 UU: must be from -2147483648 to 2147483647 UU");
-  EXPECT_THAT(refusal_of([] {
+  EXPECT_THAT(refusal_of_quantity([] {
                 return speed("-1", kTurning);
               }),
               HasSubstr("must be from 0 to 4294967295 UU/s"));
@@ -111,17 +111,17 @@ TEST(Quantity, OutOfRangeIsRefusedWithValueAndLimit) {
 TEST(Quantity, ThatIsNoneIsRefusedWithAnExample) {
   for (const char* const text :
        {"", "ten", "inf", "nan", "1e400", "deg", "5deg/s", "+5", "1.5.5/"}) {
-    EXPECT_THAT(refusal_of([&] {
+    EXPECT_THAT(refusal_of_quantity([&] {
                   return position(text, kTurning);
                 }),
                 HasSubstr("is not a position: write for example 1024, 90deg"))
         << text;
   }
-  EXPECT_THAT(refusal_of([] {
+  EXPECT_THAT(refusal_of_quantity([] {
                 return speed("180deg", kTurning);
               }),
               HasSubstr("is not a speed: write for example 1000, 180deg/s"));
-  EXPECT_THAT(refusal_of([] {
+  EXPECT_THAT(refusal_of_quantity([] {
                 return ramp("180deg/s", kTurning);
               }),
               HasSubstr("is not a ramp: write for example 6000, 900deg/s2"));

@@ -20,7 +20,7 @@ using testing::IsEmpty;
 using testing::StartsWith;
 using testing::ThrowsMessage;
 
-Scenario parse(const std::string& text) {
+Scenario scenario_of(const std::string& text) {
   std::istringstream input(text);
   return parse_scenario(input, "test.scn");
 }
@@ -47,7 +47,7 @@ TEST(ScenarioLine, RefusesAQuoteThatDoesNotEnd) {
 }
 
 TEST(ScenarioFile, SkipsBlankLinesAndCountsThem) {
-  const Scenario scenario = parse("# title\n\nenable 1.1   # go\n  \nwait 1s\n");
+  const Scenario scenario = scenario_of("# title\n\nenable 1.1   # go\n  \nwait 1s\n");
   ASSERT_EQ(scenario.lines.size(), 2U);
   EXPECT_EQ(scenario.lines[0].number, 3U);
   EXPECT_EQ(scenario.lines[0].text, "enable 1.1");
@@ -55,7 +55,7 @@ TEST(ScenarioFile, SkipsBlankLinesAndCountsThem) {
 }
 
 TEST(ScenarioFile, TakesCarriageReturnsAByteOrderMarkAndAMissingLastLineEnd) {
-  const Scenario scenario = parse(
+  const Scenario scenario = scenario_of(
       "\xEF\xBB\xBF"
       "enable 1.1\r\n\r\nwait 1s");
   ASSERT_EQ(scenario.lines.size(), 2U);
@@ -66,19 +66,19 @@ TEST(ScenarioFile, TakesCarriageReturnsAByteOrderMarkAndAMissingLastLineEnd) {
 TEST(ScenarioFile, NamesFileAndLineOfAMistake) {
   EXPECT_THAT(
       [] {
-        (void)parse("wait 1s\n\ndance\n");
+        (void)scenario_of("wait 1s\n\ndance\n");
       },
       ThrowsMessage<UsageError>(StartsWith("test.scn:3: ")));
   EXPECT_THAT(
       [] {
-        (void)parse("write 1.1 0x6060 300\n");
+        (void)scenario_of("write 1.1 0x6060 300\n");
       },
       ThrowsMessage<UsageError>(HasSubstr("-128 to 127")));
 }
 
 std::string mistake_in(const std::string& text) {
   try {
-    (void)parse(text);
+    (void)scenario_of(text);
   } catch (const UsageError& error) {
     return error.what();
   }
@@ -109,15 +109,15 @@ TEST(ScenarioFile, MayHaveAnyObjectWhereARefusalIsExpected) {
 TEST(ScenarioFile, OfBytesThatAreNoTextIsAMistakeAndNothingWorse) {
   std::string garbage;
   for (int byte = 255; byte >= 0; --byte) garbage += static_cast<char>(byte);
-  EXPECT_THROW((void)parse(garbage), UsageError);
-  EXPECT_THROW((void)parse(std::string(1U << 20U, 'x')), UsageError);
+  EXPECT_THROW((void)scenario_of(garbage), UsageError);
+  EXPECT_THROW((void)scenario_of(std::string(1U << 20U, 'x')), UsageError);
 }
 
 // "wait" in UTF-16, with a byte order mark.
 TEST(ScenarioFile, InUtf16IsRefusedAsSuch) {
   EXPECT_THAT(
       [] {
-        (void)parse(std::string("\xFF\xFEw\0a\0i\0t\0", 10));
+        (void)scenario_of(std::string("\xFF\xFEw\0a\0i\0t\0", 10));
       },
       ThrowsMessage<UsageError>("test.scn: is encoded in UTF-16 or UTF-32; it must be UTF-8"));
 }
@@ -137,7 +137,7 @@ TEST(ScenarioFile, NamesAComparisonThatCannotHold) {
 }
 
 bool holds(const std::string& comparison, std::int64_t actual) {
-  const Scenario scenario = parse("expect 1.1 position " + comparison + "\n");
+  const Scenario scenario = scenario_of("expect 1.1 position " + comparison + "\n");
   return std::get<ExpectCommand>(scenario.lines.front().command).accepts(actual);
 }
 
@@ -166,7 +166,7 @@ std::vector<std::string> texts_of(const Scenario& scenario) {
 }
 
 TEST(ScenarioVariable, StandsInTheLineAsItsValue) {
-  EXPECT_THAT(texts_of(parse("let a = 1.1\nenable ${a}  # ${b}\ndisable '${a}'\n")),
+  EXPECT_THAT(texts_of(scenario_of("let a = 1.1\nenable ${a}  # ${b}\ndisable '${a}'\n")),
               ElementsAre("enable 1.1", "disable '1.1'"));
 }
 
@@ -200,7 +200,7 @@ TEST(ScenarioVariable, ThatCannotBeUsedIsNamed) {
 }
 
 TEST(ScenarioFile, HasFinalLinesBelowFinally) {
-  const Scenario scenario = parse("enable 1.1\nfinally\ndisable 1.1\n");
+  const Scenario scenario = scenario_of("enable 1.1\nfinally\ndisable 1.1\n");
   ASSERT_EQ(scenario.lines.size(), 2U);
   EXPECT_FALSE(scenario.lines[0].is_final);
   EXPECT_TRUE(scenario.lines[1].is_final);

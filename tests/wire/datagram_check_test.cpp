@@ -340,7 +340,7 @@ TEST(DatagramCheck, LeavesOutTheStatisticsOfFastDds) {
 }
 
 /// @return the announcement in a datagram of one submessage.
-std::optional<Announcement> read(const Datagram& datagram) {
+std::optional<Announcement> announcement_in(const Datagram& datagram) {
   rtps_bytes::Submessages submessages(datagram);
   rtps_bytes::Submessage submessage;
   if (!submessages.next(submessage)) {
@@ -359,7 +359,7 @@ std::span<std::uint8_t> list_of(Datagram& datagram) {
 
 TEST(Announcement, TellsWhoAnnouncesWhatLease) {
   const auto read_one = [](const char* name) {
-    return read(single(0x15, test::announcement(kSender, name, 20), kWithData));
+    return announcement_in(single(0x15, test::announcement(kSender, name, 20), kWithData));
   };
   ASSERT_TRUE(read_one("vdrived 1"));
   EXPECT_EQ(read_one("vdrived 1")->participant, kSender);
@@ -374,8 +374,8 @@ TEST(Announcement, TellsWhoAnnouncesWhatLease) {
 TEST(Announcement, OfALeaseIsRaisedForTheLibrary) {
   Datagram datagram = single(0x15, test::announcement(kSender, "talker", 2), kWithData);
   raise_leases(list_of(datagram), true);
-  ASSERT_TRUE(read(datagram));
-  EXPECT_EQ(read(datagram)->lease, kLeaseForTheLibrary);
+  ASSERT_TRUE(announcement_in(datagram));
+  EXPECT_EQ(announcement_in(datagram)->lease, kLeaseForTheLibrary);
   EXPECT_EQ(check_datagram(datagram).refusal, Refusal::none);
 }
 
@@ -394,7 +394,7 @@ TEST(Announcement, OfALeaseThatIsCutShortChangesNothing) {
 }
 
 TEST(Announcement, OfLeavingNamesWhoLeaves) {
-  const auto leaving = read(farewell(kSender));
+  const auto leaving = announcement_in(farewell(kSender));
   ASSERT_TRUE(leaving);
   EXPECT_TRUE(leaving->gone);
   EXPECT_EQ(leaving->participant, kSender);
@@ -407,7 +407,7 @@ TEST(Announcement, OfLeavingMayHaveItsKeyInTheContent) {
   body.raw({0, 3, 0, 0}).parameter(0x50, test::guid_of(kSender)).u32(1);
   const Datagram datagram = single(0x15, body, 0x0B);
   EXPECT_EQ(check_datagram(datagram).refusal, Refusal::none);
-  const auto leaving = read(datagram);
+  const auto leaving = announcement_in(datagram);
   ASSERT_TRUE(leaving);
   EXPECT_EQ(leaving->participant, kSender);
   EXPECT_FALSE(leaving->library_knows_key);

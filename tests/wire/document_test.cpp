@@ -109,7 +109,7 @@ void expect_consistent(const std::vector<Row>& rows) {
   }
 }
 
-Bytes bytes_of(const std::vector<Row>& rows) {
+Bytes bytes_of_rows(const std::vector<Row>& rows) {
   Bytes bytes;
   for (const Row& row : rows) {
     bytes.insert(bytes.end(), row.bytes.begin(), row.bytes.end());
@@ -140,7 +140,7 @@ TEST(NetworkInterfacePage, ShowsTheBytesOfACommandFrame) {
   object.value(2500);
   const auto rows = rows_of("CommandFrame");
   expect_consistent(rows);
-  EXPECT_EQ(bytes_of(rows), encode(frame)) << "encoded:" << hex(encode(frame));
+  EXPECT_EQ(bytes_of_rows(rows), encode(frame)) << "encoded:" << hex(encode(frame));
 }
 
 TEST(NetworkInterfacePage, ShowsTheBytesOfAStatusFrame) {
@@ -175,7 +175,7 @@ TEST(NetworkInterfacePage, ShowsTheBytesOfAStatusFrame) {
   axis.torque_actual_value(-17);
   const auto rows = rows_of("StatusFrame");
   expect_consistent(rows);
-  EXPECT_EQ(bytes_of(rows), encode(frame)) << "encoded:" << hex(encode(frame));
+  EXPECT_EQ(bytes_of_rows(rows), encode(frame)) << "encoded:" << hex(encode(frame));
 }
 
 TEST(NetworkInterfacePage, HasARowForEveryConstantOfTheIdl) {

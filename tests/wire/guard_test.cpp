@@ -43,10 +43,10 @@ using test::GuidPrefix;
 using test::statistics_with_more_behind;
 using Clock = std::chrono::steady_clock;
 
-constexpr auto kPatience = 40s;
+constexpr auto kDeadline = 40s;
 
 /// Asks again and again until something is so.
-bool wait_until(const std::function<bool()>& is_so, std::chrono::milliseconds within = kPatience) {
+bool wait_until(const std::function<bool()>& is_so, std::chrono::milliseconds within = kDeadline) {
   const auto deadline = Clock::now() + within;
   while (!is_so()) {
     if (Clock::now() > deadline) {
@@ -102,7 +102,7 @@ class Asker {
         }) {}
 
   /// @return whether somebody answers a new question.
-  bool is_answered(std::chrono::milliseconds within = kPatience) {
+  bool is_answered(std::chrono::milliseconds within = kDeadline) {
     ++number_;
     auto asked = Clock::time_point{};
     return wait_until(

@@ -25,7 +25,7 @@ using namespace std::chrono_literals;
 
 constexpr auto kPatience = 40s;
 
-NetworkSettings settings() {
+NetworkSettings loopback() {
   return {.domain = test::test_domain()};
 }
 
@@ -84,8 +84,8 @@ class TopicName {
 TYPED_TEST_SUITE(EveryTopic, Messages, TopicName);
 
 TYPED_TEST(EveryTopic, CarriesItsMessageToAnotherParticipant) {
-  Participant sender(settings(), "sender");
-  Participant receiver(settings(), "receiver");
+  Participant sender(loopback(), "sender");
+  Participant receiver(loopback(), "receiver");
   Received<TypeParam> received;
   Publication<TypeParam> publication(sender);
   Subscription<TypeParam> subscription(receiver, received.handler());
@@ -133,7 +133,7 @@ TEST(Participant, RefusesAnAddressThatNoInterfaceHas) {
 }
 
 TEST(Participant, FindsAPeerThatIsNamed) {
-  auto with_peer = settings();
+  auto with_peer = loopback();
   with_peer.peers = {"127.0.0.1"};
   Participant sender(with_peer, "sender");
   Participant receiver(with_peer, "receiver");
@@ -143,7 +143,7 @@ TEST(Participant, FindsAPeerThatIsNamed) {
 }
 
 TEST(Subscription, DropsAndCountsWhatIsLongerThanTheIdlAllows) {
-  Participant participant(settings(), "both");
+  Participant participant(loopback(), "both");
   Received<msg::CommandFrame> good;
   Received<msg::CommandFrame> bad;
   Publication<msg::CommandFrame> publication(participant);
@@ -170,8 +170,8 @@ TEST(Subscription, DropsAndCountsWhatIsLongerThanTheIdlAllows) {
 }
 
 TEST(Subscription, GetsMessagesAboveTheSizeOfADatagramWhole) {
-  Participant sender(settings(), "sender");
-  Participant receiver(settings(), "receiver");
+  Participant sender(loopback(), "sender");
+  Participant receiver(loopback(), "receiver");
   Received<msg::CommandFrame> received;
   Publication<msg::CommandFrame> publication(sender);
   Subscription<msg::CommandFrame> subscription(receiver, received.handler());
@@ -189,7 +189,7 @@ TEST(Subscription, GetsMessagesAboveTheSizeOfADatagramWhole) {
 
 TEST(Subscription, GetsEveryAxisOfALargeBenchAsAnInstance) {
   constexpr std::uint16_t kAxes = 2'000;
-  Participant sender(settings(), "sender");
+  Participant sender(loopback(), "sender");
   Publication<msg::AxisParameters> publication(sender);
   for (std::uint16_t axis = 1; axis <= kAxes; ++axis) {
     msg::AxisParameters parameters;
@@ -197,7 +197,7 @@ TEST(Subscription, GetsEveryAxisOfALargeBenchAsAnInstance) {
     parameters.axis(axis);
     ASSERT_TRUE(publication.write(parameters)) << axis;
   }
-  Participant receiver(settings(), "latecomer");
+  Participant receiver(loopback(), "latecomer");
   Received<msg::AxisParameters> received;
   const Subscription<msg::AxisParameters> subscription(receiver, received.handler());
   ASSERT_TRUE(received.wait_for(kAxes));
@@ -211,7 +211,7 @@ TEST(Subscription, GetsEveryAxisOfALargeBenchAsAnInstance) {
 TEST(Subscription, OfALatecomerGetsTheLastThousandEventsInOrder) {
   constexpr std::uint64_t kWritten = 1'500;
   constexpr std::size_t kKept = 1'024;
-  Participant sender(settings(), "sender");
+  Participant sender(loopback(), "sender");
   Publication<msg::Event> publication(sender);
   for (std::uint64_t tick = 1; tick <= kWritten; ++tick) {
     msg::Event event;
@@ -219,7 +219,7 @@ TEST(Subscription, OfALatecomerGetsTheLastThousandEventsInOrder) {
     event.tick(tick);
     ASSERT_TRUE(publication.write(event));
   }
-  Participant receiver(settings(), "latecomer");
+  Participant receiver(loopback(), "latecomer");
   Received<msg::Event> received;
   const Subscription<msg::Event> subscription(receiver, received.handler());
   ASSERT_TRUE(received.wait_for(kKept));
@@ -231,8 +231,8 @@ TEST(Subscription, OfALatecomerGetsTheLastThousandEventsInOrder) {
 }
 
 TEST(Publication, AnswersWithinOneProcessWithoutHanging) {
-  Participant service(settings(), "service");
-  Participant client(settings(), "client");
+  Participant service(loopback(), "service");
+  Participant client(loopback(), "client");
   Publication<msg::Reply> replies(service);
   Received<msg::Reply> received;
   std::mutex mutex;
@@ -265,8 +265,8 @@ TEST(Publication, AnswersWithinOneProcessWithoutHanging) {
 }
 
 TEST(Publication, TellsWhetherTheParticipantOfAMessageListens) {
-  Participant service(settings(), "service");
-  Participant client(settings(), "client");
+  Participant service(loopback(), "service");
+  Participant client(loopback(), "client");
   Received<msg::Request> received;
   Publication<msg::Reply> replies(service);
   Subscription<msg::Request> requests(service, received.handler());
@@ -280,10 +280,10 @@ TEST(Publication, TellsWhetherTheParticipantOfAMessageListens) {
 }
 
 TEST(Publication, ForgetsAParticipantThatLeft) {
-  Participant service(settings(), "service");
+  Participant service(loopback(), "service");
   Publication<msg::Event> publication(service);
   {
-    Participant client(settings(), "client");
+    Participant client(loopback(), "client");
     const Subscription<msg::Event> subscription(client, [](const auto&, const auto&) {});
     ASSERT_TRUE(publication.wait_for_matched(1, kPatience));
   }

@@ -8,7 +8,7 @@
 namespace vdrive::recording {
 namespace {
 
-std::string text_of(const Gap& gap) {
+std::string text_of_gap(const Gap& gap) {
   const std::string where = gap.before == 0 ? "behind the tick " + std::to_string(gap.after)
                                             : "between the ticks " + std::to_string(gap.after) +
                                                   " and " + std::to_string(gap.before);
@@ -51,7 +51,7 @@ std::string GapLog::text(std::size_t most) const {
   const std::size_t named = std::min(most, gaps_.size());
   for (std::size_t i = 0; i < named; ++i) {
     if (i != 0) text += ", ";
-    text += text_of(gaps_[i]);
+    text += text_of_gap(gaps_[i]);
   }
   const std::uint64_t others = gaps_.size() - named + left_out_;
   if (others != 0) text += ", and " + counted(others, "further gap", "further gaps");
