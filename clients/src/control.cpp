@@ -118,17 +118,25 @@ Result<std::uint64_t> Control::stop(const Target& target, std::span<const std::u
 Outcome Control::release() {
   Outcome result;
   for (const BenchKey& key : holdings_.drop_all()) {
-    // Also after an interrupt, and to a service that may be gone: with a patience of its own.
-    const auto sending = holdings_.lock_sending(key.number);
-    const Target target{.key = key};
-    msg::Request request;
-    request.kind(msg::REQUEST_RELEASE);
-    const auto sent = requests_.send(target, std::move(request), kReleaseAnswer);
-    if (!sent || !requests_.await(target, *sent, {kReleaseAnswer, false})) {
-      result = Outcome::lost(name_of(target) + " did not answer");
-    }
+    if (Outcome released = release(key); !released) result = std::move(released);
   }
   return result;
+}
+
+Outcome Control::release(std::uint32_t bench) {
+  const auto key = holdings_.drop(bench);
+  return key ? release(*key) : Outcome();
+}
+
+/// Also after an interrupt, and to a service that may be gone: with a patience of its own.
+Outcome Control::release(const BenchKey& key) {
+  const auto sending = holdings_.lock_sending(key.number);
+  const Target target{.key = key};
+  msg::Request request;
+  request.kind(msg::REQUEST_RELEASE);
+  const auto sent = requests_.send(target, std::move(request), kReleaseAnswer);
+  if (sent && requests_.await(target, *sent, {kReleaseAnswer, false})) return {};
+  return Outcome::lost(name_of(target) + " did not answer");
 }
 
 }  // namespace vdrive::client

@@ -45,10 +45,14 @@ class Control {
   /// Gives all axes back.
   Outcome release();
 
+  /// Gives the axes of one bench back.
+  Outcome release(std::uint32_t bench);
+
   /// Ends the keep-alives and gives all axes back: the session takes none any more.
   void end();
 
  private:
+  Outcome release(const BenchKey& key);
   void note_acquired(const Target& target, std::span<const std::uint16_t> axes,
                      const msg::Reply& reply);
 

@@ -69,6 +69,14 @@ std::vector<BenchKey> Holdings::drop_all() {
   return dropped;
 }
 
+std::optional<BenchKey> Holdings::drop(std::uint32_t bench) {
+  const std::scoped_lock lock(mutex_);
+  const auto held = holdings_.find(bench);
+  if (held == holdings_.end() || held->second.axes.empty()) return std::nullopt;
+  held->second.axes.clear();
+  return held->second.key;
+}
+
 std::vector<BenchKey> Holdings::to_keep_alive() const {
   const std::scoped_lock lock(mutex_);
   std::vector<BenchKey> keys;

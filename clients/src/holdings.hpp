@@ -46,6 +46,10 @@ class Holdings {
   /// @return the runs in which this session holds axes. From now on it holds none.
   [[nodiscard]] std::vector<BenchKey> drop_all();
 
+  /// @return the run of this bench in which this session holds axes; nothing when it holds none.
+  ///         From now on it holds none there.
+  [[nodiscard]] std::optional<BenchKey> drop(std::uint32_t bench);
+
   /// @return the runs that need a keep-alive.
   [[nodiscard]] std::vector<BenchKey> to_keep_alive() const;
 

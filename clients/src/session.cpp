@@ -203,6 +203,20 @@ Outcome Session::send_set_points(std::uint32_t bench, std::span<const SetPointFr
   return core_->commands.send_unawaited(*target, contents);
 }
 
+Outcome Session::acquire(std::span<const AxisId> axes) {
+  const auto numbers = numbers_of(axes);
+  if (!numbers) return numbers.outcome();
+  const auto target = core_->connection.connect(axes.front().bench);
+  if (!target) return target.outcome();
+  std::span<const std::uint16_t> left(*numbers);
+  while (!left.empty()) {
+    const auto part = left.first(std::min<std::size_t>(left.size(), msg::MAX_AXES_PER_FRAME));
+    if (Outcome taken = core_->control.acquire(*target, part); !taken) return taken;
+    left = left.subspan(part.size());
+  }
+  return {};
+}
+
 Result<Observation> Session::observe(std::span<const AxisId> axes) {
   const auto numbers = numbers_of(axes);
   if (!numbers) return numbers.outcome();
@@ -253,6 +267,10 @@ Outcome Session::quick_stop(std::uint32_t bench, const CallOptions& options) {
 
 void Session::watch_services(std::function<void(const ServiceChange&)> observer) {
   core_->watcher.watch(std::move(observer));
+}
+
+Outcome Session::release(std::uint32_t bench) {
+  return core_->control.release(bench);
 }
 
 Outcome Session::release() {

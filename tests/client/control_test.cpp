@@ -334,5 +334,35 @@ TEST(Abandon, SendsNothingMoreSoThatTheBenchNoticesALostMaster) {
   EXPECT_TRUE(axis->reset_fault()) << "the bench took the axis from the session that was abandoned";
 }
 
+TEST(SessionAcquire, TakesAllAxesOrNone) {
+  const RunningService service("--clock lockstep");
+  Session owner(options());
+  Session sut(options());
+  ASSERT_TRUE(owner.axis("1.2")->acquire());
+  const std::array axes{AxisId{1, 1}, AxisId{1, 2}};
+  const Outcome refused = sut.acquire(axes);
+  EXPECT_EQ(refused.kind(), OutcomeKind::refused);
+  EXPECT_EQ(refused.code(), 0x08000021U) << refused.message();
+  EXPECT_EQ(sut.axis("1.1")->status()->owner_session, 0U);
+  ASSERT_TRUE(owner.release(1));
+  ASSERT_TRUE(sut.acquire(axes));
+  for (const char* const name : {"1.1", "1.2"}) {
+    EXPECT_EQ(sut.axis(name)->status()->owner_session, sut.id()) << name;
+  }
+}
+
+TEST(SessionRelease, OfOneBenchKeepsTheAxesOfTheOthers) {
+  const RunningService first("--clock lockstep --bench 1");
+  const RunningService second("--clock lockstep --bench 2");
+  Session sut(options());
+  ASSERT_TRUE(sut.axis("1.1")->acquire());
+  ASSERT_TRUE(sut.axis("2.1")->acquire());
+  EXPECT_TRUE(sut.release(3)) << "of a bench that it has nothing of";
+  ASSERT_TRUE(sut.release(1));
+  EXPECT_EQ(sut.axis("1.1")->status()->owner_session, 0U);
+  EXPECT_EQ(sut.axis("2.1")->status()->owner_session, sut.id());
+  EXPECT_TRUE(sut.axis("1.1")->acquire()) << "it can be taken again";
+}
+
 }  // namespace
 }  // namespace vdrive::client

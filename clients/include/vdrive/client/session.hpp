@@ -182,6 +182,12 @@ class Session {
   /// @return not_found as find_bench() is.
   Result<std::vector<Axis>> axes(std::optional<std::uint32_t> bench = std::nullopt);
 
+  /// Takes control of axes of one bench without a command: of all of them, or of none when one is
+  /// refused. Of more than 256 axes the first 256 decide.
+  /// @param axes of one bench, each once
+  /// @return refused when another session holds one of them.
+  Outcome acquire(std::span<const AxisId> axes);
+
   /// Gives several axes the same command: first to all of them, then waits for all. One that
   /// refuses it or fails does not keep it from the others; the time-out is that of all together.
   /// @param axes of this session, of any benches, each once
@@ -272,6 +278,9 @@ class Session {
 
   /// Gives all axes back. They stay as they are.
   Outcome release();
+
+  /// The same for the axes of one bench.
+  Outcome release(std::uint32_t bench);
 
   /// Ends the session as the end of its program without a word would: from now on it sends nothing,
   /// gives no axis back, and every call fails. A bench in realtime notices the silence and its axes
