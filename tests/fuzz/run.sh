@@ -18,7 +18,8 @@ work=$root/build/fuzz
 # Inputs stay small, so that each runs in milliseconds and the kept corpus in kilobytes.
 declare -A max_length=(
   [core_fuzz]=512 [message_fuzz]=1024 [datagram_fuzz]=2048 [configuration_fuzz]=2048
-  [scenario_fuzz]=1024 [gateway_fuzz]=1024 [recording_fuzz]=4096)
+  [scenario_fuzz]=1024 [gateway_fuzz]=1024 [recording_fuzz]=4096
+  [ros_fuzz]=1024)
 
 seconds=10
 [[ ${VDRIVE_NIGHTLY:-} == 1 ]] && seconds=300
@@ -43,7 +44,7 @@ while (($#)); do
   shift
 done
 ((${#fuzzers[@]})) || fuzzers=(core_fuzz message_fuzz datagram_fuzz configuration_fuzz
-  scenario_fuzz gateway_fuzz recording_fuzz)
+  scenario_fuzz gateway_fuzz recording_fuzz ros_fuzz)
 
 # The files of the tree that a fuzzer starts from.
 seed() {

@@ -116,5 +116,17 @@ TEST(JointPath, MayReturnFromBeyondALimit) {
   EXPECT_TRUE(path({2.0}, {{.time = 1.0, .position = 2.1}}).check(limits, "rad"));
 }
 
+// Each number is finite, and their differences are not: the coefficients would have no value, which
+// is above no limit.
+TEST(JointPath, IsRefusedWhenItCannotBeCalculated) {
+  const JointLimits none;
+  const JointPath quintic =
+      path({0.0}, {{.time = 1.0, .position = 0.0, .velocity = 0.0, .acceleration = 1e308},
+                   {.time = 2.0, .position = 0.0, .velocity = 0.0, .acceleration = -1e308}});
+  EXPECT_THAT(quintic.check(none, "rad").value_or(""), HasSubstr("values without bounds"));
+  const JointPath brief = path({0.0}, {{.time = 1e-300, .position = 1.0, .velocity = 0.0}});
+  EXPECT_TRUE(brief.check(none, "rad"));
+}
+
 }  // namespace
 }  // namespace vdrive::ros2

@@ -17,8 +17,9 @@ std::string broken(const char* what, double value, const std::string& unit, doub
          " s is beyond the limit " + text_of(limit) + " " + unit;
 }
 
+/// Also where there is no value: a calculation has failed.
 bool is_above(double value, double limit) noexcept {
-  return value > limit + kRoom * std::max(1.0, std::abs(limit));
+  return !(value <= limit + kRoom * std::max(1.0, std::abs(limit)));
 }
 
 }  // namespace
@@ -161,9 +162,21 @@ std::optional<std::string> JointPath::check_size(const char* what, const Polynom
                 limit);
 }
 
+/// Sums of what it adds: where these are far from the largest number, every result is a number.
+bool JointPath::is_calculable(const Piece& piece) noexcept {
+  constexpr double kLargest = 1e200;
+  Polynomial sizes{};
+  for (std::size_t i = 0; i < sizes.size(); ++i) sizes[i] = std::abs(piece.position[i]);
+  const double longest = std::max(1.0, piece.end - piece.begin);
+  return value(sizes, longest) < kLargest;
+}
+
 std::optional<std::string> JointPath::check(const JointLimits& limits,
                                             const std::string& unit) const {
   for (const Piece& piece : pieces_) {
+    if (!is_calculable(piece)) {
+      return "the way to the point at " + text_of(piece.end) + " s has values without bounds";
+    }
     const Polynomial speed = derivative(piece.position);
     auto problem = check_position(piece, limits, unit);
     if (!problem) problem = check_size("velocity", speed, piece, limits.velocity, unit + "/s");

@@ -73,6 +73,7 @@ class JointPath {
                                                              const Polynomial& polynomial,
                                                              const Piece& piece, double limit,
                                                              const std::string& unit);
+  [[nodiscard]] static bool is_calculable(const Piece& piece) noexcept;
   void add(const PathPoint& from, const PathPoint& to, const PathPoint* next);
 
   std::vector<Piece> pieces_;

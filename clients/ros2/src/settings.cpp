@@ -157,11 +157,6 @@ void read_benches(const Value& list, std::vector<std::uint32_t>& benches) {
 
 }  // namespace
 
-std::string_view to_string(Interface interface) noexcept {
-  constexpr std::array<std::string_view, 3> kNames{"position", "velocity", "effort"};
-  return kNames[static_cast<std::size_t>(interface)];
-}
-
 void read_settings(const std::string& text, const std::string& file, Settings& settings) {
   constexpr double kLongestTimeout = 3600.0;
   constexpr double kWidestTolerance = 10.0;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "interface.hpp"
 #include "vdrive/client/session.hpp"
 
 #include <chrono>
@@ -11,12 +12,6 @@
 #include <vector>
 
 namespace vdrive::ros2 {
-
-/// What a joint is commanded with.
-enum class Interface : std::uint8_t { position, velocity, effort };
-
-/// @return "position", "velocity" or "effort".
-[[nodiscard]] std::string_view to_string(Interface interface) noexcept;
 
 /// Names of topics: those that begin with '/' stay, the others get the namespace before them.
 struct TopicNames {
