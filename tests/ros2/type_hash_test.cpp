@@ -4,23 +4,31 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
 #include <stdexcept>
 
 namespace vdrive::wire::ros {
 namespace {
 
-// Published by ROS 2 for its own type: docs of rmw, and what its nodes announce.
-TEST(RosTypeHash, OfJointStateIsTheOneThatRosAnnounces) {
-  EXPECT_EQ(type_hash("sensor_msgs/msg/JointState"),
-            "RIHS01_a13ee3a330e346c9d87b5aa18d24e11690752bd33a0350f11c5882bc9179260e");
-}
-
-// The same of two types that nearly every node announces.
-TEST(RosTypeHash, OfLogAndClockAreThoseThatRosAnnounces) {
-  EXPECT_EQ(type_hash("rcl_interfaces/msg/Log"),
-            "RIHS01_e28ce254ca8abc06abf92773b74602cdbf116ed34fbaf294fb9f81da9f318eac");
-  EXPECT_EQ(type_hash("rosgraph_msgs/msg/Clock"),
-            "RIHS01_692f7a66e93a3c83e71765d033b60349ba68023a8c689a79e48078bcb5c58564");
+// The hashes that nodes of ROS 2 announce, as their logs, `ros2 topic info --verbose` and the
+// sources of other implementations show them.
+TEST(RosTypeHash, IsTheOneThatRosAnnounces) {
+  const std::map<const char*, const char*> published{
+      {"sensor_msgs/msg/JointState",
+       "RIHS01_a13ee3a330e346c9d87b5aa18d24e11690752bd33a0350f11c5882bc9179260e"},
+      {"trajectory_msgs/msg/JointTrajectory",
+       "RIHS01_179b33eba59d676f6d967ac71fe35e7ca2f64b2f3928f4a018cec115e213796e"},
+      {"std_msgs/msg/Bool",
+       "RIHS01_feb91e995ff9ebd09c0cb3d2aed18b11077585839fb5db80193b62d74528f6c9"},
+      {"std_msgs/msg/Header",
+       "RIHS01_f49fb3ae2cf070f793645ff749683ac6b06203e41c891e17701b1cb597ce6a01"},
+      {"diagnostic_msgs/msg/DiagnosticArray",
+       "RIHS01_5a8a36efb05fb25070fa0fb3810290c0e6cd4862b54a8fb975a1ee8dc55a333e"},
+      {"rcl_interfaces/msg/Log",
+       "RIHS01_e28ce254ca8abc06abf92773b74602cdbf116ed34fbaf294fb9f81da9f318eac"},
+      {"rosgraph_msgs/msg/Clock",
+       "RIHS01_692f7a66e93a3c83e71765d033b60349ba68023a8c689a79e48078bcb5c58564"}};
+  for (const auto& [type, hash] : published) EXPECT_EQ(type_hash(type), hash) << type;
 }
 
 TEST(RosTypeHash, DescribesTypesInTheCanonicalForm) {
