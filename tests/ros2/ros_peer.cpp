@@ -52,6 +52,12 @@ Finished RunningBridge::stop() {
   return process_.wait();
 }
 
+void RunningBridge::kill() {
+  has_ended_ = true;
+  process_.send(SIGKILL);
+  (void)process_.wait();
+}
+
 RosPeer::RosPeer(const std::string& name_space)
     : participant_({.domain = test_domain()}, "ros node of a test"),
       commands_(std::in_place, participant_, name_space + "/robot_joint_commands"),

@@ -30,6 +30,9 @@ class RunningBridge {
   /// Ends it as a user would.
   Finished stop();
 
+  /// Ends it without a chance to give its axes back.
+  void kill();
+
  private:
   Process process_;
   bool has_ended_ = false;

@@ -2,11 +2,15 @@
 #include "bench_link.hpp"
 
 #include "messages.hpp"
+#include "vdrive/cia402/power_state.hpp"
 #include "vdrive/client/axis.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/number_text.hpp"
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <limits>
 #include <utility>
 
 namespace vdrive::ros2 {
@@ -18,7 +22,12 @@ using namespace vdrive::literals;
 
 constexpr milliseconds kPatience{10};
 constexpr milliseconds kRetry{200};
+constexpr milliseconds kLongestRetry{2000};
 constexpr std::chrono::seconds kLimitsPeriod{2};
+
+// What 607Ah can count to [UU].
+constexpr double kLowestPosition = std::numeric_limits<std::int32_t>::min();
+constexpr double kHighestPosition = std::numeric_limits<std::int32_t>::max();
 
 constexpr std::array kLimitObjects{
     vdrive::describe("app_speed_limit"_object).address,
@@ -53,6 +62,14 @@ enum LimitObject : std::size_t {
 };
 
 }  // namespace
+
+std::optional<std::uint64_t> other_owner(const Sight& sight, std::uint64_t own) {
+  const auto other = std::ranges::find_if(sight.axes, [own](const client::AxisSnapshot& axis) {
+    return axis.owner_session != 0 && axis.owner_session != own;
+  });
+  if (other == sight.axes.end()) return std::nullopt;
+  return other->owner_session;
+}
 
 BenchLink::BenchLink(client::Session& session, client::BenchInfo info, std::vector<Joint> joints,
                      Reports& reports, std::function<void()> notify)
@@ -89,7 +106,13 @@ std::shared_ptr<const std::vector<JointLimits>> BenchLink::limits() const {
 }
 
 void BenchLink::want_control(bool wanted) {
+  if (wanted && !wants_control_.exchange(wanted)) is_control_new_ = true;
   wants_control_ = wanted;
+}
+
+void BenchLink::give_back() {
+  want_control(false);
+  gives_back_ = true;
 }
 
 std::uint64_t BenchLink::ask_limits() {
@@ -111,6 +134,7 @@ void BenchLink::run(const std::stop_token& stop) {
     }
     if (limits_asked_ != limits_read_ || Clock::now() >= limits_due_) read_limits();
     if (wants_control_ && Clock::now() >= control_due_) take_control();
+    if (gives_back_.exchange(false) && !wants_control_) (void)session_.release(info_.number);
     follow();
   }
 }
@@ -164,19 +188,61 @@ bool BenchLink::is_held(const Sight& sight) const {
   });
 }
 
+/// Asks the bench only while its status shows no other owner: a refusal is an event there, and
+/// everybody who records events would get one each time.
 void BenchLink::take_control() {
+  if (is_control_new_.exchange(false)) {
+    reported_owner_ = 0;
+    reported_refusal_.clear();
+    control_retry_ = kRetry;
+  }
   const auto seen = sight();
   if (!seen || is_held(*seen)) return;
   control_due_ = Clock::now() + kRetry;
-  for (std::size_t i = 0; i < axes_.size(); ++i) {
-    if (seen->axes[i].owner_session == session_.id()) continue;
-    if (const client::Outcome taken = axes_[i].acquire(); !taken) {
-      reports_.tell(Severity::warning, "joint " + joints_[i].name,
-                    "cannot be controlled: " + taken.message());
-      return;
-    }
+  if (const auto owner = other_owner(*seen, session_.id())) {
+    wait_for_owner(*seen, *owner);
+    return;
   }
+  if (const client::Outcome taken = session_.acquire(ids_); !taken) {
+    control_due_ = Clock::now() + control_retry_;
+    control_retry_ = std::min(2 * control_retry_, kLongestRetry);
+    if (taken.message() == reported_refusal_) return;
+    reported_refusal_ = taken.message();
+    reports_.tell(Severity::warning, name(), "cannot take control: " + taken.message());
+    return;
+  }
+  control_retry_ = kRetry;
   if (auto now = session_.observe(ids_)) show(std::move(*now));
+  if (const auto held = sight()) report_control(*held);
+}
+
+void BenchLink::wait_for_owner(const Sight& sight, std::uint64_t owner) {
+  if (owner == reported_owner_) return;
+  reported_owner_ = owner;
+  const auto count = std::ranges::count_if(sight.axes, [this](const client::AxisSnapshot& axis) {
+    return axis.owner_session != 0 && axis.owner_session != session_.id();
+  });
+  reports_.tell(Severity::warning, name(),
+                "session " + session_text(owner) + " controls " + std::to_string(count) +
+                    " of its " + std::to_string(sight.axes.size()) +
+                    " axes: this bridge takes control when all of them are free");
+}
+
+/// Control after a wait, or after a refusal, ends what was reported.
+void BenchLink::report_control(const Sight& sight) {
+  if (reported_owner_ == 0 && reported_refusal_.empty()) return;
+  std::string text = "takes control: its axes are free";
+  if (reported_owner_ != 0) text += " of session " + session_text(reported_owner_);
+  const auto faults = std::ranges::count_if(sight.axes, [](const client::AxisSnapshot& axis) {
+    return axis.state() == PowerState::fault || axis.state() == PowerState::fault_reaction_active;
+  });
+  if (faults > 0) {
+    text += "; " + std::to_string(faults) + " of " + std::to_string(sight.axes.size()) +
+            " are in a fault: publish true on the topic enable to reset it";
+  }
+  reported_owner_ = 0;
+  reported_refusal_.clear();
+  reports_.tell(Severity::info, name(), text);
 }
 
 void BenchLink::read_limits() {
@@ -211,10 +277,9 @@ std::optional<JointLimits> BenchLink::limits_of(client::Axis& axis, const Joint&
   limits.deceleration = real(deceleration) * unit;
   limits.ramp = std::min({real(profile_acceleration) * unit, real(profile_deceleration) * unit,
                           limits.acceleration, limits.deceleration});
-  if (real(limit_switch) != 0.0 && real(lower) < real(upper)) {
-    limits.lower = real(lower) * unit;
-    limits.upper = real(upper) * unit;
-  }
+  const bool has_limits = real(limit_switch) != 0.0 && real(lower) < real(upper);
+  limits.lower = (has_limits ? real(lower) : kLowestPosition) * unit;
+  limits.upper = (has_limits ? real(upper) : kHighestPosition) * unit;
   limits.effort_per_mille = bridge::effort_per_mille(
       joint.unit, {.motor_rated_torque = readings->objects[rated_torque].value,
                    .gear_ratio_numerator = readings->objects[gear_numerator].value,

@@ -24,6 +24,9 @@ struct Sight {
   std::vector<client::AxisSnapshot> axes;  ///< in the order of the joints
 };
 
+/// @return a session other than `own` that controls an axis; nothing when there is none.
+[[nodiscard]] std::optional<std::uint64_t> other_owner(const Sight& sight, std::uint64_t own);
+
 /// A bench as the bridge reaches it: a thread follows its axes, takes control of them, and reads
 /// their limits. Everything that waits for the bench waits there.
 class BenchLink {
@@ -53,7 +56,11 @@ class BenchLink {
 
   void set_rate(double rate) noexcept { rate_ = rate; }
 
-  /// Takes control of all axes as soon as it can, and again when it was lost, or gives them back.
+  /// Gives the axes back that the session holds.
+  void give_back();
+
+  /// Takes control of all axes as soon as no other session controls one of them, and again when it
+  /// was lost; or takes none any more. The owner that it waits for is reported once.
   void want_control(bool wanted);
 
   /// @return the limits of all joints; none before they were read.
@@ -70,6 +77,8 @@ class BenchLink {
   void follow();
   void show(client::Observation&& observation);
   void take_control();
+  void wait_for_owner(const Sight& sight, std::uint64_t owner);
+  void report_control(const Sight& sight);
   [[nodiscard]] bool is_held(const Sight& sight) const;
   void read_limits();
   [[nodiscard]] static std::optional<JointLimits> limits_of(client::Axis& axis, const Joint& joint);
@@ -85,8 +94,13 @@ class BenchLink {
   std::optional<client::Follower> follower_;
   std::chrono::steady_clock::time_point limits_due_{};
   std::chrono::steady_clock::time_point control_due_{};
+  std::chrono::milliseconds control_retry_{};
+  std::uint64_t reported_owner_ = 0;  ///< session that control waits for; 0 = it does not wait
+  std::string reported_refusal_;
   std::atomic<double> rate_ = 1.0;
   std::atomic<bool> wants_control_ = false;
+  std::atomic<bool> gives_back_ = false;
+  std::atomic<bool> is_control_new_ = false;  ///< it is wanted again, and reports begin anew
   std::atomic<std::uint64_t> limits_asked_ = 0;
   std::atomic<std::uint64_t> limits_read_ = 0;
   mutable std::mutex mutex_;  ///< guards what follows

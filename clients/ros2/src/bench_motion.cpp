@@ -3,6 +3,7 @@
 
 #include "vdrive/cia402/controlword.hpp"
 #include "vdrive/cia402/power_state.hpp"
+#include "vdrive/number_text.hpp"
 
 #include <algorithm>
 #include <array>
@@ -145,9 +146,12 @@ bool BenchMotion::is_disabled() const {
 std::string BenchMotion::obstacle(std::size_t place) const {
   if (!wants_enabled_) return "is not enabled: publish true on the topic enable, or use --enable";
   if (!sight_) return "is on a bench that is silent";
-  if (!limits_) return "has limits that are not known yet";
   const client::AxisSnapshot& axis = sight_->axes[place];
-  if (axis.owner_session != session_.id()) return "is controlled by another session";
+  if (axis.owner_session == 0) return "is not under control of this bridge yet";
+  if (axis.owner_session != session_.id()) {
+    return "is controlled by session " + session_text(axis.owner_session);
+  }
+  if (!limits_) return "has limits that are not known yet";
   if (!is_enabled(axis)) return client::what_it_shows(axis);
   return {};
 }
@@ -184,7 +188,7 @@ void BenchMotion::power(Clock::time_point now) {
     });
     keep_control(all_held);
     if (all_held) enable(now);
-  } else if (was_enabled_) {
+  } else if (wants_control_) {
     disable();
   }
 }
@@ -193,10 +197,14 @@ void BenchMotion::power(Clock::time_point now) {
 void BenchMotion::keep_control(bool all_held) {
   if (had_control_ && !all_held && !has_lost_control_) {
     has_lost_control_ = true;
+    const auto owner = other_owner(*sight_, session_.id());
     reports_.tell(Severity::error, link_.name(),
-                  "control of its axes is lost: publish true on enable to take it again");
+                  "control of its axes is lost" +
+                      (owner ? " to session " + session_text(*owner) : "") +
+                      ": publish true on enable to take it again");
   }
   had_control_ = had_control_ || all_held;
+  wants_control_ = true;
   link_.want_control(!has_lost_control_);
 }
 
@@ -239,7 +247,6 @@ void BenchMotion::enable(Clock::time_point now) {
     reports_.tell(Severity::error, link_.name(), "its axes cannot be enabled");
     return;
   }
-  was_enabled_ = true;
   words_due_ = now + kRepeatWords;
   words_tick_ = sight_->tick;
   (void)send(frames);
@@ -247,8 +254,8 @@ void BenchMotion::enable(Clock::time_point now) {
 
 void BenchMotion::disable() {
   if (is_disabled()) {
-    was_enabled_ = false;
-    link_.want_control(false);
+    wants_control_ = false;
+    link_.give_back();
     return;
   }
   if (sight_->tick == words_tick_) return;
@@ -288,7 +295,6 @@ JointMotion BenchMotion::motion(std::size_t place) const {
 }
 
 std::string BenchMotion::check_value(std::size_t place, const JointCommand& command) const {
-  constexpr double kHighest = 2147483647.0;
   const JointLimits& limits = (*limits_)[place];
   const Joint& joint = link_.joints()[place];
   const std::string what = std::string(to_string(command.interface)) + " " +
@@ -297,9 +303,6 @@ std::string BenchMotion::check_value(std::size_t place, const JointCommand& comm
     if (command.value < limits.lower || command.value > limits.upper) {
       return what + " is beyond the limits " + text_of(limits.lower) + " to " +
              text_of(limits.upper);
-    }
-    if (std::abs(command.value / joint.si_per_user_unit) > kHighest) {
-      return what + " is beyond what the drive can count";
     }
     return limits.ramp > 0.0 && limits.velocity > 0.0
                ? ""

@@ -173,7 +173,7 @@ class BenchMotion {
   std::uint64_t sent_until_ = 0;  ///< tick
   bool wants_enabled_ = false;
   bool resets_faults_ = false;
-  bool was_enabled_ = false;  ///< by this bridge
+  bool wants_control_ = false;
   bool had_control_ = false;  ///< of all axes, since it is wanted
   bool has_lost_control_ = false;
   std::vector<bool> to_enable_;  ///< axes that have not been enabled since it was wanted

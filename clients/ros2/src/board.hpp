@@ -16,12 +16,14 @@ namespace vdrive::ros2 {
 /// What is published of a bench: its newest sight, after the set-points for the ticks behind it
 /// were sent.
 struct BenchView {
-  std::shared_ptr<const client::BenchInfo> info;
-  std::shared_ptr<const std::vector<Joint>> joints;
-  std::shared_ptr<const Sight> sight;  ///< none while the bench is silent
-  std::shared_ptr<const std::vector<JointLimits>> limits;
-  std::vector<Duty> duties;
+  std::shared_ptr<const client::BenchInfo> info{};
+  std::shared_ptr<const std::vector<Joint>> joints{};
+  std::shared_ptr<const Sight> sight{};  ///< none while the bench is silent
+  std::shared_ptr<const std::vector<JointLimits>> limits{};
+  std::vector<Duty> duties{};
   bool is_enabled = false;
+  std::uint64_t session = 0;  ///< of the bridge
+  std::string problem{};      ///< why the bridge does not serve the bench; empty = it does
 };
 
 /// Hands the views over from the thread that commands to the one that publishes.

@@ -2,9 +2,12 @@
 #include "bridge.hpp"
 
 #include "vdrive/client/event.hpp"
+#include "vdrive/dictionary/abort_code.hpp"
 
 namespace vdrive::ros2 {
 namespace {
+
+constexpr std::uint32_t kControlled = wire_code(AbortCode::refused_local_control);
 
 wire::NetworkSettings network_of(const Settings& settings) {
   const client::SessionOptions& session = settings.session;
@@ -12,6 +15,12 @@ wire::NetworkSettings network_of(const Settings& settings) {
           .interfaces = session.interfaces,
           .peers = session.peers,
           .discovery_servers = session.discovery_servers};
+}
+
+/// @return the text without what differs from command to command: equal reports are counted.
+std::string reason_of(const client::Event& event) {
+  const std::string text = event.text.substr(0, event.text.rfind(" (session "));
+  return text.substr(0, text.find(", late by "));
 }
 
 }  // namespace
@@ -35,8 +44,9 @@ Bridge::Bridge(const Settings& settings)
       }) {
   session_.on_event([this](const client::Event& event) {
     if (event.kind != client::EventKind::refused || event.session != session_.id()) return;
+    if (event.code == kControlled) return;  // only an acquire is refused so: the link reports it
     reports_.tell(Severity::warning, "bench " + std::to_string(event.bench),
-                  "a command was refused: " + event.text);
+                  "a command was refused: " + reason_of(event));
   });
   controller_.set_writers([this] {
     return commands_.matched();

@@ -16,6 +16,9 @@ class Bridge {
   Bridge(const Bridge&) = delete;
   Bridge& operator=(const Bridge&) = delete;
 
+  /// @return the number of its session, which an axis shows as its owner.
+  [[nodiscard]] std::uint64_t session() const noexcept { return session_.id(); }
+
  private:
   wire::Participant participant_;
   client::Session session_;

@@ -2,6 +2,7 @@
 #include "command_line.hpp"
 
 #include "bridge.hpp"
+#include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
 
 #include <CLI/CLI.hpp>
@@ -100,7 +101,7 @@ int serve(const Arguments& arguments) {
   const Bridge bridge(arguments.settings);
   std::cout << "vdrive-ros2: " << arguments.settings.topics.joint_states
             << (arguments.settings.is_enabled ? " (axes are enabled)" : " (looking only)")
-            << std::endl;
+            << ", session " << session_text(bridge.session()) << std::endl;
   int received = 0;
   sigwait(&signals, &received);
   return kDone;

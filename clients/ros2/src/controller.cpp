@@ -137,7 +137,11 @@ void Controller::end() {
 void Controller::find_benches(Clock::time_point now) {
   if (now < find_due_) return;
   find_due_ = now + kFindPeriod;
-  for (const client::BenchInfo& info : session_.present_benches()) {
+  const std::vector<client::BenchInfo> present = session_.present_benches();
+  std::erase_if(left_out_, [&present](const auto& entry) {
+    return std::ranges::count(present, entry.first, &client::BenchInfo::number) == 0;
+  });
+  for (const client::BenchInfo& info : present) {
     const bool is_wanted =
         settings_.benches.empty() || std::ranges::count(settings_.benches, info.number) > 0;
     if (!is_wanted || info.axes.empty()) continue;
@@ -172,11 +176,14 @@ void Controller::note_present(Bench& bench, const client::BenchInfo& info, Clock
 void Controller::add_bench(const client::BenchInfo& info) {
   std::vector<Joint> joints = joints_of(info, settings_);
   if (const auto clash = directory_.add(info.number, joints)) {
-    if (refused_benches_.insert(info.incarnation).second) {
+    LeftOut& left_out = left_out_[info.number];
+    if (left_out.reason != *clash || left_out.info->incarnation != info.incarnation) {
       reports_.tell(Severity::error, "bench " + std::to_string(info.number), *clash);
     }
+    left_out = {.info = std::make_shared<const client::BenchInfo>(info), .reason = *clash};
     return;
   }
+  left_out_.erase(info.number);
   Bench bench;
   bench.info = std::make_shared<const client::BenchInfo>(info);
   bench.joints = std::make_shared<const std::vector<Joint>>(joints);
@@ -204,7 +211,6 @@ void Controller::remove_absent(Clock::time_point now) {
       continue;
     }
     directory_.remove(bench->first);
-    refused_benches_.clear();  // the names of its joints are free
     bench = benches_.erase(bench);
   }
 }
@@ -487,7 +493,14 @@ void Controller::publish(bool is_urgent) {
                                     .sight = bench.motion->sight(),
                                     .limits = bench.link->limits(),
                                     .duties = bench.motion->duties(),
-                                    .is_enabled = bench.motion->wants_enabled()});
+                                    .is_enabled = bench.motion->wants_enabled(),
+                                    .session = session_.id()});
+  }
+  for (const auto& [number, left_out] : left_out_) {
+    views.emplace(number, BenchView{.info = left_out.info,
+                                    .joints = std::make_shared<const std::vector<Joint>>(),
+                                    .session = session_.id(),
+                                    .problem = left_out.reason});
   }
   board_.put(std::move(views), is_urgent);
 }

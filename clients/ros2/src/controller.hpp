@@ -51,6 +51,12 @@ class Controller {
     Clock::time_point last_present{};
   };
 
+  /// A bench that the bridge does not serve.
+  struct LeftOut {
+    std::shared_ptr<const client::BenchInfo> info;
+    std::string reason;
+  };
+
   /// A trajectory that waits for its time, or for the limits.
   struct Waiting {
     Trajectory trajectory;
@@ -105,7 +111,7 @@ class Controller {
   Board& board_;
   std::map<std::uint32_t, Bench> benches_;
   JointDirectory directory_;
-  std::set<std::uint64_t> refused_benches_;  ///< incarnations whose joints clash
+  std::map<std::uint32_t, LeftOut> left_out_;  ///< benches whose joints clash
   std::vector<Waiting> waiting_;
   std::map<std::uint64_t, std::string> trajectories_;  ///< under way: number and text
   std::uint64_t last_trajectory_ = 0;

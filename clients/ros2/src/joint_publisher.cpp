@@ -27,14 +27,31 @@ void add(DiagnosticStatus& status, const char* key, std::string value) {
   status.values().push_back(std::move(pair));
 }
 
-DiagnosticStatus bench_status(const BenchView& view) {
+/// @return who controls the axes of a bench, for a reader of the diagnostics.
+std::string control_of(const BenchView& view) {
+  if (const auto owner = other_owner(*view.sight, view.session))
+    return "session " + session_text(*owner);
+  const bool is_held = std::ranges::all_of(view.sight->axes, [&](const auto& axis) {
+    return axis.owner_session == view.session;
+  });
+  return is_held ? "this bridge" : "nobody";
+}
+
+DiagnosticStatus bench_status(const BenchView& view, const std::string& network) {
   DiagnosticStatus status;
   status.name("vdrive_ros2: bench " + std::to_string(view.info->number));
   status.hardware_id(view.info->name);
   status.level(view.sight ? ok : stale);
   status.message(view.sight ? "running" : "silent");
+  if (!view.problem.empty()) {
+    status.level(error);
+    status.message(view.problem);
+  }
   add(status, "clock", std::string(to_string(view.info->clock_mode)));
   add(status, "enable", view.is_enabled ? "true" : "false");
+  add(status, "session", session_text(view.session));
+  add(status, "network", network);
+  if (view.sight) add(status, "control", control_of(view));
   if (view.sight) add(status, "tick", std::to_string(view.sight->tick));
   return status;
 }
@@ -43,6 +60,10 @@ std::pair<Level, std::string> level_of(const BenchView& view, const client::Axis
   const PowerState state = axis.state();
   if (state == PowerState::fault || state == PowerState::fault_reaction_active) {
     return {error, client::what_it_shows(axis)};
+  }
+  const bool is_foreign = axis.owner_session != 0 && axis.owner_session != view.session;
+  if (view.is_enabled && is_foreign) {
+    return {warn, "controlled by session " + session_text(axis.owner_session)};
   }
   const bool is_missing = view.is_enabled && state != PowerState::operation_enabled;
   return {is_missing ? warn : ok, std::string(to_string(state))};
@@ -71,6 +92,15 @@ DiagnosticStatus joint_status(const BenchView& view, std::size_t place) {
   return status;
 }
 
+/// @return which nodes can find the bridge, for a reader of the diagnostics.
+std::string network_text(const client::SessionOptions& options) {
+  std::string text;
+  for (const std::string& address : options.interfaces) {
+    text += (text.empty() ? "" : ", ") + address;
+  }
+  return text.empty() ? "loopback only" : text;
+}
+
 }  // namespace
 
 std::optional<wire::ros::JointState> joint_state_of(const BenchView& view) {
@@ -95,11 +125,11 @@ std::optional<wire::ros::JointState> joint_state_of(const BenchView& view) {
   return message;
 }
 
-wire::ros::DiagnosticArray diagnostics_of(const Board::Views& views) {
+wire::ros::DiagnosticArray diagnostics_of(const Board::Views& views, const std::string& network) {
   wire::ros::DiagnosticArray array;
   array.header().stamp(ros_time(wall_time()));
   for (const auto& [number, view] : views) {
-    array.status().push_back(bench_status(view));
+    array.status().push_back(bench_status(view, network));
     for (std::size_t i = 0; i < view.joints->size(); ++i) {
       array.status().push_back(joint_status(view, i));
     }
@@ -110,6 +140,7 @@ wire::ros::DiagnosticArray diagnostics_of(const Board::Views& views) {
 JointPublisher::JointPublisher(wire::Participant& participant, const Settings& settings,
                                Board& board)
     : rate_(settings.rate),
+      network_(network_text(settings.session)),
       board_(board),
       states_(participant, settings.topics.joint_states),
       clock_(participant, settings.topics.clock),
@@ -182,7 +213,7 @@ bool JointPublisher::is_due(const BenchView& view, Published& published,
 void JointPublisher::publish_diagnostics(const Board::Views& views, Clock::time_point now) {
   std::string shown;
   for (const auto& [number, view] : views) {
-    shown += view.sight ? 'a' : 's';
+    shown += (view.sight ? 'a' : 's') + view.problem;
     if (!view.sight) continue;
     for (const client::AxisSnapshot& axis : view.sight->axes) {
       const auto [level, message] = level_of(view, axis);
@@ -192,7 +223,7 @@ void JointPublisher::publish_diagnostics(const Board::Views& views, Clock::time_
   if (now < diagnostics_due_ && shown == last_diagnostics_) return;
   diagnostics_due_ = now + kDiagnostics;
   last_diagnostics_ = std::move(shown);
-  (void)diagnostics_.write(diagnostics_of(views));
+  (void)diagnostics_.write(diagnostics_of(views, network_));
 }
 
 }  // namespace vdrive::ros2

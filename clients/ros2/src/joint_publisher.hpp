@@ -14,7 +14,9 @@ namespace vdrive::ros2 {
 [[nodiscard]] std::optional<wire::ros::JointState> joint_state_of(const BenchView& view);
 
 /// @return a status for each bench and each of its joints.
-[[nodiscard]] wire::ros::DiagnosticArray diagnostics_of(const Board::Views& views);
+/// @param network "loopback only", or the addresses that the bridge uses
+[[nodiscard]] wire::ros::DiagnosticArray diagnostics_of(const Board::Views& views,
+                                                        const std::string& network);
 
 /// Publishes joint states, clock and diagnostics in a thread of its own.
 ///
@@ -43,6 +45,7 @@ class JointPublisher {
   void publish_diagnostics(const Board::Views& views, Clock::time_point now);
 
   const double rate_;
+  const std::string network_;
   Board& board_;
   std::map<std::uint32_t, Published> published_;
   Clock::time_point diagnostics_due_{};
