@@ -160,8 +160,9 @@ struct RecordCommand {
   std::string file;               ///< - = standard output
   std::vector<std::string> axes;  ///< none = all of the only bench there is
   recording::Format format = recording::Format::csv;
-  std::optional<Duration> duration;  ///< drive time; none = until interrupted
-  std::uint64_t count = 0;           ///< samples of each bench; 0 = until interrupted
+  std::optional<Duration> duration;               ///< drive time; none = until interrupted
+  std::uint64_t count = 0;                        ///< samples of each bench; 0 = until interrupted
+  Duration lost_after = std::chrono::minutes(1);  ///< wall time without a sample that ends it
 };
 
 /// Writes the status of one recording as another.

@@ -276,7 +276,7 @@ class Grammar {
   struct Words {
     std::string axis, object, value, kind, duration, mask, tolerance, within, throughout;
     std::string velocity, acceleration, deceleration, method, offset, search, creep, slope, count,
-        bench, format = "table", language = "en";
+        lost_after, bench, format = "table", language = "en";
     std::string file, to, junit, configuration, service, jobs;
     std::vector<std::string> axes, objects, rate, values, files, settings;
     bool relative = false, queue = false, wait = false, no_wait = false, live = false;
@@ -417,6 +417,9 @@ class Grammar {
     add_axes(word, "default: every axis of the only bench");
     word->add_option("--for", words_.duration, "Stop after this drive time")->type_name("T");
     word->add_option("--count", words_.count, "Stop after N samples")->type_name("N");
+    word->add_option("--lost-after", words_.lost_after,
+                     "End when a bench has sent nothing for this wall time; default: 1min")
+        ->type_name("T");
     word->callback([this] {
       command_ = make_record();
     });
@@ -433,6 +436,7 @@ class Grammar {
     }
     if (!words_.duration.empty()) record.duration = parse_duration(words_.duration);
     if (!words_.count.empty()) record.count = parse_number(words_.count, "count", kHighest32);
+    if (!words_.lost_after.empty()) record.lost_after = parse_duration(words_.lost_after);
     return record;
   }
 

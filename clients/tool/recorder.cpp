@@ -4,6 +4,7 @@
 #include "convert.hpp"
 #include "text_recording.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/number_text.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -19,6 +20,7 @@ namespace {
 using client::Outcome;
 using client::OutcomeKind;
 using recording::RecordingError;
+using Clock = std::chrono::steady_clock;
 
 /// Short where several benches take turns: none may wait long for another that stands still.
 constexpr std::chrono::milliseconds kPatienceOfOne{100};
@@ -63,15 +65,17 @@ client::Result<bridge::ParameterImage> image_of(const client::Axis& axis) {
 
 /// One bench on its way through the recording.
 struct Recorder::Track {
-  Track(client::Follower stream, std::chrono::milliseconds wait)
-      : follower(std::move(stream)), patience(wait) {}
+  Track(std::uint32_t number, client::Follower stream, std::chrono::milliseconds wait)
+      : bench(number), follower(std::move(stream)), patience(wait) {}
 
+  std::uint32_t bench = 0;
   client::Follower follower;
   std::chrono::milliseconds patience;
   std::uint64_t ticks = 0;  ///< to record; 0 = without end
   std::optional<std::uint64_t> first_tick;
   std::uint64_t samples = 0;
   bool has_ended = false;
+  std::optional<Clock::time_point> silent_since;  ///< none while the bench sends
 };
 
 Recorder::Recorder(client::Session& session, Terminal& terminal, const RecordCommand& command)
@@ -136,7 +140,8 @@ client::Result<std::vector<Recorder::Track>> Recorder::open_tracks(
   for (const ObservedBench& bench : benches) {
     auto follower = session_.follow(ids_of(bench), client::Pace::observe);
     if (!follower) return follower.outcome();
-    Track track{std::move(*follower), benches.size() == 1 ? kPatienceOfOne : kPatienceOfMany};
+    Track track{bench.info.number, std::move(*follower),
+                benches.size() == 1 ? kPatienceOfOne : kPatienceOfMany};
     if (command_.duration) track.ticks = client::ticks_of(*command_.duration, bench.info.period);
     tracks.push_back(std::move(track));
   }
@@ -149,7 +154,9 @@ Outcome Recorder::record_into(std::unique_ptr<recording::Writer> writer,
                               std::vector<Track>& tracks) {
   queue_ = std::make_unique<recording::RecordingQueue>(std::move(writer));
   if (command_.format == recording::Format::mcap) watch_events(benches);
+  watch_services();
   Outcome outcome = follow(tracks);
+  session_.watch_services(nullptr);
   session_.on_event(nullptr);
   summary_ = queue_->finish();
   return outcome;
@@ -163,6 +170,17 @@ void Recorder::watch_events(const std::vector<ObservedBench>& benches) {
   }
   session_.on_event([this, chosen](const client::Event& event) {
     if (chosen.contains({event.bench, event.axis})) queue_->push(event);
+  });
+}
+
+void Recorder::watch_services() {
+  session_.watch_services([this](const client::ServiceChange& change) {
+    if (change.news != client::ServiceNews::restarted &&
+        change.news != client::ServiceNews::went_offline) {
+      return;
+    }
+    const std::scoped_lock lock(ended_mutex_);
+    ended_[change.bench] = change.text;
   });
 }
 
@@ -189,11 +207,35 @@ Outcome Recorder::take_samples(Track& track) {
   for (int i = 0; i < kMostAtOnce && !track.has_ended; ++i) {
     auto sample = track.follower.next(patience);
     if (sample.outcome().kind() == OutcomeKind::timed_out) return {};
+    if (sample.outcome().kind() == OutcomeKind::lost) return wait_for(track);
     if (!sample) return sample.outcome();
+    if (track.silent_since) {
+      track.silent_since.reset();
+      terminal_.complain("vdrive: bench " + std::to_string(track.bench) + " sends again");
+    }
     take(track, std::move(*sample));
     patience = std::chrono::milliseconds(0);
   }
   return {};
+}
+
+/// The network may be down, or the service may hang: it may send again.
+Outcome Recorder::wait_for(Track& track) {
+  const std::string bench = "bench " + std::to_string(track.bench);
+  {
+    const std::scoped_lock lock(ended_mutex_);
+    if (const auto ended = ended_.find(track.bench); ended != ended_.end()) {
+      return Outcome::lost("the recording ends: " + ended->second);
+    }
+  }
+  const auto seconds = to_text(std::chrono::duration<double>(command_.lost_after).count()) + " s";
+  const Clock::time_point now = Clock::now();
+  if (!track.silent_since) {
+    track.silent_since = now;
+    terminal_.complain("vdrive: " + bench + " sends nothing: waiting " + seconds + " for it");
+  }
+  if (now - *track.silent_since < command_.lost_after) return {};
+  return Outcome::lost("the recording ends: " + bench + " has sent nothing for " + seconds);
 }
 
 void Recorder::take(Track& track, client::Observation&& sample) {

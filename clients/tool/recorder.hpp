@@ -10,7 +10,9 @@
 #include "vdrive/client/session.hpp"
 
 #include <cstdint>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,6 +28,9 @@ struct ObservedBench {
 /// Records the status images of axes, one sample a bench and tick, until interrupted or for a
 /// while: the stream as it comes, with the number of samples that were lost. As MCAP also every
 /// object of the axes as it is at the beginning, and the events of the benches and axes.
+///
+/// A bench whose time stands still is waited for without end, one that sends nothing for as long as
+/// the command says. The end or the restart of a service ends the recording.
 class Recorder {
  public:
   Recorder(client::Session& session, Terminal& terminal, const RecordCommand& command);
@@ -53,11 +58,15 @@ class Recorder {
   void watch_events(const std::vector<ObservedBench>& benches);
   client::Outcome follow(std::vector<Track>& tracks);
   client::Outcome take_samples(Track& track);
+  client::Outcome wait_for(Track& track);
+  void watch_services();
   void take(Track& track, client::Observation&& sample);
 
   client::Session& session_;
   Terminal& terminal_;
   const RecordCommand& command_;
+  std::mutex ended_mutex_;
+  std::map<std::uint32_t, std::string> ended_;  ///< benches whose run is over, and how
   std::unique_ptr<recording::RecordingQueue> queue_;
   recording::Summary summary_;
   bool has_begun_ = false;

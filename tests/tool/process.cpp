@@ -57,6 +57,16 @@ void close_if_open(int& descriptor) {
   if (descriptor >= 0) close(std::exchange(descriptor, -1));
 }
 
+/// @param ahead what was read behind the line before
+std::string line_of(int file, std::string& ahead) {
+  std::size_t end = ahead.find('\n');
+  while (end == std::string::npos && read_some(file, ahead)) end = ahead.find('\n');
+  if (end == std::string::npos) return std::exchange(ahead, {});
+  std::string line = ahead.substr(0, end);
+  ahead.erase(0, end + 1);
+  return line;
+}
+
 }  // namespace
 
 std::vector<std::string> Finished::lines() const {
@@ -112,12 +122,11 @@ void Process::send(int signal) const {
 }
 
 std::string Process::read_line() {
-  std::size_t end = read_ahead_.find('\n');
-  while (end == std::string::npos && read_some(output_, read_ahead_)) end = read_ahead_.find('\n');
-  if (end == std::string::npos) return std::exchange(read_ahead_, {});
-  std::string line = read_ahead_.substr(0, end);
-  read_ahead_.erase(0, end + 1);
-  return line;
+  return line_of(output_, read_ahead_);
+}
+
+std::string Process::read_error_line() {
+  return line_of(errors_, errors_ahead_);
 }
 
 void Process::stop_reading() {
@@ -127,6 +136,7 @@ void Process::stop_reading() {
 Finished Process::wait() {
   Finished finished;
   finished.output = std::exchange(read_ahead_, {});
+  finished.errors = std::exchange(errors_ahead_, {});
   const auto deadline = Clock::now() + kPatience;
   std::array<pollfd, 2> open{pollfd{output_, POLLIN, 0}, pollfd{errors_, POLLIN, 0}};
   while (open[0].fd >= 0 || open[1].fd >= 0) {

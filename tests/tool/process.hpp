@@ -4,6 +4,7 @@
 #include <sys/types.h>
 
 #include <chrono>
+#include <csignal>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,9 @@ class Process {
   /// Reads a line of its output. @return an empty string at the end.
   std::string read_line();
 
+  /// Reads a line of its errors. @return an empty string at the end.
+  std::string read_error_line();
+
   /// Closes our end of its output: it writes into the void.
   void stop_reading();
 
@@ -49,6 +53,7 @@ class Process {
   int output_ = -1;
   int errors_ = -1;
   std::string read_ahead_;
+  std::string errors_ahead_;
   std::chrono::steady_clock::time_point start_;
 };
 
@@ -76,6 +81,11 @@ class RunningService {
 
   /// Ends it without a word.
   void kill();
+
+  /// Stops its process where it is, and lets it go on.
+  void freeze() const { process_.send(SIGSTOP); }
+
+  void thaw() const { process_.send(SIGCONT); }
 
  private:
   Process process_;

@@ -15,6 +15,7 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <memory>
 #include <sstream>
 #include <thread>
 
@@ -195,6 +196,88 @@ TEST(McapRecording, EndsAfterSoManySamplesWithItsSummary) {
   std::uint64_t in_gaps = 0;
   for (const Json& gap : summary["gaps"]) in_gaps += gap["missed"].get<std::uint64_t>();
   EXPECT_EQ(in_gaps, lost);
+}
+
+// ---- a bench that sends nothing ----------------------------------------------------------------
+
+/// Reads the errors of a recorder up to a line with `part`. @return that line.
+std::string awaited_line(Process& recorder, const std::string& part) {
+  std::string line = recorder.read_error_line();
+  while (!line.empty() && line.find(part) == std::string::npos) line = recorder.read_error_line();
+  return line;
+}
+
+TEST(Recorder, WaitsForABenchWhoseTimeStandsStill) {
+  const McapRecordingOf bench("--clock lockstep --axes 1");
+  const std::string file = bench.file("still.csv");
+  Process recorder(VDRIVE_TOOL, tool_arguments("record " + file + " --count 5 --lost-after 1s"));
+  step_until_written({file});
+  // Three seconds of wall time pass: nobody steps, and a search for another bench times out.
+  EXPECT_EQ(tool("status 9.1 --timeout 3").code, 3);
+  for (int i = 0; i < 5; ++i) ASSERT_EQ(tool("step 1").code, 0);
+  const Finished finished = recorder.wait();
+  EXPECT_EQ(finished.code, 0) << finished.errors;
+  EXPECT_THAT(finished.errors, Not(HasSubstr("sends nothing")));
+  EXPECT_EQ(samples_in(file), 5U);
+}
+
+TEST(Recorder, WaitsForABenchThatSendsNothingAndCountsWhatIsMissing) {
+  const RunningService service("--clock lockstep --axes 1");
+  const TemporaryDirectory directory;
+  const std::string file = directory.path() / "frozen.csv";
+  Process recorder(VDRIVE_TOOL, tool_arguments("record " + file));
+  step_until_written({file});
+  service.freeze();
+  EXPECT_THAT(awaited_line(recorder, "sends nothing"),
+              HasSubstr("bench 1 sends nothing: waiting 60 s for it"));
+  service.thaw();
+  // It reports the next sample: the service has to be there again for the tool to step it.
+  ASSERT_EQ(tool("step 3 --timeout 20").code, 0);
+  EXPECT_THAT(awaited_line(recorder, "sends again"), HasSubstr("bench 1 sends again"));
+  recorder.send(SIGINT);
+  const Finished finished = recorder.wait();
+  EXPECT_EQ(finished.code, 130) << finished.errors;
+}
+
+TEST(Recorder, EndsWhenABenchHasSentNothingForTooLong) {
+  RunningService service("--axes 1");
+  const TemporaryDirectory directory;
+  const std::string file = directory.path() / "killed.csv";
+  Process recorder(VDRIVE_TOOL, tool_arguments("record " + file + " --lost-after 500ms"));
+  const auto end = std::chrono::steady_clock::now() + kDeadline;
+  while (!std::filesystem::exists(file) || std::filesystem::file_size(file) == 0) {
+    ASSERT_LT(std::chrono::steady_clock::now(), end);
+    ASSERT_EQ(tool("list").code, 0);
+  }
+  service.kill();
+  const Finished finished = recorder.wait();
+  EXPECT_EQ(finished.code, 1) << finished.errors;
+  EXPECT_THAT(finished.errors, HasSubstr("bench 1 sends nothing: waiting 0.5 s for it"));
+  EXPECT_THAT(finished.errors, HasSubstr("the recording ends: bench 1 has sent nothing for 0.5 s"));
+  EXPECT_THAT(finished.errors, HasSubstr("recorded "));
+}
+
+TEST(Recorder, EndsAtOnceWhenTheServiceEndsOrIsStartedAnew) {
+  auto service = std::make_unique<RunningService>("--clock lockstep --axes 1");
+  const TemporaryDirectory directory;
+  const auto record = [&](const std::string& name) {
+    const std::string file = directory.path() / name;
+    auto recorder = std::make_unique<Process>(VDRIVE_TOOL, tool_arguments("record " + file));
+    step_until_written({file});
+    return recorder;
+  };
+  auto recorder = record("ended.csv");
+  (void)service->stop();
+  Finished finished = recorder->wait();
+  EXPECT_EQ(finished.code, 1) << finished.errors;
+  EXPECT_THAT(finished.errors, HasSubstr("the recording ends: bench 1"));
+  service = std::make_unique<RunningService>("--clock lockstep --axes 1");
+  recorder = record("restarted.csv");
+  service->kill();
+  service = std::make_unique<RunningService>("--clock lockstep --axes 1");
+  finished = recorder->wait();
+  EXPECT_EQ(finished.code, 1) << finished.errors;
+  EXPECT_THAT(finished.errors, HasSubstr("the recording ends: bench 1"));
 }
 
 TEST(Convert, NeedsNoServiceAndNamesFileAndLine) {
