@@ -3,6 +3,7 @@
 
 #include "grammar.hpp"
 #include "host_readings.hpp"
+#include "ros_readings.hpp"
 #include "terminal.hpp"
 #include "vdrive/client/bench.hpp"
 #include "vdrive/client/outcome.hpp"
@@ -36,6 +37,10 @@ struct Finding {
 /// Judges the benches that were found on the domain.
 [[nodiscard]] std::vector<Finding> check_benches(std::span<const client::BenchInfo> benches,
                                                  const GlobalOptions& options);
+
+/// Judges what was found of ROS 2: its environment here, and vdrive-ros2 in the domain.
+[[nodiscard]] std::vector<Finding> check_ros(const RosReadings& readings,
+                                             const GlobalOptions& options);
 
 /// `vdrive doctor`: reads the machine, finds the benches, and shows the findings.
 /// @return failed when there is a problem.

@@ -184,5 +184,62 @@ TEST(HostReadings, OfThisMachineSayWhatEveryMachineHas) {
   EXPECT_EQ(readings.multicast[0].address, "127.0.0.1");
 }
 
+// ---- ROS 2 -----------------------------------------------------------------------------------
+
+RosBench served() {
+  return {.session = "0x00000000000000ab",
+          .bench = "bench 1",
+          .message = "running",
+          .control = "this bridge",
+          .enable = "true",
+          .network = "loopback only"};
+}
+
+TEST(DoctorOfRos, NamesTheBridgesOfTheDomainAndWhatTheyControl) {
+  GlobalOptions options;
+  options.domain = 3;
+  const auto nobody = check_ros({}, options);
+  ASSERT_EQ(nobody.size(), 1U);
+  EXPECT_EQ(nobody[0].severity, Severity::good);
+  EXPECT_THAT(nobody[0].text, HasSubstr("no vdrive-ros2 publishes /diagnostics on domain 3"));
+  const auto one = check_ros({.benches = {served()}}, {});
+  ASSERT_EQ(one.size(), 1U);
+  EXPECT_EQ(one[0].severity, Severity::good);
+  EXPECT_EQ(one[0].text,
+            "vdrive-ros2, session 0x00000000000000ab, loopback only: bench 1 running, controlled "
+            "by this bridge");
+}
+
+TEST(DoctorOfRos, HintsAtASecondBridgeAndAtJointsThatClash) {
+  RosBench second = served();
+  second.session = "0x00000000000000cd";
+  second.control = "session 0x00000000000000ab";
+  RosBench clash = served();
+  clash.bench = "bench 2";
+  clash.level = 2;
+  clash.message = "bench 2 is left out: its joint \"x\" is also on bench 1";
+  clash.control = "";
+  const auto found = check_ros({.benches = {served(), second, clash}}, {});
+  ASSERT_EQ(found.size(), 3U);
+  EXPECT_EQ(found[1].severity, Severity::hint);
+  EXPECT_THAT(found[1].advice, HasSubstr("another vdrive-ros2 with --enable"));
+  EXPECT_EQ(found[2].severity, Severity::hint);
+  EXPECT_THAT(found[2].text, HasSubstr("loopback only: bench 2 is left out"));
+  EXPECT_THAT(found[2].advice, HasSubstr("--prefix"));
+}
+
+TEST(DoctorOfRos, HintsAtAnEnvironmentThatHidesTheBridgeFromNodes) {
+  GlobalOptions options;
+  options.domain = 5;
+  EXPECT_EQ(check_ros({.domain_id = "5", .middleware = "rmw_fastrtps_cpp"}, options).size(), 1U);
+  const auto found = check_ros(
+      {.domain_id = "7", .middleware = "rmw_zenoh_cpp", .discovery_range = "OFF"}, options);
+  ASSERT_EQ(found.size(), 4U);
+  EXPECT_THAT(found[1].advice, HasSubstr("--domain 7"));
+  EXPECT_THAT(found[2].text, HasSubstr("is not DDS"));
+  EXPECT_THAT(found[3].text, HasSubstr("find no other program"));
+  for (std::size_t i = 1; i < found.size(); ++i) EXPECT_EQ(found[i].severity, Severity::hint);
+}
+
 }  // namespace
 }  // namespace vdrive::tool
