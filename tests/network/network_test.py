@@ -209,6 +209,33 @@ def TwoBenchesAreFoundAndMovedByADiscoveryServerWithoutMulticast(case):
 # ---- links that go down --------------------------------------------------------------------------
 
 
+def ABridgeOfRosIsFoundAcrossHostsByItsInterfaceAndPeers(case):
+    for host in (case.a, case.b, case.c):
+        host.block_multicast()
+    bench = Bench(case, case.a, 1)
+    hosts.wait_for("start of the service",
+                   lambda: any("incarnation=" in line for line in bench.service.lines()), 5)
+    # The bridge is on host b and finds the bench on host a; the doctor on host c reads what the
+    # bridge publishes for nodes of ROS.
+    bridge = case.b.start("bridge", case.programs.ros2, "--enable", "--interface", case.b.address,
+                          "--peer", case.a.address)
+
+    def findings():
+        _, text, _ = case.tool("--json", "--peer", case.b.address, "doctor")
+        lines = [json.loads(line) for line in text.splitlines() if line.startswith("{")]
+        return [line["text"] for line in lines if line["subject"] == "ROS 2"]
+
+    def serves():
+        return [text for text in findings() if "bench 1 running, controlled by this bridge" in text]
+
+    found = hosts.wait_for("a bridge that serves the bench", serves, 30)
+    expect(case.b.address in found[0], found)
+    case.options = ["--interface", case.c.address]
+    _, text, _ = case.tool("--json", "doctor")
+    expect("no vdrive-ros2" in text, f"found without peers: {text}")
+    expect(bridge.stop() == 0, "the bridge did not end well")
+
+
 def position(bench, axis):
     return bench.seen(axis)[-1]["position"]
 
@@ -586,7 +613,7 @@ def give_up(number, _frame):
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("case")
-    for program in ("service", "tool", "client"):
+    for program in ("service", "tool", "client", "ros2"):
         parser.add_argument(f"--{program}", required=True, type=pathlib.Path)
     programs = parser.parse_args()
     for number in (signal.SIGALRM, signal.SIGTERM, signal.SIGINT):
