@@ -91,5 +91,5 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
 
 
 def build_sdist(sdist_directory, config_settings=None):
-    """There is none: the module is built from the whole project."""
+    """Refuse: the module is built from the whole project."""
     raise NotImplementedError("build the wheel from the project's source tree")

@@ -16,15 +16,15 @@ PATIENCE = 60
 
 
 def begin(program):
-    """Start a Python program; return it when it has said that it waits."""
+    """Start a Python program; return it when it waits."""
     process = subprocess.Popen([sys.executable, "-c", textwrap.dedent(program)],
                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     return process
 
 
-def said(process, word):
+def line_of(process, word):
     ready, _, _ = select.select([process.stdout], [], [], PATIENCE)
-    assert ready, "it said nothing"
+    assert ready, "it printed nothing"
     line = process.stdout.readline()
     assert line.startswith(word), line + process.stderr.read()
     return line.split()[1:]
@@ -67,7 +67,7 @@ def test_ctrl_c_ends_a_wait_and_the_session_goes_on(wait):
             except KeyboardInterrupt:
                 print("interrupted", session.observe().tick > 0, session.is_closed, flush=True)
         """)
-    said(process, "waits")
+    line_of(process, "waits")
     output, errors = interrupt_until_it_ends(process)
     assert output == "interrupted True False\n", errors
     assert process.returncode == 0
@@ -85,7 +85,7 @@ def test_ctrl_c_ends_the_wait_for_another_stepper():
             except KeyboardInterrupt:
                 print("interrupted", flush=True)
         """)
-    said(process, "waits")
+    line_of(process, "waits")
     output, errors = interrupt_until_it_ends(process)
     assert output == "interrupted\n", errors
 
@@ -103,7 +103,7 @@ def test_ctrl_c_ends_the_start_of_a_private_bench(tmp_path):
         except KeyboardInterrupt:
             print("interrupted", flush=True)
         """)
-    said(process, "waits")
+    line_of(process, "waits")
     output, errors = interrupt_until_it_ends(process)
     assert output == "interrupted\n", errors
 
@@ -192,7 +192,7 @@ def test_a_killed_program_leaves_no_service_behind():
             print("runs", benches[0].domain, flush=True)
             threading.Event().wait()
         """)
-    domain = int(said(process, "runs")[0])
+    domain = int(line_of(process, "runs")[0])
     services = services_on(domain)
     assert len(services) == 1
     handle = os.pidfd_open(services[0])

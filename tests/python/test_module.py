@@ -92,7 +92,7 @@ def test_a_class_of_the_stub_has_the_members_and_parameters_of_the_class(name):
 def test_functions_that_are_written_in_python_have_the_parameters_of_the_stub():
     stub = {node.name: node for node in STUB_CLASSES["Session"].body
             if isinstance(node, ast.FunctionDef)}
-    for name in ("follow_async", "events_async", "record"):
+    for name in ("follow_async", "events_async", "on_event", "on_status", "record"):
         found = [(each.name, each.default is not each.empty, each.kind is each.KEYWORD_ONLY)
                  for each in inspect.signature(getattr(vdrive.Session, name)).parameters.values()]
         assert found == parameters_of_stub(stub[name])
@@ -144,6 +144,74 @@ def test_a_recording_of_the_tool_is_read_as_it_was_written(vdrive_bench, vdrive_
     written = [int(line.split(",")[column]) for line in lines[1:] if line.startswith("1.1,")]
     assert recording["position"][:, 0].tolist() == written
     motion.wait()
+
+
+def recording_of(vdrive_bench, vdrive_session, path):
+    """Record a move of two axes; return the path."""
+    axis = vdrive_session.axis("1.1")
+    axis.enable()
+    tool = subprocess.Popen(
+        [os.environ["VDRIVE_TOOL"], "--domain", str(vdrive_bench.domain), "--timeout", "30", "record",
+         str(path), "--count", "40"], stderr=subprocess.PIPE)
+    motion = axis.start_move(300)
+    while tool.poll() is None:
+        vdrive_session.step()
+    assert tool.returncode == 0, tool.stderr.read()
+    motion.wait()
+    return path
+
+
+def test_a_recording_has_the_same_arrays_in_each_format(vdrive_bench, vdrive_session, tmp_path):
+    mcap = recording_of(vdrive_bench, vdrive_session, tmp_path / "run.mcap")
+    for ending in ("csv", "jsonl"):
+        subprocess.run([os.environ["VDRIVE_TOOL"], "convert", mcap, tmp_path / f"run.{ending}"],
+                       check=True, stderr=subprocess.DEVNULL)
+    recordings = [vdrive.load(tmp_path / f"run.{ending}") for ending in ("csv", "jsonl", "mcap")]
+    for recording in recordings:
+        assert recording.axes == ["1.1", "1.2"] and recording.names == ["x", "y"]
+        assert recording.cut == "" and len(recording) == 40
+        assert recording["position"].max() > 0
+    # The fields that a text has: all but the epoch of the owner.
+    for field in recordings[0].frames.dtype.names:
+        if field == "owner_epoch":
+            continue
+        for other in recordings[1:]:
+            assert numpy.array_equal(recordings[0][field], other[field]), field
+
+
+def test_a_recording_that_was_cut_off_is_read_up_to_there(vdrive_bench, vdrive_session, tmp_path):
+    whole = recording_of(vdrive_bench, vdrive_session, tmp_path / "whole.mcap")
+    cut = tmp_path / "cut.mcap"
+    cut.write_bytes(whole.read_bytes()[:-100])
+    recording = vdrive.load(cut)
+    assert recording.cut != "" and len(recording) <= 40
+
+
+@pytest.mark.parametrize("name, content", [
+    ("bad.mcap", b"no recording"), ("bad.jsonl", b"{}\n"), ("bad.txt", b"")])
+def test_a_file_that_the_library_cannot_read_is_an_error_that_names_it(tmp_path, name, content):
+    path = tmp_path / name
+    path.write_bytes(content)
+    with pytest.raises(ValueError, match=name):
+        vdrive.load(path)
+
+
+def literal_of_stub(name):
+    """Return the texts of `name = Literal[...]` in the stub."""
+    for node in TREE.body:
+        if isinstance(node, ast.Assign) and node.targets[0].id == name:
+            elements = node.value.slice
+            return [each.value for each in getattr(elements, "elts", [elements])]
+    raise AssertionError(name)
+
+
+def test_the_lists_of_the_stub_are_those_of_the_module(vdrive_session):
+    assert tuple(literal_of_stub("DisturbanceSpec")) == vdrive.DISTURBANCES
+    assert literal_of_stub("CommandSpec") == list(_vdrive.COMMANDS)
+    for until in literal_of_stub("UntilSpec"):
+        vdrive_session.axis("1.1").disable(until=until)
+    for pace in literal_of_stub("PaceSpec"):
+        vdrive_session.follow("1.1", pace=pace).close()
 
 
 @pytest.mark.parametrize("text, complaint", [

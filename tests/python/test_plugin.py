@@ -16,7 +16,7 @@ TEN_LINES = """
     @pytest.mark.parametrize("number", range(8))
     def test_it_gets_there(vdrive_bench, vdrive_session, number):
         axis = vdrive_session.axis("1.1")
-        # Nobody else was here: a bench that tests share would have moved.
+        # No other test used it: a shared bench would have moved.
         assert axis.status().position == 0 and len(vdrive_session.find_benches()) == 1
         axis.enable()
         axis.move_to(100 * number)

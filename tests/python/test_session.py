@@ -2,6 +2,8 @@
 """Sessions, clocks, groups and streams."""
 import asyncio
 import gc
+import subprocess
+import sys
 import threading
 
 import numpy
@@ -239,3 +241,99 @@ def test_a_service_that_ends_is_lost(vdrive_bench):
     assert isinstance(lost.value, (vdrive.Lost, vdrive.NotFound))
     with pytest.raises(vdrive.Failed, match="ended"):
         print(vdrive_bench.domain)
+
+
+class Observed:
+    """What an observer was called with."""
+
+    def __init__(self):
+        self.items = []
+        self.changed = threading.Condition()
+
+    def __call__(self, item):
+        with self.changed:
+            self.items.append(item)
+            self.changed.notify_all()
+
+    def wait(self, condition):
+        """Wait until an item meets the condition; return whether one did within 30 s."""
+        with self.changed:
+            return self.changed.wait_for(lambda: any(map(condition, self.items)), timeout=30)
+
+
+def test_an_observer_gets_the_events(vdrive_session):
+    observed = Observed()
+    axis = vdrive_session.axis("1.1")
+    with vdrive_session.on_event(observed):
+        axis.acquire()
+        assert observed.wait(lambda event: event.kind == "control_changed" and event.axis == 1)
+    count = len(observed.items)
+    axis.enable()
+    again = Observed()
+    with vdrive_session.on_event(again, history=True):
+        assert again.wait(lambda event: event.kind == "state_changed")
+    assert len(observed.items) == count
+
+
+def test_an_observer_gets_the_newest_state(vdrive_session):
+    observed = Observed()
+    with vdrive_session.on_status(observed, ["1.1", "1.2"], period=0.001):
+        tick = vdrive_session.step(50)
+        assert observed.wait(lambda sample: sample.tick >= tick)
+    assert [status.id for status in observed.items[0].axes] == ["1.1", "1.2"]
+    ticks = [sample.tick for sample in observed.items]
+    assert ticks == sorted(set(ticks))
+    count = len(observed.items)
+    vdrive_session.step(50)
+    assert len(observed.items) == count
+    with pytest.raises(ValueError, match="period"):
+        vdrive_session.on_status(observed, period=0)
+
+
+def test_an_observer_that_raises_is_called_again(vdrive_session, monkeypatch):
+    reported = Observed()
+    monkeypatch.setattr("threading.excepthook", lambda item: reported(str(item.exc_value)))
+
+    def fail(event):
+        raise RuntimeError(f"no use of {event.kind}")
+
+    axis = vdrive_session.axis("1.1")
+    with vdrive_session.on_event(fail):
+        axis.acquire()
+        axis.enable()
+        assert reported.wait(lambda text: text == "no use of control_changed")
+        assert reported.wait(lambda text: text == "no use of state_changed")
+
+
+def test_an_observer_ends_with_its_session_and_may_end_itself(vdrive_bench):
+    observed = Observed()
+    with vdrive_bench.session() as session:
+        observer = session.on_status(lambda sample: (observed(sample), observer.close()), "1.1")
+        while not observed.items:
+            session.step()
+        forgotten = session.on_event(observed, history=True)
+    forgotten.close()
+    assert len([item for item in observed.items if isinstance(item, vdrive.Observation)]) == 1
+
+
+def test_a_program_with_observers_ends(vdrive_bench):
+    program = """
+import vdrive
+session = vdrive.Session(find_timeout=20)
+session.on_event(lambda event: None, history=True)
+session.on_status(lambda sample: None, period=0.001)
+session.step(20)
+"""
+    assert subprocess.run([sys.executable, "-c", program], timeout=60).returncode == 0
+
+
+def test_several_axes_are_taken_together_or_not_at_all(vdrive_bench, vdrive_session):
+    with vdrive_bench.session() as other:
+        other.axis("1.2").acquire()
+        with pytest.raises(vdrive.Refused) as refusal:
+            vdrive_session.acquire(["1.1", "1.2"])
+        assert refusal.value.code == 0x08000021
+        assert vdrive_session.observe().owners == [0, other.id]
+        other.release(1)
+        vdrive_session.acquire()
+        assert vdrive_session.observe().owners == [vdrive_session.id] * 2

@@ -228,7 +228,7 @@ void add_jog(AxisClass& axis) {
       },
       py::arg("velocity"), py::arg("held"), py::kw_only(), py::arg("acceleration") = py::none(),
       py::arg("deceleration") = py::none(), py::arg("timeout") = 60.0,
-      "Runs at `velocity` (UU/s) while `held(status)` is true, asked every tick, then brakes.");
+      "Runs at `velocity` (UU/s) while `held(status)` is true, called every tick, then brakes.");
 }
 
 void add_ownership(AxisClass& axis) {
@@ -400,6 +400,9 @@ EachCommand each_command_of(const std::string& name) {
 }
 
 void add_axis(py::module_& module) {
+  py::tuple commands(kCommandNames.size());
+  for (std::size_t i = 0; i < kCommandNames.size(); ++i) commands[i] = kCommandNames.at(i).name;
+  module.attr("COMMANDS") = commands;
   add_motion(module);
   AxisClass axis(
       module, "Axis",

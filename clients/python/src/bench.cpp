@@ -197,8 +197,9 @@ void add_bench(py::module_& module) {
   add_unit(module);
   add_axis_info(module);
   add_bench_info(module);
-  py::class_<OwnBench>(module, "PrivateBench",
-                       "A service on a domain that nobody else uses; vdrive.Bench has the comfort.")
+  py::class_<OwnBench>(
+      module, "PrivateBench",
+      "A service on a domain that no other program uses; use it through vdrive.Bench.")
       .def(py::init<const std::string&, const std::vector<std::string>&>(), py::arg("service"),
            py::arg("arguments"), "Starts the program `service` and waits until it runs.")
       .def_property_readonly("domain", &OwnBench::domain, "The DDS domain.")

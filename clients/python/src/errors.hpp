@@ -11,7 +11,7 @@
 namespace vdrive::python {
 
 /// @param outcome not ok
-/// @return the exception object that says the same.
+/// @return its exception object.
 [[nodiscard]] py::object exception_of(const client::Outcome& outcome);
 
 /// @throws py::error_already_set with exception_of(outcome)

@@ -17,6 +17,7 @@ PYBIND11_MODULE(_vdrive, module) {
   vdrive::python::add_session(module);
   vdrive::python::add_group(module);
   vdrive::python::add_step_clock(module);
+  vdrive::python::add_recording(module);
   py::tuple disturbances(vdrive::client::kDisturbances.size());
   for (std::size_t i = 0; i < disturbances.size(); ++i) {
     disturbances[i] = std::string(vdrive::client::kDisturbances.at(i).name);

@@ -126,7 +126,7 @@ class KeptException {
   std::unique_ptr<py::error_already_set> exception_;
 };
 
-/// Ends every session that is still there: Python calls it before it ends itself.
+/// Ends every open session: Python calls it at its exit.
 void close_all_sessions();
 
 }  // namespace vdrive::python

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What comes by itself: status streams and events.
+// Status streams and events.
 #include "queues.hpp"
 
 #include "axis.hpp"

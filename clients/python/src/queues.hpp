@@ -45,16 +45,16 @@ class Queue {
       ++dropped_;
     }
     items_.push_back(std::move(item));
-    tell();
+    notify();
   }
 
-  /// Nothing comes any more. @param why failed where it is the fault of the source
+  /// The source has ended. @param why its outcome, failed after an error
   void end(client::Outcome why) {
     const std::scoped_lock lock(mutex_);
     if (has_ended_) return;
     has_ended_ = true;
     outcome_ = std::move(why);
-    tell();
+    notify();
   }
 
   /// Ends the wait of take(), now and later, until wait_again(). Any thread.
@@ -70,7 +70,7 @@ class Queue {
   }
 
   /// Waits until there is an item, at most for `patience`.
-  /// @return at most `most` of the oldest; none also when nothing comes any more.
+  /// @return at most `most` of the oldest; none also when the source has ended.
   std::deque<Item> take(std::size_t most, std::chrono::nanoseconds patience) {
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, patience, [this] {
@@ -106,7 +106,7 @@ class Queue {
   [[nodiscard]] int file() const noexcept { return file_; }
 
  private:
-  void tell() {
+  void notify() {
     const std::uint64_t one = 1;
     const ssize_t written = write(file_, &one, sizeof one);
     static_cast<void>(written);
@@ -174,7 +174,7 @@ class EventQueue final : public Dependent {
   std::shared_ptr<client::Session> session_;
 };
 
-/// Sees axes tick by tick in the thread that asks.
+/// Sees axes tick by tick in the thread of the caller.
 class StepFollower final : public Dependent {
  public:
   explicit StepFollower(client::Follower follower);

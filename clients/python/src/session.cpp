@@ -53,7 +53,7 @@ void close_session(Presence& self) {
   self.close();
 }
 
-/// @return the bench of that number, or the only one: finding out that there is no other takes 150
+/// @return the bench of that number, or the only one: to find that it is the only one takes 150
 ///         ms, so it is done once.
 std::uint32_t bench_number(const SharedPresence& self, std::optional<std::uint32_t> bench) {
   if (bench) return *bench;
@@ -306,7 +306,7 @@ void add_control(SessionClass& session) {
       "command_each", &command_each, py::arg("axes"), py::arg("command"), py::kw_only(),
       py::arg("timeout") = 60.0, py::arg("until") = "done",
       "Gives axes the same command: enable, disable, halt, resume, quick_stop, reset_fault or "
-      "power_cycle. Returns for each axis None or the exception that tells why not.");
+      "power_cycle. Returns for each axis None or the exception with the reason.");
   session.def(
       "quick_stop",
       [](const SharedPresence& self, std::optional<std::uint32_t> bench, double timeout,
@@ -322,12 +322,23 @@ void add_control(SessionClass& session) {
       "Quick stop of every axis of a bench that has no fault, whoever holds it.");
   session.def(
       "release",
-      [](const SharedPresence& self) {
-        check(waiting(self, [](Session& releasing) {
-          return releasing.release();
+      [](const SharedPresence& self, std::optional<std::uint32_t> bench) {
+        check(waiting(self, [bench](Session& releasing) {
+          return bench ? releasing.release(*bench) : releasing.release();
         }));
       },
-      "Gives all axes back. They stay as they are.");
+      py::arg("bench") = py::none(),
+      "Gives all axes back, or those of one bench. They stay as they are.");
+  session.def(
+      "acquire",
+      [](const SharedPresence& self, const py::object& axes) {
+        const std::vector<client::AxisId> ids = ids_of(axes_of(self, axes));
+        check(waiting(self, [&](Session& taking) {
+          return taking.acquire(ids);
+        }));
+      },
+      py::arg("axes") = py::none(),
+      "Takes control of axes of one bench: of all of them, or of none when one is refused.");
   session.def(
       "interrupt",
       [](const Presence& self) {

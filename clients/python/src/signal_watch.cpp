@@ -22,7 +22,7 @@
 namespace vdrive::python {
 namespace {
 
-/// Signals that say nothing about what the program does: their handlers run after the wait.
+/// Signals that do not end a wait: their handlers run after it.
 bool ends_waits(char signal) {
   return signal != SIGCHLD && signal != SIGWINCH && signal != SIGCONT;
 }

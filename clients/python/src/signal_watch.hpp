@@ -7,7 +7,7 @@ namespace vdrive::python {
 
 /// Ends a wait of the main thread when a signal arrives that Python handles, such as Ctrl-C.
 ///
-/// The interpreter writes the number of each such signal into a file while it is told to
+/// The interpreter writes the number of each such signal into a file while it is set to
 /// (signal.set_wakeup_fd); a thread waits for that and ends the wait. The wait itself stays in the
 /// thread that calls, and costs nothing more. In other threads a watch does nothing: Python runs
 /// handlers in the main thread only.

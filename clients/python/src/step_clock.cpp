@@ -18,7 +18,7 @@ using client::Session;
 using client::StepClock;
 using Ticks = client::Result<std::vector<std::uint64_t>>;
 
-// Wall time after which a step that waits for others looks whether it is to end.
+// Wall time after which a step that waits for others checks whether it has to end.
 constexpr std::chrono::milliseconds kSlice{100};
 
 class OwnClock final : public Dependent {

@@ -13,9 +13,10 @@ Positions are user units (UU) of the axis, times are seconds. Calls that wait re
 interpreter lock and end on Ctrl-C. What fails raises an Error, with `code` and text.
 """
 from ._errors import ConfigurationError, Error, Failed, Lost, NotFound, Refused, TimedOut
-from . import _asynchronous, _recording, _vdrive
+from . import _asynchronous, _observers, _recording, _vdrive
 from ._asynchronous import AsyncStream
 from ._bench import Bench, find_service
+from ._observers import Observer
 from ._recording import Recording, load
 from ._vdrive import (
     DISTURBANCES,
@@ -41,6 +42,8 @@ from ._vdrive import (
 
 Session.follow_async = _asynchronous.follow_async
 Session.events_async = _asynchronous.events_async
+Session.on_event = _observers.on_event
+Session.on_status = _observers.on_status
 Session.record = _recording.record
 
 __all__ = [
@@ -62,6 +65,7 @@ __all__ = [
     "Motion",
     "NotFound",
     "Observation",
+    "Observer",
     "Recording",
     "Refused",
     "Session",

@@ -11,7 +11,7 @@ def find_service():
     """Return the path of vdrived: VDRIVE_SERVICE, else beside the interpreter, else in PATH."""
     path = os.environ.get("VDRIVE_SERVICE") or _vdrive.find_service()
     if path is None:
-        raise NotFound("there is no vdrived in PATH: install it, or name it in VDRIVE_SERVICE")
+        raise NotFound("vdrived is not in PATH: install it, or name it in VDRIVE_SERVICE")
     return path
 
 

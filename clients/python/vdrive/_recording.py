@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Recordings as numpy arrays."""
 import csv
+import os
 
 import numpy
 
@@ -22,9 +23,11 @@ class Recording:
     `frames` is a numpy array of records, a row a sample, a column an axis; its fields are named
     after the members of the status (`recording.frames.dtype.names`). `recording["position"]` is
     one of them, an array of numbers of the same shape; the short names of Status are known, too.
+    `cut` is the place where a file was cut off; empty for a whole one.
     """
 
-    def __init__(self, axes, names, frames):
+    def __init__(self, axes, names, frames, cut=""):
+        self.cut = cut
         self.axes = list(axes)
         self.names = list(names)
         self.frames = frames
@@ -74,11 +77,25 @@ def _records_of(rows, header, kind):
 
 
 def load(path, *, bench=None):
-    """Read a recording in CSV, as `vdrive record FILE` writes it.
+    """Read a recording of `vdrive record FILE`: .csv, .jsonl or .mcap.
 
-    bench: its number, where the recording has several. Raises ValueError when the file is no
-    recording, or is cut off.
+    bench: its number, where the recording has several. Raises ValueError when the file is not a
+    recording, or is damaged. Of an MCAP file that was cut off it reads the whole part; `cut` of the
+    recording is the place where it ends.
     """
+    if os.fspath(path).lower().endswith(".csv"):
+        return _load_csv(path, bench)
+    cut, benches = _vdrive.read_recording(os.fspath(path))
+    chosen = [each for each in benches if bench in (None, each[0])]
+    if len(chosen) > 1:
+        raise ValueError(f"{path}: several benches, choose one by its number: bench=...")
+    if not chosen:
+        return Recording([], [], numpy.zeros((0, 0), _vdrive.record_type()), cut)
+    _, axes, names, frames = chosen[0]
+    return Recording(axes, names, frames, cut)
+
+
+def _load_csv(path, bench):
     by_axis, names = {}, {}
     with open(path, newline="", encoding="utf-8") as file:
         reader = csv.reader(file)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Fixtures of pytest: each test that asks for one has a bench that nobody else sees.
+"""Fixtures of pytest: each test that asks for one has a bench of its own.
 
     def test_it_gets_there(vdrive_session):
         axis = vdrive_session.axis("1.1")
