@@ -444,7 +444,7 @@ class Grammar {
   static recording::Format format_of(const std::string& file) {
     const auto format = recording::format_of(file);
     if (format) return *format;
-    throw UsageError(in_quotes(file) + " ends in none of .csv, .jsonl and .mcap");
+    throw UsageError(in_quotes(file) + " does not end in .csv, .jsonl or .mcap");
   }
 
   void add_convert() {

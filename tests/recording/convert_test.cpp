@@ -105,11 +105,11 @@ TEST_F(Convert, WithAnErrorInTheFirstFileLeavesTheSecondAsItIs) {
 TEST_F(Convert, RefusesWhatCannotBe) {
   put("a.csv", text_of(Format::csv, benches_, samples_));
   std::filesystem::create_symlink(path("a.csv"), path("b.jsonl"));
-  EXPECT_THAT(refusal_of("a.csv", "b.jsonl"), HasSubstr("are one file"));
-  EXPECT_THAT(refusal_of("a.csv", "b.txt"), HasSubstr("ends in none of"));
+  EXPECT_THAT(refusal_of("a.csv", "b.jsonl"), HasSubstr("are the same file"));
+  EXPECT_THAT(refusal_of("a.csv", "b.txt"), HasSubstr("does not end in"));
   EXPECT_THAT(refusal_of("none.csv", "b.mcap"), HasSubstr("No such file"));
   std::filesystem::create_directory(path("folder.csv"));
-  EXPECT_THAT(refusal_of("folder.csv", "b.mcap"), HasSubstr("it is no file"));
+  EXPECT_THAT(refusal_of("folder.csv", "b.mcap"), HasSubstr("it is not a regular file"));
   EXPECT_THAT(refusal_of("a.csv", "no/such/x.mcap"), HasSubstr("No such file"));
   std::filesystem::create_symlink("/dev/full", path("full.mcap"));
   EXPECT_THAT(refusal_of("a.csv", "full.mcap"), HasSubstr("No space left on device"));

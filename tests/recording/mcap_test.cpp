@@ -312,7 +312,7 @@ TEST(Mcap, InAnotherCompressionIsRefusedWithItsPlace) {
 TEST(Mcap, WithADamagedChunkIsRefused) {
   Foreign wrong_sum;
   wrong_sum.chunk("", "\x0D\0\0\0\0\0\0\0\0", 9, 77);
-  EXPECT_THAT(refusal_of(wrong_sum.bytes()), HasSubstr("another sum"));
+  EXPECT_THAT(refusal_of(wrong_sum.bytes()), HasSubstr("a wrong checksum"));
   Foreign no_zstd;
   no_zstd.chunk("zstd", "certainly not", 20);
   EXPECT_THAT(refusal_of(no_zstd.bytes()), HasSubstr("cannot be decompressed"));
@@ -328,7 +328,7 @@ TEST(Mcap, WithAChangedByteInItsDataIsRefused) {
   // it, that of the data does.
   std::string damaged = whole;
   damaged[damaged.find("lift")] = 'L';
-  EXPECT_THAT(refusal_of(damaged), HasSubstr("another sum"));
+  EXPECT_THAT(refusal_of(damaged), HasSubstr("a wrong checksum"));
   // In the summary.
   damaged = whole;
   damaged[damaged.rfind("lift")] = 'L';
@@ -336,8 +336,8 @@ TEST(Mcap, WithAChangedByteInItsDataIsRefused) {
 }
 
 TEST(Mcap, ThatIsNoneIsRefused) {
-  EXPECT_THAT(refusal_of("axis,name,tick\n"), HasSubstr("no MCAP file"));
-  EXPECT_THAT(refusal_of(""), HasSubstr("no MCAP file"));
+  EXPECT_THAT(refusal_of("axis,name,tick\n"), HasSubstr("not an MCAP file"));
+  EXPECT_THAT(refusal_of(""), HasSubstr("not an MCAP file"));
 }
 
 TEST(Mcap, AMessageOfNoChannelIsRefused) {

@@ -146,7 +146,7 @@ TEST(Trajectory, IsRefusedWithTheReason) {
   EXPECT_THAT(problem_of(trajectory({"a"}, {2.0, 1.0})), HasSubstr("point 2 is at 1 s"));
   auto message = trajectory({"a"}, {1.0});
   message.points()[0].positions()[0] = kNan;
-  EXPECT_THAT(problem_of(message), HasSubstr("positions that are no number"));
+  EXPECT_THAT(problem_of(message), HasSubstr("positions that are not numbers"));
   message = trajectory({"a"}, {1.0});
   message.points()[0].velocities({1.0, 2.0});
   EXPECT_THAT(problem_of(message), HasSubstr("2 velocities for 1 joints"));

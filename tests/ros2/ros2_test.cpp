@@ -211,7 +211,7 @@ TEST(Ros2, PublishesWholeArraysInTheUnitsOfTheJoints) {
   EXPECT_EQ(peer.clock(), 0) << "the clock is for drive time only";
 }
 
-TEST(Ros2, LooksOnlyUntilItIsEnabledAndDisablesAtItsEnd) {
+TEST(Ros2, CommandsNothingUntilItIsEnabledAndDisablesAtItsEnd) {
   LockStep bench("");
   RosPeer& peer = bench.peer();
   bench.stepper().step(10);
@@ -331,7 +331,7 @@ TEST(Ros2Control, IsGivenBackWhenTheAxesAreDisabled) {
 
 // ---- joint commands --------------------------------------------------------------------------
 
-TEST(Ros2Commands, MoveToAPositionAndHoldItInSilence) {
+TEST(Ros2Commands, MoveToAPositionAndHoldItWithoutFurtherCommands) {
   LockStep bench;
   bench.peer().command({"y", "x"}, {-0.5, 0.25});
   ASSERT_TRUE(bench.stepper().step_until([&] {
@@ -423,7 +423,7 @@ TEST(Ros2Commands, KeepTheSoftwareLimits) {
   }));
 }
 
-TEST(Ros2Commands, RunAtAVelocityAndBrakeWhenTheWriterGoes) {
+TEST(Ros2Commands, RunAtAVelocityAndBrakeWhenTheWriterEnds) {
   LockStep bench;
   bench.peer().command_velocity({"x"}, {2.0});
   ASSERT_TRUE(bench.stepper().step_until([&] {
@@ -433,7 +433,7 @@ TEST(Ros2Commands, RunAtAVelocityAndBrakeWhenTheWriterGoes) {
   bench.stepper().step(100);
   EXPECT_NEAR(*bench.peer().velocity("x"), 2.0, 0.1);
   bench.peer().stop_commanding();
-  ASSERT_TRUE(bench.peer().wait_for_log("nobody writes joint commands any more"));
+  ASSERT_TRUE(bench.peer().wait_for_log("no node writes joint commands"));
   EXPECT_TRUE(bench.stepper().step_until([&] {
     return bench.axis().status.velocity_demand_value == 0;
   }));
@@ -505,7 +505,7 @@ TEST(Ros2Trajectory, OfFiftyPointsIsFollowedAlongItsAnalyticCurve) {
   }
   const std::uint64_t start = bench.stepper().tick() + 200;
   bench.peer().start(trajectory({"x", "y"}, points, static_cast<std::int64_t>(start) * kTick));
-  // Taken, and waiting for its time: it is told when it starts.
+  // It waits for its time, and its start is reported.
   double furthest = 0.0;
   double largest_error = 0.0;
   bool has_started = false;
@@ -697,7 +697,7 @@ TEST(Ros2, LeavesABenchOutWhoseJointsClash) {
   })) << peer.diagnosis("bench 2");
 }
 
-TEST(Ros2, GoesOnAfterTheServiceWasStartedAnew) {
+TEST(Ros2, GoesOnAfterTheServiceWasRestarted) {
   auto service = std::make_unique<RunningService>("--clock lockstep");
   RosPeer peer;
   RunningBridge bridge("--enable");
@@ -707,7 +707,7 @@ TEST(Ros2, GoesOnAfterTheServiceWasStartedAnew) {
     return peer.diagnosis("bench 1").starts_with("3 ");
   })) << peer.diagnosis("bench 1");
   service = std::make_unique<RunningService>("--clock lockstep");
-  ASSERT_TRUE(peer.wait_for_log("was started anew"));
+  ASSERT_TRUE(peer.wait_for_log("was restarted"));
   Session session(options());
   Stepper stepper(session, peer);
   EXPECT_TRUE(stepper.step_until([&] {
@@ -724,7 +724,7 @@ TEST(Ros2, GoesOnAfterTheServiceWasStartedAnew) {
 #ifdef VDRIVE_ROS2_PLUGIN
 // In realtime: a second vendor's program with the habits of ros2_control's plugin writes NaN first,
 // then a sine on two of three joints at 100 Hz, then nothing for ten seconds.
-TEST(Ros2Plugin, OfAnotherVendorMovesTwoAxesAndIsSilentForTenSeconds) {
+TEST(Ros2Plugin, OfAnotherVendorMovesTwoAxesAndThenWritesNothingForTenSeconds) {
   const RunningService service("--axes 3");
   Session session(options());
   const auto axes = session.axes(1);

@@ -102,7 +102,7 @@ bool RosPeer::wait_for_bridge() {
     if (is_matched && !states_.empty()) return true;
     changed_.wait_for(lock, 20ms);
   }
-  std::cerr << "the bridge is not there: it reads " << commands_->matched() << " "
+  std::cerr << "no bridge was found: it reads " << commands_->matched() << " "
             << trajectories_.matched() << " " << enable_.matched() << " of ours, we read "
             << log_reader_.matched() << " " << state_reader_.matched() << " of its topics and "
             << states_.size() << " states\n";

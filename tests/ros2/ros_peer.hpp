@@ -57,7 +57,7 @@ class RosPeer {
 
   void enable(bool value);
 
-  /// Nobody writes joint commands any more.
+  /// This node writes joint commands no longer.
   void stop_commanding() { commands_.reset(); }
 
   /// @return the newest state of the bench that has this joint.

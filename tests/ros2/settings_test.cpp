@@ -68,10 +68,10 @@ TEST(RosSettings, NameFileLineKeyValueAndLimitOfAnError) {
   EXPECT_THAT(problem_of("joints:\n  a: {interface: velocity}\n"), HasSubstr("axis"));
   EXPECT_THAT(problem_of("joints:\n  a: 1.1\n  b: 1.1\n"), HasSubstr("ros2.yaml:3: joints.b"));
   EXPECT_THAT(problem_of("benches: [0]\n"), HasSubstr("from 1 to 65535"));
-  EXPECT_THAT(problem_of("rate: 1\nrate: 2\n"), HasSubstr("there twice"));
+  EXPECT_THAT(problem_of("rate: 1\nrate: 2\n"), HasSubstr("occurs twice"));
   EXPECT_THAT(problem_of("rate: [\n"), HasSubstr("ros2.yaml:"));
   EXPECT_THAT(problem_of("- 1\n"), HasSubstr("must be a map"));
-  EXPECT_THAT(problem_of("namespace: 1cell\n"), HasSubstr("is no name of a topic"));
+  EXPECT_THAT(problem_of("namespace: 1cell\n"), HasSubstr("is not the name of a topic"));
   EXPECT_THAT(problem_of("topics: {clock: enable}\n"), HasSubstr("two topics are called"));
 }
 

@@ -294,7 +294,7 @@ TEST(Convert, NeedsNoServiceAndNamesFileAndLine) {
   std::ofstream(mcap) << "no such thing";
   const Finished foreign = tool("convert " + mcap + " " + csv);
   EXPECT_EQ(foreign.code, 1);
-  EXPECT_THAT(foreign.errors, AllOf(HasSubstr("a.mcap"), HasSubstr("no MCAP file")));
+  EXPECT_THAT(foreign.errors, AllOf(HasSubstr("a.mcap"), HasSubstr("not an MCAP file")));
 }
 
 }  // namespace

@@ -255,7 +255,7 @@ std::string encode_event(const client::Event& event, std::string_view name, std:
   writer.put(level_of(event.kind));
   writer.put(std::string_view(text));
   writer.put(name);
-  // The log panels of the tools filter by file: it says what kind of event this is.
+  // Log panels filter by file: here it is the kind of the event.
   writer.put(to_string(event.kind));
   writer.put(std::uint32_t{0});
   return bytes;
@@ -273,8 +273,8 @@ double effort_per_mille(const Unit& unit, const TorqueRating& rating) {
   // `numerator`: the load has that much less speed and that much more torque.
   const double load = motor * static_cast<double>(rating.gear_ratio_denominator) /
                       static_cast<double>(rating.gear_ratio_numerator);
-  // So does what makes the axis' own unit of the turning load: for a turn of 2 pi rad the axis goes
-  // so many rad or m. Of an axis that shows the load's angle both are 2 pi.
+  // The same holds for the mechanism behind the load: for one turn, 2 pi rad, the axis moves by so
+  // many rad or m. For an axis in the angle of the load both are 2 pi.
   const double way = kUserUnitsPerRevolution * si_per_user_unit(unit);
   return load * 2.0 * std::numbers::pi / way;
 }

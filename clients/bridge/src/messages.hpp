@@ -63,7 +63,7 @@ struct ParameterImage {
 struct Joint {
   std::string_view name;
   double si_per_user_unit = 0.0;  ///< [rad or m] of one user unit: si_per_user_unit()
-  /// [N.m or N] of 1 ‰ of the rated torque: effort_per_mille(). NaN while it is not known.
+  /// [N.m or N] of 1 ‰ of the rated torque: effort_per_mille(). NaN until it was read.
   double effort_per_mille = std::numeric_limits<double>::quiet_NaN();
 };
 
@@ -76,7 +76,7 @@ struct TorqueRating {
 
 /// @return [rad] of one user unit of a rotary axis, [m] of a linear one; of a linear axis whose
 /// unit
-///         is no length that unit itself.
+///         is not a length: that unit.
 [[nodiscard]] double si_per_user_unit(const Unit& unit);
 
 /// @return what 1 ‰ of the rated torque is where 6064h is measured, friction left out: [N.m] of a

@@ -6,7 +6,7 @@
 
 namespace vdrive::bridge {
 
-/// Lets a peer do something so often, and in bursts a few times more.
+/// Limits how often something is done: a mean rate, and bursts above it.
 class RateLimit {
  public:
   using Clock = std::chrono::steady_clock;

@@ -41,7 +41,7 @@ class BufferedLines {
 
 Format format_or_refuse(const std::string& file) {
   const auto format = format_of(file);
-  if (!format) throw RecordingError(in_quotes(file) + " ends in none of .csv, .jsonl and .mcap");
+  if (!format) throw RecordingError(in_quotes(file) + " does not end in .csv, .jsonl or .mcap");
   return *format;
 }
 
@@ -91,7 +91,7 @@ Contents read_recording(const std::string& file, const SampleHandler& handler) {
   if (::stat(file.c_str(), &state) != 0) {
     throw RecordingError(cannot + std::generic_category().message(errno));
   }
-  if (!S_ISREG(state.st_mode)) throw RecordingError(cannot + "it is no file");
+  if (!S_ISREG(state.st_mode)) throw RecordingError(cannot + "it is not a regular file");
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw RecordingError(cannot + std::generic_category().message(errno));
   try {
@@ -106,7 +106,7 @@ Contents convert(const ConvertOptions& options) {
   std::error_code error;
   if (std::filesystem::equivalent(options.from, options.to, error)) {
     throw RecordingError(in_quotes(options.from) + " and " + in_quotes(options.to) +
-                         " are one file");
+                         " are the same file");
   }
   Contents contents = read_recording(options.from, [](const client::Observation&) {});
   for (RecordedBench& bench : contents.benches) {

@@ -10,7 +10,7 @@
 
 namespace vdrive::recording {
 
-/// Opens a file for a recording; one that is there is emptied.
+/// Opens a file for a recording; an existing one is emptied.
 /// @param file its ending decides the format
 /// @param version of the program, for people
 /// @throws RecordingError when the ending stands for no format or the file cannot be written
@@ -24,13 +24,14 @@ namespace vdrive::recording {
 struct ConvertOptions {
   std::string from;
   std::string to;
-  std::optional<std::chrono::nanoseconds> period{};  ///< of a tick, where `from` does not say it
+  std::optional<std::chrono::nanoseconds> period{};  ///< of a tick, where `from` does not have it
   std::string version;                               ///< of the program
 };
 
 /// Writes the status of one recording as another. All of `from` is read and checked first: where it
-/// has an error nothing is written. Of an MCAP file that was cut off all that is there is taken.
-/// @throws RecordingError when `from` cannot be read, `to` not be written, or both are one file
+/// has an error nothing is written. Of an MCAP file that was cut off the whole part is converted.
+/// @throws RecordingError when `from` cannot be read, `to` not be written, or both are the same
+/// file
 Contents convert(const ConvertOptions& options);
 
 }  // namespace vdrive::recording

@@ -39,7 +39,7 @@ std::string where(const McapRecord& record) {
          at(record.offset);
 }
 
-/// Makes no more room than bytes come out, whatever the file claims.
+/// Allocates by what the decompression gives, not by the size that the file claims.
 struct McapReader::Decompressor {
   std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context{ZSTD_createDCtx(), &ZSTD_freeDCtx};
 
@@ -74,7 +74,7 @@ McapReader::McapReader(std::istream& file)
   std::string magic;
   if (!read(magic, std::min<std::uint64_t>(kMcapMagic.size(), size_)) ||
       !kMcapMagic.starts_with(magic) || magic.empty()) {
-    throw RecordingError("it is no MCAP file: it begins with other bytes");
+    throw RecordingError("it is not an MCAP file: it begins with other bytes");
   }
 }
 
@@ -111,7 +111,7 @@ std::optional<McapRecord> McapReader::next_of_file() {
   McapRecord record{.opcode = static_cast<Opcode>(reader.get<std::uint8_t>()), .offset = offset};
   const auto length = reader.get<std::uint64_t>();
   if (record.opcode == Opcode{0}) {
-    throw RecordingError("the record" + at(offset) + " has the kind 0, which there is not");
+    throw RecordingError("the record" + at(offset) + " has the kind 0, which does not exist");
   }
   if (!read(body_, length)) {
     has_ended_ = true;
@@ -124,14 +124,13 @@ std::optional<McapRecord> McapReader::next_of_file() {
   return record;
 }
 
-/// The sum of the data stands in the record behind it, that of the summary in its last one.
+/// The checksum of the data is in the record behind it, that of the summary in its last one.
 void McapReader::check_sums(const McapRecord& record, std::string_view head) {
   if (record.offset == kMcapMagic.size()) crc_ = crc_of(kMcapMagic);
   if (record.opcode == Opcode::data_end) {
     const auto expected = BodyReader(record.body, where(record)).get<std::uint32_t>();
     if (expected != 0 && expected != crc_) {
-      throw RecordingError("the data in front of " + where(record) +
-                           " has another sum than it says");
+      throw RecordingError("the data in front of " + where(record) + " has a wrong checksum");
     }
     crc_ = 0;
     return;
@@ -142,8 +141,7 @@ void McapReader::check_sums(const McapRecord& record, std::string_view head) {
     const std::string_view summed = body.take(kSummed);
     const auto expected = body.get<std::uint32_t>();
     if (expected != 0 && expected != crc_of(summed, crc_of(head, crc_))) {
-      throw RecordingError("the summary in front of " + where(record) +
-                           " has another sum than it says");
+      throw RecordingError("the summary in front of " + where(record) + " has a wrong checksum");
     }
   }
   crc_ = crc_of(record.body, crc_of(head, crc_));
@@ -182,7 +180,7 @@ void McapReader::open_chunk(const McapRecord& record) {
                          "; zstd and none are read");
   }
   if (crc != 0 && crc != crc_of(chunk_)) {
-    throw RecordingError(where(record) + " has another sum than it says");
+    throw RecordingError(where(record) + " has a wrong checksum");
   }
   left_ = chunk_;
   chunk_offset_ = record.offset;

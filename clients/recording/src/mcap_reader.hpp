@@ -23,9 +23,9 @@ struct McapRecord {
 /// @return such as "the channel record at byte 120".
 [[nodiscard]] std::string where(const McapRecord& record);
 
-/// Reads a file of MCAP from its beginning to where it ends, whoever wrote it: without its summary,
+/// Reads a file of MCAP from its beginning to where it ends, by any writer: without its summary,
 /// so that a file that was cut off is readable up to there. Chunks may be uncompressed or of zstd.
-/// Checks the sums of chunks, of the data and of the summary where the file has them.
+/// Checks the checksums of chunks, of the data and of the summary where the file has them.
 class McapReader {
  public:
   /// @param file from its beginning

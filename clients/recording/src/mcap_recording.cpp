@@ -14,7 +14,7 @@
 namespace vdrive::recording {
 namespace {
 
-// What a crash of the program may cost: what lies in the chunk that is being filled.
+// A crash of the program loses the chunk that is being filled.
 constexpr std::size_t kChunk = std::size_t{1} << 20U;  // [bytes]
 constexpr std::chrono::seconds kOldest{1};
 
@@ -266,7 +266,7 @@ class StatusReader {
     const auto id = body.get<std::uint16_t>();
     if (!known_.contains(id)) {
       throw RecordingError(where(record) + " is of the channel " + std::to_string(id) +
-                           ", which there is not");
+                           ", which does not exist");
     }
     contents_.events += logs_.contains(id) ? 1U : 0U;
     contents_.parameters += readings_.contains(id) ? 1U : 0U;
@@ -277,7 +277,7 @@ class StatusReader {
       axis.id.bench = channel->second.bench;
       if (axis.id.axis == 0) {
         throw RecordingError(where(record) + " on " + in_quotes(channel->second.topic) +
-                             " is of an axis with the number 0, which there is not");
+                             " is of an axis with the number 0, which does not exist");
       }
       add(axis, channel->second);
     }

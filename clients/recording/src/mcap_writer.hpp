@@ -17,8 +17,8 @@
 namespace vdrive::recording {
 
 /// Writes a file of MCAP: messages of CDR in chunks of zstd, each with its indexes, and a summary.
-/// What was written is readable without what follows. Each call passes on what the sink throws;
-/// the writer is not used any more then.
+/// What was written is readable without what follows. Each call throws what the sink
+/// throws; the writer must not be used after that.
 class McapWriter {
  public:
   /// Takes the bytes of the file, in order.

@@ -6,11 +6,11 @@
 
 namespace vdrive::recording {
 
-/// A file that is written from its beginning. What was handed over is with the system: the end of
-/// the program, however it ends, loses none of it.
+/// A file that is written from its beginning. A write ends in the system: a
+/// program that is killed loses nothing that was written.
 class OutputFile {
  public:
-  /// Makes the file, or empties the one that is there.
+  /// Creates the file, or empties an existing one.
   /// @throws RecordingError with the system's reason when it cannot be written
   explicit OutputFile(std::string path);
   ~OutputFile();
@@ -20,7 +20,7 @@ class OutputFile {
   /// @throws RecordingError with the system's reason, such as a full disk
   void write(std::string_view bytes);
 
-  /// @throws RecordingError when the system reports only now what went wrong
+  /// @throws RecordingError when the system reports a failed write only now
   void close();
 
  private:

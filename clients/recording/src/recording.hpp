@@ -76,7 +76,7 @@ class Writer {
 
   virtual void parameters(const bridge::ParameterImage& image) = 0;
 
-  /// Time passes: what was taken some time ago is handed to the system.
+  /// @param now what was taken some time before it is written to the file
   virtual void flush(Clock::time_point now) = 0;
 
   /// Last: nothing else follows.
@@ -88,7 +88,7 @@ struct Contents {
   std::vector<RecordedBench> benches{};
   std::uint64_t samples = 0;
   std::uint64_t rows = 0;        ///< of the status: one an axis and sample
-  std::uint64_t events = 0;      ///< seen and passed over
+  std::uint64_t events = 0;      ///< in the file, and skipped
   std::uint64_t parameters = 0;  ///< images seen and passed over
   std::string cut{};             ///< where the file ends before its end; empty for a whole one
 };

@@ -7,7 +7,7 @@
 namespace vdrive::recording {
 namespace {
 
-// Nobody wakes the thread for a sample: a thousand times a second that costs more than the writing.
+// A sample does not wake the thread: a thousand times a second that costs more than the writing.
 constexpr std::chrono::milliseconds kPeriod{10};
 
 }  // namespace

@@ -17,8 +17,8 @@
 
 namespace vdrive::recording {
 
-/// Hands what is recorded to a writer, in a thread of its own: who receives it is never held up.
-/// When the writer falls behind, what comes next is left out and counted until it has caught up.
+/// Passes what is recorded to a writer, in a thread of its own: the receiving thread never waits.
+/// When the queue is full, samples are left out and counted until the writer has made room.
 class RecordingQueue {
  public:
   /// Most status images of axes that wait; 64 MB, half a second of 1,024 axes at 1 kHz.
@@ -59,7 +59,7 @@ class RecordingQueue {
   mutable std::mutex mutex_;  ///< guards all below but the thread
   std::condition_variable ending_;
   std::deque<Item> items_;
-  std::size_t images_ = 0;  ///< in `items_` and in the hands of the thread
+  std::size_t images_ = 0;  ///< in `items_` and taken by the thread
   std::size_t events_ = 0;
   std::map<std::uint32_t, std::uint64_t> dropped_;  ///< samples since the last one taken, by bench
   Summary summary_;

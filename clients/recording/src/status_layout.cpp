@@ -44,12 +44,12 @@ class StatusLayout::Cursor {
   explicit Cursor(std::string_view bytes) : all_(bytes) {
     constexpr std::string_view kLittleEndianCdr{"\0\1", 2};
     if (bytes.size() < kHeader || bytes.substr(0, 2) != kLittleEndianCdr) {
-      throw RecordingError("a message of the status is no little-endian CDR");
+      throw RecordingError("a message of the status is not little-endian CDR");
     }
     all_.remove_prefix(kHeader);
   }
 
-  /// @return the number's bits, with the sign of a signed type; 0 for what is no number.
+  /// @return the number's bits, with the sign of a signed type; 0 for a field that is not a number.
   std::uint64_t number(Type type) {
     const auto row = static_cast<std::size_t>(type);
     if (type == Type::text) return skip(bits(sizeof(std::uint32_t)));
@@ -77,7 +77,7 @@ class StatusLayout::Cursor {
   static constexpr std::size_t kHeader = 4;
 
   [[noreturn]] static void fail() {
-    throw RecordingError("a message of the status is shorter than its schema says");
+    throw RecordingError("a message of the status is shorter than its schema");
   }
 
   std::uint64_t bits(std::size_t size) {
@@ -122,7 +122,7 @@ std::optional<StatusLayout::Type> StatusLayout::type_named(std::string_view name
   return std::nullopt;
 }
 
-/// @return what a line of a schema says; nothing for a line without a field, such as a constant.
+/// @return the field of a line of a schema; nothing for a line without one, such as a constant.
 std::optional<StatusLayout::Field> StatusLayout::field_of(std::string_view line) {
   constexpr std::array<std::pair<std::string_view, Meaning>, 5> kMeanings{
       {{"tick", Meaning::tick},

@@ -12,9 +12,9 @@
 
 namespace vdrive::recording {
 
-/// How the fields of a status message lie in its bytes, as the ros2msg text of its schema says: an
-/// AxisStatus or a BenchStatus of this or another version. Members that are not known are passed
-/// over, those that it has not are 0.
+/// How the fields of a status message lie in its bytes, by the ros2msg text of its schema: an
+/// AxisStatus or a BenchStatus of this or another version. Unknown members are skipped,
+/// missing ones are 0.
 class StatusLayout {
  public:
   /// @throws RecordingError when a field has a type that is not known

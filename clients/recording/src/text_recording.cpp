@@ -203,7 +203,7 @@ bool set_field(Row& row, const std::string& column, const std::string& text) {
   throw RecordingError(what + " " + in_quotes(column));
 }
 
-/// @throws RecordingError when one is missing, unknown, or there twice
+/// @throws RecordingError when one is missing, unknown, or occurs twice
 void check_columns(const std::vector<std::string>& present) {
   std::set<std::string> seen;
   for (const std::string& column : present) {
@@ -271,7 +271,7 @@ class TextReader {
 
   [[nodiscard]] static Row json_row(const std::string& line) {
     const Json json = Json::parse(line, nullptr, false);
-    if (!json.is_object()) throw RecordingError("it is no JSON object: " + in_quotes(line));
+    if (!json.is_object()) throw RecordingError("it is not a JSON object: " + in_quotes(line));
     Row row;
     std::set<std::string> seen;
     for (const auto& [key, value] : json.items()) {

@@ -17,7 +17,7 @@ struct LineSink {
   std::function<void()> flush;
 };
 
-/// Records the status as text: CSV, or JSON lines. Events and parameters have no place there.
+/// Records the status as text: CSV, or JSON lines. It has no events and no parameters.
 class TextRecording : public Writer {
  public:
   /// @param format csv or json_lines

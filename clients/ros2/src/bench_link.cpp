@@ -20,7 +20,7 @@ using std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;
 using namespace vdrive::literals;
 
-constexpr milliseconds kPatience{10};
+constexpr milliseconds kLongestWait{10};
 constexpr milliseconds kRetry{200};
 constexpr milliseconds kLongestRetry{2000};
 constexpr std::chrono::seconds kLimitsPeriod{2};
@@ -63,11 +63,11 @@ enum LimitObject : std::size_t {
 
 }  // namespace
 
-std::optional<std::uint64_t> other_owner(const Sight& sight, std::uint64_t own) {
-  const auto other = std::ranges::find_if(sight.axes, [own](const client::AxisSnapshot& axis) {
+std::optional<std::uint64_t> other_owner(const BenchState& state, std::uint64_t own) {
+  const auto other = std::ranges::find_if(state.axes, [own](const client::AxisSnapshot& axis) {
     return axis.owner_session != 0 && axis.owner_session != own;
   });
-  if (other == sight.axes.end()) return std::nullopt;
+  if (other == state.axes.end()) return std::nullopt;
   return other->owner_session;
 }
 
@@ -95,9 +95,9 @@ double BenchLink::period() const noexcept {
   return std::chrono::duration<double>(info_.period).count();
 }
 
-std::shared_ptr<const Sight> BenchLink::sight() const {
+std::shared_ptr<const BenchState> BenchLink::state() const {
   const std::scoped_lock lock(mutex_);
-  return sight_;
+  return state_;
 }
 
 std::shared_ptr<const std::vector<JointLimits>> BenchLink::limits() const {
@@ -115,8 +115,8 @@ void BenchLink::give_back() {
   gives_back_ = true;
 }
 
-std::uint64_t BenchLink::ask_limits() {
-  return ++limits_asked_;
+std::uint64_t BenchLink::request_limits() {
+  return ++limits_requested_;
 }
 
 void BenchLink::rest(milliseconds duration, const std::stop_token& stop) {
@@ -132,7 +132,7 @@ void BenchLink::run(const std::stop_token& stop) {
       rest(kRetry, stop);
       continue;
     }
-    if (limits_asked_ != limits_read_ || Clock::now() >= limits_due_) read_limits();
+    if (limits_requested_ != limits_read_ || Clock::now() >= limits_due_) read_limits();
     if (wants_control_ && Clock::now() >= control_due_) take_control();
     if (gives_back_.exchange(false) && !wants_control_) (void)session_.release(info_.number);
     follow();
@@ -148,59 +148,59 @@ bool BenchLink::open_follower() {
   follower_.emplace(std::move(*follower));
   limits_due_ = {};
   read_limits();
-  show(std::move(*now));
+  set_state(std::move(*now));
   return true;
 }
 
-/// Takes what has arrived; the newest counts.
+/// Takes the samples that have arrived, and keeps the newest.
 void BenchLink::follow() {
-  auto seen = follower_->next(kPatience);
-  while (seen) {
+  auto newest = follower_->next(kLongestWait);
+  while (newest) {
     auto next = follower_->next(milliseconds(0));
     if (!next) {
-      show(std::move(*seen));
-      seen = std::move(next);
+      set_state(std::move(*newest));
+      newest = std::move(next);
       break;
     }
-    seen = std::move(next);
+    newest = std::move(next);
   }
-  if (seen.outcome().kind() == client::OutcomeKind::timed_out) return;
-  follower_.reset();  // the service fell silent, or is another run
+  if (newest.outcome().kind() == client::OutcomeKind::timed_out) return;
+  follower_.reset();  // the service sends nothing, or was restarted
   {
     const std::scoped_lock lock(mutex_);
-    sight_.reset();
+    state_.reset();
   }
   notify_();
 }
 
-void BenchLink::show(client::Observation&& observation) {
+void BenchLink::set_state(client::Observation&& observation) {
   {
     const std::scoped_lock lock(mutex_);
-    sight_ = std::make_shared<const Sight>(
-        Sight{.tick = observation.tick, .axes = std::move(observation.axes)});
+    state_ = std::make_shared<const BenchState>(
+        BenchState{.tick = observation.tick, .axes = std::move(observation.axes)});
   }
   notify_();
 }
 
-bool BenchLink::is_held(const Sight& sight) const {
-  return std::ranges::all_of(sight.axes, [this](const client::AxisSnapshot& axis) {
+bool BenchLink::is_held(const BenchState& state) const {
+  return std::ranges::all_of(state.axes, [this](const client::AxisSnapshot& axis) {
     return axis.owner_session == session_.id();
   });
 }
 
-/// Asks the bench only while its status shows no other owner: a refusal is an event there, and
-/// everybody who records events would get one each time.
+/// Sends a request only while the status has no other owner: a refusal is an event of the bench,
+/// which all its clients receive.
 void BenchLink::take_control() {
   if (is_control_new_.exchange(false)) {
     reported_owner_ = 0;
     reported_refusal_.clear();
     control_retry_ = kRetry;
   }
-  const auto seen = sight();
-  if (!seen || is_held(*seen)) return;
+  const auto newest = state();
+  if (!newest || is_held(*newest)) return;
   control_due_ = Clock::now() + kRetry;
-  if (const auto owner = other_owner(*seen, session_.id())) {
-    wait_for_owner(*seen, *owner);
+  if (const auto owner = other_owner(*newest, session_.id())) {
+    wait_for_owner(*newest, *owner);
     return;
   }
   if (const client::Outcome taken = session_.acquire(ids_); !taken) {
@@ -208,58 +208,58 @@ void BenchLink::take_control() {
     control_retry_ = std::min(2 * control_retry_, kLongestRetry);
     if (taken.message() == reported_refusal_) return;
     reported_refusal_ = taken.message();
-    reports_.tell(Severity::warning, name(), "cannot take control: " + taken.message());
+    reports_.report(Severity::warning, name(), "cannot take control: " + taken.message());
     return;
   }
   control_retry_ = kRetry;
-  if (auto now = session_.observe(ids_)) show(std::move(*now));
-  if (const auto held = sight()) report_control(*held);
+  if (auto now = session_.observe(ids_)) set_state(std::move(*now));
+  if (const auto held = state()) report_control(*held);
 }
 
-void BenchLink::wait_for_owner(const Sight& sight, std::uint64_t owner) {
+void BenchLink::wait_for_owner(const BenchState& state, std::uint64_t owner) {
   if (owner == reported_owner_) return;
   reported_owner_ = owner;
-  const auto count = std::ranges::count_if(sight.axes, [this](const client::AxisSnapshot& axis) {
+  const auto count = std::ranges::count_if(state.axes, [this](const client::AxisSnapshot& axis) {
     return axis.owner_session != 0 && axis.owner_session != session_.id();
   });
-  reports_.tell(Severity::warning, name(),
-                "session " + session_text(owner) + " controls " + std::to_string(count) +
-                    " of its " + std::to_string(sight.axes.size()) +
-                    " axes: this bridge takes control when all of them are free");
+  reports_.report(Severity::warning, name(),
+                  "session " + session_text(owner) + " controls " + std::to_string(count) +
+                      " of its " + std::to_string(state.axes.size()) +
+                      " axes: this bridge takes control when all of them are free");
 }
 
-/// Control after a wait, or after a refusal, ends what was reported.
-void BenchLink::report_control(const Sight& sight) {
+/// Reports control that follows a reported wait or refusal.
+void BenchLink::report_control(const BenchState& state) {
   if (reported_owner_ == 0 && reported_refusal_.empty()) return;
   std::string text = "takes control: its axes are free";
   if (reported_owner_ != 0) text += " of session " + session_text(reported_owner_);
-  const auto faults = std::ranges::count_if(sight.axes, [](const client::AxisSnapshot& axis) {
+  const auto faults = std::ranges::count_if(state.axes, [](const client::AxisSnapshot& axis) {
     return axis.state() == PowerState::fault || axis.state() == PowerState::fault_reaction_active;
   });
   if (faults > 0) {
-    text += "; " + std::to_string(faults) + " of " + std::to_string(sight.axes.size()) +
+    text += "; " + std::to_string(faults) + " of " + std::to_string(state.axes.size()) +
             " are in a fault: publish true on the topic enable to reset it";
   }
   reported_owner_ = 0;
   reported_refusal_.clear();
-  reports_.tell(Severity::info, name(), text);
+  reports_.report(Severity::info, name(), text);
 }
 
 void BenchLink::read_limits() {
-  const std::uint64_t asked = limits_asked_;
+  const std::uint64_t requested = limits_requested_;
   limits_due_ = Clock::now() + kLimitsPeriod;
   auto limits = std::make_shared<std::vector<JointLimits>>();
   limits->reserve(axes_.size());
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     const auto read = limits_of(axes_[i], joints_[i]);
-    if (!read) return;  // asked again after the period
+    if (!read) return;  // read again after the period
     limits->push_back(*read);
   }
   {
     const std::scoped_lock lock(mutex_);
     limits_ = std::move(limits);
   }
-  limits_read_ = asked;
+  limits_read_ = requested;
   notify_();
 }
 

@@ -18,21 +18,21 @@
 
 namespace vdrive::ros2 {
 
-/// What a bench showed last.
-struct Sight {
+/// The axes of a bench in one tick.
+struct BenchState {
   std::uint64_t tick = 0;
   std::vector<client::AxisSnapshot> axes;  ///< in the order of the joints
 };
 
 /// @return a session other than `own` that controls an axis; nothing when there is none.
-[[nodiscard]] std::optional<std::uint64_t> other_owner(const Sight& sight, std::uint64_t own);
+[[nodiscard]] std::optional<std::uint64_t> other_owner(const BenchState& state, std::uint64_t own);
 
-/// A bench as the bridge reaches it: a thread follows its axes, takes control of them, and reads
-/// their limits. Everything that waits for the bench waits there.
+/// The connection to a bench: a thread follows its axes, takes control of them, and reads their
+/// limits. Every call that waits for the bench is made there.
 class BenchLink {
  public:
   /// @param session outlives the link
-  /// @param notify runs in the thread of the link when there is a new sight
+  /// @param notify runs in the thread of the link when there is a new state
   BenchLink(client::Session& session, client::BenchInfo info, std::vector<Joint> joints,
             Reports& reports, std::function<void()> notify);
   ~BenchLink();
@@ -48,8 +48,8 @@ class BenchLink {
   /// @return [s] of a tick
   [[nodiscard]] double period() const noexcept;
 
-  /// @return the newest sight; none while the bench is silent.
-  [[nodiscard]] std::shared_ptr<const Sight> sight() const;
+  /// @return the newest state; none while the bench sends no status.
+  [[nodiscard]] std::shared_ptr<const BenchState> state() const;
 
   /// @return drive time over wall time; 1 where time does not pass by itself.
   [[nodiscard]] double rate() const noexcept { return rate_; }
@@ -66,8 +66,8 @@ class BenchLink {
   /// @return the limits of all joints; none before they were read.
   [[nodiscard]] std::shared_ptr<const std::vector<JointLimits>> limits() const;
 
-  /// Reads the limits anew. @return a number that limits_read() reaches then.
-  std::uint64_t ask_limits();
+  /// Has the limits read again. @return the value that limits_read() has after it.
+  std::uint64_t request_limits();
 
   [[nodiscard]] std::uint64_t limits_read() const noexcept { return limits_read_; }
 
@@ -75,11 +75,11 @@ class BenchLink {
   void run(const std::stop_token& stop);
   bool open_follower();
   void follow();
-  void show(client::Observation&& observation);
+  void set_state(client::Observation&& observation);
   void take_control();
-  void wait_for_owner(const Sight& sight, std::uint64_t owner);
-  void report_control(const Sight& sight);
-  [[nodiscard]] bool is_held(const Sight& sight) const;
+  void wait_for_owner(const BenchState& state, std::uint64_t owner);
+  void report_control(const BenchState& state);
+  [[nodiscard]] bool is_held(const BenchState& state) const;
   void read_limits();
   [[nodiscard]] static std::optional<JointLimits> limits_of(client::Axis& axis, const Joint& joint);
   void rest(std::chrono::milliseconds duration, const std::stop_token& stop);
@@ -100,11 +100,12 @@ class BenchLink {
   std::atomic<double> rate_ = 1.0;
   std::atomic<bool> wants_control_ = false;
   std::atomic<bool> gives_back_ = false;
-  std::atomic<bool> is_control_new_ = false;  ///< it is wanted again, and reports begin anew
-  std::atomic<std::uint64_t> limits_asked_ = 0;
+  std::atomic<bool> is_control_new_ =
+      false;  ///< it is wanted again: what was reported is reported again
+  std::atomic<std::uint64_t> limits_requested_ = 0;
   std::atomic<std::uint64_t> limits_read_ = 0;
   mutable std::mutex mutex_;  ///< guards what follows
-  std::shared_ptr<const Sight> sight_;
+  std::shared_ptr<const BenchState> state_;
   std::shared_ptr<const std::vector<JointLimits>> limits_;
   std::condition_variable_any woken_;
   std::jthread thread_;

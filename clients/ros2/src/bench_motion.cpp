@@ -22,20 +22,20 @@ constexpr double kAheadOnTrajectory = 0.15;
 constexpr double kAheadOnTrack = 0.015;
 constexpr double kLead = 0.008;  // to the first tick that a new set-point can reach
 
-// In lock-step nobody knows how far the next step goes: ticks between the newest sight and the
+// In lock-step the length of the next step is not known: ticks between the newest state and the
 // first set-point of a motion, and those that a step may have while it lasts.
 constexpr std::uint64_t kLeadTicks = 20;
 constexpr std::uint64_t kTrajectoryTicks = 100;
 constexpr std::uint64_t kTrackTicks = 40;
 
-// A bench in lock-step counts drive time until it misses its master.
+// The watchdog of a bench in lock-step counts drive time.
 constexpr double kKeepAlive = 0.02;  // [s] of drive time
 
 // A bench keeps 1,024 frames of all its clients.
 constexpr std::uint64_t kMostAhead = 400;
 
-// The line to a position takes longer than the position was awaited: one that is late by this part
-// of the interval stops nothing.
+// The line to a position takes longer than the interval of positions: one that is late by this part
+// of the interval does not stop the joint.
 constexpr double kMargin = 0.5;
 constexpr double kShortestMargin = 0.004;  // [s]
 constexpr double kLongestInterval = 0.1;
@@ -116,10 +116,10 @@ bool BenchMotion::positions_are_due() const {
 
 std::uint64_t BenchMotion::begin_tick(std::uint64_t wanted) {
   if (positions_are_due()) return sent_until_;
-  sent_until_ = std::max(sent_until_, sight_->tick + lead() - 1);
+  sent_until_ = std::max(sent_until_, state_->tick + lead() - 1);
   const bool is_lockstep = link_.info().clock_mode == ClockMode::lockstep;
   const std::uint64_t ahead = is_lockstep ? kTrajectoryTicks / 2 : ticks(kAheadOnTrajectory);
-  if (wanted > sent_until_ && wanted <= sight_->tick + ahead) sent_until_ = wanted;
+  if (wanted > sent_until_ && wanted <= state_->tick + ahead) sent_until_ = wanted;
   return sent_until_;
 }
 
@@ -137,16 +137,16 @@ void BenchMotion::want_enabled(bool wanted, bool resets_faults) {
 }
 
 bool BenchMotion::is_disabled() const {
-  if (!sight_) return true;
-  return std::ranges::none_of(sight_->axes, [this](const client::AxisSnapshot& axis) {
+  if (!state_) return true;
+  return std::ranges::none_of(state_->axes, [this](const client::AxisSnapshot& axis) {
     return is_enabled(axis) && axis.owner_session == session_.id();
   });
 }
 
 std::string BenchMotion::obstacle(std::size_t place) const {
   if (!wants_enabled_) return "is not enabled: publish true on the topic enable, or use --enable";
-  if (!sight_) return "is on a bench that is silent";
-  const client::AxisSnapshot& axis = sight_->axes[place];
+  if (!state_) return "is on a bench that sends no status";
+  const client::AxisSnapshot& axis = state_->axes[place];
   if (axis.owner_session == 0) return "is not under control of this bridge yet";
   if (axis.owner_session != session_.id()) {
     return "is controlled by session " + session_text(axis.owner_session);
@@ -156,12 +156,12 @@ std::string BenchMotion::obstacle(std::size_t place) const {
   return {};
 }
 
-/// @return whether the drive moves, or may, by what does not come from a stream of positions.
+/// @return whether the drive moves, or may move, by another cause than a stream of positions.
 bool BenchMotion::moves_by_itself(std::size_t place) const {
   const Duty duty = plans_[place].duty;
   if (duty == Duty::hold || duty == Duty::track || duty == Duty::trajectory) return false;
   return duty == Duty::effort || duty == Duty::settle ||
-         sight_->axes[place].status.velocity_demand_value != 0;
+         state_->axes[place].status.velocity_demand_value != 0;
 }
 
 std::string BenchMotion::trajectory_obstacle(std::size_t place) const {
@@ -170,12 +170,12 @@ std::string BenchMotion::trajectory_obstacle(std::size_t place) const {
   return problem;
 }
 
-void BenchMotion::tell_faults() {
+void BenchMotion::report_faults() {
   for (std::size_t i = 0; i < plans_.size(); ++i) {
-    const client::AxisSnapshot& axis = sight_->axes[i];
+    const client::AxisSnapshot& axis = state_->axes[i];
     const bool is_fault = is_in_fault(axis);
     if (is_fault && !was_in_fault_[i]) {
-      reports_.tell(Severity::error, name_of(i), client::what_it_shows(axis));
+      reports_.report(Severity::error, name_of(i), client::what_it_shows(axis));
     }
     was_in_fault_[i] = is_fault;
   }
@@ -183,7 +183,7 @@ void BenchMotion::tell_faults() {
 
 void BenchMotion::power(Clock::time_point now) {
   if (wants_enabled_) {
-    const bool all_held = std::ranges::all_of(sight_->axes, [this](const auto& axis) {
+    const bool all_held = std::ranges::all_of(state_->axes, [this](const auto& axis) {
       return axis.owner_session == session_.id();
     });
     keep_control(all_held);
@@ -193,15 +193,15 @@ void BenchMotion::power(Clock::time_point now) {
   }
 }
 
-/// Control that another session has taken is taken back when it is wanted anew.
+/// Control that another session has taken is taken back only when it is requested again.
 void BenchMotion::keep_control(bool all_held) {
   if (had_control_ && !all_held && !has_lost_control_) {
     has_lost_control_ = true;
-    const auto owner = other_owner(*sight_, session_.id());
-    reports_.tell(Severity::error, link_.name(),
-                  "control of its axes is lost" +
-                      (owner ? " to session " + session_text(*owner) : "") +
-                      ": publish true on enable to take it again");
+    const auto owner = other_owner(*state_, session_.id());
+    reports_.report(Severity::error, link_.name(),
+                    "control of its axes is lost" +
+                        (owner ? " to session " + session_text(*owner) : "") +
+                        ": publish true on enable to take it again");
   }
   had_control_ = had_control_ || all_held;
   wants_control_ = true;
@@ -228,10 +228,10 @@ std::vector<std::uint16_t> BenchMotion::enabling_words(const client::AxisSnapsho
 void BenchMotion::enable(Clock::time_point now) {
   constexpr std::size_t kWords = 4;
   constexpr int kMostAttempts = 10;
-  if (now < words_due_ || sight_->tick == words_tick_) return;
+  if (now < words_due_ || state_->tick == words_tick_) return;
   std::vector<client::SetPointFrame> frames(kWords);
   for (std::size_t i = 0; i < plans_.size(); ++i) {
-    const client::AxisSnapshot& axis = sight_->axes[i];
+    const client::AxisSnapshot& axis = state_->axes[i];
     const bool is_hopeless = axis.state() == PowerState::fault && !resets_faults_;
     if (is_enabled(axis) || is_hopeless) to_enable_[i] = false;
     if (!to_enable_[i]) continue;
@@ -244,11 +244,11 @@ void BenchMotion::enable(Clock::time_point now) {
   if (frames.front().axes.empty()) return;
   if (++attempts_ > kMostAttempts) {
     to_enable_.assign(plans_.size(), false);
-    reports_.tell(Severity::error, link_.name(), "its axes cannot be enabled");
+    reports_.report(Severity::error, link_.name(), "its axes cannot be enabled");
     return;
   }
   words_due_ = now + kRepeatWords;
-  words_tick_ = sight_->tick;
+  words_tick_ = state_->tick;
   (void)send(frames);
 }
 
@@ -258,12 +258,12 @@ void BenchMotion::disable() {
     link_.give_back();
     return;
   }
-  if (sight_->tick == words_tick_) return;
-  words_tick_ = sight_->tick;
+  if (state_->tick == words_tick_) return;
+  words_tick_ = state_->tick;
   client::SetPointFrame frame{.drops_waiting = true};
   for (std::size_t i = 0; i < plans_.size(); ++i) {
     plans_[i] = {};
-    const client::AxisSnapshot& axis = sight_->axes[i];
+    const client::AxisSnapshot& axis = state_->axes[i];
     if (axis.owner_session != session_.id() || !is_enabled(axis)) continue;
     frame.axes.push_back({.axis = axis_number(i), .controlword = controlwords::kShutdown});
   }
@@ -279,7 +279,7 @@ std::int32_t BenchMotion::user_units(std::size_t place, double value) const {
 JointMotion BenchMotion::motion(std::size_t place) const {
   const Plan& plan = plans_[place];
   const double unit = link_.joints()[place].si_per_user_unit;
-  const AxisStatus& status = sight_->axes[place].status;
+  const AxisStatus& status = state_->axes[place].status;
   switch (plan.duty) {
     case Duty::hold:
       return {plan.position, 0.0, 0.0};
@@ -322,7 +322,7 @@ void BenchMotion::command(const JointCommand& command) {
   if (problem.empty() && plan.duty == Duty::trajectory) problem = "follows a trajectory";
   if (problem.empty()) problem = check_value(place, command);
   if (!problem.empty()) {
-    reports_.tell(Severity::warning, name_of(place), problem + ": the command is ignored");
+    reports_.report(Severity::warning, name_of(place), problem + ": the command is ignored");
     return;
   }
   plan.is_lost = false;
@@ -337,7 +337,7 @@ void BenchMotion::command(const JointCommand& command) {
       set_free(place, Duty::effort, command.value);
       break;
   }
-  plan.commanded_at = sight_->tick;
+  plan.commanded_at = state_->tick;
 }
 
 void BenchMotion::track(std::size_t place, const JointCommand& command) {
@@ -350,7 +350,7 @@ void BenchMotion::track(std::size_t place, const JointCommand& command) {
   }
   double passed = kLongestInterval;
   if (plan.duty == Duty::track) {
-    passed = static_cast<double>(sight_->tick - plan.commanded_at) * link_.period();
+    passed = static_cast<double>(state_->tick - plan.commanded_at) * link_.period();
   } else {
     if (plan.duty == Duty::hold && plan.position == command.value) return;  // it is there
     start_tracking(place, command.value);
@@ -374,19 +374,19 @@ void BenchMotion::start_tracking(std::size_t place, double goal) {
   plan.duty = Duty::track;
 }
 
-/// A drive changes its mode where it rests, and counts positions from then on.
+/// A drive changes its mode at rest, and follows positions from then on.
 void BenchMotion::settle() {
   constexpr OperatingMode kMode = OperatingMode::cyclic_synchronous_position;
   client::SetPointFrame frame;
   for (std::size_t i = 0; i < plans_.size(); ++i) {
     Plan& plan = plans_[i];
     if (plan.duty != Duty::settle) continue;
-    const client::AxisSnapshot& axis = sight_->axes[i];
+    const client::AxisSnapshot& axis = state_->axes[i];
     if (axis.mode() == kMode && axis.status.velocity_demand_value == 0) {
       plan.duty = Duty::none;
       start_tracking(i, plan.value);
-    } else if (sight_->tick > plan.sent_for) {
-      plan.sent_for = sight_->tick + lead();
+    } else if (state_->tick > plan.sent_for) {
+      plan.sent_for = state_->tick + lead();
       frame.axes.push_back({.axis = axis_number(i), .mode = kMode});
     }
   }
@@ -407,7 +407,7 @@ void BenchMotion::stop_free_joints(const std::string& reason) {
     const bool moves =
         plan.duty == Duty::effort || (plan.duty == Duty::velocity && plan.value != 0.0);
     if (!moves) continue;
-    reports_.tell(Severity::warning, name_of(i), reason + ": it brakes");
+    reports_.report(Severity::warning, name_of(i), reason + ": it brakes");
     set_free(i, Duty::velocity, 0.0);
   }
 }
@@ -420,13 +420,13 @@ void BenchMotion::follow(std::size_t place, std::shared_ptr<const JointPath> pat
   plan.path = std::move(path);
   plan.begin = begin;
   plan.trajectory = number;
-  plan.commanded_at = sight_->tick;
+  plan.commanded_at = state_->tick;
 }
 
 void BenchMotion::brake(std::uint64_t number) {
   for (std::size_t i = 0; i < plans_.size(); ++i) {
     Plan& plan = plans_[i];
-    if (plan.duty != Duty::trajectory || plan.trajectory != number || !sight_ || !limits_) continue;
+    if (plan.duty != Duty::trajectory || plan.trajectory != number || !state_ || !limits_) continue;
     plan.tracker.emplace(motion(i));
     plan.tracker->stop((*limits_)[i]);
     plan.duty = Duty::track;
@@ -444,16 +444,17 @@ bool BenchMotion::follows(std::uint64_t number) const {
 
 std::vector<BrokenTrajectory> BenchMotion::update(Clock::time_point now) {
   std::vector<BrokenTrajectory> broken;
-  auto seen = link_.sight();
-  if (!seen) {
-    if (sight_) drop_plans(link_.name() + " fell silent", broken);
-    sight_.reset();
+  auto newest = link_.state();
+  if (!newest) {
+    if (state_) drop_plans(link_.name() + " sends no status", broken);
+    state_.reset();
     return broken;
   }
-  if (sight_ && seen->tick < sight_->tick) drop_plans(link_.name() + " began anew", broken);
-  sight_ = std::move(seen);
+  if (state_ && newest->tick < state_->tick)
+    drop_plans(link_.name() + " counts ticks from a lower number", broken);
+  state_ = std::move(newest);
   limits_ = link_.limits();
-  tell_faults();
+  report_faults();
   check_enabled(broken);
   power(now);
   check_timeouts();
@@ -465,7 +466,7 @@ std::vector<BrokenTrajectory> BenchMotion::update(Clock::time_point now) {
   return broken;
 }
 
-/// The bench dropped the set-points that wait, or will hold where they end.
+/// The bench has dropped the waiting set-points, or holds where they end.
 void BenchMotion::drop_plans(const std::string& reason, std::vector<BrokenTrajectory>& broken) {
   for (Plan& plan : plans_) {
     if (plan.duty == Duty::trajectory) {
@@ -492,12 +493,12 @@ void BenchMotion::check_timeouts() {
     Plan& plan = plans_[i];
     const bool is_fed =
         plan.duty == Duty::track || plan.duty == Duty::velocity || plan.duty == Duty::effort;
-    const double passed = static_cast<double>(sight_->tick - plan.commanded_at) * link_.period();
+    const double passed = static_cast<double>(state_->tick - plan.commanded_at) * link_.period();
     if (!is_fed || plan.is_lost || passed <= command_timeout_) continue;
     const bool rests = plan.duty == Duty::velocity && plan.value == 0.0;
     if (!rests) {
-      reports_.tell(Severity::warning, name_of(i),
-                    "no command for " + text_of(command_timeout_) + " s: it brakes");
+      reports_.report(Severity::warning, name_of(i),
+                      "no command for " + text_of(command_timeout_) + " s: it brakes");
     }
     if (plan.duty == Duty::track) {
       plan.tracker->stop((*limits_)[i]);
@@ -508,10 +509,10 @@ void BenchMotion::check_timeouts() {
   }
 }
 
-/// Where the bench has passed the last set-point that it has it holds: what follows begins anew.
+/// A bench that has passed the last set-point that it received holds: what follows starts there.
 void BenchMotion::catch_up(std::vector<BrokenTrajectory>& broken) {
-  if (!positions_are_due() || sight_->tick <= sent_until_) return;
-  const std::string reason = link_.name() + " was " + std::to_string(sight_->tick - sent_until_) +
+  if (!positions_are_due() || state_->tick <= sent_until_) return;
+  const std::string reason = link_.name() + " was " + std::to_string(state_->tick - sent_until_) +
                              " ticks ahead of its set-points";
   for (std::size_t i = 0; i < plans_.size(); ++i) {
     Plan& plan = plans_[i];
@@ -522,7 +523,7 @@ void BenchMotion::catch_up(std::vector<BrokenTrajectory>& broken) {
       plan.tracker->rest();
     }
   }
-  sent_until_ = sight_->tick + lead() - 1;
+  sent_until_ = state_->tick + lead() - 1;
 }
 
 void BenchMotion::add_point(std::size_t place, std::uint64_t tick, client::SetPointFrame& frame) {
@@ -539,7 +540,7 @@ void BenchMotion::add_point(std::size_t place, std::uint64_t tick, client::SetPo
     ends = time >= plan.path->duration();
   }
   point.position = user_units(place, plan.position);
-  if (sight_->axes[place].mode() != OperatingMode::cyclic_synchronous_position) {
+  if (state_->axes[place].mode() != OperatingMode::cyclic_synchronous_position) {
     point.mode = OperatingMode::cyclic_synchronous_position;
   }
   frame.axes.push_back(point);
@@ -551,7 +552,7 @@ void BenchMotion::add_point(std::size_t place, std::uint64_t tick, client::SetPo
 
 void BenchMotion::send_positions() {
   std::vector<client::SetPointFrame> frames;
-  const std::uint64_t last = sight_->tick + window();
+  const std::uint64_t last = state_->tick + window();
   while (positions_are_due() && sent_until_ < last) {
     ++sent_until_;
     client::SetPointFrame frame{.tick = sent_until_};
@@ -564,18 +565,18 @@ void BenchMotion::send_positions() {
   (void)send(frames);
 }
 
-/// Velocities and torques act at once; behind positions that are on their way.
+/// Velocities and torques act at once, but after positions that were sent before.
 void BenchMotion::send_free() {
-  client::SetPointFrame frame{.tick = sent_until_ > sight_->tick ? sent_until_ + 1 : 0};
+  client::SetPointFrame frame{.tick = sent_until_ > state_->tick ? sent_until_ + 1 : 0};
   for (std::size_t i = 0; i < plans_.size(); ++i) {
     Plan& plan = plans_[i];
     const bool is_velocity = plan.duty == Duty::velocity;
     if (!is_velocity && plan.duty != Duty::effort) continue;
     const OperatingMode mode =
         is_velocity ? OperatingMode::profile_velocity : OperatingMode::profile_torque;
-    const bool is_missed = sight_->axes[i].mode() != mode && sight_->tick > plan.sent_for;
+    const bool is_missed = state_->axes[i].mode() != mode && state_->tick > plan.sent_for;
     if (!std::exchange(plan.is_due, false) && !is_missed) continue;
-    plan.sent_for = std::max(frame.tick, sight_->tick + lead());
+    plan.sent_for = std::max(frame.tick, state_->tick + lead());
     client::SetPoint point{.axis = axis_number(i), .mode = mode};
     if (is_velocity) {
       point.velocity = user_units(i, plan.value);
@@ -588,13 +589,13 @@ void BenchMotion::send_free() {
   if (!frame.axes.empty()) (void)send({frame});
 }
 
-/// In realtime the session does it.
+/// In realtime the session sends keep-alives itself.
 void BenchMotion::keep_alive() {
   const bool is_needed = link_.info().clock_mode == ClockMode::lockstep && had_control_;
   const double passed =
-      (static_cast<double>(sight_->tick) - static_cast<double>(heard_at_)) * link_.period();
+      (static_cast<double>(state_->tick) - static_cast<double>(kept_alive_at_)) * link_.period();
   if (!is_needed || std::abs(passed) < kKeepAlive) return;
-  heard_at_ = sight_->tick;
+  kept_alive_at_ = state_->tick;
   (void)send({client::SetPointFrame{}});
 }
 
@@ -603,7 +604,7 @@ bool BenchMotion::send(const std::vector<client::SetPointFrame>& frames) {
   const bool is_small = plans_.size() <= kAxesOfFrame || frames.front().axes.empty();
   const client::Outcome sent =
       session_.send_set_points(link_.info().number, is_small ? frames : divided(frames));
-  if (!sent) reports_.tell(Severity::error, link_.name(), sent.message());
+  if (!sent) reports_.report(Severity::error, link_.name(), sent.message());
   return static_cast<bool>(sent);
 }
 

@@ -15,7 +15,7 @@
 
 namespace vdrive::ros2 {
 
-/// What a joint does for the bridge.
+/// What the bridge commands a joint to do.
 enum class Duty : std::uint8_t {
   none,        ///< nothing was commanded since it was enabled
   hold,        ///< stays where the last command ended
@@ -29,14 +29,14 @@ enum class Duty : std::uint8_t {
 /// @return such as "trajectory".
 [[nodiscard]] std::string_view to_string(Duty duty) noexcept;
 
-/// A trajectory that ended before its time.
+/// A trajectory that ended early.
 struct BrokenTrajectory {
   std::uint64_t number = 0;
   std::string reason;
 };
 
 /// Moves the joints of one bench: what each of them does in the ticks to come. The set-points of a
-/// tick go to the bench some time before it, and what was sent stays: a new command begins behind
+/// tick go to the bench some time before it, and what was sent stays: a new command begins after
 /// it. For one thread.
 class BenchMotion {
  public:
@@ -68,15 +68,15 @@ class BenchMotion {
 
   // ---- commands
 
-  /// Carries out a command, or tells why not.
+  /// Carries out a command, or reports why not.
   void command(const JointCommand& command);
 
-  /// Brakes the joints that velocity or effort move: nobody commands them any more.
+  /// Brakes the joints that velocity or effort move.
   void stop_free_joints(const std::string& reason);
 
   /// @param wanted a later tick, taken when it is near and no set-points are on their way
   /// @return the last tick that set-points were sent for: a new path begins there. Only with a
-  ///         sight.
+  ///         state.
   [[nodiscard]] std::uint64_t begin_tick(std::uint64_t wanted = 0);
 
   /// @return how the joint moves in the begin_tick().
@@ -100,13 +100,14 @@ class BenchMotion {
 
   // ---- each turn
 
-  /// Looks at the bench and sends what is due. @return the trajectories that ended before time.
+  /// Takes the state of the bench and sends what is due. @return the trajectories that ended before
+  /// time.
   std::vector<BrokenTrajectory> update(Clock::time_point now);
 
   [[nodiscard]] std::vector<Duty> duties() const;
 
-  /// @return what the last update() looked at; none while the bench is silent.
-  [[nodiscard]] const std::shared_ptr<const Sight>& sight() const noexcept { return sight_; }
+  /// @return the state that the last update() took; none while the bench sends no status.
+  [[nodiscard]] const std::shared_ptr<const BenchState>& state() const noexcept { return state_; }
 
   /// @return whether set-points have to be sent again soon.
   [[nodiscard]] bool is_busy() const;
@@ -124,11 +125,11 @@ class BenchMotion {
     std::uint64_t sent_for = 0;      ///< tick of the velocity or effort that was sent last
     double interval = 0.0;           ///< [s] between commands, as they come
     bool is_due = false;             ///< velocity and effort: to be sent
-    bool is_lost = false;            ///< no command came for too long, and that was told
+    bool is_lost = false;            ///< no command came in time, and that was reported
   };
 
   void drop_plans(const std::string& reason, std::vector<BrokenTrajectory>& broken);
-  void tell_faults();
+  void report_faults();
   void power(Clock::time_point now);
   void keep_control(bool all_held);
   void enable(Clock::time_point now);
@@ -168,7 +169,7 @@ class BenchMotion {
   Reports& reports_;
   const double command_timeout_;
   std::vector<Plan> plans_;
-  std::shared_ptr<const Sight> sight_;
+  std::shared_ptr<const BenchState> state_;
   std::shared_ptr<const std::vector<JointLimits>> limits_;
   std::uint64_t sent_until_ = 0;  ///< tick
   bool wants_enabled_ = false;
@@ -180,7 +181,7 @@ class BenchMotion {
   int attempts_ = 0;
   Clock::time_point words_due_{};
   std::uint64_t words_tick_ = 0;
-  std::uint64_t heard_at_ = 0;  ///< tick of the last sign of life
+  std::uint64_t kept_alive_at_ = 0;  ///< tick of the last keep-alive
   std::vector<bool> was_in_fault_;
 };
 

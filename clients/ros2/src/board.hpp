@@ -13,12 +13,12 @@
 
 namespace vdrive::ros2 {
 
-/// What is published of a bench: its newest sight, after the set-points for the ticks behind it
+/// What is published of a bench: its newest state, after the set-points for the ticks behind it
 /// were sent.
 struct BenchView {
   std::shared_ptr<const client::BenchInfo> info{};
   std::shared_ptr<const std::vector<Joint>> joints{};
-  std::shared_ptr<const Sight> sight{};  ///< none while the bench is silent
+  std::shared_ptr<const BenchState> state{};  ///< none while the bench sends no status
   std::shared_ptr<const std::vector<JointLimits>> limits{};
   std::vector<Duty> duties{};
   bool is_enabled = false;
@@ -31,12 +31,12 @@ class Board {
  public:
   using Views = std::map<std::uint32_t, BenchView>;
 
-  /// @param is_urgent whether the publisher looks at once
+  /// @param is_urgent whether the publisher publishes at once
   void put(Views views, bool is_urgent);
 
   [[nodiscard]] Views views() const;
 
-  /// Waits until there are new views, or until then.
+  /// Waits for new views, at most until `time`.
   void wait_until(std::chrono::steady_clock::time_point time, const std::stop_token& stop);
 
  private:
@@ -47,7 +47,7 @@ class Board {
 };
 
 /// @return the time of a tick as ROS has it [ns]: drive time; for a bench in realtime whose drive
-///         time is another than the time of the day, that time.
+///         time differs from the time of day, the time of day.
 [[nodiscard]] std::int64_t stamp_of(const client::BenchInfo& bench, std::uint64_t tick);
 
 }  // namespace vdrive::ros2

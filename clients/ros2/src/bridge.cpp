@@ -44,9 +44,9 @@ Bridge::Bridge(const Settings& settings)
       }) {
   session_.on_event([this](const client::Event& event) {
     if (event.kind != client::EventKind::refused || event.session != session_.id()) return;
-    if (event.code == kControlled) return;  // only an acquire is refused so: the link reports it
-    reports_.tell(Severity::warning, "bench " + std::to_string(event.bench),
-                  "a command was refused: " + reason_of(event));
+    if (event.code == kControlled) return;  // the refusal of an acquire, which BenchLink reports
+    reports_.report(Severity::warning, "bench " + std::to_string(event.bench),
+                    "a command was refused: " + reason_of(event));
   });
   controller_.set_writers([this] {
     return commands_.matched();

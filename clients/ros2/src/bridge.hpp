@@ -6,8 +6,7 @@
 
 namespace vdrive::ros2 {
 
-/// Everything between the benches and ROS: one session towards the benches, one participant towards
-/// ROS.
+/// The whole bridge: one session for the benches, one participant for ROS.
 class Bridge {
  public:
   /// @throws std::runtime_error when DDS cannot be set up.

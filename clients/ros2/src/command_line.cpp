@@ -46,13 +46,13 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--namespace", arguments.name_space, "Before the names of topics, such as /cell1")
       ->type_name("NAME");
   app.add_flag("--enable", arguments.enable,
-               "Enable the axes of each bench that is found; default: look only, until true comes "
-               "on the topic enable");
-  app.add_flag("--prefix", arguments.prefix, "Call joints bench1_x instead of x");
+               "Enable the axes of each bench that is found; default: command nothing until the "
+               "topic enable has true");
+  app.add_flag("--prefix", arguments.prefix, "Name joints bench1_x instead of x");
   app.add_option("--rate", arguments.rate, "Joint states a second, 1 to 1000; default: 100")
       ->check(CLI::Range(Settings::kLowestRate, Settings::kHighestRate))
       ->type_name("HZ");
-  app.add_option("--config", arguments.file, "YAML file; the command line goes before it")
+  app.add_option("--config", arguments.file, "YAML file; options of the command line override it")
       ->type_name("FILE");
   app.add_flag("--check", arguments.only_checks, "Check command line and configuration, and end");
   app.add_option("--interface", session.interfaces,
@@ -69,7 +69,7 @@ void declare(CLI::App& app, Arguments& arguments) {
       ->type_name("DIR");
 }
 
-/// The file first, then what the command line has.
+/// Reads the file, then applies the options of the command line.
 void complete(Arguments& arguments) {
   Settings& settings = arguments.settings;
   if (!arguments.file.empty()) {
@@ -86,7 +86,7 @@ void complete(Arguments& arguments) {
   resolve_topics(settings);
 }
 
-/// Signals go to whoever waits for them: no other thread takes them.
+/// Blocked in every thread: sigwait() receives them.
 sigset_t block_end_signals() {
   sigset_t signals{};
   sigemptyset(&signals);
@@ -100,7 +100,7 @@ int serve(const Arguments& arguments) {
   const sigset_t signals = block_end_signals();
   const Bridge bridge(arguments.settings);
   std::cout << "vdrive-ros2: " << arguments.settings.topics.joint_states
-            << (arguments.settings.is_enabled ? " (axes are enabled)" : " (looking only)")
+            << (arguments.settings.is_enabled ? " (axes are enabled)" : " (axes are not enabled)")
             << ", session " << session_text(bridge.session()) << std::endl;
   int received = 0;
   sigwait(&signals, &received);
@@ -111,9 +111,8 @@ int serve(const Arguments& arguments) {
 
 int run_command_line(int argument_count, const char* const* argument_list) {
   CLI::App app(
-      "Shows benches of virtual servo drives to ROS 2 as joints, and lets ROS 2 move them, by "
-      "plain "
-      "DDS.",
+      "Publishes benches of virtual servo drives as joints of ROS 2, and moves them as ROS 2 "
+      "commands, by plain DDS.",
       "vdrive-ros2");
   Arguments arguments;
   declare(app, arguments);
@@ -127,7 +126,7 @@ int run_command_line(int argument_count, const char* const* argument_list) {
     return serve(arguments);
   } catch (const CLI::ParseError& error) {
     const bool is_help = app.exit(error) == 0;
-    std::cout.flush();  // the program ends without
+    std::cout.flush();  // quick_exit() does not flush
     return is_help ? kDone : kUsage;
   } catch (const BadSettings& error) {
     std::cerr << "vdrive-ros2: " << error.what() << '\n';

@@ -15,7 +15,7 @@ using std::chrono::milliseconds;
 constexpr milliseconds kFindPeriod{200};
 constexpr milliseconds kBusyTurn{2};
 constexpr milliseconds kTurn{5};
-constexpr std::chrono::seconds kForgotten{60};  // a bench that is gone this long is another one
+constexpr std::chrono::seconds kForgotten{60};  // a bench that was absent for this time is removed
 constexpr std::chrono::seconds kEnd{2};
 constexpr std::size_t kMostMessages = 64;
 constexpr double kNanosecond = 1e-9;
@@ -113,7 +113,7 @@ void Controller::wait(const std::stop_token& stop) {
   is_woken_ = false;
 }
 
-/// Axes that nobody commands any more must not stay enabled.
+/// Without a master an axis must not stay enabled.
 void Controller::end() {
   for (auto& [number, bench] : benches_) bench.motion->want_enabled(false, false);
   const Clock::time_point deadline = Clock::now() + kEnd;
@@ -165,11 +165,11 @@ void Controller::note_present(Bench& bench, const client::BenchInfo& info, Clock
   directory_.remove(info.number);
   for (const auto& [number, text] : trajectories_) {
     if (!bench.motion->follows(number)) continue;
-    break_off({{.number = number, .reason = name + " was started anew"}});
+    break_off({{.number = number, .reason = name + " was restarted"}});
     break;
   }
   benches_.erase(info.number);
-  reports_.tell(Severity::warning, name, "was started anew");
+  reports_.report(Severity::warning, name, "was restarted");
   add_bench(info);
 }
 
@@ -178,7 +178,7 @@ void Controller::add_bench(const client::BenchInfo& info) {
   if (const auto clash = directory_.add(info.number, joints)) {
     LeftOut& left_out = left_out_[info.number];
     if (left_out.reason != *clash || left_out.info->incarnation != info.incarnation) {
-      reports_.tell(Severity::error, "bench " + std::to_string(info.number), *clash);
+      reports_.report(Severity::error, "bench " + std::to_string(info.number), *clash);
     }
     left_out = {.info = std::make_shared<const client::BenchInfo>(info), .reason = *clash};
     return;
@@ -199,8 +199,8 @@ void Controller::add_bench(const client::BenchInfo& info) {
       std::make_unique<BenchMotion>(session_, *bench.link, reports_, settings_.command_timeout);
   bench.last_present = Clock::now();
   if (settings_.is_enabled && is_enabled_) bench.motion->want_enabled(true, false);
-  reports_.tell(Severity::info, bench.link->name(),
-                "found, " + std::to_string(info.axes.size()) + " joints");
+  reports_.report(Severity::info, bench.link->name(),
+                  "found, " + std::to_string(info.axes.size()) + " joints");
   benches_.emplace(info.number, std::move(bench));
 }
 
@@ -233,7 +233,7 @@ void Controller::handle_messages() {
     dropped = std::exchange(dropped_, 0);
   }
   if (dropped > 0) {
-    reports_.tell(Severity::warning, "commands", std::to_string(dropped) + " were dropped");
+    reports_.report(Severity::warning, "commands", std::to_string(dropped) + " were dropped");
   }
   for (const Message& message : messages) {
     std::visit(
@@ -247,8 +247,8 @@ void Controller::handle_messages() {
 void Controller::handle(const wire::ros::JointState& message) {
   const std::int64_t stamp = nanoseconds_of(message.header().stamp());
   if (stamp != 0 && stamp < last_command_stamp_) {
-    reports_.tell(Severity::warning, "joint commands",
-                  "a stamp is earlier than the one before: the command is ignored");
+    reports_.report(Severity::warning, "joint commands",
+                    "a stamp is earlier than the one before: the command is ignored");
     return;
   }
   last_command_stamp_ = stamp == 0 ? last_command_stamp_ : stamp;
@@ -256,14 +256,14 @@ void Controller::handle(const wire::ros::JointState& message) {
     return find(name);
   });
   for (const std::string& problem : read.problems) {
-    reports_.tell(Severity::warning, "joint commands", problem);
+    reports_.report(Severity::warning, "joint commands", problem);
   }
   for (const JointCommand& command : read.commands) motion_of(command.joint).command(command);
 }
 
 void Controller::handle(const wire::ros::Bool& message) {
   is_enabled_ = message.data();
-  reports_.tell(Severity::info, "enable", is_enabled_ ? "true" : "false");
+  reports_.report(Severity::info, "enable", is_enabled_ ? "true" : "false");
   if (!is_enabled_) waiting_.clear();
   for (auto& [number, bench] : benches_) bench.motion->want_enabled(is_enabled_, is_enabled_);
 }
@@ -277,7 +277,7 @@ void Controller::check_writers() {
   }
   if (writers == 0 && had_writers_) {
     for (auto& [number, bench] : benches_) {
-      bench.motion->stop_free_joints("nobody writes joint commands any more");
+      bench.motion->stop_free_joints("no node writes joint commands");
     }
   }
   had_writers_ = writers > 0;
@@ -286,7 +286,7 @@ void Controller::check_writers() {
 // ---- trajectories ----------------------------------------------------------------------------
 
 void Controller::refuse_trajectory(const std::string& problem) {
-  reports_.tell(Severity::warning, "joint trajectory", "refused: " + problem);
+  reports_.report(Severity::warning, "joint trajectory", "refused: " + problem);
 }
 
 std::string Controller::trajectory_problem(const Trajectory& trajectory) const {
@@ -318,7 +318,7 @@ void Controller::handle(const wire::ros::JointTrajectory& message) {
   Waiting waiting{.trajectory = std::move(*trajectory), .limits = {}};
   for (const JointPlace& joint : waiting.trajectory.joints) {
     if (waiting.limits.contains(joint.bench)) continue;
-    waiting.limits[joint.bench] = benches_.at(joint.bench).link->ask_limits();
+    waiting.limits[joint.bench] = benches_.at(joint.bench).link->request_limits();
   }
   waiting_.clear();  // a new trajectory takes the place of one that has not started
   waiting_.push_back(std::move(waiting));
@@ -349,7 +349,7 @@ bool Controller::try_start(Waiting& waiting) {
     refuse_trajectory("joint " + trajectory.names[i] + " " + problem);
     return true;
   }
-  // One for later is checked at once as well, from where the joints are now.
+  // One that starts later is checked at once as well, from the present positions.
   Start start = prepare(trajectory);
   if (start.waits && waiting.is_checked) return false;
   if (!start.problem.empty()) {
@@ -380,7 +380,7 @@ void Controller::find_begins(const Trajectory& trajectory, Start& start,
     if (trajectory.start == 0) continue;
     const std::int64_t stamp = stamp_of(*bench.info, begin);
     const double late = static_cast<double>(stamp - trajectory.start) * kNanosecond;
-    // Less than half a tick is the tick itself.
+    // A difference below half a tick is rounding.
     if (late < -0.5 * bench.link->period()) start.waits = true;
     passed[joint.bench] = std::max(0.0, late);
   }
@@ -454,20 +454,21 @@ void Controller::begin(const Trajectory& trajectory, const Start& start) {
     const JointPlace& joint = trajectory.joints[i];
     motion_of(joint).follow(joint.place, start.paths[i], start.begins.at(joint.bench), number);
   }
-  // Joints that the one before moved and this one does not come to rest.
+  // Joints of a replaced trajectory that this one does not move come to rest.
   for (const std::uint64_t old : replaced) {
     for (auto& [bench_number, bench] : benches_) bench.motion->brake(old);
     trajectories_.erase(old);
   }
   trajectories_[number] = text;
-  reports_.tell(Severity::info, "joint trajectory", text + ": starts");
+  reports_.report(Severity::info, "joint trajectory", text + ": starts");
 }
 
 void Controller::break_off(const std::vector<BrokenTrajectory>& broken) {
   for (const BrokenTrajectory& one : broken) {
     const auto known = trajectories_.find(one.number);
     if (known == trajectories_.end()) continue;
-    reports_.tell(Severity::error, "joint trajectory", known->second + ": stopped, " + one.reason);
+    reports_.report(Severity::error, "joint trajectory",
+                    known->second + ": stopped, " + one.reason);
     trajectories_.erase(known);
     for (auto& [number, bench] : benches_) bench.motion->brake(one.number);
   }
@@ -479,7 +480,7 @@ void Controller::forget_trajectories() {
       return entry.second.motion->follows(trajectory.first);
     });
     if (!is_under_way) {
-      reports_.tell(Severity::info, "joint trajectory", trajectory.second + ": set-points sent");
+      reports_.report(Severity::info, "joint trajectory", trajectory.second + ": set-points sent");
     }
     return !is_under_way;
   });
@@ -490,7 +491,7 @@ void Controller::publish(bool is_urgent) {
   for (const auto& [number, bench] : benches_) {
     views.emplace(number, BenchView{.info = bench.info,
                                     .joints = bench.joints,
-                                    .sight = bench.motion->sight(),
+                                    .state = bench.motion->state(),
                                     .limits = bench.link->limits(),
                                     .duties = bench.motion->duties(),
                                     .is_enabled = bench.motion->wants_enabled(),

@@ -19,7 +19,8 @@
 
 namespace vdrive::ros2 {
 
-/// Commands the benches: takes what ROS sends, in a thread of its own that waits for nobody.
+/// Commands the benches: takes the messages of ROS, in a thread of its own that never waits for a
+/// bench.
 class Controller {
  public:
   /// @param session outlives the controller, as the others do
@@ -32,11 +33,12 @@ class Controller {
 
   using Message = std::variant<wire::ros::JointState, wire::ros::JointTrajectory, wire::ros::Bool>;
 
-  /// Any thread; does not wait. Of more messages than can wait the oldest are dropped and counted.
+  /// Any thread; does not wait. When the queue is full the oldest message is dropped and counted.
   void take(Message message);
 
-  /// The number of those who write joint commands now; when the last one goes, what velocity or
-  /// effort move brakes.
+  /// @param writers gives the number of nodes that write joint commands now; when the last one
+  /// ends,
+  ///        joints that velocity or effort move brake
   void set_writers(std::function<std::size_t()> writers);
 
  private:
@@ -66,8 +68,9 @@ class Controller {
 
   /// The paths of a trajectory that may start.
   struct Start {
-    std::vector<std::shared_ptr<const JointPath>> paths;  ///< one a joint; none where it is there
-    std::map<std::uint32_t, std::uint64_t> begins;        ///< tick, by bench
+    std::vector<std::shared_ptr<const JointPath>>
+        paths;                                      ///< one a joint; none for a joint at its target
+    std::map<std::uint32_t, std::uint64_t> begins;  ///< tick, by bench
     std::string problem;
     bool waits = false;  ///< its time has not come
   };

@@ -8,7 +8,7 @@
 namespace vdrive::ros2 {
 namespace {
 
-constexpr double kRoom = 1e-9;  // what a calculation may err by, as a part of a limit
+constexpr double kRoom = 1e-9;  // rounding of a calculation, relative to a limit
 
 /// @return the text of a limit that is broken.
 std::string broken(const char* what, double value, const std::string& unit, double time,
@@ -17,7 +17,7 @@ std::string broken(const char* what, double value, const std::string& unit, doub
          " s is beyond the limit " + text_of(limit) + " " + unit;
 }
 
-/// Also where there is no value: a calculation has failed.
+/// Also true where a calculation gave no number.
 bool is_above(double value, double limit) noexcept {
   return !(value <= limit + kRoom * std::max(1.0, std::abs(limit)));
 }
@@ -162,7 +162,7 @@ std::optional<std::string> JointPath::check_size(const char* what, const Polynom
                 limit);
 }
 
-/// Sums of what it adds: where these are far from the largest number, every result is a number.
+/// @return whether every sum of the polynomial stays far below the largest double.
 bool JointPath::is_calculable(const Piece& piece) noexcept {
   constexpr double kLargest = 1e200;
   Polynomial sizes{};

@@ -36,7 +36,7 @@ class JointPath {
   /// [s]
   [[nodiscard]] double duration() const noexcept { return pieces_.back().end; }
 
-  /// Looks at the extremes of every piece. A joint that begins beyond a position limit may return.
+  /// Checks the extremes of every piece. A joint that begins beyond a position limit may return.
   /// @return which limit the path would break first, such as "velocity 12 rad/s at 0.25 s is above
   ///         the limit 10 rad/s"; nothing when it keeps all of them.
   /// @param unit "rad" or "m"

@@ -29,20 +29,20 @@ void add(DiagnosticStatus& status, const char* key, std::string value) {
 
 /// @return who controls the axes of a bench, for a reader of the diagnostics.
 std::string control_of(const BenchView& view) {
-  if (const auto owner = other_owner(*view.sight, view.session))
+  if (const auto owner = other_owner(*view.state, view.session))
     return "session " + session_text(*owner);
-  const bool is_held = std::ranges::all_of(view.sight->axes, [&](const auto& axis) {
+  const bool is_held = std::ranges::all_of(view.state->axes, [&](const auto& axis) {
     return axis.owner_session == view.session;
   });
-  return is_held ? "this bridge" : "nobody";
+  return is_held ? "this bridge" : "no session";
 }
 
 DiagnosticStatus bench_status(const BenchView& view, const std::string& network) {
   DiagnosticStatus status;
   status.name("vdrive_ros2: bench " + std::to_string(view.info->number));
   status.hardware_id(view.info->name);
-  status.level(view.sight ? ok : stale);
-  status.message(view.sight ? "running" : "silent");
+  status.level(view.state ? ok : stale);
+  status.message(view.state ? "running" : "sends no status");
   if (!view.problem.empty()) {
     status.level(error);
     status.message(view.problem);
@@ -51,8 +51,8 @@ DiagnosticStatus bench_status(const BenchView& view, const std::string& network)
   add(status, "enable", view.is_enabled ? "true" : "false");
   add(status, "session", session_text(view.session));
   add(status, "network", network);
-  if (view.sight) add(status, "control", control_of(view));
-  if (view.sight) add(status, "tick", std::to_string(view.sight->tick));
+  if (view.state) add(status, "control", control_of(view));
+  if (view.state) add(status, "tick", std::to_string(view.state->tick));
   return status;
 }
 
@@ -74,12 +74,12 @@ DiagnosticStatus joint_status(const BenchView& view, std::size_t place) {
   DiagnosticStatus status;
   status.name("vdrive_ros2: joint " + joint.name);
   status.hardware_id(to_string(joint.axis));
-  if (!view.sight) {
+  if (!view.state) {
     status.level(stale);
-    status.message("its bench is silent");
+    status.message("its bench sends no status");
     return status;
   }
-  const client::AxisSnapshot& axis = view.sight->axes[place];
+  const client::AxisSnapshot& axis = view.state->axes[place];
   const auto [level, message] = level_of(view, axis);
   status.level(level);
   status.message(message);
@@ -104,9 +104,9 @@ std::string network_text(const client::SessionOptions& options) {
 }  // namespace
 
 std::optional<wire::ros::JointState> joint_state_of(const BenchView& view) {
-  if (!view.sight) return std::nullopt;
+  if (!view.state) return std::nullopt;
   wire::ros::JointState message;
-  message.header().stamp(ros_time(stamp_of(*view.info, view.sight->tick)));
+  message.header().stamp(ros_time(stamp_of(*view.info, view.state->tick)));
   const std::size_t count = view.joints->size();
   message.name().reserve(count);
   message.position().reserve(count);
@@ -114,7 +114,7 @@ std::optional<wire::ros::JointState> joint_state_of(const BenchView& view) {
   message.effort().reserve(view.limits ? count : 0);
   for (std::size_t i = 0; i < count; ++i) {
     const Joint& joint = (*view.joints)[i];
-    const AxisStatus& status = view.sight->axes[i].status;
+    const AxisStatus& status = view.state->axes[i].status;
     message.name().push_back(joint.name);
     message.position().push_back(status.load_position_actual_value * joint.si_per_user_unit);
     message.velocity().push_back(status.load_velocity_actual_value * joint.si_per_user_unit);
@@ -169,14 +169,14 @@ void JointPublisher::publish(const Board::Views& views, Clock::time_point now) {
   bool has_clock = false;
   for (const auto& [number, view] : views) {
     Published& published = published_[number];
-    if (!view.sight) continue;
+    if (!view.state) continue;
     const bool is_clock = !has_clock && view.info->clock_mode != client::ClockMode::realtime;
     has_clock = has_clock || is_clock;
     if (!is_due(view, published, now)) continue;
-    published.tick = view.sight->tick;
+    published.tick = view.state->tick;
     if (is_clock) {
       wire::ros::Clock time;
-      time.clock(ros_time(stamp_of(*view.info, view.sight->tick)));
+      time.clock(ros_time(stamp_of(*view.info, view.state->tick)));
       (void)clock_.write(time);
     }
     if (const auto message = joint_state_of(view)) (void)states_.write(*message);
@@ -185,7 +185,7 @@ void JointPublisher::publish(const Board::Views& views, Clock::time_point now) {
 
 bool JointPublisher::is_due(const BenchView& view, Published& published,
                             Clock::time_point now) const {
-  const std::uint64_t tick = view.sight->tick;
+  const std::uint64_t tick = view.state->tick;
   if (published.incarnation != view.info->incarnation) {
     published = {.incarnation = view.info->incarnation};
     published.due = now;
@@ -201,28 +201,28 @@ bool JointPublisher::is_due(const BenchView& view, Published& published,
     if (published.due < now) published.due = now + period;
     return true;
   }
-  if (tick != published.seen) {
-    published.seen = tick;
-    published.seen_since = now;
+  if (tick != published.waiting) {
+    published.waiting = tick;
+    published.waiting_since = now;
   }
   const double passed = (static_cast<double>(tick) - static_cast<double>(published.tick)) *
                         std::chrono::duration<double>(view.info->period).count();
-  return passed * rate_ >= 1.0 || passed < 0.0 || now - published.seen_since >= kEndOfStep;
+  return passed * rate_ >= 1.0 || passed < 0.0 || now - published.waiting_since >= kEndOfStep;
 }
 
 void JointPublisher::publish_diagnostics(const Board::Views& views, Clock::time_point now) {
-  std::string shown;
+  std::string content;
   for (const auto& [number, view] : views) {
-    shown += (view.sight ? 'a' : 's') + view.problem;
-    if (!view.sight) continue;
-    for (const client::AxisSnapshot& axis : view.sight->axes) {
+    content += (view.state ? 'a' : 's') + view.problem;
+    if (!view.state) continue;
+    for (const client::AxisSnapshot& axis : view.state->axes) {
       const auto [level, message] = level_of(view, axis);
-      shown += std::to_string(level) + message;
+      content += std::to_string(level) + message;
     }
   }
-  if (now < diagnostics_due_ && shown == last_diagnostics_) return;
+  if (now < diagnostics_due_ && content == last_diagnostics_) return;
   diagnostics_due_ = now + kDiagnostics;
-  last_diagnostics_ = std::move(shown);
+  last_diagnostics_ = std::move(content);
   (void)diagnostics_.write(diagnostics_of(views, network_));
 }
 

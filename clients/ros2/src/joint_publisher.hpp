@@ -10,7 +10,7 @@
 
 namespace vdrive::ros2 {
 
-/// @return the joints of a bench in one instant, or nothing while there is no sight.
+/// @return the joints of a bench in one instant, or nothing while its bench sends no status.
 [[nodiscard]] std::optional<wire::ros::JointState> joint_state_of(const BenchView& view);
 
 /// @return a status for each bench and each of its joints.
@@ -34,8 +34,8 @@ class JointPublisher {
     std::uint64_t incarnation = 0;
     std::uint64_t tick = 0;
     Clock::time_point due{};
-    std::uint64_t seen = 0;  ///< tick that was not published at once
-    Clock::time_point seen_since{};
+    std::uint64_t waiting = 0;  ///< tick that was not published at once
+    Clock::time_point waiting_since{};
   };
 
   void run(const std::stop_token& stop);

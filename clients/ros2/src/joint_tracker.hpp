@@ -5,9 +5,8 @@
 
 namespace vdrive::ros2 {
 
-/// Follows positions that come from time to time: goes from one to the next in a straight line, and
-/// keeps the limits of speed and acceleration whatever comes, so that it never jumps. At the last
-/// one it rests.
+/// Follows single positions in a straight line from one to the next, within the limits of speed and
+/// acceleration, so that it never jumps. It rests at the last one.
 class JointTracker {
  public:
   /// @param start where the joint is
@@ -26,7 +25,7 @@ class JointTracker {
   /// Brakes to rest, as soon as the limits permit.
   void stop(const JointLimits& limits) noexcept;
 
-  /// It has come to rest by other means: what follows begins there.
+  /// Records that the joint has come to rest here by another cause.
   void rest() noexcept {
     now_.velocity = 0.0;
     now_.acceleration = 0.0;

@@ -8,7 +8,7 @@
 namespace vdrive::ros2 {
 namespace {
 
-/// @return whether the configuration means this axis by `text`.
+/// @return whether `text` of the configuration names this axis.
 bool names(const std::string& text, const client::AxisInfo& axis) {
   return text == to_string(axis.id) || text == axis.name ||
          text == std::to_string(axis.id.bench) + "." + axis.name;

@@ -13,7 +13,7 @@
 
 namespace vdrive::ros2 {
 
-/// An axis as ROS knows it.
+/// An axis as a joint of ROS.
 struct Joint {
   std::string name;
   client::AxisId axis;
@@ -27,8 +27,8 @@ struct Joint {
   }
 };
 
-/// The joints of a bench, one an axis, in the order of its axes: called as the configuration says,
-/// else as the axis, with "bench1_" before it where that is wanted.
+/// The joints of a bench, one an axis, in the order of its axes. A joint has the name of the
+/// configuration, else that of its axis, with the prefix "bench1_" where the settings have it.
 [[nodiscard]] std::vector<Joint> joints_of(const client::BenchInfo& bench,
                                            const Settings& settings);
 
@@ -38,11 +38,12 @@ struct JointPlace {
   std::size_t place = 0;
 };
 
-/// Which joints there are. A name stands for one axis.
+/// The joints by name. A name belongs to one axis.
 class JointDirectory {
  public:
   /// Adds the joints of a bench.
-  /// @return why not, naming the joint: the bench has a name twice, or another bench has it.
+  /// @return the reason when it adds none, with the joint: the name occurs twice, or on another
+  /// bench.
   [[nodiscard]] std::optional<std::string> add(std::uint32_t bench,
                                                const std::vector<Joint>& joints);
 

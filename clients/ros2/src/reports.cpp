@@ -25,20 +25,20 @@ const char* word_of(Severity severity) {
 Reports::Reports(wire::Participant& participant, const std::string& topic)
     : rosout_(participant, topic) {}
 
-bool Reports::may_tell(Subject& subject, const std::string& text) {
+bool Reports::is_due(Subject& subject, const std::string& text) {
   const auto now = bridge::RateLimit::Clock::now();
   if (subject.texts.size() > kMostTexts) subject.texts.clear();
-  const auto [told, is_new] = subject.texts.try_emplace(text, now);
-  if ((!is_new && now - told->second < kAgain) || !subject.limit.take(now)) return false;
-  told->second = now;
+  const auto [reported, is_new] = subject.texts.try_emplace(text, now);
+  if ((!is_new && now - reported->second < kAgain) || !subject.limit.take(now)) return false;
+  reported->second = now;
   return true;
 }
 
-void Reports::tell(Severity severity, const std::string& subject, const std::string& text) {
+void Reports::report(Severity severity, const std::string& subject, const std::string& text) {
   const std::scoped_lock lock(mutex_);
   if (subjects_.size() > kMostSubjects) subjects_.clear();
   Subject& known = subjects_[subject];
-  if (!may_tell(known, text)) {
+  if (!is_due(known, text)) {
     ++known.left_out;
     return;
   }

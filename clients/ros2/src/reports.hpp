@@ -11,29 +11,30 @@
 
 namespace vdrive::ros2 {
 
-/// How much it matters; the numbers are those of rcl_interfaces/msg/Log.
+/// The level of a report; the numbers are those of rcl_interfaces/msg/Log.
 enum class Severity : std::uint8_t { info = 20, warning = 30, error = 40 };
 
-/// Tells people what happens: a line on standard error and a message on rosout. What comes again
-/// and again is told once a second, and of a subject no more than five texts a second, with the
-/// number of those left out. Thread-safe; not for DDS threads.
+/// Reports to people: a line on standard error and a message on rosout. An equal text is reported
+/// once a second, and of a subject no more than five texts a second, with the number of those left
+/// out. Thread-safe; not for DDS threads.
 class Reports {
  public:
   Reports(wire::Participant& participant, const std::string& topic);
 
   /// @param subject what the report is about; reports of one subject are limited together
   /// @param text a sentence without a full stop
-  void tell(Severity severity, const std::string& subject, const std::string& text);
+  void report(Severity severity, const std::string& subject, const std::string& text);
 
  private:
-  /// Whether a text about a subject may be told, and what was left out before.
+  /// What was reported about a subject, and how many texts were left out since.
   struct Subject {
     bridge::RateLimit limit{5.0, 10.0};
-    std::map<std::string, bridge::RateLimit::Clock::time_point> texts{};  ///< when they were told
+    std::map<std::string, bridge::RateLimit::Clock::time_point>
+        texts{};  ///< when they were reported
     std::uint64_t left_out = 0;
   };
 
-  [[nodiscard]] static bool may_tell(Subject& subject, const std::string& text);
+  [[nodiscard]] static bool is_due(Subject& subject, const std::string& text);
 
   std::mutex mutex_;
   std::map<std::string, Subject> subjects_;

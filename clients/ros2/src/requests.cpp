@@ -15,7 +15,7 @@ namespace {
 constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
 constexpr double kSecondsPerNanosecond = 1e-9;
 
-/// The places in `name` that the values of an array belong to; empty when that is not known.
+/// The places in `name` that the values of an array belong to; empty when these are ambiguous.
 std::vector<std::size_t> places_of(const std::vector<std::optional<KnownJoint>>& joints,
                                    Interface interface, std::size_t values) {
   std::vector<std::size_t> places;
@@ -52,7 +52,7 @@ class CommandReader {
     if (places.empty()) {
       problem(std::string(to_string(interface)) + " has " + std::to_string(values.size()) +
               " values for " + std::to_string(names_.size()) +
-              " names: ignored; an interface for each joint in the configuration would tell which");
+              " names: ignored; give each joint its interface in the configuration");
       return;
     }
     for (std::size_t i = 0; i < values.size(); ++i) take(places[i], interface, values[i]);
@@ -116,7 +116,8 @@ std::string check_point(const wire::ros::JointTrajectoryPoint& point, std::size_
       return "has " + std::to_string(array.values.size()) + " " + array.name + " for " +
              std::to_string(joints) + " joints";
     }
-    if (!all_finite(array.values)) return "has " + std::string(array.name) + " that are no number";
+    if (!all_finite(array.values))
+      return "has " + std::string(array.name) + " that are not numbers";
   }
   if (!point.effort().empty()) return "has effort, which a trajectory of positions cannot follow";
   return {};

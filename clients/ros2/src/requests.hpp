@@ -19,13 +19,13 @@ struct JointCommand {
   double value = 0.0;  ///< finite
 };
 
-/// What a message means, and what of it means nothing.
+/// The commands of a message, and what is wrong with it.
 struct JointCommands {
   std::vector<JointCommand> commands;
   std::vector<std::string> problems;  ///< a sentence each, without a full stop
 };
 
-/// What is known of a joint when a message arrives.
+/// A joint at the time of a message.
 struct KnownJoint {
   JointPlace place;
   std::optional<Interface> interface {};  ///< the only one that the configuration permits
@@ -55,7 +55,7 @@ struct Trajectory {
   std::int64_t start = 0;  ///< [ns], 0 = at once
 };
 
-/// @param problem why it is refused, when it is
+/// @param problem gets the reason of a refusal
 /// @return nothing when the trajectory is refused.
 [[nodiscard]] std::optional<Trajectory> read_trajectory(const wire::ros::JointTrajectory& message,
                                                         const FindJoint& find,

@@ -17,7 +17,7 @@
 namespace vdrive::ros2 {
 namespace {
 
-/// A value of the document, which every error about it names.
+/// A value of the document; each error has its file, line and key.
 class Value {
  public:
   Value(const YAML::Node& node, std::string file, std::string key)
@@ -30,7 +30,7 @@ class Value {
   }
 
   [[nodiscard]] std::string text() const {
-    if (!node_.IsScalar() || node_.Scalar().empty()) refuse("must be a text");
+    if (!node_.IsScalar() || node_.Scalar().empty()) refuse("must be text");
     return node_.Scalar();
   }
 
@@ -57,10 +57,10 @@ class Value {
     if (!node_.IsMap()) refuse("must be a map");
     std::set<std::string> seen;
     for (const auto& entry : node_) {
-      if (!entry.first.IsScalar()) refuse("has a key that is no text");
+      if (!entry.first.IsScalar()) refuse("has a key that is not text");
       const std::string& key = entry.first.Scalar();
       const Value value(entry.second, file_, key_.empty() ? key : key_ + "." + key);
-      if (!seen.insert(key).second) value.refuse("is there twice");
+      if (!seen.insert(key).second) value.refuse("occurs twice");
       visit(key, value);
     }
   }
@@ -87,7 +87,7 @@ void read_map(const Value& map, const std::map<std::string, Setter>& setters) {
     if (setter != setters.end()) return setter->second(value);
     std::string known;
     for (const auto& [name, unused] : setters) known += (known.empty() ? "" : ", ") + name;
-    value.refuse("is no key here; there are " + known);
+    value.refuse("is not a key here; the keys are " + known);
   });
 }
 
@@ -97,7 +97,7 @@ void read_topics(const Value& map, TopicNames& topics) {
       topic = value.text();
       const std::string absolute = topic.starts_with('/') ? topic : "/" + topic;
       if (!wire::ros::check_topic(absolute).empty()) {
-        value.refuse("is no name of a topic: letters, digits and '_', parts divided by '/'");
+        value.refuse("is not the name of a topic: letters, digits and '_', parts divided by '/'");
       }
     };
   };

@@ -31,7 +31,7 @@ struct JointSetting {
   std::optional<Interface> interface {};  ///< the only one that commands it
 };
 
-/// What vdrive-ros2 does.
+/// The settings of vdrive-ros2.
 struct Settings {
   static constexpr double kLowestRate = 1.0;
   static constexpr double kHighestRate = 1000.0;
@@ -48,7 +48,7 @@ struct Settings {
   std::vector<JointSetting> joints{};
 };
 
-/// The command line or the configuration is wrong: file, line, key, value and limit.
+/// An error of command line or configuration, with file, line, key, value and limit.
 class BadSettings : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -58,7 +58,7 @@ class BadSettings : public std::runtime_error {
 /// @throws BadSettings
 void read_settings(const std::string& text, const std::string& file, Settings& settings);
 
-/// Puts the namespace before the topics. @throws BadSettings for a name that ROS does not have.
+/// Puts the namespace before the topics. @throws BadSettings for a name that ROS does not permit.
 void resolve_topics(Settings& settings);
 
 }  // namespace vdrive::ros2

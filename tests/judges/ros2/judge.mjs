@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A node of ROS 2 by the stack that Foxglove publishes, which is no Fast DDS and no Cyclone DDS.
+// A node of ROS 2 by the stack that Foxglove publishes, which is neither Fast DDS nor Cyclone DDS.
 //
 //   node judge.mjs DOMAIN MESSAGES
 //
