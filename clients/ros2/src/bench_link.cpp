@@ -238,7 +238,7 @@ void BenchLink::report_control(const BenchState& state) {
   });
   if (faults > 0) {
     text += "; " + std::to_string(faults) + " of " + std::to_string(state.axes.size()) +
-            " are in a fault: publish true on the topic enable to reset it";
+            " are in a fault: publish true on the topic enable to reset them";
   }
   reported_owner_ = 0;
   reported_refusal_.clear();
