@@ -120,7 +120,7 @@ Admission admit(const UpgradeRequest& request, const AdmissionRules& rules) {
   if (!is_own_host(request.host, rules)) {
     return refused(
         kForbidden, Refusal::host,
-        "the host " + in_quotes(request.host) + " is no name of this gateway: see --host");
+        "the host " + in_quotes(request.host) + " is not a name of this gateway: see --host");
   }
   if (!request.origin.empty() && !is_own_origin(request, rules)) {
     return refused(kForbidden, Refusal::origin,

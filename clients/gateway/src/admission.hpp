@@ -11,10 +11,10 @@ namespace vdrive::gateway {
 
 /// Why a request to open a WebSocket is refused.
 enum class Refusal : std::uint8_t {
-  host,         ///< its host is no name of the gateway
+  host,         ///< its host is not a name of the gateway
   origin,       ///< a foreign page
   token,        ///< missing or wrong
-  subprotocol,  ///< it offers none that the gateway speaks
+  subprotocol,  ///< it offers none that the gateway supports
   clients,      ///< as many clients are connected as may be
 };
 
@@ -30,7 +30,7 @@ struct AdmissionRules {
   std::string token{};                 ///< empty = none needed
 };
 
-/// What a client says about itself in the HTTP request that opens a WebSocket. Empty = not given.
+/// What the HTTP request of a client has that opens a WebSocket. Empty = not given.
 struct UpgradeRequest {
   std::string_view target;         ///< such as "/?token=..."
   std::string_view host;           ///< header Host
@@ -42,7 +42,7 @@ struct UpgradeRequest {
 /// The answer to it.
 struct Admission {
   unsigned status = 101;            ///< of HTTP; 101 = admitted
-  std::string subprotocol{};        ///< admitted: the one offered first that the gateway speaks
+  std::string subprotocol{};        ///< admitted: the first one offered that the gateway supports
   Refusal refusal = Refusal::host;  ///< refused: why
   std::string reason{};             ///< refused: a sentence
 };

@@ -261,7 +261,7 @@ void BenchFeed::choose_traces() {
   }
 }
 
-/// While time stands still no tick comes, and who subscribes then wants to see something too.
+/// While time stands still no tick comes, and a new subscriber needs a message, too.
 void BenchFeed::observe_once() {
   std::vector<client::AxisId> axes;
   {

@@ -76,7 +76,7 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--metrics", arguments.metrics,
                  "Serve Prometheus metrics at http://ADDRESS:PORT/metrics; port 0 = any")
       ->type_name("ADDRESS:PORT");
-  app.add_flag("--control", arguments.control, "Clients may command; default: they only look");
+  app.add_flag("--control", arguments.control, "Clients may command; without it they only receive");
   app.add_option("--token", arguments.token,
                  "File whose first line clients must send as ?token=...; needed off loopback")
       ->type_name("FILE");
@@ -173,7 +173,7 @@ int serve(const Arguments& arguments) {
   WebServer server(settings, embedded_page());
   Hub hub(server, hub_settings(arguments));
   std::cout << "vdrive-gateway: " << url_of(settings.listen.address, server.port())
-            << (arguments.control ? " (clients may command)" : " (looking only)") << std::endl;
+            << (arguments.control ? " (clients may command)" : " (view only)") << std::endl;
   if (const auto port = server.metrics_port()) {
     std::cout << "vdrive-gateway: " << url_of(settings.metrics->address, *port) << "metrics"
               << std::endl;

@@ -19,7 +19,7 @@ struct KnownBench {
   std::vector<std::string> axis_names;  ///< in the order of info.axes; each once
 };
 
-/// The benches that the gateway knows, by number. Nobody changes it: there is a new one when a
+/// The benches that the gateway has found, by number. Nobody changes it: there is a new one when a
 /// bench comes or goes.
 using BenchList = std::shared_ptr<const std::vector<KnownBench>>;
 

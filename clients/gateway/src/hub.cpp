@@ -27,7 +27,7 @@ constexpr std::size_t kMostBatches = 256;  // under way to the server's thread
 constexpr std::size_t kMostSubscriptions = 16'384;
 constexpr std::size_t kMostParameters = 512;
 constexpr std::size_t kLongestName = 64;
-// What the drive itself says when somebody else holds an axis.
+// The code of a drive when somebody else holds an axis.
 constexpr std::uint32_t kControlled = wire_code(AbortCode::refused_local_control);
 constexpr std::uint32_t kOwnChannels = 0;  // no bench has this number
 
@@ -66,7 +66,7 @@ Json parse_request(const CallService& message) {
   }
   if (message.payload.empty()) return Json::object();
   Json request = Json::parse(message.payload, nullptr, false);
-  if (!request.is_object()) throw ProtocolError("the request is no JSON object");
+  if (!request.is_object()) throw ProtocolError("the request is not a JSON object");
   return request;
 }
 
@@ -186,7 +186,7 @@ void Hub::on_bytes(ConnectionId id, bool is_text, std::string_view bytes) {
         },
         message);
   } catch (const ProtocolError& error) {
-    tell(id, Level::error, error.what());
+    send_status(id, Level::error, error.what());
   }
 }
 
@@ -223,16 +223,19 @@ void Hub::handle(ConnectionId id, const Subscribe& message) {
   for (const Subscription& wanted : message.subscriptions) {
     const auto channel = channels_.find(wanted.channel);
     if (channel == channels_.end()) {
-      tell(id, Level::error, "there is no channel " + std::to_string(wanted.channel));
+      send_status(id, Level::error,
+                  "channel " + std::to_string(wanted.channel) + " does not exist");
       continue;
     }
     if (client.subscriptions.size() >= kMostSubscriptions) {
-      tell(id, Level::error,
-           "a connection has " + std::to_string(kMostSubscriptions) + " subscriptions at most");
+      send_status(
+          id, Level::error,
+          "a connection has " + std::to_string(kMostSubscriptions) + " subscriptions at most");
       return;
     }
     if (!client.subscriptions.emplace(wanted.id, channel->second).second) {
-      tell(id, Level::error, "there is a subscription " + std::to_string(wanted.id) + " already");
+      send_status(id, Level::error,
+                  "subscription " + std::to_string(wanted.id) + " exists already");
       continue;
     }
     Channel& subscribed = *channel->second;
@@ -258,7 +261,8 @@ void Hub::handle(ConnectionId id, const Unsubscribe& message) {
   for (const std::uint32_t subscription : message.ids) {
     const auto found = client.subscriptions.find(subscription);
     if (found == client.subscriptions.end()) {
-      tell(id, Level::warning, "there is no subscription " + std::to_string(subscription));
+      send_status(id, Level::warning,
+                  "subscription " + std::to_string(subscription) + " does not exist");
       continue;
     }
     end_subscription(id, subscription, *found->second);
@@ -392,7 +396,7 @@ void Hub::send_graph(ConnectionId id) {
 
 bool Hub::post(ConnectionId id, std::function<void()> job) {
   if (clients_.at(id).worker->post(std::move(job))) return true;
-  tell(id, Level::error, "too many requests wait: this one is dropped");
+  send_status(id, Level::error, "too many requests wait: this one is dropped");
   return false;
 }
 
@@ -402,9 +406,9 @@ void Hub::handle(ConnectionId id, const GetParameters& message) {
   if (names.empty()) {
     names = all_parameters(*benches);
     if (names.empty() && !benches->empty()) {
-      tell(id, Level::warning,
-           "the benches have more than " + std::to_string(kMostAxesOfAll) +
-               R"( axes: ask for parameters by name, such as "bench1/x/0x6081")");
+      send_status(id, Level::warning,
+                  "the benches have more than " + std::to_string(kMostAxesOfAll) +
+                      R"( axes: ask for parameters by name, such as "bench1/x/0x6081")");
     }
   }
   (void)post(id, [this, id, benches, names = std::move(names), request = message.id] {
@@ -417,7 +421,7 @@ void Hub::handle(ConnectionId id, const GetParameters& message) {
 
 void Hub::handle(ConnectionId id, const SetParameters& message) {
   if (const Outcome right = check_right(id, Right::command); !right) {
-    tell(id, Level::error, right.message());
+    send_status(id, Level::error, right.message());
     return;
   }
   (void)post(id, [this, id, benches = watch_->benches(), message, session = control_.session()] {
@@ -431,7 +435,7 @@ void Hub::handle(ConnectionId id, const SetParameters& message) {
 void Hub::send_parameters(ConnectionId id, const ParameterAnswer& answer,
                           const std::optional<std::string>& request) {
   if (!clients_.contains(id)) return;
-  for (const std::string& complaint : answer.complaints) tell(id, Level::error, complaint);
+  for (const std::string& complaint : answer.complaints) send_status(id, Level::error, complaint);
   if (clients_.contains(id)) {
     server_.send_answer(id, parameters_text(answer.parameters, request));
   }
@@ -446,8 +450,9 @@ void Hub::handle(ConnectionId id, const SubscribeParameters& message) {
       continue;
     }
     if (client.parameters.size() >= kMostParameters) {
-      tell(id, Level::error,
-           "a connection subscribes " + std::to_string(kMostParameters) + " parameters at most");
+      send_status(
+          id, Level::error,
+          "a connection subscribes " + std::to_string(kMostParameters) + " parameters at most");
       return;
     }
     if (client.parameters.emplace(name, std::nullopt).second) client.unsent.insert(name);
@@ -489,10 +494,10 @@ void Hub::on_polled(const ParameterAnswer& answer) {
 // ---- services
 
 Outcome Hub::check_right(ConnectionId id, Right right) const {
-  if (right == Right::look) return {};
+  if (right == Right::none) return {};
   if (!control_.is_enabled()) {
     return Outcome::refused(kControlled,
-                            "this gateway only looks: start it with --control to command");
+                            "this gateway is view only: start it with --control to command axes");
   }
   const bool needs_control = right == Right::command || right == Right::jog;
   if (!needs_control || control_.is_holder(id)) return {};
@@ -509,7 +514,7 @@ Outcome Hub::held_outcome() const {
 void Hub::handle(ConnectionId id, const CallService& message) {
   try {
     if (message.service == 0 || message.service > services().size()) {
-      throw ProtocolError("there is no service " + std::to_string(message.service));
+      throw ProtocolError("service " + std::to_string(message.service) + " does not exist");
     }
     const ServiceRow& row = services()[message.service - 1];
     Json request = parse_request(message);
@@ -622,7 +627,7 @@ void Hub::on_session(ConnectionId id, const CallService& message, const Taking& 
     }
     const ConnectionId before = *control_.holder();
     server_.set_patience(before, WebServer::kPatience);
-    tell(before, Level::warning, "control was taken over");
+    send_status(before, Level::warning, "control was taken over");
   }
   if (!taking.name.empty()) client->second.name = taking.name;
   control_.take(id, session);
@@ -631,7 +636,7 @@ void Hub::on_session(ConnectionId id, const CallService& message, const Taking& 
   answer(id, message, {});
 }
 
-void Hub::tell(ConnectionId id, Level level, std::string_view text) {
+void Hub::send_status(ConnectionId id, Level level, std::string_view text) {
   server_.send_answer(id, status_text(level, text));
 }
 

@@ -93,7 +93,7 @@ class Hub {
   void on_session(ConnectionId id, const CallService& message, const Taking& taking,
                   const SessionPointer& session, const std::string& error);
   void answer(ConnectionId id, const CallService& message, const CallAnswer& answer);
-  void tell(ConnectionId id, Level level, std::string_view text);
+  void send_status(ConnectionId id, Level level, std::string_view text);
   [[nodiscard]] bool post(ConnectionId id, std::function<void()> job);
   void send_shared(ConnectionId id, const SharedBytes& text);
   void send_parameters(ConnectionId id, const ParameterAnswer& answer,

@@ -11,7 +11,7 @@ namespace {
 
 using client::Outcome;
 
-/// Jogs an axis until `is_held` says no, and answers as soon as it runs or is refused.
+/// Jogs an axis while `is_held`, and answers as soon as it runs or is refused.
 void jog(client::Session& session, const JogRequest& request, const std::function<bool()>& is_held,
          const Jogs::Answer& answer) {
   auto axis = session.axis(request.axis);
@@ -27,7 +27,7 @@ void jog(client::Session& session, const JogRequest& request, const std::functio
         return is_held();
       },
       jog_options());
-  // What ends it later, such as a fault, is seen in the status and among the events.
+  // The status and the events show what ends it later, such as a fault.
   if (!has_begun) answer({.outcome = outcome});
 }
 

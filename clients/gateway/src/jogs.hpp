@@ -17,8 +17,8 @@ namespace vdrive::gateway {
 
 using SessionPointer = std::shared_ptr<client::Session>;
 
-/// The axes that a client jogs: each runs while the client says so again within kHeldTime, then
-/// brakes and stands. Of one thread; each axis waits in a thread of its own.
+/// The axes that a client jogs: each runs while the client repeats its request within kHeldTime,
+/// then brakes and stands. Of one thread; each axis waits in a thread of its own.
 class Jogs {
  public:
   using Clock = std::chrono::steady_clock;

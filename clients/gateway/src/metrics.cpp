@@ -107,7 +107,8 @@ void add_benches(Families& families, const std::vector<BenchSight>& benches) {
 
 std::string metrics_text(const GatewayCounts& counts) {
   Families families;
-  families.begin("vdrive_gateway_info", "1; its label says what the gateway is", MetricType::Gauge);
+  families.begin("vdrive_gateway_info", "1; its label has the version of the gateway",
+                 MetricType::Gauge);
   families.add("version", VDRIVE_VERSION).gauge.value = 1.0;
   add_clients(families, counts.web);
   add_channels(families, counts);

@@ -70,7 +70,7 @@ PageAnswer find_page_file(Page page, std::string_view target) {
   return {.status = 404,
           .content_type = kText,
           .cache_control = "no-store",
-          .bytes = "There is no such file.\n"};
+          .bytes = "The gateway has no such file.\n"};
 }
 
 }  // namespace vdrive::gateway

@@ -26,7 +26,7 @@ struct PageAnswer {
 };
 
 /// @param target of an HTTP request, such as "/?token=x"
-/// @return the file for it; without a page one that says how to get it.
+/// @return the file for it; without a page one that explains how to get it.
 [[nodiscard]] PageAnswer find_page_file(Page page, std::string_view target);
 
 /// What the page may do, in the words of the header Content-Security-Policy.

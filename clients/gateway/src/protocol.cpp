@@ -34,7 +34,7 @@ const Json& array_of(const Json& object, const char* key) {
   return value;
 }
 
-std::uint32_t number_of(const Json& value, const char* key) {
+std::uint32_t as_number(const Json& value, const char* key) {
   if (value.is_number_integer()) {
     const auto number = value.get<std::int64_t>();
     if (number >= 0 && number <= std::numeric_limits<std::uint32_t>::max()) {
@@ -44,7 +44,7 @@ std::uint32_t number_of(const Json& value, const char* key) {
   throw ProtocolError(in_quotes(key) + " must be a number from 0 to 4294967295");
 }
 
-std::string text_of(const Json& value, const char* key) {
+std::string as_text(const Json& value, const char* key) {
   if (!value.is_string()) throw ProtocolError(in_quotes(key) + " must be a text");
   return value.get<std::string>();
 }
@@ -52,14 +52,14 @@ std::string text_of(const Json& value, const char* key) {
 std::optional<std::string> id_of(const Json& message) {
   const auto found = message.find("id");
   if (found == message.end() || found->is_null()) return std::nullopt;
-  return text_of(*found, "id");
+  return as_text(*found, "id");
 }
 
 std::vector<std::string> names_of(const Json& message) {
   std::vector<std::string> names;
   const Json& list = array_of(message, "parameterNames");
   names.reserve(list.size());
-  for (const Json& name : list) names.push_back(text_of(name, "parameterNames"));
+  for (const Json& name : list) names.push_back(as_text(name, "parameterNames"));
   return names;
 }
 
@@ -69,8 +69,8 @@ ClientMessage parse_subscribe(const Json& message) {
   subscribe.subscriptions.reserve(list.size());
   for (const Json& entry : list) {
     subscribe.subscriptions.push_back(
-        {.id = number_of(member(entry, "id"), "id"),
-         .channel = number_of(member(entry, "channelId"), "channelId")});
+        {.id = as_number(member(entry, "id"), "id"),
+         .channel = as_number(member(entry, "channelId"), "channelId")});
   }
   return subscribe;
 }
@@ -79,7 +79,7 @@ ClientMessage parse_unsubscribe(const Json& message) {
   Unsubscribe unsubscribe;
   const Json& list = array_of(message, "subscriptionIds");
   unsubscribe.ids.reserve(list.size());
-  for (const Json& id : list) unsubscribe.ids.push_back(number_of(id, "subscriptionIds"));
+  for (const Json& id : list) unsubscribe.ids.push_back(as_number(id, "subscriptionIds"));
   return unsubscribe;
 }
 
@@ -111,7 +111,7 @@ ClientMessage parse_set_parameters(const Json& message) {
   const Json& list = array_of(message, "parameters");
   change.parameters.reserve(list.size());
   for (const Json& entry : list) {
-    std::string name = text_of(member(entry, "name"), "name");
+    std::string name = as_text(member(entry, "name"), "name");
     const std::int64_t value = value_of(member(entry, "value"), name);
     change.parameters.push_back({.name = std::move(name), .value = value});
   }
@@ -189,7 +189,7 @@ Json message_schema(const std::string& name, const Json& schema) {
 ClientMessage parse_text(std::string_view text) {
   const Json message = Json::parse(text, nullptr, false);
   if (message.is_discarded()) throw ProtocolError("the text is not JSON");
-  const std::string name = text_of(member(message, "op"), "op");
+  const std::string name = as_text(member(message, "op"), "op");
   for (const OperationRow& row : kOperations) {
     if (row.name == name) return row.parse(message);
   }

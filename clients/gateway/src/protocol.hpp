@@ -25,7 +25,7 @@ using Json = nlohmann::json;
 inline constexpr std::array<std::string_view, 2> kSubprotocols{"foxglove.sdk.v1",
                                                                "foxglove.websocket.v1"};
 
-/// What a client sent breaks the protocol. The message says what and where.
+/// What a client sent breaks the protocol. The message has what and where.
 class ProtocolError final : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -80,7 +80,7 @@ struct CallService {
 using ClientMessage = std::variant<Subscribe, Unsubscribe, GetParameters, SetParameters,
                                    SubscribeParameters, SubscribeGraph, CallService>;
 
-/// @throws ProtocolError when `text` is no message of the protocol that this gateway knows.
+/// @throws ProtocolError when `text` is not a message that this gateway supports.
 [[nodiscard]] ClientMessage parse_text(std::string_view text);
 
 /// @throws ProtocolError as parse_text does.

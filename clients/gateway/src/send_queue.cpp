@@ -9,7 +9,7 @@ std::size_t SendQueue::push_data(Frame frame) {
   std::size_t dropped = 0;
   data_bytes_ += frame.size();
   data_.push_back(std::move(frame));
-  // The newest one stays, however large: a client that reads sees it.
+  // The newest one stays, however large: a client that reads receives it.
   while (data_.size() > 1 &&
          (data_.size() > limits_.data_frames || data_bytes_ > limits_.data_bytes)) {
     data_bytes_ -= data_.front().size();

@@ -102,8 +102,8 @@ ObjectAddress object_of(const Json& value) {
   std::optional<ObjectAddress> object;
   if (value.is_string()) object = parse_object(value.get_ref<const std::string&>());
   if (!object) {
-    throw ProtocolError("there is no object " + in_quotes(value.dump()) +
-                        R"(: expected such as "0x6081" or "0x607D:01")");
+    throw ProtocolError(in_quotes(value.dump()) +
+                        R"( is not an object: expected such as "0x6081" or "0x607D:01")");
   }
   return *object;
 }
@@ -371,7 +371,7 @@ CallAnswer call_disturb(Session& session, const Json& request) {
   const auto* const row =
       std::ranges::find(client::kDisturbances, name, &client::DisturbanceRow::name);
   if (row == client::kDisturbances.end()) {
-    throw ProtocolError("there is no disturbance " + in_quotes(name));
+    throw ProtocolError("the disturbance " + in_quotes(name) + " does not exist");
   }
   const auto value = number_of<std::int32_t>(request, "value");
   auto axis = session.axis(axis_text_of(request));
@@ -516,7 +516,7 @@ Json response_schema(Right right) {
                                {"message", text()},
                                {"code", integer()},
                                {"tick?", integer()}});
-  if (right == Right::look) {
+  if (right == Right::none) {
     schema["properties"]["values"] = array_schema(object_schema(
         {{"object", text()}, {"value?", integer()}, {"code", integer()}, {"message", text()}}));
   }
@@ -547,7 +547,7 @@ constexpr std::array kServices{
     ServiceRow{"/pause", "vdrive.Pause", Right::command, bench_request, call_pause},
     ServiceRow{"/rate", "vdrive.Rate", Right::command, rate_request, call_rate},
     ServiceRow{"/step", "vdrive.Step", Right::command, step_request, call_step},
-    ServiceRow{"/read", "vdrive.Read", Right::look, read_request, call_read},
+    ServiceRow{"/read", "vdrive.Read", Right::none, read_request, call_read},
     ServiceRow{"/write", "vdrive.Write", Right::command, write_request, call_write},
 };
 

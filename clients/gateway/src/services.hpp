@@ -14,7 +14,7 @@ namespace vdrive::gateway {
 
 /// What a client must have to call a service.
 enum class Right : std::uint8_t {
-  look,            ///< nothing
+  none,            ///< nothing
   stop,            ///< a gateway that lets clients command
   command,         ///< control, taken by this connection
   jog,             ///< as `command`; the hub carries it out
@@ -34,7 +34,7 @@ struct ServiceRow {
   Right right;
   Json (*request_schema)();
   /// Carries it out and waits until the drive has acted on it. Null where the hub does.
-  /// @throws ProtocolError when the request is wrong, saying what and where.
+  /// @throws ProtocolError when the request is wrong, with what and where.
   CallAnswer (*call)(client::Session& session, const Json& request);
 };
 
@@ -48,7 +48,7 @@ struct ServiceRow {
 [[nodiscard]] std::string answer_text(const CallAnswer& answer);
 
 /// @return the member `key` of a request as a text, empty without it.
-/// @throws ProtocolError when it is no text.
+/// @throws ProtocolError when it is not a text.
 [[nodiscard]] std::string text_of(const Json& request, const char* key);
 
 /// @return the member `key` of a request, false without it.
