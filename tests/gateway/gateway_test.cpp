@@ -157,7 +157,23 @@ TEST(GatewayConnection, SurvivesGarbage) {
   EXPECT_EQ(another.server_info()["op"], "serverInfo");
 }
 
-// ---- what is seen
+TEST(GatewayConnection, EndsWithAFloodOfMessagesAndTheOthersGoOn) {
+  const RunningGateway gateway;
+  ToolClient calm(gateway.port());
+  ToolClient flooding(gateway.port());
+  // More than the 4,000 that may come at once, and 200 for each second that sending takes.
+  for (int i = 0; i < 20'000 && !flooding.web().has_ended(); ++i) {
+    flooding.web().send(R"({"op":"unsubscribe","subscriptionIds":[]})", true);
+  }
+  EXPECT_TRUE(soon([&] {
+    flooding.read_for(20ms);
+    return flooding.web().has_ended();
+  }));
+  EXPECT_EQ(calm.server_info()["op"], "serverInfo");
+  EXPECT_NO_THROW((void)calm.call("/read", {{"axis", "1.1"}, {"objects", {"0x6041"}}}));
+}
+
+// ---- what is shown
 
 /// @return the name of the first member in which the axis differs from the message.
 std::string difference(const client::AxisSnapshot& axis, const RosMessage& message,
@@ -399,6 +415,41 @@ TEST(GatewayMetrics, AreRefusedWhereTheirAddressIsTakenOrNone) {
   EXPECT_THAT(wrong.errors, HasSubstr("--metrics '9100'"));
 }
 
+// ---- the graph of connections
+
+/// @return the identifiers that the list has for this name.
+Json ids_of(const Json& list, const std::string& name, const char* key) {
+  for (const Json& entry : list) {
+    if (entry["name"] == name) return entry[key];
+  }
+  return nullptr;
+}
+
+TEST(GatewayGraph, NamesWhoPublishesAndWhoReceivesATopic) {
+  const RunningService service("--clock lockstep");
+  const RunningGateway gateway;
+  ToolClient watcher(gateway.port());
+  ToolClient receiver(gateway.port());
+  (void)watcher.channel("/bench1/status");
+  watcher.send({{"op", "subscribeConnectionGraph"}});
+  const Json graph = watcher.next_text("connectionGraphUpdate");
+  EXPECT_EQ(ids_of(graph["publishedTopics"], "/bench1/status", "publisherIds"),
+            Json::array({"bench1"}));
+  EXPECT_EQ(ids_of(graph["subscribedTopics"], "/bench1/status", "subscriberIds"), Json::array());
+  EXPECT_EQ(ids_of(graph["advertisedServices"], "/move", "providerIds"), Json::array({"gateway"}));
+  const auto becomes = [&](std::size_t receivers) {
+    return soon([&] {
+      const Json update = watcher.next_text("connectionGraphUpdate");
+      return ids_of(update["subscribedTopics"], "/bench1/status", "subscriberIds").size() ==
+             receivers;
+    });
+  };
+  receiver.subscribe("/bench1/status");
+  EXPECT_TRUE(becomes(1));
+  receiver.web().close();
+  EXPECT_TRUE(becomes(0));
+}
+
 // ---- parameters
 
 TEST(GatewayParameters, ReadWriteAndReportChanges) {
@@ -502,6 +553,69 @@ TEST(GatewayServices, EnableMoveAndStopAnAxis) {
       10s));
 }
 
+TEST(GatewayServices, CarryOutWhatAButtonOfADashboardNeeds) {
+  const RunningService service("--clock realtime");
+  const RunningGateway gateway("--control");
+  Session session(options());
+  auto axis = session.axis("1.1");
+  ASSERT_TRUE(axis);
+  ToolClient client(gateway.port());
+  (void)client.channel("/bench1/status");
+  ASSERT_EQ(client.call("/take_control", Json::object())["ok"], true);
+  const Json first{{"axes", {"1.1"}}};
+  const Json both{{"axes", {"1.1", "1.2"}}};
+  const auto is_done = [&](const char* name, const Json& request) {
+    const Json answer = client.call(name, request);
+    return answer["ok"] == true ? std::string() : name + answer.dump();
+  };
+  EXPECT_EQ(is_done("/enable", both), "");
+  EXPECT_EQ(is_done("/move", {{"axis", "1.1"}, {"position", 100'000}, {"velocity", 2'000}}), "");
+  EXPECT_EQ(is_done("/halt", first), "");
+  EXPECT_EQ(is_done("/resume", first), "");
+  EXPECT_EQ(is_done("/move", {{"axis", "1.1"}, {"position", -300}, {"relative", true}}), "");
+  EXPECT_EQ(is_done("/quick_stop", {{"bench", 1}}), "");
+  EXPECT_EQ(is_done("/disable", both), "");
+  EXPECT_EQ(is_done("/enable", both), "");
+  const Json moves =
+      Json::array({{{"axis", "1.1"}, {"position", 900}}, {{"axis", "1.2"}, {"position", -900}}});
+  EXPECT_EQ(
+      is_done("/move_group", {{"moves", moves}, {"velocity", 50'000}, {"acceleration", 1'000'000}}),
+      "");
+  EXPECT_TRUE(axis->wait_until(
+      [](const auto& status) {
+        return status.status.load_position_actual_value == 900;
+      },
+      20s));
+  EXPECT_EQ(*axis->read({0x6083, 0}), 1'000'000);
+  EXPECT_EQ(is_done("/home", {{"axis", "1.1"}}), "");
+  EXPECT_EQ(is_done("/disturb", {{"axis", "1.1"}, {"name", "over_current"}, {"value", 1}}), "");
+  EXPECT_TRUE(axis->wait_until(
+      [](const auto& status) {
+        return status.state() == PowerState::fault;
+      },
+      20s));
+  EXPECT_EQ(is_done("/end_disturbances", both), "");
+  EXPECT_EQ(is_done("/reset", first), "");
+  EXPECT_EQ(is_done("/disable", both), "");
+  EXPECT_EQ(is_done("/store", both), "");
+  EXPECT_EQ(is_done("/restore", first), "");
+  EXPECT_EQ(is_done("/power_cycle", first), "");
+  EXPECT_NE(*axis->read({0x6083, 0}), 1'000'000) << "the default is in force again";
+  EXPECT_EQ(is_done("/rate", {{"bench", 1}, {"rate", 2.5}}), "");
+  EXPECT_EQ(is_done("/pause", {{"bench", 1}}), "");
+}
+
+TEST(GatewayServices, StepALockstepBench) {
+  const RunningService service("--clock lockstep");
+  const RunningGateway gateway("--control");
+  ToolClient client(gateway.port());
+  (void)client.channel("/bench1/status");
+  ASSERT_EQ(client.call("/take_control", Json::object())["ok"], true);
+  EXPECT_EQ(client.call("/step", {{"bench", 1}, {"ticks", 250}})["tick"], 250);
+  EXPECT_EQ(client.call("/step", {{"bench", 1}, {"ticks", 1}})["tick"], 251);
+  EXPECT_THAT(client.call("/step", {{"bench", 1}, {"ticks", 0}})["message"], HasSubstr("1000000"));
+}
+
 TEST(GatewayServices, SayWhatIsWrongWithARequest) {
   const RunningService service("--clock realtime");
   const RunningGateway gateway("--control");
@@ -562,12 +676,31 @@ TEST(GatewayControl, IsGivenBackByAGracefulClose) {
   EXPECT_EQ(axis->status()->state(), PowerState::operation_enabled) << "it stays as it is";
 }
 
+/// A silent holder is closed after 10 s.
+TEST(GatewayControl, IsGivenBackByACloseWithoutACode) {
+  const RunningService service("--clock realtime");
+  const RunningGateway gateway("--control");
+  Session session(options());
+  auto axis = session.axis("1.1");
+  ASSERT_TRUE(axis);
+  ToolClient client(gateway.port());
+  command(client);
+  // A close frame without payload, masked with zeros: as WebSocket.close() of a browser sends it.
+  client.web().send_raw({"\x88\x80\0\0\0\0", 6});
+  EXPECT_TRUE(axis->wait_until(
+      [](const auto& status) {
+        return status.owner_session == 0;
+      },
+      10s));
+  EXPECT_EQ(axis->status()->state(), PowerState::operation_enabled) << "it stays as it is";
+}
+
 void expect_lost_master(client::Axis& axis) {
   const auto fault = axis.wait_until(
       [](const auto& status) {
         return status.state() == PowerState::fault;
       },
-      10s);
+      30s);
   ASSERT_TRUE(fault) << fault.outcome().message();
   EXPECT_EQ(fault->status.error_code, kLostMaster);
 }

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Two services and a client on three hosts.
 
-  network_test.py CASE --service VDRIVED --tool VDRIVE --client NETWORK_CLIENT
+  network_test.py CASE --service VDRIVED --tool VDRIVE --client NETWORK_CLIENT --gateway VDRIVE-GATEWAY
 
 Exit code 0: passed, 1: failed, 77: skipped, with the reason.
 """
@@ -28,6 +28,7 @@ SILENCE = 1.5  # [s] after which a client calls a service lost
 TICKS_PER_SECOND = 1000
 CONNECTION_LOST = 0x8130
 STALE_EPOCH = 2
+GATEWAY_PATIENCE = 2  # [s] after which a gateway gives up a holder whose machine acknowledges nothing
 SKIPPED = 77
 GROUP = "group"  # as whose calls the client tells those of its group
 LONGEST = 100  # [s] after which a case cleans up and fails
@@ -603,6 +604,36 @@ def LossOfPacketsLosesNoCommandOrEndsSafe(case):
     case.expect_nothing_restarted()
 
 
+def AClientOfAGatewayWhoseCableIsCutIsALostMaster(case):
+    bench = Bench(case, case.a, 1)
+    hosts.wait_for("start of the service",
+                   lambda: any("incarnation=" in line for line in bench.service.lines()), 5)
+    bench.observe(case, "1.1")
+    token = "0123456789abcdef"
+    (case.directory / "token").write_text(f"{token}\n", encoding="utf-8")
+    gateway = case.a.start("gateway", case.programs.gateway, "--interface", case.a.address,
+                           "--listen", f"{case.a.address}:0", "--control", "--token",
+                           case.directory / "token")
+    hosts.wait_for("start of the gateway", lambda: gateway.lines(), 10)
+    port = re.search(r":(\d+)/", gateway.lines()[0])[1]
+    holder = case.c.start("holder", sys.executable, "-B",
+                          pathlib.Path(__file__).with_name("gateway_holder.py"), case.a.address,
+                          port, token, "1.1")
+    hosts.wait_for("an enabled axis", lambda: len(holder.lines()) == 2, 20)
+    expect(all(json.loads(line)["ok"] for line in holder.lines()), f"answers: {holder.lines()}")
+    # A client that is there and has nothing to send is no lost master: it answers the pings.
+    time.sleep(GATEWAY_PATIENCE + 1)
+    expect(bench.seen("1.1")[-1]["error"] == 0, "the client that answers pings was lost")
+
+    case.c.unplug()
+    cut = time.monotonic()
+    hosts.wait_for("the fault of a lost master",
+                   lambda: bench.seen("1.1")[-1]["error"] == CONNECTION_LOST, 20)
+    after = time.monotonic() - cut
+    # A client whose machine answers, but not its program, is closed after 10 s.
+    expect(after < 8, f"the fault came after {after:.1f} s")
+
+
 # --------------------------------------------------------------------------------------------------
 
 
@@ -613,7 +644,7 @@ def give_up(number, _frame):
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("case")
-    for program in ("service", "tool", "client", "ros2"):
+    for program in ("service", "tool", "client", "ros2", "gateway"):
         parser.add_argument(f"--{program}", required=True, type=pathlib.Path)
     programs = parser.parse_args()
     for number in (signal.SIGALRM, signal.SIGTERM, signal.SIGINT):

@@ -22,7 +22,10 @@ constexpr milliseconds kTidyPeriod{500};
 constexpr milliseconds kParameterPoll{500};  // at most twice a second
 constexpr milliseconds kGraphPeriod{500};
 constexpr milliseconds kTimePeriod{50};
-constexpr milliseconds kPatienceOfHolder{2000};
+// A lost network is noticed early. A program may be late: on a busy machine all of a browser may
+// stand still for some seconds.
+constexpr Patience kPatienceOfHolder{.program = WebServer::kPatience.program,
+                                     .machine = milliseconds(2000)};
 constexpr std::size_t kMostBatches = 256;  // under way to the server's thread
 constexpr std::size_t kMostSubscriptions = 16'384;
 constexpr std::size_t kMostParameters = 512;

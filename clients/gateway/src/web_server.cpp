@@ -6,7 +6,7 @@
 #include "vdrive/text.hpp"
 #include "vdrive/wording.hpp"
 
-// One thread runs the server: nothing to fence, and the thread sanitizer does not know fences.
+// One thread runs the server: nothing to fence, and the thread sanitizer does not support fences.
 #define BOOST_ASIO_DISABLE_FENCED_BLOCK
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -16,6 +16,9 @@
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
+
+#include <netinet/tcp.h>
+#include <sys/socket.h>
 
 #include <algorithm>
 #include <array>
@@ -63,6 +66,16 @@ boost::beast::string_view beast_view(std::string_view text) {
   return {text.data(), text.size()};
 }
 
+/// @return how long the other machine has acknowledged nothing; 0 while it has acknowledged all
+/// that
+///         it was sent. Its kernel does so, also for a program that is late.
+std::chrono::milliseconds unacknowledged(tcp::socket& socket) {
+  tcp_info info{};
+  socklen_t size = sizeof info;
+  if (::getsockopt(socket.native_handle(), IPPROTO_TCP, TCP_INFO, &info, &size) != 0) return {};
+  return std::chrono::milliseconds(info.tcpi_unacked == 0 ? 0 : info.tcpi_last_ack_recv);
+}
+
 /// What a connection is for.
 enum class Use : std::uint8_t {
   clients,  ///< the page and WebSockets
@@ -105,19 +118,23 @@ class Connection final : public std::enable_shared_from_this<Connection> {
 
   void push_answer(Frame frame, bool is_shared) {
     if (phase_ != Phase::open) return;
-    // It reads nothing. The end comes from watch(): the caller may go through all connections.
+    // The client reads nothing. The end comes from watch(): the caller may go through all
+    // connections.
     if (!queue_.push_answer(std::move(frame), is_shared)) is_overfull_ = true;
     write_next();
   }
 
-  void set_patience(std::chrono::milliseconds patience) { patience_ = patience; }
+  void set_patience(Patience patience) { patience_ = patience; }
 
-  /// Pings, reports what was dropped, notices who is gone. Called each kWatchPeriod.
-  void watch(Clock::time_point now) {
+  /// Pings, reports what was dropped, closes connections that are lost. Called each kWatchPeriod.
+  /// @param own_delay time in which this gateway itself did not run: it does not count for the
+  /// others
+  void watch(Clock::time_point now, Clock::duration own_delay) {
     if (phase_ == Phase::closing && now >= close_deadline_) end(false);
     if (phase_ != Phase::open) return;
+    received_ = std::min(now, received_ + own_delay);
     // A close frame would wait behind what is not read.
-    if (is_overfull_ || now - heard_ > patience_) {
+    if (is_overfull_ || is_silent(now, own_delay)) {
       count(shared_.counters.cut_off, is_overfull_ ? CutOff::unread : CutOff::silent);
       end(false);
       return;
@@ -127,8 +144,8 @@ class Connection final : public std::enable_shared_from_this<Connection> {
   }
 
   /// The server ends: the client is told so.
-  void say_goodbye() {
-    is_goodbye_ = true;
+  void announce_end() {
+    has_announced_end_ = true;
     if (phase_ == Phase::open) close(websocket::close_code::going_away, "the gateway ends");
     if (phase_ == Phase::http) end(false);
   }
@@ -143,11 +160,18 @@ class Connection final : public std::enable_shared_from_this<Connection> {
     stream().close();
     if (!was_open) return;
     --shared_.counters.clients;
-    if (shared_.events.closed) shared_.events.closed(id_, is_graceful || is_goodbye_);
+    if (shared_.events.closed) shared_.events.closed(id_, is_graceful || has_announced_end_);
   }
 
  private:
   enum class Phase : std::uint8_t { http, open, closing, over };
+
+  bool is_silent(Clock::time_point now, Clock::duration own_delay) {
+    if (now - received_ > patience_.program) return true;
+    // After a delay of its own the gateway has just sent what is not acknowledged yet.
+    return own_delay == Clock::duration::zero() &&
+           unacknowledged(stream().socket()) > patience_.machine;
+  }
 
   beast::tcp_stream& stream() { return socket_.next_layer(); }
 
@@ -179,7 +203,7 @@ class Connection final : public std::enable_shared_from_this<Connection> {
       return;
     }
     if (!is_own_host(view(request[http::field::host]), shared_.settings.rules)) {
-      answer(request, 403, "text/plain", "no-store", "This host is no name of the gateway.\n");
+      answer(request, 403, "text/plain", "no-store", "This host is not a name of the gateway.\n");
       return;
     }
     if (!is_reading(request)) return;
@@ -187,7 +211,7 @@ class Connection final : public std::enable_shared_from_this<Connection> {
     answer(request, file.status, file.content_type, file.cache_control, file.bytes);
   }
 
-  /// The client is gone or its time is over, or what it sent is no HTTP.
+  /// The client is gone or its time is over, or what it sent is not HTTP.
   void on_bad_request(beast::error_code error) {
     const bool is_gone = error == http::error::end_of_stream ||
                          error.category() != make_error_code(http::error::bad_version).category();
@@ -286,7 +310,7 @@ class Connection final : public std::enable_shared_from_this<Connection> {
     // One frame a message: nothing is copied on its way into the kernel.
     socket_.auto_fragment(false);
     socket_.control_callback([this](websocket::frame_type, beast::string_view) {
-      heard_ = Clock::now();
+      received_ = Clock::now();
     });
     buffer_.consume(buffer_.size());
     socket_.async_accept(request, [self = shared_from_this()](beast::error_code error) {
@@ -303,7 +327,7 @@ class Connection final : public std::enable_shared_from_this<Connection> {
     phase_ = Phase::open;
     ++shared_.counters.clients;
     ++shared_.counters.connections;
-    heard_ = Clock::now();
+    received_ = Clock::now();
     if (shared_.events.opened) shared_.events.opened(id_);
     read_message();
   }
@@ -321,12 +345,12 @@ class Connection final : public std::enable_shared_from_this<Connection> {
       const bool is_closed = error == websocket::error::closed;
       end(is_closed &&
           (code == websocket::close_code::normal || code == websocket::close_code::going_away ||
-           code == websocket::close_code::no_status));
+           code == websocket::close_code::no_status || code == websocket::close_code::none));
       return;
     }
-    heard_ = Clock::now();
+    received_ = Clock::now();
     const auto bytes = buffer_.cdata();
-    if (!messages_.take(heard_) || !bytes_.take(heard_, static_cast<double>(bytes.size()))) {
+    if (!messages_.take(received_) || !bytes_.take(received_, static_cast<double>(bytes.size()))) {
       if (phase_ == Phase::open) count(shared_.counters.cut_off, CutOff::flood);
       close(websocket::close_code::policy_error, "too many messages");
     } else if (phase_ == Phase::open && shared_.events.received) {
@@ -402,12 +426,12 @@ class Connection final : public std::enable_shared_from_this<Connection> {
   Frame current_;  ///< on its way
   bool is_writing_ = false;
   bool is_pinging_ = false;
-  bool is_overfull_ = false;  ///< more answers wait than may
-  bool is_goodbye_ = false;   ///< it is the server that ends
+  bool is_overfull_ = false;        ///< more answers wait than may
+  bool has_announced_end_ = false;  ///< it is the server that ends
   bridge::RateLimit messages_{kMessagesPerSecond, kMessagesAtOnce};
   bridge::RateLimit bytes_{kBytesPerSecond, kBytesAtOnce};
-  std::chrono::milliseconds patience_ = WebServer::kPatience;
-  Clock::time_point heard_{};
+  Patience patience_ = WebServer::kPatience;
+  Clock::time_point received_{};
   Clock::time_point pinged_{};
   Clock::time_point reported_{};
   Clock::time_point close_deadline_{};
@@ -425,7 +449,7 @@ tcp::endpoint endpoint_of(const ListenAddress& listen) {
   const auto address = asio::ip::make_address(listen.address, error);
   if (error) {
     throw std::runtime_error("cannot listen on " + in_quotes(listen.address) +
-                             ": it is no address of a network");
+                             ": it is not an address of a network");
   }
   return {address, listen.port};
 }
@@ -484,9 +508,10 @@ class WebServer::Server {
     watch();
     for (Timer& timer : timers_) arm(timer);
     context_.run();
-    // Also when its time was too short for the goodbyes: a server that ends gives control back.
+    // Also when its time was too short to announce it to all: a server that ends gives control
+    // back.
     for (const auto& [id, connection] : connections_) {
-      connection->say_goodbye();
+      connection->announce_end();
       connection->end(true);
     }
     connections_.clear();
@@ -567,8 +592,11 @@ class WebServer::Server {
     watch_.async_wait([this](beast::error_code error) {
       if (error) return;
       forget_ended();
+      const auto now = Clock::now();
+      const auto delay = now - watch_.expiry();
+      const auto own_delay = delay > kWatchPeriod ? delay : Clock::duration::zero();
       // An event of one connection may reach others: none is added or removed meanwhile.
-      for (const auto& [id, connection] : connections_) connection->watch(Clock::now());
+      for (const auto& [id, connection] : connections_) connection->watch(now, own_delay);
       if (is_stopping_ && (connections_.empty() || Clock::now() >= stop_deadline_)) {
         context_.stop();
       } else {
@@ -592,7 +620,7 @@ class WebServer::Server {
     beast::error_code ignored;
     clients_.acceptor.close(ignored);
     metrics_.acceptor.close(ignored);
-    for (const auto& [id, connection] : connections_) connection->say_goodbye();
+    for (const auto& [id, connection] : connections_) connection->announce_end();
   }
 
   asio::io_context context_{1};
@@ -662,7 +690,7 @@ void WebServer::send_answer(ConnectionId id, std::string text) {
   send_answer(id, std::move(frame));
 }
 
-void WebServer::set_patience(ConnectionId id, std::chrono::milliseconds patience) {
+void WebServer::set_patience(ConnectionId id, Patience patience) {
   if (Connection* const connection = server_->find(id)) connection->set_patience(patience);
 }
 

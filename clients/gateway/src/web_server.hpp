@@ -35,7 +35,7 @@ struct WebSettings {
 
 /// Why a WebSocket was closed by the gateway before its client ended it.
 enum class CutOff : std::uint8_t {
-  silent,  ///< nothing was heard of it for too long
+  silent,  ///< it sent nothing for too long
   unread,  ///< too many answers waited for it
   flood,   ///< it sent too much
 };
@@ -44,6 +44,12 @@ inline constexpr std::size_t kCutOffs = 3;
 
 /// @return such as "silent".
 [[nodiscard]] std::string_view to_string(CutOff cut_off) noexcept;
+
+/// How long a client may be silent before its connection is closed.
+struct Patience {
+  std::chrono::milliseconds program{};  ///< sends nothing and answers no ping
+  std::chrono::milliseconds machine{};  ///< does not even acknowledge the bytes that it was sent
+};
 
 /// What a server counts from its start on, except where it says otherwise.
 struct WebCounters {
@@ -69,8 +75,9 @@ struct WebEvents {
 /// what they send, in what waits for them and in how long they may be silent. One thread.
 class WebServer {
  public:
-  /// How long a client may be silent; it is pinged twice a second.
-  static constexpr std::chrono::milliseconds kPatience{10'000};
+  /// Of a client without control. Each is pinged twice a second.
+  static constexpr Patience kPatience{.program = std::chrono::milliseconds(10'000),
+                                      .machine = std::chrono::milliseconds(10'000)};
 
   /// Listens.
   /// @param page outlives the server
@@ -100,7 +107,7 @@ class WebServer {
 
   // ---- in the thread of run() only; a connection that is closed already is ignored
 
-  /// Data: the oldest is dropped when the client is slow, and a status message says how many.
+  /// Data: the oldest is dropped when the client is slow, and a status message has their number.
   void send_data(ConnectionId id, Frame frame);
 
   /// An answer: never dropped; a client that lets too many wait is closed.
@@ -111,7 +118,7 @@ class WebServer {
   [[nodiscard]] const WebCounters& counters() const noexcept;
 
   /// How long this client may be silent from now on.
-  void set_patience(ConnectionId id, std::chrono::milliseconds patience);
+  void set_patience(ConnectionId id, Patience patience);
 
  private:
   class Server;
