@@ -20,7 +20,11 @@ const TEXTS = {
     "No connection to the gateway. What is shown is old. The page connects again by itself.",
     "与网关的连接已断开，显示的是旧数据。页面会自动重新连接。",
   ],
-  bench_silent: ["silent for", "无数据"],
+  left_out: [
+    "messages were left out: this page is slower than they come",
+    "条消息被丢弃：本页处理速度低于接收速度",
+  ],
+  bench_silent: ["has sent nothing for", "无数据"],
   no_benches: ["No bench on this network yet. It appears here when its service starts.", "网络上尚无台架。服务启动后会显示在这里。"],
   no_rows: ["No axis matches the search and the filters.", "没有符合搜索和筛选条件的轴。"],
   search: ["Search", "搜索"],
@@ -76,11 +80,11 @@ const TEXTS = {
   missed: ["ticks lost", "丢失周期"],
   statusword: ["Statusword 6041h", "状态字 6041h"],
   controlword: ["Controlword 6040h", "控制字 6040h"],
-  controlword_source: ["read 2 times a second", "每秒读取 2 次"],
+  controlword_source: ["read 5 times a second", "每秒读取 5 次"],
   bit: ["bit", "位"],
   power_machine: ["Power state machine", "电源状态机"],
   last_way: ["Last way", "最近转换"],
-  no_way: ["no change seen yet", "尚无转换"],
+  no_way: ["no change yet", "尚无转换"],
   handshake: ["Set-points", "设定点"],
   bit4: ["4 new", "4 新设定"],
   bit12: ["12 ack", "12 应答"],
@@ -91,7 +95,7 @@ const TEXTS = {
   ],
   held: ["active + waiting", "执行中 + 等待"],
   held_hint: [
-    "Set-points that the drive holds. ? = while bit 4 is 1 its words do not tell whether one waits",
+    "Set-points that the drive holds. ? = unknown: while bit 4 is 1, controlword and statusword do not show whether one waits",
     "驱动器持有的设定点。? = 位 4 为 1 时控制字和状态字无法说明是否有等待的设定点",
   ],
   any_state: ["any state", "任意状态"],
@@ -153,7 +157,10 @@ const TEXTS = {
   group_hint: ["All chosen axes arrive at the same time on a straight line.", "所选各轴沿直线同时到达。"],
   chosen_axes: ["Chosen axes", "所选轴"],
   none_chosen: ["No axis is chosen. Choose axes in the overview.", "未选择轴。请在总览中选择。"],
+  remove_all: ["Remove all", "全部移除"],
+  search_chosen: ["Search the chosen axes", "搜索所选轴"],
   remove: ["Remove", "移除"],
+  no_target: ["No target is given", "未输入目标"],
   target: ["Target", "目标"],
   test_inputs: ["Test-bench inputs", "台架测试输入"],
   end_disturbances: ["End all", "全部清除"],
@@ -266,6 +273,28 @@ export function t(key: TextKey): string {
 
 export function isTextKey(key: string): key is TextKey {
   return key in TEXTS;
+}
+
+/** Services whose button has a text of another name. */
+const SERVICES: Record<string, TextKey> = {
+  take_control: "take",
+  release_control: "release",
+  move_group: "group_move",
+  pause: "pause_clock",
+  disturb: "test_inputs",
+};
+
+/** @param service such as "/quick_stop" */
+export function serviceName(service: string): string {
+  const name = service.slice(1);
+  const key = SERVICES[name] ?? name;
+  return isTextKey(key) ? t(key) : name.replaceAll("_", " ");
+}
+
+const CLOCKS: Record<string, string> = { realtime: "实时", lockstep: "锁步", freerun: "自由运行" };
+
+export function clockName(mode: string): string {
+  return chosen === "zh" ? (CLOCKS[mode] ?? mode) : mode;
 }
 
 export function stateName(state: PowerState): string {

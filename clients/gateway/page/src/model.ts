@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the gateway says about benches and axes, and what this browser has chosen.
+// What the gateway sends about benches and axes, and what this browser has chosen.
 
 import type { AxisUnit, Scale } from "./data/units";
 import { scaleOf, USER_UNITS } from "./data/units";
-import { t, type Language } from "./i18n";
+import { serviceName, t, type Language } from "./i18n";
 import type { Message, NumberArray } from "./protocol/cdr";
 import { Connection, type Answer, type ServerStatus } from "./protocol/connection";
 
@@ -183,8 +183,6 @@ export interface Settings {
 }
 
 const SETTINGS_KEY = "vdrive";
-// The gateway gives the holder of control 2 s.
-const SIGN_OF_LIFE_MS = 500;
 const DEFAULTS: Settings = {
   language: navigator.language.startsWith("zh") ? "zh" : "en",
   theme: "auto",
@@ -238,7 +236,10 @@ export class Model {
         this.changed();
       },
       topicsChanged: () => this.follow(),
-      status: (status) => this.serverSays(status),
+      status: (status) => this.onStatus(status),
+      leftOut: (messages) => {
+        this.outcome = { ok: false, text: `${messages} ${t("left_out")}` };
+      },
       parameters: () => undefined,
     });
     this.connection.subscribe("/gateway/control", (message) => {
@@ -250,9 +251,6 @@ export class Model {
       this.changed();
     });
     this.connection.open();
-    window.setInterval(() => {
-      if (this.control.you) this.connection.signOfLife();
-    }, SIGN_OF_LIFE_MS);
   }
 
   /** The status of all axes is only asked for while a view shows it. */
@@ -313,13 +311,13 @@ export class Model {
     const began = performance.now();
     const answer = await this.connection.call(service, request);
     const took = (performance.now() - began).toFixed(0);
-    const what = service.slice(1).replaceAll("_", " ");
+    const what = serviceName(service);
     const why = answer.message === "" ? answer.outcome : answer.message;
-    this.outcome = { ok: answer.ok, text: answer.ok ? `${what}: ok, ${took} ms` : `${what}: ${why}` };
+    this.outcome = { ok: answer.ok, text: answer.ok ? `${what}: ${t("done")}, ${took} ms` : `${what}: ${why}` };
     return answer;
   }
 
-  private serverSays(status: ServerStatus): void {
+  private onStatus(status: ServerStatus): void {
     if (status.level > 0) this.outcome = { ok: false, text: status.message };
   }
 

@@ -60,6 +60,8 @@ export class Trace {
   setPoints?: HeldSetPoints;
   private reading = false;
   private missedBefore?: number;
+  private droppedBefore = 0;
+  private ticksLeftOut = 0;
   private originTick?: number;
   private readonly period: number;
   private readonly ends: (() => void)[];
@@ -100,7 +102,7 @@ export class Trace {
     return this.history.end === 0 ? 0 : this.history.time(this.history.end - 1);
   }
 
-  /** The words of one tick: together they tell more. */
+  /** Controlword, statusword and mode of one tick. */
   private async readControlword(): Promise<void> {
     if (!this.model.connected || this.reading) return;
     this.reading = true;
@@ -122,7 +124,7 @@ export class Trace {
     const written = message["ds402_controlword"] as Uint16Array | undefined;
     const missed = Number(message["missed"] as bigint);
     this.missedBefore ??= missed;
-    const lost = Math.max(0, missed - this.missedBefore);
+    const lost = Math.max(0, missed - this.missedBefore) + this.leftOut(Number(ticks[0]));
     if (lost > this.lost && this.history.end > 0) this.history.markGap();
     this.lost = lost;
     for (let i = 0; i < ticks.length; ++i) {
@@ -132,13 +134,21 @@ export class Trace {
       this.lastTick = tick;
       columns.forEach((column, at) => (this.sample[at] = Number(column?.[i] ?? 0)));
       const time = (tick - this.originTick) * this.period;
-      this.seeBits(time, tick, words[i], written?.[i], ignored?.[i] ?? 0);
+      this.takeBits(time, tick, words[i], written?.[i], ignored?.[i] ?? 0);
       this.history.append(time, this.sample);
     }
     this.keepLast(message, ticks.length - 1);
   }
 
-  private seeBits(time: number, tick: number, word: number, written: number | undefined, ignored: number): void {
+  /** Ticks of messages that this page itself left out. */
+  private leftOut(tick: number): number {
+    const { dropped } = this.model.connection;
+    if (dropped !== this.droppedBefore && this.history.end > 0) this.ticksLeftOut += Math.max(0, tick - this.lastTick - 1);
+    this.droppedBefore = dropped;
+    return this.ticksLeftOut;
+  }
+
+  private takeBits(time: number, tick: number, word: number, written: number | undefined, ignored: number): void {
     const control = written ?? this.controlword ?? 0;
     const at = MEMBERS.length;
     this.sample[at] = control & CONTROL_BIT.newSetPoint ? 1 : 0;

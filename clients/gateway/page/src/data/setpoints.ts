@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How many set-points a drive in profile position mode holds, as far as its words tell.
+// How many set-points a drive in profile position mode holds, as far as controlword and statusword show it.
 
 import { decodePowerState, STATUS_BIT } from "./power";
 
@@ -12,9 +12,9 @@ export const CONTROL_BIT = {
 const PROFILE_POSITION = 1;
 
 export interface HeldSetPoints {
-  /** 1 while the drive goes to a target */
+  /** 1 while the drive moves to a target */
   active: 0 | 1;
-  /** 1 while another one waits behind it; undefined where the words do not tell */
+  /** 1 while another one waits behind it; undefined where it is unknown */
   waiting: 0 | 1 | undefined;
 }
 
@@ -25,7 +25,7 @@ export interface HeldSetPoints {
  * bit 10 is standstill
  *
  * Bit 12 stays 1 while a set-point waits. It also stays 1 while bit 4 does: then the one that was taken
- * last waits, has its turn already, or waits for none, which bit 5 says.
+ * last waits, has its turn already, or waits for none, which bit 5 shows.
  */
 export function heldSetPoints(control: number, status: number, mode: number): HeldSetPoints | undefined {
   if (mode !== PROFILE_POSITION || decodePowerState(status) !== "enabled") return undefined;

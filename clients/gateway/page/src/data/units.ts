@@ -20,7 +20,7 @@ export const USER_UNITS: Scale = { name: "UU", factor: 1, decimals: 0 };
 const PER_REVOLUTION: Record<string, number> = { deg: 360, rad: 2 * Math.PI, rev: 1 };
 const MOST_DECIMALS = 6;
 
-/** @return the scale of `unit`, with as many decimals as tell one UU from the next. */
+/** @return the scale of `unit`, with as many decimals as one UU needs. */
 export function scaleOf(unit: AxisUnit | undefined): Scale {
   if (unit === undefined || !(unit.per > 0)) return USER_UNITS;
   const amount = unit.kind === "rotary" ? PER_REVOLUTION[unit.name] : 1;

@@ -140,7 +140,7 @@ class Reader {
 }
 
 /** @param payload with the four bytes of the encapsulation; must own its buffer from byte 4 on
- *  @throws Error when the payload is shorter than the definition says, or not little-endian CDR. */
+ *  @throws Error when the payload is shorter than its definition, or not little-endian CDR. */
 export function decodeCdr(definition: Definition, payload: Uint8Array): Message {
   if (payload.byteLength < ENCAPSULATION || payload[1] !== CDR_LITTLE_ENDIAN) {
     throw new Error("message: not CDR in little-endian order");

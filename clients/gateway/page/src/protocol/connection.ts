@@ -3,7 +3,9 @@
 // itself, and subscribes again by topic what its users want.
 
 import { decodeCdr, type Message } from "./cdr";
+import type { Batch, Packet } from "./mailbox";
 import { parseSchema, type Definition } from "./schema";
+import type { Order, Report } from "./socket_worker";
 
 export interface Channel {
   id: number;
@@ -55,6 +57,8 @@ export interface Listener {
   disconnected(): void;
   topicsChanged(): void;
   status(status: ServerStatus): void;
+  /** The page was slower than its channels: so many messages were left out. */
+  leftOut(messages: number): void;
   parameters(values: { name: string; value: unknown }[]): void;
 }
 
@@ -65,6 +69,7 @@ const SERVICE_REQUEST = 2;
 const FIRST_RETRY_MS = 250;
 const LONGEST_RETRY_MS = 2_000;
 const CALL_LIMIT_MS = 10_000;
+const CLOSE_TIME_MS = 50;
 const encoder = new TextEncoder();
 const decoder = new TextDecoder();
 
@@ -73,35 +78,64 @@ function failed(outcome: string, message: string): Answer {
 }
 
 export class Connection {
-  private socket?: WebSocket;
+  private readonly worker = new Worker(new URL("./socket_worker.ts", import.meta.url), { type: "module" });
+  private isOpen = false;
   private retry = FIRST_RETRY_MS;
   private nextId = 1;
   private readonly channels = new Map<string, Channel>();
   private readonly services = new Map<string, number>();
   private readonly subscriptions = new Map<number, Subscription>();
   private readonly calls = new Map<number, Call>();
-  /** Bytes received since the page was opened. */
-  received = 0;
+  /** Messages of channels that this page has left out, because it was slower than they came. */
+  dropped = 0;
 
   constructor(
     private readonly url: string,
     private readonly listener: Listener,
-  ) {}
+  ) {
+    window.addEventListener("pagehide", () => this.close());
+    this.worker.onmessage = ({ data }: MessageEvent<Report>) => this.onReport(data);
+  }
 
   open(): void {
-    const socket = new WebSocket(this.url, SUB_PROTOCOLS);
-    socket.binaryType = "arraybuffer";
-    socket.onmessage = (event: MessageEvent<string | ArrayBuffer>) => {
-      if (typeof event.data === "string") {
-        this.received += event.data.length;
-        this.onText(event.data);
-      } else {
-        this.received += event.data.byteLength;
-        this.onBinary(event.data);
+    this.order({ kind: "open", url: this.url, protocols: SUB_PROTOCOLS });
+  }
+
+  /**
+   * Closes the WebSocket as its protocol says, so that control is given back. The browser ends the
+   * worker with the page: it needs some time before that to send the close frame.
+   */
+  private close(): void {
+    if (!this.isOpen) return;
+    this.order({ kind: "close" });
+    const end = performance.now() + CLOSE_TIME_MS;
+    while (performance.now() < end);
+  }
+
+  private order(order: Order): void {
+    this.worker.postMessage(order);
+  }
+
+  private onReport(report: Report): void {
+    if (report.kind === "opened") this.isOpen = true;
+    else if (report.kind === "closed") this.onClose();
+    else this.onBatch(report.batch);
+  }
+
+  private onBatch({ packets, dropped }: Batch): void {
+    if (dropped > 0) {
+      this.dropped += dropped;
+      this.listener.leftOut(dropped);
+    }
+    for (const packet of packets) {
+      try {
+        if (typeof packet === "string") this.onText(packet);
+        else this.onBinary(packet);
+      } catch (error) {
+        reportError(error); // the packets behind it are taken all the same
       }
-    };
-    socket.onclose = () => this.onClose();
-    this.socket = socket;
+    }
+    this.order({ kind: "taken" });
   }
 
   topics(): string[] {
@@ -124,14 +158,14 @@ export class Connection {
   /** Never rejects: a call that cannot be made has the outcome "lost" or "timed_out". */
   call(service: string, request: object): Promise<Answer> {
     const id = this.services.get(service);
-    if (this.socket?.readyState !== WebSocket.OPEN) {
+    if (!this.isOpen) {
       return Promise.resolve(failed("lost", "the page has no connection to the gateway"));
     }
     if (id === undefined) {
       return Promise.resolve(failed("not_found", `the gateway has no service ${service}`));
     }
     const callId = this.nextId++;
-    this.socket.send(serviceRequest(id, callId, JSON.stringify(request)));
+    this.post(serviceRequest(id, callId, JSON.stringify(request)));
     return new Promise((resolve) => {
       const timer = window.setTimeout(() => {
         this.calls.delete(callId);
@@ -141,16 +175,8 @@ export class Connection {
     });
   }
 
-  /**
-   * Tells the gateway that this page lives. The browser's answers to pings wait behind data that the
-   * page has not read yet; this message does not.
-   */
-  signOfLife(): void {
-    this.send({ op: "unsubscribe", subscriptionIds: [] });
-  }
-
   private onClose(): void {
-    this.socket = undefined;
+    this.isOpen = false;
     this.channels.clear();
     this.services.clear();
     for (const subscription of this.subscriptions.values()) subscription.channel = undefined;
@@ -265,7 +291,11 @@ export class Connection {
   }
 
   private send(message: object): void {
-    if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message));
+    if (this.isOpen) this.post(JSON.stringify(message));
+  }
+
+  private post(packet: Packet): void {
+    this.order({ kind: "send", packet });
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The frame of every view: where one is, who has control, the stop.
+// The frame of every view: which view, who has control, the stop.
 
 import { setLanguage, t } from "../i18n";
 import { addressOf, type AxisRef, type Model, type Theme } from "../model";
@@ -10,6 +10,31 @@ import { button, h, mark, put, select, type View } from "./dom";
 import { Overview, overviewMemory } from "./overview";
 
 const SILENT_FROM_MS = 1_000;
+
+const LIGHT_FRAME_MS = 12;
+const LONGEST_REST_MS = 500;
+
+/**
+ * Draws with each frame of the screen. Where a frame takes long, as on a busy machine or without a
+ * graphics processor, the thread rests from drawing as long as it drew: messages and keys come between.
+ */
+function drawFrames(draw: (now: number) => void): void {
+  const drawn = new MessageChannel();
+  let began = 0;
+  const frame = (now: number) => {
+    began = performance.now();
+    drawn.port2.postMessage(undefined);
+    draw(now);
+  };
+  const next = () => requestAnimationFrame(frame);
+  // Arrives after the frame is laid out and painted.
+  drawn.port1.onmessage = () => {
+    const took = performance.now() - began;
+    if (took <= LIGHT_FRAME_MS) next();
+    else window.setTimeout(next, Math.min(took, LONGEST_REST_MS));
+  };
+  next();
+}
 
 export class Shell {
   private readonly memory = overviewMemory();
@@ -42,11 +67,7 @@ export class Shell {
     this.build();
     window.addEventListener("hashchange", () => this.route());
     document.addEventListener("keydown", (event) => this.key(event), { capture: true });
-    const frame = (now: number) => {
-      this.update(now);
-      requestAnimationFrame(frame);
-    };
-    requestAnimationFrame(frame);
+    drawFrames((now) => this.update(now));
   }
 
   private build(): void {

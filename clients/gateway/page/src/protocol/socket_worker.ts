@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// Holds the WebSocket to the gateway in a thread of its own. A page that holds control has to send
+// something every 2 s, and a thread that draws on a busy machine may be later than that.
+
+import { Mailbox, type Batch, type Packet } from "./mailbox";
+
+/** From the page. */
+export type Order =
+  | { kind: "open"; url: string; protocols: string[] }
+  | { kind: "send"; packet: Packet }
+  | { kind: "taken" }
+  | { kind: "close" };
+
+/** To the page. */
+export type Report = { kind: "batch"; batch: Batch } | { kind: "opened" } | { kind: "closed" };
+
+const SIGN_OF_LIFE_MS = 500;
+const SIGN_OF_LIFE = JSON.stringify({ op: "unsubscribe", subscriptionIds: [] });
+// A page that takes nothing for 10 s is lost, however well this thread works: nobody can stop an
+// axis with it. The gateway takes a connection that ends with this code for a lost one.
+const MOST_UNANSWERED = 20;
+const PAGE_STANDS_STILL = 4000;
+const NORMAL_CLOSURE = 1000;
+
+const page = self as unknown as {
+  postMessage(report: Report, transfer: Transferable[]): void;
+  onmessage: ((event: MessageEvent<Order>) => void) | null;
+};
+
+function report(message: Report, transfer: Transferable[] = []): void {
+  page.postMessage(message, transfer);
+}
+
+const mailbox = new Mailbox((batch) => {
+  report({ kind: "batch", batch }, batch.packets.filter((packet) => typeof packet !== "string"));
+});
+let socket: WebSocket | undefined;
+
+function open(url: string, protocols: string[]): void {
+  const opened = new WebSocket(url, protocols);
+  opened.binaryType = "arraybuffer";
+  opened.onopen = () => report({ kind: "opened" });
+  opened.onmessage = (event: MessageEvent<Packet>) => mailbox.put(event.data);
+  opened.onclose = () => {
+    socket = undefined;
+    mailbox.clear();
+    report({ kind: "closed" });
+  };
+  socket = opened;
+}
+
+page.onmessage = ({ data: order }) => {
+  if (order.kind === "open") open(order.url, order.protocols);
+  else if (order.kind === "taken") mailbox.taken();
+  else if (order.kind === "close") socket?.close(NORMAL_CLOSURE);
+  else if (socket?.readyState === WebSocket.OPEN) socket.send(order.packet);
+};
+
+setInterval(() => {
+  if (socket?.readyState !== WebSocket.OPEN) return;
+  if (mailbox.ask() > MOST_UNANSWERED) socket.close(PAGE_STANDS_STILL, "the page stands still");
+  else socket.send(SIGN_OF_LIFE);
+}, SIGN_OF_LIFE_MS);
