@@ -3,7 +3,7 @@
 
 import type { PowerState } from "./power";
 
-/** What filters and orders look at. */
+/** What filters and orders read. */
 export interface Row {
   bench: number;
   axis: number;
@@ -63,17 +63,24 @@ const SEVERITY: Record<PowerState, number> = {
   not_ready: 7,
 };
 
-/** Each word of the text must occur in the name, or be how the address starts. */
+/** @return the words of a search, in lower case. */
+export function wordsOf(text: string): string[] {
+  return text.toLowerCase().split(/\s+/).filter((word) => word !== "");
+}
+
+/** Each word must occur in the name, or be how the address starts. */
+export function nameMatches(address: string, name: string, words: string[]): boolean {
+  const lower = name.toLowerCase();
+  return words.every((word) => lower.includes(word) || address.startsWith(word));
+}
+
 export function matches(row: Row, filter: Filter): boolean {
   if (filter.bench !== undefined && row.bench !== filter.bench) return false;
   const faulted = row.state === "fault" || row.state === "fault_reaction";
   if (filter.faulted && !faulted) return false;
   if (filter.moving && !row.moving) return false;
   if (filter.owned && row.owner === "") return false;
-  const name = row.name.toLowerCase();
-  const address = `${row.bench}.${row.axis}`;
-  const words = filter.text.toLowerCase().split(/\s+/).filter((word) => word !== "");
-  return words.every((word) => name.includes(word) || address.startsWith(word));
+  return nameMatches(`${row.bench}.${row.axis}`, row.name, wordsOf(filter.text));
 }
 
 function compareBy(key: SortKey, a: Row, b: Row): number {

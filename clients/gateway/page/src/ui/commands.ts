@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The controls of axes. Each is a service of the gateway; its answer is shown at the foot of the page.
 
+import { nameMatches } from "../data/rows";
 import { parseNumber, toUserUnits, type Scale } from "../data/units";
-import { isTextKey, t, type TextKey } from "../i18n";
+import { clockName, isTextKey, t, type TextKey } from "../i18n";
 import { addressOf, type AxisRef, type Disturbance, type Model } from "../model";
 import { button, field, h, put, select, type View } from "./dom";
 
@@ -48,7 +49,7 @@ function serviceButton(model: Model, axes: Axes, service: string, text: TextKey,
 }
 
 /** @return the typed number, nothing for an empty field.
- *  @throws Error when the text is no number. */
+ *  @throws Error when the text is not a number. */
 function typed(input: HTMLInputElement): number | undefined {
   if (input.value.trim() === "") return undefined;
   const value = parseNumber(input.value);
@@ -130,9 +131,11 @@ class MoveForm {
     const ref = this.axis();
     if (ref === undefined) return;
     const scale = this.model.scale(ref.axis);
+    const position = inUserUnits(this.target.input, scale);
+    if (position === undefined) throw new Error(t("no_target"));
     void this.model.command("/move", {
       axis: addressOf(ref),
-      position: inUserUnits(this.target.input, scale) ?? 0,
+      position,
       relative: this.relative.input.checked,
       queue: this.queue.input.checked,
       ...this.ramps.read(scale),
@@ -145,6 +148,7 @@ class Jog {
   readonly root: HTMLElement;
   private readonly speed = field(t("velocity"), { value: "" });
   private timer = 0;
+  private jogged = "";
   private scaleName = "";
 
   constructor(
@@ -171,7 +175,20 @@ class Jog {
       return made;
     });
     this.root = h("div", { class: "line" }, buttons[0], buttons[1], this.speed.root);
+    // A window in the background gets no event when the button is released.
+    window.addEventListener("blur", this.onLeave);
+    window.addEventListener("pagehide", this.onLeave);
+    document.addEventListener("visibilitychange", this.onLeave);
   }
+
+  close(): void {
+    this.end();
+    window.removeEventListener("blur", this.onLeave);
+    window.removeEventListener("pagehide", this.onLeave);
+    document.removeEventListener("visibilitychange", this.onLeave);
+  }
+
+  private readonly onLeave = (): void => this.end();
 
   update(): void {
     const ref = this.axis();
@@ -186,12 +203,11 @@ class Jog {
     put(this.speed.unit, `${scale.name}/s`);
   }
 
-  end(): void {
+  private end(): void {
     if (this.timer === 0) return;
     window.clearInterval(this.timer);
     this.timer = 0;
-    const ref = this.axis();
-    if (ref !== undefined) void this.model.command("/jog", { axis: addressOf(ref), velocity: 0 });
+    void this.model.command("/jog", { axis: this.jogged, velocity: 0 });
   }
 
   private start(sign: number): void {
@@ -200,12 +216,14 @@ class Jog {
     attempt(this.model, () => {
       const speed = inUserUnits(this.speed.input, this.model.scale(ref.axis)) ?? 0;
       const velocity = sign * Math.abs(speed);
+      const axis = addressOf(ref);
+      this.jogged = axis;
       const send = async () => {
-        const answer = await this.model.connection.call("/jog", { axis: addressOf(ref), velocity });
+        const answer = await this.model.connection.call("/jog", { axis, velocity });
         if (answer.ok || this.timer === 0) return;
         window.clearInterval(this.timer);
         this.timer = 0;
-        this.model.outcome = { ok: false, text: `jog: ${answer.message}` };
+        this.model.outcome = { ok: false, text: `${t("jog")}: ${answer.message}` };
       };
       this.timer = window.setInterval(() => void send(), JOG_EVERY_MS);
       void send();
@@ -365,9 +383,11 @@ export class Commands implements View {
   update(now: number): void {
     const { control, connected } = this.model;
     const may = control.enabled && control.you && connected;
-    for (const group of this.groups) if (group.disabled === may) group.disabled = !may;
-    put(this.need, may ? "" : control.enabled ? t("need_control") : t("view_only"));
-    const single = this.axes().length === 1; // several axes move as a group
+    const count = this.axes().length;
+    const able = may && count > 0;
+    for (const group of this.groups) if (group.disabled === able) group.disabled = !able;
+    put(this.need, able ? "" : may ? t("none_chosen") : control.enabled ? t("need_control") : t("view_only"));
+    const single = count === 1; // several axes move as a group
     this.move.root.hidden = !single;
     this.jogGroup.hidden = !single;
     this.move.update();
@@ -376,7 +396,7 @@ export class Commands implements View {
   }
 
   close(): void {
-    this.jog.end();
+    this.jog.close();
   }
 
   private async home(): Promise<void> {
@@ -388,10 +408,12 @@ export class Commands implements View {
 export class GroupMove implements View {
   readonly root: HTMLElement;
   private readonly list = h("div", { class: "targets" });
-  private readonly velocity = field(t("velocity"), { placeholder: t("as_set") });
+  private readonly ramps = new Ramps();
   private readonly fields = new Map<string, ReturnType<typeof field>>();
   private readonly fieldset: HTMLFieldSetElement;
+  private shownAxes: AxisRef[] = [];
   private shown = "";
+  private words: string[] = [];
 
   constructor(
     private readonly model: Model,
@@ -401,7 +423,8 @@ export class GroupMove implements View {
       "form",
       {},
       this.list,
-      h("div", { class: "line" }, this.velocity.root, h("button", { class: "primary", attributes: { "data-test": "move_group" } }, t("move"))),
+      this.ramps.root,
+      h("div", { class: "line" }, h("button", { class: "primary", attributes: { "data-test": "move_group" } }, t("move"))),
     );
     form.addEventListener("submit", (event) => {
       event.preventDefault();
@@ -417,16 +440,34 @@ export class GroupMove implements View {
     this.root.hidden = axes.length < 2;
     const may = control.enabled && control.you && connected;
     if (this.fieldset.disabled === may) this.fieldset.disabled = !may;
-    const wanted = axes.map(addressOf).join(" ") + String(this.model.settings.axisUnits);
-    if (wanted === this.shown) return;
+    const wanted = axes.map(addressOf).join(" ");
+    if (wanted !== this.shown) this.build(axes, wanted);
+  }
+
+  /** Hides the empty fields of axes that do not match: one that has a target moves, so it stays. */
+  filter(words: string[]): void {
+    this.words = words;
+    for (const ref of this.shownAxes) {
+      const made = this.fields.get(addressOf(ref));
+      if (made === undefined) continue;
+      made.root.hidden = made.input.value.trim() === "" && !nameMatches(addressOf(ref), ref.axis.name, words);
+    }
+  }
+
+  /** What was typed for an axis that is still chosen stays. */
+  private build(axes: AxisRef[], wanted: string): void {
     this.shown = wanted;
+    this.shownAxes = axes;
+    const before = new Map(this.fields);
     this.fields.clear();
     for (const ref of axes) {
-      const made = field(`${addressOf(ref)} ${ref.axis.name}`, { unit: () => this.model.scale(ref.axis).name });
-      this.fields.set(addressOf(ref), made);
+      const address = addressOf(ref);
+      const made = before.get(address) ?? field(`${address} ${ref.axis.name}`, { unit: () => this.model.scale(ref.axis).name });
+      this.fields.set(address, made);
     }
-    if (axes.length > 0) put(this.velocity.unit, `${this.model.scale(axes[0].axis).name}/s`);
+    if (axes.length > 0) this.ramps.showUnits(this.model.scale(axes[0].axis));
     this.list.replaceChildren(...[...this.fields.values()].map((made) => made.root));
+    this.filter(this.words);
   }
 
   private go(): void {
@@ -436,8 +477,9 @@ export class GroupMove implements View {
       const position = made === undefined ? undefined : inUserUnits(made.input, this.model.scale(ref.axis));
       return position === undefined ? [] : [{ axis: addressOf(ref), position }];
     });
+    if (moves.length === 0) throw new Error(t("no_target"));
     const scale = this.model.scale(axes[0].axis);
-    void this.model.command("/move_group", { moves, velocity: inUserUnits(this.velocity.input, scale) });
+    void this.model.command("/move_group", { moves, ...this.ramps.read(scale) });
   }
 }
 
@@ -491,7 +533,7 @@ export class BenchClock implements View {
     if (state === undefined) return;
     const steps = state.clock_mode === "lockstep";
     const rate = steps ? "" : state.rate === 0 ? `${t("paused")}, ` : `× ${state.rate}, `;
-    put(this.text, `${state.clock_mode}, ${rate}${t("tick")} ${state.tick}`);
+    put(this.text, `${clockName(state.clock_mode)}, ${rate}${t("tick")} ${state.tick}`);
     this.stepLine.hidden = !steps;
     this.rateLine.hidden = steps;
   }

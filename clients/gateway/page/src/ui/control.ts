@@ -2,6 +2,7 @@
 // Commands for the axes that were chosen in the overview, and the clocks of the benches.
 
 import { decodePowerState } from "../data/power";
+import { nameMatches, wordsOf } from "../data/rows";
 import { formatUnits } from "../data/units";
 import { stateName, t } from "../i18n";
 import { addressOf, type AxisRef, type Model } from "../model";
@@ -11,11 +12,24 @@ import { Events } from "./events";
 
 const FIGURES_EVERY_MS = 100;
 
+interface Line {
+  root: HTMLElement;
+  lamp: HTMLElement;
+  state: HTMLElement;
+  position: HTMLElement;
+}
+
 export class ControlView implements View {
   readonly root: HTMLElement;
   private readonly parts: View[];
   private readonly list = h("ul", { class: "chosen" });
-  private readonly lines = new Map<string, { lamp: HTMLElement; state: HTMLElement; position: HTMLElement }>();
+  private readonly lines = new Map<string, Line>();
+  private readonly title = h("h3", {}, t("chosen_axes"));
+  private readonly tools: HTMLElement;
+  private readonly groupMove: GroupMove;
+  private words: string[] = [];
+  /** the chosen axes, looked up again each FIGURES_EVERY_MS */
+  private found?: AxisRef[];
   private readonly clockPlace = h("div", { class: "clocks" });
   private readonly clocks: BenchClock[] = [];
   private shown = "?";
@@ -26,9 +40,11 @@ export class ControlView implements View {
     const axes = () => this.axes();
     const commands = new Commands(model, axes);
     const groupMove = new GroupMove(model, axes);
+    this.groupMove = groupMove;
     const events = new Events(model, () => true);
     this.parts = [commands, groupMove, events];
-    const chosen = h("section", { class: "panel" }, h("h3", {}, t("chosen_axes")), this.list);
+    this.tools = this.makeTools();
+    const chosen = h("section", { class: "panel" }, h("div", { class: "tools" }, this.title, this.tools), this.list);
     this.root = h(
       "div",
       { class: "control-view" },
@@ -39,10 +55,11 @@ export class ControlView implements View {
   }
 
   update(now: number): void {
-    this.showClocks();
-    for (const part of [...this.parts, ...this.clocks]) part.update(now);
     if (now - this.shownAt < FIGURES_EVERY_MS) return;
     this.shownAt = now;
+    this.found = undefined;
+    this.showClocks();
+    for (const part of [...this.parts, ...this.clocks]) part.update(now);
     this.showChosen();
   }
 
@@ -52,7 +69,28 @@ export class ControlView implements View {
   }
 
   private axes(): AxisRef[] {
-    return [...this.model.chosen].flatMap((address) => this.model.find(address) ?? []);
+    return (this.found ??= [...this.model.chosen].flatMap((address) => this.model.find(address) ?? []));
+  }
+
+  private makeTools(): HTMLElement {
+    const search = h("input", {
+      class: "search",
+      attributes: { type: "search", placeholder: t("search_axes"), "aria-label": t("search_chosen") },
+    });
+    search.addEventListener("input", () => {
+      this.words = wordsOf(search.value);
+      this.filter();
+    });
+    const removeAll = button(t("remove_all"), () => this.model.chosen.clear(), { attributes: { "data-test": "remove_all" } });
+    return h("div", { class: "tools" }, search, removeAll);
+  }
+
+  private filter(): void {
+    for (const ref of this.axes()) {
+      const line = this.lines.get(addressOf(ref));
+      if (line !== undefined) line.root.hidden = !nameMatches(addressOf(ref), ref.axis.name, this.words);
+    }
+    this.groupMove.filter(this.words);
   }
 
   private showClocks(): void {
@@ -72,7 +110,8 @@ export class ControlView implements View {
       const place = ref.bench.places.get(ref.axis.axis);
       if (line === undefined || place === undefined) continue;
       const state = decodePowerState(Number(ref.bench.numbers("ds402_statusword")?.[place] ?? 0));
-      line.lamp.className = `lamp ${state}`;
+      const lamp = `lamp ${state}`;
+      if (line.lamp.className !== lamp) line.lamp.className = lamp;
       put(line.state, stateName(state));
       const scale = this.model.scale(ref.axis);
       const position = Number(ref.bench.numbers("load_position_actual_value")?.[place] ?? 0);
@@ -85,16 +124,22 @@ export class ControlView implements View {
     this.lines.clear();
     const rows = axes.map((ref) => {
       const address = addressOf(ref);
-      const line = { lamp: h("span", { class: "lamp" }), state: h("span", { class: "state" }), position: h("span", { class: "number" }) };
-      this.lines.set(address, line);
+      const lamp = h("span", { class: "lamp" });
+      const state = h("span", { class: "state" });
+      const position = h("span", { class: "number" });
       const remove = button("×", () => this.model.chosen.delete(address), {
         class: "quiet",
         attributes: { "aria-label": `${t("remove")} ${address}` },
       });
       const name = h("a", { attributes: { href: `#/axis/${address}` } }, `${address} ${ref.axis.name}`);
-      return h("li", {}, line.lamp, name, line.state, line.position, remove);
+      const root = h("li", {}, lamp, name, state, position, remove);
+      this.lines.set(address, { root, lamp, state, position });
+      return root;
     });
+    put(this.title, `${t("chosen_axes")}` + (rows.length > 1 ? `: ${rows.length}` : ""));
+    this.tools.hidden = rows.length < 2;
     if (rows.length === 0) rows.push(h("li", { class: "empty" }, t("none_chosen")));
     this.list.replaceChildren(...rows);
+    this.filter();
   }
 }

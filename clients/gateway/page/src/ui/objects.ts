@@ -163,8 +163,8 @@ export class Objects implements View {
 
   update(now: number): void {
     if (this.model.dictionary !== undefined && this.built !== this.model.dictionary) this.build();
-    const seen = this.root.getClientRects().length > 0;
-    if (seen && !this.reading && now - this.readAt > READ_EVERY_MS && this.model.connected) {
+    const visible = this.root.getClientRects().length > 0;
+    if (visible && !this.reading && now - this.readAt > READ_EVERY_MS && this.model.connected) {
       this.readAt = now;
       void this.read();
     }

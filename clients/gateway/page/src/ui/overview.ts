@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every axis of every bench: a table that draws only the rows that are seen.
+// Every axis of every bench: a table that draws only the visible rows.
 
 import { decodePowerState, STATUS_BIT } from "../data/power";
 import { matches, sorted, type Filter, type Order, type Row, type SortKey } from "../data/rows";
@@ -412,7 +412,7 @@ export class Overview implements View {
       this.pool.push(made);
       this.space.append(made.root);
     }
-    // A row keeps its elements while it is seen: place modulo pool.
+    // A row keeps its elements while it is visible: place modulo pool.
     const end = Math.min(first + this.pool.length, this.shown.length);
     for (let place = end; place < first + this.pool.length; ++place) this.pool[place % this.pool.length].hide();
     for (let place = first; place < end; ++place) {

@@ -148,7 +148,7 @@ export class Plots implements View {
   }
 
   update(now: number): void {
-    const [from, to] = this.seen();
+    const [from, to] = this.range();
     const columns = Math.max(50, this.width - AXIS_WIDTH - RIGHT_MARGIN);
     // Long windows move by less than a pixel a frame.
     const every = Math.min(250, ((to - from) / columns) * 1000);
@@ -258,7 +258,7 @@ export class Plots implements View {
     return kind.unit === "permille" ? PERMILLE : this.model.scale(this.trace.ref.axis);
   }
 
-  private seen(): [number, number] {
+  private range(): [number, number] {
     if (this.zoomed !== undefined) return this.zoomed;
     const end = this.paused ? this.pausedAt : this.trace.now;
     return [end - this.model.settings.window, end];
@@ -295,7 +295,7 @@ export class Plots implements View {
 
   private onWheel(plot: uPlot, event: WheelEvent): void {
     event.preventDefault();
-    const [from, to] = this.seen();
+    const [from, to] = this.range();
     const middle = plot.posToVal(event.offsetX, "x");
     const factor = event.deltaY < 0 ? 0.8 : 1.25;
     const span = Math.min(LONGEST_WINDOW_S, Math.max(0.005, (to - from) * factor));
@@ -403,7 +403,7 @@ export class Plots implements View {
   /** Every sample of the window, not only the points that are drawn. */
   private saveCsv(): void {
     const { history } = this.trace;
-    const [from, to] = this.seen();
+    const [from, to] = this.range();
     const parts = [`tick,time_s,${MEMBERS.join(",")}\n`];
     for (let n = history.lowerBound(from); n < history.end && history.time(n) <= to; ++n) {
       const time = history.time(n);
@@ -441,11 +441,11 @@ export class Plots implements View {
   }
 
   private fileName(): string {
-    return `${this.trace.ref.axis.name}_${this.trace.tickAt(this.seen()[1])}`.replace(/[^\w.-]/g, "_");
+    return `${this.trace.ref.axis.name}_${this.trace.tickAt(this.range()[1])}`.replace(/[^\w.-]/g, "_");
   }
 }
 
-/** Decimals that tell the values of neighbouring grid lines apart. */
+/** Decimals with which the values of neighbouring grid lines differ. */
 function decimalsOf(values: number[]): number {
   if (values.length < 2) return 0;
   const step = Math.abs(values[1] - values[0]);
