@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The program vdrive-gateway between a service and WebSocket clients.
 #include "gateway/tool_client.hpp"
+#include "support/temporary_directory.hpp"
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
 #include "vdrive/axis_status.hpp"
@@ -554,7 +555,8 @@ TEST(GatewayServices, EnableMoveAndStopAnAxis) {
 }
 
 TEST(GatewayServices, CarryOutWhatAButtonOfADashboardNeeds) {
-  const RunningService service("--clock realtime");
+  const TemporaryDirectory state;
+  const RunningService service("--clock realtime --state " + state.path().string());
   const RunningGateway gateway("--control");
   Session session(options());
   auto axis = session.axis("1.1");
@@ -687,6 +689,7 @@ TEST(GatewayControl, IsGivenBackByACloseWithoutACode) {
   command(client);
   // A close frame without payload, masked with zeros: as WebSocket.close() of a browser sends it.
   client.web().send_raw({"\x88\x80\0\0\0\0", 6});
+  client.read_for(1s);  // the gateway answers it, and each side ends its connection
   EXPECT_TRUE(axis->wait_until(
       [](const auto& status) {
         return status.owner_session == 0;
