@@ -4,8 +4,12 @@
 
   gateway.py [--axes 256] [--clients 20] [--seconds 20] [--domain 43] [--build build/release]
   gateway.py --soak 30 [--axes 64] [--clients 5] [--domain 43] [--build build/release]
+  gateway.py --ticks 2 [--axes 256] [--clients 20] [--seconds 4] [--domain 43] [--build build/release]
 
 --soak watches the memory of a gateway that sends for so many minutes, instead of the rest.
+--ticks counts the overruns of the bench in so many rounds: without a gateway, with one whose clients
+have the usual priority, and with one whose clients have idle priority. Those take no time from the
+bench, as clients on other machines. Each with a tick thread of usual priority and of SCHED_FIFO.
 Prints one JSON object. Needs the targets vdrived, vdrive-gateway and gateway_load.
 """
 import argparse
@@ -14,6 +18,7 @@ import os
 import pathlib
 import re
 import subprocess
+import tempfile
 import time
 import urllib.request
 
@@ -47,6 +52,57 @@ def start_gateway(options, running):
                                 "--listen", "127.0.0.1:0"], stdout=subprocess.PIPE, text=True)
     running.append(gateway)
     return gateway, gateway.stdout.readline().split("127.0.0.1:")[1].split("/")[0]
+
+
+CONDITIONS = {  # words before the program of the clients; none = no clients
+    "alone": None,
+    "clients_at_idle_priority": ["chrt", "-i", "0"],
+    "clients_at_usual_priority": [],
+}
+
+
+def count_overruns(options, port, clients_of, metrics):
+    """Overruns in 10,000 ticks of 1 ms."""
+    before = overruns(metrics)
+    if clients_of is None:
+        time.sleep(options.seconds)
+    else:
+        subprocess.run([*clients_of, options.build / "bin/gateway_load", port,
+                        str(options.clients), str(options.seconds)], check=True,
+                       capture_output=True)
+    return (overruns(metrics) - before) * 10 / options.seconds
+
+
+def keep_awake(running):
+    """A virtual processor that falls asleep wakes up late: spinners at idle priority."""
+    for _ in range(os.cpu_count()):
+        running.append(subprocess.Popen(["chrt", "-i", "0", "sh", "-c", "while :; do :; done"]))
+
+
+def ticks(options, running):
+    metrics = 18_944
+    keep_awake(running)
+    spinners = len(running)
+    result = {"axes": options.axes, "clients": options.clients, "seconds": options.seconds,
+              "load_average": os.getloadavg()[0], "overruns_in_10000_ticks": {}}
+    for priority in (0, 50):
+        with tempfile.NamedTemporaryFile("w", suffix=".yaml") as file:
+            file.write(f"clock: {{realtime_priority: {priority}}}\n")
+            file.flush()
+            start_service(options, running, "--config", file.name, "--metrics", str(metrics))
+            time.sleep(3)
+        _, port = start_gateway(options, running)
+        time.sleep(1)
+        counts = {name: [] for name in CONDITIONS}
+        for _ in range(options.ticks):
+            for name, clients_of in CONDITIONS.items():
+                counts[name].append(count_overruns(options, port, clients_of, metrics))
+        result["overruns_in_10000_ticks"][f"realtime_priority_{priority}"] = counts
+        for process in reversed(running[spinners:]):
+            process.terminate()
+            process.wait(timeout=10)
+        del running[spinners:]
+    return result
 
 
 def slope(times, values):
@@ -114,17 +170,20 @@ def cost(options, running):
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--soak", type=int, default=0, metavar="MINUTES")
+    parser.add_argument("--ticks", type=int, default=0, metavar="ROUNDS")
     parser.add_argument("--axes", type=int)
     parser.add_argument("--clients", type=int)
-    parser.add_argument("--seconds", type=int, default=20)
+    parser.add_argument("--seconds", type=int)
     parser.add_argument("--domain", default="43")
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build" / "release")
     options = parser.parse_args()
     options.axes = options.axes or (64 if options.soak else 256)
     options.clients = options.clients or (5 if options.soak else 20)
+    options.seconds = options.seconds or (4 if options.ticks else 20)
     running = []
     try:
-        result = soak(options, running) if options.soak else cost(options, running)
+        measure = soak if options.soak else ticks if options.ticks else cost
+        result = measure(options, running)
     finally:
         for process in reversed(running):
             process.terminate()
