@@ -66,14 +66,19 @@ boost::beast::string_view beast_view(std::string_view text) {
   return {text.data(), text.size()};
 }
 
-/// @return how long the other machine has acknowledged nothing; 0 while it has acknowledged all
-/// that
-///         it was sent. Its kernel does so, also for a program that is late.
+/// @return how long the other machine has acknowledged nothing, although it was sent something;
+/// else 0.
+///         Its kernel acknowledges, also for a program that is late. Where that program reads
+///         nothing and its buffer is full, few bytes are sent, and each is answered.
 std::chrono::milliseconds unacknowledged(tcp::socket& socket) {
+  constexpr std::uint32_t kLongestRoundTrip = 200;  // [ms]
   tcp_info info{};
   socklen_t size = sizeof info;
   if (::getsockopt(socket.native_handle(), IPPROTO_TCP, TCP_INFO, &info, &size) != 0) return {};
-  return std::chrono::milliseconds(info.tcpi_unacked == 0 ? 0 : info.tcpi_last_ack_recv);
+  const bool is_answered = info.tcpi_last_ack_recv <= info.tcpi_last_data_sent + kLongestRoundTrip;
+  const bool is_under_way = info.tcpi_last_data_sent < kLongestRoundTrip;
+  const bool has_all = info.tcpi_unacked == 0 || is_answered || is_under_way;
+  return std::chrono::milliseconds(has_all ? 0 : info.tcpi_last_ack_recv);
 }
 
 /// What a connection is for.
