@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "byte_ring.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cassert>
 #include <cstring>
@@ -27,26 +28,34 @@ ByteRing::ByteRing(RingPositions& positions, std::span<std::byte> memory) noexce
     : positions_(positions),
       memory_(memory),
       written_(positions.written.load(std::memory_order_acquire)),
+      begin_(positions.begin.load(std::memory_order_relaxed)),
       read_(positions.read.load(std::memory_order_acquire)) {
   assert(std::has_single_bit(memory.size()));
 }
 
+/// An empty ring that goes on at its beginning says so beside the positions, and not by a mark in
+/// the memory: until the reader had passed such a mark, the room behind it could not be used.
 std::optional<std::span<std::byte>> ByteRing::reserve(std::size_t size) noexcept {
   const std::uint64_t needed = sizeof(RecordHead) + aligned(size);
-  const std::uint64_t read = positions_.read.load(std::memory_order_acquire);
+  const std::uint64_t read = std::max(positions_.read.load(std::memory_order_acquire), begin_);
   const std::uint64_t used = written_ - read;
+  if (used > memory_.size()) return std::nullopt;  // the other side is broken
   const std::size_t place = offset(written_);
   const std::uint64_t to_end = memory_.size() - place;
-  const bool rewinds = used == 0 && place >= kRewind && needed <= place;
-  const std::uint64_t skipped = needed > to_end || rewinds ? to_end : 0;
-  if (used > memory_.size() || memory_.size() - used < skipped + needed) return std::nullopt;
-  if (skipped > 0) std::memcpy(&memory_[place], &kSkip, sizeof kSkip);
-  reserved_ = written_ + skipped;
+  rewinds_ = used == 0 && (place >= kRewind || needed > to_end);
+  const bool skips = !rewinds_ && needed > to_end;
+  if (memory_.size() - used < needed + (skips ? to_end : 0)) return std::nullopt;
+  if (skips) std::memcpy(&memory_[place], &kSkip, sizeof kSkip);
+  reserved_ = written_ + (skips || rewinds_ ? to_end : 0);
   return memory_.subspan(offset(reserved_) + sizeof(RecordHead), size);
 }
 
 void ByteRing::commit(const RecordHead& head) noexcept {
   std::memcpy(&memory_[offset(reserved_)], &head, sizeof head);
+  if (rewinds_) {
+    begin_ = reserved_;
+    positions_.begin.store(begin_, std::memory_order_relaxed);
+  }
   written_ = reserved_ + sizeof head + aligned(head.size);
   positions_.records_written.fetch_add(1, std::memory_order_relaxed);
   positions_.written.store(written_, std::memory_order_release);
@@ -54,6 +63,9 @@ void ByteRing::commit(const RecordHead& head) noexcept {
 
 std::optional<ByteRing::Record> ByteRing::front() noexcept {
   const std::uint64_t written = positions_.written.load(std::memory_order_acquire);
+  if (read_ == written) return std::nullopt;
+  const std::uint64_t begin = positions_.begin.load(std::memory_order_relaxed);
+  if (begin > read_ && begin < written && offset(begin) == 0) read_ = begin;
   while (read_ != written) {
     const std::uint64_t waiting = written - read_;
     if (waiting > memory_.size() || waiting % kAlignment != 0) {

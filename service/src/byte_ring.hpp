@@ -28,6 +28,7 @@ struct RingPositions {
   static constexpr std::size_t kCacheLine = 64;
 
   alignas(kCacheLine) std::atomic<std::uint64_t> written{0};  ///< [bytes]
+  std::atomic<std::uint64_t> begin{0};  ///< the producer's; nothing is between `read` and it
   std::atomic<std::uint64_t> records_written{0};
   alignas(kCacheLine) std::atomic<std::uint64_t> read{0};  ///< [bytes]
   std::atomic<std::uint64_t> records_read{0};
@@ -78,6 +79,8 @@ class ByteRing {
   std::span<std::byte> memory_;
   std::uint64_t written_ = 0;   ///< the producer's own
   std::uint64_t reserved_ = 0;  ///< where the reserved record begins
+  std::uint64_t begin_ = 0;     ///< the producer's own
+  bool rewinds_ = false;        ///< the reserved record begins at the start of the memory
   std::uint64_t read_ = 0;      ///< the consumer's own
   std::uint64_t front_end_ = 0;
 };

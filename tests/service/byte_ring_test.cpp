@@ -108,6 +108,67 @@ TEST(ByteRing, KeepsToFewPagesWhileItsReaderKeepsUp) {
   EXPECT_LE(std::distance(touched, memory.words.rend()) * 8, 64 * 1024 + 1'024);
 }
 
+// The producer is ahead by 1 KiB to 1 MiB less one record while the consumer stands, wherever the
+// ring was when it was last empty: 1,008 bytes and their head take 1,032, so 1,016 records fit into
+// 1 MiB (1,048,576), less one that may not fit in front of the end of the memory.
+TEST(ByteRing, HasItsWholeRoomWhereverItWasEmptyLast) {
+  constexpr std::size_t kRecord = 1'032;
+  constexpr std::size_t kFit = (std::size_t{1} << 20U) / kRecord - 1;
+  for (std::size_t before = 1; before <= 256; before += 15) {
+    Memory memory(std::size_t{1} << 20U);
+    ByteRing producer = memory.end();
+    ByteRing consumer = memory.end();
+    for (std::size_t count = 0; count < before; ++count) {
+      ASSERT_TRUE(put(producer, kRecord - kHead, 1));
+    }
+    for (std::size_t count = 0; count < before; ++count) {
+      ASSERT_TRUE(consumer.front().has_value());
+      consumer.pop();
+    }
+    for (std::size_t count = 0; count < kFit; ++count) {
+      ASSERT_TRUE(put(producer, kRecord - kHead, static_cast<std::uint8_t>(count % 251)))
+          << "record " << count << " after " << before << " that were read";
+    }
+    for (std::size_t count = 0; count < kFit; ++count) {
+      const auto record = consumer.front();
+      ASSERT_TRUE(record &&
+                  is_whole(*record, kRecord - kHead, static_cast<std::uint8_t>(count % 251)));
+      consumer.pop();
+    }
+    EXPECT_FALSE(consumer.front().has_value());
+  }
+}
+
+// Both sides end and are replaced while the ring is empty, full, and in between.
+TEST(ByteRing, GoesOnAtItsBeginningForThoseWhoComeLater) {
+  Memory memory(std::size_t{1} << 18U);
+  for (int round = 0; round < 50; ++round) {
+    {
+      ByteRing producer = memory.end();
+      static_cast<void>(producer.reserve(1'000));  // the one before it ended in that place
+    }
+    ByteRing producer = memory.end();
+    for (std::uint8_t count = 0; count < 100; ++count) ASSERT_TRUE(put(producer, 1'000, count));
+    for (std::uint8_t count = 0; count < 100; ++count) {
+      ByteRing consumer = memory.end();
+      const auto record = consumer.front();
+      ASSERT_TRUE(record && is_whole(*record, 1'000, count)) << "round " << round;
+      consumer.pop();
+    }
+  }
+}
+
+TEST(ByteRing, IgnoresAForgedBeginning) {
+  for (const std::uint64_t forged : {1ULL, 8ULL, 24ULL, 40ULL, 256ULL, 1ULL << 62U}) {
+    Memory memory(256);
+    ByteRing producer = memory.end();
+    ByteRing consumer = memory.end();
+    ASSERT_TRUE(put(producer, 8, 1));
+    memory.positions.begin.store(forged);
+    ASSERT_TRUE(is_whole(consumer.front().value(), 8, 1)) << forged;
+  }
+}
+
 TEST(ByteRing, GoesOnWhereAnEndedSideStopped) {
   Memory memory(256);
   {
