@@ -12,6 +12,7 @@
 #include "replay.hpp"
 #include "service.hpp"
 #include "service_manager.hpp"
+#include "status_depth.hpp"
 #include "vdrive/axis_bank.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wire/library_log.hpp"
@@ -275,11 +276,12 @@ int serve(const Configuration& configuration, const Arguments& arguments) {
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   // Before the first thread too: its child must have none of them.
   const bool has_process = effective_wire_form(configuration) == WireForm::process;
-  auto host = has_process
-                  ? std::make_shared<WireHost>(WireSettings{.network = configuration.network,
-                                                            .bench = configuration.bench,
-                                                            .log_level = arguments.log_level})
-                  : nullptr;
+  auto host = has_process ? std::make_shared<WireHost>(
+                                WireSettings{.network = configuration.network,
+                                             .bench = configuration.bench,
+                                             .log_level = arguments.log_level,
+                                             .status_room = status_depth(configuration).room})
+                          : nullptr;
   const ServiceManager manager;
   std::optional<wire::LibraryLog> library_log;
   if (!has_process) library_log.emplace(log_of_the_library(configuration.bench));

@@ -6,10 +6,6 @@
 namespace vdrive::service {
 namespace {
 
-constexpr std::size_t kStatusesInFlight = 65'536;
-constexpr std::size_t kLeastImages = 4;
-constexpr std::size_t kMostImages = 64;
-
 /// Samples that one pass over the inbox drops at most.
 constexpr std::size_t kMostDropped = 64;
 
@@ -118,12 +114,12 @@ std::optional<TurnedAway> Inbox::next_turned_away() {
   return away;
 }
 
-Outbox::Outbox(std::size_t axes)
+Outbox::Outbox(std::size_t axes, std::size_t images)
     : command_replies(kCommandReplies),
       replies(kReplies),
       events(kEvents),
       parameters(kParameters),
-      status(std::clamp(kStatusesInFlight / axes, kLeastImages, kMostImages)) {
+      status(images) {
   command_replies.for_each_slot([](msg::CommandReply& reply) {
     reply.refusals().reserve(msg::MAX_AXES_PER_FRAME);
     reply.ignored_set_points().reserve(msg::MAX_AXES_PER_FRAME);

@@ -117,7 +117,8 @@ struct Outbox {
   static constexpr std::size_t kParameters = 256;
 
   /// @param axes how many axes a status image holds
-  explicit Outbox(std::size_t axes);
+  /// @param images how many status images wait at most
+  explicit Outbox(std::size_t axes, std::size_t images = 16);
 
   Ring<msg::CommandReply> command_replies;
   Ring<OutgoingReply> replies;

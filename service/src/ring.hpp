@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <vector>
@@ -9,43 +10,53 @@ namespace vdrive::service {
 
 /// Bounded queue from one producer thread to one consumer thread without locks. Messages stay where
 /// they are: the producer fills a slot in place, the consumer reads it in place, and a slot keeps
-/// the capacity of its sequences for the next message. So nothing allocates once it is warm.
+/// the capacity of its sequences for the next message. So nothing allocates once it is warm. An
+/// empty queue goes on with its first slot: a queue that is seldom full uses few slots, which stay
+/// in the caches.
 template <typename Message>
 class Ring {
  public:
   /// @param capacity how many messages fit, at least 1
-  explicit Ring(std::size_t capacity) : slots_(capacity + 1) {}
+  explicit Ring(std::size_t capacity) : slots_(capacity) {}
 
   /// Producer: @return a slot to fill, or nullptr when the queue is full.
   [[nodiscard]] Message* free_slot() noexcept {
     const std::size_t tail = tail_.load(std::memory_order_relaxed);
-    return next(tail) == head_.load(std::memory_order_acquire) ? nullptr : &slots_[tail];
+    const std::size_t read = first_of(head_.load(std::memory_order_acquire));
+    if (tail - read == slots_.size()) return nullptr;
+    const std::size_t rest = tail == read ? tail % slots_.size() : 0;
+    filled_ = rest == 0 ? tail : tail - rest + slots_.size();
+    return &slots_[filled_ % slots_.size()];
   }
 
   /// Producer: hands the slot of the last `free_slot` over.
   void push() noexcept {
-    tail_.store(next(tail_.load(std::memory_order_relaxed)), std::memory_order_release);
+    if (filled_ != tail_.load(std::memory_order_relaxed)) {
+      begin_.store(filled_, std::memory_order_relaxed);
+    }
+    tail_.store(filled_ + 1, std::memory_order_release);
   }
 
   /// Consumer: @return the oldest message, or nullptr when there is none.
   [[nodiscard]] Message* front() noexcept {
     const std::size_t head = head_.load(std::memory_order_relaxed);
-    return head == tail_.load(std::memory_order_acquire) ? nullptr : &slots_[head];
+    if (head == tail_.load(std::memory_order_acquire)) return nullptr;
+    return &slots_[first_of(head) % slots_.size()];
   }
 
   /// Consumer: gives the slot of `front` back.
   void pop() noexcept {
-    head_.store(next(head_.load(std::memory_order_relaxed)), std::memory_order_release);
+    head_.store(first_of(head_.load(std::memory_order_relaxed)) + 1, std::memory_order_release);
   }
 
   /// @return how many messages wait; exact only when nobody works on the queue.
   [[nodiscard]] std::size_t size() const noexcept {
-    const std::size_t head = head_.load(std::memory_order_acquire);
     const std::size_t tail = tail_.load(std::memory_order_acquire);
-    return tail >= head ? tail - head : tail + slots_.size() - head;
+    const std::size_t read = first_of(head_.load(std::memory_order_acquire));
+    return tail > read ? std::min(tail - read, slots_.size()) : 0;
   }
 
-  [[nodiscard]] std::size_t capacity() const noexcept { return slots_.size() - 1; }
+  [[nodiscard]] std::size_t capacity() const noexcept { return slots_.size(); }
 
   /// Prepares every slot before the threads start, for example reserves its sequences.
   template <typename Function>
@@ -56,13 +67,17 @@ class Ring {
  private:
   static constexpr std::size_t kCacheLine = 64;
 
-  [[nodiscard]] std::size_t next(std::size_t position) const noexcept {
-    return position + 1 == slots_.size() ? 0 : position + 1;
+  /// @return the position of the oldest message, where there is one: nothing is before `begin_`.
+  [[nodiscard]] std::size_t first_of(std::size_t head) const noexcept {
+    return std::max(head, begin_.load(std::memory_order_relaxed));
   }
 
   std::vector<Message> slots_;
+  // Positions only grow; a message is in the slot of its position modulo their number.
   alignas(kCacheLine) std::atomic<std::size_t> head_{0};
   alignas(kCacheLine) std::atomic<std::size_t> tail_{0};
+  std::atomic<std::size_t> begin_{0};  ///< where the queue went on when it was empty
+  std::size_t filled_ = 0;             ///< the producer's: of the last `free_slot`
 };
 
 }  // namespace vdrive::service

@@ -18,6 +18,7 @@
 #include "reply_publisher.hpp"
 #include "report_publisher.hpp"
 #include "shutdown.hpp"
+#include "status_depth.hpp"
 #include "status_publisher.hpp"
 #include "wire_host.hpp"
 #include "wire_link.hpp"
@@ -82,7 +83,8 @@ struct Parameters {
 WireSettings wire_settings(const Configuration& configuration) {
   return {.network = configuration.network,
           .bench = configuration.bench,
-          .log_level = std::string(spdlog::level::to_string_view(spdlog::get_level()).data())};
+          .log_level = std::string(spdlog::level::to_string_view(spdlog::get_level()).data()),
+          .status_room = status_depth(configuration).room};
 }
 
 /// The wire of a bench in either form, and the memory that it shares with the engine.
@@ -169,7 +171,7 @@ class Service::Threads {
         guard_(wire_.region().ring(Lane::notices), identity_),
         inbox_(configuration_.bench, wire_.region().ring(Lane::arrivals),
                wire_.region().ring(Lane::turned_away), counters_),
-        outbox_(configuration_.axes.size()),
+        outbox_(configuration_.axes.size(), status_depth(configuration_).images),
         engine_(configuration_, identity_, outbox_, counters_),
         replies_(wire_.link(), identity_, counters_),
         status_(wire_.link(), configuration_, identity_, counters_),

@@ -14,6 +14,7 @@
 #include <bit>
 #include <cerrno>
 #include <new>
+#include <numeric>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
@@ -21,27 +22,32 @@
 namespace vdrive::service {
 namespace {
 
-constexpr std::uint64_t kLayout = 0x7664'7269'7665'0001;  // "vdrive", version 1
+constexpr std::uint64_t kLayout = 0x7664'7269'7665'0002;  // "vdrive", version 2
 constexpr std::size_t kKibi = 1'024;
 constexpr std::size_t kMebi = kKibi * kKibi;
 
-/// Some 64 ticks of 1,024 axes, 4 of 16,384; all answers to a full inbox; the descriptions and
-/// parameters of 16,384 axes at once.
-constexpr std::array<std::size_t, kLanes> kSizes{8 * kMebi, 8 * kMebi,  8 * kMebi,
-                                                 4 * kMebi, 64 * kKibi, 64 * kKibi};
+/// The lanes behind `status`, whose size is the bench's: all answers to a full inbox; the
+/// descriptions and parameters of 16,384 axes at once; what arrives.
+constexpr std::array<std::size_t, kLanes - 1> kFixedSizes{8 * kMebi, 8 * kMebi, 4 * kMebi,
+                                                          64 * kKibi, 64 * kKibi};
 
 constexpr std::size_t kPage = 4'096;
 constexpr std::size_t kControlSize = (sizeof(WireControl) + kPage - 1) / kPage * kPage;
 
-constexpr std::size_t offset_of(Lane lane) noexcept {
+constexpr std::size_t kFixedSize =
+    kControlSize + std::accumulate(kFixedSizes.begin(), kFixedSizes.end(), std::size_t{0});
+
+constexpr std::size_t size_of(Lane lane, std::size_t status_room) noexcept {
+  return lane == Lane::status ? status_room : kFixedSizes[static_cast<std::size_t>(lane) - 1];
+}
+
+constexpr std::size_t offset_of(Lane lane, std::size_t status_room) noexcept {
   std::size_t offset = kControlSize;
   for (std::size_t before = 0; before < static_cast<std::size_t>(lane); ++before) {
-    offset += kSizes[before];
+    offset += size_of(static_cast<Lane>(before), status_room);
   }
   return offset;
 }
-
-constexpr std::size_t kRegionSize = offset_of(Lane::notices) + kSizes.back();
 
 /// A path may be any bytes, which JSON refuses and MessagePack does not.
 std::vector<std::uint8_t> packed(const WireSettings& settings) {
@@ -72,14 +78,13 @@ WireSettings unpacked(std::span<const std::uint8_t> bytes) {
   return settings;
 }
 
-std::span<std::byte> map(int descriptor) {
+std::span<std::byte> map(int descriptor, std::size_t size) {
   // The kernel's answer is MAP_FAILED, a cast of -1.
-  void* const memory =
-      mmap(nullptr, kRegionSize, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0);
+  void* const memory = mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0);
   if (memory == MAP_FAILED) {  // NOLINT(*-cstyle-cast, performance-no-int-to-ptr)
     fail("memory between engine and wire");
   }
-  return {static_cast<std::byte*>(memory), kRegionSize};
+  return {static_cast<std::byte*>(memory), size};
 }
 
 }  // namespace
@@ -116,14 +121,16 @@ bool SharedSources::may_contain(const wire::Source& source) const noexcept {
 
 WireRegion::WireRegion(const WireSettings& settings)
     : descriptor_(memfd_create("vdrive-wire", MFD_CLOEXEC | MFD_ALLOW_SEALING)),
-      settings_(packed(settings)) {
+      settings_(packed(settings)),
+      status_room_(settings.status_room) {
+  const std::size_t size = kFixedSize + status_room_;
   // Sealed: a wire that made it shorter would end the engine by SIGBUS.
-  if (descriptor_ < 0 || ftruncate(descriptor_, static_cast<off_t>(kRegionSize)) != 0 ||
+  if (descriptor_ < 0 || ftruncate(descriptor_, static_cast<off_t>(size)) != 0 ||
       fcntl(descriptor_, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) !=
           0) {  // NOLINT(*-vararg)
     fail("memory between engine and wire");
   }
-  memory_ = map(descriptor_);
+  memory_ = map(descriptor_, size);
   control_ = new (memory_.data()) WireControl;  // NOLINT(*-owning-memory): it lies in the region
   if (settings_.size() > control_->settings.size()) {
     throw std::runtime_error("network settings of " + std::to_string(settings_.size()) +
@@ -148,8 +155,10 @@ void WireRegion::prepare_for(std::uint32_t generation) const noexcept {
   }
 }
 
-WireRegion::WireRegion(int descriptor, std::span<std::byte> memory) noexcept
+WireRegion::WireRegion(int descriptor, std::span<std::byte> memory,
+                       std::size_t status_room) noexcept
     : descriptor_(descriptor),
+      status_room_(status_room),
       memory_(memory),
       // NOLINTNEXTLINE(*-reinterpret-cast): the other process made it there
       control_(std::launder(reinterpret_cast<WireControl*>(memory.data()))) {}
@@ -158,11 +167,12 @@ WireRegion WireRegion::attach(int descriptor) {
   struct stat status {};
 
   if (fstat(descriptor, &status) != 0) fail("memory of the engine");
-  if (static_cast<std::size_t>(status.st_size) != kRegionSize) {
-    throw std::runtime_error("memory of the engine: " + std::to_string(status.st_size) +
-                             " bytes instead of " + std::to_string(kRegionSize));
+  const auto size = static_cast<std::size_t>(status.st_size);
+  if (size <= kFixedSize || !std::has_single_bit(size - kFixedSize)) {
+    throw std::runtime_error("memory of the engine: another version, " + std::to_string(size) +
+                             " bytes");
   }
-  WireRegion region(descriptor, map(descriptor));
+  WireRegion region(descriptor, map(descriptor, size), size - kFixedSize);
   if (region.control().layout != kLayout) {
     throw std::runtime_error("memory of the engine: another version");
   }
@@ -179,12 +189,14 @@ WireRegion::~WireRegion() {
 WireRegion::WireRegion(WireRegion&& other) noexcept
     : descriptor_(std::exchange(other.descriptor_, -1)),
       settings_(std::move(other.settings_)),
+      status_room_(other.status_room_),
       memory_(std::exchange(other.memory_, {})),
       control_(std::exchange(other.control_, nullptr)) {}
 
 ByteRing WireRegion::ring(Lane lane) const noexcept {
   const auto number = static_cast<std::size_t>(lane);
-  return {control_->positions[number], memory_.subspan(offset_of(lane), kSizes[number])};
+  return {control_->positions[number],
+          memory_.subspan(offset_of(lane, status_room_), size_of(lane, status_room_))};
 }
 
 WireSettings WireRegion::settings() const {

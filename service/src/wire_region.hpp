@@ -100,6 +100,8 @@ struct WireSettings {
   wire::NetworkSettings network;
   std::uint32_t bench = 1;
   std::string log_level = "info";
+  /// Of Lane::status, a power of two [bytes]; the wire reads it from the size of the region.
+  std::size_t status_room = std::size_t{1} << 20U;
 };
 
 /// The memory that engine and wire share: the control block and the rings. Threads of one process
@@ -134,10 +136,11 @@ class WireRegion {
   [[nodiscard]] WireSettings settings() const;
 
  private:
-  WireRegion(int descriptor, std::span<std::byte> memory) noexcept;
+  WireRegion(int descriptor, std::span<std::byte> memory, std::size_t status_room) noexcept;
 
   int descriptor_ = -1;
   std::vector<std::uint8_t> settings_;  ///< of the engine, who made the region
+  std::size_t status_room_ = 0;
   std::span<std::byte> memory_;
   WireControl* control_ = nullptr;
 };

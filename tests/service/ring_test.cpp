@@ -40,6 +40,51 @@ TEST(Ring, HoldsAsManyAsItsCapacityAndNoMore) {
   EXPECT_NE(ring.free_slot(), nullptr);
 }
 
+// 10 slots; a message at a time keeps to the first one, and three at a time to the first three.
+TEST(Ring, GoesOnWithItsFirstSlotWhenItIsEmpty) {
+  Ring<int> ring(10);
+  const int* const first = ring.free_slot();
+  for (int round = 0; round < 25; ++round) {
+    ASSERT_EQ(ring.free_slot(), first);
+    put(ring, round);
+    put(ring, round + 100);
+    put(ring, round + 200);
+    for (int place = 0; place < 3; ++place) {
+      EXPECT_EQ(ring.front(), first + place);
+      EXPECT_EQ(*ring.front(), round + 100 * place);
+      ring.pop();
+    }
+    EXPECT_EQ(ring.size(), 0U);
+  }
+}
+
+// Filled up 20 times, each time from empty, and once with a message that stays.
+TEST(Ring, HasItsWholeCapacityWhereverItWasEmptyLast) {
+  Ring<int> ring(10);
+  for (int round = 0; round < 20; ++round) {
+    for (int count = 0; count < 1 + round % 10; ++count) {
+      put(ring, count);
+    }
+    while (ring.front() != nullptr) {
+      ring.pop();
+    }
+    for (int count = 0; count < 10; ++count) {
+      put(ring, count);
+    }
+    EXPECT_EQ(ring.free_slot(), nullptr);
+    EXPECT_EQ(ring.size(), 10U);
+    for (int count = 0; count < 9; ++count) {
+      EXPECT_EQ(*ring.front(), count);
+      ring.pop();
+    }
+    put(ring, 10);
+    EXPECT_EQ(*ring.front(), 9);
+    ring.pop();
+    EXPECT_EQ(*ring.front(), 10);
+    ring.pop();
+  }
+}
+
 TEST(Ring, KeepsTheCapacityOfItsSlots) {
   Ring<std::vector<int>> ring(1);
   ring.for_each_slot([](auto& slot) {
