@@ -31,6 +31,9 @@ using namespace std::chrono_literals;
 
 constexpr auto kPumpInterval = 20ms;
 constexpr auto kRetryInterval = 1ms;
+/// Between two rounds of status that is late: 1 GB a second, at which a reader keeps up. What is
+/// sent faster overflows the buffers of their sockets.
+constexpr auto kBetweenRounds = 500us;
 constexpr auto kProbeInterval = 500ms;
 constexpr auto kFarewellOfWire = 150ms;
 
@@ -124,7 +127,9 @@ class WireProcess {
     bool has_more = false;
     while (goes_on() || has_more) {
       if (!has_more) bell.wait_for(kPumpInterval);
+      const auto next = std::chrono::steady_clock::now() + kBetweenRounds;
       has_more = program_.drain(Lane::status) && goes_on();
+      if (has_more) std::this_thread::sleep_until(next);
       status_rounds_.fetch_add(1, std::memory_order_relaxed);
       beat();
     }

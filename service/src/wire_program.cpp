@@ -149,14 +149,16 @@ void WireProgram::expect_probes_from(const wire::Source& source) {
 bool WireProgram::drain(Lane lane) {
   ByteRing& ring = lane == Lane::status ? status_ : lane == Lane::replies ? replies_ : reports_;
   std::size_t sent = 0;
-  for (; sent < kMostInOneRound; ++sent) {
-    const auto record = ring.front();
-    if (!record) break;
+  std::size_t bytes = 0;
+  auto record = ring.front();
+  for (; record && sent < kMostInOneRound && bytes < kMostBytesInOneRound; record = ring.front()) {
     send(*record);
+    bytes += record->bytes.size();
+    ++sent;
     ring.pop();
   }
   if (lane == Lane::replies && !held_.empty()) retry();
-  return sent == kMostInOneRound;
+  return record.has_value();
 }
 
 void WireProgram::send(const ByteRing::Record& record) {

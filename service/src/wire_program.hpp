@@ -39,11 +39,12 @@ class WireProgram {
   WireProgram(const WireProgram&) = delete;
   WireProgram& operator=(const WireProgram&) = delete;
 
-  /// Records that one call of `drain` sends at most.
+  /// What one call of `drain` sends at most; a record more in any case.
   static constexpr std::size_t kMostInOneRound = 256;
+  static constexpr std::size_t kMostBytesInOneRound = std::size_t{512} * 1'024;
 
-  /// Sends what waits in a lane that leaves the engine, kMostInOneRound records at most. One thread
-  /// a lane. @return whether more waits.
+  /// Sends what waits in a lane that leaves the engine, within the limits above. One thread a lane.
+  /// @return whether more may wait.
   bool drain(Lane lane);
 
   /// @return whether an answer waits for its reader. For the thread that drains `replies`.
