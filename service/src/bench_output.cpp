@@ -27,6 +27,7 @@ void BenchOutput::post_status(bool repeated) {
   StatusImage* const image = outbox_.status.free_slot();
   if (image == nullptr) {
     counters_.queue_overflows.add();
+    counters_.status_images_lost.add();
     return;
   }
   image->tick = clock_.tick();

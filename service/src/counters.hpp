@@ -91,9 +91,11 @@ struct Counters {
   Counter axis_samples_sent;
   Counter events_sent;
   Counter queue_overflows;
-  Counter malformed;      ///< samples that arrived and could not be decoded
-  Counter wire_starts;    ///< wires started, the first one included
-  Counter wire_is_up;     ///< 1 while the wire runs
+  Counter status_images_lost;   ///< of `queue_overflows`: between the tick and the status thread
+  Counter status_samples_lost;  ///< of `queue_overflows`: between engine and wire
+  Counter malformed;            ///< samples that arrived and could not be decoded
+  Counter wire_starts;          ///< wires started, the first one included
+  Counter wire_is_up;           ///< 1 while the wire runs
   Counter wire_resident;  ///< memory of the wire's process [bytes], 0 = it has none of its own
   Counter guarded;        ///< datagrams that the guard in front of the DDS library dropped
   Counter master_losses;

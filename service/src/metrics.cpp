@@ -91,6 +91,15 @@ void add_queues(Families& families, const Counters& counters, const QueueDepths&
   depth(families.another(), "pending_frames", counters.pending_frames.get());
   families.counter("vdrive_queue_overflows_total", "Messages lost because a queue was full",
                    counters.queue_overflows.get());
+  const auto lost = [](ClientMetric& metric, const char* queue, const Counter& count) {
+    metric.label.push_back({"queue", queue});
+    metric.counter.value = static_cast<double>(count.get());
+  };
+  lost(families.add("vdrive_status_lost_total",
+                    "Of these: status between tick and status thread, and between engine and wire",
+                    MetricType::Counter),
+       "images", counters.status_images_lost);
+  lost(families.another(), "wire", counters.status_samples_lost);
 }
 
 void add_commands(Families& families, const Counters& counters) {

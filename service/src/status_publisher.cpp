@@ -36,6 +36,7 @@ void StatusPublisher::publish_frames(const StatusImage& image) {
     const auto place = ring.reserve(wire::encoded_status_frame_size(count));
     if (!place) {
       counters_.queue_overflows.add();
+      counters_.status_samples_lost.add();
       return;
     }
     const std::size_t size = wire::encode_status_frame(
@@ -88,6 +89,7 @@ void StatusPublisher::publish_axis(const StatusImage& image, std::size_t axis,
   const auto place = link_.ring(Lane::status).reserve(wire::kAxisStatusSize);
   if (!place) {
     counters_.queue_overflows.add();
+    counters_.status_samples_lost.add();
     return;
   }
   commit(wire::TopicId::axis,

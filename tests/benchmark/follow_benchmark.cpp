@@ -14,11 +14,16 @@
 #include "vdrive/wire/subscription.hpp"
 #include "vdrive_messages.h"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <fstream>
+#include <functional>
 #include <iostream>
+#include <iterator>
 #include <memory>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -45,15 +50,19 @@ class States {
         states_(participant_, [this](const msg::BenchState& state, const wire::Source&) {
           tick_ = state.tick();
           overruns_ = state.overruns();
+          overflows_ = state.queue_overflows();
         }) {}
 
   [[nodiscard]] std::uint64_t tick() const noexcept { return tick_; }
 
   [[nodiscard]] std::uint64_t overruns() const noexcept { return overruns_; }
 
+  [[nodiscard]] std::uint64_t overflows() const noexcept { return overflows_; }
+
  private:
   std::atomic<std::uint64_t> tick_{0};
   std::atomic<std::uint64_t> overruns_{0};
+  std::atomic<std::uint64_t> overflows_{0};
   wire::Participant participant_;
   wire::Subscription<msg::BenchState> states_;
 };
@@ -67,6 +76,25 @@ client::Follower follower_of_all(client::Session& session, Followed& followed) {
   auto follower = session.follow(std::move(axes), client::Pace::observe);
   if (!follower) throw std::runtime_error(follower.outcome().message());
   return std::move(*follower);
+}
+
+/// @return datagrams that found the buffer of a UDP socket of this network namespace full.
+std::uint64_t dropped_by_sockets() {
+  std::ifstream file("/proc/net/snmp");
+  std::string line;
+  std::vector<std::string> names;
+  while (std::getline(file, line)) {
+    if (!line.starts_with("Udp:")) continue;
+    std::istringstream words(line);
+    const std::vector<std::string> values{std::istream_iterator<std::string>(words), {}};
+    if (names.empty()) {
+      names = values;
+      continue;
+    }
+    const auto name = std::find(names.begin(), names.end(), "RcvbufErrors");
+    return name == names.end() ? 0 : std::stoull(values.at(name - names.begin()));
+  }
+  return 0;
 }
 
 /// @param begun called after the first sample
@@ -104,10 +132,14 @@ int run(const std::string& program, std::chrono::seconds duration, int clients,
   const States states(test::test_domain());
   std::uint64_t overruns = 0;
   std::uint64_t tick = 0;
+  std::uint64_t overflows = 0;
+  std::uint64_t dropped = 0;
   double processor = 0.0;
   const auto begin = [&] {
     overruns = states.overruns();
     tick = states.tick();
+    overflows = states.overflows();
+    dropped = dropped_by_sockets();
     processor = service.processor_seconds();
   };
   const Followed followed = follow(start, duration, begin);
@@ -118,6 +150,9 @@ int run(const std::string& program, std::chrono::seconds duration, int clients,
   print("first_status_s", followed.first);
   print("status_samples", static_cast<double>(followed.samples));
   print("status_missed_share", static_cast<double>(followed.missed) / all);
+  print("status_missed", static_cast<double>(followed.missed));
+  print("lost_in_service", static_cast<double>(states.overflows() - overflows));
+  print("frames_dropped_by_sockets", static_cast<double>(dropped_by_sockets() - dropped));
   print("overrun_share", static_cast<double>(states.overruns() - overruns) /
                              static_cast<double>(states.tick() - tick));
   print("service_processor_share",

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the Python module costs beside the C++ library, in the same run.
 
-  python_figures.py [--build build/release] [--rounds 9] [--steps 2000] [--axes 256] [--seconds 20]
+  python_figures.py [--build build/release] [--rounds 9] [--steps 2000] [--axes 256] [--seconds 20] [--runs 1]
 
 Steps: rounds of one-tick steps of a private bench in lock-step, C++ and Python in turn; the medians of
 the rounds and the median of the ratios of neighbours. Stream: every status of a bench in real time
@@ -17,6 +17,8 @@ import statistics
 import subprocess
 import sys
 import time
+
+from hops import Hops, free_port
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
@@ -52,10 +54,13 @@ def measure_steps(vdrive, options):
 
 
 def measure_stream(vdrive, options):
-    with vdrive.Bench(options.axes, clock="realtime") as bench, bench.session() as session:
+    metrics = free_port()
+    with vdrive.Bench(options.axes, clock="realtime", arguments=("--metrics", metrics)) as bench, \
+            bench.session() as session:
         session.find_bench(1)
-        with session.stream() as stream, session.events() as events:
+        with session.stream() as stream:
             stream.take(timeout=10)
+            hops = Hops(metrics)
             busy, begin = time.process_time(), time.monotonic()
             samples = missed = highest = 0
             while time.monotonic() - begin < options.seconds:
@@ -65,13 +70,8 @@ def measure_stream(vdrive, options):
                 highest = max(highest, int(frames["load_position_actual_value"].max(initial=0)))
                 time.sleep(0.01)  # a program that has other work: it takes ten samples at once
             took = time.monotonic() - begin
-            # What a full queue of the service lost never left it; the event says how many.
-            in_service = 0
-            while event := events.next(timeout=0.5):
-                if event.kind == "queue_overflow":
-                    in_service += int(event.text.split()[0])
             figure("python_stream", axes=options.axes, seconds=round(took, 1), samples=samples,
-                   lost=missed, lost_in_service=in_service, dropped=stream.dropped,
+                   lost=missed, dropped=stream.dropped, hops=hops.so_far(),
                    core_percent=round(100 * (time.process_time() - busy) / took, 1))
 
 
@@ -82,13 +82,16 @@ def main():
     parser.add_argument("--steps", type=int, default=2000)
     parser.add_argument("--axes", type=int, default=256)
     parser.add_argument("--seconds", type=float, default=20)
+    parser.add_argument("--runs", type=int, default=1, help="of the stream")
     options = parser.parse_args()
     sys.path.insert(0, str(options.build / "python"))
     os.environ.setdefault("VDRIVE_SERVICE", str(options.build / "bin/vdrived"))
     import vdrive
 
-    measure_steps(vdrive, options)
-    measure_stream(vdrive, options)
+    if options.rounds:
+        measure_steps(vdrive, options)
+    for _ in range(options.runs):
+        measure_stream(vdrive, options)
 
 
 if __name__ == "__main__":

@@ -13,8 +13,11 @@ import os
 import pathlib
 import signal
 import subprocess
+import sys
 import tempfile
 import time
+
+from hops import Hops, free_port
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
@@ -32,12 +35,12 @@ def main():
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build" / "release")
     options = parser.parse_args()
     tool = [options.build / "bin/vdrive", "--domain", options.domain]
-    running = []
+    running, metrics = [], free_port()
     with tempfile.TemporaryDirectory() as work:
         try:
             running.append(subprocess.Popen(
                 [options.build / "bin/vdrived", "--domain", options.domain, "--axes",
-                 str(options.axes), "--log-level", "error"]))
+                 str(options.axes), "--log-level", "error", "--metrics", str(metrics)]))
             subprocess.run([*tool, "--timeout", "20", "list"], check=True, capture_output=True)
             subprocess.run([*tool, "enable", "--all"], check=True, capture_output=True)
             # Each with a speed of its own, longer than the measurement.
@@ -52,11 +55,13 @@ def main():
             while not (file.exists() and file.stat().st_size):
                 time.sleep(0.1)
             time.sleep(2)
+            hops = Hops(metrics)
             begin, spent, size = time.monotonic(), processor_seconds(recorder.pid), file.stat().st_size
             time.sleep(options.seconds)
             spent = processor_seconds(recorder.pid) - spent
             size = file.stat().st_size - size
             duration = time.monotonic() - begin
+            hops = hops.so_far()
             recorder.send_signal(signal.SIGINT)
             output, _ = recorder.communicate(timeout=60)
         finally:
@@ -70,6 +75,7 @@ def main():
                           ("record_lost_per_million", 1e6 * summary["lost"] / all_samples),
                           ("record_mb_per_second", size / duration / 1e6)):
         print(json.dumps({"figure": figure, "axes": options.axes, "value": round(value, 4)}))
+    print(json.dumps({"hops": hops, "lost": summary["lost"], "samples": summary["samples"]}), file=sys.stderr)
 
 
 if __name__ == "__main__":
