@@ -12,10 +12,14 @@
 #include <sys/types.h>
 
 #include <chrono>
+#include <condition_variable>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <thread>
@@ -176,6 +180,140 @@ TEST(AnEngine, EndsAWireThatHangs) {
   EXPECT_TRUE(holds_soon([&] {
     return !exists(wire);
   }));
+}
+
+/// What a subscriber to `status` receives of a bench.
+class Subscriber {
+ public:
+  explicit Subscriber(std::uint16_t parts)
+      : parts_(parts),
+        participant_({.domain = test_domain(), .role = wire::Role::client}, "vdrive subscriber"),
+        status_(participant_, [this](const msg::StatusFrame& frame, const wire::Source&) {
+          take(frame);
+        }) {}
+
+  struct Seen {
+    std::uint64_t tick = 0;    ///< newest
+    std::uint64_t frames = 0;  ///< received
+    std::uint64_t missed = 0;  ///< between the first one and the newest
+  };
+
+  [[nodiscard]] Seen seen() {
+    const std::lock_guard lock(mutex_);
+    return seen_of();
+  }
+
+  /// @return what was seen once a frame of a later tick than `tick` has come; nothing after 10 s.
+  [[nodiscard]] std::optional<Seen> seen_after(std::uint64_t tick) {
+    std::unique_lock lock(mutex_);
+    if (!changed_.wait_for(lock, 10s, [&] {
+          return tick_ > tick;
+        })) {
+      return std::nullopt;
+    }
+    return seen_of();
+  }
+
+ private:
+  [[nodiscard]] Seen seen_of() const {
+    const std::uint64_t sent = tick_ == 0 ? 0 : (tick_ - first_) * parts_;
+    return {.tick = tick_, .frames = frames_, .missed = sent - before_tick_};
+  }
+
+  void take(const msg::StatusFrame& frame) {
+    const std::lock_guard lock(mutex_);
+    if (tick_ == 0) first_ = frame.tick();
+    if (frame.tick() != tick_) {
+      before_tick_ = frames_;
+      tick_ = frame.tick();
+    }
+    ++frames_;
+    changed_.notify_all();
+  }
+
+  std::uint16_t parts_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::uint64_t first_ = 0;
+  std::uint64_t tick_ = 0;
+  std::uint64_t frames_ = 0;
+  std::uint64_t before_tick_ = 0;  ///< frames of the ticks before the newest
+  wire::Participant participant_;
+  wire::Subscription<msg::StatusFrame> status_;
+};
+
+/// @return datagrams that found the buffer of a socket full, in this network namespace.
+std::uint64_t dropped_by_sockets() {
+  std::istringstream lines(text_of("/proc/net/snmp"));
+  std::string line;
+  std::vector<std::string> names;
+  while (std::getline(lines, line)) {
+    if (!line.starts_with("Udp:")) continue;
+    std::istringstream words(line);
+    const std::vector<std::string> values{std::istream_iterator<std::string>(words), {}};
+    for (std::size_t place = 0; place < names.size(); ++place) {
+      if (names[place] == "RcvbufErrors") return std::stoull(values[place]);
+    }
+    names = values;
+  }
+  return 0;
+}
+
+msg::BenchState state_after(Probe& probe, std::uint64_t tick) {
+  msg::BenchState state;
+  EXPECT_TRUE(probe.wait_until([&] {
+    if (!probe.seen_state() || probe.seen_state()->tick() <= tick) return false;
+    state = *probe.seen_state();
+    return true;
+  }));
+  return state;
+}
+
+/// Stops a wire for 150 ms.
+void let_it_stand(pid_t wire) {
+  std::mutex mutex;
+  std::unique_lock lock(mutex);
+  std::condition_variable never;
+  ::kill(wire, SIGSTOP);
+  static_cast<void>(never.wait_until(lock, Clock::now() + 150ms, [] {
+    return false;
+  }));
+  ::kill(wire, SIGCONT);
+}
+
+// 150 ticks of 512 axes are 300 frames of 28.7 kB, 8.6 MB: the engine keeps 250 ms of them. A
+// machine that is busy otherwise may let a thread stand for longer than that, so one of twenty
+// attempts has to pass. The buffers of sockets may be small here; what they drop is theirs.
+TEST(AnEngine, LosesNoStatusWhileItsWireStandsFor150Milliseconds) {
+  constexpr std::uint16_t kParts = 2;
+  constexpr int kAttempts = 20;
+  Bench bench({"--axes", "512"});
+  Probe probe(test_domain());
+  ASSERT_TRUE(probe.find_bench());
+  Subscriber subscriber(kParts);
+  ASSERT_TRUE(subscriber.seen_after(0).has_value());
+  const pid_t wire = bench.wire();
+  ASSERT_NE(wire, 0);
+  std::string why;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    const auto begin = subscriber.seen();
+    const auto dropped = dropped_by_sockets();
+    const msg::BenchState before = state_after(probe, begin.tick);
+    let_it_stand(wire);
+    // Whatever waited is there, and 50 ticks more.
+    const auto end = subscriber.seen_after(before.tick() + 200);
+    ASSERT_TRUE(end.has_value());
+    const msg::BenchState after = state_after(probe, end->tick);
+    const auto late = subscriber.seen_after(after.tick());
+    ASSERT_TRUE(late.has_value());
+    const auto lost = after.queue_overflows() - before.queue_overflows();
+    const auto missed = late->missed - begin.missed;
+    const auto excused = dropped_by_sockets() - dropped;
+    if (after.jumps() == before.jumps() && lost == 0 && missed <= excused) return;
+    why += std::to_string(lost) + " lost by the service, " + std::to_string(missed) +
+           " missed by the subscriber, " + std::to_string(excused) + " dropped by sockets; ";
+  }
+  FAIL() << why;
 }
 
 /// @return the text of the next event that says why a wire is gone.
