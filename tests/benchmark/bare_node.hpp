@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <fastdds/dds/core/condition/StatusCondition.hpp>
+#include <fastdds/dds/core/condition/WaitSet.hpp>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/publisher/DataWriter.hpp>
@@ -20,6 +22,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <cstdint>
 #include <cstring>
@@ -27,7 +30,6 @@
 #include <iostream>
 #include <memory>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -184,12 +186,17 @@ class Listener final : public dds::DataReaderListener {
 };
 
 inline bool wait_for_reader(dds::DataWriter& writer) {
-  constexpr int kAttempts = 1'000;
-  for (int count = 0; count < kAttempts; ++count) {
+  dds::StatusCondition& matched = writer.get_statuscondition();
+  matched.set_enabled_statuses(dds::StatusMask::publication_matched());
+  dds::WaitSet wait_set;
+  wait_set.attach_condition(matched);
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+  while (std::chrono::steady_clock::now() < deadline) {
     dds::PublicationMatchedStatus status;
     writer.get_publication_matched_status(status);
     if (status.current_count > 0) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    dds::ConditionSeq active;
+    wait_set.wait(active, {1, 0});
   }
   std::cerr << "no reader\n";
   return false;

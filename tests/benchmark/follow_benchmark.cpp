@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whether clients receive every tick of all axes of a realtime bench, and how soon the first one.
 //
-//   vdrive_follow_benchmark VDRIVED SECONDS CLIENTS [argument of vdrived...]
+//   vdrive_follow_benchmark VDRIVED SECONDS CLIENTS [--enabled] [argument of vdrived...]
 //
+// --enabled: every axis holds its position with power; without it none has power.
 // Each client is a process with a session that follows all axes of bench 1; the figures are those
 // of the first one. Prints JSON lines: {"figure":"status_missed_share","axes":1024,"value":...}.
 #include "bare_node.hpp"
@@ -23,6 +24,7 @@
 #include <iostream>
 #include <iterator>
 #include <memory>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -118,8 +120,25 @@ Followed follow(Clock::time_point start, std::chrono::seconds duration,
   return followed;
 }
 
+/// Every axis of bench 1 has power while this lives.
+class Power {
+ public:
+  Power() : session_({.domain = test::test_domain(), .bench = 1, .find_timeout = 30s}) {
+    const auto axes = session_.axes(1);
+    if (!axes) throw std::runtime_error(axes.outcome().message());
+    for (const auto& outcome : session_.command_each(*axes, client::EachCommand::enable)) {
+      if (!outcome) throw std::runtime_error(outcome.message());
+    }
+  }
+
+ private:
+  client::Session session_;
+};
+
 int run(const std::string& program, std::chrono::seconds duration, int clients,
-        const std::vector<std::string>& arguments) {
+        std::vector<std::string> arguments) {
+  const bool is_enabled = !arguments.empty() && arguments.front() == "--enabled";
+  if (is_enabled) arguments.erase(arguments.begin());
   static_cast<void>(test::test_domain());  // the other processes use the same one
   const auto start = Clock::now();
   const test::ServiceProcess service(program, arguments);
@@ -129,6 +148,8 @@ int run(const std::string& program, std::chrono::seconds duration, int clients,
       static_cast<void>(follow(start, duration + 30s, [] {}));
     }));
   }
+  std::optional<Power> power;
+  if (is_enabled) power.emplace();
   const States states(test::test_domain());
   std::uint64_t overruns = 0;
   std::uint64_t tick = 0;
@@ -164,7 +185,8 @@ int run(const std::string& program, std::chrono::seconds duration, int clients,
 
 int main(int count, char** arguments) {
   if (count < 4) {
-    std::cerr << "usage: vdrive_follow_benchmark VDRIVED SECONDS CLIENTS [argument...]\n";
+    std::cerr
+        << "usage: vdrive_follow_benchmark VDRIVED SECONDS CLIENTS [--enabled] [argument...]\n";
     return 2;
   }
   try {

@@ -22,6 +22,8 @@ import tempfile
 import time
 import urllib.request
 
+from hops import free_port
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
@@ -40,18 +42,45 @@ def overruns(port):
                if re.match(r"vdrive_\w*overruns\w*[ {]", line))
 
 
-def start_service(options, running, *more):
+def wait_until(condition, what):
+    """Looks again until it holds."""
+    deadline = time.monotonic() + 60
+    while not condition():
+        if time.monotonic() > deadline:
+            raise TimeoutError(what)
+        time.sleep(0.05)
+
+
+def shows(port, line):
+    """Whether the metrics behind a port have a line of this pattern; False while nothing answers."""
+    try:
+        text = urllib.request.urlopen(f"http://127.0.0.1:{port}/metrics", timeout=5).read().decode()
+    except OSError:
+        return False
+    return re.search(f"^{line}$", text, re.MULTILINE) is not None
+
+
+def start_service(options, running):
+    """Returns the port of its metrics, once it ticks."""
+    port = free_port()
     running.append(subprocess.Popen(
         [options.build / "bin/vdrived", "--domain", options.domain, "--axes", str(options.axes),
-         "--log-level", "error", *more]))
+         "--log-level", "error", "--metrics", str(port)]))
+    wait_until(lambda: shows(port, r"vdrive_ticks_total\{.*\} [1-9]\S*"), "the bench does not tick")
+    return port
 
 
 def start_gateway(options, running):
-    """Returns the gateway and its port."""
+    """Returns the gateway, its port and that of its metrics, once it shows the bench."""
+    metrics = free_port()
     gateway = subprocess.Popen([options.build / "bin/vdrive-gateway", "--domain", options.domain,
-                                "--listen", "127.0.0.1:0"], stdout=subprocess.PIPE, text=True)
+                                "--listen", "127.0.0.1:0", "--metrics", f"127.0.0.1:{metrics}"],
+                               stdout=subprocess.PIPE, text=True)
     running.append(gateway)
-    return gateway, gateway.stdout.readline().split("127.0.0.1:")[1].split("/")[0]
+    port = gateway.stdout.readline().split("127.0.0.1:")[1].split("/")[0]
+    wait_until(lambda: shows(metrics, r'vdrive_gateway_bench_alive\{bench="1"\} 1'),
+               "the gateway does not find the bench")
+    return gateway, port, metrics
 
 
 CONDITIONS = {  # words before the program of the clients; none = no clients
@@ -114,15 +143,17 @@ def slope(times, values):
 
 def soak(options, running):
     start_service(options, running)
-    time.sleep(3)
-    gateway, port = start_gateway(options, running)
+    gateway, port, _ = start_gateway(options, running)
     seconds = options.soak * 60
     load = subprocess.Popen([options.build / "bin/gateway_load", port, str(options.clients),
                              str(seconds)], stdout=subprocess.PIPE, text=True)
     running.append(load)
     begin, loads, times, sizes = time.monotonic(), [], [], []
     while load.poll() is None:
-        time.sleep(10)
+        try:
+            load.wait(timeout=10)
+        except subprocess.TimeoutExpired:
+            pass
         times.append(time.monotonic() - begin)
         sizes.append(resident_mb(gateway.pid))
         loads.append(os.getloadavg()[0])
@@ -139,15 +170,12 @@ def soak(options, running):
 
 
 def cost(options, running):
-    metrics = 18_943
     result = {"axes": options.axes, "seconds": options.seconds, "load_average": os.getloadavg()[0]}
-    start_service(options, running, "--metrics", str(metrics))
-    time.sleep(3)
+    metrics = start_service(options, running)
     before = overruns(metrics)
     time.sleep(options.seconds)
     result["overruns_without"] = overruns(metrics) - before
-    gateway, port = start_gateway(options, running)
-    time.sleep(2)
+    gateway, port, of_gateway = start_gateway(options, running)
     result["rss_idle_mb"] = resident_mb(gateway.pid)
     before, spent = overruns(metrics), processor_seconds(gateway.pid)
     load = subprocess.run([options.build / "bin/gateway_load", port, str(options.clients),
@@ -159,10 +187,15 @@ def cost(options, running):
     # They read nothing for less than the time after which a silent client is closed.
     deaf = subprocess.Popen([options.build / "bin/gateway_load", port, "10", "8", "--deaf"])
     running.append(deaf)
-    time.sleep(7)
-    result["rss_of_a_deaf_client_mb"] = (resident_mb(gateway.pid) - result["rss_mb"]) / 10
-    deaf.wait()
-    time.sleep(4)
+    most = result["rss_mb"]
+    while deaf.poll() is None:
+        most = max(most, resident_mb(gateway.pid))
+        try:
+            deaf.wait(timeout=0.1)
+        except subprocess.TimeoutExpired:
+            pass
+    result["rss_of_a_deaf_client_mb"] = (most - result["rss_mb"]) / 10
+    wait_until(lambda: shows(of_gateway, "vdrive_gateway_clients 0"), "clients stay")
     result["rss_after_mb"] = resident_mb(gateway.pid)
     return result
 

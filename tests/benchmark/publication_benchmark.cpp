@@ -12,6 +12,7 @@
 #include "configuration.hpp"
 #include "counters.hpp"
 #include "queues.hpp"
+#include "status_depth.hpp"
 #include "status_feed.hpp"
 #include "status_publisher.hpp"
 #include "support/test_domain.hpp"
@@ -102,7 +103,8 @@ class Publisher {
   Publisher(std::uint32_t domain, std::size_t axes)
       : settings_{.network = {.domain = domain, .role = wire::Role::service},
                   .bench = kBench,
-                  .log_level = "error"},
+                  .log_level = "error",
+                  .status_room = service::status_depth(configuration(axes)).room},
         region_(settings_),
         program_(region_, settings_),
         link_(region_),
