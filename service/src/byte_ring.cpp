@@ -28,7 +28,7 @@ ByteRing::ByteRing(RingPositions& positions, std::span<std::byte> memory) noexce
     : positions_(positions),
       memory_(memory),
       written_(positions.written.load(std::memory_order_acquire)),
-      begin_(positions.begin.load(std::memory_order_relaxed)),
+      begin_(std::min(positions.begin.load(std::memory_order_relaxed), written_)),
       read_(positions.read.load(std::memory_order_acquire)) {
   assert(std::has_single_bit(memory.size()));
 }

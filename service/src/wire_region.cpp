@@ -149,6 +149,7 @@ void WireRegion::prepare_for(std::uint32_t generation) const noexcept {
   for (auto& matched : control_->matched) matched = 0;
   for (const Lane lane : {Lane::arrivals, Lane::turned_away, Lane::notices}) {
     RingPositions& positions = control_->positions[static_cast<std::size_t>(lane)];
+    if (positions.begin > positions.written) positions.begin = 0;
     if (positions.written == positions.read) {
       positions.records_written.store(positions.records_read);
     }

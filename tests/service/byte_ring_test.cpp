@@ -166,6 +166,10 @@ TEST(ByteRing, IgnoresAForgedBeginning) {
     ASSERT_TRUE(put(producer, 8, 1));
     memory.positions.begin.store(forged);
     ASSERT_TRUE(is_whole(consumer.front().value(), 8, 1)) << forged;
+    consumer.pop();
+    ByteRing next_producer = memory.end();
+    ASSERT_TRUE(put(next_producer, 8, 2)) << forged;
+    ASSERT_TRUE(is_whole(consumer.front().value(), 8, 2)) << forged;
   }
 }
 
