@@ -8,6 +8,7 @@
 // of the first one. Prints JSON lines: {"figure":"status_missed_share","axes":1024,"value":...}.
 #include "bare_node.hpp"
 #include "service_process.hpp"
+#include "support/dropped_by_sockets.hpp"
 #include "support/test_domain.hpp"
 #include "vdrive/client/axis.hpp"
 #include "vdrive/client/session.hpp"
@@ -15,17 +16,13 @@
 #include "vdrive/wire/subscription.hpp"
 #include "vdrive_messages.h"
 
-#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
-#include <fstream>
 #include <functional>
 #include <iostream>
-#include <iterator>
 #include <memory>
 #include <optional>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -78,25 +75,6 @@ client::Follower follower_of_all(client::Session& session, Followed& followed) {
   auto follower = session.follow(std::move(axes), client::Pace::observe);
   if (!follower) throw std::runtime_error(follower.outcome().message());
   return std::move(*follower);
-}
-
-/// @return datagrams that found the buffer of a UDP socket of this network namespace full.
-std::uint64_t dropped_by_sockets() {
-  std::ifstream file("/proc/net/snmp");
-  std::string line;
-  std::vector<std::string> names;
-  while (std::getline(file, line)) {
-    if (!line.starts_with("Udp:")) continue;
-    std::istringstream words(line);
-    const std::vector<std::string> values{std::istream_iterator<std::string>(words), {}};
-    if (names.empty()) {
-      names = values;
-      continue;
-    }
-    const auto name = std::find(names.begin(), names.end(), "RcvbufErrors");
-    return name == names.end() ? 0 : std::stoull(values.at(name - names.begin()));
-  }
-  return 0;
 }
 
 /// @param begun called after the first sample
@@ -160,7 +138,7 @@ int run(const std::string& program, std::chrono::seconds duration, int clients,
     overruns = states.overruns();
     tick = states.tick();
     overflows = states.overflows();
-    dropped = dropped_by_sockets();
+    dropped = test::dropped_by_sockets();
     processor = service.processor_seconds();
   };
   const Followed followed = follow(start, duration, begin);
@@ -173,7 +151,7 @@ int run(const std::string& program, std::chrono::seconds duration, int clients,
   print("status_missed_share", static_cast<double>(followed.missed) / all);
   print("status_missed", static_cast<double>(followed.missed));
   print("lost_in_service", static_cast<double>(states.overflows() - overflows));
-  print("frames_dropped_by_sockets", static_cast<double>(dropped_by_sockets() - dropped));
+  print("frames_dropped_by_sockets", static_cast<double>(test::dropped_by_sockets() - dropped));
   print("overrun_share", static_cast<double>(states.overruns() - overruns) /
                              static_cast<double>(states.tick() - tick));
   print("service_processor_share",

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The wire of a bench ends, hangs, goes deaf; the bench goes on. Real processes.
 #include "service/probe.hpp"
+#include "support/dropped_by_sockets.hpp"
 #include "support/temporary_directory.hpp"
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
@@ -16,7 +17,6 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -241,23 +241,6 @@ class Subscriber {
   wire::Participant participant_;
   wire::Subscription<msg::StatusFrame> status_;
 };
-
-/// @return datagrams that found the buffer of a socket full, in this network namespace.
-std::uint64_t dropped_by_sockets() {
-  std::istringstream lines(text_of("/proc/net/snmp"));
-  std::string line;
-  std::vector<std::string> names;
-  while (std::getline(lines, line)) {
-    if (!line.starts_with("Udp:")) continue;
-    std::istringstream words(line);
-    const std::vector<std::string> values{std::istream_iterator<std::string>(words), {}};
-    for (std::size_t place = 0; place < names.size(); ++place) {
-      if (names[place] == "RcvbufErrors") return std::stoull(values[place]);
-    }
-    names = values;
-  }
-  return 0;
-}
 
 msg::BenchState state_after(Probe& probe, std::uint64_t tick) {
   msg::BenchState state;
