@@ -99,12 +99,14 @@ int go_round(int count) {
   if (!wait_for_reader(writer)) return 1;
   Bytes request(kRequest);
   std::vector<double> times;
+  times.reserve(static_cast<std::size_t>(count));
   const auto begin = Clock::now();
   for (int number = 1; number <= count; ++number) {
     const auto asked = Clock::now();
-    writer.write(&request);
-    if (!mailbox.wait_for(static_cast<std::uint64_t>(number), 10s)) {
-      std::cerr << "no reply\n";
+    const bool is_sent = writer.write(&request);
+    if (!is_sent || !mailbox.wait_for(static_cast<std::uint64_t>(number), 10s)) {
+      std::cerr << (is_sent ? "no reply to request " : "the library does not take request ")
+                << number << '\n';
       return 1;
     }
     times.push_back(microseconds_since(asked));

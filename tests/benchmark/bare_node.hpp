@@ -120,6 +120,10 @@ class Node {
     apply(reliable, qos);
     qos.publish_mode().kind = dds::SYNCHRONOUS_PUBLISH_MODE;
     qos.endpoint().history_memory_policy = rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
+    auto& times = qos.reliable_writer_qos().times;
+    times.initialHeartbeatDelay = {0, 5'000'000};
+    times.heartbeatPeriod = {0, 10'000'000};
+    times.nackResponseDelay = {0, 1'000'000};
     auto* const writer = publisher_->create_datawriter(topic_named(topic), qos);
     require(writer, "writer");
     return *writer;
@@ -130,6 +134,9 @@ class Node {
     dds::DataReaderQos qos;
     apply(reliable, qos);
     qos.endpoint().history_memory_policy = rtps::PREALLOCATED_MEMORY_MODE;
+    auto& times = qos.reliable_reader_qos().times;
+    times.initialAcknackDelay = {0, 5'000'000};
+    times.heartbeatResponseDelay = {0, 1'000'000};
     require(subscriber_->create_datareader(topic_named(topic), qos, &listener), "reader");
   }
 

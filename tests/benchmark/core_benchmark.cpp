@@ -144,12 +144,17 @@ int main(int argc, char** argv) {
     return 2;
   }
   benchmark::RegisterBenchmark("axis_tick_ns", tick, vdrive::Coupling::rigid)
+      ->Arg(8)
       ->Arg(64)
+      ->Arg(256)
       ->Arg(1024)
+      ->Arg(4096)
       ->Arg(16384)
       ->Repetitions(kRepetitions);
   benchmark::RegisterBenchmark("axis_tick_two_inertia_ns", tick, vdrive::Coupling::two_inertia)
+      ->Arg(64)
       ->Arg(1024)
+      ->Arg(16384)
       ->Repetitions(kRepetitions);
   benchmark::RegisterBenchmark("plan_ns", plan)->Repetitions(kRepetitions);
   FigureReporter reporter;

@@ -19,7 +19,9 @@ def lines_of(file):
 
 def name_of(line):
     axes = line.get("axes")
-    return line["figure"] if axes is None else f'{line["figure"]} {axes}'
+    name = line["figure"] if axes is None else f'{line["figure"]} {axes}'
+    conditions = [f"{key}={line[key]}" for key in ("clients", "priority") if key in line]
+    return " ".join([name, *conditions])
 
 
 def number(value):

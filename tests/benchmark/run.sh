@@ -7,7 +7,12 @@
 # library alone, taken in the same run. Needs a machine without other work, and leave to use the
 # loopback interface.
 #
-#   ./tests/benchmark/run.sh [--quick]      --quick: short runs, for a first look
+#   ./tests/benchmark/run.sh [--quick] [--only core|service|steps|status|start|lateness]
+#
+#   --quick    short runs, for a first look
+#   --only     one part: ticks of the bank; ticks, threads, stores and publication of the engine;
+#              steps over DDS; status that clients receive, and recordings; start and list; how late
+#              ticks begin
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
@@ -16,18 +21,26 @@ rounds=21
 follow_seconds=20
 longest_seconds=60
 steps=3
-for argument in "$@"; do
-  case $argument in
+only=
+while (($#)); do
+  case $1 in
     --quick) rounds=5 follow_seconds=4 longest_seconds=10 steps=1 ;;
-    *) echo "run: unknown option '$argument'" >&2 && exit 2 ;;
+    --only)
+      only=${2-} && shift
+      if ! [[ $only =~ ^(core|service|steps|status|start|lateness)$ ]]; then
+        echo "run: --only '$only' is no part" >&2 && exit 2
+      fi ;;
+    *) echo "run: unknown option '$1'" >&2 && exit 2 ;;
   esac
+  shift
 done
 
 "$root/deploy/setup.sh" --tests
 "$root/deploy/build.sh" --tests -D VDRIVE_BUILD_BENCHMARKS=ON --target vdrived --target vdrive \
   --target vdrive_core_benchmark --target vdrive_service_benchmark \
   --target vdrive_parameter_benchmark --target vdrive_publication_benchmark \
-  --target vdrive_bare_benchmark --target vdrive_wire_benchmark --target vdrive_follow_benchmark
+  --target vdrive_bare_benchmark --target vdrive_wire_benchmark --target vdrive_follow_benchmark \
+  --target vdrive_threads_benchmark --target vdrive_lateness_benchmark
 
 build=$root/build/release
 programs=$build/tests/benchmark
@@ -60,26 +73,59 @@ follow() {
   "$programs/vdrive_follow_benchmark" "$service" "$@"
 }
 
-{
+core() {
   "$programs/vdrive_core_benchmark" --benchmark_min_time=0.1
+}
+
+service() {
   "$programs/vdrive_service_benchmark"
+  "$programs/vdrive_threads_benchmark" 2048 $rounds
+  "$programs/vdrive_threads_benchmark" 16384 $rounds
   "$programs/vdrive_parameter_benchmark" "$root/build"
   "$programs/vdrive_publication_benchmark" 1024 $rounds
   "$programs/vdrive_publication_benchmark" 4096 $rounds
+}
+
+steps() {
+  local step
   for ((step = 0; step < steps; ++step)); do
     "$programs/vdrive_bare_benchmark" round-trip 10000
     "$programs/vdrive_wire_benchmark" "$service" step --clock lockstep --axes 64
   done
-  for axes in 1024 2048; do
+}
+
+status() {
+  local axes
+  for axes in 256 1024 2048; do
     follow $follow_seconds 1 --axes $axes
   done
   follow $longest_seconds 1 --axes 4096
-  follow $follow_seconds 2 --axes 4096
+  follow $follow_seconds 2 --axes 4096 | sed 's/"figure":"/&two_clients_/'
   printf 'status:\n  every_ticks: 10\n' >"$work/decimated.yaml"
   follow $follow_seconds 1 --config "$work/decimated.yaml" --axes 16384
+  printf 'clock:\n  threads: 2\nstatus:\n  every_ticks: 10\n' >"$work/threads.yaml"
+  follow $follow_seconds 1 --config "$work/threads.yaml" --axes 16384 |
+    sed 's/"figure":"/&two_threads_/'
+  "$root/tests/benchmark/record.py" --axes 1024 --seconds $follow_seconds
+}
+
+start() {
   follow 1 1 --axes 10000
   measure_list 1024
-  "$root/tests/benchmark/record.py" --axes 1024 --seconds $follow_seconds
-  "$programs/vdrive_bare_benchmark" sleep $follow_seconds
-} |
+}
+
+lateness() {
+  local priority clients
+  for priority in 0 50; do
+    for clients in 0 4; do
+      "$programs/vdrive_lateness_benchmark" "$service" $follow_seconds $clients $priority --axes 256
+    done
+  done
+}
+
+for part in core service steps status start lateness; do
+  if [[ -z $only || $only == "$part" ]]; then
+    "$part"
+  fi
+done |
   awk '/^\{"figure"/ { print; fflush(); next } { print > "/dev/stderr" }'

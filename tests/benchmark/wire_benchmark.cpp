@@ -47,11 +47,12 @@ class Client {
         frames_(participant_),
         replies_(participant_,
                  [this](const msg::Reply& reply, const wire::Source&) {
-                   if (reply.client() == kSession) {
+                   if (reply.client() != kSession) return;
+                   {
                      const std::lock_guard lock(mutex_);
                      reply_ = reply;
-                     changed_.notify_all();
                    }
+                   changed_.notify_all();  // as the bare program: who wakes finds the lock free
                  }),
         command_replies_(participant_, [](const msg::CommandReply&, const wire::Source&) {}),
         descriptions_(participant_,
