@@ -59,6 +59,22 @@ class BenchAxes {
   /// One tick of all axes.
   void step() { pool_.step(); }
 
+  /// Calls `work(first, last)` for parts that together are 0 to `count`, which stand for the axes
+  /// in their order: in the threads that step these axes, where there are enough to be worth it.
+  /// @param work throws nothing
+  template <typename Work>
+  void share(std::size_t count, const Work& work) noexcept {
+    constexpr std::size_t kWorthSharing = 1'024;
+    if (size() < kWorthSharing) {
+      work(0, count);
+    } else {
+      pool_.share(count, work);
+    }
+  }
+
+  /// The calling thread will step: the threads that help get its schedule.
+  void schedule_as_caller() noexcept { pool_.schedule_as_caller(); }
+
   /// The tick is complete.
   void record_tick(std::uint64_t tick);
 

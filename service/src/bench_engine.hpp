@@ -72,6 +72,10 @@ class BenchEngine {
   /// the lock-step driver keeps those requests for itself.
   void handle(Arrival& arrival);
 
+  /// The thread that will step calls it once it has its schedule: the threads that step with it get
+  /// the same one (StepPool).
+  void schedule_as_caller() noexcept { axes_.schedule_as_caller(); }
+
   /// One tick.
   void step();
 

@@ -4,6 +4,7 @@
 #include "vdrive/wire/conversion.hpp"
 
 #include <algorithm>
+#include <span>
 
 namespace vdrive::service {
 namespace {
@@ -32,8 +33,11 @@ void BenchOutput::post_status(bool repeated) {
   }
   image->tick = clock_.tick();
   image->repeated = repeated;
-  std::ranges::copy(axes_.bank().statuses(), image->status.begin());
-  std::ranges::copy(masters_.owners(), image->owners.begin());
+  axes_.share(axes_.size(), [&](std::size_t first, std::size_t last) {
+    const std::size_t count = last - first;
+    std::ranges::copy(axes_.bank().statuses().subspan(first, count), &image->status[first]);
+    std::ranges::copy(std::span(masters_.owners()).subspan(first, count), &image->owners[first]);
+  });
   outbox_.status.push();
 }
 

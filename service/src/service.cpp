@@ -301,6 +301,7 @@ class Service::Threads {
   void start_ticking(int priority, Cycle cycle) {
     running_.emplace_back([this, priority, cycle] {
       prepare_tick_thread(priority);
+      engine_.schedule_as_caller();
       while (!stop_) {
         shutdown_.advance();
         if (cycle()) tick_beats_.add();

@@ -286,5 +286,41 @@ TEST(BenchEngine, GivesTheSameBitsForAnyNumberOfThreads) {
   }
 }
 
+// From 1,024 axes on the threads also share what follows the step: what has changed on which axis,
+// and the copy that is published.
+TEST(BenchEngine, ReportsAndShowsTheSameForAnyNumberOfThreads) {
+  constexpr std::uint16_t kMany = 1'100;
+  std::vector<std::uint16_t> expected_axes;
+  std::vector<std::uint16_t> expected_words;
+  for (const std::uint32_t threads : {1U, 2U, 5U}) {
+    auto configuration = bench_configuration(kMany);
+    configuration.threads = threads;
+    configuration.watchdog.reset();
+    EngineUnderTest bench(configuration);
+    for (std::uint16_t axis = 1; axis <= kMany; axis += 3) {
+      bench.write(kAlice, axis, 0x6040, 0x0F);
+    }
+    bench.steps(1);
+    std::vector<std::uint16_t> axes;
+    for (const auto& event : bench.events(msg::EVENT_STATE_CHANGED)) axes.push_back(event.axis);
+    bench.engine.post_status();
+    const auto* const image = bench.outbox.status.front();
+    ASSERT_NE(image, nullptr);
+    std::vector<std::uint16_t> words;
+    for (const AxisStatus& status : image->status) words.push_back(status.ds402_statusword);
+    EXPECT_EQ(image->owners[0].session, kAlice);
+    EXPECT_EQ(image->owners[1].session, 0U) << "nobody owns axis 2";
+    EXPECT_EQ(image->owners[1'098].session, kAlice) << "1,099 = 1 + 3 x 366";
+    if (threads == 1) {
+      expected_axes = axes;
+      expected_words = words;
+      EXPECT_EQ(axes.size(), 367U) << "axes 1, 4, ... 1,099";
+      EXPECT_TRUE(std::ranges::is_sorted(axes));
+    }
+    EXPECT_EQ(axes, expected_axes) << threads << " threads";
+    EXPECT_EQ(words, expected_words) << threads << " threads";
+  }
+}
+
 }  // namespace
 }  // namespace vdrive::test
