@@ -17,34 +17,61 @@ namespace {
 using std::chrono::milliseconds;
 
 // After this without a further bench, all benches that are there have been found. A busy machine
-// or a slow network took long for the first bench already: there a search waits this many times as
-// long as for the first.
+// or a slow network took long for the first sign of a bench already: there a search waits this many
+// times as long as for that.
 constexpr milliseconds kSettle{150};
 constexpr int kSettleTimes = 4;
 
 // A search compares its deadline at least this often.
-constexpr milliseconds kSearchPeriod{50};
+constexpr milliseconds kSearchPeriod{20};
 
 // A service that had no room for this participant reads its announcement again after a change.
 constexpr milliseconds kAnnounceAgain{1'000};
 
-/// Some bench is there, and for a while no further one has come.
+/// What a search knows at one time.
+struct Found {
+  std::size_t present = 0;   ///< benches that have described themselves and live
+  std::size_t services = 0;  ///< participants of services: known some 100 ms before their benches
+};
+
+/// Some bench is there, and for a while no further one has come: no participant of a service, where
+/// each has shown its bench, else no bench.
 class Settling {
  public:
-  bool has_ended(std::size_t count) {
+  bool has_ended(const Found& found) {
     const auto now = Discovery::Clock::now();
-    if (count_ == 0)
-      settle_ = std::max<Discovery::Clock::duration>(kSettle, kSettleTimes * (now - begin_));
-    if (count != count_) end_ = now + settle_;
-    count_ = count;
-    return count != 0 && now >= end_;
+    services_.note(found.services, now);
+    benches_.note(found.present, now);
+    return found.present != 0 && (benches_.has_ended(now) ||
+                                  (found.services == found.present && services_.has_ended(now)));
   }
 
  private:
-  Discovery::Clock::time_point begin_ = Discovery::Clock::now();
-  Discovery::Clock::duration settle_{};
-  std::size_t count_ = 0;
-  Discovery::Clock::time_point end_ = Discovery::Clock::time_point::max();
+  /// A number that changes while more are found.
+  class Count {
+   public:
+    void note(std::size_t count, Discovery::Clock::time_point now) {
+      if (count == count_) return;
+      if (count_ == 0) {
+        settle_ = std::max<Discovery::Clock::duration>(kSettle, kSettleTimes * (now - begin_));
+      }
+      count_ = count;
+      end_ = now + settle_;
+    }
+
+    [[nodiscard]] bool has_ended(Discovery::Clock::time_point now) const {
+      return count_ != 0 && now >= end_;
+    }
+
+   private:
+    Discovery::Clock::time_point begin_ = Discovery::Clock::now();
+    Discovery::Clock::duration settle_{};
+    std::size_t count_ = 0;
+    Discovery::Clock::time_point end_ = Discovery::Clock::time_point::max();
+  };
+
+  Count services_;
+  Count benches_;
 };
 
 std::string list_of(std::span<const PresentBench> benches) {
@@ -107,8 +134,10 @@ bool Discovery::wait_to_find(const Condition& condition) {
 std::vector<PresentBench> Discovery::find_benches() {
   Settling settling;
   (void)wait_to_find([&] {
+    const std::size_t services = count_services();
     const std::scoped_lock lock(mutex_);
-    return settling.has_ended(directory_.count_present(Clock::now()));
+    return settling.has_ended(
+        {.present = directory_.count_present(Clock::now()), .services = services});
   });
   return present();
 }
@@ -163,7 +192,8 @@ Result<AxisInfo> Discovery::find_name(std::string_view name) {
   (void)wait_to_find([&] {
     benches = present();
     matches = axes_named(name, benches);
-    const bool has_settled = settling.has_ended(benches.size());
+    const bool has_settled =
+        settling.has_ended({.present = benches.size(), .services = count_services()});
     return has_settled || (!matches.empty() && !expects_more());
   });
   if (matches.size() == 1) return std::move(matches.front());
@@ -178,6 +208,14 @@ Result<AxisInfo> Discovery::find_name(std::string_view name) {
   }
   return Outcome::not_found("several axes are named " + in_quotes(name) + ": " +
                             to_string(matches[0].id) + ", " + to_string(matches[1].id));
+}
+
+/// Of a session that sees one bench only, that one.
+std::size_t Discovery::count_services() const {
+  if (options_.bench) {
+    return participant_.count_others("vdrived " + std::to_string(*options_.bench)) == 0 ? 0 : 1;
+  }
+  return participant_.count_others("vdrived ");
 }
 
 /// A session that sees one bench only expects no other.

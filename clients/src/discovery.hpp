@@ -88,6 +88,8 @@ class Discovery {
   void on_state(const msg::BenchState& message, const wire::Source& source);
   Result<AxisInfo> find_name(std::string_view name);
   Result<AxisInfo> find_on_bench(std::uint32_t bench, std::string_view axis);
+  /// @return how many services are known that may have a bench for this session.
+  [[nodiscard]] std::size_t count_services() const;
   [[nodiscard]] bool expects_more() const;
   template <typename Condition>
   bool wait_to_find(const Condition& condition);

@@ -271,6 +271,17 @@ Source Participant::source() const noexcept {
   return source_of(rtps::InstanceHandle_t(entities_->participant->guid()));
 }
 
+std::size_t Participant::count_others(std::string_view beginning) const {
+  const std::vector<std::string> names = entities_->participant->get_participant_names();
+  const auto count = std::ranges::count_if(names, [beginning](const auto& name) {
+    return name.starts_with(beginning);
+  });
+  // The library counts this one, too.
+  const bool is_own =
+      std::string_view(entities_->participant->get_qos().name().c_str()).starts_with(beginning);
+  return static_cast<std::size_t>(count) - (is_own ? 1U : 0U);
+}
+
 GuardCounts Participant::guarded() const {
   return guard_ == nullptr ? GuardCounts{} : guard_->counts();
 }

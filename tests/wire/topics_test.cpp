@@ -100,6 +100,23 @@ TYPED_TEST(EveryTopic, CarriesItsMessageToAnotherParticipant) {
   EXPECT_TRUE(subscription.wait_for_match(received.source(), 0ms));
 }
 
+TEST(Participant, CountsTheOthersThatItKnowsByTheBeginningOfTheirNames) {
+  Participant sut(settings(), "vdrived 1");
+  Participant first(settings(), "vdrived 2");
+  Participant second(settings(), "vdrived 30");
+  Participant third(settings(), "other vdrived");
+  // Participants are known before their writers are: each has one that matches.
+  Subscription<msg::BenchState> reader(sut, [](const msg::BenchState&, const Source&) {});
+  const Publication<msg::BenchState> of_first(first);
+  const Publication<msg::BenchState> of_second(second);
+  const Publication<msg::BenchState> of_third(third);
+  ASSERT_TRUE(reader.wait_for_matched(3, kPatience));
+  EXPECT_EQ(sut.count_others(""), 3U) << "not itself";
+  EXPECT_EQ(sut.count_others("vdrived "), 2U);
+  EXPECT_EQ(sut.count_others("vdrived 3"), 1U);
+  EXPECT_EQ(sut.count_others("nobody"), 0U);
+}
+
 TEST(Participant, RefusesADomainThatDoesNotExist) {
   try {
     const Participant participant({.domain = 233}, "test");

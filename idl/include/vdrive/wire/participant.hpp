@@ -4,10 +4,12 @@
 #include "vdrive/wire/guard.hpp"
 #include "vdrive/wire/source.hpp"
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace vdrive::wire {
@@ -66,6 +68,10 @@ class Participant {
   /// Makes all participants read its announcement again. The library reads each announcement once:
   /// a participant that had no room for this one would not know it until the announcement changes.
   void announce_again();
+
+  /// @return how many of the other participants that are known now have a name with this beginning.
+  ///         They are known before their writers and readers are.
+  [[nodiscard]] std::size_t count_others(std::string_view beginning) const;
 
   /// @return what the guard has done; all zero without a guard.
   [[nodiscard]] GuardCounts guarded() const;
