@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "doorbell.hpp"
 
+#include "relax.hpp"
+
 #include <linux/futex.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <climits>
 #include <ctime>
 
@@ -14,6 +17,8 @@ namespace {
 // The standard library's waits are for threads of one process: they use private futexes.
 static_assert(sizeof(std::atomic<std::uint32_t>) == sizeof(std::uint32_t) &&
               std::atomic<std::uint32_t>::is_always_lock_free);
+
+constexpr std::chrono::nanoseconds kLongestLook = std::chrono::microseconds(100);
 
 void futex_wait(std::atomic<std::uint32_t>& word, std::uint32_t expected,
                 std::chrono::nanoseconds timeout) noexcept {
@@ -34,19 +39,38 @@ void Doorbell::ring() noexcept {
 }
 
 bool Doorbell::wait_for(std::chrono::nanoseconds timeout) noexcept {
-  const auto deadline = std::chrono::steady_clock::now() + timeout;
+  const auto begin = Clock::now();
+  if (was_quick_) look_for_rings(begin + std::min(kLongestLook, timeout));
+  if (!has_rung()) sleep_until_rung(begin + timeout);
+  const std::uint32_t rings = state_.rings.load();
+  const bool rung = rings != heard_;
+  heard_ = rings;
+  was_quick_ = waiting_ == Waiting::quick && rung && Clock::now() - begin < kLongestLook;
+  return rung;
+}
+
+/// Does not yield: the scheduler would give a whole slice to what is worth nothing, such as a
+/// program of idle priority, and a ring would wait for its end.
+void Doorbell::look_for_rings(Clock::time_point deadline) const noexcept {
+  constexpr int kLooksPerReadingOfTheClock = 32;
+  do {
+    for (int look = 0; look < kLooksPerReadingOfTheClock; ++look) {
+      if (has_rung()) return;
+      relax();
+    }
+  } while (Clock::now() < deadline);
+}
+
+void Doorbell::sleep_until_rung(Clock::time_point deadline) noexcept {
   state_.waiting.store(1);
   std::uint32_t rings = state_.rings.load();
   while (rings == heard_) {
-    const auto left = deadline - std::chrono::steady_clock::now();
+    const auto left = deadline - Clock::now();
     if (left <= std::chrono::nanoseconds::zero()) break;
     futex_wait(state_.rings, rings, left);
     rings = state_.rings.load();
   }
   state_.waiting.store(0);
-  const bool rung = rings != heard_;
-  heard_ = rings;
-  return rung;
 }
 
 }  // namespace vdrive::service

@@ -176,7 +176,7 @@ class Service::Threads {
         replies_(wire_.link(), identity_, counters_),
         status_(wire_.link(), configuration_, identity_, counters_),
         reports_(wire_.link(), configuration_, identity_, engine_.bank(), counters_),
-        doorbell_(wire_.link().control().arrivals_bell) {
+        doorbell_(wire_.link().control().arrivals_bell, Doorbell::Waiting::quick) {
     serve_metrics();
     if (journal) journal_.emplace(configuration_, std::move(journal), counters_);
     for (const EventRecord& event : parameters_.news) engine_.report(event);

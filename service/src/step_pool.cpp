@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "step_pool.hpp"
 
+#include "relax.hpp"
+
 #include <pthread.h>
 #include <sched.h>
 
@@ -14,15 +16,6 @@ namespace {
 // thread that sleeps takes 5 to 50 us to wake, and a system call of the one that wakes it.
 constexpr std::chrono::microseconds kLongestSpin{50};
 constexpr int kLooksPerReadingOfTheClock = 64;
-
-/// Tells the processor that this thread waits: the other thread of a core may go on.
-void relax() noexcept {
-#if defined(__x86_64__) || defined(__i386__)
-  __builtin_ia32_pause();
-#elif defined(__aarch64__)
-  asm volatile("yield");
-#endif
-}
 
 /// Waits until `value` is no longer `old`: spins, then sleeps.
 std::uint32_t wait_for_change(const std::atomic<std::uint32_t>& value, std::uint32_t old,
