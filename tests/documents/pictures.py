@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Draws the pictures of docs/images: the house, the power state machine, and plots of moves.
+"""Draws the pictures of docs/images: the house, the power state machine, plots of moves and figures.
 
   pictures.py --recorder RECORD_MOVES [--check]
 
@@ -10,6 +10,7 @@ are compared, and the exit code is 1 when one is not current.
 import argparse
 import csv
 import io
+import json
 import math
 import pathlib
 import re
@@ -19,6 +20,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 IMAGES = ROOT / "docs" / "images"
 STATE_MACHINE = ROOT / "core" / "src" / "cia402" / "power_state_machine.cpp"
+FIGURES = ROOT / "tests" / "benchmark" / "measured.jsonl"  # what run.sh printed
 
 INK = "#24292f"
 SOFT = "#8c959f"
@@ -233,6 +235,64 @@ def plot(recorder, move, title):
     return str(drawing)
 
 
+# ---- figures of the benchmarks over the number of axes ---------------------------------------------
+
+
+def figures_of(name, most):
+    """@return {axes: value} of a figure up to `most` axes; of several lines for one number the
+    first one."""
+    found = {}
+    for line in FIGURES.read_text(encoding="utf-8").splitlines():
+        figure = json.loads(line)
+        if figure.get("figure") == name and figure["axes"] <= most:
+            found.setdefault(figure["axes"], figure["value"])
+    return dict(sorted(found.items()))
+
+
+def diagram(title, unit, curves, most=16384):
+    """Curves (figure, color, label) over the number of axes, which doubles at equal distances."""
+    drawing = Drawing(740, 360, title)
+    drawing.text(370, 20, title, size=14, weight="bold")
+    series = [(figures_of(name, most), color, label) for name, color, label in curves]
+    axes = sorted({count for values, _, _ in series for count in values})
+    top, height = 50, 260
+    high = 1.1 * max(value for values, _, _ in series for value in values.values()) or 1
+    low, span = math.log2(axes[0]), max(math.log2(axes[-1] / axes[0]), 1)
+
+    def place(count, value):
+        return (PLOT[0] + 15 + (PLOT[1] - PLOT[0] - 30) * (math.log2(count) - low) / span,
+                top + height * (1 - value / high))
+
+    drawing.add(f'<rect x="{PLOT[0]}" y="{top}" width="{PLOT[1] - PLOT[0]}" height="{height}" '
+                f'fill="none" stroke="{SOFT}"/>')
+    for value in fractions_of(high):
+        y = place(axes[0], value)[1]
+        drawing.add(f'<path d="M{PLOT[0]} {y:.1f}H{PLOT[1]}" stroke="{GRID}"/>')
+        drawing.text(PLOT[0] - 6, round(y + 4, 1), f"{value:g}", anchor="end", size=10, color=SOFT)
+    for count in axes:
+        drawing.text(round(place(count, 0)[0], 1), top + height + 16, f"{count:,}", size=10,
+                     color=SOFT)
+    drawing.text((PLOT[0] + PLOT[1]) / 2, top + height + 36, "axes", size=11, color=SOFT)
+    drawing.text(PLOT[0], top - 6, unit, anchor="start", size=12, weight="bold")
+    x = PLOT[1]
+    for values, color, label in reversed(series):
+        drawing.text(x, top - 6, label, anchor="end", size=11, color=color)
+        x -= 8 * len(label) + 8
+        points = [place(count, value) for count, value in values.items()]
+        path = " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
+        drawing.add(f'<polyline points="{path}" fill="none" stroke="{color}" stroke-width="1.4"/>')
+        for point in points:
+            drawing.add('<circle cx="{:.1f}" cy="{:.1f}" r="3" fill="{}"/>'.format(*point, color))
+    return str(drawing)
+
+
+def fractions_of(high):
+    """@return about four round values from 0 to `high`."""
+    power = 10 ** math.floor(math.log10(high / 4))
+    step = next(power * factor for factor in (1, 2, 5, 10) if power * factor >= high / 4)
+    return [step * n for n in range(math.floor(high / step) + 1)]
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--recorder", required=True)
@@ -245,6 +305,15 @@ def main():
                                      "The manual's forward example: 10000 UU at 1000 UU/s"),
         "blocked_load.svg": plot(arguments.recorder, "blocked",
                                  "The load is blocked at 1 s: fault 8611h, following error"),
+        "ns_per_axis.svg": diagram(
+            "One tick of the bank: time of an axis that moves", "ns an axis",
+            [("axis_tick_ns", BLUE, "rigid"),
+             ("axis_tick_two_inertia_ns", ORANGE, "two inertias")]),
+        "status_loss.svg": diagram(
+            "Status at 1 kHz: what one subscriber of all axes misses", "share of the ticks",
+            [("status_missed_share", RED, "missed"),
+             ("overrun_share", BLUE, "ticks that end late")],
+            most=4096),  # more axes have their status decimated
     }
     stale = []
     for name, text in pictures.items():
