@@ -156,7 +156,7 @@ void to_message(const AxisBank& bank, std::size_t index, const AxisAddress& addr
   message.axis(address.axis);
   message.tick(tick);
   for (const auto& member : kParameterMembers) {
-    member.assign(message, bank.read(index, describe(member.row).address).value);
+    member.assign(message, bank.read(index, vdrive::describe(member.row).address).value);
   }
 }
 
@@ -198,7 +198,7 @@ std::string describe_reason(std::uint32_t reason) {
   for (const auto& [code, words] : kReasons) {
     if (code == reason) return std::string(words);
   }
-  return hex(reason, 8) + ", " + std::string(describe(static_cast<AbortCode>(reason)));
+  return hex(reason, 8) + ", " + std::string(vdrive::describe(static_cast<AbortCode>(reason)));
 }
 
 }  // namespace vdrive::wire

@@ -943,7 +943,7 @@ Bench limited_bench(bool need_homing) {
   return Bench(configuration);
 }
 
-TEST(SoftwareLimits, AreInForceOnlyAfterHomingWhereTheSettingSaysSo) {
+TEST(SoftwareLimitsAfterHoming, AreInForceOnlyAfterHomingWhereTheSettingSaysSo) {
   Bench bench = limited_bench(true);
   bench.ticks(2);
   EXPECT_FALSE(bench.axis.limit_active());
@@ -958,13 +958,13 @@ TEST(SoftwareLimits, AreInForceOnlyAfterHomingWhereTheSettingSaysSo) {
   EXPECT_FALSE(bench.axis.limit_active()) << "a power cycle forgets that the axis was homed";
 }
 
-TEST(SoftwareLimits, AreInForceAtOnceWithoutTheSetting) {
+TEST(SoftwareLimitsAfterHoming, AreInForceAtOnceWithoutTheSetting) {
   Bench bench = limited_bench(false);
   bench.tick();
   EXPECT_TRUE(bench.axis.limit_active());
 }
 
-TEST(SoftwareLimits, ARunThatFindsNoHomeDoesNotBringThemIntoForce) {
+TEST(SoftwareLimitsAfterHoming, ARunThatFindsNoHomeDoesNotBringThemIntoForce) {
   Bench bench = limited_bench(true);
   ASSERT_NO_FATAL_FAILURE(bench.enter(33));
   bench.start();
@@ -979,7 +979,7 @@ TEST(SoftwareLimits, ARunThatFindsNoHomeDoesNotBringThemIntoForce) {
   EXPECT_FALSE(bench.axis.limit_active());
 }
 
-TEST(SoftwareLimits, AreOutOfForceFromTheStartOfANewRunToItsHome) {
+TEST(SoftwareLimitsAfterHoming, AreOutOfForceFromTheStartOfANewRunToItsHome) {
   Bench bench = limited_bench(true);
   ASSERT_NO_FATAL_FAILURE(bench.home(37));
   bench.axis.write("homing_method", 0);
@@ -988,7 +988,7 @@ TEST(SoftwareLimits, AreOutOfForceFromTheStartOfANewRunToItsHome) {
   EXPECT_FALSE(bench.axis.limit_active());
 }
 
-TEST(SoftwareLimits, StayInForceThroughDisableAndFault) {
+TEST(SoftwareLimitsAfterHoming, StayInForceThroughDisableAndFault) {
   Bench bench = limited_bench(true);
   ASSERT_NO_FATAL_FAILURE(bench.home(35));
   bench.axis.controlword(0x0000);

@@ -18,7 +18,7 @@ Settings read(const std::string& text) {
   return settings;
 }
 
-std::string problem_of(const std::string& text) {
+std::string problem_of_settings(const std::string& text) {
   try {
     (void)read(text);
   } catch (const BadSettings& error) {
@@ -58,21 +58,24 @@ TEST(RosSettings, AreReadFromTheFile) {
 }
 
 TEST(RosSettings, NameFileLineKeyValueAndLimitOfAnError) {
-  EXPECT_THAT(problem_of("enable: true\nrate: 5000\n"),
+  EXPECT_THAT(problem_of_settings("enable: true\nrate: 5000\n"),
               AllOf(HasSubstr("ros2.yaml:2: rate '5000'"), HasSubstr("from 1 to 1000 Hz")));
-  EXPECT_THAT(problem_of("rates: 5\n"), AllOf(HasSubstr("ros2.yaml:1: rates"), HasSubstr("rate,")));
-  EXPECT_THAT(problem_of("enable: maybe\n"), HasSubstr("true or false"));
-  EXPECT_THAT(problem_of("topics:\n  clock: a b\n"), HasSubstr("ros2.yaml:2: topics.clock 'a b'"));
-  EXPECT_THAT(problem_of("joints:\n  a: {interface: speed, axis: 1.1}\n"),
+  EXPECT_THAT(problem_of_settings("rates: 5\n"),
+              AllOf(HasSubstr("ros2.yaml:1: rates"), HasSubstr("rate,")));
+  EXPECT_THAT(problem_of_settings("enable: maybe\n"), HasSubstr("true or false"));
+  EXPECT_THAT(problem_of_settings("topics:\n  clock: a b\n"),
+              HasSubstr("ros2.yaml:2: topics.clock 'a b'"));
+  EXPECT_THAT(problem_of_settings("joints:\n  a: {interface: speed, axis: 1.1}\n"),
               HasSubstr("joints.a.interface 'speed': must be position, velocity or effort"));
-  EXPECT_THAT(problem_of("joints:\n  a: {interface: velocity}\n"), HasSubstr("axis"));
-  EXPECT_THAT(problem_of("joints:\n  a: 1.1\n  b: 1.1\n"), HasSubstr("ros2.yaml:3: joints.b"));
-  EXPECT_THAT(problem_of("benches: [0]\n"), HasSubstr("from 1 to 65535"));
-  EXPECT_THAT(problem_of("rate: 1\nrate: 2\n"), HasSubstr("occurs twice"));
-  EXPECT_THAT(problem_of("rate: [\n"), HasSubstr("ros2.yaml:"));
-  EXPECT_THAT(problem_of("- 1\n"), HasSubstr("must be a map"));
-  EXPECT_THAT(problem_of("namespace: 1cell\n"), HasSubstr("is not the name of a topic"));
-  EXPECT_THAT(problem_of("topics: {clock: enable}\n"), HasSubstr("two topics are called"));
+  EXPECT_THAT(problem_of_settings("joints:\n  a: {interface: velocity}\n"), HasSubstr("axis"));
+  EXPECT_THAT(problem_of_settings("joints:\n  a: 1.1\n  b: 1.1\n"),
+              HasSubstr("ros2.yaml:3: joints.b"));
+  EXPECT_THAT(problem_of_settings("benches: [0]\n"), HasSubstr("from 1 to 65535"));
+  EXPECT_THAT(problem_of_settings("rate: 1\nrate: 2\n"), HasSubstr("occurs twice"));
+  EXPECT_THAT(problem_of_settings("rate: [\n"), HasSubstr("ros2.yaml:"));
+  EXPECT_THAT(problem_of_settings("- 1\n"), HasSubstr("must be a map"));
+  EXPECT_THAT(problem_of_settings("namespace: 1cell\n"), HasSubstr("is not the name of a topic"));
+  EXPECT_THAT(problem_of_settings("topics: {clock: enable}\n"), HasSubstr("two topics are called"));
 }
 
 }  // namespace

@@ -45,14 +45,15 @@ using service::ParameterStore;
 using service::ParameterTable;
 using Source = LoadedParameters::Source;
 
-constexpr std::uint32_t kBench = 7;
+constexpr std::uint32_t kBenchOfStore = 7;
 constexpr std::uintmax_t kLegible = 1U << 20U;  // larger files are compared by their size
-constexpr ObjectAddress kVelocity{0x6081, 0};
+constexpr ObjectAddress kStoredVelocity{0x6081, 0};
 constexpr ObjectAddress kLowerLimit{0x607D, 1};
 
 /// @return axes 1 and 2 with values that tell the generation.
 ParameterTable table_of(std::int64_t generation) {
-  return {{1, {{kLowerLimit, -generation}, {kVelocity, generation}}}, {2, {{kVelocity, 5}}}};
+  return {{1, {{kLowerLimit, -generation}, {kStoredVelocity, generation}}},
+          {2, {{kStoredVelocity, 5}}}};
 }
 
 /// @return the generation of a table, if it is one of `table_of` in full.
@@ -81,9 +82,10 @@ void write_text(const fs::path& file, const std::string& text) {
 // ---- the file --------------------------------------------------------------------------------
 
 TEST(ParameterFile, GivesBackWhatWasPutIn) {
-  const ParameterTable table{{1, {{kLowerLimit, -2'147'483'648LL}, {kVelocity, 4'294'967'295LL}}},
-                             {65'535, {{{0xFFFF, 255}, 0}}},
-                             {3, {}}};
+  const ParameterTable table{
+      {1, {{kLowerLimit, -2'147'483'648LL}, {kStoredVelocity, 4'294'967'295LL}}},
+      {65'535, {{{0xFFFF, 255}, 0}}},
+      {3, {}}};
   const std::string file = encode(table);
   EXPECT_EQ(encode(decode(bytes_of(file))), file);
   EXPECT_EQ(decode(bytes_of(file)).at(1)[0].value, -2'147'483'648LL);
@@ -130,7 +132,7 @@ std::string forged(const std::string& file, const std::string& from, const std::
 
 // The parser of JSON makes whole numbers of these.
 TEST(ParameterFile, WithARightCheckIsDamagedWhereAValueIsNotAsItIsWritten) {
-  const std::string good = encode({{1, {{kVelocity, 1}}}});
+  const std::string good = encode({{1, {{kStoredVelocity, 1}}}});
   ASSERT_EQ(forged(good, ": 1", ": 1"), good) << "the check of this test is right";
   for (const char* const value :
        {"1.5", "1.0", "1e0", "1e3", "true", "false", "null", "\"1\"", "[1]", "01", "+1",
@@ -142,7 +144,7 @@ TEST(ParameterFile, WithARightCheckIsDamagedWhereAValueIsNotAsItIsWritten) {
 }
 
 TEST(ParameterFile, WithARightCheckIsDamagedWhereItsFormIsNotAsItIsWritten) {
-  const std::string good = encode({{1, {{kVelocity, 1}}}});
+  const std::string good = encode({{1, {{kStoredVelocity, 1}}}});
   for (const auto& [from, to] : std::vector<std::pair<std::string, std::string>>{
            {"\"1\"", "\"01\""},              // another name of axis 1
            {"\"1\"", "\"0x1\""},             // and another
@@ -164,7 +166,7 @@ class StateDirectory : public testing::Test {
   }
 
   [[nodiscard]] std::unique_ptr<ParameterStore> open() {
-    return std::make_unique<ParameterStore>(directory.path(), kBench,
+    return std::make_unique<ParameterStore>(directory.path(), kBenchOfStore,
                                             std::make_unique<FailingFiles>(plan));
   }
 
@@ -204,11 +206,11 @@ TEST_F(StateDirectory, GivesBackWhatWasSavedAndKeepsTheSetBefore) {
 
 TEST_F(StateDirectory, IsMadeIfOnlyItsLastPartIsMissing) {
   const fs::path made = directory.path() / "state";
-  ParameterStore(made, kBench).save(table_of(1));
+  ParameterStore(made, kBenchOfStore).save(table_of(1));
   EXPECT_TRUE(fs::exists(made / "bench-7.parameters"));
-  EXPECT_THROW(ParameterStore(directory.path() / "a" / "b", kBench), ConfigurationError);
+  EXPECT_THROW(ParameterStore(directory.path() / "a" / "b", kBenchOfStore), ConfigurationError);
   write_text(directory.path() / "file", "x");
-  EXPECT_THROW(ParameterStore(directory.path() / "file", kBench), ConfigurationError);
+  EXPECT_THROW(ParameterStore(directory.path() / "file", kBenchOfStore), ConfigurationError);
 }
 
 TEST_F(StateDirectory, BelongsToOneServiceForEachBench) {
@@ -221,7 +223,7 @@ TEST_F(StateDirectory, BelongsToOneServiceForEachBench) {
               std::string::npos)
         << error.what();
   }
-  EXPECT_NO_THROW(ParameterStore(directory.path(), kBench + 1));
+  EXPECT_NO_THROW(ParameterStore(directory.path(), kBenchOfStore + 1));
 }
 
 /// What can happen to the file.
@@ -574,7 +576,7 @@ INSTANTIATE_TEST_SUITE_P(Parameters, FailingOperation, testing::Bool(), [](const
   plan.set([last](std::uint64_t number) {
     if (number == last) kill(getpid(), SIGKILL);
   });
-  ParameterStore store(directory, kBench, std::make_unique<FailingFiles>(plan));
+  ParameterStore store(directory, kBenchOfStore, std::make_unique<FailingFiles>(plan));
   std::int64_t generation = generation_of(store.load().table).value_or(0);
   for (;;) {
     ++generation;
@@ -625,8 +627,9 @@ service::Configuration three_axes() {
 
 TEST(StoredParameters, GoToTheirAxes) {
   auto configuration = three_axes();
-  const LoadedParameters loaded{.table = {{1, {{kVelocity, 5}}}, {3, {{kVelocity, 6}}}, {9, {}}},
-                                .source = Source::current};
+  const LoadedParameters loaded{
+      .table = {{1, {{kStoredVelocity, 5}}}, {3, {{kStoredVelocity, 6}}}, {9, {}}},
+      .source = Source::current};
   const auto news = apply(loaded, configuration);
   ASSERT_EQ(news.size(), 1U);
   EXPECT_EQ(news[0].code, ParameterNews::kLoaded);
@@ -639,11 +642,13 @@ TEST(StoredParameters, GoToTheirAxes) {
 }
 
 TEST(StoredParameters, AreLeftOutAsAWholeWhereOneIsNotUsable) {
-  for (const InitialValue& bad : {InitialValue{{0x7000, 0}, 1}, InitialValue{{0x607A, 0}, 1},
-                                  InitialValue{kVelocity, -1}, InitialValue{{0x60F2, 0}, 3}}) {
+  for (const InitialValue& bad :
+       {InitialValue{{0x7000, 0}, 1}, InitialValue{{0x607A, 0}, 1},
+        InitialValue{kStoredVelocity, -1}, InitialValue{{0x60F2, 0}, 3}}) {
     auto configuration = three_axes();
-    const LoadedParameters loaded{.table = {{1, {{kVelocity, 5}}}, {2, {{kLowerLimit, 6}, bad}}},
-                                  .source = Source::current};
+    const LoadedParameters loaded{
+        .table = {{1, {{kStoredVelocity, 5}}}, {2, {{kLowerLimit, 6}, bad}}},
+        .source = Source::current};
     const auto news = apply(loaded, configuration);
     ASSERT_EQ(news.size(), 2U);
     EXPECT_EQ(news[0].code, ParameterNews::kDefaults);
@@ -657,7 +662,7 @@ TEST(StoredParameters, AreLeftOutAsAWholeWhereOneIsNotUsable) {
 
 TEST(StoredParameters, OfADamagedFileMakeEveryAxisFault) {
   auto configuration = three_axes();
-  const LoadedParameters loaded{.table = {{1, {{kVelocity, 5}}}},
+  const LoadedParameters loaded{.table = {{1, {{kStoredVelocity, 5}}}},
                                 .source = Source::previous,
                                 .problem = ParameterProblem::damaged};
   const auto news = apply(loaded, configuration);

@@ -46,9 +46,9 @@ TEST(Ring, GoesOnWithItsFirstSlotWhenItIsEmpty) {
   const int* const first = ring.free_slot();
   for (int round = 0; round < 25; ++round) {
     ASSERT_EQ(ring.free_slot(), first);
-    put(ring, round);
-    put(ring, round + 100);
-    put(ring, round + 200);
+    put_number(ring, round);
+    put_number(ring, round + 100);
+    put_number(ring, round + 200);
     for (int place = 0; place < 3; ++place) {
       EXPECT_EQ(ring.front(), first + place);
       EXPECT_EQ(*ring.front(), round + 100 * place);
@@ -63,13 +63,13 @@ TEST(Ring, HasItsWholeCapacityWhereverItWasEmptyLast) {
   Ring<int> ring(10);
   for (int round = 0; round < 20; ++round) {
     for (int count = 0; count < 1 + round % 10; ++count) {
-      put(ring, count);
+      put_number(ring, count);
     }
     while (ring.front() != nullptr) {
       ring.pop();
     }
     for (int count = 0; count < 10; ++count) {
-      put(ring, count);
+      put_number(ring, count);
     }
     EXPECT_EQ(ring.free_slot(), nullptr);
     EXPECT_EQ(ring.size(), 10U);
@@ -77,7 +77,7 @@ TEST(Ring, HasItsWholeCapacityWhereverItWasEmptyLast) {
       EXPECT_EQ(*ring.front(), count);
       ring.pop();
     }
-    put(ring, 10);
+    put_number(ring, 10);
     EXPECT_EQ(*ring.front(), 9);
     ring.pop();
     EXPECT_EQ(*ring.front(), 10);

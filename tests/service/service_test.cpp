@@ -2,7 +2,7 @@
 // The service over real DDS, in this process, with clients made of bare topics.
 #include "service.hpp"
 
-#include "service/configuration.hpp"
+#include "service/bench_configuration.hpp"
 #include "service/probe.hpp"
 #include "support/test_domain.hpp"
 

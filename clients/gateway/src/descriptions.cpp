@@ -16,10 +16,6 @@ namespace {
 
 constexpr std::size_t kBitsOfWord = 16;
 
-std::string to_line(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
 ChannelInfo json_channel(std::string topic, std::string type, const Json& schema) {
   return {.id = next_channel_id(),
           .topic = std::move(topic),
@@ -27,22 +23,6 @@ ChannelInfo json_channel(std::string topic, std::string type, const Json& schema
           .schema_name = std::move(type),
           .schema = to_line(schema),
           .schema_encoding = "jsonschema"};
-}
-
-Json text() {
-  return type_schema("string");
-}
-
-Json integer() {
-  return type_schema("integer");
-}
-
-Json number() {
-  return type_schema("number");
-}
-
-Json boolean() {
-  return type_schema("boolean");
 }
 
 Json unit_json(const Unit& unit) {
@@ -122,8 +102,20 @@ Json disturbances_json() {
 
 }  // namespace
 
-Json type_schema(std::string_view type) {
-  return {{"type", type}};
+Json text_schema() {
+  return {{"type", "string"}};
+}
+
+Json integer_schema() {
+  return {{"type", "integer"}};
+}
+
+Json number_schema() {
+  return {{"type", "number"}};
+}
+
+Json boolean_schema() {
+  return {{"type", "boolean"}};
 }
 
 Json array_schema(Json items) {
@@ -147,23 +139,24 @@ Json object_schema(std::initializer_list<std::pair<std::string_view, Json>> prop
 }
 
 ChannelInfo description_channel(std::string topic) {
-  const Json unit = object_schema({{"kind", text()}, {"name", text()}, {"per", number()}});
-  const Json axis = object_schema({{"axis", integer()},
-                                   {"name", text()},
-                                   {"topic", text()},
+  const Json unit =
+      object_schema({{"kind", text_schema()}, {"name", text_schema()}, {"per", number_schema()}});
+  const Json axis = object_schema({{"axis", integer_schema()},
+                                   {"name", text_schema()},
+                                   {"topic", text_schema()},
                                    {"unit", unit},
-                                   {"supported_drive_modes", integer()},
-                                   {"user_position_lower_limit", integer()},
-                                   {"user_position_upper_limit", integer()},
-                                   {"app_speed_limit", integer()}});
+                                   {"supported_drive_modes", integer_schema()},
+                                   {"user_position_lower_limit", integer_schema()},
+                                   {"user_position_upper_limit", integer_schema()},
+                                   {"app_speed_limit", integer_schema()}});
   return json_channel(std::move(topic), "vdrive.BenchDescription",
-                      object_schema({{"bench", integer()},
-                                     {"name", text()},
-                                     {"clock_mode", text()},
-                                     {"period_us", integer()},
-                                     {"dictionary_version", text()},
-                                     {"service_version", text()},
-                                     {"incarnation", text()},
+                      object_schema({{"bench", integer_schema()},
+                                     {"name", text_schema()},
+                                     {"clock_mode", text_schema()},
+                                     {"period_us", integer_schema()},
+                                     {"dictionary_version", text_schema()},
+                                     {"service_version", text_schema()},
+                                     {"incarnation", text_schema()},
                                      {"axes", array_schema(axis)}}));
 }
 
@@ -193,15 +186,15 @@ std::string description_text(const KnownBench& bench) {
 
 ChannelInfo state_channel(std::string topic) {
   return json_channel(std::move(topic), "vdrive.BenchState",
-                      object_schema({{"bench", integer()},
-                                     {"tick", integer()},
-                                     {"time_ns", text()},
-                                     {"rate", number()},
-                                     {"clock_mode", text()},
-                                     {"wire_starts", integer()},
-                                     {"longest_silence_us", integer()},
-                                     {"alive", boolean()},
-                                     {"age_ms", integer()}}));
+                      object_schema({{"bench", integer_schema()},
+                                     {"tick", integer_schema()},
+                                     {"time_ns", text_schema()},
+                                     {"rate", number_schema()},
+                                     {"clock_mode", text_schema()},
+                                     {"wire_starts", integer_schema()},
+                                     {"longest_silence_us", integer_schema()},
+                                     {"alive", boolean_schema()},
+                                     {"age_ms", integer_schema()}}));
 }
 
 std::string state_text(const client::BenchInfo& bench, std::uint64_t time,
@@ -219,12 +212,12 @@ std::string state_text(const client::BenchInfo& bench, std::uint64_t time,
 
 ChannelInfo control_channel() {
   return json_channel("/gateway/control", "vdrive.Control",
-                      object_schema({{"enabled", boolean()},
-                                     {"holder", text()},
-                                     {"you", boolean()},
-                                     {"name", text()},
-                                     {"session", text()},
-                                     {"taken_at_ns", text()}}));
+                      object_schema({{"enabled", boolean_schema()},
+                                     {"holder", text_schema()},
+                                     {"you", boolean_schema()},
+                                     {"name", text_schema()},
+                                     {"session", text_schema()},
+                                     {"taken_at_ns", text_schema()}}));
 }
 
 std::string control_text(const ControlState& control, const std::string& name, bool is_holder) {
@@ -237,30 +230,31 @@ std::string control_text(const ControlState& control, const std::string& name, b
 }
 
 ChannelInfo dictionary_channel() {
-  const Json object = object_schema({{"index", text()},
-                                     {"sub_index", integer()},
-                                     {"name", text()},
-                                     {"title", text()},
-                                     {"title_zh", text()},
-                                     {"category", text()},
-                                     {"type", text()},
-                                     {"access", text()},
-                                     {"minimum", integer()},
-                                     {"maximum", integer()},
-                                     {"default", integer()},
-                                     {"unit", text()},
-                                     {"storage", text()},
-                                     {"effect", text()}});
-  const Json mode = object_schema({{"mode", integer()}, {"name", text()}});
-  const Json error = object_schema({{"code", integer()}, {"name", text()}});
-  const Json bits = object_schema({{"mode", integer()}, {"bits", array_schema(text())}});
-  const Json disturbance = object_schema({{"name", text()},
-                                          {"object", text()},
-                                          {"kind", text()},
-                                          {"minimum", integer()},
-                                          {"maximum", integer()}});
+  const Json object = object_schema({{"index", text_schema()},
+                                     {"sub_index", integer_schema()},
+                                     {"name", text_schema()},
+                                     {"title", text_schema()},
+                                     {"title_zh", text_schema()},
+                                     {"category", text_schema()},
+                                     {"type", text_schema()},
+                                     {"access", text_schema()},
+                                     {"minimum", integer_schema()},
+                                     {"maximum", integer_schema()},
+                                     {"default", integer_schema()},
+                                     {"unit", text_schema()},
+                                     {"storage", text_schema()},
+                                     {"effect", text_schema()}});
+  const Json mode = object_schema({{"mode", integer_schema()}, {"name", text_schema()}});
+  const Json error = object_schema({{"code", integer_schema()}, {"name", text_schema()}});
+  const Json bits =
+      object_schema({{"mode", integer_schema()}, {"bits", array_schema(text_schema())}});
+  const Json disturbance = object_schema({{"name", text_schema()},
+                                          {"object", text_schema()},
+                                          {"kind", text_schema()},
+                                          {"minimum", integer_schema()},
+                                          {"maximum", integer_schema()}});
   return json_channel("/gateway/dictionary", "vdrive.Dictionary",
-                      object_schema({{"version", text()},
+                      object_schema({{"version", text_schema()},
                                      {"objects", array_schema(object)},
                                      {"modes", array_schema(mode)},
                                      {"error_codes", array_schema(error)},

@@ -48,8 +48,10 @@ struct ControlState {
 [[nodiscard]] Json object_schema(
     std::initializer_list<std::pair<std::string_view, Json>> properties);
 
-/// @param type of JSON schema, such as "integer"
-[[nodiscard]] Json type_schema(std::string_view type);
+[[nodiscard]] Json text_schema();
+[[nodiscard]] Json integer_schema();
+[[nodiscard]] Json number_schema();
+[[nodiscard]] Json boolean_schema();
 [[nodiscard]] Json array_schema(Json items);
 
 }  // namespace vdrive::gateway

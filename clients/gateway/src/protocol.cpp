@@ -167,10 +167,6 @@ void put(Frame& frame, Number number) {
 }
 
 /// Text from elsewhere may be no UTF-8: then the wrong bytes are replaced.
-std::string to_line(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
 Json graph_entries(const std::vector<GraphEntry>& entries, const char* ids) {
   Json list = Json::array();
   for (const GraphEntry& entry : entries) list.push_back({{"name", entry.name}, {ids, entry.ids}});
@@ -185,6 +181,10 @@ Json message_schema(const std::string& name, const Json& schema) {
 }
 
 }  // namespace
+
+std::string to_line(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
 
 ClientMessage parse_text(std::string_view text) {
   const Json message = Json::parse(text, nullptr, false);

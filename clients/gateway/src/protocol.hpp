@@ -21,6 +21,9 @@ namespace vdrive::gateway {
 
 using Json = nlohmann::json;
 
+/// @return JSON on one line; bytes that are not UTF-8 are replaced.
+[[nodiscard]] std::string to_line(const Json& json);
+
 /// Names of the protocol, old and new: they differ in nothing else.
 inline constexpr std::array<std::string_view, 2> kSubprotocols{"foxglove.sdk.v1",
                                                                "foxglove.websocket.v1"};

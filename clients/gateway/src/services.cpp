@@ -432,28 +432,16 @@ CallAnswer call_write(Session& session, const Json& request) {
 
 // ---- schemas
 
-Json text() {
-  return type_schema("string");
-}
-
-Json integer() {
-  return type_schema("integer");
-}
-
-Json boolean() {
-  return type_schema("boolean");
-}
-
 Json axes_request() {
-  return object_schema({{"axes", array_schema(text())}});
+  return object_schema({{"axes", array_schema(text_schema())}});
 }
 
 Json stop_request() {
-  return object_schema({{"axes?", array_schema(text())}, {"bench?", integer()}});
+  return object_schema({{"axes?", array_schema(text_schema())}, {"bench?", integer_schema()}});
 }
 
 Json take_request() {
-  return object_schema({{"name?", text()}, {"force?", boolean()}});
+  return object_schema({{"name?", text_schema()}, {"force?", boolean_schema()}});
 }
 
 Json empty_request() {
@@ -461,64 +449,68 @@ Json empty_request() {
 }
 
 Json move_request() {
-  return object_schema({{"axis", text()},
-                        {"position", integer()},
-                        {"relative?", boolean()},
-                        {"velocity?", integer()},
-                        {"acceleration?", integer()},
-                        {"deceleration?", integer()},
-                        {"queue?", boolean()}});
+  return object_schema({{"axis", text_schema()},
+                        {"position", integer_schema()},
+                        {"relative?", boolean_schema()},
+                        {"velocity?", integer_schema()},
+                        {"acceleration?", integer_schema()},
+                        {"deceleration?", integer_schema()},
+                        {"queue?", boolean_schema()}});
 }
 
 Json move_group_request() {
-  return object_schema(
-      {{"moves", array_schema(object_schema({{"axis", text()}, {"position", integer()}}))},
-       {"velocity?", integer()},
-       {"acceleration?", integer()},
-       {"deceleration?", integer()}});
+  return object_schema({{"moves", array_schema(object_schema(
+                                      {{"axis", text_schema()}, {"position", integer_schema()}}))},
+                        {"velocity?", integer_schema()},
+                        {"acceleration?", integer_schema()},
+                        {"deceleration?", integer_schema()}});
 }
 
 Json axis_request() {
-  return object_schema({{"axis", text()}});
+  return object_schema({{"axis", text_schema()}});
 }
 
 Json jog_request() {
-  return object_schema({{"axis", text()}, {"velocity", integer()}});
+  return object_schema({{"axis", text_schema()}, {"velocity", integer_schema()}});
 }
 
 Json disturb_request() {
-  return object_schema({{"axis", text()}, {"name", text()}, {"value", integer()}});
+  return object_schema(
+      {{"axis", text_schema()}, {"name", text_schema()}, {"value", integer_schema()}});
 }
 
 Json bench_request() {
-  return object_schema({{"bench", integer()}});
+  return object_schema({{"bench", integer_schema()}});
 }
 
 Json rate_request() {
-  return object_schema({{"bench", integer()}, {"rate", type_schema("number")}});
+  return object_schema({{"bench", integer_schema()}, {"rate", number_schema()}});
 }
 
 Json step_request() {
-  return object_schema({{"bench", integer()}, {"ticks", integer()}});
+  return object_schema({{"bench", integer_schema()}, {"ticks", integer_schema()}});
 }
 
 Json read_request() {
-  return object_schema({{"axis", text()}, {"objects", array_schema(text())}});
+  return object_schema({{"axis", text_schema()}, {"objects", array_schema(text_schema())}});
 }
 
 Json write_request() {
-  return object_schema({{"axis", text()}, {"object", text()}, {"value", integer()}});
+  return object_schema(
+      {{"axis", text_schema()}, {"object", text_schema()}, {"value", integer_schema()}});
 }
 
 Json response_schema(Right right) {
-  Json schema = object_schema({{"ok", boolean()},
-                               {"outcome", text()},
-                               {"message", text()},
-                               {"code", integer()},
-                               {"tick?", integer()}});
+  Json schema = object_schema({{"ok", boolean_schema()},
+                               {"outcome", text_schema()},
+                               {"message", text_schema()},
+                               {"code", integer_schema()},
+                               {"tick?", integer_schema()}});
   if (right == Right::none) {
-    schema["properties"]["values"] = array_schema(object_schema(
-        {{"object", text()}, {"value?", integer()}, {"code", integer()}, {"message", text()}}));
+    schema["properties"]["values"] = array_schema(object_schema({{"object", text_schema()},
+                                                                 {"value?", integer_schema()},
+                                                                 {"code", integer_schema()},
+                                                                 {"message", text_schema()}}));
   }
   return schema;
 }

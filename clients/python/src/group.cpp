@@ -109,9 +109,9 @@ void add_call(GroupClass& group, const char* name,
       py::arg("progress") = py::none(), text);
 }
 
-void add_move(GroupClass& group, const char* name, const char* numbers,
-              Outcome (AxisGroup::*move)(const Vector&, const GroupMoveOptions&),
-              const char* text) {
+void add_group_move(GroupClass& group, const char* name, const char* numbers,
+                    Outcome (AxisGroup::*move)(const Vector&, const GroupMoveOptions&),
+                    const char* text) {
   group.def(
       name,
       [move](PyGroup& self, const Vector& aims, double velocity_factor, double acceleration_factor,
@@ -158,13 +158,13 @@ void add_calls(GroupClass& group) {
       "Takes control of every axis, also from other sessions.");
 }
 
-void add_moves(GroupClass& group) {
-  add_move(
+void add_group_moves(GroupClass& group) {
+  add_group_move(
       group, "move_together", "targets", &AxisGroup::move_together,
       "A straight line to absolute positions (UU): all axes start on one tick and arrive on one "
       "tick. progress(tick, fraction) is called at every tick that the call observes.");
-  add_move(group, "move_by", "displacements", &AxisGroup::move_by,
-           "The same by displacements (UU) from the demand positions.");
+  add_group_move(group, "move_by", "displacements", &AxisGroup::move_by,
+                 "The same by displacements (UU) from the demand positions.");
   group.def(
       "queue_move",
       [](PyGroup& self, const Vector& targets, double velocity_factor, double acceleration_factor,
@@ -289,7 +289,7 @@ void add_group(py::module_& module) {
         return "<vdrive.AxisGroup of " + std::to_string(self.group.axes().size()) + " axes>";
       });
   add_calls(group);
-  add_moves(group);
+  add_group_moves(group);
   add_state(group);
   add_streaming(group);
 }

@@ -273,7 +273,7 @@ void add_snapshots(SessionClass& session) {
       py::arg("snapshot"), py::kw_only(), py::arg("bench") = py::none(), "Forgets a snapshot.");
 }
 
-void add_observing(SessionClass& session) {
+void add_session_observing(SessionClass& session) {
   session.def(
       "observe",
       [](const SharedPresence& self, const py::object& axes) {
@@ -414,7 +414,7 @@ void add_session(py::module_& module) {
   add_control(session);
   add_clock(session);
   add_snapshots(session);
-  add_observing(session);
+  add_session_observing(session);
 }
 
 }  // namespace vdrive::python

@@ -19,7 +19,7 @@ using client::StepClock;
 using Ticks = client::Result<std::vector<std::uint64_t>>;
 
 // Wall time after which a step that waits for others checks whether it has to end.
-constexpr std::chrono::milliseconds kSlice{100};
+constexpr std::chrono::milliseconds kSliceOfStep{100};
 
 class OwnClock final : public Dependent {
  public:
@@ -56,9 +56,9 @@ class OwnClock final : public Dependent {
       const auto left =
           std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
       // What was granted stays granted: the same call again goes on with it.
-      Ticks reached = step(*clock_, std::clamp(left, std::chrono::milliseconds(0), kSlice));
+      Ticks reached = step(*clock_, std::clamp(left, std::chrono::milliseconds(0), kSliceOfStep));
       const bool waits = reached.outcome().kind() == client::OutcomeKind::timed_out;
-      if (!waits || left <= kSlice) return reached;
+      if (!waits || left <= kSliceOfStep) return reached;
       if (session.is_interrupted()) return Outcome::failed("the wait was interrupted");
     }
   }

@@ -14,7 +14,7 @@ namespace {
 using std::chrono::milliseconds;
 using wire::ros::DiagnosticStatus;
 
-constexpr milliseconds kTurn{10};
+constexpr milliseconds kSilentTurn{10};
 constexpr milliseconds kEndOfStep{20};  // no further tick came: the step has ended
 constexpr std::chrono::seconds kDiagnostics{1};
 
@@ -157,7 +157,7 @@ void JointPublisher::run(const std::stop_token& stop) {
     const Board::Views views = board_.views();
     publish(views, now);
     publish_diagnostics(views, now);
-    Clock::time_point next = now + std::min<Clock::duration>(period, kTurn);
+    Clock::time_point next = now + std::min<Clock::duration>(period, kSilentTurn);
     for (const auto& [number, published] : published_) {
       if (published.due > now) next = std::min(next, published.due);
     }

@@ -12,7 +12,7 @@
 namespace vdrive::ros2 {
 namespace {
 
-constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
+constexpr std::int64_t kNanosecondsOfSecond = 1'000'000'000;
 constexpr double kSecondsPerNanosecond = 1e-9;
 
 /// The places in `name` that the values of an array belong to; empty when these are ambiguous.
@@ -189,7 +189,7 @@ std::optional<Trajectory> read_trajectory(const wire::ros::JointTrajectory& mess
 }
 
 std::int64_t nanoseconds_of(const wire::ros::Time& time) noexcept {
-  return time.sec() * kNanosecondsPerSecond + time.nanosec();
+  return time.sec() * kNanosecondsOfSecond + time.nanosec();
 }
 
 }  // namespace vdrive::ros2

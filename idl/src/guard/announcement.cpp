@@ -35,7 +35,7 @@ Announcer announcer_of(Bytes value, bool little) {
 }
 
 /// @return the participant that the key in the inline QoS names.
-std::optional<Prefix> key_of(const Submessage& submessage, const Data& data) {
+std::optional<Prefix> key_of_announced(const Submessage& submessage, const Data& data) {
   List list(data.inline_qos, submessage.has(kLittle));
   for (ListEntry entry; list.next(entry);) {
     Prefix prefix{};
@@ -82,7 +82,7 @@ std::optional<Announcement> read_announcement(const Submessage& submessage,
                                               const Data& data) noexcept {
   Announcement announcement;
   if (!submessage.has(kThird)) {
-    const auto key = key_of(submessage, data);
+    const auto key = key_of_announced(submessage, data);
     const auto content = data.is_list() ? guid_of(data) : std::nullopt;
     announcement.gone = true;
     announcement.library_knows_key = key.has_value();

@@ -23,7 +23,7 @@ Prefix sender_of(Bytes datagram) {
   return prefix;
 }
 
-std::string text_of(const Guard::Locator& locator) {
+std::string text_of_locator(const Guard::Locator& locator) {
   return eprosima::fastrtps::rtps::IPLocator::ip_to_string(locator) + ":" +
          std::to_string(eprosima::fastrtps::rtps::IPLocator::getPhysicalPort(locator));
 }
@@ -116,7 +116,7 @@ GuardCounts Guard::counts() const {
 
 void Guard::refuse(Refusal refusal, const Locator& remote) {
   ++refused_.at(static_cast<std::size_t>(refusal));
-  if (sink_) sink_(refusal, text_of(remote));
+  if (sink_) sink_(refusal, text_of_locator(remote));
 }
 
 bool Guard::has_room_for(std::uint32_t gap_numbers) {
