@@ -15,7 +15,7 @@ constexpr std::size_t kSpareCommands = 1'024;
 /// Of a sample that found no room; it holds all that `TurnedAway` has.
 constexpr std::size_t kBeginning = 64;
 
-std::uint32_t refusal_of(wire::Decoding decoding) {
+std::uint32_t refusal_of_decoding(wire::Decoding decoding) {
   switch (decoding) {
     case wire::Decoding::too_many_axes:
       return msg::REASON_TOO_MANY_AXES;
@@ -87,7 +87,7 @@ bool Inbox::decode(const ByteRing::Record& record) {
     return false;
   }
   arrival_.kind = is_frame ? Arrival::Kind::command_frame : Arrival::Kind::request;
-  arrival_.refusal = refusal_of(decoding);
+  arrival_.refusal = refusal_of_decoding(decoding);
   arrival_.source = record.head.party;
   return (is_frame ? arrival_.frame.bench() : arrival_.request.bench()) == bench_;
 }
