@@ -423,6 +423,40 @@ TEST(Ros2Commands, KeepTheSoftwareLimits) {
   }));
 }
 
+// The state that it has after a pause is old: its set-points are for ticks that have passed.
+TEST(Ros2Commands, ReachTheirGoalThroughABridgeThatStoodStillWhenTheyCame) {
+  const RunningService service("--clock realtime");
+  RosPeer peer;
+  RunningBridge bridge("--enable");
+  Session session(options());
+  ASSERT_TRUE(peer.wait_for_bridge());
+  ASSERT_TRUE(peer.wait([&] {
+    return is_enabled(session, "1.1");
+  }));
+  ASSERT_TRUE(peer.wait([&] {  // once its limits are known
+    peer.command({"x"}, {0.01});
+    return std::abs(*peer.position("x") - 0.01) < 0.001;
+  })) << peer.log();
+  const auto pass = [&](std::uint64_t ticks) {
+    const std::uint64_t until = session.axis("1.1")->status()->tick + ticks;
+    ASSERT_TRUE(peer.wait([&] {
+      return session.axis("1.1")->status()->tick >= until;
+    }));
+  };
+  for (int round = 1; round <= 10; ++round) {
+    const double goal = round % 2 == 0 ? 0.0 : 0.3;
+    bridge.pause();
+    peer.command({"x"}, {goal});
+    pass(static_cast<std::uint64_t>(10 * round));
+    bridge.go_on();
+    ASSERT_TRUE(peer.wait([&] {
+      return std::abs(*peer.position("x") - goal) < 0.001;
+    })) << "round "
+        << round << ": at " << *peer.position("x") << '\n'
+        << peer.log();
+  }
+}
+
 TEST(Ros2Commands, RunAtAVelocityAndBrakeWhenTheWriterEnds) {
   LockStep bench;
   bench.peer().command_velocity({"x"}, {2.0});

@@ -52,6 +52,14 @@ Finished RunningBridge::stop() {
   return process_.wait();
 }
 
+void RunningBridge::pause() {
+  process_.send(SIGSTOP);
+}
+
+void RunningBridge::go_on() {
+  process_.send(SIGCONT);
+}
+
 void RunningBridge::kill() {
   has_ended_ = true;
   process_.send(SIGKILL);

@@ -33,6 +33,10 @@ class RunningBridge {
   /// Ends it without a chance to give its axes back.
   void kill();
 
+  /// Lets it stand still, and go on.
+  void pause();
+  void go_on();
+
  private:
   Process process_;
   bool has_ended_ = false;

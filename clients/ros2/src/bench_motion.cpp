@@ -20,7 +20,8 @@ using std::chrono::milliseconds;
 // the machine, and positions that come from time to time are late by no more than needed.
 constexpr double kAheadOnTrajectory = 0.15;
 constexpr double kAheadOnTrack = 0.015;
-constexpr double kLead = 0.008;  // to the first tick that a new set-point can reach
+constexpr double kLead = 0.008;         // to the first tick that a new set-point can reach
+constexpr double kLongestLead = 0.128;  // after set-points that came too late
 
 // In lock-step the length of the next step is not known: ticks between the newest state and the
 // first set-point of a motion, and those that a step may have while it lasts.
@@ -82,6 +83,7 @@ BenchMotion::BenchMotion(client::Session& session, BenchLink& link, Reports& rep
       link_(link),
       reports_(reports),
       command_timeout_(command_timeout),
+      lead_(kLead),
       plans_(link.joints().size()),
       to_enable_(link.joints().size()),
       was_in_fault_(link.joints().size()) {}
@@ -95,7 +97,12 @@ std::uint64_t BenchMotion::ticks(double seconds) const {
 }
 
 std::uint64_t BenchMotion::lead() const {
-  return link_.info().clock_mode == ClockMode::lockstep ? kLeadTicks : ticks(kLead);
+  return link_.info().clock_mode == ClockMode::lockstep ? kLeadTicks : ticks(lead_);
+}
+
+/// Set-points came too late: the machine, or the way to the bench, is slower than the lead.
+void BenchMotion::lengthen_lead() {
+  lead_ = std::min(2.0 * lead_, kLongestLead);
 }
 
 std::uint64_t BenchMotion::window() const {
@@ -105,7 +112,7 @@ std::uint64_t BenchMotion::window() const {
   if (link_.info().clock_mode == ClockMode::lockstep) {
     return is_long ? kTrajectoryTicks : kTrackTicks;
   }
-  return ticks(is_long ? kAheadOnTrajectory : kAheadOnTrack);
+  return ticks(std::max(is_long ? kAheadOnTrajectory : kAheadOnTrack, 2.0 * lead_));
 }
 
 bool BenchMotion::positions_are_due() const {
@@ -276,10 +283,14 @@ std::int32_t BenchMotion::user_units(std::size_t place, double value) const {
   return static_cast<std::int32_t>(std::llround(value / link_.joints()[place].si_per_user_unit));
 }
 
-JointMotion BenchMotion::motion(std::size_t place) const {
-  const Plan& plan = plans_[place];
+JointMotion BenchMotion::demand(std::size_t place) const {
   const double unit = link_.joints()[place].si_per_user_unit;
   const AxisStatus& status = state_->axes[place].status;
+  return {status.position_demand_value * unit, status.velocity_demand_value * unit, 0.0};
+}
+
+JointMotion BenchMotion::motion(std::size_t place) const {
+  const Plan& plan = plans_[place];
   switch (plan.duty) {
     case Duty::hold:
       return {plan.position, 0.0, 0.0};
@@ -290,7 +301,7 @@ JointMotion BenchMotion::motion(std::size_t place) const {
       return plan.path->at(ticks * link_.period());
     }
     default:
-      return {status.position_demand_value * unit, status.velocity_demand_value * unit, 0.0};
+      return demand(place);
   }
 }
 
@@ -459,6 +470,7 @@ std::vector<BrokenTrajectory> BenchMotion::update(Clock::time_point now) {
   power(now);
   check_timeouts();
   catch_up(broken);
+  repeat_refused_ends();
   settle();
   send_positions();
   send_free();
@@ -518,12 +530,42 @@ void BenchMotion::catch_up(std::vector<BrokenTrajectory>& broken) {
     Plan& plan = plans_[i];
     if (plan.duty == Duty::trajectory) {
       broken.push_back({.number = plan.trajectory, .reason = reason});
-      plan = {.duty = Duty::hold, .position = motion(i).position};
+      plan = {.duty = Duty::hold, .position = demand(i).position};
     } else if (plan.duty == Duty::track) {
-      plan.tracker->rest();
+      const double goal = plan.tracker->goal();
+      plan.tracker.emplace(JointMotion{demand(i).position, 0.0, 0.0});  // it holds
+      plan.tracker->go_to(goal, kFirstInterval);
     }
   }
+  lengthen_lead();
   sent_until_ = state_->tick + lead() - 1;
+}
+
+/// A bench that is late to receive the last set-points of a motion refuses them, and the drive
+/// holds before its goal: it gets them again.
+void BenchMotion::repeat_refused_ends() {
+  constexpr int kMostRepeats = 8;
+  for (std::size_t i = 0; i < plans_.size(); ++i) {
+    Plan& plan = plans_[i];
+    const bool is_to_be_checked =
+        plan.duty == Duty::hold && plan.ends_at != 0 && state_->tick > plan.ends_at;
+    if (!is_to_be_checked) continue;
+    plan.ends_at = 0;
+    const AxisStatus& status = state_->axes[i].status;
+    if (status.position_demand_value == user_units(i, plan.position)) {
+      plan.repeats = 0;
+    } else if (++plan.repeats > kMostRepeats) {
+      reports_.report(Severity::warning, name_of(i), "the drive does not take its last set-point");
+      plan.repeats = 0;
+    } else {
+      lengthen_lead();
+      (void)begin_tick();
+      plan.tracker.emplace(JointMotion{demand(i).position, 0.0, 0.0});  // it holds
+      plan.tracker->go_to(plan.position, kFirstInterval);
+      plan.duty = Duty::track;
+      plan.commanded_at = state_->tick;
+    }
+  }
 }
 
 void BenchMotion::add_point(std::size_t place, std::uint64_t tick, client::SetPointFrame& frame) {
@@ -546,6 +588,7 @@ void BenchMotion::add_point(std::size_t place, std::uint64_t tick, client::SetPo
   frame.axes.push_back(point);
   if (!ends) return;
   plan.duty = Duty::hold;
+  plan.ends_at = tick;
   plan.tracker.reset();
   plan.path.reset();
 }

@@ -123,6 +123,8 @@ class BenchMotion {
     std::uint64_t trajectory = 0;    ///< number
     std::uint64_t commanded_at = 0;  ///< tick of the last command
     std::uint64_t sent_for = 0;      ///< tick of the velocity or effort that was sent last
+    std::uint64_t ends_at = 0;       ///< hold: tick of the last set-point, until the drive shows it
+    int repeats = 0;                 ///< of the end of this motion
     double interval = 0.0;           ///< [s] between commands, as they come
     bool is_due = false;             ///< velocity and effort: to be sent
     bool is_lost = false;            ///< no command came in time, and that was reported
@@ -138,6 +140,8 @@ class BenchMotion {
   void check_enabled(std::vector<BrokenTrajectory>& broken);
   void check_timeouts();
   void catch_up(std::vector<BrokenTrajectory>& broken);
+  void repeat_refused_ends();
+  void lengthen_lead();
   void send_positions();
   void send_free();
   void settle();
@@ -149,6 +153,7 @@ class BenchMotion {
   void track(std::size_t place, const JointCommand& command);
   void set_free(std::size_t place, Duty duty, double value);
   [[nodiscard]] std::string check_value(std::size_t place, const JointCommand& command) const;
+  [[nodiscard]] JointMotion demand(std::size_t place) const;
   [[nodiscard]] bool positions_are_due() const;
   [[nodiscard]] std::uint64_t ticks(double seconds) const;
   [[nodiscard]] std::uint64_t lead() const;
@@ -168,6 +173,7 @@ class BenchMotion {
   BenchLink& link_;
   Reports& reports_;
   const double command_timeout_;
+  double lead_;  ///< [s] of wall time to the first tick that a new set-point can reach
   std::vector<Plan> plans_;
   std::shared_ptr<const BenchState> state_;
   std::shared_ptr<const std::vector<JointLimits>> limits_;

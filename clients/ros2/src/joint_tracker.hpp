@@ -25,13 +25,6 @@ class JointTracker {
   /// Brakes to rest, as soon as the limits permit.
   void stop(const JointLimits& limits) noexcept;
 
-  /// Records that the joint has come to rest here by another cause.
-  void rest() noexcept {
-    now_.velocity = 0.0;
-    now_.acceleration = 0.0;
-    reference_ = now_.position;
-  }
-
   /// @param period [s] that passes, above 0
   /// @param limits velocity and ramp count; both above 0
   JointMotion step(double period, const JointLimits& limits) noexcept;
@@ -41,6 +34,9 @@ class JointTracker {
   }
 
   [[nodiscard]] const JointMotion& now() const noexcept { return now_; }
+
+  /// @return [rad or m] where it goes
+  [[nodiscard]] double goal() const noexcept { return goal_; }
 
  private:
   JointMotion now_;
