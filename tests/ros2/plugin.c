@@ -5,7 +5,8 @@
 //
 // It reads /joint_states best effort and writes /robot_joint_commands, depth 1, only while the sum
 // of |state - command| is above 1e-5: NaN first, then a sine of 0.5 rad on both joints for four
-// seconds, then nothing for ten. Exit code 0: both joints followed, and stayed where they were afterwards.
+// seconds, then nothing for ten. Exit code 0: both joints followed, and stayed where they were
+// afterwards.
 #include "ros_messages.h"
 
 #include <dds/dds.h>

@@ -76,7 +76,6 @@ constexpr std::uint32_t kLargestSample = 16U * 1024U * 1024U;  // [bytes]
 // The library keeps a number of four bytes at the start of each missing fragment.
 constexpr std::uint32_t kSmallestFragment = 16;  // [bytes]
 constexpr std::size_t kStatisticsSize = 56;
-constexpr std::size_t kDataFixed = 16;
 constexpr std::size_t kFragmentFixed = 28;
 
 bool is_sequence(std::int64_t number, std::int64_t least) {

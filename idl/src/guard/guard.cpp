@@ -141,7 +141,6 @@ void Guard::pass_discovery(Receiver& channel, Bytes datagram, const Locator& loc
 /// it.
 bool Guard::passes(const Submessage& submessage, std::vector<std::uint8_t>& datagram,
                    Receiver& channel, const Locator& remote) {
-  constexpr std::size_t kDataFixed = 16;
   const Data data = parse_data(submessage, kDataFixed);
   const bool has_list = submessage.has(kThird) && data.is_list();
   if (!keeps_leases_ || !may_announce(submessage, data)) {

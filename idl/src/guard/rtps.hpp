@@ -233,6 +233,9 @@ struct Data {
   [[nodiscard]] Bytes list() const noexcept { return content.subspan(4); }
 };
 
+/// [bytes] of a DATA before its lists (RTPS 9.4.5.3)
+inline constexpr std::size_t kDataFixed = 16;
+
 /// @param fixed bytes from behind octetsToInlineQos to the inline QoS, 16 for DATA, 28 for
 /// DATA_FRAG
 [[nodiscard]] Data parse_data(const Submessage& submessage, std::size_t fixed) noexcept;
