@@ -26,7 +26,7 @@ It passes when all of this holds in each variant:
 - each acknowledged command acted once: n moves moved an axis by n ways, n steps are n ticks, the
   stamp is the last one, what was stored is there in the next run of the service;
 - the time from a kill to the next sample of the observer (in lock-step: to the answer of the step
-  under way) stays within the limits;
+  under way) stays within the limits; the median is judged from ten kills on, of a variant and of all;
 - there are no more overruns than in a run of the same length without kills, twice, and some for
   each kill;
 - 2 s after SIGTERM no process of the service is left, nor a file in /dev/shm.
@@ -54,6 +54,7 @@ COMMANDED = 8
 GROUP_AXES = 4
 SHORTEST = 0.005  # [s] a pause of the stream that the observer tells of
 NEAR = 0.25  # [s] after a kill samples that were on their way may still arrive
+ENOUGH = 10  # kills from which on their median is judged
 HANG_LIMIT = 5.0  # [s] within which a hung wire is noticed
 VARIANTS = ("motion", "streaming", "group", "stores", "lockstep", "closed")
 HOW = {"kill": signal.SIGKILL, "abort": signal.SIGABRT, "hang": signal.SIGSTOP}
@@ -358,7 +359,9 @@ def report_pauses(pauses, options):
         if values:
             print(f"  {name}: {len(values)}, to the next sample p50 {percentile(values, 0.5):.3f} s, "
                   f"p99 {percentile(values, 0.99):.3f} s, max {max(values):.3f} s")
-    if percentile(quick, 0.5) > options.usual:
+    # In the closed mode the library repeats some messages of the authentication after a second, so
+    # two slow kills in a row say nothing.
+    if len(quick) >= ENOUGH and percentile(quick, 0.5) > options.usual:
         problems.append(f"half of the kills took more than {options.usual:g} s")
     return problems
 
@@ -460,7 +463,7 @@ def main():
             for how, values in found.items():
                 pauses[how] += values
     print("all variants:")
-    report_pauses(pauses, options)
+    problems += [f"all variants: {problem}" for problem in report_pauses(pauses, options)]
     for problem in problems[1:]:
         print(f"also: {problem}")
     if problems:
