@@ -105,7 +105,7 @@ struct Batch {
 
 /// Lanes of a block in a tick.
 struct TickLanes {
-  std::uint64_t steady = 0;  // nothing goes on but the motion, at the start of the tick
+  std::uint64_t steady = 0;  // SteadyBlock::lanes at the start of the tick
   std::uint64_t across = 0;  // the tick crosses a border between two segments
 };
 
@@ -165,7 +165,7 @@ struct AxisBank::State {
   /// @return the axis for a change from outside: its next tick looks at all of it.
   [[nodiscard]] Drive changed_drive(std::size_t axis) {
     ensure(axis < places.size(), "the axis is one of the bank's");
-    blocks[places[axis].block].state.steady.lanes &= ~(std::uint64_t{1} << places[axis].lane);
+    end_steadiness(places[axis].block, std::uint64_t{1} << places[axis].lane);
     return drive(axis);
   }
 
@@ -188,6 +188,9 @@ struct AxisBank::State {
   AbortCode write(std::size_t axis, ObjectRow row, std::int64_t value);
   void apply_gear(std::size_t axis);
   void apply_torques(std::size_t axis);
+
+  /// The next step goes through all of a tick for these lanes of a block.
+  void end_steadiness(std::size_t block, std::uint64_t lanes);
 
   /// What the axes of a block do before the servo step.
   TickLanes begin_block(std::size_t block);
@@ -411,12 +414,20 @@ void AxisBank::State::apply_torques(std::size_t axis) {
   }
 }
 
+void AxisBank::State::end_steadiness(std::size_t block, std::uint64_t lanes) {
+  for_each_lane(lanes, [this, block](std::size_t lane) {
+    Drive drive = this->drive(block, lane);
+    vdrive::end_steadiness(drive);
+  });
+}
+
 TickLanes AxisBank::State::begin_block(std::size_t block_index) {
   Block& block = blocks[block_index];
   ensure(block.count > 0, "a block has an axis");
   const DemandBlock& demand = block.state.demand;
   const std::uint64_t all = (std::uint64_t{1} << block.count) - 1U;
   TickLanes lanes{.steady = block.state.steady.lanes & ~lanes_out_of_frame(demand) & all};
+  end_steadiness(block_index, block.state.steady.lanes & ~lanes.steady);
   for_each_lane(all & ~lanes.steady, [this, block_index](std::size_t lane) {
     Drive drive = this->drive(block_index, lane);
     begin_tick(drive);
@@ -439,7 +450,12 @@ std::size_t AxisBank::State::cross_segments(const Batch& batch, std::size_t subs
 
 void AxisBank::State::end_block(std::size_t block_index, const TickLanes& lanes) {
   Block& block = blocks[block_index];
-  const std::uint64_t steady = end_steady_tick(block.state, lanes.steady, timing);
+  const std::uint64_t unpowered = lanes.steady & block.state.steady.unpowered;
+  const std::uint64_t holding = lanes.steady & ~unpowered;
+  if (unpowered != 0) rest_at_load(block.state.demand, block.state.servo, unpowered);
+  const std::uint64_t steady =
+      unpowered | (holding != 0 ? end_steady_tick(block.state, holding, timing) : 0U);
+  end_steadiness(block_index, lanes.steady & ~steady);
   const std::uint64_t others = ((std::uint64_t{1} << block.count) - 1U) & ~steady;
   for_each_lane(others, [this, block_index](std::size_t lane) {
     Drive drive = this->drive(block_index, lane);
@@ -679,7 +695,7 @@ void AxisBank::save(Snapshot& snapshot) const {
 
 std::uint64_t AxisBank::snapshot_layout() noexcept {
   // Counted up by hand when a member changes its meaning while every size stays as it is.
-  constexpr std::uint64_t kVersion = 3;
+  constexpr std::uint64_t kVersion = 4;
   constexpr std::uint64_t kPrime = 1099511628211ULL;  // FNV-1a over words
   std::uint64_t layout = 14695981039346656037ULL;
   for (const std::uint64_t part :

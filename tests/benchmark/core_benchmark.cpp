@@ -76,6 +76,32 @@ void tick(benchmark::State& state, vdrive::Coupling coupling) {
       benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
+/// Axes that nobody moves: without power, or standing on their target.
+void tick_at_rest(benchmark::State& state, bool powered) {
+  const auto axes = static_cast<std::size_t>(state.range(0));
+  const std::vector<vdrive::AxisConfiguration> configurations(axes);
+  vdrive::AxisBank bank(configurations, kPeriod);
+  for (std::size_t axis = 0; powered && axis < axes; ++axis) {
+    command(bank, axis, 0x6060, 1);
+    command(bank, axis, 0x6040, 0x0F);
+  }
+  for (int tick = 0; tick < 300; ++tick) {
+    bank.step();
+  }
+  for (auto _ : state) {
+    bank.step();
+  }
+  const std::uint16_t expected = powered ? 0x0637 : 0x0250;
+  for (std::size_t axis = 0; axis < axes; ++axis) {
+    if (bank.status(axis).ds402_statusword != expected) {
+      state.SkipWithError("an axis is not at rest");
+    }
+  }
+  state.counters["value"] = benchmark::Counter(
+      1.0e-9 * static_cast<double>(axes),
+      benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+
 void plan(benchmark::State& state) {
   struct Case {
     vdrive::MotionState start;
@@ -153,6 +179,14 @@ int main(int argc, char** argv) {
       ->Repetitions(kRepetitions);
   benchmark::RegisterBenchmark("axis_tick_two_inertia_ns", tick, vdrive::Coupling::two_inertia)
       ->Arg(64)
+      ->Arg(1024)
+      ->Arg(16384)
+      ->Repetitions(kRepetitions);
+  benchmark::RegisterBenchmark("axis_tick_standing_ns", tick_at_rest, true)
+      ->Arg(1024)
+      ->Arg(16384)
+      ->Repetitions(kRepetitions);
+  benchmark::RegisterBenchmark("axis_tick_unpowered_ns", tick_at_rest, false)
       ->Arg(1024)
       ->Arg(16384)
       ->Repetitions(kRepetitions);

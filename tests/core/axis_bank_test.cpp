@@ -412,6 +412,64 @@ TEST(AxisBank, WritingTheSameValueAgainChangesNoBit) {
   }
 }
 
+/// Writes to all axes of two banks what ends a rest, or what a rest must not forget: moves, windows
+/// and their times, disturbances, loss of power. Mostly nothing.
+void disturb_rest(AxisBank& a, AxisBank& b, Random& random) {
+  const std::array<std::uint16_t, 10> words{0x0F, 0x3F, 0x7F, 0x1F, 0x010F,
+                                            0x06, 0x00, 0x02, 0x80, 0x0F};
+  const std::array<std::pair<std::string_view, std::int64_t>, 9> writes{{
+      {"position_target_reached_window_time", 900},
+      {"position_target_reached_window", 2'000},
+      {"following_error_window", 3'000},
+      {"test_load_torque", 400},
+      {"position_user_target_value", 20'000},
+      {"test_over_current", 2},
+      {"op_mode_cmd", 2},
+      {"gear_ratio_numerator", 3},
+      {"app_position_limit_switch", 2},
+  }};
+  for (std::size_t axis = 0; axis < a.size(); ++axis) {
+    if (!random.one_in(150)) continue;
+    if (random.one_in(2)) {
+      const std::uint16_t word = words[random.below(words.size())];
+      a.write(axis, object("ds402_controlword"), word);
+      b.write(axis, object("ds402_controlword"), word);
+      continue;
+    }
+    const auto& [name, bound] = writes[random.below(writes.size())];
+    const auto value = static_cast<std::int64_t>(random.below(static_cast<std::uint64_t>(bound)));
+    a.write(axis, object(name), value);
+    b.write(axis, object(name), value);
+  }
+}
+
+TEST(AxisBank, AnAxisThatRestsBehavesAsOneWhoseTicksAreAllLookedAt) {
+  const std::uint64_t seeds = test::case_count(60, 1'000);
+  for (std::uint64_t seed = 0; seed < seeds; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const std::vector<AxisConfiguration> axes = mixed_axes(11);
+    AxisBank resting(axes, microseconds{1000});
+    AxisBank watched(axes, microseconds{1000});
+    Random random(seed);
+    for (AxisBank* bank : {&resting, &watched}) {
+      for (std::size_t axis = 0; axis < axes.size(); ++axis) {
+        bank->write(axis, object("op_mode_cmd"), 1);
+        bank->write(axis, object("ds402_controlword"), 0x0F);
+      }
+    }
+    for (int tick = 0; tick < 3'000; ++tick) {
+      disturb_rest(resting, watched, random);
+      for (std::size_t axis = 0; axis < axes.size(); ++axis) {
+        // A written axis goes through all steps of its next tick.
+        watched.write(axis, object("profile_acc"), watched.read(axis, object("profile_acc")).value);
+      }
+      resting.step();
+      watched.step();
+      ASSERT_EQ(resting.status_hash(), watched.status_hash()) << "tick " << tick;
+    }
+  }
+}
+
 TEST(AxisBank, EachControlwordBetweenTwoStepsCounts) {
   AxisUnderTest axis;
   axis.write("op_mode_cmd", 1);

@@ -12,10 +12,9 @@ namespace {
 /// Lane l of a set.
 constexpr std::array<std::uint64_t, kLanes> kBits{1, 2, 4, 8, 16, 32, 64, 128};
 
-/// @return whether the axis of lane `l` does not come near its target.
-[[gnu::always_inline]] inline bool stays_away(const SteadyBlock& steady, std::size_t l,
-                                              double load) {
-  return std::abs(load - steady.target[l]) > steady.target_window[l];
+/// @return whether the axis of lane `l` is inside of its target window.
+[[gnu::always_inline]] inline bool is_near(const SteadyBlock& steady, std::size_t l, double load) {
+  return std::abs(load - steady.target[l]) <= steady.target_window[l];
 }
 
 [[gnu::always_inline]] inline bool follows(const SteadyBlock& steady, std::size_t l, double demand,
@@ -62,16 +61,28 @@ std::uint64_t end_steady_tick(BlockState& block, std::uint64_t lanes,
     const MotionSample now = sample(segment_of(demand, l), time);
     const double load = nearest(block.servo.load_reading[l]);
     const bool is_steady = (lanes & kBits[l]) != 0U;
+    const bool stands = (block.steady.standing & kBits[l]) != 0U;
     const bool in_segment = time < demand.end_time[l];
     const bool in_window = follows(block.steady, l, nearest(now.position), load);
-    const bool is_away = stays_away(block.steady, l, load);
-    const bool goes_on = is_steady & in_segment & in_window & is_away;
-    demand.plan_ticks[l] = goes_on ? ticks : demand.plan_ticks[l];
-    demand.position[l] = goes_on ? now.position : demand.position[l];
-    demand.velocity[l] = goes_on ? now.velocity : demand.velocity[l];
-    steady |= goes_on ? kBits[l] : 0U;
+    const bool as_before = is_near(block.steady, l, load) == stands;
+    const bool moves_on = is_steady & in_segment & in_window & as_before;
+    demand.plan_ticks[l] = moves_on ? ticks : demand.plan_ticks[l];
+    demand.position[l] = moves_on ? now.position : demand.position[l];
+    demand.velocity[l] = moves_on ? now.velocity : demand.velocity[l];
+    steady |= moves_on ? kBits[l] : 0U;
   }
   return steady;
+}
+
+VDRIVE_VECTOR_CLONES
+void rest_at_load(DemandBlock& demand, const ServoState& servo, std::uint64_t lanes) noexcept {
+  VDRIVE_INDEPENDENT_LANES
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    const bool rests = (lanes & kBits[l]) != 0U;
+    const double position = rests ? servo.load_reading[l] : demand.position[l];
+    demand.segment_position[l] = rests ? position : demand.segment_position[l];
+    demand.position[l] = position;
+  }
 }
 
 VDRIVE_VECTOR_CLONES

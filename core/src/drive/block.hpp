@@ -20,10 +20,14 @@ namespace vdrive {
                                          const TickTiming& timing) noexcept;
 
 /// Ends the tick of those `lanes` in which still nothing goes on but the motion: the demand stays
-/// in its segment, the following error in its window, the axis out of the target window.
+/// in its segment, the following error in its window, the axis out of the target window or, where
+/// it stands, in it.
 /// @return these lanes; of the others nothing is changed.
 std::uint64_t end_steady_tick(BlockState& block, std::uint64_t lanes,
                               const TickTiming& timing) noexcept;
+
+/// Ends the tick of `lanes` without power: their demand rests where the load is.
+void rest_at_load(DemandBlock& demand, const ServoState& servo, std::uint64_t lanes) noexcept;
 
 /// Members of AxisStatus that are measured or planned, of a block.
 struct alignas(64) NumberBlock {

@@ -82,7 +82,8 @@ struct WindowState {
   std::uint32_t velocity_ticks = 0;   // 606Eh
   std::uint32_t threshold = 0;        // 606Fh [UU/s]
   std::uint32_t threshold_ticks = 0;  // 6070h
-  std::uint32_t dwell = 0;            // ticks inside the window, the present one included
+  std::uint32_t dwell = 0;            // ticks inside the window, the present one included; ticks of
+                                      // a standing lane are added when that ends
   std::uint32_t standstill = 0;       // ticks at or below 606Fh, the present one included
 };
 
@@ -210,12 +211,14 @@ struct alignas(64) UnitBlock {
   Lane rated_current;      // [mA]
 };
 
-/// Lanes in which nothing goes on but the motion, and what ends that.
+/// Lanes in which nothing goes on but the motion, and what ends that. Bit l of a set is lane l.
 struct alignas(64) SteadyBlock {
   Lane following_error_window;  // 6065h; infinite = off [UU]
   Lane target;                  // internal target [UU]
   Lane target_window;           // 6067h [UU]
-  std::uint64_t lanes;          // bit l: lane l is steady
+  std::uint64_t lanes;          // all that are steady
+  std::uint64_t standing;       // of these, on the target; DemandBlock::plan_ticks counts how long
+  std::uint64_t unpowered;      // of these, without power; only a write ends that
 };
 
 /// What every tick touches of the axes of a block, side by side.

@@ -125,14 +125,40 @@ void show(Drive& drive, const Mode& mode, const NumberBlock& numbers) {
   out.fault_count = s.faults.count;
 }
 
-/// @return whether the status changes in its numbers only until something is written, the motion
-///         leaves its segment or the axis a window.
-bool is_steady(const Drive& drive, const Mode& mode) {
+/// @return whether nothing but what is planned and measured changes until something is written.
+bool is_undisturbed(const Drive& drive) {
   const DriveState& s = drive.state();
-  return mode.moves_steadily && !s.attention && !s.plan_due && operation_enabled(drive) &&
-         s.demand.moving && !s.demand.following && s.demand.control == Control::position &&
-         !s.target.arrived && s.window.dwell == 0 && s.following_error.count == 0 &&
-         !s.following_error.shown && !s.limits.enabled && s.limits.inputs == 0;
+  return !s.attention && !s.plan_due && !s.limits.enabled && s.limits.inputs == 0;
+}
+
+/// @return whether that holds for an axis without power, too.
+bool is_unpowered(const Drive& drive) {
+  return !drive.state().power.on && !operation_enabled(drive);
+}
+
+/// @return whether the profile position mode has nothing to do as long as the following error stays
+///         in its window.
+bool holds_position(const Drive& drive, const Mode& mode) {
+  const DriveState& s = drive.state();
+  return mode.moves_steadily && operation_enabled(drive) && s.power.on && !s.demand.following &&
+         s.demand.control == Control::position && s.following_error.count == 0 &&
+         !s.following_error.shown;
+}
+
+/// @return whether the motion goes on until it leaves its segment or the axis a window.
+bool moves_on(const Drive& drive) {
+  const DriveState& s = drive.state();
+  return s.demand.moving && !s.target.arrived && s.window.dwell == 0;
+}
+
+/// @return whether the axis stands on its target until it leaves the target window. A set-point that
+///         waits is taken in the tick in which the target is reached.
+bool stands(const Drive& drive) {
+  const DriveState& s = drive.state();
+  const DemandBlock& demand = drive.block().demand;
+  const std::size_t l = drive.lane();
+  return !s.demand.moving && !halted(drive) && on_target(drive) && s.window.dwell != 0 &&
+         demand.position[l] == demand.segment_position[l];
 }
 
 double window_of(std::uint32_t window) {
@@ -144,11 +170,18 @@ void note_steadiness(Drive& drive, const Mode& mode) {
   SteadyBlock& steady = drive.block().steady;
   const std::size_t l = drive.lane();
   const std::uint64_t bit = std::uint64_t{1} << l;
-  if (!is_steady(drive, mode)) {
-    steady.lanes &= ~bit;
+  const bool unpowered = is_unpowered(drive);
+  const bool standing = !unpowered && stands(drive);
+  if (!is_undisturbed(drive) ||
+      !(unpowered || (holds_position(drive, mode) && (standing || moves_on(drive))))) {
     return;
   }
   steady.lanes |= bit;
+  if (unpowered) steady.unpowered |= bit;
+  if (standing) {
+    steady.standing |= bit;
+    drive.demand().plan_ticks[l] = 0.0;
+  }
   steady.following_error_window[l] = window_of(drive.state().following_error.window);
   steady.target_window[l] = window_of(drive.state().window.position);
   steady.target[l] = drive.state().target.position;
@@ -176,10 +209,25 @@ void end_tick(Drive& drive, const NumberBlock& numbers) noexcept {
   DriveState& s = drive.state();
   const Mode& mode = mode_of(drive);
   show(drive, mode, numbers);
-  s.target.fresh = false;
   if (s.power.ticks_in_state != kSaturatedCount) ++s.power.ticks_in_state;
   s.attention = needs_attention(drive, mode);
   note_steadiness(drive, mode);
+  s.target.fresh = false;
+}
+
+void end_steadiness(Drive& drive) noexcept {
+  BlockState& block = drive.block();
+  const std::size_t l = drive.lane();
+  const std::uint64_t bit = std::uint64_t{1} << l;
+  if ((block.steady.standing & bit) != 0) {
+    std::uint32_t& dwell = drive.state().window.dwell;
+    const double ticks = dwell + block.demand.plan_ticks[l];
+    dwell = ticks < kSaturatedCount ? static_cast<std::uint32_t>(ticks) : kSaturatedCount;
+    block.demand.plan_ticks[l] = 0.0;
+  }
+  block.steady.lanes &= ~bit;
+  block.steady.standing &= ~bit;
+  block.steady.unpowered &= ~bit;
 }
 
 void show(Drive& drive) noexcept {

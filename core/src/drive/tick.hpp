@@ -17,7 +17,8 @@ namespace vdrive {
 //   take     the next set-point, where the active one is reached
 //   show     the status image
 // A lane is steady where a tick of these would do nothing but go on in the segment and show other
-// numbers: its ticks are done with those of the block (drive/block.hpp) until something happens.
+// numbers: its ticks are done with those of the block (drive/block.hpp) until something happens. It
+// moves within a segment outside of the target window, stands on its target, or has no power.
 
 /// Follow, ask, plan.
 void begin_tick(Drive& drive) noexcept;
@@ -27,6 +28,9 @@ void watch_tick(Drive& drive) noexcept;
 
 /// Show, with the numbers of the block; whether the next tick is a steady one.
 void end_tick(Drive& drive, const NumberBlock& numbers) noexcept;
+
+/// The next tick of a lane that was steady goes through the steps.
+void end_steadiness(Drive& drive) noexcept;
 
 /// Shows without a tick, for an axis just powered up.
 void show(Drive& drive) noexcept;
