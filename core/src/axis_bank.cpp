@@ -43,10 +43,11 @@ TickTiming timing_of(std::chrono::microseconds period) {
           .substep = static_cast<double>(period_us) * 1.0e-6 / static_cast<double>(substeps)};
 }
 
-/// Bit for bit: a set of parameters is shared only where nothing at all would change.
-template <typename Parameters>
-bool alike(const Parameters& a, const Parameters& b) {
-  using Words = std::array<std::uint64_t, sizeof(Parameters) / sizeof(std::uint64_t)>;
+/// Bit for bit: a set of parameters is shared, and a tick left out, only where nothing at all would
+/// change.
+template <typename Numbers>
+bool alike(const Numbers& a, const Numbers& b) {
+  using Words = std::array<std::uint64_t, sizeof(Numbers) / sizeof(std::uint64_t)>;
   return std::bit_cast<Words>(a) == std::bit_cast<Words>(b);
 }
 
@@ -99,8 +100,33 @@ struct Block {
 
 /// Blocks of one coupling that are stepped side by side.
 struct Batch {
-  std::size_t first = 0;
-  std::size_t count = 0;  // 1 to kInterleavedBlocks
+  Coupling coupling = Coupling::rigid;
+  std::size_t count = 0;  // up to kInterleavedBlocks
+  std::array<std::size_t, kInterleavedBlocks> blocks{};
+};
+
+std::uint64_t all_lanes(const Block& block) {
+  return (std::uint64_t{1} << block.count) - 1U;
+}
+
+/// @return whether all axes of the block stand on their targets or have no power.
+bool rests(const Block& block) {
+  const SteadyBlock& steady = block.state.steady;
+  return (steady.standing | steady.unpowered) == all_lanes(block);
+}
+
+/// @return whether a tick may leave `servo` as it is.
+bool may_stand_still(const ServoState& servo) {
+  return std::ranges::all_of(servo.velocity, [](double velocity) {
+    return velocity == 0.0;
+  });
+}
+
+/// A tick that leaves every bit of a block as it was would do so again: it is left out until
+/// something is written to an axis of the block.
+struct Settled {
+  std::uint64_t is_settled = 0;  // 0 or 1
+  std::uint64_t ticks = 0;       // left out; they count as time on the target
 };
 
 /// Lanes of a block in a tick.
@@ -129,6 +155,7 @@ struct ParameterMemory {
 static_assert(kStoredCount <= 64);
 static_assert(std::is_trivially_copyable_v<ParameterMemory>);
 static_assert(std::is_trivially_copyable_v<BlockState>);
+static_assert(std::is_trivially_copyable_v<Settled>);
 static_assert(std::is_trivially_copyable_v<DriveState>);
 static_assert(std::is_trivially_copyable_v<DriveRegisters>);
 static_assert(std::is_trivially_copyable_v<AxisStatus>);
@@ -142,6 +169,7 @@ struct AxisBank::State {
   std::vector<Block> blocks;
   ParameterPool<RigidParameters> rigid;
   ParameterPool<ElasticParameters> elastic;
+  std::vector<Settled> settled;                 // by block
   std::vector<DriveState> drive_states;         // by block and lane
   std::vector<DriveRegisters> drive_registers;  // by block and lane
   std::vector<AxisStatus> statuses;             // by axis
@@ -189,6 +217,9 @@ struct AxisBank::State {
   void apply_gear(std::size_t axis);
   void apply_torques(std::size_t axis);
 
+  /// The next tick of a block is computed.
+  void end_settled(std::size_t block);
+
   /// The next step goes through all of a tick for these lanes of a block.
   void end_steadiness(std::size_t block, std::uint64_t lanes);
 
@@ -205,6 +236,7 @@ struct AxisBank::State {
 
   template <typename Parameters>
   void step_batch(const ParameterPool<Parameters>& pool, const Batch& batch);
+  void step_batch(const Batch& batch);
   void step_blocks(std::size_t first, std::size_t last);
 };
 
@@ -414,7 +446,16 @@ void AxisBank::State::apply_torques(std::size_t axis) {
   }
 }
 
+void AxisBank::State::end_settled(std::size_t block) {
+  BlockState& state = blocks[block].state;
+  for_each_lane(state.steady.standing, [&](std::size_t lane) {
+    state.demand.plan_ticks[lane] += static_cast<double>(settled[block].ticks);
+  });
+  settled[block] = {};
+}
+
 void AxisBank::State::end_steadiness(std::size_t block, std::uint64_t lanes) {
+  if (settled[block].is_settled != 0) end_settled(block);
   for_each_lane(lanes, [this, block](std::size_t lane) {
     Drive drive = this->drive(block, lane);
     vdrive::end_steadiness(drive);
@@ -425,7 +466,7 @@ TickLanes AxisBank::State::begin_block(std::size_t block_index) {
   Block& block = blocks[block_index];
   ensure(block.count > 0, "a block has an axis");
   const DemandBlock& demand = block.state.demand;
-  const std::uint64_t all = (std::uint64_t{1} << block.count) - 1U;
+  const std::uint64_t all = all_lanes(block);
   TickLanes lanes{.steady = block.state.steady.lanes & ~lanes_out_of_frame(demand) & all};
   end_steadiness(block_index, block.state.steady.lanes & ~lanes.steady);
   for_each_lane(all & ~lanes.steady, [this, block_index](std::size_t lane) {
@@ -441,7 +482,7 @@ std::size_t AxisBank::State::cross_segments(const Batch& batch, std::size_t subs
   std::size_t last = timing.substeps;
   for (std::size_t i = 0; i < batch.count; ++i) {
     for_each_lane(lanes[i].across, [&](std::size_t lane) {
-      Drive drive = this->drive(batch.first + i, lane);
+      Drive drive = this->drive(batch.blocks[i], lane);
       last = std::min(last, vdrive::cross_segments(drive, substep));
     });
   }
@@ -456,7 +497,7 @@ void AxisBank::State::end_block(std::size_t block_index, const TickLanes& lanes)
   const std::uint64_t steady =
       unpowered | (holding != 0 ? end_steady_tick(block.state, holding, timing) : 0U);
   end_steadiness(block_index, lanes.steady & ~steady);
-  const std::uint64_t others = ((std::uint64_t{1} << block.count) - 1U) & ~steady;
+  const std::uint64_t others = all_lanes(block) & ~steady;
   for_each_lane(others, [this, block_index](std::size_t lane) {
     Drive drive = this->drive(block_index, lane);
     watch_tick(drive);
@@ -479,9 +520,14 @@ void AxisBank::State::step_batch(const ParameterPool<Parameters>& pool, const Ba
   std::array<TickLanes, kInterleavedBlocks> lanes{};
   ServoFeatures features;
   std::uint64_t across = 0;
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): filled where it is read
+  std::array<ServoState, kInterleavedBlocks> before;
+  std::array<bool, kInterleavedBlocks> may_settle{};
   for (std::size_t i = 0; i < batch.count; ++i) {
-    Block& block = blocks[batch.first + i];
-    lanes[i] = begin_block(batch.first + i);
+    Block& block = blocks[batch.blocks[i]];
+    may_settle[i] = rests(block) && may_stand_still(block.state.servo);
+    if (may_settle[i]) before[i] = block.state.servo;
+    lanes[i] = begin_block(batch.blocks[i]);
     across |= lanes[i].across;
     features.general = features.general || !is_plain(block.state.servo);
     features.play = features.play || block.has_play;
@@ -493,29 +539,46 @@ void AxisBank::State::step_batch(const ParameterPool<Parameters>& pool, const Ba
     step_servo(work, {first, last, static_cast<double>(timing.substeps), timing.substep}, features);
     first = last;
   }
-  for (std::size_t i = 0; i < batch.count; ++i) end_block(batch.first + i, lanes[i]);
+  for (std::size_t i = 0; i < batch.count; ++i) {
+    Block& block = blocks[batch.blocks[i]];
+    end_block(batch.blocks[i], lanes[i]);
+    const bool is_settled = may_settle[i] && alike(before[i], block.state.servo);
+    ensure(!is_settled || rests(block), "an axis whose servo does not change goes on resting");
+    settled[batch.blocks[i]].is_settled = is_settled ? 1U : 0U;
+  }
+}
+
+void AxisBank::State::step_batch(const Batch& batch) {
+  if (batch.count == 0) return;
+  if (batch.coupling == Coupling::rigid) {
+    step_batch(rigid, batch);
+  } else {
+    step_batch(elastic, batch);
+  }
 }
 
 void AxisBank::State::step_blocks(std::size_t first, std::size_t last) {
-  while (first < last) {
+  Batch batch;
+  for (; first < last; ++first) {
+    if (settled[first].is_settled != 0) {
+      ++settled[first].ticks;
+      continue;
+    }
     const Coupling coupling = blocks[first].coupling;
-    Batch batch{.first = first, .count = 1};
-    while (batch.count < kInterleavedBlocks && first + batch.count < last &&
-           blocks[first + batch.count].coupling == coupling) {
-      ++batch.count;
+    if (batch.count == kInterleavedBlocks || batch.coupling != coupling) {
+      step_batch(batch);
+      batch = {.coupling = coupling};
     }
-    if (coupling == Coupling::rigid) {
-      step_batch(rigid, batch);
-    } else {
-      step_batch(elastic, batch);
-    }
-    first += batch.count;
+    batch.blocks[batch.count] = first;
+    ++batch.count;
   }
+  step_batch(batch);
 }
 
 template <typename Visit>
 void AxisBank::State::for_each_part(Visit visit) {
   for (Block& block : blocks) visit(&block.state, 1);
+  visit(settled.data(), settled.size());
   visit(rigid.sets.data(), rigid.sets.size());
   visit(rigid.in_use.data(), rigid.in_use.size());
   visit(elastic.sets.data(), elastic.sets.size());
@@ -553,6 +616,7 @@ AxisBank::AxisBank(std::span<const AxisConfiguration> axes, std::chrono::microse
   state.memories.resize(axes.size());
   state.place_axes(Coupling::rigid);
   state.place_axes(Coupling::two_inertia);
+  state.settled.resize(state.blocks.size());
   state.drive_states.resize(state.blocks.size() * kLanes);
   state.drive_registers.resize(state.blocks.size() * kLanes);
   state.design_blocks();
@@ -700,10 +764,10 @@ std::uint64_t AxisBank::snapshot_layout() noexcept {
   std::uint64_t layout = 14695981039346656037ULL;
   for (const std::uint64_t part :
        {kVersion, std::uint64_t{kObjectCount}, std::uint64_t{kLanes},
-        std::uint64_t{sizeof(BlockState)}, std::uint64_t{sizeof(RigidParameters)},
-        std::uint64_t{sizeof(ElasticParameters)}, std::uint64_t{sizeof(DriveState)},
-        std::uint64_t{sizeof(DriveRegisters)}, std::uint64_t{sizeof(AxisStatus)},
-        std::uint64_t{sizeof(ParameterMemory)},
+        std::uint64_t{sizeof(BlockState)}, std::uint64_t{sizeof(Settled)},
+        std::uint64_t{sizeof(RigidParameters)}, std::uint64_t{sizeof(ElasticParameters)},
+        std::uint64_t{sizeof(DriveState)}, std::uint64_t{sizeof(DriveRegisters)},
+        std::uint64_t{sizeof(AxisStatus)}, std::uint64_t{sizeof(ParameterMemory)},
         std::uint64_t{std::endian::native == std::endian::little}}) {
     layout = (layout ^ part) * kPrime;
   }

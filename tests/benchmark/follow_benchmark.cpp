@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whether clients receive every tick of all axes of a realtime bench, and how soon the first one.
 //
-//   vdrive_follow_benchmark VDRIVED SECONDS CLIENTS [--enabled] [argument of vdrived...]
+//   vdrive_follow_benchmark VDRIVED SECONDS CLIENTS [--enabled|--moving] [argument of vdrived...]
 //
-// --enabled: every axis holds its position with power; without it none has power.
+// --enabled: every axis holds its position with power; --moving: every axis moves all the time;
+// without them none has power.
 // Each client is a process with a session that follows all axes of bench 1; the figures are those
 // of the first one. Prints JSON lines: {"figure":"status_missed_share","axes":1024,"value":...}.
 #include "bare_node.hpp"
@@ -11,11 +12,13 @@
 #include "support/dropped_by_sockets.hpp"
 #include "support/test_domain.hpp"
 #include "vdrive/client/axis.hpp"
+#include "vdrive/client/axis_group.hpp"
 #include "vdrive/client/session.hpp"
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/subscription.hpp"
 #include "vdrive_messages.h"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -23,6 +26,7 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -102,20 +106,39 @@ Followed follow(Clock::time_point start, std::chrono::seconds duration,
 class Power {
  public:
   Power() : session_({.domain = test::test_domain(), .bench = 1, .find_timeout = 30s}) {
-    const auto axes = session_.axes(1);
+    auto axes = session_.axes(1);
     if (!axes) throw std::runtime_error(axes.outcome().message());
-    for (const auto& outcome : session_.command_each(*axes, client::EachCommand::enable)) {
+    axes_ = std::move(*axes);
+    for (const auto& outcome : session_.command_each(axes_, client::EachCommand::enable)) {
+      if (!outcome) throw std::runtime_error(outcome.message());
+    }
+  }
+
+  /// Starts moves that last longer than any run, in groups as large as groups may be.
+  void move() {
+    constexpr std::size_t kGroup = 256;
+    constexpr double kWay = 6.0e7;  // [UU]; 3,000 s at the speed that axes have at first
+    const std::span<const client::Axis> axes(axes_);
+    for (std::size_t first = 0; first < axes.size(); first += kGroup) {
+      const auto part = axes.subspan(first, std::min(kGroup, axes.size() - first));
+      auto group = client::AxisGroup::create(session_, part);
+      if (!group) throw std::runtime_error(group.outcome().message());
+      const Eigen::VectorXd ways =
+          Eigen::VectorXd::Constant(static_cast<Eigen::Index>(part.size()), kWay);
+      const auto outcome = group->move_by(ways, {.call = {.until = client::Until::in_force}});
       if (!outcome) throw std::runtime_error(outcome.message());
     }
   }
 
  private:
   client::Session session_;
+  std::vector<client::Axis> axes_;
 };
 
 int run(const std::string& program, std::chrono::seconds duration, int clients,
         std::vector<std::string> arguments) {
-  const bool is_enabled = !arguments.empty() && arguments.front() == "--enabled";
+  const bool is_moving = !arguments.empty() && arguments.front() == "--moving";
+  const bool is_enabled = is_moving || (!arguments.empty() && arguments.front() == "--enabled");
   if (is_enabled) arguments.erase(arguments.begin());
   static_cast<void>(test::test_domain());  // the other processes use the same one
   const auto start = Clock::now();
@@ -128,6 +151,7 @@ int run(const std::string& program, std::chrono::seconds duration, int clients,
   }
   std::optional<Power> power;
   if (is_enabled) power.emplace();
+  if (is_moving) power->move();
   const States states(test::test_domain());
   std::uint64_t overruns = 0;
   std::uint64_t tick = 0;
@@ -163,8 +187,8 @@ int run(const std::string& program, std::chrono::seconds duration, int clients,
 
 int main(int count, char** arguments) {
   if (count < 4) {
-    std::cerr
-        << "usage: vdrive_follow_benchmark VDRIVED SECONDS CLIENTS [--enabled] [argument...]\n";
+    std::cerr << "usage: vdrive_follow_benchmark VDRIVED SECONDS CLIENTS [--enabled|--moving] "
+                 "[argument...]\n";
     return 2;
   }
   try {

@@ -470,6 +470,31 @@ TEST(AxisBank, AnAxisThatRestsBehavesAsOneWhoseTicksAreAllLookedAt) {
   }
 }
 
+TEST(AxisBank, TimeOnTheTargetCountsWhileNothingOfAnAxisChanges) {
+  // 6068h is raised to 20 s after 25 s on the target, and to 60 s: bit 10 stays, and goes. Ten
+  // seconds after this move the integrator of the velocity loop has come to rest, too.
+  AxisUnderTest axis;
+  axis.enable();
+  axis.write("position_user_target_value", 10'000);
+  axis.command(0x001F);
+  axis.command(0x000F);
+  ASSERT_NE(axis.step_until(
+                [&axis] {
+                  return axis.reached();
+                },
+                5'000),
+            0U);
+  axis.step(25'000);
+  axis.write("position_target_reached_window_time", 20'000);
+  axis.step();
+  EXPECT_TRUE(axis.reached());
+  axis.write("position_target_reached_window_time", 60'000);
+  axis.step();
+  EXPECT_FALSE(axis.reached());
+  axis.step(60'000 - 25'000 + 1'000);
+  EXPECT_TRUE(axis.reached());
+}
+
 TEST(AxisBank, EachControlwordBetweenTwoStepsCounts) {
   AxisUnderTest axis;
   axis.write("op_mode_cmd", 1);

@@ -151,7 +151,8 @@ bool moves_on(const Drive& drive) {
   return s.demand.moving && !s.target.arrived && s.window.dwell == 0;
 }
 
-/// @return whether the axis stands on its target until it leaves the target window. A set-point that
+/// @return whether the axis stands on its target until it leaves the target window. A set-point
+/// that
 ///         waits is taken in the tick in which the target is reached.
 bool stands(const Drive& drive) {
   const DriveState& s = drive.state();
