@@ -243,6 +243,7 @@ Participant::Participant(const NetworkSettings& settings, const std::string& nam
              ? ": check that the network interface is up and that the UDP ports are free"
              : ": check that the security material in " + settings.security + " is complete"));
   }
+  if (guard_ != nullptr) guard_->begin();
   entities_->publisher = entities_->participant->create_publisher(dds::PUBLISHER_QOS_DEFAULT);
   entities_->subscriber = entities_->participant->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT);
   if (entities_->publisher == nullptr || entities_->subscriber == nullptr) {

@@ -25,6 +25,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <future>
 #include <iterator>
 #include <memory>
 #include <random>
@@ -46,13 +47,14 @@ using Clock = std::chrono::steady_clock;
 constexpr auto kDeadline = 40s;
 
 /// Asks again and again until something is so.
-bool wait_until(const std::function<bool()>& is_so, std::chrono::milliseconds within = kDeadline) {
+bool wait_until(const std::function<bool()>& is_so, std::chrono::milliseconds within = kDeadline,
+                std::chrono::microseconds period = 5ms) {
   const auto deadline = Clock::now() + within;
   while (!is_so()) {
     if (Clock::now() > deadline) {
       return false;
     }
-    std::this_thread::sleep_for(5ms);
+    std::this_thread::sleep_for(period);
   }
   return true;
 }
@@ -172,6 +174,63 @@ TEST(AClient, TakesNoNoticeOfOtherClients) {
 
 // ---- who is gone
 // ---------------------------------------------------------------------------------
+
+/// Sends datagrams until the first one arrives in a socket.
+class FirstToArrive {
+ public:
+  /// @param port counted from the first of the domain
+  explicit FirstToArrive(std::uint32_t port) : socket_(socket(AF_INET, SOCK_DGRAM, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    address.sin_port = htons(static_cast<std::uint16_t>(7400 + 250 * test::test_domain() + port));
+    is_connected_ = connect(socket_, std::bit_cast<sockaddr*>(&address), sizeof address) == 0;
+  }
+
+  ~FirstToArrive() { close(socket_); }
+
+  FirstToArrive(const FirstToArrive&) = delete;
+  FirstToArrive& operator=(const FirstToArrive&) = delete;
+
+  /// On loopback the kernel says at once that no socket has the port.
+  /// @return whether one arrived before the deadline.
+  [[nodiscard]] bool send(const Datagram& datagram) const {
+    return is_connected_ &&
+           wait_until(
+               [&] {
+                 int error = 0;
+                 socklen_t size = sizeof error;
+                 return ::send(socket_, datagram.data(), datagram.size(), 0) > 0 &&
+                        getsockopt(socket_, SOL_SOCKET, SO_ERROR, &error, &size) == 0 && error == 0;
+               },
+               kDeadline, 50us);
+  }
+
+ private:
+  int socket_;
+  bool is_connected_ = false;
+};
+
+// The sockets of a participant are open some milliseconds before the library reads from them.
+TEST(AParticipantThatIsBeingMade, ReadsWhatArrivedBefore) {
+  constexpr GuidPrefix kEarly{1, 15, 'e', 'a', 'r', 'l', 'y', 0, 0, 0, 0, 1};
+  // It can be reached at 127.0.0.1, port 9.
+  const Datagram locator = Body().u32(1).u32(9).raw(Datagram(12)).raw({127, 0, 0, 1}).bytes();
+  Datagram body = test::announcement(kEarly, "early", 600).bytes();
+  body.resize(body.size() - 4);  // sentinel
+  const Datagram announcement =
+      Body().raw(body).parameter(0x32, locator).parameter(0x31, locator).u32(1).bytes();
+  const Datagram datagram = DatagramWriter(kEarly).add(0x15, 5, announcement).bytes();
+  const FirstToArrive sender(10);  // metatraffic of participant 0
+  auto arrived = std::async(std::launch::async, [&] {
+    return sender.send(datagram);
+  });
+  const Participant participant(settings(), "late");
+  EXPECT_TRUE(arrived.get());
+  EXPECT_TRUE(wait_until([&] {
+    return participant.count_others("early") == 1;
+  }));
+}
 
 TEST(AParticipantThatIsKilled, IsForgottenWithinThreeSeconds) {
   Asker asker;

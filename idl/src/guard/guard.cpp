@@ -63,7 +63,13 @@ void Guard::open(const Locator& local, Receiver* channel) {
   channels_.try_emplace(local, channel);  // a second receiver of a channel gets nothing
 }
 
+void Guard::begin() {
+  has_begun_ = true;
+  has_begun_.notify_all();
+}
+
 void Guard::close(const Locator& local) {
+  begin();  // a participant that could not be made has receivers that wait
   const std::scoped_lock lock(handing_over_, channels_mutex_, keeper_mutex_);
   const auto found = channels_.find(local);
   if (found != channels_.end()) {
@@ -74,6 +80,7 @@ void Guard::close(const Locator& local) {
 
 void Guard::receive(Receiver& channel, Bytes datagram, const Locator& local,
                     const Locator& remote) {
+  has_begun_.wait(false);
   const DatagramReport report = check_datagram(datagram);
   if (report.refusal != Refusal::none) {
     refuse(report.refusal, remote);
@@ -131,8 +138,11 @@ void Guard::pass_discovery(Receiver& channel, Bytes datagram, const Locator& loc
                            const Locator& remote) {
   std::vector<std::uint8_t> copy(datagram.begin(), datagram.end());
   Submessages submessages(copy);
+  std::unique_lock lock(announcing_, std::defer_lock);
   for (Submessage submessage; !submessages.at_end() && submessages.next(submessage);) {
-    if (submessage.kind == Kind::data && !passes(submessage, copy, channel, remote)) return;
+    if (submessage.kind != Kind::data) continue;
+    if (!passes(submessage, copy, channel, remote)) return;
+    if (!lock && may_announce(submessage, parse_data(submessage, kDataFixed))) lock.lock();
   }
   hand_over(channel, copy, local, remote);
 }

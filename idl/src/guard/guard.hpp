@@ -35,10 +35,16 @@ class Guard {
   /// A channel opens; the library takes what arrives by it until it closes.
   void open(const Locator& local, Receiver* channel);
 
+  /// The library takes datagrams from now on. What has arrived before waits for this: the library
+  /// announces a participant some 0.1 ms before it reads what arrives, and an answer that it does
+  /// not read is repeated after 0.1 to 1 s.
+  void begin();
+
   /// The channel of `local` closes: returns when nothing is handed over to it any more.
   void close(const Locator& local);
 
-  /// Hands a datagram over to the library, or does not.
+  /// Hands a datagram over to the library, or does not. Waits for begin(), or for the first channel
+  /// that closes.
   void receive(Receiver& channel, rtps_bytes::Bytes datagram, const Locator& local,
                const Locator& remote);
 
@@ -75,6 +81,12 @@ class Guard {
 
   mutable std::mutex keeper_mutex_;
   Keeper keeper_;
+
+  std::atomic<bool> has_begun_{false};  ///< or the library gave up before
+  /// A participant announces itself by several channels. The library ignores the second
+  /// announcement at once, while the first is still being worked on in another thread, and so it
+  /// would ignore what that participant sends next.
+  std::mutex announcing_;
 
   std::mutex handing_over_;  ///< a removal is on its way through a channel
   std::mutex channels_mutex_;
