@@ -24,6 +24,17 @@ Result<Observation> Follower::next(std::chrono::milliseconds patience) {
                                    {patience, true, state_->pace == Pace::drive});
 }
 
+Outcome Follower::next(std::chrono::milliseconds patience, Observation& sample) {
+  if (state_->feed) {
+    return state_->core->stream.next(state_->target, *state_->feed,
+                                     {patience, true, state_->pace == Pace::drive}, sample);
+  }
+  auto stepped = next(patience);
+  if (!stepped) return stepped.outcome();
+  sample = std::move(*stepped);
+  return {};
+}
+
 Follower SessionCore::follow(const Target& target, std::vector<std::uint16_t> axes, Pace pace) {
   auto state = std::make_unique<Follower::State>();
   state->core = shared_from_this();

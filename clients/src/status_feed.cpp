@@ -12,6 +12,9 @@ namespace {
 // Four seconds at the usual period; a reader that takes none for longer misses the oldest.
 constexpr std::size_t kCapacity = 4096;
 
+// One grows, one is at its reader, some arrive while the reader is late.
+constexpr std::size_t kMostSpares = 8;
+
 }  // namespace
 
 AxisSnapshot sample_of(const msg::AxisStatus& message) {
@@ -43,10 +46,10 @@ StatusFeed::StatusFeed(BenchKey key, std::vector<std::uint16_t> axes,
   for (std::size_t place = 0; place < axes.size(); ++place) places_[axes[place]] = place;
 }
 
-void StatusFeed::on_frame(const wire::StatusFrameView& frame) {
+bool StatusFeed::on_frame(const wire::StatusFrameView& frame) {
   const wire::StatusFrameHead& head = frame.head();
-  if (head.bench != key_.number || head.incarnation != key_.incarnation) return;
-  if (head.tick < growing_.tick) return;
+  if (head.bench != key_.number || head.incarnation != key_.incarnation) return false;
+  if (head.tick < growing_.tick) return false;
   const bool has_begun = growing_.axes.size() == count_;  // not before the first frame: tick 0 too
   if (head.tick > growing_.tick || seen_count_ == count_ || !has_begun) start(head.tick);
   for (std::size_t position = 0; position < frame.size(); ++position) {
@@ -57,28 +60,47 @@ void StatusFeed::on_frame(const wire::StatusFrameView& frame) {
     seen_[place] = true;
     ++seen_count_;
   }
-  if (seen_count_ != count_) return;
+  if (seen_count_ != count_) return false;
   samples_.push_back(
       {.tick = growing_.tick, .missed = 0, .axes = std::exchange(growing_.axes, {})});
-  if (samples_.size() > kCapacity) samples_.pop_front();
+  if (samples_.size() > kCapacity) {
+    keep(std::move(samples_.front().axes));
+    samples_.pop_front();
+  }
+  return true;
 }
 
 void StatusFeed::start(std::uint64_t tick) {
   growing_.tick = tick;
-  growing_.axes.resize(count_);
+  if (growing_.axes.empty() && !spares_.empty()) {
+    growing_.axes = std::move(spares_.back());
+    spares_.pop_back();
+  }
+  growing_.axes.resize(count_);  // of a spare all are written again, before anybody sees them
   seen_.assign(count_, false);
   seen_count_ = 0;
 }
 
-std::optional<Observation> StatusFeed::take() {
-  if (samples_.empty()) return std::nullopt;
-  Observation sample = std::move(samples_.front());
+bool StatusFeed::take(Observation& sample) {
+  if (samples_.empty()) return false;
+  std::swap(sample, samples_.front());
+  keep(std::move(samples_.front().axes));
   samples_.pop_front();
   if (last_tick_ && sample.tick > *last_tick_) {
     sample.missed = (sample.tick - *last_tick_ - 1) / status_every_ticks_;
   }
   last_tick_ = sample.tick;
+  return true;
+}
+
+std::optional<Observation> StatusFeed::take() {
+  Observation sample;
+  if (!take(sample)) return std::nullopt;
   return sample;
+}
+
+void StatusFeed::keep(std::vector<AxisSnapshot> axes) {
+  if (axes.size() == count_ && spares_.size() < kMostSpares) spares_.push_back(std::move(axes));
 }
 
 }  // namespace vdrive::client

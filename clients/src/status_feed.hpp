@@ -24,13 +24,19 @@ class StatusFeed {
   StatusFeed(BenchKey key, std::vector<std::uint16_t> axes, std::uint32_t status_every_ticks);
 
   /// Takes one frame; others' benches are ignored.
-  void on_frame(const wire::StatusFrameView& frame);
+  /// @return whether it completed a sample.
+  bool on_frame(const wire::StatusFrameView& frame);
+
+  /// Gives `sample` the oldest sample that was not taken yet and keeps its memory for a later one.
+  /// @return whether there was one; `sample` is as it was when there was none.
+  bool take(Observation& sample);
 
   /// @return the oldest sample that was not taken yet, or nothing.
   [[nodiscard]] std::optional<Observation> take();
 
  private:
   void start(std::uint64_t tick);
+  void keep(std::vector<AxisSnapshot> axes);
 
   BenchKey key_;
   std::size_t count_;
@@ -40,7 +46,8 @@ class StatusFeed {
   std::vector<bool> seen_;
   std::size_t seen_count_ = 0;
   std::deque<Observation> samples_;
-  std::optional<std::uint64_t> last_tick_;  ///< of the sample taken last
+  std::vector<std::vector<AxisSnapshot>> spares_;  ///< memory of samples that were taken
+  std::optional<std::uint64_t> last_tick_;         ///< of the sample taken last
 };
 
 }  // namespace vdrive::client

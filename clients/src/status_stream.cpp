@@ -42,16 +42,18 @@ void StatusStream::take(std::span<const std::byte> sample) {
   const auto frame = wire::StatusFrameView::of(sample);
   if (!frame || !discovery_.sees(frame->head().bench)) return;
   taken_ = frame->head();
+  is_news_ = taken_->part + 1 >= taken_->parts;
   const std::scoped_lock lock(mutex_);
   for (const auto& weak : feeds_) {
-    if (const auto feed = weak.lock()) feed->on_frame(*frame);
+    if (const auto feed = weak.lock()) is_news_ = feed->on_frame(*frame) || is_news_;
   }
 }
 
 void StatusStream::deliver(const wire::Source& source) {
   if (!taken_) return;
   discovery_.note_sample({taken_->bench, taken_->incarnation}, taken_->tick, source);
-  wakeup_.notify();
+  // Not for each part of a tick: who waits would run for nothing, beside the thread that receives.
+  if (is_news_) wakeup_.notify();
 }
 
 std::shared_ptr<StatusFeed> StatusStream::open_feed(const Target& target,
@@ -68,16 +70,20 @@ std::shared_ptr<StatusFeed> StatusStream::open_feed(const Target& target,
   return feed;
 }
 
+Outcome StatusStream::next(const Target& target, StatusFeed& feed, const Patience& patience,
+                           Observation& sample) {
+  return waiter_.wait(target, patience, [&] {
+    const std::scoped_lock lock(mutex_);
+    return feed.take(sample);
+  });
+}
+
 Result<Observation> StatusStream::next(const Target& target, StatusFeed& feed,
                                        const Patience& patience) {
-  std::optional<Observation> sample;
-  const Outcome outcome = waiter_.wait(target, patience, [&] {
-    const std::scoped_lock lock(mutex_);
-    sample = feed.take();
-    return sample.has_value();
-  });
+  Observation sample;
+  Outcome outcome = next(target, feed, patience, sample);
   if (!outcome) return outcome;
-  return std::move(*sample);
+  return sample;
 }
 
 std::optional<Observation> StatusStream::take_newest(StatusFeed& feed) {

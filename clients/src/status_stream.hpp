@@ -33,6 +33,10 @@ class StatusStream {
   /// Starts to collect the status stream for `axes`; ends with the last pointer to it.
   std::shared_ptr<StatusFeed> open_feed(const Target& target, std::vector<std::uint16_t> axes);
 
+  /// Waits for the next sample of a feed, which takes the memory of `sample` in return.
+  Outcome next(const Target& target, StatusFeed& feed, const Patience& patience,
+               Observation& sample);
+
   /// Waits for the next sample of a feed.
   Result<Observation> next(const Target& target, StatusFeed& feed, const Patience& patience);
 
@@ -57,6 +61,7 @@ class StatusStream {
   std::vector<std::weak_ptr<StatusFeed>> feeds_;
   std::once_flag subscribed_;
   std::optional<wire::StatusFrameHead> taken_;  ///< of the frame that `deliver` names the sender of
+  bool is_news_ = false;  ///< that frame ends a tick or completes a sample of a feed
   std::unique_ptr<wire::BytesSubscription> subscription_;
 };
 

@@ -30,9 +30,12 @@ Wakeup::StopInProgress::~StopInProgress() {
   survived() = {.wakeup = outer_wakeup_, .interrupts = outer_interrupts_};
 }
 
+/// Without the lock, which those who wake take first.
 void Wakeup::notify() {
-  const std::scoped_lock lock(mutex_);
-  ++changes_;
+  {
+    const std::scoped_lock lock(mutex_);
+    ++changes_;
+  }
   changed_.notify_all();
 }
 

@@ -87,17 +87,19 @@ Followed follow(Clock::time_point start, std::chrono::seconds duration,
   Followed followed;
   client::Session session({.domain = test::test_domain(), .bench = 1, .find_timeout = 30s});
   client::Follower follower = follower_of_all(session, followed);
-  if (const auto sample = follower.next(10s); !sample) {
-    throw std::runtime_error(sample.outcome().message());
+  client::Observation sample;
+  if (const auto outcome = follower.next(10s, sample); !outcome) {
+    throw std::runtime_error(outcome.message());
   }
   followed.first = std::chrono::duration<double>(Clock::now() - start).count();
   begun();
   const auto end = Clock::now() + duration;
   while (Clock::now() < end) {
-    const auto sample = follower.next(1s);
-    if (!sample) throw std::runtime_error(sample.outcome().message());
+    if (const auto outcome = follower.next(1s, sample); !outcome) {
+      throw std::runtime_error(outcome.message());
+    }
     ++followed.samples;
-    followed.missed += sample->missed;
+    followed.missed += sample.missed;
   }
   return followed;
 }

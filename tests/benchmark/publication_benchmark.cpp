@@ -82,6 +82,7 @@ std::vector<std::uint16_t> numbers(std::size_t axes) {
   bare::Node node(domain);
   node.read("bare_status", false, listener);
   client::StatusFeed feed({kBench, kIncarnation}, numbers(axes), 1);
+  client::Observation observation;
   wire::Participant participant({.domain = domain, .role = wire::Role::client}, "receiver");
   const wire::BytesSubscription status(participant, wire::TopicId::status,
                                        {.take =
@@ -89,9 +90,9 @@ std::vector<std::uint16_t> numbers(std::size_t axes) {
                                               feed.on_frame(*wire::StatusFrameView::of(sample));
                                             },
                                         .deliver =
-                                            [&feed, &received](const wire::Source&) {
-                                              while (const auto sample = feed.take()) {
-                                                received.axes += sample->axes.size();
+                                            [&feed, &observation, &received](const wire::Source&) {
+                                              while (feed.take(observation)) {
+                                                received.axes += observation.axes.size();
                                               }
                                             }});
   while (true) std::this_thread::sleep_for(1s);

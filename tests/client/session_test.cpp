@@ -522,14 +522,28 @@ TEST_F(LockStep, ListensWhileAnotherSessionSteps) {
     sample = follower->next(20ms);
   }
   ASSERT_TRUE(stepper.step(1, 10));
-  std::uint64_t tick = sample->tick;
+  Observation kept = *sample;  // its memory goes round
   const auto last = *stepper.step(1, 0);
-  while (tick < last) {
-    sample = follower->next(2s);
-    ASSERT_TRUE(sample) << sample.outcome().message();
-    EXPECT_EQ(sample->tick, tick + 1 + sample->missed);
-    tick = sample->tick;
+  while (kept.tick < last) {
+    const std::uint64_t before = kept.tick;
+    const Outcome seen = follower->next(2s, kept);
+    ASSERT_TRUE(seen) << seen.message();
+    EXPECT_EQ(kept.tick, before + 1 + kept.missed);
+    ASSERT_EQ(kept.axes.size(), 1U);
+    EXPECT_EQ(kept.axes[0].tick, kept.tick);
   }
+}
+
+TEST_F(LockStep, StepsIntoASampleThatTheProgramKeeps) {
+  auto follower = sut_.follow({{1, 2}, {1, 1}}, Pace::drive);
+  ASSERT_TRUE(follower);
+  Observation kept;
+  ASSERT_TRUE(follower->next(10s, kept));
+  const std::uint64_t first = kept.tick;
+  ASSERT_TRUE(follower->next(10s, kept));
+  EXPECT_EQ(kept.tick, first + 1);
+  ASSERT_EQ(kept.axes.size(), 2U);
+  EXPECT_EQ(kept.axes[0].id, (AxisId{1, 2}));
 }
 
 TEST_F(LockStep, AnInterruptEndsAWaitingCall) {

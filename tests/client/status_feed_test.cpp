@@ -37,15 +37,15 @@ class Feed {
   Feed(std::vector<std::uint16_t> axes, std::uint32_t status_every_ticks)
       : feed_(kBench, std::move(axes), status_every_ticks) {}
 
-  void on_frame(const msg::StatusFrame& message) {
+  bool on_frame(const msg::StatusFrame& message) {
     std::vector<std::byte> sample(wire::encoded_size(message));
-    ASSERT_EQ(wire::encode(message, sample), sample.size());
-    const auto view = wire::StatusFrameView::of(sample);
-    ASSERT_TRUE(view.has_value());
-    feed_.on_frame(*view);
+    EXPECT_EQ(wire::encode(message, sample), sample.size());
+    return feed_.on_frame(wire::StatusFrameView::of(sample).value());
   }
 
   std::optional<Observation> take() { return feed_.take(); }
+
+  bool take(Observation& sample) { return feed_.take(sample); }
 
  private:
   StatusFeed feed_;
@@ -78,6 +78,53 @@ TEST(StatusFeed, PutsThePartsOfATickTogether) {
   EXPECT_FALSE(sut.take().has_value());
   sut.on_frame(frame(5, {300}));
   EXPECT_TRUE(sut.take().has_value());
+}
+
+// Who waits for a sample is woken by this answer, once a tick.
+TEST(StatusFeed, SaysWhichFrameCompletesASample) {
+  Feed sut({1, 300}, 1);
+  EXPECT_FALSE(sut.on_frame(frame(5, {1})));
+  EXPECT_TRUE(sut.on_frame(frame(5, {300})));
+  EXPECT_FALSE(sut.on_frame(frame(4, {1, 300})));
+}
+
+// The sample of tick 1 gives its memory back with the second call, so that tick 3 grows in it.
+TEST(StatusFeed, UsesTheMemoryOfTakenSamplesAgain) {
+  Feed sut({1, 300}, 1);
+  Observation sample;
+  sut.on_frame(frame(1, {1, 300}));
+  ASSERT_TRUE(sut.take(sample));
+  const AxisSnapshot* const first = sample.axes.data();
+  sut.on_frame(frame(2, {1, 300}));
+  ASSERT_TRUE(sut.take(sample));
+  EXPECT_NE(sample.axes.data(), first);
+  sut.on_frame(frame(3, {1, 300}));
+  ASSERT_TRUE(sut.take(sample));
+  EXPECT_EQ(sample.axes.data(), first);
+  EXPECT_EQ(sample.tick, 3U);
+  EXPECT_EQ(sample.missed, 0U);
+  for (const AxisSnapshot& axis : sample.axes) EXPECT_EQ(axis.tick, 3U);
+}
+
+TEST(StatusFeed, LeavesTheSampleAsItIsWhenNoneHasCome) {
+  Feed sut({1}, 1);
+  Observation sample{.tick = 7, .missed = 2, .axes = {{}, {}}};
+  EXPECT_FALSE(sut.take(sample));
+  EXPECT_EQ(sample.tick, 7U);
+  EXPECT_EQ(sample.missed, 2U);
+  EXPECT_EQ(sample.axes.size(), 2U);
+}
+
+// A sample of another feed has another size: its memory is not kept.
+TEST(StatusFeed, TakesNoMemoryOfAnotherSize) {
+  Feed sut({1, 300}, 1);
+  Observation sample{.tick = 7, .missed = 2, .axes = {{}, {}, {}}};
+  for (const std::uint64_t tick : {1U, 2U, 3U, 4U}) {
+    sut.on_frame(frame(tick, {1, 300}));
+    ASSERT_TRUE(sut.take(sample));
+    EXPECT_EQ(sample.axes.size(), 2U);
+    EXPECT_EQ(sample.axes[1].id.axis, 300);
+  }
 }
 
 TEST(StatusFeed, DropsATickWithAMissingPartAndCountsIt) {
