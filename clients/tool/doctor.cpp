@@ -3,6 +3,7 @@
 
 #include "report.hpp"
 #include "vdrive/text.hpp"
+#include "vdrive/wire/participant.hpp"
 #include "vdrive/wording.hpp"
 
 #include <algorithm>
@@ -19,8 +20,6 @@ using client::Outcome;
 // Ports of a domain: DDSI-RTPS 9.6.1.1, port base and gain of a domain.
 constexpr std::uint32_t kPortBase = 7400;
 constexpr std::uint32_t kDomainGain = 250;
-// A status frame of 1,024 axes and what else a tick brings; docs/explanation/performance.md.
-constexpr std::uint64_t kGoodReceiveBuffer = 4'000'000;
 constexpr std::uint64_t kFewFiles = 256;
 
 Finding check_domain(const HostReadings& readings, const GlobalOptions& options) {
@@ -135,11 +134,12 @@ std::vector<Finding> check_limits(const HostReadings& readings) {
         .text =
             "receive buffers up to " + std::to_string(*readings.largest_receive_buffer) + " bytes",
         .advice = ""});
-    if (*readings.largest_receive_buffer < kGoodReceiveBuffer) {
+    if (*readings.largest_receive_buffer < wire::kReceiveBufferOfClient) {
       buffer.severity = Severity::hint;
       buffer.advice =
-          "sysctl -w net.core.rmem_max=4194304 before you watch a thousand axes each "
-          "millisecond: bursts are lost otherwise";
+          "sysctl -w net.core.rmem_max=" + std::to_string(wire::kReceiveBufferOfClient) +
+          " before you watch thousands of axes each millisecond: bursts are lost "
+          "otherwise";
     }
   }
   return findings;

@@ -34,6 +34,7 @@ namespace rtps = eprosima::fastrtps::rtps;
 using eprosima::fastrtps::rtps::IPLocator;
 
 constexpr std::uint32_t kHighestDomain = 232;
+// To send, and to receive where no status arrives.
 constexpr std::uint32_t kSocketBuffer = 4U * 1024U * 1024U;
 constexpr std::uint32_t kParticipantsOfPeer = 32;
 constexpr std::size_t kMostServers = 256;  // the id has one byte
@@ -47,11 +48,11 @@ constexpr std::int32_t kLeaseWithServer = 2;   // [s]
 constexpr const char* kLoopback = "127.0.0.1";
 constexpr const char* kDiscoveryGroup = "239.255.0.1";
 
-/// @return the socket buffer that the kernel permits, up to 4 MB.
-std::uint32_t permitted_socket_buffer(const char* limit_file) {
+/// @return the socket buffer that the kernel permits, up to `wanted` [bytes].
+std::uint32_t permitted_socket_buffer(const char* limit_file, std::uint32_t wanted) {
   std::uint32_t limit = 0;
   std::ifstream file(limit_file);
-  return file >> limit ? std::min(limit, kSocketBuffer) : 0;
+  return file >> limit ? std::min(limit, wanted) : 0;
 }
 
 /// The library leaves an address out without a word when no interface has it.
@@ -78,8 +79,10 @@ eprosima::fastdds::rtps::UDPv4TransportDescriptor udp_transport(const NetworkSet
     check_own_address(address);
     if (address != kLoopback) udp.interfaceWhiteList.push_back(address);
   }
-  udp.sendBufferSize = permitted_socket_buffer("/proc/sys/net/core/wmem_max");
-  udp.receiveBufferSize = permitted_socket_buffer("/proc/sys/net/core/rmem_max");
+  udp.sendBufferSize = permitted_socket_buffer("/proc/sys/net/core/wmem_max", kSocketBuffer);
+  udp.receiveBufferSize = permitted_socket_buffer(
+      "/proc/sys/net/core/rmem_max",
+      settings.role == Role::client ? kReceiveBufferOfClient : kSocketBuffer);
   udp.maxInitialPeersRange = kParticipantsOfPeer;
   return udp;
 }

@@ -20,7 +20,7 @@ HostReadings healthy() {
           .segments = {{"fastrtps_port7411", true}},
           .is_clock_synchronised = true,
           .clock_source = "tsc",
-          .largest_receive_buffer = 4'194'304,
+          .largest_receive_buffer = 16'777'216,
           .first_ephemeral_port = 32'768,
           .open_files = 1'024,
           .cores = 8,
@@ -105,7 +105,7 @@ TEST(Doctor, HintsAtWhatMakesTicksLateAndStreamsLossy) {
   for (const Finding& finding : found) EXPECT_EQ(finding.severity, Severity::hint);
   EXPECT_THAT(found[0].advice, HasSubstr("chrony"));
   EXPECT_THAT(found[0].advice, HasSubstr("use tsc"));
-  EXPECT_THAT(found[2].advice, HasSubstr("net.core.rmem_max=4194304"));
+  EXPECT_THAT(found[2].advice, HasSubstr("net.core.rmem_max=16777216"));
   EXPECT_THAT(found[3].advice, HasSubstr("CAP_SYS_NICE"));
   EXPECT_THAT(found[4].text, HasSubstr("2 segments of Fast DDS, 1 that no program uses"));
 }

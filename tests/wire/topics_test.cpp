@@ -10,12 +10,18 @@
 
 #include <gtest/gtest.h>
 
+#include <sys/socket.h>
+
+#include <algorithm>
 #include <condition_variable>
+#include <filesystem>
+#include <fstream>
 #include <functional>
 #include <mutex>
 #include <set>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace vdrive::wire {
@@ -146,6 +152,37 @@ TEST(Participant, RefusesAnAddressThatNoInterfaceHas) {
   } catch (const NetworkError& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("192.0.2.1"));
     EXPECT_THAT(error.what(), testing::HasSubstr("127.0.0.1"));
+  }
+}
+
+/// @return the largest receive buffer of the UDP sockets of this process [bytes].
+int largest_receive_buffer() {
+  int largest = 0;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
+    const int file = std::stoi(entry.path().filename().string());
+    int kind = 0;
+    int size = 0;
+    socklen_t length = sizeof kind;
+    if (getsockopt(file, SOL_SOCKET, SO_TYPE, &kind, &length) != 0 || kind != SOCK_DGRAM) continue;
+    length = sizeof size;
+    if (getsockopt(file, SOL_SOCKET, SO_RCVBUF, &size, &length) == 0) {
+      largest = std::max(largest, size);
+    }
+  }
+  return largest;
+}
+
+// socket(7): the kernel doubles what is asked for, after it was cut to the limit.
+TEST(Participant, TakesTheReceiveBufferThatTheKernelPermits) {
+  std::ifstream file("/proc/sys/net/core/rmem_max");
+  int limit = 0;
+  ASSERT_TRUE(file >> limit);
+  auto network = loopback();
+  for (const auto& [role, wanted] :
+       {std::pair(Role::service, 4 << 20), std::pair(Role::client, 16 << 20)}) {
+    network.role = role;
+    const Participant participant(network, "test");
+    EXPECT_EQ(largest_receive_buffer(), 2 * std::min(limit, wanted));
   }
 }
 
