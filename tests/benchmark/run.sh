@@ -94,8 +94,11 @@ steps() {
   done
 }
 
+# Without the spinners: beside them a client of 4,096 axes missed 1.3 and 1.9 % of the ticks in two
+# of three runs, without them none.
 status() {
   local axes
+  stop_spinners
   for axes in 256 1024 2048; do
     follow $follow_seconds 1 --axes $axes
   done
@@ -107,6 +110,7 @@ status() {
   follow $follow_seconds 1 --config "$work/threads.yaml" --axes 16384 |
     sed 's/"figure":"/&two_threads_/'
   "$root/tests/benchmark/record.py" --axes 1024 --seconds $follow_seconds
+  keep_awake
 }
 
 start() {
