@@ -54,6 +54,7 @@ class States {
           tick_ = state.tick();
           overruns_ = state.overruns();
           overflows_ = state.queue_overflows();
+          jumps_ = state.jumps();
         }) {}
 
   [[nodiscard]] std::uint64_t tick() const noexcept { return tick_; }
@@ -62,10 +63,14 @@ class States {
 
   [[nodiscard]] std::uint64_t overflows() const noexcept { return overflows_; }
 
+  /// @return how often the tick number jumped: no ticks, so no status, but not lost on the way.
+  [[nodiscard]] std::uint64_t jumps() const noexcept { return jumps_; }
+
  private:
   std::atomic<std::uint64_t> tick_{0};
   std::atomic<std::uint64_t> overruns_{0};
   std::atomic<std::uint64_t> overflows_{0};
+  std::atomic<std::uint64_t> jumps_{0};
   wire::Participant participant_;
   wire::Subscription<msg::BenchState> states_;
 };
@@ -158,12 +163,14 @@ int run(const std::string& program, std::chrono::seconds duration, int clients,
   std::uint64_t overruns = 0;
   std::uint64_t tick = 0;
   std::uint64_t overflows = 0;
+  std::uint64_t jumps = 0;
   std::uint64_t dropped = 0;
   double processor = 0.0;
   const auto begin = [&] {
     overruns = states.overruns();
     tick = states.tick();
     overflows = states.overflows();
+    jumps = states.jumps();
     dropped = test::dropped_by_sockets();
     processor = service.processor_seconds();
   };
@@ -177,6 +184,7 @@ int run(const std::string& program, std::chrono::seconds duration, int clients,
   print("status_missed_share", static_cast<double>(followed.missed) / all);
   print("status_missed", static_cast<double>(followed.missed));
   print("lost_in_service", static_cast<double>(states.overflows() - overflows));
+  print("tick_jumps", static_cast<double>(states.jumps() - jumps));
   print("frames_dropped_by_sockets", static_cast<double>(test::dropped_by_sockets() - dropped));
   print("overrun_share", static_cast<double>(states.overruns() - overruns) /
                              static_cast<double>(states.tick() - tick));
