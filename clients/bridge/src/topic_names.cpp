@@ -38,4 +38,10 @@ std::vector<std::string> topic_names(std::span<const client::AxisInfo> axes) {
   return names;
 }
 
+bool are_same_axes(std::span<const client::AxisInfo> a, std::span<const client::AxisInfo> b) {
+  return std::ranges::equal(a, b, [](const client::AxisInfo& one, const client::AxisInfo& other) {
+    return one.id == other.id && one.name == other.name && one.unit == other.unit;
+  });
+}
+
 }  // namespace vdrive::bridge

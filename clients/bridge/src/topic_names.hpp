@@ -19,4 +19,9 @@ namespace vdrive::bridge {
 /// @return one name each, in their order
 [[nodiscard]] std::vector<std::string> topic_names(std::span<const client::AxisInfo> axes);
 
+/// @return whether both lists have the same axes with the same names and units, so that the topics
+///         of one are those of the other.
+[[nodiscard]] bool are_same_axes(std::span<const client::AxisInfo> a,
+                                 std::span<const client::AxisInfo> b);
+
 }  // namespace vdrive::bridge

@@ -107,7 +107,7 @@ KnownBench BenchFeed::bench() const {
 
 void BenchFeed::update(client::BenchInfo info) {
   const std::scoped_lock lock(mutex_);
-  if (!are_same_axes(bench_.info, info)) return;
+  if (!have_same_topics(bench_.info, info)) return;
   has_changed_ = has_changed_ || info.incarnation != bench_.info.incarnation;
   newest_sample_ = Clock::now() - info.sample_age;
   bench_.info = std::move(info);

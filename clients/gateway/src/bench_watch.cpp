@@ -92,7 +92,7 @@ void BenchWatch::reconcile(std::vector<client::BenchInfo> found) {
       const auto known = feeds_.find(info.number);
       if (known != feeds_.end()) feed = known->second;
     }
-    if (feed && are_same_axes(feed->bench().info, info)) {
+    if (feed && have_same_topics(feed->bench().info, info)) {
       is_new = is_new || feed->bench().info.incarnation != info.incarnation;
       // Found, so it is alive: a report of its silence may be older than this.
       if (feed->bench().info.incarnation != info.incarnation) feed->note_alive(true, {});

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "command_line.hpp"
 
+#include "bridge_program.hpp"
 #include "hub.hpp"
 #include "page.hpp"
 #include "vdrive/number_text.hpp"
@@ -10,10 +11,8 @@
 #include <CLI/CLI.hpp>
 
 #include <csignal>
-#include <exception>
 #include <fstream>
 #include <iostream>
-#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -22,14 +21,9 @@
 namespace vdrive::gateway {
 namespace {
 
-constexpr int kDone = 0;
-constexpr int kFailed = 1;
-constexpr int kUsage = 2;
 constexpr double kLowestRate = 1.0;  // [1/s]
 constexpr double kHighestRate = 1000.0;
 constexpr std::size_t kShortestToken = 16;  // [characters]
-constexpr std::chrono::seconds kFind{1};
-constexpr std::chrono::seconds kFindClosed{5};
 
 class BadArguments : public std::runtime_error {
  public:
@@ -37,11 +31,7 @@ class BadArguments : public std::runtime_error {
 };
 
 struct Arguments {
-  std::optional<std::uint32_t> domain;
-  std::vector<std::string> interfaces;
-  std::vector<std::string> peers;
-  std::vector<std::string> discovery_servers;
-  std::string security;
+  client::SessionOptions session;
   std::string listen = "127.0.0.1:8765";
   std::string metrics;
   bool control = false;
@@ -54,21 +44,10 @@ struct Arguments {
 
 void declare(CLI::App& app, Arguments& arguments) {
   app.set_version_flag("--version", std::string("vdrive-gateway ") + VDRIVE_VERSION);
-  app.add_option("--domain", arguments.domain, "DDS domain, 0 to 232")
+  app.add_option("--domain", arguments.session.domain, "DDS domain, 0 to 232")
       ->check(CLI::Range(0, 232))
       ->type_name("N");
-  app.add_option("--interface", arguments.interfaces,
-                 "Own address in a network to use for DDS; default: loopback only")
-      ->type_name("ADDRESS");
-  app.add_option("--peer", arguments.peers, "Host searched for benches in addition to multicast")
-      ->type_name("ADDRESS");
-  app.add_option("--discovery-server", arguments.discovery_servers,
-                 "Such as 10.0.0.9:11811, instead of multicast and peers")
-      ->type_name("ADDRESS");
-  app.add_option("--security", arguments.security,
-                 "Closed mode: directory with certificate, key and permissions")
-      ->envname("VDRIVE_SECURITY")
-      ->type_name("DIR");
+  bridge::add_network_options(app, arguments.session);
   app.add_option("--listen", arguments.listen,
                  "Address and port for browsers and tools; port 0 = any")
       ->capture_default_str()
@@ -153,12 +132,8 @@ HubSettings hub_settings(const Arguments& arguments) {
   settings.rate = arguments.rate;
   settings.is_control = arguments.control;
   settings.is_token = !arguments.token.empty();
-  settings.session.domain = arguments.domain;
-  settings.session.interfaces = arguments.interfaces;
-  settings.session.peers = arguments.peers;
-  settings.session.discovery_servers = arguments.discovery_servers;
-  settings.session.security = arguments.security;
-  settings.session.find_timeout = arguments.security.empty() ? kFind : kFindClosed;
+  settings.session = arguments.session;
+  settings.session.find_timeout = bridge::find_timeout_of(arguments.session);
   return settings;
 }
 
@@ -179,7 +154,7 @@ int serve(const Arguments& arguments) {
               << std::endl;
   }
   server.run(hub.events());
-  return kDone;
+  return bridge::kDone;
 }
 
 }  // namespace
@@ -191,20 +166,9 @@ int run_command_line(int argument_count, const char* const* argument_list) {
       "vdrive-gateway");
   Arguments arguments;
   declare(app, arguments);
-  try {
-    app.parse(argument_count, argument_list);
+  return bridge::run_program<BadArguments>(app, argument_count, argument_list, [&arguments] {
     return serve(arguments);
-  } catch (const CLI::ParseError& error) {
-    const bool is_help = app.exit(error) == 0;
-    std::cout.flush();  // the program ends without
-    return is_help ? kDone : kUsage;
-  } catch (const BadArguments& error) {
-    std::cerr << "vdrive-gateway: " << error.what() << '\n';
-    return kUsage;
-  } catch (const std::exception& error) {
-    std::cerr << "vdrive-gateway: " << error.what() << '\n';
-    return kFailed;
-  }
+  });
 }
 
 }  // namespace vdrive::gateway

@@ -92,7 +92,7 @@ Json disturbances_json() {
     const ObjectDescription& object = describe(*find_object(row.variable_name));
     const bool is_switch = object.lower_limit == 0 && object.upper_limit == 1;
     list.push_back({{"name", row.name},
-                    {"object", object_text(object.address)},
+                    {"object", object_key(object.address)},
                     {"kind", is_switch ? "switch" : "value"},
                     {"minimum", object.lower_limit},
                     {"maximum", object.upper_limit}});

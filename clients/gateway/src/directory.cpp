@@ -14,11 +14,8 @@ constexpr std::string_view kHexPrefix = "0x";
 
 }  // namespace
 
-bool are_same_axes(const client::BenchInfo& a, const client::BenchInfo& b) {
-  return a.period == b.period &&
-         std::ranges::equal(a.axes, b.axes, [](const auto& x, const auto& y) {
-           return x.id == y.id && x.name == y.name && x.unit == y.unit;
-         });
+bool have_same_topics(const client::BenchInfo& a, const client::BenchInfo& b) {
+  return a.period == b.period && bridge::are_same_axes(a.axes, b.axes);
 }
 
 KnownBench known_bench(client::BenchInfo info) {
@@ -29,7 +26,7 @@ KnownBench known_bench(client::BenchInfo info) {
   return bench;
 }
 
-std::string object_text(ObjectAddress object) {
+std::string object_key(ObjectAddress object) {
   std::string text = hex(object.index, 4);
   if (object.subindex != 0) {
     text.append(":").append(hex(object.subindex, 2).substr(kHexPrefix.size()));
@@ -55,7 +52,7 @@ std::optional<ObjectAddress> parse_object(std::string_view text) {
 }
 
 std::string parameter_name(const KnownBench& bench, std::size_t axis, ObjectAddress object) {
-  return bench.topic + "/" + bench.axis_names[axis] + "/" + object_text(object);
+  return bench.topic + "/" + bench.axis_names[axis] + "/" + object_key(object);
 }
 
 std::optional<ParameterAddress> find_parameter(const std::vector<KnownBench>& benches,

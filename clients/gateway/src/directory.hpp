@@ -23,9 +23,9 @@ struct KnownBench {
 /// bench comes or goes.
 using BenchList = std::shared_ptr<const std::vector<KnownBench>>;
 
-/// @return whether both have the same axes, names and units, so that the topics of one are those of
-///         the other.
-[[nodiscard]] bool are_same_axes(const client::BenchInfo& a, const client::BenchInfo& b);
+/// @return whether both have the same axes, names, units and period, so that the topics of one are
+///         those of the other.
+[[nodiscard]] bool have_same_topics(const client::BenchInfo& a, const client::BenchInfo& b);
 
 /// @return the bench with names of its axes: letters, digits and _; where two axes would have one
 ///         name, the second one's has its number too.
@@ -49,7 +49,7 @@ struct ParameterAddress {
 ///         is such an object.
 [[nodiscard]] std::optional<ObjectAddress> parse_object(std::string_view text);
 
-/// @return such as "0x6081" and "0x607D:01".
-[[nodiscard]] std::string object_text(ObjectAddress object);
+/// @return how parameters and services name an object, such as "0x6081" and "0x607D:01".
+[[nodiscard]] std::string object_key(ObjectAddress object);
 
 }  // namespace vdrive::gateway

@@ -411,7 +411,7 @@ CallAnswer call_read(Session& session, const Json& request) {
   if (!readings) return {.outcome = readings.outcome()};
   Json values = Json::array();
   for (const client::ObjectReading& reading : readings->objects) {
-    Json value{{"object", object_text(reading.object)},
+    Json value{{"object", object_key(reading.object)},
                {"code", wire_code(reading.code)},
                {"message", reading.code == AbortCode::none ? "" : vdrive::describe(reading.code)}};
     if (reading.code == AbortCode::none) value["value"] = reading.value;

@@ -2,13 +2,13 @@
 #include "command_line.hpp"
 
 #include "bridge.hpp"
+#include "bridge_program.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
 
 #include <CLI/CLI.hpp>
 
 #include <csignal>
-#include <exception>
 #include <fstream>
 #include <iostream>
 #include <iterator>
@@ -16,12 +16,6 @@
 
 namespace vdrive::ros2 {
 namespace {
-
-constexpr int kDone = 0;
-constexpr int kFailed = 1;
-constexpr int kUsage = 2;
-constexpr std::chrono::seconds kFind{1};
-constexpr std::chrono::seconds kFindClosed{5};
 
 struct Arguments {
   Settings settings;
@@ -55,18 +49,7 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--config", arguments.file, "YAML file; options of the command line override it")
       ->type_name("FILE");
   app.add_flag("--check", arguments.only_checks, "Check command line and configuration, and end");
-  app.add_option("--interface", session.interfaces,
-                 "Own address in a network to use for DDS; default: loopback only")
-      ->type_name("ADDRESS");
-  app.add_option("--peer", session.peers, "Host searched for benches and nodes beside multicast")
-      ->type_name("ADDRESS");
-  app.add_option("--discovery-server", session.discovery_servers,
-                 "Such as 10.0.0.9:11811, instead of multicast and peers")
-      ->type_name("ADDRESS");
-  app.add_option("--security", session.security,
-                 "Closed mode towards the benches: directory with certificate, key, permissions")
-      ->envname("VDRIVE_SECURITY")
-      ->type_name("DIR");
+  bridge::add_network_options(app, session);
 }
 
 /// Reads the file, then applies the options of the command line.
@@ -82,7 +65,7 @@ void complete(Arguments& arguments) {
   if (arguments.rate) settings.rate = *arguments.rate;
   settings.is_enabled = settings.is_enabled || arguments.enable;
   settings.is_prefixed = settings.is_prefixed || arguments.prefix;
-  settings.session.find_timeout = settings.session.security.empty() ? kFind : kFindClosed;
+  settings.session.find_timeout = bridge::find_timeout_of(settings.session);
   resolve_topics(settings);
 }
 
@@ -104,7 +87,7 @@ int serve(const Arguments& arguments) {
             << ", session " << session_text(bridge.session()) << std::endl;
   int received = 0;
   sigwait(&signals, &received);
-  return kDone;
+  return bridge::kDone;
 }
 
 }  // namespace
@@ -116,25 +99,12 @@ int run_command_line(int argument_count, const char* const* argument_list) {
       "vdrive-ros2");
   Arguments arguments;
   declare(app, arguments);
-  try {
-    app.parse(argument_count, argument_list);
+  return bridge::run_program<BadSettings>(app, argument_count, argument_list, [&arguments] {
     complete(arguments);
-    if (arguments.only_checks) {
-      std::cout << "vdrive-ros2: the configuration is good" << std::endl;
-      return kDone;
-    }
-    return serve(arguments);
-  } catch (const CLI::ParseError& error) {
-    const bool is_help = app.exit(error) == 0;
-    std::cout.flush();  // quick_exit() does not flush
-    return is_help ? kDone : kUsage;
-  } catch (const BadSettings& error) {
-    std::cerr << "vdrive-ros2: " << error.what() << '\n';
-    return kUsage;
-  } catch (const std::exception& error) {
-    std::cerr << "vdrive-ros2: " << error.what() << '\n';
-    return kFailed;
-  }
+    if (!arguments.only_checks) return serve(arguments);
+    std::cout << "vdrive-ros2: the configuration is good" << std::endl;
+    return bridge::kDone;
+  });
 }
 
 }  // namespace vdrive::ros2

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "controller.hpp"
 
+#include "topic_names.hpp"
 #include "vdrive/number_text.hpp"
 
 #include <algorithm>
@@ -19,12 +20,6 @@ constexpr std::chrono::seconds kForgotten{60};  // a bench that was absent for t
 constexpr std::chrono::seconds kEnd{2};
 constexpr std::size_t kMostMessages = 64;
 constexpr double kNanosecond = 1e-9;
-
-bool are_same_axes(const client::BenchInfo& a, const client::BenchInfo& b) {
-  return std::ranges::equal(a.axes, b.axes, [](const auto& one, const auto& other) {
-    return one.id == other.id && one.name == other.name && one.unit == other.unit;
-  });
-}
 
 std::string joined(const std::vector<std::string>& names) {
   constexpr std::size_t kMost = 4;
@@ -160,7 +155,9 @@ void Controller::note_present(Bench& bench, const client::BenchInfo& info, Clock
   if (info.clock_mode == client::ClockMode::realtime && info.rate > 0.0) {
     bench.link->set_rate(info.rate);
   }
-  if (bench.info->incarnation == info.incarnation && are_same_axes(*bench.info, info)) return;
+  if (bench.info->incarnation == info.incarnation &&
+      bridge::are_same_axes(bench.info->axes, info.axes))
+    return;
   const std::string name = bench.link->name();
   directory_.remove(info.number);
   for (const auto& [number, text] : trajectories_) {
