@@ -47,8 +47,8 @@ std::string what_it_shows(const AxisSnapshot& axis) {
   }
   if (static_cast<ErrorCode>(axis.status.error_code) == ErrorCode::life_guard_or_heartbeat) {
     text +=
-        ": the bench did not hear the owner of the axis in time; raise its watchdog.timeout_ms, or "
-        "use lock-step";
+        ": the bench received nothing from the owner of the axis in time; raise its "
+        "watchdog.timeout_ms, or use lock-step";
   }
   return text;
 }

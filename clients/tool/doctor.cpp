@@ -231,8 +231,8 @@ Finding check_silence(const client::BenchInfo& bench) {
   const auto silence = std::chrono::floor<std::chrono::milliseconds>(bench.longest_silence);
   Finding finding{.subject = "benches",
                   .text = "the longest time in which bench " + std::to_string(bench.number) +
-                          " did not hear an owner of axes is " + std::to_string(silence.count()) +
-                          " ms of drive time",
+                          " received nothing from an owner of axes is " +
+                          std::to_string(silence.count()) + " ms of drive time",
                   .advice = ""};
   if (silence >= kLongSilence) {
     finding.severity = Severity::hint;
@@ -396,7 +396,7 @@ Outcome run_doctor(const GlobalOptions& options, Terminal& terminal,
         {.severity = Severity::problem,
          .subject = "benches",
          .text = error.what(),
-         .advice = "solve this problem first; the tool cannot look for benches before"});
+         .advice = "solve this problem first; until then the tool cannot search for benches"});
   }
   for (const Finding& finding : findings) show(finding, options.json, terminal);
   const auto problems = std::ranges::count(findings, Severity::problem, &Finding::severity);

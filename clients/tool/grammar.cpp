@@ -194,7 +194,7 @@ class Grammar {
         "Use this network in addition to loopback: IPv4 address of this machine in it", "ADDRESS")
         ->check(CLI::ValidIPV4);
     add_network_option("--peer", options_.peers,
-                       "Look for benches on this host, too: its IPv4 address", "ADDRESS")
+                       "Search for benches on this host, too: its IPv4 address", "ADDRESS")
         ->check(CLI::ValidIPV4);
     add_network_option("--discovery-server", options_.discovery_servers,
                        "Use a discovery server instead of multicast", "ADDRESS:PORT")
@@ -319,7 +319,7 @@ class Grammar {
   [[nodiscard]] std::string unknown_option(const std::string& name) const {
     for (const CLI::App* const word : app_.get_subcommands({})) {
       if (word->get_option_no_throw(name) == nullptr) continue;
-      return in_quotes(name) + " belongs behind its command, such as 'vdrive " + word->get_name() +
+      return in_quotes(name) + " belongs after its command, such as 'vdrive " + word->get_name() +
              " ... " + name + "'";
     }
     return in_quotes(name) + " is not an option" + suggestion(name, names_of_options(app_));
@@ -453,7 +453,7 @@ class Grammar {
     add_positional(word, "FROM", words_.file, "The recording: .csv, .jsonl or .mcap");
     add_positional(word, "TO", words_.to, "The new file: .csv, .jsonl or .mcap by its ending");
     word->add_option("--period", words_.duration,
-                     "Drive time of a tick, where FROM does not say it: default 1ms")
+                     "Drive time of a tick, where FROM has no such time; default: 1ms")
         ->type_name("T");
     word->callback([this] {
       command_ = make_convert();
@@ -468,7 +468,7 @@ class Grammar {
     }
     if (words_.duration.empty()) return convert;
     if (format_of(convert.from) == recording::Format::mcap) {
-      throw UsageError("--period is for recordings of text; one of MCAP says it");
+      throw UsageError("--period is for recordings of text; a recording in MCAP has this time");
     }
     convert.period = parse_duration(words_.duration);
     if (convert.period->count() <= 0) throw UsageError("--period has to be above 0");
@@ -879,7 +879,7 @@ class Grammar {
         "bench", "Measure in a minute how many axes this machine holds, and how late its ticks are",
         "bench --json");
     add_service(word);
-    word->add_flag("--quick", words_.quick, "A few seconds, at most 1,024 axes: for a first look");
+    word->add_flag("--quick", words_.quick, "A few seconds, at most 1,024 axes: a first estimate");
     word->callback([this] {
       command_ = BenchCommand{words_.service, words_.quick};
     });

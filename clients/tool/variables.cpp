@@ -75,7 +75,7 @@ std::string Variables::expand(std::string_view line) {
     text.append(line.substr(at, begin - at));
     if (begin == line.size()) break;
     const std::size_t end = line.find('}', begin);
-    if (end == std::string_view::npos) throw UsageError("no } behind ${");
+    if (end == std::string_view::npos) throw UsageError("no } after ${");
     const std::string_view name = line.substr(begin + 2, end - begin - 2);
     check_name(name);
     text.append(value_of(std::string(name)));

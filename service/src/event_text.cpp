@@ -53,8 +53,9 @@ std::string control_text(const EventRecord& event) {
 
 std::string lost_text(const EventRecord& event) {
   const auto [count, silence_ms] = detail_of<LostAxes>(event);
-  return "session " + hex(event.session, 16) + " was not heard for " + std::to_string(silence_ms) +
-         " ms; " + vdrive::counted(count, "axis lost its", "axes lost their") + " master";
+  return "nothing was received from session " + hex(event.session, 16) + " for " +
+         std::to_string(silence_ms) + " ms; " +
+         vdrive::counted(count, "axis lost its", "axes lost their") + " master";
 }
 
 std::string refusal_text(const EventRecord& event) {

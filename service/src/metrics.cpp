@@ -116,10 +116,10 @@ void add_commands(Families& families, const Counters& counters) {
   families.counter("vdrive_requests_answered_total", "Requests that were answered",
                    counters.requests_answered.get());
   families.counter("vdrive_watchdog_trips_total",
-                   "Masters that were lost because they were not heard in time",
+                   "Masters that were lost because nothing was received from them in time",
                    counters.master_losses.get());
   families.gauge("vdrive_longest_silence_seconds",
-                 "Longest time in which an owner of axes was not heard, in drive time",
+                 "Longest time without a message from an owner of axes, in drive time",
                  static_cast<double>(counters.longest_silence_us.get()) / 1.0e6);
 }
 

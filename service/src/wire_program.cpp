@@ -210,7 +210,7 @@ void WireProgram::drop(const RecordHead& head) {
   if (const auto suppressed = drop_log_.pass(Clock::now())) {
     std::string party;
     for (const std::uint8_t byte : head.party.participant) party += fmt::format("{:02x}", byte);
-    log_warning("reply=dropped bench={} participant={} suppressed={} text=\"nobody reads it\"",
+    log_warning("reply=dropped bench={} participant={} suppressed={} text=\"it has no reader\"",
                 bench_, party, *suppressed);
   }
 }

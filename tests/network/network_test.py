@@ -289,7 +289,7 @@ def reply(holder, number):
 
 def expect_story(events, axis, what):
     """The events tell it all, in this order."""
-    story = ["was not heard", "Fault reaction active", f"fault 0x{CONNECTION_LOST:04X}", "Fault",
+    story = ["nothing was received", "Fault reaction active", f"fault 0x{CONNECTION_LOST:04X}", "Fault",
              "controlled by session", f"fault 0x{CONNECTION_LOST:04X} reset", "Operation enabled"]
     told = [text for _, text in events if text.startswith(f"axis {axis}: ")]
     place = 0
@@ -302,7 +302,7 @@ def expect_story(events, axis, what):
 
 def expect_safe_stop(bench, events, axis, tick, what):
     """The axis stopped by its watchdog, in time, and came to rest. Returns its times [ticks]."""
-    lost = next((t for t, text in events if "was not heard" in text and f"axis {axis}:" in text),
+    lost = next((t for t, text in events if "nothing was received" in text and f"axis {axis}:" in text),
                 None)
     expect(lost is not None, f"{what}: bench {bench.number} did not lose its master: {events}")
     faults = [t for t, text in events if f"axis {axis}: fault 0x{CONNECTION_LOST:04X}" == text]
@@ -328,7 +328,7 @@ def short_cut(case):
     case.c.block_for(0.05)
     case.wait_for_moves(time.monotonic(), 5, count=2)
     lost = [text for bench, mark in zip(case.benches, marks) for _, text in bench.events(mark)
-            if "was not heard" in text and "axis 1:" in text]
+            if "nothing was received" in text and "axis 1:" in text]
     failed = [call for axis in ("1.1", "2.1") for call in case.failures(axis, began)]
     expect(bool(lost) == bool(failed), f"lost {lost}, but the client says {failed}")
     return not lost
@@ -345,7 +345,7 @@ def long_cut(case, seconds):
     tick = time.time() * TICKS_PER_SECOND  # tick 0 is the epoch
     hosts.wait_for("loss of the holder's axis", lambda: [
         text for _, text in case.benches[0].events(marks[0])
-        if "was not heard" in text and "axis 2:" in text], 5)
+        if "nothing was received" in text and "axis 2:" in text], 5)
     number = say(holder, before + 4096)
     time.sleep(max(0.0, began + seconds - time.monotonic()))
     case.c.plug()

@@ -125,7 +125,7 @@ TEST(RecordingQueue, TellsWhatItLeftOutAtTheEnd) {
   records.changed.notify_all();
   const Summary summary = queue.finish();
   EXPECT_EQ(summary.samples, 1U);
-  EXPECT_EQ(summary.gaps.text(4), "behind the tick 1001 of bench 1 (2)");
+  EXPECT_EQ(summary.gaps.text(4), "after the tick 1001 of bench 1 (2)");
 }
 
 TEST(RecordingQueue, PassesAFailureOnAndTakesNothingAnyMore) {

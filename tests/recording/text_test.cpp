@@ -162,7 +162,7 @@ TEST(GapLog, NamesGapsByTheTicksAroundThem) {
   log.note_lost_end(1, 7);
   EXPECT_EQ(log.missed(), 10U);
   EXPECT_EQ(log.text(4),
-            "between the ticks 10 and 14 of bench 1 (3), behind the tick 15 of bench 1 (7)");
+            "between the ticks 10 and 14 of bench 1 (3), after the tick 15 of bench 1 (7)");
   EXPECT_EQ(log.text(1), "between the ticks 10 and 14 of bench 1 (3), and 1 further gap");
 }
 

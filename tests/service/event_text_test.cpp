@@ -12,18 +12,19 @@ namespace {
 using namespace std::chrono_literals;
 
 TEST(EventLine, IsKeysAndValuesWithTheWordsLast) {
-  EXPECT_EQ(log_line(3,
-                     {.kind = msg::EVENT_MASTER_LOST,
-                      .axis = 7,
-                      .session = 0x1234,
-                      .code = 112,
-                      .tick = 99,
-                      .detail = LostAxes{1, 112}},
-                     0),
-            "event=master_lost bench=3 tick=99 axis=7 session=0x0000000000001234 code=0x0070 "
-            "suppressed=0 "
-            "text=\"axis 7: session 0x0000000000001234 was not heard for 112 ms; 1 axis lost its "
-            "master\"");
+  EXPECT_EQ(
+      log_line(3,
+               {.kind = msg::EVENT_MASTER_LOST,
+                .axis = 7,
+                .session = 0x1234,
+                .code = 112,
+                .tick = 99,
+                .detail = LostAxes{1, 112}},
+               0),
+      "event=master_lost bench=3 tick=99 axis=7 session=0x0000000000001234 code=0x0070 "
+      "suppressed=0 "
+      "text=\"axis 7: nothing was received from session 0x0000000000001234 for 112 ms; 1 axis "
+      "lost its master\"");
   EXPECT_EQ(log_line(3, {.kind = msg::EVENT_FAULT, .axis = 7, .code = 0x8130, .tick = 99}, 21),
             "event=fault bench=3 tick=99 axis=7 code=0x8130 suppressed=21 text=\"axis 7: fault "
             "0x8130\"");

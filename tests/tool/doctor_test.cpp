@@ -151,14 +151,14 @@ TEST(Doctor, FindsANetworkProcessGoodThatNeverEnded) {
   EXPECT_THAT(found[1].text, HasSubstr("bench 3 has not ended since the service started"));
 }
 
-TEST(Doctor, TellsHowLongABenchDidNotHearAnOwner) {
+TEST(Doctor, ShowsHowLongABenchReceivedNothingFromAnOwner) {
   client::BenchInfo bench = bench_with_wire_starts(1);
   bench.longest_silence = std::chrono::milliseconds{26};  // keep-alives come each 25 ms
   EXPECT_EQ(check_benches({&bench, 1}, {}).at(2).severity, Severity::good);
   bench.longest_silence = std::chrono::milliseconds{312};
   const Finding late = check_benches({&bench, 1}, {}).at(2);
   EXPECT_EQ(late.severity, Severity::hint);
-  EXPECT_THAT(late.text, HasSubstr("bench 3 did not hear an owner of axes is 312 ms"));
+  EXPECT_THAT(late.text, HasSubstr("bench 3 received nothing from an owner of axes is 312 ms"));
   EXPECT_THAT(late.advice, HasSubstr("watchdog.timeout_ms"));
 }
 

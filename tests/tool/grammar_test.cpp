@@ -60,7 +60,7 @@ TEST(CommandLine, NamesWhatItDoesNotExpectInTheOrderOfTheLine) {
 
 TEST(CommandLine, TellsWhereAnOptionOfACommandBelongs) {
   EXPECT_EQ(refusal_of(split("--bench 7 step 1")),
-            "'--bench' belongs behind its command, such as 'vdrive step ... --bench'");
+            "'--bench' belongs after its command, such as 'vdrive step ... --bench'");
   EXPECT_EQ(refusal_of(split("--jsn list")), "'--jsn' is not an option (did you mean '--json'?)");
   EXPECT_EQ(refusal_of(split("--nothing=3 list")), "'--nothing' is not an option");
 }

@@ -73,7 +73,7 @@ bool is_token(std::string_view given, std::string_view token) {
   return difference == 0;
 }
 
-std::string_view spoken_subprotocol(std::string_view offered) {
+std::string_view known_subprotocol(std::string_view offered) {
   while (!offered.empty()) {
     const std::string_view part = offered.substr(0, offered.find(','));
     const std::string_view name = trimmed(part);
@@ -130,12 +130,11 @@ Admission admit(const UpgradeRequest& request, const AdmissionRules& rules) {
     return refused(kUnauthorized, Refusal::token,
                    "the token is missing or wrong: connect with ?token=...");
   }
-  const std::string_view subprotocol = spoken_subprotocol(request.protocols);
+  const std::string_view subprotocol = known_subprotocol(request.protocols);
   if (subprotocol.empty()) {
     return refused(kBadRequest, Refusal::subprotocol,
-                   "of the sub-protocols foxglove.sdk.v1 and foxglove.websocket.v1 "
-                   "none was offered, but " +
-                       in_quotes(request.protocols));
+                   "the offered sub-protocols " + in_quotes(request.protocols) +
+                       " contain neither foxglove.sdk.v1 nor foxglove.websocket.v1");
   }
   return {.status = 101, .subprotocol = std::string(subprotocol)};
 }

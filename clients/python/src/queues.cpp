@@ -140,7 +140,7 @@ void add_event(py::module_& module) {
       .def_readonly("code", &Event::code, "Of a fault 603Fh; see docs/reference/wire.md.")
       .def_readonly("error_register", &Event::error_register, "1001h of a fault.")
       .def_readonly("suppressed", &Event::suppressed, "Equal events left out before this one.")
-      .def_readonly("text", &Event::text, "For people.")
+      .def_readonly("text", &Event::text, "Text for people.")
       .def("__repr__", [](const Event& event) {
         return "<vdrive.Event " + std::string(to_string(event.kind)) + " tick " +
                std::to_string(event.tick) + ": " + event.text + ">";

@@ -295,10 +295,11 @@ void add_session_observing(SessionClass& session) {
       py::keep_alive<0, 1>(),
       "Receives every published sample of axes of one bench in a thread of its own; keeps the "
       "newest `capacity`.");
-  session.def("events", &events, py::kw_only(), py::arg("history") = false,
-              py::arg("capacity") = 10000, py::keep_alive<0, 1>(),
-              "The events of the benches that this session sees; with `history` from the oldest on "
-              "that each bench still has. A second stream takes the place of the first.");
+  session.def(
+      "events", &events, py::kw_only(), py::arg("history") = false, py::arg("capacity") = 10000,
+      py::keep_alive<0, 1>(),
+      "The events of the benches that this session finds; with `history` from the oldest on "
+      "that each bench still has. A second stream takes the place of the first.");
 }
 
 void add_control(SessionClass& session) {
@@ -355,9 +356,8 @@ void add_control(SessionClass& session) {
 }
 
 void add_follower(py::module_& module) {
-  py::class_<PyFollower>(
-      module, "Follower",
-      "Sees axes tick by tick: an iterator of observations, see Session.follow().")
+  py::class_<PyFollower>(module, "Follower",
+                         "Axes tick by tick: an iterator of observations, see Session.follow().")
       .def("__iter__",
            [](py::object self) {
              return self;

@@ -4,7 +4,7 @@ import asyncio
 
 
 class AsyncStream:
-    """A stream for `async for`. It waits for the file of the stream in the loop: no thread more."""
+    """A stream for `async for`. The event loop waits for the file of the stream: no further thread."""
 
     def __init__(self, stream):
         self._stream = stream

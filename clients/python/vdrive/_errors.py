@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a call raises that did not do what it is for."""
+"""The exceptions of the library: why a call failed."""
 
 
 class Error(Exception):
-    """Why a call did not do what it is for.
+    """Why a call failed.
 
     `code` is the code of a refusal: a CiA 301 abort code, or a reason of the wire contract (below
     0x05000000); 0 for every other error. The text is `str(error)`.

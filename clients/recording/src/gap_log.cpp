@@ -9,7 +9,7 @@ namespace vdrive::recording {
 namespace {
 
 std::string text_of_gap(const Gap& gap) {
-  const std::string where = gap.before == 0 ? "behind the tick " + std::to_string(gap.after)
+  const std::string where = gap.before == 0 ? "after the tick " + std::to_string(gap.after)
                                             : "between the ticks " + std::to_string(gap.after) +
                                                   " and " + std::to_string(gap.before);
   return where + " of bench " + std::to_string(gap.bench) + " (" + std::to_string(gap.missed) + ")";

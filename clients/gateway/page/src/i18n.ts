@@ -21,7 +21,7 @@ const TEXTS = {
     "与网关的连接已断开，显示的是旧数据。页面会自动重新连接。",
   ],
   left_out: [
-    "messages were left out: this page is slower than they come",
+    "messages were left out: this page processes them too slowly",
     "条消息被丢弃：本页处理速度低于接收速度",
   ],
   bench_silent: ["has sent nothing for", "无数据"],

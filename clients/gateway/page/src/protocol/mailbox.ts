@@ -7,7 +7,7 @@ export type Packet = string | ArrayBuffer;
 
 export interface Batch {
   packets: Packet[];
-  /** messages of channels that were left out before this batch: the page is slower than they come */
+  /** messages of channels that were left out before this batch: the page was too slow */
   dropped: number;
 }
 
