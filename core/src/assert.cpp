@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/assert.hpp"
 
-// The standard's assert says what broke and where, on whatever standard error is: the core itself
-// writes nothing. It is needed in optimised builds too.
+// The standard's assert reports what broke and where on standard error: the core itself writes
+// nothing. It is needed in optimised builds too.
 #undef NDEBUG
 #include <cassert>
 

@@ -190,7 +190,7 @@ struct AxisBank::State {
     return drive(places[axis].block, places[axis].lane);
   }
 
-  /// @return the axis for a change from outside: its next tick looks at all of it.
+  /// @return the axis for a change from outside: its next tick checks all of it.
   [[nodiscard]] Drive changed_drive(std::size_t axis) {
     ensure(axis < places.size(), "the axis is one of the bank's");
     end_steadiness(places[axis].block, std::uint64_t{1} << places[axis].lane);

@@ -85,8 +85,8 @@ class AxisBank {
   void power_cycle(std::size_t axis) noexcept;
 
   /// The parameter memory of an axis, which outlasts a power cycle. A bank never fills it itself:
-  /// writing 1010h and 1011h with the right signature is accepted and does nothing more. Whoever
-  /// owns the bank keeps the values safe first and then says so with these calls.
+  /// writing 1010h and 1011h with the right signature is accepted and does nothing more. The
+  /// owner of the bank makes the values durable first, then makes these calls.
   ///
   /// @return AbortCode::none when 1010h could store this value of this object, else the code of the
   ///         dictionary, or AbortCode::cannot_store_or_transfer where the object is not stored.

@@ -69,7 +69,7 @@ constexpr std::array kModeControlBits{
     ModeBitRow{OperatingMode::homing, Controlword::kStartHoming, "start homing"},
 };
 
-/// What the mode says counts before what all modes say.
+/// A name of the mode takes precedence over one of all modes.
 std::string_view name_of(std::uint16_t bit, OperatingMode mode,
                          std::span<const ModeBitRow> mode_rows, std::span<const BitRow> rows) {
   const auto of_mode = std::ranges::find_if(mode_rows, [bit, mode](const ModeBitRow& row) {

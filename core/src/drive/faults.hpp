@@ -22,7 +22,7 @@ struct FaultCause {
 /// The DC link is lost: a fault only where the motor is powered.
 inline constexpr std::uint8_t kDcLinkCause = 1U << 3U;
 
-/// In the order in which they are looked at.
+/// In the order in which they are checked.
 inline constexpr std::array<FaultCause, 4> kFaultCauses = [] {
   using namespace vdrive::literals;
   return std::array<FaultCause, 4>{{

@@ -166,7 +166,7 @@ double window_of(std::uint32_t window) {
   return window == kWindowOff ? std::numeric_limits<double>::infinity() : window;
 }
 
-/// Whether the next ticks need no look at the axis, and what ends that.
+/// Notes whether the next ticks are steady, and what ends that.
 void note_steadiness(Drive& drive, const Mode& mode) {
   SteadyBlock& steady = drive.block().steady;
   const std::size_t l = drive.lane();

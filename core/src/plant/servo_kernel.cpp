@@ -118,8 +118,8 @@ struct ElasticInput {
   return is_engaged ? with_shaft : without;
 }
 
-/// Linear step, then Coulomb friction on both sides: the velocities without it tell which way it
-/// acts.
+/// Linear step, then Coulomb friction on both sides: the velocities without it give its
+/// direction.
 [[gnu::always_inline]] inline ElasticStep advance(const ElasticParameters& p,
                                                   const ElasticInput& in, bool engaged, double load,
                                                   double half_substep) {

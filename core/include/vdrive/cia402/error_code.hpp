@@ -25,7 +25,7 @@ enum class ErrorCode : std::uint16_t {
 ///         generic bit 0 (CiA 301).
 [[nodiscard]] std::uint8_t error_register_of(ErrorCode code) noexcept;
 
-/// @return true when the drive cannot brake any more and coasts, whatever 605Eh says.
+/// @return true when the drive cannot brake any more and coasts, for every value of 605Eh.
 [[nodiscard]] bool forces_coasting(ErrorCode code) noexcept;
 
 }  // namespace vdrive
