@@ -15,7 +15,7 @@ namespace {
 
 namespace rtps = eprosima::fastrtps::rtps;
 
-/// @return room for the largest sample of the topic, as its generated support class says.
+/// @return room for the largest sample of the topic, as its generated support class computes it.
 std::uint32_t size_of_type(TopicId topic) {
   switch (topic) {
     case TopicId::command:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Certificates, keys and signatures of the closed mode. The library says no more than that it
-// refuses them: what is wrong is found here.
+// Certificates, keys and signatures of the closed mode. The library reports only that it
+// refuses them: the reason is found here.
 #include "credentials.hpp"
 
 #include "vdrive/text.hpp"
@@ -122,7 +122,7 @@ std::string verified_text(const std::filesystem::path& ca_file,
   const Signature signature(SMIME_read_PKCS7(open(document).get(), &signed_part));
   const Bio content(signed_part);
   if (!signature || !content) refuse(document, "is not a signed S/MIME document");
-  // Only the CA itself signs: a certificate that comes with the document says nothing.
+  // Only the CA itself signs: a certificate that comes with the document proves nothing.
   const Signers signers(sk_X509_new_null());
   sk_X509_push(signers.get(), ca.get());
   const Bio text(BIO_new(BIO_s_mem()));

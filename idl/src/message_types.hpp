@@ -70,8 +70,8 @@ class MessageType final : public SupportOf<Message>::Type {
   MessageType() {
     this->auto_fill_type_object(false);
     this->auto_fill_type_information(false);
-    // Readers drop what is larger than this without a word. Who exceeds a bound of the type by
-    // mistake gets an answer that says so.
+    // Readers drop what is larger than this without a report. A message that exceeds a bound of
+    // the type by less gets an answer with the reason.
     this->m_typeSize *= 2;
   }
 

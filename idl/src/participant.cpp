@@ -41,8 +41,8 @@ constexpr std::size_t kMostServers = 256;  // the id has one byte
 constexpr std::size_t kMostParticipants = 256;
 constexpr std::size_t kEndpointsOfParticipant = 16;        // on average, readers and writers each
 constexpr std::uint32_t kLargestAnnouncement = 16 * 1024;  // [bytes]; those of vdrive have 1 kB
-// A timer of the library that judges a lease must not fire while somebody leaves. Those who have a
-// guard judge earlier; a server has none.
+// A timer of the library that judges a lease must not fire while a participant leaves. Programs
+// with a guard judge earlier; a server has no guard.
 constexpr std::int32_t kAnnouncedLease = 600;  // [s]
 constexpr std::int32_t kLeaseWithServer = 2;   // [s]
 constexpr const char* kLoopback = "127.0.0.1";
@@ -117,7 +117,7 @@ std::optional<rtps::Locator_t> server_locator(std::string_view text) {
 }
 
 /// With servers there is no multicast. A server reports to a client what matches its own endpoints,
-/// which is all that any part of vdrive looks for.
+/// and no part of vdrive needs more.
 void add_discovery_servers(const NetworkSettings& settings, dds::DomainParticipantQos& qos) {
   if (settings.discovery_servers.empty()) return;
   if (settings.discovery_servers.size() > kMostServers) {

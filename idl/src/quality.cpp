@@ -57,7 +57,7 @@ dds::DataReaderQos reader_qos(const TopicTraits& topic) {
   dds::DataReaderQos qos;
   apply(topic, qos);
   // Room for twice the largest sample of the type, and a sample that claims more is dropped: the
-  // other modes make as much room as its sender says. The kernel gives the pages that are written
+  // other modes make as much room as its sender claims. The kernel gives the pages that are written
   // to.
   qos.endpoint().history_memory_policy = rtps::PREALLOCATED_MEMORY_MODE;
   auto& times = qos.reliable_reader_qos().times;

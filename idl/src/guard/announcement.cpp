@@ -23,7 +23,7 @@ std::chrono::milliseconds lease_of(Bytes value, bool little) {
 Announcer announcer_of(Bytes value, bool little) {
   Reader reader(value, little);
   const std::size_t length = reader.u32();
-  constexpr std::size_t kLongest = 16;  // more than any name that is looked for
+  constexpr std::size_t kLongest = 16;  // more than any name that is searched for
   std::array<char, kLongest> start{};
   const Bytes text = value.subspan(4, std::min(length, kLongest));
   std::ranges::copy(text, start.begin());

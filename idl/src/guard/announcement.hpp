@@ -26,7 +26,7 @@ enum class Announcer : std::uint8_t {
 struct Announcement {
   rtps_bytes::Prefix participant{};
   std::chrono::milliseconds lease{0};  ///< max() when it has no end
-  bool gone = false;                   ///< it has left, or another has said so
+  bool gone = false;  ///< it has left, by its own announcement or by that of another
   /// Who leaves is in the key of the inline QoS; Fast DDS 2.9 does not see it in the content, where
   /// Cyclone DDS has it.
   bool library_knows_key = false;
@@ -34,7 +34,8 @@ struct Announcement {
 };
 
 /// Reads the announcement in a DATA submessage of a datagram that passed the check.
-/// @return nothing when it does not say of whom it is, or has no lease although it does not leave.
+/// @return nothing when it does not name its participant, or has no lease although it does not
+/// leave.
 [[nodiscard]] std::optional<Announcement> read_announcement(
     const rtps_bytes::Submessage& submessage, const rtps_bytes::Data& data) noexcept;
 

@@ -152,7 +152,7 @@ bool is_text(Bytes value, bool little) {
   return reader.ok() && length <= reader.left();
 }
 
-/// What the library reads of it without a look at the length has at least that length.
+/// Where the library reads a parameter without a check of its length, it has at least that length.
 bool is_parameter(const ListEntry& entry, bool little) {
   switch (entry.id) {
     case kEntityName:
@@ -176,7 +176,7 @@ Refusal check_list(Bytes bytes, bool little) {
   return list.ended() ? Refusal::none : Refusal::parameters;
 }
 
-/// @return whether the inline QoS says that an instance is gone.
+/// @return whether the inline QoS marks an instance as disposed or unregistered.
 bool says_gone(const Submessage& submessage, const Data& data) {
   List list(data.inline_qos, submessage.has(kLittle));
   for (ListEntry entry; list.next(entry);) {
@@ -229,7 +229,7 @@ Refusal check_data_frag(const Submessage& submessage) {
       data.content.size() < std::min(behind * size, sample) - (first - 1) * size) {
     return Refusal::fragment;
   }
-  // An announcement in pieces cannot be looked at; a participant's own fits one datagram.
+  // An announcement in pieces cannot be checked; a participant's own fits one datagram.
   const bool announces = data.reader == kParticipantsReader || data.writer == kParticipantsWriter;
   return announces ? Refusal::announcement : Refusal::none;
 }

@@ -39,7 +39,7 @@ std::chrono::steady_clock::duration patience_with(const Announcement& announceme
 
 Guard::Guard(const NetworkSettings& settings)
     : role_(settings.role),
-      // A server speaks for its clients, and its own leases are the library's.
+      // A server announces its clients, and the library keeps its leases.
       keeps_leases_(settings.discovery_servers.empty()),
       sink_(settings.guard_sink) {
   if (keeps_leases_) {

@@ -55,7 +55,7 @@ class LeaseKeeper {
 
   void left(const Prefix& participant) { entries_.erase(participant); }
 
-  /// Forgets whoever has announced itself by a channel that closes.
+  /// Forgets the participants that were announced by a channel that closes.
   void closed(Channel channel) {
     std::erase_if(entries_, [channel](const auto& entry) {
       return entry.second.channel == channel;

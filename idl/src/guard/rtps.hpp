@@ -95,7 +95,7 @@ class Reader {
 
   std::uint32_t u32() noexcept { return number(4, little_); }
 
-  /// Entity ids are in network order whatever the flag says.
+  /// Entity ids are in network order with either value of the flag.
   std::uint32_t entity() noexcept { return number(4, false); }
 
   /// @return a sequence number; its high half comes first and may be negative.
@@ -244,7 +244,7 @@ inline constexpr std::size_t kDataFixed = 16;
 [[nodiscard]] bool may_announce(const Submessage& submessage, const Data& data) noexcept;
 
 /// @return whether the library may take it for discovery: its content then has passed the check.
-///         Other content is a program's own, and is nobody's to change.
+///         Other content belongs to a program and must not be changed.
 [[nodiscard]] bool is_discovery(const Submessage& submessage, const Data& data) noexcept;
 
 /// @param datagram that holds `submessage`, or a copy of it
