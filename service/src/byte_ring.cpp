@@ -33,8 +33,8 @@ ByteRing::ByteRing(RingPositions& positions, std::span<std::byte> memory) noexce
   assert(std::has_single_bit(memory.size()));
 }
 
-/// An empty ring that goes on at its beginning says so beside the positions, and not by a mark in
-/// the memory: until the reader had passed such a mark, the room behind it could not be used.
+/// An empty ring continues at its beginning. RingPositions::begin shows this, not a mark in the
+/// memory: until the reader had passed such a mark, the room behind it could not be used.
 std::optional<std::span<std::byte>> ByteRing::reserve(std::size_t size) noexcept {
   const std::uint64_t needed = sizeof(RecordHead) + aligned(size);
   const std::uint64_t read = std::max(positions_.read.load(std::memory_order_acquire), begin_);

@@ -21,7 +21,7 @@ class Doorbell {
   /// of the one that wakes it.
   enum class Waiting : std::uint8_t {
     asleep,
-    /// Looks for up to 100 us before it sleeps, as long as rings come that quickly.
+    /// Polls for up to 100 us before it sleeps, as long as rings come that quickly.
     quick,
   };
 

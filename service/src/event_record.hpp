@@ -96,7 +96,7 @@ struct WireLoss {
   friend bool operator==(const WireLoss&, const WireLoss&) = default;
 };
 
-/// What an event has to say beside its axis, session and code:
+/// What an event contains beside its axis, session and code:
 ///
 /// | event | detail |
 /// | --- | --- |

@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::size_t kLongestText = 200;
 
-/// @return what the event has to say as a `Detail`; an empty one where it has none.
+/// @return the detail of the event; an empty one where the event has no detail of this type.
 template <typename Detail>
 Detail detail_of(const EventRecord& event) {
   const auto* const detail = std::get_if<Detail>(&event.detail);

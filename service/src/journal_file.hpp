@@ -20,7 +20,7 @@ namespace vdrive::service {
 /// The file of a journal, as docs/reference/journal.md describes it: chunks with a check each,
 /// records in them.
 
-/// A journal cannot be read. The message says what is wrong and at which byte.
+/// A journal cannot be read. The message names the error and its byte.
 class JournalError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -46,7 +46,7 @@ bool LockstepDriver::handle_next(const std::atomic<bool>& stop, Doorbell& doorbe
   if (arrival == nullptr) return false;
   const bool is_step =
       arrival->kind == Arrival::Kind::request && arrival->request.kind() == msg::REQUEST_STEP;
-  if (is_step) {  // it may have to look behind itself in the inbox
+  if (is_step) {  // it may have to read the messages that follow it in the inbox
     Arrival request = std::move(*arrival);
     inbox_.pop();
     handle(request, stop, doorbell);

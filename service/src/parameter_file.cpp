@@ -100,7 +100,7 @@ ParameterTable decode(std::span<const std::byte> file) {
     for (const auto& [number, axis] : json.at("axes").items()) {
       auto& values = table[number_of<std::uint16_t>(number)];
       for (const auto& [object, value] : axis.items()) {
-        // The library converts a value such as 1e400 without a look at the range of the integer.
+        // The library converts a value such as 1e400 without a check of the range of the integer.
         if (!value.is_number_integer()) {
           fail_damaged("the value of " + in_quotes(object) + " is not a whole number");
         }

@@ -12,7 +12,7 @@
 namespace vdrive::service {
 namespace {
 
-// A thread that ticks must not be made to ring: this one looks.
+// A thread that ticks must make no system call to wake this one: this one polls.
 constexpr std::chrono::milliseconds kNap{2};
 
 void save(const StoreOrder& order, ParameterTable& table) {

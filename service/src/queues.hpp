@@ -52,8 +52,8 @@ class ArrivalIntake {
   ArrivalIntake(ByteRing arrivals, ByteRing turned_away) noexcept
       : arrivals_(arrivals), turned_away_(turned_away) {}
 
-  /// Takes a sample of `command` or `request`; of one that does not fit only the beginning, for the
-  /// answer that says so. @return whether it fitted.
+  /// Takes a sample of `command` or `request`; of one that does not fit only the beginning, which
+  /// the refusal needs. @return whether it fitted.
   bool put(wire::TopicId topic, std::span<const std::byte> sample,
            const wire::Source& source) noexcept;
 

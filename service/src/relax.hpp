@@ -3,7 +3,7 @@
 
 namespace vdrive::service {
 
-/// Tells the processor that this thread waits: the other thread of a core may go on.
+/// The pause instruction: this thread waits, and the other thread of the core gets its resources.
 inline void relax() noexcept {
 #if defined(__x86_64__) || defined(__i386__)
   __builtin_ia32_pause();

@@ -171,7 +171,7 @@ class Replay {
     return "axis " + std::to_string(named.number) + " (" + named.name + ")";
   }
 
-  /// The first row and the first member that differ, where the journal tells them apart.
+  /// The first row and the first member that differ, where the journal has a check of each.
   [[nodiscard]] std::string place_of(const StatusDigest& digest, const JournalTick& tick) const {
     const auto row =
         static_cast<std::size_t>(std::ranges::mismatch(rows_, tick.rows).in1 - rows_.begin());

@@ -29,7 +29,7 @@ class ReplyPublisher {
     return link_.is_gone(source);
   }
 
-  /// @return whether a reply waits for its reader and this thread has to look again.
+  /// @return whether a reply waits for its reader and this thread has to check again.
   [[nodiscard]] bool is_waiting() const noexcept { return link_.is_holding(); }
 
  private:

@@ -49,7 +49,7 @@ class Ring {
     head_.store(first_of(head_.load(std::memory_order_relaxed)) + 1, std::memory_order_release);
   }
 
-  /// @return how many messages wait; exact only when nobody works on the queue.
+  /// @return how many messages wait; exact only when no thread uses the queue.
   [[nodiscard]] std::size_t size() const noexcept {
     const std::size_t tail = tail_.load(std::memory_order_acquire);
     const std::size_t read = first_of(head_.load(std::memory_order_acquire));

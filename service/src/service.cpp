@@ -48,7 +48,7 @@ constexpr std::chrono::microseconds kAfterTick = 60us;
 constexpr std::chrono::milliseconds kLongestNap = 5ms;
 constexpr std::chrono::microseconds kReportNap = 500us;
 constexpr std::chrono::milliseconds kFarewell = 200ms;
-/// A wire in its own process then says goodbye; after this it is killed.
+/// A wire in its own process then announces its end; after this it is killed.
 constexpr std::chrono::milliseconds kLeave = 100ms;
 
 void prepare_tick_thread(int priority) {
@@ -228,7 +228,7 @@ class Service::Threads {
 
   void begin_shutdown() noexcept { shutdown_.begin(); }
 
-  /// In lock-step nobody steps any more: there is no time to brake in.
+  /// In lock-step no client steps any more: no drive time is left to brake in.
   [[nodiscard]] bool is_shut_down() const noexcept { return lockstep_ || shutdown_.is_done(); }
 
   void stop() noexcept {

@@ -51,7 +51,8 @@ class Service {
   Service(const Service&) = delete;
   Service& operator=(const Service&) = delete;
 
-  /// Listens for 300 ms, then announces the bench and runs it. With security material it first
+  /// Receives for 300 ms, to detect a service with the same number, then announces the bench and
+  /// runs it. With security material it first
   /// proves that strangers do not find it.
   /// @throws BenchNumberTaken when an older service has the number; wire::NetworkError when the
   ///         bench would be open in spite of its material; std::system_error when the journal

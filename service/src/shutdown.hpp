@@ -9,8 +9,8 @@
 
 namespace vdrive::service {
 
-/// The last second and a half of a bench. Anybody asks for the end; the thread that steps the bank
-/// brings the axes to rest: on their ramp first, then with the quick stop, then without power.
+/// The last second and a half of a bench. Any thread requests the end; the thread that steps the
+/// bank brings the axes to rest: on their ramp first, then with the quick stop, then without power.
 class Shutdown {
  public:
   /// Wall time from the request on. The rest of the 2 s that a service has is for its farewell.

@@ -25,7 +25,8 @@ class WireJudge {
   static constexpr std::chrono::seconds kLongestStart{10};
   /// Without a round of the pumps it hangs.
   static constexpr std::chrono::seconds kLongestRound{2};
-  /// A probe through discovery and data that does not come through in this time: it is deaf.
+  /// A probe through discovery and data that does not arrive in this time: the wire receives
+  /// nothing.
   static constexpr std::chrono::milliseconds kLongestProbe{4'000};
   /// A wire that ran for this long did not end because of how it was started.
   static constexpr std::chrono::seconds kLongRun{1};

@@ -61,7 +61,7 @@ class WireLink {
   /// @return the number of the wire that runs; 0 = none does.
   [[nodiscard]] std::uint32_t running() const noexcept;
 
-  /// @return whether this process has to look again soon, because an answer waits for its reader.
+  /// @return whether this process has to check again soon, because an answer waits for its reader.
   [[nodiscard]] bool is_holding() const noexcept {
     return program_ != nullptr && program_->is_holding();
   }

@@ -14,7 +14,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// A number that no bench has: nobody takes the sample for news.
+/// A number that no bench has: every reader but the wire ignores the sample.
 constexpr std::uint32_t kNoBench = 0;
 
 wire::NetworkSettings of_a_probe(wire::NetworkSettings settings) {

@@ -8,7 +8,7 @@
 
 namespace vdrive::service {
 
-/// Looks from outside whether a wire still discovers, receives and sends: as a participant of its
+/// Tests from outside whether a wire still discovers, receives and sends: as a participant of its
 /// own it makes a reader and a writer anew, which the wire has to find, sends the wire a sample and
 /// waits for one of its samples. Threads that exist and sockets that are open prove none of this.
 class WireProbe {

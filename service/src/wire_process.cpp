@@ -87,7 +87,7 @@ class WireProcess {
         program_(region, settings_),
         probe_(settings_.network, program_) {}
 
-  /// Until the engine says stop. @return the exit code.
+  /// Runs until the engine orders the end. @return the exit code.
   int run() {
     if (generation_ == 1 && !settings_.network.security.empty()) {
       check_closed(program_.participant(), settings_.network);
@@ -198,7 +198,7 @@ int run_wire_process(int region_descriptor) {
     spdlog::set_level(spdlog::level::from_str(settings.log_level));
     const wire::LibraryLog library_log(log_of_the_library(settings.bench));
     if (control.generation.load() > 1) {
-      // It could not say so itself, and its readers would be waited for.
+      // The one before could not announce its end, and answers would wait for its readers.
       wire::say_goodbye(settings.network, control.source);
       wire::say_goodbye(settings.network, control.prober);
     }

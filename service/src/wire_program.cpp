@@ -62,7 +62,8 @@ WireProgram::WireProgram(const WireRegion& region, const WireSettings& settings)
       arrivals_(region.ring(Lane::arrivals), region.ring(Lane::turned_away)),
       notices_(region.ring(Lane::notices)),
       arrivals_bell_(control_.arrivals_bell) {
-  // The engine reports anew to each wire, and old status helps nobody. Answers are waited for.
+  // The engine reports anew to each wire, and old status is of no use. Answers stay: clients wait
+  // for them.
   status_.clear();
   reports_.clear();
   control_.source = participant_.source();
@@ -144,8 +145,8 @@ void WireProgram::expect_probes_from(const wire::Source& source) {
 
 // ---- what leaves -------------------------------------------------------------------------------
 
-/// A round has an end also while the engine fills the lane as fast as it is emptied: whoever calls
-/// shows that it works, and looks after the other lanes.
+/// A round has an end also while the engine fills the lane as fast as it is emptied: between rounds
+/// the calling thread counts its progress and serves the other lanes.
 bool WireProgram::drain(Lane lane) {
   ByteRing& ring = lane == Lane::status ? status_ : lane == Lane::replies ? replies_ : reports_;
   std::size_t sent = 0;
@@ -180,7 +181,7 @@ bool WireProgram::try_send(const RecordHead& head, std::span<const std::byte> by
   return true;
 }
 
-/// A client that never reads, or that has gone, fills its own places and nobody else's.
+/// A client that never reads, or that has gone, fills its own places and those of no other client.
 void WireProgram::hold(const ByteRing::Record& record) {
   std::size_t& count = held_for_[record.head.party.participant];
   if (held_.size() >= kMostHeld || count >= kMostHeldForOne) {

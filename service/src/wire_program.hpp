@@ -22,8 +22,8 @@
 namespace vdrive::service {
 
 /// The wire of a bench: everything that names DDS, between the rings of a region and the topics. It
-/// looks into no message and keeps no state of the bench: another one can take its place at any
-/// time. Its threads are those of the library, which bring what arrives, and whoever calls `drain`.
+/// decodes no message and keeps no state of the bench: another one can take its place at any time.
+/// Its threads are those of the library, which bring what arrives, and the callers of `drain`.
 class WireProgram {
  public:
   /// How long an answer waits for its reader.
@@ -55,7 +55,7 @@ class WireProgram {
 
   [[nodiscard]] wire::Participant& participant() noexcept { return participant_; }
 
-  /// What comes from `source` is a probe: counted, and passed on to nobody.
+  /// What comes from `source` is a probe: counted, and not passed on.
   void expect_probes_from(const wire::Source& source);
 
   [[nodiscard]] std::uint64_t probes_received() const noexcept { return probes_received_; }

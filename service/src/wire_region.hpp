@@ -24,25 +24,25 @@ enum class Lane : std::uint8_t {
   reports,      ///< descriptions, states, parameters, events
   arrivals,     ///< command frames and requests
   turned_away,  ///< beginnings of those that found `arrivals` full
-  notices,      ///< what other services say of this bench number
+  notices,      ///< what other services publish with this bench number
 };
 
 inline constexpr std::size_t kLanes = 6;
 
-/// What the wire is doing, as it says itself.
+/// What the wire is doing; written by the wire.
 enum class WireState : std::uint32_t {
   none,      ///< no wire has started
   starting,  ///< `WireControl::generation` has not come up yet
   running,
-  failed,  ///< it could not start; `WireControl::error` says why
+  failed,  ///< it could not start; `WireControl::error` has the reason
 };
 
-/// Participants, shown by one side and looked at by the other without waiting for each other.
+/// Participants, written by one side and read by the other without waiting for each other.
 class SharedSources {
  public:
   static constexpr std::size_t kCapacity = 1'024;
 
-  /// While nobody shows anything.
+  /// While none is written.
   void reset() noexcept;
 
   /// One thread at a time. What is beyond the capacity is not shown.

@@ -58,7 +58,7 @@ void WireSupervisor::start() {
     if (has_to_stop()) throw wire::NetworkError("stopped by a signal before the wire was ready");
     if (control_.state.load() == WireState::failed) throw wire::NetworkError(error_of(control_));
     if (const auto end = spawner_.next_end()) {
-      // It says why before it ends.
+      // It writes the reason into the region before it ends.
       const std::string error = error_of(control_);
       throw wire::NetworkError(error.empty() ? "the wire's process: " + loss_of(*end).text()
                                              : error);

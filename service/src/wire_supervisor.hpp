@@ -24,7 +24,7 @@ class WireSupervisor {
                  Counters& counters);
 
   /// Starts the first wire and waits until it runs.
-  /// @throws wire::NetworkError with what it says when it cannot start
+  /// @throws wire::NetworkError with the reason that it has written when it cannot start
   void start();
 
   /// Judges the wire; ends one that hangs or leaks, and starts another one.

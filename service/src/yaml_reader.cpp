@@ -48,7 +48,7 @@ void check_encoding(const std::string& text, const std::string& file_name) {
   }
 }
 
-/// Hears where each document begins.
+/// Notes where each document begins.
 class DocumentStarts : public YAML::EventHandler {
  public:
   std::vector<YAML::Mark> starts;
