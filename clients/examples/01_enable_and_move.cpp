@@ -16,7 +16,7 @@ int main(int argc, char** argv) {
   if (argc > 1) options.domain = static_cast<std::uint32_t>(std::stoul(argv[1]));
   Session session(options);
 
-  // A call returns a value or an outcome that says in a sentence why there is none.
+  // A call returns a value, or an outcome whose message gives the reason why there is none.
   auto axis = session.axis("1.1");
   if (!axis) {
     std::cerr << axis.outcome().message() << '\n';

@@ -2,7 +2,7 @@
 //
 // Co-simulation in lock-step: this program is the load. Each tick it takes the position of the
 // axis, works out the torque of a pendulum on its shaft, and feeds it back (5E00h). Time passes
-// only when the program says so; the run is the same every time.
+// only when the program steps the clock; the run is the same every time.
 //
 //   vdrived --clock lockstep &
 //   04_cosimulation [domain]

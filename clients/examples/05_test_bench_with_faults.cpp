@@ -34,7 +34,7 @@ constexpr std::array kFaults{
 bool survives(Axis& axis, const Fault& fault) {
   if (!axis.enable() || !axis.disturb(fault.disturbance)) return false;
 
-  // The move ends with `failed`, and its message says with what.
+  // The move ends with `failed`, and its message names the fault.
   const Outcome ended = axis.move_by(100'000);
   std::cout << fault.name << ": " << ended.message() << '\n';
   const auto broken = axis.status();

@@ -10,9 +10,9 @@
 
 namespace vdrive::client {
 
-/// A call that stops axes, whoever owns them, also after an interrupt of the session: it sends
-/// frames to the axes that this session owns and writes 6040h of the others, whose owners keep
-/// them.
+/// A call that stops axes, also those of other sessions, also after an interrupt of the session: it
+/// sends frames to the axes that this session owns and writes 6040h of the others, whose owners
+/// keep them.
 class AxesStop {
  public:
   AxesStop(SessionCore& core, AxesCall& call);

@@ -325,7 +325,7 @@ Outcome AxisGroup::resume_all(const GroupCallOptions& options) {
   if (!answers.outcome) {
     const Round halt = call.round_of(kHalt, every_axis);
     if (answers.tick != 0)
-      (void)call.exchange({&halt, 1}, Timing::at_once);  // nobody goes on alone
+      (void)call.exchange({&halt, 1}, Timing::at_once);  // no axis continues alone
     return answers.outcome;
   }
   Outcome seen = call.await_enabled("the release", answers.tick, every_axis);

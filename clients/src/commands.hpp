@@ -44,7 +44,7 @@ class Commands {
   /// sent, also before a failure.
   Outcome send(SentFrames& sent, std::span<const FrameContent> frames);
 
-  /// Sends frames of which only a refusal is answered, and nobody waits for it.
+  /// Sends frames without waiting. Only a refused frame is answered; no call waits for this answer.
   Outcome send_unawaited(const Target& target, std::span<const FrameContent> frames);
 
   /// Waits for the answers to these frames. A frame that waits for its tick is answered then.

@@ -30,10 +30,10 @@ struct UnansweredMessages {
   UnansweredFrames frames;
 };
 
-/// The right to send to one run of a service: nobody else sends to it while this lives.
+/// The right to send to one run of a service: no other thread sends to it while this object lives.
 struct OpenLink {
   BenchKey key;
-  std::unique_lock<std::mutex> sending;  ///< no lock: somebody else sends
+  std::unique_lock<std::mutex> sending;  ///< no lock: another thread sends
   bool is_matched = false;               ///< false: the bench is not reached yet
 
   explicit operator bool() const noexcept { return sending.owns_lock() && is_matched; }
@@ -56,7 +56,7 @@ class Connection {
   /// Finds the bench and waits until it receives requests, if we may send any, and we its answers.
   Result<Target> connect(std::uint32_t number);
 
-  /// Waits until nobody else sends to this run, then until its link is connected.
+  /// Waits until no other thread sends to this run, then until its link is connected.
   /// @param what is to be sent, for the message: "requests" or "commands"
   /// @param patience wall time to wait for the match of a bench that is connected anew
   Result<OpenLink> open(const Target& target, std::string_view what,

@@ -34,7 +34,7 @@ Control::~Control() {
 
 void Control::end() {
   keep_alive_sender_.stop();
-  (void)release();  // nobody is left to receive the outcome
+  (void)release();  // no caller is left to receive the outcome
 }
 
 Result<msg::Reply> Control::exchange(const Target& target, msg::Request request,

@@ -94,7 +94,7 @@ class Directory {
   /// @return every run that has a description and a sample, by bench; of one bench the newest last.
   [[nodiscard]] std::vector<Presence> presences(Clock::time_point now) const;
 
-  /// This run answered that it has another rate, before its state says so.
+  /// This run answered that it has another rate, before its state shows it.
   void set_rate(const BenchKey& key, double rate);
 
   /// @return whether a state of this run after `since` shows that its drive time stands still:

@@ -29,7 +29,7 @@ class Holdings {
   /// taken.
   [[nodiscard]] std::unique_lock<std::mutex> lock_sending(std::uint32_t bench);
 
-  /// The same without waiting. @return no lock when somebody sends.
+  /// The same without waiting. @return no lock when another thread sends.
   [[nodiscard]] std::unique_lock<std::mutex> try_lock_sending(std::uint32_t bench);
 
   /// The bench answered that these axes are held in `epoch`.

@@ -20,7 +20,7 @@ class KeepAliveSender {
   /// Starts the thread, once.
   void start();
 
-  /// Ends the thread. Nobody may start it at the same time.
+  /// Ends the thread. It must not be started at the same time.
   void stop() { thread_.stop(); }
 
  private:

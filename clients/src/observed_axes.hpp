@@ -69,7 +69,7 @@ class ObservedAxes {
   /// Ends calls that wait for a sample with `failed` once this is requested.
   void stop_by(std::stop_token stop) { stop_ = std::move(stop); }
 
-  /// @return `outcome`; when it says that the bench is lost, the part is lost from now on, and the
+  /// @return `outcome`; when it is `lost`, the part is lost from now on, and the
   ///         message of a group names the axes that are lost with it.
   Outcome note_lost(BenchPart& part, Outcome outcome) const;
 

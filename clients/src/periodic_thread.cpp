@@ -11,7 +11,7 @@ namespace vdrive::client {
 void PeriodicThread::start(Work work) {
   stop();
   thread_ = std::jthread([work = std::move(work)](const std::stop_token& stop) {
-    // Nobody notifies it: a sleep that the stop token ends.
+    // Never notified: a sleep that the stop token ends.
     std::condition_variable_any sleep;
     std::mutex mutex;
     std::unique_lock lock(mutex);

@@ -35,7 +35,7 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   /// The session ends: gives all axes back, and no handle that is left sends anything.
   void end();
 
-  /// The session ends without a word: it sends nothing any more and gives nothing back.
+  /// The session ends as if its program were killed: it sends nothing more and gives nothing back.
   void abandon() noexcept;
 
   /// Observes `axes` tick by tick.

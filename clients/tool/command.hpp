@@ -169,7 +169,7 @@ struct RecordCommand {
 struct ConvertCommand {
   std::string from;
   std::string to;
-  std::optional<Duration> period;  ///< of a tick, where `from` does not say it
+  std::optional<Duration> period;  ///< of a tick, where `from` has no such time
 };
 
 struct SnapshotCommand {

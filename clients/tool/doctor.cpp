@@ -224,7 +224,7 @@ Finding check_wire(const client::BenchInfo& bench) {
               "the log of the service and the events of the bench give the reason of each restart"};
 }
 
-/// The time of a watchdog that nobody set, in docs/guides/configuration.md: half of it is close.
+/// Half of the default of watchdog.timeout_ms (docs/guides/configuration.md).
 constexpr std::chrono::milliseconds kLongSilence{250};
 
 Finding check_silence(const client::BenchInfo& bench) {

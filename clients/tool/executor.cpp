@@ -519,7 +519,7 @@ Outcome Executor::run(const MoveCommand& command) {
   return report_motion(*axis, "move", moved, options.call.until == client::Until::done);
 }
 
-/// Whoever interrupts a move has to know whether the axis still moves.
+/// After an interrupted move the message shows whether the axis still moves.
 void Executor::report_interrupted_move(client::Axis& axis, const MoveCommand& command,
                                        const Outcome& moved) {
   if (!command.stop_on_interrupt) {

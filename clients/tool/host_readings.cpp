@@ -109,7 +109,7 @@ bool receives_multicast(const std::string& own_address) {
   return poll(&arrival, 1, kMulticastPatience) == 1;
 }
 
-/// Asks whoever listens on a port of loopback for a page.
+/// Requests a page from the program that has a port of loopback.
 GatewayReading read_gateway(std::uint16_t port) {
   constexpr std::string_view kRequest =
       "GET / HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";

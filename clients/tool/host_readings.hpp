@@ -27,7 +27,7 @@ struct SharedSegment {
   bool is_mapped = false;  ///< by a process that we may inspect
 };
 
-/// Who listens on the port of vdrive-gateway on loopback.
+/// Which program has the port of vdrive-gateway on loopback.
 enum class GatewayReading : std::uint8_t { nobody, gateway, another };
 
 /// What the machine shows of itself, as far as it concerns DDS and ticks. Nothing = it cannot be

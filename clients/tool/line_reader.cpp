@@ -58,7 +58,7 @@ class LineReader::Editor {
         completer_(std::move(completer)),
         history_(history_init()),
         editor_(el_init("vdrive", stdin, stdout, stderr)) {
-    // It reads multi-byte characters as the locale says.
+    // It reads multi-byte characters by the encoding of the locale.
     // NOLINTNEXTLINE(concurrency-mt-unsafe): no other thread uses the locale
     static_cast<void>(std::setlocale(LC_CTYPE, ""));
     HistEvent event{};
@@ -91,7 +91,7 @@ class LineReader::Editor {
 
   std::optional<std::string> next() {
     // By itself the editor shows its prompt first. What is typed in between would be edited by the
-    // terminal, and Ctrl-C a signal that nobody waits for.
+    // terminal, and Ctrl-C a signal that no thread waits for.
     el_set(editor_, EL_PREP_TERM, 1);
     int length = 0;
     const char* const line = el_gets(editor_, &length);

@@ -13,7 +13,7 @@ namespace {
 
 using client::Outcome;
 
-/// @return whether somebody has pressed Enter, or standard input has ended.
+/// @return whether Enter was pressed, or standard input has ended.
 bool is_enter_pressed() {
   pollfd input{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
   if (poll(&input, 1, 0) <= 0) return false;

@@ -14,7 +14,7 @@ namespace vdrive::tool {
 /// What a quantity measures.
 enum class Dimension : std::uint8_t { position, velocity, acceleration };
 
-/// A position, a speed or a ramp as it was typed. Its axis tells how many user units it is.
+/// A position, a speed or a ramp as it was typed. The unit of its axis converts it to user units.
 struct Quantity {
   std::string text;
   Dimension dimension = Dimension::position;

@@ -29,8 +29,9 @@ struct ObservedBench {
 /// while: the stream as it comes, with the number of samples that were lost. As MCAP also every
 /// object of the axes as it is at the beginning, and the events of the benches and axes.
 ///
-/// A bench whose time stands still is waited for without end, one that sends nothing for as long as
-/// the command says. The end or the restart of a service ends the recording.
+/// The recorder waits without end for a bench whose time stands still, and up to
+/// RecordCommand::lost_after for one that sends nothing. The end or the restart of a service ends
+/// the recording.
 class Recorder {
  public:
   Recorder(client::Session& session, Terminal& terminal, const RecordCommand& command);

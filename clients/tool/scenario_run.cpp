@@ -212,7 +212,7 @@ class ScenarioRuns {
     }
   }
 
-  /// @return not_found, with suites() that say so.
+  /// @return not_found, with suites() that report it.
   Outcome find_axes() {
     for (std::size_t i = 0; i < runs_.size(); ++i) {
       Outcome found = runs_[i]->find_axes();

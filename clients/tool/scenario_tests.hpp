@@ -9,7 +9,7 @@
 namespace vdrive::tool {
 
 /// Runs each scenario on a bench of its own, several side by side, and writes one report. A bench
-/// is a service in lock-step on a domain that nobody else uses; it ends with its scenario.
+/// is a service in lock-step on a domain that no other program uses; it ends with its scenario.
 /// @return the exit code of the first file that failed, in the order of the command line.
 /// @throws UsageError before anything starts: a mistake in a file, no service, a report that cannot
 ///         be written.

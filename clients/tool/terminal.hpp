@@ -55,7 +55,7 @@ class Terminal {
   void complain(std::string_view line);
 
   /// Replaces the live block below the last line, on a terminal only. Where it is higher than the
-  /// terminal its last row tells how many are left out.
+  /// terminal its last row has the number of those left out.
   void show_live(std::vector<LiveLine> lines);
 
   /// Replaces the whole screen, on a terminal only: the alternate screen, which end_live() leaves.

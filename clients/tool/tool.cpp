@@ -49,7 +49,7 @@ ExitCode finish(const Outcome& outcome, const Interrupt& interrupt, bool is_json
                 Terminal& terminal) {
   terminal.end_live();
   if (interrupt.happened()) return ExitCode::interrupted;
-  // Nobody reads any more: that ends a stream, it is not an error.
+  // The reader of a pipe has ended: that ends a stream, it is not an error.
   if (!terminal.is_open()) return ExitCode::ok;
   if (outcome) return ExitCode::ok;
   terminal.complain("vdrive: " + outcome.message());
@@ -137,7 +137,7 @@ GlobalOptions network_of(const std::vector<std::string>& words) {
   return options;
 }
 
-/// What the completion of a shell calls: a person waits for it, and nobody reads an error.
+/// What the completion of a shell calls: a person waits for it, and no error is shown.
 ExitCode complete(const std::vector<std::string>& words, Terminal& terminal) {
   constexpr std::chrono::milliseconds kPatience{400};
   std::optional<client::Session> session;
@@ -208,7 +208,7 @@ ExitCode run_command(std::vector<std::string> arguments, Terminal& terminal) {
     return open_shell(invocation.options, terminal);
   }
   GlobalOptions options = invocation.options;
-  // How long it waits does not limit how long the bench is looked for.
+  // Its --timeout limits the wait, not the search for the bench.
   if (std::holds_alternative<AwaitCommand>(*invocation.command)) options.timeout.reset();
   return run_connected(options, terminal, [&](client::Session& session) {
     return Executor(session, terminal, invocation.options.json, false)

@@ -28,7 +28,7 @@ struct WatchChoice {
 
 /// What `watch` shows on a terminal: a line with the tick, of several benches that of each, a
 /// header, and one row an axis. A wider terminal gets more columns; 60 are enough for position,
-/// velocity and state with what the statusword says. No row is wider than the terminal, and there
+/// velocity and state with the bits of the statusword. No row is wider than the terminal, and there
 /// are no more rows than it has.
 [[nodiscard]] std::vector<LiveLine> watch_table(const client::Observation& sample,
                                                 const std::map<client::AxisId, AxisFace>& faces,

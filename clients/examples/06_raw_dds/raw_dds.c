@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// A service is on loopback unless its configuration says otherwise. CYCLONEDDS_URI wins.
+// A service is on loopback unless its configuration names other interfaces. CYCLONEDDS_URI wins.
 static const char kLoopback[] =
     "<CycloneDDS><Domain><General><Interfaces><NetworkInterface name='lo' multicast='true'/>"
     "</Interfaces></General></Domain></CycloneDDS>";
@@ -86,7 +86,7 @@ static bool service_listens(void) {
   return command.current_count > 0 && request.current_count > 0;
 }
 
-// 2. The bench says who it is, also to those who come late.
+// 2. The bench describes itself, also to readers that join late.
 static bool bench_found(void) {
   static void* sample = NULL;
   while (take(benches, &sample)) {
@@ -124,7 +124,7 @@ static void ask(uint32_t kind, const char* what) {
   wait_until(answered, 10, what);
 }
 
-// 4. A frame. Without a command it only says that we are still there.
+// 4. A frame. Without a command it is a keep-alive.
 static void send_frame(vdrive_msg_AxisCommand* command) {
   vdrive_msg_CommandFrame frame = {.bench = kBench,
                                    .incarnation = incarnation,

@@ -31,7 +31,7 @@ struct BenchChannels {
   [[nodiscard]] std::vector<ChannelPointer> all() const;
 };
 
-/// Makes the topics of a bench. Only while somebody receives one of its axes does it follow them.
+/// Makes the topics of a bench.
 [[nodiscard]] BenchChannels bench_channels(const KnownBench& bench);
 
 /// What feeds have in common.
@@ -40,8 +40,8 @@ struct FeedSettings {
   const std::atomic<std::size_t>* clients = nullptr;  ///< that are connected
 };
 
-/// Publishes one bench: follows it in a thread of its own, whoever advances its clock, and encodes
-/// what somebody receives, once for all receivers.
+/// Publishes one bench. A thread of its own follows the bench while some client receives one of its
+/// axes, never advances its clock, and encodes what is received once for all receivers.
 class BenchFeed {
  public:
   /// @param session outlives the feed
@@ -60,11 +60,11 @@ class BenchFeed {
   /// other topics.
   void update(client::BenchInfo info);
 
-  /// It fell silent, or sends again.
+  /// The bench stopped sending, or sends again.
   /// @param sample_age of its newest sample
   void note_alive(bool is_alive, std::chrono::milliseconds sample_age);
 
-  /// How old its newest sample is, as far as this feed was told.
+  /// How old its newest sample is, by the last call of note_alive().
   [[nodiscard]] std::chrono::nanoseconds sample_age() const;
 
   /// Since when it has been silent; nothing while it is not.

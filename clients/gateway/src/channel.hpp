@@ -18,16 +18,16 @@ struct Receiver {
   std::uint32_t subscription = 0;
 };
 
-/// A topic. Who publishes it reads whether anybody wants it; everything else is the hub's.
+/// A topic. Its publisher reads whether a client receives it; everything else belongs to the hub.
 struct Channel {
   explicit Channel(ChannelInfo described) : info(std::move(described)) {}
 
   const ChannelInfo info;
   std::atomic<std::uint32_t> subscriptions = 0;
-  std::atomic<bool> is_wanted_now = false;  ///< somebody new waits for its first message
+  std::atomic<bool> is_wanted_now = false;  ///< a new receiver waits for its first message
   std::vector<Receiver> receivers{};        ///< of the hub's thread
 
-  /// @return whether anybody receives it.
+  /// @return whether a client receives it.
   [[nodiscard]] bool is_wanted() const noexcept { return subscriptions != 0; }
 };
 

@@ -43,10 +43,10 @@ class Control {
   /// The holder commands no more: what it jogs stops, and its axes are given back as they are.
   void release();
 
-  /// The holder is lost: its session falls silent, and the axes react as 6007h says.
+  /// The holder is lost: its session stops sending, and the axes react by 6007h.
   void abandon();
 
-  /// The holder jogs an axis: see Jogs::request(). Only while somebody holds control.
+  /// The holder jogs an axis: see Jogs::request(). Only while a connection holds control.
   void jog(const JogRequest& request, Clock::time_point now, const Jogs::Answer& answer);
 
   /// Drops what ended jogs have left.

@@ -19,8 +19,8 @@ struct KnownBench {
   std::vector<std::string> axis_names;  ///< in the order of info.axes; each once
 };
 
-/// The benches that the gateway has found, by number. Nobody changes it: there is a new one when a
-/// bench comes or goes.
+/// The benches that the gateway has found, by number. It is never changed: a bench that comes or
+/// goes makes a new list.
 using BenchList = std::shared_ptr<const std::vector<KnownBench>>;
 
 /// @return whether both have the same axes, names, units and period, so that the topics of one are

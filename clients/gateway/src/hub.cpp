@@ -30,7 +30,7 @@ constexpr std::size_t kMostBatches = 256;  // under way to the server's thread
 constexpr std::size_t kMostSubscriptions = 16'384;
 constexpr std::size_t kMostParameters = 512;
 constexpr std::size_t kLongestName = 64;
-// The code of a drive when somebody else holds an axis.
+// The code of a drive when another session holds an axis.
 constexpr std::uint32_t kControlled = wire_code(AbortCode::refused_local_control);
 constexpr std::uint32_t kOwnChannels = 0;  // no bench has this number
 
@@ -623,7 +623,7 @@ void Hub::on_session(ConnectionId id, const CallService& message, const Taking& 
     return;
   }
   if (control_.holder() && !control_.is_holder(id)) {
-    // Somebody else may have taken it while the session was made.
+    // Another connection may have taken control while the session was made.
     if (!taking.by_force) {
       answer(id, message, {.outcome = held_outcome()});
       return;

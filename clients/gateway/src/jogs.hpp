@@ -44,7 +44,7 @@ class Jogs {
   /// @param answer when the axis runs, when it stands, or when it was refused
   void request(const JogRequest& request, Clock::time_point now, const Answer& answer);
 
-  /// Drops the threads of axes that nobody jogs any more.
+  /// Drops the threads of axes that no client jogs any more.
   void forget_ended();
 
  private:

@@ -13,7 +13,7 @@ namespace vdrive::gateway {
 /// Without names a client gets all parameters of benches that have so many axes together, or fewer.
 inline constexpr std::size_t kMostAxesOfAll = 16;
 
-/// What a client asked for, and what it is told in words.
+/// The parameters that a client asked for, and what went wrong.
 struct ParameterAnswer {
   std::vector<Parameter> parameters;
   std::vector<std::string> complaints;  ///< each a sentence

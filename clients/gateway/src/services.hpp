@@ -41,7 +41,7 @@ struct ServiceRow {
 /// Every service; its number in the protocol is its place here, from 1 on.
 [[nodiscard]] std::span<const ServiceRow> services();
 
-/// @return what a client is told about them.
+/// @return the announcement of the services to a client.
 [[nodiscard]] std::vector<ServiceInfo> service_infos();
 
 /// @return the answer as the response of a service.

@@ -148,7 +148,7 @@ class Connection final : public std::enable_shared_from_this<Connection> {
     if (now - reported_ >= kDropReport) report_dropped(now);
   }
 
-  /// The server ends: the client is told so.
+  /// Reports the end of the server to the client.
   void announce_end() {
     has_announced_end_ = true;
     if (phase_ == Phase::open) close(websocket::close_code::going_away, "the gateway ends");

@@ -51,7 +51,7 @@ struct Patience {
   std::chrono::milliseconds machine{};  ///< does not even acknowledge the bytes that it was sent
 };
 
-/// What a server counts from its start on, except where it says otherwise.
+/// What a server counts, from its start on where nothing else is stated.
 struct WebCounters {
   std::size_t clients = 0;                         ///< WebSockets that are open now
   std::uint64_t connections = 0;                   ///< WebSockets that were opened
@@ -66,7 +66,7 @@ struct WebCounters {
 struct WebEvents {
   std::function<void(ConnectionId id)> opened;
   std::function<void(ConnectionId id, bool is_text, std::string_view bytes)> received;
-  /// @param is_graceful the client closed the WebSocket as the protocol says, and was not lost
+  /// @param is_graceful the client closed the WebSocket by the closing handshake, and was not lost
   std::function<void(ConnectionId id, bool is_graceful)> closed;
   std::function<std::string()> metrics{};  ///< makes the text of /metrics
 };

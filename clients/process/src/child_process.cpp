@@ -8,7 +8,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-// The header of glibc 2.36 does not say so itself.
+// The header of glibc 2.36 lacks this declaration.
 extern "C" {
 #include <sys/pidfd.h>
 }

@@ -27,7 +27,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds kStart{60};
 constexpr std::chrono::seconds kEnd{5};
 
-/// What a service manager listens on, with a name that the system chooses.
+/// The socket of a service manager, with a name that the system chooses.
 int open_notifications() {
   const int receiver = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   sockaddr_un address{};

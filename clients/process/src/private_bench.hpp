@@ -12,7 +12,7 @@
 
 namespace vdrive::process {
 
-/// A service on a domain that nobody else uses. It ends with this object.
+/// A service on a domain that no other program uses. It ends with this object.
 class PrivateBench {
  public:
   /// @param service the program vdrived

@@ -102,7 +102,7 @@ export class Connection {
   }
 
   /**
-   * Closes the WebSocket as its protocol says, so that control is given back. The browser ends the
+   * Closes the WebSocket by the closing handshake of its protocol, so that control is given back. The browser ends the
    * worker with the page: it needs some time before that to send the close frame.
    */
   private close(): void {

@@ -254,7 +254,7 @@ class TestInputs {
     if (this.axes().length === 1 && this.root.getClientRects().length > 0) void this.read();
   }
 
-  /** Shows what acts on the axis, whoever has set it. */
+  /** Shows what acts on the axis, also what another program has set. */
   private async read(): Promise<void> {
     const before = this.commands;
     const inputs = this.model.dictionary?.disturbances ?? [];
