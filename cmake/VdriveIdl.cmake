@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 
 find_program(VDRIVE_FASTDDSGEN fastddsgen REQUIRED)
-find_program(VDRIVE_IDLC idlc DOC "IDL compiler of Cyclone DDS, a second opinion on our IDL")
+find_program(VDRIVE_IDLC idlc DOC "IDL compiler of Cyclone DDS, a second check of our IDL")
 
 # vdrive_generate_idl(<target> <file>.idl)
 # An object library with the C++ code that fastddsgen makes of the file, and its include directory.
 # The second vendor's compiler reads each file too, when it is there: what it refuses fails the
-# build, because then only one vendor's DDS could talk to us.
+# build, because then only one vendor's DDS could exchange messages with a bench.
 function(vdrive_generate_idl target idl)
   cmake_path(GET idl STEM name)
   cmake_path(ABSOLUTE_PATH idl)

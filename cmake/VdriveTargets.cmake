@@ -83,8 +83,8 @@ function(vdrive_target_defaults target)
       # What every test runs through: the tests take a third of the time, and the build hardly longer.
       target_compile_options(${target} PRIVATE $<$<CONFIG:Debug>:-O1>)
     endif()
-    # BUILD_INTERFACE: whoever links the library in this build needs the runtime too; an installed
-    # package says nothing about it.
+    # BUILD_INTERFACE: a program that links the library in this build needs the runtime too; an
+    # installed package does not mention it.
     target_link_options(${target} PUBLIC $<BUILD_INTERFACE:-fsanitize=${VDRIVE_SANITIZE}>)
   endif()
 endfunction()

@@ -14,7 +14,7 @@ set(dist ${WORK}/dist)
 function(give_up reason)
   file(REMOVE_RECURSE ${dist})
   file(MAKE_DIRECTORY ${dist})
-  message(NOTICE "page of the gateway: ${reason}; the gateway will serve a page that says how to get it")
+  message(NOTICE "page of the gateway: ${reason}; the gateway will serve a page that explains how to get it")
 endfunction()
 
 # The sources, and no file that the tree no longer has.

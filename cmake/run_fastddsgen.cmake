@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Runs fastddsgen on one file. The generator reports some failures with exit code 0 and leaves
 # half-written files behind, so its output decides; it also writes to the system's shared temporary
-# directory unless told otherwise, where two builds of the same file would collide.
+# directory unless another one is given, where two builds of the same file would collide.
 cmake_minimum_required(VERSION 3.25)
 
 function(run_checked)

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Makes the authority of a closed network: one CA that says who is who, another one that says who may
-# do what, and the signed rules of the domain.
+# Makes the authority of a closed network: one CA that signs identities, another one that signs
+# permissions, and the signed rules of the domain.
 #
 #   deploy/security/make_authority.sh DIR [--days N]
 #
@@ -38,7 +38,7 @@ fi
 [[ ! -e $directory ]] || [[ -z $(ls -A "$directory") ]] ||
   fail "$directory is not empty and does not contain a complete authority"
 
-# Built beside its place and moved there whole: who is interrupted has nothing half made.
+# Built beside its place and moved there complete: an interrupted run leaves no part of it.
 mkdir -p "$(dirname "$directory")"
 work=$(mktemp --directory "$(dirname "$directory")/.authority.XXXXXX")
 trap 'rm -rf "$work"' EXIT
