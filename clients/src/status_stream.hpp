@@ -41,8 +41,7 @@ class StatusStream {
   Result<Observation> next(const Target& target, StatusFeed& feed, const Patience& patience);
 
   /// Does not wait. @return the newest sample of a feed, with the samples lost since the one that
-  /// was
-  ///         taken last; nothing where no other has come.
+  ///         was taken last; nothing where no other has come.
   std::optional<Observation> take_newest(StatusFeed& feed);
 
   /// Waits for an axis sample of each of these axes: a bench sends them also while its time stands

@@ -20,8 +20,7 @@ struct ObjectName {
   [[nodiscard]] std::optional<ObjectRow> row() const;
 
   /// @return whether a list of this object has the row at `other`: an index that was spelled
-  /// without
-  ///         a sub-index stands for all of them.
+  ///         without a sub-index stands for all of them.
   [[nodiscard]] bool covers(ObjectAddress other) const;
 };
 

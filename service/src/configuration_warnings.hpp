@@ -12,8 +12,7 @@ namespace vdrive::service {
 /// What the author of a valid configuration can hardly want.
 
 /// @return the software limits (607Dh) that have no effect because 3535h is not set, a sentence
-/// each
-///         that names the axis. Cheap enough for each start.
+///         each that names the axis. Cheap enough for each start.
 [[nodiscard]] std::vector<std::string> limit_warnings(const Configuration& configuration);
 
 /// @return the loads that the servo loops of their axis cannot hold: lines that name file, line and

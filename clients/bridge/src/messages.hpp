@@ -75,8 +75,7 @@ struct TorqueRating {
 };
 
 /// @return [rad] of one user unit of a rotary axis, [m] of a linear one; of a linear axis whose
-/// unit
-///         is not a length: that unit.
+///         unit is not a length: that unit.
 [[nodiscard]] double si_per_user_unit(const Unit& unit);
 
 /// @return what 1 ‰ of the rated torque is where 6064h is measured, friction left out: [N.m] of a

@@ -37,8 +37,7 @@ class Controller {
   void take(Message message);
 
   /// @param writers gives the number of nodes that write joint commands now; when the last one
-  /// ends,
-  ///        joints that velocity or effort move brake
+  ///        ends, joints that velocity or effort move brake
   void set_writers(std::function<std::size_t()> writers);
 
  private:

@@ -152,10 +152,9 @@ class Axis {
   /// The axis runs on, also after the call; 0 brakes it to standstill.
   /// @param velocity [UU/s]
   /// @return refused where a ramp or a limit of 0 allows no motion, and above 607Fh or 6080h;
-  /// failed
-  ///         when a limit switch (60FDh) stops the axis, when the drive limits the velocity by the
-  ///         607Fh and 6080h of its last enabling, when the axis was halted on the way, or when the
-  ///         wait was interrupted: then it goes on.
+  ///         failed when a limit switch (60FDh) stops the axis, when the drive limits the velocity
+  ///         by the 607Fh and 6080h of its last enabling, when the axis was halted on the way, or
+  ///         when the wait was interrupted: then it goes on.
   Outcome run_at(std::int32_t velocity, const VelocityOptions& options = {});
 
   /// Profile torque mode (6060h = 4) with 6071h = `torque`: waits until the torque command has
@@ -247,8 +246,7 @@ class Motion {
   /// Waits until the axis is at its target.
   /// @param timeout drive time
   /// @return failed when the axis was halted, or when a fault, a lost enable or a limit switch
-  /// ended
-  ///         the move.
+  ///         ended the move.
   Outcome wait(std::chrono::nanoseconds timeout = std::chrono::seconds(60)) const;
 
   /// Does not wait. @return whether the axis is at its target; failed as wait() is.

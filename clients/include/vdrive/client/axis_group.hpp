@@ -129,8 +129,7 @@ class AxisGroup {
   /// The times are chosen for ways that are half a unit longer: an axis at rest may stand up to
   /// half a unit beside the position that 6062h shows.
   /// @return refused, with nothing moved, when an axis cannot take part: not enabled, moving,
-  /// beyond
-  ///         its software limits, or a move of more than 4294 s. Where an axis ignores its
+  ///         beyond its software limits, or a move of more than 4294 s. Where an axis ignores its
   ///         set-point the others are stopped before the tick in lock-step, and halted in real
   ///         time.
   Outcome move_together(const Eigen::VectorXd& targets, const GroupMoveOptions& options = {});

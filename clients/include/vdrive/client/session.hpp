@@ -111,8 +111,7 @@ class Follower {
   /// Waits for the next tick that shows all axes; in lock-step with Pace::drive steps to it.
   /// @param patience wall time to wait for a sample
   /// @return timed_out after `patience`, lost when the service is silent, failed when interrupted
-  /// or,
-  ///         with Pace::drive, when the bench is paused.
+  ///         or, with Pace::drive, when the bench is paused.
   Result<Observation> next(std::chrono::milliseconds patience);
 
   /// The same, with the memory of an earlier sample: a program that gives each one back follows
@@ -147,9 +146,8 @@ class Follower {
 class Session {
  public:
   /// @throws std::runtime_error when the domain or `silence` is out of range, VDRIVE_DOMAIN is
-  /// needed
-  ///         and is no domain, the security material
-  ///         is not in order, or DDS cannot be set up.
+  ///         needed and is no domain, the security material is not in order, or DDS cannot be set
+  ///         up.
   explicit Session(const SessionOptions& options = {});
 
   /// Gives all axes back. Axes and groups of the session, and their copies, command nothing any

@@ -10,8 +10,7 @@ namespace vdrive {
 
 /// @param bit one bit of the statusword 6041h, such as Statusword::kFault
 /// @return its name as `mode` reads it, such as "target reached"; empty where it has none. Bit 13
-/// is
-///         read so in Operation enabled only: outside of it, it is OperatingMode::none's.
+///         is read so in Operation enabled only: outside of it, it is OperatingMode::none's.
 [[nodiscard]] std::string_view statusword_bit_name(std::uint16_t bit, OperatingMode mode) noexcept;
 
 /// @param bit one bit of the controlword 6040h, such as Controlword::kHalt
