@@ -6,7 +6,7 @@
 
 namespace vdrive::tool {
 
-/// What parts the words of a line.
+/// What separates the words of a line.
 inline constexpr std::string_view kBlanks = " \t\r\f\v";
 
 /// @return `text` without blanks at its ends.

@@ -120,8 +120,8 @@ Outcome Executor::execute(const Command& command, std::optional<Duration> timeou
   timeout_ = timeout;
   found_.reset();
   return named(std::visit(
-      [this](const auto& word) {
-        return this->run(word);
+      [this](const auto& each) {
+        return this->run(each);
       },
       command));
 }
@@ -539,28 +539,28 @@ std::string Executor::next_step(const client::AxisId& axis, PowerState state) co
   return "; enable it first: vdrive enable " + label_of(axis);
 }
 
-Outcome Executor::report_motion(const client::Axis& axis, std::string_view word, Outcome outcome,
+Outcome Executor::report_motion(const client::Axis& axis, std::string_view command, Outcome outcome,
                                 bool has_arrived) {
   if (is_quiet_) return outcome;
   const auto status = axis.status();
-  return report(axis, word, std::move(outcome), status ? &*status : nullptr, has_arrived);
+  return report(axis, command, std::move(outcome), status ? &*status : nullptr, has_arrived);
 }
 
 /// @param status what the axis shows now, none where it is not known
 /// @param has_arrived what is left of the speed is the end of a motion
-Outcome Executor::report(const client::Axis& axis, std::string_view word, Outcome outcome,
+Outcome Executor::report(const client::Axis& axis, std::string_view command, Outcome outcome,
                          const client::AxisSnapshot* status, bool has_arrived) {
   if (is_quiet_) return outcome;
   const bool is_refused_by_state =
       outcome.code() == wire_code(AbortCode::refused_in_present_device_state) &&
-      word != to_string(AxisAction::reset);
+      command != to_string(AxisAction::reset);
   if (is_refused_by_state && status) {
     outcome = reworded(outcome, [&](const std::string& message) {
       return message + next_step(axis.id(), status->state());
     });
   }
   if (is_json_) {
-    Json json{{"axis", to_string(axis.id())}, {"command", word}};
+    Json json{{"axis", to_string(axis.id())}, {"command", command}};
     add_outcome(json, named(outcome));
     if (status) {
       json["tick"] = status->tick;
@@ -755,7 +755,7 @@ Outcome Executor::show_rates() {
   return {};
 }
 
-/// What a word about a bench's clock came to, and at which tick.
+/// What a command about a bench's clock came to, and at which tick.
 Outcome Executor::report_clock(Json json, const std::string& text,
                                const client::Result<std::uint64_t>& tick) {
   if (is_quiet_) return tick.outcome();

@@ -91,12 +91,13 @@ class Executor {
   Outcome run(const std::shared_ptr<const RefusedCommand>& command);
 
   /// Commands that need no session, or make their own.
-  template <typename Word>
+  template <typename AnyCommand>
 
-  requires(std::is_same_v<Word, ConvertCommand> || std::is_same_v<Word, DoctorCommand> ||
-           std::is_same_v<Word, BenchCommand> || std::is_same_v<Word, RunCommand> ||
-           std::is_same_v<Word, TestCommand> || std::is_same_v<Word, ShellCommand>) static Outcome
-      run(const Word& /*command*/) {
+  requires(std::is_same_v<AnyCommand, ConvertCommand> ||
+           std::is_same_v<AnyCommand, DoctorCommand> || std::is_same_v<AnyCommand, BenchCommand> ||
+           std::is_same_v<AnyCommand, RunCommand> || std::is_same_v<AnyCommand, TestCommand> ||
+           std::is_same_v<AnyCommand, ShellCommand>) static Outcome
+      run(const AnyCommand& /*command*/) {
     return Outcome::failed("this command cannot be used here");
   }
 
@@ -119,9 +120,9 @@ class Executor {
   void keep_first_failure(Outcome reported, Outcome& first_failure);
   void report_interrupted_move(client::Axis& axis, const MoveCommand& command,
                                const Outcome& moved);
-  Outcome report_motion(const client::Axis& axis, std::string_view word, Outcome outcome,
+  Outcome report_motion(const client::Axis& axis, std::string_view command, Outcome outcome,
                         bool has_arrived);
-  Outcome report(const client::Axis& axis, std::string_view word, Outcome outcome,
+  Outcome report(const client::Axis& axis, std::string_view command, Outcome outcome,
                  const client::AxisSnapshot* status, bool has_arrived);
   [[nodiscard]] std::string next_step(const client::AxisId& axis, PowerState state) const;
   Outcome show_rates();

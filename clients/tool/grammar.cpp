@@ -140,20 +140,20 @@ std::vector<std::string> names_of_options(const CLI::App& app) {
 std::string unexpected_text(const CLI::App& app) {
   const std::vector<std::string> extras = app.remaining(true);
   const auto chosen = app.get_subcommands();
-  const CLI::App& word = chosen.empty() ? app : *chosen.front();
-  const std::string command = "'vdrive " + word.get_name() + "'";
+  const CLI::App& command = chosen.empty() ? app : *chosen.front();
+  const std::string called = "'vdrive " + command.get_name() + "'";
   auto extra = std::ranges::find_if(extras, is_option);
   if (extra == extras.end()) {
-    return in_quotes(extras.front()) + " is one argument too many for " + command;
+    return in_quotes(extras.front()) + " is one argument too many for " + called;
   }
   const std::string name = extra->substr(0, extra->find('='));
-  std::vector<std::string> known = names_of_options(word);
+  std::vector<std::string> known = names_of_options(command);
   for (std::string& global : names_of_options(app)) known.push_back(std::move(global));
-  return in_quotes(name) + " is not an option of " + command + suggestion(name, known);
+  return in_quotes(name) + " is not an option of " + called + suggestion(name, known);
 }
 
-/// The words of the tool as CLI11 knows them. Every word takes text and makes a command of it when
-/// the line is whole.
+/// The commands of the tool, for CLI11. Each takes text and makes a Command of it when the line is
+/// complete.
 class Grammar {
  public:
   Grammar() {
@@ -166,7 +166,7 @@ class Grammar {
     app_.get_formatter()->label("SUBCOMMAND", "COMMAND");
     add_global_timeout();
     add_list();
-    add_axis_words();
+    add_axis_actions();
     add_stop();
     add_status();
     add_move();
@@ -184,7 +184,7 @@ class Grammar {
     add_wait();
   }
 
-  /// Words and options of the command line only.
+  /// Commands and options of the command line only.
   void add_command_line() {
     app_.add_option("--domain", domain_, "DDS domain, 0 to 232; default: VDRIVE_DOMAIN, else 0")
         ->check(CLI::Range(0, 232))
@@ -204,7 +204,7 @@ class Grammar {
         ->envname("VDRIVE_SECURITY")
         ->type_name("DIR");
     app_.set_version_flag("--version", "vdrive " VDRIVE_VERSION);
-    add_shell_words();
+    add_shell_commands();
     add_jog(false);
     add_convert();
     add_test();
@@ -212,13 +212,13 @@ class Grammar {
     add_doctor();
     add_bench();
     add_completion();
-    // After the words: those that follow would take it over.
+    // After the commands: those that follow would take it over.
     app_.set_help_all_flag("--help-all", "Print the help of every command and exit");
   }
 
   /// What a shell has beside what a scenario has, too.
-  void add_shell_words() {
-    app_.add_flag("--json", options_.json, "One JSON object a line on standard output");
+  void add_shell_commands() {
+    app_.add_flag("--json", options_.json, "One JSON object per line on standard output");
     add_watch(false);
     add_events();
     add_record();
@@ -227,25 +227,25 @@ class Grammar {
 
   /// What a line of a shell may be.
   void add_shell_line() {
-    add_shell_words();
+    add_shell_commands();
     add_jog(true);
   }
 
-  /// Words of scenarios only.
+  /// Commands of scenarios only.
   void add_scenario() {
     app_.set_help_flag();
-    for (CLI::App* word : app_.get_subcommands({})) word->set_help_flag();
+    for (CLI::App* command : app_.get_subcommands({})) command->set_help_flag();
     add_watch(true);
     add_jog(true);
   }
 
   /// @throws CLI::ParseError, UsageError
   void parse(std::vector<std::string> arguments) {
-    check_word(arguments);
+    check_command(arguments);
     std::ranges::reverse(arguments);  // CLI11 takes them from the back
     app_.parse(std::move(arguments));
     refuse_empty_values(app_);
-    for (const CLI::App* const word : app_.get_subcommands()) refuse_empty_values(*word);
+    for (const CLI::App* const command : app_.get_subcommands()) refuse_empty_values(*command);
   }
 
   [[nodiscard]] const CLI::App& app() const { return app_; }
@@ -273,7 +273,7 @@ class Grammar {
 
  private:
   /// The arguments of all commands, as text; a command line uses one command.
-  struct Words {
+  struct Arguments {
     std::string axis, object, value, kind, duration, mask, tolerance, within, throughout;
     std::string velocity, acceleration, deceleration, method, offset, search, creep, slope, count,
         lost_after, bench, format = "table", language = "en";
@@ -286,7 +286,7 @@ class Grammar {
   /// CLI11 reports an unknown command as a missing one, and takes the value of an unknown option
   /// for the command. The first argument that is neither an option nor the value of an option is
   /// the command.
-  void check_word(const std::vector<std::string>& arguments) const {
+  void check_command(const std::vector<std::string>& arguments) const {
     for (std::size_t i = 0; i < arguments.size(); ++i) {
       const std::string& argument = arguments[i];
       if (!argument.starts_with('-')) {
@@ -311,16 +311,17 @@ class Grammar {
 
   [[nodiscard]] std::vector<std::string> names_of_commands() const {
     std::vector<std::string> names;
-    for (const CLI::App* const word : app_.get_subcommands({})) names.push_back(word->get_name());
+    for (const CLI::App* const command : app_.get_subcommands({}))
+      names.push_back(command->get_name());
     return names;
   }
 
   /// @param name of an option that stands before the command
   [[nodiscard]] std::string unknown_option(const std::string& name) const {
-    for (const CLI::App* const word : app_.get_subcommands({})) {
-      if (word->get_option_no_throw(name) == nullptr) continue;
-      return in_quotes(name) + " belongs after its command, such as 'vdrive " + word->get_name() +
-             " ... " + name + "'";
+    for (const CLI::App* const command : app_.get_subcommands({})) {
+      if (command->get_option_no_throw(name) == nullptr) continue;
+      return in_quotes(name) + " belongs after its command, such as 'vdrive " +
+             command->get_name() + " ... " + name + "'";
     }
     return in_quotes(name) + " is not an option" + suggestion(name, names_of_options(app_));
   }
@@ -331,42 +332,44 @@ class Grammar {
     return app_.add_option(name, values, help)->allow_extra_args(false)->type_name(type);
   }
 
-  CLI::App* add_word(std::string_view name, std::string_view summary, std::string_view example) {
-    CLI::App* word = app_.add_subcommand(std::string(name), std::string(summary));
-    word->footer("Example:\n  vdrive " + std::string(example));
-    return word;
+  CLI::App* add_command(std::string_view name, std::string_view summary, std::string_view example) {
+    CLI::App* command = app_.add_subcommand(std::string(name), std::string(summary));
+    command->footer("Example:\n  vdrive " + std::string(example));
+    return command;
   }
 
-  void add_axis(CLI::App* word) {
-    word->add_option("AXIS", words_.axis, "bench.axis such as 1.1, or a name")
+  void add_axis(CLI::App* command) {
+    command->add_option("AXIS", arguments_.axis, "bench.axis such as 1.1, or a name")
         ->required()
         ->type_name("");
   }
 
   /// @param without what happens when none is named
-  void add_axes(CLI::App* word, const std::string& without) {
-    word->add_option("AXIS", words_.axes,
+  void add_axes(CLI::App* command, const std::string& without) {
+    command
+        ->add_option("AXIS", arguments_.axes,
                      "Axes: 7.1, 7.lift or a name; '7.*' is every axis of bench 7; " + without)
         ->type_name("");
   }
 
   /// The axes of a command that takes --all.
   [[nodiscard]] std::vector<std::string> axes_or_all() const {
-    if (words_.all && !words_.axes.empty()) throw UsageError("--all takes no AXIS beside it");
-    if (!words_.all && words_.axes.empty()) {
+    if (arguments_.all && !arguments_.axes.empty())
+      throw UsageError("--all takes no AXIS beside it");
+    if (!arguments_.all && arguments_.axes.empty()) {
       throw UsageError("AXIS is required, or --all for every axis of every bench");
     }
-    return words_.all ? std::vector<std::string>{"*"} : words_.axes;
+    return arguments_.all ? std::vector<std::string>{"*"} : arguments_.axes;
   }
 
-  void add_take_over(CLI::App* word) {
-    word->add_flag("--take-over", words_.take_over,
-                   "Take control of the axis first, also from another session");
+  void add_take_over(CLI::App* command) {
+    command->add_flag("--take-over", arguments_.take_over,
+                      "Take control of the axis first, also from another session");
   }
 
-  static CLI::Option* add_positional(CLI::App* word, const char* name, std::string& text,
+  static CLI::Option* add_positional(CLI::App* command, const char* name, std::string& text,
                                      const char* help) {
-    return word->add_option(name, text, help)->required()->type_name("");
+    return command->add_option(name, text, help)->required()->type_name("");
   }
 
   void add_global_timeout() {
@@ -377,66 +380,69 @@ class Grammar {
   }
 
   void add_list() {
-    CLI::App* word = add_word("list", "List all benches and axes", "list --json");
-    word->callback([this] {
+    CLI::App* command = add_command("list", "List all benches and axes", "list --json");
+    command->callback([this] {
       command_ = ListCommand{};
     });
   }
 
   void add_status() {
-    CLI::App* word =
-        add_word("status", "Show one axis with its statusword decoded, or several axes, one a line",
-                 "status 1.1\n  vdrive status         # every axis");
-    add_axes(word, "default: every axis of every bench");
-    word->callback([this] {
-      command_ = StatusCommand{words_.axes};
+    CLI::App* command = add_command(
+        "status", "Show one axis with its statusword decoded, or several axes, one per line",
+        "status 1.1\n  vdrive status         # every axis");
+    add_axes(command, "default: every axis of every bench");
+    command->callback([this] {
+      command_ = StatusCommand{arguments_.axes};
     });
   }
 
   void add_watch(bool needs_count) {
-    CLI::App* word = add_word("watch", "Show axes live until interrupted",
-                              "watch 1.1 1.2 --count 20\n  vdrive watch          # every axis");
-    add_axes(word, "default: every axis of every bench");
+    CLI::App* command =
+        add_command("watch", "Show axes live until interrupted",
+                    "watch 1.1 1.2 --count 20\n  vdrive watch          # every axis");
+    add_axes(command, "default: every axis of every bench");
     CLI::Option* count =
-        word->add_option("--count", words_.count, "Stop after N samples of each axis");
+        command->add_option("--count", arguments_.count, "Stop after N samples of each axis");
     count->type_name("N");
     if (needs_count) count->required();
-    word->callback([this] {
+    command->callback([this] {
       const std::uint64_t samples =
-          words_.count.empty() ? 0 : parse_number(words_.count, "count", kHighest32);
-      command_ = WatchCommand{words_.axes, samples};
+          arguments_.count.empty() ? 0 : parse_number(arguments_.count, "count", kHighest32);
+      command_ = WatchCommand{arguments_.axes, samples};
     });
   }
 
   void add_record() {
-    CLI::App* word = add_word("record", "Record the status stream of axes to a file",
-                              "record move.csv 1.1 1.2 --for 5s");
+    CLI::App* command = add_command("record", "Record the status stream of axes to a file",
+                                    "record move.csv 1.1 1.2 --for 5s");
     add_positional(
-        word, "FILE", words_.file,
+        command, "FILE", arguments_.file,
         "CSV, JSON lines or MCAP by its ending: .csv, .jsonl, .mcap; - is standard output");
-    add_axes(word, "default: every axis of the only bench");
-    word->add_option("--for", words_.duration, "Stop after this drive time")->type_name("T");
-    word->add_option("--count", words_.count, "Stop after N samples")->type_name("N");
-    word->add_option("--lost-after", words_.lost_after,
+    add_axes(command, "default: every axis of the only bench");
+    command->add_option("--for", arguments_.duration, "Stop after this drive time")->type_name("T");
+    command->add_option("--count", arguments_.count, "Stop after N samples")->type_name("N");
+    command
+        ->add_option("--lost-after", arguments_.lost_after,
                      "End when a bench has sent nothing for this wall time; default: 1min")
         ->type_name("T");
-    word->callback([this] {
+    command->callback([this] {
       command_ = make_record();
     });
   }
 
   [[nodiscard]] RecordCommand make_record() const {
     RecordCommand record;
-    record.file = words_.file;
-    record.axes = words_.axes;
-    if (words_.file != "-") {
-      record.format = format_of(words_.file);
+    record.file = arguments_.file;
+    record.axes = arguments_.axes;
+    if (arguments_.file != "-") {
+      record.format = format_of(arguments_.file);
     } else if (options_.json) {
       record.format = recording::Format::json_lines;
     }
-    if (!words_.duration.empty()) record.duration = parse_duration(words_.duration);
-    if (!words_.count.empty()) record.count = parse_number(words_.count, "count", kHighest32);
-    if (!words_.lost_after.empty()) record.lost_after = parse_duration(words_.lost_after);
+    if (!arguments_.duration.empty()) record.duration = parse_duration(arguments_.duration);
+    if (!arguments_.count.empty())
+      record.count = parse_number(arguments_.count, "count", kHighest32);
+    if (!arguments_.lost_after.empty()) record.lost_after = parse_duration(arguments_.lost_after);
     return record;
   }
 
@@ -448,97 +454,104 @@ class Grammar {
   }
 
   void add_convert() {
-    CLI::App* word = add_word("convert", "Write the status of a recording in another format",
-                              "convert run.mcap run.csv");
-    add_positional(word, "FROM", words_.file, "The recording: .csv, .jsonl or .mcap");
-    add_positional(word, "TO", words_.to, "The new file: .csv, .jsonl or .mcap by its ending");
-    word->add_option("--period", words_.duration,
+    CLI::App* command = add_command("convert", "Write the status of a recording in another format",
+                                    "convert run.mcap run.csv");
+    add_positional(command, "FROM", arguments_.file, "The recording: .csv, .jsonl or .mcap");
+    add_positional(command, "TO", arguments_.to,
+                   "The new file: .csv, .jsonl or .mcap by its ending");
+    command
+        ->add_option("--period", arguments_.duration,
                      "Drive time of a tick, where FROM has no such time; default: 1ms")
         ->type_name("T");
-    word->callback([this] {
+    command->callback([this] {
       command_ = make_convert();
     });
   }
 
   [[nodiscard]] ConvertCommand make_convert() const {
-    ConvertCommand convert{.from = words_.file, .to = words_.to, .period = {}};
+    ConvertCommand convert{.from = arguments_.file, .to = arguments_.to, .period = {}};
     if (format_of(convert.from) == format_of(convert.to)) {
       throw UsageError(in_quotes(convert.from) + " and " + in_quotes(convert.to) +
                        " have the same format");
     }
-    if (words_.duration.empty()) return convert;
+    if (arguments_.duration.empty()) return convert;
     if (format_of(convert.from) == recording::Format::mcap) {
       throw UsageError("--period is for recordings of text; a recording in MCAP has this time");
     }
-    convert.period = parse_duration(words_.duration);
+    convert.period = parse_duration(arguments_.duration);
     if (convert.period->count() <= 0) throw UsageError("--period has to be above 0");
     return convert;
   }
 
-  void add_axis_words() {
+  void add_axis_actions() {
     for (const ActionRow& row : kActions) {
       const std::string name(to_string(row.action));
-      CLI::App* word = add_word(name, row.summary, name + " 1.1");
-      add_axes(word, "required unless --all is given");
-      word->add_flag("--all", words_.all, "Every axis of every bench");
-      if (row.may_wait) word->add_flag("--wait", words_.wait, "Wait for standstill or target");
+      CLI::App* command = add_command(name, row.summary, name + " 1.1");
+      add_axes(command, "required unless --all is given");
+      command->add_flag("--all", arguments_.all, "Every axis of every bench");
+      if (row.may_wait)
+        command->add_flag("--wait", arguments_.wait, "Wait for standstill or target");
       if (row.may_return_early) {
-        word->add_flag("--no-wait", words_.no_wait, "Return when the command is in force");
+        command->add_flag("--no-wait", arguments_.no_wait, "Return when the command is in force");
       }
-      add_take_over(word);
-      word->callback([this, row] {
-        const bool early = row.may_wait ? !words_.wait : words_.no_wait;
-        command_ =
-            ActionCommand{row.action, axes_or_all(),
-                          early ? client::Until::in_force : client::Until::done, words_.take_over};
+      add_take_over(command);
+      command->callback([this, row] {
+        const bool early = row.may_wait ? !arguments_.wait : arguments_.no_wait;
+        command_ = ActionCommand{row.action, axes_or_all(),
+                                 early ? client::Until::in_force : client::Until::done,
+                                 arguments_.take_over};
       });
     }
   }
 
   void add_stop() {
-    CLI::App* word =
-        add_word("stop", "Quick stop of every axis of a bench, whoever controls it", "stop 1");
-    word->add_option("BENCH", words_.bench, "Default: the only bench")->type_name("");
-    word->add_flag("--no-wait", words_.no_wait, "Return when the command is in force");
-    word->callback([this] {
+    CLI::App* command =
+        add_command("stop", "Quick stop of every axis of a bench, whoever controls it", "stop 1");
+    command->add_option("BENCH", arguments_.bench, "Default: the only bench")->type_name("");
+    command->add_flag("--no-wait", arguments_.no_wait, "Return when the command is in force");
+    command->callback([this] {
       command_ =
-          StopCommand{bench(), words_.no_wait ? client::Until::in_force : client::Until::done};
+          StopCommand{bench(), arguments_.no_wait ? client::Until::in_force : client::Until::done};
     });
   }
 
   void add_move() {
-    CLI::App* word = add_word("move", "Move to a position and wait until it is reached",
-                              "move 1.1 10000 --velocity 1000 --acceleration 6000");
-    add_axis(word);
-    add_positional(word, "POSITION", words_.value,
+    CLI::App* command = add_command("move", "Move to a position and wait until it is reached",
+                                    "move 1.1 10000 --velocity 1000 --acceleration 6000");
+    add_axis(command);
+    add_positional(command, "POSITION", arguments_.value,
                    "Target, or distance with --relative [UU, or with a unit: 90deg, 12.5mm]");
-    word->add_flag("--relative", words_.relative, "POSITION is a distance (bit 6)");
-    word->add_option("--velocity", words_.velocity, "6081h [UU/s, or 180deg/s] for this move")
+    command->add_flag("--relative", arguments_.relative, "POSITION is a distance (bit 6)");
+    command
+        ->add_option("--velocity", arguments_.velocity, "6081h [UU/s, or 180deg/s] for this move")
         ->type_name("V");
-    word->add_option("--acceleration", words_.acceleration,
+    command
+        ->add_option("--acceleration", arguments_.acceleration,
                      "6083h [UU/s2, or 900deg/s2] for this move")
         ->type_name("A");
-    word->add_option("--deceleration", words_.deceleration,
+    command
+        ->add_option("--deceleration", arguments_.deceleration,
                      "6084h [UU/s2, or 900deg/s2] for this move")
         ->type_name("D");
-    word->add_flag("--queue", words_.queue,
-                   "Start after the present move, not at once (bit 5 = 0)");
-    word->add_flag("--no-wait", words_.no_wait, "Return when the drive has accepted the set-point");
-    word->add_flag("--stop-on-interrupt", words_.stop_on_interrupt,
-                   "Halt the axis when Ctrl-C ends the wait; it goes on otherwise");
-    add_take_over(word);
-    word->callback([this] {
+    command->add_flag("--queue", arguments_.queue,
+                      "Start after the present move, not at once (bit 5 = 0)");
+    command->add_flag("--no-wait", arguments_.no_wait,
+                      "Return when the drive has accepted the set-point");
+    command->add_flag("--stop-on-interrupt", arguments_.stop_on_interrupt,
+                      "Halt the axis when Ctrl-C ends the wait; it goes on otherwise");
+    add_take_over(command);
+    command->callback([this] {
       MoveCommand move{
-          .axis = words_.axis,
-          .position = parse_quantity(words_.value, Dimension::position, DataType::integer32),
-          .relative = words_.relative,
-          .velocity = limit(words_.velocity, Dimension::velocity),
-          .acceleration = limit(words_.acceleration, Dimension::acceleration),
-          .deceleration = limit(words_.deceleration, Dimension::acceleration),
-          .queue = words_.queue,
-          .until = words_.no_wait ? client::Until::in_force : client::Until::done,
-          .take_over = words_.take_over,
-          .stop_on_interrupt = words_.stop_on_interrupt};
+          .axis = arguments_.axis,
+          .position = parse_quantity(arguments_.value, Dimension::position, DataType::integer32),
+          .relative = arguments_.relative,
+          .velocity = limit(arguments_.velocity, Dimension::velocity),
+          .acceleration = limit(arguments_.acceleration, Dimension::acceleration),
+          .deceleration = limit(arguments_.deceleration, Dimension::acceleration),
+          .queue = arguments_.queue,
+          .until = arguments_.no_wait ? client::Until::in_force : client::Until::done,
+          .take_over = arguments_.take_over,
+          .stop_on_interrupt = arguments_.stop_on_interrupt};
       command_ = std::move(move);
     });
   }
@@ -547,187 +560,201 @@ class Grammar {
     return no_wait ? client::Until::in_force : client::Until::done;
   }
 
-  void add_no_wait(CLI::App* word) {
-    word->add_flag("--no-wait", words_.no_wait, "Return when the command is in force");
+  void add_no_wait(CLI::App* command) {
+    command->add_flag("--no-wait", arguments_.no_wait, "Return when the command is in force");
   }
 
   void add_home() {
-    CLI::App* word = add_word("home", "Home the axis (mode 6) and wait until home is attained",
-                              "home 1.1 --method 37 --offset 0deg");
-    add_axis(word);
-    word->add_option(
-            "--method", words_.method,
+    CLI::App* command =
+        add_command("home", "Home the axis (mode 6) and wait until home is attained",
+                    "home 1.1 --method 37 --offset 0deg");
+    add_axis(command);
+    command
+        ->add_option(
+            "--method", arguments_.method,
             "6098h: 17, 18 to a limit switch; 1, 2 to a limit switch, then to the index pulse; "
             "33, 34 to the index pulse; 35, 37 where the axis is")
         ->type_name("M");
-    word->add_option("--offset", words_.offset, "607Ch: the position of home [UU, or 90deg]")
+    command->add_option("--offset", arguments_.offset, "607Ch: the position of home [UU, or 90deg]")
         ->type_name("P");
-    word->add_option("--speed", words_.search, "6099h:1 towards the switch [UU/s, or 90deg/s]")
+    command
+        ->add_option("--speed", arguments_.search, "6099h:1 towards the switch [UU/s, or 90deg/s]")
         ->type_name("V");
-    word->add_option("--creep", words_.creep, "6099h:2 towards home [UU/s, or 9deg/s]")
+    command->add_option("--creep", arguments_.creep, "6099h:2 towards home [UU/s, or 9deg/s]")
         ->type_name("V");
-    word->add_option("--acceleration", words_.acceleration, "609Ah [UU/s2, or 900deg/s2]")
+    command->add_option("--acceleration", arguments_.acceleration, "609Ah [UU/s2, or 900deg/s2]")
         ->type_name("A");
-    add_no_wait(word);
-    add_take_over(word);
-    word->callback([this] {
+    add_no_wait(command);
+    add_take_over(command);
+    command->callback([this] {
       HomeCommand home;
-      home.axis = words_.axis;
-      if (!words_.method.empty()) {
-        home.method = static_cast<std::int8_t>(parse_value(words_.method, DataType::integer8));
+      home.axis = arguments_.axis;
+      if (!arguments_.method.empty()) {
+        home.method = static_cast<std::int8_t>(parse_value(arguments_.method, DataType::integer8));
       }
-      if (!words_.offset.empty()) {
-        home.offset = parse_quantity(words_.offset, Dimension::position, DataType::integer32);
+      if (!arguments_.offset.empty()) {
+        home.offset = parse_quantity(arguments_.offset, Dimension::position, DataType::integer32);
       }
-      home.search_speed = limit(words_.search, Dimension::velocity);
-      home.creep_speed = limit(words_.creep, Dimension::velocity);
-      home.acceleration = limit(words_.acceleration, Dimension::acceleration);
-      home.until = until_of(words_.no_wait);
-      home.take_over = words_.take_over;
+      home.search_speed = limit(arguments_.search, Dimension::velocity);
+      home.creep_speed = limit(arguments_.creep, Dimension::velocity);
+      home.acceleration = limit(arguments_.acceleration, Dimension::acceleration);
+      home.until = until_of(arguments_.no_wait);
+      home.take_over = arguments_.take_over;
       command_ = std::move(home);
     });
   }
 
   /// The arguments of a command that runs at a velocity.
-  void add_run_words(CLI::App* word) {
-    add_axis(word);
-    add_positional(word, "VELOCITY", words_.velocity, "60FFh [UU/s, or 180deg/s]");
-    word->add_option("--acceleration", words_.acceleration,
+  void add_run_arguments(CLI::App* command) {
+    add_axis(command);
+    add_positional(command, "VELOCITY", arguments_.velocity, "60FFh [UU/s, or 180deg/s]");
+    command
+        ->add_option("--acceleration", arguments_.acceleration,
                      "6083h [UU/s2, or 900deg/s2]; keeps this value")
         ->type_name("A");
-    word->add_option("--deceleration", words_.deceleration,
+    command
+        ->add_option("--deceleration", arguments_.deceleration,
                      "6084h [UU/s2, or 900deg/s2]; keeps this value")
         ->type_name("D");
-    add_take_over(word);
+    add_take_over(command);
   }
 
   [[nodiscard]] Quantity run_velocity() const {
-    return parse_quantity(words_.velocity, Dimension::velocity, DataType::integer32);
+    return parse_quantity(arguments_.velocity, Dimension::velocity, DataType::integer32);
   }
 
   [[nodiscard]] RunRamps run_ramps() const {
-    return {.acceleration = limit(words_.acceleration, Dimension::acceleration),
-            .deceleration = limit(words_.deceleration, Dimension::acceleration)};
+    return {.acceleration = limit(arguments_.acceleration, Dimension::acceleration),
+            .deceleration = limit(arguments_.deceleration, Dimension::acceleration)};
   }
 
   void add_velocity() {
-    CLI::App* word =
-        add_word("velocity", "Run at a velocity (mode 3) until another command; 0 stops",
-                 "velocity 1.1 180deg/s");
-    add_run_words(word);
-    add_no_wait(word);
-    word->callback([this] {
-      command_ = VelocityCommand{words_.axis, run_velocity(), run_ramps(), until_of(words_.no_wait),
-                                 words_.take_over};
+    CLI::App* command =
+        add_command("velocity", "Run at a velocity (mode 3) until another command; 0 stops",
+                    "velocity 1.1 180deg/s");
+    add_run_arguments(command);
+    add_no_wait(command);
+    command->callback([this] {
+      command_ = VelocityCommand{arguments_.axis, run_velocity(), run_ramps(),
+                                 until_of(arguments_.no_wait), arguments_.take_over};
     });
   }
 
   void add_torque() {
-    CLI::App* word = add_word("torque", "Apply a torque (mode 4) until another command; 0 ends it",
-                              "torque 1.1 10% --slope 500");
-    add_axis(word);
-    add_positional(word, "TORQUE", words_.value, "6071h [per mille of rated torque, or 10%]");
-    word->add_option("--slope", words_.slope,
+    CLI::App* command =
+        add_command("torque", "Apply a torque (mode 4) until another command; 0 ends it",
+                    "torque 1.1 10% --slope 500");
+    add_axis(command);
+    add_positional(command, "TORQUE", arguments_.value,
+                   "6071h [per mille of rated torque, or 10%]");
+    command
+        ->add_option("--slope", arguments_.slope,
                      "6087h [per mille of rated torque a second]; keeps this value")
         ->type_name("S");
-    add_no_wait(word);
-    add_take_over(word);
-    word->callback([this] {
-      TorqueCommand torque{.axis = words_.axis,
-                           .torque = parse_torque(words_.value),
+    add_no_wait(command);
+    add_take_over(command);
+    command->callback([this] {
+      TorqueCommand torque{.axis = arguments_.axis,
+                           .torque = parse_torque(arguments_.value),
                            .slope = std::nullopt,
-                           .until = until_of(words_.no_wait),
-                           .take_over = words_.take_over};
-      if (!words_.slope.empty()) {
-        torque.slope = static_cast<std::uint32_t>(parse_value(words_.slope, DataType::unsigned32));
+                           .until = until_of(arguments_.no_wait),
+                           .take_over = arguments_.take_over};
+      if (!arguments_.slope.empty()) {
+        torque.slope =
+            static_cast<std::uint32_t>(parse_value(arguments_.slope, DataType::unsigned32));
       }
       command_ = std::move(torque);
     });
   }
 
   void add_jog(bool needs_duration) {
-    CLI::App* word = add_word("jog", "Run at a velocity until Enter or Ctrl-C, then stand",
-                              "jog 1.1 90deg/s --for 2s");
-    add_run_words(word);
+    CLI::App* command = add_command("jog", "Run at a velocity until Enter or Ctrl-C, then stand",
+                                    "jog 1.1 90deg/s --for 2s");
+    add_run_arguments(command);
     CLI::Option* duration =
-        word->add_option("--for", words_.duration, "Run for this drive time instead");
+        command->add_option("--for", arguments_.duration, "Run for this drive time instead");
     duration->type_name("T");
     if (needs_duration) duration->required();
-    word->callback([this] {
-      JogCommand jog{.axis = words_.axis,
+    command->callback([this] {
+      JogCommand jog{.axis = arguments_.axis,
                      .velocity = run_velocity(),
                      .ramps = run_ramps(),
                      .duration = std::nullopt,
-                     .take_over = words_.take_over};
-      if (!words_.duration.empty()) jog.duration = parse_duration(words_.duration);
+                     .take_over = arguments_.take_over};
+      if (!arguments_.duration.empty()) jog.duration = parse_duration(arguments_.duration);
       command_ = std::move(jog);
     });
   }
 
   void add_read() {
-    CLI::App* word = add_word("read", "Read objects", "read 1.1 0x6041 position_demand_value");
-    add_axis(word);
-    word->add_option("OBJECT", words_.objects, "0x6041, 0x607D:1 or a variable_name")
+    CLI::App* command =
+        add_command("read", "Read objects", "read 1.1 0x6041 position_demand_value");
+    add_axis(command);
+    command->add_option("OBJECT", arguments_.objects, "0x6041, 0x607D:1 or a variable_name")
         ->required()
         ->type_name("");
-    word->callback([this] {
-      ReadCommand read{words_.axis, {}};
-      for (const std::string& text : words_.objects) read.objects.push_back(parse_object(text));
+    command->callback([this] {
+      ReadCommand read{arguments_.axis, {}};
+      for (const std::string& text : arguments_.objects) read.objects.push_back(parse_object(text));
       command_ = std::move(read);
     });
   }
 
   void add_write() {
-    CLI::App* word = add_word("write", "Write an object", "write 1.1 0x607A 0xFFFFD8F0");
-    add_axis(word);
-    add_positional(word, "OBJECT", words_.object, "0x6040, 0x607D:1 or a variable_name");
+    CLI::App* command = add_command("write", "Write an object", "write 1.1 0x607A 0xFFFFD8F0");
+    add_axis(command);
+    add_positional(command, "OBJECT", arguments_.object, "0x6040, 0x607D:1 or a variable_name");
     add_positional(
-        word, "VALUE", words_.value,
+        command, "VALUE", arguments_.value,
         "Decimal, or hex as the type's two's complement; positions, speeds and ramps also "
         "with a unit");
-    add_take_over(word);
-    word->callback([this] {
-      WriteCommand write{.axis = words_.axis,
-                         .object = parse_object(words_.object),
-                         .take_over = words_.take_over};
-      write.quantity = quantity_of(words_.value, write.object);
-      if (!write.quantity) write.value = parse_value(words_.value, write.object);
+    add_take_over(command);
+    command->callback([this] {
+      WriteCommand write{.axis = arguments_.axis,
+                         .object = parse_object(arguments_.object),
+                         .take_over = arguments_.take_over};
+      write.quantity = quantity_of(arguments_.value, write.object);
+      if (!write.quantity) write.value = parse_value(arguments_.value, write.object);
       command_ = std::move(write);
     });
   }
 
   void add_disturb() {
-    CLI::App* word = add_word("disturb", "Set a test-bench input: a load, a fault, a switch",
-                              "disturb 1.1 load_torque 1500 --for 200ms");
-    add_axis(word);
-    add_positional(word, "KIND", words_.kind, kDisturbanceHelp.data());
-    word->add_option("VALUE", words_.value, "Default 1; 0 clears")->type_name("");
-    word->add_option("--for", words_.duration, "Clear after this drive time")->type_name("T");
-    word->callback([this] {
-      DisturbCommand disturb{words_.axis, words_.kind, {}, std::nullopt};
-      disturb.inputs = inputs_of(words_.kind, words_.value.empty() ? "1" : words_.value);
-      if (!words_.duration.empty()) disturb.duration = parse_duration(words_.duration);
+    CLI::App* command = add_command("disturb", "Set a test-bench input: a load, a fault, a switch",
+                                    "disturb 1.1 load_torque 1500 --for 200ms");
+    add_axis(command);
+    add_positional(command, "KIND", arguments_.kind, kDisturbanceHelp.data());
+    command->add_option("VALUE", arguments_.value, "Default 1; 0 clears")->type_name("");
+    command->add_option("--for", arguments_.duration, "Clear after this drive time")
+        ->type_name("T");
+    command->callback([this] {
+      DisturbCommand disturb{arguments_.axis, arguments_.kind, {}, std::nullopt};
+      disturb.inputs =
+          inputs_of(arguments_.kind, arguments_.value.empty() ? "1" : arguments_.value);
+      if (!arguments_.duration.empty()) disturb.duration = parse_duration(arguments_.duration);
       command_ = std::move(disturb);
     });
   }
 
   void add_dictionary() {
-    CLI::App* word = add_word("dictionary", "Show the object dictionary; needs no service",
-                              "dictionary 0x607D --language zh");
-    word->add_option("OBJECT", words_.objects, "Show these only; an index shows all sub-indices")
+    CLI::App* command = add_command("dictionary", "Show the object dictionary; needs no service",
+                                    "dictionary 0x607D --language zh");
+    command
+        ->add_option("OBJECT", arguments_.objects,
+                     "Show these only; an index shows all sub-indices")
         ->type_name("");
-    word->add_option("--format", words_.format, "table, json or csv")
+    command->add_option("--format", arguments_.format, "table, json or csv")
         ->check(CLI::IsMember({"table", "json", "csv"}))
         ->type_name("F");
-    word->add_option("--language", words_.language, "en or zh")
+    command->add_option("--language", arguments_.language, "en or zh")
         ->check(CLI::IsMember({"en", "zh"}))
         ->type_name("L");
-    word->callback([this] {
+    command->callback([this] {
       DictionaryCommand dictionary;
-      if (words_.format == "json") dictionary.format = TableFormat::json;
-      if (words_.format == "csv") dictionary.format = TableFormat::csv;
-      if (words_.language == "zh") dictionary.language = Language::zh;
-      for (const std::string& text : words_.objects) {
+      if (arguments_.format == "json") dictionary.format = TableFormat::json;
+      if (arguments_.format == "csv") dictionary.format = TableFormat::csv;
+      if (arguments_.language == "zh") dictionary.language = Language::zh;
+      for (const std::string& text : arguments_.objects) {
         const ObjectName& object = dictionary.objects.emplace_back(parse_object(text));
         const bool exists = std::ranges::any_of(kObjectTable, [&](const ObjectDescription& row) {
           return object.covers(row.address);
@@ -742,208 +769,227 @@ class Grammar {
   }
 
   void add_step() {
-    CLI::App* word = add_word("step", "Step a lock-step bench by N ticks", "step 1000 --bench 2");
-    add_positional(word, "N", words_.value, "Ticks");
-    word->add_option("--bench", words_.bench, "Default: the only bench")->type_name("B");
-    word->callback([this] {
-      command_ = StepCommand{parse_number(words_.value, "number of ticks", 1'000'000'000), bench()};
+    CLI::App* command =
+        add_command("step", "Step a lock-step bench by N ticks", "step 1000 --bench 2");
+    add_positional(command, "N", arguments_.value, "Ticks");
+    command->add_option("--bench", arguments_.bench, "Default: the only bench")->type_name("B");
+    command->callback([this] {
+      command_ =
+          StepCommand{parse_number(arguments_.value, "number of ticks", 1'000'000'000), bench()};
     });
   }
 
   void add_snapshot() {
-    CLI::App* word =
-        add_word("snapshot", "Take, list, restore or drop saved states of all axes of a bench",
-                 "snapshot take\n  vdrive snapshot restore 1");
-    add_positional(word, "ACTION", words_.kind, "take, list, restore or drop");
-    word->add_option("N", words_.value, "Number of the snapshot, as take and list print it")
+    CLI::App* command =
+        add_command("snapshot", "Take, list, restore or drop saved states of all axes of a bench",
+                    "snapshot take\n  vdrive snapshot restore 1");
+    add_positional(command, "ACTION", arguments_.kind, "take, list, restore or drop");
+    command->add_option("N", arguments_.value, "Number of the snapshot, as take and list print it")
         ->type_name("");
-    word->add_option("--bench", words_.bench, "Default: the only bench")->type_name("B");
-    word->callback([this] {
-      command_ = snapshot_of(words_.kind, words_.value, bench());
+    command->add_option("--bench", arguments_.bench, "Default: the only bench")->type_name("B");
+    command->callback([this] {
+      command_ = snapshot_of(arguments_.kind, arguments_.value, bench());
     });
   }
 
   [[nodiscard]] std::optional<std::uint32_t> bench() const {
-    if (words_.bench.empty()) return std::nullopt;
-    return static_cast<std::uint32_t>(parse_number(words_.bench, "bench number", kHighest32));
+    if (arguments_.bench.empty()) return std::nullopt;
+    return static_cast<std::uint32_t>(parse_number(arguments_.bench, "bench number", kHighest32));
   }
 
   void add_rate() {
-    CLI::App* word = add_word("rate", "Set or show how fast a realtime bench runs; 0 pauses it",
-                              "rate 0.5\n  vdrive rate 2 0       # bench 2");
-    word->add_option("VALUE", words_.rate,
+    CLI::App* command =
+        add_command("rate", "Set or show how fast a realtime bench runs; 0 pauses it",
+                    "rate 0.5\n  vdrive rate 2 0       # bench 2");
+    command
+        ->add_option("VALUE", arguments_.rate,
                      "[BENCH] VALUE: drive time divided by wall time, 0 or from 0.1 to 100; BENCH "
                      "defaults to the only bench. Without a value the rates of all benches are "
                      "shown")
         ->type_name("");
-    word->callback([this] {
-      if (words_.rate.size() > 2) throw UsageError("rate takes at most a bench and a value");
-      if (words_.rate.empty()) {
+    command->callback([this] {
+      if (arguments_.rate.size() > 2) throw UsageError("rate takes at most a bench and a value");
+      if (arguments_.rate.empty()) {
         command_ = RateCommand{};
         return;
       }
-      RateCommand rate{parse_real(words_.rate.back(), "rate"), std::nullopt};
-      if (words_.rate.size() == 2) {
+      RateCommand rate{parse_real(arguments_.rate.back(), "rate"), std::nullopt};
+      if (arguments_.rate.size() == 2) {
         rate.bench = static_cast<std::uint32_t>(
-            parse_number(words_.rate.front(), "bench number", kHighest32));
+            parse_number(arguments_.rate.front(), "bench number", kHighest32));
       }
       command_ = rate;
     });
   }
 
   void add_run() {
-    CLI::App* word = add_word("run", "Execute scenario files", "run forward.scn --junit out.xml");
-    word->footer(std::string(kScenarioHelp));
-    add_files(word, "Scenario, - for standard input; several run one after the other");
-    word->add_flag("--live", words_.live, "Show the axes while time passes, also when piped");
-    word->callback([this] {
-      command_ = RunCommand{words_.files, words_.settings, words_.junit, words_.live};
+    CLI::App* command =
+        add_command("run", "Execute scenario files", "run forward.scn --junit out.xml");
+    command->footer(std::string(kScenarioHelp));
+    add_files(command, "Scenario, - for standard input; several run one after the other");
+    command->add_flag("--live", arguments_.live,
+                      "Show the axes while time passes, also when piped");
+    command->callback([this] {
+      command_ =
+          RunCommand{arguments_.files, arguments_.settings, arguments_.junit, arguments_.live};
     });
   }
 
   /// What `run` and `test` have in common.
-  void add_files(CLI::App* word, const char* help) {
-    word->add_option("FILE", words_.files, help)->required()->type_name("");
-    word->add_option("--set", words_.settings, "Value of the variable ${NAME}; may be repeated")
+  void add_files(CLI::App* command, const char* help) {
+    command->add_option("FILE", arguments_.files, help)->required()->type_name("");
+    command
+        ->add_option("--set", arguments_.settings, "Value of the variable ${NAME}; may be repeated")
         ->allow_extra_args(false)
         ->type_name("NAME=VALUE");
-    word->add_option("--junit", words_.junit, "Write a JUnit report")->type_name("OUT.xml");
+    command->add_option("--junit", arguments_.junit, "Write a JUnit report")->type_name("OUT.xml");
   }
 
   void add_test() {
-    CLI::App* word = add_word("test", "Run scenario files side by side, each on a bench of its own",
-                              "test tests/*.scn --config bench.yaml --junit out.xml");
-    add_files(word, "Scenario");
-    word->add_option("--config", words_.configuration,
+    CLI::App* command =
+        add_command("test", "Run scenario files side by side, each on a bench of its own",
+                    "test tests/*.scn --config bench.yaml --junit out.xml");
+    add_files(command, "Scenario");
+    command
+        ->add_option("--config", arguments_.configuration,
                      "Configuration of the benches; default: the demo bench")
         ->type_name("FILE");
-    word->add_option("--jobs", words_.jobs,
-                     "How many files run at the same time; default: one a processor")
+    command
+        ->add_option("--jobs", arguments_.jobs,
+                     "How many files run at the same time; default: one per processor")
         ->type_name("N");
-    add_service(word);
-    word->callback([this] {
+    add_service(command);
+    command->callback([this] {
       command_ = make_test();
     });
   }
 
-  void add_service(CLI::App* word) {
-    word->add_option("--service", words_.service,
+  void add_service(CLI::App* command) {
+    command
+        ->add_option("--service", arguments_.service,
                      "The program vdrived; default: beside this program, else in PATH")
         ->type_name("FILE");
   }
 
   [[nodiscard]] TestCommand make_test() const {
-    TestCommand test{.files = words_.files,
-                     .settings = words_.settings,
-                     .junit = words_.junit,
-                     .configuration = words_.configuration,
-                     .service = words_.service,
+    TestCommand test{.files = arguments_.files,
+                     .settings = arguments_.settings,
+                     .junit = arguments_.junit,
+                     .configuration = arguments_.configuration,
+                     .service = arguments_.service,
                      .jobs = std::max(std::thread::hardware_concurrency(), 1U)};
     constexpr std::uint64_t kMostJobs = 64;
-    if (!words_.jobs.empty()) test.jobs = parse_number(words_.jobs, "number of jobs", kMostJobs);
+    if (!arguments_.jobs.empty())
+      test.jobs = parse_number(arguments_.jobs, "number of jobs", kMostJobs);
     if (test.jobs == 0) throw UsageError("--jobs: at least one file must run");
     return test;
   }
 
   void add_events() {
-    CLI::App* word =
-        add_word("events", "Show what has happened: faults, refusals, who took control",
-                 "events 1.1 --follow");
-    word->add_option("WHAT", words_.axis, "A bench's number or an axis; default: all benches")
+    CLI::App* command =
+        add_command("events", "Show what has happened: faults, refusals, who took control",
+                    "events 1.1 --follow");
+    command
+        ->add_option("WHAT", arguments_.axis, "A bench's number or an axis; default: all benches")
         ->type_name("");
-    word->add_flag("--follow", words_.follow, "Then print new events until interrupted");
-    word->callback([this] {
-      command_ = EventsCommand{words_.axis, words_.follow};
+    command->add_flag("--follow", arguments_.follow, "Then print new events until interrupted");
+    command->callback([this] {
+      command_ = EventsCommand{arguments_.axis, arguments_.follow};
     });
   }
 
   void add_shell() {
-    CLI::App* word = add_word("shell", "Carry out commands line by line, in one session", "shell");
-    word->footer(std::string(kShellHelp));
-    word->callback([this] {
+    CLI::App* command =
+        add_command("shell", "Carry out commands line by line, in one session", "shell");
+    command->footer(std::string(kShellHelp));
+    command->callback([this] {
       command_ = ShellCommand{};
     });
   }
 
   void add_doctor() {
-    CLI::App* word =
-        add_word("doctor", "Check this machine and its network, and show what to change",
-                 "doctor --interface 10.0.0.1");
-    word->callback([this] {
+    CLI::App* command =
+        add_command("doctor", "Check this machine and its network, and show what to change",
+                    "doctor --interface 10.0.0.1");
+    command->callback([this] {
       command_ = DoctorCommand{};
     });
   }
 
   void add_bench() {
-    CLI::App* word = add_word(
+    CLI::App* command = add_command(
         "bench", "Measure in a minute how many axes this machine holds, and how late its ticks are",
         "bench --json");
-    add_service(word);
-    word->add_flag("--quick", words_.quick, "A few seconds, at most 1,024 axes: a first estimate");
-    word->callback([this] {
-      command_ = BenchCommand{words_.service, words_.quick};
+    add_service(command);
+    command->add_flag("--quick", arguments_.quick,
+                      "A few seconds, at most 1,024 axes: a first estimate");
+    command->callback([this] {
+      command_ = BenchCommand{arguments_.service, arguments_.quick};
     });
   }
 
   void add_completion() {
-    CLI::App* word =
-        add_word("completion", "Print a script that completes command lines",
-                 "completion bash > ~/.local/share/bash-completion/completions/vdrive");
-    word->add_option("SHELL", words_.file, "bash, zsh or fish")
+    CLI::App* command =
+        add_command("completion", "Print a script that completes command lines",
+                    "completion bash > ~/.local/share/bash-completion/completions/vdrive");
+    command->add_option("SHELL", arguments_.file, "bash, zsh or fish")
         ->required()
         ->check(CLI::IsMember(completed_shells()))
         ->type_name("");
-    word->callback([this] {
-      text_ = shell_completion(words_.file);
+    command->callback([this] {
+      text_ = shell_completion(arguments_.file);
     });
   }
 
   void add_expect() {
-    CLI::App* word = add_word("expect", "Compare an object; exit code 1 when it is another value",
-                              "expect 1.1 position 1000 --tolerance 1\n"
-                              "  vdrive expect 1.1 torque '<' 500 --throughout 2s");
-    add_axis(word);
-    add_positional(word, "OBJECT", words_.object, "0x6064, 0x607D:1 or a variable_name");
-    word->add_option("VALUE", words_.values,
+    CLI::App* command =
+        add_command("expect", "Compare an object; exit code 1 when it is another value",
+                    "expect 1.1 position 1000 --tolerance 1\n"
+                    "  vdrive expect 1.1 torque '<' 500 --throughout 2s");
+    add_axis(command);
+    add_positional(command, "OBJECT", arguments_.object, "0x6064, 0x607D:1 or a variable_name");
+    command
+        ->add_option("VALUE", arguments_.values,
                      "[COMPARISON] VALUE: the comparison is ==, !=, <, <=, > or >=; default: ==")
         ->required()
         ->type_name("");
     CLI::Option* mask =
-        word->add_option("--mask", words_.mask, "Compare these bits only")->type_name("M");
-    word->add_option("--tolerance", words_.tolerance, "A difference of at most T is equal")
+        command->add_option("--mask", arguments_.mask, "Compare these bits only")->type_name("M");
+    command->add_option("--tolerance", arguments_.tolerance, "A difference of at most T is equal")
         ->excludes(mask)
         ->type_name("T");
     CLI::Option* within =
-        word->add_option("--within", words_.within, "Wait at most this drive time for it")
+        command->add_option("--within", arguments_.within, "Wait at most this drive time for it")
             ->type_name("D");
-    word->add_option("--throughout", words_.throughout, "Check every tick of this drive time")
+    command
+        ->add_option("--throughout", arguments_.throughout, "Check every tick of this drive time")
         ->excludes(within)
         ->type_name("D");
-    word->callback([this] {
+    command->callback([this] {
       command_ = make_expect();
     });
   }
 
   [[nodiscard]] ExpectCommand make_expect() const {
-    ExpectCommand expect = expectation_of(words_.axis, words_.object, words_.values);
+    ExpectCommand expect = expectation_of(arguments_.axis, arguments_.object, arguments_.values);
     const bool is_ordered =
         expect.comparison != Comparison::equal && expect.comparison != Comparison::not_equal;
-    if (is_ordered && (!words_.mask.empty() || !words_.tolerance.empty())) {
+    if (is_ordered && (!arguments_.mask.empty() || !arguments_.tolerance.empty())) {
       throw UsageError("--mask and --tolerance go with == and !=, not with " +
                        std::string(to_string(expect.comparison)));
     }
-    if (!words_.mask.empty()) {
-      expect.mask = static_cast<std::uint64_t>(parse_value(words_.mask, expect.object));
+    if (!arguments_.mask.empty()) {
+      expect.mask = static_cast<std::uint64_t>(parse_value(arguments_.mask, expect.object));
     }
-    if (!words_.tolerance.empty()) {
-      expect.quantity_of_tolerance = quantity_of(words_.tolerance, expect.object);
+    if (!arguments_.tolerance.empty()) {
+      expect.quantity_of_tolerance = quantity_of(arguments_.tolerance, expect.object);
       if (expect.quantity_of_tolerance) expect.quantity_of_tolerance->type = DataType::unsigned32;
       expect.tolerance = expect.quantity_of_tolerance
                              ? 0
-                             : parse_number(words_.tolerance, "tolerance", kHighest32);
+                             : parse_number(arguments_.tolerance, "tolerance", kHighest32);
     }
-    if (!words_.within.empty()) expect.within = parse_duration(words_.within);
-    if (!words_.throughout.empty()) expect.throughout = parse_duration(words_.throughout);
+    if (!arguments_.within.empty()) expect.within = parse_duration(arguments_.within);
+    if (!arguments_.throughout.empty()) expect.throughout = parse_duration(arguments_.throughout);
     return expect;
   }
 
@@ -970,11 +1016,11 @@ class Grammar {
   }
 
   void add_wait() {
-    CLI::App* word =
-        add_word("wait", "Wait until an axis shows something; exit code 4 after --timeout",
-                 "wait 1.1 target_reached --timeout 5s\n"
-                 "  vdrive wait 1.1 position '>' 1000\n"
-                 "  vdrive wait 500ms");
+    CLI::App* command =
+        add_command("wait", "Wait until an axis shows something; exit code 4 after --timeout",
+                    "wait 1.1 target_reached --timeout 5s\n"
+                    "  vdrive wait 1.1 position '>' 1000\n"
+                    "  vdrive wait 500ms");
     std::string help =
         "AXIS CONDITION, AXIS OBJECT [COMPARISON] VALUE, or DURATION of drive time. CONDITION is a "
         "state or a bit of the statusword:";
@@ -983,14 +1029,14 @@ class Grammar {
       help.append(separator).append(name);
       separator = ", ";
     }
-    word->add_option("WHAT", words_.values, help)->required()->type_name("");
-    word->callback([this] {
+    command->add_option("WHAT", arguments_.values, help)->required()->type_name("");
+    command->callback([this] {
       command_ = make_wait();
     });
   }
 
   [[nodiscard]] Command make_wait() const {
-    const std::vector<std::string>& what = words_.values;
+    const std::vector<std::string>& what = arguments_.values;
     if (what.size() == 1) return WaitCommand{parse_duration(what.front())};
     if (what.size() > 2) {
       return AwaitCommand{what[0], "",
@@ -1008,16 +1054,16 @@ class Grammar {
   GlobalOptions options_;
   std::optional<std::uint32_t> domain_;
   std::string timeout_;
-  Words words_;
+  Arguments arguments_;
   std::optional<Command> command_;
   std::string text_;
 };
 
-/// @return the help of the tool, then that of each word.
-std::string help_of_all_words(const CLI::App& app) {
+/// @return the help of the tool, then that of each command.
+std::string help_of_all_commands(const CLI::App& app) {
   std::string text = app.help();
-  for (const CLI::App* const word : app.get_subcommands({})) {
-    text += "\n" + word->get_name() + ": " + word->help(app.get_name());
+  for (const CLI::App* const command : app.get_subcommands({})) {
+    text += "\n" + command->get_name() + ": " + command->help(app.get_name());
   }
   return text;
 }
@@ -1045,7 +1091,7 @@ Invocation invocation_of(Grammar& grammar, std::vector<std::string> arguments) {
   } catch (const CLI::CallForHelp&) {
     invocation.text = grammar.app().help();
   } catch (const CLI::CallForAllHelp&) {
-    invocation.text = help_of_all_words(grammar.app());
+    invocation.text = help_of_all_commands(grammar.app());
   } catch (const CLI::CallForVersion& version) {
     invocation.text = std::string(version.what()) + "\n";
   } catch (const CLI::ExtrasError&) {
@@ -1069,7 +1115,7 @@ Invocation parse_command_line(std::vector<std::string> arguments) {
   return invocation;
 }
 
-Invocation parse_shell_words(std::vector<std::string> words) {
+Invocation parse_shell_command(std::vector<std::string> words) {
   Grammar grammar;
   grammar.add_shell_line();
   return invocation_of(grammar, std::move(words));
@@ -1092,11 +1138,11 @@ std::vector<std::string> complete_line(const std::string& line, const BenchNames
   return candidates(grammar.app(), words, names);
 }
 
-ScenarioWords parse_scenario_words(std::vector<std::string> words) {
+ScenarioCommand parse_scenario_command(std::vector<std::string> words) {
   if (!words.empty() && words.front() == "refused") {
     if (words.size() < 3) throw UsageError("refused needs a code and a command");
     const auto code = static_cast<std::uint32_t>(parse_number(words[1], "code", kHighest32));
-    ScenarioWords inner = parse_scenario_words({words.begin() + 2, words.end()});
+    ScenarioCommand inner = parse_scenario_command({words.begin() + 2, words.end()});
     inner.command =
         std::make_shared<const RefusedCommand>(RefusedCommand{code, std::move(inner.command)});
     return inner;
@@ -1110,7 +1156,7 @@ ScenarioWords parse_scenario_words(std::vector<std::string> words) {
   grammar.add_scenario();
   try {
     grammar.parse(std::move(words));
-    ScenarioWords result{std::move(grammar.command()).value(), grammar.options().timeout};
+    ScenarioCommand result{std::move(grammar.command()).value(), grammar.options().timeout};
     return result;
   } catch (const CLI::ExtrasError&) {
     throw UsageError(unexpected_text(grammar.app()));

@@ -11,7 +11,7 @@
 
 namespace vdrive::tool {
 
-/// Options that stand before or after the word.
+/// Options that stand before or after the command.
 struct GlobalOptions {
   std::uint32_t domain = 0;
   std::vector<std::string> interfaces;         ///< own addresses in the networks to use
@@ -36,7 +36,7 @@ struct Invocation {
 /// One line of a shell: the commands of the command line that work in its session, with --json and
 /// --timeout.
 /// @throws UsageError
-[[nodiscard]] Invocation parse_shell_words(std::vector<std::string> words);
+[[nodiscard]] Invocation parse_shell_command(std::vector<std::string> words);
 
 /// @param words of a command line without the program; the last one is completed
 /// @return what may stand in its place.
@@ -47,13 +47,13 @@ struct Invocation {
 [[nodiscard]] std::vector<std::string> complete_line(const std::string& line,
                                                      const BenchNames& names);
 
-/// One line of a scenario: the same words, and `expect`, `wait` and `refused`.
-struct ScenarioWords {
+/// One line of a scenario: the same commands, and `expect`, `wait` and `refused`.
+struct ScenarioCommand {
   Command command;
   std::optional<Duration> timeout;
 };
 
 /// @throws UsageError also for words that make no sense inside a scenario.
-[[nodiscard]] ScenarioWords parse_scenario_words(std::vector<std::string> words);
+[[nodiscard]] ScenarioCommand parse_scenario_command(std::vector<std::string> words);
 
 }  // namespace vdrive::tool

@@ -28,7 +28,7 @@ inline constexpr std::string_view kExamples =
   vdrive quick-stop 1.1                    from any terminal; vdrive stop stops all axes
   vdrive read 1.1 0x6041 position_demand_value
   vdrive write 1.1 0x607A 0xFFFFD8F0       -10000 as hex
-  vdrive record move.csv 1.1 --for 5s      the status stream, one row a tick
+  vdrive record move.csv 1.1 --for 5s      the status stream, one row per tick
   vdrive disturb 1.1 blocked_load --for 500ms
   vdrive rate 0                            pause a realtime bench; rate 1 continues
   vdrive wait 1.1 target_reached --timeout 5s
@@ -44,7 +44,7 @@ inline constexpr std::string_view kDisturbanceHelp =
     "dc_link_loss, positive_limit, negative_limit, home_switch, index_pulse, or none: clears all";
 
 inline constexpr std::string_view kScenarioHelp =
-    R"(A scenario has one command a line, without 'vdrive'. # starts a comment.
+    R"(A scenario has one command per line, without 'vdrive'. # starts a comment.
 Beside the commands of the command line there are:
   refused CODE COMMAND...    passes if the command is refused with this code
   let NAME = VALUE           ${NAME} stands for VALUE below; --set gives another value

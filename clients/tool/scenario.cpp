@@ -105,7 +105,7 @@ class ScenarioReader {
       begin_final(words);
       return;
     }
-    ScenarioWords parsed = parse_scenario_words(std::move(words));
+    ScenarioCommand parsed = parse_scenario_command(std::move(words));
     check_objects(parsed.command);
     scenario_.lines.push_back({.number = number,
                                .text = std::string(trimmed(text)),

@@ -51,8 +51,8 @@ void check_expectation(const ExpectCommand& expect) {
 }
 
 /// A command without objects.
-template <typename Word>
-void check(const Word& /*command*/) {}
+template <typename AnyCommand>
+void check(const AnyCommand& /*command*/) {}
 
 void check(const ReadCommand& command) {
   for (const ObjectName& object : command.objects) static_cast<void>(checked_row(object));

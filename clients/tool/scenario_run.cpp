@@ -138,7 +138,7 @@ class ScenarioRun {
                            outcome.message());
   }
 
-  /// Who runs the next scenario finds the bench without the faults of this one.
+  /// The next scenario finds the bench without the faults of this one.
   void put_back() {
     for (const std::string& done : executor_.put_back()) {
       terminal_.complain("vdrive: put back: " + done);

@@ -66,8 +66,8 @@ class Shell {
     try {
       std::vector<std::string> words = split_words(line);
       if (words.empty()) return code;
-      const Outcome outcome = carry_out(parse_shell_words(std::move(words)));
-      // Who has interrupted a command knows why it failed.
+      const Outcome outcome = carry_out(parse_shell_command(std::move(words)));
+      // An interrupted command needs no reason why it failed.
       const bool is_told = !outcome && !interrupt_.happened();
       if (is_told) terminal_.complain("vdrive: " + outcome.message());
       code = exit_code_of(outcome.kind());

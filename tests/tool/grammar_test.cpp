@@ -36,7 +36,7 @@ Word command(const std::string& text) {
 
 template <typename Word>
 Word scenario_command(const std::string& text) {
-  return std::get<Word>(parse_scenario_words(split(text)).command);
+  return std::get<Word>(parse_scenario_command(split(text)).command);
 }
 
 std::string refusal_of(std::vector<std::string> words) {
@@ -302,7 +302,7 @@ TEST(Grammar, ReadsHomeVelocityTorqueAndJog) {
   EXPECT_EQ(command<TorqueCommand>("torque x 30 --slope 500").slope, 500U);
   EXPECT_EQ(command<JogCommand>("jog x 90deg/s").duration, std::nullopt);
   EXPECT_EQ(command<JogCommand>("jog x 90deg/s --for 2s").duration, Duration(2s));
-  EXPECT_THROW(static_cast<void>(parse_scenario_words(split("jog x 90deg/s"))), UsageError)
+  EXPECT_THROW(static_cast<void>(parse_scenario_command(split("jog x 90deg/s"))), UsageError)
       << "nobody presses Enter in a scenario";
 }
 
@@ -358,7 +358,7 @@ INSTANTIATE_TEST_SUITE_P(
       return row.param.name;
     });
 
-TEST(ScenarioWords, ExpectKnowsMaskToleranceAndTimes) {
+TEST(ScenarioCommand, ExpectKnowsMaskToleranceAndTimes) {
   const auto masked =
       scenario_command<ExpectCommand>("expect 1.1 0x6041 0x400 --mask 0x400 --within 20ms");
   EXPECT_EQ(masked.mask, 0x400U);
@@ -370,7 +370,7 @@ TEST(ScenarioWords, ExpectKnowsMaskToleranceAndTimes) {
   EXPECT_EQ(near.throughout, Duration(1s));
 }
 
-TEST(ScenarioWords, WaitAndRefused) {
+TEST(ScenarioCommand, WaitAndRefused) {
   EXPECT_EQ(scenario_command<WaitCommand>("wait 1.5s").duration, Duration(1500ms));
   const auto refused = scenario_command<std::shared_ptr<const RefusedCommand>>(
       "refused 0x06010002 write 1.1 0x6041 -0");
@@ -378,8 +378,8 @@ TEST(ScenarioWords, WaitAndRefused) {
   EXPECT_EQ(std::get<WriteCommand>(refused->command).axis, "1.1");
 }
 
-TEST(ScenarioWords, TakeATimeoutForTheLine) {
-  EXPECT_EQ(parse_scenario_words(split("move 1.1 5 --timeout 9")).timeout, Duration(9s));
+TEST(ScenarioCommand, TakeATimeoutForTheLine) {
+  EXPECT_EQ(parse_scenario_command(split("move 1.1 5 --timeout 9")).timeout, Duration(9s));
 }
 
 class BadScenarioWords : public testing::TestWithParam<BadRow> {};
@@ -387,7 +387,7 @@ class BadScenarioWords : public testing::TestWithParam<BadRow> {};
 TEST_P(BadScenarioWords, AreAUsageErrorThatSaysWhat) {
   EXPECT_THAT(
       [] {
-        (void)parse_scenario_words(split(GetParam().text));
+        (void)parse_scenario_command(split(GetParam().text));
       },
       ThrowsMessage<UsageError>(HasSubstr(GetParam().message)));
 }
