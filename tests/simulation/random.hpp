@@ -1,24 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstddef>
+#include "core/support/random_cases.hpp"
+
 #include <cstdint>
 #include <span>
 
 namespace vdrive::simulation {
 
-/// Numbers from a seed, the same on every machine (splitmix64).
+/// Numbers from a seed, the same on every machine.
 class Random {
  public:
-  explicit Random(std::uint64_t seed) : state_(seed) {}
+  explicit Random(std::uint64_t seed) : numbers_(seed) {}
 
-  std::uint64_t next() {
-    state_ += 0x9E3779B97F4A7C15ULL;
-    std::uint64_t z = state_;
-    z = (z ^ (z >> 30U)) * 0xBF58476D1CE4E5B9ULL;
-    z = (z ^ (z >> 27U)) * 0x94D049BB133111EBULL;
-    return z ^ (z >> 31U);
-  }
+  std::uint64_t next() { return numbers_.bits(); }
 
   /// @return a number below `bound`, which is above 0.
   std::uint64_t below(std::uint64_t bound) { return next() % bound; }
@@ -37,7 +32,7 @@ class Random {
   }
 
  private:
-  std::uint64_t state_;
+  test::Random numbers_;
 };
 
 }  // namespace vdrive::simulation
