@@ -42,20 +42,20 @@ BenchList BenchWatch::benches() const {
   return benches_;
 }
 
-std::vector<BenchSight> BenchWatch::sights() const {
+std::vector<BenchPresence> BenchWatch::presences() const {
   std::vector<client::BenchInfo> present = session_.present_benches();
   const std::scoped_lock lock(mutex_);
   for (client::BenchInfo& info : present) {
     const auto feed = feeds_.find(info.number);
     if (feed != feeds_.end()) feed->second->update(std::move(info));
   }
-  std::vector<BenchSight> sights;
-  sights.reserve(feeds_.size());
+  std::vector<BenchPresence> presences;
+  presences.reserve(feeds_.size());
   for (const auto& [number, feed] : feeds_) {
-    sights.push_back(
+    presences.push_back(
         {.number = number, .is_alive = !feed->silence(), .sample_age = feed->sample_age()});
   }
-  return sights;
+  return presences;
 }
 
 void BenchWatch::on_change(const client::ServiceChange& change) {

@@ -21,7 +21,7 @@ struct BenchEvents {
 };
 
 /// What is known of a bench that has topics.
-struct BenchSight {
+struct BenchPresence {
   std::uint32_t number = 0;
   bool is_alive = false;
   std::chrono::nanoseconds sample_age{};  ///< of its newest sample
@@ -40,8 +40,8 @@ class BenchWatch {
   /// @return the benches that have topics now. Any thread.
   [[nodiscard]] BenchList benches() const;
 
-  /// @return them as they are at this moment. Any thread.
-  [[nodiscard]] std::vector<BenchSight> sights() const;
+  /// @return which benches have topics now, and how old their samples are. Any thread.
+  [[nodiscard]] std::vector<BenchPresence> presences() const;
 
  private:
   void run(const std::stop_token& stop);

@@ -156,7 +156,7 @@ std::string Hub::metrics() const {
                        .channels = channels_.size(),
                        .lost_batches = lost_batches_,
                        .is_controlled = control_.holder().has_value(),
-                       .benches = watch_->sights()};
+                       .benches = watch_->presences()};
   for (const auto& [id, channel] : channels_) {
     counts.subscribed += channel->is_wanted() ? 1U : 0U;
     counts.subscriptions += channel->subscriptions;

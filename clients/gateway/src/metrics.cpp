@@ -86,18 +86,18 @@ void add_channels(Families& families, const GatewayCounts& counts) {
                  counts.is_controlled ? 1.0 : 0.0);
 }
 
-void add_benches(Families& families, const std::vector<BenchSight>& benches) {
+void add_benches(Families& families, const std::vector<BenchPresence>& benches) {
   families.gauge("vdrive_gateway_benches", "Benches that have topics",
                  static_cast<double>(benches.size()));
   if (benches.empty()) return;
   families.begin("vdrive_gateway_bench_alive", "1 while samples of the bench arrive",
                  MetricType::Gauge);
-  for (const BenchSight& bench : benches) {
+  for (const BenchPresence& bench : benches) {
     families.add("bench", std::to_string(bench.number)).gauge.value = bench.is_alive ? 1.0 : 0.0;
   }
   families.begin("vdrive_gateway_newest_sample_age_seconds",
                  "How old the newest sample of the bench is, in wall time", MetricType::Gauge);
-  for (const BenchSight& bench : benches) {
+  for (const BenchPresence& bench : benches) {
     families.add("bench", std::to_string(bench.number)).gauge.value =
         std::chrono::duration<double>(bench.sample_age).count();
   }

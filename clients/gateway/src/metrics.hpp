@@ -19,7 +19,7 @@ struct GatewayCounts {
   std::size_t subscriptions = 0;   ///< of all clients
   std::uint64_t lost_batches = 0;  ///< left out because the server's thread was late
   bool is_controlled = false;      ///< a client holds control
-  std::vector<BenchSight> benches{};
+  std::vector<BenchPresence> benches{};
 };
 
 /// @return the counts as Prometheus text (exposition format 0.0.4).
