@@ -131,7 +131,7 @@ class Directory {
   /// @return the item of the bench `number`, or nullptr.
   [[nodiscard]] const std::pair<const BenchKey, Entry>* find_run(std::uint32_t number,
                                                                  Clock::time_point now) const;
-  /// With the axes of all parts: copied only for those who want them, a bench may have thousands.
+  /// With the axes of all parts: copied only where they are needed, a bench may have thousands.
   [[nodiscard]] static PresentBench whole(const Entry& entry, Clock::time_point now);
 
   /// @return the entry of this run, made if there is room; nullptr if there is none.

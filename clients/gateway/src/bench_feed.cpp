@@ -297,7 +297,7 @@ void BenchFeed::publish_axes() {
 
 void BenchFeed::add_axes(Batch& batch) {
   const auto wants = [this](const ChannelPointer& channel) {
-    // The flag first: who subscribes after it was read sets it again.
+    // The flag first: a subscription after it was read sets it again.
     const bool is_first = channel->is_wanted_now.exchange(false);
     return channel->is_wanted() && (is_new_ || is_first);
   };

@@ -67,9 +67,8 @@ boost::beast::string_view beast_view(std::string_view text) {
 }
 
 /// @return how long the other machine has acknowledged nothing, although it was sent something;
-/// else 0.
-///         Its kernel acknowledges, also for a program that is late. Where that program reads
-///         nothing and its buffer is full, few bytes are sent, and each is answered.
+///         else 0. Its kernel acknowledges, also for a program that is late. Where that program
+///         reads nothing and its buffer is full, few bytes are sent, and each is answered.
 std::chrono::milliseconds unacknowledged(tcp::socket& socket) {
   constexpr std::uint32_t kLongestRoundTrip = 200;  // [ms]
   tcp_info info{};
@@ -575,8 +574,8 @@ class WebServer::Server {
     connection->start();
   }
 
-  /// Who comes always finds room: a client asks at once, and of the connections that have opened no
-  /// WebSocket the oldest only holds its place.
+  /// A new connection always finds room: of the connections that have opened no WebSocket the
+  /// oldest is closed, because a client sends its request at once.
   void make_room(Use use) {
     const auto is_plain = [use](const auto& entry) {
       return entry.second->is_plain(use);

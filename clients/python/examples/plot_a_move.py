@@ -36,7 +36,7 @@ first = session.record([free, loaded], ticks=300)
 loaded.disturb("load_torque", -1500)
 second = session.record([free, loaded], ticks=500)
 
-# %% Recordings are arrays of numpy: a row a tick, a column an axis.
+# %% Recordings are arrays of numpy: a row per tick, a column per axis.
 milliseconds = list(range(800))
 
 

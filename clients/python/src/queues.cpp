@@ -113,7 +113,7 @@ void add_status_queue(py::module_& module) {
       "take", &take_frames, py::arg("timeout") = py::none(),
       py::arg("most") = std::numeric_limits<std::size_t>::max(),
       "Waits for samples, at most for `timeout` s, and takes at most `most` of those that are "
-      "there: a numpy array of records, a row a sample, a column an axis.");
+      "there: a numpy array of records, a row per sample, a column per axis.");
   queue.def_property_readonly(
       "axes",
       [](const StatusQueue& source) {

@@ -85,7 +85,7 @@ class Queue {
         items_.pop_front();
       }
     }
-    // The file stays readable at the end: who waits for it is to see the end.
+    // The file stays readable at the end: a thread that waits for it is to receive the end.
     if (items_.empty() && !has_ended_) forget();
     return taken;
   }

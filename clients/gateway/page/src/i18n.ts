@@ -83,7 +83,7 @@ const TEXTS = {
   controlword_source: ["read 5 times a second", "每秒读取 5 次"],
   bit: ["bit", "位"],
   power_machine: ["Power state machine", "电源状态机"],
-  last_way: ["Last way", "最近转换"],
+  last_way: ["Last transitions", "最近转换"],
   no_way: ["no change yet", "尚无转换"],
   handshake: ["Set-points", "设定点"],
   bit4: ["4 new", "4 新设定"],
