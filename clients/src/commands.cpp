@@ -12,6 +12,9 @@ namespace {
 // A frame for a later tick is answered in that tick.
 constexpr Patience kAnswerInItsTick{std::chrono::hours(24), true, true};
 
+static_assert(kMostAxesAtOnce == msg::MAX_AXES_PER_FRAME);
+static_assert(kMostObjectsAtOnce == msg::MAX_OBJECTS_PER_REQUEST);
+
 }  // namespace
 
 Commands::Commands(Connection& connection, Holdings& holdings, UnansweredFrames& unanswered,

@@ -12,8 +12,6 @@
 namespace vdrive::gateway {
 namespace {
 
-constexpr std::size_t kObjectsOfRequest = 64;
-
 /// What is to be read from one axis, and where its values go.
 struct Wanted {
   std::vector<ObjectAddress> objects;
@@ -43,8 +41,8 @@ void read_axis(client::Session& session, const client::AxisId& id, const Wanted&
   }
   const std::span objects(wanted.objects);
   const std::span places(wanted.places);
-  for (std::size_t first = 0; first < objects.size(); first += kObjectsOfRequest) {
-    const std::size_t count = std::min(kObjectsOfRequest, objects.size() - first);
+  for (std::size_t first = 0; first < objects.size(); first += client::kMostObjectsAtOnce) {
+    const std::size_t count = std::min(client::kMostObjectsAtOnce, objects.size() - first);
     read_some(*axis, objects.subspan(first, count), places.subspan(first, count), answer);
   }
 }

@@ -29,8 +29,6 @@ using client::Until;
 using namespace literals;
 
 constexpr std::chrono::seconds kCallTime{10};  // drive time
-constexpr std::size_t kMostAxesOfGroup = 256;
-constexpr std::size_t kMostObjects = 64;
 
 // ---- requests
 
@@ -135,7 +133,8 @@ std::vector<std::vector<Axis>> by_bench(const std::vector<Axis>& axes) {
   std::map<std::uint32_t, std::vector<std::vector<Axis>>> parts;
   for (const Axis& axis : axes) {
     auto& of_bench = parts[axis.id().bench];
-    if (of_bench.empty() || of_bench.back().size() == kMostAxesOfGroup) of_bench.emplace_back();
+    if (of_bench.empty() || of_bench.back().size() == client::kMostAxesAtOnce)
+      of_bench.emplace_back();
     of_bench.back().push_back(axis);
   }
   std::vector<std::vector<Axis>> groups;
@@ -399,8 +398,10 @@ CallAnswer call_step(Session& session, const Json& request) {
 
 CallAnswer call_read(Session& session, const Json& request) {
   const Json& list = required(request, "objects");
-  if (!list.is_array() || list.empty() || list.size() > kMostObjects) {
-    throw ProtocolError(R"('objects' must be a list of 1 to 64 objects, such as ["0x6081"])");
+  if (!list.is_array() || list.empty() || list.size() > client::kMostObjectsAtOnce) {
+    throw ProtocolError("'objects' must be a list of 1 to " +
+                        std::to_string(client::kMostObjectsAtOnce) +
+                        R"( objects, such as ["0x6081"])");
   }
   std::vector<ObjectAddress> objects;
   objects.reserve(list.size());

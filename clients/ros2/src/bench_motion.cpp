@@ -43,7 +43,6 @@ constexpr double kLongestInterval = 0.1;
 constexpr double kFirstInterval = 0.01;
 
 constexpr milliseconds kRepeatWords{500};
-constexpr std::size_t kAxesOfFrame = 256;
 
 bool is_enabled(const client::AxisSnapshot& axis) {
   return axis.state() == PowerState::operation_enabled;
@@ -54,9 +53,9 @@ std::vector<client::SetPointFrame> divided(const std::vector<client::SetPointFra
   std::vector<client::SetPointFrame> parts;
   parts.reserve(frames.size());
   for (const client::SetPointFrame& frame : frames) {
-    for (std::size_t begin = 0; begin < frame.axes.size(); begin += kAxesOfFrame) {
+    for (std::size_t begin = 0; begin < frame.axes.size(); begin += client::kMostAxesAtOnce) {
       const auto first = frame.axes.begin() + static_cast<std::ptrdiff_t>(begin);
-      const auto count = std::min(kAxesOfFrame, frame.axes.size() - begin);
+      const auto count = std::min(client::kMostAxesAtOnce, frame.axes.size() - begin);
       parts.push_back({.tick = frame.tick,
                        .drops_waiting = frame.drops_waiting && begin == 0,
                        .axes = {first, first + static_cast<std::ptrdiff_t>(count)}});
@@ -644,7 +643,7 @@ void BenchMotion::keep_alive() {
 
 bool BenchMotion::send(const std::vector<client::SetPointFrame>& frames) {
   if (frames.empty()) return true;
-  const bool is_small = plans_.size() <= kAxesOfFrame || frames.front().axes.empty();
+  const bool is_small = plans_.size() <= client::kMostAxesAtOnce || frames.front().axes.empty();
   const client::Outcome sent =
       session_.send_set_points(link_.info().number, is_small ? frames : divided(frames));
   if (!sent) reports_.report(Severity::error, link_.name(), sent.message());

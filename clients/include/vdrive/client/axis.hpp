@@ -202,7 +202,7 @@ class Axis {
   /// force. Refused as `store` is.
   Outcome restore_defaults();
 
-  /// Reads up to 64 objects. An object that is refused has its code in its place.
+  /// Reads up to kMostObjectsAtOnce objects. An object that is refused has its code in its place.
   Result<Readings> read(std::span<const ObjectAddress> objects) const;
 
   /// Reads one object. @return refused with its abort code.

@@ -98,7 +98,8 @@ struct StreamOptions {
 /// real time.
 class AxisGroup {
  public:
-  /// @param axes addresses or names, each once; at most 256 of one bench
+  /// @param axes addresses or names, each once; at most kMostAxesAtOnce of one
+  ///        bench
   /// @return not_found, refused when an axis appears twice or the benches do not share a clock.
   static Result<AxisGroup> create(Session& session, std::span<const std::string> axes);
 

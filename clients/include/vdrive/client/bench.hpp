@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <compare>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -20,6 +21,12 @@ using vdrive::to_string;
 using vdrive::to_user_units;
 using vdrive::Unit;
 using vdrive::UnitKind;
+
+/// Axes of one bench that one frame of set-points or one group can have.
+inline constexpr std::size_t kMostAxesAtOnce = 256;
+
+/// Objects of an axis that are read in one tick.
+inline constexpr std::size_t kMostObjectsAtOnce = 64;
 
 /// Address of an axis, written `bench.axis`.
 struct AxisId {

@@ -84,7 +84,7 @@ struct SetPoint {
 struct SetPointFrame {
   std::uint64_t tick = 0;        ///< 0 = the next
   bool drops_waiting = false;    ///< first drops the frames of the session that wait for their tick
-  std::vector<SetPoint> axes{};  ///< at most 256, each once
+  std::vector<SetPoint> axes{};  ///< at most kMostAxesAtOnce, each once
 };
 
 /// A saved state of all axes of a bench, which the bench keeps.
@@ -186,7 +186,7 @@ class Session {
   Result<std::vector<Axis>> axes(std::optional<std::uint32_t> bench = std::nullopt);
 
   /// Takes control of axes of one bench without a command: of all of them, or of none when one is
-  /// refused. Of more than 256 axes the first 256 decide.
+  /// refused. Of more than kMostAxesAtOnce axes the first of them decide.
   /// @param axes of one bench, each once
   /// @return refused when another session holds one of them.
   Outcome acquire(std::span<const AxisId> axes);
