@@ -232,7 +232,7 @@ class TextReader {
     try {
       for (std::string line; std::getline(file_, line);) {
         ++number_;
-        if (file_.eof()) throw RecordingError("it has no line break at its end: it is torn");
+        if (file_.eof()) throw RecordingError("it has no line break at its end: it is incomplete");
         if (line.ends_with('\r')) line.pop_back();
         take(line);
       }
