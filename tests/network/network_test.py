@@ -289,8 +289,9 @@ def reply(holder, number):
 
 def expect_story(events, axis, what):
     """The events tell it all, in this order."""
-    story = ["nothing was received", "Fault reaction active", f"fault 0x{CONNECTION_LOST:04X}", "Fault",
-             "controlled by session", f"fault 0x{CONNECTION_LOST:04X} reset", "Operation enabled"]
+    story = ["nothing was received", "Fault reaction active", f"fault 0x{CONNECTION_LOST:04X}",
+             "Fault", "controlled by session", f"fault 0x{CONNECTION_LOST:04X} reset",
+             "Operation enabled"]
     told = [text for _, text in events if text.startswith(f"axis {axis}: ")]
     place = 0
     for text in told:
@@ -302,8 +303,8 @@ def expect_story(events, axis, what):
 
 def expect_safe_stop(bench, events, axis, tick, what):
     """The axis stopped by its watchdog, in time, and came to rest. Returns its times [ticks]."""
-    lost = next((t for t, text in events if "nothing was received" in text and f"axis {axis}:" in text),
-                None)
+    lost = next((t for t, text in events
+                 if "nothing was received" in text and f"axis {axis}:" in text), None)
     expect(lost is not None, f"{what}: bench {bench.number} did not lose its master: {events}")
     faults = [t for t, text in events if f"axis {axis}: fault 0x{CONNECTION_LOST:04X}" == text]
     expect(faults, f"{what}: no fault 0x8130: {events}")
