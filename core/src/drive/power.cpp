@@ -75,10 +75,6 @@ bool has_power_to_lose(PowerState state) {
          state == PowerState::fault_reaction_active;
 }
 
-bool is_test_bench_input(const ObjectDescription& object) {
-  return object.address.index >= 0x5E00 && object.address.index <= 0x5E09;
-}
-
 }  // namespace
 
 PowerOptions power_options(const Drive& drive) {
@@ -166,7 +162,8 @@ void power_up(Drive& drive, bool initialise) noexcept {
   DriveRegisters& r = drive.registers();
   for (std::size_t row = 0; row < kObjectCount; ++row) {
     // The test bench is not the drive: what it does to the axis outlasts a power cycle.
-    if (!is_test_bench_input(kObjectTable[row])) r.values[row] = kObjectTable[row].default_value;
+    const ObjectDescription& object = kObjectTable[row];
+    if (object.role != Role::test_input) r.values[row] = object.default_value;
   }
   drive.state() = {};
   r.request = {};
