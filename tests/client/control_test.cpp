@@ -144,9 +144,9 @@ bool lose_among_bystanders(int signal) {
   if (!loss || !observer.wait(1, 200ms) || !bystanders.are_unharmed()) return false;
   EXPECT_EQ(loss->rest.status.error_code, kConnectionLost);
   EXPECT_EQ(loss->rest.owner_session, 0U);
-  // The master was heard last before the signal; a reaction takes the time-out and two ticks.
+  // The master sent last before the signal; a reaction takes the time-out and two ticks.
   const bool in_time = loss->fault.tick <= loss->signalled + kWatchdog + 2;
-  // A session says every 25 ms that it lives, so it was not heard more than that before.
+  // A session sends its keep-alive every 25 ms, so the last one came at most that long before.
   EXPECT_GE(loss->fault.tick, loss->signalled + kWatchdog - 50) << "a reaction without cause";
   // Nothing resumes by itself, though time goes on and others are at work.
   EXPECT_TRUE(observer.wait(1, 500ms));
