@@ -57,7 +57,7 @@ void check_admission(std::string_view bytes) {
 
 void check_name(std::string_view bytes) {
   const auto object = parse_object(bytes);
-  if (object) demand(parse_object(object_text(*object)) == object, "a text for each object");
+  if (object) demand(parse_object(object_key(*object)) == object, "a text for each object");
 }
 
 }  // namespace
