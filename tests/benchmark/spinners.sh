@@ -8,6 +8,7 @@ stop_spinners() {
   if ((${#spinners[@]})); then
     kill "${spinners[@]}" 2>/dev/null || true
   fi
+  spinners=()
 }
 
 keep_awake() {
