@@ -20,7 +20,6 @@ namespace {
 
 using namespace literals;
 
-constexpr double kTwoPi = 6.283185307179586476925;
 constexpr double kLongestSubstep = 125.0e-6;  // [s]
 
 // A movement that is slower than this goes to rest, it does not ring [Hz].

@@ -14,8 +14,6 @@
 namespace vdrive {
 namespace {
 
-constexpr double kTwoPi = 6.283185307179586476925;
-
 /// exp([A B; 0 0] h) gives the exact step of x' = A x + B u with u held.
 template <int States, int Inputs>
 Eigen::Matrix<double, States, States + Inputs> discretise(
@@ -201,9 +199,9 @@ void design_lane(const AxisModel& model, const Gear& gear, double substep, std::
   const Elastic loose = discretise<5, 3>(elastic_system(model, ratio, 0.0, 0.0), substep);
   // The load's position follows from motor and twist: x_l = r·x_m - twist. As an increment of the
   // sub-step: r·Δx_m - Δtwist, where the twist's own row carries the old twist with coefficient 1.
-  using Row = Eigen::Matrix<double, 1, 8>;
-  const auto load_increment = [ratio](const Elastic& step) -> Row {
-    Row row = ratio * step.row(column::motor_position) - step.row(column::twist);
+  using Increment = Eigen::Matrix<double, 1, 8>;
+  const auto load_increment = [ratio](const Elastic& step) -> Increment {
+    Increment row = ratio * step.row(column::motor_position) - step.row(column::twist);
     row(column::twist) += 1.0;
     return row;
   };

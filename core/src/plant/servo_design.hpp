@@ -8,8 +8,10 @@
 
 namespace vdrive {
 
+inline constexpr double kTwoPi = 6.283185307179586476925;  ///< [rad] a revolution
+
 /// User units a radian, of motor and load shaft alike.
-inline constexpr double kUserUnitsPerRadian = kUserUnitsPerRevolution / 6.283185307179586476925;
+inline constexpr double kUserUnitsPerRadian = kUserUnitsPerRevolution / kTwoPi;
 
 /// Gear of 3576h/3577h: load velocity = motor velocity x numerator / denominator.
 struct Gear {

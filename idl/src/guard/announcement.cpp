@@ -13,7 +13,7 @@ using namespace rtps_bytes;
 constexpr std::uint32_t kEndless = 0x7FFFFFFF;  // [s]; longer leases do not end either
 
 std::chrono::milliseconds lease_of(Bytes value, bool little) {
-  Reader reader(value, little);
+  ByteReader reader(value, little);
   const std::uint32_t seconds = reader.u32();
   const std::uint64_t fraction = reader.u32();
   if (seconds >= kEndless) return std::chrono::milliseconds::max();
@@ -21,7 +21,7 @@ std::chrono::milliseconds lease_of(Bytes value, bool little) {
 }
 
 Announcer announcer_of(Bytes value, bool little) {
-  Reader reader(value, little);
+  ByteReader reader(value, little);
   const std::size_t length = reader.u32();
   constexpr std::size_t kLongest = 16;  // more than any name that is searched for
   std::array<char, kLongest> start{};

@@ -11,7 +11,7 @@ namespace rtps_bytes {
 
 Data parse_data(const Submessage& submessage, std::size_t fixed) noexcept {
   Data data;
-  Reader reader = submessage.reader();
+  ByteReader reader = submessage.reader();
   reader.skip(2);
   const std::size_t to_inline_qos = reader.u16();
   data.reader = reader.entity();
@@ -83,7 +83,7 @@ bool is_sequence(std::int64_t number, std::int64_t least) {
 }
 
 /// A base has been read; the number of bits and their words follow.
-Refusal check_set(Reader& reader) {
+Refusal check_set(ByteReader& reader) {
   const std::uint32_t bits = reader.u32();
   if (bits > kMostBits) return Refusal::set;
   reader.skip(std::size_t{(bits + 31) / 32} * 4);
@@ -91,7 +91,7 @@ Refusal check_set(Reader& reader) {
 }
 
 Refusal check_acknack(const Submessage& submessage) {
-  Reader reader = submessage.reader();
+  ByteReader reader = submessage.reader();
   reader.skip(8);
   // 0 requests a first heartbeat.
   if (!is_sequence(reader.sequence(), 0)) return Refusal::sequence;
@@ -101,7 +101,7 @@ Refusal check_acknack(const Submessage& submessage) {
 }
 
 Refusal check_heartbeat(const Submessage& submessage) {
-  Reader reader = submessage.reader();
+  ByteReader reader = submessage.reader();
   reader.skip(8);
   const std::int64_t first = reader.sequence();
   const std::int64_t last = reader.sequence();
@@ -112,7 +112,7 @@ Refusal check_heartbeat(const Submessage& submessage) {
 }
 
 Refusal check_gap(const Submessage& submessage, DatagramReport& report) {
-  Reader reader = submessage.reader();
+  ByteReader reader = submessage.reader();
   reader.skip(8);
   const std::int64_t start = reader.sequence();
   const std::int64_t base = reader.sequence();
@@ -125,7 +125,7 @@ Refusal check_gap(const Submessage& submessage, DatagramReport& report) {
 }
 
 Refusal check_nack_frag(const Submessage& submessage) {
-  Reader reader = submessage.reader();
+  ByteReader reader = submessage.reader();
   reader.skip(8);
   const std::int64_t sequence = reader.sequence();
   const std::uint32_t base = reader.u32();
@@ -137,7 +137,7 @@ Refusal check_nack_frag(const Submessage& submessage) {
 }
 
 Refusal check_heartbeat_frag(const Submessage& submessage) {
-  Reader reader = submessage.reader();
+  ByteReader reader = submessage.reader();
   reader.skip(8);
   const std::int64_t sequence = reader.sequence();
   reader.skip(8);
@@ -147,7 +147,7 @@ Refusal check_heartbeat_frag(const Submessage& submessage) {
 
 /// A text of CDR: its length with the zero at its end, and as many bytes.
 bool is_text(Bytes value, bool little) {
-  Reader reader(value, little);
+  ByteReader reader(value, little);
   const std::uint32_t length = reader.u32();
   return reader.ok() && length <= reader.left();
 }
@@ -213,7 +213,7 @@ Refusal check_data_frag(const Submessage& submessage) {
   const Data data = parse_data(submessage, kFragmentFixed);
   if (!data.whole) return Refusal::length;
   if (!is_sequence(data.sequence, 1)) return Refusal::sequence;
-  Reader reader = submessage.reader();
+  ByteReader reader = submessage.reader();
   reader.skip(20);
   const std::uint64_t first = reader.u32();
   const std::uint64_t count = reader.u16();

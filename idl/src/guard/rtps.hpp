@@ -72,9 +72,9 @@ inline constexpr Parameter kTypeObject = 0x0072;
 inline constexpr Parameter kTypeInformation = 0x0075;
 
 /// Reads numbers one after the other; what lies behind the end is 0 and makes `ok` false.
-class Reader {
+class ByteReader {
  public:
-  Reader(Bytes bytes, bool little) noexcept : bytes_(bytes), little_(little) {}
+  ByteReader(Bytes bytes, bool little) noexcept : bytes_(bytes), little_(little) {}
 
   [[nodiscard]] bool ok() const noexcept { return ok_; }
 
@@ -134,7 +134,7 @@ struct Submessage {
 
   [[nodiscard]] bool has(Flag flag) const noexcept { return (flags & flag) != 0; }
 
-  [[nodiscard]] Reader reader() const noexcept { return {body, has(kLittle)}; }
+  [[nodiscard]] ByteReader reader() const noexcept { return {body, has(kLittle)}; }
 };
 
 /// Walks the submessages of a datagram.
@@ -146,11 +146,11 @@ class Submessages {
 
   /// @return whether the next submessage lies inside the datagram, and the one after it is aligned.
   [[nodiscard]] bool next(Submessage& out) noexcept {
-    Reader header(datagram_.subspan(position_), true);
+    ByteReader header(datagram_.subspan(position_), true);
     if (header.left() < kSubmessageHeaderSize) return false;
     out.kind = static_cast<Kind>(datagram_[position_]);
     out.flags = datagram_[position_ + 1];
-    header = Reader(datagram_.subspan(position_ + 2), out.has(kLittle));
+    header = ByteReader(datagram_.subspan(position_ + 2), out.has(kLittle));
     std::size_t length = header.u16();
     out.offset = position_ + kSubmessageHeaderSize;
     const std::size_t left = datagram_.size() - out.offset;
@@ -183,7 +183,7 @@ class List {
 
   /// @return whether there is another parameter; false at the sentinel, and when the list is broken
   [[nodiscard]] bool next(ListEntry& out) noexcept {
-    Reader reader(bytes_.subspan(position_), little_);
+    ByteReader reader(bytes_.subspan(position_), little_);
     out.id = reader.u16();
     const std::size_t length = reader.u16();
     if (!reader.ok()) return false;
