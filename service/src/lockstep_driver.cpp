@@ -160,7 +160,7 @@ void LockstepDriver::run_ticks(std::uint64_t ticks, const std::atomic<bool>& sto
 
 /// Wall time decides how many of the ticks of a long step are shown.
 bool LockstepDriver::may_publish() {
-  shown_ticks_.refill(Clock::now());
+  shown_ticks_.refill(Clock::now().time_since_epoch());
   return shown_ticks_.take();
 }
 

@@ -8,7 +8,7 @@
 #include "reply_publisher.hpp"
 #include "status_publisher.hpp"
 #include "stepper_table.hpp"
-#include "token_bucket.hpp"
+#include "vdrive/token_bucket.hpp"
 
 #include <atomic>
 #include <chrono>

@@ -189,7 +189,7 @@ void ReportPublisher::publish_event(const CountedEvent& counted) {
 }
 
 void ReportPublisher::publish_parameters(Outbox& outbox) {
-  parameter_samples_.refill(Clock::now());
+  parameter_samples_.refill(Clock::now().time_since_epoch());
   while (!parameter_samples_.is_empty()) {
     const msg::AxisParameters* const parameters = outbox.parameters.front();
     if (parameters == nullptr) return;

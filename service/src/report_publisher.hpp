@@ -6,8 +6,8 @@
 #include "counters.hpp"
 #include "event_limiter.hpp"
 #include "queues.hpp"
-#include "token_bucket.hpp"
 #include "vdrive/axis_bank.hpp"
+#include "vdrive/token_bucket.hpp"
 #include "wire_link.hpp"
 
 #include <chrono>

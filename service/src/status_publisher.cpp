@@ -67,7 +67,7 @@ void StatusPublisher::commit(wire::TopicId topic, std::size_t size) {
 void StatusPublisher::publish_axes(const StatusImage& image) {
   if (link_.matched(wire::TopicId::axis) == 0) return;
   const auto now = Clock::now();
-  axis_samples_.refill(now);
+  axis_samples_.refill(now.time_since_epoch());
   for (std::size_t axis = 0; axis < sampled_.size() && !axis_samples_.is_empty(); ++axis) {
     const auto changed = image.status[axis].ds402_statusword ^ sampled_[axis].statusword;
     if ((changed & Statusword::kState) != 0) publish_axis(image, axis, now);

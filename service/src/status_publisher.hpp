@@ -5,7 +5,7 @@
 #include "configuration.hpp"
 #include "counters.hpp"
 #include "queues.hpp"
-#include "token_bucket.hpp"
+#include "vdrive/token_bucket.hpp"
 #include "wire_link.hpp"
 
 #include <chrono>

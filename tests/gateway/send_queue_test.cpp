@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "send_queue.hpp"
 
-#include "rate_limit.hpp"
-
 #include <gtest/gtest.h>
 
 namespace vdrive::gateway {
@@ -74,22 +72,6 @@ TEST(SendQueue, CountsNoBytesThatOthersKeepToo) {
   EXPECT_EQ(queue.bytes(), 0U);
   EXPECT_TRUE(queue.push_answer(frame_of("a long advertisement"), true));
   EXPECT_FALSE(queue.push_answer(frame_of("a long advertisement"), true)) << "but their number";
-}
-
-TEST(RateLimit, AllowsABurstAndThenTheRate) {
-  using namespace std::chrono_literals;
-  bridge::RateLimit limit(10.0, 3.0);
-  const auto begin = bridge::RateLimit::Clock::time_point(1h);
-  EXPECT_TRUE(limit.take(begin));
-  EXPECT_TRUE(limit.take(begin));
-  EXPECT_TRUE(limit.take(begin));
-  EXPECT_FALSE(limit.take(begin));
-  // 10 a second: after 250 ms there are two and a half.
-  EXPECT_TRUE(limit.take(begin + 250ms));
-  EXPECT_TRUE(limit.take(begin + 250ms));
-  EXPECT_FALSE(limit.take(begin + 250ms));
-  EXPECT_FALSE(limit.take(begin + 1h, 4.0)) << "no more than a burst at once";
-  EXPECT_TRUE(limit.take(begin + 1h, 3.0));
 }
 
 }  // namespace

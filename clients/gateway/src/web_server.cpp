@@ -2,8 +2,8 @@
 #include "web_server.hpp"
 
 #include "protocol.hpp"
-#include "rate_limit.hpp"
 #include "vdrive/text.hpp"
+#include "vdrive/token_bucket.hpp"
 #include "vdrive/wording.hpp"
 
 // One thread runs the server: nothing to fence, and the thread sanitizer does not support fences.
@@ -53,10 +53,8 @@ constexpr int kSendBuffer = 1 << 18;                  // [bytes] in the kernel, 
 constexpr std::ptrdiff_t kMostPlainConnections = 32;  // HTTP beside the WebSockets, a use
 
 // What a client may send: the page subscribes to a thousand axes at once.
-constexpr double kMessagesPerSecond = 200.0;
-constexpr double kMessagesAtOnce = 4000.0;
-constexpr double kBytesPerSecond = 1e6;
-constexpr double kBytesAtOnce = 4e6;
+constexpr TokenBucket::Rate kMessages{.per_second = 200.0, .burst = 4000.0};
+constexpr TokenBucket::Rate kBytes{.per_second = 1e6, .burst = 4e6};
 
 std::string_view view(boost::beast::string_view text) {
   return {text.data(), text.size()};
@@ -354,7 +352,9 @@ class Connection final : public std::enable_shared_from_this<Connection> {
     }
     received_ = Clock::now();
     const auto bytes = buffer_.cdata();
-    if (!messages_.take(received_) || !bytes_.take(received_, static_cast<double>(bytes.size()))) {
+    messages_.refill(received_.time_since_epoch());
+    bytes_.refill(received_.time_since_epoch());
+    if (!messages_.take() || !bytes_.take(static_cast<double>(bytes.size()))) {
       if (phase_ == Phase::open) count(shared_.counters.cut_off, CutOff::flood);
       close(websocket::close_code::policy_error, "too many messages");
     } else if (phase_ == Phase::open && shared_.events.received) {
@@ -432,8 +432,8 @@ class Connection final : public std::enable_shared_from_this<Connection> {
   bool is_pinging_ = false;
   bool is_overfull_ = false;        ///< more answers wait than may
   bool has_announced_end_ = false;  ///< it is the server that ends
-  bridge::RateLimit messages_{kMessagesPerSecond, kMessagesAtOnce};
-  bridge::RateLimit bytes_{kBytesPerSecond, kBytesAtOnce};
+  TokenBucket messages_{kMessages};
+  TokenBucket bytes_{kBytes};
   Patience patience_ = WebServer::kPatience;
   Clock::time_point received_{};
   Clock::time_point pinged_{};

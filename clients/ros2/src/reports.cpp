@@ -26,10 +26,11 @@ Reports::Reports(wire::Participant& participant, const std::string& topic)
     : rosout_(participant, topic) {}
 
 bool Reports::is_due(Subject& subject, const std::string& text) {
-  const auto now = bridge::RateLimit::Clock::now();
+  const auto now = Clock::now();
   if (subject.texts.size() > kMostTexts) subject.texts.clear();
   const auto [reported, is_new] = subject.texts.try_emplace(text, now);
-  if ((!is_new && now - reported->second < kAgain) || !subject.limit.take(now)) return false;
+  subject.limit.refill(now.time_since_epoch());
+  if ((!is_new && now - reported->second < kAgain) || !subject.limit.take()) return false;
   reported->second = now;
   return true;
 }

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "rate_limit.hpp"
+#include "vdrive/token_bucket.hpp"
 #include "vdrive/wire/ros.hpp"
 
+#include <chrono>
 #include <cstdint>
 #include <map>
 #include <mutex>
@@ -26,11 +27,12 @@ class Reports {
   void report(Severity severity, const std::string& subject, const std::string& text);
 
  private:
+  using Clock = std::chrono::steady_clock;
+
   /// What was reported about a subject, and how many texts were left out since.
   struct Subject {
-    bridge::RateLimit limit{5.0, 10.0};
-    std::map<std::string, bridge::RateLimit::Clock::time_point>
-        texts{};  ///< when they were reported
+    TokenBucket limit{{.per_second = 5.0, .burst = 10.0}};
+    std::map<std::string, Clock::time_point> texts{};  ///< when they were reported
     std::uint64_t left_out = 0;
   };
 

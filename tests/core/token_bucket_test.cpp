@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "token_bucket.hpp"
+#include "vdrive/token_bucket.hpp"
 
 #include <gtest/gtest.h>
 
-namespace vdrive::service {
+namespace vdrive {
 namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::chrono::steady_clock::time_point kBegin{1h};
+constexpr std::chrono::nanoseconds kBegin = 1h;
 
 /// @return how many tokens there are.
 int empty(TokenBucket& bucket) {
@@ -39,5 +39,23 @@ TEST(TokenBucket, GivesItsRateAndNeverMoreThanABurstAtOnce) {
   EXPECT_EQ(empty(bucket), 8);
 }
 
+TEST(TokenBucket, GivesSeveralTokensTogetherOrNone) {
+  TokenBucket bucket({.per_second = 10.0, .burst = 3.0});
+  bucket.refill(kBegin);
+  EXPECT_FALSE(bucket.take(4.0)) << "more than a burst";
+  EXPECT_TRUE(bucket.take(3.0)) << "the refusal before took nothing";
+  bucket.refill(kBegin + 250ms);  // 2.5 tokens
+  EXPECT_FALSE(bucket.take(2.75));
+  EXPECT_TRUE(bucket.take(2.5));
+}
+
+TEST(TokenBucket, GivesNothingForATimeThatGoesBack) {
+  TokenBucket bucket({.per_second = 10.0, .burst = 3.0});
+  bucket.refill(kBegin);
+  EXPECT_TRUE(bucket.take(2.0));
+  bucket.refill(kBegin - 10s);
+  EXPECT_EQ(empty(bucket), 1) << "neither more nor less than before";
+}
+
 }  // namespace
-}  // namespace vdrive::service
+}  // namespace vdrive

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+
+namespace vdrive {
+
+/// Limits how often something is done: a rate in the long run, and after a pause a burst at once.
+/// Time is an argument: the caller chooses the clock.
+class TokenBucket {
+ public:
+  struct Rate {
+    double per_second = 1.0;  ///< [tokens/s], above 0
+    double burst = 1.0;       ///< [tokens] at once, at least 1
+  };
+
+  /// Begins with a whole burst.
+  explicit TokenBucket(Rate rate) noexcept : rate_(rate), tokens_(rate.burst) {}
+
+  /// Adds what has become due since the last call.
+  /// @param now since any beginning that stays; a time before that of the last call adds nothing
+  void refill(std::chrono::nanoseconds now) noexcept {
+    const double seconds = std::chrono::duration<double>(now - refilled_).count();
+    tokens_ = std::min(rate_.burst, tokens_ + std::max(seconds, 0.0) * rate_.per_second);
+    refilled_ = now;
+  }
+
+  /// @return whether there is less than one token.
+  [[nodiscard]] bool is_empty() const noexcept { return tokens_ < 1.0; }
+
+  /// Takes `tokens`. @return false when there are fewer; then none is taken.
+  bool take(double tokens = 1.0) noexcept {
+    if (tokens_ < tokens) return false;
+    tokens_ -= tokens;
+    return true;
+  }
+
+ private:
+  Rate rate_;
+  double tokens_;
+  std::chrono::nanoseconds refilled_{};
+};
+
+}  // namespace vdrive
