@@ -2,6 +2,7 @@
 #include "value.hpp"
 
 #include "usage_error.hpp"
+#include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/dictionary/standard_names.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
@@ -127,22 +128,14 @@ std::optional<ObjectRow> ObjectName::row() const {
 
 bool ObjectName::covers(ObjectAddress other) const {
   if (!address || address->index != other.index) return false;
-  const bool is_whole_index = is_hexadecimal(text) && text.find(':') == std::string::npos;
+  const auto spelled = parse_address(text);
+  const bool is_whole_index = spelled && !spelled->subindex;
   return is_whole_index || address->subindex == other.subindex;
 }
 
 ObjectName parse_object(std::string_view text) {
-  const std::size_t colon = std::min(text.find(':'), text.size());
-  const std::string_view index_text = text.substr(0, colon);
-  if (is_hexadecimal(index_text)) {
-    const auto index = unsigned_number(index_text);
-    const auto subindex = colon == text.size() ? std::optional<std::uint64_t>(0)
-                                               : unsigned_number(text.substr(colon + 1));
-    if (index && *index <= 0xFFFF && subindex && *subindex <= 0xFF) {
-      return {std::string(text), ObjectAddress{static_cast<std::uint16_t>(*index),
-                                               static_cast<std::uint8_t>(*subindex)}};
-    }
-  } else if (looks_like_name(text)) {
+  if (const auto spelled = parse_address(text)) return {std::string(text), spelled->address()};
+  if (looks_like_name(text)) {
     const auto row = row_named(text);
     if (!row) return {std::string(text), std::nullopt};
     return {std::string(text), describe(*row).address};

@@ -24,8 +24,9 @@ struct ObjectName {
   [[nodiscard]] bool covers(ObjectAddress other) const;
 };
 
-/// @param text `0x6041` (sub-index 0), `0x607D:1`, a variable_name, or the name that the standard
-///        (CiA 402) has for the object, such as `statusword`
+/// @param text an address such as `0x6041` (sub-index 0), `0x607D:1` or `607Dh:1` (`parse_address`
+///        of the core), a variable_name, the name that the standard (CiA 402) has for the object,
+///        such as `statusword`, or a short one of the tool, such as `velocity`
 /// @throws UsageError for anything else. The drive decides whether the object exists.
 [[nodiscard]] ObjectName parse_object(std::string_view text);
 

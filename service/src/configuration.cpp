@@ -4,7 +4,7 @@
 #include "unit_settings.hpp"
 #include "vdrive/axis_bank.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
-#include "vdrive/dictionary/standard_names.hpp"
+#include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/plant/model_parameters.hpp"
 #include "vdrive/text.hpp"
@@ -40,19 +40,10 @@ struct ParsedAxes {
   std::map<std::uint16_t, YamlValue> places;  ///< by axis number
 };
 
-/// @return the row that `key` names: a variable_name, the standard's name, 0x607D:1 or 0x6081.
+/// @return the row that `key` names: a variable_name, the standard's name or an address.
 std::optional<ObjectRow> find_row(const std::string& key) {
-  if (const auto row = find_named(key)) return row;
-  const auto colon = key.find(':');
-  const auto index = parse_integer(key.substr(0, colon));
-  const auto subindex = colon == std::string::npos ? std::optional<std::int64_t>(0)
-                                                   : parse_integer(key.substr(colon + 1));
-  if (!key.starts_with("0x") || !index || !subindex || *index > 0xFFFF || *subindex < 0 ||
-      *subindex > 0xFF) {
-    return std::nullopt;
-  }
-  return find_object(
-      ObjectAddress{static_cast<std::uint16_t>(*index), static_cast<std::uint8_t>(*subindex)});
+  const auto object = parse_object(key);
+  return object ? find_object(*object) : std::nullopt;
 }
 
 bool has_control_characters(std::string_view name) {

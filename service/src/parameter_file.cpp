@@ -2,6 +2,7 @@
 #include "parameter_file.hpp"
 
 #include "content_check.hpp"
+#include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
 
@@ -72,10 +73,9 @@ Number number_of(std::string_view text) {
 }
 
 ObjectAddress address_of(std::string_view text) {
-  const std::size_t colon = text.find(':');
-  if (colon == std::string_view::npos) fail_damaged(in_quotes(text) + " is not an object");
-  return {number_of<std::uint16_t>(text.substr(0, colon)),
-          number_of<std::uint8_t>(text.substr(colon + 1))};
+  const auto spelled = parse_address(text);
+  if (!spelled) fail_damaged(in_quotes(text) + " is not the address of an object");
+  return spelled->address();
 }
 
 }  // namespace

@@ -494,6 +494,51 @@ TEST(ObjectText, NamesAnObjectAsTheDictionaryAndTheStandardDo) {
   EXPECT_EQ(index_text(0x0FFF), "0FFFh");
 }
 
+TEST(ObjectAddressText, IsReadInEveryFormThatIsWritten) {
+  for (const ObjectDescription& object : kObjectTable) {
+    const std::string standard =
+        index_text(object.address.index) + ":" + std::to_string(object.address.subindex);
+    for (const std::string& text : {address_text(object.address), standard}) {
+      const auto spelled = parse_address(text);
+      ASSERT_TRUE(spelled) << text;
+      EXPECT_EQ(spelled->address(), object.address) << text;
+      EXPECT_EQ(parse_object(text), object.address) << text;
+    }
+    EXPECT_EQ(parse_object(object.variable_name), object.address) << object.variable_name;
+  }
+}
+
+TEST(ObjectAddressText, HasAnIndexAndPerhapsASubindexDecimalOrHexadecimal) {
+  EXPECT_EQ(parse_address("0x6041")->subindex, std::nullopt);
+  EXPECT_EQ(parse_address("0x6041:0")->subindex, 0);
+  for (const char* const text :
+       {"0x607D:10", "0X607d:010", "0x0607D:0x0A", "607Dh:0XA", "607dH:10"}) {
+    const auto spelled = parse_address(text);
+    ASSERT_TRUE(spelled) << text;
+    EXPECT_EQ(spelled->address(), (ObjectAddress{0x607D, 10})) << text;
+  }
+  EXPECT_EQ(parse_address("FFFFh:255")->address(), (ObjectAddress{0xFFFF, 255}));
+}
+
+TEST(ObjectAddressText, IsNothingElse) {
+  for (const char* const text : {"",          "6041",       "0x",           "h",
+                                 "0xZZ",      "0x10000",    "x6041",        "-0x6041",
+                                 "0x-1",      "0x+1",       "604h",         "06041h",
+                                 "0x6041h",   " 0x6041",    "0x6041 ",      "0x607D:",
+                                 ":1",        "0x607D:256", "0x607D:0x100", "0x607D:x",
+                                 "0x607D:-1", "0x607D:1:2", "0x607D:0A",    "statusword"}) {
+    EXPECT_FALSE(parse_address(text)) << text;
+  }
+}
+
+TEST(ObjectAddressText, IsAnObjectBesideTheNames) {
+  EXPECT_EQ(parse_object("ds402_statusword"), (ObjectAddress{0x6041, 0}));
+  EXPECT_EQ(parse_object("statusword"), (ObjectAddress{0x6041, 0})) << "the standard's name";
+  EXPECT_EQ(parse_object("0x9999:7"), (ObjectAddress{0x9999, 7})) << "the drive refuses it";
+  EXPECT_EQ(parse_object("no_such_object"), std::nullopt);
+  EXPECT_EQ(parse_object("Statusword"), std::nullopt);
+}
+
 TEST(StandardNames, LeadToTheirObjectsAndAreNotNamesOfTheManual) {
   for (const StandardName& standard : kStandardNames) {
     const auto row = find_object(standard.variable_name);

@@ -6,6 +6,8 @@
 #include "directory.hpp"
 #include "fuzz/support/bytes.hpp"
 #include "protocol.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_text.hpp"
 
 #include <algorithm>
 #include <cstdint>
@@ -56,8 +58,10 @@ void check_admission(std::string_view bytes) {
 }
 
 void check_name(std::string_view bytes) {
-  const auto object = parse_object(bytes);
-  if (object) demand(parse_object(object_key(*object)) == object, "a text for each object");
+  const auto object = vdrive::parse_object(bytes);
+  if (object && vdrive::find_object(*object)) {
+    demand(vdrive::parse_object(object_key(*object)) == object, "a text for each object");
+  }
 }
 
 }  // namespace

@@ -37,10 +37,12 @@ TEST(Parameters, AreFoundUnderTheNamesThatTheyAreListedWith) {
   const auto names = all_parameters(benches);
   EXPECT_EQ(names.size(), 2 * kObjectCount);
   for (const std::string& name : names) EXPECT_TRUE(find_parameter(benches, name)) << name;
-  const auto found = find_parameter(benches, "bench3/y/0x607D:01");
-  ASSERT_TRUE(found);
-  EXPECT_EQ(found->axis, (client::AxisId{3, 2}));
-  EXPECT_EQ(found->object, (ObjectAddress{0x607D, 1}));
+  for (const char* object : {"0x607D:01", "0x607D:1", "607Dh:1"}) {
+    const auto found = find_parameter(benches, std::string("bench3/y/") + object);
+    ASSERT_TRUE(found) << object;
+    EXPECT_EQ(found->axis, (client::AxisId{3, 2}));
+    EXPECT_EQ(found->object, (ObjectAddress{0x607D, 1}));
+  }
 }
 
 TEST(Parameters, AreNotFoundUnderOtherNames) {

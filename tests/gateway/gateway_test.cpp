@@ -546,6 +546,9 @@ TEST(GatewayServices, EnableMoveAndStopAnAxis) {
   EXPECT_EQ(client.call("/write", {{"axis", "1.1"}, {"object", "0x6081"}, {"value", 77}})["ok"],
             true);
   EXPECT_EQ(*axis->read({0x6081, 0}), 77);
+  const Json named = client.call("/read", {{"axis", "1.1"}, {"objects", {"profile_velocity"}}});
+  EXPECT_EQ(named["values"][0]["object"], "0x6081");
+  EXPECT_EQ(named["values"][0]["value"], 77);
   EXPECT_EQ(client.call("/quick_stop", Json::object())["message"], "");
   EXPECT_TRUE(axis->wait_until(
       [](const auto& status) {

@@ -33,7 +33,7 @@ def test_an_object_is_named_by_index_pair_name_or_name_of_the_standard(axis):
     assert axis.read((0x607D, 1)) == -2**31
     assert axis.read("user_position_lower_limit") == -2**31
     axis.write("max_position_limit", 5000)
-    assert axis.read((0x607D, 2)) == 5000
+    assert axis.read((0x607D, 2)) == axis.read("0x607D:2") == axis.read("607Dh:2") == 5000
     assert axis.read(0x6041) == axis.status().statusword == axis.status().value(0x6041)
 
 

@@ -61,7 +61,7 @@ axes:
     initial_position: -12
     settings: {acknowledge_while_halted: false, enable_from_switch_on_disabled: false, following_error_is_fault: false, limits_need_homing: true, quick_stop_dwell_ms: 8}
     model: {coupling: two_inertia, feedback: single_encoder, load_inertia: 0.002, backlash: 1e-3}
-    parameters: {profile_velocity: 1000, "0x607D:1": -500, "0x6084": 0x10, profile_deceleration: 0x11}
+    parameters: {profile_velocity: 1000, "607Dh:1": -500, "0x6084": 0x10, profile_deceleration: 0x11}
   - number: 2
 )");
   EXPECT_EQ(read.bench, 7U);

@@ -27,6 +27,7 @@ TEST(ObjectName, MayBeTheOneOfTheStandard) {
 TEST(ObjectName, WithoutASubindexCoversAllOfThem) {
   EXPECT_TRUE(parse_object("0x607D").covers({0x607D, 1}));
   EXPECT_TRUE(parse_object("0x607D").covers({0x607D, 2}));
+  EXPECT_TRUE(parse_object("607Dh").covers({0x607D, 2}));
   EXPECT_FALSE(parse_object("0x607D:1").covers({0x607D, 2}));
   EXPECT_FALSE(parse_object("user_position_upper_limit").covers({0x607D, 1}));
   EXPECT_FALSE(parse_object("no_such").covers({0x607D, 1}));

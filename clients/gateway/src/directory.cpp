@@ -3,6 +3,7 @@
 
 #include "topic_names.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/number_text.hpp"
 
 #include <algorithm>
@@ -11,6 +12,11 @@ namespace vdrive::gateway {
 namespace {
 
 constexpr std::string_view kHexPrefix = "0x";
+
+// So the hexadecimal sub-index of object_key is also a decimal one, as parse_address reads it.
+static_assert(std::ranges::all_of(kObjectTable, [](const ObjectDescription& object) {
+  return object.address.subindex < 10;
+}));
 
 }  // namespace
 
@@ -34,23 +40,6 @@ std::string object_key(ObjectAddress object) {
   return text;
 }
 
-std::optional<ObjectAddress> parse_object(std::string_view text) {
-  if (!text.starts_with(kHexPrefix) && !text.starts_with("0X")) return std::nullopt;
-  text.remove_prefix(kHexPrefix.size());
-  ObjectAddress address;
-  const auto colon = text.find(':');
-  if (colon != std::string_view::npos) {
-    const auto sub = parse_digits<std::uint8_t>(text.substr(colon + 1), 16);
-    if (!sub) return std::nullopt;
-    address.subindex = *sub;
-  }
-  const auto index = parse_digits<std::uint16_t>(text.substr(0, colon), 16);
-  if (!index) return std::nullopt;
-  address.index = *index;
-  if (!find_object(address)) return std::nullopt;
-  return address;
-}
-
 std::string parameter_name(const KnownBench& bench, std::size_t axis, ObjectAddress object) {
   return bench.topic + "/" + bench.axis_names[axis] + "/" + object_key(object);
 }
@@ -65,10 +54,10 @@ std::optional<ParameterAddress> find_parameter(const std::vector<KnownBench>& be
   if (bench == benches.end()) return std::nullopt;
   const auto axis = std::ranges::find(bench->axis_names, name.substr(first + 1, last - first - 1));
   if (axis == bench->axis_names.end()) return std::nullopt;
-  const auto object = parse_object(name.substr(last + 1));
-  if (!object) return std::nullopt;
+  const auto object = parse_address(name.substr(last + 1));
+  if (!object || !find_object(object->address())) return std::nullopt;
   const auto place = static_cast<std::size_t>(axis - bench->axis_names.begin());
-  return ParameterAddress{.axis = bench->info.axes[place].id, .object = *object};
+  return ParameterAddress{.axis = bench->info.axes[place].id, .object = object->address()};
 }
 
 }  // namespace vdrive::gateway

@@ -45,10 +45,6 @@ struct ParameterAddress {
 [[nodiscard]] std::optional<ParameterAddress> find_parameter(const std::vector<KnownBench>& benches,
                                                              std::string_view name);
 
-/// @return the address that a text such as "0x6081", "0x607D:01" or "0x607D:1" spells, when there
-///         is such an object.
-[[nodiscard]] std::optional<ObjectAddress> parse_object(std::string_view text);
-
 /// @return how parameters and services name an object, such as "0x6081" and "0x607D:01".
 [[nodiscard]] std::string object_key(ObjectAddress object);
 

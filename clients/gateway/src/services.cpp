@@ -7,6 +7,7 @@
 #include "vdrive/client/axis_group.hpp"
 #include "vdrive/client/disturbance.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/text.hpp"
 
 #include <algorithm>
@@ -99,9 +100,10 @@ std::vector<std::string> axes_of(const Json& request) {
 ObjectAddress object_of(const Json& value) {
   std::optional<ObjectAddress> object;
   if (value.is_string()) object = parse_object(value.get_ref<const std::string&>());
-  if (!object) {
+  if (!object || !find_object(*object)) {
     throw ProtocolError(in_quotes(value.dump()) +
-                        R"( is not an object: expected such as "0x6081" or "0x607D:01")");
+                        R"( is not an object: expected such as "0x6081", "0x607D:01" or )"
+                        R"("profile_velocity")");
   }
   return *object;
 }

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "arguments.hpp"
 
-#include "vdrive/dictionary/dictionary.hpp"
-#include "vdrive/dictionary/standard_names.hpp"
+#include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/text.hpp"
 
 #include <cmath>
@@ -67,9 +66,9 @@ client::Pace pace_of(const std::string& pace) {
 ObjectAddress object_of(const py::object& object) {
   if (py::isinstance<py::str>(object)) {
     const auto name = object.cast<std::string>();
-    const auto row = find_named(name);
-    if (!row) throw py::key_error("the dictionary has no object " + in_quotes(name));
-    return describe(*row).address;
+    const auto named = parse_object(name);
+    if (!named) throw py::key_error("the dictionary has no object " + in_quotes(name));
+    return *named;
   }
   if (py::isinstance<py::tuple>(object)) {
     const auto [index, subindex] = object.cast<std::tuple<std::int64_t, std::int64_t>>();

@@ -31,7 +31,8 @@ namespace vdrive::python {
 /// @param pace "drive" or "observe". @throws py::value_error
 [[nodiscard]] client::Pace pace_of(const std::string& pace);
 
-/// @param object its index, (index, subindex), or its name in the dictionary or the standard
+/// @param object its index, (index, subindex), or a text: its name in the dictionary or the
+/// standard, or its address such as "0x607D:1"
 /// @throws py::key_error where the dictionary has no such name, py::value_error outside of the
 /// range
 [[nodiscard]] ObjectAddress object_of(const py::object& object);

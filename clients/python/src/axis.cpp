@@ -280,7 +280,8 @@ void add_objects(AxisClass& axis) {
         });
       },
       py::arg("object"),
-      R"(Reads an object: an index, (index, subindex), or a name such as "profile_velocity".)");
+      R"(Reads an object: an index, (index, subindex), or a text such as "profile_velocity" or )"
+      R"("0x607D:1".)");
   axis.def("read_many", &read_many, py::arg("objects"),
            "Reads up to 64 objects in one tick. One that is refused is an exception in the list.");
   axis.def(

@@ -2,9 +2,33 @@
 #include "vdrive/dictionary/object_text.hpp"
 
 #include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/standard_names.hpp"
 #include "vdrive/number_text.hpp"
 
 namespace vdrive {
+namespace {
+
+constexpr int kHex = 16;
+constexpr std::size_t kDigitsOfIndex = 4;  // of the form 6081h
+
+bool has_hex_prefix(std::string_view text) noexcept {
+  return text.starts_with("0x") || text.starts_with("0X");
+}
+
+std::optional<std::uint16_t> parse_index(std::string_view text) noexcept {
+  if (has_hex_prefix(text)) return parse_digits<std::uint16_t>(text.substr(2), kHex);
+  const bool is_of_standard =
+      text.size() == kDigitsOfIndex + 1 && (text.back() == 'h' || text.back() == 'H');
+  if (!is_of_standard) return std::nullopt;
+  return parse_digits<std::uint16_t>(text.substr(0, kDigitsOfIndex), kHex);
+}
+
+std::optional<std::uint8_t> parse_subindex(std::string_view text) noexcept {
+  return has_hex_prefix(text) ? parse_digits<std::uint8_t>(text.substr(2), kHex)
+                              : parse_digits<std::uint8_t>(text);
+}
+
+}  // namespace
 
 std::string index_text(std::uint16_t index) {
   return hex(index, 4).substr(2) + "h";
@@ -16,6 +40,22 @@ std::string object_text(ObjectAddress object) {
   text.append(" (").append(index_text(object.index));
   if (object.subindex != 0) text.append(":").append(std::to_string(object.subindex));
   return text.append(")");
+}
+
+std::optional<SpelledAddress> parse_address(std::string_view text) noexcept {
+  const std::size_t colon = text.find(':');
+  const auto index = parse_index(text.substr(0, colon));
+  if (!index) return std::nullopt;
+  if (colon == std::string_view::npos) return SpelledAddress{.index = *index};
+  const auto subindex = parse_subindex(text.substr(colon + 1));
+  if (!subindex) return std::nullopt;
+  return SpelledAddress{.index = *index, .subindex = subindex};
+}
+
+std::optional<ObjectAddress> parse_object(std::string_view text) noexcept {
+  if (const auto row = find_named(text)) return describe(*row).address;
+  const auto spelled = parse_address(text);
+  return spelled ? std::optional(spelled->address()) : std::nullopt;
 }
 
 }  // namespace vdrive
