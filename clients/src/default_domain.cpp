@@ -1,20 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/client/session.hpp"
 #include "vdrive/text.hpp"
+#include "vdrive/wire/ports.hpp"
 
 #include <charconv>
 #include <cstdint>
 #include <cstdlib>
 #include <stdexcept>
+#include <string>
 #include <string_view>
 #include <system_error>
 
 namespace vdrive::client {
-namespace {
-
-constexpr std::uint32_t kHighestDomain = 232;
-
-}  // namespace
 
 std::uint32_t default_domain() {
   const char* const text =
@@ -27,9 +24,10 @@ std::uint32_t default_domain() {
   }
   std::uint32_t domain = 0;
   const auto [end, error] = std::from_chars(digits.begin(), digits.end(), domain);
-  if (error == std::errc() && end == digits.end() && domain <= kHighestDomain) return domain;
+  if (error == std::errc() && end == digits.end() && domain <= wire::kHighestDomain) return domain;
   throw std::runtime_error("VDRIVE_DOMAIN in the environment is " + in_quotes(digits) +
-                           ": a DDS domain is a number from 0 to 232");
+                           ": a DDS domain is a number from 0 to " +
+                           std::to_string(wire::kHighestDomain));
 }
 
 }  // namespace vdrive::client

@@ -4,6 +4,7 @@
 #include "report.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wire/participant.hpp"
+#include "vdrive/wire/ports.hpp"
 #include "vdrive/wording.hpp"
 
 #include <algorithm>
@@ -17,24 +18,22 @@ namespace {
 
 using client::Outcome;
 
-// Ports of a domain: DDSI-RTPS 9.6.1.1, port base and gain of a domain.
-constexpr std::uint32_t kPortBase = 7400;
-constexpr std::uint32_t kDomainGain = 250;
 constexpr std::uint64_t kFewFiles = 256;
 
 Finding check_domain(const HostReadings& readings, const GlobalOptions& options) {
-  const std::uint32_t first = kPortBase + kDomainGain * options.domain;
+  const std::uint32_t first = wire::group_port(options.domain);
   Finding finding{.subject = "domain",
                   .text = "domain " + std::to_string(options.domain) + ", UDP ports from " +
                           std::to_string(first),
                   .advice = ""};
-  if (readings.first_ephemeral_port && first + kDomainGain > *readings.first_ephemeral_port) {
+  if (readings.first_ephemeral_port &&
+      first + wire::kPortsOfDomain > *readings.first_ephemeral_port) {
     finding.severity = Severity::hint;
     finding.advice =
         "the kernel gives the UDP ports from " + std::to_string(*readings.first_ephemeral_port) +
         " upwards to any program, so another program may hold a port of this domain: use a "
         "domain below " +
-        std::to_string((*readings.first_ephemeral_port - kPortBase) / kDomainGain);
+        std::to_string((*readings.first_ephemeral_port - wire::kFirstPort) / wire::kPortsOfDomain);
   }
   return finding;
 }
@@ -86,10 +85,10 @@ std::vector<Finding> check_multicast(const HostReadings& readings, const GlobalO
         .advice = ""};
     if (!reading.is_received) {
       finding.severity = is_needed ? Severity::problem : Severity::hint;
-      finding.advice = is_needed
-                           ? "allow UDP to 239.255.0.1 in the firewall, or name the other hosts "
-                             "with --peer or --discovery-server"
-                           : "not needed: peers or a discovery server are named";
+      finding.advice = is_needed ? "allow UDP to " + std::string(wire::kDiscoveryGroup) +
+                                       " in the firewall, or name the other hosts with --peer or "
+                                       "--discovery-server"
+                                 : "not needed: peers or a discovery server are named";
     }
     findings.push_back(std::move(finding));
   }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host_readings.hpp"
 
+#include "vdrive/wire/ports.hpp"
+
 #include <arpa/inet.h>
 #include <ifaddrs.h>
 #include <net/if.h>
@@ -26,8 +28,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kDiscoveryGroup = "239.255.0.1";  // DDSI-RTPS 9.6.1.4.1
-constexpr int kMulticastPatience = 300;                 // [ms]
+constexpr int kMulticastPatience = 300;  // [ms]
 
 /// The first word of a file; empty when it cannot be read.
 std::string first_word(const fs::path& file) {
@@ -89,7 +90,7 @@ bool receives_multicast(const std::string& own_address) {
   address.sin_addr.s_addr = htonl(INADDR_ANY);
   socklen_t length = sizeof(address);
   ip_mreq membership{};
-  inet_pton(AF_INET, kDiscoveryGroup, &membership.imr_multiaddr);
+  inet_pton(AF_INET, wire::kDiscoveryGroup, &membership.imr_multiaddr);
   inet_pton(AF_INET, own_address.c_str(), &membership.imr_interface);
   if (bind(receiver.get(), reinterpret_cast<const sockaddr*>(&address), length) != 0 ||
       getsockname(receiver.get(), reinterpret_cast<sockaddr*>(&address), &length) != 0 ||

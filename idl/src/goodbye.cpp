@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "guard/announcement.hpp"
 #include "vdrive/wire/participant.hpp"
+#include "vdrive/wire/ports.hpp"
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
@@ -15,13 +16,7 @@
 namespace vdrive::wire {
 namespace {
 
-// RTPS 2.5, 9.6.1.1: where participants listen for announcements.
-constexpr std::uint32_t kFirstPort = 7400;
-constexpr std::uint32_t kPortsOfDomain = 250;
-constexpr std::uint32_t kFirstUnicast = 10;
-constexpr std::uint32_t kParticipantsOfPeer = 32;
 constexpr int kTimes = 3;  // datagrams get lost
-constexpr const char* kGroup = "239.255.0.1";
 constexpr const char* kLoopback = "127.0.0.1";
 
 /// A socket that sends.
@@ -67,16 +62,17 @@ void say_goodbye(const NetworkSettings& settings, const Source& dead) {
   if (!settings.discovery_servers.empty()) return;
   const Sender sender;
   const auto datagram = farewell(dead.participant);
-  const std::uint32_t port = kFirstPort + kPortsOfDomain * settings.domain;
   std::vector<std::string> interfaces = settings.interfaces;
   interfaces.emplace_back(kLoopback);
   for (int time = 0; time < kTimes; ++time) {
     for (const auto& interface : interfaces) {
-      if (sender.leave_by(interface)) sender.send(kGroup, port, datagram);
+      if (sender.leave_by(interface)) {
+        sender.send(kDiscoveryGroup, group_port(settings.domain), datagram);
+      }
     }
     for (const auto& peer : settings.peers) {
       for (std::uint32_t participant = 0; participant < kParticipantsOfPeer; ++participant) {
-        sender.send(peer, port + kFirstUnicast + 2 * participant, datagram);
+        sender.send(peer, announcement_port(settings.domain, participant), datagram);
       }
     }
   }

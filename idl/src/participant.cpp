@@ -5,6 +5,7 @@
 #include "guard/guard_transport.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wire/address.hpp"
+#include "vdrive/wire/ports.hpp"
 #include "vdrive/wire/security.hpp"
 
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
@@ -33,10 +34,8 @@ namespace dds = eprosima::fastdds::dds;
 namespace rtps = eprosima::fastrtps::rtps;
 using eprosima::fastrtps::rtps::IPLocator;
 
-constexpr std::uint32_t kHighestDomain = 232;
 // To send, and to receive where no status arrives.
 constexpr std::uint32_t kSocketBuffer = 4U * 1024U * 1024U;
-constexpr std::uint32_t kParticipantsOfPeer = 32;
 constexpr std::size_t kMostServers = 256;  // the id has one byte
 constexpr std::size_t kMostParticipants = 256;
 constexpr std::size_t kEndpointsOfParticipant = 16;        // on average, readers and writers each
@@ -46,7 +45,6 @@ constexpr std::uint32_t kLargestAnnouncement = 16 * 1024;  // [bytes]; those of 
 constexpr std::int32_t kAnnouncedLease = 600;  // [s]
 constexpr std::int32_t kLeaseWithServer = 2;   // [s]
 constexpr const char* kLoopback = "127.0.0.1";
-constexpr const char* kDiscoveryGroup = "239.255.0.1";
 
 /// @return the socket buffer that the kernel permits, up to `wanted` [bytes].
 std::uint32_t permitted_socket_buffer(const char* limit_file, std::uint32_t wanted) {

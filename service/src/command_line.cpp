@@ -16,6 +16,7 @@
 #include "vdrive/axis_bank.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wire/library_log.hpp"
+#include "vdrive/wire/ports.hpp"
 #include "vdrive/wire/security.hpp"
 #include "wire_host.hpp"
 #include "wire_process.hpp"
@@ -95,7 +96,8 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--bench", arguments.bench, "Number of the bench, 1 to 65535")->type_name("N");
   app.add_option("--axes", arguments.axes, "N default axes numbered from 1, up to 16384")
       ->type_name("N");
-  app.add_option("--domain", arguments.domain, "DDS domain, 0 to 232")
+  app.add_option("--domain", arguments.domain,
+                 "DDS domain, 0 to " + std::to_string(wire::kHighestDomain))
       ->envname("VDRIVE_DOMAIN")
       ->type_name("N");
   app.add_option("--security", arguments.security,

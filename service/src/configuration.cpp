@@ -9,6 +9,7 @@
 #include "vdrive/plant/model_parameters.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wire/address.hpp"
+#include "vdrive/wire/ports.hpp"
 #include "yaml_reader.hpp"
 
 #include <yaml-cpp/yaml.h>
@@ -28,7 +29,6 @@ namespace {
 
 using namespace vdrive::literals;
 
-constexpr std::int64_t kHighestDomain = 232;
 constexpr std::int64_t kHighestPort = 65'535;
 constexpr std::int64_t kHighestAxisNumber = 65'535;
 constexpr std::int64_t kHighestPriority = 99;
@@ -184,7 +184,7 @@ void read_network(const YamlValue& value, wire::NetworkSettings& network) {
       {"domain", "interfaces", "peers", "discovery_server", "shared_memory", "security"},
       [&](const auto& key, const YamlValue& entry) {
         if (key == "domain") {
-          network.domain = static_cast<std::uint32_t>(entry.integer({0, kHighestDomain, ""}));
+          network.domain = static_cast<std::uint32_t>(entry.integer({0, wire::kHighestDomain, ""}));
         } else if (key == "interfaces") {
           network.interfaces = read_addresses(entry);
         } else if (key == "peers") {
@@ -531,7 +531,7 @@ void check(const Configuration& configuration) {
     check_range("rate", configuration.rate, kLowestRate, kHighestRate, ", or 0 = paused");
   }
   check_range("threads", configuration.threads, 1, kMaxThreads, "");
-  check_range("domain", configuration.network.domain, 0, kHighestDomain, "");
+  check_range("domain", configuration.network.domain, 0, wire::kHighestDomain, "");
   check_range("status.every_ticks", configuration.status_every, 1, kMaxStatusEvery, " ticks");
   check_range("axes", static_cast<double>(configuration.axes.size()), 1, kMaxAxes, "");
   if (configuration.wire_form == WireForm::process && configuration.network.shared_memory) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "private_domain.hpp"
 
+#include "vdrive/wire/ports.hpp"
+
 #include <fcntl.h>
 #include <netinet/in.h>
 #include <sys/file.h>
@@ -18,22 +20,19 @@ namespace {
 constexpr std::uint32_t kFirstDomain = 20;
 constexpr std::uint32_t kDomains = 80;
 
-// Of RTPS: where every participant of a domain receives the announcements of the others.
-constexpr std::uint32_t kFirstPort = 7400;
-constexpr std::uint32_t kPortsOfADomain = 250;
-
 /// Programs that share this machine use the same names: the project's own tests do.
 std::filesystem::path lock_file(std::uint32_t domain) {
   return std::filesystem::temp_directory_path() /
          ("vdrive-test-domain-" + std::to_string(domain) + ".lock");
 }
 
-/// A socket that does not share its port fails where any other socket has the port.
+/// A socket that does not share its port fails where any other socket has the port: every
+/// participant of a domain receives the announcements of the others there.
 bool is_unused(std::uint32_t domain) {
   const Descriptor probe(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   sockaddr_in address{};
   address.sin_family = AF_INET;
-  address.sin_port = htons(static_cast<std::uint16_t>(kFirstPort + kPortsOfADomain * domain));
+  address.sin_port = htons(static_cast<std::uint16_t>(wire::group_port(domain)));
   address.sin_addr.s_addr = htonl(INADDR_ANY);
   // NOLINTNEXTLINE(*-reinterpret-cast): what the socket interface takes
   return bind(probe.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
