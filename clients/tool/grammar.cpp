@@ -4,6 +4,7 @@
 #include "completion.hpp"
 #include "condition.hpp"
 #include "help.hpp"
+#include "network_options.hpp"
 #include "usage_error.hpp"
 #include "vdrive/client/session.hpp"
 #include "vdrive/text.hpp"
@@ -186,9 +187,7 @@ class Grammar {
 
   /// Commands and options of the command line only.
   void add_command_line() {
-    app_.add_option("--domain", domain_, "DDS domain, 0 to 232; default: VDRIVE_DOMAIN, else 0")
-        ->check(CLI::Range(0, 232))
-        ->type_name("N");
+    bridge::add_domain_option(app_, domain_, "; default: VDRIVE_DOMAIN, else 0");
     add_network_option(
         "--interface", options_.interfaces,
         "Use this network in addition to loopback: IPv4 address of this machine in it", "ADDRESS")

@@ -15,6 +15,7 @@
 #include "usage_error.hpp"
 #include "value.hpp"
 #include "vdrive/text.hpp"
+#include "vdrive/wire/ports.hpp"
 
 #include <chrono>
 #include <exception>
@@ -26,9 +27,6 @@ namespace {
 using client::Outcome;
 using client::OutcomeKind;
 
-// A program that misses the first message of an authentication gets the next one a second later.
-constexpr std::chrono::seconds kFindClosed{5};
-
 client::SessionOptions session_options(const GlobalOptions& options) {
   client::SessionOptions session;
   session.domain = options.domain;
@@ -39,7 +37,7 @@ client::SessionOptions session_options(const GlobalOptions& options) {
   if (options.timeout) {
     session.find_timeout = std::chrono::ceil<std::chrono::milliseconds>(*options.timeout);
   } else if (!options.security.empty()) {
-    session.find_timeout = kFindClosed;
+    session.find_timeout = client::SessionOptions::kFindTimeoutOfClosedMode;
   }
   return session;
 }
@@ -123,7 +121,8 @@ GlobalOptions network_of(const std::vector<std::string>& words) {
   for (std::size_t i = 1; i < words.size(); ++i) {
     const std::string& name = words[i - 1];
     if (name == "--domain") {
-      options.domain = static_cast<std::uint32_t>(parse_number(words[i], "domain", 232));
+      options.domain =
+          static_cast<std::uint32_t>(parse_number(words[i], "domain", wire::kHighestDomain));
     } else if (name == "--interface") {
       options.interfaces.push_back(words[i]);
     } else if (name == "--peer") {

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "vdrive/client/session.hpp"
-
 #include <CLI/CLI.hpp>
 
-#include <chrono>
 #include <exception>
 #include <iostream>
 
@@ -17,31 +14,6 @@ namespace vdrive::bridge {
 inline constexpr int kDone = 0;
 inline constexpr int kFailed = 1;
 inline constexpr int kUsage = 2;
-
-/// Declares the options that choose the network of `session`, except its domain.
-inline void add_network_options(CLI::App& app, client::SessionOptions& session) {
-  app.add_option("--interface", session.interfaces,
-                 "Own address in a network to use for DDS; default: loopback only")
-      ->type_name("ADDRESS");
-  app.add_option("--peer", session.peers, "Host searched in addition to multicast")
-      ->type_name("ADDRESS");
-  app.add_option("--discovery-server", session.discovery_servers,
-                 "Such as 10.0.0.9:11811, instead of multicast and peers")
-      ->type_name("ADDRESS");
-  app.add_option("--security", session.security,
-                 "Closed mode of the benches: directory with certificate, key and permissions")
-      ->envname("VDRIVE_SECURITY")
-      ->type_name("DIR");
-}
-
-/// @return how long a bridge searches for benches in one go: in the closed mode a program that
-///         misses the first message of an authentication gets the next one a second later.
-[[nodiscard]] inline std::chrono::milliseconds find_timeout_of(
-    const client::SessionOptions& session) {
-  constexpr std::chrono::seconds kOpen{1};
-  constexpr std::chrono::seconds kClosed{5};
-  return session.security.empty() ? kOpen : kClosed;
-}
 
 /// Parses the command line and does the work; a failure is reported on standard error.
 /// @tparam BadArguments what `work` throws for arguments that cannot be used

@@ -3,6 +3,7 @@
 
 #include "bridge_program.hpp"
 #include "hub.hpp"
+#include "network_options.hpp"
 #include "page.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
@@ -44,9 +45,7 @@ struct Arguments {
 
 void declare(CLI::App& app, Arguments& arguments) {
   app.set_version_flag("--version", std::string("vdrive-gateway ") + VDRIVE_VERSION);
-  app.add_option("--domain", arguments.session.domain, "DDS domain, 0 to 232")
-      ->check(CLI::Range(0, 232))
-      ->type_name("N");
+  bridge::add_domain_option(app, arguments.session.domain);
   bridge::add_network_options(app, arguments.session);
   app.add_option("--listen", arguments.listen,
                  "Address and port for browsers and tools; port 0 = any")

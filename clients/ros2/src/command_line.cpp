@@ -3,6 +3,7 @@
 
 #include "bridge.hpp"
 #include "bridge_program.hpp"
+#include "network_options.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
 
@@ -31,9 +32,7 @@ struct Arguments {
 void declare(CLI::App& app, Arguments& arguments) {
   client::SessionOptions& session = arguments.settings.session;
   app.set_version_flag("--version", std::string("vdrive-ros2 ") + VDRIVE_VERSION);
-  app.add_option("--domain", session.domain, "DDS domain, 0 to 232; ROS_DOMAIN_ID of the nodes")
-      ->check(CLI::Range(0, 232))
-      ->type_name("N");
+  bridge::add_domain_option(app, session.domain, "; ROS_DOMAIN_ID of the nodes");
   app.add_option("--bench", arguments.benches, "Serve this bench; may be repeated; default: all")
       ->check(CLI::Range(1, 65'535))
       ->type_name("N");

@@ -35,6 +35,9 @@ enum class KeepAlive : std::uint8_t {
 
 /// What to reach, and how. The defaults see every bench of this machine on the default domain.
 struct SessionOptions {
+  /// A session that misses the first message of an authentication gets the next one a second later.
+  static constexpr std::chrono::milliseconds kFindTimeoutOfClosedMode{5'000};
+
   std::optional<std::uint32_t> domain{};  ///< DDS domain, 0 to 232; none = default_domain()
   std::vector<std::string>
       interfaces{};  ///< own addresses in the networks to use; empty = loopback only
@@ -44,7 +47,7 @@ struct SessionOptions {
   std::string security{};   ///< directory of the closed mode's material; empty = open
   std::optional<std::uint32_t> bench{};  ///< see this bench only
   KeepAlive keep_alive = KeepAlive::own_thread;
-  /// Wall time that finding a service may take; in the closed mode better 5 s.
+  /// Wall time that finding a service may take; in the closed mode better kFindTimeoutOfClosedMode.
   std::chrono::milliseconds find_timeout{2000};
   /// A call that waits reports a service as lost when its newest sample is older than this [wall
   /// time], 50 ms or more: a busy machine may stop a process for some hundred milliseconds, and a

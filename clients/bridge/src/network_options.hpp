@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/client/session.hpp"
+#include "vdrive/wire/ports.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace vdrive::bridge {
+
+/// The options of a command line that choose the network: what the programs have in common.
+
+/// Declares --domain.
+/// @param further what its help has after the range
+inline void add_domain_option(CLI::App& app, std::optional<std::uint32_t>& domain,
+                              const std::string& further = "") {
+  app.add_option("--domain", domain,
+                 "DDS domain, 0 to " + std::to_string(wire::kHighestDomain) + further)
+      ->check(CLI::Range(0, static_cast<int>(wire::kHighestDomain)))
+      ->type_name("N");
+}
+
+/// Declares the options that choose the network of `session`, except its domain.
+inline void add_network_options(CLI::App& app, client::SessionOptions& session) {
+  app.add_option("--interface", session.interfaces,
+                 "Own address in a network to use for DDS; default: loopback only")
+      ->type_name("ADDRESS");
+  app.add_option("--peer", session.peers, "Host searched in addition to multicast")
+      ->type_name("ADDRESS");
+  app.add_option("--discovery-server", session.discovery_servers,
+                 "Such as 10.0.0.9:11811, instead of multicast and peers")
+      ->type_name("ADDRESS");
+  app.add_option("--security", session.security,
+                 "Closed mode of the benches: directory with certificate, key and permissions")
+      ->envname("VDRIVE_SECURITY")
+      ->type_name("DIR");
+}
+
+/// @return how long a bridge searches for benches in one go.
+[[nodiscard]] inline std::chrono::milliseconds find_timeout_of(
+    const client::SessionOptions& session) {
+  constexpr std::chrono::seconds kOpen{1};
+  return session.security.empty() ? kOpen : client::SessionOptions::kFindTimeoutOfClosedMode;
+}
+
+}  // namespace vdrive::bridge
