@@ -57,8 +57,8 @@ std::string checked_name(const YamlValue& value, bool of_axis) {
   if (name.empty() || name.size() > kMaxNameLength) {
     value.refuse("a name must have 1 to " + std::to_string(kMaxNameLength) + " bytes");
   }
-  if (!is_utf8(name) || has_control_characters(name)) {
-    value.refuse("a name must be valid UTF-8 without control characters");
+  if (has_control_characters(name)) {
+    value.refuse("a name must not have control characters");
   }
   if (of_axis &&
       (name.find(' ') != std::string::npos || (name.front() >= '0' && name.front() <= '9'))) {
