@@ -45,7 +45,7 @@ their objects, records what they do and runs scenarios.")
 set(CPACK_DEBIAN_GATEWAY_PACKAGE_NAME vdrive-gateway)
 set(CPACK_DEBIAN_GATEWAY_PACKAGE_SECTION misc)
 set(CPACK_DEBIAN_GATEWAY_DESCRIPTION "The gateway: it shows the drives of vdrived in a browser, and to Foxglove,
-Lichtblick and PlotJuggler, and lets them command when it is told to.")
+Lichtblick and PlotJuggler, and lets them command with the option --control.")
 set(CPACK_DEBIAN_GATEWAY_PACKAGE_SUGGESTS "vdrived, vdrive-doc")
 set(CPACK_DEBIAN_GATEWAY_PACKAGE_CONTROL_EXTRA ${debian}/gateway/postinst ${debian}/gateway/prerm
                                                ${debian}/gateway/postrm)

@@ -223,7 +223,7 @@ function(vdrive_add_test name)
   endif()
   gtest_discover_tests(
     ${name}
-    NO_PRETTY_VALUES # rows of a table have names; their bytes say nothing
+    NO_PRETTY_VALUES # rows of a table have names; their bytes help no reader
     DISCOVERY_TIMEOUT 60
     PROPERTIES LABELS ${arg_LABEL} RUN_SERIAL ${arg_SERIAL})
 endfunction()

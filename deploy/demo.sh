@@ -108,7 +108,7 @@ run_example() {
   local title=$1 file=$root/clients/scenarios/$2
   echo
   echo "== $title"
-  if ((bench != 1)); then # the scenarios speak of bench 1
+  if ((bench != 1)); then # the scenarios name bench 1
     sed "s/\b1\.\([12]\)\b/$bench.\1/g" "$file" >"$work/$2"
     file=$work/$2
   fi

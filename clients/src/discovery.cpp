@@ -183,7 +183,7 @@ Result<AxisInfo> Discovery::find_on_bench(std::uint32_t bench, std::string_view 
                             list_of({&*found, 1}));
 }
 
-/// Ends with the bench that has the name, once every bench that was met has said what it has: of
+/// Ends with the bench that has the name, once every bench that was met has described its axes: of
 /// two axes with one name none may be commanded by chance.
 Result<AxisInfo> Discovery::find_name(std::string_view name) {
   Settling settling;

@@ -47,7 +47,7 @@ class Discovery {
   /// A live sample of this run, a status frame or an answer.
   void note_sample(const BenchKey& key, std::uint64_t tick, const wire::Source& source);
 
-  /// This run answered that it has another rate, before its state says so.
+  /// This run answered that it has another rate, before its state shows it.
   void set_rate(const BenchKey& key, double rate);
 
   // ---- questions that do not wait

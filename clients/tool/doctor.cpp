@@ -177,7 +177,7 @@ Finding check_gateway(const HostReadings& readings) {
   const std::string address = "127.0.0.1:" + std::to_string(kGatewayPort);
   Finding finding{.subject = "gateway", .text = "", .advice = ""};
   switch (readings.gateway) {
-    case GatewayReading::nobody:
+    case GatewayReading::none:
       finding.text = "no vdrive-gateway on " + address;
       break;
     case GatewayReading::gateway:

@@ -422,14 +422,14 @@ Outcome Executor::run(const ActionCommand& command) {
   const std::vector<Outcome> outcomes = carry_out(*found, command);
   const auto shown = is_quiet_ ? Statuses() : statuses_of(*found);
   Outcome first_failure;
-  std::set<std::string> told;  // the loss of a bench is the same failure for all its axes
+  std::set<std::string> reports;  // the loss of a bench is the same failure for all its axes
   for (std::size_t i = 0; i < found->size(); ++i) {
     const client::Axis& axis = (*found)[i];
     const auto status = shown.find(axis.id());
     Outcome reported = report(axis, to_string(command.action), outcomes[i],
                               status == shown.end() ? nullptr : &status->second, false);
     if (reported && command.action == AxisAction::enable) held_.insert(axis.id());
-    if (reported || told.insert(reported.message()).second) {
+    if (reported || reports.insert(reported.message()).second) {
       keep_first_failure(std::move(reported), first_failure);
     }
   }
@@ -839,10 +839,10 @@ Outcome Executor::run(const WaitCommand& command) {
   }
   for (const std::uint32_t bench : benches_) {
     const auto reached = session_.wait(bench, command.duration);
-    if (Outcome told = report_clock({{"bench", bench}, {"command", "wait"}},
-                                    "bench " + std::to_string(bench), reached);
-        !told) {
-      return told;
+    if (Outcome reported = report_clock({{"bench", bench}, {"command", "wait"}},
+                                        "bench " + std::to_string(bench), reached);
+        !reported) {
+      return reported;
     }
   }
   return {};

@@ -203,7 +203,7 @@ Outcome Executor::check_control(const client::AxisSnapshot& axis) {
   }
   if (!held_.contains(axis.id)) return {};
   const std::string owner = axis.owner_session == 0
-                                ? "nobody controls it"
+                                ? "no session controls it"
                                 : "session " + hex(axis.owner_session, 16) + " controls it";
   return Outcome::lost("axis " + to_string(axis.id) + " was lost: " + owner + " at tick " +
                        std::to_string(axis.tick) + ", it " + client::what_it_shows(axis));

@@ -122,7 +122,7 @@ GatewayReading read_gateway(std::uint16_t port) {
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   address.sin_port = htons(port);
   if (connect(client.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
-    return GatewayReading::nobody;
+    return GatewayReading::none;
   }
   std::array<char, 512> answer{};
   if (send(client.get(), kRequest.data(), kRequest.size(), MSG_NOSIGNAL) < 0) {

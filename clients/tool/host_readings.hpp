@@ -28,7 +28,7 @@ struct SharedSegment {
 };
 
 /// Which program has the port of vdrive-gateway on loopback.
-enum class GatewayReading : std::uint8_t { nobody, gateway, another };
+enum class GatewayReading : std::uint8_t { none, gateway, another };
 
 /// What the machine shows of itself, as far as it concerns DDS and ticks. Nothing = it cannot be
 /// read.
@@ -43,7 +43,7 @@ struct HostReadings {
   std::uint64_t open_files = 0;  ///< RLIMIT_NOFILE
   unsigned cores = 0;
   bool may_run_realtime = false;  ///< SCHED_FIFO
-  GatewayReading gateway = GatewayReading::nobody;
+  GatewayReading gateway = GatewayReading::none;
 };
 
 /// Default port of vdrive-gateway.

@@ -206,7 +206,8 @@ void LineReader::end() noexcept {
 
 std::string history_file() {
   const auto environment = [](const char* name) {
-    const char* const value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): nobody sets any
+    const char* const value =
+        std::getenv(name);  // NOLINT(concurrency-mt-unsafe): no thread sets any
     return std::string(value == nullptr ? "" : value);
   };
   std::string state = environment("XDG_STATE_HOME");

@@ -18,7 +18,7 @@ bool is_enter_pressed() {
   pollfd input{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
   if (poll(&input, 1, 0) <= 0) return false;
   std::array<char, 64> text{};
-  // At the end of the input, too, nobody holds the jog any more.
+  // At the end of the input, too, the jog is no longer held.
   return read(STDIN_FILENO, text.data(), text.size()) >= 0;
 }
 

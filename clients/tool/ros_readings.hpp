@@ -15,7 +15,7 @@ struct RosBench {
   std::string bench{};    ///< such as "bench 1"
   std::uint8_t level = 0;
   std::string message{};
-  std::string control{};  ///< "this bridge", "nobody", or the session that has it
+  std::string control{};  ///< "this bridge", "no session", or the session that has it
   std::string enable{};   ///< "true" where axes are to be enabled
   std::string network{};  ///< "loopback only", or addresses
 };

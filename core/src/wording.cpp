@@ -10,7 +10,7 @@
 namespace vdrive {
 namespace {
 
-/// Nobody mistypes a word of this length; the work grows with its square.
+/// No user mistypes a name of this length; the work grows with its square.
 constexpr std::size_t kLongestWord = 64;
 
 }  // namespace

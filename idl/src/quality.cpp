@@ -35,8 +35,8 @@ dds::DataWriterQos writer_qos(const TopicTraits& topic) {
   apply(topic, qos);
   if (topic.writer_keeps_newest) qos.history().kind = dds::KEEP_LAST_HISTORY_QOS;
   if (!topic.reliable) {
-    // Nobody can ask for a sample that was sent. The next one takes its memory, which the caches of
-    // the processor still have.
+    // No reader can ask for a sample that was sent. The next one takes its memory, which the caches
+    // of the processor still have.
     qos.history().depth = 1;
     qos.resource_limits().max_samples_per_instance = 1;
     qos.resource_limits().max_samples = topic.instances;

@@ -174,7 +174,7 @@ const Element& grant_of(const Document& document, const std::string& subject) {
   }
   document.refuse("grants nothing to the certificate's subject " +
                   escaped(subject, kShownOfMessage) + " (in this order); it names " +
-                  (others.empty() ? "nobody" : escaped(others, kShownOfMessage)));
+                  (others.empty() ? "no subject" : escaped(others, kShownOfMessage)));
 }
 
 Permissions::Rule publish_rule(const Element& rule) {

@@ -30,8 +30,8 @@ Writer::Writer(Participant::Entities& parent, const std::string& name, const dds
 
 Writer::~Writer() {
   writer_->set_listener(nullptr);
-  // The library returns samples that nobody has acknowledged to their pool while they are still in
-  // the history, and its heartbeat timer, which still runs, reads their numbers there. It then
+  // The library returns samples that no reader has acknowledged to their pool while they are still
+  // in the history, and its heartbeat timer, which still runs, reads their numbers there. It then
   // counts a gap of up to 2^63 samples, and the deletion never ends. An empty history has no gap.
   std::size_t removed = 0;
   writer_->clear_history(&removed);

@@ -70,7 +70,7 @@ class AnswerMemory {
     Sender& known = senders_[find(sender)];
     known.answered.add(number);
     const auto slot =
-        known.count == kAnswersPerSender ? known.oldest : order_.begin();  // or nobody's
+        known.count == kAnswersPerSender ? known.oldest : order_.begin();  // or of no sender
     detach(*slot);
     order_.splice(order_.end(), order_, slot);
     slot->sender = &known;
@@ -157,7 +157,7 @@ class AnswerMemory {
       return known;
     }
     const auto silent = std::ranges::min_element(senders_, {}, &Sender::last_use);
-    while (silent->count > 0) {  // what nobody asks for any more is replaced first
+    while (silent->count > 0) {  // what is no longer asked for is replaced first
       const SlotPlace slot = silent->oldest;
       detach(*slot);
       order_.splice(order_.begin(), order_, slot);

@@ -85,7 +85,7 @@ bool CommandFrames::answer_repeat(const msg::CommandFrame& frame) {
     case Fate::unknown:
       answers_.take(frame);
       return false;
-    case Fate::taken:  // it waits for its tick, or nobody wanted an answer
+    case Fate::taken:  // it waits for its tick, or no answer was wanted
       break;
     case Fate::answered:
       answers_.repeat(frame);

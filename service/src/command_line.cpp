@@ -222,14 +222,14 @@ class Reporter {
   void report() {
     if (!is_ready_) {
       if (!service_.has_run()) return;
-      manager_.tell_ready(description_);
+      manager_.report_ready(description_);
       is_ready_ = true;
     }
     if (service_.is_reachable() != is_reachable_) {
       is_reachable_ = !is_reachable_;
-      manager_.tell_status(is_reachable_
-                               ? description_
-                               : description_ + ", no network: the network process is down");
+      manager_.report_status(is_reachable_
+                                 ? description_
+                                 : description_ + ", no network: the network process is down");
     }
     beat();
   }
@@ -240,7 +240,7 @@ class Reporter {
     const auto now = std::chrono::steady_clock::now();
     if (!heartbeat || now < next_heartbeat_) return;
     next_heartbeat_ = now + *heartbeat;
-    if (service_.is_alive()) manager_.tell_alive();
+    if (service_.is_alive()) manager_.report_alive();
   }
 
   Service& service_;
@@ -262,7 +262,7 @@ void watch(Service& service, const ServiceManager& manager, const sigset_t& sign
 }
 
 /// The axes have 1.5 s to come to rest. After that only the DDS library can hang, where it runs in
-/// this process: in threads that nobody can end but with the process.
+/// this process: in threads that end only with the process.
 void end_in_time(int exit_code) {
   std::thread([exit_code] {
     constexpr std::chrono::milliseconds kLongest{1'950};
@@ -290,7 +290,7 @@ int serve(const Configuration& configuration, const Arguments& arguments) {
   auto store = open_parameter_store(arguments.state, configuration.bench);
   Service service(configuration, arguments.journal ? open_journal(*arguments.journal) : nullptr,
                   std::move(store), std::move(host));
-  if (has_process) confine_engine(manager.listens_in_network() ? Network::keep : Network::leave);
+  if (has_process) confine_engine(manager.receives_in_network() ? Network::keep : Network::leave);
   service.start();
   watch(service, manager, signals,
         "bench " + std::to_string(configuration.bench) + ", " +
@@ -300,7 +300,7 @@ int serve(const Configuration& configuration, const Arguments& arguments) {
   const auto older = service.conflict();
   const bool is_cut_off = service.is_cut_off();
   if (!has_process) end_in_time(older ? kNumberTaken : kDone);
-  manager.tell_stopping();
+  manager.report_stopping();
   service.begin_shutdown();
   while (!service.is_shut_down() && !takes_signal(signals, kBusyPollInterval)) {
   }

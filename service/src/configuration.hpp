@@ -68,7 +68,7 @@ struct Configuration {
   std::uint32_t status_every = 1;  ///< one status frame each n ticks
   /// The owner of an axis must send something within this drive time; nothing = off.
   std::optional<std::chrono::milliseconds> watchdog = std::chrono::milliseconds{500};
-  bool watchdog_is_chosen = false;  ///< in freerun a watchdog that nobody chose is off
+  bool watchdog_is_chosen = false;  ///< in freerun a watchdog that was not chosen is off
   /// Prometheus metrics on this port of 127.0.0.1, 0 = any free one; nothing = off.
   std::optional<std::uint16_t> metrics_port;
   std::optional<WireForm> wire_form;  ///< nothing = process in realtime without shared memory

@@ -43,8 +43,8 @@ bool Doorbell::wait_for(std::chrono::nanoseconds timeout) noexcept {
   if (was_quick_) look_for_rings(begin + std::min(kLongestLook, timeout));
   if (!has_rung()) sleep_until_rung(begin + timeout);
   const std::uint32_t rings = state_.rings.load();
-  const bool rung = rings != heard_;
-  heard_ = rings;
+  const bool rung = rings != received_;
+  received_ = rings;
   was_quick_ = waiting_ == Waiting::quick && rung && Clock::now() - begin < kLongestLook;
   return rung;
 }
@@ -64,7 +64,7 @@ void Doorbell::look_for_rings(Clock::time_point deadline) const noexcept {
 void Doorbell::sleep_until_rung(Clock::time_point deadline) noexcept {
   state_.waiting.store(1);
   std::uint32_t rings = state_.rings.load();
-  while (rings == heard_) {
+  while (rings == received_) {
     const auto left = deadline - Clock::now();
     if (left <= std::chrono::nanoseconds::zero()) break;
     futex_wait(state_.rings, rings, left);

@@ -13,8 +13,8 @@ struct BellState {
   std::atomic<std::uint32_t> waiting{0};
 };
 
-/// Wakes the one thread that waits for arrivals, in this process or in another. A ring while nobody
-/// waits is remembered and costs no system call.
+/// Wakes the one thread that waits for arrivals, in this process or in another. A ring while no
+/// thread waits is remembered and costs no system call.
 class Doorbell {
  public:
   /// How the waiting thread waits. A thread that sleeps takes some 10 us to wake, and a system call
@@ -37,14 +37,14 @@ class Doorbell {
  private:
   using Clock = std::chrono::steady_clock;
 
-  [[nodiscard]] bool has_rung() const noexcept { return state_.rings.load() != heard_; }
+  [[nodiscard]] bool has_rung() const noexcept { return state_.rings.load() != received_; }
 
   void look_for_rings(Clock::time_point deadline) const noexcept;
   void sleep_until_rung(Clock::time_point deadline) noexcept;
 
   BellState& state_;
   Waiting waiting_;
-  std::uint32_t heard_ = 0;
+  std::uint32_t received_ = 0;
   bool was_quick_ = false;  ///< the last ring came soon after the wait for it had begun
 };
 

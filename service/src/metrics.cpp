@@ -186,7 +186,7 @@ Metrics::Metrics(const Configuration& configuration, const BenchIdentity& identi
 std::vector<MetricFamily> Metrics::Collect() const {
   Families families(bench_);
   ClientMetric& info =
-      families.add("vdrive_info", "1; its labels say what the service is", MetricType::Gauge);
+      families.add("vdrive_info", "1; its labels describe the service", MetricType::Gauge);
   info.gauge.value = 1.0;
   info.label.push_back({"name", name_});
   info.label.push_back({"clock", clock_});

@@ -113,8 +113,8 @@ std::filesystem::path ParameterStore::file(const char* suffix) const {
   return directory_ / (name_ + ".parameters" + suffix);
 }
 
-/// @return false when another service holds the lock. Where there can be no lock file nobody can
-///         write the others either: a later save tries again.
+/// @return false when another service holds the lock. Where there can be no lock file no service
+///         can write the others either: a later save tries again.
 bool ParameterStore::lock() {
   try {
     const auto path = directory_ / (name_ + ".lock");
@@ -320,13 +320,14 @@ std::unique_ptr<ParameterStore> open_parameter_store(const std::optional<std::st
 std::vector<EventRecord> apply(const LoadedParameters& loaded, Configuration& configuration) {
   std::vector<EventRecord> news;
   const bool is_good = loaded.problem == ParameterProblem::none;
-  const auto tell = [&news](std::uint32_t code, const EventDetail& detail, std::uint16_t axis = 0) {
+  const auto report = [&news](std::uint32_t code, const EventDetail& detail,
+                              std::uint16_t axis = 0) {
     news.push_back({.kind = msg::EVENT_PARAMETERS, .axis = axis, .code = code, .detail = detail});
   };
   if (!is_good) {
     const bool has_previous = loaded.source == LoadedParameters::Source::previous;
-    tell(has_previous ? ParameterNews::kPrevious : ParameterNews::kDefaults,
-         StoredProblem{loaded.problem, loaded.number});
+    report(has_previous ? ParameterNews::kPrevious : ParameterNews::kDefaults,
+           StoredProblem{loaded.problem, loaded.number});
   }
   std::uint64_t axes = 0;
   for (NamedAxis& axis : configuration.axes) {
@@ -335,13 +336,14 @@ std::vector<EventRecord> apply(const LoadedParameters& loaded, Configuration& co
     if (found == loaded.table.end()) continue;
     if (const auto refusal = refusal_of(found->second)) {
       axis.configuration.memory_error = true;
-      tell(ParameterNews::kDefaults, *refusal, axis.number);
+      report(ParameterNews::kDefaults, *refusal, axis.number);
     } else {
       axis.configuration.stored = found->second;
       ++axes;
     }
   }
-  if (loaded.source != LoadedParameters::Source::nothing) tell(ParameterNews::kLoaded, Count{axes});
+  if (loaded.source != LoadedParameters::Source::nothing)
+    report(ParameterNews::kLoaded, Count{axes});
   return news;
 }
 

@@ -47,7 +47,7 @@ using namespace std::chrono_literals;
 constexpr std::chrono::microseconds kAfterTick = 60us;
 constexpr std::chrono::milliseconds kLongestNap = 5ms;
 constexpr std::chrono::microseconds kReportNap = 500us;
-constexpr std::chrono::milliseconds kFarewell = 200ms;
+constexpr std::chrono::milliseconds kTimeOfLastSamples = 200ms;
 /// A wire in its own process then announces its end; after this it is killed.
 constexpr std::chrono::milliseconds kLeave = 100ms;
 
@@ -243,7 +243,7 @@ class Service::Threads {
     replies_.deliver(inbox_, outbox_);
     reports_.publish(inbox_, outbox_);
     reports_.announce(false);
-    wire_.stop(kFarewell);
+    wire_.stop(kTimeOfLastSamples);
     log_info("bench={} offline", identity_.bench);
   }
 

@@ -26,24 +26,24 @@ ServiceManager::ServiceManager() {
     heartbeat_interval_.emplace(static_cast<std::int64_t>(interval_us / 2));
   }
   const char* const socket = std::getenv("NOTIFY_SOCKET");  // NOLINT(concurrency-mt-unsafe)
-  listens_in_network_ = socket != nullptr && *socket == '@';
+  receives_in_network_ = socket != nullptr && *socket == '@';
 }
 
 // The library keeps the socket in the environment; every receiver on it is the manager.
 // NOLINTBEGIN(readability-convert-member-functions-to-static)
-void ServiceManager::tell_ready(const std::string& status) const noexcept {
+void ServiceManager::report_ready(const std::string& status) const noexcept {
   notify("READY=1\nSTATUS=" + status);
 }
 
-void ServiceManager::tell_status(const std::string& status) const noexcept {
+void ServiceManager::report_status(const std::string& status) const noexcept {
   notify("STATUS=" + status);
 }
 
-void ServiceManager::tell_alive() const noexcept {
+void ServiceManager::report_alive() const noexcept {
   notify("WATCHDOG=1");
 }
 
-void ServiceManager::tell_stopping() const noexcept {
+void ServiceManager::report_stopping() const noexcept {
   notify("STOPPING=1\nSTATUS=the axes brake");
 }
 

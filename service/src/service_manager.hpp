@@ -21,17 +21,17 @@ class ServiceManager {
 
   /// @return whether only its own network namespace reaches it: the name of its socket
   /// is no file.
-  [[nodiscard]] bool listens_in_network() const noexcept { return listens_in_network_; }
+  [[nodiscard]] bool receives_in_network() const noexcept { return receives_in_network_; }
 
   /// @param status a line for people
-  void tell_ready(const std::string& status) const noexcept;
-  void tell_status(const std::string& status) const noexcept;
-  void tell_alive() const noexcept;
-  void tell_stopping() const noexcept;
+  void report_ready(const std::string& status) const noexcept;
+  void report_status(const std::string& status) const noexcept;
+  void report_alive() const noexcept;
+  void report_stopping() const noexcept;
 
  private:
   std::optional<std::chrono::microseconds> heartbeat_interval_;
-  bool listens_in_network_ = false;
+  bool receives_in_network_ = false;
 };
 
 }  // namespace vdrive::service

@@ -35,7 +35,7 @@ constexpr auto kRetryInterval = 1ms;
 /// sent faster overflows the buffers of their sockets.
 constexpr auto kBetweenRounds = 500us;
 constexpr auto kProbeInterval = 500ms;
-constexpr auto kFarewellOfWire = 150ms;
+constexpr auto kWaitForReaders = 150ms;
 
 /// The kernel's choice, should memory run out, is the half that can be started again.
 void volunteer_for_the_kernel() {
@@ -114,7 +114,7 @@ class WireProcess {
     }
     status.join();
     reports.join();
-    take_leave();
+    announce_own_end();
     // The library's own end may hang, and every reader has the last message.
     _exit(0);
   }
@@ -135,7 +135,7 @@ class WireProcess {
     }
   }
 
-  /// Replies go first in every round: nobody waits for an answer behind a burst of reports.
+  /// Replies go first in every round: no answer waits behind a burst of reports.
   void pump_reports() {
     Doorbell bell(control_.reports_bell);
     bool has_more = false;
@@ -161,10 +161,10 @@ class WireProcess {
     }
   }
 
-  void take_leave() {
-    static_cast<void>(program_.wait_for_readers(kFarewellOfWire));
-    wire::say_goodbye(settings_.network, control_.source);
-    wire::say_goodbye(settings_.network, control_.prober);
+  void announce_own_end() {
+    static_cast<void>(program_.wait_for_readers(kWaitForReaders));
+    wire::announce_end(settings_.network, control_.source);
+    wire::announce_end(settings_.network, control_.prober);
     control_.finished.store(1);
   }
 
@@ -199,8 +199,8 @@ int run_wire_process(int region_descriptor) {
     const wire::LibraryLog library_log(log_of_the_library(settings.bench));
     if (control.generation.load() > 1) {
       // The one before could not announce its end, and answers would wait for its readers.
-      wire::say_goodbye(settings.network, control.source);
-      wire::say_goodbye(settings.network, control.prober);
+      wire::announce_end(settings.network, control.source);
+      wire::announce_end(settings.network, control.prober);
     }
     WireProcess process(region);
     return process.run();

@@ -75,7 +75,7 @@ class Nursery {
         return;
       }
       child_descriptor_ = static_cast<int>(syscall(SYS_pidfd_open, child_, 0));
-      if (child_descriptor_ < 0) {  // nobody would notice its end
+      if (child_descriptor_ < 0) {  // its end could not be noticed
         ::kill(child_, SIGKILL);
         report_end();
       }

@@ -292,9 +292,9 @@ std::vector<Case> cases() {
        [] {
          return single(0x15, test::announcement(kSender, "some name", 20), kWithData);
        }},
-      {"Farewell", Refusal::none,
+      {"EndOfAParticipant", Refusal::none,
        [] {
-         return farewell(kSender);
+         return end_datagram(kSender);
        }},
       {"EncryptedMessage", Refusal::none,
        [] {
@@ -394,7 +394,7 @@ TEST(Announcement, OfALeaseThatIsCutShortChangesNothing) {
 }
 
 TEST(Announcement, OfLeavingNamesWhoLeaves) {
-  const auto leaving = announcement_in(farewell(kSender));
+  const auto leaving = announcement_in(end_datagram(kSender));
   ASSERT_TRUE(leaving);
   EXPECT_TRUE(leaving->gone);
   EXPECT_EQ(leaving->participant, kSender);

@@ -278,7 +278,7 @@ TEST(Goodbye, MakesAllForgetADeadParticipantAtOnce) {
   visitor.send(SIGKILL);
   static_cast<void>(visitor.process().wait());
   const auto said = Clock::now();
-  say_goodbye(settings(), source_of(visitor.prefix()));
+  announce_end(settings(), source_of(visitor.prefix()));
   EXPECT_TRUE(wait_until([&] {
     return asker.requests.matched() == 0;
   }));

@@ -79,7 +79,7 @@ static void wait_until(bool (*done)(void), int seconds, const char* what) {
 }
 
 // 1. The service reads our topics.
-static bool service_listens(void) {
+static bool service_receives(void) {
   dds_publication_matched_status_t command, request;
   checked(dds_get_publication_matched_status(commands, &command));
   checked(dds_get_publication_matched_status(requests, &request));
@@ -140,7 +140,7 @@ static void send_frame(vdrive_msg_AxisCommand* command) {
   checked(dds_write(commands, &frame));
 }
 
-// 5. What the axis shows. The watchdog wants to hear from us every 100 ms, so each look says so.
+// 5. What the axis shows. The watchdog expects a frame every 100 ms: each check sends one.
 static bool status_shown(void) {
   static void* reply = NULL;
   static void* sample = NULL;
@@ -158,7 +158,7 @@ static bool status_shown(void) {
   return shown.last_sequence >= commanded && shown.ds402_statusword == awaited;
 }
 
-static void say(uint16_t controlword, uint16_t statusword, const char* what) {
+static void send_controlword(uint16_t controlword, uint16_t statusword, const char* what) {
   vdrive_msg_AxisCommand command = {.members = vdrive_msg_HAS_DS402_CONTROLWORD,
                                     .ds402_controlword = controlword};
   send_frame(&command);
@@ -173,26 +173,26 @@ int main(int argc, char** argv) {
   participant = checked(dds_create_participant(domain, NULL, NULL));
   dds_guid_t guid;
   checked(dds_get_guid(participant, &guid));
-  memcpy(&session, guid.v, sizeof session);  // a number that nobody else has
+  memcpy(&session, guid.v, sizeof session);  // a number that no other session has
   benches = reader("vdrive/v1/bench", &vdrive_msg_BenchDescription_desc, kLastValue);
   statuses = reader("vdrive/v1/status", &vdrive_msg_StatusFrame_desc, kStream);
   command_replies = reader("vdrive/v1/command_reply", &vdrive_msg_CommandReply_desc, kQueue);
   replies = reader("vdrive/v1/reply", &vdrive_msg_Reply_desc, kQueue);  // last: see the document
   commands = writer("vdrive/v1/command", &vdrive_msg_CommandFrame_desc);
   requests = writer("vdrive/v1/request", &vdrive_msg_Request_desc);
-  wait_until(service_listens, 10, "service found");
+  wait_until(service_receives, 10, "service found");
   wait_until(bench_found, 10, "bench found");
   ask(vdrive_msg_REQUEST_ACQUIRE, "axis acquired");
-  say(0x06, 0x231, "ready to switch on");
+  send_controlword(0x06, 0x231, "ready to switch on");
   vdrive_msg_AxisCommand move = {
       .members = vdrive_msg_HAS_OP_MODE_CMD | vdrive_msg_HAS_POSITION_USER_TARGET_VALUE,
       .op_mode_cmd = 1,
       .position_user_target_value = kTarget};
   send_frame(&move);  // registers; the set-point edge in the last word starts the move
-  say(0x0F, 0x637, "operation enabled");
-  say(0x3F, kReached, "target reached");
+  send_controlword(0x0F, 0x637, "operation enabled");
+  send_controlword(0x3F, kReached, "target reached");
   printf("position %" PRId32 "\n", shown.load_position_actual_value);
-  say(0x06, 0x231, "disabled");
+  send_controlword(0x06, 0x231, "disabled");
   ask(vdrive_msg_REQUEST_RELEASE, "axis released");
   return EXIT_SUCCESS;
 }

@@ -11,8 +11,8 @@
 
 namespace vdrive::gateway {
 
-/// A thread that does one thing after the other: calls to benches wait, and nobody else waits for
-/// them. Its thread starts with the first job.
+/// A thread that does one thing after the other: calls to benches wait, and no other thread waits
+/// for them. Its thread starts with the first job.
 class Worker {
  public:
   /// Jobs that may wait.

@@ -127,7 +127,7 @@ void hide_types(std::span<std::uint8_t> list, bool little) noexcept {
   });
 }
 
-std::vector<std::uint8_t> farewell(const Prefix& gone) {
+std::vector<std::uint8_t> end_datagram(const Prefix& gone) {
   std::vector<std::uint8_t> datagram{'R', 'T', 'P', 'S', 2, 3, 1, 15};
   const auto add = [&datagram](std::initializer_list<std::uint8_t> bytes) {
     datagram.insert(datagram.end(), bytes);

@@ -53,6 +53,6 @@ void hide_types(std::span<std::uint8_t> list, bool little) noexcept;
 ///         sequence number is above all that the participant can have sent: a reader takes nothing
 ///         older, and believes only the writer itself. The library forgets the number with the
 ///         participant, so that one that only stood still is found again.
-[[nodiscard]] std::vector<std::uint8_t> farewell(const rtps_bytes::Prefix& gone);
+[[nodiscard]] std::vector<std::uint8_t> end_datagram(const rtps_bytes::Prefix& gone);
 
 }  // namespace vdrive::wire

@@ -224,7 +224,7 @@ void Guard::remove(const Keeper::Silent& silent) {
     if (found == channels_.end()) return;
     local = found->first;
   }
-  const auto datagram = farewell(silent.participant);
+  const auto datagram = end_datagram(silent.participant);
   silent.channel->OnDataReceived(datagram.data(), static_cast<std::uint32_t>(datagram.size()),
                                  local, local);
   ++judged_;

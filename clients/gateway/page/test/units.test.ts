@@ -4,7 +4,7 @@ import { test } from "node:test";
 
 import { formatAge, formatHex, formatNumber, formatPermille, formatUnits, parseNumber, scaleOf, toUserUnits, USER_UNITS } from "../src/data/units";
 
-test("a rotary axis is shown in degrees with decimals that tell one user unit from the next", () => {
+test("a rotary axis is shown in degrees with decimals that separate one user unit from the next", () => {
   const scale = scaleOf({ kind: "rotary", name: "deg", per: 4096 });
   // 360 / 4096 = 0.088 degrees a unit: 2 decimals.
   assert.deepEqual(scale, { name: "°", factor: 360 / 4096, decimals: 2 });

@@ -69,7 +69,7 @@ struct BenchInfo {
   double rate = 1.0;  ///< realtime: drive time over wall time, 0 = paused
   /// Starts of its network process in this run: 1 = it never ended, 0 = not received yet.
   std::uint64_t wire_starts = 0;
-  /// Longest time in which it did not hear an owner of axes, in drive time.
+  /// Longest time in which it received nothing from an owner of axes, in drive time.
   std::chrono::microseconds longest_silence{0};
   double user_units_per_revolution = 4096.0;
   std::string dictionary_version;

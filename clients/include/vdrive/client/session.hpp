@@ -61,7 +61,7 @@ enum class ServiceNews : std::uint8_t {
   found,         ///< it is there
   fell_silent,   ///< no sample arrived: it ended, hangs, or the network is down
   sends_again,   ///< the same run of the service as before
-  restarted,     ///< another run: nobody holds an axis of it, every axis is disabled
+  restarted,     ///< another run: no session holds an axis of it, every axis is disabled
   went_offline,  ///< it announced its end
 };
 

@@ -98,6 +98,6 @@ class Participant {
 /// and remove it after its lease of 2 s. The datagrams are not encrypted, in the closed mode
 /// neither, as announcements are not.
 /// @throws NetworkError when no socket can be made
-void say_goodbye(const NetworkSettings& settings, const Source& dead);
+void announce_end(const NetworkSettings& settings, const Source& dead);
 
 }  // namespace vdrive::wire

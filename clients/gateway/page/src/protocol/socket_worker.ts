@@ -16,7 +16,7 @@ export type Report = { kind: "batch"; batch: Batch } | { kind: "opened" } | { ki
 
 const SIGN_OF_LIFE_MS = 500;
 const SIGN_OF_LIFE = JSON.stringify({ op: "unsubscribe", subscriptionIds: [] });
-// A page that takes nothing for 10 s is lost, however well this thread works: nobody can stop an
+// A page that takes nothing for 10 s is lost, however well this thread works: no user can stop an
 // axis with it. The gateway takes a connection that ends with this code for a lost one.
 const MOST_UNANSWERED = 20;
 const PAGE_STANDS_STILL = 4000;

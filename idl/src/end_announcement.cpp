@@ -58,10 +58,10 @@ class Sender {
 
 }  // namespace
 
-void say_goodbye(const NetworkSettings& settings, const Source& dead) {
+void announce_end(const NetworkSettings& settings, const Source& dead) {
   if (!settings.discovery_servers.empty()) return;
   const Sender sender;
-  const auto datagram = farewell(dead.participant);
+  const auto datagram = end_datagram(dead.participant);
   std::vector<std::string> interfaces = settings.interfaces;
   interfaces.emplace_back(kLoopback);
   for (int time = 0; time < kTimes; ++time) {
