@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "doctor.hpp"
 
+#include "gateway_port.hpp"
 #include "report.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wire/participant.hpp"
@@ -174,7 +175,7 @@ Finding check_segments(const HostReadings& readings) {
 }
 
 Finding check_gateway(const HostReadings& readings) {
-  const std::string address = "127.0.0.1:" + std::to_string(kGatewayPort);
+  const std::string address = "127.0.0.1:" + std::to_string(bridge::kGatewayPort);
   Finding finding{.subject = "gateway", .text = "", .advice = ""};
   switch (readings.gateway) {
     case GatewayReading::none:

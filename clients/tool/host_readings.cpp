@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host_readings.hpp"
 
+#include "gateway_port.hpp"
 #include "vdrive/wire/ports.hpp"
 
 #include <arpa/inet.h>
@@ -202,7 +203,7 @@ HostReadings read_host(const std::vector<std::string>& addresses) {
   if (getrlimit(RLIMIT_NOFILE, &files) == 0) readings.open_files = files.rlim_cur;
   readings.cores = std::thread::hardware_concurrency();
   readings.may_run_realtime = may_run_realtime();
-  readings.gateway = read_gateway(kGatewayPort);
+  readings.gateway = read_gateway(bridge::kGatewayPort);
   return readings;
 }
 

@@ -46,9 +46,6 @@ struct HostReadings {
   GatewayReading gateway = GatewayReading::none;
 };
 
-/// Default port of vdrive-gateway.
-inline constexpr std::uint16_t kGatewayPort = 8765;
-
 /// Takes the readings. Writes nothing; the multicast probe waits up to 300 ms an address.
 /// @param addresses own addresses in the networks that are used; none = loopback
 [[nodiscard]] HostReadings read_host(const std::vector<std::string>& addresses);

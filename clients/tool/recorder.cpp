@@ -28,9 +28,6 @@ constexpr std::chrono::milliseconds kPatienceOfMany{5};
 
 constexpr std::chrono::milliseconds kNap{5};
 
-/// What one request reads.
-constexpr std::size_t kReadAtOnce = 64;
-
 std::vector<ObjectAddress> all_objects() {
   std::vector<ObjectAddress> objects;
   objects.reserve(kObjectCount);
@@ -51,7 +48,7 @@ client::Result<bridge::ParameterImage> image_of(const client::Axis& axis) {
   bridge::ParameterImage image{.axis = axis.id(), .tick = 0, .objects = {}};
   std::span<const ObjectAddress> left(objects);
   while (!left.empty()) {
-    const auto part = left.first(std::min(left.size(), kReadAtOnce));
+    const auto part = left.first(std::min(left.size(), client::kMostObjectsAtOnce));
     const auto readings = axis.read(part);
     if (!readings) return readings.outcome();
     image.tick = readings->tick;

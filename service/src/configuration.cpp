@@ -30,7 +30,7 @@ namespace {
 using namespace vdrive::literals;
 
 constexpr std::int64_t kHighestPort = 65'535;
-constexpr std::int64_t kHighestAxisNumber = 65'535;
+constexpr std::int64_t kHighestAxisNumber = kAxisNumbers - 1;
 constexpr std::int64_t kHighestPriority = 99;
 constexpr std::int64_t kLongestDwell = 65'535;
 

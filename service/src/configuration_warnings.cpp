@@ -130,7 +130,7 @@ std::vector<std::string> loop_warnings(const std::filesystem::path& file) {
   YamlValue(document["axes"], file.string(), "axes").for_each_element([&](const YamlValue& place) {
     place.for_each_entry({}, [&](const std::string& key, const YamlValue& entry) {
       if (key != "number") return;
-      const auto number = static_cast<std::uint16_t>(entry.integer({1, 65'535, ""}));
+      const auto number = static_cast<std::uint16_t>(entry.integer({1, kAxisNumbers - 1, ""}));
       const auto axis = std::ranges::find(configuration.axes, number, &NamedAxis::number);
       if (axis != configuration.axes.end()) examine(*axis, configuration, place, warnings);
     });

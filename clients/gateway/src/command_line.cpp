@@ -2,6 +2,7 @@
 #include "command_line.hpp"
 
 #include "bridge_program.hpp"
+#include "gateway_port.hpp"
 #include "hub.hpp"
 #include "network_options.hpp"
 #include "page.hpp"
@@ -33,7 +34,7 @@ class BadArguments : public std::runtime_error {
 
 struct Arguments {
   client::SessionOptions session;
-  std::string listen = "127.0.0.1:8765";
+  std::string listen = "127.0.0.1:" + std::to_string(bridge::kGatewayPort);
   std::string metrics;
   bool control = false;
   std::string token;
@@ -85,7 +86,8 @@ ListenAddress read_address(std::string_view option, const std::string& text) {
                         : parse_digits<std::uint16_t>(text.substr(colon + 1));
   if (!port) {
     throw BadArguments(std::string(option) + " " + in_quotes(text) +
-                       ": must be an address and a port, such as 127.0.0.1:8765");
+                       ": must be an address and a port, such as 127.0.0.1:" +
+                       std::to_string(bridge::kGatewayPort));
   }
   ListenAddress listen{.address = text.substr(0, colon), .port = *port};
   if (listen.address.starts_with('[') && listen.address.ends_with(']')) {

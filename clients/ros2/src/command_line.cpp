@@ -34,7 +34,7 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.set_version_flag("--version", std::string("vdrive-ros2 ") + VDRIVE_VERSION);
   bridge::add_domain_option(app, session.domain, "; ROS_DOMAIN_ID of the nodes");
   app.add_option("--bench", arguments.benches, "Serve this bench; may be repeated; default: all")
-      ->check(CLI::Range(1, 65'535))
+      ->check(CLI::Range(1, Settings::kHighestBench))
       ->type_name("N");
   app.add_option("--namespace", arguments.name_space, "Before the names of topics, such as /cell1")
       ->type_name("NAME");

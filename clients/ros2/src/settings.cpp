@@ -145,10 +145,9 @@ void read_joints(const Value& map, std::vector<JointSetting>& joints) {
 }
 
 void read_benches(const Value& list, std::vector<std::uint32_t>& benches) {
-  constexpr double kHighestBench = 65'535;
   benches.clear();
   list.for_each_element([&](const Value& element) {
-    const double number = element.number(1, kHighestBench, "");
+    const double number = element.number(1, Settings::kHighestBench, "");
     const auto whole = static_cast<std::uint32_t>(number);
     if (static_cast<double>(whole) != number) element.refuse("must be a whole number");
     benches.push_back(whole);
