@@ -3,11 +3,13 @@
 find_program(VDRIVE_FASTDDSGEN fastddsgen REQUIRED)
 find_program(VDRIVE_IDLC idlc DOC "IDL compiler of Cyclone DDS, a second check of our IDL")
 
-# vdrive_generate_idl(<target> <file>.idl)
+# vdrive_generate_idl(<target> <file>.idl [WITHOUT_SUPPORT])
 # An object library with the C++ code that fastddsgen makes of the file, and its include directory.
+# WITHOUT_SUPPORT leaves its type support out.
 # The second vendor's compiler reads each file too, when it is there: what it refuses fails the
 # build, because then only one vendor's DDS could exchange messages with a bench.
 function(vdrive_generate_idl target idl)
+  cmake_parse_arguments(PARSE_ARGV 2 arg "WITHOUT_SUPPORT" "" "")
   cmake_path(GET idl STEM name)
   cmake_path(ABSOLUTE_PATH idl)
   set(output ${CMAKE_CURRENT_BINARY_DIR}/generated)
@@ -22,6 +24,9 @@ function(vdrive_generate_idl target idl)
     DEPENDS ${idl} ${PROJECT_SOURCE_DIR}/cmake/run_fastddsgen.cmake
     COMMENT "Generating C++ from ${name}.idl"
     VERBATIM)
+  if(arg_WITHOUT_SUPPORT)
+    list(FILTER generated EXCLUDE REGEX "PubSubTypes")
+  endif()
   add_library(${target} OBJECT ${generated})
   vdrive_target_defaults(${target} GENERATED)
   vdrive_make_position_independent(${target})

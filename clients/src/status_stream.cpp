@@ -24,7 +24,7 @@ StatusStream::StatusStream(wire::Participant& participant, Discovery& discovery,
 void StatusStream::subscribe() {
   std::call_once(subscribed_, [this] {
     subscription_ = std::make_unique<wire::BytesSubscription>(
-        participant_, wire::TopicId::status,
+        participant_, wire::Topic<msg::StatusFrame>::kId,
         wire::BytesSubscription::Handler{.take =
                                              [this](std::span<const std::byte> sample) {
                                                take(sample);

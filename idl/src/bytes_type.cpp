@@ -4,43 +4,13 @@
 #include "message_types.hpp"
 #include "vdrive/wire/codec.hpp"
 
-#include <fastrtps/utils/md5.h>
-
 #include <algorithm>
 #include <cstring>
-#include <string>
 
 namespace vdrive::wire {
 namespace {
 
 namespace rtps = eprosima::fastrtps::rtps;
-
-/// @return room for the largest sample of the topic, as its generated support class computes it.
-std::uint32_t size_of_type(TopicId topic) {
-  switch (topic) {
-    case TopicId::command:
-      return MessageType<msg::CommandFrame>().m_typeSize;
-    case TopicId::command_reply:
-      return MessageType<msg::CommandReply>().m_typeSize;
-    case TopicId::request:
-      return MessageType<msg::Request>().m_typeSize;
-    case TopicId::reply:
-      return MessageType<msg::Reply>().m_typeSize;
-    case TopicId::status:
-      return MessageType<msg::StatusFrame>().m_typeSize;
-    case TopicId::axis:
-      return MessageType<msg::AxisStatus>().m_typeSize;
-    case TopicId::parameters:
-      return MessageType<msg::AxisParameters>().m_typeSize;
-    case TopicId::event:
-      return MessageType<msg::Event>().m_typeSize;
-    case TopicId::bench:
-      return MessageType<msg::BenchDescription>().m_typeSize;
-    case TopicId::bench_state:
-      return MessageType<msg::BenchState>().m_typeSize;
-  }
-  return 0;
-}
 
 constexpr std::size_t size_of_key(TopicKey key) noexcept {
   switch (key) {
@@ -54,8 +24,9 @@ constexpr std::size_t size_of_key(TopicKey key) noexcept {
 }
 
 /// The key hash of DDS: the key members, each with its highest byte first.
-std::array<std::byte, 16> key_of(std::span<const std::byte> sample, TopicKey key) noexcept {
-  std::array<std::byte, 16> hash{};
+std::array<std::byte, kKeyHashSize> key_of(std::span<const std::byte> sample,
+                                           TopicKey key) noexcept {
+  std::array<std::byte, kKeyHashSize> hash{};
   if (sample.size() < kEncapsulation + size_of_key(key)) return hash;
   std::memcpy(hash.data(), &sample[kEncapsulation], size_of_key(key));
   const bool is_little = sample[1] != std::byte{0};
@@ -73,11 +44,7 @@ BytesSample& sample_at(void* data) noexcept {
 }  // namespace
 
 BytesType::BytesType(TopicId topic) : key_(traits_of(topic).key) {
-  m_typeSize = size_of_type(topic);
-  m_isGetKeyDefined = key_ != TopicKey::none;
-  setName(std::string(traits_of(topic).type_name).c_str());
-  auto_fill_type_object(false);
-  auto_fill_type_information(false);
+  announce_as(traits_of(topic), support_of(topic).largest_sample(), *this);
 }
 
 bool BytesType::serialize(void* data, rtps::SerializedPayload_t* payload) {
@@ -119,19 +86,7 @@ bool BytesType::getKey(void* data, rtps::InstanceHandle_t* handle, bool force_md
   const std::span<const std::byte> bytes =
       sample.bytes.empty() ? std::span<const std::byte>(sample.head.data(), sample.head_size)
                            : sample.bytes;
-  std::array<std::byte, 16> hash = key_of(bytes, key_);
-  if (force_md5) {
-    MD5 md5;
-    md5.init();
-    // NOLINTNEXTLINE(*-reinterpret-cast): the library has characters
-    md5.update(reinterpret_cast<const unsigned char*>(hash.data()),
-               static_cast<unsigned int>(size_of_key(key_)));
-    md5.finalize();
-    std::memcpy(hash.data(), md5.digest, hash.size());
-  }
-  for (std::size_t byte = 0; byte < hash.size(); ++byte) {
-    handle->value[byte] = std::to_integer<std::uint8_t>(hash[byte]);
-  }
+  set_key(*handle, key_of(bytes, key_), force_md5 ? size_of_key(key_) : 0);
   return true;
 }
 

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/wire/codec.hpp"
 
-#include "bounds.hpp"
-
-#include <fastcdr/Cdr.h>
-#include <fastcdr/FastBuffer.h>
+#include "message_types.hpp"
 
 #include <array>
 #include <bit>
@@ -69,45 +66,18 @@ void read_command(CdrReader& reader, msg::AxisCommand& command) {
 
 }  // namespace
 
-template <typename Message>
-std::size_t encoded_size(const Message& message) {
-  return kEncapsulation + Message::getCdrSerializedSize(message);
+std::size_t encoded_size(TopicId topic, const void* message) {
+  return support_of(topic).encoded_size(message);
 }
 
-template <typename Message>
-std::size_t encode(const Message& message, std::span<std::byte> output) noexcept {
-  using eprosima::fastcdr::Cdr;
-  try {
-    // The buffer takes a pointer to characters and writes into the bytes of `output` only.
-    eprosima::fastcdr::FastBuffer buffer(
-        reinterpret_cast<char*>(output.data()),  // NOLINT(*-reinterpret-cast)
-        output.size());
-    Cdr cdr(buffer, Cdr::LITTLE_ENDIANNESS, Cdr::DDS_CDR);
-    cdr.serialize_encapsulation();
-    message.serialize(cdr);
-    return cdr.getSerializedDataLength();
-  } catch (...) {  // not enough room
-    return 0;
-  }
+std::size_t encode(TopicId topic, const void* message, std::span<std::byte> output) noexcept {
+  return support_of(topic).encode(message, output);
 }
 
-template <typename Message>
-bool decode(std::span<const std::byte> sample, Message& message) noexcept {
-  using eprosima::fastcdr::Cdr;
-  if (!CdrReader(sample).is_good()) return false;
-  try {
-    // The buffer takes a mutable pointer; only reading functions are called.
-    eprosima::fastcdr::FastBuffer buffer(
-        const_cast<char*>(                                  // NOLINT(*-const-cast)
-            reinterpret_cast<const char*>(sample.data())),  // NOLINT(*-reinterpret-cast)
-        sample.size());
-    Cdr cdr(buffer, Cdr::DEFAULT_ENDIAN, Cdr::DDS_CDR);
-    cdr.read_encapsulation();
-    message.deserialize(cdr);
-    return within_bounds(message);
-  } catch (...) {  // ends early, or claims an absurd length
-    return false;
-  }
+bool decode(TopicId topic, std::span<const std::byte> sample, void* message) noexcept {
+  const MessageSupport& support = support_of(topic);
+  return CdrReader(sample).is_good() && support.read(sample, message) &&
+         support.within_bounds(message);
 }
 
 CommandDecoder::CommandDecoder(std::size_t spare) {
@@ -201,38 +171,5 @@ Decoding CommandDecoder::decode(std::span<const std::byte> sample, msg::Request&
   }
   return reader.is_good() ? Decoding::good : Decoding::malformed;
 }
-
-template std::size_t encoded_size(const msg::CommandFrame&);
-template std::size_t encoded_size(const msg::CommandReply&);
-template std::size_t encoded_size(const msg::Request&);
-template std::size_t encoded_size(const msg::Reply&);
-template std::size_t encoded_size(const msg::StatusFrame&);
-template std::size_t encoded_size(const msg::AxisStatus&);
-template std::size_t encoded_size(const msg::AxisParameters&);
-template std::size_t encoded_size(const msg::Event&);
-template std::size_t encoded_size(const msg::BenchDescription&);
-template std::size_t encoded_size(const msg::BenchState&);
-
-template std::size_t encode(const msg::CommandFrame&, std::span<std::byte>) noexcept;
-template std::size_t encode(const msg::CommandReply&, std::span<std::byte>) noexcept;
-template std::size_t encode(const msg::Request&, std::span<std::byte>) noexcept;
-template std::size_t encode(const msg::Reply&, std::span<std::byte>) noexcept;
-template std::size_t encode(const msg::StatusFrame&, std::span<std::byte>) noexcept;
-template std::size_t encode(const msg::AxisStatus&, std::span<std::byte>) noexcept;
-template std::size_t encode(const msg::AxisParameters&, std::span<std::byte>) noexcept;
-template std::size_t encode(const msg::Event&, std::span<std::byte>) noexcept;
-template std::size_t encode(const msg::BenchDescription&, std::span<std::byte>) noexcept;
-template std::size_t encode(const msg::BenchState&, std::span<std::byte>) noexcept;
-
-template bool decode(std::span<const std::byte>, msg::CommandFrame&) noexcept;
-template bool decode(std::span<const std::byte>, msg::CommandReply&) noexcept;
-template bool decode(std::span<const std::byte>, msg::Request&) noexcept;
-template bool decode(std::span<const std::byte>, msg::Reply&) noexcept;
-template bool decode(std::span<const std::byte>, msg::StatusFrame&) noexcept;
-template bool decode(std::span<const std::byte>, msg::AxisStatus&) noexcept;
-template bool decode(std::span<const std::byte>, msg::AxisParameters&) noexcept;
-template bool decode(std::span<const std::byte>, msg::Event&) noexcept;
-template bool decode(std::span<const std::byte>, msg::BenchDescription&) noexcept;
-template bool decode(std::span<const std::byte>, msg::BenchState&) noexcept;
 
 }  // namespace vdrive::wire

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "message_types.hpp"
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/security.hpp"
 #include "vdrive/wire/source.hpp"
@@ -11,6 +10,7 @@
 #include <fastdds/dds/publisher/Publisher.hpp>
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <fastdds/dds/topic/Topic.hpp>
+#include <fastdds/dds/topic/TypeSupport.hpp>
 
 #include <chrono>
 #include <condition_variable>

@@ -75,8 +75,8 @@ void Inbox::pop() noexcept {
 
 bool Inbox::decode(const ByteRing::Record& record) {
   const auto topic = wire::topic_numbered(record.head.topic);
-  const bool is_frame = topic == wire::TopicId::command;
-  if (!is_frame && topic != wire::TopicId::request) {
+  const bool is_frame = topic == wire::Topic<msg::CommandFrame>::kId;
+  if (!is_frame && topic != wire::Topic<msg::Request>::kId) {
     counters_.malformed.add();
     return false;
   }
@@ -97,7 +97,7 @@ std::optional<TurnedAway> Inbox::next_turned_away() {
   if (!record) return std::nullopt;
   // The rest of the message is missing, so the decoder calls it malformed; its head is good.
   TurnedAway away{.source = record->head.party};
-  if (record->head.topic == static_cast<std::uint16_t>(wire::TopicId::command)) {
+  if (record->head.topic == static_cast<std::uint16_t>(wire::Topic<msg::CommandFrame>::kId)) {
     msg::CommandFrame frame;
     static_cast<void>(head_decoder_.decode(record->bytes, frame));
     away.session = frame.session();

@@ -22,7 +22,7 @@ constexpr std::chrono::seconds kRateWindow{1};
 constexpr std::chrono::milliseconds kReportInterval{100};
 constexpr const char* kUnit = "UU";
 /// As deep as the history of the topic.
-constexpr auto kEventsKept = static_cast<std::size_t>(wire::traits_of(wire::TopicId::event).depth);
+constexpr auto kEventsKept = static_cast<std::size_t>(wire::Topic<msg::Event>::kRow.traits.depth);
 /// The wire empties a lane within this, or hangs.
 constexpr std::chrono::milliseconds kLongestWaitForRoom{100};
 

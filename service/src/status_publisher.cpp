@@ -20,7 +20,9 @@ StatusPublisher::StatusPublisher(WireLink& link, const Configuration& configurat
 }
 
 void StatusPublisher::publish(const StatusImage& image) {
-  if (!image.repeated && link_.matched(wire::TopicId::status) > 0) publish_frames(image);
+  if (!image.repeated && link_.matched(wire::Topic<msg::StatusFrame>::kId) > 0) {
+    publish_frames(image);
+  }
   publish_axes(image);
   last_tick_ = image.tick;
   link_.flush(Lane::status);
@@ -50,7 +52,7 @@ void StatusPublisher::publish_frames(const StatusImage& image) {
          .owners = std::span(image.owners).subspan(first, count),
          .numbers = std::span(numbers_).subspan(first, count)},
         *place);
-    commit(wire::TopicId::status, size);
+    commit(wire::Topic<msg::StatusFrame>::kId, size);
     counters_.status_frames_sent.add();
   }
 }
@@ -65,7 +67,7 @@ void StatusPublisher::commit(wire::TopicId topic, std::size_t size) {
 }
 
 void StatusPublisher::publish_axes(const StatusImage& image) {
-  if (link_.matched(wire::TopicId::axis) == 0) return;
+  if (link_.matched(wire::Topic<msg::AxisStatus>::kId) == 0) return;
   const auto now = Clock::now();
   axis_samples_.refill(now.time_since_epoch());
   for (std::size_t axis = 0; axis < sampled_.size() && !axis_samples_.is_empty(); ++axis) {
@@ -92,7 +94,7 @@ void StatusPublisher::publish_axis(const StatusImage& image, std::size_t axis,
     counters_.status_samples_lost.add();
     return;
   }
-  commit(wire::TopicId::axis,
+  commit(wire::Topic<msg::AxisStatus>::kId,
          wire::encode_axis_status(image.status[axis], {identity_.bench, numbers_[axis]}, image.tick,
                                   image.owners[axis], *place));
   counters_.axis_samples_sent.add();

@@ -15,11 +15,13 @@
 namespace vdrive::service {
 namespace {
 
+using wire::Topic;
 using wire::TopicId;
 
-constexpr std::array kWritten{TopicId::command_reply, TopicId::reply,      TopicId::status,
-                              TopicId::axis,          TopicId::parameters, TopicId::event,
-                              TopicId::bench,         TopicId::bench_state};
+constexpr std::array kWritten{Topic<msg::CommandReply>::kId,     Topic<msg::Reply>::kId,
+                              Topic<msg::StatusFrame>::kId,      Topic<msg::AxisStatus>::kId,
+                              Topic<msg::AxisParameters>::kId,   Topic<msg::Event>::kId,
+                              Topic<msg::BenchDescription>::kId, Topic<msg::BenchState>::kId};
 
 /// A refused datagram is logged at most once a second, with its sender.
 wire::NetworkSettings of_a_service(const WireSettings& settings) {
@@ -75,9 +77,9 @@ WireProgram::WireProgram(const WireRegion& region, const WireSettings& settings)
           show(topic, readers);
         });
   }
-  subscribe(TopicId::bench_state, Lane::notices);
-  subscribe(TopicId::command, Lane::arrivals);
-  subscribe(TopicId::request, Lane::arrivals);
+  subscribe(Topic<msg::BenchState>::kId, Lane::notices);
+  subscribe(Topic<msg::CommandFrame>::kId, Lane::arrivals);
+  subscribe(Topic<msg::Request>::kId, Lane::arrivals);
 }
 
 /// Nothing arrives any more before the rings go.
@@ -131,7 +133,7 @@ void WireProgram::deliver(Intake& intake, const wire::Source& source) {
 void WireProgram::show(TopicId topic, const std::vector<wire::Source>& readers) {
   control_.matched[static_cast<std::size_t>(topic)].store(
       static_cast<std::uint32_t>(readers.size()), std::memory_order_relaxed);
-  if (topic == TopicId::reply) {
+  if (topic == Topic<msg::Reply>::kId) {
     const std::lock_guard lock(showing_);
     control_.readers.show(readers);
   }
@@ -217,7 +219,8 @@ void WireProgram::drop(const RecordHead& head) {
 }
 
 bool WireProgram::wait_for_readers(std::chrono::milliseconds timeout) {
-  return publications_[static_cast<std::size_t>(TopicId::bench)]->wait_for_acknowledged(timeout);
+  constexpr auto kDescription = static_cast<std::size_t>(Topic<msg::BenchDescription>::kId);
+  return publications_[kDescription]->wait_for_acknowledged(timeout);
 }
 
 }  // namespace vdrive::service

@@ -75,7 +75,7 @@ class WireProgram {
 
   /// Brings the samples of a topic into a ring.
   struct Intake {
-    wire::TopicId topic = wire::TopicId::command;
+    wire::TopicId topic{};
     Lane lane = Lane::arrivals;
     std::vector<std::byte> sample;  ///< between the two calls of the library; keeps its capacity
     std::unique_ptr<wire::BytesSubscription> subscription;

@@ -84,7 +84,7 @@ std::vector<std::uint16_t> numbers(std::size_t axes) {
   client::StatusFeed feed({kBench, kIncarnation}, numbers(axes), 1);
   client::Observation observation;
   wire::Participant participant({.domain = domain, .role = wire::Role::client}, "receiver");
-  const wire::BytesSubscription status(participant, wire::TopicId::status,
+  const wire::BytesSubscription status(participant, wire::Topic<msg::StatusFrame>::kId,
                                        {.take =
                                             [&feed](std::span<const std::byte> sample) {
                                               feed.on_frame(*wire::StatusFrameView::of(sample));
@@ -123,7 +123,7 @@ class Publisher {
   [[nodiscard]] bool wait_for_reader() const {
     constexpr int kAttempts = 1'000;
     for (int count = 0; count < kAttempts; ++count) {
-      if (link_.matched(wire::TopicId::status) > 0) return true;
+      if (link_.matched(wire::Topic<msg::StatusFrame>::kId) > 0) return true;
       std::this_thread::sleep_for(10ms);
     }
     return false;

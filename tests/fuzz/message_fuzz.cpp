@@ -4,7 +4,6 @@
 // decoder refuses, or gives a message that can be written again; what receivers do with it is done:
 // the service validates, carries out and answers, a client puts status and benches together.
 #include "bench_engine.hpp"
-#include "bounds.hpp"
 #include "directory.hpp"
 #include "event_text.hpp"
 #include "fuzz/support/bytes.hpp"
@@ -24,6 +23,7 @@
 #include <cstring>
 #include <map>
 #include <span>
+#include <tuple>
 #include <type_traits>
 #include <vector>
 
@@ -237,7 +237,8 @@ class Peers {
   /// What the bench sends is within the bounds, survives the wire and can be received.
   template <typename Message>
   void pass_on(Message& message) {
-    demand(wire::within_bounds(message), "what the bench says is within the bounds of the IDL");
+    demand(wire::Topic<Message>::kRow.within_bounds(message),
+           "what the bench says is within the bounds of the IDL");
     receive(sent(message));
   }
 
@@ -274,20 +275,19 @@ void receive_raw(std::span<const std::uint8_t> data, Peers& peers) {
   }
   constexpr bool kIsForBench =
       std::is_same_v<Message, msg::CommandFrame> || std::is_same_v<Message, msg::Request>;
-  if (kIsForBench || wire::within_bounds(message)) {
+  if (kIsForBench || wire::Topic<Message>::kRow.within_bounds(message)) {
     peers.receive(sent(message));
   }
 }
 
 using Receiver = void (*)(std::span<const std::uint8_t>, Peers&);
 
-/// A row for each topic.
-constexpr std::array<Receiver, 10> kReceivers{
-    receive_raw<msg::CommandFrame>,     receive_raw<msg::CommandReply>,
-    receive_raw<msg::Request>,          receive_raw<msg::Reply>,
-    receive_raw<msg::StatusFrame>,      receive_raw<msg::AxisStatus>,
-    receive_raw<msg::AxisParameters>,   receive_raw<msg::Event>,
-    receive_raw<msg::BenchDescription>, receive_raw<msg::BenchState>};
+/// Each topic, by its number.
+constexpr std::array kReceivers = std::apply(
+    []<typename... Message>(const wire::TopicRow<Message>&...) {
+      return std::array<Receiver, sizeof...(Message)>{receive_raw<Message>...};
+    },
+    wire::kTopicRows);
 
 ObjectAddress address_from(Bytes& bytes) {
   const std::size_t row = bytes.take();

@@ -73,6 +73,38 @@ namespace vdrive::test {
 #undef SEQUENCE_OF_UNSIGNED
 #undef SEQUENCE_OF_SIGNED
 
+// Each sequence, also of elements, as long as its bound and longer by one; the others are empty or
+// have one element.
+#define STRUCTURE(type) \
+  template <typename Check> void reach_bounds([[maybe_unused]] msg::type& m, \
+                                              [[maybe_unused]] const Check& check) {
+#define END(type) }
+#define UNSIGNED(name, bits)
+#define SIGNED(name, bits)
+#define KEY_UNSIGNED(name, bits)
+#define REAL(name)
+#define BOOLEAN(name)
+#define STRING(name, bound)
+#define REACH(name, bound) \
+  m.name().resize(bound); check(true, #name); m.name().resize(bound + 1); check(false, #name);
+#define SEQUENCE(name, type, bound) \
+  REACH(name, bound) m.name().resize(1); reach_bounds(m.name().front(), check); m.name().clear();
+#define SEQUENCE_OF_UNSIGNED(name, bits, bound) REACH(name, bound) m.name().clear();
+#define SEQUENCE_OF_SIGNED(name, bits, bound) REACH(name, bound) m.name().clear();
+#include "fields.inc"
+#undef STRUCTURE
+#undef END
+#undef UNSIGNED
+#undef SIGNED
+#undef KEY_UNSIGNED
+#undef REAL
+#undef BOOLEAN
+#undef STRING
+#undef REACH
+#undef SEQUENCE
+#undef SEQUENCE_OF_UNSIGNED
+#undef SEQUENCE_OF_SIGNED
+
 // clang-format on
 
 /// @return every field of `message`, one a line.

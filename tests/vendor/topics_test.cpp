@@ -20,6 +20,7 @@
 #include <iterator>
 #include <mutex>
 #include <string>
+#include <tuple>
 #include <vector>
 
 namespace vdrive::test {
@@ -133,9 +134,10 @@ class CycloneOnTopic : public testing::Test {
   wire::Participant participant_{{.domain = test_domain()}, "fast"};
 };
 
-using Messages = testing::Types<msg::CommandFrame, msg::CommandReply, msg::Request, msg::Reply,
-                                msg::StatusFrame, msg::AxisStatus, msg::AxisParameters, msg::Event,
-                                msg::BenchDescription, msg::BenchState>;
+template <typename... Message>
+testing::Types<Message...> messages_of(const std::tuple<wire::TopicRow<Message>...>& rows);
+
+using Messages = decltype(messages_of(wire::kTopicRows));
 TYPED_TEST_SUITE(CycloneOnTopic, Messages, TopicName);
 
 /// Other values in each sample, also where its filling does not matter.
@@ -240,8 +242,16 @@ TYPED_TEST(CycloneOnTransientTopic, KeepsForALatecomerOfFastDdsWhatEachInstanceK
   EXPECT_THAT(texts, testing::UnorderedElementsAreArray(expected));
 }
 
-TEST(CycloneTopics, AreAllThatTheInterfaceHas) {
-  EXPECT_EQ(wire::kTopics.size(), 10U) << "a topic is missing in the list of messages of this file";
+template <typename Message>
+class BoundsOfTopic : public testing::Test {};
+
+TYPED_TEST_SUITE(BoundsOfTopic, Messages, TopicName);
+
+TYPED_TEST(BoundsOfTopic, AreThoseOfTheIdl) {
+  TypeParam message;
+  reach_bounds(message, [&message](bool is_within, const char* sequence) {
+    EXPECT_EQ(wire::Topic<TypeParam>::kRow.within_bounds(message), is_within) << sequence;
+  });
 }
 
 }  // namespace

@@ -21,6 +21,7 @@
 #include <set>
 #include <string>
 #include <thread>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -75,9 +76,10 @@ class Received {
 template <typename Message>
 class EveryTopic : public testing::Test {};
 
-using Messages = testing::Types<msg::CommandFrame, msg::CommandReply, msg::Request, msg::Reply,
-                                msg::StatusFrame, msg::AxisStatus, msg::AxisParameters, msg::Event,
-                                msg::BenchDescription, msg::BenchState>;
+template <typename... Message>
+testing::Types<Message...> messages_of(const std::tuple<TopicRow<Message>...>& rows);
+
+using Messages = decltype(messages_of(kTopicRows));
 
 class TopicName {
  public:

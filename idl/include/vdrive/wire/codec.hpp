@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/wire/topics.hpp"
 #include "vdrive_messages.h"
 
 #include <cstddef>
@@ -15,20 +16,31 @@ namespace vdrive::wire {
 /// Bytes of the encapsulation in front of every sample.
 inline constexpr std::size_t kEncapsulation = 4;
 
+/// The same as the functions below, for the message of a topic by its address.
+[[nodiscard]] std::size_t encoded_size(TopicId topic, const void* message);
+std::size_t encode(TopicId topic, const void* message, std::span<std::byte> output) noexcept;
+[[nodiscard]] bool decode(TopicId topic, std::span<const std::byte> sample, void* message) noexcept;
+
 /// @return how many bytes `encode` needs. For every message type of topics.hpp.
 template <typename Message>
-[[nodiscard]] std::size_t encoded_size(const Message& message);
+[[nodiscard]] std::size_t encoded_size(const Message& message) {
+  return encoded_size(Topic<Message>::kId, &message);
+}
 
 /// Writes the sample of `message`, in the byte order of this machine. Allocates nothing.
 /// @return how many bytes were written; 0 when `output` is shorter than `encoded_size`.
 template <typename Message>
-std::size_t encode(const Message& message, std::span<std::byte> output) noexcept;
+std::size_t encode(const Message& message, std::span<std::byte> output) noexcept {
+  return encode(Topic<Message>::kId, &message, output);
+}
 
 /// Reads the sample of a message type of topics.hpp that is not on the path of a command.
 /// @return false when the sample ends early, has another encapsulation than plain CDR, or a
 ///         sequence is beyond its bound.
 template <typename Message>
-[[nodiscard]] bool decode(std::span<const std::byte> sample, Message& message) noexcept;
+[[nodiscard]] bool decode(std::span<const std::byte> sample, Message& message) noexcept {
+  return decode(Topic<Message>::kId, sample, &message);
+}
 
 /// The result of decoding a sample that a client sent.
 enum class Decoding : std::uint8_t {

@@ -3,6 +3,7 @@
 
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/source.hpp"
+#include "vdrive/wire/topics.hpp"
 
 #include <chrono>
 #include <cstddef>
@@ -10,21 +11,11 @@
 
 namespace vdrive::wire {
 
-/// Writes messages of one type on its topic (DESIGN: topics `vdrive/v1/...`), with the topic's QoS.
-/// Instantiated for the message types of topics.hpp.
-template <typename Message>
-class Publication {
+/// What publications of all message types have in common.
+class AnyPublication {
  public:
-  /// @throws NotPermitted when the permissions of a closed participant do not name the topic;
-  ///         NetworkError when DDS refuses topic, publisher or writer.
-  explicit Publication(Participant& participant);
-  ~Publication();
-  Publication(const Publication&) = delete;
-  Publication& operator=(const Publication&) = delete;
-
-  /// Best-effort topics never block; reliable ones up to their max_blocking_time (100 ms).
-  /// @return false when the message was not taken: history full, or too many instances.
-  [[nodiscard]] bool write(const Message& message) noexcept;
+  AnyPublication(const AnyPublication&) = delete;
+  AnyPublication& operator=(const AnyPublication&) = delete;
 
   /// @return how many subscriptions match now.
   [[nodiscard]] std::size_t matched() const noexcept;
@@ -40,9 +31,30 @@ class Publication {
   /// time-out.
   [[nodiscard]] bool wait_for_acknowledged(std::chrono::milliseconds timeout);
 
+ protected:
+  AnyPublication(Participant& participant, TopicId topic);
+  ~AnyPublication();
+
+  /// @param message of the topic's type
+  [[nodiscard]] bool write_message(const void* message) noexcept;
+
  private:
   struct Entities;
   std::unique_ptr<Entities> entities_;
+};
+
+/// Writes messages of one type of topics.hpp on its topic, with the topic's QoS.
+template <typename Message>
+class Publication final : public AnyPublication {
+ public:
+  /// @throws NotPermitted when the permissions of a closed participant do not name the topic;
+  ///         NetworkError when DDS refuses topic, publisher or writer.
+  explicit Publication(Participant& participant)
+      : AnyPublication(participant, Topic<Message>::kId) {}
+
+  /// Best-effort topics never block; reliable ones up to their max_blocking_time (100 ms).
+  /// @return false when the message was not taken: history full, or too many instances.
+  [[nodiscard]] bool write(const Message& message) noexcept { return write_message(&message); }
 };
 
 }  // namespace vdrive::wire
