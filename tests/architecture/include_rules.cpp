@@ -122,29 +122,31 @@ constexpr std::array kRooms{
     RoomRow{"deploy/", {}, "deploy/ has no code"},
 };
 
-/// A file of core/src/drive, without its extension, or a folder of it ("modes/"). A file includes
-/// files of lower layers only: no arrow leads upwards, none to a neighbour, so there is no circle.
+/// A file of core/src/drive, without its extension, or a folder of it ("modes/"), or the files of a
+/// folder whose names end alike ("modes/*_state"); the first match counts. A file includes files of
+/// lower layers only: no arrow leads upwards, none to a neighbour, so there is no circle.
 struct LayerRow {
   std::string_view name;
   int layer;
 };
 
 constexpr std::array kDriveLayers{
-    LayerRow{"state", 0},       // what an axis is
-    LayerRow{"frame", 1},       //   and where its positions count from
-    LayerRow{"block", 2},       //   and its steady ticks, side by side with others
-    LayerRow{"registers", 1},   //   and its objects
-    LayerRow{"faults", 2},      // what is present, the history
-    LayerRow{"limits", 2},      // questions
-    LayerRow{"stops", 2},       // questions
-    LayerRow{"target", 2},      // forgotten or seeded
-    LayerRow{"window", 2},      // what has to last
-    LayerRow{"power", 3},       // transitions
-    LayerRow{"demand", 4},      // requests, plans; no modes
-    LayerRow{"mode", 5},        // what a mode is to the drive
-    LayerRow{"modes/", 6},      // side by side
-    LayerRow{"mode_table", 7},  // one row a mode
-    LayerRow{"tick", 8},       LayerRow{"objects", 9},
+    LayerRow{"modes/*_state", -1},  // what a mode keeps between ticks
+    LayerRow{"state", 0},           // what an axis is
+    LayerRow{"frame", 1},           //   and where its positions count from
+    LayerRow{"block", 2},           //   and its steady ticks, side by side with others
+    LayerRow{"registers", 1},       //   and its objects
+    LayerRow{"faults", 2},          // what is present, the history
+    LayerRow{"limits", 2},          // questions
+    LayerRow{"stops", 2},           // questions
+    LayerRow{"target", 2},          // forgotten or seeded
+    LayerRow{"window", 2},          // what has to last
+    LayerRow{"power", 3},           // transitions
+    LayerRow{"demand", 4},          // requests, plans; no modes
+    LayerRow{"mode", 5},            // what a mode is to the drive
+    LayerRow{"modes/", 6},          // side by side
+    LayerRow{"mode_table", 7},      // one row a mode
+    LayerRow{"tick", 8},           LayerRow{"objects", 9},
 };
 
 /// What may not stand in a folder ("" is all of them), as a regular expression.
@@ -241,11 +243,18 @@ std::string_view without_extension(std::string_view path) {
   return path.substr(0, path.rfind('.'));
 }
 
+bool matches(std::string_view name, std::string_view pattern) {
+  const std::size_t star = pattern.find('*');
+  if (star != std::string_view::npos) {
+    return name.starts_with(pattern.substr(0, star)) && name.ends_with(pattern.substr(star + 1));
+  }
+  return pattern.ends_with('/') ? name.starts_with(pattern) : name == pattern;
+}
+
 /// @return the layer of `name`, a path below core/src/drive without extension.
 std::optional<int> layer_of(std::string_view name) {
   const auto row = std::ranges::find_if(kDriveLayers, [name](const LayerRow& candidate) {
-    return candidate.name.ends_with('/') ? name.starts_with(candidate.name)
-                                         : name == candidate.name;
+    return matches(name, candidate.name);
   });
   return row == kDriveLayers.end() ? std::nullopt : std::optional(row->layer);
 }

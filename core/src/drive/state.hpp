@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "drive/modes/cyclic_position_state.hpp"
+#include "drive/modes/homing_state.hpp"
+#include "drive/modes/profile_position_state.hpp"
 #include "plant/servo_block.hpp"
 #include "vdrive/axis_configuration.hpp"
 #include "vdrive/axis_status.hpp"
@@ -9,7 +12,6 @@
 #include "vdrive/cia402/power_state_machine.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/motion/profile.hpp"
-#include "vdrive/motion/set_point_queue.hpp"
 
 #include <array>
 #include <cstdint>
@@ -42,18 +44,6 @@ struct MotionRequest {
            a.limits.acceleration == b.limits.acceleration &&
            a.limits.deceleration == b.limits.deceleration;
   }
-};
-
-/// Where a homing run is.
-enum class HomingStage : std::uint8_t {
-  idle,     // not started, or interrupted
-  present,  // the present position is home
-  search,   // towards the limit switch
-  leave,    // away from it
-  index,    // towards the next index pulse
-  back,     // home is known: back to it
-  done,
-  failed,
 };
 
 /// Demand generator, beside the lane of its block.
@@ -126,23 +116,6 @@ struct PowerStageState {
 struct ModeState {
   OperatingMode actual = OperatingMode::none;  // 6061h
   OperatingMode wanted = OperatingMode::none;  // 6060h
-};
-
-/// Profile position: the set-points that were accepted.
-struct SetPointState {
-  SetPointQueue queue;
-  bool active = false;  // the active set-point is not reached yet
-};
-
-/// Homing: the present run.
-struct HomingState {
-  HomingStage stage = HomingStage::idle;
-  std::int8_t method = 0;  // 6098h
-};
-
-/// Cyclic synchronous position.
-struct CyclicState {
-  bool streams = false;  // 607Ah was written since the mode is in force
 };
 
 /// What the operating modes keep between ticks. As it is made here nothing is asked for.
