@@ -18,19 +18,17 @@ std::string condition_name(std::string_view text) {
 
 std::vector<std::string> all_names() {
   constexpr auto kLastState = static_cast<int>(PowerState::fault);
-  constexpr std::int8_t kLastMode = 32;
   constexpr std::uint16_t kEnabled = 0x0027;  // Operation enabled: bits 12 and 13 are the mode's
   constexpr unsigned kBits = 16;
   std::vector<std::string> names;
   for (int state = 0; state <= kLastState; ++state) {
     names.push_back(condition_name(to_string(static_cast<PowerState>(state))));
   }
-  for (std::int8_t mode = 1; mode <= kLastMode; ++mode) {
-    if (!is_operating_mode(mode)) continue;
+  for (const OperatingModeRow& row : kOperatingModes) {
+    if (row.mode == OperatingMode::none) continue;
     for (unsigned bit = 0; bit < kBits; ++bit) {
       const auto word = static_cast<std::uint16_t>(kEnabled | 1U << bit);
-      for (const std::string_view flag :
-           client::statusword_flags(word, static_cast<OperatingMode>(mode))) {
+      for (const std::string_view flag : client::statusword_flags(word, row.mode)) {
         std::string name = condition_name(flag);
         const bool is_known = std::ranges::find(names, name) != names.end();
         if (!is_known && !name.starts_with("bit_")) names.push_back(std::move(name));

@@ -223,6 +223,16 @@ TEST(BitNames, AreTheSameInEveryModeForTheBitsOfTheState) {
   }
 }
 
+// CiA 402-2: number 2 is the velocity mode of frequency converters. The drive does not have it.
+TEST(OperatingModes, HaveANameAndTheBitsOfAllModesWhereTheyHaveNoRow) {
+  constexpr auto kForeign = static_cast<OperatingMode>(2);
+  EXPECT_EQ(to_string(kForeign), "unknown");
+  EXPECT_EQ(statusword_bit_name(0x1000, kForeign), "bit 12");
+  EXPECT_EQ(controlword_bit_name(0x0010, kForeign), "");
+  EXPECT_EQ(controlword_bit_name(0x0100, kForeign), "halt");
+  EXPECT_FALSE(is_operating_mode(2));
+}
+
 TEST(BitNames, AreEmptyForTheBitsThatNobodyUses) {
   for (const std::uint16_t bit : std::array<std::uint16_t, 3>{0x0100, 0x4000, 0x8000}) {
     EXPECT_EQ(statusword_bit_name(bit, OperatingMode::profile_position), "") << bit;

@@ -46,18 +46,10 @@ Json object_json(const ObjectDescription& row) {
           {"effect", to_string(row.effective)}};
 }
 
-std::vector<OperatingMode> modes() {
-  std::vector<OperatingMode> all;
-  for (std::int8_t mode = 0; mode < std::numeric_limits<std::int8_t>::max(); ++mode) {
-    if (is_operating_mode(mode)) all.push_back(static_cast<OperatingMode>(mode));
-  }
-  return all;
-}
-
 Json modes_json() {
   Json list = Json::array();
-  for (const OperatingMode mode : modes()) {
-    list.push_back({{"mode", static_cast<int>(mode)}, {"name", to_string(mode)}});
+  for (const OperatingModeRow& row : kOperatingModes) {
+    list.push_back({{"mode", static_cast<int>(row.mode)}, {"name", row.name}});
   }
   return list;
 }
@@ -72,16 +64,16 @@ Json error_codes_json() {
   return list;
 }
 
-using BitName = std::string_view (*)(std::uint16_t bit, OperatingMode mode);
+using NameOfBit = std::string_view (*)(std::uint16_t bit, OperatingMode mode);
 
-Json bits_json(BitName name_of) {
+Json bits_json(NameOfBit name_of) {
   Json list = Json::array();
-  for (const OperatingMode mode : modes()) {
+  for (const OperatingModeRow& row : kOperatingModes) {
     Json names = Json::array();
     for (std::size_t bit = 0; bit < kBitsOfWord; ++bit) {
-      names.push_back(name_of(static_cast<std::uint16_t>(1U << bit), mode));
+      names.push_back(name_of(static_cast<std::uint16_t>(1U << bit), row.mode));
     }
-    list.push_back({{"mode", static_cast<int>(mode)}, {"bits", std::move(names)}});
+    list.push_back({{"mode", static_cast<int>(row.mode)}, {"bits", std::move(names)}});
   }
   return list;
 }

@@ -56,21 +56,8 @@ std::uint16_t statusword_of(PowerState state) noexcept {
 }
 
 std::string_view to_string(OperatingMode mode) noexcept {
-  switch (mode) {
-    case OperatingMode::none:
-      return "none";
-    case OperatingMode::profile_position:
-      return "profile position";
-    case OperatingMode::profile_velocity:
-      return "profile velocity";
-    case OperatingMode::profile_torque:
-      return "profile torque";
-    case OperatingMode::homing:
-      return "homing";
-    case OperatingMode::cyclic_synchronous_position:
-      return "cyclic synchronous position";
-  }
-  return "unknown";
+  const OperatingModeRow* const row = find_operating_mode(mode);
+  return row == nullptr ? "unknown" : row->name;
 }
 
 PowerCommand decode_command(std::uint16_t word, std::uint16_t previous_word) noexcept {

@@ -3,7 +3,6 @@
 
 #include "drive/registers.hpp"
 #include "drive/state.hpp"
-#include "vdrive/cia402/operating_mode.hpp"
 
 #include <cstdint>
 
@@ -18,8 +17,6 @@ struct WrittenControlword {
 /// What an operating mode is to the rest of the drive. Its file in drive/modes fills in what it
 /// needs; what it leaves out does nothing.
 struct Mode {
-  OperatingMode number = OperatingMode::none;
-
   /// Ramp object of the normal stop [UU/s²].
   ObjectRow normal_ramp = 0;
 

@@ -3,6 +3,7 @@
 
 #include "drive/mode.hpp"
 #include "vdrive/assert.hpp"
+#include "vdrive/cia402/operating_mode.hpp"
 
 #include <array>
 #include <cstddef>
@@ -11,8 +12,11 @@ namespace vdrive {
 
 // The operating modes of the drive, and what asks for a motion before the mode in force does.
 
+inline constexpr std::size_t kModeNumbers =
+    static_cast<std::size_t>(kOperatingModes.back().mode) + 1;
+
 /// By the number of the mode; a number that no mode has is never in force.
-extern const std::array<const Mode*, 9> kModes;
+extern const std::array<const Mode*, kModeNumbers> kModes;
 
 /// @return the mode in force, 6061h.
 [[nodiscard]] inline const Mode& mode_of(const Drive& drive) {

@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/cia402/controlword.hpp"
+#include "vdrive/cia402/statusword.hpp"
+
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <string_view>
 
@@ -16,9 +21,54 @@ enum class OperatingMode : std::int8_t {
   cyclic_synchronous_position = 8,
 };
 
+/// A bit of the controlword 6040h or the statusword 6041h and its name, such as "speed zero".
+struct BitName {
+  std::uint16_t bit = 0;
+  std::string_view name;
+};
+
+/// What people read about an operating mode.
+struct OperatingModeRow {
+  OperatingMode mode = OperatingMode::none;
+  std::string_view name;                  ///< the standard's
+  std::array<BitName, 2> status_bits{};   ///< of 6041h that it reads in its own way
+  std::array<BitName, 3> control_bits{};  ///< likewise of 6040h
+};
+
+/// Every operating mode, by rising number: 6502h, the values of 6060h and all names follow from it.
+inline constexpr std::array kOperatingModes{
+    OperatingModeRow{.mode = OperatingMode::none, .name = "none"},
+    OperatingModeRow{
+        .mode = OperatingMode::profile_position,
+        .name = "profile position",
+        .status_bits = {{{Statusword::kSetPointAcknowledge, "set-point acknowledge"}}},
+        .control_bits = {{{Controlword::kNewSetPoint, "new set-point"},
+                          {Controlword::kChangeSetImmediately, "change set immediately"},
+                          {Controlword::kRelative, "relative"}}}},
+    OperatingModeRow{.mode = OperatingMode::profile_velocity,
+                     .name = "profile velocity",
+                     .status_bits = {{{Statusword::kSpeedZero, "speed zero"}}}},
+    OperatingModeRow{.mode = OperatingMode::profile_torque, .name = "profile torque"},
+    OperatingModeRow{.mode = OperatingMode::homing,
+                     .name = "homing",
+                     .status_bits = {{{Statusword::kHomingAttained, "homing attained"},
+                                      {Statusword::kHomingError, "homing error"}}},
+                     .control_bits = {{{Controlword::kStartHoming, "start homing"}}}},
+    OperatingModeRow{.mode = OperatingMode::cyclic_synchronous_position,
+                     .name = "cyclic synchronous position",
+                     .status_bits = {{{Statusword::kFollowsCommand, "follows command"}}}},
+};
+
+static_assert(std::ranges::is_sorted(kOperatingModes, {}, &OperatingModeRow::mode));
+
 /// Value of 6502h: bit n - 1 stands for mode n.
-inline constexpr std::uint32_t kSupportedDriveModes =
-    1U << 0U | 1U << 2U | 1U << 3U | 1U << 5U | 1U << 7U;
+inline constexpr std::uint32_t kSupportedDriveModes = [] {
+  std::uint32_t bits = 0;
+  for (const OperatingModeRow& row : kOperatingModes) {
+    if (row.mode != OperatingMode::none) bits |= 1U << (static_cast<unsigned>(row.mode) - 1U);
+  }
+  return bits;
+}();
 
 /// @return whether 6060h takes `value`: 0 or a mode that 6502h shows.
 [[nodiscard]] constexpr bool is_operating_mode(std::int64_t value) noexcept {
@@ -26,7 +76,16 @@ inline constexpr std::uint32_t kSupportedDriveModes =
          (value > 0 && value <= 32 && (kSupportedDriveModes >> (value - 1) & 1U) != 0);
 }
 
-/// @return the standard's name of `mode`, such as "profile position".
+/// @return the row of `mode`, or null: 6061h of a status may come from a later version.
+[[nodiscard]] constexpr const OperatingModeRow* find_operating_mode(OperatingMode mode) noexcept {
+  for (const OperatingModeRow& row : kOperatingModes) {
+    if (row.mode == mode) return &row;
+  }
+  return nullptr;
+}
+
+/// @return the standard's name of `mode`, such as "profile position"; "unknown" where it has no
+///         row.
 [[nodiscard]] std::string_view to_string(OperatingMode mode) noexcept;
 
 }  // namespace vdrive

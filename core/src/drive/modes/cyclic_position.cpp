@@ -66,8 +66,7 @@ bool evolves(const Drive& drive) {
 
 }  // namespace
 
-constinit const Mode kCyclicPosition{.number = OperatingMode::cyclic_synchronous_position,
-                                     .normal_ramp = "profile_dec"_object,
+constinit const Mode kCyclicPosition{.normal_ramp = "profile_dec"_object,
                                      .command = ignore_edge,
                                      .take_target = take_position,
                                      .advance = heed_limit_switch,

@@ -295,8 +295,7 @@ bool is_homing_method(std::int64_t value) {
   return value == 0 || find_method(value) != nullptr;
 }
 
-constinit const Mode kHoming{.number = OperatingMode::homing,
-                             .normal_ramp = "homing_acceleration"_object,
+constinit const Mode kHoming{.normal_ramp = "homing_acceleration"_object,
                              .command = command,
                              .advance = advance,
                              .ask = ask,

@@ -226,8 +226,7 @@ std::uint16_t status_bits(const Drive& drive) {
 
 }  // namespace
 
-constinit const Mode kProfilePosition{.number = OperatingMode::profile_position,
-                                      .normal_ramp = "profile_dec"_object,
+constinit const Mode kProfilePosition{.normal_ramp = "profile_dec"_object,
                                       .command = command,
                                       .advance = heed_limit_switch,
                                       .ask = ask,

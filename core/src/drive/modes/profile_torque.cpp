@@ -75,8 +75,7 @@ bool evolves(const Drive& drive) {
 
 }  // namespace
 
-constinit const Mode kProfileTorque{.number = OperatingMode::profile_torque,
-                                    .normal_ramp = "profile_dec"_object,
+constinit const Mode kProfileTorque{.normal_ramp = "profile_dec"_object,
                                     .command = ignore_edge,
                                     .take_target = take_torque,
                                     .advance = heed_limit_switch,

@@ -65,8 +65,7 @@ std::uint16_t status_bits(const Drive& drive) {
 
 }  // namespace
 
-constinit const Mode kProfileVelocity{.number = OperatingMode::profile_velocity,
-                                      .normal_ramp = "profile_dec"_object,
+constinit const Mode kProfileVelocity{.normal_ramp = "profile_dec"_object,
                                       .command = ignore_edge,
                                       .take_target = take_velocity,
                                       .advance = heed_limit_switch,
