@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The rules of the house, checked on the source tree itself.
+// The rules of the project, checked on the source tree itself.
 #include "architecture/include_rules.hpp"
 
 #include <gmock/gmock.h>
@@ -82,7 +82,7 @@ std::string room_of(const std::string& path) {
   return path.substr(0, path.find('/') + 1);
 }
 
-// The headers of the service have no path that tells whose they are.
+// The path of a header of the service does not show its owner.
 TEST(Architecture, PrivateHeadersAreIncludedInTheirOwnRoomOnly) {
   const std::vector<SourceFile> files = sources();
   for (const SourceFile& file : files) {
@@ -118,7 +118,7 @@ IncludeGraph include_graph(const std::vector<SourceFile>& files) {
 TEST(Architecture, NoHeaderIncludesItselfThroughOthers) {
   IncludeGraph graph = include_graph(sources());
   ASSERT_GT(graph.size(), 100U);
-  // A header whose includes have all been taken away is part of no circle.
+  // A header without remaining includes is part of no circle.
   const auto is_free = [&](const IncludeGraph::value_type& header) {
     return std::ranges::none_of(header.second, [&](const std::string& included) {
       return graph.contains(included);
@@ -129,7 +129,7 @@ TEST(Architecture, NoHeaderIncludesItselfThroughOthers) {
   EXPECT_THAT(graph, IsEmpty());
 }
 
-// The engine conducts: what it consists of does not know it.
+// The engine uses its parts: no part of it uses the engine.
 TEST(Architecture, OnlyDriversAndTheServiceKnowTheEngine) {
   const std::set<std::string> may{"bench_engine.cpp",    "freerun_driver.hpp",
                                   "lockstep_driver.hpp", "realtime_driver.hpp",
@@ -141,7 +141,8 @@ TEST(Architecture, OnlyDriversAndTheServiceKnowTheEngine) {
   }
 }
 
-/// Names of the functions in the unnamed namespaces of a source: what begins at the margin there.
+/// Names of the functions in the unnamed namespaces of a source: definitions that begin in
+/// column 1.
 std::set<std::string> own_functions(const std::string& text) {
   static const std::regex function(R"re(^[A-Za-z_][^(=;]*[ &*>](\w+)\()re");
   std::set<std::string> names;

@@ -95,16 +95,16 @@ constexpr std::array kServiceMay{Origin::standard,    Origin::system, Origin::ei
                                  Origin::messages,    Origin::beside};
 constexpr std::array kClientHeaderMay{Origin::standard, Origin::eigen, Origin::core,
                                       Origin::client};
-// What a stranger has: a DDS and what its compiler makes of the IDL.
+// A client without our library: a DDS and the code that its compiler generates from the IDL.
 constexpr std::array kRawExampleMay{Origin::standard, Origin::system, Origin::dds,
                                     Origin::messages};
-// The formats know no DDS: what a bench publishes comes to them through the client library.
+// The formats do not use DDS: they get the data of a bench from the client library.
 constexpr std::array kRecordingMay{Origin::standard, Origin::system, Origin::third_party,
                                    Origin::core,     Origin::client, Origin::beside};
 constexpr std::array kClientMay{Origin::standard,    Origin::system, Origin::eigen,
                                 Origin::third_party, Origin::core,   Origin::wire,
                                 Origin::messages,    Origin::client, Origin::beside};
-// Python is the outside world of one bridge. It has nothing to say on the wire.
+// Python is the outside world of one bridge. It sends nothing on the wire.
 constexpr std::array kPythonMay{Origin::standard, Origin::system, Origin::eigen, Origin::python,
                                 Origin::core,     Origin::client, Origin::beside};
 
@@ -116,7 +116,7 @@ constexpr std::array kRooms{
     RoomRow{"clients/examples/06_raw_dds/", kRawExampleMay,
             "the raw example has nothing of ours but the IDL"},
     RoomRow{"clients/recording/", kRecordingMay,
-            "clients/recording/ knows what the client library tells, and no DDS"},
+            "clients/recording/ uses the client library, and no DDS"},
     RoomRow{"clients/python/", kPythonMay, "the Python module is a client and names no wire"},
     RoomRow{"clients/", kClientMay, "clients/ reaches DDS through vdrive/wire and no service"},
     RoomRow{"deploy/", {}, "deploy/ has no code"},
@@ -149,7 +149,7 @@ constexpr std::array kDriveLayers{
     LayerRow{"tick", 8},           LayerRow{"objects", 9},
 };
 
-/// What may not stand in a folder ("" is all of them), as a regular expression.
+/// Text that is forbidden in a folder ("" is all of them), as a regular expression.
 struct TextRule {
   std::string_view folder;
   std::regex pattern;

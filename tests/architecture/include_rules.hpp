@@ -18,7 +18,7 @@ using Violations = std::vector<std::string>;
 Violations check_source(std::string_view path, std::string_view text);
 
 /// Checks the names at the top of the repository: exactly the rooms and the few files beside them.
-/// Names that start with a dot and `build` are nobody's business.
+/// Names that start with a dot and `build` are not checked.
 Violations check_top_level(const std::vector<std::string>& names);
 
 }  // namespace vdrive::architecture

@@ -26,7 +26,7 @@ std::string name_of(const testing::TestParamInfo<Case>& info) {
 
 class Refuses : public testing::TestWithParam<Case> {};
 
-TEST_P(Refuses, WithFileLineAndReason) {
+TEST_P(Refuses, NamesFileLineAndReason) {
   const std::string text = "// SPDX-License-Identifier: Apache-2.0\n" + GetParam().line + "\n";
 
   EXPECT_THAT(check_source(GetParam().path, text),
@@ -99,7 +99,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 class Allows : public testing::TestWithParam<Case> {};
 
-TEST_P(Allows, WithoutAWord) {
+TEST_P(Allows, ReportsNothing) {
   EXPECT_THAT(check_source(GetParam().path, GetParam().line), IsEmpty());
 }
 

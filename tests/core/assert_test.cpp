@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Our own bugs end the program where they are made, in every build that runs tests.
+// Our own bugs end the program at their place, in every build that runs tests.
 #include "vdrive/assert.hpp"
 
 #include "vdrive/axis_bank.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The bank: same bits however it is stepped, snapshots, no allocation in a tick, power cycle,
-// periods, refused configurations.
+// The bank: the same bits for every way of stepping, snapshots, no allocation in a tick, power
+// cycle, periods, refused configurations.
 #include "vdrive/axis_bank.hpp"
 
 #include "core/support/allocation_guard.hpp"
@@ -145,7 +145,7 @@ TEST(AxisBank, GivesTheSameBitsFromSeveralThreads) {
   EXPECT_EQ(threaded, expected);
 }
 
-TEST(AxisBank, AnAxisBehavesTheSameWhateverStandsBesideIt) {
+TEST(AxisBank, AnAxisBehavesTheSameBesideAnyOtherAxes) {
   const std::vector<AxisConfiguration> axes = mixed_axes(20);
   AxisBank bank(axes, microseconds{1000});
   for (std::size_t i = 0; i < axes.size(); ++i) {
@@ -217,7 +217,7 @@ TEST(AxisBank, ACopyIsIndependentOfItsOriginal) {
   EXPECT_EQ(assigned.status_hash(), bank.status_hash());
 }
 
-TEST(AxisBank, ACopyAndItselfAssignedKeepTheirState) {
+TEST(AxisBank, CopyAndSelfAssignmentKeepTheState) {
   AxisBank bank(mixed_axes(5), microseconds{1000});
   bank.write(0, object("ds402_controlword"), 0x0F);
   bank.step();
@@ -252,7 +252,7 @@ TEST(AxisBank, ACopiedSnapshotOutlivesItsOriginal) {
   EXPECT_EQ(hash_after_a_step(assigned), expected);
 }
 
-TEST(AxisBank, GoesOnFromTheBytesOfASnapshotOfAnotherBankAsThatOneDoes) {
+TEST(AxisBank, ContinuesFromTheBytesOfASnapshotLikeTheBankThatWroteIt) {
   Random random(17);
   AxisBank bank(mixed_axes(13), microseconds{1000});
   for (int tick = 0; tick < 300; ++tick) {  // parameters are changed too: gear, torque limits
@@ -272,7 +272,7 @@ TEST(AxisBank, GoesOnFromTheBytesOfASnapshotOfAnotherBankAsThatOneDoes) {
   }
 }
 
-TEST(AxisBank, RefusesBytesThatAreNoSnapshotOfIt) {
+TEST(AxisBank, RefusesBytesThatAreNotASnapshotOfItsAxes) {
   const AxisBank bank(mixed_axes(13), microseconds{1000});
   auto bytes = bank.snapshot().bytes();
   const AxisBank smaller(mixed_axes(5), microseconds{1000});
@@ -316,7 +316,7 @@ TEST(AxisBank, SavesIntoASnapshotWithoutAllocation) {
   EXPECT_EQ(other.status_hash(), bank.status_hash());
 }
 
-TEST(AxisBank, RefusesASnapshotThatDoesNotFit) {
+TEST(AxisBank, RefusesASnapshotOfOtherAxes) {
   const AxisBank five(mixed_axes(5), microseconds{1000});
   AxisBank six(mixed_axes(6), microseconds{1000});
   AxisBank slower(mixed_axes(5), microseconds{2000});
@@ -412,7 +412,7 @@ TEST(AxisBank, WritingTheSameValueAgainChangesNoBit) {
   }
 }
 
-/// Writes to all axes of two banks what ends a rest, or what a rest must not forget: moves, windows
+/// Writes to all axes of two banks that end a rest, or that a rest must keep: moves, windows
 /// and their times, disturbances, loss of power. Mostly nothing.
 void disturb_rest(AxisBank& a, AxisBank& b, Random& random) {
   const std::array<std::uint16_t, 10> words{0x0F, 0x3F, 0x7F, 0x1F, 0x010F,
@@ -443,7 +443,7 @@ void disturb_rest(AxisBank& a, AxisBank& b, Random& random) {
   }
 }
 
-TEST(AxisBank, AnAxisThatRestsBehavesAsOneWhoseTicksAreAllLookedAt) {
+TEST(AxisBank, AnAxisAtRestBehavesAsIfEveryTickWereCalculated) {
   const std::uint64_t seeds = test::case_count(60, 1'000);
   for (std::uint64_t seed = 0; seed < seeds; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
@@ -470,7 +470,7 @@ TEST(AxisBank, AnAxisThatRestsBehavesAsOneWhoseTicksAreAllLookedAt) {
   }
 }
 
-TEST(AxisBank, TimeOnTheTargetCountsWhileNothingOfAnAxisChanges) {
+TEST(AxisBank, TheTargetReachedTimeRunsWhileNothingOfAnAxisChanges) {
   // 6068h is raised to 20 s after 25 s on the target, and to 60 s: bit 10 stays, and goes. Ten
   // seconds after this move the integrator of the velocity loop has come to rest, too.
   AxisUnderTest axis;
@@ -495,7 +495,7 @@ TEST(AxisBank, TimeOnTheTargetCountsWhileNothingOfAnAxisChanges) {
   EXPECT_TRUE(axis.reached());
 }
 
-TEST(AxisBank, EachControlwordBetweenTwoStepsCounts) {
+TEST(AxisBank, EachControlwordBetweenTwoStepsTakesEffect) {
   AxisUnderTest axis;
   axis.write("op_mode_cmd", 1);
   axis.controlword(0x0006);
@@ -511,7 +511,7 @@ TEST(AxisBank, EachControlwordBetweenTwoStepsCounts) {
   EXPECT_EQ(axis.step(), 0x0231);
 }
 
-TEST(AxisBank, TwoSetPointsInOneTickAreAnActiveAndABufferedOne) {
+TEST(AxisBank, TwoSetPointsInOneTickBecomeTheActiveAndTheBufferedOne) {
   AxisUnderTest axis;
   axis.enable();
   axis.write("position_user_target_value", 5'000);
@@ -532,7 +532,7 @@ TEST(AxisBank, TwoSetPointsInOneTickAreAnActiveAndABufferedOne) {
   EXPECT_EQ(axis.demand(), 7'000);
 }
 
-TEST(AxisBank, IgnoredSetPointsAreCountedBeforeTheTickToo) {
+TEST(AxisBank, IgnoredSetPointsAreCountedBeforeTheNextTick) {
   AxisBank bank(mixed_axes(1), microseconds{1000});
   bank.write(0, object("ds402_controlword"), 0x001F);
   EXPECT_EQ(bank.ignored_set_points(0), 1U);
@@ -586,7 +586,7 @@ void abuse(AxisUnderTest& axis, Random& random, std::uint64_t ticks, bool physic
   }
 }
 
-/// Whatever was written before, an axis that is given its defaults again works again: no infinity
+/// After any writes, an axis with its defaults restored works again: no infinity
 /// and no NaN has got into its state.
 void expect_usable(AxisUnderTest& axis) {
   for (const ObjectDescription& row : kObjectTable) {
@@ -599,8 +599,8 @@ void expect_usable(AxisUnderTest& axis) {
   axis.step(2'000);
   axis.write("test_blocked_load", 0);
   axis.step(5'000);
-  axis.enable();  // takes the turns of the registers out of positions that a wild gear has made
-                  // huge
+  axis.enable();  // removes whole turns of the registers from positions that an extreme gear has
+                  // made huge
   axis.step(1'000);
   axis.command(0x0006);
   axis.step(1'000);
@@ -638,7 +638,7 @@ TEST(AxisBank, SurvivesAnyValueThatTheDictionaryAllows) {
 // ---- power cycle
 // ------------------------------------------------------------------------------------
 
-TEST(PowerCycle, TakesInitialValuesKeepsTheMechanicsAndForgetsFaults) {
+TEST(PowerCycle, SetsInitialValuesKeepsTheMechanicalStateAndClearsFaults) {
   AxisConfiguration configuration;
   configuration.initial_position = 100;
   configuration.parameters = {{object("profile_velocity"), 3'000}};
@@ -686,7 +686,7 @@ TEST(PowerCycle, KeepsTheTestBenchInputs) {
   EXPECT_TRUE(axis.limit_active());
 }
 
-TEST(PowerCycle, AMovingAxisGoesOnCoasting) {
+TEST(PowerCycle, LetsAMovingAxisCoast) {
   AxisUnderTest axis;
   axis.enable();
   axis.write("position_user_target_value", 1'000'000);
@@ -715,7 +715,7 @@ TEST(PowerCycle, KeepsThePositionWithAGear) {
   EXPECT_EQ(axis.status().motor_position_actual_value, motor);
 }
 
-TEST(PowerCycle, OfOneAxisLeavesItsNeighboursAlone) {
+TEST(PowerCycle, OfOneAxisDoesNotAffectOtherAxes) {
   AxisBank disturbed(mixed_axes(16), microseconds{1000});
   AxisBank quiet(mixed_axes(16), microseconds{1000});
   for (AxisBank* const bank : {&disturbed, &quiet}) {
@@ -750,7 +750,7 @@ TEST(PowerCycle, OfOneAxisLeavesItsNeighboursAlone) {
 
 class Period : public testing::TestWithParam<std::int64_t> {};
 
-TEST_P(Period, RunsTheManualsExampleToTheUnitInTheSameDriveTime) {
+TEST_P(Period, RunsTheManualsExampleToTheExactUnitInTheSameDriveTime) {
   const microseconds period{GetParam()};
   AxisUnderTest axis({}, period);
   axis.enable();
@@ -779,7 +779,7 @@ INSTANTIATE_TEST_SUITE_P(AxisBank, Period,
                          testing::Values(125, 126, 250, 333, 500, 1000, 2000, 4000, 9999, 10000),
                          testing::PrintToStringParamName());
 
-TEST(AxisBank, TimesInMillisecondsAreMetAtEveryPeriod) {
+TEST(AxisBank, TimesInMillisecondsHoldAtEveryPeriod) {
   for (const std::int64_t period : {125, 333, 1000, 4000, 10000}) {
     AxisUnderTest axis({}, microseconds{period});
     axis.enable();
@@ -807,7 +807,7 @@ std::string refusal_of(const std::vector<AxisConfiguration>& axes, microseconds 
   return "";
 }
 
-TEST(InvalidConfiguration, NoAxisIsRefused) {
+TEST(InvalidConfiguration, WithoutAnAxisIsRefused) {
   EXPECT_THAT(refusal_of({}, microseconds{1000}), testing::HasSubstr("at least one axis"));
 }
 
@@ -894,7 +894,7 @@ TEST(InvalidConfiguration, AnInitialValueThatTheDictionaryRefusesIsRefused) {
   }
 }
 
-TEST(InvalidConfiguration, AnInitialControlwordIsRefusedThoughItCouldBeWritten) {
+TEST(InvalidConfiguration, AnInitialControlwordIsRefused) {
   std::vector<AxisConfiguration> axes(1);
   axes[0].parameters = {{{0x6040, 0}, 0x000F}};
   EXPECT_THAT(refusal_of(axes, microseconds{1000}), testing::HasSubstr("6040"));

@@ -79,7 +79,7 @@ TEST(CyclicPosition, AnOldTargetCausesNoJump) {
   EXPECT_EQ(axis.statusword(), 0x1237);
 }
 
-TEST(CyclicPosition, EnteringTheModeNeedsANewTargetToo) {
+TEST(CyclicPosition, EnteringTheModeNeedsANewTarget) {
   AxisUnderTest axis;
   axis.enable();
   axis.write("position_user_target_value", 2'000);
@@ -94,7 +94,7 @@ TEST(CyclicPosition, EnteringTheModeNeedsANewTargetToo) {
   EXPECT_EQ(axis.demand(), 2'050);
 }
 
-TEST(CyclicPosition, AfterEnablingAgainANewTargetIsNeeded) {
+TEST(CyclicPosition, EnablingAgainNeedsANewTarget) {
   AxisUnderTest axis;
   enable_cyclic_position(axis);
   stream_at(axis, 10, 100);
@@ -140,7 +140,7 @@ TEST(CyclicPosition, AMissingUpdateHoldsTheTarget) {
   EXPECT_EQ(axis.demand(), 1'020);
 }
 
-TEST(CyclicPosition, TheSpeedIsCappedBy607FhAndBit12TellsIt) {
+TEST(CyclicPosition, TheSpeedIsCappedBy607FhAndBit12ShowsIt) {
   for (const int sign : {1, -1}) {
     AxisUnderTest axis;
     axis.write("app_speed_limit", 50'000);
@@ -158,7 +158,7 @@ TEST(CyclicPosition, TheSpeedIsCappedBy607FhAndBit12TellsIt) {
   }
 }
 
-TEST(CyclicPosition, AStreamWrapsAtTheEndsOfTheRegisterTheShortWay) {
+TEST(CyclicPosition, AStreamTakesTheShortWayAcrossTheEndsOfTheRegister) {
   constexpr std::int32_t kHighest = std::numeric_limits<std::int32_t>::max();
   for (const bool up : {true, false}) {
     AxisConfiguration configuration;
@@ -179,7 +179,7 @@ TEST(CyclicPosition, AStreamWrapsAtTheEndsOfTheRegisterTheShortWay) {
   }
 }
 
-TEST(CyclicPosition, StopsAtTheSoftwareLimitsAndBit12TellsIt) {
+TEST(CyclicPosition, StopsAtTheSoftwareLimitsAndBit12ShowsIt) {
   AxisUnderTest axis;
   axis.write("app_position_limit_switch", 1);
   axis.write("user_position_lower_limit", -100);
@@ -204,7 +204,7 @@ TEST(CyclicPosition, StopsAtTheSoftwareLimitsAndBit12TellsIt) {
   }
 }
 
-TEST(CyclicPosition, WithSoftwareLimitsNoWayLeadsThroughTheEndsOfTheRegister) {
+TEST(CyclicPosition, SoftwareLimitsPreventAMoveAcrossTheEndsOfTheRegister) {
   AxisConfiguration configuration;
   configuration.initial_position = 2'000'000'000;
   AxisUnderTest axis(configuration);
@@ -273,7 +273,7 @@ TEST(CyclicPosition, ABlockedAxisHasAFollowingError) {
   EXPECT_EQ(axis.read("error_code"), 0x8611);
 }
 
-TEST(CyclicPosition, ALimitSwitchStopsWith6085hAndOnlyANewTargetMovesAgain) {
+TEST(CyclicPosition, ALimitSwitchStopsWith6085hAndOnlyANewTargetRestartsMotion) {
   AxisUnderTest axis;
   axis.write("quick_stop_deceleration", 100'000);
   enable_cyclic_position(axis);
@@ -323,7 +323,7 @@ TEST(CyclicPosition, IgnoresAndCountsAnEdgeOfBit4) {
   EXPECT_FALSE(follows(axis)) << "bit 12 is no acknowledge here";
 }
 
-TEST(CyclicPosition, AStreamedSineIsFollowedWithinWhatTheLoopsNeed) {
+TEST(CyclicPosition, AStreamedSineIsFollowedWithinTheLagOfTheLoops) {
   // Speed is fed forward, acceleration is not: the velocity loop's gain 2π·100 Hz needs a speed
   // error of a/628, which the position loop's gain 2π·16 Hz makes of a/(628·100.5). Coulomb
   // friction, 0.05 N.m on 6e-4 kg.m2 = 54325 UU/s², changes its sign at the turning points.
@@ -363,7 +363,7 @@ TEST(CyclicPosition, RunsAtEveryPeriod) {
 // ---- modes of the drive
 // ---------------------------------------------------------------------------
 
-TEST(SupportedDriveModes, OfTheManualsTableAndCyclicPositionWorkAndAreShown) {
+TEST(SupportedDriveModes, AreThoseOfTheManualAndCyclicPosition) {
   AxisUnderTest axis;
   // 6502h: bit n - 1 for mode n, of 1, 3, 4, 6 and 8.
   EXPECT_EQ(axis.read("supported_drive_modes"), 0xAD);
@@ -421,7 +421,7 @@ std::vector<StatusWords> run_beside(Coupling coupling, const std::array<std::int
   return seen;
 }
 
-TEST(AxisBankModes, AnAxisGivesTheSameBitsWhateverModesItsNeighboursRun) {
+TEST(AxisBankModes, AnAxisGivesTheSameBitsInAnyModesOfOtherAxes) {
   for (const Coupling coupling : {Coupling::rigid, Coupling::two_inertia}) {
     const std::vector<StatusWords> alone = run_beside(coupling, {1, 1, 1, 1, 1, 1, 1});
     for (const std::array<std::int64_t, 7>& modes :

@@ -22,7 +22,7 @@ namespace {
 using test::AxisUnderTest;
 using test::CsvRow;
 
-/// An object, a value, and a figure in which it shows.
+/// An object, a value, and a figure that shows its effect.
 struct EffectRow {
   const char* object;
   std::int64_t value;
@@ -93,7 +93,7 @@ void pressing_backward(AxisUnderTest& axis) {
   pressing(axis, -1);
 }
 
-/// A load pushes the enabled axis away: its torque is limited to next to nothing.
+/// A load pushes the enabled axis away: its torque is limited to almost zero.
 void pushed(AxisUnderTest& axis) {
   axis.write("following_error_window", 0xFFFFFFFF);
   axis.write("positive_torque_limit_relative", 1);
@@ -155,7 +155,7 @@ std::vector<EffectRow> stop_rows() {
       return state_after(axis, word);
     };
   };
-  const auto silence = [](AxisUnderTest& axis) {
+  const auto lose_master = [](AxisUnderTest& axis) {
     axis.axis().report_connection_loss();
     return static_cast<double>(axis.step() & 0x6FU);
   };
@@ -170,7 +170,7 @@ std::vector<EffectRow> stop_rows() {
       {"halt_option_code", 2, kNormal, kQuick, halting, ramp, 1'000.0},
       {"fault_reaction_option_code", 1, kQuick, kNormal, moving, fault_ramp, 1'000.0},
       // 1: Fault reaction active; 3: Quick stop active.
-      {"abort_connection_option_code", 3, 0x0F, 0x07, moving, silence},
+      {"abort_connection_option_code", 3, 0x0F, 0x07, moving, lose_master},
       {"quick_stop_deceleration", 500'000, kQuick, 500'000.0, quick_stopping, ramp, 1'000.0},
   };
 }
@@ -311,7 +311,7 @@ std::vector<EffectRow> bench_rows() {
 
 class ImmediateEffect : public testing::TestWithParam<EffectRow> {};
 
-TEST_P(ImmediateEffect, ShowsWithTheNextTick) {
+TEST_P(ImmediateEffect, IsVisibleInTheNextTick) {
   const EffectRow& row = GetParam();
   AxisUnderTest axis;
   row.prepare(axis);
@@ -417,7 +417,7 @@ INSTANTIATE_TEST_SUITE_P(Dictionary, EffectAtEnable, testing::ValuesIn(kAtEnable
 // ---- the rows together
 // -------------------------------------------------------------------------------
 
-/// Objects of modes of their own, whose tests show what they change.
+/// Objects of single modes; the tests of the modes show their effects.
 const std::set<std::string> kOfOtherModes{"velocity_window",
                                           "velocity_window_time",
                                           "velocity_threshold_time",
@@ -436,7 +436,7 @@ const std::set<std::string> kOfOtherModes{"velocity_window",
                                           "store_all_parameters",
                                           "restore_all_default_parameters"};
 
-TEST(Effects, AreShownForEveryWritableObjectOfBothTablesWithTheMomentThatTheTableNames) {
+TEST(Effects, OfEveryWritableObjectHappenAtTheMomentThatTheTableNames) {
   std::set<std::string> shown(kOfOtherModes);
   for (const auto& rows :
        {stop_rows(), motion_rows(), window_rows(), torque_rows(), gear_rows(), bench_rows()}) {

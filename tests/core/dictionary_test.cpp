@@ -30,7 +30,7 @@ using test::read_csv;
 
 const std::string kData = VDRIVE_SOURCE_DIR "/tests/data/";
 
-// Which file is to be changed when a row of the table and another file differ.
+// The file to change when a row of the table and another file differ.
 constexpr std::string_view kTable = "core/include/vdrive/dictionary/object_table.hpp";
 constexpr std::string_view kManualCsv = "tests/data/object-dictionary.csv";
 constexpr std::string_view kCompanionCsv = "tests/data/companion-objects.csv";
@@ -59,13 +59,13 @@ void expect_common_cells(const ObjectDescription& object, const CsvRow& row) {
   EXPECT_EQ(to_string(object.data_type), row.at("data_type"));
   EXPECT_EQ(object.lower_limit, std::stoll(row.at("lower_limit")));
   EXPECT_EQ(object.upper_limit, std::stoll(row.at("upper_limit")));
-  // 6502h shows the modes that really work: the tables give those of the drive's first day.
+  // 6502h shows the supported modes: the tables give those of the first version.
   EXPECT_EQ(object.default_value,
             object.address.index == 0x6502 ? kModeBits : std::stoll(row.at("default_value")));
   EXPECT_EQ(object.units, row.at("units"));
 }
 
-TEST(ObjectTable, CarriesEveryCellOfTheManualsTable) {
+TEST(ObjectTable, HoldsEveryCellOfTheManualsTable) {
   const std::vector<CsvRow> rows = read_csv(kData + "object-dictionary.csv");
   ASSERT_EQ(rows.size(), 32U);
   for (const CsvRow& row : rows) {
@@ -85,7 +85,7 @@ TEST(ObjectTable, CarriesEveryCellOfTheManualsTable) {
   }
 }
 
-TEST(ObjectTable, CarriesEveryCellOfTheCompanionTable) {
+TEST(ObjectTable, HoldsEveryCellOfTheCompanionTable) {
   for (const CsvRow& row : read_csv(kData + "companion-objects.csv")) {
     SCOPED_TRACE(row.at("index") + ":" + row.at("subindex") + " of " + std::string(kCompanionCsv) +
                  " and of " + std::string(kTable));
@@ -101,7 +101,7 @@ TEST(ObjectTable, CarriesEveryCellOfTheCompanionTable) {
   }
 }
 
-TEST(ObjectTable, HasNoRowThatNeitherTableNames) {
+TEST(ObjectTable, HasOnlyRowsOfTheTwoTables) {
   std::set<ObjectAddress> named;
   for (const char* const file : {"object-dictionary.csv", "companion-objects.csv"}) {
     for (const CsvRow& row : read_csv(kData + file)) {
@@ -115,7 +115,7 @@ TEST(ObjectTable, HasNoRowThatNeitherTableNames) {
   }
 }
 
-/// FNV-1a of what a client knows of the objects.
+/// FNV-1a of the description of the objects that a client has.
 std::uint32_t dictionary_check() {
   constexpr std::uint32_t kOffset = 2166136261U;
   constexpr std::uint32_t kPrime = 16777619U;
@@ -130,7 +130,7 @@ std::uint32_t dictionary_check() {
   return check;
 }
 
-TEST(ObjectTable, HasAVersionThatGrowsWithItsRows) {
+TEST(ObjectTable, HasANewVersionWhenItsRowsChange) {
   constexpr std::string_view kVersion = "1.0";
   constexpr std::uint32_t kCheck = 0xEAD30AC4;  // of the rows of that version
   EXPECT_EQ(kDictionaryVersion, kVersion);
@@ -140,7 +140,7 @@ TEST(ObjectTable, HasAVersionThatGrowsWithItsRows) {
       << "tests/core/dictionary_test.cpp that version and the check " << dictionary_check();
 }
 
-TEST(ObjectTable, SaysWhenAWriteTakesEffectWhereTheManualsNotesAreMoreSpecific) {
+TEST(ObjectTable, GivesTheMomentOfEffectFromTheManualsMoreSpecificNotes) {
   using namespace literals;
   // 607Ah and 6081h: "bit 4 has to go from 0 to 1 before they take effect"; 607Fh: "only after
   // disabling and enabling again"; 6080h bounds 607Fh and goes with it.
@@ -154,9 +154,9 @@ TEST(ObjectTable, SaysWhenAWriteTakesEffectWhereTheManualsNotesAreMoreSpecific) 
   EXPECT_EQ(describe("profile_dec"_object).effective, Effective::immediately);
 }
 
-// docs/reference/wire.md: a write of one of the five takes a free axis; anybody may write 5E00h
-// to 5E09h.
-TEST(ObjectTable, NamesTheCommandObjectsAndTheTestInputs) {
+// docs/reference/wire.md: a write of one of the five acquires a free axis; any session may write
+// 5E00h to 5E09h.
+TEST(ObjectTable, MarksTheCommandObjectsAndTheTestInputs) {
   std::vector<std::uint16_t> commands;
   std::size_t test_inputs = 0;
   for (const ObjectDescription& object : kObjectTable) {
@@ -174,7 +174,7 @@ TEST(ObjectTable, NamesTheCommandObjectsAndTheTestInputs) {
   EXPECT_FALSE(has_role({0x6040, 1}, Role::command)) << "no such object";
 }
 
-TEST(ObjectTable, NamesACommandWhatChangesTheTargetTheModeOrThePower) {
+TEST(ObjectTable, MarksObjectsThatChangeTargetModeOrPowerAsCommands) {
   constexpr std::array kCommanding{Change::power, Change::mode, Change::target,
                                    Change::planned_target};
   for (const ObjectDescription& object : kObjectTable) {
@@ -191,12 +191,12 @@ TEST(ObjectTable, NamesACommandWhatChangesTheTargetTheModeOrThePower) {
   }
 }
 
-TEST(ObjectTable, HasUnitsInEnglishToo) {
+TEST(ObjectTable, HasUnitsInEnglish) {
   using namespace literals;
   for (const ObjectDescription& object : kObjectTable) {
     const std::string units = english_units(object);
     EXPECT_FALSE(units.empty()) << show(object.address);
-    // Of what is not ASCII only the sign of a thousandth stays.
+    // The per-mille sign is the only character outside ASCII.
     std::string ascii = units;
     if (const std::size_t found = ascii.find("‰"); found != std::string::npos) {
       ascii.erase(found, std::string_view("‰").size());
@@ -255,7 +255,7 @@ TEST(ObjectTable, DataTypesHaveTheSizesAndRangesOfCiA301) {
   EXPECT_EQ(range_of(DataType::unsigned32).lowest, 0);
 }
 
-TEST(ObjectAddressCheck, AnswersForEveryIndexAndSubIndexThatDoesNotExist) {
+TEST(ObjectAddressCheck, NamesTheMissingPartOfEveryUnknownAddress) {
   std::set<std::uint16_t> indexes;
   for (const ObjectDescription& object : kObjectTable) {
     indexes.insert(object.address.index);
@@ -280,14 +280,14 @@ TEST(ObjectAddressCheck, AnswersForEveryIndexAndSubIndexThatDoesNotExist) {
 /// 0 and the methods of the sheet, section 6.
 const std::set<std::int64_t> kHomingMethods{0, 1, 2, 17, 18, 33, 34, 35, 37};
 
-/// The answer to a write that the sheet demands: access first, then the range of the row (a value
+/// The answer that the sheet requires for a write: access first, then the range of the row (a value
 /// outside the type is outside the row's range too), then the narrower rules of single objects.
 AbortCode expected_answer(const ObjectDescription& object, std::int64_t value) {
   if (object.access == Access::read_only) {
     return AbortCode::write_of_read_only_object;
   }
   // 1003h:00, "write 0 to sub 0 empties it; any other value is refused", and 6098h, "0 or a
-  // supported method": whatever range the row shows.
+  // supported method": for any range of the row.
   const bool by_meaning = object.address.index == 0x1003 || object.address.index == 0x6098;
   const TypeRange type = range_of(object.data_type);
   if (value > (by_meaning ? type.highest : object.upper_limit)) {
@@ -330,7 +330,7 @@ std::vector<std::int64_t> sweep_of(const ObjectDescription& object) {
           std::numeric_limits<std::int64_t>::max()};
 }
 
-TEST(DictionarySweep, EveryValueGetsExactlyItsAbortCodeAndReadsBackWhenAccepted) {
+TEST(DictionarySweep, EveryValueIsAcceptedAndReadBackOrRefusedWithItsAbortCode) {
   for (const ObjectDescription& object : kObjectTable) {
     for (const std::int64_t value : sweep_of(object)) {
       SCOPED_TRACE(show(object.address) + " = " + std::to_string(value));
@@ -347,7 +347,7 @@ TEST(DictionarySweep, EveryValueGetsExactlyItsAbortCodeAndReadsBackWhenAccepted)
   }
 }
 
-TEST(DictionarySweep, AWrongSubIndexIsNamedAsSuchForReadAndWrite) {
+TEST(DictionarySweep, AWrongSubIndexHasItsOwnAbortCodeForReadAndWrite) {
   AxisUnderTest axis;
   for (const ObjectDescription& object : kObjectTable) {
     for (const unsigned subindex : {0U, 1U, 2U, 3U, 9U, 255U}) {
@@ -363,7 +363,7 @@ TEST(DictionarySweep, AWrongSubIndexIsNamedAsSuchForReadAndWrite) {
   }
 }
 
-TEST(DictionarySweep, AnUnknownIndexIsNamedAsSuchForReadAndWrite) {
+TEST(DictionarySweep, AnUnknownIndexHasItsOwnAbortCodeForReadAndWrite) {
   AxisUnderTest axis;
   for (const unsigned index : {0x0000U, 0x0FFFU, 0x2000U, 0x6043U, 0x60F8U, 0xFFFFU}) {
     const ObjectAddress address{static_cast<std::uint16_t>(index), 0};
@@ -372,7 +372,7 @@ TEST(DictionarySweep, AnUnknownIndexIsNamedAsSuchForReadAndWrite) {
   }
 }
 
-TEST(DictionarySweep, TheCheckOrderIsIndexThenSubIndexThenAccessThenRange) {
+TEST(DictionarySweep, ChecksIndexThenSubIndexThenAccessThenRange) {
   AxisUnderTest axis;
   constexpr std::int64_t kFarOut = std::numeric_limits<std::int64_t>::max();
   EXPECT_EQ(axis.axis().write({0x2000, 7}, kFarOut), AbortCode::object_does_not_exist);
@@ -394,7 +394,7 @@ TEST(DictionarySweep, TheSheetsOwnExamplesHold) {
   EXPECT_EQ(axis.try_read("error_history_8").code, AbortCode{0x08000024});
 }
 
-TEST(DictionarySweep, EveryModeBut0And1And3And4And6And8IsRefusedAndKeepsTheOld) {
+TEST(DictionarySweep, AnUnsupportedModeIsRefusedAndThePresentModeStays) {
   AxisUnderTest axis;
   axis.write("op_mode_cmd", 1);
   for (std::int64_t mode = -128; mode <= 127; ++mode) {
@@ -441,7 +441,7 @@ TEST(PowerUp, TakesTheInitialValuesOfTheConfiguration) {
   EXPECT_EQ(axis.read("motor_position_actual_value"), -12345);
 }
 
-TEST(Registers, AnAcceptedWriteReadsBackBeforeTheNextTickAndComputedObjectsShowTheLastOne) {
+TEST(Registers, ReadBackWritesAtOnceAndComputedObjectsOfTheLastTick) {
   AxisUnderTest axis;
   axis.write("op_mode_cmd", 1);
   axis.controlword(0x000F);
@@ -456,7 +456,7 @@ TEST(Registers, AnAcceptedWriteReadsBackBeforeTheNextTickAndComputedObjectsShowT
   EXPECT_EQ(axis.read("ds402_statusword"), 0x637);
 }
 
-TEST(Registers, ReadsAgreeWithTheStatusImage) {
+TEST(Registers, ReadAsTheStatusImageShows) {
   AxisUnderTest axis;
   axis.enable();
   axis.write("position_user_target_value", 40000);
@@ -539,7 +539,7 @@ TEST(ObjectAddressText, IsAnObjectBesideTheNames) {
   EXPECT_EQ(parse_object("Statusword"), std::nullopt);
 }
 
-TEST(StandardNames, LeadToTheirObjectsAndAreNotNamesOfTheManual) {
+TEST(StandardNames, FindTheirObjectsAndDifferFromTheNamesOfTheManual) {
   for (const StandardName& standard : kStandardNames) {
     const auto row = find_object(standard.variable_name);
     ASSERT_TRUE(row) << standard.name;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Faults: cause, reaction, 603Fh, 1001h, 1003h, statusword, reset. Limit switches, which are none.
+// Faults: cause, reaction, 603Fh, 1001h, 1003h, statusword, reset. Limit switches, which are not
+// faults.
 #include "core/support/axis_under_test.hpp"
 
 #include <gtest/gtest.h>
@@ -105,7 +106,7 @@ TEST_P(InjectedFault, IsNotResetWhileTheCauseLasts) {
   EXPECT_EQ(axis.read("error_history_count"), 1) << "the history stays";
 }
 
-TEST_P(InjectedFault, IsResetInTheTickInWhichItsCauseGoes) {
+TEST_P(InjectedFault, CanBeResetInTheTickThatRemovesItsCause) {
   axis.enable();
   inject();
   step_to_fault();
@@ -114,7 +115,7 @@ TEST_P(InjectedFault, IsResetInTheTickInWhichItsCauseGoes) {
   EXPECT_EQ(axis.step(), 0x0250);
 }
 
-TEST_P(InjectedFault, DropsTheMoveForGood) {
+TEST_P(InjectedFault, DropsTheActiveMove) {
   ASSERT_NO_FATAL_FAILURE(start_moving_to_fail(axis));
   inject();
   axis.step();
@@ -138,7 +139,7 @@ INSTANTIATE_TEST_SUITE_P(
         Cause{"dc_link_loss", "test_dc_link_loss", 0x3220, 1U << 2U, true, 0x0208}),
     name_of_cause);
 
-TEST(Fault, EitherEncoderFailureIsAnEncoderFault) {
+TEST(Fault, AFailureOfEitherEncoderIsAnEncoderFault) {
   for (const std::int64_t which : {1, 2}) {
     AxisUnderTest axis;
     axis.enable();
@@ -148,7 +149,7 @@ TEST(Fault, EitherEncoderFailureIsAnEncoderFault) {
   }
 }
 
-TEST(Fault, WithoutPowerItShowsTheReactionForOneTick) {
+TEST(Fault, WithoutPowerShowsFaultReactionActiveForOneTick) {
   for (const std::uint16_t word : {std::uint16_t{0x0000}, std::uint16_t{0x0006}}) {
     AxisUnderTest axis;
     axis.command(word);
@@ -185,7 +186,7 @@ TEST(Fault, TheHistoryKeepsTheNewestEightFirst) {
   EXPECT_EQ(axis.try_read("error_history_1").code, AbortCode{0x08000024});
 }
 
-TEST(Fault, AFollowingErrorAndASilentMasterEnterTheHistoryAndAreResetWithoutACauseToGo) {
+TEST(Fault, FollowingErrorAndLostMasterEnterTheHistoryAndCanBeResetAtOnce) {
   AxisUnderTest axis;
   axis.write("following_error_window", 100);
   axis.enable();
@@ -210,7 +211,7 @@ TEST(Fault, AFollowingErrorAndASilentMasterEnterTheHistoryAndAreResetWithoutACau
   EXPECT_EQ(axis.command(0x0080), 0x0250);
 }
 
-TEST(Fault, APartlyFilledHistoryAnswersNoDataBeyondItsCount) {
+TEST(Fault, APartlyFilledHistoryHasNoDataBeyondItsCount) {
   AxisUnderTest axis;
   axis.write("test_over_current", 1);
   axis.step(3);
@@ -232,7 +233,7 @@ TEST(Fault, ASecondFaultWithBit7HeldNeedsANewEdge) {
   EXPECT_EQ(axis.command(0x0080), 0x0250);
 }
 
-TEST(Fault, TheResetWordIsNotASecondCommand) {
+TEST(Fault, TheResetControlwordCarriesNoOtherCommand) {
   AxisUnderTest axis;
   axis.write("test_over_current", 1);
   axis.step(3);
@@ -243,7 +244,7 @@ TEST(Fault, TheResetWordIsNotASecondCommand) {
   EXPECT_EQ(axis.command(0x0006), 0x0231) << "the next level command counts";
 }
 
-TEST(Fault, Holding8FhAfterTheResetDoesNothingAnd0FhThenEnables) {
+TEST(Fault, AHeld8FhDoesNothingAfterTheResetAnd0FhEnables) {
   AxisUnderTest axis;
   axis.write("op_mode_cmd", 1);
   axis.write("test_over_current", 1);
@@ -254,7 +255,7 @@ TEST(Fault, Holding8FhAfterTheResetDoesNothingAnd0FhThenEnables) {
   EXPECT_EQ(axis.command(0x000F), 0x0637);
 }
 
-TEST(Fault, AllCausesMustBeGoneBeforeAReset) {
+TEST(Fault, AResetNeedsAllCausesRemoved) {
   AxisUnderTest axis;
   axis.write("test_over_current", 1);
   axis.step(3);
@@ -269,7 +270,7 @@ TEST(Fault, AllCausesMustBeGoneBeforeAReset) {
   EXPECT_EQ(axis.command(0x0080), 0x0250);
 }
 
-TEST(Fault, ACauseThatComesBackInTheTickOfTheResetIsANewFault) {
+TEST(Fault, ACauseThatReturnsInTheTickOfTheResetIsANewFault) {
   AxisUnderTest axis;
   axis.write("test_over_current", 1);
   axis.step(3);
@@ -281,7 +282,7 @@ TEST(Fault, ACauseThatComesBackInTheTickOfTheResetIsANewFault) {
   EXPECT_EQ(axis.read("error_history_count"), 2);
 }
 
-TEST(Fault, AnEncoderFailureDuringABrakingReactionTakesThePower) {
+TEST(Fault, AnEncoderFailureDuringABrakingReactionRemovesThePower) {
   AxisUnderTest axis;
   ASSERT_NO_FATAL_FAILURE(start_moving_to_fail(axis));
   axis.write("quick_stop_deceleration", 10'000);
@@ -298,7 +299,7 @@ TEST(Fault, AnEncoderFailureDuringABrakingReactionTakesThePower) {
 // ---- DC link
 // ----------------------------------------------------------------------------------------
 
-TEST(DcLink, LostWithoutPowerClearsBit4AndFallsToSwitchOnDisabledWithoutAFault) {
+TEST(DcLink, LostWithoutPowerClearsBit4AndLeadsToSwitchOnDisabledWithoutAFault) {
   for (const std::uint16_t word : {std::uint16_t{0x0000}, std::uint16_t{0x0006}}) {
     AxisUnderTest axis;
     axis.command(word);
@@ -320,7 +321,7 @@ TEST(DcLink, LostWithoutPowerClearsBit4AndFallsToSwitchOnDisabledWithoutAFault) 
   EXPECT_EQ(axis.step(), 0x0240);
 }
 
-TEST(DcLink, BackForOneCommandOnlyItIsLostInOperationEnabled) {
+TEST(DcLink, LostAgainInTheTickOfEnablingIsAFault) {
   AxisUnderTest axis;
   axis.write("op_mode_cmd", 1);
   axis.write("test_dc_link_loss", 1);
@@ -332,7 +333,7 @@ TEST(DcLink, BackForOneCommandOnlyItIsLostInOperationEnabled) {
   EXPECT_EQ(axis.read("error_code"), 0x3220);
 }
 
-TEST(DcLink, LostInAQuickStopIsAFaultToo) {
+TEST(DcLink, LostInAQuickStopIsAFault) {
   AxisUnderTest axis;
   axis.write("quick_stop_option_code", 6);
   axis.enable();
@@ -346,7 +347,7 @@ TEST(DcLink, LostInAQuickStopIsAFaultToo) {
 // ---- following error
 // --------------------------------------------------------------------------------
 
-TEST(FollowingError, ABlockedLoadEarnsIt) {
+TEST(FollowingError, ABlockedLoadCausesAFollowingErrorFault) {
   AxisUnderTest axis;
   axis.enable();
   axis.write("test_blocked_load", 1);
@@ -431,7 +432,7 @@ TEST(FollowingError, AWindowOf0MeansAnyDeviation) {
             0U);
 }
 
-TEST(FollowingError, MayBeAWarningBySetting) {
+TEST(FollowingError, IsAWarningWhereTheSettingSaysSo) {
   AxisConfiguration configuration;
   configuration.settings.following_error_is_fault = false;
   AxisUnderTest axis(configuration);
@@ -454,7 +455,7 @@ TEST(FollowingError, MayBeAWarningBySetting) {
             0U);
 }
 
-TEST(FollowingError, IsWatchedOnlyWhileTheAxisIsControlled) {
+TEST(FollowingError, IsMonitoredOnlyWhileTheAxisIsControlled) {
   AxisUnderTest axis;
   axis.write("following_error_window", 1);
   axis.write("following_error_time_out", 0);
@@ -478,7 +479,7 @@ class LimitSwitch : public testing::TestWithParam<int> {
   AxisUnderTest axis;
 };
 
-TEST_P(LimitSwitch, ShowsInTheDigitalInputsAndBit11) {
+TEST_P(LimitSwitch, IsVisibleInTheDigitalInputsAndBit11) {
   axis.enable();
   axis.write(input(), 1);
   axis.step();
@@ -490,7 +491,7 @@ TEST_P(LimitSwitch, ShowsInTheDigitalInputsAndBit11) {
   EXPECT_FALSE(axis.limit_active());
 }
 
-TEST_P(LimitSwitch, StopsMotionIntoItWithTheQuickStopRampWithoutAFault) {
+TEST_P(LimitSwitch, StopsMotionTowardsItWithTheQuickStopRampWithoutAFault) {
   axis.write("quick_stop_deceleration", 400'000);
   axis.enable();
   axis.write("profile_velocity", 40'000);
@@ -535,7 +536,7 @@ TEST_P(LimitSwitch, LetsTheAxisMoveAway) {
   EXPECT_EQ(axis.demand(), sign() * -5'000);
 }
 
-TEST_P(LimitSwitch, DoesNotLetTheAxisMoveIntoIt) {
+TEST_P(LimitSwitch, PreventsMotionTowardsIt) {
   axis.enable();
   axis.write(input(), 1);
   axis.step();
@@ -546,7 +547,7 @@ TEST_P(LimitSwitch, DoesNotLetTheAxisMoveIntoIt) {
   EXPECT_FALSE(axis.reached());
 }
 
-TEST_P(LimitSwitch, ASetPointIntoItIsStillAcknowledgedWhileBit4IsHeld) {
+TEST_P(LimitSwitch, ASetPointTowardsItIsStillAcknowledgedWhileBit4IsHeld) {
   // Bit 12 follows bit 4 (sheet 2.2 and 8.5): a master waits for it before it drops bit 4.
   axis.enable();
   axis.write(input(), 1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Homing mode (6060h = 6): where home is, which status it shows, what interrupts it.
+// Homing mode (6060h = 6): the home position, its status bits, its interruptions.
 #include "core/support/axis_under_test.hpp"
 
 #include <gtest/gtest.h>
@@ -45,14 +45,14 @@ bool uses_index(int method) {
 }
 
 /// An axis on its bench: limit switches at fixed mechanical places, and where the load really is,
-/// whatever frame 6064h counts in.
+/// in any frame of 6064h.
 class Bench {
  public:
   explicit Bench(const AxisConfiguration& configuration = {},
                  microseconds period = AxisUnderTest::kDefaultPeriod)
       : axis(configuration, period), place(configuration.initial_position) {}
 
-  /// One tick, then the switches see where the axis is.
+  /// One tick, then the switches are set from the position of the axis.
   void tick() {
     const bool attained = (axis.statusword() & kAttained) != 0 && axis.status().op_mode_actual == 6;
     const std::int32_t before = axis.actual();
@@ -203,7 +203,7 @@ TEST_P(HomingMethod, FindsTheSamePlaceFromEveryStart) {
       continue;  // the next mark lies behind the switch
     }
     ASSERT_NO_FATAL_FAILURE(bench.home(method));
-    // A tick at creep speed is 3.413 units; reading and rounding are good for one more.
+    // A tick at creep speed is 3.413 units; reading and rounding add one.
     switch (method) {
       case 1:  // first mark above -20000: -16384 = -4·4096
         EXPECT_NEAR(bench.place, -16'384.0, 1.5);
@@ -229,7 +229,7 @@ TEST_P(HomingMethod, FindsTheSamePlaceFromEveryStart) {
   }
 }
 
-TEST_P(HomingMethod, AfterwardsAMoveToZeroEndsAtTheRightPlace) {
+TEST_P(HomingMethod, SetsTheOriginForALaterMoveToZero) {
   const bool positive = GetParam() == 2 || GetParam() == 18;
   const std::int32_t offset = positive ? 3'000 : -3'000;  // zero lies away from the switch
   Bench bench;
@@ -248,7 +248,7 @@ TEST_P(HomingMethod, AfterwardsAMoveToZeroEndsAtTheRightPlace) {
   EXPECT_NEAR(bench.place, home - offset, 1.0) << "zero lies 607Ch away from home";
 }
 
-TEST_P(HomingMethod, HomingAgainFindsTheSamePlace) {
+TEST_P(HomingMethod, FindsTheSamePlaceWhenRepeated) {
   const int method = GetParam();
   Bench bench;
   bench.switches_at(-20'000.0, 20'000.0);
@@ -304,7 +304,7 @@ TEST_P(HomingMethod, NeverExceedsItsSpeedsAndAccelerations) {
   }
 }
 
-TEST_P(HomingMethod, TheSpeedIsCappedBy607Fh) {
+TEST_P(HomingMethod, IsCappedInSpeedBy607Fh) {
   Bench bench;
   bench.switches_at(-6'000.0, 6'000.0);
   bench.axis.write("app_speed_limit", 3'000);
@@ -351,7 +351,7 @@ TEST_P(HomingMethod, ShowsEachPhaseInBits13To10) {
   EXPECT_EQ(bench.phase(), kRunning);
 }
 
-TEST_P(HomingMethod, ASecondEdgeIsIgnoredAndCountedAndABitThatDropsEndsNothing) {
+TEST_P(HomingMethod, IgnoresAndCountsASecondEdgeAndContinuesWhenBit4Drops) {
   Bench bench;
   Bench twin;
   for (Bench* const b : {&bench, &twin}) {
@@ -446,7 +446,7 @@ INSTANTIATE_TEST_SUITE_P(
 // ---- index
 // ------------------------------------------------------------------------------------------
 
-TEST(HomingIndex, TheMarkOnWhichTheMotorStandsIsNotTheNextOne) {
+TEST(HomingIndex, IgnoresTheMarkOnWhichTheMotorStands) {
   for (const int method : {33, 34}) {
     Bench bench;
     ASSERT_NO_FATAL_FAILURE(bench.home(method));
@@ -454,7 +454,7 @@ TEST(HomingIndex, TheMarkOnWhichTheMotorStandsIsNotTheNextOne) {
   }
 }
 
-TEST(HomingIndex, ARisingInputIsAnIndexPulseToo) {
+TEST(HomingIndex, AcceptsARisingInputAsAnIndexPulse) {
   Bench bench;
   ASSERT_NO_FATAL_FAILURE(bench.enter(34));
   bench.start();
@@ -467,14 +467,14 @@ TEST(HomingIndex, ARisingInputIsAnIndexPulseToo) {
   EXPECT_NEAR(bench.place, pulse, 1.5);
 }
 
-TEST(HomingIndex, AnInputThatIsHighFromTheStartIsNoPulse) {
+TEST(HomingIndex, IgnoresAnInputThatIsHighFromTheStart) {
   Bench bench;
   bench.axis.write("test_index_pulse_input", 1);
   ASSERT_NO_FATAL_FAILURE(bench.home(34));
   EXPECT_NEAR(bench.place, 4'096.0, 1.5);
 }
 
-TEST(HomingIndex, APulseBeforeTheLimitSwitchIsLeftDoesNotCount) {
+TEST(HomingIndex, IgnoresAPulseBeforeTheAxisLeavesTheLimitSwitch) {
   Bench bench;
   bench.switches_at(-10'000.0, kNowhere);
   ASSERT_NO_FATAL_FAILURE(bench.enter(1));
@@ -487,7 +487,7 @@ TEST(HomingIndex, APulseBeforeTheLimitSwitchIsLeftDoesNotCount) {
   EXPECT_NEAR(bench.place, -8'192.0, 1.5) << "first mark above -10000";
 }
 
-TEST(HomingIndex, TheMarksStayWherePositionsWrap) {
+TEST(HomingIndex, KeepsTheMarksWherePositionsWrap) {
   // 2^31 is a multiple of 4096: the marks of the first frame are those of the register.
   AxisConfiguration configuration;
   configuration.initial_position = 2'147'480'000;
@@ -577,7 +577,7 @@ class HomingInterrupted : public testing::TestWithParam<int> {
   [[nodiscard]] static Stage stage() { return static_cast<Stage>(GetParam()); }
 };
 
-TEST_P(HomingInterrupted, ByHaltForGood) {
+TEST_P(HomingInterrupted, ByHaltDoesNotResume) {
   Bench bench;
   ASSERT_NO_FATAL_FAILURE(run_to(bench, stage()));
   bench.axis.controlword(0x011F);
@@ -600,7 +600,7 @@ TEST_P(HomingInterrupted, ByHaltForGood) {
   EXPECT_NEAR(bench.place, -8'192.0, 2.0);
 }
 
-TEST_P(HomingInterrupted, ByDisableOperationWithItsRamp) {
+TEST_P(HomingInterrupted, ByDisableOperationBrakesWithItsRamp) {
   Bench bench;
   ASSERT_NO_FATAL_FAILURE(run_to(bench, stage()));
   bench.axis.write("homing_acceleration", 20'000);  // from creep speed the ramp takes 170 ticks
@@ -610,14 +610,14 @@ TEST_P(HomingInterrupted, ByDisableOperationWithItsRamp) {
     attained = attained || (bench.phase() & kAttained) != 0;
     return bench.axis.state() == PowerState::switched_on;
   }));
-  EXPECT_EQ(attained, stage() == Stage::back) << "no run goes on during the ramp";
+  EXPECT_EQ(attained, stage() == Stage::back) << "no run continues during the ramp";
   bench.axis.controlword(0x000F);
   bench.ticks(500);
   EXPECT_EQ(bench.phase(), kIdle);
   EXPECT_EQ(bench.axis.demand_velocity(), 0);
 }
 
-TEST_P(HomingInterrupted, ByQuickStop) {
+TEST_P(HomingInterrupted, ByQuickStopDoesNotResume) {
   Bench bench;
   ASSERT_NO_FATAL_FAILURE(run_to(bench, stage()));
   bench.axis.write("quick_stop_option_code", 6);
@@ -626,11 +626,11 @@ TEST_P(HomingInterrupted, ByQuickStop) {
   EXPECT_EQ(bench.axis.statusword() & ~0x0800, 0x0617);
   bench.axis.controlword(0x000F);
   bench.ticks(300);
-  EXPECT_EQ(bench.phase(), kIdle) << "nothing goes on after transition 16";
+  EXPECT_EQ(bench.phase(), kIdle) << "nothing resumes after transition 16";
   EXPECT_EQ(bench.axis.demand_velocity(), 0);
 }
 
-TEST_P(HomingInterrupted, ByAFault) {
+TEST_P(HomingInterrupted, ByAFaultDoesNotResume) {
   Bench bench;
   ASSERT_NO_FATAL_FAILURE(run_to(bench, stage()));
   bench.axis.write("test_over_current", 1);
@@ -645,7 +645,7 @@ TEST_P(HomingInterrupted, ByAFault) {
   EXPECT_EQ(bench.axis.demand_velocity(), 0);
 }
 
-TEST_P(HomingInterrupted, ByAModeChangeThatWaitsForStandstill) {
+TEST_P(HomingInterrupted, ByAModeChangeBrakesBeforeTheModeChanges) {
   Bench bench;
   ASSERT_NO_FATAL_FAILURE(run_to(bench, stage()));
   bench.axis.write("op_mode_cmd", 1);
@@ -686,7 +686,7 @@ TEST(HomingHalt, BrakesWithTheRampOf605Dh) {
   }
 }
 
-TEST(HomingHalt, AfterTheEndTakesNothingBack) {
+TEST(HomingHalt, AfterTheEndKeepsTheResult) {
   Bench bench;
   ASSERT_NO_FATAL_FAILURE(bench.home(37, 123));
   bench.axis.controlword(0x010F);
@@ -698,7 +698,7 @@ TEST(HomingHalt, AfterTheEndTakesNothingBack) {
   EXPECT_EQ(bench.axis.actual(), 123);
 }
 
-TEST(HomingHalt, AnErrorIsNotTakenBackEither) {
+TEST(HomingHalt, AfterAnErrorKeepsTheError) {
   Bench bench;
   ASSERT_NO_FATAL_FAILURE(bench.enter(0));
   bench.start();
@@ -707,7 +707,7 @@ TEST(HomingHalt, AnErrorIsNotTakenBackEither) {
   EXPECT_EQ(bench.phase(), kErrorStopped);
 }
 
-TEST(HomingHalt, AnEdgeUnderHaltIsIgnoredAndCountedAndOneThatEndsItStarts) {
+TEST(HomingHalt, IgnoresAndCountsAnEdgeAndAnEdgeThatEndsHaltStarts) {
   Bench bench;
   ASSERT_NO_FATAL_FAILURE(bench.enter(34));
   bench.axis.controlword(0x010F);
@@ -727,7 +727,7 @@ TEST(HomingHalt, AnEdgeUnderHaltIsIgnoredAndCountedAndOneThatEndsItStarts) {
   EXPECT_TRUE(bench.tick_until_phase(kDone));
 }
 
-TEST(HomingStart, AnIdleAxisThatIsPushedDoesNotLookLikeARun) {
+TEST(HomingStart, AnIdleAxisUnderLoadDoesNotShowARun) {
   Bench bench;
   ASSERT_NO_FATAL_FAILURE(bench.enter(33));
   bench.axis.write("test_load_torque", 2'000);
@@ -783,7 +783,7 @@ TEST(HomingStart, AnEdgeTogetherWithEnablingOrOutsideOperationEnabledIsNotAccept
   EXPECT_EQ(bench.axis.status().ignored_set_points, 2U);
 }
 
-TEST(HomingStart, WhileTheLastRunStillBrakesThePresentPositionIsWhereItComesToRest) {
+TEST(HomingStart, Method37DuringBrakingTakesThePositionOfStandstill) {
   Bench bench;
   bench.axis.write("homing_acceleration", 50'000);
   ASSERT_NO_FATAL_FAILURE(bench.enter(17));
@@ -808,7 +808,7 @@ TEST(HomingStart, WhileTheLastRunStillBrakesThePresentPositionIsWhereItComesToRe
 // ---- errors
 // ---------------------------------------------------------------------------------------
 
-TEST(HomingError, WithoutAMethodAtOnce) {
+TEST(HomingError, OccursAtOnceWithoutAMethod) {
   Bench bench;
   ASSERT_NO_FATAL_FAILURE(bench.enter(0));
   bench.start();
@@ -822,7 +822,7 @@ TEST(HomingError, WithoutAMethodAtOnce) {
   EXPECT_TRUE(bench.tick_until_phase(kDone));
 }
 
-TEST(HomingError, WithASpeedOfZeroWhereTheMethodTravels) {
+TEST(HomingError, OccursWithASpeedOfZeroWhereTheMethodTravels) {
   for (const int method : kMethods) {
     for (const char* const speed : {"homing_speed_search", "homing_speed_creep"}) {
       SCOPED_TRACE(std::to_string(method) + " " + speed);
@@ -839,7 +839,7 @@ TEST(HomingError, WithASpeedOfZeroWhereTheMethodTravels) {
   }
 }
 
-TEST(HomingError, ThePresentPositionNeedsNoSpeedWhateverTheDemandIs) {
+TEST(HomingError, Method37NeedsNoSpeed) {
   // A stop in profile velocity ends between two units.
   Bench bench;
   bench.axis.write("homing_speed_creep", 0);
@@ -853,7 +853,7 @@ TEST(HomingError, ThePresentPositionNeedsNoSpeedWhateverTheDemandIs) {
   EXPECT_EQ(bench.axis.actual(), kHighest);
 }
 
-TEST(HomingError, TheOtherLimitSwitchEndsTheRun) {
+TEST(HomingError, OccursAtTheOtherLimitSwitch) {
   for (const int method : {1, 17, 2, 18}) {
     SCOPED_TRACE(method);
     const bool negative = method == 1 || method == 17;
@@ -877,7 +877,7 @@ TEST(HomingError, TheOtherLimitSwitchEndsTheRun) {
   }
 }
 
-TEST(HomingError, ALimitSwitchBeforeTheIndexEndsTheRun) {
+TEST(HomingError, OccursAtALimitSwitchBeforeTheIndex) {
   for (const int method : {33, 34}) {
     SCOPED_TRACE(method);
     Bench bench;
@@ -893,7 +893,7 @@ TEST(HomingError, ALimitSwitchBeforeTheIndexEndsTheRun) {
   }
 }
 
-TEST(HomingError, ALimitSwitchBehindDoesNotDisturbTheSearchForTheIndex) {
+TEST(HomingError, DoesNotOccurAtALimitSwitchBehindTheAxis) {
   Bench bench;
   ASSERT_NO_FATAL_FAILURE(bench.move_to(1'000.0));
   bench.switches_at(-kNowhere, 500.0);
@@ -901,7 +901,7 @@ TEST(HomingError, ALimitSwitchBehindDoesNotDisturbTheSearchForTheIndex) {
   EXPECT_NEAR(bench.place, 0.0, 1.5);
 }
 
-TEST(HomingError, Bits12And13ExcludeEachOther) {
+TEST(HomingError, NeverShowsBits12And13Together) {
   for (const int method : {0, 1, 2, 17, 18, 33, 34, 35, 37}) {
     for (const double width : {1'000.0, 5'000.0}) {
       Bench bench;
@@ -916,7 +916,7 @@ TEST(HomingError, Bits12And13ExcludeEachOther) {
   }
 }
 
-TEST(HomingMethodObject, TakesZeroAndTheMethodsThatWorkAndRefusesEveryOther) {
+TEST(HomingMethodObject, AcceptsZeroAndTheSupportedMethodsOnly) {
   AxisUnderTest axis;
   for (std::int64_t value = 0; value <= 37; ++value) {
     const bool known =
@@ -933,7 +933,7 @@ TEST(HomingMethodObject, TakesZeroAndTheMethodsThatWorkAndRefusesEveryOther) {
 // ---- software limits
 // ------------------------------------------------------------------------------
 
-/// 607Dh = 10 to 1000 with 3535h: bit 11 at position 0 tells that it is in force.
+/// 607Dh = 10 to 1000 with 3535h: bit 11 at position 0 shows that it is in force.
 Bench limited_bench(bool need_homing) {
   AxisConfiguration configuration;
   configuration.settings.limits_need_homing = need_homing;
@@ -964,7 +964,7 @@ TEST(SoftwareLimitsAfterHoming, AreInForceAtOnceWithoutTheSetting) {
   EXPECT_TRUE(bench.axis.limit_active());
 }
 
-TEST(SoftwareLimitsAfterHoming, ARunThatFindsNoHomeDoesNotBringThemIntoForce) {
+TEST(SoftwareLimitsAfterHoming, AreNotInForceAfterAFailedRun) {
   Bench bench = limited_bench(true);
   ASSERT_NO_FATAL_FAILURE(bench.enter(33));
   bench.start();
@@ -979,7 +979,7 @@ TEST(SoftwareLimitsAfterHoming, ARunThatFindsNoHomeDoesNotBringThemIntoForce) {
   EXPECT_FALSE(bench.axis.limit_active());
 }
 
-TEST(SoftwareLimitsAfterHoming, AreOutOfForceFromTheStartOfANewRunToItsHome) {
+TEST(SoftwareLimitsAfterHoming, AreNotInForceFromTheStartOfANewRunUntilItsHome) {
   Bench bench = limited_bench(true);
   ASSERT_NO_FATAL_FAILURE(bench.home(37));
   bench.axis.write("homing_method", 0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The servo loops around loads behind gears and shafts: what the report says, and that the axis
+// The servo loops around loads behind gears and shafts: the report, and that the axis
 // does it.
 #include "vdrive/plant/loop_report.hpp"
 
@@ -51,7 +51,7 @@ TEST(LoopReport, OfTheDefaultAxisHasTheConfiguredBandwidthsAndNoRinging) {
   EXPECT_NEAR(report.torque_limit, 9.0, 1e-9);
 }
 
-TEST(LoopReport, HasTheInertiaThatTheGearReflects) {
+TEST(LoopReport, HasTheReflectedInertiaOfTheGear) {
   // 3e-4 kg.m2 at the load: a hundredth of it behind a reducing gear, a hundred times the other
   // way.
   EXPECT_NEAR(examine_loops(geared(1, 10), kPeriod).inertia_ratio, 1.01, 1e-9);
@@ -61,7 +61,7 @@ TEST(LoopReport, HasTheInertiaThatTheGearReflects) {
               2'000.0 * std::numbers::pi * 3.03e-4, 1e-9);
 }
 
-TEST(LoopReport, ShowsTheBandwidthsThatAHeavyElasticLoadLeaves) {
+TEST(LoopReport, ShowsTheReducedBandwidthsOfAHeavyElasticLoad) {
   AxisConfiguration configuration = geared(10, 1);
   configuration.model.coupling = Coupling::two_inertia;
   const LoopReport report = examine_loops(configuration, kPeriod);
@@ -85,7 +85,7 @@ TEST(LoopReport, FindsTheRingingOfALightlyDampedLoad) {
   EXPECT_LT(report.ringing_time, 0.48);
 }
 
-TEST(Loops, OfALiftAreAsFastAsItsShaftAllows) {
+TEST(Loops, OfALiftHaveTheBandwidthOfItsShaft) {
   const LoopReport report = examine_loops(lift(), kPeriod);
   // The damper of the velocity loop is matched to the spring: r² sqrt(k J) / Jm = 0.01 · 14.14 /
   // 3e-4 = 471 1/s, over 4.33 times the motor's inertia 17.3 Hz; the position loop in

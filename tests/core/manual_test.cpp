@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Statements of the manual that no other test of the core holds: what docs/reference/conformance.md
-// would have to leave without a name. Numbers are the manual's or follow from its formulas.
+// Statements of the manual that no other test of the core shows: docs/reference/conformance.md
+// names them. Numbers are the manual's or follow from its formulas.
 #include "core/support/axis_under_test.hpp"
 
 #include <gtest/gtest.h>
@@ -85,7 +85,7 @@ constexpr std::array<PowerState, 8> kStates{
 // ---- the tables of objects
 // --------------------------------------------------------------------------
 
-TEST(Manual, EveryWritableObjectTakesAWriteInEveryState) {
+TEST(Manual, EveryWritableObjectAcceptsAWriteInEveryState) {
   // Column DriveStatus: "Any Status" in each writable row.
   for (const PowerState state : kStates) {
     AxisUnderTest there;
@@ -103,7 +103,7 @@ TEST(Manual, EveryWritableObjectTakesAWriteInEveryState) {
   }
 }
 
-TEST(Manual, TheModesOfTheListBeyondTheStandardsAreRefusedAndKeepTheMode) {
+TEST(Manual, ModesOutsideTheStandardAreRefusedAndThePresentModeStays) {
   // Force, reciprocating, analogue speed, analogue torque, pulse train, reference signal, PWM
   // speed, multi-segment; identification of current loop, direction, pole pairs, index, Hall,
   // electrical angle, mechanics, torque ripple. 0xFF is -1 in an INTEGER8.
@@ -123,7 +123,7 @@ TEST(Manual, TheModesOfTheListBeyondTheStandardsAreRefusedAndKeepTheMode) {
 // ---- controlword
 // ------------------------------------------------------------------------------------
 
-/// Statusword and demand of each tick of one life of an axis, with `extra` set in every word.
+/// Statusword and demand of each tick of a whole run, with `extra` set in every controlword.
 std::vector<std::tuple<std::uint16_t, std::int32_t>> life_with(std::uint16_t extra) {
   AxisUnderTest axis;
   axis.write("op_mode_cmd", 1);
@@ -165,7 +165,7 @@ TEST(Manual, EnablingFromSwitchOnDisabledCanBeTurnedOff) {
 // ---- mode
 // -------------------------------------------------------------------------------------------
 
-TEST(Manual, At1637TheModeMayChangeAndBit12IsLowOnEnteringItAgain) {
+TEST(Manual, TheModeChangesAt1637AndBit12IsLowOnReentry) {
   // 0x1637 is at rest though CW bit 4 is still 1; entering the mode is no edge of bit 4.
   AxisUnderTest axis;
   axis.enable();
@@ -208,7 +208,7 @@ TEST(Manual, EveryStateShowsVoltageAndRemoteAndNoReservedBit) {
     const std::uint16_t word = axis.statusword();
     EXPECT_EQ(word & 0xC100U, 0U) << to_string(state);
     EXPECT_EQ(word & 0x0200U, 0x0200U) << to_string(state);
-    if (state != not_ready_to_switch_on) {  // nothing is known of the DC link yet
+    if (state != not_ready_to_switch_on) {  // the DC link is not known yet
       EXPECT_EQ(word & 0x0010U, 0x0010U) << to_string(state);
     }
   }
@@ -218,7 +218,7 @@ TEST(Manual, EveryStateShowsVoltageAndRemoteAndNoReservedBit) {
 // ------------------------------------------------------------------------------------------
 
 TEST(Manual, AnAbsoluteTargetIsApproachedFromWhicheverSideTheAxisStands) {
-  // 6064h above 607Ah: negative; below: positive. Whatever the signs of the two.
+  // 6064h above 607Ah: negative; below: positive. For any signs of the two.
   for (const auto& [from, to] :
        {std::tuple{-3'000, -1'000}, std::tuple{-3'000, 2'000}, std::tuple{3'000, 1'000},
         std::tuple{3'000, -2'000}, std::tuple{-1'000, -3'000}, std::tuple{1'000, 3'000}}) {
@@ -237,7 +237,7 @@ TEST(Manual, AnAbsoluteTargetIsApproachedFromWhicheverSideTheAxisStands) {
   }
 }
 
-TEST(Manual, TheSignOfARelativeTargetIsTheDirection) {
+TEST(Manual, TheSignOfARelativeTargetGivesTheDirection) {
   for (const std::int32_t from : {-20'000, 0, 20'000}) {
     for (const std::int32_t distance : {5'000, -5'000}) {
       AxisConfiguration configuration;
@@ -276,7 +276,7 @@ TEST(Manual, ThePositioningOptionCodeMattersToRelativeMovesOnly) {
 // ---- 607Dh
 // ------------------------------------------------------------------------------------------
 
-TEST(Manual, BeyondEitherSoftwareLimitTheAxisWarns) {
+TEST(Manual, TheAxisWarnsBeyondEitherSoftwareLimit) {
   for (const int sign : {1, -1}) {
     AxisConfiguration configuration;
     configuration.initial_position = sign * 8'000;
@@ -317,7 +317,7 @@ TEST(Manual, TheActualSpeedDoesNotExceedTheProfileVelocity) {
   }
 }
 
-TEST(Manual, AboveTheSpeedLimitTheActualSpeedIsTheSpeedLimit) {
+TEST(Manual, TheSpeedLimitBoundsTheActualSpeed) {
   // 6081h = 200000 > 607Fh: the axis runs at 607Fh and 6081h stays.
   for (const std::int64_t limit : {136'533, 50'000}) {
     AxisUnderTest axis;
@@ -358,7 +358,7 @@ RampTimes ramp_times(AxisUnderTest& axis) {
   return times;
 }
 
-TEST(Manual, TheGreaterTheRampTheSoonerTheSpeedIsReached) {
+TEST(Manual, AGreaterRampReachesTheSpeedSooner) {
   // t = v/a: 10000/20000 = 0.5 s and 10000/40000 = 0.25 s.
   for (const auto& [ramp, ticks] : {std::tuple{20'000, 500U}, std::tuple{40'000, 250U}}) {
     AxisUnderTest faster_up;
@@ -370,7 +370,7 @@ TEST(Manual, TheGreaterTheRampTheSoonerTheSpeedIsReached) {
   }
 }
 
-TEST(Manual, ARampEqualToItsLimitIsAllowedAndOneAboveRunsAtTheLimit) {
+TEST(Manual, ARampAboveItsLimitRunsAtTheLimit) {
   // 6083h <= 60C5h and 6084h <= 60C6h: at 40000 and at 80000 both ramps take 10000/40000 = 0.25 s.
   for (const std::int64_t ramp : {40'000, 80'000}) {
     AxisUnderTest axis;
@@ -400,7 +400,7 @@ TEST(Manual, ADecelerationLimitOf0CountsAs1) {
   }
 }
 
-TEST(Manual, TheDefaultRampsRunTheExampleToo) {
+TEST(Manual, TheExampleRunsWithTheDefaultRamps) {
   // Rows 5 and 6: "the default value will do". 10000 at 1000/s and 409600/s²:
   // 10 s + 1000/409600 = 10.00244 s, tick 10003.
   AxisUnderTest axis;
@@ -412,7 +412,7 @@ TEST(Manual, TheDefaultRampsRunTheExampleToo) {
   EXPECT_EQ(axis.demand(), 10'000);
 }
 
-TEST(Manual, TheNegativeExampleMayStartEnabledOrFromReadyToSwitchOn) {
+TEST(Manual, TheNegativeExampleStartsEnabledOrFromReadyToSwitchOn) {
   for (const bool enabled : {true, false}) {
     AxisUnderTest axis;
     axis.enable();
@@ -433,7 +433,7 @@ TEST(Manual, TheNegativeExampleMayStartEnabledOrFromReadyToSwitchOn) {
 // -----------------------------------------------------------------------------
 
 TEST(Manual, TheCurrentStaysBetweenBothTorqueLimits) {
-  // -60E1h <= 6078h <= 60E0h in each tick, with a load that asks for more on either side.
+  // -60E1h <= 6078h <= 60E0h in each tick, with a load that needs more on either side.
   AxisUnderTest axis;
   axis.write("following_error_window", 0xFFFFFFFF);
   axis.write("positive_torque_limit_relative", 150);
@@ -455,7 +455,7 @@ TEST(Manual, TheCurrentStaysBetweenBothTorqueLimits) {
   EXPECT_EQ(lowest, -250);
 }
 
-TEST(Manual, TheTorqueLimitsAreAShareOfTheRatedTorqueOnBothSides) {
+TEST(Manual, TheTorqueLimitsAreRelativeToTheRatedTorqueOnBothSides) {
   // The examples of 60E0h and 60E1h: 6076h = 3000 mN.m and 10 %, that is 100 per mille: 300 mN.m.
   for (const int sign : {1, -1}) {
     AxisConfiguration configuration;
@@ -501,7 +501,7 @@ TEST(Manual, ATorqueLimitOf0IsOff) {
 // ---- derived values
 // ---------------------------------------------------------------------------------
 
-TEST(Manual, WithTwoEncodersEachErrorIsThatOfItsOwnEncoder) {
+TEST(Manual, EachEncoderHasItsOwnPositionError) {
   // 3573h = 6062h - 3572h, 3575h = 606Bh - 3574h (encoder 1, motor); 60F4h = 6062h - 6064h,
   // 351Eh = 606Bh - 606Ch (encoder 2, load): on a soft shaft the two differ.
   AxisConfiguration configuration;

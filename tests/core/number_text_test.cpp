@@ -12,7 +12,7 @@
 namespace vdrive {
 namespace {
 
-TEST(ParseDigits, TakesTheWholeTextOrNothing) {
+TEST(ParseDigits, AcceptsOnlyTextThatIsAllDigits) {
   EXPECT_EQ(parse_digits<std::uint16_t>("65535"), 65'535);
   EXPECT_EQ(parse_digits<std::uint16_t>("65536"), std::nullopt);
   EXPECT_EQ(parse_digits<std::uint64_t>("FFFFFFFFFFFFFFFF", 16), ~std::uint64_t{0});
@@ -31,14 +31,14 @@ TEST(ParseInteger, ReadsDecimalAndHexadecimalNumbers) {
   }
 }
 
-TEST(ParseNumber, RefusesWhatIsNotFinite) {
+TEST(ParseNumber, RefusesInfinityAndNotANumber) {
   EXPECT_EQ(parse_number("1.5e2"), 150.0);
   for (const char* const text : {"", "nan", "inf", "1e999", "1.5 "}) {
     EXPECT_EQ(parse_number(text), std::nullopt) << text;
   }
 }
 
-TEST(Hex, HasAtLeastItsDigits) {
+TEST(Hex, HasAtLeastTheGivenDigits) {
   EXPECT_EQ(hex(0x607D, 4), "0x607D");
   EXPECT_EQ(hex(0x37, 3), "0x037");
   EXPECT_EQ(hex(0, 8), "0x00000000");
@@ -52,7 +52,7 @@ TEST(AddressText, NamesTheSubindexUnlessItIsZero) {
   EXPECT_EQ(address_text({0x607D, 1}), "0x607D:1");
 }
 
-TEST(ClockModes, HaveNamesThatAreReadBack) {
+TEST(ClockModes, HaveNamesThatCanBeParsed) {
   for (const ClockMode mode : kClockModes) {
     EXPECT_EQ(clock_mode_named(to_string(mode)), mode);
   }

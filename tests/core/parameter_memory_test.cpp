@@ -38,7 +38,7 @@ std::int64_t value(const AxisBank& bank, ObjectAddress object, std::size_t axis 
   return bank.read(axis, object).value;
 }
 
-TEST(StoreParameters, Reads1AndTakesItsSignatureOnly) {
+TEST(StoreParameters, Reads1AndAcceptsOnlyItsSignature) {
   for (const auto& [object, signature, other] :
        {std::tuple{kStoreParameters, kSave, kLoad}, {kRestoreParameters, kLoad, kSave}}) {
     AxisUnderTest axis;
@@ -60,7 +60,7 @@ TEST(StoreParameters, HaveOneSubIndexEach) {
   EXPECT_EQ(axis.axis().write({0x1011, 2}, kLoad), AbortCode::subindex_does_not_exist);
 }
 
-TEST(ParameterMemory, IsInForceFromTheNextPowerUpOn) {
+TEST(ParameterMemory, IsInForceFromTheNextPowerUp) {
   AxisBank bank = bank_of(std::vector<AxisConfiguration>(2));
   const std::int64_t before = value(bank, kProfileVelocity);
   EXPECT_EQ(bank.set_stored(1, kProfileVelocity, 4'321), AbortCode::none);
@@ -74,7 +74,7 @@ TEST(ParameterMemory, IsInForceFromTheNextPowerUpOn) {
   EXPECT_EQ(value(bank, kProfileVelocity, 1), 4'321);
 }
 
-TEST(ParameterMemory, StandsAboveTheConfiguredValues) {
+TEST(ParameterMemory, OverridesTheConfiguredValues) {
   AxisConfiguration axis;
   axis.parameters = {{kProfileVelocity, 1'000}, {kLowerLimit, -500}};
   axis.stored = {{kProfileVelocity, 2'000}};
@@ -106,7 +106,7 @@ TEST(ParameterMemory, ActsLikeAWriteOfItsValues) {
   EXPECT_EQ(stored.status_hash(), written.status_hash());
 }
 
-TEST(ParameterMemory, TakesWhatTheTableCallsStoredWithinItsRange) {
+TEST(ParameterMemory, AcceptsStoredObjectsWithinTheirRange) {
   EXPECT_EQ(AxisBank::check_stored(kProfileVelocity, 5), AbortCode::none);
   EXPECT_EQ(AxisBank::check_stored(kTarget, 5), AbortCode::cannot_store_or_transfer);
   EXPECT_EQ(AxisBank::check_stored(kMode, 1), AbortCode::cannot_store_or_transfer);
@@ -150,7 +150,7 @@ TEST(ParameterMemory, HoldsEveryObjectThatTheTableStores) {
   EXPECT_EQ(count, kStoredRows.size());
 }
 
-TEST(ParameterMemory, GoesWithASnapshotUnlessItIsKept) {
+TEST(ParameterMemory, IsRestoredWithASnapshotUnlessItIsKept) {
   AxisBank bank = bank_of({{}});
   const AxisBank::Snapshot empty = bank.snapshot();
   bank.set_stored(0, kProfileVelocity, 77);
@@ -191,7 +191,7 @@ TEST(ParameterMemoryError, IsAFaultAfterPowerUpThatAResetEnds) {
   EXPECT_EQ(axis.state(), operation_enabled);
 }
 
-TEST(ParameterMemoryError, ComesBackAtEachPowerUpUntilSomethingIsStored) {
+TEST(ParameterMemoryError, ReturnsAtEachPowerUpUntilParametersAreStored) {
   AxisUnderTest axis(axis_with_memory_error());
   axis.step(2);
   axis.command(0x0080);
@@ -207,7 +207,7 @@ TEST(ParameterMemoryError, ComesBackAtEachPowerUpUntilSomethingIsStored) {
   EXPECT_EQ(axis.state(), switch_on_disabled);
 }
 
-TEST(ParameterMemoryError, IsOfItsAxisAlone) {
+TEST(ParameterMemoryError, AffectsItsAxisOnly) {
   std::vector<AxisConfiguration> axes(3);
   axes[1].memory_error = true;
   AxisBank bank = bank_of(axes);

@@ -32,7 +32,7 @@ AxisConfiguration frictionless() {
   return configuration;
 }
 
-/// Enabled and asked to be far away as steeply as can be: the torque limit rules.
+/// Enabled, with a distant target and the steepest ramps: the torque limit decides.
 void saturate(AxisUnderTest& axis, int sign) {
   axis.write("following_error_window", 0xFFFFFFFF);
   axis.write("profile_velocity", 136'533);
@@ -129,7 +129,7 @@ TEST(Plant, CoulombFrictionStopsACoastingAxisInFiniteTimeWithoutCreep) {
   }
 }
 
-TEST(Plant, ATorqueBelowBreakAwayMovesNothingAndOneAboveDoes) {
+TEST(Plant, MovesOnlyAboveTheBreakAwayTorque) {
   AxisConfiguration configuration = frictionless();
   configuration.model.coulomb_friction = 0.05;
   for (const int sign : {1, -1}) {
@@ -147,7 +147,7 @@ TEST(Plant, ATorqueBelowBreakAwayMovesNothingAndOneAboveDoes) {
 // ---- torque limits
 // ----------------------------------------------------------------------------------
 
-TEST(Plant, TorqueLimitsHoldOnEachSignByThemselves) {
+TEST(Plant, TorqueLimitsHoldForEachSignSeparately) {
   for (const std::int64_t limit : {100, 500}) {
     for (const int sign : {1, -1}) {
       AxisUnderTest axis(frictionless());
@@ -275,7 +275,7 @@ TEST(Plant, DampingOfTheShaftDecaysTheRingingAtItsRate) {
   EXPECT_LE(last_peak, earliest + 1.5);
 }
 
-TEST(Plant, ThePairMovesAsOneMassOnAverage) {
+TEST(Plant, TwoInertiasMoveAsOneMassOnAverage) {
   AxisUnderTest axis(elastic(2.0));
   axis.write("test_load_torque", 100);
   axis.step(1'000);
@@ -303,7 +303,7 @@ TEST(Plant, AStiffShaftBehavesLikeTheRigidAxis) {
   EXPECT_TRUE(elastic_axis.reached());
 }
 
-TEST(Plant, InsideTheBacklashTheLoadDoesNotFeelTheMotor) {
+TEST(Plant, InsideTheBacklashNoTorqueReachesTheLoad) {
   AxisConfiguration configuration = elastic(2'000.0);
   configuration.model.coupling_damping = 0.05;
   configuration.model.backlash = 0.2;  // ±0.1 rad = ±65 units
@@ -445,7 +445,7 @@ TEST(Plant, TheDefaultEncoderGivesAUsableSpeed) {
   }
 }
 
-TEST(Plant, WithOneEncoderBothReadingsAreTheMotors) {
+TEST(Plant, WithOneEncoderBothReadingsComeFromTheMotor) {
   AxisConfiguration configuration = elastic(20.0);
   configuration.model.coupling_damping = 0.02;
   configuration.model.feedback = Feedback::single_encoder;
@@ -513,7 +513,7 @@ void expect_stable(Coupling coupling, double inertia_ratio) {
     axis.command(0x003F);
     axis.step_for(microseconds{3'000'000});
     EXPECT_EQ(axis.actual(), 20'000);
-    // Coulomb friction of 0.05 N.m is 17 ‰ of 3 N.m: at rest no more is asked for.
+    // Coulomb friction of 0.05 N.m is 17 ‰ of 3 N.m: at rest no more is needed.
     EXPECT_LE(torque_at_rest(axis), 40);
   }
 }
@@ -530,7 +530,7 @@ TEST(Plant, TheDefaultTuningIsStableForAnElasticLoadOfATenthToThirtyTimesTheMoto
   }
 }
 
-TEST(Plant, AntiWindUpLetsAReleasedAxisComeBackAndSettle) {
+TEST(Plant, AntiWindUpLetsAReleasedAxisReturnAndSettle) {
   AxisUnderTest axis;
   axis.write("following_error_window", 0xFFFFFFFF);
   axis.enable();
@@ -546,7 +546,7 @@ TEST(Plant, AntiWindUpLetsAReleasedAxisComeBackAndSettle) {
 // ---- sub-steps
 // --------------------------------------------------------------------------------------
 
-TEST(Plant, FreeMotionIsExactWhateverTheSubStep) {
+TEST(Plant, FreeMotionIsExactForAnySubStep) {
   // 0.1 s under a constant load torque with viscous friction: x = T/b (t - τ (1 - e^(-t/τ))).
   AxisConfiguration configuration = frictionless();
   configuration.model.viscous_friction = 6.0e-3;  // τ = 0.1 s
@@ -672,7 +672,7 @@ TEST(PlantModel, AnUndampedTwoInertiaSystemKeepsItsEnergyWithoutInput) {
     axis.set_load_torque(0.0);
     const double energy = axis.energy();
     ASSERT_GT(energy, 1.0e-3);
-    // 4 s: at 18.4 Hz (gear 1:1) 73 periods, each sub-step looked at.
+    // 4 s: at 18.4 Hz (gear 1:1) 73 periods, each sub-step checked.
     for (int i = 0; i < 32'000; ++i) {
       axis.step();
       ASSERT_NEAR(axis.energy(), energy, 1.0e-9 * energy) << "sub-step " << i;
@@ -680,7 +680,7 @@ TEST(PlantModel, AnUndampedTwoInertiaSystemKeepsItsEnergyWithoutInput) {
   }
 }
 
-TEST(PlantModel, ATwistedShaftLetGoSwapsItsEnergyBetweenTwistAndSpeed) {
+TEST(PlantModel, AReleasedTwistedShaftExchangesEnergyBetweenTwistAndSpeed) {
   // ω = sqrt(k (1/Jm + 1/Jl)) = 115.47 rad/s: after a quarter of a period the shaft is straight,
   // and all of ½ k φ² = 0.01 J is in the speeds: J v² = 0.01, v = 5.7735 rad/s on each side.
   const double omega = std::sqrt(2.0 * 2.0 / 3.0e-4);
@@ -695,7 +695,7 @@ TEST(PlantModel, ATwistedShaftLetGoSwapsItsEnergyBetweenTwistAndSpeed) {
   EXPECT_NEAR(axis.load_velocity(), -std::sqrt(0.01 / 3.0e-4), 1.0e-9);
 }
 
-TEST(PlantModel, FrictionAndDampingNeverGiveEnergy) {
+TEST(PlantModel, FrictionAndDampingNeverAddEnergy) {
   struct Row {
     const char* name;
     double AxisModel::*parameter;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The power state machine against an independent model: the reaction matrix and the transition
-// table of CiA 402 as data, looked up by the masks of the command coding. First the machine by
+// table of CiA 402 as data, found by the masks of the command coding. First the machine by
 // itself for every word, then whole axes for every word and every event of a tick.
 #include "vdrive/cia402/power_state_machine.hpp"
 
@@ -231,7 +231,7 @@ constexpr std::array<Start, 10> kStarts{{
     {fault, PowerCommand::none},
 }};
 
-TEST(PowerStateMachine, EveryWordInEveryStateDoesWhatTheReactionMatrixSays) {
+TEST(PowerStateMachine, EveryControlwordInEveryStateFollowsTheReactionMatrix) {
   for (const Start& start : kStarts) {
     const PowerStateMachine machine = machine_in(start.state, start.pending);
     ASSERT_EQ(machine.state(), start.state);
@@ -249,7 +249,7 @@ TEST(PowerStateMachine, EveryWordInEveryStateDoesWhatTheReactionMatrixSays) {
   }
 }
 
-TEST(PowerStateMachine, EveryOptionCodeAndSettingDoesWhatTheSheetSays) {
+TEST(PowerStateMachine, EveryOptionCodeAndSettingFollowsTheSheet) {
   for (const Start& start : kStarts) {
     const PowerStateMachine machine = machine_in(start.state, start.pending);
     for (std::int8_t quick_stop = 0; quick_stop <= 8; ++quick_stop) {
@@ -283,7 +283,7 @@ TEST(PowerStateMachine, AFaultLeadsFromEveryStateToFaultReactionActiveOnce) {
   }
 }
 
-TEST(PowerStateMachine, ALostDcLinkFallsToSwitchOnDisabledFromTheStatesWithoutPower) {
+TEST(PowerStateMachine, ALostDcLinkLeadsToSwitchOnDisabledFromStatesWithoutPower) {
   for (const Start& start : kStarts) {
     PowerStateMachine machine = machine_in(start.state, start.pending);
     const TransitionSet taken = machine.voltage_lost();
@@ -299,7 +299,7 @@ TEST(PowerStateMachine, ALostDcLinkFallsToSwitchOnDisabledFromTheStatesWithoutPo
   }
 }
 
-TEST(PowerStateMachine, TheEndOfAStopTakesTheTransitionOfItsState) {
+TEST(PowerStateMachine, TheEndOfAStopTriggersTheTransitionOfItsState) {
   for (const Start& start : kStarts) {
     for (std::int8_t option = 0; option <= 8; ++option) {
       PowerStateMachine machine = machine_in(start.state, start.pending);
@@ -326,7 +326,7 @@ TEST(PowerStateMachine, TheEndOfAStopTakesTheTransitionOfItsState) {
   }
 }
 
-TEST(PowerStateMachine, InitialisingLeavesNotReadyToSwitchOnAndNothingElse) {
+TEST(PowerStateMachine, InitialisingLeavesOnlyNotReadyToSwitchOn) {
   for (const Start& start : kStarts) {
     PowerStateMachine machine = machine_in(start.state, start.pending);
     const TransitionSet taken = machine.initialised();
@@ -393,7 +393,7 @@ void drive_to(AxisUnderTest& axis, PowerState state) {
 
 class ReactionMatrix : public testing::TestWithParam<MatrixRow> {};
 
-TEST_P(ReactionMatrix, HoldsOnAnAxis) {
+TEST_P(ReactionMatrix, HoldsForAnAxis) {
   const MatrixRow& row = GetParam();
   AxisUnderTest axis;
   drive_to(axis, row.from);
@@ -470,7 +470,7 @@ INSTANTIATE_TEST_SUITE_P(
         MatrixRow{"T15_fault_reset", fault, 0x86, switch_on_disabled}),
     name_of_row);
 
-TEST(ReactionMatrix, T5DisableOperationAtRestIsDoneWithinTwoTicks) {
+TEST(ReactionMatrix, T5DisableOperationAtRestEndsWithinTwoTicks) {
   AxisUnderTest axis;
   axis.enable();
   axis.controlword(0x0007);
@@ -478,7 +478,7 @@ TEST(ReactionMatrix, T5DisableOperationAtRestIsDoneWithinTwoTicks) {
   EXPECT_EQ(axis.statusword(), 0x0233) << "the manual's 563";
 }
 
-TEST(ReactionMatrix, T16EnableOperationReEnablesWhere605AhStays) {
+TEST(ReactionMatrix, T16EnableOperationReEnablesWhere605AhKeepsQuickStopActive) {
   for (std::int64_t option = 0; option <= 8; ++option) {
     AxisUnderTest axis;
     axis.write("quick_stop_option_code", option);
@@ -495,7 +495,7 @@ enum class Event { nothing, fault, master_silent, dc_link_lost };
 
 constexpr std::size_t kBankAxes = 256;
 
-/// Powers an axis of the bank into `state`, bit 7 of the controlword as asked for.
+/// Powers an axis of the bank into `state`, bit 7 of the controlword as given.
 class StateDriver {
  public:
   StateDriver() : bank_(std::vector<AxisConfiguration>(kBankAxes), std::chrono::milliseconds{1}) {}
@@ -632,9 +632,9 @@ void sweep_words(PowerState from, bool bit7, bool stays, Event event) {
   }
 }
 
-class EveryWord : public testing::TestWithParam<PowerState> {};
+class EveryControlword : public testing::TestWithParam<PowerState> {};
 
-TEST_P(EveryWord, DoesWhatTheTablesSayWhateverElseHappensInTheTick) {
+TEST_P(EveryControlword, FollowsTheTablesTogetherWithAnyOtherEventOfTheTick) {
   for (const bool bit7 : {false, true}) {
     for (const Event event :
          {Event::nothing, Event::fault, Event::master_silent, Event::dc_link_lost}) {
@@ -652,7 +652,7 @@ std::string name_of_state(const testing::TestParamInfo<PowerState>& info) {
   return name;
 }
 
-INSTANTIATE_TEST_SUITE_P(PowerStateMachine, EveryWord,
+INSTANTIATE_TEST_SUITE_P(PowerStateMachine, EveryControlword,
                          testing::Values(not_ready_to_switch_on, switch_on_disabled,
                                          ready_to_switch_on, switched_on, operation_enabled,
                                          quick_stop_active, fault_reaction_active, fault),
@@ -678,7 +678,7 @@ constexpr std::array<OptionObject, 6> kOptions{{{"quick_stop_option_code", 0, 8,
 
 enum Option { k605A, k605B, k605C, k605D, k605E, k6007 };
 
-// Ramps that one tick tells apart: off the speed they take 400, 800 and 1600 units/s.
+// Ramps that one tick distinguishes: from the speed they take 400, 800 and 1600 units/s.
 constexpr double kNormalRamp = 400'000.0;      // 6084h
 constexpr double kQuickRamp = 800'000.0;       // 6085h
 constexpr double kSteepestRamp = 1'600'000.0;  // 60C6h
@@ -771,7 +771,7 @@ class WalkModel {
   }
 
   /// What happens by itself at the start of a tick. `may_end` and `must_end`: what the speeds of
-  /// the last tick say of a stop; between them lie their roundings, and the drive tells by what it
+  /// the last tick give for a stop; they differ by rounding, and the drive decides by what it
   /// shows after the tick.
   void begin_tick(bool may_end, bool must_end, PowerState shown, bool shown_power) {
     if (state_ == not_ready_to_switch_on) {
@@ -1067,7 +1067,7 @@ void expect_every_option_exercised(const WalkCounts& counts) {
 }
 
 // A million ticks in a build with optimisation, a tenth of it without (sanitizers).
-TEST(PowerStateMachine, ARandomWalkAgreesWithTheTablesInEveryTickAndMeetsEveryOptionCode) {
+TEST(PowerStateMachine, ARandomWalkFollowsTheTablesInEveryTickAndCoversEveryOptionCode) {
   Walk walk;
   const std::uint64_t ticks = test::case_count(1'000'000, 10'000'000);
   for (std::uint64_t tick = 0; tick < ticks; ++tick) {

@@ -137,7 +137,7 @@ TEST_F(ProfilePosition, TheManualsActionTableHolds) {
   }
 }
 
-TEST_F(ProfilePosition, ThreeThousandFiveShowsWhetherTheMotorIsEnabled) {
+TEST_F(ProfilePosition, Object3005hShowsWhetherTheMotorIsEnabled) {
   EXPECT_EQ(axis.read("motor_op_status"), 0);
   axis.command(0x0006);
   EXPECT_EQ(axis.read("motor_op_status"), 0);
@@ -175,7 +175,7 @@ TEST_F(ProfilePosition, TheAcknowledgeDropsWithBit4InTheSameTick) {
   EXPECT_EQ(axis.command(0x000F), 0x0237);
 }
 
-TEST_F(ProfilePosition, APulseOfBit4WithinOneTickLatches) {
+TEST_F(ProfilePosition, APulseOfBit4WithinOneTickIsASetPoint) {
   axis.enable();
   axis.write("position_user_target_value", 1'000);
   axis.controlword(0x001F);
@@ -185,7 +185,7 @@ TEST_F(ProfilePosition, APulseOfBit4WithinOneTickLatches) {
   EXPECT_EQ(axis.demand(), 1'000);
 }
 
-TEST_F(ProfilePosition, WordsOfOneTickDoWhatTheyWouldInThree) {
+TEST_F(ProfilePosition, ControlwordsOfOneTickActAsInThreeTicks) {
   axis.write("op_mode_cmd", 1);
   axis.write("position_user_target_value", 1'000);
   for (const unsigned word : {0x06U, 0x07U, 0x0FU}) {
@@ -210,7 +210,7 @@ TEST_F(ProfilePosition, ObjectsWrittenInTheTickOfTheControlwordTakeEffectBeforeI
   EXPECT_EQ(axis.demand_velocity(), 2'000);
 }
 
-TEST_F(ProfilePosition, AnEdgeInTheWordThatEnablesIsIgnoredAndCounted) {
+TEST_F(ProfilePosition, AnEdgeInTheEnablingControlwordIsIgnoredAndCounted) {
   axis.write("op_mode_cmd", 1);
   axis.write("position_user_target_value", 10'000);
   EXPECT_EQ(axis.command(0x001F), 0x0637);
@@ -227,7 +227,7 @@ TEST_F(ProfilePosition, AnEdgeOutsideOperationEnabledIsIgnored) {
   EXPECT_EQ(axis.status().ignored_set_points, 1U);
 }
 
-TEST_F(ProfilePosition, TheSetPointIsWhatStoodInTheObjectsAtTheEdge) {
+TEST_F(ProfilePosition, TheSetPointHasTheObjectValuesAtTheEdge) {
   axis.enable();
   set_profile(5'000, 1'000'000, 1'000'000);
   axis.write("position_user_target_value", 10'000);
@@ -630,7 +630,7 @@ TEST_F(ProfilePosition, AnAbsoluteMoveNeverTakesTheShortWay) {
   EXPECT_LT(fresh.demand_velocity(), 0);
 }
 
-TEST_F(ProfilePosition, OnTheVeryEndOfTheRegisterAnAbsoluteTargetIsWhatItShows) {
+TEST_F(ProfilePosition, AnAbsoluteTargetAtTheEndOfTheRegisterIsExact) {
   AxisConfiguration configuration;
   configuration.initial_position = 2'147'483'000;
   AxisUnderTest fresh(configuration);
@@ -647,7 +647,7 @@ TEST_F(ProfilePosition, OnTheVeryEndOfTheRegisterAnAbsoluteTargetIsWhatItShows) 
   EXPECT_EQ(fresh.demand_velocity(), 0) << "not once round the register";
 }
 
-TEST_F(ProfilePosition, AfterAWrapAnAbsoluteTargetIsWhatTheRegisterShows) {
+TEST_F(ProfilePosition, AnAbsoluteTargetAfterAWrapIsTheRegisterValue) {
   AxisConfiguration configuration;
   configuration.initial_position = 2'147'480'000;
   AxisUnderTest fresh(configuration);
@@ -723,7 +723,7 @@ TEST_F(Halt, BrakesWithTheProfileDecelerationAndStaysEnabled) {
   EXPECT_NE(axis.step_until_status(0xFFFF, 0x0637, 100), 0U);
 }
 
-TEST_F(Halt, Bit10ThenMeansThatTheSpeedIsZero) {
+TEST_F(Halt, Bit10ShowsZeroSpeed) {
   axis.controlword(0x010F);
   for (int i = 0; i < 400; ++i) {
     axis.step();
@@ -737,13 +737,13 @@ TEST_F(Halt, Bit10ThenMeansThatTheSpeedIsZero) {
   EXPECT_TRUE(axis.reached());
 }
 
-TEST_F(Halt, WithBit4HeldTheAcknowledgeStays) {
+TEST_F(Halt, KeepsTheAcknowledgeWhileBit4IsHeld) {
   EXPECT_EQ(axis.command(0x013F), 0x1237);
   axis.step(400);
   EXPECT_EQ(axis.statusword(), 0x1637);
 }
 
-TEST_F(Halt, ReleasedWithout4ItResumesTheLatchedMove) {
+TEST_F(Halt, ReleasedWithoutBit4ResumesTheLatchedMove) {
   axis.command(0x010F);
   axis.step(400);
   axis.write("position_user_target_value", -5);  // not latched
@@ -753,7 +753,7 @@ TEST_F(Halt, ReleasedWithout4ItResumesTheLatchedMove) {
   EXPECT_EQ(axis.demand(), 100'000);
 }
 
-TEST_F(Halt, ReleasedWithAnEdgeItStartsANewAbsoluteMove) {
+TEST_F(Halt, ReleasedWithAnEdgeStartsANewAbsoluteMove) {
   axis.command(0x010F);
   axis.step(400);
   EXPECT_EQ(axis.command(0x003F), 0x1237);
@@ -762,7 +762,7 @@ TEST_F(Halt, ReleasedWithAnEdgeItStartsANewAbsoluteMove) {
   EXPECT_EQ(axis.demand(), 100'000);
 }
 
-TEST_F(Halt, ReleasedWithARelativeEdgeItAddsAnotherIncrement) {
+TEST_F(Halt, ReleasedWithARelativeEdgeAddsAnotherIncrement) {
   axis.command(0x010F);
   axis.step(400);
   const std::int32_t actual = axis.actual();
@@ -772,7 +772,7 @@ TEST_F(Halt, ReleasedWithARelativeEdgeItAddsAnotherIncrement) {
   EXPECT_EQ(axis.demand(), actual + 5'000);
 }
 
-TEST_F(Halt, ReleasedBeforeStandstillItSpeedsUpFromTheSpeedItHas) {
+TEST_F(Halt, ReleasedBeforeStandstillAcceleratesFromThePresentSpeed) {
   axis.command(0x010F);
   axis.step(99);
   EXPECT_NEAR(axis.demand_velocity(), 10'000, 1);
@@ -782,7 +782,7 @@ TEST_F(Halt, ReleasedBeforeStandstillItSpeedsUpFromTheSpeedItHas) {
   EXPECT_EQ(axis.demand(), 100'000);
 }
 
-TEST_F(Halt, AWordThatDropsHaltAndRaisesBit4StartsTheMove) {
+TEST_F(Halt, ReleasedTogetherWithAnEdgeStartsTheMove) {
   axis.command(0x012F);
   axis.step(400);
   axis.write("position_user_target_value", 40'000);
@@ -805,7 +805,7 @@ TEST_F(Halt, AnEdgeWhileHaltedIsAcknowledgedAndStartsOnRelease) {
   EXPECT_EQ(axis.demand(), 30'000);
 }
 
-TEST(HaltSetting, AnEdgeWhileHaltedIsIgnoredWhereTheAxisIsSetSo) {
+TEST(HaltSetting, MakesTheAxisIgnoreAnEdgeWhileHalted) {
   AxisConfiguration configuration;
   configuration.settings.acknowledge_while_halted = false;
   AxisUnderTest axis(configuration);
@@ -819,7 +819,7 @@ TEST(HaltSetting, AnEdgeWhileHaltedIsIgnoredWhereTheAxisIsSetSo) {
   EXPECT_EQ(axis.command(0x003F), 0x1237) << "the edge after the halt counts";
 }
 
-TEST_F(Halt, ABufferedSetPointSurvivesIt) {
+TEST_F(Halt, KeepsABufferedSetPoint) {
   axis.command(0x000F);
   start(120'000, 0x001F);
   axis.command(0x010F);
@@ -830,7 +830,7 @@ TEST_F(Halt, ABufferedSetPointSurvivesIt) {
   EXPECT_EQ(axis.demand(), 120'000);
 }
 
-TEST_F(ProfilePosition, HaltWithoutAMoveIsStandstill) {
+TEST_F(ProfilePosition, HaltWithoutAMoveShowsStandstill) {
   axis.enable();
   EXPECT_EQ(axis.command(0x010F), 0x0637);
   EXPECT_EQ(axis.step(100), 0x0637);
@@ -849,7 +849,7 @@ TEST_F(ProfilePosition, HaltAfterTheArrivalKeepsTheAcknowledgeOfAHeldBit4) {
 // ---- target reached
 // ---------------------------------------------------------------------------------
 
-TEST_F(ProfilePosition, Bit10ComesWithTheArrivalWhenTheWindowTimeHasPassedOnTheWay) {
+TEST_F(ProfilePosition, Bit10RisesOnArrivalWhenTheWindowTimeHasPassedBefore) {
   // At 6000/s² the last 100 units take sqrt(2·100/6000) = 0.18 s, more than 6068h = 20 ms.
   axis.enable();
   set_profile(1'000, 6'000, 6'000);
@@ -871,7 +871,7 @@ TEST_F(ProfilePosition, Bit10WaitsForTheWindowTime) {
   EXPECT_NEAR(static_cast<double>(run_to_target() + 1), 984.0, 4.0);
 }
 
-TEST_F(ProfilePosition, TheWindowTimeIsMeasuredOnThePublishedPositions) {
+TEST_F(ProfilePosition, TheWindowTimeIsMeasuredWithThePublishedPositions) {
   // An independent timer: cleared outside and at the acceptance, running from the first tick
   // inside.
   AxisConfiguration soft;
@@ -935,7 +935,7 @@ TEST_F(ProfilePosition, Bit10FallsWhenTheAxisIsPushedOutOfTheWindowAndReturnsAft
   EXPECT_LE(std::abs(axis.actual()), 5);
 }
 
-TEST_F(ProfilePosition, OnEnablingBit10IsThereAtOnceWhereverTheAxisStands) {
+TEST_F(ProfilePosition, Bit10IsSetAtOnceOnEnablingAtAnyPosition) {
   AxisConfiguration configuration;
   configuration.initial_position = -1'234'567;
   AxisUnderTest dut(configuration);
@@ -966,7 +966,7 @@ TEST_F(SoftwareLimits, HaveNoEffectWhile3535hIsOff) {
   EXPECT_EQ(axis.statusword(), 0x0637);
 }
 
-TEST_F(SoftwareLimits, ClampTheLatchedTargetAndTheClampedMoveEndsReached) {
+TEST_F(SoftwareLimits, ClampTheLatchedTargetAndTheMoveReachesIt) {
   for (const std::int64_t sign : {1, -1}) {
     start(sign * 10'000);
     run_to_target();
@@ -977,7 +977,7 @@ TEST_F(SoftwareLimits, ClampTheLatchedTargetAndTheClampedMoveEndsReached) {
   }
 }
 
-TEST_F(SoftwareLimits, Bit11IsThereOnlyAtTheLimit) {
+TEST_F(SoftwareLimits, SetBit11OnlyAtTheLimit) {
   EXPECT_FALSE(axis.limit_active());
   axis.write("position_user_target_value", 10'000);
   axis.controlword(0x003F);
@@ -990,7 +990,7 @@ TEST_F(SoftwareLimits, Bit11IsThereOnlyAtTheLimit) {
   }
 }
 
-TEST_F(SoftwareLimits, ClampRelativeTargetsToo) {
+TEST_F(SoftwareLimits, ClampRelativeTargets) {
   start(4'000);
   run_to_target();
   start(3'000, 0x007F);
@@ -998,7 +998,7 @@ TEST_F(SoftwareLimits, ClampRelativeTargetsToo) {
   EXPECT_EQ(axis.demand(), 5'000);
 }
 
-TEST_F(SoftwareLimits, OutsideTheRangeTheAxisWarnsAndMovesOnlyInward) {
+TEST_F(SoftwareLimits, WarnOutsideTheRangeAndAllowOnlyInwardMoves) {
   axis.write("app_position_limit_switch", 0);
   start(8'000);
   run_to_target();
@@ -1026,7 +1026,7 @@ TEST_F(SoftwareLimits, AreOffWhenTheLowerIsNotBelowTheUpper) {
   }
 }
 
-TEST_F(SoftwareLimits, TheDefaultsAreNoLimits) {
+TEST_F(SoftwareLimits, DoNotLimitByDefault) {
   AxisConfiguration configuration;
   configuration.initial_position = std::numeric_limits<std::int32_t>::max();
   AxisUnderTest dut(configuration);
@@ -1038,7 +1038,7 @@ TEST_F(SoftwareLimits, TheDefaultsAreNoLimits) {
 // ---- mode
 // -------------------------------------------------------------------------------------------
 
-TEST_F(ProfilePosition, TheModeFollowsWithinOneTickInEveryStateAtRest) {
+TEST_F(ProfilePosition, TheModeChangesWithinOneTickInEveryStateAtRest) {
   for (const unsigned word : {0x00U, 0x06U, 0x07U, 0x0FU}) {
     axis.command(static_cast<std::uint16_t>(word));
     axis.step(2);
@@ -1050,7 +1050,7 @@ TEST_F(ProfilePosition, TheModeFollowsWithinOneTickInEveryStateAtRest) {
   }
 }
 
-TEST_F(ProfilePosition, TheModeFollowsAtRestAlsoWithHaltSet) {
+TEST_F(ProfilePosition, TheModeChangesAtRestWithHaltSet) {
   axis.enable();
   axis.command(0x010F);
   axis.write("op_mode_cmd", 0);
@@ -1141,7 +1141,7 @@ TEST_F(ProfilePosition, TheMotorSpeedBoundsTheSpeedLimit) {
   EXPECT_EQ(axis.demand_velocity(), 68'267);  // 1000·4096/60 = 68266.67
 }
 
-TEST_F(ProfilePosition, ANewSpeedLimitTakesEffectAfterDisablingAndEnablingOnly) {
+TEST_F(ProfilePosition, ANewSpeedLimitTakesEffectOnlyAtTheNextEnabling) {
   axis.enable();
   set_profile(50'000, 1'000'000, 1'000'000);
   start(10'000'000);
@@ -1161,7 +1161,7 @@ TEST_F(ProfilePosition, ANewSpeedLimitTakesEffectAfterDisablingAndEnablingOnly) 
   EXPECT_EQ(axis.demand_velocity(), 10'000);
 }
 
-TEST_F(ProfilePosition, ANewMotorSpeedTakesEffectAfterDisablingAndEnablingOnly) {
+TEST_F(ProfilePosition, ANewMotorSpeedTakesEffectOnlyAtTheNextEnabling) {
   axis.enable();
   set_profile(50'000, 1'000'000, 1'000'000);
   axis.write("motor_max_speed_rpm", 60);
@@ -1177,7 +1177,7 @@ TEST_F(ProfilePosition, ANewMotorSpeedTakesEffectAfterDisablingAndEnablingOnly) 
   EXPECT_EQ(axis.demand_velocity(), 4'096);
 }
 
-TEST_F(ProfilePosition, TheAccelerationLimitsCapTheRampsAndLeaveTheRegisters) {
+TEST_F(ProfilePosition, TheAccelerationLimitsCapTheRampsAndKeepTheRegisterValues) {
   axis.write("app_acc_limit", 50'000);
   axis.write("app_dec_limit", 20'000);
   axis.enable();
@@ -1207,7 +1207,7 @@ TEST_F(ProfilePosition, RampsAndLimitsOf0CountAs1) {
   }
 }
 
-TEST_F(ProfilePosition, TheAccelerationIsLiveDuringMotion) {
+TEST_F(ProfilePosition, TheAccelerationTakesEffectDuringMotion) {
   axis.enable();
   set_profile(60'000, 100'000, 100'000);
   start(1'000'000);
@@ -1221,7 +1221,7 @@ TEST_F(ProfilePosition, TheAccelerationIsLiveDuringMotion) {
   EXPECT_NEAR(axis.demand_velocity(), 35'000, 1);
 }
 
-TEST_F(ProfilePosition, TheDecelerationIsLiveDuringMotion) {
+TEST_F(ProfilePosition, TheDecelerationTakesEffectDuringMotion) {
   axis.enable();
   set_profile(20'000, 1'000'000, 1'000'000);
   start(50'000);
@@ -1238,7 +1238,7 @@ TEST_F(ProfilePosition, TheDecelerationIsLiveDuringMotion) {
   EXPECT_EQ(axis.demand(), 50'000);
 }
 
-TEST_F(ProfilePosition, ADecelerationTooSmallForTheRestOvershootsAndReturns) {
+TEST_F(ProfilePosition, ATooSmallDecelerationOvershootsAndReturns) {
   axis.enable();
   set_profile(20'000, 1'000'000, 100'000);
   start(50'000);

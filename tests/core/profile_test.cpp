@@ -77,7 +77,7 @@ TEST(TrapezoidalProfile, RunsTheManualsExampleIn10166Milliseconds) {
   EXPECT_TRUE(profile.reaches_target());
 }
 
-TEST(TrapezoidalProfile, RestsAtItsEndForEver) {
+TEST(TrapezoidalProfile, StaysAtItsEnd) {
   const Profile profile = plan(kManual);
 
   for (const double time : {profile.duration(), 1e300, std::numeric_limits<double>::infinity()}) {
@@ -109,7 +109,7 @@ TEST(TrapezoidalProfile, UsesAccelerationToSpeedUpAndDecelerationToSlowDown) {
   EXPECT_EQ(profile.at(3.0).acceleration, -500.0);
 }
 
-TEST(TrapezoidalProfile, AZeroLengthMoveIsOverAtOnce) {
+TEST(TrapezoidalProfile, AZeroLengthMoveEndsAtOnce) {
   const Profile profile = plan({{7.0, 0.0}, 7.0, {1000.0, 10.0, 10.0}});
 
   EXPECT_EQ(profile.duration(), 0.0);
@@ -128,7 +128,7 @@ TEST(TrapezoidalProfile, ReversesWhenTargetLiesInsideStoppingDistance) {
   EXPECT_EQ(profile.end_position(), 100.0);
 }
 
-TEST(TrapezoidalProfile, TurnsRoundWhenTheTargetLiesBehind) {
+TEST(TrapezoidalProfile, ReversesWhenTheTargetLiesBehind) {
   const Profile profile = plan({{0.0, 1000.0}, -1000.0, {1000.0, 1000.0, 1000.0}});
 
   // Stop at 500 after 1 s; back 1500: 0.5 s up, 1 s at 1000, ... 500 + 500 + 500 units.
@@ -145,14 +145,14 @@ TEST(TrapezoidalProfile, SlowsDownToALowerLimitWithTheDeceleration) {
   EXPECT_NEAR(profile.duration(), 2.0 + 6.0 + 2.0, 1e-12);
 }
 
-TEST(TrapezoidalProfile, SpeedsUpToAHigherLimitFromWhereItIs) {
+TEST(TrapezoidalProfile, AcceleratesToAHigherLimitFromThePresentSpeed) {
   const Profile profile = plan({{0.0, 500.0}, 10000.0, {1000.0, 1000.0, 1000.0}});
 
   EXPECT_NEAR(profile.at(0.5).velocity, 1000.0, 1e-9);
   EXPECT_NEAR(profile.at(0.5).position, 375.0, 1e-9);  // (500 + 1000)/2·0.5
 }
 
-TEST(TrapezoidalProfile, WithoutVelocityItStaysAndDoesNotReachTheTarget) {
+TEST(TrapezoidalProfile, WithoutVelocityStaysAndDoesNotReachTheTarget) {
   const Profile profile = plan({{3.0, 0.0}, 10.0, {0.0, 10.0, 10.0}});
 
   EXPECT_EQ(profile.duration(), 0.0);
@@ -160,7 +160,7 @@ TEST(TrapezoidalProfile, WithoutVelocityItStaysAndDoesNotReachTheTarget) {
   EXPECT_FALSE(profile.reaches_target());
 }
 
-TEST(TrapezoidalProfile, WithoutVelocityItBrakesFromMotion) {
+TEST(TrapezoidalProfile, WithoutVelocityBrakesFromMotion) {
   const Profile profile = plan({{0.0, -100.0}, 10.0, {0.0, 10.0, 50.0}});
 
   EXPECT_NEAR(profile.duration(), 2.0, 1e-12);
@@ -352,7 +352,7 @@ void expect_symmetry(const Case& c, const Profile& profile) {
   }
 }
 
-/// The piece in force at `time` moves as its own acceleration says over any shorter step: sampling
+/// The piece in force at `time` moves with its own acceleration over any shorter step: sampling
 /// in one step or in many gives the same.
 void expect_same_in_many_steps(const Case& c, const Profile& profile, Random& random) {
   const Tolerance tolerance = tolerance_of(c, profile);
@@ -463,7 +463,7 @@ void expect_minimum_time(const Case& c, const Profile& profile) {
   ASSERT_LE(profile.duration(), longest * (1.0 + 1e-11) + 1e-15) << c << " slower than necessary";
 }
 
-TEST(ProfileProperties, EndExactlyWithinLimitsContinuousAndSymmetricOverTheWholeDomain) {
+TEST(ProfileProperties, ExactEndLimitsContinuityAndSymmetryHoldOverTheWholeDomain) {
   Random random(1);
   const std::uint64_t count = case_count(100'000, 10'000'000);
   for (std::uint64_t i = 0; i < count; ++i) {
@@ -486,7 +486,7 @@ TEST(ProfileProperties, ReplanningInTheMiddleChangesNothing) {
   }
 }
 
-TEST(ProfileProperties, AreAsFastAsABisectionOverReachablePositionsFinds) {
+TEST(ProfileProperties, DurationEqualsTheShortestThatABisectionFinds) {
   Random random(3);
   const std::uint64_t count = case_count(30'000, 1'000'000);
   for (std::uint64_t i = 0; i < count; ++i) {
@@ -591,7 +591,7 @@ void expect_all_properties(const Case& c, Random& random) {
   ASSERT_NO_FATAL_FAILURE(expect_minimum_time(c, profile));
 }
 
-TEST(ProfileProperties, HoldAtTheEndsOfEveryRegisterAllWithAll) {
+TEST(ProfileProperties, HoldForAllCombinationsOfRegisterExtremes) {
   Random random(6);
   std::uint64_t cases = 0;
   for (const Case& way : extreme_ways()) {
@@ -656,7 +656,7 @@ void expect_demand_on_the_profile(const AxisCase& c, int ticks) {
   ASSERT_TRUE(!over || axis.demand() == c.to);
 }
 
-TEST(AxisDemand, IsTheProfileInEveryTickAtTheEndsOfTheRegisters) {
+TEST(AxisDemand, EqualsTheProfileInEveryTickAtTheEndsOfTheRegisters) {
   constexpr auto kLow = std::numeric_limits<std::int32_t>::min();
   constexpr auto kHigh = std::numeric_limits<std::int32_t>::max();
   const auto ticks = static_cast<int>(case_count(3'100, 10'000));
@@ -748,7 +748,7 @@ class LongRunningDrive {
 
   void set_demand_position(double position) { block_.demand.position[0] = position; }
 
-  /// So many ticks after the plan, in the `segment`th of its segments.
+  /// The given number of ticks after the plan, in its segment number `segment`.
   void go_to(double ticks, std::size_t segment) {
     block_.demand.plan_ticks[0] = ticks;
     put_segment(axis_, profile().segment(segment));
@@ -770,7 +770,7 @@ class LongRunningDrive {
 
 constexpr double kDay = 86'400.0;
 
-TEST(Uptime, AMoveAcrossTheWholeRangeIsOnItsLineAfter24And49Days) {
+TEST(Uptime, AMoveAcrossTheWholeRangeIsExactAfter24And49Days) {
   // 2³² - 1 units at 999 units/s last 4299266 s, 49.76 days: more than 2³² ticks of 1 ms.
   LongRunningDrive drive;
   drive.write("profile_velocity", 999);
@@ -803,7 +803,7 @@ TEST(Uptime, AMoveAcrossTheWholeRangeIsOnItsLineAfter24And49Days) {
   EXPECT_EQ(drive.status().velocity_demand_value, 0);
 }
 
-TEST(Uptime, CountersOfTicksStandStillAtTheirEnds) {
+TEST(Uptime, TickCountersSaturate) {
   // At rest for 49.7 days: the window's time, the time in the state, the following error's time.
   for (const std::uint32_t ticks : {0x7FFFFFFFU, 0xFFFFFFFFU}) {
     LongRunningDrive drive;
@@ -818,7 +818,7 @@ TEST(Uptime, CountersOfTicksStandStillAtTheirEnds) {
     }
     EXPECT_GE(drive.state().window.dwell, ticks);
     EXPECT_GE(drive.state().power.ticks_in_state, ticks);
-    // What comes next is as on the first day.
+    // Later behaviour is that of a new axis.
     drive.write("position_user_target_value", 0);
     drive.write("ds402_controlword", 0x1F);
     drive.tick();
@@ -833,7 +833,7 @@ TEST(Uptime, CountersOfTicksStandStillAtTheirEnds) {
   }
 }
 
-TEST(Uptime, AFollowingErrorThatOnlyWarnsDoesSoFor49Days) {
+TEST(Uptime, AFollowingErrorWarningLastsFor49Days) {
   for (const std::uint32_t ticks : {0x7FFFFFFFU, 0xFFFFFFFFU}) {
     LongRunningDrive drive;
     drive.only_warn();
@@ -853,7 +853,7 @@ TEST(Uptime, AFollowingErrorThatOnlyWarnsDoesSoFor49Days) {
   }
 }
 
-TEST(Uptime, PositionsOfAnAxisThatTurnsOneWayForYearsKeepTheirUnit) {
+TEST(Uptime, PositionsStayExactOverYearsOfOneDirection) {
   // 2⁴⁰ units are 93 days at 136533 units/s; there the frame is taken back by whole turns of 2³².
   LongRunningDrive drive;
   drive.write("ds402_controlword", 0x0F);

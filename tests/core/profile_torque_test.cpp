@@ -77,7 +77,7 @@ TEST(ProfileTorque, TheDemandRampsWithTheSlope6087h) {
   }
 }
 
-TEST(ProfileTorque, ASlopeOf0CountsAs1AndActsLive) {
+TEST(ProfileTorque, ASlopeOf0CountsAs1AndTakesEffectDuringMotion) {
   AxisUnderTest axis;
   axis.write("test_blocked_load", 1);
   axis.write("torque_slope", 0);
@@ -151,7 +151,7 @@ TEST(ProfileTorque, TheTorqueIsLimitedBy6072h60E0hAnd60E1h) {
   EXPECT_EQ(axis.read("target_torque"), -1'000);
 }
 
-TEST(ProfileTorque, WhereALimitIsLiftedTheDemandRampsOn) {
+TEST(ProfileTorque, TheDemandContinuesItsRampAfterALimitIsRaised) {
   AxisUnderTest axis;
   axis.write("test_blocked_load", 1);
   axis.write("max_torque", 500);
@@ -171,7 +171,7 @@ TEST(ProfileTorque, WhereALimitIsLiftedTheDemandRampsOn) {
   EXPECT_EQ(axis.status().torque_demand, 900 + 79);
 }
 
-TEST(ProfileTorque, FromTheSpeedLimitTheTorqueComesBackAtOnce) {
+TEST(ProfileTorque, TheTorqueLeavesTheSpeedLimitAtOnce) {
   AxisUnderTest axis;
   ASSERT_NO_FATAL_FAILURE(run_with(axis, 1'000));
   axis.write("torque_slope", 8'000);
@@ -183,7 +183,7 @@ TEST(ProfileTorque, FromTheSpeedLimitTheTorqueComesBackAtOnce) {
   EXPECT_NEAR(axis.status().torque_demand, commanded - 7, 2);
 }
 
-TEST(ProfileTorque, FromALimitTheDemandComesBackAtOnce) {
+TEST(ProfileTorque, TheDemandLeavesATorqueLimitAtOnce) {
   for (const std::int64_t relative : {0, 500, 2'000}) {  // 60E0h off, equal, above 6072h
     AxisUnderTest axis;
     axis.write("test_blocked_load", 1);
@@ -200,7 +200,7 @@ TEST(ProfileTorque, FromALimitTheDemandComesBackAtOnce) {
   }
 }
 
-TEST(ProfileTorque, WithoutPowerThereIsNoTorque) {
+TEST(ProfileTorque, AppliesNoTorqueWithoutPower) {
   AxisUnderTest axis;
   axis.write("target_torque", 500);
   axis.write("op_mode_cmd", 4);
@@ -230,7 +230,7 @@ TEST(ProfileTorque, HasNoFollowingError) {
 // ---- speed
 // ----------------------------------------------------------------------------------------
 
-TEST(ProfileTorque, The607FhBoundsTheRunningSpeed) {
+TEST(ProfileTorque, TheRunningSpeedIsBoundedBy607Fh) {
   for (const std::int64_t period : {125, 1'000, 10'000}) {
     for (const std::int64_t torque : {100, -100, 1'000, -3'000}) {
       SCOPED_TRACE(torque);
@@ -249,7 +249,7 @@ TEST(ProfileTorque, The607FhBoundsTheRunningSpeed) {
   }
 }
 
-TEST(ProfileTorque, The6080hBoundsTheRunningSpeedToo) {
+TEST(ProfileTorque, TheRunningSpeedIsBoundedBy6080h) {
   AxisUnderTest axis;
   axis.write("motor_max_speed_rpm", 300);  // 20480 UU/s
   enable_profile_torque(axis);
@@ -261,7 +261,7 @@ TEST(ProfileTorque, The6080hBoundsTheRunningSpeedToo) {
   EXPECT_GT(axis.velocity(), 19'500);
 }
 
-TEST(ProfileTorque, A607FhIsInForceAfterEnabling) {
+TEST(ProfileTorque, ANew607FhIsInForceAfterTheNextEnabling) {
   AxisUnderTest axis;
   axis.write("app_speed_limit", 20'000);
   enable_profile_torque(axis);
@@ -289,7 +289,7 @@ TEST(ProfileTorque, TheSpeedLimitHoldsInBothDirectionsOfAGear) {
 // ---- halt and stops
 // -------------------------------------------------------------------------------
 
-TEST(ProfileTorque, HaltWithOption1TakesTheTorqueBackWithItsSlope) {
+TEST(ProfileTorque, HaltWithOption1ReducesTheTorqueWithItsSlope) {
   AxisUnderTest axis;
   axis.write("torque_slope", 8'000);
   enable_profile_torque(axis);
@@ -363,7 +363,7 @@ TEST_P(TorqueStop, TheFaultReactionBrakesWithTheRampOf605Eh) {
 INSTANTIATE_TEST_SUITE_P(Options, TorqueStop, testing::Values(2, 3, 4),
                          testing::PrintToStringParamName());
 
-TEST(ProfileTorque, QuickStopWithOption1TakesTheTorqueBack) {
+TEST(ProfileTorque, QuickStopWithOption1ReducesTheTorque) {
   AxisUnderTest axis;
   axis.write("quick_stop_option_code", 5);
   ASSERT_NO_FATAL_FAILURE(run_with(axis, 500));
@@ -377,7 +377,7 @@ TEST(ProfileTorque, QuickStopWithOption1TakesTheTorqueBack) {
   EXPECT_EQ(axis.statusword(), 0x0617);
 }
 
-TEST(ProfileTorque, DisableOperationTakesTheTorqueBackAndWaitsForStandstill) {
+TEST(ProfileTorque, DisableOperationReducesTheTorqueAndWaitsForStandstill) {
   AxisUnderTest axis;
   enable_profile_torque(axis);
   axis.write("target_torque", 50);
@@ -409,7 +409,7 @@ TEST(ProfileTorque, AModeChangeWhileRunningBrakesWith6084h) {
   }
 }
 
-TEST(ProfileTorque, AChangeToItTakesTheTorqueOverThatHoldsTheLoad) {
+TEST(ProfileTorque, EnteringTheModeContinuesWithTheTorqueThatHoldsTheLoad) {
   AxisUnderTest axis;
   axis.write("test_load_torque", -600);  // 200 per mille
   axis.enable();
@@ -452,7 +452,7 @@ TEST(ProfileTorque, ALimitSwitchStopsWith6085hAndOnlyANewTorqueStartsAgain) {
   }
 }
 
-TEST(ProfileTorque, ALimitSwitchLetsATorqueLeadAway) {
+TEST(ProfileTorque, ALimitSwitchAllowsATorqueAwayFromIt) {
   AxisUnderTest axis;
   ASSERT_NO_FATAL_FAILURE(run_with(axis, 500));
   axis.write("test_positive_limit_input", 1);
@@ -463,7 +463,7 @@ TEST(ProfileTorque, ALimitSwitchLetsATorqueLeadAway) {
   EXPECT_LT(axis.actual(), rest - 100);
 }
 
-TEST(ProfileTorque, ALoadDoesNotPushTheAxisThroughALimitSwitch) {
+TEST(ProfileTorque, ALoadCannotPushTheAxisThroughALimitSwitch) {
   AxisUnderTest axis;
   axis.write("app_speed_limit", 40'000);
   enable_profile_torque(axis);
@@ -477,7 +477,7 @@ TEST(ProfileTorque, ALoadDoesNotPushTheAxisThroughALimitSwitch) {
   EXPECT_NEAR(axis.actual(), rest, 2);
 }
 
-TEST(ProfileTorque, ALimitSwitchIsStrongerThanHalt) {
+TEST(ProfileTorque, ALimitSwitchOverridesHalt) {
   AxisUnderTest axis;
   ASSERT_NO_FATAL_FAILURE(run_with(axis, 500));
   const std::int32_t speed = axis.velocity();

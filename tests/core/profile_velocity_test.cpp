@@ -109,7 +109,7 @@ TEST(ProfileVelocity, AReversalBrakesWith6084hAndSpeedsUpWith6083h) {
   EXPECT_EQ(axis.demand_velocity(), -10'000);
 }
 
-TEST(ProfileVelocity, RampsAreCappedBy60C5hAnd60C6hAndKeepTheirValue) {
+TEST(ProfileVelocity, RampsAreCappedBy60C5hAnd60C6hAndKeepTheirRegisterValues) {
   AxisUnderTest axis;
   axis.write("profile_acc", 500'000);
   axis.write("profile_dec", 500'000);
@@ -126,7 +126,7 @@ TEST(ProfileVelocity, RampsAreCappedBy60C5hAnd60C6hAndKeepTheirValue) {
   EXPECT_EQ(axis.read("profile_acc"), 500'000);
 }
 
-TEST(ProfileVelocity, RampsActLiveAnd0CountsAs1) {
+TEST(ProfileVelocity, RampsTakeEffectDuringMotionAnd0CountsAs1) {
   AxisUnderTest axis;
   enable_profile_velocity(axis);
   axis.write("profile_acc", 100'000);
@@ -173,7 +173,7 @@ TEST(ProfileVelocity, EnablingWithATargetRampsUpFromRest) {
   EXPECT_EQ(axis.demand_velocity(), 20'000);
 }
 
-TEST(ProfileVelocity, TheActualSpeedFollowsTheDemandAlsoUnderLoad) {
+TEST(ProfileVelocity, TheActualSpeedFollowsTheDemandUnderLoad) {
   for (const std::int64_t load : {0, 1'500, -1'500}) {  // half of the rated torque
     AxisUnderTest axis;
     axis.write("test_load_torque", load);
@@ -202,7 +202,7 @@ TEST(ProfileVelocity, HasNoFollowingErrorAndABlockedAxisShowsItsTorque) {
   EXPECT_NEAR(axis.velocity(), 100'000, 10);
 }
 
-TEST(ProfileVelocity, A6062hFollows6064h) {
+TEST(ProfileVelocity, TheDemand6062hFollows6064h) {
   AxisUnderTest axis;
   enable_profile_velocity(axis);
   axis.write("target_velocity", -12'345);
@@ -245,7 +245,7 @@ TEST(ProfileVelocity, PositionsWrapAtTheEndsOfTheRegister) {
   }
 }
 
-TEST(ProfileVelocity, RunsManyTurnsOfTheRegister) {
+TEST(ProfileVelocity, RunsManyTimesAcrossTheRangeOfTheRegister) {
   AxisConfiguration configuration;
   configuration.parameters = {{AxisUnderTest::address_of("motor_max_speed_rpm"), 30'000'000},
                               {AxisUnderTest::address_of("app_speed_limit"), 2'000'000'000},
@@ -267,7 +267,7 @@ TEST(ProfileVelocity, RunsManyTurnsOfTheRegister) {
 // ---- status bits
 // ----------------------------------------------------------------------------------
 
-TEST(ProfileVelocity, Bit10TellsThatTheSpeedWasInTheWindow606DhForTheTime606Eh) {
+TEST(ProfileVelocity, Bit10ShowsTheSpeedInTheWindow606DhForTheTime606Eh) {
   AxisUnderTest axis;
   axis.write("velocity_window", 500);
   axis.write("velocity_window_time", 30);
@@ -289,7 +289,7 @@ TEST(ProfileVelocity, Bit10TellsThatTheSpeedWasInTheWindow606DhForTheTime606Eh) 
   EXPECT_FALSE(axis.reached());
 }
 
-TEST(ProfileVelocity, Bit12TellsThatTheSpeedWasAtMost606FhForTheTime6070h) {
+TEST(ProfileVelocity, Bit12ShowsASpeedOfAtMost606FhForTheTime6070h) {
   AxisUnderTest axis;
   axis.write("velocity_threshold", 1'000);
   axis.write("velocity_threshold_time", 25);
@@ -307,7 +307,7 @@ TEST(ProfileVelocity, Bit12TellsThatTheSpeedWasAtMost606FhForTheTime6070h) {
   EXPECT_NE(axis.statusword() & 0x1000, 0);
 }
 
-TEST(ProfileVelocity, Bits10And12AreOfOperationEnabledOnly) {
+TEST(ProfileVelocity, Bits10And12AreSetInOperationEnabledOnly) {
   AxisUnderTest axis;
   enable_profile_velocity(axis);
   EXPECT_EQ(axis.statusword(), 0x1637);
@@ -367,7 +367,7 @@ TEST_P(VelocityStop, TheFaultReactionBrakesWithTheRampOf605Eh) {
 INSTANTIATE_TEST_SUITE_P(Options, VelocityStop, testing::Values(1, 2, 3, 4),
                          testing::PrintToStringParamName());
 
-TEST(ProfileVelocity, DisableOperationAndShutdownBrakeWith6084hWhereTheirOptionSaysSo) {
+TEST(ProfileVelocity, DisableOperationAndShutdownBrakeWith6084hByTheirOption) {
   for (const bool shutdown : {false, true}) {
     AxisUnderTest axis;
     axis.write("shutdown_option_code", 1);
@@ -418,7 +418,7 @@ TEST(ProfileVelocity, ALimitSwitchStopsWith6085hAndOnlyANewTargetStartsAgain) {
   }
 }
 
-TEST(ProfileVelocity, ALimitSwitchLetsTheAxisAway) {
+TEST(ProfileVelocity, ALimitSwitchAllowsMotionAwayFromIt) {
   AxisUnderTest axis;
   ASSERT_NO_FATAL_FAILURE(run_at(axis, 40'000));
   axis.write("test_positive_limit_input", 1);
@@ -429,7 +429,7 @@ TEST(ProfileVelocity, ALimitSwitchLetsTheAxisAway) {
   EXPECT_EQ(axis.demand_velocity(), -10'000);
 }
 
-TEST(ProfileVelocity, ALimitSwitchOfTheOtherSideDoesNotMatter) {
+TEST(ProfileVelocity, ALimitSwitchOfTheOtherSideHasNoEffect) {
   AxisUnderTest axis;
   ASSERT_NO_FATAL_FAILURE(run_at(axis, 40'000));
   axis.write("test_negative_limit_input", 1);
@@ -437,7 +437,7 @@ TEST(ProfileVelocity, ALimitSwitchOfTheOtherSideDoesNotMatter) {
   EXPECT_EQ(axis.demand_velocity(), 40'000);
 }
 
-TEST(ProfileVelocity, ATargetVelocityWrittenInAnotherModeChangesNothingThere) {
+TEST(ProfileVelocity, ATargetVelocityHasNoEffectInAnotherMode) {
   AxisUnderTest axis;
   set_ramps(axis);
   axis.enable();
@@ -451,7 +451,7 @@ TEST(ProfileVelocity, ATargetVelocityWrittenInAnotherModeChangesNothingThere) {
   axis.write("target_velocity", 10'000);
   axis.write("target_torque", 100);
   axis.step(100);
-  EXPECT_NEAR(axis.demand_velocity(), 20'000, 1) << "the stop goes on with 6085h";
+  EXPECT_NEAR(axis.demand_velocity(), 20'000, 1) << "the stop continues with 6085h";
   axis.step(500);
   EXPECT_EQ(axis.demand_velocity(), 0);
 }
@@ -473,7 +473,7 @@ TEST(ProfileVelocity, AModeChangeWhileRunningBrakesFirst) {
   }
 }
 
-TEST(ProfileVelocity, ALimitSwitchIsStrongerThanAModeChange) {
+TEST(ProfileVelocity, ALimitSwitchOverridesAModeChange) {
   AxisUnderTest axis;
   ASSERT_NO_FATAL_FAILURE(run_at(axis, 20'000));
   axis.write("op_mode_cmd", 1);
@@ -481,7 +481,7 @@ TEST(ProfileVelocity, ALimitSwitchIsStrongerThanAModeChange) {
   ASSERT_NO_FATAL_FAILURE(expect_ramp(axis, 20'000, 100'000, 199));
 }
 
-TEST(ProfileVelocity, ToProfilePositionAndBackNothingJumps) {
+TEST(ProfileVelocity, AChangeToProfilePositionAndBackMakesNoJump) {
   AxisUnderTest axis;
   axis.write("position_user_target_value", 123'456);
   ASSERT_NO_FATAL_FAILURE(run_at(axis, 20'000));

@@ -65,7 +65,7 @@ TEST(SetPointModel, AgreesWithTheDriveTickByTickOverRandomSequences) {
   }
 }
 
-TEST(SetPointModel, RunsTheManualsExampleToo) {
+TEST(SetPointModel, RunsTheManualsExample) {
   const SideBySide result = run_side_by_side({{{{"ds402_controlword", 0x06}}, 1},
                                               {{{"op_mode_cmd", 1}}, 1},
                                               {{{"position_user_target_value", 10'000},

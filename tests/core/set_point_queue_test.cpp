@@ -14,7 +14,7 @@ constexpr std::uint16_t kIdle = 0x000F;
 constexpr std::uint16_t kEdge = 0x001F;
 constexpr std::uint16_t kImmediateEdge = 0x003F;
 
-/// A queue and the controlword before: words as a master writes them.
+/// A queue and the previous controlword: controlwords as a master writes them.
 class SetPointHandshake : public testing::Test {
  protected:
   SetPointOutcome write(std::uint16_t word, bool moving, const SetPoint& candidate = {}) {
@@ -86,7 +86,7 @@ TEST_F(SetPointHandshake, TakingTheBufferKeepsTheAcknowledgeWhileBit4IsHeld) {
   EXPECT_FALSE(queue.acknowledge());
 }
 
-TEST_F(SetPointHandshake, ThirdSetPointIsIgnoredAndTheBufferedOneKept) {
+TEST_F(SetPointHandshake, ThirdSetPointIsIgnoredAndTheBufferedOneIsKept) {
   write(kEdge, false, {.position_user_target_value = 1});
   write(kIdle, true);
   write(kEdge, true, {.position_user_target_value = 2});
@@ -125,7 +125,7 @@ TEST_F(SetPointHandshake, BufferKeepsVelocityAndRelativeFlagOfItsEdge) {
   EXPECT_TRUE(next.relative);
 }
 
-TEST_F(SetPointHandshake, EdgeIsIgnoredAndNotAcknowledgedWhenTheDriveTakesNone) {
+TEST_F(SetPointHandshake, EdgeIsIgnoredAndNotAcknowledgedWhenTheDriveAcceptsNone) {
   accepting = false;
 
   EXPECT_EQ(write(kEdge, false), SetPointOutcome::ignored);
@@ -136,7 +136,7 @@ TEST_F(SetPointHandshake, EdgeIsIgnoredAndNotAcknowledgedWhenTheDriveTakesNone) 
   EXPECT_FALSE(queue.acknowledge());
 }
 
-TEST_F(SetPointHandshake, DroppingTheBufferLeavesTheAcknowledgeToBit4) {
+TEST_F(SetPointHandshake, DroppingTheBufferKeepsTheAcknowledgeWhileBit4IsHeld) {
   write(kEdge, false);
   write(kIdle, true);
   write(kEdge, true);

@@ -63,7 +63,7 @@ TEST(StatusMembers, SetTheWholeImage) {
   EXPECT_EQ(std::bit_cast<Bytes>(status), Bytes{});
 }
 
-/// One bit of one axis is flipped: the digest says which axis and, where the members say which one
+/// One bit of one axis is flipped: the digest names the axis and, where the members identify it
 /// has another value, which member.
 TEST(StatusDigest, OneFlippedBitNamesItsAxisAndItsMember) {
   Random random(7);
@@ -91,7 +91,7 @@ TEST(StatusDigest, OneFlippedBitNamesItsAxisAndItsMember) {
   }
 }
 
-TEST(StatusDigest, ARowMayStandForSeveralAxes) {
+TEST(StatusDigest, ARowCanCoverSeveralAxes) {
   Random random(11);
   auto statuses = random_statuses(130, random);
   std::vector<std::uint32_t> rows(3);  // 64 + 64 + 2 axes
@@ -105,7 +105,7 @@ TEST(StatusDigest, ARowMayStandForSeveralAxes) {
   EXPECT_EQ(rows[2], before[2]);
 }
 
-TEST(StatusDigest, TellsTheOrderOfTheAxes) {
+TEST(StatusDigest, DependsOnTheOrderOfTheAxes) {
   Random random(13);
   auto statuses = random_statuses(2, random);
   const auto before = digest_of(statuses, 1, {});

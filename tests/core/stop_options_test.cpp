@@ -77,7 +77,7 @@ std::uint64_t expect_braking(AxisUnderTest& axis, PowerState state, std::int64_t
 
 class QuickStop : public testing::TestWithParam<std::int64_t> {};
 
-TEST_P(QuickStop, BrakesWithTheRampOfItsOptionAndThenLeavesOrStays) {
+TEST_P(QuickStop, BrakesWithTheRampOfItsOptionAndThenLeavesTheStateOrStays) {
   const std::int64_t option = GetParam();
   AxisUnderTest axis;
   axis.write("quick_stop_option_code", option);
@@ -185,7 +185,7 @@ TEST(StopOptions, ReEnablingDuringTheQuickStopBringsTheAxisToRest) {
   EXPECT_EQ(axis.demand(), rest);
 }
 
-TEST(StopOptions, ReEnablingACoastingAxisGivesItPower) {
+TEST(StopOptions, ReEnablingPowersACoastingAxis) {
   // 605Ah = 0 takes the power; 5 to 8, written before the state is left, allow transition 16.
   AxisUnderTest axis;
   axis.write("quick_stop_option_code", 0);
@@ -206,7 +206,7 @@ TEST(StopOptions, ReEnablingACoastingAxisGivesItPower) {
 }
 
 TEST(StopOptions, ReEnablingAfterAModeChangeInTheQuickStopShowsNoTargetReachedInMotion) {
-  // With equal ramps the stop goes on as it is; with the window off bit 10 is the end of the
+  // With equal ramps the stop continues unchanged; with the window off bit 10 is the end of the
   // motion.
   AxisUnderTest axis;
   axis.write("quick_stop_option_code", 6);
@@ -235,7 +235,7 @@ TEST(StopOptions, ReEnablingWith0x1FDoesNotTakeTheHeldBit4AsASetPoint) {
   EXPECT_EQ(axis.status().ignored_set_points, 1U);
 }
 
-TEST(StopOptions, DisableVoltageInAQuickStopTakesThePowerAtOnce) {
+TEST(StopOptions, DisableVoltageInAQuickStopRemovesThePowerAtOnce) {
   AxisUnderTest axis;
   ASSERT_NO_FATAL_FAILURE(start_moving(axis));
   axis.command(0x0002);
@@ -245,7 +245,7 @@ TEST(StopOptions, DisableVoltageInAQuickStopTakesThePowerAtOnce) {
   EXPECT_GT(axis.velocity(), 10'000) << "coasting";
 }
 
-TEST(StopOptions, AStandingEnableWordDoesNotReEnableAfterTheQuickStop) {
+TEST(StopOptions, AnUnchangedEnableOperationDoesNotReEnableAfterTheQuickStop) {
   AxisUnderTest axis;
   ASSERT_NO_FATAL_FAILURE(start_moving(axis));
   axis.command(0x0002);
@@ -289,7 +289,7 @@ TEST(StopOptions, DisableOperation1BrakesInOperationEnabledFirst) {
   EXPECT_EQ(axis.statusword(), 0x0233);
 }
 
-TEST(StopOptions, ARampOnceBegunIsNotTakenBackByEnableOperation) {
+TEST(StopOptions, EnableOperationDoesNotCancelARampInProgress) {
   AxisUnderTest axis;
   ASSERT_NO_FATAL_FAILURE(start_moving(axis));
   axis.command(0x0007);
@@ -310,7 +310,7 @@ TEST(StopOptions, StrongerCommandsActDuringTheRamp) {
   }
 }
 
-TEST(StopOptions, NoSetPointIsTakenDuringTheRamp) {
+TEST(StopOptions, NoSetPointIsAcceptedDuringTheRamp) {
   AxisUnderTest axis;
   ASSERT_NO_FATAL_FAILURE(start_moving(axis));
   axis.command(0x0007);
@@ -361,7 +361,7 @@ constexpr std::array<FaultCause, 6> kFaultCauses{{
 
 class FaultReaction : public testing::TestWithParam<std::tuple<FaultCause, std::int64_t>> {
  protected:
-  /// Lets the cause appear. @return false if the fault does not show with the next ticks.
+  /// Makes the cause appear. @return false if no fault follows within the next ticks.
   bool provoke() {
     const FaultCause& cause = std::get<0>(GetParam());
     if (*cause.input == '\0') {
@@ -379,7 +379,7 @@ class FaultReaction : public testing::TestWithParam<std::tuple<FaultCause, std::
   AxisUnderTest axis;
 };
 
-TEST_P(FaultReaction, IsTheOneOf605EhForEveryCauseThatCanBrakeAndCoastingForTheOthers) {
+TEST_P(FaultReaction, Follows605EhForCausesThatCanBrakeAndCoastsForOthers) {
   const auto& [cause, option] = GetParam();
   axis.write("fault_reaction_option_code", option);
   axis.write("following_error_window", 2'000);  // at 40000/s a blocked axis is there in 50 ms
@@ -417,7 +417,7 @@ INSTANTIATE_TEST_SUITE_P(StopOptions, FaultReaction,
 // ---- 6007h
 // ------------------------------------------------------------------------------------------
 
-TEST(StopOptions, ASilentMasterIsIgnoredWith6007hAt0) {
+TEST(StopOptions, ALostMasterIsIgnoredWith6007hAt0) {
   AxisUnderTest axis;
   axis.write("abort_connection_option_code", 0);
   ASSERT_NO_FATAL_FAILURE(start_moving(axis));
@@ -427,7 +427,7 @@ TEST(StopOptions, ASilentMasterIsIgnoredWith6007hAt0) {
   EXPECT_EQ(axis.demand_velocity(), kSpeed);
 }
 
-TEST(StopOptions, ASilentMasterIsAFaultByDefault) {
+TEST(StopOptions, ALostMasterIsAFaultByDefault) {
   AxisUnderTest axis;
   ASSERT_NO_FATAL_FAILURE(start_moving(axis));
   axis.axis().report_connection_loss();
@@ -440,7 +440,7 @@ TEST(StopOptions, ASilentMasterIsAFaultByDefault) {
   EXPECT_EQ(axis.command(0x0086), 0x0250);
 }
 
-TEST(StopOptions, ASilentMasterDisablesVoltageWith6007hAt2) {
+TEST(StopOptions, ALostMasterDisablesVoltageWith6007hAt2) {
   AxisUnderTest axis;
   axis.write("abort_connection_option_code", 2);
   ASSERT_NO_FATAL_FAILURE(start_moving(axis));
@@ -449,7 +449,7 @@ TEST(StopOptions, ASilentMasterDisablesVoltageWith6007hAt2) {
   EXPECT_EQ(axis.read("error_code"), 0);
 }
 
-TEST(StopOptions, ASilentMasterIsAQuickStopWith6007hAt3) {
+TEST(StopOptions, ALostMasterIsAQuickStopWith6007hAt3) {
   AxisUnderTest axis;
   axis.write("abort_connection_option_code", 3);
   ASSERT_NO_FATAL_FAILURE(start_moving(axis));
@@ -459,7 +459,7 @@ TEST(StopOptions, ASilentMasterIsAQuickStopWith6007hAt3) {
   EXPECT_EQ(axis.statusword(), 0x0250);
 }
 
-TEST(StopOptions, ASilentMasterMattersOnlyWhileTheAxisIsControlled) {
+TEST(StopOptions, ALostMasterHasAnEffectOnlyWhileTheAxisIsControlled) {
   for (const std::int64_t option : {1, 2, 3}) {
     AxisUnderTest axis;
     axis.write("abort_connection_option_code", option);
@@ -477,7 +477,7 @@ TEST(StopOptions, ASilentMasterMattersOnlyWhileTheAxisIsControlled) {
 // ---- a cyclic master
 // --------------------------------------------------------------------------------
 
-/// A master that writes 6040h in every tick must not hold up what the drive does by itself.
+/// A master that writes 6040h in every tick must not delay the drive's own transitions.
 std::uint64_t ticks_until(AxisUnderTest& axis, PowerState state, std::uint16_t word) {
   return axis.step_until(
       [&] {
@@ -487,14 +487,14 @@ std::uint64_t ticks_until(AxisUnderTest& axis, PowerState state, std::uint16_t w
       3'000);
 }
 
-TEST(StopOptions, AWordRepeatedInEveryTickDoesNotHoldUpTheEndOfAQuickStop) {
+TEST(StopOptions, ARepeatedControlwordDoesNotDelayTheEndOfAQuickStop) {
   AxisUnderTest axis;
   ASSERT_NO_FATAL_FAILURE(start_moving(axis));
   axis.command(0x0002);
   EXPECT_NEAR(static_cast<double>(ticks_until(axis, switch_on_disabled, 0x0002)), 400.0, 100.0);
 }
 
-TEST(StopOptions, AWordRepeatedInEveryTickDoesNotHoldUpTheEndOfAFaultReaction) {
+TEST(StopOptions, ARepeatedControlwordDoesNotDelayTheEndOfAFaultReaction) {
   AxisUnderTest axis;
   ASSERT_NO_FATAL_FAILURE(start_moving(axis));
   axis.write("test_over_current", 1);
@@ -503,14 +503,14 @@ TEST(StopOptions, AWordRepeatedInEveryTickDoesNotHoldUpTheEndOfAFaultReaction) {
   EXPECT_NEAR(static_cast<double>(ticks_until(axis, fault, 0x001F)), 400.0, 100.0);
 }
 
-TEST(StopOptions, AWordRepeatedInEveryTickDoesNotHoldUpTheEndOfADisableRamp) {
+TEST(StopOptions, ARepeatedControlwordDoesNotDelayTheEndOfADisableRamp) {
   AxisUnderTest axis;
   ASSERT_NO_FATAL_FAILURE(start_moving(axis));
   axis.command(0x0007);
   EXPECT_NEAR(static_cast<double>(ticks_until(axis, switched_on, 0x0007)), 800.0, 100.0);
 }
 
-TEST(StopOptions, RampsWrittenInEveryTickDoNotHoldUpTheEndOfAStop) {
+TEST(StopOptions, RepeatedWritesOfRampsDoNotDelayTheEndOfAStop) {
   AxisUnderTest axis;
   ASSERT_NO_FATAL_FAILURE(start_moving(axis));
   axis.command(0x0002);
@@ -524,7 +524,7 @@ TEST(StopOptions, RampsWrittenInEveryTickDoNotHoldUpTheEndOfAStop) {
   EXPECT_NEAR(static_cast<double>(ticks), 400.0, 100.0);
 }
 
-TEST(StopOptions, AWordRepeatedInEveryTickDoesNotHoldUpAModeChangeInMotion) {
+TEST(StopOptions, ARepeatedControlwordDoesNotDelayAModeChangeInMotion) {
   AxisUnderTest axis;
   ASSERT_NO_FATAL_FAILURE(start_moving(axis));
   axis.write("op_mode_cmd", 0);
@@ -537,7 +537,7 @@ TEST(StopOptions, AWordRepeatedInEveryTickDoesNotHoldUpAModeChangeInMotion) {
   EXPECT_NEAR(static_cast<double>(ticks), 800.0, 100.0);
 }
 
-TEST(StopOptions, AStopWaitsNoLongerThanASecondForAnAxisThatDoesNotStandStill) {
+TEST(StopOptions, AStopWaitsAtMostASecondForStandstill) {
   // A threshold of 0 and an encoder of 4096 counts under a load: the speed hunts around zero.
   AxisConfiguration configuration;
   configuration.model.encoder_resolution = 4096.0;

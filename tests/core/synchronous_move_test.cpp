@@ -35,7 +35,7 @@ class Group {
   explicit Group(std::size_t count, microseconds period = microseconds{1000})
       : bank_(std::vector<AxisConfiguration>(count), period) {
     for (std::size_t axis = 0; axis < count; ++axis) {
-      write(axis, {0x6065, 0}, 4294967295);  // only the demand is looked at
+      write(axis, {0x6065, 0}, 4294967295);  // only the demand is checked
       write(axis, {0x607F, 0}, 4294967295);
       write(axis, {0x6080, 0}, 4294967295);
       write(axis, {0x6060, 0}, 1);
@@ -64,7 +64,7 @@ class Group {
     }
   }
 
-  void say(std::int64_t controlword) {
+  void command(std::int64_t controlword) {
     for (std::size_t axis = 0; axis < bank_.size(); ++axis) {
       write(axis, {0x6040, 0}, controlword);
     }
@@ -119,7 +119,7 @@ constexpr int kMovesOfABank = 250;
 constexpr int kMovesOfABank = 4;
 #endif
 
-TEST(SynchronousMove, KeepsTheLineWithinAUnitAndArrivesOnOneTickInTenThousandRandomMoves) {
+TEST(SynchronousMove, KeepsItsStraightLineWithinAUnitAndArrivesInOneTick) {
   std::mt19937_64 random(5);
   const auto uniform = [&](std::int64_t low, std::int64_t high) {
     return std::uniform_int_distribution<std::int64_t>(low, high)(random);
@@ -172,7 +172,7 @@ class TwoAxes : public testing::Test {
   Group group{2};
 };
 
-TEST_F(TwoAxes, WithoutAnyWayTheMoveLastsAsLongAsTheOthers) {
+TEST_F(TwoAxes, AnAxisWithoutDistanceMovesAsLongAsTheOther) {
   group.start({30'000, 0}, {400'000, 100'000, 100'000});
   for (int tick = 1; tick < 400; ++tick) {
     group.bank().step();
@@ -183,21 +183,21 @@ TEST_F(TwoAxes, WithoutAnyWayTheMoveLastsAsLongAsTheOthers) {
   EXPECT_TRUE(group.shows(1, Statusword::kTargetReached));
 }
 
-TEST_F(TwoAxes, HaltAndResumeStayOnTheLine) {
+TEST_F(TwoAxes, HaltAndResumeStayOnTheStraightLine) {
   const std::vector<std::int32_t> starts{0, 0};
   const std::vector<std::int32_t> targets{90'000, -30'000};
   group.start(targets, {900'000, 200'000, 300'000});
   for (int tick = 0; tick < 350; ++tick) {
     group.bank().step();
   }
-  group.say(0x010F);
+  group.command(0x010F);
   for (int tick = 0; tick < 400; ++tick) {
     group.bank().step();
     ASSERT_LE(deviation(group, starts, targets), 1.0) << tick;
   }
   ASSERT_EQ(group.bank().status(0).velocity_demand_value, 0);
   ASSERT_NE(group.demand(0), targets[0]);
-  group.say(0x000F);
+  group.command(0x000F);
   for (int tick = 0; tick < 900; ++tick) {
     group.bank().step();
     ASSERT_LE(deviation(group, starts, targets), 1.0) << tick;
@@ -206,19 +206,19 @@ TEST_F(TwoAxes, HaltAndResumeStayOnTheLine) {
   EXPECT_EQ(group.demand(1), targets[1]);
 }
 
-TEST_F(TwoAxes, WithoutAnyWayAHaltStandsAndResumeEndsWithTheOthers) {
+TEST_F(TwoAxes, AnAxisWithoutDistanceHaltsAndEndsWithTheOther) {
   group.start({90'000, 0}, {900'000, 200'000, 300'000});
   for (int tick = 0; tick < 350; ++tick) {
     group.bank().step();
   }
-  group.say(0x010F);
+  group.command(0x010F);
   for (int tick = 0; tick < 400; ++tick) {
     group.bank().step();
     ASSERT_EQ(group.demand(1), 0) << tick;
   }
   EXPECT_TRUE(group.shows(0, Statusword::kTargetReached)) << "at standstill";
   EXPECT_TRUE(group.shows(1, Statusword::kTargetReached));
-  group.say(0x000F);
+  group.command(0x000F);
   for (int tick = 0; tick < 900; ++tick) {
     group.bank().step();
     ASSERT_EQ(group.demand(1), 0) << tick;
@@ -227,7 +227,7 @@ TEST_F(TwoAxes, WithoutAnyWayAHaltStandsAndResumeEndsWithTheOthers) {
   EXPECT_TRUE(group.shows(1, Statusword::kTargetReached));
 }
 
-TEST_F(TwoAxes, TheSpeedFollowsFromTheTimesAndNotFrom6081h) {
+TEST_F(TwoAxes, TheSpeedComesFromTheTimesAndNotFrom6081h) {
   group.write(0, {0x6081, 0}, 1);
   // 60000 UU in 700 ms with ramps of 100 ms: 60000 / (0.7 - 0.1) s = 100000 UU/s.
   group.start({60'000, 20'000}, {700'000, 100'000, 100'000});
@@ -284,7 +284,7 @@ TEST_F(TwoAxes, TimesBeyondTheLimitsAreNotAccepted) {
   }
 }
 
-TEST_F(TwoAxes, TheSpeedLimitInForceCounts) {
+TEST_F(TwoAxes, TheSpeedLimitInForceApplies) {
   Group fresh(1);
   fresh.write(0, {0x6040, 0}, 0x06);
   fresh.write(0, {0x607F, 0}, 99'999);
@@ -318,7 +318,7 @@ TEST_F(TwoAxes, ABufferedSynchronousMoveStartsFromRestWithItsOwnTimes) {
   EXPECT_EQ(group.demand(1), 0);
 }
 
-TEST_F(TwoAxes, ADurationOf0GivesTheOrdinaryMoveBack) {
+TEST_F(TwoAxes, ADurationOf0GivesAnOrdinaryMove) {
   group.start({60'000, 20'000}, {0, 100'000, 100'000});
   group.write(0, {0x6081, 0}, 1);
   for (int tick = 0; tick < 100; ++tick) {

@@ -10,13 +10,13 @@ namespace {
 
 using namespace std::string_literals;
 
-TEST(EscapedText, LeavesWhatCanBeRead) {
+TEST(EscapedText, KeepsPrintableText) {
   EXPECT_EQ(escaped("it's 1.5 \"mm\""), "it's 1.5 \"mm\"");
   EXPECT_EQ(escaped("\u5DE6 \u00E4\u20AC\U0001F600"), "\u5DE6 \u00E4\u20AC\U0001F600");
   EXPECT_EQ(escaped(""), "");
 }
 
-TEST(EscapedText, WritesControlCharactersOut) {
+TEST(EscapedText, EscapesControlCharacters) {
   EXPECT_EQ(escaped("a\nb\rc\td\\e"), R"(a\nb\rc\td\\e)");
   EXPECT_EQ(escaped("\x1B[31m\x07\x7F\0"s), R"(\x1B[31m\x07\x7F\x00)");
   EXPECT_EQ(escaped("\u009B31m"), R"(\xC2\x9B31m)") << "the same for a terminal as ESC [";
@@ -25,7 +25,7 @@ TEST(EscapedText, WritesControlCharactersOut) {
   EXPECT_EQ(escaped("\u2026\u00A0"), "\u2026\u00A0") << "their neighbours do neither";
 }
 
-TEST(EscapedText, WritesOutWhatIsNotUtf8) {
+TEST(EscapedText, EscapesBytesThatAreNotUtf8) {
   EXPECT_EQ(escaped("a\xFF"), R"(a\xFF)");
   EXPECT_EQ(escaped("\xC0\xAF"), R"(\xC0\xAF)") << "an overlong /";
   EXPECT_EQ(escaped("\xED\xA0\x80"), R"(\xED\xA0\x80)") << "a surrogate";
@@ -33,7 +33,7 @@ TEST(EscapedText, WritesOutWhatIsNotUtf8) {
 }
 
 // Of 8 characters: three quarters from the front are 6, one quarter from the end is 2.
-TEST(EscapedText, KeepsBeginAndEndOfWhatIsTooLong) {
+TEST(EscapedText, KeepsBeginAndEndOfLongText) {
   EXPECT_EQ(escaped("12345678", 8), "12345678");
   EXPECT_EQ(escaped("123456789", 8), "123456...89");
   EXPECT_EQ(escaped("\u00E4\u00E4\u00E4\u00E4\u00E4\u00E4xyz", 8),
@@ -41,7 +41,7 @@ TEST(EscapedText, KeepsBeginAndEndOfWhatIsTooLong) {
       << "characters count, not bytes";
 }
 
-TEST(QuotedText, TellsHowLongAValueIsThatItShortens) {
+TEST(QuotedText, GivesTheLengthOfAShortenedValue) {
   EXPECT_EQ(in_quotes("x"), "'x'");
   EXPECT_EQ(in_quotes(""), "''");
   EXPECT_EQ(in_quotes(std::string(64, 'a')), "'" + std::string(64, 'a') + "'");
@@ -50,7 +50,7 @@ TEST(QuotedText, TellsHowLongAValueIsThatItShortens) {
             "'" + std::string(48, 'a') + "..." + std::string(16, 'a') + "' (5000 bytes)");
 }
 
-TEST(WideText, IsSeenByItsMarkOrByAZero) {
+TEST(WideText, IsRecognisedByItsByteOrderMarkOrAZeroByte) {
   EXPECT_TRUE(
       is_wide_text("\xFF\xFE"
                    "a\0"s));

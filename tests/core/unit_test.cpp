@@ -40,7 +40,7 @@ TEST(Unit, OfALengthConvertsToTheOtherLengths) {
   EXPECT_DOUBLE_EQ(*user_units_in(metres, "mm"), 1e3);
 }
 
-TEST(Unit, HasNoneOfTheOtherKindAndOfAnotherName) {
+TEST(Unit, DoesNotConvertUnitsOfAnotherKindOrName) {
   EXPECT_EQ(user_units_in(Unit(), "mm"), std::nullopt);
   EXPECT_EQ(user_units_in(millimetres(), "deg"), std::nullopt);
   const Unit teeth{.kind = UnitKind::linear, .name = "teeth", .size = 64.0};
@@ -55,7 +55,7 @@ TEST(Unit, ListsItsOwnNameFirst) {
   EXPECT_EQ(units_of(millimetres()), (std::vector<std::string>{"mm", "m", "cm", "um"}));
 }
 
-TEST(Unit, IsShownWithTheDigitsThatShowOneUserUnit) {
+TEST(Unit, HasTheDecimalsThatResolveOneUserUnit) {
   // 1 UU is 0.0879 deg: two decimals; 0.001 mm: three.
   EXPECT_EQ(position_text(1'024, Unit()), "90.00 deg");
   EXPECT_EQ(position_text(-1, Unit()), "-0.09 deg");
@@ -63,7 +63,7 @@ TEST(Unit, IsShownWithTheDigitsThatShowOneUserUnit) {
   EXPECT_EQ(position_text(7, {.kind = UnitKind::linear, .name = "teeth", .size = 1.0}), "7 teeth");
 }
 
-TEST(Unit, NameIsOneThatATypedValueCanEndIn) {
+TEST(Unit, NameIsASuffixOfATypedValue) {
   for (const char* const name : {"mm", "teeth", "%", "\u00B5m"}) {
     EXPECT_EQ(check_unit_name(UnitKind::linear, name), std::nullopt) << name;
   }
@@ -75,7 +75,7 @@ TEST(Unit, NameIsOneThatATypedValueCanEndIn) {
   EXPECT_TRUE(check_unit_name(UnitKind::rotary, "mm"));
 }
 
-TEST(Unit, FromAnotherProgramIsUsableWithinItsLimitsOnly) {
+TEST(Unit, FromAnotherProgramIsUsableOnlyWithinItsLimits) {
   EXPECT_TRUE(is_usable(Unit()));
   for (const double size : {0.0, -1.0, 9e-7, 1.1e9, std::numeric_limits<double>::quiet_NaN(),
                             std::numeric_limits<double>::infinity()}) {

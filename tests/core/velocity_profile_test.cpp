@@ -42,7 +42,7 @@ double change_time(const Profile& profile) {
   return runs ? profile.segment(count - 1).reference_time : profile.duration();
 }
 
-TEST(PlanTimedMove, IsTheTrapezoidOfTheTimes) {
+TEST(PlanTimedMove, GivesTheTrapezoidOfTheTimes) {
   for (const double way : {6.0, -6.0}) {
     // Ramps of 1 s and 2 s in 4.5 s: the peak is 6 / (4.5 - 1.5) = 2.
     const Profile profile = plan_timed_move(
@@ -61,7 +61,7 @@ TEST(PlanTimedMove, IsTheTrapezoidOfTheTimes) {
   }
 }
 
-TEST(PlanVelocity, SpeedsUpWithTheAccelerationAndThenRunsWithoutEnd) {
+TEST(PlanVelocity, AcceleratesAndThenRunsWithoutEnd) {
   const Profile profile =
       plan_velocity({100.0, 0.0}, 50.0, {.velocity = 80.0, .acceleration = 25.0});
   // 50/25 = 2 s over 50·2/2 = 50 units.
@@ -107,7 +107,7 @@ TEST(PlanVelocity, AStartAboveTheLimitSlowsDownToIt) {
   EXPECT_DOUBLE_EQ(profile.at(5.0).velocity, 30.0);
 }
 
-TEST(PlanVelocity, TheSlowestVelocityGoesOnToo) {
+TEST(PlanVelocity, TheSlowestVelocityRunsWithoutEnd) {
   for (const double target : {0.25, -0.25, 1.0, -1.0}) {
     const Profile profile = plan_velocity(
         {0.0, 0.0}, target, {.velocity = 10.0, .acceleration = 1.0, .deceleration = 1.0});
@@ -117,7 +117,7 @@ TEST(PlanVelocity, TheSlowestVelocityGoesOnToo) {
   }
 }
 
-TEST(PlanVelocity, AVelocityBelow1IsAStartLikeAnother) {
+TEST(PlanVelocity, AcceptsAStartVelocityBelow1) {
   const Profile profile =
       plan_velocity({0.0, 0.5}, 5.0, {.velocity = 10.0, .acceleration = 1.0, .deceleration = 2.0});
   EXPECT_EQ(profile.at(0.0).velocity, 0.5);
@@ -125,7 +125,7 @@ TEST(PlanVelocity, AVelocityBelow1IsAStartLikeAnother) {
   EXPECT_EQ(profile.at(1.0).position, 1.0);  // 0.5·1 + 1·1²/2
 }
 
-TEST(PlanVelocity, ToZeroEndsAtRestWhereTheRampEnds) {
+TEST(PlanVelocity, ToZeroEndsAtRestAtTheEndOfTheRamp) {
   const Profile profile =
       plan_velocity({10.0, -40.0}, 0.0, {.velocity = 100.0, .deceleration = 20.0});
   EXPECT_DOUBLE_EQ(profile.duration(), 2.0);
@@ -133,7 +133,7 @@ TEST(PlanVelocity, ToZeroEndsAtRestWhereTheRampEnds) {
   EXPECT_EQ(profile.at(3.0).velocity, 0.0);
 }
 
-TEST(PlanVelocity, FromRestToZeroOrWithoutVelocityIsNoMotion) {
+TEST(PlanVelocity, FromRestToZeroOrWithoutVelocityGivesNoMotion) {
   EXPECT_EQ(plan_velocity({5.0, 0.0}, 0.0, {.velocity = 10.0}).segment_count(), 0U);
   EXPECT_EQ(plan_velocity({5.0, 0.0}, -0.0, {.velocity = 10.0}).segment_count(), 0U);
   const Profile still = plan_velocity({5.0, 0.0}, 100.0, {.velocity = 0.0});
@@ -141,7 +141,7 @@ TEST(PlanVelocity, FromRestToZeroOrWithoutVelocityIsNoMotion) {
   EXPECT_EQ(still.end_position(), 5.0);
 }
 
-TEST(PlanVelocity, TheVelocityThatIsThereIsKeptWithoutARamp) {
+TEST(PlanVelocity, KeepsThePresentVelocityWithoutARamp) {
   const Profile profile = plan_velocity({5.0, 70.0}, 70.0, {.velocity = 100.0});
   ASSERT_EQ(profile.segment_count(), 1U);
   EXPECT_EQ(profile.segment(0).acceleration, 0.0);

@@ -7,13 +7,13 @@
 namespace vdrive {
 namespace {
 
-TEST(Counted, SaysOneOrMany) {
+TEST(Counted, GivesTheSingularForOne) {
   EXPECT_EQ(counted(0, "axis", "axes"), "0 axes");
   EXPECT_EQ(counted(1, "axis", "axes"), "1 axis");
   EXPECT_EQ(counted(2, "axis", "axes"), "2 axes");
 }
 
-TEST(EditDistance, CountsCharactersPutInTakenOutReplacedAndExchanged) {
+TEST(EditDistance, CountsInsertedRemovedReplacedAndSwappedCharacters) {
   EXPECT_EQ(edit_distance("", ""), 0U);
   EXPECT_EQ(edit_distance("axis", "axis"), 0U);
   EXPECT_EQ(edit_distance("", "axis"), 4U);
@@ -24,7 +24,7 @@ TEST(EditDistance, CountsCharactersPutInTakenOutReplacedAndExchanged) {
   EXPECT_EQ(edit_distance("kitten", "sitting"), 3U);
 }
 
-TEST(Suggestion, IsTheNearestOfThoseThatAreNear) {
+TEST(Suggestion, IsTheNearestNameWithinTheAllowedDistance) {
   EXPECT_EQ(suggestion("grippper", {"gantry", "gripper", "grip"}), " (did you mean 'gripper'?)");
   EXPECT_EQ(suggestion("dance", {"enable", "disable", "halt"}), "");
   EXPECT_EQ(suggestion("", {"halt"}), "");

@@ -38,7 +38,7 @@ constexpr std::array<StatePattern, 8> kPatterns{{
     {PowerState::fault, 0b0100'1111, 0b0000'1000},
 }};
 
-TEST(Statusword, DecodesEveryWordByTheMasksOfTheManual) {
+TEST(Statusword, DecodesEveryValueByTheMasksOfTheManual) {
   for (std::uint32_t word = 0; word <= 0xFFFF; ++word) {
     PowerState expected = PowerState::not_ready_to_switch_on;
     for (const StatePattern& pattern : kPatterns) {
@@ -50,7 +50,7 @@ TEST(Statusword, DecodesEveryWordByTheMasksOfTheManual) {
   }
 }
 
-TEST(Statusword, ShowsEachStateByItsPatternAndBit5OnlyWhereTheDriveMayRun) {
+TEST(Statusword, EncodesEachStateAndSetsBit5OnlyWhereTheDriveMayRun) {
   for (const StatePattern& pattern : kPatterns) {
     const std::uint16_t word = statusword_of(pattern.state);
 
@@ -115,7 +115,7 @@ constexpr std::array<CommandPattern, 5> kCommands{{
     {PowerCommand::quick_stop, 0x86, 0x02},
 }};
 
-TEST(Controlword, EachWordWithBit7LowCarriesExactlyTheCommandOfTheTable) {
+TEST(Controlword, WithBit7LowGivesTheCommandOfTheTable) {
   for (std::uint32_t word = 0; word <= 0xFFFF; ++word) {
     if ((word & 0x80U) != 0) {
       continue;
@@ -136,7 +136,7 @@ TEST(Controlword, EachWordWithBit7LowCarriesExactlyTheCommandOfTheTable) {
   }
 }
 
-TEST(Controlword, WithBit7HighCarriesTheResetOnItsRisingEdgeAndNothingElse) {
+TEST(Controlword, WithBit7HighGivesOnlyAResetOnItsRisingEdge) {
   for (std::uint32_t i = 0; i <= 0xFFFF; ++i) {
     const auto word = static_cast<std::uint16_t>(i | 0x80U);
     ASSERT_EQ(decode_command(word, static_cast<std::uint16_t>(i & ~0x80U)),
@@ -167,7 +167,7 @@ TEST(ErrorCode, SetsTheBitsOfItsGroupInTheErrorRegister) {
   EXPECT_EQ(error_register_of(ErrorCode{0x1234}), 0);
 }
 
-TEST(ErrorCode, CarriesTheNumbersOfCiA402) {
+TEST(ErrorCode, HasTheNumbersOfCiA402) {
   EXPECT_EQ(static_cast<int>(ErrorCode::continuous_over_current), 0x2310);
   EXPECT_EQ(static_cast<int>(ErrorCode::dc_link_under_voltage), 0x3220);
   EXPECT_EQ(static_cast<int>(ErrorCode::excess_temperature_drive), 0x4310);
@@ -233,7 +233,7 @@ TEST(OperatingModes, HaveANameAndTheBitsOfAllModesWhereTheyHaveNoRow) {
   EXPECT_FALSE(is_operating_mode(2));
 }
 
-TEST(BitNames, AreEmptyForTheBitsThatNobodyUses) {
+TEST(BitNames, AreEmptyForUnusedBits) {
   for (const std::uint16_t bit : std::array<std::uint16_t, 3>{0x0100, 0x4000, 0x8000}) {
     EXPECT_EQ(statusword_bit_name(bit, OperatingMode::profile_position), "") << bit;
   }

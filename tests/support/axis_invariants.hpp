@@ -9,7 +9,7 @@
 
 namespace vdrive::test {
 
-/// What holds for the status image of any axis in any tick, told by itself.
+/// The invariants of the status image of any axis in any tick, without its history.
 struct StatusInvariant {
   static constexpr const char* kState = "6041h decodes to the power state";
   static constexpr const char* kReserved = "reserved bits of 6041h are 0";

@@ -12,7 +12,7 @@
 
 namespace vdrive::test {
 
-/// The memory of two rings, made before the inbox that stands on it.
+/// The memory of two rings, made before the inbox that uses it.
 struct InboxMemory {
   service::ByteRing arrivals() { return {arrival_positions, as_bytes(arrival_memory)}; }
 
@@ -28,7 +28,7 @@ struct InboxMemory {
   std::vector<std::uint64_t> turned_away_memory = std::vector<std::uint64_t>(8 * 1'024);
 };
 
-/// An inbox in the memory of a test: messages go in as they come from the network, as samples.
+/// An inbox in the memory of a test: messages enter as samples, as from the network.
 class LocalInbox : private InboxMemory, public service::Inbox {
  public:
   LocalInbox(std::uint32_t bench, service::Counters& counters)
@@ -36,7 +36,7 @@ class LocalInbox : private InboxMemory, public service::Inbox {
         intake_(arrivals(), turned_away()),
         counters_of_test_(counters) {}
 
-  /// Any thread.
+  /// May be called by any thread.
   template <typename Message>
   void receive(const Message& message, const wire::Source& source) {
     const std::lock_guard lock(producers_);

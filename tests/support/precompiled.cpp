@@ -1,2 +1,2 @@
 // SPDX-License-Identifier: Apache-2.0
-// Carries the precompiled header of the tests; has nothing of its own.
+// Builds the precompiled header of the tests; has no other content.

@@ -8,7 +8,7 @@
 
 namespace vdrive::test {
 
-/// An empty directory that goes with this object.
+/// An empty directory that this object removes at its end.
 class TemporaryDirectory {
  public:
   TemporaryDirectory() {

@@ -12,7 +12,8 @@
 namespace vdrive::test {
 namespace {
 
-// Above what people use by hand, below the domains whose ports end above the ephemeral range.
+// Above the domains that people use by hand, below the domains whose ports end above the ephemeral
+// range.
 constexpr std::uint32_t kFirstDomain = 20;
 constexpr std::uint32_t kDomains = 80;
 

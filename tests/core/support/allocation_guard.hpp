@@ -5,8 +5,8 @@
 
 namespace vdrive::test {
 
-/// Counts the allocations of this thread while it lives: operator new in every form and, where no
-/// sanitizer owns them, malloc, calloc, realloc and aligned_alloc. Link allocation_guard.cpp.
+/// Counts the allocations of this thread during its lifetime: operator new in every form and, where
+/// no sanitizer owns them, malloc, calloc, realloc and aligned_alloc. Link allocation_guard.cpp.
 class AllocationGuard {
  public:
   AllocationGuard();

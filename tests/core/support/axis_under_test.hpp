@@ -13,8 +13,9 @@
 
 namespace vdrive::test {
 
-/// One axis with access by variable_name and a drive clock: what the tests of the bank's behaviour
-/// have in common. A refused write or read is an error of the test unless it asks for the code.
+/// One axis with access by variable_name and a drive clock: the common part of the tests of the
+/// bank's behaviour. A refused write or read is an error of the test unless the test reads the
+/// code.
 class AxisUnderTest {
  public:
   static constexpr std::chrono::microseconds kDefaultPeriod{1000};

@@ -26,7 +26,7 @@ class Model {
   Model(const AxisUnderTest& axis, std::map<std::string, int>& occurred)
       : axis_(axis), occurred_(occurred) {}
 
-  /// A tick begins to be filled with writes.
+  /// Begins the writes of a tick.
   void begin_writes() { words_in_tick_ = 0; }
 
   void write(const Command& command) {
@@ -401,7 +401,7 @@ std::string difference(const AxisUnderTest& axis, const Model& model) {
   return text.str();
 }
 
-/// Writes of one step to both. @return what the drive answers otherwise than expected, or "".
+/// Writes one step to both. @return the difference between answer and expectation, or "".
 std::string write_both(AxisUnderTest& axis, Model& model, const std::vector<Command>& writes) {
   model.begin_writes();
   for (const Command& write : writes) {

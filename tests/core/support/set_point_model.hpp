@@ -11,7 +11,7 @@
 
 namespace vdrive::test {
 
-// Command sequences for one axis in profile position mode, a reference model of what the sheet says
+// Command sequences for one axis in profile position mode, a reference model
 // of them, and the scenario that repeats them with `vdrive run`.
 
 /// A write of an object by its variable_name.
@@ -44,7 +44,7 @@ struct SideBySide {
 /// The axis of tests/data/whole_units.yaml.
 [[nodiscard]] AxisConfiguration whole_units_axis();
 
-/// @return the answer to a write that the sheet demands, for the objects of the sequences.
+/// @return the answer that the sheet requires for a write, for the objects of the sequences.
 [[nodiscard]] AbortCode expected_answer(const Command& command);
 
 [[nodiscard]] SideBySide run_side_by_side(const std::vector<Step>& steps);
