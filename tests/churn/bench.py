@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A service under test, what its processes use, and the programs beside it."""
+"""A service under test, the resources of its processes, and the programs beside it."""
 
 import contextlib
 import fcntl
@@ -16,9 +16,9 @@ import urllib.request
 
 WIRE_WORD = "--wire-process"
 END_LIMIT = 2.0  # [s] from SIGTERM until no process of a bench is left
-PATIENCE = 20.0  # [s] for what has to happen at all
+PATIENCE = 20.0  # [s] for an event that has to happen
 # A bench goes before the programs beside it, as its unit has it; where that is not permitted,
-# `nice` says so and goes on.
+# `nice` reports it and continues.
 BENCH_NICENESS = -10
 VISITOR_NICENESS = 5
 TICKS_PER_SECOND = 1000
@@ -29,7 +29,7 @@ DOMAINS = 80
 
 
 class Failure(Exception):
-    """What a run failed by, in a sentence."""
+    """The reason why a run failed, in a sentence."""
 
 
 def is_nightly():
@@ -163,12 +163,12 @@ class Bench:
         self.url = None
 
     def find_metrics(self):
-        def look():
+        def find_url():
             if self.process.poll() is not None:
                 raise Failure(f"vdrived did not start: {self.last_words()}")
             found = re.search(r"metrics=(http\S+)", self.log.read_text(encoding="utf-8"))
             return found and found.group(1)
-        self.url = wait_for("the address of the metrics", look)
+        self.url = wait_for("the address of the metrics", find_url)
 
     @property
     def pid(self):
@@ -213,8 +213,8 @@ class Bench:
 
     def last_words(self):
         lines = self.log.read_text(encoding="utf-8", errors="replace").splitlines()
-        told = [line for line in lines if "Assertion" in line or "terminate" in line]
-        return " | ".join(told[-1:] or lines[-2:])
+        report = [line for line in lines if "Assertion" in line or "terminate" in line]
+        return " | ".join(report[-1:] or lines[-2:])
 
     def stop(self):
         """Ends it with SIGTERM. @return seconds until no process of it was left."""
@@ -241,7 +241,7 @@ class Bench:
         return duration
 
     def kill(self):
-        """Ends what is left of it, for cleaning up."""
+        """Ends its remaining processes, for cleaning up."""
         for pid in descendants(self.pid):
             with contextlib.suppress(ProcessLookupError):
                 os.kill(pid, signal.SIGKILL)
@@ -273,16 +273,16 @@ class Program:
     def read_lines(self):
         for line in self.process.stdout:
             with contextlib.suppress(json.JSONDecodeError):  # a killed program's last line
-                told = json.loads(line)
-                self.lines.append(told)
-                for key in told:
-                    self.by_key.setdefault(key, []).append(told)
+                report = json.loads(line)
+                self.lines.append(report)
+                for key in report:
+                    self.by_key.setdefault(key, []).append(report)
 
     def read_errors(self):
         self.errors = self.process.stderr.read()
 
     def check_alive(self):
-        """For a program that runs on until it is told to end."""
+        """For a program that runs until it is asked to end."""
         if self.process.poll() is not None:
             for reader in self.readers:
                 reader.join()
@@ -318,9 +318,9 @@ def run_role(client, domain, role, *words, **options):
     program = Program(client, domain, role, *words, **options)
     code = program.end(60)
     if code != 0:
-        told = program.found("failed")
+        report = program.found("failed")
         raise Failure(f"the program '{role}' ended with {code}: "
-                      f"{told[-1]['message'] if told else program.errors.strip()}")
+                      f"{report[-1]['message'] if report else program.errors.strip()}")
     return program.lines
 
 
@@ -341,7 +341,7 @@ class Usage:
     def report(self, warm_up, bounds):
         """Prints min, max and slope after the warm-up.
         @return what grew beyond its bound between the first and the last quarter; the medians of
-        the quarters are compared, so that one sample in a restart of a wire says nothing."""
+        the quarters are compared, so that one sample in a restart of a wire has no weight."""
         steady = [sample for sample in self.samples if sample[0] >= warm_up]
         wrong = []
         if len(steady) < 8:

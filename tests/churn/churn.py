@@ -15,11 +15,11 @@ It passes when all of this holds:
   (--allow-jumps), and every sample that the observer received shows each moving axis where that
   tick has to have it;
 - the observer was never without a sample for longer than --longest-silence;
-- every visitor that nobody killed got an answer to each command, and each command acted once:
+- every visitor that was not killed got an answer to each command, and each command acted once:
   n relative moves moved the axis by n steps, and the stamp is the last one written. After a killed
   visitor the next one finds as many moves and the stamp that were acknowledged, or those and the one
   that was under way;
-- the watchdog took no axis from a visitor that nobody killed;
+- the watchdog took no axis from a visitor that was not killed;
 - memory, descriptors and threads of the service and its descendants grew by no more than the bounds
   after the warm-up;
 - 2 s after SIGTERM no process of the service is left, nor a file in /dev/shm.
@@ -49,7 +49,7 @@ KEPT_FAILURES = 20
 
 @dataclasses.dataclass
 class Ledger:
-    """What an axis has to show to its next visitor."""
+    """The state of an axis that its next visitor has to find."""
 
     base: int | None = None  # [UU] where the last visitor began; none = unknown
     done: int = 0  # moves that were acknowledged
@@ -99,7 +99,7 @@ class Visitors:
             thread.join()
 
     def fail(self, text):
-        """After the end of the bench nobody can be served: that is told once, and elsewhere."""
+        """After the end of the bench no visitor can be served: that is reported once, elsewhere."""
         with self.lock:
             if self.is_bench_alive():
                 self.failures.append(f"{text} ({now() - self.begin:.0f} s after the first visit)")
@@ -167,10 +167,10 @@ class Visitors:
         lines = list(program.lines)
         where = f"axis {axis}"
         if code != 0 and not was_killed:
-            told = program.found("failed")
-            why = (f"{told[-1]['failed']}: {told[-1]['kind']}: {told[-1]['message']}" if told
+            report = program.found("failed")
+            why = (f"{report[-1]['failed']}: {report[-1]['kind']}: {report[-1]['message']}" if report
                    else f"code {code}: {program.errors.strip()[-200:]}")
-            self.fail(f"a visitor of {where} that nobody killed was not served: {why}")
+            self.fail(f"a visitor of {where} that was not killed was not served: {why}")
         for line in lines:
             if "found" in line:
                 self.judge_found(where, ledger, line)
@@ -198,7 +198,7 @@ class Visitors:
         ledger.next_stamp = max([ledger.next_stamp, *(stamp + 1 for stamp in ledger.stamps)])
 
     def judge_found(self, where, ledger, line):
-        """What was left behind, by whoever was there before."""
+        """Checks the state that the previous visitor left."""
         with self.lock:
             self.counts.found += ledger.base is not None
             self.counts.after_kill += ledger.begun > ledger.done
@@ -273,7 +273,7 @@ class Churn:
               f"{counts.hung} hung and killed, {counts.unreleased} left without an answer to the "
               "release")
         print(f"commands acknowledged: {counts.moves} moves, {counts.stamps} stamps; what was left "
-              f"was looked at by the next visitor: {counts.found} times, {counts.after_kill} of them "
+              f"was checked by the next visitor: {counts.found} times, {counts.after_kill} of them "
               "with a move under way at a kill")
         print(f"from the start of a program to its first acknowledged move: p50 "
               f"{percentile(joins, 0.5):.2f} s, p99 {percentile(joins, 0.99):.2f} s, "
@@ -325,8 +325,8 @@ class Churn:
         if total["backwards"]:
             self.problems.append(f"{total['backwards']} ticks came twice or out of order")
         if total["deviations"] > self.jumps:
-            told = self.observer.found("deviation")[0]
-            self.problems.append(f"tick {told['tick']}: {told['deviation']}")
+            report = self.observer.found("deviation")[0]
+            self.problems.append(f"tick {report['tick']}: {report['deviation']}")
         if max(pauses, default=0.0) > self.options.longest_silence and not self.forgives(self.jumps):
             self.problems.append(f"the observer was without a sample for {max(pauses):.2f} s")
 
@@ -376,7 +376,7 @@ def arguments():
 
 def main():
     options = arguments()
-    # Who ends this program ends what it started too.
+    # The end of this program ends the programs that it started.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit("ended by SIGTERM"))
     problems = []
     begin = now()

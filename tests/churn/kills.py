@@ -21,7 +21,7 @@ It passes when all of this holds in each variant:
 - every sample that an observer receives shows the moving axes where that tick has to have them, as
   without kills;
 - the programs and the observers run through, without being started anew, and every call succeeds;
-  positions of a stream may come late (they are told), but its axes end on the last position; a move
+  positions of a stream may come late (they are printed), but its axes end on the last position; a move
   over two benches may be refused by the one whose wire was killed, once a kill, and is repeated;
 - each acknowledged command acted once: n moves moved an axis by n ways, n steps are n ticks, the
   stamp is the last one, what was stored is there in the next run of the service;
@@ -52,7 +52,7 @@ SKIPPED = 77
 STEADY = 48
 COMMANDED = 8
 GROUP_AXES = 4
-SHORTEST = 0.005  # [s] a pause of the stream that the observer tells of
+SHORTEST = 0.005  # [s] a pause of the stream that the observer prints
 NEAR = 0.25  # [s] after a kill samples that were on their way may still arrive
 ENOUGH = 10  # kills from which on their median is judged
 HANG_LIMIT = 5.0  # [s] within which a hung wire is noticed
@@ -63,8 +63,8 @@ MAY_FAIL = {"stream": "stream", "group": "move_together"}  # role -> call that h
 
 
 def has_wire_option(service):
-    told = subprocess.run([service, "--help"], capture_output=True, text=True, check=True).stdout
-    return "--wire" in told
+    report = subprocess.run([service, "--help"], capture_output=True, text=True, check=True).stdout
+    return "--wire" in report
 
 
 def make_material(directory):
@@ -82,7 +82,7 @@ def make_material(directory):
 
 
 class Variant:
-    """Benches, observers and a program; what was done to them."""
+    """Benches, observers and a program; the kills of their wires."""
 
     def __init__(self, options, directory, domain, name):
         self.options = options
@@ -91,7 +91,7 @@ class Variant:
         self.name = name
         self.security = None
         self.benches = []
-        self.watchers = {}  # bench number -> who tells of pauses
+        self.watchers = {}  # bench number -> the program that prints pauses
         self.programs = []
         self.pauses = {how: [] for how in HOW}
         self.problems = []
@@ -103,7 +103,7 @@ class Variant:
 
     def start_bench(self, number, axes, *words):
         config = pathlib.Path(self.directory) / f"{self.name}.yaml"
-        # What 6007h says about a silent master is not the question here.
+        # The reaction of 6007h to a lost master is not tested here.
         config.write_text("watchdog: {timeout_ms: 10000}\naxes:\n  - number: 1\n",
                           encoding="utf-8")
         bench = benches.Bench(self.options.service, self.directory, self.domain, "--config", config,
@@ -189,14 +189,14 @@ class Variant:
         benches.wait_for("the next sample", lambda: [
             line for line in watcher.found("seen")[-1:] if line["time"] > max(back, moment + NEAR)
         ], max(1.0, moment + limit - back))
-        # The pause is told before the sample that ends it is counted. Without one, samples went on.
+        # The pause is printed before the sample that ends it is counted. Without one, samples went on.
         pauses = [line["pause"] for line in watcher.found("pause")
                   if line["pause"][1] > moment and line["pause"][0] < moment + NEAR]
         longest = max(pauses, key=lambda pause: pause[1] - pause[0], default=None)
         return longest[1] - moment if longest else SHORTEST
 
     def run(self, kills, seconds, chance):
-        """Kills so many wires; without kills it waits `seconds`. @return the length [s]."""
+        """Kills this number of wires; without kills it waits `seconds`. @return the length [s]."""
         self.begin()
         before = [bench.account() for bench in self.benches]
         begin = now()
@@ -325,8 +325,8 @@ class Variant:
         print(f"  observer: {total['total']} ticks received, {total['missed']} not received, "
               f"{total['deviations']} in which a moving axis was not in its place")
         if total["deviations"] > self.jumps:
-            told = observer.found("deviation")[0]
-            self.problems.append(f"tick {told['tick']}: {told['deviation']}")
+            report = observer.found("deviation")[0]
+            self.problems.append(f"tick {report['tick']}: {report['deviation']}")
         if total["backwards"]:
             self.problems.append(f"{total['backwards']} ticks came twice or out of order")
 
@@ -352,7 +352,7 @@ class Variant:
 
 
 def report_pauses(pauses, options):
-    """@return what is beyond the limits."""
+    """@return the values beyond the limits."""
     problems = []
     quick = pauses["kill"] + pauses["abort"]
     for name, values in (("killed or aborted", quick), ("hung", pauses["hang"])):
@@ -360,7 +360,7 @@ def report_pauses(pauses, options):
             print(f"  {name}: {len(values)}, to the next sample p50 {percentile(values, 0.5):.3f} s, "
                   f"p99 {percentile(values, 0.99):.3f} s, max {max(values):.3f} s")
     # In the closed mode the library repeats some messages of the authentication after a second, so
-    # two slow kills in a row say nothing.
+    # two slow kills in a row prove nothing.
     if len(quick) >= ENOUGH and percentile(quick, 0.5) > options.usual:
         problems.append(f"half of the kills took more than {options.usual:g} s")
     return problems
@@ -444,7 +444,7 @@ def arguments():
 
 def main():
     options = arguments()
-    # Who ends this program ends what it started too.
+    # The end of this program ends the programs that it started.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit("ended by SIGTERM"))
     if not has_wire_option(options.service):
         print("SKIP this vdrived has no --wire: there is no wire process to kill")

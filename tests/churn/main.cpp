@@ -16,7 +16,7 @@ void add_range(CLI::App& role, AxisRange& range) {
   role.add_option("--last", range.last, "Last axis");
 }
 
-/// What the command line fills.
+/// The values of the command line.
 struct Arguments {
   Setting setting;
   AxisRange range;

@@ -10,7 +10,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Compares the axes that move all the time with what they have to show in each tick:
+/// Compares the axes that move all the time with their expected position in each tick:
 /// 6062h(t) = 6062h(t0) + 4 UU (t - t0), within 1 UU of rounding. An axis that was stopped, or a
 /// tick that was numbered and not run (4 UU), breaks it.
 class SteadyMotion {
@@ -26,7 +26,7 @@ class SteadyMotion {
     return moves;
   }
 
-  /// @return what is wrong in this tick, or nothing.
+  /// @return the deviation in this tick, or nothing.
   std::optional<std::string> judge(const client::Observation& seen) {
     std::size_t wrong = 0;
     std::string first;
@@ -58,7 +58,7 @@ class SteadyMotion {
   std::vector<std::int64_t> demand_;
 };
 
-/// What was seen of the stream.
+/// The counters of the stream.
 struct Account {
   std::uint64_t first = 0;
   std::uint64_t last = 0;
@@ -81,13 +81,13 @@ struct Account {
     ++seen;
   }
 
-  void tell_all(const char* what) const {
-    tell({{what, seen},
-          {"missed", missed},
-          {"backwards", backwards},
-          {"deviations", deviations},
-          {"first", first},
-          {"last", last}});
+  void print_all(const char* what) const {
+    print_line({{what, seen},
+                {"missed", missed},
+                {"backwards", backwards},
+                {"deviations", deviations},
+                {"first", first},
+                {"last", last}});
   }
 };
 
@@ -96,15 +96,15 @@ class Observer {
  public:
   explicit Observer(AxisRange steady) : motion_(steady) {}
 
-  void look(client::Follower& follower) {
+  void observe(client::Follower& follower) {
     const auto seen = follower.next(500ms);
     if (!seen) {
-      if (judges_) tell({{"silent", to_string(seen.outcome().kind())}});
+      if (judges_) print_line({{"silent", to_string(seen.outcome().kind())}});
     } else if (judges_) {
       judge(*seen);
     } else if (motion_.begin(*seen)) {
       judges_ = true;
-      tell({{"watching", seen->axes.size()}});
+      print_line({{"watching", seen->axes.size()}});
       judge(*seen);
     }
   }
@@ -113,13 +113,13 @@ class Observer {
 
  private:
   void judge(const client::Observation& seen) {
-    const bool is_time_to_tell = pauses_.note();
+    const bool is_report_due = pauses_.note();
     account_.take(seen);
     if (const auto wrong = motion_.judge(seen)) {
       ++account_.deviations;
-      tell({{"deviation", *wrong}, {"tick", seen.tick}});
+      print_line({{"deviation", *wrong}, {"tick", seen.tick}});
     }
-    if (is_time_to_tell) account_.tell_all("seen");
+    if (is_report_due) account_.print_all("seen");
   }
 
   SteadyMotion motion_;
@@ -132,7 +132,7 @@ std::vector<client::AxisId> all_axes(client::Session& session, std::uint32_t ben
   const auto info = session.find_bench(bench);
   std::vector<client::AxisId> axes;
   if (!info) {
-    tell_failure("observe", info.outcome());
+    print_failure("observe", info.outcome());
     return axes;
   }
   for (const auto& axis : info->axes) axes.push_back(axis.id);
@@ -147,13 +147,13 @@ int observe(const Setting& setting, AxisRange steady) {
   if (axes.empty()) return 1;
   auto follower = session.follow(axes, client::Pace::observe);
   if (!follower) {
-    tell_failure("follow", follower.outcome());
+    print_failure("follow", follower.outcome());
     return 1;
   }
   Observer observer(steady);
-  // The same follower goes on after a silence: an observer is not started anew.
-  while (!is_told_to_stop()) observer.look(*follower);
-  observer.account().tell_all("total");
+  // The same follower continues after a silence: an observer does not restart.
+  while (!is_stop_requested()) observer.observe(*follower);
+  observer.account().print_all("total");
   return 0;
 }
 

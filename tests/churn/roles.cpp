@@ -18,7 +18,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// A pause is told from this length on.
+/// The shortest pause that is printed.
 constexpr auto kPause = 5ms;
 constexpr auto kTellEach = 100ms;
 
@@ -37,26 +37,27 @@ std::int32_t nearest_step(std::int64_t position) {
 
 }  // namespace
 
-bool is_told_to_stop() {
+bool is_stop_requested() {
   pollfd input{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
   return poll(&input, 1, 0) > 0;
 }
 
-void tell(Json line) {
+void print_line(Json line) {
   static std::mutex mutex;
   const std::lock_guard lock(mutex);
   line["time"] = seconds(Clock::now());
   std::cout << line.dump() << std::endl;
 }
 
-void tell_failure(const std::string& call, const client::Outcome& outcome) {
-  tell({{"failed", call}, {"kind", to_string(outcome.kind())}, {"message", outcome.message()}});
+void print_failure(const std::string& call, const client::Outcome& outcome) {
+  print_line(
+      {{"failed", call}, {"kind", to_string(outcome.kind())}, {"message", outcome.message()}});
 }
 
 bool Pauses::note() {
   const auto now = Clock::now();
   if (last_ != Clock::time_point() && now - last_ >= kPause) {
-    tell({{"pause", {seconds(last_), seconds(now)}}});
+    print_line({{"pause", {seconds(last_), seconds(now)}}});
   }
   last_ = now;
   if (now - told_ < kTellEach) return false;
@@ -101,10 +102,10 @@ int read(const Setting& setting, std::uint16_t axis, std::uint16_t index) {
   const auto value =
       found ? found->read({index, 0}) : client::Result<std::int64_t>(found.outcome());
   if (!value) {
-    tell_failure("read", value.outcome());
+    print_failure("read", value.outcome());
     return 1;
   }
-  tell({{"axis", axis}, {"value", *value}});
+  print_line({{"axis", axis}, {"value", *value}});
   return 0;
 }
 

@@ -16,7 +16,7 @@ namespace vdrive::test::churn {
 
 using Json = nlohmann::ordered_json;
 
-/// What all roles are told.
+/// The settings of all roles.
 struct Setting {
   client::SessionOptions network;
   std::uint32_t bench = 1;
@@ -36,26 +36,26 @@ struct AxisRange {
 inline constexpr std::int32_t kSteadySpeed = 4000;
 
 /// One relative move of a visitor [UU]: far more than what an axis at rest may lie beside its
-/// target, so that a position tells the number of moves.
+/// target, so that a position gives the number of moves.
 inline constexpr std::int32_t kStep = 16;
 
 /// The object that carries the stamps: 6067h, position window [UU]. It changes no demand.
 inline constexpr ObjectAddress kStampObject{0x6067, 0};
 
 /// Time at which the role wants to end: standard input was closed.
-[[nodiscard]] bool is_told_to_stop();
+[[nodiscard]] bool is_stop_requested();
 
 /// Prints a JSON object as one line on standard output, with `time`: seconds of the monotonic
 /// clock.
-void tell(Json line);
+void print_line(Json line);
 
-/// Tells of a call that did not succeed.
-void tell_failure(const std::string& call, const client::Outcome& outcome);
+/// Prints a call that did not succeed.
+void print_failure(const std::string& call, const client::Outcome& outcome);
 
-/// Tells of the pauses between events that come all the time: those of 5 ms and more.
+/// Prints the pauses of 5 ms and more between regular events.
 class Pauses {
  public:
-  /// An event has come. @return true ten times a second: time to tell how it goes.
+  /// An event has come. @return true ten times a second: time to print the progress.
   bool note();
 
  private:
@@ -75,13 +75,13 @@ client::Result<std::int32_t> resting_demand(const client::Axis& axis);
 
 // The roles. Each @returns the exit code.
 
-/// Lets the axes of the range move at kSteadySpeed for more than an hour, and leaves them free.
+/// Moves the axes of the range at kSteadySpeed for more than an hour, and releases them.
 int start(const Setting& setting, AxisRange range);
 
-/// Follows all axes of the bench, until it is told to stop.
+/// Follows all axes of the bench, until it has to stop.
 int observe(const Setting& setting, AxisRange steady);
 
-/// What one visitor does: it joins, commands one axis for a while, leaves.
+/// The plan of one visitor: it joins, commands one axis for a while, leaves.
 struct Visit {
   std::uint16_t axis = 1;
   std::chrono::milliseconds duration{200};
@@ -93,7 +93,7 @@ int visit(const Setting& setting, const Visit& plan);
 /// Reads one object of one axis.
 int read(const Setting& setting, std::uint16_t axis, std::uint16_t index);
 
-// What goes on while wires are killed, until it is told to stop.
+// What runs while wires are killed, until it has to stop.
 
 int motion(const Setting& setting, AxisRange range);
 int stream(const Setting& setting, AxisRange range, std::chrono::milliseconds lead);

@@ -7,7 +7,7 @@
 #   --seconds N     how long clients come and go beside 1,024 axes, default 180 (3 minutes)
 #   --kills N       how many wire processes are killed, default 60; 0 = none
 #   --nightly       an hour and 1,000 kills, also by VDRIVE_NIGHTLY=1
-#   --service FILE  another vdrived that speaks the same IDL
+#   --service FILE  another vdrived with the same IDL
 #
 # The rest goes to churn.py: --axes, --clients, --allow-jumps and the bounds; see its --help.
 # Exit code 0: both passed, 1: one failed. A vdrived without a wire process has nothing to kill.

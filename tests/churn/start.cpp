@@ -59,26 +59,26 @@ int start(const Setting& setting, AxisRange range) {
               setting.bench);
   probe.client = probe.session = static_cast<std::uint64_t>(getpid());
   if (!probe.find_bench()) {
-    tell_failure("start", client::Outcome::not_found("no bench"));
+    print_failure("start", client::Outcome::not_found("no bench"));
     return 1;
   }
   std::vector<std::uint16_t> block;
   for (std::uint32_t axis = range.first; axis <= range.last; ++axis) {
     block.push_back(static_cast<std::uint16_t>(axis));
     if (block.size() < kBlock && axis != range.last) continue;
-    // On a machine that is busy enough the watchdog takes the axes away between two frames.
+    // On a busy machine the watchdog can release the axes between two frames.
     int attempts = 3;
     bool moves = start_block(probe, block);
     while (!moves && --attempts > 0) moves = start_block(probe, block);
     if (!moves) {
-      tell_failure("start", client::Outcome::failed("axes up to " + std::to_string(axis)));
+      print_failure("start", client::Outcome::failed("axes up to " + std::to_string(axis)));
       return 1;
     }
     block.clear();
   }
-  // Axes that are given back stay as they are: they go on.
-  const auto released = probe.ask(probe.make_request(msg::REQUEST_RELEASE));
-  tell({{"started", range.last - range.first + 1}});
+  // Released axes keep their state: they continue to move.
+  const auto released = probe.exchange(probe.make_request(msg::REQUEST_RELEASE));
+  print_line({{"started", range.last - range.first + 1}});
   return released ? 0 : 1;
 }
 

@@ -8,61 +8,61 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Tells what the visitor before left: position [UU] and stamp.
-bool tell_found(const client::Axis& axis) {
+/// Prints what the previous visitor left: position [UU] and stamp.
+bool print_found(const client::Axis& axis) {
   const std::array objects{ObjectAddress{0x6064, 0}, kStampObject};
   const auto found = axis.read(objects);
   if (!found) {
-    tell_failure("read", found.outcome());
+    print_failure("read", found.outcome());
     return false;
   }
-  tell({{"found", found->objects[0].value}, {"stamp", found->objects[1].value}});
+  print_line({{"found", found->objects[0].value}, {"stamp", found->objects[1].value}});
   return true;
 }
 
-/// Tells before and after each command, so that whoever kills this program knows which command was
+/// Prints a line before and after each command, so that the killer of this program knows which was
 /// under way.
 bool command(client::Axis& axis, std::int64_t stamp) {
-  tell({{"start", "move"}});
+  print_line({{"start", "move"}});
   if (const auto moved = axis.move_by(kStep, quick(client::Until::in_force)); !moved) {
-    tell_failure("move_by", moved);
+    print_failure("move_by", moved);
     return false;
   }
-  tell({{"done", "move"}});
-  tell({{"start", "stamp"}, {"stamp", stamp}});
+  print_line({{"done", "move"}});
+  print_line({{"start", "stamp"}, {"stamp", stamp}});
   if (const auto written = axis.write(kStampObject, stamp); !written) {
-    tell_failure("write", written.outcome());
+    print_failure("write", written.outcome());
     return false;
   }
-  tell({{"done", "stamp"}, {"stamp", stamp}});
+  print_line({{"done", "stamp"}, {"stamp", stamp}});
   const auto read_back = axis.read(kStampObject);
-  if (!read_back) tell_failure("read", read_back.outcome());
-  if (read_back) tell({{"read", *read_back}, {"written", stamp}});
+  if (!read_back) print_failure("read", read_back.outcome());
+  if (read_back) print_line({{"read", *read_back}, {"written", stamp}});
   return static_cast<bool>(read_back);
 }
 
 bool stay(client::Axis& axis, const Visit& plan) {
   if (const auto acquired = axis.acquire(); !acquired) {
-    tell_failure("acquire", acquired);
+    print_failure("acquire", acquired);
     return false;
   }
-  if (!tell_found(axis)) return false;
+  if (!print_found(axis)) return false;
   const auto base = prepare(axis);
   if (!base) {
-    tell_failure("prepare", base.outcome());
+    print_failure("prepare", base.outcome());
     return false;
   }
-  tell({{"base", *base}});
+  print_line({{"base", *base}});
   std::int64_t stamp = plan.stamp;
   for (const auto end = Clock::now() + plan.duration; Clock::now() < end;) {
     if (!command(axis, ++stamp)) return false;
   }
   const auto demand = resting_demand(axis);
   if (!demand) {
-    tell_failure("rest", demand.outcome());
+    print_failure("rest", demand.outcome());
     return false;
   }
-  tell({{"demand", *demand}});
+  print_line({{"demand", *demand}});
   return true;
 }
 
@@ -72,15 +72,15 @@ int visit(const Setting& setting, const Visit& plan) {
   client::Session session(setting.network);
   auto axis = session.axis(std::to_string(setting.bench) + "." + std::to_string(plan.axis));
   if (!axis) {
-    tell_failure("join", axis.outcome());
+    print_failure("join", axis.outcome());
     return 1;
   }
-  tell({{"joined", plan.axis}});
+  print_line({{"joined", plan.axis}});
   if (!stay(*axis, plan)) return 1;
   // The library waits for this answer a short time only: without it the axis may be held until the
   // watchdog has noticed.
   const auto released = session.release();
-  tell({{released ? "left" : "unreleased", plan.axis}});
+  print_line({{released ? "left" : "unreleased", plan.axis}});
   return 0;
 }
 

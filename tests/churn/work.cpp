@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Programs that go on while wires are killed. None of them is started anew: a call that fails is
-// told of, and the next one is made.
+// Programs that continue while wires are killed. None of them restarts: a call that fails is
+// printed, and the next one is made.
 #include "churn/roles.hpp"
 #include "vdrive/client/axis_group.hpp"
 
@@ -29,17 +29,17 @@ struct Count {
   /// @return whether the call succeeded.
   bool take(const char* call, const client::Outcome& outcome) {
     ++(outcome ? acknowledged : uncertain);
-    if (!outcome) tell_failure(call, outcome);
+    if (!outcome) print_failure(call, outcome);
     return static_cast<bool>(outcome);
   }
 };
 
-/// Repeats a call until it succeeds or the role is told to stop; each failure is told.
+/// Repeats a call until it succeeds or the role has to stop; each failure is printed.
 template <typename Call>
 auto insist(const char* name, Call call) {
   auto result = call();
-  while (!result && !is_told_to_stop()) {
-    tell_failure(name, result.outcome());
+  while (!result && !is_stop_requested()) {
+    print_failure(name, result.outcome());
     result = call();
   }
   return result;
@@ -73,7 +73,7 @@ void move_axis(Prepared prepared, bool is_long) {
   Count stamps;
   std::int64_t stamp = 0;
   const auto until = is_long ? client::Until::done : client::Until::in_force;
-  while (!is_told_to_stop()) {
+  while (!is_stop_requested()) {
     if (!moves.take("move_by", axis->move_by(distance, quick(until)))) {
       // A lost axis is taken again; where it is then is judged at the end.
       static_cast<void>(axis->reset_fault());
@@ -83,18 +83,18 @@ void move_axis(Prepared prepared, bool is_long) {
   }
   const auto demand = resting_demand(*axis);
   const auto read_back = axis->read(kStampObject);
-  if (!demand) tell_failure("rest", demand.outcome());
-  if (!read_back) tell_failure("read", read_back.outcome());
+  if (!demand) print_failure("rest", demand.outcome());
+  if (!read_back) print_failure("read", read_back.outcome());
   if (!demand || !read_back) return;
-  tell({{"axis", to_string(axis->id())},
-        {"distance", distance},
-        {"acknowledged", moves.acknowledged},
-        {"uncertain", moves.uncertain},
-        {"moved", std::int64_t{*demand} - prepared.base},
-        {"stamp", *read_back},
-        {"stamps", stamps.acknowledged},
-        {"uncertain_stamps", stamps.uncertain},
-        {"last_stamp", stamp}});
+  print_line({{"axis", to_string(axis->id())},
+              {"distance", distance},
+              {"acknowledged", moves.acknowledged},
+              {"uncertain", moves.uncertain},
+              {"moved", std::int64_t{*demand} - prepared.base},
+              {"stamp", *read_back},
+              {"stamps", stamps.acknowledged},
+              {"uncertain_stamps", stamps.uncertain},
+              {"last_stamp", stamp}});
 }
 
 // ---- stream
@@ -109,17 +109,17 @@ Eigen::VectorXd wave(const Eigen::VectorXd& base, std::uint64_t phase) {
   return base.array() + kAmplitude * (1.0 - std::cos(angle));
 }
 
-/// Streams until a position is not taken or the role is told to stop.
+/// Streams until a position is refused or the role has to stop.
 /// @return positions taken; the last one is in `last`.
 std::uint64_t stream_once(client::AxisGroup& group, const client::StreamOptions& options,
                           std::optional<Eigen::VectorXd>& last) {
   if (const auto started = group.start_streaming(options); !started) {
-    tell_failure("start_streaming", started);
+    print_failure("start_streaming", started);
     return 0;
   }
   const auto status = group.status();
   if (!status) {
-    tell_failure("status", status.outcome());
+    print_failure("status", status.outcome());
     return 0;
   }
   const Eigen::VectorXd base = status->demand();
@@ -129,13 +129,13 @@ std::uint64_t stream_once(client::AxisGroup& group, const client::StreamOptions&
     Eigen::VectorXd positions = wave(base, phase);
     const auto seen = group.stream(positions);
     if (!seen) {
-      tell_failure("stream", seen.outcome());
+      print_failure("stream", seen.outcome());
       last.reset();
       return phase;
     }
     last = std::move(positions);
     ++phase;
-  } while (!is_told_to_stop() || phase % kPeriod != 0);
+  } while (!is_stop_requested() || phase % kPeriod != 0);
   return phase;
 }
 
@@ -182,7 +182,7 @@ int motion(const Setting& setting, AxisRange range) {
       threads.emplace_back(move_axis, prepared, prepared.axis.id().axis % 2 == 0);
     }
   }
-  tell({{"ended", "motion"}});
+  print_line({{"ended", "motion"}});
   return 0;
 }
 
@@ -194,7 +194,7 @@ int stream(const Setting& setting, AxisRange range, std::chrono::milliseconds le
   }
   auto group = client::AxisGroup::create(session, names);
   if (!group) {
-    tell_failure("group", group.outcome());
+    print_failure("group", group.outcome());
     return 1;
   }
   std::uint64_t positions = 0;
@@ -202,18 +202,18 @@ int stream(const Setting& setting, AxisRange range, std::chrono::milliseconds le
   std::optional<Eigen::VectorXd> last;
   do {
     if (positions != 0) ++interruptions;
-    if (const auto enabled = group->enable_all(); !enabled) tell_failure("enable_all", enabled);
+    if (const auto enabled = group->enable_all(); !enabled) print_failure("enable_all", enabled);
     positions += stream_once(*group, {.lead = lead}, last);
     if (!last) static_cast<void>(group->stop_streaming());
-    // What was interrupted at the very end is done once more: the end is judged.
-  } while (!is_told_to_stop() || (!last && interruptions < kMostInterruptions));
+    // A call that was interrupted at the very end is repeated: the end is judged.
+  } while (!is_stop_requested() || (!last && interruptions < kMostInterruptions));
   Json result{{"positions", positions}, {"interruptions", interruptions}};
   if (last) {
     const auto off = distance_to(session, *group, *last);
-    if (!off) tell_failure("end", off.outcome());
+    if (!off) print_failure("end", off.outcome());
     if (off) result["off"] = *off;
   }
-  tell(std::move(result));
+  print_line(std::move(result));
   return 0;
 }
 
@@ -223,9 +223,9 @@ int group(const Setting& setting, const std::vector<std::string>& axes) {
     return client::AxisGroup::create(session, axes);
   });
   if (!group) return 1;
-  for (auto ready = group->enable_all(); !ready && !is_told_to_stop();
+  for (auto ready = group->enable_all(); !ready && !is_stop_requested();
        ready = group->enable_all()) {
-    tell_failure("enable_all", ready);
+    print_failure("enable_all", ready);
   }
   const auto status = group->status();
   if (!status) return 1;
@@ -234,9 +234,9 @@ int group(const Setting& setting, const std::vector<std::string>& axes) {
   for (Eigen::Index place = 0; place < way.size(); ++place) {
     way[place] = kLongMove * static_cast<double>(place + 1) / 4.0;
   }
-  // A frame that comes late at one bench only is refused there, and the call says so. The targets
-  // are absolute: the call is repeated, and the axes meet again. So is the last one: the end is
-  // judged.
+  // A frame that comes late at one bench only is refused there, and the call reports it. The
+  // targets are absolute: the call is repeated, and the axes meet again. So is the last one: the
+  // end is judged.
   Count moves;
   bool is_taken = false;
   do {
@@ -245,18 +245,18 @@ int group(const Setting& setting, const std::vector<std::string>& axes) {
     if (is_taken) continue;
     static_cast<void>(group->reset_all());
     static_cast<void>(group->enable_all());
-  } while (!is_told_to_stop() || (!is_taken && moves.uncertain < kMostInterruptions));
+  } while (!is_stop_requested() || (!is_taken && moves.uncertain < kMostInterruptions));
   const auto end = group->status();
   if (!end) {
-    tell_failure("status", end.outcome());
+    print_failure("status", end.outcome());
     return 1;
   }
   // Axes of a group that have moved n times have moved n ways, all of them.
   const Eigen::VectorXd moved = (end->demand() - base).cwiseQuotient(way);
-  tell({{"acknowledged", moves.acknowledged},
-        {"refused", moves.uncertain},
-        {"least", moved.minCoeff()},
-        {"most", moved.maxCoeff()}});
+  print_line({{"acknowledged", moves.acknowledged},
+              {"refused", moves.uncertain},
+              {"least", moved.minCoeff()},
+              {"most", moved.maxCoeff()}});
   return 0;
 }
 
@@ -264,22 +264,22 @@ int store(const Setting& setting, AxisRange range) {
   client::Session session(setting.network);
   auto axis = session.axis(name_of(setting, range.first));
   if (!axis) {
-    tell_failure("find", axis.outcome());
+    print_failure("find", axis.outcome());
     return 1;
   }
   Count stores;
   std::int64_t stamp = 0;
   std::int64_t durable = 0;
-  while (!is_told_to_stop()) {
+  while (!is_stop_requested()) {
     if (const auto written = axis->write(kStampObject, ++stamp); !written) {
-      tell_failure("write", written.outcome());
+      print_failure("write", written.outcome());
     }
     if (stores.take("store", axis->store())) durable = stamp;
   }
-  tell({{"acknowledged", stores.acknowledged},
-        {"uncertain", stores.uncertain},
-        {"durable", durable},
-        {"last_stamp", stamp}});
+  print_line({{"acknowledged", stores.acknowledged},
+              {"uncertain", stores.uncertain},
+              {"durable", durable},
+              {"last_stamp", stamp}});
   return 0;
 }
 
@@ -293,22 +293,22 @@ int step(const Setting& setting) {
   std::uint64_t wrong = 0;
   std::uint64_t reached = *begin;
   Pauses pauses;
-  while (!is_told_to_stop()) {
+  while (!is_stop_requested()) {
     const auto tick = session.step(setting.bench, 1);
-    if (pauses.note()) tell({{"seen", steps.acknowledged}});
+    if (pauses.note()) print_line({{"seen", steps.acknowledged}});
     if (!steps.take("step", tick.outcome())) continue;
     if (steps.uncertain == 0 && *tick != reached + 1) ++wrong;
     reached = *tick;
   }
   const auto end = session.step(setting.bench, 0);
   if (!end) {
-    tell_failure("step", end.outcome());
+    print_failure("step", end.outcome());
     return 1;
   }
-  tell({{"acknowledged", steps.acknowledged},
-        {"uncertain", steps.uncertain},
-        {"ticks", *end - *begin},
-        {"wrong", wrong}});
+  print_line({{"acknowledged", steps.acknowledged},
+              {"uncertain", steps.uncertain},
+              {"ticks", *end - *begin},
+              {"wrong", wrong}});
   return 0;
 }
 

@@ -19,7 +19,7 @@ int empty(TokenBucket& bucket) {
   return taken;
 }
 
-TEST(TokenBucket, BeginsWithOneBurst) {
+TEST(TokenBucket, StartsWithOneBurst) {
   TokenBucket bucket({.per_second = 100.0, .burst = 8.0});
   bucket.refill(kBegin);
   EXPECT_FALSE(bucket.is_empty());
@@ -27,7 +27,7 @@ TEST(TokenBucket, BeginsWithOneBurst) {
   EXPECT_TRUE(bucket.is_empty());
 }
 
-TEST(TokenBucket, GivesItsRateAndNeverMoreThanABurstAtOnce) {
+TEST(TokenBucket, AllowsItsRateAndNeverMoreThanABurstAtOnce) {
   TokenBucket bucket({.per_second = 100.0, .burst = 8.0});
   bucket.refill(kBegin);
   static_cast<void>(empty(bucket));

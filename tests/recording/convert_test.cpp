@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One recording made of another.
+// Conversion of one recording into another.
 #include "convert.hpp"
 
 #include "recording/sample_recording.hpp"
@@ -53,7 +53,7 @@ class Convert : public testing::Test {
   TemporaryDirectory directory_;
 };
 
-TEST_F(Convert, AllTheWayRoundEndsWithTheTextThatItBeganWith) {
+TEST_F(Convert, ThroughEveryFormatGivesTheOriginalText) {
   const std::string csv = text_of(Format::csv, benches_, samples_);
   put("a.csv", csv);
   make("a.csv", "b.mcap");
@@ -64,7 +64,7 @@ TEST_F(Convert, AllTheWayRoundEndsWithTheTextThatItBeganWith) {
   EXPECT_EQ(bytes_of("c.jsonl"), text_of(Format::json_lines, benches_, samples_));
 }
 
-TEST_F(Convert, AnMcapGivesTheTextThatWouldHaveBeenRecorded) {
+TEST_F(Convert, OfAnMcapGivesTheTextThatARecorderWrites) {
   const client::Event event{.bench = 1, .axis = 1, .tick = 1001, .text = "fault"};
   put("a.mcap", mcap_of(benches_, samples_, {event}));
   const Contents contents = make("a.mcap", "b.csv");
@@ -74,7 +74,7 @@ TEST_F(Convert, AnMcapGivesTheTextThatWouldHaveBeenRecorded) {
   EXPECT_EQ(contents.events, 1U);
 }
 
-TEST_F(Convert, ATextTakesThePeriodThatIsGiven) {
+TEST_F(Convert, OfATextUsesTheGivenPeriod) {
   put("a.csv", text_of(Format::csv, benches_, samples_));
   make("a.csv", "b.mcap", std::chrono::microseconds(250));
   const Contents read = read_recording(path("b.mcap"), [](const client::Observation&) {});
@@ -84,7 +84,7 @@ TEST_F(Convert, ATextTakesThePeriodThatIsGiven) {
   EXPECT_EQ(other.benches.at(0).period, std::chrono::milliseconds(1));
 }
 
-TEST_F(Convert, ACutMcapGivesWhatItHasAndSaysSo) {
+TEST_F(Convert, OfAnIncompleteMcapGivesItsContentAndReportsIt) {
   const std::string whole = mcap_of(benches_, samples_);
   // Without its summary: all messages are there.
   put("a.mcap", whole.substr(0, whole.size() - 100));
@@ -93,7 +93,7 @@ TEST_F(Convert, ACutMcapGivesWhatItHasAndSaysSo) {
   EXPECT_EQ(bytes_of("b.csv"), text_of(Format::csv, benches_, samples_));
 }
 
-TEST_F(Convert, WithAnErrorInTheFirstFileLeavesTheSecondAsItIs) {
+TEST_F(Convert, WithAnErrorInItsInputLeavesTheOutputUnchanged) {
   const std::string csv = text_of(Format::csv, benches_, samples_);
   put("torn.csv", csv.substr(0, csv.size() - 1));
   put("there.mcap", "something of somebody");
@@ -103,7 +103,7 @@ TEST_F(Convert, WithAnErrorInTheFirstFileLeavesTheSecondAsItIs) {
   EXPECT_EQ(bytes_of("there.mcap"), "something of somebody");
 }
 
-TEST_F(Convert, RefusesWhatCannotBe) {
+TEST_F(Convert, RefusesUnusableFileNamesAndFiles) {
   put("a.csv", text_of(Format::csv, benches_, samples_));
   std::filesystem::create_symlink(path("a.csv"), path("b.jsonl"));
   EXPECT_THAT(refusal_of("a.csv", "b.jsonl"), HasSubstr("are the same file"));

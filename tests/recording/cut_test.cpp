@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A file that was cut off anywhere is readable up to there.
+// A truncated file is readable up to its end.
 #include "mcap_reader.hpp"
 #include "recording/sample_recording.hpp"
 
@@ -36,7 +36,7 @@ Chunked chunked(const std::vector<RecordedBench>& benches,
   for (std::size_t i = 0; i < samples.size(); ++i) {
     writer.status(samples[i]);
     if ((i + 1) % in_chunk != 0) continue;
-    // Two seconds later: what was recorded is with the system.
+    // Two seconds later the system has the recorded bytes.
     writer.flush(Writer::Clock::now() + std::chrono::seconds(2));
     file.ends.push_back(file.bytes.size());
   }
@@ -44,7 +44,7 @@ Chunked chunked(const std::vector<RecordedBench>& benches,
   return file;
 }
 
-TEST(CutMcap, IsReadUpToItsLastWholeChunkWhereverItEnds) {
+TEST(IncompleteMcap, IsReadUpToItsLastWholeChunk) {
   constexpr std::size_t kInChunk = 3;
   const auto benches = benches_of(1, 2);
   const auto samples = samples_of(benches[0], 30);
@@ -55,7 +55,7 @@ TEST(CutMcap, IsReadUpToItsLastWholeChunkWhereverItEnds) {
     SCOPED_TRACE("cut at " + std::to_string(size));
     const Read read = read_back(Format::mcap, file.bytes.substr(0, size));
     EXPECT_THAT(read.contents.cut, HasSubstr("at byte " + std::to_string(size)));
-    // The chunks whose end is there; the one whose indexes only are missing has its messages too.
+    // The complete chunks; one that misses only its indexes has its messages too.
     const auto whole =
         static_cast<std::size_t>(std::ranges::count_if(file.ends, [size](std::size_t end) {
           return end <= size;
@@ -73,7 +73,7 @@ TEST(CutMcap, IsReadUpToItsLastWholeChunkWhereverItEnds) {
   expect_equal(whole.samples, samples, true);
 }
 
-TEST(CutMcap, WithADamagedByteNeverGivesOtherValues) {
+TEST(IncompleteMcap, NeverGivesOtherValuesAfterADamagedByte) {
   const auto benches = benches_of(1, 1);
   const auto samples = samples_of(benches[0], 6);
   const Chunked file = chunked(benches, samples, 2);
@@ -85,7 +85,7 @@ TEST(CutMcap, WithADamagedByteNeverGivesOtherValues) {
     const std::size_t place = random() % file.ends.back();
     damaged[place] = static_cast<char>(damaged[place] ^ (1 << random() % 8));
     SCOPED_TRACE("byte " + std::to_string(place));
-    // A record that claims to be longer than the file ends it there; another one is refused.
+    // A record that claims to be longer than the file ends the file; another one is refused.
     try {
       const Read read = read_back(Format::mcap, damaged);
       ASSERT_THAT(read.contents.cut, Not(IsEmpty()));

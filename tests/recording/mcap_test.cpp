@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// MCAP recordings: what is written is read, and what is damaged or of others is refused.
+// MCAP recordings: written files are read, damaged and foreign ones are refused.
 #include "mcap_reader.hpp"
 #include "mcap_writer.hpp"
 #include "recording/sample_recording.hpp"
@@ -43,7 +43,7 @@ std::vector<std::string> bodies_of(const std::string& bytes, Opcode opcode) {
   return bodies;
 }
 
-TEST(Mcap, AnEmptyFileOfARecorderHasExactlyTheseBytesAtItsBeginning) {
+TEST(Mcap, AnEmptyFileBeginsWithTheBytesOfTheStandard) {
   std::string bytes;
   McapWriter writer(
       [&](std::string_view part) {
@@ -55,7 +55,7 @@ TEST(Mcap, AnEmptyFileOfARecorderHasExactlyTheseBytesAtItsBeginning) {
   EXPECT_EQ(bytes, expected);
 }
 
-TEST(Mcap, ARecordIsItsOpcodeItsLengthAndItsBody) {
+TEST(Mcap, ARecordHasOpcodeLengthAndBody) {
   std::string bytes;
   RecordBuilder(bytes, Opcode::channel)
       .put(std::uint16_t{1})
@@ -69,7 +69,7 @@ TEST(Mcap, ARecordIsItsOpcodeItsLengthAndItsBody) {
                                31));
 }
 
-TEST(Mcap, TheSumIsThatOfTheStandard) {
+TEST(Mcap, TheChecksumIsThatOfTheStandard) {
   // The check value of CRC-32 (ISO-HDLC).
   EXPECT_EQ(crc_of("123456789"), 0xCBF43926U);
   EXPECT_EQ(crc_of("6789", crc_of("12345")), 0xCBF43926U);
@@ -77,7 +77,7 @@ TEST(Mcap, TheSumIsThatOfTheStandard) {
 
 class McapOfAxes : public testing::TestWithParam<std::size_t> {};
 
-TEST_P(McapOfAxes, IsReadAsItWasWritten) {
+TEST_P(McapOfAxes, IsReadBackUnchanged) {
   const auto benches = benches_of(1, GetParam());
   const auto samples = samples_of(benches[0], 40);
   const Read read = read_back(Format::mcap, mcap_of(benches, samples));
@@ -91,7 +91,7 @@ TEST_P(McapOfAxes, IsReadAsItWasWritten) {
 // A topic an axis up to 16 axes, one topic for all of them from 17 on.
 INSTANTIATE_TEST_SUITE_P(Mcap, McapOfAxes, testing::Values(1, 16, 17, 40));
 
-TEST(Mcap, OfSeveralBenchesKeepsEachSampleApart) {
+TEST(Mcap, OfSeveralBenchesSeparatesTheirSamples) {
   const auto benches = benches_of(2, 2);
   std::vector<client::Observation> samples;
   const auto first = samples_of(benches[0], 6);
@@ -103,7 +103,7 @@ TEST(Mcap, OfSeveralBenchesKeepsEachSampleApart) {
   expect_equal(read_back(Format::mcap, mcap_of(benches, samples)).samples, samples, true);
 }
 
-TEST(Mcap, HasTheRecordsThatToolsOpenItQuicklyWith) {
+TEST(Mcap, HasIndexesStatisticsAndMetadata) {
   const auto benches = benches_of(1, 2);
   const client::Event event{.bench = 1, .axis = 2, .tick = 1003, .text = "axis 2: halted"};
   const auto kinds = kinds_of(mcap_of(benches, samples_of(benches[0], 10), {event}));
@@ -125,7 +125,7 @@ TEST(Mcap, HasTheRecordsThatToolsOpenItQuicklyWith) {
   EXPECT_EQ(kinds.at(Opcode::channel), 10U);
 }
 
-TEST(Mcap, IndexesLeadToTheirMessages) {
+TEST(Mcap, IndexesPointToTheirMessages) {
   const auto benches = benches_of(1, 1);
   const std::string bytes = mcap_of(benches, samples_of(benches[0], 3));
   // The chunk's uncompressed records are a file's worth of messages of equal length: the offsets
@@ -157,7 +157,7 @@ TEST(Mcap, IndexesLeadToTheirMessages) {
   EXPECT_EQ(bytes[place], static_cast<char>(Opcode::message_index));
 }
 
-TEST(Mcap, EventsOfABenchStandInItsTopicAndAreCountedByTheReader) {
+TEST(Mcap, EventsOfABenchAreInItsTopicAndAreCounted) {
   const auto benches = benches_of(1, 1);
   const client::Event own{.bench = 1, .axis = 1, .tick = 7, .text = "fault"};
   const client::Event strange{.bench = 9, .axis = 1, .tick = 7, .text = "of another bench"};
@@ -168,7 +168,7 @@ TEST(Mcap, EventsOfABenchStandInItsTopicAndAreCountedByTheReader) {
   EXPECT_THAT(messages[1], AllOf(HasSubstr("fault"), HasSubstr("bench1/lift_1")));
 }
 
-/// Writes chunks that no recorder of ours writes.
+/// Writes chunks that differ from those of our recorder.
 class Foreign {
  public:
   Foreign() { bytes_.append(kMcapMagic); }
@@ -215,7 +215,7 @@ void add_topic(Foreign& file, std::string_view schema, std::string_view text,
       .put(TextMap{});
 }
 
-/// What reading the bytes is refused with.
+/// The error of reading the bytes.
 std::string refusal_of(const std::string& bytes) {
   try {
     (void)read_back(Format::mcap, bytes);
@@ -233,7 +233,7 @@ TEST(Mcap, OfAnotherProgramIsRefusedWithItsTopics) {
               AllOf(HasSubstr("no topic with the status of a bench"), HasSubstr("'/imu'")));
 }
 
-TEST(Mcap, OfFoxgloveFromTheGatewayIsReadWithoutOurMetadata) {
+TEST(Mcap, OfFoxgloveIsReadWithoutMetadataOfVdrive) {
   Foreign file;
   const auto schema = bridge::axis_status_schema();
   add_topic(file, schema.name, schema.text, "/bench3/lift/status");
@@ -274,7 +274,7 @@ TEST(Mcap, OfAnAxisWithTheNumber0IsRefused) {
 }
 
 TEST(Mcap, OfAnotherVersionIsReadByItsSchema) {
-  // Fields in another order, one that is not known, and none of the others.
+  // Fields in another order, an unknown one, and no others.
   const StatusLayout layout(
       "# a comment\nuint8 KIND=3\nstring note\nint16 torque_actual_value  # of rated\n"
       "uint64 tick\nfloat64[] unknown\nuint16 axis\n====\nMSG: x\nint8 y\n");
@@ -335,18 +335,18 @@ TEST(Mcap, WithAChangedByteInItsDataIsRefused) {
   EXPECT_THAT(refusal_of(damaged), HasSubstr("summary"));
 }
 
-TEST(Mcap, ThatIsNoneIsRefused) {
+TEST(Mcap, WithAnotherFileFormatIsRefused) {
   EXPECT_THAT(refusal_of("axis,name,tick\n"), HasSubstr("not an MCAP file"));
   EXPECT_THAT(refusal_of(""), HasSubstr("not an MCAP file"));
 }
 
-TEST(Mcap, AMessageOfNoChannelIsRefused) {
+TEST(Mcap, AMessageOfAnUnknownChannelIsRefused) {
   Foreign file;
   file.record(Opcode::message).put(std::uint16_t{3});
   EXPECT_THAT(refusal_of(file.bytes()), HasSubstr("channel 3"));
 }
 
-TEST(Mcap, ParametersHaveEveryObjectAndNameThoseThatWereRefused) {
+TEST(Mcap, ParametersHaveEveryObjectAndMarkRefusedOnes) {
   bridge::ParameterImage image{.axis = {1, 1}, .tick = 4, .objects = {}};
   for (const ObjectDescription& object : kObjectTable) {
     image.objects.push_back({.object = object.address, .code = AbortCode::none, .value = 0});

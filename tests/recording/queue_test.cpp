@@ -23,7 +23,7 @@ using testing::HasSubstr;
 
 constexpr std::chrono::seconds kDeadline{60};
 
-/// What a writer got, and a gate in front of it.
+/// The records of a writer, and a gate in front of it.
 struct Records {
   std::mutex mutex;
   std::condition_variable changed;
@@ -68,7 +68,7 @@ class GatedWriter : public Writer {
   Records& records_;
 };
 
-TEST(RecordingQueue, LeavesOutWhatAWriterCannotTakeAndSaysWhichTicks) {
+TEST(RecordingQueue, LeavesOutSamplesThatAWriterCannotTakeAndNamesTheirTicks) {
   Records records;
   records.is_open = false;
   const auto benches = benches_of(1, 2);
@@ -86,7 +86,7 @@ TEST(RecordingQueue, LeavesOutWhatAWriterCannotTakeAndSaysWhichTicks) {
       return records.samples.size() == 1;
     }));
   }
-  // It has room again once the first one is out of its hands.
+  // It has room again after the first one was written.
   const auto end = std::chrono::steady_clock::now() + kDeadline;
   auto late = samples[3];
   for (std::uint64_t tick = late.tick; std::chrono::steady_clock::now() < end; ++tick) {
@@ -97,7 +97,7 @@ TEST(RecordingQueue, LeavesOutWhatAWriterCannotTakeAndSaysWhichTicks) {
   }
   const Summary summary = queue.finish();
   ASSERT_GE(records.samples.size(), 2U);
-  // Two were left out at least, and what the loop above pushed too early.
+  // At least two were left out, and those that the loop above pushed too early.
   const std::uint64_t missed = records.samples[1].missed;
   EXPECT_EQ(missed, records.samples[1].tick - 1002);
   EXPECT_GE(missed, 2U);
@@ -109,7 +109,7 @@ TEST(RecordingQueue, LeavesOutWhatAWriterCannotTakeAndSaysWhichTicks) {
   EXPECT_EQ(records.summary->gaps.missed(), summary.gaps.missed());
 }
 
-TEST(RecordingQueue, TellsWhatItLeftOutAtTheEnd) {
+TEST(RecordingQueue, ReportsLeftOutSamplesAtTheEnd) {
   Records records;
   records.is_open = false;
   const auto benches = benches_of(1, 1);
@@ -128,7 +128,7 @@ TEST(RecordingQueue, TellsWhatItLeftOutAtTheEnd) {
   EXPECT_EQ(summary.gaps.text(4), "after the tick 1001 of bench 1 (2)");
 }
 
-TEST(RecordingQueue, PassesAFailureOnAndTakesNothingAnyMore) {
+TEST(RecordingQueue, ReportsAFailureAndAcceptsNoFurtherSamples) {
   Records records;
   records.fails = true;
   const auto benches = benches_of(1, 1);
@@ -153,7 +153,7 @@ TEST(RecordingQueue, CountsEventsThatDoNotFit) {
   RecordingQueue queue(std::make_unique<GatedWriter>(records));
   queue.push(samples_of(benches[0], 1)[0]);
   {
-    // Its thread has what was there in its hands, and nothing else is taken out until it goes on.
+    // Its thread writes the present records, and takes no further ones until it continues.
     std::unique_lock lock(records.mutex);
     ASSERT_TRUE(records.changed.wait_for(lock, kDeadline, [&] {
       return records.is_waiting;
@@ -171,7 +171,7 @@ TEST(RecordingQueue, CountsEventsThatDoNotFit) {
   EXPECT_EQ(records.events.size(), RecordingQueue::kMostEvents);
 }
 
-TEST(OutputFile, HandsWhatIsWrittenToTheSystemAtOnce) {
+TEST(OutputFile, PassesWrittenBytesToTheSystemAtOnce) {
   const TemporaryDirectory directory;
   const std::string path = directory.path() / "x";
   OutputFile file(path);

@@ -12,7 +12,7 @@
 
 namespace vdrive::test {
 
-/// Benches of so many axes each, numbered from 1, with a tick of 500 us.
+/// Benches with the given number of axes, numbered from 1, with a tick of 500 us.
 std::vector<recording::RecordedBench> benches_of(std::size_t benches, std::size_t axes);
 
 /// Samples in which every published member of every axis has a value of its own, the lowest and the
@@ -29,7 +29,7 @@ std::string mcap_of(const std::vector<recording::RecordedBench>& benches,
 std::string text_of(recording::Format format, const std::vector<recording::RecordedBench>& benches,
                     const std::vector<client::Observation>& samples);
 
-/// What was read.
+/// The content of a recording that was read.
 struct Read {
   recording::Contents contents;
   std::vector<client::Observation> samples;

@@ -18,7 +18,7 @@ using testing::HasSubstr;
 
 class Text : public testing::TestWithParam<Format> {
  protected:
-  /// What reading a text is refused with.
+  /// The error of reading a text.
   [[nodiscard]] static std::string refusal_of(const std::string& text) {
     try {
       (void)read_back(GetParam(), text);
@@ -33,7 +33,7 @@ class Text : public testing::TestWithParam<Format> {
   const std::string text_ = text_of(GetParam(), benches_, samples_);
 };
 
-TEST_P(Text, IsReadAsItWasWritten) {
+TEST_P(Text, IsReadBackUnchanged) {
   const Read read = read_back(GetParam(), text_);
   expect_equal(read.samples, samples_, false);
   EXPECT_EQ(read.contents.rows, 36U);
@@ -42,19 +42,19 @@ TEST_P(Text, IsReadAsItWasWritten) {
   EXPECT_EQ(read.contents.benches[0].axes[1].name, "lift \"2\", left");
 }
 
-TEST_P(Text, IsTheSameTextAgain) {
+TEST_P(Text, IsWrittenTheSameAfterReading) {
   const Read read = read_back(GetParam(), text_);
   EXPECT_EQ(text_of(GetParam(), read.contents.benches, read.samples), text_);
 }
 
-TEST_P(Text, ThatIsTornIsRefusedWithItsLastLine) {
+TEST_P(Text, WithAnIncompleteLastLineIsRefusedWithItsNumber) {
   const auto lines = static_cast<std::size_t>(std::ranges::count(text_, '\n'));
   const std::string torn = text_.substr(0, text_.size() - 3);
   EXPECT_THAT(refusal_of(torn), AllOf(HasSubstr("line " + std::to_string(lines)),
                                       HasSubstr("no line break at its end")));
 }
 
-TEST_P(Text, WithATornLineInTheMiddleIsRefusedWithItsNumber) {
+TEST_P(Text, WithAnIncompleteLineInTheMiddleIsRefusedWithItsNumber) {
   std::string text = text_;
   const std::size_t second = text.find('\n', text.find('\n') + 1);
   text.erase(second - 40, 40);
@@ -83,7 +83,7 @@ TEST_P(Text, WithAValueOutOfRangeIsRefusedWithRangeAndColumn) {
               AllOf(HasSubstr("ds402_statusword is '65536'"), HasSubstr("from 0 to 65535")));
 }
 
-TEST_P(Text, ThatIsEmptyIsRefused) {
+TEST_P(Text, WithoutContentIsRefused) {
   EXPECT_THAT(refusal_of(""), HasSubstr("the file is empty"));
 }
 
@@ -113,7 +113,7 @@ TEST(CsvRecording, WithoutAColumnIsRefused) {
   EXPECT_THAT(csv_refusal(header + ",tick\n"), HasSubstr("two columns 'tick'"));
 }
 
-TEST(CsvRecording, WithBadCellsNamesThem) {
+TEST(CsvRecording, WithBadCellsIsRefusedWithTheirNames) {
   const auto benches = benches_of(1, 1);
   const std::string text = text_of(Format::csv, benches, samples_of(benches[0], 1));
   std::string no_axis = text;
@@ -146,7 +146,7 @@ TEST(JsonRecording, WithAnUnknownOrMissingFieldIsRefused) {
   EXPECT_THAT(refusal(less), HasSubstr("lacks the field 'owner_epoch'"));
 }
 
-TEST(CsvFields, AreThoseThatWereWritten) {
+TEST(CsvFields, AreReadBackUnchanged) {
   EXPECT_THAT(csv_fields("a,\"b,\"\"c\"\"\",,d"), ElementsAre("a", "b,\"c\"", "", "d"));
   EXPECT_THAT(csv_fields(""), ElementsAre(""));
   EXPECT_THAT(csv_fields("a,"), ElementsAre("a", ""));
@@ -166,7 +166,7 @@ TEST(GapLog, NamesGapsByTheTicksAroundThem) {
   EXPECT_EQ(log.text(1), "between the ticks 10 and 14 of bench 1 (3), and 1 further gap");
 }
 
-TEST(GapLog, KeepsSoManyGapsAndCountsTheOthers) {
+TEST(GapLog, KeepsABoundedNumberOfGapsAndCountsTheOthers) {
   GapLog log;
   std::uint64_t tick = 0;
   for (std::size_t i = 0; i < GapLog::kKept + 5; ++i) log.note_sample(1, tick += 2, 1);

@@ -55,7 +55,7 @@ class ClosedRosBench : public testing::Test {
   std::optional<Process> service_;
 };
 
-TEST_F(ClosedRosBench, IsMovedByNodesThroughABridgeWithTheIdentityOfAController) {
+TEST_F(ClosedRosBench, MovesForABridgeWithTheIdentityOfAController) {
   RosPeer peer;
   RunningBridge bridge("--enable --security " + member("controller bridge"));
   ASSERT_TRUE(peer.wait_for_bridge());
@@ -69,7 +69,7 @@ TEST_F(ClosedRosBench, IsMovedByNodesThroughABridgeWithTheIdentityOfAController)
   })) << peer.log();
 }
 
-TEST_F(ClosedRosBench, IsShownAndNotMovedWithTheIdentityOfAViewer) {
+TEST_F(ClosedRosBench, OnlyShowsItsStateToTheIdentityOfAViewer) {
   RosPeer peer;
   RunningBridge bridge("--enable --security " + member("viewer bridge"));
   ASSERT_TRUE(peer.wait_for_bridge()) << peer.log();
@@ -83,7 +83,7 @@ TEST_F(ClosedRosBench, IsShownAndNotMovedWithTheIdentityOfAViewer) {
   EXPECT_EQ(peer.diagnosis("joint x"), "1 Switch on disabled");
 }
 
-TEST_F(ClosedRosBench, IsNotFoundWithoutMaterial) {
+TEST_F(ClosedRosBench, IsNotFoundWithoutCredentials) {
   RosPeer peer;
   const RunningService open("--clock realtime --bench 2");
   RunningBridge bridge;

@@ -67,7 +67,7 @@ TEST(JointPath, StaysAtItsLastPointAfterItsEnd) {
   EXPECT_DOUBLE_EQ(line.at(7.0).velocity, 0.0);
 }
 
-TEST(JointPath, LeavesAMotionWithoutAStep) {
+TEST(JointPath, ContinuesAPresentMotionWithoutAStep) {
   const JointPath line =
       path({0.0, 3.0}, {{.time = 1.0, .position = 1.0}, {.time = 2.0, .position = 3.0}});
   EXPECT_DOUBLE_EQ(line.at(0.0).velocity, 3.0);
@@ -109,14 +109,14 @@ TEST(JointPath, ComparesAccelerationsWithTheLowerLimit) {
   EXPECT_FALSE(cubic.check(limits, "rad"));
 }
 
-TEST(JointPath, MayReturnFromBeyondALimit) {
+TEST(JointPath, CanReturnFromBeyondALimit) {
   JointLimits limits;
   limits.upper = 1.0;
   EXPECT_FALSE(path({2.0}, {{.time = 1.0, .position = 0.0}}).check(limits, "rad"));
   EXPECT_TRUE(path({2.0}, {{.time = 1.0, .position = 2.1}}).check(limits, "rad"));
 }
 
-// Each number is finite, and their differences are not: the coefficients would have no value, which
+// Each number is finite, but the differences are not: the coefficients would be not a number, which
 // is above no limit.
 TEST(JointPath, IsRefusedWhenItCannotBeCalculated) {
   const JointLimits none;

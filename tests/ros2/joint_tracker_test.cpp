@@ -19,7 +19,7 @@ JointLimits limits() {
   return limits;
 }
 
-TEST(JointTracker, StaysWhereItIsUntilAPositionComes) {
+TEST(JointTracker, StaysInPlaceUntilAPositionArrives) {
   JointTracker tracker(JointMotion{0.7});
   EXPECT_TRUE(tracker.is_at_rest());
   EXPECT_EQ(tracker.step(kTick, limits()).position, 0.7);
@@ -39,7 +39,7 @@ TEST(JointTracker, RestsExactlyAtTheLastPosition) {
   EXPECT_NEAR(ticks, 200, 3);
 }
 
-TEST(JointTracker, FollowsARampThatComesInPiecesAtConstantSpeed) {
+TEST(JointTracker, FollowsARampOfSeparatePositionsAtConstantSpeed) {
   JointTracker tracker(JointMotion{0.0});
   double slowest = 1e9;
   double fastest = 0.0;
@@ -57,7 +57,7 @@ TEST(JointTracker, FollowsARampThatComesInPiecesAtConstantSpeed) {
   EXPECT_NEAR(fastest, 1.0, 0.01);
 }
 
-TEST(JointTracker, KeepsItsLimitsWhateverComes) {
+TEST(JointTracker, KeepsItsLimitsForAnyPositions) {
   std::mt19937 random(4711);  // NOLINT(cert-*): the same every time
   std::uniform_real_distribution<double> goals(-3.0, 3.0);
   std::uniform_real_distribution<double> times(0.0, 0.05);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What joint_state_topic_hardware_interface does, with Cyclone DDS:
+// Acts as joint_state_topic_hardware_interface, with Cyclone DDS:
 //
 //   ros2_plugin DOMAIN JOINT JOINT
 //
@@ -174,7 +174,7 @@ int main(int count, char** arguments) {
     }
   }
   printf(
-      "written %d, received %d, furthest %g, largest step %g; in the silence written %d, "
+      "written %d, received %d, furthest %g, largest step %g; in the pause written %d, "
       "received %d, drift %g\n",
       written, received, plugin.furthest, plugin.largest_step, plugin.written - written,
       plugin.received - received, drift);

@@ -58,25 +58,25 @@ TEST(JointCommands, AreOneForEachValue) {
   EXPECT_THAT(read.problems, IsEmpty());
 }
 
-TEST(JointCommands, SkipValuesThatAreNoNumber) {
+TEST(JointCommands, SkipValuesThatAreNotANumber) {
   const auto read = read_commands(state({"a", "b"}, {kNan, 2.0}), find_plain);
   EXPECT_EQ(text(read), "1position=2 ");
   EXPECT_THAT(read.problems, IsEmpty()) << "ros2_control sends such before its first command";
 }
 
-TEST(JointCommands, NameUnknownJointsAndTakeTheOthers) {
+TEST(JointCommands, ReportUnknownJointsAndAcceptTheOthers) {
   const auto read = read_commands(state({"x", "b"}, {1.0, 2.0}), find_plain);
   EXPECT_EQ(text(read), "1position=2 ");
   EXPECT_THAT(read.problems, ElementsAre(HasSubstr("joint 'x' is unknown")));
 }
 
-TEST(JointCommands, RefuseShortArraysOfJointsWhoseInterfaceIsNotKnown) {
+TEST(JointCommands, RefuseShortArraysOfJointsWithAnUnknownInterface) {
   const auto read = read_commands(state({"a", "b"}, {1.0}), find_plain);
   EXPECT_THAT(read.commands, IsEmpty());
   EXPECT_THAT(read.problems, ElementsAre(HasSubstr("position has 1 values for 2 names")));
 }
 
-TEST(JointCommands, GiveShortArraysToTheJointsThatHaveTheInterface) {
+TEST(JointCommands, AssignShortArraysToTheJointsWithTheInterface) {
   const auto read = read_commands(state({"a", "c", "b"}, {1.0, 2.0}, {7.0}), find_declared);
   EXPECT_EQ(text(read), "0position=1 2velocity=7 1position=2 ");
   EXPECT_THAT(read.problems, IsEmpty());
@@ -88,7 +88,7 @@ TEST(JointCommands, RefuseAJointWithTwoInterfaces) {
   EXPECT_THAT(read.problems, ElementsAre(HasSubstr("'a' has a position and a velocity: refused")));
 }
 
-TEST(JointCommands, IgnoreTheInterfaceThatTheConfigurationDoesNotGive) {
+TEST(JointCommands, IgnoreAnInterfaceThatTheConfigurationDoesNotAllow) {
   const auto read = read_commands(state({"c"}, {1.0}), find_declared);
   EXPECT_THAT(read.commands, IsEmpty());
   EXPECT_THAT(read.problems, ElementsAre(HasSubstr("'c' is commanded by velocity")));
@@ -167,7 +167,7 @@ client::BenchInfo bench(std::uint32_t number) {
   return info;
 }
 
-TEST(Joints, AreCalledAsTheAxesAndHaveTheirUnits) {
+TEST(Joints, HaveTheNamesAndUnitsOfTheAxes) {
   const auto joints = joints_of(bench(1), {});
   EXPECT_EQ(joints[0].name, "x");
   EXPECT_STREQ(joints[0].unit_name(), "rad");
@@ -176,7 +176,7 @@ TEST(Joints, AreCalledAsTheAxesAndHaveTheirUnits) {
   EXPECT_DOUBLE_EQ(joints[1].si_per_user_unit, 1e-5);  // 100 UU are 1 mm
 }
 
-TEST(Joints, AreCalledAsTheConfigurationSays) {
+TEST(Joints, HaveTheNamesOfTheConfiguration) {
   Settings settings;
   settings.joints = {{.name = "shoulder", .axis = "1.1"},
                      {.name = "z", .axis = "1.lift", .interface = Interface::velocity}};
@@ -188,7 +188,7 @@ TEST(Joints, AreCalledAsTheConfigurationSays) {
   EXPECT_EQ(joints_of(bench(2), settings)[0].name, "bench2_x");
 }
 
-TEST(Joints, OfTwoBenchesMustDiffer) {
+TEST(Joints, OfTwoBenchesNeedDifferentNames) {
   JointDirectory directory;
   EXPECT_FALSE(directory.add(1, joints_of(bench(1), {})));
   const auto clash = directory.add(2, joints_of(bench(2), {}));

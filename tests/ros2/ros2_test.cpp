@@ -38,7 +38,7 @@ constexpr double kUnit = kTurn / 4096.0;   // [rad] of a user unit of the defaul
 constexpr std::int64_t kTick = 1'000'000;  // [ns]
 constexpr std::int64_t kSecond = 1'000'000'000;
 
-/// A configuration of a bench. Axes are called x and y unless `names` says otherwise.
+/// A configuration of a bench. Axes are called x and y unless `names` gives others.
 class BenchFile {
  public:
   explicit BenchFile(const std::string& text) {
@@ -211,7 +211,7 @@ TEST(Ros2, PublishesWholeArraysInTheUnitsOfTheJoints) {
   EXPECT_EQ(peer.clock(), 0) << "the clock is for drive time only";
 }
 
-TEST(Ros2, CommandsNothingUntilItIsEnabledAndDisablesAtItsEnd) {
+TEST(Ros2, CommandsNothingUntilItIsEnabledAndDisablesAxesAtItsEnd) {
   LockStep bench("");
   RosPeer& peer = bench.peer();
   bench.stepper().step(10);
@@ -249,9 +249,9 @@ std::size_t count_of(const std::string& text, const std::string& part) {
   return count;
 }
 
-// In realtime, where a session that is gone loses its axes. A watchdog of five seconds does not
+// In realtime, where an ended session loses its axes. A watchdog of five seconds does not
 // trip on a busy machine.
-TEST(Ros2Control, IsAwaitedWithOneLineAndTakenWhenItsOwnerIsGone) {
+TEST(Ros2Control, IsAwaitedWithOneLogLineAndTakenAfterItsOwnerEnded) {
   const BenchFile file(
       "clock: {mode: realtime}\nwatchdog: {timeout_ms: 5000}\naxes:\n"
       "  - {number: 1, name: x}\n  - {number: 2, name: y}\n");
@@ -293,7 +293,7 @@ TEST(Ros2Control, IsAwaitedWithOneLineAndTakenWhenItsOwnerIsGone) {
   EXPECT_NE(session.axis("1.1")->status()->owner_session, owner);
 }
 
-TEST(Ros2Control, OfAllAxesIsTakenOrOfNone) {
+TEST(Ros2Control, IsTakenForAllAxesOrForNone) {
   const RunningService service("--clock lockstep");
   Session session(options());
   RosPeer peer;
@@ -310,8 +310,8 @@ TEST(Ros2Control, OfAllAxesIsTakenOrOfNone) {
   EXPECT_THAT(peer.log(), HasSubstr("takes control: its axes are free of session"));
 }
 
-// In realtime the session keeps what it has alive: only a release frees it.
-TEST(Ros2Control, IsGivenBackWhenTheAxesAreDisabled) {
+// In realtime the session keeps its axes alive: only a release frees them.
+TEST(Ros2Control, IsReleasedWhenTheAxesAreDisabled) {
   const RunningService service("");
   Session session(options());
   RosPeer peer;
@@ -364,7 +364,7 @@ TEST(Ros2Commands, NeverJump) {
   EXPECT_LE(largest_step, 137);
 }
 
-TEST(Ros2Commands, AreIgnoredWithALineWhereTheyMakeNoSense) {
+TEST(Ros2Commands, AreIgnoredAndLoggedWhenInvalid) {
   LockStep bench;
   RosPeer& peer = bench.peer();
   ros::JointState early;
@@ -423,8 +423,8 @@ TEST(Ros2Commands, KeepTheSoftwareLimits) {
   }));
 }
 
-// The state that it has after a pause is old: its set-points are for ticks that have passed.
-TEST(Ros2Commands, ReachTheirGoalThroughABridgeThatStoodStillWhenTheyCame) {
+// After a pause the state of the bridge is old: its set-points are for past ticks.
+TEST(Ros2Commands, ReachTheirGoalAfterAPauseOfTheBridge) {
   const RunningService service("--clock realtime");
   RosPeer peer;
   RunningBridge bridge("--enable");
@@ -539,7 +539,7 @@ TEST(Ros2Trajectory, OfFiftyPointsIsFollowedAlongItsAnalyticCurve) {
   }
   const std::uint64_t start = bench.stepper().tick() + 200;
   bench.peer().start(trajectory({"x", "y"}, points, static_cast<std::int64_t>(start) * kTick));
-  // It waits for its time, and its start is reported.
+  // The trajectory waits for its time, and its start is reported.
   double furthest = 0.0;
   double largest_error = 0.0;
   bool has_started = false;
@@ -566,7 +566,7 @@ TEST(Ros2Trajectory, OfFiftyPointsIsFollowedAlongItsAnalyticCurve) {
   EXPECT_NEAR(*bench.peer().position("y"), -5.0, 2 * kUnit) << "held at the end";
 }
 
-TEST(Ros2Trajectory, IsReplacedWithoutAJumpAndHeldAtItsEnd) {
+TEST(Ros2Trajectory, IsReplacedWithoutAJumpAndHoldsItsEnd) {
   LockStep bench("--enable --rate 1000");
   bench.peer().start(trajectory({"x"}, {point(1.0, {4.0}, {0.0})}));
   ASSERT_TRUE(bench.stepper().step_until([&] {
@@ -719,7 +719,7 @@ TEST(Ros2, StopsTheJointsOfATrajectoryOnAnotherBenchWhenAnAxisFails) {
   EXPECT_EQ(benches.demand("2.1"), std::lround(0.5 / kUnit)) << "it takes commands again";
 }
 
-TEST(Ros2, LeavesABenchOutWhoseJointsClash) {
+TEST(Ros2, LeavesOutABenchWhoseJointNamesClash) {
   const RunningService first("--clock lockstep --bench 1");
   RosPeer peer;
   RunningBridge bridge;
@@ -731,7 +731,7 @@ TEST(Ros2, LeavesABenchOutWhoseJointsClash) {
   })) << peer.diagnosis("bench 2");
 }
 
-TEST(Ros2, GoesOnAfterTheServiceWasRestarted) {
+TEST(Ros2, ContinuesAfterARestartOfTheService) {
   auto service = std::make_unique<RunningService>("--clock lockstep");
   RosPeer peer;
   RunningBridge bridge("--enable");
@@ -758,7 +758,7 @@ TEST(Ros2, GoesOnAfterTheServiceWasRestarted) {
 #ifdef VDRIVE_ROS2_PLUGIN
 // In realtime: a second vendor's program with the habits of ros2_control's plugin writes NaN first,
 // then a sine on two of three joints at 100 Hz, then nothing for ten seconds.
-TEST(Ros2Plugin, OfAnotherVendorMovesTwoAxesAndThenWritesNothingForTenSeconds) {
+TEST(Ros2Plugin, OfAnotherVendorMovesTwoAxesAndCanStopWritingForTenSeconds) {
   const RunningService service("--axes 3");
   Session session(options());
   const auto axes = session.axes(1);

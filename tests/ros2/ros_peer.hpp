@@ -30,10 +30,10 @@ class RunningBridge {
   /// Ends it as a user would.
   Finished stop();
 
-  /// Ends it without a chance to give its axes back.
+  /// Kills it, so that it cannot release its axes.
   void kill();
 
-  /// Lets it stand still, and go on.
+  /// Pauses the bridge, and continues it.
   void pause();
   void go_on();
 
@@ -42,7 +42,7 @@ class RunningBridge {
   bool has_ended_ = false;
 };
 
-/// What nodes of ROS do: reads what the bridge publishes, and commands it.
+/// A node of ROS: reads the topics of the bridge, and commands it.
 class RosPeer {
  public:
   explicit RosPeer(const std::string& name_space = "");
@@ -80,7 +80,7 @@ class RosPeer {
   /// @return [ns], 0 before the first.
   [[nodiscard]] std::int64_t clock() const;
 
-  /// Waits until the condition holds, checked whenever something comes. @return false after 30 s.
+  /// Waits until the condition holds, checked after each message. @return false after 30 s.
   [[nodiscard]] bool wait(const std::function<bool()>& condition) const;
 
   /// Waits until the state of the bench with this joint is of this time or later.

@@ -27,7 +27,7 @@ std::string problem_of_settings(const std::string& text) {
   return {};
 }
 
-TEST(RosSettings, HaveTheTopicsOfRosWithoutAConfiguration) {
+TEST(RosSettings, HaveTheTopicsOfRosByDefault) {
   const Settings settings = read("");
   EXPECT_EQ(settings.topics.joint_states, "/joint_states");
   EXPECT_EQ(settings.topics.joint_commands, "/robot_joint_commands");

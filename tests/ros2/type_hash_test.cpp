@@ -12,7 +12,7 @@ namespace {
 
 // The hashes that nodes of ROS 2 announce, as their logs, `ros2 topic info --verbose` and the
 // sources of other implementations show them.
-TEST(RosTypeHash, IsTheOneThatRosAnnounces) {
+TEST(RosTypeHash, EqualsTheHashThatRosAnnounces) {
   const std::map<const char*, const char*> published{
       {"sensor_msgs/msg/JointState",
        "RIHS01_a13ee3a330e346c9d87b5aa18d24e11690752bd33a0350f11c5882bc9179260e"},
@@ -45,7 +45,7 @@ TEST(RosTypeHash, DiffersFromTypeToType) {
   EXPECT_THROW((void)type_hash("std_msgs/msg/Byte"), std::invalid_argument);
 }
 
-TEST(RosTopic, HasThePrefixOfTopicsAndTheNamesThatRosHas) {
+TEST(RosTopic, HasThePrefixOfRosAndAValidName) {
   EXPECT_EQ(dds_topic("/cell1/joint_states"), "rt/cell1/joint_states");
   EXPECT_EQ(check_topic("/cell1/joint_states"), "");
   for (const char* bad : {"", "joint_states", "/", "/a/", "//a", "/1a", "/a b", "/a-b", "/ä"}) {

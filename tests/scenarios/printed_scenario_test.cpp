@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sequences of the set-point model, printed and run against a service in lock-step: the same words
-// in the same ticks as in the core.
+// Sequences of the set-point model, printed and run against a service in lock-step: the same
+// statuswords in the same ticks as in the core.
 #include "core/support/set_point_model.hpp"
 #include "core/support/set_point_sequences.hpp"
 #include "tool/process.hpp"
@@ -24,7 +24,7 @@ class PrintedSequence : public testing::TestWithParam<std::uint64_t> {
   const SideBySide run = run_side_by_side(steps);
 };
 
-TEST_P(PrintedSequence, GivesTheSameWordsTickByTickInAService) {
+TEST_P(PrintedSequence, GivesTheSameStatuswordsTickByTickInAService) {
   ASSERT_EQ(run.difference, "");
   const RunningService service(kBench);
   const std::string text = scenario_of(steps, run.ticks);
@@ -32,7 +32,7 @@ TEST_P(PrintedSequence, GivesTheSameWordsTickByTickInAService) {
   EXPECT_EQ(finished.code, 0) << finished.errors << text;
 }
 
-TEST(PrintedScenario, FailsWhereAWordOfTheModelIsWrong) {
+TEST(PrintedScenario, FailsWhereAStatuswordOfTheModelIsWrong) {
   const std::vector<Step> steps = fixed_sequence(1, 10);
   SideBySide run = run_side_by_side(steps);
   run.ticks.back().statusword ^= 0x0400U;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Programs that send whatever they like: the service's memory stays bounded, and it serves others.
+// Programs that send floods: the memory of the service stays bounded, and it serves other clients.
 #include "service/probe.hpp"
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
@@ -40,7 +40,7 @@ constexpr std::size_t kMostMemory = std::size_t{512} * 1024;  // [kB]
 /// What a second flood of the same kind may add to the first.
 constexpr std::size_t kLeeway = std::size_t{16} * 1024;  // [kB]
 
-/// A program that sends and reads nothing.
+/// A program that sends and never reads.
 class Flooder {
  public:
   Flooder()
@@ -52,7 +52,7 @@ class Flooder {
     return requests_.wait_for_matched(1, within) && frames_.wait_for_matched(1, within);
   }
 
-  // A message that is not taken has waited until the service had room, which is its right.
+  // A message that is not accepted has waited until the service had room, which is allowed.
   void send(const msg::Request& request) { static_cast<void>(requests_.write(request)); }
 
   void send(const msg::CommandFrame& frame) { static_cast<void>(frames_.write(frame)); }
@@ -219,7 +219,7 @@ class AFloodedService : public testing::TestWithParam<Flood> {
  protected:
   [[nodiscard]] std::size_t memory() const { return memory_of(service_, "VmRSS:"); }
 
-  /// Floods, and waits until everything that arrived has been dealt with.
+  /// Floods, and waits until everything that arrived has been handled.
   void flood() {
     {
       Flooder flooder;
@@ -238,7 +238,7 @@ class AFloodedService : public testing::TestWithParam<Flood> {
 
 TEST_P(AFloodedService, KeepsItsMemoryBoundedAndServesAGoodClient) {
   ASSERT_TRUE(probe_.find_bench());
-  // Queues take their pages when they are first used as far: the memory settles after some floods.
+  // Queues allocate their pages at their first use: the memory settles after some floods.
   flood();
   std::size_t before = 0;
   std::size_t after = memory();
@@ -251,7 +251,7 @@ TEST_P(AFloodedService, KeepsItsMemoryBoundedAndServesAGoodClient) {
   EXPECT_LT(after, kMostMemory);
   EXPECT_LT(after, before + kLeeway) << "each flood adds to it";
   const auto reply = probe_.read(1, 0x6041);
-  ASSERT_TRUE(reply) << "nobody is served";
+  ASSERT_TRUE(reply) << "no client is served";
   EXPECT_EQ(reply->reason(), msg::REASON_NONE);
 }
 
@@ -264,7 +264,7 @@ INSTANTIATE_TEST_SUITE_P(Floods, AFloodedService, testing::ValuesIn(floods()),
 // -----------------------------------------------------------------------
 
 /// The first fragment of an announcement of `size` bytes (RTPS 2.3, 9.4.5.4), in the name of a
-/// participant that is known: of others nothing is taken.
+/// known participant: those of unknown ones are refused.
 std::vector<std::uint8_t> fragment_of_an_announcement(const wire::Source& source,
                                                       std::uint32_t size, std::uint8_t number) {
   constexpr std::size_t kFragment = 1024;
@@ -320,7 +320,7 @@ std::vector<std::uint8_t> announcement(std::uint32_t number, std::uint8_t lease 
   return packet;
 }
 
-/// An announcement that is larger than any that is taken.
+/// An announcement that is larger than any accepted one.
 std::vector<std::uint8_t> long_announcement(std::uint32_t number) {
   constexpr std::uint16_t kSize = 20'000;
   std::vector<std::uint8_t> packet = announcement(number);
@@ -351,11 +351,11 @@ void send_to_discovery(const std::vector<std::uint8_t>& packet) {
 class AService : public testing::Test {
  protected:
   void expect_no_room(std::size_t before) {
-    // Whoever is found now was announced after what was sent, and so was the question asked.
+    // A participant that is found now was announced after the flood, and so was the request.
     client::Session session({.domain = test_domain(), .find_timeout = 60s});
     ASSERT_TRUE(session.find_bench(1));
     const auto reply = probe_.read(1, 0x6041);
-    ASSERT_TRUE(reply) << "nobody is served";
+    ASSERT_TRUE(reply) << "no client is served";
     EXPECT_LT(memory_of(service_, "VmHWM:"), before + kLeeway);
   }
 
@@ -366,7 +366,7 @@ class AService : public testing::Test {
 
 // A million axes with four objects each take 72 MB and more; the largest frame that is allowed has
 // less than 40 kB.
-TEST_F(AService, GivesNoRoomToAMessageThatIsLargerThanItsType) {
+TEST_F(AService, AllocatesNothingForAMessageLargerThanItsType) {
   ASSERT_TRUE(probe_.find_bench());
   ASSERT_TRUE(flooder_.is_received());
   const std::size_t before = memory_of(service_, "VmHWM:");
@@ -376,7 +376,7 @@ TEST_F(AService, GivesNoRoomToAMessageThatIsLargerThanItsType) {
   expect_no_room(before);
 }
 
-TEST_F(AService, GivesNoRoomToAnAnnouncementThatClaimsAGigabyte) {
+TEST_F(AService, AllocatesNothingForAnAnnouncementThatClaimsAGigabyte) {
   ASSERT_TRUE(probe_.find_bench());
   ASSERT_TRUE(flooder_.is_received());
   const std::size_t before = memory_of(service_, "VmHWM:");
@@ -386,14 +386,14 @@ TEST_F(AService, GivesNoRoomToAnAnnouncementThatClaimsAGigabyte) {
   expect_no_room(before);
 }
 
-// The library looks at an announcement once: the program has to announce itself anew.
-TEST_F(AService, KnowsAProgramThatFoundNoPlaceAsSoonAsThereIsOne) {
+// The library checks an announcement once: the program has to announce itself again.
+TEST_F(AService, AdmitsAWaitingProgramAsSoonAsAPlaceIsFree) {
   constexpr std::uint8_t kLease = 4;  // [s]; longer than it takes to send all
   constexpr std::uint32_t kMany = 2'000;
   ASSERT_TRUE(probe_.find_bench());
-  std::chrono::steady_clock::duration looked{};
+  std::chrono::steady_clock::duration search_time{};
   // Our announcement may overtake some of the others.
-  for (std::uint32_t number = 0; looked < 1s; number += kMany) {
+  for (std::uint32_t number = 0; search_time < 1s; number += kMany) {
     ASSERT_LT(number, 20 * kMany) << "there was always a place: nothing is shown";
     for (std::uint32_t other = number; other < number + kMany; ++other) {
       send_to_discovery(announcement(other, kLease));
@@ -401,11 +401,11 @@ TEST_F(AService, KnowsAProgramThatFoundNoPlaceAsSoonAsThereIsOne) {
     const auto start = std::chrono::steady_clock::now();
     client::Session session({.domain = test_domain(), .find_timeout = 60s});
     ASSERT_TRUE(session.find_bench(1));
-    looked = std::chrono::steady_clock::now() - start;
+    search_time = std::chrono::steady_clock::now() - start;
   }
 }
 
-TEST(AServiceThatLogs, HasALineASecondForWhatItsLibraryComplainsOf) {
+TEST(AServiceThatLogs, LimitsMessagesOfItsLibraryToOneASecond) {
   constexpr std::uint32_t kMany = 5'000;
   const wire::LibraryLog quiet([](const std::string&, const std::string&) {});
   const auto start = std::chrono::steady_clock::now();
@@ -415,7 +415,7 @@ TEST(AServiceThatLogs, HasALineASecondForWhatItsLibraryComplainsOf) {
   for (std::uint32_t number = 0; number < kMany; ++number) {
     send_to_discovery(long_announcement(number));
   }
-  ASSERT_TRUE(probe.read(1, 0x6041)) << "nobody is served";
+  ASSERT_TRUE(probe.read(1, 0x6041)) << "no client is served";
   service.send(SIGTERM);
   const std::string log = service.wait().errors;
   const auto seconds = std::chrono::steady_clock::now() - start;
@@ -429,7 +429,7 @@ TEST(AServiceThatLogs, HasALineASecondForWhatItsLibraryComplainsOf) {
   EXPECT_LT(log.size(), 1000 * static_cast<std::size_t>(lines.count()) + 1000) << "other lines";
 }
 
-TEST_F(AService, KnowsABoundedNumberOfParticipants) {
+TEST_F(AService, AdmitsABoundedNumberOfParticipants) {
   ASSERT_TRUE(probe_.find_bench());
   const std::size_t before = memory_of(service_, "VmHWM:");
   for (std::uint32_t number = 0; number < 20'000; ++number) {

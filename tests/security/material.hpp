@@ -29,7 +29,7 @@ class Authority {
   std::filesystem::path directory_;
 };
 
-/// What a shell command left behind.
+/// The result of a shell command.
 struct ShellResult {
   int code = 0;
   std::string text;  ///< standard output and standard error

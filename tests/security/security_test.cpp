@@ -34,7 +34,7 @@ namespace fs = std::filesystem;
 /// A service in the closed mode; ends with this object.
 class ClosedService {
  public:
-  /// @param program and what stands before its own arguments
+  /// @param program the program and the words before its own arguments
   ClosedService(const fs::path& material, const std::string& words,
                 std::vector<std::string> program = {VDRIVE_SERVICE}) {
     program.insert(program.end(), {"--security", material.string(), "--log-level", "error"});
@@ -72,7 +72,7 @@ class ClosedBench : public testing::Test {
 };
 
 // In lock-step: its watchdog does not count the time of a busy machine.
-TEST_F(ClosedBench, LetsAControllerMoveAnAxis) {
+TEST_F(ClosedBench, AllowsAControllerToMoveAnAxis) {
   serve("--clock lockstep");
   const Finished enabled = as(controller_, "enable 1.1");
   EXPECT_EQ(enabled.code, 0) << enabled.errors;
@@ -83,7 +83,7 @@ TEST_F(ClosedBench, LetsAControllerMoveAnAxis) {
   EXPECT_THAT(read.output, HasSubstr("2000"));
 }
 
-TEST_F(ClosedBench, TakesTheMaterialFromTheEnvironment) {
+TEST_F(ClosedBench, ReadsCredentialsFromTheEnvironment) {
   serve();
   setenv("VDRIVE_SECURITY", controller_.c_str(), 1);  // NOLINT(*-mt-unsafe)
   const Finished listed = tool("list --timeout 20");
@@ -93,12 +93,13 @@ TEST_F(ClosedBench, TakesTheMaterialFromTheEnvironment) {
 
 class ClosedBenchByClock : public ClosedBench, public testing::WithParamInterface<const char*> {};
 
-TEST_P(ClosedBenchByClock, ShowsEverythingToAViewerAndTakesNoCommandFromIt) {
+TEST_P(ClosedBenchByClock, ShowsEverythingToAViewerAndRefusesItsCommands) {
   const fs::path viewer = authority_.member("viewer hall");
   serve(GetParam());
-  std::vector<std::string> looks{"list", "status 1.1", "watch 1.1 --count 1"};
-  if (std::string(GetParam()) == "--clock realtime") looks.emplace_back("record - 1.1 --count 3");
-  for (const std::string& words : looks) {
+  std::vector<std::string> commands{"list", "status 1.1", "watch 1.1 --count 1"};
+  if (std::string(GetParam()) == "--clock realtime")
+    commands.emplace_back("record - 1.1 --count 3");
+  for (const std::string& words : commands) {
     const Finished seen = as(viewer, words);
     EXPECT_EQ(seen.code, 0) << words << ": " << seen.errors;
     EXPECT_THAT(seen.output, HasSubstr("1.1")) << words;
@@ -124,7 +125,7 @@ INSTANTIATE_TEST_SUITE_P(Clocks, ClosedBenchByClock,
                                                                                 : "realtime";
                          });
 
-TEST_F(ClosedBench, IsNotThereForStrangers) {
+TEST_F(ClosedBench, IsInvisibleToStrangers) {
   serve();
   const Authority other;
   const fs::path of_other = other.member("controller desk");
@@ -142,7 +143,7 @@ TEST_F(ClosedBench, DoesNotSeeAnOpenBench) {
 }
 
 // The library repeats a lost message of an authentication after a second.
-TEST_F(ClosedBench, IsLookedForForFiveSeconds) {
+TEST_F(ClosedBench, IsSearchedForFiveSeconds) {
   const auto begin = std::chrono::steady_clock::now();
   const Finished nobody = tool("list --security " + controller_.string());
   EXPECT_EQ(nobody.code, 3) << nobody.output;
@@ -280,9 +281,9 @@ std::vector<Flaw> flaws() {
   };
 }
 
-class AServiceAskedToRunClosed : public testing::TestWithParam<Flaw> {};
+class AServiceWithoutUsableCredentials : public testing::TestWithParam<Flaw> {};
 
-TEST_P(AServiceAskedToRunClosed, RefusesToStartAndNamesTheReason) {
+TEST_P(AServiceWithoutUsableCredentials, RefusesToStartAndNamesTheReason) {
   const Authority authority;
   const fs::path material = GetParam().make(authority, authority.member("service bench"));
   const Finished refused =
@@ -292,25 +293,25 @@ TEST_P(AServiceAskedToRunClosed, RefusesToStartAndNamesTheReason) {
   EXPECT_THAT(refused.errors, HasSubstr(GetParam().complaint));
 }
 
-INSTANTIATE_TEST_SUITE_P(Flaws, AServiceAskedToRunClosed, testing::ValuesIn(flaws()),
+INSTANTIATE_TEST_SUITE_P(Flaws, AServiceWithoutUsableCredentials, testing::ValuesIn(flaws()),
                          [](const auto& flaw) {
                            return std::string(flaw.param.name);
                          });
 
-TEST(ClosedMode, DoesNotGoWithADiscoveryServer) {
+TEST(ClosedMode, ExcludesADiscoveryServer) {
   const Finished refused = tool("list --security /nowhere --discovery-server 10.0.0.9:11811");
   EXPECT_EQ(refused.code, 1);
   EXPECT_THAT(refused.errors, HasSubstr("cannot be combined with a discovery server"));
 }
 
-TEST(ClosedMode, AClientWithoutItsMaterialDoesNotStartOpen) {
+TEST(ClosedMode, AClientWithoutCredentialsDoesNotStartOpen) {
   const Finished refused = tool("list --security /nowhere");
   EXPECT_EQ(refused.code, 1);
   EXPECT_THAT(refused.errors, HasSubstr("/nowhere/identity_ca.pem: cannot be read"));
   EXPECT_THAT(refused.output, IsEmpty());
 }
 
-TEST(ClosedMode, AConfigurationIsCheckedWithItsMaterial) {
+TEST(ClosedMode, AConfigurationIsCheckedWithItsCredentials) {
   const Authority authority;
   const fs::path member = authority.member("service bench");
   const fs::path file = authority.directory() / "bench.yaml";
@@ -357,7 +358,7 @@ TEST(SelfTest, AcceptsABenchThatOnlyMembersFind) {
 
 // ---- the scripts -------------------------------------------------------------------------------
 
-TEST(SecurityScripts, NeverOverwriteWhatIsThere) {
+TEST(SecurityScripts, NeverOverwriteFiles) {
   const Authority authority;
   const fs::path member = authority.member("service bench");
   const std::string key = read_file(authority.directory() / "identity_ca_key.pem");
@@ -372,7 +373,7 @@ TEST(SecurityScripts, NeverOverwriteWhatIsThere) {
   EXPECT_EQ(read_file(member / "certificate.pem"), certificate);
 }
 
-TEST(SecurityScripts, KeepKeysToTheirOwner) {
+TEST(SecurityScripts, MakeKeysReadableByTheirOwnerOnly) {
   const Authority authority;
   const fs::path member = authority.member("service bench");
   for (const fs::path& key :
@@ -382,7 +383,7 @@ TEST(SecurityScripts, KeepKeysToTheirOwner) {
   }
 }
 
-TEST(SecurityScripts, RefuseWhatTheyDoNotKnow) {
+TEST(SecurityScripts, RefuseUnknownArguments) {
   const Authority authority;
   const std::string script = std::string(VDRIVE_SOURCE_DIR) + "/deploy/security/make_member.sh ";
   const std::string directory = authority.directory().string();

@@ -23,7 +23,7 @@ struct Memory {
   std::vector<std::uint64_t> words;
 };
 
-/// Puts a record of `size` bytes that all are `value`.
+/// Puts a record of `size` bytes, each of them `value`.
 bool put(ByteRing& ring, std::size_t size, std::uint8_t value) {
   const auto room = ring.reserve(size);
   if (!room) {
@@ -62,7 +62,7 @@ TEST(ByteRing, GivesRecordsInTheirOrder) {
 }
 
 // A record of 40 bytes takes 24 + 40 = 64: four fill 256 bytes, a fifth has no room.
-TEST(ByteRing, RefusesWhatHasNoRoomUntilSomethingIsTaken) {
+TEST(ByteRing, RefusesARecordWithoutRoomUntilOneIsTaken) {
   Memory memory(256);
   ByteRing producer = memory.end();
   ByteRing consumer = memory.end();
@@ -91,8 +91,8 @@ TEST(ByteRing, KeepsRecordsInOnePieceAcrossItsEnd) {
 }
 
 // 1 MiB of room, 16 MiB in records of 1,000 bytes, each read before the next one is written: they
-// keep to the first 64 KiB and the record that goes past them.
-TEST(ByteRing, KeepsToFewPagesWhileItsReaderKeepsUp) {
+// use the first 64 KiB and the record that crosses their end.
+TEST(ByteRing, UsesFewPagesWhileItsReaderKeepsUp) {
   Memory memory(std::size_t{1} << 20U);
   ByteRing producer = memory.end();
   ByteRing consumer = memory.end();
@@ -108,10 +108,10 @@ TEST(ByteRing, KeepsToFewPagesWhileItsReaderKeepsUp) {
   EXPECT_LE(std::distance(touched, memory.words.rend()) * 8, 64 * 1024 + 1'024);
 }
 
-// The producer is ahead by 1 KiB to 1 MiB less one record while the consumer stands, wherever the
-// ring was when it was last empty: 1,008 bytes and their head take 1,032, so 1,016 records fit into
-// 1 MiB (1,048,576), less one that may not fit in front of the end of the memory.
-TEST(ByteRing, HasItsWholeRoomWhereverItWasEmptyLast) {
+// The producer is ahead by 1 KiB to 1 MiB less one record while the consumer stands, for any place
+// where the ring was when it was last empty: 1,008 bytes and their head take 1,032, so 1,016
+// records fit into 1 MiB (1,048,576), less one that may not fit in front of the end of the memory.
+TEST(ByteRing, HasItsWholeCapacityFromAnyPosition) {
   constexpr std::size_t kRecord = 1'032;
   constexpr std::size_t kFit = (std::size_t{1} << 20U) / kRecord - 1;
   for (std::size_t before = 1; before <= 256; before += 15) {
@@ -140,7 +140,7 @@ TEST(ByteRing, HasItsWholeRoomWhereverItWasEmptyLast) {
 }
 
 // Both sides end and are replaced while the ring is empty, full, and in between.
-TEST(ByteRing, GoesOnAtItsBeginningForThoseWhoComeLater) {
+TEST(ByteRing, ContinuesForAReaderThatAttachesLater) {
   Memory memory(std::size_t{1} << 18U);
   for (int round = 0; round < 50; ++round) {
     {
@@ -173,7 +173,7 @@ TEST(ByteRing, IgnoresAForgedBeginning) {
   }
 }
 
-TEST(ByteRing, GoesOnWhereAnEndedSideStopped) {
+TEST(ByteRing, ContinuesWhereAnEndedSideStopped) {
   Memory memory(256);
   {
     ByteRing producer = memory.end();
@@ -191,7 +191,7 @@ TEST(ByteRing, GoesOnWhereAnEndedSideStopped) {
   EXPECT_TRUE(is_whole(consumer.front().value(), 8, 2));
 }
 
-TEST(ByteRing, IsEmptyWhereTheOtherSideWroteNonsense) {
+TEST(ByteRing, IsEmptyAfterInvalidPositionsOfTheOtherSide) {
   Memory memory(256);
   ByteRing producer = memory.end();
   ByteRing consumer = memory.end();
@@ -206,11 +206,11 @@ TEST(ByteRing, IsEmptyWhereTheOtherSideWroteNonsense) {
   std::memcpy(forged.words.data(), &kAbsurd, sizeof kAbsurd);
   ByteRing reader = forged.end();
   EXPECT_FALSE(reader.front().has_value());
-  ASSERT_TRUE(put(good, 8, 2)) << "and it goes on with what comes next";
+  ASSERT_TRUE(put(good, 8, 2)) << "and it continues with the next record";
   EXPECT_TRUE(is_whole(reader.front().value(), 8, 2));
 }
 
-TEST(ByteRing, IsEmptyAtOnceWhereAForgedPositionWouldTakeForEverToReach) {
+TEST(ByteRing, IsEmptyAtOnceAfterAForgedDistantPosition) {
   Memory memory(256);
   constexpr std::uint32_t kSkipRecord = 0xFFFF'FFFF;
   std::memcpy(memory.words.data(), &kSkipRecord, sizeof kSkipRecord);
@@ -225,14 +225,14 @@ TEST(ByteRing, IsEmptyAtOnceWhereAForgedPositionWouldTakeForEverToReach) {
   static_cast<void>(producer);
 }
 
-TEST(ByteRing, GivesNoRoomWhenTheReaderWroteNonsense) {
+TEST(ByteRing, HasNoRoomAfterInvalidPositionsOfTheReader) {
   Memory memory(256);
   ByteRing producer = memory.end();
   memory.positions.read.store(12'345);
   EXPECT_FALSE(producer.reserve(8).has_value());
 }
 
-TEST(ByteRing, CarriesEverythingBetweenTwoThreads) {
+TEST(ByteRing, LosesNothingBetweenTwoThreads) {
   constexpr int kRecords = 200'000;
   Memory memory(8'192);
   std::thread writer([&] {

@@ -27,11 +27,11 @@ struct TwoClients {
   }
 
   static std::optional<msg::Reply> join(Probe& who) {
-    return who.ask(who.make_request(msg::REQUEST_JOIN_CLOCK));
+    return who.exchange(who.make_request(msg::REQUEST_JOIN_CLOCK));
   }
 
   static std::optional<msg::Reply> leave(Probe& who) {
-    return who.ask(who.make_request(msg::REQUEST_LEAVE_CLOCK));
+    return who.exchange(who.make_request(msg::REQUEST_LEAVE_CLOCK));
   }
 
   /// Steps without waiting for the answer.
@@ -47,7 +47,7 @@ struct TwoClients {
   bool found = false;
 };
 
-TEST(Steppers, LetTimePassToTheSmallestGrant) {
+TEST(Steppers, AdvanceTimeToTheSmallestGrant) {
   TwoClients two;
   ASSERT_TRUE(two.found);
   ASSERT_EQ(two.join(two.alice)->reason(), msg::REASON_NONE);
@@ -66,7 +66,7 @@ TEST(Steppers, LetTimePassToTheSmallestGrant) {
   EXPECT_EQ(first->statuses().size(), 2U);
 }
 
-TEST(Steppers, AreToldWhomTheyWaitForAfterASecondAndKeepTheirGrant) {
+TEST(Steppers, ReceiveTheMissingSessionAfterASecondAndKeepTheirGrant) {
   TwoClients two;
   ASSERT_TRUE(two.found);
   ASSERT_TRUE(two.join(two.alice));
@@ -90,12 +90,12 @@ TEST(Steppers, AreToldWhomTheyWaitForAfterASecondAndKeepTheirGrant) {
   EXPECT_EQ(again.get()->tick(), 10U) << "the ten ticks were granted before";
 }
 
-TEST(Steppers, KeepTheClockToThemselvesUntilTheyLeave) {
+TEST(Steppers, ControlTheClockExclusivelyUntilTheyLeave) {
   TwoClients two;
   ASSERT_TRUE(two.found);
   ASSERT_TRUE(two.join(two.alice));
   EXPECT_EQ(two.bob.step(1)->reason(), msg::REASON_NOT_A_STEPPER);
-  EXPECT_EQ(two.bob.step(0, {1})->statuses().size(), 1U) << "anybody may look";
+  EXPECT_EQ(two.bob.step(0, {1})->statuses().size(), 1U) << "any session may observe";
   EXPECT_EQ(two.leave(two.bob)->reason(), msg::REASON_NOT_A_STEPPER);
   EXPECT_EQ(two.alice.step(3)->tick(), 3U);
   EXPECT_EQ(two.leave(two.alice)->reason(), msg::REASON_NONE);
@@ -106,7 +106,7 @@ TEST(Steppers, KeepTheClockToThemselvesUntilTheyLeave) {
   }));
 }
 
-TEST(Steppers, GoOnWhenTheOneTheyWaitForLeaves) {
+TEST(Steppers, ContinueWhenTheMissingStepperLeaves) {
   TwoClients two;
   ASSERT_TRUE(two.found);
   ASSERT_TRUE(two.join(two.alice));
@@ -129,8 +129,8 @@ TEST(Steppers, WaitForTheFramesOfEachSession) {
   EXPECT_EQ(two.alice.step(1)->tick(), 1U) << "the other step has granted nothing";
 }
 
-// 100 ms without a word would take the axes: each stepper is heard in every tick that it granted.
-TEST(Steppers, AreHeardInEachTickThatTheyGranted) {
+// 100 ms without a message would release the axes: a stepper counts as alive in each granted tick.
+TEST(Steppers, CountAsAliveInEachGrantedTick) {
   TwoClients two;
   ASSERT_TRUE(two.found);
   ASSERT_TRUE(two.join(two.alice));
@@ -180,7 +180,7 @@ TEST(TwoClientsWithAnAxisEach, StartInTheTickThatBothAimAt) {
             begun->statuses().at(1).velocity_demand_value());
 }
 
-TEST(FreerunService, RunsFasterThanTimeAndShowsIt) {
+TEST(FreerunService, RunsFasterThanRealTimeAndShowsIt) {
   service::Service service(configuration(service::ClockMode::freerun, 2));
   Probe probe(test_domain());
   service.start();
@@ -202,14 +202,14 @@ TEST(FreerunService, RunsFasterThanTimeAndShowsIt) {
   EXPECT_EQ(service.counters().master_losses.get(), 0U) << "no watchdog";
 }
 
-TEST(RealtimeService, PausesForEverybodyAndTellsWho) {
+TEST(RealtimeService, PausesForAllSessionsAndNamesTheRequester) {
   service::Service service(configuration(service::ClockMode::realtime, 1));
   Probe probe(test_domain());
   service.start();
   ASSERT_TRUE(probe.find_bench());
   auto pause = probe.make_request(msg::REQUEST_SET_RATE);
   pause.rate(0.0);
-  const auto paused = probe.ask(pause);
+  const auto paused = probe.exchange(pause);
   ASSERT_TRUE(paused);
   EXPECT_EQ(paused->reason(), msg::REASON_NONE);
   ASSERT_TRUE(probe.wait_until([&] {
@@ -225,7 +225,7 @@ TEST(RealtimeService, PausesForEverybodyAndTellsWho) {
   EXPECT_NE(event->text().to_string().find("paused"), std::string::npos);
   auto resume = probe.make_request(msg::REQUEST_SET_RATE);
   resume.rate(1.0);
-  ASSERT_EQ(probe.ask(resume)->reason(), msg::REASON_NONE);
+  ASSERT_EQ(probe.exchange(resume)->reason(), msg::REASON_NONE);
   EXPECT_TRUE(probe.wait_until([&] {
     return probe.seen_state()->rate() == 1.0 && probe.seen_state()->tick() > paused->tick();
   }));

@@ -111,7 +111,7 @@ TEST(Configuration, OfAnEmptyFileIsTheDefault) {
   EXPECT_EQ(to_yaml(parse("# only a comment\n")), to_yaml(demo_configuration()));
 }
 
-TEST(Configuration, TurnsTheWatchdogOff) {
+TEST(Configuration, CanTurnTheWatchdogOff) {
   EXPECT_EQ(parse("watchdog: {timeout_ms: off}").watchdog, std::nullopt);
 }
 
@@ -135,7 +135,8 @@ axes:
   EXPECT_EQ(again.name, "a: b #1");
 }
 
-// Printing replaces what is no UTF-8, by something longer: such a configuration did not read back.
+// Printing replaces bytes that are not UTF-8 by longer text: such a configuration did not read
+// back.
 TEST(Configuration, NamesAreUtf8WithoutControlCharacters) {
   for (const char* const name : {"左", "\xC3\xA9", "\xF0\x9F\x94\xA7"}) {
     const std::string text = std::string("bench: {name: ") + name + "}";
@@ -194,7 +195,7 @@ INSTANTIATE_TEST_SUITE_P(
                 R"(bench.yaml:2: '  name: "\xFF"' is not valid UTF-8)"},
         Refused{"two_documents", "bench: {number: 1}\n---\nbench: {number: 2}",
                 "bench.yaml:2: a second YAML document"},
-        // The parser takes nothing from these and finds documents without end.
+        // The parser consumes nothing of these and finds documents without end.
         Refused{"begins_with_a_comma", ", name: left}",
                 "bench.yaml:1: a YAML document cannot begin"},
         Refused{"goes_on_with_a_comma", "bench: {number: 1}\n...\n, {n% ",
@@ -289,13 +290,13 @@ INSTANTIATE_TEST_SUITE_P(
     });
 
 // 48 characters from the front and 16 from the end are shown of 64.
-TEST(Configuration, ShortensALongValueInItsRefusal) {
+TEST(Configuration, IsRefusedWithALongValueShortened) {
   EXPECT_EQ(refusal_of("clock: {mode: " + std::string(10'000, 'a') + "}"),
             "bench.yaml:1: clock.mode = " + std::string(48, 'a') + "..." + std::string(16, 'a') +
                 ": must be one of realtime, lockstep, freerun");
 }
 
-TEST(Configuration, IsOneDocument) {
+TEST(Configuration, HasExactlyOneYamlDocument) {
   EXPECT_EQ(parse("---\nbench: {number: 7}\n").bench, 7U) << "a mark at the begin is none too many";
   EXPECT_EQ(parse("bench: {number: 7}\n...\n").bench, 7U);
   EXPECT_EQ(parse("\xEF\xBB\xBF"
@@ -321,7 +322,7 @@ TEST(Configuration, InUtf16OrUtf32IsRefusedAsSuch) {
       << "what follows a zero was not read";
 }
 
-TEST(Configuration, OfAnOpenBenchIsPrintedWithoutADirectoryOfMaterial) {
+TEST(Configuration, OfAnOpenBenchIsPrintedWithoutACredentialDirectory) {
   EXPECT_EQ(to_yaml(demo_configuration()).find("security"), std::string::npos);
   const Configuration closed = parse("network: {security: members/cell}");
   EXPECT_EQ(parse(to_yaml(closed)).network.security, "members/cell");
@@ -336,7 +337,7 @@ std::string refusal_of_file(const std::filesystem::path& file) {
   return "accepted";
 }
 
-TEST(Configuration, TellsWhyAFileCannotBeRead) {
+TEST(Configuration, ReportsWhyAFileCannotBeRead) {
   EXPECT_EQ(refusal_of_file("/nowhere/bench.yaml"),
             "/nowhere/bench.yaml: cannot be read: No such file or directory");
   const test::TemporaryDirectory directory;
@@ -348,7 +349,7 @@ TEST(Configuration, TellsWhyAFileCannotBeRead) {
             empty.string() + ": is empty; without --config the service has the demo bench");
 }
 
-TEST(Configuration, NamesTheLineThatATabIndents) {
+TEST(Configuration, ReportsTheLineThatATabIndents) {
   EXPECT_EQ(refusal_of("bench:\n  number: 1\nclock:\n\tmode: lockstep\n"),
             "bench.yaml:4: a tab indents this line; YAML needs blanks");
   EXPECT_EQ(refusal_of("bench:\n  number: 1\n  \tname: x\n"),
@@ -360,7 +361,7 @@ std::string refusal_of_unit(const std::string& unit) {
   return refusal_of("axes:\n  - number: 1\n    unit: " + unit + "\n");
 }
 
-TEST(Configuration, OfAUnitMayNameWhatARotaryAxisShows) {
+TEST(Configuration, CanSelectTheUnitOfARotaryAxis) {
   const Configuration read =
       parse("axes: [{number: 1, unit: {kind: rotary, name: rev, per_revolution: 8192}}]");
   EXPECT_EQ(read.axes[0].unit, (Unit{.kind = UnitKind::rotary, .name = "rev", .size = 8'192.0}));
@@ -402,7 +403,7 @@ TEST(Configuration, RefusesALowerLimitThatIsNotBelowTheUpperOne) {
             "accepted");
 }
 
-TEST(Configuration, WarnsOfLimitsThatAreSwitchedOff) {
+TEST(Configuration, WarnsOfLimitsThatAreOff) {
   const std::string limit = std::string(kAxisWith) + "      \"0x607D:2\": 200\n";
   const std::vector<std::string> warnings = limit_warnings(parse(limit));
   ASSERT_EQ(warnings.size(), 1U);
@@ -428,7 +429,7 @@ std::string documented_example() {
   return text;
 }
 
-TEST(Configuration, OfTheGuideIsGoodWithoutAWarningAndItsLimitsAreInForce) {
+TEST(Configuration, OfTheGuideHasNoWarningAndItsLimitsAreInForce) {
   const Configuration example = parse(documented_example());
   EXPECT_TRUE(limit_warnings(example).empty());
   const std::vector<AxisConfiguration> axes = bank_axes(example);
@@ -467,7 +468,7 @@ TEST(Configuration, DocumentsEachModelParameterWithItsLimitsAndDefault) {
   EXPECT_EQ(documented_model_parameters(), expected);
 }
 
-TEST(Configuration, TakesEachModelParameterAtItsLimitsAndNotBeyond) {
+TEST(Configuration, AcceptsEachModelParameterUpToItsLimits) {
   for (const ModelParameter& parameter : kModelParameters) {
     SCOPED_TRACE(parameter.name);
     const auto with = [&](double value) {
@@ -515,7 +516,7 @@ TEST(ConfigurationHelp, DescribesEachKeyThatIsRead) {
   expect_described("axes[].model.", "axes: [{number: 1, model: {zz: 1}}]");
 }
 
-// The limits stand in the texts as words: what is refused shows those in force.
+// The texts contain the limits as words: a refusal shows those in force.
 TEST(ConfigurationHelp, NamesTheLimitsThatAreInForce) {
   std::size_t compared = 0;
   for (const ConfigurationKey& key : configuration_keys()) {
@@ -562,7 +563,7 @@ std::vector<std::string> warnings_of(const std::string& text) {
   return warnings;
 }
 
-TEST(ConfigurationWarnings, AreNoneForLoadsThatTheLoopsHold) {
+TEST(ConfigurationWarnings, AreAbsentForStableLoads) {
   EXPECT_TRUE(warnings_of("bench: {number: 2}").empty());
   EXPECT_TRUE(
       warnings_of("axes: [{number: 1}, {number: 2, model: {coupling: two_inertia}}]").empty());
@@ -573,7 +574,7 @@ TEST(ConfigurationWarnings, AreNoneForLoadsThatTheLoopsHold) {
 
 // 0.1 kg.m2 times 10² and the motor's 3e-4: 33334 times the motor; 409600 UU/s² at the load are 20π
 // rad/s² at the motor, on 10.0003 kg.m2 628 N.m.
-TEST(ConfigurationWarnings, NameLineAndAxisOfAGearThatWasExchanged) {
+TEST(ConfigurationWarnings, NameLineAndAxisOfAnInvertedGear) {
   const auto warnings = warnings_of(
       "axes:\n  - {number: 2, name: table}\n  - number: 1\n    name: lift\n"
       "    model: {load_inertia: 0.1}\n    parameters: {gear_ratio_numerator: 10}\n");
@@ -587,7 +588,7 @@ TEST(ConfigurationWarnings, NameLineAndAxisOfAGearThatWasExchanged) {
 
 // An elastic load of a hundred times the motor's inertia leaves 1000 Hz / 101 for the velocity
 // loop.
-TEST(ConfigurationWarnings, NameTheBandwidthThatALoadLeaves) {
+TEST(ConfigurationWarnings, NameTheReducedBandwidthOfALoad) {
   const auto warnings =
       warnings_of("axes: [{number: 1, model: {coupling: two_inertia, load_inertia: 0.03}}]");
   ASSERT_EQ(warnings.size(), 1U);
@@ -604,7 +605,7 @@ TEST(DefaultAxes, AreNumberedFromOneUpToTheLimit) {
   EXPECT_THROW(static_cast<void>(default_axes(0)), ConfigurationError);
 }
 
-TEST(BankAxes, CarryBenchAndAxisInTheSerialNumber) {
+TEST(BankAxes, HaveSerialNumbersOfBenchAndAxis) {
   Configuration configuration = demo_configuration();
   configuration.bench = 3;
   EXPECT_EQ(bank_axes(configuration)[1].serial_number, 3U * 65'536U + 2U);

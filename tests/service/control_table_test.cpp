@@ -47,7 +47,7 @@ TEST(ControlTable, NeverGivesAnEpochTwice) {
   EXPECT_NE(second.epoch, old);
 }
 
-TEST(ControlTable, ForgetsTheSessionHeardLeastRecentlyWhenFull) {
+TEST(ControlTable, DropsTheLeastRecentlyActiveSessionWhenFull) {
   ControlTable table(1);
   SessionRecord& owner = *table.find_or_add(1, 0);
   table.give(0, owner);

@@ -20,27 +20,27 @@ class DoorbellOfEachKind : public testing::TestWithParam<Doorbell::Waiting> {
   Doorbell sut_{state_, GetParam()};
 };
 
-TEST_P(DoorbellOfEachKind, RemembersARingWhileNobodyWaits) {
+TEST_P(DoorbellOfEachKind, RemembersARingWhileNoThreadWaits) {
   sut_.ring();
   EXPECT_TRUE(sut_.wait_for(kPatience));
-  EXPECT_FALSE(sut_.wait_for(0ns)) << "each ring is heard once";
+  EXPECT_FALSE(sut_.wait_for(0ns)) << "each ring is received once";
 }
 
-TEST_P(DoorbellOfEachKind, HearsSeveralRingsAsOne) {
+TEST_P(DoorbellOfEachKind, CountsSeveralRingsAsOne) {
   sut_.ring();
   sut_.ring();
   EXPECT_TRUE(sut_.wait_for(kPatience));
   EXPECT_FALSE(sut_.wait_for(0ns));
 }
 
-TEST_P(DoorbellOfEachKind, SaysWhenNoRingCame) {
+TEST_P(DoorbellOfEachKind, ReportsATimeOutWithoutARing) {
   sut_.ring();
-  EXPECT_TRUE(sut_.wait_for(kPatience)) << "the next wait of the quick kind looks first";
+  EXPECT_TRUE(sut_.wait_for(kPatience)) << "the next wait of the quick kind checks first";
   EXPECT_FALSE(sut_.wait_for(1ms));
 }
 
-// A ring that is lost between looking and sleeping would end this in a time-out.
-TEST_P(DoorbellOfEachKind, HearsEveryRingOfAnotherThreadThatWaitsToBeHeard) {
+// A ring that is lost between check and sleep would end this in a time-out.
+TEST_P(DoorbellOfEachKind, ReceivesEveryRingOfAnotherThread) {
   constexpr int kRings = 2'000;
   std::atomic<int> heard{0};
   std::jthread visitor([&] {
@@ -56,7 +56,7 @@ TEST_P(DoorbellOfEachKind, HearsEveryRingOfAnotherThreadThatWaitsToBeHeard) {
     heard.notify_one();
   }
   EXPECT_EQ(ring, kRings);
-  heard = kRings;  // lets the visitor end also after a failure
+  heard = kRings;  // the visitor ends even after a failure
   heard.notify_one();
 }
 

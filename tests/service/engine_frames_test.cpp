@@ -49,7 +49,7 @@ TEST(CommandFrame, AppliesMembersBeforeTheControlword) {
   EXPECT_EQ(bench.counters.commands_applied.get(), 1U);
 }
 
-TEST(CommandFrame, IsAnsweredOnlyWhenWantedOrRefused) {
+TEST(CommandFrame, IsAnsweredOnlyOnRequestOrRefusal) {
   OwnedBench bench;
   auto frame = bench.make_frame(kAlice);
   frame.flags(0);
@@ -58,7 +58,7 @@ TEST(CommandFrame, IsAnsweredOnlyWhenWantedOrRefused) {
   EXPECT_FALSE(bench.command_reply());
 }
 
-TEST(CommandFrame, WithoutAxesKeepsTheSessionAlive) {
+TEST(CommandFrame, WithoutAxesIsAKeepAlive) {
   OwnedBench bench;
   for (int round = 0; round < 10; ++round) {
     bench.steps(90);
@@ -144,7 +144,7 @@ TEST(CommandFrame, RefusesBadCommandsAndAppliesTheOthers) {
   EXPECT_EQ(bench.value(1, 0x6041) & 0x6F, 0x21) << "the first of the two counts";
 }
 
-TEST(CommandFrame, NamesTheObjectThatIsRefused) {
+TEST(CommandFrame, IsRefusedWithTheRefusedObject) {
   OwnedBench bench;
   auto frame = bench.make_frame(kAlice);
   auto& command = add_command(frame, 1);
@@ -239,7 +239,7 @@ TEST(CommandFrame, IsRefusedTooLateTooFarAheadAndPastItsValidity) {
 }
 
 // The next tick is 51: a frame for tick 45 is 6 ticks late.
-TEST(CommandFrame, ThatComesTooLateIsToldByHowMuch) {
+TEST(CommandFrame, IsRefusedWithItsDelayWhenLate) {
   OwnedBench bench;
   bench.steps(50);
   auto late = bench.make_frame(kAlice);
@@ -255,7 +255,7 @@ TEST(CommandFrame, ThatComesTooLateIsToldByHowMuch) {
   EXPECT_NE(service::words_of(events[0]).find("late by 6 ticks"), std::string::npos);
 }
 
-TEST(CommandFrame, ThatWasOvertakenIsLateByNoTick) {
+TEST(CommandFrame, IsRefusedWithoutADelayWhenOvertaken) {
   OwnedBench bench;
   bench.steps(50);
   const auto overtaken = bench.make_frame(kAlice);
@@ -271,7 +271,7 @@ TEST(CommandFrame, ThatWasOvertakenIsLateByNoTick) {
   EXPECT_EQ(std::get<service::RefusedMessage>(events[0].detail).late_by, 0U);
 }
 
-TEST(CommandFrame, MayBeSentTenSecondsAheadAndNoTickMore) {
+TEST(CommandFrame, IsAcceptedUpToTenSecondsAhead) {
   OwnedBench bench;
   bench.steps(50);
   auto farthest = bench.make_frame(kAlice);
@@ -284,7 +284,7 @@ TEST(CommandFrame, MayBeSentTenSecondsAheadAndNoTickMore) {
   EXPECT_EQ(bench.frame_refusal(), msg::REASON_TOO_FAR_AHEAD);
 }
 
-TEST(PendingFrame, OfTwoForOneTickTheLaterOneHasTheLastWord) {
+TEST(PendingFrame, ReceivedLaterTakesPrecedenceInTheSameTick) {
   OwnedBench bench;
   for (const std::uint32_t velocity : {111U, 222U}) {
     auto frame = bench.make_frame(kAlice);
@@ -339,7 +339,7 @@ TEST(PendingFrame, IsDroppedWithTheEpoch) {
   waiting.apply_at_tick(20);
   set_controlword(add_command(waiting, 1), 0x0F);
   bench.receive(waiting);
-  bench.ask(bench.make_request(msg::REQUEST_TAKE_OVER, kBob, {2}));
+  bench.reply_to(bench.make_request(msg::REQUEST_TAKE_OVER, kBob, {2}));
   EXPECT_EQ(bench.frame_refusal(), msg::REASON_CANCELLED);
 }
 
@@ -362,9 +362,9 @@ TEST(PendingFrame, IsDroppedByAHaltAndByAFault) {
   EXPECT_EQ(bench.frame_refusal(), msg::REASON_CANCELLED);
 }
 
-// The frame for tick 60 is cancelled; the one that halts is applied, and its own mistake stays in
+// The frame for tick 60 is cancelled; the halting one is applied, and its own error stays in
 // its answer.
-TEST(PendingFrame, ThatAHaltDropsDoesNotSpoilTheAnswerToTheHalt) {
+TEST(PendingFrame, DroppedByAHaltDoesNotChangeTheAnswerToTheHalt) {
   OwnedBench bench;
   bench.write(kAlice, 1, 0x6040, 0x0F);
   bench.steps(2);
@@ -389,7 +389,7 @@ TEST(PendingFrame, ThatAHaltDropsDoesNotSpoilTheAnswerToTheHalt) {
   EXPECT_EQ(reply->refusals()[0].reason(), wire_code(AbortCode::write_of_read_only_object));
 }
 
-TEST(PendingFrame, GoesOnWhenItsSessionGainsAnAxis) {
+TEST(PendingFrame, StaysWhenItsSessionGainsAnAxis) {
   OwnedBench bench;
   auto waiting = bench.make_frame(kAlice);
   waiting.apply_at_tick(20);
@@ -404,14 +404,14 @@ TEST(PendingFrame, GoesOnWhenItsSessionGainsAnAxis) {
   EXPECT_EQ(bench.value(1, 0x6081), 111);
 }
 
-TEST(PendingFrame, IsAnsweredForWhenAllOfThemAreDroppedAtOnce) {
+TEST(PendingFrame, IsAnsweredWhenAllAreDroppedAtOnce) {
   OwnedBench bench;
   for (std::size_t count = 0; count < service::PendingFrames::kCapacity; ++count) {
     auto waiting = bench.make_frame(kAlice);
     waiting.apply_at_tick(100);
     bench.receive(waiting);
   }
-  bench.ask(bench.make_request(msg::REQUEST_RELEASE, kAlice));
+  bench.reply_to(bench.make_request(msg::REQUEST_RELEASE, kAlice));
   for (std::size_t count = 1; count <= service::PendingFrames::kCapacity; ++count) {
     const auto reply = bench.command_reply();
     ASSERT_TRUE(reply) << count;
@@ -421,7 +421,7 @@ TEST(PendingFrame, IsAnsweredForWhenAllOfThemAreDroppedAtOnce) {
   EXPECT_EQ(bench.counters.queue_overflows.get(), 0U);
 }
 
-TEST(PendingFrame, IsRefusedWhenTooManyWait) {
+TEST(PendingFrame, IsRefusedWhenTooManyArePending) {
   OwnedBench bench;
   for (std::size_t count = 0; count < service::PendingFrames::kCapacity; ++count) {
     auto waiting = bench.make_frame(kAlice);
@@ -435,7 +435,7 @@ TEST(PendingFrame, IsRefusedWhenTooManyWait) {
   EXPECT_EQ(bench.frame_refusal(), msg::REASON_QUEUE_FULL);
 }
 
-TEST(CommandFrame, TellsWhichAxesIgnoredTheirSetPoint) {
+TEST(CommandFrame, IsAnsweredWithTheAxesThatIgnoredTheirSetPoint) {
   OwnedBench bench;
   auto frame = bench.make_frame(kAlice);
   set_controlword(add_command(frame, 1), 0x1F);  // not in Operation enabled
@@ -448,7 +448,7 @@ TEST(CommandFrame, TellsWhichAxesIgnoredTheirSetPoint) {
   EXPECT_EQ(bench.counters.set_points_ignored.get(), 1U);
 }
 
-TEST(CommandFrame, NamesItselfInTheStatusOfItsAxes) {
+TEST(CommandFrame, IsNumberedInTheStatusOfItsAxes) {
   OwnedBench bench;
   auto frame = bench.make_frame(kAlice);
   set_controlword(add_command(frame, 2), 0x06);
@@ -463,7 +463,7 @@ TEST(CommandFrame, NamesItselfInTheStatusOfItsAxes) {
   EXPECT_EQ(image->owners[2].session, 0U);
 }
 
-TEST(CommandFrame, AllocatesNothingOnceWarm) {
+TEST(CommandFrame, AllocatesNothingAfterTheFirstFrames) {
   OwnedBench bench;
   std::vector<msg::CommandFrame> frames;
   for (int count = 0; count < 40; ++count) {
@@ -475,7 +475,7 @@ TEST(CommandFrame, AllocatesNothingOnceWarm) {
       command.position_user_target_value(count);
       set_controlword(command, 0x0F);
     }
-    set_controlword(add_command(frame, 99), 0x06);  // refused: the way back allocates nothing too
+    set_controlword(add_command(frame, 99), 0x06);  // refused: the answer allocates nothing either
     frame.apply_at_tick(count % 4 == 0 ? static_cast<std::uint64_t>(count) + 3 : 0);
     frames.push_back(frame);
   }

@@ -21,7 +21,7 @@ constexpr std::uint32_t kNotInAFrame = 0x06040041;
 constexpr std::int64_t kSave = 0x65766173;
 constexpr std::int64_t kLoad = 0x64616F6C;
 
-/// An engine with a place to store, whose saver works when it is told to.
+/// An engine with a state directory; its saver runs when the test calls it.
 struct StoringBench : EngineUnderTest {
   explicit StoringBench(const service::Configuration& with = bench_configuration(3))
       : EngineUnderTest(with),
@@ -31,7 +31,7 @@ struct StoringBench : EngineUnderTest {
     engine.store_with(saver);
   }
 
-  /// Hands a request in that has to wait.
+  /// Passes in a request that has to wait.
   msg::Request begin(std::uint32_t kind, std::vector<std::uint16_t> axes,
                      std::uint64_t session = kAlice) {
     auto request = make_request(kind, session, std::move(axes));
@@ -40,7 +40,7 @@ struct StoringBench : EngineUnderTest {
     return request;
   }
 
-  /// Lets the saver work. @return the reply that waited.
+  /// Runs the saver. @return the reply that waited.
   msg::Reply finish() {
     saver.save_waiting();
     while (engine.answer_stores()) {
@@ -56,7 +56,7 @@ struct StoringBench : EngineUnderTest {
   }
 
   void power_cycle(std::uint16_t axis) {
-    EXPECT_EQ(ask(make_request(msg::REQUEST_POWER_CYCLE, kAlice, {axis})).reason(), 0U);
+    EXPECT_EQ(reply_to(make_request(msg::REQUEST_POWER_CYCLE, kAlice, {axis})).reason(), 0U);
   }
 
   TemporaryDirectory directory;
@@ -74,7 +74,7 @@ msg::ObjectAccess& add_object(msg::Request& request, std::uint16_t axis, std::ui
   return object;
 }
 
-TEST(StoreRequest, IsAnsweredWhenItIsDurableAndInForceAfterAPowerCycle) {
+TEST(StoreRequest, IsAnsweredAfterTheSaveAndTakesEffectAtAPowerCycle) {
   StoringBench bench;
   bench.write(kAlice, 1, 0x6081, 4'321);
   bench.write(kAlice, 2, 0x6081, 1'234);
@@ -94,7 +94,7 @@ TEST(StoreRequest, IsAnsweredWhenItIsDurableAndInForceAfterAPowerCycle) {
 }
 
 TEST(StoreRequest, OfManyAxesHasOneAnswer) {
-  StoringBench bench(bench_configuration(40));  // more than are taken back in a tick
+  StoringBench bench(bench_configuration(40));  // more than a tick handles
   std::vector<std::uint16_t> axes;
   for (std::uint16_t axis = 1; axis <= 40; ++axis) {
     axes.push_back(axis);
@@ -108,7 +108,7 @@ TEST(StoreRequest, OfManyAxesHasOneAnswer) {
 }
 
 // A step is answered after its ticks, in which stores are answered too.
-TEST(StoreRequest, LeavesRoomForTheAnswerOfTheStepThatIsCarriedOut) {
+TEST(StoreRequest, LeavesRoomForTheAnswerOfARunningStep) {
   StoringBench bench;
   auto& replies = bench.outbox.replies;
   for (int count = 0; count < 8; ++count) {
@@ -137,20 +137,20 @@ TEST(StoreRequest, LeavesRoomForTheAnswerOfTheStepThatIsCarriedOut) {
   EXPECT_GT(later, 0) << "nothing waited";
 }
 
-TEST(StoreRequest, NeedsAxesThatAreThereAndNobodyElses) {
+TEST(StoreRequest, NeedsExistingAxesThatNoOtherSessionHolds) {
   StoringBench bench;
   bench.acquire(kBob, {2});
-  EXPECT_EQ(bench.ask(bench.make_request(msg::REQUEST_STORE, kAlice)).reason(),
+  EXPECT_EQ(bench.reply_to(bench.make_request(msg::REQUEST_STORE, kAlice)).reason(),
             msg::REASON_NOTHING_DONE);
-  EXPECT_EQ(bench.ask(bench.make_request(msg::REQUEST_STORE, kAlice, {1, 9})).reason(),
+  EXPECT_EQ(bench.reply_to(bench.make_request(msg::REQUEST_STORE, kAlice, {1, 9})).reason(),
             msg::REASON_UNKNOWN_AXIS);
-  const auto reply = bench.ask(bench.make_request(msg::REQUEST_STORE, kAlice, {1, 2}));
+  const auto reply = bench.reply_to(bench.make_request(msg::REQUEST_STORE, kAlice, {1, 2}));
   EXPECT_EQ(reply.reason(), kLocalControl);
   EXPECT_EQ(reply.refused_axis(), 2U);
   EXPECT_FALSE(bench.saver.save_waiting()) << "of a refused request nothing is stored";
 }
 
-TEST(StoreRequest, ThatFailsLeavesWhatWasStored) {
+TEST(StoreRequest, KeepsTheStoredValuesOnFailure) {
   StoringBench bench;
   bench.write(kAlice, 1, 0x6081, 100);
   bench.begin(msg::REQUEST_STORE, {1});
@@ -163,20 +163,20 @@ TEST(StoreRequest, ThatFailsLeavesWhatWasStored) {
   const auto reply = bench.finish();
   EXPECT_EQ(reply.reason(), kHardwareError);
   EXPECT_EQ(reply.refused_axis(), 1U);
-  bool is_told = false;
+  bool has_event = false;
   while (const auto* const event = bench.outbox.events.front()) {
-    is_told = is_told || (event->kind == msg::EVENT_PARAMETERS &&
-                          event->code == service::ParameterNews::kSaveFailed &&
-                          event->detail == service::EventDetail{service::SystemError{ENOSPC}} &&
-                          event->axis == 1);
+    has_event = has_event || (event->kind == msg::EVENT_PARAMETERS &&
+                              event->code == service::ParameterNews::kSaveFailed &&
+                              event->detail == service::EventDetail{service::SystemError{ENOSPC}} &&
+                              event->axis == 1);
     bench.outbox.events.pop();
   }
-  EXPECT_TRUE(is_told);
+  EXPECT_TRUE(has_event);
   bench.power_cycle(1);
   EXPECT_EQ(bench.value(1, 0x6081), 100);
 }
 
-TEST(RestoreRequest, GivesTheConfiguredValuesAfterThePowerCycle) {
+TEST(RestoreRequest, SetsTheConfiguredValuesAtThePowerCycle) {
   auto configuration = bench_configuration(1);
   configuration.axes[0].configuration.parameters = {{{0x6081, 0}, 777}};
   StoringBench bench(configuration);
@@ -190,7 +190,7 @@ TEST(RestoreRequest, GivesTheConfiguredValuesAfterThePowerCycle) {
   EXPECT_EQ(bench.value(1, 0x6081), 777);
 }
 
-TEST(StoreObject, IsTheRequestInAnotherForm) {
+TEST(StoreObject, ActsLikeTheStoreRequest) {
   StoringBench bench;
   EXPECT_EQ(bench.value(1, 0x1010, 1), 1);
   auto request = bench.make_request(msg::REQUEST_WRITE, kAlice);
@@ -216,7 +216,7 @@ TEST(StoreObject, IsTheRequestInAnotherForm) {
   EXPECT_EQ(bench.value(1, 0x6081), 68'267);
 }
 
-TEST(StoreObject, IsRefusedAtOnceWithTheWrongSignatureAndWithoutAPlaceToStore) {
+TEST(StoreObject, IsRefusedAtOnceWithAWrongSignatureOrWithoutAStateDirectory) {
   StoringBench bench;
   EXPECT_EQ(bench.write(kAlice, 1, 0x1010, 1, 1).objects().at(0).abort_code(), kCannotStore);
   EXPECT_EQ(bench.write(kAlice, 1, 0x1011, kSave, 1).objects().at(0).abort_code(), kCannotStore);
@@ -225,7 +225,7 @@ TEST(StoreObject, IsRefusedAtOnceWithTheWrongSignatureAndWithoutAPlaceToStore) {
   EXPECT_EQ(without.value(1, 0x1010, 1), 1);
 }
 
-TEST(StoreObject, AnswersAFailureInItsPlace) {
+TEST(StoreObject, ReportsAFailureAsItsOwnAbortCode) {
   StoringBench bench;
   auto request = bench.make_request(msg::REQUEST_WRITE, kAlice);
   add_object(request, 1, 0x6081, 0, 55);
@@ -240,7 +240,7 @@ TEST(StoreObject, AnswersAFailureInItsPlace) {
   EXPECT_EQ(reply.objects().at(1).abort_code(), kHardwareError);
 }
 
-TEST(StoreObject, HasNoPlaceInAFrame) {
+TEST(StoreObject, IsRefusedInACommandFrame) {
   StoringBench bench;
   bench.acquire(kAlice, {1});
   auto frame = bench.make_frame(kAlice);
@@ -283,7 +283,7 @@ TEST(StoreRequest, IsRefusedWhileTooManyWait) {
   EXPECT_EQ(bench.finish().reason(), msg::REASON_NONE);
 }
 
-TEST(StoreRequest, AllocatesNothingInTheThreadThatSteps) {
+TEST(StoreRequest, AllocatesNothingInTheSteppingThread) {
   StoringBench bench;
   const auto request = bench.make_request(msg::REQUEST_STORE, kAlice, {1, 2, 3});
   const auto store = [&] {
@@ -308,15 +308,15 @@ TEST(StoreRequest, AllocatesNothingInTheThreadThatSteps) {
   EXPECT_EQ(store(), 0U);
 }
 
-TEST(StoredParameters, OutlastARestoredSnapshot) {
+TEST(StoredParameters, StayAfterARestoredSnapshot) {
   StoringBench bench;
-  const auto taken = bench.ask(bench.make_request(msg::REQUEST_TAKE_SNAPSHOT, kAlice));
+  const auto taken = bench.reply_to(bench.make_request(msg::REQUEST_TAKE_SNAPSHOT, kAlice));
   bench.write(kAlice, 1, 0x6081, 100);
   bench.begin(msg::REQUEST_STORE, {1});
   bench.finish();
   auto restore = bench.make_request(msg::REQUEST_RESTORE_SNAPSHOT, kAlice);
   restore.snapshot(taken.snapshot());
-  EXPECT_EQ(bench.ask(restore).reason(), msg::REASON_NONE);
+  EXPECT_EQ(bench.reply_to(restore).reason(), msg::REASON_NONE);
   EXPECT_EQ(bench.value(1, 0x6081), 68'267);
   bench.power_cycle(1);
   EXPECT_EQ(bench.value(1, 0x6081), 100);

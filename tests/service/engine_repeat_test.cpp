@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What arrives again acts once and is answered again: requests of every kind, and command frames.
+// A repeated message acts once and is answered again: requests of every kind, and command frames.
 #include "core/support/allocation_guard.hpp"
 #include "parameter_saver.hpp"
 #include "service/engine_under_test.hpp"
@@ -63,42 +63,42 @@ TEST(RepeatedRequest, WritesOnceAndHasTheSameAnswer) {
   EngineUnderTest bench;
   auto write = bench.make_request(msg::REQUEST_WRITE, kAlice);
   add_write(write, 1, kWindow, 50);
-  const auto first = bench.ask(write);
+  const auto first = bench.reply_to(write);
   bench.write(kAlice, 1, kWindow, 60);
   bench.steps(3);
-  EXPECT_EQ(bench.ask(write), first) << "also its tick is that of then";
+  EXPECT_EQ(bench.reply_to(write), first) << "its tick is that of the first answer";
   EXPECT_EQ(bench.value(1, kWindow), 60) << "the repeat does not write";
 }
 
-TEST(RepeatedRequest, ReadsWhatItReadThen) {
+TEST(RepeatedRequest, ReturnsTheValuesOfTheFirstRead) {
   EngineUnderTest bench;
   auto read = bench.make_request(msg::REQUEST_READ, 0);
   add_write(read, 1, kWindow, 0);
-  const auto first = bench.ask(read);
+  const auto first = bench.reply_to(read);
   bench.write(kAlice, 1, kWindow, 61);
-  EXPECT_EQ(bench.ask(read), first);
+  EXPECT_EQ(bench.reply_to(read), first);
 }
 
-TEST(RepeatedRequest, DoesNotAcquireWhatWasReleasedMeanwhile) {
+TEST(RepeatedRequest, DoesNotAcquireAReleasedAxisAgain) {
   EngineUnderTest bench;
   const auto acquire = bench.make_request(msg::REQUEST_ACQUIRE, kAlice, {1});
-  const auto first = bench.ask(acquire);
+  const auto first = bench.reply_to(acquire);
   ASSERT_EQ(first.reason(), msg::REASON_NONE);
   const auto release = bench.make_request(msg::REQUEST_RELEASE, kAlice, {});
-  const auto released = bench.ask(release);
-  EXPECT_EQ(bench.ask(acquire), first);
+  const auto released = bench.reply_to(release);
+  EXPECT_EQ(bench.reply_to(acquire), first);
   EXPECT_EQ(bench.acquire(kBob, {1}).reason(), msg::REASON_NONE) << "the axis is free";
-  EXPECT_EQ(bench.ask(release), released);
-  EXPECT_EQ(bench.ask(bench.make_request(msg::REQUEST_RELEASE, kAlice)).reason(),
+  EXPECT_EQ(bench.reply_to(release), released);
+  EXPECT_EQ(bench.reply_to(bench.make_request(msg::REQUEST_RELEASE, kAlice)).reason(),
             msg::REASON_NOTHING_DONE);
 }
 
 TEST(RepeatedRequest, TakesOverOnce) {
   EngineUnderTest bench;
   const auto take = bench.make_request(msg::REQUEST_TAKE_OVER, kAlice, {1});
-  const auto first = bench.ask(take);
-  ASSERT_EQ(bench.ask(bench.make_request(msg::REQUEST_TAKE_OVER, kBob, {1})).reason(), 0U);
-  EXPECT_EQ(bench.ask(take), first);
+  const auto first = bench.reply_to(take);
+  ASSERT_EQ(bench.reply_to(bench.make_request(msg::REQUEST_TAKE_OVER, kBob, {1})).reason(), 0U);
+  EXPECT_EQ(bench.reply_to(take), first);
   const auto others = bench.write(kAlice, 1, kWindow, 5);
   EXPECT_EQ(others.owner_session(), kBob) << "Bob still has it";
 }
@@ -107,29 +107,29 @@ TEST(RepeatedRequest, CyclesThePowerOnce) {
   EngineUnderTest bench;
   bench.write(kAlice, 1, kWindow, 70);
   const auto cycle = bench.make_request(msg::REQUEST_POWER_CYCLE, kAlice, {1});
-  const auto first = bench.ask(cycle);
+  const auto first = bench.reply_to(cycle);
   bench.write(kAlice, 1, kWindow, 71);
-  EXPECT_EQ(bench.ask(cycle), first);
+  EXPECT_EQ(bench.reply_to(cycle), first);
   EXPECT_EQ(bench.value(1, kWindow), 71);
 }
 
-TEST(RepeatedRequest, TakesOneSnapshotAndRestoresAndDropsItOnce) {
+TEST(RepeatedRequest, TakesRestoresAndDropsASnapshotOnce) {
   EngineUnderTest bench;
   bench.write(kAlice, 1, kWindow, 80);
   const auto take = bench.make_request(msg::REQUEST_TAKE_SNAPSHOT, kAlice);
-  const auto first = bench.ask(take);
-  EXPECT_EQ(bench.ask(take), first);
+  const auto first = bench.reply_to(take);
+  EXPECT_EQ(bench.reply_to(take), first);
   EXPECT_EQ(bench.counters.snapshots.get(), 1U);
   auto restore = bench.make_request(msg::REQUEST_RESTORE_SNAPSHOT, kAlice);
   restore.snapshot(first.snapshot());
-  const auto restored = bench.ask(restore);
+  const auto restored = bench.reply_to(restore);
   bench.write(kAlice, 1, kWindow, 81);
-  EXPECT_EQ(bench.ask(restore), restored);
+  EXPECT_EQ(bench.reply_to(restore), restored);
   EXPECT_EQ(bench.value(1, kWindow), 81);
   auto drop = bench.make_request(msg::REQUEST_DROP_SNAPSHOT, kAlice);
   drop.snapshot(first.snapshot());
-  EXPECT_EQ(bench.ask(drop).reason(), msg::REASON_NONE);
-  EXPECT_EQ(bench.ask(drop).reason(), msg::REASON_NONE) << "the answer of then";
+  EXPECT_EQ(bench.reply_to(drop).reason(), msg::REASON_NONE);
+  EXPECT_EQ(bench.reply_to(drop).reason(), msg::REASON_NONE) << "the first answer";
 }
 
 TEST(RepeatedRequest, SetsTheRateOnce) {
@@ -138,69 +138,69 @@ TEST(RepeatedRequest, SetsTheRateOnce) {
   EngineUnderTest bench(configuration);
   auto faster = bench.make_request(msg::REQUEST_SET_RATE, kAlice);
   faster.rate(2.0);
-  const auto first = bench.ask(faster);
+  const auto first = bench.reply_to(faster);
   auto usual = bench.make_request(msg::REQUEST_SET_RATE, kAlice);
   usual.rate(1.0);
-  bench.ask(usual);
-  EXPECT_EQ(bench.ask(faster), first);
+  bench.reply_to(usual);
+  EXPECT_EQ(bench.reply_to(faster), first);
   EXPECT_EQ(bench.engine.rate(), 1.0);
 }
 
-TEST(RepeatedRequest, ThatWasRefusedIsRefusedAgainAndToldOnce) {
+TEST(RepeatedRequest, IsRefusedAgainWithOneEvent) {
   EngineUnderTest bench;
   const auto release = bench.make_request(msg::REQUEST_RELEASE, kAlice);
-  const auto first = bench.ask(release);
+  const auto first = bench.reply_to(release);
   EXPECT_EQ(first.reason(), msg::REASON_NOTHING_DONE);
   EXPECT_EQ(bench.events(msg::EVENT_REFUSED).size(), 1U);
   bench.acquire(kAlice, {1});
-  EXPECT_EQ(bench.ask(release), first);
+  EXPECT_EQ(bench.reply_to(release), first);
   EXPECT_EQ(bench.events(msg::EVENT_REFUSED).size(), 0U);
   EXPECT_EQ(bench.read(1, kWindow).reason(), msg::REASON_NONE);
 }
 
-TEST(RepeatedRequest, OfAnotherClientIsAnotherRequest) {
+TEST(RepeatedRequest, OfAnotherClientIsANewRequest) {
   EngineUnderTest bench;
   auto write = bench.make_request(msg::REQUEST_WRITE, kAlice);
   add_write(write, 1, kWindow, 50);
-  bench.ask(write);
+  bench.reply_to(write);
   write.client(2);
   write.objects().front().value(51);
-  EXPECT_EQ(bench.ask(write).reason(), msg::REASON_NONE);
+  EXPECT_EQ(bench.reply_to(write).reason(), msg::REASON_NONE);
   EXPECT_EQ(bench.value(1, kWindow), 51);
 }
 
-TEST(RepeatedRequest, WithAnOldIncarnationDoesNotCountAsTheOneOfThisRun) {
+TEST(RepeatedRequest, WithAnOldIncarnationIsNotARepetition) {
   EngineUnderTest bench;
   auto write = bench.make_request(msg::REQUEST_WRITE, kAlice);
   add_write(write, 1, kWindow, 50);
   write.incarnation(kIncarnation - 1);
-  EXPECT_EQ(bench.ask(write).reason(), msg::REASON_WRONG_INCARNATION);
+  EXPECT_EQ(bench.reply_to(write).reason(), msg::REASON_WRONG_INCARNATION);
   write.incarnation(kIncarnation);
-  EXPECT_EQ(bench.ask(write).reason(), msg::REASON_NONE);
+  EXPECT_EQ(bench.reply_to(write).reason(), msg::REASON_NONE);
   EXPECT_EQ(bench.value(1, kWindow), 50);
 }
 
 // Several threads of a program may write their requests in another order than they numbered them.
-TEST(RepeatedRequest, IsNotOneThatWasOvertaken) {
+TEST(RepeatedRequest, IsDistinguishedFromAnOvertakenRequest) {
   EngineUnderTest bench;
   auto late = bench.make_request(msg::REQUEST_WRITE, kAlice);
   add_write(late, 1, kWindow, 90);
   bench.write(kAlice, 2, kWindow, 91);
-  EXPECT_EQ(bench.ask(late).reason(), msg::REASON_NONE);
+  EXPECT_EQ(bench.reply_to(late).reason(), msg::REASON_NONE);
   EXPECT_EQ(bench.value(1, kWindow), 90);
 }
 
-TEST(RepeatedRequest, IsASignOfLife) {
+TEST(RepeatedRequest, CountsAsASignOfLife) {
   OwnedBench bench;
   const auto read = bench.make_request(msg::REQUEST_READ, kAlice);
   for (int round = 0; round < 10; ++round) {
     bench.steps(90);
-    bench.ask(read);
+    bench.reply_to(read);
   }
   EXPECT_EQ(bench.counters.master_losses.get(), 0U);
 }
 
-TEST(RepeatedRequest, ThatWaitsForTheDiskIsIgnoredUntilItIsAnswered) {
+TEST(RepeatedRequest, IsIgnoredWhileTheFirstWaitsForTheDisk) {
   EngineUnderTest bench;
   const TemporaryDirectory directory;
   service::ParameterSaver saver(std::make_unique<service::ParameterStore>(directory.path(), kBench),
@@ -216,7 +216,7 @@ TEST(RepeatedRequest, ThatWaitsForTheDiskIsIgnoredUntilItIsAnswered) {
   ASSERT_EQ(bench.outbox.replies.size(), 1U) << "one store, one answer";
   const auto first = bench.outbox.replies.front()->reply;
   bench.outbox.replies.pop();
-  EXPECT_EQ(bench.ask(store), first);
+  EXPECT_EQ(bench.reply_to(store), first);
   EXPECT_FALSE(saver.save_waiting()) << "stored once";
 }
 
@@ -228,7 +228,7 @@ service::Arrival step_request(EngineUnderTest& bench, std::uint64_t ticks) {
   return arrival;
 }
 
-TEST(RepeatedRequest, OfAStepShowsTheTickReachedThenAndTheStatusesOfNow) {
+TEST(RepeatedRequest, OfAStepReturnsItsTickAndThePresentStatuses) {
   EngineUnderTest bench;
   const auto step = step_request(bench, 5);
   EXPECT_FALSE(bench.engine.answer_repeat(step));
@@ -246,7 +246,7 @@ TEST(RepeatedRequest, OfAStepShowsTheTickReachedThenAndTheStatusesOfNow) {
   EXPECT_EQ(reply.statuses()[0].tick(), 7U);
 }
 
-TEST(RepeatedRequest, OfAStepThatNamesOtherAxesThanItDidIsAnsweredWithoutThem) {
+TEST(RepeatedRequest, OfAStepWithOtherAxesIsAnsweredWithoutStatuses) {
   EngineUnderTest bench;
   auto step = step_request(bench, 1);
   EXPECT_FALSE(bench.engine.answer_repeat(step));
@@ -257,80 +257,81 @@ TEST(RepeatedRequest, OfAStepThatNamesOtherAxesThanItDidIsAnsweredWithoutThem) {
   EXPECT_EQ(bench.outbox.replies.front()->reply.statuses().size(), 0U);
 }
 
-/// Has `count` further requests answered for the client.
+/// Answers `count` further requests of the client.
 void answer_more(EngineUnderTest& bench, std::uint64_t client, std::uint64_t count) {
   auto read = bench.make_request(msg::REQUEST_READ, 0);
   add_write(read, 1, kWindow, 0);
   read.client(client);
   for (std::uint64_t number = 1; number <= count; ++number) {
     read.request_id(1'000'000 + number);
-    bench.ask(read);
+    bench.reply_to(read);
   }
 }
 
-// 128 answers of a client are kept: with the 128th one more the first is gone.
-TEST(RepeatedRequest, WhoseAnswerIsGoneIsRefusedAndNotDoneAgain) {
+// 128 answers of a client are kept: the 128th further answer replaces the first.
+TEST(RepeatedRequest, WithADiscardedAnswerIsRefusedAndNotExecutedAgain) {
   EngineUnderTest bench;
   auto write = bench.make_request(msg::REQUEST_WRITE, kAlice);
   add_write(write, 1, kWindow, 50);
-  const auto first = bench.ask(write);
+  const auto first = bench.reply_to(write);
   auto read = bench.make_request(msg::REQUEST_READ, 0);
   add_write(read, 1, kWindow, 0);
   for (std::uint64_t more = 1; more < 128; ++more) {
     read.request_id(write.request_id() + more);
-    bench.ask(read);
+    bench.reply_to(read);
   }
-  EXPECT_EQ(bench.ask(write), first);
+  EXPECT_EQ(bench.reply_to(write), first);
   read.request_id(write.request_id() + 128);
-  bench.ask(read);
-  EXPECT_EQ(bench.ask(write).reason(), msg::REASON_TOO_LATE);
+  bench.reply_to(read);
+  EXPECT_EQ(bench.reply_to(write).reason(), msg::REASON_TOO_LATE);
 }
 
-// The numbers 1,024 below the highest one cannot be told from those that never came.
-TEST(RepeatedRequest, IsRefusedWhenItsNumberLiesFarBelowTheHighest) {
+// The engine cannot distinguish numbers 1,024 below the highest one from numbers that never
+// arrived.
+TEST(RepeatedRequest, IsRefusedWithANumberFarBelowTheHighest) {
   EngineUnderTest bench;
   auto late = bench.make_request(msg::REQUEST_WRITE, kAlice);
   add_write(late, 1, kWindow, 50);
   auto newest = bench.make_request(msg::REQUEST_READ, 0);
   add_write(newest, 1, kWindow, 0);
   newest.request_id(late.request_id() + 1'024);
-  bench.ask(newest);
-  EXPECT_EQ(bench.ask(late).reason(), msg::REASON_TOO_LATE);
+  bench.reply_to(newest);
+  EXPECT_EQ(bench.reply_to(late).reason(), msg::REASON_TOO_LATE);
   EXPECT_EQ(bench.value(1, kWindow), 100) << "6067h has its default";
 }
 
-// Eight clients with 128 answers each fill the 1,024 places; a ninth drives out the oldest.
-TEST(RepeatedRequest, OfManyClientsTheOldestAnswersGoFirst) {
+// Eight clients with 128 answers each fill the 1,024 places; a ninth replaces the oldest.
+TEST(RepeatedRequest, DiscardsTheOldestAnswersOfManyClientsFirst) {
   EngineUnderTest bench;
   auto write = bench.make_request(msg::REQUEST_WRITE, kAlice);
   write.client(100);
   write.request_id(1'000'000);
   add_write(write, 1, kWindow, 50);
-  const auto first = bench.ask(write);
+  const auto first = bench.reply_to(write);
   answer_more(bench, 100, 127);
   for (std::uint64_t client = 101; client < 108; ++client) {
     answer_more(bench, client, 128);
   }
-  EXPECT_EQ(bench.ask(write), first);
+  EXPECT_EQ(bench.reply_to(write), first);
   answer_more(bench, 108, 1);
-  EXPECT_EQ(bench.ask(write).reason(), msg::REASON_TOO_LATE);
+  EXPECT_EQ(bench.reply_to(write).reason(), msg::REASON_TOO_LATE);
 }
 
-// 1,024 clients are remembered: with the 1,024th other one the first is as good as new.
-TEST(RepeatedRequest, OfAClientThatIsForgottenIsTakenForANewOne) {
+// 1,024 clients are remembered: the 1,024th other client replaces the first.
+TEST(RepeatedRequest, OfAForgottenClientIsANewRequest) {
   EngineUnderTest bench;
   auto write = bench.make_request(msg::REQUEST_WRITE, 0);
   add_write(write, 1, kWindow, 50);
   write.client(99);
-  bench.ask(write);
+  bench.reply_to(write);
   bench.write(kAlice, 1, kWindow, 60);  // the second client
   for (std::uint64_t client = 0; client < 1'022; ++client) {
     answer_more(bench, 100 + client, 1);
   }
-  bench.ask(write);
+  bench.reply_to(write);
   EXPECT_EQ(bench.engine.bank().read(0, {kWindow, 0}).value, 60);
   answer_more(bench, 2'000, 1);
-  bench.ask(write);
+  bench.reply_to(write);
   EXPECT_EQ(bench.engine.bank().read(0, {kWindow, 0}).value, 50);
 }
 
@@ -351,7 +352,7 @@ TEST(RepeatedFrame, ActsOnceAndHasTheSameAnswer) {
   EXPECT_EQ(bench.events(msg::EVENT_REFUSED).size(), 0U);
 }
 
-TEST(RepeatedFrame, ThatWasRefusedIsRefusedAgainAndToldOnce) {
+TEST(RepeatedFrame, IsRefusedAgainWithOneEvent) {
   OwnedBench bench;
   auto frame = bench.command(1, 50);
   frame.epoch(bench.epoch + 1);
@@ -363,7 +364,7 @@ TEST(RepeatedFrame, ThatWasRefusedIsRefusedAgainAndToldOnce) {
   EXPECT_EQ(bench.events(msg::EVENT_REFUSED).size(), 1U);
 }
 
-TEST(RepeatedFrame, ThatWaitsForItsTickIsIgnored) {
+TEST(RepeatedFrame, IsIgnoredWhileTheFirstWaitsForItsTick) {
   OwnedBench bench;
   auto frame = bench.command(1, 50);
   frame.apply_at_tick(5);
@@ -379,7 +380,7 @@ TEST(RepeatedFrame, ThatWaitsForItsTickIsIgnored) {
   EXPECT_EQ(bench.command_reply(), first);
 }
 
-TEST(RepeatedFrame, ThatWaitsIsIgnoredAlsoWhenItsNumberLiesFarBelowTheHighest) {
+TEST(RepeatedFrame, IsIgnoredWhileTheFirstWaitsEvenWithANumberFarBelowTheHighest) {
   OwnedBench bench;
   auto frame = bench.command(1, 50);
   frame.apply_at_tick(5);
@@ -390,7 +391,7 @@ TEST(RepeatedFrame, ThatWaitsIsIgnoredAlsoWhenItsNumberLiesFarBelowTheHighest) {
   EXPECT_FALSE(bench.command_reply());
 }
 
-TEST(RepeatedFrame, ToWhichNoAnswerWasDueStaysUnanswered) {
+TEST(RepeatedFrame, StaysUnansweredIfNoAnswerWasRequested) {
   OwnedBench bench;
   auto frame = bench.command(1, 50);
   frame.flags(0);
@@ -402,7 +403,7 @@ TEST(RepeatedFrame, ToWhichNoAnswerWasDueStaysUnanswered) {
   EXPECT_EQ(bench.value(1, kWindow), 60);
 }
 
-TEST(OvertakenFrame, ActsWhenOnlyKeepAlivesHaveOvertakenIt) {
+TEST(OvertakenFrame, IsExecutedAfterLaterKeepAlives) {
   OwnedBench bench;
   bench.receive(bench.frame(3));
   EXPECT_TRUE(bench.command_reply()->refusals().empty());
@@ -413,7 +414,7 @@ TEST(OvertakenFrame, ActsWhenOnlyKeepAlivesHaveOvertakenIt) {
   EXPECT_EQ(bench.value(1, kWindow), 60);
 }
 
-TEST(OvertakenFrame, IsRefusedWhenALaterCommandWasTaken) {
+TEST(OvertakenFrame, IsRefusedAfterALaterCommand) {
   OwnedBench bench;
   bench.receive(bench.command(2, 60));
   EXPECT_TRUE(bench.command_reply()->refusals().empty());
@@ -422,7 +423,7 @@ TEST(OvertakenFrame, IsRefusedWhenALaterCommandWasTaken) {
   EXPECT_EQ(bench.value(1, kWindow), 60);
 }
 
-TEST(OvertakenFrame, IsRefusedWhenALaterFrameCancelledWhatWaits) {
+TEST(OvertakenFrame, IsRefusedAfterALaterCancellingFrame) {
   OwnedBench bench;
   auto cancel = bench.frame(2);
   cancel.flags(msg::FRAME_CANCEL_PENDING);
@@ -433,7 +434,7 @@ TEST(OvertakenFrame, IsRefusedWhenALaterFrameCancelledWhatWaits) {
   EXPECT_EQ(bench.frame_refusal(), msg::REASON_TOO_LATE);
 }
 
-TEST(OvertakenFrame, ActsWhenTheLaterCommandWasRefusedAsAWhole) {
+TEST(OvertakenFrame, IsExecutedAfterARefusedLaterCommand) {
   OwnedBench bench;
   auto refused = bench.command(2, 60);
   refused.epoch(bench.epoch + 1);
@@ -444,7 +445,7 @@ TEST(OvertakenFrame, ActsWhenTheLaterCommandWasRefusedAsAWhole) {
   EXPECT_EQ(bench.value(1, kWindow), 50);
 }
 
-TEST(RepeatedFrame, WhoseAnswerIsGoneIsRefusedAndNotDoneAgain) {
+TEST(RepeatedFrame, WithADiscardedAnswerIsRefusedAndNotExecutedAgain) {
   OwnedBench bench;
   bench.receive(bench.command(1, 50));
   ASSERT_TRUE(bench.command_reply());
@@ -453,13 +454,13 @@ TEST(RepeatedFrame, WhoseAnswerIsGoneIsRefusedAndNotDoneAgain) {
     ASSERT_TRUE(bench.command_reply());
   }
   bench.receive(bench.command(2, 70));
-  EXPECT_TRUE(bench.command_reply()->refusals().empty()) << "the answer of then";
+  EXPECT_TRUE(bench.command_reply()->refusals().empty()) << "the first answer";
   bench.receive(bench.command(1, 50));
   EXPECT_EQ(bench.frame_refusal(), msg::REASON_TOO_LATE);
   EXPECT_EQ(bench.value(1, kWindow), 60);
 }
 
-TEST(Repeats, AllocateNothingOnceWarm) {
+TEST(Repeats, AllocateNothingAfterTheFirstMessages) {
   OwnedBench bench;
   auto write = bench.make_request(msg::REQUEST_WRITE, kAlice);
   for (int count = 0; count < 64; ++count) {

@@ -21,7 +21,7 @@ TEST(ReadRequest, AnswersEachObjectWithItsOwnCode) {
   request.objects()[2].axis(3);
   request.objects()[2].index(0x607D);
   request.objects()[2].subindex(7);
-  const auto reply = bench.ask(request);
+  const auto reply = bench.reply_to(request);
   EXPECT_EQ(reply.reason(), msg::REASON_NONE);
   EXPECT_EQ(reply.tick(), 5U) << "of the last completed tick";
   ASSERT_EQ(reply.objects().size(), 3U);
@@ -40,7 +40,7 @@ TEST(ReadRequest, NamesTheAxisThatDoesNotExist) {
   EXPECT_EQ(bench.read(0, 0x6041).reason(), msg::REASON_UNKNOWN_AXIS);
 }
 
-TEST(WriteRequest, IsInForceInTheNextTickAndReadsBackAtOnce) {
+TEST(WriteRequest, IsInForceInTheNextTickAndReadBackAtOnce) {
   EngineUnderTest bench;
   bench.steps(7);
   const auto reply = bench.write(kAlice, 1, 0x6081, 12'345);
@@ -57,7 +57,7 @@ TEST(WriteRequest, IsRefusedWithTheAbortCodeOfTheDictionary) {
   EXPECT_EQ(bench.events(msg::EVENT_REFUSED).size(), 3U);
 }
 
-TEST(WriteRequest, OfACommandObjectTakesAFreeAxis) {
+TEST(WriteRequest, OfACommandObjectAcquiresAFreeAxis) {
   EngineUnderTest bench;
   const auto reply = bench.write(kAlice, 2, 0x6040, 0x06);
   EXPECT_EQ(reply.objects()[0].abort_code(), 0U);
@@ -66,7 +66,7 @@ TEST(WriteRequest, OfACommandObjectTakesAFreeAxis) {
   EXPECT_EQ(bench.write(kBob, 2, 0x6081, 5).objects()[0].abort_code(), kLocalControl);
 }
 
-TEST(WriteRequest, OfACommandObjectThatIsRefusedTakesNothing) {
+TEST(WriteRequest, OfARefusedCommandObjectAcquiresNothing) {
   EngineUnderTest bench;
   EXPECT_EQ(bench.write(kAlice, 2, 0x6040, 0x1'0000).objects()[0].abort_code(), 0x06090031U);
   EXPECT_EQ(bench.write(kBob, 2, 0x6040, 0x06).objects()[0].abort_code(), 0U);
@@ -78,7 +78,7 @@ TEST(WriteRequest, OfACommandObjectNeedsASession) {
   EXPECT_EQ(bench.write(0, 1, 0x6081, 500).objects()[0].abort_code(), 0U);
 }
 
-TEST(WriteRequest, OfAStrangerIsRefusedAndNamesTheOwner) {
+TEST(WriteRequest, OfAnotherSessionIsRefusedWithTheOwner) {
   EngineUnderTest bench;
   bench.acquire(kAlice, {1});
   const auto reply = bench.write(kBob, 1, 0x6081, 500);
@@ -96,10 +96,10 @@ TEST(WriteRequest, ReachesTestBenchInputsOfAnOwnedAxis) {
   EXPECT_EQ(bench.write(kBob, 1, 0x5E10, 1, 1).objects()[0].abort_code(), kLocalControl);
 }
 
-TEST(WriteRequest, ReachesSeveralAxesAndCountsEveryControlword) {
+TEST(WriteRequest, ReachesSeveralAxesAndExecutesEveryControlword) {
   EngineUnderTest bench;
   auto request = bench.make_request(msg::REQUEST_WRITE, kAlice);
-  for (const std::uint16_t word : kEnabling) {  // three words before one tick
+  for (const std::uint16_t word : kEnabling) {  // three controlwords before one tick
     for (const std::uint16_t axis : kFirstTwo) {
       auto& object = request.objects().emplace_back();
       object.axis(axis);
@@ -107,7 +107,7 @@ TEST(WriteRequest, ReachesSeveralAxesAndCountsEveryControlword) {
       object.value(word);
     }
   }
-  bench.ask(request);
+  bench.reply_to(request);
   bench.steps(1);
   EXPECT_EQ(bench.value(1, 0x6041) & 0x6F, 0x27);
   EXPECT_EQ(bench.value(2, 0x6041) & 0x6F, 0x27);
@@ -143,11 +143,11 @@ struct MovingAxis : EngineUnderTest {
 
   [[nodiscard]] std::int64_t state() { return value(1, 0x6041) & kStateBits; }
 
-  /// A write of Bob that is refused names the owner.
+  /// A refused write of Bob names the owner.
   [[nodiscard]] std::uint64_t owner() { return write(kBob, 1, 0x6081, 5).owner_session(); }
 };
 
-TEST(StopOfAStranger, QuickStopsTheAxisAndTellsItsOwner) {
+TEST(StopOfAnotherSession, QuickStopsTheAxisWithAnEventForItsOwner) {
   MovingAxis bench;
   bench.events(msg::EVENT_STOPPED);
   EXPECT_EQ(bench.write_word(kBob, 0x02), 0U);
@@ -161,7 +161,7 @@ TEST(StopOfAStranger, QuickStopsTheAxisAndTellsItsOwner) {
   EXPECT_EQ(events[0].detail, service::EventDetail(service::Label{kAlice}));
 }
 
-TEST(StopOfAStranger, LeavesTheOwnerInControlInItsEpoch) {
+TEST(StopOfAnotherSession, KeepsOwnerAndEpoch) {
   MovingAxis bench;
   auto frame = bench.make_frame(kAlice);
   bench.write_word(kBob, 0x02);
@@ -174,7 +174,7 @@ TEST(StopOfAStranger, LeavesTheOwnerInControlInItsEpoch) {
 }
 
 // The set-point and its handshake stay the owner's: 003Fh with bit 8 is 013Fh.
-TEST(StopOfAStranger, HaltsWithTheSetPointAsItIs) {
+TEST(StopOfAnotherSession, HaltsAndKeepsTheSetPoint) {
   MovingAxis bench;
   EXPECT_EQ(bench.write_word(kBob, 0x010F), 0U);
   bench.steps(1);
@@ -186,24 +186,24 @@ TEST(StopOfAStranger, HaltsWithTheSetPointAsItIs) {
   EXPECT_LT(position, 1'000'000);
   bench.write_word(kAlice, MovingAxis::kNewSetPoint);
   bench.steps(100);
-  EXPECT_GT(bench.value(1, 0x6062), position) << "the owner lets it go on";
+  EXPECT_GT(bench.value(1, 0x6062), position) << "the owner continues it";
 }
 
-TEST(StopOfAStranger, IsReportedOnce) {
+TEST(StopOfAnotherSession, IsReportedOnce) {
   MovingAxis bench;
   bench.write_word(kBob, 0x010F);
   bench.write_word(kBob, 0x010F);
   EXPECT_EQ(bench.events(msg::EVENT_STOPPED).size(), 1U);
 }
 
-TEST(StopOfAStranger, NeedsNoSession) {
+TEST(StopOfAnotherSession, NeedsNoSession) {
   MovingAxis bench;
   EXPECT_EQ(bench.write_word(0, 0x02), 0U);
   bench.steps(1);
   EXPECT_EQ(bench.state(), MovingAxis::kQuickStopActive);
 }
 
-TEST(StopOfAStranger, CancelsTheFramesThatWaitForTheAxis) {
+TEST(StopOfAnotherSession, CancelsPendingFramesOfTheAxis) {
   for (const std::int64_t stop : {0x0002, 0x010F}) {
     MovingAxis bench;
     auto frame = bench.make_frame(kAlice);
@@ -215,8 +215,8 @@ TEST(StopOfAStranger, CancelsTheFramesThatWaitForTheAxis) {
   }
 }
 
-// Each of these commands something beside the stop, or nothing that stops.
-TEST(StopOfAStranger, IsTheOnlyCommandThatIsAccepted) {
+// Each of these commands more than a stop, or no stop.
+TEST(StopOfAnotherSession, IsTheOnlyCommandThatIsAccepted) {
   MovingAxis bench;
   for (const std::int64_t word : {0x00, 0x06, 0x07, 0x0F, 0x3F,  // no stop
                                   0x80, 0x82,                    // fault reset
@@ -231,9 +231,9 @@ TEST(StopOfAStranger, IsTheOnlyCommandThatIsAccepted) {
   EXPECT_TRUE(bench.events(msg::EVENT_STOPPED).empty());
 }
 
-TEST(QuickStopOfAFreeAxis, GivesNoControlAndNeedsNone) {
+TEST(QuickStopOfAFreeAxis, NeitherNeedsNorAcquiresControl) {
   MovingAxis bench;
-  bench.ask(bench.make_request(msg::REQUEST_RELEASE, kAlice, {1}));
+  bench.reply_to(bench.make_request(msg::REQUEST_RELEASE, kAlice, {1}));
   bench.events(msg::EVENT_CONTROL_CHANGED);
   EXPECT_EQ(bench.write_word(0, 0x02), 0U);
   bench.steps(1);
@@ -252,7 +252,7 @@ TEST(AcquireRequest, GivesAxesAndAnEpoch) {
   EXPECT_EQ(bench.acquire(kAlice, {1, 2, 3}).epoch(), second.epoch()) << "nothing was gained";
 }
 
-TEST(AcquireRequest, OfAnOwnedAxisGivesNothingAtAll) {
+TEST(AcquireRequest, OfAnOwnedAxisAcquiresNothing) {
   EngineUnderTest bench;
   bench.acquire(kAlice, {2});
   const auto reply = bench.acquire(kBob, {1, 2});
@@ -272,11 +272,11 @@ TEST(AcquireRequest, NeedsASessionAndAxes) {
   EXPECT_EQ(unknown.refused_axis(), 77U);
 }
 
-TEST(TakeOverRequest, TakesAtOnceAndEndsTheOldEpoch) {
+TEST(TakeOverRequest, TakesControlAtOnceAndEndsTheOldEpoch) {
   EngineUnderTest bench;
   bench.acquire(kAlice, {1});
   auto frame = bench.make_frame(kAlice);
-  const auto reply = bench.ask(bench.make_request(msg::REQUEST_TAKE_OVER, kBob, {1}));
+  const auto reply = bench.reply_to(bench.make_request(msg::REQUEST_TAKE_OVER, kBob, {1}));
   EXPECT_EQ(reply.reason(), msg::REASON_NONE);
   EXPECT_NE(reply.epoch(), 0U);
   set_controlword(add_command(frame, 1), 0x0F);
@@ -286,11 +286,11 @@ TEST(TakeOverRequest, TakesAtOnceAndEndsTheOldEpoch) {
   EXPECT_EQ(bench.value(1, 0x6041), 0x250);
 }
 
-TEST(ReleaseRequest, LeavesTheAxisAsItIs) {
+TEST(ReleaseRequest, DoesNotChangeTheAxis) {
   EngineUnderTest bench;
   bench.write(kAlice, 1, 0x6040, 0x0F);
   bench.steps(2);
-  const auto reply = bench.ask(bench.make_request(msg::REQUEST_RELEASE, kAlice));
+  const auto reply = bench.reply_to(bench.make_request(msg::REQUEST_RELEASE, kAlice));
   EXPECT_EQ(reply.reason(), msg::REASON_NONE);
   EXPECT_EQ(reply.epoch(), 0U);
   bench.steps(500);
@@ -301,19 +301,19 @@ TEST(ReleaseRequest, LeavesTheAxisAsItIs) {
 TEST(ReleaseRequest, OfSomeAxesRenewsTheEpochOfTheOthers) {
   EngineUnderTest bench;
   const auto acquired = bench.acquire(kAlice, {1, 2});
-  const auto reply = bench.ask(bench.make_request(msg::REQUEST_RELEASE, kAlice, {1}));
+  const auto reply = bench.reply_to(bench.make_request(msg::REQUEST_RELEASE, kAlice, {1}));
   EXPECT_GT(reply.epoch(), acquired.epoch());
   EXPECT_EQ(bench.acquire(kBob, {1}).reason(), msg::REASON_NONE);
   EXPECT_EQ(bench.acquire(kBob, {2}).reason(), kLocalControl);
 }
 
-TEST(ReleaseRequest, OfWhatIsNotOwnedIsRefused) {
+TEST(ReleaseRequest, OfAnAxisThatIsNotOwnedIsRefused) {
   EngineUnderTest bench;
   bench.acquire(kAlice, {1});
-  const auto reply = bench.ask(bench.make_request(msg::REQUEST_RELEASE, kAlice, {1, 2}));
+  const auto reply = bench.reply_to(bench.make_request(msg::REQUEST_RELEASE, kAlice, {1, 2}));
   EXPECT_EQ(reply.reason(), msg::REASON_NOT_OWNER);
   EXPECT_EQ(reply.refused_axis(), 2U);
-  EXPECT_EQ(bench.ask(bench.make_request(msg::REQUEST_RELEASE, kBob)).reason(),
+  EXPECT_EQ(bench.reply_to(bench.make_request(msg::REQUEST_RELEASE, kBob)).reason(),
             msg::REASON_NOTHING_DONE);
 }
 
@@ -322,34 +322,37 @@ TEST(PowerCycleRequest, NeedsAFreeAxisOrItsOwner) {
   bench.write(kAlice, 1, 0x6040, 0x0F);
   bench.write(kAlice, 1, 0x6081, 777);
   bench.steps(1);
-  const auto stranger = bench.ask(bench.make_request(msg::REQUEST_POWER_CYCLE, kBob, {1}));
+  const auto stranger = bench.reply_to(bench.make_request(msg::REQUEST_POWER_CYCLE, kBob, {1}));
   EXPECT_EQ(stranger.reason(), kLocalControl);
-  const auto owner = bench.ask(bench.make_request(msg::REQUEST_POWER_CYCLE, kAlice, {1}));
+  const auto owner = bench.reply_to(bench.make_request(msg::REQUEST_POWER_CYCLE, kAlice, {1}));
   EXPECT_EQ(owner.reason(), msg::REASON_NONE);
   bench.steps(1);
   EXPECT_EQ(bench.value(1, 0x6041), 0x250);
   EXPECT_EQ(bench.value(1, 0x6081), 68'267);
-  EXPECT_EQ(bench.ask(bench.make_request(msg::REQUEST_POWER_CYCLE, kBob, {2})).reason(),
+  EXPECT_EQ(bench.reply_to(bench.make_request(msg::REQUEST_POWER_CYCLE, kBob, {2})).reason(),
             msg::REASON_NONE);
 }
 
-TEST(StoreRequest, IsRefusedWithoutAPlaceToStore) {
+TEST(StoreRequest, IsRefusedWithoutAStateDirectory) {
   EngineUnderTest bench;
-  EXPECT_EQ(bench.ask(bench.make_request(msg::REQUEST_STORE, kAlice, {1})).reason(), 0x08000020U);
-  EXPECT_EQ(bench.ask(bench.make_request(msg::REQUEST_RESTORE, kAlice, {1})).reason(), 0x08000020U);
+  EXPECT_EQ(bench.reply_to(bench.make_request(msg::REQUEST_STORE, kAlice, {1})).reason(),
+            0x08000020U);
+  EXPECT_EQ(bench.reply_to(bench.make_request(msg::REQUEST_RESTORE, kAlice, {1})).reason(),
+            0x08000020U);
 }
 
 TEST(Request, OfAnUnknownKindOrIncarnationIsRefused) {
   EngineUnderTest bench;
-  EXPECT_EQ(bench.ask(bench.make_request(0, kAlice)).reason(), msg::REASON_UNKNOWN_KIND);
-  EXPECT_EQ(bench.ask(bench.make_request(0xFFFFFFFF, kAlice)).reason(), msg::REASON_UNKNOWN_KIND);
+  EXPECT_EQ(bench.reply_to(bench.make_request(0, kAlice)).reason(), msg::REASON_UNKNOWN_KIND);
+  EXPECT_EQ(bench.reply_to(bench.make_request(0xFFFFFFFF, kAlice)).reason(),
+            msg::REASON_UNKNOWN_KIND);
   auto other = bench.make_request(msg::REQUEST_READ, kAlice);
   other.incarnation(kIncarnation + 1);
-  EXPECT_EQ(bench.ask(other).reason(), msg::REASON_WRONG_INCARNATION);
+  EXPECT_EQ(bench.reply_to(other).reason(), msg::REASON_WRONG_INCARNATION);
   auto nobody = bench.make_request(msg::REQUEST_READ, kAlice);
   nobody.client(0);
-  EXPECT_EQ(bench.ask(nobody).reason(), msg::REASON_BAD_SESSION);
-  EXPECT_EQ(bench.ask(bench.make_request(msg::REQUEST_READ, kAlice)).reason(),
+  EXPECT_EQ(bench.reply_to(nobody).reason(), msg::REASON_BAD_SESSION);
+  EXPECT_EQ(bench.reply_to(bench.make_request(msg::REQUEST_READ, kAlice)).reason(),
             msg::REASON_NOTHING_DONE);
 }
 
@@ -365,13 +368,13 @@ TEST(Request, BeyondTheBoundsIsAnswered) {
   EngineUnderTest bench;
   auto objects = bench.make_request(msg::REQUEST_READ, kAlice);
   objects.objects().resize(msg::MAX_OBJECTS_PER_REQUEST + 1);
-  EXPECT_EQ(bench.ask(objects).reason(), msg::REASON_TOO_MANY_OBJECTS);
+  EXPECT_EQ(bench.reply_to(objects).reason(), msg::REASON_TOO_MANY_OBJECTS);
   auto axes = bench.make_request(msg::REQUEST_ACQUIRE, kAlice,
                                  std::vector<std::uint16_t>(msg::MAX_AXES_PER_FRAME + 1, 1));
-  EXPECT_EQ(bench.ask(axes).reason(), msg::REASON_TOO_MANY_AXES);
+  EXPECT_EQ(bench.reply_to(axes).reason(), msg::REASON_TOO_MANY_AXES);
 }
 
-TEST(Inbox, TurnsAwayWhatDoesNotFitAndRemembersWhom) {
+TEST(Inbox, RefusesMessagesAboveItsCapacityAndRemembersTheirSenders) {
   EngineUnderTest bench;
   const auto request = bench.make_request(msg::REQUEST_READ, kAlice);
   for (std::size_t count = 0; count < service::ArrivalIntake::kCapacity + 3; ++count) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The end of a bench: which commands are refused, how the axes come to rest.
+// The shutdown of a bench: which commands are refused, how the axes stop.
 #include "service/engine_under_test.hpp"
 
 #include <gtest/gtest.h>
@@ -70,7 +70,7 @@ TEST(EngineShutdown, FollowsTheOptionCodeOfDisableOperation) {
   EXPECT_TRUE(bench.is_switch_on_disabled(1));
 }
 
-TEST(EngineShutdown, BrakesHarderWhenAskedAgain) {
+TEST(EngineShutdown, BrakesHarderAfterASecondRequest) {
   EndingBench bench;
   bench.run_fast(1);
   bench.write(kAlice, 1, 0x6085, 4'000'000);  // 40 000 UU/s in 10 ms
@@ -83,7 +83,7 @@ TEST(EngineShutdown, BrakesHarderWhenAskedAgain) {
   EXPECT_TRUE(bench.is_switch_on_disabled(1));
 }
 
-TEST(EngineShutdown, WaitsForAQuickStopThatIsOnItsWayAndHoldsAtItsEnd) {
+TEST(EngineShutdown, WaitsForAQuickStopInProgress) {
   EndingBench bench;
   bench.run_fast(1);
   bench.write(kAlice, 1, 0x605A, 6);  // stays in Quick stop active
@@ -98,7 +98,7 @@ TEST(EngineShutdown, WaitsForAQuickStopThatIsOnItsWayAndHoldsAtItsEnd) {
   EXPECT_TRUE(bench.is_switch_on_disabled(1));
 }
 
-TEST(EngineShutdown, TakesThePowerAtOnceWhereThereIsNoTimeToBrake) {
+TEST(EngineShutdown, RemovesThePowerAtOnceWithoutTimeToBrake) {
   EndingBench bench(bench_configuration(3));
   bench.run_fast(1);
   bench.engine.shut_down(Braking::none);
@@ -108,7 +108,7 @@ TEST(EngineShutdown, TakesThePowerAtOnceWhereThereIsNoTimeToBrake) {
   EXPECT_EQ(bench.value(1, 0x3005), 0) << "no power";
 }
 
-TEST(EngineShutdown, LeavesFaultsAndAxesWithoutPowerAlone) {
+TEST(EngineShutdown, DoesNotChangeFaultsAndAxesWithoutPower) {
   EndingBench bench;
   bench.write(kAlice, 1, 0x5E02, 1);  // over-current
   bench.write(kAlice, 3, 0x6040, 0x06);
@@ -128,7 +128,7 @@ TEST(EngineShutdown, AnswersReadsOnly) {
   EXPECT_EQ(bench.write(kAlice, 1, 0x6040, kEnable).reason(), msg::REASON_SHUTTING_DOWN);
   EXPECT_EQ(bench.write(kAlice, 2, 0x5E02, 1).reason(), msg::REASON_SHUTTING_DOWN);
   EXPECT_EQ(bench.acquire(kBob, {2}).reason(), msg::REASON_SHUTTING_DOWN);
-  EXPECT_EQ(bench.ask(bench.make_request(msg::REQUEST_POWER_CYCLE, kAlice, {1})).reason(),
+  EXPECT_EQ(bench.reply_to(bench.make_request(msg::REQUEST_POWER_CYCLE, kAlice, {1})).reason(),
             msg::REASON_SHUTTING_DOWN);
   EXPECT_EQ(bench.read(1, 0x6041).reason(), msg::REASON_NONE);
   auto frame = bench.make_frame(kAlice);
@@ -139,7 +139,7 @@ TEST(EngineShutdown, AnswersReadsOnly) {
   EXPECT_NE(bench.value(1, 0x6041) & 0x6F, kOperationEnabled);
 }
 
-TEST(EngineShutdown, TakesAKeepAliveWithoutAWord) {
+TEST(EngineShutdown, IgnoresAKeepAlive) {
   EndingBench bench;
   bench.acquire(kAlice, {1});
   auto frame = bench.make_frame(kAlice);
@@ -150,7 +150,7 @@ TEST(EngineShutdown, TakesAKeepAliveWithoutAWord) {
   EXPECT_TRUE(bench.events(msg::EVENT_REFUSED).empty());
 }
 
-TEST(EngineShutdown, IsToldOnceAndDropsWhatWaitsForItsTick) {
+TEST(EngineShutdown, SendsOneEventAndDropsPendingFrames) {
   EndingBench bench;
   bench.acquire(kAlice, {1});
   auto frame = bench.make_frame(kAlice);
@@ -165,12 +165,12 @@ TEST(EngineShutdown, IsToldOnceAndDropsWhatWaitsForItsTick) {
   EXPECT_TRUE(bench.is_switch_on_disabled(1));
 }
 
-TEST(EngineShutdown, NeedsNoMasterToBeHeard) {
+TEST(EngineShutdown, TurnsTheWatchdogOff) {
   EndingBench bench;
   bench.acquire(kAlice, {1});
   bench.run_fast(1);
   bench.engine.shut_down(Braking::ramp);
-  bench.steps(600);  // the watchdog would bite after 100
+  bench.steps(600);  // the watchdog would act after 100
   EXPECT_EQ(bench.counters.master_losses.get(), 0U);
   EXPECT_TRUE(bench.is_switch_on_disabled(1)) << "and not in Fault";
 }

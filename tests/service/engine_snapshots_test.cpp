@@ -18,20 +18,20 @@ service::Configuration standing_bench() {
 }
 
 std::uint64_t take(EngineUnderTest& bench) {
-  const auto reply = bench.ask(bench.make_request(msg::REQUEST_TAKE_SNAPSHOT, kAlice));
+  const auto reply = bench.reply_to(bench.make_request(msg::REQUEST_TAKE_SNAPSHOT, kAlice));
   EXPECT_EQ(reply.reason(), msg::REASON_NONE);
   return reply.snapshot();
 }
 
-msg::Reply ask_about(EngineUnderTest& bench, std::uint32_t kind, std::uint64_t snapshot,
-                     std::uint64_t session = kAlice) {
+msg::Reply reply_about(EngineUnderTest& bench, std::uint32_t kind, std::uint64_t snapshot,
+                       std::uint64_t session = kAlice) {
   auto request = bench.make_request(kind, session);
   request.snapshot(snapshot);
-  return bench.ask(request);
+  return bench.reply_to(request);
 }
 
 msg::Reply restore(EngineUnderTest& bench, std::uint64_t snapshot, std::uint64_t session = kAlice) {
-  return ask_about(bench, msg::REQUEST_RESTORE_SNAPSHOT, snapshot, session);
+  return reply_about(bench, msg::REQUEST_RESTORE_SNAPSHOT, snapshot, session);
 }
 
 /// Moves axis 1 to `target` and shows every status on the way.
@@ -47,7 +47,7 @@ std::vector<std::uint64_t> move(EngineUnderTest& bench, std::int32_t target) {
   return hashes;
 }
 
-TEST(SnapshotRequest, MakesBranchesThatAreTheSameBitForBit) {
+TEST(SnapshotRequest, MakesIdenticalBranches) {
   EngineUnderTest bench(standing_bench());
   bench.write(kAlice, 1, 0x6060, 1);
   bench.write(kAlice, 1, 0x6040, 0x0F);
@@ -62,7 +62,7 @@ TEST(SnapshotRequest, MakesBranchesThatAreTheSameBitForBit) {
   EXPECT_EQ(move(bench, 5'000), first);
 }
 
-TEST(SnapshotRequest, PutsTheAxesBackAndLetsTimeGoOn) {
+TEST(SnapshotRequest, RestoresTheAxesAndNotTheTime) {
   EngineUnderTest bench(standing_bench());
   bench.steps(10);
   bench.write(kAlice, 1, 0x6081, 1'234);
@@ -92,7 +92,7 @@ TEST(SnapshotRequest, KeepsOwnersAndEpochs) {
   EXPECT_EQ(bench.write(kBob, 1, 0x6081, 1).objects()[0].abort_code(), 0x08000021U);
 }
 
-TEST(SnapshotRequest, DropsTheFramesThatWait) {
+TEST(SnapshotRequest, DropsPendingFrames) {
   EngineUnderTest bench(standing_bench());
   bench.acquire(kAlice, {1});
   const std::uint64_t number = take(bench);
@@ -106,7 +106,7 @@ TEST(SnapshotRequest, DropsTheFramesThatWait) {
   EXPECT_EQ(bench.counters.pending_frames.get(), 0U);
 }
 
-TEST(SnapshotRequest, IsNotRestoredOverTheAxesOfSomebodyElse) {
+TEST(SnapshotRequest, IsNotRestoredOverAxesOfAnotherSession) {
   EngineUnderTest bench(standing_bench());
   const std::uint64_t number = take(bench);
   bench.acquire(kBob, {2});
@@ -117,27 +117,28 @@ TEST(SnapshotRequest, IsNotRestoredOverTheAxesOfSomebodyElse) {
   EXPECT_EQ(restore(bench, number, kBob).reason(), msg::REASON_NONE) << "all others are free";
 }
 
-TEST(SnapshotRequest, IsKeptSixteenTimesAndForgottenOnRequest) {
+TEST(SnapshotRequest, KeepsUpToSixteenSnapshotsAndDropsThemOnRequest) {
   EngineUnderTest bench(standing_bench());
   for (std::uint64_t number = 1; number <= 16; ++number) {
     EXPECT_EQ(take(bench), number);
   }
   EXPECT_EQ(bench.counters.snapshots.get(), 16U);
-  const auto full = bench.ask(bench.make_request(msg::REQUEST_TAKE_SNAPSHOT, kAlice));
+  const auto full = bench.reply_to(bench.make_request(msg::REQUEST_TAKE_SNAPSHOT, kAlice));
   EXPECT_EQ(full.reason(), msg::REASON_QUEUE_FULL);
   EXPECT_EQ(full.snapshot(), 0U);
-  EXPECT_EQ(ask_about(bench, msg::REQUEST_DROP_SNAPSHOT, 5).reason(), msg::REASON_NONE);
-  EXPECT_EQ(ask_about(bench, msg::REQUEST_DROP_SNAPSHOT, 5).reason(), msg::REASON_UNKNOWN_SNAPSHOT);
+  EXPECT_EQ(reply_about(bench, msg::REQUEST_DROP_SNAPSHOT, 5).reason(), msg::REASON_NONE);
+  EXPECT_EQ(reply_about(bench, msg::REQUEST_DROP_SNAPSHOT, 5).reason(),
+            msg::REASON_UNKNOWN_SNAPSHOT);
   EXPECT_EQ(restore(bench, 5).reason(), msg::REASON_UNKNOWN_SNAPSHOT);
   EXPECT_EQ(restore(bench, 0).reason(), msg::REASON_UNKNOWN_SNAPSHOT);
   EXPECT_EQ(take(bench), 17U) << "a number is never used again";
 }
 
 // Taken in ticks 0, 10 and 10; the second is dropped.
-TEST(SnapshotRequest, ShowsWhichAreKeptOneAfterTheOther) {
+TEST(SnapshotRequest, ListsTheKeptSnapshotsOneAfterTheOther) {
   EngineUnderTest bench(standing_bench());
   const auto next = [&bench](std::uint64_t after) {
-    const auto reply = ask_about(bench, msg::REQUEST_NEXT_SNAPSHOT, after);
+    const auto reply = reply_about(bench, msg::REQUEST_NEXT_SNAPSHOT, after);
     EXPECT_EQ(reply.reason(), msg::REASON_NONE);
     return std::pair(reply.snapshot(), reply.tick());
   };
@@ -146,7 +147,7 @@ TEST(SnapshotRequest, ShowsWhichAreKeptOneAfterTheOther) {
   bench.steps(10);
   EXPECT_EQ(take(bench), 2U);
   EXPECT_EQ(take(bench), 3U);
-  ASSERT_EQ(ask_about(bench, msg::REQUEST_DROP_SNAPSHOT, 2).reason(), msg::REASON_NONE);
+  ASSERT_EQ(reply_about(bench, msg::REQUEST_DROP_SNAPSHOT, 2).reason(), msg::REASON_NONE);
   bench.steps(5);
   EXPECT_EQ(next(0), std::pair(1UL, 0UL));
   EXPECT_EQ(next(1), std::pair(3UL, 10UL));
@@ -159,13 +160,13 @@ TEST(SnapshotRequest, NeedsAClockThatStandsStill) {
   EngineUnderTest running(configuration);
   for (const auto kind :
        {msg::REQUEST_TAKE_SNAPSHOT, msg::REQUEST_RESTORE_SNAPSHOT, msg::REQUEST_DROP_SNAPSHOT}) {
-    EXPECT_EQ(ask_about(running, kind, 1).reason(), msg::REASON_TIME_PASSES);
+    EXPECT_EQ(reply_about(running, kind, 1).reason(), msg::REASON_TIME_PASSES);
   }
   configuration.rate = 0.0;
   EngineUnderTest paused(configuration);
   EXPECT_EQ(restore(paused, take(paused)).reason(), msg::REASON_NONE);
-  EXPECT_EQ(ask_about(running, msg::REQUEST_NEXT_SNAPSHOT, 0).reason(), msg::REASON_NONE)
-      << "what is kept may be asked at any time";
+  EXPECT_EQ(reply_about(running, msg::REQUEST_NEXT_SNAPSHOT, 0).reason(), msg::REASON_NONE)
+      << "the list of snapshots is available at any time";
 }
 
 }  // namespace

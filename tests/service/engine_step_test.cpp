@@ -17,7 +17,7 @@ service::Arrival step_request(EngineUnderTest& bench, std::uint64_t session, std
   return arrival;
 }
 
-TEST(StepRequest, IsCheckedBeforeAnythingMoves) {
+TEST(StepRequest, IsCheckedBeforeTheFirstTick) {
   EngineUnderTest bench;
   auto arrival = step_request(bench, kAlice, 1'000'000);
   EXPECT_EQ(bench.engine.check_step(arrival), msg::REASON_NONE);
@@ -38,11 +38,11 @@ TEST(StepRequest, IsRefusedInRealtime) {
   configuration.clock = service::ClockMode::realtime;
   EngineUnderTest bench(configuration);
   EXPECT_EQ(bench.engine.check_step(step_request(bench, kAlice, 1)), msg::REASON_WRONG_CLOCK_MODE);
-  EXPECT_EQ(bench.ask(bench.make_request(msg::REQUEST_STEP, kAlice)).reason(),
+  EXPECT_EQ(bench.reply_to(bench.make_request(msg::REQUEST_STEP, kAlice)).reason(),
             msg::REASON_WRONG_CLOCK_MODE);
 }
 
-TEST(StepRequest, ThatWaitsForAnotherStepperIsAnsweredWithItsSessionAndThePresentStatus) {
+TEST(StepRequest, ReportsAMissingStepperAndThePresentStatus) {
   EngineUnderTest bench;
   bench.steps(2);
   auto arrival = step_request(bench, kAlice, 5);
@@ -55,7 +55,7 @@ TEST(StepRequest, ThatWaitsForAnotherStepperIsAnsweredWithItsSessionAndThePresen
   ASSERT_EQ(reply.statuses().size(), 1U);
 }
 
-TEST(StepRequest, KnowsWhichFramesHaveArrived) {
+TEST(StepRequest, ChecksWhichFramesHaveArrived) {
   EngineUnderTest bench;
   bench.acquire(kAlice, {1});
   EXPECT_TRUE(bench.engine.has_arrived(kAlice, 0));
@@ -65,7 +65,7 @@ TEST(StepRequest, KnowsWhichFramesHaveArrived) {
   EXPECT_FALSE(bench.engine.has_arrived(kBob, 1));
 }
 
-TEST(StepRequest, IsAnsweredWithTheStatusOfTheAxesAskedFor) {
+TEST(StepRequest, IsAnsweredWithTheStatusOfTheRequestedAxes) {
   EngineUnderTest bench;
   bench.acquire(kAlice, {3});
   bench.steps(4);
@@ -82,7 +82,7 @@ TEST(StepRequest, IsAnsweredWithTheStatusOfTheAxesAskedFor) {
   EXPECT_EQ(reply.statuses()[1].ds402_statusword(), 0x250U);
 }
 
-TEST(Watchdog, TakesTheAxesOfASilentMasterAndFaultsTheEnabledOnes) {
+TEST(Watchdog, ReleasesTheAxesOfALostMasterAndFaultsTheEnabledOnes) {
   EngineUnderTest bench;
   bench.acquire(kAlice, {1, 2});
   bench.write(kAlice, 1, 0x6040, 0x0F);
@@ -103,7 +103,7 @@ TEST(Watchdog, TakesTheAxesOfASilentMasterAndFaultsTheEnabledOnes) {
 }
 
 // A reliable write may be delivered long after it was sent: 0Fh in Switch on disabled would enable.
-TEST(Watchdog, ALateWriteTakesNoAxisAgainThatWasLost) {
+TEST(Watchdog, ALateWriteDoesNotRegainALostAxis) {
   EngineUnderTest bench;
   bench.acquire(kAlice, {1, 2});
   bench.steps(102);
@@ -117,20 +117,20 @@ TEST(Watchdog, ALateWriteTakesNoAxisAgainThatWasLost) {
   EXPECT_EQ(bench.write(kAlice, 1, 0x6040, 0x0F).objects()[0].abort_code(), 0U);
 }
 
-TEST(Watchdog, ALateWriteTakesNoAxisAgainThatWasTakenOver) {
+TEST(Watchdog, ALateWriteDoesNotRegainAnAxisThatWasTakenOver) {
   EngineUnderTest bench;
   bench.acquire(kAlice, {1});
-  bench.ask(bench.make_request(msg::REQUEST_TAKE_OVER, kBob, {1}));
-  bench.ask(bench.make_request(msg::REQUEST_RELEASE, kBob));
+  bench.reply_to(bench.make_request(msg::REQUEST_TAKE_OVER, kBob, {1}));
+  bench.reply_to(bench.make_request(msg::REQUEST_RELEASE, kBob));
   EXPECT_EQ(bench.write(kAlice, 1, 0x6040, 0x0F).objects()[0].abort_code(),
             msg::REASON_STALE_EPOCH);
 }
 
-TEST(Watchdog, HearsRequestsAndSteps) {
+TEST(Watchdog, AcceptsRequestsAndStepsAsSignsOfLife) {
   EngineUnderTest bench;
   bench.acquire(kAlice, {1});
   bench.steps(90);
-  bench.ask(bench.make_request(msg::REQUEST_READ, kAlice));
+  bench.reply_to(bench.make_request(msg::REQUEST_READ, kAlice));
   bench.steps(90);
   for (int tick = 0; tick < 500; ++tick) {  // the owner steps: it counts in each tick
     bench.engine.note_message(kAlice);
@@ -139,8 +139,8 @@ TEST(Watchdog, HearsRequestsAndSteps) {
   EXPECT_EQ(bench.counters.master_losses.get(), 0U);
 }
 
-// At rate 10 the 100 ms of a master, which lives by the wall clock, are 1000 ticks of 1 ms.
-TEST(Watchdog, GivesAMasterWallTimeWhereDriveTimeRunsFaster) {
+// At rate 10 the time-out of 100 ms of wall time is 1000 ticks of 1 ms.
+TEST(Watchdog, CountsWallTimeWhereDriveTimeRunsFaster) {
   auto configuration = bench_configuration(1);
   configuration.clock = service::ClockMode::realtime;
   configuration.rate = 10.0;
@@ -152,7 +152,7 @@ TEST(Watchdog, GivesAMasterWallTimeWhereDriveTimeRunsFaster) {
   EXPECT_EQ(bench.counters.master_losses.get(), 1U);
 }
 
-TEST(Watchdog, CanBeOff) {
+TEST(Watchdog, CanBeTurnedOff) {
   auto configuration = bench_configuration(1);
   configuration.watchdog.reset();
   EngineUnderTest bench(configuration);
@@ -172,7 +172,7 @@ TEST(Watchdog, CountsDriveTimeNotTicks) {
   EXPECT_EQ(bench.counters.master_losses.get(), 1U);
 }
 
-TEST(Events, TellStatesFaultsAndResets) {
+TEST(Events, ReportStatesFaultsAndResets) {
   EngineUnderTest bench;
   bench.write(kAlice, 1, 0x6040, 0x0F);
   bench.steps(1);
@@ -193,7 +193,7 @@ TEST(Events, TellStatesFaultsAndResets) {
   EXPECT_EQ(bench.events(msg::EVENT_FAULT_RESET).size(), 1U);
 }
 
-TEST(Parameters, FollowEveryAcceptedWriteOnce) {
+TEST(Parameters, ArePublishedOnceForEveryAcceptedWrite) {
   EngineUnderTest bench;
   bench.write(kAlice, 2, 0x6081, 5);
   bench.write(kAlice, 2, 0x6083, 6);
@@ -222,7 +222,7 @@ TEST(Parameters, WaitForRoomAndLoseNothing) {
   EXPECT_EQ(std::count(seen.begin(), seen.end(), true), kAxes);
 }
 
-TEST(Outbox, CountsWhatDidNotFitAndTellsIt) {
+TEST(Outbox, ReportsTheCountOfDroppedImages) {
   EngineUnderTest bench;
   for (std::size_t count = 0; count < bench.outbox.status.capacity() + 5; ++count) {
     bench.engine.post_status();
@@ -234,7 +234,7 @@ TEST(Outbox, CountsWhatDidNotFitAndTellsIt) {
   EXPECT_EQ(events[0].detail, service::EventDetail{service::Count{5}});
 }
 
-// 24.9 and 49.7 days of milliseconds: where a count of 32 bits would turn negative or start anew.
+// 24.9 and 49.7 days of milliseconds: where a count of 32 bits would turn negative or wrap.
 TEST(BenchEngine, KeepsTimesAndCountsAcross2To31And2To32Ticks) {
   for (const std::uint64_t border : {std::uint64_t{1} << 31U, std::uint64_t{1} << 32U}) {
     EngineUnderTest bench;
@@ -288,7 +288,7 @@ TEST(BenchEngine, GivesTheSameBitsForAnyNumberOfThreads) {
 
 // From 1,024 axes on the threads also share what follows the step: what has changed on which axis,
 // and the copy that is published.
-TEST(BenchEngine, ReportsAndShowsTheSameForAnyNumberOfThreads) {
+TEST(BenchEngine, GivesTheSameReportsAndStatusForAnyNumberOfThreads) {
   constexpr std::uint16_t kMany = 1'100;
   std::vector<std::uint16_t> expected_axes;
   std::vector<std::uint16_t> expected_words;
@@ -309,7 +309,7 @@ TEST(BenchEngine, ReportsAndShowsTheSameForAnyNumberOfThreads) {
     std::vector<std::uint16_t> words;
     for (const AxisStatus& status : image->status) words.push_back(status.ds402_statusword);
     EXPECT_EQ(image->owners[0].session, kAlice);
-    EXPECT_EQ(image->owners[1].session, 0U) << "nobody owns axis 2";
+    EXPECT_EQ(image->owners[1].session, 0U) << "axis 2 has no owner";
     EXPECT_EQ(image->owners[1'098].session, kAlice) << "1,099 = 1 + 3 x 366";
     if (threads == 1) {
       expected_axes = axes;

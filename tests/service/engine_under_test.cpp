@@ -39,7 +39,7 @@ void EngineUnderTest::handle_arrivals() {
   }
 }
 
-msg::Reply EngineUnderTest::ask(const msg::Request& request) {
+msg::Reply EngineUnderTest::reply_to(const msg::Request& request) {
   receive(request);
   service::OutgoingReply* const outgoing = outbox.replies.front();
   if (outgoing == nullptr) {
@@ -66,7 +66,7 @@ msg::Request EngineUnderTest::make_request(std::uint32_t kind, std::uint64_t ses
 }
 
 msg::Reply EngineUnderTest::acquire(std::uint64_t session, std::vector<std::uint16_t> axes) {
-  return ask(make_request(msg::REQUEST_ACQUIRE, session, std::move(axes)));
+  return reply_to(make_request(msg::REQUEST_ACQUIRE, session, std::move(axes)));
 }
 
 msg::Reply EngineUnderTest::write(std::uint64_t session, std::uint16_t axis, std::uint16_t index,
@@ -77,7 +77,7 @@ msg::Reply EngineUnderTest::write(std::uint64_t session, std::uint16_t axis, std
   object.index(index);
   object.subindex(subindex);
   object.value(value);
-  return ask(request);
+  return reply_to(request);
 }
 
 msg::Reply EngineUnderTest::read(std::uint16_t axis, std::uint16_t index, std::uint8_t subindex) {
@@ -86,7 +86,7 @@ msg::Reply EngineUnderTest::read(std::uint16_t axis, std::uint16_t index, std::u
   object.axis(axis);
   object.index(index);
   object.subindex(subindex);
-  return ask(request);
+  return reply_to(request);
 }
 
 std::int64_t EngineUnderTest::value(std::uint16_t axis, std::uint16_t index,
@@ -95,8 +95,8 @@ std::int64_t EngineUnderTest::value(std::uint16_t axis, std::uint16_t index,
 }
 
 msg::CommandFrame EngineUnderTest::make_frame(std::uint64_t session) {
-  // A read by the session tells its epoch and the last frame that arrived.
-  const auto reply = ask(make_request(msg::REQUEST_READ, session));
+  // The reply to a read has the epoch of the session and the last frame that arrived.
+  const auto reply = reply_to(make_request(msg::REQUEST_READ, session));
   msg::CommandFrame frame;
   frame.bench(configuration.bench);
   frame.incarnation(kIncarnation);
@@ -104,7 +104,7 @@ msg::CommandFrame EngineUnderTest::make_frame(std::uint64_t session) {
   frame.epoch(reply.epoch());
   frame.sequence_number(reply.last_sequence() + 1);
   frame.flags(msg::FRAME_WANT_REPLY);
-  static_cast<void>(events(msg::EVENT_REFUSED));  // the read named nothing
+  static_cast<void>(events(msg::EVENT_REFUSED));  // the read names no object
   return frame;
 }
 

@@ -21,16 +21,16 @@ inline constexpr std::uint32_t kLocalControl = 0x08000021;
 /// @return a lock-step bench number 4 with `axes` default axes and the watchdog at 100 ms.
 [[nodiscard]] service::Configuration bench_configuration(std::size_t axes);
 
-/// An engine with its queues, and hands for two clients. No network, no clock.
+/// An engine with its queues, and helpers for two clients. No network, no clock.
 struct EngineUnderTest {
   explicit EngineUnderTest(const service::Configuration& configuration = bench_configuration(3));
 
-  /// Hands the message in as it would arrive from the network.
+  /// Passes the message in as if it arrived from the network.
   void receive(const msg::CommandFrame& frame);
   void receive(const msg::Request& request);
 
-  /// Hands the request in. @return its reply.
-  msg::Reply ask(const msg::Request& request);
+  /// Passes the request in. @return its reply.
+  msg::Reply reply_to(const msg::Request& request);
 
   [[nodiscard]] msg::Request make_request(std::uint32_t kind, std::uint64_t session,
                                           std::vector<std::uint16_t> axes = {});

@@ -10,7 +10,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST(EventLimiter, LetsDifferentEventsThrough) {
+TEST(EventLimiter, PassesDifferentEvents) {
   EventLimiter limiter;
   std::vector<CountedEvent> passed;
   for (std::uint16_t axis = 1; axis <= 1'000; ++axis) {
@@ -35,7 +35,7 @@ TEST(EventLimiter, CountsEqualEventsThatItLeavesOut) {
   EXPECT_EQ(passed.size() + suppressed, kOffered);
 }
 
-TEST(EventLimiter, TellsTheCountWithTheNextEqualEvent) {
+TEST(EventLimiter, AddsTheCountToTheNextEqualEvent) {
   EventLimiter limiter;
   std::vector<CountedEvent> passed;
   for (std::uint32_t count = 0; count < EventLimiter::kEqualPerWindow + 7; ++count) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What happened, in words and as a line of the log.
+// Events as text and as a line of the log.
 #include "event_text.hpp"
 
 #include "repeat_limiter.hpp"
@@ -11,7 +11,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST(EventLine, IsKeysAndValuesWithTheWordsLast) {
+TEST(EventLine, HasKeysAndValuesAndTheTextLast) {
   EXPECT_EQ(
       log_line(3,
                {.kind = msg::EVENT_MASTER_LOST,
@@ -31,7 +31,7 @@ TEST(EventLine, IsKeysAndValuesWithTheWordsLast) {
 }
 
 // 500 ppm of a second are 0.5 ms: 10 s take 20,000 s.
-TEST(EventWords, TellOfAStepOfTheWallClockWhereItStandsAndWhatIsDone) {
+TEST(EventWords, DescribeAStepOfTheWallClockAndItsCorrection) {
   EXPECT_EQ(
       words_of(
           {.kind = msg::EVENT_WALL_CLOCK, .code = 1, .detail = std::chrono::microseconds{10s}}),
@@ -48,7 +48,7 @@ TEST(EventWords, TellOfAStepOfTheWallClockWhereItStandsAndWhatIsDone) {
       "the wall clock was changed: it is 10 s ahead of drive time; the tick number jumps");
 }
 
-TEST(EventWords, TellWhoStoppedAnAxisAndWhoStaysInControl) {
+TEST(EventWords, NameTheSessionThatStoppedAnAxisAndItsOwner) {
   EventRecord stop{.kind = msg::EVENT_STOPPED,
                    .axis = 2,
                    .session = 0xB0B,
@@ -70,7 +70,7 @@ TEST(EventLine, NamesEveryKindOfEvent) {
   }
 }
 
-TEST(RepeatLimiter, LetsOneASecondThroughAndCountsTheOthers) {
+TEST(RepeatLimiter, PassesOneASecondAndCountsTheOthers) {
   RepeatLimiter sut;
   const std::chrono::steady_clock::time_point start{1h};
   EXPECT_EQ(sut.pass(start), 0U);

@@ -13,7 +13,7 @@
 
 namespace vdrive::test {
 
-/// What happens to the file operations of a test.
+/// The failures of the file operations of a test.
 struct FilePlan {
   /// Called before each operation with its number, from 1. An exception of it is the failure.
   std::function<void(std::uint64_t number)> before;
@@ -36,8 +36,8 @@ struct FilePlan {
   throw std::system_error(code, std::generic_category(), "injected");
 }
 
-/// The operations of the system, each of which can be counted, made to fail, or be the last thing
-/// that a process does.
+/// The operations of the system. Each can be counted, made to fail, or be the last action
+/// of a process.
 class FailingFiles final : public service::FileOperations {
  public:
   /// @param plan outlives this object
@@ -79,7 +79,7 @@ class FailingFiles final : public service::FileOperations {
     return files_->try_lock(file);
   }
 
-  /// Closes in any case, as the system does.
+  /// Closes even on failure, as the system does.
   void close(int file) override {
     files_->close(file);
     plan_.step();

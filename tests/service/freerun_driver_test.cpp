@@ -11,7 +11,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// A machine whose ticks take as long as the test wants.
+/// A machine whose tick duration the test sets.
 class TickingTimer final : public service::CycleTimer {
  public:
   [[nodiscard]] std::chrono::nanoseconds monotonic_now() noexcept override {
@@ -48,13 +48,13 @@ struct FreerunBench : EngineUnderTest {
   service::FreerunDriver driver;
 };
 
-TEST(FreerunDriver, RunsOneTickACycleFromTickZero) {
+TEST(FreerunDriver, RunsOneTickInEachCycleFromTickZero) {
   FreerunBench bench;
   bench.cycles(1'000);
   EXPECT_EQ(bench.engine.tick(), 1'000U);
 }
 
-TEST(FreerunDriver, AnswersBetweenTwoTicks) {
+TEST(FreerunDriver, AnswersRequestsBetweenTwoTicks) {
   FreerunBench bench;
   bench.cycles(5);
   bench.inbox.receive(bench.make_request(msg::REQUEST_POWER_CYCLE, kAlice, {1}), {});
@@ -64,7 +64,7 @@ TEST(FreerunDriver, AnswersBetweenTwoTicks) {
 }
 
 // 10,000 ticks of 5 us are 50 ms: one image at the start and one each millisecond.
-TEST(FreerunDriver, ShowsTheStatusEachMillisecondOfWallTime) {
+TEST(FreerunDriver, PublishesTheStatusOnceAMillisecondOfWallTime) {
   FreerunBench bench;
   int images = 0;
   for (int tick = 0; tick < 10'000; ++tick) {
@@ -77,14 +77,14 @@ TEST(FreerunDriver, ShowsTheStatusEachMillisecondOfWallTime) {
   EXPECT_NEAR(images, 50, 1);
 }
 
-TEST(FreerunDriver, LeavesAnImageOutWhileTheOneBeforeHasNotLeft) {
+TEST(FreerunDriver, SkipsAnImageWhileThePreviousOneWaits) {
   FreerunBench bench;
   bench.cycles(100'000);
   EXPECT_EQ(bench.outbox.status.size(), 1U);
   EXPECT_EQ(bench.counters.queue_overflows.get(), 0U);
 }
 
-TEST(FreerunDriver, LeavesWhatItCannotAnswerForTheNextTicks) {
+TEST(FreerunDriver, LeavesRequestsWithoutRoomForAnAnswerToTheNextTicks) {
   FreerunBench bench;
   const std::size_t room = bench.outbox.replies.capacity();
   for (std::size_t count = 0; count < room + 50; ++count) {
@@ -100,7 +100,7 @@ TEST(FreerunDriver, LeavesWhatItCannotAnswerForTheNextTicks) {
   EXPECT_EQ(bench.inbox.size(), 0U);
 }
 
-TEST(FreerunDriver, HasNoWatchdogUnlessItIsChosen) {
+TEST(FreerunDriver, HasNoWatchdogByDefault) {
   FreerunBench without;
   without.acquire(kAlice, {1});
   without.cycles(100'000);
@@ -117,7 +117,8 @@ TEST(FreerunDriver, RefusesStepsAndRates) {
   FreerunBench bench;
   for (const std::uint32_t kind : {msg::REQUEST_STEP, msg::REQUEST_SET_RATE,
                                    msg::REQUEST_JOIN_CLOCK, msg::REQUEST_LEAVE_CLOCK}) {
-    EXPECT_EQ(bench.ask(bench.make_request(kind, kAlice)).reason(), msg::REASON_WRONG_CLOCK_MODE)
+    EXPECT_EQ(bench.reply_to(bench.make_request(kind, kAlice)).reason(),
+              msg::REASON_WRONG_CLOCK_MODE)
         << kind;
   }
 }

@@ -48,7 +48,7 @@ using service::JournalWriter;
 using service::ReplayResult;
 using testing::HasSubstr;
 
-/// A file that goes with this object.
+/// A file that this object removes at its end.
 class JournalFile {
  public:
   JournalFile() {
@@ -82,7 +82,7 @@ class JournalFile {
   std::filesystem::path path_;
 };
 
-/// What a replay says, or what it throws.
+/// The text of a replay, or of its exception.
 std::string failure_of(const JournalFile& file) {
   try {
     return "no failure: " + service::replay(file.path(), std::nullopt).text;
@@ -121,7 +121,7 @@ struct RecordedBench {
   Journal journal;  // ends first
 };
 
-/// One of the things that clients do, by chance; some of it is refused.
+/// A random action of a client; some of them are refused.
 void act_randomly(EngineUnderTest& bench, Random& random) {
   const auto axis = static_cast<std::uint16_t>(1 + random.below(bench.configuration.axes.size()));
   const std::uint64_t session = random.one_in(4) ? kBob : kAlice;
@@ -133,12 +133,12 @@ void act_randomly(EngineUnderTest& bench, Random& random) {
       bench.acquire(session, {axis});
       break;
     case 1:
-      bench.ask(bench.make_request(msg::REQUEST_RELEASE, session));
+      bench.reply_to(bench.make_request(msg::REQUEST_RELEASE, session));
       break;
     case 2:
-      bench.ask(bench.make_request(msg::REQUEST_POWER_CYCLE, session, {axis}));
+      bench.reply_to(bench.make_request(msg::REQUEST_POWER_CYCLE, session, {axis}));
       break;
-    case 3: {  // one bad register takes the others back
+    case 3: {  // one refused register restores the others
       auto frame = bench.make_frame(session);
       frame.flags(msg::FRAME_ALL_OR_NOTHING);
       auto& command = add_command(frame, axis);
@@ -164,7 +164,7 @@ void act_randomly(EngineUnderTest& bench, Random& random) {
   }
 }
 
-/// Runs a bench through `ticks` ticks of chance, snapshots and their return included.
+/// Runs a bench for `ticks` ticks of random actions, with snapshots and their restoration.
 void record_randomly(RecordedBench& recorded, std::uint64_t seed, std::uint64_t ticks) {
   Random random(seed);
   auto& bench = recorded.bench;
@@ -173,12 +173,12 @@ void record_randomly(RecordedBench& recorded, std::uint64_t seed, std::uint64_t 
       act_randomly(bench, random);
     }
     if (random.one_in(100)) {
-      bench.ask(bench.make_request(msg::REQUEST_TAKE_SNAPSHOT, kAlice));
+      bench.reply_to(bench.make_request(msg::REQUEST_TAKE_SNAPSHOT, kAlice));
       auto restore = bench.make_request(msg::REQUEST_RESTORE_SNAPSHOT, kAlice);
       restore.snapshot(1 + random.below(8));
-      bench.ask(restore);
+      bench.reply_to(restore);
     }
-    // Now and then both sessions are silent for longer than the watchdog.
+    // Sometimes both sessions are silent for longer than the time of the watchdog.
     bench.steps(random.one_in(50) ? 150 : 1);
     static_cast<void>(bench.events(0));
   }
@@ -188,7 +188,7 @@ ReplayResult replay_with(const JournalFile& file, std::uint32_t threads) {
   return service::replay(file.path(), threads);
 }
 
-TEST(Journal, ReplaysWhateverClientsDidWithAnyNumberOfThreads) {
+TEST(Journal, ReplaysEveryClientActionWithAnyNumberOfThreads) {
   for (std::uint64_t seed = 1; seed <= case_count(30, 300); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const JournalFile file;
@@ -212,7 +212,7 @@ TEST(Journal, ReplaysWhateverClientsDidWithAnyNumberOfThreads) {
   }
 }
 
-TEST(Journal, RecordsThatARefusedFramePutItsRegistersBack) {
+TEST(Journal, RecordsTheRegistersThatARefusedFrameRestored) {
   const JournalFile file;
   {
     RecordedBench recorded(unwatched(service::ClockMode::lockstep),
@@ -248,7 +248,7 @@ TEST(Journal, RecordsLostMastersAndPowerCycles) {
     bench.write(kAlice, 2, 0x6040, 0x0F);
     bench.steps(200);  // the watchdog waits for 100
     ASSERT_EQ(bench.value(2, 0x603F), 0x8130);
-    ASSERT_EQ(bench.ask(bench.make_request(msg::REQUEST_POWER_CYCLE, kBob, {2})).reason(), 0U);
+    ASSERT_EQ(bench.reply_to(bench.make_request(msg::REQUEST_POWER_CYCLE, kBob, {2})).reason(), 0U);
     bench.steps(10);
     ASSERT_EQ(bench.value(2, 0x603F), 0);
   }
@@ -278,7 +278,7 @@ TEST(Journal, RecordsHowTheAxesOfAnEndingBenchComeToRest) {
   EXPECT_EQ(result.changes, 6U) << "four of the client, Disable operation, Disable voltage";
 }
 
-TEST(Journal, TakesAlikeFromEveryClock) {
+TEST(Journal, HasTheSameContentWithEveryClock) {
   for (const auto clock : {service::ClockMode::lockstep, service::ClockMode::realtime}) {
     const JournalFile file;
     auto configuration = many_kinds(5);
@@ -340,7 +340,7 @@ void record_move(const JournalFile& file) {
   bench.steps(2'000);
 }
 
-TEST(Replay, ACopyOfAJournalReplaysToo) {
+TEST(Replay, ReplaysACopyOfAJournal) {
   const JournalFile file;
   record_move(file);
   rewrite(file, [](JournalChange&) {});
@@ -350,7 +350,7 @@ TEST(Replay, ACopyOfAJournalReplaysToo) {
   EXPECT_EQ(result.changes, 5U);
 }
 
-TEST(Replay, NamesTickAxisAndMemberWhereAnAlteredWriteFirstShows) {
+TEST(Replay, NamesTickAxisAndMemberOfTheFirstDifference) {
   const JournalFile file;
   record_move(file);
   rewrite(file, [](JournalChange& change) {
@@ -366,8 +366,8 @@ TEST(Replay, NamesTickAxisAndMemberWhereAnAlteredWriteFirstShows) {
               HasSubstr("tick 1: axis 2 (axis2), member ds402_statusword (6041h): replayed "));
 }
 
-/// The same two runs, side by side: an oracle that knows no journal.
-TEST(Replay, FindsTheTickAndTheMemberThatTwoBanksSideBySideShow) {
+/// The same two runs in parallel: an oracle without a journal.
+TEST(Replay, FindsTheSameDifferenceAsTwoBanksInParallel) {
   const JournalFile file;
   record_move(file);
   rewrite(file, [](JournalChange& change) {
@@ -420,13 +420,13 @@ TEST(Replay, NamesTheGroupOfAxesOnALargeBench) {
   rewrite(file, [](JournalChange& change) {
     change.value = 0x06;
   });
-  // Above 256 axes a row stands for 64: axis 100 is in the second.
+  // Above 256 axes a row covers 64: axis 100 is in the second.
   EXPECT_THAT(replay_with(file, 4).text,
               HasSubstr("tick 1: one of axis 65 (axis65) to axis 128 (axis128), member "
                         "ds402_statusword (6041h)"));
 }
 
-TEST(Replay, TellsThatAWriteIsRefusedWhichWasAccepted) {
+TEST(Replay, ReportsARecordedWriteThatIsNowRefused) {
   const JournalFile file;
   record_move(file);
   rewrite(file, [](JournalChange& change) {
@@ -483,7 +483,7 @@ void seal_content(std::string& bytes, std::size_t chunk) {
   put_number(bytes, chunk + 16, fnv(std::string_view(bytes).substr(chunk + kHead, length)));
 }
 
-TEST(DamagedJournal, EndsWhereItWasTornAndAgreesUpToThere) {
+TEST(DamagedJournal, ReplaysUpToItsTruncation) {
   const JournalFile file;
   record_move(file);
   const std::string whole = file.bytes();
@@ -506,7 +506,7 @@ TEST(DamagedJournal, EndsWhereItWasTornAndAgreesUpToThere) {
   }
 }
 
-TEST(DamagedJournal, WithoutItsEndIsIncompleteAlsoWhereNoChunkIsTorn) {
+TEST(DamagedJournal, WithoutItsEndIsIncompleteEvenAfterAWholeChunk) {
   const JournalFile file;
   record_move(file);
   const std::string whole = file.bytes();
@@ -517,7 +517,7 @@ TEST(DamagedJournal, WithoutItsEndIsIncompleteAlsoWhereNoChunkIsTorn) {
   EXPECT_THAT(result.text, HasSubstr("2002 of at least 2002 ticks were replayed, up to tick 2002"));
 }
 
-TEST(DamagedJournal, HasNothingAfterItsEnd) {
+TEST(DamagedJournal, IsRefusedWithDataAfterItsEnd) {
   const JournalFile file;
   record_move(file);
   const std::string whole = file.bytes();
@@ -533,7 +533,7 @@ TEST(DamagedJournal, HasNothingAfterItsEnd) {
 
 // The start holds 28 bytes of numbers, then the length of the first text. Chunks are start,
 // snapshot, records.
-TEST(DamagedJournal, WithAForgedLengthIsRefusedWithoutRoomForIt) {
+TEST(DamagedJournal, WithAForgedLengthIsRefusedWithoutItsAllocation) {
   const JournalFile file;
   record_move(file);
   const std::string whole = file.bytes();
@@ -555,8 +555,8 @@ TEST(DamagedJournal, WithAForgedLengthIsRefusedWithoutRoomForIt) {
   EXPECT_THAT(failure_of(file), HasSubstr("byte 0: a text of 4294967280 bytes is incomplete"));
 }
 
-// 200 MiB could be a snapshot of many axes, but the file does not hold them: a torn one.
-TEST(DamagedJournal, TakesNoRoomForAChunkThatTheFileDoesNotHold) {
+// 200 MiB could be a snapshot of many axes, but the file is shorter: it is truncated.
+TEST(DamagedJournal, AllocatesNothingForAChunkBeyondTheFile) {
   const JournalFile file;
   record_move(file);
   std::string forged = file.bytes();
@@ -574,7 +574,7 @@ TEST(DamagedJournal, TakesNoRoomForAChunkThatTheFileDoesNotHold) {
   EXPECT_LT(after.ru_maxrss - before.ru_maxrss, 100'000) << "KiB";
 }
 
-TEST(DamagedJournal, RefusesWhatItDoesNotKnow) {
+TEST(DamagedJournal, RefusesUnknownContent) {
   const JournalFile file;
   record_move(file);
   const std::string whole = file.bytes();
@@ -591,8 +591,8 @@ TEST(DamagedJournal, RefusesWhatItDoesNotKnow) {
   EXPECT_THAT(failure_of(file), HasSubstr("snapshot of an unknown cause 4"));
 }
 
-// They have an empty directory of material where the bench was open.
-TEST(Replay, TakesJournalsThatWereWrittenBeforeAnEmptyDirectoryWasAnError) {
+// Journals of open benches have an empty credential directory.
+TEST(Replay, AcceptsOlderJournalsWithAnEmptyDirectory) {
   const JournalFile file;
   record_move(file);
   const std::string whole = file.bytes();
@@ -627,13 +627,13 @@ TEST(DamagedJournal, NamesThePlaceOfAnyFlippedBit) {
     const std::string failure = failure_of(file);
     ASSERT_THAT(failure, testing::ContainsRegex("byte [0-9]+: "))
         << "byte " << place << ": " << failure;
-    // The byte named is the begin of the chunk that was hit.
+    // The named byte is the begin of the damaged chunk.
     const auto named = std::stoull(failure.substr(failure.find(": byte ") + 7));
     EXPECT_LE(named, place);
   }
 }
 
-TEST(DamagedJournal, MissesAChunkThatWasCutOut) {
+TEST(DamagedJournal, ReportsAMissingChunk) {
   const JournalFile file;
   record_move(file);
   const std::string whole = file.bytes();
@@ -642,7 +642,7 @@ TEST(DamagedJournal, MissesAChunkThatWasCutOut) {
   EXPECT_THAT(failure_of(file), HasSubstr("chunk 2 was found, expected chunk 1"));
 }
 
-TEST(DamagedJournal, RefusesWhatIsNoJournal) {
+TEST(DamagedJournal, RefusesAnotherFileFormat) {
   const JournalFile file;
   for (const char* const text :
        {"", "vdrvjrnl", "this is a text with more than twenty-four bytes"}) {
@@ -657,7 +657,7 @@ TEST(DamagedJournal, RefusesAnotherVersionOfTheFormat) {
   const JournalFile file;
   record_move(file);
   std::string bytes = file.bytes();
-  // Behind the head of the chunk (24) and the magic (8) stands the version; the checks are made to
+  // The version follows the head of the chunk (24) and the magic (8); the checks are made to
   // fit, as those of a newer writer would.
   bytes[32] = 2;
   seal_content(bytes, 0);
@@ -692,7 +692,7 @@ TEST(Journal, DoesNotOverwriteAFile) {
 
 // ---- slow and full disks ---------------------------------------------------------------------
 
-/// A sink that can be held up.
+/// A sink that can be blocked.
 class Gate {
  public:
   void close() {
@@ -738,7 +738,7 @@ class Gate {
   bool waiting_ = false;
 };
 
-/// Sets every axis on a way that lasts longer than any test: every tick has something to record.
+/// Starts a move of every axis that lasts longer than any test: every tick has data to record.
 void start_moving(EngineUnderTest& bench) {
   for (const auto& axis : bench.configuration.axes) {
     bench.write(kAlice, axis.number, 0x6060, 1);
@@ -753,7 +753,7 @@ void start_moving(EngineUnderTest& bench) {
 /// once: with the gate closed the writer stops after 602 ticks, and kSlots more fit into the queue.
 constexpr std::uint64_t kTicksBeforeGate = 602;
 
-TEST(SlowJournal, HoldsTheClockThatCanWaitSoThatNothingIsMissing) {
+TEST(SlowJournal, StopsAClockThatCanWaitAndLosesNothing) {
   const JournalFile file;
   Gate gate;
   constexpr std::uint64_t kTicks = 3 * Journal::kSlots;
@@ -782,7 +782,7 @@ TEST(SlowJournal, HoldsTheClockThatCanWaitSoThatNothingIsMissing) {
   EXPECT_EQ(result.ticks, kTicks);
 }
 
-TEST(SlowJournal, LosesWholeTicksOfTheWallClockTellsAndGoesOn) {
+TEST(SlowJournal, LosesWholeTicksOfTheWallClockReportsAndContinues) {
   const JournalFile file;
   Gate gate;
   {
@@ -822,7 +822,7 @@ TEST(SlowJournal, LosesWholeTicksOfTheWallClockTellsAndGoesOn) {
   EXPECT_THAT(result.text, HasSubstr(" ticks are missing: "));
 }
 
-TEST(FullDisk, EndsTheJournalAndNothingElse) {
+TEST(FullDisk, EndsTheJournalOnly) {
   for (const auto clock : {service::ClockMode::lockstep, service::ClockMode::realtime}) {
     std::size_t taken = 0;
     const JournalSink sink = [&taken](std::span<const std::byte> bytes) {
@@ -847,11 +847,11 @@ TEST(FullDisk, EndsTheJournalAndNothingElse) {
     const auto before = recorded.bench.engine.tick();
     recorded.bench.steps(2 * Journal::kSlots);
     EXPECT_EQ(recorded.bench.engine.tick(), before + 2 * Journal::kSlots);
-    EXPECT_TRUE(recorded.bench.events(msg::EVENT_JOURNAL).empty()) << "told once";
+    EXPECT_TRUE(recorded.bench.events(msg::EVENT_JOURNAL).empty()) << "reported once";
   }
 }
 
-TEST(Journal, AllocatesNothingOnTheThreadOfTheTicks) {
+TEST(Journal, AllocatesNothingInTheTickThread) {
   const JournalFile file;
   Gate gate;
   RecordedBench recorded(unwatched(service::ClockMode::realtime),

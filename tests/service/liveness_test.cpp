@@ -9,7 +9,7 @@ namespace {
 using service::Counter;
 using service::Liveness;
 
-TEST(Liveness, HasBegunWhenEveryThreadHas) {
+TEST(Liveness, HasBegunWhenEveryThreadHasBegun) {
   Counter ticks;
   Counter status;
   const Liveness liveness({&ticks, &status});
@@ -20,7 +20,7 @@ TEST(Liveness, HasBegunWhenEveryThreadHas) {
   EXPECT_TRUE(liveness.has_begun());
 }
 
-TEST(Liveness, EndsWithTheFirstThreadThatStands) {
+TEST(Liveness, EndsWhenTheFirstThreadStandsStill) {
   Counter ticks;
   Counter status;
   Liveness liveness({&ticks, &status});
@@ -33,10 +33,10 @@ TEST(Liveness, EndsWithTheFirstThreadThatStands) {
   EXPECT_FALSE(liveness.has_advanced()) << "ticks stand";
   ticks.add();
   status.add();
-  EXPECT_TRUE(liveness.has_advanced()) << "both go on";
+  EXPECT_TRUE(liveness.has_advanced()) << "both advance";
 }
 
-TEST(Liveness, OfNothingIsNoLife) {
+TEST(Liveness, NeverBeginsWithoutThreads) {
   Liveness liveness({});
   EXPECT_FALSE(liveness.has_begun());
   EXPECT_FALSE(liveness.has_advanced());

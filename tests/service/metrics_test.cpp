@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a bench counts, as its operator's monitoring reads it.
+// The counters of a bench, as the monitoring reads them.
 #include "metrics.hpp"
 
 #include "metrics_endpoint.hpp"
@@ -46,8 +46,8 @@ int connected(int port) {
   return -1;
 }
 
-/// @return what the endpoint answers, with its head; empty when it does not.
-std::string ask(int port, const std::string& request) {
+/// @return the answer of the endpoint, with its head; empty without one.
+std::string answer_to(int port, const std::string& request) {
   const int connection = connected(port);
   (void)send(connection, request.data(), request.size(), MSG_NOSIGNAL);
   std::string answer;
@@ -61,7 +61,7 @@ std::string ask(int port, const std::string& request) {
 }
 
 std::string get(int port, const std::string& path) {
-  return ask(port, "GET " + path + " HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n");
+  return answer_to(port, "GET " + path + " HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n");
 }
 
 class MetricsTest : public testing::Test {
@@ -106,7 +106,7 @@ TEST_F(MetricsTest, AreServedAsPrometheusText) {
   }
 }
 
-TEST_F(MetricsTest, TellHowTheNetworkProcessIs) {
+TEST_F(MetricsTest, ShowTheStateOfTheNetworkProcess) {
   counters_.wire_starts.add(3);
   counters_.wire_is_up.set(1);
   counters_.wire_resident.set(50'000'000);
@@ -152,30 +152,31 @@ TEST_F(MetricsTest, CountRefusalsByTheirReason) {
   EXPECT_THAT(answer, AllOf(HasSubstr("reason=\"0x08000021, "), HasSubstr("local control\"} 2\n")));
 }
 
-TEST_F(MetricsTest, AreAllThatIsServed) {
+TEST_F(MetricsTest, AreTheOnlyPage) {
   EXPECT_THAT(get(sut_.port(), "/"), StartsWith("HTTP/1.1 404"));
 }
 
-TEST_F(MetricsTest, OutliveARequestThatIsNone) {
-  EXPECT_THAT(ask(sut_.port(), "\x16\x03\x01 no HTTP\r\n\r\n"), StartsWith("HTTP/1.1 400"));
-  EXPECT_THAT(ask(sut_.port(), "POST /metrics HTTP/1.1\r\nContent-Length: 3\r\n\r\nabc"),
+TEST_F(MetricsTest, SurviveAnInvalidRequest) {
+  EXPECT_THAT(answer_to(sut_.port(), "\x16\x03\x01 no HTTP\r\n\r\n"), StartsWith("HTTP/1.1 400"));
+  EXPECT_THAT(answer_to(sut_.port(), "POST /metrics HTTP/1.1\r\nContent-Length: 3\r\n\r\nabc"),
               StartsWith("HTTP/1.1 405"));
-  EXPECT_THAT(ask(sut_.port(), "GET /metrics HTTP/1.1\r\nContent-Length: 99999999\r\n\r\n"),
+  EXPECT_THAT(answer_to(sut_.port(), "GET /metrics HTTP/1.1\r\nContent-Length: 99999999\r\n\r\n"),
               StartsWith("HTTP/1.1 400"));
-  EXPECT_THAT(ask(sut_.port(), "GET /" + std::string(100'000, 'a')), StartsWith("HTTP/1.1 400"));
-  EXPECT_THAT(ask(sut_.port(), "GET /metrics HTTP/7.5\r\n\r\n"), StartsWith("HTTP/1.1 400"));
-  EXPECT_THAT(ask(sut_.port(), "GET /metrics\r\n\r\n"), StartsWith("HTTP/1.1 400"));
+  EXPECT_THAT(answer_to(sut_.port(), "GET /" + std::string(100'000, 'a')),
+              StartsWith("HTTP/1.1 400"));
+  EXPECT_THAT(answer_to(sut_.port(), "GET /metrics HTTP/7.5\r\n\r\n"), StartsWith("HTTP/1.1 400"));
+  EXPECT_THAT(answer_to(sut_.port(), "GET /metrics\r\n\r\n"), StartsWith("HTTP/1.1 400"));
   EXPECT_THAT(get(sut_.port(), "/metrics"), StartsWith("HTTP/1.1 200"));
 }
 
-TEST_F(MetricsTest, AreThereWhateverTheQuerySays) {
+TEST_F(MetricsTest, IgnoreAQueryString) {
   EXPECT_THAT(get(sut_.port(), "/metrics?x=1"), StartsWith("HTTP/1.1 200"));
   EXPECT_THAT(get(sut_.port(), "/metrics?"), StartsWith("HTTP/1.1 200"));
   EXPECT_THAT(get(sut_.port(), "/metricsx"), StartsWith("HTTP/1.1 404"));
   EXPECT_THAT(get(sut_.port(), "/?/metrics"), StartsWith("HTTP/1.1 404"));
 }
 
-/// Connections that nobody reads from; closed with this object.
+/// Connections without a reader; closed with this object.
 class IdleConnections {
  public:
   /// @param words what each of them sends
@@ -197,7 +198,7 @@ class IdleConnections {
   std::vector<int> connections_;
 };
 
-TEST_F(MetricsTest, AreAnsweredWithinASecondBesideAHundredClientsThatHoldTheirPlace) {
+TEST_F(MetricsTest, AreServedWithinASecondBesideAHundredIdleClients) {
   for (const char* const words :
        {"", "GET /metrics HTTP/1.1\r\n", "GET /metrics HTTP/1.1\r\n\r\n"}) {
     const IdleConnections idle(sut_.port(), 100, words);
@@ -209,7 +210,7 @@ TEST_F(MetricsTest, AreAnsweredWithinASecondBesideAHundredClientsThatHoldTheirPl
   }
 }
 
-TEST_F(MetricsTest, EndAtOnceWhileSomebodyIsConnected) {
+TEST_F(MetricsTest, EndAtOnceWithAConnectedClient) {
   auto endpoint = std::make_unique<MetricsEndpoint>(
       0, std::make_unique<Metrics>(configuration_, BenchIdentity{}, counters_, nullptr));
   const int idle = connected(endpoint->port());
@@ -219,12 +220,12 @@ TEST_F(MetricsTest, EndAtOnceWhileSomebodyIsConnected) {
   close(idle);
 }
 
-TEST_F(MetricsTest, OnAPortThatIsTakenNameIt) {
+TEST_F(MetricsTest, NameAPortThatIsInUse) {
   try {
     const MetricsEndpoint second(
         static_cast<std::uint16_t>(sut_.port()),
         std::make_unique<Metrics>(configuration_, BenchIdentity{}, counters_, nullptr));
-    FAIL() << "two listen on one port";
+    FAIL() << "two endpoints have one port";
   } catch (const ConfigurationError& error) {
     EXPECT_THAT(error.what(), HasSubstr("metrics.port = " + std::to_string(sut_.port())));
   }

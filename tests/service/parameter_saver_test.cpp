@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Orders of the thread that steps, and the saves that they become.
+// Store orders of the stepping thread, and the saves that follow.
 #include "parameter_saver.hpp"
 
 #include "service/failing_files.hpp"
@@ -40,7 +40,7 @@ class Saver : public testing::Test {
     saver.push();
   }
 
-  /// Takes all that has come back. @return their errors.
+  /// Takes all finished orders. @return their errors.
   static std::vector<int> errors(ParameterSaver& saver) {
     std::vector<int> errors;
     while (const StoreOrder* const order = saver.returned()) {
@@ -54,7 +54,7 @@ class Saver : public testing::Test {
   FilePlan plan;
 };
 
-TEST_F(Saver, PutsAllThatWaitsIntoOneSave) {
+TEST_F(Saver, WritesAllWaitingAxesInOneSave) {
   {
     ParameterSaver saver(open(), {});
     EXPECT_FALSE(saver.save_waiting());
@@ -78,7 +78,7 @@ TEST_F(Saver, PutsAllThatWaitsIntoOneSave) {
   EXPECT_EQ(table.at(1'000)[0].value, 1'000);
 }
 
-TEST_F(Saver, ForgetsAnAxisAndKeepsThoseThatAreNotOnTheBench) {
+TEST_F(Saver, RemovesOneAxisAndKeepsAxesOutsideTheBench) {
   {
     ParameterSaver saver(open(), {{1, {{kVelocity, 1}}}, {900, {{kVelocity, 9}}}});
     order(saver, 1, 0, true);
@@ -91,7 +91,7 @@ TEST_F(Saver, ForgetsAnAxisAndKeepsThoseThatAreNotOnTheBench) {
   EXPECT_EQ(table.at(900).at(0).value, 9);
 }
 
-TEST_F(Saver, GivesBackWhatFailedAndDoesNotStoreItLater) {
+TEST_F(Saver, ReportsAFailedAxisAndDoesNotStoreItLater) {
   {
     ParameterSaver saver(open(), {});
     plan.set([](std::uint64_t number) {
@@ -111,7 +111,7 @@ TEST_F(Saver, GivesBackWhatFailedAndDoesNotStoreItLater) {
   EXPECT_EQ(table.at(2).at(0).value, 21);
 }
 
-TEST_F(Saver, TakesOnlySoManyAtATime) {
+TEST_F(Saver, AcceptsABoundedNumberOfRequests) {
   ParameterSaver saver(open(), {});
   for (std::size_t count = 0; count < ParameterSaver::kMostOrders; ++count) {
     order(saver, 1, static_cast<std::int64_t>(count));
@@ -124,7 +124,7 @@ TEST_F(Saver, TakesOnlySoManyAtATime) {
   EXPECT_NE(saver.free_order(), nullptr);
 }
 
-TEST_F(Saver, SavesInAThreadOfItsOwnAndRings) {
+TEST_F(Saver, SavesInItsOwnThreadAndRingsTheDoorbell) {
   ParameterSaver saver(open(), {});
   std::promise<void> rung;
   saver.start([&rung] {
@@ -135,7 +135,7 @@ TEST_F(Saver, SavesInAThreadOfItsOwnAndRings) {
   EXPECT_EQ(errors(saver), std::vector{0});
 }
 
-TEST_F(Saver, SavesWhatWaitsBeforeItEnds) {
+TEST_F(Saver, SavesWaitingAxesBeforeItEnds) {
   {
     ParameterSaver saver(open(), {});
     order(saver, 1, 10);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stored parameters on a disk: what comes back, whatever happened to the files.
+// Stored parameters on a disk: what is loaded after any damage to the files.
 #include "parameter_store.hpp"
 
 #include "parameter_file.hpp"
@@ -50,7 +50,7 @@ constexpr std::uintmax_t kLegible = 1U << 20U;  // larger files are compared by 
 constexpr ObjectAddress kStoredVelocity{0x6081, 0};
 constexpr ObjectAddress kLowerLimit{0x607D, 1};
 
-/// @return axes 1 and 2 with values that tell the generation.
+/// @return axes 1 and 2 with values that encode the generation.
 ParameterTable table_of(std::int64_t generation) {
   return {{1, {{kLowerLimit, -generation}, {kStoredVelocity, generation}}},
           {2, {{kStoredVelocity, 5}}}};
@@ -81,7 +81,7 @@ void write_text(const fs::path& file, const std::string& text) {
 
 // ---- the file --------------------------------------------------------------------------------
 
-TEST(ParameterFile, GivesBackWhatWasPutIn) {
+TEST(ParameterFile, IsReadBackUnchanged) {
   const ParameterTable table{
       {1, {{kLowerLimit, -2'147'483'648LL}, {kStoredVelocity, 4'294'967'295LL}}},
       {65'535, {{{0xFFFF, 255}, 0}}},
@@ -93,7 +93,7 @@ TEST(ParameterFile, GivesBackWhatWasPutIn) {
   EXPECT_TRUE(decode(bytes_of(encode({}))).empty());
 }
 
-TEST(ParameterFile, ShowsEveryChangedBit) {
+TEST(ParameterFile, DetectsEveryChangedBit) {
   const std::string good = encode(table_of(100'000));
   for (std::size_t bit = 0; bit < good.size() * 8; ++bit) {
     std::string file = good;
@@ -102,7 +102,7 @@ TEST(ParameterFile, ShowsEveryChangedBit) {
   }
 }
 
-TEST(ParameterFile, ShowsWhereverItIsTornOrGoesOn) {
+TEST(ParameterFile, DetectsEveryTruncationAndExtension) {
   const std::string good = encode(table_of(100'000));
   for (std::size_t size = 0; size < good.size(); ++size) {
     EXPECT_THROW(decode(bytes_of(good.substr(0, size))), ParameterFileError) << size;
@@ -131,7 +131,7 @@ std::string forged(const std::string& file, const std::string& from, const std::
 }
 
 // The parser of JSON makes whole numbers of these.
-TEST(ParameterFile, WithARightCheckIsDamagedWhereAValueIsNotAsItIsWritten) {
+TEST(ParameterFile, WithACorrectChecksumIsDamagedByAnInvalidValue) {
   const std::string good = encode({{1, {{kStoredVelocity, 1}}}});
   ASSERT_EQ(forged(good, ": 1", ": 1"), good) << "the check of this test is right";
   for (const char* const value :
@@ -143,7 +143,7 @@ TEST(ParameterFile, WithARightCheckIsDamagedWhereAValueIsNotAsItIsWritten) {
   }
 }
 
-TEST(ParameterFile, WithARightCheckIsDamagedWhereItsFormIsNotAsItIsWritten) {
+TEST(ParameterFile, WithACorrectChecksumIsDamagedByAnInvalidForm) {
   const std::string good = encode({{1, {{kStoredVelocity, 1}}}});
   for (const auto& [from, to] : std::vector<std::pair<std::string, std::string>>{
            {"\"1\"", "\"01\""},              // another name of axis 1
@@ -191,7 +191,7 @@ TEST_F(StateDirectory, IsEmptyAtFirst) {
   EXPECT_FALSE(fs::exists(file()));
 }
 
-TEST_F(StateDirectory, GivesBackWhatWasSavedAndKeepsTheSetBefore) {
+TEST_F(StateDirectory, ReturnsTheSavedSetAndKeepsThePreviousOne) {
   save(1);
   EXPECT_EQ(generation_of(load().table), 1);
   save(2);
@@ -204,7 +204,7 @@ TEST_F(StateDirectory, GivesBackWhatWasSavedAndKeepsTheSetBefore) {
   EXPECT_FALSE(fs::exists(file(".damaged")));
 }
 
-TEST_F(StateDirectory, IsMadeIfOnlyItsLastPartIsMissing) {
+TEST_F(StateDirectory, IsCreatedIfOnlyItsLastPartIsMissing) {
   const fs::path made = directory.path() / "state";
   ParameterStore(made, kBenchOfStore).save(table_of(1));
   EXPECT_TRUE(fs::exists(made / "bench-7.parameters"));
@@ -279,7 +279,7 @@ const std::array<Damage, 8> kDamages{{
 
 class DamagedFile : public StateDirectory, public testing::WithParamInterface<Damage> {};
 
-TEST_P(DamagedFile, LeavesTheSetBeforeItAndIsKeptAside) {
+TEST_P(DamagedFile, IsKeptAsideAndThePreviousSetIsUsed) {
   save(1);
   save(2);
   GetParam().inflict(file());
@@ -301,7 +301,7 @@ TEST_P(DamagedFile, LeavesTheSetBeforeItAndIsKeptAside) {
   EXPECT_EQ(generation_of(load().table), 3);
 }
 
-TEST_P(DamagedFile, LeavesNothingWhereThereIsNoSetBeforeIt) {
+TEST_P(DamagedFile, LeavesNoSetWithoutAPreviousOne) {
   save(1);
   GetParam().inflict(file());
   const LoadedParameters loaded = load();
@@ -310,7 +310,7 @@ TEST_P(DamagedFile, LeavesNothingWhereThereIsNoSetBeforeIt) {
   EXPECT_TRUE(loaded.table.empty());
 }
 
-TEST_P(DamagedFile, OfTheSetBeforeDoesNotMatterWhileTheFileIsGood) {
+TEST_P(DamagedFile, OfThePreviousSetHasNoEffectWhileTheNewestIsGood) {
   save(1);
   save(2);
   GetParam().inflict(file(".previous"));
@@ -320,7 +320,7 @@ TEST_P(DamagedFile, OfTheSetBeforeDoesNotMatterWhileTheFileIsGood) {
 
 INSTANTIATE_TEST_SUITE_P(Parameters, DamagedFile, testing::ValuesIn(kDamages), name_of);
 
-TEST_F(StateDirectory, OfWhichNobodyMayReadTheFileGivesTheSetBefore) {
+TEST_F(StateDirectory, WithAnUnreadableFileReturnsThePreviousSet) {
   save(1);
   save(2);
   const auto store = open();
@@ -333,7 +333,7 @@ TEST_F(StateDirectory, OfWhichNobodyMayReadTheFileGivesTheSetBefore) {
   EXPECT_EQ(generation_of(loaded.table), 1);
 }
 
-TEST_F(StateDirectory, MissesAFileThatWasRemoved) {
+TEST_F(StateDirectory, ReportsAFileThatWasRemoved) {
   save(1);
   save(2);
   fs::remove(file());
@@ -343,7 +343,7 @@ TEST_F(StateDirectory, MissesAFileThatWasRemoved) {
   EXPECT_EQ(generation_of((save(3), load()).table), 3);
 }
 
-TEST_F(StateDirectory, MissesNothingWhenASaveWasCutShort) {
+TEST_F(StateDirectory, ReportsNothingAfterAnInterruptedSave) {
   save(1);
   fs::rename(file(), file(".previous"));
   write_text(file(".new"), encode(table_of(2)));
@@ -363,12 +363,12 @@ TEST_F(StateDirectory, IgnoresAnUnfinishedFile) {
   EXPECT_FALSE(fs::exists(file(".new")));
 }
 
-TEST_F(StateDirectory, ThatIsReadOnlyGivesWhatIsStoredAndTakesNothing) {
+TEST_F(StateDirectory, ThatIsReadOnlyLoadsAndRefusesToSave) {
   save(1);
   fs::remove(directory.path() / "bench-7.lock");
-  // Permissions do not bind a superuser: the seam refuses whatever changes something.
+  // Permissions do not bind a superuser: the test seam refuses every change.
   plan.set([](std::uint64_t number) {
-    if (number == 4) fail_with(EROFS);  // the lock file, after three looks at the directory
+    if (number == 4) fail_with(EROFS);  // the lock file, after three checks of the directory
   });
   const auto store = open();
   EXPECT_EQ(generation_of(store->load().table), 1);
@@ -379,12 +379,12 @@ TEST_F(StateDirectory, ThatIsReadOnlyGivesWhatIsStoredAndTakesNothing) {
   EXPECT_EQ(generation_of(load().table), 1);
 }
 
-TEST_F(StateDirectory, ThatIsFullKeepsWhatIsStored) {
+TEST_F(StateDirectory, ThatIsFullKeepsTheStoredSet) {
   save(1);
   const auto store = open();
   static_cast<void>(store->load());
   plan.set([](std::uint64_t number) {
-    if (number == 3) fail_with(ENOSPC);  // the first write, after a look and open
+    if (number == 3) fail_with(ENOSPC);  // the first write, after a check and open
   });
   EXPECT_THROW(store->save(table_of(2)), std::system_error);
   plan.set({});
@@ -399,14 +399,14 @@ TEST_F(StateDirectory, ThatIsFullKeepsWhatIsStored) {
 /// How long an operation fails.
 class FailingOperation : public StateDirectory, public testing::WithParamInterface<bool> {
  protected:
-  /// Lets the operation `first` fail, and with `for_ever` all after it.
+  /// Makes the operation `first` fail, and with `for_ever` all after it.
   void fail(std::uint64_t first) {
     plan.set([first, for_ever = GetParam()](std::uint64_t number) {
       if (number == first || (for_ever && number > first)) fail_with(EIO);
     });
   }
 
-  /// @return whether the store says that it is saved.
+  /// @return whether the store reports success.
   bool tries_to_save(ParameterStore& store, std::int64_t generation, std::uint64_t first) {
     fail(first);
     try {
@@ -418,7 +418,7 @@ class FailingOperation : public StateDirectory, public testing::WithParamInterfa
   }
 };
 
-TEST_P(FailingOperation, OfASaveLeavesASetInFullAndNeverLosesOneThatWasSaved) {
+TEST_P(FailingOperation, OfASaveLeavesAWholeSetAndNeverLosesASavedOne) {
   bool has_failed = true;
   for (std::uint64_t first = 1; has_failed; ++first) {
     SCOPED_TRACE("operation " + std::to_string(first));
@@ -441,7 +441,7 @@ TEST_P(FailingOperation, OfASaveLeavesASetInFullAndNeverLosesOneThatWasSaved) {
   }
 }
 
-TEST_P(FailingOperation, OfTheFirstSaveLeavesNothingThatWasRefused) {
+TEST_P(FailingOperation, OfTheFirstSaveLeavesNoRefusedSet) {
   bool has_failed = true;
   for (std::uint64_t first = 1; has_failed; ++first) {
     SCOPED_TRACE("operation " + std::to_string(first));
@@ -461,7 +461,7 @@ TEST_P(FailingOperation, OfTheFirstSaveLeavesNothingThatWasRefused) {
   }
 }
 
-TEST_P(FailingOperation, OfASaveOverADamagedFileLeavesTheDamageKnown) {
+TEST_P(FailingOperation, OfASaveOverADamagedFileKeepsTheDamageVisible) {
   bool has_failed = true;
   for (std::uint64_t first = 1; has_failed; ++first) {
     SCOPED_TRACE("operation " + std::to_string(first));
@@ -483,7 +483,7 @@ TEST_P(FailingOperation, OfASaveOverADamagedFileLeavesTheDamageKnown) {
   }
 }
 
-TEST_P(FailingOperation, OfASaveIsOverWhenTheSameServiceSavesAgain) {
+TEST_P(FailingOperation, OfASaveHasNoEffectOnTheNextSave) {
   for (std::uint64_t first = 1; first < 40; ++first) {
     SCOPED_TRACE("operation " + std::to_string(first));
     save(1);
@@ -503,7 +503,7 @@ TEST_P(FailingOperation, OfASaveIsOverWhenTheSameServiceSavesAgain) {
   }
 }
 
-TEST_P(FailingOperation, OfASaveAfterOneThatWasCutShortLosesNothingEither) {
+TEST_P(FailingOperation, OfASaveAfterAnInterruptedOneLosesNothing) {
   for (std::uint64_t first = 1; first < 40; ++first) {
     SCOPED_TRACE("operation " + std::to_string(first));
     save(1);
@@ -526,7 +526,7 @@ TEST_P(FailingOperation, OfASaveAfterOneThatWasCutShortLosesNothingEither) {
   }
 }
 
-TEST_P(FailingOperation, OfALoadGivesASetInFullOrNoneAndChangesNoSet) {
+TEST_P(FailingOperation, OfALoadReturnsAWholeSetOrNoneAndChangesNone) {
   save(1);
   save(2);
   std::uint64_t operations = 1;
@@ -546,7 +546,7 @@ TEST_P(FailingOperation, OfALoadGivesASetInFullOrNoneAndChangesNoSet) {
   EXPECT_GE(operations, 4U);
 }
 
-TEST_P(FailingOperation, OfTheStartEndsItOrLeavesAStoreThatLoads) {
+TEST_P(FailingOperation, OfTheStartEndsTheServiceOrLeavesALoadableSet) {
   save(1);
   for (std::uint64_t first = 1; first <= 6; ++first) {
     SCOPED_TRACE("operation " + std::to_string(first));
@@ -569,9 +569,9 @@ INSTANTIATE_TEST_SUITE_P(Parameters, FailingOperation, testing::Bool(), [](const
 
 // ---- killed at every step --------------------------------------------------------------------
 
-/// A service that saves one generation after the other, tells of each that is saved, and is killed
+/// A service that saves one generation after the other, reports each save, and is killed
 /// before its file operation `last`.
-[[noreturn]] void save_until_killed(const fs::path& directory, std::uint64_t last, int told) {
+[[noreturn]] void save_until_killed(const fs::path& directory, std::uint64_t last, int pipe_end) {
   FilePlan plan;
   plan.set([last](std::uint64_t number) {
     if (number == last) kill(getpid(), SIGKILL);
@@ -581,7 +581,7 @@ INSTANTIATE_TEST_SUITE_P(Parameters, FailingOperation, testing::Bool(), [](const
   for (;;) {
     ++generation;
     store.save(table_of(generation));
-    if (write(told, &generation, sizeof(generation)) != sizeof(generation)) _exit(1);
+    if (write(pipe_end, &generation, sizeof(generation)) != sizeof(generation)) _exit(1);
   }
 }
 
@@ -599,9 +599,9 @@ TEST_F(StateDirectory, SurvivesAServiceThatIsKilledAtAnyStepOfASave) {
       save_until_killed(directory.path(), round % 100 + 1, ends[1]);  // about three saves
     }
     close(ends[1]);
-    std::int64_t told = 0;
-    while (read(ends[0], &told, sizeof(told)) == sizeof(told)) {
-      saved = told;
+    std::int64_t generation = 0;
+    while (read(ends[0], &generation, sizeof(generation)) == sizeof(generation)) {
+      saved = generation;
     }
     close(ends[0]);
     int status = 0;
@@ -625,7 +625,7 @@ service::Configuration three_axes() {
   return configuration;
 }
 
-TEST(StoredParameters, GoToTheirAxes) {
+TEST(StoredParameters, AreAppliedToTheirAxes) {
   auto configuration = three_axes();
   const LoadedParameters loaded{
       .table = {{1, {{kStoredVelocity, 5}}}, {3, {{kStoredVelocity, 6}}}, {9, {}}},
@@ -641,7 +641,7 @@ TEST(StoredParameters, GoToTheirAxes) {
   EXPECT_FALSE(configuration.axes[0].configuration.memory_error);
 }
 
-TEST(StoredParameters, AreLeftOutAsAWholeWhereOneIsNotUsable) {
+TEST(StoredParameters, AreAllDiscardedWhenOneIsNotUsable) {
   for (const InitialValue& bad :
        {InitialValue{{0x7000, 0}, 1}, InitialValue{{0x607A, 0}, 1},
         InitialValue{kStoredVelocity, -1}, InitialValue{{0x60F2, 0}, 3}}) {
@@ -660,7 +660,7 @@ TEST(StoredParameters, AreLeftOutAsAWholeWhereOneIsNotUsable) {
   }
 }
 
-TEST(StoredParameters, OfADamagedFileMakeEveryAxisFault) {
+TEST(StoredParameters, InADamagedFileCauseAFaultOnEveryAxis) {
   auto configuration = three_axes();
   const LoadedParameters loaded{.table = {{1, {{kStoredVelocity, 5}}}},
                                 .source = Source::previous,

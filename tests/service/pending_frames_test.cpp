@@ -45,7 +45,7 @@ TEST(PendingFrames, HaveRoomForAThousandAndTwentyFour) {
   EXPECT_TRUE(insert(frames, 5, 1));
 }
 
-TEST(PendingFrames, DropThoseThatMatchAndShowThem) {
+TEST(PendingFrames, DropMatchingFramesAndReturnThem) {
   PendingFrames frames;
   for (std::uint64_t sequence = 1; sequence <= 4; ++sequence) {
     ASSERT_TRUE(insert(frames, sequence, sequence));

@@ -86,7 +86,7 @@ msg::Request Probe::make_request(std::uint32_t kind) {
   return request;
 }
 
-std::optional<msg::Reply> Probe::ask(const msg::Request& request) {
+std::optional<msg::Reply> Probe::exchange(const msg::Request& request) {
   if (!requests_.write(request)) {
     return std::nullopt;
   }
@@ -105,7 +105,7 @@ std::optional<msg::Reply> Probe::ask(const msg::Request& request) {
 std::optional<msg::Reply> Probe::acquire(std::vector<std::uint16_t> axes) {
   auto request = make_request(msg::REQUEST_ACQUIRE);
   request.axes(std::move(axes));
-  auto reply = ask(request);
+  auto reply = exchange(request);
   if (reply) {
     epoch = reply->epoch();
   }
@@ -117,7 +117,7 @@ std::optional<msg::Reply> Probe::step(std::uint64_t ticks, std::vector<std::uint
   request.ticks(ticks);
   request.axes(std::move(axes));
   request.last_sequence(last_sequence);
-  return ask(request);
+  return exchange(request);
 }
 
 std::optional<msg::Reply> Probe::read(std::uint16_t axis, std::uint16_t index) {
@@ -125,7 +125,7 @@ std::optional<msg::Reply> Probe::read(std::uint16_t axis, std::uint16_t index) {
   auto& object = request.objects().emplace_back();
   object.axis(axis);
   object.index(index);
-  return ask(request);
+  return exchange(request);
 }
 
 std::optional<msg::Reply> Probe::write(std::uint16_t axis, std::uint16_t index,
@@ -135,7 +135,7 @@ std::optional<msg::Reply> Probe::write(std::uint16_t axis, std::uint16_t index,
   object.axis(axis);
   object.index(index);
   object.value(value);
-  return ask(request);
+  return exchange(request);
 }
 
 msg::CommandFrame Probe::make_frame() {

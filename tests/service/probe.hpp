@@ -27,14 +27,14 @@ class Probe {
 
   Probe(const wire::NetworkSettings& network, std::uint32_t bench);
 
-  /// Waits until the bench is announced and hears requests. @return false after `kPatience`.
+  /// Waits until the bench is announced and receives requests. @return false after `kPatience`.
   [[nodiscard]] bool find_bench();
 
   /// @return a request of `kind` with the next number.
   [[nodiscard]] msg::Request make_request(std::uint32_t kind);
 
   /// Sends the request. @return its reply, or nothing after `kPatience`.
-  std::optional<msg::Reply> ask(const msg::Request& request);
+  std::optional<msg::Reply> exchange(const msg::Request& request);
 
   std::optional<msg::Reply> acquire(std::vector<std::uint16_t> axes);
   std::optional<msg::Reply> step(std::uint64_t ticks, std::vector<std::uint16_t> axes = {});
@@ -51,7 +51,7 @@ class Probe {
   /// Waits until `condition` holds for an event. @return nothing after `kPatience`.
   std::optional<msg::Event> event(const std::function<bool(const msg::Event&)>& condition);
 
-  /// Waits until `condition()` holds; it is asked again after each message and may look at what
+  /// Waits until `condition()` holds; it is evaluated after each message and may use what
   /// was seen. @return false after `kPatience`.
   [[nodiscard]] bool wait_until(const std::function<bool()>& condition);
 

@@ -136,24 +136,24 @@ TEST(SignalledService, EndsInTheMiddleOfALongStep) {
   client.join();
 }
 
-TEST(ServiceProcess, GoesAwayWhenItsNumberIsTaken) {
+TEST(ServiceProcess, EndsWhenItsBenchNumberIsInUse) {
   Process first(with_domain({"--bench", "7"}));
   Probe probe(test_domain(), 7);
   ASSERT_TRUE(probe.find_bench());
   Process second(with_domain({"--bench", "7"}));
   EXPECT_EQ(second.wait(), 5);
   EXPECT_NE(second.text().find("bench 7 is already served"), std::string::npos) << second.text();
-  EXPECT_TRUE(probe.read(1, 0x6041)) << "the first one goes on";
+  EXPECT_TRUE(probe.read(1, 0x6041)) << "the first one continues";
   Process other(with_domain({"--bench", "8"}));
   Probe probe_of_other(test_domain(), 8);
   EXPECT_TRUE(probe_of_other.find_bench());
 }
 
-TEST(ServiceProcess, OfTheYoungerLeavesWhenBothMeetAfterTheStart) {
+TEST(ServiceProcess, ThatStartedLaterEndsWhenTwoShareABenchNumber) {
   Process older(with_domain({"--bench", "9"}));
   Probe probe(test_domain(), 9);
   ASSERT_TRUE(probe.find_bench());
-  older.send(SIGSTOP);  // silent while the other one listens
+  older.send(SIGSTOP);  // silent while the other one checks the bench number
   Process younger(with_domain({"--bench", "9"}));
   ASSERT_TRUE(probe.wait_until([&] {
     return probe.seen_descriptions().back().incarnation() != probe.incarnation;
@@ -166,7 +166,7 @@ TEST(ServiceProcess, OfTheYoungerLeavesWhenBothMeetAfterTheStart) {
   EXPECT_TRUE(probe.read(1, 0x6041));
 }
 
-TEST(ServiceProcess, ComesBackAtOnceAfterItWasKilled) {
+TEST(ServiceProcess, StartsAgainAtOnceAfterAKill) {
   const std::size_t segments = shared_memory_files();
   for (int round = 0; round < 3; ++round) {
     Process service(with_domain({"--bench", "3"}));
@@ -178,7 +178,7 @@ TEST(ServiceProcess, ComesBackAtOnceAfterItWasKilled) {
   EXPECT_EQ(shared_memory_files(), segments);
 }
 
-TEST(ServiceProcess, ShowsTheFirstStatusOfAThousandAxesWithinASecond) {
+TEST(ServiceProcess, PublishesTheFirstStatusOfAThousandAxesWithinASecond) {
   const auto begin = Clock::now();
   Process service(with_domain({"--axes", "1000"}));
   Probe probe(test_domain());
@@ -190,13 +190,13 @@ TEST(ServiceProcess, ShowsTheFirstStatusOfAThousandAxesWithinASecond) {
   EXPECT_EQ(probe.status()->parts(), 4U);
 }
 
-TEST(ServiceProcess, TellsItsVersion) {
+TEST(ServiceProcess, PrintsItsVersion) {
   Process service({"--version"});
   EXPECT_EQ(service.wait(), 0);
   EXPECT_TRUE(service.text().starts_with("vdrived ")) << service.text();
 }
 
-TEST(ServiceProcess, RefusesWhatItDoesNotKnow) {
+TEST(ServiceProcess, RefusesUnknownArguments) {
   Process flag({"--nonsense"});
   EXPECT_EQ(flag.wait(), 2);
   Process mode({"--clock", "warp"});
@@ -244,7 +244,7 @@ TEST(ServiceProcess, ShowsABadValueEscapedAndShortened) {
   }
 }
 
-TEST(ServiceProcess, NamesTheFirstOptionThatItDoesNotKnow) {
+TEST(ServiceProcess, NamesTheFirstUnknownOption) {
   Process service({"--axis", "3", "--verbose"});
   EXPECT_EQ(service.wait(), 2);
   EXPECT_NE(service.text().find("vdrived: '--axis' is not an option"), std::string::npos)
@@ -252,7 +252,7 @@ TEST(ServiceProcess, NamesTheFirstOptionThatItDoesNotKnow) {
 }
 
 // A replay takes its threads from the command line: it ended with 1 where they were out of range.
-TEST(ServiceProcess, ChecksItsFlagsAlsoWhereTheyAreNotUsed) {
+TEST(ServiceProcess, ChecksOptionsEvenIfTheyAreNotUsed) {
   for (const char* const mode : {"--replay", "--check"}) {
     for (const char* const threads : {"0", "65"}) {
       Process service({mode, "/nonexistent", "--threads", threads});
@@ -275,7 +275,7 @@ class ConfigurationFile : public testing::Test {
   std::filesystem::path file_;
 };
 
-TEST_F(ConfigurationFile, IsCheckedWithoutStartingAnything) {
+TEST_F(ConfigurationFile, IsCheckedWithoutAStartOfTheService) {
   write("bench: {number: 3}\n");
   Process good({"--check", file_.string()});
   EXPECT_EQ(good.wait(), 0);
@@ -293,7 +293,7 @@ TEST_F(ConfigurationFile, IsCheckedWithoutStartingAnything) {
       << bad.text();
 }
 
-TEST_F(ConfigurationFile, CanBeTheOneThatWasPrinted) {
+TEST_F(ConfigurationFile, CanBeAPrintedConfiguration) {
   Process first({"--print-config", "--bench", "12", "--axes", "3", "--clock", "lockstep"});
   ASSERT_EQ(first.wait(), 0);
   write(first.text());

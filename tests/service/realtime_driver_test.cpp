@@ -110,7 +110,7 @@ TEST(RealtimeDriver, JumpsAfterALongStallAndHoldsTheState) {
   EXPECT_EQ(bench.value(1, 0x6041) & 0x6F, 0x27);
 }
 
-TEST(RealtimeDriver, TellsOfAStepOfTheWallClockAndSteers) {
+TEST(RealtimeDriver, ReportsAStepOfTheWallClockAndCorrectsIt) {
   for (const auto offset : {10s, -3'600s}) {
     RealtimeBench bench;
     bench.cycles(10);
@@ -172,14 +172,14 @@ TEST(RealtimeDriver, HasNoOffsetToTheWallClockWhilePaused) {
   EXPECT_EQ(bench.counters.wall_offset.load(), 0.0);
 }
 
-TEST(RealtimeDriver, CountsHowLateTicksBegin) {
+TEST(RealtimeDriver, MeasuresTheLatenessOfTicks) {
   RealtimeBench bench;
   bench.timer.lateness = 10us;
   bench.cycles(100);
   EXPECT_EQ(bench.counters.lateness[4].get(), 100U);  // 8 to 16 us
 }
 
-TEST(RealtimeDriver, HandlesWhatArrivedBeforeTheTick) {
+TEST(RealtimeDriver, HandlesMessagesThatArrivedBeforeTheTick) {
   RealtimeBench bench;
   bench.cycles(5);
   bench.inbox.receive(bench.make_request(msg::REQUEST_POWER_CYCLE, kAlice, {1}), {});
@@ -188,7 +188,7 @@ TEST(RealtimeDriver, HandlesWhatArrivedBeforeTheTick) {
   EXPECT_EQ(bench.outbox.replies.front()->reply.tick(), bench.engine.tick());
 }
 
-TEST(RealtimeDriver, LeavesAFloodForTheNextTicks) {
+TEST(RealtimeDriver, SpreadsAFloodOverTheNextTicks) {
   RealtimeBench bench;
   for (int count = 0; count < 600; ++count) {
     bench.inbox.receive(bench.make_request(msg::REQUEST_READ, kAlice), {});
@@ -197,8 +197,8 @@ TEST(RealtimeDriver, LeavesAFloodForTheNextTicks) {
   EXPECT_EQ(bench.inbox.size(), 600 - service::RealtimeDriver::kArrivalsPerTick);
 }
 
-// 256 replies fit; nobody takes them, so the other 44 requests wait instead of being dropped.
-TEST(RealtimeDriver, LeavesInTheInboxWhatItCouldNotAnswer) {
+// 256 replies fit and stay there, so the other 44 requests wait instead of being dropped.
+TEST(RealtimeDriver, LeavesRequestsWithoutRoomForAnAnswerInTheInbox) {
   RealtimeBench bench;
   for (int count = 0; count < 300; ++count) {
     bench.inbox.receive(bench.make_request(msg::REQUEST_READ, kAlice), {});
@@ -215,19 +215,19 @@ TEST(RealtimeDriver, LeavesInTheInboxWhatItCouldNotAnswer) {
   EXPECT_EQ(bench.counters.queue_overflows.get(), 0U);
 }
 
-TEST(RealtimeDriver, RunsAtTheRate) {
+TEST(RealtimeDriver, RunsAtTheGivenRate) {
   RealtimeBench bench(realtime_configuration(10.0));
   bench.cycles(1'000);
   EXPECT_EQ(bench.engine.tick(), 1'700'000'001'000U);
   EXPECT_NEAR(static_cast<double>(bench.timer.now.count()), 1.009e8, 1e5);
 }
 
-/// Asks for the rate. @return the reason of the answer.
+/// Requests the rate. @return the reason of the answer.
 std::uint32_t set_rate(RealtimeBench& bench, double rate) {
-  return bench.ask(rate_request(bench, rate)).reason();
+  return bench.reply_to(rate_request(bench, rate)).reason();
 }
 
-TEST(RealtimeDriver, PausesAndGoesOnWithTheNextTick) {
+TEST(RealtimeDriver, PausesAndContinuesWithTheNextTick) {
   RealtimeBench bench;
   bench.cycles(10);
   EXPECT_EQ(set_rate(bench, 0.0), msg::REASON_NONE);
@@ -242,7 +242,7 @@ TEST(RealtimeDriver, PausesAndGoesOnWithTheNextTick) {
   EXPECT_EQ(bench.events(msg::EVENT_CLOCK_CHANGED).size(), 2U);
 }
 
-TEST(RealtimeDriver, RunsFasterFromTheRequestOn) {
+TEST(RealtimeDriver, RunsFasterFromTheTimeOfTheRequest) {
   RealtimeBench bench;
   bench.cycles(10);
   EXPECT_EQ(set_rate(bench, 100.0), msg::REASON_NONE);
@@ -254,7 +254,7 @@ TEST(RealtimeDriver, RunsFasterFromTheRequestOn) {
   EXPECT_GE(bench.timer.now - before, 10ms);
 }
 
-TEST(RealtimeDriver, HoldsItsTicksToTheWallClockAlsoAfterAPause) {
+TEST(RealtimeDriver, FollowsTheWallClockAfterAPause) {
   RealtimeBench bench;
   bench.cycles(10);
   set_rate(bench, 0.0);
@@ -275,7 +275,7 @@ TEST(RealtimeDriver, RefusesARateOutOfRange) {
   EXPECT_EQ(set_rate(bench, 100.0), msg::REASON_NONE);
 }
 
-TEST(RealtimeDriver, LeavesItsReferenceWhenTheRateIsSetToWhatItIs) {
+TEST(RealtimeDriver, KeepsItsReferenceWhenTheRateDoesNotChange) {
   RealtimeBench bench;
   EXPECT_EQ(set_rate(bench, 1.0), msg::REASON_NONE);
   EXPECT_TRUE(bench.events(msg::EVENT_CLOCK_CHANGED).empty());
@@ -284,7 +284,7 @@ TEST(RealtimeDriver, LeavesItsReferenceWhenTheRateIsSetToWhatItIs) {
   EXPECT_EQ(bench.timer.now, 10ms);
 }
 
-TEST(RealtimeDriver, GivesMastersTheirTimeAnewWhenTheRateDrops) {
+TEST(RealtimeDriver, RestartsTheWatchdogTimeWhenTheRateDrops) {
   RealtimeBench bench(realtime_configuration(100.0));
   bench.acquire(kAlice, {1});
   bench.cycles(5'000);  // half of the 10,000 ticks that 100 ms are at this rate
@@ -305,7 +305,7 @@ TEST(RealtimeDriver, AgreesWithAnotherBenchWhoseClockIsSynchronised) {
   EXPECT_NEAR(static_cast<double>((early.timer.now - late.timer.now).count()), 0.0, 1e3);
 }
 
-TEST(RealtimeDriver, AnswersWhilePaused) {
+TEST(RealtimeDriver, AnswersRequestsWhilePaused) {
   RealtimeBench bench(realtime_configuration(0.0));
   bench.inbox.receive(bench.make_request(msg::REQUEST_READ, kAlice), {});
   bench.cycles(100);
@@ -313,7 +313,7 @@ TEST(RealtimeDriver, AnswersWhilePaused) {
   EXPECT_NE(bench.outbox.replies.front(), nullptr);
 }
 
-TEST(RealtimeDriver, ShowsTheStatusAgainWhilePaused) {
+TEST(RealtimeDriver, RepublishesTheStatusWhilePaused) {
   RealtimeBench bench(realtime_configuration(0.0));
   bench.cycles(100);  // of 1 ms
   EXPECT_EQ(bench.images.size(), 1U + 5U) << "once at the start, then every 20 ms";

@@ -17,7 +17,7 @@ void put_number(Ring<int>& ring, int value) {
   ring.push();
 }
 
-TEST(Ring, GivesMessagesBackInTheirOrder) {
+TEST(Ring, ReturnsMessagesInTheirOrder) {
   Ring<int> ring(3);
   for (int round = 0; round < 5; ++round) {
     put_number(ring, round);
@@ -30,7 +30,7 @@ TEST(Ring, GivesMessagesBackInTheirOrder) {
   }
 }
 
-TEST(Ring, HoldsAsManyAsItsCapacityAndNoMore) {
+TEST(Ring, HoldsExactlyItsCapacity) {
   Ring<int> ring(2);
   put_number(ring, 1);
   put_number(ring, 2);
@@ -41,7 +41,7 @@ TEST(Ring, HoldsAsManyAsItsCapacityAndNoMore) {
 }
 
 // 10 slots; a message at a time keeps to the first one, and three at a time to the first three.
-TEST(Ring, GoesOnWithItsFirstSlotWhenItIsEmpty) {
+TEST(Ring, RestartsWithItsFirstSlotWhenItIsEmpty) {
   Ring<int> ring(10);
   const int* const first = ring.free_slot();
   for (int round = 0; round < 25; ++round) {
@@ -59,7 +59,7 @@ TEST(Ring, GoesOnWithItsFirstSlotWhenItIsEmpty) {
 }
 
 // Filled up 20 times, each time from empty, and once with a message that stays.
-TEST(Ring, HasItsWholeCapacityWhereverItWasEmptyLast) {
+TEST(Ring, HasItsWholeCapacityFromAnyPosition) {
   Ring<int> ring(10);
   for (int round = 0; round < 20; ++round) {
     for (int count = 0; count < 1 + round % 10; ++count) {

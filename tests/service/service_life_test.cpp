@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The life of the program vdrived: what it tells the service manager, how its axes come to rest
-// when it is told to end, and that it comes back whatever happened.
+// The life of the program vdrived: how it notifies the service manager, how its axes come to rest
+// when it has to end, and that it restarts after any failure.
 #include "service/probe.hpp"
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
@@ -40,7 +40,7 @@ constexpr std::uint16_t kOperationEnabled = 0x27;
 constexpr std::uint16_t kSwitchOnDisabledMask = 0x4F;
 constexpr std::uint16_t kSwitchOnDisabled = 0x40;
 
-/// The end of a service manager that listens. Children of this process find it in NOTIFY_SOCKET.
+/// The receiving socket of a service manager. Children of this process find it in NOTIFY_SOCKET.
 class NotifySocket {
  public:
   NotifySocket() : socket_(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
@@ -72,7 +72,7 @@ class NotifySocket {
     return std::string(text.data(), static_cast<std::size_t>(std::max<ssize_t>(size, 0)));
   }
 
-  /// @return whether a message with that line comes before there is silence for 10 s.
+  /// @return whether a message with that line arrives before 10 s without a message.
   bool wait_for(std::string_view line) {
     while (const auto message = next()) {
       if (("\n" + *message + "\n").find("\n" + std::string(line) + "\n") != std::string::npos) {
@@ -177,7 +177,7 @@ void start_all(Probe& probe, std::uint16_t count, const Motion& motion) {
 class Watched {
  public:
   /// Inside of a condition of `Probe::wait_until`. @return whether this frame is new.
-  bool look(const Probe& probe) {
+  bool observe(const Probe& probe) {
     const auto& frame = probe.seen_status();
     if (!frame || (frame->tick() == tick_ && frame->part() == part_)) return false;
     tick_ = frame->tick();
@@ -215,14 +215,14 @@ void terminate(Process& service, Probe& probe, Watched& watched) {
   const auto begin = Clock::now();
   service.send(SIGTERM);
   EXPECT_TRUE(probe.wait_until([&] {
-    watched.look(probe);
+    watched.observe(probe);
     return probe.seen_offline();
   }));
   EXPECT_EQ(service.wait().code, 0);
   EXPECT_LT(Clock::now() - begin, 2s);
 }
 
-TEST(ServiceManager, HearsThatTheServiceIsReadyOnlyAfterItHasListenedForItsNumber) {
+TEST(ServiceManager, IsNotifiedAfterTheServiceHasCheckedItsBenchNumber) {
   NotifySocket socket;
   const auto begin = Clock::now();
   const auto service = serve({"--bench", "3"});
@@ -246,7 +246,7 @@ std::optional<pid_t> child_of(pid_t process) {
   return file >> child ? std::optional(child) : std::nullopt;
 }
 
-TEST(ServiceManager, HearsThatTheNetworkIsGoneAndThatItIsBack) {
+TEST(ServiceManager, IsNotifiedOfTheLossAndReturnOfTheNetworkProcess) {
   NotifySocket socket;
   const auto service = serve({"--wire", "process"});
   const std::string good = "STATUS=bench 1, 2 axes, realtime, DDS domain " +  //
@@ -269,7 +269,7 @@ TEST(ServiceManager, HearsThatTheNetworkIsGoneAndThatItIsBack) {
 }
 
 // Its exit code is a failure: the service manager starts it again.
-TEST(ServiceManager, GetsBackAServiceThatCannotStartANetworkProcessAnyMore) {
+TEST(ServiceManager, RestartsAServiceThatCannotStartANetworkProcess) {
   NotifySocket socket;
   const auto service = serve({"--wire", "process"});
   ASSERT_TRUE(socket.wait_for("READY=1"));
@@ -284,7 +284,7 @@ TEST(ServiceManager, GetsBackAServiceThatCannotStartANetworkProcessAnyMore) {
       << finished.errors;
 }
 
-TEST(ServiceManager, DoesNotHearAnythingOfAServiceWhoseNumberIsTaken) {
+TEST(ServiceManager, IsNotNotifiedByAServiceWhoseBenchNumberIsInUse) {
   const auto first = serve({"--bench", "3"});
   Probe probe(test_domain(), 3);
   ASSERT_TRUE(probe.find_bench());
@@ -296,7 +296,7 @@ TEST(ServiceManager, DoesNotHearAnythingOfAServiceWhoseNumberIsTaken) {
 
 class SupervisedService : public testing::TestWithParam<std::vector<std::string>> {};
 
-TEST_P(SupervisedService, BeatsWhileItGoesOnAndNotWhileItIsStopped) {
+TEST_P(SupervisedService, SendsWatchdogMessagesOnlyWhileItRuns) {
   NotifySocket socket;
   setenv("WATCHDOG_USEC", "400000", 1);
   const auto service = serve(GetParam());
@@ -325,7 +325,7 @@ INSTANTIATE_TEST_SUITE_P(Clocks, SupervisedService,
                                                               : arguments.param[1];
                          });
 
-TEST(TerminatedService, BringsItsAxesToRestOnTheirRampAndSwitchesThemOff) {
+TEST(TerminatedService, BrakesItsAxesOnTheirRampAndDisablesThem) {
   const BenchFile file;
   const auto service = serve({"--config", file.path()});
   Probe probe(test_domain());
@@ -333,7 +333,7 @@ TEST(TerminatedService, BringsItsAxesToRestOnTheirRampAndSwitchesThemOff) {
   ASSERT_NO_FATAL_FAILURE(start_all(probe, 2, {}));
   Watched watched;
   ASSERT_TRUE(probe.wait_until([&] {
-    return watched.look(probe) && watched.first_axis().back().velocity_demand_value() == 40'000;
+    return watched.observe(probe) && watched.first_axis().back().velocity_demand_value() == 40'000;
   }));
   const std::size_t begin = watched.first_axis().size();
   terminate(*service, probe, watched);
@@ -357,7 +357,7 @@ TEST(TerminatedService, WithAThousandMovingAxesEndsWithinTwoSeconds) {
   ASSERT_NO_FATAL_FAILURE(start_all(probe, 1'000, {.deceleration = 4'000}));  // 10 s to rest
   Watched watched;
   ASSERT_TRUE(probe.wait_until([&] {
-    watched.look(probe);
+    watched.observe(probe);
     return watched.size() == 1'000 && watched.all([](const auto& status) {
       return (status.ds402_statusword() & kStateMask) == kOperationEnabled;
     });
@@ -381,7 +381,7 @@ TEST(TerminatedService, RefusesCommandsWhileItsAxesBrake) {
   EXPECT_EQ(service->wait().code, 0);
 }
 
-TEST(TerminatedService, EndsAtOnceWhenItIsToldAgain) {
+TEST(TerminatedService, EndsAtOnceAfterASecondSignal) {
   const BenchFile file;
   const auto service = serve({"--config", file.path()});
   Probe probe(test_domain());
@@ -394,7 +394,7 @@ TEST(TerminatedService, EndsAtOnceWhenItIsToldAgain) {
   }));
   service->send(SIGINT);
   ASSERT_TRUE(probe.wait_until([&] {
-    watched.look(probe);
+    watched.observe(probe);
     return probe.seen_offline();
   }));
   EXPECT_EQ(service->wait().code, 0);
@@ -405,7 +405,7 @@ TEST(TerminatedService, EndsAtOnceWhenItIsToldAgain) {
 
 class TerminatedAtRest : public testing::TestWithParam<std::vector<std::string>> {};
 
-TEST_P(TerminatedAtRest, SwitchesItsAxesOffWhereTimeStandsStill) {
+TEST_P(TerminatedAtRest, DisablesItsAxesWhereTimeStandsStill) {
   const BenchFile file;
   auto arguments = GetParam();
   arguments.insert(arguments.end(), {"--config", file.path()});
@@ -418,7 +418,7 @@ TEST_P(TerminatedAtRest, SwitchesItsAxesOffWhereTimeStandsStill) {
   Watched watched;
   terminate(*service, probe, watched);
   EXPECT_TRUE(probe.wait_until([&] {
-    watched.look(probe);
+    watched.observe(probe);
     return !watched.first_axis().empty() && watched.first_axis().back().tick() == reply->tick();
   })) << "the tick in which the command would have been in force is the last one";
   EXPECT_TRUE(watched.all(is_switch_on_disabled));

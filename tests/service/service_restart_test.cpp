@@ -103,7 +103,7 @@ class KilledService : public testing::Test {
   std::unique_ptr<Probe> probe_;
 };
 
-TEST_F(KilledService, ComesBackWithinASecondWithDisabledAxesAndNothingPilesUp) {
+TEST_F(KilledService, RestartsWithinASecondWithDisabledAxesAndLeaksNothing) {
   const int rounds = std::getenv("VDRIVE_NIGHTLY") != nullptr ? 200 : 20;
   std::optional<Resources> first;
   for (int round = 0; round <= rounds; ++round) {

@@ -78,7 +78,7 @@ TEST(LockstepService, StepsOnlyWithTheFramesThatWereSentBefore) {
   }
 }
 
-TEST(LockstepService, SaysWhichFramesAreMissing) {
+TEST(LockstepService, NamesTheMissingFrames) {
   Running bench(configuration(service::ClockMode::lockstep, 1));
   ASSERT_TRUE(bench.found);
   ASSERT_TRUE(bench.probe.acquire({1}));
@@ -134,7 +134,7 @@ TEST(RealtimeService, PublishesEveryTick) {
   }));
 }
 
-TEST(RealtimeService, AnswersAndRefusesToStep) {
+TEST(RealtimeService, AnswersRequestsAndRefusesToStep) {
   Running bench(configuration(service::ClockMode::realtime, 1));
   ASSERT_TRUE(bench.found);
   const auto read = bench.probe.read(1, 0x6041);
@@ -145,7 +145,7 @@ TEST(RealtimeService, AnswersAndRefusesToStep) {
   EXPECT_EQ(step->reason(), msg::REASON_WRONG_CLOCK_MODE);
 }
 
-TEST(RealtimeService, LosesAMasterThatFallsSilent) {
+TEST(RealtimeService, DetectsALostMaster) {
   Running bench(configuration(service::ClockMode::realtime, 1));
   ASSERT_TRUE(bench.found);
   ASSERT_TRUE(bench.probe.write(1, 0x6040, 0x0F));
@@ -195,7 +195,7 @@ TEST(Service, PublishesTheParametersOfEveryAxisAndTheirChanges) {
   }));
 }
 
-TEST(Service, ShowsItsStateTwentyTimesASecond) {
+TEST(Service, PublishesItsStateTwentyTimesASecond) {
   Running bench(configuration(service::ClockMode::lockstep, 1));
   ASSERT_TRUE(bench.found);
   ASSERT_TRUE(bench.probe.step(123));
@@ -221,7 +221,7 @@ TEST(Service, RefusesAConfigurationOutsideItsLimits) {
   EXPECT_THROW(service::Service{with}, service::ConfigurationError);
 }
 
-TEST(Service, LeavesTheNumberToTheOlderOne) {
+TEST(Service, EndsWhenAnOlderServiceHasItsBenchNumber) {
   Running older(configuration(service::ClockMode::lockstep, 1));
   ASSERT_TRUE(older.found);
   service::Service younger(configuration(service::ClockMode::lockstep, 1));
@@ -230,9 +230,9 @@ TEST(Service, LeavesTheNumberToTheOlderOne) {
   EXPECT_TRUE(older.probe.step(1));
 }
 
-// ---- garbage ---------------------------------------------------------------------------------
+// ---- invalid messages ------------------------------------------------------------------------
 
-/// Integers where mistakes live.
+/// Integers at the ends of ranges.
 template <typename Integer>
 Integer edge(std::mt19937_64& random) {
   switch (random() % 5) {
@@ -304,9 +304,9 @@ msg::Request garbage_request(std::mt19937_64& random, Probe& probe) {
   return request;
 }
 
-class ServiceUnderGarbage : public testing::TestWithParam<service::ClockMode> {};
+class ServiceUnderInvalidMessages : public testing::TestWithParam<service::ClockMode> {};
 
-TEST_P(ServiceUnderGarbage, AnswersEveryRequestAndGoesOn) {
+TEST_P(ServiceUnderInvalidMessages, AnswersEveryRequestAndContinues) {
   Running bench(configuration(GetParam(), 3));
   ASSERT_TRUE(bench.found);
   ASSERT_TRUE(bench.probe.acquire({1, 2}));
@@ -314,7 +314,7 @@ TEST_P(ServiceUnderGarbage, AnswersEveryRequestAndGoesOn) {
   constexpr int kRounds = 1'000;
   for (int round = 0; round < kRounds; ++round) {
     ASSERT_TRUE(bench.probe.send(garbage_frame(random, bench.probe)));
-    const auto reply = bench.probe.ask(garbage_request(random, bench.probe));
+    const auto reply = bench.probe.exchange(garbage_request(random, bench.probe));
     ASSERT_TRUE(reply) << "request " << round << " was not answered";
   }
   EXPECT_TRUE(bench.probe.event([](const auto& event) {
@@ -326,7 +326,7 @@ TEST_P(ServiceUnderGarbage, AnswersEveryRequestAndGoesOn) {
   EXPECT_EQ(reply->objects().at(0).abort_code(), 0U);
 }
 
-INSTANTIATE_TEST_SUITE_P(ClockModes, ServiceUnderGarbage,
+INSTANTIATE_TEST_SUITE_P(ClockModes, ServiceUnderInvalidMessages,
                          testing::Values(service::ClockMode::realtime,
                                          service::ClockMode::lockstep),
                          [](const auto& mode) {
@@ -351,7 +351,7 @@ TEST(Service, AnswersEveryRefusedFrame) {
             msg::REASON_TOO_MANY_AXES);
 }
 
-TEST(Service, RefusesAStrangerAndNamesTheOwner) {
+TEST(Service, RefusesAnotherSessionAndNamesTheOwner) {
   Running bench(configuration(service::ClockMode::lockstep, 2));
   ASSERT_TRUE(bench.found);
   ASSERT_TRUE(bench.probe.acquire({1}));

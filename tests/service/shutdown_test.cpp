@@ -68,7 +68,7 @@ TEST(Shutdown, DoesNothingUntilItBegins) {
   EXPECT_EQ(bench.value(1, 0x606B), 1'000);
 }
 
-TEST(Shutdown, IsDoneAsSoonAsTheAxesAreSwitchedOff) {
+TEST(Shutdown, EndsWhenTheAxesAreDisabled) {
   ClosingBench bench;
   bench.move(100'000);  // 10 ms
   bench.shutdown.begin();
@@ -79,7 +79,7 @@ TEST(Shutdown, IsDoneAsSoonAsTheAxesAreSwitchedOff) {
   EXPECT_FALSE(bench.engine.has_power());
 }
 
-TEST(Shutdown, GoesOverToTheQuickStopAfterASecond) {
+TEST(Shutdown, ChangesToAQuickStopAfterASecond) {
   ClosingBench bench;
   bench.move(100);  // 10 s
   bench.shutdown.begin();
@@ -89,7 +89,7 @@ TEST(Shutdown, GoesOverToTheQuickStopAfterASecond) {
   EXPECT_EQ(bench.value(1, 0x6041) & 0x6F, 0x07) << "Quick stop active";
 }
 
-TEST(Shutdown, GivesUpAfterASecondAndAHalf) {
+TEST(Shutdown, EndsAfterASecondAndAHalfAtTheLatest) {
   ClosingBench bench;
   bench.move(100);
   bench.shutdown.begin();
@@ -109,7 +109,7 @@ TEST(Shutdown, CountsFromTheFirstRequest) {
   EXPECT_TRUE(bench.shutdown.is_done());
 }
 
-TEST(Shutdown, OfAPausedBenchIsDoneAtOnce) {
+TEST(Shutdown, OfAPausedBenchEndsAtOnce) {
   ClosingBench bench(with_clock(ClockMode::realtime, 0.0));
   bench.write(kAlice, 1, 0x6040, 0x0F);
   bench.shutdown.begin();

@@ -26,7 +26,7 @@ TEST(StatusDepth, HoldsAQuarterOfASecond) {
 }
 
 // Every 10th tick: 25 images and one; 64 frames of 28.7 kB each, 47.8 MB.
-TEST(StatusDepth, CountsTheTicksThatArePublished) {
+TEST(StatusDepth, CountsPublishedTicksOnly) {
   const StatusDepth depth = status_depth(bench_of(16'384, 10));
   EXPECT_EQ(depth.images, 26U);
   EXPECT_EQ(depth.room, std::size_t{64} << 20U);
@@ -47,7 +47,7 @@ TEST(StatusDepth, IsSmallForASmallBench) {
 }
 
 // In lock-step the worker that fills an image publishes it.
-TEST(StatusDepth, HoldsLittleWhereNoThreadPassesStatusOn) {
+TEST(StatusDepth, IsSmallInLockStep) {
   Configuration configuration = bench_of(64);
   configuration.clock = ClockMode::lockstep;
   EXPECT_EQ(status_depth(configuration).images, 4U);

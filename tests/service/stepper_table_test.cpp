@@ -27,7 +27,7 @@ struct TwoSteppers {
   StepperTable table;
 };
 
-TEST(StepperTable, HasNobodyAtFirst) {
+TEST(StepperTable, IsEmptyAtFirst) {
   StepperTable table;
   EXPECT_TRUE(table.empty());
   EXPECT_EQ(table.slowest(), nullptr);
@@ -35,7 +35,7 @@ TEST(StepperTable, HasNobodyAtFirst) {
   EXPECT_FALSE(table.leave(kAlice, kStart));
 }
 
-TEST(StepperTable, LetsTimePassToTheSmallestGrant) {
+TEST(StepperTable, AdvancesTimeToTheSmallestGrant) {
   TwoSteppers two;
   EXPECT_EQ(two.table.slowest()->granted, 7U) << "a grant begins at the present tick";
   two.grant(kAlice, 10);
@@ -47,7 +47,7 @@ TEST(StepperTable, LetsTimePassToTheSmallestGrant) {
   EXPECT_EQ(two.table.slowest()->granted, 17U);
 }
 
-TEST(StepperTable, TakesASessionOnceAndLosesNoGrant) {
+TEST(StepperTable, AddsASessionOnceAndLosesNoGrant) {
   TwoSteppers two;
   two.grant(kAlice, 5);
   EXPECT_TRUE(two.table.join(kAlice, {}, 7, kStart));
@@ -55,7 +55,7 @@ TEST(StepperTable, TakesASessionOnceAndLosesNoGrant) {
   EXPECT_EQ(two.table.find(kAlice)->granted, 12U);
 }
 
-TEST(StepperTable, NoLongerWaitsForWhoLeft) {
+TEST(StepperTable, DoesNotWaitForAStepperThatLeft) {
   TwoSteppers two;
   two.grant(kAlice, 5);
   EXPECT_TRUE(two.table.leave(kBob, kStart));
@@ -71,16 +71,16 @@ TEST(StepperTable, HasRoomForSixtyFour) {
   EXPECT_TRUE(table.join(64, {}, 0, kStart)) << "is one already";
 }
 
-TEST(StepperTable, FindsTheOneThatIsSilentWhileOthersWaitForTenSeconds) {
+TEST(StepperTable, FindsAStepperThatKeepsOthersWaitingForTenSeconds) {
   TwoSteppers two;
-  EXPECT_EQ(two.table.silent(kStart + 100s), nullptr) << "nobody waits";
+  EXPECT_EQ(two.table.silent(kStart + 100s), nullptr) << "no stepper waits";
   two.grant(kAlice, 1, kStart + 100s);
   EXPECT_EQ(two.table.silent(kStart + 109s), nullptr);
   ASSERT_NE(two.table.silent(kStart + 110s), nullptr);
   EXPECT_EQ(two.table.silent(kStart + 110s)->session, kBob);
 }
 
-TEST(StepperTable, KeepsTheOneThatIsHeardHoweverSlow) {
+TEST(StepperTable, KeepsASlowStepperThatSendsMessages) {
   TwoSteppers two;
   two.grant(kAlice, 1'000);
   two.table.note_message(kBob, kStart + 9s);
@@ -88,7 +88,7 @@ TEST(StepperTable, KeepsTheOneThatIsHeardHoweverSlow) {
   EXPECT_NE(two.table.silent(kStart + 19s), nullptr);
 }
 
-TEST(StepperTable, BeginsTheWaitAnewOnceTheSlowOneHasCaughtUp) {
+TEST(StepperTable, RestartsTheWaitAfterTheSlowStepperCaughtUp) {
   TwoSteppers two;
   two.grant(kAlice, 5);
   two.grant(kBob, 5, kStart + 9s);

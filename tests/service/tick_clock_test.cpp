@@ -49,7 +49,7 @@ TEST(TickClock, SteersTowardsTheWallClockByAtMost500Ppm) {
   EXPECT_NEAR(static_cast<double>((due - clock.deadline()).count()), 1e6, 2e3);
 }
 
-TEST(TickClock, EndsOnTheWallClock) {
+TEST(TickClock, ConvergesToTheWallClock) {
   TickClock clock(kPeriod, 1.0, {kMonotonic, kWall});
   constexpr auto kOffset = 300us;  // the wall clock is that much ahead from now on
   for (int tick = 0; tick < 20'000; ++tick) {
@@ -74,7 +74,7 @@ std::vector<WallStep> run(TickClock& clock, int ticks,
   return steps;
 }
 
-TEST(TickClock, SeesAStepAboveTenMillisecondsOnce) {
+TEST(TickClock, DetectsAStepAboveTenMillisecondsOnce) {
   for (const auto offset : {10'100us, -10'100us, 3'600'000'000us, -3'600'000'000us}) {
     TickClock clock(kPeriod, 1.0, {kMonotonic, kWall});
     const auto steps = run(clock, 20'000, [&](int tick) {
@@ -88,7 +88,7 @@ TEST(TickClock, SeesAStepAboveTenMillisecondsOnce) {
   }
 }
 
-TEST(TickClock, SeesNoStepInSmallOnesInDriftAndInASingleWrongReading) {
+TEST(TickClock, IgnoresSmallStepsDriftAndASingleWrongReading) {
   TickClock small(kPeriod, 1.0, {kMonotonic, kWall});
   EXPECT_TRUE(run(small, 1'000, [](int) {
                 return 9'900us;
@@ -105,7 +105,7 @@ TEST(TickClock, SeesNoStepInSmallOnesInDriftAndInASingleWrongReading) {
               }).empty());
 }
 
-TEST(TickClock, SeesASecondStepWhileItSteersTheFirstAway) {
+TEST(TickClock, DetectsASecondStepDuringCorrectionOfTheFirst) {
   TickClock clock(kPeriod, 1.0, {kMonotonic, kWall});
   const auto steps = run(clock, 2'000, [](int tick) {
     return tick < 1'000 ? 10s : 0s;
@@ -116,7 +116,7 @@ TEST(TickClock, SeesASecondStepWhileItSteersTheFirstAway) {
 }
 
 // 10.0004 s are 10,000 ticks; the rest is steered away.
-TEST(TickClock, JumpsToTheWallClockWhereItMay) {
+TEST(TickClock, JumpsToTheWallClockWhereConfigured) {
   TickClock clock(kPeriod, 1.0, {kMonotonic, kWall}, ClockStep::jump);
   const auto steps = run(clock, 1'000, [](int tick) {
     return tick < 10 ? 0us : 10'000'400us;
@@ -137,7 +137,7 @@ TEST(TickClock, NeverJumpsBack) {
   EXPECT_EQ(clock.next_tick(), kTickAtWall + 1'001);
 }
 
-TEST(TickClock, SeesNoStepAtAnotherRate) {
+TEST(TickClock, DetectsNoStepAtAnotherRate) {
   TickClock clock(kPeriod, 2.0, {kMonotonic, kWall}, ClockStep::jump);
   EXPECT_TRUE(run(clock, 100, [](int) {
                 return 10s;
@@ -175,7 +175,7 @@ TEST(TickClock, KeepsTheDriveTimeUntilTheNextTickWhenTheRateChanges) {
   EXPECT_EQ(clock.deadline(), now.monotonic + 750us);
 }
 
-TEST(TickClock, GoesOnAfterAPauseWithTheNextNumberAndHoldsItsNewReference) {
+TEST(TickClock, ContinuesAfterAPauseWithTheNextNumberAndANewReference) {
   const Instant resumed{kMonotonic + 60s, kWall + 60s};
   TickClock clock(kPeriod, 1.0, resumed, kTickAtWall + 8);
   EXPECT_EQ(clock.next_tick(), kTickAtWall + 8) << "a minute of pause is no tick";
@@ -188,7 +188,7 @@ TEST(TickClock, GoesOnAfterAPauseWithTheNextNumberAndHoldsItsNewReference) {
   EXPECT_EQ(clock.next_tick(), kTickAtWall + 1'008);
 }
 
-TEST(TickClock, IsSteeredAgainAtRateOneFromWhereItWas) {
+TEST(TickClock, IsCorrectedAgainAtRateOneFromItsLastOffset) {
   TickClock clock(kPeriod, 10.0, {kMonotonic, kWall});
   for (int tick = 0; tick < 100; ++tick) {
     clock.advance({clock.deadline(), kWall + (clock.deadline() - kMonotonic)});

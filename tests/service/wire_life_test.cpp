@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The wire of a bench ends, hangs, goes deaf; the bench goes on. Real processes.
+// The wire of a bench ends, hangs or receives nothing; the bench continues. Real processes.
 #include "service/probe.hpp"
 #include "support/dropped_by_sockets.hpp"
 #include "support/temporary_directory.hpp"
@@ -54,7 +54,7 @@ bool exists(pid_t process) {
   return ::kill(process, 0) == 0;
 }
 
-/// Looks again until it holds. @return false after 10 s.
+/// Repeats the check until it holds. @return false after 10 s.
 template <typename Condition>
 bool holds_soon(Condition condition) {
   const auto deadline = Clock::now() + 10s;
@@ -116,7 +116,7 @@ std::chrono::milliseconds time_to_next_status(Probe& probe) {
   return std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - begin);
 }
 
-TEST(AnEngine, OutlivesItsWireAndStartsAnother) {
+TEST(Engine, SurvivesTheEndOfItsWireAndStartsAnother) {
   Bench bench({"--axes", "8"});
   Probe probe(test_domain());
   ASSERT_TRUE(probe.find_bench());
@@ -144,7 +144,7 @@ TEST(AnEngine, OutlivesItsWireAndStartsAnother) {
   EXPECT_TRUE(probe.read(1, 0x6041).has_value()) << "requests are answered through the new wire";
 }
 
-TEST(AnEngine, TellsWhoComesLaterWhatItToldBeforeItsWireEnded) {
+TEST(Engine, RepublishesEarlierEventsThroughANewWire) {
   Bench bench({"--axes", "2"});
   {
     Probe probe(test_domain());
@@ -159,7 +159,7 @@ TEST(AnEngine, TellsWhoComesLaterWhatItToldBeforeItsWireEnded) {
                     return event.kind() == msg::EVENT_CONTROL_CHANGED;
                   })
                   .has_value())
-      << "an event of before";
+      << "an earlier event";
   EXPECT_TRUE(late.wait_until([&] {
     return late.seen_parameters() >= 2;
   })) << "the parameters of both axes";
@@ -167,7 +167,7 @@ TEST(AnEngine, TellsWhoComesLaterWhatItToldBeforeItsWireEnded) {
 
 // A stopped process stands for every thread that spins or waits for ever: its pumps make no round
 // for 2 s. Two further seconds are for the machine.
-TEST(AnEngine, EndsAWireThatHangs) {
+TEST(Engine, EndsAWireThatHangs) {
   Bench bench({"--axes", "2"});
   Probe probe(test_domain());
   ASSERT_TRUE(probe.find_bench());
@@ -267,7 +267,7 @@ void let_it_stand(pid_t wire) {
 // 150 ticks of 512 axes are 300 frames of 28.7 kB, 8.6 MB: the engine keeps 250 ms of them. A
 // machine that is busy otherwise may let a thread stand for longer than that, so one of twenty
 // attempts has to pass. The buffers of sockets may be small here; what they drop is theirs.
-TEST(AnEngine, LosesNoStatusWhileItsWireStandsFor150Milliseconds) {
+TEST(Engine, LosesNoStatusWhileItsWireIsStoppedFor150Milliseconds) {
   constexpr std::uint16_t kParts = 2;
   constexpr int kAttempts = 20;
   Bench bench({"--axes", "512"});
@@ -283,7 +283,7 @@ TEST(AnEngine, LosesNoStatusWhileItsWireStandsFor150Milliseconds) {
     const auto dropped = dropped_by_sockets();
     const msg::BenchState before = state_after(probe, begin.tick);
     let_it_stand(wire);
-    // Whatever waited is there, and 50 ticks more.
+    // All waiting frames have arrived, and 50 ticks more.
     const auto end = subscriber.seen_after(before.tick() + 200);
     ASSERT_TRUE(end.has_value());
     const msg::BenchState after = state_after(probe, end->tick);
@@ -299,7 +299,7 @@ TEST(AnEngine, LosesNoStatusWhileItsWireStandsFor150Milliseconds) {
   FAIL() << why;
 }
 
-/// @return the text of the next event that says why a wire is gone.
+/// @return the text of the next event with the reason why a wire ended.
 std::string reason_of_the_loss(Probe& probe) {
   const auto lost = probe.event([](const msg::Event& event) {
     return event.kind() == msg::EVENT_WIRE && event.code() == 1;
@@ -307,7 +307,7 @@ std::string reason_of_the_loss(Probe& probe) {
   return lost ? std::string(lost->text().c_str()) : "";
 }
 
-TEST(AnEngine, OutlivesADatagramThatItsLibraryDoesNot) {
+TEST(Engine, SurvivesADatagramThatEndsItsWire) {
   Bench bench({"--without-guard"});
   Probe probe(test_domain());
   ASSERT_TRUE(probe.find_bench());
@@ -320,7 +320,7 @@ TEST(AnEngine, OutlivesADatagramThatItsLibraryDoesNot) {
 }
 
 // The thread of discovery spins and takes memory: whichever bound comes first ends the wire.
-TEST(AnEngine, EndsAWireThatDiscoversNobodyAnyMore) {
+TEST(Engine, EndsAWireWhoseDiscoveryHasFailed) {
   Bench bench({"--without-guard"});
   Probe probe(test_domain());
   ASSERT_TRUE(probe.find_bench());
@@ -336,7 +336,7 @@ TEST(AnEngine, EndsAWireThatDiscoversNobodyAnyMore) {
 }
 
 // Each number of a gap takes memory at once, much more than a probe takes to be missed.
-TEST(AnEngine, EndsAWireThatLeaks) {
+TEST(Engine, EndsAWireThatLeaks) {
   const TemporaryDirectory directory;
   const auto configuration = directory.path() / "bench.yaml";
   std::ofstream(configuration) << "wire: {memory_limit_mib: 64}\n";
@@ -351,7 +351,7 @@ TEST(AnEngine, EndsAWireThatLeaks) {
 }
 
 // 1,024 answers waited for all clients together, before each client had its own bound.
-TEST(AnEngine, AnswersEverybodyElseWhileEightProgramsHang) {
+TEST(Engine, AnswersOtherClientsWhileEightProgramsHang) {
   constexpr std::uint64_t kRequests = 3'000;
   Bench bench({"--axes", "2"});
   std::vector<std::unique_ptr<Process>> programs;
@@ -373,7 +373,7 @@ TEST(AnEngine, AnswersEverybodyElseWhileEightProgramsHang) {
   }
 }
 
-TEST(AnEngine, StepsThroughANewWireInLockStep) {
+TEST(Engine, StepsThroughANewWireInLockStep) {
   Bench bench({"--axes", "2", "--clock", "lockstep"});
   Probe probe(test_domain());
   ASSERT_TRUE(probe.find_bench());
@@ -386,7 +386,7 @@ TEST(AnEngine, StepsThroughANewWireInLockStep) {
   EXPECT_EQ(reply->tick(), 6U);
 }
 
-TEST(AnEngine, GivesTheNetworkAwayAndItsWireTheFiles) {
+TEST(Engine, HasNoNetworkAccessAndItsWireNoFileAccess) {
   Bench bench;
   Probe probe(test_domain());
   ASSERT_TRUE(probe.find_bench());
@@ -399,7 +399,7 @@ TEST(AnEngine, GivesTheNetworkAwayAndItsWireTheFiles) {
   EXPECT_FALSE(is_filtered(bench.spawner())) << "it starts the next wire";
 }
 
-TEST(AnEngine, LeavesNoProcessBehindAndEndsInTimeWhenItsWireHangs) {
+TEST(Engine, LeavesNoProcessBehindAndEndsInTimeWhenItsWireHangs) {
   Bench bench;
   Probe probe(test_domain());
   ASSERT_TRUE(probe.find_bench());
@@ -414,7 +414,7 @@ TEST(AnEngine, LeavesNoProcessBehindAndEndsInTimeWhenItsWireHangs) {
   }));
 }
 
-TEST(AnEngine, TakesItsWireWithItWhenItIsKilled) {
+TEST(Engine, EndsItsWireWhenItIsKilled) {
   pid_t spawner = 0;
   pid_t wire = 0;
   {

@@ -30,7 +30,7 @@ struct HealthyWire {
   }
 };
 
-TEST(WireJudge, LetsAHealthyWireGoOn) {
+TEST(WireJudge, KeepsAHealthyWire) {
   WireJudge judge(kLimit);
   HealthyWire wire;
   judge.started(kSpawned);
@@ -39,7 +39,7 @@ TEST(WireJudge, LetsAHealthyWireGoOn) {
   }
 }
 
-TEST(WireJudge, EndsAWireThatDoesNotComeUp) {
+TEST(WireJudge, EndsAWireThatDoesNotStart) {
   WireJudge judge(kLimit);
   judge.started(kSpawned);
   for (auto time = 0ms; time <= WireJudge::kLongestStart; time += 100ms) {
@@ -95,7 +95,7 @@ TEST(WireJudge, EndsAWireThatUsesMoreThanItsMemory) {
 }
 
 // At once, then after 100, 200, 400 ms and so on, 5 s at most; a long run makes it forget.
-TEST(WireJudge, WaitsLongerAndLongerWhereAWireEndsAgainAndAgain) {
+TEST(WireJudge, WaitsLongerAfterEachFurtherEnd) {
   WireJudge judge(kLimit);
   std::vector<std::chrono::milliseconds> delays;
   for (int count = 0; count < 9; ++count) {
@@ -111,8 +111,9 @@ TEST(WireJudge, WaitsLongerAndLongerWhereAWireEndsAgainAndAgain) {
   EXPECT_EQ(judge.ended(kSpawned + WireJudge::kLongRun, false), kSpawned + WireJudge::kLongRun);
 }
 
-// A debugger, a terminal's stop, a machine that is suspended: nobody looked meanwhile.
-TEST(WireJudge, ForgivesAPauseOfTheWholeService) {
+// A debugger, a terminal's stop, a machine that is suspended: the supervisor checked nothing
+// meanwhile.
+TEST(WireJudge, AllowsAPauseOfTheWholeService) {
   WireJudge judge(kLimit);
   HealthyWire wire;
   judge.started(kSpawned);
@@ -131,7 +132,7 @@ TEST(WireJudge, WaitsAfterAWireThatItHadToEnd) {
   EXPECT_EQ(judge.ended(kSpawned + 10s, true), kSpawned + 10s + WireJudge::kFirstDelay);
 }
 
-TEST(WireLoss, SaysWhatHappened) {
+TEST(WireLoss, DescribesItsCause) {
   EXPECT_EQ((WireLoss{.cause = Cause::signal, .value = 6}).text(), "ended by signal 6 (Aborted)");
   EXPECT_EQ((WireLoss{.cause = Cause::exit_code, .value = 3}).text(), "ended with exit code 3");
 }
@@ -150,7 +151,7 @@ TEST(WireRegion, IsTheSameMemoryThroughItsDescriptor) {
   EXPECT_EQ(other.ring(Lane::reports).size(), 0U);
 }
 
-TEST(SharedSources, ShowsWhoIsThere) {
+TEST(SharedSources, ContainThePresentSources) {
   const WireRegion region(WireSettings{});
   SharedSources& sources = region.control().readers;
   const wire::Source first{{1, 2, 3}};
@@ -163,7 +164,7 @@ TEST(SharedSources, ShowsWhoIsThere) {
   EXPECT_FALSE(sources.may_contain(first));
 }
 
-TEST(Doorbell, RemembersARingThatNobodyWaitedFor) {
+TEST(Doorbell, RemembersARingWithoutAWaitingThread) {
   BellState state;
   Doorbell ringing(state);
   Doorbell waiting(state);

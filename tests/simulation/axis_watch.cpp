@@ -79,7 +79,7 @@ void AxisWatch::check(const AxisStatus& now, PowerState state, const AxisCauses&
   last_state_ = state;
 }
 
-/// The position moves as the speed says. Homing counts it anew, a failed encoder says nothing.
+/// The position moves with the speed. Homing sets it anew, a failed encoder gives no position.
 void AxisWatch::check_jump(const AxisStatus& now, const Registers& registers, bool commanded,
                            Happenings& happenings) const {
   if (is_mode(now, 6) || is_mode(last_, 6) || registers.test_inputs[kEncoderFailure] != 0 ||

@@ -22,7 +22,7 @@ struct AxisLimits {
   int abort_connection = 1;  ///< 6007h
 };
 
-/// Looks at one axis in every tick, from outside.
+/// Checks one axis in every tick, from outside.
 class AxisWatch {
  public:
   AxisWatch(std::uint16_t number, const AxisLimits& limits, std::chrono::microseconds period)
@@ -34,7 +34,7 @@ class AxisWatch {
   void check(const AxisStatus& now, PowerState state, const AxisCauses& causes,
              const Registers& registers, bool restored, Happenings& happenings);
 
-  /// What follows begins anew from `now`.
+  /// The following checks start again from `now`.
   void begin(const AxisStatus& now, PowerState state);
 
  private:

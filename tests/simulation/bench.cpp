@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint64_t kSabotageFrom = 200;  // [ticks], when axes are enabled and move
 
-/// The configuration as a broken service takes it.
+/// The configuration as a broken service uses it.
 service::Configuration as_taken(service::Configuration configuration, Sabotage sabotage) {
   if (sabotage == Sabotage::watchdog_bites_early) {
     configuration.watchdog = *configuration.watchdog / 2;
@@ -60,35 +60,35 @@ Bench::Bench(const service::Configuration& configuration, const std::vector<Axis
   take_images();
 }
 
-void Bench::receive(const Letter& letter) {
+void Bench::receive(const ClientMessage& message) {
   const std::size_t before = inbox_.size();
-  if (!spoil(letter)) {
+  if (!spoil(message)) {
     std::visit(
-        [&](const auto& message) {
-          inbox_.receive(message, {});
+        [&](const auto& sent) {
+          inbox_.receive(sent, {});
         },
-        letter);
+        message);
   }
   if (inbox_.size() > before) {
-    in_inbox_.push_back(letter);
+    in_inbox_.push_back(message);
   } else {
     ++turned_away_;
   }
 }
 
-/// The bench takes letters in the order in which they came: what is gone from the inbox was taken.
+/// The bench takes messages in the order of their arrival: a message that left the inbox was taken.
 void Bench::count_arrivals() {
   while (in_inbox_.size() > inbox_.size()) {
     std::visit(
-        [&](const auto& message) {
-          model_.arrive(message);
+        [&](const auto& sent) {
+          model_.arrive(sent);
         },
         in_inbox_.front());
     in_inbox_.pop_front();
   }
 }
 
-/// The state directory as a service finds it that starts.
+/// The state directory as a starting service finds it.
 void Bench::start_storage() {
   if (storage_ == nullptr) {
     return;
@@ -123,11 +123,11 @@ void Bench::start_storage() {
                        std::get<service::StoredProblem>(news.detail).text());
     }
   }
-  happenings_.tell("loads the stored values of", {loaded_.size()});
+  happenings_.record("loads the stored values of", {loaded_.size()});
   saver_.emplace(std::move(store), std::move(loaded.table));
 }
 
-/// What the thread of the saver does, a while after there is something to save.
+/// The work of the saver's thread, some time after the first order.
 void Bench::save() {
   if (!saver_ || storage_->model.waiting() == 0) {
     return;
@@ -143,14 +143,14 @@ void Bench::save() {
   Disk& disk = storage_->disk;
   disk.begin_save();
   saver_->save_waiting();
-  happenings_.tell("saves", {storage_->model.waiting(), disk.has_failed() ? 1U : 0U});
+  happenings_.record("saves", {storage_->model.waiting(), disk.has_failed() ? 1U : 0U});
   const bool is_doubtful = disk.has_replaced() || disk.is_killed();
   storage_->model.save(!disk.has_failed() ? StoreModel::Outcome::durable
                        : is_doubtful      ? StoreModel::Outcome::doubtful
                                           : StoreModel::Outcome::refused);
 }
 
-/// As many orders as the engine has taken back, which it must do a few at a time.
+/// The number of orders that the engine has taken back, which it must do in small groups.
 void Bench::take_back_stores() {
   constexpr std::uint64_t kMostIdle = 3;
   if (!saver_) {
@@ -179,14 +179,14 @@ void Bench::cycle(const Mail& mail) {
     return;
   }
   if (sabotage_ == Sabotage::resumes_by_itself && happenings_.tick() > kSabotageFrom) {
-    enable_unasked();
+    enable_unrequested();
   }
   if (realtime_ || freerun_) {
     const std::uint64_t before = engine_.tick();
     if (realtime_) {
       realtime_->cycle();
     } else {
-      // Not faster than images leave, so that each tick is seen.
+      // Not faster than images are published, so that each tick is observed.
       constexpr std::chrono::microseconds kStatus{service::FreerunDriver::kStatusInterval};
       time_.wait_until(std::chrono::nanoseconds{time_.now} +
                        std::max(configuration_.period, kStatus));
@@ -195,7 +195,7 @@ void Bench::cycle(const Mail& mail) {
     count_arrivals();
     if (engine_.tick() > before) {
       if (const std::uint64_t left_out = engine_.tick() - before - 1; left_out > 0) {
-        happenings_.tell("time jumps", {left_out});
+        happenings_.record("time jumps", {left_out});
         model_.jump(left_out);
       }
       after_tick();
@@ -259,7 +259,7 @@ void Bench::step_by_request(service::Arrival& arrival) {
   model_.expect_step_answer(arrival.request, reason);
 }
 
-/// What was shown of the tick against what the model and the watchers expect.
+/// Compares the published tick with the expectations of model and watches.
 void Bench::after_tick() {
   happenings_.next_tick();
   model_.begin_tick();
@@ -305,7 +305,7 @@ void Bench::take_events() {
   while (const service::EventRecord* const event = outbox_.events.front()) {
     happenings_.add(event->kind << 16U | event->axis);
     if (event->kind != msg::EVENT_STATE_CHANGED && event->kind != msg::EVENT_REFUSED) {
-      happenings_.tell("event", {event->kind, event->axis, event->session, event->code});
+      happenings_.record("event", {event->kind, event->axis, event->session, event->code});
     }
     model_.check(*event);
     outbox_.events.pop();
@@ -326,14 +326,14 @@ void Bench::take_parameters() {
 void Bench::take_answers(const Mail& mail) {
   while (const auto away = inbox_.next_turned_away()) {
     --turned_away_;
-    happenings_.tell("is turned away", {away->session, away->sequence_number, away->request_id});
+    happenings_.record("is turned away", {away->session, away->sequence_number, away->request_id});
   }
   if (time_.now < answers_held_until_) {
     return;
   }
   while (const service::OutgoingReply* const outgoing = outbox_.replies.front()) {
-    happenings_.tell("answers request", {outgoing->reply.client(), outgoing->reply.request_id(),
-                                         outgoing->reply.reason(), outgoing->reply.epoch()});
+    happenings_.record("answers request", {outgoing->reply.client(), outgoing->reply.request_id(),
+                                           outgoing->reply.reason(), outgoing->reply.epoch()});
     if (sabotage_ == Sabotage::hides_store_failures &&
         outgoing->reply.reason() == wire_code(AbortCode::hardware_error)) {
       msg::Reply lie = outgoing->reply;
@@ -346,9 +346,9 @@ void Bench::take_answers(const Mail& mail) {
     outbox_.replies.pop();
   }
   while (const msg::CommandReply* const reply = outbox_.command_replies.front()) {
-    happenings_.tell("answers frame",
-                     {reply->session(), reply->sequence_number(), reply->tick(),
-                      reply->refusals().empty() ? 0 : reply->refusals().front().reason()});
+    happenings_.record("answers frame",
+                       {reply->session(), reply->sequence_number(), reply->tick(),
+                        reply->refusals().empty() ? 0 : reply->refusals().front().reason()});
     model_.check(*reply);
     if (sabotage_ == Sabotage::answers_twice && ++spoiled_ == 20) {
       model_.check(*reply);
@@ -361,8 +361,8 @@ void Bench::take_answers(const Mail& mail) {
 
 // ---- a service that is broken -----------------------------------------------------------------
 
-/// As if the first axis without power came back on its own.
-void Bench::enable_unasked() {
+/// Enables the first axis without power, without a request.
+void Bench::enable_unrequested() {
   const auto rests = std::ranges::find_if(image_.status, [](const AxisStatus& status) {
     return decode_power_state(status.ds402_statusword) == PowerState::switch_on_disabled;
   });
@@ -373,7 +373,7 @@ void Bench::enable_unasked() {
   const std::uint64_t owner = image_.owners[static_cast<std::size_t>(axis)].session;
   msg::Request request;
   request.client(1);
-  request.request_id(++unasked_);
+  request.request_id(++unrequested_);
   request.bench(configuration_.bench);
   request.session(owner == 0 ? 1 : owner);
   request.kind(msg::REQUEST_WRITE);
@@ -384,9 +384,9 @@ void Bench::enable_unasked() {
   inbox_.receive(request, {});
 }
 
-/// @return whether the letter reached the engine otherwise than it was sent.
-bool Bench::spoil(const Letter& letter) {
-  const auto* const sent = std::get_if<msg::CommandFrame>(&letter);
+/// @return whether the message reached the engine otherwise than it was sent.
+bool Bench::spoil(const ClientMessage& message) {
+  const auto* const sent = std::get_if<msg::CommandFrame>(&message);
   if (sabotage_ == Sabotage::none || sent == nullptr) {
     return false;
   }
@@ -416,7 +416,7 @@ bool Bench::spoil(const Letter& letter) {
   return true;
 }
 
-/// Changes what the image says of the first axis that is in the state that it takes.
+/// Changes the image of the first axis that is in the required state.
 void Bench::spoil(service::StatusImage& image) {
   for (std::size_t axis = 0; axis < image.status.size(); ++axis) {
     AxisStatus& status = image.status[axis];

@@ -24,7 +24,7 @@
 
 namespace vdrive::simulation {
 
-/// What a broken service would do; the checks must notice each.
+/// The faults of a broken service; the checks must detect each.
 enum class Sabotage : std::uint8_t {
   none,
   motion_without_power,
@@ -54,7 +54,7 @@ class SimulatedTime final : public service::CycleTimer {
  public:
   static constexpr std::int64_t kWall = 1'000'000 * std::int64_t{1'000'000'000};
 
-  /// Called with the present time before the bench looks at what arrived.
+  /// Called with the present time before the bench reads what arrived.
   void on_wake(std::function<void(std::int64_t)> wake) { wake_ = std::move(wake); }
 
   [[nodiscard]] std::chrono::nanoseconds monotonic_now() noexcept override {
@@ -78,7 +78,7 @@ class SimulatedTime final : public service::CycleTimer {
   std::function<void(std::int64_t)> wake_;
 };
 
-/// What outlasts the service: the disk of its host, and what must be there.
+/// What outlasts the service: the disk of its host, and its required content.
 struct Storage {
   explicit Storage(std::uint64_t seed) : disk(seed), random(seed ^ 1U) {}
 
@@ -87,24 +87,24 @@ struct Storage {
   Random random;  ///< of the times at which the saver is run
 };
 
-/// What leaves the bench for its clients.
+/// The messages of the bench to its clients.
 struct Mail {
   std::function<void(const msg::Reply&)> reply;
   std::function<void(const msg::CommandReply&)> command_reply;
 };
 
 /// One run of the service, from its start to its end: the real engine with the real driver of its
-/// clock, what the model says of it, and who looks at its axes.
+/// clock, its model, and the watches of its axes.
 class Bench {
  public:
   Bench(const service::Configuration& configuration, const std::vector<AxisLimits>& limits,
         std::uint64_t incarnation, SimulatedTime& time, Storage* storage, Sabotage sabotage,
         Happenings& happenings);
 
-  /// Puts the letter into the inbox, as the network does.
-  void receive(const Letter& letter);
+  /// Puts the message into the inbox, as the network does.
+  void receive(const ClientMessage& message);
 
-  /// One cycle of the driver, and the checks of what came of it. Nothing when the service ended in
+  /// One cycle of the driver, and the checks of its result. Nothing when the service ended in
   /// a save.
   void cycle(const Mail& mail);
 
@@ -136,8 +136,8 @@ class Bench {
   void after_tick();
   void take_images();
   void spoil(service::StatusImage& image);
-  bool spoil(const Letter& letter);
-  void enable_unasked();
+  bool spoil(const ClientMessage& message);
+  void enable_unrequested();
   void take_events();
   void take_parameters();
   void take_answers(const Mail& mail);
@@ -159,14 +159,14 @@ class Bench {
   std::optional<service::FreerunDriver> freerun_;
   ControlModel model_;
   std::vector<AxisWatch> watches_;
-  std::deque<Letter> in_inbox_;  ///< as they were sent
-  service::StatusImage image_;   ///< of the last tick
+  std::deque<ClientMessage> in_inbox_;  ///< as they were sent
+  service::StatusImage image_;          ///< of the last tick
   std::int64_t answers_held_until_ = 0;
   std::optional<std::int64_t> save_at_;
   std::uint64_t idle_stores_ = 0;  ///< cycles in which no saved order was taken back
   std::uint64_t turned_away_ = 0;
   std::uint64_t spoiled_ = 0;
-  std::uint64_t unasked_ = 0;  ///< requests that nobody sent
+  std::uint64_t unrequested_ = 0;  ///< requests without a sender
   std::uint64_t last_session_ = 0;
   std::uint64_t current_sequence_ = 0;
 };

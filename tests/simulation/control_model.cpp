@@ -47,7 +47,7 @@ bool is_test_input(std::uint16_t index) {
   return index >= 0x5E00 && index <= 0x5E09;
 }
 
-/// What the actors ask for is one of these.
+/// What the actors request is one of these.
 std::uint32_t verdict(ObjectAddress address, std::int64_t value) {
   switch (address.index) {
     case 0x6041:
@@ -114,7 +114,7 @@ void ControlModel::store_with(StoreModel& stores, const StoredSet& loaded) {
   }
 }
 
-/// Registers have what is stored or their defaults. Test-bench inputs are no part of the drive.
+/// Registers have what is stored or their defaults. Test-bench inputs do not belong to the drive.
 void ControlModel::power_up(Axis& axis) {
   const StoredValues values = axis.memory.value_or(StoredValues{});
   from_memory_.insert(values.stamp);
@@ -169,7 +169,7 @@ void ControlModel::expect_event(std::uint32_t kind, std::uint64_t session) {
   ++events_[{kind, session}];
 }
 
-/// A master lives by the wall clock, so its time-out grows with the rate.
+/// The time-out of a master is wall time, so its number of ticks grows with the rate.
 void ControlModel::count_watchdog() {
   const auto watchdog = effective_watchdog(configuration_);
   if (watchdog) {
@@ -267,16 +267,16 @@ void ControlModel::end_tick(std::span<const AxisStatus> statuses) {
 
 // ---- frames -----------------------------------------------------------------------------------
 
-void ControlModel::Letters::take(std::uint64_t number) {
+void ControlModel::Numbers::take(std::uint64_t number) {
   highest = std::max(highest, number);
   taken.insert(number);
 }
 
-bool ControlModel::Letters::has_forgotten(std::uint64_t number) const {
+bool ControlModel::Numbers::has_forgotten(std::uint64_t number) const {
   return number <= highest && highest - number >= kMostOverlooked;
 }
 
-/// Of all that was answered the oldest goes first, but nobody takes all the room.
+/// The oldest answer is dropped first, but no sender uses all the room.
 template <typename Kept>
 void ControlModel::keep(std::deque<Kept>& memory, const Kept& answer) {
   const auto is_of_the_same = [&](const Kept& other) {
@@ -333,18 +333,18 @@ bool ControlModel::is_waiting(const msg::CommandFrame& frame) const {
   });
 }
 
-/// What was answered then is found out when that answer has been checked.
+/// The first answer is known only after its check.
 bool ControlModel::is_repeat(const msg::CommandFrame& frame) {
-  Letters& letters = frames_[frame.session()];
+  Numbers& numbers = frames_[frame.session()];
   const std::uint64_t number = frame.sequence_number();
-  if (letters.has_forgotten(number)) {
+  if (numbers.has_forgotten(number)) {
     if (!is_waiting(frame)) {
       refuse(frame, msg::REASON_TOO_LATE, false);
     }
     return true;
   }
-  if (!letters.taken.contains(number)) {
-    letters.take(number);
+  if (!numbers.taken.contains(number)) {
+    numbers.take(number);
     return false;
   }
   frame_answers_.push_back({.session = frame.session(),
@@ -553,11 +553,11 @@ bool ControlModel::is_storing(const msg::Request& request) const {
 }
 
 bool ControlModel::is_repeat(const msg::Request& request) {
-  Letters& letters = requests_[request.client()];
+  Numbers& numbers = requests_[request.client()];
   const std::uint64_t number = request.request_id();
-  const bool is_forgotten = letters.has_forgotten(number);
-  if (!is_forgotten && !letters.taken.contains(number)) {
-    letters.take(number);
+  const bool is_forgotten = numbers.has_forgotten(number);
+  if (!is_forgotten && !numbers.taken.contains(number)) {
+    numbers.take(number);
     return false;
   }
   note_message(request.session());
@@ -566,7 +566,7 @@ bool ControlModel::is_repeat(const msg::Request& request) {
   });
   if (kept != kept_answers_.end() && !is_forgotten) {
     answers_.push_back(*kept);
-  } else if (is_forgotten ? !is_storing(request) : letters.answered.contains(number)) {
+  } else if (is_forgotten ? !is_storing(request) : numbers.answered.contains(number)) {
     Answer answer;
     finish(request, msg::REASON_TOO_LATE, answer, false);
   }
@@ -586,9 +586,9 @@ void ControlModel::finish(const msg::Request& request, std::uint32_t reason, Ans
   answer.reason = reason;
   answer.epoch = session == nullptr ? 0 : session->epoch;
   answer.last_sequence = session == nullptr ? 0 : session->last_sequence;
-  Letters& letters = requests_[request.client()];
-  if (is_kept && !letters.has_forgotten(request.request_id())) {
-    letters.answered.insert(request.request_id());
+  Numbers& numbers = requests_[request.client()];
+  if (is_kept && !numbers.has_forgotten(request.request_id())) {
+    numbers.answered.insert(request.request_id());
     keep(kept_answers_, answer);
   }
   answers_.push_back(std::move(answer));
@@ -626,7 +626,7 @@ std::uint32_t ControlModel::carry_out(const msg::Request& request, Answer& answe
   }
 }
 
-/// The first axis that a refusal speaks of, and who holds it.
+/// The first axis that a refusal names, and its owner.
 void ControlModel::name_axis(std::uint16_t number, Answer& answer) {
   if (answer.refused_axis == 0) {
     answer.refused_axis = number;
@@ -672,7 +672,7 @@ std::uint32_t ControlModel::write_objects(const msg::Request& request, Answer& a
   return reason;
 }
 
-/// By somebody who does not own the axis: nothing but the stop acts.
+/// By a session that does not own the axis: only the stop acts.
 void ControlModel::stop(Axis& axis, std::uint16_t number, bool by_halt) {
   const std::uint16_t present = axis.registers.controlword;
   const auto word = by_halt ? static_cast<std::uint16_t>(present | kHalt) : kQuickStop;
@@ -749,7 +749,7 @@ std::uint32_t ControlModel::store_by_write(Axis& axis, const msg::ObjectAccess& 
   return 0;
 }
 
-/// What is stored are the values that the registers have now.
+/// Stores the present values of the registers.
 void ControlModel::order(const Axis& axis, bool forget, std::size_t object) {
   StoreModel::Order order;
   order.request = last_storing_;
@@ -932,7 +932,7 @@ std::uint32_t ControlModel::snapshot(const msg::Request& request, Answer& answer
   return msg::REASON_NONE;
 }
 
-// ---- what the bench says ----------------------------------------------------------------------
+// ---- what the bench sends ---------------------------------------------------------------------
 
 void ControlModel::check(const msg::CommandReply& reply) {
   FrameAnswer seen{.session = reply.session(),
@@ -944,7 +944,7 @@ void ControlModel::check(const msg::CommandReply& reply) {
     seen.refusals.push_back(
         {refusal.axis(), refusal.index(), refusal.subindex(), refusal.reason()});
   }
-  // Without a refusal an answer that was not wanted comes only when a set-point was ignored.
+  // Without a refusal an unrequested answer is sent only when a set-point was ignored.
   const auto is_due = [&](const FrameAnswer& due) {
     return due.session == seen.session && due.sequence == seen.sequence && due.tick == seen.tick &&
            due.refusals == seen.refusals && (due.is_wanted || !seen.is_wanted);
@@ -979,9 +979,9 @@ const ControlModel::FrameAnswer* ControlModel::kept_of(const FrameAnswer& due) c
   if (kept != kept_frame_answers_.end()) {
     return &*kept;
   }
-  const auto letters = frames_.find(due.session);
+  const auto numbers = frames_.find(due.session);
   const bool was_answered =
-      letters != frames_.end() && letters->second.answered.contains(due.sequence);
+      numbers != frames_.end() && numbers->second.answered.contains(due.sequence);
   return was_answered ? &due : nullptr;
 }
 

@@ -45,19 +45,19 @@ struct Registers {
   }
 };
 
-/// What happened to an axis since the tick before.
+/// The changes of an axis since the previous tick.
 struct AxisCauses {
   bool commanded = false;  ///< a controlword was written
   bool cycled = false;
   bool lost = false;  ///< its master fell silent
 };
 
-/// Who commands which axis, and what becomes of each letter: an account of its own of what
+/// Who commands which axis, and what becomes of each message: an independent account of what
 /// docs/reference/wire.md promises, by what arrived. It predicts every answer, owner and
-/// register; what the bench says is held against that.
+/// register; what the bench sends is compared with it.
 class ControlModel {
  public:
-  /// What a stamp stands for.
+  /// The meaning of a stamp.
   struct Stamped {
     std::uint64_t incarnation = 0;  ///< 0 = any
     std::uint64_t session = 0;
@@ -81,16 +81,16 @@ class ControlModel {
   /// The bench has a disk, which held this set when it started.
   void store_with(StoreModel& stores, const StoredSet& loaded);
 
-  /// The bench took back so many stores that are done or failed.
+  /// The bench took back this number of finished or failed stores.
   void take_back_stores(std::size_t count);
 
-  /// The bench takes this letter now.
+  /// The bench takes this message now.
   void arrive(const msg::CommandFrame& frame);
   void arrive(const msg::Request& request);
   void note_message(std::uint64_t session);
 
-  /// Notes a request that does not `arrive`. @return whether it has arrived before: then the answer
-  /// of then is due again, unless it is in progress.
+  /// Notes a request that does not `arrive`. @return whether it has arrived before: then the first
+  /// answer is due again, unless it is in progress.
   bool is_repeat(const msg::Request& request);
 
   /// The answer to a step that was carried out or refused.
@@ -101,10 +101,10 @@ class ControlModel {
   /// The first half of a tick: frames that are due, silent masters.
   void begin_tick();
 
-  /// The second half: what the axes did.
+  /// The second half: the changes of the axes.
   void end_tick(std::span<const AxisStatus> statuses);
 
-  /// What the bench says.
+  /// What the bench sends.
   void check(const msg::CommandReply& reply);
   void check(const msg::Reply& reply);
   void check(const msg::AxisParameters& parameters);
@@ -150,13 +150,13 @@ class ControlModel {
   };
 
   /// Numbers of what has arrived from one client or session.
-  struct Letters {
+  struct Numbers {
     std::uint64_t highest = 0;
     std::set<std::uint64_t> taken;
     std::set<std::uint64_t> answered;
 
     void take(std::uint64_t number);
-    /// @return whether it is too old to be told from one that never came.
+    /// @return whether it is too old to be distinguished from one that never arrived.
     [[nodiscard]] bool has_forgotten(std::uint64_t number) const;
   };
 
@@ -198,7 +198,7 @@ class ControlModel {
 
   /// A request that waits for its orders.
   struct Storing {
-    msg::Request request;  ///< who asked, and for which session
+    msg::Request request;  ///< its sender and session
     std::uint32_t reason = 0;
     Answer answer;
     std::size_t orders = 0;
@@ -281,8 +281,8 @@ class ControlModel {
   std::deque<Waiting> waiting_;
   std::deque<FrameAnswer> frame_answers_;
   std::deque<Answer> answers_;
-  std::map<std::uint64_t, Letters> frames_;    ///< by session
-  std::map<std::uint64_t, Letters> requests_;  ///< by client
+  std::map<std::uint64_t, Numbers> frames_;    ///< by session
+  std::map<std::uint64_t, Numbers> requests_;  ///< by client
   std::deque<FrameAnswer> kept_frame_answers_;
   std::deque<Answer> kept_answers_;
   std::map<std::uint64_t, Storing> storings_;

@@ -88,7 +88,7 @@ class Disk::Files final : public service::FileOperations {
     return !std::exchange(disk_.locked_, true);
   }
 
-  /// Closes in any case, as the system does.
+  /// Closes even on failure, as the system does.
   void close(int file) override {
     disk_.open_.erase(file);
     disk_.step();

@@ -22,7 +22,7 @@ class Disk {
 
   explicit Disk(std::uint64_t seed) : random_(seed) {}
 
-  /// @return what a process does with the disk, which outlives it.
+  /// @return the file operations of a process; the disk outlives it.
   [[nodiscard]] std::unique_ptr<service::FileOperations> files();
 
   /// The next save fails once, with this errno, in its operation `number`, from 1.
@@ -40,16 +40,16 @@ class Disk {
   /// Whether an operation of this save was refused.
   [[nodiscard]] bool has_failed() const { return failed_; }
 
-  /// Whether the new file was in its place when it was: only its durability is not known.
+  /// Whether that operation came after the rename of the new file: only its durability is unknown.
   [[nodiscard]] bool has_replaced() const { return replaced_; }
 
-  /// The process ended in this save: nothing that it does has an effect.
+  /// The process ended in this save: its further operations have no effect.
   [[nodiscard]] bool is_killed() const { return killed_; }
 
-  /// There is no process any more. @param power_fails what was not synced is lost in part
+  /// The process has ended. @param power_fails what was not synced is lost in part
   void end_process(bool power_fails);
 
-  /// A disk that says it is done and is not: no sync has an effect.
+  /// A disk that reports success without it: no sync has an effect.
   void lie() { lies_ = true; }
 
  private:

@@ -79,7 +79,7 @@ void Disturber::act(const View& view, Bench& bench, SimulatedTime& time, Post& p
     }
     choice -= row.weight;
   }
-  if (bench.rate() == 0.0 && random_.per_mille(300)) {  // nobody waits for ever
+  if (bench.rate() == 0.0 && random_.per_mille(300)) {  // no actor waits for ever
     msg::Request request = new_request(msg::REQUEST_SET_RATE);
     request.rate(1.0);
     this->post(std::move(request), present);
@@ -106,7 +106,7 @@ msg::Request Disturber::new_request(std::uint32_t kind) {
 }
 
 void Disturber::post(msg::Request request, const Present& present) {
-  happenings_.tell("test bench asks", {request.request_id(), request.kind()});
+  happenings_.record("test bench requests", {request.request_id(), request.kind()});
   present.post.send(place_, std::move(request), now_);
 }
 
@@ -123,7 +123,7 @@ void Disturber::set_input(const Present& present) {
   post(std::move(request), present);
 }
 
-/// What is ill is healed until the bench says so: a letter may be lost.
+/// A disturbance is cleared again until the bench shows it: a message may be lost.
 void Disturber::heal(const Present& present) {
   auto request = new_request(msg::REQUEST_WRITE);
   for (const Ailment& ailment : ailments_) {
@@ -182,21 +182,21 @@ void Disturber::read(const Present& present) {
   post(std::move(request), present);
 }
 
-/// The tick thread is not run for a while: late ticks, a backlog, or a jump.
+/// The tick thread is stopped for a while: late ticks, a backlog, or a jump.
 void Disturber::stall(const Present& present) {
   present.time.late = random_.per_mille(800)
                           ? random_.between(100 * kMicrosecond, 90 * kMillisecond)
                           : random_.between(100 * kMillisecond, 3'000 * kMillisecond);
-  happenings_.tell("the clock stalls", {static_cast<std::uint64_t>(present.time.late)});
+  happenings_.record("the clock stalls", {static_cast<std::uint64_t>(present.time.late)});
 }
 
 void Disturber::hold_answers(const Present& present) {
   present.bench.hold_answers(now_ + random_.between(kMillisecond, 300 * kMillisecond));
-  happenings_.tell("answers are held", {});
+  happenings_.record("answers are held", {});
 }
 
 void Disturber::flood(const Present& present) {
-  happenings_.tell("a flood", {});
+  happenings_.record("a flood", {});
   for (std::uint64_t count = 0; count < kFlood; ++count) {
     auto request = new_request(msg::REQUEST_READ);
     present.post.send(place_, std::move(request), now_);
@@ -220,7 +220,7 @@ void Disturber::store(const Present& present) {
 void Disturber::fill_disk(const Present& /*present*/) {
   const bool full = random_.per_mille(200);
   disk_.fill(full);
-  happenings_.tell("the disk is full", {full ? 1U : 0U});
+  happenings_.record("the disk is full", {full ? 1U : 0U});
 }
 
 void Disturber::fail_save(const Present& /*present*/) {
@@ -228,13 +228,13 @@ void Disturber::fail_save(const Present& /*present*/) {
   const auto operation = 1 + random_.below(kMostOperations);
   const int error = random_.pick<int>(kErrors);
   disk_.fail_in(operation, error);
-  happenings_.tell("the disk fails", {operation, static_cast<std::uint64_t>(error)});
+  happenings_.record("the disk fails", {operation, static_cast<std::uint64_t>(error)});
 }
 
 void Disturber::kill_in_save(const Present& /*present*/) {
   const auto operation = 1 + random_.below(kMostOperations);
   disk_.kill_in(operation);
-  happenings_.tell("the next save is cut short", {operation});
+  happenings_.record("the next save is cut short", {operation});
 }
 
 }  // namespace vdrive::simulation

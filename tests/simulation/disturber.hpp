@@ -12,7 +12,7 @@
 
 namespace vdrive::simulation {
 
-/// What happens to the bench beside its masters.
+/// The disturbances of the bench beside its masters.
 struct Disturbances {
   bool restarts = true;    ///< of the service
   bool test_bench = true;  ///< inputs 5E00h to 5E09h, power cycles, snapshots, the rate
@@ -20,8 +20,8 @@ struct Disturbances {
   bool disk = true;        ///< stores, and a disk that is full, fails or outlives the service
 };
 
-/// The test bench and the host: disturbs axes and heals them, cycles their power, takes and
-/// restores snapshots, pauses time; lets the clock stall, the network flood and the service
+/// The test bench and the host: disturbs axes and clears that again, cycles their power, takes and
+/// restores snapshots, pauses time; makes the clock stall, the network flood and the service
 /// restart.
 class Disturber {
  public:
@@ -30,12 +30,12 @@ class Disturber {
 
   [[nodiscard]] std::int64_t next_action() const { return next_; }
 
-  /// Does one thing.
+  /// Makes one disturbance.
   void act(const View& view, Bench& bench, SimulatedTime& time, Post& post);
 
   void on(const msg::Reply& reply);
 
-  /// @return whether the service is to be restarted now; asked once.
+  /// @return whether the service is to be restarted now; true once.
   [[nodiscard]] bool wants_restart();
 
  private:

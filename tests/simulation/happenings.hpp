@@ -11,7 +11,7 @@
 
 namespace vdrive::simulation {
 
-/// What must hold, in words. A violation names one of these, or one of test::StatusInvariant.
+/// The invariants as texts. A violation names one of these, or one of test::StatusInvariant.
 struct Invariant {
   static constexpr std::string_view kNoMotion = "no motion without power";
   static constexpr std::string_view kNoJump = "no position jump without cause";
@@ -36,7 +36,7 @@ struct Violation {
   std::string seen;
 };
 
-/// Everything that happens in a seed, as one hash, and in words for who wants to read it. Keeps the
+/// Everything that happens in a seed, as one hash and as a trace on request. Keeps the
 /// first violation.
 class Happenings {
  public:
@@ -47,7 +47,7 @@ class Happenings {
     hash_ ^= hash_ >> 29U;
   }
 
-  void tell(std::string_view what, std::initializer_list<std::uint64_t> numbers) {
+  void record(std::string_view what, std::initializer_list<std::uint64_t> numbers) {
     for (const std::uint64_t number : numbers) {
       add(number);
     }

@@ -44,7 +44,7 @@ std::string read_seeds(const std::string& text, Arguments& arguments) {
       return {};
     }
   } catch (const std::exception&) {
-    // said below
+    // reported below
   }
   return "'" + text + "' is not FIRST..LAST of two whole numbers in ascending order";
 }

@@ -26,14 +26,14 @@ Master::Master(std::size_t place, const Temper& temper, std::uint64_t seed, Stam
   begin_session();
 }
 
-/// The program starts, or starts again: nothing of before is known.
+/// The program starts, or starts again: without knowledge of earlier runs.
 void Master::begin_session() {
   session_ = random_.next() | 1U;
   client_ = session_;
   last_request_ = 0;
   epoch_ = 0;
   sequence_ = 0;
-  happenings_.tell("begins a session", {place_, session_});
+  happenings_.record("begins a session", {place_, session_});
 }
 
 void Master::act(const View& view, Post& post) {
@@ -61,21 +61,21 @@ void Master::act(const View& view, Post& post) {
   } else if (choice >= 978) {
     store(view, post);
   } else if (choice >= 900) {
-    ask(view, post);
+    send_request(view, post);
   } else if (epoch_ == 0 || choice >= 300 || now_ - last_frame_ >= kKeepAlive) {
     send_frame(view, post);
   }
 }
 
-/// Silence, a program that is stopped and continued, or one that is started anew.
+/// Silence, a program that is stopped and continued, or one that restarts.
 void Master::lapse(Post& post) {
   const std::int64_t until = now_ + random_.between(50 * kMillisecond, 700 * kMillisecond);
   switch (random_.below(3)) {
     case 0:
-      happenings_.tell("falls silent", {place_});
+      happenings_.record("falls silent", {place_});
       break;
     case 1:
-      happenings_.tell("stands still", {place_});
+      happenings_.record("stands still", {place_});
       post.hold_back(place_, until);
       break;
     default:
@@ -105,15 +105,16 @@ std::uint32_t Master::new_stamp(std::uint64_t incarnation, std::uint32_t epoch) 
 }
 
 void Master::post(msg::CommandFrame frame, Post& post) {
-  happenings_.tell("sends frame", {place_, frame.session(), frame.epoch(), frame.sequence_number(),
-                                   frame.apply_at_tick(), frame.flags(), frame.axes().size()});
+  happenings_.record("sends frame",
+                     {place_, frame.session(), frame.epoch(), frame.sequence_number(),
+                      frame.apply_at_tick(), frame.flags(), frame.axes().size()});
   last_frame_ = now_;
   post.send(place_, std::move(frame), now_);
 }
 
 void Master::post(msg::Request request, Post& post) {
-  happenings_.tell("sends request", {place_, request.session(), request.request_id(),
-                                     request.kind(), request.axes().size()});
+  happenings_.record("sends request", {place_, request.session(), request.request_id(),
+                                       request.kind(), request.axes().size()});
   post.send(place_, std::move(request), now_);
 }
 
@@ -137,7 +138,7 @@ void Master::take_axes(const View& view, Post& post, bool by_force) {
   this->post(std::move(request), post);
 }
 
-/// The status of an axis that is owned says what an answer would, and cannot be lost for long.
+/// The status of an owned axis gives what an answer would, and cannot be lost for long.
 void Master::look_up_epoch(const View& view) {
   for (const wire::Ownership& owner : view.owners) {
     if (owner.session == session_) {
@@ -146,7 +147,7 @@ void Master::look_up_epoch(const View& view) {
   }
 }
 
-/// The next epoch of the bench, should nobody else be faster: commands in this one arrive right
+/// The next epoch of the bench, unless another master is faster: commands in this one arrive right
 /// behind the change of hands, and in that of another where somebody was.
 void Master::guess_epoch(const View& view) {
   for (const wire::Ownership& owner : view.owners) {
@@ -164,7 +165,7 @@ void Master::release(const View& view, Post& post) {
 }
 
 /// Reads, and writes of command objects and others, to own axes, free ones and those of others.
-void Master::ask(const View& view, Post& post) {
+void Master::send_request(const View& view, Post& post) {
   constexpr std::array<std::uint16_t, 8> kRead{0x607A, 0x6067, 0x6041, 0x6064,
                                                0x607A, 0x6067, 0x603F, 0x2000};
   const bool writes = random_.per_mille(500);
@@ -275,7 +276,7 @@ void Master::time_frame(const View& view, msg::CommandFrame& frame) {
   }
 }
 
-/// One thing is wrong, as in a program with a mistake.
+/// One member is wrong, as in a program with a mistake.
 void Master::spoil(msg::CommandFrame& frame) {
   switch (random_.below(7)) {
     case 0:
@@ -327,7 +328,7 @@ void Master::add_object(msg::AxisCommand& command, std::uint16_t index, std::int
   object.value(value);
 }
 
-/// A command such as the state of the axis calls for, with a stamp that tells whose it is.
+/// A command that suits the state of the axis, with a stamp that identifies its sender.
 void Master::fill(msg::AxisCommand& command, const AxisStatus& status,
                   const msg::CommandFrame& frame) {
   add_object(command, 0x6067, new_stamp(frame.incarnation(), frame.epoch()));
@@ -378,7 +379,7 @@ void Master::on(const msg::Reply& reply) {
   if (reply.client() != client_ || reply.incarnation() != incarnation_) {
     return;
   }
-  epoch_ = std::max(epoch_, reply.epoch());  // an answer of before may come later
+  epoch_ = std::max(epoch_, reply.epoch());  // an earlier answer may arrive later
   if (reply.epoch() == 0) {
     epoch_ = 0;
   }

@@ -14,7 +14,7 @@
 
 namespace vdrive::simulation {
 
-/// What clients see of the bench: its last status images.
+/// The view of a client: the last status images of the bench.
 struct View {
   std::uint64_t incarnation = 0;
   std::uint64_t tick = 0;
@@ -22,22 +22,22 @@ struct View {
   std::span<const wire::Ownership> owners;
 };
 
-using Post = Network<Letter>;
+using Post = Network<ClientMessage>;
 using Stamps = std::vector<ControlModel::Stamped>;
 
 inline constexpr std::uint32_t kBench = 7;
 
 /// How a master behaves, drawn for each seed.
 struct Temper {
-  std::int64_t longest_pause = 12 * kMillisecond;  ///< between two letters
+  std::int64_t longest_pause = 12 * kMillisecond;  ///< between two messages
   std::uint64_t greed = 8;                         ///< per mille of actions that take over
   std::uint64_t rudeness = 30;                     ///< per mille that are wrong in some way
-  std::uint64_t lapses = 2;                        ///< per mille that silence it for a while
+  std::uint64_t lapses = 2;                        ///< per mille that stop its messages for a while
   std::uint64_t haste = 0;  ///< per mille of actions that do not wait for an answer
 };
 
 /// A program that wants axes, commands them and keeps alive, as the client library does, until it
-/// falls silent, stands still, restarts, repeats itself or sends what is wrong.
+/// stops sending, stands still, restarts, repeats itself or sends invalid messages.
 class Master {
  public:
   Master(std::size_t place, const Temper& temper, std::uint64_t seed, Stamps& stamps,
@@ -45,7 +45,7 @@ class Master {
 
   [[nodiscard]] std::int64_t next_action() const { return next_; }
 
-  /// Does one thing.
+  /// Makes one action.
   void act(const View& view, Post& post);
 
   void on(const msg::Reply& reply);
@@ -62,7 +62,7 @@ class Master {
   void look_up_epoch(const View& view);
   void guess_epoch(const View& view);
   void release(const View& view, Post& post);
-  void ask(const View& view, Post& post);
+  void send_request(const View& view, Post& post);
   void store(const View& view, Post& post);
   void send_frame(const View& view, Post& post);
   void time_frame(const View& view, msg::CommandFrame& frame);

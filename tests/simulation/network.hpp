@@ -15,12 +15,12 @@
 namespace vdrive::simulation {
 
 /// What a client sends.
-using Letter = std::variant<msg::CommandFrame, msg::Request>;
+using ClientMessage = std::variant<msg::CommandFrame, msg::Request>;
 
 inline constexpr std::int64_t kMicrosecond = 1'000;  ///< times are in ns
 inline constexpr std::int64_t kMillisecond = 1'000'000;
 
-/// How a network treats letters.
+/// How a network treats messages.
 struct NetworkHabits {
   std::uint64_t drops = 0;    ///< per mille
   std::uint64_t doubles = 0;  ///< per mille
@@ -29,7 +29,7 @@ struct NetworkHabits {
   bool keeps_order = false;  ///< of one sender
 };
 
-/// Letters on their way, to the bench or back: dropped, doubled, late, in another order.
+/// Messages in transit, to the bench or back: dropped, doubled, late, in another order.
 template <typename Message>
 class Network {
  public:
@@ -47,7 +47,7 @@ class Network {
     put(sender, std::move(message), now);
   }
 
-  /// Nothing of this sender arrives before `until`: its process or its host stands still.
+  /// No message of this sender arrives before `until`: its process or its host is paused.
   void hold_back(std::size_t sender, std::int64_t until) {
     held_until_[sender] = std::max(held_until_[sender], until);
     for (auto& entry : entries_) {
@@ -62,7 +62,7 @@ class Network {
     return !entries_.empty() && entries_.front().time <= now;
   }
 
-  /// @return the letter that arrived first, with its sender.
+  /// @return the message that arrived first, with its sender.
   std::pair<std::size_t, Message> take() {
     std::pop_heap(entries_.begin(), entries_.end(), later);
     std::pair<std::size_t, Message> taken{entries_.back().sender,

@@ -90,7 +90,7 @@ Temper draw_temper(Play play, Random& random) {
           .lapses = random.below(8)};
 }
 
-/// All of it: time, network, clients, and one run of the service after another.
+/// The whole simulation: time, network, clients, and one run of the service after another.
 class World {
  public:
   explicit World(const Options& options)
@@ -123,7 +123,7 @@ class World {
     const double period = std::chrono::duration<double>(configuration_.period).count();
     auto ticks = static_cast<std::uint64_t>(std::ceil(options_.seconds / period));
     if (options_.stop_at_tick != 0) {
-      // To the last cycle of that tick: time may stand there, and the service restart.
+      // To the last cycle of that tick: time may stand still there, and the service may restart.
       ticks = std::min(ticks, options_.stop_at_tick + 1);
     }
     while (happenings_.tick() < ticks && !happenings_.violation()) {
@@ -156,7 +156,7 @@ class World {
                    options_.play == Play::everything ? &storage_ : nullptr, options_.sabotage,
                    happenings_);
     bench_->model().use(stamps_, revocations_);
-    happenings_.tell("the service starts", {bench_->incarnation()});
+    happenings_.record("the service starts", {bench_->incarnation()});
   }
 
   void take_stock() {
@@ -168,7 +168,7 @@ class World {
     report_.failed_stores += bench_->counters().save_failures.get();
   }
 
-  /// Everybody but the bench lives until `now`; then what has arrived by now is in the inbox.
+  /// Runs all actors except the bench until `now`; then the inbox has all that has arrived.
   void live_until(std::int64_t now) {
     const View view{bench_->incarnation(), bench_->image().tick, bench_->image().status,
                     bench_->image().owners};
@@ -181,7 +181,7 @@ class World {
       disturber_.act(view, *bench_, time_, post_);
     }
     if (configuration_.clock == service::ClockMode::lockstep && now >= next_step_) {
-      ask_for_steps(now);
+      request_steps(now);
     }
     while (post_.has_arrived(now)) {
       bench_->receive(post_.take().second);
@@ -207,9 +207,9 @@ class World {
     }
   }
 
-  /// One program steps: sometimes for a master, whose frames it waits for. It goes on when it is
+  /// One program steps: sometimes for a master, whose frames it waits for. It continues when it is
   /// answered or has waited long enough.
-  void ask_for_steps(std::int64_t now) {
+  void request_steps(std::int64_t now) {
     msg::Request request;
     request.client(kStepperClient);
     request.request_id(++last_step_);

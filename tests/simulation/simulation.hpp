@@ -11,7 +11,7 @@
 
 namespace vdrive::simulation {
 
-/// What is played.
+/// The options of a run.
 enum class Play : std::uint8_t {
   everything,  ///< two masters, the bench's helpers and all disturbances; the clock by the seed
   fight,       ///< two masters that take the axes from each other all the time, and a bad network
@@ -29,7 +29,7 @@ struct Options {
   Sabotage sabotage = Sabotage::none;
 };
 
-/// What came of a seed.
+/// The result of a seed.
 struct Report {
   std::uint64_t seed = 0;
   std::uint64_t ticks = 0;
@@ -48,7 +48,7 @@ struct Report {
   void add(const Report& other);
 };
 
-/// Plays the seed: everything follows from it. Ends with the first violation.
+/// Plays the seed, which determines everything. Ends with the first violation.
 [[nodiscard]] Report simulate(const Options& options);
 
 }  // namespace vdrive::simulation

@@ -19,13 +19,13 @@
 namespace vdrive::simulation {
 namespace {
 
-/// Disks fail in many seeds, which is no news.
+/// Disks fail in many seeds: the log of that is off.
 const bool kIsQuiet = [] {
   spdlog::set_level(spdlog::level::off);
   return true;
 }();
 
-/// Sanitizers and debug code take their time: there the same with fewer seeds.
+/// Sanitizers and debug builds are slow: they run fewer seeds.
 std::uint64_t count_of(std::uint64_t optimised, std::uint64_t debug) {
 #if defined(NDEBUG) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
   static_cast<void>(debug);
@@ -63,7 +63,7 @@ Report play_all(Options options, std::uint64_t seeds) {
   return sum;
 }
 
-TEST(Simulation, AMinuteOfSixteenAxesKeepsEveryInvariantInEverySeed) {
+TEST(Simulation, KeepsEveryInvariantForAMinuteOfSixteenAxesInEverySeed) {
   const Report sum = play_all({}, count_of(20, 2));
   EXPECT_GT(sum.commands, 500U);
   EXPECT_GT(sum.refused_frames, 50U);
@@ -76,7 +76,7 @@ TEST(Simulation, AMinuteOfSixteenAxesKeepsEveryInvariantInEverySeed) {
 
 // A hundred ticks do for several changes of hands: a master acts every 2 ms on average, and one
 // action in eight takes axes over.
-TEST(Simulation, TwoMastersThatFightNeverExecuteACommandOfARevokedEpoch) {
+TEST(Simulation, NeverExecutesACommandOfARevokedEpochOfTwoCompetingMasters) {
   const Report sum = play_all(
       {.seconds = 0.1, .axes = 2, .play = Play::fight, .clock = service::ClockMode::lockstep},
       count_of(5'000, 500));
@@ -84,14 +84,14 @@ TEST(Simulation, TwoMastersThatFightNeverExecuteACommandOfARevokedEpoch) {
   EXPECT_GT(sum.refused_frames, count_of(1'000, 100));
 }
 
-TEST(Simulation, TheSameSeedHappensTwiceTheSame) {
+TEST(Simulation, GivesTheSameRunForTheSameSeed) {
   for (std::uint64_t seed = 1; seed <= count_of(12, 4); ++seed) {
     const Options options{.seed = seed, .seconds = 2.0};
     EXPECT_EQ(simulate(options).hash, simulate(options).hash) << "seed " << seed;
   }
 }
 
-TEST(Simulation, TheNumberOfThreadsChangesNothing) {
+TEST(Simulation, GivesTheSameRunForAnyNumberOfThreads) {
   for (std::uint64_t seed = 1; seed <= count_of(6, 2); ++seed) {
     const Report one = simulate({.seed = seed, .seconds = 1.0, .axes = 40});
     const Report four = simulate({.seed = seed, .seconds = 1.0, .axes = 40, .threads = 4});
@@ -99,14 +99,14 @@ TEST(Simulation, TheNumberOfThreadsChangesNothing) {
   }
 }
 
-TEST(Simulation, DifferentSeedsAreDifferent) {
+TEST(Simulation, GivesDifferentRunsForDifferentSeeds) {
   EXPECT_NE(simulate({.seed = 1, .seconds = 1.0}).hash, simulate({.seed = 2, .seconds = 1.0}).hash);
 }
 
-TEST(Simulation, ATraceTellsWhatHappensAndChangesNothing) {
+TEST(Simulation, WritesATraceWithoutAnEffectOnTheRun) {
   std::ostringstream trace;
-  const Report told = simulate({.seed = 3, .seconds = 1.0, .trace = &trace});
-  EXPECT_EQ(told.hash, simulate({.seed = 3, .seconds = 1.0}).hash);
+  const Report report = simulate({.seed = 3, .seconds = 1.0, .trace = &trace});
+  EXPECT_EQ(report.hash, simulate({.seed = 3, .seconds = 1.0}).hash);
   EXPECT_NE(trace.str().find("sends frame"), std::string::npos);
   EXPECT_NE(trace.str().find("answers frame"), std::string::npos);
 }
@@ -123,7 +123,7 @@ std::ostream& operator<<(std::ostream& stream, const SabotageRow& row) {
 
 class BrokenService : public testing::TestWithParam<SabotageRow> {};
 
-TEST_P(BrokenService, IsNoticedAndFailsInTheSameTickAgain) {
+TEST_P(BrokenService, IsDetectedInTheSameTickOfEachRun) {
   Report noticed;
   for (std::uint64_t seed = 1; seed <= 20 && !noticed.violation; ++seed) {
     noticed = simulate({.seed = seed,
@@ -185,7 +185,7 @@ INSTANTIATE_TEST_SUITE_P(
     });
 
 // The demand starts at rest at 0 and goes 50 UU each tick of 1 ms: beyond 1000 with the 21st.
-TEST(AxisWatch, NoticesADemandThatLeavesTheRange) {
+TEST(AxisWatch, DetectsADemandOutsideTheRange) {
   AxisLimits limits;
   limits.has_range = true;
   limits.lower = -1'000;
@@ -233,12 +233,12 @@ Happenings brake_with(std::int16_t torque) {
   return happenings;
 }
 
-TEST(AxisWatch, ToleratesAnAxisThatIsTooFastWhileItBrakesWithAllItsTorque) {
+TEST(AxisWatch, AllowsAnAxisThatIsTooFastWhileItBrakesWithFullTorque) {
   const Happenings happenings = brake_with(-1'000);
   EXPECT_FALSE(happenings.violation()) << happenings.violation()->invariant;
 }
 
-TEST(AxisWatch, NoticesAnAxisThatStaysTooFastWithTorqueToSpare) {
+TEST(AxisWatch, DetectsAnAxisThatStaysTooFastWithUnusedTorque) {
   for (const int torque : {-900, 0, 1'000}) {
     const Happenings happenings = brake_with(static_cast<std::int16_t>(torque));
     ASSERT_TRUE(happenings.violation()) << torque;
@@ -247,7 +247,7 @@ TEST(AxisWatch, NoticesAnAxisThatStaysTooFastWithTorqueToSpare) {
 }
 
 // What the engine would execute, seen in the registers alone: a command whose epoch has ended.
-TEST(ControlModel, NoticesACommandOfARevokedEpochInTheRegisters) {
+TEST(ControlModel, DetectsACommandOfARevokedEpochInTheRegisters) {
   service::Configuration configuration;
   configuration.clock = service::ClockMode::lockstep;
   configuration.axes = service::default_axes(1);
@@ -276,7 +276,7 @@ TEST(ControlModel, NoticesACommandOfARevokedEpochInTheRegisters) {
   EXPECT_EQ(happenings.violation()->invariant, Invariant::kRevoked);
 }
 
-TEST(ControlModel, NoticesACommandForAnOldIncarnationInTheRegisters) {
+TEST(ControlModel, DetectsACommandForAnOldIncarnationInTheRegisters) {
   service::Configuration configuration;
   configuration.clock = service::ClockMode::lockstep;
   configuration.axes = service::default_axes(1);

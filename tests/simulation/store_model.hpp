@@ -13,7 +13,7 @@
 
 namespace vdrive::simulation {
 
-/// What 1010h stores of an axis, of the registers that the actors write.
+/// The registers that the actors write and 1010h stores.
 struct StoredValues {
   std::uint32_t stamp = 100;        ///< 6067h, with its default
   std::uint32_t velocity = 68'267;  ///< 6081h, with its default
@@ -24,7 +24,7 @@ struct StoredValues {
 /// By the number of the axis.
 using StoredSet = std::map<std::uint16_t, StoredValues>;
 
-/// What a disk must hold, by what was asked for and by what happened to the disk: an account that
+/// What a disk must hold, by the requests and by what happened to the disk: an account that
 /// outlasts the runs of the service.
 class StoreModel {
  public:
@@ -38,7 +38,7 @@ class StoreModel {
     bool failed = false;
   };
 
-  /// What became of a save.
+  /// The result of a save.
   enum class Outcome : std::uint8_t {
     durable,
     refused,   ///< the new file never was in its place

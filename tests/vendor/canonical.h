@@ -149,7 +149,7 @@ static inline void write_signed(FILE* out, const char* path, const char* name, i
   fprintf(out, "%s%s=%" PRId64 "\n", path, name, value);
 }
 
-// The bits, so that -0 and what is not a number are told apart too.
+// The bits, so that -0 and a value that is not a number are distinguished too.
 static inline void write_real(FILE* out, const char* path, const char* name, double value) {
   uint64_t bits;
   memcpy(&bits, &value, sizeof bits);

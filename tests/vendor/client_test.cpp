@@ -105,7 +105,7 @@ TEST(CycloneClient, RunsTheManualsForwardExampleInRealTime) {
 
 // The walk of docs/reference/wire.md, step 5: the fault reset comes first. 0x250 is Switch on
 // disabled, the state of transition 15.
-TEST(CycloneClient, RunsTheManualsForwardExampleAfterAClientThatWasKilled) {
+TEST(CycloneClient, RunsTheManualsForwardExampleAfterAKilledClient) {
   const FastBench bench;
   const Finished client = client_after_a_killed_one();
   EXPECT_EQ(client.code, 0) << client.output << client.errors;
@@ -113,7 +113,7 @@ TEST(CycloneClient, RunsTheManualsForwardExampleAfterAClientThatWasKilled) {
   EXPECT_THAT(client.lines(), Contains("9 arrived: 6041h = 0x1637, 6062h = 10000, 6064h = 10000"));
 }
 
-TEST(CycloneClient, TellsWhyWhenTheAxisDoesNotExist) {
+TEST(CycloneClient, ReportsAnAxisThatDoesNotExist) {
   const RunningService service("--clock lockstep");
   const Finished client = client_on("1", "9");
   EXPECT_EQ(client.code, 1);
@@ -131,7 +131,7 @@ TEST(RawExample, MovesTheAxisToTheTargetAndLeavesItThere) {
   EXPECT_THAT(position.output, testing::HasSubstr("10000"));
 }
 
-TEST(RawExample, FitsOnFewPages) {
+TEST(RawExample, IsShorterThan200Lines) {
   std::ifstream file(VDRIVE_SOURCE_DIR "/clients/examples/06_raw_dds/raw_dds.c");
   int lines = 0;
   for (std::string line; std::getline(file, line);) ++lines;

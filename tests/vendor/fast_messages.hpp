@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The Fast DDS side: every message filled and written down field by field. The rows are generated
+// The Fast DDS side: every message is filled and printed field by field. The rows are generated
 // from the IDL, so a member that is added there is compared here.
 #pragma once
 
@@ -107,7 +107,7 @@ namespace vdrive::test {
 
 // clang-format on
 
-/// @return every field of `message`, one a line.
+/// @return every field of `message`, one in each line.
 template <typename Message>
 std::string text_of(const Message& message) {
   char* buffer = nullptr;

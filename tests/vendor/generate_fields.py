@@ -6,7 +6,7 @@
 
 A file that includes OUTPUT defines what a row does, once for each language, and so handles every
 field without naming one. Knows the subset of IDL that docs/reference/wire.md permits and refuses
-the rest, so that nothing is left out in silence.
+the rest, so that nothing is left out without an error.
 """
 import pathlib
 import re

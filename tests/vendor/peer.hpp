@@ -30,7 +30,7 @@ class Peer {
   /// Waits until its endpoint is matched.
   [[nodiscard]] bool match();
 
-  /// Lets it write a sample (canonical.h). @return the text of the sample, empty when it failed
+  /// Makes it write a sample (canonical.h). @return the text of the sample, empty when it failed
   std::string write(int filling, std::uint64_t instance, std::uint64_t count);
 
   /// Waits for a sample. @return the text of the sample, empty when none came

@@ -107,9 +107,9 @@ std::string pass(Receiver& receiver, const std::string& previous, bool may_be_lo
   return text;
 }
 
-/// A volatile reader of Cyclone DDS begins with the first heartbeat that it hears from a writer of
-/// another vendor; what was written before is history to it. @return the text of the sample that
-/// came through, empty when none did
+/// A volatile reader of Cyclone DDS begins with the first heartbeat that it receives from a writer
+/// of another vendor; earlier samples are history to it. @return the text of the sample that
+/// arrived, empty when none did
 template <typename Message>
 std::string open_the_way(wire::Publication<Message>& publication, Peer& reader) {
   if (!publication.wait_for_matched(1, kPatience) || !reader.match()) {
@@ -140,7 +140,7 @@ testing::Types<Message...> messages_of(const std::tuple<wire::TopicRow<Message>.
 using Messages = decltype(messages_of(wire::kTopicRows));
 TYPED_TEST_SUITE(CycloneOnTopic, Messages, TopicName);
 
-/// Other values in each sample, also where its filling does not matter.
+/// Different values in each sample, even where the values have no effect.
 constexpr std::uint64_t count_of(int filling) {
   return 100 * static_cast<std::uint64_t>(filling);
 }
@@ -174,7 +174,7 @@ TYPED_TEST(CycloneOnTopic, WritesEveryFieldThatFastDdsReads) {
   }
 }
 
-TEST(CycloneTopics, DropWhatIsLongerThanTheIdlAllows) {
+TEST(CycloneTopics, DropMessagesLongerThanTheIdlAllows) {
   wire::Participant participant({.domain = test_domain()}, "fast");
   wire::Publication<msg::CommandFrame> publication(participant);
   Peer reader("vdrive/v1/command", "reader");

@@ -4,9 +4,9 @@
 //
 //   vendor_client DOMAIN BENCH AXIS
 //
-// In lock-step it advances the time itself and looks at the status in the replies; in real time it
-// follows the status topic and keeps its session alive. Prints a line a row. Exit code 0: every row
-// showed what the manual says; 1: one line on standard error tells what was missing.
+// In lock-step it advances the time itself and reads the status from the replies; in real time it
+// follows the status topic and keeps its session alive. Prints a line for each row. Exit code 0:
+// every row showed the values of the manual; 1: one line on standard error names what was missing.
 #include "vdrive_messages.h"
 
 #include <dds/dds.h>
@@ -175,9 +175,9 @@ static vdrive_msg_Reply* wait_for_reply(const Client* client, dds_duration_t pat
   return NULL;
 }
 
-// Asks and waits for the reply. The first reply of all may be lost, so the first question is asked
-// again; the others are asked once.
-static vdrive_msg_Reply* ask(Client* client, vdrive_msg_Request* request, const char* what) {
+// Sends a request and waits for the reply. The very first reply may be lost, so the first request
+// is repeated; the others are sent once.
+static vdrive_msg_Reply* exchange(Client* client, vdrive_msg_Request* request, const char* what) {
   const dds_time_t deadline = dds_time() + kPatience;
   const dds_duration_t patience = client->requests == 0 ? kAgain : kPatience;
   vdrive_msg_Reply* reply = NULL;
@@ -203,11 +203,11 @@ static void hand_back(const Client* client, vdrive_msg_Reply* reply) {
   dds_return_loan(client->replies.reader, &sample, 1);
 }
 
-static void ask_for_axis(Client* client, uint32_t kind, const char* what) {
+static void request_for_axis(Client* client, uint32_t kind, const char* what) {
   vdrive_msg_Request request = {.kind = kind};
   request.axes._buffer = &client->axis;
   request.axes._length = request.axes._maximum = 1;
-  vdrive_msg_Reply* reply = ask(client, &request, what);
+  vdrive_msg_Reply* reply = exchange(client, &request, what);
   client->epoch = reply->epoch;
   hand_back(client, reply);
 }
@@ -217,7 +217,7 @@ static int64_t read_object(Client* client, uint16_t index) {
   vdrive_msg_Request request = {.kind = vdrive_msg_REQUEST_READ};
   request.objects._buffer = &object;
   request.objects._length = request.objects._maximum = 1;
-  vdrive_msg_Reply* reply = ask(client, &request, "read");
+  vdrive_msg_Reply* reply = exchange(client, &request, "read");
   if (reply->objects._length != 1 || reply->objects._buffer[0].abort_code != 0) {
     fail("object %04" PRIX16 "h cannot be read", index);
   }
@@ -263,7 +263,7 @@ static uint64_t wait_until_applied(const Client* client, dds_duration_t patience
   return 0;
 }
 
-// The first reply may be lost here, too: keep-alives that want one, until it comes.
+// The first reply may be lost here, too: send keep-alives that request one until it arrives.
 static void open_command_replies(Client* client) {
   const dds_time_t deadline = dds_time() + kPatience;
   do {
@@ -283,7 +283,7 @@ static void step(Client* client, uint64_t ticks) {
       .kind = vdrive_msg_REQUEST_STEP, .ticks = ticks, .last_sequence = client->frames};
   request.axes._buffer = &client->axis;
   request.axes._length = request.axes._maximum = 1;
-  vdrive_msg_Reply* reply = ask(client, &request, "step");
+  vdrive_msg_Reply* reply = exchange(client, &request, "step");
   if (reply->statuses._length != 1) {
     fail("step without status");
   }
@@ -315,7 +315,7 @@ static void follow(Client* client) {
 }
 
 // Advances by `ticks` in lock-step; to the next status otherwise.
-static void look(Client* client, uint64_t ticks) {
+static void observe(Client* client, uint64_t ticks) {
   static dds_time_t last_frame = 0;
   if (client->lockstep) {
     step(client, ticks);
@@ -335,7 +335,7 @@ static void command(Client* client, vdrive_msg_AxisCommand* command) {
     fail("frame %" PRIu64 ": no reply", client->frames);
   }
   do {
-    look(client, 1);
+    observe(client, 1);
   } while (client->now.tick < tick);
 }
 
@@ -378,13 +378,13 @@ static void set_target(Client* client) {
 static void wait_for_arrival(Client* client) {
   const dds_time_t deadline = dds_time() + kLongestMove;
   while (client->now.ds402_statusword == 0x1237 && dds_time() < deadline) {
-    look(client, kTicksPerStep);
+    observe(client, kTicksPerStep);
   }
   if (client->now.ds402_statusword != 0x1637) {
     fail("row 9: 6041h is 0x%" PRIX16, client->now.ds402_statusword);
   }
   while (client->now.load_position_actual_value != 10000 && dds_time() < deadline) {
-    look(client, kTicksPerStep);
+    observe(client, kTicksPerStep);
   }
   printf("9 arrived: 6041h = 0x%" PRIX16 ", 6062h = %" PRId32 ", 6064h = %" PRId32 "\n",
          client->now.ds402_statusword, client->now.position_demand_value,
@@ -396,7 +396,7 @@ static void wait_for_arrival(Client* client) {
 
 // An axis whose last client was killed stands in a fault.
 static void reset_fault(Client* client) {
-  look(client, 1);
+  observe(client, 1);
   if ((client->now.ds402_statusword & 0x8) != 0) {
     controlword(client, "0 fault reset", 0x80, 0x250);
   }
@@ -434,16 +434,16 @@ int main(int argc, char** argv) {
   if (argc != 4) {
     fail("usage: vendor_client DOMAIN BENCH AXIS");
   }
-  setvbuf(stdout, NULL, _IOLBF, BUFSIZ);  // who reads it sees each row at once
+  setvbuf(stdout, NULL, _IOLBF, BUFSIZ);  // the reader sees each row at once
   Client client = {.bench = (uint32_t)strtoul(argv[2], NULL, 10),
                    .axis = (uint16_t)strtoul(argv[3], NULL, 10)};
   open_client(&client, (dds_domainid_t)strtoul(argv[1], NULL, 10));
   find_bench(&client);
-  ask_for_axis(&client, vdrive_msg_REQUEST_ACQUIRE, "acquire");
+  request_for_axis(&client, vdrive_msg_REQUEST_ACQUIRE, "acquire");
   open_command_replies(&client);
   printf("axis %" PRIu16 " held in epoch %" PRIu32 "\n", client.axis, client.epoch);
   run_example(&client);
-  ask_for_axis(&client, vdrive_msg_REQUEST_RELEASE, "release");
+  request_for_axis(&client, vdrive_msg_REQUEST_RELEASE, "release");
   printf("released\n");
   dds_delete(client.participant);
   return EXIT_SUCCESS;

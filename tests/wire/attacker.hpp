@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whoever sends what no participant sends.
+// A sender of datagrams that no participant sends.
 #pragma once
 
 #include "datagrams.hpp"
@@ -53,7 +53,7 @@ inline Datagram statistics_with_more_behind(const GuidPrefix& sender) {
 }
 
 /// Makes a Fast DDS participant without a guard spin. It comes from the publications of a
-/// participant that is known: another one is not listened to.
+/// known participant: datagrams of another one are ignored.
 inline Datagram gap_without_end(const GuidPrefix& sender) {
   const std::int64_t far = std::int64_t{1} << 36U;
   return DatagramWriter(sender)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Our own encoder and decoder against those that the generator makes of the IDL.
+// Our own encoder and decoder against the generated ones of the IDL.
 #include "vdrive/wire/codec.hpp"
 
 #include "vdrive/wire/status_frame.hpp"
@@ -35,7 +35,7 @@ Bytes encoded_big_endian(const Message& message) {
   return bytes;
 }
 
-/// Every member another value.
+/// A different value in every member.
 AxisStatus make_status(unsigned seed) {
   std::minstd_rand random(seed + 1);
   AxisStatus status;
@@ -80,7 +80,7 @@ TEST(StatusCodec, WritesTheBytesOfTheGeneratedEncoder) {
   EXPECT_EQ(sample, encoded(message.axes()[1]));
 }
 
-TEST(StatusCodec, WritesNothingWhereThereIsNoRoom) {
+TEST(StatusCodec, WritesNothingWithoutRoom) {
   const std::vector<AxisStatus> status(2);
   const std::vector<Ownership> owners(2);
   const std::vector<std::uint16_t> numbers{1, 2};
@@ -120,7 +120,7 @@ Bytes bytes_of(const ReceivedStatus& received) {
   return encoded(message);
 }
 
-TEST(StatusFrameView, ReadsWhatTheGeneratedDecoderReads) {
+TEST(StatusFrameView, ReadsTheSameValuesAsTheGeneratedDecoder) {
   constexpr std::size_t kAxes = 5;
   const Bytes sample = status_frame(kAxes);
   msg::StatusFrame message;
@@ -140,7 +140,7 @@ TEST(StatusFrameView, ReadsWhatTheGeneratedDecoderReads) {
   }
 }
 
-TEST(StatusFrameView, TakesWholeFramesOnly) {
+TEST(StatusFrameView, AcceptsWholeFramesOnly) {
   const Bytes sample = status_frame(3);
   for (std::size_t size = 0; size < sample.size(); ++size) {
     EXPECT_FALSE(StatusFrameView::of(std::span(sample).first(size)).has_value()) << size;
@@ -149,12 +149,12 @@ TEST(StatusFrameView, TakesWholeFramesOnly) {
   EXPECT_EQ(StatusFrameView::of(status_frame(0))->size(), 0U);
 }
 
-TEST(StatusFrameView, TakesNoMoreAxesThanAFrameMayHold) {
+TEST(StatusFrameView, RefusesMoreAxesThanAFrameMayHold) {
   EXPECT_EQ(StatusFrameView::of(status_frame(256))->size(), 256U);
   EXPECT_FALSE(StatusFrameView::of(status_frame(257)).has_value());
 }
 
-TEST(StatusFrameView, TakesPlainLittleEndianCdrOnly) {
+TEST(StatusFrameView, AcceptsPlainLittleEndianCdrOnly) {
   for (const std::size_t byte : {0U, 1U}) {
     Bytes sample = status_frame(1);
     sample[byte] ^= std::byte{1};
@@ -218,11 +218,11 @@ msg::Request make_request(std::size_t axes, std::size_t objects) {
   return request;
 }
 
-TEST(CommandDecoder, ReadsWhatTheGeneratedEncoderWrites) {
+TEST(CommandDecoder, ReadsMessagesOfTheGeneratedEncoder) {
   CommandDecoder decoder;
   msg::CommandFrame frame;
   msg::Request request;
-  // Larger and smaller in turn: what is read must not depend on what was read before.
+  // Larger and smaller in turn: a reading must not depend on the previous one.
   for (const std::size_t size : {0U, 256U, 1U, 40U, 3U}) {
     const auto sent = make_frame(size, 3);
     EXPECT_EQ(decoder.decode(encoded(sent), frame), Decoding::good);
@@ -237,7 +237,7 @@ TEST(CommandDecoder, ReadsWhatTheGeneratedEncoderWrites) {
   }
 }
 
-TEST(CommandDecoder, CallsEverySampleThatEndsEarlyMalformed) {
+TEST(CommandDecoder, ReportsEveryTruncatedSampleAsMalformed) {
   CommandDecoder decoder;
   msg::CommandFrame frame;
   msg::Request request;
@@ -251,7 +251,7 @@ TEST(CommandDecoder, CallsEverySampleThatEndsEarlyMalformed) {
   }
 }
 
-TEST(CommandDecoder, ReadsTheHeadOfWhatIsBeyondItsBounds) {
+TEST(CommandDecoder, ReadsTheHeaderOfAMessageBeyondItsBounds) {
   CommandDecoder decoder;
   msg::CommandFrame frame;
   EXPECT_EQ(decoder.decode(encoded(make_frame(257, 0)), frame), Decoding::too_many_axes);
@@ -267,7 +267,7 @@ TEST(CommandDecoder, ReadsTheHeadOfWhatIsBeyondItsBounds) {
   EXPECT_TRUE(request.axes().empty());
 }
 
-TEST(CommandDecoder, TakesPlainCdrOnly) {
+TEST(CommandDecoder, AcceptsPlainCdrOnly) {
   CommandDecoder decoder;
   msg::CommandFrame frame;
   Bytes sample = encoded(make_frame(1, 0));
@@ -277,7 +277,7 @@ TEST(CommandDecoder, TakesPlainCdrOnly) {
   }
 }
 
-TEST(Codec, GivesEveryMessageBack) {
+TEST(Codec, DecodesEveryEncodedMessageUnchanged) {
   msg::BenchState state;
   state.bench(2);
   state.lateness_histogram({1, 2, 3});

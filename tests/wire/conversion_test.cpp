@@ -22,14 +22,14 @@ AxisStatus status_with_distinct_values() {
   return status;
 }
 
-/// Of what is not on the network 0 comes back.
+/// Members that are not on the network are 0 after the conversion.
 void expect_same(const AxisStatus& received, const AxisStatus& sent) {
   for (const StatusMember& member : status_members()) {
     EXPECT_EQ(member.value(received), member.is_published ? member.value(sent) : 0) << member.name;
   }
 }
 
-TEST(StatusConversion, GivesBackEveryValue) {
+TEST(StatusConversion, KeepsEveryValue) {
   const AxisStatus status = status_with_distinct_values();
   msg::AxisStatus message;
   to_message(status, {.bench = 7, .axis = 3}, 42, {.session = 9, .epoch = 8, .last_sequence = 6},
@@ -110,7 +110,7 @@ TEST(ParameterConversion, ReadsEveryWritableObjectOfTheManual) {
   EXPECT_EQ(message.positioning_option_code(), 1U);
 }
 
-TEST(ConvertUnit, GoesThroughTheDescriptionOfAnAxis) {
+TEST(ConvertUnit, KeepsAUnitThroughTheDescriptionOfAnAxis) {
   const Unit mm{.kind = UnitKind::linear, .name = "mm", .size = 1'000.5};
   msg::AxisDescription message;
   to_message(mm, message);
@@ -122,7 +122,7 @@ TEST(ConvertUnit, GoesThroughTheDescriptionOfAnAxis) {
   EXPECT_EQ(unit_of(message), Unit());
 }
 
-TEST(ConvertUnit, ThatIsNotUsableIsTheDefault) {
+TEST(ConvertUnit, ReplacesAnUnusableUnitByTheDefault) {
   msg::AxisDescription message;
   EXPECT_EQ(unit_of(message), Unit()) << "kind 0";
   message.unit_kind(msg::UNIT_LINEAR);
@@ -136,7 +136,7 @@ TEST(ConvertUnit, ThatIsNotUsableIsTheDefault) {
   EXPECT_EQ(unit_of(message), Unit());
 }
 
-TEST(DescribeReason, HasWordsForReasonsAndAbortCodes) {
+TEST(DescribeReason, HasTextsForReasonsAndAbortCodes) {
   EXPECT_EQ(describe_reason(msg::REASON_UNKNOWN_AXIS), "no such axis");
   const std::string abort_code = describe_reason(0x06010002);
   EXPECT_TRUE(abort_code.starts_with("0x06010002, ")) << abort_code;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The guard's look at bytes, without a network.
+// The guard's check of bytes, without a network.
 #include "guard/datagram_check.hpp"
 
 #include "guard/announcement.hpp"
@@ -307,14 +307,14 @@ std::vector<Case> cases() {
   };
 }
 
-class ADatagram : public testing::TestWithParam<Case> {};
+class CheckedDatagram : public testing::TestWithParam<Case> {};
 
-TEST_P(ADatagram, IsJudgedByItsBytes) {
+TEST_P(CheckedDatagram, IsAcceptedOrRefusedByItsBytes) {
   const Datagram datagram = GetParam().make();
   EXPECT_EQ(describe(check_datagram(datagram).refusal), describe(GetParam().expected));
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, ADatagram, testing::ValuesIn(cases()), [](const auto& row) {
+INSTANTIATE_TEST_SUITE_P(Kinds, CheckedDatagram, testing::ValuesIn(cases()), [](const auto& row) {
   return std::string(row.param.name);
 });
 
@@ -329,7 +329,7 @@ TEST(DatagramCheck, SurvivesEveryTruncation) {
   }
 }
 
-TEST(DatagramCheck, LeavesOutTheStatisticsOfFastDds) {
+TEST(DatagramCheck, RemovesTheStatisticsOfFastDds) {
   Datagram datagram = user_data(1);
   const std::size_t without = datagram.size();
   const Datagram statistics = DatagramWriter(kSender).add(0x80, 1, Datagram(56)).bytes();
@@ -357,7 +357,7 @@ std::span<std::uint8_t> list_of(Datagram& datagram) {
   return rtps_bytes::list_in(datagram, submessage, rtps_bytes::parse_data(submessage, 16));
 }
 
-TEST(Announcement, TellsWhoAnnouncesWhatLease) {
+TEST(Announcement, NamesParticipantLeaseAndKindOfProgram) {
   const auto read_one = [](const char* name) {
     return announcement_in(single(0x15, test::announcement(kSender, name, 20), kWithData));
   };
@@ -371,7 +371,7 @@ TEST(Announcement, TellsWhoAnnouncesWhatLease) {
   EXPECT_EQ(read_one("")->announcer, Announcer::foreign);
 }
 
-TEST(Announcement, OfALeaseIsRaisedForTheLibrary) {
+TEST(Announcement, IsPassedToTheLibraryWithARaisedLease) {
   Datagram datagram = single(0x15, test::announcement(kSender, "talker", 2), kWithData);
   raise_leases(list_of(datagram), true);
   ASSERT_TRUE(announcement_in(datagram));
@@ -380,7 +380,7 @@ TEST(Announcement, OfALeaseIsRaisedForTheLibrary) {
 }
 
 // A list that a program sends as its own data has passed no check: it may end anywhere.
-TEST(Announcement, OfALeaseThatIsCutShortChangesNothing) {
+TEST(Announcement, WithATruncatedListIsUnchanged) {
   for (const std::size_t length : {4U, 6U, 10U}) {
     Body body = data_to(0x07010000, 0x02010000, 1);  // a reader and a writer of a program
     body.raw({0, 3, 0, 0}).raw({2, 0, 4, 0, 1, 2, 3, 4, 0x75, 0});  // a lease of 4 bytes, a type id
@@ -393,15 +393,15 @@ TEST(Announcement, OfALeaseThatIsCutShortChangesNothing) {
   }
 }
 
-TEST(Announcement, OfLeavingNamesWhoLeaves) {
+TEST(Announcement, OfADepartureNamesTheParticipant) {
   const auto leaving = announcement_in(end_datagram(kSender));
   ASSERT_TRUE(leaving);
   EXPECT_TRUE(leaving->gone);
   EXPECT_EQ(leaving->participant, kSender);
 }
 
-// Cyclone DDS names itself in the content, where the library does not look.
-TEST(Announcement, OfLeavingMayHaveItsKeyInTheContent) {
+// Cyclone DDS names itself in the content, which the library does not read.
+TEST(Announcement, OfADepartureCanHaveItsKeyInTheContent) {
   Body body = data_to(test::kParticipantsReader, test::kParticipantsWriter, 2);
   body.parameter(0x71, {0, 0, 0, 3}).u32(1);
   body.raw({0, 3, 0, 0}).parameter(0x50, test::guid_of(kSender)).u32(1);
@@ -420,7 +420,7 @@ class Keeper : public testing::Test {
   Lease::Clock::time_point now_{1h};
 };
 
-TEST_F(Keeper, ReportsWhoeverIsSilentForLongerThanItsPatience) {
+TEST_F(Keeper, ReportsAParticipantThatIsSilentLongerThanItsLease) {
   ASSERT_TRUE(keeper_.announced(kSender, 2s, 7, now_));
   EXPECT_TRUE(keeper_.take_silent(now_ + 2s).empty());
   const auto silent = keeper_.take_silent(now_ + 2001ms);
@@ -430,14 +430,14 @@ TEST_F(Keeper, ReportsWhoeverIsSilentForLongerThanItsPatience) {
   EXPECT_TRUE(keeper_.take_silent(now_ + 1h).empty()) << "reported twice";
 }
 
-TEST_F(Keeper, IsContentWithAnythingThatIsHeard) {
+TEST_F(Keeper, AcceptsAnyDatagramAsASignOfLife) {
   ASSERT_TRUE(keeper_.announced(kSender, 2s, 7, now_));
   keeper_.note_datagram(kSender, now_ + 1500ms);
   EXPECT_TRUE(keeper_.take_silent(now_ + 3s).empty());
   EXPECT_EQ(keeper_.take_silent(now_ + 4s).size(), 1U);
 }
 
-TEST_F(Keeper, ForgetsWhoeverHasLeftAndWhateverCloses) {
+TEST_F(Keeper, ForgetsDepartedParticipantsAndClosedChannels) {
   ASSERT_TRUE(keeper_.announced(kSender, 2s, 7, now_));
   keeper_.left(kSender);
   ASSERT_TRUE(keeper_.announced({1}, 2s, 8, now_));
@@ -445,12 +445,12 @@ TEST_F(Keeper, ForgetsWhoeverHasLeftAndWhateverCloses) {
   EXPECT_TRUE(keeper_.take_silent(now_ + 1h).empty());
 }
 
-TEST_F(Keeper, WaitsForEverForALeaseWithoutEnd) {
+TEST_F(Keeper, NeverReportsAnInfiniteLease) {
   ASSERT_TRUE(keeper_.announced(kSender, Lease::Clock::duration::max(), 7, now_));
   EXPECT_TRUE(keeper_.take_silent(now_ + 10'000h).empty());
 }
 
-TEST_F(Keeper, IsBounded) {
+TEST_F(Keeper, KeepsABoundedNumberOfParticipants) {
   for (std::size_t number = 0; number < Lease::kMostParticipants; ++number) {
     const Lease::Prefix prefix{static_cast<std::uint8_t>(number),
                                static_cast<std::uint8_t>(number >> 8U)};

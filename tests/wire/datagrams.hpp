@@ -105,7 +105,7 @@ inline Datagram guid_of(const GuidPrefix& participant) {
   return value;
 }
 
-/// What a participant announces of itself.
+/// The announcement of a participant.
 inline Body announcement(const GuidPrefix& participant, const std::string& name,
                          std::uint32_t lease_seconds) {
   Body text;

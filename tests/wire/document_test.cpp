@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// docs/reference/wire.md is what a client in another language is written from: its bytes are
+// Clients in other languages are written from docs/reference/wire.md: its bytes are
 // those of the real encoder, and no constant or topic of the contract is left out.
 #include "vdrive/wire/topics.hpp"
 #include "vdrive_messages.h"
@@ -96,7 +96,7 @@ std::uint64_t little_endian(const Bytes& bytes) {
   return word;
 }
 
-/// Offsets follow each other, and each value is what its bytes say.
+/// Offsets follow each other, and each value agrees with its bytes.
 void expect_consistent(const std::vector<Row>& rows) {
   std::size_t offset = 0;
   for (const Row& row : rows) {

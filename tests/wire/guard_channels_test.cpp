@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In which order a guard hands over what arrives by several channels, without a network.
+// The order in which a guard passes on datagrams of several channels, without a network.
 #include "guard/guard.hpp"
 #include "wire/datagrams.hpp"
 
@@ -30,7 +30,7 @@ Datagram of_the_participant() {
       .bytes();
 }
 
-/// Says which writers of endpoints the sender has, which only whoever knows the sender reads.
+/// Announces the endpoint writers of the sender; only who knows the sender reads it.
 Datagram of_its_writers() {
   Body body;
   body.entity(test::kPublicationsReader).entity(test::kPublicationsWriter);
@@ -47,8 +47,8 @@ class Channel final : public Guard::Receiver {
     guard_.open(locator_, this);
   }
 
-  /// A datagram arrives by it, in a thread of its own.
-  /// @return ready when the guard has done with it.
+  /// Receives a datagram by this channel, in a separate thread.
+  /// @return ready when the guard has handled it.
   [[nodiscard]] std::future<void> arrive(Datagram datagram) {
     return std::async(std::launch::async, [this, datagram = std::move(datagram)] {
       guard_.receive(*this, datagram, locator_, locator_);
@@ -74,7 +74,7 @@ class Channel final : public Guard::Receiver {
   std::promise<void> read_;
 };
 
-TEST(WhatArrives, WaitsUntilTheLibraryReads) {
+TEST(ReceivedDatagram, WaitsUntilTheLibraryReads) {
   Guard guard({});
   Channel channel(guard, 1);
   auto read = channel.read();
@@ -87,7 +87,7 @@ TEST(WhatArrives, WaitsUntilTheLibraryReads) {
 }
 
 /// A participant that cannot be made closes its channels, and joins the threads that receive.
-TEST(WhatArrives, DoesNotHoldUpAChannelThatClosesBeforeTheLibraryReads) {
+TEST(ReceivedDatagram, DoesNotBlockAChannelThatClosesBeforeTheLibraryReads) {
   Guard guard({});
   Channel channel(guard, 1);
   const auto done = channel.arrive(of_its_writers());
@@ -95,7 +95,7 @@ TEST(WhatArrives, DoesNotHoldUpAChannelThatClosesBeforeTheLibraryReads) {
   EXPECT_EQ(done.wait_for(kLongest), std::future_status::ready);
 }
 
-TEST(AnAnnouncementByASecondChannel, WaitsUntilTheLibraryHasReadTheFirst) {
+TEST(AnnouncementByASecondChannel, WaitsUntilTheLibraryHasReadTheFirst) {
   Guard guard({});
   guard.begin();
   Channel multicast(guard, 1);
@@ -111,7 +111,7 @@ TEST(AnAnnouncementByASecondChannel, WaitsUntilTheLibraryHasReadTheFirst) {
   EXPECT_EQ(second.wait_for(0s), std::future_status::ready);
 }
 
-TEST(WhatIsNoAnnouncement, DoesNotWaitForOneOnAnotherChannel) {
+TEST(OtherDatagram, DoesNotWaitForAnAnnouncementOnAnotherChannel) {
   Guard guard({});
   guard.begin();
   Channel multicast(guard, 1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Guarded participants against the real library: what kills, wedges or fills an unguarded one.
+// Guarded participants against datagrams that end, block or fill an unguarded one.
 #include "attacker.hpp"
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
@@ -46,7 +46,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr auto kDeadline = 40s;
 
-/// Asks again and again until something is so.
+/// Repeats a check until it holds.
 bool wait_until(const std::function<bool()>& is_so, std::chrono::milliseconds within = kDeadline,
                 std::chrono::microseconds period = 5ms) {
   const auto deadline = Clock::now() + within;
@@ -93,24 +93,24 @@ class Visitor {
   GuidPrefix prefix_{};
 };
 
-/// A participant of this process that asks.
-class Asker {
+/// A participant of this process that sends requests.
+class Requester {
  public:
-  explicit Asker(const NetworkSettings& settings = {.domain = test::test_domain()})
-      : participant(settings, "asker"),
+  explicit Requester(const NetworkSettings& settings = {.domain = test::test_domain()})
+      : participant(settings, "requester"),
         requests(participant),
         replies(participant, [this](auto& reply, auto&) {
           last_ = reply.request_id();
         }) {}
 
-  /// @return whether somebody answers a new question.
+  /// @return whether a new request is answered.
   bool is_answered(std::chrono::milliseconds within = kDeadline) {
     ++number_;
-    auto asked = Clock::time_point{};
+    auto sent = Clock::time_point{};
     return wait_until(
         [&] {
-          if (Clock::now() - asked > 100ms) {
-            asked = Clock::now();
+          if (Clock::now() - sent > 100ms) {
+            sent = Clock::now();
             msg::Request request;
             request.request_id(number_);
             static_cast<void>(requests.write(request));
@@ -142,29 +142,29 @@ NetworkSettings settings(Role role = Role::other) {
 // ---- what stays as it was
 // ------------------------------------------------------------------------
 
-TEST(AGuardedParticipant, RefusesNothingThatItsOwnKindSends) {
-  Asker asker;
+TEST(GuardedParticipant, AcceptsEverythingFromParticipantsOfVdrive) {
+  Requester requester;
   Visitor visitor("visitor");
-  ASSERT_TRUE(asker.is_answered());
+  ASSERT_TRUE(requester.is_answered());
   const test::Finished finished = visitor.stop();
   EXPECT_EQ(finished.output.find("refused 0 "), 0U) << finished.output;
-  EXPECT_EQ(asker.participant.guarded().all_refused(), 0U);
+  EXPECT_EQ(requester.participant.guarded().all_refused(), 0U);
 }
 
-TEST(AGuardedParticipant, TalksThroughSharedMemory) {
+TEST(GuardedParticipant, CommunicatesThroughSharedMemory) {
   auto with_shared_memory = settings();
   with_shared_memory.shared_memory = true;
-  Asker asker(with_shared_memory);
+  Requester requester(with_shared_memory);
   Visitor visitor("visitor", {"shared_memory"});
-  EXPECT_TRUE(asker.is_answered());
-  EXPECT_EQ(asker.participant.guarded().all_refused(), 0U);
+  EXPECT_TRUE(requester.is_answered());
+  EXPECT_EQ(requester.participant.guarded().all_refused(), 0U);
 }
 
-TEST(AClient, TakesNoNoticeOfOtherClients) {
+TEST(AClient, IgnoresOtherClients) {
   Visitor client("vdrive client", {"client"});
-  Asker of_a_client(settings(Role::client));
-  Asker of_another(settings());
-  // It answers whoever knows it; both have heard it once the other does.
+  Requester of_a_client(settings(Role::client));
+  Requester of_another(settings());
+  // It answers everyone that it knows; both have received its announcement once the other answers.
   ASSERT_TRUE(of_another.is_answered());
   EXPECT_TRUE(wait_until([&] {
     return of_a_client.participant.guarded().ignored > 0;
@@ -192,7 +192,7 @@ class FirstToArrive {
   FirstToArrive(const FirstToArrive&) = delete;
   FirstToArrive& operator=(const FirstToArrive&) = delete;
 
-  /// On loopback the kernel says at once that no socket has the port.
+  /// On loopback the kernel reports at once that no socket has the port.
   /// @return whether one arrived before the deadline.
   [[nodiscard]] bool send(const Datagram& datagram) const {
     return is_connected_ &&
@@ -212,7 +212,7 @@ class FirstToArrive {
 };
 
 // The sockets of a participant are open some milliseconds before the library reads from them.
-TEST(AParticipantThatIsBeingMade, ReadsWhatArrivedBefore) {
+TEST(ParticipantUnderConstruction, ReadsDatagramsThatArrivedBefore) {
   constexpr GuidPrefix kEarly{1, 15, 'e', 'a', 'r', 'l', 'y', 0, 0, 0, 0, 1};
   // It can be reached at 127.0.0.1, port 9.
   const Datagram locator = Body().u32(1).u32(9).raw(Datagram(12)).raw({127, 0, 0, 1}).bytes();
@@ -232,73 +232,73 @@ TEST(AParticipantThatIsBeingMade, ReadsWhatArrivedBefore) {
   }));
 }
 
-TEST(AParticipantThatIsKilled, IsForgottenWithinThreeSeconds) {
-  Asker asker;
+TEST(KilledParticipant, IsForgottenWithinThreeSeconds) {
+  Requester requester;
   Visitor visitor("vdrive client");
-  ASSERT_TRUE(asker.is_answered());
+  ASSERT_TRUE(requester.is_answered());
   visitor.send(SIGKILL);
   const auto killed = Clock::now();
   EXPECT_TRUE(wait_until([&] {
-    return asker.requests.matched() == 0;
+    return requester.requests.matched() == 0;
   }));
   EXPECT_LT(Clock::now() - killed, 3500ms);
-  EXPECT_EQ(asker.participant.guarded().judged, 1U);
+  EXPECT_EQ(requester.participant.guarded().judged, 1U);
 }
 
-TEST(AParticipantThatLeaves, IsNotJudged) {
-  Asker asker;
+TEST(LeavingParticipant, IsNotReportedSilent) {
+  Requester requester;
   Visitor visitor("vdrive client");
-  ASSERT_TRUE(asker.is_answered());
+  ASSERT_TRUE(requester.is_answered());
   static_cast<void>(visitor.stop());
   EXPECT_TRUE(wait_until([&] {
-    return asker.requests.matched() == 0;
+    return requester.requests.matched() == 0;
   }));
-  EXPECT_EQ(asker.participant.guarded().judged, 0U);
-  EXPECT_EQ(asker.participant.guarded().kept, 1U) << "itself alone";
+  EXPECT_EQ(requester.participant.guarded().judged, 0U);
+  EXPECT_EQ(requester.participant.guarded().kept, 1U) << "itself alone";
 }
 
-TEST(AParticipantThatStoodStill, IsFoundAgain) {
-  Asker asker;
+TEST(PausedParticipant, IsFoundAgain) {
+  Requester requester;
   Visitor visitor("vdrive client");
-  ASSERT_TRUE(asker.is_answered());
+  ASSERT_TRUE(requester.is_answered());
   visitor.send(SIGSTOP);
   ASSERT_TRUE(wait_until([&] {
-    return asker.requests.matched() == 0;
+    return requester.requests.matched() == 0;
   }));
-  EXPECT_EQ(asker.participant.guarded().judged, 1U);
+  EXPECT_EQ(requester.participant.guarded().judged, 1U);
   visitor.send(SIGCONT);
-  EXPECT_TRUE(asker.is_answered());
+  EXPECT_TRUE(requester.is_answered());
 }
 
-TEST(Goodbye, MakesAllForgetADeadParticipantAtOnce) {
-  Asker asker;
+TEST(AnnouncedEnd, RemovesADeadParticipantEverywhereAtOnce) {
+  Requester requester;
   // Foreign by its name: its own lease is 600 s.
   Visitor visitor("talker");
-  ASSERT_TRUE(asker.is_answered());
+  ASSERT_TRUE(requester.is_answered());
   visitor.send(SIGKILL);
   static_cast<void>(visitor.process().wait());
-  const auto said = Clock::now();
+  const auto begin = Clock::now();
   announce_end(settings(), source_of(visitor.prefix()));
   EXPECT_TRUE(wait_until([&] {
-    return asker.requests.matched() == 0;
+    return requester.requests.matched() == 0;
   }));
-  EXPECT_LT(Clock::now() - said, 1s);
+  EXPECT_LT(Clock::now() - begin, 1s);
 }
 
 // Each takes one of the 256 places that a participant has for others until it is judged.
-TEST(AParticipant, ServesTheNextClientAfterAThousandAreKilled) {
+TEST(AParticipant, ServesTheNextClientAfterAThousandKilledOnes) {
   const int deaths = std::getenv("VDRIVE_NIGHTLY") != nullptr ? 1'000 : 60;
-  Asker asker(settings(Role::service));
+  Requester requester(settings(Role::service));
   for (int death = 0; death < deaths; ++death) {
     Visitor visitor("vdrive client", {"client"});
-    static_cast<void>(asker.requests.wait_for_match(source_of(visitor.prefix()), 50ms));
+    static_cast<void>(requester.requests.wait_for_match(source_of(visitor.prefix()), 50ms));
     visitor.send(SIGKILL);
   }
   Visitor next("vdrive client", {"client"});
-  EXPECT_TRUE(asker.requests.wait_for_match(source_of(next.prefix()), 2s));
+  EXPECT_TRUE(requester.requests.wait_for_match(source_of(next.prefix()), 2s));
 }
 
-TEST(AParticipant, OutlivesTwoHundredJoinsAndLeaves) {
+TEST(AParticipant, SurvivesTwoHundredJoinsAndLeaves) {
   Visitor bench("vdrived 1");
   constexpr int kAtOnce = 5;
   constexpr int kRounds = 40;
@@ -307,8 +307,8 @@ TEST(AParticipant, OutlivesTwoHundredJoinsAndLeaves) {
   for (int client = 0; client < kAtOnce; ++client) {
     clients.emplace_back([&answered] {
       for (int round = 0; round < kRounds; ++round) {
-        Asker asker(settings(Role::client));
-        answered += asker.is_answered() ? 1 : 0;
+        Requester requester(settings(Role::client));
+        answered += requester.is_answered() ? 1 : 0;
       }
     });
   }
@@ -321,52 +321,52 @@ TEST(AParticipant, OutlivesTwoHundredJoinsAndLeaves) {
 
 // ---- datagrams that the library does not survive ------------------------------------------------
 
-TEST(AnUnguardedParticipant, DiesOfOneStatisticsSubmessage) {
+TEST(UnguardedParticipant, EndsAfterOneStatisticsSubmessage) {
   Visitor visitor("visitor", {"unguarded"});
   Attacker().send_to_discovery(statistics_with_more_behind({1, 15, 1}));
   EXPECT_EQ(visitor.process().wait().code, -SIGABRT);
 }
 
-TEST(AnUnguardedParticipant, DiscoversNobodyAfterAGapWithoutEnd) {
-  Asker known;
+TEST(UnguardedParticipant, DiscoversNoParticipantAfterAnEndlessGap) {
+  Requester known;
   Visitor visitor("visitor", {"unguarded"});
   ASSERT_TRUE(known.is_answered());
   Attacker().send_to_discovery(gap_without_end(known.participant.source().participant));
-  Asker late;
+  Requester late;
   EXPECT_FALSE(late.is_answered(3s));
   visitor.send(SIGKILL);  // its memory grows
 }
 
-TEST(AGuardedParticipant, LivesOnAfterBoth) {
-  Asker known;
+TEST(GuardedParticipant, SurvivesAStatisticsSubmessageAndAnEndlessGap) {
+  Requester known;
   Visitor visitor("visitor");
   ASSERT_TRUE(known.is_answered());
   const GuidPrefix sender = known.participant.source().participant;
   Attacker().send_to_discovery(statistics_with_more_behind(sender));
   Attacker().send_to_discovery(gap_without_end(sender));
-  Asker late;
+  Requester late;
   EXPECT_TRUE(late.is_answered());
   const test::Finished finished = visitor.stop();
   EXPECT_EQ(finished.code, 0);
   EXPECT_NE(finished.output.find("refused 2 "), std::string::npos) << finished.output;
 }
 
-TEST(TheSinkOfAGuard, IsToldReasonAndSender) {
-  std::atomic<int> told{0};
+TEST(GuardSink, ReceivesReasonAndSender) {
+  std::atomic<int> reported{0};
   auto with_sink = settings();
-  with_sink.guard_sink = [&told](Refusal refusal, std::string_view sender) {
-    told += refusal == Refusal::statistics && sender.starts_with("127.0.0.1:") ? 1 : 0;
+  with_sink.guard_sink = [&reported](Refusal refusal, std::string_view sender) {
+    reported += refusal == Refusal::statistics && sender.starts_with("127.0.0.1:") ? 1 : 0;
   };
-  const Participant participant(with_sink, "told");
+  const Participant participant(with_sink, "reported");
   Attacker().send_to_discovery(statistics_with_more_behind({1, 15, 1}));
   EXPECT_TRUE(wait_until([&] {
-    return told == 1;
+    return reported == 1;
   }));
 }
 
 // ---- mutations of real datagrams ----------------------------------------------------------------
 
-/// Kept datagrams of participants, with these in place of who sent and who received.
+/// Recorded datagrams of participants, with these prefixes for sender and receiver.
 constexpr GuidPrefix kKeptSender{1, 15, 'A', 'A', 'A', 'A', 'A', 'A', 'A', 'A', 'A', 'A'};
 constexpr GuidPrefix kKeptReceiver{1, 15, 'B', 'B', 'B', 'B', 'B', 'B', 'B', 'B', 'B', 'B'};
 
@@ -395,7 +395,7 @@ std::vector<Datagram> kept_datagrams(const GuidPrefix& sender, const GuidPrefix&
   return kept;
 }
 
-/// Changes a datagram as a bad network or a bad neighbour would.
+/// Changes a datagram as a faulty network or a faulty participant would.
 class Mutator {
  public:
   Mutator(std::uint64_t seed, std::vector<Datagram> kept) : random_(seed), kept_(std::move(kept)) {}
@@ -453,7 +453,7 @@ class Mutator {
     }
   }
 
-  /// Ends a submessage early, with a length that agrees: what is left is looked into.
+  /// Ends a submessage early, with a length that agrees: the remaining bytes are parsed.
   static void end_at(Datagram& datagram, std::size_t place, std::size_t size) {
     datagram.resize(size);
     datagram[place + 2] = 0;
@@ -498,11 +498,11 @@ class Mutator {
   std::vector<Datagram> kept_;
 };
 
-TEST(AGuardedParticipant, OutlivesMutatedDatagrams) {
+TEST(GuardedParticipant, SurvivesMutatedDatagrams) {
   const bool is_nightly = std::getenv("VDRIVE_NIGHTLY") != nullptr;
   const std::uint64_t count = is_nightly ? 10'000'000 : 100'000;
   Visitor visitor("visitor");
-  Asker known;
+  Requester known;
   ASSERT_TRUE(known.is_answered());
   Mutator mutator(1, kept_datagrams(known.participant.source().participant, visitor.prefix()));
   const Attacker attacker;
@@ -514,9 +514,9 @@ TEST(AGuardedParticipant, OutlivesMutatedDatagrams) {
       std::this_thread::sleep_for(1ms);
     }
   }
-  Asker late;
+  Requester late;
   // On a busy machine the visitor first reads what its sockets still hold, some 20,000 datagrams.
-  EXPECT_TRUE(late.is_answered(60s)) << "nobody new is found";
+  EXPECT_TRUE(late.is_answered(60s)) << "no new participant is found";
   const test::Finished finished = visitor.stop();
   EXPECT_EQ(finished.code, 0) << finished.errors;
   std::cout << finished.output;

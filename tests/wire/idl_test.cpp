@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The contract mirrors the dictionary: whoever reads the IDL finds the manual's objects in it.
+// The contract mirrors the dictionary: the IDL has the manual's objects.
 #include "vdrive/dictionary/dictionary.hpp"
 
 #include <gtest/gtest.h>
@@ -61,7 +61,7 @@ TEST(Idl, HasAMemberOfSameNameAndTypeForEveryObjectOfTheManual) {
   EXPECT_EQ(rows, 32);  // rows of the manual's tables
 }
 
-TEST(Idl, CallsNoMemberLikeAnObjectOfAnotherType) {
+TEST(Idl, GivesNoMemberTheNameOfAnObjectOfAnotherType) {
   const std::string idl = idl_text();
   for (const char* const structure : {"AxisCommand", "AxisStatus", "AxisParameters"}) {
     Members members;
@@ -77,7 +77,7 @@ TEST(Idl, CallsNoMemberLikeAnObjectOfAnotherType) {
   }
 }
 
-TEST(Idl, UsesOnlyWhatTwoVendorsReadAlike) {
+TEST(Idl, UsesOnlyConstructsThatTwoVendorsReadTheSame) {
   const std::string idl = idl_text();
   for (const char* const forbidden :
        {"@optional", "@appendable", "@mutable", "enum ", "bitmask", "bitset", "map<", "wstring",

@@ -108,7 +108,7 @@ TYPED_TEST(EveryTopic, CarriesItsMessageToAnotherParticipant) {
   EXPECT_TRUE(subscription.wait_for_match(received.source(), 0ms));
 }
 
-TEST(Participant, CountsTheOthersThatItKnowsByTheBeginningOfTheirNames) {
+TEST(Participant, CountsOtherParticipantsByTheBeginningOfTheirNames) {
   Participant sut(settings(), "vdrived 1");
   Participant first(settings(), "vdrived 2");
   Participant second(settings(), "vdrived 30");
@@ -134,7 +134,7 @@ TEST(Participant, RefusesADomainThatDoesNotExist) {
   }
 }
 
-TEST(Participant, RefusesAnAddressThatIsNone) {
+TEST(Participant, RefusesAnInvalidAddress) {
   EXPECT_THROW(Participant({.domain = 1, .interfaces = {"eth0"}}, "test"), NetworkError);
   EXPECT_THROW(Participant({.domain = 1, .peers = {"somewhere"}}, "test"), NetworkError);
   for (const char* server : {"10.0.0.9", "10.0.0.9:", "10.0.0.9:0", "10.0.0.9:65536",
@@ -174,8 +174,8 @@ int largest_receive_buffer() {
   return largest;
 }
 
-// socket(7): the kernel doubles what is asked for, after it was cut to the limit.
-TEST(Participant, TakesTheReceiveBufferThatTheKernelPermits) {
+// socket(7): the kernel doubles the requested size, after it clamped it to the limit.
+TEST(Participant, UsesTheReceiveBufferThatTheKernelPermits) {
   std::ifstream file("/proc/sys/net/core/rmem_max");
   int limit = 0;
   ASSERT_TRUE(file >> limit);
@@ -188,7 +188,7 @@ TEST(Participant, TakesTheReceiveBufferThatTheKernelPermits) {
   }
 }
 
-TEST(Participant, FindsAPeerThatIsNamed) {
+TEST(Participant, FindsANamedPeer) {
   auto with_peer = loopback();
   with_peer.peers = {"127.0.0.1"};
   Participant sender(with_peer, "sender");
@@ -198,7 +198,7 @@ TEST(Participant, FindsAPeerThatIsNamed) {
   EXPECT_TRUE(publication.wait_for_matched(1, kPatience));
 }
 
-TEST(Subscription, DropsAndCountsWhatIsLongerThanTheIdlAllows) {
+TEST(Subscription, DropsAndCountsMessagesLongerThanTheIdlAllows) {
   Participant participant(loopback(), "both");
   Received<msg::CommandFrame> good;
   Received<msg::CommandFrame> bad;
@@ -225,7 +225,7 @@ TEST(Subscription, DropsAndCountsWhatIsLongerThanTheIdlAllows) {
   EXPECT_EQ(subscription.malformed(), 2U);
 }
 
-TEST(Subscription, GetsMessagesAboveTheSizeOfADatagramWhole) {
+TEST(Subscription, ReceivesMessagesAboveTheSizeOfADatagram) {
   Participant sender(loopback(), "sender");
   Participant receiver(loopback(), "receiver");
   Received<msg::CommandFrame> received;
@@ -243,7 +243,7 @@ TEST(Subscription, GetsMessagesAboveTheSizeOfADatagramWhole) {
   EXPECT_EQ(received.messages()[0], frame);
 }
 
-TEST(Subscription, GetsEveryAxisOfALargeBenchAsAnInstance) {
+TEST(Subscription, ReceivesEveryAxisOfALargeBenchAsAnInstance) {
   constexpr std::uint16_t kAxes = 2'000;
   Participant sender(loopback(), "sender");
   Publication<msg::AxisParameters> publication(sender);
@@ -264,7 +264,7 @@ TEST(Subscription, GetsEveryAxisOfALargeBenchAsAnInstance) {
   EXPECT_EQ(axes.size(), kAxes);
 }
 
-TEST(Subscription, OfALatecomerGetsTheLastThousandEventsInOrder) {
+TEST(Subscription, CreatedLateReceivesTheLastThousandEventsInOrder) {
   constexpr std::uint64_t kWritten = 1'500;
   constexpr std::size_t kKept = 1'024;
   Participant sender(loopback(), "sender");
@@ -286,7 +286,7 @@ TEST(Subscription, OfALatecomerGetsTheLastThousandEventsInOrder) {
   }
 }
 
-TEST(Publication, AnswersWithinOneProcessWithoutHanging) {
+TEST(Publication, AnswersWithinOneProcessWithoutADeadlock) {
   Participant service(loopback(), "service");
   Participant client(loopback(), "client");
   Publication<msg::Reply> replies(service);
@@ -320,7 +320,7 @@ TEST(Publication, AnswersWithinOneProcessWithoutHanging) {
   }
 }
 
-TEST(Publication, TellsWhetherTheParticipantOfAMessageListens) {
+TEST(Publication, ReportsWhetherTheSenderOfAMessageSubscribes) {
   Participant service(loopback(), "service");
   Participant client(loopback(), "client");
   Received<msg::Request> received;
@@ -335,7 +335,7 @@ TEST(Publication, TellsWhetherTheParticipantOfAMessageListens) {
   EXPECT_TRUE(replies.wait_for_match(received.source(), kPatience));
 }
 
-TEST(Publication, ForgetsAParticipantThatLeft) {
+TEST(Publication, ForgetsADepartedParticipant) {
   Participant service(loopback(), "service");
   Publication<msg::Event> publication(service);
   {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // A participant in a process of its own, which tests may kill, stop and attack. It answers requests
-// until SIGTERM, and says then what its guard has done.
+// until SIGTERM, and then prints what its guard has done.
 //
-//   wire_visitor DOMAIN NAME [unguarded] [client] [ask] [shared_memory] [security=DIR]
+//   wire_visitor DOMAIN NAME [unguarded] [client] [request] [shared_memory] [security=DIR]
 //
-// It prints "ready" and its prefix in hexadecimal. With `ask` it sends requests instead, one after
-// the other, and prints "answered" after the first.
+// It prints "ready" and its prefix in hexadecimal. With `request` it sends requests instead, one
+// after the other, and prints "answered" after the first.
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/publication.hpp"
 #include "vdrive/wire/subscription.hpp"
@@ -27,7 +27,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Hands messages from the library's thread to the main one: no listener may write.
+/// Passes messages from the library's thread to the main one: a listener must not write.
 template <typename Message>
 class Arrived {
  public:
@@ -79,7 +79,7 @@ void answer(Participant& participant) {
   }
 }
 
-void ask(Participant& participant) {
+void send_requests(Participant& participant) {
   Arrived<msg::Reply> arrived;
   Publication<msg::Request> requests(participant);
   const Subscription<msg::Reply> replies(participant, arrived.handler());
@@ -94,7 +94,7 @@ void ask(Participant& participant) {
   }
 }
 
-void say_hello(const Participant& participant) {
+void print_prefix(const Participant& participant) {
   constexpr std::string_view kDigits = "0123456789abcdef";
   std::string text = "ready ";
   for (const std::uint8_t byte : participant.source().participant) {
@@ -124,8 +124,8 @@ int run(const std::vector<std::string>& words) {
                            .role = has("client") ? Role::client : Role::other,
                            .guard = !has("unguarded")},
                           words.at(1));
-  say_hello(participant);
-  has("ask") ? ask(participant) : answer(participant);
+  print_prefix(participant);
+  has("request") ? send_requests(participant) : answer(participant);
   const GuardCounts counts = participant.guarded();
   std::cout << "refused " << counts.all_refused() << " ignored " << counts.ignored << " judged "
             << counts.judged << " kept " << counts.kept << " handed over " << counts.handed_over
