@@ -17,7 +17,7 @@
 #   --nightly   --full with the long counts of property, fuzz and soak tests (VDRIVE_NIGHTLY=1)
 #
 # The steps and their times are written to standard error, ctest's summary is written last. A preset
-# is a test too (label checks), so that the summary speaks for all of them. What was built and
+# is a test too (label checks), so that the summary covers all of them. What was built and
 # linted once is not done again.
 #
 # The tests over DDS run beside each other and wait with deadlines, which a machine can miss whose

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the DDS library and the kernel take alone, for the ratios of other figures.
+// The cost of the DDS library and the kernel alone, for the ratios of other figures.
 //
 //   vdrive_bare_benchmark round-trip COUNT
 //       a reliable request and its reply between two processes, handed from the listener to a
@@ -73,7 +73,7 @@ double microseconds_since(Clock::time_point begin) {
   });
   Node node(domain);
   auto& writer = node.writer("reply", true);
-  // Who finds the reader of requests may ask: the replies arrive.
+  // A client that has found the reader of requests may send: the replies arrive.
   if (!wait_for_reader(writer)) std::_Exit(1);
   node.read("request", true, listener);
   Bytes reply(kReply);
@@ -102,14 +102,14 @@ int go_round(int count) {
   times.reserve(static_cast<std::size_t>(count));
   const auto begin = Clock::now();
   for (int number = 1; number <= count; ++number) {
-    const auto asked = Clock::now();
+    const auto sent = Clock::now();
     const bool is_sent = writer.write(&request);
     if (!is_sent || !mailbox.wait_for(static_cast<std::uint64_t>(number), 10s)) {
       std::cerr << (is_sent ? "no reply to request " : "the library does not take request ")
                 << number << '\n';
       return 1;
     }
-    times.push_back(microseconds_since(asked));
+    times.push_back(microseconds_since(sent));
   }
   print_figure("bare_round_trips_per_second", count * 1e6 / microseconds_since(begin));
   std::sort(times.begin(), times.end());

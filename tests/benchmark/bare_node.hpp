@@ -33,8 +33,8 @@
 #include <utility>
 #include <vector>
 
-/// The DDS library without vdrive, with the QoS of vdrive's topics: what the figures of the wire
-/// are compared with.
+/// The DDS library without vdrive, with the QoS of vdrive's topics: the reference for the figures
+/// of the wire.
 namespace vdrive::bare {
 
 namespace dds = eprosima::fastdds::dds;

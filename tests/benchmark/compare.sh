@@ -7,7 +7,7 @@
 #
 # N is 7. The commit is built in build/compare/HASH, which stays for the next time. Each figure
 # is taken from the old tree and at once from the new one; the ratio of such a pair holds also on a
-# machine that other work shares. The programs that measure over DDS are those of this tree, the
+# machine with other work. The programs that measure over DDS are those of this tree, the
 # services those of both.
 set -euo pipefail
 

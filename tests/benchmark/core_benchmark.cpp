@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Cost of a whole tick of the bank (writes due, drive logic, eight servo sub-steps, monitors,
-// status image) for axes that all move, and of planning one move. Prints one JSON line a figure:
-// the median of the repetitions.
+// status image) with all axes moving, and of planning one move. Prints one JSON line for each
+// figure: the median of the repetitions.
 #include "vdrive/axis_bank.hpp"
 #include "vdrive/motion/profile.hpp"
 
@@ -76,7 +76,7 @@ void tick(benchmark::State& state, vdrive::Coupling coupling) {
       benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
-/// Axes that nobody moves: without power, or standing on their target.
+/// Axes at rest: without power, or on their target.
 void tick_at_rest(benchmark::State& state, bool powered) {
   const auto axes = static_cast<std::size_t>(state.range(0));
   const std::vector<vdrive::AxisConfiguration> configurations(axes);
@@ -128,7 +128,7 @@ void plan(benchmark::State& state) {
       1.0e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
-/// One JSON line a figure, of the medians.
+/// One JSON line for each figure, of the medians.
 class FigureReporter final : public benchmark::BenchmarkReporter {
  public:
   bool ReportContext(const Context& context) override {

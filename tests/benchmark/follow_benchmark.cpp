@@ -45,7 +45,7 @@ struct Followed {
   double first = 0.0;  ///< from the start of the service [s]
 };
 
-/// What the service says of its ticks.
+/// What the service reports about its ticks.
 class States {
  public:
   explicit States(std::uint32_t domain)
@@ -109,7 +109,7 @@ Followed follow(Clock::time_point start, std::chrono::seconds duration,
   return followed;
 }
 
-/// Every axis of bench 1 has power while this lives.
+/// Keeps every axis of bench 1 enabled until its destruction.
 class Power {
  public:
   Power() : session_({.domain = test::test_domain(), .bench = 1, .find_timeout = 30s}) {

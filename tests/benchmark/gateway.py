@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What the gateway costs: its processor time and memory, the age of what it sends, the bench's ticks.
+"""The cost of the gateway: its processor time and memory, the age of its messages, the bench's ticks.
 
   gateway.py [--axes 256] [--clients 20] [--seconds 20] [--domain 43] [--build build/release]
   gateway.py --soak 30 [--axes 64] [--clients 5] [--domain 43] [--build build/release]
@@ -43,7 +43,7 @@ def overruns(port):
 
 
 def wait_until(condition, what):
-    """Looks again until it holds."""
+    """Repeats the check until it holds."""
     deadline = time.monotonic() + 60
     while not condition():
         if time.monotonic() > deadline:
@@ -103,7 +103,7 @@ def count_overruns(options, port, clients_of, metrics):
 
 
 def keep_awake(running):
-    """A virtual processor that falls asleep wakes up late: spinners at idle priority."""
+    """An idle virtual processor wakes up late: spinners at idle priority keep it running."""
     for _ in range(os.cpu_count()):
         running.append(subprocess.Popen(["chrt", "-i", "0", "sh", "-c", "while :; do :; done"]))
 

@@ -32,7 +32,7 @@ struct Arguments {
   bool is_deaf = false;
 };
 
-/// What the clients saw.
+/// The messages that the clients received.
 class Results {
  public:
   void add(const std::vector<double>& ages, std::size_t bytes) {

@@ -34,7 +34,7 @@ def of_the_service(port):
 
 
 class Hops:
-    """What was lost where since this object was made."""
+    """The losses of each queue since this object was made."""
 
     def __init__(self, port):
         self._port = port

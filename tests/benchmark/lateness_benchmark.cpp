@@ -144,7 +144,7 @@ class BareLoop {
   std::thread thread_;
 };
 
-/// What the bench counts.
+/// The counters of the bench.
 class States {
  public:
   States()

@@ -11,8 +11,8 @@
 
 namespace vdrive::test {
 
-/// A free-running bench without a wire, all axes moving, whatever leaves taken away as the status
-/// and report threads would.
+/// A free-running bench without a wire, with all axes moving; its output is taken away as the
+/// status and report threads would.
 class MovingBench {
  public:
   /// Moves all axes far enough to move all the time.
@@ -55,7 +55,7 @@ class MovingBench {
   }
 
  private:
-  /// As a client writes it.
+  /// Writes as a client does.
   void set_moving(std::uint16_t axis) {
     const std::array<std::pair<std::uint16_t, std::int64_t>, 5> writes{{{0x6060, 1},
                                                                         {0x607A, 2'000'000'000},

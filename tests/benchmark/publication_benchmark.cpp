@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the status of one axis costs the service that sends it, and the client that receives it,
+// The cost of the status of one axis in the service that sends it and the client that receives it,
 // beside the DDS library alone with the same bytes, frames and QoS.
 //
 //   vdrive_publication_benchmark AXES [ROUNDS]
 //
-// One thread goes the way of a tick's status: copy of the image, encoding, ring, writer, socket. A
-// second process receives. Rounds of vdrive and of the library alone alternate, each of 100 ticks a
-// millisecond apart. Prints the medians of processor time as JSON lines:
+// One thread does all steps of a tick's status: copy of the image, encoding, ring, writer, socket.
+// A second process receives. Rounds of vdrive and of the library alone alternate, each of 100 ticks
+// a millisecond apart. Prints the medians of processor time as JSON lines:
 //   {"figure":"publication_ns_per_axis","axes":1024,"value":...}
 #include "bare_node.hpp"
 #include "configuration.hpp"
@@ -56,7 +56,7 @@ double seconds_of(clockid_t clock) {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-/// What the receiving process counts, in memory that both have.
+/// The counters of the receiving process, in shared memory.
 struct Received {
   std::atomic<std::uint64_t> bare_axes{0};
   std::atomic<std::uint64_t> axes{0};

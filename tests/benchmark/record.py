@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What `vdrive record run.mcap` costs while every axis of a bench moves in real time.
+"""The cost of `vdrive record run.mcap` while every axis of a bench moves in real time.
 
   record.py [--axes 1024] [--seconds 20] [--domain 47] [--build build/release]
 

@@ -1,15 +1,15 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds the benchmarks and runs all of them, some 8 minutes; prints one JSON line a figure on
+# Builds the benchmarks and runs all of them, some 8 minutes; prints one JSON line for each figure on
 # standard output (figures.py table FILE makes a table of them):
 #   {"figure":"axis_tick_ns","axes":1024,"value":...}
 # Everything else goes to standard error. The figures of the network stand beside those of the DDS
-# library alone, taken in the same run. Needs a machine without other work, and leave to use the
+# library alone, taken in the same run. Needs a machine without other work, and permission to use the
 # loopback interface.
 #
 #   ./tests/benchmark/run.sh [--quick] [--only core|service|steps|status|start|lateness]
 #
-#   --quick    short runs, for a first look
+#   --quick    short runs, for a first estimate
 #   --only     one part: ticks of the bank; ticks, threads, stores and publication of the engine;
 #              steps over DDS; status that clients receive, and recordings; start and list; how late
 #              ticks begin
@@ -52,7 +52,7 @@ figure() {
   printf '{"figure":"%s","axes":%s,"value":%s}\n' "$1" "$2" "$3"
 }
 
-# How long `vdrive list` takes that finds one bench.
+# The time of `vdrive list` with one bench.
 measure_list() {
   local axes=$1 domain=19 attempt begin end
   "$service" --axes "$axes" --domain $domain --log-level error &
@@ -93,7 +93,7 @@ steps() {
   done
 }
 
-# All axes move but where the name of the figure says so: a bench of resting axes takes next to no
+# All axes move unless the name of the figure excludes it: a bench of resting axes takes next to no
 # time.
 status() {
   local axes

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# For the scripts that measure. A virtual processor that falls asleep wakes up late and slow. One
+# For the scripts that measure. An idle virtual processor wakes up late and slow. One
 # spinner each keeps it awake; at idle priority it gives way to the benchmark at once.
 
 spinners=()

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a second thread gives that steps half of a bench: whole ticks of the engine with a status
+// The gain of a second thread that steps half of a bench: whole ticks of the engine with a status
 // image each, in alternating rounds with one thread and with two. Beside it in each round two
-// processes that know nothing of each other, each with half of the axes: what the machine has to
-// give. And what the barrier between the threads costs.
+// independent processes, each with half of the axes: the upper bound of the
+// machine. And the cost of the barrier between the threads.
 //
 //   vdrive_threads_benchmark [AXES [ROUNDS]]
 //
@@ -57,7 +57,7 @@ void require(bool condition, const char* what) {
   if (!condition) throw std::runtime_error(what);
 }
 
-/// A process with a bench of its own, which ticks when it is told to.
+/// A process with a bench of its own, which ticks on request.
 class Neighbour {
  public:
   explicit Neighbour(std::uint16_t axes) {
@@ -104,8 +104,8 @@ class Neighbour {
   pid_t process_ = 0;
 };
 
-/// What the threads of a pool take to begin and end a tick together: two threads with a block of
-/// eight axes each, less one thread with one block [us].
+/// The time that the threads of a pool need to begin and end a tick together: two threads with a
+/// block of eight axes each, less one thread with one block [us].
 double barrier() {
   constexpr std::size_t kLanes = 8;
   constexpr int kTicks = 20'000;

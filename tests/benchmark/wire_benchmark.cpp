@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the way between a client and a bench takes: a given vdrived as a process of its own.
+// The time between a client and a bench: a given vdrived in a separate process.
 //
 //   vdrive_wire_benchmark VDRIVED step|command|publish [argument of vdrived...]
 //
@@ -52,7 +52,7 @@ class Client {
                      const std::lock_guard lock(mutex_);
                      reply_ = reply;
                    }
-                   changed_.notify_all();  // as the bare program: who wakes finds the lock free
+                   changed_.notify_all();  // as in the bare program: the lock is free then
                  }),
         command_replies_(participant_, [](const msg::CommandReply&, const wire::Source&) {}),
         descriptions_(participant_,
@@ -75,7 +75,7 @@ class Client {
            replies_.wait_for_match(*bench_, 5s);
   }
 
-  msg::Reply ask(msg::Request request) {
+  msg::Reply exchange(msg::Request request) {
     request.client(kSession);
     request.session(kSession);
     request.bench(1);
@@ -143,9 +143,9 @@ void measure_steps(Client& client) {
     msg::Request step;
     step.kind(msg::REQUEST_STEP);
     step.ticks(1);
-    const auto asked = Clock::now();
-    static_cast<void>(client.ask(step));
-    times.push_back(microseconds_since(asked));
+    const auto sent = Clock::now();
+    static_cast<void>(client.exchange(step));
+    times.push_back(microseconds_since(sent));
   }
   print("steps_per_second", kSteps * 1e6 / microseconds_since(begin));
   print_times("step_us", times);
@@ -166,7 +166,7 @@ void measure_commands(Client& client) {
   msg::Request acquire;
   acquire.kind(msg::REQUEST_ACQUIRE);
   acquire.axes().push_back(1);
-  const std::uint32_t epoch = client.ask(acquire).epoch();
+  const std::uint32_t epoch = client.exchange(acquire).epoch();
   std::vector<double> times;
   for (std::uint64_t sequence = 1; sequence <= kCommands; ++sequence) {
     // Anywhere between two ticks.

@@ -7,7 +7,7 @@ import { createInterface } from "node:readline";
 const BIN = process.env.VDRIVE_BIN;
 const DOMAIN = process.env.VDRIVE_DOMAIN;
 const BROWSER = process.env.VDRIVE_BROWSER ?? "/usr/bin/chromium";
-export const PATIENCE_MS = 60_000; // a busy machine gives all of a browser nothing for many seconds
+export const PATIENCE_MS = 60_000; // on a busy machine a browser can stand still for many seconds
 
 const programs = new Set();
 

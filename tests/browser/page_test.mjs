@@ -14,7 +14,7 @@ let page;
 
 let failed = false;
 
-/** After a failure the next test would only wait for what never comes. */
+/** After a failure the next test would wait for a state that never comes. */
 function test(name, body) {
   nodeTest(name, async (context) => {
     if (failed) return context.skip("a test before it failed");
@@ -40,7 +40,7 @@ async function waitForText(locator, pattern, patience = PATIENCE_MS) {
   return assert.fail(`"${text}" does not match ${pattern}; ${await page.locator("footer").textContent()}`);
 }
 
-/** Keeps the thread of a page from everything else for so long. */
+/** Blocks the thread of a page for this time. */
 const blockThread = (blocked, milliseconds) =>
   blocked.evaluate((length) => {
     const end = performance.now() + length;
@@ -72,13 +72,13 @@ after(async () => {
   await stopAll();
 });
 
-test("the overview shows every axis with its state as a word", async () => {
+test("the overview shows every axis with the name of its state", async () => {
   await page.locator('[data-address="1.2"]').waitFor({ timeout: PATIENCE_MS });
   await waitForText(page.locator('[data-address="1.1"] .state'), /Switch on disabled/);
   await waitForText(page.locator('[data-address="1.1"] .age'), /<0.1 s/);
 });
 
-test("the search keeps the axes that it names", async () => {
+test("the search shows the named axes", async () => {
   await page.fill(".search", "1.2");
   await page.locator('[data-address="1.1"]').waitFor({ state: "hidden" });
   assert.ok(await page.locator('[data-address="1.2"]').isVisible());
@@ -86,7 +86,7 @@ test("the search keeps the axes that it names", async () => {
   await page.locator('[data-address="1.1"]').waitFor();
 });
 
-test("a page without control cannot command, and the gateway refuses what goes past the page", async () => {
+test("a page without control cannot command, and the gateway refuses commands that bypass the page", async () => {
   await page.click('[data-address="1.1"]');
   await waitForText(figure("state"), /Switch on disabled/);
   assert.ok(await command("enable").isDisabled());
@@ -104,7 +104,7 @@ test("after taking control the page enables an axis", async () => {
   await waitForText(page.locator(".way"), /\b4\), tick \d+/);
 });
 
-test("a move is seen in the figures and in the plot", async () => {
+test("a move is visible in the figures and in the plot", async () => {
   const plot = page.locator(".plot canvas").first();
   const pixels = () => plot.evaluate((canvas) => canvas.toDataURL());
   const before = await pixels();
@@ -115,7 +115,7 @@ test("a move is seen in the figures and in the plot", async () => {
   await waitForText(page.locator(".reading .number").nth(1), /^(4.99\d|5.00\d)$/);
 });
 
-test("a set-point that waits behind another one is counted until its turn comes", async () => {
+test("a waiting set-point is counted until it becomes active", async () => {
   const held = command("set-points");
   await waitForText(held, /^0 \+ 0$/);
   await page.fill("#move-target", "600000");
@@ -158,7 +158,7 @@ test("an axis jogs while the button is pressed", async () => {
   await waitForText(figure("velocity"), /^−?\d UU\/s/);
 });
 
-test("an axis that is jogged stands when its window loses the focus", async () => {
+test("a jogged axis stops when its window loses the focus", async () => {
   const box = await command("jog-plus").boundingBox();
   await page.mouse.move(box.x + 5, box.y + 5);
   await page.mouse.down();
@@ -187,7 +187,7 @@ test("a blocked load ends in the fault 8611h", async () => {
   await waitForText(page.locator(".way"), /14/);
 });
 
-test("a switch shows what acts on the axis after the page was opened again", async () => {
+test("a switch shows the active test-bench input after the page was opened again", async () => {
   await page.click("nav a >> nth=0");
   await page.click('[data-address="1.1"]');
   const deadline = Date.now() + PATIENCE_MS;
@@ -215,7 +215,7 @@ test("an object is found, written and read back", async () => {
   await row.locator("text=Cancel").click();
 });
 
-test("looking at objects causes no refusal", async () => {
+test("reading objects causes no refusal", async () => {
   // The list of errors has the one entry of the fault; the other seven would be refused.
   await page.fill(".objects .search", "");
   await waitForText(page.locator('[data-object="0x1003"] .value .number'), /^1$/);
@@ -255,7 +255,7 @@ test("chosen axes move together", async () => {
 test("the clock of the bench is paused and runs again", async () => {
   await command("pause_clock").click();
   await waitForText(page.locator(".clock-text"), /realtime, paused/);
-  // It still sends its state: what is seen is not old.
+  // It still sends its state: the shown values are not old.
   await page.click("nav a >> nth=0");
   await waitForText(page.locator('[data-address="1.1"] .age'), /<0.1 s|0\.\d s/);
   assert.equal(await page.locator(".row.old").count(), 0);
@@ -264,7 +264,7 @@ test("the clock of the bench is paused and runs again", async () => {
   await waitForText(page.locator(".clock-text"), /realtime, × 1/);
 });
 
-test("a second page sees who has control, takes it, and stops all by keyboard", async () => {
+test("a second page shows the holder of control, takes control, and stops all by keyboard", async () => {
   const other = await (await browser.newContext({ locale: "en-US" })).newPage();
   await other.goto(gateway.address);
   const take = other.locator('[data-test="take"]');
@@ -280,7 +280,7 @@ test("a second page sees who has control, takes it, and stops all by keyboard", 
   await page.goto(`${gateway.address}#/axis/1.1`);
 });
 
-test("the page speaks Chinese and keeps the choice", async () => {
+test("the page shows Chinese and keeps the choice", async () => {
   await page.selectOption(".settings select >> nth=1", "zh");
   await waitForText(page.locator("[aria-current]"), /轴/);
   await page.reload();
@@ -288,11 +288,11 @@ test("the page speaks Chinese and keeps the choice", async () => {
   await page.selectOption(".settings select >> nth=1", "en");
 });
 
-test("a page that is closed gives its control back", async () => {
+test("a page that is closed releases its control", async () => {
   await waitForText(page.locator(".holder"), /Nobody has control/);
 });
 
-test("an axis that is jogged stands and stays enabled when its tab is closed", async () => {
+test("a jogged axis stops and stays enabled when its tab is closed", async () => {
   const other = await openOther("#/axis/1.1");
   await other.click('[data-test="take"]');
   await other.click('[data-test="enable"]');
@@ -308,7 +308,7 @@ test("an axis that is jogged stands and stays enabled when its tab is closed", a
   assert.match((await figure("state").textContent()) ?? "", /Operation enabled/);
 });
 
-test("a page that stands still for good is a lost master", async () => {
+test("a page that stands still permanently is a lost master", async () => {
   const other = await openOther("#/axis/1.1");
   await other.click('[data-test="take"]');
   await other.click('[data-test="enable"]');
@@ -324,7 +324,7 @@ test("a page that stands still for good is a lost master", async () => {
   await waitForText(figure("fault"), /^–$/);
 });
 
-test("a service that is killed is missed, and found again", async () => {
+test("a killed service is reported lost, and found again", async () => {
   await service.stop("SIGKILL");
   await waitForText(page.locator(".banner"), /has sent nothing for \d+ s/);
   service = startService();
@@ -332,7 +332,7 @@ test("a service that is killed is missed, and found again", async () => {
   await waitForText(figure("state"), /Switch on disabled/);
 });
 
-test("a gateway that is killed is missed, and found again", async () => {
+test("a killed gateway is reported lost, and found again", async () => {
   const { port } = gateway;
   await gateway.stop("SIGKILL");
   await waitForText(page.locator(".banner"), /No connection to the gateway/);
@@ -341,7 +341,7 @@ test("a gateway that is killed is missed, and found again", async () => {
   await waitForText(figure("age"), /<0.1 s/);
 });
 
-test("a gateway that only shows offers no command", async () => {
+test("a view-only gateway offers no command", async () => {
   await gateway.stop();
   gateway = await startGateway(gateway.port);
   await waitForText(page.locator(".holder"), /View only/);

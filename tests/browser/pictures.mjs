@@ -13,7 +13,7 @@ const SIZES = [
   { name: "wide", width: 1280, height: 860 },
   { name: "narrow", width: 390, height: 844 },
 ];
-const COLOURS = 96; // of a picture: more are not seen
+const COLOURS = 96; // of a picture: more are not visible
 
 const work = mkdtempSync(join(tmpdir(), "vdrive-pictures-"));
 
@@ -26,7 +26,7 @@ async function choose(page, addresses) {
   }
 }
 
-/** Enables most axes, lets some move, and breaks one. */
+/** Enables most axes, moves some, and disturbs one. */
 async function prepare(page) {
   await page.locator('[data-test="take"]').click();
   await choose(page, ["1.1", "1.2", "1.3", "1.4", "1.6", "1.7", "1.8"]);

@@ -9,7 +9,7 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 preset=$1
 
 if [[ " ${VDRIVE_SKIPPED_PRESETS:-} " == *" $preset "* ]]; then
-  echo "build_preset: $preset is skipped, as tests/run.sh said" >&2
+  echo "build_preset: $preset is skipped by tests/run.sh" >&2
   exit 77
 fi
 
@@ -19,6 +19,6 @@ case $preset in
   coverage) options=(-D VDRIVE_BUILD_TESTS=ON --target core_tests) ;;
   *) options=(-D VDRIVE_BUILD_TESTS=ON --target unit_tests) ;;
 esac
-# clang-tidy counts the warnings that it does not show, even when asked to be quiet.
+# clang-tidy counts the warnings that it does not show, even with --quiet.
 "$root/deploy/build.sh" --preset "$preset" "${options[@]}" 2>&1 |
   sed --unbuffered --regexp-extended '/^[0-9]+ warnings? generated\.$/d'

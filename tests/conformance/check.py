@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks docs/reference/conformance.md: every statement is held by tests that exist, run and pass.
+"""Checks docs/reference/conformance.md: every statement is shown by tests that exist, run and pass.
 
     tests/conformance/check.py --build DIRECTORY [--ctest PROGRAM] [--page FILE] [--list]
 
-    --build DIRECTORY  a build with tests; their programs are asked for and run there
+    --build DIRECTORY  a build with tests; their programs are built and run there
     --list             only what the page itself shows: runs nothing
 
 Each table of the page that begins with a column "id" ends with a column "held by": GoogleTest names
@@ -42,7 +42,7 @@ def cells_of(line):
 
 
 def parse(text):
-    """The rows of the page's tables, and what is wrong with their form."""
+    """The rows of the page's tables, and the errors of their form."""
     rows, findings, header = [], [], None
     for number, line in enumerate(text.splitlines(), 1):
         if not line.startswith("|"):
@@ -69,7 +69,7 @@ def parse(text):
 
 
 def expected_objects():
-    """Identifier -> what the page says of the object, from the manual's table."""
+    """Identifier -> the row of the page about the object, from the manual's table."""
     with open(OBJECTS, encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
     several = {row["index"] for row in rows if row["subindex"] != "0x00"}
@@ -107,7 +107,7 @@ def check_objects(rows):
 
 
 def check_page(text):
-    """@return the rows, and what is wrong with the page by itself."""
+    """@return the rows, and the errors of the page alone."""
     rows, findings = parse(text)
     lines = collections.defaultdict(list)
     for row in rows:
@@ -175,7 +175,7 @@ def run_program(program, directory, names):
 
 
 def run_named(rows, tests):
-    """What is wrong with the tests that the rows name."""
+    """The errors of the tests that the rows name."""
     findings = []
     places = collections.defaultdict(list)
     for row in rows:

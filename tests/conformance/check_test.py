@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The check of the conformance page can fail: each mistake made on purpose is found and named."""
+"""The check of the conformance page can fail: each deliberate mistake is found and named."""
 import pathlib
 import re
 import stat
@@ -25,43 +25,43 @@ def row_of(identifier):
 
 
 class ThePage(unittest.TestCase):
-    def test_as_it_stands_has_no_finding(self):
+    def test_the_present_page_has_no_finding(self):
         self.assertEqual(findings_of(PAGE), [])
 
-    def test_without_the_row_of_an_ambiguity_is_found(self):
+    def test_a_missing_row_of_an_ambiguity_is_found(self):
         self.assertIn("ambiguity A-17 has no row", findings_of(without_row("A-17")))
 
-    def test_without_the_row_of_a_rule_is_found(self):
+    def test_a_missing_row_of_a_rule_is_found(self):
         self.assertIn("rule R-12 has no row", findings_of(without_row("R-12")))
 
-    def test_with_an_ambiguity_too_many_is_found(self):
+    def test_an_additional_ambiguity_is_found(self):
         page = PAGE.replace("| A-48 |", "| A-49 |")
         self.assertEqual({"ambiguity A-48 has no row", "ambiguity A-49 is beyond the last"},
                          set(findings_of(page)))
 
-    def test_without_the_row_of_an_object_is_found(self):
+    def test_a_missing_row_of_an_object_is_found(self):
         self.assertIn("object O-607D:02 of the manual's table has no row",
                       findings_of(without_row("O-607D:02")))
 
-    def test_with_another_default_of_an_object_is_found(self):
+    def test_another_default_of_an_object_is_found(self):
         page = PAGE.replace(row_of("O-6081"), row_of("O-6081").replace("68267", "68266"))
         self.assertIn("default is 68266, in the manual's table 68267", findings_of(page)[0])
 
-    def test_with_an_identifier_twice_is_found(self):
+    def test_a_duplicate_identifier_is_found(self):
         page = PAGE.replace(row_of("A-2"), row_of("A-2") * 2)
         self.assertRegex(findings_of(page)[0], r"A-2 is used in lines \d+, \d+")
 
-    def test_with_a_statement_without_a_test_is_found(self):
+    def test_a_statement_without_a_test_is_found(self):
         row = row_of("A-3")
         page = PAGE.replace(row, re.sub(r"\| [^|]*\|$", "| |", row.rstrip()) + "\n")
         self.assertRegex(findings_of(page)[0], r"line \d+, A-3: no test holds it")
 
-    def test_with_words_beside_the_names_is_found(self):
+    def test_words_beside_the_names_are_found(self):
         row = row_of("A-3")
         page = PAGE.replace(row, row.rstrip()[:-1] + "and by hand |\n")
         self.assertRegex(findings_of(page)[0], r"A-3: 'held by' has more than names")
 
-    def test_with_a_missing_cell_is_found(self):
+    def test_a_missing_cell_is_found(self):
         row = row_of("A-3")
         page = PAGE.replace(row, row.split("|", 3)[0] + "| A-3 |" + row.rsplit("|", 2)[1] + "|\n")
         self.assertRegex(findings_of(page)[0], r"A-3: 2 cells")
@@ -98,30 +98,30 @@ class ANamedTest(unittest.TestCase):
                  for name in ("Passes", "Fails", "Skips", "IsDisabled", "IsFilteredAway")}
         return check.run_named([check.Row(7, "M-1", {}, [test])], known)[0]
 
-    def test_that_passes_is_no_finding(self):
+    def test_a_passing_test_gives_no_finding(self):
         self.assertEqual(self.findings_of("Suite.Passes"), [])
 
-    def test_that_does_not_exist_is_found(self):
+    def test_a_missing_test_is_found(self):
         self.assertEqual(self.findings_of("Suite.Renamed"),
                          ["line 7, M-1: there is no test Suite.Renamed"])
 
-    def test_that_fails_is_found(self):
+    def test_a_failing_test_is_found(self):
         self.assertEqual(self.findings_of("Suite.Fails"),
                          ["line 7, M-1: Suite.Fails failed: 1 is not 2"])
 
-    def test_that_is_skipped_is_found(self):
+    def test_a_skipped_test_is_found(self):
         self.assertEqual(self.findings_of("Suite.Skips"),
                          ["line 7, M-1: Suite.Skips did not run: skipped"])
 
-    def test_that_is_disabled_is_found(self):
+    def test_a_disabled_test_is_found(self):
         self.assertEqual(self.findings_of("Suite.IsDisabled"),
                          ["line 7, M-1: Suite.IsDisabled did not run: suppressed"])
 
-    def test_that_does_not_report_is_found(self):
+    def test_a_test_without_a_report_is_found(self):
         self.assertEqual(self.findings_of("Suite.IsFilteredAway"),
                          ["line 7, M-1: Suite.IsFilteredAway did not run"])
 
-    def test_whose_program_ends_early_is_found(self):
+    def test_a_test_whose_program_ends_early_is_found(self):
         self.assertRegex(self.findings_of("Suite.Passes", "#!/bin/sh\necho no; exit 3\n")[0],
                          "M-1: Suite.Passes .*program ended with 3: no")
 

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Measures how much of core/ its own tests reach, and fails below what the project promises:
+# Measures how much of core/ its own tests reach, and fails below the promise of the project:
 # 90 % of the lines and 80 % of the branches of core/, every branch of the power state machine.
 #
 #   tests/coverage/run.sh
 #
-# Prints a row a file; what is not covered stands line by line in build/coverage/report/index.html.
+# Prints a row for each file; build/coverage/report/index.html has the uncovered lines.
 # Exit code 0: promise kept; 1: below it, a test failed, or nothing could be measured.
 set -euo pipefail
 
@@ -43,7 +43,7 @@ export -f run_test
 xargs --max-args=1 --max-procs="$jobs" bash -c 'run_test "$0" "$1"' "$build" \
   <"$build/core_tests.txt" || fail "a test of core/ failed"
 
-# What a compiler adds is not ours to cover: the branches into exception handling behind each call,
+# Branches that the compiler adds are not counted: the branches into exception handling behind each call,
 # and those that the code generator itself cannot reach.
 cd "$root"
 gcovr --root . --filter core/ --exclude-throw-branches --exclude-unreachable-branches \

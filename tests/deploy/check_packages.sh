@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds the Debian packages and looks at them: what is in them, that the programs run from where
-# they are unpacked, that a stranger's program builds against the library, that the programs are
-# hardened, and that man pages and completion know what the programs know.
+# Builds the Debian packages and checks them: what is in them, that the programs run from where
+# they are unpacked, that an outside program builds against the library, that the programs are
+# hardened, and that man pages and completion agree with the programs.
 #
 #   tests/deploy/check_packages.sh
 set -euo pipefail
@@ -137,7 +137,7 @@ with vdrive.Bench() as bench, bench.session() as session:
     assert axis.status().position == 1000
 END
 
-# The units name what is there.
+# The units name existing files.
 for unit in vdrived.service vdrived@.service vdrive-gateway.service vdrive-ros2.service; do
   program=$(sed -n 's/^ExecStart=\([^ ]*\).*/\1/p' "$unpacked/usr/lib/systemd/system/$unit")
   [[ -x $unpacked$program ]] || fail "$unit starts $program, which is in no package"
@@ -191,7 +191,7 @@ cmake -S "$unpacked/usr/share/doc/vdrive-doc/clients/examples" -B "$work/example
   -DCMAKE_PREFIX_PATH="$unpacked/usr" >"$work/log" 2>&1 || fail "$(cat "$work/log")"
 cmake --build "$work/examples" --target 01_enable_and_move >"$work/log" 2>&1 || fail "$(cat "$work/log")"
 
-# A stranger's program.
+# An outside program.
 cmake -S "$root/tests/package/consumer" -B "$work/consumer" -G Ninja \
   -DCMAKE_PREFIX_PATH="$unpacked/usr" >"$work/log" 2>&1 || fail "$(cat "$work/log")"
 cmake --build "$work/consumer" >"$work/log" 2>&1 || fail "$(cat "$work/log")"

@@ -1,12 +1,12 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""Runs vdrived in what its systemd unit lets it do, as far as that can be had without systemd.
+"""Runs vdrived with the permissions of its systemd unit, as far as possible without systemd.
 
     tests/deploy/check_sandbox.py VDRIVED VDRIVE [DROP_IN]
 
 The filter of system calls and address families is built from the unit itself, memory that can be
 written and executed is refused, the system is read-only without homes, the user is nobody. The
-service has to become ready, beat, answer the tool and end when it is told to. Its engine and its
+service has to become ready, send watchdog messages, answer the tool and end on request. Its engine and its
 network process ("wire") each have to add a filter of their own; a wire that is killed has to come
 back while the engine goes on. With a drop-in the tick thread also has to get its real-time
 priority. Exit code 77: no sandbox can be made here.
@@ -63,7 +63,7 @@ def allowed_calls(files):
             calls -= expand([names[0][1:]] + names[1:])
         else:
             calls |= expand(names)
-    # systemd adds what it takes to get as far as main().
+    # systemd adds the calls that are needed to reach main().
     return calls | expand(["@default"]) | {"execve"}
 
 
@@ -121,7 +121,7 @@ def only_child(process, name):
             if [name_of(child) for child in children] == [name]:
                 return children[0]
         except (FileNotFoundError, ProcessLookupError):
-            pass  # it ended while it was looked at
+            pass  # it ended during the check
         time.sleep(0.005)
     fail(f"process {process} has no child '{name}' and nothing else")
 
@@ -130,7 +130,7 @@ def state_of(process, field):
     for line in pathlib.Path(f"/proc/{process}/status").read_text().splitlines():
         if line.startswith(field + ":"):
             return int(line.split()[1])
-    return fail(f"the kernel does not tell {field} of a process")
+    return fail(f"the kernel does not show {field} of a process")
 
 
 def is_there(process):
@@ -255,7 +255,7 @@ def main():
     try:
         resource.setrlimit(resource.RLIMIT_RTPRIO, (limit, limit))  # inherited
     except ValueError:
-        print("check_sandbox: nobody may raise the limit of real-time priorities here")
+        print("check_sandbox: the limit of real-time priorities cannot be raised here")
         sys.exit(77)
     check(os.path.abspath(program), os.path.abspath(tool), files)
 

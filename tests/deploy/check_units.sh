@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# The systemd units: systemd understands them, and what they leave open stays below what is
-# promised: 1.5 of systemd-analyze's 10 points, 1.9 with the drop-in for real time.
+# The systemd units: systemd accepts them, and their exposure stays below the
+# promised values: 1.5 of systemd-analyze's 10 points, 1.9 with the drop-in for real time.
 #
 #   tests/deploy/check_units.sh
 set -euo pipefail

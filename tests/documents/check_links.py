@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks that every link in a document and every path docs/... in the tree leads to something.
+"""Checks that every link in a document and every path docs/... in the tree has a target.
 
   check_links.py [--root TREE]
 
 Relative links of *.md files must name an existing file or folder, and their #anchor a heading of that
 page. Each path below docs/ to a page or a picture that any text file mentions must exist. CHANGELOG.md
-tells history, so only its links are checked.
+describes history, so only its links are checked.
 """
 import argparse
 import pathlib
@@ -73,7 +73,7 @@ def main():
     parser.add_argument("--root", type=pathlib.Path,
                         default=pathlib.Path(__file__).resolve().parents[2])
     findings = findings_in(parser.parse_args().root.resolve())
-    print("\n".join(findings) if findings else "every link and path leads to something")
+    print("\n".join(findings) if findings else "every link and path has a target")
     return 1 if findings else 0
 
 

@@ -40,7 +40,7 @@ class Links(unittest.TestCase):
         self.write("a.cpp", "// as docs/gone.md has it\n")
         self.assertEqual(self.findings(), ["a.cpp: docs/gone.md does not exist"])
 
-    def test_code_blocks_are_no_links_and_no_headings(self):
+    def test_code_blocks_have_no_links_and_no_headings(self):
         self.write("docs/other.md", "```\n[a](none.md)\n# x\n```\n[b](#x)\n")
         self.assertEqual(self.findings(), ["docs/other.md: link #x: the page has no such heading"])
 

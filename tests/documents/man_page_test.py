@@ -12,8 +12,8 @@ import sys
 
 def main():
     page, tool = sys.argv[1:]
-    told = subprocess.run([tool, "--help"], check=True, capture_output=True, text=True).stdout
-    examples = re.search(r"\nExamples:\n(.*?)\n\n", told, re.DOTALL).group(1).splitlines()
+    text = subprocess.run([tool, "--help"], check=True, capture_output=True, text=True).stdout
+    examples = re.search(r"\nExamples:\n(.*?)\n\n", text, re.DOTALL).group(1).splitlines()
     source = pathlib.Path(page).read_text(encoding="utf-8").replace("\\-", "-")
     # Between .nf and .fi roff keeps the lines as they are.
     kept = "\n".join(re.findall(r"^\.nf\n(.*?)^\.fi$", source, re.DOTALL | re.MULTILINE)).splitlines()

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Records the moves that the plots of the documents show, straight from the core: the same numbers
-// on every machine. Prints CSV, one row each 10 ms of drive time.
+// Records the moves of the plots in the documents, directly from the core: the same numbers
+// on every machine. Prints CSV, one row for each 10 ms of drive time.
 //
 //   record_moves forward|blocked
 #include "core/support/axis_under_test.hpp"

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Carries out the tutorial, command by command, and compares what it shows.
+"""Executes the tutorial, command by command, and compares the output.
 
   tutorial_test.py TUTORIAL PROGRAMS
 
 PROGRAMS is the directory with vdrived and vdrive. Every block of the tutorial that is tagged `sh` is
 carried out by one bash, in an empty directory and on a DDS domain of its own. A block with lines that
 begin with `$ ` has commands there and their output below; in any other block each line is a command.
-In an expected output `...` stands for anything. A comment of one line before a block says more:
+In an expected output `...` stands for any text. A comment line before a block gives options:
 
   <!-- numbers may differ -->   decimal numbers of the output are not compared
   <!-- file: NAME -->           the block is not carried out: it is the content of this file
@@ -43,7 +43,7 @@ def is_unused(domain):
 
 
 def claim_domain():
-    """Returns a domain that nobody else uses, and the lock that keeps it."""
+    """Returns a domain that no other program uses, and the lock that keeps it."""
     for offset in range(80):
         domain = 20 + (os.getpid() + offset) % 80
         path = pathlib.Path(tempfile.gettempdir()) / f"vdrive-test-domain-{domain}.lock"
@@ -80,7 +80,7 @@ def pattern_of(line, numbers_differ):
 
 
 class Shell:
-    """One bash that carries out all commands."""
+    """One bash that executes all commands."""
 
     def __init__(self, directory, environment):
         self.directory = directory
@@ -92,7 +92,7 @@ class Shell:
 
     def run(self, command):
         """Returns the lines of the output and the exit code."""
-        # What the service logs is for another terminal.
+        # The log of the service belongs to another terminal.
         started = re.sub(r"&\s*(#.*)?$", ">> service.log 2>&1 &", command)
         self.bash.stdin.write(f"{started}\necho {END} $?\n")
         self.bash.stdin.flush()
@@ -118,7 +118,7 @@ class Shell:
 
 
 def check_block(shell, note, text):
-    """Returns what is not as shown."""
+    """Returns the differences."""
     problems = []
     for command, expected in steps_of(text):
         if note == "until Ctrl-C":

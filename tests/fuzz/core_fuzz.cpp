@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Any sequence of writes, reads, steps, power cycles, lost connections and restores keeps several
-// axes in order, gives the same when it is done again, and leaves nothing behind that a power cycle
-// does not heal.
+// axes valid, gives the same result when it is repeated, and leaves no state that a power cycle
+// does not clear.
 #include "fuzz/support/bytes.hpp"
 #include "support/axis_invariants.hpp"
 #include "vdrive/axis_bank.hpp"
@@ -30,10 +30,10 @@ constexpr ObjectAddress kErrorHistory{0x1003, 0};
 constexpr ObjectAddress kControlword{0x6040, 0};
 constexpr ObjectAddress kMode{0x6060, 0};
 
-/// A bank, and what was seen of it in the tick before.
+/// A bank, and the observations of its previous tick.
 class Bench {
  public:
-  explicit Bench(const AxisBank& bank) : bank_(bank), saved_(bank.snapshot()) { look(); }
+  explicit Bench(const AxisBank& bank) : bank_(bank), saved_(bank.snapshot()) { note_inputs(); }
 
   AxisBank& bank() { return bank_; }
 
@@ -47,7 +47,7 @@ class Bench {
   }
 
   /// After writes: the inputs may have changed.
-  void look() {
+  void note_inputs() {
     for (std::size_t axis = 0; axis < kAxes; ++axis) {
       seen_[axis] = {speed(axis), is_left_alone(axis)};
     }
@@ -185,7 +185,7 @@ void act(Bench& bench, Bytes& bytes) {
 }
 
 /// After all that, with its inputs off and its load held until it rests, a rigid axis moves as on
-/// the first day: 1000 user units with the default ramps take 0.1 s. A number that is none would
+/// at first: 1000 user units with the default ramps take 0.1 s. A value that is not a number would
 /// have stayed in the plant.
 void check_healed(Bench& bench, std::size_t axis) {
   constexpr std::int64_t kDistance = 1000;
@@ -238,7 +238,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   Bench bench((options & 1U) == 0 ? kSlow : kFast);
   for (int actions = 0; actions < kMostActions && !bytes.empty(); ++actions) {
     act(bench, bytes);
-    bench.look();
+    bench.note_inputs();
   }
   if ((options & 6U) == 6U) {  // not always: it takes as long as many actions
     check_healed(bench, 0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Any bytes as a datagram: the guard's check, and what it reads and changes of what passes.
+// Any bytes as a datagram: the guard's check, and its reading and changes of accepted datagrams.
 #include "guard/announcement.hpp"
 #include "guard/datagram_check.hpp"
 

@@ -28,7 +28,7 @@ void check_message(const Parse& parse, std::string_view bytes) {
     const std::string_view text = error.what();
     demand(!text.empty() && text.size() < 1000, "a refusal is a sentence");
     demand(text.find('\n') == std::string_view::npos, "on one line");
-    // What is told to the client is JSON again, whatever it sent.
+    // The answer to the client is JSON for any input.
     demand(!Json::parse(status_text(Level::error, text), nullptr, false).is_discarded(),
            "a status is JSON");
   }
@@ -52,7 +52,7 @@ void check_admission(std::string_view bytes) {
   }
   demand(request.target.find("0123456789abcdef") != std::string_view::npos ||
              request.authorization.find("0123456789abcdef") != std::string_view::npos,
-         "nobody enters without the token");
+         "no client is admitted without the token");
   demand(request.protocols.find(answer.subprotocol) != std::string_view::npos,
          "the sub-protocol was offered");
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Bytes from strangers on every topic, and well-formed commands and requests among them. The
+// Bytes of unknown programs on every topic, and well-formed commands and requests among them. The
 // decoder refuses, or gives a message that can be written again; what receivers do with it is done:
 // the service validates, carries out and answers, a client puts status and benches together.
 #include "bench_engine.hpp"
@@ -58,7 +58,7 @@ std::vector<std::uint8_t> encode(Message& message) {
   return {payload.data, payload.data + payload.length};
 }
 
-/// @return the same message after a journey over the wire.
+/// @return the same message after encoding and decoding.
 template <typename Message>
 Message sent(Message& message) {
   const std::vector<std::uint8_t> bytes = encode(message);
@@ -77,7 +77,7 @@ service::Configuration bench_configuration() {
 }
 
 /// All that receive: a bench without network and clock, and the two parts of a client that
-/// keep what they hear.
+/// keep what they receive.
 class Peers {
  public:
   Peers()
@@ -141,12 +141,12 @@ class Peers {
 
   void receive(const msg::BenchDescription& description) {
     directory_.on_description(description, {}, now_);
-    look_around();
+    check_directory();
   }
 
   void receive(const msg::BenchState& state) {
     directory_.on_state(state, now_);
-    look_around();
+    check_directory();
   }
 
   void step(std::uint64_t ticks) {
@@ -164,7 +164,7 @@ class Peers {
 
   [[nodiscard]] std::uint64_t tick() const { return engine_.tick(); }
 
-  /// Epoch that the bench last told a session.
+  /// Epoch that a session received last from the bench.
   [[nodiscard]] std::uint32_t epoch(std::uint64_t session) const {
     const auto found = epochs_.find(session);
     return found == epochs_.end() ? 0 : found->second;
@@ -191,7 +191,7 @@ class Peers {
     }
   }
 
-  /// As the lock-step driver does it, but for few ticks.
+  /// Like the lock-step driver, but for few ticks.
   void answer_step(const service::Arrival& arrival) {
     if (engine_.answer_repeat(arrival)) {
       return;
@@ -238,11 +238,11 @@ class Peers {
   template <typename Message>
   void pass_on(Message& message) {
     demand(wire::Topic<Message>::kRow.within_bounds(message),
-           "what the bench says is within the bounds of the IDL");
+           "what the bench sends is within the bounds of the IDL");
     receive(sent(message));
   }
 
-  void look_around() {
+  void check_directory() {
     for (const auto& bench : directory_.present(now_)) {
       demand(directory_.find(bench.info.number, now_).has_value(),
              "a bench that is there is found");
@@ -263,7 +263,7 @@ class Peers {
 };
 
 /// Any bytes as a sample of this topic. As in a subscription, what is beyond the bounds reaches
-/// nobody but the bench, which answers for it.
+/// no participant except the bench, which answers for it.
 template <typename Message>
 void receive_raw(std::span<const std::uint8_t> data, Peers& peers) {
   if constexpr (std::is_same_v<Message, msg::StatusFrame>) {
@@ -307,7 +307,7 @@ void fill(Object& object, Bytes& bytes) {
   object.value(bytes.take<std::int32_t>());
 }
 
-/// A request such as a client of ours makes.
+/// A request as our client makes it.
 msg::Request request_from(Bytes& bytes) {
   msg::Request request;
   request.client(1);
@@ -328,7 +328,7 @@ msg::Request request_from(Bytes& bytes) {
   return request;
 }
 
-/// A frame such as a client of ours makes, or one that is a little wrong.
+/// A frame as our client makes it, or one with a small error.
 msg::CommandFrame frame_from(Bytes& bytes, const Peers& peers, std::uint64_t sequence) {
   msg::CommandFrame frame;
   frame.bench(kBench);

@@ -2,7 +2,7 @@
 //
 // Any bytes on the topics that command vdrive-ros2 are a message or are dropped, and any message is
 // read: its commands have finite values, its trajectory keeps the limits that it was checked
-// against, and positions that come from time to time are followed without a jump.
+// against, and positions that arrive irregularly are followed without a jump.
 #include "fuzz/support/bytes.hpp"
 #include "joint_path.hpp"
 #include "joint_tracker.hpp"
@@ -67,7 +67,8 @@ bool decode(std::span<const std::uint8_t> data, Message& message) {
   return type.deserialize(&payload, &message);
 }
 
-/// @return small numbers most of the time, any double and what a calculation may fail at sometimes.
+/// @return small numbers most of the time, sometimes any double or a value on which a calculation
+/// may fail.
 double take_double(Bytes& bytes) {
   constexpr std::array kSpecial{0.0,
                                 -0.0,

@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds the fuzzers and runs each over its kept corpus, what the tree ships for it, and new inputs.
+# Builds the fuzzers and runs each over its kept corpus, its files of the tree, and new inputs.
 #
 #   tests/fuzz/run.sh [--seconds N] [--keep] [fuzzer...]
 #
-#   --seconds N   how long each fuzzer looks for new inputs, default 10; 300 with VDRIVE_NIGHTLY=1
+#   --seconds N   how long each fuzzer searches for new inputs, default 10; 300 with VDRIVE_NIGHTLY=1
 #   --keep        make the kept corpus, tests/fuzz/corpus, anew: the smallest set of inputs found
 #                 so far that reaches all the code that any of them reaches, and what is called
 #                 fixed-...: inputs that failed once
@@ -60,7 +60,7 @@ seed() {
   esac
 }
 
-# Says how it ended; everything when it found something.
+# Prints how it ended; its whole output when it found something.
 run() {
   local program=$1 log=$work/$1.log
   shift
@@ -86,7 +86,7 @@ for fuzzer in "${fuzzers[@]}"; do
     -print_funcs=0 -artifact_prefix="$work/failures/$fuzzer-")
   [[ -f $here/dictionary/$fuzzer.dict ]] && options+=(-dict="$here/dictionary/$fuzzer.dict")
   echo "$fuzzer: $(find "$kept" -type f | wc -l) kept inputs, then $seconds s"
-  # Every kept input first and whatever it takes; then new ones, for the time.
+  # Every kept input first, without a time limit; then new ones, for the given time.
   run "$fuzzer" "${options[@]}" -runs=0 "$kept" "$seeds"
   run "$fuzzer" "${options[@]}" -max_total_time="$seconds" "$found" "$kept" "$seeds"
   if $keep; then

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""Judges of the gateway that nobody of this project wrote.
+"""Judges of the gateway from outside this project.
 
   gateway.py VDRIVED VDRIVE GATEWAY WORK
 

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""Judges of MCAP recordings that nobody of this project wrote.
+"""Judges of MCAP recordings from outside this project.
 
   recording.py VDRIVED VDRIVE WORK [SEED]
 
@@ -118,9 +118,9 @@ def judge(vdrived, vdrive, domain, axes, work, seed):
         judged = json.loads(read.stdout)
         samples = len({(row["tick"]) for row in judged["rows"]})
         if samples != summary["samples"]:
-            fail(f"{samples} samples were read, the recorder says {summary['samples']}")
+            fail(f"{samples} samples were read, the recorder reports {summary['samples']}")
         if len(judged["events"]) != summary["events"]:
-            fail(f"{len(judged['events'])} events were read, the recorder says {summary['events']}")
+            fail(f"{len(judged['events'])} events were read, the recorder reports {summary['events']}")
         if len(judged["parameters"]) != axes:
             fail(f"{len(judged['parameters'])} sets of parameters were read, of {axes} axes")
         value = json.loads(bench.run("--json", "read", "1.1", "0x6502"))["value"]

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""A judge of vdrive-ros2 that nobody of this project wrote.
+"""A judge of vdrive-ros2 from outside this project.
 
   ros2.py VDRIVED VDRIVE ROS2 WORK
 
@@ -99,7 +99,7 @@ def main():
                        capture_output=True, timeout=60)
         start(ros2, "--domain", DOMAIN, stdout=subprocess.DEVNULL)
         judge = start("node", work / "judge.mjs", DOMAIN, str(MESSAGES), stdout=subprocess.PIPE)
-        # The judge has begun to read when its first message is told on its output.
+        # The judge has begun to read when its output shows its first message.
         if judge.stdout.readline() != "first\n":
             fail("no message came")
         for words in (["enable", "1.1"], ["move", "1.1", str(TARGET)]):

@@ -34,7 +34,7 @@ FLAGS = ["-std=c++20", "-O1", "-ffp-contract=off", "-fno-math-errno", "-fno-trap
 INCLUDES = [f"-I{ROOT}/core/include", f"-I{ROOT}/core/src", f"-I{ROOT}/tests"]
 TIMEOUT_S = 60
 
-# What may stand for what. Each rule is tried at each place where its pattern stands in code.
+# The replacements. Each rule is tried at each place where its pattern occurs in code.
 RULES = [
     (r"==", ["!="]), (r"!=", ["=="]), (r"(?<![<>=-])<=(?!>)", ["<"]), (r"(?<![<>=-])>=", [">"]),
     (r"(?<= )<(?= )", ["<=", ">"]), (r"(?<= )>(?= )", [">=", "<"]),
@@ -136,7 +136,7 @@ class Workshop:
 
 
 def check(workshop, mutant, folder):
-    """@return None when a test noticed, else why it lives."""
+    """@return None when a test detected it, else why it survived."""
     folder.mkdir(parents=True, exist_ok=True)
     lines = (ROOT / mutant["file"]).read_text(encoding="utf-8").split("\n")
     lines[mutant["line"]] = mutant["source"]
@@ -148,7 +148,7 @@ def check(workshop, mutant, folder):
         overlay = folder / "include" / "vdrive" / "dictionary" / "object_table.hpp"
         overlay.parent.mkdir(parents=True, exist_ok=True)
         overlay.write_text("\n".join(lines), encoding="utf-8")
-        # The sweep over both tables first: it notices nearly all.
+        # The sweep over both tables first: it detects nearly all.
         tests = sorted((t for t in tests if "dictionary" in t), key=lambda t: "effect" in t)
         recompiled = ["core/src/dictionary/dictionary.cpp", *tests]
     else:
@@ -156,7 +156,7 @@ def check(workshop, mutant, folder):
         source.write_text("\n".join(lines), encoding="utf-8")
         target = folder / "mutant.o"
         if compile_file(source, target).returncode:
-            return None  # a change that does not compile is noticed
+            return None  # a change that does not compile is detected
         replaced[mutant["file"]] = target
     for test in tests:
         for path in {p for p in recompiled if p == test or p not in tests} - replaced.keys():

@@ -2,13 +2,12 @@
 // The programs that the network tests run on their hosts. One JSON object a line on standard
 // output; `time` is seconds of the monotonic clock.
 //
-//   network_client OPTIONS cycle AXIS...    moves each axis to and fro; what is lost is taken again
+//   network_client OPTIONS cycle AXIS...    moves each axis to and fro; retakes lost axes
 //   network_client OPTIONS group AXIS...    moves the axes together, to and fro, every other one
-//   the
-//                                           other way round; what is lost is taken again
-//   network_client OPTIONS observe AXIS...  tells every change of state, owner, error and motion
+//                                           in the other direction; retakes lost axes
+//   network_client OPTIONS observe AXIS...  prints every change of state, owner, error and motion
 //   network_client OPTIONS hold AXIS        keeps the axis enabled; a number on standard input is a
-//                                           set-point that is sent at once, whatever has happened
+//                                           set-point that is sent at once, in any state
 //
 //   OPTIONS: --domain NUMBER, --interface ADDRESS, --peer ADDRESS, --discovery-server ADDRESS:PORT
 #include "service/probe.hpp"
@@ -89,7 +88,7 @@ constexpr client::MoveOptions kMotion{.velocity = 20'480,
                                       .queue = false,
                                       .call = {}};
 
-bool tell(const std::string& axis, const char* call, const client::Outcome& outcome) {
+bool print_outcome(const std::string& axis, const char* call, const client::Outcome& outcome) {
   print({{"axis", axis},
          {"call", call},
          {"outcome", to_string(outcome.kind())},
@@ -102,15 +101,16 @@ bool tell(const std::string& axis, const char* call, const client::Outcome& outc
 void move_until_it_fails(client::Session& session, const std::string& name) {
   auto axis = session.axis(name);
   if (!axis) {
-    tell(name, "find", axis.outcome());
+    print_outcome(name, "find", axis.outcome());
     return;
   }
-  if (!tell(name, "acquire", axis->acquire()) || !tell(name, "reset", axis->reset_fault()) ||
-      !tell(name, "enable", axis->enable())) {
+  if (!print_outcome(name, "acquire", axis->acquire()) ||
+      !print_outcome(name, "reset", axis->reset_fault()) ||
+      !print_outcome(name, "enable", axis->enable())) {
     return;
   }
   std::int32_t target = kFar;
-  while (tell(name, "move", axis->move_to(target, kMotion))) {
+  while (print_outcome(name, "move", axis->move_to(target, kMotion))) {
     target = kFar - target;
   }
 }
@@ -121,7 +121,7 @@ void count_samples(client::Session& session, const std::string& name, const std:
   std::uint64_t missed = 0;
   std::uint64_t last = 0;
   std::uint64_t first = 0;
-  auto told = Clock::now();
+  auto printed = Clock::now();
   while (!stop.stop_requested()) {
     const auto axis = session.axis(name);
     if (!axis) continue;
@@ -135,8 +135,8 @@ void count_samples(client::Session& session, const std::string& name, const std:
       ++samples;
       missed += seen->missed;
       last = seen->tick;
-      if (Clock::now() - told >= 100ms || stop.stop_requested()) {
-        told = Clock::now();
+      if (Clock::now() - printed >= 100ms || stop.stop_requested()) {
+        printed = Clock::now();
         print({{"axis", name},
                {"samples", samples},
                {"missed", missed},
@@ -145,7 +145,7 @@ void count_samples(client::Session& session, const std::string& name, const std:
       }
       if (stop.stop_requested()) return;
     }
-    // A new follower does not know what passed without one: count anew.
+    // A new follower does not know the samples before it: count again.
     print({{"axis", name}, {"stream", "silent"}});
     samples = missed = first = last = 0;
   }
@@ -185,17 +185,19 @@ constexpr const char* kGroup = "group";
 void move_together_until_it_fails(client::Session& session, const std::vector<std::string>& axes) {
   auto group = client::AxisGroup::create(session, axes);
   if (!group) {
-    tell(kGroup, "find", group.outcome());
+    print_outcome(kGroup, "find", group.outcome());
     return;
   }
-  if (!tell(kGroup, "reset", group->reset_all()) || !tell(kGroup, "enable", group->enable_all())) {
+  if (!print_outcome(kGroup, "reset", group->reset_all()) ||
+      !print_outcome(kGroup, "enable", group->enable_all())) {
     return;
   }
   Eigen::VectorXd targets(static_cast<Eigen::Index>(axes.size()));
   for (Eigen::Index i = 0; i < targets.size(); ++i) targets[i] = i % 2 == 0 ? kFar : -kFar;
   const Eigen::VectorXd home = Eigen::VectorXd::Zero(targets.size());
   bool is_out = false;
-  while (tell(kGroup, "move", group->move_together(is_out ? home : targets))) is_out = !is_out;
+  while (print_outcome(kGroup, "move", group->move_together(is_out ? home : targets)))
+    is_out = !is_out;
 }
 
 int group(const Arguments& arguments) {
@@ -253,7 +255,7 @@ int observe(const Arguments& arguments) {
 // ---- hold
 // ----------------------------------------------------------------------------------------
 
-/// Keeps an axis enabled by frames that know nothing of what happens to it.
+/// Keeps an axis enabled by frames that do not depend on its state.
 class Holder {
  public:
   Holder(const wire::NetworkSettings& network, client::AxisId id)
@@ -283,7 +285,7 @@ class Holder {
     probe_.send(frame);
   }
 
-  /// Sends the set-point, and tells what comes back.
+  /// Sends the set-point, and prints the answer.
   void point(std::int32_t target) {
     auto frame = probe_.make_frame();
     add(frame, 0x3F, target);

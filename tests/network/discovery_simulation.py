@@ -18,7 +18,7 @@ import sys
 
 @dataclasses.dataclass(frozen=True)
 class Rules:
-    """What one participant of vdrive sends. The times are those of idl/src/participant.cpp."""
+    """The messages of one participant of vdrive. The times are those of idl/src/participant.cpp."""
 
     first_announcements: int = 10
     first_period: float = 0.05  # [s]
@@ -26,11 +26,11 @@ class Rules:
     # Loopback and the network: a multicast announcement leaves on each, and what goes to one
     # participant of the same host goes to both of its addresses.
     interfaces: int = 2
-    most_known: int = 256  # participants; further ones are not heard
-    # Measured: how the endpoints are told to a participant that is new, with acknowledgements.
+    most_known: int = 256  # participants; further ones are ignored
+    # Measured: how the endpoints are announced to a new participant, with acknowledgements.
     endpoint_datagrams: int = 12
     # The probe of a wire's process makes a new reader and writer, twice a second, and each service
-    # is told. Measured, with acknowledgements.
+    # is announced. Measured, with acknowledgements.
     probe_rate: float = 2.0
     probe_datagrams: float = 6.2
     # bench_state, 20 times a second, to the own reader and to that of each other bench.
@@ -43,7 +43,7 @@ class Participant:
         self.host = host
         self.is_probe = is_probe
         self.known = set()
-        self.copies = 0  # datagrams that something takes that is told to everybody known
+        self.copies = 0  # datagrams of one announcement to every known participant
         self.announced = 0
 
     def hears(self, other):
@@ -89,8 +89,8 @@ class Simulation:
                 self.meet(number, other_number)
 
     def meet(self, number, met):
-        """Who hears of a participant for the first time answers with its own announcement, and
-        tells its endpoints."""
+        """A participant that discovers another one answers with its own announcement, and
+        announces its endpoints."""
         one = self.participants[number]
         if met not in one.known and len(one.known) < self.rules.most_known:
             one.known.add(met)
@@ -107,7 +107,7 @@ class Simulation:
         return self.rules.state_rate * (len(benches) * self.rules.interfaces + others)
 
     def is_complete(self):
-        """@return whether each participant knows all others that it listens to."""
+        """@return whether each participant knows all others that it receives."""
         return all(len(one.known) == sum(other is not one and one.hears(other)
                                          for other in self.participants)
                    for one in self.participants)

@@ -24,13 +24,13 @@ class Discovery(unittest.TestCase):
             # 20 states a second: two to the own reader, one to each other bench.
             self.assertEqual(rest["data"], 20 * benches * (benches + 1))
 
-    def test_a_participant_of_the_same_host_is_told_at_both_addresses(self):
+    def test_a_participant_of_the_same_host_gets_announcements_at_both_addresses(self):
         rest = simulation.experiment(6, 3)["sent_a_second_in_rest"]
         # Each of 6 benches has one neighbour, with two addresses, and four others.
         self.assertEqual(rest["unicast"], 10 * 6 * (2 + 4))
         self.assertEqual(rest["data"], 20 * 6 * (2 + 2 + 4))
 
-    def test_a_pair_tells_its_endpoints_once(self):
+    def test_a_pair_exchanges_its_endpoints_once(self):
         rules = simulation.Rules()
         once = simulation.experiment(2, 2)["sent_until_rest"]
         # Both start at 0 and know each other once the first announces. Announcements until 6 s: at
@@ -45,22 +45,22 @@ class Discovery(unittest.TestCase):
         self.assertTrue(sut.is_complete())
         self.assertEqual([len(one.known) for one in sut.participants], [5, 5, 5, 3, 3, 3])
 
-    def test_more_participants_than_one_knows_do_not_all_meet(self):
+    def test_participants_above_the_limit_do_not_all_find_each_other(self):
         rules = simulation.Rules(most_known=8)
         self.assertTrue(simulation.experiment(9, 9, rules=rules)["is_complete"])
         self.assertFalse(simulation.experiment(10, 10, rules=rules)["is_complete"])
 
-    def test_it_is_the_same_each_time(self):
+    def test_each_run_is_the_same(self):
         self.assertEqual(simulation.experiment(30, 4, 1.0, 7.0, "process"),
                          simulation.experiment(30, 4, 1.0, 7.0, "process"))
 
-    def test_real_networks_send_what_it_says(self):
+    def test_real_networks_send_the_simulated_counts(self):
         lines = simulation.of_benches_alone(MEASURED.read_text(encoding="utf-8"))
         self.assertGreaterEqual(len(lines), 8)
         self.assertEqual({line["wire"] for line in lines}, {"thread", "process"})
         self.assertEqual(simulation.check(lines), [])
 
-    def test_the_comparison_finds_a_network_that_sends_half_as_much_again(self):
+    def test_the_comparison_finds_a_network_that_sends_1_5_times_as_much(self):
         lines = simulation.of_benches_alone(MEASURED.read_text(encoding="utf-8"))
         line = [line for line in lines if line["wire"] == "thread"][-1]
         for part, kind, _ in simulation.TOLERANCES:

@@ -13,7 +13,7 @@ NET = "10.77.0"
 
 
 class Missing(Exception):
-    """This machine cannot make hosts; the text says why."""
+    """This machine cannot make hosts; the text gives the reason."""
 
 
 def run(*command):
@@ -24,7 +24,7 @@ def run(*command):
 
 
 def wait_for(what, condition, timeout):
-    """Looks until `condition` gives something true, which it returns."""
+    """Waits until `condition` gives something true, which it returns."""
     deadline = time.monotonic() + timeout
     while True:
         found = condition()
@@ -110,7 +110,7 @@ class Host:
 
     def block_for(self, seconds):
         """The switch forwards nothing from and to this host; its carrier stays. A host that loses
-        its carrier also forgets its neighbours' addresses, and asks for them once a second."""
+        its carrier also forgets its neighbours' addresses, and requests them once a second."""
         state = f"bridge -n {self.network.switch} link set dev {self.port} state"
         run("sh", "-c", f"{state} 0 && sleep {seconds}; {state} 3")
 

@@ -22,7 +22,7 @@ import traceback
 import hosts
 
 WATCHDOG = 100  # [ticks] of 1 ms
-LEASE = 2  # [s] after which two hosts that do not hear each other forget each other
+LEASE = 2  # [s] after which two hosts without messages of each other forget each other
 REST = 10  # [user units] of 4096 a revolution: an axis at rest is not farther from its target
 SILENCE = 1.5  # [s] after which a client calls a service lost
 TICKS_PER_SECOND = 1000
@@ -30,7 +30,7 @@ CONNECTION_LOST = 0x8130
 STALE_EPOCH = 2
 GATEWAY_PATIENCE = 2  # [s] after which a gateway gives up a holder whose machine acknowledges nothing
 SKIPPED = 77
-GROUP = "group"  # as whose calls the client tells those of its group
+GROUP = "group"  # the name of the group's calls in the output of the client
 LONGEST = 100  # [s] after which a case cleans up and fails
 
 
@@ -184,7 +184,7 @@ def TwoBenchesAreFoundAndMovedByPeersWithoutMulticast(case):
     for host in (case.a, case.b, case.c):
         host.block_multicast()
     case.start_benches()
-    # Without peers nobody is found: it is them that find.
+    # Without peers no participant is found: discovery needs them.
     code, _, _ = case.tool("--timeout", "0.5", "list")
     expect(code == 3, f"found without peers: exit code {code}")
     case.options += ["--peer", case.a.address, "--peer", case.b.address]
@@ -269,7 +269,7 @@ def try_holder(case, name):
     return holder
 
 
-def say(holder, target):
+def send_target(holder, target):
     """Sends a set-point, and returns its number in the session."""
     count = len(holder.lines())
     holder.child.stdin.write(f"{target}\n".encode())
@@ -288,17 +288,17 @@ def reply(holder, number):
 
 
 def expect_story(events, axis, what):
-    """The events tell it all, in this order."""
+    """The events report all of it, in this order."""
     story = ["nothing was received", "Fault reaction active", f"fault 0x{CONNECTION_LOST:04X}",
              "Fault", "controlled by session", f"fault 0x{CONNECTION_LOST:04X} reset",
              "Operation enabled"]
-    told = [text for _, text in events if text.startswith(f"axis {axis}: ")]
+    texts = [text for _, text in events if text.startswith(f"axis {axis}: ")]
     place = 0
-    for text in told:
+    for text in texts:
         if place < len(story) and story[place] in text:
             place += 1
-    expect(place == len(story), f"{what}: the events of axis {axis} do not tell '"
-           f"{story[place] if place < len(story) else ''}': {told}")
+    expect(place == len(story), f"{what}: the events of axis {axis} do not contain '"
+           f"{story[place] if place < len(story) else ''}': {texts}")
 
 
 def expect_safe_stop(bench, events, axis, tick, what):
@@ -331,7 +331,7 @@ def short_cut(case):
     lost = [text for bench, mark in zip(case.benches, marks) for _, text in bench.events(mark)
             if "nothing was received" in text and "axis 1:" in text]
     failed = [call for axis in ("1.1", "2.1") for call in case.failures(axis, began)]
-    expect(bool(lost) == bool(failed), f"lost {lost}, but the client says {failed}")
+    expect(bool(lost) == bool(failed), f"lost {lost}, but the client reports {failed}")
     return not lost
 
 
@@ -347,7 +347,7 @@ def long_cut(case, seconds):
     hosts.wait_for("loss of the holder's axis", lambda: [
         text for _, text in case.benches[0].events(marks[0])
         if "nothing was received" in text and "axis 2:" in text], 5)
-    number = say(holder, before + 4096)
+    number = send_target(holder, before + 4096)
     time.sleep(max(0.0, began + seconds - time.monotonic()))
     case.c.plug()
     plugged = time.monotonic()
@@ -363,8 +363,8 @@ def long_cut(case, seconds):
         failures = case.failures(axis, began)
         expect(failures, f"{what}: the client did not notice for axis {axis}")
         noticed = failures[0]["time"] - began
-        # By the silence of the bench; or by what it says once it is heard again, which takes until
-        # the host has asked for its neighbour's address, once a second.
+        # By the silence of the bench; or by its messages once they arrive again, which takes until
+        # the host has requested its neighbour's address, once a second.
         limit = 0.5 + (SILENCE if seconds > 2 * SILENCE else seconds + 1)
         expect(noticed <= limit, f"{what}: axis {axis} noticed after {noticed:.2f} s")
         expect(failures[0]["outcome"] in ("lost", "failed", "refused"), failures[0])
@@ -380,7 +380,7 @@ def long_cut(case, seconds):
     holder.kill()
 
 
-def ALinkThatGoesDownEndsSafeAndTheClientGoesOn(case):
+def ALinkFailureEndsInASafeStopAndTheClientContinues(case):
     case.start_benches()
     case.benches[0].observe(case, "1.1", "1.2")
     case.benches[1].observe(case, "2.1")
@@ -501,7 +501,7 @@ def cut_group_member(case, seconds):
     hosts.wait_for("fault on bench 2", lambda: [
         text for _, text in case.benches[1].events(marks[1]) if text == "axis 1: fault 0x8130"], 5)
     time.sleep(max(0.0, began + seconds - time.monotonic()))
-    if seconds > 2 * SILENCE:  # nobody came back meanwhile
+    if seconds > 2 * SILENCE:  # no host returned meanwhile
         failed = case.failures(GROUP, began)
         expect(failed and "2.1" in failed[0]["message"], f"{what}: {failed}")
         noticed = failed[0]["time"] - began
@@ -532,7 +532,7 @@ def lose_packets_of_group(case, percent, seconds):
     expect_group_goes_on(case, ended, what)
 
 
-def AGroupOverTwoHostsEndsSafeAndGoesOnAsOne(case):
+def AGroupOverTwoHostsStopsSafelyAndContinuesTogether(case):
     case.start_benches()
     for bench in case.benches:
         bench.observe(case, f"{bench.number}.1")
@@ -594,7 +594,7 @@ def share_missed(case, axis, before, percent):
     return share
 
 
-def LossOfPacketsLosesNoCommandOrEndsSafe(case):
+def PacketLossLosesNoCommandOrEndsInASafeStop(case):
     case.start_benches()
     case.start_cycle()
     hosts.wait_for("stream", lambda: case.stream("1.1") and case.stream("2.1"), 5)
@@ -605,7 +605,7 @@ def LossOfPacketsLosesNoCommandOrEndsSafe(case):
     case.expect_nothing_restarted()
 
 
-def AClientOfAGatewayWhoseCableIsCutIsALostMaster(case):
+def AGatewayClientWithACutCableIsALostMaster(case):
     bench = Bench(case, case.a, 1)
     hosts.wait_for("start of the service",
                    lambda: any("incarnation=" in line for line in bench.service.lines()), 5)

@@ -13,7 +13,7 @@ def axis(vdrive_session):
     return vdrive_session.axis("1.1")
 
 
-def test_a_move_ends_at_its_target_with_the_speed_it_was_given(vdrive_session, axis):
+def test_a_move_ends_at_its_target_with_the_given_speed(vdrive_session, axis):
     axis.enable()
     speed_of_the_drive = axis.read("profile_velocity")
     fastest = 0
@@ -37,7 +37,7 @@ def test_an_object_is_named_by_index_pair_name_or_name_of_the_standard(axis):
     assert axis.read(0x6041) == axis.status().statusword == axis.status().value(0x6041)
 
 
-def test_an_object_that_is_no_object_is_an_error_before_anything_is_sent(axis):
+def test_an_invalid_object_is_an_error_before_anything_is_sent(axis):
     with pytest.raises(KeyError, match="no_such_object"):
         axis.read("no_such_object")
     with pytest.raises(ValueError, match="65535"):
@@ -84,7 +84,7 @@ def test_an_unknown_disturbance_is_an_error_that_names_the_known_ones(axis):
     assert "blocked_load" in vdrive.DISTURBANCES
 
 
-def test_a_time_out_is_one_of_python_too(axis):
+def test_a_time_out_is_also_a_timeout_error_of_python(axis):
     axis.enable()
     with pytest.raises(TimeoutError):
         axis.move_to(100000, timeout=0.05)
@@ -92,7 +92,7 @@ def test_a_time_out_is_one_of_python_too(axis):
         axis.wait_until(lambda status: False, timeout=0.05)
 
 
-def test_what_a_condition_raises_is_raised_by_the_wait(axis):
+def test_an_exception_of_a_condition_is_raised_by_the_wait(axis):
     with pytest.raises(ZeroDivisionError):
         axis.wait_until(lambda status: 1 // 0)
     with pytest.raises(ZeroDivisionError):
@@ -113,7 +113,7 @@ def test_a_jog_runs_while_it_is_held_and_brakes(axis):
     assert axis.status().velocity_demand_value == 0
 
 
-def test_the_other_modes_reach_what_they_were_given(axis):
+def test_the_other_modes_reach_their_targets(axis):
     axis.enable()
     axis.home(method=37)
     assert axis.status().mode == "homing"
@@ -132,12 +132,12 @@ def test_a_unit_converts_between_user_units_and_degrees(axis):
 
 
 @pytest.mark.parametrize("seconds", [-1.0, math.nan, math.inf])
-def test_a_time_that_is_none_is_an_error(axis, seconds):
+def test_an_invalid_time_is_an_error(axis, seconds):
     with pytest.raises(ValueError, match="seconds"):
         axis.enable(timeout=seconds)
 
 
-def test_a_word_that_is_none_of_the_choices_is_an_error(vdrive_session, axis):
+def test_a_word_outside_the_choices_is_an_error(vdrive_session, axis):
     with pytest.raises(ValueError, match="in_force"):
         axis.enable(until="soon")
     with pytest.raises(ValueError, match="observe"):
@@ -146,7 +146,7 @@ def test_a_word_that_is_none_of_the_choices_is_an_error(vdrive_session, axis):
         vdrive_session.command_each("1.1", "dance")
 
 
-def test_several_axes_get_a_command_and_each_has_its_outcome(vdrive_session):
+def test_a_command_to_several_axes_gives_each_its_outcome(vdrive_session):
     assert vdrive_session.command_each(["1.1", "1.2"], "enable") == [None, None]
     vdrive_session.axis("1.2").disturb("over_temperature")
     vdrive_session.axis("1.2").wait_until(lambda status: status.state == "Fault")

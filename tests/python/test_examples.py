@@ -22,7 +22,7 @@ def test_the_arm_keeps_its_energy_balance_and_moves_the_same_way_twice():
     assert lines[-1].split()[-1] == lines[-2].split()[-1]
 
 
-def test_the_energy_of_the_arm_belongs_to_its_torques():
+def test_the_energy_of_the_arm_agrees_with_its_torques():
     # Along any smooth motion the power of the torques is the rate of the energy; here the rate is
     # a difference quotient of the closed form.
     sys.path.insert(0, str(EXAMPLES))
@@ -48,7 +48,7 @@ def test_the_energy_of_the_arm_belongs_to_its_torques():
         assert power == pytest.approx(rate, rel=1e-6)
 
 
-def test_the_plot_of_the_documents_is_what_the_script_draws(tmp_path):
+def test_the_plot_of_the_documents_is_the_output_of_the_script(tmp_path):
     matplotlib = pytest.importorskip("matplotlib")
     run("plot_a_move.py", str(tmp_path / "move.svg"), cwd=tmp_path)
     drawn = (tmp_path / "move.svg").read_text()

@@ -54,7 +54,7 @@ WAITS = {
 
 
 @pytest.mark.parametrize("wait", WAITS.values(), ids=WAITS.keys())
-def test_ctrl_c_ends_a_wait_and_the_session_goes_on(wait):
+def test_ctrl_c_ends_a_wait_and_the_session_continues(wait):
     process = begin(f"""
         import threading, vdrive
         with vdrive.Bench(2) as bench, bench.session() as session:
@@ -108,14 +108,14 @@ def test_ctrl_c_ends_the_start_of_a_private_bench(tmp_path):
     assert output == "interrupted\n", errors
 
 
-def test_a_service_that_does_not_start_says_why():
+def test_a_service_that_does_not_start_reports_its_reason():
     with pytest.raises(vdrive.Failed, match="did not start.*axes.*16384"):
         vdrive.Bench(axes=-1)
     with pytest.raises(vdrive.Error, match="did not start"):
         vdrive.Bench(service="/nowhere/vdrived")
 
 
-def test_a_handler_that_raises_ends_a_wait_with_what_it_raises(vdrive_session):
+def test_a_handler_that_raises_ends_a_wait_with_its_exception(vdrive_session):
     class Alarm(Exception):
         pass
 
@@ -132,7 +132,7 @@ def test_a_handler_that_raises_ends_a_wait_with_what_it_raises(vdrive_session):
         signal.signal(signal.SIGALRM, before)
 
 
-def test_the_file_of_a_loop_that_waits_for_signals_is_its_own_again(vdrive_session):
+def test_the_wakeup_file_of_a_loop_is_restored(vdrive_session):
     reader, writer = os.pipe()
     os.set_blocking(writer, False)
     before = signal.signal(signal.SIGUSR1, lambda number, frame: None)
@@ -203,7 +203,7 @@ def test_a_killed_program_leaves_no_service_behind():
     assert ended, "the service still runs"
 
 
-def test_a_program_that_ends_without_closing_gives_its_axes_back(vdrive_bench, vdrive_session):
+def test_a_program_that_ends_without_closing_releases_its_axes(vdrive_bench, vdrive_session):
     program = f"""
         import vdrive
         session = vdrive.Session(domain={vdrive_bench.domain}, find_timeout=30)

@@ -98,7 +98,7 @@ def test_functions_that_are_written_in_python_have_the_parameters_of_the_stub():
         assert found == parameters_of_stub(stub[name])
 
 
-def test_everything_that_users_see_has_a_docstring():
+def test_every_public_name_has_a_docstring():
     missing = []
     for name in vdrive.__all__:
         value = getattr(vdrive, name)
@@ -125,7 +125,7 @@ def test_the_members_of_a_status_are_those_of_a_record(vdrive_session):
             assert getattr(status, name) == record[name], name
 
 
-def test_a_recording_of_the_tool_is_read_as_it_was_written(vdrive_bench, vdrive_session, tmp_path):
+def test_a_recording_of_the_tool_is_read_back_unchanged(vdrive_bench, vdrive_session, tmp_path):
     axis = vdrive_session.axis("1.1")
     axis.enable()
     path = tmp_path / "run.csv"
@@ -179,7 +179,7 @@ def test_a_recording_has_the_same_arrays_in_each_format(vdrive_bench, vdrive_ses
             assert numpy.array_equal(recordings[0][field], other[field]), field
 
 
-def test_a_recording_that_was_cut_off_is_read_up_to_there(vdrive_bench, vdrive_session, tmp_path):
+def test_an_incomplete_recording_is_read_up_to_its_end(vdrive_bench, vdrive_session, tmp_path):
     whole = recording_of(vdrive_bench, vdrive_session, tmp_path / "whole.mcap")
     cut = tmp_path / "cut.mcap"
     cut.write_bytes(whole.read_bytes()[:-100])
@@ -219,7 +219,7 @@ def test_the_lists_of_the_stub_are_those_of_the_module(vdrive_session):
     ("axis,name,tick,missed,error_code\n1.1,x,1,0,0\n1.1,x,2\n", ":3: 3 columns of 5"),
     ("axis,name,tick,missed\n1.1,x,1,0\n2.1,y,1,0\n", "several benches"),
     ("axis,name,tick,missed\n1.1,x,1,0\n1.2,y,2,0\n", "different ticks")])
-def test_a_file_that_is_no_recording_is_an_error_that_says_where(tmp_path, text, complaint):
+def test_a_file_that_is_not_a_recording_is_an_error_that_names_the_place(tmp_path, text, complaint):
     path = tmp_path / "bad.csv"
     path.write_text(text)
     with pytest.raises(ValueError, match=complaint):

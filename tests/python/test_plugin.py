@@ -29,7 +29,7 @@ def test_the_plug_in_is_found_by_its_entry_point(pytestconfig):
     assert pytestconfig.pluginmanager.has_plugin("vdrive")
 
 
-def test_parallel_tests_do_not_meet(pytester):
+def test_parallel_tests_do_not_disturb_each_other(pytester):
     pytester.makepyfile(TEN_LINES)
     result = pytester.runpytest_subprocess("-n", "4", "-q", "-p", "no:cacheprovider", timeout=250)
     result.assert_outcomes(passed=8)

@@ -20,21 +20,21 @@ def test_the_bench_of_the_fixture_is_found_and_described(vdrive_bench, vdrive_se
         assert [found.number for found in other.find_benches()] == [1]
 
 
-def test_what_is_not_there_is_not_found(vdrive_session):
+def test_missing_benches_and_axes_are_not_found(vdrive_session):
     with pytest.raises(vdrive.NotFound):
         vdrive_session.axis("1.7")
     with pytest.raises(LookupError):
         vdrive_session.axis("lift")
 
 
-def test_options_of_a_session_that_are_none_are_an_error():
+def test_invalid_options_of_a_session_are_an_error():
     with pytest.raises(vdrive.ConfigurationError, match="233"):
         vdrive.Session(domain=233)
     with pytest.raises(ValueError, match="keep_alive"):
         vdrive.Session(keep_alive="sometimes")
 
 
-def test_a_closed_session_has_given_its_axes_back_and_its_handles_fail(vdrive_bench):
+def test_a_closed_session_has_released_its_axes_and_its_handles_fail(vdrive_bench):
     session = vdrive_bench.session()
     axis = session.axis("1.1")
     follower, stream, events = session.follow(), session.stream(), session.events()
@@ -58,7 +58,7 @@ def test_a_handle_keeps_its_session(vdrive_bench):
     assert axis.status().is_enabled
 
 
-def test_steps_and_waits_pass_exactly_the_time_they_are_given(vdrive_session):
+def test_steps_and_waits_take_exactly_the_given_time(vdrive_session):
     begin = vdrive_session.step(5)
     assert vdrive_session.step() == begin + 1
     assert vdrive_session.wait(0.0105) == begin + 12  # 10.5 ms are 11 ticks
@@ -74,7 +74,7 @@ def test_a_step_clock_steps_its_benches_together(vdrive_session):
         clock.step()
 
 
-def test_a_snapshot_brings_the_axes_back(vdrive_session):
+def test_a_snapshot_restores_the_axes(vdrive_session):
     axis = vdrive_session.axis("1.1")
     axis.enable()
     axis.move_to(1000)
@@ -101,7 +101,7 @@ def test_a_group_moves_on_a_straight_line_given_as_an_array(vdrive_session):
         group.move_by([1, 2, 3])
 
 
-def test_what_an_observer_of_a_group_raises_is_raised_and_the_group_goes_on(vdrive_session):
+def test_an_exception_of_a_group_observer_is_raised_and_the_group_continues(vdrive_session):
     group = vdrive.AxisGroup(vdrive_session, ["1.1", "1.2"])
     group.enable_all()
 
@@ -125,14 +125,14 @@ def test_a_streamed_position_is_the_demand_of_the_tick(vdrive_session):
     group.stop_streaming()
 
 
-def test_following_in_lockstep_is_a_step_a_sample(vdrive_session):
+def test_following_in_lockstep_steps_one_tick_for_each_sample(vdrive_session):
     begin = vdrive_session.step()
     samples = list(vdrive_session.follow("1.1", count=10))
     assert [sample.tick for sample in samples] == list(range(begin + 1, begin + 11))
     assert samples[0][0].id == "1.1" and len(samples[0]) == 1
 
 
-def test_a_recording_has_what_each_sample_shows(vdrive_session):
+def test_a_recording_has_the_values_of_each_sample(vdrive_session):
     axis = vdrive_session.axis("1.2")
     axis.enable()
     axis.start_move(3000)
@@ -157,7 +157,7 @@ def test_a_stream_gives_every_sample_in_arrays(vdrive_session):
         assert stream.dropped == 0
 
 
-def test_a_stream_that_nobody_reads_drops_the_oldest_and_counts(vdrive_session):
+def test_a_stream_without_a_reader_drops_the_oldest_and_counts(vdrive_session):
     with vdrive_session.stream(capacity=5) as stream:
         begin = vdrive_session.step(20)
         newest = stream
@@ -167,7 +167,7 @@ def test_a_stream_that_nobody_reads_drops_the_oldest_and_counts(vdrive_session):
         assert stream.take(timeout=10)["tick"][:, 0].tolist() == list(range(begin - 4, begin + 1))
 
 
-def test_events_tell_what_happened(vdrive_session):
+def test_events_describe_state_changes(vdrive_session):
     with vdrive_session.events() as events:
         axis = vdrive_session.axis("1.1")
         axis.enable()
@@ -179,7 +179,7 @@ def test_events_tell_what_happened(vdrive_session):
         assert (event.bench, event.axis) == (1, 1) and event.code == axis.status().error_code != 0
 
 
-def test_status_comes_to_a_loop_of_asyncio_beside_its_other_tasks(vdrive_session):
+def test_status_arrives_in_an_asyncio_loop_beside_its_other_tasks(vdrive_session):
     async def watch(stream):
         seen = []
         async for sample in stream:
@@ -261,7 +261,7 @@ class Observed:
             return self.changed.wait_for(lambda: any(map(condition, self.items)), timeout=30)
 
 
-def test_an_observer_gets_the_events(vdrive_session):
+def test_an_observer_receives_the_events(vdrive_session):
     observed = Observed()
     axis = vdrive_session.axis("1.1")
     with vdrive_session.on_event(observed):
@@ -275,7 +275,7 @@ def test_an_observer_gets_the_events(vdrive_session):
     assert len(observed.items) == count
 
 
-def test_an_observer_gets_the_newest_state(vdrive_session):
+def test_an_observer_receives_the_newest_state(vdrive_session):
     observed = Observed()
     with vdrive_session.on_status(observed, ["1.1", "1.2"], period=0.001):
         tick = vdrive_session.step(50)
@@ -327,7 +327,7 @@ session.step(20)
     assert subprocess.run([sys.executable, "-c", program], timeout=60).returncode == 0
 
 
-def test_several_axes_are_taken_together_or_not_at_all(vdrive_bench, vdrive_session):
+def test_several_axes_are_acquired_together_or_not_at_all(vdrive_bench, vdrive_session):
     with vdrive_bench.session() as other:
         other.axis("1.2").acquire()
         with pytest.raises(vdrive.Refused) as refusal:

@@ -27,7 +27,7 @@ function check(holds, text) {
   process.exit(1);
 }
 
-/** CRC-32, bit by bit: nothing of anybody's library. */
+/** CRC-32, bit by bit: without any library. */
 const table = Array.from({ length: 256 }, (_, byte) => {
   for (let bit = 0; bit < 8; ++bit) byte = byte & 1 ? (byte >>> 1) ^ 0xedb88320 : byte >>> 1;
   return byte >>> 0;
@@ -46,7 +46,7 @@ function readStream(bytes) {
   return { records, done: reader.done(), left: reader.bytesRemaining() };
 }
 
-/** What tells one message from another. */
+/** The identity of a message. */
 function keyOf(message) {
   return `${message.channelId} ${message.sequence} ${message.logTime} ${crcOf(message.data)}`;
 }

@@ -3,8 +3,8 @@
 //
 //   node judge.mjs DOMAIN MESSAGES
 //
-// Waits for the topic /joint_states, reads so many messages of it with every field, and looks at
-// what the writer announces. Standard output: the line "first" with the first message, at the end one JSON
+// Waits for the topic /joint_states, reads the given number of its messages with every field, and checks
+// the announcement of the writer. Standard output: the line "first" with the first message, at the end one JSON
 // object {"topic", "dataType", "type", "userData", "messages": [...]}. Exit code 0: all of that came.
 import rosmsg from "@foxglove/rosmsg";
 import ros2 from "@foxglove/ros2";
@@ -46,7 +46,7 @@ node.on("discoveredPublication", (endpoint) => {
   result.userData = endpoint.userData;
 });
 await node.start();
-// RosNode.subscribe() asks for TRANSIENT_LOCAL, which joint states are not, in no ROS either: the same
+// RosNode.subscribe() requests TRANSIENT_LOCAL; joint states are volatile, as in every ROS: the same
 // stack one layer below.
 const reader = new serialization.MessageReader(definition);
 const participant = new rtps.Participant({

@@ -20,7 +20,7 @@ function filled(samples: number, capacity: number, spikes: Map<number, number> =
   return history;
 }
 
-test("few samples are drawn as they are", () => {
+test("few samples are drawn unchanged", () => {
   const history = filled(100, 1000);
   const points = history.points(0.0105, 0.0195, 50);
   // Samples 11 to 19 lie inside; one beside each end lets the line run to the edge.
@@ -28,7 +28,7 @@ test("few samples are drawn as they are", () => {
 });
 
 for (const [what, samples] of [["columns of samples", 20_000], ["columns of blocks", 200_000]] as const) {
-  test(`a spike of one sample is seen in ${what}`, () => {
+  test(`a spike of one sample is visible in ${what}`, () => {
     for (const place of [BLOCK * 7, BLOCK * 8 - 1, 5_003, samples - 1]) {
       const history = filled(samples, samples + BLOCK, new Map([[place, 50_000], [place - 30, -50_000]]));
       const { y } = history.points(0, samples * 0.001, 200);
@@ -61,7 +61,7 @@ test("each column has the extremes of its samples, as a plain search finds them"
   }
 });
 
-test("the extremes of a column stand in the order in which they came", () => {
+test("the extremes of a column keep their order", () => {
   for (const slope of [1, -1]) {
     const history = new History(1, 10_000);
     for (let n = 0; n < 5_000; ++n) history.append(n * 0.001, [slope * n]);
@@ -80,7 +80,7 @@ test("times of the points ascend", () => {
   }
 });
 
-test("the oldest samples give way, whole blocks at a time", () => {
+test("the oldest samples are removed in whole blocks", () => {
   const history = filled(BLOCK * 10 + 5, BLOCK * 4);
  
   // 645 samples and room for 256: the first 389 are gone, and with them their blocks up to 448.

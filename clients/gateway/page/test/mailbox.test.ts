@@ -19,7 +19,7 @@ function start(most: number) {
   return { batches, mailbox: new Mailbox((batch) => batches.push(batch), most) };
 }
 
-test("what arrives while the page is busy comes as one batch, in order", () => {
+test("messages that arrive while the page is busy are one batch, in order", () => {
   const { batches, mailbox } = start(1000);
   for (const text of ["a", "b", "c"]) mailbox.put(text);
   assert.deepEqual(batches.map((batch) => batch.packets), [["a"]]);
@@ -52,7 +52,7 @@ test("answers beyond the limit all stay", () => {
   assert.equal(batches[1].packets.length, 5);
 });
 
-test("a page that owes an answer is asked no second time, and each time is counted", () => {
+test("a page with a pending answer gets no second request, and each is counted", () => {
   const { batches, mailbox } = start(1000);
   assert.equal(mailbox.ask(), 0);
   assert.deepEqual(batches, [{ packets: [], dropped: 0 }]);
@@ -63,7 +63,7 @@ test("a page that owes an answer is asked no second time, and each time is count
   assert.equal(mailbox.ask(), 0);
 });
 
-test("what waits for the page ends with its connection", () => {
+test("messages that wait for the page end with its connection", () => {
   const { batches, mailbox } = start(1000);
   for (const text of ["a", "b"]) mailbox.put(text);
   mailbox.clear();

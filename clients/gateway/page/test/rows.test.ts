@@ -28,7 +28,7 @@ test("the search finds names by any part and addresses by their start", () => {
   for (const text of ["right", "13", "2.2", "left right"]) assert.ok(!matches(row, { ...ALL, text }), text);
 });
 
-test("filters keep what they name", () => {
+test("filters show the named kind of axes", () => {
   assert.ok(!matches(ROW, { ...ALL, faulted: true }));
   assert.ok(matches({ ...ROW, state: "fault_reaction" }, { ...ALL, faulted: true }));
   assert.ok(!matches(ROW, { ...ALL, moving: true }));
@@ -56,7 +56,7 @@ test("faults come first in the order of states", () => {
   assert.deepEqual(sorted(rows, { key: "state", descending: false }).map((row) => row.axis), [2, 1]);
 });
 
-test("statuswords decode by the masks of CiA 402, whatever the other bits are", () => {
+test("statuswords decode by the masks of CiA 402, for any other bits", () => {
   const words: [number, string][] = [
     [0x0250, "switch_on_disabled"],
     [0x0231, "ready"],
@@ -70,7 +70,7 @@ test("statuswords decode by the masks of CiA 402, whatever the other bits are", 
   for (const [word, state] of words) assert.equal(decodePowerState(word), state, word.toString(16));
 });
 
-test("the way between two states has the fewest transitions", () => {
+test("the path between two states has the fewest transitions", () => {
   assert.deepEqual(wayBetween("switch_on_disabled", "enabled"), [2, 3, 4]);
   assert.deepEqual(wayBetween("enabled", "switch_on_disabled"), [9]);
   assert.deepEqual(wayBetween("enabled", "fault"), [13, 14]);

@@ -18,16 +18,16 @@ test("a drive that moves and acknowledges nothing has a free place", () => {
   assert.deepEqual(heldSetPoints(0x0f, MOVING, 1), { active: 1, waiting: 0 });
 });
 
-test("an acknowledge that outlives bit 4 is a set-point that waits", () => {
+test("an acknowledge that outlasts bit 4 means a waiting set-point", () => {
   assert.deepEqual(heldSetPoints(0x0f, MOVING_ACKNOWLEDGED, 1), { active: 1, waiting: 1 });
 });
 
-test("while bit 4 is up, bit 5 shows that none waits, and without it this is unknown", () => {
+test("while bit 4 is set, bit 5 means that none waits, and without it the number is unknown", () => {
   assert.deepEqual(heldSetPoints(0x3f, MOVING_ACKNOWLEDGED, 1), { active: 1, waiting: 0 });
   assert.deepEqual(heldSetPoints(0x1f, MOVING_ACKNOWLEDGED, 1), { active: 1, waiting: undefined });
 });
 
-test("in another mode or state, and under halt, the words show nothing of set-points", () => {
+test("in another mode or state, and under halt, the words do not show set-points", () => {
   assert.equal(heldSetPoints(0x010f, REACHED, 1), undefined);
   assert.equal(heldSetPoints(0x0f, MOVING, 3), undefined);
   assert.equal(heldSetPoints(0x07, 0x0233, 1), undefined); // Switched on

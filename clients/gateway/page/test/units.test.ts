@@ -4,7 +4,7 @@ import { test } from "node:test";
 
 import { formatAge, formatHex, formatNumber, formatPermille, formatUnits, parseNumber, scaleOf, toUserUnits, USER_UNITS } from "../src/data/units";
 
-test("a rotary axis is shown in degrees with decimals that separate one user unit from the next", () => {
+test("a rotary axis is shown in degrees with decimals that resolve one user unit", () => {
   const scale = scaleOf({ kind: "rotary", name: "deg", per: 4096 });
   // 360 / 4096 = 0.088 degrees a unit: 2 decimals.
   assert.deepEqual(scale, { name: "°", factor: 360 / 4096, decimals: 2 });
@@ -34,7 +34,7 @@ test("numbers have groups of three and a true minus sign, and no minus before ze
   assert.equal(formatHex(0x8611), "8611h");
 });
 
-test("what was formatted can be typed again", () => {
+test("formatted numbers can be typed again", () => {
   for (const value of [0, 1234567, -1234567, -0.5]) {
     assert.equal(parseNumber(formatNumber(value, value % 1 === 0 ? 0 : 1)), value);
   }
@@ -43,7 +43,7 @@ test("what was formatted can be typed again", () => {
   assert.equal(parseNumber(""), undefined);
 });
 
-test("ages do not flicker", () => {
+test("ages are rounded", () => {
   assert.equal(formatAge(3), "<0.1 s");
   assert.equal(formatAge(1234), "1.2 s");
   assert.equal(formatAge(61_000), "61 s");
