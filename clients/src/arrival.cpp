@@ -54,7 +54,7 @@ Outcome outcome_of_halt(const AxisSnapshot& axis, std::uint16_t word) {
 }
 
 Outcome goes_on_to_target(const AxisSnapshot& axis) {
-  return Outcome::failed("interrupted; axis " + to_string(axis.id) + " goes on to its target");
+  return Outcome::failed("interrupted; axis " + to_string(axis.id) + " continues to its target");
 }
 
 Outcome check_halt(AxesCall& call) {

@@ -199,7 +199,7 @@ struct Obstacles {
     if (Outcome halted = check_halt(call); !halted) return halted;
     if (Outcome ended = limit_switch.outcome(call.axis(), what); !ended) return ended;
     return Outcome::failed("axis " + to_string(call.axis().id) + ": " + what + " stays at " +
-                           std::to_string(demand) + ", cut off by " + limits);
+                           std::to_string(demand) + ", limited by " + limits);
   }
 };
 

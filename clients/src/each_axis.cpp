@@ -331,7 +331,7 @@ void EachAxis::await_standstill() {
   fail_unless(kStandstill, is_enabled);
 }
 
-/// After a halt an axis goes on to its target, or is halted again.
+/// After a halt an axis continues to its target, or is halted again.
 void EachAxis::await_targets() {
   await_each(kTargetReached, call_.tick(), [this](std::size_t place) {
     const AxisSnapshot& axis = call_.now()[place];

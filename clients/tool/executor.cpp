@@ -381,8 +381,8 @@ Outcome convert_recording(const ConvertCommand& command, bool is_json, Terminal&
     }
     terminal.complain(text);
     if (!contents.cut.empty()) {
-      terminal.complain("vdrive: " + in_quotes(command.from) + " was cut off: " + contents.cut +
-                        "; all before was taken");
+      terminal.complain("vdrive: " + in_quotes(command.from) + " is incomplete: " + contents.cut +
+                        "; everything before was converted");
     }
     return {};
   } catch (const recording::RecordingError& error) {
@@ -833,7 +833,7 @@ void Executor::print_snapshots(const client::BenchInfo& bench,
 Outcome Executor::run(const WaitCommand& command) {
   if (benches_.empty()) {
     const auto only =
-        find_bench(std::nullopt, "wait passes time on the benches whose axes the file names");
+        find_bench(std::nullopt, "wait applies to the benches whose axes the file names");
     if (!only) return only.outcome();
     benches_.insert(only->number);
   }

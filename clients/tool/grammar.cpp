@@ -354,7 +354,7 @@ class Grammar {
   /// The axes of a command that takes --all.
   [[nodiscard]] std::vector<std::string> axes_or_all() const {
     if (arguments_.all && !arguments_.axes.empty())
-      throw UsageError("--all takes no AXIS beside it");
+      throw UsageError("--all cannot be combined with AXIS");
     if (!arguments_.all && arguments_.axes.empty()) {
       throw UsageError("AXIS is required, or --all for every axis of every bench");
     }
@@ -504,8 +504,8 @@ class Grammar {
   }
 
   void add_stop() {
-    CLI::App* command =
-        add_command("stop", "Quick stop of every axis of a bench, whoever controls it", "stop 1");
+    CLI::App* command = add_command(
+        "stop", "Quick stop of every axis of a bench, also of other sessions", "stop 1");
     command->add_option("BENCH", arguments_.bench, "Default: the only bench")->type_name("");
     command->add_flag("--no-wait", arguments_.no_wait, "Return when the command is in force");
     command->callback([this] {
@@ -667,7 +667,7 @@ class Grammar {
   }
 
   void add_jog(bool needs_duration) {
-    CLI::App* command = add_command("jog", "Run at a velocity until Enter or Ctrl-C, then stand",
+    CLI::App* command = add_command("jog", "Run at a velocity until Enter or Ctrl-C, then stop",
                                     "jog 1.1 90deg/s --for 2s");
     add_run_arguments(command);
     CLI::Option* duration =
@@ -846,7 +846,7 @@ class Grammar {
 
   void add_test() {
     CLI::App* command =
-        add_command("test", "Run scenario files side by side, each on a bench of its own",
+        add_command("test", "Run scenario files in parallel, each on a separate bench",
                     "test tests/*.scn --config bench.yaml --junit out.xml");
     add_files(command, "Scenario");
     command
@@ -886,7 +886,7 @@ class Grammar {
 
   void add_events() {
     CLI::App* command =
-        add_command("events", "Show what has happened: faults, refusals, who took control",
+        add_command("events", "Show events: state changes, faults, refusals, changes of control",
                     "events 1.1 --follow");
     command
         ->add_option("WHAT", arguments_.axis, "A bench's number or an axis; default: all benches")
@@ -899,7 +899,7 @@ class Grammar {
 
   void add_shell() {
     CLI::App* command =
-        add_command("shell", "Carry out commands line by line, in one session", "shell");
+        add_command("shell", "Execute commands line by line, in one session", "shell");
     command->footer(std::string(kShellHelp));
     command->callback([this] {
       command_ = ShellCommand{};
@@ -1016,7 +1016,7 @@ class Grammar {
 
   void add_wait() {
     CLI::App* command =
-        add_command("wait", "Wait until an axis shows something; exit code 4 after --timeout",
+        add_command("wait", "Wait for a state or a value of an axis; exit code 4 after --timeout",
                     "wait 1.1 target_reached --timeout 5s\n"
                     "  vdrive wait 1.1 position '>' 1000\n"
                     "  vdrive wait 500ms");

@@ -409,9 +409,10 @@ std::vector<std::string> measurement_lines(const Measurement& measurement) {
                     " of the ticks missed, " + percent(stream.overrun_share) + " late");
   }
   const std::size_t held = measurement.axes_with_status();
-  lines.push_back(held == 0 ? std::string("this machine is too busy for the fewest axes of these")
-                            : "this machine holds " + std::to_string(held) +
-                                  " axes with every status at 1 kHz");
+  lines.push_back(held == 0
+                      ? std::string("this machine is too busy even for the smallest number of axes")
+                      : "this machine holds " + std::to_string(held) +
+                            " axes with every status at 1 kHz");
   return lines;
 }
 

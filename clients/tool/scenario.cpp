@@ -116,9 +116,9 @@ class ScenarioReader {
 
   void begin_final(const std::vector<std::string>& words) {
     if (words.size() > 1) {
-      throw UsageError(in_quotes(words[1]) + " is one argument too many: finally stands alone");
+      throw UsageError(in_quotes(words[1]) + " is one argument too many: finally has no arguments");
     }
-    if (is_final_) throw UsageError("there is a finally above already");
+    if (is_final_) throw UsageError("the file has another finally above");
     is_final_ = true;
   }
 

@@ -141,7 +141,7 @@ class ScenarioRun {
   /// The next scenario finds the bench without the faults of this one.
   void put_back() {
     for (const std::string& done : executor_.put_back()) {
-      terminal_.complain("vdrive: put back: " + done);
+      terminal_.complain("vdrive: restored: " + done);
     }
   }
 

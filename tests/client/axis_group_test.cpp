@@ -49,7 +49,7 @@ Eigen::VectorXd vector(std::initializer_list<double> values) {
   return result;
 }
 
-/// Watches every look of a call: the path of a line, and when each axis came to its target.
+/// Checks every observation of a call: the path of a line, and when each axis reached its target.
 class Watch {
  public:
   Watch(Eigen::VectorXd starts, Eigen::VectorXd targets)
@@ -58,7 +58,7 @@ class Watch {
   GroupCallOptions options() {
     GroupCallOptions call;
     call.progress = [this](const GroupProgress& seen) {
-      look(seen);
+      note(seen);
     };
     return call;
   }
@@ -66,7 +66,7 @@ class Watch {
   /// Largest distance of any axis from the line, in units of demand.
   [[nodiscard]] double deviation() const { return deviation_; }
 
-  /// Ticks between the first and the last arrival of an axis that had a way.
+  /// Ticks between the first and the last arrival of the axes that moved.
   [[nodiscard]] std::uint64_t spread() const {
     std::uint64_t first = UINT64_MAX;
     std::uint64_t last = 0;
@@ -79,17 +79,17 @@ class Watch {
 
   [[nodiscard]] std::size_t arrived() const { return arrivals_.size(); }
 
-  [[nodiscard]] std::uint64_t looks() const { return looks_; }
+  [[nodiscard]] std::uint64_t observations() const { return observations_; }
 
   [[nodiscard]] std::uint64_t longest_gap() const { return longest_gap_; }
 
   [[nodiscard]] double fraction() const { return fraction_; }
 
  private:
-  void look(const GroupProgress& seen) {
+  void note(const GroupProgress& seen) {
     longest_gap_ = last_tick_ == 0 ? 0 : std::max(longest_gap_, seen.tick - last_tick_);
     last_tick_ = seen.tick;
-    ++looks_;
+    ++observations_;
     fraction_ = seen.fraction;
     const Eigen::VectorXd way = targets_ - starts_;
     Eigen::Index longest = 0;
@@ -105,7 +105,7 @@ class Watch {
       deviation_ = std::max(deviation_, std::abs(demand(axis) - on_line));
       const bool rests =
           seen.axes[static_cast<std::size_t>(axis)].status.velocity_demand_value == 0;
-      // An axis of a few units shows its last one before it is there, and no speed all the way.
+      // An axis with a few units to go shows its last one before its arrival, and never a speed.
       if (std::abs(way[axis]) < 1000.0) continue;
       if (rests && demand(axis) == targets_[axis]) arrivals_.emplace(axis, seen.tick);
     }
@@ -115,7 +115,7 @@ class Watch {
   Eigen::VectorXd targets_;
   double deviation_ = 0.0;
   double fraction_ = 0.0;
-  std::uint64_t looks_ = 0;
+  std::uint64_t observations_ = 0;
   std::uint64_t last_tick_ = 0;
   std::uint64_t longest_gap_ = 0;
   std::map<Eigen::Index, std::uint64_t> arrivals_;
@@ -150,7 +150,7 @@ class Group : public testing::Test {
 
 using LockStepGroup = Group;
 
-TEST_F(LockStepGroup, IsMadeOfAddressesAndNamesAndRefusesWhatCannotBeOne) {
+TEST_F(LockStepGroup, IsCreatedFromAddressesAndNamesAndRefusesInvalidSelections) {
   const std::string name = session_.find_bench()->axes[1].name;
   const auto group = AxisGroup::create(session_, std::vector<std::string>{"1.1", name});
   ASSERT_TRUE(group) << group.outcome().message();
@@ -171,7 +171,7 @@ TEST_F(LockStepGroup, IsMadeOfAddressesAndNamesAndRefusesWhatCannotBeOne) {
               HasSubstr("axis 1.1 belongs to another session"));
 }
 
-TEST_F(LockStepGroup, EnablesAndDisablesEveryAxisWhateverStateItIsIn) {
+TEST_F(LockStepGroup, EnablesAndDisablesEveryAxisFromAnyState) {
   write("1.2", {0x6040, 0}, 0x06);
   ASSERT_TRUE(session_.axis("1.3")->enable());
   auto group = AxisGroup::create(session_, names(1, 1, 4));
@@ -200,7 +200,7 @@ TEST_F(LockStepGroup, MovesTogetherScaledToTheSlowest) {
   EXPECT_LE(watch.deviation(), 1.0);
   EXPECT_EQ(watch.spread(), 0U);
   EXPECT_EQ(watch.arrived(), 3U);
-  EXPECT_EQ(watch.longest_gap(), 1U) << "every tick was looked at";
+  EXPECT_EQ(watch.longest_gap(), 1U) << "every tick was observed";
   EXPECT_EQ(watch.fraction(), 1.0);
   // Axis 2 at 10000 UU/s. The path's ramps are those of axis 1: 409600/20000 = 20.48 /s², that is
   // 1/20.48 s = 48.83 ms up and down, a path of 1 at 1 /s: 1048.83 ms, 1049 ticks. Counted from
@@ -209,7 +209,7 @@ TEST_F(LockStepGroup, MovesTogetherScaledToTheSlowest) {
   EXPECT_LE(tick(), before + 1049 + 21);
 }
 
-TEST_F(LockStepGroup, LeavesNoTimesBehindForAnOrdinaryMove) {
+TEST_F(LockStepGroup, ResetsTheTimesOfASynchronousMoveBeforeAnOrdinaryMove) {
   AxisGroup group = enabled(2);
   ASSERT_TRUE(group.move_together(vector({1000, 2000})));
   EXPECT_EQ(*session_.axis("1.1")->read(kMoveDuration), 0);
@@ -218,7 +218,7 @@ TEST_F(LockStepGroup, LeavesNoTimesBehindForAnOrdinaryMove) {
   EXPECT_EQ(group.status()->demand(), vector({4000, 2500}));
 }
 
-TEST_F(LockStepGroup, SlowsDownByItsFactors) {
+TEST_F(LockStepGroup, ScalesSpeedAndAccelerationByItsFactors) {
   AxisGroup group = enabled(2);
   const std::uint64_t before = tick();
   // 68267 UU/s · 0.1 and 409600 UU/s² · 0.1: 20000 / 6826.7 + 6826.7 / 40960 = 3.0963 s.
@@ -232,7 +232,7 @@ TEST_F(LockStepGroup, SlowsDownByItsFactors) {
   EXPECT_EQ(refused.kind(), OutcomeKind::refused);
 }
 
-TEST_F(LockStepGroup, RefusesPositionsThatAreNone) {
+TEST_F(LockStepGroup, RefusesPositionsThatAreMissingNotFiniteOrOutOfRange) {
   AxisGroup group = enabled(2);
   EXPECT_THAT(group.move_together(vector({1, 2, 3})).message(),
               HasSubstr("3 positions for 2 axes"));
@@ -243,7 +243,7 @@ TEST_F(LockStepGroup, RefusesPositionsThatAreNone) {
 
 TEST_F(LockStepGroup, ARefusedStartNamesTheAxisAndNothingMoves) {
   AxisGroup group = enabled(3);
-  // Raised while enabled: the group reads the new limits, in force are those of before (607Fh and
+  // Raised while enabled: the group reads the new limits, but the old ones are in force (607Fh and
   // 6080h count from the next enabling). 400000 UU in the time that axis 1 needs for its 1000 ask
   // for 1e6 UU/s, and 136533 are allowed.
   write("1.2", kVelocity, 1'000'000);
@@ -259,12 +259,12 @@ TEST_F(LockStepGroup, ARefusedStartNamesTheAxisAndNothingMoves) {
   ASSERT_TRUE(session_.step(1, 500));
   EXPECT_EQ(group.status()->demand(), vector({0, 0, 0}));
   EXPECT_EQ(group.status()->state, GroupState::standby);
-  // Nor does a later resume bring the withdrawn move back.
+  // A later resume does not restart the withdrawn move.
   ASSERT_TRUE(group.resume_all());
   EXPECT_EQ(group.status()->demand(), vector({0, 0, 0}));
 }
 
-TEST_F(LockStepGroup, AStartThatOneAxisCannotTakePartInMovesNone) {
+TEST_F(LockStepGroup, MovesNoAxisWhenOneAxisCannotStart) {
   AxisGroup group = enabled(3);
   ASSERT_TRUE(session_.axis("1.2")->disable());
   const Outcome disabled = group.move_together(vector({1000, 1000, 1000}));
@@ -287,7 +287,7 @@ TEST_F(LockStepGroup, AStartThatOneAxisCannotTakePartInMovesNone) {
   EXPECT_EQ(group.status()->demand(), vector({0, 0, 0}));
 }
 
-TEST_F(LockStepGroup, AnAxisOfAnotherSessionRefusesThemAll) {
+TEST_F(LockStepGroup, EnablesNoAxisWhenAnotherSessionHoldsOne) {
   Session other(options());
   auto theirs = other.axis("1.3");
   ASSERT_TRUE(theirs->enable());
@@ -326,7 +326,7 @@ TEST_F(LockStepGroup, HaltsQuickStopsAndTakesOverAxesOfAnotherSession) {
   EXPECT_EQ(theirs->status()->owner_session, session_.id());
 }
 
-TEST_F(LockStepGroup, AFaultOfOneStopsTheOthersWithinTwoTicksOfItsStatus) {
+TEST_F(LockStepGroup, AFaultOfOneAxisStopsTheOthersWithinTwoTicksOfItsStatus) {
   AxisGroup group = enabled(4);
   std::uint64_t fault = 0;
   std::map<std::uint16_t, std::uint64_t> stopped;
@@ -371,7 +371,7 @@ TEST_F(LockStepGroup, AFaultOfOneStopsTheOthersWithinTwoTicksOfItsStatus) {
   EXPECT_EQ(group.status()->state, GroupState::standby);
 }
 
-TEST_F(LockStepGroup, APollStopsTheOthersWhileNoCallWaits) {
+TEST_F(LockStepGroup, APollStopsTheOtherAxesWhileNoCallWaits) {
   AxisGroup group = enabled(3);
   ASSERT_TRUE(group.move_together(vector({300'000, 200'000, 100'000}), at_start()));
   ASSERT_TRUE(session_.step(1, 200));
@@ -388,7 +388,7 @@ TEST_F(LockStepGroup, APollStopsTheOthersWhileNoCallWaits) {
   EXPECT_EQ(group.status()->axes[2].state(), PowerState::quick_stop_active);
 }
 
-TEST_F(LockStepGroup, HaltAndResumeKeepTheLine) {
+TEST_F(LockStepGroup, HaltAndResumeKeepTheAxesOnTheirStraightLine) {
   AxisGroup group = enabled(3);
   const Eigen::VectorXd targets = vector({100'000, -50'000, 33'333});
   Watch watch(group.status()->demand(), targets);
@@ -422,7 +422,7 @@ TEST_F(LockStepGroup, QuickStopEndsInSwitchOnDisabledAndDropsTheQueue) {
   }
 }
 
-TEST_F(LockStepGroup, ADeadlineNamesWhoWasLate) {
+TEST_F(LockStepGroup, ATimeOutNamesTheAxisThatWasLate) {
   AxisGroup group = enabled(3);
   GroupCallOptions call;
   call.timeout = 100ms;
@@ -432,13 +432,13 @@ TEST_F(LockStepGroup, ADeadlineNamesWhoWasLate) {
   EXPECT_THAT(late.message(), HasSubstr("target reached"));
   EXPECT_THAT(late.message(), HasSubstr("axis 1.1"));
   EXPECT_EQ(tick(), before + 100);
-  EXPECT_EQ(group.status()->state, GroupState::moving) << "the motion goes on";
+  EXPECT_EQ(group.status()->state, GroupState::moving) << "the motion continues";
   EXPECT_THAT(group.move_together(vector({0, 0, 0})).message(), HasSubstr("axis 1.1 still moves"));
   const Outcome halted = group.halt_all();
   ASSERT_TRUE(halted) << halted.message();
 }
 
-TEST_F(LockStepGroup, RunsAQueueWithoutATickBetweenItsMoves) {
+TEST_F(LockStepGroup, RunsQueuedMovesWithoutATickOfRestBetweenThem) {
   AxisGroup group = enabled(2);
   write("1.1", {0x6067, 0}, 0);  // in position is the exact unit only, some ms after the demand
   const std::vector<Eigen::VectorXd> corners{vector({10'000, 0}), vector({10'000, 10'000}),
@@ -469,7 +469,7 @@ TEST_F(LockStepGroup, RunsAQueueWithoutATickBetweenItsMoves) {
   EXPECT_EQ(group.status()->demand(), vector({0, 0}));
 }
 
-TEST_F(LockStepGroup, APollRunsTheQueueOfAProgramWithItsOwnLoop) {
+TEST_F(LockStepGroup, APollStartsTheQueuedMovesOfAProgramWithItsOwnLoop) {
   AxisGroup group = enabled(2);
   ASSERT_TRUE(group.queue_move(vector({1000, 500})));
   ASSERT_TRUE(group.queue_move(vector({0, 0})));
@@ -512,7 +512,7 @@ TEST_F(LockStepGroup, StreamsACircle) {
   ASSERT_TRUE(group.move_together(vector({500, 500}))) << "profile position is back";
 }
 
-TEST_F(LockStepGroup, AStreamTellsWhoDoesNotFollow) {
+TEST_F(LockStepGroup, AStreamReportsTheAxesThatDoNotFollow) {
   AxisGroup group = enabled(2);
   ASSERT_TRUE(group.start_streaming({.pace = Pace::observe}));
   const std::uint64_t before = tick();
@@ -528,7 +528,7 @@ TEST_F(LockStepGroup, AStreamTellsWhoDoesNotFollow) {
   EXPECT_NE(group.status()->axes[1].state(), PowerState::operation_enabled);
 }
 
-TEST_F(LockStepGroup, HasNoMonitorWhereTimeStandsStill) {
+TEST_F(LockStepGroup, RefusesAMonitorInLockStep) {
   AxisGroup group = enabled(2);
   EXPECT_EQ(group.monitor(true).kind(), OutcomeKind::refused);
 }
@@ -537,7 +537,7 @@ class BigGroup : public Group {
  protected:
   BigGroup() : Group("--clock lockstep --axes 64") {}
 
-  /// Limits of any size, so that any axis may be the slowest; windows that wait for nobody.
+  /// Limits of any size, so that any axis may be the slowest; position windows without a wait.
   void prepare(std::mt19937_64& random) {
     const auto between = [&](double low, double high) {
       return static_cast<std::int64_t>(
@@ -556,7 +556,7 @@ class BigGroup : public Group {
   }
 };
 
-TEST_F(BigGroup, KeepsTheLineAndArrivesTogetherInRandomMovesOf2To64Axes) {
+TEST_F(BigGroup, KeepsAStraightLineAndArrivesTogetherInRandomMovesOf2To64Axes) {
   const bool nightly = std::getenv("VDRIVE_NIGHTLY") != nullptr;
   const auto budget = nightly ? std::chrono::seconds(1200) : std::chrono::seconds(15);
   std::mt19937_64 random(11);
@@ -588,7 +588,7 @@ TEST_F(BigGroup, KeepsTheLineAndArrivesTogetherInRandomMovesOf2To64Axes) {
   RecordProperty("moves", moves);
 }
 
-TEST(TwoServices, AreOneGroupInLockStep) {
+TEST(TwoServices, FormOneGroupInLockStep) {
   const RunningService left("--clock lockstep --axes 2");
   const RunningService right("--clock lockstep --bench 2 --axes 2");
   Session session(options());
@@ -619,7 +619,7 @@ TEST(TwoServices, AreOneGroupInLockStep) {
   }
 }
 
-TEST(TwoServices, ARefusedStartOfOneMovesNoAxisOfTheOther) {
+TEST(TwoServices, ARefusedStartOnOneServiceMovesNoAxisOfTheOther) {
   const RunningService left("--clock lockstep --axes 1");
   const RunningService right("--clock lockstep --bench 2 --axes 1");
   Session session(options());
@@ -638,7 +638,7 @@ TEST(TwoServices, ARefusedStartOfOneMovesNoAxisOfTheOther) {
   EXPECT_EQ(group->status()->demand(), vector({0, 0}));
 }
 
-TEST(TwoServices, ALostOneStopsTheOther) {
+TEST(TwoServices, ALostServiceStopsTheAxesOfTheOther) {
   const RunningService left("--clock lockstep --axes 1");
   RunningService right("--clock lockstep --bench 2 --axes 1");
   Session session(options());
@@ -660,7 +660,7 @@ TEST(TwoServices, ALostOneStopsTheOther) {
   EXPECT_EQ(other->status.velocity_demand_value, 0);
 }
 
-TEST(TwoServices, WithoutACommonClockAreNoGroup) {
+TEST(TwoServices, WithDifferentClocksCannotFormAGroup) {
   const RunningService left("--clock lockstep --axes 1");
   const RunningService right("--clock realtime --bench 2 --axes 1");
   const RunningService slow("--clock lockstep --bench 3 --axes 1 --period 2000");
@@ -671,7 +671,7 @@ TEST(TwoServices, WithoutACommonClockAreNoGroup) {
   EXPECT_THAT(periods.outcome().message(), HasSubstr("bench 1 and bench 3 have different periods"));
 }
 
-/// First tick in which the demand of an axis is not where it was.
+/// First tick in which the demand of an axis differs from its start.
 class FirstMotion {
  public:
   GroupCallOptions options() {
@@ -690,7 +690,7 @@ class FirstMotion {
   std::map<AxisId, std::uint64_t> ticks_;
 };
 
-TEST(TwoServices, InRealTimeStartInTheSameTick) {
+TEST(TwoServices, StartInTheSameTickInRealTime) {
   const RunningService left(patient("--clock realtime --axes 1"));
   const RunningService right(patient("--clock realtime --bench 2 --axes 1"));
   Session session(options());
@@ -721,7 +721,7 @@ TEST(RealtimeGroup, StreamsAheadOfTheClock) {
   std::uint64_t last = 0;
   for (int step = 1; step <= 300; ++step) {
     const auto seen = group->stream(vector({step * 2.0, -step * 1.0}));
-    if (!seen) continue;  // late: the next one starts anew
+    if (!seen) continue;  // late: the next attempt starts again
     first = first == 0 ? seen->tick : first;
     last = seen->tick;
   }
@@ -730,7 +730,7 @@ TEST(RealtimeGroup, StreamsAheadOfTheClock) {
   EXPECT_EQ(group->status()->demand(), vector({600, -300}));
 }
 
-TEST(RealtimeGroup, AMonitorStopsTheOthersWhileNoCallWaits) {
+TEST(RealtimeGroup, AMonitorStopsTheOtherAxesWhileNoCallWaits) {
   const RunningService service(patient("--clock realtime --axes 2"));
   Session session(options());
   auto group = AxisGroup::create(session, names(1, 1, 2));
@@ -746,8 +746,8 @@ TEST(RealtimeGroup, AMonitorStopsTheOthersWhileNoCallWaits) {
   EXPECT_TRUE(group->monitor(false));
 }
 
-// The others are on a way of 1 s when the second axis meets the switch: its line is lost.
-TEST_F(Group, StopsWhereALimitSwitchEndsTheWayOfOneAxis) {
+// The others move for 1 s when the second axis reaches the switch: it leaves the common line.
+TEST_F(Group, StopsWhenALimitSwitchStopsOneAxis) {
   AxisGroup group = enabled(3);
   ASSERT_TRUE(group.move_together(vector({60'000, 60'000, 60'000}), at_start()));
   ASSERT_TRUE(session_.step(1, 100));

@@ -38,7 +38,7 @@ std::string hex(std::uint64_t session) {
   return text.data();
 }
 
-TEST(StepClock, NeedsLockStepAndSaysSo) {
+TEST(StepClock, RefusesABenchThatIsNotInLockStep) {
   const RunningService service("--clock realtime");
   Session session(options());
   const auto clock = StepClock::join(session, kFirst);
@@ -46,7 +46,7 @@ TEST(StepClock, NeedsLockStepAndSaysSo) {
   EXPECT_THAT(clock.outcome().message(), HasSubstr("bench 1 runs in realtime"));
 }
 
-TEST(StepClock, StepsBenchesOfOnePeriodByTicks) {
+TEST(StepClock, StepsBenchesWithEqualPeriodsByTicks) {
   const RunningService first("--clock lockstep");
   const RunningService second("--clock lockstep --bench 2");
   Session session(options());
@@ -57,7 +57,7 @@ TEST(StepClock, StepsBenchesOfOnePeriodByTicks) {
   EXPECT_EQ(sut->now(), 5'001ms);
 }
 
-TEST(StepClock, StepsBenchesOfDifferentPeriodsByDriveTime) {
+TEST(StepClock, StepsBenchesWithDifferentPeriodsByDriveTime) {
   const RunningService first("--clock lockstep");
   const RunningService second("--clock lockstep --bench 2 --period 250");
   Session session(options());
@@ -71,7 +71,7 @@ TEST(StepClock, StepsBenchesOfDifferentPeriodsByDriveTime) {
   EXPECT_EQ(sut->now(), 3ms);
 }
 
-TEST(StepClock, LeavesTheClockAtItsEnd) {
+TEST(StepClock, LeavesTheClockWhenItIsDestroyed) {
   const RunningService service("--clock lockstep");
   Session stepper(options());
   Session other(options());
@@ -85,7 +85,7 @@ TEST(StepClock, LeavesTheClockAtItsEnd) {
   EXPECT_EQ(*other.step(1, 1), 1U);
 }
 
-TEST(StepClock, NamesTheStepperThatIsMissingAndGoesOnWithWhatItGranted) {
+TEST(StepClock, NamesTheMissingStepperAndContinuesWithTheTicksItGranted) {
   const RunningService first("--clock lockstep");
   const RunningService second("--clock lockstep --bench 2");
   Session alice(options());
@@ -104,8 +104,8 @@ TEST(StepClock, NamesTheStepperThatIsMissingAndGoesOnWithWhatItGranted) {
   EXPECT_THAT(*alices->step(10), ElementsAre(10, 10)) << "the same step, not ten more";
 }
 
-// The calls of a session that has joined pass time as far as the other stepper lets them.
-TEST(StepClock, MakesTheSessionsOwnCallsWaitForTheOtherSteppers) {
+// The calls of a session that has joined advance time as far as the other stepper allows.
+TEST(StepClock, MakesCallsOfItsSessionWaitForTheOtherSteppers) {
   const RunningService service("--clock lockstep");
   Session alice(options());
   Session bob(options());
@@ -129,7 +129,7 @@ TEST(StepClock, MakesTheSessionsOwnCallsWaitForTheOtherSteppers) {
   EXPECT_EQ(*axis->read({0x6062, 0}), 1'000);
 }
 
-TEST(StepClock, LetsACallTimeOutThatNamesTheMissingStepper) {
+TEST(StepClock, ATimedOutCallNamesTheMissingStepper) {
   const RunningService service("--clock lockstep");
   Session alice(options());
   Session bob(options());
@@ -142,7 +142,7 @@ TEST(StepClock, LetsACallTimeOutThatNamesTheMissingStepper) {
   EXPECT_THAT(late.outcome().message(), HasSubstr(hex(bob.id())));
 }
 
-TEST(StepClock, NoticesARestartAndDoesNotStepTheNewService) {
+TEST(StepClock, DetectsARestartAndDoesNotStepTheNewService) {
   const RunningService first("--clock lockstep");
   auto second = std::make_unique<RunningService>("--clock lockstep --bench 2");
   Session session(options());
@@ -177,8 +177,8 @@ class IdleStepper {
   std::string session_;
 };
 
-// Its participant is missed after its lease of 2 s, which takes it off the clock.
-TEST(StepClock, NamesAProgramThatWasKilledAndGoesOnOnceItIsTakenOffTheClock) {
+// Its participant is lost after its lease of 2 s, which removes it from the clock.
+TEST(StepClock, NamesAKilledProgramAndContinuesAfterItsRemovalFromTheClock) {
   const RunningService first("--clock lockstep");
   const RunningService second("--clock lockstep --bench 2");
   Session session(options());
@@ -230,7 +230,7 @@ TEST_F(PausedBench, FailsCallsThatWaitForDriveTime) {
                     .outcome());
 }
 
-TEST_F(PausedBench, AnswersAndGoesOnAtTheNextRate) {
+TEST_F(PausedBench, AnswersRequestsAndRunsAgainAtTheNextRate) {
   EXPECT_EQ(axis_->status()->state(), PowerState::switch_on_disabled);
   EXPECT_EQ(*axis_->read({0x6041, 0}), 0x250);
   ASSERT_TRUE(sut_.set_rate(1, 2.0));
@@ -238,7 +238,7 @@ TEST_F(PausedBench, AnswersAndGoesOnAtTheNextRate) {
   EXPECT_TRUE(enabled) << enabled.message();
 }
 
-TEST(RealtimeSession, FailsAMoveThatIsPausedUnderWay) {
+TEST(RealtimeSession, FailsAMoveWhenTheBenchIsPaused) {
   const RunningService service("--clock realtime");
   Session sut(options());
   auto axis = sut.axis("1.1");
@@ -257,7 +257,7 @@ TEST(RealtimeSession, FailsAMoveThatIsPausedUnderWay) {
   EXPECT_THAT(moving.get().message(), HasSubstr("paused"));
 }
 
-TEST(RealtimeSession, IsRefusedARateOutOfRange) {
+TEST(RealtimeSession, RefusesARateOutOfRange) {
   const RunningService service("--clock realtime");
   Session sut(options());
   EXPECT_EQ(sut.set_rate(1, 1'000.0).outcome().kind(), OutcomeKind::refused);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who is in control when programs die, hang or come back late: real services, real clients.
+// Which session has control when programs end, hang or continue late: real services, real clients.
 #include "client/session_options.hpp"
 #include "service/probe.hpp"
 #include "support/test_domain.hpp"
@@ -32,7 +32,7 @@ using test::RunningService;
 
 constexpr std::uint64_t kWatchdog = 500;  // [ticks] of 1 ms, the default
 constexpr std::uint16_t kConnectionLost = 0x8130;
-// A machine that stands still for half a second makes everybody lose everybody: such a run says
+// On a machine that stands still for half a second every session is lost: such a run proves
 // nothing.
 constexpr int kAttempts = 5;
 
@@ -56,11 +56,11 @@ class Master {
 
   void send(int signal) const { process_.send(signal); }
 
-  /// Reads what it tells until a move has been done.
+  /// Reads its output until a move is done.
   [[nodiscard]] bool has_moved() {
     for (std::string line = process_.read_line(); !line.empty(); line = process_.read_line()) {
-      const auto told = nlohmann::json::parse(line);
-      if (told.value("call", "") == "move") return told["outcome"] == "ok";
+      const auto printed = nlohmann::json::parse(line);
+      if (printed.value("call", "") == "move") return printed["outcome"] == "ok";
     }
     return false;
   }
@@ -105,7 +105,7 @@ class Bystanders {
   std::vector<Axis> axes_;
 };
 
-/// What a signal to the master of a moving axis led to.
+/// The effects of a signal to the master of a moving axis.
 struct Loss {
   std::uint64_t signalled = 0;  ///< tick at the latest
   AxisSnapshot fault;
@@ -129,7 +129,7 @@ std::optional<Loss> lose(const Master& master, Axis& axis, int signal) {
   return loss;
 }
 
-/// @return whether the machine let the bystanders live.
+/// @return whether the bystanders kept their axes on this machine.
 bool lose_among_bystanders(int signal) {
   const RunningService service("--clock realtime --axes 6");
   Session observer(options());
@@ -148,7 +148,7 @@ bool lose_among_bystanders(int signal) {
   const bool in_time = loss->fault.tick <= loss->signalled + kWatchdog + 2;
   // A session sends its keep-alive every 25 ms, so the last one came at most that long before.
   EXPECT_GE(loss->fault.tick, loss->signalled + kWatchdog - 50) << "a reaction without cause";
-  // Nothing resumes by itself, though time goes on and others are at work.
+  // Nothing resumes by itself while time passes and other sessions work.
   EXPECT_TRUE(observer.wait(1, 500ms));
   const auto later = axis.status();
   EXPECT_EQ(later->state(), PowerState::fault);
@@ -158,7 +158,7 @@ bool lose_among_bystanders(int signal) {
 
 class SilentMaster : public testing::TestWithParam<int> {};
 
-TEST_P(SilentMaster, LosesItsAxisInTimeAndNobodyElseDoes) {
+TEST_P(SilentMaster, LosesItsAxisInTimeAndNoOtherMasterDoes) {
   bool passed = false;
   for (int attempt = 0; attempt < kAttempts && !passed; ++attempt) {
     passed = lose_among_bystanders(GetParam());
@@ -171,7 +171,7 @@ INSTANTIATE_TEST_SUITE_P(Signals, SilentMaster, testing::Values(SIGKILL, SIGSTOP
                            return std::string(value.param == SIGKILL ? "Killed" : "Stopped");
                          });
 
-/// @return whether the machine let this session keep what it took.
+/// @return whether this session kept its axes on this machine.
 bool wake_the_old_master() {
   const RunningService service("--clock realtime --axes 1");
   Session sut(options());
@@ -182,7 +182,7 @@ bool wake_the_old_master() {
   if (!axis.reset_fault() || !axis.enable() || !axis.move_to(12'345)) return false;
   const auto before = axis.status();
   old.send(SIGCONT);
-  // It goes on where it stood: what it had said, what it says now, and its wish to take the axis.
+  // It continues where it stopped: with old messages, new messages, and a request for the axis.
   const auto disturbed = axis.wait_until(
       [&](const AxisSnapshot& seen) {
         return seen.owner_session != sut.id() || seen.status.position_demand_value != 12'345 ||
@@ -195,13 +195,13 @@ bool wake_the_old_master() {
   return true;
 }
 
-TEST(OldMaster, ThatWakesUpChangesNothing) {
+TEST(OldMaster, ChangesNothingWhenItResumes) {
   bool passed = false;
   for (int attempt = 0; attempt < kAttempts && !passed; ++attempt) passed = wake_the_old_master();
   EXPECT_TRUE(passed) << "five times of five";
 }
 
-TEST(OldMaster, ThatOutlivedTheServiceChangesNothing) {
+TEST(OldMaster, ChangesNothingAfterARestartOfTheService) {
   auto service = std::make_unique<RunningService>("--clock lockstep --axes 1");
   Probe old(test::test_domain());
   ASSERT_TRUE(old.find_bench());
@@ -224,7 +224,7 @@ TEST(OldMaster, ThatOutlivedTheServiceChangesNothing) {
     command.ds402_controlword(word);
     ASSERT_TRUE(old.send(frame));
     const auto reply = old.reply_to(frame.sequence_number());
-    ASSERT_TRUE(reply) << "a refusal is told";
+    ASSERT_TRUE(reply) << "a refusal is answered";
     ASSERT_FALSE(reply->refusals().empty());
     EXPECT_EQ(reply->refusals()[0].reason(), msg::REASON_WRONG_INCARNATION);
   }
@@ -234,7 +234,7 @@ TEST(OldMaster, ThatOutlivedTheServiceChangesNothing) {
   EXPECT_EQ(statusword->objects()[0].value(), 0x250) << "after a restart axes are disabled";
 }
 
-TEST(LeavingMaster, ThatReleasedItsAxisCausesNoReaction) {
+TEST(LeavingMaster, CausesNoReactionAfterItReleasedItsAxis) {
   const RunningService service("--clock realtime --axes 1");
   Session observer(options());
   Axis seen = *observer.axis("1.1");
@@ -250,7 +250,7 @@ TEST(LeavingMaster, ThatReleasedItsAxisCausesNoReaction) {
   EXPECT_EQ(status->owner_session, 0U);
 }
 
-/// What a session tells of services, in order.
+/// The changes of services that a session reports, in order.
 class News {
  public:
   void operator()(const ServiceChange& change) {
@@ -278,7 +278,7 @@ class News {
   std::size_t looked_ = 0;
 };
 
-/// @return whether a silence was told in time.
+/// @return whether a silence was reported in time.
 bool watch_a_service_die(Session& session, News& news, std::unique_ptr<RunningService>& service) {
   service->kill();
   const auto silent = news.next(ServiceNews::fell_silent);
@@ -293,7 +293,7 @@ bool watch_a_service_die(Session& session, News& news, std::unique_ptr<RunningSe
   return in_time;
 }
 
-TEST(WatchedService, IsMissedWithin100MillisecondsAndFoundAgainWithin2Seconds) {
+TEST(WatchedService, IsReportedLostWithin100MillisecondsAndFoundAgainWithin2Seconds) {
   auto service = std::make_unique<RunningService>("--clock realtime --axes 1");
   News news;
   Session sut(options());
@@ -303,18 +303,18 @@ TEST(WatchedService, IsMissedWithin100MillisecondsAndFoundAgainWithin2Seconds) {
   for (int attempt = 0; attempt < kAttempts && !in_time; ++attempt) {
     in_time = watch_a_service_die(sut, news, service);
   }
-  EXPECT_TRUE(in_time) << "five times of five told late";
+  EXPECT_TRUE(in_time) << "reported late in five of five attempts";
   service->stop();
   EXPECT_TRUE(news.next(ServiceNews::went_offline));
 }
 
-TEST(SessionOptions, RefuseASilenceThatIsTooShort) {
+TEST(SessionOptions, RefuseATooShortSilenceTime) {
   SessionOptions hasty = options();
   hasty.silence = 49ms;
   EXPECT_THROW(Session{hasty}, std::runtime_error);
 }
 
-TEST(Abandon, SendsNothingMoreSoThatTheBenchNoticesALostMaster) {
+TEST(Abandon, StopsAllSendingSoThatTheBenchDetectsALostMaster) {
   const RunningService service("--clock realtime");
   Session other(options());
   auto axis = other.axis("1.1");
@@ -351,7 +351,7 @@ TEST(SessionAcquire, TakesAllAxesOrNone) {
   }
 }
 
-TEST(SessionRelease, OfOneBenchKeepsTheAxesOfTheOthers) {
+TEST(SessionRelease, OfOneBenchKeepsTheAxesOfTheOtherBenches) {
   const RunningService first("--clock lockstep --bench 1");
   const RunningService second("--clock lockstep --bench 2");
   Session sut(options());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who is there: judged by the age of samples.
+// Which benches are present: judged by the age of samples.
 #include "directory.hpp"
 
 #include "bench_messages.hpp"
@@ -14,7 +14,7 @@ using namespace std::chrono_literals;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-TEST(Directory, KnowsABenchOnceItIsDescribedAndHeard) {
+TEST(Directory, ListsABenchAfterItsDescriptionAndItsState) {
   Directory sut;
   sut.on_description(description(1, 10), kSource, kStart);
   EXPECT_THAT(sut.present(kStart), IsEmpty()) << "a description comes from the history";
@@ -28,7 +28,7 @@ TEST(Directory, KnowsABenchOnceItIsDescribedAndHeard) {
   EXPECT_EQ(benches[0].info.axes[0].id, (AxisId{1, 1}));
 }
 
-TEST(Directory, KnowsTheUnitOfAnAxis) {
+TEST(Directory, StoresTheUnitOfAnAxis) {
   msg::BenchDescription message = description(1, 10);
   message.axes().front().unit_kind(msg::UNIT_LINEAR);
   message.axes().front().unit_name("mm");
@@ -51,7 +51,7 @@ TEST(Directory, WaitsForEveryPartOfADescription) {
   EXPECT_THAT(sut.present(kStart)[0].info.axes, SizeIs(2));
 }
 
-TEST(Directory, ForgetsABenchThatIsSilentForThreeHundredMilliseconds) {
+TEST(Directory, RemovesABenchThatSendsNothingForThreeHundredMilliseconds) {
   Directory sut;
   sut.on_description(description(1, 10), kSource, kStart);
   sut.on_state(state(1, 10), kStart);
@@ -61,7 +61,7 @@ TEST(Directory, ForgetsABenchThatIsSilentForThreeHundredMilliseconds) {
   EXPECT_THAT(sut.present(kStart + 500ms), SizeIs(1));
 }
 
-TEST(Directory, TellsHowOldTheNewestSampleIsWhetherTicksPassOrNot) {
+TEST(Directory, GivesTheAgeOfTheNewestSampleWithAndWithoutPassingTicks) {
   Directory sut;
   sut.on_description(description(1, 10), kSource, kStart);
   sut.on_state(state(1, 10, 7), kStart);
@@ -72,7 +72,7 @@ TEST(Directory, TellsHowOldTheNewestSampleIsWhetherTicksPassOrNot) {
   EXPECT_EQ(sut.present(kStart + 60ms).at(0).info.sample_age, 0ms);
 }
 
-TEST(Directory, ForgetsABenchThatSaysGoodbyeAtOnce) {
+TEST(Directory, RemovesABenchThatGoesOfflineAtOnce) {
   Directory sut;
   sut.on_description(description(1, 10), kSource, kStart);
   sut.on_state(state(1, 10), kStart);
@@ -83,7 +83,7 @@ TEST(Directory, ForgetsABenchThatSaysGoodbyeAtOnce) {
   EXPECT_FALSE(sut.is_alive({1, 10}, 1s, kStart));
 }
 
-TEST(Directory, ExpectsABenchThatHasBegunToShowItself) {
+TEST(Directory, ExpectsMoreOfABenchThatIsKnownInPart) {
   Directory sut;
   EXPECT_FALSE(sut.expects_more(kStart));
   sut.on_description(description(1, 10), kSource, kStart);
@@ -99,7 +99,7 @@ TEST(Directory, ExpectsABenchThatHasBegunToShowItself) {
   EXPECT_FALSE(sut.expects_more(kStart + 300ms)) << "it fell silent";
 }
 
-TEST(Directory, TakesARestartForAnotherRun) {
+TEST(Directory, TreatsARestartAsAnotherRun) {
   Directory sut;
   sut.on_description(description(1, 10), kSource, kStart);
   sut.on_state(state(1, 10), kStart);
@@ -110,7 +110,7 @@ TEST(Directory, TakesARestartForAnotherRun) {
   EXPECT_EQ(sut.find(1, kStart + 1s)->info.incarnation, 11U);
 }
 
-TEST(Directory, OfTwoWithOneNumberBelievesTheLowerIncarnation) {
+TEST(Directory, PrefersTheLowerIncarnationOfTwoBenchesWithOneNumber) {
   Directory sut;
   for (const std::uint64_t incarnation : {11U, 10U}) {
     sut.on_description(description(1, incarnation), kSource, kStart);
@@ -120,7 +120,7 @@ TEST(Directory, OfTwoWithOneNumberBelievesTheLowerIncarnation) {
   EXPECT_EQ(sut.present(kStart)[0].info.incarnation, 10U);
 }
 
-TEST(Directory, TellsHowOftenTheNetworkProcessOfABenchWasStarted) {
+TEST(Directory, CountsTheStartsOfTheNetworkProcessOfABench) {
   Directory sut;
   sut.on_description(description(1, 10), kSource, kStart);
   sut.note_sample({1, 10}, 1, kStart);
@@ -133,7 +133,7 @@ TEST(Directory, TellsHowOftenTheNetworkProcessOfABenchWasStarted) {
   }
 }
 
-TEST(Directory, SurvivesNonsense) {
+TEST(Directory, SurvivesInvalidMessages) {
   Directory sut;
   msg::BenchDescription nonsense = description(1, 10, 5, 0);
   nonsense.period_us(0);
@@ -145,7 +145,7 @@ TEST(Directory, SurvivesNonsense) {
   EXPECT_EQ(sut.tick({2, 2}), 0U);
 }
 
-// Numbers that somebody makes up: each as if another service had started.
+// Invented numbers: each as if another service had started.
 void announce(Directory& sut, std::uint64_t first, std::size_t count,
               Directory::Clock::time_point now, std::uint16_t parts = 1) {
   for (std::uint64_t run = first; run < first + count; ++run) {
@@ -156,7 +156,7 @@ void announce(Directory& sut, std::uint64_t first, std::size_t count,
   }
 }
 
-TEST(Directory, KeepsAtMostAThousandRunsAndForgetsTheOneThatIsSilentLongest) {
+TEST(Directory, KeepsAtMostAThousandRunsAndDropsTheLongestSilentOne) {
   Directory sut;
   announce(sut, 1, kMostRuns, kStart);
   announce(sut, 1, 1, kStart + 1s);
@@ -169,7 +169,7 @@ TEST(Directory, KeepsAtMostAThousandRunsAndForgetsTheOneThatIsSilentLongest) {
   EXPECT_EQ(runs[2].key, (BenchKey{2, 3})) << "in place of the first of the silent ones";
 }
 
-TEST(Directory, KeepsABenchThatIsThereWhateverManyOthersSay) {
+TEST(Directory, KeepsAPresentBenchDuringAFloodOfOtherBenches) {
   Directory sut;
   sut.on_description(description(1, 10), kSource, kStart);
   sut.on_state(state(1, 10), kStart);

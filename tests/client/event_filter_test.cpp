@@ -23,7 +23,7 @@ msg::Event event(std::uint64_t tick, std::uint32_t code, const BenchKey& run = k
   return event;
 }
 
-TEST(EventFilter, PassesNothingOfARunThatHasNotBegun) {
+TEST(EventFilter, PassesNoEventOfARunBeforeItsBegin) {
   EventFilter sut;
   EXPECT_FALSE(sut.knows(kRun));
   EXPECT_FALSE(sut.passes(event(5, 1)));
@@ -36,7 +36,7 @@ TEST(EventFilter, HoldsBackHistory) {
   EXPECT_TRUE(sut.passes(event(100, 1)));
 }
 
-TEST(EventFilter, PassesWhatIsSentAgainOnce) {
+TEST(EventFilter, PassesARepeatedEventOnce) {
   EventFilter sut;
   sut.begin(kRun, 0);
   EXPECT_TRUE(sut.passes(event(7, 1)));
@@ -46,7 +46,7 @@ TEST(EventFilter, PassesWhatIsSentAgainOnce) {
   EXPECT_TRUE(sut.passes(event(6, 1))) << "the last of many equal ones is sent late";
 }
 
-TEST(EventFilter, RemembersAsManyAsAreSentAgain) {
+TEST(EventFilter, RemembersAsManyEventsAsABenchRepeats) {
   EventFilter sut;
   sut.begin(kRun, 0);
   for (std::uint64_t tick = 0; tick < EventFilter::kRemembered; ++tick) {
@@ -57,7 +57,7 @@ TEST(EventFilter, RemembersAsManyAsAreSentAgain) {
   EXPECT_TRUE(sut.passes(event(0, 1))) << "forgotten";
 }
 
-TEST(EventFilter, ForgetsTheRunBefore) {
+TEST(EventFilter, ForgetsThePreviousRun) {
   EventFilter sut;
   const BenchKey next{1, 11};
   const BenchKey other{2, 5};

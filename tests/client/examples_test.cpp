@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The programs that people copy, as they stand, against real services.
+// The example programs, unchanged, against real services.
 #include "client/session_options.hpp"
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
@@ -59,7 +59,7 @@ TEST(Examples, ThreeAxisFigure) {
 }
 
 /// Runs the example of two services. @return whether the machine kept up: a bench that had to skip
-/// ticks says so, and has left the other behind.
+/// ticks reports it; the other axis is behind.
 bool draw_gantry() {
   RunningService left(patient("--clock realtime --axes 1 --log-level debug"));
   RunningService right(patient("--clock realtime --bench 2 --axes 1 --log-level debug"));

@@ -32,7 +32,7 @@ TEST(LineTimes, OfOneAxisAreItsOwnTrapezoid) {
   EXPECT_EQ(times->duration, microseconds{1'150'000});
 }
 
-TEST(LineTimes, OfAShortWayAreATriangle) {
+TEST(LineTimes, OfAShortDistanceAreATriangle) {
   // 99 UU with 10000 UU/s² both ways: 49.5 UU = a·t²/2, t = sqrt(99/1e4) s = 99498.7 us each.
   const std::vector ways{
       way(99, {.velocity = 5000, .acceleration = 10'000, .deceleration = 10'000})};
@@ -61,19 +61,19 @@ TEST(LineTimes, RoundUpToWholeTicks) {
   EXPECT_EQ(times->duration % microseconds{2000}, microseconds{0});
 }
 
-TEST(LineTimes, WithoutAnyWayAreNothing) {
+TEST(LineTimes, OfNoDistanceAreZero) {
   const std::vector ways{way(0, {.velocity = 0, .acceleration = 1, .deceleration = 1})};
   const auto times = plan_line(ways, kPeriod);
   ASSERT_TRUE(times);
   EXPECT_EQ(times->duration, microseconds{0});
 }
 
-TEST(LineTimes, ThereAreNoneForAnAxisThatMayNotMove) {
+TEST(LineTimes, AreMissingForAnAxisThatMayNotMove) {
   const std::vector ways{way(1, {.velocity = 0, .acceleration = 1, .deceleration = 1})};
   EXPECT_FALSE(plan_line(ways, kPeriod));
 }
 
-TEST(LineTimes, ThereAreNoneBeyondTheRangeOfTheObject) {
+TEST(LineTimes, AreMissingBeyondTheRangeOfTheObject) {
   // 2^32 - 1 us are 4294.967295 s.
   const MotionLimits limits{.velocity = 1000, .acceleration = 1e9, .deceleration = 1e9};
   EXPECT_TRUE(plan_line(std::vector{way(4'294'900, limits)}, kPeriod));
@@ -130,7 +130,7 @@ TEST(LineTimes, NeverExceedALimitAndLastOneTickLongerThanTheIdealAtMost) {
     ASSERT_EQ(times->duration % period, microseconds{0});
     const double seconds = static_cast<double>(times->duration.count()) * 1e-6;
     const double tick = static_cast<double>(period.count()) * 1e-6;
-    // One tick for the rounding up, another where the last bit of a limit asks for it.
+    // One tick for the rounding up, another where the last bit of a limit needs it.
     ASSERT_LE(seconds, ideal + 2.0 * tick + 3e-6) << "run " << run;
     ASSERT_GE(seconds, ideal * (1.0 - 1e-9)) << "run " << run;
   }

@@ -51,7 +51,7 @@ class Modes : public testing::Test {
 };
 
 // Method 37 takes the present position for home.
-TEST_F(Modes, HomeAttainsHomeAndGivesItItsPosition) {
+TEST_F(Modes, HomeReachesTheHomePositionAndSetsItsValue) {
   const Outcome homed = axis_.home({.method = 37, .offset = -500, .call = {}});
   EXPECT_TRUE(homed) << homed.message();
   EXPECT_EQ(now().mode(), OperatingMode::homing);
@@ -61,7 +61,7 @@ TEST_F(Modes, HomeAttainsHomeAndGivesItItsPosition) {
   EXPECT_TRUE(axis_.move_to(100)) << "a move sets its own mode";
 }
 
-TEST_F(Modes, HomeWithoutAMethodIsAHomingError) {
+TEST_F(Modes, HomeWithoutAMethodEndsInAHomingError) {
   const Outcome failed = axis_.home({.method = 0, .call = {}});
   EXPECT_EQ(failed.kind(), OutcomeKind::failed);
   EXPECT_THAT(failed.message(), HasSubstr("homing error, bit 13, with homing_method (6098h) = 0"));
@@ -70,7 +70,7 @@ TEST_F(Modes, HomeWithoutAMethodIsAHomingError) {
   EXPECT_THAT(refused.message(), HasSubstr("homing_method"));
 }
 
-TEST_F(Modes, HomeThatAHaltEndsFailsAndASecondOneIsRefusedMeanwhile) {
+TEST_F(Modes, HomeFailsAfterAHaltAndASecondHomeIsRefusedMeanwhile) {
   ASSERT_TRUE(
       axis_.home({.method = 17, .search_speed = 100, .creep_speed = 100, .call = in_force()}));
   ASSERT_TRUE(session_.step(1, 10));
@@ -78,7 +78,7 @@ TEST_F(Modes, HomeThatAHaltEndsFailsAndASecondOneIsRefusedMeanwhile) {
   ASSERT_TRUE(axis_.halt());
 }
 
-TEST_F(Modes, RunAtReachesTheVelocityAndStaysAtIt) {
+TEST_F(Modes, RunAtReachesTheVelocityAndHoldsIt) {
   const Outcome reached = axis_.run_at(-20'000, {.acceleration = 200'000, .call = {}});
   ASSERT_TRUE(reached) << reached.message();
   EXPECT_EQ(now().mode(), OperatingMode::profile_velocity);
@@ -90,7 +90,7 @@ TEST_F(Modes, RunAtReachesTheVelocityAndStaysAtIt) {
   EXPECT_EQ(now().status.velocity_demand_value, 0);
 }
 
-TEST_F(Modes, RunAtWhatTheDriveCannotReachIsRefused) {
+TEST_F(Modes, RunAtAnUnreachableVelocityIsRefused) {
   ASSERT_TRUE(axis_.write(kSpeedLimit, 5'000));
   EXPECT_THAT(axis_.run_at(5'001).message(),
               HasSubstr("the velocity 5001 is above app_speed_limit (607Fh) = 5000"));
@@ -115,7 +115,7 @@ TEST_F(Modes, RunAtAboveTheSpeedOfTheMotorIsRefused) {
 }
 
 // 607Fh acts from the next enabling on. 5000 UU/s are reached within 13 ms.
-TEST_F(Modes, RunAtSaysThatALimitOfTheLastEnablingCutsItOff) {
+TEST_F(Modes, RunAtReportsTheSpeedLimitThatWasLatchedAtEnabling) {
   ASSERT_TRUE(axis_.disable());
   ASSERT_TRUE(axis_.write(kSpeedLimit, 5'000));
   ASSERT_TRUE(axis_.enable());
@@ -134,7 +134,7 @@ TEST_F(Modes, RunAtWaitsForASlowRamp) {
   EXPECT_TRUE(reached) << reached.message();
 }
 
-TEST_F(Modes, RunAtIntoALimitSwitchSaysSoAtOnce) {
+TEST_F(Modes, RunAtIntoALimitSwitchIsReportedAtOnce) {
   ASSERT_TRUE(axis_.disturb(Disturbance::negative_limit));
   const std::uint64_t start = now().tick;
   const Outcome ended = axis_.run_at(-2'000);
@@ -162,7 +162,7 @@ TEST_F(Modes, ApplyTorqueAboveALimitIsRefused) {
 }
 
 // With half the rated current 60E0h = 40 ‰ of it give 20 ‰ of the rated torque.
-TEST_F(Modes, ApplyTorqueSaysThatALimitOfTheCurrentCutsItOff) {
+TEST_F(Modes, ApplyTorqueReportsALimitThatClampsTheTorque) {
   ASSERT_TRUE(axis_.write(kRatedCurrent, 2'500));
   ASSERT_TRUE(axis_.write(kPositiveTorqueLimit, 40));
   const std::uint64_t start = now().tick;
@@ -173,7 +173,7 @@ TEST_F(Modes, ApplyTorqueSaysThatALimitOfTheCurrentCutsItOff) {
   EXPECT_LT(now().tick, start + 200);
 }
 
-TEST_F(Modes, ApplyTorqueIntoALimitSwitchSaysSoAtOnce) {
+TEST_F(Modes, ApplyTorqueIntoALimitSwitchIsReportedAtOnce) {
   ASSERT_TRUE(axis_.disturb(Disturbance::positive_limit));
   EXPECT_THAT(axis_.apply_torque(20).message(),
               HasSubstr("the positive limit switch (60FDh bit 1) has ended the torque of 20"));
@@ -189,7 +189,7 @@ TEST_F(Modes, ApplyTorqueReachesTheTorque) {
 }
 
 // At 10000 UU/s for 100 ms the axis covers some 1000 UU, and brakes from there.
-TEST_F(Modes, JogRunsWhileItIsHeldAndStandsAfterIt) {
+TEST_F(Modes, JogRunsWhileItIsHeldAndThenStops) {
   std::uint64_t first = 0;
   std::int32_t fastest = 0;
   const Outcome jogged = axis_.jog(10'000, [&](const AxisSnapshot& axis) {
@@ -204,7 +204,7 @@ TEST_F(Modes, JogRunsWhileItIsHeldAndStandsAfterIt) {
   EXPECT_GT(now().status.load_position_actual_value, 500);
 }
 
-TEST_F(Modes, JogThatIsInterruptedStandsAfterIt) {
+TEST_F(Modes, JogStopsAfterAnInterrupt) {
   const Outcome jogged = axis_.jog(10'000, [&](const AxisSnapshot& axis) {
     if (axis.status.velocity_demand_value == 10'000) session_.interrupt();
     return true;
@@ -242,7 +242,7 @@ TEST_F(Modes, AGroupOfOneStreamsAnAxis) {
   EXPECT_TRUE(group->stop_streaming());
 }
 
-/// What a program with its own loop keeps of the reports.
+/// The reports that a program with its own loop keeps.
 struct Reports {
   std::mutex mutex;
   std::vector<Observation> seen;  ///< guarded by the mutex
@@ -252,7 +252,7 @@ struct Reports {
     return seen.size();
   }
 
-  /// @return whether there are that many within 20 s.
+  /// @return whether that many arrive within 20 s.
   bool wait_for(std::size_t many) {
     const auto deadline = std::chrono::steady_clock::now() + 20s;
     while (count() < many && std::chrono::steady_clock::now() < deadline) {
@@ -289,7 +289,7 @@ TEST(OnStatus, ReportsNewerTicksOfTheAxesUntilItIsEnded) {
   EXPECT_EQ(reports.count(), count) << "nothing comes after its end";
 }
 
-TEST(OnStatus, GoesOnWhenTheServiceRestarts) {
+TEST(OnStatus, ContinuesAfterARestartOfTheService) {
   test::RunningService service("");
   Session session(options());
   Reports reports;
@@ -303,7 +303,7 @@ TEST(OnStatus, GoesOnWhenTheServiceRestarts) {
   EXPECT_TRUE(reports.wait_for(before + 5));
 }
 
-TEST(OnStatus, OfAnAxisThatIsNotThereIsNotFound) {
+TEST(OnStatus, OfAMissingAxisIsNotFound) {
   const test::RunningService service("");
   Session session(options());
   const std::vector<AxisId> axes{{1, 1}, {1, 9}};
@@ -328,7 +328,7 @@ class CommandEach : public testing::Test {
   std::vector<Axis> axes_ = *session_.axes(1);
 };
 
-TEST_F(CommandEach, TakesAsManyTicksAsForOneAxis) {
+TEST_F(CommandEach, TakesTheSameTicksForManyAxesAsForOne) {
   for (const EachCommand each : {EachCommand::enable, EachCommand::halt, EachCommand::resume,
                                  EachCommand::disable, EachCommand::quick_stop}) {
     const std::uint64_t start = tick();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Axis::move_to and move_by: parameters for one move, moves that cannot be, software limits.
+// Axis::move_to and move_by: parameters for one move, impossible moves, software limits.
 #include "client/objects.hpp"
 #include "client/session_options.hpp"
 #include "tool/process.hpp"
@@ -87,7 +87,7 @@ TEST_F(Move, WithoutSpeedOrRampIsRefusedAtOnceAndChangesNothing) {
   EXPECT_TRUE(axis_.move_to(1000)) << "a later move is not touched";
 }
 
-TEST_F(Move, IsRefusedWhereTheDriveHasNoSpeedAndPossibleWithOneOfItsOwn) {
+TEST_F(Move, NeedsASpeedOfItsOwnWhereTheDriveHasNone) {
   write(kVelocity, 0);
   EXPECT_THAT(axis_.move_to(1000).message(), HasSubstr("profile_velocity (6081h) is 0"));
   EXPECT_TRUE(axis_.move_to(1000, with(5000)));
@@ -99,7 +99,7 @@ TEST_F(Move, IsRefusedWhereTheDriveHasNoSpeedAndPossibleWithOneOfItsOwn) {
 }
 
 // 1000 UU at 1000 UU/s with ramps of 10000 UU/s² take 1.1 s; with the defaults 0.1 s.
-TEST_F(Move, HasItsSpeedAndRampsForItselfOnly) {
+TEST_F(Move, RestoresSpeedAndRampsOfTheDriveAtItsEnd) {
   const std::uint64_t start = axis_.status()->tick;
   ASSERT_TRUE(axis_.move_to(1000, with(1000, 10'000, 10'000)));
   EXPECT_GT(axis_.status()->tick, start + 1'100);
@@ -110,7 +110,7 @@ TEST_F(Move, HasItsSpeedAndRampsForItselfOnly) {
   EXPECT_LT(axis_.status()->tick, next + 500);
 }
 
-TEST_F(Move, ThatIsNotAwaitedKeepsItsSpeedAndLeavesItsRamps) {
+TEST_F(Move, WithoutWaitingKeepsItsSpeedAndLeavesItsRampsInTheDrive) {
   const std::uint64_t start = axis_.status()->tick;
   ASSERT_TRUE(axis_.move_to(1000, not_awaited(with(1000, 10'000, 10'000))));
   EXPECT_EQ(value_of(kVelocity), kDefaultVelocity);
@@ -125,13 +125,13 @@ TEST_F(Move, ThatIsNotAwaitedKeepsItsSpeedAndLeavesItsRamps) {
   EXPECT_GE(reached->tick, start + 1'085) << "6081h was latched";
 }
 
-TEST_F(Move, EndedByAFaultLeavesNothingOfItsOwn) {
+TEST_F(Move, EndedByAFaultRestoresSpeedAndRamps) {
   ASSERT_TRUE(axis_.write({0x5E01, 0}, 1));  // blocked load
   EXPECT_EQ(axis_.move_to(1'000'000, with(50'000, 100'000)).kind(), OutcomeKind::failed);
   expect_defaults();
 }
 
-TEST_F(Move, WithoutRoomInTheBufferLeavesNothingOfItsOwn) {
+TEST_F(Move, WithoutRoomInTheBufferRestoresSpeedAndRamps) {
   MoveOptions slow = not_awaited(with(1000));
   slow.queue = true;
   ASSERT_TRUE(axis_.move_to(100'000, slow));
@@ -142,7 +142,7 @@ TEST_F(Move, WithoutRoomInTheBufferLeavesNothingOfItsOwn) {
   expect_defaults();
 }
 
-TEST_F(Move, ThatASoftwareLimitCutsSaysSo) {
+TEST_F(Move, ReportsThatASoftwareLimitClampsIt) {
   write(kLowerLimit, -500);
   write(kUpperLimit, 1000);
   EXPECT_TRUE(axis_.move_to(8000)) << "3535h is 0: no limit";
@@ -157,7 +157,7 @@ TEST_F(Move, ThatASoftwareLimitCutsSaysSo) {
               HasSubstr("user_position_lower_limit (607Dh:1) = -500"));
 }
 
-TEST_F(Move, ToASoftwareLimitIsNotCut) {
+TEST_F(Move, ToASoftwareLimitIsNotClamped) {
   write(kUpperLimit, 1000);
   write(kLimitSwitch, 1);
   EXPECT_TRUE(axis_.move_to(1000));
@@ -166,7 +166,7 @@ TEST_F(Move, ToASoftwareLimitIsNotCut) {
 }
 
 // 60F2h: 0 from the last target, 1 from the demand.
-TEST_F(Move, ByADistanceIsJudgedFromItsBase) {
+TEST_F(Move, ByADistanceIsComparedWithLimitsFromItsBase) {
   write(kUpperLimit, 1000);
   write(kLimitSwitch, 1);
   for (const std::int64_t option : {0, 1}) {
@@ -178,7 +178,7 @@ TEST_F(Move, ByADistanceIsJudgedFromItsBase) {
   }
 }
 
-TEST_F(Move, IntoALimitSwitchSaysSoAtOnceAndLeavesNothingOfItsOwn) {
+TEST_F(Move, IntoALimitSwitchIsReportedAtOnceAndRestoresSpeedAndRamps) {
   ASSERT_TRUE(axis_.disturb(Disturbance::positive_limit));
   const std::uint64_t start = axis_.status()->tick;
   const Outcome ended = axis_.move_to(8000, with(1000, 10'000, 10'000));
@@ -193,7 +193,7 @@ TEST_F(Move, IntoALimitSwitchSaysSoAtOnceAndLeavesNothingOfItsOwn) {
 }
 
 // After 100 ms at the default ramp the axis is at 40960 UU/s, some 2000 UU on its way.
-TEST_F(Move, ThatMeetsALimitSwitchOnItsWayEndsThere) {
+TEST_F(Move, EndsAtALimitSwitchThatItReaches) {
   const auto motion = axis_.start_move(-1'000'000);
   ASSERT_TRUE(motion) << motion.outcome().message();
   ASSERT_TRUE(session_.step(1, 100));

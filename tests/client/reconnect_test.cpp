@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sessions whose bench loses its network part and gets another one, in the same run: the real
-// engine behind a wire that the test takes away.
+// engine behind a wire that the test removes.
 #include "bench_engine.hpp"
 #include "bench_messages.hpp"
 #include "client/objects.hpp"
@@ -41,7 +41,7 @@ constexpr std::uint32_t kBench = 1;
 constexpr std::uint64_t kIncarnation = 1'000;
 constexpr auto kDeadline = 20s;
 
-/// What of a bench names DDS. It may lose what comes or what goes.
+/// The DDS part of a bench. It can lose arriving or leaving messages.
 class Wire {
  public:
   explicit Wire(test::LocalInbox& inbox)
@@ -62,7 +62,7 @@ class Wire {
 
   void announce(const msg::BenchDescription& description) { (void)description_.write(description); }
 
-  /// Writes what the engine has for its clients.
+  /// Writes the messages of the engine for its clients.
   void deliver(service::Outbox& outbox) {
     for (; auto* const outgoing = outbox.replies.front(); outbox.replies.pop()) {
       if (!is_taken()) continue;
@@ -86,7 +86,7 @@ class Wire {
     }
   }
 
-  void tell(const msg::BenchState& state) { (void)state_.write(state); }
+  void publish(const msg::BenchState& state) { (void)state_.write(state); }
 
   std::atomic<int> to_lose_in{0};   ///< so many requests and commands more do not arrive
   std::atomic<int> to_lose_out{0};  ///< so many answers more do not leave
@@ -123,7 +123,7 @@ service::Configuration configuration(service::ClockMode clock) {
   return configuration;
 }
 
-/// An engine that is run each millisecond, and its wire.
+/// An engine that runs once a millisecond, and its wire.
 class Bench {
  public:
   explicit Bench(service::ClockMode clock)
@@ -225,7 +225,7 @@ class Bench {
         if (wire_) {
           wire_->deliver(outbox_);
           if (round % kStateEvery == 0) {
-            wire_->tell(state(kBench, kIncarnation, engine_.tick()));
+            wire_->publish(state(kBench, kIncarnation, engine_.tick()));
           }
         } else {
           // As the service does: the next wire starts with empty lanes.
@@ -269,7 +269,7 @@ class Bench {
   std::jthread thread_;
 };
 
-TEST(Reconnect, ARequestThatIsLostWithTheWireIsSentToTheNextOne) {
+TEST(Reconnect, ResendsALostRequestToTheNextNetworkProcess) {
   Bench bench(service::ClockMode::realtime);
   Session sut(options());
   auto axis = sut.axis("1.1");
@@ -285,7 +285,7 @@ TEST(Reconnect, ARequestThatIsLostWithTheWireIsSentToTheNextOne) {
   EXPECT_EQ(bench.value(0, kWindow), 55);
 }
 
-TEST(Reconnect, ARequestWhoseAnswerIsLostWithTheWireActsOnce) {
+TEST(Reconnect, ExecutesARequestOnceWhenItsAnswerIsLost) {
   Bench bench(service::ClockMode::lockstep);
   Session sut(options());
   ASSERT_TRUE(sut.step(1, 1));
@@ -302,7 +302,7 @@ TEST(Reconnect, ARequestWhoseAnswerIsLostWithTheWireActsOnce) {
   EXPECT_EQ(bench.tick(), 6U);
 }
 
-TEST(Reconnect, ARequestThatIsLostWhileTheBenchLivesIsSentAgainAfterASecond) {
+TEST(Reconnect, ResendsALostRequestToALivingBenchAfterASecond) {
   Bench bench(service::ClockMode::realtime);
   Session sut(options());
   auto axis = sut.axis("1.1");
@@ -316,14 +316,14 @@ TEST(Reconnect, ARequestThatIsLostWhileTheBenchLivesIsSentAgainAfterASecond) {
   EXPECT_EQ(bench.value(0, kWindow), 55);
 }
 
-TEST(Reconnect, CommandsThatAreLostWithTheWireActInTheirOrder) {
+TEST(Reconnect, ResendsLostCommandsInTheirOrder) {
   Bench bench(service::ClockMode::realtime);
   Session sut(options());
   auto axis = sut.axis("1.1");
   ASSERT_TRUE(axis) << axis.outcome().message();
   ASSERT_TRUE(axis->enable());
   ASSERT_TRUE(axis->disable());
-  bench.lose_in(1'000);  // whatever comes
+  bench.lose_in(1'000);  // every message
   auto enabled = std::async(std::launch::async, [&] {
     return axis->enable().message();
   });
@@ -334,7 +334,7 @@ TEST(Reconnect, CommandsThatAreLostWithTheWireActInTheirOrder) {
   EXPECT_EQ(bench.counters().master_losses.get(), 0U);
 }
 
-TEST(Reconnect, AGroupMoveGoesOnToItsEnd) {
+TEST(Reconnect, AGroupMoveContinuesToItsEnd) {
   Bench bench(service::ClockMode::realtime);
   Session sut(options());
   const std::vector<std::string> names{"1.1", "1.2"};
@@ -362,7 +362,7 @@ TEST(Reconnect, AGroupMoveGoesOnToItsEnd) {
   EXPECT_EQ(bench.counters().master_losses.get(), 0U);
 }
 
-TEST(Reconnect, AFollowerGoesOnAndTellsOfTheGap) {
+TEST(Reconnect, AFollowerContinuesAndReportsTheGap) {
   Bench bench(service::ClockMode::realtime);
   Session sut(options());
   auto follower = sut.follow({{1, 1}}, Pace::observe);
@@ -398,8 +398,8 @@ TEST(Reconnect, ACallSurvivesASecondOfSilence) {
   EXPECT_EQ(written.get(), "");
 }
 
-// No farewell: the participant stays matched until its lease ends, and nobody reads there.
-TEST(Reconnect, ARequestToAWireThatIsKilledIsSentToTheNextOne) {
+// A killed participant sends no departure: it stays matched until its lease ends, without a reader.
+TEST(Reconnect, ResendsARequestAfterTheNetworkProcessWasKilled) {
   const auto wire = [](const char* answer) {
     return std::make_unique<test::Process>(
         VDRIVE_WIRE_DOUBLE,
@@ -412,10 +412,10 @@ TEST(Reconnect, ARequestToAWireThatIsKilledIsSentToTheNextOne) {
   auto read = std::async(std::launch::async, [&] {
     return axis->read(kWindow);
   });
-  ASSERT_EQ(first->read_line(), "asked 1");
+  ASSERT_EQ(first->read_line(), "received 1");
   first->send(SIGKILL);
   const auto next = wire("77");
-  EXPECT_EQ(next->read_line(), "asked 1") << "the same request";
+  EXPECT_EQ(next->read_line(), "received 1") << "the same request";
   const auto value = read.get();
   ASSERT_TRUE(value) << value.outcome().message();
   EXPECT_EQ(*value, 77);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a program gets from a call, and from the environment: the umbrella header alone.
+// Results of calls and settings of the environment, with the umbrella header only.
 #include "vdrive/client.hpp"
 
 #include <gmock/gmock.h>
@@ -33,7 +33,7 @@ TEST(Result, GivesAValueThatCanOnlyBeMoved) {
   EXPECT_EQ(*moved, 3);
 }
 
-TEST(Result, ThatFailedThrowsItsMessageWhenItsValueIsTaken) {
+TEST(Result, OfAFailureThrowsItsMessageWhenItsValueIsTaken) {
   try {
     (void)failed().value();
     FAIL() << "it has no value";
@@ -45,7 +45,7 @@ TEST(Result, ThatFailedThrowsItsMessageWhenItsValueIsTaken) {
   EXPECT_THROW((void)constant.value(), std::runtime_error);
 }
 
-TEST(ResultDeathTest, ThatFailedEndsTheProgramWithItsMessageWhenItIsDereferenced) {
+TEST(ResultDeathTest, DereferencingAFailureEndsTheProgramWithItsMessage) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   Result<std::string> sut = failed();
   EXPECT_DEATH((void)*sut, "a failed result was used: no axis 1\\.7");
@@ -85,14 +85,14 @@ class DefaultDomain : public testing::Test {
   std::optional<std::string> before_;
 };
 
-TEST_F(DefaultDomain, IsTheOneOfTheEnvironmentElse0) {
+TEST_F(DefaultDomain, IsTakenFromTheEnvironmentOrIs0) {
   set(std::nullopt);
   EXPECT_EQ(default_domain(), 0U);
   set("232");
   EXPECT_EQ(default_domain(), 232U);
 }
 
-TEST_F(DefaultDomain, RefusesWhatIsNoDomain) {
+TEST_F(DefaultDomain, RefusesTextThatIsNotADomain) {
   for (const char* const text : {"233", "-1", "5x", "x", " 5", "99999999999"}) {
     set(text);
     EXPECT_EQ(refusal(), std::string("VDRIVE_DOMAIN in the environment is '") + text +

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What became of services, judged by the age of their samples.
+// The state of services, judged by the age of their samples.
 #include "service_watch.hpp"
 
 #include "bench_messages.hpp"
@@ -23,22 +23,22 @@ class ServiceWatchTest : public testing::Test {
     directory_.on_description(message, kSource, kStart);
   }
 
-  /// What is told at `now`, each as its news.
+  /// The changes at `now`, each as its kind.
   std::vector<ServiceNews> news(std::chrono::milliseconds now) {
-    std::vector<ServiceNews> told;
+    std::vector<ServiceNews> changes;
     for (const ServiceChange& change : sut_.changes(directory_, kStart + now)) {
       EXPECT_EQ(change.bench, 1U);
       EXPECT_FALSE(change.text.empty());
-      told.push_back(change.news);
+      changes.push_back(change.news);
     }
-    return told;
+    return changes;
   }
 
   Directory directory_;
   ServiceWatch sut_;
 };
 
-TEST_F(ServiceWatchTest, TellsOfASilenceWithin100MillisecondsWhileTheBenchTicks) {
+TEST_F(ServiceWatchTest, ReportsSilenceWithin100MillisecondsWhileTheBenchTicks) {
   describe(10, msg::CLOCK_MODE_REALTIME);
   directory_.on_state(state(1, 10), kStart);
   EXPECT_THAT(news(0ms), ElementsAre(ServiceNews::found));
@@ -49,10 +49,10 @@ TEST_F(ServiceWatchTest, TellsOfASilenceWithin100MillisecondsWhileTheBenchTicks)
   EXPECT_EQ(changes[0].news, ServiceNews::fell_silent);
   EXPECT_EQ(changes[0].silence, 85ms);
   EXPECT_EQ(changes[0].text, "bench 1 stopped sending 85 ms ago");
-  EXPECT_THAT(news(500ms), IsEmpty()) << "told once";
+  EXPECT_THAT(news(500ms), IsEmpty()) << "reported once";
 }
 
-TEST_F(ServiceWatchTest, AllowsForTheSlowSamplesOfABenchThatStands) {
+TEST_F(ServiceWatchTest, AllowsTheLongerIntervalOfABenchThatStandsStill) {
   describe(10, msg::CLOCK_MODE_LOCKSTEP);
   directory_.on_state(state(1, 10), kStart);
   EXPECT_THAT(news(0ms), ElementsAre(ServiceNews::found));
@@ -60,7 +60,7 @@ TEST_F(ServiceWatchTest, AllowsForTheSlowSamplesOfABenchThatStands) {
   EXPECT_THAT(news(260ms), ElementsAre(ServiceNews::fell_silent));
 }
 
-TEST_F(ServiceWatchTest, TellsTheSameRunFromAnother) {
+TEST_F(ServiceWatchTest, DistinguishesTheSameRunFromARestart) {
   describe(10, msg::CLOCK_MODE_REALTIME);
   directory_.on_state(state(1, 10), kStart);
   EXPECT_THAT(news(0ms), ElementsAre(ServiceNews::found));
@@ -72,7 +72,7 @@ TEST_F(ServiceWatchTest, TellsTheSameRunFromAnother) {
   EXPECT_THAT(news(500ms), ElementsAre(ServiceNews::fell_silent, ServiceNews::restarted));
 }
 
-TEST_F(ServiceWatchTest, TellsAnEndFromASilence) {
+TEST_F(ServiceWatchTest, DistinguishesAnEndFromSilence) {
   describe(10, msg::CLOCK_MODE_REALTIME);
   directory_.on_state(state(1, 10), kStart);
   EXPECT_THAT(news(0ms), ElementsAre(ServiceNews::found));
@@ -80,7 +80,7 @@ TEST_F(ServiceWatchTest, TellsAnEndFromASilence) {
   EXPECT_THAT(news(10ms), ElementsAre(ServiceNews::went_offline));
 }
 
-TEST_F(ServiceWatchTest, StaysWithTheEarlierOfTwoRuns) {
+TEST_F(ServiceWatchTest, KeepsTheEarlierOfTwoRuns) {
   describe(10, msg::CLOCK_MODE_REALTIME);
   describe(11, msg::CLOCK_MODE_REALTIME);
   directory_.on_state(state(1, 10), kStart);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The parts of a session that several threads use: wake-ups, what is unanswered, what is held.
+// The parts of a session that several threads use: wake-ups, unanswered messages, held axes.
 #include "holdings.hpp"
 #include "unanswered.hpp"
 #include "wakeup.hpp"
@@ -43,8 +43,8 @@ TEST(Wakeup, MissesNoChangeBetweenTheConditionAndTheWait) {
   EXPECT_TRUE(is_woken(sut, changes));
 }
 
-// Many rounds: in some of them the change comes while the call waits already.
-TEST(Wakeup, WakesTheCallOfAnotherThread) {
+// Many rounds: in some of them the change comes during the wait.
+TEST(Wakeup, WakesACallInAnotherThread) {
   constexpr int kRounds = 200;
   Wakeup sut;
   std::atomic<int> begun = 0;
@@ -73,7 +73,7 @@ TEST(Wakeup, WaitsNoLongerThanItsDeadline) {
   EXPECT_GE(Wakeup::Clock::now(), deadline) << "it ended before its deadline, without a change";
 }
 
-TEST(Wakeup, IsAChangeWhenItIsInterrupted) {
+TEST(Wakeup, CountsAnInterruptAsAChange) {
   Wakeup sut;
   const std::uint64_t changes = sut.changes();
   EXPECT_FALSE(sut.is_interrupted());
@@ -82,7 +82,7 @@ TEST(Wakeup, IsAChangeWhenItIsInterrupted) {
   EXPECT_TRUE(sut.is_interrupted());
 }
 
-TEST(Wakeup, SurvivesAnEarlierInterruptInTheThreadThatStops) {
+TEST(Wakeup, IgnoresAnEarlierInterruptInTheThreadThatStops) {
   Wakeup sut;
   sut.interrupt();
   {
@@ -104,7 +104,7 @@ TEST(Wakeup, SurvivesAnEarlierInterruptInTheThreadThatStops) {
 
 using Numbers = Unanswered<int, int, int>;
 
-TEST(UnansweredMessages, KeepAnAnswerForTheNumberThatItAnswers) {
+TEST(UnansweredMessages, KeepAnAnswerUnderItsNumber) {
   Numbers sut;
   EXPECT_EQ(sut.add(1, kBench, 100), 100);
   sut.add(2, kBench, 200);
@@ -116,7 +116,7 @@ TEST(UnansweredMessages, KeepAnAnswerForTheNumberThatItAnswers) {
   EXPECT_EQ(sut.take(1), std::nullopt);
 }
 
-TEST(UnansweredMessages, IgnoreAnAnswerThatNobodyAwaits) {
+TEST(UnansweredMessages, IgnoreAnAnswerThatIsNotAwaited) {
   Numbers sut;
   EXPECT_FALSE(sut.answer(1, -1));
   sut.add(1, kBench, 100);
@@ -124,7 +124,7 @@ TEST(UnansweredMessages, IgnoreAnAnswerThatNobodyAwaits) {
   EXPECT_FALSE(sut.answer(1, -1));
 }
 
-TEST(UnansweredMessages, AreRepeatedInOrderToTheirRunUntilTheyAreAnswered) {
+TEST(UnansweredMessages, AreRepeatedInOrderToTheirRunUntilAnswered) {
   Numbers sut;
   sut.add(3, kBench, 300);
   sut.add(1, kBench, 100);
@@ -136,7 +136,7 @@ TEST(UnansweredMessages, AreRepeatedInOrderToTheirRunUntilTheyAreAnswered) {
   EXPECT_THAT(sut.to_repeat(kBench, kEver), ElementsAre(300));
 }
 
-TEST(UnansweredMessages, AreDueOnlyWhenTheyWereSentBefore) {
+TEST(UnansweredMessages, AreDueOnlyIfSentBeforeTheGivenTime) {
   Numbers sut;
   const auto before = Directory::Clock::now();
   sut.add(1, kBench, 100);
@@ -146,7 +146,7 @@ TEST(UnansweredMessages, AreDueOnlyWhenTheyWereSentBefore) {
   EXPECT_FALSE(sut.has_due(kNextRun, kEver));
 }
 
-TEST(UnansweredMessages, AreAnsweredByAnotherThreadWhileTheyAreRepeated) {
+TEST(UnansweredMessages, CanBeAnsweredByAnotherThreadDuringRepetition) {
   constexpr int kCount = 1000;
   Numbers sut;
   for (int number = 0; number < kCount; ++number) sut.add(number, kBench, number);
@@ -191,7 +191,7 @@ TEST(Holdings, PutSessionRunAndEpochIntoAFrame) {
   EXPECT_EQ(frame.epoch(), 5U);
 }
 
-TEST(Holdings, LoseControlByARefusedFrameOfThePresentEpochOnly) {
+TEST(Holdings, LoseControlOnlyByARefusedFrameOfThePresentEpoch) {
   Holdings sut(99);
   (void)sut.next_frame(kBench);  // 1: of the epoch before
   sut.note_acquired(kBench, kAxes, 5, true);
@@ -205,7 +205,7 @@ TEST(Holdings, LoseControlByARefusedFrameOfThePresentEpochOnly) {
   EXPECT_THAT(sut.to_keep_alive(), IsEmpty());
 }
 
-TEST(Holdings, NeedKeepAlivesWhereAWallClockRunsAndAxesAreHeld) {
+TEST(Holdings, NeedKeepAlivesForHeldAxesUnderAWallClock) {
   Holdings sut(99);
   sut.note_acquired(kBench, kAxes, 5, true);
   sut.note_acquired(kOtherBench, kAxes, 1, false);
@@ -217,7 +217,7 @@ TEST(Holdings, NeedKeepAlivesWhereAWallClockRunsAndAxesAreHeld) {
   EXPECT_THAT(sut.drop_all(), IsEmpty());
 }
 
-TEST(Holdings, LetOneThreadAtATimeSendToABench) {
+TEST(Holdings, AllowOneSendingThreadForEachBench) {
   Holdings sut(99);
   const auto sending = sut.lock_sending(1);
   std::jthread other([&sut] {

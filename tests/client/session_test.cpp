@@ -41,7 +41,7 @@ MoveOptions slow() {
   return {.velocity = 1000, .acceleration = 6000, .deceleration = 6000, .queue = false, .call = {}};
 }
 
-TEST(Discovery, FindsNobodyWithinItsTime) {
+TEST(Discovery, FindsNoBenchWithinItsTime) {
   Session sut(hasty());
   EXPECT_THAT(sut.find_benches(), IsEmpty());
   const auto axis = sut.axis("1.1");
@@ -78,7 +78,7 @@ TEST(Discovery, FindsBenchesAxesAndNames) {
   EXPECT_TRUE(sut.find_bench(7));
 }
 
-// Whoever waits for further benches waits 150 ms.
+// A search for further benches takes 150 ms.
 TEST(Discovery, FindsANameAsSoonAsItsBenchAnswers) {
   const RunningService service("--clock lockstep");
   std::string name;
@@ -97,7 +97,7 @@ TEST(Discovery, FindsANameAsSoonAsItsBenchAnswers) {
   }
 }
 
-TEST(Discovery, ListsAServiceNoLongerOnceItIsKilled) {
+TEST(Discovery, DropsAKilledServiceFromTheList) {
   RunningService service("--clock lockstep");
   SessionOptions patient = options();
   patient.find_timeout = 3s;
@@ -121,7 +121,7 @@ class LockStep : public testing::Test {
   std::optional<Axis> axis_;
 };
 
-TEST_F(LockStep, StepsExactly) {
+TEST_F(LockStep, StepsTheGivenNumberOfTicks) {
   EXPECT_EQ(*sut_.step(1, 0), 0U);
   EXPECT_EQ(*sut_.step(1, 5000), 5000U);
   EXPECT_EQ(*sut_.wait(1, 1500us), 5002U) << "rounded up to ticks";
@@ -129,7 +129,7 @@ TEST_F(LockStep, StepsExactly) {
   EXPECT_EQ(*sut_.wait_for_tick(1, 1), 5010U) << "which is past";
 }
 
-TEST_F(LockStep, MovesAndArrivesInTheTickThatTheProfileGives) {
+TEST_F(LockStep, ArrivesInTheTickThatTheProfileGives) {
   ASSERT_TRUE(axis_->enable());
   const std::uint64_t enabled = axis_->status()->tick;
   EXPECT_EQ(enabled, 1U) << "enabling takes one tick";
@@ -149,7 +149,7 @@ TEST_F(LockStep, MovesByADistance) {
   EXPECT_EQ(*axis_->read(kDemand), -500);
 }
 
-TEST_F(LockStep, MovesAgainAlthoughBitFourIsStillUp) {
+TEST_F(LockStep, StartsAMoveWhileBit4IsStillSet) {
   ASSERT_TRUE(axis_->enable());
   ASSERT_TRUE(axis_->move_to(1000, slow()));
   ASSERT_TRUE(axis_->write(kControlword, 0x3F));
@@ -260,7 +260,7 @@ TEST_F(LockStep, ReadsManyObjectsOfOneTick) {
   EXPECT_EQ(readings->objects.front().value, 0x00020192);
 }
 
-TEST_F(LockStep, SeveralWritesBetweenTwoStepsEachCount) {
+TEST_F(LockStep, ExecutesEachOfSeveralWritesBetweenTwoSteps) {
   for (const std::int64_t word : {0x06, 0x07, 0x0F}) {
     const auto in_force = axis_->write(kControlword, word);
     ASSERT_TRUE(in_force);
@@ -270,7 +270,7 @@ TEST_F(LockStep, SeveralWritesBetweenTwoStepsEachCount) {
   EXPECT_EQ(axis_->status()->state(), PowerState::operation_enabled);
 }
 
-TEST_F(LockStep, KeepsItsAxisFromOthersAndReleasesItAtTheEnd) {
+TEST_F(LockStep, HoldsItsAxisExclusivelyAndReleasesItAtTheEnd) {
   Session other(options());
   auto theirs = other.axis("1.1");
   {
@@ -290,7 +290,7 @@ TEST_F(LockStep, KeepsItsAxisFromOthersAndReleasesItAtTheEnd) {
 }
 
 /// Another session owns axis 1.1, which moves slowly to a far target.
-class AxisOfAnother : public testing::Test {
+class AxisOfAnotherSession : public testing::Test {
  protected:
   void SetUp() override {
     axis_.emplace(*sut_.axis("1.1"));
@@ -309,7 +309,7 @@ class AxisOfAnother : public testing::Test {
   std::optional<Axis> theirs_;
 };
 
-TEST_F(AxisOfAnother, IsHaltedAndStaysTheirs) {
+TEST_F(AxisOfAnotherSession, IsHaltedAndKeepsItsOwner) {
   const Outcome halted = axis_->halt();
   ASSERT_TRUE(halted) << halted.message();
   const auto status = axis_->status();
@@ -324,7 +324,7 @@ TEST_F(AxisOfAnother, IsHaltedAndStaysTheirs) {
   EXPECT_NE(axis_->status()->status.velocity_demand_value, 0);
 }
 
-TEST_F(AxisOfAnother, IsQuickStoppedAndStaysTheirs) {
+TEST_F(AxisOfAnotherSession, IsQuickStoppedAndKeepsItsOwner) {
   const Outcome stopped = axis_->quick_stop();
   ASSERT_TRUE(stopped) << stopped.message();
   EXPECT_EQ(axis_->status()->state(), PowerState::switch_on_disabled);
@@ -332,24 +332,24 @@ TEST_F(AxisOfAnother, IsQuickStoppedAndStaysTheirs) {
   EXPECT_TRUE(theirs_->enable()) << "by its owner";
 }
 
-TEST_F(AxisOfAnother, IsStoppedByAWriteThatOnlyStops) {
+TEST_F(AxisOfAnotherSession, IsStoppedByAWriteThatOnlyStops) {
   EXPECT_EQ(axis_->write(kControlword, 0x06).outcome().code(), 0x08000021U);
   ASSERT_TRUE(axis_->write(kControlword, 0x02));
   ASSERT_TRUE(sut_.step(1, 1));
   EXPECT_EQ(axis_->status()->state(), PowerState::quick_stop_active);
 }
 
-TEST_F(AxisOfAnother, IsTakenOver) {
+TEST_F(AxisOfAnotherSession, IsTakenOver) {
   EXPECT_EQ(axis_->acquire().kind(), OutcomeKind::refused);
   const Outcome taken = axis_->take_over();
   ASSERT_TRUE(taken) << taken.message();
   EXPECT_EQ(axis_->status()->owner_session, sut_.id());
-  EXPECT_NE(axis_->status()->status.velocity_demand_value, 0) << "it goes on";
+  EXPECT_NE(axis_->status()->status.velocity_demand_value, 0) << "it continues";
   EXPECT_TRUE(axis_->disable());
   EXPECT_EQ(theirs_->enable().code(), 0x08000021U);
 }
 
-TEST_F(AxisOfAnother, IsStoppedWithAllAxesOfItsBench) {
+TEST_F(AxisOfAnotherSession, IsStoppedWithAllAxesOfItsBench) {
   auto ours = sut_.axis("1.2");
   ASSERT_TRUE(ours->enable());
   const Outcome stopped = sut_.quick_stop(1);
@@ -390,7 +390,7 @@ class Reported {
   std::vector<Event> events_;
 };
 
-TEST_F(AxisOfAnother, TellsItsOwnerWhoStoppedIt) {
+TEST_F(AxisOfAnotherSession, NamesToItsOwnerTheSessionThatStoppedIt) {
   Reported reported;
   owner_.on_event([&reported](const Event& event) {
     reported.add(event);
@@ -424,7 +424,7 @@ TEST_F(LockStep, AnObserverOfEventsMayCommandAxes) {
   EXPECT_EQ(other->status()->state(), PowerState::switch_on_disabled);
 }
 
-TEST_F(LockStep, AMoveThatWasStartedIsAwaitedLater) {
+TEST_F(LockStep, AwaitsAMoveThatWasStartedEarlier) {
   ASSERT_TRUE(axis_->enable());
   EXPECT_EQ(sut_.axis("1.2")->start_move(5).outcome().code(), kRefusedInState);
   const auto motion = axis_->start_move(2000, slow());
@@ -437,7 +437,7 @@ TEST_F(LockStep, AMoveThatWasStartedIsAwaitedLater) {
   EXPECT_EQ(*axis_->read(kDemand), 2000);
 }
 
-TEST_F(LockStep, AMoveThatWasStartedAndHaltedHasFailed) {
+TEST_F(LockStep, ReportsAHaltedMoveAsFailed) {
   ASSERT_TRUE(axis_->enable());
   const auto motion = axis_->start_move(1'000'000, slow());
   ASSERT_TRUE(sut_.step(1, 100));
@@ -448,7 +448,7 @@ TEST_F(LockStep, AMoveThatWasStartedAndHaltedHasFailed) {
   EXPECT_EQ(motion->has_ended().outcome().kind(), OutcomeKind::failed);
 }
 
-TEST_F(LockStep, DisturbsAnAxisAndEndsIt) {
+TEST_F(LockStep, DisturbsAnAxisAndRemovesTheDisturbance) {
   for (const DisturbanceRow& row : kDisturbances) {
     const Result<std::uint64_t> disturbed = axis_->disturb(row.disturbance);
     ASSERT_TRUE(disturbed) << row.name << disturbed.outcome().message();
@@ -469,7 +469,7 @@ TEST_F(LockStep, AQuickStopAcquiresNothing) {
   EXPECT_EQ(axis_->status()->owner_session, 0U);
 }
 
-TEST_F(LockStep, AnInterruptLeavesTheStopsPossible) {
+TEST_F(LockStep, AllowsStopsAfterAnInterrupt) {
   ASSERT_TRUE(axis_->enable());
   MoveOptions move = slow();
   move.call.until = Until::in_force;
@@ -484,7 +484,7 @@ TEST_F(LockStep, AnInterruptLeavesTheStopsPossible) {
   EXPECT_TRUE(sut_.quick_stop(1));
 }
 
-TEST_F(LockStep, AnAxisThatOutlivesItsSessionCommandsNothing) {
+TEST_F(LockStep, AnAxisObjectCommandsNothingAfterItsSessionEnded) {
   std::optional<Axis> left;
   {
     Session ended(options());
@@ -501,7 +501,7 @@ TEST_F(LockStep, AnAxisThatOutlivesItsSessionCommandsNothing) {
   EXPECT_EQ(status->state(), PowerState::operation_enabled);
 }
 
-TEST_F(LockStep, ShowsSeveralAxesInOneLook) {
+TEST_F(LockStep, ObservesSeveralAxesInOneCall) {
   const std::array ids{AxisId{1, 2}, AxisId{1, 1}};
   const auto seen = sut_.observe(ids);
   ASSERT_TRUE(seen) << seen.outcome().message();
@@ -509,11 +509,11 @@ TEST_F(LockStep, ShowsSeveralAxesInOneLook) {
   EXPECT_EQ(seen->axes[1].id, ids[1]);
 }
 
-TEST_F(LockStep, ListensWhileAnotherSessionSteps) {
+TEST_F(LockStep, ReceivesStatusWhileAnotherSessionSteps) {
   auto follower = sut_.follow({{1, 1}}, Pace::observe);
   ASSERT_TRUE(follower);
   Session stepper(options());
-  // Matching takes its time: step until a sample comes through, then none may be missing.
+  // Matching takes some time: step until a sample arrives, then none may be missing.
   Result<Observation> sample = Outcome::timed_out("");
   const auto deadline = std::chrono::steady_clock::now() + 10s;
   while (!sample) {
@@ -522,7 +522,7 @@ TEST_F(LockStep, ListensWhileAnotherSessionSteps) {
     sample = follower->next(20ms);
   }
   ASSERT_TRUE(stepper.step(1, 10));
-  Observation kept = *sample;  // its memory goes round
+  Observation kept = *sample;  // its memory is reused
   const auto last = *stepper.step(1, 0);
   while (kept.tick < last) {
     const std::uint64_t before = kept.tick;
@@ -534,7 +534,7 @@ TEST_F(LockStep, ListensWhileAnotherSessionSteps) {
   }
 }
 
-TEST_F(LockStep, StepsIntoASampleThatTheProgramKeeps) {
+TEST_F(LockStep, StoresASampleInMemoryOfTheProgram) {
   auto follower = sut_.follow({{1, 2}, {1, 1}}, Pace::drive);
   ASSERT_TRUE(follower);
   Observation kept;
@@ -577,7 +577,7 @@ TEST(LostService, EndsAWaitingCall) {
   EXPECT_EQ(moving.get().kind(), OutcomeKind::lost);
 }
 
-TEST(RestartedService, IsAnotherOne) {
+TEST(RestartedService, IsADifferentServiceToTheSession) {
   auto service = std::make_unique<RunningService>("--clock lockstep");
   Session sut(options());
   auto axis = sut.axis("1.1");
@@ -590,7 +590,7 @@ TEST(RestartedService, IsAnotherOne) {
   EXPECT_TRUE(axis->enable()) << "control is taken anew";
 }
 
-TEST(RealtimeSession, MovesHaltsAndKeepsItsAxisAlive) {
+TEST(RealtimeSession, MovesHaltsAndKeepsControlOfItsAxis) {
   const RunningService service("--clock realtime");
   Session sut(options());
   auto axis = sut.axis("1.1");
@@ -599,14 +599,14 @@ TEST(RealtimeSession, MovesHaltsAndKeepsItsAxisAlive) {
   ASSERT_TRUE(axis->move_to(2000));
   EXPECT_EQ(*axis->read(kDemand), 2000);
   ASSERT_TRUE(axis->move_by(500));
-  // Three times the watchdog's patience without a word from this thread.
+  // Three times the watchdog's time without a message from this thread.
   ASSERT_TRUE(sut.wait(1, 1500ms));
   EXPECT_EQ(axis->status()->state(), PowerState::operation_enabled);
   EXPECT_EQ(axis->status()->owner_session, sut.id());
   EXPECT_EQ(sut.step(1, 1).outcome().kind(), OutcomeKind::refused);
 }
 
-TEST(RealtimeSession, AMoveThatAnotherSessionHaltsFailsAndTheAxisStands) {
+TEST(RealtimeSession, AMoveFailsWhenAnotherSessionHaltsTheAxis) {
   const RunningService service(patient("--clock realtime --axes 2"));
   Session owner(options());
   Session other(options());
@@ -629,7 +629,7 @@ TEST(RealtimeSession, AMoveThatAnotherSessionHaltsFailsAndTheAxisStands) {
   EXPECT_EQ(*theirs->read(kControlword) & 0x0100, 0x0100) << "the halt is still in force";
 }
 
-TEST(RealtimeSession, AnInterruptedMoveTellsThatTheAxisGoesOn) {
+TEST(RealtimeSession, AnInterruptedMoveReportsThatTheAxisStillMoves) {
   const RunningService service(patient("--clock realtime --axes 2"));
   Session sut(options());
   auto axis = sut.axis("1.1");
@@ -643,10 +643,10 @@ TEST(RealtimeSession, AnInterruptedMoveTellsThatTheAxisGoesOn) {
       },
       20s));
   sut.interrupt();
-  EXPECT_EQ(moving.get().message(), "interrupted; axis 1.1 goes on to its target");
+  EXPECT_EQ(moving.get().message(), "interrupted; axis 1.1 continues to its target");
 }
 
-TEST(RealtimeSession, ThatLeavesKeepingAliveToTheUserIsLostWhenTheUserIsSilent) {
+TEST(RealtimeSession, WithoutAutomaticKeepAliveLosesItsAxisWhenTheProgramSendsNothing) {
   const RunningService service("--clock realtime");
   SessionOptions streaming = options();
   streaming.keep_alive = KeepAlive::user_frames;
@@ -664,7 +664,7 @@ TEST(RealtimeSession, ThatLeavesKeepingAliveToTheUserIsLostWhenTheUserIsSilent) 
   ASSERT_TRUE(axis->reset_fault()) << "control is taken anew";
 }
 
-TEST(RealtimeSession, ReachesATargetThatIsReachedAlready) {
+TEST(RealtimeSession, ReachesATargetWhereTheAxisAlreadyIs) {
   const RunningService service("--clock realtime");
   Session sut(options());
   auto axis = sut.axis("1.1");

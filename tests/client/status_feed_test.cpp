@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Status frames become samples of the wanted axes; what went missing is counted.
+// Status frames become samples of the wanted axes; missing ones are counted.
 #include "status_feed.hpp"
 
 #include "vdrive/wire/codec.hpp"
@@ -31,7 +31,7 @@ msg::StatusFrame frame(std::uint64_t tick, std::initializer_list<std::uint16_t> 
   return message;
 }
 
-/// As it arrives.
+/// The frame as it arrives from the network.
 class Feed {
  public:
   Feed(std::vector<std::uint16_t> axes, std::uint32_t status_every_ticks)
@@ -51,7 +51,7 @@ class Feed {
   StatusFeed feed_;
 };
 
-TEST(StatusFeed, ShowsTheAxesInTheOrderAskedFor) {
+TEST(StatusFeed, GivesTheAxesInTheRequestedOrder) {
   Feed sut({3, 1}, 1);
   sut.on_frame(frame(5, {1, 2, 3}));
   const auto sample = sut.take();
@@ -62,7 +62,7 @@ TEST(StatusFeed, ShowsTheAxesInTheOrderAskedFor) {
   EXPECT_FALSE(sut.take().has_value());
 }
 
-// A bench in lock-step that nobody has stepped shows tick 0.
+// A bench in lock-step shows tick 0 before its first step.
 TEST(StatusFeed, BeginsWithTick0) {
   Feed sut({1, 300}, 1);
   sut.on_frame(frame(0, {1}));
@@ -72,7 +72,7 @@ TEST(StatusFeed, BeginsWithTick0) {
   EXPECT_EQ(sample->tick, 0U);
 }
 
-TEST(StatusFeed, PutsThePartsOfATickTogether) {
+TEST(StatusFeed, CombinesThePartsOfATick) {
   Feed sut({1, 300}, 1);
   sut.on_frame(frame(5, {1}));
   EXPECT_FALSE(sut.take().has_value());
@@ -80,16 +80,16 @@ TEST(StatusFeed, PutsThePartsOfATickTogether) {
   EXPECT_TRUE(sut.take().has_value());
 }
 
-// Who waits for a sample is woken by this answer, once a tick.
-TEST(StatusFeed, SaysWhichFrameCompletesASample) {
+// This answer wakes the waiting call, once a tick.
+TEST(StatusFeed, ReportsWhichFrameCompletesASample) {
   Feed sut({1, 300}, 1);
   EXPECT_FALSE(sut.on_frame(frame(5, {1})));
   EXPECT_TRUE(sut.on_frame(frame(5, {300})));
   EXPECT_FALSE(sut.on_frame(frame(4, {1, 300})));
 }
 
-// The sample of tick 1 gives its memory back with the second call, so that tick 3 grows in it.
-TEST(StatusFeed, UsesTheMemoryOfTakenSamplesAgain) {
+// The second call returns the memory of the sample of tick 1, and tick 3 uses it.
+TEST(StatusFeed, ReusesTheMemoryOfTakenSamples) {
   Feed sut({1, 300}, 1);
   Observation sample;
   sut.on_frame(frame(1, {1, 300}));
@@ -106,7 +106,7 @@ TEST(StatusFeed, UsesTheMemoryOfTakenSamplesAgain) {
   for (const AxisSnapshot& axis : sample.axes) EXPECT_EQ(axis.tick, 3U);
 }
 
-TEST(StatusFeed, LeavesTheSampleAsItIsWhenNoneHasCome) {
+TEST(StatusFeed, LeavesTheSampleUnchangedWhenNoneHasArrived) {
   Feed sut({1}, 1);
   Observation sample{.tick = 7, .missed = 2, .axes = {{}, {}}};
   EXPECT_FALSE(sut.take(sample));
@@ -116,7 +116,7 @@ TEST(StatusFeed, LeavesTheSampleAsItIsWhenNoneHasCome) {
 }
 
 // A sample of another feed has another size: its memory is not kept.
-TEST(StatusFeed, TakesNoMemoryOfAnotherSize) {
+TEST(StatusFeed, DoesNotReuseMemoryOfAnotherSize) {
   Feed sut({1, 300}, 1);
   Observation sample{.tick = 7, .missed = 2, .axes = {{}, {}, {}}};
   for (const std::uint64_t tick : {1U, 2U, 3U, 4U}) {
@@ -147,7 +147,7 @@ TEST(StatusFeed, CountsSamplesOfAThinnedStream) {
   EXPECT_EQ(sut.take()->missed, 2U);
 }
 
-TEST(StatusFeed, IgnoresOtherBenchesRunsAndThePast) {
+TEST(StatusFeed, IgnoresOtherBenchesOtherRunsAndOlderTicks) {
   Feed sut({1}, 1);
   msg::StatusFrame other = frame(5, {1});
   other.bench(2);
@@ -162,7 +162,7 @@ TEST(StatusFeed, IgnoresOtherBenchesRunsAndThePast) {
   EXPECT_FALSE(sut.take().has_value());
 }
 
-TEST(StatusFeed, ThatNobodyReadsKeepsTheNewest) {
+TEST(StatusFeed, KeepsTheNewestSamplesWhenNoneIsTaken) {
   Feed sut({1}, 1);
   sut.on_frame(frame(1, {1}));
   EXPECT_EQ(sut.take()->tick, 1U);
@@ -172,7 +172,7 @@ TEST(StatusFeed, ThatNobodyReadsKeepsTheNewest) {
   EXPECT_EQ(oldest->missed, oldest->tick - 2);
 }
 
-TEST(StatusFeed, TakesATickThatIsSentAgain) {
+TEST(StatusFeed, AcceptsARepeatedTick) {
   Feed sut({1, 2}, 1);
   sut.on_frame(frame(5, {1, 2}));
   sut.on_frame(frame(5, {1, 2}));
@@ -180,7 +180,7 @@ TEST(StatusFeed, TakesATickThatIsSentAgain) {
   EXPECT_EQ(sut.take()->axes.size(), 2U);
 }
 
-TEST(StatusFeed, SurvivesAnAxisTwiceInAFrame) {
+TEST(StatusFeed, SurvivesADuplicateAxisInAFrame) {
   Feed sut({1, 2}, 1);
   sut.on_frame(frame(5, {1, 1}));
   EXPECT_FALSE(sut.take().has_value());

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a client sees of bench 1, as a process to be killed: wire_double DOMAIN INCARNATION ANSWER.
-// Prints a line for each request; answers a read with ANSWER, or nothing at all when it is 0.
+// Acts as bench 1 for a client, in a process to be killed: wire_double DOMAIN INCARNATION ANSWER.
+// Prints a line for each request; answers a read with ANSWER, or not at all when it is 0.
 #include "bench_messages.hpp"
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/publication.hpp"
@@ -65,7 +65,7 @@ msg::Reply reply_to(const msg::Request& request, std::uint64_t incarnation, std:
     });
     for (; !requests.empty(); requests.pop_front()) {
       const auto& [request, source] = requests.front();
-      std::cout << "asked " << request.request_id() << std::endl;  // NOLINT(*-avoid-endl)
+      std::cout << "received " << request.request_id() << std::endl;  // NOLINT(*-avoid-endl)
       if (answer == 0) continue;
       (void)replies.wait_for_match(source, 1s);
       (void)replies.write(reply_to(request, incarnation, answer));

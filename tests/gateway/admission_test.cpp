@@ -19,7 +19,7 @@ UpgradeRequest good() {
           .authorization = ""};
 }
 
-TEST(Admission, TakesBothSubprotocolsAndEchoesTheOneOfferedFirst) {
+TEST(Admission, AcceptsBothSubprotocolsAndReturnsTheFirstOffered) {
   UpgradeRequest request = good();
   EXPECT_EQ(admit(request, {}).status, 101U);
   EXPECT_EQ(admit(request, {}).subprotocol, "foxglove.sdk.v1");
@@ -51,7 +51,7 @@ TEST(Admission, RefusesForeignOrigins) {
   EXPECT_EQ(admit(request, rules).status, 101U);
 }
 
-TEST(Admission, RefusesHostsThatANameServerCouldPointHere) {
+TEST(Admission, RefusesHostNamesThatAreNotAllowed) {
   UpgradeRequest request = good();
   for (const char* host : {"localhost:8765", "LOCALHOST", "[::1]:8765", "10.0.0.5"}) {
     request.host = host;
@@ -98,7 +98,7 @@ TEST(Page, ServesItsFilesWithTypeAndCaching) {
   }
 }
 
-TEST(Page, SaysHowToGetThePageWhereThereIsNone) {
+TEST(Page, ExplainsHowToBuildAMissingPage) {
   const PageAnswer answer = find_page_file({}, "/");
   EXPECT_EQ(answer.status, 200U);
   EXPECT_THAT(std::string(answer.bytes), HasSubstr("deploy/build.sh"));

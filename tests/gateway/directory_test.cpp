@@ -32,7 +32,7 @@ TEST(Names, HaveLettersDigitsAndUnderlinesAndAreUnique) {
   EXPECT_THAT(bench.axis_names, ElementsAre("x", "x_y", "x_y_3", "x_y_4", "axis5"));
 }
 
-TEST(Parameters, AreFoundUnderTheNamesThatTheyAreListedWith) {
+TEST(Parameters, AreFoundByTheirListedNames) {
   const std::vector<KnownBench> benches{bench_of({"x", "y"})};
   const auto names = all_parameters(benches);
   EXPECT_EQ(names.size(), 2 * kObjectCount);
@@ -45,7 +45,7 @@ TEST(Parameters, AreFoundUnderTheNamesThatTheyAreListedWith) {
   }
 }
 
-TEST(Parameters, AreNotFoundUnderOtherNames) {
+TEST(Parameters, AreNotFoundByOtherNames) {
   const std::vector<KnownBench> benches{bench_of({"x"})};
   for (const char* name :
        {"", "/", "bench3/x", "bench3/x/6081", "bench3/x/0x", "bench3/x/0x6081:", "bench3/x/0xFFFF",
@@ -54,7 +54,7 @@ TEST(Parameters, AreNotFoundUnderOtherNames) {
   }
 }
 
-TEST(Parameters, AreNotListedOfManyAxes) {
+TEST(Parameters, AreNotListedAboveTheLimitOfAxes) {
   std::vector<std::string> names(kMostAxesOfAll + 1, "a");
   EXPECT_TRUE(all_parameters({bench_of(names)}).empty());
   names.pop_back();
@@ -95,7 +95,7 @@ TEST(Services, HaveNamesTypesAndSchemas) {
   EXPECT_EQ(names.size(), 22U);
 }
 
-TEST(Services, AnswerInTheWordsOfTheClientLibrary) {
+TEST(Services, AnswerWithTheOutcomesOfTheClientLibrary) {
   const Json answer = Json::parse(answer_text(
       {.outcome = client::Outcome::refused(0x08000022, "no"), .fields = {{"tick", 5}}}));
   EXPECT_EQ(answer["ok"], false);

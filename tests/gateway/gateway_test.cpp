@@ -114,16 +114,16 @@ TEST(GatewayConnection, ServesThePageWithItsPolicy) {
               StartsWith("HTTP/1.1 405"));
 }
 
-TEST(GatewayConnection, AnswersWhatIsNoHttpWith400) {
+TEST(GatewayConnection, AnswersInvalidHttpWith400) {
   const RunningGateway gateway;
   EXPECT_THAT(http_exchange(gateway.port(), "\x16\x03\x01\x02 no words\r\n\r\n"),
               StartsWith("HTTP/1.1 400"));
 }
 
-TEST(GatewayConnection, TakesClientsWhileManyConnectionsSayNothing) {
+TEST(GatewayConnection, AcceptsClientsBesideManySilentConnections) {
   const RunningGateway gateway;
   std::vector<std::unique_ptr<SilentConnection>> silent;
-  // More than the gateway keeps: 32 that are no WebSocket.
+  // More than the gateway keeps: 32 without a WebSocket.
   for (int i = 0; i < 100; ++i) {
     silent.push_back(std::make_unique<SilentConnection>(gateway.port()));
   }
@@ -133,7 +133,7 @@ TEST(GatewayConnection, TakesClientsWhileManyConnectionsSayNothing) {
   EXPECT_LT(std::chrono::steady_clock::now() - begin, 4s) << "they are closed after 5 s";
 }
 
-TEST(GatewayConnection, SurvivesGarbage) {
+TEST(GatewayConnection, SurvivesInvalidInput) {
   const RunningGateway gateway;
   {
     ToolClient client(gateway.port());
@@ -141,7 +141,7 @@ TEST(GatewayConnection, SurvivesGarbage) {
     client.web().send("\x7f\x01", false);
     for (int i = 0; i < 5; ++i) EXPECT_EQ(client.next_text("status")["level"], 2);
     EXPECT_FALSE(client.web().has_ended()) << "a wrong message ends no connection";
-    // A frame that the WebSocket protocol does not allow does: reserved bits, no mask.
+    // An invalid WebSocket frame ends the connection: reserved bits, no mask.
     client.web().send_raw("\x7f\x7f\x7f\x7f");
     client.read_for(5s);
     EXPECT_TRUE(client.web().has_ended());
@@ -158,7 +158,7 @@ TEST(GatewayConnection, SurvivesGarbage) {
   EXPECT_EQ(another.server_info()["op"], "serverInfo");
 }
 
-TEST(GatewayConnection, EndsWithAFloodOfMessagesAndTheOthersGoOn) {
+TEST(GatewayConnection, EndsAfterAFloodOfMessagesAndOtherConnectionsContinue) {
   const RunningGateway gateway;
   ToolClient calm(gateway.port());
   ToolClient flooding(gateway.port());
@@ -200,7 +200,7 @@ TEST(GatewayStatus, EqualsTheStatusOfTheSameLockstepRun) {
   client.subscribe("/bench1/status");
   client.subscribe(status_topic);
   client.subscribe(trace_topic);
-  // The first message tells that the gateway follows.
+  // The first message shows that the gateway follows the bench.
   (void)client.next("/bench1/status");
   (void)client.next(status_topic);
   ASSERT_TRUE(axis->enable());
@@ -246,7 +246,7 @@ TEST(GatewayStatus, EqualsTheStatusOfTheSameLockstepRun) {
             "");
 }
 
-TEST(GatewayStatus, SendsTheNewestToWhoeverSubscribesWhileTimeStandsStill) {
+TEST(GatewayStatus, SendsTheNewestSampleToASubscriberWhileTimeStandsStill) {
   const RunningService service("--clock lockstep");
   const RunningGateway gateway;
   for (int i = 0; i < 2; ++i) {
@@ -278,7 +278,7 @@ TEST(GatewayStatus, DescribesTheBenchAndItsState) {
   EXPECT_EQ(control["holder"], "");
 }
 
-TEST(GatewayStatus, FollowsBenchesAsTheyComeAndGo) {
+TEST(GatewayStatus, AddsAndRemovesBenches) {
   const RunningGateway gateway;
   ToolClient client(gateway.port());
   {
@@ -294,7 +294,7 @@ TEST(GatewayStatus, FollowsBenchesAsTheyComeAndGo) {
   }));
 }
 
-TEST(GatewayStatus, HasOtherTopicsForABenchThatReturnsWithOtherAxes) {
+TEST(GatewayStatus, HasNewTopicsForABenchThatReturnsWithOtherAxes) {
   const RunningGateway gateway;
   ToolClient client(gateway.port());
   RunningService before("--clock realtime --axes 2");
@@ -314,7 +314,7 @@ TEST(GatewayStatus, HasOtherTopicsForABenchThatReturnsWithOtherAxes) {
   EXPECT_EQ(client.next_json("/bench1/description")["axes"].size(), 5U);
 }
 
-TEST(GatewayStatus, SaysThatABenchIsSilent) {
+TEST(GatewayStatus, ReportsASilentBench) {
   RunningService service("--clock realtime");
   const RunningGateway gateway;
   ToolClient client(gateway.port());
@@ -351,7 +351,7 @@ TEST(GatewayStatus, SendsEventsAsLogAndTheTimeOfTheBench) {
   EXPECT_NEAR(static_cast<double>(time) * 1e-9, std::chrono::duration<double>(now).count(), 30.0);
 }
 
-TEST(GatewayStatus, TellsTheAgeOfTheNewestSampleWhileTimePassesAndStandsStill) {
+TEST(GatewayStatus, GivesTheAgeOfTheNewestSampleWithAndWithoutPassingTime) {
   // A bench whose time stands still sends its state 20 times a second: its figures are as young as
   // those of one that runs. More than 5 times that is for a busy machine. On an idle one the newest
   // sample of a running bench is younger than 1 ms: its age is 0. An age that grows is in the test
@@ -371,14 +371,14 @@ TEST(GatewayStatus, TellsTheAgeOfTheNewestSampleWhileTimePassesAndStandsStill) {
   }
 }
 
-TEST(GatewayMetrics, AreServedOnAPortOfTheirOwn) {
+TEST(GatewayMetrics, AreServedOnASeparatePort) {
   const RunningService service("--clock lockstep");
   RunningGateway gateway("--metrics 127.0.0.1:0");
   const std::string line = gateway.process().read_line();
   EXPECT_THAT(line, HasSubstr("/metrics"));
   const auto metrics_port = static_cast<std::uint16_t>(
       std::stoi(line.substr(line.find("127.0.0.1:") + std::string_view("127.0.0.1:").size())));
-  const auto ask = [&](const std::string& request) {
+  const auto answer_to = [&](const std::string& request) {
     return http_exchange(metrics_port,
                          request + " HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n");
   };
@@ -387,15 +387,15 @@ TEST(GatewayMetrics, AreServedOnAPortOfTheirOwn) {
   client.subscribe("/bench1/status");
   (void)client.next("/bench1/status");
   EXPECT_TRUE(soon([&] {
-    const std::string text = ask("GET /metrics?x=1");
+    const std::string text = answer_to("GET /metrics?x=1");
     return text.find("HTTP/1.1 200") == 0 &&
            text.find("vdrive_gateway_clients 1\n") != std::string::npos &&
            text.find("vdrive_gateway_channels_subscribed 1\n") != std::string::npos &&
            text.find("_refused_total{reason=\"subprotocol\"} 1\n") != std::string::npos &&
            text.find("vdrive_gateway_bench_alive{bench=\"1\"} 1\n") != std::string::npos;
-  })) << ask("GET /metrics");
-  EXPECT_THAT(ask("GET /"), StartsWith("HTTP/1.1 404"));
-  EXPECT_THAT(ask("POST /metrics"), StartsWith("HTTP/1.1 405"));
+  })) << answer_to("GET /metrics");
+  EXPECT_THAT(answer_to("GET /"), StartsWith("HTTP/1.1 404"));
+  EXPECT_THAT(answer_to("POST /metrics"), StartsWith("HTTP/1.1 405"));
   EXPECT_THAT(upgrade(metrics_port, "foxglove.sdk.v1", ""), StartsWith("HTTP/1.1 404"));
   EXPECT_THAT(http_exchange(gateway.port(),
                             "GET /metrics HTTP/1.1\r\nHost: localhost\r\n"
@@ -404,7 +404,7 @@ TEST(GatewayMetrics, AreServedOnAPortOfTheirOwn) {
       << "browsers and tools do not see them";
 }
 
-TEST(GatewayMetrics, AreRefusedWhereTheirAddressIsTakenOrNone) {
+TEST(GatewayMetrics, AreRefusedForAUsedOrInvalidAddress) {
   const RunningGateway gateway;
   const std::string taken = "127.0.0.1:" + std::to_string(gateway.port());
   const Finished refused =
@@ -426,7 +426,7 @@ Json ids_of(const Json& list, const std::string& name, const char* key) {
   return nullptr;
 }
 
-TEST(GatewayGraph, NamesWhoPublishesAndWhoReceivesATopic) {
+TEST(GatewayGraph, NamesPublishersAndReceiversOfATopic) {
   const RunningService service("--clock lockstep");
   const RunningGateway gateway;
   ToolClient watcher(gateway.port());
@@ -497,8 +497,8 @@ TEST(GatewayParameters, ReadWriteAndReportChanges) {
 
 TEST(GatewayServices, CommandNothingWithoutControl) {
   const RunningService service("--clock realtime");
-  const RunningGateway looking;
-  ToolClient client(looking.port());
+  const RunningGateway observing;
+  ToolClient client(observing.port());
   (void)client.channel("/bench1/status");
   for (const char* name : {"/take_control", "/enable", "/halt", "/quick_stop"}) {
     const Json answer = client.call(name, {{"axes", {"1.1"}}});
@@ -532,7 +532,7 @@ TEST(GatewayServices, EnableMoveAndStopAnAxis) {
       },
       20s));
   EXPECT_EQ(client.call("/jog", {{"axis", "1.1"}, {"velocity", 1000}})["message"], "");
-  // Nobody repeats it: after 400 ms the gateway ends it.
+  // It is not repeated: after 400 ms the gateway ends it.
   EXPECT_TRUE(axis->wait_until(
       [](const auto& status) {
         return status.status.velocity_demand_value == 1000;
@@ -557,7 +557,7 @@ TEST(GatewayServices, EnableMoveAndStopAnAxis) {
       10s));
 }
 
-TEST(GatewayServices, CarryOutWhatAButtonOfADashboardNeeds) {
+TEST(GatewayServices, ServeTheButtonsOfADashboard) {
   const TemporaryDirectory state;
   const RunningService service("--clock realtime --state " + state.path().string());
   const RunningGateway gateway("--control");
@@ -621,7 +621,7 @@ TEST(GatewayServices, StepALockstepBench) {
   EXPECT_THAT(client.call("/step", {{"bench", 1}, {"ticks", 0}})["message"], HasSubstr("1000000"));
 }
 
-TEST(GatewayServices, SayWhatIsWrongWithARequest) {
+TEST(GatewayServices, DescribeTheErrorOfARequest) {
   const RunningService service("--clock realtime");
   const RunningGateway gateway("--control");
   ToolClient client(gateway.port());
@@ -663,7 +663,7 @@ void command(ToolClient& client) {
   ASSERT_EQ(client.call("/enable", {{"axes", {"1.1"}}})["message"], "");
 }
 
-TEST(GatewayControl, IsGivenBackByAGracefulClose) {
+TEST(GatewayControl, IsReleasedByAGracefulClose) {
   const RunningService service("--clock realtime");
   const RunningGateway gateway("--control");
   Session session(options());
@@ -682,7 +682,7 @@ TEST(GatewayControl, IsGivenBackByAGracefulClose) {
 }
 
 /// A silent holder is closed after 10 s.
-TEST(GatewayControl, IsGivenBackByACloseWithoutACode) {
+TEST(GatewayControl, IsReleasedByACloseWithoutACode) {
   const RunningService service("--clock realtime");
   const RunningGateway gateway("--control");
   Session session(options());
@@ -711,7 +711,7 @@ void expect_lost_master(client::Axis& axis) {
   EXPECT_EQ(fault->status.error_code, kLostMaster);
 }
 
-TEST(GatewayControl, IsLostWithAConnectionThatIsSilent) {
+TEST(GatewayControl, IsLostWithASilentConnection) {
   const RunningService service("--clock realtime");
   const RunningGateway gateway("--control");
   Session session(options());
@@ -719,11 +719,11 @@ TEST(GatewayControl, IsLostWithAConnectionThatIsSilent) {
   ASSERT_TRUE(axis);
   ToolClient client(gateway.port());
   command(client);
-  // Nobody reads: no pong is sent.
+  // The client does not read, so it sends no pong.
   expect_lost_master(*axis);
 }
 
-TEST(GatewayControl, IsLostWithAConnectionThatBreaks) {
+TEST(GatewayControl, IsLostWithABrokenConnection) {
   const RunningService service("--clock realtime");
   const RunningGateway gateway("--control");
   Session session(options());
@@ -748,7 +748,7 @@ TEST(GatewayControl, IsLostWithTheGateway) {
   expect_lost_master(*axis);
 }
 
-TEST(GatewayControl, IsGivenBackByAGatewayThatEnds) {
+TEST(GatewayControl, IsReleasedAtTheEndOfTheGateway) {
   const RunningService service("--clock realtime");
   RunningGateway gateway("--control");
   Session session(options());
@@ -769,7 +769,7 @@ TEST(GatewayControl, IsGivenBackByAGatewayThatEnds) {
 
 // ---- slow clients
 
-TEST(GatewayQueues, DropTheOldestForAClientThatReadsTooSlowlyAndSaySo) {
+TEST(GatewayQueues, DropTheOldestForASlowClientAndReportIt) {
   const RunningService service("--clock realtime --axes 256");
   const RunningGateway gateway("--rate 500");
   ToolClient slow(WebOptions{.port = gateway.port(), .receive_buffer = 65'536});
@@ -784,7 +784,7 @@ TEST(GatewayQueues, DropTheOldestForAClientThatReadsTooSlowlyAndSaySo) {
     (void)quick.next("/bench1/status");
     ++received;
   }
-  EXPECT_GT(received, 50) << "the others go on";
+  EXPECT_GT(received, 50) << "the other clients continue";
   const Json warning = slow.next_text("status");
   EXPECT_EQ(warning["level"], 1);
   EXPECT_THAT(warning["message"], HasSubstr("left out"));

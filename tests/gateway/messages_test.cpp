@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Schemas and bytes that bridges make of what benches publish.
+// Schemas and bytes of the messages that bridges publish.
 #include "messages.hpp"
 
 #include "cdr_writer.hpp"
@@ -36,14 +36,14 @@ TEST(CdrWriter, AlignsEachNumberToItsSize) {
                              4, 0, 0, 0, 0, 0, 0, 0}));
 }
 
-TEST(CdrWriter, CountsTheZeroOfAText) {
+TEST(CdrWriter, CountsTheZeroByteOfAText) {
   std::string bytes;
   CdrWriter writer(bytes);
   writer.put(std::string_view("ab"));
   EXPECT_EQ(bytes, bytes_of({0, 1, 0, 0, 3, 0, 0, 0, 'a', 'b', 0}));
 }
 
-TEST(CdrWriter, CutsNothingOffNegativeNumbers) {
+TEST(CdrWriter, KeepsNegativeNumbers) {
   std::string bytes;
   CdrWriter writer(bytes);
   writer.put(DataType::integer16, -2);
@@ -82,7 +82,7 @@ TEST(Schemas, HaveEveryPublishedMemberOfTheStatus) {
   EXPECT_THAT(trace, testing::Contains("uint64[] tick"));
 }
 
-TEST(Schemas, BringTheTypesThatTheyUse) {
+TEST(Schemas, IncludeTheTypesThatTheyUse) {
   const std::string line(80, '=');
   for (const MessageSchema& schema : {axis_status_schema(), bench_status_schema(),
                                       axis_trace_schema(), log_schema(), joint_states_schema()}) {
@@ -178,7 +178,7 @@ TEST(Messages, HaveTheEffortOfALinearAxisInNewton) {
   EXPECT_NEAR(1'000.0 * effort_per_mille(fast, rating), 0.1, 1e-12);
 }
 
-TEST(Messages, HaveLengthsInMetresAndOtherUnitsAsTheyAre) {
+TEST(Messages, HaveLengthsInMetresAndOtherUnitsUnchanged) {
   const Unit millimetres{.kind = UnitKind::linear, .name = "mm", .size = 1000.0};
   EXPECT_DOUBLE_EQ(si_per_user_unit(millimetres), 1.0e-6) << "1000 UU are a millimetre";
   const Unit percent{.kind = UnitKind::linear, .name = "%", .size = 50.0};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the gateway counts, as its operator's monitoring reads it.
+// The counters of the gateway, as the monitoring reads them.
 #include "metrics.hpp"
 
 #include <gmock/gmock.h>
@@ -12,7 +12,7 @@ using namespace std::chrono_literals;
 using testing::HasSubstr;
 using testing::Not;
 
-TEST(GatewayMetrics, AreTextOfPrometheus) {
+TEST(GatewayMetrics, AreInThePrometheusTextFormat) {
   GatewayCounts counts{.channels = 12,
                        .subscribed = 3,
                        .subscriptions = 7,
@@ -55,7 +55,7 @@ TEST(GatewayMetrics, CountRefusalsByTheirReason) {
   EXPECT_THAT(text, Not(HasSubstr("unknown"))) << "every reason has a name";
 }
 
-TEST(GatewayMetrics, SayHowOldTheNewestSampleOfEachBenchIs) {
+TEST(GatewayMetrics, GiveTheAgeOfTheNewestSampleOfEachBench) {
   const GatewayCounts counts{.benches = {{.number = 1, .is_alive = true, .sample_age = 250ms},
                                          {.number = 7, .is_alive = false, .sample_age = 8s}}};
   const std::string text = metrics_text(counts);

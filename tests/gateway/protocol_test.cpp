@@ -12,7 +12,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// @return what is wrong with a message, or an empty text.
+/// @return the error of a message, or an empty text.
 template <typename Parse>
 std::string complaint(const Parse& parse) {
   try {
@@ -60,7 +60,7 @@ TEST(Protocol, ReadsParameters) {
   EXPECT_EQ(set.id, std::nullopt);
 }
 
-TEST(Protocol, SaysWhatIsWrongWithAText) {
+TEST(Protocol, DescribesTheErrorOfAMessage) {
   EXPECT_THAT(text_complaint("{"), HasSubstr("not JSON"));
   EXPECT_THAT(text_complaint("[]"), HasSubstr("object"));
   EXPECT_THAT(text_complaint("{}"), HasSubstr("'op' is missing"));
@@ -84,7 +84,7 @@ TEST(Protocol, SaysWhatIsWrongWithAText) {
 /// 02, service, call, length of the encoding, encoding, payload.
 const std::string kCall = std::string("\2\3\0\0\0\4\0\0\0\4\0\0\0json{}", 19);
 
-TEST(Protocol, ReadsACallOfAService) {
+TEST(Protocol, ReadsAServiceCall) {
   const auto call = std::get<CallService>(parse_binary(kCall));
   EXPECT_EQ(call.service, 3U);
   EXPECT_EQ(call.call, 4U);
@@ -92,7 +92,7 @@ TEST(Protocol, ReadsACallOfAService) {
   EXPECT_EQ(call.payload, "{}");
 }
 
-TEST(Protocol, RefusesEveryCallThatEndsBeforeItsPayload) {
+TEST(Protocol, RefusesACallWithoutItsWholePayload) {
   for (std::size_t length = 0; length < kCall.size() - 2; ++length) {
     EXPECT_THAT(binary_complaint(kCall.substr(0, length)), HasSubstr("ends before")) << length;
   }
@@ -100,7 +100,7 @@ TEST(Protocol, RefusesEveryCallThatEndsBeforeItsPayload) {
 }
 
 TEST(Protocol, RefusesMessagesOfClientsAndUnknownOperations) {
-  EXPECT_THAT(binary_complaint("\1abcdefgh"), HasSubstr("no messages of clients"));
+  EXPECT_THAT(binary_complaint("\1abcdefgh"), HasSubstr("no messages from clients"));
   EXPECT_THAT(binary_complaint("\x7f"), HasSubstr("127"));
 }
 
@@ -119,13 +119,13 @@ TEST(Protocol, WritesTheTimeInNineBytes) {
   EXPECT_EQ(std::string(frame.head.data(), frame.head_size), std::string("\2\1\0\0\0\0\0\0\0", 9));
 }
 
-TEST(Protocol, WritesTheResponseOfAService) {
+TEST(Protocol, WritesAServiceResponse) {
   const Frame frame = response_frame(3, 4, "{}");
   EXPECT_EQ(std::string(frame.head.data(), frame.head_size) + *frame.body,
             std::string("\3\3\0\0\0\4\0\0\0\4\0\0\0json{}", 19));
 }
 
-TEST(Protocol, TellsWhatTheServerCan) {
+TEST(Protocol, DescribesTheCapabilitiesOfTheServer) {
   const Json info = Json::parse(server_info_text(
       {.is_control = true, .is_token = false, .version = "1.2.3", .session = "s"}));
   EXPECT_EQ(info["op"], "serverInfo");
@@ -137,7 +137,7 @@ TEST(Protocol, TellsWhatTheServerCan) {
   EXPECT_EQ(info["metadata"]["version"], "1.2.3");
 }
 
-TEST(Protocol, AdvertisesChannelsAndTakesThemBack) {
+TEST(Protocol, AdvertisesAndUnadvertisesChannels) {
   const std::vector<ChannelInfo> channels{{.id = 5,
                                            .topic = "/bench1/status",
                                            .encoding = "cdr",
@@ -151,7 +151,7 @@ TEST(Protocol, AdvertisesChannelsAndTakesThemBack) {
   EXPECT_EQ(Json::parse(unadvertise_text(ids))["channelIds"], Json({5, 6}));
 }
 
-TEST(Protocol, LeavesTheValueOutThatADriveRefuses) {
+TEST(Protocol, OmitsAValueThatADriveRefuses) {
   const std::vector<Parameter> parameters{{.name = "a", .value = 7}, {.name = "b", .value = {}}};
   const Json values = Json::parse(parameters_text(parameters, "request"));
   EXPECT_EQ(values["id"], "request");

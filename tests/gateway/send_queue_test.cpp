@@ -44,7 +44,7 @@ TEST(SendQueue, DropsTheOldestBeyondTheNumberOfFrames) {
   EXPECT_EQ(next(queue), "b");
 }
 
-TEST(SendQueue, SendsTheNewestHoweverLargeItIs) {
+TEST(SendQueue, SendsTheNewestFrameOfAnySize) {
   SendQueue queue({.data_bytes = 3, .data_frames = 100});
   queue.push_data(frame_of("aa"));
   queue.push_data(frame_of("bbbbbbbb"));
@@ -66,7 +66,7 @@ TEST(SendQueue, SendsAnswersFirstAndDropsNone) {
   EXPECT_EQ(queue.take_dropped(), 0U);
 }
 
-TEST(SendQueue, CountsNoBytesThatOthersKeepToo) {
+TEST(SendQueue, CountsNoBytesOfSharedFrames) {
   SendQueue queue({.data_bytes = 4, .data_frames = 1, .answer_bytes = 2, .answer_frames = 2});
   EXPECT_TRUE(queue.push_answer(frame_of("a long advertisement"), true));
   EXPECT_EQ(queue.bytes(), 0U);

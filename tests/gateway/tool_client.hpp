@@ -44,7 +44,7 @@ struct ChannelMessage {
   std::string payload;
 };
 
-/// What a tool does with the protocol.
+/// A client of the protocol, as a tool uses it.
 class ToolClient {
  public:
   explicit ToolClient(std::uint16_t port);
@@ -79,7 +79,7 @@ class ToolClient {
   /// Waits for a text message of this operation. @throws std::runtime_error after 10 s
   Json next_text(const std::string& operation);
 
-  /// Reads what comes for some time.
+  /// Reads messages for some time.
   void read_for(std::chrono::milliseconds duration);
 
  private:

@@ -39,7 +39,7 @@ class WebClient {
 
   void send(const std::string& bytes, bool is_text);
 
-  /// Sends bytes as they are, whatever the WebSocket protocol says.
+  /// Sends bytes unchanged, without regard to the WebSocket protocol.
   void send_raw(const std::string& bytes);
 
   /// @return the next message; nothing after `patience`, or when the connection has ended.
@@ -48,7 +48,7 @@ class WebClient {
   /// @return whether the gateway ended the connection; see receive().
   [[nodiscard]] bool has_ended() const noexcept;
 
-  /// Closes as the protocol says.
+  /// Closes by the protocol.
   void close();
 
  private:
@@ -70,7 +70,7 @@ class SilentConnection {
   std::unique_ptr<State> state_;
 };
 
-/// @return the answer to an HTTP request, head and body; it must ask the server to close.
+/// @return the answer to an HTTP request, head and body; it must request that the server closes.
 [[nodiscard]] std::string http_exchange(std::uint16_t port, const std::string& request);
 
 }  // namespace vdrive::test

@@ -42,7 +42,7 @@ bool is_anywhere(const std::string& text) {
   return false;
 }
 
-/// A call of the tool with files of its own. Its processes are found by a variable of their
+/// A call of the tool with its own files. Its processes are found by a variable of their
 /// environment.
 class PrivateBenches : public testing::Test {
  protected:
@@ -72,7 +72,7 @@ class PrivateBenches : public testing::Test {
     return start(std::move(arguments)).wait();
   }
 
-  /// @return whether every process of the call has ended, within some time.
+  /// @return whether every process of the call ends within some time.
   [[nodiscard]] bool all_have_ended() const {
     const auto deadline = std::chrono::steady_clock::now() + 30s;
     while (is_anywhere(mark_)) {
@@ -88,7 +88,7 @@ class PrivateBenches : public testing::Test {
   TemporaryDirectory directory_;
 };
 
-TEST_F(PrivateBenches, RunEachFileOnAFreshBenchAndWriteOneReport) {
+TEST_F(PrivateBenches, RunEachFileOnANewBenchAndWriteOneReport) {
   const std::string same = "expect 1.1 position 0\nenable 1.1\nmove 1.1 500\n";
   const Finished finished =
       run({file("a.scn", same), file("b.scn", same + "expect 1.1 position < 100\n"),
@@ -115,7 +115,7 @@ TEST_F(PrivateBenches, HaveTheAxesOfTheConfiguration) {
   EXPECT_EQ(Json::parse(finished.lines()[1])["files"], 1);
 }
 
-TEST_F(PrivateBenches, DoNotStartForAMistake) {
+TEST_F(PrivateBenches, DoNotStartAfterAUsageError) {
   const std::string good = file("a.scn", "enable 1.1\n");
   const Finished mistake = run({good, file("b.scn", "enabel 1.1\n"), "--junit", report()});
   EXPECT_EQ(mistake.code, 2);
@@ -129,13 +129,13 @@ TEST_F(PrivateBenches, DoNotStartForAMistake) {
   EXPECT_THAT(configuration.errors, HasSubstr("bad.yaml"));
 }
 
-TEST_F(PrivateBenches, TellWhichAxisIsNotThere) {
+TEST_F(PrivateBenches, NameAMissingAxis) {
   const Finished finished = run({file("a.scn", "enable 1.9\n"), "--timeout", "1"});
   EXPECT_EQ(finished.code, 3);
   EXPECT_THAT(finished.errors, HasSubstr("a.scn:1: "));
 }
 
-TEST_F(PrivateBenches, MeasureWhatThisMachineCanDo) {
+TEST_F(PrivateBenches, MeasureTheCapacityOfTheMachine) {
   const Finished finished = start({"--quick", "--json"}, "bench").wait();
   ASSERT_EQ(finished.code, 0) << finished.errors;
   ASSERT_THAT(finished.lines(), SizeIs(1));
@@ -144,7 +144,7 @@ TEST_F(PrivateBenches, MeasureWhatThisMachineCanDo) {
   EXPECT_GT(figures["lateness_of_ticks"]["max_us"], 0.0);
   EXPECT_GT(figures["lateness_of_a_bare_loop"]["max_us"], 0.0);
   EXPECT_GT(figures["steps"]["per_second"], 10.0);
-  // No processor steps an axis in less than 1 ns; 1 ms an axis is that of no machine either.
+  // No processor steps an axis in less than 1 ns, and no machine needs 1 ms.
   EXPECT_GT(figures["tick_of_an_axis_ns"], 1.0);
   EXPECT_LT(figures["tick_of_an_axis_ns"], 1.0e6);
   EXPECT_EQ(figures["status"][0]["axes"], 64);
@@ -193,7 +193,7 @@ class EndedBy : public PrivateBenches, public testing::WithParamInterface<int> {
   }
 };
 
-TEST_P(EndedBy, ASignalItLeavesNoProcessBehind) {
+TEST_P(EndedBy, ASignalATestRunLeavesNoProcessBehind) {
   Process test = start({file("a.scn", kLong), file("b.scn", kLong), "--junit", report()});
   ASSERT_TRUE(scenario_runs());
   EXPECT_TRUE(some_run());

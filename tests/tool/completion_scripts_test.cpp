@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The scripts of `vdrive completion`, carried out by the shells that they are for.
+// The scripts of `vdrive completion`, executed by their shells.
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
 
@@ -21,7 +21,7 @@ std::string script(const std::string& shell) {
   return Process(VDRIVE_TOOL, {"completion", shell}).wait().output;
 }
 
-/// Carries out the script and then a line of the shell, with the tool in PATH on this domain.
+/// Executes the script and then a line of the shell, with the tool in PATH on this domain.
 std::vector<std::string> carried_out(const std::string& shell, const std::string& line) {
   const std::string program = "/usr/bin/" + shell;
   const std::string directory = std::filesystem::path(VDRIVE_TOOL).parent_path();
@@ -66,12 +66,12 @@ TEST_P(CompletionScript, OffersCommandsAndObjects) {
   EXPECT_THAT(offers("read 1.1 profile_vel", 3), Contains("profile_velocity"));
 }
 
-TEST_P(CompletionScript, OffersTheAxesThatAreThere) {
+TEST_P(CompletionScript, OffersThePresentAxes) {
   const RunningService service("--clock lockstep");
   EXPECT_THAT(offers("enable 1.", 2), ElementsAre("1.1", "1.2"));
 }
 
-TEST_P(CompletionScript, IsQuietWhereNothingIsThere) {
+TEST_P(CompletionScript, OffersNoAxesWithoutABench) {
   EXPECT_THAT(offers("enable 1.", 2), testing::Not(Contains("1.1")));
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What may stand in the place of a word of a command line.
+// The completions of a word of a command line.
 #include "grammar.hpp"
 #include "usage_error.hpp"
 
@@ -50,7 +50,7 @@ TEST(Completion, OffersTheOptionsOfTheCommandAndTheGlobalOnes) {
   EXPECT_THAT(offers({"--js"}), ElementsAre("--json"));
 }
 
-TEST(Completion, OffersWhatTheBenchesHave) {
+TEST(Completion, OffersNamesOfTheBenches) {
   EXPECT_THAT(offers({"enable", ""}), ElementsAre("1.1", "1.2", "x", "y"));
   EXPECT_THAT(offers({"watch", "1.1", "1.2", "x"}), ElementsAre("x"));
   EXPECT_THAT(offers({"step", "5", "--bench", ""}), ElementsAre("1"));
@@ -79,7 +79,7 @@ TEST(Completion, LeavesFilesToTheShell) {
   EXPECT_THAT(offers({"test", "a.scn", "--junit", ""}), IsEmpty());
 }
 
-TEST(Completion, KnowsEveryCommandOfTheHelp) {
+TEST(Completion, OffersEveryCommandOfTheHelp) {
   std::istringstream help(parse_command_line({"--help"}).text);
   std::string line;
   while (std::getline(help, line) && line != "Subcommands:") {
@@ -96,13 +96,13 @@ TEST(Completion, KnowsEveryCommandOfTheHelp) {
   EXPECT_GT(count, 20U);
 }
 
-TEST(Completion, OfAShellLineHasTheCommandsOfTheShell) {
+TEST(Completion, OfAShellLineOffersTheCommandsOfTheShell) {
   EXPECT_THAT(complete_line("enable 1.1", some_names()), ElementsAre("1.1"));
   EXPECT_THAT(complete_line("enable ", some_names()), Contains("x"));
   EXPECT_THAT(complete_line("", some_names()), AllOf(Contains("events"), Not(Contains("shell"))));
 }
 
-TEST(Completion, IsRefusedForAnotherShell) {
+TEST(Completion, IsRefusedForAnUnknownShell) {
   EXPECT_THROW(static_cast<void>(parse_command_line({"completion", "tcsh"})), UsageError);
 }
 

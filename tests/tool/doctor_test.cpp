@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the doctor says of a machine, from readings that are made up.
+// What the doctor reports about a machine, from constructed readings.
 #include "doctor.hpp"
 
 #include <gmock/gmock.h>
@@ -13,7 +13,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// A machine with nothing to complain about.
+/// A machine without findings.
 HostReadings healthy() {
   return {.interfaces = {{"lo", "127.0.0.1", true}, {"eth0", "10.0.0.1", true}},
           .multicast = {{"127.0.0.1", true}},
@@ -37,11 +37,11 @@ std::vector<Finding> complaints(const HostReadings& readings, const GlobalOption
   return findings;
 }
 
-TEST(Doctor, HasNothingToSayOfAHealthyMachine) {
+TEST(Doctor, ReportsNothingOnAHealthyMachine) {
   EXPECT_TRUE(complaints(healthy()).empty());
 }
 
-TEST(Doctor, SaysWhoAnswersOnThePortOfTheGateway) {
+TEST(Doctor, NamesTheProgramOnThePortOfTheGateway) {
   HostReadings readings = healthy();
   const auto text = [&] {
     return diagnose(readings, {}).back().text;
@@ -56,7 +56,7 @@ TEST(Doctor, SaysWhoAnswersOnThePortOfTheGateway) {
   EXPECT_THAT(found[0].advice, HasSubstr("--listen"));
 }
 
-TEST(Doctor, NamesADomainWhosePortsTheKernelGivesAway) {
+TEST(Doctor, NamesADomainWithinTheEphemeralPorts) {
   GlobalOptions options;
   options.domain = 101;  // ports 32650 to 32899; the kernel's begin at 32768
   const auto found = complaints(healthy(), options);
@@ -67,7 +67,7 @@ TEST(Doctor, NamesADomainWhosePortsTheKernelGivesAway) {
   EXPECT_TRUE(complaints(healthy(), options).empty());
 }
 
-TEST(Doctor, NamesAnInterfaceThatIsNotThereOrDown) {
+TEST(Doctor, NamesAMissingOrInactiveInterface) {
   HostReadings readings = healthy();
   readings.interfaces.push_back({"eth1", "10.0.1.1", false});
   GlobalOptions options;
@@ -92,7 +92,7 @@ TEST(Doctor, NeedsMulticastOnlyWherePeersAreNotNamed) {
   EXPECT_EQ(found[0].severity, Severity::hint);
 }
 
-TEST(Doctor, HintsAtWhatMakesTicksLateAndStreamsLossy) {
+TEST(Doctor, HintsAtCausesOfLateTicksAndLostSamples) {
   HostReadings readings = healthy();
   readings.is_clock_synchronised = false;
   readings.clock_source = "hpet";
@@ -110,7 +110,7 @@ TEST(Doctor, HintsAtWhatMakesTicksLateAndStreamsLossy) {
   EXPECT_THAT(found[4].text, HasSubstr("2 segments of Fast DDS, 1 that no program uses"));
 }
 
-TEST(Doctor, TellsABenchOfAnotherVersion) {
+TEST(Doctor, ReportsABenchOfAnotherVersion) {
   client::BenchInfo bench;
   bench.number = 3;
   bench.name = "cell";
@@ -128,7 +128,7 @@ client::BenchInfo bench_with_wire_starts(std::uint64_t starts) {
   return bench;
 }
 
-TEST(Doctor, TellsHowOftenTheNetworkProcessOfABenchWasStartedAgain) {
+TEST(Doctor, ReportsTheRestartsOfTheNetworkProcessOfABench) {
   // The first start is no restart.
   const client::BenchInfo once = bench_with_wire_starts(2);
   const client::BenchInfo often = bench_with_wire_starts(5);
@@ -143,7 +143,7 @@ TEST(Doctor, TellsHowOftenTheNetworkProcessOfABenchWasStartedAgain) {
   }
 }
 
-TEST(Doctor, FindsANetworkProcessGoodThatNeverEnded) {
+TEST(Doctor, AcceptsANetworkProcessThatNeverEnded) {
   const client::BenchInfo bench = bench_with_wire_starts(1);
   const auto found = check_benches({&bench, 1}, {});
   ASSERT_EQ(found.size(), 3U);
@@ -151,7 +151,7 @@ TEST(Doctor, FindsANetworkProcessGoodThatNeverEnded) {
   EXPECT_THAT(found[1].text, HasSubstr("bench 3 has not ended since the service started"));
 }
 
-TEST(Doctor, ShowsHowLongABenchReceivedNothingFromAnOwner) {
+TEST(Doctor, ReportsTheSilenceOfAnOwner) {
   client::BenchInfo bench = bench_with_wire_starts(1);
   bench.longest_silence = std::chrono::milliseconds{26};  // keep-alives come each 25 ms
   EXPECT_EQ(check_benches({&bench, 1}, {}).at(2).severity, Severity::good);
@@ -162,18 +162,18 @@ TEST(Doctor, ShowsHowLongABenchReceivedNothingFromAnOwner) {
   EXPECT_THAT(late.advice, HasSubstr("watchdog.timeout_ms"));
 }
 
-TEST(Doctor, SaysNothingOfANetworkProcessThatItHasNotHeardOf) {
+TEST(Doctor, OmitsANetworkProcessWithoutKnownStarts) {
   const client::BenchInfo bench = bench_with_wire_starts(0);
   EXPECT_EQ(check_benches({&bench, 1}, {}).size(), 1U);
 }
 
-TEST(Doctor, SaysHowToGetABenchWhereNoneIs) {
+TEST(Doctor, ExplainsHowToStartAMissingBench) {
   const auto found = check_benches({}, {});
   ASSERT_EQ(found.size(), 1U);
   EXPECT_THAT(found[0].advice, HasSubstr("vdrived"));
 }
 
-TEST(HostReadings, OfThisMachineSayWhatEveryMachineHas) {
+TEST(HostReadings, OfThisMachineHavePlausibleValues) {
   const HostReadings readings = read_host({});
   EXPECT_GT(readings.cores, 0U);
   EXPECT_GT(readings.open_files, 0U);
@@ -195,7 +195,7 @@ RosBench served() {
           .network = "loopback only"};
 }
 
-TEST(DoctorOfRos, NamesTheBridgesOfTheDomainAndWhatTheyControl) {
+TEST(DoctorOfRos, NamesTheBridgesOfTheDomainAndTheirControl) {
   GlobalOptions options;
   options.domain = 3;
   const auto nobody = check_ros({}, options);

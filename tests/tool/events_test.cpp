@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `vdrive events`: what a bench keeps, then what comes.
+// `vdrive events`: the history of a bench, then new events.
 #include "tool/process.hpp"
 
 #include <gmock/gmock.h>
@@ -28,7 +28,7 @@ class Events : public testing::Test {
 };
 
 // 2310h: continuous over current.
-TEST_F(Events, ThatTheBenchKeepsAreShown) {
+TEST_F(Events, AreShownFromTheHistoryOfTheBench) {
   const Finished finished = tool("events");
   EXPECT_EQ(finished.code, 0) << finished.errors;
   EXPECT_THAT(finished.output, AllOf(HasSubstr("  1.1  Operation enabled\n"),
@@ -50,7 +50,7 @@ TEST_F(Events, AreJsonAsDocumented) {
   EXPECT_EQ(event["axis"], "1.1");
 }
 
-TEST_F(Events, ThatComeAreFollowed) {
+TEST_F(Events, AreFollowedAsTheyArrive) {
   Process events(VDRIVE_TOOL, tool_arguments("events x --follow"));
   std::string line;
   do {
@@ -65,12 +65,12 @@ TEST_F(Events, ThatComeAreFollowed) {
   EXPECT_EQ(events.wait().code, 130);
 }
 
-TEST_F(Events, OfWhatIsNotThereAreRefusedWithTheNearestName) {
+TEST_F(Events, OfAMissingBenchOrAxisAreNotFound) {
   EXPECT_EQ(tool("events 7 --timeout 0.2").code, 3);
   EXPECT_EQ(tool("events 1.7").code, 3);
 }
 
-TEST(EventsOfNobody, AreNotFound) {
+TEST(EventsWithoutABench, AreNotFound) {
   EXPECT_EQ(tool("events --timeout 0.2").code, 3);
 }
 

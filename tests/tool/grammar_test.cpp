@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The words of the command line and of scenarios.
+// The commands of the command line and of scenarios.
 #include "grammar.hpp"
 
 #include "csv_field.hpp"
@@ -48,7 +48,7 @@ std::string refusal_of(std::vector<std::string> words) {
   return "accepted";
 }
 
-TEST(CommandLine, NamesWhatItDoesNotExpectInTheOrderOfTheLine) {
+TEST(CommandLine, NamesTheFirstUnexpectedArgument) {
   EXPECT_EQ(refusal_of(split("move 1.1 5 --speed 3 --fast")),
             "'--speed' is not an option of 'vdrive move'");
   EXPECT_EQ(refusal_of(split("move 1.1 5 --velocty 3")),
@@ -58,7 +58,7 @@ TEST(CommandLine, NamesWhatItDoesNotExpectInTheOrderOfTheLine) {
             "'-5' is one argument too many for 'vdrive write'");
 }
 
-TEST(CommandLine, TellsWhereAnOptionOfACommandBelongs) {
+TEST(CommandLine, ExplainsTheOrderOfCommandAndOption) {
   EXPECT_EQ(refusal_of(split("--bench 7 step 1")),
             "'--bench' belongs after its command, such as 'vdrive step ... --bench'");
   EXPECT_EQ(refusal_of(split("--jsn list")), "'--jsn' is not an option (did you mean '--json'?)");
@@ -80,7 +80,7 @@ TEST(CommandLine, SuggestsACommandAndADisturbance) {
               testing::EndsWith("or none (did you mean 'over_current'?)"));
 }
 
-// CLI11 takes an empty value for none.
+// CLI11 treats an empty value as none.
 TEST(CommandLine, RefusesAnEmptyValue) {
   EXPECT_EQ(refusal_of({"--security", "", "list"}), "--security: the value is empty");
   EXPECT_THAT(refusal_of({"--domain", "", "list"}), testing::StartsWith("--domain: "));
@@ -113,7 +113,7 @@ TEST(CommandLine, ShowsABadValueEscapedAndShortened) {
   }
 }
 
-TEST(CommandLine, TakesGlobalOptionsBeforeAndAfterTheWord) {
+TEST(CommandLine, AcceptsGlobalOptionsBeforeAndAfterTheCommand) {
   for (const char* const text :
        {"--domain 7 --json --timeout 3 status 1.1", "status 1.1 --timeout 3 --json --domain 7",
         "--json status --domain=7 1.1 --timeout=3"}) {
@@ -125,7 +125,7 @@ TEST(CommandLine, TakesGlobalOptionsBeforeAndAfterTheWord) {
   }
 }
 
-TEST(CommandLine, TakesNetworkOptionsOneValueEach) {
+TEST(CommandLine, AcceptsOneValueForEachNetworkOption) {
   const auto options = parse(
                            "--interface 10.0.0.3 --peer 10.0.0.1 --peer 10.0.0.2 "
                            "--discovery-server 10.0.0.9:11811 list --interface 10.1.0.3")
@@ -135,7 +135,7 @@ TEST(CommandLine, TakesNetworkOptionsOneValueEach) {
   EXPECT_EQ(options.discovery_servers, std::vector<std::string>{"10.0.0.9:11811"});
 }
 
-TEST(CommandLine, MoveTakesANegativePosition) {
+TEST(CommandLine, MoveAcceptsANegativePosition) {
   const auto move = command<MoveCommand>("move 1.1 -10000");
   EXPECT_EQ(move.position.value, -10000.0);
   EXPECT_FALSE(move.relative);
@@ -144,7 +144,7 @@ TEST(CommandLine, MoveTakesANegativePosition) {
   EXPECT_FALSE(move.velocity);
 }
 
-TEST(CommandLine, MoveTakesEverything) {
+TEST(CommandLine, MoveAcceptsAllItsOptions) {
   const auto move = command<MoveCommand>(
       "move x 0xFFFFD8F0 --relative --velocity 1000 --acceleration 6000 --deceleration 7000 "
       "--queue --no-wait");
@@ -170,7 +170,7 @@ TEST(CommandLine, ReadsSeveralObjects) {
   EXPECT_EQ(read.objects[1].address, (ObjectAddress{0x607D, 1}));
 }
 
-TEST(CommandLine, DisturbsWithOneUnlessSaidOtherwise) {
+TEST(CommandLine, DisturbHasTheDefaultValueOne) {
   const auto blocked = command<DisturbCommand>("disturb 1.1 blocked_load --for 20ms");
   ASSERT_EQ(blocked.inputs.size(), 1U);
   EXPECT_EQ(blocked.inputs[0].object.address, (ObjectAddress{0x5E01, 0}));
@@ -179,13 +179,13 @@ TEST(CommandLine, DisturbsWithOneUnlessSaidOtherwise) {
   EXPECT_EQ(command<DisturbCommand>("disturb 1.1 load_torque -1500").inputs[0].value, -1500);
 }
 
-TEST(CommandLine, DisturbsWithNoneOnEveryInput) {
+TEST(CommandLine, DisturbNoneClearsEveryInput) {
   const auto none = command<DisturbCommand>("disturb 1.1 none");
   EXPECT_EQ(none.inputs.size(), 10U);
   for (const Disturbance& input : none.inputs) EXPECT_EQ(input.value, 0);
 }
 
-TEST(CommandLine, WaitsOfTheAxisWords) {
+TEST(CommandLine, AxisCommandsHaveTheirDefaultWait) {
   EXPECT_EQ(command<ActionCommand>("enable 1.1").until, client::Until::done);
   EXPECT_EQ(command<ActionCommand>("halt 1.1").until, client::Until::in_force);
   EXPECT_EQ(command<ActionCommand>("halt 1.1 --wait").until, client::Until::done);
@@ -196,14 +196,14 @@ TEST(CommandLine, WaitsOfTheAxisWords) {
   EXPECT_EQ(command<ActionCommand>("restore 1.1").action, AxisAction::restore);
 }
 
-TEST(CommandLine, StopTakesABenchOrTheOnlyOne) {
+TEST(CommandLine, StopAcceptsABenchOrUsesTheOnlyOne) {
   EXPECT_EQ(command<StopCommand>("stop").bench, std::nullopt);
   EXPECT_EQ(command<StopCommand>("stop 3").bench, 3U);
   EXPECT_EQ(command<StopCommand>("stop").until, client::Until::done);
   EXPECT_EQ(command<StopCommand>("stop 3 --no-wait").until, client::Until::in_force);
 }
 
-TEST(CommandLine, CommandsOfAnAxisTakeItOverWhenTold) {
+TEST(CommandLine, AxisCommandsTakeOverWithTheirOption) {
   for (const std::string word : {"enable", "disable", "halt", "resume", "quick-stop", "reset",
                                  "power-cycle", "store", "restore"}) {
     EXPECT_FALSE(command<ActionCommand>(word + " 1.1").take_over) << word;
@@ -213,12 +213,12 @@ TEST(CommandLine, CommandsOfAnAxisTakeItOverWhenTold) {
   EXPECT_TRUE(command<WriteCommand>("write 1.1 0x6040 6 --take-over").take_over);
 }
 
-TEST(CommandLine, MoveStopsOnAnInterruptWhenTold) {
+TEST(CommandLine, MoveStopsOnAnInterruptWithItsOption) {
   EXPECT_FALSE(command<MoveCommand>("move 1.1 5").stop_on_interrupt);
   EXPECT_TRUE(command<MoveCommand>("move 1.1 5 --stop-on-interrupt").stop_on_interrupt);
 }
 
-TEST(CommandLine, OtherWords) {
+TEST(CommandLine, OtherCommandsAreParsed) {
   EXPECT_THAT(command<WatchCommand>("watch 1.1 y --count 5").axes, ElementsAre("1.1", "y"));
   EXPECT_EQ(command<WatchCommand>("watch 1.1 --count 5").count, 5U);
   EXPECT_EQ(command<StepCommand>("step 100 --bench 3").bench, 3U);
@@ -238,7 +238,7 @@ TEST(CommandLine, OtherWords) {
             Language::zh);
 }
 
-TEST(CommandLine, TheEndingOfARecordingDecidesItsFormat) {
+TEST(CommandLine, TheExtensionOfARecordingGivesItsFormat) {
   EXPECT_EQ(command<RecordCommand>("record a.csv").format, recording::Format::csv);
   EXPECT_EQ(command<RecordCommand>("record a.jsonl").format, recording::Format::json_lines);
   EXPECT_EQ(command<RecordCommand>("record a.mcap").format, recording::Format::mcap);
@@ -251,7 +251,7 @@ TEST(CommandLine, TheEndingOfARecordingDecidesItsFormat) {
   EXPECT_THROW(parse("record a.txt"), UsageError);
 }
 
-TEST(CommandLine, ConvertTakesTwoFilesOfDifferentFormatsAndThePeriodOfAText) {
+TEST(CommandLine, ConvertAcceptsTwoFilesOfDifferentFormatsAndThePeriodOfAText) {
   const auto convert = command<ConvertCommand>("convert a.csv b.mcap --period 500us");
   EXPECT_EQ(convert.from, "a.csv");
   EXPECT_EQ(convert.to, "b.mcap");
@@ -264,20 +264,20 @@ TEST(CommandLine, ConvertTakesTwoFilesOfDifferentFormatsAndThePeriodOfAText) {
   }
 }
 
-TEST(Recording, AFieldOfCsvIsQuotedWhereItMustBe) {
+TEST(Recording, QuotesACsvFieldWhereNeeded) {
   EXPECT_EQ(recording::csv_field("lift"), "lift");
   EXPECT_EQ(recording::csv_field("lift, left"), "\"lift, left\"");
   EXPECT_EQ(recording::csv_field("the \"lift\""), "\"the \"\"lift\"\"\"");
 }
 
-TEST(CommandLine, HelpTeachesWithExamples) {
+TEST(CommandLine, HelpHasExamples) {
   EXPECT_THAT(parse("--help").text, HasSubstr("vdrive move 1.1 10000"));
   EXPECT_THAT(parse("--help").text, HasSubstr("Exit codes"));
   EXPECT_THAT(parse("move --help").text, HasSubstr("--acceleration"));
   EXPECT_THAT(parse("run --help").text, HasSubstr("--throughout"));
 }
 
-TEST(Grammar, TakesSeveralAxesOfACommandAndAll) {
+TEST(Grammar, AcceptsSeveralAxesAndAll) {
   EXPECT_THAT(command<ActionCommand>("enable 7.1 7.2").axes, ElementsAre("7.1", "7.2"));
   EXPECT_THAT(command<ActionCommand>("quick-stop 7.*").axes, ElementsAre("7.*"));
   EXPECT_THAT(command<ActionCommand>("reset --all").axes, ElementsAre("*"));
@@ -303,7 +303,7 @@ TEST(Grammar, ReadsHomeVelocityTorqueAndJog) {
   EXPECT_EQ(command<JogCommand>("jog x 90deg/s").duration, std::nullopt);
   EXPECT_EQ(command<JogCommand>("jog x 90deg/s --for 2s").duration, Duration(2s));
   EXPECT_THROW(static_cast<void>(parse_scenario_command(split("jog x 90deg/s"))), UsageError)
-      << "nobody presses Enter in a scenario";
+      << "a scenario has no Enter key";
 }
 
 struct BadRow {
@@ -314,7 +314,7 @@ struct BadRow {
 
 class BadCommandLine : public testing::TestWithParam<BadRow> {};
 
-TEST_P(BadCommandLine, IsAUsageErrorThatSaysWhat) {
+TEST_P(BadCommandLine, IsAUsageErrorWithItsReason) {
   EXPECT_THAT(
       [] {
         (void)parse(GetParam().text);
@@ -324,41 +324,40 @@ TEST_P(BadCommandLine, IsAUsageErrorThatSaysWhat) {
 
 INSTANTIATE_TEST_SUITE_P(
     Lines, BadCommandLine,
-    testing::Values(BadRow{"nothing", "", "--help"},
-                    BadRow{"an_unknown_word", "dance 1.1", "dance"},
-                    BadRow{"no_axis", "enable", "AXIS is required, or --all"},
-                    BadRow{"all_and_an_axis", "enable 1.1 --all", "--all takes no AXIS"},
-                    BadRow{"a_speed_without_a_second", "velocity 1.1 180deg", "180deg/s"},
-                    BadRow{"a_torque_in_words", "torque 1.1 much", "much"},
-                    BadRow{"a_torque_too_wide", "torque 1.1 4000%", "-32768 to 32767"},
-                    BadRow{"a_method_too_wide", "home 1.1 --method 300", "-128 to 127"},
-                    BadRow{"a_snapshot_without_a_number", "snapshot restore", "the number"},
-                    BadRow{"a_list_of_snapshots_with_a_number", "snapshot list 1", "no number"},
-                    BadRow{"a_number_for_a_new_snapshot", "snapshot take 1", "no number"},
-                    BadRow{"an_unknown_action", "snapshot shoot", "take, list, restore or drop"},
-                    BadRow{"no_position", "move 1.1", "POSITION"},
-                    BadRow{"one_word_too_many", "write 1.1 0x6081 5 1.2", "1.2"},
-                    BadRow{"an_unknown_option", "enable 1.1 --fast", "--fast"},
-                    BadRow{"a_domain_too_high", "--domain 233 list", "domain"},
-                    BadRow{"a_position_too_wide", "move 1.1 3000000000", "3000000000"},
-                    BadRow{"a_negative_velocity", "move 1.1 5 --velocity -3", "-3"},
-                    BadRow{"a_value_too_wide", "write 1.1 0x6060 300", "-128 to 127"},
-                    BadRow{"an_unknown_kind", "disturb 1.1 earthquake", "blocked_load"},
-                    BadRow{"an_unknown_format", "dictionary --format yaml", "yaml"},
-                    BadRow{"negative_steps", "step -1", "-1"},
-                    BadRow{"rate_in_words", "rate fast", "fast"},
-                    BadRow{"rate_of_too_much", "rate 1 2 3", "at most a bench"},
-                    BadRow{"no_timeout", "list --timeout soon", "soon"},
-                    BadRow{"no_interface", "--interface eth0 list", "--interface"},
-                    BadRow{"no_peer", "--peer 10.0.0.256 list", "--peer"},
-                    BadRow{"no_port", "--discovery-server 10.0.0.9 list", "ADDRESS:PORT"},
-                    BadRow{"port_0", "--discovery-server 10.0.0.9:0 list", "ADDRESS:PORT"},
-                    BadRow{"a_word_of_scenarios", "refused 5 list", "refused"}),
+    testing::Values(
+        BadRow{"nothing", "", "--help"}, BadRow{"an_unknown_word", "dance 1.1", "dance"},
+        BadRow{"no_axis", "enable", "AXIS is required, or --all"},
+        BadRow{"all_and_an_axis", "enable 1.1 --all", "--all cannot be combined with AXIS"},
+        BadRow{"a_speed_without_a_second", "velocity 1.1 180deg", "180deg/s"},
+        BadRow{"a_torque_in_words", "torque 1.1 much", "much"},
+        BadRow{"a_torque_too_wide", "torque 1.1 4000%", "-32768 to 32767"},
+        BadRow{"a_method_too_wide", "home 1.1 --method 300", "-128 to 127"},
+        BadRow{"a_snapshot_without_a_number", "snapshot restore", "the number"},
+        BadRow{"a_list_of_snapshots_with_a_number", "snapshot list 1", "no number"},
+        BadRow{"a_number_for_a_new_snapshot", "snapshot take 1", "no number"},
+        BadRow{"an_unknown_action", "snapshot shoot", "take, list, restore or drop"},
+        BadRow{"no_position", "move 1.1", "POSITION"},
+        BadRow{"one_word_too_many", "write 1.1 0x6081 5 1.2", "1.2"},
+        BadRow{"an_unknown_option", "enable 1.1 --fast", "--fast"},
+        BadRow{"a_domain_too_high", "--domain 233 list", "domain"},
+        BadRow{"a_position_too_wide", "move 1.1 3000000000", "3000000000"},
+        BadRow{"a_negative_velocity", "move 1.1 5 --velocity -3", "-3"},
+        BadRow{"a_value_too_wide", "write 1.1 0x6060 300", "-128 to 127"},
+        BadRow{"an_unknown_kind", "disturb 1.1 earthquake", "blocked_load"},
+        BadRow{"an_unknown_format", "dictionary --format yaml", "yaml"},
+        BadRow{"negative_steps", "step -1", "-1"}, BadRow{"rate_in_words", "rate fast", "fast"},
+        BadRow{"rate_of_too_much", "rate 1 2 3", "at most a bench"},
+        BadRow{"no_timeout", "list --timeout soon", "soon"},
+        BadRow{"no_interface", "--interface eth0 list", "--interface"},
+        BadRow{"no_peer", "--peer 10.0.0.256 list", "--peer"},
+        BadRow{"no_port", "--discovery-server 10.0.0.9 list", "ADDRESS:PORT"},
+        BadRow{"port_0", "--discovery-server 10.0.0.9:0 list", "ADDRESS:PORT"},
+        BadRow{"a_word_of_scenarios", "refused 5 list", "refused"}),
     [](const auto& row) {
       return row.param.name;
     });
 
-TEST(ScenarioCommand, ExpectKnowsMaskToleranceAndTimes) {
+TEST(ScenarioCommand, ExpectAcceptsMaskToleranceAndTimes) {
   const auto masked =
       scenario_command<ExpectCommand>("expect 1.1 0x6041 0x400 --mask 0x400 --within 20ms");
   EXPECT_EQ(masked.mask, 0x400U);
@@ -370,7 +369,7 @@ TEST(ScenarioCommand, ExpectKnowsMaskToleranceAndTimes) {
   EXPECT_EQ(near.throughout, Duration(1s));
 }
 
-TEST(ScenarioCommand, WaitAndRefused) {
+TEST(ScenarioCommand, WaitAndRefusedAreParsed) {
   EXPECT_EQ(scenario_command<WaitCommand>("wait 1.5s").duration, Duration(1500ms));
   const auto refused = scenario_command<std::shared_ptr<const RefusedCommand>>(
       "refused 0x06010002 write 1.1 0x6041 -0");
@@ -378,13 +377,13 @@ TEST(ScenarioCommand, WaitAndRefused) {
   EXPECT_EQ(std::get<WriteCommand>(refused->command).axis, "1.1");
 }
 
-TEST(ScenarioCommand, TakeATimeoutForTheLine) {
+TEST(ScenarioCommand, AcceptsATimeoutForTheLine) {
   EXPECT_EQ(parse_scenario_command(split("move 1.1 5 --timeout 9")).timeout, Duration(9s));
 }
 
-class BadScenarioWords : public testing::TestWithParam<BadRow> {};
+class BadScenarioCommand : public testing::TestWithParam<BadRow> {};
 
-TEST_P(BadScenarioWords, AreAUsageErrorThatSaysWhat) {
+TEST_P(BadScenarioCommand, IsAUsageErrorWithItsReason) {
   EXPECT_THAT(
       [] {
         (void)parse_scenario_command(split(GetParam().text));
@@ -393,7 +392,7 @@ TEST_P(BadScenarioWords, AreAUsageErrorThatSaysWhat) {
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    Lines, BadScenarioWords,
+    Lines, BadScenarioCommand,
     testing::Values(BadRow{"mask_and_tolerance", "expect 1.1 0x6041 0 --mask 1 --tolerance 1",
                            "--mask"},
                     BadRow{"within_and_throughout",
@@ -426,7 +425,7 @@ TEST(Expectation, ComparesExactlyUnderAMaskOrWithATolerance) {
   EXPECT_FALSE(expect.accepts(-8));
 }
 
-TEST(Expectation, TolerancesSurviveTheEndsOfTheType) {
+TEST(Expectation, AcceptsTolerancesAtTheEndsOfTheType) {
   ExpectCommand expect;
   expect.value = std::numeric_limits<std::int32_t>::min();
   expect.tolerance = 10;

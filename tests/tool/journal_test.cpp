@@ -18,7 +18,7 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-/// The name of a file that goes with this object.
+/// The name of a file that this object removes at its end.
 class JournalName {
  public:
   JournalName()
@@ -45,13 +45,13 @@ class JournalName {
   std::string path_;
 };
 
-void expect_it_replays(const JournalName& journal, const std::string& says, int code = 0,
+void expect_it_replays(const JournalName& journal, const std::string& text, int code = 0,
                        const std::vector<std::string>& threads_of_replays = {"1", "4"}) {
   for (const std::string& threads : threads_of_replays) {
     const Finished replayed = journal.replay(threads);
     EXPECT_EQ(replayed.code, code) << replayed.errors;
     EXPECT_THAT(replayed.output, HasSubstr("every hash agrees"));
-    EXPECT_THAT(replayed.output, HasSubstr(says));
+    EXPECT_THAT(replayed.output, HasSubstr(text));
     EXPECT_THAT(replayed.output, Not(HasSubstr(" 0 changes")));
   }
 }
@@ -79,7 +79,7 @@ TEST(JournalOfTheService, RecordsInLockStepAndReplays) {
   expect_it_replays(journal, " ticks of 20 axes, ");
 }
 
-/// Clocks that run by themselves.
+/// Clocks that run without steps.
 class JournalOfAClock : public testing::TestWithParam<std::string> {};
 
 TEST_P(JournalOfAClock, RecordsAndReplays) {
@@ -110,7 +110,7 @@ TEST(JournalOfTheService, OfAKilledServiceReplaysUpToItsEnd) {
   expect_it_replays(journal, "the journal ends early, without an end mark", 1);
 }
 
-TEST(JournalOfTheService, IsNotBegunWhereItCannotBeWritten) {
+TEST(JournalOfTheService, IsRefusedForAnUnwritableFile) {
   for (const std::string file : {"/nonexistent/journal", "/dev/full"}) {
     const Finished finished =
         Process(VDRIVE_SERVICE, {"--journal", file, "--domain", std::to_string(test_domain()),
@@ -122,7 +122,7 @@ TEST(JournalOfTheService, IsNotBegunWhereItCannotBeWritten) {
   EXPECT_EQ(Process(VDRIVE_SERVICE, {"--replay", "/nonexistent/journal"}).wait().code, 2);
 }
 
-TEST(SnapshotByTool, MakesABranchThatEndsWhereTheFirstOneDid) {
+TEST(SnapshotByTool, MakesABranchWithTheSameResult) {
   const RunningService service("--clock lockstep");
   ASSERT_EQ(tool("enable 1.1").code, 0);
   EXPECT_EQ(tool("snapshot take").output, "bench 1 snapshot 1\n");

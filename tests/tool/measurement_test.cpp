@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `vdrive bench` makes of its readings.
+// The figures that `vdrive bench` calculates from its readings.
 #include "measurement.hpp"
 
 #include <gmock/gmock.h>
@@ -28,7 +28,7 @@ TEST(Lateness, CountsInTheBinsOfTheService) {
   EXPECT_EQ(sut.count(), 6U);
 }
 
-TEST(Lateness, HasQuantilesThatAreLinearInsideABin) {
+TEST(Lateness, InterpolatesQuantilesInsideABin) {
   Lateness sut;
   sut.bins[4] = 90;                            // from 8 to 16 us
   sut.bins[7] = 10;                            // from 64 to 128 us
@@ -38,7 +38,7 @@ TEST(Lateness, HasQuantilesThatAreLinearInsideABin) {
   EXPECT_DOUBLE_EQ(sut.most(), 128.0);
 }
 
-TEST(Lateness, OfNothingIsNothing) {
+TEST(Lateness, WithoutTicksIsZero) {
   EXPECT_EQ(Lateness().quantile(0.5), 0.0);
   EXPECT_EQ(Lateness().most(), 0.0);
 }
@@ -56,20 +56,20 @@ Measurement measurement() {
   return measured;
 }
 
-TEST(Measurement, SaysHowManyAxesTheMachineHolds) {
+TEST(Measurement, GivesTheNumberOfAxesThatTheMachineHolds) {
   EXPECT_EQ(measurement().axes_of_a_core(), 20'000U);
   EXPECT_EQ(measurement().axes_with_status(), 256U);
   EXPECT_EQ(Measurement().axes_of_a_core(), 0U);
   EXPECT_EQ(Measurement().axes_with_status(), 0U);
 }
 
-TEST(Measurement, IsNotWholeWithLateTicksOrWithoutSamples) {
+TEST(Measurement, IsIncompleteWithLateTicksOrWithoutSamples) {
   EXPECT_FALSE(
       (StatusStreamFigures{.axes = 1, .samples = 1'000, .overrun_share = 0.002}).is_whole());
   EXPECT_FALSE((StatusStreamFigures{.axes = 1}).is_whole());
 }
 
-TEST(Measurement, IsOneJsonObject) {
+TEST(Measurement, IsPrintedAsOneJsonObject) {
   const Json json = measurement_json(measurement());
   EXPECT_EQ(json["axes_with_status"], 256);
   EXPECT_EQ(json["axes_of_a_core"], 20'000);
@@ -79,7 +79,7 @@ TEST(Measurement, IsOneJsonObject) {
   EXPECT_EQ(json["lateness_of_a_bare_loop"]["max_us"], 16.0);
 }
 
-TEST(Measurement, IsATable) {
+TEST(Measurement, IsPrintedAsATable) {
   const auto lines = measurement_lines(measurement());
   // 100 of 4,000 ticks are 2.5 %.
   EXPECT_THAT(lines, Contains(HasSubstr("1024 axes: 2.50 % of the ticks missed")));

@@ -32,7 +32,7 @@ class MotionInLockStep : public testing::Test {
   RunningService service_{"--clock lockstep --axes 3"};
 };
 
-TEST_F(MotionInLockStep, HomeGivesHomeItsPositionAndNamesAHomingError) {
+TEST_F(MotionInLockStep, HomeSetsTheHomePositionAndReportsAHomingError) {
   ASSERT_EQ(tool("enable 1.1").code, 0);
   const Finished homed = tool("home 1.1 --method 37 --offset -90deg");
   ASSERT_EQ(homed.code, 0) << homed.errors;
@@ -45,7 +45,7 @@ TEST_F(MotionInLockStep, HomeGivesHomeItsPositionAndNamesAHomingError) {
 }
 
 // 180 deg/s are 2048 UU/s.
-TEST_F(MotionInLockStep, VelocityRunsOnAndZeroStopsIt) {
+TEST_F(MotionInLockStep, VelocityRunsUntilAVelocityOfZero) {
   ASSERT_EQ(tool("enable 1.1").code, 0);
   const Finished runs = tool("velocity 1.1 180deg/s");
   ASSERT_EQ(runs.code, 0) << runs.errors;
@@ -61,7 +61,7 @@ TEST_F(MotionInLockStep, TorqueIsAppliedInPercent) {
   EXPECT_EQ(value_of("1.1", "0x6074"), "30");
 }
 
-TEST_F(MotionInLockStep, JogForATimeStandsAfterIt) {
+TEST_F(MotionInLockStep, JogForATimeStopsAfterIt) {
   ASSERT_EQ(tool("enable 1.1").code, 0);
   const Finished jogged = tool("jog 1.1 10000 --for 100ms --json");
   ASSERT_EQ(jogged.code, 0) << jogged.errors;
@@ -70,7 +70,7 @@ TEST_F(MotionInLockStep, JogForATimeStandsAfterIt) {
   EXPECT_GT(nlohmann::json::parse(jogged.output)["position"], 500);
 }
 
-TEST_F(MotionInLockStep, WhatALimitCutsIsSaidAtOnce) {
+TEST_F(MotionInLockStep, ALimitThatClampsIsReportedAtOnce) {
   ASSERT_EQ(tool("enable 1.1").code, 0);
   const Finished fast = tool("velocity 1.1 140000");
   EXPECT_EQ(fast.code, 5);
@@ -84,7 +84,7 @@ TEST_F(MotionInLockStep, WhatALimitCutsIsSaidAtOnce) {
   EXPECT_THAT(moved.errors, HasSubstr("the positive limit switch (60FDh bit 1) has ended"));
 }
 
-TEST_F(MotionInLockStep, TheWordsMayStandInAScenario) {
+TEST_F(MotionInLockStep, TheCommandsAreAcceptedInAScenario) {
   const TemporaryDirectory directory;
   const std::string file = (directory.path() / "modes.scn").string();
   std::ofstream(file) << "enable 1.*\nhome 1.1 --method 35\nvelocity 1.1 90deg/s\n"
@@ -94,7 +94,7 @@ TEST_F(MotionInLockStep, TheWordsMayStandInAScenario) {
   EXPECT_EQ(passed.code, 0) << passed.errors;
 }
 
-TEST_F(MotionInLockStep, OneCommandTakesSeveralAxes) {
+TEST_F(MotionInLockStep, OneCommandAcceptsSeveralAxes) {
   const Finished some = tool("enable 1.1 axis3 1.1");
   ASSERT_EQ(some.code, 0) << some.errors;
   EXPECT_THAT(some.lines(), ElementsAre(StartsWith("1.1 "), StartsWith("axis3 ")));
@@ -105,7 +105,7 @@ TEST_F(MotionInLockStep, OneCommandTakesSeveralAxes) {
   EXPECT_EQ(tool("status 1.axis2").code, 0);
 }
 
-TEST_F(MotionInLockStep, OfSeveralAxesOneThatFailsDoesNotKeepTheOthers) {
+TEST_F(MotionInLockStep, AFailingAxisDoesNotPreventTheOthers) {
   ASSERT_EQ(tool("disturb 1.2 over_current").code, 0);
   ASSERT_EQ(tool("step 2").code, 0);
   const Finished mixed = tool("enable 1.*");
@@ -128,7 +128,7 @@ TEST(ManyAxes, TakeAsManyTicksAsOne) {
   }
 }
 
-TEST(ManyAxes, TellTheLossOfTheirBenchOnce) {
+TEST(ManyAxes, ReportTheLossOfTheirBenchOnce) {
   const RunningService service("--rate 0 --axes 3");
   const Finished paused = tool("enable --all");
   EXPECT_EQ(paused.code, 1);
@@ -145,7 +145,7 @@ TEST_F(MotionInLockStep, StatusWithoutAnAxisShowsEveryAxisOnALine) {
   EXPECT_THAT(tool("status --json").lines(), SizeIs(3));
 }
 
-TEST_F(MotionInLockStep, AnAxisThatABenchHasNotIsSuggestedByItsName) {
+TEST_F(MotionInLockStep, AnUnknownAxisNameGetsASuggestion) {
   const Finished missing = tool("status 1.axs2");
   EXPECT_EQ(missing.code, 3);
   EXPECT_THAT(missing.errors, HasSubstr("did you mean 'axis2'?"));
@@ -153,7 +153,7 @@ TEST_F(MotionInLockStep, AnAxisThatABenchHasNotIsSuggestedByItsName) {
   EXPECT_THAT(tool("enable axis*").errors, HasSubstr("'7.*'"));
 }
 
-TEST(SeveralBenches, MayShareTheNameOfAnAxis) {
+TEST(SeveralBenches, CanShareTheNameOfAnAxis) {
   const RunningService first("--clock lockstep --bench 1");
   const RunningService second("--clock lockstep --bench 2");
   const Finished one = tool("status 2.x");
@@ -162,7 +162,7 @@ TEST(SeveralBenches, MayShareTheNameOfAnAxis) {
   EXPECT_THAT(tool("enable --all").lines(), SizeIs(4));
 }
 
-TEST(Jog, EndsWithCtrlCAndTheAxisStands) {
+TEST(Jog, StopsTheAxisOnCtrlC) {
   const RunningService service("");
   ASSERT_EQ(tool("enable 1.1").code, 0);
   Process jog(VDRIVE_TOOL, tool_arguments("jog 1.1 10000 --for 60s"));
@@ -176,7 +176,7 @@ TEST(Jog, EndsWithCtrlCAndTheAxisStands) {
   EXPECT_EQ(value_of("1.1", "0x606B"), "0");
 }
 
-TEST(Jog, EndsWhenStandardInputEnds) {
+TEST(Jog, EndsAtTheEndOfStandardInput) {
   const RunningService service("--clock lockstep");
   ASSERT_EQ(tool("enable 1.1").code, 0);
   const Finished jogged = tool("jog 1.1 10000", "\n");

@@ -50,7 +50,7 @@ class StoredParameters : public testing::Test {
 class StoredParametersOfAClock : public StoredParameters,
                                  public testing::WithParamInterface<std::string> {};
 
-TEST_P(StoredParametersOfAClock, ComeBackAfterTheServiceWasKilledUntilTheyAreRestored) {
+TEST_P(StoredParametersOfAClock, ReturnAfterAKillOfTheServiceUntilTheyAreRestored) {
   {
     RunningService service(flags(GetParam()));
     expect_done("write 1.1 profile_velocity 4321");
@@ -76,7 +76,7 @@ INSTANTIATE_TEST_SUITE_P(Clocks, StoredParametersOfAClock,
                            return clock.param;
                          });
 
-TEST_F(StoredParameters, AreStoredByTheirObjectToo) {
+TEST_F(StoredParameters, AreStoredByAWriteOfTheirObject) {
   RunningService service(flags("lockstep"));
   EXPECT_THAT(tool("read 1.1 0x1010:1 0x1011:1 --json").output, HasSubstr("\"value\":1"));
   expect_done("write 1.1 profile_velocity 4321");
@@ -93,7 +93,7 @@ TEST_F(StoredParameters, AreStoredByTheirObjectToo) {
   EXPECT_THAT(tool(kRead).output, HasSubstr("4321"));
 }
 
-TEST_F(StoredParameters, NeedAPlaceToBeStored) {
+TEST_F(StoredParameters, NeedAStateDirectory) {
   const RunningService service("--clock lockstep");
   for (const char* const words : {"store 1.1", "restore 1.1", "write 1.1 0x1010:1 0x65766173"}) {
     const Finished finished = tool(words);
@@ -102,7 +102,7 @@ TEST_F(StoredParameters, NeedAPlaceToBeStored) {
   }
 }
 
-TEST_F(StoredParameters, ThatAreDamagedAreAFaultWhichAResetEnds) {
+TEST_F(StoredParameters, CauseAResettableFaultWhenDamaged) {
   std::ofstream(file()) << "nonsense";
   const RunningService service(flags("lockstep"));
   expect_done("step 2");
@@ -127,7 +127,7 @@ TEST_F(StoredParameters, BelongToOneService) {
   EXPECT_THAT(nowhere.errors, HasSubstr("/nonexistent/state"));
 }
 
-TEST_F(StoredParameters, AreInTheJournal) {
+TEST_F(StoredParameters, AreRecordedInTheJournal) {
   const std::string journal = (directory.path() / "run.journal").string();
   {
     RunningService service(flags("lockstep"));
@@ -158,7 +158,7 @@ int shown_velocity() {
   return place == std::string::npos ? -1 : std::atoi(output.c_str() + place + key.size());
 }
 
-TEST_F(StoredParameters, OutlastAServiceThatIsKilledWhileItSaves) {
+TEST_F(StoredParameters, SurviveAKillOfTheServiceDuringASave) {
   const int kills = std::getenv("VDRIVE_NIGHTLY") == nullptr ? 3 : 60;
   int saved = 68'267;
   for (int round = 1; round <= kills; ++round) {

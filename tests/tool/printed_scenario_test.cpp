@@ -39,7 +39,7 @@ TEST(PrintedScenario, IsAcceptedByTheParserOfVdriveRun) {
   }
 }
 
-TEST(PrintedScenario, LetsAsMuchTimePassAsTheSequence) {
+TEST(PrintedScenario, TakesTheSameTimeAsTheSequence) {
   const std::vector<test::Step> steps{{{{"ds402_controlword", 0x06}}, 3},
                                       {{{"op_mode_cmd", 2}, {"op_mode_cmd", 1}}, 1}};
   const test::SideBySide run = test::run_side_by_side(steps);

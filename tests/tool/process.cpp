@@ -38,7 +38,7 @@ std::array<int, 2> make_pipe() {
   return ends;
 }
 
-/// Appends what is there. @return false at the end.
+/// Appends the available bytes. @return false at the end.
 bool read_some(int descriptor, std::string& text) {
   std::array<char, 4096> block{};
   const ssize_t count = read(descriptor, block.data(), block.size());
@@ -88,7 +88,7 @@ Process::Process(const std::string& program, std::vector<std::string> arguments,
   const auto err = make_pipe();
   child_ = fork();
   if (child_ == 0) {
-    // A test that is killed, as by its time limit, takes the program with it: one that went on in
+    // A test that is killed, as by its time limit, ends the program: one that continued in
     // the test's domain would disturb the next test there.
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     dup2(in[0], STDIN_FILENO);
@@ -118,7 +118,7 @@ Process::~Process() {
 }
 
 void Process::send(int signal) const {
-  if (child_ > 0) ::kill(child_, signal);  // 0 would be everybody in our group
+  if (child_ > 0) ::kill(child_, signal);  // 0 would be every process of our group
 }
 
 std::string Process::read_line() {

@@ -10,7 +10,7 @@
 
 namespace vdrive::test {
 
-/// What a program left behind.
+/// The result of a program.
 struct Finished {
   int code = 0;  ///< exit code, or -signal
   std::string output;
@@ -42,7 +42,7 @@ class Process {
   /// Reads a line of its errors. @return an empty string at the end.
   std::string read_error_line();
 
-  /// Closes our end of its output: it writes into the void.
+  /// Closes our end of its output: its writes fail.
   void stop_reading();
 
   /// Waits for the end, at most 120 s, then kills it.
@@ -66,7 +66,7 @@ class Process {
 /// @return a tool that runs on the domain of this test until it ends.
 [[nodiscard]] std::vector<std::string> tool_arguments(const std::string& words);
 
-/// A service of this build on the domain of this test, there once it is constructed.
+/// A service of this build on the domain of this test, available after construction.
 class RunningService {
  public:
   /// @param words command line beside the domain, such as "--clock lockstep"; it logs nothing
@@ -79,10 +79,10 @@ class RunningService {
   /// Ends it as a user would.
   Finished stop();
 
-  /// Ends it without a word.
+  /// Kills it.
   void kill();
 
-  /// Stops its process where it is, and lets it go on.
+  /// Pauses its process, and continues it.
   void freeze() const { process_.send(SIGSTOP); }
 
   void thaw() const { process_.send(SIGCONT); }

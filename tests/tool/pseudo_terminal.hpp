@@ -28,7 +28,8 @@ class PseudoTerminal {
   /// Everything that the program has sent.
   [[nodiscard]] const std::string& output() const noexcept { return output_; }
 
-  /// Reads until the screen is as wanted. @return false after 60 s, and when the program has ended.
+  /// Reads until the screen meets the condition. @return false after 60 s, and when the program has
+  /// ended.
   bool wait_until(const std::function<bool(const Screen&)>& is_wanted);
 
   /// Another size, as when a window is dragged.

@@ -52,7 +52,7 @@ TEST(Quantity, WithoutAUnitIsInUserUnits) {
 }
 
 // A revolution has 4096 UU: 90 deg are 1024, 180 deg/s 2048 UU/s, 60 rpm 4096 UU/s.
-TEST(Quantity, WithAUnitIsWhatTheAxisMakesOfIt) {
+TEST(Quantity, WithAUnitIsConvertedForTheAxis) {
   EXPECT_EQ(position("90deg", kTurning), 1'024);
   EXPECT_EQ(position("-0.25rev", kTurning), -1'024);
   EXPECT_EQ(position("90 deg", kTurning), 1'024);
@@ -73,7 +73,7 @@ TEST(Quantity, IsRoundedToTheNearestUserUnit) {
   EXPECT_EQ(position("1.5", kTurning), 2);
 }
 
-TEST(Quantity, OfAnotherUnitIsRefusedWithThoseThatTheAxisHas) {
+TEST(Quantity, OfAnotherUnitIsRefusedWithTheUnitsOfTheAxis) {
   EXPECT_EQ(refusal_of_quantity([] {
               return position("12.5mm", kTurning);
             }),
@@ -108,7 +108,7 @@ TEST(Quantity, OutOfRangeIsRefusedWithValueAndLimit) {
               HasSubstr("must be from 0 to 4294967295 UU/s"));
 }
 
-TEST(Quantity, ThatIsNoneIsRefusedWithAnExample) {
+TEST(Quantity, OfInvalidTextIsRefusedWithAnExample) {
   for (const char* const text :
        {"", "ten", "inf", "nan", "1e400", "deg", "5deg/s", "+5", "1.5.5/"}) {
     EXPECT_THAT(refusal_of_quantity([&] {
@@ -127,7 +127,7 @@ TEST(Quantity, ThatIsNoneIsRefusedWithAnExample) {
               HasSubstr("is not a ramp: write for example 6000, 900deg/s2"));
 }
 
-TEST(Quantity, IsWhatPositionsSpeedsAndRampsOfTheDictionaryAre) {
+TEST(Quantity, AppliesToPositionsSpeedsAndRampsOfTheDictionary) {
   EXPECT_EQ(dimension_of("position_user_target_value"_object), Dimension::position);
   EXPECT_EQ(dimension_of("user_position_upper_limit"_object), Dimension::position);
   EXPECT_EQ(dimension_of("target_velocity"_object), Dimension::velocity);

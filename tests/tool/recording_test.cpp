@@ -71,7 +71,7 @@ std::map<std::string, std::string> rows_of(const std::string& path) {
   return rows;
 }
 
-/// Lets some ticks pass until both files have something: their recorders follow the stream then.
+/// Waits some ticks until both files have data: then their recorders follow the stream.
 void step_until_written(const std::vector<std::string>& files) {
   const auto end = std::chrono::steady_clock::now() + kDeadline;
   for (const std::string& file : files) {
@@ -116,7 +116,7 @@ TEST(McapRecording, HasTheValuesOfTheCsvOfTheSameRun) {
   EXPECT_EQ(contents["events_left_out"], summary["events"]);
   EXPECT_EQ(contents["parameters_left_out"], 2);
   EXPECT_TRUE(contents["cut"].is_null());
-  // The stream is best effort: each recorder may have lost some, and says so.
+  // The stream is best effort: each recorder may have lost some, and reports it.
   const auto direct = rows_of(csv);
   const auto through = rows_of(back);
   std::size_t common = 0;
@@ -129,7 +129,7 @@ TEST(McapRecording, HasTheValuesOfTheCsvOfTheSameRun) {
   EXPECT_GE(common, 400U) << "of 2 axes in some 440 ticks";
   EXPECT_EQ(lines_of(back).front(), lines_of(csv).front());
 
-  // There and back again: nothing of the text changes.
+  // Converted and converted back: the text does not change.
   const std::string again = bench.file("again.mcap");
   const std::string last = bench.file("last.csv");
   ASSERT_EQ(tool("convert " + csv + " " + again).code, 0);
@@ -137,7 +137,7 @@ TEST(McapRecording, HasTheValuesOfTheCsvOfTheSameRun) {
   EXPECT_EQ(lines_of(last), lines_of(csv));
 }
 
-TEST(McapRecording, OfARecorderThatWasKilledIsReadableUpToThere) {
+TEST(McapRecording, OfAKilledRecorderIsReadableUpToItsEnd) {
   const McapRecordingOf bench("--axes 2");
   const std::string mcap = bench.file("run.mcap");
   Process recorder(VDRIVE_TOOL, tool_arguments("record " + mcap));
@@ -153,13 +153,13 @@ TEST(McapRecording, OfARecorderThatWasKilledIsReadableUpToThere) {
   const std::string csv = bench.file("run.csv");
   const Finished converted = tool("convert " + mcap + " " + csv);
   EXPECT_EQ(converted.code, 0) << converted.errors;
-  EXPECT_THAT(converted.errors, AllOf(HasSubstr("was cut off"), HasSubstr("at byte ")));
+  EXPECT_THAT(converted.errors, AllOf(HasSubstr("is incomplete"), HasSubstr("at byte ")));
   const std::size_t samples = samples_in(mcap);
   EXPECT_GT(samples, 0U);
   EXPECT_EQ(lines_of(csv).size(), 1 + 2 * samples);
 }
 
-TEST(McapRecording, OnAFullDiskOrInAWrongPlaceFailsAndSaysWhy) {
+TEST(McapRecording, FailsWithAReasonOnAFullDiskOrAnUnusablePath) {
   const McapRecordingOf bench("--axes 1");
   const std::string full = bench.file("full.mcap");
   std::filesystem::create_symlink("/dev/full", full);
@@ -172,7 +172,7 @@ TEST(McapRecording, OnAFullDiskOrInAWrongPlaceFailsAndSaysWhy) {
   EXPECT_THAT(wrong.errors, HasSubstr("No such file"));
 }
 
-TEST(McapRecording, EndsAfterSoManySamplesWithItsSummary) {
+TEST(McapRecording, EndsAfterTheGivenNumberOfSamplesWithItsSummary) {
   const McapRecordingOf bench("--axes 20");
   const std::string mcap = bench.file("run.mcap");
   const Finished finished = tool("record " + mcap + " --count 50 --json");
@@ -212,7 +212,7 @@ TEST(Recorder, WaitsForABenchWhoseTimeStandsStill) {
   const std::string file = bench.file("still.csv");
   Process recorder(VDRIVE_TOOL, tool_arguments("record " + file + " --count 5 --lost-after 1s"));
   step_until_written({file});
-  // Three seconds of wall time pass: nobody steps, and a search for another bench times out.
+  // Three seconds of wall time pass: no session steps, and a search for another bench times out.
   EXPECT_EQ(tool("status 9.1 --timeout 3").code, 3);
   for (int i = 0; i < 5; ++i) ASSERT_EQ(tool("step 1").code, 0);
   const Finished finished = recorder.wait();
@@ -221,7 +221,7 @@ TEST(Recorder, WaitsForABenchWhoseTimeStandsStill) {
   EXPECT_EQ(samples_in(file), 5U);
 }
 
-TEST(Recorder, WaitsForABenchThatSendsNothingAndCountsWhatIsMissing) {
+TEST(Recorder, WaitsForASilentBenchAndCountsMissingSamples) {
   const RunningService service("--clock lockstep --axes 1");
   const TemporaryDirectory directory;
   const std::string file = directory.path() / "frozen.csv";
@@ -231,7 +231,7 @@ TEST(Recorder, WaitsForABenchThatSendsNothingAndCountsWhatIsMissing) {
   EXPECT_THAT(awaited_line(recorder, "sends nothing"),
               HasSubstr("bench 1 sends nothing: waiting 60 s for it"));
   service.thaw();
-  // It reports the next sample: the service has to be there again for the tool to step it.
+  // It reports the next sample: the tool can step the service only after it is back.
   ASSERT_EQ(tool("step 3 --timeout 20").code, 0);
   EXPECT_THAT(awaited_line(recorder, "sends again"), HasSubstr("bench 1 sends again"));
   recorder.send(SIGINT);
@@ -257,7 +257,7 @@ TEST(Recorder, EndsWhenABenchHasSentNothingForTooLong) {
   EXPECT_THAT(finished.errors, HasSubstr("recorded "));
 }
 
-TEST(Recorder, EndsAtOnceWhenTheServiceEndsOrIsStartedAnew) {
+TEST(Recorder, EndsAtOnceWhenTheServiceEndsOrRestarts) {
   auto service = std::make_unique<RunningService>("--clock lockstep --axes 1");
   const TemporaryDirectory directory;
   const auto record = [&](const std::string& name) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the tool shows: JSON fields as docs/reference/json.md gives them, text, the dictionary.
+// The output of the tool: JSON fields of docs/reference/json.md, text, the dictionary.
 #include "report.hpp"
 
 #include "live_view.hpp"
@@ -93,7 +93,7 @@ TEST(StatusText, NamesTheError) {
   EXPECT_THAT(text, HasSubstr("0x8611 "));
 }
 
-TEST(StateText, HasTheErrorBehindTheStateThenTheBits) {
+TEST(StateText, HasStateThenErrorThenBits) {
   client::AxisSnapshot axis = moving_axis();
   EXPECT_EQ(state_text(axis), "Operation enabled: set-point acknowledge");
   EXPECT_EQ(color_of(axis), std::nullopt);
@@ -117,7 +117,7 @@ TEST(ListJson, HasBenchAxisStateAndOwner) {
                           "statusword", "owner", "tick"));
 }
 
-TEST(ObjectJson, StartsLikeTheIssueShowsIt) {
+TEST(ObjectJson, HasAxisAddressAndName) {
   Json json = object_json({1, 1}, parse_object("ds402_statusword"));
   json["value"] = 592;
   EXPECT_EQ(
@@ -131,7 +131,7 @@ TEST(ObjectJson, OfAnUnknownObjectHasNoName) {
   EXPECT_TRUE(object_json({1, 1}, parse_object("no_such"))["index"].is_null());
 }
 
-TEST(OutcomeJson, TellsCodeAndMessageOfAFailureOnly) {
+TEST(OutcomeJson, HasCodeAndMessageOfAFailureOnly) {
   Json good;
   add_outcome(good, client::Outcome());
   EXPECT_EQ(to_line(good), R"({"outcome":"ok"})");
@@ -142,7 +142,7 @@ TEST(OutcomeJson, TellsCodeAndMessageOfAFailureOnly) {
   EXPECT_THAT(bad["message"].get<std::string>(), StartsWith("write: 0x06010002"));
 }
 
-TEST(Line, OfTextThatIsNoUtf8StaysOneLine) {
+TEST(Line, OfTextThatIsNotUtf8StaysOneLine) {
   EXPECT_THAT(to_line(Json{{"name", "\xFF\n"}}), Not(HasSubstr("\n")));
 }
 
@@ -164,7 +164,7 @@ TEST(Dictionary, TableHasTheColumnsThatTheGuideNames) {
   EXPECT_THAT(*velocity, testing::ContainsRegex("RW +yes +68267 +0 .. 4294967295 +VelUU$"));
 }
 
-TEST(Dictionary, ShowsTheObjectsThatAreNamed) {
+TEST(Dictionary, ShowsTheNamedObjects) {
   EXPECT_THAT(dictionary_lines({TableFormat::json, Language::en, {parse_object("0x607D")}}),
               SizeIs(2));
   EXPECT_THAT(dictionary_lines({TableFormat::table,
@@ -173,7 +173,7 @@ TEST(Dictionary, ShowsTheObjectsThatAreNamed) {
               SizeIs(3));
 }
 
-TEST(ArrivalLine, HasNoSpeedAndTheNameThatWasTyped) {
+TEST(ArrivalLine, HasTheTypedNameAndNoSpeed) {
   client::AxisSnapshot axis = moving_axis();
   axis.status.ds402_statusword = 0x0637;
   axis.status.load_velocity_actual_value = 15;
@@ -185,7 +185,7 @@ TEST(ArrivalLine, HasNoSpeedAndTheNameThatWasTyped) {
       "1.2        -500 UU   -43.95 deg       15 UU/s  0x637 Operation enabled: target reached");
 }
 
-TEST(Dictionary, JsonCarriesTheRow) {
+TEST(Dictionary, JsonHasEveryColumnOfTheRow) {
   const Json row = Json::parse(dictionary_lines({TableFormat::json, Language::zh})[0]);
   EXPECT_THAT(keys(row), ElementsAre("index", "subindex", "name", "title", "category", "type",
                                      "access", "stored", "effective", "lower_limit", "upper_limit",

@@ -33,7 +33,7 @@ Json status_of(const std::string& axis) {
   return Json::parse(tool("status " + axis + " --json").output);
 }
 
-/// A scenario from standard input that waits in its last line for what does not come.
+/// A scenario from standard input whose last line waits for a condition that never holds.
 class WaitingScenario {
  public:
   /// @param lines each of one output line; the last one waits
@@ -63,7 +63,7 @@ TEST(WaitingExpect, EndsAtOnceWhenAnotherSessionTakesItsAxis) {
   EXPECT_THAT(finished.output, HasSubstr("\"outcome\":\"lost\""));
 }
 
-TEST(WaitingExpect, EndsAtOnceWhenItsServiceIsGone) {
+TEST(WaitingExpect, EndsAtOnceWhenItsServiceEnds) {
   RunningService service(kPatient);
   WaitingScenario scenario(kNeverReached);
   service.kill();
@@ -73,7 +73,7 @@ TEST(WaitingExpect, EndsAtOnceWhenItsServiceIsGone) {
   EXPECT_THAT(finished.errors, HasSubstr("bench 1 stopped sending or ended"));
 }
 
-TEST(WaitingExpect, EndsAtOnceWhenItsServiceIsStartedAnew) {
+TEST(WaitingExpect, EndsAtOnceWhenItsServiceRestarts) {
   RunningService service(kPatient);
   WaitingScenario scenario("expect 1.1 position 0 --throughout 100s\n");
   service.kill();
@@ -84,7 +84,7 @@ TEST(WaitingExpect, EndsAtOnceWhenItsServiceIsStartedAnew) {
   EXPECT_THAT(finished.errors, HasSubstr("bench 1 "));
 }
 
-// The bench hears nothing of a program that is stopped, and takes the axis away.
+// The bench receives nothing from a stopped program and releases its axis.
 TEST(WaitingExpect, EndsWhenTheWatchdogTakesItsAxis) {
   const RunningService service("--clock realtime --axes 2");
   client::SessionOptions options;
@@ -121,7 +121,7 @@ TEST_F(FinalLines, RunAfterSuccess) {
   EXPECT_EQ(status_of("1.1")["state"], "Ready to switch on");
 }
 
-TEST_F(FinalLines, RunAfterAFailureWhichTheExitCodeTells) {
+TEST_F(FinalLines, RunAfterAFailureAndKeepItsExitCode) {
   const Finished finished = tool("run -",
                                  "enable 1.1\n"
                                  "expect 1.1 position > 100\n"
@@ -129,7 +129,7 @@ TEST_F(FinalLines, RunAfterAFailureWhichTheExitCodeTells) {
                                  "finally\n"
                                  "enable 1.9 --timeout 0.1\n"
                                  "disable 1.1\n");
-  EXPECT_EQ(finished.code, 3) << "axes of final lines are looked for first";
+  EXPECT_EQ(finished.code, 3) << "axes of final lines are searched first";
   const Finished failed = tool("run -",
                                "enable 1.1\n"
                                "expect 1.1 position > 100\n"
@@ -157,11 +157,11 @@ TEST_F(FinalLines, RunAfterAnInterrupt) {
   EXPECT_EQ(status_of("1.1")["state"], "Ready to switch on");
 }
 
-TEST(Clock, IsPutBackWhenAScenarioFails) {
+TEST(Clock, IsRestoredWhenAScenarioFails) {
   const RunningService service(kPatient);
   const Finished finished = tool("run -", "rate 5\nrate 2\nexpect 1.1 position 1\n");
   EXPECT_EQ(finished.code, 1);
-  EXPECT_THAT(finished.errors, HasSubstr("put back: rate of bench 1 is 1"));
+  EXPECT_THAT(finished.errors, HasSubstr("restored: rate of bench 1 is 1"));
   EXPECT_EQ(tool("rate").output, "bench 1 realtime rate 1\n");
   EXPECT_EQ(tool("run -", "rate 2\n").code, 0);
   EXPECT_EQ(tool("rate").output, "bench 1 realtime rate 2\n") << "a success changes what it sets";
@@ -203,7 +203,7 @@ TEST_F(SeveralFiles, RunOneAfterTheOtherWithOneReport) {
                               HasSubstr("b.scn\" tests=\"1\" failures=\"1\"")));
 }
 
-TEST_F(SeveralFiles, AreAllCheckedBeforeAnythingMoves) {
+TEST_F(SeveralFiles, AreAllCheckedBeforeTheFirstCommand) {
   const std::string good = file("a.scn", "enable 1.1\n");
   EXPECT_EQ(run({good, file("b.scn", "enabel 1.1\n")}).code, 2);
   EXPECT_EQ(run({good, file("b.scn", "enable 1.9\n")}).code, 3);
@@ -226,7 +226,7 @@ class WaitAndExpect : public testing::Test {
   RunningService service_{"--clock lockstep"};
 };
 
-TEST_F(WaitAndExpect, HoldOrSayWhatTheAxisShows) {
+TEST_F(WaitAndExpect, PassOrReportTheValuesOfTheAxis) {
   EXPECT_EQ(tool("wait 1.1 switch_on_disabled").code, 0);
   EXPECT_EQ(tool("expect 1.1 position 0").code, 0);
   EXPECT_EQ(tool("expect 1.1 position < 1 --within 1ms").code, 0);
@@ -244,7 +244,7 @@ TEST_F(WaitAndExpect, HoldOrSayWhatTheAxisShows) {
   EXPECT_THAT(tool("wait 1.1 target_reachd").errors, HasSubstr("did you mean 'target_reached'?"));
 }
 
-TEST_F(WaitAndExpect, SeeAMotionThatAnotherCallHasStarted) {
+TEST_F(WaitAndExpect, ObserveAMotionThatAnotherProgramStarted) {
   ASSERT_EQ(tool("enable 1.1").code, 0);
   ASSERT_EQ(tool("move 1.1 1000 --velocity 1000 --no-wait").code, 0);
   EXPECT_EQ(tool("wait 1.1 position > 500").code, 0);

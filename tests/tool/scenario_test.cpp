@@ -54,7 +54,7 @@ TEST(ScenarioFile, SkipsBlankLinesAndCountsThem) {
   EXPECT_EQ(scenario.lines[1].number, 5U);
 }
 
-TEST(ScenarioFile, TakesCarriageReturnsAByteOrderMarkAndAMissingLastLineEnd) {
+TEST(ScenarioFile, AcceptsCarriageReturnsAByteOrderMarkAndAMissingLastLineEnd) {
   const Scenario scenario = scenario_of(
       "\xEF\xBB\xBF"
       "enable 1.1\r\n\r\nwait 1s");
@@ -100,13 +100,13 @@ TEST(ScenarioFile, NamesAnObjectThatDoesNotExistAndAValueOutOfItsRange) {
             "test.scn:1: 2 is out of range: test_blocked_load has 0 to 1");
 }
 
-TEST(ScenarioFile, MayHaveAnyObjectWhereARefusalIsExpected) {
+TEST(ScenarioFile, AcceptsAnyObjectWhereARefusalIsExpected) {
   EXPECT_EQ(mistake_in("refused 0x06020000 read 1.1 no_such_object\n"), "none");
   EXPECT_EQ(mistake_in("refused 0x06010002 write 1.1 0x6041 0\n"), "none");
   EXPECT_EQ(mistake_in("refused 0x06090032 write 1.1 0x6080 0\n"), "none");
 }
 
-TEST(ScenarioFile, OfBytesThatAreNoTextIsAMistakeAndNothingWorse) {
+TEST(ScenarioFile, OfBinaryDataIsRefused) {
   std::string garbage;
   for (int byte = 255; byte >= 0; --byte) garbage += static_cast<char>(byte);
   EXPECT_THROW((void)scenario_of(garbage), UsageError);
@@ -122,7 +122,7 @@ TEST(ScenarioFile, InUtf16IsRefusedAsSuch) {
       ThrowsMessage<UsageError>("test.scn: is encoded in UTF-16 or UTF-32; it must be UTF-8"));
 }
 
-TEST(ScenarioFile, NamesAComparisonThatCannotHold) {
+TEST(ScenarioFile, NamesAComparisonThatIsNeverTrue) {
   EXPECT_EQ(mistake_in("expect 1.1 position > 100\nexpect 1.1 0x3535 != 7\n"), "none");
   // 6041h is an UNSIGNED16.
   EXPECT_EQ(mistake_in("expect 1.1 statusword > 65535\n"),
@@ -141,7 +141,7 @@ bool holds(const std::string& comparison, std::int64_t actual) {
   return std::get<ExpectCommand>(scenario.lines.front().command).accepts(actual);
 }
 
-TEST(ScenarioFile, ComparesAsItsSignSays) {
+TEST(ScenarioFile, ComparesByItsOperator) {
   struct Row {
     const char* sign;
     bool below, equal, above;
@@ -165,7 +165,7 @@ std::vector<std::string> texts_of(const Scenario& scenario) {
   return texts;
 }
 
-TEST(ScenarioVariable, StandsInTheLineAsItsValue) {
+TEST(ScenarioVariable, IsReplacedByItsValue) {
   EXPECT_THAT(texts_of(scenario_of("let a = 1.1\nenable ${a}  # ${b}\ndisable '${a}'\n")),
               ElementsAre("enable 1.1", "disable '1.1'"));
 }
@@ -185,7 +185,7 @@ TEST(ScenarioVariable, OfTheCommandLineTakesPrecedence) {
   EXPECT_THAT(scenario.variables, ElementsAre("axis", "ramps", "target", "time", "zeros"));
 }
 
-TEST(ScenarioVariable, ThatCannotBeUsedIsNamed) {
+TEST(ScenarioVariable, IsNamedWhenItCannotBeUsed) {
   EXPECT_THAT(mistake_in("let speed = 5\nwait ${sped}ms\n"),
               AllOf(StartsWith("test.scn:2: "), HasSubstr("did you mean 'speed'?"),
                     HasSubstr("--set sped=VALUE")));
@@ -206,7 +206,7 @@ TEST(ScenarioFile, HasFinalLinesBelowFinally) {
   EXPECT_TRUE(scenario.lines[1].is_final);
   EXPECT_EQ(scenario.lines[1].number, 3U);
   EXPECT_THAT(mistake_in("finally\nfinally\n"), StartsWith("test.scn:2: "));
-  EXPECT_THAT(mistake_in("finally disable 1.1\n"), HasSubstr("finally stands alone"));
+  EXPECT_THAT(mistake_in("finally disable 1.1\n"), HasSubstr("finally has no arguments"));
 }
 
 TEST(Junit, CountsAndEscapes) {

@@ -96,7 +96,7 @@ void Screen::apply(const std::string& sequence) {
     default:
       break;
   }
-  // Every sequence that the tool sends, as it sends it.
+  // Every sequence that the tool sends.
   constexpr std::array<std::string_view, 15> kKnown{"[H",   "[1A",     "[K",      "[2K",   "[J",
                                                     "[0m",  "[1m",     "[31m",    "[32m",  "[33m",
                                                     "[36m", "[?1049h", "[?1049l", "[?25h", "[?25l"};

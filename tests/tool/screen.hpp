@@ -8,7 +8,7 @@
 
 namespace vdrive::test {
 
-/// A model of a terminal: what a program's output leaves on it. It wraps at the right edge and
+/// A model of a terminal that shows the output of a program. It wraps at the right edge and
 /// scrolls at the lower one as xterm does, knows the sequences that the tool sends and notes every
 /// other one. A resize cuts rows off or adds blanks; it does not wrap again.
 class Screen {
@@ -31,7 +31,7 @@ class Screen {
 
   [[nodiscard]] bool shows_cursor() const noexcept { return shows_cursor_; }
 
-  /// How often a row left at the top of the screen that is shown, and how often text went on in
+  /// How often a row scrolled off the top of the shown screen, and how often text continued in
   /// the next row because it was too long.
   [[nodiscard]] std::size_t scrolled() const noexcept { return scrolled_; }
 

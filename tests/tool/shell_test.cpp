@@ -23,7 +23,7 @@ class Shell : public testing::Test {
   RunningService service_{"--clock lockstep"};
 };
 
-TEST_F(Shell, CarriesOutThePipeInOneSessionAndGoesOnAfterErrors) {
+TEST_F(Shell, ExecutesPipedLinesInOneSessionAndContinuesAfterErrors) {
   const Finished finished = tool("shell",
                                  "enable 1.1   # a comment\n"
                                  "\n"
@@ -43,7 +43,7 @@ TEST_F(Shell, CarriesOutThePipeInOneSessionAndGoesOnAfterErrors) {
               AllOf(HasSubstr("Operation enabled"), HasSubstr("\"owner\":null")));
 }
 
-TEST_F(Shell, TakesTheLastLineWithoutItsEnd) {
+TEST_F(Shell, AcceptsALastLineWithoutALineEnd) {
   const Finished finished = tool("shell", "help\nread 1.1 position");
   EXPECT_EQ(finished.code, 2) << "help is no command";
   EXPECT_THAT(finished.output, HasSubstr("1.1 position load_position_actual_value = 0"));
@@ -80,7 +80,7 @@ class ShellOnATerminal : public Shell {
   PseudoTerminal terminal_;
 };
 
-TEST_F(ShellOnATerminal, CompletesKeepsLinesAndDropsOneOnCtrlC) {
+TEST_F(ShellOnATerminal, CompletesWordsKeepsAHistoryAndDropsALineOnCtrlC) {
   ASSERT_TRUE(shows("vdrive> "));
   terminal_.type("ena\t1.1\n");
   ASSERT_TRUE(shows_and_awaits_a_line("Operation enabled")) << terminal_.output();
@@ -99,7 +99,7 @@ TEST_F(ShellOnATerminal, CompletesKeepsLinesAndDropsOneOnCtrlC) {
   EXPECT_THAT(tool("status 1.1").output, HasSubstr("demand 0")) << "the move was dropped";
 }
 
-TEST_F(ShellOnATerminal, GoesOnWhenACommandIsInterrupted) {
+TEST_F(ShellOnATerminal, ContinuesAfterAnInterruptedCommand) {
   ASSERT_TRUE(shows("vdrive> "));
   terminal_.type("enable 1.1\n");
   ASSERT_TRUE(shows_and_awaits_a_line("Operation enabled")) << terminal_.output();
@@ -116,8 +116,8 @@ TEST_F(ShellOnATerminal, GoesOnWhenACommandIsInterrupted) {
   EXPECT_EQ(terminal_.wait(), 0);
 }
 
-// In lock-step the jog itself lets time pass. 13 is the code of the key.
-TEST(JogOnATerminal, EndsWithEnterAndTheAxisStands) {
+// In lock-step the jog itself advances time. 13 is the code of the key.
+TEST(JogOnATerminal, StopsTheAxisOnEnter) {
   const RunningService service("--clock lockstep");
   ASSERT_EQ(tool("enable 1.1").code, 0);
   PseudoTerminal jog(24, 80, "jog 1.1 10000");

@@ -44,7 +44,7 @@ std::vector<std::string> keys(const Json& json) {
   return names;
 }
 
-TEST(Tool, WithoutAServiceExitsThreeWithinTheTimeoutAndSaysWhatItLookedFor) {
+TEST(Tool, WithoutAServiceExitsThreeWithinTheTimeoutWithAnError) {
   for (const char* const words :
        {"list", "status 1.1", "read x 0x6041", "enable 1.1", "step 1", "watch 1.1"}) {
     const Finished finished = tool(std::string(words) + " --timeout 0.2");
@@ -61,7 +61,7 @@ TEST(Tool, ShowsTheDictionaryWithoutAService) {
   EXPECT_FALSE(json_of(tool("dictionary --json")).empty());
 }
 
-TEST(Tool, ExitsTwoOnBadUsageAndPointsAtIt) {
+TEST(Tool, ExitsTwoOnAUsageErrorAndNamesIt) {
   for (const char* const words : {"", "dance", "move 1.1", "write 1.1 0x6060 300",
                                   "read 1.1 statuswort!", "run /no/such/file.scn"}) {
     const Finished finished = tool(words);
@@ -82,7 +82,7 @@ class ToolInLockStep : public testing::Test {
   RunningService service_{"--clock lockstep"};
 };
 
-TEST_F(ToolInLockStep, DrivesAnAxisThroughItsLife) {
+TEST_F(ToolInLockStep, DrivesAnAxisFromEnableToDisable) {
   for (const char* const words :
        {"list", "status 1.1", "enable 1.1", "move 1.1 1000", "move 1.1 -500 --relative",
         "move 1.1 5000 --velocity 1000 --no-wait", "step 100", "halt 1.1", "resume 1.1",
@@ -94,7 +94,7 @@ TEST_F(ToolInLockStep, DrivesAnAxisThroughItsLife) {
   }
 }
 
-TEST_F(ToolInLockStep, ReadAnswersInJsonAsDocumented) {
+TEST_F(ToolInLockStep, ReadPrintsTheDocumentedJson) {
   const Finished finished = tool("read 1.1 0x6041 0x607D:1 --json");
   ASSERT_EQ(finished.code, 0) << finished.errors;
   EXPECT_EQ(finished.output,
@@ -106,7 +106,7 @@ TEST_F(ToolInLockStep, ReadAnswersInJsonAsDocumented) {
             "\n");
 }
 
-TEST_F(ToolInLockStep, EveryWordAnswersInJsonAsDocumented) {
+TEST_F(ToolInLockStep, EveryCommandPrintsTheDocumentedJson) {
   const auto fields = [](const std::string& words) {
     const auto objects = json_of(tool(words + " --json"));
     return objects.empty() ? std::vector<std::string>{} : keys(objects.front());
@@ -129,7 +129,7 @@ TEST_F(ToolInLockStep, EveryWordAnswersInJsonAsDocumented) {
 }
 
 // Taken in ticks 0 and 7.
-TEST_F(ToolInLockStep, SnapshotListShowsWhatTheBenchKeeps) {
+TEST_F(ToolInLockStep, SnapshotListShowsTheKeptSnapshots) {
   EXPECT_EQ(tool("snapshot list").output, "bench 1 keeps no snapshot\n");
   ASSERT_EQ(tool("snapshot take").code, 0);
   ASSERT_EQ(tool("step 7").code, 0);
@@ -164,7 +164,7 @@ TEST_F(ToolInLockStep, ARefusalExitsFiveWithItsCodeAndMeaning) {
   }
 }
 
-TEST_F(ToolInLockStep, ReadTellsEveryObjectEvenWhenOneIsRefused) {
+TEST_F(ToolInLockStep, ReadPrintsEveryObjectEvenWhenOneIsRefused) {
   const Finished finished = tool("read 1.1 0x6041 0x9999 no_such 0x6061 --json");
   EXPECT_EQ(finished.code, 5);
   const auto objects = json_of(finished);
@@ -175,7 +175,7 @@ TEST_F(ToolInLockStep, ReadTellsEveryObjectEvenWhenOneIsRefused) {
   EXPECT_EQ(objects[3]["value"], 0);
 }
 
-TEST_F(ToolInLockStep, AnUnknownAxisExitsThreeAndSaysWhatIsThere) {
+TEST_F(ToolInLockStep, AnUnknownAxisExitsThreeAndListsThePresentOnes) {
   const Finished number = tool("status 1.9");
   EXPECT_EQ(number.code, 3);
   EXPECT_THAT(number.errors, AllOf(HasSubstr("1.9"), HasSubstr("bench 1")));
@@ -185,7 +185,7 @@ TEST_F(ToolInLockStep, AnUnknownAxisExitsThreeAndSaysWhatIsThere) {
   EXPECT_EQ(tool("status 2.1 --timeout 0.2").code, 3);
 }
 
-TEST_F(ToolInLockStep, WhatIsNotFoundIsOneJsonObject) {
+TEST_F(ToolInLockStep, ANotFoundErrorIsOneJsonObject) {
   const Finished finished = tool("status 1.9 --json");
   EXPECT_EQ(finished.code, 3);
   const auto objects = json_of(finished);
@@ -193,7 +193,7 @@ TEST_F(ToolInLockStep, WhatIsNotFoundIsOneJsonObject) {
   EXPECT_EQ(objects[0]["outcome"], "not_found");
 }
 
-TEST_F(ToolInLockStep, ADirectoryIsNoScenario) {
+TEST_F(ToolInLockStep, ADirectoryIsRefusedAsAScenario) {
   const Finished finished = tool("run .");
   EXPECT_EQ(finished.code, 2);
   EXPECT_THAT(finished.errors, HasSubstr("cannot read '.'"));
@@ -214,7 +214,7 @@ TEST_F(ToolInLockStep, AMoveEndedByAFaultExitsOne) {
   EXPECT_THAT(finished.errors, HasSubstr("0x8611"));
 }
 
-TEST_F(ToolInLockStep, AMoveThatALimitCutsExitsOneAndLimitsWithoutEffectAreSaid) {
+TEST_F(ToolInLockStep, AClampedMoveExitsOneAndLimitsWithoutEffectAreReported) {
   ASSERT_EQ(tool("enable 1.1").code, 0);
   EXPECT_THAT(tool("write 1.1 0x607D:2 1000").errors,
               HasSubstr("app_position_limit_switch (3535h)"));
@@ -246,7 +246,7 @@ TEST_F(ToolInLockStep, ADisturbanceForATimeIsClearedAfterIt) {
   EXPECT_EQ(objects.at(0)["tick"], 20);
 }
 
-TEST_F(ToolInLockStep, TwoBenchesNeedANumberForAStep) {
+TEST_F(ToolInLockStep, AStepNeedsABenchNumberWithTwoBenches) {
   const RunningService other("--clock lockstep --bench 2");
   const Finished finished = tool("step 1");
   EXPECT_EQ(finished.code, 3);
@@ -257,7 +257,7 @@ TEST_F(ToolInLockStep, TwoBenchesNeedANumberForAStep) {
   EXPECT_THAT(tool("record -").errors, HasSubstr("record out.csv 2.1 2.2"));
 }
 
-TEST_F(ToolInLockStep, CallsAnAxisAsItWasTyped) {
+TEST_F(ToolInLockStep, NamesAnAxisAsItWasTyped) {
   EXPECT_THAT(tool("halt x").errors, HasSubstr("axis x (1.1) is in Switch on disabled"));
   EXPECT_THAT(tool("halt 1.1").errors, HasSubstr("axis 1.1 is in Switch on disabled"));
   EXPECT_THAT(json_of(tool("halt x --json")).at(0)["message"].get<std::string>(),
@@ -267,7 +267,7 @@ TEST_F(ToolInLockStep, CallsAnAxisAsItWasTyped) {
   EXPECT_THAT(tool("write x 0x6041 1").errors, HasSubstr("axis x (1.1)"));
 }
 
-TEST_F(ToolInLockStep, ARefusalNamesTheNextStepAndAMistypedNameItsNearest) {
+TEST_F(ToolInLockStep, ARefusalNamesTheNextStepAndAMistypedNameGetsASuggestion) {
   EXPECT_THAT(tool("move x 100").errors, HasSubstr("; enable it first: vdrive enable x"));
   ASSERT_EQ(tool("disturb 1.1 over_current").code, 0);
   ASSERT_EQ(tool("step 2").code, 0);
@@ -292,16 +292,17 @@ TEST_F(ToolInLockStep, AScenarioThatFailsLeavesNoDisturbance) {
                                  "disturb 1.2 over_current 0\n"
                                  "expect 1.1 0x6041 0\n");
   EXPECT_EQ(finished.code, 1);
-  EXPECT_THAT(finished.errors, AllOf(HasSubstr("put back: test_blocked_load of 1.1 is 0"),
-                                     HasSubstr("put back: test_load_torque of y is 0"),
+  EXPECT_THAT(finished.errors, AllOf(HasSubstr("restored: test_blocked_load of 1.1 is 0"),
+                                     HasSubstr("restored: test_load_torque of y is 0"),
                                      Not(HasSubstr("test_over_current"))));
   EXPECT_THAT(tool("read 1.1 0x5E01").output, HasSubstr("= 0"));
   EXPECT_THAT(tool("read 1.2 0x5E00").output, HasSubstr("= 0"));
   EXPECT_EQ(tool("run -", "disturb 1.1 blocked_load\n").code, 0);
-  EXPECT_THAT(tool("read 1.1 0x5E01").output, HasSubstr("= 1")) << "it has passed: as it says";
+  EXPECT_THAT(tool("read 1.1 0x5E01").output, HasSubstr("= 1"))
+      << "the drive time that it prints has passed";
 }
 
-TEST_F(ToolInLockStep, StoringWithoutAStateDirectoryTellsWhatIsMissing) {
+TEST_F(ToolInLockStep, StoreWithoutAStateDirectoryNamesIt) {
   const Finished finished = tool("store 1.1");
   EXPECT_EQ(finished.code, 5);
   EXPECT_THAT(finished.errors,
@@ -346,7 +347,7 @@ class Recording : public testing::Test {
       std::filesystem::temp_directory_path() / ("vdrive-recording-" + std::to_string(::getpid()));
 };
 
-TEST_F(Recording, HasARowForEachAxisAndTickAndCountsWhatIsMissing) {
+TEST_F(Recording, HasARowForEachAxisAndTickAndCountsMissingOnes) {
   const std::string path = file("both.csv");
   const Finished finished = tool("record " + path + " --count 100 --json");
   ASSERT_EQ(finished.code, 0) << finished.errors;
@@ -378,7 +379,7 @@ TEST_F(Recording, HasARowForEachAxisAndTickAndCountsWhatIsMissing) {
   EXPECT_EQ(summary["lost"], lost);
 }
 
-TEST_F(Recording, LastsAsLongInDriveTimeAsAsked) {
+TEST_F(Recording, LastsTheGivenDriveTime) {
   const std::string path = file("one.jsonl");
   ASSERT_EQ(tool("record " + path + " 1.2 --for 50ms").code, 0);
   std::uint64_t ticks = 0;
@@ -387,12 +388,13 @@ TEST_F(Recording, LastsAsLongInDriveTimeAsAsked) {
     EXPECT_EQ(row["axis"], "1.2");
     ticks += ticks == 0 ? 1 : 1 + row["missed"].get<std::uint64_t>();
   }
-  // Up to the last tick before 50 of 1 ms have passed; what was lost at the very end is not known.
+  // Up to the last tick before 50 of 1 ms have passed; samples that were lost at the very end are
+  // not counted.
   EXPECT_LE(ticks, 50U);
   EXPECT_GE(ticks, 40U);
 }
 
-TEST_F(Recording, ThatIsInterruptedIsWholeAndToldAs130) {
+TEST_F(Recording, IsCompleteAfterAnInterruptAndExitsWith130) {
   Process recorder(VDRIVE_TOOL, tool_arguments("record - 1.1"));
   EXPECT_THAT(recorder.read_line(), HasSubstr("axis,name,tick"));
   EXPECT_THAT(recorder.read_line(), HasSubstr("1.1,"));
@@ -402,7 +404,7 @@ TEST_F(Recording, ThatIsInterruptedIsWholeAndToldAs130) {
   EXPECT_THAT(finished.errors, HasSubstr("recorded "));
 }
 
-TEST_F(Recording, IntoAPlaceThatCannotBeWrittenNamesIt) {
+TEST_F(Recording, NamesAnUnwritablePath) {
   const Finished finished = tool("record " + file("no/such/folder.csv") + " 1.1");
   EXPECT_EQ(finished.code, 1);
   EXPECT_THAT(finished.errors, AllOf(HasSubstr("no/such/folder.csv"), HasSubstr("No such file"),
@@ -410,7 +412,7 @@ TEST_F(Recording, IntoAPlaceThatCannotBeWrittenNamesIt) {
   EXPECT_THAT(tool("record - 1.1 --count 1").errors, HasSubstr("recorded 1 sample of 1 axis,"));
 }
 
-TEST_F(ToolInLockStep, ALongRunEndsOnAnInterruptWith130AndReleases) {
+TEST_F(ToolInLockStep, AnInterruptedRunExitsWith130AndReleasesItsAxes) {
   ASSERT_EQ(tool("enable 1.1").code, 0);
   Process move(VDRIVE_TOOL, tool_arguments("run - --json"),
                "step 1\nmove 1.1 1000000 --velocity 1 --timeout 3600000\n");
@@ -420,10 +422,10 @@ TEST_F(ToolInLockStep, ALongRunEndsOnAnInterruptWith130AndReleases) {
   EXPECT_TRUE(json_of(tool("status 1.1 --json")).at(0)["owner"].is_null());
 }
 
-TEST_F(ToolInLockStep, AReaderThatGoesAwayIsNoError) {
+TEST_F(ToolInLockStep, AClosedOutputPipeIsNotAnError) {
   Process watch(VDRIVE_TOOL, tool_arguments("watch 1.1 --json --count 3"));
   watch.stop_reading();
-  EXPECT_EQ(tool("step 5000").code, 0);  // gives it something to say
+  EXPECT_EQ(tool("step 5000").code, 0);  // the run has something to print
   const Finished finished = watch.wait();
   EXPECT_EQ(finished.code, 0);
   EXPECT_THAT(finished.errors, IsEmpty());
@@ -462,8 +464,8 @@ TEST_F(ToolInLockStep, AScenarioEndsAtItsFirstFailureWithPlaceAndValues) {
   EXPECT_EQ(json_of(tool("status 1.1 --json")).at(0)["ds402_statusword"], 0x250) << "not enabled";
 }
 
-// What ends a scenario before its first line, with the exit code: usage 2, nobody there 3.
-TEST_F(ToolInLockStep, AReportTellsWhyAScenarioDidNotBegin) {
+// What ends a scenario before its first line, with the exit code: usage 2, not found 3.
+TEST_F(ToolInLockStep, AReportNamesTheReasonWhyAScenarioDidNotBegin) {
   const auto junit = std::filesystem::temp_directory_path() /
                      ("vdrive-junit-" + std::to_string(test_domain()) + ".xml");
   const auto report_of = [&](const std::string& lines, int code) {
@@ -480,7 +482,7 @@ TEST_F(ToolInLockStep, AReportTellsWhyAScenarioDidNotBegin) {
   std::filesystem::remove(junit);
 }
 
-TEST_F(ToolInLockStep, AReportThatCannotBeWrittenIsRefusedBeforeAnythingMoves) {
+TEST_F(ToolInLockStep, AnUnwritableReportIsRefusedBeforeTheFirstCommand) {
   const Finished finished = tool({"run", "-", "--junit", "/nonexistent/x.xml"}, "enable 1.1\n");
   EXPECT_EQ(finished.code, 2);
   EXPECT_THAT(finished.errors,
@@ -488,7 +490,7 @@ TEST_F(ToolInLockStep, AReportThatCannotBeWrittenIsRefusedBeforeAnythingMoves) {
   EXPECT_EQ(json_of(tool("status 1.1 --json")).at(0)["ds402_statusword"], 0x250) << "not enabled";
 }
 
-TEST_F(ToolInLockStep, AnyOtherRefusedLineEndsTheScenario) {
+TEST_F(ToolInLockStep, AnUnexpectedRefusalEndsTheScenario) {
   const Finished other = tool("run -", "refused 0x06010002 write 1.1 0x60F2 3\n");
   EXPECT_EQ(other.code, 1);
   EXPECT_THAT(other.errors, AllOf(HasSubstr("0x06010002"), HasSubstr("0x06090030")));
@@ -496,7 +498,7 @@ TEST_F(ToolInLockStep, AnyOtherRefusedLineEndsTheScenario) {
   EXPECT_EQ(tool("run -", "write 1.1 0x60F2 3\n").code, 1);
 }
 
-TEST_F(ToolInLockStep, AScenarioIsReadWholeBeforeItDoesAnything) {
+TEST_F(ToolInLockStep, AScenarioIsParsedBeforeItsFirstCommand) {
   const Finished finished = tool("run -", "enable 1.1\ndance\n");
   EXPECT_EQ(finished.code, 2);
   EXPECT_THAT(finished.errors, HasSubstr("<stdin>:2:"));
@@ -510,7 +512,7 @@ TEST_F(ToolInLockStep, AScenarioIsReadWholeBeforeItDoesAnything) {
   EXPECT_EQ(json_of(tool("status 1.1 --json")).at(0)["ds402_statusword"], 0x250);
 }
 
-TEST_F(ToolInLockStep, AScenarioTellsItsLinesInJson) {
+TEST_F(ToolInLockStep, AScenarioPrintsItsLinesInJson) {
   const Finished finished =
       tool("run - --json", "wait 3ms\nread 1.1 0x6041\nexpect 1.1 0x6041 0\n");
   EXPECT_EQ(finished.code, 1);
@@ -524,7 +526,7 @@ TEST_F(ToolInLockStep, AScenarioTellsItsLinesInJson) {
   EXPECT_EQ(objects[4]["passed"], false);
 }
 
-TEST_F(ToolInLockStep, ThroughoutSeesATickThatDiffers) {
+TEST_F(ToolInLockStep, ThroughoutDetectsASingleDifferentTick) {
   const Finished finished = tool("run -",
                                  "enable 1.1\n"
                                  "write 1.1 0x6060 1\n"
@@ -563,7 +565,7 @@ TEST(ToolInRealtime, WatchStreamsWhileAnotherCallMoves) {
 }
 
 /// A service in real time and another terminal, in which axis 1.1 moves to a far target.
-class MoveElsewhere : public testing::Test {
+class MoveOfAnotherProgram : public testing::Test {
  protected:
   /// @param words options of the move
   void begin(const std::string& words = "") {
@@ -577,13 +579,13 @@ class MoveElsewhere : public testing::Test {
 
   static Json status() { return json_of(tool("status 1.1 --json")).at(0); }
 
-  // Whose owners may be silent for long: the machine may be busy.
+  // With a long watchdog time: the machine may be busy.
   RunningService service_{"--clock realtime --axes 2 --config " VDRIVE_SOURCE_DIR
                           "/tests/data/patient.yaml"};
   std::optional<Process> move_;
 };
 
-TEST_F(MoveElsewhere, IsHaltedFromThisTerminal) {
+TEST_F(MoveOfAnotherProgram, IsHaltedFromThisTerminal) {
   begin();
   const Finished halted = tool("halt 1.1 --wait");
   EXPECT_EQ(halted.code, 0) << halted.errors;
@@ -593,50 +595,50 @@ TEST_F(MoveElsewhere, IsHaltedFromThisTerminal) {
   EXPECT_EQ(speed(), 0);
 }
 
-TEST_F(MoveElsewhere, IsQuickStoppedFromThisTerminal) {
+TEST_F(MoveOfAnotherProgram, IsQuickStoppedFromThisTerminal) {
   begin();
   EXPECT_EQ(tool("quick-stop 1.1").code, 0);
   EXPECT_EQ(move_->wait().code, 1);
   EXPECT_EQ(status()["state"], "Switch on disabled");
 }
 
-TEST_F(MoveElsewhere, IsStoppedByAWriteOfTheControlword) {
+TEST_F(MoveOfAnotherProgram, IsStoppedByAWriteOfTheControlword) {
   begin();
   EXPECT_EQ(tool("write 1.1 0x6040 0x06").code, 5) << "no stop";
   EXPECT_EQ(tool("write 1.1 0x6040 0x02").code, 0);
   EXPECT_EQ(move_->wait().code, 1);
 }
 
-TEST_F(MoveElsewhere, IsStoppedWithItsBench) {
+TEST_F(MoveOfAnotherProgram, IsStoppedWithItsBench) {
   begin();
   const Finished stopped = tool("stop --json");
   EXPECT_EQ(stopped.code, 0) << stopped.errors;
-  const Json told = json_of(stopped).at(0);
-  EXPECT_THAT(keys(told), ElementsAre("bench", "command", "axes", "outcome"));
-  EXPECT_EQ(told["axes"], 2);
+  const Json stopped_json = json_of(stopped).at(0);
+  EXPECT_THAT(keys(stopped_json), ElementsAre("bench", "command", "axes", "outcome"));
+  EXPECT_EQ(stopped_json["axes"], 2);
   EXPECT_EQ(move_->wait().code, 1);
   EXPECT_EQ(status()["state"], "Switch on disabled");
   EXPECT_EQ(tool("stop 1").output, "bench 1: quick stop of 2 axes\n");
   EXPECT_EQ(tool("stop 7 --timeout 0.3").code, 3);
 }
 
-TEST_F(MoveElsewhere, IsTakenOver) {
+TEST_F(MoveOfAnotherProgram, IsTakenOver) {
   begin();
   EXPECT_EQ(tool("disable 1.1").code, 5);
   EXPECT_EQ(tool("disable 1.1 --take-over").code, 0);
   EXPECT_EQ(move_->wait().code, 1);
 }
 
-TEST_F(MoveElsewhere, TellsOnAnInterruptThatTheAxisGoesOn) {
+TEST_F(MoveOfAnotherProgram, ReportsOnAnInterruptThatTheAxisStillMoves) {
   begin();
   move_->send(SIGINT);
   const Finished moved = move_->wait();
   EXPECT_EQ(moved.code, 130);
-  EXPECT_EQ(moved.errors, "vdrive: interrupted; axis 1.1 goes on to its target\n");
+  EXPECT_EQ(moved.errors, "vdrive: interrupted; axis 1.1 continues to its target\n");
   EXPECT_NE(speed(), 0);
 }
 
-TEST_F(MoveElsewhere, HaltsTheAxisOnAnInterruptWhenTold) {
+TEST_F(MoveOfAnotherProgram, HaltsTheAxisOnAnInterruptWithItsOption) {
   begin("--stop-on-interrupt");
   move_->send(SIGINT);
   const Finished moved = move_->wait();
@@ -653,7 +655,7 @@ TEST(ToolInRealtime, ShowsABenchThatIsPaused) {
   EXPECT_EQ(tool("read 1.1 0x6041").code, 0);
 }
 
-TEST(ToolInRealtime, PausesAndGoesOn) {
+TEST(ToolInRealtime, PausesAndContinues) {
   const RunningService service("--clock realtime");
   const Finished paused = tool("rate 0 --json");
   EXPECT_EQ(paused.code, 0) << paused.errors;
@@ -672,7 +674,7 @@ TEST(ToolInRealtime, PausesAndGoesOn) {
   EXPECT_EQ(enabled.code, 0) << enabled.errors;
 }
 
-TEST(ToolInRealtime, ARateOutOfRangeIsRefusedAndAWordIsNoRate) {
+TEST(ToolInRealtime, ARateOutOfRangeIsRefusedAndTextIsAUsageError) {
   const RunningService service("--clock realtime");
   const Finished refused = tool("rate 101 --json");
   EXPECT_EQ(refused.code, 5);
@@ -685,7 +687,7 @@ TEST(ToolInRealtime, ARateOutOfRangeIsRefusedAndAWordIsNoRate) {
   EXPECT_EQ(tool("rate 1 2 3").code, 2);
 }
 
-TEST(ToolInRealtime, ARefusedStepIsAnObjectToo) {
+TEST(ToolInRealtime, ARefusedStepIsOneJsonObject) {
   const RunningService service("--clock realtime");
   const Finished refused = tool("step 1 --json");
   EXPECT_EQ(refused.code, 5);
@@ -694,7 +696,7 @@ TEST(ToolInRealtime, ARefusedStepIsAnObjectToo) {
               ElementsAre("bench", "ticks", "outcome", "code", "message"));
 }
 
-TEST(ToolInRealtime, RunsAScenarioOfTimesOnly) {
+TEST(ToolInRealtime, RunsAScenarioOfWaitsOnly) {
   const RunningService service("--clock realtime");
   const Finished finished = tool("run -",
                                  "enable 1.1\n"
@@ -712,7 +714,7 @@ TEST(ToolInRealtime, RunsAScenarioOfTimesOnly) {
   EXPECT_EQ(finished.code, 0) << finished.errors << finished.output;
 }
 
-TEST(ToolInRealtime, ThroughoutWantsAnObjectOfTheStatusStream) {
+TEST(ToolInRealtime, ThroughoutNeedsAnObjectOfTheStatusStream) {
   const RunningService service("--clock realtime");
   const Finished finished = tool("run -", "expect 1.1 0x607A 0 --throughout 5ms\n");
   EXPECT_EQ(finished.code, 1);

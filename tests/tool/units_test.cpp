@@ -15,7 +15,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// A turning and a sliding axis, enabled, in lock-step.
+/// A rotary and a linear axis, enabled, in lock-step.
 class Units : public testing::Test {
  protected:
   void SetUp() override {
@@ -45,7 +45,7 @@ axes:
 };
 
 // 90 of 360 deg are 1024 of 4096 UU; 12.5 mm are 12500 UU.
-TEST_F(Units, OfEachAxisAreTakenAndShown) {
+TEST_F(Units, OfEachAxisAreAcceptedAndShown) {
   const Finished turned = tool("move turn 90deg --velocity 180deg/s");
   ASSERT_EQ(turned.code, 0) << turned.errors;
   EXPECT_THAT(turned.output, HasSubstr("1024 UU    90.00 deg"));
@@ -60,14 +60,14 @@ TEST_F(Units, OfEachAxisAreTakenAndShown) {
   EXPECT_NEAR(status["position_in_unit"], 7.5, 0.005) << "0.005 mm are 5 UU";
 }
 
-TEST_F(Units, AreTakenByWrite) {
+TEST_F(Units, AreAcceptedByWrite) {
   ASSERT_EQ(tool("write slide profile_velocity 10mm/s").code, 0);
   EXPECT_EQ(value_of("slide", "0x6081"), "10000");
   ASSERT_EQ(tool("write turn 0x6081 60rpm").code, 0);
   EXPECT_EQ(value_of("turn", "0x6081"), "4096");
 }
 
-TEST_F(Units, ThatAnAxisHasNotAreAUsageErrorAndNothingMoves) {
+TEST_F(Units, ThatAnAxisDoesNotHaveAreAUsageError) {
   const Finished refused = tool("move slide 90deg");
   EXPECT_EQ(refused.code, 2);
   EXPECT_THAT(refused.errors, HasSubstr("axis slide has no unit 'deg'; it has mm, m, cm, um, UU"));
@@ -77,7 +77,7 @@ TEST_F(Units, ThatAnAxisHasNotAreAUsageErrorAndNothingMoves) {
   EXPECT_EQ(value_of("turn", "0x6062"), "0");
 }
 
-TEST_F(Units, OfAScenarioAreCheckedBeforeAnythingMoves) {
+TEST_F(Units, OfAScenarioAreCheckedBeforeItsFirstCommand) {
   const Finished refused = tool("run " + file("bad.scn", "move turn 90deg\nmove slide 3deg\n"));
   EXPECT_EQ(refused.code, 2);
   EXPECT_THAT(refused.errors, HasSubstr("bad.scn:2: '3deg': axis slide has no unit 'deg'"));

@@ -16,7 +16,7 @@ using testing::ThrowsMessage;
 
 constexpr ObjectAddress kStatusword{0x6041, 0};
 
-TEST(ObjectName, MayBeTheOneOfTheStandard) {
+TEST(ObjectName, CanBeTheNameOfTheStandard) {
   EXPECT_EQ(parse_object("statusword").address, (ObjectAddress{0x6041, 0}));
   EXPECT_EQ(parse_object("target_position").address, (ObjectAddress{0x607A, 0}));
   EXPECT_EQ(parse_object("max_position_limit").address, (ObjectAddress{0x607D, 2}));
@@ -24,7 +24,7 @@ TEST(ObjectName, MayBeTheOneOfTheStandard) {
   EXPECT_EQ(object_suggestion("gravity"), "");
 }
 
-TEST(ObjectName, WithoutASubindexCoversAllOfThem) {
+TEST(ObjectName, WithoutASubIndexCoversAllOfThem) {
   EXPECT_TRUE(parse_object("0x607D").covers({0x607D, 1}));
   EXPECT_TRUE(parse_object("0x607D").covers({0x607D, 2}));
   EXPECT_TRUE(parse_object("607Dh").covers({0x607D, 2}));
@@ -33,21 +33,21 @@ TEST(ObjectName, WithoutASubindexCoversAllOfThem) {
   EXPECT_FALSE(parse_object("no_such").covers({0x607D, 1}));
 }
 
-TEST(ObjectName, IsAnIndexOfSubIndexZero) {
+TEST(ObjectName, CanBeAnIndexWithSubIndexZero) {
   EXPECT_EQ(parse_object("0x6041").address, kStatusword);
 }
 
-TEST(ObjectName, IsAnIndexWithASubIndexInDecimalOrHex) {
+TEST(ObjectName, CanHaveASubIndexInDecimalOrHex) {
   EXPECT_EQ(parse_object("0x607D:1").address, (ObjectAddress{0x607D, 1}));
   EXPECT_EQ(parse_object("0x607d:0x02").address, (ObjectAddress{0x607D, 2}));
 }
 
-TEST(ObjectName, IsAVariableName) {
+TEST(ObjectName, CanBeAVariableName) {
   EXPECT_EQ(parse_object("ds402_statusword").address, kStatusword);
   EXPECT_EQ(parse_object("user_position_upper_limit").address, (ObjectAddress{0x607D, 2}));
 }
 
-TEST(ObjectName, OfNoObjectIsForTheDriveToRefuse) {
+TEST(ObjectName, OfAMissingObjectIsAccepted) {
   EXPECT_EQ(parse_object("no_such_object").address, std::nullopt);
   EXPECT_EQ(parse_object("0x9999").address, (ObjectAddress{0x9999, 0}));
   EXPECT_EQ(parse_object("0x9999").row(), std::nullopt);
@@ -77,7 +77,7 @@ TEST(Value, IsDecimalOrNegative) {
   EXPECT_EQ(parse_value("-10000", DataType::integer32), -10000);
 }
 
-TEST(Value, InHexIsTheTypesTwosComplement) {
+TEST(Value, InHexIsTheTwosComplementOfItsType) {
   EXPECT_EQ(parse_value("0xFFFFD8F0", DataType::integer32), -10000);
   EXPECT_EQ(parse_value("0x2710", DataType::integer32), 10000);
   EXPECT_EQ(parse_value("0xFF", DataType::integer8), -1);
@@ -122,7 +122,7 @@ INSTANTIATE_TEST_SUITE_P(
       return row.param.name;
     });
 
-TEST(Value, TooWideNamesTheLimits) {
+TEST(Value, OutOfRangeIsRefusedWithItsLimits) {
   EXPECT_THAT(
       [] {
         (void)parse_value("300", DataType::integer8);
@@ -166,7 +166,7 @@ INSTANTIATE_TEST_SUITE_P(Texts, BadDuration,
                            return "row_" + std::to_string(text.index);
                          });
 
-TEST(Duration, OfAnOptionIsInSecondsWithoutAUnit) {
+TEST(Duration, OfAnOptionWithoutAUnitIsInSeconds) {
   EXPECT_EQ(parse_seconds("2"), 2s);
   EXPECT_EQ(parse_seconds("0.5"), 500ms);
   EXPECT_EQ(parse_seconds("250ms"), 250ms);

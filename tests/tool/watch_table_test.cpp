@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The table of `watch`: what a width has room for, and that no row is wider than the terminal.
+// The table of `watch`: its columns by width, and that no row is wider than the terminal.
 #include "watch_table.hpp"
 
 #include "columns.hpp"
@@ -52,7 +52,7 @@ std::vector<LiveLine> table_of(const client::Observation& sample, TerminalSize s
   return watch_table(sample, faces_of(sample, "gantry_left"), size);
 }
 
-TEST(WatchTable, HasNoRowWiderThanTheTerminalAndNoMoreRows) {
+TEST(WatchTable, FitsTheWidthAndHeightOfTheTerminal) {
   const client::Observation sample = observation(20);
   const auto faces = faces_of(sample, "轴_with_a_long_name_of_many_characters");
   for (std::size_t columns = 2; columns <= 300; ++columns) {
@@ -67,7 +67,7 @@ TEST(WatchTable, HasNoRowWiderThanTheTerminalAndNoMoreRows) {
 }
 
 // 4 + 1 + 10 + 1 + 8 + 2 = 26 columns before the state, 33 for "Operation enabled: target reached".
-TEST(WatchTable, HasRoomForPositionVelocityAndStateIn60Columns) {
+TEST(WatchTable, ShowsPositionVelocityAndStateIn60Columns) {
   client::Observation sample;
   sample.axes = {axis_of(1)};
   sample.axes[0].status.load_position_actual_value = -123'456'789;
@@ -105,7 +105,7 @@ TEST(WatchTable, ShowsThePositionInTheUnitOfEachAxis) {
             "1.2        1024     1.024 mm        0  Operation enabled: target reached");
 }
 
-TEST(WatchTable, OfAFaultIsRedAlsoWhereItsAxisIsLeftOut) {
+TEST(WatchTable, IsRedOnAFaultOfAnAxisThatIsLeftOut) {
   client::Observation sample = observation(5);
   sample.axes[4].status.ds402_statusword = 0x0218;
   sample.axes[4].status.error_code = 0x8611;
@@ -129,7 +129,7 @@ std::vector<std::string> axes_of(const std::vector<LiveLine>& lines) {
   return axes;
 }
 
-TEST(WatchTable, IsSortedAsChosen) {
+TEST(WatchTable, IsSortedBySelectedColumn) {
   client::Observation sample;
   sample.axes = {axis_of(1), axis_of(2), axis_of(3)};
   sample.axes[0].status.load_velocity_actual_value = 5;
@@ -164,7 +164,7 @@ TEST(WatchTable, HasPagesWhereNotAllAxesFit) {
   EXPECT_THAT(page(1'000), ElementsAre("1.7", "1.8", "...")) << "beyond the end: the last page";
 }
 
-TEST(WatchTable, SaysThatNoAxisHasAFault) {
+TEST(WatchTable, ReportsThatNoAxisHasAFault) {
   const client::Observation sample = observation(2);
   const auto lines = watch_table(sample, faces_of(sample, "axis"), {80, 24}, {.only_faults = true});
   ASSERT_THAT(lines, SizeIs(3));
@@ -184,7 +184,7 @@ TEST(Keys, AreLettersAndThePageKeys) {
   EXPECT_EQ(take_key(typed), Key::next_page);
 }
 
-TEST(Columns, CutTextAtCharactersAndCountChineseOnesTwice) {
+TEST(Columns, CutTextAtCharactersAndCountWideOnesTwice) {
   EXPECT_EQ(display_width("a轴b"), 4U);
   EXPECT_EQ(clipped("abcdef", 6), "abcdef");
   EXPECT_EQ(clipped("abcdef", 5), "abc..");

@@ -35,7 +35,7 @@ std::string error_of(const Screen& screen) {
   return "screen:\n" + testing::PrintToString(screen.rows());
 }
 
-/// Three axes in lock-step; the first is on a long way.
+/// Three axes in lock-step; the first makes a long move.
 class WatchOnATerminal : public testing::Test {
  protected:
   void SetUp() override {
@@ -43,7 +43,7 @@ class WatchOnATerminal : public testing::Test {
     ASSERT_EQ(tool("move 1.1 1000000 --no-wait").code, 0);
   }
 
-  /// Lets the axes move until the table has shown another tick.
+  /// Moves the axes until the table has shown another tick.
   static bool see_another_tick(PseudoTerminal& watch) {
     const std::string before = watch.screen().rows()[0];
     return tool("step 20").code == 0 && watch.wait_until([&](const Screen& screen) {
@@ -79,10 +79,10 @@ TEST_F(WatchOnATerminal, ShowsEachAxisOnOneRowAtAnyWidth) {
   }
 }
 
-TEST_F(WatchOnATerminal, FollowsTheSizeWhileItRuns) {
+TEST_F(WatchOnATerminal, FollowsTheSizeOfTheTerminal) {
   PseudoTerminal watch(kRows, 200, "watch 1.1 1.2 1.3");
   ASSERT_TRUE(watch.wait_until(shows_three_axes)) << error_of(watch.screen());
-  // Time stands still: the size alone has to draw it anew.
+  // Time stands still: only the new size can redraw it.
   for (const std::size_t columns : {60U, 80U, 40U, 200U}) {
     watch.resize(kRows, columns);
     ASSERT_TRUE(watch.wait_until([&](const Screen& screen) {
@@ -116,7 +116,7 @@ TEST_F(WatchOnATerminal, ShowsAFaultWithItsCodeItsNameAndAColor) {
   EXPECT_THAT(without_color.output(), Not(HasSubstr("\x1b[1m")));
 }
 
-TEST_F(WatchOnATerminal, LeavesTheLastTableOnTheUsualScreen) {
+TEST_F(WatchOnATerminal, LeavesTheLastTableOnTheNormalScreen) {
   PseudoTerminal watch(kRows, 80, "watch 1.1 1.2 1.3");
   ASSERT_TRUE(watch.wait_until(shows_three_axes)) << error_of(watch.screen());
   EXPECT_TRUE(watch.screen().is_alternate());
@@ -128,8 +128,8 @@ TEST_F(WatchOnATerminal, LeavesTheLastTableOnTheUsualScreen) {
   EXPECT_THAT(watch.screen().rows(), Contains(StartsWith("1.3")));
 }
 
-TEST_F(WatchOnATerminal, ThatIsTooLowTellsHowManyAxesAreLeftOut) {
-  // Four rows: title, header, one axis, and the row that tells of two more.
+TEST_F(WatchOnATerminal, CountsTheAxesThatDoNotFit) {
+  // Four rows: title, header, one axis, and the row that counts two more.
   PseudoTerminal watch(4, 60, "watch 1.1 1.2 1.3");
   ASSERT_TRUE(watch.wait_until([](const Screen& screen) {
     return screen.rows()[3] == "... 2 more axes";
@@ -160,7 +160,7 @@ TEST_F(WatchOnATerminal, SortsFiltersPagesAndEndsByKeys) {
   }
 }
 
-TEST_F(WatchOnATerminal, ShowsTheNextPageOfATerminalThatIsTooLow) {
+TEST_F(WatchOnATerminal, ShowsTheNextPageOnALowTerminal) {
   PseudoTerminal watch(4, 60, "watch");
   ASSERT_TRUE(watch.wait_until([](const Screen& screen) {
     return screen.rows()[2].starts_with("1.1") && screen.rows()[3] == "... 2 more axes";
@@ -172,7 +172,7 @@ TEST_F(WatchOnATerminal, ShowsTheNextPageOfATerminalThatIsTooLow) {
   expect_sound(watch);
 }
 
-TEST_F(WatchOnATerminal, SendsNoEscapesWhereItIsNone) {
+TEST_F(WatchOnATerminal, SendsNoEscapesToADumbTerminal) {
   EXPECT_THAT(tool("watch 1.1 1.2 1.3 --count 1").output, Not(HasSubstr("\x1b")));
   PseudoTerminal dumb(kRows, 200, "watch 1.1 1.2 1.3", {"TERM=dumb"});
   ASSERT_TRUE(dumb.wait_until([](const Screen& screen) {
@@ -182,7 +182,7 @@ TEST_F(WatchOnATerminal, SendsNoEscapesWhereItIsNone) {
 }
 
 // The lines of a scenario stay, and the live block below them has one row an axis.
-TEST_F(WatchOnATerminal, ARunKeepsItsLinesAndOneRowAnAxis) {
+TEST_F(WatchOnATerminal, KeepsTheLinesOfARunAndOneRowForEachAxis) {
   const TemporaryDirectory directory;
   const std::string file = directory.path() / "far.scn";
   std::ofstream(file) << "enable 1.2\nmove 1.2 20000 --velocity 20000\nmove 1.2 0\n";

@@ -198,7 +198,8 @@ ClientMessage parse_text(std::string_view text) {
 
 ClientMessage parse_binary(std::string_view bytes) {
   const auto operation = take<std::uint8_t>(bytes, "operation");
-  if (operation == kMessageData) throw ProtocolError("this server takes no messages of clients");
+  if (operation == kMessageData)
+    throw ProtocolError("this server accepts no messages from clients");
   if (operation != kServiceRequest) {
     throw ProtocolError("the binary operation " + std::to_string(operation) +
                         " is not one of this server");

@@ -405,7 +405,7 @@ class Connection final : public std::enable_shared_from_this<Connection> {
     frame.is_text = true;
     frame.body = std::make_shared<const std::string>(status_text(
         Level::warning, counted(dropped, "message was", "messages were") +
-                            " left out: this connection is slower than what it subscribes"));
+                            " left out: this connection is too slow for its subscriptions"));
     push_answer(std::move(frame), false);
   }
 

@@ -171,7 +171,7 @@ void add_homing(AxisClass& axis) {
       py::kw_only(), py::arg("method") = py::none(), py::arg("offset") = py::none(),
       py::arg("search_speed") = py::none(), py::arg("creep_speed") = py::none(),
       py::arg("acceleration") = py::none(), py::arg("timeout") = 60.0, py::arg("until") = "done",
-      "A homing run: waits until the axis is at home.");
+      "A homing run: waits until the axis is homed.");
 }
 
 void add_velocity_and_torque(AxisClass& axis) {
@@ -188,7 +188,8 @@ void add_velocity_and_torque(AxisClass& axis) {
       },
       py::arg("velocity"), py::kw_only(), py::arg("acceleration") = py::none(),
       py::arg("deceleration") = py::none(), py::arg("timeout") = 60.0, py::arg("until") = "done",
-      "Profile velocity mode: waits until `velocity` (UU/s) is reached. The axis runs on.");
+      "Profile velocity mode: waits until `velocity` (UU/s) is reached. The axis continues to "
+      "run.");
   axis.def(
       "apply_torque",
       [](PyAxis& self, std::int16_t torque, OptionalU32 slope, double timeout,
@@ -246,7 +247,7 @@ void add_ownership(AxisClass& axis) {
   add("take_over", &Axis::take_over, "Takes control, also from another session, which loses it.");
   add("store", &Axis::store, "Stores the parameters (1010h); returns when they are durable.");
   add("restore_defaults", &Axis::restore_defaults,
-      "Forgets what is stored (1011h), from the next power cycle on.");
+      "Removes the stored values (1011h), from the next power cycle on.");
   add("end_disturbances", &Axis::end_disturbances, "Ends every disturbance of the axis.");
 }
 
@@ -433,7 +434,7 @@ void add_axis(py::module_& module) {
           [](const PyAxis& self) {
             return self.axis.unit();
           },
-          "What its user units are.")
+          "The unit of its user units.")
       .def("__repr__", [](const PyAxis& self) {
         return "<vdrive.Axis " + to_string(self.axis.id()) + " " + self.axis.name() + ">";
       });

@@ -94,14 +94,15 @@ std::string name_or_number(const client::BenchInfo& bench) {
 }
 
 void add_unit(py::module_& module) {
-  py::class_<Unit>(module, "Unit", "What the user units (UU) of an axis are in the world.")
+  py::class_<Unit>(module, "Unit", "The physical unit of the user units (UU) of an axis.")
       .def_property_readonly(
           "kind",
           [](const Unit& unit) {
             return std::string(to_string(unit.kind));
           },
           R"("rotary" or "linear".)")
-      .def_readonly("name", &Unit::name, R"(In which positions are shown, such as "deg" or "mm".)")
+      .def_readonly("name", &Unit::name,
+                    R"(The unit in which positions are shown, such as "deg" or "mm".)")
       .def_readonly("size", &Unit::size, "UU of a revolution; linear: of one `name`.")
       .def(
           "to_user_units",
@@ -125,7 +126,7 @@ void add_unit(py::module_& module) {
 
 void add_axis_info(py::module_& module) {
   using client::AxisInfo;
-  py::class_<AxisInfo>(module, "AxisInfo", "What a bench publishes about one of its axes.")
+  py::class_<AxisInfo>(module, "AxisInfo", "The description of an axis that its bench publishes.")
       .def_property_readonly(
           "id",
           [](const AxisInfo& axis) {
@@ -139,7 +140,7 @@ void add_axis_info(py::module_& module) {
       .def_readonly("user_position_upper_limit", &AxisInfo::user_position_upper_limit,
                     "607Dh:2 at power-up, in UU.")
       .def_readonly("app_speed_limit", &AxisInfo::app_speed_limit, "607Fh at power-up, in UU/s.")
-      .def_readonly("unit", &AxisInfo::unit, "What its user units are.")
+      .def_readonly("unit", &AxisInfo::unit, "The unit of its user units.")
       .def("__repr__", [](const AxisInfo& axis) {
         return "<vdrive.AxisInfo " + to_string(axis.id) + " " + axis.name + ">";
       });
@@ -147,7 +148,7 @@ void add_axis_info(py::module_& module) {
 
 void add_bench_info(py::module_& module) {
   using client::BenchInfo;
-  py::class_<BenchInfo>(module, "BenchInfo", "What a bench publishes about itself.")
+  py::class_<BenchInfo>(module, "BenchInfo", "The description of a bench that it publishes.")
       .def_readonly("number", &BenchInfo::number, "Its number on the domain.")
       .def_readonly("incarnation", &BenchInfo::incarnation,
                     "Of the service: another number after a restart.")
@@ -172,7 +173,7 @@ void add_bench_info(py::module_& module) {
           [](const BenchInfo& bench) {
             return seconds_of(bench.sample_age);
           },
-          "Wall time since its newest sample came, in s, when this was found.")
+          "Wall time since its newest sample, in s, at the time of the search.")
       .def_readonly("rate", &BenchInfo::rate, "Drive time over wall time; 0 = paused.")
       .def_readonly("wire_starts", &BenchInfo::wire_starts,
                     "Starts of its network process; 0 = not known yet.")
@@ -181,7 +182,7 @@ void add_bench_info(py::module_& module) {
           [](const BenchInfo& bench) {
             return seconds_of(bench.longest_silence);
           },
-          "Drive time without a sign of an owner after which it takes the axes away, in s.")
+          "Drive time without a message from an owner after which it loses its axes, in s.")
       .def_readonly("user_units_per_revolution", &BenchInfo::user_units_per_revolution,
                     "UU of a revolution.")
       .def_readonly("dictionary_version", &BenchInfo::dictionary_version,

@@ -141,7 +141,7 @@ void add_calls(GroupClass& group) {
            "Waits until the present move and the queue have ended.");
   add_call(group, "halt_all", &AxisGroup::halt_all,
            "Brakes to standstill; the move and the queue stay.");
-  add_call(group, "resume_all", &AxisGroup::resume_all, "Continues what was halted.");
+  add_call(group, "resume_all", &AxisGroup::resume_all, "Continues a halted move.");
   add_call(group, "quick_stop_all", &AxisGroup::quick_stop_all,
            "Quick stop of every axis without a fault. Drops the queue.");
   add_call(group, "reset_all", &AxisGroup::reset_all,
@@ -212,7 +212,7 @@ void add_state(GroupClass& group) {
           return self.group.monitor(on);
         }));
       },
-      py::arg("on"), "Real time: checks for faults in a thread of its own while no call waits.");
+      py::arg("on"), "Real time: checks for faults in a separate thread while no call waits.");
 }
 
 void add_streaming(GroupClass& group) {

@@ -8,7 +8,7 @@
 
 PYBIND11_MODULE(_vdrive, module) {
   namespace py = pybind11;
-  module.doc() = "What `import vdrive` has in C++: the client library of vdrive.";
+  module.doc() = "The C++ part of `import vdrive`: the client library of vdrive.";
   module.attr("__version__") = VDRIVE_VERSION;
   vdrive::python::add_bench(module);
   vdrive::python::add_status(module);

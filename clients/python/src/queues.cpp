@@ -79,13 +79,13 @@ void add_queue(py::class_<Source, std::shared_ptr<Source>>& queue) {
       [](Source& source) {
         return source.queue().file();
       },
-      "A file that is readable while something is there, for select, asyncio and their like.");
+      "A file that is readable while a value waits, for select, asyncio and similar.");
   queue.def_property_readonly(
       "dropped",
       [](Source& source) {
         return source.queue().dropped();
       },
-      "How many were dropped, the oldest first, because the program did not take them.");
+      "The number of dropped values, the oldest first, because the program did not take them.");
   queue.def("__iter__", [](py::object self) {
     return self;
   });
@@ -126,7 +126,7 @@ void add_status_queue(py::module_& module) {
 }
 
 void add_event(py::module_& module) {
-  py::class_<Event>(module, "Event", "Something that happened on a bench.")
+  py::class_<Event>(module, "Event", "An event of a bench.")
       .def_readonly("bench", &Event::bench, "Number of the bench.")
       .def_readonly("axis", &Event::axis, "Number of the axis; 0 = the bench, or several axes.")
       .def_property_readonly(
@@ -134,9 +134,9 @@ void add_event(py::module_& module) {
           [](const Event& event) {
             return std::string(to_string(event.kind));
           },
-          R"(What happened, such as "fault".)")
+          R"(The kind of event, such as "fault".)")
       .def_readonly("tick", &Event::tick, "The tick.")
-      .def_readonly("session", &Event::session, "Whose command it was, 0 = none.")
+      .def_readonly("session", &Event::session, "The session of the command, 0 = none.")
       .def_readonly("code", &Event::code, "Of a fault 603Fh; see docs/reference/wire.md.")
       .def_readonly("error_register", &Event::error_register, "1001h of a fault.")
       .def_readonly("suppressed", &Event::suppressed, "Equal events left out before this one.")

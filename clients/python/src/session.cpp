@@ -149,13 +149,13 @@ void add_finding(SessionClass& session) {
           return found.find_benches();
         });
       },
-      "Waits until some bench is there; the benches by number, none after `find_timeout`.");
+      "Waits until a bench is found; the benches by number, none after `find_timeout`.");
   session.def(
       "present_benches",
       [](const SharedPresence& self) {
         return self->session()->present_benches();
       },
-      "The benches that are there now. Does not wait.");
+      "The benches that are present now. Does not wait.");
   session.def(
       "find_bench",
       [](const SharedPresence& self, std::optional<std::uint32_t> number) {
@@ -164,7 +164,7 @@ void add_finding(SessionClass& session) {
         }));
       },
       py::arg("number") = py::none(),
-      "The bench of that number; without one the only one there is.");
+      "The bench of that number; without a number the only present one.");
   session.def(
       "axis",
       [](const SharedPresence& self, const std::string& text) {
@@ -208,7 +208,7 @@ void add_clock(SessionClass& session) {
         });
       },
       py::arg("duration"), py::kw_only(), py::arg("bench") = py::none(),
-      "Lets drive time pass, in s; in lock-step by steps. Returns the tick reached.");
+      "Waits for drive time, in s; in lock-step by steps. Returns the tick reached.");
   session.def(
       "wait_for_tick",
       [](const SharedPresence& self, std::uint64_t tick, std::optional<std::uint32_t> bench) {
@@ -226,7 +226,7 @@ void add_clock(SessionClass& session) {
         });
       },
       py::arg("rate"), py::kw_only(), py::arg("bench") = py::none(),
-      "Drive time over wall time of a realtime bench, for everybody: 0 = pause, 0.1 to 100.");
+      "Drive time over wall time of a realtime bench, for all programs: 0 = pause, 0.1 to 100.");
 }
 
 void add_snapshots(SessionClass& session) {
@@ -247,7 +247,7 @@ void add_snapshots(SessionClass& session) {
         });
       },
       py::arg("snapshot"), py::kw_only(), py::arg("bench") = py::none(),
-      "Puts all axes back into that state. Returns the tick, which goes on.");
+      "Restores all axes to that state. Returns the tick, which continues.");
   session.def(
       "snapshots",
       [](const SharedPresence& self, std::optional<std::uint32_t> bench) {
@@ -306,7 +306,7 @@ void add_control(SessionClass& session) {
   session.def(
       "command_each", &command_each, py::arg("axes"), py::arg("command"), py::kw_only(),
       py::arg("timeout") = 60.0, py::arg("until") = "done",
-      "Gives axes the same command: enable, disable, halt, resume, quick_stop, reset_fault or "
+      "Sends axes the same command: enable, disable, halt, resume, quick_stop, reset_fault or "
       "power_cycle. Returns for each axis None or the exception with the reason.");
   session.def(
       "quick_stop",
@@ -320,7 +320,7 @@ void add_control(SessionClass& session) {
       },
       py::arg("bench") = py::none(), py::kw_only(), py::arg("timeout") = 60.0,
       py::arg("until") = "done",
-      "Quick stop of every axis of a bench that has no fault, whoever holds it.");
+      "Quick stop of every axis of a bench that has no fault, also of other sessions.");
   session.def(
       "release",
       [](const SharedPresence& self, std::optional<std::uint32_t> bench) {
@@ -329,7 +329,7 @@ void add_control(SessionClass& session) {
         }));
       },
       py::arg("bench") = py::none(),
-      "Gives all axes back, or those of one bench. They stay as they are.");
+      "Releases all axes, or those of one bench. Their state does not change.");
   session.def(
       "acquire",
       [](const SharedPresence& self, const py::object& axes) {
@@ -345,14 +345,15 @@ void add_control(SessionClass& session) {
       [](const Presence& self) {
         self.session()->interrupt();
       },
-      "Ends all calls that wait, now and later, with Failed, until end_interrupt(). Any thread.");
+      "Ends all waiting calls, now and later, with Failed, until end_interrupt(). From any "
+      "thread.");
   session.def(
       "end_interrupt",
       [](const Presence& self) {
         self.session()->end_interrupt();
       },
       "Calls from now on wait again.");
-  session.def("close", &close_session, "Gives all axes back and ends the session.");
+  session.def("close", &close_session, "Releases all axes and ends the session.");
 }
 
 void add_follower(py::module_& module) {
@@ -379,7 +380,7 @@ void add_session(py::module_& module) {
   SessionClass session(
       module, "Session",
       "A program's presence on a DDS domain: finds benches, reads, writes, commands their axes. It "
-      "keeps the axes that it commands, and gives them back when it is closed. `with` closes it. "
+      "keeps the axes that it commands, and releases them when it is closed. `with` closes it. "
       "Calls may come from several threads; those that step one bench from one at a time.");
   session.def(
       py::init(&open_session), py::kw_only(), py::arg("domain") = py::none(),
@@ -389,7 +390,7 @@ void add_session(py::module_& module) {
       py::arg("bench") = py::none(), py::arg("keep_alive") = "own_thread",
       py::arg("find_timeout") = 2.0, py::arg("silence") = 1.5,
       "domain: 0 to 232, by default that of VDRIVE_DOMAIN, else 0. interfaces: own addresses, "
-      "by default loopback only. security: directory of the closed mode's material. bench: see "
+      "by default loopback only. security: directory of the closed mode's credentials. bench: find "
       "this one only. find_timeout, silence: wall time in s.");
   session
       .def_property_readonly(

@@ -269,7 +269,7 @@ py::object frames_of(const std::deque<Observation>& samples, std::size_t axes) {
 }
 
 void add_status(py::module_& module) {
-  py::class_<AxisSnapshot> status(module, "Status", "One axis as a tick left it. UU: user units.");
+  py::class_<AxisSnapshot> status(module, "Status", "One axis after a tick. UU: user units.");
   status
       .def_property_readonly(
           "id",

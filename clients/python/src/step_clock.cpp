@@ -110,7 +110,7 @@ void add_step_clock(py::module_& module) {
           py::arg("duration"), py::kw_only(), py::arg("patience") = kPatience,
           "The same by drive time in s, a multiple of the period of every bench.")
       .def_property_readonly("now", &OwnClock::now,
-                             "Drive time that this clock has let pass on all benches, in s.")
+                             "Drive time that this clock has advanced on all benches, in s.")
       .def(
           "close",
           [](OwnClock& self) {

@@ -40,7 +40,7 @@ void declare(CLI::App& app, Arguments& arguments) {
       ->type_name("NAME");
   app.add_flag("--enable", arguments.enable,
                "Enable the axes of each bench that is found; default: command nothing until the "
-               "topic enable has true");
+               "topic enable is true");
   app.add_flag("--prefix", arguments.prefix, "Name joints bench1_x instead of x");
   app.add_option("--rate", arguments.rate, "Joint states a second, 1 to 1000; default: 100")
       ->check(CLI::Range(Settings::kLowestRate, Settings::kHighestRate))
@@ -101,7 +101,7 @@ int run_command_line(int argument_count, const char* const* argument_list) {
   return bridge::run_program<BadSettings>(app, argument_count, argument_list, [&arguments] {
     complete(arguments);
     if (!arguments.only_checks) return serve(arguments);
-    std::cout << "vdrive-ros2: the configuration is good" << std::endl;
+    std::cout << "vdrive-ros2: the configuration is valid" << std::endl;
     return bridge::kDone;
   });
 }

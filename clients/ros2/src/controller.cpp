@@ -341,7 +341,7 @@ bool Controller::try_start(Waiting& waiting) {
     const auto known = find(trajectory.names[i]);
     const std::string problem =
         known ? motion_of(known->place).trajectory_obstacle(known->place.place)
-              : "is not there any more";
+              : "is no longer present";
     if (problem.empty()) continue;
     refuse_trajectory("joint " + trajectory.names[i] + " " + problem);
     return true;
@@ -394,7 +394,7 @@ Controller::Start Controller::prepare(const Trajectory& trajectory) {
   const bool is_empty = std::ranges::none_of(start.paths, [](const auto& path) {
     return path != nullptr;
   });
-  if (start.problem.empty() && is_empty) start.problem = "all of it lies in the past";
+  if (start.problem.empty() && is_empty) start.problem = "all its points are in the past";
   return start;
 }
 
