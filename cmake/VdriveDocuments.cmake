@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Man pages and completions, made by the programs themselves at each build: they cannot lie.
+# Man pages and completions, made by the programs themselves at each build, so they are always current.
 include(GNUInstallDirs)
 
 find_program(VDRIVE_HELP2MAN help2man DOC "Makes man pages of the programs' own help")

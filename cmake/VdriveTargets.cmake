@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# What every target of the house has in common.
+# The common settings of every target.
 
 set(vdrive_warnings
     -Wall

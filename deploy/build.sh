@@ -12,7 +12,7 @@
 #   --keep-going      build what can be built after a failure
 #
 # The programs are then build/NAME/bin/vdrived and build/NAME/bin/vdrive. Writes to standard error
-# only: progress on a terminal, otherwise one line and what went wrong. Needs deploy/setup.sh first.
+# only: progress on a terminal, otherwise one line and the errors. Needs deploy/setup.sh first.
 # JOBS in the environment limits the number of parallel jobs (default: one per processor).
 set -euo pipefail
 
@@ -44,7 +44,7 @@ done
 directory=$root/build/$preset
 mkdir -p "$directory"
 
-# The cache needs a home; a service account may have none that can be written to.
+# The cache needs a home directory; that of a service account may be read-only.
 if [[ -z ${CCACHE_DIR:-} && ! -w ${HOME:-/nonexistent} ]]; then
   export CCACHE_DIR=$root/build/ccache
 fi
@@ -53,8 +53,8 @@ defaults=()
 if $tests; then
   defaults=(-D VDRIVE_BUILD_TESTS=ON)
 elif [[ ! -f $directory/CMakeCache.txt ]]; then
-  # Users need no test libraries. An existing choice is kept: switching off would only throw the
-  # test programs away.
+  # Users need no test libraries. An existing choice is kept: switching off would only discard the
+  # test programs.
   defaults=(-D VDRIVE_BUILD_TESTS=OFF -D VDRIVE_BUILD_BENCHMARKS=OFF)
 fi
 

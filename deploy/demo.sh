@@ -47,7 +47,7 @@ vdrive() {
   "$bin/vdrive" --domain "$domain" "$@"
 }
 
-# The benches on this domain, a number a line.
+# The benches on this domain, one number in each line.
 taken_benches() {
   vdrive --timeout 1 --json list 2>/dev/null | sed -n 's/.*"bench":\([0-9]*\),.*/\1/p' | sort -un
 }

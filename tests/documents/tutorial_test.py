@@ -10,9 +10,9 @@ begin with `$ ` has commands there and their output below; in any other block ea
 In an expected output `...` stands for any text. A comment line before a block gives options:
 
   <!-- numbers may differ -->   decimal numbers of the output are not compared
-  <!-- file: NAME -->           the block is not carried out: it is the content of this file
+  <!-- file: NAME -->           the block is not executed: it is the content of this file
   <!-- until Ctrl-C -->         the command is interrupted after its first line
-  <!-- not carried out: WHY --> the block is left out
+  <!-- not executed: WHY --> the block is left out
 
 Exit code 0: every output is as shown, and every other command succeeds.
 """
@@ -156,7 +156,7 @@ def main():
                 note = block["note"] or ""
                 if note.startswith("file: "):
                     (pathlib.Path(directory) / note[6:]).write_text(block["text"], encoding="utf-8")
-                elif block["tag"] == "sh" and not note.startswith("not carried out: "):
+                elif block["tag"] == "sh" and not note.startswith("not executed: "):
                     problems += check_block(shell, note, block["text"])
                     carried_out += 1
         finally:
