@@ -6,10 +6,6 @@ namespace {
 
 using namespace vdrive::literals;
 
-std::uint32_t unsigned_reg(const Drive& drive, ObjectRow row) {
-  return static_cast<std::uint32_t>(reg(drive, row));
-}
-
 void update_windows(Drive& drive) {
   WindowState& window = drive.state().window;
   window.position = unsigned_reg(drive, "position_target_reached_window"_object);

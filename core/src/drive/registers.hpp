@@ -25,6 +25,10 @@ inline constexpr std::uint8_t kHomeInput = 1U << 2U;
   return drive.registers().values[row];
 }
 
+[[nodiscard]] inline std::uint32_t unsigned_reg(const Drive& drive, ObjectRow row) {
+  return static_cast<std::uint32_t>(reg(drive, row));
+}
+
 [[nodiscard]] inline double real(const Drive& drive, ObjectRow row) {
   return static_cast<double>(reg(drive, row));
 }

@@ -16,10 +16,6 @@ namespace {
 using namespace vdrive::literals;
 using Kind = MotionRequest::Kind;
 
-std::uint32_t unsigned_reg(const Drive& drive, ObjectRow row) {
-  return static_cast<std::uint32_t>(reg(drive, row));
-}
-
 /// What an edge of bit 4 latches now.
 SetPoint candidate(const Drive& drive) {
   return {.position_user_target_value =
