@@ -48,7 +48,8 @@ Probe::Probe(const wire::NetworkSettings& network, std::uint32_t bench)
                             descriptions_.push_back(m);
                           })),
       state_reader_(participant_, keep<msg::BenchState>([this](const auto& message) {
-                      state_ = message;
+                      // The probe of a wire sends bench 0, to see that discovery works.
+                      if (message.bench() != 0) state_ = message;
                     })),
       status_reader_(participant_, keep<msg::StatusFrame>([this](const auto& message) {
                        status_ = message;
