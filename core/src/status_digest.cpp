@@ -39,7 +39,7 @@ constexpr Words kKeys = [] {
   return keys;
 }();
 
-std::uint64_t row_of(const AxisStatus& status) noexcept {
+std::uint64_t hash_of(const AxisStatus& status) noexcept {
   Words words{};
   std::memcpy(words.data(), &status, sizeof(status));
   std::uint64_t sum = 0;
@@ -74,7 +74,7 @@ StatusDigest digest_of(std::span<const AxisStatus> statuses, std::size_t axes_pe
     for (std::size_t column = 0; column < kColumns; ++column) {
       sums[column] = sums[column] * 31U + columns[column];  // 31 is odd: nothing is shifted out
     }
-    const std::uint64_t axis_row = row_of(statuses[axis]);
+    const std::uint64_t axis_row = hash_of(statuses[axis]);
     image = (image ^ axis_row) * kPrime;
     row = (row ^ axis_row) * kPrime;
     --left_in_row;

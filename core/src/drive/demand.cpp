@@ -60,7 +60,7 @@ void move_along(Drive& drive) {
 }
 
 /// Another loop becomes the outermost one: it starts from what the axis does.
-void take_control(Drive& drive, Control control) {
+void switch_control(Drive& drive, Control control) {
   DriveState& s = drive.state();
   if (control == s.demand.control) return;
   ServoState& servo = drive.servo();
@@ -149,7 +149,7 @@ void start_profile(Drive& drive, const Profile& profile) {
 void plan(Drive& drive, const MotionRequest& request) {
   DriveState& s = drive.state();
   DriveRegisters& r = drive.registers();
-  take_control(drive, request.control);
+  switch_control(drive, request.control);
   s.demand.following = request.kind == Kind::follow;
   const bool same = request == r.request;
   r.request = request;
