@@ -13,7 +13,8 @@ namespace vdrive::service {
 /// bank brings the axes to rest: on their ramp first, then with the quick stop, then without power.
 class Shutdown {
  public:
-  /// Wall time from the request on. The rest of the 2 s that a service has is for its farewell.
+  /// Wall time from the request on. The rest of the 2 s that a service has is for the announcement
+  /// of its end.
   static constexpr std::chrono::milliseconds kLongestRamp{1000};
   static constexpr std::chrono::milliseconds kLongest{1500};
 
