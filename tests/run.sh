@@ -4,10 +4,10 @@
 #
 #   tests/run.sh [--full] [--presets-until MINUTES] [--nightly] [ctest arguments...]
 #
-# Without an option: every unit test, every test over DDS and every scenario, in 10 minutes on two
-# cores from nothing.
+# Without an option: every unit test, every test over DDS and every scenario, in some 11 minutes on
+# two cores from nothing.
 #
-#   --full      also what continuous integration checks, in 40 minutes: the sanitizers, clang-tidy,
+#   --full      also what continuous integration checks, in 42 minutes: the sanitizers, clang-tidy,
 #               the format, the fuzzers, the coverage, the packages, the sandbox, the conformance
 #               document, clients that come and go, benchmarks that still compile, the page of the
 #               gateway in a browser
@@ -71,7 +71,7 @@ begin() {
 begin "packages of the system"
 "$root/deploy/setup.sh" "${setup_options[@]}"
 
-begin "build of the release and its tests, 5 minutes on two cores from nothing"
+begin "build of the release and its tests, 7 minutes on two cores from nothing"
 "$root/deploy/build.sh" --tests "${options[@]}"
 
 export VDRIVE_SKIPPED_PRESETS=
