@@ -16,6 +16,7 @@
 #include <fastrtps/attributes/LibrarySettingsAttributes.h>
 #include <fastrtps/xmlparser/XMLProfileManager.h>
 
+#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/types.h>
 #include <sys/wait.h>
@@ -29,6 +30,8 @@
 #include <functional>
 #include <iostream>
 #include <memory>
+#include <new>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -232,6 +235,16 @@ class Partner {
  private:
   pid_t process_;
 };
+
+/// @return a value that this process and the partners that it starts later share until they end.
+/// @throws std::runtime_error without memory
+template <typename Value>
+Value& shared_with_partners() {
+  void* const memory =
+      mmap(nullptr, sizeof(Value), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  if (memory == MAP_FAILED) throw std::runtime_error("no memory");
+  return *new (memory) Value{};
+}
 
 /// One figure as a line of JSON.
 inline void print_figure(const std::string& figure, double value, std::size_t axes = 0) {

@@ -60,12 +60,12 @@ def shows(port, line):
     return re.search(f"^{line}$", text, re.MULTILINE) is not None
 
 
-def start_service(options, running):
+def start_service(options, running, *arguments):
     """Returns the port of its metrics, once it ticks."""
     port = free_port()
     running.append(subprocess.Popen(
         [options.build / "bin/vdrived", "--domain", options.domain, "--axes", str(options.axes),
-         "--log-level", "error", "--metrics", str(port)]))
+         "--log-level", "error", "--metrics", str(port), *arguments]))
     wait_until(lambda: shows(port, r"vdrive_ticks_total\{.*\} [1-9]\S*"), "the bench does not tick")
     return port
 
@@ -109,7 +109,6 @@ def keep_awake(running):
 
 
 def ticks(options, running):
-    metrics = 18_944
     keep_awake(running)
     spinners = len(running)
     result = {"axes": options.axes, "clients": options.clients, "seconds": options.seconds,
@@ -118,10 +117,8 @@ def ticks(options, running):
         with tempfile.NamedTemporaryFile("w", suffix=".yaml") as file:
             file.write(f"clock: {{realtime_priority: {priority}}}\n")
             file.flush()
-            start_service(options, running, "--config", file.name, "--metrics", str(metrics))
-            time.sleep(3)
-        _, port = start_gateway(options, running)
-        time.sleep(1)
+            metrics = start_service(options, running, "--config", file.name)
+        _, port, _ = start_gateway(options, running)
         counts = {name: [] for name in CONDITIONS}
         for _ in range(options.ticks):
             for name, clients_of in CONDITIONS.items():

@@ -175,7 +175,8 @@ class States {
 };
 
 /// A client that receives every status of all axes.
-void follow(std::chrono::seconds duration) {
+/// @param joined counts the clients that have received one
+void follow(std::chrono::seconds duration, std::atomic<int>& joined) {
   client::Session session({.domain = test::test_domain(), .bench = 1, .find_timeout = 30s});
   const auto bench = session.find_bench(1);
   if (!bench) throw std::runtime_error(bench.outcome().message());
@@ -184,7 +185,19 @@ void follow(std::chrono::seconds duration) {
   auto follower = session.follow(std::move(axes), client::Pace::observe);
   if (!follower) throw std::runtime_error(follower.outcome().message());
   const auto end = std::chrono::steady_clock::now() + duration;
+  if (!follower->next(30s)) return;
+  ++joined;
   while (std::chrono::steady_clock::now() < end && follower->next(1s)) {
+  }
+}
+
+/// Repeats the check until it holds. @throws std::runtime_error after a minute
+template <typename Condition>
+void wait_until(const Condition& condition, const std::string& missing) {
+  const auto deadline = std::chrono::steady_clock::now() + 60s;
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > deadline) throw std::runtime_error(missing);
+    std::this_thread::sleep_for(10ms);
   }
 }
 
@@ -214,20 +227,25 @@ int run(const Settings& settings, std::vector<std::string> arguments) {
   std::ofstream(file) << "clock:\n  realtime_priority: " << settings.priority << '\n';
   arguments.insert(arguments.end(), {"--config", file.string()});
   const test::ServiceProcess service(settings.program, std::move(arguments));
+  auto& joined = bare::shared_with_partners<std::atomic<int>>();
   std::vector<std::unique_ptr<bare::Partner>> clients;
   for (int count = 0; count < settings.clients; ++count) {
     clients.push_back(std::make_unique<bare::Partner>([&] {
-      follow(settings.duration + 30s);
+      follow(settings.duration + 60s, joined);
     }));
   }
   States states;
-  const auto deadline = std::chrono::steady_clock::now() + 30s;
-  while (!states.has_arrived()) {
-    if (std::chrono::steady_clock::now() > deadline) throw std::runtime_error("no bench 1");
-    std::this_thread::sleep_for(10ms);
-  }
+  wait_until(
+      [&] {
+        return states.has_arrived();
+      },
+      "no bench 1");
   std::filesystem::remove(file);
-  std::this_thread::sleep_for(3s);  // the clients have joined
+  wait_until(
+      [&] {
+        return joined == settings.clients;
+      },
+      "not every client receives status");
   const Histogram before = states.late();
   BareLoop loop(settings.priority);
   std::this_thread::sleep_for(settings.duration);

@@ -23,8 +23,6 @@
 #include "wire_program.hpp"
 #include "wire_region.hpp"
 
-#include <sys/mman.h>
-
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -34,7 +32,6 @@
 #include <iostream>
 #include <numeric>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
@@ -61,13 +58,6 @@ struct Received {
   std::atomic<std::uint64_t> bare_axes{0};
   std::atomic<std::uint64_t> axes{0};
 };
-
-Received& shared_counters() {
-  void* const memory =
-      mmap(nullptr, sizeof(Received), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-  if (memory == MAP_FAILED) throw std::runtime_error("no memory");
-  return *new (memory) Received;
-}
 
 std::vector<std::uint16_t> numbers(std::size_t axes) {
   std::vector<std::uint16_t> all(axes);
@@ -221,7 +211,7 @@ void print(const std::string& what, const std::vector<Cost>& own, const std::vec
 
 int run(std::size_t axes, int rounds) {
   const std::uint32_t domain = test::test_domain();
-  Received& received = shared_counters();
+  Received& received = bare::shared_with_partners<Received>();
   const bare::Partner partner([=, &received] {
     receive(domain, axes, received);
   });
