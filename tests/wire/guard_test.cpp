@@ -158,6 +158,8 @@ TEST(GuardedParticipant, CommunicatesThroughSharedMemory) {
   Visitor visitor("visitor", {"shared_memory"});
   EXPECT_TRUE(requester.is_answered());
   EXPECT_EQ(requester.participant.guarded().all_refused(), 0U);
+  // A process that is killed leaves its segment in /dev/shm; one that ends removes it.
+  EXPECT_EQ(visitor.stop().code, 0);
 }
 
 TEST(AClient, IgnoresOtherClients) {
