@@ -14,7 +14,9 @@
 #include "service_manager.hpp"
 #include "status_depth.hpp"
 #include "vdrive/axis_bank.hpp"
+#include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
+#include "vdrive/wire/bench_number.hpp"
 #include "vdrive/wire/library_log.hpp"
 #include "vdrive/wire/ports.hpp"
 #include "vdrive/wire/security.hpp"
@@ -80,6 +82,11 @@ struct Arguments {
   bool help_config = false;
 };
 
+/// @return such as "1 to 64".
+std::string range(double lowest, double highest) {
+  return to_text(lowest) + " to " + to_text(highest);
+}
+
 void declare(CLI::App& app, Arguments& arguments) {
   app.set_version_flag("--version", std::string("vdrived ") + VDRIVE_VERSION);
   app.add_option("--config", arguments.config, "Configuration in YAML; default: the demo bench")
@@ -90,21 +97,28 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_flag("--help-config", arguments.help_config,
                "Print every key of a configuration, with its values and default, and exit");
   app.add_option("--clock", arguments.clock, "realtime, lockstep or freerun")->type_name("MODE");
-  app.add_option("--period", arguments.period, "Length of a tick [us], 125 to 10000")
+  app.add_option("--period", arguments.period,
+                 "Length of a tick [us], " + range(static_cast<double>(kShortestPeriod.count()),
+                                                   static_cast<double>(kLongestPeriod.count())))
       ->type_name("US");
-  app.add_option("--rate", arguments.rate, "realtime: 0 = paused, 0.1 to 100")->type_name("R");
-  app.add_option("--bench", arguments.bench, "Number of the bench, 1 to 65535")->type_name("N");
-  app.add_option("--axes", arguments.axes, "N default axes numbered from 1, up to 16384")
+  app.add_option("--rate", arguments.rate,
+                 "realtime: 0 = paused, " + range(kLowestRate, kHighestRate))
+      ->type_name("R");
+  app.add_option("--bench", arguments.bench,
+                 "Number of the bench, " + range(1, wire::kHighestBench))
       ->type_name("N");
-  app.add_option("--domain", arguments.domain,
-                 "DDS domain, 0 to " + std::to_string(wire::kHighestDomain))
+  app.add_option("--axes", arguments.axes,
+                 "N default axes numbered from 1, up to " + std::to_string(kMaxAxes))
+      ->type_name("N");
+  app.add_option("--domain", arguments.domain, "DDS domain, " + range(0, wire::kHighestDomain))
       ->envname("VDRIVE_DOMAIN")
       ->type_name("N");
   app.add_option("--security", arguments.security,
                  "Closed mode: directory with certificate, key and permissions")
       ->envname("VDRIVE_SECURITY")
       ->type_name("DIR");
-  app.add_option("--threads", arguments.threads, "Threads that step the axes, 1 to 64")
+  app.add_option("--threads", arguments.threads,
+                 "Threads that step the axes, " + range(1, kMaxThreads))
       ->type_name("N");
   app.add_option("--metrics", arguments.metrics,
                  "Serve Prometheus metrics on this port of 127.0.0.1, 0 = any free one")

@@ -9,6 +9,7 @@
 #include "vdrive/plant/model_parameters.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wire/address.hpp"
+#include "vdrive/wire/bench_number.hpp"
 #include "vdrive/wire/ports.hpp"
 #include "yaml_reader.hpp"
 
@@ -70,7 +71,7 @@ std::string checked_name(const YamlValue& value, bool of_axis) {
 void read_bench(const YamlValue& value, Configuration& configuration) {
   value.for_each_entry({"number", "name"}, [&](const auto& key, const YamlValue& entry) {
     if (key == "number") {
-      configuration.bench = static_cast<std::uint32_t>(entry.integer({1, kMaxBench, ""}));
+      configuration.bench = static_cast<std::uint32_t>(entry.integer({1, wire::kHighestBench, ""}));
     } else {
       configuration.name = checked_name(entry, false);
     }
@@ -80,7 +81,8 @@ void read_bench(const YamlValue& value, Configuration& configuration) {
 double checked_rate(const YamlValue& value) {
   const double rate = value.number("");
   if (rate != 0.0 && (rate < kLowestRate || rate > kHighestRate)) {
-    value.refuse("must be 0 (paused) or from 0.1 to 100");
+    value.refuse("must be 0 (paused) or from " + to_text(kLowestRate) + " to " +
+                 to_text(kHighestRate));
   }
   return rate;
 }
@@ -523,7 +525,7 @@ Configuration load_configuration(const std::filesystem::path& file) {
 }
 
 void check(const Configuration& configuration) {
-  check_range("bench", configuration.bench, 1, kMaxBench, "");
+  check_range("bench", configuration.bench, 1, wire::kHighestBench, "");
   check_range("period", static_cast<double>(configuration.period.count()),
               static_cast<double>(kShortestPeriod.count()),
               static_cast<double>(kLongestPeriod.count()), " us");

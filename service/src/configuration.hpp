@@ -26,7 +26,6 @@ inline constexpr std::size_t kMaxAxes = 16'384;
 
 /// How many numbers an axis may have: 0 is none.
 inline constexpr std::size_t kAxisNumbers = 65'536;
-inline constexpr std::uint32_t kMaxBench = 65'535;
 inline constexpr std::size_t kMaxNameLength = 64;
 inline constexpr std::uint32_t kMaxThreads = 64;
 inline constexpr std::uint32_t kMaxStatusEvery = 10'000;
@@ -57,7 +56,7 @@ enum class WireForm : std::uint8_t {
 /// Everything that makes one service what it is. The initialisers are the defaults; the axes of
 /// the built-in demo bench come from `demo_configuration`.
 struct Configuration {
-  std::uint32_t bench = 1;  ///< 1 to kMaxBench
+  std::uint32_t bench = 1;  ///< 1 to wire::kHighestBench
   std::string name = "demo";
   ClockMode clock = ClockMode::realtime;
   ClockStep clock_step = ClockStep::steer;  ///< realtime

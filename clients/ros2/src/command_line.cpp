@@ -6,6 +6,7 @@
 #include "network_options.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
+#include "vdrive/wire/bench_number.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -34,7 +35,7 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.set_version_flag("--version", std::string("vdrive-ros2 ") + VDRIVE_VERSION);
   bridge::add_domain_option(app, session.domain, "; ROS_DOMAIN_ID of the nodes");
   app.add_option("--bench", arguments.benches, "Serve this bench; may be repeated; default: all")
-      ->check(CLI::Range(1, Settings::kHighestBench))
+      ->check(CLI::Range(1U, wire::kHighestBench))
       ->type_name("N");
   app.add_option("--namespace", arguments.name_space, "Before the names of topics, such as /cell1")
       ->type_name("NAME");
@@ -42,7 +43,9 @@ void declare(CLI::App& app, Arguments& arguments) {
                "Enable the axes of each bench that is found; default: command nothing until the "
                "topic enable is true");
   app.add_flag("--prefix", arguments.prefix, "Name joints bench1_x instead of x");
-  app.add_option("--rate", arguments.rate, "Joint states a second, 1 to 1000; default: 100")
+  app.add_option("--rate", arguments.rate,
+                 "Joint states a second, " + to_text(Settings::kLowestRate) + " to " +
+                     to_text(Settings::kHighestRate) + "; default: " + to_text(Settings{}.rate))
       ->check(CLI::Range(Settings::kLowestRate, Settings::kHighestRate))
       ->type_name("HZ");
   app.add_option("--config", arguments.file, "YAML file; options of the command line override it")

@@ -3,6 +3,7 @@
 
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
+#include "vdrive/wire/bench_number.hpp"
 #include "vdrive/wire/ros.hpp"
 
 #include <yaml-cpp/yaml.h>
@@ -147,7 +148,7 @@ void read_joints(const Value& map, std::vector<JointSetting>& joints) {
 void read_benches(const Value& list, std::vector<std::uint32_t>& benches) {
   benches.clear();
   list.for_each_element([&](const Value& element) {
-    const double number = element.number(1, Settings::kHighestBench, "");
+    const double number = element.number(1, wire::kHighestBench, "");
     const auto whole = static_cast<std::uint32_t>(number);
     if (static_cast<double>(whole) != number) element.refuse("must be a whole number");
     benches.push_back(whole);

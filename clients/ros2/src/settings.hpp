@@ -35,7 +35,6 @@ struct JointSetting {
 struct Settings {
   static constexpr double kLowestRate = 1.0;
   static constexpr double kHighestRate = 1000.0;
-  static constexpr int kHighestBench = 65'535;
 
   client::SessionOptions session{};
   std::vector<std::uint32_t> benches{};  ///< empty = every bench
