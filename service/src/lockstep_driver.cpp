@@ -33,6 +33,7 @@ void LockstepDriver::run(const std::atomic<bool>& stop, Doorbell& doorbell) {
     const auto patience = replies_.is_waiting() ? kReplyInterval : kIdleInterval;
     if (!doorbell.wait_for(patience)) idle();
   }
+  refuse_waiting();
 }
 
 bool LockstepDriver::handle_next(const std::atomic<bool>& stop, Doorbell& doorbell) {
@@ -100,10 +101,12 @@ void LockstepDriver::step(Arrival& arrival, const std::atomic<bool>& stop, Doorb
 void LockstepDriver::step_at_once(const Arrival& arrival, const std::atomic<bool>& stop,
                                   Doorbell& doorbell) {
   const bool complete = wait_for_commands(arrival.request, stop, doorbell);
-  const std::uint32_t reason = complete ? msg::REASON_NONE : msg::REASON_MISSING_COMMANDS;
+  std::uint32_t reason = msg::REASON_NONE;
   if (complete) {
     stepping_.assign(1, arrival.request.session());
-    run_ticks(arrival.request.ticks(), stop);
+    if (!run_ticks(arrival.request.ticks(), stop)) reason = msg::REASON_SHUTTING_DOWN;
+  } else {
+    reason = stop ? msg::REASON_SHUTTING_DOWN : msg::REASON_MISSING_COMMANDS;
   }
   answer(arrival, reason);
   replies_.deliver(inbox_, outbox_);
@@ -146,16 +149,17 @@ bool LockstepDriver::take_frames() {
   return true;
 }
 
-void LockstepDriver::run_ticks(std::uint64_t ticks, const std::atomic<bool>& stop) {
+bool LockstepDriver::run_ticks(std::uint64_t ticks, const std::atomic<bool>& stop) {
   for (std::uint64_t count = 1; count <= ticks; ++count) {
     for (const std::uint64_t session : stepping_) engine_.note_message(session);
     engine_.step();
     beats_.add();
     const bool last = count == ticks;
     if (!last && engine_.tick() % status_every_ == 0 && may_publish()) publish_status();
-    if (stop) return;
+    if (stop && !last) return false;
     if (count % kTicksPerDelivery == 0) replies_.deliver(inbox_, outbox_);
   }
+  return true;
 }
 
 /// Wall time decides how many of the ticks of a long step are shown.

@@ -29,7 +29,7 @@ class LockstepDriver {
   static constexpr std::chrono::seconds kLongestWaitForSteppers{1};
   static constexpr std::chrono::milliseconds kIdleInterval{20};
   static constexpr std::chrono::milliseconds kReplyInterval{1};
-  static constexpr std::chrono::milliseconds kRollCallInterval{100};
+  static constexpr std::chrono::milliseconds kCheckInterval{100};
   static constexpr TokenBucket::Rate kStatusRate{.per_second = 1'000.0, .burst = 64.0};
   static constexpr std::size_t kMostDeferred = 1'024;
 
@@ -63,7 +63,8 @@ class LockstepDriver {
                                        Doorbell& doorbell);
   void answer(const Arrival& arrival, std::uint32_t reason, std::uint64_t missing_stepper = 0);
   bool take_frames();
-  void run_ticks(std::uint64_t ticks, const std::atomic<bool>& stop);
+  /// @return whether all of them have run: not when the service ends.
+  bool run_ticks(std::uint64_t ticks, const std::atomic<bool>& stop);
   [[nodiscard]] bool may_publish();
   void publish_status(bool repeated = false);
   void idle();
@@ -78,7 +79,8 @@ class LockstepDriver {
   [[nodiscard]] std::uint64_t ticks_to_go() const;
   void answer_due(Clock::time_point now);
   [[nodiscard]] bool answer_if_due(const WaitingStep& waiting, Clock::time_point now);
-  void call_the_roll(Clock::time_point now);
+  void remove_absent(Clock::time_point now);
+  void refuse_waiting();
   void show_steppers();
 
   BenchEngine& engine_;
@@ -92,7 +94,7 @@ class LockstepDriver {
   StepperTable steppers_;
   std::deque<WaitingStep> waiting_;
   std::vector<std::uint64_t> stepping_;  ///< sessions that step the present ticks
-  Clock::time_point next_roll_call_{};
+  Clock::time_point next_check_{};
   Counter beats_;
   TokenBucket shown_ticks_{kStatusRate};
 };

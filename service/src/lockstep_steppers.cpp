@@ -71,14 +71,14 @@ void LockstepDriver::advance(const std::atomic<bool>& stop) {
   for (std::uint64_t ticks = ticks_to_go(); ticks > 0 && !stop; ticks = ticks_to_go()) {
     stepping_.clear();
     for (const Stepper& stepper : steppers_.all()) stepping_.push_back(stepper.session);
-    run_ticks(ticks, stop);
+    static_cast<void>(run_ticks(ticks, stop));
     has_moved = true;
     answer_due(now);
   }
   answer_due(now);
-  if (now >= next_roll_call_) {
-    call_the_roll(now);
-    next_roll_call_ = now + kRollCallInterval;
+  if (now >= next_check_) {
+    remove_absent(now);
+    next_check_ = now + kCheckInterval;
   }
   show_steppers();
   replies_.deliver(inbox_, outbox_);
@@ -141,9 +141,17 @@ bool LockstepDriver::answer_if_due(const WaitingStep& waiting, Clock::time_point
   return is_late;
 }
 
+/// For steps that no tick will answer.
+void LockstepDriver::refuse_waiting() {
+  for (const WaitingStep& waiting : waiting_) {
+    answer(waiting.arrival, msg::REASON_SHUTTING_DOWN);
+  }
+  waiting_.clear();
+}
+
 /// Takes steppers off the clock that are not there any more: a program that died must not stop
 /// the time of the others for good.
-void LockstepDriver::call_the_roll(Clock::time_point now) {
+void LockstepDriver::remove_absent(Clock::time_point now) {
   std::vector<std::uint64_t> gone;
   for (Stepper& stepper : steppers_.all()) {
     if (stepper.was_matched && replies_.is_gone(stepper.source)) gone.push_back(stepper.session);

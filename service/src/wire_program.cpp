@@ -219,8 +219,15 @@ void WireProgram::drop(const RecordHead& head) {
 }
 
 bool WireProgram::wait_for_readers(std::chrono::milliseconds timeout) {
-  constexpr auto kDescription = static_cast<std::size_t>(Topic<msg::BenchDescription>::kId);
-  return publications_[kDescription]->wait_for_acknowledged(timeout);
+  // A reader that learns first that the participant has ended drops a reply that it has not read.
+  constexpr std::array kTopics{Topic<msg::BenchDescription>::kId, Topic<msg::Reply>::kId,
+                               Topic<msg::CommandReply>::kId};
+  const auto deadline = Clock::now() + timeout;
+  return std::ranges::all_of(kTopics, [&](wire::TopicId topic) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());
+    return publications_[static_cast<std::size_t>(topic)]->wait_for_acknowledged(
+        std::max(left, std::chrono::milliseconds{0}));
+  });
 }
 
 }  // namespace vdrive::service

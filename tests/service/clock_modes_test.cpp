@@ -66,6 +66,20 @@ TEST(Steppers, AdvanceTimeToTheSmallestGrant) {
   EXPECT_EQ(first->statuses().size(), 2U);
 }
 
+TEST(Steppers, ThatWaitReceiveTheTickReachedWhenTheServiceEnds) {
+  TwoClients two;
+  ASSERT_TRUE(two.found);
+  ASSERT_EQ(two.join(two.alice)->reason(), msg::REASON_NONE);
+  ASSERT_EQ(two.join(two.bob)->reason(), msg::REASON_NONE);
+  auto alices = two.begin_step(two.alice, 10);
+  ASSERT_TRUE(two.bob.step(4));
+  two.service.stop();
+  const auto answer = alices.get();
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer->reason(), msg::REASON_SHUTTING_DOWN);
+  EXPECT_EQ(answer->tick(), 4U) << "bob has granted 4 of the 10";
+}
+
 TEST(Steppers, ReceiveTheMissingSessionAfterASecondAndKeepTheirGrant) {
   TwoClients two;
   ASSERT_TRUE(two.found);

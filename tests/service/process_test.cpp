@@ -123,8 +123,9 @@ TEST(SignalledService, EndsInTheMiddleOfALongStep) {
   Process service(with_domain({"--clock", "lockstep", "--axes", "2000"}));
   Probe probe(test_domain());
   ASSERT_TRUE(probe.find_bench());
+  std::optional<msg::Reply> reply;
   std::thread client([&] {
-    static_cast<void>(probe.step(1'000'000));
+    reply = probe.step(1'000'000);
   });
   ASSERT_TRUE(probe.wait_until([&] {
     return probe.seen_state() && probe.seen_state()->tick() > 0;
@@ -134,6 +135,8 @@ TEST(SignalledService, EndsInTheMiddleOfALongStep) {
   EXPECT_EQ(service.wait(), 0) << service.text();
   EXPECT_LT(Clock::now() - begin, 2s);
   client.join();
+  ASSERT_TRUE(reply) << "a client that steps is told that the service ends";
+  EXPECT_EQ(reply->reason(), msg::REASON_SHUTTING_DOWN);
 }
 
 TEST(ServiceProcess, EndsWhenItsBenchNumberIsInUse) {
