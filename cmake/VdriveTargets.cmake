@@ -184,16 +184,19 @@ function(vdrive_add_executable target)
   vdrive_target_defaults(${target})
 endfunction()
 
-# vdrive_add_test(<name> LABEL unit|dds SOURCES <file>... [LIBRARIES <target>...] [SERIAL])
+# Properties of a test that holds a promise about time. Three of them run at a time, of the nine
+# jobs of the preset release, nothing else meanwhile, and before all others.
+set(VDRIVE_TIMED_TEST PROCESSORS 3 COST 900)
+
+# vdrive_add_test(<name> LABEL unit|dds SOURCES <file>... [LIBRARIES <target>...] [TIMED])
 # A GoogleTest program with one ctest case per test, run each in a process of its own (unit tests
-# under a sanitizer: one case for the program); SERIAL: while no other test runs, because it holds a
-# promise about time. It sees
+# under a sanitizer: one case for the program); TIMED: its tests have VDRIVE_TIMED_TEST. It sees
 #   VDRIVE_SOURCE_DIR   the source tree, for tests/data and the scenarios
 #   VDRIVE_SERVICE, VDRIVE_TOOL   (label dds only) the programs vdrived and vdrive of this build
 # With VDRIVE_NIGHTLY=1 in the environment a test may run its long count. The target unit_tests
 # builds everything of that label.
 function(vdrive_add_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "SERIAL" "LABEL" "SOURCES;LIBRARIES")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "TIMED" "LABEL" "SOURCES;LIBRARIES")
   if(NOT arg_LABEL MATCHES "^(unit|dds)$" OR NOT arg_SOURCES OR arg_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "vdrive_add_test(${name} LABEL unit|dds SOURCES ... [LIBRARIES ...])")
   endif()
@@ -221,9 +224,13 @@ function(vdrive_add_test name)
     set_tests_properties(${name} PROPERTIES LABELS unit TIMEOUT 1800)
     return()
   endif()
+  set(timed)
+  if(arg_TIMED)
+    set(timed ${VDRIVE_TIMED_TEST})
+  endif()
   gtest_discover_tests(
     ${name}
     NO_PRETTY_VALUES # rows of a table have names; their bytes help no reader
     DISCOVERY_TIMEOUT 60
-    PROPERTIES LABELS ${arg_LABEL} RUN_SERIAL ${arg_SERIAL})
+    PROPERTIES LABELS ${arg_LABEL} ${timed})
 endfunction()

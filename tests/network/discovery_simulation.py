@@ -46,7 +46,7 @@ class Participant:
         self.copies = 0  # datagrams of one announcement to every known participant
         self.announced = 0
 
-    def hears(self, other):
+    def receives(self, other):
         """Probes ignore each other."""
         return not (self.is_probe and other.is_probe)
 
@@ -84,7 +84,7 @@ class Simulation:
         if one.is_probe:  # what its new endpoints take in the time of one announcement
             self.unicast += one.copies * rules.probe_rate * rules.probe_datagrams * rules.period
         for other_number, other in enumerate(self.participants):
-            if other is not one and other.start <= now and other.hears(one):
+            if other is not one and other.start <= now and other.receives(one):
                 self.meet(other_number, number)
                 self.meet(number, other_number)
 
@@ -108,7 +108,7 @@ class Simulation:
 
     def is_complete(self):
         """@return whether each participant knows all others that it receives."""
-        return all(len(one.known) == sum(other is not one and one.hears(other)
+        return all(len(one.known) == sum(other is not one and one.receives(other)
                                          for other in self.participants)
                    for one in self.participants)
 

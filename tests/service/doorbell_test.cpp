@@ -42,22 +42,22 @@ TEST_P(DoorbellOfEachKind, ReportsATimeOutWithoutARing) {
 // A ring that is lost between check and sleep would end this in a time-out.
 TEST_P(DoorbellOfEachKind, ReceivesEveryRingOfAnotherThread) {
   constexpr int kRings = 2'000;
-  std::atomic<int> heard{0};
+  std::atomic<int> received{0};
   std::jthread visitor([&] {
     Doorbell other(state_);
     for (int rung = 0; rung < kRings; ++rung) {
       other.ring();
-      heard.wait(rung);
+      received.wait(rung);
     }
   });
   int ring = 0;
   while (ring < kRings && sut_.wait_for(kPatience)) {
-    heard = ++ring;
-    heard.notify_one();
+    received = ++ring;
+    received.notify_one();
   }
   EXPECT_EQ(ring, kRings);
-  heard = kRings;  // the visitor ends even after a failure
-  heard.notify_one();
+  received = kRings;  // the visitor ends even after a failure
+  received.notify_one();
 }
 
 INSTANTIATE_TEST_SUITE_P(Waiting, DoorbellOfEachKind,
