@@ -4,7 +4,7 @@
 #
 #   tests/run.sh [--full] [--presets-until MINUTES] [--nightly] [ctest arguments...]
 #
-# Without an option: every unit test, every test over DDS and every scenario, in some 11 minutes on
+# Without an option: every unit test, every test over DDS and every scenario, in some 9 minutes on
 # two cores from nothing.
 #
 #   --full      also what continuous integration checks, in 42 minutes: the sanitizers, clang-tidy,
@@ -71,7 +71,7 @@ begin() {
 begin "packages of the system"
 "$root/deploy/setup.sh" "${setup_options[@]}"
 
-begin "build of the release and its tests, 7 minutes on two cores from nothing"
+begin "build of the release and its tests, 6 minutes on two cores from nothing"
 "$root/deploy/build.sh" --tests "${options[@]}"
 
 export VDRIVE_SKIPPED_PRESETS=

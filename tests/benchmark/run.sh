@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds the benchmarks and runs all of them, some 8 minutes; prints one JSON line for each figure on
+# Builds the benchmarks and runs all of them, some 7 minutes; prints one JSON line for each figure on
 # standard output (figures.py table FILE makes a table of them):
 #   {"figure":"axis_tick_ns","axes":1024,"value":...}
 # Everything else goes to standard error. The figures of the network stand beside those of the DDS
