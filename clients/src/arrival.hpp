@@ -59,7 +59,7 @@ class LimitSwitchWatch {
 /// Waits until the axis is at its target.
 /// @param target absolute, none where it is not known: then a limit switch is seen by the speed
 /// @return failed also when it was halted on the way, when a limit switch has ended the motion, and
-///         when the wait was interrupted: then it goes on.
+///         when the wait was interrupted: then it continues.
 Outcome await_target(AxesCall& call, const Wakeup& wakeup,
                      std::optional<std::int32_t> target = std::nullopt);
 

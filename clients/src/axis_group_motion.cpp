@@ -224,7 +224,7 @@ Outcome AxisGroup::State::await_line(AxesCall& call, const GroupCallOptions& opt
                            return !cut || (demand_arrived(axis, moving->targets[place]) &&
                                            (!in_position || target_reached(axis)));
                          });
-  // The line is lost: the others must not go on alone.
+  // The line is lost: the others must not continue alone.
   if (outcome && !cut) outcome = call.stop_others(std::move(cut));
   if (outcome) {
     set_line(std::nullopt);

@@ -70,7 +70,7 @@ Result<GroupStatus> AxisGroup::stream(const Eigen::VectorXd& positions) {
   }
   Outcome sent = call.steps() ? state_->stream_stepping(round) : state_->stream_ahead(round);
   if (!sent) return call.stop_if_lost(std::move(sent));
-  if (Outcome sound = call.check("the stream to go on", 0); !sound) return sound;
+  if (Outcome sound = call.check("the stream to continue", 0); !sound) return sound;
   return state_->status_of(call);
 }
 
@@ -85,7 +85,7 @@ Outcome AxisGroup::State::stream_stepping(const Round& round) const {
 }
 
 /// Positions are sent for one tick after the other. The answer to one comes in its tick, and with
-/// it the caller goes on: so the bench's clock paces the stream.
+/// it the caller continues: so the bench's clock paces the stream.
 Outcome AxisGroup::State::stream_ahead(const Round& round) const {
   const std::uint64_t lead = lead_of(*stream);
   if (stream->next_tick == 0) {

@@ -65,12 +65,12 @@ Outcome enter(AxesCall& call, OperatingMode mode, std::span<const Setting> setti
                             });
 }
 
-/// @return `seen`; when the wait was interrupted while the axis goes on, that it does.
+/// @return `seen`; when the wait was interrupted while the axis continues, that it does.
 Outcome explained(Outcome seen, const AxesCall& call, const Wakeup& wakeup, std::string_view what) {
   const bool goes_on =
       seen.kind() == OutcomeKind::failed && is_enabled(call.axis()) && wakeup.is_interrupted();
   if (!goes_on) return seen;
-  return Outcome::failed("interrupted; axis " + to_string(call.axis().id) + " goes on " +
+  return Outcome::failed("interrupted; axis " + to_string(call.axis().id) + " continues " +
                          std::string(what));
 }
 

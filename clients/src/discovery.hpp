@@ -64,7 +64,8 @@ class Discovery {
   /// @return lost when this run of the service was silent for silence(), ended, or was replaced.
   [[nodiscard]] Outcome check_presence(const Target& target) const;
 
-  /// @return the same for a call that waits: the run of a service that was replaced goes on as long
+  /// @return the same for a call that waits: the run of a service that was replaced continues as
+  /// long
   ///         as its samples arrive.
   [[nodiscard]] Outcome check_samples(const Target& target) const;
 

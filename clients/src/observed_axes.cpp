@@ -172,7 +172,7 @@ Outcome ObservedAxes::advance(std::uint64_t ticks, milliseconds patience) {
   return {};
 }
 
-/// Samples of a stream may be missing: goes on until all benches show the same tick.
+/// Samples of a stream may be missing: continues until all benches show the same tick.
 Outcome ObservedAxes::align() {
   std::uint64_t newest = 0;
   bool moved = !steps();

@@ -118,8 +118,8 @@ Outcome ProfileMove::await_target() {
   Outcome reached =
       client::await_target(call_, wakeup_, wraps_ ? std::nullopt : std::optional(target_));
   if (reached) return reached;
-  // After a time-out the axis still moves, and after a halt it goes on: the ramps are those of its
-  // motion.
+  // After a time-out the axis still moves, and after a halt it continues: the ramps are those of
+  // its motion.
   const AxisSnapshot& axis = call_.axis();
   const bool is_over = axis.status.velocity_demand_value == 0 && !target_reached(axis);
   if (!is_enabled(axis) || is_over) put_back_ramps();

@@ -66,7 +66,7 @@ Outcome StepClock::State::add(std::uint32_t bench) {
   return {};
 }
 
-/// A step that timed out goes on from where it began, a new one from where each bench is.
+/// A step that timed out continues from where it began, a new one from where each bench is.
 void StepClock::State::begin_step() {
   for (Member& member : members) {
     const auto grant = core->clocks.grant_of(member.target.key);

@@ -53,7 +53,8 @@ class Waiter {
   static constexpr std::chrono::milliseconds kPeriod{50};
   static constexpr std::chrono::milliseconds kReconnectPeriod{5};
 
-  /// @return why a wait that began at `begin` ends without what it waits for; nothing = it goes on.
+  /// @return why a wait that began at `begin` ends without what it waits for; nothing = it
+  /// continues.
   [[nodiscard]] std::optional<Outcome> end_of_wait(const Target& target, const Patience& patience,
                                                    Wakeup::Clock::time_point begin) const;
 

@@ -11,7 +11,7 @@
 
 namespace vdrive::tool {
 
-/// What a command line may go on with.
+/// What a command line may continue with.
 
 /// @return whether an argument is meant as an option: no negative number.
 [[nodiscard]] bool is_option(const std::string& argument);

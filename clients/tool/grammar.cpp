@@ -537,7 +537,7 @@ class Grammar {
     command->add_flag("--no-wait", arguments_.no_wait,
                       "Return when the drive has accepted the set-point");
     command->add_flag("--stop-on-interrupt", arguments_.stop_on_interrupt,
-                      "Halt the axis when Ctrl-C ends the wait; it goes on otherwise");
+                      "Halt the axis when Ctrl-C ends the wait; it continues otherwise");
     add_take_over(command);
     command->callback([this] {
       MoveCommand move{

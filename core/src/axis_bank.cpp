@@ -543,7 +543,7 @@ void AxisBank::State::step_batch(const ParameterPool<Parameters>& pool, const Ba
     Block& block = blocks[batch.blocks[i]];
     end_block(batch.blocks[i], lanes[i]);
     const bool is_settled = may_settle[i] && alike(before[i], block.state.servo);
-    ensure(!is_settled || rests(block), "an axis whose servo does not change goes on resting");
+    ensure(!is_settled || rests(block), "an axis whose servo does not change keeps resting");
     settled[batch.blocks[i]].is_settled = is_settled ? 1U : 0U;
   }
 }

@@ -12,8 +12,8 @@ namespace {
 constexpr std::uint64_t kAlignment = 8;
 constexpr std::uint32_t kSkip = 0xFFFF'FFFF;  ///< as a size: the rest of the memory is unused
 
-/// An empty ring goes on at the beginning of its memory once it is this far [bytes]: a ring that is
-/// seldom full keeps to few pages, which stay in the caches.
+/// An empty ring continues at the beginning of its memory once it is this far [bytes]: a ring that
+/// is seldom full keeps to few pages, which stay in the caches.
 constexpr std::size_t kRewind = std::size_t{64} * 1024;
 
 constexpr std::uint64_t aligned(std::uint64_t size) noexcept {

@@ -14,7 +14,8 @@ using namespace std::chrono_literals;
 
 /// Authentication takes some 40 ms, on a busy machine more.
 constexpr std::chrono::milliseconds kLongestMatch = 5s;
-/// How long a stranger goes on trying after a member has matched, which it began before the member.
+/// How long a stranger continues to try after a member has matched, which it began before the
+/// member.
 constexpr std::chrono::milliseconds kLeeway = 100ms;
 
 /// Receives and publishes what benches publish about themselves.

@@ -188,8 +188,8 @@ void Journal::start_losing() noexcept {
   lost_ = 0;
 }
 
-/// The journal goes on after this tick where there is room again: half of the queue, so that a slow
-/// disk does not get one snapshot after the other.
+/// The journal continues after this tick where there is room again: half of the queue, so that a
+/// slow disk does not get one snapshot after the other.
 void Journal::lose_tick(const AxisBank& bank, std::uint64_t tick) noexcept {
   ++lost_;
   counters_.journal_losses.add();

@@ -107,7 +107,7 @@ class Journal {
   std::atomic<bool> spare_used_{false};  ///< the writer still needs it
 
   // of the thread that steps the bank
-  std::shared_ptr<AxisBank::Snapshot> spare_;  ///< to go on with after a loss
+  std::shared_ptr<AxisBank::Snapshot> spare_;  ///< to continue with after a loss
   Slot* slot_ = nullptr;                       ///< being filled
   std::uint64_t lost_ = 0;                     ///< in the present loss
   bool losing_ = false;

@@ -22,7 +22,7 @@ namespace vdrive::service {
 /// writes replies and status itself: a request changes hands once.
 ///
 /// While no session has joined the clock every step passes time at once. With steppers, a step
-/// waits aside until time has reached what its session grants; all else goes on meanwhile.
+/// waits aside until time has reached what its session grants; everything else continues meanwhile.
 class LockstepDriver {
  public:
   static constexpr std::chrono::seconds kLongestWaitForCommands{1};

@@ -11,8 +11,8 @@ namespace vdrive::service {
 /// Bounded queue from one producer thread to one consumer thread without locks. Messages stay where
 /// they are: the producer fills a slot in place, the consumer reads it in place, and a slot keeps
 /// the capacity of its sequences for the next message. So nothing allocates once it is warm. An
-/// empty queue goes on with its first slot: a queue that is seldom full uses few slots, which stay
-/// in the caches.
+/// empty queue continues with its first slot: a queue that is seldom full uses few slots, which
+/// stay in the caches.
 template <typename Message>
 class Ring {
  public:

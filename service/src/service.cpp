@@ -49,7 +49,7 @@ constexpr std::chrono::milliseconds kLongestNap = 5ms;
 constexpr std::chrono::microseconds kReportNap = 500us;
 constexpr std::chrono::milliseconds kTimeOfLastSamples = 200ms;
 /// A wire in its own process then announces its end; after this it is killed.
-constexpr std::chrono::milliseconds kLeave = 100ms;
+constexpr std::chrono::milliseconds kTimeToAnnounceEnd = 100ms;
 
 void prepare_tick_thread(int priority) {
   prctl(PR_SET_TIMERSLACK, 1UL);  // the default lets the kernel wake it 50 us late
@@ -140,10 +140,10 @@ class Wire {
     return program_ ? program_->guarded() : link_.control().guarded.load();
   }
 
-  /// Waits until the readers have what was reported, and takes leave.
+  /// Waits until the readers have what was reported, and announces the end.
   void stop(std::chrono::milliseconds patience) {
     if (supervisor_) {
-      supervisor_->stop(patience + kLeave);
+      supervisor_->stop(patience + kTimeToAnnounceEnd);
     } else {
       static_cast<void>(program_->wait_for_readers(patience));
       link_.control().state = WireState::none;

@@ -12,7 +12,7 @@
 namespace vdrive::service {
 namespace {
 
-// What goes on between two rounds of a free-running bench, and between the ends of two parts. A
+// What happens between two rounds of a free-running bench, and between the ends of two parts. A
 // thread that sleeps takes 5 to 50 us to wake, and a system call of the one that wakes it.
 constexpr std::chrono::microseconds kLongestSpin{50};
 constexpr int kLooksPerReadingOfTheClock = 64;

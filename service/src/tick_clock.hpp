@@ -38,7 +38,7 @@ struct WallStep {
 /// period, so a step is a tick at least, and takes 20 s to steer away. Three readings in a row have
 /// to show it: one of them is wrong when the thread rests between its reading of the two clocks.
 ///
-/// After a pause or a change of the rate the number goes on from where it was: tick n then begins
+/// After a pause or a change of the rate the number continues from where it was: tick n then begins
 /// at reference + n x period, and the reference is no longer the epoch.
 class TickClock {
  public:

@@ -47,7 +47,7 @@ class WireJudge {
 
   void started(Time now) noexcept;
 
-  /// @return why the wire has to be ended now; nothing = it may go on.
+  /// @return why the wire has to be ended now; nothing = it may continue.
   [[nodiscard]] std::optional<WireLoss> reason_to_end(const Sight& sight, Time now) noexcept;
 
   /// @return when the next one is to be started.

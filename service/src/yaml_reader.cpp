@@ -75,7 +75,7 @@ class DocumentStarts : public YAML::EventHandler {
   void OnMapEnd() override {}
 };
 
-/// `YAML::LoadAll` would find it as well, but never returns where a text goes on with what no
+/// `YAML::LoadAll` would find it as well, but never returns where a text continues with what no
 /// document can begin with, such as a comma: each document that it then finds is empty and ends
 /// where it began.
 void check_that_one_document_is_all(const std::string& text, const std::string& file_name) {

@@ -8,7 +8,7 @@ The filter of system calls and address families is built from the unit itself, m
 written and executed is refused, the system is read-only without homes, the user is nobody. The
 service has to become ready, send watchdog messages, answer the tool and end on request. Its engine and its
 network process ("wire") each have to add a filter of their own; a wire that is killed has to come
-back while the engine goes on. With a drop-in the tick thread also has to get its real-time
+back while the engine continues. With a drop-in the tick thread also has to get its real-time
 priority. Exit code 77: no sandbox can be made here.
 """
 

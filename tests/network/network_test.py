@@ -421,7 +421,7 @@ def cut_off_bench_2(case):
     times = expect_safe_stop(case.benches[1], events, 1, tick, "bench 2 cut off")
     expect_story(events, 1, "bench 2 cut off")
     print(f"bench 2: fault after {times[0]:.0f} ms, at rest after {times[1]:.0f} ms")
-    expect(len(case.moves("1.1", began)) >= 3, "bench 1 did not go on")
+    expect(len(case.moves("1.1", began)) >= 3, "bench 1 did not continue")
     return not case.failures("1.1", began)
 
 
@@ -511,7 +511,7 @@ def cut_group_member(case, seconds):
         expect(failed[0]["outcome"] in ("lost", "failed"), failed[0])
         expect(noticed <= SILENCE + 1, f"{what}: noticed after {noticed:.2f} s")
         others = case.benches[0].seen("1.1")[-1]
-        expect(not others["moving"], f"{what}: axis 1.1 goes on alone: {others}")
+        expect(not others["moving"], f"{what}: axis 1.1 continues alone: {others}")
         expect(others["error"] == 0, f"{what}: the axis of the reachable bench failed: {others}")
     case.b.plug()
     plugged = time.monotonic()

@@ -135,7 +135,7 @@ TEST(SignalledService, EndsInTheMiddleOfALongStep) {
   EXPECT_EQ(service.wait(), 0) << service.text();
   EXPECT_LT(Clock::now() - begin, 2s);
   client.join();
-  ASSERT_TRUE(reply) << "a client that steps is told that the service ends";
+  ASSERT_TRUE(reply) << "a client that steps receives the reason";
   EXPECT_EQ(reply->reason(), msg::REASON_SHUTTING_DOWN);
 }
 

@@ -550,7 +550,7 @@ class WebServer::Server {
     listener.acceptor.async_accept([this, &listener](beast::error_code error, tcp::socket socket) {
       if (error == asio::error::operation_aborted) return;
       if (error) {
-        // Such as too many open files: those that are open go on.
+        // Such as too many open files: those that are open continue.
         listener.pause.expires_after(kAcceptPause);
         listener.pause.async_wait([this, &listener](beast::error_code ended) {
           if (!ended) accept(listener);

@@ -55,7 +55,7 @@ class OwnClock final : public Dependent {
       if (!clock_) return Outcome::failed("the clock is closed");
       const auto left =
           std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
-      // What was granted stays granted: the same call again goes on with it.
+      // What was granted stays granted: the same call again continues with it.
       Ticks reached = step(*clock_, std::clamp(left, std::chrono::milliseconds(0), kSliceOfStep));
       const bool waits = reached.outcome().kind() == client::OutcomeKind::timed_out;
       if (!waits || left <= kSliceOfStep) return reached;

@@ -13,7 +13,7 @@ _running = weakref.WeakSet()
 class Observer:
     """Calls a function from threads of Python, until close() or the end of the session.
 
-    What the function raises is reported by `threading.excepthook`, and the calls go on.
+    What the function raises is reported by `threading.excepthook`, and the calls continue.
     """
 
     def __init__(self, function, streams, period=0.0):

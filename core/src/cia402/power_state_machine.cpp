@@ -99,7 +99,7 @@ TransitionSet PowerStateMachine::command(PowerCommand command, const PowerOption
     return taken;
   }
   if (command == PowerCommand::switch_on && pending_ == PowerCommand::shutdown) {
-    return taken;  // the stronger stop goes on
+    return taken;  // the stronger stop continues
   }
   const Path& path =
       kReactions[static_cast<std::size_t>(state_)][static_cast<std::size_t>(command)];

@@ -19,7 +19,7 @@ namespace vdrive {
 [[nodiscard]] std::uint64_t lanes_across(const DemandBlock& demand,
                                          const TickTiming& timing) noexcept;
 
-/// Ends the tick of those `lanes` in which still nothing goes on but the motion: the demand stays
+/// Ends the tick of those `lanes` in which still nothing happens but the motion: the demand stays
 /// in its segment, the following error in its window, the axis out of the target window or, where
 /// it stands, in it.
 /// @return these lanes; of the others nothing is changed.

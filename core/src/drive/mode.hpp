@@ -27,7 +27,7 @@ struct Mode {
   void (*take_target)(Drive& drive, ObjectRow row) = nullptr;
 
   /// Command, before the drive asks for a motion: readings of the last tick take the mode on, a
-  /// limit switch takes its target away. Not called while nothing but the motion goes on.
+  /// limit switch takes its target away. Not called while nothing but the motion happens.
   void (*advance)(Drive& drive) = nullptr;
 
   /// Question: the motion that the mode asks for in Operation enabled.

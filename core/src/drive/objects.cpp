@@ -87,7 +87,7 @@ AbortCode write_object(Drive& drive, ObjectRow row, std::int64_t value) noexcept
   if (const AbortCode code = check_object_value(row, value); code != AbortCode::none) return code;
   const Change change = describe(row).change;
   if (change == Change::memory) {
-    return AbortCode::none;  // the row goes on reading 1
+    return AbortCode::none;  // the row still reads 1
   }
   drive.registers().values[row] = value;
   switch (change) {

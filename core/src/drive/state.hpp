@@ -184,7 +184,7 @@ struct alignas(64) UnitBlock {
   Lane rated_current;      // [mA]
 };
 
-/// Lanes in which nothing goes on but the motion, and what ends that. Bit l of a set is lane l.
+/// Lanes in which nothing happens but the motion, and what ends that. Bit l of a set is lane l.
 struct alignas(64) SteadyBlock {
   Lane following_error_window;  // 6065h; infinite = off [UU]
   Lane target;                  // internal target [UU]

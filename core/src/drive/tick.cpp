@@ -18,7 +18,7 @@
 namespace vdrive {
 namespace {
 
-/// @return whether something beside the motion goes on: the next tick has to follow it.
+/// @return whether something beside the motion happens: the next tick has to follow it.
 bool needs_attention(const Drive& drive, const Mode& mode) {
   const DriveState& s = drive.state();
   const PowerState state = s.power.machine.state();
@@ -145,7 +145,7 @@ bool holds_position(const Drive& drive, const Mode& mode) {
          !s.following_error.shown;
 }
 
-/// @return whether the motion goes on until it leaves its segment or the axis a window.
+/// @return whether the motion continues until it leaves its segment or the axis a window.
 bool moves_on(const Drive& drive) {
   const DriveState& s = drive.state();
   return s.demand.moving && !s.target.arrived && s.window.dwell == 0;

@@ -118,7 +118,7 @@ class Axis {
   Outcome acquire();
 
   /// The same, also from another session: that session loses the axis, and frames of it that wait
-  /// are dropped. The axis goes on as it is.
+  /// are dropped. The axis continues as it is.
   Outcome take_over();
 
   /// Goes through the power states to Operation enabled and sets nothing else. If a quick stop is
@@ -132,7 +132,7 @@ class Axis {
   /// for bit 10. @return refused when not enabled, when the drive ignores the set-point, and where
   ///         a speed or a ramp of 0 allows no motion; failed when a software limit (607Dh) has cut
   ///         the move off, when a limit switch (60FDh) has ended it, when the axis was halted on
-  ///         the way, or when the wait was interrupted: then it goes on.
+  ///         the way, or when the wait was interrupted: then it continues.
   Outcome move_to(std::int32_t position, const MoveOptions& options = {});
 
   /// The same by a distance [UU], from the base that 60F2h chooses.
@@ -154,7 +154,7 @@ class Axis {
   /// @return refused where a ramp or a limit of 0 allows no motion, and above 607Fh or 6080h;
   ///         failed when a limit switch (60FDh) stops the axis, when the drive limits the velocity
   ///         by the 607Fh and 6080h of its last enabling, when the axis was halted on the way, or
-  ///         when the wait was interrupted: then it goes on.
+  ///         when the wait was interrupted: then it continues.
   Outcome run_at(std::int32_t velocity, const VelocityOptions& options = {});
 
   /// Profile torque mode (6060h = 4) with 6071h = `torque`: waits until the torque command has

@@ -112,8 +112,8 @@ class AxisGroup {
   /// The present state of all axes.
   Result<GroupStatus> status() const;
 
-  /// Takes control of every axis, also from other sessions, which lose it. The axes go on as they
-  /// are.
+  /// Takes control of every axis, also from other sessions, which lose it. The axes continue as
+  /// they are.
   Outcome take_over();
 
   /// Brings every axis to Operation enabled (MC_GroupEnable).

@@ -141,8 +141,8 @@ class Follower {
 /// In the closed mode the identity may be a viewer's: then what is published can be seen, and every
 /// call that would have to send something to a bench is refused with kNotPermitted.
 ///
-/// When the network part of a service starts anew, or the link comes back, calls that wait go on by
-/// themselves: what was not answered is sent again, and acts once. Axes that the bench took away
+/// When the network part of a service starts anew, or the link comes back, calls that wait continue
+/// by themselves: what was not answered is sent again, and acts once. Axes that the bench took away
 /// meanwhile are not taken again.
 ///
 /// Calls may come from several threads; those that step one lock-step bench from one at a time.
@@ -224,8 +224,8 @@ class Session {
   /// @return its number; refused while time passes, or when the bench keeps 16 already.
   Result<std::uint64_t> take_snapshot(std::uint32_t bench);
 
-  /// Puts all axes back into the state of a snapshot. The tick number goes on, owners stay, frames
-  /// that wait are dropped.
+  /// Puts all axes back into the state of a snapshot. The tick number continues, owners stay,
+  /// frames that wait are dropped.
   /// @return the tick; refused while time passes, when there is no such snapshot, or when another
   ///         session holds an axis.
   Result<std::uint64_t> restore_snapshot(std::uint32_t bench, std::uint64_t snapshot);
@@ -288,19 +288,19 @@ class Session {
   /// The same for the axes of one bench.
   Outcome release(std::uint32_t bench);
 
-  /// Ends the session as the end of its program without a word would: from now on it sends nothing,
-  /// gives no axis back, and every call fails. A bench in realtime notices the silence and its axes
-  /// react as 6007h says. For a program that commands for somebody whom it has lost. May be called
+  /// Ends the session as a kill of its program would: from now on it sends nothing, releases no
+  /// axis, and every call fails. A bench in realtime detects the silence, and its axes react as
+  /// 6007h says. For a program that commands on behalf of a client that it has lost. May be called
   /// from any thread.
   void abandon() noexcept;
 
-  /// Ends all calls that wait, now and later, with `failed`; what moves goes on. A call that stops
-  /// axes (Axis::halt, Axis::quick_stop, quick_stop, AxisGroup::halt_all,
+  /// Ends all calls that wait, now and later, with `failed`; what moves continues. A call that
+  /// stops axes (Axis::halt, Axis::quick_stop, quick_stop, AxisGroup::halt_all,
   /// AxisGroup::quick_stop_all) works after it. May be called from any thread.
   void interrupt() noexcept;
 
-  /// Ends what interrupt() has begun: calls from now on wait again. For a program that goes on,
-  /// such as one that cleans up. A call that is still waiting in another thread may go on, too:
+  /// Ends what interrupt() has begun: calls from now on wait again. For a program that continues,
+  /// such as one that cleans up. A call that is still waiting in another thread may continue, too:
   /// make sure that there is none.
   void end_interrupt() noexcept;
 

@@ -43,7 +43,7 @@ class StepClock {
   /// @param ticks of each bench; their periods have to be equal
   /// @return the tick that each bench has reached, in the order of `join`;
   ///         timed_out, naming the benches that have not got there and the session each waits for:
-  ///         what was granted stays granted, and the same call again goes on with it;
+  ///         what was granted stays granted, and the same call again continues with it;
   ///         lost, naming the bench, when its service fell silent or was restarted: the new one is
   ///         never stepped, and the others no more, until its clock is joined anew;
   ///         failed when the periods differ.

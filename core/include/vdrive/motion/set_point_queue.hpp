@@ -39,7 +39,7 @@ class SetPointQueue {
   /// @return true when `next` was filled.
   [[nodiscard]] bool take_buffered(std::uint16_t word, SetPoint& next) noexcept;
 
-  /// Drops the buffered set-point; the acknowledge goes on following bit 4.
+  /// Drops the buffered set-point; the acknowledge still follows bit 4.
   /// @param word the controlword in force
   void drop_buffered(std::uint16_t word) noexcept;
 

@@ -183,7 +183,7 @@ void command(Drive& drive, const WrittenControlword& word) {
   }
 }
 
-/// Checks switches, index pulse and position of the last tick; may go on to the next stage.
+/// Checks switches, index pulse and position of the last tick; may continue with the next stage.
 void advance(Drive& drive) {
   DriveState& s = drive.state();
   if (s.target.fresh || !runs(s.modes.homing.stage)) {

@@ -158,7 +158,7 @@ MotionRequest normal_stop(const Drive& drive) {
 }
 
 /// From rest the plan of the common times; after a halt what is left, with the same ramps and the
-/// same peak, so that axes which halt and go on together stay on their line.
+/// same peak, so that axes which halt and continue together stay on their line.
 MotionRequest synchronous_move(const Drive& drive) {
   const DriveRegisters& r = drive.registers();
   const TargetState& target = drive.state().target;

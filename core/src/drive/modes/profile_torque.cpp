@@ -68,7 +68,7 @@ std::uint16_t status_bits(const Drive& drive) {
                       nearest(commanded_torque(drive)) == real(drive, "target_torque"_object));
 }
 
-/// The ramp goes on with each tick, and the speed may take the axis to a limit switch.
+/// The ramp continues with each tick, and the speed may take the axis to a limit switch.
 bool evolves(const Drive& drive) {
   return drive.state().power.on;
 }
