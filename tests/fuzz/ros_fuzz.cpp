@@ -129,7 +129,9 @@ ros::JointTrajectory take_trajectory(Bytes& bytes) {
     point.velocities(take_array(bytes, joints));
     point.accelerations(take_array(bytes, joints));
     const bool is_any = bytes.below(16) == 0;
-    seconds = is_any ? bytes.take<std::int32_t>() : seconds + static_cast<int>(bytes.below(3));
+    seconds = is_any ? bytes.take<std::int32_t>()
+                     : static_cast<std::int32_t>(static_cast<std::uint32_t>(seconds) +
+                                                 static_cast<std::uint32_t>(bytes.below(3)));
     point.time_from_start().sec(seconds);
     point.time_from_start().nanosec(bytes.take<std::uint32_t>());
     message.points().push_back(std::move(point));

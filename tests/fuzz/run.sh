@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds the fuzzers and runs each over its kept corpus, its files of the tree, and new inputs.
+# Builds the fuzzers and runs each over its kept corpus, its files of the tree, and new inputs, one
+# a processor at a time.
 #
 #   tests/fuzz/run.sh [--seconds N] [--keep] [fuzzer...]
 #
@@ -69,20 +70,19 @@ run() {
     echo "$program found a failing input; its path is in the last lines" >&2
     exit 1
   fi
-  grep --extended-regexp '^(Done|#[0-9]+.DONE)' "$log" | tail --lines 1 || true
+  echo "$program: $(grep --extended-regexp '^(Done|#[0-9]+.DONE)' "$log" | tail --lines 1)"
 }
 
 "$root/tests/checks/build_preset.sh" fuzz
 
-mkdir -p "$work/failures"
-for fuzzer in "${fuzzers[@]}"; do
-  kept=$here/corpus/$fuzzer
-  found=$work/corpus/$fuzzer
-  seeds=$work/seeds/$fuzzer
+search() {
+  local fuzzer=$1
+  local kept=$here/corpus/$fuzzer found=$work/corpus/$fuzzer seeds=$work/seeds/$fuzzer
+  local fresh=$work/merged/$fuzzer
   rm -rf "$seeds"
   mkdir -p "$kept" "$found" "$seeds"
   seed "$fuzzer" "$seeds"
-  options=(-max_len="${max_length[$fuzzer]}" -len_control=10 -timeout=20 -verbosity=1
+  local options=(-max_len="${max_length[$fuzzer]}" -len_control=10 -timeout=20 -verbosity=1
     -print_funcs=0 -artifact_prefix="$work/failures/$fuzzer-")
   [[ -f $here/dictionary/$fuzzer.dict ]] && options+=(-dict="$here/dictionary/$fuzzer.dict")
   echo "$fuzzer: $(find "$kept" -type f | wc -l) kept inputs, then $seconds s"
@@ -90,7 +90,6 @@ for fuzzer in "${fuzzers[@]}"; do
   run "$fuzzer" "${options[@]}" -runs=0 "$kept" "$seeds"
   run "$fuzzer" "${options[@]}" -max_total_time="$seconds" "$found" "$kept" "$seeds"
   if $keep; then
-    fresh=$work/merged/$fuzzer
     rm -rf "$fresh"
     mkdir -p "$fresh"
     # Code reached counts, not how often: a hundred files instead of five hundred.
@@ -99,5 +98,21 @@ for fuzzer in "${fuzzers[@]}"; do
     rm -rf "$kept"
     mv "$fresh" "$kept"
   fi
+}
+
+mkdir -p "$work/failures"
+waiting=("${fuzzers[@]}")
+running=0
+failed=0
+while ((${#waiting[@]} + running)); do
+  if ((${#waiting[@]} && running < $(nproc))); then
+    search "${waiting[0]}" &
+    waiting=("${waiting[@]:1}")
+    running=$((running + 1))
+  else
+    wait -n || failed=1
+    running=$((running - 1))
+  fi
 done
+((failed == 0)) || exit 1
 echo "no failing input"
