@@ -7,7 +7,7 @@
 # Without an option: every unit test, every test over DDS and every scenario, in some 9 minutes on
 # two cores from nothing.
 #
-#   --full      also what continuous integration checks, in 42 minutes: the sanitizers, clang-tidy,
+#   --full      also what continuous integration checks, in 40 minutes: the sanitizers, clang-tidy,
 #               the format, the fuzzers, the coverage, the packages, the sandbox, the conformance
 #               document, clients that come and go, benchmarks that still compile, the page of the
 #               gateway in a browser
