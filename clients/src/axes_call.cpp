@@ -212,9 +212,7 @@ Outcome AxesCall::put_in_force(std::span<const Round> rounds) {
 Outcome AxesCall::put_in_force(const std::vector<std::uint16_t>& controlwords) {
   std::vector<Round> rounds;
   rounds.reserve(controlwords.size());
-  for (const std::uint16_t word : controlwords) {
-    rounds.push_back(round_of(word, every_axis));
-  }
+  for (const std::uint16_t word : controlwords) rounds.push_back(round_of(word, every_axis));
   return put_in_force(rounds);
 }
 

@@ -155,9 +155,7 @@ Result<LineTimes> AxisGroup::State::times_of(AxesCall& call, const LineRequest& 
 
 Outcome AxisGroup::State::start(AxesCall& call, const LineRequest& request) {
   for (const AxisSnapshot& axis : call.now()) {
-    if (!is_enabled(axis)) {
-      return refused_in_state(axis, "a move", "Operation enabled");
-    }
+    if (!is_enabled(axis)) return refused_in_state(axis, "a move", "Operation enabled");
     if (axis.status.velocity_demand_value != 0) {
       return not_in_this_state("axis " + to_string(axis.id) + " still moves");
     }
@@ -316,9 +314,7 @@ Outcome AxisGroup::resume_all(const GroupCallOptions& options) {
   AxesCall call = state_->call(options);
   if (Outcome ready = call.begin_control(timeout_of(options)); !ready) return ready;
   for (const AxisSnapshot& axis : call.now()) {
-    if (!is_enabled(axis)) {
-      return refused_in_state(axis, "resuming", "Operation enabled");
-    }
+    if (!is_enabled(axis)) return refused_in_state(axis, "resuming", "Operation enabled");
   }
   const Round resume = call.round_of(kEnableOperation, every_axis);
   const Answers answers = call.exchange({&resume, 1}, Timing::common_tick);

@@ -37,9 +37,7 @@ Outcome AxisGroup::start_streaming(const StreamOptions& options) {
   AxesCall call = state_->call({});
   if (Outcome ready = call.begin_control(kModeChange); !ready) return ready;
   for (const AxisSnapshot& axis : call.now()) {
-    if (!is_enabled(axis)) {
-      return refused_in_state(axis, "streaming", "Operation enabled");
-    }
+    if (!is_enabled(axis)) return refused_in_state(axis, "streaming", "Operation enabled");
     if (axis.status.velocity_demand_value != 0) {
       return not_in_this_state("axis " + to_string(axis.id) + " still moves");
     }

@@ -142,9 +142,7 @@ class Line {
       return words;
     }
     if (word_ != nullptr) return arguments(names);
-    for (const CLI::App* const word : app_.get_subcommands({})) {
-      words.push_back(word->get_name());
-    }
+    for (const CLI::App* const word : app_.get_subcommands({})) words.push_back(word->get_name());
     return words;
   }
 

@@ -1104,9 +1104,7 @@ Invocation invocation_of(Grammar& grammar, std::vector<std::string> arguments) {
 }  // namespace
 
 Invocation parse_command_line(std::vector<std::string> arguments) {
-  if (arguments.empty()) {
-    throw UsageError("no command given; 'vdrive --help' lists all commands");
-  }
+  if (arguments.empty()) throw UsageError("no command given; 'vdrive --help' lists all commands");
   Grammar grammar;
   grammar.add_command_line();
   Invocation invocation = invocation_of(grammar, std::move(arguments));

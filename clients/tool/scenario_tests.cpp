@@ -177,9 +177,7 @@ class ScenarioTests {
         bench.end();
       });
       if (const auto problem = bench.wait_until_ready()) {
-        if (!is_interrupted_) {
-          set_error(result, static_cast<int>(ExitCode::failed), *problem);
-        }
+        if (!is_interrupted_) set_error(result, static_cast<int>(ExitCode::failed), *problem);
         return;
       }
     }

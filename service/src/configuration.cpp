@@ -58,9 +58,7 @@ std::string checked_name(const YamlValue& value, bool of_axis) {
   if (name.empty() || name.size() > kMaxNameLength) {
     value.refuse("a name must have 1 to " + std::to_string(kMaxNameLength) + " bytes");
   }
-  if (has_control_characters(name)) {
-    value.refuse("a name must not have control characters");
-  }
+  if (has_control_characters(name)) value.refuse("a name must not have control characters");
   if (of_axis &&
       (name.find(' ') != std::string::npos || (name.front() >= '0' && name.front() <= '9'))) {
     value.refuse("a name must not contain a blank and must not begin with a digit");

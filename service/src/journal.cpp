@@ -41,9 +41,7 @@ class File {
   void write(std::span<const std::byte> bytes) const {
     while (!bytes.empty()) {
       const ssize_t count = ::write(descriptor_, bytes.data(), bytes.size());
-      if (count < 0 && errno != EINTR) {
-        fail(name_);
-      }
+      if (count < 0 && errno != EINTR) fail(name_);
       bytes = bytes.subspan(static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
     }
   }

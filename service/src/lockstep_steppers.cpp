@@ -71,7 +71,7 @@ void LockstepDriver::advance(const std::atomic<bool>& stop) {
   for (std::uint64_t ticks = ticks_to_go(); ticks > 0 && !stop; ticks = ticks_to_go()) {
     stepping_.clear();
     for (const Stepper& stepper : steppers_.all()) stepping_.push_back(stepper.session);
-    static_cast<void>(run_ticks(ticks, stop));
+    run_ticks(ticks, stop);
     has_moved = true;
     answer_due(now);
   }
@@ -143,9 +143,7 @@ bool LockstepDriver::answer_if_due(const WaitingStep& waiting, Clock::time_point
 
 /// For steps that no tick will answer.
 void LockstepDriver::refuse_waiting() {
-  for (const WaitingStep& waiting : waiting_) {
-    answer(waiting.arrival, msg::REASON_SHUTTING_DOWN);
-  }
+  for (const WaitingStep& waiting : waiting_) answer(waiting.arrival, msg::REASON_SHUTTING_DOWN);
   waiting_.clear();
 }
 

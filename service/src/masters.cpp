@@ -48,9 +48,7 @@ std::uint32_t Masters::check_axes(const msg::Request& request, bool owned_by_oth
 void Masters::name_refused(std::uint16_t number, msg::Reply& reply) const {
   if (reply.refused_axis() != 0) return;
   reply.refused_axis(number);
-  if (const auto axis = axes_.index_of(number)) {
-    reply.owner_session(control_.owner(*axis).session);
-  }
+  if (const auto axis = axes_.index_of(number)) reply.owner_session(control_.owner(*axis).session);
 }
 
 std::uint32_t Masters::acquire(const msg::Request& request, bool by_force, msg::Reply& reply) {

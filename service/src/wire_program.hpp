@@ -50,7 +50,8 @@ class WireProgram {
   /// @return whether an answer waits for its reader. For the thread that drains `replies`.
   [[nodiscard]] bool is_holding() const noexcept { return !held_.empty(); }
 
-  /// Waits until every reader has what was reported. @return false on time-out.
+  /// Waits until every reader has the description of the bench and the replies. @return false on
+  /// time-out.
   bool wait_for_readers(std::chrono::milliseconds timeout);
 
   [[nodiscard]] wire::Participant& participant() noexcept { return participant_; }

@@ -121,9 +121,7 @@ WireSpawner::WireSpawner(int region) {
     fail("start of the wire's process");
   }
   process_ = fork();
-  if (process_ < 0) {
-    fail("start of the wire's process");
-  }
+  if (process_ < 0) fail("start of the wire's process");
   if (process_ == 0) {
     close(ends[0]);
     prctl(PR_SET_NAME, "vdrived-spawner");  // NOLINT(*-vararg)

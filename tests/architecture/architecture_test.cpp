@@ -57,9 +57,7 @@ std::vector<SourceFile> sources() {
 TEST(Architecture, RoomsIncludeOnlyWhatTheirRowOfTheTableAllows) {
   const std::vector<SourceFile> files = sources();
   ASSERT_GT(files.size(), 10U) << "no sources below " << kRoot;
-  for (const SourceFile& file : files) {
-    EXPECT_THAT(check_source(file.path, file.text), IsEmpty());
-  }
+  for (const SourceFile& file : files) EXPECT_THAT(check_source(file.path, file.text), IsEmpty());
 }
 
 /// Our own headers, as a file names them, such as "byte_ring.hpp" and "vdrive/axis_bank.hpp".

@@ -33,6 +33,7 @@
 #include <new>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -194,6 +195,17 @@ class Listener final : public dds::DataReaderListener {
   std::function<void(const Bytes&)> take_;
   Bytes bytes_;
 };
+
+/// Checks every 10 ms. @return whether the condition held within `patience`.
+template <typename Condition>
+[[nodiscard]] bool wait_until(const Condition& condition, std::chrono::milliseconds patience) {
+  const auto deadline = std::chrono::steady_clock::now() + patience;
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > deadline) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return true;
+}
 
 inline bool wait_for_reader(dds::DataWriter& writer) {
   dds::StatusCondition& matched = writer.get_statuscondition();

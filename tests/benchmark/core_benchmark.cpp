@@ -46,9 +46,7 @@ vdrive::AxisBank moving_bank(std::size_t axes, vdrive::Coupling coupling) {
     command(bank, axis, 0x6040, 0x0F);
     command(bank, axis, 0x6040, 0x3F);
   }
-  for (int tick = 0; tick < 300; ++tick) {
-    bank.step();
-  }
+  for (int tick = 0; tick < 300; ++tick) bank.step();
   return bank;
 }
 
@@ -65,9 +63,7 @@ bool all_moving(const vdrive::AxisBank& bank) {
 void tick(benchmark::State& state, vdrive::Coupling coupling) {
   const auto axes = static_cast<std::size_t>(state.range(0));
   vdrive::AxisBank bank = moving_bank(axes, coupling);
-  for (auto _ : state) {
-    bank.step();
-  }
+  for (auto _ : state) bank.step();
   if (!all_moving(bank)) {
     state.SkipWithError("an axis stopped moving: the figure would not be that of moving axes");
   }
@@ -85,12 +81,8 @@ void tick_at_rest(benchmark::State& state, bool powered) {
     command(bank, axis, 0x6060, 1);
     command(bank, axis, 0x6040, 0x0F);
   }
-  for (int tick = 0; tick < 300; ++tick) {
-    bank.step();
-  }
-  for (auto _ : state) {
-    bank.step();
-  }
+  for (int tick = 0; tick < 300; ++tick) bank.step();
+  for (auto _ : state) bank.step();
   const std::uint16_t expected = powered ? 0x0637 : 0x0250;
   for (std::size_t axis = 0; axis < axes; ++axis) {
     if (bank.status(axis).ds402_statusword != expected) {
@@ -153,9 +145,7 @@ class FigureReporter final : public benchmark::BenchmarkReporter {
   static void print(const Run& run) {
     const std::string& figure = run.run_name.function_name;
     std::cout << R"({"figure":")" << figure << '"';
-    if (!run.run_name.args.empty()) {
-      std::cout << R"(,"axes":)" << run.run_name.args;
-    }
+    if (!run.run_name.args.empty()) std::cout << R"(,"axes":)" << run.run_name.args;
     std::cout << R"(,"value":)" << run.counters.at("value").value << "}\n" << std::flush;
   }
 
@@ -166,9 +156,7 @@ class FigureReporter final : public benchmark::BenchmarkReporter {
 
 int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
-  if (benchmark::ReportUnrecognizedArguments(argc, argv)) {
-    return 2;
-  }
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
   benchmark::RegisterBenchmark("axis_tick_ns", tick, vdrive::Coupling::rigid)
       ->Arg(8)
       ->Arg(64)

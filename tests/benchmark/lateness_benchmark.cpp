@@ -191,14 +191,10 @@ void follow(std::chrono::seconds duration, std::atomic<int>& joined) {
   }
 }
 
-/// Repeats the check until it holds. @throws std::runtime_error after a minute
+/// @throws std::runtime_error when the condition does not hold within a minute
 template <typename Condition>
-void wait_until(const Condition& condition, const std::string& missing) {
-  const auto deadline = std::chrono::steady_clock::now() + 60s;
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > deadline) throw std::runtime_error(missing);
-    std::this_thread::sleep_for(10ms);
-  }
+void expect_soon(const Condition& condition, const std::string& missing) {
+  if (!bare::wait_until(condition, 60s)) throw std::runtime_error(missing);
 }
 
 void print(const Settings& settings, const std::string& figure, const Histogram& histogram) {
@@ -235,13 +231,13 @@ int run(const Settings& settings, std::vector<std::string> arguments) {
     }));
   }
   States states;
-  wait_until(
+  expect_soon(
       [&] {
         return states.has_arrived();
       },
       "no bench 1");
   std::filesystem::remove(file);
-  wait_until(
+  expect_soon(
       [&] {
         return joined == settings.clients;
       },

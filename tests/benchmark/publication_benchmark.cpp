@@ -111,12 +111,11 @@ class Publisher {
   }
 
   [[nodiscard]] bool wait_for_reader() const {
-    constexpr int kAttempts = 1'000;
-    for (int count = 0; count < kAttempts; ++count) {
-      if (link_.matched(wire::Topic<msg::StatusFrame>::kId) > 0) return true;
-      std::this_thread::sleep_for(10ms);
-    }
-    return false;
+    return bare::wait_until(
+        [this] {
+          return link_.matched(wire::Topic<msg::StatusFrame>::kId) > 0;
+        },
+        10s);
   }
 
   void publish() {
@@ -188,13 +187,18 @@ Cost measure(const std::function<void()>& publish, const std::atomic<std::uint64
     std::this_thread::sleep_until(next);
   }
   const double sender = seconds_of(CLOCK_THREAD_CPUTIME_ID) - sender_before;
-  std::this_thread::sleep_for(20ms);  // what is on its way
+  const std::uint64_t sent = axes * kTicks;
+  // What does not arrive is lost: the share that arrived shows it.
+  static_cast<void>(bare::wait_until(
+      [&] {
+        return axes_received - received_before >= sent;
+      },
+      1s));
   const double receiver_seconds = seconds_of(receiver) - receiver_before;
   const auto arrived = static_cast<double>(axes_received - received_before);
-  const double sent = static_cast<double>(axes) * kTicks;
-  return {.sender = sender * 1e9 / sent,
+  return {.sender = sender * 1e9 / static_cast<double>(sent),
           .receiver = receiver_seconds * 1e9 / std::max(arrived, 1.0),
-          .arrived = arrived / sent};
+          .arrived = arrived / static_cast<double>(sent)};
 }
 
 double median(std::vector<Cost> costs, double Cost::*member) {

@@ -332,16 +332,12 @@ TEST_F(LockStepGroup, AFaultOfOneAxisStopsTheOthersWithinTwoTicksOfItsStatus) {
   std::map<std::uint16_t, std::uint64_t> stopped;
   GroupCallOptions call;
   call.progress = [&](const GroupProgress& seen) {
-    if (seen.fraction > 0.3 && fault == 0 && stopped.empty()) {
-      write("1.3", kOverCurrent, 1);
-    }
+    if (seen.fraction > 0.3 && fault == 0 && stopped.empty()) write("1.3", kOverCurrent, 1);
     for (const AxisSnapshot& axis : seen.axes) {
       const bool is_fault =
           axis.state() == PowerState::fault || axis.state() == PowerState::fault_reaction_active;
       if (is_fault && fault == 0) fault = seen.tick;
-      if (axis.state() == PowerState::quick_stop_active) {
-        stopped.emplace(axis.id.axis, seen.tick);
-      }
+      if (axis.state() == PowerState::quick_stop_active) stopped.emplace(axis.id.axis, seen.tick);
     }
   };
   const Outcome failed =

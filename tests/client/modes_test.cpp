@@ -220,9 +220,7 @@ TEST_F(Modes, JogEndsWithTheFaultThatStopsTheAxis) {
   int ticks = 0;
   const Outcome failed = axis_.jog(10'000, [&](const AxisSnapshot&) {
     ++ticks;
-    if (ticks == 20) {
-      EXPECT_TRUE(axis_.disturb(Disturbance::over_current));
-    }
+    if (ticks == 20) EXPECT_TRUE(axis_.disturb(Disturbance::over_current));
     return ticks < 1'000;
   });
   EXPECT_EQ(failed.kind(), OutcomeKind::failed);
@@ -255,9 +253,7 @@ struct Reports {
   /// @return whether that many arrive within 20 s.
   bool wait_for(std::size_t many) {
     const auto deadline = std::chrono::steady_clock::now() + 20s;
-    while (count() < many && std::chrono::steady_clock::now() < deadline) {
-      std::this_thread::yield();
-    }
+    while (count() < many && std::chrono::steady_clock::now() < deadline) std::this_thread::yield();
     return count() >= many;
   }
 
@@ -281,9 +277,7 @@ TEST(OnStatus, ReportsNewerTicksOfTheAxesUntilItIsEnded) {
   for (std::size_t i = 0; i < reports.seen.size(); ++i) {
     ASSERT_EQ(reports.seen[i].axes.size(), 2U);
     EXPECT_EQ(reports.seen[i].axes[0].id, (AxisId{1, 2})) << "in the order of the request";
-    if (i > 0) {
-      EXPECT_GT(reports.seen[i].tick, reports.seen[i - 1].tick);
-    }
+    if (i > 0) EXPECT_GT(reports.seen[i].tick, reports.seen[i - 1].tick);
   }
   ASSERT_TRUE(session.wait(1, 100ms));
   EXPECT_EQ(reports.count(), count) << "nothing comes after its end";
@@ -340,9 +334,7 @@ TEST_F(CommandEach, TakesTheSameTicksForManyAxesAsForOne) {
   for (const Outcome& outcome : command(EachCommand::power_cycle)) {
     EXPECT_TRUE(outcome) << outcome.message();
   }
-  for (const Axis& axis : axes_) {
-    EXPECT_EQ(axis.status()->state(), PowerState::switch_on_disabled);
-  }
+  for (const Axis& axis : axes_) EXPECT_EQ(axis.status()->state(), PowerState::switch_on_disabled);
 }
 
 // The second has a fault, the third belongs to another session.

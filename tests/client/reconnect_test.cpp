@@ -224,9 +224,7 @@ class Bench {
         }
         if (wire_) {
           wire_->deliver(outbox_);
-          if (round % kStateEvery == 0) {
-            wire_->publish(state(kBench, kIncarnation, engine_.tick()));
-          }
+          if (round % kStateEvery == 0) wire_->publish(state(kBench, kIncarnation, engine_.tick()));
         } else {
           // As the service does: the next wire starts with empty lanes.
           while (outbox_.status.front() != nullptr) outbox_.status.pop();

@@ -56,9 +56,7 @@ std::vector<AxisConfiguration> mixed_axes(std::size_t count) {
 void write_randomly(AxisBank& bank, Random& random) {
   const std::array<std::uint16_t, 9> words{0x0F, 0x1F, 0x3F, 0x7F, 0x010F, 0x06, 0x02, 0x80, 0x00};
   for (std::size_t axis = 0; axis < bank.size(); ++axis) {
-    if (!random.one_in(20)) {
-      continue;
-    }
+    if (!random.one_in(20)) continue;
     switch (random.below(7)) {
       case 0:
         bank.write(axis, object("op_mode_cmd"), random.one_in(8) ? 0 : 1);
@@ -339,9 +337,7 @@ TEST(AxisBank, DoesNotAllocateInWriteReadAndStep) {
       write_randomly(bank, random);
       bank.step();
       for (std::size_t axis = 0; axis < bank.size(); ++axis) {
-        for (const ObjectAddress& address : objects) {
-          static_cast<void>(bank.read(axis, address));
-        }
+        for (const ObjectAddress& address : objects) static_cast<void>(bank.read(axis, address));
         static_cast<void>(bank.write(axis, {0x2000, 0}, 1));
         static_cast<void>(bank.power_state(axis));
       }
@@ -728,9 +724,7 @@ TEST(PowerCycle, OfOneAxisDoesNotAffectOtherAxes) {
       bank->write(axis, object("position_user_target_value"), 50'000);
       bank->write(axis, object("ds402_controlword"), 0x3F);
     }
-    for (int i = 0; i < 100; ++i) {
-      bank->step();
-    }
+    for (int i = 0; i < 100; ++i) bank->step();
   }
   disturbed.power_cycle(2);
   for (int i = 0; i < 500; ++i) {

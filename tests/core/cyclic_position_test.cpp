@@ -46,9 +46,7 @@ bool follows(const AxisUnderTest& axis) {
 /// Streams with constant speed [UU a tick], from 0.
 /// @return the last position
 std::int32_t stream_at(AxisUnderTest& axis, std::int32_t speed, int ticks) {
-  for (int i = 1; i <= ticks; ++i) {
-    stream(axis, speed * i);
-  }
+  for (int i = 1; i <= ticks; ++i) stream(axis, speed * i);
   return speed * ticks;
 }
 
@@ -340,9 +338,7 @@ TEST(CyclicPosition, AStreamedSineIsFollowedWithinTheLagOfTheLoops) {
     // Starts with the smooth half: no step in speed.
     const double position = kAmplitude * (1.0 - std::cos(kTwoPi * i * 1.0e-3));
     stream(axis, static_cast<std::int32_t>(std::lround(position)));
-    if (i > 50) {
-      ASSERT_LE(std::abs(axis.status().load_position_error_value), bound) << i;
-    }
+    if (i > 50) ASSERT_LE(std::abs(axis.status().load_position_error_value), bound) << i;
   }
 }
 
@@ -390,9 +386,7 @@ using StatusWords = std::array<std::uint32_t, sizeof(AxisStatus) / sizeof(std::u
 /// Eight axes in one block. The fourth runs profile position; its neighbours run `modes`.
 std::vector<StatusWords> run_beside(Coupling coupling, const std::array<std::int64_t, 7>& modes) {
   std::vector<AxisConfiguration> axes(8);
-  for (AxisConfiguration& axis : axes) {
-    axis.model.coupling = coupling;
-  }
+  for (AxisConfiguration& axis : axes) axis.model.coupling = coupling;
   axes[3].parameters = {{object("test_load_torque"), 500}};
   AxisBank bank(axes, microseconds{1000});
   for (std::size_t axis = 0; axis < 8; ++axis) {

@@ -457,9 +457,7 @@ TEST(Effects, OfEveryWritableObjectHappenAtTheMomentThatTheTableNames) {
   std::set<std::string> writable;
   for (const char* const file : {"object-dictionary.csv", "companion-objects.csv"}) {
     for (const CsvRow& row : test::read_csv(VDRIVE_SOURCE_DIR "/tests/data/" + std::string(file))) {
-      if (row.at("access") == "RW") {
-        writable.insert(row.at("variable_name"));
-      }
+      if (row.at("access") == "RW") writable.insert(row.at("variable_name"));
     }
   }
   for (const std::string& object : writable) {

@@ -104,9 +104,7 @@ TEST(ObjectTable, HoldsEveryCellOfTheCompanionTable) {
 TEST(ObjectTable, HasOnlyRowsOfTheTwoTables) {
   std::set<ObjectAddress> named;
   for (const char* const file : {"object-dictionary.csv", "companion-objects.csv"}) {
-    for (const CsvRow& row : read_csv(kData + file)) {
-      named.insert(address_of(row));
-    }
+    for (const CsvRow& row : read_csv(kData + file)) named.insert(address_of(row));
   }
   for (const ObjectDescription& object : kObjectTable) {
     EXPECT_TRUE(named.contains(object.address))
@@ -257,9 +255,7 @@ TEST(ObjectTable, DataTypesHaveTheSizesAndRangesOfCiA301) {
 
 TEST(ObjectAddressCheck, NamesTheMissingPartOfEveryUnknownAddress) {
   std::set<std::uint16_t> indexes;
-  for (const ObjectDescription& object : kObjectTable) {
-    indexes.insert(object.address.index);
-  }
+  for (const ObjectDescription& object : kObjectTable) indexes.insert(object.address.index);
   for (std::uint32_t index = 0; index <= 0xFFFF; ++index) {
     const bool exists = indexes.contains(static_cast<std::uint16_t>(index));
     for (const unsigned subindex : {0U, 1U, 2U, 4U, 8U, 9U, 255U}) {
@@ -283,19 +279,13 @@ const std::set<std::int64_t> kHomingMethods{0, 1, 2, 17, 18, 33, 34, 35, 37};
 /// The answer that the sheet requires for a write: access first, then the range of the row (a value
 /// outside the type is outside the row's range too), then the narrower rules of single objects.
 AbortCode expected_answer(const ObjectDescription& object, std::int64_t value) {
-  if (object.access == Access::read_only) {
-    return AbortCode::write_of_read_only_object;
-  }
+  if (object.access == Access::read_only) return AbortCode::write_of_read_only_object;
   // 1003h:00, "write 0 to sub 0 empties it; any other value is refused", and 6098h, "0 or a
   // supported method": for any range of the row.
   const bool by_meaning = object.address.index == 0x1003 || object.address.index == 0x6098;
   const TypeRange type = range_of(object.data_type);
-  if (value > (by_meaning ? type.highest : object.upper_limit)) {
-    return AbortCode::value_too_high;
-  }
-  if (value < (by_meaning ? type.lowest : object.lower_limit)) {
-    return AbortCode::value_too_low;
-  }
+  if (value > (by_meaning ? type.highest : object.upper_limit)) return AbortCode::value_too_high;
+  if (value < (by_meaning ? type.lowest : object.lower_limit)) return AbortCode::value_too_low;
   switch (object.address.index) {
     case 0x6060:
       return kWorkingModes.contains(value) ? AbortCode::none : AbortCode::value_range_exceeded;
@@ -352,9 +342,7 @@ TEST(DictionarySweep, AWrongSubIndexHasItsOwnAbortCodeForReadAndWrite) {
   for (const ObjectDescription& object : kObjectTable) {
     for (const unsigned subindex : {0U, 1U, 2U, 3U, 9U, 255U}) {
       const ObjectAddress address{object.address.index, static_cast<std::uint8_t>(subindex)};
-      if (find_object(address)) {
-        continue;
-      }
+      if (find_object(address)) continue;
       EXPECT_EQ(axis.axis().write(address, 0), AbortCode::subindex_does_not_exist) << show(address);
       EXPECT_EQ(axis.axis().read(address).code, AbortCode::subindex_does_not_exist)
           << show(address);
@@ -398,9 +386,7 @@ TEST(DictionarySweep, AnUnsupportedModeIsRefusedAndThePresentModeStays) {
   AxisUnderTest axis;
   axis.write("op_mode_cmd", 1);
   for (std::int64_t mode = -128; mode <= 127; ++mode) {
-    if (kWorkingModes.contains(mode)) {
-      continue;
-    }
+    if (kWorkingModes.contains(mode)) continue;
     EXPECT_EQ(axis.try_write("op_mode_cmd", mode), AbortCode{0x06090030}) << mode;
     EXPECT_EQ(axis.read("op_mode_cmd"), 1);
   }

@@ -358,9 +358,7 @@ TEST(FollowingError, ABlockedLoadCausesAFollowingErrorFault) {
   for (std::int64_t tick = 0; tick < 5'000 && axis.state() == operation_enabled; ++tick) {
     axis.step();
     const bool outside = std::abs(axis.read("load_position_error_value")) > 20'480;  // 6065h
-    if (outside && outside_since < 0) {
-      outside_since = tick;
-    }
+    if (outside && outside_since < 0) outside_since = tick;
     // "Lasts longer than 6066h": 20 ms are not enough, 21 are.
     const bool expected = outside_since >= 0 && tick - outside_since > 20;
     ASSERT_EQ((axis.statusword() & Statusword::kFollowingError) != 0, expected) << "tick " << tick;

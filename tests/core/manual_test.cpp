@@ -49,21 +49,13 @@ void bring_to(AxisUnderTest& axis, PowerState state) {
   }
   axis.write("quick_stop_deceleration", 60'000);
   axis.step();
-  if (state == switch_on_disabled) {
-    return;
-  }
+  if (state == switch_on_disabled) return;
   axis.command(0x0006);
-  if (state == ready_to_switch_on) {
-    return;
-  }
+  if (state == ready_to_switch_on) return;
   axis.command(0x0007);
-  if (state == switched_on) {
-    return;
-  }
+  if (state == switched_on) return;
   axis.enable();
-  if (state == operation_enabled) {
-    return;
-  }
+  if (state == operation_enabled) return;
   axis.write("position_user_target_value", 1'000'000);
   axis.command(0x001F);
   axis.step(300);
@@ -73,9 +65,7 @@ void bring_to(AxisUnderTest& axis, PowerState state) {
   }
   axis.write("test_over_current", 1);
   axis.step();
-  if (state == fault) {
-    axis.step(2'000);
-  }
+  if (state == fault) axis.step(2'000);
 }
 
 constexpr std::array<PowerState, 8> kStates{
@@ -92,9 +82,7 @@ TEST(Manual, EveryWritableObjectAcceptsAWriteInEveryState) {
     ASSERT_NO_FATAL_FAILURE(bring_to(there, state));
     ASSERT_EQ(there.axis().power_state(), state);
     for (const ObjectDescription& object : kObjectTable) {
-      if (object.origin != Origin::manual || object.access == Access::read_only) {
-        continue;
-      }
+      if (object.origin != Origin::manual || object.access == Access::read_only) continue;
       AxisUnderTest axis = there;
       EXPECT_EQ(axis.axis().write(object.address, object.default_value), AbortCode::none)
           << object.variable_name << " in " << to_string(state);
@@ -417,9 +405,7 @@ TEST(Manual, TheNegativeExampleStartsEnabledOrFromReadyToSwitchOn) {
     AxisUnderTest axis;
     axis.enable();
     set_profile(axis, 5'000, 60'000, 60'000);
-    if (!enabled) {
-      ASSERT_EQ(axis.command(0x0006), 0x0231);
-    }
+    if (!enabled) ASSERT_EQ(axis.command(0x0006), 0x0231);
     axis.write("position_user_target_value", -10'000);
     EXPECT_EQ(axis.command(0x000F), 0x0637);
     EXPECT_EQ(axis.command(0x003F), 0x1237);

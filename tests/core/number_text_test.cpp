@@ -53,9 +53,7 @@ TEST(AddressText, NamesTheSubindexUnlessItIsZero) {
 }
 
 TEST(ClockModes, HaveNamesThatCanBeParsed) {
-  for (const ClockMode mode : kClockModes) {
-    EXPECT_EQ(clock_mode_named(to_string(mode)), mode);
-  }
+  for (const ClockMode mode : kClockModes) EXPECT_EQ(clock_mode_named(to_string(mode)), mode);
   EXPECT_EQ(clock_mode_named("warp"), std::nullopt);
 }
 

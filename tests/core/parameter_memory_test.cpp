@@ -129,9 +129,7 @@ TEST(ParameterMemory, AcceptsStoredObjectsWithinTheirRange) {
 TEST(ParameterMemory, HoldsEveryObjectThatTheTableStores) {
   std::size_t count = 0;
   for (const ObjectDescription& row : kObjectTable) {
-    if (row.storage != Storage::flash) {
-      continue;
-    }
+    if (row.storage != Storage::flash) continue;
     ++count;
     AxisBank bank = bank_of({{}});
     const std::int64_t other = row.address.index == 0x6098            ? 17

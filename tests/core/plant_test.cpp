@@ -519,9 +519,7 @@ void expect_stable(Coupling coupling, double inertia_ratio) {
 }
 
 TEST(Plant, TheDefaultTuningIsStableForARigidLoadOfATenthToThirtyTimesTheMotor) {
-  for (const double ratio : {0.1, 0.3, 1.0, 3.0, 10.0, 30.0}) {
-    expect_stable(Coupling::rigid, ratio);
-  }
+  for (const double ratio : {0.1, 0.3, 1.0, 3.0, 10.0, 30.0}) expect_stable(Coupling::rigid, ratio);
 }
 
 TEST(Plant, TheDefaultTuningIsStableForAnElasticLoadOfATenthToThirtyTimesTheMotor) {
@@ -619,9 +617,7 @@ class FreeAxis {
 
   void step_for(double seconds) {
     const auto steps = static_cast<std::uint64_t>(std::llround(seconds / substep_));
-    for (std::uint64_t i = 0; i < steps; ++i) {
-      step();
-    }
+    for (std::uint64_t i = 0; i < steps; ++i) step();
   }
 
   /// [rad] and [rad/s].
@@ -687,9 +683,7 @@ TEST(PlantModel, AReleasedTwistedShaftExchangesEnergyBetweenTwistAndSpeed) {
   const double quarter = 0.5 * std::numbers::pi / omega;
   FreeAxis axis(elastic(2.0).model, {}, quarter / 100.0);
   axis.set_load_position(0.1);
-  for (int i = 0; i < 100; ++i) {
-    axis.step();
-  }
+  for (int i = 0; i < 100; ++i) axis.step();
   EXPECT_NEAR(axis.position(), axis.load_position(), 1.0e-12);
   EXPECT_NEAR(axis.velocity(), std::sqrt(0.01 / 3.0e-4), 1.0e-9);
   EXPECT_NEAR(axis.load_velocity(), -std::sqrt(0.01 / 3.0e-4), 1.0e-9);

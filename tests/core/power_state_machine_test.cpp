@@ -59,9 +59,7 @@ Column column_of(std::uint16_t word, bool previous_bit7) {
                                               {0x8F, 0x07, kSwitchOn},
                                               {0x8F, 0x0F, kEnable}}};
   for (const Pattern& pattern : kPatterns) {
-    if ((word & pattern.mask) == pattern.value) {
-      return pattern.column;
-    }
+    if ((word & pattern.mask) == pattern.value) return pattern.column;
   }
   return previous_bit7 ? kNothing : kReset;
 }
@@ -113,24 +111,18 @@ Reaction expected_reaction(const Situation& s) {
   const Reaction stay{s.state, s.pending};
   const Column column = column_of(s.word, s.previous_bit7);
   const Cell* const cell = cell_of(s.state, column);
-  if (cell == nullptr) {
-    return stay;
-  }
+  if (cell == nullptr) return stay;
   const unsigned first = cell->transitions.front();
   const bool refused =
       (s.state == switch_on_disabled && !s.voltage) ||
       (first == 2 && column == kEnable && !s.options.enable_from_switch_on_disabled) ||
       (first == 16 && s.options.quick_stop_option_code < 5) || (first == 15 && s.cause_present);
-  if (refused) {
-    return stay;
-  }
+  if (refused) return stay;
   // Ramps of 605Bh and 605Ch hold the transition back; the stronger one stays.
   if (first == 8 && s.options.shutdown_option_code == 1) {
     return {s.state, PowerCommand::shutdown};
   }
-  if (first == 5 && s.pending == PowerCommand::shutdown) {
-    return stay;
-  }
+  if (first == 5 && s.pending == PowerCommand::shutdown) return stay;
   if (first == 5 && s.options.disable_operation_option_code == 1) {
     return {s.state, PowerCommand::switch_on};
   }
@@ -147,32 +139,20 @@ PowerStateMachine machine_in(PowerState state, PowerCommand pending = PowerComma
   const auto command = [&machine, &ramps](PowerCommand what) {
     machine.command(what, ramps, true, false);
   };
-  if (state == not_ready_to_switch_on) {
-    return machine;
-  }
+  if (state == not_ready_to_switch_on) return machine;
   machine.initialised();
-  if (state == switch_on_disabled) {
-    return machine;
-  }
+  if (state == switch_on_disabled) return machine;
   command(PowerCommand::shutdown);
-  if (state == ready_to_switch_on) {
-    return machine;
-  }
+  if (state == ready_to_switch_on) return machine;
   command(PowerCommand::switch_on);
-  if (state == switched_on) {
-    return machine;
-  }
+  if (state == switched_on) return machine;
   command(PowerCommand::enable_operation);
-  if (pending != PowerCommand::none) {
-    command(pending);
-  }
+  if (pending != PowerCommand::none) command(pending);
   if (state == quick_stop_active) {
     command(PowerCommand::quick_stop);
   } else if (state == fault_reaction_active || state == fault) {
     machine.fault_detected();
-    if (state == fault) {
-      machine.stop_finished(ramps);
-    }
+    if (state == fault) machine.stop_finished(ramps);
   }
   return machine;
 }
@@ -187,9 +167,7 @@ std::uint32_t bits_of(const TransitionSet& set) {
 
 std::uint32_t bits_of(const std::vector<unsigned>& numbers) {
   std::uint32_t bits = 0;
-  for (const unsigned number : numbers) {
-    bits |= 1U << number;
-  }
+  for (const unsigned number : numbers) bits |= 1U << number;
   return bits;
 }
 
@@ -369,9 +347,7 @@ void drive_to(AxisUnderTest& axis, PowerState state) {
       break;
   }
   axis.command(0x000F);
-  if (state == operation_enabled) {
-    return;
-  }
+  if (state == operation_enabled) return;
   axis.write("position_user_target_value", 1000000);
   axis.command(0x001F);
   axis.step(300);
@@ -508,9 +484,7 @@ class StateDriver {
     write("quick_stop_deceleration", 1'000'000);  // from 24000/s in 24 ms
     write("disable_operation_option_code", 0);
     if (state == not_ready_to_switch_on) {
-      for (std::size_t axis = 0; axis < kBankAxes; ++axis) {
-        bank_.power_cycle(axis);
-      }
+      for (std::size_t axis = 0; axis < kBankAxes; ++axis) bank_.power_cycle(axis);
       write("quick_stop_option_code", stays_in_quick_stop ? 6 : 2);
       write("disable_operation_option_code", 0);
     } else if (state == ready_to_switch_on) {
@@ -539,9 +513,7 @@ class StateDriver {
   }
 
   void step(int ticks) {
-    for (int i = 0; i < ticks; ++i) {
-      bank_.step();
-    }
+    for (int i = 0; i < ticks; ++i) bank_.step();
   }
 
   void drive_moving(PowerState state, bool bit7) {
@@ -576,17 +548,11 @@ PowerState expected_after_tick(PowerState from, const Situation& word, Event eve
     s.state = fault_reaction_active;  // 6007h = 1
   }
   PowerState state = expected_reaction(s).state;
-  if (state == not_ready_to_switch_on) {
-    state = switch_on_disabled;
-  }
+  if (state == not_ready_to_switch_on) state = switch_on_disabled;
   const bool faulty = state == fault || state == fault_reaction_active;
-  if (event == Event::fault && !faulty) {
-    return fault_reaction_active;
-  }
+  if (event == Event::fault && !faulty) return fault_reaction_active;
   if (event == Event::dc_link_lost) {
-    if (state == operation_enabled || state == quick_stop_active) {
-      return fault_reaction_active;
-    }
+    if (state == operation_enabled || state == quick_stop_active) return fault_reaction_active;
     return faulty ? state : switch_on_disabled;
   }
   return state;
@@ -711,9 +677,7 @@ class WalkModel {
   explicit WalkModel(WalkCounts& counts) : counts_(counts) { power_up(); }
 
   void power_up() {
-    for (std::size_t i = 0; i < kOptions.size(); ++i) {
-      options_[i] = kOptions[i].default_value;
-    }
+    for (std::size_t i = 0; i < kOptions.size(); ++i) options_[i] = kOptions[i].default_value;
     state_ = not_ready_to_switch_on;
     pending_ = PowerCommand::none;
     powered_ = false;
@@ -750,16 +714,12 @@ class WalkModel {
     }
     word_ = word;
     const Reaction reaction = expected_reaction(s);
-    for (const unsigned number : reaction.transitions) {
-      take(number, reaction.state);
-    }
+    for (const unsigned number : reaction.transitions) take(number, reaction.state);
     pending_ = reaction.pending;
   }
 
   void master_silent() {
-    if (!controlled(state_)) {
-      return;
-    }
+    if (!controlled(state_)) return;
     count_event(k6007);
     if (options_[k6007] == 1) {
       fault(false);
@@ -774,17 +734,13 @@ class WalkModel {
   /// the last tick give for a stop; they differ by rounding, and the drive decides by what it
   /// shows after the tick.
   void begin_tick(bool may_end, bool must_end, PowerState shown, bool shown_power) {
-    if (state_ == not_ready_to_switch_on) {
-      take(1, switch_on_disabled);
-    }
+    if (state_ == not_ready_to_switch_on) take(1, switch_on_disabled);
     const bool faulted = shown == fault_reaction_active && (shown_power || !voltage());
     end_stop(may_end, must_end || (shown != state_ && !faulted));
     for (std::size_t i = 0; i < kCauses.size(); ++i) {
       const bool harmless =
           i == kDcLinkLoss && !controlled(state_) && state_ != fault_reaction_active;
-      if (present_[i] && !harmless) {
-        fault(i == kEncoderFailure || i == kDcLinkLoss);
-      }
+      if (present_[i] && !harmless) fault(i == kEncoderFailure || i == kDcLinkLoss);
     }
     if (present_[kDcLinkLoss] && (state_ == ready_to_switch_on || state_ == switched_on)) {
       take(state_ == switched_on ? 10 : 7, switch_on_disabled);
@@ -804,16 +760,12 @@ class WalkModel {
 
   /// @return the ramp on which the demand must be in this tick, 0 where the walk does not know.
   double ramp() {
-    if (!powered_) {
-      return 0.0;
-    }
+    if (!powered_) return 0.0;
     if (state_ == quick_stop_active) {
       const std::int64_t code = options_[k605A];
       return counted(k605A, ramp_of(code > 4 ? code - 4 : code));
     }
-    if (state_ == fault_reaction_active) {
-      return counted(k605E, ramp_of(options_[k605E]));
-    }
+    if (state_ == fault_reaction_active) return counted(k605E, ramp_of(options_[k605E]));
     if (pending_ != PowerCommand::none) {
       return counted(pending_ == PowerCommand::shutdown ? k605B : k605C, kNormalRamp);
     }
@@ -836,24 +788,18 @@ class WalkModel {
 
   /// Counts an event that reads option code `which` while the axis moves.
   void count_event(std::size_t which) {
-    if (speed_ > 2'000.0) {
-      ++counts_.event[which][static_cast<std::size_t>(options_[which])];
-    }
+    if (speed_ > 2'000.0) ++counts_.event[which][static_cast<std::size_t>(options_[which])];
   }
 
   double counted(std::size_t which, double ramp) {
-    if (speed_ > 2'000.0) {
-      ++counts_.braking[which][static_cast<std::size_t>(options_[which])];
-    }
+    if (speed_ > 2'000.0) ++counts_.braking[which][static_cast<std::size_t>(options_[which])];
     return ramp;
   }
 
   void take(unsigned number, PowerState next) {
     ++counts_.transitions[number];
     const bool was_powered = powered_;
-    if (number == 11) {
-      count_event(k605A);
-    }
+    if (number == 11) count_event(k605A);
     state_ = next;
     pending_ = PowerCommand::none;
     entered_ = true;
@@ -869,9 +815,7 @@ class WalkModel {
   void fault(bool coasting) {
     coasting_ = coasting_ || coasting;
     if (state_ != PowerState::fault && state_ != fault_reaction_active) {
-      if (powered_ && !coasting_) {
-        count_event(k605E);
-      }
+      if (powered_ && !coasting_) count_event(k605E);
       take(13, fault_reaction_active);
     }
     powered_ = powered_ && !coasting_;
@@ -881,12 +825,8 @@ class WalkModel {
     const bool stays = state_ == quick_stop_active && options_[k605A] >= 5;
     const bool stopping = state_ == quick_stop_active || state_ == fault_reaction_active ||
                           pending_ != PowerCommand::none;
-    if (!stopping || stays || entered_) {
-      return;
-    }
-    if (powered_ && !(may_end && ended)) {
-      return;
-    }
+    if (!stopping || stays || entered_) return;
+    if (powered_ && !(may_end && ended)) return;
     unsigned number = 14;
     PowerState next = PowerState::fault;
     if (state_ == quick_stop_active) {
@@ -929,12 +869,8 @@ class Walk {
       configure();
     }
     write_causes();
-    if (random_.one_in(12)) {
-      write_parameters();
-    }
-    while (random_.one_in(6)) {
-      write_word();
-    }
+    if (random_.one_in(12)) write_parameters();
+    while (random_.one_in(6)) write_word();
     write_causes();
     if (random_.one_in(150)) {
       axis_.axis().report_connection_loss();
@@ -1026,9 +962,7 @@ class Walk {
   void compare_ramp() {
     const double before = model_.speed();
     const double ramp = model_.ramp();
-    if (ramp == 0.0) {
-      return;
-    }
+    if (ramp == 0.0) return;
     const double after = std::abs(static_cast<double>(axis_.demand_velocity()));
     ASSERT_NEAR(after, std::max(before - ramp * 1.0e-3, 0.0), 1.01);
   }
@@ -1072,9 +1006,7 @@ TEST(PowerStateMachine, ARandomWalkFollowsTheTablesInEveryTickAndCoversEveryOpti
   const std::uint64_t ticks = test::case_count(1'000'000, 10'000'000);
   for (std::uint64_t tick = 0; tick < ticks; ++tick) {
     ASSERT_NO_FATAL_FAILURE(walk.tick()) << "tick " << tick;
-    if (testing::Test::HasFailure()) {
-      FAIL() << "tick " << tick;
-    }
+    if (testing::Test::HasFailure()) FAIL() << "tick " << tick;
   }
   expect_every_option_exercised(walk.counts());
 }

@@ -254,9 +254,7 @@ TEST_F(ProfilePosition, AProfileVelocityOf0IsAcknowledgedAndDoesNotMove) {
   axis.write("profile_velocity", 0);
   axis.write("position_user_target_value", 10'000);
   EXPECT_EQ(axis.command(0x003F), 0x1237);
-  for (int i = 0; i < 200; ++i) {
-    ASSERT_EQ(axis.step(), 0x1237);
-  }
+  for (int i = 0; i < 200; ++i) ASSERT_EQ(axis.step(), 0x1237);
   EXPECT_EQ(axis.demand(), 0);
 }
 

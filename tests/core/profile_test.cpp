@@ -223,9 +223,7 @@ Case random_case(Random& random) {
   c.limits.acceleration = std::max(1.0, static_cast<double>(random.word()));
   c.limits.deceleration = std::max(1.0, static_cast<double>(random.word()));
   c.start.position = static_cast<double>(static_cast<std::int32_t>(random.word()));
-  if (random.one_in(2)) {
-    c.start.position += random.unit();
-  }
+  if (random.one_in(2)) c.start.position += random.unit();
   switch (random.below(4)) {
     case 0:  // a relative move, which may leave the range
       c.target = std::nearbyint(c.start.position) +
@@ -431,9 +429,7 @@ bool reachable(const Case& c, double time) {
 double minimum_time(const Case& c) {
   double low = std::abs(c.start.velocity) / c.limits.deceleration;
   double high = std::max(2.0 * low, 1.0e-9);
-  while (!reachable(c, high)) {
-    high *= 2.0;
-  }
+  while (!reachable(c, high)) high *= 2.0;
   for (int i = 0; i < 120 && high - low > 1e-15 * high; ++i) {
     const double middle = 0.5 * (low + high);
     (reachable(c, middle) ? high : low) = middle;
@@ -442,9 +438,7 @@ double minimum_time(const Case& c) {
 }
 
 void expect_minimum_time(const Case& c, const Profile& profile) {
-  if (c.limits.velocity == 0.0) {
-    return;
-  }
+  if (c.limits.velocity == 0.0) return;
   // Where the target lies at the stopping distance the time has a root in the position: what
   // rounding of positions may cost is found by moving the target.
   const double stop = 0.5 * c.start.velocity * c.start.velocity / c.limits.deceleration;
@@ -731,9 +725,7 @@ class LongRunningDrive {
   }
 
   void tick(int count) {
-    for (int i = 0; i < count; ++i) {
-      tick();
-    }
+    for (int i = 0; i < count; ++i) tick();
   }
 
   /// The load stands this far from the demand [UU].

@@ -30,9 +30,7 @@ TEST(SetPointModel, AgreesWithTheDriveTickByTickOverRandomSequences) {
   const bool agree = rc::check("drive and reference model agree", [&occurred] {
     const std::vector<Step> steps = *any_sequence();
     const SideBySide result = run_side_by_side(steps);
-    for (const auto& [event, count] : result.occurred) {
-      occurred[event] += count;
-    }
+    for (const auto& [event, count] : result.occurred) occurred[event] += count;
     if (!result.difference.empty()) {
       RC_FAIL(result.difference + "\n" + scenario_of(steps, result.ticks));
     }

@@ -20,9 +20,7 @@ std::vector<AxisStatus> random_statuses(std::size_t count, Random& random) {
   std::vector<AxisStatus> statuses(count);
   for (AxisStatus& status : statuses) {
     std::array<std::uint32_t, sizeof(AxisStatus) / sizeof(std::uint32_t)> words{};
-    for (std::uint32_t& word : words) {
-      word = random.word();
-    }
+    for (std::uint32_t& word : words) word = random.word();
     status = std::bit_cast<AxisStatus>(words);
   }
   return statuses;

@@ -60,9 +60,7 @@ std::uint64_t expect_braking(AxisUnderTest& axis, PowerState state, std::int64_t
     if (tick <= braking) {
       const auto expected = kSpeed - static_cast<std::int64_t>(tick) * ramp / 1'000;
       EXPECT_NEAR(axis.demand_velocity(), static_cast<double>(expected), 1) << "tick " << tick;
-      if (axis.demand_velocity() > expected + 1 || axis.demand_velocity() < expected - 1) {
-        return 0;
-      }
+      if (axis.demand_velocity() > expected + 1 || axis.demand_velocity() < expected - 1) return 0;
       EXPECT_EQ(axis.status().motor_op_status, 1);
     } else {
       EXPECT_EQ(axis.demand_velocity(), 0);

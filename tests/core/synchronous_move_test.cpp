@@ -95,9 +95,7 @@ double deviation(const Group& group, const std::vector<std::int32_t>& starts,
   for (std::size_t axis = 1; axis < starts.size(); ++axis) {
     longest = std::abs(way(axis)) > std::abs(way(longest)) ? axis : longest;
   }
-  if (way(longest) == 0.0) {
-    return 0.0;
-  }
+  if (way(longest) == 0.0) return 0.0;
   const double done = (static_cast<double>(group.demand(longest)) - starts[longest]) / way(longest);
   double worst = 0.0;
   for (std::size_t axis = 0; axis < starts.size(); ++axis) {
@@ -187,9 +185,7 @@ TEST_F(TwoAxes, HaltAndResumeStayOnTheStraightLine) {
   const std::vector<std::int32_t> starts{0, 0};
   const std::vector<std::int32_t> targets{90'000, -30'000};
   group.start(targets, {900'000, 200'000, 300'000});
-  for (int tick = 0; tick < 350; ++tick) {
-    group.bank().step();
-  }
+  for (int tick = 0; tick < 350; ++tick) group.bank().step();
   group.command(0x010F);
   for (int tick = 0; tick < 400; ++tick) {
     group.bank().step();
@@ -208,9 +204,7 @@ TEST_F(TwoAxes, HaltAndResumeStayOnTheStraightLine) {
 
 TEST_F(TwoAxes, AnAxisWithoutDistanceHaltsAndEndsWithTheOther) {
   group.start({90'000, 0}, {900'000, 200'000, 300'000});
-  for (int tick = 0; tick < 350; ++tick) {
-    group.bank().step();
-  }
+  for (int tick = 0; tick < 350; ++tick) group.bank().step();
   group.command(0x010F);
   for (int tick = 0; tick < 400; ++tick) {
     group.bank().step();
@@ -231,9 +225,7 @@ TEST_F(TwoAxes, TheSpeedComesFromTheTimesAndNotFrom6081h) {
   group.write(0, {0x6081, 0}, 1);
   // 60000 UU in 700 ms with ramps of 100 ms: 60000 / (0.7 - 0.1) s = 100000 UU/s.
   group.start({60'000, 20'000}, {700'000, 100'000, 100'000});
-  for (int tick = 0; tick < 300; ++tick) {
-    group.bank().step();
-  }
+  for (int tick = 0; tick < 300; ++tick) group.bank().step();
   EXPECT_EQ(group.bank().status(0).velocity_demand_value, 100'000);
   EXPECT_EQ(group.bank().status(1).velocity_demand_value, 33'333);
 }
@@ -244,9 +236,7 @@ TEST_F(TwoAxes, TheTimesAreLatchedWithTheSetPoint) {
   for (std::size_t axis = 0; axis < 2; ++axis) {
     group.set_times(axis, {100, 50, 50});
   }
-  for (int tick = 1; tick < 700; ++tick) {
-    group.bank().step();
-  }
+  for (int tick = 1; tick < 700; ++tick) group.bank().step();
   EXPECT_EQ(group.demand(0), 60'000);
   EXPECT_EQ(group.bank().status(0).velocity_demand_value, 0);
 }
@@ -269,9 +259,7 @@ TEST_F(TwoAxes, TimesBeyondTheLimitsAreNotAccepted) {
         Row{"no time to decelerate", {}, 0, {750'000, 100'000, 0}}}) {
     SCOPED_TRACE(row.what);
     Group fresh(1);
-    if (row.limit.index != 0) {
-      fresh.write(0, row.limit, row.value);
-    }
+    if (row.limit.index != 0) fresh.write(0, row.limit, row.value);
     fresh.start({60'000}, row.times);
     EXPECT_EQ(fresh.bank().ignored_set_points(0), 1U);
     fresh.start({0}, {750'000, 0, 0});
@@ -307,13 +295,9 @@ TEST_F(TwoAxes, ABufferedSynchronousMoveStartsFromRestWithItsOwnTimes) {
   group.start({60'000, 20'000}, {700'000, 100'000, 100'000});
   group.bank().step();
   group.start({0, 0}, {500'000, 100'000, 100'000});
-  for (int tick = 1; tick < 700; ++tick) {
-    group.bank().step();
-  }
+  for (int tick = 1; tick < 700; ++tick) group.bank().step();
   ASSERT_EQ(group.demand(0), 60'000);
-  for (int tick = 0; tick < 501; ++tick) {
-    group.bank().step();
-  }
+  for (int tick = 0; tick < 501; ++tick) group.bank().step();
   EXPECT_EQ(group.demand(0), 0);
   EXPECT_EQ(group.demand(1), 0);
 }
@@ -321,9 +305,7 @@ TEST_F(TwoAxes, ABufferedSynchronousMoveStartsFromRestWithItsOwnTimes) {
 TEST_F(TwoAxes, ADurationOf0GivesAnOrdinaryMove) {
   group.start({60'000, 20'000}, {0, 100'000, 100'000});
   group.write(0, {0x6081, 0}, 1);
-  for (int tick = 0; tick < 100; ++tick) {
-    group.bank().step();
-  }
+  for (int tick = 0; tick < 100; ++tick) group.bank().step();
   // 6083h = 409600 UU/s² for 100 ms.
   EXPECT_EQ(group.bank().status(0).velocity_demand_value, 40'960);
 }

@@ -13,9 +13,7 @@ constexpr std::chrono::nanoseconds kBegin = 1h;
 /// @return how many tokens there are.
 int empty(TokenBucket& bucket) {
   int taken = 0;
-  while (bucket.take()) {
-    ++taken;
-  }
+  while (bucket.take()) ++taken;
   return taken;
 }
 

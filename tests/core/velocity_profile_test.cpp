@@ -35,9 +35,7 @@ double least_time(double from, double to, const MotionLimits& limits) {
 /// When the profile's last change of velocity ends.
 double change_time(const Profile& profile) {
   const std::size_t count = profile.segment_count();
-  if (count == 0) {
-    return 0.0;
-  }
+  if (count == 0) return 0.0;
   const bool runs = std::isinf(profile.duration());
   return runs ? profile.segment(count - 1).reference_time : profile.duration();
 }
@@ -188,9 +186,7 @@ void expect_properties(const Case& c) {
     ASSERT_TRUE(segment.acceleration == 0.0 ||
                 std::abs(segment.acceleration) == c.limits.acceleration ||
                 std::abs(segment.acceleration) == c.limits.deceleration);
-    if (std::isinf(segment.end_time)) {
-      break;
-    }
+    if (std::isinf(segment.end_time)) break;
     const MotionSample last = sample(segment, segment.end_time);
     // It slows down with the one and speeds up with the other acceleration.
     const bool slows = std::abs(last.velocity) < std::abs(first.velocity);

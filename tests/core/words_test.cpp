@@ -42,9 +42,7 @@ TEST(Statusword, DecodesEveryValueByTheMasksOfTheManual) {
   for (std::uint32_t word = 0; word <= 0xFFFF; ++word) {
     PowerState expected = PowerState::not_ready_to_switch_on;
     for (const StatePattern& pattern : kPatterns) {
-      if ((word & pattern.mask) == pattern.value) {
-        expected = pattern.state;
-      }
+      if ((word & pattern.mask) == pattern.value) expected = pattern.state;
     }
     ASSERT_EQ(decode_power_state(static_cast<std::uint16_t>(word)), expected) << std::hex << word;
   }
@@ -117,9 +115,7 @@ constexpr std::array<CommandPattern, 5> kCommands{{
 
 TEST(Controlword, WithBit7LowGivesTheCommandOfTheTable) {
   for (std::uint32_t word = 0; word <= 0xFFFF; ++word) {
-    if ((word & 0x80U) != 0) {
-      continue;
-    }
+    if ((word & 0x80U) != 0) continue;
     int matches = 0;
     for (const CommandPattern& pattern : kCommands) {
       if ((word & pattern.mask) == pattern.value) {

@@ -28,9 +28,7 @@ std::optional<Configuration> parse(const std::string& text) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto configuration = parse({data, data + size});
-  if (!configuration) {
-    return 0;
-  }
+  if (!configuration) return 0;
   check(*configuration);
   const std::string printed = to_yaml(*configuration);
   const auto again = parse(printed);

@@ -60,9 +60,7 @@ class Bench {
   /// The same ticks once more, group by group, give the same.
   void step_twice(std::size_t ticks) {
     const AxisBank::Snapshot before = bank_.snapshot();
-    for (std::size_t tick = 0; tick < ticks; ++tick) {
-      bank_.step();
-    }
+    for (std::size_t tick = 0; tick < ticks; ++tick) bank_.step();
     const std::uint64_t hash = bank_.status_hash();
     bank_.restore(before);
     for (std::size_t tick = 0; tick < ticks; ++tick) {
@@ -177,9 +175,7 @@ void act(Bench& bench, Bytes& bytes) {
       bench.step_twice(bytes.below(16));
       break;
     default:
-      for (std::size_t ticks = bytes.take(); ticks > 0; --ticks) {
-        bench.step();
-      }
+      for (std::size_t ticks = bytes.take(); ticks > 0; --ticks) bench.step();
       break;
   }
 }
@@ -209,9 +205,7 @@ void check_healed(Bench& bench, std::size_t axis) {
   demand(bank.power_state(axis) == PowerState::operation_enabled, "an axis can be enabled again");
   bank.write(axis, {0x607A, 0}, kDistance);
   bank.write(axis, kControlword, 0x005F);
-  for (auto left = kPatience / bank.period(); left > 0; --left) {
-    bench.step();
-  }
+  for (auto left = kPatience / bank.period(); left > 0; --left) bench.step();
   const auto moved = static_cast<std::int32_t>(
       static_cast<std::uint32_t>(bank.status(axis).load_position_actual_value - start));
   demand(std::abs(moved - kDistance) <= 1, "an axis moves again");

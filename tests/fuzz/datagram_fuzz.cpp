@@ -11,18 +11,14 @@ namespace {
 using namespace vdrive::wire;
 
 void demand(bool holds) {
-  if (!holds) {
-    std::abort();
-  }
+  if (!holds) std::abort();
 }
 
 /// As Guard::pass_discovery does it.
 void change(std::vector<std::uint8_t>& datagram) {
   rtps_bytes::Submessages submessages(datagram);
   for (rtps_bytes::Submessage submessage; !submessages.at_end() && submessages.next(submessage);) {
-    if (submessage.kind != rtps_bytes::Kind::data) {
-      continue;
-    }
+    if (submessage.kind != rtps_bytes::Kind::data) continue;
     const rtps_bytes::Data data = rtps_bytes::parse_data(submessage, 16);
     demand(data.whole);
     if (rtps_bytes::may_announce(submessage, data)) {
@@ -41,9 +37,7 @@ void change(std::vector<std::uint8_t>& datagram) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const DatagramReport report = check_datagram({data, size});
-  if (report.refusal != Refusal::none) {
-    return 0;
-  }
+  if (report.refusal != Refusal::none) return 0;
   demand(report.length <= size);
   std::vector<std::uint8_t> datagram(data, data + report.length);
   if (report.announces) {

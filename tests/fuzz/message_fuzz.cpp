@@ -106,9 +106,7 @@ class Peers {
   void receive(const msg::Reply& reply) {
     directory_.note_sample({reply.bench(), reply.incarnation()}, reply.tick(), now_);
     static_cast<void>(wire::describe_reason(reply.reason()));
-    for (const auto& status : reply.statuses()) {
-      receive(status);
-    }
+    for (const auto& status : reply.statuses()) receive(status);
   }
 
   void receive(const msg::StatusFrame& frame) {
@@ -150,9 +148,7 @@ class Peers {
   }
 
   void step(std::uint64_t ticks) {
-    for (std::uint64_t tick = 0; tick < ticks; ++tick) {
-      engine_.step();
-    }
+    for (std::uint64_t tick = 0; tick < ticks; ++tick) engine_.step();
     engine_.post_status();
     empty_outbox();
   }
@@ -193,9 +189,7 @@ class Peers {
 
   /// Like the lock-step driver, but for few ticks.
   void answer_step(const service::Arrival& arrival) {
-    if (engine_.answer_repeat(arrival)) {
-      return;
-    }
+    if (engine_.answer_repeat(arrival)) return;
     const std::uint32_t reason = engine_.check_step(arrival);
     if (reason == msg::REASON_NONE) {
       engine_.note_message(arrival.request.session());
@@ -270,9 +264,7 @@ void receive_raw(std::span<const std::uint8_t> data, Peers& peers) {
     peers.receive_status(std::as_bytes(data));
   }
   Message message;
-  if (!decode(data, message)) {
-    return;
-  }
+  if (!decode(data, message)) return;
   constexpr bool kIsForBench =
       std::is_same_v<Message, msg::CommandFrame> || std::is_same_v<Message, msg::Request>;
   if (kIsForBench || wire::Topic<Message>::kRow.within_bounds(message)) {

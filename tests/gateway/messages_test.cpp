@@ -55,9 +55,7 @@ TEST(CdrWriter, KeepsNegativeNumbers) {
 std::vector<std::string> fields_of(const MessageSchema& schema) {
   std::vector<std::string> fields;
   std::istringstream text(schema.text);
-  for (std::string line; std::getline(text, line) && line.find("===") != 0;) {
-    fields.push_back(line);
-  }
+  for (std::string line; std::getline(text, line) && line.find("===") != 0;) fields.push_back(line);
   return fields;
 }
 

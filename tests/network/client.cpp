@@ -110,9 +110,7 @@ void move_until_it_fails(client::Session& session, const std::string& name) {
     return;
   }
   std::int32_t target = kFar;
-  while (print_outcome(name, "move", axis->move_to(target, kMotion))) {
-    target = kFar - target;
-  }
+  while (print_outcome(name, "move", axis->move_to(target, kMotion))) target = kFar - target;
 }
 
 /// Counts the samples of the stream of one axis, and checks that none comes twice or out of order.

@@ -126,9 +126,7 @@ std::vector<Flood> floods() {
        [](Flooder& flooder, Probe&) {
          auto request = flooder.request(msg::REQUEST_READ);
          request.objects().assign(msg::MAX_OBJECTS_PER_REQUEST, statusword());
-         for (int count = 0; count < 3'000; ++count) {
-           flooder.send(request);
-         }
+         for (int count = 0; count < 3'000; ++count) flooder.send(request);
        }},
       {"LargestFramesOfUnknownSessions", "realtime",
        [](Flooder& flooder, Probe&) {
@@ -422,9 +420,7 @@ TEST(AServiceThatLogs, LimitsMessagesOfItsLibraryToOneASecond) {
   const auto seconds = std::chrono::steady_clock::now() - start;
   const std::string mark = " [warning] dds=";
   std::chrono::seconds lines{0};
-  for (auto at = log.find(mark); at != std::string::npos; at = log.find(mark, at + 1)) {
-    ++lines;
-  }
+  for (auto at = log.find(mark); at != std::string::npos; at = log.find(mark, at + 1)) ++lines;
   EXPECT_GE(lines, 1s) << log;
   EXPECT_LE(lines, seconds + 1s) << log;
   EXPECT_LT(log.size(), 1000 * static_cast<std::size_t>(lines.count()) + 1000) << "other lines";
@@ -433,9 +429,7 @@ TEST(AServiceThatLogs, LimitsMessagesOfItsLibraryToOneASecond) {
 TEST_F(AService, AdmitsABoundedNumberOfParticipants) {
   ASSERT_TRUE(probe_.find_bench());
   const std::size_t before = memory_of(service_, "VmHWM:");
-  for (std::uint32_t number = 0; number < 20'000; ++number) {
-    send_to_discovery(announcement(number));
-  }
+  for (std::uint32_t number = 0; number < 20'000; ++number) send_to_discovery(announcement(number));
   expect_no_room(before);
 }
 

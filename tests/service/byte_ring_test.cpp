@@ -26,9 +26,7 @@ struct Memory {
 /// Puts a record of `size` bytes, each of them `value`.
 bool put(ByteRing& ring, std::size_t size, std::uint8_t value) {
   const auto room = ring.reserve(size);
-  if (!room) {
-    return false;
-  }
+  if (!room) return false;
   std::fill(room->begin(), room->end(), std::byte{value});
   ring.commit({.size = static_cast<std::uint32_t>(size),
                .full_size = static_cast<std::uint32_t>(size),
@@ -66,9 +64,7 @@ TEST(ByteRing, RefusesARecordWithoutRoomUntilOneIsTaken) {
   Memory memory(256);
   ByteRing producer = memory.end();
   ByteRing consumer = memory.end();
-  for (std::uint8_t count = 0; count < 4; ++count) {
-    ASSERT_TRUE(put(producer, 64 - kHead, count));
-  }
+  for (std::uint8_t count = 0; count < 4; ++count) ASSERT_TRUE(put(producer, 64 - kHead, count));
   EXPECT_FALSE(put(producer, 0, 9));
   ASSERT_TRUE(consumer.front().has_value());
   consumer.pop();
@@ -240,9 +236,7 @@ TEST(ByteRing, LosesNothingBetweenTwoThreads) {
     std::minstd_rand random(1);
     for (int count = 0; count < kRecords;) {
       const std::size_t size = random() % 200;
-      while (!put(producer, size, static_cast<std::uint8_t>(count))) {
-        std::this_thread::yield();
-      }
+      while (!put(producer, size, static_cast<std::uint8_t>(count))) std::this_thread::yield();
       ++count;
     }
   });

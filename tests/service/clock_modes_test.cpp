@@ -30,6 +30,15 @@ struct TwoClients {
     return who.exchange(who.make_request(msg::REQUEST_JOIN_CLOCK));
   }
 
+  /// @return whether both have found the service and have joined its clock.
+  bool join_both() {
+    const auto has_joined = [](Probe& who) {
+      const auto reply = join(who);
+      return reply && reply->reason() == msg::REASON_NONE;
+    };
+    return found && has_joined(alice) && has_joined(bob);
+  }
+
   static std::optional<msg::Reply> leave(Probe& who) {
     return who.exchange(who.make_request(msg::REQUEST_LEAVE_CLOCK));
   }
@@ -49,9 +58,7 @@ struct TwoClients {
 
 TEST(Steppers, AdvanceTimeToTheSmallestGrant) {
   TwoClients two;
-  ASSERT_TRUE(two.found);
-  ASSERT_EQ(two.join(two.alice)->reason(), msg::REASON_NONE);
-  ASSERT_EQ(two.join(two.bob)->reason(), msg::REASON_NONE);
+  ASSERT_TRUE(two.join_both());
   auto alices = two.begin_step(two.alice, 10);
   const auto bobs = two.bob.step(4);
   ASSERT_TRUE(bobs);
@@ -68,9 +75,7 @@ TEST(Steppers, AdvanceTimeToTheSmallestGrant) {
 
 TEST(Steppers, ThatWaitReceiveTheTickReachedWhenTheServiceEnds) {
   TwoClients two;
-  ASSERT_TRUE(two.found);
-  ASSERT_EQ(two.join(two.alice)->reason(), msg::REASON_NONE);
-  ASSERT_EQ(two.join(two.bob)->reason(), msg::REASON_NONE);
+  ASSERT_TRUE(two.join_both());
   auto alices = two.begin_step(two.alice, 10);
   ASSERT_TRUE(two.bob.step(4));
   two.service.stop();
@@ -82,9 +87,7 @@ TEST(Steppers, ThatWaitReceiveTheTickReachedWhenTheServiceEnds) {
 
 TEST(Steppers, ReceiveTheMissingSessionAfterASecondAndKeepTheirGrant) {
   TwoClients two;
-  ASSERT_TRUE(two.found);
-  ASSERT_TRUE(two.join(two.alice));
-  ASSERT_TRUE(two.join(two.bob));
+  ASSERT_TRUE(two.join_both());
   ASSERT_TRUE(two.bob.wait_until([&] {
     const auto& state = two.bob.seen_state();
     return state && state->steppers() == 2;
@@ -122,9 +125,7 @@ TEST(Steppers, ControlTheClockExclusivelyUntilTheyLeave) {
 
 TEST(Steppers, ContinueWhenTheMissingStepperLeaves) {
   TwoClients two;
-  ASSERT_TRUE(two.found);
-  ASSERT_TRUE(two.join(two.alice));
-  ASSERT_TRUE(two.join(two.bob));
+  ASSERT_TRUE(two.join_both());
   auto waiting = two.begin_step(two.alice, 5);
   ASSERT_TRUE(two.leave(two.bob));
   EXPECT_EQ(waiting.get()->tick(), 5U);
@@ -146,9 +147,7 @@ TEST(Steppers, WaitForTheFramesOfEachSession) {
 // 100 ms without a message would release the axes: a stepper counts as alive in each granted tick.
 TEST(Steppers, CountAsAliveInEachGrantedTick) {
   TwoClients two;
-  ASSERT_TRUE(two.found);
-  ASSERT_TRUE(two.join(two.alice));
-  ASSERT_TRUE(two.join(two.bob));
+  ASSERT_TRUE(two.join_both());
   ASSERT_TRUE(two.alice.acquire({1}));
   ASSERT_TRUE(two.bob.acquire({2}));
   auto alices = two.begin_step(two.alice, 1'000);

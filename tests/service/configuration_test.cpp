@@ -446,12 +446,8 @@ std::vector<std::string> documented_model_parameters() {
   bool is_below_the_title = false;
   for (std::string line; std::getline(page, line);) {
     is_below_the_title = is_below_the_title || line.starts_with("| key | unit | limits |");
-    if (is_below_the_title && line.empty()) {
-      break;
-    }
-    if (is_below_the_title && line.starts_with("| `")) {
-      rows.push_back(line);
-    }
+    if (is_below_the_title && line.empty()) break;
+    if (is_below_the_title && line.starts_with("| `")) rows.push_back(line);
   }
   return rows;
 }

@@ -488,9 +488,7 @@ TEST(CommandFrame, AllocatesNothingAfterTheFirstFrames) {
     bench.engine.step();
     bench.engine.post_status();
     bench.outbox.status.pop();
-    while (bench.outbox.command_replies.front() != nullptr) {
-      bench.outbox.command_replies.pop();
-    }
+    while (bench.outbox.command_replies.front() != nullptr) bench.outbox.command_replies.pop();
     allocations += guard.count();
   }
   EXPECT_EQ(allocations, 0U);

@@ -125,15 +125,11 @@ TEST(StoreRequest, LeavesRoomForTheAnswerOfARunningStep) {
   step.request = bench.make_request(msg::REQUEST_STEP, kAlice);
   bench.engine.answer_step(step, msg::REASON_NONE);
   ASSERT_EQ(replies.size(), replies.capacity());
-  while (replies.size() > 1) {
-    replies.pop();
-  }
+  while (replies.size() > 1) replies.pop();
   EXPECT_EQ(replies.front()->reply.request_id(), step.request.request_id());
   replies.pop();
   int later = 0;
-  while (bench.engine.answer_stores()) {
-    ++later;
-  }
+  while (bench.engine.answer_stores()) ++later;
   EXPECT_GT(later, 0) << "nothing waited";
 }
 
@@ -261,9 +257,7 @@ TEST(StoreRequest, IsRefusedWhileTooManyWait) {
   std::size_t accepted = 0;
   for (;; ++accepted) {
     bench.receive(bench.make_request(msg::REQUEST_STORE, kAlice, {1, 2, 3}));
-    if (bench.outbox.replies.front() != nullptr) {
-      break;
-    }
+    if (bench.outbox.replies.front() != nullptr) break;
   }
   EXPECT_EQ(bench.outbox.replies.front()->reply.reason(), msg::REASON_QUEUE_FULL);
   bench.outbox.replies.pop();

@@ -309,9 +309,7 @@ TEST(RepeatedRequest, DiscardsTheOldestAnswersOfManyClientsFirst) {
   add_write(write, 1, kWindow, 50);
   const auto first = bench.reply_to(write);
   answer_more(bench, 100, 127);
-  for (std::uint64_t client = 101; client < 108; ++client) {
-    answer_more(bench, client, 128);
-  }
+  for (std::uint64_t client = 101; client < 108; ++client) answer_more(bench, client, 128);
   EXPECT_EQ(bench.reply_to(write), first);
   answer_more(bench, 108, 1);
   EXPECT_EQ(bench.reply_to(write).reason(), msg::REASON_TOO_LATE);
@@ -325,9 +323,7 @@ TEST(RepeatedRequest, OfAForgottenClientIsANewRequest) {
   write.client(99);
   bench.reply_to(write);
   bench.write(kAlice, 1, kWindow, 60);  // the second client
-  for (std::uint64_t client = 0; client < 1'022; ++client) {
-    answer_more(bench, 100 + client, 1);
-  }
+  for (std::uint64_t client = 0; client < 1'022; ++client) answer_more(bench, 100 + client, 1);
   bench.reply_to(write);
   EXPECT_EQ(bench.engine.bank().read(0, {kWindow, 0}).value, 60);
   answer_more(bench, 2'000, 1);
@@ -463,9 +459,7 @@ TEST(RepeatedFrame, WithADiscardedAnswerIsRefusedAndNotExecutedAgain) {
 TEST(Repeats, AllocateNothingAfterTheFirstMessages) {
   OwnedBench bench;
   auto write = bench.make_request(msg::REQUEST_WRITE, kAlice);
-  for (int count = 0; count < 64; ++count) {
-    add_write(write, 1, kWindow, count);
-  }
+  for (int count = 0; count < 64; ++count) add_write(write, 1, kWindow, count);
   std::uint64_t allocations = 0;
   for (std::uint64_t round = 0; round < 600; ++round) {
     write.request_id(write.request_id() + (round % 2));  // each twice
@@ -477,12 +471,8 @@ TEST(Repeats, AllocateNothingAfterTheFirstMessages) {
       bench.inbox.pop();
     }
     bench.engine.step();
-    while (bench.outbox.command_replies.front() != nullptr) {
-      bench.outbox.command_replies.pop();
-    }
-    while (bench.outbox.replies.front() != nullptr) {
-      bench.outbox.replies.pop();
-    }
+    while (bench.outbox.command_replies.front() != nullptr) bench.outbox.command_replies.pop();
+    while (bench.outbox.replies.front() != nullptr) bench.outbox.replies.pop();
     allocations += guard.count();
   }
   EXPECT_EQ(allocations, 0U);

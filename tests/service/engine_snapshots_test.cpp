@@ -119,9 +119,7 @@ TEST(SnapshotRequest, IsNotRestoredOverAxesOfAnotherSession) {
 
 TEST(SnapshotRequest, KeepsUpToSixteenSnapshotsAndDropsThemOnRequest) {
   EngineUnderTest bench(standing_bench());
-  for (std::uint64_t number = 1; number <= 16; ++number) {
-    EXPECT_EQ(take(bench), number);
-  }
+  for (std::uint64_t number = 1; number <= 16; ++number) EXPECT_EQ(take(bench), number);
   EXPECT_EQ(bench.counters.snapshots.get(), 16U);
   const auto full = bench.reply_to(bench.make_request(msg::REQUEST_TAKE_SNAPSHOT, kAlice));
   EXPECT_EQ(full.reason(), msg::REASON_QUEUE_FULL);

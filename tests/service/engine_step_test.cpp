@@ -208,9 +208,7 @@ TEST(Parameters, ArePublishedOnceForEveryAcceptedWrite) {
 TEST(Parameters, WaitForRoomAndLoseNothing) {
   constexpr std::uint16_t kAxes = 600;
   EngineUnderTest bench(bench_configuration(kAxes));
-  for (std::uint16_t axis = 1; axis <= kAxes; ++axis) {
-    bench.write(kAlice, axis, 0x6081, axis);
-  }
+  for (std::uint16_t axis = 1; axis <= kAxes; ++axis) bench.write(kAlice, axis, 0x6081, axis);
   std::vector<bool> seen(kAxes + 1);
   for (int tick = 0; tick < 100; ++tick) {
     bench.steps(1);
@@ -278,9 +276,7 @@ TEST(BenchEngine, GivesTheSameBitsForAnyNumberOfThreads) {
     bench.steps(300);
     ASSERT_GE(bench.engine.bank().group_count(), threads) << "a thread has nothing to do";
     const std::uint64_t hash = bench.engine.bank().status_hash();
-    if (threads == 1) {
-      expected = hash;
-    }
+    if (threads == 1) expected = hash;
     EXPECT_EQ(hash, expected) << threads << " threads";
     EXPECT_NE(bench.value(1, 0x6062), 0);
   }
@@ -297,9 +293,7 @@ TEST(BenchEngine, GivesTheSameReportsAndStatusForAnyNumberOfThreads) {
     configuration.threads = threads;
     configuration.watchdog.reset();
     EngineUnderTest bench(configuration);
-    for (std::uint16_t axis = 1; axis <= kMany; axis += 3) {
-      bench.write(kAlice, axis, 0x6040, 0x0F);
-    }
+    for (std::uint16_t axis = 1; axis <= kMany; axis += 3) bench.write(kAlice, axis, 0x6040, 0x0F);
     bench.steps(1);
     std::vector<std::uint16_t> axes;
     for (const auto& event : bench.events(msg::EVENT_STATE_CHANGED)) axes.push_back(event.axis);

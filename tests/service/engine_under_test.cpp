@@ -110,9 +110,7 @@ msg::CommandFrame EngineUnderTest::make_frame(std::uint64_t session) {
 
 std::optional<msg::CommandReply> EngineUnderTest::command_reply() {
   msg::CommandReply* const reply = outbox.command_replies.front();
-  if (reply == nullptr) {
-    return std::nullopt;
-  }
+  if (reply == nullptr) return std::nullopt;
   msg::CommandReply result = *reply;
   outbox.command_replies.pop();
   return result;
@@ -129,18 +127,14 @@ std::optional<std::uint32_t> EngineUnderTest::frame_refusal() {
 std::vector<service::EventRecord> EngineUnderTest::events(std::uint32_t kind) {
   std::vector<service::EventRecord> found;
   while (const service::EventRecord* const event = outbox.events.front()) {
-    if (event->kind == kind) {
-      found.push_back(*event);
-    }
+    if (event->kind == kind) found.push_back(*event);
     outbox.events.pop();
   }
   return found;
 }
 
 void EngineUnderTest::steps(std::uint64_t count) {
-  for (std::uint64_t step = 0; step < count; ++step) {
-    engine.step();
-  }
+  for (std::uint64_t step = 0; step < count; ++step) engine.step();
 }
 
 msg::AxisCommand& add_command(msg::CommandFrame& frame, std::uint16_t axis) {

@@ -26,9 +26,7 @@ struct FilePlan {
 
   void step() {
     ++count;
-    if (before) {
-      before(count);
-    }
+    if (before) before(count);
   }
 };
 

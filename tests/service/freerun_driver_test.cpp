@@ -39,9 +39,7 @@ struct FreerunBench : EngineUnderTest {
       : EngineUnderTest(with), driver(engine, inbox, outbox, timer) {}
 
   void cycles(int count) {
-    for (int cycle = 0; cycle < count; ++cycle) {
-      driver.cycle();
-    }
+    for (int cycle = 0; cycle < count; ++cycle) driver.cycle();
   }
 
   TickingTimer timer;
@@ -93,9 +91,7 @@ TEST(FreerunDriver, LeavesRequestsWithoutRoomForAnAnswerToTheNextTicks) {
   bench.cycles(3);
   EXPECT_EQ(bench.inbox.size(), 50U);
   EXPECT_EQ(bench.counters.queue_overflows.get(), 0U);
-  while (bench.outbox.replies.front() != nullptr) {
-    bench.outbox.replies.pop();
-  }
+  while (bench.outbox.replies.front() != nullptr) bench.outbox.replies.pop();
   bench.cycles(1);
   EXPECT_EQ(bench.inbox.size(), 0U);
 }

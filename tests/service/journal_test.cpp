@@ -159,9 +159,7 @@ void act_randomly(EngineUnderTest& bench, Random& random) {
       bench.write(session, axis, 0x6040, words[random.below(words.size())]);
       break;
   }
-  while (bench.outbox.command_replies.front() != nullptr) {
-    bench.outbox.command_replies.pop();
-  }
+  while (bench.outbox.command_replies.front() != nullptr) bench.outbox.command_replies.pop();
 }
 
 /// Runs a bench for `ticks` ticks of random actions, with snapshots and their restoration.
@@ -169,9 +167,7 @@ void record_randomly(RecordedBench& recorded, std::uint64_t seed, std::uint64_t 
   Random random(seed);
   auto& bench = recorded.bench;
   for (std::uint64_t tick = 0; tick < ticks; ++tick) {
-    for (std::uint64_t action = random.below(4); action > 0; --action) {
-      act_randomly(bench, random);
-    }
+    for (std::uint64_t action = random.below(4); action > 0; --action) act_randomly(bench, random);
     if (random.one_in(100)) {
       bench.reply_to(bench.make_request(msg::REQUEST_TAKE_SNAPSHOT, kAlice));
       auto restore = bench.make_request(msg::REQUEST_RESTORE_SNAPSHOT, kAlice);
@@ -304,9 +300,7 @@ void rewrite(const JournalFile& file, Alter alter) {
   JournalReader reader(bytes);
   JournalWriter writer(
       [&](std::span<const std::byte> part) {
-        for (const std::byte byte : part) {
-          altered.put(static_cast<char>(byte));
-        }
+        for (const std::byte byte : part) altered.put(static_cast<char>(byte));
       },
       reader.start());
   while (const auto record = reader.next()) {
@@ -354,9 +348,7 @@ TEST(Replay, NamesTickAxisAndMemberOfTheFirstDifference) {
   const JournalFile file;
   record_move(file);
   rewrite(file, [](JournalChange& change) {
-    if (change.value == 0x0F) {
-      change.value = 0x06;
-    }
+    if (change.value == 0x0F) change.value = 0x06;
   });
   // 0x06 leads to Ready to switch on (0x31 in the lower byte) and not to Operation enabled, in the
   // first tick; nothing has moved then: the statusword is the first member that differs.
@@ -371,9 +363,7 @@ TEST(Replay, FindsTheSameDifferenceAsTwoBanksInParallel) {
   const JournalFile file;
   record_move(file);
   rewrite(file, [](JournalChange& change) {
-    if (change.address == ObjectAddress{0x6081, 0}) {
-      change.value = 999;
-    }
+    if (change.address == ObjectAddress{0x6081, 0}) change.value = 999;
   });
   const auto axes = service::bank_axes(bench_configuration(3));
   AxisBank recorded(axes, std::chrono::milliseconds{1});
@@ -430,9 +420,7 @@ TEST(Replay, ReportsARecordedWriteThatIsNowRefused) {
   const JournalFile file;
   record_move(file);
   rewrite(file, [](JournalChange& change) {
-    if (change.address == ObjectAddress{0x6081, 0}) {
-      change.address.index = 0x6041;
-    }
+    if (change.address == ObjectAddress{0x6081, 0}) change.address.index = 0x6041;
   });
   EXPECT_THAT(replay_with(file, 1).text, HasSubstr("tick 1: axis 2 (axis2): the write of 1000 to "
                                                    "ds402_statusword (6041h) was accepted when it "
@@ -827,9 +815,7 @@ TEST(FullDisk, EndsTheJournalOnly) {
     std::size_t taken = 0;
     const JournalSink sink = [&taken](std::span<const std::byte> bytes) {
       taken += bytes.size();
-      if (taken > 100'000) {
-        throw std::system_error(ENOSPC, std::generic_category(), "disk");
-      }
+      if (taken > 100'000) throw std::system_error(ENOSPC, std::generic_category(), "disk");
     };
     RecordedBench recorded(unwatched(clock), sink);
     start_moving(recorded.bench);
@@ -874,9 +860,7 @@ TEST(Journal, AllocatesNothingInTheTickThread) {
 
 #ifdef VDRIVE_REPLAY_PROGRAMS
 TEST(Replay, AgreesInBuildsForOtherProcessorsAndInstructionSets) {
-  if (!__builtin_cpu_supports("x86-64-v3")) {
-    GTEST_SKIP() << "this processor cannot run them";
-  }
+  if (!__builtin_cpu_supports("x86-64-v3")) GTEST_SKIP() << "this processor cannot run them";
   const JournalFile file;
   {
     RecordedBench recorded(many_kinds(30), service::open_journal(file.path()));

@@ -65,9 +65,7 @@ TEST_F(Saver, WritesAllWaitingAxesInOneSave) {
     EXPECT_TRUE(saver.save_waiting());
     const std::uint64_t of_one = plan.count;
     plan.set({});
-    for (std::uint16_t axis = 1; axis <= 1'000; ++axis) {
-      order(saver, axis, axis);
-    }
+    for (std::uint16_t axis = 1; axis <= 1'000; ++axis) order(saver, axis, axis);
     EXPECT_TRUE(saver.save_waiting());
     EXPECT_LE(plan.count, of_one + 16) << "a few more writes of a longer file, no save each";
     EXPECT_EQ(errors(saver), std::vector<int>(1'002, 0));

@@ -59,9 +59,7 @@ ParameterTable table_of(std::int64_t generation) {
 /// @return the generation of a table, if it is one of `table_of` in full.
 std::optional<std::int64_t> generation_of(const ParameterTable& table) {
   const auto axis = table.find(1);
-  if (axis == table.end() || axis->second.size() != 2) {
-    return std::nullopt;
-  }
+  if (axis == table.end() || axis->second.size() != 2) return std::nullopt;
   const std::int64_t generation = axis->second[1].value;
   return encode(table) == encode(table_of(generation)) ? std::optional(generation) : std::nullopt;
 }
@@ -445,9 +443,7 @@ TEST_P(FailingOperation, OfTheFirstSaveLeavesNoRefusedSet) {
   bool has_failed = true;
   for (std::uint64_t first = 1; has_failed; ++first) {
     SCOPED_TRACE("operation " + std::to_string(first));
-    for (const char* suffix : {"", ".new", ".previous"}) {
-      fs::remove(file(suffix));
-    }
+    for (const char* suffix : {"", ".new", ".previous"}) fs::remove(file(suffix));
     auto store = open();
     static_cast<void>(store->load());
     const bool is_saved = tries_to_save(*store, 1, first);
@@ -600,9 +596,7 @@ TEST_F(StateDirectory, SurvivesAServiceThatIsKilledAtAnyStepOfASave) {
     }
     close(ends[1]);
     std::int64_t generation = 0;
-    while (read(ends[0], &generation, sizeof(generation)) == sizeof(generation)) {
-      saved = generation;
-    }
+    while (read(ends[0], &generation, sizeof(generation)) == sizeof(generation)) saved = generation;
     close(ends[0]);
     int status = 0;
     waitpid(child, &status, 0);
@@ -668,9 +662,7 @@ TEST(StoredParameters, InADamagedFileCauseAFaultOnEveryAxis) {
   const auto news = apply(loaded, configuration);
   EXPECT_EQ(news.at(0).code, ParameterNews::kPrevious);
   EXPECT_EQ(std::get<service::StoredProblem>(news[0].detail).text(), "damaged");
-  for (const auto& axis : configuration.axes) {
-    EXPECT_TRUE(axis.configuration.memory_error);
-  }
+  for (const auto& axis : configuration.axes) EXPECT_TRUE(axis.configuration.memory_error);
   EXPECT_EQ(configuration.axes[0].configuration.stored.at(0).value, 5);
   auto bare = three_axes();
   const auto nothing =

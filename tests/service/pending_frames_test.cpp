@@ -17,9 +17,7 @@ bool insert(PendingFrames& frames, std::uint64_t tick, std::uint64_t sequence) {
 std::vector<std::uint64_t> due_at(PendingFrames& frames, std::uint64_t tick) {
   std::vector<std::uint64_t> sequences;
   msg::CommandFrame frame;
-  while (frames.take_due(tick, frame)) {
-    sequences.push_back(frame.sequence_number());
-  }
+  while (frames.take_due(tick, frame)) sequences.push_back(frame.sequence_number());
   return sequences;
 }
 

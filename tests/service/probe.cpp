@@ -34,9 +34,7 @@ Probe::Probe(const wire::NetworkSettings& network, std::uint32_t bench)
       requests_(participant_),
       frames_(participant_),
       reply_reader_(participant_, keep<msg::Reply>([this](const auto& message) {
-                      if (message.client() == client) {
-                        replies_.push_back(message);
-                      }
+                      if (message.client() == client) replies_.push_back(message);
                     })),
       command_reply_reader_(participant_, keep<msg::CommandReply>([this](const auto& message) {
                               command_replies_.push_back(message);
@@ -63,9 +61,7 @@ bool Probe::find_bench() {
     const auto found = std::find_if(descriptions_.begin(), descriptions_.end(), [this](auto& part) {
       return part.bench() == bench_ && part.alive();
     });
-    if (found != descriptions_.end()) {
-      incarnation = found->incarnation();
-    }
+    if (found != descriptions_.end()) incarnation = found->incarnation();
     return found != descriptions_.end();
   });
   return announced && requests_.wait_for_matched(1, kPatience) &&
@@ -88,9 +84,7 @@ msg::Request Probe::make_request(std::uint32_t kind) {
 }
 
 std::optional<msg::Reply> Probe::exchange(const msg::Request& request) {
-  if (!requests_.write(request)) {
-    return std::nullopt;
-  }
+  if (!requests_.write(request)) return std::nullopt;
   return wait_for<std::optional<msg::Reply>>([&]() -> std::optional<msg::Reply> {
     for (auto reply = replies_.begin(); reply != replies_.end(); ++reply) {
       if (reply->request_id() == request.request_id()) {
@@ -107,9 +101,7 @@ std::optional<msg::Reply> Probe::acquire(std::vector<std::uint16_t> axes) {
   auto request = make_request(msg::REQUEST_ACQUIRE);
   request.axes(std::move(axes));
   auto reply = exchange(request);
-  if (reply) {
-    epoch = reply->epoch();
-  }
+  if (reply) epoch = reply->epoch();
   return reply;
 }
 

@@ -32,9 +32,7 @@ class Process {
   explicit Process(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), VDRIVE_SERVICE);
     std::array<int, 2> ends{};
-    if (pipe(ends.data()) != 0) {
-      throw std::runtime_error("no pipe");
-    }
+    if (pipe(ends.data()) != 0) throw std::runtime_error("no pipe");
     child_ = fork();
     if (child_ == 0) {
       dup2(ends[1], STDOUT_FILENO);
@@ -42,9 +40,7 @@ class Process {
       close(ends[0]);
       close(ends[1]);
       std::vector<char*> values;
-      for (auto& argument : arguments) {
-        values.push_back(argument.data());
-      }
+      for (auto& argument : arguments) values.push_back(argument.data());
       values.push_back(nullptr);
       execv(VDRIVE_SERVICE, values.data());
       _exit(127);
@@ -69,9 +65,7 @@ class Process {
   /// Reads to the end of the output and waits. @return the exit code, or -signal.
   int wait() {
     std::array<char, 512> line{};
-    while (std::fgets(line.data(), line.size(), output_) != nullptr) {
-      text_ += line.data();
-    }
+    while (std::fgets(line.data(), line.size(), output_) != nullptr) text_ += line.data();
     int status = 0;
     waitpid(child_, &status, 0);
     child_ = 0;

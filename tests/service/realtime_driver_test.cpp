@@ -206,9 +206,7 @@ TEST(RealtimeDriver, LeavesRequestsWithoutRoomForAnAnswerInTheInbox) {
   bench.cycles(5);
   EXPECT_EQ(bench.outbox.replies.size(), service::Outbox::kReplies);
   EXPECT_EQ(bench.inbox.size(), 300 - service::Outbox::kReplies);
-  while (bench.outbox.replies.front() != nullptr) {
-    bench.outbox.replies.pop();
-  }
+  while (bench.outbox.replies.front() != nullptr) bench.outbox.replies.pop();
   bench.cycles(1);
   EXPECT_EQ(bench.inbox.size(), 0U);
   EXPECT_EQ(bench.outbox.replies.size(), 300 - service::Outbox::kReplies);

@@ -62,15 +62,9 @@ TEST(Ring, RestartsWithItsFirstSlotWhenItIsEmpty) {
 TEST(Ring, HasItsWholeCapacityFromAnyPosition) {
   Ring<int> ring(10);
   for (int round = 0; round < 20; ++round) {
-    for (int count = 0; count < 1 + round % 10; ++count) {
-      put_number(ring, count);
-    }
-    while (ring.front() != nullptr) {
-      ring.pop();
-    }
-    for (int count = 0; count < 10; ++count) {
-      put_number(ring, count);
-    }
+    for (int count = 0; count < 1 + round % 10; ++count) put_number(ring, count);
+    while (ring.front() != nullptr) ring.pop();
+    for (int count = 0; count < 10; ++count) put_number(ring, count);
     EXPECT_EQ(ring.free_slot(), nullptr);
     EXPECT_EQ(ring.size(), 10U);
     for (int count = 0; count < 9; ++count) {

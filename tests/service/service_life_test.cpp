@@ -64,9 +64,7 @@ class NotifySocket {
   /// @return the next message, or nothing when none comes in that time
   std::optional<std::string> next(std::chrono::milliseconds patience = 10s) {
     pollfd readable{.fd = socket_, .events = POLLIN, .revents = 0};
-    if (poll(&readable, 1, static_cast<int>(patience.count())) != 1) {
-      return std::nullopt;
-    }
+    if (poll(&readable, 1, static_cast<int>(patience.count())) != 1) return std::nullopt;
     std::array<char, 1024> text{};
     const ssize_t size = recv(socket_, text.data(), text.size(), 0);
     return std::string(text.data(), static_cast<std::size_t>(std::max<ssize_t>(size, 0)));
@@ -301,9 +299,7 @@ TEST_P(SupervisedService, SendsWatchdogMessagesOnlyWhileItRuns) {
   setenv("WATCHDOG_USEC", "400000", 1);
   const auto service = serve(GetParam());
   ASSERT_TRUE(socket.wait_for("READY=1"));
-  for (int beat = 0; beat < 3; ++beat) {
-    EXPECT_EQ(socket.next(), "WATCHDOG=1");
-  }
+  for (int beat = 0; beat < 3; ++beat) EXPECT_EQ(socket.next(), "WATCHDOG=1");
   service->send(SIGSTOP);
   while (socket.next(50ms)) {  // what was on its way
   }

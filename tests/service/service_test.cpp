@@ -282,18 +282,14 @@ msg::CommandFrame garbage_frame(std::mt19937_64& random, const Probe& probe) {
 
 msg::Request garbage_request(std::mt19937_64& random, Probe& probe) {
   msg::Request request = probe.make_request(edge<std::uint32_t>(random));
-  if (random() % 2 == 0) {
-    request.kind(static_cast<std::uint32_t>(random() % 10));
-  }
+  if (random() % 2 == 0) request.kind(static_cast<std::uint32_t>(random() % 10));
   request.incarnation(random() % 2 == 0 ? 0 : edge<std::uint64_t>(random));
   request.session(edge<std::uint64_t>(random));
   const auto ticks = edge<std::uint64_t>(random);  // valid steps short, to go through many
   request.ticks(ticks <= 1'000'000 ? ticks % 10 : ticks);
   request.last_sequence(0);
   request.axes().resize(random() % 4 == 0 ? random() % 300 : random() % 4);
-  for (auto& axis : request.axes()) {
-    axis = edge<std::uint16_t>(random);
-  }
+  for (auto& axis : request.axes()) axis = edge<std::uint16_t>(random);
   request.objects().resize(random() % 4 == 0 ? random() % 80 : random() % 4);
   for (auto& object : request.objects()) {
     object.axis(edge<std::uint16_t>(random));

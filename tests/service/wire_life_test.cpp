@@ -59,9 +59,7 @@ template <typename Condition>
 bool holds_soon(Condition condition) {
   const auto deadline = Clock::now() + 10s;
   while (!condition()) {
-    if (Clock::now() > deadline) {
-      return false;
-    }
+    if (Clock::now() > deadline) return false;
     std::this_thread::yield();
   }
   return true;
@@ -360,14 +358,10 @@ TEST(Engine, AnswersOtherClientsWhileEightProgramsHang) {
         VDRIVE_TOOL, std::vector<std::string>{"--domain", std::to_string(test_domain()), "--json",
                                               "watch", "1.1"}));
   }
-  for (const auto& program : programs) {
-    ASSERT_NE(program->read_line(), "") << "it is in";
-  }
+  for (const auto& program : programs) ASSERT_NE(program->read_line(), "") << "it is in";
   Probe probe(test_domain());
   ASSERT_TRUE(probe.find_bench());
-  for (const auto& program : programs) {
-    program->send(SIGSTOP);
-  }
+  for (const auto& program : programs) program->send(SIGSTOP);
   for (std::uint64_t number = 0; number < kRequests; ++number) {
     ASSERT_TRUE(probe.read(1, 0x6041).has_value()) << "request " << number;
   }

@@ -160,9 +160,7 @@ void AxisWatch::check_speed(const AxisStatus& now, Happenings& happenings) {
 /// A demand that began at rest within the range and was led by profiles only stays there. A cyclic
 /// one stays while it follows: it needs no ramp to stop at the end, but a stop from its speed does.
 void AxisWatch::check_range(const AxisStatus& now, bool commanded, Happenings& happenings) {
-  if (!limits_.has_range) {
-    return;
-  }
+  if (!limits_.has_range) return;
   const bool follows = is_mode(now, 8) && (now.ds402_statusword & Statusword::kFollowsCommand) != 0;
   const bool is_led = now.motor_op_status == 1 && (is_mode(now, 1) || follows) &&
                       decode_power_state(now.ds402_statusword) == PowerState::operation_enabled;
@@ -201,9 +199,7 @@ void AxisWatch::check_state(const AxisStatus& now, PowerState state, const AxisC
   }
   const bool was_active =
       last_state_ == PowerState::operation_enabled || last_state_ == PowerState::quick_stop_active;
-  if (!causes.lost || !was_active || causes.commanded || causes.cycled) {
-    return;
-  }
+  if (!causes.lost || !was_active || causes.commanded || causes.cycled) return;
   const bool is_faulty = state == PowerState::fault || state == PowerState::fault_reaction_active;
   const bool reacts = limits_.abort_connection == 0 ||
                       (limits_.abort_connection == 1 && is_faulty && now.error_code != 0) ||

@@ -90,12 +90,8 @@ void Bench::count_arrivals() {
 
 /// The state directory as a starting service finds it.
 void Bench::start_storage() {
-  if (storage_ == nullptr) {
-    return;
-  }
-  if (sabotage_ == Sabotage::syncs_nothing) {
-    storage_->disk.lie();
-  }
+  if (storage_ == nullptr) return;
+  if (sabotage_ == Sabotage::syncs_nothing) storage_->disk.lie();
   auto store = std::make_unique<service::ParameterStore>(Disk::kDirectory, configuration_.bench,
                                                          storage_->disk.files());
   service::LoadedParameters loaded = store->load();
@@ -129,16 +125,12 @@ void Bench::start_storage() {
 
 /// The work of the saver's thread, some time after the first order.
 void Bench::save() {
-  if (!saver_ || storage_->model.waiting() == 0) {
-    return;
-  }
+  if (!saver_ || storage_->model.waiting() == 0) return;
   if (!save_at_) {
     const bool is_slow = storage_->random.per_mille(100);
     save_at_ = time_.now + storage_->random.between(0, (is_slow ? 500 : 20) * kMillisecond);
   }
-  if (time_.now < *save_at_) {
-    return;
-  }
+  if (time_.now < *save_at_) return;
   save_at_.reset();
   Disk& disk = storage_->disk;
   disk.begin_save();
@@ -153,9 +145,7 @@ void Bench::save() {
 /// The number of orders that the engine has taken back, which it must do in small groups.
 void Bench::take_back_stores() {
   constexpr std::uint64_t kMostIdle = 3;
-  if (!saver_) {
-    return;
-  }
+  if (!saver_) return;
   const std::size_t on_their_way = service::ParameterSaver::kMostOrders - saver_->room();
   const std::size_t expected = storage_->model.waiting() + storage_->model.saved();
   const std::size_t taken = expected - std::min(expected, on_their_way);
@@ -175,9 +165,7 @@ void Bench::take_back_stores() {
 
 void Bench::cycle(const Mail& mail) {
   save();
-  if (was_killed()) {
-    return;
-  }
+  if (was_killed()) return;
   if (sabotage_ == Sabotage::resumes_by_itself && happenings_.tick() > kSabotageFrom) {
     enable_unrequested();
   }
@@ -217,9 +205,7 @@ void Bench::cycle_lockstep() {
   take_back_stores();
   while (engine_.can_answer()) {
     service::Arrival* const arrival = inbox_.front();
-    if (arrival == nullptr) {
-      return;
-    }
+    if (arrival == nullptr) return;
     if (arrival->kind == service::Arrival::Kind::request &&
         arrival->request.kind() == msg::REQUEST_STEP) {
       step_by_request(*arrival);
@@ -239,9 +225,7 @@ void Bench::step_by_request(service::Arrival& arrival) {
     happenings_.fail(Invariant::kAnswered, 0, is_repeat ? "a step that is new" : "a repeated step",
                      "the other");
   }
-  if (is_repeat) {
-    return;
-  }
+  if (is_repeat) return;
   std::uint32_t reason = engine_.check_step(arrival);
   if (reason == msg::REASON_NONE &&
       !engine_.has_arrived(arrival.request.session(), arrival.request.last_sequence())) {
@@ -265,9 +249,7 @@ void Bench::after_tick() {
   model_.begin_tick();
   take_back_stores();
   take_images();
-  if (sabotage_ == Sabotage::watchdog_sleeps) {
-    engine_.note_message(last_session_);
-  }
+  if (sabotage_ == Sabotage::watchdog_sleeps) engine_.note_message(last_session_);
   const AxisBank& bank = engine_.bank();
   for (std::size_t axis = 0; axis < watches_.size(); ++axis) {
     const AxisStatus& status = image_.status[axis];
@@ -289,9 +271,7 @@ void Bench::after_tick() {
 
 void Bench::take_images() {
   while (service::StatusImage* const image = outbox_.status.front()) {
-    if (sabotage_ != Sabotage::none && happenings_.tick() > kSabotageFrom) {
-      spoil(*image);
-    }
+    if (sabotage_ != Sabotage::none && happenings_.tick() > kSabotageFrom) spoil(*image);
     image_.tick = image->tick;
     std::swap(image_.status, image->status);
     std::swap(image_.owners, image->owners);
@@ -316,9 +296,7 @@ void Bench::take_events() {
 /// Parameters are those of the tick: nothing has arrived since.
 void Bench::take_parameters() {
   while (const msg::AxisParameters* const parameters = outbox_.parameters.front()) {
-    if (parameters->tick() == model_.tick()) {
-      model_.check(*parameters);
-    }
+    if (parameters->tick() == model_.tick()) model_.check(*parameters);
     outbox_.parameters.pop();
   }
 }
@@ -328,9 +306,7 @@ void Bench::take_answers(const Mail& mail) {
     --turned_away_;
     happenings_.record("is turned away", {away->session, away->sequence_number, away->request_id});
   }
-  if (time_.now < answers_held_until_) {
-    return;
-  }
+  if (time_.now < answers_held_until_) return;
   while (const service::OutgoingReply* const outgoing = outbox_.replies.front()) {
     happenings_.record("answers request", {outgoing->reply.client(), outgoing->reply.request_id(),
                                            outgoing->reply.reason(), outgoing->reply.epoch()});
@@ -350,9 +326,7 @@ void Bench::take_answers(const Mail& mail) {
                        {reply->session(), reply->sequence_number(), reply->tick(),
                         reply->refusals().empty() ? 0 : reply->refusals().front().reason()});
     model_.check(*reply);
-    if (sabotage_ == Sabotage::answers_twice && ++spoiled_ == 20) {
-      model_.check(*reply);
-    }
+    if (sabotage_ == Sabotage::answers_twice && ++spoiled_ == 20) model_.check(*reply);
     mail.command_reply(*reply);
     outbox_.command_replies.pop();
   }
@@ -366,9 +340,7 @@ void Bench::enable_unrequested() {
   const auto rests = std::ranges::find_if(image_.status, [](const AxisStatus& status) {
     return decode_power_state(status.ds402_statusword) == PowerState::switch_on_disabled;
   });
-  if (rests == image_.status.end()) {
-    return;
-  }
+  if (rests == image_.status.end()) return;
   const auto axis = rests - image_.status.begin();
   const std::uint64_t owner = image_.owners[static_cast<std::size_t>(axis)].session;
   msg::Request request;
@@ -387,9 +359,7 @@ void Bench::enable_unrequested() {
 /// @return whether the message reached the engine otherwise than it was sent.
 bool Bench::spoil(const ClientMessage& message) {
   const auto* const sent = std::get_if<msg::CommandFrame>(&message);
-  if (sabotage_ == Sabotage::none || sent == nullptr) {
-    return false;
-  }
+  if (sabotage_ == Sabotage::none || sent == nullptr) return false;
   msg::CommandFrame frame = *sent;
   const auto held = std::ranges::find_if(image_.owners, [&](const wire::Ownership& owner) {
     return owner.session == frame.session();
@@ -397,9 +367,7 @@ bool Bench::spoil(const ClientMessage& message) {
   last_session_ = held != image_.owners.end() ? frame.session() : last_session_;
   switch (sabotage_) {
     case Sabotage::accepts_stale_epochs:
-      if (held == image_.owners.end() || frame.epoch() == held->epoch) {
-        return false;
-      }
+      if (held == image_.owners.end() || frame.epoch() == held->epoch) return false;
       frame.epoch(held->epoch);
       break;
     case Sabotage::accepts_old_incarnations:

@@ -153,16 +153,12 @@ void ControlModel::renew(Session& session, bool revoked) {
   }
   session.epoch = owns_any(session.id) ? ++last_epoch_ : 0;
   for (Axis& axis : axes_) {
-    if (axis.owner == session.id) {
-      axis.epoch = session.epoch;
-    }
+    if (axis.owner == session.id) axis.epoch = session.epoch;
   }
 }
 
 void ControlModel::note_message(std::uint64_t session) {
-  if (Session* const known = find(session)) {
-    known->last_message_tick = tick_;
-  }
+  if (Session* const known = find(session)) known->last_message_tick = tick_;
 }
 
 void ControlModel::expect_event(std::uint32_t kind, std::uint64_t session) {
@@ -186,9 +182,7 @@ bool ControlModel::time_stands() const {
 
 void ControlModel::jump(std::uint64_t ticks) {
   tick_ += ticks;
-  for (Session& session : sessions_) {
-    session.last_message_tick += ticks;
-  }
+  for (Session& session : sessions_) session.last_message_tick += ticks;
 }
 
 // ---- frames that wait -------------------------------------------------------------------------
@@ -256,9 +250,7 @@ void ControlModel::end_tick(std::span<const AxisStatus> statuses) {
   for (std::size_t index = 0; index < axes_.size(); ++index) {
     const bool enabled =
         decode_power_state(statuses[index].ds402_statusword) == PowerState::operation_enabled;
-    if (axes_[index].was_enabled && !enabled) {
-      drop_of_axis(static_cast<std::uint16_t>(index + 1));
-    }
+    if (axes_[index].was_enabled && !enabled) drop_of_axis(static_cast<std::uint16_t>(index + 1));
     axes_[index].was_enabled = enabled;
     axes_[index].causes = {};
   }
@@ -301,20 +293,14 @@ void ControlModel::arrive(const msg::CommandFrame& frame) {
   }
   Session& session = find_or_add(frame.session());
   session.last_message_tick = tick_;
-  if (is_repeat(frame)) {
-    return;
-  }
+  if (is_repeat(frame)) return;
   if (const std::uint32_t reason = judge(frame); reason != msg::REASON_NONE) {
     refuse(frame, reason);
     return;
   }
   const bool cancels = (frame.flags() & msg::FRAME_CANCEL_PENDING) != 0;
-  if (cancels || !frame.axes().empty()) {
-    session.last_command = frame.sequence_number();
-  }
-  if (cancels) {
-    drop_of_session(frame.session());
-  }
+  if (cancels || !frame.axes().empty()) session.last_command = frame.sequence_number();
+  if (cancels) drop_of_session(frame.session());
   if (frame.apply_at_tick() <= tick_ + 1) {
     apply(frame);
   } else if (waiting_.size() == kMostWaiting) {
@@ -338,9 +324,7 @@ bool ControlModel::is_repeat(const msg::CommandFrame& frame) {
   Numbers& numbers = frames_[frame.session()];
   const std::uint64_t number = frame.sequence_number();
   if (numbers.has_forgotten(number)) {
-    if (!is_waiting(frame)) {
-      refuse(frame, msg::REASON_TOO_LATE, false);
-    }
+    if (!is_waiting(frame)) refuse(frame, msg::REASON_TOO_LATE, false);
     return true;
   }
   if (!numbers.taken.contains(number)) {
@@ -360,15 +344,9 @@ bool ControlModel::is_repeat(const msg::CommandFrame& frame) {
 std::uint32_t ControlModel::judge(const msg::CommandFrame& frame) {
   Session& session = *find(frame.session());
   session.last_sequence = std::max(session.last_sequence, frame.sequence_number());
-  if (frame.sequence_number() <= session.last_command) {
-    return msg::REASON_TOO_LATE;
-  }
-  if (session.epoch != frame.epoch()) {
-    return msg::REASON_STALE_EPOCH;
-  }
-  if (session.epoch == 0) {
-    return msg::REASON_NOT_OWNER;
-  }
+  if (frame.sequence_number() <= session.last_command) return msg::REASON_TOO_LATE;
+  if (session.epoch != frame.epoch()) return msg::REASON_STALE_EPOCH;
+  if (session.epoch == 0) return msg::REASON_NOT_OWNER;
   return (frame.flags() & ~kKnownFlags) != 0 ? msg::REASON_UNKNOWN_FLAGS : judge_time(frame);
 }
 
@@ -417,16 +395,10 @@ void ControlModel::apply(const msg::CommandFrame& frame) {
     }
   } else if (answer.refusals.empty()) {
     const std::vector<Axis> before = axes_;
+    for (const auto* const command : commands) write_members(*command, answer);
+    if (!answer.refusals.empty()) axes_ = before;
     for (const auto* const command : commands) {
-      write_members(*command, answer);
-    }
-    if (!answer.refusals.empty()) {
-      axes_ = before;
-    }
-    for (const auto* const command : commands) {
-      if (answer.refusals.empty()) {
-        write_controlword(*command, frame.sequence_number());
-      }
+      if (answer.refusals.empty()) write_controlword(*command, frame.sequence_number());
     }
   }
   answer.is_wanted = answer.is_wanted || !answer.refusals.empty();
@@ -436,15 +408,9 @@ void ControlModel::apply(const msg::CommandFrame& frame) {
 std::uint32_t ControlModel::judge_command(const msg::AxisCommand& command, std::uint64_t session,
                                           std::set<std::uint16_t>& named) {
   const Axis* const axis = axis_of(command.axis());
-  if (axis == nullptr) {
-    return msg::REASON_UNKNOWN_AXIS;
-  }
-  if (!named.insert(command.axis()).second) {
-    return msg::REASON_AXIS_TWICE;
-  }
-  if (axis->owner != session) {
-    return msg::REASON_NOT_OWNER;
-  }
+  if (axis == nullptr) return msg::REASON_UNKNOWN_AXIS;
+  if (!named.insert(command.axis()).second) return msg::REASON_AXIS_TWICE;
+  if (axis->owner != session) return msg::REASON_NOT_OWNER;
   return (command.members() & ~kKnownMembers) != 0 ? msg::REASON_UNKNOWN_MEMBERS : msg::REASON_NONE;
 }
 
@@ -484,18 +450,14 @@ void ControlModel::write_controlword(const msg::AxisCommand& command, std::uint6
 
 std::uint32_t ControlModel::write(Axis& axis, std::uint16_t number, ObjectAddress address,
                                   std::int64_t value) {
-  if (const std::uint32_t code = verdict(address, value); code != 0) {
-    return code;
-  }
+  if (const std::uint32_t code = verdict(address, value); code != 0) return code;
   Registers& registers = axis.registers;
   switch (address.index) {
     case 0x6040: {
       const bool halts = (value & kHalt) != 0 && (registers.controlword & kHalt) == 0;
       registers.controlword = static_cast<std::uint16_t>(value);
       axis.causes.commanded = true;
-      if (halts) {
-        drop_of_axis(number);
-      }
+      if (halts) drop_of_axis(number);
       break;
     }
     case 0x6060:
@@ -511,9 +473,7 @@ std::uint32_t ControlModel::write(Axis& axis, std::uint16_t number, ObjectAddres
       registers.velocity = static_cast<std::uint32_t>(value);
       break;
     default:
-      if (is_test_input(address.index)) {
-        registers.test_inputs[address.index - 0x5E00U] = value;
-      }
+      if (is_test_input(address.index)) registers.test_inputs[address.index - 0x5E00U] = value;
       break;
   }
   return 0;
@@ -533,9 +493,7 @@ void ControlModel::arrive(const msg::Request& request) {
     finish(request, msg::REASON_WRONG_INCARNATION, answer, false);
     return;
   }
-  if (is_repeat(request)) {
-    return;
-  }
+  if (is_repeat(request)) return;
   note_message(request.session());
   const std::uint32_t reason = carry_out(request, answer);
   if (ordered_ > 0) {
@@ -662,12 +620,8 @@ std::uint32_t ControlModel::write_objects(const msg::Request& request, Answer& a
     const std::uint32_t code = write_object(object, request.session(), answer.codes.size());
     answer.codes.push_back(code);
     answer.values.emplace_back();
-    if (code == msg::REASON_UNKNOWN_AXIS) {
-      reason = code;
-    }
-    if (code == msg::REASON_UNKNOWN_AXIS || code == kLocalControl) {
-      name_axis(object.axis(), answer);
-    }
+    if (code == msg::REASON_UNKNOWN_AXIS) reason = code;
+    if (code == msg::REASON_UNKNOWN_AXIS || code == kLocalControl) name_axis(object.axis(), answer);
   }
   return reason;
 }
@@ -676,9 +630,7 @@ std::uint32_t ControlModel::write_objects(const msg::Request& request, Answer& a
 void ControlModel::stop(Axis& axis, std::uint16_t number, bool by_halt) {
   const std::uint16_t present = axis.registers.controlword;
   const auto word = by_halt ? static_cast<std::uint16_t>(present | kHalt) : kQuickStop;
-  if (word == present) {
-    return;
-  }
+  if (word == present) return;
   write(axis, number, {0x6040, 0}, word);
   drop_of_axis(number);
 }
@@ -686,9 +638,7 @@ void ControlModel::stop(Axis& axis, std::uint16_t number, bool by_halt) {
 std::uint32_t ControlModel::write_object(const msg::ObjectAccess& object, std::uint64_t session,
                                          std::size_t place) {
   Axis* const axis = axis_of(object.axis());
-  if (axis == nullptr) {
-    return msg::REASON_UNKNOWN_AXIS;
-  }
+  if (axis == nullptr) return msg::REASON_UNKNOWN_AXIS;
   const bool is_strange = axis->owner != 0 && axis->owner != session;
   const bool is_quick_stop = object.index() == 0x6040 && (object.value() & 0x0096) == 0x0002;
   const bool is_halt = object.index() == 0x6040 && (object.value() & 0x019F) == kHaltOfOther;
@@ -696,23 +646,15 @@ std::uint32_t ControlModel::write_object(const msg::ObjectAccess& object, std::u
     stop(*axis, object.axis(), is_halt);
     return 0;
   }
-  if (is_strange && !is_test_input(object.index())) {
-    return kLocalControl;
-  }
-  if (is_store_object(object.index())) {
-    return store_by_write(*axis, object, place);
-  }
+  if (is_strange && !is_test_input(object.index())) return kLocalControl;
+  if (is_store_object(object.index())) return store_by_write(*axis, object, place);
   const ObjectAddress address{object.index(), object.subindex()};
   if (axis->owner != 0 || !is_command_object(object.index())) {
     return write(*axis, object.axis(), address, object.value());
   }
-  if (session == 0) {
-    return kLocalControl;
-  }
+  if (session == 0) return kLocalControl;
   Session& record = find_or_add(session);
-  if (record.must_acquire) {
-    return msg::REASON_STALE_EPOCH;
-  }
+  if (record.must_acquire) return msg::REASON_STALE_EPOCH;
   const std::uint32_t code = write(*axis, object.axis(), address, object.value());
   if (code == 0) {
     axis->owner = session;
@@ -727,12 +669,8 @@ std::uint32_t ControlModel::write_object(const msg::ObjectAccess& object, std::u
 // ---- stores -----------------------------------------------------------------------------------
 
 std::uint32_t ControlModel::store_axes(const msg::Request& request, Answer& answer) {
-  if (stores_ == nullptr) {
-    return kCannotStore;
-  }
-  if (const auto reason = refuse_strangers(request, false, answer); reason != 0) {
-    return reason;
-  }
+  if (stores_ == nullptr) return kCannotStore;
+  if (const auto reason = refuse_strangers(request, false, answer); reason != 0) return reason;
   for (const std::uint16_t number : request.axes()) {
     order(*axis_of(number), request.kind() == msg::REQUEST_RESTORE, StoreModel::kNoObject);
   }
@@ -742,9 +680,7 @@ std::uint32_t ControlModel::store_axes(const msg::Request& request, Answer& answ
 std::uint32_t ControlModel::store_by_write(Axis& axis, const msg::ObjectAccess& object,
                                            std::size_t place) {
   const bool forgets = object.index() == kRestoreObject;
-  if (object.value() != (forgets ? kLoad : kSave) || stores_ == nullptr) {
-    return kCannotStore;
-  }
+  if (object.value() != (forgets ? kLoad : kSave) || stores_ == nullptr) return kCannotStore;
   order(axis, forgets, place);
   return 0;
 }
@@ -785,9 +721,7 @@ void ControlModel::take_back_stores(std::size_t count) {
 
 std::uint32_t ControlModel::refuse_strangers(const msg::Request& request, bool by_force,
                                              Answer& answer) {
-  if (request.axes().empty()) {
-    return msg::REASON_NOTHING_DONE;
-  }
+  if (request.axes().empty()) return msg::REASON_NOTHING_DONE;
   for (const std::uint16_t number : request.axes()) {
     const Axis* const axis = axis_of(number);
     const bool is_strange =
@@ -801,19 +735,13 @@ std::uint32_t ControlModel::refuse_strangers(const msg::Request& request, bool b
 }
 
 std::uint32_t ControlModel::take(const msg::Request& request, bool by_force, Answer& answer) {
-  if (request.session() == 0) {
-    return msg::REASON_BAD_SESSION;
-  }
-  if (const auto reason = refuse_strangers(request, by_force, answer); reason != 0) {
-    return reason;
-  }
+  if (request.session() == 0) return msg::REASON_BAD_SESSION;
+  if (const auto reason = refuse_strangers(request, by_force, answer); reason != 0) return reason;
   find_or_add(request.session());
   bool gained = false;
   for (const std::uint16_t number : request.axes()) {
     Axis& axis = *axis_of(number);
-    if (axis.owner == request.session()) {
-      continue;
-    }
+    if (axis.owner == request.session()) continue;
     if (Session* const loser = find(axis.owner)) {
       axis.owner = 0;
       renew(*loser, true);
@@ -836,12 +764,8 @@ std::uint32_t ControlModel::take(const msg::Request& request, bool by_force, Ans
 }
 
 std::uint32_t ControlModel::release(const msg::Request& request, Answer& answer) {
-  if (request.session() == 0) {
-    return msg::REASON_BAD_SESSION;
-  }
-  if (!owns_any(request.session())) {
-    return msg::REASON_NOTHING_DONE;
-  }
+  if (request.session() == 0) return msg::REASON_BAD_SESSION;
+  if (!owns_any(request.session())) return msg::REASON_NOTHING_DONE;
   for (const std::uint16_t number : request.axes()) {
     const Axis* const axis = axis_of(number);
     if (axis == nullptr || axis->owner != request.session()) {
@@ -864,9 +788,7 @@ std::uint32_t ControlModel::release(const msg::Request& request, Answer& answer)
 }
 
 std::uint32_t ControlModel::power_cycle(const msg::Request& request, Answer& answer) {
-  if (const auto reason = refuse_strangers(request, false, answer); reason != 0) {
-    return reason;
-  }
+  if (const auto reason = refuse_strangers(request, false, answer); reason != 0) return reason;
   for (const std::uint16_t number : request.axes()) {
     Axis& axis = *axis_of(number);
     drop_of_axis(number);
@@ -877,41 +799,27 @@ std::uint32_t ControlModel::power_cycle(const msg::Request& request, Answer& ans
 }
 
 std::uint32_t ControlModel::set_rate(const msg::Request& request) {
-  if (configuration_.clock != service::ClockMode::realtime) {
-    return msg::REASON_WRONG_CLOCK_MODE;
-  }
+  if (configuration_.clock != service::ClockMode::realtime) return msg::REASON_WRONG_CLOCK_MODE;
   const double rate = request.rate();
-  if (rate != 0.0 && !(rate >= 0.1 && rate <= 100.0)) {
-    return msg::REASON_OUT_OF_RANGE;
-  }
+  if (rate != 0.0 && !(rate >= 0.1 && rate <= 100.0)) return msg::REASON_OUT_OF_RANGE;
   if (rate != rate_) {
     rate_ = rate;
     count_watchdog();
-    for (Session& session : sessions_) {
-      session.last_message_tick = tick_;
-    }
+    for (Session& session : sessions_) session.last_message_tick = tick_;
   }
   return msg::REASON_NONE;
 }
 
 std::uint32_t ControlModel::snapshot(const msg::Request& request, Answer& answer) {
-  if (!time_stands()) {
-    return msg::REASON_TIME_PASSES;
-  }
+  if (!time_stands()) return msg::REASON_TIME_PASSES;
   if (request.kind() == msg::REQUEST_TAKE_SNAPSHOT) {
-    if (snapshots_.size() == kMostSnapshots) {
-      return msg::REASON_QUEUE_FULL;
-    }
+    if (snapshots_.size() == kMostSnapshots) return msg::REASON_QUEUE_FULL;
     auto& kept = snapshots_[++last_snapshot_];
-    for (const Axis& axis : axes_) {
-      kept.push_back(axis.registers);
-    }
+    for (const Axis& axis : axes_) kept.push_back(axis.registers);
     return msg::REASON_NONE;
   }
   const auto kept = snapshots_.find(request.snapshot());
-  if (kept == snapshots_.end()) {
-    return msg::REASON_UNKNOWN_SNAPSHOT;
-  }
+  if (kept == snapshots_.end()) return msg::REASON_UNKNOWN_SNAPSHOT;
   if (request.kind() == msg::REQUEST_DROP_SNAPSHOT) {
     snapshots_.erase(kept);
     return msg::REASON_NONE;
@@ -952,18 +860,14 @@ void ControlModel::check(const msg::CommandReply& reply) {
   const auto is_skipped = [&](const FrameAnswer& due) {
     return due.is_repeat ? kept_of(due) == nullptr : !due.is_wanted && !is_due(due);
   };
-  while (!frame_answers_.empty() && is_skipped(frame_answers_.front())) {
-    frame_answers_.pop_front();
-  }
+  while (!frame_answers_.empty() && is_skipped(frame_answers_.front())) frame_answers_.pop_front();
   if (frame_answers_.empty()) {
     happenings_.fail(Invariant::kAnswered, 0, "no further answer to a frame", words_of(seen));
     return;
   }
   const FrameAnswer front = frame_answers_.front();
   const FrameAnswer& due = front.is_repeat ? *kept_of(front) : front;
-  if (!is_due(due)) {
-    happenings_.fail(Invariant::kAnswered, 0, words_of(due), words_of(seen));
-  }
+  if (!is_due(due)) happenings_.fail(Invariant::kAnswered, 0, words_of(due), words_of(seen));
   frame_answers_.pop_front();
   if (front.is_kept) {
     frames_[seen.session].answered.insert(seen.sequence);
@@ -976,9 +880,7 @@ const ControlModel::FrameAnswer* ControlModel::kept_of(const FrameAnswer& due) c
   const auto kept = std::ranges::find_if(kept_frame_answers_, [&](const FrameAnswer& answer) {
     return answer.session == due.session && answer.sequence == due.sequence;
   });
-  if (kept != kept_frame_answers_.end()) {
-    return &*kept;
-  }
+  if (kept != kept_frame_answers_.end()) return &*kept;
   const auto numbers = frames_.find(due.session);
   const bool was_answered =
       numbers != frames_.end() && numbers->second.answered.contains(due.sequence);
@@ -1024,9 +926,7 @@ void ControlModel::check_objects(const Answer& due, const msg::Reply& reply) {
 }
 
 void ControlModel::check_stamp(std::uint16_t axis, std::uint32_t stamp) {
-  if (stamp < kFirstStamp || stamp - kFirstStamp >= stamps_->size()) {
-    return;
-  }
+  if (stamp < kFirstStamp || stamp - kFirstStamp >= stamps_->size()) return;
   if (from_memory_.contains(stamp)) {
     return;  // it was judged when it was stored, perhaps in an earlier run
   }
@@ -1054,9 +954,7 @@ void ControlModel::check(const msg::AxisParameters& parameters) {
                        .stamp = parameters.position_target_reached_window(),
                        .velocity = parameters.profile_velocity(),
                        .test_inputs = due.test_inputs};
-  if (seen != due) {
-    happenings_.fail(Invariant::kCommanded, axis, words_of(due), words_of(seen));
-  }
+  if (seen != due) happenings_.fail(Invariant::kCommanded, axis, words_of(due), words_of(seen));
 }
 
 void ControlModel::check(const service::EventRecord& event) {
@@ -1096,9 +994,7 @@ void ControlModel::check_all_answered() {
   const auto is_settled = [this](const FrameAnswer& due) {
     return due.is_repeat ? kept_of(due) == nullptr : !due.is_wanted;
   };
-  while (!frame_answers_.empty() && is_settled(frame_answers_.front())) {
-    frame_answers_.pop_front();
-  }
+  while (!frame_answers_.empty() && is_settled(frame_answers_.front())) frame_answers_.pop_front();
   if (!frame_answers_.empty()) {
     const FrameAnswer& due = frame_answers_.front();
     happenings_.fail(Invariant::kAnswered, 0,

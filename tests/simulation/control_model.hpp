@@ -38,9 +38,7 @@ struct Registers {
 
   [[nodiscard]] bool has_test_input() const {
     std::int64_t any = 0;
-    for (const std::int64_t value : test_inputs) {
-      any |= value;
-    }
+    for (const std::int64_t value : test_inputs) any |= value;
     return any != 0;
   }
 };

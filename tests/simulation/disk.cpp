@@ -28,12 +28,8 @@ class Disk::Files final : public service::FileOperations {
     Open opened;
     if (purpose != Purpose::directory) {
       const bool is_there = disk_.names_.contains(file.string());
-      if (purpose == Purpose::read && !is_there) {
-        refuse(ENOENT);
-      }
-      if (purpose == Purpose::create && is_there) {
-        refuse(EEXIST);
-      }
+      if (purpose == Purpose::read && !is_there) refuse(ENOENT);
+      if (purpose == Purpose::create && is_there) refuse(EEXIST);
       if (!is_there) {
         disk_.names_[file.string()] = std::make_shared<File>();
         disk_.change_names();
@@ -73,9 +69,7 @@ class Disk::Files final : public service::FileOperations {
 
   void sync(int file) override {
     disk_.step();
-    if (disk_.lies_) {
-      return;
-    }
+    if (disk_.lies_) return;
     if (disk_.open_.at(file).file == nullptr) {
       disk_.since_sync_ = {disk_.names_};
     } else {
@@ -97,9 +91,7 @@ class Disk::Files final : public service::FileOperations {
   void rename(const std::filesystem::path& from, const std::filesystem::path& to) override {
     disk_.step();
     const auto named = disk_.names_.find(from.string());
-    if (named == disk_.names_.end()) {
-      refuse(ENOENT);
-    }
+    if (named == disk_.names_.end()) refuse(ENOENT);
     const bool is_new = from.extension() == ".new";
     auto file = std::move(named->second);
     disk_.names_.erase(named);
@@ -110,18 +102,14 @@ class Disk::Files final : public service::FileOperations {
 
   void link(const std::filesystem::path& from, const std::filesystem::path& to) override {
     disk_.step();
-    if (!disk_.names_.contains(from.string())) {
-      refuse(ENOENT);
-    }
+    if (!disk_.names_.contains(from.string())) refuse(ENOENT);
     disk_.names_[to.string()] = disk_.names_[from.string()];
     disk_.change_names();
   }
 
   void remove(const std::filesystem::path& file) override {
     disk_.step();
-    if (disk_.names_.erase(file.string()) == 0) {
-      refuse(ENOENT);
-    }
+    if (disk_.names_.erase(file.string()) == 0) refuse(ENOENT);
     disk_.change_names();
   }
 
@@ -174,9 +162,7 @@ void Disk::change_names() {
 
 Disk::File& Disk::file_of(int number) {
   const auto opened = open_.find(number);
-  if (opened == open_.end() || opened->second.file == nullptr) {
-    refuse(EBADF);
-  }
+  if (opened == open_.end() || opened->second.file == nullptr) refuse(EBADF);
   return *opened->second.file;
 }
 
@@ -184,9 +170,7 @@ void Disk::end_process(bool power_fails) {
   open_.clear();
   locked_ = is_saving_ = killed_ = false;
   fail_in_ = kill_in_ = 0;
-  if (!power_fails && !lies_) {
-    return;
-  }
+  if (!power_fails && !lies_) return;
   names_ = since_sync_[random_.below(since_sync_.size())];
   since_sync_ = {names_};
   for (auto& [name, file] : names_) {

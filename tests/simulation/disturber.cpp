@@ -66,15 +66,11 @@ void Disturber::act(const View& view, Bench& bench, SimulatedTime& time, Post& p
   next_ = now_ + random_.between(kMillisecond, kLongestPause);
   const Present present{view, bench, time, post};
   std::uint64_t all = 0;
-  for (const Disturbance& row : disturbances()) {
-    all += row.weight;
-  }
+  for (const Disturbance& row : disturbances()) all += row.weight;
   std::uint64_t choice = random_.below(all);
   for (const Disturbance& row : disturbances()) {
     if (choice < row.weight) {
-      if (which_.*row.group) {
-        (this->*row.happen)(present);
-      }
+      if (which_.*row.group) (this->*row.happen)(present);
       break;
     }
     choice -= row.weight;
@@ -87,9 +83,7 @@ void Disturber::act(const View& view, Bench& bench, SimulatedTime& time, Post& p
 }
 
 void Disturber::on(const msg::Reply& reply) {
-  if (reply.client() == client_ && reply.snapshot() != 0) {
-    last_snapshot_ = reply.snapshot();
-  }
+  if (reply.client() == client_ && reply.snapshot() != 0) last_snapshot_ = reply.snapshot();
 }
 
 bool Disturber::wants_restart() {
@@ -111,9 +105,7 @@ void Disturber::post(msg::Request request, const Present& present) {
 }
 
 void Disturber::set_input(const Present& present) {
-  if (ailments_.size() >= 4) {
-    return;
-  }
+  if (ailments_.size() >= 4) return;
   auto request = new_request(msg::REQUEST_WRITE);
   auto& object = request.objects().emplace_back();
   object.axis(static_cast<std::uint16_t>(1 + random_.below(present.view.statuses.size())));
@@ -136,9 +128,7 @@ void Disturber::heal(const Present& present) {
                .registers(ailment.axis - 1U)
                .test_inputs[ailment.index - 0x5E00U] == 0;
   });
-  if (!request.objects().empty()) {
-    post(std::move(request), present);
-  }
+  if (!request.objects().empty()) post(std::move(request), present);
 }
 
 void Disturber::power_cycle(const Present& present) {

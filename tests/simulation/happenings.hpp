@@ -48,14 +48,10 @@ class Happenings {
   }
 
   void record(std::string_view what, std::initializer_list<std::uint64_t> numbers) {
-    for (const std::uint64_t number : numbers) {
-      add(number);
-    }
+    for (const std::uint64_t number : numbers) add(number);
     if (trace_ != nullptr) {
       *trace_ << "tick " << tick_ << ": " << what;
-      for (const std::uint64_t number : numbers) {
-        *trace_ << ' ' << number;
-      }
+      for (const std::uint64_t number : numbers) *trace_ << ' ' << number;
       *trace_ << '\n';
     }
   }

@@ -51,9 +51,7 @@ std::string read_seeds(const std::string& text, Arguments& arguments) {
 
 void print(const Violation& violation, const Report& report, const Options& options) {
   std::cout << "seed " << report.seed << ", tick " << violation.tick;
-  if (violation.axis != 0) {
-    std::cout << ", axis " << violation.axis;
-  }
+  if (violation.axis != 0) std::cout << ", axis " << violation.axis;
   std::cout << ": violated: " << violation.invariant << "\n  expected: " << violation.expected
             << "\n  seen:     " << violation.seen << "\n  again:    vdrive_simulation --seed "
             << report.seed << " --seconds " << options.seconds << " --axes " << options.axes
@@ -119,9 +117,7 @@ int main(int argc, char** argv) {
   app.add_flag("--fight", fight, "two masters over the axes all the time, nothing else");
   app.add_flag("--trace", arguments.trace, "print what happens");
   CLI11_PARSE(app, argc, argv);
-  if (app.count("--seed") != 0) {
-    seeds = std::to_string(seed);
-  }
+  if (app.count("--seed") != 0) seeds = std::to_string(seed);
   if (const std::string error = read_seeds(seeds, arguments); !error.empty()) {
     std::cerr << "vdrive_simulation: " << error << '\n';
     return 2;

@@ -44,9 +44,7 @@ void Master::act(const View& view, Post& post) {
     epoch_ = 0;
     sequence_ = 0;
   }
-  if (incarnation_ == view.incarnation && random_.per_mille(temper_.haste)) {
-    look_up_epoch(view);
-  }
+  if (incarnation_ == view.incarnation && random_.per_mille(temper_.haste)) look_up_epoch(view);
   if (random_.per_mille(temper_.lapses)) {
     lapse(post);
     return;
@@ -89,9 +87,7 @@ std::vector<std::uint16_t> Master::some_axes(const View& view) {
   std::vector<std::uint16_t> axes;
   const std::uint64_t share = random_.between(100, 900);
   for (std::size_t index = 0; index < view.statuses.size(); ++index) {
-    if (random_.per_mille(share)) {
-      axes.push_back(static_cast<std::uint16_t>(index + 1));
-    }
+    if (random_.per_mille(share)) axes.push_back(static_cast<std::uint16_t>(index + 1));
   }
   if (random_.per_mille(temper_.rudeness)) {
     axes.push_back(static_cast<std::uint16_t>(random_.below(view.statuses.size() + 2)));
@@ -132,27 +128,21 @@ msg::Request Master::new_request(std::uint32_t kind) {
 void Master::take_axes(const View& view, Post& post, bool by_force) {
   auto request = new_request(by_force ? msg::REQUEST_TAKE_OVER : msg::REQUEST_ACQUIRE);
   request.axes() = some_axes(view);
-  if (random_.per_mille(temper_.haste)) {
-    guess_epoch(view);
-  }
+  if (random_.per_mille(temper_.haste)) guess_epoch(view);
   this->post(std::move(request), post);
 }
 
 /// The status of an owned axis gives what an answer would, and cannot be lost for long.
 void Master::look_up_epoch(const View& view) {
   for (const wire::Ownership& owner : view.owners) {
-    if (owner.session == session_) {
-      epoch_ = owner.epoch;
-    }
+    if (owner.session == session_) epoch_ = owner.epoch;
   }
 }
 
 /// The next epoch of the bench, unless another master is faster: commands in this one arrive right
 /// behind the change of hands, and in that of another where somebody was.
 void Master::guess_epoch(const View& view) {
-  for (const wire::Ownership& owner : view.owners) {
-    epoch_ = std::max(epoch_, owner.epoch);
-  }
+  for (const wire::Ownership& owner : view.owners) epoch_ = std::max(epoch_, owner.epoch);
   ++epoch_;
 }
 
@@ -200,9 +190,7 @@ void Master::send_request(const View& view, Post& post) {
         break;
     }
   }
-  if (random_.per_mille(temper_.rudeness)) {
-    request.client(0);
-  }
+  if (random_.per_mille(temper_.rudeness)) request.client(0);
   this->post(std::move(request), post);
 }
 
@@ -256,12 +244,8 @@ void Master::send_frame(const View& view, Post& post) {
       fill(command, view.statuses[index], frame);
     }
   }
-  if (random_.per_mille(temper_.rudeness)) {
-    spoil(frame);
-  }
-  if (random_.per_mille(100)) {
-    old_frame_ = frame;
-  }
+  if (random_.per_mille(temper_.rudeness)) spoil(frame);
+  if (random_.per_mille(100)) old_frame_ = frame;
   this->post(std::move(frame), post);
 }
 
@@ -295,14 +279,10 @@ void Master::spoil(msg::CommandFrame& frame) {
       frame.axes().emplace_back().axis(static_cast<std::uint16_t>(random_.below(100)));
       break;
     case 5:
-      if (!frame.axes().empty()) {
-        frame.axes().push_back(frame.axes().front());
-      }
+      if (!frame.axes().empty()) frame.axes().push_back(frame.axes().front());
       break;
     default:
-      if (!frame.axes().empty()) {
-        frame.axes().back().members(0x80);
-      }
+      if (!frame.axes().empty()) frame.axes().back().members(0x80);
       break;
   }
 }
@@ -376,25 +356,17 @@ void Master::fill(msg::AxisCommand& command, const AxisStatus& status,
 // ---- what comes back --------------------------------------------------------------------------
 
 void Master::on(const msg::Reply& reply) {
-  if (reply.client() != client_ || reply.incarnation() != incarnation_) {
-    return;
-  }
+  if (reply.client() != client_ || reply.incarnation() != incarnation_) return;
   epoch_ = std::max(epoch_, reply.epoch());  // an earlier answer may arrive later
-  if (reply.epoch() == 0) {
-    epoch_ = 0;
-  }
+  if (reply.epoch() == 0) epoch_ = 0;
 }
 
 void Master::on(const msg::CommandReply& reply) {
-  if (reply.session() != session_ || reply.incarnation() != incarnation_) {
-    return;
-  }
+  if (reply.session() != session_ || reply.incarnation() != incarnation_) return;
   const bool gone = std::ranges::any_of(reply.refusals(), [](const msg::Refusal& refusal) {
     return refusal.axis() == 0 && refusal.reason() == msg::REASON_STALE_EPOCH;
   });
-  if (gone && random_.per_mille(300)) {
-    epoch_ = 0;
-  }
+  if (gone && random_.per_mille(300)) epoch_ = 0;
 }
 
 }  // namespace vdrive::simulation

@@ -38,12 +38,8 @@ class Network {
   Network(const NetworkHabits& habits, std::uint64_t seed) : habits_(habits), random_(seed) {}
 
   void send(std::size_t sender, Message message, std::int64_t now) {
-    if (random_.per_mille(habits_.drops)) {
-      return;
-    }
-    if (random_.per_mille(habits_.doubles)) {
-      put(sender, message, now);
-    }
+    if (random_.per_mille(habits_.drops)) return;
+    if (random_.per_mille(habits_.doubles)) put(sender, message, now);
     put(sender, std::move(message), now);
   }
 
@@ -51,9 +47,7 @@ class Network {
   void hold_back(std::size_t sender, std::int64_t until) {
     held_until_[sender] = std::max(held_until_[sender], until);
     for (auto& entry : entries_) {
-      if (entry.sender == sender) {
-        entry.time = std::max(entry.time, until);
-      }
+      if (entry.sender == sender) entry.time = std::max(entry.time, until);
     }
     std::make_heap(entries_.begin(), entries_.end(), later);
   }
@@ -85,9 +79,7 @@ class Network {
 
   void put(std::size_t sender, Message message, std::int64_t now) {
     std::int64_t time = now + random_.between(50 * kMicrosecond, 3 * kMillisecond);
-    if (random_.per_mille(habits_.delays)) {
-      time += random_.between(0, habits_.longest_delay);
-    }
+    if (random_.per_mille(habits_.delays)) time += random_.between(0, habits_.longest_delay);
     time = std::max(time, held_until_[sender]);
     if (habits_.keeps_order) {
       time = std::max(time, last_[sender]);

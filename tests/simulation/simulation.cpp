@@ -127,9 +127,7 @@ class World {
       ticks = std::min(ticks, options_.stop_at_tick + 1);
     }
     while (happenings_.tick() < ticks && !happenings_.violation()) {
-      if (disturber_.wants_restart() || bench_->was_killed()) {
-        start_service();
-      }
+      if (disturber_.wants_restart() || bench_->was_killed()) start_service();
       bench_->cycle(mail_);
     }
     take_stock();
@@ -173,38 +171,24 @@ class World {
     const View view{bench_->incarnation(), bench_->image().tick, bench_->image().status,
                     bench_->image().owners};
     for (Master& master : masters_) {
-      while (master.next_action() <= now) {
-        master.act(view, post_);
-      }
+      while (master.next_action() <= now) master.act(view, post_);
     }
-    while (disturber_.next_action() <= now) {
-      disturber_.act(view, *bench_, time_, post_);
-    }
+    while (disturber_.next_action() <= now) disturber_.act(view, *bench_, time_, post_);
     if (configuration_.clock == service::ClockMode::lockstep && now >= next_step_) {
       request_steps(now);
     }
-    while (post_.has_arrived(now)) {
-      bench_->receive(post_.take().second);
-    }
-    while (back_.has_arrived(now)) {
-      hand_over(back_.take().second);
-    }
+    while (post_.has_arrived(now)) bench_->receive(post_.take().second);
+    while (back_.has_arrived(now)) hand_over(back_.take().second);
     while (frames_back_.has_arrived(now)) {
       const msg::CommandReply reply = frames_back_.take().second;
-      for (Master& master : masters_) {
-        master.on(reply);
-      }
+      for (Master& master : masters_) master.on(reply);
     }
   }
 
   void hand_over(const msg::Reply& reply) {
-    for (Master& master : masters_) {
-      master.on(reply);
-    }
+    for (Master& master : masters_) master.on(reply);
     disturber_.on(reply);
-    if (reply.client() == kStepperClient && reply.request_id() == last_step_) {
-      next_step_ = 0;
-    }
+    if (reply.client() == kStepperClient && reply.request_id() == last_step_) next_step_ = 0;
   }
 
   /// One program steps: sometimes for a master, whose frames it waits for. It continues when it is

@@ -56,9 +56,7 @@ Report play_all(Options options, std::uint64_t seeds) {
     const Report report = simulate(options);
     EXPECT_FALSE(report.violation) << words_of(report);
     sum.add(report);
-    if (report.violation) {
-      break;
-    }
+    if (report.violation) break;
   }
   return sum;
 }

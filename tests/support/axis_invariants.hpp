@@ -28,15 +28,9 @@ struct StatusInvariant {
   const bool may_be_powered = state == PowerState::operation_enabled ||
                               state == PowerState::quick_stop_active ||
                               state == PowerState::fault_reaction_active;
-  if (state != expected) {
-    return StatusInvariant::kState;
-  }
-  if ((status.ds402_statusword & kReservedBits) != 0) {
-    return StatusInvariant::kReserved;
-  }
-  if (status.motor_op_status != 0 && !may_be_powered) {
-    return StatusInvariant::kPower;
-  }
+  if (state != expected) return StatusInvariant::kState;
+  if ((status.ds402_statusword & kReservedBits) != 0) return StatusInvariant::kReserved;
+  if (status.motor_op_status != 0 && !may_be_powered) return StatusInvariant::kPower;
   if (status.motor_op_status != 1 && status.torque_actual_value != 0) {
     return StatusInvariant::kTorque;
   }

@@ -47,9 +47,7 @@ class LocalInbox : private InboxMemory, public service::Inbox {
 
   void receive_sample(wire::TopicId topic, std::span<const std::byte> sample,
                       const wire::Source& source) {
-    if (!intake_.put(topic, sample, source)) {
-      counters_of_test_.queue_overflows.add();
-    }
+    if (!intake_.put(topic, sample, source)) counters_of_test_.queue_overflows.add();
   }
 
  private:

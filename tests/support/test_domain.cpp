@@ -22,9 +22,7 @@ bool claim(std::uint32_t domain) {
                     ("vdrive-test-domain-" + std::to_string(domain) + ".lock");
   const int descriptor =
       open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);  // NOLINT(*-vararg)
-  if (descriptor < 0) {
-    return false;
-  }
+  if (descriptor < 0) return false;
   if (flock(descriptor, LOCK_EX | LOCK_NB) == 0) {
     return true;  // the lock ends with the process
   }
@@ -36,9 +34,7 @@ std::uint32_t claim_any() {
   const auto start = static_cast<std::uint32_t>(getpid());
   for (std::uint32_t offset = 0; offset < kDomains; ++offset) {
     const std::uint32_t domain = kFirstDomain + (start + offset) % kDomains;
-    if (claim(domain)) {
-      return domain;
-    }
+    if (claim(domain)) return domain;
   }
   throw std::runtime_error("every test domain is taken");
 }

@@ -16,9 +16,7 @@ namespace {
 
 std::size_t count_writes(const std::vector<test::Step>& steps) {
   std::size_t writes = 0;
-  for (const test::Step& step : steps) {
-    writes += step.writes.size();
-  }
+  for (const test::Step& step : steps) writes += step.writes.size();
   return writes;
 }
 

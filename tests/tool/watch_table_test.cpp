@@ -59,9 +59,7 @@ TEST(WatchTable, FitsTheWidthAndHeightOfTheTerminal) {
     for (const std::size_t rows : {1U, 3U, 10U, 22U, 100U}) {
       const auto lines = watch_table(sample, faces, {columns, rows});
       EXPECT_LE(lines.size(), std::max<std::size_t>(rows, 3));
-      for (const LiveLine& line : lines) {
-        EXPECT_LT(display_width(line.text), columns) << line.text;
-      }
+      for (const LiveLine& line : lines) EXPECT_LT(display_width(line.text), columns) << line.text;
     }
   }
 }

@@ -222,9 +222,7 @@ TYPED_TEST(CycloneOnTransientTopic, GetsWhatEachInstanceKeepsWhenItComesLate) {
   Peer reader(full_name<TypeParam>(), "reader");
   const auto expected = awaited<TypeParam>();
   std::vector<std::string> texts;
-  while (texts.size() < expected.size()) {
-    texts.push_back(reader.take(kPatience));
-  }
+  while (texts.size() < expected.size()) texts.push_back(reader.take(kPatience));
   EXPECT_THAT(texts, testing::UnorderedElementsAreArray(expected));
 }
 
@@ -236,9 +234,7 @@ TYPED_TEST(CycloneOnTransientTopic, KeepsForALatecomerOfFastDdsWhatEachInstanceK
   Texts<TypeParam> received(this->participant_);
   const auto expected = awaited<TypeParam>();
   std::vector<std::string> texts;
-  while (texts.size() < expected.size()) {
-    texts.push_back(received.take(kPatience));
-  }
+  while (texts.size() < expected.size()) texts.push_back(received.take(kPatience));
   EXPECT_THAT(texts, testing::UnorderedElementsAreArray(expected));
 }
 

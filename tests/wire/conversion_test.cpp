@@ -16,9 +16,7 @@ using namespace vdrive::literals;
 AxisStatus status_with_distinct_values() {
   AxisStatus status;
   std::int64_t value = 0;
-  for (const StatusMember& member : status_members()) {
-    member.set(status, ++value);
-  }
+  for (const StatusMember& member : status_members()) member.set(status, ++value);
   return status;
 }
 

@@ -43,9 +43,7 @@ Body heartbeat(std::int64_t first, std::int64_t last) {
 Body acknack(std::int64_t base, std::uint32_t bits, std::size_t words) {
   Body body;
   body.entity(kUserReader).entity(kUserWriter).sequence(base).u32(bits);
-  for (std::size_t word = 0; word < words; ++word) {
-    body.u32(0);
-  }
+  for (std::size_t word = 0; word < words; ++word) body.u32(0);
   return body.u32(1);
 }
 
@@ -343,9 +341,7 @@ TEST(DatagramCheck, RemovesTheStatisticsOfFastDds) {
 std::optional<Announcement> announcement_in(const Datagram& datagram) {
   rtps_bytes::Submessages submessages(datagram);
   rtps_bytes::Submessage submessage;
-  if (!submessages.next(submessage)) {
-    return std::nullopt;
-  }
+  if (!submessages.next(submessage)) return std::nullopt;
   return read_announcement(submessage, rtps_bytes::parse_data(submessage, 16));
 }
 

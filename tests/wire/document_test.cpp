@@ -90,9 +90,7 @@ std::string hex(const Bytes& bytes) {
 
 std::uint64_t little_endian(const Bytes& bytes) {
   std::uint64_t word = 0;
-  for (std::size_t i = bytes.size(); i > 0; --i) {
-    word = word << 8U | bytes[i - 1];
-  }
+  for (std::size_t i = bytes.size(); i > 0; --i) word = word << 8U | bytes[i - 1];
   return word;
 }
 
@@ -111,9 +109,7 @@ void expect_consistent(const std::vector<Row>& rows) {
 
 Bytes bytes_of_rows(const std::vector<Row>& rows) {
   Bytes bytes;
-  for (const Row& row : rows) {
-    bytes.insert(bytes.end(), row.bytes.begin(), row.bytes.end());
-  }
+  for (const Row& row : rows) bytes.insert(bytes.end(), row.bytes.begin(), row.bytes.end());
   return bytes;
 }
 

@@ -51,9 +51,7 @@ bool wait_until(const std::function<bool()>& is_so, std::chrono::milliseconds wi
                 std::chrono::microseconds period = 5ms) {
   const auto deadline = Clock::now() + within;
   while (!is_so()) {
-    if (Clock::now() > deadline) {
-      return false;
-    }
+    if (Clock::now() > deadline) return false;
     std::this_thread::sleep_for(period);
   }
   return true;
@@ -314,9 +312,7 @@ TEST(AParticipant, SurvivesTwoHundredJoinsAndLeaves) {
       }
     });
   }
-  for (auto& client : clients) {
-    client.join();
-  }
+  for (auto& client : clients) client.join();
   EXPECT_EQ(answered, kAtOnce * kRounds);
   EXPECT_EQ(bench.stop().code, 0);
 }
@@ -512,9 +508,7 @@ TEST(GuardedParticipant, SurvivesMutatedDatagrams) {
   // read is printed at the end; a socket that is full drops the others.
   for (std::uint64_t number = 0; number < count; ++number) {
     attacker.send(mutator.next(), number % 3 == 0 ? 11 : 10);
-    if (number % 64 == 0) {
-      std::this_thread::sleep_for(1ms);
-    }
+    if (number % 64 == 0) std::this_thread::sleep_for(1ms);
   }
   Requester late;
   // On a busy machine the visitor first reads what its sockets still hold, some 20,000 datagrams.

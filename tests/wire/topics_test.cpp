@@ -214,9 +214,7 @@ TEST(Subscription, DropsAndCountsMessagesLongerThanTheIdlAllows) {
   ASSERT_TRUE(publication.write(too_many_objects));
   msg::CommandFrame largest;
   largest.axes().resize(msg::MAX_AXES_PER_FRAME);
-  for (auto& axis : largest.axes()) {
-    axis.objects().resize(msg::MAX_OBJECTS_PER_AXIS);
-  }
+  for (auto& axis : largest.axes()) axis.objects().resize(msg::MAX_OBJECTS_PER_AXIS);
   ASSERT_TRUE(publication.write(largest));
   ASSERT_TRUE(good.wait_for(1));
   ASSERT_TRUE(bad.wait_for(2));
@@ -235,9 +233,7 @@ TEST(Subscription, ReceivesMessagesAboveTheSizeOfADatagram) {
   ASSERT_TRUE(subscription.wait_for_matched(1, kPatience));
   msg::CommandFrame frame;  // 256 axes with 8 objects each, 42 kB: the longest message there is
   frame.axes().resize(msg::MAX_AXES_PER_FRAME);
-  for (auto& axis : frame.axes()) {
-    axis.objects().resize(msg::MAX_OBJECTS_PER_AXIS);
-  }
+  for (auto& axis : frame.axes()) axis.objects().resize(msg::MAX_OBJECTS_PER_AXIS);
   ASSERT_TRUE(publication.write(frame));
   ASSERT_TRUE(received.wait_for(1));
   EXPECT_EQ(received.messages()[0], frame);
@@ -258,9 +254,7 @@ TEST(Subscription, ReceivesEveryAxisOfALargeBenchAsAnInstance) {
   const Subscription<msg::AxisParameters> subscription(receiver, received.handler());
   ASSERT_TRUE(received.wait_for(kAxes));
   std::set<std::uint16_t> axes;
-  for (const auto& message : received.messages()) {
-    axes.insert(message.axis());
-  }
+  for (const auto& message : received.messages()) axes.insert(message.axis());
   EXPECT_EQ(axes.size(), kAxes);
 }
 

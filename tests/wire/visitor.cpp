@@ -114,9 +114,7 @@ int run(const std::vector<std::string>& words) {
   std::string security;
   for (const auto& word : words) {
     constexpr std::string_view kKey = "security=";
-    if (word.starts_with(kKey)) {
-      security = word.substr(kKey.size());
-    }
+    if (word.starts_with(kKey)) security = word.substr(kKey.size());
   }
   Participant participant({.domain = static_cast<std::uint32_t>(std::stoul(words.at(0))),
                            .shared_memory = has("shared_memory"),

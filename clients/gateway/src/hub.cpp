@@ -439,9 +439,7 @@ void Hub::send_parameters(ConnectionId id, const ParameterAnswer& answer,
                           const std::optional<std::string>& request) {
   if (!clients_.contains(id)) return;
   for (const std::string& complaint : answer.complaints) send_status(id, Level::error, complaint);
-  if (clients_.contains(id)) {
-    server_.send_answer(id, parameters_text(answer.parameters, request));
-  }
+  if (clients_.contains(id)) server_.send_answer(id, parameters_text(answer.parameters, request));
 }
 
 void Hub::handle(ConnectionId id, const SubscribeParameters& message) {

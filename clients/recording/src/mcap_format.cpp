@@ -28,9 +28,7 @@ RecordBuilder& RecordBuilder::put(std::string_view text) {
 RecordBuilder& RecordBuilder::put(const TextMap& map) {
   const std::size_t place = out_.size();
   put(std::uint32_t{0});
-  for (const auto& [key, value] : map) {
-    put(std::string_view(key)).put(std::string_view(value));
-  }
+  for (const auto& [key, value] : map) put(std::string_view(key)).put(std::string_view(value));
   const auto size = static_cast<std::uint32_t>(out_.size() - place - sizeof(std::uint32_t));
   std::memcpy(out_.data() + place, &size, sizeof(size));
   return *this;

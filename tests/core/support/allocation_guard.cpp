@@ -21,9 +21,7 @@ thread_local bool armed = false;
 thread_local std::uint64_t allocations = 0;
 
 void count_allocation() noexcept {
-  if (armed) {
-    ++allocations;
-  }
+  if (armed) ++allocations;
 }
 
 }  // namespace
@@ -83,9 +81,7 @@ void* aligned_alloc(std::size_t alignment, std::size_t size) {
 void* operator new(std::size_t size) {
   count_allocation();
   void* const memory = std::malloc(size == 0 ? 1 : size);
-  if (memory == nullptr) {
-    throw std::bad_alloc();
-  }
+  if (memory == nullptr) throw std::bad_alloc();
   return memory;
 }
 
@@ -93,9 +89,7 @@ void* operator new(std::size_t size, std::align_val_t alignment) {
   count_allocation();
   const auto step = static_cast<std::size_t>(alignment);
   void* const memory = std::aligned_alloc(step, (size + step - 1) / step * step);
-  if (memory == nullptr) {
-    throw std::bad_alloc();
-  }
+  if (memory == nullptr) throw std::bad_alloc();
   return memory;
 }
 

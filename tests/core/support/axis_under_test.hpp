@@ -26,9 +26,7 @@ class AxisUnderTest {
 
   static ObjectAddress address_of(std::string_view variable_name) {
     const auto row = find_object(variable_name);
-    if (!row) {
-      throw std::logic_error("no object is called " + std::string(variable_name));
-    }
+    if (!row) throw std::logic_error("no object is called " + std::string(variable_name));
     return describe(*row).address;
   }
 
@@ -85,9 +83,7 @@ class AxisUnderTest {
   std::uint64_t step_until(Predicate done, std::uint64_t deadline) {
     for (std::uint64_t ticks = 1; ticks <= deadline; ++ticks) {
       step();
-      if (done()) {
-        return ticks;
-      }
+      if (done()) return ticks;
     }
     return 0;
   }

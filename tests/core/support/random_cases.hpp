@@ -11,9 +11,7 @@ namespace vdrive::test {
 /// VDRIVE_NIGHTLY=1 in the environment, `nightly`.
 inline std::uint64_t case_count(std::uint64_t usual, std::uint64_t nightly) {
   const char* const variable = std::getenv("VDRIVE_NIGHTLY");
-  if (variable != nullptr && std::string_view(variable) == "1") {
-    return nightly;
-  }
+  if (variable != nullptr && std::string_view(variable) == "1") return nightly;
 #ifdef __OPTIMIZE__
   return usual;
 #else

@@ -86,9 +86,7 @@ class Model {
         window_ == 4294967295 || std::abs(axis_.actual() - target_) <= static_cast<double>(window_);
     inside_ticks_ = inside ? inside_ticks_ + 1 : 0;
     bool reached = arrived_ && !fresh_ && inside && inside_ticks_ > 20;  // 6068h = 20 ms
-    if (window_ == 4294967295) {
-      reached = arrived_ && !fresh_;
-    }
+    if (window_ == 4294967295) reached = arrived_ && !fresh_;
     if (mode_ == 1 && reached && !halted()) {
       active_ = false;
       if (buffered_) {
@@ -174,9 +172,7 @@ class Model {
       }
       return;
     }
-    if (state_ == PowerState::fault || state_ == PowerState::fault_reaction_active) {
-      return;
-    }
+    if (state_ == PowerState::fault || state_ == PowerState::fault_reaction_active) return;
     const bool off = state_ == PowerState::switch_on_disabled;
     const bool stopping = state_ == PowerState::quick_stop_active;
     if ((word & 0x02U) == 0) {
@@ -200,9 +196,7 @@ class Model {
   }
 
   void leave(PowerState state) {
-    if (state == state_) {
-      return;
-    }
+    if (state == state_) return;
     state_ = state;
     moving_ = false;
     drop();
@@ -270,9 +264,7 @@ class Model {
   }
 
   void follow_mode() {
-    if (mode_command_ == mode_) {
-      return;
-    }
+    if (mode_command_ == mode_) return;
     if (enabled() && !at_rest()) {
       drop();
       return;
@@ -309,9 +301,7 @@ class Model {
       return;
     }
     const Request now = wanted();
-    if (request_ && *request_ == now && !replan_) {
-      return;
-    }
+    if (request_ && *request_ == now && !replan_) return;
     request_ = now;
     replan_ = false;
     profile_ = now.move ? plan_move({x_, v_}, now.target, now.limits)
@@ -385,9 +375,7 @@ class Model {
 std::string difference(const AxisUnderTest& axis, const Model& model) {
   std::ostringstream text;
   const auto compare = [&text](const char* what, std::int64_t drive, std::int64_t expected) {
-    if (drive != expected) {
-      text << what << ' ' << drive << " instead of " << expected << "; ";
-    }
+    if (drive != expected) text << what << ' ' << drive << " instead of " << expected << "; ";
   };
   const ExpectedTick expected = model.expected();
   if (axis.statusword() != expected.statusword) {
@@ -422,9 +410,7 @@ std::string line_of(const Command& command) {
          << static_cast<std::uint32_t>(code) << std::dec << ' ';
   }
   text << "write 1.1 " << command.object << ' ';
-  if (std::string_view(command.object) == "ds402_controlword") {
-    text << "0x" << std::hex;
-  }
+  if (std::string_view(command.object) == "ds402_controlword") text << "0x" << std::hex;
   text << command.value << '\n';
   return text.str();
 }
@@ -434,13 +420,9 @@ void print_ticks(std::ostream& text, const std::vector<ExpectedTick>& ticks, std
                  std::size_t last) {
   for (std::size_t i = first; i < last;) {
     std::size_t end = i + 1;
-    while (end < last && ticks[end].statusword == ticks[i].statusword) {
-      ++end;
-    }
+    while (end < last && ticks[end].statusword == ticks[i].statusword) ++end;
     text << "wait 1ms\nexpect 1.1 0x6041 0x" << std::hex << ticks[i].statusword << std::dec;
-    if (end - i > 1) {
-      text << " --throughout " << end - i - 1 << "ms";
-    }
+    if (end - i > 1) text << " --throughout " << end - i - 1 << "ms";
     text << '\n';
     i = end;
   }
@@ -496,9 +478,7 @@ std::string scenario_of(const std::vector<Step>& steps, const std::vector<Expect
   text << "# vdrived --clock lockstep --config tests/data/whole_units.yaml\n";
   std::size_t first = 0;
   for (const Step& step : steps) {
-    for (const Command& write : step.writes) {
-      text << line_of(write);
-    }
+    for (const Command& write : step.writes) text << line_of(write);
     const std::size_t last = std::min(first + step.ticks, ticks.size());
     print_ticks(text, ticks, first, last);
     if (last == ticks.size() && last < first + step.ticks) {
@@ -511,9 +491,7 @@ std::string scenario_of(const std::vector<Step>& steps, const std::vector<Expect
 
 std::ostream& operator<<(std::ostream& out, const Step& step) {
   out << '\n';
-  for (const Command& write : step.writes) {
-    out << line_of(write);
-  }
+  for (const Command& write : step.writes) out << line_of(write);
   return out << "wait " << step.ticks << "ms";
 }
 

@@ -20,9 +20,7 @@ class Bytes {
   template <typename Integer = std::uint8_t>
   Integer take() {
     std::uint64_t value = 0;
-    for (const std::uint8_t byte : take_span(sizeof(Integer))) {
-      value = value << 8U | byte;
-    }
+    for (const std::uint8_t byte : take_span(sizeof(Integer))) value = value << 8U | byte;
     return static_cast<Integer>(value);
   }
 
