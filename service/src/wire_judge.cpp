@@ -49,6 +49,13 @@ std::optional<WireLoss> WireJudge::reason_to_end(const Sight& sight, Time now) n
   return std::nullopt;
 }
 
+bool WireJudge::wants_look(Time now) noexcept {
+  const Time heard = running_since_ ? pumped_ : start_;
+  if (now - std::max(heard, looked_) <= kLateRound) return false;
+  looked_ = now;
+  return true;
+}
+
 WireJudge::Time WireJudge::ended(Time now, bool was_judged) noexcept {
   const std::chrono::seconds long_run = was_judged ? kLongRunOfJudged : kLongRun;
   const bool was_long = running_since_ && now - *running_since_ >= long_run;

@@ -32,6 +32,9 @@ class WireJudge {
   static constexpr std::chrono::seconds kLongRun{1};
   /// One that had to be ended may be no better when it is started anew.
   static constexpr std::chrono::seconds kLongRunOfJudged{60};
+  /// Pumps that make no round for this long are late: a round takes 20 ms where nothing is sent.
+  /// The process is then examined, and again at this distance.
+  static constexpr std::chrono::milliseconds kLateRound{100};
   static constexpr std::chrono::milliseconds kFirstDelay{100};
   static constexpr std::chrono::milliseconds kLongestDelay{5'000};
 
@@ -50,6 +53,9 @@ class WireJudge {
   /// @return why the wire has to be ended now; nothing = it may continue.
   [[nodiscard]] std::optional<WireLoss> reason_to_end(const Sight& sight, Time now) noexcept;
 
+  /// @return whether its process has to be examined now, because nothing was heard of it.
+  [[nodiscard]] bool wants_look(Time now) noexcept;
+
   /// @return when the next one is to be started.
   /// @param was_judged it was ended by this judge
   [[nodiscard]] Time ended(Time now, bool was_judged) noexcept;
@@ -62,6 +68,7 @@ class WireJudge {
   std::uint64_t pump_beats_ = 0;
   std::uint64_t probe_beats_ = 0;
   Time pumped_{};
+  Time looked_{};
   Time probed_{};
   std::chrono::milliseconds delay_{0};
 };

@@ -90,7 +90,7 @@ void WireSupervisor::supervise() {
   }
   if (is_launched_) {
     if (const auto end = spawner_.next_end()) {
-      lose(*end, now);
+      finish(*end, now);
     } else {
       judge(now);
     }
@@ -98,15 +98,20 @@ void WireSupervisor::supervise() {
   if (next_start_ && now >= *next_start_) launch(now);
 }
 
-void WireSupervisor::lose(const WireEnd& end, Clock::time_point now) {
+/// No client is reached any more, whether its process has ended yet or not.
+void WireSupervisor::lose(const WireLoss& loss, Clock::time_point now) {
   control_.state.store(WireState::none);
-  is_launched_ = false;
   if (is_up_) lost_at_ = now;
   is_up_ = false;
   counters_.wire_is_up.set(0);
+  report(WireNews::kLost, loss);
+}
+
+void WireSupervisor::finish(const WireEnd& end, Clock::time_point now) {
+  is_launched_ = false;
+  if (!reason_) lose(loss_of(end), now);
   next_start_ = judge_.ended(now, reason_.has_value());
   const auto delay = std::chrono::duration_cast<std::chrono::milliseconds>(*next_start_ - now);
-  report(WireNews::kLost, reason_.value_or(loss_of(end)));
   if (delay > 0ms) report(WireNews::kLater, delay);
 }
 
@@ -117,6 +122,7 @@ void WireSupervisor::report(std::uint32_t code, const EventDetail& detail) {
 }
 
 void WireSupervisor::judge(Clock::time_point now) {
+  if (reason_) return;  // its end is awaited
   const bool is_running = control_.state.load() == WireState::running;
   counters_.wire_resident.set(control_.resident.load());
   if (is_running && !is_up_) {
@@ -125,13 +131,17 @@ void WireSupervisor::judge(Clock::time_point now) {
     const auto gap = std::chrono::duration_cast<std::chrono::milliseconds>(now - lost_at_);
     report(WireNews::kRuns, gap);
   }
-  if (reason_) return;
   reason_ = judge_.reason_to_end({.is_running = is_running,
                                   .pump_beats = control_.pump_beats.load(),
                                   .probe_beats = control_.probe_beats.load(),
                                   .resident = control_.resident.load()},
                                  now);
-  if (reason_) spawner_.kill();
+  if (reason_) {
+    lose(*reason_, now);
+    spawner_.kill();
+  } else if (judge_.wants_look(now)) {
+    spawner_.look();
+  }
 }
 
 std::optional<EventRecord> WireSupervisor::next_news() {

@@ -44,7 +44,8 @@ class WireSupervisor {
 
   void launch(Clock::time_point now);
   void report(std::uint32_t code, const EventDetail& detail);
-  void lose(const WireEnd& end, Clock::time_point now);
+  void lose(const WireLoss& loss, Clock::time_point now);
+  void finish(const WireEnd& end, Clock::time_point now);
   void judge(Clock::time_point now);
 
   const WireRegion& region_;

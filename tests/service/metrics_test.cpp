@@ -3,6 +3,7 @@
 #include "metrics.hpp"
 
 #include "metrics_endpoint.hpp"
+#include "support/local_http.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -21,48 +22,13 @@ namespace vdrive::service {
 namespace {
 
 using namespace std::chrono_literals;
+using test::answer_to;
+using test::connected;
+using test::http_get;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 using testing::StartsWith;
-
-sockaddr_in loopback(int port) {
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(static_cast<std::uint16_t>(port));
-  inet_pton(AF_INET, "127.0.0.1", &address.sin_addr);
-  return address;
-}
-
-/// @return a connection to the endpoint, or -1.
-int connected(int port) {
-  const int connection = socket(AF_INET, SOCK_STREAM, 0);
-  const sockaddr_in address = loopback(port);
-  // NOLINTNEXTLINE(*-reinterpret-cast): what the socket interface takes
-  if (connect(connection, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0) {
-    return connection;
-  }
-  close(connection);
-  return -1;
-}
-
-/// @return the answer of the endpoint, with its head; empty without one.
-std::string answer_to(int port, const std::string& request) {
-  const int connection = connected(port);
-  (void)send(connection, request.data(), request.size(), MSG_NOSIGNAL);
-  std::string answer;
-  std::array<char, 4096> part{};
-  for (ssize_t got = recv(connection, part.data(), part.size(), 0); got > 0;
-       got = recv(connection, part.data(), part.size(), 0)) {
-    answer.append(part.data(), static_cast<std::size_t>(got));
-  }
-  close(connection);
-  return answer;
-}
-
-std::string get(int port, const std::string& path) {
-  return answer_to(port, "GET " + path + " HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n");
-}
 
 class MetricsTest : public testing::Test {
  protected:
@@ -89,7 +55,7 @@ TEST_F(MetricsTest, AreServedAsPrometheusText) {
   counters_.longest_silence_us.set(112'000);
   counters_.wall_steps.add(3);
   counters_.wall_offset = -1.5;
-  const std::string answer = get(sut_.port(), "/metrics");
+  const std::string answer = http_get(sut_.port(), "/metrics");
   EXPECT_THAT(answer, StartsWith("HTTP/1.1 200 OK"));
   EXPECT_THAT(answer, HasSubstr("text/plain"));
   for (const char* const line :
@@ -112,7 +78,7 @@ TEST_F(MetricsTest, ShowTheStateOfTheNetworkProcess) {
   counters_.wire_resident.set(50'000'000);
   counters_.guarded.set(6);
   counters_.malformed.add(7);
-  const std::string answer = get(sut_.port(), "/metrics");
+  const std::string answer = http_get(sut_.port(), "/metrics");
   for (const char* const line :
        {"# TYPE vdrive_wire_starts_total counter", "\nvdrive_wire_starts_total{bench=\"4\"} 3\n",
         "# TYPE vdrive_wire_up gauge", "\nvdrive_wire_up{bench=\"4\"} 1\n",
@@ -132,7 +98,7 @@ TEST_F(MetricsTest, ShowTheLatenessOfTicksAsAHistogram) {
   counters_.count_lateness(3us);
   counters_.count_lateness(3us);
   counters_.count_lateness(-2us);  // early is not late
-  const std::string answer = get(sut_.port(), "/metrics");
+  const std::string answer = http_get(sut_.port(), "/metrics");
   for (const char* const line :
        {"_bucket{bench=\"4\",le=\"1e-06\"} 2\n", "_bucket{bench=\"4\",le=\"2e-06\"} 2\n",
         "_bucket{bench=\"4\",le=\"4e-06\"} 4\n", "_bucket{bench=\"4\",le=\"+Inf\"} 4\n",
@@ -142,18 +108,18 @@ TEST_F(MetricsTest, ShowTheLatenessOfTicksAsAHistogram) {
 }
 
 TEST_F(MetricsTest, CountRefusalsByTheirReason) {
-  EXPECT_THAT(get(sut_.port(), "/metrics"), Not(HasSubstr("vdrive_refusals_total")));
+  EXPECT_THAT(http_get(sut_.port(), "/metrics"), Not(HasSubstr("vdrive_refusals_total")));
   counters_.refusals.add(2);  // REASON_STALE_EPOCH
   counters_.refusals.add(0x08000021);
   counters_.refusals.add(0x08000021);
-  const std::string answer = get(sut_.port(), "/metrics");
+  const std::string answer = http_get(sut_.port(), "/metrics");
   EXPECT_THAT(answer, HasSubstr("reason=\"the epoch is not current: control was lost, released or "
                                 "renewed\"} 1\n"));
   EXPECT_THAT(answer, AllOf(HasSubstr("reason=\"0x08000021, "), HasSubstr("local control\"} 2\n")));
 }
 
 TEST_F(MetricsTest, AreTheOnlyPage) {
-  EXPECT_THAT(get(sut_.port(), "/"), StartsWith("HTTP/1.1 404"));
+  EXPECT_THAT(http_get(sut_.port(), "/"), StartsWith("HTTP/1.1 404"));
 }
 
 TEST_F(MetricsTest, SurviveAnInvalidRequest) {
@@ -166,14 +132,14 @@ TEST_F(MetricsTest, SurviveAnInvalidRequest) {
               StartsWith("HTTP/1.1 400"));
   EXPECT_THAT(answer_to(sut_.port(), "GET /metrics HTTP/7.5\r\n\r\n"), StartsWith("HTTP/1.1 400"));
   EXPECT_THAT(answer_to(sut_.port(), "GET /metrics\r\n\r\n"), StartsWith("HTTP/1.1 400"));
-  EXPECT_THAT(get(sut_.port(), "/metrics"), StartsWith("HTTP/1.1 200"));
+  EXPECT_THAT(http_get(sut_.port(), "/metrics"), StartsWith("HTTP/1.1 200"));
 }
 
 TEST_F(MetricsTest, IgnoreAQueryString) {
-  EXPECT_THAT(get(sut_.port(), "/metrics?x=1"), StartsWith("HTTP/1.1 200"));
-  EXPECT_THAT(get(sut_.port(), "/metrics?"), StartsWith("HTTP/1.1 200"));
-  EXPECT_THAT(get(sut_.port(), "/metricsx"), StartsWith("HTTP/1.1 404"));
-  EXPECT_THAT(get(sut_.port(), "/?/metrics"), StartsWith("HTTP/1.1 404"));
+  EXPECT_THAT(http_get(sut_.port(), "/metrics?x=1"), StartsWith("HTTP/1.1 200"));
+  EXPECT_THAT(http_get(sut_.port(), "/metrics?"), StartsWith("HTTP/1.1 200"));
+  EXPECT_THAT(http_get(sut_.port(), "/metricsx"), StartsWith("HTTP/1.1 404"));
+  EXPECT_THAT(http_get(sut_.port(), "/?/metrics"), StartsWith("HTTP/1.1 404"));
 }
 
 /// Connections without a reader; closed with this object.
@@ -204,7 +170,7 @@ TEST_F(MetricsTest, AreServedWithinASecondBesideAHundredIdleClients) {
     const IdleConnections idle(sut_.port(), 100, words);
     for (int scrape = 0; scrape < 3; ++scrape) {
       const auto begin = std::chrono::steady_clock::now();
-      EXPECT_THAT(get(sut_.port(), "/metrics"), StartsWith("HTTP/1.1 200")) << words;
+      EXPECT_THAT(http_get(sut_.port(), "/metrics"), StartsWith("HTTP/1.1 200")) << words;
       EXPECT_LT(std::chrono::steady_clock::now() - begin, 1s) << words;
     }
   }

@@ -2,6 +2,8 @@
 // The wire of a bench ends, hangs or receives nothing; the bench continues. Real processes.
 #include "service/probe.hpp"
 #include "support/dropped_by_sockets.hpp"
+#include "support/local_http.hpp"
+#include "support/process_tree.hpp"
 #include "support/temporary_directory.hpp"
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
@@ -10,8 +12,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <sys/ptrace.h>
 #include <sys/types.h>
+#include <sys/wait.h>
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <csignal>
@@ -32,39 +37,6 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-std::string text_of(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
-
-/// @return the process whose parent is `parent`, or 0.
-pid_t child_of(pid_t parent) {
-  const std::string wanted = "PPid:\t" + std::to_string(parent) + "\n";
-  for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
-    if (text_of(entry.path() / "status").find(wanted) != std::string::npos) {
-      return std::stoi(entry.path().filename().string());
-    }
-  }
-  return 0;
-}
-
-bool exists(pid_t process) {
-  return ::kill(process, 0) == 0;
-}
-
-/// Repeats the check until it holds. @return false after 10 s.
-template <typename Condition>
-bool holds_soon(Condition condition) {
-  const auto deadline = Clock::now() + 10s;
-  while (!condition()) {
-    if (Clock::now() > deadline) return false;
-    std::this_thread::yield();
-  }
-  return true;
-}
-
 /// vdrived with its wire in a process of its own.
 class Bench {
  public:
@@ -75,9 +47,14 @@ class Bench {
 
   [[nodiscard]] pid_t spawner() const { return child_of(engine()); }
 
-  [[nodiscard]] pid_t wire() const {
-    const pid_t parent = spawner();
-    return parent == 0 ? 0 : child_of(parent);
+  [[nodiscard]] pid_t wire() const { return wire_of(engine()); }
+
+  /// Of a bench with "--metrics 0" and the log level info, once. @return the port of its metrics.
+  int metrics_port() {
+    const std::string mark = "metrics=http://127.0.0.1:";
+    std::string line = process_.read_error_line();
+    while (!line.empty() && line.find(mark) == std::string::npos) line = process_.read_error_line();
+    return line.empty() ? 0 : std::stoi(line.substr(line.find(mark) + mark.size()));
   }
 
   /// SIGTERM. @return how it ended, and after what time.
@@ -91,8 +68,11 @@ class Bench {
 
  private:
   static std::vector<std::string> with_wire_process(std::vector<std::string> more) {
-    std::vector<std::string> arguments{
-        "--domain", std::to_string(test_domain()), "--wire", "process", "--log-level", "warn"};
+    std::vector<std::string> arguments{"--domain", std::to_string(test_domain()), "--wire",
+                                       "process"};
+    if (std::ranges::find(more, "--log-level") == more.end()) {
+      arguments.insert(arguments.end(), {"--log-level", "warn"});
+    }
     arguments.insert(arguments.end(), more.begin(), more.end());
     return arguments;
   }
@@ -178,6 +158,90 @@ TEST(Engine, EndsAWireThatHangs) {
   EXPECT_TRUE(holds_soon([&] {
     return !exists(wire);
   }));
+}
+
+bool is_loss(const msg::Event& event) {
+  return event.kind() == msg::EVENT_WIRE && event.code() == 1;
+}
+
+// Its process stays while something holds it in the kernel on its way out: a core that is written,
+// memory that is given back; here a debugger. It runs no instruction of the wire any more.
+TEST(Engine, ReplacesAKilledWireAtOnceWhileItsProcessIsStillThere) {
+  Bench bench({"--axes", "2"});
+  Probe probe(test_domain());
+  ASSERT_TRUE(probe.find_bench());
+  const pid_t wire = bench.wire();
+  if (ptrace(PTRACE_SEIZE, wire, nullptr, PTRACE_O_TRACEEXIT) != 0) {
+    GTEST_SKIP() << "this user may not hold a process of his";
+  }
+  ::kill(wire, SIGKILL);
+  int status = 0;
+  ASSERT_EQ(waitpid(wire, &status, __WALL), wire);
+  ASSERT_EQ(status >> 8, SIGTRAP | (PTRACE_EVENT_EXIT << 8));
+  const auto loss = probe.event(is_loss);
+  ASSERT_TRUE(loss.has_value());
+  EXPECT_THAT(loss->text(), testing::HasSubstr("ended by signal 9")) << "it was not found hung";
+  EXPECT_TRUE(probe.event(is_restart).has_value());
+  EXPECT_TRUE(exists(wire));
+  ptrace(PTRACE_DETACH, wire, nullptr, nullptr);
+  EXPECT_TRUE(holds_soon([&] {
+    return !exists(wire);
+  })) << "and it is reaped";
+}
+
+/// @return how often `part` occurs in `text`.
+std::size_t count_of(const std::string& part, const std::string& text) {
+  std::size_t count = 0;
+  for (auto place = text.find(part); place != std::string::npos; place = text.find(part, place + 1))
+    ++count;
+  return count;
+}
+
+/// A bench whose wire hangs, and whose spawner is stopped, so that nobody can end the wire.
+class StoppedProcesses : public testing::Test {
+ protected:
+  StoppedProcesses() {
+    EXPECT_TRUE(probe_.find_bench());
+    for (const pid_t process : {bench_.engine(), spawner_, wire_}) ::kill(process, SIGSTOP);
+    ::kill(bench_.engine(), SIGCONT);
+  }
+
+  [[nodiscard]] bool is_down() const {
+    return http_get(port_, "/metrics").find("\nvdrive_wire_up{bench=\"1\"} 0\n") !=
+           std::string::npos;
+  }
+
+  Bench bench_{{"--metrics", "0", "--log-level", "info"}};
+  int port_ = bench_.metrics_port();
+  Probe probe_{test_domain()};
+  pid_t spawner_ = bench_.spawner();
+  pid_t wire_ = bench_.wire();
+};
+
+TEST_F(StoppedProcesses, DoNotKeepTheServiceFromEnding) {
+  EXPECT_TRUE(holds_soon([&] {
+    return is_down();
+  }));
+  const auto [finished, time] = bench_.end();
+  EXPECT_EQ(finished.code, 0) << finished.errors;
+  EXPECT_LE(time, 2s);
+  EXPECT_EQ(count_of("the wire (network process) failed", finished.errors), 1U) << finished.errors;
+  EXPECT_TRUE(holds_soon([&] {
+    return !exists(wire_) && !exists(spawner_);
+  })) << "the kernel ends what is stopped";
+}
+
+TEST_F(StoppedProcesses, AreReportedOnceAndReplacedWhenTheSpawnerGoesOn) {
+  EXPECT_TRUE(holds_soon([&] {
+    return is_down();
+  }));
+  ::kill(spawner_, SIGCONT);
+  EXPECT_TRUE(probe_.event(is_restart).has_value());
+  EXPECT_TRUE(holds_soon([&] {
+    return !is_down() && !exists(wire_);
+  }));
+  const auto [finished, time] = bench_.end();
+  EXPECT_EQ(count_of("the wire (network process) failed", finished.errors), 1U) << finished.errors;
 }
 
 /// What a subscriber to `status` receives of a bench.

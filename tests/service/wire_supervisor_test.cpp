@@ -94,6 +94,32 @@ TEST(WireJudge, EndsAWireThatUsesMoreThanItsMemory) {
   EXPECT_EQ(loss->value, 101U);
 }
 
+TEST(WireJudge, WantsALookAtAProcessThatIsSilentAndAgainWhileItIs) {
+  WireJudge judge(kLimit);
+  HealthyWire wire;
+  judge.started(kSpawned);
+  const auto looks_until = [&](std::chrono::milliseconds end) {
+    int looks = 0;
+    for (auto time = 0ms; time < end; time += 5ms) {
+      static_cast<void>(judge.reason_to_end(wire.sight, kSpawned + time));
+      looks += judge.wants_look(kSpawned + time) ? 1 : 0;
+    }
+    return looks;
+  };
+  EXPECT_EQ(looks_until(WireJudge::kLateRound), 0);
+  EXPECT_NEAR(looks_until(1'000ms), 9, 1);
+  ++wire.sight.pump_beats;
+  static_cast<void>(judge.reason_to_end(wire.sight, kSpawned + 2s));
+  EXPECT_FALSE(judge.wants_look(kSpawned + 2s)) << "it was heard";
+}
+
+TEST(WireJudge, WantsALookAtAProcessThatDoesNotStart) {
+  WireJudge judge(kLimit);
+  judge.started(kSpawned);
+  EXPECT_FALSE(judge.wants_look(kSpawned + WireJudge::kLateRound));
+  EXPECT_TRUE(judge.wants_look(kSpawned + WireJudge::kLateRound + 1ms));
+}
+
 // At once, then after 100, 200, 400 ms and so on, 5 s at most; a long run makes it forget.
 TEST(WireJudge, WaitsLongerAfterEachFurtherEnd) {
   WireJudge judge(kLimit);

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <thread>
+
+namespace vdrive::test {
+
+/// The processes of a service, as /proc shows them.
+
+inline std::string text_of(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+/// @return the process whose parent is `parent`, or 0.
+inline pid_t child_of(pid_t parent) {
+  const std::string wanted = "PPid:\t" + std::to_string(parent) + "\n";
+  for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+    if (text_of(entry.path() / "status").find(wanted) != std::string::npos) {
+      return std::stoi(entry.path().filename().string());
+    }
+  }
+  return 0;
+}
+
+/// @return the process of a service's wire, or 0 where it has none.
+inline pid_t wire_of(pid_t service) {
+  const pid_t spawner = child_of(service);
+  return spawner == 0 ? 0 : child_of(spawner);
+}
+
+inline bool exists(pid_t process) {
+  return ::kill(process, 0) == 0;
+}
+
+/// Repeats the check until it holds. @return false after 10 s.
+template <typename Condition>
+bool holds_soon(Condition condition) {
+  using namespace std::chrono_literals;
+  const auto deadline = std::chrono::steady_clock::now() + 10s;
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > deadline) return false;
+    std::this_thread::yield();
+  }
+  return true;
+}
+
+}  // namespace vdrive::test
