@@ -6,12 +6,17 @@
 #include "vdrive/text.hpp"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
+#include <sys/sysmacros.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <fstream>
+#include <iomanip>
+#include <sstream>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -47,13 +52,44 @@ class File {
   }
 
   /// A device or a pipe is never full of somebody else's journal.
-  [[nodiscard]] bool holds_something() const {
-    struct stat status {};
+  [[nodiscard]] bool holds_something() const { return is_regular() && status().st_size > 0; }
 
-    return ::fstat(descriptor_, &status) == 0 && S_ISREG(status.st_mode) && status.st_size > 0;
+  /// The lock belongs to the file, by whatever name it was opened. A device takes any number of
+  /// journals. @return false when another program has it.
+  [[nodiscard]] bool try_lock() const {
+    if (!is_regular() || ::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return true;
+    if (errno != EWOULDBLOCK) fail(name_);
+    return false;
+  }
+
+  /// @return the process that has the lock, as the kernel lists it; empty where it lists none.
+  [[nodiscard]] std::string holder() const {
+    const struct stat file = status();
+    std::ostringstream wanted;
+    wanted << std::hex << std::setfill('0') << std::setw(2) << major(file.st_dev) << ':'
+           << std::setw(2) << minor(file.st_dev) << std::dec << ':' << file.st_ino;
+    std::ifstream locks("/proc/locks");
+    std::string line;
+    while (std::getline(locks, line)) {
+      // Number, FLOCK, ADVISORY, WRITE, process, file, first and last byte.
+      std::istringstream words(line);
+      std::string number, kind, manner, access, process, place;
+      words >> number >> kind >> manner >> access >> process >> place;
+      if (kind == "FLOCK" && place == wanted.str()) return process;
+    }
+    return "";
   }
 
  private:
+  [[nodiscard]] struct stat status() const {
+    struct stat status {};
+
+    if (::fstat(descriptor_, &status) != 0) fail(name_);
+    return status;
+  }
+
+  [[nodiscard]] bool is_regular() const { return S_ISREG(status().st_mode); }
+
   int descriptor_;
   std::string name_;
 };
@@ -67,6 +103,12 @@ JournalSink open_journal(const std::filesystem::path& file) {
                              ": cannot be written: " + std::generic_category().message(errno));
   }
   auto opened = std::make_shared<File>(descriptor, file.string());
+  if (!opened->try_lock()) {
+    const std::string holder = opened->holder();
+    throw ConfigurationError("--journal " + escaped(file.string(), kShownOfMessage) +
+                             ": is being written by another vdrived" +
+                             (holder.empty() ? "" : ", process " + holder));
+  }
   if (opened->holds_something()) {
     throw ConfigurationError("--journal " + escaped(file.string(), kShownOfMessage) +
                              ": is not empty; an existing file is not overwritten");

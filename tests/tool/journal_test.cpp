@@ -56,6 +56,32 @@ void expect_it_replays(const JournalName& journal, const std::string& text, int 
   }
 }
 
+// By whatever name: another path, a symbolic link, a second name of the file.
+TEST(Journal, ThatAServiceWritesIsRefusedToAnother) {
+  const JournalName journal;
+  const std::string linked = journal.text() + ".link";
+  const std::string named = journal.text() + ".name";
+  RunningService first("--clock lockstep" + journal.flag());
+  std::filesystem::remove(linked);
+  std::filesystem::remove(named);
+  std::filesystem::create_symlink(journal.text(), linked);
+  std::filesystem::create_hard_link(journal.text(), named);
+  for (const std::string& name : {journal.text(), linked, named}) {
+    const Finished second =
+        Process(VDRIVE_SERVICE, tool_arguments("--bench 2 --clock lockstep --journal " + name))
+            .wait();
+    EXPECT_EQ(second.code, 1) << name;
+    EXPECT_THAT(second.errors,
+                HasSubstr("--journal " + name + ": is being written by another vdrived, process " +
+                          std::to_string(first.id())));
+  }
+  EXPECT_EQ(tool("step 100").code, 0);
+  EXPECT_EQ(first.stop().code, 0);
+  EXPECT_EQ(journal.replay("1").code, 0) << "nothing else was written";
+  std::filesystem::remove(linked);
+  std::filesystem::remove(named);
+}
+
 /// Moves, disturbs, faults and resets, as users do.
 void use() {
   for (const char* const words :

@@ -76,6 +76,8 @@ class RunningService {
   RunningService(const RunningService&) = delete;
   RunningService& operator=(const RunningService&) = delete;
 
+  [[nodiscard]] pid_t id() const noexcept { return process_.id(); }
+
   /// Ends it as a user would.
   Finished stop();
 
