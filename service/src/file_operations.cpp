@@ -15,8 +15,8 @@
 namespace vdrive::service {
 namespace {
 
-constexpr mode_t kFileMode = 0644;
-constexpr mode_t kDirectoryMode = 0755;
+constexpr mode_t kFileMode = 0600;
+constexpr mode_t kDirectoryMode = 0700;
 
 /// Calls until no signal interrupts.
 template <typename Function>
@@ -30,15 +30,23 @@ int flags_of(FileOperations::Purpose purpose) {
   using enum FileOperations::Purpose;
   switch (purpose) {
     case read:
-      return O_RDONLY | O_NONBLOCK | O_CLOEXEC;
+      return O_RDONLY | O_NONBLOCK | O_NOFOLLOW | O_CLOEXEC;
     case create:
       return O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC;
     case lock:
-      return O_RDWR | O_CREAT | O_CLOEXEC;
+      return O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC;
     case directory:
       return O_RDONLY | O_DIRECTORY | O_CLOEXEC;
   }
   return O_RDONLY;
+}
+
+/// A link that a stranger made could lead anywhere.
+bool is_link_of_stranger(const std::filesystem::path& file) {
+  struct stat status {};
+
+  if (::lstat(file.c_str(), &status) != 0 || !S_ISLNK(status.st_mode)) return false;
+  return status.st_uid != 0 && status.st_uid != geteuid();
 }
 
 class SystemFiles final : public FileOperations {
@@ -50,11 +58,31 @@ class SystemFiles final : public FileOperations {
   }
 
   int open(const std::filesystem::path& file, Purpose purpose) override {
+    if (purpose == Purpose::directory && is_link_of_stranger(file)) {
+      errno = ELOOP;
+      fail("open " + file.string());
+    }
     const int opened = uninterrupted([&] {
       return ::open(file.c_str(), flags_of(purpose), kFileMode);  // NOLINT(*-vararg)
     });
     if (opened < 0) fail("open " + file.string());
     return opened;
+  }
+
+  Privacy make_private(int file) override {
+    constexpr mode_t kOfOthers = S_IRWXG | S_IRWXO;
+
+    struct stat status {};
+
+    if (::fstat(file, &status) != 0) fail("fstat");
+    if (status.st_uid != geteuid()) {
+      const bool is_of_root = status.st_uid == 0 && (status.st_mode & S_IWOTH) == 0;
+      return is_of_root ? Privacy::kept : Privacy::foreign;
+    }
+    if ((status.st_mode & kOfOthers) == 0) return Privacy::kept;
+    if (::fchmod(file, status.st_mode & S_IRWXU) == 0) return Privacy::narrowed;
+    if (errno != EROFS) fail("fchmod");
+    return Privacy::kept;  // nobody can write there
   }
 
   std::uint64_t size(int file) override {

@@ -14,10 +14,17 @@ namespace vdrive::service {
 class FileOperations {
  public:
   enum class Purpose : std::uint8_t {
-    read,       ///< an existing file; never waits, whatever it is
+    read,       ///< an existing file, not a link; never waits, whatever it is
     create,     ///< a new file to be written; refused when it exists
-    lock,       ///< to be locked; made when it is not there
-    directory,  ///< an existing directory to be synced
+    lock,       ///< to be locked, not a link; made when it is not there
+    directory,  ///< an existing directory to be synced; a link of root or of this user to one
+  };
+
+  /// Who but its owner may use a file or a directory.
+  enum class Privacy : std::uint8_t {
+    kept,      ///< nobody, as before; or it belongs to root, and not everybody may write
+    narrowed,  ///< nobody any more: it belongs to this user
+    foreign,   ///< its owner, another user, or everybody
   };
 
   FileOperations() = default;
@@ -25,9 +32,11 @@ class FileOperations {
   FileOperations(const FileOperations&) = delete;
   FileOperations& operator=(const FileOperations&) = delete;
 
-  /// Makes a directory whose parent exists; nothing happens when it is there.
+  /// Makes a directory whose parent exists, for this user alone; nothing happens when it is there.
   virtual void make_directory(const std::filesystem::path& directory) = 0;
   [[nodiscard]] virtual int open(const std::filesystem::path& file, Purpose purpose) = 0;
+  /// Takes the rights of group and others to an open file or directory of this user.
+  [[nodiscard]] virtual Privacy make_private(int file) = 0;
   /// @return how many bytes a regular file holds. Anything else is refused with EINVAL.
   [[nodiscard]] virtual std::uint64_t size(int file) = 0;
   /// @return how many bytes were read; 0 at the end.

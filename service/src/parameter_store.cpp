@@ -89,15 +89,36 @@ ParameterStore::ParameterStore(std::filesystem::path directory, std::uint32_t be
       files_(std::move(files)) {
   try {
     if (!files_->exists(directory_)) files_->make_directory(directory_);
-    OpenFile(*files_, directory_, Purpose::directory).close();
+    OpenFile opened(*files_, directory_, Purpose::directory);
+    require_private(opened.number(), directory_);
+    opened.close();
   } catch (const std::system_error& error) {
-    throw ConfigurationError("state directory " + escaped(directory_.string(), kShownOfMessage) +
-                             " cannot be used: " + error.code().message());
+    refuse(is_error(error, ELOOP) ? "is a symbolic link of another user, which is not followed"
+                                  : "cannot be used: " + error.code().message());
   }
   if (!lock()) {
-    throw ConfigurationError("state directory " + escaped(directory_.string(), kShownOfMessage) +
-                             ": the parameters of bench " + std::to_string(bench) +
-                             " are in use by another vdrived");
+    refuse("the parameters of bench " + std::to_string(bench) + " are in use by another vdrived");
+  }
+}
+
+void ParameterStore::refuse(const std::string& problem) const {
+  throw ConfigurationError("state directory " + escaped(directory_.string(), kShownOfMessage) +
+                           ": " + problem);
+}
+
+/// Whoever can open the lock file can hold its lock, and whoever can write into the directory can
+/// put another file in its place.
+void ParameterStore::require_private(int opened, const std::filesystem::path& path) const {
+  switch (files_->make_private(opened)) {
+    case FileOperations::Privacy::kept:
+      return;
+    case FileOperations::Privacy::narrowed:
+      log_info("{}: other users had rights to it; now only its owner has", path.string());
+      return;
+    case FileOperations::Privacy::foreign:
+      refuse(escaped(path.filename().string()) +
+             " belongs to another user, or everybody may write to it; use a directory of the user "
+             "that runs vdrived");
   }
 }
 
@@ -119,9 +140,11 @@ bool ParameterStore::lock() {
   try {
     const auto path = directory_ / (name_ + ".lock");
     OpenFile opened(*files_, path, Purpose::lock);
+    require_private(opened.number(), path);
     if (!files_->try_lock(opened.number())) return false;
     lock_ = opened.release();
   } catch (const std::system_error& error) {
+    if (is_error(error, ELOOP)) refuse(name_ + ".lock is a symbolic link, which is not followed");
     log_warning("state directory {}: not locked, nothing can be stored: {}", directory_.string(),
                 error.what());
   }

@@ -40,8 +40,10 @@ struct LoadedParameters {
 /// | `bench-N.lock`          | nothing; locked by the service that uses the others            |
 class ParameterStore {
  public:
-  /// Makes the directory if only its last part is missing, and locks the bench.
-  /// @throws ConfigurationError when it cannot be used, or another service uses the same bench. In
+  /// Makes the directory if only its last part is missing, takes the rights of other users to it,
+  /// and locks the bench.
+  /// @throws ConfigurationError when it cannot be used, or another service uses the same bench,
+  ///         the directory or the lock file is another user's, or a link is in the place of one. In
   ///         a directory that is read-only nothing is locked: `save` will fail there.
   ParameterStore(std::filesystem::path directory, std::uint32_t bench,
                  std::unique_ptr<FileOperations> files = system_files());
@@ -71,6 +73,8 @@ class ParameterStore {
 
   [[nodiscard]] std::filesystem::path file(const char* suffix) const;
   [[nodiscard]] bool lock();
+  void require_private(int opened, const std::filesystem::path& path) const;
+  [[noreturn]] void refuse(const std::string& problem) const;
   [[nodiscard]] ParameterTable read(const std::filesystem::path& file);
   void load_previous(LoadedParameters& loaded);
   void put_back();

@@ -51,6 +51,11 @@ class FailingFiles final : public service::FileOperations {
     return files_->open(file, purpose);
   }
 
+  Privacy make_private(int file) override {
+    plan_.step();
+    return files_->make_private(file);
+  }
+
   std::uint64_t size(int file) override {
     plan_.step();
     return files_->size(file);

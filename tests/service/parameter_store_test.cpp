@@ -674,6 +674,105 @@ TEST(StoredParameters, InADamagedFileCauseAFaultOnEveryAxis) {
   EXPECT_TRUE(bare.axes[2].configuration.memory_error);
 }
 
+std::string refusal_of_directory(const fs::path& directory) {
+  try {
+    const ParameterStore store(directory, kBenchOfStore);
+  } catch (const ConfigurationError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+fs::perms rights_of(const fs::path& file) {
+  return fs::status(file).permissions();
+}
+
+TEST(StateDirectory, AndItsFilesAreForTheirOwnerAlone) {
+  const TemporaryDirectory parent;
+  const fs::path made = parent.path() / "made";
+  ParameterStore store(made, kBenchOfStore);
+  store.save(table_of(1));
+  EXPECT_EQ(rights_of(made), fs::perms::owner_all);
+  for (const auto& entry : fs::directory_iterator(made)) {
+    EXPECT_EQ(rights_of(entry.path()), fs::perms::owner_read | fs::perms::owner_write)
+        << entry.path();
+  }
+}
+
+TEST(StateDirectory, ThatWasOpenToOthersIsNarrowedWithItsLock) {
+  const TemporaryDirectory directory;
+  const fs::path lock = directory.path() / "bench-7.lock";
+  write_text(lock, "");
+  fs::permissions(directory.path(), fs::perms{0755});
+  fs::permissions(lock, fs::perms{0644});
+  EXPECT_EQ(refusal_of_directory(directory.path()), "accepted");
+  EXPECT_EQ(rights_of(directory.path()), fs::perms::owner_all);
+  EXPECT_EQ(rights_of(lock), fs::perms::owner_read | fs::perms::owner_write);
+}
+
+TEST(StateDirectory, MayBeReachedThroughALinkOfItsOwnUserAndItsFilesMayNot) {
+  const TemporaryDirectory parent;
+  const fs::path real = parent.path() / "real";
+  const fs::path link = parent.path() / "link";
+  fs::create_directory(real);
+  fs::create_directory_symlink(real, link);
+  EXPECT_EQ(refusal_of_directory(link), "accepted");
+  const fs::path elsewhere = parent.path() / "elsewhere";
+  fs::remove(real / "bench-7.lock");
+  fs::create_symlink(elsewhere, real / "bench-7.lock");
+  EXPECT_EQ(refusal_of_directory(real), "state directory " + real.string() +
+                                            ": bench-7.lock is a symbolic link, which is not "
+                                            "followed");
+  EXPECT_FALSE(fs::exists(elsewhere)) << "nothing was made behind the link";
+  fs::remove(real / "bench-7.lock");
+  write_text(elsewhere, encode(table_of(1)));
+  fs::create_symlink(elsewhere, real / "bench-7.parameters");
+  ParameterStore store(real, kBenchOfStore);
+  EXPECT_EQ(store.load().problem, ParameterProblem::unreadable);
+}
+
+constexpr uid_t kStranger = 65'534;
+
+/// A stranger needs a second user, whom only root can become.
+class StateDirectoryAndAStranger : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (geteuid() != 0) GTEST_SKIP() << "only root can act as a second user";
+    fs::permissions(parent_.path(), fs::perms{01777});
+  }
+
+  TemporaryDirectory parent_;
+};
+
+TEST_F(StateDirectoryAndAStranger, WhoCannotHoldItsLock) {
+  const fs::path directory = parent_.path() / "state";
+  fs::create_directory(directory);
+  fs::permissions(directory, fs::perms{0755});  // as earlier versions left it
+  { const ParameterStore store(directory, kBenchOfStore); }
+  const std::string flock = "setpriv --reuid=65534 --clear-groups flock --nonblock " +
+                            (directory / "bench-7.lock").string() + " true 2>/dev/null";
+  EXPECT_NE(std::system(flock.c_str()), 0);  // NOLINT(*-mt-unsafe, cert-env33-c)
+  EXPECT_EQ(refusal_of_directory(directory), "accepted");
+}
+
+TEST_F(StateDirectoryAndAStranger, WhoseDirectoryOrLinkIsRefused) {
+  const fs::path directory = parent_.path() / "state";
+  fs::create_directory(directory);
+  ASSERT_EQ(chown(directory.c_str(), kStranger, kStranger), 0);
+  EXPECT_EQ(refusal_of_directory(directory),
+            "state directory " + directory.string() +
+                ": state belongs to another user, or everybody may write to it; use a directory of "
+                "the user that runs vdrived");
+  const fs::path own = parent_.path() / "own";
+  fs::create_directory(own);
+  const fs::path link = parent_.path() / "link";
+  fs::create_directory_symlink(own, link);
+  ASSERT_EQ(lchown(link.c_str(), kStranger, kStranger), 0);
+  EXPECT_EQ(refusal_of_directory(link),
+            "state directory " + link.string() +
+                ": is a symbolic link of another user, which is not followed");
+}
+
 TEST(StateDirectoryName, ComesFromTheCommandLineOrFromSystemd) {
   const TemporaryDirectory first;
   const TemporaryDirectory second;
