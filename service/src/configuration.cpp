@@ -17,13 +17,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <fstream>
 #include <limits>
 #include <map>
 #include <set>
-#include <sstream>
-#include <system_error>
 
 namespace vdrive::service {
 namespace {
@@ -271,25 +267,42 @@ void check_software_limits(const std::map<ObjectAddress, PlacedValue>& values) {
                              std::to_string(upper->second.value));
 }
 
+/// What a write of an object does besides keeping its value; empty = nothing.
+std::string_view effect_of(const ObjectDescription& object) {
+  if (object.role == Role::command) return "commands the axis";
+  if (object.change == Change::memory) return "stores or restores parameters";
+  return object.change == Change::history ? "clears the error history" : "";
+}
+
+/// What acts when it is written has no value from power-up on.
+void check_is_parameter(const ObjectDescription& object, const YamlValue& value) {
+  const std::string_view effect = effect_of(object);
+  if (effect.empty()) return;
+  value.refuse(std::string(object.variable_name) + " (" + address_text(object.address) +
+               ") is no parameter: a write of it " + std::string(effect) +
+               "; parameters are objects that keep a value, such as profile_velocity, and test "
+               "inputs, such as test_load_torque");
+}
+
 void read_parameters(const YamlValue& value, std::vector<InitialValue>& parameters) {
   std::map<ObjectAddress, PlacedValue> values;
   value.for_each_entry({}, [&](const auto& key, const YamlValue& entry) {
     const auto row = find_row(key);
     if (!row) entry.refuse(R"(no such object; write its variable_name, "0x6081" or "0x607D:1")");
     const ObjectDescription& object = describe(*row);
+    check_is_parameter(object, entry);
     const std::string units = object.units == "-" ? std::string() : english_units(object);
     const std::int64_t number = entry.integer({object.lower_limit, object.upper_limit, units});
     if (const AbortCode code = check_write(*row, number); code != AbortCode::none) {
       entry.refuse(std::string(describe(code)));
     }
-    values.erase(object.address);  // of two spellings of an object the last one counts
-    values.emplace(object.address, PlacedValue{number, entry});
-    const auto known = std::ranges::find(parameters, object.address, &InitialValue::address);
-    if (known == parameters.end()) {
-      parameters.push_back({object.address, number});
-    } else {
-      known->value = number;
+    const auto [first, is_first] = values.emplace(object.address, PlacedValue{number, entry});
+    if (!is_first) {
+      entry.refuse("the same object, " + address_text(object.address) + ", has the value " +
+                   std::to_string(first->second.value) + " in line " +
+                   std::to_string(first->second.place.line()));
     }
+    parameters.push_back({object.address, number});
   });
   check_software_limits(values);
 }
@@ -508,18 +521,7 @@ Configuration parse_configuration(const std::string& text, const std::string& fi
 }
 
 Configuration load_configuration(const std::filesystem::path& file) {
-  const auto refuse = [&file](const std::string& problem) {
-    throw ConfigurationError(escaped(file.string(), kShownOfMessage) + ": " + problem);
-  };
-  std::ifstream stream(file);
-  if (!stream) refuse("cannot be read: " + std::generic_category().message(errno));
-  if (std::filesystem::is_directory(file)) refuse("is a directory, not a file");
-  if (stream.peek() == std::ifstream::traits_type::eof()) {
-    refuse("is empty; without --config the service has the demo bench");
-  }
-  std::ostringstream text;
-  if (!(text << stream.rdbuf())) refuse("cannot be read");
-  return parse_configuration(text.str(), file.string());
+  return parse_configuration(read_yaml_file(file), file.string());
 }
 
 void check(const Configuration& configuration) {

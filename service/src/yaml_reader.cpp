@@ -8,11 +8,15 @@
 #include <yaml-cpp/eventhandler.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
+#include <fstream>
+#include <map>
 #include <optional>
 #include <set>
 #include <sstream>
+#include <system_error>
 
 namespace vdrive::service {
 namespace {
@@ -48,31 +52,88 @@ void check_encoding(const std::string& text, const std::string& file_name) {
   }
 }
 
-/// Notes where each document begins.
-class DocumentStarts : public YAML::EventHandler {
+constexpr std::size_t kDeepest = 32;  // a configuration has five levels
+/// As many values as the largest file could hold without aliases.
+constexpr std::size_t kMostValues = kLargestSettingsFile / 2;
+
+/// Notes where each document begins, and refuses what would take a small file long to read: lists
+/// within lists without end, and aliases of aliases, each of which repeats what it names.
+class DocumentCheck : public YAML::EventHandler {
  public:
+  explicit DocumentCheck(const std::string& file_name) : file_name_(file_name) {}
+
   std::vector<YAML::Mark> starts;
 
   void OnDocumentStart(const YAML::Mark& mark) override { starts.push_back(mark); }
 
   void OnDocumentEnd() override {}
 
-  void OnNull(const YAML::Mark& /*mark*/, YAML::anchor_t /*anchor*/) override {}
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override { count(mark, anchor, 1); }
 
-  void OnAlias(const YAML::Mark& /*mark*/, YAML::anchor_t /*anchor*/) override {}
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
+    const auto named = sizes_.find(anchor);
+    if (named == sizes_.end()) refuse(mark, "an alias stands in what it names");
+    count(mark, YAML::NullAnchor, named->second);
+  }
 
-  void OnScalar(const YAML::Mark& /*mark*/, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
-                const std::string& /*value*/) override {}
+  void OnScalar(const YAML::Mark& mark, const std::string& /*tag*/, YAML::anchor_t anchor,
+                const std::string& /*value*/) override {
+    count(mark, anchor, 1);
+  }
 
-  void OnSequenceStart(const YAML::Mark& /*mark*/, const std::string& /*tag*/,
-                       YAML::anchor_t /*anchor*/, YAML::EmitterStyle::value /*style*/) override {}
+  void OnSequenceStart(const YAML::Mark& mark, const std::string& /*tag*/, YAML::anchor_t anchor,
+                       YAML::EmitterStyle::value /*style*/) override {
+    open(mark, anchor);
+  }
 
-  void OnSequenceEnd() override {}
+  void OnSequenceEnd() override { close(); }
 
-  void OnMapStart(const YAML::Mark& /*mark*/, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
-                  YAML::EmitterStyle::value /*style*/) override {}
+  void OnMapStart(const YAML::Mark& mark, const std::string& /*tag*/, YAML::anchor_t anchor,
+                  YAML::EmitterStyle::value /*style*/) override {
+    open(mark, anchor);
+  }
 
-  void OnMapEnd() override {}
+  void OnMapEnd() override { close(); }
+
+ private:
+  /// A list or a map that has not ended.
+  struct Open {
+    YAML::anchor_t anchor;
+    std::size_t values_before;
+  };
+
+  void open(const YAML::Mark& mark, YAML::anchor_t anchor) {
+    if (open_.size() == kDeepest) {
+      refuse(mark, "nested more than " + std::to_string(kDeepest) + " levels deep");
+    }
+    open_.push_back({anchor, values_});
+    count(mark, YAML::NullAnchor, 1);
+  }
+
+  void close() {
+    if (open_.back().anchor != YAML::NullAnchor) {
+      sizes_[open_.back().anchor] = values_ - open_.back().values_before;
+    }
+    open_.pop_back();
+  }
+
+  void count(const YAML::Mark& mark, YAML::anchor_t anchor, std::size_t size) {
+    values_ += size;
+    if (values_ > kMostValues) {
+      refuse(mark, "more than " + std::to_string(kMostValues) +
+                       " values, with each alias replaced by what it names");
+    }
+    if (anchor != YAML::NullAnchor) sizes_[anchor] = size;
+  }
+
+  [[noreturn]] void refuse(const YAML::Mark& mark, const std::string& problem) const {
+    refuse_line(file_name_, static_cast<std::size_t>(mark.line) + 1, problem);
+  }
+
+  const std::string& file_name_;
+  std::vector<Open> open_;
+  std::size_t values_ = 0;                       ///< so far, of all documents
+  std::map<YAML::anchor_t, std::size_t> sizes_;  ///< of what has an anchor and has ended
 };
 
 /// `YAML::LoadAll` would find it as well, but never returns where a text continues with what no
@@ -81,7 +142,7 @@ class DocumentStarts : public YAML::EventHandler {
 void check_that_one_document_is_all(const std::string& text, const std::string& file_name) {
   std::istringstream stream(text);
   YAML::Parser parser(stream);
-  DocumentStarts documents;
+  DocumentCheck documents(file_name);
   if (!parser.HandleNextDocument(documents) || !parser.HandleNextDocument(documents)) return;
   const auto line = [&documents](std::size_t document) {
     return static_cast<std::size_t>(documents.starts.at(document).line) + 1;
@@ -106,6 +167,30 @@ std::size_t first_line_with_tab(const std::string& text, std::size_t last) {
 }
 
 }  // namespace
+
+std::string read_yaml_file(const std::filesystem::path& file) {
+  const auto refuse = [&file](const std::string& problem) {
+    throw ConfigurationError(escaped(file.string(), kShownOfMessage) + ": " + problem);
+  };
+  const std::string limit = "; at most " + std::to_string(kLargestSettingsFile) + " are read";
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) refuse("cannot be read: " + std::generic_category().message(errno));
+  if (std::filesystem::is_directory(file)) refuse("is a directory, not a file");
+  std::error_code has_no_size;
+  const std::uintmax_t size = std::filesystem::file_size(file, has_no_size);
+  if (!has_no_size && size > kLargestSettingsFile) {
+    refuse("has " + std::to_string(size) + " bytes" + limit);
+  }
+  std::string text(kLargestSettingsFile + 1, '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (stream.bad()) refuse("cannot be read");
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  if (text.empty()) refuse("is empty; without --config the service has the demo bench");
+  if (text.size() > kLargestSettingsFile) {  // a pipe, or a file that grows
+    refuse("has more than " + std::to_string(kLargestSettingsFile) + " bytes" + limit);
+  }
+  return text;
+}
 
 YAML::Node read_yaml(const std::string& text, const std::string& file_name) {
   check_encoding(text, file_name);
@@ -178,10 +263,13 @@ std::size_t YamlValue::choice(std::initializer_list<std::string_view> choices) c
   return static_cast<std::size_t>(found - choices.begin());
 }
 
-std::string YamlValue::message(const std::string& problem) const {
+int YamlValue::line() const {
   const YAML::Mark mark = node_.Mark();
-  std::string text = escaped(file_, kShownOfMessage) + ":" +
-                     std::to_string(mark.is_null() ? 1 : mark.line + 1) + ": ";
+  return mark.is_null() ? 1 : mark.line + 1;
+}
+
+std::string YamlValue::message(const std::string& problem) const {
+  std::string text = escaped(file_, kShownOfMessage) + ":" + std::to_string(line()) + ": ";
   if (!path_.empty()) {
     text += escaped(path_);
     if (node_.IsScalar() && !path_.ends_with(node_.Scalar())) {

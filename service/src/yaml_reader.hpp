@@ -4,6 +4,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <initializer_list>
 #include <string>
@@ -12,7 +13,13 @@
 
 namespace vdrive::service {
 
-/// Parses a file that is one YAML document in UTF-8.
+/// @return the text of a file of settings.
+/// @throws ConfigurationError that names the file, when it cannot be read, is empty or has more
+///         bytes than `kLargestSettingsFile`.
+[[nodiscard]] std::string read_yaml_file(const std::filesystem::path& file);
+
+/// Parses a file that is one YAML document in UTF-8, of bounded depth and, with every alias
+/// replaced by what it names, of bounded length.
 /// @return the document, null where there is none.
 /// @throws ConfigurationError that names the file and the line, when `text` is anything else.
 [[nodiscard]] YAML::Node read_yaml(const std::string& text, const std::string& file_name);
@@ -55,6 +62,9 @@ class YamlValue {
   /// @return the position of the value in `choices`.
   /// @throws ConfigurationError naming the choices, when it is none of them.
   [[nodiscard]] std::size_t choice(std::initializer_list<std::string_view> choices) const;
+
+  /// @return the line of the file, from 1.
+  [[nodiscard]] int line() const;
 
   /// @return file, line, key, value, and `problem`.
   [[nodiscard]] std::string message(const std::string& problem) const;

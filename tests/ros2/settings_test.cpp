@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "settings.hpp"
 
+#include "support/temporary_directory.hpp"
+#include "vdrive/text.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <fstream>
 
 namespace vdrive::ros2 {
 namespace {
@@ -55,6 +60,25 @@ TEST(RosSettings, AreReadFromTheFile) {
   EXPECT_EQ(settings.joints[0].name, "shoulder");
   EXPECT_EQ(settings.joints[0].axis, "1.1");
   EXPECT_EQ(settings.joints[1].interface, Interface::velocity);
+}
+
+TEST(RosSettings, OfAFileThatIsTooLargeAreRefusedWithItsSizeAndTheLimit) {
+  const test::TemporaryDirectory directory;
+  const std::string file = (directory.path() / "ros2.yaml").string();
+  std::ofstream(file) << "rate: 250\n#" << std::string(kLargestSettingsFile - 11, '.');
+  EXPECT_EQ(read(read_settings_file(file)).rate, 250.0) << "exactly as large as permitted";
+  std::ofstream(file, std::ios::app) << '.';
+  try {
+    (void)read_settings_file(file);
+    FAIL() << "a byte too many was read";
+  } catch (const BadSettings& error) {
+    EXPECT_EQ(error.what(), "--config: '" + file + "' has 4194305 bytes; at most 4194304 are read");
+  }
+}
+
+TEST(RosSettings, NestedWithoutEndAreRefused) {
+  EXPECT_THAT(problem_of_settings("joints: " + std::string(1'000'000, '[')),
+              HasSubstr("ros2.yaml:1: "));
 }
 
 TEST(RosSettings, NameFileLineKeyValueAndLimitOfAnError) {

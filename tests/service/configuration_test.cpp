@@ -61,7 +61,7 @@ axes:
     initial_position: -12
     settings: {acknowledge_while_halted: false, enable_from_switch_on_disabled: false, following_error_is_fault: false, limits_need_homing: true, quick_stop_dwell_ms: 8}
     model: {coupling: two_inertia, feedback: single_encoder, load_inertia: 0.002, backlash: 1e-3}
-    parameters: {profile_velocity: 1000, "607Dh:1": -500, "0x6084": 0x10, profile_deceleration: 0x11}
+    parameters: {profile_velocity: 1000, "607Dh:1": -500, profile_deceleration: 0x11}
   - number: 2
 )");
   EXPECT_EQ(read.bench, 7U);
@@ -98,7 +98,7 @@ axes:
   EXPECT_EQ(lift.model.feedback, Feedback::single_encoder);
   EXPECT_EQ(lift.model.load_inertia, 0.002);
   EXPECT_EQ(lift.model.backlash, 1e-3);
-  ASSERT_EQ(lift.parameters.size(), 3U) << "of two spellings of an object the last one counts";
+  ASSERT_EQ(lift.parameters.size(), 3U);
   EXPECT_EQ(lift.parameters[0].address, (ObjectAddress{0x6081, 0}));
   EXPECT_EQ(lift.parameters[1].address, (ObjectAddress{0x607D, 1}));
   EXPECT_EQ(lift.parameters[1].value, -500);
@@ -109,6 +109,28 @@ axes:
 TEST(Configuration, OfAnEmptyFileIsTheDefault) {
   EXPECT_EQ(to_yaml(parse("")), to_yaml(demo_configuration()));
   EXPECT_EQ(to_yaml(parse("# only a comment\n")), to_yaml(demo_configuration()));
+}
+
+// What strangers send can end the wire. In the open mode on loopback only programs of this host
+// can.
+TEST(Configuration, HasAWireOfThreadsOnlyWhereNoStrangerReachesIt) {
+  const auto form_of = [](const std::string& text) {
+    return effective_wire_form(parse(text));
+  };
+  EXPECT_EQ(form_of("clock: {mode: realtime}"), WireForm::process);
+  for (const std::string clock : {"clock: {mode: lockstep}\n", "clock: {mode: freerun}\n"}) {
+    EXPECT_EQ(form_of(clock), WireForm::thread);
+    EXPECT_EQ(form_of(clock + "network: {interfaces: [127.0.0.1, 127.0.1.1]}"), WireForm::thread);
+    EXPECT_EQ(form_of(clock + "network: {peers: [10.0.0.2]}"), WireForm::thread)
+        << "a host to send to, which cannot send here";
+    EXPECT_EQ(form_of(clock + "network: {interfaces: [127.0.0.1, 10.0.0.1]}"), WireForm::process);
+    EXPECT_EQ(form_of(clock + "network: {security: members/cell}"), WireForm::process);
+    EXPECT_EQ(form_of(clock + "network: {security: members/cell}\nwire: {form: thread}"),
+              WireForm::thread)
+        << "a choice";
+    EXPECT_EQ(form_of(clock + "network: {interfaces: [10.0.0.1], shared_memory: true}"),
+              WireForm::thread);
+  }
 }
 
 TEST(Configuration, CanTurnTheWatchdogOff) {
@@ -282,6 +304,19 @@ INSTANTIATE_TEST_SUITE_P(
                 "axes:\n  - number: 1\n    parameters: {profile_velocity: -1}",
                 "bench.yaml:3: axes[0].parameters.profile_velocity = -1: must be a whole number "
                 "from 0 to 4294967295 VelUU"},
+        Refused{"parameter_twice",
+                "axes:\n  - number: 1\n    parameters:\n      profile_velocity: 1\n"
+                "      \"0x6081\": 2",
+                "bench.yaml:5: axes[0].parameters.0x6081 = 2: the same object, 6081h, has the "
+                "value 1 in line 4"},
+        Refused{"parameter_is_a_command", "axes:\n  - number: 1\n    parameters: {6040h: 15}",
+                "bench.yaml:3: axes[0].parameters.6040h = 15: ds402_controlword (6040h) is no "
+                "parameter: a write of it commands the axis; parameters are objects that keep a "
+                "value, such as profile_velocity, and test inputs, such as test_load_torque"},
+        Refused{"parameter_stores", "axes:\n  - number: 1\n    parameters: {\"1010h:1\": 1}",
+                "(1010h:1) is no parameter: a write of it stores or restores parameters; "},
+        Refused{"parameter_clears", "axes:\n  - number: 1\n    parameters: {\"1003h:0\": 0}",
+                "is no parameter: a write of it clears the error history; "},
         Refused{"parameter_read_only",
                 "axes:\n  - number: 1\n    parameters: {ds402_statusword: 1}",
                 "bench.yaml:3: axes[0].parameters.ds402_statusword = 1: "}),
@@ -294,6 +329,43 @@ TEST(Configuration, IsRefusedWithALongValueShortened) {
   EXPECT_EQ(refusal_of("clock: {mode: " + std::string(10'000, 'a') + "}"),
             "bench.yaml:1: clock.mode = " + std::string(48, 'a') + "..." + std::string(16, 'a') +
                 ": must be one of realtime, lockstep, freerun");
+}
+
+TEST(Configuration, MayHaveATestInputFromPowerUpOn) {
+  EXPECT_EQ(parse("axes: [{number: 1, parameters: {test_load_torque: 500}}]")
+                .axes[0]
+                .configuration.parameters.at(0)
+                .value,
+            500);
+}
+
+TEST(Configuration, MayUseAnAliasForWhatSeveralAxesHave) {
+  const Configuration configuration = parse(
+      "axes:\n  - {number: 1, parameters: &all {profile_velocity: 7}}\n"
+      "  - {number: 2, parameters: *all}\n");
+  EXPECT_EQ(configuration.axes[1].configuration.parameters.at(0).value, 7);
+}
+
+// Each line names the one before ten times: 10^20 values.
+TEST(Configuration, WhoseAliasesMultiplyIsRefusedWithTheLimit) {
+  std::string text = "l0: &l0 [" + std::string(10, '1') + "]\n";
+  for (int level = 1; level <= 20; ++level) {
+    const std::string before = "*l" + std::to_string(level - 1);
+    text += "l" + std::to_string(level) + ": &l" + std::to_string(level) + " [" + before;
+    for (int count = 1; count < 10; ++count) text += ", " + before;
+    text += "]\n";
+  }
+  EXPECT_EQ(refusal_of(text),
+            "bench.yaml:7: more than 2097152 values, with each alias replaced by what it names");
+  EXPECT_EQ(refusal_of("axes: &all [*all]"), "bench.yaml:1: an alias stands in what it names");
+}
+
+TEST(Configuration, NestedWithoutEndIsRefusedWithTheLimit) {
+  for (const char* const part : {"[", "{a: ", "- "}) {
+    std::string text;
+    for (int depth = 0; depth < 100'000; ++depth) text += part;
+    EXPECT_EQ(refusal_of(text), "bench.yaml:1: nested more than 32 levels deep") << part;
+  }
 }
 
 TEST(Configuration, HasExactlyOneYamlDocument) {
@@ -335,6 +407,17 @@ std::string refusal_of_file(const std::filesystem::path& file) {
     return error.what();
   }
   return "accepted";
+}
+
+TEST(Configuration, OfAFileThatIsTooLargeIsRefusedWithItsSizeAndTheLimit) {
+  const test::TemporaryDirectory directory;
+  const auto file = directory.path() / "bench.yaml";
+  std::ofstream(file) << "bench: {number: 7}\n#" << std::string(kLargestSettingsFile - 20, '.');
+  EXPECT_EQ(load_configuration(file).bench, 7U) << "exactly as large as permitted";
+  std::ofstream(file, std::ios::app) << '.';
+  EXPECT_EQ(refusal_of_file(file), file.string() + ": has 4194305 bytes; at most 4194304 are read");
+  EXPECT_EQ(refusal_of_file("/dev/zero"),
+            "/dev/zero: has more than 4194304 bytes; at most 4194304 are read");
 }
 
 TEST(Configuration, ReportsWhyAFileCannotBeRead) {

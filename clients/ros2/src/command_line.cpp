@@ -5,15 +5,12 @@
 #include "bridge_program.hpp"
 #include "network_options.hpp"
 #include "vdrive/number_text.hpp"
-#include "vdrive/text.hpp"
 #include "vdrive/wire/bench_number.hpp"
 
 #include <CLI/CLI.hpp>
 
 #include <csignal>
-#include <fstream>
 #include <iostream>
-#include <iterator>
 #include <string>
 
 namespace vdrive::ros2 {
@@ -58,9 +55,7 @@ void declare(CLI::App& app, Arguments& arguments) {
 void complete(Arguments& arguments) {
   Settings& settings = arguments.settings;
   if (!arguments.file.empty()) {
-    std::ifstream stream(arguments.file, std::ios::binary);
-    if (!stream) throw BadSettings("--config: cannot read " + in_quotes(arguments.file));
-    read_settings({std::istreambuf_iterator<char>(stream), {}}, arguments.file, settings);
+    read_settings(read_settings_file(arguments.file), arguments.file, settings);
   }
   if (!arguments.name_space.empty()) settings.name_space = arguments.name_space;
   if (!arguments.benches.empty()) settings.benches = arguments.benches;

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <fstream>
 #include <functional>
 #include <map>
 #include <set>
@@ -156,6 +157,21 @@ void read_benches(const Value& list, std::vector<std::uint32_t>& benches) {
 }
 
 }  // namespace
+
+std::string read_settings_file(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw BadSettings("--config: cannot read " + in_quotes(file));
+  std::string text(kLargestSettingsFile + 1, '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  if (text.size() <= kLargestSettingsFile) return text;
+  stream.clear();
+  const auto size = stream.seekg(0, std::ios::end).tellg();  // -1 of a pipe
+  throw BadSettings("--config: " + in_quotes(file) + " has " +
+                    (size < 0 ? "more than " + std::to_string(kLargestSettingsFile)
+                              : std::to_string(static_cast<std::streamoff>(size))) +
+                    " bytes; at most " + std::to_string(kLargestSettingsFile) + " are read");
+}
 
 void read_settings(const std::string& text, const std::string& file, Settings& settings) {
   constexpr double kLongestTimeout = 3600.0;

@@ -54,6 +54,10 @@ class BadSettings : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// @return the text of a file. @throws BadSettings when it cannot be read, or has more bytes than
+///         `kLargestSettingsFile`
+[[nodiscard]] std::string read_settings_file(const std::string& file);
+
 /// Reads a YAML document over what `settings` has.
 /// @throws BadSettings
 void read_settings(const std::string& text, const std::string& file, Settings& settings);

@@ -15,6 +15,9 @@ inline constexpr std::size_t kShownOfValue = 64;  // [characters]
 /// How much of a file's name, or of another library's message, a message shows.
 inline constexpr std::size_t kShownOfMessage = 400;  // [characters]
 
+/// How large a file of settings may be: that of a bench of 16,384 axes with 250 bytes for each.
+inline constexpr std::size_t kLargestSettingsFile = std::size_t{4} << 20U;  // [bytes]
+
 /// @return `text` as one line without control characters: \n, \r, \t and \\ are written so; other
 ///         control characters (of ASCII and U+0080 to U+009F), characters that break or reorder
 ///         lines (U+2028 to U+202E, U+2066 to U+2069) and bytes that are not UTF-8 as \xNN. Of a
