@@ -12,6 +12,10 @@ bool is_address(const std::string& text) {
   return inet_pton(AF_INET, text.c_str(), &address) == 1;
 }
 
+bool is_loopback(std::string_view address) noexcept {
+  return address.starts_with("127.");
+}
+
 std::optional<ServerAddress> parse_server_address(std::string_view text) {
   const auto colon = text.find(':');
   const std::string address(text.substr(0, colon));

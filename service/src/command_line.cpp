@@ -137,7 +137,8 @@ void declare(CLI::App& app, Arguments& arguments) {
       ->type_name("FILE");
   app.add_option("--wire", arguments.wire,
                  "Where DDS runs: in a separate process, which the service restarts when it ends, "
-                 "or in threads of the service; default: process in realtime, thread otherwise")
+                 "or in threads of the service; default: process in realtime, in the closed mode "
+                 "and with an interface other than loopback, thread otherwise")
       ->check(CLI::IsMember({"process", "thread"}))
       ->type_name("FORM");
   app.add_option("--wire-process", arguments.wire_process)->group("");  // the service starts it so

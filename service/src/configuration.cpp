@@ -491,6 +491,18 @@ void write_network(YAML::Emitter& out, const wire::NetworkSettings& network) {
   out << YAML::EndMap;
 }
 
+/// Threads are for programs of this host that need no credentials: what others send can end the
+/// wire.
+WireForm default_wire_form(const Configuration& configuration) noexcept {
+  const wire::NetworkSettings& network = configuration.network;
+  if (network.shared_memory) return WireForm::thread;  // the process form must not open files
+  // Peers and discovery servers are hosts to send to; who can send here depends on the interfaces.
+  const bool is_local = std::ranges::all_of(network.interfaces, &wire::is_loopback);
+  const bool needs_process =
+      configuration.clock == ClockMode::realtime || !network.security.empty() || !is_local;
+  return needs_process ? WireForm::process : WireForm::thread;
+}
+
 }  // namespace
 
 Configuration demo_configuration() {
@@ -590,9 +602,7 @@ std::optional<WireForm> wire_form_named(std::string_view name) noexcept {
 }
 
 WireForm effective_wire_form(const Configuration& configuration) noexcept {
-  const bool may_have_process =
-      configuration.clock == ClockMode::realtime && !configuration.network.shared_memory;
-  return configuration.wire_form.value_or(may_have_process ? WireForm::process : WireForm::thread);
+  return configuration.wire_form.value_or(default_wire_form(configuration));
 }
 
 std::optional<std::chrono::milliseconds> effective_watchdog(

@@ -70,7 +70,7 @@ struct Configuration {
   bool watchdog_is_chosen = false;  ///< in freerun a watchdog that was not chosen is off
   /// Prometheus metrics on this port of 127.0.0.1, 0 = any free one; nothing = off.
   std::optional<std::uint16_t> metrics_port;
-  std::optional<WireForm> wire_form;  ///< nothing = process in realtime without shared memory
+  std::optional<WireForm> wire_form;  ///< nothing = see `effective_wire_form`
   std::uint64_t wire_memory_limit = std::uint64_t{512} << 20U;  ///< of its process [bytes]
   wire::NetworkSettings network;
   std::vector<NamedAxis> axes;  ///< 1 to kMaxAxes, in ascending order of their numbers
@@ -112,7 +112,9 @@ void check(const Configuration& configuration);
 [[nodiscard]] std::optional<std::chrono::milliseconds> effective_watchdog(
     const Configuration& configuration) noexcept;
 
-/// @return the form of the wire in effect.
+/// @return the form of the wire in effect. The default: threads in lock-step and freerun where only
+///         programs of this host without credentials take part, and with shared memory; otherwise a
+///         process.
 [[nodiscard]] WireForm effective_wire_form(const Configuration& configuration) noexcept;
 
 /// @return the axes as the bank wants them, with their serial numbers.

@@ -37,8 +37,9 @@ constexpr std::array kKeys{
                      "is set."},
     ConfigurationKey{"wire.form",
                      "Where DDS runs: in a process, which the service restarts when it fails, or "
-                     "in a thread of the service. Default: process in realtime without shared "
-                     "memory, else thread."},
+                     "in a thread of the service. Default: process in realtime, with "
+                     "network.security and with an interface other than loopback; thread otherwise "
+                     "and with shared memory."},
     ConfigurationKey{"wire.memory_limit_mib",
                      "Of the network process, 64 to 65536 MiB: one that uses more is restarted."},
     ConfigurationKey{"metrics.port",

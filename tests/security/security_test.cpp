@@ -4,6 +4,7 @@
 
 #include "closed_check.hpp"
 #include "security/material.hpp"
+#include "support/process_tree.hpp"
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
 #include "vdrive/client/axis.hpp"
@@ -15,12 +16,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <thread>
 
 namespace vdrive::test {
 namespace {
@@ -51,6 +54,8 @@ class ClosedService {
 
   ClosedService(const ClosedService&) = delete;
   ClosedService& operator=(const ClosedService&) = delete;
+
+  [[nodiscard]] pid_t id() const noexcept { return process_->id(); }
 
  private:
   std::unique_ptr<Process> process_;
@@ -89,6 +94,50 @@ TEST_F(ClosedBench, ReadsCredentialsFromTheEnvironment) {
   const Finished listed = tool("list --timeout 20");
   unsetenv("VDRIVE_SECURITY");  // NOLINT(*-mt-unsafe)
   EXPECT_EQ(listed.code, 0) << listed.errors;
+}
+
+// Each step is answered, by the wire that took its request or, repeated, by the next one.
+TEST_F(ClosedBench, StepsInLockStepByAProcessThatMayBeKilled) {
+  serve("--clock lockstep");
+  client::Session session({.domain = test_domain(),
+                           .security = controller_.string(),
+                           .find_timeout = 20s,
+                           .silence = 20s});
+  std::atomic<std::uint64_t> steps = 0;
+  std::atomic<bool> stop = false;
+  std::string wrong;
+  std::thread stepper([&] {
+    for (std::uint64_t tick = 1; !stop && wrong.empty(); ++tick) {
+      const auto reached = session.step(1, 1);
+      if (!reached) {
+        wrong = "step " + std::to_string(tick) + ": " + reached.outcome().message();
+      } else if (reached.value() != tick) {
+        wrong = "step " + std::to_string(tick) + " reached " + std::to_string(reached.value());
+      }
+      steps = tick;
+    }
+  });
+  for (int kills = 0; kills < 3; ++kills) {
+    const std::uint64_t before = steps;
+    EXPECT_TRUE(holds_soon([&] {
+      return steps > before + 20;
+    })) << "kill "
+        << kills;
+    const pid_t wire = wire_of(service_->id());
+    EXPECT_NE(wire, 0) << "by default the wire of a closed bench is a process";
+    if (wire != 0) kill(wire, SIGKILL);
+    EXPECT_TRUE(holds_soon([&] {
+      const pid_t next = wire_of(service_->id());
+      return next != 0 && next != wire;
+    }));
+  }
+  const std::uint64_t before = steps;
+  EXPECT_TRUE(holds_soon([&] {
+    return steps > before + 1;
+  })) << "the last wire steps too";
+  stop = true;
+  stepper.join();
+  EXPECT_EQ(wrong, "");
 }
 
 class ClosedBenchByClock : public ClosedBench, public testing::WithParamInterface<const char*> {};
