@@ -307,14 +307,14 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"parameter_twice",
                 "axes:\n  - number: 1\n    parameters:\n      profile_velocity: 1\n"
                 "      \"0x6081\": 2",
-                "bench.yaml:5: axes[0].parameters.0x6081 = 2: the same object, 6081h, has the "
+                "bench.yaml:5: axes[0].parameters.0x6081 = 2: the same object, 0x6081, has the "
                 "value 1 in line 4"},
         Refused{"parameter_is_a_command", "axes:\n  - number: 1\n    parameters: {6040h: 15}",
-                "bench.yaml:3: axes[0].parameters.6040h = 15: ds402_controlword (6040h) is no "
+                "bench.yaml:3: axes[0].parameters.6040h = 15: ds402_controlword (0x6040) is no "
                 "parameter: a write of it commands the axis; parameters are objects that keep a "
                 "value, such as profile_velocity, and test inputs, such as test_load_torque"},
         Refused{"parameter_stores", "axes:\n  - number: 1\n    parameters: {\"1010h:1\": 1}",
-                "(1010h:1) is no parameter: a write of it stores or restores parameters; "},
+                "(0x1010:1) is no parameter: a write of it stores or restores parameters; "},
         Refused{"parameter_clears", "axes:\n  - number: 1\n    parameters: {\"1003h:0\": 0}",
                 "is no parameter: a write of it clears the error history; "},
         Refused{"parameter_read_only",
