@@ -1139,6 +1139,9 @@ ScenarioCommand parse_scenario_command(std::vector<std::string> words) {
   if (!words.empty() && words.front() == "refused") {
     if (words.size() < 3) throw UsageError("refused needs a code and a command");
     const auto code = static_cast<std::uint32_t>(parse_number(words[1], "code", kHighest32));
+    if (words[2] == "refused") {
+      throw UsageError("refused stands in refused: a line has at most one of them");
+    }
     ScenarioCommand inner = parse_scenario_command({words.begin() + 2, words.end()});
     inner.command =
         std::make_shared<const RefusedCommand>(RefusedCommand{code, std::move(inner.command)});

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "line_reader.hpp"
 
+#include "scenario_limits.hpp"
+
 #include <histedit.h>
 #include <poll.h>
 #include <sys/eventfd.h>
@@ -190,8 +192,11 @@ std::optional<std::string> LineReader::next_of_pipe() {
     const ssize_t count = has_input ? read(STDIN_FILENO, block.data(), block.size()) : 0;
     if (!has_input || (count <= 0 && ahead_.empty())) return std::nullopt;
     if (count <= 0) return std::exchange(ahead_, {});
+    const std::size_t searched = ahead_.size();
     ahead_.append(block.data(), static_cast<std::size_t>(count));
-    end = ahead_.find('\n');
+    end = ahead_.find('\n', searched);
+    // Of a line that is too long enough is kept to refuse it.
+    if (end == std::string::npos && ahead_.size() > kLongestLine) ahead_.resize(kLongestLine + 1);
   }
   std::string line = ahead_.substr(0, end);
   ahead_.erase(0, end + 1);

@@ -4,6 +4,7 @@
 #include "blanks.hpp"
 #include "grammar.hpp"
 #include "scenario_check.hpp"
+#include "scenario_limits.hpp"
 #include "usage_error.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wording.hpp"
@@ -13,6 +14,7 @@
 #include <fstream>
 #include <iostream>
 #include <istream>
+#include <optional>
 #include <utility>
 
 namespace vdrive::tool {
@@ -60,8 +62,12 @@ class WordSplitter {
 
  private:
   void end_word() {
-    if (is_in_word_) words_.push_back(std::exchange(word_, {}));
-    is_in_word_ = false;
+    if (!std::exchange(is_in_word_, false)) return;
+    if (words_.size() == kMostWords) {
+      throw UsageError("the line has more than " + std::to_string(kMostWords) +
+                       " words, which is the limit");
+    }
+    words_.push_back(std::exchange(word_, {}));
   }
 
   std::vector<std::string> words_;
@@ -70,12 +76,19 @@ class WordSplitter {
   char quote_ = 0;
 };
 
+void refuse_longer(std::string_view line) {
+  if (line.size() <= kLongestLine) return;
+  throw UsageError("the line has more than " + std::to_string(kLongestLine) +
+                   " bytes, which is the limit");
+}
+
 /// Reads a scenario line by line.
 class ScenarioReader {
  public:
   ScenarioReader(std::string file, const Variables::Values& settings)
       : scenario_{std::move(file), {}, {}}, variables_(settings) {}
 
+  /// @param line what is longer than kLongestLine may lack its end
   void take(std::size_t number, std::string_view line) {
     if (number == 1 && is_wide_text(line)) {
       throw UsageError(escaped(scenario_.file, kShownOfMessage) +
@@ -83,6 +96,7 @@ class ScenarioReader {
     }
     if (number == 1 && line.starts_with(kByteOrderMark)) line.remove_prefix(kByteOrderMark.size());
     try {
+      check_length(line);
       take_line(number, line.substr(0, comment_start(line)));
     } catch (const UsageError& error) {
       throw UsageError(escaped(scenario_.file, kShownOfMessage) + ":" + std::to_string(number) +
@@ -96,8 +110,22 @@ class ScenarioReader {
   }
 
  private:
+  /// The bytes of the file count with its comments.
+  void check_length(std::string_view line) {
+    refuse_longer(line);
+    bytes_ += line.size() + 1;
+    if (bytes_ > kLargestScenario) refuse_size("");
+  }
+
+  [[noreturn]] static void refuse_size(const std::string& how) {
+    throw UsageError("the file has more than " + std::to_string(kLargestScenario) + " bytes" + how +
+                     ", which is the limit");
+  }
+
   void take_line(std::size_t number, std::string_view line) {
     const std::string text = variables_.expand(line);
+    expanded_ += text.size();
+    if (expanded_ > kLargestScenario) refuse_size(" with the values of its variables");
     if (variables_.let(text)) return;
     std::vector<std::string> words = split_words(text);
     if (words.empty()) return;
@@ -124,7 +152,29 @@ class ScenarioReader {
 
   Scenario scenario_;
   Variables variables_;
+  std::size_t bytes_ = 0;     ///< of the file, so far
+  std::size_t expanded_ = 0;  ///< of its lines without comments, with the values of variables
   bool is_final_ = false;
+};
+
+/// Reads a line of a file, but not what is far longer than a line may be.
+class LineSource {
+ public:
+  explicit LineSource(std::istream& input) : input_(input), buffer_(kLongestLine + 2) {}
+
+  /// @return the next line, valid up to the following call; nothing at the end. Of a line that is
+  ///         too long its beginning, also longer than kLongestLine.
+  std::optional<std::string_view> next() {
+    input_.getline(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
+    auto length = static_cast<std::size_t>(input_.gcount());
+    const bool has_end = input_.good();
+    if (length == 0) return std::nullopt;
+    return std::string_view(buffer_.data(), has_end ? length - 1 : length);
+  }
+
+ private:
+  std::istream& input_;
+  std::vector<char> buffer_;
 };
 
 Scenario load(const std::string& name, const Variables::Values& settings) {
@@ -148,6 +198,7 @@ std::string unused_variable(const std::string& name, const std::vector<Scenario>
 }  // namespace
 
 std::vector<std::string> split_words(std::string_view line) {
+  refuse_longer(line);
   WordSplitter splitter;
   for (const char c : line.substr(0, comment_start(line))) splitter.take(c);
   return std::move(splitter).finish();
@@ -156,8 +207,9 @@ std::vector<std::string> split_words(std::string_view line) {
 Scenario parse_scenario(std::istream& input, const std::string& file,
                         const Variables::Values& settings) {
   ScenarioReader reader(file, settings);
-  std::string text;
-  for (std::size_t number = 1; std::getline(input, text); ++number) reader.take(number, text);
+  LineSource lines(input);
+  std::size_t number = 0;
+  while (const auto line = lines.next()) reader.take(++number, *line);
   return std::move(reader).finish();
 }
 

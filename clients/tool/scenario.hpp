@@ -31,13 +31,13 @@ struct Scenario {
 
 /// Takes a line apart at blanks. A # outside of quotes starts a comment; single and double quotes
 /// hold blanks and # together.
-/// @throws UsageError for a quote that does not end.
+/// @throws UsageError for a quote that does not end, and beyond the limits of a line.
 [[nodiscard]] std::vector<std::string> split_words(std::string_view line);
 
 /// Reads a whole scenario before anything of it is done.
 /// @param file its name, for messages
 /// @param settings values of variables, from settings_of()
-/// @throws UsageError starting with file:line.
+/// @throws UsageError starting with file:line, also beyond the limits of line and file.
 [[nodiscard]] Scenario parse_scenario(std::istream& input, const std::string& file,
                                       const Variables::Values& settings = {});
 

@@ -2,6 +2,7 @@
 #include "variables.hpp"
 
 #include "blanks.hpp"
+#include "scenario_limits.hpp"
 #include "usage_error.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wording.hpp"
@@ -52,6 +53,15 @@ std::pair<std::string, std::string> parted(std::string_view text, std::string_vi
   return {std::string(name), std::string(value)};
 }
 
+/// Appends to a line, which values would else let grow without a bound.
+void append(std::string& line, std::string_view text) {
+  if (text.size() > kLongestLine - line.size()) {
+    throw UsageError("the line has more than " + std::to_string(kLongestLine) +
+                     " bytes with the values of its variables, which is the limit");
+  }
+  line.append(text);
+}
+
 }  // namespace
 
 bool Variables::let(std::string_view line) {
@@ -72,13 +82,13 @@ std::string Variables::expand(std::string_view line) {
   std::string text;
   for (std::size_t at = 0; at < line.size();) {
     const std::size_t begin = std::min(line.find("${", at), line.size());
-    text.append(line.substr(at, begin - at));
+    append(text, line.substr(at, begin - at));
     if (begin == line.size()) break;
     const std::size_t end = line.find('}', begin);
     if (end == std::string_view::npos) throw UsageError("no } after ${");
     const std::string_view name = line.substr(begin + 2, end - begin - 2);
     check_name(name);
-    text.append(value_of(std::string(name)));
+    append(text, value_of(std::string(name)));
     at = end + 1;
   }
   return text;

@@ -23,7 +23,7 @@ class Variables {
   bool let(std::string_view line);
 
   /// @return `line` with the value in the place of each ${name}.
-  /// @throws UsageError for a variable that has no value.
+  /// @throws UsageError for a variable that has no value, and for more than kLongestLine bytes.
   [[nodiscard]] std::string expand(std::string_view line);
 
   /// The variables that the scenario uses or gives a value.

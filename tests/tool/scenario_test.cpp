@@ -3,6 +3,7 @@
 #include "scenario.hpp"
 
 #include "junit.hpp"
+#include "scenario_limits.hpp"
 #include "usage_error.hpp"
 
 #include <gmock/gmock.h>
@@ -207,6 +208,58 @@ TEST(ScenarioFile, HasFinalLinesBelowFinally) {
   EXPECT_EQ(scenario.lines[1].number, 3U);
   EXPECT_THAT(mistake_in("finally\nfinally\n"), StartsWith("test.scn:2: "));
   EXPECT_THAT(mistake_in("finally disable 1.1\n"), HasSubstr("finally has no arguments"));
+}
+
+// ---- limits ------------------------------------------------------------------------------------
+
+std::string repeated(const std::string& text, std::size_t count) {
+  std::string all;
+  for (std::size_t i = 0; i < count; ++i) all += text;
+  return all;
+}
+
+TEST(ScenarioLimit, OfALineIsTheLongestLineThatIsRead) {
+  const std::string line = "wait 1s #";
+  EXPECT_EQ(mistake_in("\n" + line + std::string(kLongestLine - line.size(), 'x') + "\n"), "none");
+  EXPECT_THAT(mistake_in("\n" + line + std::string(kLongestLine - line.size() + 1, 'x') + "\n"),
+              StartsWith("test.scn:2: the line has more than 32768 bytes"));
+  EXPECT_THAT(mistake_in(std::string(std::size_t{1} << 26U, 'x')),
+              StartsWith("test.scn:1: the line has more than 32768 bytes"));
+}
+
+TEST(ScenarioLimit, OfTheWordsOfALineHoldsForEachCommand) {
+  EXPECT_EQ(mistake_in("enable" + repeated(" 1.1", kMostWords - 1) + "\n"), "none");
+  EXPECT_THAT(mistake_in("wait 1s\nenable" + repeated(" 1.1", kMostWords) + "\n"),
+              StartsWith("test.scn:2: the line has more than 4096 words"));
+  EXPECT_THAT(mistake_in(repeated("refused 5 ", 10'000) + "\n"), HasSubstr("more than"));
+}
+
+TEST(ScenarioLimit, OfARefusalIsOneInALine) {
+  EXPECT_THAT(mistake_in("wait 1s\nrefused 5 refused 6 list\n"),
+              StartsWith("test.scn:2: refused stands in refused"));
+  EXPECT_THAT(mistake_in(repeated("refused 5 ", 1'500) + "list\n"),
+              StartsWith("test.scn:1: refused stands in refused"));
+}
+
+TEST(ScenarioLimit, OfALineHoldsWithTheValuesOfItsVariables) {
+  std::string text = "let x0 = 1234567890\n";
+  for (int i = 1; i < 12; ++i) {
+    const std::string before = "${x" + std::to_string(i - 1) + "}";
+    text += "let x" + std::to_string(i) + " = " + repeated(before, 10) + "\n";
+  }
+  EXPECT_THAT(mistake_in(text),
+              StartsWith("test.scn:5: the line has more than 32768 bytes with the values of its"));
+}
+
+TEST(ScenarioLimit, OfAFileHoldsForItsBytesAndWithTheValuesOfItsVariables) {
+  const std::string comment = "#" + std::string(1'022, 'x') + "\n";
+  EXPECT_EQ(mistake_in(repeated(comment, 4'096)), "none");
+  EXPECT_THAT(mistake_in(repeated(comment, 4'096) + "#\n"),
+              StartsWith("test.scn:4097: the file has more than 4194304 bytes"));
+  std::string text = "let x = " + std::string(20'000, '1') + "\n";
+  for (int i = 0; i < 1'000; ++i) text += "let y" + std::to_string(i) + " = ${x}\n";
+  EXPECT_THAT(mistake_in(text),
+              HasSubstr("the file has more than 4194304 bytes with the values of its variables"));
 }
 
 TEST(Junit, CountsAndEscapes) {
