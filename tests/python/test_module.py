@@ -215,10 +215,8 @@ def test_the_lists_of_the_stub_are_those_of_the_module(vdrive_session):
 
 
 @pytest.mark.parametrize("text, complaint", [
-    ("", "no recording"), ("a,b\n", "no recording"),
-    ("axis,name,tick,missed,error_code\n1.1,x,1,0,0\n1.1,x,2\n", ":3: 3 columns of 5"),
-    ("axis,name,tick,missed\n1.1,x,1,0\n2.1,y,1,0\n", "several benches"),
-    ("axis,name,tick,missed\n1.1,x,1,0\n1.2,y,2,0\n", "different ticks")])
+    ("", "the file is empty"), ("a,b\n", "line 1: there is no column 'a'"),
+    ("axis,name,tick,missed\n1.1,x,1,0\n", "line 1: it lacks the column")])
 def test_a_file_that_is_not_a_recording_is_an_error_that_names_the_place(tmp_path, text, complaint):
     path = tmp_path / "bad.csv"
     path.write_text(text)
@@ -226,10 +224,36 @@ def test_a_file_that_is_not_a_recording_is_an_error_that_names_the_place(tmp_pat
         vdrive.load(path)
 
 
-def test_one_bench_of_a_recording_of_several_can_be_chosen(tmp_path):
+def test_one_bench_of_a_recording_of_several_can_be_chosen(vdrive_bench, vdrive_session, tmp_path):
+    one = recording_of(vdrive_bench, vdrive_session, tmp_path / "one.csv").read_text().splitlines(True)
+    two = [line.replace("1.", "2.", 1) for line in one[1:] if line.startswith("1.1,")]
     path = tmp_path / "two.csv"
-    path.write_text("axis,name,tick,missed,error_code\n1.1,x,1,2,5\n2.1,y,7,0,6\n1.1,x,2,0,8\n")
-    recording = vdrive.load(path, bench=1)
-    assert recording.ticks.tolist() == [1, 2] and recording["error_code"].tolist() == [[5], [8]]
-    assert recording.missed == 2 and recording.names == ["x"]
-    assert isinstance(recording.frames, numpy.ndarray)
+    path.write_text("".join(one + two))
+    with pytest.raises(ValueError, match="several benches"):
+        vdrive.load(path)
+    recording = vdrive.load(path, bench=2)
+    assert recording.axes == ["2.1"] and recording.names == ["x"] and len(recording) == 40
+    assert vdrive.load(path, bench=1).axes == ["1.1", "1.2"]
+
+
+def answers_about(path):
+    """Return what vdrive.load and `vdrive convert` find wrong with a recording."""
+    with pytest.raises(ValueError) as refusal:
+        vdrive.load(path)
+    tool = subprocess.run([os.environ["VDRIVE_TOOL"], "convert", path, path.with_suffix(".jsonl")],
+                          stderr=subprocess.PIPE, text=True)
+    assert tool.returncode != 0
+    return str(refusal.value), tool.stderr.removeprefix("vdrive: ").rstrip("\n")
+
+
+def test_a_text_that_is_cut_anywhere_has_one_answer_of_the_tool_and_the_module(
+        vdrive_bench, vdrive_session, tmp_path):
+    whole = recording_of(vdrive_bench, vdrive_session, tmp_path / "whole.csv").read_bytes()
+    cut = tmp_path / "cut.csv"
+    last = whole.rindex(b"\n", 0, -1) + 1
+    for size, reason in ((last, "1 of 2 axes"), (len(whole) - 1, "no line break"),
+                         (last + 20, "no line break")):
+        cut.write_bytes(whole[:size])
+        module, tool = answers_about(cut)
+        assert module == tool and reason in module
+

@@ -116,5 +116,19 @@ TEST_F(Convert, RefusesUnusableFileNamesAndFiles) {
   EXPECT_THAT(refusal_of("a.csv", "full.mcap"), HasSubstr("No space left on device"));
 }
 
+TEST_F(Convert, NamesOnlyTheFileThatCannotBeWritten) {
+  // Of both formats: one is written while the other is read.
+  const auto samples = samples_of(benches_[0], 2'000);
+  put("a.csv", text_of(Format::csv, benches_, samples));
+  put("a.mcap", mcap_of(benches_, samples));
+  for (const std::string from : {"a.csv", "a.mcap"}) {
+    for (const std::string to : {"full.jsonl", "full.mcap"}) {
+      std::error_code there;
+      std::filesystem::create_symlink("/dev/full", path(to), there);
+      EXPECT_EQ(refusal_of(from, to), "cannot write '" + path(to) + "': No space left on device");
+    }
+  }
+}
+
 }  // namespace
 }  // namespace vdrive::test

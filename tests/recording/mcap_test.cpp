@@ -8,6 +8,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <zstd.h>
+
 #include <cstring>
 #include <map>
 #include <sstream>
@@ -255,6 +257,51 @@ TEST(Mcap, OfFoxgloveIsReadWithoutMetadataOfVdrive) {
   EXPECT_EQ(read.contents.benches.at(0).axes.at(0).name, "lift");
 }
 
+/// A message of the status of an axis on channel 8.
+std::string status_record(const client::AxisSnapshot& axis) {
+  std::string record;
+  RecordBuilder(record, Opcode::message)
+      .put(std::uint16_t{8})
+      .put(std::uint32_t{0})
+      .put(std::uint64_t{0})
+      .put(std::uint64_t{0})
+      .put_raw(bridge::encode_axis_status(axis, 0));
+  return record;
+}
+
+std::string status_of_tick(std::uint64_t tick, std::uint16_t axis = 1) {
+  client::AxisSnapshot snapshot;
+  snapshot.id = {1, axis};
+  snapshot.tick = tick;
+  return status_record(snapshot);
+}
+
+/// A file with one chunk for each text.
+std::string file_with_chunks(const std::vector<std::string>& chunks) {
+  Foreign file;
+  const auto schema = bridge::axis_status_schema();
+  add_topic(file, schema.name, schema.text, "/bench1/x/status");
+  for (const std::string& records : chunks) file.chunk("", records, records.size());
+  file.end();
+  return file.bytes();
+}
+
+TEST(Mcap, WithARepeatedChunkIsRefusedWithItsPlace) {
+  const std::string chunk = status_of_tick(5) + status_of_tick(6);
+  EXPECT_THAT(refusal_of(file_with_chunks({chunk, chunk})),
+              AllOf(HasSubstr("the message record in the chunk at byte"),
+                    HasSubstr("the tick 5 of the axis 1.1 follows the tick 6 of its bench")));
+  EXPECT_THAT(refusal_of(file_with_chunks({status_of_tick(5), status_of_tick(5)})),
+              HasSubstr("the axis 1.1 has the tick 5 twice"));
+}
+
+TEST(Mcap, ThatEndsBetweenTwoAxesOfATickIsReadUpToTheTickBefore) {
+  const std::string whole = status_of_tick(5, 1) + status_of_tick(5, 2);
+  const Read read = read_back(Format::mcap, file_with_chunks({whole + status_of_tick(6, 1)}));
+  EXPECT_EQ(read.samples.size(), 1U);
+  EXPECT_EQ(read.contents.cut, "the tick 6 of bench 1 has 1 of 2 axes");
+}
+
 TEST(Mcap, OfAnAxisWithTheNumber0IsRefused) {
   auto samples = samples_of(benches_of(1, 1)[0], 1);
   Foreign file;
@@ -319,6 +366,17 @@ TEST(Mcap, WithADamagedChunkIsRefused) {
   Foreign huge;
   huge.chunk("zstd", "x", std::uint64_t{1} << 40U);
   EXPECT_THAT(refusal_of(huge.bytes()), HasSubstr("claims 1099511627776 bytes"));
+}
+
+TEST(Mcap, WithAChunkOfAFewKilobytesThatBecomesHundredsOfMegabytesIsRefusedWithTheLimit) {
+  const std::string zeros(std::size_t{250} << 20U, '\0');
+  std::string small(ZSTD_compressBound(zeros.size()), '\0');
+  small.resize(ZSTD_compress(small.data(), small.size(), zeros.data(), zeros.size(), 1));
+  ASSERT_LT(small.size(), 40'000U);
+  Foreign file;
+  file.chunk("zstd", small, zeros.size());
+  EXPECT_THAT(refusal_of(file.bytes()),
+              AllOf(HasSubstr("claims 262144000 bytes"), HasSubstr("at most 67108864 are read")));
 }
 
 TEST(Mcap, WithAChangedByteInItsDataIsRefused) {

@@ -54,6 +54,23 @@ TEST_P(Text, WithAnIncompleteLastLineIsRefusedWithItsNumber) {
                                       HasSubstr("no line break at its end")));
 }
 
+TEST_P(Text, ThatEndsBetweenTwoAxesOfATickIsRefusedWithTheAxesThatItHas) {
+  const std::string cut = text_.substr(0, text_.rfind('\n', text_.size() - 2) + 1);
+  EXPECT_THAT(refusal_of(cut), HasSubstr("the tick " + std::to_string(samples_.back().tick) +
+                                         " of bench 1 has 2 of 3 axes: it is incomplete"));
+}
+
+TEST_P(Text, WithARepeatedPartIsRefusedWithAxisAndTicks) {
+  const std::size_t second = text_.find('\n') + 1;
+  const std::string rows = GetParam() == Format::csv ? text_.substr(second) : text_;
+  EXPECT_THAT(
+      refusal_of(text_ + rows),
+      AllOf(HasSubstr("line "), HasSubstr("the tick 1001 of the axis 1.1 follows the tick " +
+                                          std::to_string(samples_.back().tick))));
+  const std::string last = text_.substr(text_.rfind('\n', text_.size() - 2) + 1);
+  EXPECT_THAT(refusal_of(text_ + last), HasSubstr("the axis 1.3 has the tick"));
+}
+
 TEST_P(Text, WithAnIncompleteLineInTheMiddleIsRefusedWithItsNumber) {
   std::string text = text_;
   const std::size_t second = text.find('\n', text.find('\n') + 1);

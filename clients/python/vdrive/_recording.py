@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
 """Recordings as numpy arrays."""
-import csv
 import os
 
 import numpy
@@ -59,23 +58,6 @@ class Recording:
         return f"<vdrive.Recording of {len(self.axes)} axes, {len(self)} samples>"
 
 
-def _owner(text):
-    return int(text, 16) if text else 0
-
-
-def _number(field, text):
-    return _owner(text) if field == "owner" else int(text)
-
-
-def _records_of(rows, header, kind):
-    """Return one array of records for the rows of an axis."""
-    fields = [(name, header.index(name)) for name in kind.names if name in header]
-    records = numpy.zeros(len(rows), kind)
-    for name, column in fields:
-        records[name] = [_number(name, row[column]) for row in rows]
-    return records
-
-
 def load(path, *, bench=None):
     """Read a recording of `vdrive record FILE`: .csv, .jsonl or .mcap.
 
@@ -83,8 +65,6 @@ def load(path, *, bench=None):
     recording, or is damaged. Of an MCAP file that was cut off it reads the whole part; `cut` of the
     recording is the place where it ends.
     """
-    if os.fspath(path).lower().endswith(".csv"):
-        return _load_csv(path, bench)
     cut, benches = _vdrive.read_recording(os.fspath(path))
     chosen = [each for each in benches if bench in (None, each[0])]
     if len(chosen) > 1:
@@ -93,29 +73,6 @@ def load(path, *, bench=None):
         return Recording([], [], numpy.zeros((0, 0), _vdrive.record_type()), cut)
     _, axes, names, frames = chosen[0]
     return Recording(axes, names, frames, cut)
-
-
-def _load_csv(path, bench):
-    by_axis, names = {}, {}
-    with open(path, newline="", encoding="utf-8") as file:
-        reader = csv.reader(file)
-        header = next(reader, [])
-        if header[:4] != ["axis", "name", "tick", "missed"]:
-            raise ValueError(f"{path}: no recording of `vdrive record FILE.csv`")
-        for row in reader:
-            if len(row) != len(header):
-                raise ValueError(f"{path}:{reader.line_num}: {len(row)} columns of {len(header)}")
-            if bench is None or row[0].split(".")[0] == str(bench):
-                by_axis.setdefault(row[0], []).append(row)
-                names[row[0]] = row[1]
-    if len({axis.split(".")[0] for axis in by_axis}) > 1:
-        raise ValueError(f"{path}: several benches, choose one by its number: bench=...")
-    kind = _vdrive.record_type()
-    columns = [_records_of(rows, header, kind) for rows in by_axis.values()]
-    if any(not numpy.array_equal(column["tick"], columns[0]["tick"]) for column in columns):
-        raise ValueError(f"{path}: its axes have different ticks")
-    frames = numpy.stack(columns, axis=1) if columns else numpy.zeros((0, 0), kind)
-    return Recording(by_axis, names.values(), frames)
 
 
 def record(self, axes=None, *, ticks, pace="drive"):

@@ -10,6 +10,7 @@
 #include <sys/stat.h>
 
 #include <cerrno>
+#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <system_error>
@@ -94,9 +95,20 @@ Contents read_recording(const std::string& file, const SampleHandler& handler) {
   if (!S_ISREG(state.st_mode)) throw RecordingError(cannot + "it is not a regular file");
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw RecordingError(cannot + std::generic_category().message(errno));
+  std::exception_ptr of_handler;
+  const SampleHandler handle = [&](const client::Observation& sample) {
+    try {
+      handler(sample);
+    } catch (...) {
+      of_handler = std::current_exception();
+      throw;
+    }
+  };
   try {
-    return format == Format::mcap ? read_mcap(stream, handler) : read_text(stream, format, handler);
+    return format == Format::mcap ? read_mcap(stream, handle) : read_text(stream, format, handle);
   } catch (const RecordingError& error) {
+    // What the handler writes is another file.
+    if (of_handler) std::rethrow_exception(of_handler);
     throw RecordingError(cannot + error.what());
   }
 }

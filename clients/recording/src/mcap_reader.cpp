@@ -13,9 +13,10 @@
 namespace vdrive::recording {
 namespace {
 
-// No writer makes such a chunk; a damaged length does.
-constexpr std::uint64_t kLargestChunk = std::uint64_t{256} << 20U;  // [bytes]
-constexpr std::size_t kStep = std::size_t{1} << 20U;                // [bytes]
+// Writers make chunks of 1 to 4 MiB. A file of a few kB may claim this, and takes twice of it.
+constexpr int kLargestWindow = 26;                                           // power of two [bytes]
+constexpr std::uint64_t kLargestChunk = std::uint64_t{1} << kLargestWindow;  // [bytes]
+constexpr std::size_t kStep = std::size_t{1} << 20U;                         // [bytes]
 
 constexpr std::array<std::string_view, 16> kNames{
     "",         "header",         "footer",         "schema",     "channel",          "message",
@@ -47,8 +48,10 @@ struct McapReader::Decompressor {
   [[nodiscard]] std::string run(std::string_view bytes, std::uint64_t size,
                                 std::string& out) const {
     ZSTD_DCtx_reset(context.get(), ZSTD_reset_session_only);
+    ZSTD_DCtx_setParameter(context.get(), ZSTD_d_windowLogMax, kLargestWindow);
     ZSTD_inBuffer in{bytes.data(), bytes.size(), 0};
     out.clear();
+    out.reserve(size);  // pages are taken when they are written to
     std::size_t filled = 0;
     while (filled < size) {
       out.resize(std::min<std::uint64_t>(size, filled + kStep));

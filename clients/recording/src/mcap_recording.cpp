@@ -2,6 +2,7 @@
 #include "mcap_recording.hpp"
 
 #include "mcap_reader.hpp"
+#include "sample_order.hpp"
 #include "status_layout.hpp"
 #include "topic_names.hpp"
 #include "vdrive/number_text.hpp"
@@ -192,9 +193,12 @@ class StatusReader {
 
   /// @param cut where the file ends before its end
   Contents finish(std::string cut) {
-    end_sample();
     if (status_.empty() && cut.empty()) refuse();
     contents_.cut = std::move(cut);
+    // A program that records topics may end between two of them.
+    const std::string shortage = order_.shortage(sample_);
+    if (shortage.empty()) end_sample();
+    if (contents_.cut.empty()) contents_.cut = shortage;
     contents_.benches.reserve(benches_.size());
     for (auto& [number, bench] : benches_) contents_.benches.push_back(std::move(bench));
     return std::move(contents_);
@@ -279,6 +283,11 @@ class StatusReader {
         throw RecordingError(where(record) + " on " + in_quotes(channel->second.topic) +
                              " is of an axis with the number 0, which does not exist");
       }
+      try {
+        order_.note(axis.id, axis.tick);
+      } catch (const RecordingError& error) {
+        throw RecordingError(where(record) + ": " + error.what());
+      }
       add(axis, channel->second);
     }
   }
@@ -286,13 +295,11 @@ class StatusReader {
   /// Messages of axes of one bench and tick are one sample.
   void add(const client::AxisSnapshot& axis, const StatusChannel& channel) {
     if (!sample_.axes.empty()) {
-      const bool has_it = in_sample_.contains(axis.id);
       const client::AxisSnapshot& first = sample_.axes.front();
-      if (axis.tick != sample_.tick || axis.id.bench != first.id.bench || has_it) end_sample();
+      if (axis.tick != sample_.tick || axis.id.bench != first.id.bench) end_sample();
     }
     sample_.tick = axis.tick;
     sample_.axes.push_back(axis);
-    in_sample_.insert(axis.id);
     if (axes_.insert(axis.id).second) note_axis(axis.id, channel);
   }
 
@@ -324,7 +331,6 @@ class StatusReader {
     contents_.rows += sample_.axes.size();
     handler_(sample_);
     sample_ = {};
-    in_sample_.clear();
   }
 
   void take_metadata(const McapRecord& record) {
@@ -391,7 +397,7 @@ class StatusReader {
   std::set<client::AxisId> axes_;
   std::map<std::string, std::uint64_t> gaps_;
   client::Observation sample_;
-  std::set<client::AxisId> in_sample_;
+  SampleOrder order_;
 };
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include "text_recording.hpp"
 
 #include "csv_field.hpp"
+#include "sample_order.hpp"
 #include "status_json.hpp"
 #include "topic_names.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
@@ -237,6 +238,8 @@ class TextReader {
         take(line);
       }
       if (number_ == 0) throw RecordingError("the file is empty");
+      const std::string shortage = order_.shortage(sample_);
+      if (!shortage.empty()) throw RecordingError(shortage + ": it is incomplete");
     } catch (const RecordingError& error) {
       throw RecordingError("line " + std::to_string(number_) + ": " + error.what());
     }
@@ -288,10 +291,9 @@ class TextReader {
   void add(const Row& row) {
     if (!sample_.axes.empty()) {
       const client::AxisSnapshot& first = sample_.axes.front();
-      const bool is_next = row.axis.tick != sample_.tick || row.axis.id.bench != first.id.bench ||
-                           in_sample_.contains(row.axis.id);
-      if (is_next) end_sample();
+      if (row.axis.tick != sample_.tick || row.axis.id.bench != first.id.bench) end_sample();
     }
+    order_.note(row.axis.id, row.axis.tick);
     if (sample_.axes.empty()) {
       sample_.tick = row.axis.tick;
       sample_.missed = row.missed;
@@ -301,7 +303,6 @@ class TextReader {
                            std::to_string(sample_.missed));
     }
     sample_.axes.push_back(row.axis);
-    in_sample_.insert(row.axis.id);
     note_axis(row);
   }
 
@@ -323,7 +324,6 @@ class TextReader {
     contents_.rows += sample_.axes.size();
     handler_(sample_);
     sample_ = {};
-    in_sample_.clear();
   }
 
   static RecordedBench finished(RecordedBench& bench) {
@@ -338,7 +338,7 @@ class TextReader {
   std::vector<std::string> header_;
   Contents contents_;
   client::Observation sample_;
-  std::set<client::AxisId> in_sample_;
+  SampleOrder order_;
   std::map<client::AxisId, std::string> names_;
   std::map<std::uint32_t, RecordedBench> benches_;
 };
