@@ -5,6 +5,7 @@
 #include "condition.hpp"
 #include "help.hpp"
 #include "network_options.hpp"
+#include "private_domain.hpp"
 #include "usage_error.hpp"
 #include "vdrive/client/session.hpp"
 #include "vdrive/text.hpp"
@@ -877,7 +878,7 @@ class Grammar {
                      .configuration = arguments_.configuration,
                      .service = arguments_.service,
                      .jobs = std::max(std::thread::hardware_concurrency(), 1U)};
-    constexpr std::uint64_t kMostJobs = 64;
+    constexpr std::uint64_t kMostJobs = process::PrivateDomain::kMostOfOneUser;
     if (!arguments_.jobs.empty())
       test.jobs = parse_number(arguments_.jobs, "number of jobs", kMostJobs);
     if (test.jobs == 0) throw UsageError("--jobs: at least one file must run");

@@ -51,13 +51,9 @@ if ! cmp -s package-lock.json node_modules/lock; then
   cp package-lock.json node_modules/lock
 fi
 
-# A domain that no other test uses now, by the lock that the other tests take (tests/support/test_domain.hpp).
-for domain in $(seq 20 99 | shuf); do
-  exec 9>"${TMPDIR:-/tmp}/vdrive-test-domain-$domain.lock"
-  if flock --nonblock 9; then
-    break
-  fi
-done
+# A domain that no other program uses now; the helper keeps it until this script ends.
+coproc claim { python3 -B "$root/tests/support/test_domain.py"; }
+read -r domain <&"${claim[0]}"
 
 export VDRIVE_BIN=$root/build/release/bin VDRIVE_DOMAIN=$domain VDRIVE_ROOT=$root
-node "${program[@]}" 9>&-
+node "${program[@]}"

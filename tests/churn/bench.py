@@ -2,17 +2,19 @@
 """A service under test, the resources of its processes, and the programs beside it."""
 
 import contextlib
-import fcntl
 import json
 import os
 import pathlib
 import re
 import signal
 import subprocess
-import tempfile
+import sys
 import threading
 import time
 import urllib.request
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+import test_domain  # noqa: E402
 
 WIRE_WORD = "--wire-process"
 END_LIMIT = 2.0  # [s] from SIGTERM until no process of a bench is left
@@ -22,10 +24,6 @@ PATIENCE = 20.0  # [s] for an event that has to happen
 BENCH_NICENESS = -10
 VISITOR_NICENESS = 5
 TICKS_PER_SECOND = 1000
-
-# Domains as tests/support/test_domain.cpp claims them.
-FIRST_DOMAIN = 20
-DOMAINS = 80
 
 
 class Failure(Exception):
@@ -43,21 +41,9 @@ def now():
 @contextlib.contextmanager
 def claimed_domain():
     """A DDS domain that no other test of this machine uses."""
-    for offset in range(DOMAINS):
-        domain = FIRST_DOMAIN + (os.getpid() + offset) % DOMAINS
-        file = pathlib.Path(tempfile.gettempdir()) / f"vdrive-test-domain-{domain}.lock"
-        descriptor = os.open(file, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
-        try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            os.close(descriptor)
-            continue
-        try:
-            yield domain
-        finally:
-            os.close(descriptor)
-        return
-    raise Failure("every test domain is taken")
+    domain, claim = test_domain.claim_domain()
+    with claim:
+        yield domain
 
 
 def percentile(values, part):

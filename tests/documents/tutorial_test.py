@@ -16,45 +16,21 @@ In an expected output `...` stands for any text. A comment line before a block g
 
 Exit code 0: every output is as shown, and every other command succeeds.
 """
-import fcntl
 import os
 import pathlib
 import re
 import signal
-import socket
 import subprocess
 import sys
 import tempfile
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from test_domain import claim_domain  # noqa: E402
 
 BLOCK = re.compile(r"(?:^<!-- (?P<note>[^\n]*) -->\n)?^```(?P<tag>\w*)\n(?P<text>.*?)^```$",
                    re.DOTALL | re.MULTILINE)
 END = "end-of-command"
 PATIENCE_S = 120
-
-
-def is_unused(domain):
-    """Returns whether no program of this machine takes part in the domain."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        try:
-            probe.bind(("", 7400 + 250 * domain))
-        except OSError:
-            return False
-    return True
-
-
-def claim_domain():
-    """Returns a domain that no other program uses, and the lock that keeps it."""
-    for offset in range(80):
-        domain = 20 + (os.getpid() + offset) % 80
-        path = pathlib.Path(tempfile.gettempdir()) / f"vdrive-test-domain-{domain}.lock"
-        try:
-            lock = open(path, "a", encoding="utf-8")
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            continue
-        if is_unused(domain):
-            return domain, lock
-    raise SystemExit("every test domain is taken")
 
 
 def steps_of(text):
@@ -142,7 +118,7 @@ def check_block(shell, note, text):
 
 def main():
     tutorial, programs = sys.argv[1:]
-    domain, lock = claim_domain()
+    domain, claim = claim_domain()
     signal.alarm(PATIENCE_S)
     source = pathlib.Path(tutorial).read_text(encoding="utf-8")
     problems = []
@@ -162,7 +138,7 @@ def main():
         finally:
             shell.run("kill $(jobs -p) 2> /dev/null; wait")
             shell.close()
-    lock.close()
+    claim.close()
     for problem in problems:
         print(problem)
     return 1 if problems or carried_out < 8 else 0
