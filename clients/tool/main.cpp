@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "standard_streams.hpp"
 #include "tool.hpp"
 
 #include <cstdlib>
 
 int main(int argc, char** argv) {
+  vdrive::bridge::open_standard_streams();
   const auto code = vdrive::tool::run_tool({argv + 1, argv + argc});
   // Everything is released and flushed. A static destructor of the DDS library would sleep 100 ms,
   // three quarters of the time that a call takes.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // `vdrive shell`: from a pipe, and on a terminal.
 #include "support/temporary_directory.hpp"
+#include "support/test_domain.hpp"
 #include "tool/process.hpp"
 #include "tool/pseudo_terminal.hpp"
 
@@ -47,6 +48,27 @@ TEST_F(Shell, AcceptsALastLineWithoutALineEnd) {
   const Finished finished = tool("shell", "help\nread 1.1 position");
   EXPECT_EQ(finished.code, 2) << "help is no command";
   EXPECT_THAT(finished.output, HasSubstr("1.1 position load_position_actual_value = 0"));
+}
+
+TEST_F(Shell, EndsAtOnceWhenItsStandardInputIsClosed) {
+  const std::string command =
+      std::string(VDRIVE_TOOL) + " --domain " + std::to_string(test_domain()) + " shell <&-";
+  const Finished finished = Process("/bin/sh", {"-c", "exec timeout 60 " + command}).wait();
+  EXPECT_EQ(finished.code, 0) << finished.errors;
+}
+
+TEST_F(Shell, FailsWhenItsStandardOutputIsClosed) {
+  const std::string command =
+      std::string(VDRIVE_TOOL) + " --domain " + std::to_string(test_domain()) + " list >&-";
+  EXPECT_NE(Process("/bin/sh", {"-c", "exec timeout 60 " + command}).wait().code, 0);
+}
+
+TEST_F(Shell, RefusesALineBeyondTheLimitAndContinues) {
+  const Finished finished =
+      tool("shell", "enable " + std::string(60'000, 'x') + "\nread 1.1 position\n");
+  EXPECT_EQ(finished.code, 2);
+  EXPECT_THAT(finished.errors, HasSubstr("the line has more than 32768 bytes"));
+  EXPECT_THAT(finished.output, HasSubstr("= 0"));
 }
 
 TEST_F(Shell, RunsAScenario) {
