@@ -71,7 +71,8 @@ std::vector<RosBench> read_diagnostics(const GlobalOptions& options) {
                                  .discovery_servers = options.discovery_servers},
                                 "vdrive doctor");
   const wire::ros::Subscription<wire::ros::DiagnosticArray> subscription(
-      participant, "/diagnostics", [&](const wire::ros::DiagnosticArray& message) {
+      participant, "/diagnostics",
+      [&](const wire::ros::DiagnosticArray& message, const wire::WriterId& /*writer*/) {
         diagnostics.take(message);
       });
   const Clock::time_point begin = Clock::now();

@@ -19,9 +19,11 @@ BytesSubscription::BytesSubscription(Participant& participant, TopicId topic, Ha
     : entities_(std::make_unique<Entities>()) {
   entities_->take = std::move(handler.take);
   entities_->sample.take = &entities_->take;
-  entities_->reader.emplace(participant.entities(), topic,
-                            eprosima::fastdds::dds::TypeSupport(new BytesType(topic)),
-                            &entities_->sample, std::move(handler.deliver));
+  entities_->reader.emplace(
+      participant.entities(), topic, eprosima::fastdds::dds::TypeSupport(new BytesType(topic)),
+      &entities_->sample, [deliver = std::move(handler.deliver)](const WriterId& writer) {
+        deliver(writer.source);
+      });
 }
 
 BytesSubscription::~BytesSubscription() = default;

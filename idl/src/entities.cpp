@@ -29,6 +29,15 @@ Source source_of(const rtps::InstanceHandle_t& handle) noexcept {
   return source;
 }
 
+WriterId writer_of(const rtps::InstanceHandle_t& handle) noexcept {
+  WriterId writer{.source = source_of(handle)};
+  const std::size_t begin = writer.source.participant.size();
+  for (std::size_t byte = 0; byte < writer.entity.size(); ++byte) {
+    writer.entity[byte] = handle.value[begin + byte];
+  }
+  return writer;
+}
+
 void Matches::update(const rtps::InstanceHandle_t& endpoint, int change) {
   const std::lock_guard lock(mutex_);
   std::erase(endpoints_, endpoint);

@@ -5,6 +5,7 @@
 #include "vdrive/wire/security.hpp"
 #include "vdrive/wire/source.hpp"
 #include "vdrive/wire/topics.hpp"
+#include "vdrive/wire/writer_id.hpp"
 
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/publisher/Publisher.hpp>
@@ -42,6 +43,9 @@ struct Participant::Entities {
 
 /// @return the participant that `handle` belongs to.
 [[nodiscard]] Source source_of(const eprosima::fastrtps::rtps::InstanceHandle_t& handle) noexcept;
+
+/// @return the writer that `handle` means.
+[[nodiscard]] WriterId writer_of(const eprosima::fastrtps::rtps::InstanceHandle_t& handle) noexcept;
 
 /// Which remote endpoints match, to be waited for. Filled by a listener.
 class Matches {

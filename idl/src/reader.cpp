@@ -42,7 +42,7 @@ void Reader::on_data_available(dds::DataReader* source) {
   dds::SampleInfo info;
   while (!closed_ && source->take_next_sample(data_, &info) ==
                          eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
-    if (info.valid_data) deliver_(source_of(info.publication_handle));
+    if (info.valid_data) deliver_(writer_of(info.publication_handle));
   }
 }
 

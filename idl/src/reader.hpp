@@ -20,7 +20,7 @@ namespace vdrive::wire {
 class Reader final : public eprosima::fastdds::dds::DataReaderListener {
  public:
   /// Runs for each sample that was taken into the `data` of the constructor.
-  using Deliver = std::function<void(const Source& source)>;
+  using Deliver = std::function<void(const WriterId& writer)>;
 
   /// @param data what the type support fills; outlives this
   /// @throws NetworkError as `Subscription` does

@@ -31,8 +31,8 @@ AnySubscription::AnySubscription(Participant& participant, TopicId topic, Receiv
                              .within_bounds = support_of(topic).within_bounds}) {
   entities_->reader.emplace(participant.entities(), topic, support_of(topic).make_type(),
                             entities_->received.message.get(),
-                            [entities = entities_.get()](const Source& source) {
-                              entities->deliver(source);
+                            [entities = entities_.get()](const WriterId& writer) {
+                              entities->deliver(writer.source);
                             });
 }
 

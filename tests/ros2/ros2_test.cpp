@@ -395,10 +395,54 @@ TEST(Ros2Commands, AreIgnoredAndLoggedWhenInvalid) {
   stamped.header().stamp().sec(6);
   stamped.position({3.0});
   peer.command(stamped);
-  EXPECT_TRUE(peer.wait_for_log("a stamp is earlier"));
+  EXPECT_TRUE(peer.wait_for_log("its stamp is 1 s earlier than that of the one before"));
   bench.stepper().step(100);
   EXPECT_EQ(bench.axis().status.position_demand_value, 0) << "nothing has moved";
   EXPECT_THAT(peer.log(), Not(HasSubstr("nan")));
+}
+
+ros::JointState stamped_command(double position, std::int32_t seconds) {
+  ros::JointState message;
+  message.name({"x"});
+  message.position({position});
+  message.header().stamp().sec(seconds);
+  return message;
+}
+
+TEST(Ros2Commands, WithAStampFarAheadAreRefusedAndDoNotStopTheirWriter) {
+  LockStep bench;
+  bench.peer().command(stamped_command(3.0, 950'400));
+  EXPECT_TRUE(
+      bench.peer().wait_for_log("s ahead of the time of its bench, more than the "
+                                "stamp_ahead of 60 s: the command is ignored"));
+  bench.peer().command(stamped_command(10 * kUnit, 1));
+  EXPECT_TRUE(bench.stepper().step_until([&] {
+    return bench.axis().status.position_demand_value == 10;
+  }));
+}
+
+TEST(Ros2Commands, HaveTheirOrderForEachWriterAndAnewAfterEnable) {
+  LockStep bench;
+  RosPeer other;
+  ASSERT_TRUE(other.wait_for_bridge());
+  const auto reaches = [&bench](std::int32_t position) {
+    return bench.stepper().step_until([&] {
+      return bench.axis().status.position_demand_value == position;
+    });
+  };
+  bench.peer().command(stamped_command(10 * kUnit, 30));
+  ASSERT_TRUE(reaches(10));
+  other.command(stamped_command(20 * kUnit, 20));
+  EXPECT_TRUE(reaches(20)) << "the stamps of another writer";
+  bench.peer().command(stamped_command(30 * kUnit, 20));
+  EXPECT_TRUE(bench.peer().wait_for_log("its stamp is 10 s earlier than that of the one before"));
+  bench.peer().enable(true);
+  ASSERT_TRUE(bench.stepper().step_until([&] {
+    return bench.peer().log().find("enable: true") != std::string::npos &&
+           is_enabled(bench.session(), "1.1");
+  }));
+  bench.peer().command(stamped_command(30 * kUnit, 20));
+  EXPECT_TRUE(reaches(30)) << "it starts anew";
 }
 
 TEST(Ros2Commands, KeepTheSoftwareLimits) {
@@ -603,6 +647,44 @@ TEST(Ros2Trajectory, IsRefusedBeforeItStartsWhenItBreaksALimit) {
   EXPECT_TRUE(peer.wait_for_log("more than the start_tolerance"));
   bench.stepper().step(100);
   EXPECT_EQ(bench.axis().status.position_demand_value, 0);
+}
+
+TEST(Ros2Trajectory, ThatStartsIn2038IsRefusedAndTheNextOneStarts) {
+  LockStep bench;
+  constexpr std::int64_t kLate = 2'145'916'800 * kSecond;
+  bench.peer().start(trajectory({"x"}, {point(1.0, {1.0})}, kLate));
+  EXPECT_TRUE(
+      bench.peer().wait_for_log("joint trajectory: refused: its stamp is 2.14592e+09 s "
+                                "ahead of the time of its bench"));
+  bench.peer().start(trajectory({"x"}, {point(0.5, {100 * kUnit})}, 2 * kSecond));
+  EXPECT_TRUE(bench.stepper().step_until([&] {
+    return bench.axis().status.position_demand_value == 100;
+  }));
+}
+
+/// A trajectory whose message has some 44 bytes a point.
+ros::JointTrajectory long_trajectory(std::size_t points) {
+  ros::JointTrajectory message;
+  message.joint_names({"x"});
+  message.points().reserve(points);
+  for (std::size_t i = 0; i < points; ++i) {
+    message.points().push_back(point(static_cast<double>(i + 1) * 1e-3, {0.0}));
+  }
+  return message;
+}
+
+TEST(Ros2Trajectory, ThatIsTooLargeToBeReadIsALineInTheLog) {
+  LockStep bench;
+  bench.peer().start(long_trajectory(200'000));
+  EXPECT_TRUE(bench.peer().wait_for_log(" bytes was dropped: at most 4194"));
+  bench.peer().start(long_trajectory(1'000'000));
+  EXPECT_TRUE(
+      bench.peer().wait_for_log("datagrams were dropped, with fragments that do not fit "
+                                "their sample, or of a message above 16 MB"));
+  bench.peer().command({"x"}, {10 * kUnit});
+  EXPECT_TRUE(bench.stepper().step_until([&] {
+    return bench.axis().status.position_demand_value == 10;
+  })) << "the bridge goes on";
 }
 
 TEST(Ros2Trajectory, StopsWhenAnAxisFails) {

@@ -72,7 +72,7 @@ RosPeer::RosPeer(const std::string& name_space)
       trajectories_(participant_, name_space + "/joint_trajectory"),
       enable_(participant_, name_space + "/enable"),
       state_reader_(participant_, name_space + "/joint_states",
-                    [this](const ros::JointState& message) {
+                    [this](const ros::JointState& message, const wire::WriterId& /*writer*/) {
                       take([&] {
                         ++count_;
                         for (ros::JointState& known : states_) {
@@ -83,23 +83,25 @@ RosPeer::RosPeer(const std::string& name_space)
                         states_.push_back(message);
                       });
                     }),
-      diagnostics_reader_(participant_, "/diagnostics",
-                          [this](const ros::DiagnosticArray& message) {
-                            take([&] {
-                              diagnostics_ = message;
-                            });
-                          }),
+      diagnostics_reader_(
+          participant_, "/diagnostics",
+          [this](const ros::DiagnosticArray& message, const wire::WriterId& /*writer*/) {
+            take([&] {
+              diagnostics_ = message;
+            });
+          }),
       log_reader_(participant_, "/rosout",
-                  [this](const ros::Log& message) {
+                  [this](const ros::Log& message, const wire::WriterId& /*writer*/) {
                     take([&] {
                       log_ += message.msg() + "\n";
                     });
                   }),
-      clock_reader_(participant_, "/clock", [this](const ros::Clock& message) {
-        take([&] {
-          clock_ = nanoseconds(message.clock());
-        });
-      }) {}
+      clock_reader_(participant_, "/clock",
+                    [this](const ros::Clock& message, const wire::WriterId& /*writer*/) {
+                      take([&] {
+                        clock_ = nanoseconds(message.clock());
+                      });
+                    }) {}
 
 bool RosPeer::wait_for_bridge() {
   const auto deadline = std::chrono::steady_clock::now() + kPatience;

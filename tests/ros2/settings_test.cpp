@@ -38,13 +38,14 @@ TEST(RosSettings, HaveTheTopicsOfRosByDefault) {
   EXPECT_EQ(settings.topics.joint_commands, "/robot_joint_commands");
   EXPECT_EQ(settings.topics.rosout, "/rosout");
   EXPECT_EQ(settings.rate, 100.0);
+  EXPECT_EQ(settings.stamp_ahead, 60.0);
   EXPECT_FALSE(settings.is_enabled);
 }
 
 TEST(RosSettings, AreReadFromTheFile) {
   const Settings settings = read(
       "benches: [1, 3]\nnamespace: cell1\nrate: 250\nenable: true\nprefix_benches: true\n"
-      "command_timeout: 0.5\nstart_tolerance: 0.1\n"
+      "command_timeout: 0.5\nstart_tolerance: 0.1\nstamp_ahead: 5\n"
       "topics:\n  joint_states: robot_joint_states\n  clock: /sim/clock\n"
       "joints:\n  shoulder: \"1.1\"\n  wheel: {axis: 1.w, interface: velocity}\n");
   EXPECT_THAT(settings.benches, ElementsAre(1U, 3U));
@@ -56,6 +57,7 @@ TEST(RosSettings, AreReadFromTheFile) {
   EXPECT_TRUE(settings.is_prefixed);
   EXPECT_EQ(settings.command_timeout, 0.5);
   EXPECT_EQ(settings.start_tolerance, 0.1);
+  EXPECT_EQ(settings.stamp_ahead, 5.0);
   ASSERT_EQ(settings.joints.size(), 2U);
   EXPECT_EQ(settings.joints[0].name, "shoulder");
   EXPECT_EQ(settings.joints[0].axis, "1.1");
@@ -94,6 +96,7 @@ TEST(RosSettings, NameFileLineKeyValueAndLimitOfAnError) {
   EXPECT_THAT(problem_of_settings("joints:\n  a: {interface: velocity}\n"), HasSubstr("axis"));
   EXPECT_THAT(problem_of_settings("joints:\n  a: 1.1\n  b: 1.1\n"),
               HasSubstr("ros2.yaml:3: joints.b"));
+  EXPECT_THAT(problem_of_settings("stamp_ahead: -1\n"), HasSubstr("from 0 to 86400 s"));
   EXPECT_THAT(problem_of_settings("benches: [0]\n"), HasSubstr("from 1 to 65535"));
   EXPECT_THAT(problem_of_settings("rate: 1\nrate: 2\n"), HasSubstr("occurs twice"));
   EXPECT_THAT(problem_of_settings("rate: [\n"), HasSubstr("ros2.yaml:"));

@@ -32,16 +32,18 @@ Bridge::Bridge(const Settings& settings)
       controller_(session_, settings, reports_, board_),
       publisher_(participant_, settings, board_),
       commands_(participant_, settings.topics.joint_commands,
-                [this](const wire::ros::JointState& message) {
-                  controller_.take(message);
+                [this](const wire::ros::JointState& message, const wire::WriterId& writer) {
+                  controller_.take(message, writer);
                 }),
-      trajectories_(participant_, settings.topics.joint_trajectory,
-                    [this](const wire::ros::JointTrajectory& message) {
-                      controller_.take(message);
-                    }),
-      enable_(participant_, settings.topics.enable, [this](const wire::ros::Bool& message) {
-        controller_.take(message);
-      }) {
+      trajectories_(
+          participant_, settings.topics.joint_trajectory,
+          [this](const wire::ros::JointTrajectory& message, const wire::WriterId& writer) {
+            controller_.take(message, writer);
+          }),
+      enable_(participant_, settings.topics.enable,
+              [this](const wire::ros::Bool& message, const wire::WriterId& writer) {
+                controller_.take(message, writer);
+              }) {
   session_.on_event([this](const client::Event& event) {
     if (event.kind != client::EventKind::refused || event.session != session_.id()) return;
     if (event.code == kControlled) return;  // the refusal of an acquire, which BenchLink reports
@@ -51,10 +53,18 @@ Bridge::Bridge(const Settings& settings)
   controller_.set_writers([this] {
     return commands_.matched();
   });
+  controller_.set_guard_counts([this] {
+    return participant_.guarded();
+  });
+}
+
+void Bridge::report_library(const std::string& words) {
+  reports_.report(Severity::warning, "network", dropped_message(words));
 }
 
 Bridge::~Bridge() {
   session_.on_event({});
+  controller_.set_guard_counts({});
   controller_.set_writers({});
 }
 

@@ -18,6 +18,9 @@ class Bridge {
   /// @return the number of its session, which an axis shows as its owner.
   [[nodiscard]] std::uint64_t session() const noexcept { return session_.id(); }
 
+  /// Reports what the log of the DDS library says. Any thread but those that receive.
+  void report_library(const std::string& words);
+
  private:
   wire::Participant participant_;
   client::Session session_;

@@ -6,6 +6,7 @@
 #include "network_options.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/wire/bench_number.hpp"
+#include "vdrive/wire/library_log.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -78,7 +79,10 @@ sigset_t block_end_signals() {
 
 int serve(const Arguments& arguments) {
   const sigset_t signals = block_end_signals();
-  const Bridge bridge(arguments.settings);
+  Bridge bridge(arguments.settings);
+  const wire::LibraryLog log([&bridge](const std::string& /*part*/, const std::string& words) {
+    bridge.report_library(words);
+  });
   std::cout << "vdrive-ros2: " << arguments.settings.topics.joint_states
             << (arguments.settings.is_enabled ? " (axes are enabled)" : " (axes are not enabled)")
             << ", session " << session_text(bridge.session()) << std::endl;

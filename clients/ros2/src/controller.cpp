@@ -39,6 +39,9 @@ Controller::Controller(client::Session& session, const Settings& settings, Repor
       settings_(settings),
       reports_(reports),
       board_(board),
+      command_stamps_(settings.stamp_ahead),
+      trajectory_stamps_(settings.stamp_ahead),
+      drops_(reports),
       is_enabled_(settings.is_enabled),
       thread_([this](const std::stop_token& stop) {
         run(stop);
@@ -49,13 +52,13 @@ Controller::~Controller() {
   thread_.join();
 }
 
-void Controller::take(Message message) {
+void Controller::take(Message message, const wire::WriterId& writer) {
   const std::scoped_lock lock(mutex_);
   if (messages_.size() >= kMostMessages) {
     messages_.pop_front();
     ++dropped_;
   }
-  messages_.push_back(std::move(message));
+  messages_.push_back({.writer = writer, .message = std::move(message)});
   is_woken_ = true;
   woken_.notify_one();
 }
@@ -63,6 +66,11 @@ void Controller::take(Message message) {
 void Controller::set_writers(std::function<std::size_t()> writers) {
   const std::scoped_lock lock(mutex_);
   writers_ = std::move(writers);
+}
+
+void Controller::set_guard_counts(std::function<wire::GuardCounts()> counts) {
+  const std::scoped_lock lock(mutex_);
+  guard_counts_ = std::move(counts);
 }
 
 void Controller::run(const std::stop_token& stop) {
@@ -78,6 +86,7 @@ void Controller::turn() {
   find_benches(now);
   handle_messages();
   check_writers();
+  report_drops(now);
   std::vector<BrokenTrajectory> broken;
   const auto update = [&] {
     for (auto& [number, bench] : benches_) {
@@ -222,7 +231,7 @@ std::optional<KnownJoint> Controller::find(const std::string& name) const {
 // ---- messages --------------------------------------------------------------------------------
 
 void Controller::handle_messages() {
-  std::deque<Message> messages;
+  std::deque<Received> messages;
   std::uint64_t dropped = 0;
   {
     const std::scoped_lock lock(mutex_);
@@ -232,34 +241,60 @@ void Controller::handle_messages() {
   if (dropped > 0) {
     reports_.report(Severity::warning, "commands", std::to_string(dropped) + " were dropped");
   }
-  for (const Message& message : messages) {
+  for (const Received& received : messages) {
     std::visit(
-        [this](const auto& content) {
-          handle(content);
+        [&](const auto& content) {
+          handle(content, received.writer);
         },
-        message);
+        received.message);
   }
 }
 
-void Controller::handle(const wire::ros::JointState& message) {
-  const std::int64_t stamp = nanoseconds_of(message.header().stamp());
-  if (stamp != 0 && stamp < last_command_stamp_) {
-    reports_.report(Severity::warning, "joint commands",
-                    "a stamp is earlier than the one before: the command is ignored");
-    return;
+/// @return the time of the newest tick of a bench, as its messages have it [ns]; none without one.
+std::optional<std::int64_t> Controller::time_of(std::uint32_t bench) const {
+  const auto known = benches_.find(bench);
+  if (known == benches_.end() || !known->second.motion->state()) return std::nullopt;
+  return stamp_of(*known->second.info, known->second.motion->state()->tick);
+}
+
+/// Compares with the time of each bench: in lock-step each has its own.
+std::string Controller::stamp_problem(const StampOrder& order, const wire::WriterId& writer,
+                                      std::int64_t stamp,
+                                      const std::set<std::uint32_t>& benches) const {
+  for (const std::uint32_t bench : benches) {
+    const std::string problem = order.problem(writer, stamp, time_of(bench));
+    if (!problem.empty()) return problem;
   }
-  last_command_stamp_ = stamp == 0 ? last_command_stamp_ : stamp;
+  return {};
+}
+
+void Controller::handle(const wire::ros::JointState& message, const wire::WriterId& writer) {
   const JointCommands read = read_commands(message, [this](const std::string& name) {
     return find(name);
   });
   for (const std::string& problem : read.problems) {
     reports_.report(Severity::warning, "joint commands", problem);
   }
+  std::set<std::uint32_t> benches;
+  for (const JointCommand& command : read.commands) benches.insert(command.joint.bench);
+  const std::int64_t stamp = nanoseconds_of(message.header().stamp());
+  const std::string problem = stamp_problem(command_stamps_, writer, stamp, benches);
+  if (!problem.empty()) {
+    reports_.report(Severity::warning, "joint commands", problem + ": the command is ignored");
+    return;
+  }
+  // Without a bench that has a time nobody knows whether the stamp is good.
+  const bool is_judged = std::ranges::any_of(benches, [this](std::uint32_t bench) {
+    return time_of(bench).has_value();
+  });
+  if (is_judged) command_stamps_.note(writer, stamp);
   for (const JointCommand& command : read.commands) motion_of(command.joint).command(command);
 }
 
-void Controller::handle(const wire::ros::Bool& message) {
+void Controller::handle(const wire::ros::Bool& message, const wire::WriterId& /*writer*/) {
   is_enabled_ = message.data();
+  command_stamps_.clear();
+  trajectory_stamps_.clear();
   reports_.report(Severity::info, "enable", is_enabled_ ? "true" : "false");
   if (!is_enabled_) waiting_.clear();
   for (auto& [number, bench] : benches_) bench.motion->want_enabled(is_enabled_, is_enabled_);
@@ -280,16 +315,28 @@ void Controller::check_writers() {
   had_writers_ = writers > 0;
 }
 
+void Controller::report_drops(Clock::time_point now) {
+  wire::GuardCounts counts;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (!guard_counts_) return;
+    counts = guard_counts_();
+  }
+  drops_.report(counts, now);
+}
+
 // ---- trajectories ----------------------------------------------------------------------------
 
 void Controller::refuse_trajectory(const std::string& problem) {
   reports_.report(Severity::warning, "joint trajectory", "refused: " + problem);
 }
 
-std::string Controller::trajectory_problem(const Trajectory& trajectory) const {
-  if (trajectory.start != 0 && trajectory.start < last_trajectory_stamp_) {
-    return "its stamp is earlier than that of the one before";
-  }
+std::string Controller::trajectory_problem(const Trajectory& trajectory,
+                                           const wire::WriterId& writer) const {
+  std::set<std::uint32_t> benches;
+  for (const JointPlace& joint : trajectory.joints) benches.insert(joint.bench);
+  const std::string stamp = stamp_problem(trajectory_stamps_, writer, trajectory.start, benches);
+  if (!stamp.empty()) return stamp;
   for (std::size_t i = 0; i < trajectory.joints.size(); ++i) {
     const JointPlace& joint = trajectory.joints[i];
     const std::string problem = benches_.at(joint.bench).motion->trajectory_obstacle(joint.place);
@@ -298,7 +345,7 @@ std::string Controller::trajectory_problem(const Trajectory& trajectory) const {
   return {};
 }
 
-void Controller::handle(const wire::ros::JointTrajectory& message) {
+void Controller::handle(const wire::ros::JointTrajectory& message, const wire::WriterId& writer) {
   std::string problem;
   auto trajectory = read_trajectory(
       message,
@@ -306,12 +353,12 @@ void Controller::handle(const wire::ros::JointTrajectory& message) {
         return find(name);
       },
       problem);
-  if (trajectory) problem = trajectory_problem(*trajectory);
+  if (trajectory) problem = trajectory_problem(*trajectory, writer);
   if (!problem.empty()) {
     refuse_trajectory(problem);
     return;
   }
-  if (trajectory->start != 0) last_trajectory_stamp_ = trajectory->start;
+  trajectory_stamps_.note(writer, trajectory->start);
   Waiting waiting{.trajectory = std::move(*trajectory), .limits = {}};
   for (const JointPlace& joint : waiting.trajectory.joints) {
     if (waiting.limits.contains(joint.bench)) continue;

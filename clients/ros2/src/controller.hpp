@@ -2,8 +2,10 @@
 #pragma once
 
 #include "board.hpp"
+#include "drops.hpp"
 #include "requests.hpp"
 #include "settings.hpp"
+#include "stamp_order.hpp"
 #include "vdrive/wire/ros.hpp"
 
 #include <condition_variable>
@@ -34,11 +36,15 @@ class Controller {
   using Message = std::variant<wire::ros::JointState, wire::ros::JointTrajectory, wire::ros::Bool>;
 
   /// Any thread; does not wait. When the queue is full the oldest message is dropped and counted.
-  void take(Message message);
+  /// @param writer who wrote it
+  void take(Message message, const wire::WriterId& writer);
 
   /// @param writers gives the number of nodes that write joint commands now; when the last one
   ///        ends, joints that velocity or effort move brake
   void set_writers(std::function<std::size_t()> writers);
+
+  /// @param counts gives what the guard of the participant has refused until now
+  void set_guard_counts(std::function<wire::GuardCounts()> counts);
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -50,6 +56,11 @@ class Controller {
     std::shared_ptr<const client::BenchInfo> info;
     std::shared_ptr<const std::vector<Joint>> joints;
     Clock::time_point last_present{};
+  };
+
+  struct Received {
+    wire::WriterId writer;
+    Message message;
   };
 
   /// A bench that the bridge does not serve.
@@ -83,12 +94,18 @@ class Controller {
   void note_present(Bench& bench, const client::BenchInfo& info, Clock::time_point now);
   void remove_absent(Clock::time_point now);
   void handle_messages();
-  void handle(const wire::ros::JointState& message);
-  void handle(const wire::ros::JointTrajectory& message);
-  void handle(const wire::ros::Bool& message);
+  void handle(const wire::ros::JointState& message, const wire::WriterId& writer);
+  void handle(const wire::ros::JointTrajectory& message, const wire::WriterId& writer);
+  void handle(const wire::ros::Bool& message, const wire::WriterId& writer);
   void check_writers();
+  void report_drops(Clock::time_point now);
+  [[nodiscard]] std::optional<std::int64_t> time_of(std::uint32_t bench) const;
+  [[nodiscard]] std::string stamp_problem(const StampOrder& order, const wire::WriterId& writer,
+                                          std::int64_t stamp,
+                                          const std::set<std::uint32_t>& benches) const;
   [[nodiscard]] std::optional<KnownJoint> find(const std::string& name) const;
-  [[nodiscard]] std::string trajectory_problem(const Trajectory& trajectory) const;
+  [[nodiscard]] std::string trajectory_problem(const Trajectory& trajectory,
+                                               const wire::WriterId& writer) const;
   void start_waiting();
   [[nodiscard]] bool try_start(Waiting& waiting);
   [[nodiscard]] bool has_limits(const Waiting& waiting) const;
@@ -117,17 +134,19 @@ class Controller {
   std::vector<Waiting> waiting_;
   std::map<std::uint64_t, std::string> trajectories_;  ///< under way: number and text
   std::uint64_t last_trajectory_ = 0;
-  std::int64_t last_command_stamp_ = 0;
-  std::int64_t last_trajectory_stamp_ = 0;
+  StampOrder command_stamps_;
+  StampOrder trajectory_stamps_;
+  Drops drops_;
   bool is_enabled_;
   bool had_writers_ = false;
   Clock::time_point find_due_{};
   std::mutex mutex_;  ///< guards what follows
   std::condition_variable_any woken_;
   bool is_woken_ = false;
-  std::deque<Message> messages_;
+  std::deque<Received> messages_;
   std::uint64_t dropped_ = 0;
   std::function<std::size_t()> writers_;
+  std::function<wire::GuardCounts()> guard_counts_;
   std::jthread thread_;
 };
 

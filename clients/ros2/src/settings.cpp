@@ -176,6 +176,7 @@ std::string read_settings_file(const std::string& file) {
 void read_settings(const std::string& text, const std::string& file, Settings& settings) {
   constexpr double kLongestTimeout = 3600.0;
   constexpr double kWidestTolerance = 10.0;
+  constexpr double kFurthestAhead = 86'400.0;
   YAML::Node document;
   try {
     document = YAML::Load(text);
@@ -210,6 +211,10 @@ void read_settings(const std::string& text, const std::string& file, Settings& s
             {"start_tolerance",
              [&](const Value& value) {
                settings.start_tolerance = value.number(0.0, kWidestTolerance, "rad or m");
+             }},
+            {"stamp_ahead",
+             [&](const Value& value) {
+               settings.stamp_ahead = value.number(0.0, kFurthestAhead, "s");
              }},
             {"topics",
              [&](const Value& value) {

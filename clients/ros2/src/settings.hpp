@@ -44,6 +44,7 @@ struct Settings {
   bool is_prefixed = false;              ///< joints are called bench1_x
   double command_timeout = 0.0;          ///< [s] after which a joint brakes; 0 = never
   double start_tolerance = 0.01;         ///< [rad or m] between a joint and a point at time 0
+  double stamp_ahead = 60.0;             ///< [s] of a stamp before the time of its bench; 0 = any
   TopicNames topics{};
   std::vector<JointSetting> joints{};
 };

@@ -130,8 +130,8 @@ Subscription<Message>::Subscription(Participant& participant, std::string_view t
   entities_->reader.emplace(participant.entities(), dds_topic(topic),
                             dds::TypeSupport(new MessageType<Message>()),
                             reader_qos(SupportOf<Message>::kTraits), &entities_->message,
-                            [entities = entities_.get()](const Source& /*source*/) {
-                              entities->handler(entities->message);
+                            [entities = entities_.get()](const WriterId& writer) {
+                              entities->handler(entities->message, writer);
                             });
 }
 

@@ -3,6 +3,7 @@
 
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/ros_types.hpp"
+#include "vdrive/wire/writer_id.hpp"
 
 #include <cstddef>
 #include <functional>
@@ -52,7 +53,7 @@ template <typename Message>
 class Subscription {
  public:
   /// Runs in the DDS receive thread: must be short, must not wait and must not write a message.
-  using Handler = std::function<void(const Message& message)>;
+  using Handler = std::function<void(const Message& message, const WriterId& writer)>;
 
   /// @param topic as ROS writes it
   /// @throws NetworkError when DDS refuses topic or reader.

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stamp_order.hpp"
+
+#include "joint_limits.hpp"
+
+namespace vdrive::ros2 {
+namespace {
+
+constexpr double kOneNanosecond = 1e-9;  // [s]
+
+/// @return the time from `begin` to `end` [s].
+double seconds_between(std::int64_t begin, std::int64_t end) noexcept {
+  return static_cast<double>(end - begin) * kOneNanosecond;
+}
+
+}  // namespace
+
+std::string StampOrder::problem(const wire::WriterId& writer, std::int64_t stamp,
+                                std::optional<std::int64_t> now) const {
+  if (stamp == 0) return {};
+  const auto last = last_.find(writer);
+  if (last != last_.end() && stamp < last->second) {
+    return "its stamp is " + text_of(seconds_between(stamp, last->second)) +
+           " s earlier than that of the one before";
+  }
+  if (!now || most_ahead_ == 0.0 || seconds_between(*now, stamp) <= most_ahead_) return {};
+  return "its stamp is " + text_of(seconds_between(*now, stamp)) +
+         " s ahead of the time of its bench, more than the stamp_ahead of " + text_of(most_ahead_) +
+         " s";
+}
+
+void StampOrder::note(const wire::WriterId& writer, std::int64_t stamp) {
+  if (stamp == 0) return;
+  if (last_.size() >= kMostWriters && !last_.contains(writer)) last_.clear();
+  last_[writer] = stamp;
+}
+
+}  // namespace vdrive::ros2
