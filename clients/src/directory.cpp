@@ -206,6 +206,13 @@ std::size_t Directory::described() const {
   }));
 }
 
+bool Directory::has_shown_itself(const wire::Source& source, Clock::time_point now) const {
+  return std::ranges::any_of(entries_, [&](const auto& item) {
+    const Entry& entry = item.second;
+    return entry.source == source && (entry.offline || entry.is_present(now));
+  });
+}
+
 bool Directory::expects_more(Clock::time_point now) const {
   return std::ranges::any_of(entries_, [now](const auto& item) {
     const Entry& entry = item.second;

@@ -83,6 +83,9 @@ class Directory {
   /// @return of how many runs a description has arrived.
   [[nodiscard]] std::size_t described() const;
 
+  /// @return whether the bench of this participant is there, or has gone offline.
+  [[nodiscard]] bool has_shown_itself(const wire::Source& source, Clock::time_point now) const;
+
   /// @return whether a bench has begun to show itself: part of its description or its first sample
   ///         is still missing.
   [[nodiscard]] bool expects_more(Clock::time_point now) const;

@@ -16,63 +16,21 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// After this without a further bench, all benches that are there have been found. A busy machine
-// or a slow network took long for the first sign of a bench already: there a search waits this many
-// times as long as for that.
-constexpr milliseconds kSettle{150};
-constexpr int kSettleTimes = 4;
-
 // A search compares its deadline at least this often.
 constexpr milliseconds kSearchPeriod{20};
 
 // A service that had no room for this participant reads its announcement again after a change.
 constexpr milliseconds kAnnounceAgain{1'000};
 
-/// What a search knows at one time.
-struct Found {
-  std::size_t present = 0;   ///< benches that have described themselves and live
-  std::size_t services = 0;  ///< participants of services: known some 100 ms before their benches
-};
-
-/// Some bench is there, and for a while no further one has come: no participant of a service, where
-/// each has shown its bench, else no bench.
-class Settling {
- public:
-  bool has_ended(const Found& found) {
-    const auto now = Discovery::Clock::now();
-    services_.note(found.services, now);
-    benches_.note(found.present, now);
-    return found.present != 0 && (benches_.has_ended(now) ||
-                                  (found.services == found.present && services_.has_ended(now)));
-  }
-
- private:
-  /// A number that changes while more are found.
-  class Count {
-   public:
-    void note(std::size_t count, Discovery::Clock::time_point now) {
-      if (count == count_) return;
-      if (count_ == 0) {
-        settle_ = std::max<Discovery::Clock::duration>(kSettle, kSettleTimes * (now - begin_));
-      }
-      count_ = count;
-      end_ = now + settle_;
-    }
-
-    [[nodiscard]] bool has_ended(Discovery::Clock::time_point now) const {
-      return count_ != 0 && now >= end_;
-    }
-
-   private:
-    Discovery::Clock::time_point begin_ = Discovery::Clock::now();
-    Discovery::Clock::duration settle_{};
-    std::size_t count_ = 0;
-    Discovery::Clock::time_point end_ = Discovery::Clock::time_point::max();
-  };
-
-  Count services_;
-  Count benches_;
-};
+/// @param number of the only bench that is looked for
+/// @return whether a participant of this name is that of a service.
+bool is_service(std::string_view name, std::optional<std::uint32_t> number) {
+  constexpr std::string_view kService = "vdrived ";
+  if (!name.starts_with(kService)) return false;
+  name.remove_prefix(kService.size());
+  const auto its_number = parse_digits<std::uint32_t>(name);
+  return its_number && (!number || its_number == number);
+}
 
 std::string list_of(std::span<const PresentBench> benches) {
   if (benches.empty()) return "no bench was found";
@@ -113,52 +71,92 @@ Discovery::Discovery(wire::Participant& participant, SessionOptions options, Wak
 // ---- waiting for a bench ---------------------------------------------------------------------
 
 template <typename Condition>
-bool Discovery::wait_to_find(const Condition& condition) {
+void Discovery::search(std::optional<std::uint32_t> number, const Condition& condition) {
   const auto begin = Clock::now();
-  const auto deadline = begin + options_.find_timeout;
+  SearchTime time(begin, options_.find_timeout);
   auto announce_at = begin + kAnnounceAgain;
   while (true) {
     const std::uint64_t changes = wakeup_.changes();
-    if (condition()) return true;
+    const Sight sight = look(number);
+    const bool has_found = condition(sight);
+    {
+      const std::scoped_lock lock(mutex_);
+      seen_ = text_of(sight, time.delay());
+    }
     const auto now = Clock::now();
-    if (wakeup_.is_interrupted() || now >= deadline) return false;
+    const auto end = time.end(sight.present == 0 && sight.undescribed != 0);
+    if (has_found || wakeup_.is_interrupted() || now >= end) return;
     if (now >= announce_at) {
       announce_at = now + kAnnounceAgain;
       participant_.announce_again();
       continue;
     }
-    wakeup_.wait_until(changes, std::min(deadline, now + kSearchPeriod));
+    const auto planned = std::min(end, now + kSearchPeriod);
+    wakeup_.wait_until(changes, planned);
+    time.note_wait(planned, Clock::now());
   }
 }
 
+/// @param number of the only bench that is looked for
+Sight Discovery::look(std::optional<std::uint32_t> number) const {
+  const std::vector<wire::OtherParticipant> others = participant_.others();
+  Sight sight{.participants = others.size()};
+  const bool is_closed = !options_.security.empty();
+  const auto now = Clock::now();
+  const std::scoped_lock lock(mutex_);
+  sight.present = number ? (directory_.find(*number, now) ? 1 : 0) : directory_.count_present(now);
+  for (const wire::OtherParticipant& other : others) {
+    if (!is_service(other.name, number)) continue;
+    if (other.is_closed != is_closed) {
+      ++sight.unreachable;
+      continue;
+    }
+    ++sight.services;
+    if (!directory_.has_shown_itself(other.source, now)) ++sight.undescribed;
+  }
+  return sight;
+}
+
 std::vector<PresentBench> Discovery::find_benches() {
-  Settling settling;
-  (void)wait_to_find([&] {
-    const std::size_t services = count_services();
-    const std::scoped_lock lock(mutex_);
-    return settling.has_ended(
-        {.present = directory_.count_present(Clock::now()), .services = services});
+  Settling settling(Clock::now());
+  std::optional<std::vector<PresentBench>> found;
+  search(options_.bench, [&](const Sight& sight) {
+    if (!settling.has_ended(sight, Clock::now())) return false;
+    found = present();
+    return true;
   });
-  return present();
+  return found ? std::move(*found) : present();
+}
+
+Outcome Discovery::no_bench_found() const {
+  return Outcome::not_found("no bench was found on domain " + std::to_string(*options_.domain) +
+                            " (" + seen() + ")");
+}
+
+std::string Discovery::seen() const {
+  const std::scoped_lock lock(mutex_);
+  return seen_;
 }
 
 Result<PresentBench> Discovery::find_bench(std::optional<std::uint32_t> number) {
   if (!number && !options_.bench) {
     std::vector<PresentBench> benches = find_benches();
     if (benches.size() == 1) return std::move(benches.front());
-    return Outcome::not_found((benches.empty() ? "" : "several benches, name one: ") +
-                              list_of(benches) + " on domain " + std::to_string(*options_.domain));
+    if (benches.empty()) return no_bench_found();
+    return Outcome::not_found("several benches, name one: " + list_of(benches) + " on domain " +
+                              std::to_string(*options_.domain));
   }
   const std::uint32_t wanted = number.value_or(options_.bench.value_or(0));
   std::optional<PresentBench> found;
-  (void)wait_to_find([&] {
+  search(wanted, [&](const Sight& /*sight*/) {
     const std::scoped_lock lock(mutex_);
     found = directory_.find(wanted, Clock::now());
     return found.has_value();
   });
   if (found) return std::move(*found);
   return Outcome::not_found("no bench " + std::to_string(wanted) + " on domain " +
-                            std::to_string(*options_.domain) + ", " + list_of(present()));
+                            std::to_string(*options_.domain) + ", " + list_of(present()) + " (" +
+                            seen() + ")");
 }
 
 /// The name of an axis does not begin with a digit: what begins so is an address.
@@ -186,15 +184,13 @@ Result<AxisInfo> Discovery::find_on_bench(std::uint32_t bench, std::string_view 
 /// Ends with the bench that has the name, once every bench that was met has described its axes: of
 /// two axes with one name none may be commanded by chance.
 Result<AxisInfo> Discovery::find_name(std::string_view name) {
-  Settling settling;
+  Settling settling(Clock::now());
   std::vector<PresentBench> benches;
   std::vector<AxisInfo> matches;
-  (void)wait_to_find([&] {
+  search(options_.bench, [&](const Sight& sight) {
     benches = present();
     matches = axes_named(name, benches);
-    const bool has_settled =
-        settling.has_ended({.present = benches.size(), .services = count_services()});
-    return has_settled || (!matches.empty() && !expects_more());
+    return settling.has_ended(sight, Clock::now()) || (!matches.empty() && !expects_more());
   });
   if (matches.size() == 1) return std::move(matches.front());
   if (matches.empty()) {
@@ -204,18 +200,10 @@ Result<AxisInfo> Discovery::find_name(std::string_view name) {
     }
     return Outcome::not_found("no axis is named " + in_quotes(name) + suggestion(name, names) +
                               " on domain " + std::to_string(*options_.domain) + ", " +
-                              list_of(benches));
+                              list_of(benches) + (benches.empty() ? " (" + seen() + ")" : ""));
   }
   return Outcome::not_found("several axes are named " + in_quotes(name) + ": " +
                             to_string(matches[0].id) + ", " + to_string(matches[1].id));
-}
-
-/// Of a session that sees one bench only, that one.
-std::size_t Discovery::count_services() const {
-  if (options_.bench) {
-    return participant_.count_others("vdrived " + std::to_string(*options_.bench)) == 0 ? 0 : 1;
-  }
-  return participant_.count_others("vdrived ");
 }
 
 /// A session that sees one bench only expects no other.

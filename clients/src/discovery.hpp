@@ -2,6 +2,7 @@
 #pragma once
 
 #include "directory.hpp"
+#include "search.hpp"
 #include "service_watch.hpp"
 #include "target.hpp"
 #include "vdrive/client/session.hpp"
@@ -14,6 +15,7 @@
 #include <cstdint>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -32,6 +34,9 @@ class Discovery {
 
   std::vector<PresentBench> find_benches();
   Result<PresentBench> find_bench(std::optional<std::uint32_t> number);
+
+  /// @return not_found with what the newest search has seen.
+  [[nodiscard]] Outcome no_bench_found() const;
 
   /// An axis by address or name.
   Result<AxisInfo> find_axis(std::string_view text);
@@ -89,17 +94,21 @@ class Discovery {
   void on_state(const msg::BenchState& message, const wire::Source& source);
   Result<AxisInfo> find_name(std::string_view name);
   Result<AxisInfo> find_on_bench(std::uint32_t bench, std::string_view axis);
-  /// @return how many services are known that may have a bench for this session.
-  [[nodiscard]] std::size_t count_services() const;
   [[nodiscard]] bool expects_more() const;
+  [[nodiscard]] Sight look(std::optional<std::uint32_t> number) const;
+  /// @return what the newest search has seen.
+  [[nodiscard]] std::string seen() const;
+  /// Until `condition` holds, called with what is seen, or for the time of a search.
+  /// @param number of the only bench that is looked for
   template <typename Condition>
-  bool wait_to_find(const Condition& condition);
+  void search(std::optional<std::uint32_t> number, const Condition& condition);
 
   wire::Participant& participant_;
   const SessionOptions options_;
   Wakeup& wakeup_;
-  mutable std::mutex mutex_;  ///< guards the directory
+  mutable std::mutex mutex_;  ///< guards the directory and what was seen
   Directory directory_;
+  std::string seen_ = text_of({}, {});
   wire::Subscription<msg::BenchState> state_subscription_;
   wire::Subscription<msg::BenchDescription> description_subscription_;
 };

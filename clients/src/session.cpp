@@ -105,6 +105,10 @@ std::vector<BenchInfo> Session::find_benches() {
   return infos_of(core_->discovery.find_benches());
 }
 
+Outcome Session::no_bench_found() const {
+  return core_->discovery.no_bench_found();
+}
+
 std::vector<BenchInfo> Session::present_benches() const {
   return infos_of(core_->discovery.present());
 }

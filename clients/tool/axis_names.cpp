@@ -60,7 +60,7 @@ client::Result<std::vector<client::Axis>> Executor::axes_of_bench(std::uint32_t 
 
 client::Result<std::vector<client::Axis>> Executor::axes_of_all_benches() {
   const auto benches = session_.find_benches();
-  if (benches.empty()) return Outcome::not_found("no bench was found on this domain");
+  if (benches.empty()) return session_.no_bench_found();
   std::vector<client::Axis> all;
   for (const client::BenchInfo& bench : benches) {
     auto axes = axes_of_bench(bench.number);

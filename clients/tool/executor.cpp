@@ -188,7 +188,7 @@ client::Result<client::BenchInfo> Executor::bench_of(const client::AxisId& axis)
 
 Outcome Executor::run(const ListCommand& /*command*/) {
   const auto benches = session_.find_benches();
-  if (benches.empty()) return Outcome::not_found("no bench was found on this domain");
+  if (benches.empty()) return session_.no_bench_found();
   for (const client::BenchInfo& bench : benches) {
     if (Outcome listed = list_bench(bench); !listed) return listed;
   }
@@ -739,7 +739,7 @@ Outcome Executor::run(const RateCommand& command) {
 
 Outcome Executor::show_rates() {
   const auto benches = session_.find_benches();
-  if (benches.empty()) return Outcome::not_found("no bench was found on this domain");
+  if (benches.empty()) return session_.no_bench_found();
   for (const client::BenchInfo& bench : benches) {
     const bool has_rate = bench.clock_mode == client::ClockMode::realtime;
     if (is_json_) {
@@ -805,7 +805,7 @@ Outcome Executor::list_snapshots(const SnapshotCommand& command) {
     benches.push_back(std::move(*bench));
   } else {
     benches = session_.find_benches();
-    if (benches.empty()) return Outcome::not_found("no bench was found on this domain");
+    if (benches.empty()) return session_.no_bench_found();
   }
   for (const client::BenchInfo& bench : benches) {
     const auto kept = session_.snapshots(bench.number);
@@ -854,9 +854,7 @@ Outcome Executor::run(const EventsCommand& command) {
     return c >= '0' && c <= '9';
   });
   if (command.of.empty()) {
-    if (session_.find_benches().empty()) {
-      return Outcome::not_found("no bench was found on this domain");
-    }
+    if (session_.find_benches().empty()) return session_.no_bench_found();
   } else if (is_number) {
     choice.bench = static_cast<std::uint32_t>(
         parse_number(command.of, "bench number", std::numeric_limits<std::uint32_t>::max()));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "others.hpp"
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/security.hpp"
 #include "vdrive/wire/source.hpp"
@@ -30,7 +31,11 @@ struct Participant::Entities {
   eprosima::fastdds::dds::Publisher* publisher = nullptr;
   eprosima::fastdds::dds::Subscriber* subscriber = nullptr;
   std::optional<Permissions> permissions;  ///< of a closed participant
-  std::mutex announcing;                   ///< one change of the announcement at a time
+  Others others;                           ///< listens to the participant
+
+  /// The library replaces lists of addresses of the participant without a lock when its
+  /// announcement changes, and reads them when it makes an endpoint: one of these at a time.
+  std::mutex changing;
 
   /// @return the topic `name`, in full, with the type `type`, made at its first use.
   /// @throws NetworkError

@@ -217,6 +217,15 @@ void deliver_through_the_transport() {
   });
 }
 
+/// The library reads its profiles while it makes the first participant, without a lock.
+dds::DomainParticipant* make_participant(const dds::DomainParticipantQos& qos, std::uint32_t domain,
+                                         Others& others) {
+  static std::mutex making;
+  const std::scoped_lock lock(making);
+  return dds::DomainParticipantFactory::get_instance()->create_participant(domain, qos, &others,
+                                                                           dds::StatusMask::none());
+}
+
 }  // namespace
 
 Participant::Participant(const NetworkSettings& settings, const std::string& name)
@@ -234,9 +243,8 @@ Participant::Participant(const NetworkSettings& settings, const std::string& nam
     entities_->permissions = check_security(settings.security, settings.domain);
   }
   deliver_through_the_transport();
-  auto* const factory = dds::DomainParticipantFactory::get_instance();
   entities_->participant =
-      factory->create_participant(settings.domain, participant_qos(settings, name, guard_));
+      make_participant(participant_qos(settings, name, guard_), settings.domain, entities_->others);
   if (entities_->participant == nullptr) {
     throw NetworkError(
         "DDS refuses a participant in domain " + std::to_string(settings.domain) +
@@ -249,7 +257,7 @@ Participant::Participant(const NetworkSettings& settings, const std::string& nam
   entities_->subscriber = entities_->participant->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT);
   if (entities_->publisher == nullptr || entities_->subscriber == nullptr) {
     entities_->participant->delete_contained_entities();
-    factory->delete_participant(entities_->participant);
+    dds::DomainParticipantFactory::get_instance()->delete_participant(entities_->participant);
     throw NetworkError("DDS refuses a publisher or subscriber");
   }
 }
@@ -260,8 +268,9 @@ Participant::~Participant() {
 }
 
 void Participant::announce_again() {
-  const std::scoped_lock lock(entities_->announcing);
-  dds::DomainParticipantQos qos = entities_->participant->get_qos();
+  const std::scoped_lock lock(entities_->changing);
+  dds::DomainParticipantQos qos;
+  entities_->participant->get_qos(qos);
   std::vector<rtps::octet> data = qos.user_data().getValue();
   data.resize(1);
   ++data.front();
@@ -273,15 +282,8 @@ Source Participant::source() const noexcept {
   return source_of(rtps::InstanceHandle_t(entities_->participant->guid()));
 }
 
-std::size_t Participant::count_others(std::string_view beginning) const {
-  const std::vector<std::string> names = entities_->participant->get_participant_names();
-  const auto count = std::ranges::count_if(names, [beginning](const auto& name) {
-    return name.starts_with(beginning);
-  });
-  // The library counts this one, too.
-  const bool is_own =
-      std::string_view(entities_->participant->get_qos().name().c_str()).starts_with(beginning);
-  return static_cast<std::size_t>(count) - (is_own ? 1U : 0U);
+std::vector<OtherParticipant> Participant::others(std::string_view beginning) const {
+  return entities_->others.named(beginning);
 }
 
 GuardCounts Participant::guarded() const {

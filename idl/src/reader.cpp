@@ -19,7 +19,11 @@ Reader::Reader(Participant::Entities& parent, const std::string& topic,
                const dds::TypeSupport& type, const dds::DataReaderQos& qos, void* data,
                Deliver deliver)
     : data_(data), deliver_(std::move(deliver)), subscriber_(parent.subscriber) {
-  reader_ = subscriber_->create_datareader(parent.topic(topic, type), qos, this);
+  auto* const its_topic = parent.topic(topic, type);
+  {
+    const std::scoped_lock lock(parent.changing);
+    reader_ = subscriber_->create_datareader(its_topic, qos, this);
+  }
   if (reader_ == nullptr) {
     throw NetworkError(
         "DDS refuses a reader on topic " + topic +

@@ -23,13 +23,16 @@ Writer::Writer(Participant::Entities& parent, const std::string& name, const dds
   if (parent.permissions && !parent.permissions->may_publish(name)) {
     throw NotPermitted("the permissions of this identity do not allow publishing " + name);
   }
-  writer_ = publisher_->create_datawriter(parent.topic(name, type), qos, this,
-                                          dds::StatusMask::publication_matched());
+  auto* const topic = parent.topic(name, type);
+  {
+    const std::scoped_lock lock(parent.changing);
+    writer_ =
+        publisher_->create_datawriter(topic, qos, this, dds::StatusMask::publication_matched());
+  }
   if (writer_ == nullptr) throw NetworkError("DDS refuses a writer on topic " + name);
 }
 
 Writer::~Writer() {
-  writer_->set_listener(nullptr);
   // The library returns samples that no reader has acknowledged to their pool while they are still
   // in the history, and its heartbeat timer, which still runs, reads their numbers there. It then
   // counts a gap of up to 2^63 samples, and the deletion never ends. An empty history has no gap.

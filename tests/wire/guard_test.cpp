@@ -228,7 +228,7 @@ TEST(ParticipantUnderConstruction, ReadsDatagramsThatArrivedBefore) {
   const Participant participant(settings(), "late");
   EXPECT_TRUE(arrived.get());
   EXPECT_TRUE(wait_until([&] {
-    return participant.count_others("early") == 1;
+    return participant.others("early").size() == 1;
   }));
 }
 

@@ -108,7 +108,7 @@ TYPED_TEST(EveryTopic, CarriesItsMessageToAnotherParticipant) {
   EXPECT_TRUE(subscription.wait_for_match(received.source(), 0ms));
 }
 
-TEST(Participant, CountsOtherParticipantsByTheBeginningOfTheirNames) {
+TEST(Participant, KnowsOtherParticipantsByTheBeginningOfTheirNames) {
   Participant sut(settings(), "vdrived 1");
   Participant first(settings(), "vdrived 2");
   Participant second(settings(), "vdrived 30");
@@ -119,10 +119,14 @@ TEST(Participant, CountsOtherParticipantsByTheBeginningOfTheirNames) {
   const Publication<msg::BenchState> of_second(second);
   const Publication<msg::BenchState> of_third(third);
   ASSERT_TRUE(reader.wait_for_matched(3, kPatience));
-  EXPECT_EQ(sut.count_others(""), 3U) << "not itself";
-  EXPECT_EQ(sut.count_others("vdrived "), 2U);
-  EXPECT_EQ(sut.count_others("vdrived 3"), 1U);
-  EXPECT_EQ(sut.count_others("nobody"), 0U);
+  EXPECT_EQ(sut.others().size(), 3U) << "not itself";
+  EXPECT_EQ(sut.others("vdrived ").size(), 2U);
+  EXPECT_EQ(sut.others("nobody").size(), 0U);
+  const auto named = sut.others("vdrived 3");
+  ASSERT_EQ(named.size(), 1U);
+  EXPECT_EQ(named[0].name, "vdrived 30");
+  EXPECT_EQ(named[0].source, second.source());
+  EXPECT_FALSE(named[0].is_closed);
 }
 
 TEST(Participant, RefusesADomainThatDoesNotExist) {

@@ -285,7 +285,7 @@ CallAnswer call_quick_stop(Session& session, const Json& request) {
     benches.push_back(number_of<std::uint32_t>(request, "bench"));
   } else {
     for (const client::BenchInfo& bench : session.find_benches()) benches.push_back(bench.number);
-    if (benches.empty()) return {.outcome = Outcome::not_found("no bench was found")};
+    if (benches.empty()) return {.outcome = session.no_bench_found()};
   }
   CallAnswer answer;
   for (const std::uint32_t bench : benches) {

@@ -214,7 +214,7 @@ void Guard::judge() {
 /// Gives the library the departure of the participant, on the channel of its announcement, as if
 /// the participant had sent it: the only removal that does not meet a timer of the library.
 void Guard::remove(const Keeper::Silent& silent) {
-  const std::scoped_lock lock(handing_over_);
+  const std::scoped_lock lock(announcing_, handing_over_);
   Locator local;
   {
     const std::scoped_lock channels(channels_mutex_);

@@ -85,7 +85,8 @@ class Guard {
   std::atomic<bool> has_begun_{false};  ///< or the library gave up before
   /// A participant announces itself by several channels. The library ignores the second
   /// announcement at once, while the first is still being worked on in another thread, and so it
-  /// would ignore what that participant sends next.
+  /// would ignore what that participant sends next. It also works on a participant that it adds
+  /// after it has released its lock: a removal waits for that.
   std::mutex announcing_;
 
   std::mutex handing_over_;  ///< a removal is on its way through a channel

@@ -48,6 +48,7 @@ struct SessionOptions {
   std::optional<std::uint32_t> bench{};  ///< see this bench only
   KeepAlive keep_alive = KeepAlive::own_thread;
   /// Wall time that finding a service may take; in the closed mode better kFindTimeoutOfClosedMode.
+  /// A service that has announced itself, and a busy machine, get more: see find_benches().
   std::chrono::milliseconds find_timeout{2000};
   /// A call that waits reports a service as lost when its newest sample is older than this [wall
   /// time], 50 ms or more: a busy machine may stop a process for some hundred milliseconds, and a
@@ -162,11 +163,18 @@ class Session {
   /// The session's number; the owner that an axis shows while this session holds it.
   [[nodiscard]] std::uint64_t id() const noexcept;
 
-  /// Waits until some bench is there and no further one turns up for 150 ms, or for four times as
-  /// long as the first one took.
-  /// @return the benches by number; none after `find_timeout`. A bench is there while its samples
-  ///         are younger than 300 ms and it has not announced its end.
+  /// Waits until some bench is there, every service that announced itself has described its bench,
+  /// and no further one turns up for 150 ms, or for four times as long as the first one took; in
+  /// all at most for `find_timeout`. While there is no bench, but a service has announced itself,
+  /// for three times as long. Where the machine lets this thread run late, it waits longer by four
+  /// times that delay, at most by three times `find_timeout`.
+  /// @return the benches by number; none after that time. A bench is there while its samples are
+  ///         younger than 300 ms and it has not announced its end.
   [[nodiscard]] std::vector<BenchInfo> find_benches();
+
+  /// @return not_found for a program that needs a bench where find_benches() found none: the
+  ///         message names what the newest search saw, such as a service without a description.
+  [[nodiscard]] Outcome no_bench_found() const;
 
   /// The benches that are there now, by number. Waits for none.
   [[nodiscard]] std::vector<BenchInfo> present_benches() const;

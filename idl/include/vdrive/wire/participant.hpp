@@ -55,6 +55,13 @@ class NotPermitted : public NetworkError {
   using NetworkError::NetworkError;
 };
 
+/// What another participant announces of itself.
+struct OtherParticipant {
+  std::string name;
+  Source source;
+  bool is_closed = false;  ///< it has DDS Security: only participants of its closed mode meet it
+};
+
 /// A DDS domain participant: no type objects on the wire. Announces itself every 100 ms with a
 /// lease of 600 s (2 s to a discovery server); its guard removes participants of vdrive after 2.5 s
 /// of silence, others after the lease that they announce. Owns everything below it; must outlive
@@ -75,9 +82,9 @@ class Participant {
   /// a participant that had no room for this one would not know it until the announcement changes.
   void announce_again();
 
-  /// @return how many of the other participants that are known now have a name with this beginning.
-  ///         They are known before their writers and readers are.
-  [[nodiscard]] std::size_t count_others(std::string_view beginning) const;
+  /// @return the other participants that are known now and have a name with this beginning. They
+  ///         are known before their writers and readers are.
+  [[nodiscard]] std::vector<OtherParticipant> others(std::string_view beginning = "") const;
 
   /// @return what the guard has done; all zero without a guard.
   [[nodiscard]] GuardCounts guarded() const;
