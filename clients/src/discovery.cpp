@@ -148,11 +148,17 @@ Result<PresentBench> Discovery::find_bench(std::optional<std::uint32_t> number) 
   }
   const std::uint32_t wanted = number.value_or(options_.bench.value_or(0));
   std::optional<PresentBench> found;
-  search(wanted, [&](const Sight& /*sight*/) {
+  const auto find = [&] {
     const std::scoped_lock lock(mutex_);
     found = directory_.find(wanted, Clock::now());
     return found.has_value();
-  });
+  };
+  // First without a search: most calls are for a bench that is there.
+  if (!find()) {
+    search(wanted, [&](const Sight& /*sight*/) {
+      return find();
+    });
+  }
   if (found) return std::move(*found);
   return Outcome::not_found("no bench " + std::to_string(wanted) + " on domain " +
                             std::to_string(*options_.domain) + ", " + list_of(present()) + " (" +

@@ -44,10 +44,54 @@ MoveOptions slow() {
 TEST(Discovery, FindsNoBenchWithinItsTime) {
   Session sut(hasty());
   EXPECT_THAT(sut.find_benches(), IsEmpty());
+  EXPECT_THAT(sut.no_bench_found().message(), HasSubstr("seen: no other participant"));
   const auto axis = sut.axis("1.1");
   EXPECT_EQ(axis.outcome().kind(), OutcomeKind::not_found);
   EXPECT_THAT(axis.outcome().message(), HasSubstr("1.1"));
   EXPECT_THAT(axis.outcome().message(), HasSubstr("no bench was found"));
+}
+
+/// A participant of a service, without a bench until it gets SIGUSR1.
+class MuteService {
+ public:
+  MuteService()
+      : process_(VDRIVE_WIRE_DOUBLE,
+                 {std::to_string(test::test_domain()), "1000", "0", "vdrived 1"}) {
+    EXPECT_EQ(process_.read_line(), "ready");
+  }
+
+  void describe() const { process_.send(SIGUSR1); }
+
+ private:
+  test::Process process_;
+};
+
+TEST(Discovery, WaitsForAServiceThatHasAnnouncedItself) {
+  const MuteService service;
+  SessionOptions brief = options();
+  brief.find_timeout = 2s;
+  Session sut(brief);
+  auto found = std::async(std::launch::async, [&] {
+    return sut.find_bench(1);
+  });
+  EXPECT_EQ(found.wait_for(brief.find_timeout + 500ms), std::future_status::timeout);
+  service.describe();
+  const auto bench = found.get();
+  EXPECT_TRUE(bench) << bench.outcome().message();
+}
+
+TEST(Discovery, SaysWhatItSawWhenNoBenchIsFound) {
+  const MuteService service;
+  SessionOptions brief = options();
+  brief.find_timeout = 1s;
+  Session sut(brief);
+  const auto seen =
+      HasSubstr("seen: 1 other participant, 1 service that has not described its bench");
+  EXPECT_THAT(sut.find_bench().outcome().message(), seen);
+  EXPECT_THAT(sut.no_bench_found().message(), seen);
+  EXPECT_THAT(sut.find_bench(1).outcome().message(), seen);
+  EXPECT_THAT(sut.axis("some").outcome().message(), seen);
+  EXPECT_THAT(sut.find_bench(2).outcome().message(), HasSubstr("seen: 1 other participant"));
 }
 
 TEST(Discovery, RefusesADomainOutOfRange) {

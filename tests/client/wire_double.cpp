@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Acts as bench 1 for a client, in a process to be killed: wire_double DOMAIN INCARNATION ANSWER.
-// Prints a line for each request; answers a read with ANSWER, or not at all when it is 0.
+// Acts as bench 1 for a client, in a process to be killed: wire_double DOMAIN INCARNATION ANSWER
+// [NAME]. Prints a line for each request; answers a read with ANSWER, or not at all when it is 0.
+// With NAME its participant has this name: it prints "ready", and describes its bench after
+// SIGUSR1.
 #include "bench_messages.hpp"
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/publication.hpp"
@@ -9,6 +11,7 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <csignal>
 #include <cstdint>
 #include <deque>
 #include <iostream>
@@ -39,11 +42,22 @@ msg::Reply reply_to(const msg::Request& request, std::uint64_t incarnation, std:
   return reply;
 }
 
-[[noreturn]] void run(std::uint32_t domain, std::uint64_t incarnation, std::int64_t answer) {
+/// The signal that a mute double waits for; blocked before a thread of the library begins.
+sigset_t block_signal_to_describe() {
+  sigset_t signals{};
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGUSR1);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  return signals;
+}
+
+[[noreturn]] void run(std::uint32_t domain, std::uint64_t incarnation, std::int64_t answer,
+                      const std::string& name) {
+  const sigset_t to_describe = block_signal_to_describe();
   std::mutex mutex;
   std::condition_variable arrived;
   std::deque<std::pair<msg::Request, wire::Source>> requests;
-  wire::Participant participant({.domain = domain}, "wire double");
+  wire::Participant participant({.domain = domain}, name.empty() ? "wire double" : name);
   wire::Publication<msg::Reply> replies(participant);
   wire::Publication<msg::CommandReply> command_replies(participant);
   wire::Publication<msg::BenchState> states(participant);
@@ -56,6 +70,11 @@ msg::Reply reply_to(const msg::Request& request, std::uint64_t incarnation, std:
         requests.emplace_back(request, source);
         arrived.notify_one();
       });
+  if (!name.empty()) {
+    std::cout << "ready" << std::endl;  // NOLINT(*-avoid-endl)
+    int signal = 0;
+    sigwait(&to_describe, &signal);
+  }
   (void)descriptions.write(description(kBench, incarnation));
   while (true) {
     (void)states.write(state(kBench, incarnation));
@@ -79,5 +98,6 @@ msg::Reply reply_to(const msg::Request& request, std::uint64_t incarnation, std:
 int main(int argc, char** argv) {
   const std::vector<std::string> arguments(argv, argv + argc);
   vdrive::client::run(static_cast<std::uint32_t>(std::stoul(arguments.at(1))),
-                      std::stoull(arguments.at(2)), std::stoll(arguments.at(3)));
+                      std::stoull(arguments.at(2)), std::stoll(arguments.at(3)),
+                      arguments.size() > 4 ? arguments[4] : "");
 }

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// When a search for benches ends, and what it says. Time is an argument.
+#include "search.hpp"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+
+namespace vdrive::client {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr SearchClock::time_point kBegin{1h};
+
+TEST(SearchTime, EndsAfterItsTime) {
+  const SearchTime sut(kBegin, 2s);
+  EXPECT_EQ(sut.end(false), kBegin + 2s);
+}
+
+TEST(SearchTime, IsThreeTimesAsLongForAServiceThatAnnouncedItself) {
+  const SearchTime sut(kBegin, 2s);
+  EXPECT_EQ(sut.end(true), kBegin + 6s);
+}
+
+TEST(SearchTime, IsLongerByFourTimesTheDelayOfTheMachine) {
+  SearchTime sut(kBegin, 2s);
+  sut.note_wait(kBegin + 20ms, kBegin + 70ms);
+  sut.note_wait(kBegin + 90ms, kBegin + 140ms);
+  EXPECT_EQ(sut.delay(), 100ms);
+  EXPECT_EQ(sut.end(false), kBegin + 2400ms);
+}
+
+TEST(SearchTime, CountsNoDelayWhereAMessageEndsTheWait) {
+  SearchTime sut(kBegin, 2s);
+  sut.note_wait(kBegin + 20ms, kBegin + 5ms);
+  EXPECT_EQ(sut.delay(), 0ms);
+}
+
+TEST(SearchTime, EndsOnAMachineThatStandsStill) {
+  SearchTime sut(kBegin, 2s);
+  sut.note_wait(kBegin, kBegin + 1h);
+  EXPECT_EQ(sut.end(false), kBegin + 8s);
+  EXPECT_EQ(sut.end(true), kBegin + 12s);
+}
+
+TEST(SettlingSearch, EndsOnceNoFurtherBenchComes) {
+  Settling sut(kBegin);
+  const Sight one{.present = 1, .participants = 1, .services = 1};
+  EXPECT_FALSE(sut.has_ended({}, kBegin));
+  EXPECT_FALSE(sut.has_ended(one, kBegin + 10ms));
+  EXPECT_FALSE(sut.has_ended(one, kBegin + 159ms));
+  EXPECT_TRUE(sut.has_ended(one, kBegin + 160ms));
+}
+
+TEST(SettlingSearch, WaitsForAServiceThatHasNotShownItsBench) {
+  Settling sut(kBegin);
+  const Sight first{.present = 1, .participants = 2, .services = 2, .undescribed = 1};
+  EXPECT_FALSE(sut.has_ended(first, kBegin + 10ms));
+  EXPECT_FALSE(sut.has_ended(first, kBegin + 1900ms));
+  const Sight both{.present = 2, .participants = 2, .services = 2};
+  EXPECT_TRUE(sut.has_ended(both, kBegin + 1910ms));
+}
+
+TEST(SettlingSearch, DoesNotEndWithoutABench) {
+  Settling sut(kBegin);
+  EXPECT_FALSE(sut.has_ended({.participants = 1, .services = 1}, kBegin));
+  EXPECT_FALSE(sut.has_ended({.participants = 1, .services = 1}, kBegin + 1h));
+}
+
+TEST(TextOfASight, NamesWhatWasSeen) {
+  EXPECT_EQ(text_of({}, 0ms), "seen: no other participant");
+  EXPECT_EQ(text_of({.participants = 1, .services = 1, .undescribed = 1}, 9ms),
+            "seen: 1 other participant, 1 service that has not described its bench");
+  EXPECT_EQ(
+      text_of({.participants = 4, .services = 3, .undescribed = 2, .unreachable = 1}, 340ms),
+      "seen: 4 other participants, 2 services that have not described their benches, 1 service "
+      "in the other mode, open or closed, than this program, this machine ran the search 340 "
+      "ms late in all");
+}
+
+}  // namespace
+}  // namespace vdrive::client
