@@ -132,8 +132,11 @@ void check_governance(const Document& document, std::uint32_t domain) {
   require(document, *rule, "allow_unauthenticated_participants", false);
   require(document, *rule, "enable_join_access_control", true);
   require_protection(document, *rule, "discovery_protection_kind", true);
+  // Liveliness travels inside of messages that are encrypted as a whole.
   require_protection(document, *rule, "liveliness_protection_kind", false);
-  require_protection(document, *rule, "rtps_protection_kind", false);
+  // The guard knows an encrypted message by its three parts; a signed one may have anything
+  // between.
+  require_protection(document, *rule, "rtps_protection_kind", true);
   for (const TopicTraits& traits : kTopics) {
     check_topic(document, document.child(*rule, "topic_access_rules"),
                 std::string(kTopicPrefix) + std::string(traits.name));

@@ -324,6 +324,8 @@ std::vector<Flaw> flaws() {
                       "data_protection_kind is NONE"),
       open_governance("MessagesInClear", "rtps_protection_kind>ENCRYPT",
                       "rtps_protection_kind>NONE", "rtps_protection_kind is NONE"),
+      open_governance("MessagesSignedOnly", "rtps_protection_kind>ENCRYPT",
+                      "rtps_protection_kind>SIGN", "rtps_protection_kind is SIGN, must be ENCRYPT"),
       open_governance("OtherTopics", "expression>*<", "expression>other<",
                       "has no <topic_rule> for topic vdrive/v1/command"),
       open_governance("OtherDomain", "<max>232", "<max>0", "has no <domain_rule> for domain"),

@@ -294,14 +294,6 @@ std::vector<Case> cases() {
        [] {
          return end_datagram(kSender);
        }},
-      {"EncryptedMessage", Refusal::none,
-       [] {
-         return DatagramWriter(kSender)
-             .add(0x33, 1, Datagram(20, 0xAA))
-             // Big endian by its flag: 0x0800 reads as 8.
-             .add(0x30, 0, Datagram{0, 0, 0, 4, 0xDE, 0xAD, 0xBE, 0xEF}, 2048)
-             .bytes();
-       }},
   };
 }
 

@@ -2,12 +2,50 @@
 #include "datagram_check.hpp"
 
 #include "rtps.hpp"
+#include "security_check.hpp"
 
 #include <algorithm>
 #include <numeric>
 
 namespace vdrive::wire {
 namespace rtps_bytes {
+namespace {
+
+/// A text of CDR: its length with the zero at its end, and as many bytes.
+bool is_text(Bytes value, bool little) {
+  ByteReader reader(value, little);
+  const std::uint32_t length = reader.u32();
+  return reader.ok() && length <= reader.left();
+}
+
+/// Where the library reads a parameter without a check of its length, it has at least that length.
+bool is_parameter(const ListEntry& entry, bool little) {
+  switch (entry.id) {
+    case kEntityName:
+    case kTopicName:
+    case kTypeName:
+      return is_text(entry.value, little);
+    case kParticipantGuid:
+      return entry.value.size() >= 16;
+    case kLease:
+      return entry.value.size() >= 8;
+    case kIdentityToken:
+    case kPermissionsToken:
+      return is_token(entry.value, little);
+    default:
+      return true;
+  }
+}
+
+}  // namespace
+
+Refusal check_list(Bytes bytes, bool little) noexcept {
+  List list(bytes, little);
+  for (ListEntry entry; list.next(entry);) {
+    if (!is_parameter(entry, little)) return Refusal::parameters;
+  }
+  return list.ended() ? Refusal::none : Refusal::parameters;
+}
 
 Data parse_data(const Submessage& submessage, std::size_t fixed) noexcept {
   Data data;
@@ -145,37 +183,6 @@ Refusal check_heartbeat_frag(const Submessage& submessage) {
   return is_sequence(sequence, 1) ? Refusal::none : Refusal::sequence;
 }
 
-/// A text of CDR: its length with the zero at its end, and as many bytes.
-bool is_text(Bytes value, bool little) {
-  ByteReader reader(value, little);
-  const std::uint32_t length = reader.u32();
-  return reader.ok() && length <= reader.left();
-}
-
-/// Where the library reads a parameter without a check of its length, it has at least that length.
-bool is_parameter(const ListEntry& entry, bool little) {
-  switch (entry.id) {
-    case kEntityName:
-    case kTopicName:
-    case kTypeName:
-      return is_text(entry.value, little);
-    case kParticipantGuid:
-      return entry.value.size() >= 16;
-    case kLease:
-      return entry.value.size() >= 8;
-    default:
-      return true;
-  }
-}
-
-Refusal check_list(Bytes bytes, bool little) {
-  List list(bytes, little);
-  for (ListEntry entry; list.next(entry);) {
-    if (!is_parameter(entry, little)) return Refusal::parameters;
-  }
-  return list.ended() ? Refusal::none : Refusal::parameters;
-}
-
 /// @return whether the inline QoS marks an instance as disposed or unregistered.
 bool says_gone(const Submessage& submessage, const Data& data) {
   List list(data.inline_qos, submessage.has(kLittle));
@@ -192,6 +199,10 @@ Refusal check_discovery(const Submessage& submessage, const Data& data) {
   return says_gone(submessage, data) ? Refusal::none : Refusal::data;
 }
 
+bool is_of_handshake(const Data& data) {
+  return data.reader == kHandshakeReader || data.writer == kHandshakeWriter;
+}
+
 Refusal check_data(const Submessage& submessage, DatagramReport& report) {
   const Data data = parse_data(submessage, kDataFixed);
   if (!data.whole) return Refusal::length;
@@ -201,6 +212,9 @@ Refusal check_data(const Submessage& submessage, DatagramReport& report) {
   if ((has_data && has_key) || ((has_data || has_key) && data.content.size() < 4) ||
       (!has_data && !has_key && data.inline_qos.empty()) || data.writer == kUnknownEntity) {
     return Refusal::data;
+  }
+  if (is_of_handshake(data)) {
+    return is_handshake(submessage, data) ? Refusal::none : Refusal::handshake;
   }
   if (is_discovery(submessage, data)) {
     report.announces = true;
@@ -229,7 +243,8 @@ Refusal check_data_frag(const Submessage& submessage) {
       data.content.size() < std::min(behind * size, sample) - (first - 1) * size) {
     return Refusal::fragment;
   }
-  // An announcement in pieces cannot be checked; a participant's own fits one datagram.
+  // What is in pieces cannot be checked; announcements and handshakes fit one datagram.
+  if (is_of_handshake(data)) return Refusal::handshake;
   const bool announces = data.reader == kParticipantsReader || data.writer == kParticipantsWriter;
   return announces ? Refusal::announcement : Refusal::none;
 }
@@ -241,7 +256,10 @@ Refusal need(const Submessage& submessage, std::size_t size) {
 Refusal check_submessage(const Submessage& submessage, DatagramReport& report) {
   switch (submessage.kind) {
     case Kind::pad:
+    case Kind::sec_body:  // SecureOrder has checked what is encrypted
+    case Kind::sec_prefix:
     case Kind::sec_postfix:
+    case Kind::srtps_prefix:
     case Kind::srtps_postfix:
       return Refusal::none;
     case Kind::acknack:
@@ -267,15 +285,19 @@ Refusal check_submessage(const Submessage& submessage, DatagramReport& report) {
     case Kind::info_dst:
       return need(submessage, 12);
     case Kind::info_reply:
-    case Kind::sec_body:
       return need(submessage, 4);
-    case Kind::sec_prefix:
-    case Kind::srtps_prefix:
-      return need(submessage, 20);
     default:
       // From 0x80 on each vendor has its own, which others skip.
       return submessage.kind >= Kind::statistics ? Refusal::none : Refusal::submessage;
   }
+}
+
+Refusal check_in_place(const Submessage& submessage, SecureOrder& order, Mode mode,
+                       DatagramReport& report) {
+  const Refusal refusal = order.next(submessage);
+  if (refusal != Refusal::none) return refusal;
+  if (mode == Mode::closed && !may_be_in_clear(submessage)) return Refusal::unprotected;
+  return check_submessage(submessage, report);
 }
 
 bool is_header(Bytes datagram) {
@@ -291,7 +313,7 @@ bool is_from_fast_dds(Bytes datagram) {
 
 }  // namespace
 
-DatagramReport check_datagram(std::span<const std::uint8_t> datagram) noexcept {
+DatagramReport check_datagram(std::span<const std::uint8_t> datagram, Mode mode) noexcept {
   DatagramReport report{.length = datagram.size()};
   if (!is_header(datagram)) {
     report.refusal = Refusal::header;
@@ -299,6 +321,7 @@ DatagramReport check_datagram(std::span<const std::uint8_t> datagram) noexcept {
   }
   Submessages submessages(datagram);
   Submessage submessage;
+  SecureOrder order;
   while (!submessages.at_end()) {
     if (!submessages.next(submessage)) {
       report.refusal = Refusal::length;
@@ -308,11 +331,12 @@ DatagramReport check_datagram(std::span<const std::uint8_t> datagram) noexcept {
       const bool is_whole = submessage.last && submessage.body.size() == kStatisticsSize;
       report.refusal = is_whole ? Refusal::none : Refusal::statistics;
       report.length = submessage.offset - kSubmessageHeaderSize;
-      return report;
+      break;
     }
-    report.refusal = check_submessage(submessage, report);
+    report.refusal = check_in_place(submessage, order, mode, report);
     if (report.refusal != Refusal::none) return report;
   }
+  if (report.refusal == Refusal::none && !order.may_end()) report.refusal = Refusal::security;
   return report;
 }
 
@@ -330,7 +354,10 @@ std::string_view describe(Refusal refusal) noexcept {
       "fragments that do not fit their sample",
       "a list of parameters that does not end",
       "an announcement without a lease, in pieces or in the name of another participant",
-      "more participants than the guard keeps"};
+      "more participants than the guard keeps",
+      "an encrypted part whose lengths or order are not those of one",
+      "a token or handshake whose counts or lengths exceed it, or in pieces",
+      "unencrypted content in the closed mode"};
   return kWords.at(static_cast<std::size_t>(refusal));
 }
 

@@ -39,6 +39,7 @@ std::chrono::steady_clock::duration patience_with(const Announcement& announceme
 
 Guard::Guard(const NetworkSettings& settings)
     : role_(settings.role),
+      mode_(settings.security.empty() ? Mode::open : Mode::closed),
       // A server announces its clients, and the library keeps its leases.
       keeps_leases_(settings.discovery_servers.empty()),
       sink_(settings.guard_sink) {
@@ -81,7 +82,7 @@ void Guard::close(const Locator& local) {
 void Guard::receive(Receiver& channel, Bytes datagram, const Locator& local,
                     const Locator& remote) {
   has_begun_.wait(false);
-  const DatagramReport report = check_datagram(datagram);
+  const DatagramReport report = check_datagram(datagram, mode_);
   if (report.refusal != Refusal::none) {
     refuse(report.refusal, remote);
     return;

@@ -69,6 +69,7 @@ class Guard {
   void remove(const Keeper::Silent& silent);
 
   const Role role_;
+  const Mode mode_;
   const bool keeps_leases_;
   const GuardSink sink_;
 

@@ -39,6 +39,11 @@ enum class Kind : std::uint8_t {
   statistics = 0x80,  ///< Fast DDS, and what other vendors have there
 };
 
+/// @return whether the kind is one of DDS Security 1.1, section 7.3.6: what is encrypted or signed.
+constexpr bool is_secure(Kind kind) noexcept {
+  return kind >= Kind::sec_body && kind <= Kind::srtps_postfix;
+}
+
 /// Flags of a submessage.
 using Flag = std::uint8_t;
 inline constexpr Flag kLittle = 0x01;
@@ -55,6 +60,9 @@ inline constexpr Entity kSubscriptionsWriter = 0x000004C2;
 inline constexpr Entity kSubscriptionsReader = 0x000004C7;
 inline constexpr Entity kParticipantsWriter = 0x000100C2;
 inline constexpr Entity kParticipantsReader = 0x000100C7;
+/// Entities of the handshake, BuiltinParticipantStatelessMessage (DDS Security 1.1, section 7.4.3).
+inline constexpr Entity kHandshakeWriter = 0x000201C3;
+inline constexpr Entity kHandshakeReader = 0x000201C4;
 
 /// Parameters of lists.
 using Parameter = std::uint16_t;
@@ -70,6 +78,8 @@ inline constexpr Parameter kKeyHash = 0x0070;
 inline constexpr Parameter kStatusInfo = 0x0071;
 inline constexpr Parameter kTypeObject = 0x0072;
 inline constexpr Parameter kTypeInformation = 0x0075;
+inline constexpr Parameter kIdentityToken = 0x1001;
+inline constexpr Parameter kPermissionsToken = 0x1002;
 
 /// Reads numbers one after the other; what lies behind the end is 0 and makes `ok` false.
 class ByteReader {
@@ -95,8 +105,18 @@ class ByteReader {
 
   std::uint32_t u32() noexcept { return number(4, little_); }
 
+  /// A number that is in network order with either value of the flag.
+  std::uint32_t u32_big() noexcept { return number(4, false); }
+
   /// Entity ids are in network order with either value of the flag.
-  std::uint32_t entity() noexcept { return number(4, false); }
+  std::uint32_t entity() noexcept { return u32_big(); }
+
+  /// @return the next `count` bytes; none when there are fewer.
+  Bytes bytes(std::size_t count) noexcept {
+    const std::size_t from = position_;
+    skip(count);
+    return ok_ ? bytes_.subspan(from, count) : Bytes{};
+  }
 
   /// @return a sequence number; its high half comes first and may be negative.
   std::int64_t sequence() noexcept {
@@ -155,6 +175,8 @@ class Submessages {
     out.offset = position_ + kSubmessageHeaderSize;
     const std::size_t left = datagram_.size() - out.offset;
     if (length == 0 && out.kind != Kind::pad && out.kind != Kind::info_ts) {
+      // The library reads 0 as 0 where it decrypts.
+      if (is_secure(out.kind)) return false;
       length = left;  // RTPS 2.5, 9.4.5.1.3: it extends to the end
     }
     out.last = length == left;

@@ -25,9 +25,13 @@ enum class Refusal : std::uint8_t {
                  ///< parameter
   announcement,  ///< a participant's announcement without a lease or in another one's name
   participants,  ///< more participants than the guard keeps, 4,096
+  security,      ///< an encrypted part with another length or order than it must have
+  handshake,     ///< a token, or a message of the handshake, whose counts or lengths exceed it, or
+                 ///< such a message in pieces
+  unprotected,   ///< in the closed mode: unencrypted, and nothing that is allowed to be
 };
 
-constexpr std::size_t kRefusals = 13;  ///< with `none`
+constexpr std::size_t kRefusals = 16;  ///< with `none`
 
 /// @return words for a log, such as "a list of parameters that does not end".
 [[nodiscard]] std::string_view describe(Refusal refusal) noexcept;
