@@ -136,8 +136,8 @@ void BenchClocks::note_reply(const BenchKey& key, const PendingStep& step,
 
 /// What a step came to: reached, or REASON_MISSING_STEPPER in the reply.
 Result<msg::Reply> BenchClocks::conclude_step(const Target& target, const PendingStep& step,
-                                              Clock::time_point deadline) {
-  auto reply = requests_.await(target, step.request, {left_until(deadline), true});
+                                              Clock::time_point deadline, Silence silence) {
+  auto reply = requests_.await(target, step.request, {left_until(deadline), true, false, silence});
   if (reply.outcome().kind() == OutcomeKind::timed_out) {
     return missing_stepper(target, discovery_.slowest_stepper(target.key));
   }
@@ -153,7 +153,7 @@ Result<msg::Reply> BenchClocks::conclude_step(const Target& target, const Pendin
 Result<std::uint64_t> BenchClocks::end_step(const Target& target, PendingStep step,
                                             Clock::time_point deadline) {
   while (true) {
-    const auto reply = conclude_step(target, step, deadline);
+    const auto reply = conclude_step(target, step, deadline, Silence::ends_call);
     if (!reply) return reply.outcome();
     if (reply->reason() == msg::REASON_NONE) return reply->tick();
     if (Clock::now() >= deadline) return missing_stepper(target, reply->missing_stepper());
@@ -173,15 +173,15 @@ Outcome BenchClocks::missing_stepper(const Target& target, std::uint64_t session
 // ---- steps -----------------------------------------------------------------------------------
 
 Result<msg::Reply> BenchClocks::step_as_stepper(const Target& target, const Grant& grant,
-                                                const msg::Request& request,
-                                                milliseconds patience) {
+                                                const msg::Request& request, milliseconds patience,
+                                                Silence silence) {
   const std::uint64_t aim = grant.reached + request.ticks();
   std::uint64_t reached = grant.reached;
   auto deadline = Clock::now() + patience;
   while (true) {
     const auto step = begin_step_to(target, aim, request);
     if (!step) return step.outcome();
-    auto reply = conclude_step(target, *step, deadline);
+    auto reply = conclude_step(target, *step, deadline, silence);
     // A call that only observes takes the state as it is.
     if (!reply || reply->reason() == msg::REASON_NONE || request.ticks() == 0) return reply;
     if (reply->tick() > reached) deadline = Clock::now() + patience;
@@ -191,16 +191,17 @@ Result<msg::Reply> BenchClocks::step_as_stepper(const Target& target, const Gran
 }
 
 Result<msg::Reply> BenchClocks::step_once(const Target& target, msg::Request request,
-                                          milliseconds patience) {
+                                          milliseconds patience, Silence silence) {
   if (const auto grant = grant_of(target.key)) {
-    return step_as_stepper(target, *grant, request, patience);
+    return step_as_stepper(target, *grant, request, patience, silence);
   }
   request.last_sequence(holdings_.last_sequence(target.key));
-  return requests_.exchange(target, std::move(request), step_of(target));
+  return requests_.exchange(target, std::move(request), step_of(target), silence);
 }
 
 Result<Observation> BenchClocks::step(const Target& target, std::uint64_t ticks,
-                                      std::span<const std::uint16_t> axes, milliseconds patience) {
+                                      std::span<const std::uint16_t> axes, milliseconds patience,
+                                      Silence silence) {
   std::uint64_t left = ticks;
   std::size_t shown = 0;
   Observation observation;
@@ -217,7 +218,7 @@ Result<Observation> BenchClocks::step(const Target& target, std::uint64_t ticks,
       shown += count;
     }
     const std::size_t wanted = request.axes().size();
-    const auto reply = step_once(target, std::move(request), patience);
+    const auto reply = step_once(target, std::move(request), patience, silence);
     if (!reply) return reply.outcome();
     if (reply->statuses().size() != wanted) {
       return Outcome::failed(name_of(target) + " did not send the status of the requested axes");

@@ -46,7 +46,8 @@ class BenchClocks {
   /// @param patience wall time for other steppers to grant the next tick
   Result<Observation> step(const Target& target, std::uint64_t ticks,
                            std::span<const std::uint16_t> axes,
-                           std::chrono::milliseconds patience = kStepPatience);
+                           std::chrono::milliseconds patience = kStepPatience,
+                           Silence silence = Silence::ends_call);
 
   /// Makes this session a stepper of the bench. @return the present tick.
   Result<std::uint64_t> join(const Target& target);
@@ -72,12 +73,12 @@ class BenchClocks {
 
  private:
   Result<msg::Reply> step_once(const Target& target, msg::Request request,
-                               std::chrono::milliseconds patience);
+                               std::chrono::milliseconds patience, Silence silence);
   Result<msg::Reply> step_as_stepper(const Target& target, const Grant& grant,
                                      const msg::Request& request,
-                                     std::chrono::milliseconds patience);
+                                     std::chrono::milliseconds patience, Silence silence);
   Result<msg::Reply> conclude_step(const Target& target, const PendingStep& step,
-                                   Wakeup::Clock::time_point deadline);
+                                   Wakeup::Clock::time_point deadline, Silence silence);
   void note_reply(const BenchKey& key, const PendingStep& step, const msg::Reply& reply);
   [[nodiscard]] Outcome missing_stepper(const Target& target, std::uint64_t session) const;
 

@@ -200,6 +200,13 @@ std::optional<PresentBench> Directory::find(std::uint32_t number, Clock::time_po
   return run == nullptr ? std::nullopt : std::optional(whole(run->second, now));
 }
 
+std::optional<PresentBench> Directory::find_without_axes(std::uint32_t number,
+                                                         Clock::time_point now) const {
+  const auto* const run = find_run(number, now);
+  if (run == nullptr) return std::nullopt;
+  return PresentBench{run->second.info, run->second.source};
+}
+
 std::size_t Directory::described() const {
   return static_cast<std::size_t>(std::ranges::count_if(entries_, [](const auto& item) {
     return item.second.part_count != 0;
@@ -225,6 +232,36 @@ bool Directory::is_alive(const BenchKey& key, std::chrono::milliseconds patience
   const auto entry = entries_.find(key);
   return entry != entries_.end() && !entry->second.offline && entry->second.newest_sample &&
          now - *entry->second.newest_sample < patience;
+}
+
+std::optional<std::chrono::milliseconds> Directory::age(const BenchKey& key,
+                                                        Clock::time_point now) const {
+  const auto entry = entries_.find(key);
+  if (entry == entries_.end() || !entry->second.newest_sample) return std::nullopt;
+  return std::chrono::duration_cast<std::chrono::milliseconds>(now - *entry->second.newest_sample);
+}
+
+BenchKey Directory::newest_run(std::uint32_t number) const {
+  BenchKey newest{number, 0};
+  std::optional<Clock::time_point> heard;
+  for (const auto& [key, entry] : entries_) {
+    if (key.number != number || (heard && entry.newest <= *heard)) continue;
+    newest = key;
+    heard = entry.newest;
+  }
+  return newest;
+}
+
+bool Directory::is_offline(const BenchKey& key) const {
+  const auto entry = entries_.find(key);
+  return entry != entries_.end() && entry->second.offline;
+}
+
+void Directory::discount(Clock::duration pause) {
+  for (auto& [key, entry] : entries_) {
+    entry.newest += pause;
+    if (entry.newest_sample) *entry.newest_sample += pause;
+  }
 }
 
 std::uint64_t Directory::tick(const BenchKey& key) const {

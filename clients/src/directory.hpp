@@ -80,6 +80,10 @@ class Directory {
   /// @return the bench `number` if it is there.
   [[nodiscard]] std::optional<PresentBench> find(std::uint32_t number, Clock::time_point now) const;
 
+  /// @return the same without its axes, of which a bench may have thousands.
+  [[nodiscard]] std::optional<PresentBench> find_without_axes(std::uint32_t number,
+                                                              Clock::time_point now) const;
+
   /// @return of how many runs a description has arrived.
   [[nodiscard]] std::size_t described() const;
 
@@ -93,6 +97,19 @@ class Directory {
   /// @return whether a sample of this run arrived within `patience` and has not gone offline.
   [[nodiscard]] bool is_alive(const BenchKey& key, std::chrono::milliseconds patience,
                               Clock::time_point now) const;
+
+  /// @return the age of the newest sample of this run; nothing when there is none.
+  [[nodiscard]] std::optional<std::chrono::milliseconds> age(const BenchKey& key,
+                                                             Clock::time_point now) const;
+
+  /// @return the run of the bench that was heard last; one without an incarnation when none was.
+  [[nodiscard]] BenchKey newest_run(std::uint32_t number) const;
+
+  /// @return whether this run has announced its end.
+  [[nodiscard]] bool is_offline(const BenchKey& key) const;
+
+  /// This program did not run for as long: that makes no sample older.
+  void discount(Clock::duration pause);
 
   /// @return every run that has a description and a sample, by bench; of one bench the newest last.
   [[nodiscard]] std::vector<Presence> presences(Clock::time_point now) const;

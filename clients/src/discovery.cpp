@@ -66,7 +66,20 @@ Discovery::Discovery(wire::Participant& participant, SessionOptions options, Wak
       description_subscription_(
           participant, [this](const msg::BenchDescription& message, const wire::Source& source) {
             on_description(message, source);
-          }) {}
+          }) {
+  pulse_.start([this] {
+    const std::scoped_lock lock(mutex_);
+    static_cast<void>(running_time());
+    return OwnPauses::kPeriod;
+  });
+}
+
+Discovery::Clock::time_point Discovery::running_time() const {
+  const auto now = Clock::now();
+  const auto pause = own_pauses_.note(now);
+  if (pause != Clock::duration::zero()) directory_.discount(pause);
+  return now;
+}
 
 // ---- waiting for a bench ---------------------------------------------------------------------
 
@@ -102,8 +115,8 @@ Sight Discovery::look(std::optional<std::uint32_t> number) const {
   const std::vector<wire::OtherParticipant> others = participant_.others();
   Sight sight{.participants = others.size()};
   const bool is_closed = !options_.security.empty();
-  const auto now = Clock::now();
   const std::scoped_lock lock(mutex_);
+  const auto now = running_time();
   sight.present = number ? (directory_.find(*number, now) ? 1 : 0) : directory_.count_present(now);
   for (const wire::OtherParticipant& other : others) {
     if (!is_service(other.name, number)) continue;
@@ -150,7 +163,7 @@ Result<PresentBench> Discovery::find_bench(std::optional<std::uint32_t> number) 
   std::optional<PresentBench> found;
   const auto find = [&] {
     const std::scoped_lock lock(mutex_);
-    found = directory_.find(wanted, Clock::now());
+    found = directory_.find(wanted, running_time());
     return found.has_value();
   };
   // First without a search: most calls are for a bench that is there.
@@ -217,7 +230,7 @@ bool Discovery::expects_more() const {
   if (options_.bench) return false;
   const std::size_t matched = description_subscription_.matched();
   const std::scoped_lock lock(mutex_);
-  return matched > directory_.described() || directory_.expects_more(Clock::now());
+  return matched > directory_.described() || directory_.expects_more(running_time());
 }
 
 // ---- what arrives ----------------------------------------------------------------------------
@@ -230,7 +243,7 @@ void Discovery::on_description(const msg::BenchDescription& message, const wire:
   if (!sees(message.bench())) return;
   {
     const std::scoped_lock lock(mutex_);
-    directory_.on_description(message, source, Clock::now());
+    directory_.on_description(message, source, running_time());
   }
   wakeup_.notify();
 }
@@ -239,7 +252,7 @@ void Discovery::on_state(const msg::BenchState& message, const wire::Source& sou
   if (!sees(message.bench())) return;
   {
     const std::scoped_lock lock(mutex_);
-    directory_.on_state(message, Clock::now());
+    directory_.on_state(message, running_time());
     directory_.note_sender({message.bench(), message.incarnation()}, source);
   }
   wakeup_.notify();
@@ -252,7 +265,7 @@ void Discovery::note_sender(const BenchKey& key, const wire::Source& source) {
 
 void Discovery::note_sample(const BenchKey& key, std::uint64_t tick, const wire::Source& source) {
   const std::scoped_lock lock(mutex_);
-  directory_.note_sample(key, tick, Clock::now());
+  directory_.note_sample(key, tick, running_time());
   directory_.note_sender(key, source);
 }
 
@@ -265,7 +278,7 @@ void Discovery::set_rate(const BenchKey& key, double rate) {
 
 std::vector<PresentBench> Discovery::present() const {
   const std::scoped_lock lock(mutex_);
-  return directory_.present(Clock::now());
+  return directory_.present(running_time());
 }
 
 std::optional<wire::Source> Discovery::source_of(const BenchKey& key) const {
@@ -275,19 +288,56 @@ std::optional<wire::Source> Discovery::source_of(const BenchKey& key) const {
 
 bool Discovery::is_alive(const BenchKey& key, milliseconds patience) const {
   const std::scoped_lock lock(mutex_);
-  return directory_.is_alive(key, patience, Clock::now());
+  return directory_.is_alive(key, patience, running_time());
 }
 
 Outcome Discovery::check_presence(const Target& target) const {
   const std::scoped_lock lock(mutex_);
-  const auto now = Clock::now();
+  const auto now = running_time();
   if (directory_.is_restarted(target.key, now)) return Outcome::lost(restarted_text(target));
   if (directory_.is_alive(target.key, options_.silence, now)) return {};
-  return Outcome::lost(name_of(target) + " stopped sending or ended");
+  return lost_in_silence(target, now, options_.silence);
 }
 
-Outcome Discovery::check_samples(const Target& target) const {
-  return is_alive(target.key, options_.silence) ? Outcome() : check_presence(target);
+Outcome Discovery::check_samples(const Target& target, Silence silence) const {
+  const std::scoped_lock lock(mutex_);
+  const auto now = running_time();
+  if (directory_.is_alive(target.key, options_.silence, now)) return {};
+  if (directory_.is_restarted(target.key, now)) return Outcome::lost(restarted_text(target));
+  const auto limit = silence == Silence::is_bridged ? patience() : options_.silence;
+  return directory_.is_alive(target.key, limit, now) ? Outcome()
+                                                     : lost_in_silence(target, now, limit);
+}
+
+/// With the lock.
+Outcome Discovery::lost_in_silence(const Target& target, Clock::time_point now,
+                                   milliseconds limit) const {
+  if (directory_.is_offline(target.key)) {
+    return Outcome::lost(name_of(target) + " went offline: its service has ended");
+  }
+  std::string text = name_of(target) + " stopped sending or ended";
+  if (const auto age = directory_.age(target.key, now)) {
+    text += ": its newest sample is " + std::to_string(age->count()) + " ms old, the limit is " +
+            std::to_string(limit.count()) + " ms";
+  }
+  return Outcome::lost(std::move(text));
+}
+
+std::optional<Target> Discovery::present_target(std::uint32_t bench) const {
+  const std::scoped_lock lock(mutex_);
+  const auto present = directory_.find_without_axes(bench, running_time());
+  return present ? std::optional(target_of(*present)) : std::nullopt;
+}
+
+Outcome Discovery::loss_of(std::uint32_t bench) const {
+  const std::scoped_lock lock(mutex_);
+  const auto key = directory_.newest_run(bench);
+  return lost_in_silence({.key = key}, running_time(), patience());
+}
+
+Discovery::Clock::duration Discovery::own_pauses() const {
+  const std::scoped_lock lock(mutex_);
+  return own_pauses_.total();
 }
 
 bool Discovery::is_paused(const BenchKey& key, Clock::time_point since) const {
@@ -307,7 +357,7 @@ std::uint64_t Discovery::tick(const BenchKey& key) const {
 
 std::vector<ServiceChange> Discovery::changes(ServiceWatch& watch) const {
   const std::scoped_lock lock(mutex_);
-  return watch.changes(directory_, Clock::now());
+  return watch.changes(directory_, running_time());
 }
 
 }  // namespace vdrive::client

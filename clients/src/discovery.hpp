@@ -2,6 +2,8 @@
 #pragma once
 
 #include "directory.hpp"
+#include "own_pauses.hpp"
+#include "periodic_thread.hpp"
 #include "search.hpp"
 #include "service_watch.hpp"
 #include "target.hpp"
@@ -11,6 +13,7 @@
 #include "vdrive_messages.h"
 #include "wakeup.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <mutex>
@@ -21,8 +24,15 @@
 
 namespace vdrive::client {
 
+/// Which silence of a bench ends what waits for it.
+enum class Silence : std::uint8_t {
+  ends_call,   ///< one of SessionOptions::silence
+  is_bridged,  ///< one of SessionOptions::patience: what follows a bench continues after a gap
+};
+
 /// Which benches and axes are there: receives what benches publish about themselves, and answers
-/// questions by the age of their samples. Thread-safe; its lock is never held while another one is
+/// questions by the age of their samples, in which times when this program did not run do not
+/// count. Thread-safe; its lock is never held while another one is
 /// taken.
 class Discovery {
  public:
@@ -69,10 +79,18 @@ class Discovery {
   /// @return lost when this run of the service was silent for silence(), ended, or was replaced.
   [[nodiscard]] Outcome check_presence(const Target& target) const;
 
-  /// @return the same for a call that waits: the run of a service that was replaced continues as
-  /// long
-  ///         as its samples arrive.
-  [[nodiscard]] Outcome check_samples(const Target& target) const;
+  /// @return the same for what waits: the run of a service that was replaced continues as long as
+  ///         its samples arrive, and `silence` may be bridged.
+  [[nodiscard]] Outcome check_samples(const Target& target, Silence silence) const;
+
+  /// @return the run of the bench that is there now; nothing when none is.
+  [[nodiscard]] std::optional<Target> present_target(std::uint32_t bench) const;
+
+  /// @return why nothing comes from a bench that has no run now.
+  [[nodiscard]] Outcome loss_of(std::uint32_t bench) const;
+
+  /// @return for how long this program did not run since it has this object.
+  [[nodiscard]] Clock::duration own_pauses() const;
 
   /// @return whether a state of this run after `since` shows that its drive time stands still.
   [[nodiscard]] bool is_paused(const BenchKey& key, Clock::time_point since = {}) const;
@@ -89,6 +107,11 @@ class Discovery {
   /// Wall time without a sample after which a service counts as lost.
   [[nodiscard]] std::chrono::milliseconds silence() const noexcept { return options_.silence; }
 
+  /// The same for what follows a bench.
+  [[nodiscard]] std::chrono::milliseconds patience() const noexcept {
+    return std::max(options_.patience, options_.silence);
+  }
+
  private:
   void on_description(const msg::BenchDescription& message, const wire::Source& source);
   void on_state(const msg::BenchState& message, const wire::Source& source);
@@ -102,15 +125,22 @@ class Discovery {
   /// @param number of the only bench that is looked for
   template <typename Condition>
   void search(std::optional<std::uint32_t> number, const Condition& condition);
+  /// With the lock. @return why a bench that sends nothing is lost.
+  [[nodiscard]] Outcome lost_in_silence(const Target& target, Clock::time_point now,
+                                        std::chrono::milliseconds limit) const;
+  /// With the lock. @return the time, after a pause of this program was discounted.
+  Clock::time_point running_time() const;
 
   wire::Participant& participant_;
   const SessionOptions options_;
   Wakeup& wakeup_;
-  mutable std::mutex mutex_;  ///< guards the directory and what was seen
-  Directory directory_;
+  mutable std::mutex mutex_;  ///< guards the directory, the pauses and what was seen
+  mutable OwnPauses own_pauses_{Clock::now()};
+  mutable Directory directory_;  ///< each question discounts a pause first
   std::string seen_ = text_of({}, {});
   wire::Subscription<msg::BenchState> state_subscription_;
   wire::Subscription<msg::BenchDescription> description_subscription_;
+  PeriodicThread pulse_;  ///< notes that the program runs
 };
 
 }  // namespace vdrive::client

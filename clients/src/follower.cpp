@@ -19,17 +19,19 @@ Follower::Follower(Follower&&) noexcept = default;
 Follower& Follower::operator=(Follower&&) noexcept = default;
 
 Result<Observation> Follower::next(std::chrono::milliseconds patience) {
-  if (!state_->feed) return state_->core->clocks.step(state_->target, 1, state_->axes, patience);
-  return state_->core->stream.next(state_->target, *state_->feed,
-                                   {patience, true, state_->pace == Pace::drive});
+  Observation sample;
+  if (Outcome outcome = next(patience, sample); !outcome) return outcome;
+  return sample;
 }
 
 Outcome Follower::next(std::chrono::milliseconds patience, Observation& sample) {
   if (state_->feed) {
-    return state_->core->stream.next(state_->target, *state_->feed,
-                                     {patience, true, state_->pace == Pace::drive}, sample);
+    return state_->core->stream.next(
+        state_->target, *state_->feed,
+        {patience, true, state_->pace == Pace::drive, Silence::is_bridged}, sample);
   }
-  auto stepped = next(patience);
+  auto stepped =
+      state_->core->clocks.step(state_->target, 1, state_->axes, patience, Silence::is_bridged);
   if (!stepped) return stepped.outcome();
   sample = std::move(*stepped);
   return {};

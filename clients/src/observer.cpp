@@ -14,7 +14,7 @@ namespace {
 // a service that connects anew.
 constexpr Patience kFirstSample{std::chrono::milliseconds(5000), true, true};
 
-constexpr Patience kAnyTick{std::chrono::hours(24 * 365), true, true};
+constexpr Patience kAnyTick{std::chrono::hours(24 * 365), true, true, Silence::is_bridged};
 
 /// Members of the status image that can be read as objects.
 std::vector<StatusMember> readable_members() {
@@ -89,9 +89,9 @@ Result<Observation> Observer::read_status(const Target& target,
   return observation;
 }
 
-Result<std::uint64_t> Observer::present_tick(const Target& target) {
+Result<std::uint64_t> Observer::present_tick(const Target& target, Silence silence) {
   if (target.steps() && connection_.may_command()) {
-    const auto shown = clocks_.step(target, 0, {});
+    const auto shown = clocks_.step(target, 0, {}, kStepPatience, silence);
     if (!shown) return shown.outcome();
     return shown->tick;
   }
@@ -101,9 +101,10 @@ Result<std::uint64_t> Observer::present_tick(const Target& target) {
 
 Result<std::uint64_t> Observer::wait_for_tick(const Target& target, std::uint64_t tick) {
   if (target.steps()) {
-    auto present = present_tick(target);
+    auto present = present_tick(target, Silence::is_bridged);
     if (!present || *present >= tick) return present;
-    const auto reached = clocks_.step(target, tick - *present, {});
+    const auto reached =
+        clocks_.step(target, tick - *present, {}, kStepPatience, Silence::is_bridged);
     if (!reached) return reached.outcome();
     return reached->tick;
   }

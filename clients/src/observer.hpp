@@ -28,7 +28,7 @@ class Observer {
                               StatusFeed& feed);
 
   /// The newest tick of the bench.
-  Result<std::uint64_t> present_tick(const Target& target);
+  Result<std::uint64_t> present_tick(const Target& target, Silence silence = Silence::ends_call);
 
   /// Waits until the bench has reached `tick`; in lock-step steps to it. @return the tick reached.
   Result<std::uint64_t> wait_for_tick(const Target& target, std::uint64_t tick);

@@ -38,10 +38,12 @@ Result<msg::Reply> Requests::await(const Target& target, std::uint64_t number,
 }
 
 Result<msg::Reply> Requests::exchange(const Target& target, msg::Request request,
-                                      std::string_view what) {
+                                      std::string_view what, Silence silence) {
   const auto number = send(target, std::move(request));
   if (!number) return number.outcome();
-  auto reply = await(target, *number, kAnswer);
+  Patience patience = kAnswer;
+  patience.silence = silence;
+  auto reply = await(target, *number, patience);
   if (!reply) return reply;
   if (reply->reason() != msg::REASON_NONE) return refusal_of(target, *reply, what);
   return reply;

@@ -23,7 +23,8 @@ class Requests {
 
   /// Sends a request and awaits its reply. Fills in sender and receiver.
   /// @param what names the request in messages, such as "read of axis 1.1"
-  Result<msg::Reply> exchange(const Target& target, msg::Request request, std::string_view what);
+  Result<msg::Reply> exchange(const Target& target, msg::Request request, std::string_view what,
+                              Silence silence = Silence::ends_call);
 
   /// The same for several at once. @return the replies in the same order, or the first refusal.
   Result<std::vector<msg::Reply>> exchange_all(const Target& target,

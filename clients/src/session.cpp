@@ -31,6 +31,20 @@ Result<std::vector<std::uint16_t>> numbers_of(std::span<const AxisId> axes) {
   return numbers;
 }
 
+/// The numbers of axes by bench, each once. @return not_found when one is not there.
+Result<std::map<std::uint32_t, std::vector<std::uint16_t>>> find_by_bench(
+    SessionCore& core, std::span<const AxisId> axes) {
+  std::map<std::uint32_t, std::vector<std::uint16_t>> numbers;
+  for (const AxisId& axis : axes) {
+    if (const auto found = core.discovery.find_axis(to_string(axis)); !found) {
+      return found.outcome();
+    }
+    std::vector<std::uint16_t>& of_bench = numbers[axis.bench];
+    if (std::ranges::find(of_bench, axis.axis) == of_bench.end()) of_bench.push_back(axis.axis);
+  }
+  return numbers;
+}
+
 /// A request about saved states of a bench.
 Result<msg::Reply> exchange_snapshot(SessionCore& core, std::uint32_t bench, std::uint32_t kind,
                                      std::uint64_t snapshot) {
@@ -90,6 +104,20 @@ FrameContent content_of(const SetPointFrame& frame) {
 }
 
 }  // namespace
+
+struct StatusReports::State {
+  explicit State(std::shared_ptr<SessionCore> shared)
+      : core(std::move(shared)), watcher(core->discovery, core->stream) {}
+
+  std::shared_ptr<SessionCore> core;
+  StatusWatcher watcher;
+};
+
+StatusReports::StatusReports(std::unique_ptr<State> state) : state_(std::move(state)) {}
+
+StatusReports::~StatusReports() = default;
+StatusReports::StatusReports(StatusReports&&) noexcept = default;
+StatusReports& StatusReports::operator=(StatusReports&&) noexcept = default;
 
 Session::Session(const SessionOptions& options) : core_(std::make_shared<SessionCore>(options)) {}
 
@@ -159,7 +187,7 @@ Result<std::uint64_t> Session::set_rate(std::uint32_t bench, double rate) {
 Result<std::uint64_t> Session::wait(std::uint32_t bench, std::chrono::nanoseconds duration) {
   const auto target = core_->connection.connect(bench);
   if (!target) return target.outcome();
-  auto present = core_->observer.present_tick(*target);
+  auto present = core_->observer.present_tick(*target, Silence::is_bridged);
   if (!present) return present;
   return core_->observer.wait_for_tick(*target, *present + ticks_of(duration, target->period));
 }
@@ -242,19 +270,25 @@ void Session::on_event(std::function<void(const Event&)> observer, EventHistory 
 }
 
 Outcome Session::on_status(std::span<const AxisId> axes, std::chrono::milliseconds period,
-                           std::function<void(const Observation&)> observer) {
+                           std::function<void(const Observation&)> observer,
+                           std::function<void(const Outcome&)> ended) {
   core_->statuses.stop();
   if (!observer) return {};
-  std::map<std::uint32_t, std::vector<std::uint16_t>> numbers;
-  for (const AxisId& axis : axes) {
-    if (const auto found = core_->discovery.find_axis(to_string(axis)); !found) {
-      return found.outcome();
-    }
-    std::vector<std::uint16_t>& of_bench = numbers[axis.bench];
-    if (std::ranges::find(of_bench, axis.axis) == of_bench.end()) of_bench.push_back(axis.axis);
-  }
-  core_->statuses.watch(numbers, period, std::move(observer));
+  const auto numbers = find_by_bench(*core_, axes);
+  if (!numbers) return numbers.outcome();
+  core_->statuses.watch(*numbers, period, std::move(observer), std::move(ended));
   return {};
+}
+
+Result<StatusReports> Session::report_status(std::span<const AxisId> axes,
+                                             std::chrono::milliseconds period,
+                                             std::function<void(const Observation&)> observer,
+                                             std::function<void(const Outcome&)> ended) {
+  const auto numbers = find_by_bench(*core_, axes);
+  if (!numbers) return numbers.outcome();
+  auto state = std::make_unique<StatusReports::State>(core_);
+  state->watcher.watch(*numbers, period, std::move(observer), std::move(ended));
+  return StatusReports(std::move(state));
 }
 
 Outcome Session::quick_stop(std::uint32_t bench, const CallOptions& options) {

@@ -14,12 +14,13 @@
 
 namespace vdrive::client {
 
-/// How long a wait may take. An interrupt does not end the wait for the answer to a request: the
-/// interrupted call still has to clean up.
+/// How long a wait may take; times when this program does not run do not count. An interrupt does
+/// not end the wait for the answer to a request: the interrupted call still has to clean up.
 struct Patience {
   std::chrono::milliseconds timeout;
   bool may_interrupt;
   bool needs_drive_time = false;  ///< what is awaited never comes while the bench is paused
+  Silence silence = Silence::ends_call;
 };
 
 /// A service whose samples arrive answers within this time, or it never answers.
@@ -36,6 +37,7 @@ class Waiter {
   template <typename Condition>
   Outcome wait(const Target& target, const Patience& patience, const Condition& condition) {
     const auto begin = Wakeup::Clock::now();
+    const auto pauses = discovery_.own_pauses();
     while (true) {
       const std::uint64_t changes = wakeup_.changes();
       if (condition()) return {};
@@ -43,8 +45,10 @@ class Waiter {
       const bool is_broken = connection_.repair(target.key);
       if (condition()) return {};
       if (auto end = end_of_wait(target, patience, begin)) return std::move(*end);
-      wakeup_.wait_until(changes, std::min(begin + patience.timeout,
-                                           now + (is_broken ? kReconnectPeriod : kPeriod)));
+      const auto deadline = begin + patience.timeout + (discovery_.own_pauses() - pauses);
+      if (Wakeup::Clock::now() >= deadline) return timed_out(target);
+      wakeup_.wait_until(changes,
+                         std::min(deadline, now + (is_broken ? kReconnectPeriod : kPeriod)));
     }
   }
 
@@ -57,6 +61,7 @@ class Waiter {
   /// continues.
   [[nodiscard]] std::optional<Outcome> end_of_wait(const Target& target, const Patience& patience,
                                                    Wakeup::Clock::time_point begin) const;
+  [[nodiscard]] static Outcome timed_out(const Target& target);
 
   Wakeup& wakeup_;
   const Discovery& discovery_;

@@ -172,12 +172,15 @@ void Recorder::watch_events(const std::vector<ObservedBench>& benches) {
 
 void Recorder::watch_services() {
   session_.watch_services([this](const client::ServiceChange& change) {
-    if (change.news != client::ServiceNews::restarted &&
-        change.news != client::ServiceNews::went_offline) {
-      return;
-    }
     const std::scoped_lock lock(ended_mutex_);
-    ended_[change.bench] = change.text;
+    silent_since_.erase(change.bench);
+    if (change.news == client::ServiceNews::fell_silent) {
+      silent_since_[change.bench] = Clock::now() - change.silence;
+    }
+    if (change.news == client::ServiceNews::restarted ||
+        change.news == client::ServiceNews::went_offline) {
+      ended_[change.bench] = change.text;
+    }
   });
 }
 
@@ -203,7 +206,9 @@ Outcome Recorder::take_samples(Track& track) {
   auto patience = track.patience;
   for (int i = 0; i < kMostAtOnce && !track.has_ended; ++i) {
     auto sample = track.follower.next(patience);
-    if (sample.outcome().kind() == OutcomeKind::timed_out) return {};
+    if (sample.outcome().kind() == OutcomeKind::timed_out) {
+      return is_silent(track.bench) ? wait_for(track) : Outcome();
+    }
     if (sample.outcome().kind() == OutcomeKind::lost) return wait_for(track);
     if (!sample) return sample.outcome();
     if (track.silent_since) {
@@ -214,6 +219,14 @@ Outcome Recorder::take_samples(Track& track) {
     patience = std::chrono::milliseconds(0);
   }
   return {};
+}
+
+/// A follower bridges a silence that a person should know about.
+bool Recorder::is_silent(std::uint32_t bench) {
+  const std::scoped_lock lock(ended_mutex_);
+  const auto since = silent_since_.find(bench);
+  return since != silent_since_.end() &&
+         Clock::now() - since->second >= client::SessionOptions().silence;
 }
 
 /// The network may be down, or the service may hang: it may send again.

@@ -59,6 +59,7 @@ class Recorder {
   void watch_events(const std::vector<ObservedBench>& benches);
   client::Outcome follow(std::vector<Track>& tracks);
   client::Outcome take_samples(Track& track);
+  bool is_silent(std::uint32_t bench);
   client::Outcome wait_for(Track& track);
   void watch_services();
   void take(Track& track, client::Observation&& sample);
@@ -66,8 +67,9 @@ class Recorder {
   client::Session& session_;
   Terminal& terminal_;
   const RecordCommand& command_;
-  std::mutex ended_mutex_;
+  std::mutex ended_mutex_;  ///< guards the two below, which a thread of the session fills
   std::map<std::uint32_t, std::string> ended_;  ///< benches whose run is over, and how
+  std::map<std::uint32_t, std::chrono::steady_clock::time_point> silent_since_;
   std::unique_ptr<recording::RecordingQueue> queue_;
   recording::Summary summary_;
   bool has_begun_ = false;

@@ -14,6 +14,21 @@ using namespace std::chrono_literals;
 using testing::IsEmpty;
 using testing::SizeIs;
 
+TEST(Directory, NamesTheRunThatWasHeardLastAndWhetherItAnnouncedItsEnd) {
+  Directory sut;
+  EXPECT_EQ(sut.newest_run(1), (BenchKey{1, 0})) << "of a bench that nobody knows";
+  auto message = description(1, 10);
+  sut.on_description(message, kSource, kStart);
+  sut.on_description(description(1, 9), kSource, kStart + 1s);
+  EXPECT_EQ(sut.newest_run(1), (BenchKey{1, 9}));
+  EXPECT_FALSE(sut.is_offline({1, 10}));
+  message.alive(false);
+  sut.on_description(message, kSource, kStart + 2s);
+  EXPECT_EQ(sut.newest_run(1), (BenchKey{1, 10}));
+  EXPECT_TRUE(sut.is_offline({1, 10}));
+  EXPECT_EQ(sut.age({1, 10}, kStart + 2s), std::nullopt) << "a description is no sample";
+}
+
 TEST(Directory, ListsABenchAfterItsDescriptionAndItsState) {
   Directory sut;
   sut.on_description(description(1, 10), kSource, kStart);

@@ -15,8 +15,12 @@
 #include "vdrive/wire/publication.hpp"
 #include "vdrive/wire/subscription.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <unistd.h>
+
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -377,6 +381,154 @@ TEST(Reconnect, AFollowerContinuesAndReportsTheGap) {
     missed += seen->missed;
   }
   EXPECT_GE(missed, 200U);
+}
+
+/// What on_status() reports.
+struct SeenReports {
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::uint64_t newest = 0;   ///< tick
+  std::uint64_t skipped = 0;  ///< most ticks that two reports next to each other are apart
+  std::string end;            ///< why the reports ended
+
+  void on_report(const Observation& seen) {
+    const std::scoped_lock lock(mutex);
+    if (newest != 0) skipped = std::max(skipped, seen.tick - newest);
+    newest = seen.tick;
+    changed.notify_all();
+  }
+
+  void on_end(const Outcome& why) {
+    const std::scoped_lock lock(mutex);
+    end = why.message();
+    changed.notify_all();
+  }
+
+  template <typename Condition>
+  bool await(const Condition& condition) {
+    std::unique_lock lock(mutex);
+    return changed.wait_for(lock, kDeadline, condition);
+  }
+};
+
+Outcome report_to(SeenReports& reports, Session& session) {
+  const std::vector<AxisId> axes{{1, 1}};
+  return session.on_status(
+      axes, 5ms,
+      [&reports](const Observation& seen) {
+        reports.on_report(seen);
+      },
+      [&reports](const Outcome& why) {
+        reports.on_end(why);
+      });
+}
+
+// A wire that hangs is replaced after 2 s and more, which is longer than the silence of a call.
+TEST(Reconnect, WhatFollowsABenchContinuesWhereACallIsLost) {
+  Bench bench(service::ClockMode::realtime);
+  SeenReports reports;
+  Session sut(options());
+  auto axis = sut.axis("1.1");
+  ASSERT_TRUE(axis) << axis.outcome().message();
+  auto follower = sut.follow({{1, 1}}, Pace::observe);
+  ASSERT_TRUE(follower) << follower.outcome().message();
+  ASSERT_TRUE(follower->next(5s));
+  ASSERT_TRUE(report_to(reports, sut));
+  ASSERT_TRUE(reports.await([&] {
+    return reports.newest != 0;
+  }));
+  const std::uint64_t begin = bench.tick();
+  auto waited = std::async(std::launch::async, [&] {
+    return sut.wait_for_tick(1, begin + 4'000).outcome().message();
+  });
+  bench.disconnect();
+  EXPECT_EQ(axis->read(kWindow).outcome().kind(), OutcomeKind::lost);
+  ASSERT_TRUE(bench.await_tick(begin + 2'500));
+  bench.connect();
+  std::uint64_t missed = 0;
+  for (const auto give_up = Clock::now() + kDeadline; missed < 2'400 && Clock::now() < give_up;) {
+    const auto seen = follower->next(10s);
+    ASSERT_TRUE(seen) << seen.outcome().message();
+    missed += seen->missed;
+  }
+  EXPECT_GE(missed, 2'400U) << "the gap is counted";
+  EXPECT_EQ(waited.get(), "");
+  EXPECT_TRUE(reports.await([&] {
+    return reports.newest > begin + 2'500;
+  }));
+  EXPECT_GE(reports.skipped, 2'400U);
+  EXPECT_EQ(reports.end, "");
+  EXPECT_TRUE(axis->read(kWindow)) << "a call acts again";
+}
+
+TEST(Reconnect, ASilenceBeyondThePatienceEndsWhatFollowsABenchWithItsReason) {
+  Bench bench(service::ClockMode::realtime);
+  SeenReports reports;
+  SessionOptions impatient = options();
+  impatient.silence = 500ms;
+  impatient.patience = 2s;
+  Session sut(impatient);
+  auto follower = sut.follow({{1, 1}}, Pace::observe);
+  ASSERT_TRUE(follower) << follower.outcome().message();
+  ASSERT_TRUE(follower->next(5s));
+  ASSERT_TRUE(report_to(reports, sut));
+  ASSERT_TRUE(reports.await([&] {
+    return reports.newest != 0;
+  }));
+  auto waited = std::async(std::launch::async, [&] {
+    return sut.wait_for_tick(1, 1'000'000).outcome();
+  });
+  bench.disconnect();
+  while (follower->next(0ms)) {
+  }
+  const auto begin = Clock::now();
+  const Outcome lost = follower->next(kDeadline).outcome();
+  EXPECT_EQ(lost.kind(), OutcomeKind::lost);
+  EXPECT_GE(Clock::now() - begin, 1500ms) << "later than the silence of a call";
+  const testing::Matcher<std::string> reason =
+      testing::AllOf(testing::HasSubstr("bench 1 stopped sending or ended: its newest sample is"),
+                     testing::HasSubstr("the limit is 2000 ms"));
+  EXPECT_THAT(lost.message(), reason);
+  EXPECT_THAT(waited.get().message(), reason);
+  EXPECT_TRUE(reports.await([&] {
+    return !reports.end.empty();
+  }));
+  EXPECT_THAT(reports.end, reason);
+}
+
+// Which of its threads runs first afterwards is by chance: the one that waits, or the one that
+// receives.
+TEST(Reconnect, APauseOfTheProgramItselfIsNoSilenceOfTheBench) {
+  const test::RunningService service("--axes 1");
+  Session sut(options());
+  const auto axis = sut.axis("1.1");
+  ASSERT_TRUE(axis) << axis.outcome().message();
+  auto follower = sut.follow({{1, 1}}, Pace::observe);
+  ASSERT_TRUE(follower) << follower.outcome().message();
+  const auto first = follower->next(5s);
+  ASSERT_TRUE(first);
+  std::atomic<bool> has_ended = false;
+  std::atomic<int> silences = 0;
+  sut.watch_services([&](const ServiceChange& change) {
+    if (change.news == ServiceNews::fell_silent) ++silences;
+  });
+  auto waited = std::async(std::launch::async, [&] {
+    const auto outcome = sut.wait_for_tick(1, first->tick + 5'000).outcome();
+    has_ended = true;
+    return outcome.message();
+  });
+  const std::string self = std::to_string(getpid());
+  test::Process stopper("/bin/sh", {"-c", "kill -STOP " + self + "; sleep 4; kill -CONT " + self});
+  std::uint64_t missed = 0;
+  while (!has_ended) {
+    const auto seen = follower->next(5s);
+    ASSERT_TRUE(seen) << seen.outcome().message();
+    missed += seen->missed;
+  }
+  EXPECT_EQ(waited.get(), "");
+  EXPECT_EQ(stopper.wait().code, 0);
+  EXPECT_EQ(silences, 0) << "reported";
+  EXPECT_TRUE(axis->status());
 }
 
 // A silence of a second is survived: the wire is away for 700 ms and has to be found.

@@ -64,6 +64,8 @@ void complete(Arguments& arguments) {
   settings.is_enabled = settings.is_enabled || arguments.enable;
   settings.is_prefixed = settings.is_prefixed || arguments.prefix;
   settings.session.find_timeout = bridge::find_timeout_of(settings.session);
+  // A controller must not act on a state that is older: a link discards it, and follows anew.
+  settings.session.patience = settings.session.silence;
   resolve_topics(settings);
 }
 

@@ -55,6 +55,11 @@ struct SessionOptions {
   /// service sends nothing while its network process restarts. Session::watch_services reports the
   /// silence earlier.
   std::chrono::milliseconds silence{1500};
+  /// What follows a bench (Follower, Session::wait, wait_for_tick, on_status) continues after a
+  /// silence up to this [wall time], so that it survives the replacement of the network process; a
+  /// follower counts what it missed. One shorter than `silence` acts as `silence`. In neither of
+  /// them counts a time in which this program did not run itself: stopped, or without a processor.
+  std::chrono::milliseconds patience{10'000};
 };
 
 /// What happened to a service.
@@ -114,8 +119,9 @@ class Follower {
 
   /// Waits for the next tick that shows all axes; in lock-step with Pace::drive steps to it.
   /// @param patience wall time to wait for a sample
-  /// @return timed_out after `patience`, lost when the service is silent, failed when interrupted
-  ///         or, with Pace::drive, when the bench is paused.
+  /// @return timed_out after `patience`, lost when the service was silent for
+  ///         SessionOptions::patience, has ended or was restarted, failed when interrupted or, with
+  ///         Pace::drive, when the bench is paused. After a silence the same follower continues.
   Result<Observation> next(std::chrono::milliseconds patience);
 
   /// The same, with the memory of an earlier sample: a program that gives each one back follows
@@ -127,6 +133,24 @@ class Follower {
   friend class SessionCore;
   struct State;
   explicit Follower(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+/// Reports the states of axes to a function of the program until it is destroyed. Made by
+/// Session::report_status; must not outlive the session.
+class StatusReports {
+ public:
+  /// Waits for a report that is under way.
+  ~StatusReports();
+  StatusReports(const StatusReports&) = delete;
+  StatusReports& operator=(const StatusReports&) = delete;
+  StatusReports(StatusReports&&) noexcept;
+  StatusReports& operator=(StatusReports&&) noexcept;
+
+ private:
+  friend class Session;
+  struct State;
+  explicit StatusReports(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };
 
@@ -221,7 +245,7 @@ class Session {
   Result<std::uint64_t> set_rate(std::uint32_t bench, double rate);
 
   /// Lets drive time pass, rounded up to ticks: steps in lock-step, else waits for the tick.
-  /// @return the tick reached.
+  /// @return the tick reached; lost when the service was silent for SessionOptions::patience.
   Result<std::uint64_t> wait(std::uint32_t bench, std::chrono::nanoseconds duration);
 
   /// Waits until the bench has reached `tick`; in lock-step steps to it.
@@ -277,12 +301,21 @@ class Session {
   /// Calls `observer`, in a thread of the session, with the newest state of these axes: for each of
   /// their benches at most once in `period`, when a tick later than the one before has come. For a
   /// program with a loop of its own. While drive time stands still nothing comes; see observe().
-  /// A service that restarts is followed.
+  /// A service that restarts is followed. The reports of a bench that has sent nothing for
+  /// SessionOptions::patience have ended.
   /// @param period wall time, 1 ms or more
   /// @param observer must not end the session; an empty one ends the reports. It replaces the last.
+  /// @param ended called with lost, and its reason, when the reports of a bench have ended
   /// @return not_found when one of the axes is not there.
   Outcome on_status(std::span<const AxisId> axes, std::chrono::milliseconds period,
-                    std::function<void(const Observation&)> observer);
+                    std::function<void(const Observation&)> observer,
+                    std::function<void(const Outcome&)> ended = {});
+
+  /// The same beside others: a session has any number of these reports.
+  Result<StatusReports> report_status(std::span<const AxisId> axes,
+                                      std::chrono::milliseconds period,
+                                      std::function<void(const Observation&)> observer,
+                                      std::function<void(const Outcome&)> ended = {});
 
   /// Quick stop of every axis of a bench that has no fault, whoever owns it, at once. The owners
   /// keep their axes; nothing is acquired. Also after interrupt().
