@@ -11,7 +11,9 @@
 #include <algorithm>
 #include <exception>
 #include <future>
+#include <iomanip>
 #include <iterator>
+#include <sstream>
 #include <utility>
 
 namespace vdrive::tool {
@@ -155,6 +157,34 @@ Finding check_priority(const HostReadings& readings) {
     finding.advice =
         "clock.realtime_priority has no effect without it: give the service "
         "CAP_SYS_NICE or LimitRTPRIO";
+  }
+  return finding;
+}
+
+/// More programs than this wait for each core: answers take several times as long.
+constexpr double kHighLoadOfCore = 2.0;
+
+std::string with_one_digit(double value) {
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(1) << value;
+  return text.str();
+}
+
+Finding check_load(const HostReadings& readings) {
+  Finding finding{.subject = "load", .text = "", .advice = ""};
+  if (!readings.load) {
+    finding.text = "cannot read the load of this machine";
+    return finding;
+  }
+  finding.text = with_one_digit(*readings.load) + " in the last minute on " +
+                 counted(readings.cores, "core", "cores") + ", a thread that waited ran up to " +
+                 std::to_string(readings.longest_delay.count()) + " ms late";
+  if (*readings.load > kHighLoadOfCore * readings.cores) {
+    finding.severity = Severity::hint;
+    finding.advice =
+        "the machine is busy: searches take longer, ticks come late and the watchdog may find "
+        "owners silent: end other programs, raise --timeout and watchdog.timeout_ms, or use "
+        "lock-step";
   }
   return finding;
 }
@@ -376,6 +406,7 @@ std::vector<Finding> diagnose(const HostReadings& readings, const GlobalOptions&
   findings.push_back(check_clock(readings));
   append(findings, check_limits(readings));
   findings.push_back(check_priority(readings));
+  findings.push_back(check_load(readings));
   findings.push_back(check_segments(readings));
   findings.push_back(check_gateway(readings));
   return findings;

@@ -18,6 +18,8 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -174,6 +176,25 @@ std::optional<bool> read_clock_state() {
   return result != TIME_ERROR;
 }
 
+std::optional<double> read_load() {
+  double load = 0;
+  if (getloadavg(&load, 1) != 1) return std::nullopt;
+  return load;
+}
+
+/// How long the kernel lets a thread wait for a core.
+std::chrono::milliseconds longest_delay() {
+  constexpr int kWaits = 30;
+  constexpr std::chrono::milliseconds kWait{1};
+  std::chrono::steady_clock::duration longest{};
+  for (int wait = 0; wait < kWaits; ++wait) {
+    const auto planned = std::chrono::steady_clock::now() + kWait;
+    std::this_thread::sleep_until(planned);
+    longest = std::max(longest, std::chrono::steady_clock::now() - planned);
+  }
+  return std::chrono::floor<std::chrono::milliseconds>(longest);
+}
+
 bool may_run_realtime() {
   bool permitted = false;
   std::thread([&permitted] {  // the priority ends with the thread
@@ -202,6 +223,8 @@ HostReadings read_host(const std::vector<std::string>& addresses) {
   rlimit files{};
   if (getrlimit(RLIMIT_NOFILE, &files) == 0) readings.open_files = files.rlim_cur;
   readings.cores = std::thread::hardware_concurrency();
+  readings.load = read_load();
+  readings.longest_delay = longest_delay();
   readings.may_run_realtime = may_run_realtime();
   readings.gateway = read_gateway(bridge::kGatewayPort);
   return readings;

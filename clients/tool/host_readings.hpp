@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -42,7 +43,9 @@ struct HostReadings {
   std::optional<std::uint64_t> first_ephemeral_port;
   std::uint64_t open_files = 0;  ///< RLIMIT_NOFILE
   unsigned cores = 0;
-  bool may_run_realtime = false;  ///< SCHED_FIFO
+  std::optional<double> load;  ///< programs that run or wait for a core, mean of the last minute
+  std::chrono::milliseconds longest_delay{};  ///< with which a thread ran after a wait of 1 ms
+  bool may_run_realtime = false;              ///< SCHED_FIFO
   GatewayReading gateway = GatewayReading::none;
 };
 

@@ -24,6 +24,7 @@ HostReadings healthy() {
           .first_ephemeral_port = 32'768,
           .open_files = 1'024,
           .cores = 8,
+          .load = 15.9,
           .may_run_realtime = true};
 }
 
@@ -39,6 +40,30 @@ std::vector<Finding> complaints(const HostReadings& readings, const GlobalOption
 
 TEST(Doctor, ReportsNothingOnAHealthyMachine) {
   EXPECT_TRUE(complaints(healthy()).empty());
+}
+
+TEST(Doctor, NamesTheLoadOfTheMachine) {
+  HostReadings readings = healthy();
+  readings.cores = 2;
+  readings.load = 20.34;
+  readings.longest_delay = std::chrono::milliseconds{37};
+  const auto found = complaints(readings);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].subject, "load");
+  EXPECT_EQ(found[0].text,
+            "20.3 in the last minute on 2 cores, a thread that waited ran up to 37 ms late");
+  EXPECT_THAT(found[0].advice, HasSubstr("--timeout"));
+  readings.load = 4.0;
+  EXPECT_TRUE(complaints(readings).empty());
+  readings.load.reset();
+  EXPECT_TRUE(complaints(readings).empty());
+}
+
+TEST(DoctorsReadings, HaveTheLoadOfThisMachine) {
+  const HostReadings readings = read_host({});
+  ASSERT_TRUE(readings.load);
+  EXPECT_GE(*readings.load, 0.0);
+  EXPECT_GE(readings.cores, 1U);
 }
 
 TEST(Doctor, NamesTheProgramOnThePortOfTheGateway) {
