@@ -7,6 +7,7 @@
 #include "vdrive/axis_bank.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/plant/model_parameters.hpp"
+#include "vdrive/text.hpp"
 
 #include <gtest/gtest.h>
 
@@ -314,9 +315,11 @@ INSTANTIATE_TEST_SUITE_P(
                 "parameter: a write of it commands the axis; parameters are objects that keep a "
                 "value, such as profile_velocity, and test inputs, such as test_load_torque"},
         Refused{"parameter_stores", "axes:\n  - number: 1\n    parameters: {\"1010h:1\": 1}",
-                "(0x1010:1) is no parameter: a write of it stores or restores parameters; "},
+                "bench.yaml:3: axes[0].parameters.1010h:1: store_all_parameters (0x1010:1) is no "
+                "parameter: a write of it stores or restores parameters; "},
         Refused{"parameter_clears", "axes:\n  - number: 1\n    parameters: {\"1003h:0\": 0}",
-                "is no parameter: a write of it clears the error history; "},
+                "bench.yaml:3: axes[0].parameters.1003h:0: error_history_count (0x1003) is no "
+                "parameter: a write of it clears the error history; "},
         Refused{"parameter_read_only",
                 "axes:\n  - number: 1\n    parameters: {ds402_statusword: 1}",
                 "bench.yaml:3: axes[0].parameters.ds402_statusword = 1: "}),

@@ -366,7 +366,7 @@ TEST_F(StateDirectory, ThatIsReadOnlyLoadsAndRefusesToSave) {
   fs::remove(directory.path() / "bench-7.lock");
   // Permissions do not bind a superuser: the test seam refuses every change.
   plan.set([](std::uint64_t number) {
-    if (number == 4) fail_with(EROFS);  // the lock file, after three checks of the directory
+    if (number == 5) fail_with(EROFS);  // the lock file, after four steps on the directory
   });
   const auto store = open();
   EXPECT_EQ(generation_of(store->load().table), 1);
@@ -687,7 +687,7 @@ fs::perms rights_of(const fs::path& file) {
   return fs::status(file).permissions();
 }
 
-TEST(StateDirectory, AndItsFilesAreForTheirOwnerAlone) {
+TEST(StateDirectoryRights, AndItsFilesAreForTheirOwnerAlone) {
   const TemporaryDirectory parent;
   const fs::path made = parent.path() / "made";
   ParameterStore store(made, kBenchOfStore);
@@ -699,7 +699,7 @@ TEST(StateDirectory, AndItsFilesAreForTheirOwnerAlone) {
   }
 }
 
-TEST(StateDirectory, ThatWasOpenToOthersIsNarrowedWithItsLock) {
+TEST(StateDirectoryRights, ThatWasOpenToOthersIsNarrowedWithItsLock) {
   const TemporaryDirectory directory;
   const fs::path lock = directory.path() / "bench-7.lock";
   write_text(lock, "");
@@ -710,7 +710,7 @@ TEST(StateDirectory, ThatWasOpenToOthersIsNarrowedWithItsLock) {
   EXPECT_EQ(rights_of(lock), fs::perms::owner_read | fs::perms::owner_write);
 }
 
-TEST(StateDirectory, MayBeReachedThroughALinkOfItsOwnUserAndItsFilesMayNot) {
+TEST(StateDirectoryRights, MayBeReachedThroughALinkOfItsOwnUserAndItsFilesMayNot) {
   const TemporaryDirectory parent;
   const fs::path real = parent.path() / "real";
   const fs::path link = parent.path() / "link";
