@@ -134,12 +134,12 @@ Refusal SecureOrder::begin(const Submessage& submessage) noexcept {
       expected_ = static_cast<std::uint8_t>(Kind::sec_body);
       return Refusal::none;
     default:
-      return is_secure(submessage.kind) ? Refusal::security : Refusal::none;
+      return Refusal::security;
   }
 }
 
-Refusal SecureOrder::next(const Submessage& submessage) noexcept {
-  if (is_secure(submessage.kind) && !has_its_length(submessage)) return Refusal::security;
+Refusal SecureOrder::next_part(const Submessage& submessage) noexcept {
+  if (!is_secure(submessage.kind) || !has_its_length(submessage)) return Refusal::security;
   if (expected_ == 0) return begin(submessage);
   if (static_cast<std::uint8_t>(submessage.kind) != expected_) return Refusal::security;
   if (submessage.kind == Kind::sec_body) {
