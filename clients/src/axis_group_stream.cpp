@@ -95,10 +95,7 @@ Outcome AxisGroup::State::stream_ahead(const Round& round) const {
   Outcome outcome = stream->call.send({&round, 1}, stream->next_tick++, sent);
   while (outcome && stream->in_flight.size() >= lead) outcome = collect_oldest();
   if (!outcome) {  // the next position starts anew, as far ahead as the first
-    while (!stream->in_flight.empty()) {
-      (void)stream->call.collect(stream->in_flight.front(), {});
-      stream->in_flight.pop_front();
-    }
+    collect_rest();
     stream->next_tick = 0;
   }
   return outcome;
@@ -114,10 +111,19 @@ Outcome AxisGroup::State::collect_oldest() const {
   return {};
 }
 
+/// The answers to the others do not matter any more.
+void AxisGroup::State::collect_rest() const {
+  while (!stream->in_flight.empty()) {
+    (void)stream->call.collect(stream->in_flight.front(), {});
+    stream->in_flight.pop_front();
+  }
+}
+
 Outcome AxisGroup::stop_streaming(const GroupCallOptions& options) {
   if (!state_->stream) return not_in_this_state("streaming was not started");
   Outcome rest;
   while (rest && !state_->stream->in_flight.empty()) rest = state_->collect_oldest();
+  state_->collect_rest();
   state_->stream.reset();
   AxesCall call = state_->call(options);
   if (Outcome ready = call.begin_control(timeout_of(options)); !ready) return ready;
@@ -125,9 +131,11 @@ Outcome AxisGroup::stop_streaming(const GroupCallOptions& options) {
   const Answers answers = call.exchange({&mode, 1}, Timing::at_once);
   if (!answers.outcome) return answers.outcome;
   const bool to_the_end = options.until == Until::done;
-  return call.await("profile position mode", answers.tick, [&](const AxisSnapshot& axis) {
+  Outcome seen = call.await("profile position mode", answers.tick, [&](const AxisSnapshot& axis) {
     return !to_the_end || axis.mode() == OperatingMode::profile_position;
   });
+  // A position that came late was not run: the axes rest elsewhere than the caller believes.
+  return seen ? rest : seen;
 }
 
 }  // namespace vdrive::client

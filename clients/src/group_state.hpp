@@ -89,6 +89,7 @@ struct AxisGroup::State {
   Outcome stream_stepping(const Round& round) const;
   Outcome stream_ahead(const Round& round) const;
   Outcome collect_oldest() const;
+  void collect_rest() const;
 
  private:
   Result<LineTimes> times_of(AxesCall& call, const LineRequest& request) const;

@@ -37,7 +37,7 @@ async function waitForText(locator, pattern, patience = PATIENCE_MS) {
     if (pattern.test(text)) return text;
     await new Promise((resolve) => setTimeout(resolve, 20));
   } while (Date.now() < deadline);
-  return assert.fail(`"${text}" does not match ${pattern}; ${await page.locator("footer").textContent()}`);
+  return assert.fail(`[deadline] "${text}" does not match ${pattern}; ${await page.locator("footer").textContent()}`);
 }
 
 /** Blocks the thread of a page for this time. */

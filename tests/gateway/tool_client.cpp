@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/tool_client.hpp"
 
+#include "support/deadline.hpp"
 #include "support/test_domain.hpp"
 
 #include <algorithm>
@@ -105,7 +106,7 @@ void ToolClient::read_until(const std::string& what, std::chrono::milliseconds p
   while (!condition()) {
     const auto left =
         std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
-    if (left <= 0ms) throw std::runtime_error("there was no " + what);
+    if (left <= 0ms) throw std::runtime_error(missed_deadline("there was no " + what, patience));
     if (const auto message = web_.receive(left)) {
       take(*message);
     } else if (web_.has_ended()) {

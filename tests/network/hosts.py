@@ -16,6 +16,11 @@ class Missing(Exception):
     """This machine cannot make hosts; the text gives the reason."""
 
 
+class Late(AssertionError):
+    """A wait that ended, or something that took too long: tests/checks/failures.py tells it from a
+    wrong value."""
+
+
 def run(*command):
     done = subprocess.run(command, capture_output=True, text=True)
     if done.returncode != 0:
@@ -31,7 +36,7 @@ def wait_for(what, condition, timeout):
         if found:
             return found
         if time.monotonic() > deadline:
-            raise AssertionError(f"after {timeout} s still no {what}")
+            raise Late(f"after {timeout:.1f} s still no {what}")
         time.sleep(0.01)
 
 

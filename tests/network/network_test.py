@@ -40,6 +40,11 @@ def expect(condition, message):
         raise AssertionError(message)
 
 
+def expect_in_time(took, limit, message):
+    if took > limit:
+        raise hosts.Late(f"{message}: limit {limit}")
+
+
 class Bench:
     """A service on a host of its own, with an observer beside it that no link can cut off."""
 
@@ -314,8 +319,8 @@ def expect_safe_stop(bench, events, axis, tick, what):
     jumps = (re.match(r"tick number jumped by (\d+)", text) for t, text in events if t <= faults[0])
     jumped = sum(int(match[1]) for match in jumps if match)
     # What arrives between two ticks is received in the next one.
-    expect(faults[0] - jumped <= math.ceil(tick) + WATCHDOG + 2,
-           f"{what}: fault {faults[0] - tick} ticks after the link was down, {jumped} jumped")
+    expect_in_time(faults[0] - jumped - math.ceil(tick), WATCHDOG + 2,
+                   f"{what}: fault {faults[0] - tick} ticks after the link was down, {jumped} jumped")
     name = f"{bench.number}.{axis}"
     at_rest = next((x for x in bench.seen(name) if x["tick"] >= faults[0] and
                     x["state"] == "Fault" and not x["moving"]), None)
@@ -368,7 +373,7 @@ def long_cut(case, seconds):
         # By the silence of the bench; or by its messages once they arrive again, which takes until
         # the host has requested its neighbour's address, once a second.
         limit = 0.5 + (SILENCE if seconds > 2 * SILENCE else seconds + 1)
-        expect(noticed <= limit, f"{what}: axis {axis} noticed after {noticed:.2f} s")
+        expect_in_time(noticed, limit, f"{what}: axis {axis} noticed after {noticed:.2f} s")
         expect(failures[0]["outcome"] in ("lost", "failed", "refused"), failures[0])
         print(f"{what}: axis {axis} {failures[0]['outcome']} after {noticed:.2f} s")
     if seconds < LEASE:  # what was sent is delivered, and answered
@@ -409,13 +414,13 @@ def cut_off_bench_2(case):
         return False
     expect(noticed["outcome"] == "lost", noticed)
     print(f"bench 2 {noticed['outcome']} after {noticed['time'] - began:.2f} s")
-    expect(noticed["time"] - began <= SILENCE + 0.3, f"noticed late: {noticed}")
+    expect_in_time(noticed["time"] - began, SILENCE + 0.3, f"noticed late: {noticed}")
     time.sleep(max(0.0, began + 3 - time.monotonic()))  # beyond the participants' lease
     case.b.ip("link", "set", "net", "up")
     back = time.monotonic()
     case.wait_for_moves(back, 5, axes=("2.1",))
     found = next(x for x in case.calls("2.1", back) if x["call"] == "acquire")
-    expect(found["time"] - back <= 2, f"found again after {found['time'] - back:.2f} s")
+    expect_in_time(found["time"] - back, 2, f"found again after {found['time'] - back:.2f} s")
     print(f"bench 2 found again after {found['time'] - back:.2f} s")
     events = case.benches[1].events(mark)
     times = expect_safe_stop(case.benches[1], events, 1, tick, "bench 2 cut off")
@@ -509,7 +514,7 @@ def cut_group_member(case, seconds):
         noticed = failed[0]["time"] - began
         print(f"{what}: '{failed[0]['message']}' after {noticed:.2f} s")
         expect(failed[0]["outcome"] in ("lost", "failed"), failed[0])
-        expect(noticed <= SILENCE + 1, f"{what}: noticed after {noticed:.2f} s")
+        expect_in_time(noticed, SILENCE + 1, f"{what}: noticed after {noticed:.2f} s")
         others = case.benches[0].seen("1.1")[-1]
         expect(not others["moving"], f"{what}: axis 1.1 continues alone: {others}")
         expect(others["error"] == 0, f"{what}: the axis of the reachable bench failed: {others}")
@@ -568,7 +573,7 @@ def move_with_loss(case, percent, seconds):
         calls = case.calls(axis, began)
         times = [began, *(call["time"] for call in calls if call["time"] < ended), ended]
         gap = max(later - earlier for earlier, later in zip(times, times[1:]))
-        expect(gap < 3, f"{percent} % loss: axis {axis} hung for {gap:.1f} s")
+        expect_in_time(gap, 3, f"{percent} % loss: axis {axis} hung for {gap:.1f} s")
         failed = case.failures(axis, began)
         stops = [text for _, text in bench.events(mark) if text == "axis 1: fault 0x8130"]
         expect(bool(stops) or not failed, f"{percent} % loss: a call failed on an axis that did "
@@ -634,14 +639,14 @@ def AGatewayClientWithACutCableIsALostMaster(case):
                    lambda: bench.seen("1.1")[-1]["error"] == CONNECTION_LOST, 20)
     after = time.monotonic() - cut
     # A client whose machine answers, but not its program, is closed after 10 s.
-    expect(after < 8, f"the fault came after {after:.1f} s")
+    expect_in_time(after, 8, f"the fault came after {after:.1f} s")
 
 
 # --------------------------------------------------------------------------------------------------
 
 
 def give_up(number, _frame):
-    raise AssertionError(f"ended by {signal.Signals(number).name}")
+    raise hosts.Late(f"ended by {signal.Signals(number).name}")
 
 
 def main():

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "service/probe.hpp"
 
+#include "support/deadline.hpp"
+
 #include <algorithm>
 #include <atomic>
 #include <utility>
@@ -22,9 +24,10 @@ template <typename Result>
 Result Probe::wait_for(const std::function<Result()>& find) {
   std::unique_lock lock(mutex_);
   Result result{};
-  changed_.wait_for(lock, kPatience, [&] {
+  const bool found = changed_.wait_for(lock, kPatience, [&] {
     return static_cast<bool>(result = find());
   });
+  if (!found) report_missed_deadline("the probe did not see what it waited for", kPatience);
   return result;
 }
 
@@ -64,8 +67,11 @@ bool Probe::find_bench() {
     if (found != descriptions_.end()) incarnation = found->incarnation();
     return found != descriptions_.end();
   });
-  return announced && requests_.wait_for_matched(1, kPatience) &&
-         frames_.wait_for_matched(1, kPatience);
+  if (!announced) return false;
+  const bool matched =
+      requests_.wait_for_matched(1, kPatience) && frames_.wait_for_matched(1, kPatience);
+  if (!matched) report_missed_deadline("the bench did not receive requests", kPatience);
+  return matched;
 }
 
 std::uint64_t Probe::next_client() {

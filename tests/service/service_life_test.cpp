@@ -27,6 +27,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace vdrive::test {
@@ -40,11 +41,28 @@ constexpr std::uint16_t kOperationEnabled = 0x27;
 constexpr std::uint16_t kSwitchOnDisabledMask = 0x4F;
 constexpr std::uint16_t kSwitchOnDisabled = 0x40;
 
-/// The receiving socket of a service manager. Children of this process find it in NOTIFY_SOCKET.
+/// A variable of the environment that children of this process find while this object lives.
+class EnvironmentVariable {
+ public:
+  EnvironmentVariable(std::string name, const std::string& value) : name_(std::move(name)) {
+    setenv(name_.c_str(), value.c_str(), 1);
+  }
+
+  ~EnvironmentVariable() { unsetenv(name_.c_str()); }
+
+  EnvironmentVariable(const EnvironmentVariable&) = delete;
+  EnvironmentVariable& operator=(const EnvironmentVariable&) = delete;
+
+ private:
+  std::string name_;
+};
+
+/// The receiving socket of a service manager. Children of this process find it in NOTIFY_SOCKET,
+/// and none that starts after its end: the next socket may have the same name.
 class NotifySocket {
  public:
   NotifySocket() : socket_(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
-    const std::string name = "vdrive-test-" + std::to_string(getpid());
+    const std::string name = name_of_process();
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
     std::copy(name.begin(), name.end(), &address.sun_path[1]);  // abstract: it leaves no file
@@ -53,7 +71,6 @@ class NotifySocket {
              static_cast<socklen_t>(size)) != 0) {
       throw std::runtime_error("no notify socket");
     }
-    setenv("NOTIFY_SOCKET", ("@" + name).c_str(), 1);
   }
 
   ~NotifySocket() { close(socket_); }
@@ -81,7 +98,10 @@ class NotifySocket {
   }
 
  private:
+  static std::string name_of_process() { return "vdrive-test-" + std::to_string(getpid()); }
+
   int socket_;
+  EnvironmentVariable variable_{"NOTIFY_SOCKET", "@" + name_of_process()};
 };
 
 std::unique_ptr<Process> serve(std::vector<std::string> arguments) {
@@ -296,7 +316,7 @@ class SupervisedService : public testing::TestWithParam<std::vector<std::string>
 
 TEST_P(SupervisedService, SendsWatchdogMessagesOnlyWhileItRuns) {
   NotifySocket socket;
-  setenv("WATCHDOG_USEC", "400000", 1);
+  const EnvironmentVariable watchdog("WATCHDOG_USEC", "400000");
   const auto service = serve(GetParam());
   ASSERT_TRUE(socket.wait_for("READY=1"));
   for (int beat = 0; beat < 3; ++beat) EXPECT_EQ(socket.next(), "WATCHDOG=1");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The wire of a bench ends, hangs or receives nothing; the bench continues. Real processes.
 #include "service/probe.hpp"
+#include "support/deadline.hpp"
 #include "support/dropped_by_sockets.hpp"
 #include "support/local_http.hpp"
 #include "support/process_tree.hpp"

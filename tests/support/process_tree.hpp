@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "support/deadline.hpp"
+
 #include <sys/types.h>
 
 #include <chrono>
@@ -49,7 +51,10 @@ bool holds_soon(Condition condition) {
   using namespace std::chrono_literals;
   const auto deadline = std::chrono::steady_clock::now() + 10s;
   while (!condition()) {
-    if (std::chrono::steady_clock::now() > deadline) return false;
+    if (std::chrono::steady_clock::now() > deadline) {
+      report_missed_deadline("the condition did not hold", 10s);
+      return false;
+    }
     std::this_thread::yield();
   }
   return true;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tool/process.hpp"
 
+#include "support/deadline.hpp"
 #include "support/test_domain.hpp"
 #include "vdrive/client/session.hpp"
 
@@ -13,6 +14,7 @@
 #include <algorithm>
 #include <array>
 #include <csignal>
+#include <iostream>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
@@ -24,6 +26,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::seconds kPatience{120};
+constexpr std::chrono::seconds kStart{20};  // of a service, on a busy machine
 
 std::vector<std::string> split(const std::string& words) {
   std::istringstream stream(words);
@@ -67,6 +70,15 @@ std::string line_of(int file, std::string& ahead) {
   return line;
 }
 
+/// Reports a program that crashed, which its test may not ask: what it would have sent is missed by
+/// a deadline. tests/checks/failures.py reads the mark.
+void report_crash(const std::string& program, int status) {
+  constexpr std::array kCrashes{SIGILL, SIGABRT, SIGBUS, SIGFPE, SIGSEGV};
+  if (!WIFSIGNALED(status) || std::ranges::count(kCrashes, WTERMSIG(status)) == 0) return;
+  std::cerr << "[signal] " + program + " was ended by signal " + std::to_string(WTERMSIG(status)) +
+                   "\n";
+}
+
 }  // namespace
 
 std::vector<std::string> Finished::lines() const {
@@ -78,7 +90,7 @@ std::vector<std::string> Finished::lines() const {
 
 Process::Process(const std::string& program, std::vector<std::string> arguments,
                  const std::string& input)
-    : start_(Clock::now()) {
+    : program_(program), start_(Clock::now()) {
   arguments.insert(arguments.begin(), program);
   std::vector<char*> values;
   for (std::string& argument : arguments) values.push_back(argument.data());
@@ -111,7 +123,9 @@ Process::Process(const std::string& program, std::vector<std::string> arguments,
 Process::~Process() {
   if (child_ > 0) {
     ::kill(child_, SIGKILL);
-    waitpid(child_, nullptr, 0);
+    int status = 0;
+    waitpid(child_, &status, 0);
+    report_crash(program_, status);
   }
   close_if_open(output_);
   close_if_open(errors_);
@@ -140,12 +154,16 @@ Finished Process::wait() {
   const auto deadline = Clock::now() + kPatience;
   std::array<pollfd, 2> open{pollfd{output_, POLLIN, 0}, pollfd{errors_, POLLIN, 0}};
   while (open[0].fd >= 0 || open[1].fd >= 0) {
-    if (poll(open.data(), open.size(), 1000) == 0 && Clock::now() > deadline) send(SIGKILL);
+    if (poll(open.data(), open.size(), 1000) == 0 && Clock::now() > deadline) {
+      report_missed_deadline(program_ + " did not end", kPatience);
+      send(SIGKILL);
+    }
     if (open[0].revents != 0 && !read_some(output_, finished.output)) open[0].fd = -1;
     if (open[1].revents != 0 && !read_some(errors_, finished.errors)) open[1].fd = -1;
   }
   int status = 0;
   waitpid(std::exchange(child_, 0), &status, 0);
+  report_crash(program_, status);
   finished.code = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
   finished.duration = std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - start_);
   return finished;
@@ -174,13 +192,13 @@ RunningService::RunningService(const std::string& words)
                      std::to_string(test_domain()))) {
   client::SessionOptions options;
   options.domain = test_domain();
-  options.find_timeout = std::chrono::seconds(20);
+  options.find_timeout = kStart;
   client::Session session(options);
   // Beside other services only the one with this number is meant.
   const auto bench = bench_of(split(words));
   const bool is_there =
       bench ? static_cast<bool>(session.find_bench(bench)) : !session.find_benches().empty();
-  if (!is_there) throw std::runtime_error("the service did not start");
+  if (!is_there) throw std::runtime_error(missed_deadline("the service did not start", kStart));
 }
 
 RunningService::~RunningService() {

@@ -49,6 +49,7 @@ class Process {
   Finished wait();
 
  private:
+  std::string program_;
   pid_t child_ = 0;
   int output_ = -1;
   int errors_ = -1;

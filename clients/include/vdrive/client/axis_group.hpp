@@ -185,6 +185,7 @@ class AxisGroup {
   Result<GroupStatus> stream(const Eigen::VectorXd& positions);
 
   /// Back to profile position mode; the axes brake to rest where the stream left them moving.
+  /// @return refused, after that, when one of the last positions came late and was not run.
   Outcome stop_streaming(const GroupCallOptions& options = {});
 
  private:
