@@ -61,8 +61,8 @@ LISTED = re.compile(r"^\s+\d+ - (\S+) \((.+)\)\s*$", re.MULTILINE)
 GTEST_BLOCK = re.compile(r"^(?P<place>\S+:\d+|unknown file): Failure\n(?P<body>.*?)"
                          r"(?=^\S+:\d+: Failure$|^unknown file: Failure$|^\[[ =A-Z-]{10}\]|\Z)",
                          re.MULTILINE | re.DOTALL)
-# Durations and points of time are printed as their bytes.
-TOO_LONG = re.compile(r"Expected: \(.*\) <=? \(.*\), actual: 8-byte object")
+# Durations are printed with their unit, points of time as their bytes.
+TOO_LONG = re.compile(r"Expected: \(.*\) <=? \(.*\), actual: (8-byte object|\d+(ns|us|µs|ms|s|min|h) vs )")
 CLOCK = re.compile(r"Expected: \(.*(steady_clock|\bClock)::now\(\).*\) <=? \(")
 TIMED_OUT = re.compile(r"timed out while waiting|did not answer")  # Outcome::timed_out
 THROWN = re.compile(r"^C\+\+ exception|^Unknown C\+\+ exception")
@@ -201,7 +201,7 @@ def second(arguments):
     first, _ = failures_of(arguments.run)
     repeated = late_tests(arguments.run, arguments.labels)
     again = failures_of(arguments.again)[0] if repeated else {}
-    print(f"{len(first)} tests failed in the first run:")
+    print(f"Failed in the first run: {len(first)}")
     for name, failure in first.items():
         result = "not repeated" if name not in repeated else str(again.get(name, "passed"))
         print(f"  {name}\n    beside other tests: {failure}\n    alone: {result}")

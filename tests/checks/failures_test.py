@@ -18,6 +18,9 @@ Expected: (Clock::now() - begin) < (2s), actual: 8-byte object <AA-5E D0-B2 00-0
 LATE_VALUE = """tests/a.cpp:9: Failure
 Expected: (start()) < (kFirstStatus), actual: 8-byte object <AA-5E D0-B2 00-00 00-00> vs 8-byte object <E8-03 00-00 00-00 00-00>
 """
+LATE_PRINTED = """tests/a.cpp:240: Failure
+Expected: (start()) < (kFirstStatus), actual: 40001ms vs 2s
+"""
 WAITED = """[deadline] no reply in 40 s
 tests/a.cpp:11: Failure
 Value of: reply
@@ -74,6 +77,7 @@ class Kinds(unittest.TestCase):
     def test_a_duration_above_its_limit_is_a_deadline(self):
         self.assertEqual(kind(gtest(LATE)), "deadline")
         self.assertEqual(kind(gtest(LATE_VALUE)), "deadline")
+        self.assertEqual(kind(gtest(LATE_PRINTED)), "deadline")
 
     def test_a_wait_that_wrote_its_mark_is_a_deadline(self):
         self.assertEqual(kind(gtest(WAITED)), "deadline")

@@ -361,13 +361,13 @@ def arguments():
     parser.add_argument("--service-option", action="append", default=[],
                         help="passed on to vdrived, such as --service-option=--wire=thread")
     parser.add_argument("--brief", action="store_true",
-                        help="sizes of a check that runs with every change: 40 s, 256 axes, 6 "
+                        help="sizes of a check that runs with every change: 20 s, 256 axes, 6 "
                         "clients, --allow-jumps; with VDRIVE_NIGHTLY=1 an hour and the other defaults")
     options = parser.parse_args()
     if options.brief and benches.is_nightly():
         options.seconds = 3600
     elif options.brief:
-        options.seconds, options.axes, options.clients, options.warm_up = 40, 256, 6, 15
+        options.seconds, options.axes, options.clients, options.warm_up = 20, 256, 6, 10
         options.allow_jumps = True  # changes are checked on machines that stand still
     if options.visited is None:
         options.visited = max(options.axes // 8, 3 * options.clients)

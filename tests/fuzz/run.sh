@@ -5,7 +5,7 @@
 #
 #   tests/fuzz/run.sh [--seconds N] [--keep] [fuzzer...]
 #
-#   --seconds N   how long each fuzzer searches for new inputs, default 10; 300 with VDRIVE_NIGHTLY=1
+#   --seconds N   how long each fuzzer searches for new inputs, default 6; 300 with VDRIVE_NIGHTLY=1
 #   --keep        make the kept corpus, tests/fuzz/corpus, anew: the smallest set of inputs found
 #                 so far that reaches all the code that any of them reaches, and what is called
 #                 fixed-...: inputs that failed once
@@ -22,7 +22,7 @@ declare -A max_length=(
   [scenario_fuzz]=1024 [gateway_fuzz]=1024 [recording_fuzz]=4096
   [ros_fuzz]=1024)
 
-seconds=10
+seconds=6
 [[ ${VDRIVE_NIGHTLY:-} == 1 ]] && seconds=300
 keep=false
 fuzzers=()
