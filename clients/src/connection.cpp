@@ -110,6 +110,7 @@ Result<OpenLink> Connection::open(const Target& target, std::string_view what,
   OpenLink link{.key = target.key, .sending = std::unique_lock(link_of(target.key).mutex)};
   const auto deadline = Clock::now() + patience;
   while (!reconnect(target.key, kCheckSource)) {
+    if (Outcome present = discovery_.check_presence(target); !present) return present;
     if (Clock::now() >= deadline) {
       return Outcome::lost(name_of(target) + " was found, but it cannot receive " +
                            std::string(what) + ": DDS has not matched its reader");

@@ -21,8 +21,9 @@
 
 namespace vdrive::client {
 
-/// How long a bench and this session may take to match each other's readers and writers.
-inline constexpr std::chrono::milliseconds kMatch{2'000};
+/// How long a bench that sends and this session may take to match each other's readers and writers:
+/// milliseconds, and on a machine without a free processor seconds.
+inline constexpr std::chrono::milliseconds kMatch{10'000};
 
 /// What was sent and not answered: requests and command frames.
 struct UnansweredMessages {

@@ -34,6 +34,13 @@ constexpr std::size_t kLongestName = 64;
 constexpr std::uint32_t kControlled = wire_code(AbortCode::refused_local_control);
 constexpr std::uint32_t kOwnChannels = 0;  // no bench has this number
 
+/// A client commands a bench that its page shows: this gateway has found it. The holder's session
+/// is a new participant, which a busy machine may keep from finding it for longer than a search.
+client::SessionOptions options_of_holder(client::SessionOptions options) {
+  options.find_timeout = std::max<milliseconds>(options.find_timeout, std::chrono::seconds(5));
+  return options;
+}
+
 std::string random_text() {
   std::random_device device;
   return session_text((std::uint64_t{device()} << 32U) | device());
@@ -601,7 +608,7 @@ void Hub::take_control(ConnectionId id, const CallService& message, const Json& 
         SessionPointer session;
         std::string error;
         try {
-          session = std::make_shared<client::Session>(settings_.session);
+          session = std::make_shared<client::Session>(options_of_holder(settings_.session));
         } catch (const std::exception& failure) {
           error = failure.what();
         }
