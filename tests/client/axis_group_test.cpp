@@ -26,6 +26,7 @@ namespace {
 
 using namespace std::chrono_literals;
 using test::options;
+using test::options_of_a_loss;
 using test::patient;
 using test::RunningService;
 using testing::ElementsAre;
@@ -642,7 +643,7 @@ TEST(TwoServices, ARefusedStartOnOneServiceMovesNoAxisOfTheOther) {
 TEST(TwoServices, ALostServiceStopsTheAxesOfTheOther) {
   const RunningService left("--clock lockstep --axes 1");
   RunningService right("--clock lockstep --bench 2 --axes 1");
-  Session session(options());
+  Session session(options_of_a_loss());
   auto group = AxisGroup::create(session, std::vector<std::string>{"1.1", "2.1"});
   ASSERT_TRUE(group->enable_all());
   GroupCallOptions call;

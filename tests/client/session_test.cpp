@@ -604,7 +604,7 @@ TEST_F(LockStep, AnInterruptEndsAWaitingCall) {
 
 TEST(LostService, EndsAWaitingCall) {
   RunningService service("--clock realtime");
-  Session sut(options());
+  Session sut(test::options_of_a_loss());
   auto axis = sut.axis("1.1");
   ASSERT_TRUE(axis->enable());
   auto moving = std::async(std::launch::async, [&] {

@@ -15,6 +15,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
+constexpr auto kLongest = 40s;  // on a busy machine
+
 std::vector<std::string> gateway_arguments(const std::string& words) {
   std::vector<std::string> arguments{"--domain", std::to_string(test_domain()), "--listen",
                                      "127.0.0.1:0"};
@@ -164,14 +166,14 @@ void ToolClient::take_text(const Json& message) {
 }
 
 const Json& ToolClient::server_info() {
-  read_until("serverInfo", 10s, [&] {
+  read_until("serverInfo", kLongest, [&] {
     return !server_info_.is_null();
   });
   return server_info_;
 }
 
 Json ToolClient::channel(const std::string& topic) {
-  read_until("topic " + topic, 10s, [&] {
+  read_until("topic " + topic, kLongest, [&] {
     return channels_.contains(topic);
   });
   return channels_.at(topic);
@@ -191,7 +193,7 @@ void ToolClient::subscribe(const std::string& topic) {
 
 ChannelMessage ToolClient::next(const std::string& topic) {
   auto& messages = messages_[subscriptions_.at(topic)];
-  read_until("message of " + topic, 10s, [&] {
+  read_until("message of " + topic, kLongest, [&] {
     return !messages.empty();
   });
   ChannelMessage message = std::move(messages.front());
@@ -208,7 +210,7 @@ RosMessage ToolClient::next_ros(const std::string& topic) {
 }
 
 Json ToolClient::call(const std::string& service, const Json& request) {
-  read_until("service " + service, 10s, [&] {
+  read_until("service " + service, kLongest, [&] {
     return services_.contains(service);
   });
   const std::uint32_t call = ++last_id_;
@@ -219,7 +221,7 @@ Json ToolClient::call(const std::string& service, const Json& request) {
   std::memcpy(bytes.data() + 5, &call, sizeof(call));
   std::memcpy(bytes.data() + 9, &length, sizeof(length));
   web_.send(bytes + "json" + request.dump(), false);
-  read_until("answer of " + service, 20s, [&] {
+  read_until("answer of " + service, kLongest, [&] {
     return answers_.contains(call);
   });
   return std::exchange(answers_[call], {});
@@ -233,7 +235,7 @@ Json ToolClient::next_text(const std::string& operation) {
   const auto is_wanted = [&](const Json& text) {
     return text.at("op") == operation;
   };
-  read_until("message " + operation, 10s, [&] {
+  read_until("message " + operation, kLongest, [&] {
     return std::ranges::any_of(texts_, is_wanted);
   });
   const auto found = std::ranges::find_if(texts_, is_wanted);

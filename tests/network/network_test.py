@@ -22,7 +22,9 @@ import traceback
 
 import hosts
 
-WATCHDOG = 100  # [ticks] of 1 ms
+WATCHDOG = 200  # [ticks] of 1 ms: a busy machine lets a client stand still for 100 ms
+START = 30  # [s] for a program to start and to be found, on a busy machine
+PATIENCE = 15  # [s] for what promises no time: moves go on, what was sent is answered
 LEASE = 2  # [s] after which two hosts without messages of each other forget each other
 REST = 10  # [user units] of 4096 a revolution: an axis at rest is not farther from its target
 SILENCE = 1.5  # [s] after which a client calls a service lost
@@ -63,7 +65,7 @@ class Bench:
         self.observer = self.host.start(
             f"observer{self.number}", case.programs.client, "--interface", self.host.address,
             "observe", *axes)
-        hosts.wait_for("observation", lambda: self.seen(axes[0]), 5)
+        hosts.wait_for("observation", lambda: self.seen(axes[0]), START)
 
     def events(self, since=0):
         """(tick, text) of each event from line `since` of the log on."""
@@ -108,7 +110,7 @@ class Case:
         self.benches = [Bench(self, self.a, 1, network), Bench(self, self.b, 2, network)]
         for bench in self.benches:
             hosts.wait_for("start of the service",
-                           lambda b=bench: any("incarnation=" in x for x in b.service.lines()), 5)
+                           lambda b=bench: any("incarnation=" in x for x in b.service.lines()), START)
 
     def tool(self, *words, timeout=30):
         done = self.c.call(self.programs.tool, *self.options, *words, timeout=timeout)
@@ -117,12 +119,12 @@ class Case:
     def start_cycle(self):
         self.cycle = self.c.start("cycle", self.programs.client, *self.options, "cycle", "1.1",
                                   "2.1")
-        self.wait_for_moves(0, 10)
+        self.wait_for_moves(0, START)
 
     def start_group(self):
         self.cycle = self.c.start("group", self.programs.client, *self.options, "group", "1.1",
                                   "2.1")
-        self.wait_for_moves(0, 10, axes=(GROUP,))
+        self.wait_for_moves(0, START, axes=(GROUP,))
 
     def calls(self, axis, since=0.0):
         """Calls of the moving client that ended after `since`."""
@@ -168,7 +170,7 @@ def find_and_move(case):
         code, out, _ = case.tool("list", "--json")
         took = time.monotonic() - began
         return code == 0 and {json.loads(line)["bench"] for line in out.splitlines()} == {1, 2} and took
-    took = hosts.wait_for("a list of both benches", both_are_listed, 15)
+    took = hosts.wait_for("a list of both benches", both_are_listed, START)
     print(f"both benches listed after {took:.2f} s")
     for axis in ("1.1", "2.1"):
         # A machine that stands still for 100 ms loses the master: try again.
@@ -221,7 +223,7 @@ def ABridgeOfRosIsFoundAcrossHostsByItsInterfaceAndPeers(case):
         host.block_multicast()
     bench = Bench(case, case.a, 1)
     hosts.wait_for("start of the service",
-                   lambda: any("incarnation=" in line for line in bench.service.lines()), 5)
+                   lambda: any("incarnation=" in line for line in bench.service.lines()), START)
     # The bridge is on host b and finds the bench on host a; the doctor on host c reads what the
     # bridge publishes for nodes of ROS.
     bridge = case.b.start("bridge", case.programs.ros2, "--enable", "--interface", case.b.address,
@@ -260,7 +262,7 @@ def start_holder(case, name):
 def try_holder(case, name):
     holder = case.c.start(f"holder{name}", case.programs.client, *case.options, "hold", "1.2",
                           stdin=subprocess.PIPE)
-    held = hosts.wait_for("held axis", lambda: [x for x in holder.lines() if "held" in x], 10)
+    held = hosts.wait_for("held axis", lambda: [x for x in holder.lines() if "held" in x], START)
     session = json.loads(held[0])["session"]
 
     def is_enabled():
@@ -268,7 +270,7 @@ def try_holder(case, name):
         return seen["owner"] == session and seen["state"] == "Operation enabled"
 
     try:
-        hosts.wait_for("held axis to be enabled", is_enabled, 2)
+        hosts.wait_for("held axis to be enabled", is_enabled, PATIENCE)
     except AssertionError:
         holder.kill()
         raise
@@ -285,7 +287,7 @@ def send_target(holder, target):
         lines = [json.loads(line) for line in holder.lines()[count:]]
         return next((line["sent"] for line in lines if "sent" in line), None)
 
-    return hosts.wait_for("set-point on its way", sent, 2)
+    return hosts.wait_for("set-point on its way", sent, PATIENCE)
 
 
 def reply(holder, number):
@@ -334,18 +336,25 @@ def short_cut(case):
     began = time.monotonic()
     marks = [bench.mark() for bench in case.benches]
     case.c.block_for(0.05)
-    case.wait_for_moves(time.monotonic(), 5, count=2)
-    lost = [text for bench, mark in zip(case.benches, marks) for _, text in bench.events(mark)
-            if "nothing was received" in text and "axis 1:" in text]
-    failed = [call for axis in ("1.1", "2.1") for call in case.failures(axis, began)]
-    expect(bool(lost) == bool(failed), f"lost {lost}, but the client reports {failed}")
-    return not lost
+    case.wait_for_moves(time.monotonic(), PATIENCE, count=2)
+
+    def lost():
+        return [text for bench, mark in zip(case.benches, marks) for _, text in bench.events(mark)
+                if "nothing was received" in text and "axis 1:" in text]
+
+    def failed():
+        return [call for axis in ("1.1", "2.1") for call in case.failures(axis, began)]
+
+    # A call reports its failure after the bench: one loss may be seen on one side alone.
+    hosts.wait_for("agreement of benches and client about a lost master",
+                   lambda: bool(lost()) == bool(failed()), PATIENCE)
+    return not lost()
 
 
 def long_cut(case, seconds):
     what = f"link down for {seconds} s"
     holder = start_holder(case, str(seconds))
-    case.wait_for_moves(time.monotonic(), 5)
+    case.wait_for_moves(time.monotonic(), PATIENCE)
     before = position(case.benches[0], "1.2")
     marks = [bench.mark() for bench in case.benches]
     began = time.monotonic()
@@ -353,12 +362,12 @@ def long_cut(case, seconds):
     tick = time.time() * TICKS_PER_SECOND  # tick 0 is the epoch
     hosts.wait_for("loss of the holder's axis", lambda: [
         text for _, text in case.benches[0].events(marks[0])
-        if "nothing was received" in text and "axis 2:" in text], 5)
+        if "nothing was received" in text and "axis 2:" in text], PATIENCE)
     number = send_target(holder, before + 4096)
     time.sleep(max(0.0, began + seconds - time.monotonic()))
     case.c.plug()
     plugged = time.monotonic()
-    case.wait_for_moves(plugged, 5)
+    case.wait_for_moves(plugged, PATIENCE)
     again = max(case.moves(axis, plugged)[0]["time"] for axis in ("1.1", "2.1")) - plugged
     for bench, mark in zip(case.benches, marks):
         events = bench.events(mark)
@@ -377,10 +386,10 @@ def long_cut(case, seconds):
         expect(failures[0]["outcome"] in ("lost", "failed", "refused"), failures[0])
         print(f"{what}: axis {axis} {failures[0]['outcome']} after {noticed:.2f} s")
     if seconds < LEASE:  # what was sent is delivered, and answered
-        answer = hosts.wait_for("answer to the late set-point", lambda: reply(holder, number), 5)
+        answer = hosts.wait_for("answer to the late set-point", lambda: reply(holder, number), PATIENCE)
         expect(answer.get("reason") == STALE_EPOCH, f"{what}: late set-point: {answer}")
         hosts.wait_for("event of the refusal", lambda: any(
-            "refused: the epoch" in text for _, text in case.benches[0].events(marks[0])), 2)
+            "refused: the epoch" in text for _, text in case.benches[0].events(marks[0])), PATIENCE)
     last = case.benches[0].seen("1.2")[-1]
     expect(abs(last["position"] - before) <= REST and not last["moving"],
            f"{what}: a stale command ran: {last}, was at {before}")
@@ -402,7 +411,7 @@ def ALinkFailureEndsInASafeStopAndTheClientContinues(case):
 
 def cut_off_bench_2(case):
     """Returns whether bench 1 went on as if nothing had happened."""
-    case.wait_for_moves(time.monotonic(), 5)
+    case.wait_for_moves(time.monotonic(), PATIENCE)
     mark = case.benches[1].mark()
     began = time.monotonic()
     case.b.ip("link", "set", "net", "down")
@@ -410,7 +419,7 @@ def cut_off_bench_2(case):
     noticed = hosts.wait_for("lost bench 2", lambda: case.failures("2.1", began), 3)[0]
     if noticed["outcome"] == "failed":  # a stop before the silence: the machine stood still
         case.b.ip("link", "set", "net", "up")
-        case.wait_for_moves(time.monotonic(), 5)
+        case.wait_for_moves(time.monotonic(), PATIENCE)
         return False
     expect(noticed["outcome"] == "lost", noticed)
     print(f"bench 2 {noticed['outcome']} after {noticed['time'] - began:.2f} s")
@@ -418,7 +427,7 @@ def cut_off_bench_2(case):
     time.sleep(max(0.0, began + 3 - time.monotonic()))  # beyond the participants' lease
     case.b.ip("link", "set", "net", "up")
     back = time.monotonic()
-    case.wait_for_moves(back, 5, axes=("2.1",))
+    case.wait_for_moves(back, PATIENCE, axes=("2.1",))
     found = next(x for x in case.calls("2.1", back) if x["call"] == "acquire")
     expect_in_time(found["time"] - back, 2, f"found again after {found['time'] - back:.2f} s")
     print(f"bench 2 found again after {found['time'] - back:.2f} s")
@@ -473,7 +482,7 @@ def expect_one_line(case, what):
 
 
 def expect_group_goes_on(case, since, what):
-    case.wait_for_moves(since, 8, axes=(GROUP,))
+    case.wait_for_moves(since, PATIENCE, axes=(GROUP,))
     print(f"{what}: the group moves again {case.moves(GROUP, since)[0]['time'] - since:.2f} s "
           "after the link is back")
     expect_one_line(case, what)
@@ -487,11 +496,11 @@ def cut_group_client(case, seconds):
     tick = time.time() * TICKS_PER_SECOND
     for bench, mark in zip(case.benches, marks):
         hosts.wait_for(f"fault on bench {bench.number}", lambda b=bench, m=mark: [
-            text for _, text in b.events(m) if text == "axis 1: fault 0x8130"], 5)
+            text for _, text in b.events(m) if text == "axis 1: fault 0x8130"], PATIENCE)
     time.sleep(max(0.0, began + seconds - time.monotonic()))
     case.c.plug()
     plugged = time.monotonic()
-    case.wait_for_moves(plugged, 8, axes=(GROUP,))
+    case.wait_for_moves(plugged, PATIENCE, axes=(GROUP,))
     for bench, mark in zip(case.benches, marks):
         events = bench.events(mark)
         expect_safe_stop(bench, events, 1, tick, what)
@@ -506,7 +515,7 @@ def cut_group_member(case, seconds):
     case.b.unplug()
     tick = time.time() * TICKS_PER_SECOND
     hosts.wait_for("fault on bench 2", lambda: [
-        text for _, text in case.benches[1].events(marks[1]) if text == "axis 1: fault 0x8130"], 5)
+        text for _, text in case.benches[1].events(marks[1]) if text == "axis 1: fault 0x8130"], PATIENCE)
     time.sleep(max(0.0, began + seconds - time.monotonic()))
     if seconds > 2 * SILENCE:  # no host returned meanwhile
         failed = case.failures(GROUP, began)
@@ -520,7 +529,7 @@ def cut_group_member(case, seconds):
         expect(others["error"] == 0, f"{what}: the axis of the reachable bench failed: {others}")
     case.b.plug()
     plugged = time.monotonic()
-    case.wait_for_moves(plugged, 8, axes=(GROUP,))
+    case.wait_for_moves(plugged, PATIENCE, axes=(GROUP,))
     events = case.benches[1].events(marks[1])
     expect_safe_stop(case.benches[1], events, 1, tick, what)
     expect_story(events, 1, what)
@@ -567,7 +576,7 @@ def move_with_loss(case, percent, seconds):
     time.sleep(seconds)
     ended = time.monotonic()
     case.c.lose(0)
-    case.wait_for_moves(ended, 5, count=2)
+    case.wait_for_moves(ended, PATIENCE, count=2)
     failures = []
     for axis, bench, mark in zip(("1.1", "2.1"), case.benches, marks):
         calls = case.calls(axis, began)
@@ -604,7 +613,7 @@ def share_missed(case, axis, before, percent):
 def PacketLossLosesNoCommandOrEndsInASafeStop(case):
     case.start_benches()
     case.start_cycle()
-    hosts.wait_for("stream", lambda: case.stream("1.1") and case.stream("2.1"), 5)
+    hosts.wait_for("stream", lambda: case.stream("1.1") and case.stream("2.1"), START)
     # A machine that stands still for 100 ms has the same effect as a link that does: try again.
     expect(any(not move_with_loss(case, 1, 5) for _ in range(6)),
            "1 % loss: calls failed, six times of six")
@@ -615,7 +624,7 @@ def PacketLossLosesNoCommandOrEndsInASafeStop(case):
 def AGatewayClientWithACutCableIsALostMaster(case):
     bench = Bench(case, case.a, 1)
     hosts.wait_for("start of the service",
-                   lambda: any("incarnation=" in line for line in bench.service.lines()), 5)
+                   lambda: any("incarnation=" in line for line in bench.service.lines()), START)
     bench.observe(case, "1.1")
     token = "0123456789abcdef"
     (case.directory / "token").write_text(f"{token}\n", encoding="utf-8")

@@ -2,6 +2,7 @@
 // The life of the program vdrived: how it notifies the service manager, how its axes come to rest
 // when it has to end, and that it restarts after any failure.
 #include "service/probe.hpp"
+#include "support/deadline.hpp"
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
 
@@ -79,7 +80,7 @@ class NotifySocket {
   NotifySocket& operator=(const NotifySocket&) = delete;
 
   /// @return the next message, or nothing when none comes in that time
-  std::optional<std::string> next(std::chrono::milliseconds patience = 10s) {
+  std::optional<std::string> next(std::chrono::milliseconds patience = Probe::kPatience) {
     pollfd readable{.fd = socket_, .events = POLLIN, .revents = 0};
     if (poll(&readable, 1, static_cast<int>(patience.count())) != 1) return std::nullopt;
     std::array<char, 1024> text{};
@@ -87,13 +88,14 @@ class NotifySocket {
     return std::string(text.data(), static_cast<std::size_t>(std::max<ssize_t>(size, 0)));
   }
 
-  /// @return whether a message with that line arrives before 10 s without a message.
+  /// @return whether a message with that line arrives before a time without a message.
   bool wait_for(std::string_view line) {
     while (const auto message = next()) {
       if (("\n" + *message + "\n").find("\n" + std::string(line) + "\n") != std::string::npos) {
         return true;
       }
     }
+    report_missed_deadline("there was no message of the service", Probe::kPatience);
     return false;
   }
 

@@ -45,14 +45,14 @@ inline bool exists(pid_t process) {
   return ::kill(process, 0) == 0;
 }
 
-/// Repeats the check until it holds. @return false after 10 s.
+/// Repeats the check until it holds. @return false after 40 s.
 template <typename Condition>
 bool holds_soon(Condition condition) {
-  using namespace std::chrono_literals;
-  const auto deadline = std::chrono::steady_clock::now() + 10s;
+  constexpr std::chrono::seconds kPatience{40};
+  const auto deadline = std::chrono::steady_clock::now() + kPatience;
   while (!condition()) {
     if (std::chrono::steady_clock::now() > deadline) {
-      report_missed_deadline("the condition did not hold", 10s);
+      report_missed_deadline("the condition did not hold", kPatience);
       return false;
     }
     std::this_thread::yield();

@@ -26,7 +26,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::seconds kPatience{120};
-constexpr std::chrono::seconds kStart{20};  // of a service, on a busy machine
+constexpr std::chrono::seconds kStart{60};  // of a service, on a busy machine
 
 std::vector<std::string> split(const std::string& words) {
   std::istringstream stream(words);
