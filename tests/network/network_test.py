@@ -17,6 +17,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 import traceback
 
@@ -45,6 +46,29 @@ def expect(condition, message):
 def expect_in_time(took, limit, message):
     if took > limit:
         raise hosts.Late(f"{message}: limit {limit}")
+
+
+class Lateness(threading.Thread):
+    """How late this machine lets a thread run that wants to run every millisecond."""
+
+    def __init__(self):
+        super().__init__(daemon=True)
+        self.delays = []  # (when, how long) of each of more than a millisecond [s]
+        self.start()
+
+    def run(self):
+        wanted = time.monotonic()
+        while True:
+            wanted = max(wanted + 0.001, time.monotonic() - 0.001)
+            time.sleep(max(0.0, wanted - time.monotonic()))
+            now = time.monotonic()
+            if now - wanted > 0.001:
+                self.delays.append((now, now - wanted))
+                wanted = now
+
+    def longest(self, since):
+        """The longest delay that ended after `since` [ticks]."""
+        return TICKS_PER_SECOND * max((delay for when, delay in self.delays if when >= since), default=0)
 
 
 class Bench:
@@ -94,6 +118,7 @@ class Case:
         self.network.__enter__()
         self.a, self.b, self.c = (self.network[letter] for letter in "abc")
         self.options = ["--interface", self.c.address]
+        self.lateness = Lateness()
         return self
 
     def __exit__(self, kind, *_):
@@ -251,11 +276,12 @@ def position(bench, axis):
 
 def start_holder(case, name):
     """Tries again where the machine stood still between its taking the axis and keeping it."""
-    for last in (False, False, True):
+    attempts = 10
+    for attempt in range(1, attempts + 1):
         try:
             return try_holder(case, name)
-        except AssertionError:
-            if last:
+        except hosts.Late:
+            if attempt == attempts:
                 raise
 
 
@@ -270,7 +296,7 @@ def try_holder(case, name):
         return seen["owner"] == session and seen["state"] == "Operation enabled"
 
     try:
-        hosts.wait_for("held axis to be enabled", is_enabled, PATIENCE)
+        hosts.wait_for("held axis to be enabled", is_enabled, 2)  # one that was lost stays lost
     except AssertionError:
         holder.kill()
         raise
@@ -309,7 +335,7 @@ def expect_story(events, axis, what):
            f"{story[place] if place < len(story) else ''}': {texts}")
 
 
-def expect_safe_stop(bench, events, axis, tick, what):
+def expect_safe_stop(case, bench, events, axis, tick, what):
     """The axis stopped by its watchdog, in time, and came to rest. Returns its times [ticks]."""
     lost = next((t for t, text in events
                  if "nothing was received" in text and f"axis {axis}:" in text), None)
@@ -320,8 +346,10 @@ def expect_safe_stop(bench, events, axis, tick, what):
     # time, which does not pass when the machine stands still and the number of the tick jumps.
     jumps = (re.match(r"tick number jumped by (\d+)", text) for t, text in events if t <= faults[0])
     jumped = sum(int(match[1]) for match in jumps if match)
-    # What arrives between two ticks is received in the next one.
-    expect_in_time(faults[0] - jumped - math.ceil(tick), WATCHDOG + 2,
+    # What arrives between two ticks is received in the next one; a machine that lets a thread wait
+    # hands it over, and takes the time of this test, as much later.
+    late = math.ceil(case.lateness.longest(time.monotonic() - time.time() + tick / TICKS_PER_SECOND - 0.5))
+    expect_in_time(faults[0] - jumped - math.ceil(tick), WATCHDOG + 2 + late,
                    f"{what}: fault {faults[0] - tick} ticks after the link was down, {jumped} jumped")
     name = f"{bench.number}.{axis}"
     at_rest = next((x for x in bench.seen(name) if x["tick"] >= faults[0] and
@@ -371,7 +399,7 @@ def long_cut(case, seconds):
     again = max(case.moves(axis, plugged)[0]["time"] for axis in ("1.1", "2.1")) - plugged
     for bench, mark in zip(case.benches, marks):
         events = bench.events(mark)
-        times = expect_safe_stop(bench, events, 1, tick, what)
+        times = expect_safe_stop(case, bench, events, 1, tick, what)
         expect_story(events, 1, f"{what}, bench {bench.number}")
         print(f"{what}: bench {bench.number} fault after {times[0]:.0f} ms, at rest after "
               f"{times[1]:.0f} ms, axes move again {again:.2f} s after the link is back")
@@ -432,11 +460,13 @@ def cut_off_bench_2(case):
     expect_in_time(found["time"] - back, 2, f"found again after {found['time'] - back:.2f} s")
     print(f"bench 2 found again after {found['time'] - back:.2f} s")
     events = case.benches[1].events(mark)
-    times = expect_safe_stop(case.benches[1], events, 1, tick, "bench 2 cut off")
+    times = expect_safe_stop(case, case.benches[1], events, 1, tick, "bench 2 cut off")
     expect_story(events, 1, "bench 2 cut off")
     print(f"bench 2: fault after {times[0]:.0f} ms, at rest after {times[1]:.0f} ms")
+    if case.failures("1.1", began):
+        return False
     expect(len(case.moves("1.1", began)) >= 3, "bench 1 did not continue")
-    return not case.failures("1.1", began)
+    return True
 
 
 def ABenchThatIsCutOffStopsAloneAndIsFoundAgain(case):
@@ -503,7 +533,7 @@ def cut_group_client(case, seconds):
     case.wait_for_moves(plugged, PATIENCE, axes=(GROUP,))
     for bench, mark in zip(case.benches, marks):
         events = bench.events(mark)
-        expect_safe_stop(bench, events, 1, tick, what)
+        expect_safe_stop(case, bench, events, 1, tick, what)
         expect_story(events, 1, f"{what}, bench {bench.number}")
     expect_group_goes_on(case, plugged, what)
 
@@ -531,7 +561,7 @@ def cut_group_member(case, seconds):
     plugged = time.monotonic()
     case.wait_for_moves(plugged, PATIENCE, axes=(GROUP,))
     events = case.benches[1].events(marks[1])
-    expect_safe_stop(case.benches[1], events, 1, tick, what)
+    expect_safe_stop(case, case.benches[1], events, 1, tick, what)
     expect_story(events, 1, what)
     expect_group_goes_on(case, plugged, what)
 
