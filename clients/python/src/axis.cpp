@@ -42,6 +42,18 @@ constexpr std::array kCommandNames{
 };
 
 struct PyMotion {
+  PyMotion(client::Motion handle, SharedPresence keeper)
+      : motion(std::move(handle)), presence(std::move(keeper)) {}
+
+  ~PyMotion() {
+    if (presence && presence->is_inherited()) leave(std::move(motion));
+  }
+
+  PyMotion(const PyMotion&) = default;
+  PyMotion(PyMotion&&) noexcept = default;
+  PyMotion& operator=(const PyMotion&) = default;
+  PyMotion& operator=(PyMotion&&) noexcept = default;
+
   client::Motion motion;
   SharedPresence presence;
 };

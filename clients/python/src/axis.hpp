@@ -5,12 +5,25 @@
 #include "python.hpp"
 #include "vdrive/client/axis.hpp"
 
+#include <utility>
 #include <vector>
 
 namespace vdrive::python {
 
 /// An axis, and what keeps its session.
 struct PyAxis {
+  PyAxis(client::Axis handle, SharedPresence keeper)
+      : axis(std::move(handle)), presence(std::move(keeper)) {}
+
+  ~PyAxis() {
+    if (presence && presence->is_inherited()) leave(std::move(axis));
+  }
+
+  PyAxis(const PyAxis&) = default;
+  PyAxis(PyAxis&&) noexcept = default;
+  PyAxis& operator=(const PyAxis&) = default;
+  PyAxis& operator=(PyAxis&&) noexcept = default;
+
   client::Axis axis;
   SharedPresence presence;
 };

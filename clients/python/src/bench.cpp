@@ -3,6 +3,7 @@
 #include "vdrive/client/bench.hpp"
 
 #include "arguments.hpp"
+#include "fork.hpp"
 #include "private_bench.hpp"
 
 #include <cstdint>
@@ -27,8 +28,10 @@ class OwnBench {
 
   [[nodiscard]] std::uint32_t domain() const { return get().domain(); }
 
-  /// Waits until the service has ended. Any number of times.
+  /// Waits until the service has ended. Any number of times. Does nothing in a forked process: the
+  /// bench is its parent's.
   void close() {
+    if (origin_.is_inherited()) return;
     const py::gil_scoped_release unlocked;
     starter_.request_stop();
     if (starter_.joinable()) starter_.join();
@@ -37,12 +40,14 @@ class OwnBench {
 
  private:
   [[nodiscard]] process::PrivateBench& get() const {
+    origin_.require_own("the bench");
     if (bench_ == nullptr) raise(client::Outcome::failed("the bench has ended"));
     return *bench_;
   }
 
   void wait_until_ready();
 
+  const Origin origin_;
   process::PrivateBench* bench_ = nullptr;
   std::jthread starter_;
 };
@@ -198,11 +203,12 @@ void add_bench(py::module_& module) {
   add_unit(module);
   add_axis_info(module);
   add_bench_info(module);
-  py::class_<OwnBench>(
+  py::class_<OwnBench, std::shared_ptr<OwnBench>>(
       module, "PrivateBench",
       "A service on a domain that no other program uses; use it through vdrive.Bench.")
-      .def(py::init<const std::string&, const std::vector<std::string>&>(), py::arg("service"),
-           py::arg("arguments"), "Starts the program `service` and waits until it runs.")
+      .def(py::init(&made_here<OwnBench, const std::string&, const std::vector<std::string>&>),
+           py::arg("service"), py::arg("arguments"),
+           "Starts the program `service` and waits until it runs.")
       .def_property_readonly("domain", &OwnBench::domain, "The DDS domain.")
       .def("close", &OwnBench::close, "Ends the service.");
   module.def("find_service", &process::find_service,

@@ -26,6 +26,18 @@ using Progress = std::optional<py::function>;
 using Vector = Eigen::VectorXd;
 
 struct PyGroup {
+  PyGroup(AxisGroup handle, SharedPresence keeper)
+      : group(std::move(handle)), presence(std::move(keeper)) {}
+
+  ~PyGroup() {
+    if (presence && presence->is_inherited()) leave(std::move(group));
+  }
+
+  PyGroup(const PyGroup&) = default;
+  PyGroup(PyGroup&&) noexcept = default;
+  PyGroup& operator=(const PyGroup&) = default;
+  PyGroup& operator=(PyGroup&&) noexcept = default;
+
   AxisGroup group;
   SharedPresence presence;
 };

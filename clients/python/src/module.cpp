@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "fork.hpp"
 #include "presence.hpp"
 #include "python.hpp"
 #include "vdrive/client/disturbance.hpp"
@@ -25,6 +26,7 @@ PYBIND11_MODULE(_vdrive, module) {
   module.attr("DISTURBANCES") = disturbances;
   module.def("default_domain", &vdrive::client::default_domain,
              "The DDS domain that VDRIVE_DOMAIN names, 0 when it is not set.");
+  vdrive::python::watch_forks();
   // Python's last act before it takes itself apart: axes are given back, threads have ended.
   py::module_::import("atexit").attr("register")(
       py::cpp_function(&vdrive::python::close_all_sessions));

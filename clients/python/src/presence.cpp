@@ -6,40 +6,33 @@
 namespace vdrive::python {
 namespace {
 
-std::mutex& registry_mutex() {
-  static std::mutex mutex;
-  return mutex;
-}
-
-/// Every session that Python has.
-std::vector<Presence*>& registry() {
-  static std::vector<Presence*> presences;
+/// Every session that Python has. Guarded by the interpreter lock, which whoever forks holds.
+std::vector<std::weak_ptr<Presence>>& registry() {
+  static std::vector<std::weak_ptr<Presence>> presences;
   return presences;
 }
 
 }  // namespace
 
-Presence::Presence(const client::SessionOptions& options)
-    : session_(std::make_shared<client::Session>(options)) {
-  const std::scoped_lock lock(registry_mutex());
-  registry().push_back(this);
-}
-
-Presence::~Presence() {
-  {
-    const std::scoped_lock lock(registry_mutex());
-    std::erase(registry(), this);
-  }
-  close();
+SharedPresence open_presence(const client::SessionOptions& options) {
+  SharedPresence presence = made_here<Presence>(options);
+  const py::gil_scoped_acquire locked;
+  std::erase_if(registry(), [](const auto& other) {
+    return other.expired();
+  });
+  registry().push_back(presence);
+  return presence;
 }
 
 std::shared_ptr<client::Session> Presence::session() const {
+  origin_.require_own("the session");
   const std::scoped_lock lock(mutex_);
   if (!session_) raise(client::Outcome::failed("the session is closed"));
   return session_;
 }
 
 bool Presence::is_closed() const {
+  if (is_inherited()) return true;
   const std::scoped_lock lock(mutex_);
   return session_ == nullptr;
 }
@@ -53,6 +46,7 @@ void Presence::adopt(const std::shared_ptr<Dependent>& dependent) {
 }
 
 void Presence::close() noexcept {
+  if (is_inherited()) return;
   std::shared_ptr<client::Session> session;
   std::vector<std::weak_ptr<Dependent>> dependents;
   {
@@ -71,13 +65,12 @@ void Presence::close() noexcept {
 }
 
 void close_all_sessions() {
-  const py::gil_scoped_release unlocked;
-  std::vector<Presence*> presences;
-  {
-    const std::scoped_lock lock(registry_mutex());
-    presences = registry();
+  std::vector<SharedPresence> presences;
+  for (const auto& weak : registry()) {
+    if (auto presence = weak.lock()) presences.push_back(std::move(presence));
   }
-  for (Presence* const presence : presences) presence->close();
+  const py::gil_scoped_release unlocked;
+  for (const SharedPresence& presence : presences) presence->close();
 }
 
 }  // namespace vdrive::python

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "errors.hpp"
+#include "fork.hpp"
 #include "python.hpp"
 #include "signal_watch.hpp"
 #include "vdrive/client/session.hpp"
@@ -24,41 +25,56 @@ class Dependent {
   Dependent(const Dependent&) = delete;
   Dependent& operator=(const Dependent&) = delete;
 
-  /// Ends what uses the session; waits for calls of other threads that use it. Any thread.
+  /// Ends what uses the session; waits for calls of other threads that use it. Any thread. Does
+  /// nothing in a forked process.
   virtual void close() noexcept = 0;
+
+  const Origin origin{};
 };
 
 /// A session as Python has it: every handle keeps it, close() ends it before they go.
 class Presence {
  public:
   /// @throws std::runtime_error as client::Session does
-  explicit Presence(const client::SessionOptions& options);
-  ~Presence();
+  explicit Presence(const client::SessionOptions& options)
+      : session_(std::make_shared<client::Session>(options)) {}
+
+  ~Presence() { close(); }
+
   Presence(const Presence&) = delete;
   Presence& operator=(const Presence&) = delete;
 
   /// @return the session, which ends no earlier than what is returned.
-  /// @throws py::error_already_set when it was closed
+  /// @throws py::error_already_set when it was closed, and in a forked process
   [[nodiscard]] std::shared_ptr<client::Session> session() const;
 
+  /// @return true also in a forked process.
   [[nodiscard]] bool is_closed() const;
+
+  /// @return whether this process was forked from the one that opened the session.
+  [[nodiscard]] bool is_inherited() const noexcept { return origin_.is_inherited(); }
 
   /// Closes `dependent` before the session.
   void adopt(const std::shared_ptr<Dependent>& dependent);
 
-  /// Ends the calls that wait, and the session. Without the interpreter lock. Any thread.
+  /// Ends the calls that wait, and the session. Without the interpreter lock. Any thread. Does
+  /// nothing in a forked process.
   void close() noexcept;
 
   /// The bench of calls that name none. Guarded by the interpreter lock.
   std::optional<std::uint32_t> only_bench;
 
  private:
+  const Origin origin_;
   mutable std::mutex mutex_;
   std::shared_ptr<client::Session> session_;
   std::vector<std::weak_ptr<Dependent>> dependents_;
 };
 
 using SharedPresence = std::shared_ptr<Presence>;
+
+/// Without the interpreter lock, which it takes at its end. @throws what Presence throws
+[[nodiscard]] SharedPresence open_presence(const client::SessionOptions& options);
 
 /// Runs Python's handlers of the signals that have come.
 /// @throws py::error_already_set with what they raise, such as KeyboardInterrupt

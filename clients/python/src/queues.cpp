@@ -154,6 +154,12 @@ void add_event_queue(py::module_& module) {
   add_queue<EventQueue, Event>(queue);
 }
 
+void add_report_queue(py::module_& module) {
+  py::class_<ReportQueue, std::shared_ptr<ReportQueue>> queue(
+      module, "StatusReports", "The newest state of axes at a rate; use it through on_status().");
+  add_queue<ReportQueue, Observation>(queue);
+}
+
 }  // namespace
 
 StatusQueue::StatusQueue(std::shared_ptr<Session> session, client::Follower follower,
@@ -185,12 +191,40 @@ void StatusQueue::run(const std::stop_token& stop) {
 }
 
 void StatusQueue::close() noexcept {
+  if (origin.is_inherited()) return;
   const std::scoped_lock lock(closing_);
   thread_.request_stop();
   if (thread_.joinable()) thread_.join();
   follower_.reset();
   session_.reset();
   queue_.end({});
+}
+
+ReportQueue::ReportQueue(const SharedPresence& presence, const std::vector<client::AxisId>& axes,
+                         std::chrono::milliseconds period)
+    : queue_(std::make_shared<Queue<Observation>>(1)),
+      session_(presence->session()),
+      reports_(value_or_raise(waiting(presence, [&](Session& session) {
+        return session.report_status(
+            axes, period,
+            [queue = queue_](const Observation& sample) {
+              queue->push(sample);
+            },
+            [queue = queue_](const Outcome& why) {
+              queue->end(why);
+            });
+      }))) {}
+
+ReportQueue::~ReportQueue() {
+  close();
+}
+
+void ReportQueue::close() noexcept {
+  if (origin.is_inherited()) return;
+  const std::scoped_lock lock(mutex_);
+  reports_.reset();
+  session_.reset();
+  queue_->end({});
 }
 
 EventQueue::EventQueue(std::shared_ptr<Session> session, std::size_t capacity, bool with_history)
@@ -207,6 +241,7 @@ EventQueue::~EventQueue() {
 }
 
 void EventQueue::close() noexcept {
+  if (origin.is_inherited()) return;
   const std::scoped_lock lock(mutex_);
   if (session_) session_->on_event({});
   session_.reset();
@@ -216,6 +251,7 @@ void EventQueue::close() noexcept {
 StepFollower::StepFollower(client::Follower follower) : follower_(std::move(follower)) {}
 
 void StepFollower::close() noexcept {
+  if (origin.is_inherited()) return;
   const std::scoped_lock lock(mutex_);
   follower_.reset();
 }
@@ -229,6 +265,7 @@ client::Result<Observation> StepFollower::next(std::chrono::milliseconds patienc
 void add_queues(py::module_& module) {
   add_status_queue(module);
   add_event_queue(module);
+  add_report_queue(module);
 }
 
 }  // namespace vdrive::python

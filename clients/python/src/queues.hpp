@@ -141,7 +141,11 @@ class StatusQueue final : public Dependent {
 
   void close() noexcept override;
 
-  [[nodiscard]] Queue<client::Observation>& queue() noexcept { return queue_; }
+  /// @throws py::error_already_set in a forked process
+  [[nodiscard]] Queue<client::Observation>& queue() {
+    origin.require_own("the stream");
+    return queue_;
+  }
 
   [[nodiscard]] const std::vector<client::AxisId>& axes() const noexcept { return axes_; }
 
@@ -156,6 +160,31 @@ class StatusQueue final : public Dependent {
   std::jthread thread_;
 };
 
+/// The newest state of axes of one bench, at a rate of its own.
+class ReportQueue final : public Dependent {
+ public:
+  /// @throws py::error_already_set when an axis is not there
+  ReportQueue(const SharedPresence& presence, const std::vector<client::AxisId>& axes,
+              std::chrono::milliseconds period);
+  ~ReportQueue() override;
+  ReportQueue(const ReportQueue&) = delete;
+  ReportQueue& operator=(const ReportQueue&) = delete;
+
+  void close() noexcept override;
+
+  /// @throws py::error_already_set in a forked process
+  [[nodiscard]] Queue<client::Observation>& queue() {
+    origin.require_own("the observer");
+    return *queue_;
+  }
+
+ private:
+  std::shared_ptr<Queue<client::Observation>> queue_;
+  std::mutex mutex_;
+  std::shared_ptr<client::Session> session_;
+  std::optional<client::StatusReports> reports_;
+};
+
 /// The events of benches.
 class EventQueue final : public Dependent {
  public:
@@ -166,7 +195,11 @@ class EventQueue final : public Dependent {
 
   void close() noexcept override;
 
-  [[nodiscard]] Queue<client::Event>& queue() noexcept { return *queue_; }
+  /// @throws py::error_already_set in a forked process
+  [[nodiscard]] Queue<client::Event>& queue() {
+    origin.require_own("the stream");
+    return *queue_;
+  }
 
  private:
   std::shared_ptr<Queue<client::Event>> queue_;

@@ -30,7 +30,7 @@ SharedPresence open_session(std::optional<std::uint32_t> domain,
                             std::vector<std::string> interfaces, std::vector<std::string> peers,
                             std::vector<std::string> discovery_servers, std::string security,
                             std::optional<std::uint32_t> bench, const std::string& keep_alive,
-                            double find_timeout, double silence) {
+                            double find_timeout, double silence, double patience) {
   const client::SessionOptions options{.domain = domain,
                                        .interfaces = std::move(interfaces),
                                        .peers = std::move(peers),
@@ -39,10 +39,12 @@ SharedPresence open_session(std::optional<std::uint32_t> domain,
                                        .bench = bench,
                                        .keep_alive = keep_alive_of(keep_alive),
                                        .find_timeout = milliseconds_of(find_timeout),
-                                       .silence = milliseconds_of(silence)};
+                                       .silence = milliseconds_of(silence),
+                                       .patience = milliseconds_of(patience)};
   try {
+    require_dds();
     const py::gil_scoped_release unlocked;
-    return std::make_shared<Presence>(options);
+    return open_presence(options);
   } catch (const std::runtime_error& error) {
     raise_configuration_error(error.what());
   }
@@ -95,10 +97,9 @@ PyFollower follow(const SharedPresence& self, const py::object& axes, const std:
   const client::Pace chosen = pace_of(pace);
   const std::chrono::milliseconds longest = milliseconds_of(patience);
   std::vector<client::AxisId> ids = ids_of(axes_of(self, axes));
-  auto follower =
-      std::make_shared<StepFollower>(value_or_raise(waiting(self, [&](Session& session) {
-        return session.follow(ids, chosen);
-      })));
+  auto follower = made_here<StepFollower>(value_or_raise(waiting(self, [&](Session& session) {
+    return session.follow(ids, chosen);
+  })));
   self->adopt(follower);
   return {std::move(follower), self, longest, count};
 }
@@ -110,7 +111,14 @@ std::shared_ptr<StatusQueue> stream(const SharedPresence& self, const py::object
   auto follower = value_or_raise(waiting(self, [&](Session& session) {
     return session.follow(ids, client::Pace::observe);
   }));
-  auto queue = std::make_shared<StatusQueue>(self->session(), std::move(follower), ids, capacity);
+  auto queue = made_here<StatusQueue>(self->session(), std::move(follower), ids, capacity);
+  self->adopt(queue);
+  return queue;
+}
+
+std::shared_ptr<ReportQueue> status_reports(const SharedPresence& self, const py::object& axes,
+                                            double period) {
+  auto queue = made_here<ReportQueue>(self, ids_of(axes_of(self, axes)), milliseconds_of(period));
   self->adopt(queue);
   return queue;
 }
@@ -120,7 +128,7 @@ std::shared_ptr<EventQueue> events(const SharedPresence& self, bool history, std
   const std::shared_ptr<Session> session = self->session();
   auto queue = [&] {
     const py::gil_scoped_release unlocked;
-    return std::make_shared<EventQueue>(session, capacity, history);
+    return made_here<EventQueue>(session, capacity, history);
   }();
   self->adopt(queue);
   return queue;
@@ -295,6 +303,8 @@ void add_session_observing(SessionClass& session) {
       py::keep_alive<0, 1>(),
       "Receives every published sample of axes of one bench in a thread of its own; keeps the "
       "newest `capacity`.");
+  session.def("_status_reports", &status_reports, py::arg("axes"), py::arg("period"),
+              py::keep_alive<0, 1>(), "What on_status() takes for each bench.");
   session.def(
       "events", &events, py::kw_only(), py::arg("history") = false, py::arg("capacity") = 10000,
       py::keep_alive<0, 1>(),
@@ -388,10 +398,12 @@ void add_session(py::module_& module) {
       py::arg("peers") = std::vector<std::string>{},
       py::arg("discovery_servers") = std::vector<std::string>{}, py::arg("security") = "",
       py::arg("bench") = py::none(), py::arg("keep_alive") = "own_thread",
-      py::arg("find_timeout") = 2.0, py::arg("silence") = 1.5,
+      py::arg("find_timeout") = 2.0, py::arg("silence") = 1.5, py::arg("patience") = 10.0,
       "domain: 0 to 232, by default that of VDRIVE_DOMAIN, else 0. interfaces: own addresses, "
       "by default loopback only. security: directory of the closed mode's credentials. bench: find "
-      "this one only. find_timeout, silence: wall time in s.");
+      "this one only. find_timeout, silence, patience: wall time in s. A call raises Lost when a "
+      "service was silent for `silence`; what follows a bench (wait, follow, stream, on_status) "
+      "when it was silent for `patience`.");
   session
       .def_property_readonly(
           "id",

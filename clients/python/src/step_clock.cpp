@@ -27,6 +27,7 @@ class OwnClock final : public Dependent {
       : presence_(std::move(presence)), clock_(std::move(clock)) {}
 
   void close() noexcept override {
+    if (origin.is_inherited()) return;
     const std::scoped_lock lock(mutex_);
     clock_.reset();
   }
@@ -41,6 +42,7 @@ class OwnClock final : public Dependent {
   }
 
   [[nodiscard]] double now() {
+    origin.require_own("the clock");
     const std::scoped_lock lock(mutex_);
     if (!clock_) raise(Outcome::failed("the clock is closed"));
     return seconds_of(clock_->now());
@@ -71,9 +73,9 @@ class OwnClock final : public Dependent {
 std::shared_ptr<OwnClock> join(const SharedPresence& presence,
                                const std::vector<std::uint32_t>& benches) {
   auto clock =
-      std::make_shared<OwnClock>(presence, value_or_raise(waiting(presence, [&](Session& session) {
-                                   return StepClock::join(session, benches);
-                                 })));
+      made_here<OwnClock>(presence, value_or_raise(waiting(presence, [&](Session& session) {
+                            return StepClock::join(session, benches);
+                          })));
   presence->adopt(clock);
   return clock;
 }

@@ -12,7 +12,7 @@
 Positions are user units (UU) of the axis, times are seconds. Calls that wait release the
 interpreter lock and end on Ctrl-C. What fails raises an Error, with `code` and text.
 """
-from ._errors import ConfigurationError, Error, Failed, Lost, NotFound, Refused, TimedOut
+from ._errors import ConfigurationError, Error, Failed, Forked, Lost, NotFound, Refused, TimedOut
 from . import _asynchronous, _observers, _recording, _vdrive
 from ._asynchronous import AsyncStream
 from ._bench import Bench, find_service
@@ -60,6 +60,7 @@ __all__ = [
     "EventStream",
     "Failed",
     "Follower",
+    "Forked",
     "GroupStatus",
     "Lost",
     "Motion",

@@ -37,5 +37,9 @@ class Failed(Error):
     """Accepted, but ended by a fault, a lost enable or an interrupt."""
 
 
+class Forked(Error, RuntimeError):
+    """An object, or the DDS library, of the process from which this one was forked."""
+
+
 class ConfigurationError(Error, ValueError):
     """A session cannot be set up with these options."""

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Functions that are called with events and states of axes."""
 import atexit
+import os
 import sys
 import threading
 import weakref
@@ -13,13 +14,17 @@ _running = weakref.WeakSet()
 class Observer:
     """Calls a function from threads of Python, until close() or the end of the session.
 
-    What the function raises is reported by `threading.excepthook`, and the calls continue.
+    What the function raises is reported by `threading.excepthook`, and the calls continue. When the
+    calls end because a bench is lost, `error` is the exception, and `on_end(error)` is called;
+    without `on_end` the exception is reported by `threading.excepthook`.
     """
 
-    def __init__(self, function, streams, period=0.0):
+    def __init__(self, function, streams, on_end=None):
+        self._process = os.getpid()
         self._function = function
         self._streams = streams
-        self._period = period
+        self._on_end = on_end
+        self._error = None
         self._closed = threading.Event()
         self._threads = [threading.Thread(target=self._run, args=(stream,), daemon=True,
                                           name="vdrive observer") for stream in streams]
@@ -27,8 +32,18 @@ class Observer:
         for thread in self._threads:
             thread.start()
 
+    @property
+    def error(self):
+        """The exception that ended the calls, of several benches the last; None while they run."""
+        return self._error
+
     def close(self):
-        """End the calls; one that runs ends first, unless it is the caller."""
+        """End the calls; one that runs ends first, unless it is the caller.
+
+        It does nothing in a forked process: the threads are its parent's.
+        """
+        if self._process != os.getpid():
+            return
         self._closed.set()
         for stream in self._streams:
             stream.close()
@@ -41,15 +56,17 @@ class Observer:
             for item in stream:
                 if self._closed.is_set():
                     return
-                self._call(item)
-                if self._period and self._closed.wait(self._period):
-                    return
-        except Exception:  # the source failed: a service that is lost
-            self._report()
+                self._call(self._function, item)
+        except Exception as error:  # the source failed: a service that is lost
+            self._error = error
+            if self._on_end is None:
+                self._report()
+            else:
+                self._call(self._on_end, error)
 
-    def _call(self, item):
+    def _call(self, function, argument):
         try:
-            self._function(item)
+            function(argument)
         except Exception:
             self._report()
 
@@ -69,6 +86,8 @@ def _close_all():
         observer.close()
 
 
+# A forked process has none of these threads.
+os.register_at_fork(after_in_child=_running.clear)
 # Functions run in the reverse order of their registration: this one before the end of the sessions.
 atexit.register(_close_all)
 
@@ -83,10 +102,12 @@ def on_event(self, observer, *, history=False):
     return Observer(observer, [self.events(history=history)])
 
 
-def on_status(self, observer, axes=None, *, period=0.1):
+def on_status(self, observer, axes=None, *, period=0.1, on_end=None):
     """Call `observer(observation)` with the newest state of axes; return the Observer.
 
-    For each bench at most once in `period` s of wall time, when a later tick has come.
+    For each bench at most once in `period` s of wall time, when a later tick has come. A service
+    that restarts is followed. The calls for a bench end when it has sent nothing for the `patience`
+    of the session: then `on_end(error)` is called, with the Lost that says why.
     """
     if not period > 0.0:
         raise ValueError("the period is above 0 s")
@@ -95,4 +116,5 @@ def on_status(self, observer, axes=None, *, period=0.1):
     for axis in handles:
         handle = self.axis(axis) if isinstance(axis, str) else axis
         benches.setdefault(handle.bench, []).append(handle)
-    return Observer(observer, [self.stream(each, capacity=1) for each in benches.values()], period)
+    return Observer(observer, [self._status_reports(each, period) for each in benches.values()],
+                    on_end)

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "fork.hpp"
+
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <optional>
+#include <string>
+
+namespace vdrive::python {
+namespace {
+
+/// Forks between the first process that had this module and this one.
+std::atomic<int>& generation() {
+  static std::atomic<int> forks = 0;
+  return forks;
+}
+
+/// The process that opened the first session. Guarded by the interpreter lock.
+std::optional<Origin>& first_session() {
+  static std::optional<Origin> origin;
+  return origin;
+}
+
+[[noreturn]] void raise_forked(const std::string& message) {
+  const py::object kind = py::module_::import("vdrive._errors").attr("Forked");
+  PyErr_SetObject(kind.ptr(), kind(message).ptr());
+  throw py::error_already_set();
+}
+
+/// The end of a process destroys the statics of the DDS library, which wait for threads that only
+/// the parent has. Handlers run in the reverse order of their registration: this one, registered
+/// after the fork, comes before them.
+void end_without_statics(int status, void* /*unused*/) {
+  static_cast<void>(std::fflush(nullptr));
+  _exit(status);
+}
+
+void begin_child() {
+  ++generation();
+  if (first_session()) on_exit(&end_without_statics, nullptr);
+}
+
+}  // namespace
+
+Origin::Origin() : generation_(generation()), process_(getpid()) {}
+
+bool Origin::is_inherited() const noexcept {
+  return generation_ != generation();
+}
+
+void Origin::require_own(const char* what) const {
+  if (!is_inherited()) return;
+  raise_forked(std::string(what) + " belongs to process " + std::to_string(process_) +
+               ", from which this one was forked: a forked process cannot use what it inherits. "
+               "Open a session in the process that uses it, and start that with "
+               "multiprocessing.get_context(\"spawn\") or \"forkserver\"");
+}
+
+void require_dds() {
+  if (!first_session()) first_session().emplace();
+  if (!first_session()->is_inherited()) return;
+  raise_forked("no session can be opened in process " + std::to_string(getpid()) +
+               ": it was forked after its parent had opened one, and the DDS library does not "
+               "survive a fork. Start it with multiprocessing.get_context(\"spawn\") or "
+               "\"forkserver\", or fork before the first session");
+}
+
+void watch_forks() {
+  py::module_::import("os").attr("register_at_fork")(py::arg("after_in_child") =
+                                                         py::cpp_function(&begin_child));
+}
+
+}  // namespace vdrive::python
