@@ -43,6 +43,12 @@ std::string_view to_string(OutcomeKind kind) noexcept {
 Outcome::Outcome(OutcomeKind kind, std::uint32_t code, std::string message)
     : kind_(kind), code_(code), message_(std::move(message)) {}
 
+Outcome Outcome::with_prefix(std::string_view words) const {
+  Outcome outcome = *this;
+  outcome.message_.insert(0, words);
+  return outcome;
+}
+
 OutcomeError::OutcomeError(Outcome outcome)
     : std::runtime_error(outcome.message()), outcome_(std::move(outcome)) {}
 

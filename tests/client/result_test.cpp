@@ -9,6 +9,9 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
 
 namespace vdrive::client {
 namespace {
@@ -17,6 +20,46 @@ using testing::HasSubstr;
 
 Result<std::string> failed() {
   return Outcome::not_found("no axis 1.7");
+}
+
+using Names = Result<std::vector<std::string>>;
+
+template <typename Kept>
+using ValueOf = decltype(std::declval<Kept>().value());
+template <typename Kept>
+using DereferenceOf = decltype(*std::declval<Kept>());
+
+// A result that is kept lends its value; of one that nobody keeps the value is the caller's.
+static_assert(std::is_same_v<ValueOf<Names&>, std::vector<std::string>&>);
+static_assert(std::is_same_v<ValueOf<const Names&>, const std::vector<std::string>&>);
+static_assert(std::is_same_v<ValueOf<Names>, std::vector<std::string>>);
+static_assert(std::is_same_v<ValueOf<const Names>, std::vector<std::string>>);
+static_assert(std::is_same_v<DereferenceOf<Names&>, std::vector<std::string>&>);
+static_assert(std::is_same_v<DereferenceOf<const Names&>, const std::vector<std::string>&>);
+static_assert(std::is_same_v<DereferenceOf<Names>, std::vector<std::string>>);
+static_assert(std::is_same_v<DereferenceOf<const Names>, std::vector<std::string>>);
+
+// Longer than what a string keeps in itself.
+Names names() {
+  return std::vector<std::string>{"the axis that lifts the gantry",
+                                  "the axis that turns the table"};
+}
+
+// The address sanitizer sees a range that has ended.
+TEST(Result, ThatNobodyKeepsIsTheRangeOfALoop) {
+  std::string joined;
+  for (const std::string& name : names().value()) joined += name + ";";
+  for (const std::string& name : *names()) joined += name + ";";
+  const std::string twice = "the axis that lifts the gantry;the axis that turns the table;";
+  EXPECT_EQ(joined, twice + twice);
+}
+
+TEST(Result, ThatNobodyKeepsGivesItsValueAway) {
+  auto&& moved = names().value();
+  const auto& dereferenced = *names();
+  EXPECT_EQ(moved, dereferenced);
+  const Names kept = names();
+  EXPECT_EQ(std::as_const(kept).value().size(), 2U);
 }
 
 TEST(Result, GivesItsValue) {

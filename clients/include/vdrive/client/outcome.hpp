@@ -46,6 +46,9 @@ class [[nodiscard]] Outcome {
   /// Code of a refusal, else 0.
   [[nodiscard]] std::uint32_t code() const noexcept { return code_; }
 
+  /// @return the same outcome with `words` in front of its message: what that came to.
+  [[nodiscard]] Outcome with_prefix(std::string_view words) const;
+
   /// What happened, in a sentence without a full stop; empty on success. A refusal's message ends
   /// with its code and the code's meaning.
   [[nodiscard]] const std::string& message() const noexcept { return message_; }
@@ -94,26 +97,53 @@ class [[nodiscard]] Result {
     return *value_;
   }
 
-  [[nodiscard]] Value&& value() && {
+  /// Of a result that nobody keeps, by value: a reference into it would end with the expression,
+  /// also in `for (auto& axis : session.axes().value())`.
+  [[nodiscard]] Value value() && {
     throw_if_failed();
     return std::move(*value_);
   }
 
+  /// A copy: what is constant cannot give its value away.
+  [[nodiscard]] Value value() const&& {
+    throw_if_failed();
+    return *value_;
+  }
+
   /// The value; only when this converts to true. Otherwise the program ends with the message of the
   /// outcome, in every build.
-  [[nodiscard]] const Value& operator*() const noexcept {
+  [[nodiscard]] const Value& operator*() const& noexcept {
     abort_if_failed();
     return *value_;
   }
 
-  [[nodiscard]] Value& operator*() noexcept {
+  [[nodiscard]] Value& operator*() & noexcept {
     abort_if_failed();
     return *value_;
   }
 
-  [[nodiscard]] const Value* operator->() const noexcept { return &**this; }
+  /// By value, as value() is.
+  [[nodiscard]] Value operator*() && noexcept {
+    abort_if_failed();
+    return std::move(*value_);
+  }
 
-  [[nodiscard]] Value* operator->() noexcept { return &**this; }
+  [[nodiscard]] Value operator*() const&& noexcept {
+    abort_if_failed();
+    return *value_;
+  }
+
+  /// A member of the value, as `*` is. Of a result that nobody keeps it is valid until the end of
+  /// the expression: what lasts longer, such as the range of a `for`, takes value() and its member.
+  [[nodiscard]] const Value* operator->() const noexcept {
+    abort_if_failed();
+    return &*value_;
+  }
+
+  [[nodiscard]] Value* operator->() noexcept {
+    abort_if_failed();
+    return &*value_;
+  }
 
   /// Success when there is a value.
   [[nodiscard]] const Outcome& outcome() const noexcept { return outcome_; }
