@@ -48,9 +48,9 @@ std::vector<FrameContent> frames_of(std::span<const Round> rounds, const BenchPa
   for (const Round& round : rounds) {
     FrameContent frame{.commands = {}, .apply_at_tick = apply_at, .flags = round.flags};
     for (const Round::Entry& entry : round.entries) {
-      if (layout.axes[entry.place].bench == part.bench->number) {
-        frame.commands.push_back(entry.command);
-      }
+      if (layout.axes[entry.place].bench != part.bench->number) continue;
+      frame.commands.push_back(entry.command);
+      if (round.is_endless) frame.moved.push_back(entry.command.axis());
     }
     if (!frame.commands.empty()) frames.push_back(std::move(frame));
   }
@@ -104,7 +104,7 @@ Outcome AxesCall::begin(std::chrono::nanoseconds timeout) {
 
 void AxesCall::set_timeout(std::chrono::nanoseconds timeout) {
   timeout_ = timeout;
-  deadline_ = tick() + ticks_of(timeout, period());
+  deadline_ = driven_tick() + ticks_of(timeout, period());
 }
 
 Outcome AxesCall::acquire(bool by_force) {
@@ -271,7 +271,7 @@ Answers AxesCall::collect(std::span<const SentFrames> sent, Outcome outcome) {
 /// For an axis drive time may pass slower than wall time; where none passes at all the time-out
 /// counts as wall time.
 Outcome AxesCall::observe_next(std::string_view awaited, std::span<const std::size_t> late) {
-  if (tick() >= deadline_) return timed_out(awaited, late);
+  if (driven_tick() >= deadline_) return timed_out(awaited, late);
   if (axes_.caller() == Caller::group) return axes_.advance(1);
   const auto begin = std::chrono::steady_clock::now();
   while (true) {

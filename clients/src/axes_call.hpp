@@ -46,6 +46,7 @@ struct Round {
 
   std::vector<Entry> entries;
   std::uint32_t flags = 0;  ///< FRAME_...
+  bool is_endless = false;  ///< its axes run from then on: see Holdings
 };
 
 /// Whether several benches in real time act at once or on a tick that all of them can meet.
@@ -85,6 +86,8 @@ class AxesCall {
 
   [[nodiscard]] ObservedAxes& axes() noexcept { return axes_; }
 
+  [[nodiscard]] const ObservedAxes& axes() const noexcept { return axes_; }
+
   /// The axes as they were observed last, in the order of the group.
   [[nodiscard]] const std::vector<AxisSnapshot>& now() const noexcept { return axes_.now(); }
 
@@ -92,6 +95,9 @@ class AxesCall {
   [[nodiscard]] const AxisSnapshot& axis() const { return axes_.now().front(); }
 
   [[nodiscard]] std::uint64_t tick() const noexcept { return axes_.tick(); }
+
+  /// What durations count in: see ObservedAxes.
+  [[nodiscard]] std::uint64_t driven_tick() const noexcept { return axes_.driven_tick(); }
 
   [[nodiscard]] std::chrono::microseconds period() const { return axes_.period(); }
 
@@ -224,7 +230,7 @@ class AxesCall {
   std::shared_ptr<SessionCore> core_;
   ObservedAxes axes_;
   std::chrono::nanoseconds timeout_{0};
-  std::uint64_t deadline_ = 0;  ///< tick
+  std::uint64_t deadline_ = 0;  ///< as driven_tick()
 };
 
 }  // namespace vdrive::client

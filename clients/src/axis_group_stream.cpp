@@ -62,6 +62,7 @@ Result<GroupStatus> AxisGroup::stream(const Eigen::VectorXd& positions) {
   if (!whole) return whole.outcome();
   AxesCall& call = state_->stream->call;
   Round round = call.round_to(every_axis);
+  round.is_endless = true;
   for (Round::Entry& entry : round.entries) {
     entry.command.members(msg::HAS_POSITION_USER_TARGET_VALUE);
     entry.command.position_user_target_value((*whole)[entry.place]);
@@ -134,6 +135,11 @@ Outcome AxisGroup::stop_streaming(const GroupCallOptions& options) {
   Outcome seen = call.await("profile position mode", answers.tick, [&](const AxisSnapshot& axis) {
     return !to_the_end || axis.mode() == OperatingMode::profile_position;
   });
+  if (seen && to_the_end) {  // who still moved has braked before its mode has changed
+    for (const BenchPart& part : call.axes().parts()) {
+      state_->core->holdings.forget_running(part.target.key, part.bench->axes);
+    }
+  }
   // A position that came late was not run: the axes rest elsewhere than the caller believes.
   return seen ? rest : seen;
 }

@@ -2,11 +2,14 @@
 // Calls of an axis in the modes homing, profile velocity and profile torque.
 #include "arrival.hpp"
 #include "axes_call.hpp"
+#include "axes_stop.hpp"
 #include "command_words.hpp"
 #include "profile_move.hpp"
+#include "session_core.hpp"
 #include "vdrive/client/axis.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/dictionary/object_text.hpp"
+#include "vdrive/number_text.hpp"
 #include "vdrive/plant/axis_model.hpp"
 
 #include <algorithm>
@@ -14,8 +17,10 @@
 #include <chrono>
 #include <cstdint>
 #include <cstdlib>
+#include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace vdrive::client {
@@ -50,15 +55,46 @@ void add_settings(msg::AxisCommand& command, std::span<const Setting> settings) 
   }
 }
 
+/// The motion without an end that a call commands. The session does not give its axis back before
+/// the axis was seen to rest, however the call ends: see Holdings.
+class EndlessMotion {
+ public:
+  EndlessMotion(SessionCore& core, const AxesCall& call)
+      : holdings_(core.holdings),
+        key_(call.axes().parts().front().target.key),
+        axis_(call.axis().id.axis) {}
+
+  /// Sends `round` and observes the tick in which it is in force.
+  Outcome put_in_force(AxesCall& call, Round round) {
+    const bool was_running = !rests(call.axis()) || holdings_.is_running(key_, axis_);
+    round.is_endless = true;
+    Outcome done = call.put_in_force({&round, 1});
+    if (done.kind() == OutcomeKind::refused && !was_running) settle();  // it stands
+    return done;
+  }
+
+  /// The axis was seen to stop, or the program knows that it runs on after its call.
+  void settle() { holdings_.forget_running(key_, {&axis_, 1}); }
+
+ private:
+  Holdings& holdings_;
+  BenchKey key_;
+  std::uint16_t axis_;
+};
+
 /// Sends the mode, the settings and Enable operation in one frame, so that the axis never has the
 /// mode with older settings, and waits until 6061h shows the mode: a moving axis brakes first.
-Outcome enter(AxesCall& call, OperatingMode mode, std::span<const Setting> settings) {
+/// @param motion that begins with this; none in a mode whose motion ends by itself
+Outcome enter(AxesCall& call, OperatingMode mode, std::span<const Setting> settings,
+              EndlessMotion* motion = nullptr) {
   Round round = call.round_of(kEnableOperation, every_axis);
   msg::AxisCommand& command = round.entries.front().command;
   command.members(static_cast<std::uint16_t>(command.members() | msg::HAS_OP_MODE_CMD));
   command.op_mode_cmd(static_cast<std::int8_t>(mode));
   add_settings(command, settings);
-  if (Outcome done = call.put_in_force({&round, 1}); !done) return done;
+  Outcome done = motion != nullptr ? motion->put_in_force(call, std::move(round))
+                                   : call.put_in_force({&round, 1});
+  if (!done) return done;
   return call.await_enabled(std::string(to_string(mode)) + " mode", call.tick(),
                             [mode](const AxisSnapshot& axis) {
                               return axis.mode() == mode;
@@ -185,7 +221,7 @@ struct Obstacles {
   /// @param target its sign is the direction
   void note(const AxisSnapshot& axis, std::int64_t target, std::int64_t demand) {
     limit_switch.note(axis, target);
-    ramp.note(axis.tick, demand);
+    ramp.note(axis.driven_tick(), demand);
   }
 
   [[nodiscard]] bool keep_back(const AxisSnapshot& axis) const {
@@ -204,13 +240,36 @@ struct Obstacles {
 };
 
 /// Sends the velocity. It is in force, but not reached.
-Outcome start_velocity(AxesCall& call, std::int32_t velocity, const VelocityOptions& options,
-                       std::int64_t& slowest) {
+Outcome start_velocity(AxesCall& call, EndlessMotion& motion, std::int32_t velocity,
+                       const VelocityOptions& options, std::int64_t& slowest) {
   if (Outcome good = check_velocity(call, velocity, options, slowest); !good) return good;
   return enter(call, OperatingMode::profile_velocity,
                std::array{Setting{"profile_acc"_object, options.acceleration},
                           Setting{"profile_dec"_object, options.deceleration},
-                          Setting{"target_velocity"_object, velocity}});
+                          Setting{"target_velocity"_object, velocity}},
+               &motion);
+}
+
+/// Runs at the velocity and waits for it, as long as the options require.
+Outcome reach_velocity(AxesCall& call, EndlessMotion& motion, std::int32_t velocity,
+                       const VelocityOptions& options, const Wakeup& wakeup) {
+  std::int64_t slowest = 0;
+  Outcome started = start_velocity(call, motion, velocity, options, slowest);
+  if (!started || options.call.until == Until::in_force) return started;
+  Obstacles obstacles{.limit_switch = {}, .ramp = {slowest, call.period()}};
+  Outcome seen =
+      call.await_enabled("the velocity, bit 10", call.tick(), [&](const AxisSnapshot& axis) {
+        // The demand rests at its target while the axis itself comes to it.
+        const std::int32_t demand = axis.status.velocity_demand_value;
+        if (demand != velocity) obstacles.note(axis, velocity, demand);
+        return has_velocity(axis) || (demand != velocity && obstacles.keep_back(axis));
+      });
+  if (!seen) return explained(std::move(seen), call, wakeup, "at its velocity");
+  if (has_velocity(call.axis())) return check_halt(call);
+  return obstacles.outcome(
+      call, "the velocity of " + std::to_string(velocity), call.axis().status.velocity_demand_value,
+      "the app_speed_limit (607Fh) or the motor_max_speed_rpm (6080h) that the "
+      "axis had when it was enabled");
 }
 
 /// Brakes to standstill with 60FFh = 0, also after an interrupt.
@@ -224,6 +283,43 @@ Outcome end_velocity(AxesCall& call, const Wakeup& wakeup, std::chrono::nanoseco
   return call.await_enabled("standstill, bit 12", call.tick(), [](const AxisSnapshot& axis) {
     return axis.status.velocity_demand_value == 0 && axis.shows(Statusword::kSpeedZero);
   });
+}
+
+/// @return which other session has commanded the axis by now, for a message; empty when none has.
+std::string new_master(const AxisSnapshot& axis, std::uint64_t session) {
+  const bool is_other = axis.owner_session != 0 && axis.owner_session != session;
+  if (!is_other || axis.last_sequence == 0) return {};
+  return "session " + session_text(axis.owner_session) + " commands axis " + to_string(axis.id) +
+         " now: ";
+}
+
+/// A jog whose end was refused or not seen stops its axis by a quick stop, which needs no control:
+/// the axis may be free by now, or taken by a session that has not commanded it yet. What another
+/// session has commanded is left to that session.
+/// @return `cause`, with what became of the axis.
+Outcome stop_instead(const std::shared_ptr<SessionCore>& core, const AxisId& id,
+                     const Outcome& cause, std::chrono::nanoseconds timeout) {
+  AxesCall call(core, layout_of(id), Caller::axis);
+  AxesStop stop(*core, call);
+  Outcome stopped = stop.begin(timeout);
+  if (stopped) {
+    const std::string master = new_master(call.axis(), core->id);
+    if (!master.empty()) return cause.with_prefix(master);
+    stopped = stop.quick_stop(Until::done);
+  }
+  if (stopped) return cause.with_prefix("a quick stop has ended the jog: ");
+  return cause.with_prefix("axis " + to_string(id) +
+                           " was not seen to stop, its quick stop failed (" + stopped.message() +
+                           "): ");
+}
+
+/// Brakes the axis of a jog and waits for standstill, whatever it takes.
+Outcome end_jog(const std::shared_ptr<SessionCore>& core, AxesCall& call,
+                std::chrono::nanoseconds timeout) {
+  Outcome ended = end_velocity(call, core->wakeup, timeout);
+  // A fault has its own reaction. Of a lost bench no stop would arrive: its watchdog acts.
+  if (ended || !is_enabled(call.axis()) || ended.kind() == OutcomeKind::lost) return ended;
+  return stop_instead(core, call.axis().id, ended, timeout);
 }
 
 // ---- torque ----------------------------------------------------------------------------------
@@ -259,6 +355,29 @@ Outcome check_torque(AxesCall& call, std::int16_t torque, const TorqueOptions& o
   return {};
 }
 
+/// Applies the torque and waits for it, as long as the options require.
+Outcome reach_torque(AxesCall& call, EndlessMotion& motion, std::int16_t torque,
+                     const TorqueOptions& options, const Wakeup& wakeup) {
+  std::int64_t slope = 0;
+  if (Outcome good = check_torque(call, torque, options, slope); !good) return good;
+  Outcome started = enter(call, OperatingMode::profile_torque,
+                          std::array{Setting{"torque_slope"_object, options.slope},
+                                     Setting{"target_torque"_object, torque}},
+                          &motion);
+  if (!started || options.call.until == Until::in_force) return started;
+  Obstacles obstacles{.limit_switch = {}, .ramp = {slope, call.period()}};
+  Outcome seen =
+      call.await_enabled("the torque, bit 10", call.tick(), [&](const AxisSnapshot& axis) {
+        const std::int16_t demand = axis.status.torque_demand;
+        if (demand != torque) obstacles.note(axis, torque, demand);
+        return target_reached(axis) || (demand != torque && obstacles.keep_back(axis));
+      });
+  if (!seen) return explained(std::move(seen), call, wakeup, "with its torque");
+  if (target_reached(call.axis())) return check_halt(call);
+  return obstacles.outcome(call, "the torque of " + std::to_string(torque),
+                           call.axis().status.torque_demand, torque_limits(torque));
+}
+
 }  // namespace
 
 Outcome Axis::home(const HomingOptions& options) {
@@ -289,67 +408,51 @@ Outcome Axis::home(const HomingOptions& options) {
 Outcome Axis::run_at(std::int32_t velocity, const VelocityOptions& options) {
   AxesCall call(core_, layout_of(id_), Caller::axis);
   if (Outcome ready = begin_motion(call, options.call.timeout, "a velocity"); !ready) return ready;
-  std::int64_t slowest = 0;
-  if (Outcome started = start_velocity(call, velocity, options, slowest); !started) return started;
-  if (options.call.until == Until::in_force) return {};
-  Obstacles obstacles{.limit_switch = {}, .ramp = {slowest, call.period()}};
-  Outcome seen =
-      call.await_enabled("the velocity, bit 10", call.tick(), [&](const AxisSnapshot& axis) {
-        // The demand rests at its target while the axis itself comes to it.
-        const std::int32_t demand = axis.status.velocity_demand_value;
-        if (demand != velocity) obstacles.note(axis, velocity, demand);
-        return has_velocity(axis) || (demand != velocity && obstacles.keep_back(axis));
-      });
-  if (!seen) return explained(std::move(seen), call, core_->wakeup, "at its velocity");
-  if (has_velocity(call.axis())) return check_halt(call);
-  return obstacles.outcome(
-      call, "the velocity of " + std::to_string(velocity), call.axis().status.velocity_demand_value,
-      "the app_speed_limit (607Fh) or the motor_max_speed_rpm (6080h) that the "
-      "axis had when it was enabled");
+  EndlessMotion motion(*core_, call);
+  Outcome outcome = reach_velocity(call, motion, velocity, options, core_->wakeup);
+  if (outcome) motion.settle();
+  return outcome;
 }
 
 Outcome Axis::apply_torque(std::int16_t torque, const TorqueOptions& options) {
   AxesCall call(core_, layout_of(id_), Caller::axis);
   if (Outcome ready = begin_motion(call, options.call.timeout, "a torque"); !ready) return ready;
-  std::int64_t slope = 0;
-  if (Outcome good = check_torque(call, torque, options, slope); !good) return good;
-  Outcome started = enter(call, OperatingMode::profile_torque,
-                          std::array{Setting{"torque_slope"_object, options.slope},
-                                     Setting{"target_torque"_object, torque}});
-  if (!started || options.call.until == Until::in_force) return started;
-  Obstacles obstacles{.limit_switch = {}, .ramp = {slope, call.period()}};
-  Outcome seen =
-      call.await_enabled("the torque, bit 10", call.tick(), [&](const AxisSnapshot& axis) {
-        const std::int16_t demand = axis.status.torque_demand;
-        if (demand != torque) obstacles.note(axis, torque, demand);
-        return target_reached(axis) || (demand != torque && obstacles.keep_back(axis));
-      });
-  if (!seen) return explained(std::move(seen), call, core_->wakeup, "with its torque");
-  if (target_reached(call.axis())) return check_halt(call);
-  return obstacles.outcome(call, "the torque of " + std::to_string(torque),
-                           call.axis().status.torque_demand, torque_limits(torque));
+  EndlessMotion motion(*core_, call);
+  Outcome outcome = reach_torque(call, motion, torque, options, core_->wakeup);
+  if (outcome) motion.settle();
+  return outcome;
 }
 
 Outcome Axis::jog(std::int32_t velocity, const std::function<bool(const AxisSnapshot&)>& held,
                   const VelocityOptions& options) {
   AxesCall call(core_, layout_of(id_), Caller::axis);
   if (Outcome ready = begin_motion(call, options.call.timeout, "a jog"); !ready) return ready;
+  EndlessMotion motion(*core_, call);
   std::int64_t slowest = 0;
-  if (Outcome started = start_velocity(call, velocity, options, slowest); !started) {
+  if (Outcome started = start_velocity(call, motion, velocity, options, slowest); !started) {
     // What was sent may be in force although the wait for it has failed.
     if (is_enabled(call.axis()) && started.kind() != OutcomeKind::refused) {
-      (void)end_velocity(call, core_->wakeup, options.call.timeout);
+      (void)end_jog(core_, call, options.call.timeout);
     }
     return started;
   }
   call.set_timeout(kHeldAtMost);
-  Outcome seen =
-      call.await_enabled("the end of the jog", call.tick(), [&held](const AxisSnapshot& axis) {
-        return !held(axis);
-      });
+  // Without control no watchdog guards the axis: the jog ends at once.
+  const auto ends = [&](const AxisSnapshot& axis) {
+    return axis.owner_session != core_->id || !held(axis);
+  };
+  Outcome seen;
+  try {
+    seen = call.await_enabled("the end of the jog", call.tick(), ends);
+  } catch (...) {  // of the program, in `held`
+    (void)end_jog(core_, call, options.call.timeout);
+    throw;
+  }
   if (!seen && !is_enabled(call.axis())) return seen;
   if (seen.kind() == OutcomeKind::lost) return seen;
-  return end_velocity(call, core_->wakeup, options.call.timeout);
+  Outcome ended = end_jog(core_, call, options.call.timeout);
+  if (ended) motion.settle();
+  return ended;
 }
 
 }  // namespace vdrive::client

@@ -28,6 +28,26 @@ inline constexpr std::int64_t kFirstQuickStopThatStays = 5;
   return axis.shows(Statusword::kTargetReached);
 }
 
+/// @return whether the drive moves the axis or holds it.
+[[nodiscard]] inline bool is_driven(const AxisSnapshot& axis) {
+  const PowerState state = axis.state();
+  return state == PowerState::operation_enabled || state == PowerState::quick_stop_active ||
+         state == PowerState::fault_reaction_active;
+}
+
+/// @return whether nothing moves the axis: it is not driven, or its demand is at rest and no
+/// command
+///         is on the way to another one. A torque counts as long as it is applied.
+[[nodiscard]] inline bool rests(const AxisSnapshot& axis) {
+  if (!is_driven(axis)) return true;
+  if (axis.status.velocity_demand_value != 0) return false;
+  if (axis.mode() == OperatingMode::cyclic_synchronous_position) return true;  // it has no bit 10
+  const bool has_torque = axis.mode() == OperatingMode::profile_torque &&
+                          axis.state() == PowerState::operation_enabled &&
+                          axis.status.torque_demand != 0;
+  return target_reached(axis) && !has_torque;
+}
+
 /// @return whether a quick stop has ended, or has come to rest where 605Ah keeps the state.
 [[nodiscard]] inline bool quick_stop_ended(const AxisSnapshot& axis, std::int64_t option) {
   return axis.state() != PowerState::quick_stop_active ||

@@ -47,6 +47,9 @@ Outcome Commands::send_one(SentFrames& sent, const FrameContent& content) {
 
 msg::CommandFrame Commands::next_frame(const Target& target, const FrameContent& content) {
   msg::CommandFrame frame = holdings_.next_frame(target.key);
+  if (!content.moved.empty()) {
+    holdings_.note_running(target.key, content.moved, frame.sequence_number());
+  }
   frame.flags(content.flags);
   frame.apply_at_tick(content.apply_at_tick);
   frame.valid_until_tick(content.apply_at_tick);

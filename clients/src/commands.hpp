@@ -17,8 +17,9 @@ namespace vdrive::client {
 /// What one command frame carries.
 struct FrameContent {
   std::vector<msg::AxisCommand> commands;
-  std::uint64_t apply_at_tick = 0;  ///< 0 = the next; a frame that misses its tick is refused
-  std::uint32_t flags = 0;          ///< FRAME_..., beside the wish for a reply
+  std::uint64_t apply_at_tick = 0;     ///< 0 = the next; a frame that misses its tick is refused
+  std::uint32_t flags = 0;             ///< FRAME_..., beside the wish for a reply
+  std::vector<std::uint16_t> moved{};  ///< axes that run from then on: see Holdings
 };
 
 /// Frames that were sent to one bench.

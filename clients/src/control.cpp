@@ -5,6 +5,7 @@
 #include "vdrive/dictionary/dictionary.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <string>
 #include <utility>
@@ -117,26 +118,51 @@ Result<std::uint64_t> Control::stop(const Target& target, std::span<const std::u
 
 Outcome Control::release() {
   Outcome result;
-  for (const BenchKey& key : holdings_.drop_all()) {
-    if (Outcome released = release(key); !released) result = std::move(released);
+  for (const GivenBack& given : holdings_.drop_all()) {
+    if (Outcome released = release(given); !released) result = std::move(released);
   }
   return result;
 }
 
 Outcome Control::release(std::uint32_t bench) {
-  const auto key = holdings_.drop(bench);
-  return key ? release(*key) : Outcome();
+  const auto given = holdings_.drop(bench);
+  return given ? release(*given) : Outcome();
+}
+
+Outcome Control::release(const GivenBack& given) {
+  const Target target{.key = given.key};
+  if (given.kept.empty()) {  // a request without axes names all
+    return release(target, std::array<std::vector<std::uint16_t>, 1>{});
+  }
+  // One by one: a request that names an axis that is not held any more releases none.
+  std::vector<std::vector<std::uint16_t>> parts;
+  for (const std::uint16_t axis : given.axes) parts.push_back({axis});
+  if (Outcome released = release(target, parts); !released) return released;
+  const std::size_t others = given.kept.size() - 1;
+  return Outcome::failed(name_of(target, given.kept.front()) +
+                         (others == 0 ? "" : " and " + std::to_string(others) + " more") +
+                         ", not seen to stop, not released: the watchdog of the bench acts when "
+                         "this session is silent");
 }
 
 /// Also after an interrupt, and to a service that may be gone: with a patience of its own.
-Outcome Control::release(const BenchKey& key) {
-  const auto sending = holdings_.lock_sending(key.number);
-  const Target target{.key = key};
-  msg::Request request;
-  request.kind(msg::REQUEST_RELEASE);
-  const auto sent = requests_.send(target, std::move(request), kReleaseAnswer);
-  if (sent && requests_.await(target, *sent, {kReleaseAnswer, false})) return {};
-  return Outcome::lost(name_of(target) + " did not answer");
+Outcome Control::release(const Target& target, std::span<const std::vector<std::uint16_t>> parts) {
+  const auto sending = holdings_.lock_sending(target.key.number);
+  std::vector<std::uint64_t> sent;
+  for (const std::vector<std::uint16_t>& axes : parts) {
+    msg::Request request;
+    request.kind(msg::REQUEST_RELEASE);
+    request.axes() = axes;
+    const auto number = requests_.send(target, std::move(request), kReleaseAnswer);
+    if (!number) break;
+    sent.push_back(*number);
+  }
+  bool is_answered = sent.size() == parts.size();
+  for (const std::uint64_t number : sent) {
+    const Patience patience{is_answered ? kReleaseAnswer : std::chrono::milliseconds(0), false};
+    is_answered = requests_.await(target, number, patience) && is_answered;
+  }
+  return is_answered ? Outcome() : Outcome::lost(name_of(target) + " did not answer");
 }
 
 }  // namespace vdrive::client

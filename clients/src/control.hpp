@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <span>
 #include <string_view>
+#include <vector>
 
 namespace vdrive::client {
 
@@ -42,17 +43,20 @@ class Control {
   Result<std::uint64_t> stop(const Target& target, std::span<const std::uint16_t> axes,
                              std::uint16_t word);
 
-  /// Gives all axes back.
+  /// Gives all axes back, but those that run and were not seen to stop: they stay with this session
+  /// until the watchdog of their bench stops them.
+  /// @return failed, naming them, when there are some
   Outcome release();
 
-  /// Gives the axes of one bench back.
+  /// The same of one bench.
   Outcome release(std::uint32_t bench);
 
   /// Ends the keep-alives and gives all axes back: the session takes none any more.
   void end();
 
  private:
-  Outcome release(const BenchKey& key);
+  Outcome release(const GivenBack& given);
+  Outcome release(const Target& target, std::span<const std::vector<std::uint16_t>> parts);
   void note_acquired(const Target& target, std::span<const std::uint16_t> axes,
                      const msg::Reply& reply);
 

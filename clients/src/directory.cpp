@@ -52,6 +52,7 @@ void Directory::on_description(const msg::BenchDescription& message, const wire:
 void Directory::on_state(const msg::BenchState& message, Clock::time_point now) {
   const BenchKey key{message.bench(), message.incarnation()};
   note_sample(key, message.tick(), now);
+  note_time(key, {message.tick(), message.skipped_ticks()});
   const auto found = entries_.find(key);
   if (found == entries_.end()) return;
   Entry& entry = found->second;
@@ -144,6 +145,15 @@ void Directory::note_sample(const BenchKey& key, std::uint64_t tick, Clock::time
   if (entry == nullptr) return;
   entry->newest_sample = now;
   entry->info.tick = std::max(entry->info.tick, tick);
+}
+
+void Directory::note_time(const BenchKey& key, const RunTime& time) {
+  const auto found = entries_.find(key);
+  if (found == entries_.end()) return;
+  Entry& entry = found->second;
+  if (entry.time && time.tick <= entry.time->tick) return;
+  if (entry.time) entry.skipped += ticks_skipped(*entry.time, time);
+  entry.time = time;
 }
 
 bool Directory::Entry::is_present(Clock::time_point now) const {
@@ -267,6 +277,12 @@ void Directory::discount(Clock::duration pause) {
 std::uint64_t Directory::tick(const BenchKey& key) const {
   const auto entry = entries_.find(key);
   return entry == entries_.end() ? 0 : entry->second.info.tick;
+}
+
+std::optional<std::uint64_t> Directory::driven_tick(const BenchKey& key) const {
+  const auto entry = entries_.find(key);
+  if (entry == entries_.end() || !entry->second.time) return std::nullopt;
+  return entry->second.time->tick - entry->second.skipped;
 }
 
 }  // namespace vdrive::client

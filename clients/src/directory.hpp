@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "run_time.hpp"
 #include "vdrive/client/bench.hpp"
 #include "vdrive/wire/source.hpp"
 #include "vdrive_messages.h"
@@ -61,6 +62,9 @@ class Directory {
 
   /// Another live sample of this run: a status frame or an answer.
   void note_sample(const BenchKey& key, std::uint64_t tick, Clock::time_point now);
+
+  /// A status frame or a state of this run. Of those that come out of order the newest counts.
+  void note_time(const BenchKey& key, const RunTime& time);
 
   /// This participant sent a live sample of the run and is its sender from now on. A service whose
   /// network process restarts has a new participant and continues its run.
@@ -130,6 +134,10 @@ class Directory {
   /// @return the newest tick received, 0 when none was.
   [[nodiscard]] std::uint64_t tick(const BenchKey& key) const;
 
+  /// @return the newest tick that a status frame or a state has shown, without the ticks that the
+  ///         number has jumped over since the first of them; nothing before that one.
+  [[nodiscard]] std::optional<std::uint64_t> driven_tick(const BenchKey& key) const;
+
  private:
   struct Entry {
     BenchInfo info;
@@ -141,6 +149,8 @@ class Directory {
     Clock::time_point newest;  ///< message of any kind
     Clock::time_point rate_time{};
     std::uint64_t slowest_stepper = 0;
+    std::optional<RunTime> time;  ///< newest
+    std::uint64_t skipped = 0;    ///< ticks since the first one
 
     [[nodiscard]] bool is_present(Clock::time_point now) const;
   };

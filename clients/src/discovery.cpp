@@ -269,6 +269,13 @@ void Discovery::note_sample(const BenchKey& key, std::uint64_t tick, const wire:
   directory_.note_sender(key, source);
 }
 
+void Discovery::note_frame(const BenchKey& key, const RunTime& time, const wire::Source& source) {
+  const std::scoped_lock lock(mutex_);
+  directory_.note_sample(key, time.tick, running_time());
+  directory_.note_time(key, time);
+  directory_.note_sender(key, source);
+}
+
 void Discovery::set_rate(const BenchKey& key, double rate) {
   const std::scoped_lock lock(mutex_);
   directory_.set_rate(key, rate);
@@ -353,6 +360,11 @@ std::uint64_t Discovery::slowest_stepper(const BenchKey& key) const {
 std::uint64_t Discovery::tick(const BenchKey& key) const {
   const std::scoped_lock lock(mutex_);
   return directory_.tick(key);
+}
+
+std::optional<std::uint64_t> Discovery::driven_tick(const BenchKey& key) const {
+  const std::scoped_lock lock(mutex_);
+  return directory_.driven_tick(key);
 }
 
 std::vector<ServiceChange> Discovery::changes(ServiceWatch& watch) const {

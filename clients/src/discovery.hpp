@@ -62,6 +62,9 @@ class Discovery {
   /// A live sample of this run, a status frame or an answer.
   void note_sample(const BenchKey& key, std::uint64_t tick, const wire::Source& source);
 
+  /// A status frame of this run.
+  void note_frame(const BenchKey& key, const RunTime& time, const wire::Source& source);
+
   /// This run answered that it has another rate, before its state shows it.
   void set_rate(const BenchKey& key, double rate);
 
@@ -100,6 +103,10 @@ class Discovery {
 
   /// @return the newest tick received, 0 when none was.
   [[nodiscard]] std::uint64_t tick(const BenchKey& key) const;
+
+  /// @return the newest tick that a status frame or a state has shown, without the ticks that the
+  ///         number has jumped over since the first of them; nothing before that one.
+  [[nodiscard]] std::optional<std::uint64_t> driven_tick(const BenchKey& key) const;
 
   /// @return what has changed since the last call with `watch`.
   [[nodiscard]] std::vector<ServiceChange> changes(ServiceWatch& watch) const;

@@ -2,6 +2,8 @@
 #include "session_core.hpp"
 #include "vdrive/client/session.hpp"
 
+#include <utility>
+
 namespace vdrive::client {
 
 struct Follower::State {
@@ -10,6 +12,10 @@ struct Follower::State {
   std::vector<std::uint16_t> axes;
   Pace pace = Pace::drive;
   std::shared_ptr<StatusFeed> feed;  ///< none when each sample is a step
+
+  void note_seen(const Observation& sample) const {
+    core->holdings.note_seen(target.key, sample.axes);
+  }
 };
 
 Follower::Follower(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -20,21 +26,24 @@ Follower& Follower::operator=(Follower&&) noexcept = default;
 
 Result<Observation> Follower::next(std::chrono::milliseconds patience) {
   Observation sample;
-  if (Outcome outcome = next(patience, sample); !outcome) return outcome;
+  if (Outcome seen = next(patience, sample); !seen) return seen;
   return sample;
 }
 
 Outcome Follower::next(std::chrono::milliseconds patience, Observation& sample) {
-  if (state_->feed) {
-    return state_->core->stream.next(
-        state_->target, *state_->feed,
-        {patience, true, state_->pace == Pace::drive, Silence::is_bridged}, sample);
+  if (!state_->feed) {
+    auto stepped =
+        state_->core->clocks.step(state_->target, 1, state_->axes, patience, Silence::is_bridged);
+    if (!stepped) return stepped.outcome();
+    sample = std::move(*stepped);
+    state_->note_seen(sample);
+    return {};
   }
-  auto stepped =
-      state_->core->clocks.step(state_->target, 1, state_->axes, patience, Silence::is_bridged);
-  if (!stepped) return stepped.outcome();
-  sample = std::move(*stepped);
-  return {};
+  Outcome seen = state_->core->stream.next(
+      state_->target, *state_->feed,
+      {patience, true, state_->pace == Pace::drive, Silence::is_bridged}, sample);
+  if (seen) state_->note_seen(sample);
+  return seen;
 }
 
 Follower SessionCore::follow(const Target& target, std::vector<std::uint16_t> axes, Pace pace) {

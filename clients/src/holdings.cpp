@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "holdings.hpp"
 
+#include "command_words.hpp"
+
 #include <algorithm>
+#include <utility>
 
 namespace vdrive::client {
 
@@ -59,22 +62,66 @@ bool Holdings::holds(const BenchKey& key, std::span<const std::uint16_t> axes) {
   });
 }
 
-std::vector<BenchKey> Holdings::drop_all() {
+void Holdings::note_running(const BenchKey& key, std::span<const std::uint16_t> axes,
+                            std::uint64_t sequence) {
   const std::scoped_lock lock(mutex_);
-  std::vector<BenchKey> dropped;
+  auto& running = holding(key).running;
+  for (const std::uint16_t axis : axes) running[axis] = {.sequence = sequence};
+}
+
+bool Holdings::is_running(const BenchKey& key, std::uint16_t axis) {
+  const std::scoped_lock lock(mutex_);
+  return holding(key).running.contains(axis);
+}
+
+void Holdings::forget_running(const BenchKey& key, std::span<const std::uint16_t> axes) {
+  const std::scoped_lock lock(mutex_);
+  auto& running = holding(key).running;
+  for (const std::uint16_t axis : axes) running.erase(axis);
+}
+
+void Holdings::note_seen(const BenchKey& key, std::span<const AxisSnapshot> axes) {
+  // In the tick of the command an axis may still show the rest of the mode before.
+  constexpr std::uint64_t kModeChange = 1;
+  const std::scoped_lock lock(mutex_);
+  const auto held = holdings_.find(key.number);
+  if (held == holdings_.end() || held->second.key != key || held->second.running.empty()) return;
+  for (const AxisSnapshot& axis : axes) {
+    const auto found = held->second.running.find(axis.id.axis);
+    if (found == held->second.running.end()) continue;
+    Running& running = found->second;
+    if (!running.since && axis.last_sequence >= running.sequence) running.since = axis.tick;
+    const bool is_taken = axis.owner_session != 0 && axis.owner_session != session_;
+    const bool counts = running.since && axis.tick > *running.since + kModeChange;
+    if (is_taken || !is_driven(axis) || (counts && rests(axis))) held->second.running.erase(found);
+  }
+}
+
+/// With the mutex. What is kept is left to the watchdog of the bench, which acts when this session
+/// is silent.
+std::optional<GivenBack> Holdings::give_back(Holding& held) {
+  if (held.axes.empty()) return std::nullopt;
+  GivenBack given{.key = held.key, .axes = {}, .kept = {}};
+  for (const std::uint16_t axis : held.axes) {
+    (held.running.contains(axis) ? given.kept : given.axes).push_back(axis);
+  }
+  held.axes.clear();
+  return given;
+}
+
+std::vector<GivenBack> Holdings::drop_all() {
+  const std::scoped_lock lock(mutex_);
+  std::vector<GivenBack> dropped;
   for (auto& [bench, held] : holdings_) {
-    if (!held.axes.empty()) dropped.push_back(held.key);
-    held.axes.clear();
+    if (auto given = give_back(held)) dropped.push_back(std::move(*given));
   }
   return dropped;
 }
 
-std::optional<BenchKey> Holdings::drop(std::uint32_t bench) {
+std::optional<GivenBack> Holdings::drop(std::uint32_t bench) {
   const std::scoped_lock lock(mutex_);
   const auto held = holdings_.find(bench);
-  if (held == holdings_.end() || held->second.axes.empty()) return std::nullopt;
-  held->second.axes.clear();
-  return held->second.key;
+  return held == holdings_.end() ? std::nullopt : give_back(held->second);
 }
 
 std::vector<BenchKey> Holdings::to_keep_alive() const {

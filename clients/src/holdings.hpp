@@ -2,6 +2,7 @@
 #pragma once
 
 #include "directory.hpp"
+#include "vdrive/client/axis_snapshot.hpp"
 #include "vdrive_messages.h"
 
 #include <cstdint>
@@ -14,8 +15,19 @@
 
 namespace vdrive::client {
 
+/// What a session gives back of one run of a service.
+struct GivenBack {
+  BenchKey key;
+  std::vector<std::uint16_t> axes;
+  std::vector<std::uint16_t> kept;  ///< they run and were not seen to stop
+};
+
 /// Which axes this session holds, and the epoch and the sequence number of its next command frame
 /// to each bench. Thread-safe; sends nothing.
+///
+/// An axis that a call has set into a motion without an end (a velocity, a torque, a stream) is
+/// running until it was seen to rest, or until the program was told that it runs on. A running axis
+/// is not given back: free and running, no watchdog would ever stop it.
 class Holdings {
  public:
   explicit Holdings(std::uint64_t session) : session_(session) {}
@@ -43,12 +55,26 @@ class Holdings {
   /// @return whether this session took all of these and has not received the loss of them.
   [[nodiscard]] bool holds(const BenchKey& key, std::span<const std::uint16_t> axes);
 
-  /// @return the runs in which this session holds axes. From now on it holds none.
-  [[nodiscard]] std::vector<BenchKey> drop_all();
+  /// A frame that is about to be sent sets these axes into motion. A rest counts when it is seen
+  /// after the frame was applied.
+  void note_running(const BenchKey& key, std::span<const std::uint16_t> axes,
+                    std::uint64_t sequence);
 
-  /// @return the run of this bench in which this session holds axes; nothing when it holds none.
-  ///         From now on it holds none there.
-  [[nodiscard]] std::optional<BenchKey> drop(std::uint32_t bench);
+  [[nodiscard]] bool is_running(const BenchKey& key, std::uint16_t axis);
+
+  /// These axes are not running, or the program that let them run knows that they run on.
+  void forget_running(const BenchKey& key, std::span<const std::uint16_t> axes);
+
+  /// What axes of this run show: those that rest, and those that another session has taken, are not
+  /// running any more.
+  void note_seen(const BenchKey& key, std::span<const AxisSnapshot> axes);
+
+  /// @return by run what this session gives back. From now on it sends no keep-alive to them, and
+  ///         no call of it relies on an axis that it kept.
+  [[nodiscard]] std::vector<GivenBack> drop_all();
+
+  /// @return the same of one bench; nothing when this session holds no axis of it.
+  [[nodiscard]] std::optional<GivenBack> drop(std::uint32_t bench);
 
   /// @return the runs that need a keep-alive.
   [[nodiscard]] std::vector<BenchKey> to_keep_alive() const;
@@ -63,6 +89,12 @@ class Holdings {
   [[nodiscard]] std::uint64_t last_sequence(const BenchKey& key);
 
  private:
+  /// The last frame that set an axis into motion, and the tick in which it was applied.
+  struct Running {
+    std::uint64_t sequence = 0;
+    std::optional<std::uint64_t> since{};
+  };
+
   /// What this session has from one run of a service.
   struct Holding {
     BenchKey key;
@@ -71,11 +103,13 @@ class Holdings {
     std::uint64_t epoch_since = 0;  ///< first sequence number sent with this epoch
     std::uint64_t sequence = 0;     ///< last one sent
     std::set<std::uint16_t> axes;
+    std::map<std::uint16_t, Running> running;
   };
 
   std::mutex& send_mutex_of(std::uint32_t bench);
   Holding& holding(const BenchKey& key);
   msg::CommandFrame frame_of(Holding& held) const;
+  static std::optional<GivenBack> give_back(Holding& held);
 
   const std::uint64_t session_;
   mutable std::mutex mutex_;  ///< guards what follows

@@ -199,6 +199,8 @@ Outcome ObservedAxes::note_lost(BenchPart& part, Outcome outcome) const {
 Outcome ObservedAxes::note(BenchPart& part, Result<Observation> sample) const {
   if (!sample) return note_lost(part, sample.outcome());
   part.seen = std::move(*sample);
+  part.skipped += part.seen.skipped;
+  core_->holdings.note_seen(part.target.key, part.seen.axes);
   return {};
 }
 
@@ -209,10 +211,14 @@ void ObservedAxes::publish() {
       AxisSnapshot& axis = now_[part.bench->places[i]];
       axis = part.seen.axes[i];
       axis.tick = part.seen.tick;
+      axis.skipped = part.skipped;
     }
   }
   const auto present = std::ranges::find(parts_, false, &BenchPart::is_lost);
-  if (present != parts_.end()) tick_ = present->seen.tick;
+  if (present != parts_.end()) {
+    tick_ = present->seen.tick;
+    driven_tick_ = tick_ - present->skipped;
+  }
   if (progress_) progress_(tick_, now_);
 }
 

@@ -46,6 +46,7 @@ struct BenchPart {
   Target target;
   std::shared_ptr<StatusFeed> feed;  ///< none in lock-step
   Observation seen;
+  std::uint64_t skipped = 0;  ///< ticks since the first observation that the number jumped over
   bool is_lost = false;
 };
 
@@ -85,6 +86,10 @@ class ObservedAxes {
   /// Of the first bench that is not lost.
   [[nodiscard]] std::uint64_t tick() const noexcept { return tick_; }
 
+  /// The same without the ticks that the number has jumped over since the first observation: what
+  /// durations and deadlines count in.
+  [[nodiscard]] std::uint64_t driven_tick() const noexcept { return driven_tick_; }
+
   [[nodiscard]] std::chrono::microseconds period() const { return parts_.front().target.period; }
 
   [[nodiscard]] bool steps() const { return parts_.front().target.steps(); }
@@ -115,6 +120,7 @@ class ObservedAxes {
   std::vector<BenchPart> parts_;
   std::vector<AxisSnapshot> now_;
   std::uint64_t tick_ = 0;
+  std::uint64_t driven_tick_ = 0;
   std::stop_token stop_;
 };
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <iterator>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -116,6 +117,22 @@ Result<std::uint64_t> Observer::wait_for_tick(const Target& target, std::uint64_
   });
   if (!outcome) return outcome;
   return reached;
+}
+
+Result<std::uint64_t> Observer::wait_for_ticks(const Target& target, std::uint64_t ticks) {
+  if (target.steps()) {
+    const auto present = present_tick(target, Silence::is_bridged);
+    return present ? wait_for_tick(target, *present + ticks) : present;
+  }
+  stream_.subscribe();
+  std::optional<std::uint64_t> last;
+  Outcome outcome = waiter_.wait(target, kAnyTick, [&] {
+    const auto now = discovery_.driven_tick(target.key);
+    if (now && !last) last = *now + ticks;
+    return last && now >= last;
+  });
+  if (!outcome) return outcome;
+  return discovery_.tick(target.key);
 }
 
 }  // namespace vdrive::client

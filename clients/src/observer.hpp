@@ -30,8 +30,13 @@ class Observer {
   /// The newest tick of the bench.
   Result<std::uint64_t> present_tick(const Target& target, Silence silence = Silence::ends_call);
 
-  /// Waits until the bench has reached `tick`; in lock-step steps to it. @return the tick reached.
+  /// Waits until the bench has reached `tick`, also by a jump of the number over it; in lock-step
+  /// steps to it. @return the tick reached.
   Result<std::uint64_t> wait_for_tick(const Target& target, std::uint64_t tick);
+
+  /// Waits until the bench has run that many ticks from now on, however far its number jumps; in
+  /// lock-step steps. @return the tick reached.
+  Result<std::uint64_t> wait_for_ticks(const Target& target, std::uint64_t ticks);
 
  private:
   Result<Observation> observe_at_rest(const Target& target, std::span<const std::uint16_t> axes);

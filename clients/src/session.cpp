@@ -99,7 +99,10 @@ FrameContent content_of(const SetPointFrame& frame) {
                        .apply_at_tick = frame.tick,
                        .flags = frame.drops_waiting ? msg::FRAME_CANCEL_PENDING : 0U};
   content.commands.reserve(frame.axes.size());
-  for (const SetPoint& point : frame.axes) content.commands.push_back(command_of(point));
+  for (const SetPoint& point : frame.axes) {
+    content.commands.push_back(command_of(point));
+    if (point.position || point.velocity || point.torque) content.moved.push_back(point.axis);
+  }
   return content;
 }
 
@@ -187,9 +190,7 @@ Result<std::uint64_t> Session::set_rate(std::uint32_t bench, double rate) {
 Result<std::uint64_t> Session::wait(std::uint32_t bench, std::chrono::nanoseconds duration) {
   const auto target = core_->connection.connect(bench);
   if (!target) return target.outcome();
-  auto present = core_->observer.present_tick(*target, Silence::is_bridged);
-  if (!present) return present;
-  return core_->observer.wait_for_tick(*target, *present + ticks_of(duration, target->period));
+  return core_->observer.wait_for_ticks(*target, ticks_of(duration, target->period));
 }
 
 Result<std::uint64_t> Session::wait_for_tick(std::uint32_t bench, std::uint64_t tick) {
@@ -254,7 +255,9 @@ Result<Observation> Session::observe(std::span<const AxisId> axes) {
   if (!numbers) return numbers.outcome();
   const auto target = core_->connection.connect(axes.front().bench);
   if (!target) return target.outcome();
-  return core_->observer.observe(*target, *numbers);
+  auto seen = core_->observer.observe(*target, *numbers);
+  if (seen) core_->holdings.note_seen(target->key, seen->axes);
+  return seen;
 }
 
 Result<Follower> Session::follow(std::vector<AxisId> axes, Pace pace) {

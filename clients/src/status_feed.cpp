@@ -61,10 +61,13 @@ bool StatusFeed::on_frame(const wire::StatusFrameView& frame) {
     ++seen_count_;
   }
   if (seen_count_ != count_) return false;
-  samples_.push_back(
-      {.tick = growing_.tick, .missed = 0, .axes = std::exchange(growing_.axes, {})});
+  samples_.push_back({.observation = {.tick = growing_.tick,
+                                      .missed = 0,
+                                      .skipped = 0,
+                                      .axes = std::exchange(growing_.axes, {})},
+                      .skipped_ticks = head.skipped_ticks});
   if (samples_.size() > kCapacity) {
-    keep(std::move(samples_.front().axes));
+    keep(std::move(samples_.front().observation.axes));
     samples_.pop_front();
   }
   return true;
@@ -83,14 +86,24 @@ void StatusFeed::start(std::uint64_t tick) {
 
 bool StatusFeed::take(Observation& sample) {
   if (samples_.empty()) return false;
-  std::swap(sample, samples_.front());
-  keep(std::move(samples_.front().axes));
+  std::swap(sample, samples_.front().observation);
+  const RunTime time{sample.tick, samples_.front().skipped_ticks};
+  keep(std::move(samples_.front().observation.axes));
   samples_.pop_front();
-  if (last_tick_ && sample.tick > *last_tick_) {
-    sample.missed = (sample.tick - *last_tick_ - 1) / status_every_ticks_;
-  }
-  last_tick_ = sample.tick;
+  count_gap(sample, time);
   return true;
+}
+
+void StatusFeed::count_gap(Observation& sample, const RunTime& time) {
+  if (last_ && time.tick > last_->tick) {
+    sample.skipped = ticks_skipped(*last_, time);
+    skipped_ += sample.skipped;
+    const std::uint64_t run = ticks_run(*last_, time);
+    sample.missed = run == 0 ? 0 : (run - 1) / status_every_ticks_;
+  }
+  last_ = time;
+  if (skipped_ == 0) return;  // as every sample begins
+  for (AxisSnapshot& axis : sample.axes) axis.skipped = skipped_;
 }
 
 std::optional<Observation> StatusFeed::take() {

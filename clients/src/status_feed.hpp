@@ -2,6 +2,7 @@
 #pragma once
 
 #include "directory.hpp"
+#include "run_time.hpp"
 #include "vdrive/client/axis_snapshot.hpp"
 #include "vdrive/wire/status_frame.hpp"
 #include "vdrive_messages.h"
@@ -17,7 +18,9 @@ namespace vdrive::client {
 [[nodiscard]] AxisSnapshot sample_of(const msg::AxisStatus& message);
 
 /// Puts the status frames of a bench together into samples that show all wanted axes after one
-/// tick, and counts the ticks that went missing. Not thread-safe.
+/// tick, and counts the ticks that went missing and, apart from them, those that the number jumped
+/// over: they were never run. Each frame carries the count, so that a lost one hides no jump. Not
+/// thread-safe.
 class StatusFeed {
  public:
   /// @param axes none of them twice; samples have this order
@@ -37,17 +40,26 @@ class StatusFeed {
  private:
   void start(std::uint64_t tick);
   void keep(std::vector<AxisSnapshot> axes);
+  void count_gap(Observation& sample, const RunTime& time);
 
   BenchKey key_;
   std::size_t count_;
   std::vector<std::size_t> places_;  ///< in a sample, by number of the axis; count_ = not wanted
   std::uint32_t status_every_ticks_;
+
+  /// A sample and what its frames say about the time.
+  struct Sample {
+    Observation observation;
+    std::uint32_t skipped_ticks = 0;
+  };
+
   Observation growing_;
   std::vector<bool> seen_;
   std::size_t seen_count_ = 0;
-  std::deque<Observation> samples_;
+  std::deque<Sample> samples_;
   std::vector<std::vector<AxisSnapshot>> spares_;  ///< memory of samples that were taken
-  std::optional<std::uint64_t> last_tick_;         ///< of the sample taken last
+  std::optional<RunTime> last_;                    ///< of the sample taken last
+  std::uint64_t skipped_ = 0;                      ///< since the first one
 };
 
 }  // namespace vdrive::client

@@ -51,7 +51,8 @@ void StatusStream::take(std::span<const std::byte> sample) {
 
 void StatusStream::deliver(const wire::Source& source) {
   if (!taken_) return;
-  discovery_.note_sample({taken_->bench, taken_->incarnation}, taken_->tick, source);
+  discovery_.note_frame({taken_->bench, taken_->incarnation}, {taken_->tick, taken_->skipped_ticks},
+                        source);
   // Not for each part of a tick: who waits would run for nothing, beside the thread that receives.
   if (is_news_) wakeup_.notify();
 }
@@ -90,11 +91,16 @@ std::optional<Observation> StatusStream::take_newest(StatusFeed& feed) {
   const std::scoped_lock lock(mutex_);
   std::optional<Observation> newest;
   std::uint64_t missed = 0;
+  std::uint64_t skipped = 0;
   while (auto sample = feed.take()) {
     missed += sample->missed;
+    skipped += sample->skipped;
     newest = std::move(sample);
   }
-  if (newest) newest->missed = missed;
+  if (newest) {
+    newest->missed = missed;
+    newest->skipped = skipped;
+  }
   return newest;
 }
 

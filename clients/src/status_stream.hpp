@@ -40,8 +40,9 @@ class StatusStream {
   /// Waits for the next sample of a feed.
   Result<Observation> next(const Target& target, StatusFeed& feed, const Patience& patience);
 
-  /// Does not wait. @return the newest sample of a feed, with the samples lost since the one that
-  ///         was taken last; nothing where no other has come.
+  /// Does not wait. @return the newest sample of a feed, with the samples lost and the ticks
+  /// skipped
+  ///         since the one that was taken last; nothing where no other has come.
   std::optional<Observation> take_newest(StatusFeed& feed);
 
   /// Waits for an axis sample of each of these axes: a bench sends them also while its time stands

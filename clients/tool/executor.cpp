@@ -84,6 +84,21 @@ std::optional<client::EachCommand> each_command_of(AxisAction action) {
   return std::nullopt;
 }
 
+/// The ticks that the number jumped over, which are no loss.
+void add_jumps(const recording::GapLog& log, std::size_t most, Json& json) {
+  Json jumps = Json::array();
+  for (const recording::Jump& jump : log.jumps()) {
+    if (jumps.size() == most) break;
+    jumps.push_back({{"bench", jump.bench},
+                     {"after", jump.after},
+                     {"before", jump.before},
+                     {"skipped", jump.skipped}});
+  }
+  json["skipped"] = log.skipped();
+  json["jumps_left_out"] = log.jumps().size() - jumps.size() + log.jumps_left_out();
+  json["jumps"] = std::move(jumps);
+}
+
 AxisFace face_of(const client::Axis& axis) {
   return {axis.name(), axis.unit()};
 }
@@ -319,6 +334,7 @@ void Executor::report_recording(const RecordCommand& command, std::size_t axes,
         summary.gaps.gaps().size() - gaps.size() + summary.gaps.left_out();
     Json json{{"file", command.file}, {"axes", axes}, {"samples", summary.samples},
               {"lost", lost},         {"gaps", gaps}, {"gaps_left_out", left_out}};
+    add_jumps(summary.gaps, kMostGaps, json);
     if (command.format == recording::Format::mcap) {
       json["events"] = summary.events;
       json["events_lost"] = summary.events_lost;
@@ -329,6 +345,10 @@ void Executor::report_recording(const RecordCommand& command, std::size_t axes,
   std::string text = "vdrive: recorded " + counted(summary.samples, "sample", "samples") + " of " +
                      counted(axes, "axis", "axes") + ", " + std::to_string(lost) + " lost";
   if (lost != 0) text += " " + summary.gaps.text(kMostGapsOfText);
+  if (summary.gaps.skipped() != 0) {
+    text += ", " + counted(summary.gaps.skipped(), "tick", "ticks") +
+            " skipped by a jump of the tick number " + summary.gaps.jumps_text(kMostGapsOfText);
+  }
   if (command.format == recording::Format::mcap) {
     text += ", " + counted(summary.events, "event", "events");
     if (summary.events_lost != 0) text += " and " + std::to_string(summary.events_lost) + " lost";

@@ -28,8 +28,8 @@ class JogHold {
   explicit JogHold(std::optional<std::uint64_t> ticks) : ticks_(ticks) {}
 
   [[nodiscard]] bool is_held(const client::AxisSnapshot& axis) {
-    if (!first_) first_ = axis.tick;
-    return ticks_ ? axis.tick < *first_ + *ticks_ : !is_enter_pressed();
+    if (!first_) first_ = axis.driven_tick();
+    return ticks_ ? axis.driven_tick() < *first_ + *ticks_ : !is_enter_pressed();
   }
 
  private:

@@ -68,8 +68,8 @@ struct Recorder::Track {
   std::uint32_t bench = 0;
   client::Follower follower;
   std::chrono::milliseconds patience;
-  std::uint64_t ticks = 0;  ///< to record; 0 = without end
-  std::optional<std::uint64_t> first_tick;
+  std::uint64_t ticks = 0;                  ///< to record; 0 = without end
+  std::optional<std::uint64_t> first_tick;  ///< without the ticks that were skipped
   std::uint64_t samples = 0;
   bool has_ended = false;
   std::optional<Clock::time_point> silent_since;  ///< none while the bench sends
@@ -249,8 +249,10 @@ Outcome Recorder::wait_for(Track& track) {
 }
 
 void Recorder::take(Track& track, client::Observation&& sample) {
-  if (!track.first_tick) track.first_tick = sample.tick;
-  if (track.ticks != 0 && sample.tick - *track.first_tick >= track.ticks) {
+  // Drive time that was not driven does not count.
+  const std::uint64_t tick = sample.axes.front().driven_tick();
+  if (!track.first_tick) track.first_tick = tick;
+  if (track.ticks != 0 && tick - *track.first_tick >= track.ticks) {
     track.has_ended = true;
     return;
   }

@@ -22,7 +22,7 @@ constexpr std::array<std::byte, kEncapsulation> kLittleEndian{std::byte{0}, std:
 
 struct FrameLayout {
   std::uint32_t bench;
-  std::uint32_t gap_before_incarnation;
+  std::uint32_t skipped_ticks;
   std::uint64_t incarnation;
   std::uint64_t tick;
   std::int64_t time_ns;
@@ -167,7 +167,7 @@ std::size_t encode_status_frame(const StatusFrameHead& head, const AxesAfterTick
   const std::size_t size = encoded_status_frame_size(count);
   if (output.size() < size) return 0;
   const FrameLayout frame{.bench = head.bench,
-                          .gap_before_incarnation = 0,
+                          .skipped_ticks = head.skipped_ticks,
                           .incarnation = head.incarnation,
                           .tick = head.tick,
                           .time_ns = head.time_ns,
@@ -210,6 +210,7 @@ std::optional<StatusFrameView> StatusFrameView::of(std::span<const std::byte> sa
   }
   StatusFrameView view;
   view.head_ = {.bench = frame.bench,
+                .skipped_ticks = frame.skipped_ticks,
                 .incarnation = frame.incarnation,
                 .tick = frame.tick,
                 .time_ns = frame.time_ns,

@@ -27,7 +27,8 @@ void BenchClock::complete_tick() {
 
 void BenchClock::jump(std::uint64_t ticks) {
   tick_ += ticks;
-  counters_.tick.set(tick_);
+  skipped_ += ticks;
+  counters_.tick.jump(tick_, skipped_);
   counters_.jumps.add();
 }
 

@@ -29,6 +29,9 @@ class BenchClock {
   /// Last completed tick.
   [[nodiscard]] std::uint64_t tick() const noexcept { return tick_; }
 
+  /// Ticks that the number jumped over since the start of the service: they were not run.
+  [[nodiscard]] std::uint64_t skipped() const noexcept { return skipped_; }
+
   [[nodiscard]] std::uint64_t next_tick() const noexcept { return tick_ + 1; }
 
   [[nodiscard]] ClockMode mode() const noexcept { return mode_; }
@@ -48,6 +51,7 @@ class BenchClock {
   std::chrono::microseconds period_;
   double rate_;
   std::uint64_t tick_ = 0;
+  std::uint64_t skipped_ = 0;
 };
 
 }  // namespace vdrive::service

@@ -32,6 +32,7 @@ void BenchOutput::post_status(bool repeated) {
     return;
   }
   image->tick = clock_.tick();
+  image->skipped = clock_.skipped();
   image->repeated = repeated;
   axes_.share(axes_.size(), [&](std::size_t first, std::size_t last) {
     const std::size_t count = last - first;

@@ -29,6 +29,41 @@ class Counter {
   std::atomic<std::uint64_t> value_{0};
 };
 
+/// The number of a tick and how many ticks the number has jumped over until then. One thread sets
+/// them, others read both as they belong together.
+class TickCounter {
+ public:
+  struct Reading {
+    std::uint64_t tick = 0;
+    std::uint64_t skipped = 0;
+  };
+
+  void set(std::uint64_t tick) noexcept { tick_.store(tick, std::memory_order_release); }
+
+  /// The number jumps to `tick`. @param skipped all that it has jumped over by now
+  void jump(std::uint64_t tick, std::uint64_t skipped) noexcept {
+    begun_.store(skipped, std::memory_order_release);
+    tick_.store(tick, std::memory_order_release);
+    ended_.store(skipped, std::memory_order_release);
+  }
+
+  [[nodiscard]] std::uint64_t get() const noexcept { return tick_.load(std::memory_order_acquire); }
+
+  /// In the opposite order of jump(): a jump meanwhile shows two different counts.
+  [[nodiscard]] Reading read() const noexcept {
+    while (true) {
+      const std::uint64_t skipped = ended_.load(std::memory_order_acquire);
+      const std::uint64_t tick = tick_.load(std::memory_order_acquire);
+      if (begun_.load(std::memory_order_acquire) == skipped) return {tick, skipped};
+    }
+  }
+
+ private:
+  std::atomic<std::uint64_t> begun_{0};
+  std::atomic<std::uint64_t> tick_{0};
+  std::atomic<std::uint64_t> ended_{0};
+};
+
 /// Counts the refusals by reason (REASON_... or a CiA 301 abort code). Bounded: there are more
 /// slots than reasons.
 class RefusalCounters {
@@ -73,7 +108,7 @@ class RefusalCounters {
 struct Counters {
   static constexpr std::size_t kLatenessBins = 32;
 
-  Counter tick;  ///< last completed
+  TickCounter tick;  ///< last completed
   Counter ticks_run;
   Counter overruns;
   Counter jumps;

@@ -56,6 +56,8 @@ void add_ticks(Families& families, const Counters& counters) {
   families.counter("vdrive_tick_overruns_total", "Ticks that took longer than their period",
                    counters.overruns.get());
   families.counter("vdrive_tick_jumps_total", "Jumps of the tick number", counters.jumps.get());
+  families.counter("vdrive_ticks_skipped_total", "Ticks that the number jumped over: not run",
+                   counters.tick.read().skipped);
   families.gauge("vdrive_wall_clock_offset_seconds",
                  "Wall clock minus drive time; 0 while drive time does not follow the wall clock",
                  counters.wall_offset.load(std::memory_order_relaxed));

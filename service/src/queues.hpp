@@ -102,7 +102,8 @@ struct OutgoingReply {
 /// Status images of all axes after one tick.
 struct StatusImage {
   std::uint64_t tick = 0;
-  bool repeated = false;  ///< nothing moved since an earlier image of the same tick
+  std::uint64_t skipped = 0;  ///< ticks that the number jumped over until then
+  bool repeated = false;      ///< nothing moved since an earlier image of the same tick
   std::vector<AxisStatus> status;
   std::vector<wire::Ownership> owners;
 };

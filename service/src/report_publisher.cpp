@@ -202,8 +202,9 @@ void ReportPublisher::publish_parameters(Outbox& outbox) {
 
 void ReportPublisher::publish_state(const Inbox& inbox, const Outbox& outbox,
                                     Clock::time_point now) {
-  const std::uint64_t tick = counters_.tick.get();
+  const auto [tick, skipped] = counters_.tick.read();
   state_.tick(tick);
+  state_.skipped_ticks(static_cast<std::uint32_t>(skipped));
   state_.time_ns(static_cast<std::int64_t>(tick) * period_.count());
   state_.rate(counters_.rate.load(std::memory_order_relaxed));
   state_.measured_rate(measured_rate(tick, now));

@@ -43,6 +43,7 @@ void StatusPublisher::publish_frames(const StatusImage& image) {
     }
     const std::size_t size = wire::encode_status_frame(
         {.bench = identity_.bench,
+         .skipped_ticks = static_cast<std::uint32_t>(image.skipped),
          .incarnation = identity_.incarnation,
          .tick = image.tick,
          .time_ns = static_cast<std::int64_t>(image.tick) * period_.count(),

@@ -208,6 +208,27 @@ TEST(Directory, KeepsAtMostFourThousandPartsOfDescriptions) {
   EXPECT_TRUE(sut.find(1, later).has_value()) << "in place of one that is silent";
 }
 
+// A state, then frames across a jump over 9,000 ticks, one of them late.
+TEST(Directory, CountsDriveTimeWithoutTheTicksThatTheNumberJumpedOver) {
+  Directory sut;
+  constexpr BenchKey kRun{1, 10};
+  EXPECT_EQ(sut.driven_tick(kRun), std::nullopt);
+  sut.on_description(description(1, 10), kSource, kStart);
+  EXPECT_EQ(sut.driven_tick(kRun), std::nullopt) << "no sample has come";
+  msg::BenchState first = state(1, 10, 500);
+  first.skipped_ticks(20);
+  sut.on_state(first, kStart);
+  EXPECT_EQ(sut.driven_tick(kRun), 500U);
+  sut.note_time(kRun, {9'503, 9'020});
+  EXPECT_EQ(sut.driven_tick(kRun), 503U);
+  sut.note_time(kRun, {502, 20});
+  EXPECT_EQ(sut.driven_tick(kRun), 503U);
+  sut.note_sample(kRun, 99'999, kStart);
+  EXPECT_EQ(sut.driven_tick(kRun), 503U) << "an answer does not say what was skipped";
+  sut.note_time(kRun, {9'510, 9'020});
+  EXPECT_EQ(sut.driven_tick(kRun), 510U);
+}
+
 TEST(AxisId, IsWrittenWithADot) {
   EXPECT_EQ(parse_axis_id("1.2"), (AxisId{1, 2}));
   EXPECT_EQ(to_string(AxisId{1, 2}), "1.2");

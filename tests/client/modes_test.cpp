@@ -216,6 +216,210 @@ TEST_F(Modes, JogStopsAfterAnInterrupt) {
   EXPECT_EQ(status->status.velocity_demand_value, 0);
 }
 
+// Another program takes the axis over and ends, which gives it back. Free, the axis has no
+// watchdog, and the last command of the jog has an epoch that is over.
+TEST_F(Modes, JogWhoseLastCommandIsRefusedStopsItsAxisByAQuickStop) {
+  const Outcome jogged = axis_.jog(10'000, [&](const AxisSnapshot& axis) {
+    if (axis.status.velocity_demand_value == 10'000) {
+      Session other(options());
+      EXPECT_TRUE(other.axis("1.1").value().take_over());
+    }
+    return true;  // nobody lets go
+  });
+  EXPECT_EQ(jogged.kind(), OutcomeKind::refused);
+  EXPECT_THAT(jogged.message(), HasSubstr("a quick stop has ended the jog: bench 1 refused"));
+  EXPECT_EQ(now().owner_session, 0U);
+  EXPECT_EQ(now().status.velocity_demand_value, 0);
+  EXPECT_EQ(now().state(), PowerState::switch_on_disabled);
+}
+
+// A program that takes an axis over and ends without a command leaves it running, too.
+TEST_F(Modes, JogStopsAnAxisThatAnotherSessionHasTakenAndNotCommanded) {
+  Session other(options());
+  const Outcome jogged = axis_.jog(10'000, [&](const AxisSnapshot& axis) {
+    if (axis.status.velocity_demand_value == 10'000) {
+      EXPECT_TRUE(other.axis("1.1").value().take_over());
+    }
+    return true;
+  });
+  EXPECT_EQ(jogged.kind(), OutcomeKind::refused);
+  EXPECT_THAT(jogged.message(), HasSubstr("a quick stop has ended the jog: "));
+  EXPECT_EQ(now().owner_session, other.id());
+  EXPECT_EQ(now().status.velocity_demand_value, 0);
+}
+
+TEST_F(Modes, JogLeavesAnAxisThatAnotherSessionCommandsToThatSession) {
+  Session other(options());
+  const Outcome jogged = axis_.jog(10'000, [&](const AxisSnapshot& axis) {
+    if (axis.status.velocity_demand_value == 10'000) {
+      Axis taken = other.axis("1.1").value();
+      EXPECT_TRUE(taken.take_over());
+      EXPECT_TRUE(taken.run_at(2'000, {.call = {.until = Until::done}}));
+    }
+    return true;
+  });
+  EXPECT_EQ(jogged.kind(), OutcomeKind::refused);
+  EXPECT_THAT(jogged.message(), HasSubstr("commands axis 1.1 now: "));
+  EXPECT_EQ(now().owner_session, other.id());
+  EXPECT_EQ(now().status.velocity_demand_value, 2'000);
+}
+
+TEST_F(Modes, JogWhoseProgramThrowsStopsItsAxis) {
+  EXPECT_THROW((void)axis_.jog(10'000,
+                               [](const AxisSnapshot& axis) {
+                                 if (axis.status.velocity_demand_value == 10'000) throw 1;
+                                 return true;
+                               }),
+               int);
+  EXPECT_EQ(now().status.velocity_demand_value, 0);
+  EXPECT_EQ(value_of(kTargetVelocity), 0);
+}
+
+/// What becomes of axis 1.1 after the end of a program, which may have set it into motion.
+class EndOfAProgram : public testing::Test {
+ protected:
+  /// A program of its own, whose axis is enabled.
+  template <typename Call>
+  std::uint64_t run(const Call& call) {
+    Session session(options());
+    Axis axis = session.axis("1.1").value();
+    EXPECT_TRUE(axis.enable());
+    call(session, axis);
+    return session.id();
+  }
+
+  [[nodiscard]] AxisSnapshot now() { return axis_.status().value(); }
+
+  /// The watchdog of 500 ms acts, and the axis stops.
+  void expect_stop_by_the_watchdog(std::uint64_t owner) {
+    EXPECT_EQ(now().owner_session, owner) << "free and running nobody would ever stop it";
+    ASSERT_TRUE(watcher_.step(1, 600));
+    EXPECT_EQ(now().status.error_code, 0x8130);
+    ASSERT_TRUE(watcher_.step(1, 2'000));
+    EXPECT_EQ(now().state(), PowerState::fault);
+    EXPECT_EQ(now().status.velocity_demand_value, 0);
+  }
+
+  test::RunningService service_{"--clock lockstep"};
+  Session watcher_{options()};
+  Axis axis_ = watcher_.axis("1.1").value();
+};
+
+// At 100 UU/s² the velocity is reached after 100 s.
+TEST_F(EndOfAProgram, LeavesAnAxisThatDidNotReachItsVelocityToTheWatchdog) {
+  const std::uint64_t program = run([](Session& session, Axis& axis) {
+    const Outcome late = axis.run_at(10'000, {.acceleration = 100, .call = {.timeout = 1s}});
+    EXPECT_EQ(late.kind(), OutcomeKind::timed_out);
+    const Outcome kept = session.release();
+    EXPECT_EQ(kept.kind(), OutcomeKind::failed);
+    EXPECT_THAT(kept.message(), HasSubstr("axis 1.1, not seen to stop, not released"));
+  });
+  expect_stop_by_the_watchdog(program);
+}
+
+TEST_F(EndOfAProgram, LeavesAnAxisThatDidNotReachItsTorqueToTheWatchdog) {
+  const std::uint64_t program = run([](Session& /*session*/, Axis& axis) {
+    EXPECT_EQ(axis.apply_torque(100, {.slope = 10, .call = {.timeout = 2s}}).kind(),
+              OutcomeKind::timed_out);
+  });
+  expect_stop_by_the_watchdog(program);
+}
+
+TEST_F(EndOfAProgram, LeavesAnAxisThatIsStreamedToTheWatchdog) {
+  const std::uint64_t program = run([](Session& session, Axis& axis) {
+    auto group = AxisGroup::create(session, std::vector<Axis>{axis});
+    ASSERT_TRUE(group && group->start_streaming());
+    for (int i = 1; i <= 10; ++i) {
+      ASSERT_TRUE(group->stream(Eigen::VectorXd::Constant(1, 7.0 * i)));
+    }
+  });
+  EXPECT_EQ(now().owner_session, program);
+  ASSERT_TRUE(watcher_.step(1, 600));
+  EXPECT_EQ(now().status.error_code, 0x8130);
+}
+
+TEST_F(EndOfAProgram, LeavesAnAxisThatRunsBySetPointsToTheWatchdog) {
+  const std::uint64_t program = run([](Session& session, Axis& axis) {
+    const SetPointFrame frame{
+        .axes = {{.axis = 1, .mode = OperatingMode::profile_velocity, .velocity = 5'000}}};
+    ASSERT_TRUE(session.send_set_points(1, {&frame, 1}));
+    ASSERT_TRUE(axis.wait_until(
+        [](const AxisSnapshot& seen) {
+          return seen.status.velocity_demand_value == 5'000;
+        },
+        20s));
+  });
+  expect_stop_by_the_watchdog(program);
+}
+
+TEST_F(EndOfAProgram, GivesAnAxisBackThatWasSeenToStop) {
+  (void)run([](Session& session, Axis& axis) {
+    EXPECT_FALSE(axis.run_at(10'000, {.acceleration = 100, .call = {.timeout = 1s}}));
+    EXPECT_TRUE(axis.halt());
+    EXPECT_TRUE(session.release());
+  });
+  EXPECT_EQ(now().owner_session, 0U);
+  EXPECT_EQ(now().state(), PowerState::operation_enabled);
+}
+
+TEST_F(EndOfAProgram, GivesAnAxisBackWhoseJogOrStreamHasEnded) {
+  (void)run([](Session& session, Axis& axis) {
+    int ticks = 0;
+    EXPECT_TRUE(axis.jog(1'000, [&ticks](const AxisSnapshot&) {
+      return ++ticks < 20;
+    }));
+    EXPECT_TRUE(session.release());
+    auto group = AxisGroup::create(session, std::vector<Axis>{axis});
+    ASSERT_TRUE(group && group->start_streaming());
+    const double position = axis.status().value().status.position_demand_value;
+    ASSERT_TRUE(group->stream(Eigen::VectorXd::Constant(1, position + 1.0)));
+    EXPECT_TRUE(group->stop_streaming());
+    EXPECT_TRUE(session.release());
+  });
+  EXPECT_EQ(now().owner_session, 0U);
+}
+
+TEST_F(EndOfAProgram, GivesAnAxisBackWhoseVelocityWasRefused) {
+  (void)run([](Session& /*session*/, Axis& axis) {
+    EXPECT_EQ(axis.run_at(2'000'000'000).kind(), OutcomeKind::refused);
+  });
+  EXPECT_EQ(now().owner_session, 0U);
+  ASSERT_TRUE(watcher_.step(1, 1'000));
+  EXPECT_EQ(now().state(), PowerState::operation_enabled);
+}
+
+// Which is what the call is for: "the axis runs on, also after the call".
+TEST_F(EndOfAProgram, GivesAnAxisBackThatHasReachedTheVelocityItWasToKeep) {
+  (void)run([](Session& /*session*/, Axis& axis) {
+    EXPECT_TRUE(axis.run_at(5'000));
+  });
+  EXPECT_EQ(now().owner_session, 0U);
+  EXPECT_EQ(now().status.velocity_demand_value, 5'000);
+}
+
+// The service freezes during the jog, and the program ends before it continues.
+TEST(EndOfAJog, OfALostBenchLeavesTheAxisToTheWatchdog) {
+  const test::RunningService service("");
+  {
+    Session session(options());
+    Axis axis = session.axis("1.1").value();
+    ASSERT_TRUE(axis.enable());
+    const Outcome lost = axis.jog(10'000, [&](const AxisSnapshot& seen) {
+      if (seen.status.velocity_demand_value == 10'000) service.freeze();
+      return true;
+    });
+    EXPECT_EQ(lost.kind(), OutcomeKind::lost) << lost.message();
+  }
+  service.thaw();
+  Session watcher(options());
+  const auto stopped = watcher.axis("1.1").value().wait_until(
+      [](const AxisSnapshot& seen) {
+        return seen.state() == PowerState::fault && seen.status.velocity_demand_value == 0;
+      },
+      20s);
+  EXPECT_TRUE(stopped) << stopped.outcome().message();
+}
+
 TEST_F(Modes, JogEndsWithTheFaultThatStopsTheAxis) {
   int ticks = 0;
   const Outcome failed = axis_.jog(10'000, [&](const AxisSnapshot&) {

@@ -20,6 +20,7 @@ namespace {
 
 using namespace std::chrono_literals;
 using testing::ElementsAre;
+using testing::Field;
 using testing::IsEmpty;
 
 constexpr BenchKey kBench{1, 10};
@@ -212,9 +213,75 @@ TEST(Holdings, NeedKeepAlivesForHeldAxesUnderAWallClock) {
   EXPECT_THAT(sut.to_keep_alive(), ElementsAre(kBench));
   EXPECT_EQ(sut.next_keep_alive(kBench)->sequence_number(), 1U);
   EXPECT_FALSE(sut.next_keep_alive(kNextRun)) << "another run has the number";
-  EXPECT_THAT(sut.drop_all(), ElementsAre(kBench, kOtherBench));
+  EXPECT_THAT(sut.drop_all(),
+              ElementsAre(Field(&GivenBack::key, kBench), Field(&GivenBack::key, kOtherBench)));
   EXPECT_THAT(sut.to_keep_alive(), IsEmpty());
   EXPECT_THAT(sut.drop_all(), IsEmpty());
+}
+
+/// What an axis of kBench shows that runs at a velocity, or stands.
+AxisSnapshot running_axis(std::uint16_t axis, std::uint64_t tick, std::int32_t velocity,
+                          std::uint64_t last_sequence) {
+  constexpr std::uint16_t kEnabledAndReached = 0x0637;
+  AxisSnapshot snapshot;
+  snapshot.id = {kBench.number, axis};
+  snapshot.tick = tick;
+  snapshot.owner_session = 7;
+  snapshot.last_sequence = last_sequence;
+  snapshot.status.ds402_statusword = kEnabledAndReached;
+  snapshot.status.op_mode_actual = static_cast<std::int8_t>(OperatingMode::profile_velocity);
+  snapshot.status.velocity_demand_value = velocity;
+  return snapshot;
+}
+
+/// Axes 1 and 2 of kBench, held by session 7.
+class RunningAxes : public testing::Test {
+ protected:
+  RunningAxes() { sut.note_acquired(kBench, std::array<std::uint16_t, 2>{1, 2}, 3, true); }
+
+  void see(const AxisSnapshot& axis) { sut.note_seen(kBench, {&axis, 1}); }
+
+  Holdings sut{7};
+  std::array<std::uint16_t, 1> first{1};
+};
+
+TEST_F(RunningAxes, AreNotGivenBack) {
+  sut.note_running(kBench, first, 5);
+  see(running_axis(1, 100, 500, 5));
+  const auto given = sut.drop(1);
+  ASSERT_TRUE(given.has_value());
+  EXPECT_THAT(given->axes, ElementsAre(2));
+  EXPECT_THAT(given->kept, ElementsAre(1));
+  EXPECT_THAT(sut.drop_all(), IsEmpty()) << "the watchdog needs a silent session";
+}
+
+TEST_F(RunningAxes, AreGivenBackOnceTheyWereSeenToRest) {
+  sut.note_running(kBench, first, 5);
+  see(running_axis(1, 100, 0, 4));
+  see(running_axis(1, 101, 0, 4));
+  EXPECT_TRUE(sut.is_running(kBench, 1)) << "its command was not applied yet";
+  see(running_axis(1, 102, 0, 5));
+  EXPECT_TRUE(sut.is_running(kBench, 1)) << "its mode may be that of before";
+  see(running_axis(1, 104, 0, 5));
+  EXPECT_FALSE(sut.is_running(kBench, 1));
+  EXPECT_THAT(sut.drop(1)->kept, IsEmpty());
+}
+
+TEST_F(RunningAxes, AreForgottenWhenTheProgramLetsThemRunAndWhenAnotherSessionTakesThem) {
+  sut.note_running(kBench, first, 5);
+  sut.forget_running(kBench, first);
+  EXPECT_FALSE(sut.is_running(kBench, 1));
+  sut.note_running(kBench, first, 6);
+  AxisSnapshot taken = running_axis(1, 100, 500, 0);
+  taken.owner_session = 8;
+  see(taken);
+  EXPECT_FALSE(sut.is_running(kBench, 1));
+}
+
+TEST_F(RunningAxes, OfAnEarlierRunDoNotCount) {
+  sut.note_running(kBench, first, 5);
+  sut.note_acquired(kNextRun, first, 1, true);
+  EXPECT_THAT(sut.drop(1)->kept, IsEmpty());
 }
 
 TEST(Holdings, AllowOneSendingThreadForEachBench) {

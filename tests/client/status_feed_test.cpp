@@ -147,6 +147,42 @@ TEST(StatusFeed, CountsSamplesOfAThinnedStream) {
   EXPECT_EQ(sut.take()->missed, 2U);
 }
 
+msg::StatusFrame frame_after_jumps(std::uint64_t tick, std::uint64_t skipped) {
+  msg::StatusFrame message = frame(tick, {1});
+  message.skipped_ticks(static_cast<std::uint32_t>(skipped));
+  return message;
+}
+
+// From 5 the number jumps over 9,000 ticks; of the ticks that are run then, 9,006 is lost.
+TEST(StatusFeed, CountsTheTicksThatTheNumberJumpedOverApartFromLostOnes) {
+  Feed sut({1}, 1);
+  for (const std::uint64_t tick : {4U, 5U}) sut.on_frame(frame_after_jumps(tick, 70));
+  for (const std::uint64_t tick : {9'007U, 9'008U}) {
+    sut.on_frame(frame_after_jumps(tick, 9'070));
+  }
+  EXPECT_EQ(sut.take()->skipped, 0U) << "what was before the first sample is not its gap";
+  EXPECT_EQ(sut.take()->axes[0].skipped, 0U);
+  const auto after = sut.take();
+  EXPECT_EQ(after->missed, 1U);
+  EXPECT_EQ(after->skipped, 9'000U);
+  EXPECT_EQ(after->axes[0].driven_tick(), 7U);
+  const auto next = sut.take();
+  EXPECT_EQ(next->skipped, 0U);
+  EXPECT_EQ(next->axes[0].driven_tick(), 8U) << "drive time goes on from there";
+}
+
+// From 1970 to 2023 in ticks of a millisecond: the frame's count has 32 bits.
+TEST(StatusFeed, CountsAJumpOfDecades) {
+  constexpr std::uint64_t kJump = 1'700'000'000'000;
+  Feed sut({1}, 10);
+  sut.on_frame(frame_after_jumps(100, 0));
+  sut.on_frame(frame_after_jumps(kJump + 130, kJump));
+  ASSERT_TRUE(sut.take().has_value());
+  const auto after = sut.take();
+  EXPECT_EQ(after->skipped, kJump);
+  EXPECT_EQ(after->missed, 2U) << "those of the ticks 110 and 120";
+}
+
 TEST(StatusFeed, IgnoresOtherBenchesOtherRunsAndOlderTicks) {
   Feed sut({1}, 1);
   msg::StatusFrame other = frame(5, {1});

@@ -74,7 +74,7 @@ std::string mcap_of(const std::vector<RecordedBench>& benches,
   writer.begin(benches);
   Summary summary;
   for (const client::Observation& sample : samples) {
-    summary.gaps.note_sample(sample.axes.front().id.bench, sample.tick, sample.missed);
+    summary.gaps.note_sample(sample);
     writer.status(sample);
   }
   for (const client::Event& event : events) writer.event(event);

@@ -170,12 +170,20 @@ TEST(CsvFields, AreReadBackUnchanged) {
   EXPECT_THAT(csv_fields("\"open"), ElementsAre("open"));
 }
 
+/// A sample of one axis of a bench.
+client::Observation seen(std::uint32_t bench, std::uint64_t tick, std::uint64_t missed = 0,
+                         std::uint64_t skipped = 0) {
+  client::Observation sample{.tick = tick, .missed = missed, .skipped = skipped, .axes = {}};
+  sample.axes.emplace_back().id = {bench, 1};
+  return sample;
+}
+
 TEST(GapLog, NamesGapsByTheTicksAroundThem) {
   GapLog log;
-  log.note_sample(1, 10, 0);
-  log.note_sample(1, 14, 3);
-  log.note_sample(2, 20, 0);
-  log.note_sample(1, 15, 0);
+  log.note_sample(seen(1, 10));
+  log.note_sample(seen(1, 14, 3));
+  log.note_sample(seen(2, 20));
+  log.note_sample(seen(1, 15));
   log.note_lost_end(1, 7);
   EXPECT_EQ(log.missed(), 10U);
   EXPECT_EQ(log.text(4),
@@ -183,10 +191,30 @@ TEST(GapLog, NamesGapsByTheTicksAroundThem) {
   EXPECT_EQ(log.text(1), "between the ticks 10 and 14 of bench 1 (3), and 1 further gap");
 }
 
+// The tick number jumped from 10 over 9,000 ticks, and two samples were lost beside that.
+TEST(GapLog, CountsTheTicksOfAJumpApartFromLostSamples) {
+  GapLog log;
+  log.note_sample(seen(1, 10));
+  log.note_sample(seen(1, 9'013, 2, 9'000));
+  log.note_sample(seen(1, 9'014));
+  EXPECT_EQ(log.missed(), 2U);
+  EXPECT_EQ(log.skipped(), 9'000U);
+  ASSERT_EQ(log.jumps().size(), 1U);
+  EXPECT_EQ(log.jumps().front().after, 10U);
+  EXPECT_EQ(log.jumps().front().before, 9'013U);
+  EXPECT_EQ(log.jumps_text(4), "between the ticks 10 and 9013 of bench 1 (9000)");
+  for (std::uint64_t jump = 1; jump <= GapLog::kKept; ++jump) {
+    log.note_sample(seen(1, 9'014 + 10 * jump, 0, 9));
+  }
+  EXPECT_EQ(log.jumps().size(), GapLog::kKept);
+  EXPECT_EQ(log.jumps_left_out(), 1U);
+  EXPECT_EQ(log.skipped(), 18'000U);
+}
+
 TEST(GapLog, KeepsABoundedNumberOfGapsAndCountsTheOthers) {
   GapLog log;
   std::uint64_t tick = 0;
-  for (std::size_t i = 0; i < GapLog::kKept + 5; ++i) log.note_sample(1, tick += 2, 1);
+  for (std::size_t i = 0; i < GapLog::kKept + 5; ++i) log.note_sample(seen(1, tick += 2, 1));
   EXPECT_EQ(log.gaps().size(), GapLog::kKept);
   EXPECT_EQ(log.left_out(), 5U);
   EXPECT_EQ(log.missed(), GapLog::kKept + 5);

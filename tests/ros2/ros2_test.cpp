@@ -329,6 +329,22 @@ TEST(Ros2Control, IsReleasedWhenTheAxesAreDisabled) {
   EXPECT_EQ(axis->state(), PowerState::ready_to_switch_on);
 }
 
+// A bridge that ends lets go of its axes; one that runs at a velocity would have no end.
+TEST(Ros2Control, OfAJointThatRunsIsLeftToTheWatchdogWhenTheBridgeEnds) {
+  LockStep bench;
+  bench.peer().command_velocity({"x"}, {1.0});
+  ASSERT_TRUE(bench.stepper().step_until([&] {
+    return bench.axis().status.velocity_demand_value > 0;
+  }));
+  const std::uint64_t bridge = bench.axis().owner_session;
+  ASSERT_NE(bridge, 0U);
+  EXPECT_EQ(bench.bridge().stop().code, 0);
+  EXPECT_EQ(bench.axis().owner_session, bridge) << "free and running nobody would ever stop it";
+  ASSERT_TRUE(bench.session().step(1, 5'000));
+  EXPECT_EQ(bench.axis().status.error_code, 0x8130);
+  EXPECT_EQ(bench.axis().status.velocity_demand_value, 0);
+}
+
 // ---- joint commands --------------------------------------------------------------------------
 
 TEST(Ros2Commands, MoveToAPositionAndHoldItWithoutFurtherCommands) {

@@ -55,6 +55,7 @@ struct RealtimeBench : EngineUnderTest {
       driver.cycle();
       while (outbox.status.front() != nullptr) {
         images.push_back(outbox.status.front()->tick);
+        skipped.push_back(outbox.status.front()->skipped);
         outbox.status.pop();
       }
     }
@@ -62,7 +63,8 @@ struct RealtimeBench : EngineUnderTest {
 
   FakeTimer timer;
   service::RealtimeDriver driver;
-  std::vector<std::uint64_t> images;
+  std::vector<std::uint64_t> images;   ///< their ticks
+  std::vector<std::uint64_t> skipped;  ///< what they show to be skipped
 };
 
 /// @return a request for the rate.
@@ -144,6 +146,25 @@ TEST(RealtimeDriver, JumpsWithTheWallClockWhereItIsConfigured) {
   ASSERT_EQ(jumps.size(), 1U);
   EXPECT_EQ(jumps[0].detail, service::EventDetail{service::Count{10'000}});
   EXPECT_EQ(bench.value(1, 0x6041) & 0x6F, 0x27) << "no drive time passed";
+}
+
+// A stall of 5 s at tick 10, and a step of 10 s: each image has what was skipped until its tick.
+TEST(RealtimeDriver, ShowsInEachStatusHowManyTicksTheNumberHasSkipped) {
+  auto configuration = realtime_configuration();
+  configuration.clock_step = service::ClockStep::jump;
+  RealtimeBench bench(configuration);
+  bench.cycles(10);
+  EXPECT_EQ(bench.skipped.back(), 0U);
+  bench.timer.now += 5s;
+  bench.cycles(1);
+  EXPECT_EQ(bench.skipped.back(), 4'999U);
+  bench.timer.wall_step = 10s;
+  bench.cycles(100);
+  EXPECT_NEAR(static_cast<double>(bench.skipped.back()), 14'999.0, 2.0);
+  const auto [tick, skipped] = bench.counters.tick.read();
+  EXPECT_EQ(tick, bench.engine.tick());
+  EXPECT_EQ(skipped, bench.skipped.back());
+  EXPECT_EQ(tick - 1'700'000'000'000U - skipped, bench.counters.ticks_run.get());
 }
 
 TEST(RealtimeDriver, RepeatsNoTickWhenTheWallClockGoesBack) {
@@ -330,6 +351,7 @@ TEST(RealtimeDriver, AllocatesNothingInATick) {
   RealtimeBench bench;
   bench.cycles(10);
   bench.images.reserve(1'000);
+  bench.skipped.reserve(1'000);
   const AllocationGuard guard;
   bench.cycles(250);
   bench.timer.wall_step = 10s;

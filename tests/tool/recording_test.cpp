@@ -237,6 +237,52 @@ TEST(Recorder, WaitsForASilentBenchAndCountsMissingSamples) {
   EXPECT_EQ(finished.code, 130) << finished.errors;
 }
 
+/// Freezes the service until the recorder misses it: the tick number jumps over that time.
+void let_the_tick_jump(const RunningService& service, Process& recorder, const std::string& file) {
+  const auto end = std::chrono::steady_clock::now() + kDeadline;
+  while (!std::filesystem::exists(file) || std::filesystem::file_size(file) == 0) {
+    ASSERT_LT(std::chrono::steady_clock::now(), end);
+    ASSERT_EQ(tool("list").code, 0);
+  }
+  service.freeze();
+  EXPECT_THAT(awaited_line(recorder, "sends nothing"), HasSubstr("bench 1 sends nothing"));
+  service.thaw();
+}
+
+// The service is away for 1.5 s of these 3 s of drive time, and adds them at the end.
+TEST(Recorder, LastsItsDriveTimeAcrossAJumpOfTheTickNumberAndNamesIt) {
+  const RunningService service("--axes 1");
+  const TemporaryDirectory directory;
+  const std::string file = directory.path() / "jump.csv";
+  Process recorder(VDRIVE_TOOL, tool_arguments("record " + file + " --for 3s --json"));
+  let_the_tick_jump(service, recorder, file);
+  const Finished finished = recorder.wait();
+  ASSERT_EQ(finished.code, 0) << finished.errors;
+  const Json summary = Json::parse(finished.lines().back());
+  EXPECT_GE(summary["skipped"], 1'000) << finished.output;
+  // What was lost at the very end is not counted.
+  EXPECT_GE(summary["samples"].get<int>() + summary["lost"].get<int>(), 2'900) << finished.output;
+  EXPECT_LE(summary["samples"].get<int>() + summary["lost"].get<int>(), 3'001) << finished.output;
+  ASSERT_FALSE(summary["jumps"].empty());
+  const Json& jump = summary["jumps"].front();
+  EXPECT_EQ(jump["bench"], 1);
+  EXPECT_GT(jump["before"], jump["after"]);
+  EXPECT_GE(jump["skipped"], 100);
+  EXPECT_EQ(summary["jumps_left_out"], 0);
+}
+
+TEST(Recorder, SaysInItsLastLineWhatAJumpSkipped) {
+  const RunningService service("--axes 1");
+  const TemporaryDirectory directory;
+  const std::string file = directory.path() / "jump.mcap";
+  Process recorder(VDRIVE_TOOL, tool_arguments("record " + file));
+  let_the_tick_jump(service, recorder, file);
+  EXPECT_THAT(awaited_line(recorder, "sends again"), HasSubstr("bench 1 sends again"));
+  recorder.send(SIGINT);
+  EXPECT_THAT(recorder.wait().errors,
+              HasSubstr("ticks skipped by a jump of the tick number between the ticks "));
+}
+
 TEST(Recorder, EndsWhenABenchHasSentNothingForTooLong) {
   RunningService service("--axes 1");
   const TemporaryDirectory directory;

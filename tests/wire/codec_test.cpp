@@ -52,6 +52,7 @@ TEST(StatusCodec, WritesTheBytesOfTheGeneratedEncoder) {
   std::vector<std::uint16_t> numbers;
   msg::StatusFrame message;
   message.bench(3);
+  message.skipped_ticks(9'003);
   message.incarnation(0x0123456789ABCDEF);
   message.tick(77);
   message.time_ns(-5);
@@ -66,6 +67,7 @@ TEST(StatusCodec, WritesTheBytesOfTheGeneratedEncoder) {
   }
   Bytes bytes(encoded_status_frame_size(kAxes));
   ASSERT_EQ(encode_status_frame({.bench = 3,
+                                 .skipped_ticks = 9'003,
                                  .incarnation = 0x0123456789ABCDEF,
                                  .tick = 77,
                                  .time_ns = -5,
@@ -103,6 +105,7 @@ Bytes status_frame(std::size_t count) {
   }
   Bytes bytes(encoded_status_frame_size(count));
   EXPECT_EQ(encode_status_frame({.bench = 3,
+                                 .skipped_ticks = 9'003,
                                  .incarnation = 0x0123456789ABCDEF,
                                  .tick = 77,
                                  .time_ns = -5,
@@ -128,6 +131,7 @@ TEST(StatusFrameView, ReadsTheSameValuesAsTheGeneratedDecoder) {
   const auto sut = StatusFrameView::of(sample);
   ASSERT_TRUE(sut.has_value());
   EXPECT_EQ(sut->head().bench, 3U);
+  EXPECT_EQ(sut->head().skipped_ticks, 9'003U);
   EXPECT_EQ(sut->head().incarnation, 0x0123456789ABCDEFU);
   EXPECT_EQ(sut->head().tick, 77U);
   EXPECT_EQ(sut->head().time_ns, -5);

@@ -228,6 +228,9 @@ void add_observation(py::module_& module) {
       .def_readonly("tick", &Observation::tick, "The tick.")
       .def_readonly("missed", &Observation::missed,
                     "Samples of the stream lost since the one before.")
+      .def_readonly(
+          "skipped", &Observation::skipped,
+          "Ticks since the one before that the tick number jumped over: not run, not lost.")
       .def_readonly("axes", &Observation::axes, "Status of each axis, in the order of the request.")
       .def_property_readonly("owners", &owners_of, "Session that holds each axis, 0 = none.")
       .def(

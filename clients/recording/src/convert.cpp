@@ -130,7 +130,7 @@ Contents convert(const ConvertOptions& options) {
   Summary summary;
   (void)read_recording(options.from, [&](const client::Observation& sample) {
     ++summary.samples;
-    summary.gaps.note_sample(sample.axes.front().id.bench, sample.tick, sample.missed);
+    summary.gaps.note_sample(sample);
     writer->status(sample);
   });
   writer->finish(summary);

@@ -136,12 +136,19 @@ void McapRecording::finish(const Summary& summary) {
                 {"lost", std::to_string(summary.gaps.missed())},
                 {"events", std::to_string(summary.events)},
                 {"events_lost", std::to_string(summary.events_lost)},
-                {"gaps_left_out", std::to_string(summary.gaps.left_out())}};
+                {"gaps_left_out", std::to_string(summary.gaps.left_out())},
+                {"skipped_ticks", std::to_string(summary.gaps.skipped())}};
   std::size_t number = 0;
   for (const Gap& gap : summary.gaps.gaps()) {
     facts["gap." + std::to_string(++number)] =
         "bench " + std::to_string(gap.bench) + " after " + std::to_string(gap.after) + " before " +
         std::to_string(gap.before) + " missed " + std::to_string(gap.missed);
+  }
+  number = 0;
+  for (const Jump& jump : summary.gaps.jumps()) {
+    facts["jump." + std::to_string(++number)] =
+        "bench " + std::to_string(jump.bench) + " after " + std::to_string(jump.after) +
+        " before " + std::to_string(jump.before) + " skipped " + std::to_string(jump.skipped);
   }
   file_.add_metadata(kSummaryRecord, facts);
   file_.finish();

@@ -33,13 +33,15 @@ void RecordingQueue::push(client::Observation sample) {
   const std::uint32_t bench = sample.axes.front().id.bench;
   const std::scoped_lock lock(mutex_);
   if (!failure_.empty()) return;
-  std::uint64_t& dropped = dropped_[bench];
+  Dropped& dropped = dropped_[bench];
   if (images_ != 0 && images_ + sample.axes.size() > most_images_) {
-    dropped += 1 + sample.missed;
+    dropped.samples += 1 + sample.missed;
+    dropped.skipped += sample.skipped;
     return;
   }
-  sample.missed += std::exchange(dropped, 0);
-  summary_.gaps.note_sample(bench, sample.tick, sample.missed);
+  sample.missed += std::exchange(dropped.samples, 0);
+  sample.skipped += std::exchange(dropped.skipped, 0);
+  summary_.gaps.note_sample(sample);
   ++summary_.samples;
   images_ += sample.axes.size();
   items_.emplace_back(std::move(sample));
@@ -108,7 +110,7 @@ Summary RecordingQueue::finish() {
   ending_.notify_one();
   thread_.join();
   const std::scoped_lock lock(mutex_);
-  for (const auto& [bench, dropped] : dropped_) summary_.gaps.note_lost_end(bench, dropped);
+  for (const auto& [bench, dropped] : dropped_) summary_.gaps.note_lost_end(bench, dropped.samples);
   if (!failure_.empty()) throw RecordingError(failure_);
   writer_->finish(summary_);
   return summary_;

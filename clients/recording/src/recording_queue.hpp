@@ -50,6 +50,12 @@ class RecordingQueue {
  private:
   using Item = std::variant<client::Observation, client::Event>;
 
+  /// What was not recorded because the queue was full.
+  struct Dropped {
+    std::uint64_t samples = 0;
+    std::uint64_t skipped = 0;  ///< ticks, which nobody has lost
+  };
+
   void run();
   void write(const std::deque<Item>& items);
 
@@ -61,7 +67,7 @@ class RecordingQueue {
   std::deque<Item> items_;
   std::size_t images_ = 0;  ///< in `items_` and taken by the thread
   std::size_t events_ = 0;
-  std::map<std::uint32_t, std::uint64_t> dropped_;  ///< samples since the last one taken, by bench
+  std::map<std::uint32_t, Dropped> dropped_;  ///< since the last sample taken, by bench
   Summary summary_;
   std::string failure_;
   bool is_ending_ = false;

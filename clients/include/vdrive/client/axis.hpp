@@ -149,7 +149,9 @@ class Axis {
   Outcome home(const HomingOptions& options = {});
 
   /// Profile velocity mode (6060h = 3) with 60FFh = `velocity`: waits until it is reached (bit 10).
-  /// The axis runs on, also after the call; 0 brakes it to standstill.
+  /// The axis runs on, also after the call and, once it has reached the velocity, after the
+  /// session; 0 brakes it to standstill. After a call that fails the session does not release it:
+  /// see Session.
   /// @param velocity [UU/s]
   /// @return refused where a ramp or a limit of 0 allows no motion, and above 607Fh or 6080h;
   ///         failed when a limit switch (60FDh) stops the axis, when the drive limits the velocity
@@ -158,8 +160,8 @@ class Axis {
   Outcome run_at(std::int32_t velocity, const VelocityOptions& options = {});
 
   /// Profile torque mode (6060h = 4) with 6071h = `torque`: waits until the torque command has
-  /// reached it (bit 10). The torque stays, also after the call, and an axis without a load speeds
-  /// up to the limit of its speed.
+  /// reached it (bit 10). The torque stays, as the velocity of run_at() does, and an axis without a
+  /// load speeds up to the limit of its speed.
   /// @param torque [‰ of rated torque]
   /// @return refused above 6072h, 60E0h or 60E1h; failed when one of them, by way of the rated
   ///         current, or a limit switch (60FDh) keeps the torque back; else as run_at().
@@ -168,8 +170,12 @@ class Axis {
   /// Runs at `velocity` in profile velocity mode while `held` returns true, then brakes and waits
   /// for standstill. Session::interrupt() ends the jog likewise. When this program hangs or dies
   /// meanwhile the watchdog of the bench stops the axis.
+  /// The jog ends, too, when another session takes the axis. When its last command is refused or
+  /// its standstill is not seen, it stops the axis by a quick stop, which needs no control; an axis
+  /// that another session has commanded since is left to that session.
   /// @param velocity [UU/s]
-  /// @param held asked in every tick that is observed; must neither wait nor throw
+  /// @param held asked in every tick that is observed; must not wait. When it throws, the axis is
+  ///        stopped first
   /// @param options its time-out is that of the start and of the braking
   Outcome jog(std::int32_t velocity, const std::function<bool(const AxisSnapshot&)>& held,
               const VelocityOptions& options = {});

@@ -24,6 +24,13 @@ struct AxisSnapshot {
   std::uint32_t owner_epoch = 0;
   std::uint64_t last_sequence = 0;  ///< last command frame of the owner that was applied
 
+  /// Ticks that the number jumped over since the call or the follower that shows this began: they
+  /// were not run. Drive time between two snapshots of it is that of driven_tick().
+  std::uint64_t skipped = 0;
+
+  /// @return `tick` without the ticks that were skipped: for durations.
+  [[nodiscard]] std::uint64_t driven_tick() const noexcept { return tick - skipped; }
+
   /// @return the state that 6041h shows.
   [[nodiscard]] PowerState state() const noexcept {
     return decode_power_state(status.ds402_statusword);
@@ -44,6 +51,7 @@ struct AxisSnapshot {
 struct Observation {
   std::uint64_t tick = 0;
   std::uint64_t missed = 0;        ///< samples of the stream lost since the one before
+  std::uint64_t skipped = 0;       ///< ticks since the one before that the number jumped over
   std::vector<AxisSnapshot> axes;  ///< in the order of the request
 };
 

@@ -158,7 +158,13 @@ class StatusReports {
 ///
 /// A session is a random 64-bit number. It acquires an axis with the first command to it, keeps
 /// every axis that it has and releases all of them when it ends; a release leaves an axis as it is.
-/// Deadlines of motion are drive time; finding a service and noticing its silence are wall
+/// It does not release an axis that one of its calls has set into a motion without an end (a
+/// velocity, a torque, a stream, set-points) and that it has not seen stop since: free and running,
+/// nothing would stop it. That axis stays with the session, and the watchdog of the bench stops it
+/// when the session is silent. A call that has reached the velocity or the torque that it was to
+/// leave has done so on purpose: its axis is released.
+/// Deadlines of motion are drive time, the ticks that are run: a jump of the tick number uses up
+/// none of it. Finding a service and noticing its silence are wall
 /// time. A call that waits for drive time fails once its bench is paused. In lock-step, calls that
 /// wait step the clock themselves; while the session has joined the clock (StepClock) they grant
 /// their ticks and wait for the other steppers, up to 10 s of wall time for the next tick.
@@ -244,11 +250,13 @@ class Session {
   ///         clock mode.
   Result<std::uint64_t> set_rate(std::uint32_t bench, double rate);
 
-  /// Lets drive time pass, rounded up to ticks: steps in lock-step, else waits for the tick.
+  /// Lets drive time pass, rounded up to ticks: steps in lock-step, else waits until as many ticks
+  /// were run. A jump of the tick number makes it no shorter.
   /// @return the tick reached; lost when the service was silent for SessionOptions::patience.
   Result<std::uint64_t> wait(std::uint32_t bench, std::chrono::nanoseconds duration);
 
-  /// Waits until the bench has reached `tick`; in lock-step steps to it.
+  /// Waits until the bench has reached `tick`, also by a jump of the number over it; in lock-step
+  /// steps to it.
   /// @return the tick reached.
   Result<std::uint64_t> wait_for_tick(std::uint32_t bench, std::uint64_t tick);
 
@@ -324,6 +332,7 @@ class Session {
   Outcome quick_stop(std::uint32_t bench, const CallOptions& options = {});
 
   /// Gives all axes back. They stay as they are.
+  /// @return failed, naming it, when an axis runs that was not seen to stop: it is not given back
   Outcome release();
 
   /// The same for the axes of one bench.

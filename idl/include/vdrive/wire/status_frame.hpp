@@ -16,6 +16,7 @@ namespace vdrive::wire {
 /// What all axes of a status frame have in common.
 struct StatusFrameHead {
   std::uint32_t bench = 0;
+  std::uint32_t skipped_ticks = 0;  ///< that the number jumped over in this run, modulo 2^32
   std::uint64_t incarnation = 0;
   std::uint64_t tick = 0;
   std::int64_t time_ns = 0;
