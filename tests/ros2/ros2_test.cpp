@@ -438,8 +438,11 @@ TEST(Ros2Commands, WithAStampFarAheadAreRefusedAndDoNotStopTheirWriter) {
 }
 
 TEST(Ros2Commands, HaveTheirOrderForEachWriterAndAnewAfterEnable) {
-  LockStep bench;
   RosPeer other;
+  LockStep bench;
+  ASSERT_TRUE(bench.stepper().step_until([&other] {
+    return other.states() > 0;
+  }));
   ASSERT_TRUE(other.wait_for_bridge());
   const auto reaches = [&bench](std::int32_t position) {
     return bench.stepper().step_until([&] {

@@ -6,11 +6,11 @@
 namespace vdrive::ros2 {
 namespace {
 
-constexpr double kOneNanosecond = 1e-9;  // [s]
+constexpr double kNanoseconds = 1e9;  // of a second
 
 /// @return the time from `begin` to `end` [s].
 double seconds_between(std::int64_t begin, std::int64_t end) noexcept {
-  return static_cast<double>(end - begin) * kOneNanosecond;
+  return static_cast<double>(end - begin) / kNanoseconds;
 }
 
 }  // namespace
