@@ -16,10 +16,12 @@
 #include <chrono>
 #include <fstream>
 #include <iomanip>
+#include <iterator>
 #include <sstream>
 #include <string>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 namespace vdrive::service {
 namespace {
@@ -73,9 +75,8 @@ class File {
     while (std::getline(locks, line)) {
       // Number, FLOCK, ADVISORY, WRITE, process, file, first and last byte.
       std::istringstream words(line);
-      std::string number, kind, manner, access, process, place;
-      words >> number >> kind >> manner >> access >> process >> place;
-      if (kind == "FLOCK" && place == wanted.str()) return process;
+      const std::vector<std::string> fields{std::istream_iterator<std::string>(words), {}};
+      if (fields.size() > 5 && fields[1] == "FLOCK" && fields[5] == wanted.str()) return fields[4];
     }
     return "";
   }
