@@ -54,7 +54,7 @@ std::pair<std::string, std::string> parted(std::string_view text, std::string_vi
 }
 
 /// Appends to a line, which values would else let grow without a bound.
-void append(std::string& line, std::string_view text) {
+void append_bounded(std::string& line, std::string_view text) {
   if (text.size() > kLongestLine - line.size()) {
     throw UsageError("the line has more than " + std::to_string(kLongestLine) +
                      " bytes with the values of its variables, which is the limit");
@@ -82,13 +82,13 @@ std::string Variables::expand(std::string_view line) {
   std::string text;
   for (std::size_t at = 0; at < line.size();) {
     const std::size_t begin = std::min(line.find("${", at), line.size());
-    append(text, line.substr(at, begin - at));
+    append_bounded(text, line.substr(at, begin - at));
     if (begin == line.size()) break;
     const std::size_t end = line.find('}', begin);
     if (end == std::string_view::npos) throw UsageError("no } after ${");
     const std::string_view name = line.substr(begin + 2, end - begin - 2);
     check_name(name);
-    append(text, value_of(std::string(name)));
+    append_bounded(text, value_of(std::string(name)));
     at = end + 1;
   }
   return text;

@@ -57,12 +57,6 @@ TEST_F(Shell, EndsAtOnceWhenItsStandardInputIsClosed) {
   EXPECT_EQ(finished.code, 0) << finished.errors;
 }
 
-TEST_F(Shell, FailsWhenItsStandardOutputIsClosed) {
-  const std::string command =
-      std::string(VDRIVE_TOOL) + " --domain " + std::to_string(test_domain()) + " list >&-";
-  EXPECT_NE(Process("/bin/sh", {"-c", "exec timeout 60 " + command}).wait().code, 0);
-}
-
 TEST_F(Shell, RefusesALineBeyondTheLimitAndContinues) {
   const Finished finished =
       tool("shell", "enable " + std::string(60'000, 'x') + "\nread 1.1 position\n");
