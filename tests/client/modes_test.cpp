@@ -424,7 +424,9 @@ TEST_F(Modes, JogEndsWithTheFaultThatStopsTheAxis) {
   int ticks = 0;
   const Outcome failed = axis_.jog(10'000, [&](const AxisSnapshot&) {
     ++ticks;
-    if (ticks == 20) EXPECT_TRUE(axis_.disturb(Disturbance::over_current));
+    if (ticks == 20) {
+      EXPECT_TRUE(axis_.disturb(Disturbance::over_current));
+    }
     return ticks < 1'000;
   });
   EXPECT_EQ(failed.kind(), OutcomeKind::failed);
@@ -481,7 +483,9 @@ TEST(OnStatus, ReportsNewerTicksOfTheAxesUntilItIsEnded) {
   for (std::size_t i = 0; i < reports.seen.size(); ++i) {
     ASSERT_EQ(reports.seen[i].axes.size(), 2U);
     EXPECT_EQ(reports.seen[i].axes[0].id, (AxisId{1, 2})) << "in the order of the request";
-    if (i > 0) EXPECT_GT(reports.seen[i].tick, reports.seen[i - 1].tick);
+    if (i > 0) {
+      EXPECT_GT(reports.seen[i].tick, reports.seen[i - 1].tick);
+    }
   }
   ASSERT_TRUE(session.wait(1, 100ms));
   EXPECT_EQ(reports.count(), count) << "nothing comes after its end";

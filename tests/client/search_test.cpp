@@ -11,61 +11,61 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr SearchClock::time_point kBegin{1h};
+constexpr SearchClock::time_point kSearchBegin{1h};
 
 TEST(SearchTime, EndsAfterItsTime) {
-  const SearchTime sut(kBegin, 2s);
-  EXPECT_EQ(sut.end(false), kBegin + 2s);
+  const SearchTime sut(kSearchBegin, 2s);
+  EXPECT_EQ(sut.end(false), kSearchBegin + 2s);
 }
 
 TEST(SearchTime, IsThreeTimesAsLongForAServiceThatAnnouncedItself) {
-  const SearchTime sut(kBegin, 2s);
-  EXPECT_EQ(sut.end(true), kBegin + 6s);
+  const SearchTime sut(kSearchBegin, 2s);
+  EXPECT_EQ(sut.end(true), kSearchBegin + 6s);
 }
 
 TEST(SearchTime, IsLongerByFourTimesTheDelayOfTheMachine) {
-  SearchTime sut(kBegin, 2s);
-  sut.note_wait(kBegin + 20ms, kBegin + 70ms);
-  sut.note_wait(kBegin + 90ms, kBegin + 140ms);
+  SearchTime sut(kSearchBegin, 2s);
+  sut.note_wait(kSearchBegin + 20ms, kSearchBegin + 70ms);
+  sut.note_wait(kSearchBegin + 90ms, kSearchBegin + 140ms);
   EXPECT_EQ(sut.delay(), 100ms);
-  EXPECT_EQ(sut.end(false), kBegin + 2400ms);
+  EXPECT_EQ(sut.end(false), kSearchBegin + 2400ms);
 }
 
 TEST(SearchTime, CountsNoDelayWhereAMessageEndsTheWait) {
-  SearchTime sut(kBegin, 2s);
-  sut.note_wait(kBegin + 20ms, kBegin + 5ms);
+  SearchTime sut(kSearchBegin, 2s);
+  sut.note_wait(kSearchBegin + 20ms, kSearchBegin + 5ms);
   EXPECT_EQ(sut.delay(), 0ms);
 }
 
 TEST(SearchTime, EndsOnAMachineThatStandsStill) {
-  SearchTime sut(kBegin, 2s);
-  sut.note_wait(kBegin, kBegin + 1h);
-  EXPECT_EQ(sut.end(false), kBegin + 8s);
-  EXPECT_EQ(sut.end(true), kBegin + 12s);
+  SearchTime sut(kSearchBegin, 2s);
+  sut.note_wait(kSearchBegin, kSearchBegin + 1h);
+  EXPECT_EQ(sut.end(false), kSearchBegin + 8s);
+  EXPECT_EQ(sut.end(true), kSearchBegin + 12s);
 }
 
 TEST(SettlingSearch, EndsOnceNoFurtherBenchComes) {
-  Settling sut(kBegin);
+  Settling sut(kSearchBegin);
   const Sight one{.present = 1, .participants = 1, .services = 1};
-  EXPECT_FALSE(sut.has_ended({}, kBegin));
-  EXPECT_FALSE(sut.has_ended(one, kBegin + 10ms));
-  EXPECT_FALSE(sut.has_ended(one, kBegin + 159ms));
-  EXPECT_TRUE(sut.has_ended(one, kBegin + 160ms));
+  EXPECT_FALSE(sut.has_ended({}, kSearchBegin));
+  EXPECT_FALSE(sut.has_ended(one, kSearchBegin + 10ms));
+  EXPECT_FALSE(sut.has_ended(one, kSearchBegin + 159ms));
+  EXPECT_TRUE(sut.has_ended(one, kSearchBegin + 160ms));
 }
 
 TEST(SettlingSearch, WaitsForAServiceThatHasNotShownItsBench) {
-  Settling sut(kBegin);
+  Settling sut(kSearchBegin);
   const Sight first{.present = 1, .participants = 2, .services = 2, .undescribed = 1};
-  EXPECT_FALSE(sut.has_ended(first, kBegin + 10ms));
-  EXPECT_FALSE(sut.has_ended(first, kBegin + 1900ms));
+  EXPECT_FALSE(sut.has_ended(first, kSearchBegin + 10ms));
+  EXPECT_FALSE(sut.has_ended(first, kSearchBegin + 1900ms));
   const Sight both{.present = 2, .participants = 2, .services = 2};
-  EXPECT_TRUE(sut.has_ended(both, kBegin + 1910ms));
+  EXPECT_TRUE(sut.has_ended(both, kSearchBegin + 1910ms));
 }
 
 TEST(SettlingSearch, DoesNotEndWithoutABench) {
-  Settling sut(kBegin);
-  EXPECT_FALSE(sut.has_ended({.participants = 1, .services = 1}, kBegin));
-  EXPECT_FALSE(sut.has_ended({.participants = 1, .services = 1}, kBegin + 1h));
+  Settling sut(kSearchBegin);
+  EXPECT_FALSE(sut.has_ended({.participants = 1, .services = 1}, kSearchBegin));
+  EXPECT_FALSE(sut.has_ended({.participants = 1, .services = 1}, kSearchBegin + 1h));
 }
 
 TEST(TextOfASight, NamesWhatWasSeen) {

@@ -338,7 +338,9 @@ TEST(CyclicPosition, AStreamedSineIsFollowedWithinTheLagOfTheLoops) {
     // Starts with the smooth half: no step in speed.
     const double position = kAmplitude * (1.0 - std::cos(kTwoPi * i * 1.0e-3));
     stream(axis, static_cast<std::int32_t>(std::lround(position)));
-    if (i > 50) ASSERT_LE(std::abs(axis.status().load_position_error_value), bound) << i;
+    if (i > 50) {
+      ASSERT_LE(std::abs(axis.status().load_position_error_value), bound) << i;
+    }
   }
 }
 

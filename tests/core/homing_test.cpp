@@ -578,7 +578,9 @@ TEST_P(HomingInterrupted, ByHaltDoesNotResume) {
   ASSERT_NO_FATAL_FAILURE(run_to(bench, stage()));
   bench.axis.controlword(0x011F);
   bench.tick();
-  if (bench.axis.demand_velocity() != 0) EXPECT_EQ(bench.phase(), kRunning) << "braking";
+  if (bench.axis.demand_velocity() != 0) {
+    EXPECT_EQ(bench.phase(), kRunning) << "braking";
+  }
   ASSERT_TRUE(bench.tick_until_phase(kIdle));
   const std::int32_t rest = bench.axis.demand();
   bench.axis.controlword(0x001F);  // halt ends, bit 4 is still up: no edge
@@ -644,7 +646,9 @@ TEST_P(HomingInterrupted, ByAModeChangeBrakesBeforeTheModeChanges) {
   ASSERT_NO_FATAL_FAILURE(run_to(bench, stage()));
   bench.axis.write("op_mode_cmd", 1);
   bench.tick();
-  if (bench.axis.demand_velocity() != 0) EXPECT_EQ(bench.axis.read("op_mode_actual"), 6);
+  if (bench.axis.demand_velocity() != 0) {
+    EXPECT_EQ(bench.axis.read("op_mode_actual"), 6);
+  }
   ASSERT_TRUE(bench.tick_until([&bench] {
     return bench.axis.read("op_mode_actual") == 1;
   }));

@@ -405,7 +405,9 @@ TEST(Manual, TheNegativeExampleStartsEnabledOrFromReadyToSwitchOn) {
     AxisUnderTest axis;
     axis.enable();
     set_profile(axis, 5'000, 60'000, 60'000);
-    if (!enabled) ASSERT_EQ(axis.command(0x0006), 0x0231);
+    if (!enabled) {
+      ASSERT_EQ(axis.command(0x0006), 0x0231);
+    }
     axis.write("position_user_target_value", -10'000);
     EXPECT_EQ(axis.command(0x000F), 0x0637);
     EXPECT_EQ(axis.command(0x003F), 0x1237);

@@ -127,7 +127,9 @@ void expect_equal(const std::vector<client::Observation>& read,
       }
       EXPECT_EQ(a.owner_session, b.owner_session);
       EXPECT_EQ(a.owner_epoch, b.owner_epoch);
-      if (has_sequence) EXPECT_EQ(a.last_sequence, b.last_sequence);
+      if (has_sequence) {
+        EXPECT_EQ(a.last_sequence, b.last_sequence);
+      }
     }
   }
 }

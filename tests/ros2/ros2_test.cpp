@@ -647,7 +647,9 @@ TEST(Ros2Trajectory, IsReplacedWithoutAJumpAndHoldsItsEnd) {
     bench.stepper().step(1);
     const std::int32_t now = bench.axis().status.position_demand_value;
     // 5 rad in a second by a cubic: less than 60 rad/s², 0.04 UU a tick and tick.
-    if (tick > 0) EXPECT_LE(std::abs(now - position - step), 2) << tick;
+    if (tick > 0) {
+      EXPECT_LE(std::abs(now - position - step), 2) << tick;
+    }
     step = now - position;
     position = now;
   }

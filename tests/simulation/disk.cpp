@@ -40,6 +40,11 @@ class Disk::Files final : public service::FileOperations {
     return disk_.last_number_;
   }
 
+  Privacy make_private(int /*file*/) override {
+    disk_.step();
+    return Privacy::kept;
+  }
+
   std::uint64_t size(int file) override {
     disk_.step();
     return disk_.file_of(file).content.size();

@@ -201,7 +201,9 @@ TEST_P(EndedBy, ASignalATestRunLeavesNoProcessBehind) {
   const Finished finished = test.wait();
   EXPECT_EQ(finished.code, GetParam() == SIGKILL ? -SIGKILL : 130);
   EXPECT_TRUE(all_have_ended());
-  if (GetParam() != SIGKILL) EXPECT_THAT(content_of(report()), HasSubstr("<testsuites"));
+  if (GetParam() != SIGKILL) {
+    EXPECT_THAT(content_of(report()), HasSubstr("<testsuites"));
+  }
 }
 
 TEST_P(EndedBy, ASignalAMeasurementLeavesNoProcessBehind) {

@@ -183,7 +183,9 @@ TEST(McapRecording, EndsAfterTheGivenNumberOfSamplesWithItsSummary) {
   std::uint64_t last = 0;
   const auto contents = recording::read_recording(mcap, [&](const client::Observation& sample) {
     EXPECT_EQ(sample.axes.size(), 20U);
-    if (last != 0) EXPECT_EQ(sample.tick - last, 1 + sample.missed);
+    if (last != 0) {
+      EXPECT_EQ(sample.tick - last, 1 + sample.missed);
+    }
     last = sample.tick;
     lost += sample.missed;
   });
