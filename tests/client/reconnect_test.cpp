@@ -427,7 +427,7 @@ Outcome report_to(SeenReports& reports, Session& session) {
 TEST(Reconnect, WhatFollowsABenchContinuesWhereACallIsLost) {
   Bench bench(service::ClockMode::realtime);
   SeenReports reports;
-  Session sut(options());
+  Session sut(test::options_of_a_loss());
   auto axis = sut.axis("1.1");
   ASSERT_TRUE(axis) << axis.outcome().message();
   auto follower = sut.follow({{1, 1}}, Pace::observe);

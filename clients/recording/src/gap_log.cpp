@@ -10,20 +10,20 @@ namespace vdrive::recording {
 namespace {
 
 /// Such as "between the ticks 12 and 15 of bench 1 (2)".
-std::string text_of(std::uint32_t bench, std::uint64_t after, std::uint64_t before,
-                    std::uint64_t count) {
+std::string place_of(std::uint32_t bench, std::uint64_t after, std::uint64_t before,
+                     std::uint64_t count) {
   const std::string where =
       before == 0 ? "after the tick " + std::to_string(after)
                   : "between the ticks " + std::to_string(after) + " and " + std::to_string(before);
   return where + " of bench " + std::to_string(bench) + " (" + std::to_string(count) + ")";
 }
 
-std::string text_of(const Gap& gap) {
-  return text_of(gap.bench, gap.after, gap.before, gap.missed);
+std::string place_of(const Gap& gap) {
+  return place_of(gap.bench, gap.after, gap.before, gap.missed);
 }
 
-std::string text_of(const Jump& jump) {
-  return text_of(jump.bench, jump.after, jump.before, jump.skipped);
+std::string place_of(const Jump& jump) {
+  return place_of(jump.bench, jump.after, jump.before, jump.skipped);
 }
 
 /// The first ones, then how many others there are.
@@ -34,7 +34,7 @@ std::string list_of(const std::vector<Entry>& entries, std::size_t most, std::ui
   const std::size_t named = std::min(most, entries.size());
   for (std::size_t i = 0; i < named; ++i) {
     if (i != 0) text += ", ";
-    text += text_of(entries[i]);
+    text += place_of(entries[i]);
   }
   const std::uint64_t others = entries.size() - named + left_out;
   if (others != 0) text += ", and " + counted(others, one, many);

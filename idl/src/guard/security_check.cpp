@@ -52,35 +52,35 @@ bool is_of_key_exchange(Bytes prefix) {
 /// Walks the types of DDS Security, 7.2: texts, properties and the tokens that are made of them.
 class TokenReader {
  public:
-  TokenReader(Bytes bytes, bool little) noexcept : reader_(bytes, little) {}
+  TokenReader(Bytes bytes, bool little) noexcept : input_(bytes, little) {}
 
-  [[nodiscard]] bool at_end() const noexcept { return reader_.left() == 0; }
+  [[nodiscard]] bool at_end() const noexcept { return input_.left() == 0; }
 
   [[nodiscard]] bool skip(std::size_t count) noexcept {
-    reader_.skip(count);
-    return reader_.ok();
+    input_.skip(count);
+    return input_.ok();
   }
 
   /// A text or a sequence of bytes: its length and as many bytes, filled up to four.
   [[nodiscard]] bool field(Bytes& out) noexcept {
-    const std::uint32_t length = reader_.u32();
-    if (!reader_.ok() || length > reader_.left()) return false;
-    out = reader_.bytes(length);
+    const std::uint32_t length = input_.u32();
+    if (!input_.ok() || length > input_.left()) return false;
+    out = input_.bytes(length);
     // The last one is not filled up.
-    reader_.skip(std::min<std::size_t>(reader_.left(), (4 - reader_.position() % 4) % 4));
+    input_.skip(std::min<std::size_t>(input_.left(), (4 - input_.position() % 4) % 4));
     return true;
   }
 
   /// @param take is called with each element's name and value @return whether all were there
   template <typename Take>
   [[nodiscard]] bool pairs(const Take& take) noexcept {
-    const std::uint32_t count = reader_.u32();
-    for (std::uint32_t index = 0; reader_.ok() && index < count; ++index) {
+    const std::uint32_t count = input_.u32();
+    for (std::uint32_t index = 0; input_.ok() && index < count; ++index) {
       Bytes name;
       Bytes value;
       if (!field(name) || !field(value) || !take(name, value)) return false;
     }
-    return reader_.ok();
+    return input_.ok();
   }
 
   /// @param take as of pairs(), for the properties that are bytes
@@ -95,15 +95,15 @@ class TokenReader {
 
   template <typename Take>
   [[nodiscard]] bool tokens(const Take& take) noexcept {
-    const std::uint32_t count = reader_.u32();
-    for (std::uint32_t index = 0; reader_.ok() && index < count; ++index) {
+    const std::uint32_t count = input_.u32();
+    for (std::uint32_t index = 0; input_.ok() && index < count; ++index) {
       if (!token(take)) return false;
     }
-    return reader_.ok();
+    return input_.ok();
   }
 
  private:
-  ByteReader reader_;
+  ByteReader input_;
 };
 
 /// @return whether it is the participant's data, which the library reads as an announcement.
