@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "tick_clock.hpp"
+#include "clock_step.hpp"
+#include "configuration_error.hpp"
 #include "vdrive/axis_configuration.hpp"
 #include "vdrive/clock_mode.hpp"
 #include "vdrive/unit.hpp"
@@ -12,7 +13,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -74,13 +74,6 @@ struct Configuration {
   std::uint64_t wire_memory_limit = std::uint64_t{512} << 20U;  ///< of its process [bytes]
   wire::NetworkSettings network;
   std::vector<NamedAxis> axes;  ///< 1 to kMaxAxes, in ascending order of their numbers
-};
-
-/// A configuration cannot be used. The message names file, line, key, value, unit and limit where
-/// they apply.
-class ConfigurationError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
 };
 
 /// @return bench 1 with the default axes 1 ("x") and 2 ("y").

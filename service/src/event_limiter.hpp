@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "queues.hpp"
+#include "event_record.hpp"
 
 #include <chrono>
 #include <cstddef>

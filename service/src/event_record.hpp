@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "parameter_file.hpp"
+#include "parameter_problem.hpp"
 
 #include <chrono>
 #include <cstdint>

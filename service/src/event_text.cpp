@@ -1,18 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "event_text.hpp"
 
-#include "journal.hpp"
-#include "parameter_store.hpp"
-#include "realtime_driver.hpp"
-#include "snapshots.hpp"
-#include "stepper_table.hpp"
+#include "clock_step.hpp"
+#include "event_codes.hpp"
 #include "vdrive/cia402/controlword.hpp"
 #include "vdrive/cia402/power_state.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/wire/conversion.hpp"
 #include "vdrive/wire/event_name.hpp"
 #include "vdrive/wording.hpp"
-#include "wire_judge.hpp"
 
 #include <chrono>
 #include <cmath>
@@ -92,8 +88,8 @@ std::string wall_clock_text(const EventRecord& event) {
       std::chrono::duration<double>(detail_of<std::chrono::microseconds>(event)).count();
   const std::string place = "the wall clock was changed: it is " + to_text(std::abs(offset)) +
                             (offset < 0.0 ? " s behind" : " s ahead of");
-  if (event.code == WallClockNews::kJumped) return place + " drive time; the tick number jumps";
-  const auto seconds = static_cast<std::uint64_t>(std::abs(offset) / TickClock::kMaxSteering);
+  if (event.code == WallClockCode::kJumped) return place + " drive time; the tick number jumps";
+  const auto seconds = static_cast<std::uint64_t>(std::abs(offset) / kMaxSteering);
   return place + " drive time; drive time is adjusted for about " + std::to_string(seconds) + " s";
 }
 
@@ -106,17 +102,17 @@ std::string stop_text(const EventRecord& event) {
 }
 
 std::string snapshot_text(const EventRecord& event) {
-  const char* const what = event.code == SnapshotNews::kTaken      ? " taken"
-                           : event.code == SnapshotNews::kRestored ? " restored"
+  const char* const what = event.code == SnapshotCode::kTaken      ? " taken"
+                           : event.code == SnapshotCode::kRestored ? " restored"
                                                                    : " dropped";
   return "snapshot " + std::to_string(detail_of<Label>(event).value) + what;
 }
 
 std::string journal_text(const EventRecord& event) {
   switch (event.code) {
-    case JournalNews::kLosing:
+    case JournalCode::kLosing:
       return "the journal is too slow: ticks are missing from this tick on";
-    case JournalNews::kResumed:
+    case JournalCode::kResumed:
       return "the journal continues; " + counted(event, "tick is missing", "ticks are missing");
     default:
       return "the journal ended: " + detail_of<SystemError>(event).text();
@@ -125,12 +121,12 @@ std::string journal_text(const EventRecord& event) {
 
 std::string parameters_text(const EventRecord& event) {
   switch (event.code) {
-    case ParameterNews::kLoaded:
+    case ParameterCode::kLoaded:
       return "stored parameters of " + counted(event, "axis", "axes") + " are in force";
-    case ParameterNews::kPrevious:
+    case ParameterCode::kPrevious:
       return "the file of stored parameters cannot be used: " +
              detail_of<StoredProblem>(event).text() + "; the previous set is in force";
-    case ParameterNews::kDefaults:
+    case ParameterCode::kDefaults:
       return "configured values are in force: " +
              std::string(event.axis == 0 ? "the file of stored parameters: " : "stored object ") +
              detail_of<StoredProblem>(event).text();
@@ -141,10 +137,10 @@ std::string parameters_text(const EventRecord& event) {
 
 std::string wire_text(const EventRecord& event) {
   switch (event.code) {
-    case WireNews::kLost:
+    case WireCode::kLost:
       return "the wire (network process) failed: " + detail_of<WireLoss>(event).text() +
              "; the axes continue";
-    case WireNews::kRuns:
+    case WireCode::kRuns:
       return "the wire runs again after " + milliseconds_of(event) + " ms";
     default:
       return "the wire fails repeatedly; the service starts it again in " + milliseconds_of(event) +

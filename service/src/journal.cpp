@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "journal.hpp"
 
+#include "event_codes.hpp"
 #include "log.hpp"
 #include "system_failure.hpp"
 #include "vdrive/text.hpp"
@@ -247,14 +248,14 @@ void Journal::lose_tick(const AxisBank& bank, std::uint64_t tick) noexcept {
 }
 
 std::optional<JournalNews> Journal::news() noexcept {
-  if (!std::exchange(told_losing_, true)) return JournalNews{.code = JournalNews::kLosing};
+  if (!std::exchange(told_losing_, true)) return JournalNews{.code = JournalCode::kLosing};
   if (resumed_after_ != 0) {
-    return JournalNews{.code = JournalNews::kResumed,
+    return JournalNews{.code = JournalCode::kResumed,
                        .detail = Count{std::exchange(resumed_after_, 0)}};
   }
   const int error = error_.load(std::memory_order_relaxed);
   if (error != 0 && !std::exchange(told_ended_, true)) {
-    return JournalNews{.code = JournalNews::kEnded, .detail = SystemError{error}};
+    return JournalNews{.code = JournalCode::kEnded, .detail = SystemError{error}};
   }
   return std::nullopt;
 }

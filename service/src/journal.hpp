@@ -25,11 +25,7 @@ namespace vdrive::service {
 
 /// A state of the journal to be reported.
 struct JournalNews {
-  static constexpr std::uint32_t kLosing = 1;   ///< the writer is too slow: ticks are lost
-  static constexpr std::uint32_t kResumed = 2;  ///< it continues; a Count of lost ticks
-  static constexpr std::uint32_t kEnded = 3;    ///< it cannot be written any more; a SystemError
-
-  std::uint32_t code = 0;
+  std::uint32_t code = 0;  ///< JournalCode
   EventDetail detail{};
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "parameter_problem.hpp"
 #include "vdrive/axis_configuration.hpp"
 
 #include <cstddef>
@@ -21,19 +22,6 @@ inline constexpr std::uint32_t kParameterFileVersion = 1;
 
 /// A longer file was not written by vdrived: 65,535 axes with every object fill less.
 inline constexpr std::uint64_t kLargestParameterFile = 128ULL << 20U;
-
-/// What can be wrong with a file of parameters, or with what it holds of one axis.
-enum class ParameterProblem : std::uint8_t {
-  none,
-  unreadable,       ///< number: errno
-  empty,            ///< no byte in it
-  too_large,        ///< number: its size
-  damaged,          ///< not as it was written: torn, changed, or never a file of parameters
-  unknown_version,  ///< number: the version
-  missing,          ///< gone without an interrupted save, while the one before it is there
-  unknown_object,   ///< of an axis: number: index * 256 + sub-index
-  refused_value,    ///< of an axis: likewise
-};
 
 /// A file of parameters cannot be used.
 class ParameterFileError : public std::runtime_error {
@@ -57,8 +45,5 @@ class ParameterFileError : public std::runtime_error {
 /// Objects and values are not judged.
 /// @throws ParameterFileError unless every byte is as `encode` wrote it.
 [[nodiscard]] ParameterTable decode(std::span<const std::byte> file);
-
-/// @return such as "damaged" or "version 2 of the format is not supported".
-[[nodiscard]] std::string describe_problem(ParameterProblem problem, std::uint64_t number);
 
 }  // namespace vdrive::service

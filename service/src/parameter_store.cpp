@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "parameter_store.hpp"
 
+#include "event_codes.hpp"
 #include "log.hpp"
 #include "vdrive/axis_bank.hpp"
 #include "vdrive/text.hpp"
@@ -349,7 +350,7 @@ std::vector<EventRecord> apply(const LoadedParameters& loaded, Configuration& co
   };
   if (!is_good) {
     const bool has_previous = loaded.source == LoadedParameters::Source::previous;
-    report(has_previous ? ParameterNews::kPrevious : ParameterNews::kDefaults,
+    report(has_previous ? ParameterCode::kPrevious : ParameterCode::kDefaults,
            StoredProblem{loaded.problem, loaded.number});
   }
   std::uint64_t axes = 0;
@@ -359,14 +360,14 @@ std::vector<EventRecord> apply(const LoadedParameters& loaded, Configuration& co
     if (found == loaded.table.end()) continue;
     if (const auto refusal = refusal_of(found->second)) {
       axis.configuration.memory_error = true;
-      report(ParameterNews::kDefaults, *refusal, axis.number);
+      report(ParameterCode::kDefaults, *refusal, axis.number);
     } else {
       axis.configuration.stored = found->second;
       ++axes;
     }
   }
   if (loaded.source != LoadedParameters::Source::nothing)
-    report(ParameterNews::kLoaded, Count{axes});
+    report(ParameterCode::kLoaded, Count{axes});
   return news;
 }
 

@@ -99,14 +99,6 @@ class ParameterStore {
 [[nodiscard]] std::unique_ptr<ParameterStore> open_parameter_store(
     const std::optional<std::string>& directory, std::uint32_t bench);
 
-/// Codes of EVENT_PARAMETERS.
-struct ParameterNews {
-  static constexpr std::uint32_t kLoaded = 1;      ///< a Count of axes
-  static constexpr std::uint32_t kPrevious = 2;    ///< the set before is in force; a StoredProblem
-  static constexpr std::uint32_t kDefaults = 3;    ///< configured values are; a StoredProblem
-  static constexpr std::uint32_t kSaveFailed = 4;  ///< a SystemError
-};
-
 /// Gives each axis of a bench its stored parameters. An axis whose values are not all usable keeps
 /// its configured ones and has fault 5530h; all axes have it when the file could not be used.
 /// @return what has to be reported.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "queues.hpp"
 #include "vdrive_messages.h"
 
 #include <cstddef>
@@ -14,7 +15,7 @@ namespace vdrive::service {
 /// move in and out by swapping, so that nothing allocates.
 class PendingFrames {
  public:
-  static constexpr std::size_t kCapacity = 1024;
+  static constexpr std::size_t kCapacity = Outbox::kPendingFrames;
 
   PendingFrames();
 

@@ -4,7 +4,6 @@
 #include "byte_ring.hpp"
 #include "counters.hpp"
 #include "event_record.hpp"
-#include "pending_frames.hpp"
 #include "ring.hpp"
 #include "vdrive/axis_status.hpp"
 #include "vdrive/wire/codec.hpp"
@@ -112,8 +111,9 @@ struct StatusImage {
 /// an event as soon as there is room for one.
 struct Outbox {
   static constexpr std::size_t kReplies = 256;
-  /// All frames that wait may be dropped at once.
-  static constexpr std::size_t kCommandReplies = kReplies + PendingFrames::kCapacity;
+  /// Frames that wait for a later tick at most. All of them may be dropped, and answered, at once.
+  static constexpr std::size_t kPendingFrames = 1024;
+  static constexpr std::size_t kCommandReplies = kReplies + kPendingFrames;
   static constexpr std::size_t kEvents = 8192;
   static constexpr std::size_t kParameters = 256;
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "realtime_driver.hpp"
 
+#include "event_codes.hpp"
+
 namespace vdrive::service {
 
 RealtimeDriver::RealtimeDriver(const Configuration& configuration, BenchEngine& engine,
@@ -74,7 +76,7 @@ void RealtimeDriver::follow_wall_clock() noexcept {
     const auto offset = std::chrono::duration_cast<std::chrono::microseconds>(step->offset);
     counters_.wall_steps.add();
     engine_.report({.kind = msg::EVENT_WALL_CLOCK,
-                    .code = step->jumped > 0 ? WallClockNews::kJumped : WallClockNews::kSteered,
+                    .code = step->jumped > 0 ? WallClockCode::kJumped : WallClockCode::kSteered,
                     .detail = offset});
   }
   const std::chrono::duration<double> offset = clock_->offset();

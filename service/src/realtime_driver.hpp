@@ -13,12 +13,6 @@
 
 namespace vdrive::service {
 
-/// Codes of EVENT_WALL_CLOCK.
-struct WallClockNews {
-  static constexpr std::uint32_t kSteered = 1;
-  static constexpr std::uint32_t kJumped = 2;
-};
-
 /// Lets the wall clock advance a bench. In `cycle` no lock, no allocation, and no system call but
 /// the wait.
 class RealtimeDriver {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "report_publisher.hpp"
 
+#include "event_codes.hpp"
 #include "event_text.hpp"
-#include "parameter_store.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/wire/conversion.hpp"
 
@@ -38,7 +38,7 @@ spdlog::level::level_enum level_of(const EventRecord& event) {
     case msg::EVENT_WIRE:
       return spdlog::level::warn;
     case msg::EVENT_PARAMETERS:
-      return event.code == ParameterNews::kLoaded ? spdlog::level::info : spdlog::level::warn;
+      return event.code == ParameterCode::kLoaded ? spdlog::level::info : spdlog::level::warn;
     case msg::EVENT_FAULT:
     case msg::EVENT_FAULT_RESET:
     case msg::EVENT_REFUSED:

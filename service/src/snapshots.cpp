@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "snapshots.hpp"
 
+#include "event_codes.hpp"
+
 #include <algorithm>
 
 namespace vdrive::service {
@@ -25,7 +27,7 @@ std::uint32_t Snapshots::take(const msg::Request& request, msg::Reply& reply) {
                    .tick = clock_.tick(),
                    .state = std::make_shared<const AxisBank::Snapshot>(axes_.bank().snapshot())});
   reply.snapshot(last_number_);
-  report(request, SnapshotNews::kTaken, last_number_);
+  report(request, SnapshotCode::kTaken, last_number_);
   return msg::REASON_NONE;
 }
 
@@ -37,7 +39,7 @@ std::uint32_t Snapshots::restore(const msg::Request& request, msg::Reply& reply)
   schedule_.cancel_all();
   axes_.restore(kept->state, clock_.tick());
   output_.post_status(false);
-  report(request, SnapshotNews::kRestored, request.snapshot());
+  report(request, SnapshotCode::kRestored, request.snapshot());
   return msg::REASON_NONE;
 }
 
@@ -58,7 +60,7 @@ std::uint32_t Snapshots::drop(const msg::Request& request) {
     return kept.number == request.snapshot();
   });
   if (dropped == 0) return msg::REASON_UNKNOWN_SNAPSHOT;
-  report(request, SnapshotNews::kDropped, request.snapshot());
+  report(request, SnapshotCode::kDropped, request.snapshot());
   return msg::REASON_NONE;
 }
 

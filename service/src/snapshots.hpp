@@ -17,13 +17,6 @@
 
 namespace vdrive::service {
 
-/// Codes of EVENT_SNAPSHOT.
-struct SnapshotNews {
-  static constexpr std::uint32_t kTaken = 1;
-  static constexpr std::uint32_t kRestored = 2;
-  static constexpr std::uint32_t kDropped = 3;
-};
-
 /// Saved states of all axes, taken and restored by request: the state goes back, time does not.
 /// Each function returns REASON_NONE or why the request is refused.
 class Snapshots {

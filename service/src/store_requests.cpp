@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "store_requests.hpp"
 
+#include "event_codes.hpp"
+
 #include <algorithm>
 #include <utility>
 
@@ -130,7 +132,7 @@ void StoreRequests::take_order(const StoreOrder& order, Waiting& waiting) {
   events_.report({.kind = msg::EVENT_PARAMETERS,
                   .axis = order.number,
                   .session = waiting.session,
-                  .code = ParameterNews::kSaveFailed,
+                  .code = ParameterCode::kSaveFailed,
                   .detail = SystemError{order.error}});
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "clock_step.hpp"
+
 #include <chrono>
 #include <cstdint>
 #include <optional>
@@ -11,12 +13,6 @@ namespace vdrive::service {
 struct Instant {
   std::chrono::nanoseconds monotonic{0};
   std::chrono::nanoseconds wall{0};  ///< since the epoch
-};
-
-/// What a bench does when the wall clock was changed.
-enum class ClockStep : std::uint8_t {
-  steer,  ///< drive time continues without a break and is adjusted, however long that takes
-  jump,   ///< forward, the tick number jumps; backward as steer, since no number comes twice
 };
 
 /// The wall clock was stepped.
@@ -42,7 +38,6 @@ struct WallStep {
 /// at reference + n x period, and the reference is no longer the epoch.
 class TickClock {
  public:
-  static constexpr double kMaxSteering = 500e-6;
   static constexpr std::uint64_t kMaxBacklog = 100;
   static constexpr std::chrono::milliseconds kStep{10};
   static constexpr double kMaxDrift = 2'000e-6;

@@ -9,13 +9,6 @@
 
 namespace vdrive::service {
 
-/// Codes of EVENT_WIRE.
-struct WireNews {
-  static constexpr std::uint32_t kLost = 1;   ///< a wire ended or was ended; a WireLoss
-  static constexpr std::uint32_t kRuns = 2;   ///< another one runs; the time without
-  static constexpr std::uint32_t kLater = 3;  ///< it ends again and again; the delay
-};
-
 /// When a wire is to be ended, and when another one is to be started: decisions from what is seen
 /// of it, without system calls. Time is an argument.
 class WireJudge {

@@ -18,8 +18,8 @@ ByteRing& WireLink::ring(Lane lane) noexcept {
 }
 
 void WireLink::flush(Lane lane) {
-  if (program_ != nullptr) {
-    while (program_->drain(lane)) {
+  if (sender_ != nullptr) {
+    while (sender_->drain(lane)) {
     }
   } else if (lane == Lane::status) {
     status_bell_.ring();

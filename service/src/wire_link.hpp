@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "lane_sender.hpp"
 #include "vdrive/wire/codec.hpp"
 #include "vdrive/wire/topics.hpp"
-#include "wire_program.hpp"
 #include "wire_region.hpp"
 
 #include <cstddef>
@@ -20,8 +20,8 @@ class WireLink {
   explicit WireLink(const WireRegion& region);
 
   /// From here on `flush` sends in the calling thread: the wire is part of this process.
-  /// @param program outlives this
-  void send_through(WireProgram& program) noexcept { program_ = &program; }
+  /// @param sender outlives this
+  void send_through(LaneSender& sender) noexcept { sender_ = &sender; }
 
   /// Encodes a message into a lane. @return false when there is no room.
   template <typename Message>
@@ -63,7 +63,7 @@ class WireLink {
 
   /// @return whether this process has to check again soon, because an answer waits for its reader.
   [[nodiscard]] bool is_holding() const noexcept {
-    return program_ != nullptr && program_->is_holding();
+    return sender_ != nullptr && sender_->is_holding();
   }
 
   [[nodiscard]] WireControl& control() const noexcept { return control_; }
@@ -86,7 +86,7 @@ class WireLink {
   ByteRing reports_;
   Doorbell status_bell_;
   Doorbell reports_bell_;
-  WireProgram* program_ = nullptr;
+  LaneSender* sender_ = nullptr;
 };
 
 }  // namespace vdrive::service

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "lane_sender.hpp"
 #include "queues.hpp"
 #include "repeat_limiter.hpp"
 #include "vdrive/wire/bytes_publication.hpp"
@@ -24,7 +25,7 @@ namespace vdrive::service {
 /// The wire of a bench: everything that names DDS, between the rings of a region and the topics. It
 /// decodes no message and keeps no state of the bench: another one can take its place at any time.
 /// Its threads are those of the library, which bring what arrives, and the callers of `drain`.
-class WireProgram {
+class WireProgram final : public LaneSender {
  public:
   /// How long an answer waits for its reader.
   static constexpr std::chrono::seconds kLongestWait{1};
@@ -35,20 +36,15 @@ class WireProgram {
   /// Joins the domain. What left the engine for an earlier wire is dropped, except answers.
   /// @throws wire::NetworkError
   WireProgram(const WireRegion& region, const WireSettings& settings);
-  ~WireProgram();
-  WireProgram(const WireProgram&) = delete;
-  WireProgram& operator=(const WireProgram&) = delete;
+  ~WireProgram() override;
 
   /// What one call of `drain` sends at most; a record more in any case.
   static constexpr std::size_t kMostInOneRound = 256;
   static constexpr std::size_t kMostBytesInOneRound = std::size_t{512} * 1'024;
 
-  /// Sends what waits in a lane that leaves the engine, within the limits above. One thread a lane.
-  /// @return whether more may wait.
-  bool drain(Lane lane);
+  bool drain(Lane lane) override;
 
-  /// @return whether an answer waits for its reader. For the thread that drains `replies`.
-  [[nodiscard]] bool is_holding() const noexcept { return !held_.empty(); }
+  [[nodiscard]] bool is_holding() const noexcept override { return !held_.empty(); }
 
   /// Waits until every reader has the description of the bench and the replies. @return false on
   /// time-out.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "wire_supervisor.hpp"
 
+#include "event_codes.hpp"
 #include "vdrive/wire/participant.hpp"
 
 #include <sys/wait.h>
@@ -104,7 +105,7 @@ void WireSupervisor::lose(const WireLoss& loss, Clock::time_point now) {
   if (is_up_) lost_at_ = now;
   is_up_ = false;
   counters_.wire_is_up.set(0);
-  report(WireNews::kLost, loss);
+  report(WireCode::kLost, loss);
 }
 
 void WireSupervisor::finish(const WireEnd& end, Clock::time_point now) {
@@ -112,7 +113,7 @@ void WireSupervisor::finish(const WireEnd& end, Clock::time_point now) {
   if (!reason_) lose(loss_of(end), now);
   next_start_ = judge_.ended(now, reason_.has_value());
   const auto delay = std::chrono::duration_cast<std::chrono::milliseconds>(*next_start_ - now);
-  if (delay > 0ms) report(WireNews::kLater, delay);
+  if (delay > 0ms) report(WireCode::kLater, delay);
 }
 
 void WireSupervisor::report(std::uint32_t code, const EventDetail& detail) {
@@ -129,7 +130,7 @@ void WireSupervisor::judge(Clock::time_point now) {
     is_up_ = true;
     counters_.wire_is_up.set(1);
     const auto gap = std::chrono::duration_cast<std::chrono::milliseconds>(now - lost_at_);
-    report(WireNews::kRuns, gap);
+    report(WireCode::kRuns, gap);
   }
   reason_ = judge_.reason_to_end({.is_running = is_running,
                                   .pump_beats = control_.pump_beats.load(),

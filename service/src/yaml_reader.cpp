@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "yaml_reader.hpp"
 
-#include "configuration.hpp"
+#include "configuration_error.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
 

@@ -162,7 +162,7 @@ TEST(StoreRequest, KeepsTheStoredValuesOnFailure) {
   bool has_event = false;
   while (const auto* const event = bench.outbox.events.front()) {
     has_event = has_event || (event->kind == msg::EVENT_PARAMETERS &&
-                              event->code == service::ParameterNews::kSaveFailed &&
+                              event->code == service::ParameterCode::kSaveFailed &&
                               event->detail == service::EventDetail{service::SystemError{ENOSPC}} &&
                               event->axis == 1);
     bench.outbox.events.pop();

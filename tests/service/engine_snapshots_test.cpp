@@ -77,7 +77,7 @@ TEST(SnapshotRequest, RestoresTheAxesAndNotTheTime) {
   EXPECT_EQ(bench.value(2, 0x6041), 0x250);
   const auto news = bench.events(msg::EVENT_SNAPSHOT);
   ASSERT_EQ(news.size(), 1U);
-  EXPECT_EQ(news[0].code, service::SnapshotNews::kRestored);
+  EXPECT_EQ(news[0].code, service::SnapshotCode::kRestored);
   EXPECT_EQ(news[0].detail, service::EventDetail{service::Label{number}});
   EXPECT_EQ(bench.read(2, 0x6041).owner_session(), 0U);
   bench.steps(1);

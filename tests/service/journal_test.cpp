@@ -784,7 +784,7 @@ TEST(SlowJournal, LosesWholeTicksOfTheWallClockReportsAndContinues) {
     bench.steps(Journal::kSlots + 1'000);
     const auto begun = bench.events(msg::EVENT_JOURNAL);
     ASSERT_EQ(begun.size(), 1U);
-    EXPECT_EQ(begun[0].code, JournalNews::kLosing);
+    EXPECT_EQ(begun[0].code, JournalCode::kLosing);
     EXPECT_GE(bench.counters.journal_losses.get(), 1'000U - 2U);
     EXPECT_LE(bench.counters.journal_losses.get(), 1'002U + kTicksBeforeGate);
     bench.write(kAlice, 1, 0x6081, 500);  // is missing in the journal, but in its snapshot
@@ -796,7 +796,7 @@ TEST(SlowJournal, LosesWholeTicksOfTheWallClockReportsAndContinues) {
       resumed = bench.events(msg::EVENT_JOURNAL);
     }
     ASSERT_EQ(resumed.size(), 1U);
-    EXPECT_EQ(resumed[0].code, JournalNews::kResumed);
+    EXPECT_EQ(resumed[0].code, JournalCode::kResumed);
     EXPECT_EQ(resumed[0].detail,
               service::EventDetail{service::Count{bench.counters.journal_losses.get()}});
     bench.steps(100);
@@ -825,7 +825,7 @@ TEST(FullDisk, EndsTheJournalOnly) {
       recorded.bench.steps(10);
       events = recorded.bench.events(msg::EVENT_JOURNAL);
       std::erase_if(events, [](const auto& event) {  // a slow machine may lose some before
-        return event.code != JournalNews::kEnded;
+        return event.code != JournalCode::kEnded;
       });
     }
     ASSERT_EQ(events.size(), 1U);

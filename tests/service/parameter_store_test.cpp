@@ -39,7 +39,7 @@ using service::decode;
 using service::encode;
 using service::LoadedParameters;
 using service::ParameterFileError;
-using service::ParameterNews;
+using service::ParameterCode;
 using service::ParameterProblem;
 using service::ParameterStore;
 using service::ParameterTable;
@@ -626,7 +626,7 @@ TEST(StoredParameters, AreAppliedToTheirAxes) {
       .source = Source::current};
   const auto news = apply(loaded, configuration);
   ASSERT_EQ(news.size(), 1U);
-  EXPECT_EQ(news[0].code, ParameterNews::kLoaded);
+  EXPECT_EQ(news[0].code, ParameterCode::kLoaded);
   EXPECT_EQ(news[0].detail, service::EventDetail{service::Count{2}})
       << "axis 9 is not on this bench";
   EXPECT_EQ(configuration.axes[0].configuration.stored.at(0).value, 5);
@@ -645,7 +645,7 @@ TEST(StoredParameters, AreAllDiscardedWhenOneIsNotUsable) {
         .source = Source::current};
     const auto news = apply(loaded, configuration);
     ASSERT_EQ(news.size(), 2U);
-    EXPECT_EQ(news[0].code, ParameterNews::kDefaults);
+    EXPECT_EQ(news[0].code, ParameterCode::kDefaults);
     EXPECT_EQ(news[0].axis, 2U);
     EXPECT_FALSE(configuration.axes[0].configuration.memory_error);
     EXPECT_TRUE(configuration.axes[1].configuration.memory_error);
@@ -660,7 +660,7 @@ TEST(StoredParameters, InADamagedFileCauseAFaultOnEveryAxis) {
                                 .source = Source::previous,
                                 .problem = ParameterProblem::damaged};
   const auto news = apply(loaded, configuration);
-  EXPECT_EQ(news.at(0).code, ParameterNews::kPrevious);
+  EXPECT_EQ(news.at(0).code, ParameterCode::kPrevious);
   EXPECT_EQ(std::get<service::StoredProblem>(news[0].detail).text(), "damaged");
   for (const auto& axis : configuration.axes) EXPECT_TRUE(axis.configuration.memory_error);
   EXPECT_EQ(configuration.axes[0].configuration.stored.at(0).value, 5);
@@ -668,7 +668,7 @@ TEST(StoredParameters, InADamagedFileCauseAFaultOnEveryAxis) {
   const auto nothing =
       apply({.table = {}, .problem = ParameterProblem::unreadable, .number = EACCES}, bare);
   ASSERT_EQ(nothing.size(), 1U);
-  EXPECT_EQ(nothing[0].code, ParameterNews::kDefaults);
+  EXPECT_EQ(nothing[0].code, ParameterCode::kDefaults);
   EXPECT_EQ(std::get<service::StoredProblem>(nothing[0].detail).text(),
             "cannot be read: Permission denied");
   EXPECT_TRUE(bare.axes[2].configuration.memory_error);

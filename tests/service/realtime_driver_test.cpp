@@ -120,7 +120,7 @@ TEST(RealtimeDriver, ReportsAStepOfTheWallClockAndCorrectsIt) {
     bench.cycles(1'000);
     const auto events = bench.events(msg::EVENT_WALL_CLOCK);
     ASSERT_EQ(events.size(), 1U);
-    EXPECT_EQ(events[0].code, service::WallClockNews::kSteered);
+    EXPECT_EQ(events[0].code, service::WallClockCode::kSteered);
     EXPECT_NEAR(static_cast<double>(std::get<std::chrono::microseconds>(events[0].detail).count()),
                 1e6 * static_cast<double>(offset.count()), 5.0);
     EXPECT_EQ(bench.counters.wall_steps.get(), 1U);
@@ -180,7 +180,7 @@ TEST(RealtimeDriver, RepeatsNoTickWhenTheWallClockGoesBack) {
   }
   const auto events = bench.events(msg::EVENT_WALL_CLOCK);
   ASSERT_EQ(events.size(), 1U);
-  EXPECT_EQ(events[0].code, service::WallClockNews::kSteered);
+  EXPECT_EQ(events[0].code, service::WallClockCode::kSteered);
 }
 
 TEST(RealtimeDriver, HasNoOffsetToTheWallClockWhilePaused) {

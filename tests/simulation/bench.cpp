@@ -114,7 +114,7 @@ void Bench::start_storage() {
   }
   storage_->model.start(loaded_, happenings_);
   for (const service::EventRecord& news : service::apply(loaded, as_started_)) {
-    if (news.code != service::ParameterNews::kLoaded) {
+    if (news.code != service::ParameterCode::kLoaded) {
       happenings_.fail(Invariant::kStored, news.axis, "every set usable",
                        std::get<service::StoredProblem>(news.detail).text());
     }

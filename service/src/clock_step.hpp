@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+namespace vdrive::service {
+
+/// What a bench does when the wall clock was changed.
+enum class ClockStep : std::uint8_t {
+  steer,  ///< drive time continues without a break and is adjusted, however long that takes
+  jump,   ///< forward, the tick number jumps; backward as steer, since no number comes twice
+};
+
+/// By how much drive time is adjusted to the wall clock at most, as a part of it.
+inline constexpr double kMaxSteering = 500e-6;
+
+}  // namespace vdrive::service
