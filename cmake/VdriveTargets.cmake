@@ -79,7 +79,7 @@ function(vdrive_target_defaults target)
   if(VDRIVE_SANITIZE)
     target_compile_options(${target} PRIVATE -fsanitize=${VDRIVE_SANITIZE} -fno-sanitize-recover=all
                                              -fno-omit-frame-pointer)
-    if(target MATCHES "^vdrive_(core|service|simulation_world)$")
+    if(target MATCHES "^vdrive_(core|engine|service|simulation_world)$")
       # What every test runs through: the tests take a third of the time, and the build hardly longer.
       target_compile_options(${target} PRIVATE $<$<CONFIG:Debug>:-O1>)
     endif()

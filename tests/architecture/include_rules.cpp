@@ -6,6 +6,7 @@
 #include <optional>
 #include <regex>
 #include <span>
+#include <vector>
 
 namespace vdrive::architecture {
 namespace {
@@ -149,6 +150,43 @@ constexpr std::array kDriveLayers{
     LayerRow{"tick", 8},           LayerRow{"objects", 9},
 };
 
+/// A room of service/src, and the rooms that it may include beside itself. A new room is a new row.
+struct ServiceRoomRow {
+  std::string_view room;
+  std::vector<std::string_view> may_include;
+  std::string_view reason;
+};
+
+const std::vector<ServiceRoomRow>& service_rooms() {
+  static const std::vector<ServiceRoomRow> rows{
+      {"base", {}, "base/ is below every room"},
+      {"settings", {}, "settings/ reads YAML and knows no bench"},
+      {"configuration", {"base", "settings"}, "configuration/ is data"},
+      {"seam", {"base", "configuration"}, "both halves include seam/, so it includes neither"},
+      {"store", {"base", "settings", "configuration"}, "store/ is files"},
+      {"journal", {"base", "settings", "configuration"}, "journal/ records and replays changes"},
+      {"engine",
+       {"base", "configuration", "seam", "store", "journal"},
+       "engine/ has no clock, and nothing leaves it but by seam/"},
+      {"publish", {"base", "configuration", "seam"}, "publish/ encodes what leaves; no engine"},
+      {"clock",
+       {"base", "configuration", "seam", "engine", "publish"},
+       "clock/ drives the engine, and starts neither store, journal nor wire"},
+      {"wire", {"base", "configuration", "seam"}, "the wire has no state of the bench"},
+      {"supervision", {"base", "seam"}, "supervision/ starts the wire as a program"},
+      {"program",
+       {"base", "settings", "configuration", "seam", "store", "journal", "engine", "publish",
+        "clock", "wire", "supervision"},
+       "program/ puts all together"},
+  };
+  return rows;
+}
+
+/// The only files that may include the whole engine: its drivers, and what makes it.
+constexpr std::array<std::string_view, 6> kKnowTheEngine{
+    "engine/bench_engine.cpp",   "clock/freerun_driver.hpp", "clock/lockstep_driver.hpp",
+    "clock/realtime_driver.hpp", "clock/shutdown.hpp",       "program/service.cpp"};
+
 /// Text that is forbidden in a folder ("" is all of them), as a regular expression.
 struct TextRule {
   std::string_view folder;
@@ -278,6 +316,32 @@ std::optional<std::string_view> refuse_layer(std::string_view path, const Includ
   return "a file of core/src/drive includes lower layers only";
 }
 
+std::string_view first_folder(std::string_view path) {
+  return path.substr(0, path.find('/'));
+}
+
+/// The rooms of the service.
+std::optional<std::string_view> refuse_service_room(std::string_view path, const Include& include) {
+  constexpr std::string_view kFolder = "service/src/";
+  if (!path.starts_with(kFolder)) return std::nullopt;
+  path.remove_prefix(kFolder.size());
+  const auto row = std::ranges::find(service_rooms(), first_folder(path), &ServiceRoomRow::room);
+  if (row == service_rooms().end()) return "service/src has a file without a room";
+  if (!include.quoted || origin_of(include) != Origin::beside) return std::nullopt;
+  const std::string_view included = first_folder(include.name);
+  if (std::ranges::find(service_rooms(), included, &ServiceRoomRow::room) ==
+      service_rooms().end()) {
+    return "a file of service/src includes another one by its room";
+  }
+  if (included != row->room && std::ranges::count(row->may_include, included) == 0) {
+    return row->reason;
+  }
+  if (include.name == "engine/bench_engine.hpp" && std::ranges::count(kKnowTheEngine, path) == 0) {
+    return "only its drivers and the program know the whole engine";
+  }
+  return std::nullopt;
+}
+
 std::optional<std::string_view> refuse_code(std::string_view path, const std::string& code) {
   for (const TextRule& rule : forbidden_code()) {
     if (path.starts_with(rule.folder) && std::regex_search(code, rule.pattern)) return rule.reason;
@@ -298,6 +362,7 @@ Violations check_source(std::string_view path, std::string_view text) {
     if (const auto include = parse_include(lines[i])) {
       auto reason = refuse_include(path, *room, *include);
       if (!reason) reason = refuse_layer(path, *include);
+      if (!reason) reason = refuse_service_room(path, *include);
       if (reason) violations.push_back(violation(path, i + 1, include->name, *reason));
     } else if (const auto reason = refuse_code(path, code_of(lines[i]))) {
       violations.push_back(violation(path, i + 1, lines[i], *reason));

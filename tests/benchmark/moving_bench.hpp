@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "freerun_driver.hpp"
+#include "clock/freerun_driver.hpp"
 #include "support/local_inbox.hpp"
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 // How long a durable save takes: from the order of the thread that steps to its return, in turn
 // with a bare fsync in the same directory, and 1,000 axes in one save. Prints one JSON line a
 // figure. The argument is the directory (default: the present one); it should lie on a disk.
-#include "parameter_saver.hpp"
+#include "store/parameter_saver.hpp"
 
 #include <fcntl.h>
 #include <unistd.h>

@@ -9,19 +9,19 @@
 // a millisecond apart. Prints the medians of processor time as JSON lines:
 //   {"figure":"publication_ns_per_axis","axes":1024,"value":...}
 #include "bare_node.hpp"
-#include "configuration.hpp"
-#include "counters.hpp"
-#include "queues.hpp"
-#include "status_depth.hpp"
+#include "base/counters.hpp"
+#include "configuration/configuration.hpp"
+#include "publish/status_depth.hpp"
+#include "publish/status_publisher.hpp"
+#include "seam/queues.hpp"
+#include "seam/wire_link.hpp"
+#include "seam/wire_region.hpp"
 #include "status_feed.hpp"
-#include "status_publisher.hpp"
 #include "support/test_domain.hpp"
 #include "vdrive/wire/bytes_subscription.hpp"
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/status_frame.hpp"
-#include "wire_link.hpp"
-#include "wire_program.hpp"
-#include "wire_region.hpp"
+#include "wire/wire_program.hpp"
 
 #include <algorithm>
 #include <atomic>

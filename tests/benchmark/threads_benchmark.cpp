@@ -8,8 +8,8 @@
 //   vdrive_threads_benchmark [AXES [ROUNDS]]
 //
 // Prints JSON lines, medians of the rounds: {"figure":"threads_speedup","axes":16384,"value":...}.
+#include "base/step_pool.hpp"
 #include "moving_bench.hpp"
-#include "step_pool.hpp"
 
 #include <sys/prctl.h>
 #include <sys/wait.h>

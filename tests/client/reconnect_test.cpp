@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sessions whose bench loses its network part and gets another one, in the same run: the real
 // engine behind a wire that the test removes.
-#include "bench_engine.hpp"
 #include "bench_messages.hpp"
 #include "client/objects.hpp"
 #include "client/session_options.hpp"
+#include "engine/bench_engine.hpp"
 #include "support/local_inbox.hpp"
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"

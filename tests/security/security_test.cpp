@@ -2,7 +2,6 @@
 // The closed mode: real programs with material from deploy/security.
 #include "vdrive/wire/security.hpp"
 
-#include "closed_check.hpp"
 #include "security/material.hpp"
 #include "support/process_tree.hpp"
 #include "support/test_domain.hpp"
@@ -12,6 +11,7 @@
 #include "vdrive/wire/publication.hpp"
 #include "vdrive/wire/subscription.hpp"
 #include "vdrive_messages.h"
+#include "wire/closed_check.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "configuration.hpp"
+#include "configuration/configuration.hpp"
 #include "support/test_domain.hpp"
 
 #include <spdlog/spdlog.h>

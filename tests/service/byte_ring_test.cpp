@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "byte_ring.hpp"
+#include "seam/byte_ring.hpp"
 
 #include <gtest/gtest.h>
 

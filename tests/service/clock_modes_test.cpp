@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The clock modes over real DDS: steppers of a lock-step bench, the rate of realtime, freerun.
-#include "service.hpp"
+#include "program/service.hpp"
 #include "service/bench_configuration.hpp"
 #include "service/probe.hpp"
 #include "support/test_domain.hpp"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "configuration.hpp"
+#include "configuration/configuration.hpp"
 
-#include "configuration_help.hpp"
-#include "configuration_warnings.hpp"
+#include "configuration/configuration_help.hpp"
+#include "configuration/configuration_warnings.hpp"
 #include "support/temporary_directory.hpp"
 #include "vdrive/axis_bank.hpp"
 #include "vdrive/number_text.hpp"

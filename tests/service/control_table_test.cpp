@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "control_table.hpp"
+#include "engine/control_table.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "doorbell.hpp"
+#include "seam/doorbell.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/support/allocation_guard.hpp"
-#include "event_text.hpp"
+#include "publish/event_text.hpp"
 #include "service/engine_under_test.hpp"
 
 #include <gtest/gtest.h>

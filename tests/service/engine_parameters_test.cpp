@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Requests that store parameters: REQUEST_STORE, REQUEST_RESTORE, and 1010h and 1011h as objects.
 #include "core/support/allocation_guard.hpp"
-#include "parameter_saver.hpp"
 #include "service/engine_under_test.hpp"
 #include "service/failing_files.hpp"
+#include "store/parameter_saver.hpp"
 #include "support/temporary_directory.hpp"
 
 #include <gtest/gtest.h>

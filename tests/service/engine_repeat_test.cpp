@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A repeated message acts once and is answered again: requests of every kind, and command frames.
 #include "core/support/allocation_guard.hpp"
-#include "parameter_saver.hpp"
 #include "service/engine_under_test.hpp"
+#include "store/parameter_saver.hpp"
 #include "support/temporary_directory.hpp"
 
 #include <gtest/gtest.h>

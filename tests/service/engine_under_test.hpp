@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "bench_engine.hpp"
+#include "engine/bench_engine.hpp"
 #include "support/local_inbox.hpp"
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "event_limiter.hpp"
+#include "base/event_limiter.hpp"
 
 #include <gtest/gtest.h>
 

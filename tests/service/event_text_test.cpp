@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Events as text and as a line of the log.
-#include "event_text.hpp"
+#include "publish/event_text.hpp"
 
-#include "repeat_limiter.hpp"
+#include "base/repeat_limiter.hpp"
 
 #include <gtest/gtest.h>
 

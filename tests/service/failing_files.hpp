@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "file_operations.hpp"
+#include "store/file_operations.hpp"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "freerun_driver.hpp"
+#include "clock/freerun_driver.hpp"
 
 #include "core/support/allocation_guard.hpp"
 #include "service/engine_under_test.hpp"

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The journal of a bench and its replay, without network and clock.
-#include "journal.hpp"
+#include "journal/journal.hpp"
 
 #include "core/support/allocation_guard.hpp"
 #include "core/support/random_cases.hpp"
-#include "replay.hpp"
+#include "journal/replay.hpp"
 #include "service/engine_under_test.hpp"
 
 #include <gmock/gmock.h>

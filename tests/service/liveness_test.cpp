@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "liveness.hpp"
+#include "program/liveness.hpp"
 
 #include <gtest/gtest.h>
 

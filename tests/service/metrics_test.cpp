@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The counters of a bench, as the monitoring reads them.
-#include "metrics.hpp"
+#include "program/metrics.hpp"
 
-#include "metrics_endpoint.hpp"
+#include "program/metrics_endpoint.hpp"
 #include "support/local_http.hpp"
 
 #include <gmock/gmock.h>

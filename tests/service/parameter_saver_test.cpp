@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Store orders of the stepping thread, and the saves that follow.
-#include "parameter_saver.hpp"
+#include "store/parameter_saver.hpp"
 
 #include "service/failing_files.hpp"
 #include "support/temporary_directory.hpp"

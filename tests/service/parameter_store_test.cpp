@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stored parameters on a disk: what is loaded after any damage to the files.
-#include "parameter_store.hpp"
+#include "store/parameter_store.hpp"
 
-#include "parameter_file.hpp"
 #include "service/failing_files.hpp"
+#include "store/parameter_file.hpp"
 #include "support/temporary_directory.hpp"
 
 #include <gtest/gtest.h>
@@ -38,8 +38,8 @@ using service::ConfigurationError;
 using service::decode;
 using service::encode;
 using service::LoadedParameters;
-using service::ParameterFileError;
 using service::ParameterCode;
+using service::ParameterFileError;
 using service::ParameterProblem;
 using service::ParameterStore;
 using service::ParameterTable;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "pending_frames.hpp"
+#include "engine/pending_frames.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Replays a journal; built for other instruction sets than the service.
-#include "replay.hpp"
+#include "journal/replay.hpp"
 
 #include <exception>
 #include <iostream>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The service over real DDS, in this process, with clients made of bare topics.
-#include "service.hpp"
+#include "program/service.hpp"
 
 #include "service/bench_configuration.hpp"
 #include "service/probe.hpp"

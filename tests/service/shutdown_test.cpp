@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "shutdown.hpp"
+#include "clock/shutdown.hpp"
 
 #include "service/engine_under_test.hpp"
 

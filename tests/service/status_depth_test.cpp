@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "status_depth.hpp"
+#include "publish/status_depth.hpp"
 
 #include <gtest/gtest.h>
 

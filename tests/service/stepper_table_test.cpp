@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "stepper_table.hpp"
+#include "clock/stepper_table.hpp"
 
 #include <gtest/gtest.h>
 

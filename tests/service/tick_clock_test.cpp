@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tick_clock.hpp"
+#include "clock/tick_clock.hpp"
 
 #include <gtest/gtest.h>
 

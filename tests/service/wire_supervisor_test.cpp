@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "wire_supervisor.hpp"
+#include "supervision/wire_supervisor.hpp"
 
-#include "doorbell.hpp"
-#include "wire_region.hpp"
+#include "seam/doorbell.hpp"
+#include "seam/wire_region.hpp"
 
 #include <gtest/gtest.h>
 

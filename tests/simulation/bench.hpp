@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "bench_engine.hpp"
-#include "cycle_timer.hpp"
-#include "freerun_driver.hpp"
-#include "parameter_saver.hpp"
-#include "realtime_driver.hpp"
+#include "clock/cycle_timer.hpp"
+#include "clock/freerun_driver.hpp"
+#include "clock/realtime_driver.hpp"
+#include "engine/bench_engine.hpp"
 #include "simulation/axis_watch.hpp"
 #include "simulation/control_model.hpp"
 #include "simulation/disk.hpp"
 #include "simulation/happenings.hpp"
 #include "simulation/network.hpp"
 #include "simulation/store_model.hpp"
+#include "store/parameter_saver.hpp"
 #include "support/local_inbox.hpp"
 
 #include <cstdint>

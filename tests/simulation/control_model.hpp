@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "configuration.hpp"
-#include "queues.hpp"
+#include "configuration/configuration.hpp"
+#include "seam/queues.hpp"
 #include "simulation/happenings.hpp"
 #include "simulation/network.hpp"
 #include "simulation/store_model.hpp"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "file_operations.hpp"
 #include "simulation/random.hpp"
+#include "store/file_operations.hpp"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "queues.hpp"
+#include "seam/queues.hpp"
 #include "vdrive/wire/codec.hpp"
 #include "vdrive/wire/topics.hpp"
 

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/event_record.hpp"
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <tuple>
+#include <vector>
+
+namespace vdrive::service {
+
+/// An event that is let through, and how many equal ones were left out before it.
+struct CountedEvent {
+  EventRecord event;
+  std::uint32_t suppressed = 0;
+};
+
+/// Passes a bounded number of equal events and counts the rest. Two events are equal when
+/// kind, axis, code and session are.
+class EventLimiter {
+ public:
+  static constexpr std::chrono::seconds kWindow{1};
+  static constexpr std::uint32_t kEqualPerWindow = 20;
+  static constexpr std::uint32_t kAllPerWindow = 8'000;
+  static constexpr std::size_t kMostKinds = 4'096;
+
+  /// Appends to `passed` what may be sent now: this event, or nothing.
+  void offer(const EventRecord& event, std::chrono::nanoseconds now,
+             std::vector<CountedEvent>& passed);
+
+  /// Appends the last of those events that were left out, once their window is over.
+  void flush(std::chrono::nanoseconds now, std::vector<CountedEvent>& passed);
+
+ private:
+  using Key = std::tuple<std::uint32_t, std::uint16_t, std::uint32_t, std::uint64_t>;
+
+  struct Window {
+    std::chrono::nanoseconds begin{0};
+    std::uint32_t passed = 0;
+    std::uint32_t suppressed = 0;
+    EventRecord last;
+  };
+
+  std::map<Key, Window> windows_;
+  std::chrono::nanoseconds begin_{0};  ///< of the window of all events
+  std::uint32_t passed_ = 0;
+  std::uint32_t suppressed_ = 0;  ///< of kinds that are no longer remembered
+};
+
+}  // namespace vdrive::service

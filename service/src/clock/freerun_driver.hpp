@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "clock/cycle_timer.hpp"
+#include "engine/bench_engine.hpp"
+#include "seam/queues.hpp"
+
+#include <chrono>
+
+namespace vdrive::service {
+
+/// Advances a bench as fast as possible. `cycle` takes no lock, allocates nothing and does not
+/// wait.
+class FreerunDriver {
+ public:
+  /// The status is shown at this distance of wall time, if the image before it has left.
+  static constexpr std::chrono::milliseconds kStatusInterval{1};
+
+  FreerunDriver(BenchEngine& engine, Inbox& inbox, Outbox& outbox, CycleTimer& timer);
+
+  /// Handles what arrived and runs one tick.
+  void cycle() noexcept;
+
+ private:
+  void handle_arrivals();
+
+  BenchEngine& engine_;
+  Inbox& inbox_;
+  Outbox& outbox_;
+  CycleTimer& timer_;
+  std::chrono::nanoseconds next_status_{0};
+};
+
+}  // namespace vdrive::service

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "clock/cycle_timer.hpp"
+#include "clock/tick_clock.hpp"
+#include "engine/bench_engine.hpp"
+#include "seam/queues.hpp"
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <optional>
+
+namespace vdrive::service {
+
+/// Lets the wall clock advance a bench. In `cycle` no lock, no allocation, and no system call but
+/// the wait.
+class RealtimeDriver {
+ public:
+  /// How many arrivals one tick handles at most; the others wait for the next.
+  static constexpr std::size_t kArrivalsPerTick = 256;
+
+  /// Paused, the status is shown again at this distance.
+  static constexpr std::chrono::milliseconds kRepeatInterval{20};
+
+  /// Sets the engine's tick to that of the wall clock; the first cycle runs the next one.
+  RealtimeDriver(const Configuration& configuration, BenchEngine& engine, Inbox& inbox,
+                 Counters& counters, CycleTimer& timer);
+
+  /// Waits for the next tick and runs it. Paused, it only handles what arrived.
+  void cycle() noexcept;
+
+  /// Monotonic time of the next cycle, for threads that follow this one.
+  [[nodiscard]] std::chrono::nanoseconds next_cycle() const noexcept {
+    return std::chrono::nanoseconds{next_cycle_.load(std::memory_order_relaxed)};
+  }
+
+ private:
+  void change_rate() noexcept;
+  void tick() noexcept;
+  void follow_wall_clock() noexcept;
+  void idle() noexcept;
+  void handle_arrivals();
+
+  BenchEngine& engine_;
+  Inbox& inbox_;
+  Counters& counters_;
+  CycleTimer& timer_;
+  std::chrono::microseconds period_;
+  std::uint32_t status_every_;
+  ClockStep on_step_;
+  double rate_;
+  std::optional<TickClock> clock_;  ///< nothing = paused
+  std::chrono::nanoseconds next_repeat_{0};
+  std::atomic<std::int64_t> next_cycle_{0};
+};
+
+}  // namespace vdrive::service

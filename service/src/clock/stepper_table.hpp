@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/event_record.hpp"
+#include "vdrive/wire/source.hpp"
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace vdrive::service {
+
+/// A session that joined the clock of a lock-step bench.
+struct Stepper {
+  using Time = std::chrono::steady_clock::time_point;
+
+  std::uint64_t session = 0;
+  wire::Source source{};
+  std::uint64_t granted = 0;   ///< last tick that it lets pass
+  Time last_message{};         ///< when something arrived from it last
+  bool is_waited_for = false;  ///< another stepper has granted more
+  Time waited_for_since{};     ///< holds when `is_waited_for`
+  bool was_matched = false;    ///< its participant has been seen on the network
+};
+
+/// Who lets time pass in lock-step, once somebody has joined the clock: it advances to the smallest
+/// grant. Wall time is an argument. Not thread-safe.
+class StepperTable {
+ public:
+  using Time = Stepper::Time;
+
+  static constexpr std::size_t kMaxSteppers = 64;
+
+  /// A stepper is silent when others have waited for it and nothing arrived from it for this long.
+  static constexpr std::chrono::seconds kLongestSilence{10};
+
+  /// Makes the session (not 0) a stepper whose grant is the present tick; a stepper stays as it is.
+  /// @return false when there is no room.
+  [[nodiscard]] bool join(std::uint64_t session, const wire::Source& source, std::uint64_t tick,
+                          Time now);
+
+  /// @return false when the session is no stepper.
+  bool leave(std::uint64_t session, Time now);
+
+  /// @return the stepper, or nullptr.
+  [[nodiscard]] Stepper* find(std::uint64_t session) noexcept;
+
+  /// Something arrived from the session, stepper or not.
+  void note_message(std::uint64_t session, Time now) noexcept;
+
+  /// The stepper lets `ticks` more pass.
+  void grant(Stepper& stepper, std::uint64_t ticks, Time now) noexcept;
+
+  /// @return the stepper that granted the fewest ticks, of several the first that joined; nullptr
+  ///         when there is none.
+  [[nodiscard]] const Stepper* slowest() const noexcept;
+
+  /// @return a stepper that is silent, or nullptr.
+  [[nodiscard]] const Stepper* silent(Time now) const noexcept;
+
+  [[nodiscard]] std::span<Stepper> all() noexcept { return steppers_; }
+
+  [[nodiscard]] bool empty() const noexcept { return steppers_.empty(); }
+
+  [[nodiscard]] std::size_t size() const noexcept { return steppers_.size(); }
+
+ private:
+  void note_waits(Time now) noexcept;
+
+  std::vector<Stepper> steppers_;
+};
+
+}  // namespace vdrive::service

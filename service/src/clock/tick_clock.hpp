@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "configuration/clock_step.hpp"
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+
+namespace vdrive::service {
+
+/// One instant on both clocks.
+struct Instant {
+  std::chrono::nanoseconds monotonic{0};
+  std::chrono::nanoseconds wall{0};  ///< since the epoch
+};
+
+/// The wall clock was stepped.
+struct WallStep {
+  std::chrono::nanoseconds offset{0};  ///< of the wall clock ahead of drive time; below 0: behind
+  std::uint64_t jumped = 0;            ///< ticks that the number jumps by; 0 = it is steered
+};
+
+/// When which tick is due in realtime mode.
+///
+/// Tick n begins at the wall time n x period, so that benches with synchronised clocks agree. From
+/// the first tick on, deadlines are monotonic; at rate 1 their distance is steered towards the wall
+/// clock by at most 500 ppm. Up to 100 late ticks are caught up; beyond that the number jumps. At
+/// other rates the distance is period / rate and nothing is steered.
+///
+/// An offset between wall clock and drive time that grows by more than 10 ms, faster than 2,000
+/// ppm, is a step of the wall clock. Clocks that are synchronised agree within 1 ms, and a crystal
+/// and the slewing of a clock together change it by less than 1,000 ppm; 10 ms is the longest
+/// period, so a step is a tick at least, and takes 20 s to steer away. Three readings in a row have
+/// to show it: one of them is wrong when the thread rests between its reading of the two clocks.
+///
+/// After a pause or a change of the rate the number continues from where it was: tick n then begins
+/// at reference + n x period, and the reference is no longer the epoch.
+class TickClock {
+ public:
+  static constexpr std::uint64_t kMaxBacklog = 100;
+  static constexpr std::chrono::milliseconds kStep{10};
+  static constexpr double kMaxDrift = 2'000e-6;
+  static constexpr int kReadings = 3;
+
+  /// @param rate above 0
+  TickClock(std::chrono::microseconds period, double rate, const Instant& now,
+            ClockStep on_step = ClockStep::steer) noexcept;
+
+  /// After a pause: tick `next_tick` is due one interval from now.
+  TickClock(std::chrono::microseconds period, double rate, const Instant& now,
+            std::uint64_t next_tick, ClockStep on_step = ClockStep::steer) noexcept;
+
+  /// From now on at another rate, above 0; the drive time that is left until the next tick stays.
+  void set_rate(double rate, const Instant& now) noexcept;
+
+  /// Number of the next tick.
+  [[nodiscard]] std::uint64_t next_tick() const noexcept { return next_tick_; }
+
+  /// Monotonic time at which the next tick is due.
+  [[nodiscard]] std::chrono::nanoseconds deadline() const noexcept {
+    return std::chrono::nanoseconds{static_cast<std::int64_t>(deadline_)};
+  }
+
+  /// @return how many ticks to leave out now: 0 unless the backlog is above 100. They are left out
+  ///         by this call.
+  [[nodiscard]] std::uint64_t skip_backlog(std::chrono::nanoseconds monotonic_now) noexcept;
+
+  /// The next tick was run; plans the one after it.
+  /// @return the step of the wall clock that was seen now, if any.
+  std::optional<WallStep> advance(const Instant& now) noexcept;
+
+  /// @return how far the wall clock was ahead of drive time in the last tick; 0 at another rate
+  ///         than 1.
+  [[nodiscard]] std::chrono::nanoseconds offset() const noexcept {
+    return std::chrono::nanoseconds{static_cast<std::int64_t>(offset_)};
+  }
+
+ private:
+  [[nodiscard]] double read_offset(const Instant& now) const noexcept;
+  [[nodiscard]] bool sees_step() noexcept;
+  std::optional<WallStep> watch_wall_clock() noexcept;
+  void rebase(const Instant& now) noexcept;
+
+  double period_;    ///< [ns] of drive time
+  double interval_;  ///< [ns] between deadlines before steering
+  bool steered_;
+  ClockStep on_step_;
+  std::uint64_t next_tick_;
+  double deadline_;             ///< [ns] monotonic
+  std::int64_t reference_ = 0;  ///< wall time of tick 0 [ns]
+  double offset_ = 0.0;         ///< of the wall clock ahead of drive time [ns]
+  double expected_ = 0.0;       ///< the offset as drift alone explains it [ns]
+  int deviations_ = 0;          ///< readings in a row that drift does not explain
+};
+
+}  // namespace vdrive::service

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "configuration/clock_step.hpp"
+#include "settings/configuration_error.hpp"
+#include "vdrive/axis_configuration.hpp"
+#include "vdrive/clock_mode.hpp"
+#include "vdrive/unit.hpp"
+#include "vdrive/wire/participant.hpp"
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace vdrive::service {
+
+using vdrive::ClockMode;
+using vdrive::to_string;
+
+inline constexpr std::size_t kMaxAxes = 16'384;
+
+/// How many numbers an axis may have: 0 is none.
+inline constexpr std::size_t kAxisNumbers = 65'536;
+inline constexpr std::size_t kMaxNameLength = 64;
+inline constexpr std::uint32_t kMaxThreads = 64;
+inline constexpr std::uint32_t kMaxStatusEvery = 10'000;
+inline constexpr double kLowestRate = 0.1;
+inline constexpr double kHighestRate = 100.0;
+inline constexpr std::chrono::milliseconds kShortestWatchdog{5};
+inline constexpr std::chrono::milliseconds kLongestWatchdog{10'000};
+
+/// One axis of a bench.
+struct NamedAxis {
+  std::uint16_t number = 0;  ///< on its bench, from 1
+  std::string name;
+  Unit unit;  ///< of its user units, for programs and people; the drive does not use it
+  AxisConfiguration configuration;
+};
+
+/// Where the wire runs: everything that names DDS.
+enum class WireForm : std::uint8_t {
+  process,  ///< a separate process: the engine outlives it and restarts it
+  thread,   ///< threads of the service: one hop less, but its failure ends the service
+};
+
+[[nodiscard]] std::string_view to_string(WireForm form) noexcept;
+
+/// @return the form of that name, or nothing.
+[[nodiscard]] std::optional<WireForm> wire_form_named(std::string_view name) noexcept;
+
+/// Everything that makes one service what it is. The initialisers are the defaults; the axes of
+/// the built-in demo bench come from `demo_configuration`.
+struct Configuration {
+  std::uint32_t bench = 1;  ///< 1 to wire::kHighestBench
+  std::string name = "demo";
+  ClockMode clock = ClockMode::realtime;
+  ClockStep clock_step = ClockStep::steer;  ///< realtime
+  std::chrono::microseconds period{1'000};  ///< kShortestPeriod to kLongestPeriod
+  double rate = 1.0;               ///< realtime: 0 = paused, or kLowestRate to kHighestRate
+  std::uint32_t threads = 1;       ///< that step the bank
+  int realtime_priority = 0;       ///< SCHED_FIFO of the tick thread, 0 = none
+  std::uint32_t status_every = 1;  ///< one status frame each n ticks
+  /// The owner of an axis must send something within this drive time; nothing = off.
+  std::optional<std::chrono::milliseconds> watchdog = std::chrono::milliseconds{500};
+  bool watchdog_is_chosen = false;  ///< in freerun a watchdog that was not chosen is off
+  /// Prometheus metrics on this port of 127.0.0.1, 0 = any free one; nothing = off.
+  std::optional<std::uint16_t> metrics_port;
+  std::optional<WireForm> wire_form;  ///< nothing = see `effective_wire_form`
+  std::uint64_t wire_memory_limit = std::uint64_t{512} << 20U;  ///< of its process [bytes]
+  wire::NetworkSettings network;
+  std::vector<NamedAxis> axes;  ///< 1 to kMaxAxes, in ascending order of their numbers
+};
+
+/// @return bench 1 with the default axes 1 ("x") and 2 ("y").
+[[nodiscard]] Configuration demo_configuration();
+
+/// @return `count` default axes numbered from 1, named "axis1" and so on.
+/// @throws ConfigurationError when `count` is outside 1 to kMaxAxes.
+[[nodiscard]] std::vector<NamedAxis> default_axes(std::size_t count);
+
+/// Reads a configuration in YAML (docs/guides/configuration.md). What the text does not mention
+/// keeps its default.
+/// @param file_name as it is named in error messages
+/// @throws ConfigurationError when the text is not YAML, a key is unknown or appears twice, a value
+///         is of another type or outside its limits, or the bank refuses an axis.
+[[nodiscard]] Configuration parse_configuration(const std::string& text,
+                                                const std::string& file_name);
+
+/// @throws ConfigurationError as above, and when the file cannot be read.
+[[nodiscard]] Configuration load_configuration(const std::filesystem::path& file);
+
+/// @throws ConfigurationError when a value is outside the limits above: for values that do not come
+/// from a file.
+void check(const Configuration& configuration);
+
+/// @return the configuration as YAML that `parse_configuration` reads back to the same.
+[[nodiscard]] std::string to_yaml(const Configuration& configuration);
+
+/// @return the watchdog in effect; nothing = off.
+[[nodiscard]] std::optional<std::chrono::milliseconds> effective_watchdog(
+    const Configuration& configuration) noexcept;
+
+/// @return the form of the wire in effect. The default: threads in lock-step and freerun where only
+///         programs of this host without credentials take part, and with shared memory; otherwise a
+///         process.
+[[nodiscard]] WireForm effective_wire_form(const Configuration& configuration) noexcept;
+
+/// @return the axes as the bank wants them, with their serial numbers.
+[[nodiscard]] std::vector<AxisConfiguration> bank_axes(const Configuration& configuration);
+
+}  // namespace vdrive::service

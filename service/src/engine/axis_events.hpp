@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/counters.hpp"
+#include "engine/bench_axes.hpp"
+#include "engine/bench_events.hpp"
+#include "engine/frame_schedule.hpp"
+#include "engine/masters.hpp"
+#include "vdrive/axis_status.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace vdrive::service {
+
+/// Notices after a tick what has changed on an axis: its state, its faults, ignored set-points.
+class AxisEvents {
+ public:
+  AxisEvents(BenchAxes& axes, const Masters& masters, FrameSchedule& schedule, BenchEvents& events,
+             Counters& counters);
+
+  /// Reports what has changed since the last call. Frames that wait for an axis that has left
+  /// Operation enabled are cancelled.
+  void report_changes();
+
+ private:
+  static constexpr std::size_t kWordSize = 64;
+
+  /// What was last seen of an axis.
+  struct Seen {
+    std::uint16_t statusword = 0;
+    std::uint16_t error_code = 0;
+    std::uint32_t ignored_set_points = 0;
+    std::uint32_t fault_count = 0;
+
+    static Seen of(const AxisStatus& status) noexcept;
+  };
+
+  /// @return the axes of the word in which something has changed: bit n = axis kWordSize * word +
+  /// n.
+  [[nodiscard]] std::uint64_t changes_of(std::size_t word) const noexcept;
+  void report(std::size_t axis);
+  void report_state(std::size_t axis, const AxisStatus& status, const Seen& seen);
+  void report_faults(std::size_t axis, const AxisStatus& status, const Seen& seen);
+  void report_set_points(std::size_t axis, const AxisStatus& status, const Seen& seen);
+
+  BenchAxes& axes_;
+  const Masters& masters_;
+  FrameSchedule& schedule_;
+  BenchEvents& events_;
+  Counters& counters_;
+  std::vector<Seen> seen_;
+  std::vector<std::uint64_t> changed_;  ///< a bit an axis
+};
+
+}  // namespace vdrive::service

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "engine/bench_axes.hpp"
+#include "engine/frame_schedule.hpp"
+
+#include <cstddef>
+#include <cstdint>
+
+namespace vdrive::service {
+
+/// Writes objects of axes. A controlword that begins a halt cancels the frames that wait for the
+/// axis.
+class AxisWriter {
+ public:
+  AxisWriter(BenchAxes& axes, FrameSchedule& schedule);
+
+  /// @return the abort code of the refusal, or AbortCode::none
+  AbortCode write(std::size_t axis, ObjectRow row, std::int64_t value);
+
+ private:
+  [[nodiscard]] bool begins_halt(std::size_t axis, ObjectRow row,
+                                 std::int64_t value) const noexcept;
+
+  BenchAxes& axes_;
+  FrameSchedule& schedule_;
+};
+
+}  // namespace vdrive::service

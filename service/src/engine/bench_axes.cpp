@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/bench_axes.hpp"
+
+namespace vdrive::service {
+
+BenchAxes::BenchAxes(const Configuration& configuration)
+    : bank_(bank_axes(configuration), configuration.period),
+      pool_(bank_, configuration.threads),
+      indices_(kAxisNumbers, static_cast<std::uint16_t>(kMaxAxes)),
+      changed_(configuration.axes.size()) {
+  for (const auto& axis : configuration.axes) {
+    indices_[axis.number] = static_cast<std::uint16_t>(numbers_.size());
+    numbers_.push_back(axis.number);
+  }
+}
+
+void BenchAxes::record_to(Journal& journal, std::uint64_t tick) {
+  journal.begin(bank_, tick);
+  journal_ = &journal;
+}
+
+std::optional<std::size_t> BenchAxes::index_of(std::uint16_t number) const noexcept {
+  const std::uint16_t index = indices_[number];
+  return index < numbers_.size() ? std::optional<std::size_t>(index) : std::nullopt;
+}
+
+AbortCode BenchAxes::write(std::size_t axis, ObjectRow row, std::int64_t value) {
+  const AbortCode code = bank_.write(axis, row, value);
+  if (code == AbortCode::none) {
+    record({.axis = static_cast<std::uint16_t>(axis),
+            .address = describe(row).address,
+            .value = value});
+    changed_.mark(axis);
+  }
+  return code;
+}
+
+AbortCode BenchAxes::write_signature(std::size_t axis, ObjectRow row, std::int64_t value) {
+  return bank_.write(axis, row, value);
+}
+
+void BenchAxes::power_cycle(std::size_t axis) {
+  bank_.power_cycle(axis);
+  record({.kind = JournalChange::Kind::power_cycle, .axis = static_cast<std::uint16_t>(axis)});
+  changed_.mark(axis);
+}
+
+void BenchAxes::lose_connection(std::size_t axis) {
+  bank_.report_connection_loss(axis);
+  record({.kind = JournalChange::Kind::connection_loss, .axis = static_cast<std::uint16_t>(axis)});
+}
+
+void BenchAxes::forget_stored(std::size_t axis) {
+  bank_.forget_stored(axis);
+  record({.kind = JournalChange::Kind::forgot, .axis = static_cast<std::uint16_t>(axis)});
+}
+
+void BenchAxes::set_stored(std::size_t axis, std::span<const std::int64_t, kStoredCount> values) {
+  for (std::size_t position = 0; position < kStoredCount; ++position) {
+    const ObjectAddress address = describe(kStoredRows[position]).address;
+    bank_.set_stored(axis, address, values[position]);
+    record({.kind = JournalChange::Kind::stored,
+            .axis = static_cast<std::uint16_t>(axis),
+            .address = address,
+            .value = values[position]});
+  }
+}
+
+void BenchAxes::restore(const std::shared_ptr<const AxisBank::Snapshot>& snapshot,
+                        std::uint64_t tick) {
+  bank_.restore(*snapshot, AxisBank::Memory::kept);
+  if (journal_ != nullptr) journal_->record_restore(snapshot, tick);
+  for (std::size_t axis = 0; axis < size(); ++axis) changed_.mark(axis);
+}
+
+void BenchAxes::record_tick(std::uint64_t tick) {
+  if (journal_ != nullptr) journal_->record_tick(bank_, tick);
+}
+
+std::optional<JournalNews> BenchAxes::next_journal_news() {
+  return journal_ == nullptr ? std::nullopt : journal_->news();
+}
+
+void BenchAxes::record(const JournalChange& change) {
+  if (journal_ != nullptr) journal_->record(change);
+}
+
+}  // namespace vdrive::service

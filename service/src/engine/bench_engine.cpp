@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/bench_engine.hpp"
+
+#include <algorithm>
+
+namespace vdrive::service {
+
+BenchEngine::BenchEngine(const Configuration& configuration, const BenchIdentity& identity,
+                         Outbox& outbox, Counters& counters)
+    : outbox_(outbox),
+      counters_(counters),
+      clock_(configuration, counters),
+      events_(clock_, outbox.events, counters),
+      axes_(configuration),
+      frame_answers_(identity, clock_, events_, outbox.command_replies, counters),
+      schedule_(frame_answers_, counters),
+      writer_(axes_, schedule_),
+      brake_(axes_, writer_, schedule_, events_),
+      masters_(axes_, clock_, schedule_, events_, counters),
+      master_watch_(configuration, clock_, masters_, counters_),
+      application_(axes_, writer_, masters_, frame_answers_, events_, counters),
+      frames_(clock_, brake_, masters_, schedule_, frame_answers_, application_, counters),
+      axis_events_(axes_, masters_, schedule_, events_, counters),
+      output_(identity, clock_, axes_, masters_, events_, outbox, counters),
+      request_answers_(identity, clock_, axes_, masters_, events_, outbox.replies, counters),
+      stores_(axes_, clock_, masters_, request_answers_, events_, outbox.replies, counters),
+      axis_requests_(axes_, writer_, clock_, masters_, schedule_, stores_, events_),
+      snapshots_(axes_, clock_, masters_, schedule_, output_, events_, counters),
+      requests_(
+          clock_, master_watch_, brake_,
+          {.axes = axis_requests_, .masters = masters_, .stores = stores_, .snapshots = snapshots_},
+          request_answers_, events_) {}
+
+bool BenchEngine::can_answer() const noexcept {
+  const auto& frames = outbox_.command_replies;
+  return outbox_.replies.size() < outbox_.replies.capacity() &&
+         frames.capacity() - frames.size() > schedule_.size();
+}
+
+void BenchEngine::handle(Arrival& arrival) {
+  if (arrival.kind == Arrival::Kind::command_frame) {
+    frames_.handle(arrival);
+  } else {
+    requests_.handle(arrival);
+  }
+}
+
+void BenchEngine::step() {
+  frames_.apply_due();
+  if (!brake_.is_engaged()) master_watch_.watch();
+  brake_.switch_off_at_rest();
+  axes_.step();
+  clock_.complete_tick();
+  axes_.record_tick(clock_.tick());
+  axis_events_.report_changes();
+  stores_.answer();
+  output_.post_parameters();
+}
+
+void BenchEngine::jump(std::uint64_t ticks) {
+  clock_.jump(ticks);
+  master_watch_.skip(ticks);
+  events_.report({.kind = msg::EVENT_TICK_JUMPED, .detail = Count{ticks}});
+}
+
+void BenchEngine::report_overrun(std::chrono::nanoseconds late) {
+  counters_.overruns.add();
+  events_.report({.kind = msg::EVENT_TICK_OVERRUN,
+                  .detail = std::chrono::floor<std::chrono::microseconds>(
+                      std::max(late, std::chrono::nanoseconds::zero()))});
+}
+
+}  // namespace vdrive::service

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/counters.hpp"
+#include "base/event_record.hpp"
+#include "base/ring.hpp"
+#include "engine/bench_clock.hpp"
+
+#include <cstdint>
+
+namespace vdrive::service {
+
+/// The events of a bench on their way to the thread that publishes them.
+class BenchEvents {
+ public:
+  BenchEvents(const BenchClock& clock, Ring<EventRecord>& queue, Counters& counters);
+
+  /// Puts the event into the queue, with the present tick. A full queue is counted.
+  void report(EventRecord event);
+
+  /// Reports that queues were full, in whatever thread, as soon as there is room for that event.
+  void report_overflows();
+
+  [[nodiscard]] bool has_room() const noexcept { return queue_.size() < queue_.capacity(); }
+
+ private:
+  const BenchClock& clock_;
+  Ring<EventRecord>& queue_;
+  Counters& counters_;
+  std::uint64_t reported_overflows_ = 0;
+};
+
+}  // namespace vdrive::service

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/command_frames.hpp"
+
+#include <algorithm>
+
+namespace vdrive::service {
+namespace {
+
+constexpr std::uint32_t kKnownFlags =
+    msg::FRAME_ALL_OR_NOTHING | msg::FRAME_CANCEL_PENDING | msg::FRAME_WANT_REPLY;
+
+}  // namespace
+
+CommandFrames::CommandFrames(const BenchClock& clock, const BenchBrake& brake, Masters& masters,
+                             FrameSchedule& schedule, FrameAnswers& answers,
+                             FrameApplication& application, Counters& counters)
+    : clock_(clock),
+      brake_(brake),
+      masters_(masters),
+      schedule_(schedule),
+      answers_(answers),
+      application_(application),
+      counters_(counters),
+      furthest_ahead_(clock.ticks_in(kFurthestAhead)) {
+  due_frame_.axes().reserve(msg::MAX_AXES_PER_FRAME);
+}
+
+void CommandFrames::handle(Arrival& arrival) {
+  auto& frame = arrival.frame;
+  counters_.frames_received.add();
+  if (const std::uint32_t reason = check_sender(frame); reason != msg::REASON_NONE) {
+    answers_.refuse(frame, reason);
+    return;
+  }
+  SessionRecord* const record = masters_.admit(frame.session());
+  if (record == nullptr) {
+    answers_.refuse(frame, msg::REASON_QUEUE_FULL);
+    return;
+  }
+  record->last_message_tick = clock_.tick();
+  if (answer_repeat(frame)) return;
+  record->last_sequence = std::max(record->last_sequence, frame.sequence_number());
+  if (const std::uint32_t reason = check(arrival, *record); reason != msg::REASON_NONE) {
+    answers_.refuse(frame, reason);
+    return;
+  }
+  const bool cancels = (frame.flags() & msg::FRAME_CANCEL_PENDING) != 0;
+  if (cancels || !frame.axes().empty()) record->last_command = frame.sequence_number();
+  if (cancels) schedule_.cancel_of_session(frame.session());
+  if (frame.apply_at_tick() <= clock_.next_tick()) {
+    application_.apply(frame);
+  } else if (!schedule_.insert(frame.apply_at_tick(), frame)) {
+    answers_.refuse(frame, msg::REASON_QUEUE_FULL);
+  }
+}
+
+void CommandFrames::apply_due() {
+  while (schedule_.take_due(clock_.next_tick(), due_frame_)) {
+    // After a jump of the tick number a frame may be past its time.
+    const std::uint64_t valid_until = due_frame_.valid_until_tick();
+    if (valid_until != 0 && valid_until < clock_.next_tick()) {
+      answers_.refuse(due_frame_, msg::REASON_TOO_LATE);
+    } else {
+      application_.apply(due_frame_);
+    }
+  }
+}
+
+bool CommandFrames::has_arrived(std::uint64_t session, std::uint64_t sequence) const noexcept {
+  if (sequence == 0) return true;
+  const SessionRecord* const record = masters_.find(session);
+  return record != nullptr && record->last_sequence >= sequence;
+}
+
+/// What is refused here is no frame of a session of this run: it is not remembered.
+std::uint32_t CommandFrames::check_sender(const msg::CommandFrame& frame) const noexcept {
+  if (!answers_.is_of_this_run(frame)) return msg::REASON_WRONG_INCARNATION;
+  return frame.session() == 0 ? msg::REASON_BAD_SESSION : msg::REASON_NONE;
+}
+
+/// A client repeats what was not answered after the way between it and this bench broke.
+/// @return whether the frame has arrived before.
+bool CommandFrames::answer_repeat(const msg::CommandFrame& frame) {
+  switch (answers_.fate_of(frame)) {
+    case Fate::unknown:
+      answers_.take(frame);
+      return false;
+    case Fate::taken:  // it waits for its tick, or no answer was wanted
+      break;
+    case Fate::answered:
+      answers_.repeat(frame);
+      break;
+    case Fate::forgotten:
+      if (!schedule_.contains(frame)) answers_.refuse(frame, msg::REASON_TOO_LATE);
+      break;
+  }
+  return true;
+}
+
+std::uint32_t CommandFrames::check(const Arrival& arrival, const SessionRecord& record) const {
+  const auto& frame = arrival.frame;
+  // Commands keep their order; one that was overtaken by keep-alives alone still acts.
+  if (frame.sequence_number() <= record.last_command) return msg::REASON_TOO_LATE;
+  if (record.epoch == 0 && frame.epoch() == 0) return msg::REASON_NOT_OWNER;
+  if (frame.epoch() != record.epoch) return msg::REASON_STALE_EPOCH;
+  if ((frame.flags() & ~kKnownFlags) != 0) return msg::REASON_UNKNOWN_FLAGS;
+  if (brake_.is_engaged() && !frame.axes().empty()) return msg::REASON_SHUTTING_DOWN;
+  return arrival.refusal != msg::REASON_NONE ? arrival.refusal : check_time(frame);
+}
+
+std::uint32_t CommandFrames::check_time(const msg::CommandFrame& frame) const {
+  const std::uint64_t apply_at =
+      frame.apply_at_tick() == 0 ? clock_.next_tick() : frame.apply_at_tick();
+  if (apply_at <= clock_.tick()) return msg::REASON_TOO_LATE;
+  if (apply_at - clock_.tick() > furthest_ahead_) return msg::REASON_TOO_FAR_AHEAD;
+  const bool expires_before = frame.valid_until_tick() != 0 && frame.valid_until_tick() < apply_at;
+  return expires_before ? msg::REASON_TOO_LATE : msg::REASON_NONE;
+}
+
+}  // namespace vdrive::service

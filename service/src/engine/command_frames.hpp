@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/counters.hpp"
+#include "engine/bench_brake.hpp"
+#include "engine/bench_clock.hpp"
+#include "engine/frame_answers.hpp"
+#include "engine/frame_application.hpp"
+#include "engine/frame_schedule.hpp"
+#include "engine/masters.hpp"
+#include "seam/queues.hpp"
+#include "vdrive_messages.h"
+
+#include <chrono>
+#include <cstdint>
+
+namespace vdrive::service {
+
+/// The command frames that arrive: checks each, and applies it in the next tick or in its own.
+class CommandFrames {
+ public:
+  /// How far ahead a frame may be sent.
+  static constexpr std::chrono::seconds kFurthestAhead{10};
+
+  CommandFrames(const BenchClock& clock, const BenchBrake& brake, Masters& masters,
+                FrameSchedule& schedule, FrameAnswers& answers, FrameApplication& application,
+                Counters& counters);
+
+  /// Takes the content of a frame that waits for its tick.
+  void handle(Arrival& arrival);
+
+  /// Applies the frames of the next tick.
+  void apply_due();
+
+  /// @return whether the command frame `sequence` of `session` has arrived.
+  [[nodiscard]] bool has_arrived(std::uint64_t session, std::uint64_t sequence) const noexcept;
+
+ private:
+  [[nodiscard]] std::uint32_t check_sender(const msg::CommandFrame& frame) const noexcept;
+  [[nodiscard]] bool answer_repeat(const msg::CommandFrame& frame);
+  [[nodiscard]] std::uint32_t check(const Arrival& arrival, const SessionRecord& record) const;
+  [[nodiscard]] std::uint32_t check_time(const msg::CommandFrame& frame) const;
+
+  const BenchClock& clock_;
+  const BenchBrake& brake_;
+  Masters& masters_;
+  FrameSchedule& schedule_;
+  FrameAnswers& answers_;
+  FrameApplication& application_;
+  Counters& counters_;
+  std::uint64_t furthest_ahead_;  ///< [ticks]
+  msg::CommandFrame due_frame_;
+};
+
+}  // namespace vdrive::service

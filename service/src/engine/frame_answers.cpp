@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/frame_answers.hpp"
+
+#include <algorithm>
+
+namespace vdrive::service {
+
+FrameAnswers::FrameAnswers(const BenchIdentity& identity, const BenchClock& clock,
+                           BenchEvents& events, Ring<msg::CommandReply>& queue, Counters& counters)
+    : identity_(identity),
+      clock_(clock),
+      events_(events),
+      queue_(queue),
+      counters_(counters),
+      memory_([](msg::CommandReply& reply) {
+        reply.refusals().reserve(msg::MAX_AXES_PER_FRAME);
+        reply.ignored_set_points().reserve(msg::MAX_AXES_PER_FRAME);
+      }) {
+  refusal_.refusals().resize(1);
+}
+
+bool FrameAnswers::is_of_this_run(const msg::CommandFrame& frame) const noexcept {
+  return frame.incarnation() == identity_.incarnation;
+}
+
+Fate FrameAnswers::fate_of(const msg::CommandFrame& frame) const noexcept {
+  return memory_.fate_of(frame.session(), frame.sequence_number());
+}
+
+void FrameAnswers::take(const msg::CommandFrame& frame) {
+  memory_.take(frame.session(), frame.sequence_number());
+}
+
+void FrameAnswers::repeat(const msg::CommandFrame& frame) {
+  post(*memory_.answer_to(frame.session(), frame.sequence_number()));
+}
+
+void FrameAnswers::send(const msg::CommandFrame& frame, msg::CommandReply& reply) {
+  reply.bench(identity_.bench);
+  reply.incarnation(identity_.incarnation);
+  reply.session(frame.session());
+  reply.sequence_number(frame.sequence_number());
+  reply.tick(clock_.next_tick());
+  if (is_of_this_run(frame)) {
+    if (auto* const kept = memory_.keep(frame.session(), frame.sequence_number())) *kept = reply;
+  }
+  post(reply);
+}
+
+/// In a reply of its own: a frame that halts cancels others while its answer is being built.
+void FrameAnswers::refuse(const msg::CommandFrame& frame, std::uint32_t reason) {
+  refusal_.refusals().front().reason(reason);
+  counters_.frames_refused.add();
+  events_.report(
+      {.kind = msg::EVENT_REFUSED,
+       .session = frame.session(),
+       .code = reason,
+       .detail = RefusedMessage{.number = frame.sequence_number(),
+                                .late_by = reason == msg::REASON_TOO_LATE ? lateness(frame) : 0}});
+  send(frame, refusal_);
+}
+
+/// @return how many ticks the next one is past the one that the frame was meant for.
+std::uint64_t FrameAnswers::lateness(const msg::CommandFrame& frame) const noexcept {
+  const std::uint64_t next = clock_.next_tick();
+  const auto past = [next](std::uint64_t tick) {
+    return tick != 0 && tick < next ? next - tick : 0;
+  };
+  return std::max(past(frame.apply_at_tick()), past(frame.valid_until_tick()));
+}
+
+void FrameAnswers::post(const msg::CommandReply& reply) {
+  msg::CommandReply* const slot = queue_.free_slot();
+  if (slot == nullptr) {
+    counters_.queue_overflows.add();
+    return;
+  }
+  *slot = reply;
+  queue_.push();
+}
+
+}  // namespace vdrive::service

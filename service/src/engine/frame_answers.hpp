@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/bench_identity.hpp"
+#include "base/counters.hpp"
+#include "base/ring.hpp"
+#include "engine/answer_memory.hpp"
+#include "engine/bench_clock.hpp"
+#include "engine/bench_events.hpp"
+#include "vdrive_messages.h"
+
+#include <cstdint>
+
+namespace vdrive::service {
+
+/// The answers to command frames: sends them, and keeps the last ones for frames that arrive again.
+class FrameAnswers {
+ public:
+  FrameAnswers(const BenchIdentity& identity, const BenchClock& clock, BenchEvents& events,
+               Ring<msg::CommandReply>& queue, Counters& counters);
+
+  /// @return whether the frame was sent to this run of the bench.
+  [[nodiscard]] bool is_of_this_run(const msg::CommandFrame& frame) const noexcept;
+
+  [[nodiscard]] Fate fate_of(const msg::CommandFrame& frame) const noexcept;
+
+  /// The frame, whose fate was unknown, has arrived.
+  void take(const msg::CommandFrame& frame);
+
+  /// Sends the answer to a frame whose fate is `answered` once more.
+  void repeat(const msg::CommandFrame& frame);
+
+  /// Completes `reply`, keeps it and sends it.
+  void send(const msg::CommandFrame& frame, msg::CommandReply& reply);
+
+  /// Refuses the frame as a whole.
+  void refuse(const msg::CommandFrame& frame, std::uint32_t reason);
+
+ private:
+  [[nodiscard]] std::uint64_t lateness(const msg::CommandFrame& frame) const noexcept;
+  void post(const msg::CommandReply& reply);
+
+  BenchIdentity identity_;
+  const BenchClock& clock_;
+  BenchEvents& events_;
+  Ring<msg::CommandReply>& queue_;
+  Counters& counters_;
+  AnswerMemory<msg::CommandReply> memory_;  ///< by session and sequence number
+  msg::CommandReply refusal_;               ///< of a frame as a whole
+};
+
+}  // namespace vdrive::service

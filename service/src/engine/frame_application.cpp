@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/frame_application.hpp"
+
+#include "vdrive/dictionary/dictionary.hpp"
+
+#include <array>
+
+namespace vdrive::service {
+namespace {
+
+using namespace vdrive::literals;
+
+/// A register member of AxisCommand. Rows in the order of their bits: the order of application.
+struct RegisterMember {
+  std::uint16_t bit = 0;
+  ObjectRow row = 0;
+  std::int64_t (*value)(const msg::AxisCommand& command) = nullptr;
+};
+
+constexpr std::array<RegisterMember, 6> kRegisterMembers{{
+    {msg::HAS_OP_MODE_CMD, "op_mode_cmd"_object,
+     [](const auto& c) -> std::int64_t {
+       return c.op_mode_cmd();
+     }},
+    {msg::HAS_POSITION_USER_TARGET_VALUE, "position_user_target_value"_object,
+     [](const auto& c) -> std::int64_t {
+       return c.position_user_target_value();
+     }},
+    {msg::HAS_PROFILE_VELOCITY, "profile_velocity"_object,
+     [](const auto& c) -> std::int64_t {
+       return c.profile_velocity();
+     }},
+    {msg::HAS_PROFILE_ACC, "profile_acc"_object,
+     [](const auto& c) -> std::int64_t {
+       return c.profile_acc();
+     }},
+    {msg::HAS_PROFILE_DEC, "profile_dec"_object,
+     [](const auto& c) -> std::int64_t {
+       return c.profile_dec();
+     }},
+    {msg::HAS_POSITIONING_OPTION_CODE, "positioning_option_code"_object,
+     [](const auto& c) -> std::int64_t {
+       return c.positioning_option_code();
+     }},
+}};
+
+constexpr std::uint16_t kKnownMembers = [] {
+  std::uint16_t members = msg::HAS_DS402_CONTROLWORD;
+  for (const auto& member : kRegisterMembers) {
+    members = static_cast<std::uint16_t>(members | member.bit);
+  }
+  return members;
+}();
+
+}  // namespace
+
+FrameApplication::FrameApplication(BenchAxes& axes, AxisWriter& writer, Masters& masters,
+                                   FrameAnswers& answers, BenchEvents& events, Counters& counters)
+    : axes_(axes),
+      writer_(writer),
+      masters_(masters),
+      answers_(answers),
+      events_(events),
+      counters_(counters),
+      skipped_(msg::MAX_AXES_PER_FRAME),
+      named_in_(axes.size()) {
+  reply_.refusals().reserve(msg::MAX_AXES_PER_FRAME);
+  reply_.ignored_set_points().reserve(msg::MAX_AXES_PER_FRAME);
+  undo_.reserve(msg::MAX_AXES_PER_FRAME * (kRegisterMembers.size() + msg::MAX_OBJECTS_PER_AXIS));
+}
+
+void FrameApplication::apply(const msg::CommandFrame& frame) {
+  begin(frame);
+  if ((frame.flags() & msg::FRAME_ALL_OR_NOTHING) == 0) {
+    apply_each(frame);
+  } else if (reply_.refusals().empty()) {
+    apply_all_or_nothing(frame);
+  }
+  const bool is_refused = !reply_.refusals().empty();
+  if (is_refused) {
+    counters_.frames_refused.add();
+    const auto& first = reply_.refusals().front();
+    events_.report({.kind = msg::EVENT_REFUSED,
+                    .axis = first.axis(),
+                    .session = frame.session(),
+                    .code = first.reason(),
+                    .detail = RefusedMessage{.number = frame.sequence_number()}});
+  }
+  const bool has_news = is_refused || !reply_.ignored_set_points().empty();
+  if (has_news || (frame.flags() & msg::FRAME_WANT_REPLY) != 0) answers_.send(frame, reply_);
+}
+
+void FrameApplication::begin(const msg::CommandFrame& frame) {
+  reply_.refusals().clear();
+  reply_.ignored_set_points().clear();
+  ++frame_count_;
+  const auto& commands = frame.axes();
+  for (std::size_t position = 0; position < commands.size(); ++position) {
+    const std::uint32_t reason = admit(commands[position], frame.session());
+    skipped_[position] = reason != msg::REASON_NONE;
+    if (skipped_[position]) refuse(commands[position].axis(), {}, reason);
+  }
+}
+
+/// @return whether the frame names the axis for the first time.
+bool FrameApplication::mark_named(std::size_t axis) {
+  const bool is_first = named_in_[axis] != frame_count_;
+  named_in_[axis] = frame_count_;
+  return is_first;
+}
+
+/// @return REASON_NONE or why the command is refused.
+std::uint32_t FrameApplication::admit(const msg::AxisCommand& command, std::uint64_t session) {
+  const auto axis = axes_.index_of(command.axis());
+  if (!axis) return msg::REASON_UNKNOWN_AXIS;
+  if (!mark_named(*axis)) return msg::REASON_AXIS_TWICE;
+  if (masters_.owner(*axis).session != session) return msg::REASON_NOT_OWNER;
+  return (command.members() & ~kKnownMembers) != 0 ? msg::REASON_UNKNOWN_MEMBERS : msg::REASON_NONE;
+}
+
+void FrameApplication::apply_each(const msg::CommandFrame& frame) {
+  const auto& commands = frame.axes();
+  for (std::size_t position = 0; position < commands.size(); ++position) {
+    if (skipped_[position]) {
+      counters_.commands_refused.add();
+      continue;
+    }
+    const bool whole = apply_registers(commands[position], false);
+    apply_controlword(commands[position], frame.sequence_number());
+    (whole ? counters_.commands_applied : counters_.commands_refused).add();
+  }
+}
+
+/// Registers of all axes first: a controlword acts at once, a register can be put back.
+void FrameApplication::apply_all_or_nothing(const msg::CommandFrame& frame) {
+  undo_.clear();
+  bool accepted = true;
+  for (const auto& command : frame.axes()) accepted = apply_registers(command, true) && accepted;
+  if (!accepted) {
+    take_back();
+    counters_.commands_refused.add(frame.axes().size());
+    return;
+  }
+  for (const auto& command : frame.axes()) apply_controlword(command, frame.sequence_number());
+  counters_.commands_applied.add(frame.axes().size());
+}
+
+/// The latest write first.
+void FrameApplication::take_back() {
+  for (; !undo_.empty(); undo_.pop_back()) {
+    const Undo& undo = undo_.back();
+    axes_.write(undo.axis, undo.row, undo.value);
+  }
+}
+
+bool FrameApplication::apply_registers(const msg::AxisCommand& command, bool undoable) {
+  bool accepted = true;
+  for (const auto& member : kRegisterMembers) {
+    if ((command.members() & member.bit) != 0) {
+      accepted =
+          apply_register(command.axis(), member.row, member.value(command), undoable) && accepted;
+    }
+  }
+  for (const auto& object : command.objects()) {
+    const ObjectAddress address{object.index(), object.subindex()};
+    if (const auto row = find_object(address)) {
+      accepted = apply_register(command.axis(), *row, object.value(), undoable) && accepted;
+    } else {
+      refuse(command.axis(), address, wire_code(check_address(address)));
+      accepted = false;
+    }
+  }
+  return accepted;
+}
+
+bool FrameApplication::apply_register(std::uint16_t number, ObjectRow row, std::int64_t value,
+                                      bool undoable) {
+  const std::size_t axis = *axes_.index_of(number);
+  // The controlword has a member, whose place is last. Storing is answered when it is durable, and
+  // frames are answered at once.
+  const Change change = describe(row).change;
+  if (change == Change::power || change == Change::memory) {
+    refuse(number, describe(row).address, wire_code(AbortCode::cannot_be_mapped_to_pdo));
+    return false;
+  }
+  const ReadResult before = undoable ? axes_.bank().read(axis, row) : ReadResult{};
+  const AbortCode code = writer_.write(axis, row, value);
+  if (code != AbortCode::none) {
+    refuse(number, describe(row).address, wire_code(code));
+    return false;
+  }
+  if (undoable && before.code == AbortCode::none && undo_.size() < undo_.capacity()) {
+    undo_.push_back({static_cast<std::uint16_t>(axis), row, before.value});
+  }
+  return true;
+}
+
+void FrameApplication::apply_controlword(const msg::AxisCommand& command, std::uint64_t sequence) {
+  const std::size_t axis = *axes_.index_of(command.axis());
+  if ((command.members() & msg::HAS_DS402_CONTROLWORD) != 0) {
+    const std::uint32_t ignored = axes_.bank().ignored_set_points(axis);
+    const AbortCode code =
+        writer_.write(axis, "ds402_controlword"_object, command.ds402_controlword());
+    if (code != AbortCode::none) {
+      refuse(command.axis(), describe("ds402_controlword"_object).address, wire_code(code));
+    } else if (axes_.bank().ignored_set_points(axis) != ignored) {
+      reply_.ignored_set_points().push_back(command.axis());
+    }
+  }
+  masters_.set_applied(axis, sequence);
+}
+
+void FrameApplication::refuse(std::uint16_t axis, ObjectAddress address, std::uint32_t reason) {
+  counters_.refusals.add(reason);
+  auto& refusals = reply_.refusals();
+  if (refusals.size() == msg::MAX_AXES_PER_FRAME) return;
+  auto& refusal = refusals.emplace_back();
+  refusal.axis(axis);
+  refusal.index(address.index);
+  refusal.subindex(address.subindex);
+  refusal.reason(reason);
+}
+
+}  // namespace vdrive::service

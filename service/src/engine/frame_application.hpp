@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/counters.hpp"
+#include "engine/axis_writer.hpp"
+#include "engine/bench_axes.hpp"
+#include "engine/bench_events.hpp"
+#include "engine/frame_answers.hpp"
+#include "engine/masters.hpp"
+#include "vdrive_messages.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace vdrive::service {
+
+/// Applies a command frame to its axes in one tick, and answers it.
+class FrameApplication {
+ public:
+  FrameApplication(BenchAxes& axes, AxisWriter& writer, Masters& masters, FrameAnswers& answers,
+                   BenchEvents& events, Counters& counters);
+
+  void apply(const msg::CommandFrame& frame);
+
+ private:
+  /// A register before it was overwritten by a frame that may have to be taken back.
+  struct Undo {
+    std::uint16_t axis = 0;
+    ObjectRow row = 0;
+    std::int64_t value = 0;
+  };
+
+  void begin(const msg::CommandFrame& frame);
+  [[nodiscard]] bool mark_named(std::size_t axis);
+  [[nodiscard]] std::uint32_t admit(const msg::AxisCommand& command, std::uint64_t session);
+  void apply_each(const msg::CommandFrame& frame);
+  void apply_all_or_nothing(const msg::CommandFrame& frame);
+  void take_back();
+  bool apply_registers(const msg::AxisCommand& command, bool undoable);
+  bool apply_register(std::uint16_t number, ObjectRow row, std::int64_t value, bool undoable);
+  void apply_controlword(const msg::AxisCommand& command, std::uint64_t sequence);
+  void refuse(std::uint16_t axis, ObjectAddress address, std::uint32_t reason);
+
+  BenchAxes& axes_;
+  AxisWriter& writer_;
+  Masters& masters_;
+  FrameAnswers& answers_;
+  BenchEvents& events_;
+  Counters& counters_;
+  msg::CommandReply reply_;              ///< of the frame that is being applied
+  std::vector<bool> skipped_;            ///< its commands that are refused
+  std::vector<Undo> undo_;               ///< its writes
+  std::vector<std::uint32_t> named_in_;  ///< by index: the last frame that named the axis
+  std::uint32_t frame_count_ = 0;
+};
+
+}  // namespace vdrive::service

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/counters.hpp"
+#include "engine/bench_axes.hpp"
+#include "engine/bench_clock.hpp"
+#include "engine/bench_events.hpp"
+#include "engine/control_table.hpp"
+#include "engine/frame_schedule.hpp"
+#include "vdrive_messages.h"
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace vdrive::service {
+
+/// The sessions that control axes: who owns which axis, and how an axis changes its owner.
+class Masters {
+ public:
+  Masters(BenchAxes& axes, const BenchClock& clock, FrameSchedule& schedule, BenchEvents& events,
+          Counters& counters);
+
+  [[nodiscard]] const wire::Ownership& owner(std::size_t axis) const noexcept {
+    return control_.owner(axis);
+  }
+
+  [[nodiscard]] std::span<const wire::Ownership> owners() const noexcept {
+    return control_.owners();
+  }
+
+  [[nodiscard]] std::span<SessionRecord> sessions() noexcept { return control_.sessions(); }
+
+  /// @return the record of `session`, or nullptr.
+  [[nodiscard]] const SessionRecord* find(std::uint64_t session) const noexcept;
+
+  /// @return the record of `session` (not 0), made when there is none; nullptr when the table is
+  ///         full.
+  [[nodiscard]] SessionRecord* admit(std::uint64_t session);
+
+  /// A message of the session arrived now.
+  void note_message(std::uint64_t session);
+
+  /// A command frame of the owner was applied to the axis.
+  void set_applied(std::size_t axis, std::uint64_t sequence) noexcept {
+    control_.set_applied(axis, sequence);
+  }
+
+  /// Checks that the request names axes, that they exist, and that no other session owns them.
+  /// @return REASON_NONE or why it is refused; `reply` then names the axis and its owner.
+  [[nodiscard]] std::uint32_t check_axes(const msg::Request& request, bool owned_by_others_allowed,
+                                         msg::Reply& reply) const;
+
+  /// Names the axis with this number, and its owner, as the reason of a refusal. The first one that
+  /// is named stays.
+  void name_refused(std::uint16_t number, msg::Reply& reply) const;
+
+  // Requests. @return REASON_NONE or why the request is refused.
+  [[nodiscard]] std::uint32_t acquire(const msg::Request& request, bool by_force,
+                                      msg::Reply& reply);
+  [[nodiscard]] std::uint32_t release(const msg::Request& request, msg::Reply& reply);
+
+  /// Gives the free axis to the session, which wrote a command object of it.
+  void give(std::size_t axis, SessionRecord& record);
+
+  /// The session, which owns axes, sent nothing for `silence` of drive time: its axes react to the
+  /// loss of the connection.
+  void lose(SessionRecord& record, std::chrono::milliseconds silence);
+
+ private:
+  void take_from_owner(std::size_t axis);
+  void free_axes(const msg::Request& request);
+
+  BenchAxes& axes_;
+  const BenchClock& clock_;
+  FrameSchedule& schedule_;
+  BenchEvents& events_;
+  Counters& counters_;
+  ControlTable control_;
+};
+
+}  // namespace vdrive::service

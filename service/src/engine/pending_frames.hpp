@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "seam/queues.hpp"
+#include "vdrive_messages.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace vdrive::service {
+
+/// Command frames that wait for their tick, in order of tick, then of arrival. Fixed size; frames
+/// move in and out by swapping, so that nothing allocates.
+class PendingFrames {
+ public:
+  static constexpr std::size_t kCapacity = Outbox::kPendingFrames;
+
+  PendingFrames();
+
+  /// Takes the content of `frame`, to be due at `tick`. @return false when there is no room.
+  [[nodiscard]] bool insert(std::uint64_t tick, msg::CommandFrame& frame) noexcept;
+
+  /// Moves the first frame that is due at `tick` into `frame`. @return false when none is.
+  [[nodiscard]] bool take_due(std::uint64_t tick, msg::CommandFrame& frame) noexcept;
+
+  /// Removes the frames for which `condition(frame)` holds and shows each to `dropped(frame)`.
+  template <typename Condition, typename Dropped>
+  void drop_if(Condition condition, Dropped dropped) {
+    for (std::size_t position = 0; position < order_.size();) {
+      const auto& frame = slots_[order_[position].slot].frame;
+      if (condition(frame)) {
+        dropped(frame);
+        remove(position);
+      } else {
+        ++position;
+      }
+    }
+  }
+
+  [[nodiscard]] bool contains(std::uint64_t session, std::uint64_t sequence) const noexcept;
+
+  [[nodiscard]] std::size_t size() const noexcept { return order_.size(); }
+
+ private:
+  struct Slot {
+    msg::CommandFrame frame;
+  };
+
+  struct Place {
+    std::uint64_t tick;
+    std::uint16_t slot;
+  };
+
+  void remove(std::size_t position) noexcept;
+
+  std::vector<Slot> slots_;
+  std::vector<Place> order_;
+  std::vector<std::uint16_t> free_;
+};
+
+}  // namespace vdrive::service

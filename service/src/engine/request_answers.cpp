@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/request_answers.hpp"
+
+#include "vdrive/wire/conversion.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace vdrive::service {
+
+RequestAnswers::RequestAnswers(const BenchIdentity& identity, const BenchClock& clock,
+                               const BenchAxes& axes, const Masters& masters, BenchEvents& events,
+                               Ring<OutgoingReply>& queue, Counters& counters)
+    : identity_(identity),
+      clock_(clock),
+      axes_(axes),
+      masters_(masters),
+      events_(events),
+      queue_(queue),
+      counters_(counters),
+      memory_([](msg::Reply& reply) {
+        reply.objects().reserve(msg::MAX_OBJECTS_PER_REQUEST);
+      }) {}
+
+bool RequestAnswers::is_of_this_run(const msg::Request& request) const noexcept {
+  return request.incarnation() == 0 || request.incarnation() == identity_.incarnation;
+}
+
+std::optional<std::uint16_t> RequestAnswers::unknown_axis(const msg::Request& request) const {
+  const auto unknown = std::ranges::find_if(request.axes(), [&](std::uint16_t number) {
+    return !axes_.index_of(number);
+  });
+  return unknown == request.axes().end() ? std::nullopt : std::optional(*unknown);
+}
+
+OutgoingReply* RequestAnswers::open() {
+  OutgoingReply* const outgoing = queue_.free_slot();
+  if (outgoing == nullptr) counters_.queue_overflows.add();
+  return outgoing;
+}
+
+void RequestAnswers::begin(const Arrival& arrival, OutgoingReply& outgoing) const {
+  outgoing.destination = arrival.source;
+  auto& reply = outgoing.reply;
+  reply.client(arrival.request.client());
+  reply.request_id(arrival.request.request_id());
+  reply.bench(identity_.bench);
+  reply.incarnation(identity_.incarnation);
+  reply.refused_axis(0);
+  reply.owner_session(0);
+  reply.snapshot(0);
+  reply.missing_stepper(0);
+  reply.tick(clock_.tick());
+  reply.objects().clear();
+  reply.statuses().clear();
+}
+
+void RequestAnswers::finish(std::uint64_t session, std::uint32_t reason, msg::Reply& reply) {
+  reply.reason(reason);
+  const SessionRecord* const record = session == 0 ? nullptr : masters_.find(session);
+  reply.epoch(record == nullptr ? 0 : record->epoch);
+  reply.last_sequence(record == nullptr ? 0 : record->last_sequence);
+  counters_.requests_answered.add();
+  std::uint16_t axis = reply.refused_axis();
+  for (const auto& object : reply.objects()) {
+    if (reason == msg::REASON_NONE && object.abort_code() != 0) {
+      reason = object.abort_code();
+      axis = object.axis();
+    }
+  }
+  if (reason != msg::REASON_NONE) {
+    counters_.refusals.add(reason);
+    events_.report({.kind = msg::EVENT_REFUSED,
+                    .axis = axis,
+                    .session = session,
+                    .code = reason,
+                    .detail = RefusedMessage{.number = reply.request_id()}});
+  }
+  if (reply.reason() != msg::REASON_WRONG_INCARNATION) keep(reply);
+}
+
+/// Without statuses, of which there may be very many.
+void RequestAnswers::keep(msg::Reply& reply) {
+  if (auto* const kept = memory_.keep(reply.client(), reply.request_id())) {
+    std::swap(reply.statuses(), statuses_);
+    *kept = reply;
+    std::swap(reply.statuses(), statuses_);
+  }
+}
+
+Fate RequestAnswers::fate_of(const msg::Request& request) const noexcept {
+  return memory_.fate_of(request.client(), request.request_id());
+}
+
+void RequestAnswers::take(const msg::Request& request) {
+  memory_.take(request.client(), request.request_id());
+}
+
+/// With the kept answer, but the statuses of a step are those of now. An answer that is not kept
+/// any more becomes a refusal: doing the same again would be worse.
+void RequestAnswers::repeat(const Arrival& arrival) {
+  OutgoingReply* const outgoing = open();
+  if (outgoing == nullptr) return;
+  const auto& request = arrival.request;
+  begin(arrival, *outgoing);
+  auto& reply = outgoing->reply;
+  if (fate_of(request) == Fate::answered) {
+    reply = *memory_.answer_to(request.client(), request.request_id());
+    const bool shows =
+        reply.reason() == msg::REASON_NONE || reply.reason() == msg::REASON_MISSING_STEPPER;
+    if (request.kind() == msg::REQUEST_STEP && shows && !unknown_axis(request)) {
+      add_statuses(request, reply);
+    }
+  } else {
+    finish(request.session(), msg::REASON_TOO_LATE, reply);
+  }
+  push();
+}
+
+void RequestAnswers::add_statuses(const msg::Request& request, msg::Reply& reply) const {
+  reply.statuses().resize(request.axes().size());
+  for (std::size_t position = 0; position < request.axes().size(); ++position) {
+    const std::uint16_t number = request.axes()[position];
+    const std::size_t axis = *axes_.index_of(number);
+    wire::to_message(axes_.bank().status(axis), {identity_.bench, number}, clock_.tick(),
+                     masters_.owner(axis), reply.statuses()[position]);
+  }
+}
+
+}  // namespace vdrive::service

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/bench_identity.hpp"
+#include "base/counters.hpp"
+#include "engine/answer_memory.hpp"
+#include "engine/bench_axes.hpp"
+#include "engine/bench_clock.hpp"
+#include "engine/bench_events.hpp"
+#include "engine/masters.hpp"
+#include "seam/queues.hpp"
+#include "vdrive_messages.h"
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace vdrive::service {
+
+/// The answers to requests: begins, completes and sends them, and keeps the last ones for requests
+/// that arrive again.
+class RequestAnswers {
+ public:
+  RequestAnswers(const BenchIdentity& identity, const BenchClock& clock, const BenchAxes& axes,
+                 const Masters& masters, BenchEvents& events, Ring<OutgoingReply>& queue,
+                 Counters& counters);
+
+  /// @return whether the request was sent to this run of the bench, or to any.
+  [[nodiscard]] bool is_of_this_run(const msg::Request& request) const noexcept;
+
+  /// @return the number of the first axis that the request names and the bench does not have.
+  [[nodiscard]] std::optional<std::uint16_t> unknown_axis(const msg::Request& request) const;
+
+  /// @return where the next answer goes, or nullptr when the queue is full, which is counted.
+  [[nodiscard]] OutgoingReply* open();
+
+  /// Fills the head of an answer, without results.
+  void begin(const Arrival& arrival, OutgoingReply& outgoing) const;
+
+  /// Completes an answer, counts and keeps it, and reports a refusal.
+  void finish(std::uint64_t session, std::uint32_t reason, msg::Reply& reply);
+
+  /// Sends the answer that `open` gave the place of.
+  void push() noexcept { queue_.push(); }
+
+  [[nodiscard]] Fate fate_of(const msg::Request& request) const noexcept;
+
+  /// The request, whose fate was unknown, has arrived.
+  void take(const msg::Request& request);
+
+  /// Answers a request that has been answered before.
+  void repeat(const Arrival& arrival);
+
+  /// Adds the status of the axes that the request names, all of which exist.
+  void add_statuses(const msg::Request& request, msg::Reply& reply) const;
+
+ private:
+  void keep(msg::Reply& reply);
+
+  BenchIdentity identity_;
+  const BenchClock& clock_;
+  const BenchAxes& axes_;
+  const Masters& masters_;
+  BenchEvents& events_;
+  Ring<OutgoingReply>& queue_;
+  Counters& counters_;
+  AnswerMemory<msg::Reply> memory_;        ///< by client and request id
+  std::vector<msg::AxisStatus> statuses_;  ///< empty: takes the place of what is not kept
+};
+
+}  // namespace vdrive::service

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/counters.hpp"
+#include "engine/bench_axes.hpp"
+#include "engine/bench_clock.hpp"
+#include "engine/bench_events.hpp"
+#include "engine/bench_output.hpp"
+#include "engine/frame_schedule.hpp"
+#include "engine/masters.hpp"
+#include "vdrive_messages.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace vdrive::service {
+
+/// Saved states of all axes, taken and restored by request: the state goes back, time does not.
+/// Each function returns REASON_NONE or why the request is refused.
+class Snapshots {
+ public:
+  static constexpr std::size_t kMost = 16;
+
+  Snapshots(BenchAxes& axes, const BenchClock& clock, const Masters& masters,
+            FrameSchedule& schedule, BenchOutput& output, BenchEvents& events, Counters& counters);
+
+  /// Allocates, which only this request may: no tick is due while time stands.
+  [[nodiscard]] std::uint32_t take(const msg::Request& request, msg::Reply& reply);
+  [[nodiscard]] std::uint32_t restore(const msg::Request& request, msg::Reply& reply);
+  [[nodiscard]] std::uint32_t drop(const msg::Request& request);
+
+  /// Names the first kept snapshot after that of the request, and the tick in which it was taken.
+  [[nodiscard]] std::uint32_t show_next(const msg::Request& request, msg::Reply& reply) const;
+
+ private:
+  struct Kept {
+    std::uint64_t number = 0;
+    std::uint64_t tick = 0;  ///< in which it was taken
+    std::shared_ptr<const AxisBank::Snapshot> state;
+  };
+
+  [[nodiscard]] std::uint32_t check_owners(const msg::Request& request, msg::Reply& reply) const;
+  void report(const msg::Request& request, std::uint32_t code, std::uint64_t number);
+
+  BenchAxes& axes_;
+  const BenchClock& clock_;
+  const Masters& masters_;
+  FrameSchedule& schedule_;
+  BenchOutput& output_;
+  BenchEvents& events_;
+  Counters& counters_;
+  std::vector<Kept> kept_;  ///< by number
+  std::uint64_t last_number_ = 0;
+};
+
+}  // namespace vdrive::service

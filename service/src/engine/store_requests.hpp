@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/counters.hpp"
+#include "engine/bench_axes.hpp"
+#include "engine/bench_clock.hpp"
+#include "engine/bench_events.hpp"
+#include "engine/masters.hpp"
+#include "engine/request_answers.hpp"
+#include "seam/queues.hpp"
+#include "store/parameter_saver.hpp"
+#include "vdrive_messages.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace vdrive::service {
+
+/// Requests that store parameters: gives orders to the saver, and answers each request when its
+/// orders are durable or have failed.
+class StoreRequests {
+ public:
+  StoreRequests(BenchAxes& axes, const BenchClock& clock, const Masters& masters,
+                RequestAnswers& answers, BenchEvents& events, Ring<OutgoingReply>& queue,
+                Counters& counters);
+
+  /// Before the first request: stores with `saver`, which outlives this object. Without one nothing
+  /// can be stored.
+  void store_with(ParameterSaver& saver);
+
+  /// A request is in hand from here on: orders belong to it.
+  void begin_request() noexcept { ordered_ = 0; }
+
+  /// Stores or restores the axes that the request names.
+  /// @return REASON_NONE or why the request is refused
+  [[nodiscard]] std::uint32_t store_axes(const msg::Request& request, msg::Reply& reply);
+
+  /// Writes 1010h or 1011h.
+  /// @param place of the object in the request
+  /// @return REASON_NONE or an abort code
+  [[nodiscard]] std::uint32_t store_by_write(std::size_t axis, ObjectRow row, std::int64_t value,
+                                             std::size_t place);
+
+  /// @return whether the request in hand has given orders, so that its answer waits for them.
+  [[nodiscard]] bool has_ordered() const noexcept { return ordered_ > 0; }
+
+  /// Keeps the content of `outgoing`, the answer to the request in hand, until its orders come
+  /// back.
+  void wait(std::uint64_t session, std::uint32_t reason, OutgoingReply& outgoing);
+
+  [[nodiscard]] bool is_waiting(const msg::Request& request) const;
+
+  /// Gives the axes the parameters that have become durable, and answers the requests that wait for
+  /// them. @return whether there was anything.
+  bool answer();
+
+ private:
+  /// A request that waits until what it stores is durable.
+  struct Waiting {
+    OutgoingReply outgoing;
+    std::uint64_t session = 0;
+    std::uint32_t reason = 0;  ///< of what has come back
+    std::size_t orders = 0;    ///< on their way; 0 = the place is free
+  };
+
+  void order(std::size_t axis, bool forget, std::size_t object);
+  [[nodiscard]] bool answer_order();
+  void take_order(const StoreOrder& order, Waiting& waiting);
+  void finish(Waiting& waiting);
+
+  BenchAxes& axes_;
+  const BenchClock& clock_;
+  const Masters& masters_;
+  RequestAnswers& answers_;
+  BenchEvents& events_;
+  Ring<OutgoingReply>& queue_;
+  Counters& counters_;
+  ParameterSaver* saver_ = nullptr;
+  std::vector<Waiting> waiting_;
+  std::vector<std::uint32_t> free_places_;  ///< in waiting_
+  std::size_t ordered_ = 0;                 ///< by the request in hand
+};
+
+}  // namespace vdrive::service

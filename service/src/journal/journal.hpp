@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/counters.hpp"
+#include "base/event_record.hpp"
+#include "base/ring.hpp"
+#include "configuration/configuration.hpp"
+#include "journal/journal_file.hpp"
+#include "vdrive/axis_bank.hpp"
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <thread>
+
+namespace vdrive::service {
+
+/// Opens the file of a journal, which must not hold anything yet.
+/// @throws ConfigurationError when it does, or cannot be opened
+[[nodiscard]] JournalSink open_journal(const std::filesystem::path& file);
+
+/// A state of the journal to be reported.
+struct JournalNews {
+  std::uint32_t code = 0;  ///< JournalCode
+  EventDetail detail{};
+};
+
+/// Records what a bench does. The thread that steps the bank fills a bounded queue, without lock,
+/// allocation or system call; a thread of its own writes. When the queue is full, a clock that can
+/// wait waits, so that nothing is missing. The wall clock cannot: whole ticks are lost, counted,
+/// and the journal continues with a new snapshot once the queue is half empty.
+class Journal {
+ public:
+  /// Slots of the queue: at least so many ticks fit.
+  static constexpr std::size_t kSlots = 4096;
+  /// A bench has at most so many rows of checks; up to so many axes have one each.
+  static constexpr std::size_t kMostRows = 256;
+
+  /// Writes nothing yet.
+  Journal(const Configuration& configuration, JournalSink sink, Counters& counters);
+  ~Journal();
+  Journal(const Journal&) = delete;
+  Journal& operator=(const Journal&) = delete;
+
+  /// Writes the head and the first snapshot, and starts the thread that writes.
+  /// @throws std::system_error when they cannot be written
+  void begin(const AxisBank& bank, std::uint64_t tick);
+
+  /// Writes what waits, and the end. Nothing is recorded afterwards. Idempotent.
+  void close() noexcept;
+
+  /// The thread that steps the bank, from here on. A change that was accepted:
+  void record(const JournalChange& change) noexcept;
+  /// The state was replaced by that of a snapshot.
+  void record_restore(std::shared_ptr<const AxisBank::Snapshot> snapshot,
+                      std::uint64_t tick) noexcept;
+  /// A tick was completed.
+  void record_tick(const AxisBank& bank, std::uint64_t tick) noexcept;
+
+  /// @return what has not been reported yet.
+  [[nodiscard]] std::optional<JournalNews> news() noexcept;
+
+ private:
+  /// Changes, and what follows them.
+  struct Slot {
+    enum class End : std::uint8_t { none, tick, restored, resumed };
+
+    static constexpr std::size_t kChanges = 64;
+
+    End end = End::none;
+    std::uint32_t change_count = 0;
+    std::uint64_t tick = 0;
+    std::uint64_t lost = 0;
+    StatusDigest digest;
+    std::array<JournalChange, kChanges> changes;
+    std::array<std::uint32_t, kMostRows> rows{};
+    std::shared_ptr<const AxisBank::Snapshot> snapshot;
+  };
+
+  [[nodiscard]] bool is_recording() const noexcept;
+  [[nodiscard]] Slot* open_slot() noexcept;
+  void push(Slot::End end, std::uint64_t tick) noexcept;
+  void start_losing() noexcept;
+  void lose_tick(const AxisBank& bank, std::uint64_t tick) noexcept;
+
+  void write() noexcept;
+  [[nodiscard]] bool write_waiting();
+  void write_slot(Slot& slot);
+
+  JournalStart start_;
+  JournalSink sink_;
+  Counters& counters_;
+  bool may_wait_;
+  Ring<Slot> ring_;
+  std::optional<JournalWriter> writer_;
+  std::thread thread_;
+  std::atomic<bool> stop_{false};
+  std::atomic<int> error_{0};            ///< errno of the write that failed
+  std::atomic<bool> spare_used_{false};  ///< the writer still needs it
+
+  // of the thread that steps the bank
+  std::shared_ptr<AxisBank::Snapshot> spare_;  ///< to continue with after a loss
+  Slot* slot_ = nullptr;                       ///< being filled
+  std::uint64_t lost_ = 0;                     ///< in the present loss
+  bool losing_ = false;
+  bool ended_ = true;
+  bool told_losing_ = true;
+  bool told_ended_ = false;
+  std::uint64_t resumed_after_ = 0;  ///< to be reported
+};
+
+}  // namespace vdrive::service

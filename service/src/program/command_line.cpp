@@ -1,0 +1,425 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "program/command_line.hpp"
+
+#include "base/log.hpp"
+#include "configuration/configuration.hpp"
+#include "configuration/configuration_help.hpp"
+#include "configuration/configuration_warnings.hpp"
+#include "journal/journal.hpp"
+#include "journal/replay.hpp"
+#include "program/service.hpp"
+#include "program/service_manager.hpp"
+#include "publish/status_depth.hpp"
+#include "store/parameter_store.hpp"
+#include "supervision/wire_host.hpp"
+#include "vdrive/axis_bank.hpp"
+#include "vdrive/number_text.hpp"
+#include "vdrive/text.hpp"
+#include "vdrive/wire/bench_number.hpp"
+#include "vdrive/wire/library_log.hpp"
+#include "vdrive/wire/ports.hpp"
+#include "vdrive/wire/security.hpp"
+#include "wire/confinement.hpp"
+#include "wire/library_log_sink.hpp"
+#include "wire/wire_process.hpp"
+
+#include <CLI/CLI.hpp>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <iostream>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <utility>
+
+namespace vdrive::service {
+namespace {
+
+constexpr int kDone = 0;
+constexpr int kFailed = 1;
+constexpr int kUsage = 2;
+constexpr int kNumberTaken = 5;
+constexpr std::chrono::milliseconds kPollInterval{50};
+constexpr std::chrono::milliseconds kBusyPollInterval{5};  ///< while it starts, and while it ends
+
+/// The command line requests something that is impossible.
+class BadArguments : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// The settings of the command line; they override the file.
+struct Arguments {
+  std::optional<std::string> config;
+  std::optional<std::string> check;
+  std::optional<std::string> clock;
+  std::optional<std::int64_t> period;
+  std::optional<std::uint32_t> bench;
+  std::optional<std::size_t> axes;
+  std::optional<std::uint32_t> domain;
+  std::optional<std::string> security;
+  std::optional<double> rate;
+  std::optional<std::uint32_t> threads;
+  std::optional<std::uint32_t> metrics;
+  std::optional<std::string> journal;
+  std::optional<std::string> state;
+  std::optional<std::string> replay;
+  std::optional<std::string> wire;
+  std::optional<int> wire_process;
+  bool without_guard = false;
+  std::string log_level = "info";
+  bool print_config = false;
+  bool help_config = false;
+};
+
+/// @return such as "1 to 64".
+std::string range(double lowest, double highest) {
+  return to_text(lowest) + " to " + to_text(highest);
+}
+
+void declare(CLI::App& app, Arguments& arguments) {
+  app.set_version_flag("--version", std::string("vdrived ") + VDRIVE_VERSION);
+  app.add_option("--config", arguments.config, "Configuration in YAML; default: the demo bench")
+      ->type_name("FILE");
+  app.add_option("--check", arguments.check, "Check a configuration and exit")->type_name("FILE");
+  app.add_flag("--print-config", arguments.print_config,
+               "Print the configuration in effect as YAML and exit");
+  app.add_flag("--help-config", arguments.help_config,
+               "Print every key of a configuration, with its values and default, and exit");
+  app.add_option("--clock", arguments.clock, "realtime, lockstep or freerun")->type_name("MODE");
+  app.add_option("--period", arguments.period,
+                 "Length of a tick [us], " + range(static_cast<double>(kShortestPeriod.count()),
+                                                   static_cast<double>(kLongestPeriod.count())))
+      ->type_name("US");
+  app.add_option("--rate", arguments.rate,
+                 "realtime: 0 = paused, " + range(kLowestRate, kHighestRate))
+      ->type_name("R");
+  app.add_option("--bench", arguments.bench,
+                 "Number of the bench, " + range(1, wire::kHighestBench))
+      ->type_name("N");
+  app.add_option("--axes", arguments.axes,
+                 "N default axes numbered from 1, up to " + std::to_string(kMaxAxes))
+      ->type_name("N");
+  app.add_option("--domain", arguments.domain, "DDS domain, " + range(0, wire::kHighestDomain))
+      ->envname("VDRIVE_DOMAIN")
+      ->type_name("N");
+  app.add_option("--security", arguments.security,
+                 "Closed mode: directory with certificate, key and permissions")
+      ->envname("VDRIVE_SECURITY")
+      ->type_name("DIR");
+  app.add_option("--threads", arguments.threads,
+                 "Threads that step the axes, " + range(1, kMaxThreads))
+      ->type_name("N");
+  app.add_option("--metrics", arguments.metrics,
+                 "Serve Prometheus metrics on this port of 127.0.0.1, 0 = any free one")
+      ->check(CLI::Range(0, 65'535))
+      ->type_name("PORT");
+  app.add_option("--state", arguments.state,
+                 "Directory for stored parameters; default: $STATE_DIRECTORY; without a directory "
+                 "nothing can be stored")
+      ->type_name("DIR");
+  app.add_option("--journal", arguments.journal,
+                 "Record what the axes do into a new file, for --replay")
+      ->type_name("FILE");
+  app.add_option("--replay", arguments.replay,
+                 "Run the axes of a journal again and compare every tick. Exit code 0: all ticks "
+                 "agree; 1: a tick differs or is missing; 2: the journal cannot be used")
+      ->type_name("FILE");
+  app.add_option("--wire", arguments.wire,
+                 "Where DDS runs: in a separate process, which the service restarts when it ends, "
+                 "or in threads of the service; default: process in realtime, in the closed mode "
+                 "and with an interface other than loopback, thread otherwise")
+      ->check(CLI::IsMember({"process", "thread"}))
+      ->type_name("FORM");
+  app.add_option("--wire-process", arguments.wire_process)->group("");  // the service starts it so
+  app.add_flag("--without-guard", arguments.without_guard)->group("");  // for tests of what follows
+  app.add_option("--log-level", arguments.log_level, "What to log on standard error")
+      ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}))
+      ->capture_default_str();
+}
+
+ClockMode clock_named(const std::string& name) {
+  if (const auto mode = clock_mode_named(name)) return *mode;
+  throw ConfigurationError("--clock " + in_quotes(name) +
+                           ": must be one of realtime, lockstep, freerun");
+}
+
+void override(Configuration& configuration, const Arguments& arguments) {
+  if (arguments.clock) configuration.clock = clock_named(*arguments.clock);
+  if (arguments.period) configuration.period = std::chrono::microseconds{*arguments.period};
+  if (arguments.axes) configuration.axes = default_axes(*arguments.axes);
+  configuration.bench = arguments.bench.value_or(configuration.bench);
+  configuration.network.domain = arguments.domain.value_or(configuration.network.domain);
+  configuration.network.security = arguments.security.value_or(configuration.network.security);
+  if (arguments.rate && configuration.clock == ClockMode::freerun) {
+    throw ConfigurationError("--rate cannot be used with the clock freerun");
+  }
+  configuration.rate = arguments.rate.value_or(configuration.rate);
+  configuration.threads = arguments.threads.value_or(configuration.threads);
+  configuration.network.guard = !arguments.without_guard;
+  if (arguments.wire) configuration.wire_form = wire_form_named(*arguments.wire);
+  if (arguments.metrics) {
+    configuration.metrics_port = static_cast<std::uint16_t>(*arguments.metrics);
+  }
+  check(configuration);
+}
+
+/// CLI11 takes an empty value for one that was not given, and an empty variable for none.
+void refuse_empty_values(const CLI::App& app) {
+  for (const CLI::Option* const option : app.get_options()) {
+    const auto& values = option->results();
+    if (std::ranges::find(values, "") != values.end()) {
+      throw BadArguments(option->get_name() + ": the value is empty");
+    }
+    const std::string variable = option->get_envname();
+    const char* const text = variable.empty()
+                                 ? nullptr
+                                 : std::getenv(variable.c_str());  // NOLINT(concurrency-mt-unsafe)
+    if (option->count() == 0 && text != nullptr && *text == '\0') {
+      throw BadArguments(variable +
+                         " in the environment is set, but empty: unset it or give a value");
+    }
+  }
+}
+
+/// @throws ConfigurationError for the file, BadArguments for what is laid over it
+Configuration effective_configuration(const Arguments& arguments) {
+  Configuration configuration =
+      arguments.config ? load_configuration(*arguments.config) : demo_configuration();
+  try {
+    override(configuration, arguments);
+  } catch (const ConfigurationError& error) {
+    throw BadArguments(error.what());
+  }
+  return configuration;
+}
+
+sigset_t stop_signals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  return signals;
+}
+
+/// Waits for a signal. @return false when none came in that time
+bool takes_signal(const sigset_t& signals, std::chrono::nanoseconds timeout) {
+  const timespec time{.tv_sec = 0, .tv_nsec = timeout.count()};
+  return sigtimedwait(&signals, nullptr, &time) >= 0;
+}
+
+/// Reports to the service manager how a service is.
+class Reporter {
+ public:
+  /// @param service, manager outlive this
+  /// @param description of the service, a line for people
+  Reporter(Service& service, const ServiceManager& manager, std::string description)
+      : service_(service), manager_(manager), description_(std::move(description)) {}
+
+  /// @return the time until the next report.
+  [[nodiscard]] std::chrono::microseconds interval() const noexcept {
+    if (!is_ready_) return kBusyPollInterval;
+    const auto heartbeat = manager_.heartbeat_interval();
+    return heartbeat ? std::min<std::chrono::microseconds>(kPollInterval, *heartbeat / 2)
+                     : kPollInterval;
+  }
+
+  void report() {
+    if (!is_ready_) {
+      if (!service_.has_run()) return;
+      manager_.report_ready(description_);
+      is_ready_ = true;
+    }
+    if (service_.is_reachable() != is_reachable_) {
+      is_reachable_ = !is_reachable_;
+      manager_.report_status(is_reachable_
+                                 ? description_
+                                 : description_ + ", no network: the network process is down");
+    }
+    beat();
+  }
+
+ private:
+  void beat() {
+    const auto heartbeat = manager_.heartbeat_interval();
+    const auto now = std::chrono::steady_clock::now();
+    if (!heartbeat || now < next_heartbeat_) return;
+    next_heartbeat_ = now + *heartbeat;
+    if (service_.is_alive()) manager_.report_alive();
+  }
+
+  Service& service_;
+  const ServiceManager& manager_;
+  std::string description_;
+  bool is_ready_ = false;
+  bool is_reachable_ = true;
+  std::chrono::steady_clock::time_point next_heartbeat_;
+};
+
+/// Until a signal comes, an older service with the same number, or the network is gone for good.
+void watch(Service& service, const ServiceManager& manager, const sigset_t& signals,
+           const std::string& description) {
+  Reporter reporter(service, manager, description);
+  while (!takes_signal(signals, reporter.interval()) && !service.conflict() &&
+         !service.is_cut_off()) {
+    reporter.report();
+  }
+}
+
+/// The axes have 1.5 s to come to rest. After that only the DDS library can hang, where it runs in
+/// this process: in threads that end only with the process.
+void end_in_time(int exit_code) {
+  std::thread([exit_code] {
+    constexpr std::chrono::milliseconds kLongest{1'950};
+    std::this_thread::sleep_for(kLongest);
+    log_warning("text=\"the DDS library did not end in time\"");
+    _exit(exit_code);
+  }).detach();
+}
+
+int serve(const Configuration& configuration, const Arguments& arguments) {
+  // Blocked before the first thread starts, so that every thread leaves them to this one.
+  const sigset_t signals = stop_signals();
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  // Before the first thread too: its child must have none of them.
+  const bool has_process = effective_wire_form(configuration) == WireForm::process;
+  auto host = has_process ? std::make_shared<WireHost>(
+                                WireSettings{.network = configuration.network,
+                                             .bench = configuration.bench,
+                                             .log_level = arguments.log_level,
+                                             .status_room = status_depth(configuration).room})
+                          : nullptr;
+  const ServiceManager manager;
+  std::optional<wire::LibraryLog> library_log;
+  if (!has_process) library_log.emplace(log_of_the_library(configuration.bench));
+  auto store = open_parameter_store(arguments.state, configuration.bench);
+  Service service(configuration, arguments.journal ? open_journal(*arguments.journal) : nullptr,
+                  std::move(store), std::move(host));
+  if (has_process) confine_engine(manager.receives_in_network() ? Network::keep : Network::leave);
+  service.start();
+  watch(service, manager, signals,
+        "bench " + std::to_string(configuration.bench) + ", " +
+            std::to_string(configuration.axes.size()) + " axes, " +
+            std::string(to_string(configuration.clock)) + ", DDS domain " +
+            std::to_string(configuration.network.domain));
+  const auto older = service.conflict();
+  const bool is_cut_off = service.is_cut_off();
+  if (!has_process) end_in_time(older ? kNumberTaken : kDone);
+  manager.report_stopping();
+  service.begin_shutdown();
+  while (!service.is_shut_down() && !takes_signal(signals, kBusyPollInterval)) {
+  }
+  service.stop();
+  if (older) {
+    throw BenchNumberTaken("bench " + std::to_string(configuration.bench) +
+                           " belongs to a service that started earlier (incarnation " +
+                           std::to_string(*older) + ")");
+  }
+  if (is_cut_off) {
+    // A process may start programs only before it is confined: another run has to do it.
+    throw std::runtime_error("the process that starts the network process has ended");
+  }
+  return kDone;
+}
+
+int replay_journal(const Arguments& arguments) {
+  const ReplayResult result = replay(*arguments.replay, arguments.threads);
+  (result.agrees ? std::cout : std::cerr) << result.text << '\n';
+  return result.agrees && result.is_complete ? kDone : kFailed;
+}
+
+/// Also those that are not used.
+/// @throws BadArguments
+void check_flags(const Arguments& arguments) {
+  Configuration configuration = demo_configuration();
+  try {
+    override(configuration, arguments);
+  } catch (const ConfigurationError& error) {
+    throw BadArguments(error.what());
+  }
+}
+
+int carry_out(const Arguments& arguments) {
+  if (arguments.wire_process) return run_wire_process(*arguments.wire_process);
+  check_flags(arguments);
+  if (arguments.help_config) {
+    std::cout << configuration_help();
+    return kDone;
+  }
+  if (arguments.replay) return replay_journal(arguments);
+  if (arguments.check) {
+    const Configuration configuration = load_configuration(*arguments.check);
+    const wire::NetworkSettings& network = configuration.network;
+    if (!network.security.empty()) {
+      static_cast<void>(wire::check_security(network.security, network.domain));
+    }
+    for (const std::string& warning : loop_warnings(*arguments.check)) {
+      std::cerr << "vdrived: warning: " << warning << '\n';
+    }
+    for (const std::string& warning : limit_warnings(configuration)) {
+      std::cerr << "vdrived: warning: " << escaped(*arguments.check, kShownOfMessage) << ": "
+                << warning << '\n';
+    }
+    std::cout << escaped(*arguments.check, kShownOfMessage) << ": good\n";
+    return kDone;
+  }
+  const Configuration configuration = effective_configuration(arguments);
+  if (arguments.print_config) {
+    std::cout << to_yaml(configuration);
+    return kDone;
+  }
+  return serve(configuration, arguments);
+}
+
+}  // namespace
+
+int run_command_line(int argument_count, const char* const* arguments) {
+  CLI::App app{"vdrived: a bench of virtual CiA 402 servo drives on DDS", "vdrived"};
+  Arguments given;
+  declare(app, given);
+  try {
+    app.parse(argument_count, arguments);
+  } catch (const CLI::ExtrasError&) {
+    // CLI11 lists them from the last to the first.
+    std::cerr << "vdrived: " << in_quotes(app.remaining().front())
+              << " is not an option\nRun with --help for more information.\n";
+    return kUsage;
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) {  // help, version
+      return app.exit(error);
+    }
+    std::cerr << "vdrived: " << escaped(error.what(), kShownOfMessage)
+              << "\nRun with --help for more information.\n";
+    return kUsage;
+  }
+  spdlog::set_default_logger(spdlog::stderr_color_mt("vdrived"));
+  spdlog::set_level(spdlog::level::from_str(given.log_level));
+  try {
+    refuse_empty_values(app);
+    return carry_out(given);
+  } catch (const BenchNumberTaken& taken) {
+    std::cerr << "vdrived: " << taken.what() << '\n';
+    return kNumberTaken;
+  } catch (const JournalError& error) {
+    std::cerr << "vdrived: " << error.what() << '\n';
+    return kUsage;
+  } catch (const BadArguments& error) {
+    std::cerr << "vdrived: " << error.what() << '\n';
+    return kUsage;
+  } catch (const std::exception& error) {
+    std::cerr << "vdrived: " << error.what() << '\n';
+    return kFailed;
+  }
+}
+
+}  // namespace vdrive::service

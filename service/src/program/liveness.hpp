@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/counters.hpp"
+
+#include <cstdint>
+#include <vector>
+
+namespace vdrive::service {
+
+/// Checks that every thread makes progress: each thread counts what it has completed.
+class Liveness {
+ public:
+  /// @param beats one for each thread, outliving this object; none = nothing is alive
+  explicit Liveness(const std::vector<const Counter*>& beats);
+
+  /// @return whether every thread has completed something since the start.
+  [[nodiscard]] bool has_begun() const noexcept;
+
+  /// @return whether every thread has completed something since the last call.
+  [[nodiscard]] bool has_advanced() noexcept;
+
+ private:
+  struct Watched {
+    const Counter* beats = nullptr;
+    std::uint64_t seen = 0;
+  };
+
+  std::vector<Watched> watched_;
+};
+
+}  // namespace vdrive::service

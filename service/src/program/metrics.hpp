@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/bench_identity.hpp"
+#include "base/counters.hpp"
+#include "configuration/configuration.hpp"
+
+#include <prometheus/collectable.h>
+#include <prometheus/metric_family.h>
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace vdrive::service {
+
+/// What waits in the queues of a bench, at one instant.
+struct QueueDepths {
+  std::size_t inbox = 0;
+  std::size_t outbox = 0;
+};
+
+/// The counters of a bench as Prometheus metrics, each labelled with the bench.
+class Metrics : public prometheus::Collectable {
+ public:
+  /// @param counters outlive this
+  Metrics(const Configuration& configuration, const BenchIdentity& identity,
+          const Counters& counters, std::function<QueueDepths()> depths);
+
+  /// May be called from any thread.
+  [[nodiscard]] std::vector<prometheus::MetricFamily> Collect() const override;
+
+ private:
+  std::string bench_;
+  std::string name_;
+  std::string clock_;
+  std::uint64_t incarnation_;
+  std::size_t axes_;
+  const Counters& counters_;
+  std::function<QueueDepths()> depths_;
+};
+
+}  // namespace vdrive::service

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "program/metrics_endpoint.hpp"
+
+// One thread runs the server: nothing to fence, and the thread sanitizer does not know fences.
+#define BOOST_ASIO_DISABLE_FENCED_BLOCK
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <prometheus/text_serializer.h>
+
+#include <chrono>
+#include <deque>
+#include <string>
+#include <thread>
+#include <utility>
+
+namespace vdrive::service {
+namespace {
+
+namespace beast = boost::beast;
+namespace http = beast::http;
+using boost::asio::ip::tcp;
+
+/// From its acceptance on a connection is kept so long, whatever its client does.
+constexpr std::chrono::seconds kPatience{5};
+/// After an error of accept, such as no descriptor left: without a pause it would come at once.
+constexpr std::chrono::milliseconds kAcceptPause{100};
+constexpr std::uint32_t kLongestHead = 8'192;  // [bytes]
+constexpr std::size_t kMostConnections = 64;
+
+using Request = http::request<http::empty_body>;
+using Response = http::response<http::string_body>;
+
+/// @return the requested path; a query has no meaning here.
+beast::string_view path_of(const Request& request) {
+  return request.target().substr(0, request.target().find('?'));
+}
+
+Response answer(const Request& request, const Metrics& metrics) {
+  Response response;
+  response.version(request.version());
+  response.set(http::field::content_type, "text/plain; version=0.0.4; charset=utf-8");
+  if (request.method() != http::verb::get && request.method() != http::verb::head) {
+    response.result(http::status::method_not_allowed);
+    response.set(http::field::allow, "GET, HEAD");
+  } else if (path_of(request) != "/metrics") {
+    response.result(http::status::not_found);
+    response.body() = "the metrics are at /metrics\n";
+  } else {
+    response.body() = prometheus::TextSerializer().Serialize(metrics.Collect());
+  }
+  return response;
+}
+
+Response bad_request(const beast::error_code& error) {
+  Response response(http::status::bad_request, 11);  // HTTP/1.1
+  response.set(http::field::content_type, "text/plain; charset=utf-8");
+  response.body() = "this is not a valid HTTP request: " + error.message() + "\n";
+  return response;
+}
+
+/// One connection: one request, one answer.
+class Connection : public std::enable_shared_from_this<Connection> {
+ public:
+  Connection(tcp::socket socket, const Metrics& metrics)
+      : stream_(std::move(socket)), metrics_(metrics) {
+    parser_.header_limit(kLongestHead);
+  }
+
+  void run() {
+    stream_.expires_after(kPatience);
+    // The head names what is requested; a body is of no use and is not read.
+    http::async_read_header(stream_, buffer_, parser_,
+                            [self = shared_from_this()](beast::error_code error, std::size_t) {
+                              self->reply_to(error);
+                            });
+  }
+
+  /// Ends what is under way.
+  void close() { stream_.close(); }
+
+ private:
+  void reply_to(const beast::error_code& error) {
+    if (!error) {
+      is_head_ = parser_.get().method() == http::verb::head;
+      reply(answer(parser_.get(), metrics_));
+    } else if (error.category() == make_error_code(http::error::bad_version).category() &&
+               error != http::error::end_of_stream) {
+      reply(bad_request(error));
+    }  // else the client is gone, or its time is over
+  }
+
+  void reply(Response response) {
+    response_ = std::move(response);
+    response_.keep_alive(false);
+    response_.prepare_payload();
+    if (is_head_) response_.body().clear();
+    http::async_write(stream_, response_,
+                      [self = shared_from_this()](beast::error_code error, std::size_t) {
+                        if (!error) {
+                          self->stream_.socket().shutdown(tcp::socket::shutdown_send, error);
+                          self->drain();
+                        }
+                      });
+  }
+
+  /// A socket that is closed while something in it is unread takes its answer back: what still
+  /// comes is read and dropped until the client has closed, or its time is over.
+  void drain() {
+    buffer_.clear();
+    stream_.async_read_some(buffer_.prepare(kLongestHead),
+                            [self = shared_from_this()](beast::error_code error, std::size_t) {
+                              if (!error) self->drain();
+                            });
+  }
+
+  beast::tcp_stream stream_;
+  beast::flat_buffer buffer_;
+  http::request_parser<http::empty_body> parser_;
+  Response response_;
+  bool is_head_ = false;
+  const Metrics& metrics_;
+};
+
+}  // namespace
+
+class MetricsEndpoint::Server {
+ public:
+  Server(std::uint16_t port, std::unique_ptr<const Metrics> metrics)
+      : metrics_(std::move(metrics)),
+        acceptor_(context_, {boost::asio::ip::address_v4::loopback(), port}) {
+    accept();
+    thread_ = std::thread([this] {
+      context_.run();
+    });
+  }
+
+  ~Server() {
+    context_.stop();
+    thread_.join();
+  }
+
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+  [[nodiscard]] std::uint16_t port() const { return acceptor_.local_endpoint().port(); }
+
+ private:
+  void accept() {
+    acceptor_.async_accept([this](beast::error_code error, tcp::socket socket) {
+      if (error) {
+        close_oldest();
+        pause_.expires_after(kAcceptPause);
+        pause_.async_wait([this](beast::error_code) {
+          accept();
+        });
+        return;
+      }
+      serve(std::move(socket));
+      accept();
+    });
+  }
+
+  /// Every connection is served: a scraper sends its request at once, so the oldest connection is
+  /// the one that only holds its place.
+  void serve(tcp::socket socket) {
+    std::erase_if(connections_, [](const auto& connection) {
+      return connection.expired();
+    });
+    if (connections_.size() >= kMostConnections) close_oldest();
+    const auto connection = std::make_shared<Connection>(std::move(socket), *metrics_);
+    connections_.push_back(connection);
+    connection->run();
+  }
+
+  void close_oldest() {
+    if (connections_.empty()) return;
+    if (const auto oldest = connections_.front().lock()) oldest->close();
+    connections_.pop_front();
+  }
+
+  std::unique_ptr<const Metrics> metrics_;
+  std::deque<std::weak_ptr<Connection>> connections_;  ///< the oldest first
+  boost::asio::io_context context_{1};
+  tcp::acceptor acceptor_;
+  boost::asio::steady_timer pause_{context_};
+  std::thread thread_;
+};
+
+MetricsEndpoint::MetricsEndpoint(std::uint16_t port, std::unique_ptr<const Metrics> metrics) {
+  try {
+    server_ = std::make_unique<Server>(port, std::move(metrics));
+  } catch (const boost::system::system_error& error) {
+    throw ConfigurationError(
+        "metrics.port = " + std::to_string(port) +
+        ": cannot listen on this port of 127.0.0.1: " + error.code().message());
+  }
+}
+
+MetricsEndpoint::~MetricsEndpoint() = default;
+
+std::uint16_t MetricsEndpoint::port() const {
+  return server_->port();
+}
+
+}  // namespace vdrive::service

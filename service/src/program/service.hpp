@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/bench_identity.hpp"
+#include "base/counters.hpp"
+#include "configuration/configuration.hpp"
+#include "journal/journal_file.hpp"
+#include "store/parameter_store.hpp"
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+
+namespace vdrive::service {
+
+/// Another service has this bench number and started earlier.
+class BenchNumberTaken : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+struct WireHost;
+
+/// A bench on the network: a BenchEngine with its threads, and a wire, which names DDS and runs as
+/// a process of its own or as threads of this one. They meet in rings of bytes.
+///
+/// | thread    | does                                                              |
+/// | --------- | ----------------------------------------------------------------- |
+/// | receive   | (of the library, in the wire) puts arrivals into a ring           |
+/// | tick      | nothing but ticks; lock-step: steps, replies and status           |
+/// | status    | not in lock-step: encodes status frames and samples of axes       |
+/// | reporter  | events, parameters, bench_state, the wire's health; not in        |
+/// |           | lock-step: replies                                                |
+/// | journal   | writes the journal, where there is one                            |
+/// | saver     | saves parameters, where there is a place to save them             |
+class Service {
+ public:
+  /// Sets everything up; the bench is not announced yet.
+  /// @param journal takes the journal of this run; nothing = none is written
+  /// @param store what is stored in it is in force; nothing = nothing can be stored
+  /// @param host of a wire's process; nothing = the wire is threads of this process
+  /// @throws ConfigurationError, std::invalid_argument when the bank refuses an axis,
+  ///         wire::NetworkError
+  explicit Service(Configuration configuration, JournalSink journal = nullptr,
+                   std::unique_ptr<ParameterStore> store = nullptr,
+                   std::shared_ptr<WireHost> host = nullptr);
+
+  /// Stops.
+  ~Service();
+  Service(const Service&) = delete;
+  Service& operator=(const Service&) = delete;
+
+  /// Receives for 300 ms, to detect a service with the same number, then announces the bench and
+  /// runs it. With security material it first
+  /// proves that strangers do not find it.
+  /// @throws BenchNumberTaken when an older service has the number; wire::NetworkError when the
+  ///         bench would be open in spite of its material; std::system_error when the journal
+  ///         cannot be begun.
+  void start();
+
+  /// @return whether the first tick has run (in lock-step: whether steps are waited for) and its
+  ///         status has left.
+  [[nodiscard]] bool has_run() const noexcept;
+
+  /// @return whether ticks (paused and in lock-step: the answers to requests), status and reports
+  ///         have all gone on since the last call.
+  [[nodiscard]] bool is_alive() noexcept;
+
+  /// From here on commands are refused and the axes brake, see Shutdown. Idempotent.
+  void begin_shutdown() noexcept;
+
+  /// @return whether the axes have come to rest since `begin_shutdown`, or cannot: then `stop`.
+  [[nodiscard]] bool is_shut_down() const noexcept;
+
+  /// Takes the power from every axis at once, publishes that the bench is offline and ends every
+  /// thread. Idempotent.
+  void stop() noexcept;
+
+  /// @return the incarnation of an older service with the same bench number that was met after the
+  ///         start: this one has to go.
+  [[nodiscard]] std::optional<std::uint64_t> conflict() const noexcept;
+
+  /// @return whether clients can reach the bench now: its wire runs.
+  [[nodiscard]] bool is_reachable() const noexcept;
+
+  /// @return whether no client can reach the bench any more in this run: no wire can be started.
+  [[nodiscard]] bool is_cut_off() const noexcept;
+
+  [[nodiscard]] const BenchIdentity& identity() const noexcept;
+  [[nodiscard]] const Counters& counters() const noexcept;
+
+ private:
+  class Threads;
+  std::unique_ptr<Threads> threads_;
+};
+
+}  // namespace vdrive::service

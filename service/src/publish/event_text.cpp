@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "publish/event_text.hpp"
+
+#include "base/event_codes.hpp"
+#include "configuration/clock_step.hpp"
+#include "vdrive/cia402/controlword.hpp"
+#include "vdrive/cia402/power_state.hpp"
+#include "vdrive/number_text.hpp"
+#include "vdrive/wire/conversion.hpp"
+#include "vdrive/wire/event_name.hpp"
+#include "vdrive/wording.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <variant>
+
+namespace vdrive::service {
+namespace {
+
+constexpr std::size_t kLongestText = 200;
+
+/// @return the detail of the event; an empty one where the event has no detail of this type.
+template <typename Detail>
+Detail detail_of(const EventRecord& event) {
+  const auto* const detail = std::get_if<Detail>(&event.detail);
+  return detail == nullptr ? Detail{} : *detail;
+}
+
+std::string counted(const EventRecord& event, std::string_view one, std::string_view many) {
+  return vdrive::counted(detail_of<Count>(event).value, one, many);
+}
+
+std::string milliseconds_of(const EventRecord& event) {
+  return std::to_string(
+      std::chrono::floor<std::chrono::milliseconds>(detail_of<std::chrono::microseconds>(event))
+          .count());
+}
+
+std::string who(const EventRecord& event) {
+  return event.axis == 0 ? "" : "axis " + std::to_string(event.axis) + ": ";
+}
+
+std::string control_text(const EventRecord& event) {
+  const std::string axes = event.axis != 0 ? "" : counted(event, "axis ", "axes ");
+  if (event.code == 0) return axes + "released by session " + hex(event.session, 16);
+  return axes + "controlled by session " + hex(event.session, 16) + " in epoch " +
+         std::to_string(event.code);
+}
+
+std::string lost_text(const EventRecord& event) {
+  const auto [count, silence_ms] = detail_of<LostAxes>(event);
+  return "nothing was received from session " + hex(event.session, 16) + " for " +
+         std::to_string(silence_ms) + " ms; " +
+         vdrive::counted(count, "axis lost its", "axes lost their") + " master";
+}
+
+std::string refusal_text(const EventRecord& event) {
+  const auto [number, late_by] = detail_of<RefusedMessage>(event);
+  const std::string late = late_by == 0 ? "" : ", late by " + std::to_string(late_by) + " ticks";
+  return "refused: " + wire::describe_reason(event.code) + late + " (session " +
+         hex(event.session, 16) + ", number " + std::to_string(number) + ")";
+}
+
+std::string clock_text(const EventRecord& event) {
+  const std::string session = "session " + hex(event.session, 16);
+  switch (event.code) {
+    case msg::REQUEST_SET_RATE: {
+      const double rate = detail_of<NewRate>(event).value;
+      return rate == 0.0 ? "paused by " + session : "rate " + to_text(rate) + " set by " + session;
+    }
+    case msg::REQUEST_JOIN_CLOCK:
+      return session + " joined the clock";
+    default:
+      break;
+  }
+  switch (detail_of<Parting>(event)) {
+    case Parting::silent:
+      return session + " was removed from the clock: it sent nothing while others waited for it";
+    case Parting::gone:
+      return session + " was removed from the clock: its program has ended";
+    default:
+      return session + " left the clock";
+  }
+}
+
+std::string wall_clock_text(const EventRecord& event) {
+  const double offset =
+      std::chrono::duration<double>(detail_of<std::chrono::microseconds>(event)).count();
+  const std::string place = "the wall clock was changed: it is " + to_text(std::abs(offset)) +
+                            (offset < 0.0 ? " s behind" : " s ahead of");
+  if (event.code == WallClockCode::kJumped) return place + " drive time; the tick number jumps";
+  const auto seconds = static_cast<std::uint64_t>(std::abs(offset) / kMaxSteering);
+  return place + " drive time; drive time is adjusted for about " + std::to_string(seconds) + " s";
+}
+
+std::string stop_text(const EventRecord& event) {
+  const std::string how = (event.code & Controlword::kHalt) != 0 ? "halted" : "quick stop";
+  const std::string by =
+      event.session == 0 ? "a client without a session" : "session " + hex(event.session, 16);
+  return how + " by " + by + "; session " + hex(detail_of<Label>(event).value, 16) +
+         " stays in control";
+}
+
+std::string snapshot_text(const EventRecord& event) {
+  const char* const what = event.code == SnapshotCode::kTaken      ? " taken"
+                           : event.code == SnapshotCode::kRestored ? " restored"
+                                                                   : " dropped";
+  return "snapshot " + std::to_string(detail_of<Label>(event).value) + what;
+}
+
+std::string journal_text(const EventRecord& event) {
+  switch (event.code) {
+    case JournalCode::kLosing:
+      return "the journal is too slow: ticks are missing from this tick on";
+    case JournalCode::kResumed:
+      return "the journal continues; " + counted(event, "tick is missing", "ticks are missing");
+    default:
+      return "the journal ended: " + detail_of<SystemError>(event).text();
+  }
+}
+
+std::string parameters_text(const EventRecord& event) {
+  switch (event.code) {
+    case ParameterCode::kLoaded:
+      return "stored parameters of " + counted(event, "axis", "axes") + " are in force";
+    case ParameterCode::kPrevious:
+      return "the file of stored parameters cannot be used: " +
+             detail_of<StoredProblem>(event).text() + "; the previous set is in force";
+    case ParameterCode::kDefaults:
+      return "configured values are in force: " +
+             std::string(event.axis == 0 ? "the file of stored parameters: " : "stored object ") +
+             detail_of<StoredProblem>(event).text();
+    default:
+      return "parameters not stored: " + detail_of<SystemError>(event).text();
+  }
+}
+
+std::string wire_text(const EventRecord& event) {
+  switch (event.code) {
+    case WireCode::kLost:
+      return "the wire (network process) failed: " + detail_of<WireLoss>(event).text() +
+             "; the axes continue";
+    case WireCode::kRuns:
+      return "the wire runs again after " + milliseconds_of(event) + " ms";
+    default:
+      return "the wire fails repeatedly; the service starts it again in " + milliseconds_of(event) +
+             " ms";
+  }
+}
+
+std::string text_of(const EventRecord& event) {
+  switch (event.kind) {
+    case msg::EVENT_STATE_CHANGED:
+      return std::string(to_string(decode_power_state(static_cast<std::uint16_t>(event.code))));
+    case msg::EVENT_FAULT:
+      return "fault " + hex(event.code, 4);
+    case msg::EVENT_FAULT_RESET:
+      return "fault " + hex(event.code, 4) + " reset";
+    case msg::EVENT_REFUSED:
+      return refusal_text(event);
+    case msg::EVENT_SET_POINT_IGNORED:
+      return counted(event, "set-point", "set-points") + " ignored";
+    case msg::EVENT_CONTROL_CHANGED:
+      return control_text(event);
+    case msg::EVENT_MASTER_LOST:
+      return lost_text(event);
+    case msg::EVENT_TICK_OVERRUN:
+      return "tick ended " + std::to_string(detail_of<std::chrono::microseconds>(event).count()) +
+             " us too late";
+    case msg::EVENT_TICK_JUMPED:
+      return "tick number jumped by " + counted(event, "tick", "ticks");
+    case msg::EVENT_QUEUE_OVERFLOW:
+      return counted(event, "message", "messages") + " lost: a queue was full";
+    case msg::EVENT_SNAPSHOT:
+      return snapshot_text(event);
+    case msg::EVENT_JOURNAL:
+      return journal_text(event);
+    case msg::EVENT_PARAMETERS:
+      return parameters_text(event);
+    case msg::EVENT_BENCH_CONFLICT:
+      return "another service has this bench number, incarnation " +
+             std::to_string(detail_of<Label>(event).value);
+    case msg::EVENT_CLOCK_CHANGED:
+      return clock_text(event);
+    case msg::EVENT_WALL_CLOCK:
+      return wall_clock_text(event);
+    case msg::EVENT_SHUTDOWN:
+      return "the service shuts down: its axes brake, commands are refused";
+    case msg::EVENT_WIRE:
+      return wire_text(event);
+    case msg::EVENT_STOPPED:
+      return stop_text(event);
+    default:
+      return "event " + std::to_string(event.kind);
+  }
+}
+
+}  // namespace
+
+std::string log_line(std::uint32_t bench, const EventRecord& event, std::uint32_t suppressed) {
+  std::string line = "event=" + std::string(wire::event_name(event.kind)) +
+                     " bench=" + std::to_string(bench) + " tick=" + std::to_string(event.tick);
+  if (event.axis != 0) line += " axis=" + std::to_string(event.axis);
+  if (event.session != 0) line += " session=" + hex(event.session, 16);
+  if (event.code != 0) line += " code=" + hex(event.code, 4);
+  return line + " suppressed=" + std::to_string(suppressed) + " text=\"" + words_of(event) + "\"";
+}
+
+std::string words_of(const EventRecord& event) {
+  return (who(event) + text_of(event)).substr(0, kLongestText);
+}
+
+}  // namespace vdrive::service

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "publish/reply_publisher.hpp"
+
+namespace vdrive::service {
+
+ReplyPublisher::ReplyPublisher(WireLink& link, const BenchIdentity& identity, Counters& counters)
+    : link_(link), identity_(identity), counters_(counters) {}
+
+void ReplyPublisher::deliver(Inbox& inbox, Outbox& outbox) {
+  while (const OutgoingReply* const outgoing = outbox.replies.front()) {
+    if (!link_.post_to(outgoing->destination, outgoing->reply)) break;
+    outbox.replies.pop();
+  }
+  while (const msg::CommandReply* const reply = outbox.command_replies.front()) {
+    if (!link_.post(Lane::replies, *reply)) break;
+    outbox.command_replies.pop();
+  }
+  while (const auto arrival = inbox.next_turned_away()) {
+    if (!refuse(*arrival)) counters_.queue_overflows.add();
+  }
+  link_.flush(Lane::replies);
+}
+
+bool ReplyPublisher::refuse(const TurnedAway& arrival) {
+  counters_.refusals.add(msg::REASON_QUEUE_FULL);
+  if (arrival.kind == Arrival::Kind::request) {
+    msg::Reply reply;
+    reply.client(arrival.client);
+    reply.request_id(arrival.request_id);
+    reply.bench(identity_.bench);
+    reply.incarnation(identity_.incarnation);
+    reply.reason(msg::REASON_QUEUE_FULL);
+    reply.tick(counters_.tick.get());
+    return link_.post_to(arrival.source, reply);
+  }
+  msg::CommandReply reply;
+  reply.bench(identity_.bench);
+  reply.incarnation(identity_.incarnation);
+  reply.session(arrival.session);
+  reply.sequence_number(arrival.sequence_number);
+  reply.tick(counters_.tick.get());
+  reply.refusals().emplace_back().reason(msg::REASON_QUEUE_FULL);
+  return link_.post(Lane::replies, reply);
+}
+
+}  // namespace vdrive::service

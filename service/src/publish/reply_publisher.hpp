@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/bench_identity.hpp"
+#include "base/counters.hpp"
+#include "seam/queues.hpp"
+#include "seam/wire_link.hpp"
+
+namespace vdrive::service {
+
+/// Sends replies and command replies. The wire lets a reply wait up to 1 s until its client's
+/// reader is known. Used by one thread.
+class ReplyPublisher {
+ public:
+  /// @param link outlives this
+  ReplyPublisher(WireLink& link, const BenchIdentity& identity, Counters& counters);
+
+  /// Sends what waits in the outbox and answers what the inbox turned away. What finds no room in
+  /// the lane of the wire stays in the outbox.
+  void deliver(Inbox& inbox, Outbox& outbox);
+
+  /// @return whether the participant reads replies now.
+  [[nodiscard]] bool is_matched(const wire::Source& source) const noexcept {
+    return link_.is_matched(source);
+  }
+
+  /// @return whether a participant that read replies does so no more.
+  [[nodiscard]] bool is_gone(const wire::Source& source) const noexcept {
+    return link_.is_gone(source);
+  }
+
+  /// @return whether a reply waits for its reader and this thread has to check again.
+  [[nodiscard]] bool is_waiting() const noexcept { return link_.is_holding(); }
+
+ private:
+  [[nodiscard]] bool refuse(const TurnedAway& arrival);
+
+  WireLink& link_;
+  BenchIdentity identity_;
+  Counters& counters_;
+};
+
+}  // namespace vdrive::service

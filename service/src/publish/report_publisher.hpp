@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/bench_identity.hpp"
+#include "base/counters.hpp"
+#include "base/event_limiter.hpp"
+#include "configuration/configuration.hpp"
+#include "seam/queues.hpp"
+#include "seam/wire_link.hpp"
+#include "vdrive/axis_bank.hpp"
+#include "vdrive/token_bucket.hpp"
+
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <string>
+#include <vector>
+
+namespace vdrive::service {
+
+/// Publishes what is not on the path of a command: the bench's description and state, parameters,
+/// events. Used by one thread.
+class ReportPublisher {
+ public:
+  static constexpr std::chrono::milliseconds kStateInterval{50};
+  static constexpr TokenBucket::Rate kParameterSamples{.per_second = 2'000.0, .burst = 256.0};
+
+  /// Reads the descriptions of the axes from `bank`: before it is stepped.
+  /// @param link outlives this
+  ReportPublisher(WireLink& link, const Configuration& configuration, const BenchIdentity& identity,
+                  const AxisBank& bank, Counters& counters);
+
+  /// Announces this bench, or its end.
+  void announce(bool alive);
+
+  /// Publishes what waits, and the bench's state every 50 ms of wall time. A wire that is new gets
+  /// the history first: descriptions, parameters of all axes, the last events.
+  void publish(Inbox& inbox, Outbox& outbox);
+
+  /// Publishes one event past the queue.
+  void publish_event(const CountedEvent& counted);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void describe_axes(const Configuration& configuration, const AxisBank& bank);
+  void publish_events(Outbox& outbox);
+  void publish_parameters(Outbox& outbox);
+  void publish_state(const Inbox& inbox, const Outbox& outbox, Clock::time_point now);
+  [[nodiscard]] double measured_rate(std::uint64_t tick, Clock::time_point now);
+  void meet_wire();
+  template <typename Message>
+  void write(const Message& message);
+
+  WireLink& link_;
+  std::uint32_t met_ = 0;       ///< the wire that has the descriptions, 0 = none
+  bool is_lane_stuck_ = false;  ///< the last message found no room in time
+  bool has_history_ = false;    ///< it has parameters and events too
+  BenchIdentity identity_;
+  std::chrono::nanoseconds period_;
+  Counters& counters_;
+  EventLimiter limiter_;
+  std::chrono::nanoseconds next_flush_{0};
+  std::vector<CountedEvent> passed_;
+  std::vector<msg::BenchDescription> parts_;
+  std::vector<msg::AxisParameters> parameters_;  ///< the newest of each axis
+  std::vector<std::uint16_t> indices_;           ///< in `parameters_`, by number
+  std::deque<msg::Event> history_;               ///< the last kEventsKept
+  msg::BenchState state_;
+  msg::Event event_;
+  Clock::time_point next_state_{};
+  TokenBucket parameter_samples_{kParameterSamples};
+  std::uint64_t rate_tick_ = 0;
+  Clock::time_point rate_time_{};
+  double measured_rate_ = 0.0;
+};
+
+}  // namespace vdrive::service

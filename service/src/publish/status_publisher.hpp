@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/bench_identity.hpp"
+#include "base/counters.hpp"
+#include "configuration/configuration.hpp"
+#include "seam/queues.hpp"
+#include "seam/wire_link.hpp"
+#include "vdrive/token_bucket.hpp"
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace vdrive::service {
+
+/// Publishes status images: as frames on `status`, and decimated axis by axis on `axis`. Used by
+/// one thread.
+class StatusPublisher {
+ public:
+  static constexpr std::chrono::milliseconds kAxisInterval{20};
+  static constexpr TokenBucket::Rate kAxisSamples{.per_second = 4'000.0, .burst = 128.0};
+
+  /// @param link outlives this
+  StatusPublisher(WireLink& link, const Configuration& configuration, const BenchIdentity& identity,
+                  Counters& counters);
+
+  /// One tick as frames, 256 axes each, unless it is repeated, and samples of axes: those that
+  /// changed state since their last one, then those that are due.
+  void publish(const StatusImage& image);
+
+  /// @return the tick that was published last, 0 = none.
+  [[nodiscard]] std::uint64_t last_tick() const noexcept { return last_tick_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void publish_frames(const StatusImage& image);
+  void publish_axes(const StatusImage& image);
+  void publish_axis(const StatusImage& image, std::size_t axis, Clock::time_point now);
+  void commit(wire::TopicId topic, std::size_t size);
+
+  struct Sampled {
+    std::uint16_t statusword = 0;
+    Clock::time_point time{};
+  };
+
+  WireLink& link_;
+  BenchIdentity identity_;
+  std::chrono::nanoseconds period_;
+  Counters& counters_;
+  std::uint64_t last_tick_ = 0;
+  std::vector<std::uint16_t> numbers_;
+  std::vector<Sampled> sampled_;
+  std::size_t next_due_ = 0;
+  TokenBucket axis_samples_{kAxisSamples};
+};
+
+}  // namespace vdrive::service

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/counters.hpp"
+#include "base/event_record.hpp"
+#include "base/ring.hpp"
+#include "seam/byte_ring.hpp"
+#include "vdrive/axis_status.hpp"
+#include "vdrive/wire/codec.hpp"
+#include "vdrive/wire/conversion.hpp"
+#include "vdrive/wire/source.hpp"
+#include "vdrive/wire/topics.hpp"
+#include "vdrive_messages.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace vdrive::service {
+
+/// What a client sent: a command frame or a request.
+struct Arrival {
+  enum class Kind : std::uint8_t { command_frame, request };
+
+  Kind kind = Kind::command_frame;
+  std::uint32_t refusal = 0;  ///< REASON_TOO_MANY_...: only the head of the message is here
+  wire::Source source;
+  msg::CommandFrame frame;
+  msg::Request request;
+};
+
+/// An arrival that found the inbox full; it is answered with REASON_QUEUE_FULL.
+struct TurnedAway {
+  Arrival::Kind kind = Arrival::Kind::command_frame;
+  wire::Source source;
+  std::uint64_t client = 0;
+  std::uint64_t request_id = 0;
+  std::uint64_t session = 0;
+  std::uint64_t sequence_number = 0;
+};
+
+/// The producer's end of what clients send to one bench: samples as they came, in order of arrival.
+/// For one thread at a time.
+class ArrivalIntake {
+ public:
+  /// How many arrivals wait at most; fewer when they are large.
+  static constexpr std::size_t kCapacity = 1024;
+
+  ArrivalIntake(ByteRing arrivals, ByteRing turned_away) noexcept
+      : arrivals_(arrivals), turned_away_(turned_away) {}
+
+  /// Takes a sample of `command` or `request`; of one that does not fit only the beginning, which
+  /// the refusal needs. @return whether it fitted.
+  bool put(wire::TopicId topic, std::span<const std::byte> sample,
+           const wire::Source& source) noexcept;
+
+ private:
+  ByteRing arrivals_;
+  ByteRing turned_away_;
+};
+
+/// The engine's end: decodes and validates what arrived. Belongs to the thread that steps the bank;
+/// `next_turned_away` to the thread that answers.
+class Inbox {
+ public:
+  Inbox(std::uint32_t bench, ByteRing arrivals, ByteRing turned_away, Counters& counters);
+
+  /// @return the oldest arrival for this bench, or nullptr; its content may be moved out. What
+  ///         cannot be decoded is dropped and counted.
+  [[nodiscard]] Arrival* front();
+
+  /// Drops the arrival of `front`.
+  void pop() noexcept;
+
+  [[nodiscard]] std::size_t size() const noexcept { return arrivals_.size(); }
+
+  /// @return what did not fit, oldest first.
+  std::optional<TurnedAway> next_turned_away();
+
+ private:
+  [[nodiscard]] bool decode(const ByteRing::Record& record);
+
+  std::uint32_t bench_;
+  Counters& counters_;
+  ByteRing arrivals_;
+  ByteRing turned_away_;
+  wire::CommandDecoder decoder_;
+  wire::CommandDecoder head_decoder_;  ///< of what was turned away, in another thread
+  Arrival arrival_;
+  bool is_decoded_ = false;
+};
+
+/// An answer and whom it is for.
+struct OutgoingReply {
+  wire::Source destination;
+  msg::Reply reply;
+};
+
+/// Status images of all axes after one tick.
+struct StatusImage {
+  std::uint64_t tick = 0;
+  std::uint64_t skipped = 0;  ///< ticks that the number jumped over until then
+  bool repeated = false;      ///< nothing moved since an earlier image of the same tick
+  std::vector<AxisStatus> status;
+  std::vector<wire::Ownership> owners;
+};
+
+/// Everything that leaves the thread that steps the bank. Full queues are counted, and reported by
+/// an event as soon as there is room for one.
+struct Outbox {
+  static constexpr std::size_t kReplies = 256;
+  /// Frames that wait for a later tick at most. All of them may be dropped, and answered, at once.
+  static constexpr std::size_t kPendingFrames = 1024;
+  static constexpr std::size_t kCommandReplies = kReplies + kPendingFrames;
+  static constexpr std::size_t kEvents = 8192;
+  static constexpr std::size_t kParameters = 256;
+
+  /// @param axes how many axes a status image holds
+  /// @param images how many status images wait at most
+  explicit Outbox(std::size_t axes, std::size_t images = 16);
+
+  Ring<msg::CommandReply> command_replies;
+  Ring<OutgoingReply> replies;
+  Ring<EventRecord> events;
+  Ring<msg::AxisParameters> parameters;
+  Ring<StatusImage> status;
+
+  [[nodiscard]] std::size_t size() const noexcept;
+};
+
+}  // namespace vdrive::service

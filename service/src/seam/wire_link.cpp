@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "seam/wire_link.hpp"
+
+#include <chrono>
+
+namespace vdrive::service {
+
+WireLink::WireLink(const WireRegion& region)
+    : control_(region.control()),
+      status_(region.ring(Lane::status)),
+      replies_(region.ring(Lane::replies)),
+      reports_(region.ring(Lane::reports)),
+      status_bell_(control_.status_bell),
+      reports_bell_(control_.reports_bell) {}
+
+ByteRing& WireLink::ring(Lane lane) noexcept {
+  return lane == Lane::status ? status_ : lane == Lane::replies ? replies_ : reports_;
+}
+
+void WireLink::flush(Lane lane) {
+  if (sender_ != nullptr) {
+    while (sender_->drain(lane)) {
+    }
+  } else if (lane == Lane::status) {
+    status_bell_.ring();
+  } else {
+    reports_bell_.ring();
+  }
+}
+
+std::uint32_t WireLink::matched(wire::TopicId topic) const noexcept {
+  return running() == 0
+             ? 0
+             : control_.matched[static_cast<std::size_t>(topic)].load(std::memory_order_relaxed);
+}
+
+bool WireLink::is_gone(const wire::Source& source) const noexcept {
+  constexpr std::chrono::seconds kTimeToFind{2};
+  const auto now = std::chrono::steady_clock::now().time_since_epoch();
+  const auto age = now - std::chrono::nanoseconds(control_.running_since.load());
+  const bool is_first = control_.generation.load() <= 1;
+  return running() != 0 && (is_first || age > kTimeToFind) && !is_matched(source);
+}
+
+std::uint32_t WireLink::running() const noexcept {
+  return control_.state.load(std::memory_order_acquire) == WireState::running
+             ? control_.running_generation.load(std::memory_order_relaxed)
+             : 0;
+}
+
+}  // namespace vdrive::service

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "seam/lane_sender.hpp"
+#include "seam/wire_region.hpp"
+#include "vdrive/wire/codec.hpp"
+#include "vdrive/wire/topics.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace vdrive::service {
+
+/// The engine's end of the seam: encodes what leaves into the lanes and has it sent. A lane belongs
+/// to one thread.
+class WireLink {
+ public:
+  /// @param region outlives this
+  explicit WireLink(const WireRegion& region);
+
+  /// From here on `flush` sends in the calling thread: the wire is part of this process.
+  /// @param sender outlives this
+  void send_through(LaneSender& sender) noexcept { sender_ = &sender; }
+
+  /// Encodes a message into a lane. @return false when there is no room.
+  template <typename Message>
+  [[nodiscard]] bool post(Lane lane, const Message& message) {
+    return post(
+        lane, message,
+        RecordHead{.topic = static_cast<std::uint16_t>(wire::Topic<Message>::kId), .party = {}});
+  }
+
+  /// Likewise an answer, which waits until `destination` can be reached.
+  template <typename Message>
+  [[nodiscard]] bool post_to(const wire::Source& destination, const Message& message) {
+    return post(Lane::replies, message,
+                {.topic = static_cast<std::uint16_t>(wire::Topic<Message>::kId),
+                 .flags = RecordHead::kForOne,
+                 .party = destination});
+  }
+
+  /// The producer's end of a lane that leaves the engine, for what is encoded in place.
+  [[nodiscard]] ByteRing& ring(Lane lane) noexcept;
+
+  /// What waits in the lane is sent: now, by this thread, or soon, by the wire's process.
+  void flush(Lane lane);
+
+  /// @return how many subscriptions match a topic; 0 while no wire runs.
+  [[nodiscard]] std::uint32_t matched(wire::TopicId topic) const noexcept;
+
+  /// @return whether the participant reads replies now.
+  [[nodiscard]] bool is_matched(const wire::Source& source) const noexcept {
+    return control_.readers.may_contain(source);
+  }
+
+  /// @return whether a participant that read replies does so no more. Everybody has 2 s to find a
+  ///         wire that was started anew.
+  [[nodiscard]] bool is_gone(const wire::Source& source) const noexcept;
+
+  /// @return the number of the wire that runs; 0 = none does.
+  [[nodiscard]] std::uint32_t running() const noexcept;
+
+  /// @return whether this process has to check again soon, because an answer waits for its reader.
+  [[nodiscard]] bool is_holding() const noexcept {
+    return sender_ != nullptr && sender_->is_holding();
+  }
+
+  [[nodiscard]] WireControl& control() const noexcept { return control_; }
+
+ private:
+  template <typename Message>
+  bool post(Lane lane, const Message& message, RecordHead head) {
+    const std::size_t size = wire::encoded_size(message);
+    const auto place = ring(lane).reserve(size);
+    if (!place) return false;
+    head.size = static_cast<std::uint32_t>(wire::encode(message, *place));
+    head.full_size = head.size;
+    ring(lane).commit(head);
+    return true;
+  }
+
+  WireControl& control_;
+  ByteRing status_;
+  ByteRing replies_;
+  ByteRing reports_;
+  Doorbell status_bell_;
+  Doorbell reports_bell_;
+  LaneSender* sender_ = nullptr;
+};
+
+}  // namespace vdrive::service

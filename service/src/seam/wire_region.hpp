@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "seam/byte_ring.hpp"
+#include "seam/doorbell.hpp"
+#include "vdrive/wire/participant.hpp"
+#include "vdrive/wire/topics.hpp"
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace vdrive::service {
+
+/// The rings of the seam between engine and wire. The first three leave the engine.
+enum class Lane : std::uint8_t {
+  status,       ///< status frames and samples of axes
+  replies,      ///< answers to requests and command frames
+  reports,      ///< descriptions, states, parameters, events
+  arrivals,     ///< command frames and requests
+  turned_away,  ///< beginnings of those that found `arrivals` full
+  notices,      ///< what other services publish with this bench number
+};
+
+inline constexpr std::size_t kLanes = 6;
+
+/// What the wire is doing; written by the wire.
+enum class WireState : std::uint32_t {
+  none,      ///< no wire has started
+  starting,  ///< `WireControl::generation` has not come up yet
+  running,
+  failed,  ///< it could not start; `WireControl::error` has the reason
+};
+
+/// Participants, written by one side and read by the other without waiting for each other.
+class SharedSources {
+ public:
+  static constexpr std::size_t kCapacity = 1'024;
+
+  /// While none is written.
+  void reset() noexcept;
+
+  /// One thread at a time. What is beyond the capacity is not shown.
+  void show(const std::vector<wire::Source>& sources) noexcept;
+
+  /// @return whether it is among them; true while they are being changed.
+  [[nodiscard]] bool may_contain(const wire::Source& source) const noexcept;
+
+ private:
+  using Words = std::array<std::atomic<std::uint32_t>, 3>;
+
+  std::atomic<std::uint32_t> version_{0};  ///< odd while they are being changed
+  std::atomic<std::uint32_t> count_{0};
+  std::array<Words, kCapacity> words_{};
+};
+
+/// The part of the region beside the rings. Written by one side each; all of it is plain numbers,
+/// because either process may end at any instruction.
+struct WireControl {
+  std::atomic<std::uint64_t> layout{0};  ///< kLayout
+
+  // The engine writes.
+  std::atomic<std::uint32_t> generation{0};  ///< wires started so far
+  std::atomic<std::uint32_t> stop{0};        ///< not 0: send what waits, take leave and end
+  std::atomic<std::uint32_t> settings_size{0};
+  std::array<std::uint8_t, 16'384> settings{};  ///< WireSettings in MessagePack
+
+  // The wire writes.
+  std::atomic<WireState> state{WireState::none};
+  std::atomic<std::uint32_t> running_generation{0};  ///< that `source` belongs to
+  wire::Source source;                               ///< of the participant that runs or ran
+  wire::Source prober;                               ///< of the one that probes it
+  std::array<char, 2'048> error{};
+  std::array<std::atomic<std::uint32_t>, wire::kTopics.size()> matched{};
+  SharedSources readers;                       ///< of `reply`
+  std::atomic<std::int64_t> running_since{0};  ///< monotonic [ns]
+  std::atomic<std::uint64_t> pump_beats{0};    ///< rounds of every pump
+  std::atomic<std::uint64_t> probe_beats{0};   ///< probes that came through
+  std::atomic<std::uint64_t> resident{0};      ///< memory of the process [bytes]
+  std::atomic<std::uint64_t> sent{0};          ///< samples that the library took
+  std::atomic<std::uint64_t> not_sent{0};      ///< samples that the library did not take
+  std::atomic<std::uint64_t> undelivered{0};   ///< answers whose reader was not found in time
+  std::atomic<std::uint64_t> guarded{0};       ///< datagrams that the guards of all wires dropped
+  std::atomic<std::uint64_t> overflows{0};     ///< arrivals that found their ring full
+  std::atomic<std::uint32_t> finished{0};      ///< after `stop`: everything is out
+
+  BellState status_bell;   ///< wakes the pump of `status`
+  BellState reports_bell;  ///< wakes the pump of `replies` and `reports`
+  BellState arrivals_bell;
+  std::array<RingPositions, kLanes> positions{};
+};
+
+/// How a wire is set up.
+struct WireSettings {
+  wire::NetworkSettings network;
+  std::uint32_t bench = 1;
+  std::string log_level = "info";
+  /// Of Lane::status, a power of two [bytes]; the wire reads it from the size of the region.
+  std::size_t status_room = std::size_t{1} << 20U;
+};
+
+/// The memory that engine and wire share: the control block and the rings. Threads of one process
+/// use it like two processes.
+class WireRegion {
+ public:
+  /// Makes a region that a child process can map by its descriptor.
+  /// @throws std::system_error when the kernel gives no memory.
+  explicit WireRegion(const WireSettings& settings);
+
+  /// Maps the region behind a descriptor that was inherited.
+  /// @throws std::system_error; std::runtime_error when it is not a region of this version.
+  static WireRegion attach(int descriptor);
+
+  ~WireRegion();
+  WireRegion(WireRegion&& other) noexcept;
+  WireRegion& operator=(WireRegion&&) = delete;
+  WireRegion(const WireRegion&) = delete;
+  WireRegion& operator=(const WireRegion&) = delete;
+
+  [[nodiscard]] int descriptor() const noexcept { return descriptor_; }
+
+  /// The engine, while no wire lives: puts right what the last one may have written over.
+  void prepare_for(std::uint32_t generation) const noexcept;
+
+  [[nodiscard]] WireControl& control() const noexcept { return *control_; }
+
+  /// One side's end of a lane; each side makes one.
+  [[nodiscard]] ByteRing ring(Lane lane) const noexcept;
+
+  /// @throws std::runtime_error when they cannot be read.
+  [[nodiscard]] WireSettings settings() const;
+
+ private:
+  WireRegion(int descriptor, std::span<std::byte> memory, std::size_t status_room) noexcept;
+
+  int descriptor_ = -1;
+  std::vector<std::uint8_t> settings_;  ///< of the engine, who made the region
+  std::size_t status_room_ = 0;
+  std::span<std::byte> memory_;
+  WireControl* control_ = nullptr;
+};
+
+}  // namespace vdrive::service

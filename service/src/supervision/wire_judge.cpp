@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "supervision/wire_judge.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace vdrive::service {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::uint64_t kBytesOfMebibyte = 1'024ULL * 1'024ULL;
+
+}  // namespace
+
+void WireJudge::started(Time now) noexcept {
+  start_ = now;
+  judged_ = now;
+  running_since_.reset();
+}
+
+std::optional<WireLoss> WireJudge::reason_to_end(const Sight& sight, Time now) noexcept {
+  // A judge that was not called for long, because the whole service stood still, has seen no
+  // silence.
+  constexpr std::chrono::milliseconds kLongestPause{500};
+  if (now - std::exchange(judged_, now) > kLongestPause) {
+    start_ = now;
+    pumped_ = now;
+    probed_ = now;
+  }
+  if (!sight.is_running) {
+    return now - start_ > kLongestStart
+               ? std::optional(WireLoss{.cause = WireLoss::Cause::no_start})
+               : std::nullopt;
+  }
+  if (!running_since_) {
+    running_since_ = now;
+    pumped_ = now;
+    probed_ = now;
+  }
+  if (std::exchange(pump_beats_, sight.pump_beats) != sight.pump_beats) pumped_ = now;
+  if (std::exchange(probe_beats_, sight.probe_beats) != sight.probe_beats) probed_ = now;
+  if (now - pumped_ > kLongestRound) return WireLoss{.cause = WireLoss::Cause::hangs};
+  if (now - probed_ > kLongestProbe) return WireLoss{.cause = WireLoss::Cause::deaf};
+  if (sight.resident > memory_limit_) {
+    return WireLoss{.cause = WireLoss::Cause::memory,
+                    .value = static_cast<std::uint32_t>(sight.resident / kBytesOfMebibyte)};
+  }
+  return std::nullopt;
+}
+
+bool WireJudge::wants_look(Time now) noexcept {
+  const Time heard = running_since_ ? pumped_ : start_;
+  if (now - std::max(heard, looked_) <= kLateRound) return false;
+  looked_ = now;
+  return true;
+}
+
+WireJudge::Time WireJudge::ended(Time now, bool was_judged) noexcept {
+  const std::chrono::seconds long_run = was_judged ? kLongRunOfJudged : kLongRun;
+  const bool was_long = running_since_ && now - *running_since_ >= long_run;
+  const auto delay = was_long ? 0ms : delay_;
+  delay_ = was_long ? 0ms : std::clamp(delay_ * 2, kFirstDelay, kLongestDelay);
+  return now + delay;
+}
+
+}  // namespace vdrive::service

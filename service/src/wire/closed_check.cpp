@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "wire/closed_check.hpp"
+
+#include "vdrive/wire/publication.hpp"
+#include "vdrive/wire/subscription.hpp"
+#include "vdrive_messages.h"
+
+#include <string>
+
+namespace vdrive::service {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// Authentication takes some 40 ms, on a busy machine more.
+constexpr std::chrono::milliseconds kLongestMatch = 5s;
+/// How long a stranger continues to try after a member has matched, which it began before the
+/// member.
+constexpr std::chrono::milliseconds kLeeway = 100ms;
+
+/// Receives and publishes what benches publish about themselves.
+class Visitor {
+ public:
+  Visitor(const wire::NetworkSettings& settings, const std::string& name)
+      : participant_(settings, name),
+        states_(participant_, [](const msg::BenchState&, const wire::Source&) {}),
+        own_states_(participant_) {}
+
+  /// @return whether it receives what `other` publishes.
+  [[nodiscard]] bool receives_from(const wire::Source& other, std::chrono::milliseconds patience) {
+    return states_.wait_for_match(other, patience);
+  }
+
+  /// @return whether `other` receives what it publishes.
+  [[nodiscard]] bool is_received_by(const wire::Source& other, std::chrono::milliseconds patience) {
+    return own_states_.wait_for_match(other, patience);
+  }
+
+ private:
+  wire::Participant participant_;
+  wire::Subscription<msg::BenchState> states_;
+  wire::Publication<msg::BenchState> own_states_;
+};
+
+wire::NetworkSettings without_material(wire::NetworkSettings settings) {
+  settings.security.clear();
+  return settings;
+}
+
+}  // namespace
+
+void check_closed(wire::Participant& participant, const wire::NetworkSettings& settings) {
+  const wire::Source bench = participant.source();
+  Visitor stranger(without_material(settings), "vdrived self-test: stranger");
+  Visitor member(settings, "vdrived self-test: member");
+  if (!member.receives_from(bench, kLongestMatch) || !member.is_received_by(bench, kLongestMatch)) {
+    throw wire::NetworkError(
+        "network security: self-test: a participant with the material of this service does not "
+        "find the service; check that its permissions allow every topic of a service");
+  }
+  if (stranger.receives_from(bench, kLeeway) || stranger.is_received_by(bench, 0ms)) {
+    throw wire::NetworkError(
+        "network security: self-test: a participant without material finds this service, so the "
+        "bench is open; check that the DDS library of this machine has DDS Security");
+  }
+}
+
+}  // namespace vdrive::service

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "wire/library_log_sink.hpp"
+
+#include "base/log.hpp"
+#include "base/repeat_limiter.hpp"
+#include "vdrive/text.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <string>
+
+namespace vdrive::service {
+
+wire::LibraryLog::Sink log_of_the_library(std::uint32_t bench) {
+  return [bench, limiter = RepeatLimiter()](const std::string& part,
+                                            const std::string& words) mutable {
+    if (const auto suppressed = limiter.pass(std::chrono::steady_clock::now())) {
+      std::string text = escaped(words, kShownOfMessage);
+      std::ranges::replace(text, '"', '\'');
+      log_warning("dds={} bench={} suppressed={} text=\"{}\"", part, bench, *suppressed, text);
+    }
+  };
+}
+
+}  // namespace vdrive::service

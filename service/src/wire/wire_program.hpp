@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/repeat_limiter.hpp"
+#include "seam/lane_sender.hpp"
+#include "seam/queues.hpp"
+#include "seam/wire_region.hpp"
+#include "vdrive/wire/bytes_publication.hpp"
+#include "vdrive/wire/bytes_subscription.hpp"
+#include "vdrive/wire/participant.hpp"
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+namespace vdrive::service {
+
+/// The wire of a bench: everything that names DDS, between the rings of a region and the topics. It
+/// decodes no message and keeps no state of the bench: another one can take its place at any time.
+/// Its threads are those of the library, which bring what arrives, and the callers of `drain`.
+class WireProgram final : public LaneSender {
+ public:
+  /// How long an answer waits for its reader.
+  static constexpr std::chrono::seconds kLongestWait{1};
+  /// How many answers wait for their readers, and how many of them for one.
+  static constexpr std::size_t kMostHeld = 256;
+  static constexpr std::size_t kMostHeldForOne = 16;
+
+  /// Joins the domain. What left the engine for an earlier wire is dropped, except answers.
+  /// @throws wire::NetworkError
+  WireProgram(const WireRegion& region, const WireSettings& settings);
+  ~WireProgram() override;
+
+  /// What one call of `drain` sends at most; a record more in any case.
+  static constexpr std::size_t kMostInOneRound = 256;
+  static constexpr std::size_t kMostBytesInOneRound = std::size_t{512} * 1'024;
+
+  bool drain(Lane lane) override;
+
+  [[nodiscard]] bool is_holding() const noexcept override { return !held_.empty(); }
+
+  /// Waits until every reader has the description of the bench and the replies. @return false on
+  /// time-out.
+  bool wait_for_readers(std::chrono::milliseconds timeout);
+
+  [[nodiscard]] wire::Participant& participant() noexcept { return participant_; }
+
+  /// What comes from `source` is a probe: counted, and not passed on.
+  void expect_probes_from(const wire::Source& source);
+
+  [[nodiscard]] std::uint64_t probes_received() const noexcept { return probes_received_; }
+
+  /// @return datagrams that the guard of the participant dropped.
+  [[nodiscard]] std::uint64_t guarded() const { return participant_.guarded().all_refused(); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  /// An answer whose reader is not known yet.
+  struct Held {
+    RecordHead head;
+    std::vector<std::byte> bytes;
+    Clock::time_point deadline;
+  };
+
+  /// Brings the samples of a topic into a ring.
+  struct Intake {
+    wire::TopicId topic{};
+    Lane lane = Lane::arrivals;
+    std::vector<std::byte> sample;  ///< between the two calls of the library; keeps its capacity
+    std::unique_ptr<wire::BytesSubscription> subscription;
+  };
+
+  void show(wire::TopicId topic, const std::vector<wire::Source>& readers);
+  void subscribe(wire::TopicId topic, Lane lane);
+  void deliver(Intake& intake, const wire::Source& source);
+  void send(const ByteRing::Record& record);
+  [[nodiscard]] bool try_send(const RecordHead& head, std::span<const std::byte> bytes);
+  void hold(const ByteRing::Record& record);
+  void retry();
+  void drop(const RecordHead& head);
+
+  WireControl& control_;
+  std::uint32_t bench_;
+  std::mutex showing_;  ///< several threads of the library report matches
+  wire::Participant participant_;
+  std::vector<std::unique_ptr<wire::BytesPublication>> publications_;  ///< by TopicId, or nothing
+  ByteRing status_;
+  ByteRing replies_;
+  ByteRing reports_;
+  std::deque<Held> held_;
+  std::map<std::array<std::uint8_t, 12>, std::size_t> held_for_;
+  RepeatLimiter drop_log_;
+  std::mutex arriving_;  ///< the library has a receive thread for each interface
+  ArrivalIntake arrivals_;
+  ByteRing notices_;
+  wire::Source prober_;
+  std::atomic<std::uint64_t> probes_received_{0};
+  Doorbell arrivals_bell_;
+  std::vector<std::unique_ptr<Intake>> intakes_;
+};
+
+}  // namespace vdrive::service
