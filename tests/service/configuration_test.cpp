@@ -586,7 +586,8 @@ TEST(ConfigurationHelp, DescribesEachKeyThatIsRead) {
     for (const std::string& key : keys) {
       const std::string path = "\n" + prefix + key;
       EXPECT_NE(("\n" + help).find(path), std::string::npos)
-          << prefix << key << " is not in kKeys of service/src/configuration/configuration_help.cpp";
+          << prefix << key
+          << " is not in kKeys of service/src/configuration/configuration_help.cpp";
     }
   };
   for (const std::string& section : known_keys("zz: 1")) {

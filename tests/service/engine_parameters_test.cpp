@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Requests that store parameters: REQUEST_STORE, REQUEST_RESTORE, and 1010h and 1011h as objects.
+#include "base/event_codes.hpp"
 #include "core/support/allocation_guard.hpp"
 #include "service/engine_under_test.hpp"
 #include "service/failing_files.hpp"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Snapshots by request.
+#include "base/event_codes.hpp"
 #include "service/engine_under_test.hpp"
 
 #include <gtest/gtest.h>

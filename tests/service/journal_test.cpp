@@ -2,6 +2,7 @@
 // The journal of a bench and its replay, without network and clock.
 #include "journal/journal.hpp"
 
+#include "base/event_codes.hpp"
 #include "core/support/allocation_guard.hpp"
 #include "core/support/random_cases.hpp"
 #include "journal/replay.hpp"
@@ -38,7 +39,7 @@ using service::Journal;
 using service::JournalChange;
 using service::JournalEnd;
 using service::JournalError;
-using service::JournalNews;
+using service::JournalCode;
 using service::JournalReader;
 using service::JournalRecord;
 using service::JournalSink;

@@ -2,6 +2,7 @@
 // Stored parameters on a disk: what is loaded after any damage to the files.
 #include "store/parameter_store.hpp"
 
+#include "base/event_codes.hpp"
 #include "service/failing_files.hpp"
 #include "store/parameter_file.hpp"
 #include "support/temporary_directory.hpp"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "clock/realtime_driver.hpp"
 
+#include "base/event_codes.hpp"
 #include "core/support/allocation_guard.hpp"
 #include "service/engine_under_test.hpp"
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "simulation/bench.hpp"
 
+#include "base/event_codes.hpp"
 #include "vdrive/cia402/power_state.hpp"
 #include "vdrive/cia402/statusword.hpp"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "base/parameter_problem.hpp"
 
-#include "vdrive/dictionary/object_text.hpp"
+#include "vdrive/number_text.hpp"
 
 #include <system_error>
 
@@ -25,8 +25,7 @@ std::string describe_problem(ParameterProblem problem, std::uint64_t number) {
       return "missing";
     case ParameterProblem::unknown_object:
     case ParameterProblem::refused_value:
-      return key_of({static_cast<std::uint16_t>(number >> 8U),
-                     static_cast<std::uint8_t>(number & 0xFFU)}) +
+      return hex(number >> 8U, 4) + ":" + std::to_string(number & 0xFFU) +
              (problem == ParameterProblem::unknown_object ? " is not an object that can be stored"
                                                           : " has a value outside of its range");
   }
