@@ -37,9 +37,9 @@ namespace {
 
 using service::Journal;
 using service::JournalChange;
+using service::JournalCode;
 using service::JournalEnd;
 using service::JournalError;
-using service::JournalCode;
 using service::JournalReader;
 using service::JournalRecord;
 using service::JournalSink;
