@@ -5,6 +5,7 @@
 #include "base/log.hpp"
 #include "vdrive/axis_bank.hpp"
 #include "vdrive/text.hpp"
+#include "vdrive_messages.h"
 
 #include <algorithm>
 #include <array>
