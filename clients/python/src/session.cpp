@@ -191,7 +191,7 @@ void add_finding(SessionClass& session) {
         }));
         std::vector<PyAxis> axes;
         axes.reserve(found.size());
-        for (const client::Axis& axis : found) axes.push_back({axis, self});
+        for (const client::Axis& axis : found) axes.emplace_back(axis, self);
         return axes;
       },
       py::arg("bench") = py::none(), "Every axis of a bench, by number.");

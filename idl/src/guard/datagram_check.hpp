@@ -37,7 +37,7 @@ struct DatagramReport {
 namespace rtps_bytes {
 
 /// @return Refusal::parameters unless the list ends and what the library reads in it is whole.
-[[nodiscard]] Refusal check_list(std::span<const std::uint8_t> list, bool little) noexcept;
+[[nodiscard]] Refusal check_list(std::span<const std::uint8_t> bytes, bool little) noexcept;
 
 }  // namespace rtps_bytes
 }  // namespace vdrive::wire

@@ -52,9 +52,9 @@ bool Doorbell::wait_for(std::chrono::nanoseconds timeout) noexcept {
 /// Does not yield: the scheduler would give a whole slice to what is worth nothing, such as a
 /// program of idle priority, and a ring would wait for its end.
 void Doorbell::look_for_rings(Clock::time_point deadline) const noexcept {
-  constexpr int kLooksPerReadingOfTheClock = 32;
+  constexpr int kLooksPerReading = 32;
   do {
-    for (int look = 0; look < kLooksPerReadingOfTheClock; ++look) {
+    for (int look = 0; look < kLooksPerReading; ++look) {
       if (has_rung()) return;
       relax();
     }

@@ -37,6 +37,8 @@ class WireProgram final : public LaneSender {
   /// @throws wire::NetworkError
   WireProgram(const WireRegion& region, const WireSettings& settings);
   ~WireProgram() override;
+  WireProgram(const WireProgram&) = delete;
+  WireProgram& operator=(const WireProgram&) = delete;
 
   /// What one call of `drain` sends at most; a record more in any case.
   static constexpr std::size_t kMostInOneRound = 256;
