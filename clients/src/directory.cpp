@@ -112,7 +112,7 @@ std::vector<Presence> Directory::presences(Clock::time_point now) const {
     const bool stands = entry.info.clock_mode == ClockMode::lockstep ||
                         (entry.info.clock_mode == ClockMode::realtime && entry.info.rate == 0.0);
     runs.push_back({.key = key,
-                    .age = now - *entry.newest_sample,
+                    .age = now < excused_until_ ? Clock::duration() : now - *entry.newest_sample,
                     .is_offline = entry.offline,
                     .is_streaming = !stands});
   }

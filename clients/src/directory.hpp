@@ -115,6 +115,9 @@ class Directory {
   /// This program did not run for as long: that makes no sample older.
   void discount(Clock::duration pause);
 
+  /// Benches have to find this program again: until then `presences` has no age.
+  void excuse_silence_until(Clock::time_point time) { excused_until_ = time; }
+
   /// @return every run that has a description and a sample, by bench; of one bench the newest last.
   [[nodiscard]] std::vector<Presence> presences(Clock::time_point now) const;
 
@@ -171,6 +174,7 @@ class Directory {
   bool forget_the_most_silent(Clock::time_point now);
 
   std::map<BenchKey, Entry> entries_;
+  Clock::time_point excused_until_{};
 };
 
 }  // namespace vdrive::client

@@ -22,6 +22,12 @@ constexpr milliseconds kSearchPeriod{20};
 // A service that had no room for this participant reads its announcement again after a change.
 constexpr milliseconds kAnnounceAgain{1'000};
 
+// Others remove a participant of vdrive that was silent for 2.5 s (kPatienceWithVdrive of the guard):
+// a program that was stopped so long has to be found again before it receives anything. That takes
+// some 0.1 s, longer on a busy machine.
+constexpr milliseconds kForgottenAfter{2'000};
+constexpr milliseconds kTimeToBeFoundAgain{500};
+
 /// @param number of the only bench that is looked for
 /// @return whether a participant of this name is that of a service.
 bool is_service(std::string_view name, std::optional<std::uint32_t> number) {
@@ -77,7 +83,10 @@ Discovery::Discovery(wire::Participant& participant, SessionOptions options, Wak
 Discovery::Clock::time_point Discovery::running_time() const {
   const auto now = Clock::now();
   const auto pause = own_pauses_.note(now);
-  if (pause != Clock::duration::zero()) directory_.discount(pause);
+  if (pause != Clock::duration::zero()) {
+    directory_.discount(pause);
+    if (pause >= kForgottenAfter) directory_.excuse_silence_until(now + kTimeToBeFoundAgain);
+  }
   return now;
 }
 

@@ -52,6 +52,17 @@ TEST_F(ServiceWatchTest, ReportsSilenceWithin100MillisecondsWhileTheBenchTicks) 
   EXPECT_THAT(news(500ms), IsEmpty()) << "reported once";
 }
 
+// A sample may still arrive from the socket before the bench has found this program again.
+TEST_F(ServiceWatchTest, AllowsABenchTheTimeToFindThisProgramAgain) {
+  describe(10, msg::CLOCK_MODE_REALTIME);
+  directory_.on_state(state(1, 10), kStart);
+  EXPECT_THAT(news(0ms), ElementsAre(ServiceNews::found));
+  directory_.excuse_silence_until(kStart + 4'500ms);
+  directory_.note_sample({1, 10}, 5, kStart + 4'000ms);
+  EXPECT_THAT(news(4'499ms), IsEmpty());
+  EXPECT_THAT(news(4'500ms), ElementsAre(ServiceNews::fell_silent)) << "it has not come back";
+}
+
 TEST_F(ServiceWatchTest, AllowsTheLongerIntervalOfABenchThatStandsStill) {
   describe(10, msg::CLOCK_MODE_LOCKSTEP);
   directory_.on_state(state(1, 10), kStart);

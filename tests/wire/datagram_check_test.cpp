@@ -4,6 +4,7 @@
 
 #include "guard/announcement.hpp"
 #include "guard/lease_keeper.hpp"
+#include "guard/returned_participants.hpp"
 #include "wire/datagrams.hpp"
 
 #include <gtest/gtest.h>
@@ -446,6 +447,57 @@ TEST_F(Keeper, KeepsABoundedNumberOfParticipants) {
   }
   EXPECT_FALSE(keeper_.announced({1, 2, 3}, 2s, 7, now_));
   EXPECT_TRUE(keeper_.announced({1, 2}, 2s, 7, now_)) << "it is known";
+}
+
+class Returned : public testing::Test {
+ protected:
+  static constexpr rtps_bytes::Entity kWriter = rtps_bytes::kPublicationsWriter;
+
+  ReturnedParticipants returned_;
+  ReturnedParticipants::Clock::time_point now_{1h};
+};
+
+TEST_F(Returned, ParticipantsWaitWithTheHeartbeatsOfAWriterUntilItWasAskedForEverything) {
+  returned_.removed(kSender);
+  EXPECT_TRUE(returned_.empty());
+  returned_.announced(kSender, now_);
+  EXPECT_TRUE(returned_.holds_back(kSender, kWriter, now_));
+  returned_.greeted(kSender, kWriter);
+  EXPECT_FALSE(returned_.holds_back(kSender, kWriter, now_));
+  EXPECT_TRUE(returned_.holds_back(kSender, rtps_bytes::kSubscriptionsWriter, now_ + 1'999ms));
+  EXPECT_FALSE(returned_.holds_back(kSender, rtps_bytes::kSubscriptionsWriter, now_ + 2s));
+  returned_.forget_old(now_ + 2s);
+  EXPECT_TRUE(returned_.empty());
+}
+
+TEST_F(Returned, AreNeitherNewParticipantsNorThoseThatLeftByThemselves) {
+  returned_.announced(kSender, now_);
+  EXPECT_FALSE(returned_.holds_back(kSender, kWriter, now_)) << "it is new";
+  returned_.removed(kSender);
+  returned_.left(kSender);
+  returned_.announced(kSender, now_);
+  EXPECT_FALSE(returned_.holds_back(kSender, kWriter, now_)) << "it left";
+}
+
+TEST_F(Returned, AnnounceThemselvesAgainAndAgainAndWaitOnce) {
+  returned_.removed(kSender);
+  returned_.announced(kSender, now_);
+  returned_.announced(kSender, now_ + 1s);
+  EXPECT_FALSE(returned_.holds_back(kSender, kWriter, now_ + 2s)) << "since the first one";
+}
+
+TEST_F(Returned, AreRememberedInABoundedNumber) {
+  for (std::size_t number = 0; number <= ReturnedParticipants::kMostRemoved; ++number) {
+    returned_.removed({static_cast<std::uint8_t>(number), static_cast<std::uint8_t>(number >> 8U)});
+  }
+  std::size_t remembered = 0;
+  for (std::size_t number = 0; number <= ReturnedParticipants::kMostRemoved; ++number) {
+    const ReturnedParticipants::Prefix prefix{static_cast<std::uint8_t>(number),
+                                              static_cast<std::uint8_t>(number >> 8U)};
+    returned_.announced(prefix, now_);
+    remembered += returned_.holds_back(prefix, kWriter, now_) ? 1 : 0;
+  }
+  EXPECT_EQ(remembered, ReturnedParticipants::kMostRemoved);
 }
 
 }  // namespace

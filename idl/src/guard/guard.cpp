@@ -95,6 +95,10 @@ void Guard::receive(Receiver& channel, Bytes datagram, const Locator& local,
     const auto now = Clock::now();
     const std::scoped_lock lock(keeper_mutex_);
     keeper_.note_datagram(sender_of(datagram), now);
+    if (has_returned_ && comes_too_early(datagram, now)) {
+      ++held_back_;
+      return;
+    }
   }
   const Bytes readable = datagram.first(report.length);
   if (report.announces) {
@@ -117,6 +121,7 @@ GuardCounts Guard::counts() const {
   counts.handed_over = handed_over_;
   counts.ignored = ignored_;
   counts.judged = judged_;
+  counts.held_back = held_back_;
   const std::scoped_lock lock(keeper_mutex_);
   counts.kept = keeper_.size();
   return counts;
@@ -132,6 +137,39 @@ bool Guard::has_room_for(std::uint32_t gap_numbers) {
       std::chrono::duration_cast<std::chrono::seconds>(Clock::now().time_since_epoch()).count();
   if (gap_second_.exchange(second) != second) gap_numbers_ = 0;
   return gap_numbers_.fetch_add(gap_numbers) <= kGapNumbersInASecond;
+}
+
+/// Where the library encrypts whole datagrams no heartbeat is seen, and none held back.
+bool Guard::comes_too_early(Bytes datagram, Clock::time_point now) const {
+  const Prefix sender = sender_of(datagram);
+  bool is_early = false;
+  Submessages submessages(datagram);
+  for (Submessage submessage; !submessages.at_end() && submessages.next(submessage);) {
+    if (submessage.kind != Kind::heartbeat) continue;
+    ByteReader reader = submessage.reader();
+    reader.skip(sizeof(rtps_bytes::Entity));  // whom it is for
+    is_early = is_early || returned_.holds_back(sender, reader.entity(), now);
+  }
+  return is_early;
+}
+
+void Guard::sends(Bytes datagram) {
+  if (!has_returned_) return;
+  Prefix receiver{};
+  Submessages submessages(datagram);
+  for (Submessage submessage; !submessages.at_end() && submessages.next(submessage);) {
+    ByteReader reader = submessage.reader();
+    if (submessage.kind == Kind::info_dst) {
+      const Bytes prefix = reader.bytes(receiver.size());
+      if (reader.ok()) std::ranges::copy(prefix, receiver.begin());
+    } else if (submessage.kind == Kind::acknack) {
+      reader.skip(sizeof(rtps_bytes::Entity));  // whose it is
+      const rtps_bytes::Entity writer = reader.entity();
+      if (reader.sequence() != 0 || !reader.ok()) continue;
+      const std::scoped_lock lock(keeper_mutex_);
+      returned_.greeted(receiver, writer);
+    }
+  }
 }
 
 /// The transport's buffer is not ours to write: in shared memory others read it too.
@@ -183,15 +221,20 @@ Refusal Guard::take_announcement(const Announcement& announcement, const Prefix&
   if (announcement.gone) {
     if (announcement.library_knows_key) {
       keeper_.left(announcement.participant);
+      returned_.left(announcement.participant);
     } else {
       keeper_.expire(announcement.participant);
     }
     return Refusal::none;
   }
   if (announcement.participant != sender) return Refusal::announcement;
-  return keeper_.announced(sender, patience_with(announcement), &channel, Clock::now())
-             ? Refusal::none
-             : Refusal::participants;
+  const auto now = Clock::now();
+  if (!keeper_.announced(sender, patience_with(announcement), &channel, now)) {
+    return Refusal::participants;
+  }
+  returned_.announced(sender, now);
+  has_returned_ = !returned_.empty();
+  return Refusal::none;
 }
 
 void Guard::judge() {
@@ -203,7 +246,11 @@ void Guard::judge() {
     std::vector<Keeper::Silent> silent;
     {
       const std::scoped_lock keeping(keeper_mutex_);
-      silent = keeper_.take_silent(Clock::now());
+      const auto now = Clock::now();
+      silent = keeper_.take_silent(now);
+      returned_.forget_old(now);
+      for (const Keeper::Silent& each : silent) returned_.removed(each.participant);
+      has_returned_ = !returned_.empty();
     }
     std::for_each(silent.begin(), silent.end(), [this](const Keeper::Silent& participant) {
       remove(participant);

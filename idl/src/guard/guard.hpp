@@ -4,6 +4,7 @@
 #include "announcement.hpp"
 #include "datagram_check.hpp"
 #include "lease_keeper.hpp"
+#include "returned_participants.hpp"
 #include "vdrive/wire/guard.hpp"
 #include "vdrive/wire/participant.hpp"
 
@@ -48,6 +49,9 @@ class Guard {
   void receive(Receiver& channel, rtps_bytes::Bytes datagram, const Locator& local,
                const Locator& remote);
 
+  /// The library sends a datagram.
+  void sends(rtps_bytes::Bytes datagram);
+
   [[nodiscard]] GuardCounts counts() const;
 
  private:
@@ -56,6 +60,7 @@ class Guard {
 
   void refuse(Refusal refusal, const Locator& remote);
   [[nodiscard]] bool has_room_for(std::uint32_t gap_numbers);
+  [[nodiscard]] bool comes_too_early(rtps_bytes::Bytes datagram, Clock::time_point now) const;
   void hand_over(Receiver& channel, rtps_bytes::Bytes datagram, const Locator& local,
                  const Locator& remote);
   void pass_discovery(Receiver& channel, rtps_bytes::Bytes datagram, const Locator& local,
@@ -77,11 +82,14 @@ class Guard {
   std::atomic<std::uint64_t> handed_over_{0};
   std::atomic<std::uint64_t> ignored_{0};
   std::atomic<std::uint64_t> judged_{0};
+  std::atomic<std::uint64_t> held_back_{0};
   std::atomic<std::int64_t> gap_second_{0};
   std::atomic<std::uint32_t> gap_numbers_{0};
 
   mutable std::mutex keeper_mutex_;
   Keeper keeper_;
+  ReturnedParticipants returned_;
+  std::atomic<bool> has_returned_{false};  ///< `returned_` is not empty: seen without the lock
 
   std::atomic<bool> has_begun_{false};  ///< or the library gave up before
   /// A participant announces itself by several channels. The library ignores the second

@@ -29,6 +29,7 @@ bool GuardTransport::CloseInputChannel(const Locator& local) {
 bool GuardTransport::send(rtps::SenderResource* low, const std::uint8_t* bytes, std::uint32_t size,
                           rtps::LocatorsIterator* first, rtps::LocatorsIterator* last,
                           const std::chrono::steady_clock::time_point& timeout) {
+  guard_->sends({bytes, size});
   return low->send(bytes, size, first, last, timeout);
 }
 
