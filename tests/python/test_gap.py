@@ -9,6 +9,7 @@ import subprocess
 import sys
 import textwrap
 import threading
+import time
 
 import pytest
 import vdrive
@@ -28,8 +29,17 @@ def processes():
     return found
 
 
-def wire_of(domain):
-    """The wire process of the service on that domain."""
+def await_that(condition, what):
+    """The first result of the condition that is true."""
+    deadline = time.monotonic() + PATIENCE
+    while time.monotonic() < deadline:
+        if result := condition():
+            return result
+        threading.Event().wait(0.01)
+    raise AssertionError(what)
+
+
+def find_wire(domain):
     known = processes()
     for pid, (parent, command) in known.items():
         if b"--wire-process" not in command.split(b"\0"):
@@ -38,7 +48,24 @@ def wire_of(domain):
             if str(domain).encode() in known[parent][1].split(b"\0"):
                 return pid
             parent = known[parent][0]
-    raise AssertionError("the service has no wire process")
+    return None
+
+
+def wire_of(domain):
+    """The wire process of the service on that domain. The next one begins some 20 ms after an end."""
+    return await_that(lambda: find_wire(domain), "the service has no wire process")
+
+
+def is_stopped(process):
+    states = [task.read_text().rpartition(")")[2].split()[0]
+              for task in pathlib.Path(f"/proc/{process}/task").glob("*/stat")]
+    return all(state == "T" for state in states)
+
+
+def stop(process):
+    """A thread that runs on another processor stops some time after the signal was sent."""
+    os.kill(process, signal.SIGSTOP)
+    await_that(lambda: is_stopped(process), "the process does not stop")
 
 
 @contextlib.contextmanager
@@ -46,7 +73,7 @@ def hung_wire(bench):
     """Stop the wire; the service replaces it some 2 s later, and kills the old one."""
     wire = wire_of(bench.domain)
     handle = os.pidfd_open(wire)
-    os.kill(wire, signal.SIGSTOP)
+    stop(wire)
     yield
     ended, _, _ = select.select([handle], [], [], PATIENCE)
     os.close(handle)
