@@ -303,7 +303,7 @@ std::optional<std::string_view> refuse_layer(std::string_view path, const Includ
   constexpr std::string_view kPrefix = "drive/";
   if (!path.starts_with("core/") || !include.name.starts_with(kPrefix)) return std::nullopt;
   if (!path.starts_with(kFolder)) {
-    if (path == "core/src/axis_bank.cpp") return std::nullopt;
+    if (path.starts_with("core/src/bank/")) return std::nullopt;
     return "only the bank includes the files of a drive";
   }
   const std::string_view from = without_extension(path.substr(kFolder.size()));

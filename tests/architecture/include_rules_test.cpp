@@ -147,7 +147,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"state_of_mode_in_state", "core/src/drive/state.hpp",
              "#include \"drive/modes/homing_state.hpp\""},
         Case{"ground_in_mode", "core/src/drive/modes/homing.cpp", "#include \"drive/frame.hpp\""},
-        Case{"tick_in_bank", "core/src/axis_bank.cpp", "#include \"drive/tick.hpp\""},
+        Case{"tick_in_bank", "core/src/bank/bank_step.cpp", "#include \"drive/tick.hpp\""},
         Case{"dds_in_idl", "idl/src/participant.cpp", "#include <fastdds/dds/topic/Topic.hpp>"},
         Case{"wire_in_client_source", "clients/src/session.cpp",
              "#include \"vdrive/wire/topics.hpp\""},

@@ -710,7 +710,7 @@ class LongRunningDrive {
   }
 
   void write(std::string_view name, std::int64_t value) {
-    ASSERT_EQ(write_object(axis_, *find_object(name), value), AbortCode::none);
+    ASSERT_EQ(write_object(axis_, *find_object(name), value).code, AbortCode::none);
   }
 
   /// One tick of an ideal servo: the load is where the demand is.

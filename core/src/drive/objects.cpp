@@ -83,19 +83,23 @@ AbortCode check_object_value(ObjectRow row, std::int64_t value) noexcept {
   return is_judged ? check_value(row, value) : code;
 }
 
-AbortCode write_object(Drive& drive, ObjectRow row, std::int64_t value) noexcept {
-  if (const AbortCode code = check_object_value(row, value); code != AbortCode::none) return code;
+WriteResult write_object(Drive& drive, ObjectRow row, std::int64_t value) noexcept {
+  if (const AbortCode code = check_object_value(row, value); code != AbortCode::none) return {code};
   const Change change = describe(row).change;
   if (change == Change::memory) {
-    return AbortCode::none;  // the row still reads 1
+    return {};  // the row still reads 1
   }
   drive.registers().values[row] = value;
   switch (change) {
     case Change::limits:
-    case Change::torque_limits:
-    case Change::gear:
       update_derived(drive);
       break;
+    case Change::torque_limits:
+      update_derived(drive);
+      return {AbortCode::none, ServoUpdate::torques};
+    case Change::gear:
+      update_derived(drive);
+      return {AbortCode::none, ServoUpdate::gear};
     case Change::plan:
       drive.state().plan_due = true;
       break;
@@ -119,7 +123,7 @@ AbortCode write_object(Drive& drive, ObjectRow row, std::int64_t value) noexcept
     case Change::memory:
       break;
   }
-  return AbortCode::none;
+  return {};
 }
 
 std::int64_t read_object(const Drive& drive, ObjectRow row, AbortCode& code) noexcept {

@@ -13,9 +13,17 @@ namespace vdrive {
 /// The rules of one object for its value: those of the table, and the narrower ones of its meaning.
 [[nodiscard]] AbortCode check_object_value(ObjectRow row, std::int64_t value) noexcept;
 
-/// A write that the dictionary allows; see AxisBank::write. What Change::gear and
-/// Change::torque_limits mean to the servo is left to the bank.
-AbortCode write_object(Drive& drive, ObjectRow row, std::int64_t value) noexcept;
+/// What a write changes of the servo, whose parameters are the bank's.
+enum class ServoUpdate : std::uint8_t { none, torques, gear };
+
+struct WriteResult {
+  AbortCode code = AbortCode::none;
+  ServoUpdate servo = ServoUpdate::none;  ///< none when the write is refused
+};
+
+/// A write that the dictionary allows; see AxisBank::write. The one place that knows what a Change
+/// means.
+WriteResult write_object(Drive& drive, ObjectRow row, std::int64_t value) noexcept;
 
 [[nodiscard]] std::int64_t read_object(const Drive& drive, ObjectRow row, AbortCode& code) noexcept;
 

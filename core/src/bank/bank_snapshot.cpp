@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bank/bank_state.hpp"
+#include "vdrive/cia402/operating_mode.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <stdexcept>
+#include <string>
+
+namespace vdrive {
+
+template <typename Visit>
+void AxisBank::State::for_each_part(Visit visit) {
+  for (Block& block : blocks) visit(&block.state, 1);
+  visit(settled.data(), settled.size());
+  visit(rigid.sets.data(), rigid.sets.size());
+  visit(rigid.in_use.data(), rigid.in_use.size());
+  visit(elastic.sets.data(), elastic.sets.size());
+  visit(elastic.in_use.data(), elastic.in_use.size());
+  visit(drive_states.data(), drive_states.size());
+  visit(drive_registers.data(), drive_registers.size());
+  visit(statuses.data(), statuses.size());
+  visit(memories.data(), memories.size());
+}
+
+bool AxisBank::State::is_sound() const {
+  const auto inside = [](const auto& pool) {
+    return std::ranges::all_of(pool.in_use, [&pool](std::uint32_t set) {
+      return set < pool.sets.size();
+    });
+  };
+  const bool has_modes = std::ranges::all_of(drive_states, [](const DriveState& drive) {
+    return is_operating_mode(static_cast<std::int64_t>(drive.mode.actual)) &&
+           is_operating_mode(static_cast<std::int64_t>(drive.mode.wanted));
+  });
+  return inside(rigid) && inside(elastic) && has_modes;
+}
+
+AxisBank::Snapshot AxisBank::snapshot() const {
+  return Snapshot(std::make_unique<State>(*state_));
+}
+
+void AxisBank::restore(const Snapshot& snapshot, Memory memory) {
+  const State& saved = *snapshot.state_;
+  if (saved.places.size() != size() || saved.timing.period_us != state_->timing.period_us) {
+    throw std::invalid_argument("snapshot of " + std::to_string(saved.places.size()) +
+                                " axes does not fit a bank of " + std::to_string(size()));
+  }
+  if (memory == Memory::of_snapshot) {
+    *state_ = saved;
+    return;
+  }
+  State next = saved;
+  next.memories.swap(state_->memories);
+  for (std::size_t axis = 0; axis < size(); ++axis) {
+    next.drive(axis).registers().memory_error = state_->drive(axis).registers().memory_error;
+  }
+  *state_ = std::move(next);
+}
+
+void AxisBank::save(Snapshot& snapshot) const {
+  *snapshot.state_ = *state_;
+}
+
+std::uint64_t AxisBank::snapshot_layout() noexcept {
+  // Counted up by hand when a member changes its meaning while every size stays as it is.
+  constexpr std::uint64_t kVersion = 4;
+  constexpr std::uint64_t kPrime = 1099511628211ULL;  // FNV-1a over words
+  std::uint64_t layout = 14695981039346656037ULL;
+  for (const std::uint64_t part :
+       {kVersion, std::uint64_t{kObjectCount}, std::uint64_t{kLanes},
+        std::uint64_t{sizeof(BlockState)}, std::uint64_t{sizeof(Settled)},
+        std::uint64_t{sizeof(RigidParameters)}, std::uint64_t{sizeof(ElasticParameters)},
+        std::uint64_t{sizeof(DriveState)}, std::uint64_t{sizeof(DriveRegisters)},
+        std::uint64_t{sizeof(AxisStatus)}, std::uint64_t{sizeof(ParameterMemory)},
+        std::uint64_t{std::endian::native == std::endian::little}}) {
+    layout = (layout ^ part) * kPrime;
+  }
+  for (std::size_t row = 0; row < kObjectCount; ++row) {  // registers are kept by row
+    const ObjectAddress address = describe(static_cast<ObjectRow>(row)).address;
+    layout = (layout ^ (address.index * 256U + address.subindex)) * kPrime;
+  }
+  return layout;
+}
+
+AxisBank::Snapshot AxisBank::snapshot_from(std::span<const std::byte> bytes) const {
+  Snapshot snapshot = this->snapshot();
+  std::size_t used = 0;
+  snapshot.state_->for_each_part([&](auto* first, std::size_t count) {
+    const std::size_t size = sizeof(*first) * count;
+    if (size != 0 && size <= bytes.size() - used) {
+      std::memcpy(first, bytes.data() + used, size);
+      used += size;
+    } else if (size != 0) {
+      throw std::invalid_argument("a snapshot of " + std::to_string(bytes.size()) +
+                                  " bytes is too short for this bank");
+    }
+  });
+  if (used != bytes.size() || !snapshot.state_->is_sound()) {
+    throw std::invalid_argument("a snapshot of " + std::to_string(bytes.size()) +
+                                " bytes does not fit this bank");
+  }
+  return snapshot;
+}
+
+AxisBank::Snapshot::Snapshot(std::unique_ptr<State> state) : state_(std::move(state)) {}
+
+AxisBank::Snapshot::~Snapshot() = default;
+
+std::vector<std::byte> AxisBank::Snapshot::bytes() const {
+  std::vector<std::byte> bytes;
+  state_->for_each_part([&bytes](const auto* first, std::size_t count) {
+    const auto part = std::as_bytes(std::span(first, count));
+    bytes.insert(bytes.end(), part.begin(), part.end());
+  });
+  return bytes;
+}
+
+AxisBank::Snapshot::Snapshot(const Snapshot& other)
+    : state_(std::make_unique<State>(*other.state_)) {}
+
+AxisBank::Snapshot& AxisBank::Snapshot::operator=(const Snapshot& other) {
+  if (this != &other) *state_ = *other.state_;
+  return *this;
+}
+
+AxisBank::Snapshot::Snapshot(Snapshot&&) noexcept = default;
+
+AxisBank::Snapshot& AxisBank::Snapshot::operator=(Snapshot&&) noexcept = default;
+
+}  // namespace vdrive

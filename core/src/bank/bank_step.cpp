@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bank/bank_state.hpp"
+#include "drive/block.hpp"
+#include "drive/demand.hpp"
+#include "drive/tick.hpp"
+#include "plant/servo_block.hpp"
+#include "vdrive/assert.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <span>
+
+namespace vdrive {
+
+namespace {
+
+std::uint64_t all_lanes(const Block& block) {
+  return (std::uint64_t{1} << block.count) - 1U;
+}
+
+/// @return whether all axes of the block stand on their targets or have no power.
+bool rests(const Block& block) {
+  const SteadyBlock& steady = block.state.steady;
+  return (steady.standing | steady.unpowered) == all_lanes(block);
+}
+
+/// @return whether a tick may leave `servo` as it is.
+bool may_stand_still(const ServoState& servo) {
+  return std::ranges::all_of(servo.velocity, [](double velocity) {
+    return velocity == 0.0;
+  });
+}
+
+template <typename Visit>
+void for_each_lane(std::uint64_t lanes, Visit visit) {
+  for (; lanes != 0; lanes &= lanes - 1U) visit(static_cast<std::size_t>(std::countr_zero(lanes)));
+}
+
+}  // namespace
+
+void AxisBank::State::end_settled(std::size_t block) {
+  BlockState& state = blocks[block].state;
+  for_each_lane(state.steady.standing, [&](std::size_t lane) {
+    state.demand.plan_ticks[lane] += static_cast<double>(settled[block].ticks);
+  });
+  settled[block] = {};
+}
+
+void AxisBank::State::end_steadiness(std::size_t block, std::uint64_t lanes) {
+  if (settled[block].is_settled != 0) end_settled(block);
+  for_each_lane(lanes, [this, block](std::size_t lane) {
+    Drive drive = this->drive(block, lane);
+    vdrive::end_steadiness(drive);
+  });
+}
+
+TickLanes AxisBank::State::begin_block(std::size_t block_index) {
+  Block& block = blocks[block_index];
+  ensure(block.count > 0, "a block has an axis");
+  const DemandBlock& demand = block.state.demand;
+  const std::uint64_t all = all_lanes(block);
+  TickLanes lanes{.steady = block.state.steady.lanes & ~lanes_out_of_frame(demand) & all};
+  end_steadiness(block_index, block.state.steady.lanes & ~lanes.steady);
+  for_each_lane(all & ~lanes.steady, [this, block_index](std::size_t lane) {
+    Drive drive = this->drive(block_index, lane);
+    begin_tick(drive);
+  });
+  lanes.across = lanes_across(demand, timing) & all;
+  return lanes;
+}
+
+std::size_t AxisBank::State::cross_segments(const Batch& batch, std::size_t substep,
+                                            std::span<const TickLanes> lanes) {
+  std::size_t last = timing.substeps;
+  for (std::size_t i = 0; i < batch.count; ++i) {
+    for_each_lane(lanes[i].across, [&](std::size_t lane) {
+      Drive drive = this->drive(batch.blocks[i], lane);
+      last = std::min(last, vdrive::cross_segments(drive, substep));
+    });
+  }
+  return last;
+}
+
+void AxisBank::State::end_block(std::size_t block_index, const TickLanes& lanes) {
+  Block& block = blocks[block_index];
+  const std::uint64_t unpowered = lanes.steady & block.state.steady.unpowered;
+  const std::uint64_t holding = lanes.steady & ~unpowered;
+  if (unpowered != 0) rest_at_load(block.state.demand, block.state.servo, unpowered);
+  const std::uint64_t steady =
+      unpowered | (holding != 0 ? end_steady_tick(block.state, holding, timing) : 0U);
+  end_steadiness(block_index, lanes.steady & ~steady);
+  const std::uint64_t others = all_lanes(block) & ~steady;
+  for_each_lane(others, [this, block_index](std::size_t lane) {
+    Drive drive = this->drive(block_index, lane);
+    watch_tick(drive);
+  });
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): filled by the next statement
+  NumberBlock numbers;
+  round_numbers(block.state, numbers);
+  for_each_lane(steady, [&](std::size_t lane) {
+    show_numbers(numbers, lane, statuses[block.axes[lane]]);
+  });
+  for_each_lane(others, [&](std::size_t lane) {
+    Drive drive = this->drive(block_index, lane);
+    end_tick(drive, numbers);
+  });
+}
+
+template <typename Parameters>
+void AxisBank::State::step_batch(const ParameterPool<Parameters>& pool, const Batch& batch) {
+  std::array<ServoBlock<Parameters>, kInterleavedBlocks> servo_blocks{};
+  std::array<TickLanes, kInterleavedBlocks> lanes{};
+  ServoFeatures features;
+  std::uint64_t across = 0;
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): filled where it is read
+  std::array<ServoState, kInterleavedBlocks> before;
+  std::array<bool, kInterleavedBlocks> may_settle{};
+  for (std::size_t i = 0; i < batch.count; ++i) {
+    Block& block = blocks[batch.blocks[i]];
+    may_settle[i] = rests(block) && may_stand_still(block.state.servo);
+    if (may_settle[i]) before[i] = block.state.servo;
+    lanes[i] = begin_block(batch.blocks[i]);
+    across |= lanes[i].across;
+    features.general = features.general || !is_plain(block.state.servo);
+    features.play = features.play || block.has_play;
+    servo_blocks[i] = {&pool.get(block.pool_index), &block.state.demand, &block.state.servo};
+  }
+  const std::span<const ServoBlock<Parameters>> work(servo_blocks.data(), batch.count);
+  for (std::size_t first = 0; first < timing.substeps;) {
+    const std::size_t last = across == 0 ? timing.substeps : cross_segments(batch, first, lanes);
+    step_servo(work, {first, last, static_cast<double>(timing.substeps), timing.substep}, features);
+    first = last;
+  }
+  for (std::size_t i = 0; i < batch.count; ++i) {
+    Block& block = blocks[batch.blocks[i]];
+    end_block(batch.blocks[i], lanes[i]);
+    const bool is_settled = may_settle[i] && alike(before[i], block.state.servo);
+    ensure(!is_settled || rests(block), "an axis whose servo does not change keeps resting");
+    settled[batch.blocks[i]].is_settled = is_settled ? 1U : 0U;
+  }
+}
+
+void AxisBank::State::step_batch(const Batch& batch) {
+  if (batch.count == 0) return;
+  if (batch.coupling == Coupling::rigid) {
+    step_batch(rigid, batch);
+  } else {
+    step_batch(elastic, batch);
+  }
+}
+
+void AxisBank::State::step_blocks(std::size_t first, std::size_t last) {
+  Batch batch;
+  for (; first < last; ++first) {
+    if (settled[first].is_settled != 0) {
+      ++settled[first].ticks;
+      continue;
+    }
+    const Coupling coupling = blocks[first].coupling;
+    if (batch.count == kInterleavedBlocks || batch.coupling != coupling) {
+      step_batch(batch);
+      batch = {.coupling = coupling};
+    }
+    batch.blocks[batch.count] = first;
+    ++batch.count;
+  }
+  step_batch(batch);
+}
+
+}  // namespace vdrive

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bank/bank_state.hpp"
+#include "plant/servo_design.hpp"
+#include "torque_limit.hpp"
+#include "vdrive/plant/model_parameters.hpp"
+
+#include <algorithm>
+
+namespace vdrive {
+
+using namespace vdrive::literals;
+
+namespace {
+
+Gear gear_of(const DriveRegisters& registers) {
+  return {static_cast<std::uint32_t>(registers.values["gear_ratio_numerator"_object]),
+          static_cast<std::uint32_t>(registers.values["gear_ratio_denominator"_object])};
+}
+
+/// 60E0h or 60E1h with 6072h [N.m].
+double torque_limit_of(const DriveRegisters& registers, const AxisModel& model,
+                       ObjectRow relative) {
+  const auto value = [&registers](ObjectRow row) {
+    return static_cast<double>(registers.values[row]);
+  };
+  const double rated_torque = value("motor_rated_torque"_object) * 1.0e-3;
+  const double current_torque =
+      value("motor_rated_current"_object) * 1.0e-3 * model.torque_constant;
+  const double highest = value("max_torque"_object) * 1.0e-3 * rated_torque;
+  return torque_limit(highest, value(relative) * 1.0e-3, std::min(rated_torque, current_torque));
+}
+
+}  // namespace
+
+void AxisBank::State::apply_gear(std::size_t axis) {
+  Drive drive = this->drive(axis);
+  const AxisModel& model = configurations[axis].model;
+  const Gear gear = gear_of(drive.registers());
+  const double ratio = static_cast<double>(gear.numerator) / static_cast<double>(gear.denominator);
+  DriveRegisters& registers = drive.registers();
+  if (ratio != registers.gear_ratio) {
+    // The load stays where it is when the gear is set.
+    ServoState& servo = drive.servo();
+    servo.load_offset[drive.lane()] +=
+        (registers.gear_ratio - ratio) * servo.position[drive.lane()];
+    registers.gear_ratio = ratio;
+    const Block& block = blocks[places[axis].block];
+    if (block.coupling == Coupling::rigid) {
+      design_lane(model, gear, timing.substep, drive.lane(), rigid.change(block.pool_index));
+    } else {
+      design_lane(model, gear, timing.substep, drive.lane(), elastic.change(block.pool_index));
+    }
+  }
+  apply_torques(axis);
+}
+
+void AxisBank::State::apply_torques(std::size_t axis) {
+  Drive drive = this->drive(axis);
+  const DriveRegisters& registers = drive.registers();
+  const AxisModel& model = configurations[axis].model;
+  const Gear gear = gear_of(registers);
+  const double unit = torque_unit(model, gear);
+  const auto value = [&registers](ObjectRow row) {
+    return static_cast<double>(registers.values[row]);
+  };
+  UnitBlock& units = drive.block().units;
+  units.torque_per_mille[drive.lane()] = unit / (value("motor_rated_torque"_object) * 1.0e-6);
+  units.current_per_mille[drive.lane()] =
+      unit / model.torque_constant / (value("motor_rated_current"_object) * 1.0e-6);
+  drive.servo().load_torque[drive.lane()] =
+      value("test_load_torque"_object) * 1.0e-3 * load_torque_factor(model, gear);
+  const TorqueLimits limits{
+      .positive = torque_limit_of(registers, model, "positive_torque_limit_relative"_object),
+      .negative = torque_limit_of(registers, model, "negative_torque_limit_relative"_object)};
+  const Block& block = blocks[places[axis].block];
+  LoopParameters wanted = block.coupling == Coupling::rigid ? rigid.get(block.pool_index).loop
+                                                            : elastic.get(block.pool_index).loop;
+  const double upper = wanted.upper_limit[drive.lane()];
+  const double lower = wanted.lower_limit[drive.lane()];
+  limit_lane(limits, unit, drive.lane(), wanted);
+  if (wanted.upper_limit[drive.lane()] == upper && wanted.lower_limit[drive.lane()] == lower) {
+    return;
+  }
+  if (block.coupling == Coupling::rigid) {
+    rigid.change(block.pool_index).loop = wanted;
+  } else {
+    elastic.change(block.pool_index).loop = wanted;
+  }
+}
+
+}  // namespace vdrive

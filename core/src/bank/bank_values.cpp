@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bank/bank_state.hpp"
+#include "drive/objects.hpp"
+#include "drive/power.hpp"
+#include "drive/registers.hpp"
+#include "drive/tick.hpp"
+#include "vdrive/dictionary/object_text.hpp"
+
+#include <stdexcept>
+#include <string>
+
+namespace vdrive {
+
+using namespace vdrive::literals;
+
+namespace {
+
+[[noreturn]] void refuse(std::size_t axis, const char* kind, const InitialValue& refused) {
+  throw std::invalid_argument("axis " + std::to_string(axis) + ": " + kind + " value " +
+                              std::to_string(refused.value) + " of " +
+                              object_text(refused.address) + " is refused");
+}
+
+}  // namespace
+
+void AxisBank::State::start_axis(std::size_t axis) {
+  Drive drive = this->drive(axis);
+  const auto position = static_cast<double>(configurations[axis].initial_position);
+  ServoState& servo = drive.servo();
+  for (Lane* lane : {&servo.position, &servo.measured, &servo.motor_reading, &servo.load_position,
+                     &servo.load_reading}) {
+    (*lane)[drive.lane()] = position;
+  }
+  drive.registers().settings = configurations[axis].settings;
+  drive.registers().single_encoder =
+      configurations[axis].model.feedback == Feedback::single_encoder;
+  fill_memory(axis);
+  power_up(drive, true);
+  if (const InitialValue* const refused = set_initial_values(axis)) {
+    refuse(axis, "initial", *refused);
+  }
+  show(drive);
+}
+
+void AxisBank::State::fill_memory(std::size_t axis) {
+  for (const InitialValue& stored : configurations[axis].stored) {
+    if (memories[axis].keep(stored.address, stored.value) != AbortCode::none) {
+      refuse(axis, "stored", stored);
+    }
+  }
+  drive(axis).registers().memory_error = configurations[axis].memory_error;
+}
+
+const InitialValue* AxisBank::State::set_initial_values(std::size_t axis) {
+  Drive drive = this->drive(axis);
+  drive.registers().values["serial_number"_object] = configurations[axis].serial_number;
+  const InitialValue* refused = nullptr;
+  for (const InitialValue& initial : configurations[axis].parameters) {
+    const auto row = find_object(initial.address);
+    // A controlword is a command, not a parameter: no axis is enabled by its configuration.
+    const bool allowed = row && *row != "ds402_controlword"_object &&
+                         write_object(drive, *row, initial.value).code == AbortCode::none;
+    if (!allowed && refused == nullptr) refused = &initial;
+  }
+  memories[axis].load_into(drive);
+  update_derived(drive);
+  apply_gear(axis);
+  return refused;
+}
+
+AbortCode AxisBank::State::write(std::size_t axis, ObjectRow row, std::int64_t value) {
+  Drive drive = changed_drive(axis);
+  const WriteResult result = write_object(drive, row, value);
+  if (result.servo == ServoUpdate::gear) apply_gear(axis);
+  if (result.servo == ServoUpdate::torques) apply_torques(axis);
+  return result.code;
+}
+
+}  // namespace vdrive

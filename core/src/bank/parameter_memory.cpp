@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bank/parameter_memory.hpp"
+
+#include "drive/objects.hpp"
+
+#include <algorithm>
+#include <cstddef>
+
+namespace vdrive {
+
+AbortCode check_stored(ObjectAddress object, std::int64_t value) noexcept {
+  const auto row = find_object(object);
+  if (!row) return check_address(object);
+  return describe(*row).storage == Storage::flash ? check_object_value(*row, value)
+                                                  : AbortCode::cannot_store_or_transfer;
+}
+
+AbortCode ParameterMemory::keep(ObjectAddress object, std::int64_t value) noexcept {
+  const AbortCode code = check_stored(object, value);
+  if (code != AbortCode::none) return code;
+  const auto* const place = std::ranges::lower_bound(kStoredRows, *find_object(object));
+  const auto position = static_cast<std::size_t>(place - kStoredRows.begin());
+  values[position] = value;
+  present |= std::uint64_t{1} << position;
+  return code;
+}
+
+/// A value that this version refuses, such as one beyond a limit that became narrower, leaves the
+/// initial one.
+void ParameterMemory::load_into(Drive& drive) const noexcept {
+  for (std::size_t position = 0; position < kStoredCount; ++position) {
+    if ((present >> position & 1U) != 0) {
+      static_cast<void>(write_object(drive, kStoredRows[position], values[position]));
+    }
+  }
+}
+
+}  // namespace vdrive
