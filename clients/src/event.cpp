@@ -4,10 +4,13 @@
 #include "vdrive/wire/event_name.hpp"
 #include "vdrive_messages.h"
 
+#include <iterator>
+
 namespace vdrive::client {
 
 static_assert(static_cast<std::uint32_t>(EventKind::state_changed) == msg::EVENT_STATE_CHANGED);
-static_assert(static_cast<std::uint32_t>(EventKind::stopped) == msg::EVENT_STOPPED);
+static_assert(static_cast<std::uint32_t>(EventKind::stopped) == std::size(wire::kEventKinds),
+              "the last kind of event has a name of the client library");
 
 std::string_view to_string(EventKind kind) noexcept {
   return wire::event_name(static_cast<std::uint32_t>(kind));

@@ -245,19 +245,18 @@ class Bench {
   }
 
   void handle(service::Arrival& arrival) {
-    const bool is_step = arrival.kind == service::Arrival::Kind::request &&
-                         arrival.request.kind() == msg::REQUEST_STEP;
-    if (!is_step) {
+    service::StepRequests& steps = engine_.steps();
+    if (!service::StepRequests::is_for(arrival)) {
       engine_.handle(arrival);
       return;
     }
-    if (engine_.answer_repeat(arrival)) return;
-    const std::uint32_t reason = engine_.check_step(arrival);
-    for (std::uint64_t tick = 0; reason == 0 && tick < arrival.request.ticks(); ++tick) {
-      engine_.note_message(arrival.request.session());
+    const auto now = std::chrono::steady_clock::now();
+    steps.handle(arrival, now);
+    while (steps.ticks_to_run(now) > 0) {
+      steps.begin_tick();
       engine_.step();
     }
-    engine_.answer_step(arrival, reason);
+    steps.answer_due(now);
   }
 
   service::Configuration configuration_;

@@ -172,8 +172,8 @@ class Peers {
       const bool is_request = arrival->kind == service::Arrival::Kind::request;
       const std::uint64_t session = arrival->request.session();
       const std::uint64_t number = arrival->request.request_id();
-      if (is_request && arrival->request.kind() == msg::REQUEST_STEP) {
-        answer_step(*arrival);
+      if (service::StepRequests::is_for(*arrival)) {
+        handle_step(*arrival);
       } else {
         engine_.handle(*arrival);
       }
@@ -187,17 +187,17 @@ class Peers {
     }
   }
 
-  /// Like the lock-step driver, but for few ticks.
-  void answer_step(const service::Arrival& arrival) {
-    if (engine_.answer_repeat(arrival)) return;
-    const std::uint32_t reason = engine_.check_step(arrival);
-    if (reason == msg::REASON_NONE) {
-      engine_.note_message(arrival.request.session());
-      for (std::uint64_t tick = std::min(arrival.request.ticks(), kMostTicks); tick > 0; --tick) {
-        engine_.step();
-      }
+  /// Like the lock-step driver, but for few ticks, and late enough that no step waits longer.
+  void handle_step(service::Arrival& arrival) {
+    service::StepRequests& steps = engine_.steps();
+    const service::StepRequests::Time now{};
+    steps.handle(arrival, now);
+    for (std::uint64_t tick = std::min(steps.ticks_to_run(now), kMostTicks); tick > 0; --tick) {
+      steps.begin_tick();
+      engine_.step();
     }
-    engine_.answer_step(arrival, reason);
+    steps.answer_due(service::StepRequests::Time::max());
+    static_cast<void>(steps.refuse_waiting());
   }
 
   void empty_outbox() {

@@ -120,14 +120,20 @@ TEST(StoreRequest, LeavesRoomForTheAnswerOfARunningStep) {
     bench.receive(bench.make_request(msg::REQUEST_READ, kAlice));
   }
   ASSERT_TRUE(bench.engine.can_answer());
-  bench.steps(10);
+  service::StepRequests& steps = bench.engine.steps();
+  const service::StepRequests::Time now{};
   service::Arrival step;
   step.kind = service::Arrival::Kind::request;
   step.request = bench.make_request(msg::REQUEST_STEP, kAlice);
-  bench.engine.answer_step(step, msg::REASON_NONE);
+  step.request.ticks(10);
+  const std::uint64_t number = step.request.request_id();
+  steps.handle(step, now);
+  ASSERT_EQ(steps.ticks_to_run(now), 10U);
+  bench.steps(10);
+  EXPECT_TRUE(steps.answer_due(now));
   ASSERT_EQ(replies.size(), replies.capacity());
   while (replies.size() > 1) replies.pop();
-  EXPECT_EQ(replies.front()->reply.request_id(), step.request.request_id());
+  EXPECT_EQ(replies.front()->reply.request_id(), number);
   replies.pop();
   int later = 0;
   while (bench.engine.answer_stores()) ++later;

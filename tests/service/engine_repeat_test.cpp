@@ -228,33 +228,46 @@ service::Arrival step_request(EngineUnderTest& bench, std::uint64_t ticks) {
   return arrival;
 }
 
+const service::StepRequests::Time kNow{};
+
 TEST(RepeatedRequest, OfAStepReturnsItsTickAndThePresentStatuses) {
   EngineUnderTest bench;
   const auto step = step_request(bench, 5);
-  EXPECT_FALSE(bench.engine.answer_repeat(step));
-  EXPECT_TRUE(bench.engine.answer_repeat(step));
+  service::StepRequests& steps = bench.engine.steps();
+  auto first = step;
+  EXPECT_TRUE(steps.handle(first, kNow));
+  ASSERT_EQ(steps.ticks_to_run(kNow), 5U);
+  auto second = step;
+  EXPECT_FALSE(steps.handle(second, kNow));
   EXPECT_EQ(bench.outbox.replies.size(), 0U) << "it is in progress";
   bench.steps(5);
-  bench.engine.answer_step(step, msg::REASON_NONE);
-  bench.outbox.replies.pop();
+  steps.answer_due(kNow);
+  ASSERT_TRUE(bench.reply());
   bench.steps(2);
-  EXPECT_TRUE(bench.engine.answer_repeat(step));
-  const auto& reply = bench.outbox.replies.front()->reply;
-  EXPECT_EQ(reply.tick(), 5U);
-  ASSERT_EQ(reply.statuses().size(), 1U);
-  EXPECT_EQ(reply.statuses()[0].axis(), 2U);
-  EXPECT_EQ(reply.statuses()[0].tick(), 7U);
+  auto third = step;
+  EXPECT_FALSE(steps.handle(third, kNow));
+  EXPECT_EQ(steps.ticks_to_run(kNow), 0U);
+  const auto reply = bench.reply();
+  ASSERT_TRUE(reply);
+  EXPECT_EQ(reply->tick(), 5U);
+  ASSERT_EQ(reply->statuses().size(), 1U);
+  EXPECT_EQ(reply->statuses()[0].axis(), 2U);
+  EXPECT_EQ(reply->statuses()[0].tick(), 7U);
 }
 
 TEST(RepeatedRequest, OfAStepWithOtherAxesIsAnsweredWithoutStatuses) {
   EngineUnderTest bench;
-  auto step = step_request(bench, 1);
-  EXPECT_FALSE(bench.engine.answer_repeat(step));
-  bench.engine.answer_step(step, msg::REASON_NONE);
-  bench.outbox.replies.pop();
-  step.request.axes({99});
-  EXPECT_TRUE(bench.engine.answer_repeat(step));
-  EXPECT_EQ(bench.outbox.replies.front()->reply.statuses().size(), 0U);
+  const auto step = step_request(bench, 0);
+  service::StepRequests& steps = bench.engine.steps();
+  auto first = step;
+  EXPECT_TRUE(steps.handle(first, kNow));
+  ASSERT_EQ(steps.ticks_to_run(kNow), 0U);
+  steps.answer_due(kNow);
+  ASSERT_TRUE(bench.reply());
+  auto other = step;
+  other.request.axes({99});
+  EXPECT_FALSE(steps.handle(other, kNow));
+  EXPECT_EQ(bench.reply().value_or(msg::Reply{}).statuses().size(), 0U);
 }
 
 /// Answers `count` further requests of the client.

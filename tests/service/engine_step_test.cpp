@@ -4,65 +4,233 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
+#include <optional>
 #include <vector>
 
 namespace vdrive::test {
 namespace {
 
-service::Arrival step_request(EngineUnderTest& bench, std::uint64_t session, std::uint64_t ticks) {
+using Time = service::StepRequests::Time;
+using namespace std::chrono_literals;
+
+const Time kStart{100s};
+
+service::Arrival step_request(EngineUnderTest& bench, std::uint64_t session, std::uint64_t ticks,
+                              std::uint32_t kind = msg::REQUEST_STEP) {
   service::Arrival arrival;
   arrival.kind = service::Arrival::Kind::request;
-  arrival.request = bench.make_request(msg::REQUEST_STEP, session);
+  arrival.request = bench.make_request(kind, session);
   arrival.request.ticks(ticks);
   return arrival;
 }
 
+/// Passes the request in and lets time pass as far as it may. @return the answer that is due at
+/// `now`, or nothing.
+std::optional<msg::Reply> answer_at(EngineUnderTest& bench, service::Arrival arrival, Time now) {
+  service::StepRequests& steps = bench.engine.steps();
+  steps.handle(arrival, now);
+  for (std::uint64_t ticks = steps.ticks_to_run(now); ticks > 0; --ticks) {
+    steps.begin_tick();
+    bench.engine.step();
+  }
+  steps.answer_due(now);
+  return bench.reply();
+}
+
+/// @return the answer to a step that is answered at once.
+msg::Reply answer_to(EngineUnderTest& bench, const service::Arrival& arrival) {
+  return answer_at(bench, arrival, kStart).value_or(msg::Reply{});
+}
+
+msg::Reply join(EngineUnderTest& bench, std::uint64_t session, Time now = kStart) {
+  auto arrival = step_request(bench, session, 0, msg::REQUEST_JOIN_CLOCK);
+  bench.engine.steps().handle(arrival, now);
+  return bench.reply().value_or(msg::Reply{});
+}
+
 TEST(StepRequest, IsCheckedBeforeTheFirstTick) {
   EngineUnderTest bench;
-  auto arrival = step_request(bench, kAlice, 1'000'000);
-  EXPECT_EQ(bench.engine.check_step(arrival), msg::REASON_NONE);
-  arrival.request.ticks(1'000'001);
-  EXPECT_EQ(bench.engine.check_step(arrival), msg::REASON_TOO_MANY_TICKS);
-  arrival.request.ticks(0);
+  auto arrival = step_request(bench, kAlice, 1'000'001);
+  EXPECT_EQ(answer_to(bench, arrival).reason(), msg::REASON_TOO_MANY_TICKS);
+  arrival = step_request(bench, kAlice, 1);
   arrival.request.axes({1, 42});
-  EXPECT_EQ(bench.engine.check_step(arrival), msg::REASON_UNKNOWN_AXIS);
-  arrival.request.axes({});
-  arrival.request.session(0);
-  EXPECT_EQ(bench.engine.check_step(arrival), msg::REASON_NONE) << "an observer may step";
+  const auto unknown = answer_to(bench, arrival);
+  EXPECT_EQ(unknown.reason(), msg::REASON_UNKNOWN_AXIS);
+  EXPECT_EQ(unknown.refused_axis(), 42U);
+  arrival = step_request(bench, 0, 1);
   arrival.request.last_sequence(1);
-  EXPECT_EQ(bench.engine.check_step(arrival), msg::REASON_BAD_SESSION);
+  EXPECT_EQ(answer_to(bench, arrival).reason(), msg::REASON_BAD_SESSION);
+  EXPECT_EQ(bench.engine.tick(), 0U) << "none of them let time pass";
+  EXPECT_EQ(answer_to(bench, step_request(bench, 0, 1)).reason(), msg::REASON_NONE)
+      << "an observer may step";
+  EXPECT_EQ(bench.engine.tick(), 1U);
+}
+
+TEST(StepRequest, MayHaveAMillionTicks) {
+  EngineUnderTest bench(bench_configuration(1));
+  auto arrival = step_request(bench, kAlice, 1'000'000);
+  bench.engine.steps().handle(arrival, kStart);
+  EXPECT_EQ(bench.engine.steps().ticks_to_run(kStart), 1'000'000U);
 }
 
 TEST(StepRequest, IsRefusedInRealtime) {
   auto configuration = bench_configuration(1);
   configuration.clock = service::ClockMode::realtime;
   EngineUnderTest bench(configuration);
-  EXPECT_EQ(bench.engine.check_step(step_request(bench, kAlice, 1)), msg::REASON_WRONG_CLOCK_MODE);
+  EXPECT_EQ(answer_to(bench, step_request(bench, kAlice, 1)).reason(),
+            msg::REASON_WRONG_CLOCK_MODE);
   EXPECT_EQ(bench.reply_to(bench.make_request(msg::REQUEST_STEP, kAlice)).reason(),
             msg::REASON_WRONG_CLOCK_MODE);
 }
 
-TEST(StepRequest, ReportsAMissingStepperAndThePresentStatus) {
-  EngineUnderTest bench;
-  bench.steps(2);
-  auto arrival = step_request(bench, kAlice, 5);
-  arrival.request.axes({2});
-  bench.engine.answer_step(arrival, msg::REASON_MISSING_STEPPER, kBob);
-  const auto& reply = bench.outbox.replies.front()->reply;
-  EXPECT_EQ(reply.reason(), msg::REASON_MISSING_STEPPER);
-  EXPECT_EQ(reply.missing_stepper(), kBob);
-  EXPECT_EQ(reply.tick(), 2U);
-  ASSERT_EQ(reply.statuses().size(), 1U);
-}
-
-TEST(StepRequest, ChecksWhichFramesHaveArrived) {
+TEST(StepRequest, WaitsForTheFramesThatWereSentBeforeItAndHoldsLaterRequestsBack) {
   EngineUnderTest bench;
   bench.acquire(kAlice, {1});
-  EXPECT_TRUE(bench.engine.has_arrived(kAlice, 0));
-  EXPECT_FALSE(bench.engine.has_arrived(kAlice, 1));
-  bench.receive(bench.make_frame(kAlice));
-  EXPECT_TRUE(bench.engine.has_arrived(kAlice, 1));
-  EXPECT_FALSE(bench.engine.has_arrived(kBob, 1));
+  const auto frame = bench.make_frame(kAlice);
+  auto arrival = step_request(bench, kAlice, 3);
+  arrival.request.last_sequence(frame.sequence_number());
+  EXPECT_EQ(answer_at(bench, arrival, kStart), std::nullopt);
+  service::StepRequests& steps = bench.engine.steps();
+  EXPECT_TRUE(steps.holds_requests_back());
+  bench.receive(frame);
+  EXPECT_EQ(steps.ticks_to_run(kStart), 3U);
+  bench.steps(3);
+  steps.answer_due(kStart);
+  const auto reply = bench.reply();
+  ASSERT_TRUE(reply);
+  EXPECT_EQ(reply->reason(), msg::REASON_NONE);
+  EXPECT_EQ(reply->tick(), 3U);
+  EXPECT_FALSE(steps.holds_requests_back());
+}
+
+TEST(StepRequest, IsRefusedWhenItsFramesDoNotComeWithinASecond) {
+  EngineUnderTest bench;
+  bench.acquire(kAlice, {1});
+  auto arrival = step_request(bench, kAlice, 3);
+  arrival.request.last_sequence(7);
+  EXPECT_EQ(answer_at(bench, arrival, kStart), std::nullopt);
+  service::StepRequests& steps = bench.engine.steps();
+  steps.answer_due(kStart + 999ms);
+  EXPECT_EQ(bench.reply(), std::nullopt);
+  steps.answer_due(kStart + 1s);
+  EXPECT_EQ(bench.reply().value_or(msg::Reply{}).reason(), msg::REASON_MISSING_COMMANDS);
+  EXPECT_EQ(bench.engine.tick(), 0U);
+}
+
+TEST(StepRequest, OfAStepperRunsAsFarAsAllOfThemGrant) {
+  EngineUnderTest bench;
+  EXPECT_EQ(join(bench, kAlice).reason(), msg::REASON_NONE);
+  EXPECT_EQ(join(bench, kBob).reason(), msg::REASON_NONE);
+  EXPECT_EQ(bench.counters.steppers.get(), 2U);
+  EXPECT_EQ(answer_at(bench, step_request(bench, kAlice, 5), kStart), std::nullopt);
+  EXPECT_EQ(bench.engine.tick(), 0U) << "Bob has granted nothing";
+  const auto bob = answer_at(bench, step_request(bench, kBob, 2), kStart);
+  ASSERT_TRUE(bob);
+  EXPECT_EQ(bob->tick(), 2U);
+  EXPECT_EQ(bench.reply(), std::nullopt) << "Alice waits for tick 5";
+  const auto first = answer_at(bench, step_request(bench, kBob, 3), kStart);
+  ASSERT_TRUE(first);
+  EXPECT_EQ(first->tick(), 5U);
+  const auto second = bench.reply();
+  ASSERT_TRUE(second);
+  EXPECT_EQ(second->tick(), 5U);
+}
+
+TEST(StepRequest, ReportsAMissingStepperAndThePresentStatus) {
+  EngineUnderTest bench;
+  join(bench, kAlice);
+  join(bench, kBob);
+  auto arrival = step_request(bench, kAlice, 5);
+  arrival.request.axes({2});
+  EXPECT_EQ(answer_at(bench, arrival, kStart), std::nullopt);
+  bench.engine.steps().answer_due(kStart + 1s);
+  const auto reply = bench.reply();
+  ASSERT_TRUE(reply);
+  EXPECT_EQ(reply->reason(), msg::REASON_MISSING_STEPPER);
+  EXPECT_EQ(reply->missing_stepper(), kBob);
+  EXPECT_EQ(reply->tick(), 0U);
+  EXPECT_EQ(reply->statuses().size(), 1U);
+}
+
+TEST(StepRequest, BesideSteppersMayOnlyObserve) {
+  EngineUnderTest bench;
+  join(bench, kAlice);
+  EXPECT_EQ(answer_to(bench, step_request(bench, kBob, 1)).reason(), msg::REASON_NOT_A_STEPPER);
+  EXPECT_EQ(answer_to(bench, step_request(bench, kBob, 0)).reason(), msg::REASON_NONE);
+}
+
+TEST(StepRequest, OfASessionThatLeavesTheClockIsRefusedWhenTheOthersHaveNotGrantedItsTicks) {
+  EngineUnderTest bench;
+  join(bench, kAlice);
+  join(bench, kBob);
+  EXPECT_EQ(answer_at(bench, step_request(bench, kAlice, 5), kStart), std::nullopt);
+  auto leave = step_request(bench, kAlice, 0, msg::REQUEST_LEAVE_CLOCK);
+  bench.engine.steps().handle(leave, kStart);
+  EXPECT_EQ(bench.reply().value_or(msg::Reply{}).reason(), msg::REASON_NONE);
+  bench.engine.steps().answer_due(kStart);
+  EXPECT_EQ(bench.reply().value_or(msg::Reply{}).reason(), msg::REASON_NOT_A_STEPPER);
+}
+
+TEST(StepRequest, IsAnsweredWhenTheBenchEnds) {
+  EngineUnderTest bench;
+  join(bench, kAlice);
+  join(bench, kBob);
+  EXPECT_EQ(answer_at(bench, step_request(bench, kAlice, 5), kStart), std::nullopt);
+  EXPECT_TRUE(bench.engine.steps().refuse_waiting());
+  EXPECT_EQ(bench.reply().value_or(msg::Reply{}).reason(), msg::REASON_SHUTTING_DOWN);
+}
+
+TEST(StepRequest, IsNotLostWhenTheQueueOfAnswersIsFull) {
+  EngineUnderTest bench;
+  auto arrival = step_request(bench, kAlice, 1);
+  service::StepRequests& steps = bench.engine.steps();
+  steps.handle(arrival, kStart);
+  while (bench.outbox.replies.size() < bench.outbox.replies.capacity()) {
+    bench.receive(bench.make_request(msg::REQUEST_READ, kAlice));
+  }
+  ASSERT_EQ(steps.ticks_to_run(kStart), 1U);
+  bench.steps(1);
+  EXPECT_FALSE(steps.answer_due(kStart));
+  while (bench.reply()) {
+  }
+  EXPECT_TRUE(steps.answer_due(kStart));
+  EXPECT_EQ(bench.reply().value_or(msg::Reply{}).tick(), 1U);
+}
+
+TEST(StepRequest, TakesASilentStepperOffTheClock) {
+  EngineUnderTest bench;
+  join(bench, kAlice);
+  join(bench, kBob);
+  EXPECT_EQ(answer_at(bench, step_request(bench, kAlice, 5), kStart), std::nullopt);
+  service::StepRequests& steps = bench.engine.steps();
+  const auto is_here = [](const wire::Source&) {
+    return service::Presence::here;
+  };
+  steps.remove_absent(kStart + 9'999ms, is_here);
+  EXPECT_EQ(bench.counters.steppers.get(), 2U);
+  steps.remove_absent(kStart + 10s, is_here);
+  EXPECT_EQ(bench.counters.steppers.get(), 1U);
+  EXPECT_EQ(steps.ticks_to_run(kStart + 10s), 5U) << "nobody else has to grant";
+}
+
+TEST(StepRequest, TakesAStepperOffTheClockWhoseParticipantIsGone) {
+  EngineUnderTest bench;
+  join(bench, kAlice);
+  service::StepRequests& steps = bench.engine.steps();
+  const auto is_gone = [](const wire::Source&) {
+    return service::Presence::gone;
+  };
+  steps.remove_absent(kStart, is_gone);
+  EXPECT_EQ(bench.counters.steppers.get(), 1U) << "it has not been seen yet";
+  steps.remove_absent(kStart, [](const wire::Source&) {
+    return service::Presence::here;
+  });
+  steps.remove_absent(kStart, is_gone);
+  EXPECT_EQ(bench.counters.steppers.get(), 0U);
+  const auto events = bench.events(msg::EVENT_CLOCK_CHANGED);
+  ASSERT_EQ(events.size(), 2U);
+  EXPECT_EQ(events[1].detail, service::EventDetail{service::Parting::gone});
 }
 
 TEST(StepRequest, IsAnsweredWithTheStatusOfTheRequestedAxes) {
@@ -71,8 +239,7 @@ TEST(StepRequest, IsAnsweredWithTheStatusOfTheRequestedAxes) {
   bench.steps(4);
   auto arrival = step_request(bench, kAlice, 0);
   arrival.request.axes({3, 1});
-  bench.engine.answer_step(arrival, msg::REASON_NONE);
-  const auto& reply = bench.outbox.replies.front()->reply;
+  const msg::Reply reply = answer_to(bench, arrival);
   EXPECT_EQ(reply.tick(), 4U);
   ASSERT_EQ(reply.statuses().size(), 2U);
   EXPECT_EQ(reply.statuses()[0].axis(), 3U);
@@ -133,8 +300,13 @@ TEST(Watchdog, AcceptsRequestsAndStepsAsSignsOfLife) {
   bench.reply_to(bench.make_request(msg::REQUEST_READ, kAlice));
   bench.steps(90);
   for (int tick = 0; tick < 500; ++tick) {  // the owner steps: it counts in each tick
-    bench.engine.note_message(kAlice);
+    auto step = step_request(bench, kAlice, 1);
+    bench.engine.steps().handle(step, kStart);
+    ASSERT_EQ(bench.engine.steps().ticks_to_run(kStart), 1U);
+    bench.engine.steps().begin_tick();
     bench.steps(1);
+    bench.engine.steps().answer_due(kStart);
+    bench.reply();
   }
   EXPECT_EQ(bench.counters.master_losses.get(), 0U);
 }

@@ -108,6 +108,14 @@ msg::CommandFrame EngineUnderTest::make_frame(std::uint64_t session) {
   return frame;
 }
 
+std::optional<msg::Reply> EngineUnderTest::reply() {
+  service::OutgoingReply* const outgoing = outbox.replies.front();
+  if (outgoing == nullptr) return std::nullopt;
+  msg::Reply result = std::move(outgoing->reply);
+  outbox.replies.pop();
+  return result;
+}
+
 std::optional<msg::CommandReply> EngineUnderTest::command_reply() {
   msg::CommandReply* const reply = outbox.command_replies.front();
   if (reply == nullptr) return std::nullopt;

@@ -43,6 +43,9 @@ struct EngineUnderTest {
   /// @return a frame with the next sequence number of the session and its current epoch.
   [[nodiscard]] msg::CommandFrame make_frame(std::uint64_t session);
 
+  /// @return the oldest reply, taken from the outbox.
+  std::optional<msg::Reply> reply();
+
   /// @return the oldest command reply, taken from the outbox.
   std::optional<msg::CommandReply> command_reply();
 

@@ -3,6 +3,7 @@
 #include "publish/event_text.hpp"
 
 #include "base/repeat_limiter.hpp"
+#include "vdrive/wire/event_name.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,6 +11,19 @@ namespace vdrive::service {
 namespace {
 
 using namespace std::chrono_literals;
+
+TEST(EventText, HasWordsForEveryKindOfTheContract) {
+  for (const auto& [kind, name] : wire::kEventKinds) {
+    const std::string words = words_of({.kind = kind});
+    EXPECT_FALSE(words.empty()) << name;
+    EXPECT_NE(words, "event " + std::to_string(kind)) << name;
+    EXPECT_EQ(wire::event_name(kind), name);
+  }
+  const auto next = static_cast<std::uint32_t>(std::size(wire::kEventKinds)) + 1;
+  EXPECT_EQ(words_of({.kind = next}), "event " + std::to_string(next));
+  EXPECT_EQ(wire::event_name(next), "unknown");
+  EXPECT_EQ(wire::event_name(0), "unknown");
+}
 
 TEST(EventLine, HasKeysAndValuesAndTheTextLast) {
   EXPECT_EQ(

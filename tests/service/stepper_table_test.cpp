@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "clock/stepper_table.hpp"
+#include "engine/stepper_table.hpp"
 
 #include <gtest/gtest.h>
 

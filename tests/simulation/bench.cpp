@@ -18,6 +18,7 @@ service::Configuration as_taken(service::Configuration configuration, Sabotage s
   if (sabotage == Sabotage::watchdog_bites_early) {
     configuration.watchdog = *configuration.watchdog / 2;
   }
+  if (sabotage == Sabotage::watchdog_sleeps) configuration.watchdog.reset();
   for (auto& axis : configuration.axes) {
     if (sabotage == Sabotage::no_reaction_to_a_loss) {
       axis.configuration.parameters.push_back({{0x6007, 0}, 0});
@@ -207,8 +208,7 @@ void Bench::cycle_lockstep() {
   while (engine_.can_answer()) {
     service::Arrival* const arrival = inbox_.front();
     if (arrival == nullptr) return;
-    if (arrival->kind == service::Arrival::Kind::request &&
-        arrival->request.kind() == msg::REQUEST_STEP) {
+    if (service::StepRequests::is_for(*arrival)) {
       step_by_request(*arrival);
       inbox_.pop();
       in_inbox_.pop_front();
@@ -221,27 +221,31 @@ void Bench::cycle_lockstep() {
 }
 
 void Bench::step_by_request(service::Arrival& arrival) {
-  const bool is_repeat = engine_.answer_repeat(arrival);
-  if (is_repeat != model_.is_repeat(arrival.request)) {
+  service::StepRequests& steps = engine_.steps();
+  const service::StepRequests::Time now{};
+  const msg::Request request = arrival.request;  // a step that waits takes it
+  const bool is_repeat = !steps.handle(arrival, now);
+  if (is_repeat != model_.is_repeat(request)) {
     happenings_.fail(Invariant::kAnswered, 0, is_repeat ? "a step that is new" : "a repeated step",
                      "the other");
   }
   if (is_repeat) return;
-  std::uint32_t reason = engine_.check_step(arrival);
-  if (reason == msg::REASON_NONE &&
-      !engine_.has_arrived(arrival.request.session(), arrival.request.last_sequence())) {
-    reason = msg::REASON_MISSING_COMMANDS;
+  const bool has_frames = model_.has_frames_of(request);
+  const std::uint64_t ticks = steps.ticks_to_run(now);
+  const std::uint64_t expected = has_frames ? request.ticks() : 0;
+  if (ticks != expected) {
+    happenings_.fail(Invariant::kAnswered, 0, std::to_string(expected) + " ticks",
+                     std::to_string(ticks));
   }
-  for (std::uint64_t tick = 0; reason == msg::REASON_NONE && tick < arrival.request.ticks();
-       ++tick) {
-    engine_.note_message(arrival.request.session());
-    model_.note_message(arrival.request.session());
+  for (std::uint64_t tick = 0; tick < ticks; ++tick) {
+    steps.begin_tick();
+    model_.note_message(request.session());
     engine_.step();
     engine_.post_status();
     after_tick();
   }
-  engine_.answer_step(arrival, reason);
-  model_.expect_step_answer(arrival.request, reason);
+  steps.answer_due(service::StepRequests::Time::max());  // nobody waits longer
+  model_.expect_step_answer(request, has_frames ? msg::REASON_NONE : msg::REASON_MISSING_COMMANDS);
 }
 
 /// Compares the published tick with the expectations of model and watches.
@@ -250,7 +254,6 @@ void Bench::after_tick() {
   model_.begin_tick();
   take_back_stores();
   take_images();
-  if (sabotage_ == Sabotage::watchdog_sleeps) engine_.note_message(last_session_);
   const AxisBank& bank = engine_.bank();
   for (std::size_t axis = 0; axis < watches_.size(); ++axis) {
     const AxisStatus& status = image_.status[axis];
@@ -365,7 +368,6 @@ bool Bench::spoil(const ClientMessage& message) {
   const auto held = std::ranges::find_if(image_.owners, [&](const wire::Ownership& owner) {
     return owner.session == frame.session();
   });
-  last_session_ = held != image_.owners.end() ? frame.session() : last_session_;
   switch (sabotage_) {
     case Sabotage::accepts_stale_epochs:
       if (held == image_.owners.end() || frame.epoch() == held->epoch) return false;

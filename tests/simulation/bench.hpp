@@ -167,7 +167,6 @@ class Bench {
   std::uint64_t turned_away_ = 0;
   std::uint64_t spoiled_ = 0;
   std::uint64_t unrequested_ = 0;  ///< requests without a sender
-  std::uint64_t last_session_ = 0;
   std::uint64_t current_sequence_ = 0;
 };
 

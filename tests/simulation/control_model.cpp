@@ -531,6 +531,12 @@ bool ControlModel::is_repeat(const msg::Request& request) {
   return true;
 }
 
+bool ControlModel::has_frames_of(const msg::Request& step) {
+  if (step.last_sequence() == 0) return true;
+  const Session* const session = find(step.session());
+  return session != nullptr && session->last_sequence >= step.last_sequence();
+}
+
 void ControlModel::expect_step_answer(const msg::Request& request, std::uint32_t reason) {
   Answer answer;
   finish(request, reason, answer);

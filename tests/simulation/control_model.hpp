@@ -91,6 +91,9 @@ class ControlModel {
   /// answer is due again, unless it is in progress.
   bool is_repeat(const msg::Request& request);
 
+  /// @return whether the command frames that were sent before the step have arrived.
+  [[nodiscard]] bool has_frames_of(const msg::Request& step);
+
   /// The answer to a step that was carried out or refused.
   void expect_step_answer(const msg::Request& request, std::uint32_t reason);
 

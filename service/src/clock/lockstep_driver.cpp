@@ -6,140 +6,64 @@
 namespace vdrive::service {
 namespace {
 
+/// A long step answers stores and frames meanwhile, not only at its end.
 constexpr std::uint64_t kTicksPerDelivery = 64;
 
 }  // namespace
 
 LockstepDriver::LockstepDriver(const Configuration& configuration, BenchEngine& engine,
                                Inbox& inbox, Outbox& outbox, StatusPublisher& status,
-                               ReplyPublisher& replies, Counters& counters)
+                               ReplyPublisher& replies, const std::atomic<bool>& stop,
+                               Doorbell& doorbell)
     : engine_(engine),
+      steps_(engine.steps()),
       inbox_(inbox),
       outbox_(outbox),
       status_(status),
       replies_(replies),
-      counters_(counters),
+      stop_(stop),
+      doorbell_(doorbell),
       status_every_(configuration.status_every) {}
 
-void LockstepDriver::run(const std::atomic<bool>& stop, Doorbell& doorbell) {
+void LockstepDriver::run() {
   publish_status();
-  while (!stop) {
+  while (!stop_) {
     beats_.add();
-    const bool was_busy = handle_next(stop, doorbell);
-    advance(stop);
+    const auto now = Clock::now();
+    const bool was_busy = handle_next(now);
+    const bool has_moved = pass_time(now);
     const bool has_stored = engine_.answer_stores();
-    if (has_stored) replies_.deliver(inbox_, outbox_);
+    if (was_busy || has_moved || outbox_.replies.size() > 0) deliver();
+    if (has_moved) publish_status();  // after the reply: its client waits for nothing else
     if (was_busy || has_stored) continue;
     const auto patience = replies_.is_waiting() ? kReplyInterval : kIdleInterval;
-    if (!doorbell.wait_for(patience)) idle();
+    if (!doorbell_.wait_for(patience)) idle();
   }
-  refuse_waiting();
+  refuse_steps();
 }
 
-bool LockstepDriver::handle_next(const std::atomic<bool>& stop, Doorbell& doorbell) {
+/// @return whether there was anything.
+bool LockstepDriver::handle_next(Clock::time_point now) {
+  if (steps_.holds_requests_back()) return handle_frames_only(now);
   if (!deferred_.empty()) {
     Arrival arrival = std::move(deferred_.front());
     deferred_.pop_front();
-    handle(arrival, stop, doorbell);
+    handle(arrival, now);
     return true;
   }
   Arrival* const arrival = inbox_.front();
   if (arrival == nullptr) return false;
-  const bool is_step =
-      arrival->kind == Arrival::Kind::request && arrival->request.kind() == msg::REQUEST_STEP;
-  if (is_step) {  // it may have to read the messages that follow it in the inbox
-    Arrival request = std::move(*arrival);
-    inbox_.pop();
-    handle(request, stop, doorbell);
-  } else {
-    handle(*arrival, stop, doorbell);
-    inbox_.pop();
-  }
+  handle(*arrival, now);
+  inbox_.pop();
   return true;
 }
 
-void LockstepDriver::handle(Arrival& arrival, const std::atomic<bool>& stop, Doorbell& doorbell) {
-  const bool is_request = arrival.kind == Arrival::Kind::request;
-  if (!steppers_.empty()) {
-    steppers_.note_message(is_request ? arrival.request.session() : arrival.frame.session(),
-                           Clock::now());
-  }
-  const std::uint32_t kind = is_request ? arrival.request.kind() : 0;
-  const bool is_of_clock = kind == msg::REQUEST_STEP || kind == msg::REQUEST_JOIN_CLOCK ||
-                           kind == msg::REQUEST_LEAVE_CLOCK;
-  if (is_of_clock && engine_.answer_repeat(arrival)) {
-    replies_.deliver(inbox_, outbox_);
-    return;
-  }
-  if (kind == msg::REQUEST_STEP) {
-    step(arrival, stop, doorbell);
-    return;
-  }
-  if (kind == msg::REQUEST_JOIN_CLOCK) {
-    join(arrival);
-  } else if (kind == msg::REQUEST_LEAVE_CLOCK) {
-    leave(arrival);
-  } else {
-    engine_.handle(arrival);
-    engine_.post_parameters();
-  }
-  replies_.deliver(inbox_, outbox_);
-}
-
-void LockstepDriver::step(Arrival& arrival, const std::atomic<bool>& stop, Doorbell& doorbell) {
-  const std::uint32_t reason = engine_.check_step(arrival);
-  if (reason != msg::REASON_NONE) {
-    answer(arrival, reason);
-    replies_.deliver(inbox_, outbox_);
-  } else if (steppers_.empty()) {
-    step_at_once(arrival, stop, doorbell);
-  } else {
-    put_aside(arrival);
-  }
-}
-
-void LockstepDriver::step_at_once(const Arrival& arrival, const std::atomic<bool>& stop,
-                                  Doorbell& doorbell) {
-  const bool complete = wait_for_commands(arrival.request, stop, doorbell);
-  std::uint32_t reason = msg::REASON_NONE;
-  if (complete) {
-    stepping_.assign(1, arrival.request.session());
-    if (!run_ticks(arrival.request.ticks(), stop)) reason = msg::REASON_SHUTTING_DOWN;
-  } else {
-    reason = stop ? msg::REASON_SHUTTING_DOWN : msg::REASON_MISSING_COMMANDS;
-  }
-  answer(arrival, reason);
-  replies_.deliver(inbox_, outbox_);
-  if (reason == msg::REASON_NONE && arrival.request.ticks() > 0) publish_status();
-}
-
-/// Many may be answered in one tick, beside the stores that became durable.
-void LockstepDriver::answer(const Arrival& arrival, std::uint32_t reason,
-                            std::uint64_t missing_stepper) {
-  if (outbox_.replies.free_slot() == nullptr) replies_.deliver(inbox_, outbox_);
-  engine_.answer_step(arrival, reason, missing_stepper);
-}
-
-/// The frames come on another topic than the step: they may be behind it.
-bool LockstepDriver::wait_for_commands(const msg::Request& request, const std::atomic<bool>& stop,
-                                       Doorbell& doorbell) {
-  const auto deadline = Clock::now() + kLongestWaitForCommands;
-  while (!engine_.has_arrived(request.session(), request.last_sequence())) {
-    const auto left = deadline - Clock::now();
-    if (stop || left <= Clock::duration::zero()) return false;
-    if (!take_frames()) doorbell.wait_for(left);
-  }
-  return true;
-}
-
-/// Handles the frames at the head of the inbox and puts requests aside. @return whether there was
-/// anything.
-bool LockstepDriver::take_frames() {
+/// The frames that a step waits for may be behind requests, which act after the step.
+bool LockstepDriver::handle_frames_only(Clock::time_point now) {
   Arrival* const arrival = inbox_.front();
   if (arrival == nullptr) return false;
   if (arrival->kind == Arrival::Kind::command_frame) {
-    engine_.handle(*arrival);
-    replies_.deliver(inbox_, outbox_);
+    handle(*arrival, now);
   } else if (deferred_.size() < kMostDeferred) {
     deferred_.push_back(std::move(*arrival));
   } else {
@@ -149,17 +73,68 @@ bool LockstepDriver::take_frames() {
   return true;
 }
 
-bool LockstepDriver::run_ticks(std::uint64_t ticks, const std::atomic<bool>& stop) {
+void LockstepDriver::handle(Arrival& arrival, Clock::time_point now) {
+  const bool is_request = arrival.kind == Arrival::Kind::request;
+  steps_.note_message(is_request ? arrival.request.session() : arrival.frame.session(), now);
+  if (StepRequests::is_for(arrival)) {
+    steps_.handle(arrival, now);
+  } else {
+    engine_.handle(arrival);
+    engine_.post_parameters();
+  }
+}
+
+/// Lets time pass as far as the steps allow, and answers each in its tick. @return whether it did.
+bool LockstepDriver::pass_time(Clock::time_point now) {
+  bool has_moved = false;
+  for (std::uint64_t ticks = steps_.ticks_to_run(now); ticks > 0 && !stop_;
+       ticks = steps_.ticks_to_run(now)) {
+    run_ticks(ticks);
+    answer_steps(now);
+    has_moved = true;
+  }
+  answer_steps(now);
+  if (now >= next_check_) {
+    remove_absent(now);
+    next_check_ = now + kCheckInterval;
+  }
+  return has_moved;
+}
+
+/// Not all of them when the service ends.
+void LockstepDriver::run_ticks(std::uint64_t ticks) {
   for (std::uint64_t count = 1; count <= ticks; ++count) {
-    for (const std::uint64_t session : stepping_) engine_.note_message(session);
+    steps_.begin_tick();
     engine_.step();
     beats_.add();
     const bool last = count == ticks;
     if (!last && engine_.tick() % status_every_ == 0 && may_publish()) publish_status();
-    if (stop && !last) return false;
-    if (count % kTicksPerDelivery == 0) replies_.deliver(inbox_, outbox_);
+    if (stop_) return;
+    if (count % kTicksPerDelivery == 0) deliver();
   }
-  return true;
+}
+
+/// Many steps may be due in one tick, beside the stores that became durable: more than the queue
+/// holds.
+void LockstepDriver::answer_steps(Clock::time_point now) {
+  while (!steps_.answer_due(now)) {
+    deliver();
+    if (outbox_.replies.size() == outbox_.replies.capacity()) return;  // the wire takes no more
+  }
+}
+
+void LockstepDriver::refuse_steps() {
+  while (!steps_.refuse_waiting()) {
+    deliver();
+    if (outbox_.replies.size() == outbox_.replies.capacity()) return;
+  }
+}
+
+void LockstepDriver::remove_absent(Clock::time_point now) {
+  steps_.remove_absent(now, [this](const wire::Source& source) {
+    if (replies_.is_gone(source)) return Presence::gone;
+    return replies_.is_matched(source) ? Presence::here : Presence::unknown;
+  });
 }
 
 /// Wall time decides how many of the ticks of a long step are shown.
@@ -179,7 +154,7 @@ void LockstepDriver::publish_status(bool repeated) {
 /// While nothing moves: clients that join later see the axes, too.
 void LockstepDriver::idle() {
   engine_.post_parameters();
-  replies_.deliver(inbox_, outbox_);
+  deliver();
   publish_status(true);
 }
 

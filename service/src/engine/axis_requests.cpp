@@ -12,15 +12,14 @@ namespace {
 
 using namespace vdrive::literals;
 
-constexpr std::uint32_t kLocalControl = wire_code(AbortCode::refused_local_control);
+constexpr Reason kLocalControl = AbortCode::refused_local_control;
 
-msg::ObjectResult& add_result(const msg::ObjectAccess& object, std::uint32_t code,
-                              msg::Reply& reply) {
+msg::ObjectResult& add_result(const msg::ObjectAccess& object, Reason reason, msg::Reply& reply) {
   auto& result = reply.objects().emplace_back();
   result.axis(object.axis());
   result.index(object.index());
   result.subindex(object.subindex());
-  result.abort_code(code);
+  result.abort_code(reason.code());
   result.value(object.value());
   return result;
 }
@@ -41,13 +40,14 @@ Stop stop_in(ObjectRow row, std::int64_t value) {
 }
 
 /// @return the reason of a request whose results are complete.
-std::uint32_t reason_of(const msg::Reply& reply) {
+Reason reason_of(const msg::Reply& reply) {
   const auto& results = reply.objects();
   if (results.empty()) return msg::REASON_NOTHING_DONE;
   const bool unknown_axis = std::ranges::any_of(results, [](const auto& result) {
     return result.abort_code() == msg::REASON_UNKNOWN_AXIS;
   });
-  return unknown_axis ? msg::REASON_UNKNOWN_AXIS : msg::REASON_NONE;
+  if (unknown_axis) return msg::REASON_UNKNOWN_AXIS;
+  return msg::REASON_NONE;
 }
 
 }  // namespace
@@ -63,7 +63,7 @@ AxisRequests::AxisRequests(BenchAxes& axes, AxisWriter& writer, const BenchClock
       stores_(stores),
       events_(events) {}
 
-std::uint32_t AxisRequests::read(const msg::Request& request, msg::Reply& reply) const {
+Reason AxisRequests::read(const msg::Request& request, msg::Reply& reply) const {
   for (const auto& object : request.objects()) {
     const auto axis = axes_.index_of(object.axis());
     if (!axis) {
@@ -72,16 +72,16 @@ std::uint32_t AxisRequests::read(const msg::Request& request, msg::Reply& reply)
       continue;
     }
     const ReadResult result = axes_.bank().read(*axis, {object.index(), object.subindex()});
-    add_result(object, wire_code(result.code), reply).value(result.value);
+    add_result(object, result.code, reply).value(result.value);
   }
   return reason_of(reply);
 }
 
-std::uint32_t AxisRequests::write(const msg::Request& request, msg::Reply& reply) {
+Reason AxisRequests::write(const msg::Request& request, msg::Reply& reply) {
   for (const auto& object : request.objects()) {
-    const std::uint32_t code = write_object(object, request.session(), reply.objects().size());
-    add_result(object, code, reply);
-    if (code == msg::REASON_UNKNOWN_AXIS || code == kLocalControl) {
+    const Reason reason = write_object(object, request.session(), reply.objects().size());
+    add_result(object, reason, reply);
+    if (reason == msg::REASON_UNKNOWN_AXIS || reason == kLocalControl) {
       masters_.name_refused(object.axis(), reply);
     }
   }
@@ -89,8 +89,8 @@ std::uint32_t AxisRequests::write(const msg::Request& request, msg::Reply& reply
   return reason_of(reply);
 }
 
-std::uint32_t AxisRequests::write_object(const msg::ObjectAccess& object, std::uint64_t session,
-                                         std::size_t place) {
+Reason AxisRequests::write_object(const msg::ObjectAccess& object, std::uint64_t session,
+                                  std::size_t place) {
   const auto axis = axes_.index_of(object.axis());
   if (!axis) return msg::REASON_UNKNOWN_AXIS;
   const ObjectAddress address{object.index(), object.subindex()};
@@ -103,26 +103,26 @@ std::uint32_t AxisRequests::write_object(const msg::ObjectAccess& object, std::u
   const bool stops = is_of_other ? stop != Stop::none : owner == 0 && stop == Stop::quick_stop;
   if (stops) return stop_axis(*axis, stop == Stop::halt, session);
   if (is_of_other && !(row && has_role(*row, Role::test_input))) return kLocalControl;
-  if (!row) return wire_code(check_address(address));
+  if (!row) return check_address(address);
   if (owner == 0 && has_role(*row, Role::command)) {
     return write_command_object(*axis, *row, object.value(), session);
   }
   if (describe(*row).change == Change::memory) {
     return stores_.store_by_write(*axis, *row, object.value(), place);
   }
-  return wire_code(writer_.write(*axis, *row, object.value()));
+  return writer_.write(*axis, *row, object.value());
 }
 
 /// A halt sets bit 8 and leaves the other bits of the controlword as they are: the set-point and
 /// its handshake with the owner stay.
-std::uint32_t AxisRequests::stop_axis(std::size_t axis, bool by_halt, std::uint64_t session) {
+Reason AxisRequests::stop_axis(std::size_t axis, bool by_halt, std::uint64_t session) {
   const auto present =
       static_cast<std::uint16_t>(axes_.bank().read(axis, "ds402_controlword"_object).value);
   const auto halted = static_cast<std::uint16_t>(present | Controlword::kHalt);
   const std::uint16_t word = by_halt ? halted : controlwords::kQuickStop;
-  if (word == present) return wire_code(AbortCode::none);
+  if (word == present) return AbortCode::none;
   const AbortCode code = writer_.write(axis, "ds402_controlword"_object, word);
-  if (code != AbortCode::none) return wire_code(code);
+  if (code != AbortCode::none) return code;
   schedule_.cancel_of_axis(axes_.number_of(axis));
   const std::uint64_t owner = masters_.owner(axis).session;
   if (owner != 0) {
@@ -132,28 +132,28 @@ std::uint32_t AxisRequests::stop_axis(std::size_t axis, bool by_halt, std::uint6
                     .code = word,
                     .detail = Label{owner}});
   }
-  return wire_code(AbortCode::none);
+  return AbortCode::none;
 }
 
 /// The session that writes a command object of a free axis becomes its owner.
-std::uint32_t AxisRequests::write_command_object(std::size_t axis, ObjectRow row,
-                                                 std::int64_t value, std::uint64_t session) {
+Reason AxisRequests::write_command_object(std::size_t axis, ObjectRow row, std::int64_t value,
+                                          std::uint64_t session) {
   SessionRecord* const record = session == 0 ? nullptr : masters_.admit(session);
   if (record == nullptr) return kLocalControl;
   // The request may have been sent before the session lost its axes.
   if (record->must_acquire) return msg::REASON_STALE_EPOCH;
   const AbortCode code = writer_.write(axis, row, value);
   if (code == AbortCode::none) masters_.give(axis, *record);
-  return wire_code(code);
+  return code;
 }
 
-std::uint32_t AxisRequests::power_cycle(const msg::Request& request, msg::Reply& reply) {
+Reason AxisRequests::power_cycle(const msg::Request& request, msg::Reply& reply) {
   if (const auto reason = masters_.check_axes(request, false, reply); reason != msg::REASON_NONE) {
     return reason;
   }
   for (const std::uint16_t number : request.axes()) {
     schedule_.cancel_of_axis(number);
-    axes_.power_cycle(*axes_.index_of(number));
+    axes_.power_cycle(axes_.index_of_checked(number));
   }
   reply.tick(clock_.next_tick());
   return msg::REASON_NONE;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/reason.hpp"
 #include "engine/axis_writer.hpp"
 #include "engine/bench_axes.hpp"
 #include "engine/bench_clock.hpp"
@@ -22,16 +23,16 @@ class AxisRequests {
   AxisRequests(BenchAxes& axes, AxisWriter& writer, const BenchClock& clock, Masters& masters,
                FrameSchedule& schedule, StoreRequests& stores, BenchEvents& events);
 
-  [[nodiscard]] std::uint32_t read(const msg::Request& request, msg::Reply& reply) const;
-  [[nodiscard]] std::uint32_t write(const msg::Request& request, msg::Reply& reply);
-  [[nodiscard]] std::uint32_t power_cycle(const msg::Request& request, msg::Reply& reply);
+  [[nodiscard]] Reason read(const msg::Request& request, msg::Reply& reply) const;
+  [[nodiscard]] Reason write(const msg::Request& request, msg::Reply& reply);
+  [[nodiscard]] Reason power_cycle(const msg::Request& request, msg::Reply& reply);
 
  private:
-  [[nodiscard]] std::uint32_t write_object(const msg::ObjectAccess& object, std::uint64_t session,
-                                           std::size_t place);
-  [[nodiscard]] std::uint32_t stop_axis(std::size_t axis, bool by_halt, std::uint64_t session);
-  [[nodiscard]] std::uint32_t write_command_object(std::size_t axis, ObjectRow row,
-                                                   std::int64_t value, std::uint64_t session);
+  [[nodiscard]] Reason write_object(const msg::ObjectAccess& object, std::uint64_t session,
+                                    std::size_t place);
+  [[nodiscard]] Reason stop_axis(std::size_t axis, bool by_halt, std::uint64_t session);
+  [[nodiscard]] Reason write_command_object(std::size_t axis, ObjectRow row, std::int64_t value,
+                                            std::uint64_t session);
 
   BenchAxes& axes_;
   AxisWriter& writer_;

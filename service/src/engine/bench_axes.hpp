@@ -5,6 +5,7 @@
 #include "configuration/configuration.hpp"
 #include "engine/changed_axes.hpp"
 #include "journal/journal.hpp"
+#include "vdrive/assert.hpp"
 #include "vdrive/axis_bank.hpp"
 
 #include <cstddef>
@@ -31,10 +32,20 @@ class BenchAxes {
 
   [[nodiscard]] const AxisBank& bank() const noexcept { return bank_; }
 
-  [[nodiscard]] std::uint16_t number_of(std::size_t axis) const noexcept { return numbers_[axis]; }
+  [[nodiscard]] std::uint16_t number_of(std::size_t axis) const noexcept {
+    ensure(axis < size(), "the axis is one of the bench's");
+    return numbers_[axis];
+  }
 
   /// @return the index of the axis with this number, if there is one.
   [[nodiscard]] std::optional<std::size_t> index_of(std::uint16_t number) const noexcept;
+
+  /// @return the index of an axis that the bench has: the message that names it was checked.
+  [[nodiscard]] std::size_t index_of_checked(std::uint16_t number) const noexcept {
+    const auto index = index_of(number);
+    ensure(index.has_value(), "a checked message names axes of this bench");
+    return *index;
+  }
 
   /// @return the abort code of the refusal, or AbortCode::none
   AbortCode write(std::size_t axis, ObjectRow row, std::int64_t value);

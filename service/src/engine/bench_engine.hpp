@@ -21,6 +21,7 @@
 #include "engine/request_answers.hpp"
 #include "engine/requests.hpp"
 #include "engine/snapshots.hpp"
+#include "engine/step_requests.hpp"
 #include "engine/store_requests.hpp"
 #include "journal/journal.hpp"
 #include "seam/queues.hpp"
@@ -68,8 +69,8 @@ class BenchEngine {
   ///         waits, which one request may cancel.
   [[nodiscard]] bool can_answer() const noexcept;
 
-  /// Carries a command frame or a request out, or refuses it. Steps and who may step are refused:
-  /// the lock-step driver keeps those requests for itself.
+  /// Carries a command frame or a request out, or refuses it. Those of `steps` are refused: in
+  /// other clock modes nobody may let time pass.
   void handle(Arrival& arrival);
 
   /// The thread that will step calls it once it has its schedule: the threads that step with it get
@@ -102,33 +103,8 @@ class BenchEngine {
   /// Puts the event into the outbox, with the present tick.
   void report(EventRecord event) { events_.report(event); }
 
-  /// Notes a request that `handle` does not get, and answers it again when it has arrived before
-  /// and is not in progress. @return whether it has arrived before: it needs no further work.
-  [[nodiscard]] bool answer_repeat(const Arrival& arrival) {
-    return requests_.answer_repeat(arrival);
-  }
-
-  /// Checks a request about the steps of a lock-step bench. @return REASON_NONE or why it is
-  /// refused.
-  [[nodiscard]] std::uint32_t check_step(const Arrival& arrival) const {
-    return requests_.check_step(arrival);
-  }
-
-  /// Answers a checked request of that kind, with the status of the axes that it names when
-  /// `reason` is REASON_NONE or REASON_MISSING_STEPPER.
-  /// @param missing_stepper the session whose grant is missing
-  void answer_step(const Arrival& arrival, std::uint32_t reason,
-                   std::uint64_t missing_stepper = 0) {
-    requests_.answer_step(arrival, reason, missing_stepper);
-  }
-
-  /// @return whether the command frame `sequence` of `session` has arrived.
-  [[nodiscard]] bool has_arrived(std::uint64_t session, std::uint64_t sequence) const noexcept {
-    return frames_.has_arrived(session, sequence);
-  }
-
-  /// A message of the session arrived now.
-  void note_message(std::uint64_t session) { masters_.note_message(session); }
+  /// The requests that let time pass in lock-step; `handle` refuses them.
+  [[nodiscard]] StepRequests& steps() noexcept { return step_requests_; }
 
   /// The bench ends: from the first call on only reads are answered, masters may be silent, and
   /// every step switches off what has come to rest. Writes the controlwords that brake the axes
@@ -161,6 +137,7 @@ class BenchEngine {
   AxisRequests axis_requests_;
   Snapshots snapshots_;
   Requests requests_;
+  StepRequests step_requests_;
 };
 
 }  // namespace vdrive::service

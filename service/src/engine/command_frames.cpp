@@ -28,7 +28,7 @@ CommandFrames::CommandFrames(const BenchClock& clock, const BenchBrake& brake, M
 void CommandFrames::handle(Arrival& arrival) {
   auto& frame = arrival.frame;
   counters_.frames_received.add();
-  if (const std::uint32_t reason = check_sender(frame); reason != msg::REASON_NONE) {
+  if (const Reason reason = check_sender(frame); reason != msg::REASON_NONE) {
     answers_.refuse(frame, reason);
     return;
   }
@@ -40,7 +40,7 @@ void CommandFrames::handle(Arrival& arrival) {
   record->last_message_tick = clock_.tick();
   if (answer_repeat(frame)) return;
   record->last_sequence = std::max(record->last_sequence, frame.sequence_number());
-  if (const std::uint32_t reason = check(arrival, *record); reason != msg::REASON_NONE) {
+  if (const Reason reason = check(arrival, *record); reason != msg::REASON_NONE) {
     answers_.refuse(frame, reason);
     return;
   }
@@ -73,9 +73,10 @@ bool CommandFrames::has_arrived(std::uint64_t session, std::uint64_t sequence) c
 }
 
 /// What is refused here is no frame of a session of this run: it is not remembered.
-std::uint32_t CommandFrames::check_sender(const msg::CommandFrame& frame) const noexcept {
+Reason CommandFrames::check_sender(const msg::CommandFrame& frame) const noexcept {
   if (!answers_.is_of_this_run(frame)) return msg::REASON_WRONG_INCARNATION;
-  return frame.session() == 0 ? msg::REASON_BAD_SESSION : msg::REASON_NONE;
+  if (frame.session() == 0) return msg::REASON_BAD_SESSION;
+  return msg::REASON_NONE;
 }
 
 /// A client repeats what was not answered after the way between it and this bench broke.
@@ -97,7 +98,7 @@ bool CommandFrames::answer_repeat(const msg::CommandFrame& frame) {
   return true;
 }
 
-std::uint32_t CommandFrames::check(const Arrival& arrival, const SessionRecord& record) const {
+Reason CommandFrames::check(const Arrival& arrival, const SessionRecord& record) const {
   const auto& frame = arrival.frame;
   // Commands keep their order; one that was overtaken by keep-alives alone still acts.
   if (frame.sequence_number() <= record.last_command) return msg::REASON_TOO_LATE;
@@ -108,13 +109,14 @@ std::uint32_t CommandFrames::check(const Arrival& arrival, const SessionRecord& 
   return arrival.refusal != msg::REASON_NONE ? arrival.refusal : check_time(frame);
 }
 
-std::uint32_t CommandFrames::check_time(const msg::CommandFrame& frame) const {
+Reason CommandFrames::check_time(const msg::CommandFrame& frame) const {
   const std::uint64_t apply_at =
       frame.apply_at_tick() == 0 ? clock_.next_tick() : frame.apply_at_tick();
   if (apply_at <= clock_.tick()) return msg::REASON_TOO_LATE;
   if (apply_at - clock_.tick() > furthest_ahead_) return msg::REASON_TOO_FAR_AHEAD;
   const bool expires_before = frame.valid_until_tick() != 0 && frame.valid_until_tick() < apply_at;
-  return expires_before ? msg::REASON_TOO_LATE : msg::REASON_NONE;
+  if (expires_before) return msg::REASON_TOO_LATE;
+  return msg::REASON_NONE;
 }
 
 }  // namespace vdrive::service

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/counters.hpp"
+#include "base/reason.hpp"
 #include "engine/bench_brake.hpp"
 #include "engine/bench_clock.hpp"
 #include "engine/frame_answers.hpp"
@@ -36,10 +37,10 @@ class CommandFrames {
   [[nodiscard]] bool has_arrived(std::uint64_t session, std::uint64_t sequence) const noexcept;
 
  private:
-  [[nodiscard]] std::uint32_t check_sender(const msg::CommandFrame& frame) const noexcept;
+  [[nodiscard]] Reason check_sender(const msg::CommandFrame& frame) const noexcept;
   [[nodiscard]] bool answer_repeat(const msg::CommandFrame& frame);
-  [[nodiscard]] std::uint32_t check(const Arrival& arrival, const SessionRecord& record) const;
-  [[nodiscard]] std::uint32_t check_time(const msg::CommandFrame& frame) const;
+  [[nodiscard]] Reason check(const Arrival& arrival, const SessionRecord& record) const;
+  [[nodiscard]] Reason check_time(const msg::CommandFrame& frame) const;
 
   const BenchClock& clock_;
   const BenchBrake& brake_;

@@ -36,6 +36,7 @@ SessionRecord* ControlTable::find_or_add(std::uint64_t session, std::uint64_t ti
 }
 
 void ControlTable::give(std::size_t axis, SessionRecord& owner) noexcept {
+  ensure(axis < owners_.size(), "the axis is one of the bench's");
   if (owners_[axis].session == owner.session) return;
   take(axis);
   owners_[axis] = {.session = owner.session, .epoch = owner.epoch};
@@ -43,8 +44,10 @@ void ControlTable::give(std::size_t axis, SessionRecord& owner) noexcept {
 }
 
 void ControlTable::take(std::size_t axis) noexcept {
+  ensure(axis < owners_.size(), "the axis is one of the bench's");
   if (owners_[axis].session == 0) return;
   if (SessionRecord* const loser = find(owners_[axis].session); loser != nullptr) {
+    ensure(loser->owned_axes > 0, "the owner of an axis is counted as such");
     --loser->owned_axes;
   }
   owners_[axis] = {};

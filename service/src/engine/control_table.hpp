@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/assert.hpp"
 #include "vdrive/wire/conversion.hpp"
 
 #include <cstddef>
@@ -50,6 +51,7 @@ class ControlTable {
   void renew_epoch(SessionRecord& record) noexcept;
 
   [[nodiscard]] const wire::Ownership& owner(std::size_t axis) const noexcept {
+    ensure(axis < owners_.size(), "the axis is one of the bench's");
     return owners_[axis];
   }
 

@@ -48,13 +48,13 @@ void FrameAnswers::send(const msg::CommandFrame& frame, msg::CommandReply& reply
 }
 
 /// In a reply of its own: a frame that halts cancels others while its answer is being built.
-void FrameAnswers::refuse(const msg::CommandFrame& frame, std::uint32_t reason) {
-  refusal_.refusals().front().reason(reason);
+void FrameAnswers::refuse(const msg::CommandFrame& frame, Reason reason) {
+  refusal_.refusals().front().reason(reason.code());
   counters_.frames_refused.add();
   events_.report(
       {.kind = msg::EVENT_REFUSED,
        .session = frame.session(),
-       .code = reason,
+       .code = reason.code(),
        .detail = RefusedMessage{.number = frame.sequence_number(),
                                 .late_by = reason == msg::REASON_TOO_LATE ? lateness(frame) : 0}});
   send(frame, refusal_);

@@ -3,6 +3,7 @@
 
 #include "base/bench_identity.hpp"
 #include "base/counters.hpp"
+#include "base/reason.hpp"
 #include "base/ring.hpp"
 #include "engine/answer_memory.hpp"
 #include "engine/bench_clock.hpp"
@@ -34,7 +35,7 @@ class FrameAnswers {
   void send(const msg::CommandFrame& frame, msg::CommandReply& reply);
 
   /// Refuses the frame as a whole.
-  void refuse(const msg::CommandFrame& frame, std::uint32_t reason);
+  void refuse(const msg::CommandFrame& frame, Reason reason);
 
  private:
   [[nodiscard]] std::uint64_t lateness(const msg::CommandFrame& frame) const noexcept;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/frame_application.hpp"
 
+#include "vdrive/assert.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 
 #include <array>
@@ -62,7 +63,7 @@ FrameApplication::FrameApplication(BenchAxes& axes, AxisWriter& writer, Masters&
       answers_(answers),
       events_(events),
       counters_(counters),
-      skipped_(msg::MAX_AXES_PER_FRAME),
+      targets_(msg::MAX_AXES_PER_FRAME),
       named_in_(axes.size()) {
   reply_.refusals().reserve(msg::MAX_AXES_PER_FRAME);
   reply_.ignored_set_points().reserve(msg::MAX_AXES_PER_FRAME);
@@ -70,6 +71,7 @@ FrameApplication::FrameApplication(BenchAxes& axes, AxisWriter& writer, Masters&
 }
 
 void FrameApplication::apply(const msg::CommandFrame& frame) {
+  ensure(frame.axes().size() <= targets_.size(), "the decoder refuses frames of more axes");
   begin(frame);
   if ((frame.flags() & msg::FRAME_ALL_OR_NOTHING) == 0) {
     apply_each(frame);
@@ -96,9 +98,10 @@ void FrameApplication::begin(const msg::CommandFrame& frame) {
   ++frame_count_;
   const auto& commands = frame.axes();
   for (std::size_t position = 0; position < commands.size(); ++position) {
-    const std::uint32_t reason = admit(commands[position], frame.session());
-    skipped_[position] = reason != msg::REASON_NONE;
-    if (skipped_[position]) refuse(commands[position].axis(), {}, reason);
+    Target& target = targets_[position];
+    const Reason reason = admit(commands[position], frame.session(), target);
+    target.is_refused = reason != msg::REASON_NONE;
+    if (target.is_refused) refuse(commands[position].axis(), {}, reason);
   }
 }
 
@@ -110,23 +113,27 @@ bool FrameApplication::mark_named(std::size_t axis) {
 }
 
 /// @return REASON_NONE or why the command is refused.
-std::uint32_t FrameApplication::admit(const msg::AxisCommand& command, std::uint64_t session) {
+Reason FrameApplication::admit(const msg::AxisCommand& command, std::uint64_t session,
+                               Target& target) {
   const auto axis = axes_.index_of(command.axis());
   if (!axis) return msg::REASON_UNKNOWN_AXIS;
+  target.axis = *axis;
   if (!mark_named(*axis)) return msg::REASON_AXIS_TWICE;
   if (masters_.owner(*axis).session != session) return msg::REASON_NOT_OWNER;
-  return (command.members() & ~kKnownMembers) != 0 ? msg::REASON_UNKNOWN_MEMBERS : msg::REASON_NONE;
+  if ((command.members() & ~kKnownMembers) != 0) return msg::REASON_UNKNOWN_MEMBERS;
+  return msg::REASON_NONE;
 }
 
 void FrameApplication::apply_each(const msg::CommandFrame& frame) {
   const auto& commands = frame.axes();
   for (std::size_t position = 0; position < commands.size(); ++position) {
-    if (skipped_[position]) {
+    const Target& target = targets_[position];
+    if (target.is_refused) {
       counters_.commands_refused.add();
       continue;
     }
-    const bool whole = apply_registers(commands[position], false);
-    apply_controlword(commands[position], frame.sequence_number());
+    const bool whole = apply_registers(commands[position], target.axis, false);
+    apply_controlword(commands[position], target.axis, frame.sequence_number());
     (whole ? counters_.commands_applied : counters_.commands_refused).add();
   }
 }
@@ -135,14 +142,19 @@ void FrameApplication::apply_each(const msg::CommandFrame& frame) {
 void FrameApplication::apply_all_or_nothing(const msg::CommandFrame& frame) {
   undo_.clear();
   bool accepted = true;
-  for (const auto& command : frame.axes()) accepted = apply_registers(command, true) && accepted;
+  const auto& commands = frame.axes();
+  for (std::size_t position = 0; position < commands.size(); ++position) {
+    accepted = apply_registers(commands[position], targets_[position].axis, true) && accepted;
+  }
   if (!accepted) {
     take_back();
-    counters_.commands_refused.add(frame.axes().size());
+    counters_.commands_refused.add(commands.size());
     return;
   }
-  for (const auto& command : frame.axes()) apply_controlword(command, frame.sequence_number());
-  counters_.commands_applied.add(frame.axes().size());
+  for (std::size_t position = 0; position < commands.size(); ++position) {
+    apply_controlword(commands[position], targets_[position].axis, frame.sequence_number());
+  }
+  counters_.commands_applied.add(commands.size());
 }
 
 /// The latest write first.
@@ -153,56 +165,55 @@ void FrameApplication::take_back() {
   }
 }
 
-bool FrameApplication::apply_registers(const msg::AxisCommand& command, bool undoable) {
+bool FrameApplication::apply_registers(const msg::AxisCommand& command, std::size_t axis,
+                                       bool undoable) {
   bool accepted = true;
   for (const auto& member : kRegisterMembers) {
     if ((command.members() & member.bit) != 0) {
-      accepted =
-          apply_register(command.axis(), member.row, member.value(command), undoable) && accepted;
+      accepted = apply_register(axis, member.row, member.value(command), undoable) && accepted;
     }
   }
   for (const auto& object : command.objects()) {
     const ObjectAddress address{object.index(), object.subindex()};
     if (const auto row = find_object(address)) {
-      accepted = apply_register(command.axis(), *row, object.value(), undoable) && accepted;
+      accepted = apply_register(axis, *row, object.value(), undoable) && accepted;
     } else {
-      refuse(command.axis(), address, wire_code(check_address(address)));
+      refuse(command.axis(), address, check_address(address));
       accepted = false;
     }
   }
   return accepted;
 }
 
-bool FrameApplication::apply_register(std::uint16_t number, ObjectRow row, std::int64_t value,
+bool FrameApplication::apply_register(std::size_t axis, ObjectRow row, std::int64_t value,
                                       bool undoable) {
-  const std::size_t axis = *axes_.index_of(number);
   // The controlword has a member, whose place is last. Storing is answered when it is durable, and
   // frames are answered at once.
   const Change change = describe(row).change;
   if (change == Change::power || change == Change::memory) {
-    refuse(number, describe(row).address, wire_code(AbortCode::cannot_be_mapped_to_pdo));
+    refuse(axes_.number_of(axis), describe(row).address, AbortCode::cannot_be_mapped_to_pdo);
     return false;
   }
   const ReadResult before = undoable ? axes_.bank().read(axis, row) : ReadResult{};
   const AbortCode code = writer_.write(axis, row, value);
   if (code != AbortCode::none) {
-    refuse(number, describe(row).address, wire_code(code));
+    refuse(axes_.number_of(axis), describe(row).address, code);
     return false;
   }
   if (undoable && before.code == AbortCode::none && undo_.size() < undo_.capacity()) {
-    undo_.push_back({static_cast<std::uint16_t>(axis), row, before.value});
+    undo_.push_back({axis, row, before.value});
   }
   return true;
 }
 
-void FrameApplication::apply_controlword(const msg::AxisCommand& command, std::uint64_t sequence) {
-  const std::size_t axis = *axes_.index_of(command.axis());
+void FrameApplication::apply_controlword(const msg::AxisCommand& command, std::size_t axis,
+                                         std::uint64_t sequence) {
   if ((command.members() & msg::HAS_DS402_CONTROLWORD) != 0) {
     const std::uint32_t ignored = axes_.bank().ignored_set_points(axis);
     const AbortCode code =
         writer_.write(axis, "ds402_controlword"_object, command.ds402_controlword());
     if (code != AbortCode::none) {
-      refuse(command.axis(), describe("ds402_controlword"_object).address, wire_code(code));
+      refuse(command.axis(), describe("ds402_controlword"_object).address, code);
     } else if (axes_.bank().ignored_set_points(axis) != ignored) {
       reply_.ignored_set_points().push_back(command.axis());
     }
@@ -210,15 +221,15 @@ void FrameApplication::apply_controlword(const msg::AxisCommand& command, std::u
   masters_.set_applied(axis, sequence);
 }
 
-void FrameApplication::refuse(std::uint16_t axis, ObjectAddress address, std::uint32_t reason) {
-  counters_.refusals.add(reason);
+void FrameApplication::refuse(std::uint16_t axis, ObjectAddress address, Reason reason) {
+  counters_.refusals.add(reason.code());
   auto& refusals = reply_.refusals();
   if (refusals.size() == msg::MAX_AXES_PER_FRAME) return;
   auto& refusal = refusals.emplace_back();
   refusal.axis(axis);
   refusal.index(address.index);
   refusal.subindex(address.subindex);
-  refusal.reason(reason);
+  refusal.reason(reason.code());
 }
 
 }  // namespace vdrive::service

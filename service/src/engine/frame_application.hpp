@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/counters.hpp"
+#include "base/reason.hpp"
 #include "engine/axis_writer.hpp"
 #include "engine/bench_axes.hpp"
 #include "engine/bench_events.hpp"
@@ -24,23 +25,30 @@ class FrameApplication {
   void apply(const msg::CommandFrame& frame);
 
  private:
+  /// What a command of the frame is for.
+  struct Target {
+    std::size_t axis = 0;  ///< index; holds when it is not refused
+    bool is_refused = false;
+  };
+
   /// A register before it was overwritten by a frame that may have to be taken back.
   struct Undo {
-    std::uint16_t axis = 0;
+    std::size_t axis = 0;
     ObjectRow row = 0;
     std::int64_t value = 0;
   };
 
   void begin(const msg::CommandFrame& frame);
   [[nodiscard]] bool mark_named(std::size_t axis);
-  [[nodiscard]] std::uint32_t admit(const msg::AxisCommand& command, std::uint64_t session);
+  [[nodiscard]] Reason admit(const msg::AxisCommand& command, std::uint64_t session,
+                             Target& target);
   void apply_each(const msg::CommandFrame& frame);
   void apply_all_or_nothing(const msg::CommandFrame& frame);
   void take_back();
-  bool apply_registers(const msg::AxisCommand& command, bool undoable);
-  bool apply_register(std::uint16_t number, ObjectRow row, std::int64_t value, bool undoable);
-  void apply_controlword(const msg::AxisCommand& command, std::uint64_t sequence);
-  void refuse(std::uint16_t axis, ObjectAddress address, std::uint32_t reason);
+  bool apply_registers(const msg::AxisCommand& command, std::size_t axis, bool undoable);
+  bool apply_register(std::size_t axis, ObjectRow row, std::int64_t value, bool undoable);
+  void apply_controlword(const msg::AxisCommand& command, std::size_t axis, std::uint64_t sequence);
+  void refuse(std::uint16_t axis, ObjectAddress address, Reason reason);
 
   BenchAxes& axes_;
   AxisWriter& writer_;
@@ -49,7 +57,7 @@ class FrameApplication {
   BenchEvents& events_;
   Counters& counters_;
   msg::CommandReply reply_;              ///< of the frame that is being applied
-  std::vector<bool> skipped_;            ///< its commands that are refused
+  std::vector<Target> targets_;          ///< of its commands
   std::vector<Undo> undo_;               ///< its writes
   std::vector<std::uint32_t> named_in_;  ///< by index: the last frame that named the axis
   std::uint32_t frame_count_ = 0;

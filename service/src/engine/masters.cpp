@@ -27,8 +27,8 @@ void Masters::note_message(std::uint64_t session) {
   }
 }
 
-std::uint32_t Masters::check_axes(const msg::Request& request, bool owned_by_others_allowed,
-                                  msg::Reply& reply) const {
+Reason Masters::check_axes(const msg::Request& request, bool owned_by_others_allowed,
+                           msg::Reply& reply) const {
   if (request.axes().empty()) return msg::REASON_NOTHING_DONE;
   for (const std::uint16_t number : request.axes()) {
     const auto axis = axes_.index_of(number);
@@ -39,7 +39,7 @@ std::uint32_t Masters::check_axes(const msg::Request& request, bool owned_by_oth
     const std::uint64_t owner = control_.owner(*axis).session;
     if (!owned_by_others_allowed && owner != 0 && owner != request.session()) {
       name_refused(number, reply);
-      return wire_code(AbortCode::refused_local_control);
+      return AbortCode::refused_local_control;
     }
   }
   return msg::REASON_NONE;
@@ -51,7 +51,7 @@ void Masters::name_refused(std::uint16_t number, msg::Reply& reply) const {
   if (const auto axis = axes_.index_of(number)) reply.owner_session(control_.owner(*axis).session);
 }
 
-std::uint32_t Masters::acquire(const msg::Request& request, bool by_force, msg::Reply& reply) {
+Reason Masters::acquire(const msg::Request& request, bool by_force, msg::Reply& reply) {
   if (request.session() == 0) return msg::REASON_BAD_SESSION;
   if (const auto reason = check_axes(request, by_force, reply); reason != msg::REASON_NONE) {
     return reason;
@@ -60,7 +60,7 @@ std::uint32_t Masters::acquire(const msg::Request& request, bool by_force, msg::
   if (record == nullptr) return msg::REASON_QUEUE_FULL;
   std::size_t gained = 0;
   for (const std::uint16_t number : request.axes()) {
-    const std::size_t axis = *axes_.index_of(number);
+    const std::size_t axis = axes_.index_of_checked(number);
     if (control_.owner(axis).session != request.session()) {
       take_from_owner(axis);
       control_.give(axis, *record);
@@ -93,7 +93,7 @@ void Masters::take_from_owner(std::size_t axis) {
                   .session = loser->session});
 }
 
-std::uint32_t Masters::release(const msg::Request& request, msg::Reply& reply) {
+Reason Masters::release(const msg::Request& request, msg::Reply& reply) {
   if (request.session() == 0) return msg::REASON_BAD_SESSION;
   SessionRecord* const record = control_.find(request.session());
   if (record == nullptr || record->owned_axes == 0) return msg::REASON_NOTHING_DONE;
@@ -101,7 +101,8 @@ std::uint32_t Masters::release(const msg::Request& request, msg::Reply& reply) {
     const auto axis = axes_.index_of(number);
     if (!axis || control_.owner(*axis).session != request.session()) {
       name_refused(number, reply);
-      return axis ? msg::REASON_NOT_OWNER : msg::REASON_UNKNOWN_AXIS;
+      if (!axis) return msg::REASON_UNKNOWN_AXIS;
+      return msg::REASON_NOT_OWNER;
     }
   }
   const std::size_t before = record->owned_axes;
@@ -117,7 +118,7 @@ std::uint32_t Masters::release(const msg::Request& request, msg::Reply& reply) {
 
 /// Frees the axes that the request names, or all of its session when it names none.
 void Masters::free_axes(const msg::Request& request) {
-  for (const std::uint16_t number : request.axes()) control_.take(*axes_.index_of(number));
+  for (const std::uint16_t number : request.axes()) control_.take(axes_.index_of_checked(number));
   for (std::size_t axis = 0; request.axes().empty() && axis < axes_.size(); ++axis) {
     if (control_.owner(axis).session == request.session()) control_.take(axis);
   }

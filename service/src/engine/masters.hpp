@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/counters.hpp"
+#include "base/reason.hpp"
 #include "engine/bench_axes.hpp"
 #include "engine/bench_clock.hpp"
 #include "engine/bench_events.hpp"
@@ -49,17 +50,16 @@ class Masters {
 
   /// Checks that the request names axes, that they exist, and that no other session owns them.
   /// @return REASON_NONE or why it is refused; `reply` then names the axis and its owner.
-  [[nodiscard]] std::uint32_t check_axes(const msg::Request& request, bool owned_by_others_allowed,
-                                         msg::Reply& reply) const;
+  [[nodiscard]] Reason check_axes(const msg::Request& request, bool owned_by_others_allowed,
+                                  msg::Reply& reply) const;
 
   /// Names the axis with this number, and its owner, as the reason of a refusal. The first one that
   /// is named stays.
   void name_refused(std::uint16_t number, msg::Reply& reply) const;
 
   // Requests. @return REASON_NONE or why the request is refused.
-  [[nodiscard]] std::uint32_t acquire(const msg::Request& request, bool by_force,
-                                      msg::Reply& reply);
-  [[nodiscard]] std::uint32_t release(const msg::Request& request, msg::Reply& reply);
+  [[nodiscard]] Reason acquire(const msg::Request& request, bool by_force, msg::Reply& reply);
+  [[nodiscard]] Reason release(const msg::Request& request, msg::Reply& reply);
 
   /// Gives the free axis to the session, which wrote a command object of it.
   void give(std::size_t axis, SessionRecord& record);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/pending_frames.hpp"
 
+#include "vdrive/assert.hpp"
+
 #include <algorithm>
 
 namespace vdrive::service {
@@ -42,6 +44,7 @@ bool PendingFrames::contains(std::uint64_t session, std::uint64_t sequence) cons
 }
 
 void PendingFrames::remove(std::size_t position) noexcept {
+  ensure(position < order_.size() && free_.size() < kCapacity, "a frame leaves its slot once");
   free_.push_back(order_[position].slot);
   order_.erase(order_.begin() + static_cast<std::ptrdiff_t>(position));
 }

@@ -55,25 +55,26 @@ void RequestAnswers::begin(const Arrival& arrival, OutgoingReply& outgoing) cons
   reply.statuses().clear();
 }
 
-void RequestAnswers::finish(std::uint64_t session, std::uint32_t reason, msg::Reply& reply) {
-  reply.reason(reason);
+void RequestAnswers::finish(std::uint64_t session, Reason reason, msg::Reply& reply) {
+  reply.reason(reason.code());
   const SessionRecord* const record = session == 0 ? nullptr : masters_.find(session);
   reply.epoch(record == nullptr ? 0 : record->epoch);
   reply.last_sequence(record == nullptr ? 0 : record->last_sequence);
   counters_.requests_answered.add();
   std::uint16_t axis = reply.refused_axis();
+  std::uint32_t code = reason.code();  // of the request, or of its first object that is refused
   for (const auto& object : reply.objects()) {
-    if (reason == msg::REASON_NONE && object.abort_code() != 0) {
-      reason = object.abort_code();
+    if (code == msg::REASON_NONE && object.abort_code() != msg::REASON_NONE) {
+      code = object.abort_code();
       axis = object.axis();
     }
   }
-  if (reason != msg::REASON_NONE) {
-    counters_.refusals.add(reason);
+  if (code != msg::REASON_NONE) {
+    counters_.refusals.add(code);
     events_.report({.kind = msg::EVENT_REFUSED,
                     .axis = axis,
                     .session = session,
-                    .code = reason,
+                    .code = code,
                     .detail = RefusedMessage{.number = reply.request_id()}});
   }
   if (reply.reason() != msg::REASON_WRONG_INCARNATION) keep(reply);
@@ -121,7 +122,7 @@ void RequestAnswers::add_statuses(const msg::Request& request, msg::Reply& reply
   reply.statuses().resize(request.axes().size());
   for (std::size_t position = 0; position < request.axes().size(); ++position) {
     const std::uint16_t number = request.axes()[position];
-    const std::size_t axis = *axes_.index_of(number);
+    const std::size_t axis = axes_.index_of_checked(number);
     wire::to_message(axes_.bank().status(axis), {identity_.bench, number}, clock_.tick(),
                      masters_.owner(axis), reply.statuses()[position]);
   }

@@ -3,6 +3,7 @@
 
 #include "base/bench_identity.hpp"
 #include "base/counters.hpp"
+#include "base/reason.hpp"
 #include "engine/answer_memory.hpp"
 #include "engine/bench_axes.hpp"
 #include "engine/bench_clock.hpp"
@@ -31,6 +32,9 @@ class RequestAnswers {
   /// @return the number of the first axis that the request names and the bench does not have.
   [[nodiscard]] std::optional<std::uint16_t> unknown_axis(const msg::Request& request) const;
 
+  /// @return whether `open` has a place for an answer.
+  [[nodiscard]] bool has_room() const noexcept { return queue_.size() < queue_.capacity(); }
+
   /// @return where the next answer goes, or nullptr when the queue is full, which is counted.
   [[nodiscard]] OutgoingReply* open();
 
@@ -38,7 +42,7 @@ class RequestAnswers {
   void begin(const Arrival& arrival, OutgoingReply& outgoing) const;
 
   /// Completes an answer, counts and keeps it, and reports a refusal.
-  void finish(std::uint64_t session, std::uint32_t reason, msg::Reply& reply);
+  void finish(std::uint64_t session, Reason reason, msg::Reply& reply);
 
   /// Sends the answer that `open` gave the place of.
   void push() noexcept { queue_.push(); }

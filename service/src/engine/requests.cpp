@@ -18,7 +18,7 @@ void Requests::handle(const Arrival& arrival) {
   if (answer_repeat(arrival)) return;
   answers_.begin(arrival, *outgoing);
   const msg::Request& request = arrival.request;
-  std::uint32_t reason = check(arrival);
+  Reason reason = check(arrival);
   parts_.stores.begin_request();
   if (reason == msg::REASON_NONE) reason = carry_out(request, outgoing->reply);
   if (parts_.stores.has_ordered()) {
@@ -44,7 +44,7 @@ bool Requests::answer_repeat(const Arrival& arrival) {
   return true;
 }
 
-std::uint32_t Requests::check(const Arrival& arrival) const {
+Reason Requests::check(const Arrival& arrival) const {
   const auto& request = arrival.request;
   if (request.client() == 0) return msg::REASON_BAD_SESSION;
   if (!answers_.is_of_this_run(request)) return msg::REASON_WRONG_INCARNATION;
@@ -52,7 +52,7 @@ std::uint32_t Requests::check(const Arrival& arrival) const {
   return arrival.refusal;
 }
 
-std::uint32_t Requests::carry_out(const msg::Request& request, msg::Reply& reply) {
+Reason Requests::carry_out(const msg::Request& request, msg::Reply& reply) {
   parts_.masters.note_message(request.session());
   switch (request.kind()) {
     case msg::REQUEST_READ:
@@ -90,7 +90,7 @@ std::uint32_t Requests::carry_out(const msg::Request& request, msg::Reply& reply
 }
 
 /// Any session may: time belongs to all.
-std::uint32_t Requests::set_rate(const msg::Request& request) {
+Reason Requests::set_rate(const msg::Request& request) {
   if (clock_.mode() != ClockMode::realtime) return msg::REASON_WRONG_CLOCK_MODE;
   const double rate = request.rate();
   if (!(rate == 0.0 || (rate >= kLowestRate && rate <= kHighestRate))) {  // NaN too
@@ -104,32 +104,6 @@ std::uint32_t Requests::set_rate(const msg::Request& request) {
                   .code = msg::REQUEST_SET_RATE,
                   .detail = NewRate{clock_.rate()}});
   return msg::REASON_NONE;
-}
-
-std::uint32_t Requests::check_step(const Arrival& arrival) const {
-  const auto& request = arrival.request;
-  if (const auto reason = check(arrival); reason != msg::REASON_NONE) return reason;
-  if (clock_.mode() != ClockMode::lockstep) return msg::REASON_WRONG_CLOCK_MODE;
-  if (request.ticks() > kMaxTicksPerStep) return msg::REASON_TOO_MANY_TICKS;
-  if (request.session() == 0 && request.last_sequence() != 0) return msg::REASON_BAD_SESSION;
-  return answers_.unknown_axis(request) ? msg::REASON_UNKNOWN_AXIS : msg::REASON_NONE;
-}
-
-void Requests::answer_step(const Arrival& arrival, std::uint32_t reason,
-                           std::uint64_t missing_stepper) {
-  OutgoingReply* const outgoing = answers_.open();
-  if (outgoing == nullptr) return;
-  answers_.begin(arrival, *outgoing);
-  auto& reply = outgoing->reply;
-  reply.missing_stepper(missing_stepper);
-  const msg::Request& request = arrival.request;
-  if (reason == msg::REASON_NONE || reason == msg::REASON_MISSING_STEPPER) {
-    answers_.add_statuses(request, reply);
-  } else if (reason == msg::REASON_UNKNOWN_AXIS) {
-    parts_.masters.name_refused(*answers_.unknown_axis(request), reply);
-  }
-  answers_.finish(request.session(), reason, reply);
-  answers_.push();
 }
 
 }  // namespace vdrive::service

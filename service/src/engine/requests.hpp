@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/reason.hpp"
 #include "engine/axis_requests.hpp"
 #include "engine/bench_brake.hpp"
 #include "engine/bench_clock.hpp"
@@ -21,8 +22,6 @@ namespace vdrive::service {
 /// answers it once, however often it arrives.
 class Requests {
  public:
-  static constexpr std::uint64_t kMaxTicksPerStep = 1'000'000;
-
   /// What carries requests out.
   struct Parts {
     AxisRequests& axes;
@@ -40,19 +39,12 @@ class Requests {
   /// @return whether it has arrived before: it needs no further work.
   [[nodiscard]] bool answer_repeat(const Arrival& arrival);
 
-  /// Checks a request about the steps of a lock-step bench. @return REASON_NONE or why it is
-  /// refused.
-  [[nodiscard]] std::uint32_t check_step(const Arrival& arrival) const;
-
-  /// Answers a checked request of that kind, with the status of the axes that it names when
-  /// `reason` is REASON_NONE or REASON_MISSING_STEPPER.
-  /// @param missing_stepper the session whose grant is missing
-  void answer_step(const Arrival& arrival, std::uint32_t reason, std::uint64_t missing_stepper);
+  /// Checks what every request needs. @return REASON_NONE or why it is refused.
+  [[nodiscard]] Reason check(const Arrival& arrival) const;
 
  private:
-  [[nodiscard]] std::uint32_t check(const Arrival& arrival) const;
-  [[nodiscard]] std::uint32_t carry_out(const msg::Request& request, msg::Reply& reply);
-  [[nodiscard]] std::uint32_t set_rate(const msg::Request& request);
+  [[nodiscard]] Reason carry_out(const msg::Request& request, msg::Reply& reply);
+  [[nodiscard]] Reason set_rate(const msg::Request& request);
 
   BenchClock& clock_;
   MasterWatch& watch_;

@@ -20,7 +20,7 @@ Snapshots::Snapshots(BenchAxes& axes, const BenchClock& clock, const Masters& ma
   kept_.reserve(kMost);
 }
 
-std::uint32_t Snapshots::take(const msg::Request& request, msg::Reply& reply) {
+Reason Snapshots::take(const msg::Request& request, msg::Reply& reply) {
   if (!clock_.time_stands()) return msg::REASON_TIME_PASSES;
   if (kept_.size() == kMost) return msg::REASON_QUEUE_FULL;
   kept_.push_back({.number = ++last_number_,
@@ -31,7 +31,7 @@ std::uint32_t Snapshots::take(const msg::Request& request, msg::Reply& reply) {
   return msg::REASON_NONE;
 }
 
-std::uint32_t Snapshots::restore(const msg::Request& request, msg::Reply& reply) {
+Reason Snapshots::restore(const msg::Request& request, msg::Reply& reply) {
   if (!clock_.time_stands()) return msg::REASON_TIME_PASSES;
   const auto kept = std::ranges::find(kept_, request.snapshot(), &Kept::number);
   if (kept == kept_.end()) return msg::REASON_UNKNOWN_SNAPSHOT;
@@ -43,18 +43,18 @@ std::uint32_t Snapshots::restore(const msg::Request& request, msg::Reply& reply)
   return msg::REASON_NONE;
 }
 
-std::uint32_t Snapshots::check_owners(const msg::Request& request, msg::Reply& reply) const {
+Reason Snapshots::check_owners(const msg::Request& request, msg::Reply& reply) const {
   for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
     const std::uint64_t owner = masters_.owner(axis).session;
     if (owner != 0 && owner != request.session()) {
       masters_.name_refused(axes_.number_of(axis), reply);
-      return wire_code(AbortCode::refused_local_control);
+      return AbortCode::refused_local_control;
     }
   }
   return msg::REASON_NONE;
 }
 
-std::uint32_t Snapshots::drop(const msg::Request& request) {
+Reason Snapshots::drop(const msg::Request& request) {
   if (!clock_.time_stands()) return msg::REASON_TIME_PASSES;
   const std::size_t dropped = std::erase_if(kept_, [&](const Kept& kept) {
     return kept.number == request.snapshot();
@@ -64,7 +64,7 @@ std::uint32_t Snapshots::drop(const msg::Request& request) {
   return msg::REASON_NONE;
 }
 
-std::uint32_t Snapshots::show_next(const msg::Request& request, msg::Reply& reply) const {
+Reason Snapshots::show_next(const msg::Request& request, msg::Reply& reply) const {
   const auto next = std::ranges::upper_bound(kept_, request.snapshot(), {}, &Kept::number);
   if (next == kept_.end()) return msg::REASON_NONE;
   reply.snapshot(next->number);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/counters.hpp"
+#include "base/reason.hpp"
 #include "engine/bench_axes.hpp"
 #include "engine/bench_clock.hpp"
 #include "engine/bench_events.hpp"
@@ -27,12 +28,12 @@ class Snapshots {
             FrameSchedule& schedule, BenchOutput& output, BenchEvents& events, Counters& counters);
 
   /// Allocates, which only this request may: no tick is due while time stands.
-  [[nodiscard]] std::uint32_t take(const msg::Request& request, msg::Reply& reply);
-  [[nodiscard]] std::uint32_t restore(const msg::Request& request, msg::Reply& reply);
-  [[nodiscard]] std::uint32_t drop(const msg::Request& request);
+  [[nodiscard]] Reason take(const msg::Request& request, msg::Reply& reply);
+  [[nodiscard]] Reason restore(const msg::Request& request, msg::Reply& reply);
+  [[nodiscard]] Reason drop(const msg::Request& request);
 
   /// Names the first kept snapshot after that of the request, and the tick in which it was taken.
-  [[nodiscard]] std::uint32_t show_next(const msg::Request& request, msg::Reply& reply) const;
+  [[nodiscard]] Reason show_next(const msg::Request& request, msg::Reply& reply) const;
 
  private:
   struct Kept {
@@ -41,7 +42,7 @@ class Snapshots {
     std::shared_ptr<const AxisBank::Snapshot> state;
   };
 
-  [[nodiscard]] std::uint32_t check_owners(const msg::Request& request, msg::Reply& reply) const;
+  [[nodiscard]] Reason check_owners(const msg::Request& request, msg::Reply& reply) const;
   void report(const msg::Request& request, std::uint32_t code, std::uint64_t number);
 
   BenchAxes& axes_;

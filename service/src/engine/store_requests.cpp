@@ -2,6 +2,7 @@
 #include "engine/store_requests.hpp"
 
 #include "base/event_codes.hpp"
+#include "vdrive/assert.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -38,32 +39,34 @@ void StoreRequests::store_with(ParameterSaver& saver) {
   }
 }
 
-std::uint32_t StoreRequests::store_axes(const msg::Request& request, msg::Reply& reply) {
-  if (saver_ == nullptr) return wire_code(AbortCode::cannot_store_or_transfer);
+Reason StoreRequests::store_axes(const msg::Request& request, msg::Reply& reply) {
+  if (saver_ == nullptr) return AbortCode::cannot_store_or_transfer;
   if (const auto reason = masters_.check_axes(request, false, reply); reason != msg::REASON_NONE) {
     return reason;
   }
   if (free_places_.empty() || saver_->room() < request.axes().size()) return msg::REASON_QUEUE_FULL;
   for (const std::uint16_t number : request.axes()) {
-    order(*axes_.index_of(number), request.kind() == msg::REQUEST_RESTORE, kNoObject);
+    order(axes_.index_of_checked(number), request.kind() == msg::REQUEST_RESTORE, kNoObject);
   }
   return msg::REASON_NONE;
 }
 
-std::uint32_t StoreRequests::store_by_write(std::size_t axis, ObjectRow row, std::int64_t value,
-                                            std::size_t place) {
+Reason StoreRequests::store_by_write(std::size_t axis, ObjectRow row, std::int64_t value,
+                                     std::size_t place) {
   if (const AbortCode code = axes_.write_signature(axis, row, value); code != AbortCode::none) {
-    return wire_code(code);
+    return code;
   }
-  if (saver_ == nullptr) return wire_code(AbortCode::cannot_store_or_transfer);
-  if (free_places_.empty() || saver_->room() == 0) return wire_code(AbortCode::out_of_memory);
+  if (saver_ == nullptr) return AbortCode::cannot_store_or_transfer;
+  if (free_places_.empty() || saver_->room() == 0) return AbortCode::out_of_memory;
   order(axis, row == "restore_all_default_parameters"_object, place);
   return msg::REASON_NONE;
 }
 
 /// For the request in hand, which has the next free place.
 void StoreRequests::order(std::size_t axis, bool forget, std::size_t object) {
-  StoreOrder& order = *saver_->free_order();
+  StoreOrder* const place = saver_->free_order();
+  ensure(place != nullptr && !free_places_.empty(), "the request was checked for room");
+  StoreOrder& order = *place;
   order.request = free_places_.back();
   order.axis = static_cast<std::uint16_t>(axis);
   order.number = axes_.number_of(axis);
@@ -74,7 +77,8 @@ void StoreRequests::order(std::size_t axis, bool forget, std::size_t object) {
   ++ordered_;
 }
 
-void StoreRequests::wait(std::uint64_t session, std::uint32_t reason, OutgoingReply& outgoing) {
+void StoreRequests::wait(std::uint64_t session, Reason reason, OutgoingReply& outgoing) {
+  ensure(!free_places_.empty(), "a request that has given orders has a place");
   Waiting& waiting = waiting_[free_places_.back()];
   free_places_.pop_back();
   std::swap(waiting.outgoing, outgoing);
@@ -104,6 +108,7 @@ bool StoreRequests::answer_order() {
   // The last place is for the step that is being carried out, if there is one.
   if (order == nullptr || queue_.size() + 1 >= queue_.capacity()) return false;
   const std::uint32_t place = order->request;
+  ensure(place < waiting_.size() && waiting_[place].orders > 0, "an order comes back once");
   take_order(*order, waiting_[place]);
   saver_->pop();
   if (--waiting_[place].orders == 0) {
@@ -122,12 +127,11 @@ void StoreRequests::take_order(const StoreOrder& order, Waiting& waiting) {
     return;
   }
   counters_.save_failures.add();
-  const std::uint32_t code = wire_code(AbortCode::hardware_error);
   if (order.object == kNoObject) {
-    waiting.reason = code;
+    waiting.reason = AbortCode::hardware_error;
     masters_.name_refused(order.number, waiting.outgoing.reply);
   } else {
-    waiting.outgoing.reply.objects()[order.object].abort_code(code);
+    waiting.outgoing.reply.objects()[order.object].abort_code(wire_code(AbortCode::hardware_error));
   }
   events_.report({.kind = msg::EVENT_PARAMETERS,
                   .axis = order.number,
@@ -137,7 +141,9 @@ void StoreRequests::take_order(const StoreOrder& order, Waiting& waiting) {
 }
 
 void StoreRequests::finish(Waiting& waiting) {
-  OutgoingReply& outgoing = *queue_.free_slot();
+  OutgoingReply* const slot = queue_.free_slot();
+  ensure(slot != nullptr, "the queue was checked for room");
+  OutgoingReply& outgoing = *slot;
   std::swap(waiting.outgoing, outgoing);
   if (outgoing.reply.objects().empty()) outgoing.reply.tick(clock_.tick());
   answers_.finish(waiting.session, waiting.reason, outgoing.reply);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/counters.hpp"
+#include "base/reason.hpp"
 #include "engine/bench_axes.hpp"
 #include "engine/bench_clock.hpp"
 #include "engine/bench_events.hpp"
@@ -34,20 +35,20 @@ class StoreRequests {
 
   /// Stores or restores the axes that the request names.
   /// @return REASON_NONE or why the request is refused
-  [[nodiscard]] std::uint32_t store_axes(const msg::Request& request, msg::Reply& reply);
+  [[nodiscard]] Reason store_axes(const msg::Request& request, msg::Reply& reply);
 
   /// Writes 1010h or 1011h.
   /// @param place of the object in the request
   /// @return REASON_NONE or an abort code
-  [[nodiscard]] std::uint32_t store_by_write(std::size_t axis, ObjectRow row, std::int64_t value,
-                                             std::size_t place);
+  [[nodiscard]] Reason store_by_write(std::size_t axis, ObjectRow row, std::int64_t value,
+                                      std::size_t place);
 
   /// @return whether the request in hand has given orders, so that its answer waits for them.
   [[nodiscard]] bool has_ordered() const noexcept { return ordered_ > 0; }
 
   /// Keeps the content of `outgoing`, the answer to the request in hand, until its orders come
   /// back.
-  void wait(std::uint64_t session, std::uint32_t reason, OutgoingReply& outgoing);
+  void wait(std::uint64_t session, Reason reason, OutgoingReply& outgoing);
 
   [[nodiscard]] bool is_waiting(const msg::Request& request) const;
 
@@ -60,8 +61,8 @@ class StoreRequests {
   struct Waiting {
     OutgoingReply outgoing;
     std::uint64_t session = 0;
-    std::uint32_t reason = 0;  ///< of what has come back
-    std::size_t orders = 0;    ///< on their way; 0 = the place is free
+    Reason reason;           ///< of what has come back
+    std::size_t orders = 0;  ///< on their way; 0 = the place is free
   };
 
   void order(std::size_t axis, bool forget, std::size_t object);

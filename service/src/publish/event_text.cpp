@@ -10,8 +10,10 @@
 #include "vdrive/wire/event_name.hpp"
 #include "vdrive/wording.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <variant>
 
 namespace vdrive::service {
@@ -148,51 +150,86 @@ std::string wire_text(const EventRecord& event) {
   }
 }
 
-std::string text_of(const EventRecord& event) {
-  switch (event.kind) {
-    case msg::EVENT_STATE_CHANGED:
-      return std::string(to_string(decode_power_state(static_cast<std::uint16_t>(event.code))));
-    case msg::EVENT_FAULT:
-      return "fault " + hex(event.code, 4);
-    case msg::EVENT_FAULT_RESET:
-      return "fault " + hex(event.code, 4) + " reset";
-    case msg::EVENT_REFUSED:
-      return refusal_text(event);
-    case msg::EVENT_SET_POINT_IGNORED:
-      return counted(event, "set-point", "set-points") + " ignored";
-    case msg::EVENT_CONTROL_CHANGED:
-      return control_text(event);
-    case msg::EVENT_MASTER_LOST:
-      return lost_text(event);
-    case msg::EVENT_TICK_OVERRUN:
-      return "tick ended " + std::to_string(detail_of<std::chrono::microseconds>(event).count()) +
-             " us too late";
-    case msg::EVENT_TICK_JUMPED:
-      return "tick number jumped by " + counted(event, "tick", "ticks");
-    case msg::EVENT_QUEUE_OVERFLOW:
-      return counted(event, "message", "messages") + " lost: a queue was full";
-    case msg::EVENT_SNAPSHOT:
-      return snapshot_text(event);
-    case msg::EVENT_JOURNAL:
-      return journal_text(event);
-    case msg::EVENT_PARAMETERS:
-      return parameters_text(event);
-    case msg::EVENT_BENCH_CONFLICT:
-      return "another service has this bench number, incarnation " +
-             std::to_string(detail_of<Label>(event).value);
-    case msg::EVENT_CLOCK_CHANGED:
-      return clock_text(event);
-    case msg::EVENT_WALL_CLOCK:
-      return wall_clock_text(event);
-    case msg::EVENT_SHUTDOWN:
-      return "the service shuts down: its axes brake, commands are refused";
-    case msg::EVENT_WIRE:
-      return wire_text(event);
-    case msg::EVENT_STOPPED:
-      return stop_text(event);
-    default:
-      return "event " + std::to_string(event.kind);
-  }
+std::string state_text(const EventRecord& event) {
+  return std::string(to_string(decode_power_state(static_cast<std::uint16_t>(event.code))));
+}
+
+std::string fault_text(const EventRecord& event) {
+  return "fault " + hex(event.code, 4);
+}
+
+std::string reset_text(const EventRecord& event) {
+  return fault_text(event) + " reset";
+}
+
+std::string ignored_text(const EventRecord& event) {
+  return counted(event, "set-point", "set-points") + " ignored";
+}
+
+std::string overrun_text(const EventRecord& event) {
+  return "tick ended " + std::to_string(detail_of<std::chrono::microseconds>(event).count()) +
+         " us too late";
+}
+
+std::string jump_text(const EventRecord& event) {
+  return "tick number jumped by " + counted(event, "tick", "ticks");
+}
+
+std::string overflow_text(const EventRecord& event) {
+  return counted(event, "message", "messages") + " lost: a queue was full";
+}
+
+std::string conflict_text(const EventRecord& event) {
+  return "another service has this bench number, incarnation " +
+         std::to_string(detail_of<Label>(event).value);
+}
+
+std::string shutdown_text(const EventRecord& /*event*/) {
+  return "the service shuts down: its axes brake, commands are refused";
+}
+
+/// What the service says about a kind of event, in words and in its log.
+struct EventRow {
+  std::uint32_t kind = 0;  ///< EVENT_...
+  spdlog::level::level_enum level = spdlog::level::debug;
+  std::string (*text)(const EventRecord& event) = nullptr;  ///< without the axis
+};
+
+constexpr auto kDebug = spdlog::level::debug;
+constexpr auto kInfo = spdlog::level::info;
+constexpr auto kWarn = spdlog::level::warn;
+
+/// In the order of their numbers.
+constexpr EventRow kEventRows[] = {
+    {msg::EVENT_STATE_CHANGED, kDebug, state_text},
+    {msg::EVENT_FAULT, kInfo, fault_text},
+    {msg::EVENT_FAULT_RESET, kInfo, reset_text},
+    {msg::EVENT_REFUSED, kInfo, refusal_text},
+    {msg::EVENT_SET_POINT_IGNORED, kDebug, ignored_text},
+    {msg::EVENT_CONTROL_CHANGED, kDebug, control_text},
+    {msg::EVENT_MASTER_LOST, kWarn, lost_text},
+    {msg::EVENT_TICK_OVERRUN, kDebug, overrun_text},
+    {msg::EVENT_TICK_JUMPED, kWarn, jump_text},
+    {msg::EVENT_QUEUE_OVERFLOW, kWarn, overflow_text},
+    {msg::EVENT_BENCH_CONFLICT, spdlog::level::err, conflict_text},
+    {msg::EVENT_CLOCK_CHANGED, kInfo, clock_text},
+    {msg::EVENT_SNAPSHOT, kInfo, snapshot_text},
+    {msg::EVENT_JOURNAL, kWarn, journal_text},
+    {msg::EVENT_SHUTDOWN, kInfo, shutdown_text},
+    {msg::EVENT_PARAMETERS, kWarn, parameters_text},
+    {msg::EVENT_WALL_CLOCK, kWarn, wall_clock_text},
+    {msg::EVENT_WIRE, kWarn, wire_text},
+    {msg::EVENT_STOPPED, kInfo, stop_text},
+};
+
+static_assert(std::ranges::equal(kEventRows, wire::kEventKinds, {}, &EventRow::kind,
+                                 &wire::EventKindRow::kind),
+              "a row for each kind of event of the wire contract");
+
+/// @return the row of the event, or nullptr for a number that is no kind.
+const EventRow* row_of(const EventRecord& event) {
+  const bool is_known = event.kind >= 1 && event.kind <= std::size(kEventRows);
+  return is_known ? &kEventRows[event.kind - 1] : nullptr;
 }
 
 }  // namespace
@@ -207,7 +244,16 @@ std::string log_line(std::uint32_t bench, const EventRecord& event, std::uint32_
 }
 
 std::string words_of(const EventRecord& event) {
-  return (who(event) + text_of(event)).substr(0, kLongestText);
+  const EventRow* const row = row_of(event);
+  const std::string text =
+      row == nullptr ? "event " + std::to_string(event.kind) : row->text(event);
+  return (who(event) + text).substr(0, kLongestText);
+}
+
+spdlog::level::level_enum level_of(const EventRecord& event) {
+  if (event.kind == msg::EVENT_PARAMETERS && event.code == ParameterCode::kLoaded) return kInfo;
+  const EventRow* const row = row_of(event);
+  return row == nullptr ? kDebug : row->level;
 }
 
 }  // namespace vdrive::service

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "publish/report_publisher.hpp"
 
-#include "base/event_codes.hpp"
 #include "publish/event_text.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/wire/conversion.hpp"
@@ -25,32 +24,6 @@ constexpr const char* kUnit = "UU";
 constexpr auto kEventsKept = static_cast<std::size_t>(wire::Topic<msg::Event>::kRow.traits.depth);
 /// The wire empties a lane within this, or hangs.
 constexpr std::chrono::milliseconds kLongestWaitForRoom{100};
-
-spdlog::level::level_enum level_of(const EventRecord& event) {
-  switch (event.kind) {
-    case msg::EVENT_BENCH_CONFLICT:
-      return spdlog::level::err;
-    case msg::EVENT_MASTER_LOST:
-    case msg::EVENT_TICK_JUMPED:
-    case msg::EVENT_QUEUE_OVERFLOW:
-    case msg::EVENT_JOURNAL:
-    case msg::EVENT_WALL_CLOCK:
-    case msg::EVENT_WIRE:
-      return spdlog::level::warn;
-    case msg::EVENT_PARAMETERS:
-      return event.code == ParameterCode::kLoaded ? spdlog::level::info : spdlog::level::warn;
-    case msg::EVENT_FAULT:
-    case msg::EVENT_FAULT_RESET:
-    case msg::EVENT_REFUSED:
-    case msg::EVENT_CLOCK_CHANGED:
-    case msg::EVENT_SNAPSHOT:
-    case msg::EVENT_STOPPED:
-    case msg::EVENT_SHUTDOWN:
-      return spdlog::level::info;
-    default:
-      return spdlog::level::debug;
-  }
-}
 
 std::int64_t read(const AxisBank& bank, std::size_t axis, ObjectRow row) {
   return bank.read(axis, describe(row).address).value;

@@ -15,7 +15,7 @@ constexpr std::size_t kSpareCommands = 1'024;
 /// Of a sample that found no room; it holds all that `TurnedAway` has.
 constexpr std::size_t kBeginning = 64;
 
-std::uint32_t refusal_of_decoding(wire::Decoding decoding) {
+Reason refusal_of_decoding(wire::Decoding decoding) {
   switch (decoding) {
     case wire::Decoding::too_many_axes:
       return msg::REASON_TOO_MANY_AXES;

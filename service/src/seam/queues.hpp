@@ -3,6 +3,7 @@
 
 #include "base/counters.hpp"
 #include "base/event_record.hpp"
+#include "base/reason.hpp"
 #include "base/ring.hpp"
 #include "seam/byte_ring.hpp"
 #include "vdrive/axis_status.hpp"
@@ -25,7 +26,7 @@ struct Arrival {
   enum class Kind : std::uint8_t { command_frame, request };
 
   Kind kind = Kind::command_frame;
-  std::uint32_t refusal = 0;  ///< REASON_TOO_MANY_...: only the head of the message is here
+  Reason refusal;  ///< REASON_TOO_MANY_...: only the head of the message is here
   wire::Source source;
   msg::CommandFrame frame;
   msg::Request request;

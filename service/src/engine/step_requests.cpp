@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/step_requests.hpp"
+
+#include "vdrive/assert.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace vdrive::service {
+
+StepRequests::StepRequests(const BenchClock& clock, const CommandFrames& frames, Masters& masters,
+                           Requests& requests, RequestAnswers& answers, BenchEvents& events,
+                           Counters& counters)
+    : clock_(clock),
+      frames_(frames),
+      masters_(masters),
+      requests_(requests),
+      answers_(answers),
+      events_(events),
+      counters_(counters) {}
+
+bool StepRequests::is_for(const Arrival& arrival) noexcept {
+  if (arrival.kind != Arrival::Kind::request) return false;
+  const std::uint32_t kind = arrival.request.kind();
+  return kind == msg::REQUEST_STEP || kind == msg::REQUEST_JOIN_CLOCK ||
+         kind == msg::REQUEST_LEAVE_CLOCK;
+}
+
+bool StepRequests::handle(Arrival& arrival, Time now) {
+  if (requests_.answer_repeat(arrival)) return false;
+  const std::uint64_t session = arrival.request.session();
+  const std::uint32_t kind = arrival.request.kind();
+  Reason reason = check(arrival);
+  if (kind == msg::REQUEST_STEP) {
+    if (reason == msg::REASON_NONE) reason = keep(arrival, now);
+    if (reason == msg::REASON_NONE) return true;  // it is answered later
+  } else {
+    if (reason == msg::REASON_NONE) {
+      reason = kind == msg::REQUEST_JOIN_CLOCK ? join(arrival, now) : leave(arrival, now);
+    }
+    masters_.note_message(session);
+  }
+  answer(arrival, reason);
+  return true;
+}
+
+Reason StepRequests::check(const Arrival& arrival) const {
+  const auto& request = arrival.request;
+  if (const auto reason = requests_.check(arrival); reason != msg::REASON_NONE) return reason;
+  if (clock_.mode() != ClockMode::lockstep) return msg::REASON_WRONG_CLOCK_MODE;
+  if (request.ticks() > kMaxTicksPerStep) return msg::REASON_TOO_MANY_TICKS;
+  if (request.session() == 0 && request.last_sequence() != 0) return msg::REASON_BAD_SESSION;
+  if (answers_.unknown_axis(request)) return msg::REASON_UNKNOWN_AXIS;
+  return msg::REASON_NONE;
+}
+
+/// A step of no ticks only observes: beside steppers every session may request it.
+Reason StepRequests::keep(Arrival& arrival, Time now) {
+  const bool is_alone = steppers_.empty();
+  const bool is_stepper = steppers_.find(arrival.request.session()) != nullptr;
+  if (!is_alone && !is_stepper && arrival.request.ticks() > 0) return msg::REASON_NOT_A_STEPPER;
+  if (waiting_.size() == kMostWaiting) return msg::REASON_QUEUE_FULL;
+  waiting_.push_back({.arrival = std::move(arrival),
+                      .deadline = now + kLongestWaitForCommands,
+                      .is_alone = is_alone});
+  return msg::REASON_NONE;
+}
+
+Reason StepRequests::join(const Arrival& arrival, Time now) {
+  const std::uint64_t session = arrival.request.session();
+  if (session == 0) return msg::REASON_BAD_SESSION;
+  if (steppers_.find(session) != nullptr) return msg::REASON_NONE;
+  if (!steppers_.join(session, arrival.source, clock_.tick(), now)) return msg::REASON_QUEUE_FULL;
+  events_.report(
+      {.kind = msg::EVENT_CLOCK_CHANGED, .session = session, .code = msg::REQUEST_JOIN_CLOCK});
+  show_steppers();
+  return msg::REASON_NONE;
+}
+
+Reason StepRequests::leave(const Arrival& arrival, Time now) {
+  const std::uint64_t session = arrival.request.session();
+  if (steppers_.find(session) == nullptr) return msg::REASON_NOT_A_STEPPER;
+  part_with(session, Parting::left, now);
+  return msg::REASON_NONE;
+}
+
+void StepRequests::part_with(std::uint64_t session, Parting parting, Time now) {
+  steppers_.leave(session, now);
+  events_.report({.kind = msg::EVENT_CLOCK_CHANGED,
+                  .session = session,
+                  .code = msg::REQUEST_LEAVE_CLOCK,
+                  .detail = parting});
+  show_steppers();
+}
+
+std::uint64_t StepRequests::ticks_to_run(Time now) {
+  if (waiting_.empty()) return 0;  // a grant comes with a step
+  grant_arrived(now);
+  const std::uint64_t tick = clock_.tick();
+  const Stepper* const slowest = steppers_.slowest();
+  std::uint64_t limit = tick;
+  if (slowest != nullptr) limit = slowest->granted;
+  if (holds_requests_back() && waiting_.back().is_granted) limit = waiting_.back().aim;
+  for (const WaitingStep& waiting : waiting_) {
+    if (waiting.is_granted && waiting.aim > tick) limit = std::min(limit, waiting.aim);
+  }
+  return limit - tick;
+}
+
+/// A step grants its ticks once the command frames that were sent before it are here: they come on
+/// another topic and may be behind it.
+void StepRequests::grant_arrived(Time now) {
+  for (WaitingStep& waiting : waiting_) {
+    const msg::Request& request = waiting.arrival.request;
+    if (!waiting.is_granted && frames_.has_arrived(request.session(), request.last_sequence())) {
+      grant(waiting, now);
+    }
+  }
+}
+
+void StepRequests::grant(WaitingStep& waiting, Time now) {
+  const msg::Request& request = waiting.arrival.request;
+  waiting.is_granted = true;
+  waiting.deadline = now + kLongestWaitForSteppers;
+  waiting.aim = clock_.tick();
+  if (waiting.is_alone) {
+    waiting.aim += request.ticks();
+    return;
+  }
+  Stepper* const stepper = steppers_.find(request.session());
+  waiting.is_of_stepper = stepper != nullptr || request.ticks() > 0;
+  if (stepper != nullptr) {
+    steppers_.grant(*stepper, request.ticks(), now);
+    waiting.aim = stepper->granted;
+    show_steppers();
+  } else if (waiting.is_of_stepper) {  // it was one when it sent the request
+    waiting.aim = clock_.tick() + 1;
+  }
+}
+
+void StepRequests::begin_tick() {
+  if (holds_requests_back()) masters_.note_message(waiting_.back().arrival.request.session());
+  for (const Stepper& stepper : steppers_.all()) masters_.note_message(stepper.session);
+}
+
+bool StepRequests::answer_due(Time now) {
+  bool has_room = true;
+  std::erase_if(waiting_, [&](const WaitingStep& waiting) {
+    has_room = has_room && answers_.has_room();
+    return has_room && answer_if_due(waiting, now);
+  });
+  return has_room;
+}
+
+bool StepRequests::answer_if_due(const WaitingStep& waiting, Time now) {
+  const bool is_late = now >= waiting.deadline;
+  if (!waiting.is_granted) {
+    if (is_late) answer(waiting.arrival, msg::REASON_MISSING_COMMANDS);
+    return is_late;
+  }
+  if (clock_.tick() >= waiting.aim) {
+    answer(waiting.arrival, msg::REASON_NONE);
+    return true;
+  }
+  if (waiting.is_alone) return false;  // its ticks wait for nobody
+  if (waiting.is_of_stepper && steppers_.find(waiting.arrival.request.session()) == nullptr) {
+    answer(waiting.arrival, msg::REASON_NOT_A_STEPPER);
+    return true;
+  }
+  if (!is_late) return false;
+  const Stepper* const slowest = steppers_.slowest();
+  ensure(slowest != nullptr, "a step that waits for time has a stepper");
+  answer(waiting.arrival, msg::REASON_MISSING_STEPPER, slowest->session);
+  return true;
+}
+
+bool StepRequests::refuse_waiting() {
+  while (!waiting_.empty() && answers_.has_room()) {
+    answer(waiting_.front().arrival, msg::REASON_SHUTTING_DOWN);
+    waiting_.pop_front();
+  }
+  return waiting_.empty();
+}
+
+void StepRequests::answer(const Arrival& arrival, Reason reason, std::uint64_t missing_stepper) {
+  OutgoingReply* const outgoing = answers_.open();
+  if (outgoing == nullptr) return;
+  answers_.begin(arrival, *outgoing);
+  auto& reply = outgoing->reply;
+  reply.missing_stepper(missing_stepper);
+  const msg::Request& request = arrival.request;
+  if (reason == msg::REASON_NONE || reason == msg::REASON_MISSING_STEPPER) {
+    answers_.add_statuses(request, reply);
+  } else if (reason == msg::REASON_UNKNOWN_AXIS) {
+    masters_.name_refused(*answers_.unknown_axis(request), reply);
+  }
+  answers_.finish(request.session(), reason, reply);
+  answers_.push();
+}
+
+void StepRequests::remove_absent(Time now,
+                                 const std::function<Presence(const wire::Source&)>& presence_of) {
+  std::vector<std::uint64_t> gone;
+  for (Stepper& stepper : steppers_.all()) {
+    const Presence presence = presence_of(stepper.source);
+    if (stepper.was_matched && presence == Presence::gone) gone.push_back(stepper.session);
+    stepper.was_matched = stepper.was_matched || presence == Presence::here;
+  }
+  for (const std::uint64_t session : gone) part_with(session, Parting::gone, now);
+  while (const Stepper* const stepper = steppers_.silent(now)) {
+    part_with(stepper->session, Parting::silent, now);
+  }
+}
+
+void StepRequests::show_steppers() {
+  const Stepper* const slowest = steppers_.slowest();
+  counters_.steppers.set(steppers_.size());
+  counters_.slowest_stepper.set(slowest == nullptr ? 0 : slowest->session);
+}
+
+}  // namespace vdrive::service
