@@ -2,7 +2,7 @@
 //
 // Any text is either refused with a message that names the file, or gives a configuration that
 // the service takes and that survives being printed and read again.
-#include "configuration/configuration.hpp"
+#include "configuration/configuration_file.hpp"
 #include "fuzz/support/bytes.hpp"
 #include "vdrive/axis_bank.hpp"
 

@@ -11,7 +11,6 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -83,23 +82,9 @@ struct Configuration {
 /// @throws ConfigurationError when `count` is outside 1 to kMaxAxes.
 [[nodiscard]] std::vector<NamedAxis> default_axes(std::size_t count);
 
-/// Reads a configuration in YAML (docs/guides/configuration.md). What the text does not mention
-/// keeps its default.
-/// @param file_name as it is named in error messages
-/// @throws ConfigurationError when the text is not YAML, a key is unknown or appears twice, a value
-///         is of another type or outside its limits, or the bank refuses an axis.
-[[nodiscard]] Configuration parse_configuration(const std::string& text,
-                                                const std::string& file_name);
-
-/// @throws ConfigurationError as above, and when the file cannot be read.
-[[nodiscard]] Configuration load_configuration(const std::filesystem::path& file);
-
 /// @throws ConfigurationError when a value is outside the limits above: for values that do not come
 /// from a file.
 void check(const Configuration& configuration);
-
-/// @return the configuration as YAML that `parse_configuration` reads back to the same.
-[[nodiscard]] std::string to_yaml(const Configuration& configuration);
 
 /// @return the watchdog in effect; nothing = off.
 [[nodiscard]] std::optional<std::chrono::milliseconds> effective_watchdog(

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "configuration/configuration_warnings.hpp"
 
+#include "configuration/configuration_file.hpp"
 #include "settings/yaml_reader.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/plant/loop_report.hpp"

@@ -2,7 +2,7 @@
 #include "journal/replay.hpp"
 
 #include "base/step_pool.hpp"
-#include "configuration/configuration.hpp"
+#include "configuration/configuration_file.hpp"
 #include "vdrive/axis_bank.hpp"
 #include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/status_digest.hpp"

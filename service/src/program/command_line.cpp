@@ -2,7 +2,7 @@
 #include "program/command_line.hpp"
 
 #include "base/log.hpp"
-#include "configuration/configuration.hpp"
+#include "configuration/configuration_file.hpp"
 #include "configuration/configuration_help.hpp"
 #include "configuration/configuration_warnings.hpp"
 #include "journal/journal.hpp"

@@ -82,7 +82,7 @@ Unit read_unit(const YamlValue& value) {
 }
 
 void write_unit(YAML::Emitter& out, const Unit& unit) {
-  out << YAML::Key << "unit" << YAML::Value << YAML::BeginMap;
+  out << YAML::BeginMap;
   out << YAML::Key << "kind" << YAML::Value << std::string(to_string(unit.kind));
   out << YAML::Key << "name" << YAML::Value << YAML::DoubleQuoted << unit.name;
   out << YAML::Key << std::string(size_key(unit.kind)) << YAML::Value << to_text(unit.size);

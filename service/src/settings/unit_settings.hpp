@@ -13,7 +13,7 @@ namespace vdrive::service {
 ///         is outside its limits.
 [[nodiscard]] Unit read_unit(const YamlValue& value);
 
-/// Writes the key `unit` with everything that `read_unit` reads.
+/// Writes the map that `read_unit` reads.
 void write_unit(YAML::Emitter& out, const Unit& unit);
 
 }  // namespace vdrive::service

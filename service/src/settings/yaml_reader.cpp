@@ -21,7 +21,7 @@
 namespace vdrive::service {
 namespace {
 
-std::string joined(std::initializer_list<std::string_view> words) {
+std::string joined(std::span<const std::string_view> words) {
   std::string list;
   for (const auto word : words) list += (list.empty() ? "" : ", ") + std::string(word);
   return list;
@@ -207,7 +207,7 @@ YAML::Node read_yaml(const std::string& text, const std::string& file_name) {
 }
 
 void YamlValue::for_each_entry(
-    std::initializer_list<std::string_view> known,
+    std::span<const std::string_view> known,
     const std::function<void(const std::string&, const YamlValue&)>& visit) const {
   if (!node_.IsMap()) refuse("must be a map of keys and values");
   std::set<std::string> seen;
@@ -215,7 +215,7 @@ void YamlValue::for_each_entry(
     const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "?";
     const std::string path = path_.empty() ? key : path_ + "." + key;
     const YamlValue name(entry.first, file_, path);
-    if (known.size() > 0 && std::ranges::find(known, key) == known.end()) {
+    if (!known.empty() && std::ranges::find(known, key) == known.end()) {
       name.refuse("unknown key; known here: " + joined(known));
     }
     if (!seen.insert(key).second) name.refuse("the key appears twice");
@@ -259,7 +259,8 @@ std::string YamlValue::text() const {
 std::size_t YamlValue::choice(std::initializer_list<std::string_view> choices) const {
   const std::string value = text();
   const auto* const found = std::ranges::find(choices, value);
-  if (found == choices.end()) refuse("must be one of " + joined(choices));
+  if (found == choices.end())
+    refuse("must be one of " + joined(std::span(choices.begin(), choices.size())));
   return static_cast<std::size_t>(found - choices.begin());
 }
 

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <functional>
 #include <initializer_list>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -40,8 +41,14 @@ class YamlValue {
   /// Calls `visit(key, value)` for each entry of a map.
   /// @throws ConfigurationError when this is not a map, when a key is not in `known` (empty = any
   ///         key), or when a key is repeated.
-  void for_each_entry(std::initializer_list<std::string_view> known,
+  void for_each_entry(std::span<const std::string_view> known,
                       const std::function<void(const std::string&, const YamlValue&)>& visit) const;
+
+  void for_each_entry(
+      std::initializer_list<std::string_view> known,
+      const std::function<void(const std::string&, const YamlValue&)>& visit) const {
+    for_each_entry(std::span(known.begin(), known.size()), visit);
+  }
 
   /// Calls `visit(value)` for each element of a list.
   /// @throws ConfigurationError when this is no list.

@@ -1,0 +1,297 @@
+// SPDX-License-Identifier: Apache-2.0
+// The keys of an axis: `axes[]` of a configuration.
+#include "configuration/configuration_keys.hpp"
+#include "settings/unit_settings.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_text.hpp"
+#include "vdrive/number_text.hpp"
+#include "vdrive/plant/model_parameters.hpp"
+
+#include <limits>
+#include <map>
+
+namespace vdrive::service {
+namespace {
+
+using namespace vdrive::literals;
+
+constexpr std::int64_t kHighestAxisNumber = kAxisNumbers - 1;
+constexpr std::int64_t kLongestDwell = 65'535;
+
+// ---- settings ----------------------------------------------------------------------------------
+
+template <auto kMember>
+constexpr KeyRow<AxisSettings> switch_row(std::string_view key, std::string_view what) {
+  return boolean_row<AxisSettings, kMember>(key, what);
+}
+
+constexpr KeyRow<AxisSettings> kSettingsRows[] = {
+    switch_row<&AxisSettings::acknowledge_while_halted>(
+        "acknowledge_while_halted",
+        "false: no set-point is taken while bit 8 of the controlword is 1."),
+    switch_row<&AxisSettings::enable_from_switch_on_disabled>(
+        "enable_from_switch_on_disabled",
+        "true: the controlword 000Fh in Switch on disabled enables."),
+    switch_row<&AxisSettings::following_error_is_fault>(
+        "following_error_is_fault",
+        "false: a following error shows in bit 13 of the statusword only."),
+    switch_row<&AxisSettings::limits_need_homing>(
+        "limits_need_homing", "true: 607Dh is in force only once the axis is homed."),
+    integer_row<AxisSettings, &AxisSettings::quick_stop_dwell_ms>(
+        "quick_stop_dwell_ms", {0, kLongestDwell, "ms"}, "Least time in Quick stop active, {} ms."),
+};
+
+// ---- model -------------------------------------------------------------------------------------
+
+constexpr KeyRow<AxisModel> kModelRows[] = {
+    {.key = "coupling",
+     .what = "rigid: one inertia; two_inertia: motor and load on an elastic shaft.",
+     .read =
+         [](const YamlValue& value, AxisModel& model) {
+           model.coupling = value.choice({"rigid", "two_inertia"}) == 0 ? Coupling::rigid
+                                                                        : Coupling::two_inertia;
+         },
+     .write =
+         [](YAML::Emitter& out, const AxisModel& model) {
+           out << (model.coupling == Coupling::rigid ? "rigid" : "two_inertia");
+         }},
+    {.key = "feedback",
+     .what = "The position loop uses the encoder of the motor (single_encoder) or of the load "
+             "(dual_encoder).",
+     .read =
+         [](const YamlValue& value, AxisModel& model) {
+           model.feedback = value.choice({"single_encoder", "dual_encoder"}) == 0
+                                ? Feedback::single_encoder
+                                : Feedback::dual_encoder;
+         },
+     .write =
+         [](YAML::Emitter& out, const AxisModel& model) {
+           out << (model.feedback == Feedback::single_encoder ? "single_encoder" : "dual_encoder");
+         }},
+};
+
+/// The keys of `model` without rows here: kModelParameters is the table of its numbers.
+const ModelParameter* find_parameter(const std::string& key) {
+  const auto* const parameter = std::ranges::find_if(kModelParameters, [&](const auto& candidate) {
+    return candidate.name == key;
+  });
+  return parameter == kModelParameters.end() ? nullptr : parameter;
+}
+
+void read_model(const YamlValue& value, AxisModel& model) {
+  auto known = keys_of<AxisModel>(kModelRows);
+  for (const ModelParameter& parameter : kModelParameters) known.push_back(parameter.name);
+  std::vector<std::pair<const ModelParameter*, YamlValue>> numbers;
+  value.for_each_entry(known, [&](const std::string& key, const YamlValue& entry) {
+    if (const ModelParameter* const parameter = find_parameter(key)) {
+      model.*parameter->member = entry.number(parameter->unit);
+      numbers.emplace_back(parameter, entry);
+    } else {
+      read_key(*std::ranges::find(kModelRows, key, &KeyRow<AxisModel>::key), entry, model);
+    }
+  });
+  // The limits depend on the coupling, which may stand below the numbers.
+  for (const auto& [parameter, entry] : numbers) {
+    if (const auto limits = limits_broken(model, *parameter)) entry.refuse(*limits);
+  }
+}
+
+void write_model(YAML::Emitter& out, const AxisModel& model) {
+  out << YAML::BeginMap;
+  write_entries<AxisModel>(out, kModelRows, model);
+  for (const auto& parameter : kModelParameters) {
+    out << YAML::Key << std::string(parameter.name) << YAML::Value
+        << to_text(model.*parameter.member);
+  }
+  out << YAML::EndMap;
+}
+
+// ---- parameters --------------------------------------------------------------------------------
+
+/// @return the row that `key` names: a variable_name, the standard's name or an address.
+std::optional<ObjectRow> find_row(const std::string& key) {
+  const auto object = parse_object(key);
+  return object ? find_object(*object) : std::nullopt;
+}
+
+/// A value of `parameters`, and where it stands.
+struct PlacedValue {
+  std::int64_t value;
+  YamlValue place;
+};
+
+/// The drive takes every value of each limit, and has none while they are in the wrong order.
+void check_software_limits(const std::map<ObjectAddress, PlacedValue>& values) {
+  const auto lower = values.find(describe("user_position_lower_limit"_object).address);
+  const auto upper = values.find(describe("user_position_upper_limit"_object).address);
+  if (lower == values.end() || upper == values.end()) return;
+  if (lower->second.value < upper->second.value) return;
+  lower->second.place.refuse("must be below user_position_upper_limit (607Dh:2) = " +
+                             std::to_string(upper->second.value));
+}
+
+/// What a write of an object does besides keeping its value; empty = nothing.
+std::string_view effect_of(const ObjectDescription& object) {
+  if (object.role == Role::command) return "commands the axis";
+  if (object.change == Change::memory) return "stores or restores parameters";
+  return object.change == Change::history ? "clears the error history" : "";
+}
+
+/// What acts when it is written has no value from power-up on.
+void check_is_parameter(const ObjectDescription& object, const YamlValue& value) {
+  const std::string_view effect = effect_of(object);
+  if (effect.empty()) return;
+  value.refuse(std::string(object.variable_name) + " (" + address_text(object.address) +
+               ") is no parameter: a write of it " + std::string(effect) +
+               "; parameters are objects that keep a value, such as profile_velocity, and test "
+               "inputs, such as test_load_torque");
+}
+
+void read_parameters(const YamlValue& value, std::vector<InitialValue>& parameters) {
+  std::map<ObjectAddress, PlacedValue> values;
+  value.for_each_entry({}, [&](const auto& key, const YamlValue& entry) {
+    const auto row = find_row(key);
+    if (!row) entry.refuse(R"(no such object; write its variable_name, "0x6081" or "0x607D:1")");
+    const ObjectDescription& object = describe(*row);
+    check_is_parameter(object, entry);
+    const std::string units = object.units == "-" ? std::string() : english_units(object);
+    const std::int64_t number = entry.integer({object.lower_limit, object.upper_limit, units});
+    if (const AbortCode code = check_write(*row, number); code != AbortCode::none) {
+      entry.refuse(std::string(describe(code)));
+    }
+    const auto [first, is_first] = values.emplace(object.address, PlacedValue{number, entry});
+    if (!is_first) {
+      entry.refuse("the same object, " + address_text(object.address) + ", has the value " +
+                   std::to_string(first->second.value) + " in line " +
+                   std::to_string(first->second.place.line()));
+    }
+    parameters.push_back({object.address, number});
+  });
+  check_software_limits(values);
+}
+
+/// @return such as "profile_velocity [VelUU]".
+std::string comment_on(ObjectRow row) {
+  const ObjectDescription& object = describe(row);
+  std::string comment(object.variable_name);
+  if (object.units != "-") comment += " [" + english_units(object) + "]";
+  return comment;
+}
+
+void write_parameters(YAML::Emitter& out, const std::vector<InitialValue>& parameters) {
+  out << YAML::BeginMap;
+  for (const auto& parameter : parameters) {
+    out << YAML::Key << YAML::DoubleQuoted << address_text(parameter.address) << YAML::Value
+        << parameter.value;
+    if (const auto row = find_object(parameter.address)) out << YAML::Comment(comment_on(*row));
+  }
+  out << YAML::EndMap;
+}
+
+// ---- axis --------------------------------------------------------------------------------------
+
+/// The keys of `unit`, which settings/unit_settings reads.
+void describe_unit(const std::string& prefix, std::vector<ConfigurationKey>& keys) {
+  keys.push_back({prefix + ".kind",
+                  "What the user units of the axis are: rotary (parts of a revolution) or linear "
+                  "(parts of a length). Programs convert; the drive does not use it."});
+  keys.push_back({prefix + ".name",
+                  "In which positions are shown. rotary: deg, rad or rev; linear: letters, such as "
+                  "mm, at most 16 bytes; the key is needed. m, cm, mm and um follow from each "
+                  "other."});
+  keys.push_back({prefix + ".per_revolution",
+                  "rotary: user units in a revolution of the load, 1e-06 to 1e+09."});
+  keys.push_back({prefix + ".per_unit",
+                  "linear: user units in one unit, 1e-06 to 1e+09. Default: none, a linear axis "
+                  "needs it."});
+}
+
+constexpr KeyRow<NamedAxis> kAxisRows[] = {
+    integer_row<NamedAxis, &NamedAxis::number>(
+        "number", {1, kHighestAxisNumber, ""},
+        "{}, unique on the bench. Default: none, each axis needs it."),
+    {.key = "name",
+     .what = "Unique, no blanks, no digit first. Default: axis and its number.",
+     .read =
+         [](const YamlValue& value, NamedAxis& axis) {
+           axis.name = checked_name(value, true);
+         },
+     .write =
+         [](YAML::Emitter& out, const NamedAxis& axis) {
+           out << axis.name;
+         }},
+    {.key = "unit",
+     .read =
+         [](const YamlValue& value, NamedAxis& axis) {
+           axis.unit = read_unit(value);
+         },
+     .write =
+         [](YAML::Emitter& out, const NamedAxis& axis) {
+           write_unit(out, axis.unit);
+         },
+     .describe = describe_unit},
+    {.key = "initial_position",
+     .what = "At the first power-up, in user units.",
+     .limits = IntegerLimits{std::numeric_limits<std::int32_t>::min(),
+                             std::numeric_limits<std::int32_t>::max(), "user units"},
+     .set =
+         [](NamedAxis& axis, std::int64_t value) {
+           axis.configuration.initial_position = static_cast<std::int32_t>(value);
+         },
+     .write =
+         [](YAML::Emitter& out, const NamedAxis& axis) {
+           out << axis.configuration.initial_position;
+         }},
+    {.key = "settings",
+     .read =
+         [](const YamlValue& value, NamedAxis& axis) {
+           read_section<AxisSettings>(value, kSettingsRows, axis.configuration.settings);
+         },
+     .write =
+         [](YAML::Emitter& out, const NamedAxis& axis) {
+           write_section<AxisSettings>(out, kSettingsRows, axis.configuration.settings);
+         },
+     .describe =
+         [](const std::string& prefix, std::vector<ConfigurationKey>& keys) {
+           describe_section<AxisSettings>(prefix + ".", kSettingsRows, keys);
+         }},
+    {.key = "model",
+     .read =
+         [](const YamlValue& value, NamedAxis& axis) {
+           read_model(value, axis.configuration.model);
+         },
+     .write =
+         [](YAML::Emitter& out, const NamedAxis& axis) {
+           write_model(out, axis.configuration.model);
+         },
+     .describe =
+         [](const std::string& prefix, std::vector<ConfigurationKey>& keys) {
+           describe_section<AxisModel>(prefix + ".", kModelRows, keys);
+         }},
+    {.key = "parameters",
+     .what =
+         "Map of objects to the values that they have from power-up on, by variable_name, name "
+         "in CiA 402 or address, such as profile_velocity: 68267 and \"0x607D:1\": -100000. The "
+         "gear is load turns over motor turns: gear_ratio_numerator: 1 with "
+         "gear_ratio_denominator: 10 is a gear that reduces ten to one.",
+     .read =
+         [](const YamlValue& value, NamedAxis& axis) {
+           read_parameters(value, axis.configuration.parameters);
+         },
+     .write =
+         [](YAML::Emitter& out, const NamedAxis& axis) {
+           write_parameters(out, axis.configuration.parameters);
+         },
+     .is_printed =
+         [](const NamedAxis& axis) {
+           return !axis.configuration.parameters.empty();
+         }},
+};
+
+}  // namespace
+
+std::span<const KeyRow<NamedAxis>> axis_rows() noexcept {
+  return kAxisRows;
+}
+
+}  // namespace vdrive::service

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "configuration/configuration_file.hpp"
+
+#include "configuration/configuration_keys.hpp"
+#include "settings/yaml_reader.hpp"
+#include "vdrive/axis_bank.hpp"
+
+#include <yaml-cpp/yaml.h>
+
+#include <span>
+#include <stdexcept>
+
+namespace vdrive::service {
+namespace {
+
+/// The bank knows rules that no single value shows: it tries each axis alone.
+void try_axes(const ParsedAxes& parsed, std::chrono::microseconds period) {
+  for (const auto& axis : parsed.axes) {
+    try {
+      const AxisBank bank(std::span(&axis.configuration, 1), period);
+    } catch (const std::invalid_argument& refusal) {
+      parsed.places.at(axis.number)
+          .refuse("axis " + std::to_string(axis.number) + ": " + refusal.what());
+    }
+  }
+}
+
+Configuration read_configuration(const YamlValue& root) {
+  ParsedConfiguration parsed{.configuration = demo_configuration(), .axes = {}};
+  read_section(root, configuration_rows(), parsed);
+  try_axes(parsed.axes, parsed.configuration.period);
+  if (!parsed.axes.axes.empty()) parsed.configuration.axes = std::move(parsed.axes.axes);
+  return std::move(parsed.configuration);
+}
+
+}  // namespace
+
+Configuration parse_configuration(const std::string& text, const std::string& file_name) {
+  const YAML::Node document = read_yaml(text, file_name);
+  if (document.IsNull()) return demo_configuration();
+  return read_configuration(YamlValue(document, file_name, ""));
+}
+
+Configuration load_configuration(const std::filesystem::path& file) {
+  return parse_configuration(read_yaml_file(file), file.string());
+}
+
+std::string to_yaml(const Configuration& configuration) {
+  YAML::Emitter out;
+  write_section(out, configuration_rows(), ParsedConfiguration{configuration, {}});
+  return std::string(out.c_str()) + "\n";
+}
+
+}  // namespace vdrive::service

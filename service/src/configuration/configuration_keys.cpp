@@ -1,0 +1,444 @@
+// SPDX-License-Identifier: Apache-2.0
+// The keys of a configuration, section by section.
+#include "configuration/configuration_keys.hpp"
+
+#include "vdrive/axis_bank.hpp"
+#include "vdrive/number_text.hpp"
+#include "vdrive/text.hpp"
+#include "vdrive/wire/address.hpp"
+#include "vdrive/wire/bench_number.hpp"
+#include "vdrive/wire/ports.hpp"
+
+#include <algorithm>
+#include <array>
+#include <set>
+
+namespace vdrive::service {
+namespace {
+
+constexpr std::int64_t kHighestPort = 65'535;
+constexpr std::int64_t kHighestPriority = 99;
+
+bool has_control_characters(std::string_view name) {
+  return std::ranges::any_of(name, [](char c) {
+    return (c >= '\x00' && c <= '\x1F') || c == '\x7F';
+  });
+}
+
+double checked_rate(const YamlValue& value) {
+  const double rate = value.number("");
+  if (rate != 0.0 && (rate < kLowestRate || rate > kHighestRate)) {
+    value.refuse("must be 0 (paused) or from " + to_text(kLowestRate) + " to " +
+                 to_text(kHighestRate));
+  }
+  return rate;
+}
+
+ClockMode checked_mode(const YamlValue& value) {
+  return kClockModes.at(
+      value.choice({to_string(ClockMode::realtime), to_string(ClockMode::lockstep),
+                    to_string(ClockMode::freerun)}));
+}
+
+/// Here and not in the row of the rate: the mode may stand below it.
+void refuse_rate_in_freerun(const YamlValue& clock, const Configuration& configuration) {
+  if (configuration.clock != ClockMode::freerun) return;
+  clock.for_each_entry({}, [](const std::string& key, const YamlValue& value) {
+    if (key == "rate") {
+      value.refuse("cannot be used with clock.mode freerun, which runs as fast as possible");
+    }
+  });
+}
+
+void read_timeout(const YamlValue& value, Configuration& configuration);
+
+void write_timeout(YAML::Emitter& out, const Configuration& configuration) {
+  if (const auto watchdog = effective_watchdog(configuration)) {
+    out << watchdog->count();
+  } else {
+    out << "off";
+  }
+}
+
+std::vector<std::string> read_addresses(const YamlValue& value) {
+  std::vector<std::string> addresses;
+  value.for_each_element([&](const YamlValue& element) {
+    if (!wire::is_address(addresses.emplace_back(element.text()))) {
+      element.refuse("must be an IPv4 address, such as 10.0.0.1");
+    }
+  });
+  return addresses;
+}
+
+std::vector<std::string> read_servers(const YamlValue& value) {
+  std::vector<std::string> servers;
+  value.for_each_element([&](const YamlValue& element) {
+    if (!wire::parse_server_address(servers.emplace_back(element.text()))) {
+      element.refuse("must be an IPv4 address and a port, such as 10.0.0.9:11811");
+    }
+  });
+  return servers;
+}
+
+std::string checked_directory(const YamlValue& value) {
+  std::string directory = value.text();
+  if (directory.empty()) {
+    value.refuse("must name a directory; leave out this key for an open bench");
+  }
+  return directory;
+}
+
+void check_network(const YamlValue& value, const wire::NetworkSettings& network) {
+  if (!network.peers.empty() && !network.discovery_servers.empty()) {
+    value.refuse("peers and discovery servers cannot be used together: name only one kind");
+  }
+}
+
+template <typename Owner, const auto& kRows>
+void describe_rows(const std::string& prefix, std::vector<ConfigurationKey>& keys) {
+  describe_section<Owner>(prefix + ".", kRows, keys);
+}
+
+NamedAxis read_axis(const YamlValue& value) {
+  NamedAxis axis;
+  read_section(value, axis_rows(), axis);
+  if (axis.number == 0) value.refuse("an axis needs a number");
+  if (axis.name.empty()) axis.name = "axis" + std::to_string(axis.number);
+  return axis;
+}
+
+ParsedAxes read_axes(const YamlValue& value) {
+  ParsedAxes parsed;
+  std::set<std::string> names;
+  value.for_each_element([&](const YamlValue& element) {
+    const NamedAxis& axis = parsed.axes.emplace_back(read_axis(element));
+    if (!parsed.places.emplace(axis.number, element).second) {
+      element.refuse("axis number " + std::to_string(axis.number) + " appears twice");
+    }
+    if (!names.insert(axis.name).second) {
+      element.refuse("axis name " + escaped(axis.name) + " appears twice");
+    }
+    if (parsed.axes.size() > kMaxAxes) {
+      element.refuse("a bench can have at most " + std::to_string(kMaxAxes) + " axes");
+    }
+  });
+  if (parsed.axes.empty()) value.refuse("a bench needs at least one axis");
+  std::ranges::sort(parsed.axes, [](const auto& a, const auto& b) {
+    return a.number < b.number;
+  });
+  return parsed;
+}
+
+void write_axes(YAML::Emitter& out, const std::vector<NamedAxis>& axes) {
+  out << YAML::BeginSeq;
+  for (const NamedAxis& axis : axes) write_section(out, axis_rows(), axis);
+  out << YAML::EndSeq;
+}
+
+constexpr KeyRow<Configuration> kBenchRows[] = {
+    integer_row<Configuration, &Configuration::bench>("number", {1, wire::kHighestBench, ""},
+                                                      "{}, unique in its DDS domain."),
+    {.key = "name",
+     .what = "1 to 64 bytes of UTF-8 without control characters.",
+     .read =
+         [](const YamlValue& value, Configuration& c) {
+           c.name = checked_name(value, false);
+         },
+     .write =
+         [](YAML::Emitter& out, const Configuration& c) {
+           out << c.name;
+         }},
+};
+
+constexpr KeyRow<Configuration> kClockRows[] = {
+    {.key = "mode",
+     .what = "realtime: by the wall clock; lockstep: by steps of clients; freerun: as fast as "
+             "possible.",
+     .read =
+         [](const YamlValue& value, Configuration& c) {
+           c.clock = checked_mode(value);
+         },
+     .write =
+         [](YAML::Emitter& out, const Configuration& c) {
+           out << std::string(to_string(c.clock));
+         }},
+    {.key = "period_us",
+     .what = "Length of a tick, {} us.",
+     .limits = IntegerLimits{kShortestPeriod.count(), kLongestPeriod.count(), "us"},
+     .set =
+         [](Configuration& c, std::int64_t value) {
+           c.period = std::chrono::microseconds{value};
+         },
+     .write =
+         [](YAML::Emitter& out, const Configuration& c) {
+           out << c.period.count();
+         }},
+    {.key = "rate",
+     .what = "realtime: drive time over wall time, 0 (paused) or 0.1 to 100. Refused with freerun.",
+     .read =
+         [](const YamlValue& value, Configuration& c) {
+           c.rate = checked_rate(value);
+         },
+     .write =
+         [](YAML::Emitter& out, const Configuration& c) {
+           out << to_text(c.rate);
+         },
+     .is_printed =
+         [](const Configuration& c) {
+           return c.clock != ClockMode::freerun;
+         }},
+    {.key = "clock_step",
+     .what = "realtime at rate 1, after a change of the wall clock: steer (slowly, by 500 ppm) or "
+             "jump (at once, forward only).",
+     .read =
+         [](const YamlValue& value, Configuration& c) {
+           c.clock_step = value.choice({"steer", "jump"}) == 0 ? ClockStep::steer : ClockStep::jump;
+         },
+     .write =
+         [](YAML::Emitter& out, const Configuration& c) {
+           out << (c.clock_step == ClockStep::steer ? "steer" : "jump");
+         }},
+    integer_row<Configuration, &Configuration::threads>(
+        "threads", {1, kMaxThreads, ""},
+        "Threads that step the axes, {}. The result is the same for any number."),
+    integer_row<Configuration, &Configuration::realtime_priority>(
+        "realtime_priority", {0, kHighestPriority, ""},
+        "SCHED_FIFO of the thread of the ticks where permitted, {}; 0: none."),
+};
+
+constexpr KeyRow<Configuration> kStatusRows[] = {
+    integer_row<Configuration, &Configuration::status_every>(
+        "every_ticks", {1, kMaxStatusEvery, "ticks"}, "One status frame each n ticks, {}."),
+};
+
+constexpr KeyRow<Configuration> kWatchdogRows[] = {
+    {.key = "timeout_ms",
+     .what = "The owner of an axis must send at least this often: {} ms of drive time (at a rate "
+             "above 1 of wall time), or off. Off in freerun unless the key is set.",
+     .limits = IntegerLimits{kShortestWatchdog.count(), kLongestWatchdog.count(), "ms, or off"},
+     .read =
+         [](const YamlValue& value, Configuration& c) {
+           read_timeout(value, c);
+         },
+     .write =
+         [](YAML::Emitter& out, const Configuration& c) {
+           write_timeout(out, c);
+         }},
+};
+
+void read_timeout(const YamlValue& value, Configuration& configuration) {
+  if (value.text() == "off") {
+    configuration.watchdog.reset();
+  } else {
+    configuration.watchdog = std::chrono::milliseconds{value.integer(*kWatchdogRows[0].limits)};
+  }
+}
+
+constexpr KeyRow<Configuration> kWireRows[] = {
+    {.key = "form",
+     .what = "Where DDS runs: in a process, which the service restarts when it fails, or in a "
+             "thread of the service. Default: process in realtime, with network.security and with "
+             "an interface other than loopback; thread otherwise and with shared memory.",
+     .read =
+         [](const YamlValue& value, Configuration& c) {
+           constexpr std::array kForms{WireForm::process, WireForm::thread};
+           c.wire_form =
+               kForms.at(value.choice({to_string(WireForm::process), to_string(WireForm::thread)}));
+         },
+     .write =
+         [](YAML::Emitter& out, const Configuration& c) {
+           out << std::string(to_string(effective_wire_form(c)));
+         }},
+    {.key = "memory_limit_mib",
+     .what = "Of the network process, {} MiB: one that uses more is restarted.",
+     .limits = IntegerLimits{64, 65'536, "MiB"},
+     .set =
+         [](Configuration& c, std::int64_t value) {
+           c.wire_memory_limit = static_cast<std::uint64_t>(value) << 20U;
+         },
+     .write =
+         [](YAML::Emitter& out, const Configuration& c) {
+           out << (c.wire_memory_limit >> 20U);
+         }},
+};
+
+constexpr KeyRow<Configuration> kMetricsRows[] = {
+    {.key = "port",
+     .what = "Prometheus text on this port of 127.0.0.1, {}; 0: any free one. Without the key "
+             "there are no metrics.",
+     .limits = IntegerLimits{0, kHighestPort, ", 0 = any free one"},
+     .set =
+         [](Configuration& c, std::int64_t value) {
+           c.metrics_port = static_cast<std::uint16_t>(value);
+         },
+     .write =
+         [](YAML::Emitter& out, const Configuration& c) {
+           out << *c.metrics_port;
+         }},
+};
+
+constexpr KeyRow<wire::NetworkSettings> kNetworkRows[] = {
+    integer_row<wire::NetworkSettings, &wire::NetworkSettings::domain>(
+        "domain", {0, wire::kHighestDomain, ""}, "DDS domain, {}."),
+    {.key = "interfaces",
+     .what = "List of IPv4 addresses of this machine in the networks to serve; empty: this machine "
+             "only.",
+     .read =
+         [](const YamlValue& value, wire::NetworkSettings& c) {
+           c.interfaces = read_addresses(value);
+         },
+     .write =
+         [](YAML::Emitter& out, const wire::NetworkSettings& c) {
+           out << YAML::Flow << c.interfaces;
+         }},
+    {.key = "peers",
+     .what = "List of IPv4 addresses of hosts that are searched in addition to multicast.",
+     .read =
+         [](const YamlValue& value, wire::NetworkSettings& c) {
+           c.peers = read_addresses(value);
+         },
+     .write =
+         [](YAML::Emitter& out, const wire::NetworkSettings& c) {
+           out << YAML::Flow << c.peers;
+         }},
+    {.key = "discovery_server",
+     .what = "List of servers, such as 10.0.0.9:11811, used instead of multicast and peers.",
+     .read =
+         [](const YamlValue& value, wire::NetworkSettings& c) {
+           c.discovery_servers = read_servers(value);
+         },
+     .write =
+         [](YAML::Emitter& out, const wire::NetworkSettings& c) {
+           out << YAML::Flow << c.discovery_servers;
+         }},
+    boolean_row<wire::NetworkSettings, &wire::NetworkSettings::shared_memory>(
+        "shared_memory", "true: DDS uses shared memory, too, and runs in threads of the service."),
+    {.key = "security",
+     .what = "Directory of the closed mode's material. Without the key the bench is open.",
+     .read =
+         [](const YamlValue& value, wire::NetworkSettings& c) {
+           c.security = checked_directory(value);
+         },
+     .write =
+         [](YAML::Emitter& out, const wire::NetworkSettings& c) {
+           out << YAML::DoubleQuoted << c.security;
+         },
+     .is_printed =
+         [](const wire::NetworkSettings& c) {
+           return !c.security.empty();
+         }},
+};
+
+constexpr KeyRow<ParsedConfiguration> kRootRows[] = {
+    {.key = "bench",
+     .read =
+         [](const YamlValue& value, ParsedConfiguration& c) {
+           read_section<Configuration>(value, kBenchRows, c.configuration);
+         },
+     .write =
+         [](YAML::Emitter& out, const ParsedConfiguration& c) {
+           write_section<Configuration>(out, kBenchRows, c.configuration);
+         },
+     .describe = describe_rows<Configuration, kBenchRows>},
+    {.key = "clock",
+     .read =
+         [](const YamlValue& value, ParsedConfiguration& c) {
+           read_section<Configuration>(value, kClockRows, c.configuration);
+           refuse_rate_in_freerun(value, c.configuration);
+         },
+     .write =
+         [](YAML::Emitter& out, const ParsedConfiguration& c) {
+           write_section<Configuration>(out, kClockRows, c.configuration);
+         },
+     .describe = describe_rows<Configuration, kClockRows>},
+    {.key = "status",
+     .read =
+         [](const YamlValue& value, ParsedConfiguration& c) {
+           read_section<Configuration>(value, kStatusRows, c.configuration);
+         },
+     .write =
+         [](YAML::Emitter& out, const ParsedConfiguration& c) {
+           write_section<Configuration>(out, kStatusRows, c.configuration);
+         },
+     .describe = describe_rows<Configuration, kStatusRows>},
+    {.key = "watchdog",
+     .read =
+         [](const YamlValue& value, ParsedConfiguration& c) {
+           read_section<Configuration>(value, kWatchdogRows, c.configuration);
+           c.configuration.watchdog_is_chosen = true;
+         },
+     .write =
+         [](YAML::Emitter& out, const ParsedConfiguration& c) {
+           write_section<Configuration>(out, kWatchdogRows, c.configuration);
+         },
+     .describe = describe_rows<Configuration, kWatchdogRows>},
+    {.key = "wire",
+     .read =
+         [](const YamlValue& value, ParsedConfiguration& c) {
+           read_section<Configuration>(value, kWireRows, c.configuration);
+         },
+     .write =
+         [](YAML::Emitter& out, const ParsedConfiguration& c) {
+           write_section<Configuration>(out, kWireRows, c.configuration);
+         },
+     .describe = describe_rows<Configuration, kWireRows>},
+    {.key = "metrics",
+     .read =
+         [](const YamlValue& value, ParsedConfiguration& c) {
+           read_section<Configuration>(value, kMetricsRows, c.configuration);
+         },
+     .write =
+         [](YAML::Emitter& out, const ParsedConfiguration& c) {
+           write_section<Configuration>(out, kMetricsRows, c.configuration);
+         },
+     .is_printed =
+         [](const ParsedConfiguration& c) {
+           return c.configuration.metrics_port.has_value();
+         },
+     .describe = describe_rows<Configuration, kMetricsRows>},
+    {.key = "network",
+     .read =
+         [](const YamlValue& value, ParsedConfiguration& c) {
+           read_section<wire::NetworkSettings>(value, kNetworkRows, c.configuration.network);
+           check_network(value, c.configuration.network);
+         },
+     .write =
+         [](YAML::Emitter& out, const ParsedConfiguration& c) {
+           write_section<wire::NetworkSettings>(out, kNetworkRows, c.configuration.network);
+         },
+     .describe = describe_rows<wire::NetworkSettings, kNetworkRows>},
+    {.key = "axes",
+     .read =
+         [](const YamlValue& value, ParsedConfiguration& c) {
+           c.axes = read_axes(value);
+         },
+     .write =
+         [](YAML::Emitter& out, const ParsedConfiguration& c) {
+           write_axes(out, c.configuration.axes);
+         },
+     .describe =
+         [](const std::string& prefix, std::vector<ConfigurationKey>& keys) {
+           describe_section(prefix + "[].", axis_rows(), keys);
+         }},
+};
+
+}  // namespace
+
+std::string checked_name(const YamlValue& value, bool of_axis) {
+  std::string name = value.text();
+  if (name.empty() || name.size() > kMaxNameLength) {
+    value.refuse("a name must have 1 to " + std::to_string(kMaxNameLength) + " bytes");
+  }
+  if (has_control_characters(name)) value.refuse("a name must not have control characters");
+  if (of_axis &&
+      (name.find(' ') != std::string::npos || (name.front() >= '0' && name.front() <= '9'))) {
+    value.refuse("a name must not contain a blank and must not begin with a digit");
+  }
+  return name;
+}
+
+std::span<const KeyRow<ParsedConfiguration>> configuration_rows() noexcept {
+  return kRootRows;
+}
+
+}  // namespace vdrive::service
