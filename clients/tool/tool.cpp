@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tool.hpp"
 
-#include "bench_names.hpp"
-#include "doctor.hpp"
-#include "executor.hpp"
-#include "grammar.hpp"
-#include "interrupt.hpp"
-#include "keys.hpp"
-#include "measurement.hpp"
-#include "report.hpp"
-#include "scenario_run.hpp"
-#include "scenario_tests.hpp"
-#include "shell.hpp"
-#include "usage_error.hpp"
-#include "value.hpp"
+#include "base/usage_error.hpp"
+#include "diagnosis/doctor.hpp"
+#include "diagnosis/measurement.hpp"
+#include "execution/executor.hpp"
+#include "language/bench_names.hpp"
+#include "language/grammar.hpp"
+#include "output/report.hpp"
+#include "scenarios/scenario_run.hpp"
+#include "scenarios/scenario_tests.hpp"
+#include "scenarios/shell.hpp"
+#include "terminal/interrupt.hpp"
+#include "terminal/keys.hpp"
+#include "values/value.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wire/ports.hpp"
 
@@ -216,23 +216,6 @@ ExitCode run_command(std::vector<std::string> arguments, Terminal& terminal) {
 }
 
 }  // namespace
-
-ExitCode exit_code_of(OutcomeKind kind) noexcept {
-  switch (kind) {
-    case OutcomeKind::ok:
-      return ExitCode::ok;
-    case OutcomeKind::refused:
-      return ExitCode::refused;
-    case OutcomeKind::timed_out:
-      return ExitCode::timed_out;
-    case OutcomeKind::not_found:
-      return ExitCode::not_found;
-    case OutcomeKind::lost:
-    case OutcomeKind::failed:
-      return ExitCode::failed;
-  }
-  return ExitCode::failed;
-}
 
 ExitCode run_tool(std::vector<std::string> arguments) {
   Terminal terminal;

@@ -1,26 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "vdrive/client/outcome.hpp"
+#include "base/exit_code.hpp"
 
 #include <string>
 #include <vector>
 
 namespace vdrive::tool {
-
-/// What the tool's process ends with.
-enum class ExitCode : int {
-  ok = 0,
-  failed = 1,
-  usage = 2,
-  not_found = 3,
-  timed_out = 4,
-  refused = 5,
-  interrupted = 130,
-};
-
-/// @return the exit code of an outcome; a lost service counts as failed.
-[[nodiscard]] ExitCode exit_code_of(client::OutcomeKind kind) noexcept;
 
 /// The whole tool. Takes SIGINT, SIGTERM and SIGPIPE for the process.
 /// @param arguments without the program's name

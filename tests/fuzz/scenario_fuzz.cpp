@@ -2,9 +2,9 @@
 //
 // Any text is either a scenario, each line of which means the same on its own, or refused with the
 // line's number.
+#include "base/usage_error.hpp"
 #include "fuzz/support/bytes.hpp"
-#include "scenario.hpp"
-#include "usage_error.hpp"
+#include "language/scenario.hpp"
 
 #include <cstdint>
 #include <sstream>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The completions of a word of a command line.
-#include "grammar.hpp"
-#include "usage_error.hpp"
+#include "base/usage_error.hpp"
+#include "language/grammar.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

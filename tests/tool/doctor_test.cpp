@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the doctor reports about a machine, from constructed readings.
-#include "doctor.hpp"
+#include "diagnosis/doctor.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

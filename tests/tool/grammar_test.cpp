@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The commands of the command line and of scenarios.
-#include "grammar.hpp"
+#include "language/grammar.hpp"
 
+#include "base/usage_error.hpp"
 #include "csv_field.hpp"
-#include "usage_error.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

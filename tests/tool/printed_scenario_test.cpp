@@ -2,7 +2,7 @@
 // What the set-point model prints of a failing sequence is a scenario of the tool, line by line.
 #include "core/support/set_point_model.hpp"
 #include "core/support/set_point_sequences.hpp"
-#include "scenario.hpp"
+#include "language/scenario.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The output of the tool: JSON fields of docs/reference/json.md, text, the dictionary.
-#include "report.hpp"
+#include "output/report.hpp"
 
-#include "live_view.hpp"
+#include "output/live_view.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Scenario files: lines, comments, quotes, errors with their place; and the JUnit report.
-#include "scenario.hpp"
+#include "language/scenario.hpp"
 
-#include "junit.hpp"
-#include "scenario_limits.hpp"
-#include "usage_error.hpp"
+#include "base/usage_error.hpp"
+#include "language/scenario_limits.hpp"
+#include "output/junit.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,94 +1,140 @@
 // SPDX-License-Identifier: Apache-2.0
-// Units of axes on the command line and in scenarios, against the real service.
-#include "support/temporary_directory.hpp"
-#include "tool/process.hpp"
+// Positions, speeds and ramps as a user types them, with and without a unit.
+#include "values/units.hpp"
+
+#include "base/usage_error.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
-#include <fstream>
 #include <string>
 
-namespace vdrive::test {
+namespace vdrive::tool {
 namespace {
 
+using namespace vdrive::literals;
 using testing::HasSubstr;
 
-/// A rotary and a linear axis, enabled, in lock-step.
-class Units : public testing::Test {
- protected:
-  void SetUp() override {
-    ASSERT_EQ(tool("enable turn").code, 0);
-    ASSERT_EQ(tool("enable slide").code, 0);
-  }
+const client::Unit kTurning{};
+const client::Unit kSliding{.kind = client::UnitKind::linear, .name = "mm", .size = 1'000.0};
 
-  [[nodiscard]] std::string file(const std::string& name, const std::string& text) const {
-    const std::string path = (directory_.path() / name).string();
-    std::ofstream(path) << text;
-    return path;
-  }
-
-  [[nodiscard]] static std::string value_of(const std::string& axis, const std::string& object) {
-    return nlohmann::json::parse(tool("read " + axis + " " + object + " --json").output)["value"]
-        .dump();
-  }
-
- private:
-  TemporaryDirectory directory_;
-  RunningService service_{"--config " + file("bench.yaml", R"(
-clock: {mode: lockstep}
-axes:
-  - {number: 1, name: turn}
-  - {number: 2, name: slide, unit: {kind: linear, name: mm, per_unit: 1000}}
-)")};
-};
-
-// 90 of 360 deg are 1024 of 4096 UU; 12.5 mm are 12500 UU.
-TEST_F(Units, OfEachAxisAreAcceptedAndShown) {
-  const Finished turned = tool("move turn 90deg --velocity 180deg/s");
-  ASSERT_EQ(turned.code, 0) << turned.errors;
-  EXPECT_THAT(turned.output, HasSubstr("1024 UU    90.00 deg"));
-  EXPECT_EQ(value_of("turn", "0x6062"), "1024");
-  ASSERT_EQ(tool("move slide 12.5mm").code, 0);
-  EXPECT_EQ(value_of("slide", "0x6062"), "12500");
-  ASSERT_EQ(tool("move slide -0.5cm --relative").code, 0);
-  EXPECT_EQ(value_of("slide", "0x6062"), "7500");
-  EXPECT_THAT(tool("status slide").output, HasSubstr("7.500 mm"));
-  const auto status = nlohmann::json::parse(tool("status slide --json").output);
-  EXPECT_EQ(status["unit"], "mm");
-  EXPECT_NEAR(status["position_in_unit"], 7.5, 0.005) << "0.005 mm are 5 UU";
+std::int64_t position(const std::string& text, const client::Unit& unit) {
+  return user_units_of(parse_quantity(text, Dimension::position, DataType::integer32), unit, "1.1");
 }
 
-TEST_F(Units, AreAcceptedByWrite) {
-  ASSERT_EQ(tool("write slide profile_velocity 10mm/s").code, 0);
-  EXPECT_EQ(value_of("slide", "0x6081"), "10000");
-  ASSERT_EQ(tool("write turn 0x6081 60rpm").code, 0);
-  EXPECT_EQ(value_of("turn", "0x6081"), "4096");
+std::int64_t speed(const std::string& text, const client::Unit& unit) {
+  return user_units_of(parse_quantity(text, Dimension::velocity, DataType::unsigned32), unit,
+                       "1.1");
 }
 
-TEST_F(Units, ThatAnAxisDoesNotHaveAreAUsageError) {
-  const Finished refused = tool("move slide 90deg");
-  EXPECT_EQ(refused.code, 2);
-  EXPECT_THAT(refused.errors, HasSubstr("axis slide has no unit 'deg'; it has mm, m, cm, um, UU"));
-  const Finished range = tool("move turn 1e9deg");
-  EXPECT_EQ(range.code, 2);
-  EXPECT_THAT(range.errors, HasSubstr("must be from -2147483648 to 2147483647 UU"));
-  EXPECT_EQ(value_of("turn", "0x6062"), "0");
+std::int64_t ramp(const std::string& text, const client::Unit& unit) {
+  return user_units_of(parse_quantity(text, Dimension::acceleration, DataType::unsigned32), unit,
+                       "1.1");
 }
 
-TEST_F(Units, OfAScenarioAreCheckedBeforeItsFirstCommand) {
-  const Finished refused = tool("run " + file("bad.scn", "move turn 90deg\nmove slide 3deg\n"));
-  EXPECT_EQ(refused.code, 2);
-  EXPECT_THAT(refused.errors, HasSubstr("bad.scn:2: '3deg': axis slide has no unit 'deg'"));
-  EXPECT_EQ(value_of("turn", "0x6062"), "0");
-  const Finished passed = tool("run " + file("good.scn",
-                                             "move turn 90deg\n"
-                                             "expect turn position_demand_value 0.25rev\n"
-                                             "expect turn 0x6064 89deg --tolerance 1.5deg\n"));
-  EXPECT_EQ(passed.code, 0) << passed.errors;
-  EXPECT_EQ(tool("run " + file("off.scn", "expect turn 0x6064 80deg --tolerance 1deg\n")).code, 1);
+template <typename Work>
+std::string refusal_of_quantity(const Work& work) {
+  try {
+    static_cast<void>(work());
+  } catch (const UsageError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(Quantity, WithoutAUnitIsInUserUnits) {
+  EXPECT_EQ(position("-10000", kSliding), -10'000);
+  EXPECT_EQ(position("1e4", kTurning), 10'000);
+  EXPECT_EQ(position("0xFFFFD8F0", kTurning), -10'000) << "two's complement";
+  EXPECT_EQ(position("10UU", kSliding), 10);
+  EXPECT_EQ(position("-2147483648", kTurning), -2'147'483'648);
+  EXPECT_EQ(speed("4294967295", kTurning), 4'294'967'295);
+}
+
+// A revolution has 4096 UU: 90 deg are 1024, 180 deg/s 2048 UU/s, 60 rpm 4096 UU/s.
+TEST(Quantity, WithAUnitIsConvertedForTheAxis) {
+  EXPECT_EQ(position("90deg", kTurning), 1'024);
+  EXPECT_EQ(position("-0.25rev", kTurning), -1'024);
+  EXPECT_EQ(position("90 deg", kTurning), 1'024);
+  EXPECT_EQ(speed("180deg/s", kTurning), 2'048);
+  EXPECT_EQ(speed("60rpm", kTurning), 4'096);
+  EXPECT_EQ(ramp("360deg/s2", kTurning), 4'096);
+  EXPECT_EQ(ramp("1rev/s^2", kTurning), 4'096);
+  EXPECT_EQ(ramp("1rev/s\u00B2", kTurning), 4'096);
+  EXPECT_EQ(position("12.5mm", kSliding), 12'500);
+  EXPECT_EQ(position("1.5e-2m", kSliding), 15'000);
+}
+
+// 0.044 deg are 0.5006 UU, 0.0439 deg 0.4995 UU.
+TEST(Quantity, IsRoundedToTheNearestUserUnit) {
+  EXPECT_EQ(position("0.044deg", kTurning), 1);
+  EXPECT_EQ(position("0.0439deg", kTurning), 0);
+  EXPECT_EQ(position("-0.044deg", kTurning), -1);
+  EXPECT_EQ(position("1.5", kTurning), 2);
+}
+
+TEST(Quantity, OfAnotherUnitIsRefusedWithTheUnitsOfTheAxis) {
+  EXPECT_EQ(refusal_of_quantity([] {
+              return position("12.5mm", kTurning);
+            }),
+            "'12.5mm': axis 1.1 has no unit 'mm'; it has deg, rad, rev, UU");
+  EXPECT_EQ(refusal_of_quantity([] {
+              return speed("5deg/s", kSliding);
+            }),
+            "'5deg/s': axis 1.1 has no unit 'deg'; it has mm/s, m/s, cm/s, um/s, UU/s");
+  EXPECT_THAT(refusal_of_quantity([] {
+                return speed("5mm/s", kTurning);
+              }),
+              HasSubstr("rev/s, rpm, UU/s"));
+  EXPECT_THAT(refusal_of_quantity([] {
+                return speed("5rpm", kSliding);
+              }),
+              HasSubstr("no unit 'rpm'"));
+}
+
+// 1e9 deg are 11377777778 UU.
+TEST(Quantity, OutOfRangeIsRefusedWithValueAndLimit) {
+  EXPECT_EQ(refusal_of_quantity([] {
+              return position("1e9deg", kTurning);
+            }),
+            "'1e9deg' of axis 1.1 is 11377777778 UU: must be from -2147483648 to 2147483647 UU");
+  EXPECT_EQ(refusal_of_quantity([] {
+              return parse_quantity("3000000000", Dimension::position, DataType::integer32);
+            }),
+            "'3000000000' is 3e+09 UU: must be from -2147483648 to 2147483647 UU");
+  EXPECT_THAT(refusal_of_quantity([] {
+                return speed("-1", kTurning);
+              }),
+              HasSubstr("must be from 0 to 4294967295 UU/s"));
+}
+
+TEST(Quantity, OfInvalidTextIsRefusedWithAnExample) {
+  for (const char* const text :
+       {"", "ten", "inf", "nan", "1e400", "deg", "5deg/s", "+5", "1.5.5/"}) {
+    EXPECT_THAT(refusal_of_quantity([&] {
+                  return position(text, kTurning);
+                }),
+                HasSubstr("is not a position: write for example 1024, 90deg"))
+        << text;
+  }
+  EXPECT_THAT(refusal_of_quantity([] {
+                return speed("180deg", kTurning);
+              }),
+              HasSubstr("is not a speed: write for example 1000, 180deg/s"));
+  EXPECT_THAT(refusal_of_quantity([] {
+                return ramp("180deg/s", kTurning);
+              }),
+              HasSubstr("is not a ramp: write for example 6000, 900deg/s2"));
+}
+
+TEST(Quantity, AppliesToPositionsSpeedsAndRampsOfTheDictionary) {
+  EXPECT_EQ(dimension_of("position_user_target_value"_object), Dimension::position);
+  EXPECT_EQ(dimension_of("user_position_upper_limit"_object), Dimension::position);
+  EXPECT_EQ(dimension_of("target_velocity"_object), Dimension::velocity);
+  EXPECT_EQ(dimension_of("profile_acc"_object), Dimension::acceleration);
+  EXPECT_EQ(dimension_of("target_torque"_object), std::nullopt);
+  EXPECT_EQ(dimension_of("ds402_controlword"_object), std::nullopt);
 }
 
 }  // namespace
-}  // namespace vdrive::test
+}  // namespace vdrive::tool

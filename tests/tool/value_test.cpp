@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Objects, values and durations as a user types them.
-#include "value.hpp"
+#include "values/value.hpp"
 
-#include "usage_error.hpp"
+#include "base/usage_error.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

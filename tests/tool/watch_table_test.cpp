@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The table of `watch`: its columns by width, and that no row is wider than the terminal.
-#include "watch_table.hpp"
+#include "output/watch_table.hpp"
 
-#include "columns.hpp"
-#include "keys.hpp"
+#include "terminal/columns.hpp"
+#include "terminal/keys.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

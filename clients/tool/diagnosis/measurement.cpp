@@ -1,0 +1,441 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "diagnosis/measurement.hpp"
+
+#include "base/service_program.hpp"
+#include "private_bench.hpp"
+#include "terminal/columns.hpp"
+#include "vdrive/client/axis.hpp"
+#include "vdrive/client/session.hpp"
+#include "vdrive/wire/participant.hpp"
+#include "vdrive/wire/subscription.hpp"
+#include "vdrive_messages.h"
+
+#include <sys/prctl.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <condition_variable>
+#include <ctime>
+#include <functional>
+#include <mutex>
+#include <numeric>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string_view>
+#include <utility>
+
+namespace vdrive::tool {
+namespace {
+
+using client::Outcome;
+using Clock = std::chrono::steady_clock;
+using namespace std::chrono_literals;
+
+constexpr std::uint32_t kBench = 1;
+constexpr std::size_t kAxesOfLateness = 64;
+constexpr std::size_t kAxesOfSteps = 64;
+constexpr std::size_t kAxesOfSpeed = 1'024;
+constexpr std::array<std::size_t, 7> kAxesOfStreams{64, 256, 1'024, 2'048, 4'096, 8'192, 16'384};
+
+/// How long each part takes.
+struct Plan {
+  std::chrono::milliseconds lateness;
+  std::chrono::milliseconds steps;
+  std::chrono::milliseconds speed;
+  std::chrono::milliseconds stream;  ///< each
+  std::size_t streams;               ///< of kAxesOfStreams
+};
+
+constexpr Plan kWhole{10s, 3s, 3s, 4s, kAxesOfStreams.size()};
+constexpr Plan kQuick{1s, 500ms, 500ms, 1s, 3};
+
+constexpr auto kSettling = 500ms;
+constexpr auto kFind = 30s;
+constexpr double kLateShare = 0.001;
+
+/// What went wrong with a bench ends the measurement.
+void require(const Outcome& outcome) {
+  if (!outcome) throw std::runtime_error(outcome.message());
+}
+
+/// The newest BenchState of a domain.
+class States {
+ public:
+  explicit States(std::uint32_t domain)
+      : participant_({.domain = domain, .role = wire::Role::client}, "vdrive bench"),
+        states_(participant_, [this](const msg::BenchState& state, const wire::Source&) {
+          const std::scoped_lock lock(mutex_);
+          newest_ = state;
+          arrived_.notify_all();
+        }) {}
+
+  /// @return the newest one; waits for the first.
+  [[nodiscard]] msg::BenchState newest() {
+    std::unique_lock lock(mutex_);
+    if (!arrived_.wait_for(lock, kFind, [this] {
+          return newest_.has_value();
+        })) {
+      throw std::runtime_error("the bench sent no state for 30 s");
+    }
+    return *newest_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable arrived_;
+  std::optional<msg::BenchState> newest_;
+  wire::Participant participant_;
+  wire::Subscription<msg::BenchState> states_;
+};
+
+Lateness lateness_between(const msg::BenchState& begin, const msg::BenchState& end) {
+  Lateness lateness;
+  for (std::size_t bin = 0; bin < lateness.bins.size(); ++bin) {
+    const auto at = [bin](const msg::BenchState& state) {
+      const auto& bins = state.lateness_histogram();
+      return bin < bins.size() ? bins[bin] : 0;
+    };
+    lateness.bins[bin] = at(end) - std::min(at(begin), at(end));
+  }
+  return lateness;
+}
+
+/// What the operating system alone does: the reference for the ticks.
+Lateness sleep_and_wake(std::chrono::milliseconds duration, const Interrupt& interrupt) {
+  prctl(PR_SET_TIMERSLACK, 1UL);  // NOLINT(*-vararg): as the thread of the ticks has it
+  Lateness lateness;
+  auto next = Clock::now();
+  const auto end = next + duration;
+  while (next < end && !interrupt.happened()) {
+    next += 1ms;
+    const auto wanted = next.time_since_epoch();
+    const timespec time{
+        .tv_sec = std::chrono::floor<std::chrono::seconds>(wanted).count(),
+        .tv_nsec = (wanted - std::chrono::floor<std::chrono::seconds>(wanted)).count()};
+    clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &time, nullptr);
+    lateness.add(Clock::now() - next);
+  }
+  return lateness;
+}
+
+std::vector<client::AxisId> axes_of(std::size_t count) {
+  std::vector<client::AxisId> axes;
+  axes.reserve(count);
+  for (std::size_t axis = 1; axis <= count; ++axis) {
+    axes.push_back({kBench, static_cast<std::uint16_t>(axis)});
+  }
+  return axes;
+}
+
+using Report = std::function<void(std::string_view part, std::chrono::milliseconds duration)>;
+
+/// What an interrupt does, for as long as this lives.
+class OnInterrupt {
+ public:
+  OnInterrupt(Interrupt& interrupt, std::function<void()> action) : interrupt_(interrupt) {
+    interrupt_.arm(std::move(action));
+  }
+
+  ~OnInterrupt() { interrupt_.disarm(); }
+
+  OnInterrupt(const OnInterrupt&) = delete;
+  OnInterrupt& operator=(const OnInterrupt&) = delete;
+
+ private:
+  Interrupt& interrupt_;
+};
+
+/// The parts of a measurement, each on a bench of its own.
+class Measuring {
+ public:
+  Measuring(std::string service, const Plan& plan, Interrupt& interrupt)
+      : service_(std::move(service)), plan_(plan), interrupt_(interrupt) {}
+
+  /// @param report called before each part
+  Measurement run(const Report& report) {
+    Measurement measurement;
+    report("lateness of ticks", plan_.lateness);
+    measure_lateness(measurement);
+    report("round trips of steps", plan_.steps);
+    measurement.steps = measure_steps();
+    report("speed of the axes", plan_.speed);
+    measurement.tick_of_an_axis = measure_speed();
+    for (const std::size_t axes : std::span(kAxesOfStreams).first(plan_.streams)) {
+      report("status of " + std::to_string(axes) + " axes", plan_.stream);
+      measurement.streams.push_back(measure_stream(axes));
+      if (!measurement.streams.back().is_whole()) break;
+    }
+    return measurement;
+  }
+
+ private:
+  /// Starts a bench and does something with it; an interrupt ends both.
+  template <typename Work>
+  void with_bench(std::string_view clock, std::size_t axes, const Work& work) {
+    process::PrivateBench bench(service_,
+                                {"--clock", std::string(clock), "--axes", std::to_string(axes)});
+    {
+      const OnInterrupt end(interrupt_, [&bench] {
+        bench.end();
+      });
+      if (const auto problem = bench.wait_until_ready()) throw std::runtime_error(*problem);
+    }
+    client::Session session({.domain = bench.domain(), .bench = kBench, .find_timeout = kFind});
+    const OnInterrupt end(interrupt_, [&bench, &session] {
+      session.interrupt();
+      bench.end();
+    });
+    require(session.find_bench(kBench).outcome());
+    work(session, bench.domain());
+    if (interrupt_.happened()) throw std::runtime_error("interrupted");
+  }
+
+  /// Both at the same time: what disturbs one disturbs the other.
+  void measure_lateness(Measurement& measurement) {
+    with_bench("realtime", kAxesOfLateness, [&](client::Session&, std::uint32_t domain) {
+      States states(domain);
+      (void)states.newest();
+      (void)sleep_and_wake(kSettling, interrupt_);
+      const msg::BenchState begin = states.newest();
+      measurement.bare = sleep_and_wake(plan_.lateness, interrupt_);
+      measurement.ticks = lateness_between(begin, states.newest());
+    });
+  }
+
+  RoundTrips measure_steps() {
+    RoundTrips trips;
+    with_bench("lockstep", kAxesOfSteps, [&](client::Session& session, std::uint32_t) {
+      std::vector<double> times;
+      const auto begin = Clock::now();
+      while (Clock::now() < begin + plan_.steps) {
+        const auto asked = Clock::now();
+        require(session.step(kBench, 1).outcome());
+        times.push_back(std::chrono::duration<double, std::micro>(Clock::now() - asked).count());
+      }
+      constexpr double kMost = 0.99;
+      const auto seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+      trips.per_second = static_cast<double>(times.size()) / seconds;
+      std::ranges::sort(times);
+      trips.median = times[times.size() / 2];
+      trips.p99 = times[static_cast<std::size_t>(kMost * static_cast<double>(times.size() - 1))];
+    });
+    return trips;
+  }
+
+  double measure_speed() {
+    double tick_of_an_axis = 0.0;
+    with_bench("lockstep", kAxesOfSpeed, [&](client::Session& session, std::uint32_t) {
+      set_moving(session);
+      std::uint64_t ticks = 0;
+      constexpr std::uint64_t kTicks = 1'000;
+      const auto begin = Clock::now();
+      while (Clock::now() < begin + plan_.speed) {
+        require(session.step(kBench, kTicks).outcome());
+        ticks += kTicks;
+      }
+      const std::chrono::duration<double, std::nano> time = Clock::now() - begin;
+      tick_of_an_axis = time.count() / static_cast<double>(ticks * kAxesOfSpeed);
+    });
+    return tick_of_an_axis;
+  }
+
+  /// All axes at a speed of their own, without an end.
+  static void set_moving(client::Session& session) {
+    constexpr std::int32_t kSlowest = 1'000;
+    auto axes = session.axes(kBench);
+    require(axes.outcome());
+    for (const Outcome& outcome : session.command_each(*axes, client::EachCommand::enable)) {
+      require(outcome);
+    }
+    std::int32_t velocity = kSlowest;
+    for (client::Axis& axis : *axes) {
+      require(axis.run_at(++velocity, {.call = {.until = client::Until::in_force}}));
+    }
+  }
+
+  StatusStreamFigures measure_stream(std::size_t axes) {
+    StatusStreamFigures figures{.axes = axes};
+    with_bench("realtime", axes, [&](client::Session& session, std::uint32_t domain) {
+      States states(domain);
+      auto follower = session.follow(axes_of(axes), client::Pace::observe);
+      require(follower.outcome());
+      const auto settled = Clock::now() + kSettling;
+      while (Clock::now() < settled) require(follower->next(kFind).outcome());
+      const msg::BenchState begin = states.newest();
+      const auto end = Clock::now() + plan_.stream;
+      while (Clock::now() < end) {
+        const auto sample = follower->next(kFind);
+        require(sample.outcome());
+        ++figures.samples;
+        figures.missed += sample->missed;
+      }
+      const msg::BenchState last = states.newest();
+      const auto ticks =
+          static_cast<double>(std::max<std::uint64_t>(last.tick() - begin.tick(), 1));
+      figures.overrun_share = static_cast<double>(last.overruns() - begin.overruns()) / ticks;
+    });
+    return figures;
+  }
+
+  std::string service_;
+  const Plan& plan_;
+  Interrupt& interrupt_;
+};
+
+/// Three digits that mean something.
+std::string rounded(double value) {
+  if (value == 0.0) return "0";
+  constexpr double kHundred = 100.0;
+  const int decimals = value >= kHundred ? 0 : value >= 10.0 ? 1 : 2;
+  std::array<char, 32> text{};
+  const int length = std::snprintf(text.data(), text.size(), "%.*f", decimals, value);
+  return {text.data(), static_cast<std::size_t>(length)};
+}
+
+std::string percent(double share) {
+  constexpr double kPercent = 100.0;
+  return rounded(share * kPercent) + " %";
+}
+
+Json lateness_json(const Lateness& lateness) {
+  return {{"p50_us", lateness.quantile(0.5)},
+          {"p99_us", lateness.quantile(0.99)},
+          {"p999_us", lateness.quantile(0.999)},
+          {"max_us", lateness.most()}};
+}
+
+std::string lateness_line(const std::string& what, const Lateness& lateness) {
+  constexpr std::size_t kWhat = 34;
+  constexpr std::size_t kFigure = 10;
+  std::string line = padded(what, kWhat);
+  for (const double share : {0.5, 0.99, 0.999}) {
+    line += aligned_right(rounded(lateness.quantile(share)), kFigure);
+  }
+  return line + aligned_right("< " + rounded(lateness.most()), kFigure);
+}
+
+}  // namespace
+
+void Lateness::add(std::chrono::nanoseconds late) noexcept {
+  const auto microseconds =
+      std::max<std::int64_t>(std::chrono::floor<std::chrono::microseconds>(late).count(), 0);
+  const auto bin =
+      static_cast<std::size_t>(std::bit_width(static_cast<std::uint64_t>(microseconds)));
+  ++bins[std::min(bin, bins.size() - 1)];
+}
+
+std::uint64_t Lateness::count() const noexcept {
+  return std::accumulate(bins.begin(), bins.end(), std::uint64_t{0});
+}
+
+double Lateness::quantile(double share) const noexcept {
+  const double wanted = share * static_cast<double>(count());
+  double below = 0.0;
+  for (std::size_t bin = 0; bin < bins.size(); ++bin) {
+    const auto in_bin = static_cast<double>(bins[bin]);
+    if (in_bin > 0.0 && below + in_bin >= wanted) {
+      const double begin = bin == 0 ? 0.0 : std::ldexp(1.0, static_cast<int>(bin) - 1);
+      const double end = std::ldexp(1.0, static_cast<int>(bin));
+      return begin + (end - begin) * (wanted - below) / in_bin;
+    }
+    below += in_bin;
+  }
+  return 0.0;
+}
+
+double Lateness::most() const noexcept {
+  for (std::size_t bin = bins.size(); bin > 0; --bin) {
+    if (bins[bin - 1] != 0) return std::ldexp(1.0, static_cast<int>(bin) - 1);
+  }
+  return 0.0;
+}
+
+bool StatusStreamFigures::is_whole() const noexcept {
+  return samples > 0 && missed == 0 && overrun_share <= kLateShare;
+}
+
+std::size_t Measurement::axes_of_a_core() const noexcept {
+  constexpr double kTick = 1.0e6;
+  return tick_of_an_axis > 0.0 ? static_cast<std::size_t>(kTick / tick_of_an_axis) : 0;
+}
+
+std::size_t Measurement::axes_with_status() const noexcept {
+  std::size_t most = 0;
+  for (const StatusStreamFigures& stream : streams) {
+    if (stream.is_whole()) most = std::max(most, stream.axes);
+  }
+  return most;
+}
+
+Json measurement_json(const Measurement& measurement) {
+  Json streams = Json::array();
+  for (const StatusStreamFigures& stream : measurement.streams) {
+    streams.push_back({{"axes", stream.axes},
+                       {"samples", stream.samples},
+                       {"missed", stream.missed},
+                       {"overrun_share", stream.overrun_share}});
+  }
+  return {{"lateness_of_ticks", lateness_json(measurement.ticks)},
+          {"lateness_of_a_bare_loop", lateness_json(measurement.bare)},
+          {"steps",
+           {{"p50_us", measurement.steps.median},
+            {"p99_us", measurement.steps.p99},
+            {"per_second", measurement.steps.per_second}}},
+          {"tick_of_an_axis_ns", measurement.tick_of_an_axis},
+          {"axes_of_a_core", measurement.axes_of_a_core()},
+          {"status", std::move(streams)},
+          {"axes_with_status", measurement.axes_with_status()}};
+}
+
+std::vector<std::string> measurement_lines(const Measurement& measurement) {
+  const RoundTrips& steps = measurement.steps;
+  std::vector<std::string> lines{
+      "lateness [us]                            p50       p99     p99.9       max",
+      lateness_line("  ticks of a bench, 64 axes", measurement.ticks),
+      lateness_line("  a bare loop at the same time", measurement.bare),
+      "steps of one tick, 64 axes: p50 " + rounded(steps.median) + " us, p99 " +
+          rounded(steps.p99) + " us, " + rounded(steps.per_second) + " a second",
+      "tick of a moving axis and its status: " + rounded(measurement.tick_of_an_axis) +
+          " ns; one core holds " + std::to_string(measurement.axes_of_a_core()) + " axes at 1 kHz",
+      "status of all axes at 1 kHz, one client"};
+  for (const StatusStreamFigures& stream : measurement.streams) {
+    const auto ticks =
+        static_cast<double>(std::max<std::uint64_t>(stream.samples + stream.missed, 1));
+    constexpr std::size_t kAxes = 8;
+    lines.push_back(aligned_right(std::to_string(stream.axes), kAxes) +
+                    " axes: " + percent(static_cast<double>(stream.missed) / ticks) +
+                    " of the ticks missed, " + percent(stream.overrun_share) + " late");
+  }
+  const std::size_t held = measurement.axes_with_status();
+  lines.push_back(held == 0
+                      ? std::string("this machine is too busy even for the smallest number of axes")
+                      : "this machine holds " + std::to_string(held) +
+                            " axes with every status at 1 kHz");
+  return lines;
+}
+
+ExitCode run_measurement(const BenchCommand& command, bool is_json, Interrupt& interrupt,
+                         Terminal& terminal) {
+  try {
+    Measuring measuring(find_service(command.service), command.is_quick ? kQuick : kWhole,
+                        interrupt);
+    const Measurement measurement =
+        measuring.run([&](std::string_view part, std::chrono::milliseconds duration) {
+          terminal.complain("vdrive bench: " + std::string(part) + ", " +
+                            rounded(std::chrono::duration<double>(duration).count()) + " s");
+        });
+    if (is_json) {
+      terminal.print(to_line(measurement_json(measurement)));
+    } else {
+      for (const std::string& line : measurement_lines(measurement)) terminal.print(line);
+    }
+    return ExitCode::ok;
+  } catch (const std::runtime_error&) {
+    if (!interrupt.happened()) throw;
+    return ExitCode::interrupted;
+  }
+}
+
+}  // namespace vdrive::tool

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "language/command.hpp"
+#include "language/variables.hpp"
+
+#include <cstddef>
+#include <iosfwd>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace vdrive::tool {
+
+/// One line that does something.
+struct ScenarioLine {
+  std::size_t number = 0;  ///< in the file, from 1
+  std::string text;        ///< without comment and outer blanks
+  Command command;
+  std::optional<Duration> timeout;
+  bool is_final = false;  ///< below `finally`: carried out also after a failure
+};
+
+struct Scenario {
+  std::string file;
+  std::vector<ScenarioLine> lines;
+  std::set<std::string> variables;  ///< that it uses
+};
+
+/// Takes a line apart at blanks. A # outside of quotes starts a comment; single and double quotes
+/// hold blanks and # together.
+/// @throws UsageError for a quote that does not end, and beyond the limits of a line.
+[[nodiscard]] std::vector<std::string> split_words(std::string_view line);
+
+/// Reads a whole scenario before anything of it is done.
+/// @param file its name, for messages
+/// @param settings values of variables, from settings_of()
+/// @throws UsageError starting with file:line, also beyond the limits of line and file.
+[[nodiscard]] Scenario parse_scenario(std::istream& input, const std::string& file,
+                                      const Variables::Values& settings = {});
+
+/// @return how a file is called in messages and reports: - is standard input.
+[[nodiscard]] std::string name_of_scenario(const std::string& file);
+
+/// Reads some scenarios. @param names of files; - is standard input
+/// @throws UsageError also for a file that cannot be read, and for a variable that no file uses.
+[[nodiscard]] std::vector<Scenario> load_scenarios(const std::vector<std::string>& names,
+                                                   const Variables::Values& settings);
+
+}  // namespace vdrive::tool

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "output/event_view.hpp"
+
+#include "output/report.hpp"
+#include "vdrive/number_text.hpp"
+#include "vdrive/text.hpp"
+#include "vdrive/wording.hpp"
+
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <utility>
+
+namespace vdrive::tool {
+namespace {
+
+using client::Event;
+using client::EventKind;
+using Clock = std::chrono::steady_clock;
+
+// What a bench keeps arrives in one go, once the reader is matched; nothing marks its end.
+constexpr std::chrono::milliseconds kQuiet{500};
+constexpr std::chrono::seconds kLongest{5};
+constexpr std::chrono::milliseconds kPeriod{50};
+
+/// Hands events over from the thread of the session.
+class EventQueue {
+ public:
+  void push(const Event& event) {
+    const std::scoped_lock lock(mutex_);
+    events_.push_back(event);
+    arrived_.notify_one();
+  }
+
+  std::optional<Event> next(std::chrono::milliseconds patience) {
+    std::unique_lock lock(mutex_);
+    const bool has_one = arrived_.wait_for(lock, patience, [this] {
+      return !events_.empty();
+    });
+    if (!has_one) return std::nullopt;
+    Event event = std::move(events_.front());
+    events_.pop_front();
+    return event;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable arrived_;
+  std::deque<Event> events_;
+};
+
+Json event_json(const Event& event) {
+  return {{"bench", event.bench},
+          {"axis", event.axis == 0 ? Json(nullptr)
+                                   : Json(to_string(client::AxisId{event.bench, event.axis}))},
+          {"tick", event.tick},
+          {"kind", to_string(event.kind)},
+          {"code", event.code},
+          {"error_register", event.error_register},
+          {"session", event.session == 0 ? Json(nullptr) : Json(hex(event.session, 16))},
+          {"suppressed", event.suppressed},
+          {"text", event.text}};
+}
+
+std::optional<Color> color_of_kind(EventKind kind) {
+  switch (kind) {
+    case EventKind::fault:
+    case EventKind::master_lost:
+    case EventKind::bench_conflict:
+      return Color::red;
+    case EventKind::refused:
+    case EventKind::set_point_ignored:
+    case EventKind::stopped:
+    case EventKind::tick_overrun:
+    case EventKind::tick_jumped:
+    case EventKind::queue_overflow:
+    case EventKind::wire:
+      return Color::yellow;
+    default:
+      return std::nullopt;
+  }
+}
+
+bool is_chosen(const EventChoice& choice, const Event& event) {
+  if (choice.axis) return event.bench == choice.axis->bench && event.axis == choice.axis->axis;
+  return !choice.bench || *choice.bench == event.bench;
+}
+
+void print(const Event& event, bool is_json, Terminal& terminal) {
+  if (is_json) {
+    terminal.print(to_line(event_json(event)));
+    return;
+  }
+  const auto color = color_of_kind(event.kind);
+  const std::string text = event_text(event);
+  terminal.print(color ? colored(terminal, *color, text) : text);
+}
+
+}  // namespace
+
+std::string event_text(const Event& event) {
+  const std::string who = event.axis == 0 ? "bench " + std::to_string(event.bench)
+                                          : to_string(client::AxisId{event.bench, event.axis});
+  // The text of the bench names the axis by its number there.
+  const std::string prefix = "axis " + std::to_string(event.axis) + ": ";
+  std::string text = event.text;
+  if (event.axis != 0 && text.starts_with(prefix)) text.erase(0, prefix.size());
+  std::string line =
+      std::to_string(event.tick) + "  " + who + "  " + escaped(text, kShownOfMessage);
+  if (event.suppressed != 0) {
+    line += " (" + counted(event.suppressed, "equal event", "equal events") + " left out)";
+  }
+  return line;
+}
+
+client::Outcome show_events(client::Session& session, const EventChoice& choice,
+                            Terminal& terminal) {
+  EventQueue queue;
+  session.on_event(
+      [&queue](const Event& event) {
+        queue.push(event);
+      },
+      client::EventHistory::kept);
+  const auto begin = Clock::now();
+  auto last = begin;
+  while (terminal.is_open() && !session.is_interrupted()) {
+    if (const auto event = queue.next(kPeriod)) {
+      last = Clock::now();
+      if (is_chosen(choice, *event)) print(*event, choice.is_json, terminal);
+      // A bench on which something happens all the time is never quiet.
+      if (!choice.follow && last - begin > kLongest) break;
+    } else if (!choice.follow && Clock::now() - last > kQuiet) {
+      break;
+    }
+  }
+  session.on_event(nullptr);
+  return {};
+}
+
+}  // namespace vdrive::tool

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "terminal/terminal.hpp"
+#include "vdrive/client/session.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace vdrive::tool {
+
+/// Which events are shown, and how.
+struct EventChoice {
+  std::optional<std::uint32_t> bench;  ///< none = all benches
+  std::optional<client::AxisId> axis;  ///< only those of this axis
+  bool follow = false;                 ///< until interrupted, else only what the benches keep
+  bool is_json = false;
+};
+
+/// Prints the events that the benches keep, oldest first, then those that come.
+client::Outcome show_events(client::Session& session, const EventChoice& choice,
+                            Terminal& terminal);
+
+/// @return an event as one line of text.
+[[nodiscard]] std::string event_text(const client::Event& event);
+
+}  // namespace vdrive::tool

@@ -1,0 +1,301 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "output/report.hpp"
+
+#include "csv_field.hpp"
+#include "terminal/columns.hpp"
+#include "vdrive/cia402/error_code.hpp"
+#include "vdrive/cia402/statusword.hpp"
+#include "vdrive/number_text.hpp"
+#include "vdrive/text.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+
+namespace vdrive::tool {
+namespace {
+
+/// Objects whose bits matter more than their value.
+constexpr std::array<std::uint16_t, 4> kWords{0x6040, 0x6041, 0x603F, 0x1000};
+
+template <typename... Arguments>
+std::string formatted(const char* format, Arguments... arguments) {
+  std::array<char, 256> text{};
+  std::snprintf(text.data(), text.size(), format, arguments...);
+  return text.data();
+}
+
+Json session_json(std::uint64_t session) {
+  return session == 0 ? Json(nullptr) : Json(session_text(session));
+}
+
+std::string owner_text(std::uint64_t session) {
+  return session == 0 ? "free" : session_text(session);
+}
+
+std::string_view name_in(const ObjectDescription& row, Language language) {
+  return language == Language::zh ? row.name_zh : row.name;
+}
+
+std::string units_in(const ObjectDescription& row, Language language) {
+  return language == Language::zh ? std::string(row.units) : english_units(row);
+}
+
+Json dictionary_json(const ObjectDescription& row, Language language) {
+  return {{"index", hex(row.address.index, 4)},
+          {"subindex", row.address.subindex},
+          {"name", row.variable_name},
+          {"title", name_in(row, language)},
+          {"category", row.category},
+          {"type", to_string(row.data_type)},
+          {"access", to_string(row.access)},
+          {"stored", row.storage == Storage::flash},
+          {"effective", to_string(row.effective)},
+          {"lower_limit", row.lower_limit},
+          {"upper_limit", row.upper_limit},
+          {"default", row.default_value},
+          {"units", units_in(row, language)},
+          {"origin", row.origin == Origin::manual ? "manual" : "companion"}};
+}
+
+std::string csv_value(const Json& value) {
+  return value.is_string() ? recording::csv_field(value.get<std::string>()) : value.dump();
+}
+
+/// One line of CSV: the fields' names, or their values.
+std::string csv_line(const Json& row, bool is_header) {
+  std::string line;
+  for (const auto& [key, value] : row.items()) {
+    if (!line.empty()) line += ',';
+    line += is_header ? key : csv_value(value);
+  }
+  return line;
+}
+
+using TableRow = std::array<std::string, 9>;
+
+TableRow table_row(const ObjectDescription& row, Language language) {
+  return {address_text(row.address),
+          std::string(row.variable_name),
+          std::string(name_in(row, language)),
+          std::string(to_string(row.data_type)),
+          std::string(to_string(row.access)),
+          row.storage == Storage::flash ? "yes" : "",
+          std::to_string(row.default_value),
+          std::to_string(row.lower_limit) + " .. " + std::to_string(row.upper_limit),
+          row.units == "-" ? std::string() : units_in(row, language)};
+}
+
+bool is_listed(const ObjectDescription& row, const DictionaryCommand& command) {
+  return command.objects.empty() ||
+         std::ranges::any_of(command.objects, [&row](const ObjectName& object) {
+           return object.covers(row.address);
+         });
+}
+
+std::vector<std::string> table_lines(const DictionaryCommand& command) {
+  std::vector<TableRow> rows{
+      {"object", "variable_name", "name", "type", "access", "stored", "default", "range", "units"}};
+  for (const ObjectDescription& row : kObjectTable) {
+    if (is_listed(row, command)) rows.push_back(table_row(row, command.language));
+  }
+  std::array<std::size_t, std::tuple_size_v<TableRow>> widths{};
+  for (const TableRow& row : rows) {
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      widths[i] = std::max(widths[i], display_width(row[i]));
+    }
+  }
+  std::vector<std::string> lines;
+  for (const TableRow& row : rows) {
+    std::string line;
+    for (std::size_t i = 0; i < row.size(); ++i) line += padded(row[i], widths[i] + 2);
+    line.erase(line.find_last_not_of(' ') + 1);
+    lines.push_back(std::move(line));
+  }
+  return lines;
+}
+
+std::string error_text(std::uint16_t code) {
+  return hex(code, 4) + " " + std::string(vdrive::describe(static_cast<ErrorCode>(code)));
+}
+
+}  // namespace
+
+std::string per_mille_text(int value) {
+  return formatted("%.1f %%", value / 10.0);
+}
+
+void add_outcome(Json& json, const client::Outcome& outcome) {
+  json["outcome"] = to_string(outcome.kind());
+  if (outcome) return;
+  if (outcome.code() != 0) json["code"] = hex(outcome.code(), 8);
+  json["message"] = outcome.message();
+}
+
+Json status_json(const client::AxisSnapshot& axis, const AxisFace& face) {
+  Json json = status_json(axis, face.name);
+  json["unit"] = face.unit.name;
+  json["position_in_unit"] =
+      client::from_user_units(axis.status.load_position_actual_value, face.unit);
+  json["velocity_in_unit"] =
+      client::from_user_units(axis.status.load_velocity_actual_value, face.unit);
+  return json;
+}
+
+std::vector<std::string> status_text(const client::AxisSnapshot& axis, const AxisFace& face) {
+  const auto in_unit = [&face](std::int32_t user_units) {
+    return position_text(user_units, face.unit);
+  };
+  const AxisStatus& status = axis.status;
+  std::vector<std::string> lines;
+  lines.push_back(to_string(axis.id) + " " + escaped(face.name));
+  lines.push_back("  statusword  " +
+                  client::describe_statusword(status.ds402_statusword, axis.mode()));
+  lines.push_back("  mode        " + std::to_string(status.op_mode_actual) + " " +
+                  std::string(to_string(axis.mode())));
+  lines.push_back(formatted("  position    %d UU, demand %d, error %d",
+                            status.load_position_actual_value, status.position_demand_value,
+                            status.load_position_error_value));
+  lines.push_back("              " + in_unit(status.load_position_actual_value) + ", demand " +
+                  in_unit(status.position_demand_value) + ", error " +
+                  in_unit(status.load_position_error_value));
+  lines.push_back(formatted("  velocity    %d UU/s, demand %d", status.load_velocity_actual_value,
+                            status.velocity_demand_value));
+  lines.push_back("              " + in_unit(status.load_velocity_actual_value) + "/s, demand " +
+                  in_unit(status.velocity_demand_value) + "/s");
+  lines.push_back("  torque      " + per_mille_text(status.torque_actual_value) +
+                  " of rated, current " + per_mille_text(status.current_actual_value));
+  lines.push_back("  error       " +
+                  (status.error_code == 0 ? std::string("none") : error_text(status.error_code)));
+  lines.push_back("  owner       " + owner_text(axis.owner_session));
+  lines.push_back("  tick        " + std::to_string(axis.tick));
+  return lines;
+}
+
+std::string state_text(const client::AxisSnapshot& axis) {
+  constexpr std::uint16_t kUsual = Statusword::kVoltageEnabled | Statusword::kRemote;
+  const std::uint16_t word = axis.status.ds402_statusword;
+  std::string text(to_string(axis.state()));
+  if (axis.status.error_code != 0) text += " " + error_text(axis.status.error_code);
+  // Bits 4 and 9 are 1 on every drive that is there: a line shows when they are not.
+  std::string_view separator = ": ";
+  if ((word & kUsual) != kUsual) {
+    text.append(separator).append("no voltage or not remote");
+    separator = ", ";
+  }
+  for (const std::string_view name :
+       client::statusword_flags(static_cast<std::uint16_t>(word & ~kUsual), axis.mode())) {
+    text.append(separator).append(name);
+    separator = ", ";
+  }
+  return text;
+}
+
+namespace {
+
+/// @return such as "1.1        1024 UU   90.00 deg".
+std::string place_text(const client::AxisSnapshot& axis, const std::string& label,
+                       const client::Unit& unit) {
+  constexpr std::size_t kUsualWidth = 12;
+  const std::int32_t position = axis.status.load_position_actual_value;
+  return padded(label, 4) + formatted(" %10d UU ", position) +
+         aligned_right(escaped(position_text(position, unit)), kUsualWidth);
+}
+
+}  // namespace
+
+std::string status_line(const client::AxisSnapshot& axis, const std::string& label,
+                        const client::Unit& unit) {
+  return place_text(axis, label, unit) +
+         formatted(" %8d UU/s  0x%03X ", axis.status.load_velocity_actual_value,
+                   unsigned{axis.status.ds402_statusword}) +
+         state_text(axis);
+}
+
+std::string arrival_line(const client::AxisSnapshot& axis, const std::string& label,
+                         const client::Unit& unit) {
+  return place_text(axis, label, unit) +
+         formatted("  0x%03X ", unsigned{axis.status.ds402_statusword}) + state_text(axis);
+}
+
+std::optional<Color> color_of(const client::AxisSnapshot& axis) {
+  const PowerState state = axis.state();
+  if (state == PowerState::fault || state == PowerState::fault_reaction_active) return Color::red;
+  if (state == PowerState::quick_stop_active || axis.shows(Statusword::kWarning)) {
+    return Color::yellow;
+  }
+  return std::nullopt;
+}
+
+Json list_json(const client::BenchInfo& bench, const client::AxisInfo& info,
+               const client::AxisSnapshot& axis) {
+  return {{"axis", to_string(info.id)},
+          {"bench", bench.number},
+          {"bench_name", bench.name},
+          {"clock", to_string(bench.clock_mode)},
+          {"period_us", bench.period.count()},
+          {"name", info.name},
+          {"state", to_string(axis.state())},
+          {"statusword", axis.status.ds402_statusword},
+          {"owner", session_json(axis.owner_session)},
+          {"tick", axis.tick}};
+}
+
+std::string list_text(const client::AxisInfo& info, const client::AxisSnapshot& axis) {
+  return formatted("  %-7s %-20s %-24s 0x%03X  %s", to_string(info.id).c_str(),
+                   escaped(info.name).c_str(), std::string(to_string(axis.state())).c_str(),
+                   unsigned{axis.status.ds402_statusword}, owner_text(axis.owner_session).c_str());
+}
+
+Json object_json(const client::AxisId& axis, const ObjectName& object) {
+  Json json{
+      {"axis", to_string(axis)}, {"index", nullptr}, {"subindex", nullptr}, {"name", nullptr}};
+  if (object.address) {
+    json["index"] = hex(object.address->index, 4);
+    json["subindex"] = object.address->subindex;
+  } else {
+    json["name"] = object.text;
+  }
+  if (const auto row = object.row()) json["name"] = describe(*row).variable_name;
+  return json;
+}
+
+std::string value_text(const ObjectName& object, std::int64_t value) {
+  std::string text = std::to_string(value);
+  const bool is_word =
+      object.address && std::ranges::find(kWords, object.address->index) != kWords.end();
+  if (is_word)
+    text = formatted("0x%03llX", static_cast<unsigned long long>(value)) + " (" + text + ")";
+  return text;
+}
+
+std::string reading_text(const std::string& label, const ObjectName& object, std::int64_t value) {
+  const auto row = object.row();
+  std::string text = label + " " + object.text;
+  if (row && describe(*row).variable_name != object.text) {
+    text += " " + std::string(describe(*row).variable_name);
+  }
+  text += " = " + value_text(object, value);
+  if (object.address && object.address->index == 0x6041) {
+    text += " " + std::string(to_string(decode_power_state(static_cast<std::uint16_t>(value))));
+  }
+  return text;
+}
+
+std::vector<std::string> dictionary_lines(const DictionaryCommand& command) {
+  if (command.format == TableFormat::table) return table_lines(command);
+  std::vector<std::string> lines;
+  for (const ObjectDescription& row : kObjectTable) {
+    if (!is_listed(row, command)) continue;
+    const Json json = dictionary_json(row, command.language);
+    if (command.format == TableFormat::json) {
+      lines.push_back(to_line(json));
+      continue;
+    }
+    if (lines.empty()) lines.push_back(csv_line(json, true));
+    lines.push_back(csv_line(json, false));
+  }
+  return lines;
+}
+
+}  // namespace vdrive::tool

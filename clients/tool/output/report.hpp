@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "language/command.hpp"
+#include "status_json.hpp"
+#include "terminal/terminal.hpp"
+#include "vdrive/client/axis.hpp"
+#include "vdrive/client/session.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vdrive::tool {
+
+using recording::Json;
+using recording::status_json;
+using recording::to_line;
+
+/// Adds `outcome`, and for a failure `code` and `message`.
+void add_outcome(Json& json, const client::Outcome& outcome);
+
+/// What an axis is called, and what its user units are.
+struct AxisFace {
+  std::string name;
+  client::Unit unit;
+  std::string bench{};  ///< name of its bench, for a view of several benches
+};
+
+/// One axis as `status` and `watch` show it: recording::status_json with position and velocity in
+/// the unit of the axis.
+[[nodiscard]] Json status_json(const client::AxisSnapshot& axis, const AxisFace& face);
+
+/// The same as some lines of text.
+[[nodiscard]] std::vector<std::string> status_text(const client::AxisSnapshot& axis,
+                                                   const AxisFace& face);
+
+/// The same as one line of text. @param label what the axis is called
+[[nodiscard]] std::string status_line(const client::AxisSnapshot& axis, const std::string& label,
+                                      const client::Unit& unit);
+
+/// The same of an axis at the end of a motion: its speed is what is left within the window.
+[[nodiscard]] std::string arrival_line(const client::AxisSnapshot& axis, const std::string& label,
+                                       const client::Unit& unit);
+
+/// @return the state, the error that 603Fh shows, and the bits of the statusword that are not
+///         always 1, such as "Fault 0x8611 following error" or "Operation enabled: target reached".
+[[nodiscard]] std::string state_text(const client::AxisSnapshot& axis);
+
+/// @return the colour of an axis: red in a fault, yellow with a warning or in a quick stop.
+[[nodiscard]] std::optional<Color> color_of(const client::AxisSnapshot& axis);
+
+/// @return tenths of a percent as "12.5 %".
+[[nodiscard]] std::string per_mille_text(int value);
+
+/// One axis as `list` shows it.
+[[nodiscard]] Json list_json(const client::BenchInfo& bench, const client::AxisInfo& info,
+                             const client::AxisSnapshot& axis);
+[[nodiscard]] std::string list_text(const client::AxisInfo& info, const client::AxisSnapshot& axis);
+
+/// One object as `read` and `write` show it.
+[[nodiscard]] Json object_json(const client::AxisId& axis, const ObjectName& object);
+[[nodiscard]] std::string reading_text(const std::string& label, const ObjectName& object,
+                                       std::int64_t value);
+
+/// The object dictionary as lines.
+[[nodiscard]] std::vector<std::string> dictionary_lines(const DictionaryCommand& command);
+
+/// @return a value as it is shown: words in hex beside the decimal number.
+[[nodiscard]] std::string value_text(const ObjectName& object, std::int64_t value);
+
+}  // namespace vdrive::tool

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "output/report.hpp"
+#include "output/watch_table.hpp"
+#include "terminal/keys.hpp"
+#include "terminal/terminal.hpp"
+#include "vdrive/client/session.hpp"
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <utility>
+
+namespace vdrive::tool {
+
+/// Shows samples of axes: as a table that fills a terminal and follows its size, or as lines.
+/// Takes every sample and shows the newest one of each bench at most every 50 ms, as lines every
+/// 100 ms.
+class WatchView {
+ public:
+  enum class Form : std::uint8_t { table, lines, json };
+
+  WatchView(Terminal& terminal, std::map<client::AxisId, AxisFace> faces, Form form)
+      : terminal_(terminal), faces_(std::move(faces)), form_(form) {}
+
+  /// @param sample of axes of one bench
+  void take(client::Observation sample);
+
+  /// A key of the user. @return false for the one that ends the view.
+  bool press(Key key);
+
+  /// Shows the newest sample when it is new, or the terminal has another size, and time is due.
+  /// @return whether it did.
+  bool refresh();
+
+ private:
+  void show();
+  [[nodiscard]] client::Observation all() const;
+
+  Terminal& terminal_;
+  const std::map<client::AxisId, AxisFace> faces_;
+  const Form form_;
+  std::map<std::uint32_t, client::Observation> newest_;  ///< by bench
+  bool is_new_ = false;
+  WatchChoice choice_;
+  bool is_other_choice_ = false;
+  TerminalSize shown_size_;
+  std::chrono::steady_clock::time_point due_;
+};
+
+}  // namespace vdrive::tool

@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scenarios/scenario_run.hpp"
+
+#include "base/usage_error.hpp"
+#include "output/live_view.hpp"
+#include "vdrive/text.hpp"
+#include "vdrive/wording.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <utility>
+
+namespace vdrive::tool {
+namespace {
+
+using client::Outcome;
+using Clock = std::chrono::steady_clock;
+
+/// One run: what it needs, and what it has found out so far.
+class ScenarioRun {
+ public:
+  ScenarioRun(const Scenario& scenario, const RunOptions& options, client::Session& session,
+              Terminal& terminal)
+      : scenario_(scenario),
+        options_(options),
+        session_(session),
+        terminal_(terminal),
+        executor_(session, terminal, options.is_json, true) {}
+
+  /// A name or a bench that is wrong is found before anything moves.
+  Outcome find_axes() {
+    for (const ScenarioLine& line : scenario_.lines) {
+      if (const auto number = bench_of(line.command)) {
+        const auto bench = session_.find_bench(number);
+        if (!bench) return Outcome::not_found(place_of(line) + ": " + bench.outcome().message());
+      }
+      const auto found = executor_.axes(axes_of(line.command));
+      if (!found) return Outcome::not_found(place_of(line) + ": " + found.outcome().message());
+      for (const client::Axis& axis : *found) {
+        if (std::ranges::find(axes_, axis.id()) == axes_.end()) axes_.push_back(axis.id());
+      }
+      check_units(line);
+    }
+    return {};
+  }
+
+  /// @return the first failure of the lines above `finally`, else of those below.
+  Outcome run() {
+    start_live_view();
+    Outcome outcome;
+    for (const ScenarioLine& line : scenario_.lines) {
+      if (line.is_final) continue;
+      if (outcome) {
+        outcome = run_line(line);
+      } else {
+        cases_.push_back({.name = name_of(line), .is_skipped = true});
+      }
+    }
+    was_interrupted_ = session_.is_interrupted();
+    Outcome final_outcome = run_final_lines();
+    if (outcome) {
+      outcome = std::move(final_outcome);
+    } else if (!final_outcome) {
+      terminal_.complain("vdrive: " + final_outcome.message());
+    }
+    live_view_.reset();
+    if (!outcome) put_back();
+    report(outcome);
+    return outcome;
+  }
+
+  /// @return whether run() was interrupted.
+  [[nodiscard]] bool was_interrupted() const noexcept { return was_interrupted_; }
+
+  [[nodiscard]] JunitSuite suite() && { return {scenario_.file, std::move(cases_)}; }
+
+ private:
+  [[nodiscard]] std::string place_of(const ScenarioLine& line) const {
+    return escaped(scenario_.file, kShownOfMessage) + ":" + std::to_string(line.number);
+  }
+
+  static std::string name_of(const ScenarioLine& line) {
+    return "line " + std::to_string(line.number) + ": " + line.text;
+  }
+
+  /// Each of them is tried, also after an interrupt: they put things in order.
+  Outcome run_final_lines() {
+    Outcome outcome;
+    for (const ScenarioLine& line : scenario_.lines) {
+      if (!line.is_final) continue;
+      session_.end_interrupt();
+      Outcome done = run_line(line);
+      if (!done && outcome) {
+        outcome = std::move(done);
+      } else if (!done) {
+        terminal_.complain("vdrive: " + done.message());
+      }
+    }
+    return outcome;
+  }
+
+  /// @throws UsageError with file and line.
+  void check_units(const ScenarioLine& line) {
+    try {
+      static_cast<void>(executor_.check(line.command));  // its axes have been found
+    } catch (const UsageError& error) {
+      throw UsageError(place_of(line) + ": " + error.what());
+    }
+  }
+
+  void start_live_view() {
+    const bool wanted = options_.is_live || terminal_.is_interactive();
+    if (!wanted || options_.is_json || axes_.empty()) return;
+    const auto is_elsewhere = [&](const client::AxisId& id) {
+      return id.bench != axes_.front().bench;
+    };
+    std::vector<client::AxisId> shown = axes_;
+    std::erase_if(shown, is_elsewhere);
+    live_view_ = std::make_unique<LiveView>(session_, terminal_, std::move(shown));
+    executor_.on_aim([this](const client::AxisId& axis, std::int64_t target) {
+      if (live_view_) live_view_->aim(axis, target);
+    });
+  }
+
+  Outcome run_line(const ScenarioLine& line) {
+    announce(line);
+    const auto start = Clock::now();
+    Outcome outcome =
+        executor_.execute(line.command, line.timeout ? line.timeout : options_.timeout);
+    JunitCase& test = cases_.emplace_back();
+    test.name = name_of(line);
+    test.duration = Clock::now() - start;
+    if (!outcome) test.failure = outcome.message();
+    if (options_.is_json) print_json(line, outcome, test.duration);
+    if (outcome) return outcome;
+    return Outcome::failed(place_of(line) + ": " + escaped(line.text, kShownOfMessage) + ": " +
+                           outcome.message());
+  }
+
+  /// The next scenario finds the bench without the faults of this one.
+  void put_back() {
+    for (const std::string& done : executor_.put_back()) {
+      terminal_.complain("vdrive: restored: " + done);
+    }
+  }
+
+  void announce(const ScenarioLine& line) {
+    if (options_.is_json) return;
+    std::string number = std::to_string(line.number);
+    number.insert(0, 4 - std::min<std::size_t>(number.size(), 4), ' ');
+    terminal_.print(colored(terminal_, Color::cyan, number) + "  " +
+                    escaped(line.text, kShownOfMessage));
+  }
+
+  void print_json(const ScenarioLine& line, const Outcome& outcome, Clock::duration duration) {
+    Json json{{"file", scenario_.file}, {"line", line.number}, {"command", line.text}};
+    add_outcome(json, outcome);
+    if (executor_.found()) json.update(*executor_.found());
+    json["seconds"] = std::chrono::duration<double>(duration).count();
+    terminal_.print(to_line(json));
+  }
+
+  void report(const Outcome& outcome) {
+    if (options_.is_json) {
+      terminal_.print(to_line({{"file", scenario_.file},
+                               {"passed", static_cast<bool>(outcome)},
+                               {"lines", scenario_.lines.size()}}));
+    } else if (outcome) {
+      terminal_.print(colored(terminal_, Color::green, "passed") + "  " + scenario_.file + ", " +
+                      counted(scenario_.lines.size(), "line", "lines"));
+    }
+  }
+
+  const Scenario& scenario_;
+  const RunOptions& options_;
+  client::Session& session_;
+  Terminal& terminal_;
+  Executor executor_;
+  std::vector<client::AxisId> axes_;
+  std::unique_ptr<LiveView> live_view_;
+  std::vector<JunitCase> cases_;
+  bool was_interrupted_ = false;
+};
+
+/// @return the suites of a report in which nothing was judged, because of the axes of one file.
+std::vector<JunitSuite> suites_without_axes(const std::vector<Scenario>& scenarios,
+                                            const Scenario& failed, const Outcome& outcome) {
+  std::vector<JunitSuite> suites;
+  suites.reserve(scenarios.size());
+  for (const Scenario& scenario : scenarios) {
+    JunitCase test{.name = "axes"};
+    if (&scenario == &failed) {
+      test.error = outcome.message();
+    } else {
+      test.is_skipped = true;
+    }
+    suites.push_back({scenario.file, {std::move(test)}});
+  }
+  return suites;
+}
+
+/// Several scenarios of one session.
+class ScenarioRuns {
+ public:
+  ScenarioRuns(const std::vector<Scenario>& scenarios, const RunOptions& options,
+               client::Session& session, Terminal& terminal)
+      : scenarios_(scenarios), session_(session), terminal_(terminal), is_json_(options.is_json) {
+    runs_.reserve(scenarios.size());
+    for (const Scenario& scenario : scenarios) {
+      runs_.push_back(std::make_unique<ScenarioRun>(scenario, options, session, terminal));
+    }
+  }
+
+  /// @return not_found, with suites() that report it.
+  Outcome find_axes() {
+    for (std::size_t i = 0; i < runs_.size(); ++i) {
+      Outcome found = runs_[i]->find_axes();
+      if (found) continue;
+      suites_ = suites_without_axes(scenarios_, scenarios_[i], found);
+      return found;
+    }
+    return {};
+  }
+
+  Outcome run() {
+    if (runs_.size() == 1) return run_one(0);
+    std::size_t passed = 0;
+    for (std::size_t i = 0; i < runs_.size() && terminal_.is_open(); ++i) {
+      Outcome outcome = run_one(i);
+      if (was_interrupted_) return outcome;
+      if (outcome) ++passed;
+      if (!outcome) terminal_.complain("vdrive: " + outcome.message());
+    }
+    return report(passed);
+  }
+
+  [[nodiscard]] const std::vector<JunitSuite>& suites() const { return suites_; }
+
+ private:
+  Outcome run_one(std::size_t place) {
+    Outcome outcome = runs_[place]->run();
+    was_interrupted_ = runs_[place]->was_interrupted();
+    suites_.push_back(std::move(*runs_[place]).suite());
+    // The next file is a master of its own.
+    if (Outcome released = session_.release(); !released && outcome) return released;
+    return outcome;
+  }
+
+  Outcome report(std::size_t passed) {
+    const std::string text =
+        std::to_string(passed) + " of " + counted(runs_.size(), "file", "files") + " passed";
+    if (is_json_) {
+      terminal_.print(to_line({{"files", runs_.size()}, {"passed", passed}}));
+    } else if (passed == runs_.size()) {
+      terminal_.print(text);
+    }
+    return passed == runs_.size() ? Outcome() : Outcome::failed(text);
+  }
+
+  const std::vector<Scenario>& scenarios_;
+  client::Session& session_;
+  Terminal& terminal_;
+  const bool is_json_;
+  bool was_interrupted_ = false;
+  std::vector<std::unique_ptr<ScenarioRun>> runs_;
+  std::vector<JunitSuite> suites_;
+};
+
+}  // namespace
+
+Outcome run_scenarios(const std::vector<Scenario>& scenarios, const RunOptions& options,
+                      JunitReport& junit, client::Session& session, Terminal& terminal) {
+  ScenarioRuns runs(scenarios, options, session, terminal);
+  Outcome outcome = runs.find_axes();
+  if (outcome) outcome = runs.run();
+  const auto unwritten = junit.write(runs.suites());
+  return outcome && unwritten ? Outcome::failed(*unwritten) : outcome;
+}
+
+}  // namespace vdrive::tool

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "terminal/interrupt.hpp"
+
+#include <unistd.h>
+
+#include <utility>
+
+namespace vdrive::tool {
+namespace {
+
+constexpr int kInterrupted = 130;
+
+}  // namespace
+
+Interrupt::Interrupt() {
+  sigemptyset(&signals_);
+  sigaddset(&signals_, SIGINT);
+  sigaddset(&signals_, SIGTERM);
+  sigaddset(&signals_, SIGUSR1);  // ends our own wait
+  pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
+  (void)std::signal(SIGPIPE, SIG_IGN);
+  thread_ = std::jthread([this](const std::stop_token& stop) {
+    wait(stop);
+  });
+}
+
+Interrupt::~Interrupt() {
+  thread_.request_stop();
+  pthread_kill(thread_.native_handle(), SIGUSR1);
+  thread_.join();
+}
+
+void Interrupt::arm(std::function<void()> action) {
+  const std::scoped_lock lock(mutex_);
+  action_ = std::move(action);
+  if (happened_ && action_) action_();
+}
+
+void Interrupt::before_exit(std::function<void()> action) {
+  const std::scoped_lock lock(mutex_);
+  last_action_ = std::move(action);
+}
+
+void Interrupt::disarm() {
+  const std::scoped_lock lock(mutex_);
+  action_ = nullptr;
+}
+
+void Interrupt::wait(const std::stop_token& stop) {
+  int signal = 0;
+  while (sigwait(&signals_, &signal) == 0 && !stop.stop_requested()) {
+    if (signal == SIGUSR1) continue;
+    const std::scoped_lock lock(mutex_);
+    if (signal == SIGTERM) is_termination_ = true;
+    if (happened_.exchange(true)) {
+      if (last_action_) last_action_();
+      _exit(kInterrupted);
+    }
+    if (action_) action_();
+  }
+}
+
+}  // namespace vdrive::tool

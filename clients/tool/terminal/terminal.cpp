@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "terminal/terminal.hpp"
+
+#include "terminal/columns.hpp"
+
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <utility>
+
+namespace vdrive::tool {
+namespace {
+
+constexpr std::string_view kEnterScreen = "\x1b[?1049h\x1b[?25l";  // and hide the cursor
+constexpr std::string_view kLeaveScreen = "\x1b[?25h\x1b[?1049l";
+constexpr std::string_view kHome = "\x1b[H";
+constexpr std::string_view kEraseRight = "\x1b[K";
+constexpr std::string_view kEraseBelow = "\x1b[J";
+constexpr std::string_view kEraseRowAbove = "\x1b[1A\x1b[2K";
+
+/// Read once, at the start, before there are threads.
+std::string_view environment(const char* name) {
+  const char* const value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe)
+  return value == nullptr ? std::string_view() : value;
+}
+
+bool can_refresh() {
+  const std::string_view kind = environment("TERM");
+  return isatty(STDOUT_FILENO) == 1 && !kind.empty() && kind != "dumb";
+}
+
+void put(std::FILE* stream, std::string_view text) {
+  // A failure shows in the stream's state, which is_open() shows.
+  (void)std::fwrite(text.data(), 1, text.size(), stream);
+}
+
+std::string in_color(Color color, std::string_view text) {
+  return "\x1b[" + std::to_string(static_cast<int>(color)) + "m" + std::string(text) + "\x1b[0m";
+}
+
+/// A row that fills its last column leaves the cursor where terminals differ.
+std::size_t usable_width(const TerminalSize& size) {
+  return size.columns - 1;
+}
+
+/// At most `rows` lines.
+std::vector<LiveLine> fitting(const std::vector<LiveLine>& lines, std::size_t rows) {
+  if (lines.size() <= rows) return lines;
+  const std::size_t shown = std::max<std::size_t>(rows, 1) - 1;
+  std::vector<LiveLine> some(lines.begin(), lines.begin() + static_cast<std::ptrdiff_t>(shown));
+  some.push_back({"... " + std::to_string(lines.size() - shown) + " more rows", std::nullopt});
+  return some;
+}
+
+}  // namespace
+
+Terminal::Terminal()
+    : is_interactive_(can_refresh()),
+      has_color_(is_interactive_ && environment("NO_COLOR").empty()) {}
+
+Terminal::~Terminal() {
+  leave_screen();
+}
+
+void Terminal::print(std::string_view line) {
+  const std::scoped_lock lock(mutex_);
+  leave_screen();
+  erase_live();
+  put(stdout, line);
+  put(stdout, "\n");
+  draw_live();
+  is_open_ = std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && is_open_;
+}
+
+void Terminal::complain(std::string_view line) {
+  const std::scoped_lock lock(mutex_);
+  leave_screen();
+  erase_live();
+  (void)std::fflush(stdout);
+  put(stderr, line);
+  put(stderr, "\n");
+  (void)std::fflush(stderr);
+  draw_live();
+}
+
+void Terminal::show_live(std::vector<LiveLine> lines) {
+  if (!is_interactive_) return;
+  const std::scoped_lock lock(mutex_);
+  erase_live();
+  live_ = std::move(lines);
+  draw_live();
+  is_open_ = std::fflush(stdout) == 0 && is_open_;
+}
+
+void Terminal::show_screen(std::vector<LiveLine> lines) {
+  if (!is_interactive_) return;
+  const std::scoped_lock lock(mutex_);
+  const TerminalSize size = terminal_size();
+  screen_ = std::move(lines);
+  std::string frame(is_on_screen_.exchange(true) ? std::string_view() : kEnterScreen);
+  frame += kHome;
+  std::string_view line_end;
+  for (const LiveLine& line : fitting(screen_, size.rows)) {
+    frame.append(line_end).append(row_of(line, usable_width(size))).append(kEraseRight);
+    line_end = "\r\n";
+  }
+  put(stdout, frame.append(kEraseBelow));
+  is_open_ = std::fflush(stdout) == 0 && is_open_;
+}
+
+void Terminal::end_live() {
+  const std::scoped_lock lock(mutex_);
+  live_.clear();
+  live_rows_ = 0;
+  leave_screen();
+  const std::size_t width = usable_width(terminal_size());
+  for (const LiveLine& line : std::exchange(screen_, {})) put(stdout, row_of(line, width) + "\n");
+  (void)std::fflush(stdout);
+}
+
+bool Terminal::is_open() const {
+  const std::scoped_lock lock(mutex_);
+  return is_open_;
+}
+
+/// The number of rows was right at the size of then. Where a narrower terminal has wrapped them
+/// since, some rows stay: better than to erase lines that are not ours.
+void Terminal::erase_live() {
+  for (; live_rows_ > 0; --live_rows_) put(stdout, kEraseRowAbove);
+}
+
+void Terminal::draw_live() {
+  const TerminalSize size = terminal_size();
+  // The cursor stands below the block.
+  const std::vector<LiveLine> lines = fitting(live_, std::max<std::size_t>(size.rows, 2) - 1);
+  for (const LiveLine& line : lines) put(stdout, row_of(line, usable_width(size)) + "\n");
+  live_rows_ = lines.size();
+}
+
+void Terminal::leave_screen() {
+  if (!is_on_screen_.exchange(false)) return;
+  put(stdout, kLeaveScreen);
+  (void)std::fflush(stdout);
+}
+
+void Terminal::leave_screen_at_once() noexcept {
+  if (!is_on_screen_.exchange(false)) return;
+  // Nothing is left to be done when it fails.
+  [[maybe_unused]] const ssize_t written =
+      write(STDOUT_FILENO, kLeaveScreen.data(), kLeaveScreen.size());
+}
+
+std::string Terminal::row_of(const LiveLine& line, std::size_t width) const {
+  std::string row = clipped(line.text, width);
+  return line.color && has_color_ ? in_color(*line.color, row) : row;
+}
+
+TerminalSize terminal_size() {
+  winsize size{};
+  // The only interface there is takes variable arguments.
+  const bool known = ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0;  // NOLINT(*-vararg)
+  TerminalSize room;
+  if (known && size.ws_col > 1) room.columns = size.ws_col;
+  if (known && size.ws_row > 0) room.rows = size.ws_row;
+  return room;
+}
+
+std::string colored(const Terminal& terminal, Color color, std::string_view text) {
+  return terminal.has_color() ? in_color(color, text) : std::string(text);
+}
+
+}  // namespace vdrive::tool
