@@ -150,15 +150,15 @@ constexpr std::array kDriveLayers{
     LayerRow{"tick", 8},           LayerRow{"objects", 9},
 };
 
-/// A room of service/src, and the rooms that it may include beside itself. A new room is a new row.
-struct ServiceRoomRow {
+/// A room of a folder, and the rooms that it may include beside itself. A new room is a new row.
+struct FolderRoomRow {
   std::string_view room;
   std::vector<std::string_view> may_include;
   std::string_view reason;
 };
 
-const std::vector<ServiceRoomRow>& service_rooms() {
-  static const std::vector<ServiceRoomRow> rows{
+const std::vector<FolderRoomRow>& service_rooms() {
+  static const std::vector<FolderRoomRow> rows{
       {"base", {}, "base/ is below every room"},
       {"settings", {}, "settings/ reads YAML and knows no bench"},
       {"configuration", {"base", "settings"}, "configuration/ is data"},
@@ -178,6 +178,33 @@ const std::vector<ServiceRoomRow>& service_rooms() {
        {"base", "settings", "configuration", "seam", "store", "journal", "engine", "publish",
         "clock", "wire", "supervision"},
        "program/ puts all together"},
+  };
+  return rows;
+}
+
+/// "" are the files beside the rooms: main, the table of commands, and what starts one.
+const std::vector<FolderRoomRow>& tool_rooms() {
+  static const std::vector<FolderRoomRow> rows{
+      {"base", {}, "base/ is below every room"},
+      {"terminal", {}, "terminal/ knows keys and lines only"},
+      {"values", {"base"}, "values/ is what a person types, without commands"},
+      {"language", {"base", "values"}, "language/ reads commands and carries none out"},
+      {"output", {"base", "terminal", "values"}, "output/ shows what it is given"},
+      {"diagnosis",
+       {"base", "terminal", "values", "language", "output"},
+       "diagnosis/ checks and measures this machine; it knows no command"},
+      {"execution",
+       {"base", "terminal", "values", "language", "output"},
+       "execution/ is what commands share; it knows none of them"},
+      {"scenarios",
+       {"base", "terminal", "values", "language", "output", "execution"},
+       "scenarios/ carries out the commands of a table that it is given"},
+      {"commands",
+       {"base", "terminal", "values", "language", "output", "diagnosis", "execution", "scenarios"},
+       "a command does not know the program"},
+      {"",
+       {"base", "terminal", "values", "language", "execution"},
+       "the program starts a command by its row"},
   };
   return rows;
 }
@@ -325,12 +352,11 @@ std::optional<std::string_view> refuse_service_room(std::string_view path, const
   constexpr std::string_view kFolder = "service/src/";
   if (!path.starts_with(kFolder)) return std::nullopt;
   path.remove_prefix(kFolder.size());
-  const auto row = std::ranges::find(service_rooms(), first_folder(path), &ServiceRoomRow::room);
+  const auto row = std::ranges::find(service_rooms(), first_folder(path), &FolderRoomRow::room);
   if (row == service_rooms().end()) return "service/src has a file without a room";
   if (!include.quoted || origin_of(include) != Origin::beside) return std::nullopt;
   const std::string_view included = first_folder(include.name);
-  if (std::ranges::find(service_rooms(), included, &ServiceRoomRow::room) ==
-      service_rooms().end()) {
+  if (std::ranges::find(service_rooms(), included, &FolderRoomRow::room) == service_rooms().end()) {
     return "a file of service/src includes another one by its room";
   }
   if (included != row->room && std::ranges::count(row->may_include, included) == 0) {
@@ -338,6 +364,32 @@ std::optional<std::string_view> refuse_service_room(std::string_view path, const
   }
   if (include.name == "engine/bench_engine.hpp" && std::ranges::count(kKnowTheEngine, path) == 0) {
     return "only its drivers and the program know the whole engine";
+  }
+  return std::nullopt;
+}
+
+/// The rooms of the tool. Headers without a folder are those of other libraries, or beside main.
+std::optional<std::string_view> refuse_tool_room(std::string_view path, const Include& include) {
+  constexpr std::string_view kFolder = "clients/tool/";
+  if (!path.starts_with(kFolder)) return std::nullopt;
+  path.remove_prefix(kFolder.size());
+  const bool has_room = path.find('/') != std::string_view::npos;
+  const auto row =
+      std::ranges::find(tool_rooms(), has_room ? first_folder(path) : "", &FolderRoomRow::room);
+  if (row == tool_rooms().end()) return "clients/tool has a file without a room";
+  const std::string_view name = include.name;
+  if (name == "command_table.hpp" && has_room)
+    return "only the program knows the table of commands";
+  const std::string_view included = first_folder(name);
+  const bool is_of_tool =
+      included != name &&
+      std::ranges::find(tool_rooms(), included, &FolderRoomRow::room) != tool_rooms().end();
+  if (!include.quoted || !is_of_tool) return std::nullopt;
+  if (included == "commands" && without_extension(name) != without_extension(path)) {
+    return "the table of commands has a row of each; nothing includes one";
+  }
+  if (included != row->room && std::ranges::count(row->may_include, included) == 0) {
+    return row->reason;
   }
   return std::nullopt;
 }
@@ -363,6 +415,7 @@ Violations check_source(std::string_view path, std::string_view text) {
       auto reason = refuse_include(path, *room, *include);
       if (!reason) reason = refuse_layer(path, *include);
       if (!reason) reason = refuse_service_room(path, *include);
+      if (!reason) reason = refuse_tool_room(path, *include);
       if (reason) violations.push_back(violation(path, i + 1, include->name, *reason));
     } else if (const auto reason = refuse_code(path, code_of(lines[i]))) {
       violations.push_back(violation(path, i + 1, lines[i], *reason));

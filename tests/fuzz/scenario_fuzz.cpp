@@ -3,6 +3,7 @@
 // Any text is either a scenario, each line of which means the same on its own, or refused with the
 // line's number.
 #include "base/usage_error.hpp"
+#include "command_table.hpp"
 #include "fuzz/support/bytes.hpp"
 #include "language/scenario.hpp"
 
@@ -17,12 +18,13 @@ using vdrive::test::demand;
 
 void check_alone(const ScenarioLine& line) {
   std::istringstream text(line.text);
-  const Scenario alone = parse_scenario(text, "line.scn");
+  const Scenario alone = parse_scenario(commands(), text, "line.scn");
   demand(alone.lines.size() == 1, "the text of a line is one line");
   demand(alone.lines[0].text == line.text, "and keeps its words");
-  demand(alone.lines[0].command.index() == line.command.index(), "and its meaning");
+  demand(alone.lines[0].command.row == line.command.row, "and its meaning");
+  demand(alone.lines[0].command.refusal == line.command.refusal, "and the refusal that it expects");
   demand(alone.lines[0].timeout == line.timeout, "and its time-out");
-  demand(axes_of(alone.lines[0].command) == axes_of(line.command), "and its axes");
+  demand(alone.lines[0].command.axes == line.command.axes, "and its axes");
 }
 
 }  // namespace
@@ -31,7 +33,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::istringstream text(std::string(data, data + size));
   Scenario scenario;
   try {
-    scenario = parse_scenario(text, "fuzz.scn");
+    scenario = parse_scenario(commands(), text, "fuzz.scn");
   } catch (const UsageError& error) {
     demand(std::string(error.what()).starts_with("fuzz.scn:"), "a refusal names file and line");
     return 0;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The completions of a word of a command line.
 #include "base/usage_error.hpp"
-#include "language/grammar.hpp"
+#include "command_table.hpp"
+#include "language/command_line.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -33,7 +34,7 @@ BenchNames some_names() {
 }
 
 Words offers(const Words& words) {
-  return complete_words(words, some_names());
+  return complete_words(commands(), words, some_names());
 }
 
 TEST(Completion, OffersTheCommands) {
@@ -80,7 +81,7 @@ TEST(Completion, LeavesFilesToTheShell) {
 }
 
 TEST(Completion, OffersEveryCommandOfTheHelp) {
-  std::istringstream help(parse_command_line({"--help"}).text);
+  std::istringstream help(parse_command_line(commands(), {"--help"}).text);
   std::string line;
   while (std::getline(help, line) && line != "Subcommands:") {
   }
@@ -97,13 +98,15 @@ TEST(Completion, OffersEveryCommandOfTheHelp) {
 }
 
 TEST(Completion, OfAShellLineOffersTheCommandsOfTheShell) {
-  EXPECT_THAT(complete_line("enable 1.1", some_names()), ElementsAre("1.1"));
-  EXPECT_THAT(complete_line("enable ", some_names()), Contains("x"));
-  EXPECT_THAT(complete_line("", some_names()), AllOf(Contains("events"), Not(Contains("shell"))));
+  EXPECT_THAT(complete_line(commands(), "enable 1.1", some_names()), ElementsAre("1.1"));
+  EXPECT_THAT(complete_line(commands(), "enable ", some_names()), Contains("x"));
+  EXPECT_THAT(complete_line(commands(), "", some_names()),
+              AllOf(Contains("events"), Not(Contains("shell"))));
 }
 
 TEST(Completion, IsRefusedForAnUnknownShell) {
-  EXPECT_THROW(static_cast<void>(parse_command_line({"completion", "tcsh"})), UsageError);
+  EXPECT_THROW(static_cast<void>(parse_command_line(commands(), {"completion", "tcsh"})),
+               UsageError);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the set-point model prints of a failing sequence is a scenario of the tool, line by line.
+#include "command_table.hpp"
 #include "core/support/set_point_model.hpp"
 #include "core/support/set_point_sequences.hpp"
 #include "language/scenario.hpp"
@@ -27,7 +28,7 @@ TEST(PrintedScenario, IsAcceptedByTheParserOfVdriveRun) {
     ASSERT_EQ(run.difference, "");
     std::istringstream text(test::scenario_of(steps, run.ticks));
     Scenario scenario;
-    ASSERT_NO_THROW(scenario = parse_scenario(text, "printed.scn")) << text.str();
+    ASSERT_NO_THROW(scenario = parse_scenario(commands(), text, "printed.scn")) << text.str();
 
     std::size_t writes = 0;
     for (const ScenarioLine& line : scenario.lines) {

@@ -2,6 +2,7 @@
 // The output of the tool: JSON fields of docs/reference/json.md, text, the dictionary.
 #include "output/report.hpp"
 
+#include "commands/dictionary.hpp"
 #include "output/live_view.hpp"
 
 #include <gmock/gmock.h>

@@ -3,6 +3,8 @@
 #include "language/scenario.hpp"
 
 #include "base/usage_error.hpp"
+#include "command_table.hpp"
+#include "commands/expect.hpp"
 #include "language/scenario_limits.hpp"
 #include "output/junit.hpp"
 
@@ -23,7 +25,7 @@ using testing::ThrowsMessage;
 
 Scenario scenario_of(const std::string& text) {
   std::istringstream input(text);
-  return parse_scenario(input, "test.scn");
+  return parse_scenario(commands(), input, "test.scn");
 }
 
 TEST(ScenarioLine, IsSplitAtBlanks) {
@@ -139,7 +141,8 @@ TEST(ScenarioFile, NamesAComparisonThatIsNeverTrue) {
 
 bool holds(const std::string& comparison, std::int64_t actual) {
   const Scenario scenario = scenario_of("expect 1.1 position " + comparison + "\n");
-  return std::get<ExpectCommand>(scenario.lines.front().command).accepts(actual);
+  return std::any_cast<ExpectCommand>(scenario.lines.front().command.arguments)
+      .expectation.accepts(actual);
 }
 
 TEST(ScenarioFile, ComparesByItsOperator) {
@@ -180,7 +183,7 @@ TEST(ScenarioVariable, OfTheCommandLineTakesPrecedence) {
       "move ${axis} ${target} ${ramps}\n"
       "wait ${time}ms\n");
   const Scenario scenario =
-      parse_scenario(input, "test.scn", settings_of({"axis=1.2", "time = 20"}));
+      parse_scenario(commands(), input, "test.scn", settings_of({"axis=1.2", "time = 20"}));
   EXPECT_THAT(texts_of(scenario),
               ElementsAre("move 1.2 100 --velocity 500 --acceleration 100", "wait 20ms"));
   EXPECT_THAT(scenario.variables, ElementsAre("axis", "ramps", "target", "time", "zeros"));

@@ -3,7 +3,7 @@
 
 #include "diagnosis/host_readings.hpp"
 #include "diagnosis/ros_readings.hpp"
-#include "language/grammar.hpp"
+#include "language/global_options.hpp"
 #include "terminal/terminal.hpp"
 #include "vdrive/client/bench.hpp"
 #include "vdrive/client/outcome.hpp"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "diagnosis/measurement.hpp"
 
-#include "base/service_program.hpp"
 #include "private_bench.hpp"
 #include "terminal/columns.hpp"
 #include "vdrive/client/axis.hpp"
@@ -416,17 +415,16 @@ std::vector<std::string> measurement_lines(const Measurement& measurement) {
   return lines;
 }
 
-ExitCode run_measurement(const BenchCommand& command, bool is_json, Interrupt& interrupt,
+ExitCode run_measurement(const MeasurementOptions& options, Interrupt& interrupt,
                          Terminal& terminal) {
   try {
-    Measuring measuring(find_service(command.service), command.is_quick ? kQuick : kWhole,
-                        interrupt);
+    Measuring measuring(options.service, options.is_quick ? kQuick : kWhole, interrupt);
     const Measurement measurement =
         measuring.run([&](std::string_view part, std::chrono::milliseconds duration) {
           terminal.complain("vdrive bench: " + std::string(part) + ", " +
                             rounded(std::chrono::duration<double>(duration).count()) + " s");
         });
-    if (is_json) {
+    if (options.is_json) {
       terminal.print(to_line(measurement_json(measurement)));
     } else {
       for (const std::string& line : measurement_lines(measurement)) terminal.print(line);

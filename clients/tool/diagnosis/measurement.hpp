@@ -2,7 +2,6 @@
 #pragma once
 
 #include "base/exit_code.hpp"
-#include "language/command.hpp"
 #include "output/report.hpp"
 #include "terminal/interrupt.hpp"
 #include "terminal/terminal.hpp"
@@ -73,8 +72,14 @@ struct Measurement {
 /// As a table.
 [[nodiscard]] std::vector<std::string> measurement_lines(const Measurement& measurement);
 
+struct MeasurementOptions {
+  std::string service;    ///< the program vdrived
+  bool is_quick = false;  ///< short parts, at most 1,024 axes
+  bool is_json = false;
+};
+
 /// `vdrive bench`: measures this machine, on benches of its own that end with it.
-ExitCode run_measurement(const BenchCommand& command, bool is_json, Interrupt& interrupt,
+ExitCode run_measurement(const MeasurementOptions& options, Interrupt& interrupt,
                          Terminal& terminal);
 
 }  // namespace vdrive::tool

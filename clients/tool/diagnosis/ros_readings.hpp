@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "language/grammar.hpp"
+#include "language/global_options.hpp"
 
 #include <cstdint>
 #include <string>

@@ -75,18 +75,18 @@ struct Recorder::Track {
   std::optional<Clock::time_point> silent_since;  ///< none while the bench sends
 };
 
-Recorder::Recorder(client::Session& session, Terminal& terminal, const RecordCommand& command)
-    : session_(session), terminal_(terminal), command_(command) {}
+Recorder::Recorder(client::Session& session, Terminal& terminal, const RecordingChoice& choice)
+    : session_(session), terminal_(terminal), choice_(choice) {}
 
 std::unique_ptr<recording::Writer> Recorder::open() {
-  if (command_.file != "-") return recording::open_recording(command_.file, VDRIVE_VERSION);
+  if (choice_.file != "-") return recording::open_recording(choice_.file, VDRIVE_VERSION);
   return std::make_unique<recording::TextRecording>(
       recording::LineSink{.put =
                               [this](std::string_view line) {
                                 terminal_.print(line);
                               },
                           .flush = [] {}},
-      command_.format);
+      choice_.format);
 }
 
 Outcome Recorder::record(const std::vector<ObservedBench>& benches) {
@@ -95,7 +95,7 @@ Outcome Recorder::record(const std::vector<ObservedBench>& benches) {
     // In front of the stream: a thousand axes take a while, and the stream keeps no more than that.
     client::Result<std::vector<bridge::ParameterImage>> images =
         std::vector<bridge::ParameterImage>{};
-    if (command_.format == recording::Format::mcap) images = read_parameters(benches);
+    if (choice_.format == recording::Format::mcap) images = read_parameters(benches);
     if (!images) return images.outcome();
     auto tracks = open_tracks(benches);
     if (!tracks) return tracks.outcome();
@@ -139,7 +139,7 @@ client::Result<std::vector<Recorder::Track>> Recorder::open_tracks(
     if (!follower) return follower.outcome();
     Track track{bench.info.number, std::move(*follower),
                 benches.size() == 1 ? kPatienceOfOne : kPatienceOfMany};
-    if (command_.duration) track.ticks = client::ticks_of(*command_.duration, bench.info.period);
+    if (choice_.duration) track.ticks = client::ticks_of(*choice_.duration, bench.info.period);
     tracks.push_back(std::move(track));
   }
   return tracks;
@@ -150,7 +150,7 @@ Outcome Recorder::record_into(std::unique_ptr<recording::Writer> writer,
                               const std::vector<ObservedBench>& benches,
                               std::vector<Track>& tracks) {
   queue_ = std::make_unique<recording::RecordingQueue>(std::move(writer));
-  if (command_.format == recording::Format::mcap) watch_events(benches);
+  if (choice_.format == recording::Format::mcap) watch_events(benches);
   watch_services();
   Outcome outcome = follow(tracks);
   session_.watch_services(nullptr);
@@ -238,13 +238,13 @@ Outcome Recorder::wait_for(Track& track) {
       return Outcome::lost("the recording ends: " + ended->second);
     }
   }
-  const auto seconds = to_text(std::chrono::duration<double>(command_.lost_after).count()) + " s";
+  const auto seconds = to_text(std::chrono::duration<double>(choice_.lost_after).count()) + " s";
   const Clock::time_point now = Clock::now();
   if (!track.silent_since) {
     track.silent_since = now;
     terminal_.complain("vdrive: " + bench + " sends nothing: waiting " + seconds + " for it");
   }
-  if (now - *track.silent_since < command_.lost_after) return {};
+  if (now - *track.silent_since < choice_.lost_after) return {};
   return Outcome::lost("the recording ends: " + bench + " has sent nothing for " + seconds);
 }
 
@@ -258,7 +258,7 @@ void Recorder::take(Track& track, client::Observation&& sample) {
   }
   queue_->push(std::move(sample));
   ++track.samples;
-  track.has_ended = track.samples == command_.count;
+  track.has_ended = track.samples == choice_.count;
 }
 
 }  // namespace vdrive::tool

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "language/command.hpp"
+#include "format.hpp"
 #include "messages.hpp"
 #include "recording.hpp"
 #include "recording_queue.hpp"
 #include "terminal/terminal.hpp"
+#include "values/value.hpp"
 #include "vdrive/client/axis.hpp"
 #include "vdrive/client/session.hpp"
 
+#include <chrono>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -18,6 +20,15 @@
 #include <vector>
 
 namespace vdrive::tool {
+
+/// What is recorded, and for how long.
+struct RecordingChoice {
+  std::string file{};  ///< - = standard output
+  recording::Format format = recording::Format::csv;
+  std::optional<Duration> duration{};             ///< drive time; none = until interrupted
+  std::uint64_t count = 0;                        ///< samples of each bench; 0 = until interrupted
+  Duration lost_after = std::chrono::minutes(1);  ///< wall time without a sample that ends it
+};
 
 /// Axes of one bench whose status stream is recorded.
 struct ObservedBench {
@@ -30,11 +41,11 @@ struct ObservedBench {
 /// object of the axes as it is at the beginning, and the events of the benches and axes.
 ///
 /// The recorder waits without end for a bench whose time stands still, and up to
-/// RecordCommand::lost_after for one that sends nothing. The end or the restart of a service ends
+/// RecordingChoice::lost_after for one that sends nothing. The end or the restart of a service ends
 /// the recording.
 class Recorder {
  public:
-  Recorder(client::Session& session, Terminal& terminal, const RecordCommand& command);
+  Recorder(client::Session& session, Terminal& terminal, const RecordingChoice& choice);
 
   /// @return failed when the file cannot be written, else how the stream ended; ok when it was
   ///         recorded for as long as requested.
@@ -66,7 +77,7 @@ class Recorder {
 
   client::Session& session_;
   Terminal& terminal_;
-  const RecordCommand& command_;
+  const RecordingChoice& choice_;
   std::mutex ended_mutex_;  ///< guards the two below, which a thread of the session fills
   std::map<std::uint32_t, std::string> ended_;  ///< benches whose run is over, and how
   std::map<std::uint32_t, std::chrono::steady_clock::time_point> silent_since_;

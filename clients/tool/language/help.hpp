@@ -39,34 +39,4 @@ inline constexpr std::string_view kExamples =
 Environment: VDRIVE_DOMAIN and VDRIVE_SECURITY are the defaults of --domain and --security; NO_COLOR switches colours off.
 Exit codes: 0 ok, 1 failed, 2 usage, 3 not found, 4 timed out, 5 refused, 130 interrupted.)";
 
-inline constexpr std::string_view kDisturbanceHelp =
-    "load_torque [mN.m], blocked_load, over_current, over_temperature, encoder_failure, "
-    "dc_link_loss, positive_limit, negative_limit, home_switch, index_pulse, or none: clears all";
-
-inline constexpr std::string_view kScenarioHelp =
-    R"(A scenario has one command per line, without 'vdrive'. # starts a comment.
-Beside the commands of the command line there are:
-  refused CODE COMMAND...    passes if the command is refused with this code
-  let NAME = VALUE           ${NAME} stands for VALUE below; --set gives another value
-  finally                    lines below run last, also after a failure and Ctrl-C
-In lock-step, commands that wait step the clock. The first failure ends the file.
-
-Example:
-  enable 1.1
-  write 1.1 0x607A 10000
-  write 1.1 0x6040 0x3F
-  expect 1.1 0x6041 0x1237 --within 2ms
-  expect 1.1 0x6041 0x1637 --within 11s    # arrived
-  expect 1.1 torque < 500 --throughout 2s
-  refused 0x06010002 write 1.1 0x6041 0    # read-only)";
-
-inline constexpr std::string_view kShellHelp =
-    R"(Commands are those of a scenario, and watch, events, record and run, without 'vdrive'. The session
-keeps the axes that it commands until the shell ends: at 'exit', 'quit', Ctrl-D or the end of the
-input. Tab completes, the arrow keys find earlier lines, Ctrl-C ends the command that runs.
-
-Example:
-  vdrive shell
-  vdrive shell < commands.txt)";
-
 }  // namespace vdrive::tool

@@ -3,8 +3,7 @@
 
 #include "base/blanks.hpp"
 #include "base/usage_error.hpp"
-#include "language/grammar.hpp"
-#include "language/scenario_check.hpp"
+#include "language/command_line.hpp"
 #include "language/scenario_limits.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wording.hpp"
@@ -82,11 +81,17 @@ void refuse_longer(std::string_view line) {
                    " bytes, which is the limit");
 }
 
+/// A refusal that is expected may be that of an object which does not exist.
+void check_objects(const Command& command) {
+  if (command.refusal || command.row->check_objects == nullptr) return;
+  command.row->check_objects(command.arguments);
+}
+
 /// Reads a scenario line by line.
 class ScenarioReader {
  public:
-  ScenarioReader(std::string file, const Variables::Values& settings)
-      : scenario_{std::move(file), {}, {}}, variables_(settings) {}
+  ScenarioReader(CommandTable commands, std::string file, const Variables::Values& settings)
+      : commands_(commands), scenario_{std::move(file), {}, {}}, variables_(settings) {}
 
   /// @param line what is longer than kLongestLine may lack its end
   void take(std::size_t number, std::string_view line) {
@@ -133,7 +138,7 @@ class ScenarioReader {
       begin_final(words);
       return;
     }
-    ScenarioCommand parsed = parse_scenario_command(std::move(words));
+    ScenarioCommand parsed = parse_scenario_command(commands_, std::move(words));
     check_objects(parsed.command);
     scenario_.lines.push_back({.number = number,
                                .text = std::string(trimmed(text)),
@@ -150,6 +155,7 @@ class ScenarioReader {
     is_final_ = true;
   }
 
+  const CommandTable commands_;
   Scenario scenario_;
   Variables variables_;
   std::size_t bytes_ = 0;     ///< of the file, so far
@@ -177,14 +183,14 @@ class LineSource {
   std::vector<char> buffer_;
 };
 
-Scenario load(const std::string& name, const Variables::Values& settings) {
-  if (name == "-") return parse_scenario(std::cin, name_of_scenario(name), settings);
+Scenario load(CommandTable commands, const std::string& name, const Variables::Values& settings) {
+  if (name == "-") return parse_scenario(commands, std::cin, name_of_scenario(name), settings);
   std::ifstream file(name);
   // A directory opens, but has no bytes.
   if (!file || std::filesystem::is_directory(name)) {
     throw UsageError("cannot read " + in_quotes(name));
   }
-  return parse_scenario(file, name, settings);
+  return parse_scenario(commands, file, name, settings);
 }
 
 std::string unused_variable(const std::string& name, const std::vector<Scenario>& scenarios) {
@@ -204,9 +210,9 @@ std::vector<std::string> split_words(std::string_view line) {
   return std::move(splitter).finish();
 }
 
-Scenario parse_scenario(std::istream& input, const std::string& file,
+Scenario parse_scenario(CommandTable commands, std::istream& input, const std::string& file,
                         const Variables::Values& settings) {
-  ScenarioReader reader(file, settings);
+  ScenarioReader reader(commands, file, settings);
   LineSource lines(input);
   std::size_t number = 0;
   while (const auto line = lines.next()) reader.take(++number, *line);
@@ -217,11 +223,11 @@ std::string name_of_scenario(const std::string& file) {
   return file == "-" ? "<stdin>" : file;
 }
 
-std::vector<Scenario> load_scenarios(const std::vector<std::string>& names,
+std::vector<Scenario> load_scenarios(CommandTable commands, const std::vector<std::string>& names,
                                      const Variables::Values& settings) {
   std::vector<Scenario> scenarios;
   scenarios.reserve(names.size());
-  for (const std::string& name : names) scenarios.push_back(load(name, settings));
+  for (const std::string& name : names) scenarios.push_back(load(commands, name, settings));
   for (const auto& [variable, value] : settings) {
     const bool is_used = std::ranges::any_of(scenarios, [&name = variable](const Scenario& one) {
       return one.variables.contains(name);

@@ -35,10 +35,12 @@ struct Scenario {
 [[nodiscard]] std::vector<std::string> split_words(std::string_view line);
 
 /// Reads a whole scenario before anything of it is done.
+/// @param commands those that its lines may be
 /// @param file its name, for messages
 /// @param settings values of variables, from settings_of()
 /// @throws UsageError starting with file:line, also beyond the limits of line and file.
-[[nodiscard]] Scenario parse_scenario(std::istream& input, const std::string& file,
+[[nodiscard]] Scenario parse_scenario(CommandTable commands, std::istream& input,
+                                      const std::string& file,
                                       const Variables::Values& settings = {});
 
 /// @return how a file is called in messages and reports: - is standard input.
@@ -46,7 +48,8 @@ struct Scenario {
 
 /// Reads some scenarios. @param names of files; - is standard input
 /// @throws UsageError also for a file that cannot be read, and for a variable that no file uses.
-[[nodiscard]] std::vector<Scenario> load_scenarios(const std::vector<std::string>& names,
+[[nodiscard]] std::vector<Scenario> load_scenarios(CommandTable commands,
+                                                   const std::vector<std::string>& names,
                                                    const Variables::Values& settings);
 
 }  // namespace vdrive::tool

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "output/report.hpp"
 
-#include "csv_field.hpp"
 #include "terminal/columns.hpp"
 #include "vdrive/cia402/error_code.hpp"
 #include "vdrive/cia402/statusword.hpp"
@@ -14,9 +13,6 @@
 
 namespace vdrive::tool {
 namespace {
-
-/// Objects whose bits matter more than their value.
-constexpr std::array<std::uint16_t, 4> kWords{0x6040, 0x6041, 0x603F, 0x1000};
 
 template <typename... Arguments>
 std::string formatted(const char* format, Arguments... arguments) {
@@ -31,88 +27,6 @@ Json session_json(std::uint64_t session) {
 
 std::string owner_text(std::uint64_t session) {
   return session == 0 ? "free" : session_text(session);
-}
-
-std::string_view name_in(const ObjectDescription& row, Language language) {
-  return language == Language::zh ? row.name_zh : row.name;
-}
-
-std::string units_in(const ObjectDescription& row, Language language) {
-  return language == Language::zh ? std::string(row.units) : english_units(row);
-}
-
-Json dictionary_json(const ObjectDescription& row, Language language) {
-  return {{"index", hex(row.address.index, 4)},
-          {"subindex", row.address.subindex},
-          {"name", row.variable_name},
-          {"title", name_in(row, language)},
-          {"category", row.category},
-          {"type", to_string(row.data_type)},
-          {"access", to_string(row.access)},
-          {"stored", row.storage == Storage::flash},
-          {"effective", to_string(row.effective)},
-          {"lower_limit", row.lower_limit},
-          {"upper_limit", row.upper_limit},
-          {"default", row.default_value},
-          {"units", units_in(row, language)},
-          {"origin", row.origin == Origin::manual ? "manual" : "companion"}};
-}
-
-std::string csv_value(const Json& value) {
-  return value.is_string() ? recording::csv_field(value.get<std::string>()) : value.dump();
-}
-
-/// One line of CSV: the fields' names, or their values.
-std::string csv_line(const Json& row, bool is_header) {
-  std::string line;
-  for (const auto& [key, value] : row.items()) {
-    if (!line.empty()) line += ',';
-    line += is_header ? key : csv_value(value);
-  }
-  return line;
-}
-
-using TableRow = std::array<std::string, 9>;
-
-TableRow table_row(const ObjectDescription& row, Language language) {
-  return {address_text(row.address),
-          std::string(row.variable_name),
-          std::string(name_in(row, language)),
-          std::string(to_string(row.data_type)),
-          std::string(to_string(row.access)),
-          row.storage == Storage::flash ? "yes" : "",
-          std::to_string(row.default_value),
-          std::to_string(row.lower_limit) + " .. " + std::to_string(row.upper_limit),
-          row.units == "-" ? std::string() : units_in(row, language)};
-}
-
-bool is_listed(const ObjectDescription& row, const DictionaryCommand& command) {
-  return command.objects.empty() ||
-         std::ranges::any_of(command.objects, [&row](const ObjectName& object) {
-           return object.covers(row.address);
-         });
-}
-
-std::vector<std::string> table_lines(const DictionaryCommand& command) {
-  std::vector<TableRow> rows{
-      {"object", "variable_name", "name", "type", "access", "stored", "default", "range", "units"}};
-  for (const ObjectDescription& row : kObjectTable) {
-    if (is_listed(row, command)) rows.push_back(table_row(row, command.language));
-  }
-  std::array<std::size_t, std::tuple_size_v<TableRow>> widths{};
-  for (const TableRow& row : rows) {
-    for (std::size_t i = 0; i < row.size(); ++i) {
-      widths[i] = std::max(widths[i], display_width(row[i]));
-    }
-  }
-  std::vector<std::string> lines;
-  for (const TableRow& row : rows) {
-    std::string line;
-    for (std::size_t i = 0; i < row.size(); ++i) line += padded(row[i], widths[i] + 2);
-    line.erase(line.find_last_not_of(' ') + 1);
-    lines.push_back(std::move(line));
-  }
-  return lines;
 }
 
 std::string error_text(std::uint16_t code) {
@@ -260,15 +174,6 @@ Json object_json(const client::AxisId& axis, const ObjectName& object) {
   return json;
 }
 
-std::string value_text(const ObjectName& object, std::int64_t value) {
-  std::string text = std::to_string(value);
-  const bool is_word =
-      object.address && std::ranges::find(kWords, object.address->index) != kWords.end();
-  if (is_word)
-    text = formatted("0x%03llX", static_cast<unsigned long long>(value)) + " (" + text + ")";
-  return text;
-}
-
 std::string reading_text(const std::string& label, const ObjectName& object, std::int64_t value) {
   const auto row = object.row();
   std::string text = label + " " + object.text;
@@ -282,20 +187,10 @@ std::string reading_text(const std::string& label, const ObjectName& object, std
   return text;
 }
 
-std::vector<std::string> dictionary_lines(const DictionaryCommand& command) {
-  if (command.format == TableFormat::table) return table_lines(command);
-  std::vector<std::string> lines;
-  for (const ObjectDescription& row : kObjectTable) {
-    if (!is_listed(row, command)) continue;
-    const Json json = dictionary_json(row, command.language);
-    if (command.format == TableFormat::json) {
-      lines.push_back(to_line(json));
-      continue;
-    }
-    if (lines.empty()) lines.push_back(csv_line(json, true));
-    lines.push_back(csv_line(json, false));
-  }
-  return lines;
+client::Outcome unknown_object(const client::AxisId& axis, const ObjectName& object) {
+  return client::Outcome::refused(wire_code(AbortCode::object_does_not_exist),
+                                  "axis " + to_string(axis) + " has no object " +
+                                      in_quotes(object.text) + object_suggestion(object.text));
 }
 
 }  // namespace vdrive::tool

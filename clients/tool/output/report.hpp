@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "language/command.hpp"
 #include "status_json.hpp"
 #include "terminal/terminal.hpp"
+#include "values/value.hpp"
 #include "vdrive/client/axis.hpp"
 #include "vdrive/client/session.hpp"
 
@@ -63,10 +63,7 @@ struct AxisFace {
 [[nodiscard]] std::string reading_text(const std::string& label, const ObjectName& object,
                                        std::int64_t value);
 
-/// The object dictionary as lines.
-[[nodiscard]] std::vector<std::string> dictionary_lines(const DictionaryCommand& command);
-
-/// @return a value as it is shown: words in hex beside the decimal number.
-[[nodiscard]] std::string value_text(const ObjectName& object, std::int64_t value);
+/// @return the refusal of an object that no address is known of.
+[[nodiscard]] client::Outcome unknown_object(const client::AxisId& axis, const ObjectName& object);
 
 }  // namespace vdrive::tool

@@ -2,6 +2,7 @@
 #include "scenarios/scenario_run.hpp"
 
 #include "base/usage_error.hpp"
+#include "execution/command_context.hpp"
 #include "output/live_view.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wording.hpp"
@@ -26,16 +27,17 @@ class ScenarioRun {
         options_(options),
         session_(session),
         terminal_(terminal),
-        executor_(session, terminal, options.is_json, true) {}
+        // A scenario runs no scenario: no table.
+        context_(session, {terminal, options.is_json, true}, {}) {}
 
   /// A name or a bench that is wrong is found before anything moves.
   Outcome find_axes() {
     for (const ScenarioLine& line : scenario_.lines) {
-      if (const auto number = bench_of(line.command)) {
+      if (const auto number = line.command.bench) {
         const auto bench = session_.find_bench(number);
         if (!bench) return Outcome::not_found(place_of(line) + ": " + bench.outcome().message());
       }
-      const auto found = executor_.axes(axes_of(line.command));
+      const auto found = context_.axes.axes(line.command.axes);
       if (!found) return Outcome::not_found(place_of(line) + ": " + found.outcome().message());
       for (const client::Axis& axis : *found) {
         if (std::ranges::find(axes_, axis.id()) == axes_.end()) axes_.push_back(axis.id());
@@ -103,7 +105,7 @@ class ScenarioRun {
   /// @throws UsageError with file and line.
   void check_units(const ScenarioLine& line) {
     try {
-      static_cast<void>(executor_.check(line.command));  // its axes have been found
+      tool::check_units(line.command, context_);
     } catch (const UsageError& error) {
       throw UsageError(place_of(line) + ": " + error.what());
     }
@@ -118,16 +120,16 @@ class ScenarioRun {
     std::vector<client::AxisId> shown = axes_;
     std::erase_if(shown, is_elsewhere);
     live_view_ = std::make_unique<LiveView>(session_, terminal_, std::move(shown));
-    executor_.on_aim([this](const client::AxisId& axis, std::int64_t target) {
+    context_.on_aim = [this](const client::AxisId& axis, std::int64_t target) {
       if (live_view_) live_view_->aim(axis, target);
-    });
+    };
   }
 
   Outcome run_line(const ScenarioLine& line) {
     announce(line);
     const auto start = Clock::now();
     Outcome outcome =
-        executor_.execute(line.command, line.timeout ? line.timeout : options_.timeout);
+        execute(line.command, context_, line.timeout ? line.timeout : options_.timeout);
     JunitCase& test = cases_.emplace_back();
     test.name = name_of(line);
     test.duration = Clock::now() - start;
@@ -140,7 +142,7 @@ class ScenarioRun {
 
   /// The next scenario finds the bench without the faults of this one.
   void put_back() {
-    for (const std::string& done : executor_.put_back()) {
+    for (const std::string& done : context_.changes.put_back(context_.axes)) {
       terminal_.complain("vdrive: restored: " + done);
     }
   }
@@ -156,7 +158,7 @@ class ScenarioRun {
   void print_json(const ScenarioLine& line, const Outcome& outcome, Clock::duration duration) {
     Json json{{"file", scenario_.file}, {"line", line.number}, {"command", line.text}};
     add_outcome(json, outcome);
-    if (executor_.found()) json.update(*executor_.found());
+    if (context_.judge.found()) json.update(*context_.judge.found());
     json["seconds"] = std::chrono::duration<double>(duration).count();
     terminal_.print(to_line(json));
   }
@@ -176,7 +178,7 @@ class ScenarioRun {
   const RunOptions& options_;
   client::Session& session_;
   Terminal& terminal_;
-  Executor executor_;
+  CommandContext context_;
   std::vector<client::AxisId> axes_;
   std::unique_ptr<LiveView> live_view_;
   std::vector<JunitCase> cases_;

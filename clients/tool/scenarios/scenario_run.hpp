@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "execution/executor.hpp"
 #include "language/scenario.hpp"
 #include "output/junit.hpp"
+#include "terminal/terminal.hpp"
+#include "vdrive/client/session.hpp"
 
 #include <optional>
 #include <vector>

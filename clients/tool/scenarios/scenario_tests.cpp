@@ -5,9 +5,11 @@
 #include "base/usage_error.hpp"
 #include "child_process.hpp"
 #include "language/scenario.hpp"
+#include "language/variables.hpp"
 #include "output/junit.hpp"
 #include "output/report.hpp"
 #include "private_bench.hpp"
+#include "terminal/terminal.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wording.hpp"
 
@@ -73,12 +75,12 @@ std::map<std::size_t, JunitCase> cases_of(const std::string& output) {
 /// One run of all files.
 class ScenarioTests {
  public:
-  ScenarioTests(const TestCommand& command, const GlobalOptions& options,
+  ScenarioTests(const ScenarioTestOptions& tests, const GlobalOptions& options,
                 std::vector<Scenario> scenarios, Terminal& terminal)
-      : command_(command),
+      : tests_(tests),
         options_(options),
         scenarios_(std::move(scenarios)),
-        service_(find_service(command.service)),
+        service_(find_service(tests.service)),
         terminal_(terminal),
         results_(scenarios_.size()) {
     for (std::size_t i = 0; i < scenarios_.size(); ++i) {
@@ -87,7 +89,7 @@ class ScenarioTests {
   }
 
   void run() {
-    const std::size_t jobs = std::min<std::size_t>(command_.jobs, scenarios_.size());
+    const std::size_t jobs = std::min<std::size_t>(tests_.jobs, scenarios_.size());
     std::vector<std::jthread> workers;
     workers.reserve(jobs);
     for (std::size_t i = 0; i < jobs; ++i) {
@@ -150,23 +152,23 @@ class ScenarioTests {
   /// Registers how to end what a worker runs, while it runs.
   class Job {
    public:
-    Job(ScenarioTests& tests, std::size_t place, std::function<void()> end)
-        : tests_(tests), place_(place) {
-      const std::scoped_lock lock(tests_.mutex_);
-      if (tests_.is_interrupted_) end();
-      tests_.jobs_[place_] = std::move(end);
+    Job(ScenarioTests& owner, std::size_t place, std::function<void()> end)
+        : owner_(owner), place_(place) {
+      const std::scoped_lock lock(owner_.mutex_);
+      if (owner_.is_interrupted_) end();
+      owner_.jobs_[place_] = std::move(end);
     }
 
     ~Job() {
-      const std::scoped_lock lock(tests_.mutex_);
-      tests_.jobs_.erase(place_);
+      const std::scoped_lock lock(owner_.mutex_);
+      owner_.jobs_.erase(place_);
     }
 
     Job(const Job&) = delete;
     Job& operator=(const Job&) = delete;
 
    private:
-    ScenarioTests& tests_;
+    ScenarioTests& owner_;
     const std::size_t place_;
   };
 
@@ -214,7 +216,7 @@ class ScenarioTests {
                                      "--json"};
     if (!options_.security.empty())
       command.insert(command.end(), {"--security", options_.security});
-    for (const auto& [name, value] : settings_of(command_.settings)) {
+    for (const auto& [name, value] : settings_of(tests_.scenarios.settings)) {
       // Another file's variable is unknown there.
       if (scenario.variables.contains(name)) {
         command.emplace_back("--set");
@@ -227,8 +229,8 @@ class ScenarioTests {
 
   [[nodiscard]] std::vector<std::string> arguments_of_service() const {
     std::vector<std::string> arguments{"--clock", "lockstep"};
-    if (!command_.configuration.empty()) {
-      arguments.insert(arguments.end(), {"--config", command_.configuration});
+    if (!tests_.configuration.empty()) {
+      arguments.insert(arguments.end(), {"--config", tests_.configuration});
     }
     return arguments;
   }
@@ -286,7 +288,7 @@ class ScenarioTests {
     for (const std::string& message : result.messages) terminal_.complain(message);
   }
 
-  const TestCommand& command_;
+  const ScenarioTestOptions& tests_;
   const GlobalOptions& options_;
   const std::vector<Scenario> scenarios_;
   const std::string service_;
@@ -309,34 +311,35 @@ void check_configuration(const std::string& service, const std::string& configur
   }
 }
 
-std::vector<Scenario> load_files(const TestCommand& command) {
-  if (std::ranges::find(command.files, "-") != command.files.end()) {
+std::vector<Scenario> load_files(const ScenarioFiles& scenarios, CommandTable commands) {
+  if (std::ranges::find(scenarios.files, "-") != scenarios.files.end()) {
     throw UsageError("test reads files only: write 'vdrive run -' for standard input");
   }
-  return load_scenarios(command.files, settings_of(command.settings));
+  return scenarios.load(commands);
 }
 
 }  // namespace
 
-ExitCode run_scenario_tests(const TestCommand& command, const GlobalOptions& options,
-                            Interrupt& interrupt, Terminal& terminal) {
-  JunitReport junit(command.junit);
-  std::optional<ScenarioTests> tests;
+ExitCode run_scenario_tests(const ScenarioTestOptions& tests, const Program& program,
+                            Interrupt& interrupt) {
+  JunitReport junit(tests.scenarios.junit);
+  std::optional<ScenarioTests> running;
   try {
-    check_configuration(find_service(command.service), command.configuration);
-    tests.emplace(command, options, load_files(command), terminal);
+    check_configuration(find_service(tests.service), tests.configuration);
+    running.emplace(tests, program.options, load_files(tests.scenarios, program.commands),
+                    program.terminal);
   } catch (const std::exception& error) {
     static_cast<void>(junit.write({{"start", {{.name = "start", .error = error.what()}}}}));
     throw;
   }
-  interrupt.arm([&tests] {
-    tests->interrupt();
+  interrupt.arm([&running] {
+    running->interrupt();
   });
-  tests->run();
+  running->run();
   interrupt.disarm();
-  const ExitCode code = tests->conclude();
-  if (const auto unwritten = junit.write(tests->suites())) {
-    terminal.complain("vdrive: " + *unwritten);
+  const ExitCode code = running->conclude();
+  if (const auto unwritten = junit.write(running->suites())) {
+    program.terminal.complain("vdrive: " + *unwritten);
     if (code == ExitCode::ok) return ExitCode::failed;
   }
   return interrupt.happened() ? ExitCode::interrupted : code;

@@ -2,12 +2,12 @@
 #include "scenarios/shell.hpp"
 
 #include "base/usage_error.hpp"
-#include "execution/executor.hpp"
-#include "language/completion.hpp"
+#include "execution/command_context.hpp"
+#include "language/bench_names.hpp"
+#include "language/command_line.hpp"
 #include "language/scenario.hpp"
-#include "output/junit.hpp"
-#include "scenarios/scenario_run.hpp"
-#include "terminal/line_reader.hpp"
+#include "scenarios/line_reader.hpp"
+#include "terminal/terminal.hpp"
 
 #include <atomic>
 #include <exception>
@@ -22,15 +22,14 @@ using client::Outcome;
 
 class Shell {
  public:
-  Shell(const GlobalOptions& options, client::Session& session, Interrupt& interrupt,
-        Terminal& terminal)
-      : options_(options),
+  Shell(const Program& program, client::Session& session, Interrupt& interrupt)
+      : program_(program),
         session_(session),
         interrupt_(interrupt),
-        terminal_(terminal),
-        executor_(session, terminal, options.json, false),
+        terminal_(program.terminal),
+        context_(session, {program.terminal, program.options.json, false}, program.commands),
         reader_(history_file(), [this](const std::string& line) {
-          return complete_line(line, names_of(session_));
+          return complete_line(program_.commands, line, names_of(session_));
         }) {}
 
   ExitCode run() {
@@ -66,7 +65,7 @@ class Shell {
     try {
       std::vector<std::string> words = split_words(line);
       if (words.empty()) return code;
-      const Outcome outcome = carry_out(parse_shell_command(std::move(words)));
+      const Outcome outcome = carry_out(parse_shell_command(program_.commands, std::move(words)));
       // An interrupted command needs no reason why it failed.
       const bool is_told = !outcome && !interrupt_.happened();
       if (is_told) terminal_.complain("vdrive: " + outcome.message());
@@ -91,17 +90,10 @@ class Shell {
       print(invocation.text);
       return {};
     }
-    const auto timeout = invocation.options.timeout ? invocation.options.timeout : options_.timeout;
-    const bool is_json = options_.json || invocation.options.json;
-    if (const auto* const run = std::get_if<RunCommand>(&*invocation.command)) {
-      JunitReport junit(run->junit);
-      const auto scenarios = load_scenarios(run->files, settings_of(run->settings));
-      return run_scenarios(scenarios,
-                           {.is_json = is_json, .is_live = run->live, .timeout = timeout}, junit,
-                           session_, terminal_);
-    }
-    executor_.set_json(is_json);
-    return executor_.execute(*invocation.command, timeout);
+    const GlobalOptions& options = program_.options;
+    context_.output.is_json = options.json || invocation.options.json;
+    return execute(*invocation.command, context_,
+                   invocation.options.timeout ? invocation.options.timeout : options.timeout);
   }
 
   void print(std::string text) {
@@ -109,20 +101,19 @@ class Shell {
     terminal_.print(text);
   }
 
-  const GlobalOptions& options_;
+  const Program& program_;
   client::Session& session_;
   Interrupt& interrupt_;
   Terminal& terminal_;
-  Executor executor_;
+  CommandContext context_;
   LineReader reader_;
   std::atomic<bool> is_waiting_ = false;
 };
 
 }  // namespace
 
-ExitCode run_shell(const GlobalOptions& options, client::Session& session, Interrupt& interrupt,
-                   Terminal& terminal) {
-  return Shell(options, session, interrupt, terminal).run();
+ExitCode run_shell(const Program& program, client::Session& session, Interrupt& interrupt) {
+  return Shell(program, session, interrupt).run();
 }
 
 }  // namespace vdrive::tool

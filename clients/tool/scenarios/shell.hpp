@@ -2,9 +2,8 @@
 #pragma once
 
 #include "base/exit_code.hpp"
-#include "language/grammar.hpp"
+#include "language/command.hpp"
 #include "terminal/interrupt.hpp"
-#include "terminal/terminal.hpp"
 #include "vdrive/client/session.hpp"
 
 namespace vdrive::tool {
@@ -12,7 +11,7 @@ namespace vdrive::tool {
 /// Reads commands from standard input and carries them out in one session, until the end of the
 /// input, `exit` or `quit`. A failure does not end it; Ctrl-C ends the command that runs.
 /// @return of a terminal ok; else the exit code of the first command that failed.
-[[nodiscard]] ExitCode run_shell(const GlobalOptions& options, client::Session& session,
-                                 Interrupt& interrupt, Terminal& terminal);
+[[nodiscard]] ExitCode run_shell(const Program& program, client::Session& session,
+                                 Interrupt& interrupt);
 
 }  // namespace vdrive::tool

@@ -2,7 +2,6 @@
 #include "values/units.hpp"
 
 #include "base/usage_error.hpp"
-#include "values/value.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
 
@@ -105,6 +104,32 @@ Quantity parse_quantity(std::string_view text, Dimension dimension, DataType typ
   if (quantity.is_in_user_units())
     static_cast<void>(rounded_quantity(quantity, quantity.value, ""));
   return quantity;
+}
+
+Quantity parse_position(std::string_view text) {
+  return parse_quantity(text, Dimension::position, DataType::integer32);
+}
+
+Quantity parse_velocity(std::string_view text) {
+  return parse_quantity(text, Dimension::velocity, DataType::integer32);
+}
+
+Quantity parse_speed(std::string_view text) {
+  return parse_quantity(text, Dimension::velocity, DataType::unsigned32);
+}
+
+Quantity parse_ramp(std::string_view text) {
+  return parse_quantity(text, Dimension::acceleration, DataType::unsigned32);
+}
+
+std::optional<Quantity> parse_quantity(const std::string& text, const ObjectName& object) {
+  const auto row = object.row();
+  const auto dimension = row ? dimension_of(*row) : std::nullopt;
+  const bool is_plain = text.find_first_not_of("-0123456789") == std::string::npos;
+  if (!dimension || is_plain || text.starts_with("0x") || text.starts_with("0X")) {
+    return std::nullopt;
+  }
+  return parse_quantity(text, *dimension, describe(*row).data_type);
 }
 
 std::int16_t parse_torque(std::string_view text) {

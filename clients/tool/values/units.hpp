@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "values/value.hpp"
 #include "vdrive/client/bench.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 
@@ -30,6 +31,19 @@ struct Quantity {
 ///        without a unit: 90deg, 180deg/s, 900deg/s2, 300rpm
 /// @throws UsageError for anything else, and for user units that `type` does not hold.
 [[nodiscard]] Quantity parse_quantity(std::string_view text, Dimension dimension, DataType type);
+
+/// A position [UU], and a velocity with its direction [UU/s]. @throws UsageError
+[[nodiscard]] Quantity parse_position(std::string_view text);
+[[nodiscard]] Quantity parse_velocity(std::string_view text);
+
+/// A speed [UU/s] and a ramp [UU/s²], which have no sign. @throws UsageError
+[[nodiscard]] Quantity parse_speed(std::string_view text);
+[[nodiscard]] Quantity parse_ramp(std::string_view text);
+
+/// @return the value of an object where it was typed with a unit, or with an exponent.
+/// @throws UsageError for a unit that no such object has.
+[[nodiscard]] std::optional<Quantity> parse_quantity(const std::string& text,
+                                                     const ObjectName& object);
 
 /// @param text [per mille of rated torque], or a percentage such as 12.5%
 /// @return [per mille of rated torque], rounded to the nearest.

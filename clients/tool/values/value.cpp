@@ -17,6 +17,9 @@
 namespace vdrive::tool {
 namespace {
 
+/// Objects whose bits matter more than their value.
+constexpr std::array<std::uint16_t, 4> kWords{0x6040, 0x6041, 0x603F, 0x1000};
+
 constexpr std::int64_t kHighestHours = 1000;
 constexpr std::int64_t kHighestNanoseconds = kHighestHours * 3600 * 1'000'000'000;
 
@@ -145,6 +148,13 @@ ObjectName parse_object(std::string_view text) {
                    "ds402_statusword");
 }
 
+std::vector<ObjectName> parse_objects(const std::vector<std::string>& texts) {
+  std::vector<ObjectName> objects;
+  objects.reserve(texts.size());
+  for (const std::string& text : texts) objects.push_back(parse_object(text));
+  return objects;
+}
+
 std::string object_suggestion(std::string_view name) {
   std::vector<std::string> names;
   names.reserve(kObjectTable.size() + kStandardNames.size() + kShortNames.size());
@@ -177,6 +187,13 @@ std::int64_t parse_value(std::string_view text, const ObjectName& object) {
   if (row) return parse_value(text, describe(*row).data_type);
   const bool is_negative = !text.empty() && text[0] == '-';
   return parse_value(text, is_negative ? DataType::integer32 : DataType::unsigned32);
+}
+
+std::string value_text(const ObjectName& object, std::int64_t value) {
+  const std::string text = std::to_string(value);
+  const bool is_word =
+      object.address && std::ranges::find(kWords, object.address->index) != kWords.end();
+  return is_word ? hex(static_cast<std::uint64_t>(value), 3) + " (" + text + ")" : text;
 }
 
 std::uint64_t parse_number(std::string_view text, std::string_view what, std::uint64_t highest) {

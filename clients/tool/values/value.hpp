@@ -8,8 +8,11 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace vdrive::tool {
+
+using Duration = std::chrono::nanoseconds;
 
 /// An object as the user spelled it.
 struct ObjectName {
@@ -30,6 +33,9 @@ struct ObjectName {
 /// @throws UsageError for anything else. The drive decides whether the object exists.
 [[nodiscard]] ObjectName parse_object(std::string_view text);
 
+/// @return the objects that these texts spell.
+[[nodiscard]] std::vector<ObjectName> parse_objects(const std::vector<std::string>& texts);
+
 /// @return " (did you mean 'x'?)" with the name nearest to that of an object that does not exist,
 ///         or nothing.
 [[nodiscard]] std::string object_suggestion(std::string_view name);
@@ -42,6 +48,9 @@ struct ObjectName {
 /// The value of an object: by its type, else (the object does not exist) any 32-bit number.
 [[nodiscard]] std::int64_t parse_value(std::string_view text, const ObjectName& object);
 
+/// @return a value as it is shown: words in hex beside the decimal number.
+[[nodiscard]] std::string value_text(const ObjectName& object, std::int64_t value);
+
 /// @param text decimal or hexadecimal
 /// @throws UsageError naming `what` when it is not a number from 0 to `highest`.
 [[nodiscard]] std::uint64_t parse_number(std::string_view text, std::string_view what,
@@ -49,10 +58,10 @@ struct ObjectName {
 
 /// @param text such as 500us, 20ms, 1.5s
 /// @throws UsageError for anything else, and for more than 1000 hours.
-[[nodiscard]] std::chrono::nanoseconds parse_duration(std::string_view text);
+[[nodiscard]] Duration parse_duration(std::string_view text);
 
 /// @param text seconds such as 2 or 0.5, or a duration
-[[nodiscard]] std::chrono::nanoseconds parse_seconds(std::string_view text);
+[[nodiscard]] Duration parse_seconds(std::string_view text);
 
 /// @throws UsageError naming `what` when it is no finite decimal number.
 [[nodiscard]] double parse_real(std::string_view text, std::string_view what);

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "command_table.hpp"
+
+#include <array>
+
+namespace vdrive::tool {
+
+// Each is defined in the file of its command: commands/move.cpp has kMove.
+extern const CommandRow kList;
+extern const CommandRow kEnable;
+extern const CommandRow kDisable;
+extern const CommandRow kHalt;
+extern const CommandRow kResume;
+extern const CommandRow kQuickStop;
+extern const CommandRow kReset;
+extern const CommandRow kPowerCycle;
+extern const CommandRow kStore;
+extern const CommandRow kRestore;
+extern const CommandRow kStop;
+extern const CommandRow kStatus;
+extern const CommandRow kMove;
+extern const CommandRow kHome;
+extern const CommandRow kVelocity;
+extern const CommandRow kTorque;
+extern const CommandRow kRead;
+extern const CommandRow kWrite;
+extern const CommandRow kDisturb;
+extern const CommandRow kDictionary;
+extern const CommandRow kStep;
+extern const CommandRow kSnapshot;
+extern const CommandRow kRate;
+extern const CommandRow kExpect;
+extern const CommandRow kWait;
+extern const CommandRow kWatch;
+extern const CommandRow kEvents;
+extern const CommandRow kRecord;
+extern const CommandRow kRun;
+extern const CommandRow kJog;
+extern const CommandRow kConvert;
+extern const CommandRow kTest;
+extern const CommandRow kShell;
+extern const CommandRow kDoctor;
+extern const CommandRow kBench;
+extern const CommandRow kCompletion;
+
+namespace {
+
+constexpr std::array kCommands{
+    &kList,  &kEnable,  &kDisable, &kHalt,       &kResume, &kQuickStop, &kReset,    &kPowerCycle,
+    &kStore, &kRestore, &kStop,    &kStatus,     &kMove,   &kHome,      &kVelocity, &kTorque,
+    &kRead,  &kWrite,   &kDisturb, &kDictionary, &kStep,   &kSnapshot,  &kRate,     &kExpect,
+    &kWait,  &kWatch,   &kEvents,  &kRecord,     &kRun,    &kJog,       &kConvert,  &kTest,
+    &kShell, &kDoctor,  &kBench,   &kCompletion};
+
+}  // namespace
+
+CommandTable commands() {
+  return kCommands;
+}
+
+}  // namespace vdrive::tool

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "commands/dictionary.hpp"
+
+#include "base/usage_error.hpp"
+#include "csv_field.hpp"
+#include "execution/command_context.hpp"
+#include "language/arguments.hpp"
+#include "terminal/columns.hpp"
+#include "vdrive/number_text.hpp"
+#include "vdrive/text.hpp"
+
+#include <algorithm>
+#include <array>
+#include <tuple>
+
+namespace vdrive::tool {
+namespace {
+
+std::string_view name_in(const ObjectDescription& row, Language language) {
+  return language == Language::zh ? row.name_zh : row.name;
+}
+
+std::string units_in(const ObjectDescription& row, Language language) {
+  return language == Language::zh ? std::string(row.units) : english_units(row);
+}
+
+Json dictionary_json(const ObjectDescription& row, Language language) {
+  return {{"index", hex(row.address.index, 4)},
+          {"subindex", row.address.subindex},
+          {"name", row.variable_name},
+          {"title", name_in(row, language)},
+          {"category", row.category},
+          {"type", to_string(row.data_type)},
+          {"access", to_string(row.access)},
+          {"stored", row.storage == Storage::flash},
+          {"effective", to_string(row.effective)},
+          {"lower_limit", row.lower_limit},
+          {"upper_limit", row.upper_limit},
+          {"default", row.default_value},
+          {"units", units_in(row, language)},
+          {"origin", row.origin == Origin::manual ? "manual" : "companion"}};
+}
+
+std::string csv_value(const Json& value) {
+  return value.is_string() ? recording::csv_field(value.get<std::string>()) : value.dump();
+}
+
+/// One line of CSV: the fields' names, or their values.
+std::string csv_line(const Json& row, bool is_header) {
+  std::string line;
+  for (const auto& [key, value] : row.items()) {
+    if (!line.empty()) line += ',';
+    line += is_header ? key : csv_value(value);
+  }
+  return line;
+}
+
+using TableRow = std::array<std::string, 9>;
+
+TableRow table_row(const ObjectDescription& row, Language language) {
+  return {address_text(row.address),
+          std::string(row.variable_name),
+          std::string(name_in(row, language)),
+          std::string(to_string(row.data_type)),
+          std::string(to_string(row.access)),
+          row.storage == Storage::flash ? "yes" : "",
+          std::to_string(row.default_value),
+          std::to_string(row.lower_limit) + " .. " + std::to_string(row.upper_limit),
+          row.units == "-" ? std::string() : units_in(row, language)};
+}
+
+bool is_listed(const ObjectDescription& row, const DictionaryCommand& command) {
+  return command.objects.empty() ||
+         std::ranges::any_of(command.objects, [&row](const ObjectName& object) {
+           return object.covers(row.address);
+         });
+}
+
+std::vector<std::string> table_lines(const DictionaryCommand& command) {
+  std::vector<TableRow> rows{
+      {"object", "variable_name", "name", "type", "access", "stored", "default", "range", "units"}};
+  for (const ObjectDescription& row : kObjectTable) {
+    if (is_listed(row, command)) rows.push_back(table_row(row, command.language));
+  }
+  std::array<std::size_t, std::tuple_size_v<TableRow>> widths{};
+  for (const TableRow& row : rows) {
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      widths[i] = std::max(widths[i], display_width(row[i]));
+    }
+  }
+  std::vector<std::string> lines;
+  for (const TableRow& row : rows) {
+    std::string line;
+    for (std::size_t i = 0; i < row.size(); ++i) line += padded(row[i], widths[i] + 2);
+    line.erase(line.find_last_not_of(' ') + 1);
+    lines.push_back(std::move(line));
+  }
+  return lines;
+}
+
+ObjectName parse_listed(const std::string& text) {
+  ObjectName object = parse_object(text);
+  const bool exists = std::ranges::any_of(kObjectTable, [&](const ObjectDescription& row) {
+    return object.covers(row.address);
+  });
+  if (exists) return object;
+  throw UsageError("the dictionary has no object " + in_quotes(text) + object_suggestion(text));
+}
+
+TableFormat parse_format(const std::string& text) {
+  if (text == "json") return TableFormat::json;
+  return text == "csv" ? TableFormat::csv : TableFormat::table;
+}
+
+void print_dictionary(DictionaryCommand command, bool is_json, Terminal& terminal) {
+  if (is_json) command.format = TableFormat::json;
+  for (const std::string& line : dictionary_lines(command)) {
+    if (!terminal.is_open()) return;
+    terminal.print(line);
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> dictionary_lines(const DictionaryCommand& command) {
+  if (command.format == TableFormat::table) return table_lines(command);
+  std::vector<std::string> lines;
+  for (const ObjectDescription& row : kObjectTable) {
+    if (!is_listed(row, command)) continue;
+    const Json json = dictionary_json(row, command.language);
+    if (command.format == TableFormat::json) {
+      lines.push_back(to_line(json));
+      continue;
+    }
+    if (lines.empty()) lines.push_back(csv_line(json, true));
+    lines.push_back(csv_line(json, false));
+  }
+  return lines;
+}
+
+void DictionaryCommand::declare(Arguments& arguments) {
+  arguments
+      .positionals("OBJECT", objects, "Show these only; an index shows all sub-indices",
+                   [](const std::vector<std::string>& texts) {
+                     std::vector<ObjectName> listed;
+                     for (const std::string& text : texts) listed.push_back(parse_listed(text));
+                     return listed;
+                   })
+      .completed_by(complete_object);
+  arguments.option("--format", "F", format, "table, json or csv", parse_format)
+      .one_of({"table", "json", "csv"});
+  arguments
+      .option("--language", "L", language, "en or zh",
+              [](const std::string& text) {
+                return text == "zh" ? Language::zh : Language::en;
+              })
+      .one_of({"en", "zh"});
+}
+
+client::Outcome DictionaryCommand::run(CommandContext& context) const {
+  print_dictionary(*this, context.output.is_json, context.output.terminal);
+  return {};
+}
+
+ExitCode DictionaryCommand::start(const Program& program) const {
+  print_dictionary(*this, program.options.json, program.terminal);
+  return ExitCode::ok;
+}
+
+extern const CommandRow kDictionary =
+    row_of<DictionaryCommand>({.name = "dictionary",
+                               .summary = "Show the object dictionary; needs no service",
+                               .example = "dictionary 0x607D --language zh"});
+
+}  // namespace vdrive::tool

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "execution/axis_action.hpp"
+
+namespace vdrive::tool {
+namespace {
+
+constexpr AxisAction kDisableAction{.name = "disable", .together = client::EachCommand::disable};
+
+}  // namespace
+
+extern const CommandRow kDisable =
+    action_row<kDisableAction>("Shut down (0x06): to Ready to switch on", "disable 1.1");
+
+}  // namespace vdrive::tool

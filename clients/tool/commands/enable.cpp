@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "execution/axis_action.hpp"
+
+namespace vdrive::tool {
+namespace {
+
+constexpr AxisAction kEnableAction{
+    .name = "enable", .together = client::EachCommand::enable, .gains_control = true};
+
+}  // namespace
+
+extern const CommandRow kEnable =
+    action_row<kEnableAction>("Go through the power states to Operation enabled", "enable 1.1");
+
+}  // namespace vdrive::tool

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "execution/command_context.hpp"
+#include "language/arguments.hpp"
+#include "language/command.hpp"
+#include "vdrive/number_text.hpp"
+#include "vdrive/text.hpp"
+
+#include <string>
+#include <vector>
+
+namespace vdrive::tool {
+namespace {
+
+using client::Outcome;
+
+/// @return ", paused" or ", rate 0.5" of a realtime bench that does not run as fast as the wall
+///         clock.
+std::string rate_text(const client::BenchInfo& bench) {
+  if (bench.clock_mode != client::ClockMode::realtime || bench.rate == 1.0) return {};
+  return bench.rate == 0.0 ? ", paused" : ", rate " + to_text(bench.rate);
+}
+
+std::string heading_of(const client::BenchInfo& bench, std::uint64_t tick,
+                       const Terminal& terminal) {
+  return colored(terminal, Color::bold,
+                 "bench " + std::to_string(bench.number) + " " + escaped(bench.name)) +
+         ", " + std::string(to_string(bench.clock_mode)) + ", tick " + std::to_string(tick) +
+         " of " + std::to_string(bench.period.count()) + " us" + rate_text(bench);
+}
+
+Outcome list_bench(const client::BenchInfo& bench, const CommandContext& context) {
+  std::vector<client::AxisId> ids;
+  for (const client::AxisInfo& axis : bench.axes) ids.push_back(axis.id);
+  const auto seen = context.session.observe(ids);
+  if (!seen) return seen.outcome();
+  Terminal& terminal = context.output.terminal;
+  const bool is_json = context.output.is_json;
+  if (!is_json) terminal.print(heading_of(bench, seen->tick, terminal));
+  for (std::size_t i = 0; i < bench.axes.size(); ++i) {
+    const client::AxisInfo& info = bench.axes[i];
+    terminal.print(is_json ? to_line(list_json(bench, info, seen->axes[i]))
+                           : list_text(info, seen->axes[i]));
+  }
+  return {};
+}
+
+struct ListCommand {
+  void declare(Arguments& /*arguments*/) {}
+
+  Outcome run(CommandContext& context) const {
+    const auto benches = context.session.find_benches();
+    if (benches.empty()) return context.session.no_bench_found();
+    for (const client::BenchInfo& bench : benches) {
+      if (Outcome listed = list_bench(bench, context); !listed) return listed;
+    }
+    return {};
+  }
+};
+
+}  // namespace
+
+extern const CommandRow kList = row_of<ListCommand>(
+    {.name = "list", .summary = "List all benches and axes", .example = "list --json"});
+
+}  // namespace vdrive::tool

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "execution/axis_action.hpp"
+
+namespace vdrive::tool {
+namespace {
+
+constexpr AxisAction kQuickStopAction{.name = "quick-stop",
+                                      .waits = Waits::unless_declined,
+                                      .together = client::EachCommand::quick_stop};
+
+}  // namespace
+
+extern const CommandRow kQuickStop =
+    action_row<kQuickStopAction>("Quick stop (0x02), wait for standstill", "quick-stop 1.1");
+
+}  // namespace vdrive::tool

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "execution/recorder.hpp"
+#include "language/command.hpp"
+
+#include <string>
+#include <vector>
+
+namespace vdrive::tool {
+
+struct RecordCommand {
+  std::vector<std::string> axes{};  ///< none = all of the only bench there is
+  RecordingChoice choice{};
+
+  void declare(Arguments& arguments);
+  client::Outcome run(CommandContext& context) const;
+};
+
+}  // namespace vdrive::tool

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "execution/axis_action.hpp"
+
+namespace vdrive::tool {
+namespace {
+
+constexpr AxisAction kResetAction{
+    .name = "reset", .together = client::EachCommand::reset_fault, .names_next_step = false};
+
+}  // namespace
+
+extern const CommandRow kReset =
+    action_row<kResetAction>("Reset a fault (rising edge of bit 7)", "reset 1.1");
+
+}  // namespace vdrive::tool

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "execution/axis_action.hpp"
+
+namespace vdrive::tool {
+namespace {
+
+/// What a disk keeps waits for no drive time.
+client::Outcome restore_parameters(client::Axis& axis) {
+  return axis.restore_defaults();
+}
+
+constexpr AxisAction kRestoreAction{.name = "restore", .each = restore_parameters};
+
+}  // namespace
+
+extern const CommandRow kRestore = action_row<kRestoreAction>(
+    "Remove stored parameters; defaults are in force after the next power cycle", "restore 1.1");
+
+}  // namespace vdrive::tool

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "commands/run.hpp"
+
+#include "execution/command_context.hpp"
+#include "execution/connection.hpp"
+#include "language/arguments.hpp"
+#include "output/junit.hpp"
+#include "scenarios/scenario_run.hpp"
+
+#include <exception>
+#include <string>
+#include <string_view>
+
+namespace vdrive::tool {
+namespace {
+
+constexpr std::string_view kScenarioHelp =
+    R"(A scenario has one command per line, without 'vdrive'. # starts a comment.
+Beside the commands of the command line there are:
+  refused CODE COMMAND...    passes if the command is refused with this code
+  let NAME = VALUE           ${NAME} stands for VALUE below; --set gives another value
+  finally                    lines below run last, also after a failure and Ctrl-C
+In lock-step, commands that wait step the clock. The first failure ends the file.
+
+Example:
+  enable 1.1
+  write 1.1 0x607A 10000
+  write 1.1 0x6040 0x3F
+  expect 1.1 0x6041 0x1237 --within 2ms
+  expect 1.1 0x6041 0x1637 --within 11s    # arrived
+  expect 1.1 torque < 500 --throughout 2s
+  refused 0x06010002 write 1.1 0x6041 0    # read-only)";
+
+}  // namespace
+
+void RunCommand::declare(Arguments& arguments) {
+  scenarios.declare(arguments, "Scenario, - for standard input; several run one after the other");
+  arguments.flag("--live", live, "Show the axes while time passes, also when piped");
+}
+
+client::Outcome RunCommand::run(CommandContext& context) const {
+  JunitReport junit(scenarios.junit);
+  return run_scenarios(
+      scenarios.load(context.table),
+      {.is_json = context.output.is_json, .is_live = live, .timeout = context.timeout}, junit,
+      context.session, context.output.terminal);
+}
+
+/// What ends a scenario before its first line is in the report too: a file that cannot be read, a
+/// network that cannot be used.
+ExitCode RunCommand::start(const Program& program) const {
+  const GlobalOptions& options = program.options;
+  JunitReport junit(scenarios.junit);
+  try {
+    const auto loaded = scenarios.load(program.commands);
+    return run_connected(program, options, [&](client::Session& session) {
+      return run_scenarios(loaded,
+                           {.is_json = options.json, .is_live = live, .timeout = options.timeout},
+                           junit, session, program.terminal);
+    });
+  } catch (const std::exception& error) {
+    const std::string suite =
+        scenarios.files.size() == 1 ? name_of_scenario(scenarios.files.front()) : "start";
+    static_cast<void>(junit.write({{suite, {{.name = "start", .error = error.what()}}}}));
+    throw;
+  }
+}
+
+extern const CommandRow kRun = row_of<RunCommand>({.name = "run",
+                                                   .summary = "Execute scenario files",
+                                                   .example = "run forward.scn --junit out.xml",
+                                                   .help = kScenarioHelp,
+                                                   .deepest = Place::shell});
+
+}  // namespace vdrive::tool

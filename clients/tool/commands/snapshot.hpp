@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "language/command.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace vdrive::tool {
+
+struct SnapshotCommand {
+  enum class Action : std::uint8_t { take, restore, drop, list };
+
+  Action action = Action::take;
+  std::uint64_t snapshot = 0;            ///< restore, drop: its number
+  std::optional<std::uint32_t> bench{};  ///< none = the only one there is; list: all
+
+  void declare(Arguments& arguments);
+  client::Outcome run(CommandContext& context) const;
+};
+
+/// @return "take", "restore", "drop" or "list".
+[[nodiscard]] std::string_view to_string(SnapshotCommand::Action action) noexcept;
+
+}  // namespace vdrive::tool

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "execution/command_context.hpp"
+#include "language/arguments.hpp"
+#include "language/command.hpp"
+#include "terminal/columns.hpp"
+#include "vdrive/text.hpp"
+
+#include <string>
+#include <vector>
+
+namespace vdrive::tool {
+namespace {
+
+using client::Outcome;
+
+/// @return the axis on one line, among others.
+std::string short_line(const client::Axis& axis, const client::AxisSnapshot& status) {
+  return status_line(status,
+                     padded(to_string(axis.id()), 6) + " " + padded(escaped(axis.name()), 16),
+                     axis.unit());
+}
+
+/// @param is_only_one in full, else on one line
+Outcome show_status(const client::Axis& axis, bool is_only_one, const Output& output) {
+  const auto status = axis.status();
+  if (!status) return status.outcome();
+  const AxisFace face{axis.name(), axis.unit()};
+  if (output.is_json) {
+    output.terminal.print(to_line(status_json(*status, face)));
+  } else if (is_only_one) {
+    for (const std::string& line : status_text(*status, face)) output.terminal.print(line);
+  } else {
+    const std::string line = short_line(axis, *status);
+    const auto color = color_of(*status);
+    output.terminal.print(color ? colored(output.terminal, *color, line) : line);
+  }
+  return {};
+}
+
+struct StatusCommand {
+  std::vector<std::string> axes{};  ///< none = all of all benches
+
+  void declare(Arguments& arguments) { arguments.axes(axes, "default: every axis of every bench"); }
+
+  Outcome run(CommandContext& context) const {
+    const auto found = axes.empty() ? context.axes.axes_of_all_benches() : context.axes.axes(axes);
+    if (!found) return found.outcome();
+    for (const client::Axis& axis : *found) {
+      const bool is_only_one = found->size() == 1;
+      if (Outcome shown = show_status(axis, is_only_one, context.output); !shown) return shown;
+    }
+    return {};
+  }
+};
+
+}  // namespace
+
+extern const CommandRow kStatus = row_of<StatusCommand>(
+    {.name = "status",
+     .summary = "Show one axis with its statusword decoded, or several axes, one per line",
+     .example = "status 1.1\n  vdrive status         # every axis"});
+
+}  // namespace vdrive::tool

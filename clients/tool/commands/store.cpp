@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "execution/axis_action.hpp"
+
+namespace vdrive::tool {
+namespace {
+
+/// What a disk keeps waits for no drive time.
+client::Outcome store_parameters(client::Axis& axis) {
+  return axis.store();
+}
+
+constexpr AxisAction kStoreAction{.name = "store", .each = store_parameters};
+
+}  // namespace
+
+extern const CommandRow kStore =
+    action_row<kStoreAction>("Store the parameters for every later power-up", "store 1.1");
+
+}  // namespace vdrive::tool

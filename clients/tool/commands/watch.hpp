@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "language/command.hpp"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace vdrive::tool {
+
+struct WatchCommand {
+  std::vector<std::string> axes{};  ///< none = all of all benches
+  std::uint64_t count = 0;          ///< samples an axis; 0 = until interrupted
+
+  void declare(Arguments& arguments);
+  client::Outcome run(CommandContext& context) const;
+};
+
+}  // namespace vdrive::tool

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "commands/write.hpp"
+
+#include "execution/command_context.hpp"
+#include "execution/object_write.hpp"
+#include "language/arguments.hpp"
+#include "values/object_check.hpp"
+#include "vdrive/cia402/operating_mode.hpp"
+
+namespace vdrive::tool {
+namespace {
+
+/// @return the values of an object that has few of them.
+std::vector<std::string> few_values_of(const std::string& object) {
+  constexpr std::int64_t kFew = 16;
+  const auto row = parse_object(object).row();
+  if (!row) return {};
+  const ObjectDescription& description = describe(*row);
+  const bool is_mode = description.variable_name == "op_mode_cmd";
+  if (!is_mode && (description.access == Access::read_only ||
+                   description.upper_limit - description.lower_limit > kFew)) {
+    return {};
+  }
+  std::vector<std::string> values;
+  for (std::int64_t value = description.lower_limit; value <= description.upper_limit; ++value) {
+    if (!is_mode || is_operating_mode(value)) values.push_back(std::to_string(value));
+  }
+  return values;
+}
+
+}  // namespace
+
+void WriteCommand::declare(Arguments& arguments) {
+  arguments.axis(axis);
+  arguments.positional("OBJECT", object, "0x6040, 0x607D:1 or a variable_name", parse_object)
+      .completed_by(complete_object);
+  arguments
+      .positional(
+          "VALUE", value,
+          "Decimal, or hex as the type's two's complement; positions, speeds and ramps also "
+          "with a unit",
+          [this](const std::string& text) {
+            quantity = parse_quantity(text, object);
+            return quantity ? 0 : parse_value(text, object);
+          })
+      .completed_by([](auto before, const BenchNames&) {
+        return few_values_of(before[1]);
+      });
+  arguments.take_over(take_over);
+}
+
+void WriteCommand::check_objects() const {
+  // With a unit the value is known once the axis is: the drive refuses it then.
+  if (!quantity) check_value_written(object, value);
+}
+
+void WriteCommand::check_units(const CommandContext& context, const client::Axis& written) const {
+  if (quantity) static_cast<void>(context.axes.user_units(written, *quantity));
+}
+
+client::Outcome WriteCommand::run(CommandContext& context) const {
+  auto found = context.axes.axis_to_command(axis, take_over);
+  if (!found) return found.outcome();
+  return write_object(context, *found, object,
+                      quantity ? context.axes.user_units(*found, *quantity) : value);
+}
+
+extern const CommandRow kWrite = row_of<WriteCommand>(
+    {.name = "write", .summary = "Write an object", .example = "write 1.1 0x607A 0xFFFFD8F0"});
+
+}  // namespace vdrive::tool

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "execution/axis_report.hpp"
+
+#include <utility>
+
+namespace vdrive::tool {
+namespace {
+
+using client::Outcome;
+
+/// @return what to do first where the power state has refused a command, or nothing.
+std::string next_step(const std::string& label, PowerState state) {
+  const bool is_fault = state == PowerState::fault || state == PowerState::fault_reaction_active;
+  if (is_fault) return "; reset it first: vdrive reset " + label;
+  if (state == PowerState::operation_enabled) return {};
+  return "; enable it first: vdrive enable " + label;
+}
+
+Json json_of_report(const CommandContext& context, const client::Axis& axis,
+                    const AxisReport& report, const client::AxisSnapshot* status) {
+  Json json{{"axis", to_string(axis.id())}, {"command", report.command}};
+  add_outcome(json, context.axes.named(report.outcome));
+  if (status != nullptr) {
+    json["tick"] = status->tick;
+    json["state"] = to_string(status->state());
+    json["statusword"] = status->status.ds402_statusword;
+    json["position"] = status->status.load_position_actual_value;
+  }
+  return json;
+}
+
+}  // namespace
+
+Outcome report_axis(CommandContext& context, const client::Axis& axis, AxisReport report) {
+  if (context.output.is_quiet) return std::move(report.outcome);
+  const auto status = axis.status();
+  return report_axis(context, axis, std::move(report), status ? &*status : nullptr);
+}
+
+Outcome report_axis(CommandContext& context, const client::Axis& axis, AxisReport report,
+                    const client::AxisSnapshot* status) {
+  if (context.output.is_quiet) return std::move(report.outcome);
+  const std::string label = context.axes.label_of(axis.id());
+  const bool is_refused_by_state =
+      report.outcome.code() == wire_code(AbortCode::refused_in_present_device_state);
+  if (is_refused_by_state && report.names_next_step && status != nullptr) {
+    report.outcome = reworded(report.outcome, [&](const std::string& message) {
+      return message + next_step(label, status->state());
+    });
+  }
+  if (context.output.is_json) {
+    context.output.terminal.print(to_line(json_of_report(context, axis, report, status)));
+  } else if (report.outcome && status != nullptr) {
+    context.output.terminal.print(report.has_arrived ? arrival_line(*status, label, axis.unit())
+                                                     : status_line(*status, label, axis.unit()));
+  }
+  return std::move(report.outcome);
+}
+
+}  // namespace vdrive::tool

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "execution/command_context.hpp"
+#include "vdrive/client/axis.hpp"
+
+#include <string_view>
+
+namespace vdrive::tool {
+
+/// What a command to an axis came to.
+struct AxisReport {
+  std::string_view command;  ///< its name
+  client::Outcome outcome;
+  bool has_arrived = false;     ///< what is left of the speed is the end of a motion
+  bool names_next_step = true;  ///< a refusal by the power state names the command to call first
+};
+
+/// Prints the report and what the axis shows now.
+/// @return the outcome, in the words of the report.
+client::Outcome report_axis(CommandContext& context, const client::Axis& axis, AxisReport report);
+
+/// @param status what the axis shows now, none where it is not known
+client::Outcome report_axis(CommandContext& context, const client::Axis& axis, AxisReport report,
+                            const client::AxisSnapshot* status);
+
+}  // namespace vdrive::tool

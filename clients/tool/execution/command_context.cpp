@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "execution/command_context.hpp"
+
+#include "vdrive/assert.hpp"
+#include "vdrive/number_text.hpp"
+
+#include <string>
+
+namespace vdrive::tool {
+namespace {
+
+using client::Outcome;
+using client::OutcomeKind;
+
+/// `refused`: it passes where the command is refused with this code.
+Outcome judge_refusal(const Outcome& outcome, std::uint32_t code, CommandContext& context) {
+  if (outcome.kind() == OutcomeKind::refused && outcome.code() == code) return {};
+  const std::string actual = outcome ? "accepted" : outcome.message();
+  context.judge.set_found({{"expected", hex(code, 8)}, {"actual", actual}});
+  return Outcome::failed("expected the refusal " + hex(code, 8) + ", actual: " + actual);
+}
+
+}  // namespace
+
+client::CallOptions CommandContext::call_options(client::Until until) const {
+  client::CallOptions call;
+  call.until = until;
+  if (timeout) call.timeout = *timeout;
+  return call;
+}
+
+Outcome execute(const Command& command, CommandContext& context, std::optional<Duration> timeout) {
+  ensure(command.row->run != nullptr, "the place of a command without a session is no session");
+  context.timeout = timeout;
+  context.judge.forget_found();
+  Outcome outcome = context.axes.named(command.row->run(command.arguments, context));
+  return command.refusal ? judge_refusal(outcome, *command.refusal, context) : outcome;
+}
+
+void check_units(const Command& command, CommandContext& context) {
+  if (command.row->check_units == nullptr || command.axes.size() != 1) return;
+  const auto axis = context.axes.axis(command.axes.front());
+  if (axis) command.row->check_units(command.arguments, context, *axis);
+}
+
+}  // namespace vdrive::tool

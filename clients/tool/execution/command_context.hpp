@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "execution/axis_finder.hpp"
+#include "execution/bench_changes.hpp"
+#include "execution/expectation_judge.hpp"
+#include "execution/output.hpp"
+#include "language/command.hpp"
+#include "vdrive/client/session.hpp"
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+
+namespace vdrive::tool {
+
+/// What the commands of one session share.
+struct CommandContext {
+  /// @param of_session the session, which has to stay as long as this
+  /// @param commands those that `run` may find in its files
+  CommandContext(client::Session& of_session, Output to, CommandTable commands)
+      : session(of_session),
+        output(to),
+        table(commands),
+        axes(of_session),
+        judge(of_session),
+        changes(of_session) {}
+
+  /// @return the options of a call that waits like this, with the limit of the command.
+  [[nodiscard]] client::CallOptions call_options(client::Until until) const;
+
+  client::Session& session;
+  Output output;
+  const CommandTable table;
+  AxisFinder axes;
+  ExpectationJudge judge;
+  BenchChanges changes;
+  std::optional<Duration> timeout;  ///< of the command: drive time of motion; none = the default
+  /// Called before a position is commanded: who, and where to [UU]. For a progress display.
+  std::function<void(const client::AxisId&, std::int64_t)> on_aim;
+};
+
+/// Carries a command out, and prints what it answers. Success and failure are the outcome; the
+/// caller prints the message of a failure.
+/// @param timeout drive time of motion, none = the default
+client::Outcome execute(const Command& command, CommandContext& context,
+                        std::optional<Duration> timeout);
+
+/// Checks what can be checked of a command once its axes are known, before anything moves.
+/// @throws UsageError for a unit that an axis has not, and for a value that is out of range with
+///         it.
+void check_units(const Command& command, CommandContext& context);
+
+}  // namespace vdrive::tool

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "execution/connection.hpp"
+
+#include "output/report.hpp"
+#include "terminal/keys.hpp"
+
+#include <chrono>
+
+namespace vdrive::tool {
+
+client::SessionOptions session_options(const GlobalOptions& options) {
+  client::SessionOptions session;
+  session.domain = options.domain;
+  session.interfaces = options.interfaces;
+  session.peers = options.peers;
+  session.discovery_servers = options.discovery_servers;
+  session.security = options.security;
+  if (options.timeout) {
+    session.find_timeout = std::chrono::ceil<std::chrono::milliseconds>(*options.timeout);
+  } else if (!options.security.empty()) {
+    session.find_timeout = client::SessionOptions::kFindTimeoutOfClosedMode;
+  }
+  return session;
+}
+
+ExitCode finish(const client::Outcome& outcome, const Interrupt& interrupt, bool is_json,
+                Terminal& terminal) {
+  terminal.end_live();
+  if (interrupt.happened()) return ExitCode::interrupted;
+  // The reader of a pipe has ended: that ends a stream, it is not an error.
+  if (!terminal.is_open()) return ExitCode::ok;
+  if (outcome) return ExitCode::ok;
+  terminal.complain("vdrive: " + outcome.message());
+  if (is_json && outcome.kind() == client::OutcomeKind::not_found) {
+    Json json;
+    add_outcome(json, outcome);
+    terminal.print(to_line(json));
+  }
+  return exit_code_of(outcome.kind());
+}
+
+ExitCode run_connected(const Program& program, const GlobalOptions& options,
+                       const std::function<client::Outcome(client::Session&)>& work) {
+  Terminal& terminal = program.terminal;
+  Interrupt interrupt;
+  interrupt.before_exit([&terminal] {
+    terminal.leave_screen_at_once();
+    KeyInput::restore_at_once();
+  });
+  client::Session session(session_options(options));
+  interrupt.arm([&session] {
+    session.interrupt();
+  });
+  const client::Outcome outcome = work(session);
+  const ExitCode code = finish(outcome, interrupt, options.json, terminal);
+  interrupt.disarm();
+  return code;
+}
+
+}  // namespace vdrive::tool

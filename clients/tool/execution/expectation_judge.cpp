@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "execution/expectation_judge.hpp"
+
+#include "output/report.hpp"
+#include "values/condition.hpp"
+#include "vdrive/number_text.hpp"
+
+#include <span>
+#include <utility>
+
+namespace vdrive::tool {
+namespace {
+
+using client::Outcome;
+using client::OutcomeKind;
+
+Outcome not_every_tick(const ValueObserver& observer) {
+  return Outcome::failed(std::to_string(observer.missed()) +
+                         " samples of the status stream were lost before tick " +
+                         std::to_string(observer.tick()) + ": --throughout did not see every tick");
+}
+
+}  // namespace
+
+Outcome ExpectationJudge::judge(client::Axis& axis, const Expectation& expectation) {
+  if (!expectation.object.address) return unknown_object(axis.id(), expectation.object);
+  if (!expectation.within && !expectation.throughout) return compare(axis, expectation);
+  const auto bench = session_.find_bench(axis.id().bench);
+  if (!bench) return bench.outcome();
+  ValueObserver observer(session_, axis, *expectation.object.address);
+  if (Outcome seen = observer.start(*bench, in_force_[axis.id()]); !seen) return seen;
+  return expectation.within ? within(observer, *bench, expectation)
+                            : throughout(observer, *bench, expectation);
+}
+
+Outcome ExpectationJudge::await(const client::Axis& axis, const std::string& condition,
+                                Duration limit) {
+  Outcome held;
+  const auto shown = axis.wait_until(
+      [&](const client::AxisSnapshot& now) {
+        if (tool::shows(now, condition)) return true;
+        held = check_control(now);
+        return !held;
+      },
+      limit);
+  if (!held || shown) return held;
+  if (shown.outcome().kind() != OutcomeKind::timed_out) return shown.outcome();
+  const auto now = axis.status();
+  return Outcome::timed_out("axis " + to_string(axis.id()) + ": timed out while waiting for " +
+                            condition + (now ? ", " + client::what_it_shows(*now) : ""));
+}
+
+Outcome ExpectationJudge::compare(client::Axis& axis, const Expectation& expectation) {
+  const auto bench = session_.find_bench(axis.id().bench);
+  if (!bench) return bench.outcome();
+  if (bench->clock_mode != client::ClockMode::lockstep) {
+    // Time passes by itself: a value that was just written is read once it is in force.
+    const auto reached = session_.wait_for_tick(axis.id().bench, in_force_[axis.id()]);
+    if (!reached) return reached.outcome();
+  }
+  const auto readings = axis.read(std::span(&*expectation.object.address, 1));
+  if (!readings) return readings.outcome();
+  const client::ObjectReading& reading = readings->objects.front();
+  if (reading.code != AbortCode::none) {
+    return Outcome::refused(wire_code(reading.code),
+                            "read of " + expectation.object.text + " refused");
+  }
+  if (expectation.accepts(reading.value)) return {};
+  return differs(expectation, reading.value, readings->tick);
+}
+
+Outcome ExpectationJudge::within(ValueObserver& observer, const client::BenchInfo& bench,
+                                 const Expectation& expectation) {
+  const std::uint64_t last =
+      observer.driven_tick() + client::ticks_of(*expectation.within, bench.period);
+  while (!expectation.accepts(observer.value())) {
+    if (Outcome held = check_control(observer.shown()); !held) return held;
+    if (observer.driven_tick() >= last) {
+      return differs(expectation, observer.value(), observer.tick());
+    }
+    if (Outcome seen = observer.next(); !seen) return seen;
+  }
+  return {};
+}
+
+/// An axis that this session has lost does not do what the scenario commanded any more.
+Outcome ExpectationJudge::check_control(const client::AxisSnapshot& axis) {
+  if (axis.owner_session == session_.id()) {
+    held_.insert(axis.id);
+    return {};
+  }
+  if (!held_.contains(axis.id)) return {};
+  const std::string owner = axis.owner_session == 0
+                                ? "no session controls it"
+                                : "session " + hex(axis.owner_session, 16) + " controls it";
+  return Outcome::lost("axis " + to_string(axis.id) + " was lost: " + owner + " at tick " +
+                       std::to_string(axis.tick) + ", it " + client::what_it_shows(axis));
+}
+
+Outcome ExpectationJudge::throughout(ValueObserver& observer, const client::BenchInfo& bench,
+                                     const Expectation& expectation) {
+  if (!observer.sees_every_tick()) {
+    return Outcome::failed(
+        expectation.object.text +
+        " is not in the status stream: --throughout can check it in every tick only in lock-step");
+  }
+  const std::uint64_t last =
+      observer.driven_tick() + client::ticks_of(*expectation.throughout, bench.period);
+  while (true) {
+    if (Outcome held = check_control(observer.shown()); !held) return held;
+    if (!expectation.accepts(observer.value())) {
+      return differs(expectation, observer.value(), observer.tick());
+    }
+    if (observer.missed() != 0) return not_every_tick(observer);
+    if (observer.driven_tick() >= last) return {};
+    if (Outcome seen = observer.next(); !seen) return seen;
+  }
+}
+
+Outcome ExpectationJudge::differs(const Expectation& expectation, std::int64_t actual,
+                                  std::uint64_t tick) {
+  found_ = Json{{"expected", expectation.value}, {"actual", actual}, {"tick", tick}};
+  std::string message = expectation.object.text + ": expected " + expected_text(expectation) +
+                        ", actual " + value_text(expectation.object, actual) + " at tick " +
+                        std::to_string(tick);
+  return Outcome::failed(std::move(message));
+}
+
+}  // namespace vdrive::tool

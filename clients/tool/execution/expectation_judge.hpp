@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "execution/value_observer.hpp"
+#include "output/report.hpp"
+#include "values/expectation.hpp"
+#include "vdrive/client/axis.hpp"
+#include "vdrive/client/session.hpp"
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+
+namespace vdrive::tool {
+
+/// Compares what axes show with what is expected, from the tick on in which the writes of earlier
+/// commands are in force.
+class ExpectationJudge {
+ public:
+  explicit ExpectationJudge(client::Session& session) : session_(session) {}
+
+  /// A write of this session is in force at `tick`: what the axis showed before does not count.
+  void note_write(const client::AxisId& axis, std::uint64_t tick) { in_force_[axis] = tick; }
+
+  /// This session has control of the axis: a wait ends when another one takes it.
+  void note_control(const client::AxisId& axis) { held_.insert(axis); }
+
+  /// @param expectation in user units
+  /// @return failed, with found(), where the axis shows another value: at once, at the end of
+  ///         `within`, or in any tick of `throughout`.
+  client::Outcome judge(client::Axis& axis, const Expectation& expectation);
+
+  /// Waits until the axis shows a condition of condition_names(). @param limit drive time
+  client::Outcome await(const client::Axis& axis, const std::string& condition, Duration limit);
+
+  /// What the last judge() found that differs; none for other failures.
+  [[nodiscard]] const std::optional<Json>& found() const noexcept { return found_; }
+
+  void set_found(Json found) { found_ = std::move(found); }
+
+  /// Before the next command.
+  void forget_found() { found_.reset(); }
+
+ private:
+  client::Outcome compare(client::Axis& axis, const Expectation& expectation);
+  client::Outcome within(ValueObserver& observer, const client::BenchInfo& bench,
+                         const Expectation& expectation);
+  client::Outcome throughout(ValueObserver& observer, const client::BenchInfo& bench,
+                             const Expectation& expectation);
+  client::Outcome check_control(const client::AxisSnapshot& axis);
+  client::Outcome differs(const Expectation& expectation, std::int64_t actual, std::uint64_t tick);
+
+  client::Session& session_;
+  std::map<client::AxisId, std::uint64_t> in_force_;  ///< tick of the last write
+  std::set<client::AxisId> held_;                     ///< axes of which this session had control
+  std::optional<Json> found_;
+};
+
+}  // namespace vdrive::tool

@@ -1,0 +1,336 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "language/command_line.hpp"
+
+#include "base/usage_error.hpp"
+#include "language/arguments.hpp"
+#include "language/completion.hpp"
+#include "language/help.hpp"
+#include "network_options.hpp"
+#include "vdrive/client/session.hpp"
+#include "vdrive/text.hpp"
+#include "vdrive/wire/address.hpp"
+#include "vdrive/wording.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <cstdlib>
+#include <deque>
+#include <limits>
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+
+namespace vdrive::tool {
+namespace {
+
+/// @return what is wrong with ADDRESS:PORT, or nothing; part of one of CLI11's texts.
+std::string check_server(const std::string& text) {
+  return wire::parse_server_address(text)
+             ? ""
+             : "'" + text + "' is not ADDRESS:PORT, such as 10.0.0.9:11811";
+}
+
+/// CLI11 takes an empty value for one that was not given, and an empty variable for none.
+void refuse_empty_values(const CLI::App& app) {
+  for (const CLI::Option* const option : app.get_options()) {
+    if (std::ranges::find(option->results(), "") != option->results().end()) {
+      throw UsageError(option->get_name() + ": the value is empty");
+    }
+    const std::string variable = option->get_envname();
+    const char* const text = variable.empty()
+                                 ? nullptr
+                                 : std::getenv(variable.c_str());  // NOLINT(concurrency-mt-unsafe)
+    if (option->count() == 0 && text != nullptr && *text == '\0') {
+      throw UsageError(variable +
+                       " in the environment is set, but empty: unset it or give a value");
+    }
+  }
+}
+
+std::vector<std::string> names_of_options(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* const option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  return names;
+}
+
+std::vector<std::string> names_of_commands(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* const command : app.get_subcommands({}))
+    names.push_back(command->get_name());
+  return names;
+}
+
+/// @return what is wrong with arguments that no option and no place of a command takes, the first
+///         option of them or else the first: CLI11 lists them from the last to the first.
+std::string unexpected_text(const CLI::App& app) {
+  const std::vector<std::string> extras = app.remaining(true);
+  const auto chosen = app.get_subcommands();
+  const CLI::App& command = chosen.empty() ? app : *chosen.front();
+  const std::string called = "'vdrive " + command.get_name() + "'";
+  auto extra = std::ranges::find_if(extras, is_option);
+  if (extra == extras.end()) {
+    return in_quotes(extras.front()) + " is one argument too many for " + called;
+  }
+  const std::string name = extra->substr(0, extra->find('='));
+  std::vector<std::string> known = names_of_options(command);
+  for (std::string& global : names_of_options(app)) known.push_back(std::move(global));
+  return in_quotes(name) + " is not an option of " + called + suggestion(name, known);
+}
+
+/// @param name of an option that stands before the command
+std::string unknown_option(const CLI::App& app, const std::string& name) {
+  for (const CLI::App* const command : app.get_subcommands({})) {
+    if (command->get_option_no_throw(name) == nullptr) continue;
+    return in_quotes(name) + " belongs after its command, such as 'vdrive " + command->get_name() +
+           " ... " + name + "'";
+  }
+  return in_quotes(name) + " is not an option" + suggestion(name, names_of_options(app));
+}
+
+void check_command_name(const CLI::App& app, const std::string& name) {
+  const std::vector<std::string> commands = names_of_commands(app);
+  if (std::ranges::find(commands, name) != commands.end()) return;
+  const std::string nearest = suggestion(name, commands);
+  throw UsageError(in_quotes(name) + " is not a command" +
+                   (nearest.empty() ? "; 'vdrive --help' lists all commands" : nearest));
+}
+
+/// CLI11 reports an unknown command as a missing one, and takes the value of an unknown option
+/// for the command. The first argument that is neither an option nor the value of an option is
+/// the command.
+void check_command(const CLI::App& app, const std::vector<std::string>& arguments) {
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    const std::string& argument = arguments[i];
+    if (!argument.starts_with('-')) {
+      check_command_name(app, argument);
+      return;
+    }
+    const std::string name = argument.substr(0, argument.find('='));
+    const CLI::Option* const option = app.get_option_no_throw(name);
+    if (option == nullptr) throw UsageError(unknown_option(app, name));
+    const bool has_value = option->get_items_expected_max() > 0;
+    if (has_value && name == argument) ++i;
+  }
+}
+
+/// @throws UsageError
+std::uint32_t default_domain() {
+  try {
+    return client::default_domain();
+  } catch (const std::runtime_error& error) {
+    throw UsageError(error.what());
+  }
+}
+
+/// A line as CLI11 reads it: the options of the tool, and the commands that the place may have.
+class CommandLine {
+ public:
+  CommandLine(CommandTable commands, Place place) {
+    app_.name("vdrive");
+    app_.description(std::string(kSummary));
+    app_.footer(std::string(kExamples));
+    app_.require_subcommand(1);
+    app_.fallthrough();
+    app_.get_formatter()->column_width(28);
+    app_.get_formatter()->label("SUBCOMMAND", "COMMAND");
+    if (place == Place::scenario) app_.set_help_flag();
+    add_options(place);
+    for (const CommandRow* const row : commands) {
+      if (row->face.deepest >= place) add_command(*row, place);
+    }
+    // After the commands: those that follow would take it over.
+    if (place == Place::command_line) {
+      app_.set_help_all_flag("--help-all", "Print the help of every command and exit");
+    }
+  }
+
+  /// @throws CLI::ParseError, UsageError
+  void parse(std::vector<std::string> arguments) {
+    check_command(app_, arguments);
+    std::ranges::reverse(arguments);  // CLI11 takes them from the back
+    app_.parse(std::move(arguments));
+    refuse_empty_values(app_);
+    for (const CLI::App* const command : app_.get_subcommands()) refuse_empty_values(*command);
+  }
+
+  [[nodiscard]] const CLI::App& app() const { return app_; }
+
+  [[nodiscard]] const Completers& completers() const { return completers_; }
+
+  [[nodiscard]] std::optional<Command>& command() { return command_; }
+
+  /// @throws UsageError
+  [[nodiscard]] GlobalOptions options() const {
+    GlobalOptions options = options_;
+    if (!timeout_.empty()) options.timeout = parse_seconds(timeout_);
+    return options;
+  }
+
+  /// --domain. @throws UsageError for a default that is wrong.
+  [[nodiscard]] std::uint32_t domain() const { return domain_ ? *domain_ : default_domain(); }
+
+ private:
+  void add_options(Place place) {
+    app_.add_option("--timeout", timeout_,
+                    "Limit [s]: wall time to find a service (default 2, in the closed mode 5), "
+                    "drive time of a motion (default 60)")
+        ->type_name("S");
+    if (place == Place::command_line) add_network();
+    if (place != Place::scenario) {
+      app_.add_flag("--json", options_.json, "One JSON object per line on standard output");
+    }
+  }
+
+  void add_network() {
+    bridge::add_domain_option(app_, domain_, "; default: VDRIVE_DOMAIN, else 0");
+    add_addresses("--interface", options_.interfaces,
+                  "Use this network in addition to loopback: IPv4 address of this machine in it",
+                  "ADDRESS")
+        ->check(CLI::ValidIPV4);
+    add_addresses("--peer", options_.peers,
+                  "Search for benches on this host, too: its IPv4 address", "ADDRESS")
+        ->check(CLI::ValidIPV4);
+    add_addresses("--discovery-server", options_.discovery_servers,
+                  "Use a discovery server instead of multicast", "ADDRESS:PORT")
+        ->check(check_server);
+    app_.add_option("--security", options_.security,
+                    "Closed mode: directory with certificate, key and permissions")
+        ->envname("VDRIVE_SECURITY")
+        ->type_name("DIR");
+    app_.set_version_flag("--version", "vdrive " VDRIVE_VERSION);
+  }
+
+  /// May appear several times, with one value each: the next argument may be the command.
+  CLI::Option* add_addresses(const char* name, std::vector<std::string>& values, const char* help,
+                             const char* type) {
+    return app_.add_option(name, values, help)->allow_extra_args(false)->type_name(type);
+  }
+
+  void add_command(const CommandRow& row, Place place) {
+    const CommandFace& face = row.face;
+    CLI::App* const command =
+        app_.add_subcommand(std::string(face.name), std::string(face.summary));
+    command->footer(face.help.empty() ? "Example:\n  vdrive " + std::string(face.example)
+                                      : std::string(face.help));
+    Arguments& arguments = arguments_.emplace_back(*command, place, options_.json, completers_);
+    command->callback([this, &row, &arguments, make = row.declare(arguments)] {
+      arguments.finish();
+      command_ = make();
+      command_->row = &row;
+    });
+  }
+
+  CLI::App app_;
+  GlobalOptions options_;
+  std::optional<std::uint32_t> domain_;
+  std::string timeout_;
+  Completers completers_;
+  std::deque<Arguments> arguments_;  ///< of each command; the callbacks refer to them
+  std::optional<Command> command_;
+};
+
+/// @return the help of the tool, then that of each command.
+std::string help_of_all_commands(const CLI::App& app) {
+  std::string text = app.help();
+  for (const CLI::App* const command : app.get_subcommands({})) {
+    text += "\n" + command->get_name() + ": " + command->help(app.get_name());
+  }
+  return text;
+}
+
+/// CLI11's texts end with hints of their own and with line breaks, and hold what was given as it
+/// is.
+std::string one_line(std::string text) {
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  std::ranges::replace(text, '\n', ' ');
+  return escaped(text, kShownOfMessage);
+}
+
+/// What a command line, or a line of a shell, requests.
+Invocation invocation_of(CommandLine& line, std::vector<std::string> arguments) {
+  Invocation invocation;
+  try {
+    line.parse(std::move(arguments));
+    invocation.options = line.options();
+    invocation.command = std::move(line.command());
+  } catch (const CLI::CallForHelp&) {
+    invocation.text = line.app().help();
+  } catch (const CLI::CallForAllHelp&) {
+    invocation.text = help_of_all_commands(line.app());
+  } catch (const CLI::CallForVersion& version) {
+    invocation.text = std::string(version.what()) + "\n";
+  } catch (const CLI::ExtrasError&) {
+    throw UsageError(unexpected_text(line.app()));
+  } catch (const CLI::ParseError& error) {
+    throw UsageError(one_line(error.what()));
+  }
+  return invocation;
+}
+
+/// refused CODE COMMAND...: the command of the line is the inner one.
+ScenarioCommand parse_refused(CommandTable commands, const std::vector<std::string>& words) {
+  constexpr std::uint64_t kHighestCode = std::numeric_limits<std::uint32_t>::max();
+  if (words.size() < 3) throw UsageError("refused needs a code and a command");
+  const auto code = static_cast<std::uint32_t>(parse_number(words[1], "code", kHighestCode));
+  if (words[2] == "refused") {
+    throw UsageError("refused stands in refused: a line has at most one of them");
+  }
+  ScenarioCommand inner = parse_scenario_command(commands, {words.begin() + 2, words.end()});
+  inner.command.refusal = code;
+  return inner;
+}
+
+}  // namespace
+
+Invocation parse_command_line(CommandTable commands, std::vector<std::string> arguments) {
+  if (arguments.empty()) throw UsageError("no command given; 'vdrive --help' lists all commands");
+  CommandLine line(commands, Place::command_line);
+  Invocation invocation = invocation_of(line, std::move(arguments));
+  const bool needs_domain = invocation.command && invocation.command->row->face.needs_domain;
+  if (needs_domain) invocation.options.domain = line.domain();
+  return invocation;
+}
+
+Invocation parse_shell_command(CommandTable commands, std::vector<std::string> words) {
+  CommandLine line(commands, Place::shell);
+  return invocation_of(line, std::move(words));
+}
+
+ScenarioCommand parse_scenario_command(CommandTable commands, std::vector<std::string> words) {
+  if (!words.empty() && words.front() == "refused") return parse_refused(commands, words);
+  const bool asks_for_help = std::ranges::any_of(words, [](const std::string& word) {
+    return word == "--help" || word == "-h";
+  });
+  if (asks_for_help) throw UsageError("help cannot be used in a scenario");
+  CommandLine line(commands, Place::scenario);
+  try {
+    line.parse(std::move(words));
+    return {std::move(line.command()).value(), line.options().timeout};
+  } catch (const CLI::ExtrasError&) {
+    throw UsageError(unexpected_text(line.app()));
+  } catch (const CLI::ParseError& error) {
+    throw UsageError(one_line(error.what()));
+  }
+}
+
+std::vector<std::string> complete_words(CommandTable commands,
+                                        const std::vector<std::string>& words,
+                                        const BenchNames& names) {
+  const CommandLine line(commands, Place::command_line);
+  return candidates(line.app(), line.completers(), words, names);
+}
+
+std::vector<std::string> complete_line(CommandTable commands, const std::string& line,
+                                       const BenchNames& names) {
+  std::vector<std::string> words;
+  std::istringstream stream(line);
+  for (std::string word; stream >> word;) words.push_back(word);
+  if (line.empty() || line.ends_with(' ') || line.ends_with('\t')) words.emplace_back();
+  const CommandLine shell(commands, Place::shell);
+  return candidates(shell.app(), shell.completers(), words, names);
+}
+
+}  // namespace vdrive::tool

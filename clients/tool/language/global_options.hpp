@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "values/value.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vdrive::tool {
+
+/// Options that stand before or after the command.
+struct GlobalOptions {
+  std::uint32_t domain = 0;
+  std::vector<std::string> interfaces;         ///< own addresses in the networks to use
+  std::vector<std::string> peers;              ///< addresses searched beside multicast
+  std::vector<std::string> discovery_servers;  ///< such as 10.0.0.9:11811, instead of multicast
+  std::string security;                        ///< directory of the closed mode; empty = open
+  bool json = false;
+  std::optional<Duration> timeout;  ///< wall time to find a service, drive time of motion
+};
+
+}  // namespace vdrive::tool

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "values/units.hpp"
+#include "values/value.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace vdrive::tool {
+
+/// How an actual value has to stand to the expected one.
+enum class Comparison : std::uint8_t { equal, not_equal, less, at_most, more, at_least };
+
+/// What an object of an axis is expected to be.
+struct Expectation {
+  ObjectName object;
+  Comparison comparison = Comparison::equal;
+  std::int64_t value = 0;
+  std::optional<Quantity> quantity;  ///< the value where it has a unit
+  std::optional<std::uint64_t> mask;
+  std::optional<std::uint64_t> tolerance;
+  std::optional<Quantity> quantity_of_tolerance;
+  std::optional<Duration> within;      ///< it comes true in this drive time
+  std::optional<Duration> throughout;  ///< it is true in every tick of this drive time
+
+  /// @return whether `actual` is what is expected.
+  [[nodiscard]] bool accepts(std::int64_t actual) const noexcept;
+
+  /// @return the same for Comparison::equal: under the mask, or within the tolerance.
+  [[nodiscard]] bool equals(std::int64_t actual) const noexcept;
+};
+
+/// @param values [COMPARISON] VALUE
+/// @throws UsageError
+[[nodiscard]] Expectation parse_expectation(const std::string& object,
+                                            std::span<const std::string> values);
+
+/// @return such as "0x1237 (4663) under mask 0x00001000", with the comparison where it is not "==".
+[[nodiscard]] std::string expected_text(const Expectation& expectation);
+
+/// @throws UsageError for an object that does not exist, and for what its range never fulfils.
+void check_expectation(const Expectation& expectation);
+
+/// @return such as "<=".
+[[nodiscard]] std::string_view to_string(Comparison comparison) noexcept;
+
+/// @return the comparison that `text` is, if it is one.
+[[nodiscard]] std::optional<Comparison> comparison_named(std::string_view text) noexcept;
+
+}  // namespace vdrive::tool
