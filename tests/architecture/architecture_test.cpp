@@ -177,6 +177,12 @@ TEST(Architecture, NoModuleOfTheToolUsesItselfThroughOthers) {
   EXPECT_THAT(circles_of(modules), IsEmpty());
 }
 
+TEST(Architecture, NoModuleOfTheClientUsesItselfThroughOthers) {
+  const ModuleGraph modules = modules_below("clients/src/", sources());
+  ASSERT_GT(modules.size(), 40U);
+  EXPECT_THAT(circles_of(modules), IsEmpty());
+}
+
 TEST(Modules, FormACircleAlsoThroughTheirSources) {
   const std::vector<SourceFile> files{{"tool/a/one.cpp", "\n#include \"b/two.hpp\""},
                                       {"tool/b/two.cpp", "\n#include \"a/one.hpp\""},

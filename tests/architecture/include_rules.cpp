@@ -150,15 +150,16 @@ constexpr std::array kDriveLayers{
     LayerRow{"tick", 8},           LayerRow{"objects", 9},
 };
 
-/// A room of a folder, and the rooms that it may include beside itself. A new room is a new row.
-struct FolderRoomRow {
+/// A room inside a folder, and the rooms of the folder that it may include beside itself. A new
+/// room is a new row.
+struct InnerRoomRow {
   std::string_view room;
   std::vector<std::string_view> may_include;
   std::string_view reason;
 };
 
-const std::vector<FolderRoomRow>& service_rooms() {
-  static const std::vector<FolderRoomRow> rows{
+const std::vector<InnerRoomRow>& service_rooms() {
+  static const std::vector<InnerRoomRow> rows{
       {"base", {}, "base/ is below every room"},
       {"settings", {}, "settings/ reads YAML and knows no bench"},
       {"configuration", {"base", "settings"}, "configuration/ is data"},
@@ -183,8 +184,8 @@ const std::vector<FolderRoomRow>& service_rooms() {
 }
 
 /// "" are the files beside the rooms: main, the table of commands, and what starts one.
-const std::vector<FolderRoomRow>& tool_rooms() {
-  static const std::vector<FolderRoomRow> rows{
+const std::vector<InnerRoomRow>& tool_rooms() {
+  static const std::vector<InnerRoomRow> rows{
       {"base", {}, "base/ is below every room"},
       {"terminal", {}, "terminal/ knows keys and lines only"},
       {"values", {"base"}, "values/ is what a person types, without commands"},
@@ -207,6 +208,38 @@ const std::vector<FolderRoomRow>& tool_rooms() {
        "the program starts a command by its row"},
   };
   return rows;
+}
+
+const std::vector<InnerRoomRow>& client_rooms() {
+  static const std::vector<InnerRoomRow> rows{
+      {"base", {}, "base/ is below every room"},
+      {"presence", {"base"}, "presence/ finds benches and commands none"},
+      {"exchange", {"base", "presence"}, "exchange/ sends and waits for answers; no stream"},
+      {"streams", {"base", "presence", "exchange"}, "streams/ shows benches and steps none"},
+      {"clocks",
+       {"base", "presence", "exchange", "streams"},
+       "clocks/ is a part of the session, not a user of it"},
+      {"session",
+       {"base", "presence", "exchange", "streams", "clocks"},
+       "session/ composes the parts and commands no axis"},
+      {"calls", {"base", "session"}, "calls/ reaches the parts by their session; no groups"},
+      {"groups", {"base", "calls"}, "groups/ commands axes by calls/"},
+  };
+  return rows;
+}
+
+/// A folder that is divided into rooms.
+struct DividedFolder {
+  std::string_view folder;
+  const std::vector<InnerRoomRow>& rooms;
+};
+
+const std::array<DividedFolder, 2>& divided_folders() {
+  static const std::array<DividedFolder, 2> folders{
+      DividedFolder{"service/src/", service_rooms()},
+      DividedFolder{"clients/src/", client_rooms()},
+  };
+  return folders;
 }
 
 /// The only files that may include the whole engine: its drivers, and what makes it.
@@ -347,25 +380,32 @@ std::string_view first_folder(std::string_view path) {
   return path.substr(0, path.find('/'));
 }
 
-/// The rooms of the service.
-std::optional<std::string_view> refuse_service_room(std::string_view path, const Include& include) {
-  constexpr std::string_view kFolder = "service/src/";
-  if (!path.starts_with(kFolder)) return std::nullopt;
-  path.remove_prefix(kFolder.size());
-  const auto row = std::ranges::find(service_rooms(), first_folder(path), &FolderRoomRow::room);
-  if (row == service_rooms().end()) return "service/src has a file without a room";
+const InnerRoomRow* find_room(const std::vector<InnerRoomRow>& rooms, std::string_view path) {
+  const auto row = std::ranges::find(rooms, first_folder(path), &InnerRoomRow::room);
+  return row == rooms.end() ? nullptr : &*row;
+}
+
+/// The rooms inside a folder.
+std::optional<std::string_view> refuse_inner_room(std::string_view path, const Include& include) {
+  const auto divided = std::ranges::find_if(divided_folders(), [&](const DividedFolder& row) {
+    return path.starts_with(row.folder);
+  });
+  if (divided == divided_folders().end()) return std::nullopt;
+  const InnerRoomRow* const from = find_room(divided->rooms, path.substr(divided->folder.size()));
+  if (from == nullptr) return "a file without a room in a folder that has rooms";
   if (!include.quoted || origin_of(include) != Origin::beside) return std::nullopt;
-  const std::string_view included = first_folder(include.name);
-  if (std::ranges::find(service_rooms(), included, &FolderRoomRow::room) == service_rooms().end()) {
-    return "a file of service/src includes another one by its room";
-  }
-  if (included != row->room && std::ranges::count(row->may_include, included) == 0) {
-    return row->reason;
-  }
-  if (include.name == "engine/bench_engine.hpp" && std::ranges::count(kKnowTheEngine, path) == 0) {
-    return "only its drivers and the program know the whole engine";
-  }
+  const InnerRoomRow* const to = find_room(divided->rooms, include.name);
+  if (to == nullptr) return "a file of a room includes another one by its room";
+  if (to != from && std::ranges::count(from->may_include, to->room) == 0) return from->reason;
   return std::nullopt;
+}
+
+/// The whole engine, with everything that can be asked of it.
+std::optional<std::string_view> refuse_whole_engine(std::string_view path, const Include& include) {
+  constexpr std::string_view kFolder = "service/src/";
+  if (!path.starts_with(kFolder) || include.name != "engine/bench_engine.hpp") return std::nullopt;
+  if (std::ranges::count(kKnowTheEngine, path.substr(kFolder.size())) > 0) return std::nullopt;
+  return "only its drivers and the program know the whole engine";
 }
 
 /// The rooms of the tool. Headers without a folder are those of other libraries, or beside main.
@@ -375,15 +415,16 @@ std::optional<std::string_view> refuse_tool_room(std::string_view path, const In
   path.remove_prefix(kFolder.size());
   const bool has_room = path.find('/') != std::string_view::npos;
   const auto row =
-      std::ranges::find(tool_rooms(), has_room ? first_folder(path) : "", &FolderRoomRow::room);
+      std::ranges::find(tool_rooms(), has_room ? first_folder(path) : "", &InnerRoomRow::room);
   if (row == tool_rooms().end()) return "clients/tool has a file without a room";
   const std::string_view name = include.name;
-  if (name == "command_table.hpp" && has_room)
+  if (name == "command_table.hpp" && has_room) {
     return "only the program knows the table of commands";
+  }
   const std::string_view included = first_folder(name);
   const bool is_of_tool =
       included != name &&
-      std::ranges::find(tool_rooms(), included, &FolderRoomRow::room) != tool_rooms().end();
+      std::ranges::find(tool_rooms(), included, &InnerRoomRow::room) != tool_rooms().end();
   if (!include.quoted || !is_of_tool) return std::nullopt;
   if (included == "commands" && without_extension(name) != without_extension(path)) {
     return "the table of commands has a row of each; nothing includes one";
@@ -414,8 +455,9 @@ Violations check_source(std::string_view path, std::string_view text) {
     if (const auto include = parse_include(lines[i])) {
       auto reason = refuse_include(path, *room, *include);
       if (!reason) reason = refuse_layer(path, *include);
-      if (!reason) reason = refuse_service_room(path, *include);
+      if (!reason) reason = refuse_inner_room(path, *include);
       if (!reason) reason = refuse_tool_room(path, *include);
+      if (!reason) reason = refuse_whole_engine(path, *include);
       if (reason) violations.push_back(violation(path, i + 1, include->name, *reason));
     } else if (const auto reason = refuse_code(path, code_of(lines[i]))) {
       violations.push_back(violation(path, i + 1, lines[i], *reason));

@@ -16,7 +16,7 @@
 #include "seam/queues.hpp"
 #include "seam/wire_link.hpp"
 #include "seam/wire_region.hpp"
-#include "status_feed.hpp"
+#include "streams/status_feed.hpp"
 #include "support/test_domain.hpp"
 #include "vdrive/wire/bytes_subscription.hpp"
 #include "vdrive/wire/participant.hpp"

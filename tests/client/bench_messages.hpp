@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "directory.hpp"
+#include "presence/directory.hpp"
 #include "vdrive_messages.h"
 
 #include <cstdint>

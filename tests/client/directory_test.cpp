@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which benches are present: judged by the age of samples.
-#include "directory.hpp"
+#include "presence/directory.hpp"
 
 #include "bench_messages.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which events are new to a program.
-#include "event_filter.hpp"
+#include "streams/event_filter.hpp"
 
 #include "vdrive/client/event.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The common times of a straight line in axis space.
-#include "line_times.hpp"
+#include "groups/line_times.hpp"
 
 #include <gtest/gtest.h>
 

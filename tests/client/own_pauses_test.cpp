@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The times when a program did not run, and that they are no silence of a bench.
-#include "own_pauses.hpp"
+#include "presence/own_pauses.hpp"
 
 #include "bench_messages.hpp"
-#include "directory.hpp"
+#include "presence/directory.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // When a search for benches ends, and what it says. Time is an argument.
-#include "search.hpp"
+#include "presence/search.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The state of services, judged by the age of their samples.
-#include "service_watch.hpp"
+#include "presence/service_watch.hpp"
 
 #include "bench_messages.hpp"
 

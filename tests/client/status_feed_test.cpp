@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Status frames become samples of the wanted axes; missing ones are counted.
-#include "status_feed.hpp"
+#include "streams/status_feed.hpp"
 
 #include "vdrive/wire/codec.hpp"
 

@@ -3,12 +3,12 @@
 // Bytes of unknown programs on every topic, and well-formed commands and requests among them. The
 // decoder refuses, or gives a message that can be written again; what receivers do with it is done:
 // the service validates, carries out and answers, a client puts status and benches together.
-#include "directory.hpp"
 #include "engine/bench_engine.hpp"
 #include "fuzz/support/bytes.hpp"
 #include "message_types.hpp"
+#include "presence/directory.hpp"
 #include "publish/event_text.hpp"
-#include "status_feed.hpp"
+#include "streams/status_feed.hpp"
 #include "support/local_inbox.hpp"
 #include "vdrive/wire/codec.hpp"
 #include "vdrive/wire/conversion.hpp"

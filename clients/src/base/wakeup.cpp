@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "base/wakeup.hpp"
+
+#include <algorithm>
+
+namespace vdrive::client {
+namespace {
+
+/// Interrupts that the call of this thread survives. The parts of a session that wait are shared by
+/// all calls, but each call waits in the thread of its caller.
+struct Survived {
+  const Wakeup* wakeup = nullptr;
+  std::uint64_t interrupts = 0;
+};
+
+Survived& survived() {
+  thread_local Survived interrupts;
+  return interrupts;
+}
+
+}  // namespace
+
+Wakeup::StopInProgress::StopInProgress(const Wakeup& wakeup)
+    : outer_wakeup_(survived().wakeup), outer_interrupts_(survived().interrupts) {
+  const std::scoped_lock lock(wakeup.mutex_);
+  survived() = {.wakeup = &wakeup, .interrupts = wakeup.interrupts_};
+}
+
+Wakeup::StopInProgress::~StopInProgress() {
+  survived() = {.wakeup = outer_wakeup_, .interrupts = outer_interrupts_};
+}
+
+/// Without the lock, which those who wake take first.
+void Wakeup::notify() {
+  {
+    const std::scoped_lock lock(mutex_);
+    ++changes_;
+  }
+  changed_.notify_all();
+}
+
+void Wakeup::interrupt() noexcept {
+  const std::scoped_lock lock(mutex_);
+  ++interrupts_;
+  ++changes_;
+  changed_.notify_all();
+}
+
+void Wakeup::end_interrupt() noexcept {
+  const std::scoped_lock lock(mutex_);
+  ended_interrupts_ = interrupts_;
+}
+
+bool Wakeup::is_interrupted() const {
+  const std::scoped_lock lock(mutex_);
+  const std::uint64_t survived_here = survived().wakeup == this ? survived().interrupts : 0;
+  return interrupts_ > std::max(survived_here, ended_interrupts_);
+}
+
+std::uint64_t Wakeup::changes() const {
+  const std::scoped_lock lock(mutex_);
+  return changes_;
+}
+
+void Wakeup::wait_until(std::uint64_t changes, Clock::time_point deadline) {
+  std::unique_lock lock(mutex_);
+  changed_.wait_until(lock, deadline, [&] {
+    return changes_ != changes;
+  });
+}
+
+}  // namespace vdrive::client

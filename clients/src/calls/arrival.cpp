@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calls/arrival.hpp"
+
+#include "base/command_words.hpp"
+
+#include <string>
+#include <utility>
+
+namespace vdrive::client {
+namespace {
+
+constexpr std::uint8_t kNegativeLimitSwitch = 1U << 0U;  // of 60FDh
+constexpr std::uint8_t kPositiveLimitSwitch = 1U << 1U;
+
+/// @param target none where it is not known, or lies behind the end of the register
+std::int64_t way_to(const AxisSnapshot& axis, std::optional<std::int32_t> target) {
+  if (!target) return axis.status.velocity_demand_value;
+  return std::int64_t{*target} - axis.status.position_demand_value;
+}
+
+std::string move_to(std::int32_t target) {
+  return "the move to " + std::to_string(target);
+}
+
+}  // namespace
+
+void LimitSwitchWatch::note(const AxisSnapshot& axis, std::int64_t way) {
+  if (way == 0) return;
+  const std::uint8_t in_the_way = way > 0 ? kPositiveLimitSwitch : kNegativeLimitSwitch;
+  if ((axis.status.digital_inputs & in_the_way) == 0) return;
+  input_ = way > 0 ? "positive limit switch (60FDh bit 1)" : "negative limit switch (60FDh bit 0)";
+}
+
+bool LimitSwitchWatch::has_ended(const AxisSnapshot& axis) const {
+  return !input_.empty() && axis.status.velocity_demand_value == 0;
+}
+
+Outcome LimitSwitchWatch::outcome(const AxisSnapshot& axis, const std::string& what) const {
+  if (input_.empty()) return {};
+  return Outcome::failed("axis " + to_string(axis.id) + ": the " + std::string(input_) +
+                         " has ended " + what + " at position " +
+                         std::to_string(axis.status.load_position_actual_value));
+}
+
+Result<std::uint16_t> controlword_of(AxesCall& call) {
+  const auto present = call.read(kControlwordObject);
+  if (!present) return present.outcome();
+  return static_cast<std::uint16_t>(present->front().front());
+}
+
+Outcome outcome_of_halt(const AxisSnapshot& axis, std::uint16_t word) {
+  if ((word & Controlword::kHalt) == 0) return {};
+  return Outcome::failed("axis " + to_string(axis.id) + " was halted before it reached its target");
+}
+
+Outcome goes_on_to_target(const AxisSnapshot& axis) {
+  return Outcome::failed("interrupted; axis " + to_string(axis.id) + " continues to its target");
+}
+
+Outcome check_halt(AxesCall& call) {
+  const auto word = controlword_of(call);
+  if (!word) return word.outcome();
+  return outcome_of_halt(call.axis(), *word);
+}
+
+Outcome check_limit_switch(const AxisSnapshot& axis, std::int32_t target) {
+  LimitSwitchWatch limit_switch;
+  limit_switch.note(axis, way_to(axis, target));
+  return limit_switch.has_ended(axis) ? limit_switch.outcome(axis, move_to(target)) : Outcome();
+}
+
+Outcome await_target(AxesCall& call, const Wakeup& wakeup, std::optional<std::int32_t> target) {
+  LimitSwitchWatch limit_switch;
+  Outcome reached = call.await_enabled(kTargetReached, call.tick(), [&](const AxisSnapshot& axis) {
+    limit_switch.note(axis, way_to(axis, target));
+    return target_reached(axis) || limit_switch.has_ended(axis);
+  });
+  if (reached && !target_reached(call.axis())) {
+    return limit_switch.outcome(call.axis(), target ? move_to(*target) : "the motion");
+  }
+  if (reached.kind() == OutcomeKind::failed && is_enabled(call.axis()) && wakeup.is_interrupted()) {
+    return goes_on_to_target(call.axis());
+  }
+  return reached ? check_halt(call) : reached;
+}
+
+}  // namespace vdrive::client

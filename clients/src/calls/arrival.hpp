@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/wakeup.hpp"
+#include "calls/axes_call.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace vdrive::client {
+
+inline constexpr std::string_view kTargetReached = "target reached, bit 10";
+
+/// @return 6040h of the only axis of the call, as it is in force.
+[[nodiscard]] Result<std::uint16_t> controlword_of(AxesCall& call);
+
+/// 6040h, for AxesCall::read().
+inline constexpr std::array kControlwordObject = [] {
+  using namespace literals;
+  return std::array{vdrive::describe("ds402_controlword"_object).address};
+}();
+
+/// @return failed when 6040h = `word` halts the axis.
+[[nodiscard]] Outcome outcome_of_halt(const AxisSnapshot& axis, std::uint16_t word);
+
+/// @return the outcome of an interrupted wait: the axis continues to its target.
+[[nodiscard]] Outcome goes_on_to_target(const AxisSnapshot& axis);
+
+/// Bit 10 also shows that an axis which was halted, by this session or another one, stands still:
+/// 6040h shows which it is.
+/// @return failed when the axis is halted.
+Outcome check_halt(AxesCall& call);
+
+/// Notes in each tick that is observed whether a limit switch lies in the way of an axis. The drive
+/// gives its target up in such a tick, for good: the switch may open again.
+class LimitSwitchWatch {
+ public:
+  /// @param way its sign is the direction to the target, 0 = none
+  void note(const AxisSnapshot& axis, std::int64_t way);
+
+  /// @return whether the target was given up and the demand stands: nothing more comes.
+  [[nodiscard]] bool has_ended(const AxisSnapshot& axis) const;
+
+  /// @param what such as "the move to 1000"
+  /// @return failed, naming the switch, when the target was given up.
+  [[nodiscard]] Outcome outcome(const AxisSnapshot& axis, const std::string& what) const;
+
+ private:
+  std::string_view input_;  ///< that lies in the way, empty = none
+};
+
+/// @return failed when a limit switch keeps an axis that stands from a target.
+[[nodiscard]] Outcome check_limit_switch(const AxisSnapshot& axis, std::int32_t target);
+
+/// Waits until the axis is at its target.
+/// @param target absolute, none where it is not known: then a limit switch is seen by the speed
+/// @return failed also when it was halted on the way, when a limit switch has ended the motion, and
+///         when the wait was interrupted: then it continues.
+Outcome await_target(AxesCall& call, const Wakeup& wakeup,
+                     std::optional<std::int32_t> target = std::nullopt);
+
+}  // namespace vdrive::client

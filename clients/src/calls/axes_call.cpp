@@ -1,0 +1,358 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calls/axes_call.hpp"
+
+#include "base/command_words.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/number_text.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace vdrive::client {
+namespace {
+
+using std::chrono::milliseconds;
+
+// A call of an axis waits this long in wall time for other steppers, then compares its time-out.
+constexpr milliseconds kStepperPatience{500};
+
+// A frame for a tick that several benches share is sent this far ahead; a bench that is busier
+// refuses it as too late, and the next attempt goes further.
+constexpr milliseconds kFirstMargin{20};
+constexpr int kMarginGrowth = 4;
+constexpr int kAttempts = 4;
+
+// Longer than any stop by the steepest ramps that the defaults allow.
+constexpr std::chrono::seconds kStopTime{5};
+
+std::vector<msg::Request> read_requests(const GroupLayout::Bench& bench,
+                                        std::span<const ObjectAddress> objects) {
+  const std::size_t axes_a_request = msg::MAX_OBJECTS_PER_REQUEST / objects.size();
+  std::vector<msg::Request> requests;
+  for (std::size_t i = 0; i < bench.axes.size(); ++i) {
+    if (i % axes_a_request == 0) requests.emplace_back().kind(msg::REQUEST_READ);
+    for (const ObjectAddress& object : objects) {
+      auto& access = requests.back().objects().emplace_back();
+      access.axis(bench.axes[i]);
+      access.index(object.index);
+      access.subindex(object.subindex);
+    }
+  }
+  return requests;
+}
+
+/// @return the frames with commands to axes of this bench.
+std::vector<FrameContent> frames_of(std::span<const Round> rounds, const BenchPart& part,
+                                    const GroupLayout& layout, std::uint64_t apply_at) {
+  std::vector<FrameContent> frames;
+  for (const Round& round : rounds) {
+    FrameContent frame{.commands = {}, .apply_at_tick = apply_at, .flags = round.flags};
+    for (const Round::Entry& entry : round.entries) {
+      if (layout.axes[entry.place].bench != part.bench->number) continue;
+      frame.commands.push_back(entry.command);
+      if (round.is_endless) frame.moved.push_back(entry.command.axis());
+    }
+    if (!frame.commands.empty()) frames.push_back(std::move(frame));
+  }
+  return frames;
+}
+
+void note_ignored(const GroupLayout::Bench& bench, std::span<const std::uint16_t> axes,
+                  Answers& answers) {
+  for (std::size_t i = 0; i < bench.axes.size(); ++i) {
+    if (std::ranges::find(axes, bench.axes[i]) != axes.end()) {
+      answers.ignored.push_back(bench.places[i]);
+    }
+  }
+}
+
+}  // namespace
+
+Outcome not_in_this_state(std::string message) {
+  return Outcome::refused(wire_code(AbortCode::refused_in_present_device_state),
+                          std::move(message));
+}
+
+Outcome refused_in_state(const AxisSnapshot& axis, std::string_view command,
+                         std::string_view hint) {
+  return not_in_this_state("axis " + to_string(axis.id) + " is in " +
+                           std::string(to_string(axis.state())) + ", " + std::string(command) +
+                           " needs " + std::string(hint));
+}
+
+Outcome failed_instead_of(std::string_view awaited, const AxisSnapshot& axis) {
+  return Outcome::failed("axis " + to_string(axis.id) + ": waited for " + std::string(awaited) +
+                         ", " + what_it_shows(axis));
+}
+
+Outcome timed_out_for(std::string_view awaited, const AxisSnapshot& axis) {
+  return Outcome::timed_out("axis " + to_string(axis.id) + ": timed out while waiting for " +
+                            std::string(awaited) + ", " + what_it_shows(axis));
+}
+
+AxesCall::AxesCall(std::shared_ptr<SessionCore> core, GroupLayout layout, Caller caller,
+                   ObservedAxes::Progress progress)
+    : core_(core), axes_(std::move(core), std::move(layout), caller, std::move(progress)) {}
+
+// ---- begin -----------------------------------------------------------------------------------
+
+Outcome AxesCall::begin(std::chrono::nanoseconds timeout) {
+  if (Outcome connected = axes_.connect(); !connected) return connected;
+  set_timeout(timeout);
+  return {};
+}
+
+void AxesCall::set_timeout(std::chrono::nanoseconds timeout) {
+  timeout_ = timeout;
+  deadline_ = driven_tick() + ticks_of(timeout, period());
+}
+
+Outcome AxesCall::acquire(bool by_force) {
+  for (BenchPart& part : axes_.parts()) {
+    if (!core_->connection.may_command()) return not_permitted(part.target);
+    if (axes_.caller() == Caller::axis && core_->discovery.is_paused(part.target.key)) {
+      return Outcome::failed(paused_text(part.target));
+    }
+    const bool ours = std::ranges::all_of(part.seen.axes, [this](const AxisSnapshot& axis) {
+      return axis.owner_session == core_->id;
+    });
+    if (ours && core_->control.holds(part.target, part.bench->axes)) continue;
+    if (Outcome taken = core_->control.acquire(part.target, part.bench->axes, by_force); !taken) {
+      return axes_.note_lost(part, std::move(taken));
+    }
+  }
+  return {};
+}
+
+Outcome AxesCall::begin_control(std::chrono::nanoseconds timeout) {
+  if (Outcome begun = begin(timeout); !begun) return begun;
+  return acquire();
+}
+
+// ---- what is observed ------------------------------------------------------------------------
+
+std::string AxesCall::read_name(const BenchPart& part) const {
+  const bool is_one = axes_.caller() == Caller::axis && now().size() == 1;
+  return is_one ? "axis " + to_string(axis().id) : "axes of " + name_of(part.target);
+}
+
+Result<std::vector<std::vector<std::int64_t>>> AxesCall::read(
+    std::span<const ObjectAddress> objects) {
+  std::vector<std::vector<std::int64_t>> values(now().size());
+  for (BenchPart& part : axes_.parts()) {
+    const auto replies = core_->requests.exchange_all(
+        part.target, read_requests(*part.bench, objects), "read of " + read_name(part));
+    if (!replies) return axes_.note_lost(part, replies.outcome());
+    std::vector<msg::ObjectResult> results;
+    for (const msg::Reply& reply : *replies) {
+      results.insert(results.end(), reply.objects().begin(), reply.objects().end());
+    }
+    if (results.size() != part.bench->axes.size() * objects.size()) {
+      return Outcome::failed(axes_.caller() == Caller::axis
+                                 ? "the read of " + read_name(part) + " was answered only in part"
+                                 : name_of(part.target) + " answered the read only in part");
+    }
+    for (std::size_t i = 0; i < results.size(); ++i) {
+      if (results[i].abort_code() != 0) {
+        return Outcome::refused(results[i].abort_code(),
+                                "read of " + name_of(part.target, results[i].axis()) + " refused");
+      }
+      values[part.bench->places[i / objects.size()]].push_back(results[i].value());
+    }
+  }
+  return values;
+}
+
+// ---- commands --------------------------------------------------------------------------------
+
+msg::AxisCommand AxesCall::command_to(std::size_t place) const {
+  msg::AxisCommand command;
+  command.axis(axes_.layout().axes[place].axis);
+  return command;
+}
+
+Answers AxesCall::exchange(std::span<const Round> rounds, Timing timing) {
+  if (timing == Timing::at_once || axes_.parts().size() == 1 || steps()) {
+    return exchange_at(rounds, 0);
+  }
+  milliseconds margin = kFirstMargin;
+  for (int attempt = 1;; ++attempt) {
+    const auto newest = axes_.newest_tick();
+    if (!newest) return {newest.outcome(), 0, {}};
+    Answers answers = exchange_at(rounds, *newest + ticks_of(margin, period()));
+    const bool untouched = answers.outcome.code() == msg::REASON_TOO_LATE && answers.tick == 0;
+    if (!untouched || attempt == kAttempts) return answers;
+    margin *= kMarginGrowth;
+  }
+}
+
+Answers AxesCall::exchange_at(std::span<const Round> rounds, std::uint64_t apply_at) {
+  std::vector<SentFrames> sent;
+  Outcome outcome = send(rounds, apply_at, sent);
+  if (outcome && apply_at != 0) {
+    const auto accepted = core_->commands.await_answers(sent);
+    if (!accepted || !*accepted) cancel_pending();
+  }
+  return collect(sent, std::move(outcome));
+}
+
+Outcome AxesCall::put_in_force(std::span<const Round> rounds) {
+  std::vector<SentFrames> sent;
+  Outcome outcome = send(rounds, 0, sent);
+  if (outcome && steps()) outcome = axes_.advance(1);
+  Answers answers = collect(sent, std::move(outcome));
+  if (!answers.outcome) return answers.outcome;
+  if (!answers.ignored.empty()) {
+    return not_in_this_state("axis " + to_string(now()[answers.ignored.front()].id) +
+                             " ignored the set-point, its buffer is full");
+  }
+  return steps() ? Outcome() : await_tick("the command to be in force", answers.tick);
+}
+
+Outcome AxesCall::put_in_force(const std::vector<std::uint16_t>& controlwords) {
+  std::vector<Round> rounds;
+  rounds.reserve(controlwords.size());
+  for (const std::uint16_t word : controlwords) rounds.push_back(round_of(word, every_axis));
+  return put_in_force(rounds);
+}
+
+Outcome AxesCall::send(std::span<const Round> rounds, std::uint64_t apply_at,
+                       std::vector<SentFrames>& sent) {
+  const std::vector<BenchPart>& parts = axes_.parts();
+  for (const BenchPart& part : parts) sent.push_back({.target = part.target, .sequences = {}});
+  const auto send_to = [&](std::size_t i, std::span<const Round> some) -> Outcome {
+    const auto frames = frames_of(some, parts[i], axes_.layout(), apply_at);
+    if (frames.empty() || parts[i].is_lost) return {};
+    return core_->commands.send(sent[i], frames);
+  };
+  // One bench gets its frames with no frame of another thread between them.
+  if (parts.size() == 1) return send_to(0, rounds);
+  // Of several benches none gets a round before all have the one before: a bench that cannot be
+  // reached must not let the others start.
+  for (const Round& round : rounds) {
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      if (Outcome outcome = send_to(i, {&round, 1}); !outcome) return outcome;
+    }
+  }
+  return {};
+}
+
+/// Takes back the frames that still wait on the other benches when one has refused.
+void AxesCall::cancel_pending() {
+  const FrameContent cancel{.commands = {}, .flags = msg::FRAME_CANCEL_PENDING};
+  for (const BenchPart& part : axes_.parts()) {
+    SentFrames sent{.target = part.target, .sequences = {}};
+    Outcome outcome = core_->commands.send(sent, {&cancel, 1});
+    // What became of the frames is in their own answers.
+    (void)core_->commands.collect(sent, std::move(outcome));
+  }
+}
+
+Answers AxesCall::collect(std::span<const SentFrames> sent, Outcome outcome) {
+  Answers answers{std::move(outcome), 0, {}};
+  const bool wait = static_cast<bool>(answers.outcome);
+  for (std::size_t i = 0; i < sent.size(); ++i) {
+    if (sent[i].sequences.empty()) continue;
+    BenchPart& part = axes_.parts()[i];
+    auto applied = core_->commands.collect(sent[i], wait ? Outcome() : answers.outcome);
+    applied.outcome = axes_.note_lost(part, std::move(applied.outcome));
+    // What was cancelled was cancelled because of another refusal, which names the cause.
+    if (!applied.outcome && (answers.outcome || answers.outcome.code() == msg::REASON_CANCELLED)) {
+      answers.outcome = applied.outcome;
+    }
+    answers.tick = std::max(answers.tick, applied.tick);
+    note_ignored(*part.bench, applied.ignored_set_points, answers);
+  }
+  return answers;
+}
+
+// ---- waiting ---------------------------------------------------------------------------------
+
+/// For an axis drive time may pass slower than wall time; where none passes at all the time-out
+/// counts as wall time.
+Outcome AxesCall::observe_next(std::string_view awaited, std::span<const std::size_t> late) {
+  if (driven_tick() >= deadline_) return timed_out(awaited, late);
+  if (axes_.caller() == Caller::group) return axes_.advance(1);
+  const auto begin = std::chrono::steady_clock::now();
+  while (true) {
+    Outcome seen = axes_.advance(1, kStepperPatience);
+    if (seen.kind() != OutcomeKind::timed_out) return seen;
+    if (std::chrono::steady_clock::now() - begin >= timeout_) {
+      return Outcome::timed_out("axis " + to_string(axis().id) + ": timed out while waiting for " +
+                                std::string(awaited) + ", " + seen.message());
+    }
+  }
+}
+
+Outcome AxesCall::timed_out(std::string_view awaited, std::span<const std::size_t> late) const {
+  if (axes_.caller() == Caller::axis) return timed_out_for(awaited, axis());
+  std::string message = "timed out while waiting for " + std::string(awaited);
+  for (std::size_t i = 0; i < std::min(late.size(), kMostNamed); ++i) {
+    const AxisSnapshot& axis = now()[late[i]];
+    message +=
+        (i == 0 ? " of axis " : "; axis ") + to_string(axis.id) + ", which " + what_it_shows(axis);
+  }
+  if (late.size() > kMostNamed) {
+    message += "; and " + std::to_string(late.size() - kMostNamed) + " more";
+  }
+  return Outcome::timed_out(std::move(message));
+}
+
+Outcome AxesCall::await_tick(std::string_view awaited, std::uint64_t tick) {
+  return await(awaited, tick, every_axis);
+}
+
+Outcome AxesCall::await_quick_stops(std::string_view awaited) {
+  using namespace literals;
+  const bool none = std::ranges::none_of(now(), [](const AxisSnapshot& axis) {
+    return axis.state() == PowerState::quick_stop_active;
+  });
+  if (none) return {};
+  const std::array option{vdrive::describe("quick_stop_option_code"_object).address};
+  const auto options = read(option);
+  if (!options) return options.outcome();
+  return await(awaited, tick(), [&](std::size_t place) {
+    return quick_stop_ended(now()[place], (*options)[place].front());
+  });
+}
+
+// ---- guarding --------------------------------------------------------------------------------
+
+Outcome AxesCall::check(std::string_view awaited, std::uint64_t from) {
+  if (tick() < from) return {};
+  for (const AxisSnapshot& axis : now()) {
+    if (!is_enabled(axis)) return stop_others(failed_instead_of(awaited, axis));
+  }
+  return {};
+}
+
+Outcome AxesCall::stop_if_lost(Outcome outcome) {
+  return outcome.kind() == OutcomeKind::lost ? stop_others(std::move(outcome)) : outcome;
+}
+
+Outcome AxesCall::send_stop(Outcome cause, Answers& stop) {
+  const Round round = round_of(kQuickStop, [this](const AxisSnapshot& axis) {
+    return is_enabled(axis) && axes_.is_present(axis);
+  });
+  if (!round.entries.empty()) stop = exchange({&round, 1}, Timing::at_once);
+  if (stop.outcome) return cause;
+  return Outcome::failed(cause.message() +
+                         ", and the others did not stop: " + stop.outcome.message());
+}
+
+Outcome AxesCall::stop_others(Outcome cause) {
+  Answers stop;
+  cause = send_stop(std::move(cause), stop);
+  if (!stop.outcome || stop.tick == 0) return cause;
+  set_timeout(kStopTime);
+  const Outcome rested = await("rest", stop.tick, [this](const AxisSnapshot& axis) {
+    const bool stops = axis.state() == PowerState::quick_stop_active ||
+                       axis.state() == PowerState::fault_reaction_active;
+    const bool rests = target_reached(axis) && axis.status.velocity_demand_value == 0;
+    return !axes_.is_present(axis) || !stops || rests;
+  });
+  if (rested) return cause;
+  return Outcome::failed(cause.message() + ", and the others did not stop: " + rested.message());
+}
+
+}  // namespace vdrive::client

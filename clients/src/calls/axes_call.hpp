@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "calls/observed_axes.hpp"
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace vdrive::client {
+
+[[nodiscard]] inline bool is_enabled(const AxisSnapshot& axis) {
+  return axis.state() == PowerState::operation_enabled;
+}
+
+[[nodiscard]] inline bool every_axis(const AxisSnapshot& /*axis*/) {
+  return true;
+}
+
+/// @return the refusal of something that the state of a drive does not allow.
+[[nodiscard]] Outcome not_in_this_state(std::string message);
+
+/// @return the refusal of a command that the axis' power state does not allow.
+[[nodiscard]] Outcome refused_in_state(const AxisSnapshot& axis, std::string_view command,
+                                       std::string_view hint);
+
+/// @return failed, with what the axis shows instead of what was awaited.
+[[nodiscard]] Outcome failed_instead_of(std::string_view awaited, const AxisSnapshot& axis);
+
+/// @return timed_out, with what the axis shows instead of what was awaited.
+[[nodiscard]] Outcome timed_out_for(std::string_view awaited, const AxisSnapshot& axis);
+
+/// What one frame for each bench carries: commands to axes by their place in the group.
+struct Round {
+  struct Entry {
+    std::size_t place;
+    msg::AxisCommand command;
+  };
+
+  std::vector<Entry> entries;
+  std::uint32_t flags = 0;  ///< FRAME_...
+  bool is_endless = false;  ///< its axes run from then on: see Holdings
+};
+
+/// Whether several benches in real time act at once or on a tick that all of them can meet.
+enum class Timing : std::uint8_t { at_once, common_tick };
+
+/// What became of rounds.
+struct Answers {
+  Outcome outcome;
+  std::uint64_t tick = 0;            ///< in which what was accepted is in force; 0 = nothing was
+  std::vector<std::size_t> ignored;  ///< places of the axes that did not take their set-point
+};
+
+/// One call that commands one axis or several: their states, the commands to them, and the
+/// deadline.
+class AxesCall {
+ public:
+  AxesCall(std::shared_ptr<SessionCore> core, GroupLayout layout, Caller caller,
+           ObservedAxes::Progress progress = {});
+
+  // ---- begin
+
+  /// Connects and observes the axes for the first time.
+  /// @param timeout drive time from then on
+  Outcome begin(std::chrono::nanoseconds timeout);
+
+  /// Takes control of every axis: after begin() and before the first command.
+  /// @param by_force also of those that another session owns
+  Outcome acquire(bool by_force = false);
+
+  /// Both.
+  Outcome begin_control(std::chrono::nanoseconds timeout);
+
+  /// Counts the time-out anew from the present tick.
+  void set_timeout(std::chrono::nanoseconds timeout);
+
+  // ---- what is observed
+
+  [[nodiscard]] ObservedAxes& axes() noexcept { return axes_; }
+
+  [[nodiscard]] const ObservedAxes& axes() const noexcept { return axes_; }
+
+  /// The axes as they were observed last, in the order of the group.
+  [[nodiscard]] const std::vector<AxisSnapshot>& now() const noexcept { return axes_.now(); }
+
+  /// The first axis, the only one of a call of an axis.
+  [[nodiscard]] const AxisSnapshot& axis() const { return axes_.now().front(); }
+
+  [[nodiscard]] std::uint64_t tick() const noexcept { return axes_.tick(); }
+
+  /// What durations count in: see ObservedAxes.
+  [[nodiscard]] std::uint64_t driven_tick() const noexcept { return axes_.driven_tick(); }
+
+  [[nodiscard]] std::chrono::microseconds period() const { return axes_.period(); }
+
+  [[nodiscard]] bool steps() const { return axes_.steps(); }
+
+  /// Objects of each axis, one row an axis.
+  Result<std::vector<std::vector<std::int64_t>>> read(std::span<const ObjectAddress> objects);
+
+  // ---- commands
+
+  /// @return a command that names the axis at `place` and carries nothing yet.
+  [[nodiscard]] msg::AxisCommand command_to(std::size_t place) const;
+
+  /// @return a round that carries nothing yet for every axis that `wanted` holds for.
+  template <typename Wanted>
+  [[nodiscard]] Round round_to(const Wanted& wanted) const {
+    Round round;
+    for (std::size_t place = 0; place < now().size(); ++place) {
+      if (wanted(now()[place])) round.entries.push_back({place, command_to(place)});
+    }
+    return round;
+  }
+
+  /// @return the controlword `word` for every axis that `wanted` holds for.
+  template <typename Wanted>
+  [[nodiscard]] Round round_of(std::uint16_t word, const Wanted& wanted) const {
+    Round round = round_to(wanted);
+    for (Round::Entry& entry : round.entries) {
+      entry.command.members(msg::HAS_DS402_CONTROLWORD);
+      entry.command.ds402_controlword(word);
+    }
+    return round;
+  }
+
+  /// Sends rounds in order, one frame a round and bench, and collects the answers. No time passes
+  /// in lock-step. With Timing::common_tick a refusal of one bench takes back what waits on the
+  /// others; where that came too late `tick` is not 0.
+  Answers exchange(std::span<const Round> rounds, Timing timing);
+
+  /// Sends rounds in order, then observes the tick in which the last is in force; in lock-step
+  /// steps to it. @return refused when a set-point was ignored.
+  Outcome put_in_force(std::span<const Round> rounds);
+
+  /// The same with controlwords to every axis.
+  Outcome put_in_force(const std::vector<std::uint16_t>& controlwords);
+
+  /// Sends rounds, for their answers to be collected later.
+  /// @param apply_at tick in which they are to be in force, 0 = the next
+  /// @param sent one entry a bench, also of what was sent before a failure
+  Outcome send(std::span<const Round> rounds, std::uint64_t apply_at,
+               std::vector<SentFrames>& sent);
+
+  /// Collects the answers to what was sent.
+  Answers collect(std::span<const SentFrames> sent, Outcome outcome);
+
+  // ---- waiting
+
+  /// Observes tick by tick until `done` holds for every axis, at `from` or later.
+  /// @param done of an AxisSnapshot, or of a place in the group
+  /// @return timed_out at the deadline, naming the axes that are late.
+  template <typename Done>
+  Outcome await(std::string_view awaited, std::uint64_t from, const Done& done) {
+    for (auto late = late_places(from, done); !late.empty(); late = late_places(from, done)) {
+      if (Outcome seen = observe_next(awaited, late); !seen) return seen;
+    }
+    return {};
+  }
+
+  /// The same while every axis stays in Operation enabled. When one does not, or its service is
+  /// lost, the others are stopped.
+  template <typename Done>
+  Outcome await_enabled(std::string_view awaited, std::uint64_t from, const Done& done) {
+    while (true) {
+      if (Outcome sound = check(awaited, from); !sound) return sound;
+      const auto late = late_places(from, done);
+      if (late.empty()) return {};
+      if (Outcome seen = observe_next(awaited, late); !seen) return stop_if_lost(std::move(seen));
+    }
+  }
+
+  /// Observes until `tick`, whatever the axes show.
+  Outcome await_tick(std::string_view awaited, std::uint64_t tick);
+
+  /// Lets the axes in Quick stop active come to rest.
+  Outcome await_quick_stops(std::string_view awaited = "the end of the quick stop");
+
+  // ---- guarding
+
+  /// Stops the others when an axis that was observed at `from` or later is not in Operation
+  /// enabled.
+  Outcome check(std::string_view awaited, std::uint64_t from);
+
+  /// Quick stop of every axis in Operation enabled; observes them until all are at rest.
+  /// @return `cause`.
+  Outcome stop_others(Outcome cause);
+
+  /// The same without waiting. @return `cause`; `stop` is what became of the quick stop.
+  Outcome send_stop(Outcome cause, Answers& stop);
+
+  /// stop_others() when `outcome` is the loss of a service; else nothing.
+  Outcome stop_if_lost(Outcome outcome);
+
+ private:
+  /// @return the places of the axes that are not `done` at `from` or later.
+  template <typename Done>
+  [[nodiscard]] std::vector<std::size_t> late_places(std::uint64_t from, const Done& done) const {
+    std::vector<std::size_t> places;
+    for (std::size_t place = 0; place < now().size(); ++place) {
+      if (tick() < from || !holds(done, place)) places.push_back(place);
+    }
+    return places;
+  }
+
+  template <typename Done>
+  [[nodiscard]] bool holds(const Done& done, std::size_t place) const {
+    if constexpr (std::is_invocable_v<const Done&, const AxisSnapshot&>) {
+      return done(now()[place]);
+    } else {
+      return done(place);
+    }
+  }
+
+  Outcome observe_next(std::string_view awaited, std::span<const std::size_t> late);
+  [[nodiscard]] Outcome timed_out(std::string_view awaited,
+                                  std::span<const std::size_t> late) const;
+  Answers exchange_at(std::span<const Round> rounds, std::uint64_t apply_at);
+  void cancel_pending();
+  [[nodiscard]] std::string read_name(const BenchPart& part) const;
+
+  std::shared_ptr<SessionCore> core_;
+  ObservedAxes axes_;
+  std::chrono::nanoseconds timeout_{0};
+  std::uint64_t deadline_ = 0;  ///< as driven_tick()
+};
+
+}  // namespace vdrive::client

@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdrive/client/axis.hpp"
+
+#include "base/command_words.hpp"
+#include "calls/arrival.hpp"
+#include "calls/axes_call.hpp"
+#include "calls/each_axis.hpp"
+#include "calls/profile_move.hpp"
+#include "vdrive/assert.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_text.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string>
+
+namespace vdrive::client {
+namespace {
+
+/// Sets profile position mode and waits until 6061h shows it.
+Outcome ensure_profile_position(AxesCall& call) {
+  if (call.axis().mode() == OperatingMode::profile_position) return {};
+  Round round = call.round_to(every_axis);
+  msg::AxisCommand& command = round.entries.front().command;
+  command.members(msg::HAS_OP_MODE_CMD);
+  command.op_mode_cmd(static_cast<std::int8_t>(OperatingMode::profile_position));
+  if (Outcome done = call.put_in_force({&round, 1}); !done) return done;
+  return call.await_enabled("profile position mode", call.tick(), [](const AxisSnapshot& axis) {
+    return axis.mode() == OperatingMode::profile_position;
+  });
+}
+
+msg::ObjectAccess access_of(const AxisId& id, ObjectAddress object, std::int64_t value = 0) {
+  msg::ObjectAccess access;
+  access.axis(id.axis);
+  access.index(object.index);
+  access.subindex(object.subindex);
+  access.value(value);
+  return access;
+}
+
+}  // namespace
+
+Axis::Axis(std::shared_ptr<SessionCore> core, AxisInfo info)
+    : core_(std::move(core)),
+      id_(info.id),
+      name_(std::move(info.name)),
+      unit_(std::move(info.unit)) {}
+
+Result<AxisSnapshot> Axis::status() const {
+  const auto target = core_->connection.connect(id_.bench);
+  if (!target) return target.outcome();
+  const std::array axes{id_.axis};
+  auto seen = core_->observer.observe(*target, axes);
+  if (!seen) return seen.outcome();
+  return seen->axes.front();
+}
+
+Outcome Axis::acquire() {
+  const auto target = core_->connection.connect(id_.bench);
+  if (!target) return target.outcome();
+  return core_->control.acquire(*target, {&id_.axis, 1});
+}
+
+Outcome Axis::take_over() {
+  const auto target = core_->connection.connect(id_.bench);
+  if (!target) return target.outcome();
+  return core_->control.acquire(*target, {&id_.axis, 1}, true);
+}
+
+Outcome Axis::command(EachCommand command, const CallOptions& options) {
+  return command_each(core_, {&id_, 1}, command, options).front();
+}
+
+Outcome Axis::enable(const CallOptions& options) {
+  return command(EachCommand::enable, options);
+}
+
+Outcome Axis::disable(const CallOptions& options) {
+  return command(EachCommand::disable, options);
+}
+
+Outcome Axis::move_to(std::int32_t position, const MoveOptions& options) {
+  return move(position, false, options);
+}
+
+Outcome Axis::move_by(std::int32_t distance, const MoveOptions& options) {
+  return move(distance, true, options);
+}
+
+Outcome Axis::move(std::int32_t target, bool relative, const MoveOptions& options) {
+  AxesCall call(core_, layout_of(id_), Caller::axis);
+  if (Outcome ready = call.begin_control(options.call.timeout); !ready) return ready;
+  if (call.axis().state() != PowerState::operation_enabled) {
+    return refused_in_state(call.axis(), "a move", "Operation enabled");
+  }
+  ProfileMove move(call, core_->wakeup, options);
+  if (Outcome ready = move.prepare(); !ready) return ready;
+  if (Outcome moded = ensure_profile_position(call); !moded) return moded;
+  if (Outcome taken = move.start(target, relative); !taken) return taken;
+  if (options.call.until == Until::done) {
+    if (Outcome reached = move.await_target(); !reached) return reached;
+  }
+  return move.finish();
+}
+
+Result<Motion> Axis::start_move(std::int32_t position, const MoveOptions& options) {
+  MoveOptions start = options;
+  start.call.until = Until::in_force;
+  if (Outcome started = move(position, false, start); !started) return started;
+  return Motion(*this, position);
+}
+
+Outcome Motion::wait(std::chrono::nanoseconds timeout) const {
+  AxesCall call(axis_.core_, layout_of(axis_.id_), Caller::axis);
+  if (Outcome ready = call.begin(timeout); !ready) return ready;
+  return await_target(call, axis_.core_->wakeup, target_);
+}
+
+Result<bool> Motion::has_ended() const {
+  AxesCall call(axis_.core_, layout_of(axis_.id_), Caller::axis);
+  if (Outcome ready = call.begin(std::chrono::nanoseconds(0)); !ready) return ready;
+  if (!is_enabled(call.axis())) return failed_instead_of(kTargetReached, call.axis());
+  if (!target_reached(call.axis())) {
+    if (Outcome ended = check_limit_switch(call.axis(), target_); !ended) return ended;
+    return false;
+  }
+  if (Outcome ended = check_halt(call); !ended) return ended;
+  return true;
+}
+
+Outcome Axis::halt(const CallOptions& options) {
+  return command(EachCommand::halt, options);
+}
+
+Outcome Axis::resume(const CallOptions& options) {
+  return command(EachCommand::resume, options);
+}
+
+Outcome Axis::quick_stop(const CallOptions& options) {
+  return command(EachCommand::quick_stop, options);
+}
+
+Outcome Axis::reset_fault(const CallOptions& options) {
+  return command(EachCommand::reset_fault, options);
+}
+
+Outcome Axis::power_cycle(const CallOptions& options) {
+  return command(EachCommand::power_cycle, options);
+}
+
+Outcome Axis::store() {
+  return request_memory(msg::REQUEST_STORE, "storing the parameters of axis " + to_string(id_));
+}
+
+Outcome Axis::restore_defaults() {
+  return request_memory(msg::REQUEST_RESTORE, "restoring the defaults of axis " + to_string(id_));
+}
+
+Outcome Axis::request_memory(std::uint32_t kind, const std::string& what) {
+  const auto target = core_->connection.connect(id_.bench);
+  if (!target) return target.outcome();
+  msg::Request request;
+  request.kind(kind);
+  request.axes().push_back(id_.axis);
+  Outcome outcome = core_->requests.exchange(*target, std::move(request), what).outcome();
+  if (outcome.code() != wire_code(AbortCode::cannot_store_or_transfer)) return outcome;
+  return Outcome::refused(outcome.code(), what +
+                                              " refused, the service has no state directory (start "
+                                              "vdrived with --state DIR)");
+}
+
+Result<Readings> Axis::read(std::span<const ObjectAddress> objects) const {
+  const auto target = core_->connection.connect(id_.bench);
+  if (!target) return target.outcome();
+  Readings readings;
+  for (std::size_t first = 0; first < objects.size(); first += msg::MAX_OBJECTS_PER_REQUEST) {
+    const auto part = objects.subspan(
+        first, std::min<std::size_t>(msg::MAX_OBJECTS_PER_REQUEST, objects.size() - first));
+    msg::Request request;
+    request.kind(msg::REQUEST_READ);
+    for (const ObjectAddress& object : part) request.objects().push_back(access_of(id_, object));
+    const auto reply =
+        core_->requests.exchange(*target, std::move(request), "read of axis " + to_string(id_));
+    if (!reply) return reply.outcome();
+    if (reply->objects().size() != part.size()) {
+      return Outcome::failed("the read of axis " + to_string(id_) + " was answered only in part");
+    }
+    readings.tick = reply->tick();
+    for (const msg::ObjectResult& result : reply->objects()) {
+      readings.objects.push_back({.object = {result.index(), result.subindex()},
+                                  .code = static_cast<AbortCode>(result.abort_code()),
+                                  .value = result.value()});
+    }
+  }
+  return readings;
+}
+
+Result<std::int64_t> Axis::read(ObjectAddress object) const {
+  const auto readings = read(std::span(&object, 1));
+  if (!readings) return readings.outcome();
+  const ObjectReading& reading = readings->objects.front();
+  if (reading.code == AbortCode::none) return reading.value;
+  return Outcome::refused(wire_code(reading.code), "read of " + object_text(object) + " of axis " +
+                                                       to_string(id_) + " refused");
+}
+
+Result<std::uint64_t> Axis::write(ObjectAddress object, std::int64_t value) {
+  const auto target = core_->connection.connect(id_.bench);
+  if (!target) return target.outcome();
+  msg::Request request;
+  request.kind(msg::REQUEST_WRITE);
+  request.objects().push_back(access_of(id_, object, value));
+  const std::string what = "write of " + std::to_string(value) + " to " + object_text(object) +
+                           " of axis " + to_string(id_);
+  const auto reply = core_->control.write(*target, std::move(request), what);
+  if (!reply) return reply.outcome();
+  for (const msg::ObjectResult& result : reply->objects()) {
+    if (result.abort_code() != 0) return Outcome::refused(result.abort_code(), what + " refused");
+  }
+  return reply->tick();
+}
+
+Result<std::uint64_t> Axis::disturb(Disturbance disturbance, std::int64_t value) {
+  const auto row = std::ranges::find(kDisturbances, disturbance, &DisturbanceRow::disturbance);
+  ensure(row != kDisturbances.end(), "every disturbance has a row");
+  return write(vdrive::describe(*find_object(row->variable_name)).address, value);
+}
+
+Outcome Axis::end_disturbances() {
+  for (const DisturbanceRow& row : kDisturbances) {
+    if (const auto ended = disturb(row.disturbance, 0); !ended) return ended.outcome();
+  }
+  return {};
+}
+
+Result<AxisSnapshot> Axis::wait_until(const std::function<bool(const AxisSnapshot&)>& condition,
+                                      std::chrono::nanoseconds timeout) const {
+  AxesCall call(core_, layout_of(id_), Caller::axis);
+  if (Outcome ready = call.begin(timeout); !ready) return ready;
+  if (Outcome seen = call.await("the condition", call.tick(), condition); !seen) return seen;
+  return call.axis();
+}
+
+}  // namespace vdrive::client

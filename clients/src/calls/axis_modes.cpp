@@ -1,0 +1,458 @@
+// SPDX-License-Identifier: Apache-2.0
+// Calls of an axis in the modes homing, profile velocity and profile torque.
+#include "base/command_words.hpp"
+#include "calls/arrival.hpp"
+#include "calls/axes_call.hpp"
+#include "calls/axes_stop.hpp"
+#include "calls/profile_move.hpp"
+#include "session/session_core.hpp"
+#include "vdrive/client/axis.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/dictionary/object_text.hpp"
+#include "vdrive/number_text.hpp"
+#include "vdrive/plant/axis_model.hpp"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <cstdlib>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace vdrive::client {
+namespace {
+
+using namespace literals;
+
+/// Longer than any button is held.
+constexpr std::chrono::hours kHeldAtMost{24 * 365};
+
+/// An object that a call sets, if it was given.
+struct Setting {
+  ObjectRow row = 0;
+  std::optional<std::int64_t> value{};
+};
+
+/// Connects, takes control and checks that the axis can move.
+Outcome begin_motion(AxesCall& call, std::chrono::nanoseconds timeout, std::string_view what) {
+  if (Outcome ready = call.begin_control(timeout); !ready) return ready;
+  if (is_enabled(call.axis())) return {};
+  return refused_in_state(call.axis(), what, "Operation enabled");
+}
+
+void add_settings(msg::AxisCommand& command, std::span<const Setting> settings) {
+  for (const Setting& setting : settings) {
+    if (!setting.value) continue;
+    const ObjectAddress address = vdrive::describe(setting.row).address;
+    msg::ObjectValue& object = command.objects().emplace_back();
+    object.index(address.index);
+    object.subindex(address.subindex);
+    object.value(*setting.value);
+  }
+}
+
+/// The motion without an end that a call commands. The session does not give its axis back before
+/// the axis was seen to rest, however the call ends: see Holdings.
+class EndlessMotion {
+ public:
+  EndlessMotion(SessionCore& core, const AxesCall& call)
+      : holdings_(core.holdings),
+        key_(call.axes().parts().front().target.key),
+        axis_(call.axis().id.axis) {}
+
+  /// Sends `round` and observes the tick in which it is in force.
+  Outcome put_in_force(AxesCall& call, Round round) {
+    const bool was_running = !rests(call.axis()) || holdings_.is_running(key_, axis_);
+    round.is_endless = true;
+    Outcome done = call.put_in_force({&round, 1});
+    if (done.kind() == OutcomeKind::refused && !was_running) settle();  // it stands
+    return done;
+  }
+
+  /// The axis was seen to stop, or the program knows that it runs on after its call.
+  void settle() { holdings_.forget_running(key_, {&axis_, 1}); }
+
+ private:
+  Holdings& holdings_;
+  BenchKey key_;
+  std::uint16_t axis_;
+};
+
+/// Sends the mode, the settings and Enable operation in one frame, so that the axis never has the
+/// mode with older settings, and waits until 6061h shows the mode: a moving axis brakes first.
+/// @param motion that begins with this; none in a mode whose motion ends by itself
+Outcome enter(AxesCall& call, OperatingMode mode, std::span<const Setting> settings,
+              EndlessMotion* motion = nullptr) {
+  Round round = call.round_of(kEnableOperation, every_axis);
+  msg::AxisCommand& command = round.entries.front().command;
+  command.members(static_cast<std::uint16_t>(command.members() | msg::HAS_OP_MODE_CMD));
+  command.op_mode_cmd(static_cast<std::int8_t>(mode));
+  add_settings(command, settings);
+  Outcome done = motion != nullptr ? motion->put_in_force(call, std::move(round))
+                                   : call.put_in_force({&round, 1});
+  if (!done) return done;
+  return call.await_enabled(std::string(to_string(mode)) + " mode", call.tick(),
+                            [mode](const AxisSnapshot& axis) {
+                              return axis.mode() == mode;
+                            });
+}
+
+/// @return `seen`; when the wait was interrupted while the axis continues, that it does.
+Outcome explained(Outcome seen, const AxesCall& call, const Wakeup& wakeup, std::string_view what) {
+  const bool goes_on =
+      seen.kind() == OutcomeKind::failed && is_enabled(call.axis()) && wakeup.is_interrupted();
+  if (!goes_on) return seen;
+  return Outcome::failed("interrupted; axis " + to_string(call.axis().id) + " continues " +
+                         std::string(what));
+}
+
+// ---- homing ----------------------------------------------------------------------------------
+
+bool is_homing(const AxisSnapshot& axis) {
+  constexpr std::uint16_t kEnded =
+      Statusword::kTargetReached | Statusword::kHomingAttained | Statusword::kHomingError;
+  return axis.mode() == OperatingMode::homing && (axis.status.ds402_statusword & kEnded) == 0;
+}
+
+/// What the statusword shows at the end of a run.
+Outcome homing_result(AxesCall& call) {
+  const AxisSnapshot& axis = call.axis();
+  const std::string name = "axis " + to_string(axis.id);
+  if (axis.shows(Statusword::kHomingError)) {
+    const std::array method{vdrive::describe("homing_method"_object).address};
+    const auto value = call.read(method);
+    if (!value) return value.outcome();
+    return Outcome::failed(name + ": homing error, bit 13, with homing_method (6098h) = " +
+                           std::to_string(value->front().front()));
+  }
+  if (axis.shows(Statusword::kHomingAttained)) return {};
+  return Outcome::failed(name + ": the homing run was ended by a halt or a stop");
+}
+
+// ---- velocity --------------------------------------------------------------------------------
+
+bool has_velocity(const AxisSnapshot& axis) {
+  return axis.mode() == OperatingMode::profile_velocity && target_reached(axis);
+}
+
+/// 6080h bounds the same speed in other units.
+double units_a_second(std::int64_t rpm) {
+  return static_cast<double>(rpm) * kUserUnitsPerRevolution / 60.0;
+}
+
+/// @return the refusal of a value that the drive would accept and never reach.
+Outcome above_limit(const AxesCall& call, std::string_view what, std::int64_t value,
+                    ObjectRow limit, std::int64_t limit_value) {
+  return not_in_this_state("axis " + to_string(call.axis().id) + ": the " + std::string(what) +
+                           " " + std::to_string(value) + " is above " +
+                           object_text(vdrive::describe(limit).address) + " = " +
+                           std::to_string(limit_value));
+}
+
+/// @param slowest receives the slowest ramp that the drive may use [UU/s²]
+/// @return refused where the drive would accept the velocity and never reach it.
+Outcome check_velocity(AxesCall& call, std::int32_t velocity, const VelocityOptions& options,
+                       std::int64_t& slowest) {
+  std::vector<ObjectAddress> objects(kMoveBounds.begin(), kMoveBounds.end());
+  objects.push_back(vdrive::describe("motor_max_speed_rpm"_object).address);
+  auto values = call.read(objects);
+  if (!values) return values.outcome();
+  std::vector<std::int64_t>& bounds = values->front();
+  const std::int64_t highest_rpm = bounds.back();
+  bounds.pop_back();
+  bounds[0] = std::abs(std::int64_t{velocity});  // 6081h is of profile position mode
+  bounds[1] = options.acceleration.value_or(bounds[1]);
+  bounds[2] = options.deceleration.value_or(bounds[2]);
+  slowest = std::min({bounds[1], bounds[2], bounds[4], bounds[5]});
+  if (velocity == 0) return {};
+  if (Outcome good = check_bounds(call.axis().id, bounds); !good) return good;
+  if (bounds[0] > bounds[3]) {
+    return above_limit(call, "velocity", velocity, "app_speed_limit"_object, bounds[3]);
+  }
+  if (static_cast<double>(bounds[0]) > units_a_second(highest_rpm)) {
+    return above_limit(call, "velocity", velocity, "motor_max_speed_rpm"_object, highest_rpm);
+  }
+  return {};
+}
+
+/// Notices a demand that does not change any more although it goes along a ramp.
+class RampWatch {
+ public:
+  /// @param slope [units of the demand a second]; 0 counts as 1
+  RampWatch(std::int64_t slope, std::chrono::microseconds period)
+      : patience_(kSlack + ticks_of(longest_step(slope), period)) {}
+
+  void note(std::uint64_t tick, std::int64_t demand) {
+    if (demand == demand_ && since_ != 0) {
+      rests_ = tick - since_ > patience_;
+      return;
+    }
+    demand_ = demand;
+    since_ = tick;
+    rests_ = false;
+  }
+
+  [[nodiscard]] bool rests() const noexcept { return rests_; }
+
+ private:
+  /// A ramp comes to another whole number within this time; twice that is certain.
+  static std::chrono::nanoseconds longest_step(std::int64_t slope) {
+    return std::chrono::nanoseconds(std::chrono::seconds(2)) / std::max<std::int64_t>(slope, 1);
+  }
+
+  // The tick in which the command is in force, the mode's first one, and one for a lost sample.
+  static constexpr std::uint64_t kSlack = 10;
+
+  std::uint64_t patience_;
+  std::int64_t demand_ = 0;
+  std::uint64_t since_ = 0;  ///< tick; 0 = nothing noted yet
+  bool rests_ = false;
+};
+
+/// What the wait for a velocity or a torque sees of what keeps it back.
+struct Obstacles {
+  LimitSwitchWatch limit_switch;
+  RampWatch ramp;
+
+  /// @param target its sign is the direction
+  void note(const AxisSnapshot& axis, std::int64_t target, std::int64_t demand) {
+    limit_switch.note(axis, target);
+    ramp.note(axis.driven_tick(), demand);
+  }
+
+  [[nodiscard]] bool keep_back(const AxisSnapshot& axis) const {
+    return limit_switch.has_ended(axis) || ramp.rests();
+  }
+
+  /// After a wait that has ended without its target. @param what such as "the velocity of 1000"
+  /// @param limits what the drive is limited by
+  [[nodiscard]] Outcome outcome(AxesCall& call, const std::string& what, std::int64_t demand,
+                                const std::string& limits) const {
+    if (Outcome halted = check_halt(call); !halted) return halted;
+    if (Outcome ended = limit_switch.outcome(call.axis(), what); !ended) return ended;
+    return Outcome::failed("axis " + to_string(call.axis().id) + ": " + what + " stays at " +
+                           std::to_string(demand) + ", limited by " + limits);
+  }
+};
+
+/// Sends the velocity. It is in force, but not reached.
+Outcome start_velocity(AxesCall& call, EndlessMotion& motion, std::int32_t velocity,
+                       const VelocityOptions& options, std::int64_t& slowest) {
+  if (Outcome good = check_velocity(call, velocity, options, slowest); !good) return good;
+  return enter(call, OperatingMode::profile_velocity,
+               std::array{Setting{"profile_acc"_object, options.acceleration},
+                          Setting{"profile_dec"_object, options.deceleration},
+                          Setting{"target_velocity"_object, velocity}},
+               &motion);
+}
+
+/// Runs at the velocity and waits for it, as long as the options require.
+Outcome reach_velocity(AxesCall& call, EndlessMotion& motion, std::int32_t velocity,
+                       const VelocityOptions& options, const Wakeup& wakeup) {
+  std::int64_t slowest = 0;
+  Outcome started = start_velocity(call, motion, velocity, options, slowest);
+  if (!started || options.call.until == Until::in_force) return started;
+  Obstacles obstacles{.limit_switch = {}, .ramp = {slowest, call.period()}};
+  Outcome seen =
+      call.await_enabled("the velocity, bit 10", call.tick(), [&](const AxisSnapshot& axis) {
+        // The demand rests at its target while the axis itself comes to it.
+        const std::int32_t demand = axis.status.velocity_demand_value;
+        if (demand != velocity) obstacles.note(axis, velocity, demand);
+        return has_velocity(axis) || (demand != velocity && obstacles.keep_back(axis));
+      });
+  if (!seen) return explained(std::move(seen), call, wakeup, "at its velocity");
+  if (has_velocity(call.axis())) return check_halt(call);
+  return obstacles.outcome(
+      call, "the velocity of " + std::to_string(velocity), call.axis().status.velocity_demand_value,
+      "the app_speed_limit (607Fh) or the motor_max_speed_rpm (6080h) that the "
+      "axis had when it was enabled");
+}
+
+/// Brakes to standstill with 60FFh = 0, also after an interrupt.
+Outcome end_velocity(AxesCall& call, const Wakeup& wakeup, std::chrono::nanoseconds timeout) {
+  const Wakeup::StopInProgress in_progress(wakeup);
+  Round round = call.round_to(every_axis);
+  add_settings(round.entries.front().command,
+               std::array{Setting{"target_velocity"_object, std::int64_t{0}}});
+  if (Outcome done = call.put_in_force({&round, 1}); !done) return done;
+  call.set_timeout(timeout);
+  return call.await_enabled("standstill, bit 12", call.tick(), [](const AxisSnapshot& axis) {
+    return axis.status.velocity_demand_value == 0 && axis.shows(Statusword::kSpeedZero);
+  });
+}
+
+/// @return which other session has commanded the axis by now, for a message; empty when none has.
+std::string new_master(const AxisSnapshot& axis, std::uint64_t session) {
+  const bool is_other = axis.owner_session != 0 && axis.owner_session != session;
+  if (!is_other || axis.last_sequence == 0) return {};
+  return "session " + session_text(axis.owner_session) + " commands axis " + to_string(axis.id) +
+         " now: ";
+}
+
+/// A jog whose end was refused or not seen stops its axis by a quick stop, which needs no control:
+/// the axis may be free by now, or taken by a session that has not commanded it yet. What another
+/// session has commanded is left to that session.
+/// @return `cause`, with what became of the axis.
+Outcome stop_instead(const std::shared_ptr<SessionCore>& core, const AxisId& id,
+                     const Outcome& cause, std::chrono::nanoseconds timeout) {
+  AxesCall call(core, layout_of(id), Caller::axis);
+  AxesStop stop(*core, call);
+  Outcome stopped = stop.begin(timeout);
+  if (stopped) {
+    const std::string master = new_master(call.axis(), core->id);
+    if (!master.empty()) return cause.with_prefix(master);
+    stopped = stop.quick_stop(Until::done);
+  }
+  if (stopped) return cause.with_prefix("a quick stop has ended the jog: ");
+  return cause.with_prefix("axis " + to_string(id) +
+                           " was not seen to stop, its quick stop failed (" + stopped.message() +
+                           "): ");
+}
+
+/// Brakes the axis of a jog and waits for standstill, whatever it takes.
+Outcome end_jog(const std::shared_ptr<SessionCore>& core, AxesCall& call,
+                std::chrono::nanoseconds timeout) {
+  Outcome ended = end_velocity(call, core->wakeup, timeout);
+  // A fault has its own reaction. Of a lost bench no stop would arrive: its watchdog acts.
+  if (ended || !is_enabled(call.axis()) || ended.kind() == OutcomeKind::lost) return ended;
+  return stop_instead(core, call.axis().id, ended, timeout);
+}
+
+// ---- torque ----------------------------------------------------------------------------------
+
+ObjectRow relative_limit_of(std::int16_t torque) {
+  return torque > 0 ? "positive_torque_limit_relative"_object
+                    : "negative_torque_limit_relative"_object;
+}
+
+/// What keeps a torque back that no limit alone forbids: 60E0h and 60E1h bound the current, too.
+std::string torque_limits(std::int16_t torque) {
+  return object_text(vdrive::describe("max_torque"_object).address) + " or " +
+         object_text(vdrive::describe(relative_limit_of(torque)).address) +
+         ", which also limits the current";
+}
+
+/// @param slope receives the slope that will be in force
+/// @return refused where the drive would accept the torque and never apply it.
+Outcome check_torque(AxesCall& call, std::int16_t torque, const TorqueOptions& options,
+                     std::int64_t& slope) {
+  const ObjectRow relative = relative_limit_of(torque);
+  const auto values = call.read(std::array{vdrive::describe("torque_slope"_object).address,
+                                           vdrive::describe("max_torque"_object).address,
+                                           vdrive::describe(relative).address});
+  if (!values) return values.outcome();
+  const std::vector<std::int64_t>& read = values->front();
+  slope = options.slope.value_or(read[0]);
+  const std::int64_t wanted = std::abs(std::int64_t{torque});
+  if (wanted > read[1]) return above_limit(call, "torque", torque, "max_torque"_object, read[1]);
+  // 0 switches the relative limit off.
+  if (read[2] != 0 && wanted > read[2])
+    return above_limit(call, "torque", torque, relative, read[2]);
+  return {};
+}
+
+/// Applies the torque and waits for it, as long as the options require.
+Outcome reach_torque(AxesCall& call, EndlessMotion& motion, std::int16_t torque,
+                     const TorqueOptions& options, const Wakeup& wakeup) {
+  std::int64_t slope = 0;
+  if (Outcome good = check_torque(call, torque, options, slope); !good) return good;
+  Outcome started = enter(call, OperatingMode::profile_torque,
+                          std::array{Setting{"torque_slope"_object, options.slope},
+                                     Setting{"target_torque"_object, torque}},
+                          &motion);
+  if (!started || options.call.until == Until::in_force) return started;
+  Obstacles obstacles{.limit_switch = {}, .ramp = {slope, call.period()}};
+  Outcome seen =
+      call.await_enabled("the torque, bit 10", call.tick(), [&](const AxisSnapshot& axis) {
+        const std::int16_t demand = axis.status.torque_demand;
+        if (demand != torque) obstacles.note(axis, torque, demand);
+        return target_reached(axis) || (demand != torque && obstacles.keep_back(axis));
+      });
+  if (!seen) return explained(std::move(seen), call, wakeup, "with its torque");
+  if (target_reached(call.axis())) return check_halt(call);
+  return obstacles.outcome(call, "the torque of " + std::to_string(torque),
+                           call.axis().status.torque_demand, torque_limits(torque));
+}
+
+}  // namespace
+
+Outcome Axis::home(const HomingOptions& options) {
+  AxesCall call(core_, layout_of(id_), Caller::axis);
+  if (Outcome ready = begin_motion(call, options.call.timeout, "homing"); !ready) return ready;
+  if (is_homing(call.axis())) {
+    return not_in_this_state("axis " + to_string(id_) + ": a homing run is in progress");
+  }
+  Outcome ready = enter(call, OperatingMode::homing,
+                        std::array{Setting{"homing_method"_object, options.method},
+                                   Setting{"home_offset"_object, options.offset},
+                                   Setting{"homing_speed_search"_object, options.search_speed},
+                                   Setting{"homing_speed_creep"_object, options.creep_speed},
+                                   Setting{"homing_acceleration"_object, options.acceleration}});
+  if (!ready) return ready;
+  const auto start = static_cast<std::uint16_t>(kEnableOperation | Controlword::kStartHoming);
+  if (Outcome started = call.put_in_force({start}); !started) return started;
+  if (options.call.until == Until::in_force) return {};
+  // From here on bits 13, 12 and 10 belong to this run: it began in the tick that was observed.
+  Outcome seen =
+      call.await_enabled("the end of the homing run, bit 10", call.tick(), target_reached);
+  if (!seen) return explained(std::move(seen), call, core_->wakeup, "with its homing run");
+  Outcome result = homing_result(call);
+  const Outcome dropped = call.put_in_force({kEnableOperation});  // bit 4, for the next edge
+  return result ? dropped : result;
+}
+
+Outcome Axis::run_at(std::int32_t velocity, const VelocityOptions& options) {
+  AxesCall call(core_, layout_of(id_), Caller::axis);
+  if (Outcome ready = begin_motion(call, options.call.timeout, "a velocity"); !ready) return ready;
+  EndlessMotion motion(*core_, call);
+  Outcome outcome = reach_velocity(call, motion, velocity, options, core_->wakeup);
+  if (outcome) motion.settle();
+  return outcome;
+}
+
+Outcome Axis::apply_torque(std::int16_t torque, const TorqueOptions& options) {
+  AxesCall call(core_, layout_of(id_), Caller::axis);
+  if (Outcome ready = begin_motion(call, options.call.timeout, "a torque"); !ready) return ready;
+  EndlessMotion motion(*core_, call);
+  Outcome outcome = reach_torque(call, motion, torque, options, core_->wakeup);
+  if (outcome) motion.settle();
+  return outcome;
+}
+
+Outcome Axis::jog(std::int32_t velocity, const std::function<bool(const AxisSnapshot&)>& held,
+                  const VelocityOptions& options) {
+  AxesCall call(core_, layout_of(id_), Caller::axis);
+  if (Outcome ready = begin_motion(call, options.call.timeout, "a jog"); !ready) return ready;
+  EndlessMotion motion(*core_, call);
+  std::int64_t slowest = 0;
+  if (Outcome started = start_velocity(call, motion, velocity, options, slowest); !started) {
+    // What was sent may be in force although the wait for it has failed.
+    if (is_enabled(call.axis()) && started.kind() != OutcomeKind::refused) {
+      (void)end_jog(core_, call, options.call.timeout);
+    }
+    return started;
+  }
+  call.set_timeout(kHeldAtMost);
+  // Without control no watchdog guards the axis: the jog ends at once.
+  const auto ends = [&](const AxisSnapshot& axis) {
+    return axis.owner_session != core_->id || !held(axis);
+  };
+  Outcome seen;
+  try {
+    seen = call.await_enabled("the end of the jog", call.tick(), ends);
+  } catch (...) {  // of the program, in `held`
+    (void)end_jog(core_, call, options.call.timeout);
+    throw;
+  }
+  if (!seen && !is_enabled(call.axis())) return seen;
+  if (seen.kind() == OutcomeKind::lost) return seen;
+  Outcome ended = end_jog(core_, call, options.call.timeout);
+  if (ended) motion.settle();
+  return ended;
+}
+
+}  // namespace vdrive::client

@@ -1,0 +1,427 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calls/each_axis.hpp"
+
+#include "base/command_words.hpp"
+#include "calls/arrival.hpp"
+#include "vdrive/assert.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <string>
+#include <utility>
+
+namespace vdrive::client {
+
+struct EachCommandRow {
+  EachCommand command;
+  bool is_stop;                   ///< also acts on axes of other sessions
+  std::string_view name;          ///< in a refusal
+  std::string_view needs;         ///< what has to be done before
+  bool (*can_take)(PowerState);   ///< else it is refused
+  bool (*is_at_end)(PowerState);  ///< nothing is left to do
+};
+
+namespace {
+
+constexpr std::string_view kOperationEnabled = "Operation enabled";
+constexpr std::string_view kResetFirst = "a fault reset first";
+constexpr std::string_view kQuickStopEnd = "the quick stop to end";
+constexpr std::string_view kStandstill = "standstill, bit 10";
+
+bool in_every_state(PowerState /*state*/) {
+  return true;
+}
+
+bool in_no_state(PowerState /*state*/) {
+  return false;
+}
+
+bool without_fault(PowerState state) {
+  return !is_fault(state);
+}
+
+bool in_operation(PowerState state) {
+  return state == PowerState::operation_enabled;
+}
+
+bool has_no_fault(const AxisSnapshot& axis) {
+  return !is_fault(axis.state());
+}
+
+constexpr std::array kRows{
+    EachCommandRow{EachCommand::enable, false, "enabling", kResetFirst, without_fault,
+                   in_operation},
+    EachCommandRow{EachCommand::disable, false, "disabling", kResetFirst, without_fault,
+                   in_no_state},
+    EachCommandRow{EachCommand::halt, true, "a halt", kOperationEnabled, in_operation, in_no_state},
+    EachCommandRow{EachCommand::resume, false, "resuming", kOperationEnabled, in_operation,
+                   in_no_state},
+    EachCommandRow{EachCommand::quick_stop, true, "a quick stop", kResetFirst, without_fault,
+                   in_no_state},
+    EachCommandRow{EachCommand::reset_fault, false, "", "", in_every_state, without_fault},
+    EachCommandRow{EachCommand::power_cycle, false, "", "", in_every_state, in_no_state}};
+
+const EachCommandRow& row_of(EachCommand command) {
+  const auto* const row = std::ranges::find(kRows, command, &EachCommandRow::command);
+  ensure(row != kRows.end(), "every command has a row");
+  return *row;
+}
+
+GroupLayout layout_of_bench(std::span<const AxisId> axes) {
+  GroupLayout layout{.axes = {axes.begin(), axes.end()},
+                     .benches = {{.number = axes.front().bench, .axes = {}, .places = {}}}};
+  GroupLayout::Bench& bench = layout.benches.front();
+  for (std::size_t place = 0; place < axes.size(); ++place) {
+    bench.axes.push_back(axes[place].axis);
+    bench.places.push_back(place);
+  }
+  return layout;
+}
+
+/// @return the controlwords that carry the command out from `state`.
+std::vector<std::uint16_t> words_of(EachCommand command, PowerState state) {
+  switch (command) {
+    case EachCommand::enable:
+      return enabling_words(state);
+    case EachCommand::disable:
+      // Where 605Ah keeps the state after a quick stop.
+      if (state == PowerState::quick_stop_active) return {kDisableVoltage, kShutdown};
+      return {kShutdown};
+    case EachCommand::resume:
+      return {kEnableOperation};
+    case EachCommand::reset_fault:
+      return reset_words();
+    case EachCommand::halt:
+      return {kHalt};
+    case EachCommand::quick_stop:
+      return {kQuickStop};
+    case EachCommand::power_cycle:
+      break;
+  }
+  return {};
+}
+
+}  // namespace
+
+EachAxis::EachAxis(std::shared_ptr<SessionCore> core, std::span<const AxisId> axes,
+                   EachCommand command, const CallOptions& options)
+    : core_(core),
+      call_(std::move(core), layout_of_bench(axes), Caller::axis),
+      row_(row_of(command)),
+      options_(options),
+      outcomes_(axes.size()),
+      is_pending_(axes.size(), true),
+      at_end_(axes.size()) {
+  if (row_.is_stop) stop_.emplace(*core_, call_);
+}
+
+void EachAxis::start() {
+  if (Outcome begun = begin(); !begun) return end_all(begun);
+  judge();
+  if (has_pending()) await_before();
+  if (has_pending()) send();
+  if (has_pending()) judge_in_force();
+}
+
+void EachAxis::finish() {
+  if (!has_pending() || options_.until == Until::in_force) return;
+  switch (row_.command) {
+    case EachCommand::disable:
+      return await_state(PowerState::ready_to_switch_on);
+    case EachCommand::power_cycle:
+      return await_state(PowerState::switch_on_disabled);
+    case EachCommand::halt:
+      return await_standstill();
+    case EachCommand::resume:
+      return await_targets();
+    case EachCommand::quick_stop:
+      await_quick_stops();
+      return fail_unless(kQuickStopEnd, has_no_fault);
+    default:
+      return;
+  }
+}
+
+// ---- outcomes --------------------------------------------------------------------------------
+
+void EachAxis::end(std::size_t place, Outcome outcome) {
+  outcomes_[place] = std::move(outcome);
+  is_pending_[place] = false;
+}
+
+void EachAxis::end_all(const Outcome& outcome) {
+  for (std::size_t place = 0; place < is_pending_.size(); ++place) {
+    if (is_pending_[place]) end(place, outcome);
+  }
+}
+
+bool EachAxis::has_pending() const {
+  return std::ranges::find(is_pending_, true) != is_pending_.end();
+}
+
+/// Ends the axes that did not come to what was awaited.
+void EachAxis::fail_unless(std::string_view awaited, bool (*holds)(const AxisSnapshot&)) {
+  for (std::size_t place = 0; place < is_pending_.size(); ++place) {
+    if (!is_pending_[place] || holds(at_end_[place])) continue;
+    end(place, failed_instead_of(awaited, at_end_[place]));
+  }
+}
+
+// ---- start -----------------------------------------------------------------------------------
+
+Outcome EachAxis::begin() {
+  if (stop_) return stop_->begin(options_.timeout);
+  if (Outcome begun = call_.begin(options_.timeout); !begun) return begun;
+  return row_.command == EachCommand::power_cycle ? Outcome() : acquire();
+}
+
+/// All at once, or one by one where another session owns some of them.
+Outcome EachAxis::acquire() {
+  constexpr std::uint32_t kLocalControl = wire_code(AbortCode::refused_local_control);
+  Outcome taken = call_.acquire();
+  if (taken || taken.code() != kLocalControl || outcomes_.size() == 1) return taken;
+  const BenchPart& part = call_.axes().parts().front();
+  for (std::size_t place = 0; place < outcomes_.size(); ++place) {
+    Outcome own = core_->control.acquire(part.target, {&call_.now()[place].id.axis, 1});
+    if (!own) end(place, std::move(own));
+  }
+  return {};
+}
+
+void EachAxis::judge() {
+  for (std::size_t place = 0; place < is_pending_.size(); ++place) {
+    const AxisSnapshot& axis = call_.now()[place];
+    if (!is_pending_[place]) continue;
+    if (row_.is_at_end(axis.state())) {
+      end(place, {});
+    } else if (!row_.can_take(axis.state())) {
+      end(place, refused_in_state(axis, row_.name, row_.needs));
+    }
+  }
+}
+
+void EachAxis::await_before() {
+  const bool enables_at_once =
+      row_.command == EachCommand::enable && options_.until == Until::in_force;
+  if (row_.command == EachCommand::reset_fault) {
+    await_each("the fault reaction to end", call_.tick(), [this](std::size_t place) {
+      return call_.now()[place].state() != PowerState::fault_reaction_active;
+    });
+  } else if (row_.command == EachCommand::disable ||
+             (row_.command == EachCommand::enable && !enables_at_once)) {
+    await_quick_stops();
+  }
+}
+
+void EachAxis::send() {
+  Outcome sent = row_.command == EachCommand::power_cycle ? power_cycle() : put_in_force();
+  if (!sent) end_all(sent);
+}
+
+/// The n-th round has the n-th word of each axis.
+std::vector<Round> EachAxis::rounds() const {
+  std::vector<Round> rounds;
+  for (std::size_t place = 0; place < is_pending_.size(); ++place) {
+    if (!is_pending_[place]) continue;
+    const auto words = words_of(row_.command, call_.now()[place].state());
+    rounds.resize(std::max(rounds.size(), words.size()));
+    for (std::size_t i = 0; i < words.size(); ++i) {
+      msg::AxisCommand command = call_.command_to(place);
+      command.members(msg::HAS_DS402_CONTROLWORD);
+      command.ds402_controlword(words[i]);
+      rounds[i].entries.push_back({place, std::move(command)});
+    }
+  }
+  return rounds;
+}
+
+Outcome EachAxis::put_in_force() {
+  if (!stop_) return call_.put_in_force(rounds());
+  if (row_.command == EachCommand::halt) {
+    if (Outcome taken = stop_->acquire_free(); !taken) return taken;
+  }
+  return stop_->put_in_force(rounds().front());
+}
+
+/// All at once, or one by one where another session owns some of them.
+Outcome EachAxis::power_cycle() {
+  const Target& target = call_.axes().parts().front().target;
+  std::vector<std::uint16_t> axes;
+  for (std::size_t place = 0; place < is_pending_.size(); ++place) {
+    if (is_pending_[place]) axes.push_back(call_.now()[place].id.axis);
+  }
+  const auto cycle = [&](const std::vector<std::uint16_t>& some) {
+    msg::Request request;
+    request.kind(msg::REQUEST_POWER_CYCLE);
+    request.axes() = some;
+    return core_->control.exchange(
+        target, std::move(request),
+        "power cycle of " +
+            (some.size() == 1 ? name_of(target, some.front()) : "axes of " + name_of(target)));
+  };
+  const auto reply = cycle(axes);
+  if (reply) {
+    from_ = std::max(reply->tick(), call_.tick() + 1);
+    return {};
+  }
+  if (axes.size() == 1 || reply.outcome().kind() != OutcomeKind::refused) return reply.outcome();
+  for (std::size_t place = 0; place < is_pending_.size(); ++place) {
+    if (!is_pending_[place]) continue;
+    const auto own = cycle({call_.now()[place].id.axis});
+    if (own) {
+      from_ = std::max({from_, own->tick(), call_.tick() + 1});
+    } else {
+      end(place, own.outcome());
+    }
+  }
+  return {};
+}
+
+/// What is done in the tick in which the words are in force.
+void EachAxis::judge_in_force() {
+  for (std::size_t place = 0; place < is_pending_.size(); ++place) {
+    if (!is_pending_[place]) continue;
+    const AxisSnapshot& axis = call_.now()[place];
+    if (row_.command == EachCommand::enable) {
+      end(place, is_enabled(axis) ? Outcome() : failed_instead_of(kOperationEnabled, axis));
+    } else if (row_.command == EachCommand::reset_fault) {
+      const Outcome still = failed_instead_of("the end of the fault", axis);
+      end(place, has_no_fault(axis) ? Outcome()
+                                    : not_in_this_state(still.message() + ", the cause persists"));
+    }
+  }
+}
+
+// ---- finish ----------------------------------------------------------------------------------
+
+/// Waits until every axis that is pending was `done` once, at `from` or later; ends those that were
+/// not.
+template <typename Done>
+void EachAxis::await_each(std::string_view awaited, std::uint64_t from, const Done& done) {
+  std::vector<bool> has_come(is_pending_.size(), false);
+  const Outcome seen = call_.await(awaited, from, [&](std::size_t place) {
+    if (has_come[place] || !is_pending_[place]) return true;
+    if (call_.tick() < from || !done(place)) return false;
+    has_come[place] = true;
+    at_end_[place] = call_.now()[place];
+    return true;
+  });
+  for (std::size_t place = 0; place < is_pending_.size(); ++place) {
+    if (!is_pending_[place] || has_come[place]) continue;
+    const bool is_late = seen.kind() == OutcomeKind::timed_out && outcomes_.size() > 1;
+    end(place, is_late ? timed_out_for(awaited, call_.now()[place]) : seen);
+  }
+}
+
+void EachAxis::await_state(PowerState state) {
+  await_each(to_string(state), std::max(from_, call_.tick()), [this, state](std::size_t place) {
+    const PowerState present = call_.now()[place].state();
+    return present == state || is_fault(present);
+  });
+  fail_unless(to_string(state), has_no_fault);
+}
+
+void EachAxis::await_standstill() {
+  await_each(kStandstill, call_.tick(), [this](std::size_t place) {
+    const AxisSnapshot& axis = call_.now()[place];
+    return !is_enabled(axis) || target_reached(axis);
+  });
+  fail_unless(kStandstill, is_enabled);
+}
+
+/// After a halt an axis continues to its target, or is halted again.
+void EachAxis::await_targets() {
+  await_each(kTargetReached, call_.tick(), [this](std::size_t place) {
+    const AxisSnapshot& axis = call_.now()[place];
+    return !is_enabled(axis) || target_reached(axis);
+  });
+  const bool is_interrupted = core_->wakeup.is_interrupted();
+  for (std::size_t place = 0; place < outcomes_.size(); ++place) {
+    const bool goes_on = is_interrupted && outcomes_[place].kind() == OutcomeKind::failed;
+    if (goes_on && is_enabled(call_.now()[place])) {
+      outcomes_[place] = goes_on_to_target(call_.now()[place]);
+    }
+  }
+  fail_unless(kTargetReached, is_enabled);
+  if (!has_pending()) return;
+  const auto words = call_.read(kControlwordObject);
+  if (!words) return end_all(words.outcome());
+  for (std::size_t place = 0; place < is_pending_.size(); ++place) {
+    const auto word = static_cast<std::uint16_t>((*words)[place].front());
+    if (is_pending_[place]) end(place, outcome_of_halt(call_.now()[place], word));
+  }
+}
+
+/// Lets the axes in Quick stop active come to rest.
+void EachAxis::await_quick_stops() {
+  using namespace literals;
+  bool none = true;
+  for (std::size_t place = 0; place < is_pending_.size(); ++place) {
+    at_end_[place] = call_.now()[place];
+    none = none && (!is_pending_[place] || at_end_[place].state() != PowerState::quick_stop_active);
+  }
+  if (none) return;
+  const std::array option{vdrive::describe("quick_stop_option_code"_object).address};
+  const auto options = call_.read(option);
+  if (!options) return end_all(options.outcome());
+  await_each(kQuickStopEnd, call_.tick(), [&](std::size_t place) {
+    return quick_stop_ended(call_.now()[place], (*options)[place].front());
+  });
+}
+
+// ---- several benches -------------------------------------------------------------------------
+
+namespace {
+
+/// Axes of one bench that fit into a frame, by their places among all axes.
+struct Share {
+  std::vector<AxisId> axes;
+  std::vector<std::size_t> places;
+};
+
+std::vector<Share> shares_of(std::span<const AxisId> axes) {
+  std::map<std::uint32_t, std::size_t> open;  // the share of a bench that has room
+  std::vector<Share> shares;
+  for (std::size_t place = 0; place < axes.size(); ++place) {
+    const auto found = open.find(axes[place].bench);
+    const bool has_room =
+        found != open.end() && shares[found->second].axes.size() < msg::MAX_AXES_PER_FRAME;
+    if (!has_room) {
+      open[axes[place].bench] = shares.size();
+      shares.emplace_back();
+    }
+    Share& share = shares[open.at(axes[place].bench)];
+    share.axes.push_back(axes[place]);
+    share.places.push_back(place);
+  }
+  return shares;
+}
+
+}  // namespace
+
+std::vector<Outcome> command_each(const std::shared_ptr<SessionCore>& core,
+                                  std::span<const AxisId> axes, EachCommand command,
+                                  const CallOptions& options) {
+  const std::vector<Share> shares = shares_of(axes);
+  std::vector<std::unique_ptr<EachAxis>> calls;
+  calls.reserve(shares.size());
+  for (const Share& share : shares) {
+    calls.push_back(std::make_unique<EachAxis>(core, share.axes, command, options));
+    calls.back()->start();
+  }
+  for (const auto& call : calls) call->finish();
+  std::vector<Outcome> outcomes(axes.size());
+  // From the last to the first: calls that stop axes survive an interrupt one within the other.
+  while (!calls.empty()) {
+    const Share& share = shares[calls.size() - 1];
+    for (std::size_t i = 0; i < share.places.size(); ++i) {
+      outcomes[share.places[i]] = calls.back()->outcomes()[i];
+    }
+    calls.pop_back();
+  }
+  return outcomes;
+}
+
+}  // namespace vdrive::client

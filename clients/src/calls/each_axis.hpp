@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "calls/axes_call.hpp"
+#include "calls/axes_stop.hpp"
+#include "vdrive/client/axis.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace vdrive::client {
+
+/// What a command does; one row a command.
+struct EachCommandRow;
+
+/// A command to axes of one bench, each of which has an outcome of its own: one that refuses it or
+/// fails does not keep it from the others. All of them have the same time-out.
+class EachAxis {
+ public:
+  /// @param axes of one bench, each once, at most msg::MAX_AXES_PER_FRAME
+  EachAxis(std::shared_ptr<SessionCore> core, std::span<const AxisId> axes, EachCommand command,
+           const CallOptions& options);
+
+  /// Gives the command to every axis that can take it.
+  void start();
+
+  /// Waits until every axis that took it has done what was commanded.
+  void finish();
+
+  [[nodiscard]] const std::vector<Outcome>& outcomes() const noexcept { return outcomes_; }
+
+ private:
+  Outcome begin();
+  Outcome acquire();
+  void judge();
+  void await_before();
+  void send();
+  Outcome put_in_force();
+  Outcome power_cycle();
+  void judge_in_force();
+  void await_standstill();
+  void await_targets();
+  void await_state(PowerState state);
+
+  void await_quick_stops();
+  template <typename Done>
+  void await_each(std::string_view awaited, std::uint64_t from, const Done& done);
+  void fail_unless(std::string_view awaited, bool (*holds)(const AxisSnapshot&));
+  void end(std::size_t place, Outcome outcome);
+  void end_all(const Outcome& outcome);
+  [[nodiscard]] bool has_pending() const;
+
+  [[nodiscard]] std::vector<Round> rounds() const;
+
+  std::shared_ptr<SessionCore> core_;
+  AxesCall call_;
+  std::optional<AxesStop> stop_;
+  const EachCommandRow& row_;
+  CallOptions options_;
+  std::vector<Outcome> outcomes_;  ///< by place
+  std::vector<bool> is_pending_;   ///< by place: the outcome is still open
+  std::uint64_t from_ = 0;         ///< tick in which a power cycle has switched the axes on again
+  std::vector<AxisSnapshot> at_end_;  ///< by place: when the last wait for the axis ended
+};
+
+/// Gives a command to axes of any benches: first to all of them, then waits for all.
+/// @return one outcome an axis, in their order
+[[nodiscard]] std::vector<Outcome> command_each(const std::shared_ptr<SessionCore>& core,
+                                                std::span<const AxisId> axes, EachCommand command,
+                                                const CallOptions& options);
+
+}  // namespace vdrive::client

@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calls/observed_axes.hpp"
+
+#include <algorithm>
+#include <string>
+
+namespace vdrive::client {
+namespace {
+
+using std::chrono::milliseconds;
+
+// Wall time that one wait for a sample of a stream takes.
+constexpr milliseconds kSamplePatience{500};
+
+// Benches whose clocks differ by more do not act on common ticks.
+constexpr milliseconds kSynchronised{100};
+
+std::string axes_of(const GroupLayout::Bench& bench) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min(bench.axes.size(), kMostNamed); ++i) {
+    text += (i == 0 ? "axis " : ", axis ") + to_string(AxisId{bench.number, bench.axes[i]});
+  }
+  if (bench.axes.size() > kMostNamed) {
+    text += " and " + std::to_string(bench.axes.size() - kMostNamed) + " more";
+  }
+  return text;
+}
+
+}  // namespace
+
+GroupLayout layout_of(const AxisId& axis) {
+  return {.axes = {axis}, .benches = {{.number = axis.bench, .axes = {axis.axis}, .places = {0}}}};
+}
+
+GroupLayout layout_of(const BenchInfo& bench) {
+  GroupLayout layout{.axes = {}, .benches = {{.number = bench.number, .axes = {}, .places = {}}}};
+  for (const AxisInfo& axis : bench.axes) {
+    layout.benches.front().axes.push_back(axis.id.axis);
+    layout.benches.front().places.push_back(layout.axes.size());
+    layout.axes.push_back(axis.id);
+  }
+  return layout;
+}
+
+ObservedAxes::ObservedAxes(std::shared_ptr<SessionCore> core, GroupLayout layout, Caller caller,
+                           Progress progress)
+    : core_(std::move(core)),
+      layout_(std::make_shared<const GroupLayout>(std::move(layout))),
+      caller_(caller),
+      progress_(std::move(progress)),
+      now_(layout_->axes.size()) {}
+
+Outcome ObservedAxes::connect() {
+  for (const GroupLayout::Bench& bench : layout_->benches) {
+    auto target = core_->connection.connect(bench.number);
+    if (!target) return target.outcome();
+    BenchPart& part = parts_.emplace_back();
+    part.bench = &bench;
+    part.target = *target;
+    if (!part.target.steps()) part.feed = core_->stream.open_feed(part.target, bench.axes);
+  }
+  if (Outcome comparable = compare_clocks(); !comparable) return comparable;
+  return observe_first();
+}
+
+Outcome ObservedAxes::compare_clocks() const {
+  const Target& first = parts_.front().target;
+  for (const BenchPart& part : parts_) {
+    const Target& other = part.target;
+    const std::string pair = name_of(first) + " and " + name_of(other);
+    if (other.clock_mode != first.clock_mode) {
+      return Outcome::refused(msg::REASON_WRONG_CLOCK_MODE,
+                              pair + " have different clock modes and cannot form a group");
+    }
+    if (other.period != first.period) {
+      return Outcome::refused(msg::REASON_WRONG_CLOCK_MODE,
+                              pair + " have different periods and cannot form a group");
+    }
+    const bool shared = other.steps() || (other.clock_mode == ClockMode::realtime &&
+                                          other.rate == 1.0 && first.rate == 1.0);
+    if (parts_.size() > 1 && !shared) {
+      return Outcome::refused(
+          msg::REASON_WRONG_CLOCK_MODE,
+          pair + " do not share a clock: a group needs lock-step, or real time at rate 1");
+    }
+  }
+  return {};
+}
+
+/// A group waits for a bench that is paused while it begins.
+Outcome ObservedAxes::first_sample(BenchPart& part) {
+  const bool is_running = part.feed && !part.target.is_paused;
+  if (!is_running) return note(part, core_->observer.observe(part.target, part.bench->axes));
+  if (caller_ == Caller::group) return next(part);
+  return note(part, core_->observer.observe(part.target, part.bench->axes, *part.feed));
+}
+
+/// The first sample of each bench, then the first tick that all of them show.
+Outcome ObservedAxes::observe_first() {
+  for (BenchPart& part : parts_) {
+    if (Outcome seen = first_sample(part); !seen) return seen;
+  }
+  if (!steps()) {
+    if (Outcome shared = await_common_ticks(); !shared) return shared;
+  }
+  if (Outcome aligned = align(); !aligned) return aligned;
+  publish();
+  return {};
+}
+
+/// A bench whose samples come late, as after a link was down, catches up; one whose clock differs
+/// never does.
+Outcome ObservedAxes::await_common_ticks() {
+  const std::uint64_t apart = ticks_of(kSynchronised, period());
+  const auto tick_of = [](const BenchPart& part) {
+    return part.seen.tick;
+  };
+  const auto give_up = std::chrono::steady_clock::now() + core_->discovery.silence();
+  while (true) {
+    const auto [least, most] = std::ranges::minmax_element(parts_, {}, tick_of);
+    if (most->seen.tick - least->seen.tick <= apart) return {};
+    if (std::chrono::steady_clock::now() > give_up) {
+      return Outcome::refused(
+          msg::REASON_WRONG_CLOCK_MODE,
+          name_of(least->target) + " and " + name_of(most->target) +
+              " have different tick numbers: their clocks are not synchronised");
+    }
+    if (Outcome seen = next(*least); !seen) return seen;
+    // The call that waits for one bench must not fall behind on the others.
+    for (BenchPart& part : parts_) {
+      if (Outcome seen = catch_up(part); !seen) return seen;
+    }
+  }
+}
+
+/// Takes what has arrived, without waiting.
+Outcome ObservedAxes::catch_up(BenchPart& part) {
+  while (true) {
+    auto sample = core_->stream.next(part.target, *part.feed, {milliseconds(0), true});
+    if (sample.outcome().kind() == OutcomeKind::timed_out) return {};
+    if (Outcome noted = note(part, std::move(sample)); !noted) return noted;
+  }
+}
+
+/// Waits for the next sample of a stream: a group until there is one, an axis for a while.
+Outcome ObservedAxes::next(BenchPart& part) {
+  const bool is_axis = caller_ == Caller::axis;
+  while (true) {
+    auto sample = core_->stream.next(
+        part.target, *part.feed,
+        {.timeout = kSamplePatience, .may_interrupt = true, .needs_drive_time = is_axis});
+    if (stop_.stop_requested()) return Outcome::failed("interrupted");
+    if (is_axis || sample.outcome().kind() != OutcomeKind::timed_out) {
+      return note(part, std::move(sample));
+    }
+  }
+}
+
+Outcome ObservedAxes::advance(std::uint64_t ticks, milliseconds patience) {
+  Outcome result;
+  for (BenchPart& part : parts_) {
+    if (part.is_lost) continue;
+    Outcome seen =
+        part.feed ? next(part)
+                  : note(part, core_->clocks.step(part.target, ticks, part.bench->axes, patience));
+    if (!seen && !part.is_lost) return seen;
+    if (!seen && result) result = std::move(seen);
+  }
+  if (!result) return result;
+  if (Outcome aligned = align(); !aligned) return aligned;
+  publish();
+  return {};
+}
+
+/// Samples of a stream may be missing: continues until all benches show the same tick.
+Outcome ObservedAxes::align() {
+  std::uint64_t newest = 0;
+  bool moved = !steps();
+  while (moved) {
+    moved = false;
+    for (const BenchPart& part : parts_) newest = std::max(newest, part.seen.tick);
+    for (BenchPart& part : parts_) {
+      while (!part.is_lost && part.seen.tick < newest) {
+        if (Outcome seen = next(part); !seen) return seen;
+        moved = true;
+      }
+    }
+  }
+  return {};
+}
+
+Outcome ObservedAxes::note_lost(BenchPart& part, Outcome outcome) const {
+  if (outcome.kind() != OutcomeKind::lost) return outcome;
+  part.is_lost = true;
+  if (caller_ == Caller::axis) return outcome;
+  return Outcome::lost(axes_of(*part.bench) + ": " + outcome.message());
+}
+
+Outcome ObservedAxes::note(BenchPart& part, Result<Observation> sample) const {
+  if (!sample) return note_lost(part, sample.outcome());
+  part.seen = std::move(*sample);
+  part.skipped += part.seen.skipped;
+  core_->holdings.note_seen(part.target.key, part.seen.axes);
+  return {};
+}
+
+void ObservedAxes::publish() {
+  for (const BenchPart& part : parts_) {
+    if (part.is_lost) continue;
+    for (std::size_t i = 0; i < part.bench->places.size(); ++i) {
+      AxisSnapshot& axis = now_[part.bench->places[i]];
+      axis = part.seen.axes[i];
+      axis.tick = part.seen.tick;
+      axis.skipped = part.skipped;
+    }
+  }
+  const auto present = std::ranges::find(parts_, false, &BenchPart::is_lost);
+  if (present != parts_.end()) {
+    tick_ = present->seen.tick;
+    driven_tick_ = tick_ - present->skipped;
+  }
+  if (progress_) progress_(tick_, now_);
+}
+
+bool ObservedAxes::is_present(const AxisSnapshot& axis) const {
+  return std::ranges::any_of(parts_, [&axis](const BenchPart& part) {
+    return part.bench->number == axis.id.bench && !part.is_lost;
+  });
+}
+
+Result<std::uint64_t> ObservedAxes::newest_tick() {
+  std::uint64_t newest = tick_;
+  for (const BenchPart& part : parts_) {
+    const auto present = core_->observer.present_tick(part.target);
+    if (!present) return present.outcome();
+    newest = std::max(newest, *present);
+  }
+  return newest;
+}
+
+}  // namespace vdrive::client

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "session/session_core.hpp"
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <stop_token>
+#include <utility>
+#include <vector>
+
+namespace vdrive::client {
+
+/// Which axes form a group, and on which benches they are. One axis is a group of one.
+struct GroupLayout {
+  struct Bench {
+    std::uint32_t number = 0;
+    std::vector<std::uint16_t> axes;
+    std::vector<std::size_t> places;  ///< of these axes in the group
+  };
+
+  std::vector<AxisId> axes;  ///< in the order of the group
+  std::vector<Bench> benches;
+};
+
+/// Axes that the message of a group names; the others are counted.
+inline constexpr std::size_t kMostNamed = 4;
+
+/// @return the layout of one axis.
+[[nodiscard]] GroupLayout layout_of(const AxisId& axis);
+
+/// @return the layout of all axes of a bench.
+[[nodiscard]] GroupLayout layout_of(const BenchInfo& bench);
+
+/// Whether a call is of an axis or of a group. The call of an axis fails while its bench is paused,
+/// and its messages do not list axes; the call of a group waits while a bench is paused.
+enum class Caller : std::uint8_t { axis, group };
+
+/// The axes of one bench, as a call observes them.
+struct BenchPart {
+  const GroupLayout::Bench* bench = nullptr;
+  Target target;
+  std::shared_ptr<StatusFeed> feed;  ///< none in lock-step
+  Observation seen;
+  std::uint64_t skipped = 0;  ///< ticks since the first observation that the number jumped over
+  bool is_lost = false;
+};
+
+/// One axis or more, on one bench or more, tick by tick: all benches show the same tick.
+class ObservedAxes {
+ public:
+  using Progress = std::function<void(std::uint64_t tick, std::span<const AxisSnapshot>)>;
+
+  /// @param progress receives each tick that is observed; may be empty
+  ObservedAxes(std::shared_ptr<SessionCore> core, GroupLayout layout, Caller caller,
+               Progress progress);
+
+  /// Connects to every bench, compares their clocks, and observes the axes for the first time.
+  Outcome connect();
+
+  /// Advances to the next tick that all benches show; in lock-step by `ticks`.
+  /// @param patience wall time for other steppers to grant the next tick
+  /// @return timed_out, for an axis, when no sample came for a while.
+  Outcome advance(std::uint64_t ticks, std::chrono::milliseconds patience = kStepPatience);
+
+  /// Ends calls that wait for a sample with `failed` once this is requested.
+  void stop_by(std::stop_token stop) { stop_ = std::move(stop); }
+
+  /// @return `outcome`; when it is `lost`, the part is lost from now on, and the
+  ///         message of a group names the axes that are lost with it.
+  Outcome note_lost(BenchPart& part, Outcome outcome) const;
+
+  /// @return whether the bench of this axis is not lost.
+  [[nodiscard]] bool is_present(const AxisSnapshot& axis) const;
+
+  /// The newest tick that any bench has published.
+  Result<std::uint64_t> newest_tick();
+
+  /// The axes as they were observed last, in the order of the group.
+  [[nodiscard]] const std::vector<AxisSnapshot>& now() const noexcept { return now_; }
+
+  /// Of the first bench that is not lost.
+  [[nodiscard]] std::uint64_t tick() const noexcept { return tick_; }
+
+  /// The same without the ticks that the number has jumped over since the first observation: what
+  /// durations and deadlines count in.
+  [[nodiscard]] std::uint64_t driven_tick() const noexcept { return driven_tick_; }
+
+  [[nodiscard]] std::chrono::microseconds period() const { return parts_.front().target.period; }
+
+  [[nodiscard]] bool steps() const { return parts_.front().target.steps(); }
+
+  [[nodiscard]] Caller caller() const noexcept { return caller_; }
+
+  [[nodiscard]] const GroupLayout& layout() const noexcept { return *layout_; }
+
+  [[nodiscard]] std::vector<BenchPart>& parts() noexcept { return parts_; }
+
+  [[nodiscard]] const std::vector<BenchPart>& parts() const noexcept { return parts_; }
+
+ private:
+  [[nodiscard]] Outcome compare_clocks() const;
+  Outcome first_sample(BenchPart& part);
+  Outcome observe_first();
+  Outcome await_common_ticks();
+  Outcome catch_up(BenchPart& part);
+  Outcome next(BenchPart& part);
+  Outcome align();
+  Outcome note(BenchPart& part, Result<Observation> sample) const;
+  void publish();
+
+  std::shared_ptr<SessionCore> core_;
+  std::shared_ptr<const GroupLayout> layout_;
+  Caller caller_;
+  Progress progress_;
+  std::vector<BenchPart> parts_;
+  std::vector<AxisSnapshot> now_;
+  std::uint64_t tick_ = 0;
+  std::uint64_t driven_tick_ = 0;
+  std::stop_token stop_;
+};
+
+}  // namespace vdrive::client

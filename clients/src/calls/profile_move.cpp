@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calls/profile_move.hpp"
+
+#include "base/command_words.hpp"
+#include "calls/arrival.hpp"
+#include "vdrive/dictionary/object_text.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace vdrive::client {
+namespace {
+
+using namespace literals;
+
+/// In the order of kMoveBounds.
+enum Bound : std::size_t { velocity, acceleration, deceleration };
+
+/// 60F2h bits 0 and 1: a relative target counts from the actual position.
+constexpr std::int64_t kFromActualPosition = 2;
+
+void add_members(msg::AxisCommand& command, std::uint16_t members) {
+  command.members(static_cast<std::uint16_t>(command.members() | members));
+}
+
+}  // namespace
+
+Outcome check_bounds(const AxisId& axis, std::span<const std::int64_t> values) {
+  const auto zero = std::ranges::find(values, 0);
+  if (zero == values.end()) return {};
+  const auto place = static_cast<std::size_t>(zero - values.begin());
+  return not_in_this_state("axis " + to_string(axis) + ": " + object_text(kMoveBounds.at(place)) +
+                           " is 0: the axis cannot move");
+}
+
+Outcome ProfileMove::prepare() {
+  std::vector<ObjectAddress> objects(kMoveBounds.begin(), kMoveBounds.end());
+  objects.push_back(vdrive::describe("ds402_controlword"_object).address);
+  objects.push_back(vdrive::describe("positioning_option_code"_object).address);
+  auto values = call_.read(objects);
+  if (!values) return values.outcome();
+  bounds_ = std::move(values->front());
+  positioning_option_ = bounds_.back();
+  bounds_.pop_back();
+  controlword_ = static_cast<std::uint16_t>(bounds_.back());
+  bounds_.pop_back();
+  std::vector<std::int64_t> in_force = bounds_;
+  in_force[velocity] = options_.velocity.value_or(bounds_[velocity]);
+  in_force[acceleration] = options_.acceleration.value_or(bounds_[acceleration]);
+  in_force[deceleration] = options_.deceleration.value_or(bounds_[deceleration]);
+  return check_bounds(call_.axis().id, in_force);
+}
+
+/// The edge of bit 4 with the set-point.
+Round ProfileMove::set_point(std::int32_t target, bool relative) const {
+  std::uint16_t word = kEnableOperation | Controlword::kNewSetPoint;
+  if (!options_.queue) word |= Controlword::kChangeSetImmediately;
+  if (relative) word |= Controlword::kRelative;
+  Round round = call_.round_of(word, every_axis);
+  msg::AxisCommand& command = round.entries.front().command;
+  add_members(command, msg::HAS_POSITION_USER_TARGET_VALUE);
+  command.position_user_target_value(target);
+  if (options_.velocity) {
+    add_members(command, msg::HAS_PROFILE_VELOCITY);
+    command.profile_velocity(*options_.velocity);
+  }
+  if (options_.acceleration) {
+    add_members(command, msg::HAS_PROFILE_ACC);
+    command.profile_acc(*options_.acceleration);
+  }
+  if (options_.deceleration) {
+    add_members(command, msg::HAS_PROFILE_DEC);
+    command.profile_dec(*options_.deceleration);
+  }
+  return round;
+}
+
+/// A relative target counts from the present demand position: exact for an axis at rest.
+std::int32_t ProfileMove::target_of(std::int32_t value, bool relative) const {
+  if (!relative) return value;
+  const AxisStatus& status = call_.axis().status;
+  const std::int32_t base = positioning_option_ == kFromActualPosition
+                                ? status.load_position_actual_value
+                                : status.position_demand_value;
+  return static_cast<std::int32_t>(static_cast<std::uint32_t>(base) +
+                                   static_cast<std::uint32_t>(value));
+}
+
+Outcome ProfileMove::start(std::int32_t target, bool relative) {
+  target_ = target_of(target, relative);
+  const bool leads_up = target_ > call_.axis().status.position_demand_value;
+  wraps_ = relative && target != 0 && leads_up != (target > 0);
+  std::vector<Round> rounds;
+  if ((controlword_ & Controlword::kNewSetPoint) != 0) {  // bit 4 has to drop before its edge
+    const auto dropped = static_cast<std::uint16_t>(controlword_ & ~Controlword::kNewSetPoint);
+    rounds.push_back(call_.round_of(dropped, every_axis));
+  }
+  rounds.push_back(set_point(target, relative));
+  if (options_.velocity) {
+    Round& old_velocity = rounds.emplace_back(call_.round_to(every_axis));
+    msg::AxisCommand& command = old_velocity.entries.front().command;
+    add_members(command, msg::HAS_PROFILE_VELOCITY);
+    command.profile_velocity(static_cast<std::uint32_t>(bounds_[velocity]));
+  }
+  if (Outcome done = call_.put_in_force(rounds); !done) {
+    if (done.kind() == OutcomeKind::refused) put_back_ramps();
+    return done;
+  }
+  // From here on bits 12 and 10 belong to this set-point: it acts in the tick that was observed.
+  return call_.await_enabled("the acknowledge, bit 12", call_.tick(), [](const AxisSnapshot& axis) {
+    return axis.shows(Statusword::kSetPointAcknowledge);
+  });
+}
+
+Outcome ProfileMove::await_target() {
+  Outcome reached =
+      client::await_target(call_, wakeup_, wraps_ ? std::nullopt : std::optional(target_));
+  if (reached) return reached;
+  // After a time-out the axis still moves, and after a halt it continues: the ramps are those of
+  // its motion.
+  const AxisSnapshot& axis = call_.axis();
+  const bool is_over = axis.status.velocity_demand_value == 0 && !target_reached(axis);
+  if (!is_enabled(axis) || is_over) put_back_ramps();
+  return reached;
+}
+
+/// @return whether there are any.
+bool ProfileMove::add_old_ramps(Round& round) const {
+  msg::AxisCommand& command = round.entries.front().command;
+  if (options_.acceleration) {
+    add_members(command, msg::HAS_PROFILE_ACC);
+    command.profile_acc(static_cast<std::uint32_t>(bounds_[acceleration]));
+  }
+  if (options_.deceleration) {
+    add_members(command, msg::HAS_PROFILE_DEC);
+    command.profile_dec(static_cast<std::uint32_t>(bounds_[deceleration]));
+  }
+  return options_.acceleration || options_.deceleration;
+}
+
+/// After a failure, which stays the outcome whatever becomes of this.
+void ProfileMove::put_back_ramps() {
+  Round round = call_.round_to(every_axis);
+  if (add_old_ramps(round)) (void)call_.put_in_force({&round, 1});
+}
+
+Outcome ProfileMove::finish() {
+  const AxisSnapshot at_rest = call_.axis();
+  Round last = call_.round_of(kEnableOperation, every_axis);
+  const bool waited = options_.call.until == Until::done;
+  if (waited) add_old_ramps(last);
+  if (Outcome done = call_.put_in_force({&last, 1}); !done) return done;
+  return waited ? check_limits(at_rest) : Outcome();
+}
+
+Outcome ProfileMove::check_limits(const AxisSnapshot& at_rest) {
+  const std::int32_t demand = at_rest.status.position_demand_value;
+  if (!at_rest.shows(Statusword::kInternalLimitActive) || demand == target_) return {};
+  const std::array limits{vdrive::describe("user_position_lower_limit"_object).address,
+                          vdrive::describe("user_position_upper_limit"_object).address};
+  const auto values = call_.read(limits);
+  if (!values) return values.outcome();
+  const auto limit = std::ranges::find(values->front(), demand);
+  if (limit == values->front().end()) return {};
+  const auto place = static_cast<std::size_t>(limit - values->front().begin());
+  return Outcome::failed("axis " + to_string(at_rest.id) + ": the software limit " +
+                         object_text(limits.at(place)) + " = " + std::to_string(demand) +
+                         " has cut the move to " + std::to_string(target_) + " off");
+}
+
+}  // namespace vdrive::client

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/wakeup.hpp"
+#include "calls/axes_call.hpp"
+#include "vdrive/client/axis.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace vdrive::client {
+
+/// What bounds a move in profile position mode. The drive takes 0 for each of them, and does not
+/// move then, or with 1 UU/s².
+inline constexpr std::array kMoveBounds = [] {
+  using namespace literals;
+  return std::array{vdrive::describe("profile_velocity"_object).address,
+                    vdrive::describe("profile_acc"_object).address,
+                    vdrive::describe("profile_dec"_object).address,
+                    vdrive::describe("app_speed_limit"_object).address,
+                    vdrive::describe("app_acc_limit"_object).address,
+                    vdrive::describe("app_dec_limit"_object).address};
+}();
+
+/// @param values of kMoveBounds, in this order
+/// @return refused, naming the first of them that is 0.
+[[nodiscard]] Outcome check_bounds(const AxisId& axis, std::span<const std::int64_t> values);
+
+/// One move of the only axis of a call, with the speed and the ramps that the options give for it.
+class ProfileMove {
+ public:
+  /// @param call, wakeup, options outlive this
+  ProfileMove(AxesCall& call, const Wakeup& wakeup, const MoveOptions& options)
+      : call_(call), wakeup_(wakeup), options_(options) {}
+
+  /// Reads what the drive has. @return refused where the axis could not move, with nothing changed.
+  Outcome prepare();
+
+  /// Hands the set-point over, and waits for bit 12. 6081h, which the drive takes with the
+  /// set-point, has its old value again at once.
+  Outcome start(std::int32_t target, bool relative);
+
+  /// Waits until the axis is at its target; see await_target of arrival.hpp.
+  Outcome await_target();
+
+  /// Drops bit 4. @return failed where a software limit has cut the move off.
+  Outcome finish();
+
+ private:
+  [[nodiscard]] Round set_point(std::int32_t target, bool relative) const;
+  [[nodiscard]] std::int32_t target_of(std::int32_t value, bool relative) const;
+  bool add_old_ramps(Round& round) const;
+  void put_back_ramps();
+  Outcome check_limits(const AxisSnapshot& at_rest);
+
+  AxesCall& call_;
+  const Wakeup& wakeup_;
+  const MoveOptions& options_;
+  std::uint16_t controlword_ = 0;
+  std::int64_t positioning_option_ = 0;
+  std::vector<std::int64_t> bounds_;  ///< of kMoveBounds, before the move
+  std::int32_t target_ = 0;           ///< absolute
+  bool wraps_ = false;                ///< the way to it leads through the end of the register
+};
+
+}  // namespace vdrive::client

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "clocks/bench_clocks.hpp"
+
+#include "streams/status_feed.hpp"
+#include "vdrive/number_text.hpp"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace vdrive::client {
+namespace {
+
+using Clock = Wakeup::Clock;
+using std::chrono::milliseconds;
+
+// One request steps at most this far, so that an interrupt or a lost service is noticed.
+constexpr std::uint64_t kTicksPerRequest = 2000;
+
+constexpr std::size_t kAxesPerRequest = msg::MAX_AXES_PER_FRAME;
+
+constexpr Patience kLeaveAnswer{milliseconds(500), false};
+
+/// Wall time until the deadline, which may have passed.
+milliseconds left_until(Clock::time_point deadline) {
+  return std::max(milliseconds(0), std::chrono::ceil<milliseconds>(deadline - Clock::now()));
+}
+
+std::string step_of(const Target& target) {
+  return "step of " + name_of(target);
+}
+
+/// Whether a step was accepted: it ended, or waits for another stepper.
+bool is_accepted(const msg::Reply& reply) {
+  return reply.reason() == msg::REASON_NONE || reply.reason() == msg::REASON_MISSING_STEPPER;
+}
+
+}  // namespace
+
+BenchClocks::BenchClocks(std::uint64_t session, Requests& requests, Holdings& holdings,
+                         Discovery& discovery, const Wakeup& wakeup)
+    : session_(session),
+      requests_(requests),
+      holdings_(holdings),
+      discovery_(discovery),
+      wakeup_(wakeup) {}
+
+Result<std::uint64_t> BenchClocks::set_rate(const Target& target, double rate) {
+  msg::Request request;
+  request.kind(msg::REQUEST_SET_RATE);
+  request.rate(rate);
+  const auto reply = requests_.exchange(target, std::move(request), "rate of " + name_of(target));
+  if (!reply) return reply.outcome();
+  discovery_.set_rate(target.key, rate);
+  return reply->tick();
+}
+
+// ---- steppers ---------------------------------------------------------------------------------
+
+Result<std::uint64_t> BenchClocks::join(const Target& target) {
+  if (grant_of(target.key)) {
+    return Outcome::failed("this session has joined the clock of " + name_of(target) + " already");
+  }
+  msg::Request request;
+  request.kind(msg::REQUEST_JOIN_CLOCK);
+  const auto reply =
+      requests_.exchange(target, std::move(request), "joining the clock of " + name_of(target));
+  if (!reply) return reply.outcome();
+  const std::scoped_lock lock(mutex_);
+  grants_[target.key] = {.granted = reply->tick(), .reached = reply->tick()};
+  return reply->tick();
+}
+
+void BenchClocks::leave(const Target& target) {
+  {
+    const std::scoped_lock lock(mutex_);
+    grants_.erase(target.key);
+  }
+  msg::Request request;
+  request.kind(msg::REQUEST_LEAVE_CLOCK);
+  const auto number = requests_.send(target, std::move(request));
+  if (number) (void)requests_.await(target, *number, kLeaveAnswer);  // it may be gone
+}
+
+void BenchClocks::leave_all() {
+  std::vector<BenchKey> joined;
+  {
+    const std::scoped_lock lock(mutex_);
+    for (const auto& [key, grant] : grants_) joined.push_back(key);
+  }
+  for (const BenchKey& key : joined) leave({.key = key});
+}
+
+std::optional<Grant> BenchClocks::grant_of(const BenchKey& key) const {
+  const std::scoped_lock lock(mutex_);
+  const auto grant = grants_.find(key);
+  return grant == grants_.end() ? std::nullopt : std::optional(grant->second);
+}
+
+Result<PendingStep> BenchClocks::begin_step_to(const Target& target, std::uint64_t tick,
+                                               msg::Request request) {
+  PendingStep step;
+  {
+    const std::scoped_lock lock(mutex_);
+    const auto grant = grants_.find(target.key);
+    if (grant == grants_.end()) {
+      return Outcome::refused(msg::REASON_NOT_A_STEPPER, step_of(target) + " refused");
+    }
+    const std::uint64_t granted = grant->second.granted;
+    step.ticks = tick > granted ? tick - granted : 0;
+    grant->second.granted += step.ticks;
+  }
+  request.kind(msg::REQUEST_STEP);
+  request.ticks(step.ticks);
+  request.last_sequence(holdings_.last_sequence(target.key));
+  const auto number = requests_.send(target, std::move(request));
+  if (!number) return number.outcome();
+  step.request = *number;
+  return step;
+}
+
+void BenchClocks::note_reply(const BenchKey& key, const PendingStep& step,
+                             const msg::Reply& reply) {
+  const std::scoped_lock lock(mutex_);
+  const auto grant = grants_.find(key);
+  if (grant == grants_.end()) return;
+  if (is_accepted(reply)) {
+    grant->second.reached = std::max(grant->second.reached, reply.tick());
+  } else if (reply.reason() == msg::REASON_NOT_A_STEPPER) {  // taken off the clock
+    grants_.erase(grant);
+  } else {
+    grant->second.granted -= step.ticks;
+  }
+}
+
+/// What a step came to: reached, or REASON_MISSING_STEPPER in the reply.
+Result<msg::Reply> BenchClocks::conclude_step(const Target& target, const PendingStep& step,
+                                              Clock::time_point deadline, Silence silence) {
+  auto reply = requests_.await(target, step.request, {left_until(deadline), true, false, silence});
+  if (reply.outcome().kind() == OutcomeKind::timed_out) {
+    return missing_stepper(target, discovery_.slowest_stepper(target.key));
+  }
+  if (!reply) return reply;
+  if (reply->reason() == msg::REASON_WRONG_INCARNATION) {
+    return Outcome::lost(restarted_text(target));
+  }
+  note_reply(target.key, step, *reply);
+  if (!is_accepted(*reply)) return refusal_of(target, *reply, step_of(target));
+  return reply;
+}
+
+Result<std::uint64_t> BenchClocks::end_step(const Target& target, PendingStep step,
+                                            Clock::time_point deadline) {
+  while (true) {
+    const auto reply = conclude_step(target, step, deadline, Silence::ends_call);
+    if (!reply) return reply.outcome();
+    if (reply->reason() == msg::REASON_NONE) return reply->tick();
+    if (Clock::now() >= deadline) return missing_stepper(target, reply->missing_stepper());
+    const auto again = begin_step_to(target, 0, {});
+    if (!again) return again.outcome();
+    step = *again;
+  }
+}
+
+Outcome BenchClocks::missing_stepper(const Target& target, std::uint64_t session) const {
+  if (session == 0 || session == session_)
+    return Outcome::timed_out(name_of(target) + " did not answer");
+  return Outcome::timed_out(name_of(target) + " waits for stepper " + session_text(session) +
+                            ", which has not granted the next tick");
+}
+
+// ---- steps -----------------------------------------------------------------------------------
+
+Result<msg::Reply> BenchClocks::step_as_stepper(const Target& target, const Grant& grant,
+                                                const msg::Request& request, milliseconds patience,
+                                                Silence silence) {
+  const std::uint64_t aim = grant.reached + request.ticks();
+  std::uint64_t reached = grant.reached;
+  auto deadline = Clock::now() + patience;
+  while (true) {
+    const auto step = begin_step_to(target, aim, request);
+    if (!step) return step.outcome();
+    auto reply = conclude_step(target, *step, deadline, silence);
+    // A call that only observes takes the state as it is.
+    if (!reply || reply->reason() == msg::REASON_NONE || request.ticks() == 0) return reply;
+    if (reply->tick() > reached) deadline = Clock::now() + patience;
+    reached = reply->tick();
+    if (Clock::now() >= deadline) return missing_stepper(target, reply->missing_stepper());
+  }
+}
+
+Result<msg::Reply> BenchClocks::step_once(const Target& target, msg::Request request,
+                                          milliseconds patience, Silence silence) {
+  if (const auto grant = grant_of(target.key)) {
+    return step_as_stepper(target, *grant, request, patience, silence);
+  }
+  request.last_sequence(holdings_.last_sequence(target.key));
+  return requests_.exchange(target, std::move(request), step_of(target), silence);
+}
+
+Result<Observation> BenchClocks::step(const Target& target, std::uint64_t ticks,
+                                      std::span<const std::uint16_t> axes, milliseconds patience,
+                                      Silence silence) {
+  std::uint64_t left = ticks;
+  std::size_t shown = 0;
+  Observation observation;
+  do {
+    if (left != 0 && wakeup_.is_interrupted()) return Outcome::failed("interrupted");
+    msg::Request request;
+    request.kind(msg::REQUEST_STEP);
+    request.ticks(std::min(left, kTicksPerRequest));
+    left -= request.ticks();
+    if (left == 0) {  // the axes are shown once time has passed
+      const std::size_t count = std::min(axes.size() - shown, kAxesPerRequest);
+      request.axes().assign(axes.begin() + static_cast<std::ptrdiff_t>(shown),
+                            axes.begin() + static_cast<std::ptrdiff_t>(shown + count));
+      shown += count;
+    }
+    const std::size_t wanted = request.axes().size();
+    const auto reply = step_once(target, std::move(request), patience, silence);
+    if (!reply) return reply.outcome();
+    if (reply->statuses().size() != wanted) {
+      return Outcome::failed(name_of(target) + " did not send the status of the requested axes");
+    }
+    observation.tick = reply->tick();
+    for (const msg::AxisStatus& status : reply->statuses()) {
+      observation.axes.push_back(sample_of(status));
+    }
+  } while (left != 0 || shown < axes.size());
+  return observation;
+}
+
+}  // namespace vdrive::client

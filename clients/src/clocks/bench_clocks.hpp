@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/wakeup.hpp"
+#include "exchange/holdings.hpp"
+#include "exchange/requests.hpp"
+#include "presence/discovery.hpp"
+#include "presence/target.hpp"
+#include "vdrive/client/axis_snapshot.hpp"
+#include "vdrive_messages.h"
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <span>
+
+namespace vdrive::client {
+
+/// Wall time that a step waits for the other steppers of its clock to grant the next tick.
+inline constexpr std::chrono::milliseconds kStepPatience{10'000};
+
+/// What this session granted as a stepper of one run of a service.
+struct Grant {
+  std::uint64_t granted = 0;  ///< last tick that it lets pass
+  std::uint64_t reached = 0;  ///< tick of the last answer
+};
+
+/// A step that was requested and not answered yet.
+struct PendingStep {
+  std::uint64_t request = 0;  ///< its number
+  std::uint64_t ticks = 0;    ///< that it grants
+};
+
+/// The clocks of benches: steps, alone or as one of several steppers, and rates. Thread-safe, but
+/// each lock-step bench is to be stepped by one thread at a time.
+class BenchClocks {
+ public:
+  BenchClocks(std::uint64_t session, Requests& requests, Holdings& holdings, Discovery& discovery,
+              const Wakeup& wakeup);
+
+  Result<std::uint64_t> set_rate(const Target& target, double rate);
+
+  /// Steps, and shows `axes` afterwards. 0 ticks only show.
+  /// @param patience wall time for other steppers to grant the next tick
+  Result<Observation> step(const Target& target, std::uint64_t ticks,
+                           std::span<const std::uint16_t> axes,
+                           std::chrono::milliseconds patience = kStepPatience,
+                           Silence silence = Silence::ends_call);
+
+  /// Makes this session a stepper of the bench. @return the present tick.
+  Result<std::uint64_t> join(const Target& target);
+
+  /// Ends that, if the service still answers.
+  void leave(const Target& target);
+
+  /// Leaves the clock of every bench.
+  void leave_all();
+
+  /// What this session granted; nothing when it has not joined the clock.
+  [[nodiscard]] std::optional<Grant> grant_of(const BenchKey& key) const;
+
+  /// Of a bench whose clock this session has joined: requests to let time pass until `tick`, and
+  /// does not wait.
+  /// @param request carries what else the step is to show
+  Result<PendingStep> begin_step_to(const Target& target, std::uint64_t tick, msg::Request request);
+
+  /// Waits until that tick is reached, with new requests while other steppers have not granted it.
+  /// @return the tick reached, timed_out at the deadline, naming the stepper that is missing.
+  Result<std::uint64_t> end_step(const Target& target, PendingStep step,
+                                 Wakeup::Clock::time_point deadline);
+
+ private:
+  Result<msg::Reply> step_once(const Target& target, msg::Request request,
+                               std::chrono::milliseconds patience, Silence silence);
+  Result<msg::Reply> step_as_stepper(const Target& target, const Grant& grant,
+                                     const msg::Request& request,
+                                     std::chrono::milliseconds patience, Silence silence);
+  Result<msg::Reply> conclude_step(const Target& target, const PendingStep& step,
+                                   Wakeup::Clock::time_point deadline, Silence silence);
+  void note_reply(const BenchKey& key, const PendingStep& step, const msg::Reply& reply);
+  [[nodiscard]] Outcome missing_stepper(const Target& target, std::uint64_t session) const;
+
+  const std::uint64_t session_;
+  Requests& requests_;
+  Holdings& holdings_;
+  Discovery& discovery_;
+  const Wakeup& wakeup_;
+  mutable std::mutex mutex_;          ///< guards the grants
+  std::map<BenchKey, Grant> grants_;  ///< of the clocks that this session has joined
+};
+
+}  // namespace vdrive::client

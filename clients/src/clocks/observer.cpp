@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "clocks/observer.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <iterator>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace vdrive::client {
+namespace {
+
+// A running bench sends a sample of its status stream each tick; this allows for the match, and for
+// a service that connects anew.
+constexpr Patience kFirstSample{std::chrono::milliseconds(5000), true, true};
+
+constexpr Patience kAnyTick{std::chrono::hours(24 * 365), true, true, Silence::is_bridged};
+
+/// Members of the status image that can be read as objects.
+std::vector<StatusMember> readable_members() {
+  std::vector<StatusMember> members;
+  std::ranges::copy_if(status_members(), std::back_inserter(members), [](const auto& member) {
+    return member.is_published && member.address.index != 0;
+  });
+  return members;
+}
+
+}  // namespace
+
+Observer::Observer(const Discovery& discovery, const Connection& connection, Requests& requests,
+                   BenchClocks& clocks, StatusStream& stream, Waiter& waiter)
+    : discovery_(discovery),
+      connection_(connection),
+      requests_(requests),
+      clocks_(clocks),
+      stream_(stream),
+      waiter_(waiter) {}
+
+Result<Observation> Observer::observe(const Target& target, std::span<const std::uint16_t> axes) {
+  if (!connection_.may_command()) return stream_.next_samples(target, axes);
+  if (target.steps()) return clocks_.step(target, 0, axes);
+  if (target.is_paused) return read_status(target, axes);
+  const auto feed = stream_.open_feed(target, {axes.begin(), axes.end()});
+  return observe(target, axes, *feed);
+}
+
+Result<Observation> Observer::observe(const Target& target, std::span<const std::uint16_t> axes,
+                                      StatusFeed& feed) {
+  auto sample = stream_.next(target, feed, kFirstSample);
+  if (!sample && discovery_.is_paused(target.key)) return observe_at_rest(target, axes);
+  if (sample.outcome().kind() == OutcomeKind::timed_out) {
+    return Outcome::timed_out(name_of(target) + " sends no status stream");
+  }
+  return sample;
+}
+
+/// While time stands still a bench sends no status frames.
+Result<Observation> Observer::observe_at_rest(const Target& target,
+                                              std::span<const std::uint16_t> axes) {
+  return connection_.may_command() ? read_status(target, axes) : stream_.next_samples(target, axes);
+}
+
+Result<Observation> Observer::read_status(const Target& target,
+                                          std::span<const std::uint16_t> axes) {
+  Observation observation;
+  const std::vector<StatusMember> members = readable_members();
+  for (const std::uint16_t axis : axes) {
+    msg::Request request;
+    request.kind(msg::REQUEST_READ);
+    for (const StatusMember& member : members) {
+      msg::ObjectAccess access;
+      access.axis(axis);
+      access.index(member.address.index);
+      access.subindex(member.address.subindex);
+      request.objects().push_back(access);
+    }
+    const auto reply =
+        requests_.exchange(target, std::move(request), "status of " + name_of(target, axis));
+    if (!reply) return reply.outcome();
+    AxisSnapshot sample;
+    sample.id = {target.key.number, axis};
+    sample.tick = reply->tick();
+    for (std::size_t i = 0; i < std::min(reply->objects().size(), members.size()); ++i) {
+      members[i].set(sample.status, reply->objects()[i].value());
+    }
+    observation.tick = reply->tick();
+    observation.axes.push_back(sample);
+  }
+  return observation;
+}
+
+Result<std::uint64_t> Observer::present_tick(const Target& target, Silence silence) {
+  if (target.steps() && connection_.may_command()) {
+    const auto shown = clocks_.step(target, 0, {}, kStepPatience, silence);
+    if (!shown) return shown.outcome();
+    return shown->tick;
+  }
+  stream_.subscribe();
+  return discovery_.tick(target.key);
+}
+
+Result<std::uint64_t> Observer::wait_for_tick(const Target& target, std::uint64_t tick) {
+  if (target.steps()) {
+    auto present = present_tick(target, Silence::is_bridged);
+    if (!present || *present >= tick) return present;
+    const auto reached =
+        clocks_.step(target, tick - *present, {}, kStepPatience, Silence::is_bridged);
+    if (!reached) return reached.outcome();
+    return reached->tick;
+  }
+  stream_.subscribe();
+  std::uint64_t reached = 0;
+  const Outcome outcome = waiter_.wait(target, kAnyTick, [&] {
+    reached = discovery_.tick(target.key);
+    return reached >= tick;
+  });
+  if (!outcome) return outcome;
+  return reached;
+}
+
+Result<std::uint64_t> Observer::wait_for_ticks(const Target& target, std::uint64_t ticks) {
+  if (target.steps()) {
+    const auto present = present_tick(target, Silence::is_bridged);
+    return present ? wait_for_tick(target, *present + ticks) : present;
+  }
+  stream_.subscribe();
+  std::optional<std::uint64_t> last;
+  Outcome outcome = waiter_.wait(target, kAnyTick, [&] {
+    const auto now = discovery_.driven_tick(target.key);
+    if (now && !last) last = *now + ticks;
+    return last && now >= last;
+  });
+  if (!outcome) return outcome;
+  return discovery_.tick(target.key);
+}
+
+}  // namespace vdrive::client

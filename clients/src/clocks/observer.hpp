@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "clocks/bench_clocks.hpp"
+#include "exchange/connection.hpp"
+#include "exchange/requests.hpp"
+#include "presence/target.hpp"
+#include "streams/status_stream.hpp"
+#include "vdrive/client/axis_snapshot.hpp"
+
+#include <cstdint>
+#include <span>
+
+namespace vdrive::client {
+
+/// What axes show now and which tick it is, in whatever way the clock of their bench and the
+/// permissions of this session allow. Has no state. Thread-safe.
+class Observer {
+ public:
+  Observer(const Discovery& discovery, const Connection& connection, Requests& requests,
+           BenchClocks& clocks, StatusStream& stream, Waiter& waiter);
+
+  /// The present state of `axes`.
+  Result<Observation> observe(const Target& target, std::span<const std::uint16_t> axes);
+
+  /// The same from the next sample of a feed, of a bench whose drive time is not lock-step.
+  Result<Observation> observe(const Target& target, std::span<const std::uint16_t> axes,
+                              StatusFeed& feed);
+
+  /// The newest tick of the bench.
+  Result<std::uint64_t> present_tick(const Target& target, Silence silence = Silence::ends_call);
+
+  /// Waits until the bench has reached `tick`, also by a jump of the number over it; in lock-step
+  /// steps to it. @return the tick reached.
+  Result<std::uint64_t> wait_for_tick(const Target& target, std::uint64_t tick);
+
+  /// Waits until the bench has run that many ticks from now on, however far its number jumps; in
+  /// lock-step steps. @return the tick reached.
+  Result<std::uint64_t> wait_for_ticks(const Target& target, std::uint64_t ticks);
+
+ private:
+  Result<Observation> observe_at_rest(const Target& target, std::span<const std::uint16_t> axes);
+  Result<Observation> read_status(const Target& target, std::span<const std::uint16_t> axes);
+
+  const Discovery& discovery_;
+  const Connection& connection_;
+  Requests& requests_;
+  BenchClocks& clocks_;
+  StatusStream& stream_;
+  Waiter& waiter_;
+};
+
+}  // namespace vdrive::client

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "exchange/connection.hpp"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace vdrive::client {
+namespace {
+
+using Clock = Discovery::Clock;
+using std::chrono::milliseconds;
+
+// What is not answered within this, while samples of the bench arrive, is sent again.
+constexpr milliseconds kRepeatAfter{1'000};
+
+// While a match is awaited the bench may change its participant: checked this often.
+constexpr milliseconds kCheckSource{20};
+
+// A queue that is full has room again when its readers follow, or when one that is gone is dropped.
+constexpr milliseconds kFullQueue{2'500};
+
+constexpr const char* kSessionEnded = "the session has ended: nothing was sent";
+
+/// @return nothing when the permissions of this participant do not name the topic.
+template <typename Message>
+std::unique_ptr<wire::Publication<Message>> publication_if_permitted(
+    wire::Participant& participant) {
+  try {
+    return std::make_unique<wire::Publication<Message>>(participant);
+  } catch (const wire::NotPermitted&) {
+    return nullptr;
+  }
+}
+
+}  // namespace
+
+Connection::Connection(wire::Participant& participant, std::uint64_t session, Discovery& discovery,
+                       Holdings& holdings, UnansweredMessages& unanswered, Wakeup& wakeup)
+    : session_(session),
+      discovery_(discovery),
+      holdings_(holdings),
+      unanswered_(unanswered),
+      wakeup_(wakeup),
+      request_publication_(publication_if_permitted<msg::Request>(participant)),
+      command_publication_(publication_if_permitted<msg::CommandFrame>(participant)),
+      reply_subscription_(participant,
+                          [this](const msg::Reply& message, const wire::Source& source) {
+                            on_reply(message, source);
+                          }),
+      command_reply_subscription_(
+          participant, [this](const msg::CommandReply& message, const wire::Source& source) {
+            on_command_reply(message, source);
+          }) {}
+
+// ---- what arrives ----------------------------------------------------------------------------
+
+void Connection::on_reply(const msg::Reply& message, const wire::Source& source) {
+  if (message.client() != session_) return;
+  discovery_.note_sample({message.bench(), message.incarnation()}, message.tick(), source);
+  if (unanswered_.requests.answer(message.request_id(), message)) wakeup_.notify();
+}
+
+void Connection::on_command_reply(const msg::CommandReply& message, const wire::Source& source) {
+  if (message.session() != session_) return;
+  const BenchKey key{message.bench(), message.incarnation()};
+  discovery_.note_sender(key, source);
+  // First: the call that receives the answer has to find the loss of control that it may show.
+  holdings_.note_answer(message);
+  if (unanswered_.frames.answer({key, message.sequence_number()}, message)) wakeup_.notify();
+}
+
+// ---- matching --------------------------------------------------------------------------------
+
+Result<Target> Connection::connect(std::uint32_t number) {
+  if (is_closed_) return Outcome::failed(kSessionEnded);
+  const auto bench = discovery_.find_bench(number);
+  if (!bench) return bench.outcome();
+  const Target target = target_of(*bench);
+  if (!may_command()) return target;  // sees what is published
+  if (const auto link = open(target, "requests"); !link) return link.outcome();
+  return target;
+}
+
+Connection::Link& Connection::link_of(const BenchKey& key) {
+  const std::scoped_lock lock(mutex_);
+  return links_[key];
+}
+
+/// @return the participant that has what was sent to this run; none before the first match.
+wire::Source Connection::reached_source_of(const BenchKey& key) const {
+  const std::scoped_lock lock(mutex_);
+  const auto link = links_.find(key);
+  return link == links_.end() ? wire::Source{} : link->second.source;
+}
+
+/// Both ends of all four queues: what is sent before that never arrives.
+bool Connection::is_matched(const wire::Source& source, milliseconds patience) {
+  return request_publication_->wait_for_match(source, patience) &&
+         command_publication_->wait_for_match(source, patience) &&
+         reply_subscription_.wait_for_match(source, patience) &&
+         command_reply_subscription_.wait_for_match(source, patience);
+}
+
+Result<OpenLink> Connection::open(const Target& target, std::string_view what,
+                                  milliseconds patience) {
+  if (is_closed_) return Outcome::failed(kSessionEnded);
+  if (!may_command()) return not_permitted(target);
+  OpenLink link{.key = target.key, .sending = std::unique_lock(link_of(target.key).mutex)};
+  const auto deadline = Clock::now() + patience;
+  while (!reconnect(target.key, kCheckSource)) {
+    if (Outcome present = discovery_.check_presence(target); !present) return present;
+    if (Clock::now() >= deadline) {
+      return Outcome::lost(name_of(target) + " was found, but it cannot receive " +
+                           std::string(what) + ": DDS has not matched its reader");
+    }
+  }
+  link.is_matched = true;
+  return link;
+}
+
+OpenLink Connection::try_open(const BenchKey& key) {
+  OpenLink link{.key = key, .sending = {link_of(key).mutex, std::try_to_lock}};
+  link.is_matched = link.sending && reconnect(key, milliseconds(0));
+  return link;
+}
+
+/// With the link's mutex, before anything is sent: when another participant sends for the run now,
+/// matches it and sends again what is not answered. @return whether the link is open.
+bool Connection::reconnect(const BenchKey& key, milliseconds patience) {
+  const auto source = discovery_.source_of(key);
+  if (!source || reached_source_of(key) == *source) return true;
+  if (!is_matched(*source, patience) || !repeat(key, Clock::time_point::max())) return false;
+  const std::scoped_lock lock(mutex_);
+  links_[key].source = *source;
+  return true;
+}
+
+// ---- sending ---------------------------------------------------------------------------------
+
+/// Sends again, in order and with their numbers, what was last sent before that time and is not
+/// answered. @return false when a queue is full.
+bool Connection::repeat(const BenchKey& key, Clock::time_point sent_before) {
+  const std::vector<msg::CommandFrame> frames = unanswered_.frames.to_repeat(key, sent_before);
+  const std::vector<msg::Request> requests = unanswered_.requests.to_repeat(key, sent_before);
+  // A step names the last frame before it, and waits for it: frames first.
+  return std::ranges::all_of(frames,
+                             [this](const msg::CommandFrame& frame) {
+                               return command_publication_->write(frame);
+                             }) &&
+         std::ranges::all_of(requests, [this](const msg::Request& request) {
+           return request_publication_->write(request);
+         });
+}
+
+/// @return whether another participant sends for the run than the one that has what was sent.
+bool Connection::is_broken(const BenchKey& key) const {
+  const wire::Source reached = reached_source_of(key);
+  if (reached == wire::Source{}) return false;
+  const auto source = discovery_.source_of(key);
+  return source && *source != reached;
+}
+
+bool Connection::repair(const BenchKey& key) {
+  const bool was_broken = is_broken(key);
+  const auto late = Clock::now() - kRepeatAfter;
+  const bool is_overdue =
+      (unanswered_.requests.has_due(key, late) || unanswered_.frames.has_due(key, late)) &&
+      discovery_.is_alive(key, kPresence);
+  if (!may_command() || (!was_broken && !is_overdue)) return was_broken;
+  if (const OpenLink link = try_open(key)) (void)repeat(key, Clock::now() - kRepeatAfter);
+  return was_broken;
+}
+
+template <typename Message>
+bool Connection::send_patiently(wire::Publication<Message>& publication, const OpenLink& link,
+                                const Message& message) {
+  const auto deadline = Clock::now() + kFullQueue;
+  while (!publication.write(message)) {
+    if (Clock::now() >= deadline || !discovery_.is_alive(link.key, discovery_.silence())) {
+      return false;
+    }
+  }
+  return true;
+}
+
+bool Connection::send(const OpenLink& link, const msg::Request& request) {
+  return send_patiently(*request_publication_, link, request);
+}
+
+bool Connection::send(const OpenLink& link, const msg::CommandFrame& frame) {
+  return send_patiently(*command_publication_, link, frame);
+}
+
+bool Connection::send_keep_alive(const BenchKey& key) {
+  if (is_closed_) return true;
+  // Busy: a frame or a request is on its way, which shows the same.
+  const auto sending = holdings_.try_lock_sending(key.number);
+  if (!sending) return true;
+  const OpenLink link = try_open(key);
+  if (!link.sending) return true;
+  if (!link.is_matched) return false;
+  const auto frame = holdings_.next_keep_alive(key);
+  if (frame) (void)command_publication_->write(*frame);  // a refused one is replaced in 25 ms
+  return true;
+}
+
+}  // namespace vdrive::client

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "exchange/control.hpp"
+
+#include "vdrive/cia402/controlword.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace vdrive::client {
+namespace {
+
+using namespace literals;
+
+constexpr std::chrono::milliseconds kReleaseAnswer{500};
+
+constexpr ObjectAddress kControlword = vdrive::describe("ds402_controlword"_object).address;
+
+}  // namespace
+
+Control::Control(KeepAlive keep_alive, Requests& requests, Holdings& holdings,
+                 Connection& connection)
+    : keep_alive_(keep_alive),
+      requests_(requests),
+      holdings_(holdings),
+      keep_alive_sender_(holdings, connection) {}
+
+Control::~Control() {
+  end();
+}
+
+void Control::end() {
+  keep_alive_sender_.stop();
+  (void)release();  // no caller is left to receive the outcome
+}
+
+Result<msg::Reply> Control::exchange(const Target& target, msg::Request request,
+                                     std::string_view what) {
+  const auto sending = holdings_.lock_sending(target.key.number);
+  return requests_.exchange(target, std::move(request), what);
+}
+
+void Control::note_acquired(const Target& target, std::span<const std::uint16_t> axes,
+                            const msg::Reply& reply) {
+  if (reply.epoch() == 0) return;
+  holdings_.note_acquired(target.key, axes, reply.epoch(), !target.steps());
+  if (keep_alive_ == KeepAlive::own_thread) keep_alive_sender_.start();
+}
+
+bool Control::holds(const Target& target, std::span<const std::uint16_t> axes) {
+  return holdings_.holds(target.key, axes);
+}
+
+Outcome Control::acquire(const Target& target, std::span<const std::uint16_t> axes, bool by_force) {
+  msg::Request request;
+  request.kind(by_force ? msg::REQUEST_TAKE_OVER : msg::REQUEST_ACQUIRE);
+  request.axes().assign(axes.begin(), axes.end());
+  const std::string what =
+      "control of " + (axes.size() == 1 ? name_of(target, axes.front()) : name_of(target));
+  const auto reply = exchange(target, std::move(request), what);
+  if (!reply) return reply.outcome();
+  note_acquired(target, axes, *reply);
+  return {};
+}
+
+Result<msg::Reply> Control::write(const Target& target, msg::Request request,
+                                  std::string_view what) {
+  const bool commands = std::ranges::any_of(request.objects(), [](const msg::ObjectAccess& access) {
+    return has_role({access.index(), access.subindex()}, Role::command);
+  });
+  // A store waits for a disk: it must not hold up the keep-alives.
+  if (!commands) return requests_.exchange(target, std::move(request), what);
+  const std::uint16_t axis = request.objects().front().axis();
+  auto reply = exchange(target, std::move(request), what);
+  if (reply && reply->objects().front().abort_code() == 0) {
+    note_acquired(target, {&axis, 1}, *reply);
+  }
+  return reply;
+}
+
+Result<std::uint64_t> Control::stop(const Target& target, std::span<const std::uint16_t> axes,
+                                    std::uint16_t word) {
+  std::vector<msg::Request> requests;
+  for (const std::uint16_t axis : axes) {
+    if (requests.empty() || requests.back().objects().size() == msg::MAX_OBJECTS_PER_REQUEST) {
+      requests.emplace_back().kind(msg::REQUEST_WRITE);
+    }
+    auto& access = requests.back().objects().emplace_back();
+    access.axis(axis);
+    access.index(kControlword.index);
+    access.subindex(kControlword.subindex);
+    access.value(word);
+  }
+  const auto sending = holdings_.lock_sending(target.key.number);
+  const auto replies =
+      requests_.exchange_all(target, std::move(requests),
+                             "stop of " + (axes.size() == 1 ? name_of(target, axes.front())
+                                                            : "axes of " + name_of(target)));
+  if (!replies) return replies.outcome();
+  std::uint64_t tick = 0;
+  for (const msg::Reply& reply : *replies) {
+    tick = std::max(tick, reply.tick());
+    for (const msg::ObjectResult& result : reply.objects()) {
+      if (result.abort_code() != 0) {
+        return Outcome::refused(result.abort_code(),
+                                "stop of " + name_of(target, result.axis()) + " refused");
+      }
+    }
+    // The halt of an axis that has become free takes it.
+    if ((word & Controlword::kHalt) != 0) note_acquired(target, axes, reply);
+  }
+  return tick;
+}
+
+Outcome Control::release() {
+  Outcome result;
+  for (const GivenBack& given : holdings_.drop_all()) {
+    if (Outcome released = release(given); !released) result = std::move(released);
+  }
+  return result;
+}
+
+Outcome Control::release(std::uint32_t bench) {
+  const auto given = holdings_.drop(bench);
+  return given ? release(*given) : Outcome();
+}
+
+Outcome Control::release(const GivenBack& given) {
+  const Target target{.key = given.key};
+  if (given.kept.empty()) {  // a request without axes names all
+    return release(target, std::array<std::vector<std::uint16_t>, 1>{});
+  }
+  // One by one: a request that names an axis that is not held any more releases none.
+  std::vector<std::vector<std::uint16_t>> parts;
+  for (const std::uint16_t axis : given.axes) parts.push_back({axis});
+  if (Outcome released = release(target, parts); !released) return released;
+  const std::size_t others = given.kept.size() - 1;
+  return Outcome::failed(name_of(target, given.kept.front()) +
+                         (others == 0 ? "" : " and " + std::to_string(others) + " more") +
+                         ", not seen to stop, not released: the watchdog of the bench acts when "
+                         "this session is silent");
+}
+
+/// Also after an interrupt, and to a service that may be gone: with a patience of its own.
+Outcome Control::release(const Target& target, std::span<const std::vector<std::uint16_t>> parts) {
+  const auto sending = holdings_.lock_sending(target.key.number);
+  std::vector<std::uint64_t> sent;
+  for (const std::vector<std::uint16_t>& axes : parts) {
+    msg::Request request;
+    request.kind(msg::REQUEST_RELEASE);
+    request.axes() = axes;
+    const auto number = requests_.send(target, std::move(request), kReleaseAnswer);
+    if (!number) break;
+    sent.push_back(*number);
+  }
+  bool is_answered = sent.size() == parts.size();
+  for (const std::uint64_t number : sent) {
+    const Patience patience{is_answered ? kReleaseAnswer : std::chrono::milliseconds(0), false};
+    is_answered = requests_.await(target, number, patience) && is_answered;
+  }
+  return is_answered ? Outcome() : Outcome::lost(name_of(target) + " did not answer");
+}
+
+}  // namespace vdrive::client

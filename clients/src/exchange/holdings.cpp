@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "exchange/holdings.hpp"
+
+#include "base/command_words.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace vdrive::client {
+
+std::mutex& Holdings::send_mutex_of(std::uint32_t bench) {
+  const std::scoped_lock lock(mutex_);
+  return send_mutexes_[bench];
+}
+
+std::unique_lock<std::mutex> Holdings::lock_sending(std::uint32_t bench) {
+  return std::unique_lock(send_mutex_of(bench));
+}
+
+std::unique_lock<std::mutex> Holdings::try_lock_sending(std::uint32_t bench) {
+  return {send_mutex_of(bench), std::try_to_lock};
+}
+
+/// With the mutex. Another run of the service starts from nothing.
+Holdings::Holding& Holdings::holding(const BenchKey& key) {
+  Holding& holding = holdings_[key.number];
+  if (holding.key != key) {
+    holding = {};
+    holding.key = key;
+  }
+  return holding;
+}
+
+void Holdings::note_acquired(const BenchKey& key, std::span<const std::uint16_t> axes,
+                             std::uint32_t epoch, bool lives_by_wall_clock) {
+  const std::scoped_lock lock(mutex_);
+  Holding& held = holding(key);
+  if (held.epoch != epoch) held.epoch_since = held.sequence + 1;
+  held.epoch = epoch;
+  held.lives_by_wall_clock = lives_by_wall_clock;
+  held.axes.insert(axes.begin(), axes.end());
+}
+
+void Holdings::note_answer(const msg::CommandReply& reply) {
+  const bool is_lost = std::ranges::any_of(reply.refusals(), [](const msg::Refusal& refusal) {
+    return refusal.axis() == 0 && (refusal.reason() == msg::REASON_STALE_EPOCH ||
+                                   refusal.reason() == msg::REASON_WRONG_INCARNATION);
+  });
+  if (!is_lost) return;
+  const BenchKey key{reply.bench(), reply.incarnation()};
+  const std::scoped_lock lock(mutex_);
+  const auto held = holdings_.find(key.number);
+  if (held == holdings_.end() || held->second.key != key) return;
+  if (reply.sequence_number() >= held->second.epoch_since) held->second.axes.clear();
+}
+
+bool Holdings::holds(const BenchKey& key, std::span<const std::uint16_t> axes) {
+  const std::scoped_lock lock(mutex_);
+  const std::set<std::uint16_t>& held = holding(key).axes;
+  return std::ranges::all_of(axes, [&held](std::uint16_t axis) {
+    return held.contains(axis);
+  });
+}
+
+void Holdings::note_running(const BenchKey& key, std::span<const std::uint16_t> axes,
+                            std::uint64_t sequence) {
+  const std::scoped_lock lock(mutex_);
+  auto& running = holding(key).running;
+  for (const std::uint16_t axis : axes) running[axis] = {.sequence = sequence};
+}
+
+bool Holdings::is_running(const BenchKey& key, std::uint16_t axis) {
+  const std::scoped_lock lock(mutex_);
+  return holding(key).running.contains(axis);
+}
+
+void Holdings::forget_running(const BenchKey& key, std::span<const std::uint16_t> axes) {
+  const std::scoped_lock lock(mutex_);
+  auto& running = holding(key).running;
+  for (const std::uint16_t axis : axes) running.erase(axis);
+}
+
+void Holdings::note_seen(const BenchKey& key, std::span<const AxisSnapshot> axes) {
+  // In the tick of the command an axis may still show the rest of the mode before.
+  constexpr std::uint64_t kModeChange = 1;
+  const std::scoped_lock lock(mutex_);
+  const auto held = holdings_.find(key.number);
+  if (held == holdings_.end() || held->second.key != key || held->second.running.empty()) return;
+  for (const AxisSnapshot& axis : axes) {
+    const auto found = held->second.running.find(axis.id.axis);
+    if (found == held->second.running.end()) continue;
+    Running& running = found->second;
+    if (!running.since && axis.last_sequence >= running.sequence) running.since = axis.tick;
+    const bool is_taken = axis.owner_session != 0 && axis.owner_session != session_;
+    const bool counts = running.since && axis.tick > *running.since + kModeChange;
+    if (is_taken || !is_driven(axis) || (counts && rests(axis))) held->second.running.erase(found);
+  }
+}
+
+/// With the mutex. What is kept is left to the watchdog of the bench, which acts when this session
+/// is silent.
+std::optional<GivenBack> Holdings::give_back(Holding& held) {
+  if (held.axes.empty()) return std::nullopt;
+  GivenBack given{.key = held.key, .axes = {}, .kept = {}};
+  for (const std::uint16_t axis : held.axes) {
+    (held.running.contains(axis) ? given.kept : given.axes).push_back(axis);
+  }
+  held.axes.clear();
+  return given;
+}
+
+std::vector<GivenBack> Holdings::drop_all() {
+  const std::scoped_lock lock(mutex_);
+  std::vector<GivenBack> dropped;
+  for (auto& [bench, held] : holdings_) {
+    if (auto given = give_back(held)) dropped.push_back(std::move(*given));
+  }
+  return dropped;
+}
+
+std::optional<GivenBack> Holdings::drop(std::uint32_t bench) {
+  const std::scoped_lock lock(mutex_);
+  const auto held = holdings_.find(bench);
+  return held == holdings_.end() ? std::nullopt : give_back(held->second);
+}
+
+std::vector<BenchKey> Holdings::to_keep_alive() const {
+  const std::scoped_lock lock(mutex_);
+  std::vector<BenchKey> keys;
+  for (const auto& [bench, held] : holdings_) {
+    if (held.lives_by_wall_clock && !held.axes.empty()) keys.push_back(held.key);
+  }
+  return keys;
+}
+
+msg::CommandFrame Holdings::frame_of(Holding& held) const {
+  msg::CommandFrame frame;
+  frame.bench(held.key.number);
+  frame.incarnation(held.key.incarnation);
+  frame.session(session_);
+  frame.epoch(held.epoch);
+  frame.sequence_number(++held.sequence);
+  return frame;
+}
+
+msg::CommandFrame Holdings::next_frame(const BenchKey& key) {
+  const std::scoped_lock lock(mutex_);
+  return frame_of(holding(key));
+}
+
+std::optional<msg::CommandFrame> Holdings::next_keep_alive(const BenchKey& key) {
+  const std::scoped_lock lock(mutex_);
+  Holding& held = holdings_.at(key.number);
+  if (held.key != key) return std::nullopt;
+  return frame_of(held);
+}
+
+std::uint64_t Holdings::last_sequence(const BenchKey& key) {
+  const std::scoped_lock lock(mutex_);
+  return holding(key).sequence;
+}
+
+}  // namespace vdrive::client

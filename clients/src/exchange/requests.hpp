@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "exchange/connection.hpp"
+#include "exchange/unanswered.hpp"
+#include "exchange/waiter.hpp"
+#include "presence/target.hpp"
+#include "vdrive_messages.h"
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+namespace vdrive::client {
+
+/// Sends requests and awaits their replies. Thread-safe.
+class Requests {
+ public:
+  Requests(std::uint64_t session, Connection& connection, UnansweredRequests& unanswered,
+           Waiter& waiter);
+
+  /// Sends a request and awaits its reply. Fills in sender and receiver.
+  /// @param what names the request in messages, such as "read of axis 1.1"
+  Result<msg::Reply> exchange(const Target& target, msg::Request request, std::string_view what,
+                              Silence silence = Silence::ends_call);
+
+  /// The same for several at once. @return the replies in the same order, or the first refusal.
+  Result<std::vector<msg::Reply>> exchange_all(const Target& target,
+                                               std::vector<msg::Request> requests,
+                                               std::string_view what);
+
+  /// Sends a request. @return its number, for await().
+  /// @param patience wall time to wait for the match of a bench that is connected anew
+  Result<std::uint64_t> send(const Target& target, msg::Request request,
+                             std::chrono::milliseconds patience = kMatch);
+
+  /// Awaits the reply to a request, also a refusal.
+  Result<msg::Reply> await(const Target& target, std::uint64_t number, const Patience& patience);
+
+ private:
+  const std::uint64_t session_;
+  Connection& connection_;
+  UnansweredRequests& unanswered_;
+  Waiter& waiter_;
+  std::atomic<std::uint64_t> last_number_ = 0;
+};
+
+}  // namespace vdrive::client

@@ -1,0 +1,416 @@
+// SPDX-License-Identifier: Apache-2.0
+// The axes of a group, their power states, and the watch over faults.
+#include "vdrive/client/axis_group.hpp"
+
+#include "base/command_words.hpp"
+#include "calls/axes_stop.hpp"
+#include "groups/group_state.hpp"
+#include "vdrive/client/session.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <utility>
+
+namespace vdrive::client {
+namespace {
+
+constexpr std::chrono::seconds kUsualTimeout{60};
+
+bool moves(const AxisSnapshot& axis) {
+  const bool on_the_way = axis.mode() == OperatingMode::profile_position && !target_reached(axis);
+  return on_the_way || axis.status.velocity_demand_value != 0;
+}
+
+GroupState state_of(const std::vector<AxisSnapshot>& axes) {
+  const auto any_in = [&axes](PowerState state) {
+    return std::ranges::any_of(axes, [state](const AxisSnapshot& axis) {
+      return axis.state() == state;
+    });
+  };
+  if (any_in(PowerState::fault) || any_in(PowerState::fault_reaction_active)) {
+    return GroupState::error_stop;
+  }
+  if (any_in(PowerState::quick_stop_active)) return GroupState::stopping;
+  if (!std::ranges::all_of(axes, is_enabled)) return GroupState::disabled;
+  return std::ranges::any_of(axes, moves) ? GroupState::moving : GroupState::standby;
+}
+
+/// How much of the line in hand is done, by the axis that has the longest way.
+double fraction_of(const LineInHand& line, std::span<const AxisSnapshot> axes) {
+  double longest = 0.0;
+  double fraction = 1.0;
+  for (std::size_t place = 0; place < axes.size(); ++place) {
+    const double way = static_cast<double>(line.targets[place]) - line.starts[place];
+    if (std::abs(way) <= longest) continue;
+    longest = std::abs(way);
+    fraction =
+        (static_cast<double>(axes[place].status.position_demand_value) - line.starts[place]) / way;
+  }
+  return std::clamp(fraction, 0.0, 1.0);
+}
+
+Result<GroupLayout> layout_of(std::vector<AxisId> axes) {
+  if (axes.empty()) return Outcome::not_found("a group needs at least one axis");
+  GroupLayout layout;
+  std::set<AxisId> seen;
+  for (std::size_t place = 0; place < axes.size(); ++place) {
+    const AxisId& id = axes[place];
+    if (!seen.insert(id).second) {
+      return Outcome::refused(msg::REASON_AXIS_TWICE,
+                              "axis " + to_string(id) + " appears twice in the group");
+    }
+    auto bench = std::ranges::find(layout.benches, id.bench, &GroupLayout::Bench::number);
+    if (bench == layout.benches.end()) {
+      bench = layout.benches.insert(bench, {.number = id.bench, .axes = {}, .places = {}});
+    }
+    if (bench->axes.size() == msg::MAX_AXES_PER_FRAME) {
+      return Outcome::refused(msg::REASON_TOO_MANY_AXES,
+                              "axis " + to_string(id) + " is too many: a group can have " +
+                                  std::to_string(msg::MAX_AXES_PER_FRAME) + " axes of one bench");
+    }
+    bench->axes.push_back(id.axis);
+    bench->places.push_back(place);
+  }
+  layout.axes = std::move(axes);
+  return layout;
+}
+
+Eigen::VectorXd vector_of(const std::vector<AxisSnapshot>& axes, std::int32_t AxisStatus::*member) {
+  Eigen::VectorXd values(static_cast<Eigen::Index>(axes.size()));
+  for (std::size_t place = 0; place < axes.size(); ++place) {
+    values[static_cast<Eigen::Index>(place)] = axes[place].status.*member;
+  }
+  return values;
+}
+
+bool is_factor(double factor) {
+  return factor > 0.0 && factor <= 1.0;
+}
+
+}  // namespace
+
+std::string_view to_string(GroupState state) noexcept {
+  switch (state) {
+    case GroupState::disabled:
+      return "disabled";
+    case GroupState::standby:
+      return "standby";
+    case GroupState::moving:
+      return "moving";
+    case GroupState::stopping:
+      return "stopping";
+    case GroupState::error_stop:
+      return "error_stop";
+  }
+  return "unknown";
+}
+
+Eigen::VectorXd GroupStatus::demand() const {
+  return vector_of(axes, &AxisStatus::position_demand_value);
+}
+
+Eigen::VectorXd GroupStatus::actual() const {
+  return vector_of(axes, &AxisStatus::load_position_actual_value);
+}
+
+std::vector<AxisId> GroupStatus::not_following() const {
+  std::vector<AxisId> late;
+  for (const AxisSnapshot& axis : axes) {
+    if (!axis.shows(Statusword::kFollowsCommand)) late.push_back(axis.id);
+  }
+  return late;
+}
+
+// ---- what copies share -----------------------------------------------------------------------
+
+std::chrono::nanoseconds timeout_of(const GroupCallOptions& options) {
+  return options.timeout.value_or(kUsualTimeout);
+}
+
+AxesCall AxisGroup::State::call(const GroupCallOptions& options) {
+  if (!options.progress) return {core, layout, Caller::group};
+  return {
+      core, layout, Caller::group,
+      [this, progress = options.progress](std::uint64_t tick, std::span<const AxisSnapshot> axes) {
+        const auto moving = line_in_hand();
+        progress({tick, moving ? fraction_of(*moving, axes) : 0.0, axes});
+      }};
+}
+
+Result<std::vector<std::int32_t>> AxisGroup::State::positions_of(
+    const Eigen::VectorXd& values) const {
+  if (static_cast<std::size_t>(values.size()) != layout.axes.size()) {
+    return Outcome::refused(wire_code(AbortCode::data_length_does_not_match),
+                            std::to_string(values.size()) + " positions for " +
+                                std::to_string(layout.axes.size()) + " axes");
+  }
+  std::vector<std::int32_t> positions;
+  for (const double value : values) {
+    const double whole = std::nearbyint(value);
+    constexpr double kLowest = std::numeric_limits<std::int32_t>::min();
+    constexpr double kHighest = std::numeric_limits<std::int32_t>::max();
+    if (!(whole >= kLowest && whole <= kHighest)) {  // NaN too
+      return Outcome::refused(wire_code(AbortCode::value_range_exceeded),
+                              "axis " + to_string(layout.axes[positions.size()]) +
+                                  ": the position " + std::to_string(value) +
+                                  " does not fit in 32 bits");
+    }
+    positions.push_back(static_cast<std::int32_t>(whole));
+  }
+  return positions;
+}
+
+Result<LineRequest> AxisGroup::State::request_of(const Eigen::VectorXd& targets,
+                                                 const GroupMoveOptions& options) const {
+  if (!is_factor(options.velocity_factor) || !is_factor(options.acceleration_factor) ||
+      !is_factor(options.deceleration_factor)) {
+    return Outcome::refused(wire_code(AbortCode::value_range_exceeded),
+                            "the factors of a move must be above 0 and at most 1");
+  }
+  auto positions = positions_of(targets);
+  if (!positions) return positions.outcome();
+  return LineRequest{.targets = std::move(*positions),
+                     .velocity_factor = options.velocity_factor,
+                     .acceleration_factor = options.acceleration_factor,
+                     .deceleration_factor = options.deceleration_factor};
+}
+
+std::optional<LineInHand> AxisGroup::State::line_in_hand() {
+  const std::scoped_lock lock(mutex);
+  return line;
+}
+
+void AxisGroup::State::set_line(std::optional<LineInHand> started) {
+  const std::scoped_lock lock(mutex);
+  line = std::move(started);
+}
+
+std::optional<LineRequest> AxisGroup::State::next_request() {
+  const std::scoped_lock lock(mutex);
+  if (queue.empty()) return std::nullopt;
+  LineRequest next = std::move(queue.front());
+  queue.pop_front();
+  return next;
+}
+
+void AxisGroup::State::drop_all() {
+  const std::scoped_lock lock(mutex);
+  line.reset();
+  queue.clear();
+}
+
+GroupStatus AxisGroup::State::status_of(const AxesCall& call) {
+  const std::scoped_lock lock(mutex);
+  GroupStatus status{.tick = call.tick(),
+                     .state = state_of(call.now()),
+                     .queued = queue.size(),
+                     .axes = call.now()};
+  const bool is_due = line && call.tick() < line->start_tick;
+  if (is_due && status.state == GroupState::standby) status.state = GroupState::moving;
+  return status;
+}
+
+// ---- its axes --------------------------------------------------------------------------------
+
+AxisGroup::AxisGroup(std::shared_ptr<State> state) : state_(std::move(state)) {}
+
+Result<AxisGroup> AxisGroup::create(Session& session, std::span<const std::string> axes) {
+  std::vector<Axis> found;
+  for (const std::string& text : axes) {
+    auto info = session.core_->discovery.find_axis(text);
+    if (!info) return info.outcome();
+    found.push_back(Axis(session.core_, std::move(*info)));
+  }
+  return create(session, found);
+}
+
+Result<AxisGroup> AxisGroup::create(Session& session, std::span<const Axis> axes) {
+  std::vector<AxisId> ids;
+  for (const Axis& axis : axes) {
+    if (axis.core_ != session.core_) {
+      return Outcome::refused(msg::REASON_BAD_SESSION,
+                              "axis " + to_string(axis.id()) + " belongs to another session");
+    }
+    ids.push_back(axis.id());
+  }
+  auto layout = layout_of(std::move(ids));
+  if (!layout) return layout.outcome();
+  auto state = std::make_shared<State>();
+  state->core = session.core_;
+  state->layout = std::move(*layout);
+  AxisGroup group(std::move(state));
+  if (auto shown = group.status(); !shown) return shown.outcome();
+  return group;
+}
+
+std::vector<AxisId> AxisGroup::axes() const {
+  return state_->layout.axes;
+}
+
+Result<GroupStatus> AxisGroup::status() const {
+  AxesCall call = state_->call({});
+  if (Outcome begun = call.begin(kUsualTimeout); !begun) return begun;
+  return state_->status_of(call);
+}
+
+// ---- power states ----------------------------------------------------------------------------
+
+Outcome AxisGroup::enable_all(const GroupCallOptions& options) {
+  AxesCall call = state_->call(options);
+  if (Outcome ready = call.begin_control(timeout_of(options)); !ready) return ready;
+  for (const AxisSnapshot& axis : call.now()) {
+    if (is_fault(axis.state())) return refused_in_state(axis, "enabling", "a fault reset first");
+  }
+  if (options.until == Until::done) {
+    if (Outcome rested = call.await_quick_stops(); !rested) return rested;
+  }
+  std::vector<Round> rounds;
+  for (std::size_t place = 0; place < call.now().size(); ++place) {
+    const std::vector<std::uint16_t> words = enabling_words(call.now()[place].state());
+    rounds.resize(std::max(rounds.size(), words.size()));
+    for (std::size_t i = 0; i < words.size(); ++i) {
+      msg::AxisCommand command = call.command_to(place);
+      command.members(msg::HAS_DS402_CONTROLWORD);
+      command.ds402_controlword(words[i]);
+      rounds[i].entries.push_back({place, std::move(command)});
+    }
+  }
+  const Answers answers = call.exchange(rounds, Timing::at_once);
+  if (!answers.outcome) return answers.outcome;
+  Outcome seen = call.await_tick("Operation enabled", answers.tick);
+  return seen ? call.check("Operation enabled", answers.tick) : seen;
+}
+
+Outcome AxisGroup::disable_all(const GroupCallOptions& options) {
+  AxesCall call = state_->call(options);
+  if (Outcome ready = call.begin_control(timeout_of(options)); !ready) return ready;
+  state_->drop_all();
+  if (Outcome rested = call.await_quick_stops(); !rested) return rested;
+  const auto stays = [](const AxisSnapshot& axis) {  // where 605Ah keeps the state
+    return axis.state() == PowerState::quick_stop_active;
+  };
+  const auto is_sound = [](const AxisSnapshot& axis) {
+    return !is_fault(axis.state());
+  };
+  const std::array rounds{call.round_of(kDisableVoltage, stays),
+                          call.round_of(kShutdown, is_sound)};
+  const Answers answers = call.exchange(rounds, Timing::at_once);
+  if (!answers.outcome) return answers.outcome;
+  const bool to_the_end = options.until == Until::done;
+  return call.await("Ready to switch on", answers.tick, [&](const AxisSnapshot& axis) {
+    return !to_the_end || axis.state() == PowerState::ready_to_switch_on || is_fault(axis.state());
+  });
+}
+
+Outcome AxisGroup::quick_stop_all(const GroupCallOptions& options) {
+  AxesCall call = state_->call(options);
+  AxesStop stop(*state_->core, call);
+  if (Outcome ready = stop.begin(timeout_of(options)); !ready) return ready;
+  state_->drop_all();
+  return stop.quick_stop(options.until);
+}
+
+Outcome AxisGroup::take_over() {
+  AxesCall call = state_->call({});
+  if (Outcome begun = call.begin(kUsualTimeout); !begun) return begun;
+  return call.acquire(true);
+}
+
+Outcome AxisGroup::reset_all(const GroupCallOptions& options) {
+  AxesCall call = state_->call(options);
+  if (Outcome ready = call.begin_control(timeout_of(options)); !ready) return ready;
+  Outcome reacted =
+      call.await("the end of the fault reaction", call.tick(), [](const AxisSnapshot& axis) {
+        return axis.state() != PowerState::fault_reaction_active;
+      });
+  if (!reacted) return reacted;
+  std::vector<Round> rounds;
+  for (const std::uint16_t word : reset_words()) {
+    rounds.push_back(call.round_of(word, [](const AxisSnapshot& axis) {
+      return is_fault(axis.state());
+    }));
+  }
+  if (rounds.front().entries.empty()) return {};
+  const Answers answers = call.exchange(rounds, Timing::at_once);
+  if (!answers.outcome) return answers.outcome;
+  Outcome seen = call.await_tick("the fault reset", answers.tick);
+  if (!seen) return seen;
+  const auto faulty = std::ranges::find_if(call.now(), [](const AxisSnapshot& axis) {
+    return is_fault(axis.state());
+  });
+  if (faulty == call.now().end()) return {};
+  return not_in_this_state("axis " + to_string(faulty->id) + " " + what_it_shows(*faulty) +
+                           ", the cause persists");
+}
+
+// ---- watching --------------------------------------------------------------------------------
+
+/// Stops the enabled axes when one has a fault, or is not enabled while a line is in hand.
+Outcome AxisGroup::State::watch(AxesCall& call) {
+  const auto moving = line_in_hand();
+  if (moving && call.tick() < moving->start_tick) return {};
+  const auto failed = std::ranges::find_if(call.now(), [&moving](const AxisSnapshot& axis) {
+    return is_fault(axis.state()) || (moving && !is_enabled(axis));
+  });
+  if (failed == call.now().end()) return {};
+  if (!moving && std::ranges::none_of(call.now(), is_enabled)) return {};
+  drop_all();
+  Answers stop;
+  return call.send_stop(
+      Outcome::failed("axis " + to_string(failed->id) + " " + what_it_shows(*failed)), stop);
+}
+
+Result<GroupStatus> AxisGroup::poll() {
+  AxesCall call = state_->call({});
+  if (Outcome begun = call.begin(kUsualTimeout); !begun) return begun;
+  if (Outcome sound = state_->watch(call); !sound) return sound;
+  const auto moving = state_->line_in_hand();
+  const bool at_rest =
+      !moving || (call.tick() >= moving->start_tick && state_->has_arrived(*moving, call.now()));
+  if (at_rest) {
+    state_->set_line(std::nullopt);
+    if (const auto next = state_->next_request()) {
+      Outcome started = call.acquire();
+      if (started) started = state_->start(call, *next);
+      if (!started) {
+        state_->drop_all();
+        return started;
+      }
+    }
+  }
+  return state_->status_of(call);
+}
+
+Outcome AxisGroup::monitor(bool on) {
+  state_->monitor = {};
+  if (!on) return {};
+  AxesCall call = state_->call({});
+  if (Outcome begun = call.begin(kUsualTimeout); !begun) return begun;
+  if (call.steps()) {
+    return Outcome::refused(msg::REASON_WRONG_CLOCK_MODE,
+                            "a monitor needs a clock that runs by itself");
+  }
+  state_->monitor = std::jthread([state = state_.get()](const std::stop_token& stop) {
+    state->monitor_loop(stop);
+  });
+  return {};
+}
+
+void AxisGroup::State::monitor_loop(const std::stop_token& stop) {
+  AxesCall call = this->call({});
+  call.axes().stop_by(stop);
+  if (!call.begin(kUsualTimeout)) return;
+  while (!stop.stop_requested()) {
+    (void)watch(call);
+    if (Outcome seen = call.axes().advance(1); !seen) {
+      Answers answers;
+      if (seen.kind() == OutcomeKind::lost) (void)call.send_stop(std::move(seen), answers);
+      return;
+    }
+  }
+}
+
+}  // namespace vdrive::client

@@ -1,0 +1,333 @@
+// SPDX-License-Identifier: Apache-2.0
+// Straight lines: times, start on one tick, arrival, queue, halt.
+#include "base/command_words.hpp"
+#include "calls/arrival.hpp"
+#include "calls/axes_stop.hpp"
+#include "calls/profile_move.hpp"
+#include "groups/group_state.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
+#include "vdrive/plant/axis_model.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <string>
+#include <utility>
+
+namespace vdrive::client {
+namespace {
+
+using namespace literals;
+
+// Beyond the duration of a line: its window time, and a servo that lags.
+constexpr std::chrono::seconds kBeyondDuration{5};
+
+// An axis may rest this far beside the whole unit that 6062h shows [UU].
+constexpr double kBesideDemand = 0.5;
+
+constexpr ObjectAddress kDuration = vdrive::describe("synchronous_move_duration"_object).address;
+constexpr ObjectAddress kAccelerationTime =
+    vdrive::describe("synchronous_move_acceleration_time"_object).address;
+constexpr ObjectAddress kDecelerationTime =
+    vdrive::describe("synchronous_move_deceleration_time"_object).address;
+
+/// What the times of a line depend on, in the order of LimitObject: kMoveBounds, then the others.
+constexpr std::array kOtherLimits{vdrive::describe("motor_max_speed_rpm"_object).address,
+                                  vdrive::describe("app_position_limit_switch"_object).address,
+                                  vdrive::describe("user_position_lower_limit"_object).address,
+                                  vdrive::describe("user_position_upper_limit"_object).address};
+
+constexpr auto kLimitObjects = [] {
+  std::array<ObjectAddress, kMoveBounds.size() + kOtherLimits.size()> objects{};
+  const auto rest = std::ranges::copy(kMoveBounds, objects.begin()).out;
+  std::ranges::copy(kOtherLimits, rest);
+  return objects;
+}();
+
+enum LimitObject : std::size_t {
+  profile_velocity,
+  profile_acceleration,
+  profile_deceleration,
+  speed_limit,
+  acceleration_limit,
+  deceleration_limit,
+  motor_speed_rpm,
+  position_limit_switch,
+  lower_limit,
+  upper_limit,
+};
+
+/// The limits of one axis as the drive applies them.
+MotionLimits limits_from(const std::vector<std::int64_t>& values, const LineRequest& request) {
+  const auto real = [&values](LimitObject object) {
+    return static_cast<double>(values[object]);
+  };
+  const double motor_speed = real(motor_speed_rpm) * kUserUnitsPerRevolution / 60.0;
+  const auto ramp = [&](LimitObject profile, LimitObject cap) {
+    return std::min(real(profile), real(cap));
+  };
+  return {
+      .velocity = request.velocity_factor *
+                  std::min({real(profile_velocity), real(speed_limit), motor_speed}),
+      .acceleration = request.acceleration_factor * ramp(profile_acceleration, acceleration_limit),
+      .deceleration = request.deceleration_factor * ramp(profile_deceleration, deceleration_limit)};
+}
+
+void add_object(msg::AxisCommand& command, ObjectAddress address, std::int64_t value) {
+  auto& object = command.objects().emplace_back();
+  object.index(address.index);
+  object.subindex(address.subindex);
+  object.value(value);
+}
+
+void add_word(msg::AxisCommand& command, std::uint16_t word) {
+  command.members(static_cast<std::uint16_t>(command.members() | msg::HAS_DS402_CONTROLWORD));
+  command.ds402_controlword(word);
+}
+
+void add_target(msg::AxisCommand& command, std::int32_t target) {
+  command.members(
+      static_cast<std::uint16_t>(command.members() | msg::HAS_POSITION_USER_TARGET_VALUE));
+  command.position_user_target_value(target);
+}
+
+/// The whole handshake: bit 4 low, the set-point's edge with the common times, bit 4 low again. The
+/// drive latches the times with the edge; cleared, they do not outlast it.
+std::array<Round, 3> start_rounds(const AxesCall& call, const LineRequest& request,
+                                  const LineTimes& times) {
+  std::array<Round, 3> rounds{call.round_of(kEnableOperation, every_axis),
+                              call.round_of(kEnableOperation, every_axis),
+                              call.round_of(kEnableOperation, every_axis)};
+  for (Round& round : rounds) round.flags = msg::FRAME_ALL_OR_NOTHING;
+  for (std::size_t place = 0; place < request.targets.size(); ++place) {
+    msg::AxisCommand& before = rounds[0].entries[place].command;
+    before.members(static_cast<std::uint16_t>(before.members() | msg::HAS_OP_MODE_CMD));
+    before.op_mode_cmd(static_cast<std::int8_t>(OperatingMode::profile_position));
+    msg::AxisCommand& edge = rounds[1].entries[place].command;
+    add_object(edge, kDuration, times.duration.count());
+    add_object(edge, kAccelerationTime, times.acceleration.count());
+    add_object(edge, kDecelerationTime, times.deceleration.count());
+    add_target(edge, request.targets[place]);
+    add_word(edge,
+             kEnableOperation | Controlword::kNewSetPoint | Controlword::kChangeSetImmediately);
+    add_object(rounds[2].entries[place].command, kDuration, 0);
+  }
+  return rounds;
+}
+
+bool demand_arrived(const AxisSnapshot& axis, std::int32_t target) {
+  return axis.status.position_demand_value == target && axis.status.velocity_demand_value == 0;
+}
+
+}  // namespace
+
+Result<LineTimes> AxisGroup::State::times_of(AxesCall& call, const LineRequest& request) const {
+  const auto limits = call.read(kLimitObjects);
+  if (!limits) return limits.outcome();
+  std::vector<AxisWay> ways;
+  for (std::size_t place = 0; place < request.targets.size(); ++place) {
+    const std::vector<std::int64_t>& values = (*limits)[place];
+    const std::string axis = "axis " + to_string(layout.axes[place]);
+    const std::int64_t target = request.targets[place];
+    if (values[position_limit_switch] != 0 &&
+        (target < values[lower_limit] || target > values[upper_limit])) {
+      return Outcome::refused(
+          wire_code(AbortCode::value_range_exceeded),
+          axis + ": the target " + std::to_string(target) + " is beyond its software limits");
+    }
+    const auto bounds = std::span(values).first(kMoveBounds.size());
+    if (Outcome moves = check_bounds(layout.axes[place], bounds); !moves) return moves;
+    const MotionLimits own = limits_from(values, request);
+    const double way = static_cast<double>(target) - call.now()[place].status.position_demand_value;
+    ways.push_back({.distance = std::abs(way) + kBesideDemand, .limits = own});
+  }
+  const auto times = plan_line(ways, call.period());
+  if (times) return *times;
+  const auto slowest = std::ranges::max_element(ways, {}, [](const AxisWay& way) {
+    return way.distance / way.limits.velocity;
+  });
+  return not_in_this_state(
+      "axis " + to_string(layout.axes[static_cast<std::size_t>(slowest - ways.begin())]) +
+      " would take longer than a synchronous move can last, 4294 s");
+}
+
+Outcome AxisGroup::State::start(AxesCall& call, const LineRequest& request) {
+  for (const AxisSnapshot& axis : call.now()) {
+    if (!is_enabled(axis)) return refused_in_state(axis, "a move", "Operation enabled");
+    if (axis.status.velocity_demand_value != 0) {
+      return not_in_this_state("axis " + to_string(axis.id) + " still moves");
+    }
+  }
+  const auto times = times_of(call, request);
+  if (!times) return times.outcome();
+  const Answers answers = call.exchange(start_rounds(call, request, *times), Timing::common_tick);
+  if (answers.outcome && answers.ignored.empty()) {
+    LineInHand started{.starts = {},
+                       .targets = request.targets,
+                       .duration = times->duration,
+                       .start_tick = answers.tick};
+    for (const AxisSnapshot& axis : call.now()) {
+      started.starts.push_back(axis.status.position_demand_value);
+    }
+    set_line(std::move(started));
+    return {};
+  }
+  if (answers.outcome.kind() == OutcomeKind::lost) return call.stop_others(answers.outcome);
+  if (answers.tick != 0) withdraw(call);
+  if (!answers.outcome) return answers.outcome;
+  return not_in_this_state("axis " + to_string(layout.axes[answers.ignored.front()]) +
+                           " ignored the set-point: it still moves, or a limit that was written "
+                           "after it was enabled is not yet in force");
+}
+
+/// Takes back a start in which not every axis took part: the others get a set-point where they
+/// stand.
+void AxisGroup::State::withdraw(AxesCall& call) {
+  const Round halt = call.round_of(kHalt, every_axis);
+  const Answers halted = call.exchange({&halt, 1}, Timing::at_once);
+  if (!call.steps()) {
+    (void)call.await("standstill", halted.tick, [](const AxisSnapshot& axis) {
+      return !is_enabled(axis) || target_reached(axis);
+    });
+  }
+  std::array<Round, 2> rounds{call.round_of(kHalt, is_enabled),
+                              call.round_of(kEnableOperation, is_enabled)};
+  for (Round::Entry& entry : rounds[0].entries) {
+    add_target(entry.command, call.now()[entry.place].status.position_demand_value);
+    add_word(entry.command, kHalt | Controlword::kNewSetPoint | Controlword::kChangeSetImmediately);
+  }
+  (void)call.exchange(rounds, Timing::at_once);  // what refused the start may refuse this too
+}
+
+bool AxisGroup::State::has_arrived(const LineInHand& line, std::span<const AxisSnapshot> axes) {
+  for (std::size_t place = 0; place < axes.size(); ++place) {
+    if (!demand_arrived(axes[place], line.targets[place])) return false;
+  }
+  return true;
+}
+
+Outcome AxisGroup::State::await_line(AxesCall& call, const GroupCallOptions& options,
+                                     bool in_position) {
+  const auto moving = line_in_hand();
+  if (!moving) return {};
+  call.set_timeout(options.timeout.value_or(moving->duration + kBeyondDuration));
+  Outcome cut;
+  Outcome outcome =
+      call.await_enabled(in_position ? "target reached, bit 10" : "the arrival of the demand",
+                         moving->start_tick, [&](std::size_t place) {
+                           const AxisSnapshot& axis = call.now()[place];
+                           if (cut) cut = check_limit_switch(axis, moving->targets[place]);
+                           return !cut || (demand_arrived(axis, moving->targets[place]) &&
+                                           (!in_position || target_reached(axis)));
+                         });
+  // The line is lost: the others must not continue alone.
+  if (outcome && !cut) outcome = call.stop_others(std::move(cut));
+  if (outcome) {
+    set_line(std::nullopt);
+  } else if (outcome.kind() != OutcomeKind::timed_out) {
+    drop_all();
+  }
+  return outcome;
+}
+
+Outcome AxisGroup::State::run(AxesCall& call, const LineRequest& request,
+                              const GroupCallOptions& options) {
+  drop_all();
+  if (Outcome started = start(call, request); !started) return started;
+  if (options.until == Until::done) return await_line(call, options, true);
+  return call.await_enabled("the start", line_in_hand()->start_tick, every_axis);
+}
+
+Outcome AxisGroup::move_together(const Eigen::VectorXd& targets, const GroupMoveOptions& options) {
+  const auto request = state_->request_of(targets, options);
+  if (!request) return request.outcome();
+  AxesCall call = state_->call(options.call);
+  if (Outcome ready = call.begin_control(timeout_of(options.call)); !ready) return ready;
+  return state_->run(call, *request, options.call);
+}
+
+Outcome AxisGroup::move_by(const Eigen::VectorXd& displacements, const GroupMoveOptions& options) {
+  AxesCall call = state_->call(options.call);
+  if (Outcome ready = call.begin_control(timeout_of(options.call)); !ready) return ready;
+  Eigen::VectorXd targets = displacements;
+  for (Eigen::Index i = 0; i < std::min<Eigen::Index>(targets.size(), std::ssize(call.now()));
+       ++i) {
+    targets[i] += call.now()[static_cast<std::size_t>(i)].status.position_demand_value;
+  }
+  const auto request = state_->request_of(targets, options);
+  if (!request) return request.outcome();
+  return state_->run(call, *request, options.call);
+}
+
+Outcome AxisGroup::queue_move(const Eigen::VectorXd& targets, const GroupMoveOptions& options) {
+  auto request = state_->request_of(targets, options);
+  if (!request) return request.outcome();
+  const std::scoped_lock lock(state_->mutex);
+  state_->queue.push_back(std::move(*request));
+  return {};
+}
+
+Outcome AxisGroup::wait_all(const GroupCallOptions& options) {
+  AxesCall call = state_->call(options);
+  if (Outcome ready = call.begin_control(timeout_of(options)); !ready) return ready;
+  while (true) {
+    bool last = false;
+    {
+      const std::scoped_lock lock(state_->mutex);
+      last = state_->queue.empty();
+    }
+    if (Outcome arrived = state_->await_line(call, options, last); !arrived) return arrived;
+    const auto next = state_->next_request();
+    if (!next) return {};
+    if (Outcome started = state_->start(call, *next); !started) {
+      state_->drop_all();
+      return started;
+    }
+  }
+}
+
+Outcome AxisGroup::halt_all(const GroupCallOptions& options) {
+  AxesCall call = state_->call(options);
+  AxesStop stop(*state_->core, call);
+  if (Outcome ready = stop.begin(timeout_of(options)); !ready) return ready;
+  const Round halt = call.round_of(kHalt, is_enabled);
+  if (halt.entries.empty())
+    return refused_in_state(call.now().front(), "a halt", "Operation enabled");
+  if (Outcome taken = stop.acquire_free(); !taken) return taken;
+  Answers answers = stop.exchange(halt, Timing::common_tick);
+  if (!answers.outcome)
+    answers = stop.exchange(halt, Timing::at_once);  // rather apart than not at all
+  if (!answers.outcome) return answers.outcome;
+  const bool to_standstill = options.until == Until::done;
+  Outcome seen = call.await("standstill, bit 10", answers.tick, [&](const AxisSnapshot& axis) {
+    return !to_standstill || !is_enabled(axis) || target_reached(axis);
+  });
+  if (!seen) return call.stop_if_lost(std::move(seen));
+  // An axis that was to halt and failed instead stops the others as in a move.
+  const bool all = halt.entries.size() == call.now().size();
+  return all ? call.check("standstill", answers.tick) : seen;
+}
+
+Outcome AxisGroup::resume_all(const GroupCallOptions& options) {
+  AxesCall call = state_->call(options);
+  if (Outcome ready = call.begin_control(timeout_of(options)); !ready) return ready;
+  for (const AxisSnapshot& axis : call.now()) {
+    if (!is_enabled(axis)) return refused_in_state(axis, "resuming", "Operation enabled");
+  }
+  const Round resume = call.round_of(kEnableOperation, every_axis);
+  const Answers answers = call.exchange({&resume, 1}, Timing::common_tick);
+  if (!answers.outcome) {
+    const Round halt = call.round_of(kHalt, every_axis);
+    if (answers.tick != 0)
+      (void)call.exchange({&halt, 1}, Timing::at_once);  // no axis continues alone
+    return answers.outcome;
+  }
+  Outcome seen = call.await_enabled("the release", answers.tick, every_axis);
+  if (!seen || options.until == Until::in_force) return seen;
+  if (state_->line_in_hand()) return state_->await_line(call, options, true);
+  return call.await_enabled("target reached, bit 10", answers.tick, target_reached);
+}
+
+}  // namespace vdrive::client

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+// Cyclic streaming of positions.
+#include "base/command_words.hpp"
+#include "groups/group_state.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace vdrive::client {
+namespace {
+
+constexpr std::chrono::seconds kModeChange{5};
+
+// A stream that is shorter than two ticks ahead cannot reach its tick.
+constexpr std::uint64_t kShortestLead = 2;
+constexpr std::chrono::seconds kLongestLead{1};
+
+Round mode_round(const AxesCall& call, OperatingMode mode) {
+  Round round = call.round_to(every_axis);
+  for (Round::Entry& entry : round.entries) {
+    entry.command.members(msg::HAS_OP_MODE_CMD);
+    entry.command.op_mode_cmd(static_cast<std::int8_t>(mode));
+  }
+  round.flags = msg::FRAME_ALL_OR_NOTHING;
+  return round;
+}
+
+std::uint64_t lead_of(const Stream& stream) {
+  return std::max(kShortestLead,
+                  ticks_of(std::min<std::chrono::nanoseconds>(stream.options.lead, kLongestLead),
+                           stream.call.period()));
+}
+
+}  // namespace
+
+Outcome AxisGroup::start_streaming(const StreamOptions& options) {
+  AxesCall call = state_->call({});
+  if (Outcome ready = call.begin_control(kModeChange); !ready) return ready;
+  for (const AxisSnapshot& axis : call.now()) {
+    if (!is_enabled(axis)) return refused_in_state(axis, "streaming", "Operation enabled");
+    if (axis.status.velocity_demand_value != 0) {
+      return not_in_this_state("axis " + to_string(axis.id) + " still moves");
+    }
+  }
+  state_->drop_all();
+  const Round mode = mode_round(call, OperatingMode::cyclic_synchronous_position);
+  const Answers answers = call.exchange({&mode, 1}, Timing::at_once);
+  if (!answers.outcome) return answers.outcome;
+  Outcome seen = call.await_enabled(
+      "cyclic synchronous position mode", answers.tick, [](const AxisSnapshot& axis) {
+        return axis.mode() == OperatingMode::cyclic_synchronous_position;
+      });
+  if (!seen) return seen;
+  state_->stream = std::make_unique<Stream>(
+      Stream{.options = options, .call = std::move(call), .in_flight = {}, .next_tick = 0});
+  return {};
+}
+
+Result<GroupStatus> AxisGroup::stream(const Eigen::VectorXd& positions) {
+  if (!state_->stream) return not_in_this_state("streaming was not started");
+  const auto whole = state_->positions_of(positions);
+  if (!whole) return whole.outcome();
+  AxesCall& call = state_->stream->call;
+  Round round = call.round_to(every_axis);
+  round.is_endless = true;
+  for (Round::Entry& entry : round.entries) {
+    entry.command.members(msg::HAS_POSITION_USER_TARGET_VALUE);
+    entry.command.position_user_target_value((*whole)[entry.place]);
+  }
+  Outcome sent = call.steps() ? state_->stream_stepping(round) : state_->stream_ahead(round);
+  if (!sent) return call.stop_if_lost(std::move(sent));
+  if (Outcome sound = call.check("the stream to continue", 0); !sound) return sound;
+  return state_->status_of(call);
+}
+
+/// The step waits for the frames, so that their answers are there after it.
+Outcome AxisGroup::State::stream_stepping(const Round& round) const {
+  AxesCall& call = stream->call;
+  const std::uint64_t ticks = stream->options.pace == Pace::drive ? 1 : 0;
+  std::vector<SentFrames> sent;
+  Outcome outcome = call.send({&round, 1}, 0, sent);
+  if (outcome) outcome = call.axes().advance(ticks);
+  return call.collect(sent, std::move(outcome)).outcome;
+}
+
+/// Positions are sent for one tick after the other. The answer to one comes in its tick, and with
+/// it the caller continues: so the bench's clock paces the stream.
+Outcome AxisGroup::State::stream_ahead(const Round& round) const {
+  const std::uint64_t lead = lead_of(*stream);
+  if (stream->next_tick == 0) {
+    const auto newest = stream->call.axes().newest_tick();
+    if (!newest) return newest.outcome();
+    stream->next_tick = *newest + lead;
+  }
+  std::vector<SentFrames>& sent = stream->in_flight.emplace_back();
+  Outcome outcome = stream->call.send({&round, 1}, stream->next_tick++, sent);
+  while (outcome && stream->in_flight.size() >= lead) outcome = collect_oldest();
+  if (!outcome) {  // the next position starts anew, as far ahead as the first
+    collect_rest();
+    stream->next_tick = 0;
+  }
+  return outcome;
+}
+
+Outcome AxisGroup::State::collect_oldest() const {
+  const Answers answers = stream->call.collect(stream->in_flight.front(), {});
+  stream->in_flight.pop_front();
+  if (!answers.outcome) return answers.outcome;
+  while (stream->call.tick() < answers.tick) {
+    if (Outcome seen = stream->call.axes().advance(1); !seen) return seen;
+  }
+  return {};
+}
+
+/// The answers to the others do not matter any more.
+void AxisGroup::State::collect_rest() const {
+  while (!stream->in_flight.empty()) {
+    (void)stream->call.collect(stream->in_flight.front(), {});
+    stream->in_flight.pop_front();
+  }
+}
+
+Outcome AxisGroup::stop_streaming(const GroupCallOptions& options) {
+  if (!state_->stream) return not_in_this_state("streaming was not started");
+  Outcome rest;
+  while (rest && !state_->stream->in_flight.empty()) rest = state_->collect_oldest();
+  state_->collect_rest();
+  state_->stream.reset();
+  AxesCall call = state_->call(options);
+  if (Outcome ready = call.begin_control(timeout_of(options)); !ready) return ready;
+  const Round mode = mode_round(call, OperatingMode::profile_position);
+  const Answers answers = call.exchange({&mode, 1}, Timing::at_once);
+  if (!answers.outcome) return answers.outcome;
+  const bool to_the_end = options.until == Until::done;
+  Outcome seen = call.await("profile position mode", answers.tick, [&](const AxisSnapshot& axis) {
+    return !to_the_end || axis.mode() == OperatingMode::profile_position;
+  });
+  if (seen && to_the_end) {  // who still moved has braked before its mode has changed
+    for (const BenchPart& part : call.axes().parts()) {
+      state_->core->holdings.forget_running(part.target.key, part.bench->axes);
+    }
+  }
+  // A position that came late was not run: the axes rest elsewhere than the caller believes.
+  return seen ? rest : seen;
+}
+
+}  // namespace vdrive::client

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "calls/axes_call.hpp"
+#include "groups/line_times.hpp"
+#include "vdrive/client/axis_group.hpp"
+
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <vector>
+
+namespace vdrive::client {
+
+/// A straight line that was requested.
+struct LineRequest {
+  std::vector<std::int32_t> targets;
+  double velocity_factor = 1.0;
+  double acceleration_factor = 1.0;
+  double deceleration_factor = 1.0;
+};
+
+/// A straight line that has been handed to the axes.
+struct LineInHand {
+  std::vector<std::int32_t> starts;
+  std::vector<std::int32_t> targets;
+  std::chrono::microseconds duration{0};
+  std::uint64_t start_tick = 0;  ///< in which the set-points are in force
+};
+
+/// Positions on their way in cyclic streaming.
+struct Stream {
+  StreamOptions options;
+  AxesCall call;
+  std::deque<std::vector<SentFrames>> in_flight;  ///< real time: oldest first
+  std::uint64_t next_tick = 0;                    ///< real time: of the next position; 0 = none yet
+};
+
+/// What copies of a group share.
+struct AxisGroup::State {
+  std::shared_ptr<SessionCore> core;
+  GroupLayout layout;
+
+  std::mutex mutex;  ///< guards what follows up to the stream
+  std::optional<LineInHand> line;
+  std::deque<LineRequest> queue;
+
+  std::unique_ptr<Stream> stream;
+  std::jthread monitor;
+
+  /// A call that reports its progress to `options`.
+  AxesCall call(const GroupCallOptions& options);
+
+  /// Vectors of the caller as whole positions.
+  Result<std::vector<std::int32_t>> positions_of(const Eigen::VectorXd& values) const;
+  Result<LineRequest> request_of(const Eigen::VectorXd& targets,
+                                 const GroupMoveOptions& options) const;
+
+  /// Hands a line to the axes, from rest; no time passes in lock-step.
+  Outcome start(AxesCall& call, const LineRequest& request);
+
+  /// @return whether the demands have come to rest on their targets.
+  [[nodiscard]] static bool has_arrived(const LineInHand& line, std::span<const AxisSnapshot> axes);
+
+  /// Waits until the line in hand has arrived: the demands, and when `in_position` the axes too.
+  Outcome await_line(AxesCall& call, const GroupCallOptions& options, bool in_position);
+
+  /// Starts `request` and waits as long as the options require.
+  Outcome run(AxesCall& call, const LineRequest& request, const GroupCallOptions& options);
+
+  [[nodiscard]] std::optional<LineInHand> line_in_hand();
+  void set_line(std::optional<LineInHand> started);
+  std::optional<LineRequest> next_request();
+
+  /// Nothing is left to do: after a stop or a failure.
+  void drop_all();
+
+  [[nodiscard]] GroupStatus status_of(const AxesCall& call);
+
+  /// One turn of poll().
+  Outcome watch(AxesCall& call);
+  void monitor_loop(const std::stop_token& stop);
+
+  /// What stream() does in lock-step and in real time.
+  Outcome stream_stepping(const Round& round) const;
+  Outcome stream_ahead(const Round& round) const;
+  Outcome collect_oldest() const;
+  void collect_rest() const;
+
+ private:
+  Result<LineTimes> times_of(AxesCall& call, const LineRequest& request) const;
+  static void withdraw(AxesCall& call);
+};
+
+/// @return the time-out of a call that is no move.
+[[nodiscard]] std::chrono::nanoseconds timeout_of(const GroupCallOptions& options);
+
+}  // namespace vdrive::client

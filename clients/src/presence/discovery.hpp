@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/periodic_thread.hpp"
+#include "base/wakeup.hpp"
+#include "presence/directory.hpp"
+#include "presence/own_pauses.hpp"
+#include "presence/search.hpp"
+#include "presence/service_watch.hpp"
+#include "presence/target.hpp"
+#include "vdrive/client/session.hpp"
+#include "vdrive/wire/participant.hpp"
+#include "vdrive/wire/subscription.hpp"
+#include "vdrive_messages.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace vdrive::client {
+
+/// Which silence of a bench ends what waits for it.
+enum class Silence : std::uint8_t {
+  ends_call,   ///< one of SessionOptions::silence
+  is_bridged,  ///< one of SessionOptions::patience: what follows a bench continues after a gap
+};
+
+/// Which benches and axes are there: receives what benches publish about themselves, and answers
+/// questions by the age of their samples, in which times when this program did not run do not
+/// count. Thread-safe; its lock is never held while another one is
+/// taken.
+class Discovery {
+ public:
+  using Clock = Directory::Clock;
+
+  Discovery(wire::Participant& participant, SessionOptions options, Wakeup& wakeup);
+
+  // ---- waiting for a bench
+
+  std::vector<PresentBench> find_benches();
+  Result<PresentBench> find_bench(std::optional<std::uint32_t> number);
+
+  /// @return not_found with what the newest search has seen.
+  [[nodiscard]] Outcome no_bench_found() const;
+
+  /// An axis by address or name.
+  Result<AxisInfo> find_axis(std::string_view text);
+
+  // ---- what other messages show
+
+  /// @return whether this session sees that bench.
+  [[nodiscard]] bool sees(std::uint32_t bench) const;
+
+  /// A live sample of this run that carries no tick. `source` is its sender from now on.
+  void note_sender(const BenchKey& key, const wire::Source& source);
+
+  /// A live sample of this run, a status frame or an answer.
+  void note_sample(const BenchKey& key, std::uint64_t tick, const wire::Source& source);
+
+  /// A status frame of this run.
+  void note_frame(const BenchKey& key, const RunTime& time, const wire::Source& source);
+
+  /// This run answered that it has another rate, before its state shows it.
+  void set_rate(const BenchKey& key, double rate);
+
+  // ---- questions that do not wait
+
+  /// @return the benches whose samples arrive, by number.
+  [[nodiscard]] std::vector<PresentBench> present() const;
+
+  /// @return the participant that sends for this run; nothing before its first live sample.
+  [[nodiscard]] std::optional<wire::Source> source_of(const BenchKey& key) const;
+
+  /// @return whether a sample of this run arrived within `patience` and has not gone offline.
+  [[nodiscard]] bool is_alive(const BenchKey& key, std::chrono::milliseconds patience) const;
+
+  /// @return lost when this run of the service was silent for silence(), ended, or was replaced.
+  [[nodiscard]] Outcome check_presence(const Target& target) const;
+
+  /// @return the same for what waits: the run of a service that was replaced continues as long as
+  ///         its samples arrive, and `silence` may be bridged.
+  [[nodiscard]] Outcome check_samples(const Target& target, Silence silence) const;
+
+  /// @return the run of the bench that is there now; nothing when none is.
+  [[nodiscard]] std::optional<Target> present_target(std::uint32_t bench) const;
+
+  /// @return why nothing comes from a bench that has no run now.
+  [[nodiscard]] Outcome loss_of(std::uint32_t bench) const;
+
+  /// @return for how long this program did not run since it has this object.
+  [[nodiscard]] Clock::duration own_pauses() const;
+
+  /// @return whether a state of this run after `since` shows that its drive time stands still.
+  [[nodiscard]] bool is_paused(const BenchKey& key, Clock::time_point since = {}) const;
+
+  /// @return the stepper that time waits for by the newest state, 0 = none.
+  [[nodiscard]] std::uint64_t slowest_stepper(const BenchKey& key) const;
+
+  /// @return the newest tick received, 0 when none was.
+  [[nodiscard]] std::uint64_t tick(const BenchKey& key) const;
+
+  /// @return the newest tick that a status frame or a state has shown, without the ticks that the
+  ///         number has jumped over since the first of them; nothing before that one.
+  [[nodiscard]] std::optional<std::uint64_t> driven_tick(const BenchKey& key) const;
+
+  /// @return what has changed since the last call with `watch`.
+  [[nodiscard]] std::vector<ServiceChange> changes(ServiceWatch& watch) const;
+
+  /// Wall time without a sample after which a service counts as lost.
+  [[nodiscard]] std::chrono::milliseconds silence() const noexcept { return options_.silence; }
+
+  /// The same for what follows a bench.
+  [[nodiscard]] std::chrono::milliseconds patience() const noexcept {
+    return std::max(options_.patience, options_.silence);
+  }
+
+ private:
+  void on_description(const msg::BenchDescription& message, const wire::Source& source);
+  void on_state(const msg::BenchState& message, const wire::Source& source);
+  Result<AxisInfo> find_name(std::string_view name);
+  Result<AxisInfo> find_on_bench(std::uint32_t bench, std::string_view axis);
+  [[nodiscard]] bool expects_more() const;
+  [[nodiscard]] Sight look(std::optional<std::uint32_t> number) const;
+  /// @return what the newest search has seen.
+  [[nodiscard]] std::string seen() const;
+  /// Until `condition` holds, called with what is seen, or for the time of a search.
+  /// @param number of the only bench that is looked for
+  template <typename Condition>
+  void search(std::optional<std::uint32_t> number, const Condition& condition);
+  /// With the lock. @return why a bench that sends nothing is lost.
+  [[nodiscard]] Outcome lost_in_silence(const Target& target, Clock::time_point now,
+                                        std::chrono::milliseconds limit) const;
+  /// With the lock. @return the time, after a pause of this program was discounted.
+  Clock::time_point running_time() const;
+
+  wire::Participant& participant_;
+  const SessionOptions options_;
+  Wakeup& wakeup_;
+  mutable std::mutex mutex_;  ///< guards the directory, the pauses and what was seen
+  mutable OwnPauses own_pauses_{Clock::now()};
+  mutable Directory directory_;  ///< each question discounts a pause first
+  std::string seen_ = text_of({}, {});
+  wire::Subscription<msg::BenchState> state_subscription_;
+  wire::Subscription<msg::BenchDescription> description_subscription_;
+  PeriodicThread pulse_;  ///< notes that the program runs
+};
+
+}  // namespace vdrive::client

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "presence/search.hpp"
+
+#include "vdrive/wording.hpp"
+
+#include <algorithm>
+
+namespace vdrive::client {
+namespace {
+
+using std::chrono::milliseconds;
+
+// After this without a further bench, all benches that are there have been found. A busy machine
+// or a slow network took long for the first sign of a bench already: there a search waits this many
+// times as long as for that.
+constexpr milliseconds kSettle{150};
+constexpr int kSettleTimes = 4;
+
+/// Of the time that a search may take, for a service that has announced itself.
+constexpr int kTimesForAnnounced = 3;
+
+/// Threads that a message passes one after the other, each as late as this one: of the service's
+/// library, of the service, of the library here, of the search.
+constexpr int kThreadsOfMessage = 4;
+
+/// A machine that stands still ends a search after this many times its time.
+constexpr int kMostTimesForDelay = 3;
+
+constexpr milliseconds kShownDelay{10};
+
+}  // namespace
+
+std::string text_of(const Sight& sight, SearchClock::duration delay) {
+  std::string text = "seen: ";
+  text += sight.participants == 0
+              ? "no other participant"
+              : counted(sight.participants, "other participant", "other participants");
+  if (sight.undescribed != 0) {
+    text += ", " + counted(sight.undescribed, "service that has not described its bench",
+                           "services that have not described their benches");
+  }
+  if (sight.unreachable != 0) {
+    text += ", " + counted(sight.unreachable, "service", "services") +
+            " in the other mode, open or closed, than this program";
+  }
+  if (delay >= kShownDelay) {
+    text += ", this machine ran the search " +
+            std::to_string(std::chrono::floor<milliseconds>(delay).count()) + " ms late in all";
+  }
+  return text;
+}
+
+SearchTime::SearchTime(SearchClock::time_point begin, milliseconds timeout)
+    : begin_(begin), timeout_(timeout) {}
+
+void SearchTime::note_wait(SearchClock::time_point planned, SearchClock::time_point now) {
+  delay_ += std::max(now - planned, SearchClock::duration::zero());
+}
+
+SearchClock::time_point SearchTime::end(bool is_expecting) const {
+  return begin_ + (is_expecting ? kTimesForAnnounced : 1) * timeout_ +
+         std::min(kThreadsOfMessage * delay_, kMostTimesForDelay * timeout_);
+}
+
+bool Settling::has_ended(const Sight& sight, SearchClock::time_point now) {
+  services_.note(sight.services, now);
+  benches_.note(sight.present, now);
+  return sight.present != 0 && sight.undescribed == 0 &&
+         (benches_.has_ended(now) || services_.has_ended(now));
+}
+
+void Settling::Count::note(std::size_t count, SearchClock::time_point now) {
+  if (count == count_) return;
+  if (count_ == 0) {
+    settle_ = std::max<SearchClock::duration>(kSettle, kSettleTimes * (now - begin_));
+  }
+  count_ = count;
+  end_ = now + settle_;
+}
+
+bool Settling::Count::has_ended(SearchClock::time_point now) const {
+  return count_ != 0 && now >= end_;
+}
+
+}  // namespace vdrive::client

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "presence/service_watch.hpp"
+
+#include <set>
+#include <string>
+#include <utility>
+
+namespace vdrive::client {
+namespace {
+
+using std::chrono::milliseconds;
+
+// Samples of a bench whose ticks are published arrive every few milliseconds: its silence is
+// reported within 100 ms, also when the check itself is late.
+constexpr milliseconds kSilenceOfAStream{80};
+// One that stands still publishes its state 20 times a second: a lost sample is no silence.
+constexpr milliseconds kSilenceOfAState{250};
+
+milliseconds age(const Presence& presence) {
+  return std::chrono::duration_cast<milliseconds>(presence.age);
+}
+
+bool is_there(const Presence& presence) {
+  return !presence.is_offline &&
+         presence.age < (presence.is_streaming ? kSilenceOfAStream : kSilenceOfAState);
+}
+
+std::string text_of(ServiceNews news, const Presence& presence) {
+  std::string bench = "bench " + std::to_string(presence.key.number);
+  switch (news) {
+    case ServiceNews::found:
+      return bench + " was found";
+    case ServiceNews::fell_silent:
+      return bench + " stopped sending " + std::to_string(age(presence).count()) + " ms ago";
+    case ServiceNews::sends_again:
+      return bench + " sends again";
+    case ServiceNews::restarted:
+      return bench + " restarted: this session has lost control of its axes";
+    case ServiceNews::went_offline:
+      return bench + " went offline";
+  }
+  return bench;
+}
+
+}  // namespace
+
+std::optional<ServiceNews> ServiceWatch::note(Known& known, const Presence& presence) {
+  const bool is_ours = known.incarnation == presence.key.incarnation;
+  if (!is_there(presence)) {
+    if (!known.is_there || !is_ours) return std::nullopt;
+    known.is_there = false;
+    return presence.is_offline ? ServiceNews::went_offline : ServiceNews::fell_silent;
+  }
+  const Known before =
+      std::exchange(known, {.incarnation = presence.key.incarnation, .is_there = true});
+  if (before.incarnation == 0) return ServiceNews::found;
+  if (!is_ours) return ServiceNews::restarted;
+  return before.is_there ? std::nullopt : std::optional(ServiceNews::sends_again);
+}
+
+std::vector<ServiceChange> ServiceWatch::changes(const Directory& directory,
+                                                 Directory::Clock::time_point now) {
+  std::vector<ServiceChange> changes;
+  const std::vector<Presence> presences = directory.presences(now);
+  forget_the_unknown(presences);
+  std::set<std::uint32_t> seen;
+  for (const Presence& presence : presences) {
+    const std::uint32_t bench = presence.key.number;
+    // Of two runs at once the earlier one keeps the number.
+    if (is_there(presence) && !seen.insert(bench).second) continue;
+    const auto news = note(known_[bench], presence);
+    if (!news) continue;
+    changes.push_back({.bench = bench,
+                       .news = *news,
+                       .silence = age(presence),
+                       .text = text_of(*news, presence)});
+  }
+  return changes;
+}
+
+void ServiceWatch::forget_the_unknown(const std::vector<Presence>& presences) {
+  if (known_.size() <= kMostRuns) return;
+  std::set<std::uint32_t> named;
+  for (const Presence& presence : presences) named.insert(presence.key.number);
+  std::erase_if(known_, [&named](const auto& item) {
+    return !named.contains(item.first);
+  });
+}
+
+}  // namespace vdrive::client

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "session/session_core.hpp"
+#include "vdrive/client/session.hpp"
+
+#include <utility>
+
+namespace vdrive::client {
+
+struct Follower::State {
+  std::shared_ptr<SessionCore> core;
+  Target target;
+  std::vector<std::uint16_t> axes;
+  Pace pace = Pace::drive;
+  std::shared_ptr<StatusFeed> feed;  ///< none when each sample is a step
+
+  void note_seen(const Observation& sample) const {
+    core->holdings.note_seen(target.key, sample.axes);
+  }
+};
+
+Follower::Follower(std::unique_ptr<State> state) : state_(std::move(state)) {}
+
+Follower::~Follower() = default;
+Follower::Follower(Follower&&) noexcept = default;
+Follower& Follower::operator=(Follower&&) noexcept = default;
+
+Result<Observation> Follower::next(std::chrono::milliseconds patience) {
+  Observation sample;
+  if (Outcome seen = next(patience, sample); !seen) return seen;
+  return sample;
+}
+
+Outcome Follower::next(std::chrono::milliseconds patience, Observation& sample) {
+  if (!state_->feed) {
+    auto stepped =
+        state_->core->clocks.step(state_->target, 1, state_->axes, patience, Silence::is_bridged);
+    if (!stepped) return stepped.outcome();
+    sample = std::move(*stepped);
+    state_->note_seen(sample);
+    return {};
+  }
+  Outcome seen = state_->core->stream.next(
+      state_->target, *state_->feed,
+      {patience, true, state_->pace == Pace::drive, Silence::is_bridged}, sample);
+  if (seen) state_->note_seen(sample);
+  return seen;
+}
+
+Follower SessionCore::follow(const Target& target, std::vector<std::uint16_t> axes, Pace pace) {
+  auto state = std::make_unique<Follower::State>();
+  state->core = shared_from_this();
+  state->target = target;
+  state->pace = pace;
+  if (pace == Pace::observe || !target.steps()) state->feed = stream.open_feed(target, axes);
+  state->axes = std::move(axes);
+  return Follower(std::move(state));
+}
+
+}  // namespace vdrive::client

@@ -1,0 +1,315 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdrive/client/session.hpp"
+
+#include "session/session_core.hpp"
+#include "vdrive/client/axis.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
+
+namespace vdrive::client {
+namespace {
+
+std::vector<BenchInfo> infos_of(std::vector<PresentBench>&& benches) {
+  std::vector<BenchInfo> infos;
+  infos.reserve(benches.size());
+  for (PresentBench& bench : benches) infos.push_back(std::move(bench.info));
+  return infos;
+}
+
+/// The numbers of axes that share a bench.
+Result<std::vector<std::uint16_t>> numbers_of(std::span<const AxisId> axes) {
+  std::vector<std::uint16_t> numbers;
+  for (const AxisId& id : axes) {
+    if (id.bench != axes.front().bench) {
+      return Outcome::not_found("axes " + to_string(axes.front()) + " and " + to_string(id) +
+                                " are not on one bench");
+    }
+    numbers.push_back(id.axis);
+  }
+  if (numbers.empty()) return Outcome::not_found("no axis given");
+  return numbers;
+}
+
+/// The numbers of axes by bench, each once. @return not_found when one is not there.
+Result<std::map<std::uint32_t, std::vector<std::uint16_t>>> find_by_bench(
+    SessionCore& core, std::span<const AxisId> axes) {
+  std::map<std::uint32_t, std::vector<std::uint16_t>> numbers;
+  for (const AxisId& axis : axes) {
+    if (const auto found = core.discovery.find_axis(to_string(axis)); !found) {
+      return found.outcome();
+    }
+    std::vector<std::uint16_t>& of_bench = numbers[axis.bench];
+    if (std::ranges::find(of_bench, axis.axis) == of_bench.end()) of_bench.push_back(axis.axis);
+  }
+  return numbers;
+}
+
+/// A request about saved states of a bench.
+Result<msg::Reply> exchange_snapshot(SessionCore& core, std::uint32_t bench, std::uint32_t kind,
+                                     std::uint64_t snapshot) {
+  const auto target = core.connection.connect(bench);
+  if (!target) return target.outcome();
+  msg::Request request;
+  request.kind(kind);
+  request.snapshot(snapshot);
+  const bool names_one =
+      kind == msg::REQUEST_RESTORE_SNAPSHOT || kind == msg::REQUEST_DROP_SNAPSHOT;
+  return core.control.exchange(
+      *target, std::move(request),
+      "snapshot " + (names_one ? std::to_string(snapshot) + " " : "") + "of " + name_of(*target));
+}
+
+void add_target_object(msg::AxisCommand& command, ObjectAddress address, std::int64_t value) {
+  auto& object = command.objects().emplace_back();
+  object.index(address.index);
+  object.subindex(address.subindex);
+  object.value(value);
+}
+
+msg::AxisCommand command_of(const SetPoint& point) {
+  using namespace literals;
+  msg::AxisCommand command;
+  command.axis(point.axis);
+  std::uint16_t members = 0;
+  if (point.mode) {
+    members |= msg::HAS_OP_MODE_CMD;
+    command.op_mode_cmd(static_cast<std::int8_t>(*point.mode));
+  }
+  if (point.position) {
+    members |= msg::HAS_POSITION_USER_TARGET_VALUE;
+    command.position_user_target_value(*point.position);
+  }
+  if (point.velocity) {
+    add_target_object(command, vdrive::describe("target_velocity"_object).address, *point.velocity);
+  }
+  if (point.torque) {
+    add_target_object(command, vdrive::describe("target_torque"_object).address, *point.torque);
+  }
+  if (point.controlword) {
+    members |= msg::HAS_DS402_CONTROLWORD;
+    command.ds402_controlword(*point.controlword);
+  }
+  command.members(members);
+  return command;
+}
+
+FrameContent content_of(const SetPointFrame& frame) {
+  FrameContent content{.commands = {},
+                       .apply_at_tick = frame.tick,
+                       .flags = frame.drops_waiting ? msg::FRAME_CANCEL_PENDING : 0U};
+  content.commands.reserve(frame.axes.size());
+  for (const SetPoint& point : frame.axes) {
+    content.commands.push_back(command_of(point));
+    if (point.position || point.velocity || point.torque) content.moved.push_back(point.axis);
+  }
+  return content;
+}
+
+}  // namespace
+
+struct StatusReports::State {
+  explicit State(std::shared_ptr<SessionCore> shared)
+      : core(std::move(shared)), watcher(core->discovery, core->stream) {}
+
+  std::shared_ptr<SessionCore> core;
+  StatusWatcher watcher;
+};
+
+StatusReports::StatusReports(std::unique_ptr<State> state) : state_(std::move(state)) {}
+
+StatusReports::~StatusReports() = default;
+StatusReports::StatusReports(StatusReports&&) noexcept = default;
+StatusReports& StatusReports::operator=(StatusReports&&) noexcept = default;
+
+Session::Session(const SessionOptions& options) : core_(std::make_shared<SessionCore>(options)) {}
+
+Session::~Session() {
+  core_->end();
+}
+
+std::uint64_t Session::id() const noexcept {
+  return core_->id;
+}
+
+std::vector<BenchInfo> Session::find_benches() {
+  return infos_of(core_->discovery.find_benches());
+}
+
+Outcome Session::no_bench_found() const {
+  return core_->discovery.no_bench_found();
+}
+
+std::vector<BenchInfo> Session::present_benches() const {
+  return infos_of(core_->discovery.present());
+}
+
+Result<BenchInfo> Session::find_bench(std::optional<std::uint32_t> number) {
+  auto bench = core_->discovery.find_bench(number);
+  if (!bench) return bench.outcome();
+  return std::move(bench->info);
+}
+
+Result<Axis> Session::axis(std::string_view text) {
+  auto axis = core_->discovery.find_axis(text);
+  if (!axis) return axis.outcome();
+  return Axis(core_, std::move(*axis));
+}
+
+Result<std::vector<Axis>> Session::axes(std::optional<std::uint32_t> bench) {
+  auto found = core_->discovery.find_bench(bench);
+  if (!found) return found.outcome();
+  std::vector<Axis> axes;
+  axes.reserve(found->info.axes.size());
+  for (AxisInfo& info : found->info.axes) axes.push_back(Axis(core_, std::move(info)));
+  return axes;
+}
+
+Result<std::uint64_t> Session::step(std::uint32_t bench, std::uint64_t ticks) {
+  const auto target = core_->connection.connect(bench);
+  if (!target) return target.outcome();
+  const auto reached = core_->clocks.step(*target, ticks, {});
+  if (!reached) return reached.outcome();
+  return reached->tick;
+}
+
+Result<std::uint64_t> Session::set_rate(std::uint32_t bench, double rate) {
+  const auto target = core_->connection.connect(bench);
+  if (!target) return target.outcome();
+  return core_->clocks.set_rate(*target, rate);
+}
+
+Result<std::uint64_t> Session::wait(std::uint32_t bench, std::chrono::nanoseconds duration) {
+  const auto target = core_->connection.connect(bench);
+  if (!target) return target.outcome();
+  return core_->observer.wait_for_ticks(*target, ticks_of(duration, target->period));
+}
+
+Result<std::uint64_t> Session::wait_for_tick(std::uint32_t bench, std::uint64_t tick) {
+  const auto target = core_->connection.connect(bench);
+  if (!target) return target.outcome();
+  return core_->observer.wait_for_tick(*target, tick);
+}
+
+Result<std::uint64_t> Session::take_snapshot(std::uint32_t bench) {
+  const auto reply = exchange_snapshot(*core_, bench, msg::REQUEST_TAKE_SNAPSHOT, 0);
+  if (!reply) return reply.outcome();
+  return reply->snapshot();
+}
+
+Result<std::uint64_t> Session::restore_snapshot(std::uint32_t bench, std::uint64_t snapshot) {
+  const auto reply = exchange_snapshot(*core_, bench, msg::REQUEST_RESTORE_SNAPSHOT, snapshot);
+  if (!reply) return reply.outcome();
+  return reply->tick();
+}
+
+Result<std::vector<KeptSnapshot>> Session::snapshots(std::uint32_t bench) {
+  std::vector<KeptSnapshot> kept;
+  while (true) {
+    const std::uint64_t snapshot = kept.empty() ? 0 : kept.back().number;
+    const auto next = exchange_snapshot(*core_, bench, msg::REQUEST_NEXT_SNAPSHOT, snapshot);
+    if (!next) return next.outcome();
+    // A service that counts back would never end the list.
+    if (next->snapshot() <= snapshot) return kept;
+    kept.push_back({.number = next->snapshot(), .tick = next->tick()});
+  }
+}
+
+Outcome Session::drop_snapshot(std::uint32_t bench, std::uint64_t snapshot) {
+  return exchange_snapshot(*core_, bench, msg::REQUEST_DROP_SNAPSHOT, snapshot).outcome();
+}
+
+Outcome Session::send_set_points(std::uint32_t bench, std::span<const SetPointFrame> frames) {
+  const auto target = core_->connection.connect(bench);
+  if (!target) return target.outcome();
+  std::vector<FrameContent> contents;
+  contents.reserve(frames.size());
+  for (const SetPointFrame& frame : frames) contents.push_back(content_of(frame));
+  return core_->commands.send_unawaited(*target, contents);
+}
+
+Outcome Session::acquire(std::span<const AxisId> axes) {
+  const auto numbers = numbers_of(axes);
+  if (!numbers) return numbers.outcome();
+  const auto target = core_->connection.connect(axes.front().bench);
+  if (!target) return target.outcome();
+  std::span<const std::uint16_t> left(*numbers);
+  while (!left.empty()) {
+    const auto part = left.first(std::min<std::size_t>(left.size(), msg::MAX_AXES_PER_FRAME));
+    if (Outcome taken = core_->control.acquire(*target, part); !taken) return taken;
+    left = left.subspan(part.size());
+  }
+  return {};
+}
+
+Result<Observation> Session::observe(std::span<const AxisId> axes) {
+  const auto numbers = numbers_of(axes);
+  if (!numbers) return numbers.outcome();
+  const auto target = core_->connection.connect(axes.front().bench);
+  if (!target) return target.outcome();
+  auto seen = core_->observer.observe(*target, *numbers);
+  if (seen) core_->holdings.note_seen(target->key, seen->axes);
+  return seen;
+}
+
+Result<Follower> Session::follow(std::vector<AxisId> axes, Pace pace) {
+  auto numbers = numbers_of(axes);
+  if (!numbers) return numbers.outcome();
+  const auto target = core_->connection.connect(axes.front().bench);
+  if (!target) return target.outcome();
+  return core_->follow(*target, std::move(*numbers), pace);
+}
+
+void Session::on_event(std::function<void(const Event&)> observer, EventHistory history) {
+  core_->events.watch(std::move(observer), history);
+}
+
+Outcome Session::on_status(std::span<const AxisId> axes, std::chrono::milliseconds period,
+                           std::function<void(const Observation&)> observer,
+                           std::function<void(const Outcome&)> ended) {
+  core_->statuses.stop();
+  if (!observer) return {};
+  const auto numbers = find_by_bench(*core_, axes);
+  if (!numbers) return numbers.outcome();
+  core_->statuses.watch(*numbers, period, std::move(observer), std::move(ended));
+  return {};
+}
+
+Result<StatusReports> Session::report_status(std::span<const AxisId> axes,
+                                             std::chrono::milliseconds period,
+                                             std::function<void(const Observation&)> observer,
+                                             std::function<void(const Outcome&)> ended) {
+  const auto numbers = find_by_bench(*core_, axes);
+  if (!numbers) return numbers.outcome();
+  auto state = std::make_unique<StatusReports::State>(core_);
+  state->watcher.watch(*numbers, period, std::move(observer), std::move(ended));
+  return StatusReports(std::move(state));
+}
+
+void Session::watch_services(std::function<void(const ServiceChange&)> observer) {
+  core_->watcher.watch(std::move(observer));
+}
+
+Outcome Session::release(std::uint32_t bench) {
+  return core_->control.release(bench);
+}
+
+Outcome Session::release() {
+  return core_->control.release();
+}
+
+void Session::abandon() noexcept {
+  core_->abandon();
+}
+
+void Session::interrupt() noexcept {
+  core_->wakeup.interrupt();
+}
+
+void Session::end_interrupt() noexcept {
+  core_->wakeup.end_interrupt();
+}
+
+bool Session::is_interrupted() const noexcept {
+  return core_->wakeup.is_interrupted();
+}
+
+}  // namespace vdrive::client

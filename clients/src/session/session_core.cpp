@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "session/session_core.hpp"
+
+#include "vdrive/text.hpp"
+
+#include <charconv>
+#include <chrono>
+#include <cstdlib>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <system_error>
+
+namespace vdrive::client {
+namespace {
+
+constexpr std::chrono::milliseconds kShortestSilence{50};
+
+/// @return the options with their domain.
+SessionOptions checked(SessionOptions options) {
+  if (!options.domain) options.domain = default_domain();
+  if (options.silence >= kShortestSilence) return options;
+  throw std::runtime_error("the time without samples after which a service is lost, " +
+                           std::to_string(options.silence.count()) + " ms, is below 50 ms");
+}
+
+std::uint64_t random_session() {
+  std::random_device device;
+  std::uint64_t number = 0;
+  while (number == 0) number = (std::uint64_t{device()} << 32U) | device();
+  return number;
+}
+
+wire::NetworkSettings settings_of(const SessionOptions& options) {
+  return {.domain = *options.domain,
+          .interfaces = options.interfaces,
+          .peers = options.peers,
+          .discovery_servers = options.discovery_servers,
+          .shared_memory = false,
+          .security = options.security,
+          .role = wire::Role::client};
+}
+
+}  // namespace
+
+SessionCore::SessionCore(const SessionOptions& chosen)
+    : options(checked(chosen)),
+      id(random_session()),
+      holdings(id),
+      participant(settings_of(options), "vdrive client"),
+      discovery(participant, options, wakeup),
+      connection(participant, id, discovery, holdings, unanswered, wakeup),
+      waiter(wakeup, discovery, connection),
+      requests(id, connection, unanswered.requests, waiter),
+      commands(connection, holdings, unanswered.frames, waiter),
+      control(options.keep_alive, requests, holdings, connection),
+      clocks(id, requests, holdings, discovery, wakeup),
+      stream(participant, discovery, waiter, wakeup),
+      observer(discovery, connection, requests, clocks, stream, waiter),
+      watcher(discovery, stream),
+      events(participant, discovery),
+      statuses(discovery, stream) {}
+
+void SessionCore::end() {
+  watcher.watch({});
+  events.watch({}, EventHistory::left_out);
+  statuses.stop();
+  clocks.leave_all();
+  control.end();
+  connection.close();
+}
+
+void SessionCore::abandon() noexcept {
+  // In this order: a call that waits must not send again what was not answered.
+  connection.close();
+  wakeup.interrupt();
+}
+
+}  // namespace vdrive::client

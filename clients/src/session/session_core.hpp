@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/wakeup.hpp"
+#include "clocks/bench_clocks.hpp"
+#include "clocks/observer.hpp"
+#include "exchange/commands.hpp"
+#include "exchange/connection.hpp"
+#include "exchange/control.hpp"
+#include "exchange/holdings.hpp"
+#include "exchange/requests.hpp"
+#include "exchange/unanswered.hpp"
+#include "exchange/waiter.hpp"
+#include "presence/discovery.hpp"
+#include "streams/event_watcher.hpp"
+#include "streams/service_watcher.hpp"
+#include "streams/status_stream.hpp"
+#include "streams/status_watcher.hpp"
+#include "vdrive/client/session.hpp"
+#include "vdrive/wire/participant.hpp"
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace vdrive::client {
+
+/// What is behind a Session: its parts, each with the state that is its own. A part uses parts
+/// above it only. Handlers of DDS threads fill the state and wake the calls that wait.
+class SessionCore : public std::enable_shared_from_this<SessionCore> {
+ public:
+  /// @throws what Session throws
+  explicit SessionCore(const SessionOptions& chosen);
+
+  /// The session ends: gives all axes back, and no handle that is left sends anything.
+  void end();
+
+  /// The session ends as if its program were killed: it sends nothing more and gives nothing back.
+  void abandon() noexcept;
+
+  /// Observes `axes` tick by tick.
+  Follower follow(const Target& target, std::vector<std::uint16_t> axes, Pace pace);
+
+  const SessionOptions options;
+  const std::uint64_t id;  ///< of the session
+
+  Wakeup wakeup;
+  Holdings holdings;
+  UnansweredMessages unanswered;
+  wire::Participant participant;
+  Discovery discovery;
+  Connection connection;
+  Waiter waiter;
+  Requests requests;
+  Commands commands;
+  Control control;
+  BenchClocks clocks;
+  StatusStream stream;
+  Observer observer;
+  ServiceWatcher watcher;
+  EventWatcher events;
+  StatusWatcher statuses;
+};
+
+}  // namespace vdrive::client

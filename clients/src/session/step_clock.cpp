@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdrive/client/step_clock.hpp"
+
+#include "session/session_core.hpp"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+namespace vdrive::client {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::nanoseconds;
+
+// All benches step at most this far before one waits for the others.
+constexpr std::uint64_t kTicksPerRound = 2000;
+
+struct Member {
+  Target target;
+  std::uint64_t begin = 0;  ///< tick at which the step that is not finished began
+  std::uint64_t aim = 0;    ///< tick at which it ends
+};
+
+std::string period_of(const Member& member) {
+  return name_of(member.target) + " has ticks of " + std::to_string(member.target.period.count()) +
+         " us";
+}
+
+}  // namespace
+
+struct StepClock::State {
+  std::shared_ptr<SessionCore> core;
+  std::vector<Member> members;
+  nanoseconds now{0};
+  bool is_unfinished = false;
+
+  explicit State(std::shared_ptr<SessionCore> session) : core(std::move(session)) {}
+
+  ~State() {
+    for (const Member& member : members) core->clocks.leave(member.target);
+  }
+
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+
+  Outcome add(std::uint32_t bench);
+  void begin_step();
+  Outcome round(std::uint64_t ticks, Clock::time_point deadline);
+  Result<std::vector<std::uint64_t>> run(nanoseconds duration, Clock::time_point deadline);
+};
+
+/// Joins the clock of the bench.
+Outcome StepClock::State::add(std::uint32_t bench) {
+  const auto target = core->connection.connect(bench);
+  if (!target) return target.outcome();
+  if (!target->steps()) {
+    return Outcome::refused(msg::REASON_WRONG_CLOCK_MODE,
+                            name_of(*target) + " runs in " +
+                                std::string(to_string(target->clock_mode)) +
+                                ", a common clock needs lockstep");
+  }
+  const auto tick = core->clocks.join(*target);
+  if (!tick) return tick.outcome();
+  members.push_back({.target = *target});
+  return {};
+}
+
+/// A step that timed out continues from where it began, a new one from where each bench is.
+void StepClock::State::begin_step() {
+  for (Member& member : members) {
+    const auto grant = core->clocks.grant_of(member.target.key);
+    if (!is_unfinished && grant) member.begin = grant->reached;
+  }
+  is_unfinished = true;
+}
+
+/// Grants up to `ticks` more towards each aim on all benches, then waits for all.
+Outcome StepClock::State::round(std::uint64_t ticks, Clock::time_point deadline) {
+  std::vector<PendingStep> steppings;
+  for (const Member& member : members) {
+    const auto grant = core->clocks.grant_of(member.target.key);
+    const std::uint64_t reached = grant ? grant->reached : member.begin;
+    const auto stepping =
+        core->clocks.begin_step_to(member.target, std::min(member.aim, reached + ticks), {});
+    if (!stepping) return stepping.outcome();
+    steppings.push_back(*stepping);
+  }
+  std::string late;
+  Outcome failure;
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    const Outcome ended =
+        core->clocks.end_step(members[i].target, steppings[i], deadline).outcome();
+    if (ended.kind() == OutcomeKind::timed_out) {
+      late += (late.empty() ? "" : "; ") + ended.message();
+    } else if (!ended && failure) {
+      failure = ended;
+    }
+  }
+  return late.empty() || !failure ? failure : Outcome::timed_out(late);
+}
+
+Result<std::vector<std::uint64_t>> StepClock::State::run(nanoseconds duration,
+                                                         Clock::time_point deadline) {
+  for (const Member& member : members) {
+    if (Outcome there = core->discovery.check_presence(member.target); !there) return there;
+  }
+  begin_step();
+  std::uint64_t rounds = 1;
+  for (Member& member : members) {
+    const std::uint64_t ticks = ticks_of(duration, member.target.period);
+    member.aim = member.begin + ticks;
+    rounds = std::max(rounds, (ticks + kTicksPerRound - 1) / kTicksPerRound);
+  }
+  for (std::uint64_t count = 0; count < rounds; ++count) {
+    if (Outcome passed = round(kTicksPerRound, deadline); !passed) return passed;
+  }
+  std::vector<std::uint64_t> reached;
+  for (const Member& member : members) {
+    const auto grant = core->clocks.grant_of(member.target.key);
+    reached.push_back(grant ? grant->reached : member.aim);
+  }
+  is_unfinished = false;
+  now += duration;
+  return reached;
+}
+
+StepClock::StepClock(std::unique_ptr<State> state) : state_(std::move(state)) {}
+
+StepClock::StepClock(StepClock&&) noexcept = default;
+StepClock& StepClock::operator=(StepClock&&) noexcept = default;
+
+StepClock::~StepClock() = default;
+
+Result<StepClock> StepClock::join(Session& session, std::span<const std::uint32_t> benches) {
+  if (benches.empty()) return Outcome::not_found("a common clock needs a bench");
+  StepClock clock(std::make_unique<State>(session.core_));
+  for (const std::uint32_t bench : benches) {
+    if (Outcome added = clock.state_->add(bench); !added) return added;
+  }
+  return clock;
+}
+
+Result<std::vector<std::uint64_t>> StepClock::step(std::uint64_t ticks,
+                                                   std::chrono::milliseconds patience) {
+  const Member& first = state_->members.front();
+  for (const Member& other : state_->members) {
+    if (other.target.period != first.target.period) {
+      return Outcome::failed(period_of(first) + " and " + period_of(other) +
+                             ": use step_for with a drive time");
+    }
+  }
+  return state_->run(nanoseconds(first.target.period) * static_cast<std::int64_t>(ticks),
+                     Clock::now() + patience);
+}
+
+Result<std::vector<std::uint64_t>> StepClock::step_for(nanoseconds duration,
+                                                       std::chrono::milliseconds patience) {
+  for (const Member& member : state_->members) {
+    if (duration.count() < 0 || duration % nanoseconds(member.target.period) != nanoseconds(0)) {
+      return Outcome::failed(period_of(member) + ", and " + std::to_string(duration.count()) +
+                             " ns is not a multiple of that");
+    }
+  }
+  return state_->run(duration, Clock::now() + patience);
+}
+
+nanoseconds StepClock::now() const noexcept {
+  return state_->now;
+}
+
+}  // namespace vdrive::client

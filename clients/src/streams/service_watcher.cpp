@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "streams/service_watcher.hpp"
+
+#include <chrono>
+#include <utility>
+
+namespace vdrive::client {
+namespace {
+
+constexpr std::chrono::milliseconds kWatchPeriod{5};
+
+}  // namespace
+
+void ServiceWatcher::watch(std::function<void(const ServiceChange&)> observer) {
+  thread_.stop();
+  if (!observer) return;
+  stream_.subscribe();
+  thread_.start([this, observe = std::move(observer), watch = ServiceWatch()]() mutable {
+    for (const ServiceChange& change : discovery_.changes(watch)) observe(change);
+    return kWatchPeriod;
+  });
+}
+
+}  // namespace vdrive::client

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "streams/status_feed.hpp"
+
+#include "vdrive/wire/conversion.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace vdrive::client {
+namespace {
+
+// Four seconds at the usual period; a reader that takes none for longer misses the oldest.
+constexpr std::size_t kCapacity = 4096;
+
+// One grows, one is at its reader, some arrive while the reader is late.
+constexpr std::size_t kMostSpares = 8;
+
+}  // namespace
+
+AxisSnapshot sample_of(const msg::AxisStatus& message) {
+  return {.id = {message.bench(), message.axis()},
+          .tick = message.tick(),
+          .status = wire::from_message(message),
+          .owner_session = message.owner_session(),
+          .owner_epoch = message.owner_epoch(),
+          .last_sequence = message.last_sequence()};
+}
+
+AxisSnapshot sample_of(const wire::ReceivedStatus& received) {
+  return {.id = {received.address.bench, received.address.axis},
+          .tick = received.tick,
+          .status = received.status,
+          .owner_session = received.owner.session,
+          .owner_epoch = received.owner.epoch,
+          .last_sequence = received.owner.last_sequence};
+}
+
+StatusFeed::StatusFeed(BenchKey key, std::vector<std::uint16_t> axes,
+                       std::uint32_t status_every_ticks)
+    : key_(key),
+      count_(axes.size()),
+      places_(axes.empty() ? std::size_t{0} : *std::ranges::max_element(axes) + std::size_t{1},
+              axes.size()),
+      status_every_ticks_(status_every_ticks),
+      seen_(axes.size()) {
+  for (std::size_t place = 0; place < axes.size(); ++place) places_[axes[place]] = place;
+}
+
+bool StatusFeed::on_frame(const wire::StatusFrameView& frame) {
+  const wire::StatusFrameHead& head = frame.head();
+  if (head.bench != key_.number || head.incarnation != key_.incarnation) return false;
+  if (head.tick < growing_.tick) return false;
+  const bool has_begun = growing_.axes.size() == count_;  // not before the first frame: tick 0 too
+  if (head.tick > growing_.tick || seen_count_ == count_ || !has_begun) start(head.tick);
+  for (std::size_t position = 0; position < frame.size(); ++position) {
+    const std::size_t number = frame.number(position);
+    const std::size_t place = number < places_.size() ? places_[number] : count_;
+    if (place == count_ || seen_[place]) continue;
+    growing_.axes[place] = sample_of(frame.axis(position));
+    seen_[place] = true;
+    ++seen_count_;
+  }
+  if (seen_count_ != count_) return false;
+  samples_.push_back({.observation = {.tick = growing_.tick,
+                                      .missed = 0,
+                                      .skipped = 0,
+                                      .axes = std::exchange(growing_.axes, {})},
+                      .skipped_ticks = head.skipped_ticks});
+  if (samples_.size() > kCapacity) {
+    keep(std::move(samples_.front().observation.axes));
+    samples_.pop_front();
+  }
+  return true;
+}
+
+void StatusFeed::start(std::uint64_t tick) {
+  growing_.tick = tick;
+  if (growing_.axes.empty() && !spares_.empty()) {
+    growing_.axes = std::move(spares_.back());
+    spares_.pop_back();
+  }
+  growing_.axes.resize(count_);  // of a spare all are written again, before anybody sees them
+  seen_.assign(count_, false);
+  seen_count_ = 0;
+}
+
+bool StatusFeed::take(Observation& sample) {
+  if (samples_.empty()) return false;
+  std::swap(sample, samples_.front().observation);
+  const RunTime time{sample.tick, samples_.front().skipped_ticks};
+  keep(std::move(samples_.front().observation.axes));
+  samples_.pop_front();
+  count_gap(sample, time);
+  return true;
+}
+
+void StatusFeed::count_gap(Observation& sample, const RunTime& time) {
+  if (last_ && time.tick > last_->tick) {
+    sample.skipped = ticks_skipped(*last_, time);
+    skipped_ += sample.skipped;
+    const std::uint64_t run = ticks_run(*last_, time);
+    sample.missed = run == 0 ? 0 : (run - 1) / status_every_ticks_;
+  }
+  last_ = time;
+  if (skipped_ == 0) return;  // as every sample begins
+  for (AxisSnapshot& axis : sample.axes) axis.skipped = skipped_;
+}
+
+std::optional<Observation> StatusFeed::take() {
+  Observation sample;
+  if (!take(sample)) return std::nullopt;
+  return sample;
+}
+
+void StatusFeed::keep(std::vector<AxisSnapshot> axes) {
+  if (axes.size() == count_ && spares_.size() < kMostSpares) spares_.push_back(std::move(axes));
+}
+
+}  // namespace vdrive::client

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/run_time.hpp"
+#include "presence/directory.hpp"
+#include "vdrive/client/axis_snapshot.hpp"
+#include "vdrive/wire/status_frame.hpp"
+#include "vdrive_messages.h"
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <vector>
+
+namespace vdrive::client {
+
+/// @return a message as a sample of its axis.
+[[nodiscard]] AxisSnapshot sample_of(const msg::AxisStatus& message);
+
+/// Puts the status frames of a bench together into samples that show all wanted axes after one
+/// tick, and counts the ticks that went missing and, apart from them, those that the number jumped
+/// over: they were never run. Each frame carries the count, so that a lost one hides no jump. Not
+/// thread-safe.
+class StatusFeed {
+ public:
+  /// @param axes none of them twice; samples have this order
+  StatusFeed(BenchKey key, std::vector<std::uint16_t> axes, std::uint32_t status_every_ticks);
+
+  /// Takes one frame; others' benches are ignored.
+  /// @return whether it completed a sample.
+  bool on_frame(const wire::StatusFrameView& frame);
+
+  /// Gives `sample` the oldest sample that was not taken yet and keeps its memory for a later one.
+  /// @return whether there was one; `sample` is as it was when there was none.
+  bool take(Observation& sample);
+
+  /// @return the oldest sample that was not taken yet, or nothing.
+  [[nodiscard]] std::optional<Observation> take();
+
+ private:
+  void start(std::uint64_t tick);
+  void keep(std::vector<AxisSnapshot> axes);
+  void count_gap(Observation& sample, const RunTime& time);
+
+  BenchKey key_;
+  std::size_t count_;
+  std::vector<std::size_t> places_;  ///< in a sample, by number of the axis; count_ = not wanted
+  std::uint32_t status_every_ticks_;
+
+  /// A sample and what its frames say about the time.
+  struct Sample {
+    Observation observation;
+    std::uint32_t skipped_ticks = 0;
+  };
+
+  Observation growing_;
+  std::vector<bool> seen_;
+  std::size_t seen_count_ = 0;
+  std::deque<Sample> samples_;
+  std::vector<std::vector<AxisSnapshot>> spares_;  ///< memory of samples that were taken
+  std::optional<RunTime> last_;                    ///< of the sample taken last
+  std::uint64_t skipped_ = 0;                      ///< since the first one
+};
+
+}  // namespace vdrive::client

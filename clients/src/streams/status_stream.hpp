@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/wakeup.hpp"
+#include "exchange/waiter.hpp"
+#include "presence/discovery.hpp"
+#include "presence/target.hpp"
+#include "streams/status_feed.hpp"
+#include "vdrive/wire/bytes_subscription.hpp"
+#include "vdrive/wire/participant.hpp"
+#include "vdrive/wire/status_frame.hpp"
+#include "vdrive_messages.h"
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace vdrive::client {
+
+/// What benches publish about their axes: status frames, tick by tick, and axis samples, now and
+/// then. Thread-safe.
+class StatusStream {
+ public:
+  StatusStream(wire::Participant& participant, Discovery& discovery, Waiter& waiter,
+               Wakeup& wakeup);
+
+  /// Receives status frames from now on; without that a session does not load the network.
+  void subscribe();
+
+  /// Starts to collect the status stream for `axes`; ends with the last pointer to it.
+  std::shared_ptr<StatusFeed> open_feed(const Target& target, std::vector<std::uint16_t> axes);
+
+  /// Waits for the next sample of a feed, which takes the memory of `sample` in return.
+  Outcome next(const Target& target, StatusFeed& feed, const Patience& patience,
+               Observation& sample);
+
+  /// Waits for the next sample of a feed.
+  Result<Observation> next(const Target& target, StatusFeed& feed, const Patience& patience);
+
+  /// Does not wait. @return the newest sample of a feed, with the samples lost and the ticks
+  /// skipped
+  ///         since the one that was taken last; nothing where no other has come.
+  std::optional<Observation> take_newest(StatusFeed& feed);
+
+  /// Waits for an axis sample of each of these axes: a bench sends them also while its time stands
+  /// still.
+  Result<Observation> next_samples(const Target& target, std::span<const std::uint16_t> axes);
+
+ private:
+  void take(std::span<const std::byte> sample);
+  void deliver(const wire::Source& source);
+
+  wire::Participant& participant_;
+  Discovery& discovery_;
+  Waiter& waiter_;
+  Wakeup& wakeup_;
+  std::mutex mutex_;  ///< guards the feeds and what they collect
+  std::vector<std::weak_ptr<StatusFeed>> feeds_;
+  std::once_flag subscribed_;
+  std::optional<wire::StatusFrameHead> taken_;  ///< of the frame that `deliver` names the sender of
+  bool is_news_ = false;  ///< that frame ends a tick or completes a sample of a feed
+  std::unique_ptr<wire::BytesSubscription> subscription_;
+};
+
+}  // namespace vdrive::client
