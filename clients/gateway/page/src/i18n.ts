@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every text of the page in English and Chinese.
 
-import type { PowerState } from "./data/power";
+import { POWER_STATE_NAMES, type PowerState } from "./data/power";
+import { OPERATING_MODES } from "./data/tables";
 
 export type Language = "en" | "zh";
 
@@ -202,24 +203,25 @@ const TEXTS = {
 
 export type TextKey = keyof typeof TEXTS;
 
-const STATES: Record<PowerState, readonly [string, string]> = {
-  not_ready: ["Not ready to switch on", "未准备好接通"],
-  switch_on_disabled: ["Switch on disabled", "禁止接通"],
-  ready: ["Ready to switch on", "准备接通"],
-  switched_on: ["Switched on", "已接通"],
-  enabled: ["Operation enabled", "运行使能"],
-  quick_stop: ["Quick stop active", "快速停机"],
-  fault_reaction: ["Fault reaction active", "故障反应"],
-  fault: ["Fault", "故障"],
+/** The Chinese names of states and modes; the English ones are those of the core. */
+const STATES: Record<PowerState, string> = {
+  not_ready_to_switch_on: "未准备好接通",
+  switch_on_disabled: "禁止接通",
+  ready_to_switch_on: "准备接通",
+  switched_on: "已接通",
+  operation_enabled: "运行使能",
+  quick_stop_active: "快速停机",
+  fault_reaction_active: "故障反应",
+  fault: "故障",
 };
 
-const MODES: Record<number, readonly [string, string]> = {
-  0: ["none", "无"],
-  1: ["profile position", "轮廓位置"],
-  3: ["profile velocity", "轮廓速度"],
-  4: ["profile torque", "轮廓转矩"],
-  6: ["homing", "回零"],
-  8: ["cyclic position", "周期同步位置"],
+const MODES: Record<(typeof OPERATING_MODES)[number]["mode"], string> = {
+  0: "无",
+  1: "轮廓位置",
+  3: "轮廓速度",
+  4: "轮廓转矩",
+  6: "回零",
+  8: "周期同步位置",
 };
 
 /** Names of bits as the gateway gives them; the ones of a newer gateway stay English. */
@@ -298,7 +300,7 @@ export function clockName(mode: string): string {
 }
 
 export function stateName(state: PowerState): string {
-  return pick(STATES[state]);
+  return pick([POWER_STATE_NAMES[state], STATES[state]]);
 }
 
 export function bitName(name: string): string {
@@ -306,6 +308,6 @@ export function bitName(name: string): string {
 }
 
 export function modeName(mode: number): string {
-  const pair = MODES[mode];
-  return pair === undefined ? String(mode) : pick(pair);
+  const row = OPERATING_MODES.find((candidate) => candidate.mode === mode);
+  return row === undefined ? String(mode) : pick([row.name, MODES[row.mode]]);
 }

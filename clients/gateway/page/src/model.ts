@@ -1,85 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the gateway sends about benches and axes, and what this browser has chosen.
 
-import type { AxisUnit, Scale } from "./data/units";
+import { BENCH_DESCRIPTION, BENCH_STATE, CONTROL, DICTIONARY } from "./data/tables";
+import type { Scale } from "./data/units";
 import { scaleOf, USER_UNITS } from "./data/units";
 import { serviceName, t, type Language } from "./i18n";
 import type { Message, NumberArray } from "./protocol/cdr";
+import { checked, type Of } from "./protocol/checked";
 import { Connection, type Answer, type ServerStatus } from "./protocol/connection";
 
-export interface AxisDescription {
-  axis: number;
-  name: string;
-  /** the name as it stands in topics */
-  topic: string;
-  unit?: AxisUnit;
-  supported_drive_modes?: number;
-  user_position_lower_limit?: number;
-  user_position_upper_limit?: number;
-  app_speed_limit?: number;
-}
-
-export interface BenchDescription {
-  bench: number;
-  name: string;
-  clock_mode: string;
-  period_us: number;
-  service_version?: string;
-  incarnation?: string;
-  axes: AxisDescription[];
-}
-
-export interface BenchState {
-  tick: number;
-  rate: number;
-  clock_mode: string;
-  alive: boolean;
-  age_ms: number;
-  wire_starts?: number;
-  longest_silence_us?: number;
-}
-
-export interface ControlState {
-  enabled: boolean;
-  holder: string;
-  you: boolean;
-  name: string;
-  session?: string;
-}
-
-export interface ObjectRow {
-  index: string | number;
-  sub_index: string | number;
-  name: string;
-  title: string;
-  title_zh: string;
-  type: string;
-  access: string;
-  minimum: number;
-  maximum: number;
-  default: number;
-  unit: string;
-  storage: string;
-  effect: string;
-}
-
-export interface Disturbance {
-  name: string;
-  object: string;
-  kind: string;
-  minimum: number;
-  maximum: number;
-}
-
-export interface Dictionary {
-  version: string | number;
-  objects: ObjectRow[];
-  modes?: { mode: number; name: string }[];
-  error_codes?: { code: number | string; name: string }[];
-  statusword_bits?: { mode: number; bits: string[] }[];
-  controlword_bits?: { mode: number; bits: string[] }[];
-  disturbances?: Disturbance[];
-}
+export type BenchDescription = Of<typeof BENCH_DESCRIPTION>;
+/** `topic` is the name as it stands in topics. */
+export type AxisDescription = BenchDescription["axes"][number];
+export type BenchState = Of<typeof BENCH_STATE>;
+/** Who commands through the gateway; `you` is this page. */
+export type ControlState = Of<typeof CONTROL>;
+export type Dictionary = Of<typeof DICTIONARY>;
+export type ObjectRow = Dictionary["objects"][number];
+export type Disturbance = Dictionary["disturbances"][number];
 
 export interface LogEvent {
   /** [s] of drive time */
@@ -213,7 +151,7 @@ export class Model {
   readonly events: LogEvent[] = [];
   connected = false;
   server = "";
-  control: ControlState = { enabled: false, holder: "", you: false, name: "" };
+  control: ControlState = { enabled: false, holder: "", you: false, name: "", session: "", taken_at_ns: "0" };
   dictionary?: Dictionary;
   outcome?: Outcome;
   /** Grows when benches, axes, control or the dictionary change: views build themselves again. */
@@ -243,11 +181,11 @@ export class Model {
       parameters: () => undefined,
     });
     this.connection.subscribe("/gateway/control", (message) => {
-      this.control = message as unknown as ControlState;
+      this.control = checked(CONTROL, message, "control");
       this.changed();
     });
     this.connection.subscribe("/gateway/dictionary", (message) => {
-      this.dictionary = message as unknown as Dictionary;
+      this.dictionary = checked(DICTIONARY, message, "dictionary");
       this.changed();
     });
     this.connection.open();
@@ -357,13 +295,13 @@ export class Model {
     switch (kind) {
       case "description":
         return this.connection.subscribe(topic, (message) => {
-          bench.description = message as unknown as BenchDescription;
+          bench.description = checked(BENCH_DESCRIPTION, message, topic);
           this.changed();
         });
       case "state":
         return this.connection.subscribe(topic, (message) => {
           const before = bench.state?.alive;
-          bench.state = message as unknown as BenchState;
+          bench.state = checked(BENCH_STATE, message, topic);
           bench.stateAt = performance.now();
           if (before !== bench.state.alive) this.changed();
         });

@@ -9,7 +9,7 @@ const ROW: Row = {
   bench: 1,
   axis: 1,
   name: "left",
-  state: "enabled",
+  state: "operation_enabled",
   mode: 1,
   position: 0,
   velocity: 0,
@@ -30,7 +30,7 @@ test("the search finds names by any part and addresses by their start", () => {
 
 test("filters show the named kind of axes", () => {
   assert.ok(!matches(ROW, { ...ALL, faulted: true }));
-  assert.ok(matches({ ...ROW, state: "fault_reaction" }, { ...ALL, faulted: true }));
+  assert.ok(matches({ ...ROW, state: "fault_reaction_active" }, { ...ALL, faulted: true }));
   assert.ok(!matches(ROW, { ...ALL, moving: true }));
   assert.ok(matches({ ...ROW, moving: true }, { ...ALL, moving: true }));
   assert.ok(!matches(ROW, { ...ALL, owned: true }));
@@ -59,22 +59,22 @@ test("faults come first in the order of states", () => {
 test("statuswords decode by the masks of CiA 402, for any other bits", () => {
   const words: [number, string][] = [
     [0x0250, "switch_on_disabled"],
-    [0x0231, "ready"],
+    [0x0231, "ready_to_switch_on"],
     [0x0233, "switched_on"],
-    [0x1637, "enabled"],
-    [0x0217, "quick_stop"],
-    [0x021f, "fault_reaction"],
+    [0x1637, "operation_enabled"],
+    [0x0217, "quick_stop_active"],
+    [0x021f, "fault_reaction_active"],
     [0x0218, "fault"],
-    [0x0200, "not_ready"],
+    [0x0200, "not_ready_to_switch_on"],
   ];
   for (const [word, state] of words) assert.equal(decodePowerState(word), state, word.toString(16));
 });
 
 test("the path between two states has the fewest transitions", () => {
-  assert.deepEqual(wayBetween("switch_on_disabled", "enabled"), [2, 3, 4]);
-  assert.deepEqual(wayBetween("enabled", "switch_on_disabled"), [9]);
-  assert.deepEqual(wayBetween("enabled", "fault"), [13, 14]);
+  assert.deepEqual(wayBetween("switch_on_disabled", "operation_enabled"), [2, 3, 4]);
+  assert.deepEqual(wayBetween("operation_enabled", "switch_on_disabled"), [9]);
+  assert.deepEqual(wayBetween("operation_enabled", "fault"), [13, 14]);
   assert.deepEqual(wayBetween("fault", "switch_on_disabled"), [15]);
-  assert.deepEqual(wayBetween("quick_stop", "enabled"), [16]);
+  assert.deepEqual(wayBetween("quick_stop_active", "operation_enabled"), [16]);
   assert.deepEqual(wayBetween("fault", "fault"), []);
 });

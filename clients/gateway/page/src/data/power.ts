@@ -1,29 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 // The power state machine of CiA 402 as a statusword shows it.
 
-export type PowerState =
-  | "not_ready"
-  | "switch_on_disabled"
-  | "ready"
-  | "switched_on"
-  | "enabled"
-  | "quick_stop"
-  | "fault_reaction"
-  | "fault";
+import { POWER_STATES as ROWS, TRANSITIONS } from "./tables";
 
-/** Masks 004Fh and 006Fh of CiA 402, in the order in which they are compared. */
-const STATES: { state: PowerState; mask: number; value: number }[] = [
-  { state: "not_ready", mask: 0x4f, value: 0x00 },
-  { state: "switch_on_disabled", mask: 0x4f, value: 0x40 },
-  { state: "ready", mask: 0x6f, value: 0x21 },
-  { state: "switched_on", mask: 0x6f, value: 0x23 },
-  { state: "enabled", mask: 0x6f, value: 0x27 },
-  { state: "quick_stop", mask: 0x6f, value: 0x07 },
-  { state: "fault_reaction", mask: 0x4f, value: 0x0f },
-  { state: "fault", mask: 0x4f, value: 0x08 },
-];
+export type PowerState = (typeof ROWS)[number]["state"];
 
-export const POWER_STATES = STATES.map((row) => row.state);
+export const POWER_STATES: PowerState[] = ROWS.map((row) => row.state);
+
+/** The standard's names. */
+export const POWER_STATE_NAMES = Object.fromEntries(ROWS.map((row) => [row.state, row.name])) as Record<
+  PowerState,
+  string
+>;
+
+/** @return whether the drive reacts to a fault or waits for its reset. */
+export function isFault(state: PowerState): boolean {
+  return state === "fault" || state === "fault_reaction_active";
+}
 
 export const STATUS_BIT = {
   quickStop: 1 << 5,
@@ -33,36 +26,9 @@ export const STATUS_BIT = {
   acknowledge: 1 << 12,
 } as const;
 
-export interface Transition {
-  number: number;
-  from: PowerState;
-  to: PowerState;
-}
-
-/** Transition 13 starts in any state without a fault. */
-export const TRANSITIONS: Transition[] = [
-  { number: 1, from: "not_ready", to: "switch_on_disabled" },
-  { number: 2, from: "switch_on_disabled", to: "ready" },
-  { number: 3, from: "ready", to: "switched_on" },
-  { number: 4, from: "switched_on", to: "enabled" },
-  { number: 5, from: "enabled", to: "switched_on" },
-  { number: 6, from: "switched_on", to: "ready" },
-  { number: 7, from: "ready", to: "switch_on_disabled" },
-  { number: 8, from: "enabled", to: "ready" },
-  { number: 9, from: "enabled", to: "switch_on_disabled" },
-  { number: 10, from: "switched_on", to: "switch_on_disabled" },
-  { number: 11, from: "enabled", to: "quick_stop" },
-  { number: 12, from: "quick_stop", to: "switch_on_disabled" },
-  ...(["not_ready", "switch_on_disabled", "ready", "switched_on", "enabled", "quick_stop"] as const).map(
-    (from): Transition => ({ number: 13, from, to: "fault_reaction" }),
-  ),
-  { number: 14, from: "fault_reaction", to: "fault" },
-  { number: 15, from: "fault", to: "switch_on_disabled" },
-  { number: 16, from: "quick_stop", to: "enabled" },
-];
-
 export function decodePowerState(statusword: number): PowerState {
-  return STATES.find((row) => (statusword & row.mask) === row.value)?.state ?? "not_ready";
+  // The last row fits every word.
+  return ROWS.find((row) => (statusword & row.mask) === row.value)?.state ?? "not_ready_to_switch_on";
 }
 
 /** @return the fewest transitions that lead from one state to the other, in order. Several may

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which axes the overview shows, and in which order.
 
-import type { PowerState } from "./power";
+import { isFault, type PowerState } from "./power";
 
 /** What filters and orders read. */
 export interface Row {
@@ -54,13 +54,13 @@ export interface Order {
 
 const SEVERITY: Record<PowerState, number> = {
   fault: 0,
-  fault_reaction: 1,
-  quick_stop: 2,
-  enabled: 3,
+  fault_reaction_active: 1,
+  quick_stop_active: 2,
+  operation_enabled: 3,
   switched_on: 4,
-  ready: 5,
+  ready_to_switch_on: 5,
   switch_on_disabled: 6,
-  not_ready: 7,
+  not_ready_to_switch_on: 7,
 };
 
 /** @return the words of a search, in lower case. */
@@ -76,7 +76,7 @@ export function nameMatches(address: string, name: string, words: string[]): boo
 
 export function matches(row: Row, filter: Filter): boolean {
   if (filter.bench !== undefined && row.bench !== filter.bench) return false;
-  const faulted = row.state === "fault" || row.state === "fault_reaction";
+  const faulted = isFault(row.state);
   if (filter.faulted && !faulted) return false;
   if (filter.moving && !row.moving) return false;
   if (filter.owned && row.owner === "") return false;

@@ -28,7 +28,7 @@ export interface HeldSetPoints {
  * last waits, has its turn already, or waits for none, which bit 5 shows.
  */
 export function heldSetPoints(control: number, status: number, mode: number): HeldSetPoints | undefined {
-  if (mode !== PROFILE_POSITION || decodePowerState(status) !== "enabled") return undefined;
+  if (mode !== PROFILE_POSITION || decodePowerState(status) !== "operation_enabled") return undefined;
   if ((control & CONTROL_BIT.halt) !== 0) return undefined;
   if ((status & STATUS_BIT.targetReached) !== 0) return { active: 0, waiting: 0 };
   if ((status & STATUS_BIT.acknowledge) === 0) return { active: 1, waiting: 0 };

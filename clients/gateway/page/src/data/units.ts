@@ -2,7 +2,8 @@
 // User units of a drive (UU) and what an engineer reads.
 
 export interface AxisUnit {
-  kind: "rotary" | "linear";
+  /** rotary or linear */
+  kind: string;
   name: string;
   /** [UU] in one revolution (rotary) or in one unit (linear) */
   per: number;

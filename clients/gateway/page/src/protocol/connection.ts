@@ -3,6 +3,7 @@
 // itself, and subscribes again by topic what its users want.
 
 import { decodeCdr, type Message } from "./cdr";
+import { checked, type Of } from "./checked";
 import type { Batch, Packet } from "./mailbox";
 import { parseSchema, type Definition } from "./schema";
 import type { Order, Report } from "./socket_worker";
@@ -16,17 +17,23 @@ export interface Channel {
   schemaEncoding?: string;
 }
 
-export interface ServerInfo {
-  name: string;
-  capabilities: string[];
-  metadata?: Record<string, string>;
-  sessionId?: string;
-}
+/** What the page reads of two messages of the protocol. */
+const SERVER_INFO = {
+  type: "object",
+  properties: {
+    name: { type: "string" },
+    metadata: { type: "object", properties: { version: { type: "string" } }, required: [] },
+  },
+  required: ["name"],
+} as const;
+const SERVER_STATUS = {
+  type: "object",
+  properties: { level: { type: "integer" }, message: { type: "string" } },
+  required: ["level", "message"],
+} as const;
 
-export interface ServerStatus {
-  level: number;
-  message: string;
-}
+export type ServerInfo = Of<typeof SERVER_INFO>;
+export type ServerStatus = Of<typeof SERVER_STATUS>;
 
 /** @param logTime [ns] of drive time */
 export type Handler = (message: Message, logTime: bigint) => void;
@@ -195,7 +202,7 @@ export class Connection {
     switch (message.op) {
       case "serverInfo":
         this.retry = FIRST_RETRY_MS;
-        this.listener.connected(message as unknown as ServerInfo);
+        this.listener.connected(checked(SERVER_INFO, message, "serverInfo"));
         break;
       case "advertise":
         this.advertised(message["channels"] as Channel[]);
@@ -216,7 +223,7 @@ export class Connection {
         this.answered(message["callId"] as number, failed("failed", String(message["message"])));
         break;
       case "status":
-        this.listener.status(message as unknown as ServerStatus);
+        this.listener.status(checked(SERVER_STATUS, message, "status"));
         break;
       case "parameterValues":
         this.listener.parameters(message["parameters"] as { name: string; value: unknown }[]);

@@ -22,13 +22,8 @@ const MOST_UNANSWERED = 20;
 const PAGE_STANDS_STILL = 4000;
 const NORMAL_CLOSURE = 1000;
 
-const page = self as unknown as {
-  postMessage(report: Report, transfer: Transferable[]): void;
-  onmessage: ((event: MessageEvent<Order>) => void) | null;
-};
-
 function report(message: Report, transfer: Transferable[] = []): void {
-  page.postMessage(message, transfer);
+  self.postMessage(message, { transfer });
 }
 
 const mailbox = new Mailbox((batch) => {
@@ -49,7 +44,7 @@ function open(url: string, protocols: string[]): void {
   socket = opened;
 }
 
-page.onmessage = ({ data: order }) => {
+self.onmessage = ({ data: order }: MessageEvent<Order>) => {
   if (order.kind === "open") open(order.url, order.protocols);
   else if (order.kind === "taken") mailbox.taken();
   else if (order.kind === "close") socket?.close(NORMAL_CLOSURE);

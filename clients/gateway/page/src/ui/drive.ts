@@ -80,13 +80,13 @@ interface Box {
 const WIDTH = 146;
 const HEIGHT = 26;
 const PLACES: Record<PowerState, Box> = {
-  not_ready: { x: 6, y: 6 },
+  not_ready_to_switch_on: { x: 6, y: 6 },
   switch_on_disabled: { x: 6, y: 70 },
-  ready: { x: 6, y: 134 },
+  ready_to_switch_on: { x: 6, y: 134 },
   switched_on: { x: 6, y: 198 },
-  enabled: { x: 6, y: 262 },
-  quick_stop: { x: 268, y: 262 },
-  fault_reaction: { x: 268, y: 6 },
+  operation_enabled: { x: 6, y: 262 },
+  quick_stop_active: { x: 268, y: 262 },
+  fault_reaction_active: { x: 268, y: 6 },
   fault: { x: 268, y: 70 },
 };
 

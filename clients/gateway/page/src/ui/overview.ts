@@ -59,8 +59,8 @@ function readRow(model: Model, row: TableRow, now: number): void {
   row.error = at(bench, "load_position_error_value", place);
   row.fault = at(bench, "error_code", place);
   row.owner = model.ownerName(BigInt(bench.numbers("owner_session")?.[place] ?? 0));
-  const active = row.state === "enabled" || row.state === "quick_stop" || row.state === "fault_reaction";
-  const travelling = row.mode === 1 && row.state === "enabled" && (word & STATUS_BIT.targetReached) === 0;
+  const active = row.state === "operation_enabled" || row.state === "quick_stop_active" || row.state === "fault_reaction_active";
+  const travelling = row.mode === 1 && row.state === "operation_enabled" && (word & STATUS_BIT.targetReached) === 0;
   row.moving = Math.abs(row.velocity) > MOVING_FROM || (active && travelling);
 }
 
@@ -370,7 +370,7 @@ export class Overview implements View {
       bench: ref.bench.number,
       axis: ref.axis.axis,
       name: ref.axis.name,
-      state: "not_ready",
+      state: "not_ready_to_switch_on",
       mode: 0,
       position: 0,
       velocity: 0,

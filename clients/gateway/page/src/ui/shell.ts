@@ -192,7 +192,7 @@ export class Shell {
     const { connected } = this.model;
     const benches = this.model.sortedBenches();
     const silent = benches.filter((b) => b.state !== undefined && (!b.state.alive || this.model.age(b, now) > SILENT_FROM_MS));
-    const lamp = `lamp ${connected ? (silent.length > 0 ? "quick_stop" : "enabled") : "fault"}`;
+    const lamp = `lamp ${connected ? (silent.length > 0 ? "quick_stop_active" : "operation_enabled") : "fault"}`;
     if (this.lamp.className !== lamp) this.lamp.className = lamp;
     put(this.link, connected ? t("connected") : t("connecting"));
     const first = benches[0];

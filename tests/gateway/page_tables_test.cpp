@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the page of the gateway knows of messages and drives:
+// clients/gateway/page/src/data/tables.ts is written from the schemas of the gateway and the tables
+// of the core.
+#include "descriptions.hpp"
+#include "vdrive/cia402/controlword.hpp"
+#include "vdrive/cia402/operating_mode.hpp"
+#include "vdrive/cia402/power_state.hpp"
+#include "vdrive/cia402/power_state_machine.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstdint>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace vdrive::gateway {
+namespace {
+
+constexpr unsigned kHighestTransition = 16;
+// In the order in which a statusword is compared with them: every word that is that of no other
+// state shows the last one.
+constexpr std::array kPowerStates{PowerState::switch_on_disabled,
+                                  PowerState::ready_to_switch_on,
+                                  PowerState::switched_on,
+                                  PowerState::operation_enabled,
+                                  PowerState::quick_stop_active,
+                                  PowerState::fault_reaction_active,
+                                  PowerState::fault,
+                                  PowerState::not_ready_to_switch_on};
+constexpr std::array kCommands{PowerCommand::disable_voltage,  PowerCommand::quick_stop,
+                               PowerCommand::shutdown,         PowerCommand::switch_on,
+                               PowerCommand::enable_operation, PowerCommand::fault_reset};
+
+/// "Ready to switch on" is ready_to_switch_on.
+std::string identifier_of(PowerState state) {
+  std::string name(to_string(state));
+  std::ranges::transform(name, name.begin(), [](unsigned char letter) {
+    return letter == ' ' ? '_' : static_cast<char>(std::tolower(letter));
+  });
+  return name;
+}
+
+/// The mask and the value of a state, from the words that decode to it: a bit belongs to the mask
+/// when changing it changes the state.
+Json statusword_row(PowerState state) {
+  constexpr std::uint16_t kHighest = 0x7F;
+  std::uint16_t mask = 0;
+  std::uint16_t value = 0;
+  for (std::uint16_t word = 0; word <= kHighest; ++word) {
+    if (state == kPowerStates.back() || decode_power_state(word) != state) continue;
+    value = word;
+    for (std::uint16_t bit = 1; bit <= kHighest; bit = static_cast<std::uint16_t>(bit << 1U)) {
+      if (decode_power_state(word ^ bit) != state) mask |= bit;
+    }
+  }
+  return {{"state", identifier_of(state)},
+          {"name", to_string(state)},
+          {"mask", mask},
+          {"value", value & mask}};
+}
+
+struct Transition {
+  unsigned number = 0;
+  PowerState from{};
+  PowerState to{};
+
+  auto operator<=>(const Transition&) const = default;
+};
+
+/// Every machine that one event makes of `machine`.
+std::vector<std::pair<PowerStateMachine, TransitionSet>> after_one_event(
+    const PowerStateMachine& machine, const PowerOptions& options) {
+  std::vector<std::pair<PowerStateMachine, TransitionSet>> after;
+  const auto add = [&](const auto& event) {
+    PowerStateMachine next = machine;
+    const TransitionSet taken = event(next);
+    after.emplace_back(next, taken);
+  };
+  for (const PowerCommand command : kCommands) {
+    add([&](PowerStateMachine& next) {
+      return next.command(command, options, true, false);
+    });
+  }
+  add([](PowerStateMachine& next) {
+    return next.initialised();
+  });
+  add([](PowerStateMachine& next) {
+    return next.fault_detected();
+  });
+  add([](PowerStateMachine& next) {
+    return next.voltage_lost();
+  });
+  add([&](PowerStateMachine& next) {
+    return next.stop_finished(options);
+  });
+  return after;
+}
+
+unsigned count_of(const TransitionSet& taken, unsigned& number) {
+  unsigned count = 0;
+  for (unsigned candidate = 1; candidate <= kHighestTransition; ++candidate) {
+    if (!taken.contains(candidate)) continue;
+    number = candidate;
+    ++count;
+  }
+  return count;
+}
+
+/// The transitions that one event takes alone, found by walking through every state.
+std::set<Transition> transitions() {
+  // A quick stop that stays can be enabled again; ramps that are not held back are taken at once.
+  const PowerOptions options{.quick_stop_option_code = 6, .disable_operation_option_code = 0};
+  std::set<Transition> found;
+  std::map<PowerState, PowerStateMachine> open{{PowerState::not_ready_to_switch_on, {}}};
+  std::set<PowerState> seen;
+  while (!open.empty()) {
+    const PowerStateMachine machine = open.extract(open.begin()).mapped();
+    seen.insert(machine.state());
+    for (const auto& [next, taken] : after_one_event(machine, options)) {
+      unsigned number = 0;
+      if (count_of(taken, number) == 1) found.insert({number, machine.state(), next.state()});
+      if (!seen.contains(next.state())) open.emplace(next.state(), next);
+    }
+  }
+  return found;
+}
+
+Json transition_rows() {
+  Json rows = Json::array();
+  for (const Transition& transition : transitions()) {
+    rows.push_back({{"number", transition.number},
+                    {"from", identifier_of(transition.from)},
+                    {"to", identifier_of(transition.to)}});
+  }
+  return rows;
+}
+
+std::string constant(const std::string& name, const Json& value) {
+  return "\nexport const " + name + " = " + value.dump(2) + " as const;\n";
+}
+
+Json schema_of(const ChannelInfo& channel) {
+  return Json::parse(channel.schema);
+}
+
+std::string page_tables() {
+  Json states = Json::array();
+  for (const PowerState state : kPowerStates) states.push_back(statusword_row(state));
+  Json modes = Json::array();
+  for (const OperatingModeRow& row : kOperatingModes) {
+    modes.push_back({{"mode", static_cast<int>(row.mode)}, {"name", row.name}});
+  }
+  return "// SPDX-License-Identifier: Apache-2.0\n"
+         "// Written from the schemas of the gateway and the tables of the core, not by hand:\n"
+         "//   VDRIVE_WRITE_PAGE_TABLES=1 gateway_parts_test --gtest_filter='PageTables.*'\n" +
+         constant("BENCH_DESCRIPTION", schema_of(description_channel(""))) +
+         constant("BENCH_STATE", schema_of(state_channel(""))) +
+         constant("CONTROL", schema_of(control_channel())) +
+         constant("DICTIONARY", schema_of(dictionary_channel())) +
+         constant("POWER_STATES", states) + constant("TRANSITIONS", transition_rows()) +
+         constant("OPERATING_MODES", modes);
+}
+
+const char* const kFile = VDRIVE_SOURCE_DIR "/clients/gateway/page/src/data/tables.ts";
+
+TEST(PageTables, AreThoseOfTheGatewayAndTheCore) {
+  const std::string tables = page_tables();
+  // NOLINTNEXTLINE(concurrency-mt-unsafe): read only
+  if (std::getenv("VDRIVE_WRITE_PAGE_TABLES") != nullptr) std::ofstream(kFile) << tables;
+  std::ifstream file(kFile);
+  const std::string kept{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_EQ(kept, tables) << "write it again: VDRIVE_WRITE_PAGE_TABLES=1 gateway_parts_test "
+                             "--gtest_filter='PageTables.*'";
+}
+
+TEST(PageTables, HaveEachTransitionOfTheStandard) {
+  std::set<unsigned> numbers;
+  for (const Transition& transition : transitions()) numbers.insert(transition.number);
+  EXPECT_EQ(numbers.size(), kHighestTransition);
+}
+
+}  // namespace
+}  // namespace vdrive::gateway
