@@ -197,8 +197,7 @@ void add_states(py::class_<AxisSnapshot>& status) {
       .def_property_readonly(
           "has_fault",
           [](const AxisSnapshot& axis) {
-            return axis.state() == PowerState::fault ||
-                   axis.state() == PowerState::fault_reaction_active;
+            return is_fault(axis.state());
           },
           "Whether the state is Fault or Fault reaction active.")
       .def(

@@ -20,10 +20,6 @@ inline constexpr std::uint16_t kHalt = kEnableOperation | Controlword::kHalt;
 /// The first value of 605Ah after which an axis stays in Quick stop active.
 inline constexpr std::int64_t kFirstQuickStopThatStays = 5;
 
-[[nodiscard]] inline bool is_fault(PowerState state) {
-  return state == PowerState::fault || state == PowerState::fault_reaction_active;
-}
-
 [[nodiscard]] inline bool target_reached(const AxisSnapshot& axis) {
   return axis.shows(Statusword::kTargetReached);
 }

@@ -25,15 +25,15 @@ bool moves(const AxisSnapshot& axis) {
 }
 
 GroupState state_of(const std::vector<AxisSnapshot>& axes) {
-  const auto any_in = [&axes](PowerState state) {
-    return std::ranges::any_of(axes, [state](const AxisSnapshot& axis) {
-      return axis.state() == state;
-    });
+  const auto any = [&axes](const auto& question) {
+    return std::ranges::any_of(axes, question, &AxisSnapshot::state);
   };
-  if (any_in(PowerState::fault) || any_in(PowerState::fault_reaction_active)) {
-    return GroupState::error_stop;
+  if (any(is_fault)) return GroupState::error_stop;
+  if (any([](PowerState state) {
+        return state == PowerState::quick_stop_active;
+      })) {
+    return GroupState::stopping;
   }
-  if (any_in(PowerState::quick_stop_active)) return GroupState::stopping;
   if (!std::ranges::all_of(axes, is_enabled)) return GroupState::disabled;
   return std::ranges::any_of(axes, moves) ? GroupState::moving : GroupState::standby;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "drive/limits.hpp"
 #include "drive/registers.hpp"
 #include "drive/state.hpp"
 
@@ -61,6 +62,16 @@ void ignore_edge(Drive& drive, const WrittenControlword& word);
   const DriveState& s = drive.state();
   return s.power.on && operation_enabled(drive) && s.mode.wanted == s.mode.actual &&
          s.power.machine.pending() == PowerCommand::none;
+}
+
+/// Command: gives the target up when it leads into an active limit switch, for good: a new one has
+/// to be written.
+/// @param direction in which the target leads, by its sign; 0 = nowhere
+/// @return whether the target was given up.
+inline bool heed_limit_switch(Drive& drive, double direction) {
+  if (!obeys_mode(drive) || !runs_into_limit_switch(drive, direction)) return false;
+  drive.state().target.given_up = true;
+  return true;
 }
 
 }  // namespace vdrive

@@ -66,10 +66,6 @@ void re_enable(Drive& drive) {
   }
 }
 
-bool handles_fault(PowerState state) {
-  return state == PowerState::fault_reaction_active || state == PowerState::fault;
-}
-
 bool has_power_to_lose(PowerState state) {
   return state == PowerState::operation_enabled || state == PowerState::quick_stop_active ||
          state == PowerState::fault_reaction_active;
@@ -131,7 +127,7 @@ void watch_causes(Drive& drive) {
   for (const FaultCause& cause : kFaultCauses) {
     if (reg(drive, cause.input) == 0) continue;
     present = static_cast<std::uint8_t>(present | cause.bit);
-    const bool known = (s.faults.causes & cause.bit) != 0 && handles_fault(s.power.machine.state());
+    const bool known = (s.faults.causes & cause.bit) != 0 && is_fault(s.power.machine.state());
     const bool harmless = cause.bit == kDcLinkCause && !has_power_to_lose(s.power.machine.state());
     if (!known && !harmless) raise_fault(drive, cause.code);
   }

@@ -18,6 +18,12 @@ enum class PowerState : std::uint8_t {
   fault,
 };
 
+/// @return whether the drive has a fault: it reacts to it (Fault reaction active) or waits for its
+///         reset (Fault).
+[[nodiscard]] constexpr bool is_fault(PowerState state) noexcept {
+  return state == PowerState::fault_reaction_active || state == PowerState::fault;
+}
+
 /// @return the standard's name of `state`, such as "Operation enabled".
 [[nodiscard]] std::string_view to_string(PowerState state) noexcept;
 

@@ -29,13 +29,13 @@ double streamed_target(const Drive& drive) {
          (s.limits.enabled ? goal - wrapped(whole) : static_cast<double>(wrapped(goal - whole)));
 }
 
-/// A target behind a limit switch is given up: the next one that is written counts.
-void heed_limit_switch(Drive& drive) {
+/// The next position that is written streams again.
+void advance(Drive& drive) {
   DriveState& s = drive.state();
   if (!obeys_mode(drive) || !s.modes.cyclic.streams) return;
-  s.target.given_up =
-      runs_into_limit_switch(drive, streamed_target(drive) - demand_position(drive));
-  s.modes.cyclic.streams = !s.target.given_up;
+  s.target.given_up = false;
+  s.modes.cyclic.streams =
+      !heed_limit_switch(drive, streamed_target(drive) - demand_position(drive));
 }
 
 MotionRequest ask(const Drive& drive) {
@@ -69,7 +69,7 @@ bool evolves(const Drive& drive) {
 constinit const Mode kCyclicPosition{.normal_ramp = "profile_dec"_object,
                                      .command = ignore_edge,
                                      .take_target = take_position,
-                                     .advance = heed_limit_switch,
+                                     .advance = advance,
                                      .ask = ask,
                                      .status_bits = status_bits,
                                      .evolves = evolves};

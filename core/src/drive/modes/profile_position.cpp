@@ -139,18 +139,16 @@ void command(Drive& drive, const WrittenControlword& word) {
   }
 }
 
-/// A target on the far side of a limit switch is given up for good: bit 10 stays 0 until a new
-/// set-point; one on the near side is approached after the stop.
-void heed_limit_switch(Drive& drive) {
+/// A target on the far side of a limit switch is given up: bit 10 stays 0 until a new set-point;
+/// one on the near side is approached after the stop.
+void advance(Drive& drive) {
   DriveState& s = drive.state();
   const double ahead = s.target.given ? s.target.position - demand_position(drive) : 0.0;
-  if (obeys_mode(drive) && runs_into_limit_switch(drive, ahead)) {
-    // A master waits for bit 12 before it drops bit 4.
-    s.modes.position.queue.drop_buffered(s.controlword);
-    s.modes.position.active = false;
-    s.target.given = false;
-    s.target.given_up = true;
-  }
+  if (!heed_limit_switch(drive, ahead)) return;
+  // A master waits for bit 12 before it drops bit 4.
+  s.modes.position.queue.drop_buffered(s.controlword);
+  s.modes.position.active = false;
+  s.target.given = false;
 }
 
 MotionRequest normal_stop(const Drive& drive) {
@@ -224,7 +222,7 @@ std::uint16_t status_bits(const Drive& drive) {
 
 constinit const Mode kProfilePosition{.normal_ramp = "profile_dec"_object,
                                       .command = command,
-                                      .advance = heed_limit_switch,
+                                      .advance = advance,
                                       .ask = ask,
                                       .watch = watch,
                                       .take_next = take_next,

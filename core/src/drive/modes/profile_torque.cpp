@@ -26,14 +26,10 @@ bool runs_in(const Drive& drive) {
   return std::abs(speed) > threshold && runs_into_limit_switch(drive, speed);
 }
 
-/// A limit switch holds the axis until a new torque is written, unless the present one leads away
-/// from it.
-void heed_limit_switch(Drive& drive) {
+/// A torque leads where it points; without one the axis leads where it moves by itself.
+void advance(Drive& drive) {
   const double target = real(drive, "target_torque"_object);
-  if (obeys_mode(drive) &&
-      (runs_into_limit_switch(drive, target) || (target == 0.0 && runs_in(drive)))) {
-    drive.state().target.given_up = true;
-  }
+  heed_limit_switch(drive, target != 0.0 || !runs_in(drive) ? target : actual_velocity(drive));
 }
 
 /// To `target` by the slope 6087h; 0 counts as 1.
@@ -78,7 +74,7 @@ bool evolves(const Drive& drive) {
 constinit const Mode kProfileTorque{.normal_ramp = "profile_dec"_object,
                                     .command = ignore_edge,
                                     .take_target = take_torque,
-                                    .advance = heed_limit_switch,
+                                    .advance = advance,
                                     .ask = ask,
                                     .normal_stop = normal_stop,
                                     .status_bits = status_bits,

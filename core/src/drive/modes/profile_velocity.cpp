@@ -19,11 +19,8 @@ void take_velocity(Drive& drive, ObjectRow row) {
   if (row == "target_velocity"_object) drive.state().target.given_up = false;
 }
 
-/// A target that runs into a limit switch is given up for good: a new one has to be written.
-void heed_limit_switch(Drive& drive) {
-  if (obeys_mode(drive) && runs_into_limit_switch(drive, real(drive, "target_velocity"_object))) {
-    drive.state().target.given_up = true;
-  }
+void advance(Drive& drive) {
+  heed_limit_switch(drive, real(drive, "target_velocity"_object));
 }
 
 MotionRequest ask(const Drive& drive) {
@@ -68,7 +65,7 @@ std::uint16_t status_bits(const Drive& drive) {
 constinit const Mode kProfileVelocity{.normal_ramp = "profile_dec"_object,
                                       .command = ignore_edge,
                                       .take_target = take_velocity,
-                                      .advance = heed_limit_switch,
+                                      .advance = advance,
                                       .ask = ask,
                                       .watch = watch,
                                       .status_bits = status_bits};
