@@ -16,17 +16,16 @@ void demand(bool holds) {
 
 /// As Guard::pass_discovery does it.
 void change(std::vector<std::uint8_t>& datagram) {
-  rtps_bytes::Submessages submessages(datagram);
-  for (rtps_bytes::Submessage submessage; !submessages.at_end() && submessages.next(submessage);) {
-    if (submessage.kind != rtps_bytes::Kind::data) continue;
-    const rtps_bytes::Data data = rtps_bytes::parse_data(submessage, 16);
+  Submessages submessages(datagram);
+  for (Submessage submessage; !submessages.at_end() && submessages.next(submessage);) {
+    if (submessage.kind != SubmessageKind::data) continue;
+    const DataSubmessage data = parse_data(submessage, 16);
     demand(data.whole);
-    if (rtps_bytes::may_announce(submessage, data)) {
+    if (may_announce(submessage, data)) {
       static_cast<void>(read_announcement(submessage, data));
     }
-    if (submessage.has(rtps_bytes::kThird) && data.is_list() &&
-        rtps_bytes::is_discovery(submessage, data)) {
-      const auto list = rtps_bytes::list_in(datagram, submessage, data);
+    if (submessage.has(kThird) && data.is_list() && is_discovery(submessage, data)) {
+      const auto list = list_in(datagram, submessage, data);
       raise_leases(list, data.list_is_little());
       hide_types(list, data.list_is_little());
     }

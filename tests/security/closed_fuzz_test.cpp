@@ -62,16 +62,16 @@ constexpr std::array<const char*, kContents> kContentNames{
     "encrypted messages", "exchanges of keys", "handshakes", "announcements", "other"};
 
 Content content_of(const Datagram& datagram) {
-  wire::rtps_bytes::Submessages submessages(datagram);
-  wire::rtps_bytes::Submessage submessage;
+  wire::Submessages submessages(datagram);
+  wire::Submessage submessage;
   while (!submessages.at_end() && submessages.next(submessage)) {
-    using wire::rtps_bytes::Kind;
-    if (submessage.kind == Kind::srtps_prefix) return Content::message;
-    if (submessage.kind == Kind::sec_prefix) return Content::keys;
-    if (submessage.kind != Kind::data) continue;
-    const auto data = wire::rtps_bytes::parse_data(submessage, wire::rtps_bytes::kDataFixed);
-    if (data.writer == wire::rtps_bytes::kHandshakeWriter) return Content::handshake;
-    if (data.writer == wire::rtps_bytes::kParticipantsWriter) return Content::announcement;
+    using wire::SubmessageKind;
+    if (submessage.kind == SubmessageKind::srtps_prefix) return Content::message;
+    if (submessage.kind == SubmessageKind::sec_prefix) return Content::keys;
+    if (submessage.kind != SubmessageKind::data) continue;
+    const auto data = wire::parse_data(submessage, wire::kDataFixed);
+    if (data.writer == wire::kHandshakeWriter) return Content::handshake;
+    if (data.writer == wire::kParticipantsWriter) return Content::announcement;
   }
   return Content::other;
 }

@@ -332,18 +332,18 @@ TEST(DatagramCheck, RemovesTheStatisticsOfFastDds) {
 
 /// @return the announcement in a datagram of one submessage.
 std::optional<Announcement> announcement_in(const Datagram& datagram) {
-  rtps_bytes::Submessages submessages(datagram);
-  rtps_bytes::Submessage submessage;
+  Submessages submessages(datagram);
+  Submessage submessage;
   if (!submessages.next(submessage)) return std::nullopt;
-  return read_announcement(submessage, rtps_bytes::parse_data(submessage, 16));
+  return read_announcement(submessage, parse_data(submessage, 16));
 }
 
 /// @return the list of parameters in a datagram of one DATA submessage.
 std::span<std::uint8_t> list_of(Datagram& datagram) {
-  rtps_bytes::Submessages submessages(datagram);
-  rtps_bytes::Submessage submessage;
+  Submessages submessages(datagram);
+  Submessage submessage;
   EXPECT_TRUE(submessages.next(submessage));
-  return rtps_bytes::list_in(datagram, submessage, rtps_bytes::parse_data(submessage, 16));
+  return list_in(datagram, submessage, parse_data(submessage, 16));
 }
 
 TEST(Announcement, NamesParticipantLeaseAndKindOfProgram) {
@@ -441,8 +441,8 @@ TEST_F(Keeper, NeverReportsAnInfiniteLease) {
 
 TEST_F(Keeper, KeepsABoundedNumberOfParticipants) {
   for (std::size_t number = 0; number < Lease::kMostParticipants; ++number) {
-    const Lease::Prefix prefix{static_cast<std::uint8_t>(number),
-                               static_cast<std::uint8_t>(number >> 8U)};
+    const GuidPrefix prefix{static_cast<std::uint8_t>(number),
+                            static_cast<std::uint8_t>(number >> 8U)};
     ASSERT_TRUE(keeper_.announced(prefix, 2s, 7, now_));
   }
   EXPECT_FALSE(keeper_.announced({1, 2, 3}, 2s, 7, now_));
@@ -451,7 +451,7 @@ TEST_F(Keeper, KeepsABoundedNumberOfParticipants) {
 
 class Returned : public testing::Test {
  protected:
-  static constexpr rtps_bytes::Entity kWriter = rtps_bytes::kPublicationsWriter;
+  static constexpr EntityId kWriter = kPublicationsWriter;
 
   ReturnedParticipants returned_;
   ReturnedParticipants::Clock::time_point now_{1h};
@@ -464,8 +464,8 @@ TEST_F(Returned, ParticipantsWaitWithTheHeartbeatsOfAWriterUntilItWasAskedForEve
   EXPECT_TRUE(returned_.holds_back(kSender, kWriter, now_));
   returned_.greeted(kSender, kWriter);
   EXPECT_FALSE(returned_.holds_back(kSender, kWriter, now_));
-  EXPECT_TRUE(returned_.holds_back(kSender, rtps_bytes::kSubscriptionsWriter, now_ + 1'999ms));
-  EXPECT_FALSE(returned_.holds_back(kSender, rtps_bytes::kSubscriptionsWriter, now_ + 2s));
+  EXPECT_TRUE(returned_.holds_back(kSender, kSubscriptionsWriter, now_ + 1'999ms));
+  EXPECT_FALSE(returned_.holds_back(kSender, kSubscriptionsWriter, now_ + 2s));
   returned_.forget_old(now_ + 2s);
   EXPECT_TRUE(returned_.empty());
 }
@@ -492,8 +492,8 @@ TEST_F(Returned, AreRememberedInABoundedNumber) {
   }
   std::size_t remembered = 0;
   for (std::size_t number = 0; number <= ReturnedParticipants::kMostRemoved; ++number) {
-    const ReturnedParticipants::Prefix prefix{static_cast<std::uint8_t>(number),
-                                              static_cast<std::uint8_t>(number >> 8U)};
+    const GuidPrefix prefix{static_cast<std::uint8_t>(number),
+                            static_cast<std::uint8_t>(number >> 8U)};
     returned_.announced(prefix, now_);
     remembered += returned_.holds_back(prefix, kWriter, now_) ? 1 : 0;
   }

@@ -8,11 +8,9 @@
 namespace vdrive::wire {
 namespace {
 
-using namespace rtps_bytes;
-
 constexpr std::uint32_t kEndless = 0x7FFFFFFF;  // [s]; longer leases do not end either
 
-std::chrono::milliseconds lease_of(Bytes value, bool little) {
+std::chrono::milliseconds lease_of(ByteView value, bool little) {
   ByteReader reader(value, little);
   const std::uint32_t seconds = reader.u32();
   const std::uint64_t fraction = reader.u32();
@@ -20,12 +18,12 @@ std::chrono::milliseconds lease_of(Bytes value, bool little) {
   return std::chrono::seconds{seconds} + std::chrono::milliseconds{(fraction * 1000U) >> 32U};
 }
 
-Announcer announcer_of(Bytes value, bool little) {
+Announcer announcer_of(ByteView value, bool little) {
   ByteReader reader(value, little);
   const std::size_t length = reader.u32();
   constexpr std::size_t kLongest = 16;  // more than any name that is searched for
   std::array<char, kLongest> start{};
-  const Bytes text = value.subspan(4, std::min(length, kLongest));
+  const ByteView text = value.subspan(4, std::min(length, kLongest));
   std::ranges::copy(text, start.begin());
   const std::string_view name(start.data(), text.size());
   if (name.starts_with("vdrive client") || name.starts_with("vdrive probe")) {
@@ -35,10 +33,11 @@ Announcer announcer_of(Bytes value, bool little) {
 }
 
 /// @return the participant that the key in the inline QoS names.
-std::optional<Prefix> key_of_announced(const Submessage& submessage, const Data& data) {
-  List list(data.inline_qos, submessage.has(kLittle));
+std::optional<GuidPrefix> key_of_announced(const Submessage& submessage,
+                                           const DataSubmessage& data) {
+  ParameterList list(data.inline_qos, submessage.has(kLittle));
   for (ListEntry entry; list.next(entry);) {
-    Prefix prefix{};
+    GuidPrefix prefix{};
     if (entry.id == kKeyHash && entry.value.size() >= prefix.size()) {
       std::copy_n(entry.value.begin(), prefix.size(), prefix.begin());
       return prefix;
@@ -48,10 +47,10 @@ std::optional<Prefix> key_of_announced(const Submessage& submessage, const Data&
 }
 
 /// @return the participant that the content names.
-std::optional<Prefix> guid_of(const Data& data) {
-  List list(data.list(), data.list_is_little());
+std::optional<GuidPrefix> guid_of(const DataSubmessage& data) {
+  ParameterList list(data.list(), data.list_is_little());
   for (ListEntry entry; list.next(entry);) {
-    Prefix prefix{};
+    GuidPrefix prefix{};
     if (entry.id == kParticipantGuid && entry.value.size() >= prefix.size()) {
       std::copy_n(entry.value.begin(), prefix.size(), prefix.begin());
       return prefix;
@@ -63,7 +62,7 @@ std::optional<Prefix> guid_of(const Data& data) {
 template <typename Change>
 void for_each_entry(std::span<std::uint8_t> bytes, bool little, const Change& change) {
   constexpr std::size_t kHeader = 4;
-  List list(bytes, little);
+  ParameterList list(bytes, little);
   for (ListEntry entry; list.next(entry);) {
     change(entry, bytes.subspan(entry.offset, kHeader + entry.value.size()));
   }
@@ -79,20 +78,20 @@ void put_u32(std::span<std::uint8_t> place, std::uint32_t value, bool little) {
 }  // namespace
 
 std::optional<Announcement> read_announcement(const Submessage& submessage,
-                                              const Data& data) noexcept {
+                                              const DataSubmessage& data) noexcept {
   Announcement announcement;
   if (!submessage.has(kThird)) {
     const auto key = key_of_announced(submessage, data);
     const auto content = data.is_list() ? guid_of(data) : std::nullopt;
     announcement.gone = true;
     announcement.library_knows_key = key.has_value();
-    announcement.participant = key ? *key : content.value_or(Prefix{});
+    announcement.participant = key ? *key : content.value_or(GuidPrefix{});
     return key || content ? std::optional(announcement) : std::nullopt;
   }
   const bool little = data.list_is_little();
   bool has_guid = false;
   bool has_lease = false;
-  List list(data.list(), little);
+  ParameterList list(data.list(), little);
   for (ListEntry entry; list.next(entry);) {
     if (entry.id == kParticipantGuid) {
       std::copy_n(entry.value.begin(), announcement.participant.size(),
@@ -127,7 +126,7 @@ void hide_types(std::span<std::uint8_t> list, bool little) noexcept {
   });
 }
 
-std::vector<std::uint8_t> end_datagram(const Prefix& gone) {
+std::vector<std::uint8_t> end_datagram(const GuidPrefix& gone) {
   std::vector<std::uint8_t> datagram{'R', 'T', 'P', 'S', 2, 3, 1, 15};
   const auto add = [&datagram](std::initializer_list<std::uint8_t> bytes) {
     datagram.insert(datagram.end(), bytes);

@@ -24,7 +24,7 @@ enum class Announcer : std::uint8_t {
 };
 
 struct Announcement {
-  rtps_bytes::Prefix participant{};
+  GuidPrefix participant{};
   std::chrono::milliseconds lease{0};  ///< max() when it has no end
   bool gone = false;  ///< it has left, by its own announcement or by that of another
   /// Who leaves is in the key of the inline QoS; Fast DDS 2.9 does not see it in the content, where
@@ -36,11 +36,11 @@ struct Announcement {
 /// Reads the announcement in a DATA submessage of a datagram that passed the check.
 /// @return nothing when it does not name its participant, or has no lease although it does not
 /// leave.
-[[nodiscard]] std::optional<Announcement> read_announcement(
-    const rtps_bytes::Submessage& submessage, const rtps_bytes::Data& data) noexcept;
+[[nodiscard]] std::optional<Announcement> read_announcement(const Submessage& submessage,
+                                                            const DataSubmessage& data) noexcept;
 
 /// Writes kLeaseForTheLibrary into every lease of a list of parameters.
-/// @param list the list and nothing behind it, see rtps_bytes::list_in; changed in place
+/// @param list the list and nothing behind it, see list_in; changed in place
 void raise_leases(std::span<std::uint8_t> list, bool little) noexcept;
 
 /// Makes the library skip the types' descriptions in a list of parameters: it builds types from
@@ -53,6 +53,6 @@ void hide_types(std::span<std::uint8_t> list, bool little) noexcept;
 ///         sequence number is above all that the participant can have sent: a reader takes nothing
 ///         older, and believes only the writer itself. The library forgets the number with the
 ///         participant, so that one that only stood still is found again.
-[[nodiscard]] std::vector<std::uint8_t> end_datagram(const rtps_bytes::Prefix& gone);
+[[nodiscard]] std::vector<std::uint8_t> end_datagram(const GuidPrefix& gone);
 
 }  // namespace vdrive::wire

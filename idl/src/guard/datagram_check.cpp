@@ -8,11 +8,10 @@
 #include <numeric>
 
 namespace vdrive::wire {
-namespace rtps_bytes {
 namespace {
 
 /// A text of CDR: its length with the zero at its end, and as many bytes.
-bool is_text(Bytes value, bool little) {
+bool is_text(ByteView value, bool little) {
   ByteReader reader(value, little);
   const std::uint32_t length = reader.u32();
   return reader.ok() && length <= reader.left();
@@ -39,16 +38,16 @@ bool is_parameter(const ListEntry& entry, bool little) {
 
 }  // namespace
 
-Refusal check_list(Bytes bytes, bool little) noexcept {
-  List list(bytes, little);
+Refusal check_list(ByteView bytes, bool little) noexcept {
+  ParameterList list(bytes, little);
   for (ListEntry entry; list.next(entry);) {
     if (!is_parameter(entry, little)) return Refusal::parameters;
   }
   return list.ended() ? Refusal::none : Refusal::parameters;
 }
 
-Data parse_data(const Submessage& submessage, std::size_t fixed) noexcept {
-  Data data;
+DataSubmessage parse_data(const Submessage& submessage, std::size_t fixed) noexcept {
+  DataSubmessage data;
   ByteReader reader = submessage.reader();
   reader.skip(2);
   const std::size_t to_inline_qos = reader.u16();
@@ -62,7 +61,7 @@ Data parse_data(const Submessage& submessage, std::size_t fixed) noexcept {
   }
   data.payload = to_inline_qos + 4;
   if (submessage.has(kSecond)) {
-    List list(submessage.body.subspan(data.payload), submessage.has(kLittle));
+    ParameterList list(submessage.body.subspan(data.payload), submessage.has(kLittle));
     for (ListEntry entry; list.next(entry);) {
     }
     if (!list.ended()) return data;
@@ -74,18 +73,18 @@ Data parse_data(const Submessage& submessage, std::size_t fixed) noexcept {
   return data;
 }
 
-bool may_announce(const Submessage& submessage, const Data& data) noexcept {
+bool may_announce(const Submessage& submessage, const DataSubmessage& data) noexcept {
   if (data.reader == kParticipantsReader || data.writer == kParticipantsWriter) return true;
   // Data for any reader reaches that of announcements too; it takes what looks like one.
   if (data.reader != kUnknownEntity || !submessage.has(kThird) || !data.is_list()) return false;
-  List list(data.list(), data.list_is_little());
+  ParameterList list(data.list(), data.list_is_little());
   for (ListEntry entry; list.next(entry);) {
     if (entry.id == kParticipantGuid) return true;
   }
   return false;
 }
 
-bool is_discovery(const Submessage& submessage, const Data& data) noexcept {
+bool is_discovery(const Submessage& submessage, const DataSubmessage& data) noexcept {
   constexpr std::array<std::uint32_t, 6> kOfDiscovery{kPublicationsWriter,  kPublicationsReader,
                                                       kSubscriptionsWriter, kSubscriptionsReader,
                                                       kParticipantsWriter,  kParticipantsReader};
@@ -96,16 +95,12 @@ bool is_discovery(const Submessage& submessage, const Data& data) noexcept {
 }
 
 std::span<std::uint8_t> list_in(std::span<std::uint8_t> datagram, const Submessage& submessage,
-                                const Data& data) noexcept {
+                                const DataSubmessage& data) noexcept {
   constexpr std::size_t kEncapsulation = 4;
   return datagram.subspan(submessage.offset + data.payload + kEncapsulation, data.list().size());
 }
 
-}  // namespace rtps_bytes
-
 namespace {
-
-using namespace rtps_bytes;
 
 constexpr std::uint8_t kMajorVersion = 2;
 constexpr std::int64_t kLargestSequence = std::int64_t{1} << 40U;  // 34 years of one a millisecond
@@ -184,27 +179,27 @@ Refusal check_heartbeat_frag(const Submessage& submessage) {
 }
 
 /// @return whether the inline QoS marks an instance as disposed or unregistered.
-bool says_gone(const Submessage& submessage, const Data& data) {
-  List list(data.inline_qos, submessage.has(kLittle));
+bool says_gone(const Submessage& submessage, const DataSubmessage& data) {
+  ParameterList list(data.inline_qos, submessage.has(kLittle));
   for (ListEntry entry; list.next(entry);) {
     if (entry.id == kStatusInfo && entry.value.size() >= 4) return (entry.value[3] & 3U) != 0;
   }
   return false;
 }
 
-Refusal check_discovery(const Submessage& submessage, const Data& data) {
+Refusal check_discovery(const Submessage& submessage, const DataSubmessage& data) {
   if (submessage.has(kThird)) {
     return data.is_list() ? check_list(data.list(), data.list_is_little()) : Refusal::parameters;
   }
   return says_gone(submessage, data) ? Refusal::none : Refusal::data;
 }
 
-bool is_of_handshake(const Data& data) {
+bool is_of_handshake(const DataSubmessage& data) {
   return data.reader == kHandshakeReader || data.writer == kHandshakeWriter;
 }
 
 Refusal check_data(const Submessage& submessage, DatagramReport& report) {
-  const Data data = parse_data(submessage, kDataFixed);
+  const DataSubmessage data = parse_data(submessage, kDataFixed);
   if (!data.whole) return Refusal::length;
   if (!is_sequence(data.sequence, 1)) return Refusal::sequence;
   const bool has_data = submessage.has(kThird);
@@ -224,7 +219,7 @@ Refusal check_data(const Submessage& submessage, DatagramReport& report) {
 }
 
 Refusal check_data_frag(const Submessage& submessage) {
-  const Data data = parse_data(submessage, kFragmentFixed);
+  const DataSubmessage data = parse_data(submessage, kFragmentFixed);
   if (!data.whole) return Refusal::length;
   if (!is_sequence(data.sequence, 1)) return Refusal::sequence;
   ByteReader reader = submessage.reader();
@@ -255,40 +250,40 @@ Refusal need(const Submessage& submessage, std::size_t size) {
 
 Refusal check_submessage(const Submessage& submessage, DatagramReport& report) {
   switch (submessage.kind) {
-    case Kind::pad:
-    case Kind::sec_body:  // SecureOrder has checked what is encrypted
-    case Kind::sec_prefix:
-    case Kind::sec_postfix:
-    case Kind::srtps_prefix:
-    case Kind::srtps_postfix:
+    case SubmessageKind::pad:
+    case SubmessageKind::sec_body:  // SecureOrder has checked what is encrypted
+    case SubmessageKind::sec_prefix:
+    case SubmessageKind::sec_postfix:
+    case SubmessageKind::srtps_prefix:
+    case SubmessageKind::srtps_postfix:
       return Refusal::none;
-    case Kind::acknack:
+    case SubmessageKind::acknack:
       return check_acknack(submessage);
-    case Kind::heartbeat:
+    case SubmessageKind::heartbeat:
       return check_heartbeat(submessage);
-    case Kind::gap:
+    case SubmessageKind::gap:
       return check_gap(submessage, report);
-    case Kind::nack_frag:
+    case SubmessageKind::nack_frag:
       return check_nack_frag(submessage);
-    case Kind::heartbeat_frag:
+    case SubmessageKind::heartbeat_frag:
       return check_heartbeat_frag(submessage);
-    case Kind::data:
+    case SubmessageKind::data:
       return check_data(submessage, report);
-    case Kind::data_frag:
+    case SubmessageKind::data_frag:
       return check_data_frag(submessage);
-    case Kind::info_ts:
+    case SubmessageKind::info_ts:
       return need(submessage, submessage.has(kSecond) ? 0 : 8);
-    case Kind::info_src:
+    case SubmessageKind::info_src:
       return need(submessage, 20);
-    case Kind::info_reply_ip4:
+    case SubmessageKind::info_reply_ip4:
       return need(submessage, 8);
-    case Kind::info_dst:
+    case SubmessageKind::info_dst:
       return need(submessage, 12);
-    case Kind::info_reply:
+    case SubmessageKind::info_reply:
       return need(submessage, 4);
     default:
       // From 0x80 on each vendor has its own, which others skip.
-      return submessage.kind >= Kind::statistics ? Refusal::none : Refusal::submessage;
+      return submessage.kind >= SubmessageKind::statistics ? Refusal::none : Refusal::submessage;
   }
 }
 
@@ -300,14 +295,14 @@ Refusal check_in_place(const Submessage& submessage, SecureOrder& order, Mode mo
   return check_submessage(submessage, report);
 }
 
-bool is_header(Bytes datagram) {
+bool is_header(ByteView datagram) {
   constexpr std::array<std::uint8_t, 5> kStart{'R', 'T', 'P', 'S', kMajorVersion};
   return datagram.size() >= kHeaderSize &&
          std::equal(kStart.begin(), kStart.end(), datagram.begin());
 }
 
 /// Fast DDS reads what a sender of its own vendor has in 0x80, before anything else and as it is.
-bool is_from_fast_dds(Bytes datagram) {
+bool is_from_fast_dds(ByteView datagram) {
   return datagram[6] == 1 && datagram[7] == 15;
 }
 
@@ -327,7 +322,7 @@ DatagramReport check_datagram(std::span<const std::uint8_t> datagram, Mode mode)
       report.refusal = Refusal::length;
       return report;
     }
-    if (submessage.kind == Kind::statistics && is_from_fast_dds(datagram)) {
+    if (submessage.kind == SubmessageKind::statistics && is_from_fast_dds(datagram)) {
       const bool is_whole = submessage.last && submessage.body.size() == kStatisticsSize;
       report.refusal = is_whole ? Refusal::none : Refusal::statistics;
       report.length = submessage.offset - kSubmessageHeaderSize;

@@ -34,10 +34,7 @@ struct DatagramReport {
 [[nodiscard]] DatagramReport check_datagram(std::span<const std::uint8_t> datagram,
                                             Mode mode = Mode::open) noexcept;
 
-namespace rtps_bytes {
-
 /// @return Refusal::parameters unless the list ends and what the library reads in it is whole.
 [[nodiscard]] Refusal check_list(std::span<const std::uint8_t> bytes, bool little) noexcept;
 
-}  // namespace rtps_bytes
 }  // namespace vdrive::wire

@@ -9,16 +9,14 @@
 namespace vdrive::wire {
 namespace {
 
-using namespace rtps_bytes;
-
 // Participants of vdrive announce themselves every 100 ms.
 constexpr std::chrono::milliseconds kPatienceWithVdrive{2'500};
 constexpr std::chrono::milliseconds kBetweenJudgements{100};
 // A GAP costs the library a step for each of its numbers and, before the next expected, memory.
 constexpr std::uint32_t kGapNumbersInASecond = 4 * kWidestGap;
 
-Prefix sender_of(Bytes datagram) {
-  Prefix prefix{};
+GuidPrefix sender_of(ByteView datagram) {
+  GuidPrefix prefix{};
   std::copy_n(datagram.begin() + kPrefixOffset, prefix.size(), prefix.begin());
   return prefix;
 }
@@ -79,7 +77,7 @@ void Guard::close(const Locator& local) {
   }
 }
 
-void Guard::receive(Receiver& channel, Bytes datagram, const Locator& local,
+void Guard::receive(Receiver& channel, ByteView datagram, const Locator& local,
                     const Locator& remote) {
   has_begun_.wait(false);
   const DatagramReport report = check_datagram(datagram, mode_);
@@ -100,7 +98,7 @@ void Guard::receive(Receiver& channel, Bytes datagram, const Locator& local,
       return;
     }
   }
-  const Bytes readable = datagram.first(report.length);
+  const ByteView readable = datagram.first(report.length);
   if (report.announces) {
     pass_discovery(channel, readable, local, remote);
   } else {
@@ -108,7 +106,7 @@ void Guard::receive(Receiver& channel, Bytes datagram, const Locator& local,
   }
 }
 
-void Guard::hand_over(Receiver& channel, Bytes datagram, const Locator& local,
+void Guard::hand_over(Receiver& channel, ByteView datagram, const Locator& local,
                       const Locator& remote) {
   ++handed_over_;
   channel.OnDataReceived(datagram.data(), static_cast<std::uint32_t>(datagram.size()), local,
@@ -140,31 +138,31 @@ bool Guard::has_room_for(std::uint32_t gap_numbers) {
 }
 
 /// Where the library encrypts whole datagrams no heartbeat is seen, and none held back.
-bool Guard::comes_too_early(Bytes datagram, Clock::time_point now) const {
-  const Prefix sender = sender_of(datagram);
+bool Guard::comes_too_early(ByteView datagram, Clock::time_point now) const {
+  const GuidPrefix sender = sender_of(datagram);
   bool is_early = false;
   Submessages submessages(datagram);
   for (Submessage submessage; !submessages.at_end() && submessages.next(submessage);) {
-    if (submessage.kind != Kind::heartbeat) continue;
+    if (submessage.kind != SubmessageKind::heartbeat) continue;
     ByteReader reader = submessage.reader();
-    reader.skip(sizeof(rtps_bytes::Entity));  // whom it is for
+    reader.skip(sizeof(EntityId));  // whom it is for
     is_early = is_early || returned_.holds_back(sender, reader.entity(), now);
   }
   return is_early;
 }
 
-void Guard::sends(Bytes datagram) {
+void Guard::sends(ByteView datagram) {
   if (!has_returned_) return;
-  Prefix receiver{};
+  GuidPrefix receiver{};
   Submessages submessages(datagram);
   for (Submessage submessage; !submessages.at_end() && submessages.next(submessage);) {
     ByteReader reader = submessage.reader();
-    if (submessage.kind == Kind::info_dst) {
-      const Bytes prefix = reader.bytes(receiver.size());
+    if (submessage.kind == SubmessageKind::info_dst) {
+      const ByteView prefix = reader.bytes(receiver.size());
       if (reader.ok()) std::ranges::copy(prefix, receiver.begin());
-    } else if (submessage.kind == Kind::acknack) {
-      reader.skip(sizeof(rtps_bytes::Entity));  // whose it is
-      const rtps_bytes::Entity writer = reader.entity();
+    } else if (submessage.kind == SubmessageKind::acknack) {
+      reader.skip(sizeof(EntityId));  // whose it is
+      const EntityId writer = reader.entity();
       if (reader.sequence() != 0 || !reader.ok()) continue;
       const std::scoped_lock lock(keeper_mutex_);
       returned_.greeted(receiver, writer);
@@ -173,13 +171,13 @@ void Guard::sends(Bytes datagram) {
 }
 
 /// The transport's buffer is not ours to write: in shared memory others read it too.
-void Guard::pass_discovery(Receiver& channel, Bytes datagram, const Locator& local,
+void Guard::pass_discovery(Receiver& channel, ByteView datagram, const Locator& local,
                            const Locator& remote) {
   std::vector<std::uint8_t> copy(datagram.begin(), datagram.end());
   Submessages submessages(copy);
   std::unique_lock lock(announcing_, std::defer_lock);
   for (Submessage submessage; !submessages.at_end() && submessages.next(submessage);) {
-    if (submessage.kind != Kind::data) continue;
+    if (submessage.kind != SubmessageKind::data) continue;
     if (!passes(submessage, copy, channel, remote)) return;
     if (!lock && may_announce(submessage, parse_data(submessage, kDataFixed))) lock.lock();
   }
@@ -190,7 +188,7 @@ void Guard::pass_discovery(Receiver& channel, Bytes datagram, const Locator& loc
 /// it.
 bool Guard::passes(const Submessage& submessage, std::vector<std::uint8_t>& datagram,
                    Receiver& channel, const Locator& remote) {
-  const Data data = parse_data(submessage, kDataFixed);
+  const DataSubmessage data = parse_data(submessage, kDataFixed);
   const bool has_list = submessage.has(kThird) && data.is_list();
   if (!keeps_leases_ || !may_announce(submessage, data)) {
     if (has_list && is_discovery(submessage, data)) {
@@ -215,7 +213,7 @@ bool Guard::passes(const Submessage& submessage, std::vector<std::uint8_t>& data
   return true;
 }
 
-Refusal Guard::take_announcement(const Announcement& announcement, const Prefix& sender,
+Refusal Guard::take_announcement(const Announcement& announcement, const GuidPrefix& sender,
                                  Receiver& channel) {
   const std::scoped_lock lock(keeper_mutex_);
   if (announcement.gone) {

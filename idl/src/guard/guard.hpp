@@ -46,11 +46,10 @@ class Guard {
 
   /// Hands a datagram over to the library, or does not. Waits for begin(), or for the first channel
   /// that closes.
-  void receive(Receiver& channel, rtps_bytes::Bytes datagram, const Locator& local,
-               const Locator& remote);
+  void receive(Receiver& channel, ByteView datagram, const Locator& local, const Locator& remote);
 
   /// The library sends a datagram.
-  void sends(rtps_bytes::Bytes datagram);
+  void sends(ByteView datagram);
 
   [[nodiscard]] GuardCounts counts() const;
 
@@ -60,16 +59,14 @@ class Guard {
 
   void refuse(Refusal refusal, const Locator& remote);
   [[nodiscard]] bool has_room_for(std::uint32_t gap_numbers);
-  [[nodiscard]] bool comes_too_early(rtps_bytes::Bytes datagram, Clock::time_point now) const;
-  void hand_over(Receiver& channel, rtps_bytes::Bytes datagram, const Locator& local,
-                 const Locator& remote);
-  void pass_discovery(Receiver& channel, rtps_bytes::Bytes datagram, const Locator& local,
+  [[nodiscard]] bool comes_too_early(ByteView datagram, Clock::time_point now) const;
+  void hand_over(Receiver& channel, ByteView datagram, const Locator& local, const Locator& remote);
+  void pass_discovery(Receiver& channel, ByteView datagram, const Locator& local,
                       const Locator& remote);
-  [[nodiscard]] bool passes(const rtps_bytes::Submessage& submessage,
-                            std::vector<std::uint8_t>& datagram, Receiver& channel,
-                            const Locator& remote);
+  [[nodiscard]] bool passes(const Submessage& submessage, std::vector<std::uint8_t>& datagram,
+                            Receiver& channel, const Locator& remote);
   [[nodiscard]] Refusal take_announcement(const Announcement& announcement,
-                                          const rtps_bytes::Prefix& sender, Receiver& channel);
+                                          const GuidPrefix& sender, Receiver& channel);
   void judge();
   void remove(const Keeper::Silent& silent);
 

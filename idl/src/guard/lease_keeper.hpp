@@ -18,20 +18,19 @@ template <typename Channel>
 class LeaseKeeper {
  public:
   using Clock = std::chrono::steady_clock;
-  using Prefix = rtps_bytes::Prefix;
 
   static constexpr std::size_t kMostParticipants = 4'096;
 
   struct Silent {
-    Prefix participant{};
+    GuidPrefix participant{};
     Channel channel{};
   };
 
   /// A participant has announced itself.
   /// @param patience how long it may be silent; Clock::duration::max() is for ever
   /// @return whether there is a place for it.
-  [[nodiscard]] bool announced(const Prefix& participant, Clock::duration patience, Channel channel,
-                               Clock::time_point now) {
+  [[nodiscard]] bool announced(const GuidPrefix& participant, Clock::duration patience,
+                               Channel channel, Clock::time_point now) {
     const auto found = entries_.find(participant);
     if (found == entries_.end() && entries_.size() >= kMostParticipants) return false;
     entries_[participant] = {now, patience, channel};
@@ -39,13 +38,13 @@ class LeaseKeeper {
   }
 
   /// Anything of a participant has arrived.
-  void note_datagram(const Prefix& participant, Clock::time_point now) {
+  void note_datagram(const GuidPrefix& participant, Clock::time_point now) {
     const auto found = entries_.find(participant);
     if (found != entries_.end()) found->second.last_datagram = now;
   }
 
   /// A participant is silent for too long from now on.
-  void expire(const Prefix& participant) {
+  void expire(const GuidPrefix& participant) {
     const auto found = entries_.find(participant);
     if (found != entries_.end()) {
       found->second.last_datagram = {};
@@ -53,7 +52,7 @@ class LeaseKeeper {
     }
   }
 
-  void left(const Prefix& participant) { entries_.erase(participant); }
+  void left(const GuidPrefix& participant) { entries_.erase(participant); }
 
   /// Forgets the participants that were announced by a channel that closes.
   void closed(Channel channel) {
@@ -87,7 +86,7 @@ class LeaseKeeper {
 
   /// The last bytes of a prefix count participants and processes, the first name the vendor.
   struct Hash {
-    std::size_t operator()(const Prefix& prefix) const noexcept {
+    std::size_t operator()(const GuidPrefix& prefix) const noexcept {
       std::uint64_t end = 0;
       std::uint32_t start = 0;
       std::memcpy(&end, prefix.data() + 4, sizeof end);
@@ -97,7 +96,7 @@ class LeaseKeeper {
     }
   };
 
-  std::unordered_map<Prefix, Entry, Hash> entries_;
+  std::unordered_map<GuidPrefix, Entry, Hash> entries_;
 };
 
 }  // namespace vdrive::wire

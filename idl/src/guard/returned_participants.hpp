@@ -24,8 +24,6 @@ namespace vdrive::wire {
 class ReturnedParticipants {
  public:
   using Clock = std::chrono::steady_clock;
-  using Prefix = rtps_bytes::Prefix;
-  using Entity = rtps_bytes::Entity;
 
   static constexpr std::size_t kMostRemoved = 4'096;
 
@@ -33,31 +31,31 @@ class ReturnedParticipants {
   static constexpr std::chrono::seconds kLongestWait{2};
 
   /// A participant was removed for its silence.
-  void removed(const Prefix& participant) {
+  void removed(const GuidPrefix& participant) {
     returned_.erase(participant);
     if (removed_.size() >= kMostRemoved) removed_.erase(removed_.begin());  // it may be any one
     removed_.insert(participant);
   }
 
   /// A participant announces itself.
-  void announced(const Prefix& participant, Clock::time_point now) {
+  void announced(const GuidPrefix& participant, Clock::time_point now) {
     if (removed_.erase(participant) != 0) returned_[participant] = {.since = now, .greeted = {}};
   }
 
   /// A participant left by its own word: what comes with this prefix later is another one.
-  void left(const Prefix& participant) {
+  void left(const GuidPrefix& participant) {
     removed_.erase(participant);
     returned_.erase(participant);
   }
 
   /// The ACKNACK with number 0 for this writer leaves.
-  void greeted(const Prefix& participant, Entity writer) {
+  void greeted(const GuidPrefix& participant, EntityId writer) {
     const auto found = returned_.find(participant);
     if (found != returned_.end()) found->second.greeted.insert(writer);
   }
 
   /// @return whether a heartbeat of this writer has to wait.
-  [[nodiscard]] bool holds_back(const Prefix& participant, Entity writer,
+  [[nodiscard]] bool holds_back(const GuidPrefix& participant, EntityId writer,
                                 Clock::time_point now) const {
     const auto found = returned_.find(participant);
     return found != returned_.end() && now - found->second.since < kLongestWait &&
@@ -77,11 +75,11 @@ class ReturnedParticipants {
  private:
   struct Returned {
     Clock::time_point since;
-    std::set<Entity> greeted;  ///< its writers
+    std::set<EntityId> greeted;  ///< its writers
   };
 
-  std::set<Prefix> removed_;
-  std::map<Prefix, Returned> returned_;
+  std::set<GuidPrefix> removed_;
+  std::map<GuidPrefix, Returned> returned_;
 };
 
 }  // namespace vdrive::wire

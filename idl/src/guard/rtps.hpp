@@ -7,17 +7,17 @@
 #include <cstdint>
 #include <span>
 
-namespace vdrive::wire::rtps_bytes {
+namespace vdrive::wire {
 
-using Bytes = std::span<const std::uint8_t>;
-using Prefix = std::array<std::uint8_t, 12>;  ///< of a participant's GUID
+using ByteView = std::span<const std::uint8_t>;
+using GuidPrefix = std::array<std::uint8_t, 12>;  ///< of a participant's GUID
 
 constexpr std::size_t kHeaderSize = 20;
 constexpr std::size_t kSubmessageHeaderSize = 4;
 constexpr std::size_t kPrefixOffset = 8;  ///< of the sender's prefix in the header
 
 /// Kinds of submessages.
-enum class Kind : std::uint8_t {
+enum class SubmessageKind : std::uint8_t {
   pad = 0x01,
   acknack = 0x06,
   heartbeat = 0x07,
@@ -40,8 +40,8 @@ enum class Kind : std::uint8_t {
 };
 
 /// @return whether the kind is one of DDS Security 1.1, section 7.3.6: what is encrypted or signed.
-constexpr bool is_secure(Kind kind) noexcept {
-  return kind >= Kind::sec_body && kind <= Kind::srtps_postfix;
+constexpr bool is_secure(SubmessageKind kind) noexcept {
+  return kind >= SubmessageKind::sec_body && kind <= SubmessageKind::srtps_postfix;
 }
 
 /// Flags of a submessage.
@@ -52,39 +52,39 @@ inline constexpr Flag kThird = 0x04;
 inline constexpr Flag kFourth = 0x08;
 
 /// Entities of discovery.
-using Entity = std::uint32_t;
-inline constexpr Entity kUnknownEntity = 0;
-inline constexpr Entity kPublicationsWriter = 0x000003C2;
-inline constexpr Entity kPublicationsReader = 0x000003C7;
-inline constexpr Entity kSubscriptionsWriter = 0x000004C2;
-inline constexpr Entity kSubscriptionsReader = 0x000004C7;
-inline constexpr Entity kParticipantsWriter = 0x000100C2;
-inline constexpr Entity kParticipantsReader = 0x000100C7;
+using EntityId = std::uint32_t;
+inline constexpr EntityId kUnknownEntity = 0;
+inline constexpr EntityId kPublicationsWriter = 0x000003C2;
+inline constexpr EntityId kPublicationsReader = 0x000003C7;
+inline constexpr EntityId kSubscriptionsWriter = 0x000004C2;
+inline constexpr EntityId kSubscriptionsReader = 0x000004C7;
+inline constexpr EntityId kParticipantsWriter = 0x000100C2;
+inline constexpr EntityId kParticipantsReader = 0x000100C7;
 /// Entities of the handshake, BuiltinParticipantStatelessMessage (DDS Security 1.1, section 7.4.3).
-inline constexpr Entity kHandshakeWriter = 0x000201C3;
-inline constexpr Entity kHandshakeReader = 0x000201C4;
+inline constexpr EntityId kHandshakeWriter = 0x000201C3;
+inline constexpr EntityId kHandshakeReader = 0x000201C4;
 
 /// Parameters of lists.
-using Parameter = std::uint16_t;
-inline constexpr Parameter kPad = 0x0000;
-inline constexpr Parameter kSentinel = 0x0001;
-inline constexpr Parameter kLease = 0x0002;
-inline constexpr Parameter kTopicName = 0x0005;
-inline constexpr Parameter kTypeName = 0x0007;
-inline constexpr Parameter kParticipantGuid = 0x0050;
-inline constexpr Parameter kEntityName = 0x0062;
-inline constexpr Parameter kTypeId = 0x0069;
-inline constexpr Parameter kKeyHash = 0x0070;
-inline constexpr Parameter kStatusInfo = 0x0071;
-inline constexpr Parameter kTypeObject = 0x0072;
-inline constexpr Parameter kTypeInformation = 0x0075;
-inline constexpr Parameter kIdentityToken = 0x1001;
-inline constexpr Parameter kPermissionsToken = 0x1002;
+using ParameterId = std::uint16_t;
+inline constexpr ParameterId kPad = 0x0000;
+inline constexpr ParameterId kSentinel = 0x0001;
+inline constexpr ParameterId kLease = 0x0002;
+inline constexpr ParameterId kTopicName = 0x0005;
+inline constexpr ParameterId kTypeName = 0x0007;
+inline constexpr ParameterId kParticipantGuid = 0x0050;
+inline constexpr ParameterId kEntityName = 0x0062;
+inline constexpr ParameterId kTypeId = 0x0069;
+inline constexpr ParameterId kKeyHash = 0x0070;
+inline constexpr ParameterId kStatusInfo = 0x0071;
+inline constexpr ParameterId kTypeObject = 0x0072;
+inline constexpr ParameterId kTypeInformation = 0x0075;
+inline constexpr ParameterId kIdentityToken = 0x1001;
+inline constexpr ParameterId kPermissionsToken = 0x1002;
 
 /// Reads numbers one after the other; what lies behind the end is 0 and makes `ok` false.
 class ByteReader {
  public:
-  ByteReader(Bytes bytes, bool little) noexcept : bytes_(bytes), little_(little) {}
+  ByteReader(ByteView bytes, bool little) noexcept : bytes_(bytes), little_(little) {}
 
   [[nodiscard]] bool ok() const noexcept { return ok_; }
 
@@ -112,10 +112,10 @@ class ByteReader {
   std::uint32_t entity() noexcept { return u32_big(); }
 
   /// @return the next `count` bytes; none when there are fewer.
-  Bytes bytes(std::size_t count) noexcept {
+  ByteView bytes(std::size_t count) noexcept {
     const std::size_t from = position_;
     skip(count);
-    return ok_ ? bytes_.subspan(from, count) : Bytes{};
+    return ok_ ? bytes_.subspan(from, count) : ByteView{};
   }
 
   /// @return a sequence number; its high half comes first and may be negative.
@@ -139,17 +139,17 @@ class ByteReader {
     return value;
   }
 
-  Bytes bytes_;
+  ByteView bytes_;
   std::size_t position_ = 0;
   bool little_;
   bool ok_ = true;
 };
 
 struct Submessage {
-  Kind kind{};
+  SubmessageKind kind{};
   std::uint8_t flags = 0;
   std::size_t offset = 0;  ///< of the body in the datagram
-  Bytes body;
+  ByteView body;
   bool last = false;  ///< nothing follows it
 
   [[nodiscard]] bool has(Flag flag) const noexcept { return (flags & flag) != 0; }
@@ -160,7 +160,7 @@ struct Submessage {
 /// Walks the submessages of a datagram.
 class Submessages {
  public:
-  explicit Submessages(Bytes datagram) noexcept : datagram_(datagram) {}
+  explicit Submessages(ByteView datagram) noexcept : datagram_(datagram) {}
 
   [[nodiscard]] bool at_end() const noexcept { return position_ >= datagram_.size(); }
 
@@ -168,13 +168,13 @@ class Submessages {
   [[nodiscard]] bool next(Submessage& out) noexcept {
     ByteReader header(datagram_.subspan(position_), true);
     if (header.left() < kSubmessageHeaderSize) return false;
-    out.kind = static_cast<Kind>(datagram_[position_]);
+    out.kind = static_cast<SubmessageKind>(datagram_[position_]);
     out.flags = datagram_[position_ + 1];
     header = ByteReader(datagram_.subspan(position_ + 2), out.has(kLittle));
     std::size_t length = header.u16();
     out.offset = position_ + kSubmessageHeaderSize;
     const std::size_t left = datagram_.size() - out.offset;
-    if (length == 0 && out.kind != Kind::pad && out.kind != Kind::info_ts) {
+    if (length == 0 && out.kind != SubmessageKind::pad && out.kind != SubmessageKind::info_ts) {
       // The library reads 0 as 0 where it decrypts.
       if (is_secure(out.kind)) return false;
       length = left;  // RTPS 2.5, 9.4.5.1.3: it extends to the end
@@ -187,7 +187,7 @@ class Submessages {
   }
 
  private:
-  Bytes datagram_;
+  ByteView datagram_;
   std::size_t position_ = kHeaderSize;
 };
 
@@ -195,13 +195,13 @@ class Submessages {
 struct ListEntry {
   std::uint16_t id = 0;
   std::size_t offset = 0;  ///< of the id in the list
-  Bytes value;
+  ByteView value;
 };
 
 /// Walks a list of parameters up to its sentinel.
-class List {
+class ParameterList {
  public:
-  List(Bytes bytes, bool little) noexcept : bytes_(bytes), little_(little) {}
+  ParameterList(ByteView bytes, bool little) noexcept : bytes_(bytes), little_(little) {}
 
   /// @return whether there is another parameter; false at the sentinel, and when the list is broken
   [[nodiscard]] bool next(ListEntry& out) noexcept {
@@ -229,20 +229,20 @@ class List {
   [[nodiscard]] std::size_t size() const noexcept { return position_; }
 
  private:
-  Bytes bytes_;
+  ByteView bytes_;
   std::size_t position_ = 0;
   bool little_;
   bool ended_ = false;
 };
 
 /// The parts of a DATA submessage.
-struct Data {
+struct DataSubmessage {
   std::uint32_t reader = 0;
   std::uint32_t writer = 0;
   std::int64_t sequence = 0;
-  Bytes inline_qos;         ///< with its sentinel; empty without
+  ByteView inline_qos;      ///< with its sentinel; empty without
   std::size_t payload = 0;  ///< offset in the body
-  Bytes content;            ///< the payload
+  ByteView content;         ///< the payload
   bool whole = false;       ///< every part lies inside the body
 
   /// @return whether the payload is a list of parameters (PL_CDR), in either byte order.
@@ -252,7 +252,7 @@ struct Data {
 
   [[nodiscard]] bool list_is_little() const noexcept { return content[1] == 3; }
 
-  [[nodiscard]] Bytes list() const noexcept { return content.subspan(4); }
+  [[nodiscard]] ByteView list() const noexcept { return content.subspan(4); }
 };
 
 /// [bytes] of a DATA before its lists (RTPS 9.4.5.3)
@@ -260,19 +260,19 @@ inline constexpr std::size_t kDataFixed = 16;
 
 /// @param fixed bytes from behind octetsToInlineQos to the inline QoS, 16 for DATA, 28 for
 /// DATA_FRAG
-[[nodiscard]] Data parse_data(const Submessage& submessage, std::size_t fixed) noexcept;
+[[nodiscard]] DataSubmessage parse_data(const Submessage& submessage, std::size_t fixed) noexcept;
 
 /// @return whether the library may take it for an announcement of a participant.
-[[nodiscard]] bool may_announce(const Submessage& submessage, const Data& data) noexcept;
+[[nodiscard]] bool may_announce(const Submessage& submessage, const DataSubmessage& data) noexcept;
 
 /// @return whether the library may take it for discovery: its content then has passed the check.
 ///         Other content belongs to a program and must not be changed.
-[[nodiscard]] bool is_discovery(const Submessage& submessage, const Data& data) noexcept;
+[[nodiscard]] bool is_discovery(const Submessage& submessage, const DataSubmessage& data) noexcept;
 
 /// @param datagram that holds `submessage`, or a copy of it
 /// @return the bytes of data.list() in `datagram`; only where data.is_list().
 [[nodiscard]] std::span<std::uint8_t> list_in(std::span<std::uint8_t> datagram,
                                               const Submessage& submessage,
-                                              const Data& data) noexcept;
+                                              const DataSubmessage& data) noexcept;
 
-}  // namespace vdrive::wire::rtps_bytes
+}  // namespace vdrive::wire

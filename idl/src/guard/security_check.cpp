@@ -7,7 +7,7 @@
 #include <array>
 #include <string_view>
 
-namespace vdrive::wire::rtps_bytes {
+namespace vdrive::wire {
 namespace {
 
 constexpr std::size_t kSecurePrefix = 20;   ///< [bytes] transform, key, session and nonce
@@ -16,13 +16,13 @@ constexpr std::size_t kReceiverMac = 20;    ///< [bytes] each of the others: key
 
 /// The length of what is encrypted is big endian with either value of the flag. The library
 /// compares it in 32 bits with its buffer and not at all with what has arrived.
-bool is_secure_body(Bytes body) {
+bool is_secure_body(ByteView body) {
   ByteReader reader(body, false);
   const std::uint64_t length = reader.u32_big();
   return reader.ok() && body.size() == ((4 + length + 3) & ~std::uint64_t{3});
 }
 
-bool is_secure_postfix(Bytes body) {
+bool is_secure_postfix(ByteView body) {
   ByteReader reader(body, false);
   reader.skip(kSecurePostfix - 4);
   const std::uint64_t others = reader.u32_big();
@@ -31,10 +31,10 @@ bool is_secure_postfix(Bytes body) {
 
 bool has_its_length(const Submessage& submessage) {
   switch (submessage.kind) {
-    case Kind::sec_body:
+    case SubmessageKind::sec_body:
       return is_secure_body(submessage.body);
-    case Kind::sec_postfix:
-    case Kind::srtps_postfix:
+    case SubmessageKind::sec_postfix:
+    case SubmessageKind::srtps_postfix:
       return is_secure_postfix(submessage.body);
     default:
       return submessage.body.size() == kSecurePrefix;
@@ -43,7 +43,7 @@ bool has_its_length(const Submessage& submessage) {
 
 /// Keys are exchanged with AES-256-GCM and the key 0: these eight bytes begin the prefix. Any other
 /// key belongs to an endpoint whose messages are encrypted as a whole.
-bool is_of_key_exchange(Bytes prefix) {
+bool is_of_key_exchange(ByteView prefix) {
   constexpr std::array<std::uint8_t, 8> kTransform{0, 0, 0, 4, 0, 0, 0, 0};
   return prefix.size() >= kTransform.size() &&
          std::equal(kTransform.begin(), kTransform.end(), prefix.begin());
@@ -52,7 +52,7 @@ bool is_of_key_exchange(Bytes prefix) {
 /// Walks the types of DDS Security, 7.2: texts, properties and the tokens that are made of them.
 class TokenReader {
  public:
-  TokenReader(Bytes bytes, bool little) noexcept : input_(bytes, little) {}
+  TokenReader(ByteView bytes, bool little) noexcept : input_(bytes, little) {}
 
   [[nodiscard]] bool at_end() const noexcept { return input_.left() == 0; }
 
@@ -62,7 +62,7 @@ class TokenReader {
   }
 
   /// A text or a sequence of bytes: its length and as many bytes, filled up to four.
-  [[nodiscard]] bool field(Bytes& out) noexcept {
+  [[nodiscard]] bool field(ByteView& out) noexcept {
     const std::uint32_t length = input_.u32();
     if (!input_.ok() || length > input_.left()) return false;
     out = input_.bytes(length);
@@ -76,8 +76,8 @@ class TokenReader {
   [[nodiscard]] bool pairs(const Take& take) noexcept {
     const std::uint32_t count = input_.u32();
     for (std::uint32_t index = 0; input_.ok() && index < count; ++index) {
-      Bytes name;
-      Bytes value;
+      ByteView name;
+      ByteView value;
       if (!field(name) || !field(value) || !take(name, value)) return false;
     }
     return input_.ok();
@@ -86,8 +86,8 @@ class TokenReader {
   /// @param take as of pairs(), for the properties that are bytes
   template <typename Take>
   [[nodiscard]] bool token(const Take& take) noexcept {
-    Bytes class_id;
-    return field(class_id) && pairs([](Bytes, Bytes) {
+    ByteView class_id;
+    return field(class_id) && pairs([](ByteView, ByteView) {
              return true;
            }) &&
            pairs(take);
@@ -107,7 +107,7 @@ class TokenReader {
 };
 
 /// @return whether it is the participant's data, which the library reads as an announcement.
-bool is_participant_data(Bytes name) {
+bool is_participant_data(ByteView name) {
   constexpr std::string_view kName = "c.pdata";
   return name.size() > kName.size() &&
          std::equal(kName.begin(), kName.end(), name.begin(), [](char letter, std::uint8_t byte) {
@@ -116,7 +116,7 @@ bool is_participant_data(Bytes name) {
 }
 
 /// That announcement is a big-endian list without the four bytes that name its encoding.
-bool is_handshake_property(Bytes name, Bytes value) {
+bool is_handshake_property(ByteView name, ByteView value) {
   return !is_participant_data(name) || check_list(value, false) == Refusal::none;
 }
 
@@ -125,13 +125,13 @@ bool is_handshake_property(Bytes name, Bytes value) {
 Refusal SecureOrder::begin(const Submessage& submessage) noexcept {
   if (ended_) return Refusal::security;
   switch (submessage.kind) {
-    case Kind::srtps_prefix:
+    case SubmessageKind::srtps_prefix:
       of_message_ = true;
-      expected_ = static_cast<std::uint8_t>(Kind::sec_body);
+      expected_ = static_cast<std::uint8_t>(SubmessageKind::sec_body);
       return submessage.offset == kHeaderSize + kSubmessageHeaderSize ? Refusal::none
                                                                       : Refusal::security;
-    case Kind::sec_prefix:
-      expected_ = static_cast<std::uint8_t>(Kind::sec_body);
+    case SubmessageKind::sec_prefix:
+      expected_ = static_cast<std::uint8_t>(SubmessageKind::sec_body);
       return Refusal::none;
     default:
       return Refusal::security;
@@ -142,8 +142,9 @@ Refusal SecureOrder::next_part(const Submessage& submessage) noexcept {
   if (!is_secure(submessage.kind) || !has_its_length(submessage)) return Refusal::security;
   if (expected_ == 0) return begin(submessage);
   if (static_cast<std::uint8_t>(submessage.kind) != expected_) return Refusal::security;
-  if (submessage.kind == Kind::sec_body) {
-    expected_ = static_cast<std::uint8_t>(of_message_ ? Kind::srtps_postfix : Kind::sec_postfix);
+  if (submessage.kind == SubmessageKind::sec_body) {
+    expected_ = static_cast<std::uint8_t>(of_message_ ? SubmessageKind::srtps_postfix
+                                                      : SubmessageKind::sec_postfix);
   } else {
     expected_ = 0;
     ended_ = of_message_;
@@ -153,20 +154,20 @@ Refusal SecureOrder::next_part(const Submessage& submessage) noexcept {
 
 bool may_be_in_clear(const Submessage& submessage) noexcept {
   switch (submessage.kind) {
-    case Kind::info_ts:
-    case Kind::info_src:
-    case Kind::info_reply_ip4:
-    case Kind::info_dst:
-    case Kind::info_reply:
-    case Kind::sec_body:
-    case Kind::sec_postfix:
-    case Kind::srtps_prefix:
-    case Kind::srtps_postfix:
+    case SubmessageKind::info_ts:
+    case SubmessageKind::info_src:
+    case SubmessageKind::info_reply_ip4:
+    case SubmessageKind::info_dst:
+    case SubmessageKind::info_reply:
+    case SubmessageKind::sec_body:
+    case SubmessageKind::sec_postfix:
+    case SubmessageKind::srtps_prefix:
+    case SubmessageKind::srtps_postfix:
       return true;
-    case Kind::sec_prefix:
+    case SubmessageKind::sec_prefix:
       return is_of_key_exchange(submessage.body);
-    case Kind::data: {
-      const Data data = parse_data(submessage, kDataFixed);
+    case SubmessageKind::data: {
+      const DataSubmessage data = parse_data(submessage, kDataFixed);
       return (data.writer == kParticipantsWriter &&
               (data.reader == kParticipantsReader || data.reader == kUnknownEntity)) ||
              (data.writer == kHandshakeWriter && data.reader == kHandshakeReader);
@@ -176,26 +177,26 @@ bool may_be_in_clear(const Submessage& submessage) noexcept {
   }
 }
 
-bool is_token(Bytes value, bool little) noexcept {
+bool is_token(ByteView value, bool little) noexcept {
   TokenReader reader(value, little);
-  return reader.token([](Bytes, Bytes) {
+  return reader.token([](ByteView, ByteView) {
     return true;
   }) && reader.at_end();
 }
 
-bool is_handshake(const Submessage& submessage, const Data& data) noexcept {
+bool is_handshake(const Submessage& submessage, const DataSubmessage& data) noexcept {
   constexpr std::size_t kEncapsulation = 4;
   // [bytes] Two identities of messages, a participant and two endpoints.
   constexpr std::size_t kGuids = 2 * 24 + 3 * 16;
-  const Bytes content = data.content;
+  const ByteView content = data.content;
   if (!submessage.has(kThird) || content.size() < kEncapsulation || content[0] != 0 ||
       content[1] > 1) {
     return false;
   }
   TokenReader reader(content, content[1] == 1);
-  Bytes class_id;
+  ByteView class_id;
   return reader.skip(kEncapsulation + kGuids) && reader.field(class_id) &&
          reader.tokens(is_handshake_property);
 }
 
-}  // namespace vdrive::wire::rtps_bytes
+}  // namespace vdrive::wire

@@ -8,7 +8,7 @@
 
 #include <cstdint>
 
-namespace vdrive::wire::rtps_bytes {
+namespace vdrive::wire {
 
 /// Follows the submessages of a datagram: what is encrypted is a prefix, a body and a postfix, with
 /// nothing between them, and each has exactly the length that the library reads of it.
@@ -41,10 +41,10 @@ class SecureOrder {
 
 /// @param value of a parameter that is a token
 /// @return whether it is one DataHolder, all of whose counts and lengths lie inside it.
-[[nodiscard]] bool is_token(Bytes value, bool little) noexcept;
+[[nodiscard]] bool is_token(ByteView value, bool little) noexcept;
 
 /// @return whether the content of the DATA is one ParticipantGenericMessage, all of whose counts
 ///         and lengths lie inside it, those of the announcement in it as well.
-[[nodiscard]] bool is_handshake(const Submessage& submessage, const Data& data) noexcept;
+[[nodiscard]] bool is_handshake(const Submessage& submessage, const DataSubmessage& data) noexcept;
 
-}  // namespace vdrive::wire::rtps_bytes
+}  // namespace vdrive::wire
