@@ -5,7 +5,9 @@
 #include "vdrive/dictionary/dictionary.hpp"
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <string_view>
 #include <type_traits>
 
@@ -73,5 +75,11 @@ inline constexpr std::array<StatusMember, kStatusMembers> kStatusMemberTable{{
     status_member<&AxisStatus::ignored_set_points>("ignored_set_points"),
     status_member<&AxisStatus::fault_count>("fault_count"),
 }};
+
+static_assert(std::accumulate(kStatusMemberTable.begin(), kStatusMemberTable.end(), std::size_t{0},
+                              [](std::size_t bytes, const StatusMember& member) {
+                                return bytes + size_of(member.data_type);
+                              }) == sizeof(AxisStatus),
+              "each member of AxisStatus has one row, and no gap before it");
 
 }  // namespace vdrive

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/wire/status_frame.hpp"
 
+#include "status_members.hpp"
 #include "vdrive/wire/codec.hpp"
 #include "vdrive_messages.h"
 
@@ -9,7 +10,9 @@
 #include <bit>
 #include <cstddef>
 #include <cstring>
+#include <tuple>
 #include <type_traits>
+#include <utility>
 
 namespace vdrive::wire {
 namespace {
@@ -33,32 +36,12 @@ struct FrameLayout {
 
 static_assert(sizeof(FrameLayout) == 40 && std::is_trivially_copyable_v<FrameLayout>);
 
-/// 6062h to 3575h, ten numbers that image and message have in the same order.
-using Motion = std::array<std::int32_t, 10>;
+using Image = std::array<std::byte, sizeof(AxisStatus)>;
 
-constexpr std::size_t kMotion = offsetof(AxisStatus, position_demand_value);
-
-constexpr bool is_in_motion(std::size_t place, std::size_t offset) noexcept {
-  return offset == kMotion + place * sizeof(std::int32_t);
-}
-
-static_assert(is_in_motion(1, offsetof(AxisStatus, load_position_actual_value)) &&
-              is_in_motion(2, offsetof(AxisStatus, load_position_error_value)) &&
-              is_in_motion(3, offsetof(AxisStatus, motor_position_actual_value)) &&
-              is_in_motion(4, offsetof(AxisStatus, motor_position_error_value)) &&
-              is_in_motion(5, offsetof(AxisStatus, velocity_demand_value)) &&
-              is_in_motion(6, offsetof(AxisStatus, load_velocity_actual_value)) &&
-              is_in_motion(7, offsetof(AxisStatus, load_velocity_error_value)) &&
-              is_in_motion(8, offsetof(AxisStatus, motor_velocity_actual_value)) &&
-              is_in_motion(9, offsetof(AxisStatus, motor_velocity_error_value)));
-
-std::span<const std::byte> bytes_of(const AxisStatus& status) noexcept {
-  return std::as_bytes(std::span(&status, 1));
-}
-
-/// An axis in a sample, in the order of the IDL; the gaps align the member behind them.
+/// What is in front of the members of the status image, in the order of the IDL; the gaps align the
+/// member behind them.
 template <std::size_t kGapBeforeTick>
-struct [[gnu::packed]] AxisLayout {
+struct [[gnu::packed]] AxisHead {
   std::uint32_t bench;
   std::uint16_t axis;
   std::array<std::byte, kGapBeforeTick> gap_before_tick;
@@ -67,92 +50,129 @@ struct [[gnu::packed]] AxisLayout {
   std::uint32_t owner_epoch;
   std::uint32_t gap_before_last_sequence;
   std::uint64_t last_sequence;
-  std::uint16_t ds402_statusword;
-  std::int8_t op_mode_actual;
-  std::uint8_t motor_op_status;
-  std::uint16_t error_code;
-  std::uint8_t error_register;
-  std::uint8_t digital_inputs;
-  Motion motion;
-  std::int16_t current_actual_value;
-  std::uint16_t gap_before_current_error_value;
-  std::int32_t current_error_value;
-  std::int16_t torque_demand;
-  std::int16_t torque_actual_value;
-  std::uint32_t ignored_set_points;
-  std::uint32_t fault_count;
 };
 
-// The first axis of a frame begins at a multiple of 8. It ends 4 bytes behind one, and so does
-// every further axis.
-using FirstAxis = AxisLayout<2>;
-using FurtherAxis = AxisLayout<6>;
-static_assert(sizeof(FirstAxis) == 108 && sizeof(FurtherAxis) == 112);
-static_assert(offsetof(FirstAxis, tick) % 8 == 0 &&
-              (sizeof(FirstAxis) + offsetof(FurtherAxis, tick)) % 8 == 0);
-static_assert((sizeof(FirstAxis) + sizeof(FurtherAxis)) % 8 == sizeof(FirstAxis) % 8);
-static_assert(kEncapsulation + sizeof(FirstAxis) == kAxisStatusSize);
+/// Bytes that stand side by side in the image and in a sample.
+struct Piece {
+  std::size_t in_image = 0;
+  std::size_t in_sample = 0;  ///< from the end of the head
+  std::size_t size = 0;       ///< 0 = no piece
+};
+
+/// The members of the status image in a sample: what kWireStatusMembers says.
+struct MemberLayout {
+  std::array<Piece, std::tuple_size_v<decltype(kWireStatusMembers)>> pieces{};
+  std::size_t count = 0;  ///< of `pieces`
+  std::size_t gaps = 0;   ///< that align the member behind them
+  std::size_t gap = 0;    ///< where the last one begins, from the end of the head
+  std::size_t gap_size = 0;
+  std::size_t size = 0;  ///< of all
+};
+
+/// @return where the member is in an image: that of an image with 1 in every bit of it.
+template <typename Number>
+constexpr std::size_t place_in_image(Number AxisStatus::*member) {
+  AxisStatus status;
+  status.*member = static_cast<Number>(-1);
+  const auto image = std::bit_cast<Image>(status);
+  return static_cast<std::size_t>(std::ranges::find(image, std::byte{0xFF}) - image.begin());
+}
+
+/// CDR aligns a number to its size. Members that follow each other in image and sample are one
+/// piece: one copy, not one for each.
+constexpr MemberLayout layout_of_members() {
+  MemberLayout layout;
+  for_each_status_member([&layout]<typename Number>(Number AxisStatus::*member, const auto&) {
+    const std::size_t aligned =
+        (layout.size + sizeof(Number) - 1) / sizeof(Number) * sizeof(Number);
+    if (aligned != layout.size) {
+      ++layout.gaps;
+      layout.gap = layout.size;
+      layout.gap_size = aligned - layout.size;
+    }
+    const Piece next{
+        .in_image = place_in_image(member), .in_sample = aligned, .size = sizeof(Number)};
+    Piece* const last = layout.count == 0 ? nullptr : &layout.pieces[layout.count - 1];
+    if (last != nullptr && last->in_image + last->size == next.in_image &&
+        last->in_sample + last->size == next.in_sample) {
+      last->size += next.size;
+    } else {
+      layout.pieces[layout.count++] = next;
+    }
+    layout.size = aligned + sizeof(Number);
+  });
+  return layout;
+}
+
+constexpr MemberLayout kMembers = layout_of_members();
+static_assert(kMembers.gaps == 1, "put_axis fills one gap with zeros");
+
+/// Calls `visit` with each piece, known to the compiler: the copies become single instructions.
+template <typename Visit>
+void for_each_piece(const Visit& visit) noexcept {
+  [&]<std::size_t... kIndex>(std::index_sequence<kIndex...>) {
+    (visit(std::integral_constant<std::size_t, kIndex>{}), ...);
+  }
+  (std::make_index_sequence<kMembers.count>{});
+}
+
+template <typename Head>
+constexpr std::size_t kSizeWith = sizeof(Head) + kMembers.size;
+
+// The first axis of a frame begins at a multiple of 8, every further one where an axis ends.
+using FirstAxis = AxisHead<2>;
+constexpr std::size_t kEnd = kSizeWith<FirstAxis> % 8;
+static_assert(kEnd % 4 == 0, "the member `bench` of the next axis follows without a gap");
+using FurtherAxis = AxisHead<kEnd == 4 ? 6 : 2>;
+static_assert(offsetof(FirstAxis, tick) % 8 == 0 && sizeof(FirstAxis) % 8 == 0 &&
+              (kEnd + offsetof(FurtherAxis, tick)) % 8 == 0 &&
+              (kEnd + kSizeWith<FurtherAxis>) % 8 == kEnd);
+static_assert(kEncapsulation + kSizeWith<FirstAxis> == kAxisStatusSize);
 
 /// Straight to its place: a copy of what was just written in small pieces would have to wait.
-template <typename Layout>
+template <typename Head>
 void put_axis(const AxisStatus& status, const AxisAddress& address, std::uint64_t tick,
               const Ownership& owner, std::byte* place) noexcept {
   const auto put = [place](std::size_t offset, const auto& value) {
     std::memcpy(place + offset, &value, sizeof value);
   };
-  put(offsetof(Layout, bench), address.bench);
-  put(offsetof(Layout, axis), address.axis);
-  put(offsetof(Layout, gap_before_tick), decltype(Layout::gap_before_tick){});
-  put(offsetof(Layout, tick), tick);
-  put(offsetof(Layout, owner_session), owner.session);
-  put(offsetof(Layout, owner_epoch), owner.epoch);
-  put(offsetof(Layout, gap_before_last_sequence), std::uint32_t{0});
-  put(offsetof(Layout, last_sequence), owner.last_sequence);
-  put(offsetof(Layout, ds402_statusword), status.ds402_statusword);
-  put(offsetof(Layout, op_mode_actual), status.op_mode_actual);
-  put(offsetof(Layout, motor_op_status), status.motor_op_status);
-  put(offsetof(Layout, error_code), status.error_code);
-  put(offsetof(Layout, error_register), status.error_register);
-  put(offsetof(Layout, digital_inputs), status.digital_inputs);
-  std::memcpy(place + offsetof(Layout, motion), bytes_of(status).data() + kMotion, sizeof(Motion));
-  put(offsetof(Layout, current_actual_value), status.current_actual_value);
-  put(offsetof(Layout, gap_before_current_error_value), std::uint16_t{0});
-  put(offsetof(Layout, current_error_value), status.current_error_value);
-  put(offsetof(Layout, torque_demand), status.torque_demand);
-  put(offsetof(Layout, torque_actual_value), status.torque_actual_value);
-  put(offsetof(Layout, ignored_set_points), status.ignored_set_points);
-  put(offsetof(Layout, fault_count), status.fault_count);
+  put(offsetof(Head, bench), address.bench);
+  put(offsetof(Head, axis), address.axis);
+  put(offsetof(Head, gap_before_tick), decltype(Head::gap_before_tick){});
+  put(offsetof(Head, tick), tick);
+  put(offsetof(Head, owner_session), owner.session);
+  put(offsetof(Head, owner_epoch), owner.epoch);
+  put(offsetof(Head, gap_before_last_sequence), std::uint32_t{0});
+  put(offsetof(Head, last_sequence), owner.last_sequence);
+  put(sizeof(Head) + kMembers.gap, std::array<std::byte, kMembers.gap_size>{});
+  const std::byte* const image = std::as_bytes(std::span(&status, 1)).data();
+  for_each_piece([&](auto index) {
+    constexpr Piece kPiece = kMembers.pieces[index];
+    std::memcpy(place + sizeof(Head) + kPiece.in_sample, image + kPiece.in_image, kPiece.size);
+  });
 }
 
-template <typename Layout>
+template <typename Head>
 ReceivedStatus axis_at(const std::byte* place) noexcept {
-  Layout axis{};
-  std::memcpy(&axis, place, sizeof axis);
-  ReceivedStatus received{.address = {.bench = axis.bench, .axis = axis.axis},
-                          .tick = axis.tick,
-                          .owner = {.session = axis.owner_session,
-                                    .epoch = axis.owner_epoch,
-                                    .last_sequence = axis.last_sequence},
-                          .status = {.current_error_value = axis.current_error_value,
-                                     .current_actual_value = axis.current_actual_value,
-                                     .torque_actual_value = axis.torque_actual_value,
-                                     .torque_demand = axis.torque_demand,
-                                     .ds402_statusword = axis.ds402_statusword,
-                                     .error_code = axis.error_code,
-                                     .op_mode_actual = axis.op_mode_actual,
-                                     .motor_op_status = axis.motor_op_status,
-                                     .error_register = axis.error_register,
-                                     .digital_inputs = axis.digital_inputs,
-                                     .ignored_set_points = axis.ignored_set_points,
-                                     .fault_count = axis.fault_count}};
-  std::memcpy(std::as_writable_bytes(std::span(&received.status, 1)).data() + kMotion,
-              place + offsetof(Layout, motion), sizeof(Motion));
+  Head head{};
+  std::memcpy(&head, place, sizeof head);
+  ReceivedStatus received{.address = {.bench = head.bench, .axis = head.axis},
+                          .tick = head.tick,
+                          .owner = {.session = head.owner_session,
+                                    .epoch = head.owner_epoch,
+                                    .last_sequence = head.last_sequence},
+                          .status = {}};
+  std::byte* const image = std::as_writable_bytes(std::span(&received.status, 1)).data();
+  for_each_piece([&](auto index) {
+    constexpr Piece kPiece = kMembers.pieces[index];
+    std::memcpy(image + kPiece.in_image, place + sizeof(Head) + kPiece.in_sample, kPiece.size);
+  });
   return received;
 }
 
 /// Where an axis begins, behind the first one's beginning.
 constexpr std::size_t place_of(std::size_t position) noexcept {
-  return position == 0 ? 0 : sizeof(FirstAxis) + (position - 1) * sizeof(FurtherAxis);
+  return position == 0 ? 0 : kSizeWith<FirstAxis> + (position - 1) * kSizeWith<FurtherAxis>;
 }
 
 }  // namespace
