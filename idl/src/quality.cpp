@@ -56,9 +56,8 @@ dds::DataWriterQos writer_qos(const TopicTraits& topic) {
 dds::DataReaderQos reader_qos(const TopicTraits& topic) {
   dds::DataReaderQos qos;
   apply(topic, qos);
-  // Room for twice the largest sample of the type, and a sample that claims more is dropped: the
-  // other modes make as much room as its sender claims. The kernel gives the pages that are written
-  // to.
+  // Allocate twice the largest sample of the type; drop larger claims: the other modes allocate
+  // what a sender claims. Pages that are never written cost no memory.
   qos.endpoint().history_memory_policy = rtps::PREALLOCATED_MEMORY_MODE;
   auto& times = qos.reliable_reader_qos().times;
   times.initialAcknackDelay = {0, 5'000'000};

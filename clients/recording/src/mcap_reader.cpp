@@ -77,7 +77,7 @@ McapReader::McapReader(std::istream& file)
   std::string magic;
   if (!read(magic, std::min<std::uint64_t>(kMcapMagic.size(), size_)) ||
       !kMcapMagic.starts_with(magic) || magic.empty()) {
-    throw RecordingError("it is not an MCAP file: it begins with other bytes");
+    throw RecordingError("it is not an MCAP file: wrong magic bytes");
   }
 }
 

@@ -35,7 +35,7 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--bench", arguments.benches, "Serve this bench; may be repeated; default: all")
       ->check(CLI::Range(1U, wire::kHighestBench))
       ->type_name("N");
-  app.add_option("--namespace", arguments.name_space, "Before the names of topics, such as /cell1")
+  app.add_option("--namespace", arguments.name_space, "Prefix for topic names, such as /cell1")
       ->type_name("NAME");
   app.add_flag("--enable", arguments.enable,
                "Enable the axes of each bench that is found; default: command nothing until the "

@@ -16,10 +16,9 @@ namespace vdrive {
 //   watch    demand at the end of the tick, monitors, windows
 //   take     the next set-point, where the active one is reached
 //   show     the status image
-// A lane is steady where a tick of these would do nothing but continue in the segment and show
-// other numbers: its ticks are done with those of the block (drive/block.hpp) until something
-// happens. It moves within a segment outside of the target window, stands on its target, or has no
-// power.
+// A steady lane is one whose next tick only advances in its segment: its ticks are done with those
+// of the block (drive/block.hpp) until something happens. It moves within a segment outside of the
+// target window, stands on its target, or has no power.
 
 /// Follow, ask, plan.
 void begin_tick(Drive& drive) noexcept;

@@ -27,7 +27,7 @@ msg::ObjectResult& add_result(const msg::ObjectAccess& object, Reason reason, ms
 /// What a controlword of somebody who does not own the axis may do.
 enum class Stop : std::uint8_t { none, quick_stop, halt };
 
-/// A word that commands anything else beside the stop is no stop.
+/// A word that also commands something else is not a stop.
 Stop stop_in(ObjectRow row, std::int64_t value) {
   constexpr std::int64_t kHighest = std::numeric_limits<std::uint16_t>::max();
   if (row != "ds402_controlword"_object || value < 0 || value > kHighest) return Stop::none;

@@ -66,7 +66,7 @@ struct WireControl {
 
   // The engine writes.
   std::atomic<std::uint32_t> generation{0};  ///< wires started so far
-  std::atomic<std::uint32_t> stop{0};        ///< not 0: send what waits, take leave and end
+  std::atomic<std::uint32_t> stop{0};        ///< not 0: send what waits, announce the end
   std::atomic<std::uint32_t> settings_size{0};
   std::array<std::uint8_t, 16'384> settings{};  ///< WireSettings in MessagePack
 

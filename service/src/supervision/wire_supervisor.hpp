@@ -36,7 +36,7 @@ class WireSupervisor {
   /// @return whether no wire can be started any more: the spawner is gone.
   [[nodiscard]] bool is_cut_off() const noexcept { return spawner_.is_gone(); }
 
-  /// The bench ends: lets the wire send what waits and take leave, for `patience` at most.
+  /// The bench ends: lets the wire send what waits and announce its end, for `patience` at most.
   void stop(std::chrono::milliseconds patience) noexcept;
 
  private:
