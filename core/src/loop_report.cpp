@@ -32,15 +32,15 @@ using Row = Eigen::RowVectorXd;
 using Matrix = Eigen::MatrixXd;
 
 /// What the loops of lane 0 make of the states of a sub-step, as `control` of the kernel.
-struct Control {
+struct LoopOutput {
   Row error;    ///< of the velocity loop
   Row command;  ///< torque
 };
 
 /// The last three states: motor position, integrator, motor position one sub-step before.
-Control control_of(const LoopParameters& loop, const Row& measured, double substep) {
+LoopOutput control_of(const LoopParameters& loop, const Row& measured, double substep) {
   const Eigen::Index motor = measured.size() - 3;
-  Control control;
+  LoopOutput control;
   control.error = -loop.position_gain[0] * loop.inverse_ratio[0] * measured;
   control.error(motor) -= 1.0 / substep;
   control.error(motor + 2) += 1.0 / substep;
@@ -49,7 +49,7 @@ Control control_of(const LoopParameters& loop, const Row& measured, double subst
   return control;
 }
 
-void set_last_rows(const LoopParameters& loop, const Control& control, const Row& motor_step,
+void set_last_rows(const LoopParameters& loop, const LoopOutput& control, const Row& motor_step,
                    Matrix& step) {
   const Eigen::Index motor = step.rows() - 3;
   step.row(motor) = motor_step;
@@ -65,7 +65,7 @@ Matrix step_of(const RigidParameters& p, double substep) {
 
   Row measured = Row::Zero(count);
   measured(motor) = p.loop.closes_on_load[0] != 0.0 ? p.loop.ratio[0] : 1.0;
-  const Control control = control_of(p.loop, measured, substep);
+  const LoopOutput control = control_of(p.loop, measured, substep);
   const auto output = [&](double from_velocity, double from_torque, double from_command) -> Row {
     Row row = from_command * control.command;
     row(velocity) += from_velocity;
@@ -100,7 +100,7 @@ Matrix step_of(const ElasticParameters& p, double substep) {
   Row measured = Row::Zero(count);
   measured(motor) = on_load ? p.loop.ratio[0] : 1.0;
   measured(twist) = on_load ? -1.0 : 0.0;
-  const Control control = control_of(p.loop, measured, substep);
+  const LoopOutput control = control_of(p.loop, measured, substep);
   const auto output = [&](const ElasticRow& from) -> Row {
     Row row = from.command[0] * control.command;
     row(twist) += from.twist[0];

@@ -5,9 +5,7 @@
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/text.hpp"
 
-#include <algorithm>
 #include <map>
-#include <span>
 
 namespace vdrive::gateway {
 namespace {
@@ -18,20 +16,6 @@ struct Wanted {
   std::vector<std::size_t> places;
 };
 
-/// One request of up to 64 objects of an axis.
-void read_some(const client::Axis& axis, std::span<const ObjectAddress> objects,
-               std::span<const std::size_t> places, ParameterAnswer& answer) {
-  const auto readings = axis.read(objects);
-  if (!readings) {
-    answer.complaints.push_back(readings.outcome().message());
-    return;
-  }
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    const client::ObjectReading& reading = readings->objects[i];
-    if (reading.code == AbortCode::none) answer.parameters[places[i]].value = reading.value;
-  }
-}
-
 void read_axis(client::Session& session, const client::AxisId& id, const Wanted& wanted,
                ParameterAnswer& answer) {
   const auto axis = session.axis(to_string(id));
@@ -39,11 +23,14 @@ void read_axis(client::Session& session, const client::AxisId& id, const Wanted&
     answer.complaints.push_back(axis.outcome().message());
     return;
   }
-  const std::span objects(wanted.objects);
-  const std::span places(wanted.places);
-  for (std::size_t first = 0; first < objects.size(); first += client::kMostObjectsAtOnce) {
-    const std::size_t count = std::min(client::kMostObjectsAtOnce, objects.size() - first);
-    read_some(*axis, objects.subspan(first, count), places.subspan(first, count), answer);
+  const auto readings = axis->read(wanted.objects);
+  if (!readings) {
+    answer.complaints.push_back(readings.outcome().message());
+    return;
+  }
+  for (std::size_t i = 0; i < wanted.places.size(); ++i) {
+    const client::ObjectReading& reading = readings->objects[i];
+    if (reading.code == AbortCode::none) answer.parameters[wanted.places[i]].value = reading.value;
   }
 }
 

@@ -60,22 +60,22 @@ void move_along(Drive& drive) {
 }
 
 /// Another loop becomes the outermost one: it starts from what the axis does.
-void switch_control(Drive& drive, Control control) {
+void switch_control(Drive& drive, ControlLoop control) {
   DriveState& s = drive.state();
   if (control == s.demand.control) return;
   ServoState& servo = drive.servo();
   const std::size_t l = drive.lane();
-  if (s.demand.control == Control::torque) {
+  if (s.demand.control == ControlLoop::torque) {
     drive.demand().velocity[l] = servo.load_speed[l];
     s.demand.moving = false;
   }
-  if (control == Control::torque) {
+  if (control == ControlLoop::torque) {
     s.demand.torque = commanded_torque(drive);
     rest_at(drive, servo.load_reading[l]);
   }
   s.demand.control = control;
-  servo.closes_position[l] = control == Control::position ? 1.0 : 0.0;
-  servo.torque_control[l] = control == Control::torque ? 1.0 : 0.0;
+  servo.closes_position[l] = control == ControlLoop::position ? 1.0 : 0.0;
+  servo.torque_control[l] = control == ControlLoop::torque ? 1.0 : 0.0;
   drive.registers().request = {};
 }
 
@@ -190,7 +190,7 @@ void advance_demand(Drive& drive) {
   } else if (s.demand.moving) {
     move_along(drive);
   }
-  if (s.demand.control != Control::position) {
+  if (s.demand.control != ControlLoop::position) {
     drive.demand().position[drive.lane()] = actual_position(drive);
   }
   if (!s.demand.moving) finish_motion(drive);

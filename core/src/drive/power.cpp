@@ -24,7 +24,7 @@ void set_power(Drive& drive, bool powered) {
   drive.state().power.on = powered;
   drive.servo().powered[drive.lane()] = powered ? 1.0 : 0.0;
   drive.servo().integrator[drive.lane()] = 0.0;
-  drive.state().demand.control = Control::position;
+  drive.state().demand.control = ControlLoop::position;
   drive.servo().closes_position[drive.lane()] = 1.0;
   drive.servo().torque_control[drive.lane()] = 0.0;
   if (!powered) {

@@ -26,7 +26,7 @@ struct TickTiming {
 };
 
 /// The outermost loop that is closed.
-enum class Control : std::uint8_t { position, velocity, torque };
+enum class ControlLoop : std::uint8_t { position, velocity, torque };
 
 /// What the demand generator is asked for. Two equal requests need no new plan: other loops and
 /// other times come with a new target, which makes the request of before void.
@@ -34,7 +34,7 @@ struct MotionRequest {
   enum class Kind : std::uint8_t { hold, stop, move, synchronous_move, velocity, torque, follow };
 
   Kind kind = Kind::hold;
-  Control control = Control::position;  // the loop that has to be the outermost one
+  ControlLoop control = ControlLoop::position;  // the loop that has to be the outermost one
   double target = 0.0;  // moves, follow [UU]; velocity [UU/s]; torque [‰ of rated]
   MotionLimits limits;  // stop: the deceleration; torque: the acceleration is the slope [‰/s]
   MoveTimes times{};    // synchronous move
@@ -49,7 +49,7 @@ struct MotionRequest {
 /// Demand generator, beside the lane of its block.
 struct DemandState {
   double torque = 0.0;  // profile torque, at the end of the tick [‰ of rated]
-  Control control = Control::position;
+  ControlLoop control = ControlLoop::position;
   bool moving = false;     // the profile has not ended
   bool following = false;  // the demand of this tick goes to the streamed one
 };

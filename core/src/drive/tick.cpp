@@ -53,7 +53,7 @@ void watch_following_error(Drive& drive) {
   DriveState& s = drive.state();
   const PowerState state = s.power.machine.state();
   const bool watched =
-      s.power.on && s.demand.control == Control::position &&
+      s.power.on && s.demand.control == ControlLoop::position &&
       s.following_error.window != kWindowOff &&
       (state == PowerState::operation_enabled || state == PowerState::quick_stop_active);
   const bool outside = watched && std::abs(error) > static_cast<double>(s.following_error.window);
@@ -141,7 +141,7 @@ bool is_unpowered(const Drive& drive) {
 bool holds_position(const Drive& drive, const Mode& mode) {
   const DriveState& s = drive.state();
   return mode.moves_steadily && operation_enabled(drive) && s.power.on && !s.demand.following &&
-         s.demand.control == Control::position && s.following_error.count == 0 &&
+         s.demand.control == ControlLoop::position && s.following_error.count == 0 &&
          !s.following_error.shown;
 }
 

@@ -208,7 +208,10 @@ class Axis {
   /// force. Refused as `store` is.
   Outcome restore_defaults();
 
-  /// Reads up to kMostObjectsAtOnce objects. An object that is refused has its code in its place.
+  /// Reads objects, any number of them. An object that is refused has its code in its place.
+  /// @return the values in the order of `objects`. Each kMostObjectsAtOnce of them are one request,
+  ///         answered in one tick; `tick` is that of the last request. When one of the requests
+  ///         fails, its outcome and no value.
   Result<Readings> read(std::span<const ObjectAddress> objects) const;
 
   /// Reads one object. @return refused with its abort code.

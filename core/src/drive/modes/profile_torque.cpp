@@ -35,7 +35,7 @@ void advance(Drive& drive) {
 /// To `target` by the slope 6087h; 0 counts as 1.
 MotionRequest torque_to(const Drive& drive, double target) {
   return {.kind = MotionRequest::Kind::torque,
-          .control = Control::torque,
+          .control = ControlLoop::torque,
           .target = within_torque_limits(drive, target),
           .limits = {.velocity = 0.0,
                      .acceleration = std::max(real(drive, "torque_slope"_object), 1.0),
@@ -60,7 +60,7 @@ MotionRequest ask(const Drive& drive) {
 std::uint16_t status_bits(const Drive& drive) {
   if (halted(drive)) return reached_when(at_rest(drive));
   const DemandState& demand = drive.state().demand;
-  return reached_when(demand.control == Control::torque && !demand.moving &&
+  return reached_when(demand.control == ControlLoop::torque && !demand.moving &&
                       nearest(commanded_torque(drive)) == real(drive, "target_torque"_object));
 }
 

@@ -26,7 +26,7 @@ void advance(Drive& drive) {
 MotionRequest ask(const Drive& drive) {
   const DriveState& s = drive.state();
   MotionRequest request{.kind = MotionRequest::Kind::velocity,
-                        .control = Control::velocity,
+                        .control = ControlLoop::velocity,
                         .target = real(drive, "target_velocity"_object),
                         .limits = {.velocity = drive.registers().velocity_cap,
                                    .acceleration = acceleration_of(drive, "profile_acc"_object),
