@@ -109,7 +109,7 @@ void AxesCall::set_timeout(std::chrono::nanoseconds timeout) {
 
 Outcome AxesCall::acquire(bool by_force) {
   for (BenchPart& part : axes_.parts()) {
-    if (!core_->connection.may_command()) return not_permitted(part.target);
+    if (!core_->links.may_command()) return not_permitted(part.target);
     if (axes_.caller() == Caller::axis && core_->discovery.is_paused(part.target.key)) {
       return Outcome::failed(paused_text(part.target));
     }

@@ -19,7 +19,7 @@ Outcome AxesStop::begin(std::chrono::nanoseconds timeout) {
   if (Outcome begun = call_.begin(timeout); !begun) return begun;
   held_.assign(call_.now().size(), false);
   for (const BenchPart& part : call_.axes().parts()) {
-    if (!core_.connection.may_command()) return not_permitted(part.target);
+    if (!core_.links.may_command()) return not_permitted(part.target);
     if (call_.axes().caller() == Caller::axis && core_.discovery.is_paused(part.target.key)) {
       return Outcome::failed(paused_text(part.target));
     }

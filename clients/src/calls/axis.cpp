@@ -48,7 +48,7 @@ Axis::Axis(std::shared_ptr<SessionCore> core, AxisInfo info)
       unit_(std::move(info.unit)) {}
 
 Result<AxisSnapshot> Axis::status() const {
-  const auto target = core_->connection.connect(id_.bench);
+  const auto target = core_->links.connect(id_.bench);
   if (!target) return target.outcome();
   const std::array axes{id_.axis};
   auto seen = core_->observer.observe(*target, axes);
@@ -57,13 +57,13 @@ Result<AxisSnapshot> Axis::status() const {
 }
 
 Outcome Axis::acquire() {
-  const auto target = core_->connection.connect(id_.bench);
+  const auto target = core_->links.connect(id_.bench);
   if (!target) return target.outcome();
   return core_->control.acquire(*target, {&id_.axis, 1});
 }
 
 Outcome Axis::take_over() {
-  const auto target = core_->connection.connect(id_.bench);
+  const auto target = core_->links.connect(id_.bench);
   if (!target) return target.outcome();
   return core_->control.acquire(*target, {&id_.axis, 1}, true);
 }
@@ -158,7 +158,7 @@ Outcome Axis::restore_defaults() {
 }
 
 Outcome Axis::request_memory(std::uint32_t kind, const std::string& what) {
-  const auto target = core_->connection.connect(id_.bench);
+  const auto target = core_->links.connect(id_.bench);
   if (!target) return target.outcome();
   msg::Request request;
   request.kind(kind);
@@ -171,12 +171,11 @@ Outcome Axis::request_memory(std::uint32_t kind, const std::string& what) {
 }
 
 Result<Readings> Axis::read(std::span<const ObjectAddress> objects) const {
-  const auto target = core_->connection.connect(id_.bench);
+  const auto target = core_->links.connect(id_.bench);
   if (!target) return target.outcome();
   Readings readings;
-  for (std::size_t first = 0; first < objects.size(); first += msg::MAX_OBJECTS_PER_REQUEST) {
-    const auto part = objects.subspan(
-        first, std::min<std::size_t>(msg::MAX_OBJECTS_PER_REQUEST, objects.size() - first));
+  for (std::size_t first = 0; first < objects.size(); first += kMostObjectsAtOnce) {
+    const auto part = objects.subspan(first, std::min(kMostObjectsAtOnce, objects.size() - first));
     msg::Request request;
     request.kind(msg::REQUEST_READ);
     for (const ObjectAddress& object : part) request.objects().push_back(access_of(id_, object));
@@ -206,7 +205,7 @@ Result<std::int64_t> Axis::read(ObjectAddress object) const {
 }
 
 Result<std::uint64_t> Axis::write(ObjectAddress object, std::int64_t value) {
-  const auto target = core_->connection.connect(id_.bench);
+  const auto target = core_->links.connect(id_.bench);
   if (!target) return target.outcome();
   msg::Request request;
   request.kind(msg::REQUEST_WRITE);

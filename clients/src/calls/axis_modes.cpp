@@ -213,7 +213,7 @@ class RampWatch {
   bool rests_ = false;
 };
 
-/// What the wait for a velocity or a torque sees of what keeps it back.
+/// Obstacles seen while waiting for a velocity or a torque.
 struct Obstacles {
   LimitSwitchWatch limit_switch;
   RampWatch ramp;

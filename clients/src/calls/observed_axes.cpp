@@ -52,7 +52,7 @@ ObservedAxes::ObservedAxes(std::shared_ptr<SessionCore> core, GroupLayout layout
 
 Outcome ObservedAxes::connect() {
   for (const GroupLayout::Bench& bench : layout_->benches) {
-    auto target = core_->connection.connect(bench.number);
+    auto target = core_->links.connect(bench.number);
     if (!target) return target.outcome();
     BenchPart& part = parts_.emplace_back();
     part.bench = &bench;

@@ -28,17 +28,17 @@ std::vector<StatusMember> readable_members() {
 
 }  // namespace
 
-Observer::Observer(const Discovery& discovery, const Connection& connection, Requests& requests,
+Observer::Observer(const Discovery& discovery, const BenchLinks& links, Requests& requests,
                    BenchClocks& clocks, StatusStream& stream, Waiter& waiter)
     : discovery_(discovery),
-      connection_(connection),
+      links_(links),
       requests_(requests),
       clocks_(clocks),
       stream_(stream),
       waiter_(waiter) {}
 
 Result<Observation> Observer::observe(const Target& target, std::span<const std::uint16_t> axes) {
-  if (!connection_.may_command()) return stream_.next_samples(target, axes);
+  if (!links_.may_command()) return stream_.next_samples(target, axes);
   if (target.steps()) return clocks_.step(target, 0, axes);
   if (target.is_paused) return read_status(target, axes);
   const auto feed = stream_.open_feed(target, {axes.begin(), axes.end()});
@@ -58,7 +58,7 @@ Result<Observation> Observer::observe(const Target& target, std::span<const std:
 /// While time stands still a bench sends no status frames.
 Result<Observation> Observer::observe_at_rest(const Target& target,
                                               std::span<const std::uint16_t> axes) {
-  return connection_.may_command() ? read_status(target, axes) : stream_.next_samples(target, axes);
+  return links_.may_command() ? read_status(target, axes) : stream_.next_samples(target, axes);
 }
 
 Result<Observation> Observer::read_status(const Target& target,
@@ -91,7 +91,7 @@ Result<Observation> Observer::read_status(const Target& target,
 }
 
 Result<std::uint64_t> Observer::present_tick(const Target& target, Silence silence) {
-  if (target.steps() && connection_.may_command()) {
+  if (target.steps() && links_.may_command()) {
     const auto shown = clocks_.step(target, 0, {}, kStepPatience, silence);
     if (!shown) return shown.outcome();
     return shown->tick;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "clocks/bench_clocks.hpp"
-#include "exchange/connection.hpp"
+#include "exchange/bench_links.hpp"
 #include "exchange/requests.hpp"
 #include "presence/target.hpp"
 #include "streams/status_stream.hpp"
@@ -17,7 +17,7 @@ namespace vdrive::client {
 /// permissions of this session allow. Has no state. Thread-safe.
 class Observer {
  public:
-  Observer(const Discovery& discovery, const Connection& connection, Requests& requests,
+  Observer(const Discovery& discovery, const BenchLinks& links, Requests& requests,
            BenchClocks& clocks, StatusStream& stream, Waiter& waiter);
 
   /// The present state of `axes`.
@@ -43,7 +43,7 @@ class Observer {
   Result<Observation> read_status(const Target& target, std::span<const std::uint16_t> axes);
 
   const Discovery& discovery_;
-  const Connection& connection_;
+  const BenchLinks& links_;
   Requests& requests_;
   BenchClocks& clocks_;
   StatusStream& stream_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "exchange/connection.hpp"
+#include "exchange/bench_links.hpp"
 
 #include <algorithm>
 #include <string>
@@ -36,7 +36,7 @@ std::unique_ptr<wire::Publication<Message>> publication_if_permitted(
 
 }  // namespace
 
-Connection::Connection(wire::Participant& participant, std::uint64_t session, Discovery& discovery,
+BenchLinks::BenchLinks(wire::Participant& participant, std::uint64_t session, Discovery& discovery,
                        Holdings& holdings, UnansweredMessages& unanswered, Wakeup& wakeup)
     : session_(session),
       discovery_(discovery),
@@ -56,13 +56,13 @@ Connection::Connection(wire::Participant& participant, std::uint64_t session, Di
 
 // ---- what arrives ----------------------------------------------------------------------------
 
-void Connection::on_reply(const msg::Reply& message, const wire::Source& source) {
+void BenchLinks::on_reply(const msg::Reply& message, const wire::Source& source) {
   if (message.client() != session_) return;
   discovery_.note_sample({message.bench(), message.incarnation()}, message.tick(), source);
   if (unanswered_.requests.answer(message.request_id(), message)) wakeup_.notify();
 }
 
-void Connection::on_command_reply(const msg::CommandReply& message, const wire::Source& source) {
+void BenchLinks::on_command_reply(const msg::CommandReply& message, const wire::Source& source) {
   if (message.session() != session_) return;
   const BenchKey key{message.bench(), message.incarnation()};
   discovery_.note_sender(key, source);
@@ -73,7 +73,7 @@ void Connection::on_command_reply(const msg::CommandReply& message, const wire::
 
 // ---- matching --------------------------------------------------------------------------------
 
-Result<Target> Connection::connect(std::uint32_t number) {
+Result<Target> BenchLinks::connect(std::uint32_t number) {
   if (is_closed_) return Outcome::failed(kSessionEnded);
   const auto bench = discovery_.find_bench(number);
   if (!bench) return bench.outcome();
@@ -83,27 +83,27 @@ Result<Target> Connection::connect(std::uint32_t number) {
   return target;
 }
 
-Connection::Link& Connection::link_of(const BenchKey& key) {
+BenchLinks::Link& BenchLinks::link_of(const BenchKey& key) {
   const std::scoped_lock lock(mutex_);
   return links_[key];
 }
 
 /// @return the participant that has what was sent to this run; none before the first match.
-wire::Source Connection::reached_source_of(const BenchKey& key) const {
+wire::Source BenchLinks::reached_source_of(const BenchKey& key) const {
   const std::scoped_lock lock(mutex_);
   const auto link = links_.find(key);
   return link == links_.end() ? wire::Source{} : link->second.source;
 }
 
 /// Both ends of all four queues: what is sent before that never arrives.
-bool Connection::is_matched(const wire::Source& source, milliseconds patience) {
+bool BenchLinks::is_matched(const wire::Source& source, milliseconds patience) {
   return request_publication_->wait_for_match(source, patience) &&
          command_publication_->wait_for_match(source, patience) &&
          reply_subscription_.wait_for_match(source, patience) &&
          command_reply_subscription_.wait_for_match(source, patience);
 }
 
-Result<OpenLink> Connection::open(const Target& target, std::string_view what,
+Result<OpenLink> BenchLinks::open(const Target& target, std::string_view what,
                                   milliseconds patience) {
   if (is_closed_) return Outcome::failed(kSessionEnded);
   if (!may_command()) return not_permitted(target);
@@ -120,7 +120,7 @@ Result<OpenLink> Connection::open(const Target& target, std::string_view what,
   return link;
 }
 
-OpenLink Connection::try_open(const BenchKey& key) {
+OpenLink BenchLinks::try_open(const BenchKey& key) {
   OpenLink link{.key = key, .sending = {link_of(key).mutex, std::try_to_lock}};
   link.is_matched = link.sending && reconnect(key, milliseconds(0));
   return link;
@@ -128,7 +128,7 @@ OpenLink Connection::try_open(const BenchKey& key) {
 
 /// With the link's mutex, before anything is sent: when another participant sends for the run now,
 /// matches it and sends again what is not answered. @return whether the link is open.
-bool Connection::reconnect(const BenchKey& key, milliseconds patience) {
+bool BenchLinks::reconnect(const BenchKey& key, milliseconds patience) {
   const auto source = discovery_.source_of(key);
   if (!source || reached_source_of(key) == *source) return true;
   if (!is_matched(*source, patience) || !repeat(key, Clock::time_point::max())) return false;
@@ -141,7 +141,7 @@ bool Connection::reconnect(const BenchKey& key, milliseconds patience) {
 
 /// Sends again, in order and with their numbers, what was last sent before that time and is not
 /// answered. @return false when a queue is full.
-bool Connection::repeat(const BenchKey& key, Clock::time_point sent_before) {
+bool BenchLinks::repeat(const BenchKey& key, Clock::time_point sent_before) {
   const std::vector<msg::CommandFrame> frames = unanswered_.frames.to_repeat(key, sent_before);
   const std::vector<msg::Request> requests = unanswered_.requests.to_repeat(key, sent_before);
   // A step names the last frame before it, and waits for it: frames first.
@@ -155,14 +155,14 @@ bool Connection::repeat(const BenchKey& key, Clock::time_point sent_before) {
 }
 
 /// @return whether another participant sends for the run than the one that has what was sent.
-bool Connection::is_broken(const BenchKey& key) const {
+bool BenchLinks::is_broken(const BenchKey& key) const {
   const wire::Source reached = reached_source_of(key);
   if (reached == wire::Source{}) return false;
   const auto source = discovery_.source_of(key);
   return source && *source != reached;
 }
 
-bool Connection::repair(const BenchKey& key) {
+bool BenchLinks::repair(const BenchKey& key) {
   const bool was_broken = is_broken(key);
   const auto late = Clock::now() - kRepeatAfter;
   const bool is_overdue =
@@ -174,7 +174,7 @@ bool Connection::repair(const BenchKey& key) {
 }
 
 template <typename Message>
-bool Connection::send_patiently(wire::Publication<Message>& publication, const OpenLink& link,
+bool BenchLinks::send_patiently(wire::Publication<Message>& publication, const OpenLink& link,
                                 const Message& message) {
   const auto deadline = Clock::now() + kFullQueue;
   while (!publication.write(message)) {
@@ -185,15 +185,15 @@ bool Connection::send_patiently(wire::Publication<Message>& publication, const O
   return true;
 }
 
-bool Connection::send(const OpenLink& link, const msg::Request& request) {
+bool BenchLinks::send(const OpenLink& link, const msg::Request& request) {
   return send_patiently(*request_publication_, link, request);
 }
 
-bool Connection::send(const OpenLink& link, const msg::CommandFrame& frame) {
+bool BenchLinks::send(const OpenLink& link, const msg::CommandFrame& frame) {
   return send_patiently(*command_publication_, link, frame);
 }
 
-bool Connection::send_keep_alive(const BenchKey& key) {
+bool BenchLinks::send_keep_alive(const BenchKey& key) {
   if (is_closed_) return true;
   // Busy: a frame or a request is on its way, which shows the same.
   const auto sending = holdings_.try_lock_sending(key.number);

@@ -44,9 +44,9 @@ struct OpenLink {
 /// for the same run, and messages in transit are lost. A service carries out each message once,
 /// however often it arrives, so after a reconnection every unanswered message is sent again.
 /// Thread-safe.
-class Connection {
+class BenchLinks {
  public:
-  Connection(wire::Participant& participant, std::uint64_t session, Discovery& discovery,
+  BenchLinks(wire::Participant& participant, std::uint64_t session, Discovery& discovery,
              Holdings& holdings, UnansweredMessages& unanswered, Wakeup& wakeup);
 
   /// Whether this session's permissions let it send requests and commands to benches.

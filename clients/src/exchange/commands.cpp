@@ -17,12 +17,12 @@ static_assert(kMostObjectsAtOnce == msg::MAX_OBJECTS_PER_REQUEST);
 
 }  // namespace
 
-Commands::Commands(Connection& connection, Holdings& holdings, UnansweredFrames& unanswered,
+Commands::Commands(BenchLinks& links, Holdings& holdings, UnansweredFrames& unanswered,
                    Waiter& waiter)
-    : connection_(connection), holdings_(holdings), unanswered_(unanswered), waiter_(waiter) {}
+    : links_(links), holdings_(holdings), unanswered_(unanswered), waiter_(waiter) {}
 
 Outcome Commands::send(SentFrames& sent, std::span<const FrameContent> frames) {
-  if (!connection_.may_command()) return not_permitted(sent.target);
+  if (!links_.may_command()) return not_permitted(sent.target);
   const auto sending = holdings_.lock_sending(sent.target.key.number);
   for (const FrameContent& content : frames) {
     if (Outcome outcome = send_one(sent, content); !outcome) return outcome;
@@ -32,7 +32,7 @@ Outcome Commands::send(SentFrames& sent, std::span<const FrameContent> frames) {
 
 Outcome Commands::send_one(SentFrames& sent, const FrameContent& content) {
   const Target& target = sent.target;
-  const auto link = connection_.open(target, "commands");
+  const auto link = links_.open(target, "commands");
   if (!link) return link.outcome();
   msg::CommandFrame frame = next_frame(target, content);
   const std::uint64_t sequence = frame.sequence_number();
@@ -41,7 +41,7 @@ Outcome Commands::send_one(SentFrames& sent, const FrameContent& content) {
   const msg::CommandFrame& kept =
       unanswered_.add({target.key, sequence}, target.key, std::move(frame));
   sent.sequences.push_back(sequence);
-  if (connection_.send(*link, kept)) return {};
+  if (links_.send(*link, kept)) return {};
   return Outcome::lost(name_of(target) + " accepts no more commands");
 }
 
@@ -58,12 +58,12 @@ msg::CommandFrame Commands::next_frame(const Target& target, const FrameContent&
 }
 
 Outcome Commands::send_unawaited(const Target& target, std::span<const FrameContent> frames) {
-  if (!connection_.may_command()) return not_permitted(target);
+  if (!links_.may_command()) return not_permitted(target);
   const auto sending = holdings_.lock_sending(target.key.number);
-  const auto link = connection_.open(target, "commands");
+  const auto link = links_.open(target, "commands");
   if (!link) return link.outcome();
   for (const FrameContent& content : frames) {
-    if (!connection_.send(*link, next_frame(target, content))) {
+    if (!links_.send(*link, next_frame(target, content))) {
       return Outcome::lost(name_of(target) + " accepts no more commands");
     }
   }

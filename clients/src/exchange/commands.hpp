@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "exchange/connection.hpp"
+#include "exchange/bench_links.hpp"
 #include "exchange/holdings.hpp"
 #include "exchange/unanswered.hpp"
 #include "exchange/waiter.hpp"
@@ -38,8 +38,7 @@ struct Applied {
 /// Sends command frames and collects their answers. Thread-safe.
 class Commands {
  public:
-  Commands(Connection& connection, Holdings& holdings, UnansweredFrames& unanswered,
-           Waiter& waiter);
+  Commands(BenchLinks& links, Holdings& holdings, UnansweredFrames& unanswered, Waiter& waiter);
 
   /// Sends frames in order, with no frame of another thread between them, and adds each to what was
   /// sent, also before a failure.
@@ -62,7 +61,7 @@ class Commands {
   [[nodiscard]] bool is_answered(const SentFrames& sent) const;
   [[nodiscard]] bool is_refused(const SentFrames& sent) const;
 
-  Connection& connection_;
+  BenchLinks& links_;
   Holdings& holdings_;
   UnansweredFrames& unanswered_;
   Waiter& waiter_;

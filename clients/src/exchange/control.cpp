@@ -22,12 +22,11 @@ constexpr ObjectAddress kControlword = vdrive::describe("ds402_controlword"_obje
 
 }  // namespace
 
-Control::Control(KeepAlive keep_alive, Requests& requests, Holdings& holdings,
-                 Connection& connection)
+Control::Control(KeepAlive keep_alive, Requests& requests, Holdings& holdings, BenchLinks& links)
     : keep_alive_(keep_alive),
       requests_(requests),
       holdings_(holdings),
-      keep_alive_sender_(holdings, connection) {}
+      keep_alive_sender_(holdings, links) {}
 
 Control::~Control() {
   end();

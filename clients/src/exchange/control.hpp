@@ -18,7 +18,7 @@ namespace vdrive::client {
 /// Takes control of axes, keeps it and gives it back. Thread-safe.
 class Control {
  public:
-  Control(KeepAlive keep_alive, Requests& requests, Holdings& holdings, Connection& connection);
+  Control(KeepAlive keep_alive, Requests& requests, Holdings& holdings, BenchLinks& links);
 
   ~Control();
   Control(const Control&) = delete;

@@ -36,7 +36,7 @@ class Holdings {
   /// and no frame is sent during a request that may change the epoch. A bench that does not answer
   /// delays no frame to another.
   ///
-  /// Order of locks in a session: this one, the link to the bench (Connection::open), the lock of
+  /// Order of locks in a session: this one, the link to the bench (BenchLinks::open), the lock of
   /// one state. The lock of a state is held for a few instructions and inside of it no other is
   /// taken.
   [[nodiscard]] std::unique_lock<std::mutex> lock_sending(std::uint32_t bench);

@@ -41,7 +41,7 @@ void KeepAliveSender::start() {
 milliseconds KeepAliveSender::send() {
   bool are_all_reached = true;
   for (const BenchKey& key : holdings_.to_keep_alive()) {
-    are_all_reached &= connection_.send_keep_alive(key);
+    are_all_reached &= links_.send_keep_alive(key);
   }
   return are_all_reached ? kKeepAlivePeriod : kRetry;
 }

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/periodic_thread.hpp"
-#include "exchange/connection.hpp"
+#include "exchange/bench_links.hpp"
 #include "exchange/holdings.hpp"
 
 #include <chrono>
@@ -14,8 +14,8 @@ namespace vdrive::client {
 /// session.
 class KeepAliveSender {
  public:
-  KeepAliveSender(const Holdings& holdings, Connection& connection)
-      : holdings_(holdings), connection_(connection) {}
+  KeepAliveSender(const Holdings& holdings, BenchLinks& links)
+      : holdings_(holdings), links_(links) {}
 
   /// Starts the thread, once.
   void start();
@@ -28,7 +28,7 @@ class KeepAliveSender {
   [[nodiscard]] std::chrono::milliseconds send();
 
   const Holdings& holdings_;
-  Connection& connection_;
+  BenchLinks& links_;
   std::once_flag started_;
   PeriodicThread thread_;
 };

@@ -6,13 +6,13 @@
 
 namespace vdrive::client {
 
-Requests::Requests(std::uint64_t session, Connection& connection, UnansweredRequests& unanswered,
+Requests::Requests(std::uint64_t session, BenchLinks& links, UnansweredRequests& unanswered,
                    Waiter& waiter)
-    : session_(session), connection_(connection), unanswered_(unanswered), waiter_(waiter) {}
+    : session_(session), links_(links), unanswered_(unanswered), waiter_(waiter) {}
 
 Result<std::uint64_t> Requests::send(const Target& target, msg::Request request,
                                      std::chrono::milliseconds patience) {
-  const auto link = connection_.open(target, "requests", patience);
+  const auto link = links_.open(target, "requests", patience);
   if (!link) return link.outcome();
   const std::uint64_t number = ++last_number_;
   request.client(session_);
@@ -22,7 +22,7 @@ Result<std::uint64_t> Requests::send(const Target& target, msg::Request request,
   request.session(session_);
   // Kept before it is sent: the reply may arrive first.
   const msg::Request& kept = unanswered_.add(number, target.key, std::move(request));
-  if (connection_.send(*link, kept)) return number;
+  if (links_.send(*link, kept)) return number;
   (void)unanswered_.take(number);
   return Outcome::lost(name_of(target) + " accepts no more requests");
 }

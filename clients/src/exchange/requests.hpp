@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "exchange/connection.hpp"
+#include "exchange/bench_links.hpp"
 #include "exchange/unanswered.hpp"
 #include "exchange/waiter.hpp"
 #include "presence/target.hpp"
@@ -18,7 +18,7 @@ namespace vdrive::client {
 /// Sends requests and awaits their replies. Thread-safe.
 class Requests {
  public:
-  Requests(std::uint64_t session, Connection& connection, UnansweredRequests& unanswered,
+  Requests(std::uint64_t session, BenchLinks& links, UnansweredRequests& unanswered,
            Waiter& waiter);
 
   /// Sends a request and awaits its reply. Fills in sender and receiver.
@@ -41,7 +41,7 @@ class Requests {
 
  private:
   const std::uint64_t session_;
-  Connection& connection_;
+  BenchLinks& links_;
   UnansweredRequests& unanswered_;
   Waiter& waiter_;
   std::atomic<std::uint64_t> last_number_ = 0;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/wakeup.hpp"
-#include "exchange/connection.hpp"
+#include "exchange/bench_links.hpp"
 #include "presence/discovery.hpp"
 #include "presence/target.hpp"
 
@@ -30,8 +30,8 @@ inline constexpr Patience kAnswer{std::chrono::milliseconds(10'000), false};
 /// bench will not send any more. The caller holds no lock of a state.
 class Waiter {
  public:
-  Waiter(Wakeup& wakeup, const Discovery& discovery, Connection& connection)
-      : wakeup_(wakeup), discovery_(discovery), connection_(connection) {}
+  Waiter(Wakeup& wakeup, const Discovery& discovery, BenchLinks& links)
+      : wakeup_(wakeup), discovery_(discovery), links_(links) {}
 
   /// Waits until `condition` holds; it is called after each change, without a lock.
   template <typename Condition>
@@ -42,7 +42,7 @@ class Waiter {
       const std::uint64_t changes = wakeup_.changes();
       if (condition()) return {};
       const auto now = Wakeup::Clock::now();
-      const bool is_broken = connection_.repair(target.key);
+      const bool is_broken = links_.repair(target.key);
       if (condition()) return {};
       if (auto end = end_of_wait(target, patience, begin)) return std::move(*end);
       const auto deadline = begin + patience.timeout + (discovery_.own_pauses() - pauses);
@@ -65,7 +65,7 @@ class Waiter {
 
   Wakeup& wakeup_;
   const Discovery& discovery_;
-  Connection& connection_;
+  BenchLinks& links_;
 };
 
 }  // namespace vdrive::client

@@ -46,7 +46,7 @@ Result<std::map<std::uint32_t, std::vector<std::uint16_t>>> find_by_bench(
 /// A request about saved states of a bench.
 Result<msg::Reply> exchange_snapshot(SessionCore& core, std::uint32_t bench, std::uint32_t kind,
                                      std::uint64_t snapshot) {
-  const auto target = core.connection.connect(bench);
+  const auto target = core.links.connect(bench);
   if (!target) return target.outcome();
   msg::Request request;
   request.kind(kind);
@@ -164,7 +164,7 @@ Result<std::vector<Axis>> Session::axes(std::optional<std::uint32_t> bench) {
 }
 
 Result<std::uint64_t> Session::step(std::uint32_t bench, std::uint64_t ticks) {
-  const auto target = core_->connection.connect(bench);
+  const auto target = core_->links.connect(bench);
   if (!target) return target.outcome();
   const auto reached = core_->clocks.step(*target, ticks, {});
   if (!reached) return reached.outcome();
@@ -172,19 +172,19 @@ Result<std::uint64_t> Session::step(std::uint32_t bench, std::uint64_t ticks) {
 }
 
 Result<std::uint64_t> Session::set_rate(std::uint32_t bench, double rate) {
-  const auto target = core_->connection.connect(bench);
+  const auto target = core_->links.connect(bench);
   if (!target) return target.outcome();
   return core_->clocks.set_rate(*target, rate);
 }
 
 Result<std::uint64_t> Session::wait(std::uint32_t bench, std::chrono::nanoseconds duration) {
-  const auto target = core_->connection.connect(bench);
+  const auto target = core_->links.connect(bench);
   if (!target) return target.outcome();
   return core_->observer.wait_for_ticks(*target, ticks_of(duration, target->period));
 }
 
 Result<std::uint64_t> Session::wait_for_tick(std::uint32_t bench, std::uint64_t tick) {
-  const auto target = core_->connection.connect(bench);
+  const auto target = core_->links.connect(bench);
   if (!target) return target.outcome();
   return core_->observer.wait_for_tick(*target, tick);
 }
@@ -218,7 +218,7 @@ Outcome Session::drop_snapshot(std::uint32_t bench, std::uint64_t snapshot) {
 }
 
 Outcome Session::send_set_points(std::uint32_t bench, std::span<const SetPointFrame> frames) {
-  const auto target = core_->connection.connect(bench);
+  const auto target = core_->links.connect(bench);
   if (!target) return target.outcome();
   std::vector<FrameContent> contents;
   contents.reserve(frames.size());
@@ -229,7 +229,7 @@ Outcome Session::send_set_points(std::uint32_t bench, std::span<const SetPointFr
 Outcome Session::acquire(std::span<const AxisId> axes) {
   const auto numbers = numbers_of(axes);
   if (!numbers) return numbers.outcome();
-  const auto target = core_->connection.connect(axes.front().bench);
+  const auto target = core_->links.connect(axes.front().bench);
   if (!target) return target.outcome();
   std::span<const std::uint16_t> left(*numbers);
   while (!left.empty()) {
@@ -243,7 +243,7 @@ Outcome Session::acquire(std::span<const AxisId> axes) {
 Result<Observation> Session::observe(std::span<const AxisId> axes) {
   const auto numbers = numbers_of(axes);
   if (!numbers) return numbers.outcome();
-  const auto target = core_->connection.connect(axes.front().bench);
+  const auto target = core_->links.connect(axes.front().bench);
   if (!target) return target.outcome();
   auto seen = core_->observer.observe(*target, *numbers);
   if (seen) core_->holdings.note_seen(target->key, seen->axes);
@@ -253,7 +253,7 @@ Result<Observation> Session::observe(std::span<const AxisId> axes) {
 Result<Follower> Session::follow(std::vector<AxisId> axes, Pace pace) {
   auto numbers = numbers_of(axes);
   if (!numbers) return numbers.outcome();
-  const auto target = core_->connection.connect(axes.front().bench);
+  const auto target = core_->links.connect(axes.front().bench);
   if (!target) return target.outcome();
   return core_->follow(*target, std::move(*numbers), pace);
 }

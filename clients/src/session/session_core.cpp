@@ -50,14 +50,14 @@ SessionCore::SessionCore(const SessionOptions& chosen)
       holdings(id),
       participant(settings_of(options), "vdrive client"),
       discovery(participant, options, wakeup),
-      connection(participant, id, discovery, holdings, unanswered, wakeup),
-      waiter(wakeup, discovery, connection),
-      requests(id, connection, unanswered.requests, waiter),
-      commands(connection, holdings, unanswered.frames, waiter),
-      control(options.keep_alive, requests, holdings, connection),
+      links(participant, id, discovery, holdings, unanswered, wakeup),
+      waiter(wakeup, discovery, links),
+      requests(id, links, unanswered.requests, waiter),
+      commands(links, holdings, unanswered.frames, waiter),
+      control(options.keep_alive, requests, holdings, links),
       clocks(id, requests, holdings, discovery, wakeup),
       stream(participant, discovery, waiter, wakeup),
-      observer(discovery, connection, requests, clocks, stream, waiter),
+      observer(discovery, links, requests, clocks, stream, waiter),
       watcher(discovery, stream),
       events(participant, discovery),
       statuses(discovery, stream) {}
@@ -68,12 +68,12 @@ void SessionCore::end() {
   statuses.stop();
   clocks.leave_all();
   control.end();
-  connection.close();
+  links.close();
 }
 
 void SessionCore::abandon() noexcept {
   // In this order: a call that waits must not send again what was not answered.
-  connection.close();
+  links.close();
   wakeup.interrupt();
 }
 

@@ -4,8 +4,8 @@
 #include "base/wakeup.hpp"
 #include "clocks/bench_clocks.hpp"
 #include "clocks/observer.hpp"
+#include "exchange/bench_links.hpp"
 #include "exchange/commands.hpp"
-#include "exchange/connection.hpp"
 #include "exchange/control.hpp"
 #include "exchange/holdings.hpp"
 #include "exchange/requests.hpp"
@@ -49,7 +49,7 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   UnansweredMessages unanswered;
   wire::Participant participant;
   Discovery discovery;
-  Connection connection;
+  BenchLinks links;
   Waiter waiter;
   Requests requests;
   Commands commands;

@@ -52,7 +52,7 @@ struct StepClock::State {
 
 /// Joins the clock of the bench.
 Outcome StepClock::State::add(std::uint32_t bench) {
-  const auto target = core->connection.connect(bench);
+  const auto target = core->links.connect(bench);
   if (!target) return target.outcome();
   if (!target->steps()) {
     return Outcome::refused(msg::REASON_WRONG_CLOCK_MODE,
