@@ -7,7 +7,7 @@
 #include <map>
 #include <stdexcept>
 
-namespace vdrive::wire::ros {
+namespace vdrive::ros {
 namespace {
 
 // The hashes that nodes of ROS 2 announce, as their logs, `ros2 topic info --verbose` and the
@@ -54,4 +54,4 @@ TEST(RosTopic, HasThePrefixOfRosAndAValidName) {
 }
 
 }  // namespace
-}  // namespace vdrive::wire::ros
+}  // namespace vdrive::ros

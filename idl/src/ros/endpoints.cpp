@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-namespace vdrive::wire::ros {
+namespace vdrive::ros {
 namespace {
 
 namespace dds = eprosima::fastdds::dds;
@@ -93,11 +93,11 @@ dds::DataReaderQos reader_qos(const Traits& traits) {
 
 template <typename Message>
 struct Publication<Message>::Entities {
-  Writer writer;
+  wire::Writer writer;
 };
 
 template <typename Message>
-Publication<Message>::Publication(Participant& participant, std::string_view topic)
+Publication<Message>::Publication(wire::Participant& participant, std::string_view topic)
     : entities_(new Entities{.writer = {participant.entities(), dds_topic(topic),
                                         dds::TypeSupport(new MessageType<Message>()),
                                         writer_qos(SupportOf<Message>::kTraits)}}) {}
@@ -119,18 +119,18 @@ template <typename Message>
 struct Subscription<Message>::Entities {
   Handler handler;
   Message message{};  ///< keeps its capacity from sample to sample
-  std::optional<Reader> reader{};
+  std::optional<wire::Reader> reader{};
 };
 
 template <typename Message>
-Subscription<Message>::Subscription(Participant& participant, std::string_view topic,
+Subscription<Message>::Subscription(wire::Participant& participant, std::string_view topic,
                                     Handler handler)
     : entities_(std::make_unique<Entities>()) {
   entities_->handler = std::move(handler);
   entities_->reader.emplace(participant.entities(), dds_topic(topic),
                             dds::TypeSupport(new MessageType<Message>()),
                             reader_qos(SupportOf<Message>::kTraits), &entities_->message,
-                            [entities = entities_.get()](const WriterId& writer) {
+                            [entities = entities_.get()](const wire::WriterId& writer) {
                               entities->handler(entities->message, writer);
                             });
 }
@@ -157,4 +157,4 @@ template class Subscription<JointState>;
 template class Subscription<JointTrajectory>;
 template class Subscription<Log>;
 
-}  // namespace vdrive::wire::ros
+}  // namespace vdrive::ros

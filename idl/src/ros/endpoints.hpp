@@ -9,7 +9,7 @@
 
 #include <string_view>
 
-namespace vdrive::wire::ros {
+namespace vdrive::ros {
 
 /// What publication and subscription of a type need to know.
 struct Traits {
@@ -82,4 +82,4 @@ class MessageType final : public SupportOf<Message>::Type {
 [[nodiscard]] eprosima::fastdds::dds::DataWriterQos writer_qos(const Traits& traits);
 [[nodiscard]] eprosima::fastdds::dds::DataReaderQos reader_qos(const Traits& traits);
 
-}  // namespace vdrive::wire::ros
+}  // namespace vdrive::ros

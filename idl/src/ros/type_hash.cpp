@@ -12,7 +12,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace vdrive::wire::ros {
+namespace vdrive::ros {
 namespace {
 
 /// Numbers of type_description_interfaces/msg/FieldType.
@@ -157,4 +157,4 @@ std::string type_hash(std::string_view type) {
   return hash;
 }
 
-}  // namespace vdrive::wire::ros
+}  // namespace vdrive::ros

@@ -13,7 +13,7 @@
 
 /// Topics of ROS 2 on plain DDS. Each type has the quality of service that its readers and writers
 /// in ROS expect; the hash of the type is in USER_DATA.
-namespace vdrive::wire::ros {
+namespace vdrive::ros {
 
 /// @param name as ROS writes it, such as "/cell1/joint_states"
 /// @return the name on DDS, such as "rt/cell1/joint_states".
@@ -30,8 +30,8 @@ template <typename Message>
 class Publication {
  public:
   /// @param topic as ROS writes it
-  /// @throws NetworkError when DDS refuses topic or writer.
-  Publication(Participant& participant, std::string_view topic);
+  /// @throws wire::NetworkError when DDS refuses topic or writer.
+  Publication(wire::Participant& participant, std::string_view topic);
   ~Publication();
   Publication(const Publication&) = delete;
   Publication& operator=(const Publication&) = delete;
@@ -53,11 +53,11 @@ template <typename Message>
 class Subscription {
  public:
   /// Runs in the DDS receive thread: must be short, must not wait and must not write a message.
-  using Handler = std::function<void(const Message& message, const WriterId& writer)>;
+  using Handler = std::function<void(const Message& message, const wire::WriterId& writer)>;
 
   /// @param topic as ROS writes it
-  /// @throws NetworkError when DDS refuses topic or reader.
-  Subscription(Participant& participant, std::string_view topic, Handler handler);
+  /// @throws wire::NetworkError when DDS refuses topic or reader.
+  Subscription(wire::Participant& participant, std::string_view topic, Handler handler);
   ~Subscription();  ///< no handler runs after this returns
   Subscription(const Subscription&) = delete;
   Subscription& operator=(const Subscription&) = delete;
@@ -70,4 +70,4 @@ class Subscription {
   std::unique_ptr<Entities> entities_;
 };
 
-}  // namespace vdrive::wire::ros
+}  // namespace vdrive::ros

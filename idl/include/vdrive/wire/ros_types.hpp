@@ -7,7 +7,7 @@
 #include <string_view>
 
 /// The types of ROS 2 that vdrive uses, see idl/ros_messages.idl.
-namespace vdrive::wire::ros {
+namespace vdrive::ros {
 
 using Time = builtin_interfaces::msg::dds_::Time_;
 using Duration = builtin_interfaces::msg::dds_::Duration_;
@@ -32,4 +32,8 @@ using Log = rcl_interfaces::msg::dds_::Log_;
 /// @throws std::invalid_argument as type_description() does
 [[nodiscard]] std::string type_hash(std::string_view type);
 
-}  // namespace vdrive::wire::ros
+}  // namespace vdrive::ros
+
+namespace vdrive::wire {
+namespace ros = vdrive::ros;
+}  // namespace vdrive::wire
