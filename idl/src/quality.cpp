@@ -9,6 +9,7 @@ namespace {
 namespace dds = eprosima::fastdds::dds;
 namespace rtps = eprosima::fastrtps::rtps;
 
+// Samples that the library allocates at the start; it allocates more when they are needed.
 constexpr std::int32_t kFirstAllocation = 8;
 
 /// What writer and reader have in common.

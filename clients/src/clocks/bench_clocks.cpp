@@ -20,6 +20,7 @@ constexpr std::uint64_t kTicksPerRequest = 2000;
 
 constexpr std::size_t kAxesPerRequest = msg::MAX_AXES_PER_FRAME;
 
+// For the end of a session: the service may be gone already.
 constexpr Patience kLeaveAnswer{milliseconds(500), false};
 
 /// Wall time until the deadline, which may have passed.

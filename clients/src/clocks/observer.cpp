@@ -15,6 +15,8 @@ namespace {
 // a service that connects anew.
 constexpr Patience kFirstSample{std::chrono::milliseconds(5000), true, true};
 
+// The caller has chosen the tick, which may be far ahead: an interrupt or a lost bench ends the
+// wait.
 constexpr Patience kAnyTick{std::chrono::hours(24 * 365), true, true, Silence::is_bridged};
 
 /// Members of the status image that can be read as objects.

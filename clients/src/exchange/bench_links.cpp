@@ -109,6 +109,7 @@ Result<OpenLink> BenchLinks::open(const Target& target, std::string_view what,
   if (!may_command()) return not_permitted(target);
   OpenLink link{.key = target.key, .sending = std::unique_lock(link_of(target.key).mutex)};
   const auto deadline = Clock::now() + patience;
+  // In short waits: meanwhile the bench may end, or its wire may be replaced by another one.
   while (!reconnect(target.key, kCheckSource)) {
     if (Outcome present = discovery_.check_presence(target); !present) return present;
     if (Clock::now() >= deadline) {
@@ -163,6 +164,7 @@ bool BenchLinks::is_broken(const BenchKey& key) const {
 }
 
 bool BenchLinks::repair(const BenchKey& key) {
+  // A bench that is silent gets nothing again: its queues would fill with what it has already.
   const bool was_broken = is_broken(key);
   const auto late = Clock::now() - kRepeatAfter;
   const bool is_overdue =

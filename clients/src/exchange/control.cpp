@@ -16,6 +16,7 @@ namespace {
 
 using namespace literals;
 
+// For the end of a session: the service may be gone already.
 constexpr std::chrono::milliseconds kReleaseAnswer{500};
 
 constexpr ObjectAddress kControlword = vdrive::describe("ds402_controlword"_object).address;
@@ -33,6 +34,7 @@ Control::~Control() {
 }
 
 void Control::end() {
+  // First: a keep-alive behind the release would speak for an epoch that is not current any more.
   keep_alive_sender_.stop();
   (void)release();  // no caller is left to receive the outcome
 }

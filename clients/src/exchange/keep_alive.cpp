@@ -12,11 +12,13 @@ namespace {
 
 using std::chrono::milliseconds;
 
+// A small part of the usual time of the watchdog: several keep-alives may be lost or late.
 constexpr milliseconds kKeepAlivePeriod{25};
 
 // While a bench connects anew: its watchdog runs.
 constexpr milliseconds kRetry{5};
 
+// Where the system forbids a real-time policy: still before programs that compute.
 constexpr int kNice = -10;
 
 /// On a busy machine this thread has to run before those that compute. Where the system permits
@@ -30,6 +32,7 @@ void raise_priority() {
 }  // namespace
 
 void KeepAliveSender::start() {
+  // The first axis that is taken starts it: a session that only looks has no such thread.
   std::call_once(started_, [this] {
     thread_.start([this, is_raised = false]() mutable {
       if (!std::exchange(is_raised, true)) raise_priority();

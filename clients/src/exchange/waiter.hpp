@@ -39,12 +39,15 @@ class Waiter {
     const auto begin = Wakeup::Clock::now();
     const auto pauses = discovery_.own_pauses();
     while (true) {
+      // Before the condition: what changes after it ends the wait at once.
       const std::uint64_t changes = wakeup_.changes();
       if (condition()) return {};
       const auto now = Wakeup::Clock::now();
       const bool is_broken = links_.repair(target.key);
+      // Again, before any reason to give up: the answer may have arrived during the repair.
       if (condition()) return {};
       if (auto end = end_of_wait(target, patience, begin)) return std::move(*end);
+      // Each time anew: a pause of this program moves it.
       const auto deadline = begin + patience.timeout + (discovery_.own_pauses() - pauses);
       if (Wakeup::Clock::now() >= deadline) return timed_out(target);
       wakeup_.wait_until(changes,

@@ -17,6 +17,7 @@
 namespace vdrive::client {
 namespace {
 
+// As for a single axis: longer than a move that a program usually waits for.
 constexpr std::chrono::seconds kUsualTimeout{60};
 
 bool moves(const AxisSnapshot& axis) {

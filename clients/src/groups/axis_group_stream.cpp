@@ -9,10 +9,12 @@
 namespace vdrive::client {
 namespace {
 
+// A change of the mode takes one tick at rest; an axis that moves brakes first.
 constexpr std::chrono::seconds kModeChange{5};
 
 // A stream that is shorter than two ticks ahead cannot reach its tick.
 constexpr std::uint64_t kShortestLead = 2;
+// A bench refuses a frame that is more than 10 s ahead, and keeps 1,024 of all sessions.
 constexpr std::chrono::seconds kLongestLead{1};
 
 Round mode_round(const AxesCall& call, OperatingMode mode) {

@@ -12,6 +12,7 @@ namespace {
 using std::chrono::microseconds;
 
 constexpr double kMicrosecond = 1.0e-6;
+// What 5E10h holds.
 constexpr microseconds kLongest{std::numeric_limits<std::uint32_t>::max()};
 
 /// Limits of the path parameter [1/s, 1/s²].

@@ -98,6 +98,7 @@ void Discovery::search(std::optional<std::uint32_t> number, const Condition& con
   SearchTime time(begin, options_.find_timeout);
   auto announce_at = begin + kAnnounceAgain;
   while (true) {
+    // Before the look: a sample that arrives after it ends the wait at once.
     const std::uint64_t changes = wakeup_.changes();
     const Sight sight = look(number);
     const bool has_found = condition(sight);
@@ -254,6 +255,7 @@ void Discovery::on_description(const msg::BenchDescription& message, const wire:
     const std::scoped_lock lock(mutex_);
     directory_.on_description(message, source, running_time());
   }
+  // Without the lock: a woken condition takes it.
   wakeup_.notify();
 }
 
@@ -310,6 +312,7 @@ bool Discovery::is_alive(const BenchKey& key, milliseconds patience) const {
 Outcome Discovery::check_presence(const Target& target) const {
   const std::scoped_lock lock(mutex_);
   const auto now = running_time();
+  // First: of a service that was restarted at once, samples of the old run are still young.
   if (directory_.is_restarted(target.key, now)) return Outcome::lost(restarted_text(target));
   if (directory_.is_alive(target.key, options_.silence, now)) return {};
   return lost_in_silence(target, now, options_.silence);
@@ -318,6 +321,7 @@ Outcome Discovery::check_presence(const Target& target) const {
 Outcome Discovery::check_samples(const Target& target, Silence silence) const {
   const std::scoped_lock lock(mutex_);
   const auto now = running_time();
+  // First: samples that have arrived count, whatever has begun since.
   if (directory_.is_alive(target.key, options_.silence, now)) return {};
   if (directory_.is_restarted(target.key, now)) return Outcome::lost(restarted_text(target));
   const auto limit = silence == Silence::is_bridged ? patience() : options_.silence;

@@ -26,6 +26,7 @@ constexpr int kThreadsOfMessage = 4;
 /// A machine that stands still ends a search after this many times its time.
 constexpr int kMostTimesForDelay = 3;
 
+/// A message names the delay of the machine from here on: less is usual and explains nothing.
 constexpr milliseconds kShownDelay{10};
 
 }  // namespace

@@ -15,6 +15,7 @@
 namespace vdrive::client {
 namespace {
 
+// A bench publishes its state every 50 ms, in every clock mode.
 constexpr std::chrono::milliseconds kShortestSilence{50};
 
 /// @return the options with their domain.
@@ -63,6 +64,8 @@ SessionCore::SessionCore(const SessionOptions& chosen)
       statuses(discovery, stream) {}
 
 void SessionCore::end() {
+  // What reports to the program ends first, then what sends: a report may begin a call, and the
+  // release needs the links.
   watcher.watch({});
   events.watch({}, EventHistory::left_out);
   statuses.stop();

@@ -36,6 +36,7 @@ void EventWatcher::watch(std::function<void(const Event&)> observer, EventHistor
   history_ = history;
   EventFilter filter;
   for (const PresentBench& bench : discovery_.present()) begin(bench.key(), filter);
+  // Before the subscription, whose history arrives at once.
   thread_ = std::jthread([this, filter = std::move(filter),
                           observe = std::move(observer)](const std::stop_token& stop) mutable {
     run(stop, filter, observe);

@@ -12,6 +12,7 @@ namespace {
 
 using Clock = Discovery::Clock;
 
+// A period of 0 would keep a processor busy.
 constexpr std::chrono::milliseconds kShortestPeriod{1};
 
 // Between two periods when all reports have ended.

@@ -19,6 +19,7 @@ class LeaseKeeper {
  public:
   using Clock = std::chrono::steady_clock;
 
+  /// An attacker can announce any number of them, and each takes memory.
   static constexpr std::size_t kMostParticipants = 4'096;
 
   struct Silent {
@@ -91,6 +92,7 @@ class LeaseKeeper {
       std::uint32_t start = 0;
       std::memcpy(&end, prefix.data() + 4, sizeof end);
       std::memcpy(&start, prefix.data(), sizeof start);
+      // 2^64 divided by the golden ratio: neighbouring numbers go far apart.
       constexpr std::uint64_t kOdd = 0x9E3779B97F4A7C15U;
       return static_cast<std::size_t>(((end ^ (end >> 29U)) + start) * kOdd >> 16U);
     }

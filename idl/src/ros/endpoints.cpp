@@ -20,7 +20,9 @@ namespace {
 namespace dds = eprosima::fastdds::dds;
 namespace rtps = eprosima::fastrtps::rtps;
 
+// As nodes of ROS 2 usually have it.
 constexpr std::int32_t kDepth = 10;
+// What a node that joins late still receives of /rosout.
 constexpr std::int32_t kDepthForLate = 100;
 
 /// What writer and reader have in common.
