@@ -23,6 +23,7 @@ enum class Origin {
   wire,         ///< "vdrive/wire/topics.hpp"
   messages,     ///< the code generated from the .idl files
   client,       ///< "vdrive/client/session.hpp"
+  settings,     ///< "settings/yaml_reader.hpp", of the service
   beside,       ///< a private header of the same folder: "block.hpp"
   elsewhere,    ///< a path that leaves the folder, starts at the repository or does not exist:
                 ///< "../x.hpp", "tests/x.hpp", "vdrive/service/x.hpp"
@@ -42,6 +43,7 @@ constexpr std::array kPrefixes{
     PrefixRow{"vdrive/service/", Origin::elsewhere},  // no header of it is public
     PrefixRow{"vdrive/client/", Origin::client},
     PrefixRow{"vdrive/", Origin::core},
+    PrefixRow{"settings/", Origin::settings},
     PrefixRow{"Eigen/", Origin::eigen},
     PrefixRow{"unsupported/Eigen/", Origin::eigen},
     PrefixRow{"fastdds/", Origin::dds},
@@ -93,7 +95,7 @@ constexpr std::array kIdlMay{Origin::standard, Origin::system,   Origin::dds,   
                              Origin::wire,     Origin::messages, Origin::beside};
 constexpr std::array kServiceMay{Origin::standard,    Origin::system, Origin::eigen,
                                  Origin::third_party, Origin::core,   Origin::wire,
-                                 Origin::messages,    Origin::beside};
+                                 Origin::messages,    Origin::beside, Origin::settings};
 constexpr std::array kClientHeaderMay{Origin::standard, Origin::eigen, Origin::core,
                                       Origin::client};
 // A client without our library: a DDS and the code that its compiler generates from the IDL.
@@ -105,9 +107,16 @@ constexpr std::array kRecordingMay{Origin::standard, Origin::system, Origin::thi
 constexpr std::array kClientMay{Origin::standard,    Origin::system, Origin::eigen,
                                 Origin::third_party, Origin::core,   Origin::wire,
                                 Origin::messages,    Origin::client, Origin::beside};
+// A bridge reads a YAML file as the service does: with the same checks and the same words.
+constexpr std::array kBridgeMay{
+    Origin::standard, Origin::system,   Origin::eigen,  Origin::core,   Origin::third_party,
+    Origin::wire,     Origin::messages, Origin::client, Origin::beside, Origin::settings};
 // Python is the outside world of one bridge. It sends nothing on the wire.
 constexpr std::array kPythonMay{Origin::standard, Origin::system, Origin::eigen, Origin::python,
                                 Origin::core,     Origin::client, Origin::beside};
+
+constexpr std::string_view kBridgeReason =
+    "a bridge reaches DDS through vdrive/wire, and of the service it includes settings/ only";
 
 constexpr std::array kRooms{
     RoomRow{"core/", kCoreMay, "core/ knows the standard library and Eigen only"},
@@ -119,6 +128,9 @@ constexpr std::array kRooms{
     RoomRow{"clients/recording/", kRecordingMay,
             "clients/recording/ uses the client library, and no DDS"},
     RoomRow{"clients/python/", kPythonMay, "the Python module is a client and names no wire"},
+    RoomRow{"clients/bridge/", kBridgeMay, kBridgeReason},
+    RoomRow{"clients/gateway/", kBridgeMay, kBridgeReason},
+    RoomRow{"clients/ros2/", kBridgeMay, kBridgeReason},
     RoomRow{"clients/", kClientMay, "clients/ reaches DDS through vdrive/wire and no service"},
     RoomRow{"deploy/", {}, "deploy/ has no code"},
 };
@@ -393,7 +405,9 @@ std::optional<std::string_view> refuse_inner_room(std::string_view path, const I
   if (divided == divided_folders().end()) return std::nullopt;
   const InnerRoomRow* const from = find_room(divided->rooms, path.substr(divided->folder.size()));
   if (from == nullptr) return "a file without a room in a folder that has rooms";
-  if (!include.quoted || origin_of(include) != Origin::beside) return std::nullopt;
+  const Origin origin = origin_of(include);
+  const bool is_settings = origin == Origin::settings && divided->folder == "service/src/";
+  if (!include.quoted || (origin != Origin::beside && !is_settings)) return std::nullopt;
   const InnerRoomRow* const to = find_room(divided->rooms, include.name);
   if (to == nullptr) return "a file of a room includes another one by its room";
   if (to != from && std::ranges::count(from->may_include, to->room) == 0) return from->reason;
@@ -464,6 +478,16 @@ Violations check_source(std::string_view path, std::string_view text) {
     }
   }
   return violations;
+}
+
+bool reaches_private_header(std::string_view path, std::string_view included,
+                            const std::vector<std::string>& headers) {
+  const std::string ending = "/" + std::string(included);
+  return std::ranges::any_of(headers, [&](const std::string& header) {
+    const bool is_shared = header.starts_with("service/src/settings/");
+    const bool is_in_room = first_folder(header) == first_folder(path);
+    return (is_in_room || is_shared) && header.ends_with(ending);
+  });
 }
 
 Violations check_top_level(const std::vector<std::string>& names) {

@@ -17,6 +17,13 @@ using Violations = std::vector<std::string>;
 /// @param text the content of the file.
 Violations check_source(std::string_view path, std::string_view text);
 
+/// Whether a file may include a private header: one of its own room, or one of the room of the
+/// service that all share, settings/.
+/// @param included as the file names it
+/// @param headers all of the repository, by their paths
+[[nodiscard]] bool reaches_private_header(std::string_view path, std::string_view included,
+                                          const std::vector<std::string>& headers);
+
 /// Checks the names at the top of the repository: exactly the rooms and the few files beside them.
 /// Names that start with a dot and `build` are not checked.
 Violations check_top_level(const std::vector<std::string>& names);

@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <string_view>
+#include <vector>
 
 namespace vdrive::architecture {
 namespace {
@@ -148,6 +150,11 @@ INSTANTIATE_TEST_SUITE_P(
              "#include \"vdrive_messages.h\""},
         Case{"service_in_client", "clients/src/session/session.cpp",
              "#include \"vdrive/service/host.hpp\""},
+        Case{"settings_in_client_library", "clients/src/session/session.cpp",
+             "#include \"settings/yaml_reader.hpp\""},
+        Case{"settings_in_seam", "service/src/seam/queues.cpp",
+             "#include \"settings/yaml_reader.hpp\""},
+        Case{"settings_in_core", "core/src/axis.cpp", "#include \"settings/yaml_reader.hpp\""},
         Case{"dds_in_client", "clients/src/session/session.cpp", "#include <fastcdr/Cdr.h>"},
         Case{"wire_in_raw_example", "clients/examples/06_raw_dds/raw_dds.c",
              "#include \"vdrive/wire/topics.hpp\""},
@@ -195,6 +202,10 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"dds_in_raw_example", "clients/examples/06_raw_dds/raw_dds.c", "#include <dds/dds.h>"},
         Case{"messages_in_raw_example", "clients/examples/06_raw_dds/raw_dds.c",
              "#include \"vdrive_messages.h\""},
+        Case{"settings_in_bridge", "clients/ros2/src/settings.cpp",
+             "#include \"settings/yaml_reader.hpp\""},
+        Case{"settings_in_configuration", "service/src/configuration/configuration.cpp",
+             "#include \"settings/yaml_reader.hpp\""},
         Case{"json_in_tool", "clients/tool/main.cpp", "#include <nlohmann/json.hpp>"},
         Case{"own_header_in_command", "clients/tool/commands/jog.cpp",
              "#include \"commands/jog.hpp\""},
@@ -204,6 +215,21 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"everything_in_tests", "tests/system/all.cpp",
              "#include <fastdds/dds/topic/Topic.hpp>"}),
     name_of);
+
+TEST(PrivateHeaders, AreReachedInTheirOwnRoomAndInSettingsOnly) {
+  const std::vector<std::string> headers{"service/src/settings/yaml_reader.hpp",
+                                         "service/src/engine/masters.hpp",
+                                         "clients/bridge/src/messages.hpp"};
+  const auto reaches = [&](std::string_view path, std::string_view included) {
+    return reaches_private_header(path, included, headers);
+  };
+  EXPECT_TRUE(reaches("clients/ros2/src/settings.cpp", "settings/yaml_reader.hpp"));
+  EXPECT_TRUE(reaches("clients/ros2/src/joints.cpp", "messages.hpp"));
+  EXPECT_TRUE(reaches("service/src/engine/masters.cpp", "engine/masters.hpp"));
+  EXPECT_FALSE(reaches("clients/ros2/src/settings.cpp", "engine/masters.hpp"));
+  EXPECT_FALSE(reaches("service/src/engine/masters.cpp", "messages.hpp"));
+  EXPECT_FALSE(reaches("clients/ros2/src/settings.cpp", "yaml_reader2.hpp"));
+}
 
 TEST(TopLevel, HasTheRoomsAndNothingElse) {
   EXPECT_THAT(check_top_level({".git", "build", "core", "tests", "README.md"}), IsEmpty());

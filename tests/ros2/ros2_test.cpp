@@ -176,7 +176,7 @@ TEST(Ros2CommandLine, PrintsItsHelpAndChecksItsConfiguration) {
   EXPECT_EQ(check(good).code, 0);
   const Finished refused = check(bad);
   EXPECT_EQ(refused.code, 2);
-  EXPECT_THAT(refused.errors, HasSubstr("bench.yaml:2: rate '0': must be a number from 1 to 1000"));
+  EXPECT_THAT(refused.errors, HasSubstr("bench.yaml:2: rate = 0: must be from 1 to 1000 Hz"));
   EXPECT_EQ(Process(VDRIVE_ROS2, {"--config", "/nothing/here"}).wait().code, 2);
 }
 

@@ -4,6 +4,8 @@
 #include "bridge.hpp"
 #include "bridge_program.hpp"
 #include "network_options.hpp"
+#include "settings/configuration_error.hpp"
+#include "settings/yaml_reader.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/wire/bench_number.hpp"
 #include "vdrive/wire/library_log.hpp"
@@ -56,7 +58,7 @@ void declare(CLI::App& app, Arguments& arguments) {
 void complete(Arguments& arguments) {
   Settings& settings = arguments.settings;
   if (!arguments.file.empty()) {
-    read_settings(read_settings_file(arguments.file), arguments.file, settings);
+    read_settings(vdrive::settings::read_yaml_file(arguments.file), arguments.file, settings);
   }
   if (!arguments.name_space.empty()) settings.name_space = arguments.name_space;
   if (!arguments.benches.empty()) settings.benches = arguments.benches;
@@ -102,12 +104,13 @@ int run_command_line(int argument_count, const char* const* argument_list) {
       "vdrive-ros2");
   Arguments arguments;
   declare(app, arguments);
-  return bridge::run_program<BadSettings>(app, argument_count, argument_list, [&arguments] {
-    complete(arguments);
-    if (!arguments.only_checks) return serve(arguments);
-    std::cout << "vdrive-ros2: the configuration is valid" << std::endl;
-    return bridge::kDone;
-  });
+  return bridge::run_program<vdrive::settings::ConfigurationError>(
+      app, argument_count, argument_list, [&arguments] {
+        complete(arguments);
+        if (!arguments.only_checks) return serve(arguments);
+        std::cout << "vdrive-ros2: the configuration is valid" << std::endl;
+        return bridge::kDone;
+      });
 }
 
 }  // namespace vdrive::ros2

@@ -7,7 +7,6 @@
 #include <chrono>
 #include <cstdint>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -49,21 +48,12 @@ struct Settings {
   std::vector<JointSetting> joints{};
 };
 
-/// An error of command line or configuration, with file, line, key, value and limit.
-class BadSettings : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
-
-/// @return the text of a file. @throws BadSettings when it cannot be read, or has more bytes than
-///         `kLargestSettingsFile`
-[[nodiscard]] std::string read_settings_file(const std::string& file);
-
 /// Reads a YAML document over what `settings` has.
-/// @throws BadSettings
+/// @throws settings::ConfigurationError with file, line, key, value and limit
 void read_settings(const std::string& text, const std::string& file, Settings& settings);
 
-/// Puts the namespace before the topics. @throws BadSettings for a name that ROS does not permit.
+/// Puts the namespace before the topics. @throws settings::ConfigurationError for a
+/// name that ROS does not permit.
 void resolve_topics(Settings& settings);
 
 }  // namespace vdrive::ros2

@@ -14,6 +14,8 @@ namespace vdrive::service {
 namespace {
 
 using namespace vdrive::literals;
+using settings::read_unit;
+using settings::write_unit;
 
 constexpr std::int64_t kHighestAxisNumber = kAxisNumbers - 1;
 constexpr std::int64_t kLongestDwell = 65'535;
@@ -21,11 +23,11 @@ constexpr std::int64_t kLongestDwell = 65'535;
 // ---- settings ----------------------------------------------------------------------------------
 
 template <auto kMember>
-constexpr KeyRow<AxisSettings> switch_row(std::string_view key, std::string_view what) {
+constexpr ConfigurationRow<AxisSettings> switch_row(std::string_view key, std::string_view what) {
   return boolean_row<AxisSettings, kMember>(key, what);
 }
 
-constexpr KeyRow<AxisSettings> kSettingsRows[] = {
+constexpr ConfigurationRow<AxisSettings> kSettingsRows[] = {
     switch_row<&AxisSettings::acknowledge_while_halted>(
         "acknowledge_while_halted",
         "false: no set-point is taken while bit 8 of the controlword is 1."),
@@ -43,7 +45,7 @@ constexpr KeyRow<AxisSettings> kSettingsRows[] = {
 
 // ---- model -------------------------------------------------------------------------------------
 
-constexpr KeyRow<AxisModel> kModelRows[] = {
+constexpr ConfigurationRow<AxisModel> kModelRows[] = {
     {.key = "coupling",
      .what = "rigid: one inertia; two_inertia: motor and load on an elastic shaft.",
      .read =
@@ -87,7 +89,8 @@ void read_model(const YamlValue& value, AxisModel& model) {
       model.*parameter->member = entry.number(parameter->unit);
       numbers.emplace_back(parameter, entry);
     } else {
-      read_key(*std::ranges::find(kModelRows, key, &KeyRow<AxisModel>::key), entry, model);
+      read_key(*std::ranges::find(kModelRows, key, &ConfigurationRow<AxisModel>::key), entry,
+               model);
     }
   });
   // The limits depend on the coupling, which may stand below the numbers.
@@ -206,7 +209,7 @@ void describe_unit(const std::string& prefix, std::vector<ConfigurationKey>& key
                   "needs it."});
 }
 
-constexpr KeyRow<NamedAxis> kAxisRows[] = {
+constexpr ConfigurationRow<NamedAxis> kAxisRows[] = {
     integer_row<NamedAxis, &NamedAxis::number>(
         "number", {1, kHighestAxisNumber, ""},
         "{}, unique on the bench. Default: none, each axis needs it."),
@@ -290,7 +293,7 @@ constexpr KeyRow<NamedAxis> kAxisRows[] = {
 
 }  // namespace
 
-std::span<const KeyRow<NamedAxis>> axis_rows() noexcept {
+std::span<const ConfigurationRow<NamedAxis>> axis_rows() noexcept {
   return kAxisRows;
 }
 

@@ -18,6 +18,7 @@
 
 namespace vdrive::service {
 
+using settings::ConfigurationError;
 using vdrive::ClockMode;
 using vdrive::to_string;
 

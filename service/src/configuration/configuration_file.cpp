@@ -4,6 +4,7 @@
 #include "configuration/configuration_keys.hpp"
 #include "settings/yaml_reader.hpp"
 #include "vdrive/axis_bank.hpp"
+#include "vdrive/text.hpp"
 
 #include <yaml-cpp/yaml.h>
 
@@ -36,13 +37,18 @@ Configuration read_configuration(const YamlValue& root) {
 }  // namespace
 
 Configuration parse_configuration(const std::string& text, const std::string& file_name) {
-  const YAML::Node document = read_yaml(text, file_name);
+  const YAML::Node document = settings::read_yaml(text, file_name);
   if (document.IsNull()) return demo_configuration();
   return read_configuration(YamlValue(document, file_name, ""));
 }
 
 Configuration load_configuration(const std::filesystem::path& file) {
-  return parse_configuration(read_yaml_file(file), file.string());
+  const std::string text = settings::read_yaml_file(file);
+  if (text.empty()) {
+    throw ConfigurationError(escaped(file.string(), kShownOfMessage) +
+                             ": is empty; without --config the service has the demo bench");
+  }
+  return parse_configuration(text, file.string());
 }
 
 std::string to_yaml(const Configuration& configuration) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "configuration/key_rows.hpp"
+#include "configuration/configuration_rows.hpp"
 
 #include <string>
 #include <vector>

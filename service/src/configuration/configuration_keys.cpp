@@ -135,7 +135,7 @@ void write_axes(YAML::Emitter& out, const std::vector<NamedAxis>& axes) {
   out << YAML::EndSeq;
 }
 
-constexpr KeyRow<Configuration> kBenchRows[] = {
+constexpr ConfigurationRow<Configuration> kBenchRows[] = {
     integer_row<Configuration, &Configuration::bench>("number", {1, wire::kHighestBench, ""},
                                                       "{}, unique in its DDS domain."),
     {.key = "name",
@@ -150,7 +150,7 @@ constexpr KeyRow<Configuration> kBenchRows[] = {
          }},
 };
 
-constexpr KeyRow<Configuration> kClockRows[] = {
+constexpr ConfigurationRow<Configuration> kClockRows[] = {
     {.key = "mode",
      .what = "realtime: by the wall clock; lockstep: by steps of clients; freerun: as fast as "
              "possible.",
@@ -206,12 +206,12 @@ constexpr KeyRow<Configuration> kClockRows[] = {
         "SCHED_FIFO of the thread of the ticks where permitted, {}; 0: none."),
 };
 
-constexpr KeyRow<Configuration> kStatusRows[] = {
+constexpr ConfigurationRow<Configuration> kStatusRows[] = {
     integer_row<Configuration, &Configuration::status_every>(
         "every_ticks", {1, kMaxStatusEvery, "ticks"}, "One status frame each n ticks, {}."),
 };
 
-constexpr KeyRow<Configuration> kWatchdogRows[] = {
+constexpr ConfigurationRow<Configuration> kWatchdogRows[] = {
     {.key = "timeout_ms",
      .what = "The owner of an axis must send at least this often: {} ms of drive time (at a rate "
              "above 1 of wall time), or off. Off in freerun unless the key is set.",
@@ -234,7 +234,7 @@ void read_timeout(const YamlValue& value, Configuration& configuration) {
   }
 }
 
-constexpr KeyRow<Configuration> kWireRows[] = {
+constexpr ConfigurationRow<Configuration> kWireRows[] = {
     {.key = "form",
      .what = "Where DDS runs: in a process, which the service restarts when it fails, or in a "
              "thread of the service. Default: process in realtime, with network.security and with "
@@ -262,7 +262,7 @@ constexpr KeyRow<Configuration> kWireRows[] = {
          }},
 };
 
-constexpr KeyRow<Configuration> kMetricsRows[] = {
+constexpr ConfigurationRow<Configuration> kMetricsRows[] = {
     {.key = "port",
      .what = "Prometheus text on this port of 127.0.0.1, {}; 0: any free one. Without the key "
              "there are no metrics.",
@@ -277,7 +277,7 @@ constexpr KeyRow<Configuration> kMetricsRows[] = {
          }},
 };
 
-constexpr KeyRow<wire::NetworkSettings> kNetworkRows[] = {
+constexpr ConfigurationRow<wire::NetworkSettings> kNetworkRows[] = {
     integer_row<wire::NetworkSettings, &wire::NetworkSettings::domain>(
         "domain", {0, wire::kHighestDomain, ""}, "DDS domain, {}."),
     {.key = "interfaces",
@@ -329,7 +329,7 @@ constexpr KeyRow<wire::NetworkSettings> kNetworkRows[] = {
          }},
 };
 
-constexpr KeyRow<ParsedConfiguration> kRootRows[] = {
+constexpr ConfigurationRow<ParsedConfiguration> kRootRows[] = {
     {.key = "bench",
      .read =
          [](const YamlValue& value, ParsedConfiguration& c) {
@@ -437,7 +437,7 @@ std::string checked_name(const YamlValue& value, bool of_axis) {
   return name;
 }
 
-std::span<const KeyRow<ParsedConfiguration>> configuration_rows() noexcept {
+std::span<const ConfigurationRow<ParsedConfiguration>> configuration_rows() noexcept {
   return kRootRows;
 }
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "configuration/configuration.hpp"
-#include "configuration/key_rows.hpp"
+#include "configuration/configuration_rows.hpp"
 
 #include <map>
 #include <span>
@@ -23,10 +23,10 @@ struct ParsedConfiguration {
 
 /// Every key of a configuration below its top: bench, clock, status, watchdog, wire, metrics,
 /// network, axes.
-[[nodiscard]] std::span<const KeyRow<ParsedConfiguration>> configuration_rows() noexcept;
+[[nodiscard]] std::span<const ConfigurationRow<ParsedConfiguration>> configuration_rows() noexcept;
 
 /// Every key of an element of `axes`.
-[[nodiscard]] std::span<const KeyRow<NamedAxis>> axis_rows() noexcept;
+[[nodiscard]] std::span<const ConfigurationRow<NamedAxis>> axis_rows() noexcept;
 
 /// @return 1 to 64 bytes of UTF-8 without control characters; the name of an axis has no blank and
 ///         begins with no digit.

@@ -20,6 +20,7 @@ namespace vdrive::service {
 namespace {
 
 using namespace vdrive::literals;
+using settings::YamlValue;
 
 /// An oscillation that lasts longer is seen as ringing [s].
 constexpr double kLongestRinging = 0.25;
@@ -126,7 +127,7 @@ std::vector<std::string> limit_warnings(const Configuration& configuration) {
 std::vector<std::string> loop_warnings(const std::filesystem::path& file) {
   const Configuration configuration = load_configuration(file);
   std::vector<std::string> warnings;
-  const YAML::Node document = read_yaml(read_yaml_file(file), file.string());
+  const YAML::Node document = settings::read_yaml(settings::read_yaml_file(file), file.string());
   if (!document.IsMap() || !document["axes"]) return warnings;
   YamlValue(document["axes"], file.string(), "axes").for_each_element([&](const YamlValue& place) {
     place.for_each_entry({}, [&](const std::string& key, const YamlValue& entry) {

@@ -3,7 +3,7 @@
 
 #include <stdexcept>
 
-namespace vdrive::service {
+namespace vdrive::settings {
 
 /// A configuration cannot be used. The message names file, line, key, value, unit and limit where
 /// they apply.
@@ -12,4 +12,4 @@ class ConfigurationError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-}  // namespace vdrive::service
+}  // namespace vdrive::settings

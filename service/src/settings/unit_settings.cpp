@@ -7,21 +7,12 @@
 #include <string>
 #include <string_view>
 
-namespace vdrive::service {
+namespace vdrive::settings {
 namespace {
 
 /// The key that has the size of a unit of this kind.
 std::string_view size_key(UnitKind kind) {
   return kind == UnitKind::rotary ? "per_revolution" : "per_unit";
-}
-
-double checked_size(const YamlValue& value) {
-  const double size = value.number("user units");
-  if (size < kSmallestUnit || size > kLargestUnit) {
-    value.refuse("must be from " + to_text(kSmallestUnit) + " to " + to_text(kLargestUnit) +
-                 " user units");
-  }
-  return size;
 }
 
 /// What a `unit` of the configuration has, each with its place.
@@ -77,7 +68,7 @@ Unit read_unit(const YamlValue& value) {
     unit.name = name->text();
     if (const auto problem = check_unit_name(*kind, unit.name)) name->refuse(*problem);
   }
-  if (size) unit.size = checked_size(*size);
+  if (size) unit.size = size->number({kSmallestUnit, kLargestUnit, "user units"});
   return unit;
 }
 
@@ -89,4 +80,4 @@ void write_unit(YAML::Emitter& out, const Unit& unit) {
   out << YAML::EndMap;
 }
 
-}  // namespace vdrive::service
+}  // namespace vdrive::settings

@@ -6,7 +6,7 @@
 
 #include <yaml-cpp/yaml.h>
 
-namespace vdrive::service {
+namespace vdrive::settings {
 
 /// @return the unit that `axes[].unit` describes; what it does not mention has its default.
 /// @throws ConfigurationError when the kind is missing, a key belongs to the other kind, or a value
@@ -16,4 +16,4 @@ namespace vdrive::service {
 /// Writes the map that `read_unit` reads.
 void write_unit(YAML::Emitter& out, const Unit& unit);
 
-}  // namespace vdrive::service
+}  // namespace vdrive::settings

@@ -18,7 +18,7 @@
 #include <sstream>
 #include <system_error>
 
-namespace vdrive::service {
+namespace vdrive::settings {
 namespace {
 
 std::string joined(std::span<const std::string_view> words) {
@@ -185,7 +185,6 @@ std::string read_yaml_file(const std::filesystem::path& file) {
   stream.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (stream.bad()) refuse("cannot be read");
   text.resize(static_cast<std::size_t>(stream.gcount()));
-  if (text.empty()) refuse("is empty; without --config the service has the demo bench");
   if (text.size() > kLargestSettingsFile) {  // a pipe, or a file that grows
     refuse("has more than " + std::to_string(kLargestSettingsFile) + " bytes" + limit);
   }
@@ -204,6 +203,15 @@ YAML::Node read_yaml(const std::string& text, const std::string& file_name) {
     }
     refuse_line(file_name, line, escaped(error.msg, kShownOfMessage));
   }
+}
+
+void YamlValue::take_keys(std::initializer_list<KeyRow> rows) const {
+  std::vector<std::string_view> known;
+  known.reserve(rows.size());
+  for (const KeyRow& row : rows) known.push_back(row.key);
+  for_each_entry(known, [rows](const std::string& key, const YamlValue& value) {
+    std::ranges::find(rows, key, &KeyRow::key)->take(value);
+  });
 }
 
 void YamlValue::for_each_entry(
@@ -247,6 +255,15 @@ double YamlValue::number(std::string_view unit) const {
   return *value;
 }
 
+double YamlValue::number(const NumberLimits& limits) const {
+  const double value = number(limits.unit);
+  if (value < limits.lowest || value > limits.highest) {
+    refuse("must be from " + to_text(limits.lowest) + " to " +
+           with_unit(to_text(limits.highest), limits.unit));
+  }
+  return value;
+}
+
 bool YamlValue::boolean() const {
   return choice({"false", "true"}) == 1;
 }
@@ -259,8 +276,7 @@ std::string YamlValue::text() const {
 std::size_t YamlValue::choice(std::initializer_list<std::string_view> choices) const {
   const std::string value = text();
   const auto* const found = std::ranges::find(choices, value);
-  if (found == choices.end())
-    refuse("must be one of " + joined(std::span(choices.begin(), choices.size())));
+  if (found == choices.end()) refuse("must be one of " + joined({choices.begin(), choices.end()}));
   return static_cast<std::size_t>(found - choices.begin());
 }
 
@@ -285,4 +301,4 @@ void YamlValue::refuse(const std::string& problem) const {
   throw ConfigurationError(message(problem));
 }
 
-}  // namespace vdrive::service
+}  // namespace vdrive::settings

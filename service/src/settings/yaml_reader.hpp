@@ -12,11 +12,11 @@
 #include <string_view>
 #include <vector>
 
-namespace vdrive::service {
+namespace vdrive::settings {
 
 /// @return the text of a file of settings.
-/// @throws ConfigurationError that names the file, when it cannot be read, is empty or has more
-///         bytes than `kLargestSettingsFile`.
+/// @throws ConfigurationError that names the file, when it cannot be read or has more bytes than
+///         `kLargestSettingsFile`.
 [[nodiscard]] std::string read_yaml_file(const std::filesystem::path& file);
 
 /// Parses a file that is one YAML document in UTF-8, of bounded depth and, with every alias
@@ -30,6 +30,21 @@ struct IntegerLimits {
   std::int64_t lowest;
   std::int64_t highest;
   std::string_view unit;  ///< empty = none
+};
+
+/// Limits of a number.
+struct NumberLimits {
+  double lowest;
+  double highest;
+  std::string_view unit;  ///< empty = none
+};
+
+class YamlValue;
+
+/// A key of a map, and what takes its value.
+struct KeyRow {
+  std::string_view key;
+  std::function<void(const YamlValue&)> take;
 };
 
 /// A value of a YAML document with its file and its key, which every error about it names.
@@ -50,6 +65,10 @@ class YamlValue {
     for_each_entry(std::span(known.begin(), known.size()), visit);
   }
 
+  /// Hands the value of each entry of a map to the row of its key.
+  /// @throws ConfigurationError as for_each_entry(); `rows` has the known keys.
+  void take_keys(std::initializer_list<KeyRow> rows) const;
+
   /// Calls `visit(value)` for each element of a list.
   /// @throws ConfigurationError when this is no list.
   void for_each_element(const std::function<void(const YamlValue&)>& visit) const;
@@ -60,11 +79,17 @@ class YamlValue {
   /// @throws ConfigurationError when this is no finite number.
   [[nodiscard]] double number(std::string_view unit) const;
 
+  /// @throws ConfigurationError when this is no finite number within the limits.
+  [[nodiscard]] double number(const NumberLimits& limits) const;
+
   /// @throws ConfigurationError when this is not true or false.
   [[nodiscard]] bool boolean() const;
 
   /// @throws ConfigurationError when this is no scalar.
   [[nodiscard]] std::string text() const;
+
+  /// @return whether this is a map of keys and values.
+  [[nodiscard]] bool is_map() const { return node_.IsMap(); }
 
   /// @return the position of the value in `choices`.
   /// @throws ConfigurationError naming the choices, when it is none of them.
@@ -85,4 +110,4 @@ class YamlValue {
   std::string path_;  ///< key as in clock.period_us
 };
 
-}  // namespace vdrive::service
+}  // namespace vdrive::settings

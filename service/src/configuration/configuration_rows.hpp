@@ -16,6 +16,9 @@
 
 namespace vdrive::service {
 
+using settings::IntegerLimits;
+using settings::YamlValue;
+
 /// A key of a configuration in YAML, but for the numbers of `axes[].model`, which are
 /// kModelParameters, and the objects of `axes[].parameters`.
 struct ConfigurationKey {
@@ -26,7 +29,7 @@ struct ConfigurationKey {
 /// A key of a map of the configuration, whose value belongs to an `Owner`: all that the program
 /// knows of the key. A section is a key whose value is a map with rows of its own.
 template <typename Owner>
-struct KeyRow {
+struct ConfigurationRow {
   std::string_view key;
 
   /// Values, unit, limits and meaning, for the help; "{}" stands for `limits`. Empty for a section.
@@ -52,8 +55,9 @@ struct KeyRow {
 
 /// @return the row of a whole number that is a member of the owner.
 template <typename Owner, auto kMember>
-[[nodiscard]] constexpr KeyRow<Owner> integer_row(std::string_view key, const IntegerLimits& limits,
-                                                  std::string_view what) {
+[[nodiscard]] constexpr ConfigurationRow<Owner> integer_row(std::string_view key,
+                                                            const IntegerLimits& limits,
+                                                            std::string_view what) {
   return {.key = key,
           .what = what,
           .limits = limits,
@@ -70,7 +74,8 @@ template <typename Owner, auto kMember>
 
 /// @return the row of a member that is true or false.
 template <typename Owner, auto kMember>
-[[nodiscard]] constexpr KeyRow<Owner> boolean_row(std::string_view key, std::string_view what) {
+[[nodiscard]] constexpr ConfigurationRow<Owner> boolean_row(std::string_view key,
+                                                            std::string_view what) {
   return {.key = key,
           .what = what,
           .read =
@@ -85,7 +90,7 @@ template <typename Owner, auto kMember>
 
 /// @return the keys of the rows in their order.
 template <typename Owner>
-[[nodiscard]] std::vector<std::string_view> keys_of(std::span<const KeyRow<Owner>> rows) {
+[[nodiscard]] std::vector<std::string_view> keys_of(std::span<const ConfigurationRow<Owner>> rows) {
   std::vector<std::string_view> keys;
   for (const auto& row : rows) keys.push_back(row.key);
   return keys;
@@ -93,7 +98,7 @@ template <typename Owner>
 
 /// Reads one value by its row.
 template <typename Owner>
-void read_key(const KeyRow<Owner>& row, const YamlValue& value, Owner& owner) {
+void read_key(const ConfigurationRow<Owner>& row, const YamlValue& value, Owner& owner) {
   if (row.set != nullptr) {
     row.set(owner, value.integer(*row.limits));
   } else {
@@ -104,16 +109,18 @@ void read_key(const KeyRow<Owner>& row, const YamlValue& value, Owner& owner) {
 /// Reads a map whose keys have rows.
 /// @throws ConfigurationError when a key is unknown or appears twice, or its row refuses the value.
 template <typename Owner>
-void read_section(const YamlValue& map, std::span<const KeyRow<Owner>> rows, Owner& owner) {
+void read_section(const YamlValue& map, std::span<const ConfigurationRow<Owner>> rows,
+                  Owner& owner) {
   const auto known = keys_of(rows);
   map.for_each_entry(known, [&](const std::string& key, const YamlValue& value) {
-    read_key(*std::ranges::find(rows, key, &KeyRow<Owner>::key), value, owner);
+    read_key(*std::ranges::find(rows, key, &ConfigurationRow<Owner>::key), value, owner);
   });
 }
 
 /// Prints the entries of a map, not its beginning and end.
 template <typename Owner>
-void write_entries(YAML::Emitter& out, std::span<const KeyRow<Owner>> rows, const Owner& owner) {
+void write_entries(YAML::Emitter& out, std::span<const ConfigurationRow<Owner>> rows,
+                   const Owner& owner) {
   for (const auto& row : rows) {
     if (row.is_printed != nullptr && !row.is_printed(owner)) continue;
     out << YAML::Key << std::string(row.key) << YAML::Value;
@@ -122,7 +129,8 @@ void write_entries(YAML::Emitter& out, std::span<const KeyRow<Owner>> rows, cons
 }
 
 template <typename Owner>
-void write_section(YAML::Emitter& out, std::span<const KeyRow<Owner>> rows, const Owner& owner) {
+void write_section(YAML::Emitter& out, std::span<const ConfigurationRow<Owner>> rows,
+                   const Owner& owner) {
   out << YAML::BeginMap;
   write_entries(out, rows, owner);
   out << YAML::EndMap;
@@ -130,7 +138,7 @@ void write_section(YAML::Emitter& out, std::span<const KeyRow<Owner>> rows, cons
 
 /// @return the help of a row, with its limits.
 template <typename Owner>
-[[nodiscard]] std::string text_of(const KeyRow<Owner>& row) {
+[[nodiscard]] std::string text_of(const ConfigurationRow<Owner>& row) {
   std::string text(row.what);
   const auto place = text.find("{}");
   if (place == std::string::npos || !row.limits) return text;
@@ -139,7 +147,7 @@ template <typename Owner>
 }
 
 template <typename Owner>
-void describe_section(const std::string& prefix, std::span<const KeyRow<Owner>> rows,
+void describe_section(const std::string& prefix, std::span<const ConfigurationRow<Owner>> rows,
                       std::vector<ConfigurationKey>& keys) {
   for (const auto& row : rows) {
     if (row.describe != nullptr) {
