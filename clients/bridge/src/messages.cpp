@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <limits>
-#include <numbers>
 #include <optional>
 
 namespace vdrive::bridge {
@@ -261,24 +260,6 @@ std::string encode_event(const client::Event& event, std::string_view name, std:
   return bytes;
 }
 
-double si_per_user_unit(const Unit& unit) {
-  const char* const si = unit.kind == UnitKind::rotary ? "rad" : "m";
-  return 1.0 / user_units_in(unit, si).value_or(unit.size);
-}
-
-double effort_per_mille(const Unit& unit, const TorqueRating& rating) {
-  // 1 ‰ of so many mN.m, at the motor [N.m].
-  const double motor = static_cast<double>(rating.motor_rated_torque) * 1e-6;
-  // A gear keeps the power, torque x speed. For `denominator` turns of the motor the load makes
-  // `numerator`: the load has that much less speed and that much more torque.
-  const double load = motor * static_cast<double>(rating.gear_ratio_denominator) /
-                      static_cast<double>(rating.gear_ratio_numerator);
-  // The same holds for the mechanism behind the load: for one turn, 2 pi rad, the axis moves by so
-  // many rad or m. For an axis in the angle of the load both are 2 pi.
-  const double way = kUserUnitsPerRevolution * si_per_user_unit(unit);
-  return load * 2.0 * std::numbers::pi / way;
-}
-
 std::string encode_joint_states(const client::Observation& observation,
                                 std::span<const Joint> joints, std::uint64_t time) {
   // The status has none, and the differences of velocities in user units are mostly their rounding.
@@ -288,12 +269,12 @@ std::string encode_joint_states(const client::Observation& observation,
   writer.put_time(time);
   writer.put_count(joints.size());
   for (std::size_t i = 0; i < joints.size(); ++i) {
-    const AxisStatus& status = observation.axes[i].status;
+    const JointValues values = joint_values(observation.axes[i].status, joints[i].scale);
     writer.put(joints[i].name);
-    writer.put(status.load_position_actual_value * joints[i].si_per_user_unit);
-    writer.put(status.load_velocity_actual_value * joints[i].si_per_user_unit);
+    writer.put(values.position);
+    writer.put(values.velocity);
     writer.put(kUnknown);
-    writer.put(status.torque_actual_value * joints[i].effort_per_mille);
+    writer.put(values.effort);
   }
   return bytes;
 }

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "joint_values.hpp"
 #include "vdrive/axis_status.hpp"
 #include "vdrive/client/axis.hpp"
 #include "vdrive/client/axis_snapshot.hpp"
 #include "vdrive/client/event.hpp"
-#include "vdrive/unit.hpp"
 
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
@@ -62,25 +61,8 @@ struct ParameterImage {
 /// One joint of a JointStates message.
 struct Joint {
   std::string_view name;
-  double si_per_user_unit = 0.0;  ///< [rad or m] of one user unit: si_per_user_unit()
-  /// [N.m or N] of 1 ‰ of the rated torque: effort_per_mille(). NaN until it was read.
-  double effort_per_mille = std::numeric_limits<double>::quiet_NaN();
+  JointScale scale{};
 };
-
-/// What relates 6077h to the load, as the drive has it.
-struct TorqueRating {
-  std::int64_t motor_rated_torque = 0;      ///< 6076h [mN.m]
-  std::int64_t gear_ratio_numerator = 1;    ///< 3576h [load revolutions]
-  std::int64_t gear_ratio_denominator = 1;  ///< 3577h [motor revolutions]
-};
-
-/// @return [rad] of one user unit of a rotary axis, [m] of a linear one; of a linear axis whose
-///         unit is not a length: that unit.
-[[nodiscard]] double si_per_user_unit(const Unit& unit);
-
-/// @return what 1 ‰ of the rated torque is where 6064h is measured, friction left out: [N.m] of a
-///         rotary axis, [N] of a linear one.
-[[nodiscard]] double effort_per_mille(const Unit& unit, const TorqueRating& rating);
 
 [[nodiscard]] std::string encode_bench_status(const client::Observation& observation,
                                               std::uint64_t time);

@@ -2,12 +2,11 @@
 #include "bench_feed.hpp"
 
 #include "descriptions.hpp"
+#include "joint_rating.hpp"
 #include "vdrive/cia402/power_state.hpp"
 #include "vdrive/client/axis.hpp"
-#include "vdrive/dictionary/dictionary.hpp"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 namespace vdrive::gateway {
@@ -87,8 +86,9 @@ BenchFeed::BenchFeed(client::Session& session, KnownBench bench, FeedSettings se
   joints_.reserve(bench_.info.axes.size());
   for (std::size_t i = 0; i < bench_.info.axes.size(); ++i) {
     traces_[i].axis = bench_.info.axes[i].id.axis;
-    joints_.push_back({.name = bench_.axis_names[i],
-                       .si_per_user_unit = bridge::si_per_user_unit(bench_.info.axes[i].unit)});
+    joints_.push_back(
+        {.name = bench_.axis_names[i],
+         .scale = {.si_per_user_unit = bridge::si_per_user_unit(bench_.info.axes[i].unit)}});
   }
   thread_ = std::jthread([this](const std::stop_token& stop) {
     run(stop);
@@ -327,20 +327,11 @@ void BenchFeed::refresh_joints(Clock::time_point now) {
 }
 
 void BenchFeed::read_rating(std::size_t place) {
-  using namespace literals;
-  constexpr std::array kRating{vdrive::describe("motor_rated_torque"_object).address,
-                               vdrive::describe("gear_ratio_numerator"_object).address,
-                               vdrive::describe("gear_ratio_denominator"_object).address};
   const client::AxisInfo info = bench().info.axes[place];
   const auto axis = session_.axis(to_string(info.id));
   if (!axis) return;
-  const auto readings = axis->read(kRating);
-  if (!readings) return;
-  const std::vector<client::ObjectReading>& values = readings->objects;
-  joints_[place].effort_per_mille =
-      bridge::effort_per_mille(info.unit, {.motor_rated_torque = values[0].value,
-                                           .gear_ratio_numerator = values[1].value,
-                                           .gear_ratio_denominator = values[2].value});
+  const auto effort = bridge::read_effort_per_mille(*axis, info.unit);
+  if (effort) joints_[place].scale.effort_per_mille = *effort;
 }
 
 void BenchFeed::add_traces(Batch& batch) {

@@ -60,7 +60,7 @@ class Control {
   SessionPointer session_;
   std::uint64_t taken_at_ = 0;
   std::shared_ptr<Jogs> jogs_;
-  Worker ends_;  ///< of sessions
+  bridge::Worker ends_;  ///< of sessions
 };
 
 }  // namespace vdrive::gateway

@@ -176,7 +176,7 @@ std::string Hub::metrics() const {
 void Hub::on_open(ConnectionId id) {
   Client& client = clients_[id];
   client.name = "client " + std::to_string(id);
-  client.worker = std::make_shared<Worker>();
+  client.worker = std::make_shared<bridge::Worker>();
   client_count_ = clients_.size();
   server_.send_answer(id, server_info_text({.is_control = settings_.is_control,
                                             .is_token = settings_.is_token,
@@ -221,7 +221,7 @@ void Hub::on_close(ConnectionId id, bool is_graceful) {
 }
 
 void Hub::forget_workers() {
-  std::erase_if(ended_, [](const std::shared_ptr<Worker>& worker) {
+  std::erase_if(ended_, [](const std::shared_ptr<bridge::Worker>& worker) {
     return worker->has_ended();
   });
 }

@@ -44,7 +44,7 @@ class Hub {
     std::map<std::string, std::optional<std::int64_t>> parameters;  ///< subscribed, as sent last
     std::set<std::string> unsent;                                   ///< subscribed, never sent
     bool wants_graph = false;
-    std::shared_ptr<Worker> worker;
+    std::shared_ptr<bridge::Worker> worker;
   };
 
   /// A call of /take_control.
@@ -110,8 +110,8 @@ class Hub {
   const std::string run_;  ///< the session id of the protocol
   client::Session session_;
   Control control_;
-  Worker stops_;  ///< halts and quick stops of everybody
-  Worker polls_;
+  bridge::Worker stops_;  ///< halts and quick stops of everybody
+  bridge::Worker polls_;
   bool is_polling_ = false;
   std::atomic<std::size_t> client_count_ = 0;
   std::atomic<std::size_t> batches_under_way_ = 0;
@@ -123,7 +123,7 @@ class Hub {
   ChannelPointer dictionary_channel_;
   SharedBytes dictionary_;
   SharedBytes services_;
-  std::vector<std::shared_ptr<Worker>> ended_;
+  std::vector<std::shared_ptr<bridge::Worker>> ended_;
   std::vector<std::string> removed_topics_;
   bool has_graph_changed_ = false;
   std::chrono::steady_clock::time_point time_sent_{};

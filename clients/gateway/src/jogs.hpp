@@ -55,7 +55,7 @@ class Jogs {
     std::int32_t velocity = 0;
     std::shared_ptr<Hold> held_until;
     std::atomic<std::size_t> calls = 0;  ///< that the worker has to do
-    Worker worker;
+    bridge::Worker worker;
   };
 
   [[nodiscard]] static bool runs_on(const Jog& jog, std::int32_t velocity, Clock::time_point now);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench_link.hpp"
 
-#include "messages.hpp"
+#include "joint_values.hpp"
 #include "vdrive/cia402/power_state.hpp"
 #include "vdrive/client/axis.hpp"
 #include "vdrive/dictionary/dictionary.hpp"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "joint_publisher.hpp"
 
+#include "joint_values.hpp"
 #include "vdrive/cia402/operating_mode.hpp"
 #include "vdrive/cia402/power_state.hpp"
 #include "vdrive/number_text.hpp"
@@ -114,13 +115,13 @@ std::optional<wire::ros::JointState> joint_state_of(const BenchView& view) {
   message.effort().reserve(view.limits ? count : 0);
   for (std::size_t i = 0; i < count; ++i) {
     const Joint& joint = (*view.joints)[i];
-    const AxisStatus& status = view.state->axes[i].status;
+    bridge::JointScale scale{.si_per_user_unit = joint.si_per_user_unit};
+    if (view.limits) scale.effort_per_mille = (*view.limits)[i].effort_per_mille;
+    const bridge::JointValues values = bridge::joint_values(view.state->axes[i].status, scale);
     message.name().push_back(joint.name);
-    message.position().push_back(status.load_position_actual_value * joint.si_per_user_unit);
-    message.velocity().push_back(status.load_velocity_actual_value * joint.si_per_user_unit);
-    if (view.limits) {
-      message.effort().push_back(status.torque_actual_value * (*view.limits)[i].effort_per_mille);
-    }
+    message.position().push_back(values.position);
+    message.velocity().push_back(values.velocity);
+    if (view.limits) message.effort().push_back(values.effort);
   }
   return message;
 }

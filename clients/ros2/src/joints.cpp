@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "joints.hpp"
 
-#include "messages.hpp"
+#include "joint_values.hpp"
 
 #include <algorithm>
 

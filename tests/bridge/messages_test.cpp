@@ -141,7 +141,7 @@ TEST(Messages, HaveJointsInSiUnits) {
   client::Observation observed = observation();
   observed.axes[0].status.load_position_actual_value = 1024;
   const double rad = si_per_user_unit(Unit{});  // 4096 UU a revolution
-  const std::vector<Joint> joints(2, Joint{.name = "x", .si_per_user_unit = rad});
+  const std::vector<Joint> joints(2, Joint{.name = "x", .scale = {.si_per_user_unit = rad}});
   const std::string bytes = encode_joint_states(observed, joints, 0);
   EXPECT_DOUBLE_EQ(numbers_of_first_joint(bytes)[0], 1.5707963267948966)
       << "a quarter of a revolution";
@@ -156,12 +156,12 @@ TEST(Messages, HaveTheEffortOfTheLoadAndNoAcceleration) {
       turns,
       {.motor_rated_torque = 3'000, .gear_ratio_numerator = 1, .gear_ratio_denominator = 10});
   const std::vector<Joint> joints(
-      2,
-      Joint{.name = "x", .si_per_user_unit = si_per_user_unit(turns), .effort_per_mille = effort});
+      2, Joint{.name = "x",
+               .scale = {.si_per_user_unit = si_per_user_unit(turns), .effort_per_mille = effort}});
   const auto numbers = numbers_of_first_joint(encode_joint_states(observed, joints, 0));
   EXPECT_NEAR(numbers[3], -15.0, 1e-12) << "1.5 N.m of the motor, times 10";
   EXPECT_TRUE(std::isnan(numbers[2]));
-  const std::vector<Joint> unread(2, Joint{.name = "x", .si_per_user_unit = 1.0});
+  const std::vector<Joint> unread(2, Joint{.name = "x", .scale = {.si_per_user_unit = 1.0}});
   EXPECT_TRUE(std::isnan(numbers_of_first_joint(encode_joint_states(observed, unread, 0))[3]));
 }
 

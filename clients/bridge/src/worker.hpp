@@ -9,7 +9,7 @@
 #include <mutex>
 #include <thread>
 
-namespace vdrive::gateway {
+namespace vdrive::bridge {
 
 /// A thread that does one thing after the other: calls to benches wait, and no other thread waits
 /// for them. Its thread starts with the first job.
@@ -46,4 +46,4 @@ class Worker {
   std::thread thread_;
 };
 
-}  // namespace vdrive::gateway
+}  // namespace vdrive::bridge

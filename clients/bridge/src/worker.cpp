@@ -3,7 +3,7 @@
 
 #include <utility>
 
-namespace vdrive::gateway {
+namespace vdrive::bridge {
 
 Worker::~Worker() {
   close();
@@ -55,4 +55,4 @@ void Worker::run() {
   has_ended_ = true;
 }
 
-}  // namespace vdrive::gateway
+}  // namespace vdrive::bridge

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/client/session.hpp"
+
+#include <chrono>
+#include <functional>
+#include <optional>
+#include <stop_token>
+#include <vector>
+
+namespace vdrive::bridge {
+
+/// Sees the axes of a bench tick by tick, and begins again after the bench was lost. Time is an
+/// argument; the functions that it calls wait. For one thread.
+class BenchFollower {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  /// Waits for a sample, at most for the given time.
+  using Next = std::function<client::Result<client::Observation>(std::chrono::milliseconds)>;
+
+  /// Begins to follow.
+  using Open = std::function<client::Result<Next>()>;
+
+  /// How long it waits after a failure, before it tries again.
+  static constexpr std::chrono::milliseconds kRetry{200};
+
+  explicit BenchFollower(Open open) : open_(std::move(open)) {}
+
+  /// Begins to follow, unless it does or has failed to within kRetry before `now`.
+  /// @return whether it has begun with this call.
+  bool open(Clock::time_point now);
+
+  [[nodiscard]] bool is_open() const noexcept { return static_cast<bool>(next_); }
+
+  void close() { next_ = {}; }
+
+  /// @return the next sample; none when none came in time, or when the bench was lost: then
+  ///         is_open() is false.
+  std::optional<client::Observation> next(std::chrono::milliseconds patience);
+
+  /// Waits for a sample, and leaves out those behind which a newer one has arrived.
+  /// @return as next()
+  std::optional<client::Observation> newest(std::chrono::milliseconds patience);
+
+ private:
+  Open open_;
+  Next next_;
+  Clock::time_point due_{};
+};
+
+/// @param session outlives what is returned
+/// @return what follows these axes, and never advances their clock.
+[[nodiscard]] BenchFollower::Open follow_axes(client::Session& session,
+                                              std::vector<client::AxisId> axes);
+
+/// Waits for `duration`, or until a stop is requested.
+void rest(std::chrono::milliseconds duration, const std::stop_token& stop);
+
+}  // namespace vdrive::bridge

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "joint_rating.hpp"
+
+#include "joint_values.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
+
+#include <array>
+#include <vector>
+
+namespace vdrive::bridge {
+
+std::optional<double> read_effort_per_mille(const client::Axis& axis, const Unit& unit) {
+  using namespace literals;
+  constexpr std::array kObjects{vdrive::describe("motor_rated_torque"_object).address,
+                                vdrive::describe("gear_ratio_numerator"_object).address,
+                                vdrive::describe("gear_ratio_denominator"_object).address};
+  const auto readings = axis.read(kObjects);
+  if (!readings) return std::nullopt;
+  const auto& values = readings->objects;
+  return effort_per_mille(unit, {.motor_rated_torque = values[0].value,
+                                 .gear_ratio_numerator = values[1].value,
+                                 .gear_ratio_denominator = values[2].value});
+}
+
+}  // namespace vdrive::bridge
