@@ -5,6 +5,13 @@
 #include "vdrive/client/axis.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 
+#include <algorithm>
+#include <array>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
 namespace vdrive::client {
 namespace {
 
@@ -58,7 +65,7 @@ Result<msg::Reply> exchange_snapshot(SessionCore& core, std::uint32_t bench, std
       "snapshot " + (names_one ? std::to_string(snapshot) + " " : "") + "of " + name_of(*target));
 }
 
-void add_target_object(msg::AxisCommand& command, ObjectAddress address, std::int64_t value) {
+void add_object(msg::AxisCommand& command, ObjectAddress address, std::int64_t value) {
   auto& object = command.objects().emplace_back();
   object.index(address.index);
   object.subindex(address.subindex);
@@ -79,10 +86,13 @@ msg::AxisCommand command_of(const SetPoint& point) {
     command.position_user_target_value(*point.position);
   }
   if (point.velocity) {
-    add_target_object(command, vdrive::describe("target_velocity"_object).address, *point.velocity);
+    add_object(command, vdrive::describe("target_velocity"_object).address, *point.velocity);
   }
   if (point.torque) {
-    add_target_object(command, vdrive::describe("target_torque"_object).address, *point.torque);
+    add_object(command, vdrive::describe("target_torque"_object).address, *point.torque);
+  }
+  for (const ObjectValue& value : point.objects) {
+    add_object(command, value.object, value.value);
   }
   if (point.controlword) {
     members |= msg::HAS_DS402_CONTROLWORD;
@@ -92,16 +102,57 @@ msg::AxisCommand command_of(const SetPoint& point) {
   return command;
 }
 
-FrameContent content_of(const SetPointFrame& frame) {
-  FrameContent content{.commands = {},
-                       .apply_at_tick = frame.tick,
-                       .flags = frame.drops_waiting ? msg::FRAME_CANCEL_PENDING : 0U};
-  content.commands.reserve(frame.axes.size());
-  for (const SetPoint& point : frame.axes) {
+bool is_target(const ObjectValue& value) {
+  using namespace literals;
+  constexpr std::array kTargets{
+      vdrive::describe("position_user_target_value"_object).address,
+      vdrive::describe("target_velocity"_object).address,
+      vdrive::describe("target_torque"_object).address,
+  };
+  return std::ranges::find(kTargets, value.object) != kTargets.end();
+}
+
+/// @return whether the axis may run from then on.
+bool sets_in_motion(const SetPoint& point) {
+  return point.position || point.velocity || point.torque ||
+         std::ranges::any_of(point.objects, is_target);
+}
+
+FrameContent content_of(const SetPointFrame& frame, std::span<const SetPoint> axes) {
+  FrameContent content{.commands = {}, .apply_at_tick = frame.tick};
+  content.commands.reserve(axes.size());
+  for (const SetPoint& point : axes) {
     content.commands.push_back(command_of(point));
-    if (point.position || point.velocity || point.torque) content.moved.push_back(point.axis);
+    if (sets_in_motion(point)) content.moved.push_back(point.axis);
   }
   return content;
+}
+
+/// Adds the frame in parts that a bench takes. One without axes is a part, too: a keep-alive.
+void add_contents(const SetPointFrame& frame, std::vector<FrameContent>& contents) {
+  const std::size_t first = contents.size();
+  std::span<const SetPoint> left(frame.axes);
+  do {
+    const auto part = left.first(std::min(left.size(), kMostAxesAtOnce));
+    contents.push_back(content_of(frame, part));
+    left = left.subspan(part.size());
+  } while (!left.empty());
+  if (frame.drops_waiting) contents[first].flags = msg::FRAME_CANCEL_PENDING;
+}
+
+Outcome check_objects(std::span<const SetPointFrame> frames) {
+  static_assert(kMostObjectsOfSetPoint == msg::MAX_OBJECTS_PER_AXIS);
+  for (const SetPointFrame& frame : frames) {
+    for (const SetPoint& point : frame.axes) {
+      const std::size_t count =
+          point.objects.size() + (point.velocity ? 1U : 0U) + (point.torque ? 1U : 0U);
+      if (count <= kMostObjectsOfSetPoint) continue;
+      return Outcome::failed("the set-point of axis " + std::to_string(point.axis) + " has " +
+                             std::to_string(count) + " objects; at most " +
+                             std::to_string(kMostObjectsOfSetPoint) + " are sent");
+    }
+  }
+  return {};
 }
 
 }  // namespace
@@ -218,11 +269,12 @@ Outcome Session::drop_snapshot(std::uint32_t bench, std::uint64_t snapshot) {
 }
 
 Outcome Session::send_set_points(std::uint32_t bench, std::span<const SetPointFrame> frames) {
+  if (Outcome checked = check_objects(frames); !checked) return checked;
   const auto target = core_->links.connect(bench);
   if (!target) return target.outcome();
   std::vector<FrameContent> contents;
   contents.reserve(frames.size());
-  for (const SetPointFrame& frame : frames) contents.push_back(content_of(frame));
+  for (const SetPointFrame& frame : frames) add_contents(frame, contents);
   return core_->commands.send_unawaited(*target, contents);
 }
 

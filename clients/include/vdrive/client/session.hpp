@@ -8,6 +8,7 @@
 #include "vdrive/client/outcome.hpp"
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -79,6 +80,15 @@ struct ServiceChange {
   std::string text;                     ///< such as "bench 1 stopped sending 83 ms ago"
 };
 
+/// Objects that one set-point can have beside position, mode and controlword.
+inline constexpr std::size_t kMostObjectsOfSetPoint = 8;
+
+/// A value for an object of an axis.
+struct ObjectValue {
+  ObjectAddress object;
+  std::int64_t value = 0;  ///< in the unit of the object
+};
+
 /// What a frame of set-points brings to one axis. What is not given stays.
 struct SetPoint {
   std::uint16_t axis = 0;                      ///< number on the bench
@@ -87,13 +97,17 @@ struct SetPoint {
   std::optional<std::int32_t> velocity{};      ///< 60FFh [UU/s]
   std::optional<std::int16_t> torque{};        ///< 6071h [‰ of rated torque]
   std::optional<std::uint16_t> controlword{};  ///< 6040h, acts last
+  /// Further objects, written in this order after the members above and before the controlword;
+  /// with velocity and torque at most kMostObjectsOfSetPoint. The bench refuses an object that it
+  /// does not have, that may not be written, or that acts on power or memory, such as 1010h.
+  std::vector<ObjectValue> objects{};
 };
 
 /// Set-points that are in force in one tick.
 struct SetPointFrame {
   std::uint64_t tick = 0;        ///< 0 = the next
   bool drops_waiting = false;    ///< first drops the frames of the session that wait for their tick
-  std::vector<SetPoint> axes{};  ///< at most kMostAxesAtOnce, each once
+  std::vector<SetPoint> axes{};  ///< each once; more than kMostAxesAtOnce are sent in parts
 };
 
 /// A saved state of all axes of a bench, which the bench keeps.
@@ -281,7 +295,8 @@ class Session {
   /// answer: the status shows what became of them, and on_event() reports a refusal. Frames for
   /// later ticks, up to 10 s ahead and up to 1,024 of all sessions, wait in the bench; one that
   /// comes too late is refused. Steps no clock.
-  /// @return lost when the bench cannot be reached, refused without permission to command.
+  /// @return lost when the bench cannot be reached, refused without permission to command; failed,
+  ///         with nothing sent, when a set-point has too many objects.
   Outcome send_set_points(std::uint32_t bench, std::span<const SetPointFrame> frames);
 
   /// The present state of some axes of one bench.
