@@ -15,7 +15,6 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr milliseconds kIdle{50};
-constexpr milliseconds kRetry{200};
 constexpr milliseconds kStatePeriod{200};
 constexpr milliseconds kUrgentPeriod{5};
 constexpr milliseconds kRatingPeriod{200};
@@ -28,6 +27,13 @@ ChannelInfo ros_channel(std::string topic, bridge::MessageSchema schema) {
           .schema_name = std::move(schema.name),
           .schema = std::move(schema.text),
           .schema_encoding = "ros2msg"};
+}
+
+std::vector<client::AxisId> ids_of(const KnownBench& bench) {
+  std::vector<client::AxisId> ids;
+  ids.reserve(bench.info.axes.size());
+  for (const client::AxisInfo& axis : bench.info.axes) ids.push_back(axis.id);
+  return ids;
 }
 
 ChannelPointer make(ChannelInfo info) {
@@ -72,17 +78,18 @@ BenchChannels bench_channels(const KnownBench& bench) {
   return channels;
 }
 
-BenchFeed::BenchFeed(client::Session& session, KnownBench bench, FeedSettings settings,
-                     Publish publish)
+BenchFeed::BenchFeed(client::Session& session, bridge::Presence& presence, KnownBench bench,
+                     FeedSettings settings, Publish publish)
     : session_(session),
+      presence_(presence),
       settings_(settings),
       publish_(std::move(publish)),
       channels_(bench_channels(bench)),
       bench_(std::move(bench)),
-      newest_sample_(Clock::now() - bench_.info.sample_age),
+      ids_(ids_of(bench_)),
+      follower_(bridge::follow_axes(session, ids_)),
       published_states_(bench_.info.axes.size()),
       traces_(bench_.info.axes.size()) {
-  period_ = static_cast<std::uint64_t>(std::chrono::nanoseconds(bench_.info.period).count());
   joints_.reserve(bench_.info.axes.size());
   for (std::size_t i = 0; i < bench_.info.axes.size(); ++i) {
     traces_[i].axis = bench_.info.axes[i].id.axis;
@@ -95,62 +102,16 @@ BenchFeed::BenchFeed(client::Session& session, KnownBench bench, FeedSettings se
   });
 }
 
-BenchFeed::~BenchFeed() {
-  thread_.request_stop();
-  woken_.notify_all();
-}
-
-KnownBench BenchFeed::bench() const {
-  const std::scoped_lock lock(mutex_);
-  return bench_;
-}
-
-void BenchFeed::update(client::BenchInfo info) {
-  const std::scoped_lock lock(mutex_);
-  if (!have_same_topics(bench_.info, info)) return;
-  has_changed_ = has_changed_ || info.incarnation != bench_.info.incarnation;
-  newest_sample_ = Clock::now() - info.sample_age;
-  bench_.info = std::move(info);
-}
-
-void BenchFeed::note_alive(bool is_alive, milliseconds sample_age) {
-  const std::scoped_lock lock(mutex_);
-  is_alive_ = is_alive;
-  newest_sample_ = Clock::now() - sample_age;
-}
-
-std::chrono::nanoseconds BenchFeed::sample_age() const {
-  const std::scoped_lock lock(mutex_);
-  return Clock::now() - newest_sample_;
-}
-
-std::optional<milliseconds> BenchFeed::silence() const {
-  const std::scoped_lock lock(mutex_);
-  if (is_alive_) return std::nullopt;
-  return std::chrono::duration_cast<milliseconds>(Clock::now() - newest_sample_);
-}
-
 void BenchFeed::on_event(const client::Event& event) {
   if (!channels_.events->is_wanted()) return;
-  std::string name;
-  {
-    const std::scoped_lock lock(mutex_);
-    name = bench_.topic;
-    for (std::size_t i = 0; i < bench_.info.axes.size(); ++i) {
-      if (bench_.info.axes[i].id.axis == event.axis) name += "/" + bench_.axis_names[i];
-    }
+  std::string name = bench_.topic;
+  for (std::size_t i = 0; i < ids_.size(); ++i) {
+    if (ids_[i].axis == event.axis) name += "/" + bench_.axis_names[i];
   }
   const std::uint64_t time = time_of(event.tick);
   Batch batch{.bench = event.bench, .time = time, .publications = {}};
   batch.publications.push_back({channels_.events, share(bridge::encode_event(event, name, time))});
   publish_(std::move(batch));
-}
-
-void BenchFeed::rest(milliseconds duration, const std::stop_token& stop) {
-  std::unique_lock lock(mutex_);
-  woken_.wait_for(lock, stop, duration, [] {
-    return false;
-  });
 }
 
 void BenchFeed::run(const std::stop_token& stop) {
@@ -159,20 +120,20 @@ void BenchFeed::run(const std::stop_token& stop) {
   Clock::time_point due = Clock::now();
   while (!stop.stop_requested()) {
     if (*settings_.clients == 0) {
-      follower_.reset();
-      rest(kIdle, stop);
+      follower_.close();
+      bridge::rest(kIdle, stop);
       continue;
     }
     publish_description();
     publish_state(Clock::now());
     if (!is_stream_wanted()) {
-      follower_.reset();
+      follower_.close();
       newest_.reset();
-      rest(kIdle, stop);
+      bridge::rest(kIdle, stop);
       continue;
     }
-    if (!follower_ && !open_follower()) {
-      rest(kRetry, stop);
+    if (!follower_.is_open() && !begin()) {
+      bridge::rest(kIdle, stop);
       continue;
     }
     // A late message does not shift those that follow, unless it is later than a whole period.
@@ -191,17 +152,9 @@ bool BenchFeed::is_stream_wanted() const {
          std::ranges::any_of(channels_.axis_trace, is_wanted);
 }
 
-bool BenchFeed::open_follower() {
-  std::vector<client::AxisId> axes;
-  {
-    const std::scoped_lock lock(mutex_);
-    if (!is_alive_) return false;
-    axes.reserve(bench_.info.axes.size());
-    for (const client::AxisInfo& axis : bench_.info.axes) axes.push_back(axis.id);
-  }
-  auto follower = session_.follow(std::move(axes), client::Pace::observe);
-  if (!follower) return false;
-  follower_.emplace(std::move(*follower));
+bool BenchFeed::begin() {
+  const auto record = presence_.find(bench_.info.number);
+  if (!record || !record->is_alive || !follower_.open(Clock::now())) return false;
   newest_.reset();
   next_rating_ = 0;
   choose_traces();
@@ -215,18 +168,14 @@ void BenchFeed::follow(Clock::time_point until) {
     const auto now = Clock::now();
     if (is_urgent_ && now - begin >= kUrgentPeriod) return;
     const auto left = std::chrono::ceil<milliseconds>(until - now);
-    auto observation = follower_->next(std::clamp(left, milliseconds(0), kIdle));
+    auto observation = follower_.next(std::clamp(left, milliseconds(0), kIdle));
     if (observation) {
       take(std::move(*observation));
       const bool is_full = !traced_.empty() && traces_[traced_[0]].ticks.size() >= kLongestTrace;
       if (is_full) return;
       continue;
     }
-    if (observation.outcome().kind() != client::OutcomeKind::timed_out) {
-      follower_.reset();  // the service fell silent or is another run
-      return;
-    }
-    if (left.count() <= 0) return;
+    if (!follower_.is_open() || left.count() <= 0) return;
   }
 }
 
@@ -263,19 +212,14 @@ void BenchFeed::choose_traces() {
 
 /// While time stands still no tick comes, and a new subscriber needs a message, too.
 void BenchFeed::observe_once() {
-  std::vector<client::AxisId> axes;
-  {
-    const std::scoped_lock lock(mutex_);
-    for (const client::AxisInfo& axis : bench_.info.axes) axes.push_back(axis.id);
-  }
-  auto observation = session_.observe(axes);
+  auto observation = session_.observe(ids_);
   if (!observation) return;
   newest_ = std::move(*observation);
   is_new_ = true;
 }
 
 void BenchFeed::publish_axes() {
-  if (!follower_) return;
+  if (!follower_.is_open()) return;
   const auto wants_now = [](const ChannelPointer& channel) {
     return channel->is_wanted_now.load();
   };
@@ -327,10 +271,9 @@ void BenchFeed::refresh_joints(Clock::time_point now) {
 }
 
 void BenchFeed::read_rating(std::size_t place) {
-  const client::AxisInfo info = bench().info.axes[place];
-  const auto axis = session_.axis(to_string(info.id));
+  const auto axis = session_.axis(to_string(ids_[place]));
   if (!axis) return;
-  const auto effort = bridge::read_effort_per_mille(*axis, info.unit);
+  const auto effort = bridge::read_effort_per_mille(*axis, bench_.info.axes[place].unit);
   if (effort) joints_[place].scale.effort_per_mille = *effort;
 }
 
@@ -346,16 +289,14 @@ void BenchFeed::add_traces(Batch& batch) {
 }
 
 void BenchFeed::publish_description() {
-  Batch batch;
-  {
-    const std::scoped_lock lock(mutex_);
-    const bool is_first = channels_.description->is_wanted_now.exchange(false);
-    const bool has_changed = std::exchange(has_changed_, false);
-    if (!channels_.description->is_wanted() || !(is_first || has_changed)) return;
-    batch.bench = bench_.info.number;
-    batch.time = time_of(bench_.info.tick);
-    batch.publications.push_back({channels_.description, share(description_text(bench_))});
-  }
+  const bool is_first = channels_.description->is_wanted_now.exchange(false);
+  const bool is_renewed = is_renewed_.exchange(false);
+  if (!channels_.description->is_wanted() || !(is_first || is_renewed)) return;
+  auto record = presence_.find(bench_.info.number);
+  if (!record) return;
+  const KnownBench known{std::move(record->info), bench_.topic, bench_.axis_names};
+  Batch batch{.bench = known.info.number, .time = time_of(known.info.tick), .publications = {}};
+  batch.publications.push_back({channels_.description, share(description_text(known))});
   publish_(std::move(batch));
 }
 
@@ -364,23 +305,23 @@ void BenchFeed::publish_state(Clock::time_point now) {
   const bool is_first = channels_.state->is_wanted_now.exchange(false);
   if (!is_first && now < next_state_) return;
   next_state_ = now + kStatePeriod;
-  const std::uint32_t number = bench().info.number;
-  for (client::BenchInfo& present : session_.present_benches()) {
-    if (present.number == number) update(std::move(present));
-  }
-  const KnownBench known = bench();
-  Batch batch{.bench = known.info.number, .time = time_of(known.info.tick), .publications = {}};
+  presence_.refresh(session_.present_benches(), now);
+  const auto record = presence_.find(bench_.info.number);
+  if (!record) return;
+  const client::BenchInfo& info = record->info;
+  Batch batch{.bench = info.number, .time = time_of(info.tick), .publications = {}};
   if (channels_.state->is_wanted()) {
     batch.publications.push_back(
         {channels_.state,
-         share(state_text(known.info, batch.time,
-                          std::chrono::duration_cast<milliseconds>(sample_age()), !silence()))});
+         share(state_text(info, batch.time,
+                          std::chrono::duration_cast<milliseconds>(now - record->newest_sample),
+                          record->is_alive))});
   }
   publish_(std::move(batch));
 }
 
 std::uint64_t BenchFeed::time_of(std::uint64_t tick) const {
-  return tick * period_;
+  return tick * static_cast<std::uint64_t>(std::chrono::nanoseconds(bench_.info.period).count());
 }
 
 }  // namespace vdrive::gateway

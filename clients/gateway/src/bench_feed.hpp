@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "bench_follower.hpp"
+#include "bench_presence.hpp"
 #include "channel.hpp"
 #include "directory.hpp"
 #include "messages.hpp"
@@ -9,8 +11,6 @@
 
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
-#include <mutex>
 #include <optional>
 #include <thread>
 #include <vector>
@@ -44,31 +44,18 @@ struct FeedSettings {
 /// axes, never advances its clock, and encodes what is received once for all receivers.
 class BenchFeed {
  public:
-  /// @param session outlives the feed
+  /// @param session outlives the feed, as `presence` does, which knows the bench
   /// @param publish any thread; takes a batch and does not wait
-  BenchFeed(client::Session& session, KnownBench bench, FeedSettings settings, Publish publish);
-  ~BenchFeed();
+  BenchFeed(client::Session& session, bridge::Presence& presence, KnownBench bench,
+            FeedSettings settings, Publish publish);
+  ~BenchFeed() = default;
   BenchFeed(const BenchFeed&) = delete;
   BenchFeed& operator=(const BenchFeed&) = delete;
 
   [[nodiscard]] const BenchChannels& channels() const noexcept { return channels_; }
 
-  /// The bench as it was found last.
-  [[nodiscard]] KnownBench bench() const;
-
-  /// The bench was found again, maybe another run of it. One with other axes is ignored: it needs
-  /// other topics.
-  void update(client::BenchInfo info);
-
-  /// The bench stopped sending, or sends again.
-  /// @param sample_age of its newest sample
-  void note_alive(bool is_alive, std::chrono::milliseconds sample_age);
-
-  /// How old its newest sample is, by the last call of note_alive().
-  [[nodiscard]] std::chrono::nanoseconds sample_age() const;
-
-  /// Since when it has been silent; nothing while it is not.
-  [[nodiscard]] std::optional<std::chrono::milliseconds> silence() const;
+  /// The bench was found again as another run of it: its description may be another one.
+  void note_renewed() noexcept { is_renewed_ = true; }
 
   void on_event(const client::Event& event);
 
@@ -78,7 +65,7 @@ class BenchFeed {
   void run(const std::stop_token& stop);
   [[nodiscard]] bool is_stream_wanted() const;
   void follow(Clock::time_point until);
-  bool open_follower();
+  bool begin();
   void take(client::Observation&& observation);
   void trace(const client::Observation& observation);
   [[nodiscard]] bool has_news(const client::Observation& observation) const;
@@ -92,22 +79,19 @@ class BenchFeed {
   void publish_description();
   void publish_state(Clock::time_point now);
   [[nodiscard]] std::uint64_t time_of(std::uint64_t tick) const;
-  void rest(std::chrono::milliseconds duration, const std::stop_token& stop);
 
   client::Session& session_;
+  bridge::Presence& presence_;
   const FeedSettings settings_;
   const Publish publish_;
   const BenchChannels channels_;
 
-  mutable std::mutex mutex_;  ///< guards the bench and its presence
-  KnownBench bench_;
-  bool is_alive_ = true;
-  bool has_changed_ = false;
-  Clock::time_point newest_sample_{};
+  const KnownBench bench_;  ///< as it was found first
+  const std::vector<client::AxisId> ids_;
+  std::atomic<bool> is_renewed_ = false;
 
   // Of the thread.
-  std::uint64_t period_ = 0;  ///< of a tick [ns]
-  std::optional<client::Follower> follower_;
+  bridge::BenchFollower follower_;
   std::optional<client::Observation> newest_;
   bool is_new_ = false;     ///< newest_ was not published
   bool is_urgent_ = false;  ///< it has a state or a fault that was not published
@@ -119,7 +103,6 @@ class BenchFeed {
   std::size_t next_rating_ = 0;  ///< place of the axis whose rating is read next
   Clock::time_point rating_due_{};
   Clock::time_point next_state_{};
-  std::condition_variable_any woken_;
   std::jthread thread_;  ///< last: ends before what it uses
 };
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench_watch.hpp"
 
-#include <algorithm>
 #include <utility>
 
 namespace vdrive::gateway {
@@ -10,7 +9,6 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr milliseconds kPeriod{500};
-constexpr std::chrono::minutes kSilenceOfTopics{1};
 
 }  // namespace
 
@@ -43,38 +41,28 @@ BenchList BenchWatch::benches() const {
 }
 
 std::vector<BenchPresence> BenchWatch::presences() const {
-  std::vector<client::BenchInfo> present = session_.present_benches();
-  const std::scoped_lock lock(mutex_);
-  for (client::BenchInfo& info : present) {
-    const auto feed = feeds_.find(info.number);
-    if (feed != feeds_.end()) feed->second->update(std::move(info));
-  }
+  const auto now = bridge::Presence::Clock::now();
+  presence_.refresh(session_.present_benches(), now);
   std::vector<BenchPresence> presences;
-  presences.reserve(feeds_.size());
-  for (const auto& [number, feed] : feeds_) {
-    presences.push_back(
-        {.number = number, .is_alive = !feed->silence(), .sample_age = feed->sample_age()});
+  for (const bridge::BenchRecord& record : presence_.all()) {
+    presences.push_back({.number = record.info.number,
+                         .is_alive = record.is_alive,
+                         .sample_age = now - record.newest_sample});
   }
   return presences;
 }
 
 void BenchWatch::on_change(const client::ServiceChange& change) {
+  presence_.note(change, bridge::Presence::Clock::now());
   const std::scoped_lock lock(mutex_);
-  const auto feed = feeds_.find(change.bench);
-  if (feed != feeds_.end()) {
-    const bool is_alive = change.news != client::ServiceNews::fell_silent &&
-                          change.news != client::ServiceNews::went_offline;
-    feed->second->note_alive(is_alive, change.silence);
-  }
-  if (change.news == client::ServiceNews::went_offline) offline_.push_back(change.bench);
   has_changed_ = true;
   changed_.notify_all();
 }
 
 void BenchWatch::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
-    reconcile(session_.find_benches());
-    remove_silent();
+    auto found = session_.find_benches();
+    reconcile(presence_.take(std::move(found), bridge::Presence::Clock::now()));
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, stop, kPeriod, [this] {
       return has_changed_;
@@ -83,40 +71,31 @@ void BenchWatch::run(const std::stop_token& stop) {
   }
 }
 
-void BenchWatch::reconcile(std::vector<client::BenchInfo> found) {
-  bool is_new = false;
-  for (client::BenchInfo& info : found) {
-    std::shared_ptr<BenchFeed> feed;
-    {
+void BenchWatch::reconcile(const std::vector<bridge::PresenceChange>& changes) {
+  using Kind = bridge::PresenceChange::Kind;
+  for (const bridge::PresenceChange& change : changes) {
+    if (change.kind == Kind::came) {
+      add(change.bench);
+    } else if (change.kind == Kind::renewed) {
       const std::scoped_lock lock(mutex_);
-      const auto known = feeds_.find(info.number);
-      if (known != feeds_.end()) feed = known->second;
+      feeds_.at(change.bench)->note_renewed();
+    } else {
+      remove(change.bench);
     }
-    if (feed && have_same_topics(feed->bench().info, info)) {
-      is_new = is_new || feed->bench().info.incarnation != info.incarnation;
-      // Found, so it is alive: a report of its silence may be older than this.
-      if (feed->bench().info.incarnation != info.incarnation) feed->note_alive(true, {});
-      feed->update(std::move(info));
-      continue;
-    }
-    if (feed) remove(info.number);
-    if (info.axes.empty()) continue;
-    add(std::move(info));
-    is_new = true;
   }
-  if (is_new) refresh();
+  if (!changes.empty()) refresh();
 }
 
-void BenchWatch::add(client::BenchInfo info) {
-  const std::uint32_t number = info.number;
-  auto feed = std::make_shared<BenchFeed>(session_, known_bench(std::move(info)), settings_,
-                                          events_.publish);
+void BenchWatch::add(std::uint32_t bench) {
+  auto record = presence_.find(bench);
+  if (!record) return;
+  auto feed = std::make_shared<BenchFeed>(session_, presence_, known_bench(std::move(record->info)),
+                                          settings_, events_.publish);
   {
     const std::scoped_lock lock(mutex_);
-    feeds_[number] = feed;
-    std::erase(offline_, number);
+    feeds_[bench] = feed;
   }
-  events_.came(number, feed->channels().all());
+  events_.came(bench, feed->channels().all());
 }
 
 void BenchWatch::remove(std::uint32_t bench) {
@@ -129,28 +108,14 @@ void BenchWatch::remove(std::uint32_t bench) {
     feeds_.erase(known);
   }
   events_.went(bench, feed->channels().all());
-  refresh();
-}
-
-void BenchWatch::remove_silent() {
-  std::vector<std::uint32_t> gone;
-  {
-    const std::scoped_lock lock(mutex_);
-    for (const auto& [number, feed] : feeds_) {
-      const auto silence = feed->silence();
-      const bool is_offline = std::ranges::find(offline_, number) != offline_.end();
-      if (silence && (is_offline || *silence > kSilenceOfTopics)) gone.push_back(number);
-    }
-    offline_.clear();
-  }
-  for (const std::uint32_t bench : gone) remove(bench);
 }
 
 void BenchWatch::refresh() {
-  const std::scoped_lock lock(mutex_);
   auto benches = std::make_shared<std::vector<KnownBench>>();
-  benches->reserve(feeds_.size());
-  for (const auto& [number, feed] : feeds_) benches->push_back(feed->bench());
+  for (bridge::BenchRecord& record : presence_.all()) {
+    benches->push_back(known_bench(std::move(record.info)));
+  }
+  const std::scoped_lock lock(mutex_);
   benches_ = std::move(benches);
 }
 

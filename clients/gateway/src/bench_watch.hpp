@@ -45,20 +45,19 @@ class BenchWatch {
 
  private:
   void run(const std::stop_token& stop);
-  void reconcile(std::vector<client::BenchInfo> found);
-  void add(client::BenchInfo info);
+  void reconcile(const std::vector<bridge::PresenceChange>& changes);
+  void add(std::uint32_t bench);
   void remove(std::uint32_t bench);
-  void remove_silent();
   void on_change(const client::ServiceChange& change);
   void refresh();
 
   client::Session& session_;
   const FeedSettings settings_;
   const BenchEvents events_;
+  mutable bridge::Presence presence_{{.continues = have_same_topics}};
   mutable std::mutex mutex_;  ///< guards what follows
   std::map<std::uint32_t, std::shared_ptr<BenchFeed>> feeds_;
   BenchList benches_ = std::make_shared<std::vector<KnownBench>>();
-  std::vector<std::uint32_t> offline_;  ///< benches that announced their end
   std::condition_variable_any changed_;
   bool has_changed_ = false;
   std::jthread thread_;
