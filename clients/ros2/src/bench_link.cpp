@@ -2,10 +2,8 @@
 #include "bench_link.hpp"
 
 #include "joint_values.hpp"
-#include "vdrive/cia402/power_state.hpp"
 #include "vdrive/client/axis.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
-#include "vdrive/number_text.hpp"
 
 #include <algorithm>
 #include <array>
@@ -21,8 +19,6 @@ using Clock = std::chrono::steady_clock;
 using namespace vdrive::literals;
 
 constexpr milliseconds kLongestWait{10};
-constexpr milliseconds kRetry{200};
-constexpr milliseconds kLongestRetry{2000};
 constexpr std::chrono::seconds kLimitsPeriod{2};
 
 // What 607Ah can count to [UU].
@@ -63,32 +59,22 @@ enum LimitObject : std::size_t {
 
 }  // namespace
 
-std::optional<std::uint64_t> other_owner(const BenchState& state, std::uint64_t own) {
-  const auto other = std::ranges::find_if(state.axes, [own](const client::AxisSnapshot& axis) {
-    return axis.owner_session != 0 && axis.owner_session != own;
-  });
-  if (other == state.axes.end()) return std::nullopt;
-  return other->owner_session;
-}
-
 BenchLink::BenchLink(client::Session& session, client::BenchInfo info, std::vector<Joint> joints,
-                     Reports& reports, std::function<void()> notify)
+                     bridge::Reports& reports, std::function<void()> notify)
     : session_(session),
       info_(std::move(info)),
       joints_(std::move(joints)),
-      reports_(reports),
       notify_(std::move(notify)),
+      follower_([this] {
+        return begin();
+      }),
+      keeper_(session.id(), control_calls(reports)),
       rate_(info_.clock_mode == client::ClockMode::realtime ? info_.rate : 1.0) {
   ids_.reserve(joints_.size());
   for (const Joint& joint : joints_) ids_.push_back(joint.axis);
   thread_ = std::jthread([this](const std::stop_token& stop) {
     run(stop);
   });
-}
-
-BenchLink::~BenchLink() {
-  thread_.request_stop();
-  woken_.notify_all();
 }
 
 double BenchLink::period() const noexcept {
@@ -105,11 +91,6 @@ std::shared_ptr<const std::vector<JointLimits>> BenchLink::limits() const {
   return limits_;
 }
 
-void BenchLink::want_control(bool wanted) {
-  if (wanted && !wants_control_.exchange(wanted)) is_control_new_ = true;
-  wants_control_ = wanted;
-}
-
 void BenchLink::give_back() {
   want_control(false);
   gives_back_ = true;
@@ -119,53 +100,38 @@ std::uint64_t BenchLink::request_limits() {
   return ++limits_requested_;
 }
 
-void BenchLink::rest(milliseconds duration, const std::stop_token& stop) {
-  std::unique_lock lock(mutex_);
-  woken_.wait_for(lock, stop, duration, [] {
-    return false;
-  });
-}
-
 void BenchLink::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
-    if (!follower_ && !open_follower()) {
-      rest(kRetry, stop);
+    if (!follower_.is_open() && !follower_.open(Clock::now())) {
+      bridge::rest(bridge::BenchFollower::kRetry, stop);
       continue;
     }
     if (limits_requested_ != limits_read_ || Clock::now() >= limits_due_) read_limits();
-    if (wants_control_ && Clock::now() >= control_due_) take_control();
-    if (gives_back_.exchange(false) && !wants_control_) (void)session_.release(info_.number);
+    keep_control();
+    if (gives_back_.exchange(false) && !keeper_.is_wanted()) (void)session_.release(info_.number);
     follow();
   }
 }
 
-bool BenchLink::open_follower() {
+client::Result<bridge::BenchFollower::Next> BenchLink::begin() {
   auto axes = session_.axes(info_.number);
-  auto follower = session_.follow(ids_, client::Pace::observe);
+  auto next = bridge::follow_axes(session_, ids_)();
   auto now = session_.observe(ids_);
-  if (!axes || !follower || !now || axes->size() != joints_.size()) return false;
+  if (!axes) return axes.outcome();
+  if (!now) return now.outcome();
+  if (axes->size() != joints_.size()) return client::Outcome::failed("the bench has other axes");
   axes_ = std::move(*axes);
-  follower_.emplace(std::move(*follower));
   limits_due_ = {};
   read_limits();
   set_state(std::move(*now));
-  return true;
+  return next;
 }
 
 /// Takes the samples that have arrived, and keeps the newest.
 void BenchLink::follow() {
-  auto newest = follower_->next(kLongestWait);
-  while (newest) {
-    auto next = follower_->next(milliseconds(0));
-    if (!next) {
-      set_state(std::move(*newest));
-      newest = std::move(next);
-      break;
-    }
-    newest = std::move(next);
-  }
-  if (newest.outcome().kind() == client::OutcomeKind::timed_out) return;
-  follower_.reset();  // the service sends nothing, or was restarted
+  auto newest = follower_.newest(kLongestWait);
+  if (newest) set_state(std::move(*newest));
+  if (follower_.is_open()) return;
   {
     const std::scoped_lock lock(mutex_);
     state_.reset();
@@ -182,67 +148,28 @@ void BenchLink::set_state(client::Observation&& observation) {
   notify_();
 }
 
-bool BenchLink::is_held(const BenchState& state) const {
-  return std::ranges::all_of(state.axes, [this](const client::AxisSnapshot& axis) {
-    return axis.owner_session == session_.id();
-  });
+bridge::ControlKeeper::Calls BenchLink::control_calls(bridge::Reports& reports) {
+  return {.acquire =
+              [this] {
+                return session_.acquire(ids_);
+              },
+          .observe = [this]() -> std::optional<client::Observation> {
+            auto now = session_.observe(ids_);
+            if (!now) return std::nullopt;
+            return std::move(*now);
+          },
+          .report =
+              [&reports, name = name()](bridge::Severity severity, const std::string& text) {
+                reports.report(severity, name, text);
+              },
+          .remedy = "publish true on enable to take it again",
+          .fault_remedy = "publish true on the topic enable to reset them"};
 }
 
-/// Sends a request only while the status has no other owner: a refusal is an event of the bench,
-/// which all its clients receive.
-void BenchLink::take_control() {
-  if (is_control_new_.exchange(false)) {
-    reported_owner_ = 0;
-    reported_refusal_.clear();
-    control_retry_ = kRetry;
-  }
+void BenchLink::keep_control() {
   const auto newest = state();
-  if (!newest || is_held(*newest)) return;
-  control_due_ = Clock::now() + kRetry;
-  if (const auto owner = other_owner(*newest, session_.id())) {
-    wait_for_owner(*newest, *owner);
-    return;
-  }
-  if (const client::Outcome taken = session_.acquire(ids_); !taken) {
-    control_due_ = Clock::now() + control_retry_;
-    control_retry_ = std::min(2 * control_retry_, kLongestRetry);
-    if (taken.message() == reported_refusal_) return;
-    reported_refusal_ = taken.message();
-    reports_.report(Severity::warning, name(), "cannot take control: " + taken.message());
-    return;
-  }
-  control_retry_ = kRetry;
-  if (auto now = session_.observe(ids_)) set_state(std::move(*now));
-  if (const auto held = state()) report_control(*held);
-}
-
-void BenchLink::wait_for_owner(const BenchState& state, std::uint64_t owner) {
-  if (owner == reported_owner_) return;
-  reported_owner_ = owner;
-  const auto count = std::ranges::count_if(state.axes, [this](const client::AxisSnapshot& axis) {
-    return axis.owner_session != 0 && axis.owner_session != session_.id();
-  });
-  reports_.report(Severity::warning, name(),
-                  "session " + session_text(owner) + " controls " + std::to_string(count) +
-                      " of its " + std::to_string(state.axes.size()) +
-                      " axes: this bridge takes control when all of them are free");
-}
-
-/// Reports control that follows a reported wait or refusal.
-void BenchLink::report_control(const BenchState& state) {
-  if (reported_owner_ == 0 && reported_refusal_.empty()) return;
-  std::string text = "takes control: its axes are free";
-  if (reported_owner_ != 0) text += " of session " + session_text(reported_owner_);
-  const auto faults = std::ranges::count_if(state.axes, [](const client::AxisSnapshot& axis) {
-    return axis.state() == PowerState::fault || axis.state() == PowerState::fault_reaction_active;
-  });
-  if (faults > 0) {
-    text += "; " + std::to_string(faults) + " of " + std::to_string(state.axes.size()) +
-            " are in a fault: publish true on the topic enable to reset them";
-  }
-  reported_owner_ = 0;
-  reported_refusal_.clear();
-  reports_.report(Severity::info, name(), text);
+  if (!newest) return;
+  if (auto held = keeper_.keep(newest->axes, Clock::now())) set_state(std::move(*held));
 }
 
 void BenchLink::read_limits() {

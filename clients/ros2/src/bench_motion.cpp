@@ -13,6 +13,7 @@
 namespace vdrive::ros2 {
 namespace {
 
+using bridge::Severity;
 using client::ClockMode;
 using std::chrono::milliseconds;
 
@@ -48,22 +49,6 @@ bool is_enabled(const client::AxisSnapshot& axis) {
   return axis.state() == PowerState::operation_enabled;
 }
 
-/// @return frames with no more axes than a bench takes.
-std::vector<client::SetPointFrame> divided(const std::vector<client::SetPointFrame>& frames) {
-  std::vector<client::SetPointFrame> parts;
-  parts.reserve(frames.size());
-  for (const client::SetPointFrame& frame : frames) {
-    for (std::size_t begin = 0; begin < frame.axes.size(); begin += client::kMostAxesAtOnce) {
-      const auto first = frame.axes.begin() + static_cast<std::ptrdiff_t>(begin);
-      const auto count = std::min(client::kMostAxesAtOnce, frame.axes.size() - begin);
-      parts.push_back({.tick = frame.tick,
-                       .drops_waiting = frame.drops_waiting && begin == 0,
-                       .axes = {first, first + static_cast<std::ptrdiff_t>(count)}});
-    }
-  }
-  return parts;
-}
-
 bool is_in_fault(const client::AxisSnapshot& axis) {
   return axis.state() == PowerState::fault || axis.state() == PowerState::fault_reaction_active;
 }
@@ -76,7 +61,7 @@ std::string_view to_string(Duty duty) noexcept {
   return kNames[static_cast<std::size_t>(duty)];
 }
 
-BenchMotion::BenchMotion(client::Session& session, BenchLink& link, Reports& reports,
+BenchMotion::BenchMotion(client::Session& session, BenchLink& link, bridge::Reports& reports,
                          double command_timeout)
     : session_(session),
       link_(link),
@@ -135,8 +120,8 @@ void BenchMotion::want_enabled(bool wanted, bool resets_faults) {
   wants_enabled_ = wanted;
   resets_faults_ = wanted && resets_faults;
   to_enable_.assign(plans_.size(), wanted);
-  had_control_ = false;
-  has_lost_control_ = false;
+  has_to_give_back_ = has_to_give_back_ || wanted;
+  link_.want_control(wanted);
   attempts_ = 0;
   words_due_ = {};
   words_tick_ = 0;
@@ -189,29 +174,10 @@ void BenchMotion::report_faults() {
 
 void BenchMotion::power(Clock::time_point now) {
   if (wants_enabled_) {
-    const bool all_held = std::ranges::all_of(state_->axes, [this](const auto& axis) {
-      return axis.owner_session == session_.id();
-    });
-    keep_control(all_held);
-    if (all_held) enable(now);
-  } else if (wants_control_) {
+    if (bridge::owns_all(state_->axes, session_.id())) enable(now);
+  } else if (has_to_give_back_) {
     disable();
   }
-}
-
-/// Control that another session has taken is taken back only when it is requested again.
-void BenchMotion::keep_control(bool all_held) {
-  if (had_control_ && !all_held && !has_lost_control_) {
-    has_lost_control_ = true;
-    const auto owner = other_owner(*state_, session_.id());
-    reports_.report(Severity::error, link_.name(),
-                    "control of its axes is lost" +
-                        (owner ? " to session " + session_text(*owner) : "") +
-                        ": publish true on enable to take it again");
-  }
-  had_control_ = had_control_ || all_held;
-  wants_control_ = true;
-  link_.want_control(!has_lost_control_);
 }
 
 std::vector<std::uint16_t> BenchMotion::enabling_words(const client::AxisSnapshot& axis) const {
@@ -260,7 +226,7 @@ void BenchMotion::enable(Clock::time_point now) {
 
 void BenchMotion::disable() {
   if (is_disabled()) {
-    wants_control_ = false;
+    has_to_give_back_ = false;
     link_.give_back();
     return;
   }
@@ -633,7 +599,10 @@ void BenchMotion::send_free() {
 
 /// In realtime the session sends keep-alives itself.
 void BenchMotion::keep_alive() {
-  const bool is_needed = link_.info().clock_mode == ClockMode::lockstep && had_control_;
+  const bool is_needed = link_.info().clock_mode == ClockMode::lockstep && wants_enabled_ &&
+                         std::ranges::any_of(state_->axes, [this](const auto& axis) {
+                           return axis.owner_session == session_.id();
+                         });
   const double passed =
       (static_cast<double>(state_->tick) - static_cast<double>(kept_alive_at_)) * link_.period();
   if (!is_needed || std::abs(passed) < kKeepAlive) return;
@@ -643,9 +612,7 @@ void BenchMotion::keep_alive() {
 
 bool BenchMotion::send(const std::vector<client::SetPointFrame>& frames) {
   if (frames.empty()) return true;
-  const bool is_small = plans_.size() <= client::kMostAxesAtOnce || frames.front().axes.empty();
-  const client::Outcome sent =
-      session_.send_set_points(link_.info().number, is_small ? frames : divided(frames));
+  const client::Outcome sent = session_.send_set_points(link_.info().number, frames);
   if (!sent) reports_.report(Severity::error, link_.name(), sent.message());
   return static_cast<bool>(sent);
 }

@@ -43,7 +43,8 @@ class BenchMotion {
   using Clock = std::chrono::steady_clock;
 
   /// @param link outlives this
-  BenchMotion(client::Session& session, BenchLink& link, Reports& reports, double command_timeout);
+  BenchMotion(client::Session& session, BenchLink& link, bridge::Reports& reports,
+              double command_timeout);
 
   [[nodiscard]] BenchLink& link() noexcept { return link_; }
 
@@ -133,7 +134,6 @@ class BenchMotion {
   void drop_plans(const std::string& reason, std::vector<BrokenTrajectory>& broken);
   void report_faults();
   void power(Clock::time_point now);
-  void keep_control(bool all_held);
   void enable(Clock::time_point now);
   void disable();
   [[nodiscard]] std::vector<std::uint16_t> enabling_words(const client::AxisSnapshot& axis) const;
@@ -171,7 +171,7 @@ class BenchMotion {
 
   client::Session& session_;
   BenchLink& link_;
-  Reports& reports_;
+  bridge::Reports& reports_;
   const double command_timeout_;
   double lead_;  ///< [s] of wall time to the first tick that a new set-point can reach
   std::vector<Plan> plans_;
@@ -180,10 +180,8 @@ class BenchMotion {
   std::uint64_t sent_until_ = 0;  ///< tick
   bool wants_enabled_ = false;
   bool resets_faults_ = false;
-  bool wants_control_ = false;
-  bool had_control_ = false;  ///< of all axes, since it is wanted
-  bool has_lost_control_ = false;
-  std::vector<bool> to_enable_;  ///< axes that have not been enabled since it was wanted
+  bool has_to_give_back_ = false;  ///< the axes, once none of them is enabled
+  std::vector<bool> to_enable_;    ///< axes that have not been enabled since it was wanted
   int attempts_ = 0;
   Clock::time_point words_due_{};
   std::uint64_t words_tick_ = 0;

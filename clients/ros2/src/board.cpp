@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "board.hpp"
 
+#include "wall_time.hpp"
+
 #include <cstdlib>
 #include <utility>
 
@@ -32,7 +34,7 @@ std::int64_t stamp_of(const client::BenchInfo& bench, std::uint64_t tick) {
   const std::int64_t drive_time =
       static_cast<std::int64_t>(tick) * std::chrono::nanoseconds(bench.period).count();
   if (bench.clock_mode != client::ClockMode::realtime) return drive_time;
-  const std::int64_t now = wall_time();
+  const std::int64_t now = bridge::wall_time();
   return std::abs(now - drive_time) < kDifference ? drive_time : now;
 }
 

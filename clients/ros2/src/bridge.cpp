@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bridge.hpp"
 
+#include "ros_time.hpp"
 #include "vdrive/client/event.hpp"
 #include "vdrive/dictionary/abort_code.hpp"
+#include "wall_time.hpp"
 
 namespace vdrive::ros2 {
 namespace {
+
+using bridge::Severity;
 
 constexpr std::uint32_t kControlled = wire_code(AbortCode::refused_local_control);
 
@@ -28,7 +32,11 @@ std::string reason_of(const client::Event& event) {
 Bridge::Bridge(const Settings& settings)
     : participant_(network_of(settings), "vdrive ros2"),
       session_(settings.session),
-      reports_(participant_, settings.topics.rosout),
+      rosout_(participant_, settings.topics.rosout),
+      reports_("vdrive-ros2",
+               [this](bridge::Severity severity, const std::string& line) {
+                 write_log(severity, line);
+               }),
       controller_(session_, settings, reports_, board_),
       publisher_(participant_, settings, board_),
       commands_(participant_, settings.topics.joint_commands,
@@ -56,6 +64,15 @@ Bridge::Bridge(const Settings& settings)
   controller_.set_guard_counts([this] {
     return participant_.guarded();
   });
+}
+
+void Bridge::write_log(bridge::Severity severity, const std::string& line) {
+  wire::ros::Log log;
+  log.stamp(ros_time(bridge::wall_time()));
+  log.level(static_cast<std::uint8_t>(severity));
+  log.name("vdrive_ros2");
+  log.msg(line);
+  (void)rosout_.write(log);
 }
 
 void Bridge::report_library(const std::string& words) {

@@ -22,9 +22,12 @@ class Bridge {
   void report_library(const std::string& words);
 
  private:
+  void write_log(bridge::Severity severity, const std::string& line);
+
   wire::Participant participant_;
   client::Session session_;
-  Reports reports_;
+  wire::ros::Publication<wire::ros::Log> rosout_;
+  bridge::Reports reports_;
   Board board_;
   Controller controller_;
   JointPublisher publisher_;

@@ -11,12 +11,12 @@
 namespace vdrive::ros2 {
 namespace {
 
+using bridge::Severity;
 using std::chrono::milliseconds;
 
 constexpr milliseconds kFindPeriod{200};
 constexpr milliseconds kBusyTurn{2};
 constexpr milliseconds kTurn{5};
-constexpr std::chrono::seconds kForgotten{60};  // a bench that was absent for this time is removed
 constexpr std::chrono::seconds kEnd{2};
 constexpr std::size_t kMostMessages = 64;
 constexpr double kNanosecond = 1e-9;
@@ -31,14 +31,20 @@ std::string joined(const std::vector<std::string>& names) {
                               : text;
 }
 
+/// The plans of a bench end with its run.
+bool is_same_run(const client::BenchInfo& known, const client::BenchInfo& found) {
+  return known.incarnation == found.incarnation && bridge::are_same_axes(known.axes, found.axes);
+}
+
 }  // namespace
 
-Controller::Controller(client::Session& session, const Settings& settings, Reports& reports,
+Controller::Controller(client::Session& session, const Settings& settings, bridge::Reports& reports,
                        Board& board)
     : session_(session),
       settings_(settings),
       reports_(reports),
       board_(board),
+      presence_({.continues = is_same_run, .wanted = settings.benches}),
       command_stamps_(settings.stamp_ahead),
       trajectory_stamps_(settings.stamp_ahead),
       drops_(reports),
@@ -142,41 +148,42 @@ void Controller::find_benches(Clock::time_point now) {
   if (now < find_due_) return;
   find_due_ = now + kFindPeriod;
   const std::vector<client::BenchInfo> present = session_.present_benches();
-  std::erase_if(left_out_, [&present](const auto& entry) {
-    return std::ranges::count(present, entry.first, &client::BenchInfo::number) == 0;
+  const auto is_present = [&present](std::uint32_t number) {
+    return std::ranges::count(present, number, &client::BenchInfo::number) > 0;
+  };
+  std::erase_if(left_out_, [&](const auto& entry) {
+    return !is_present(entry.first);
   });
-  for (const client::BenchInfo& info : present) {
-    const bool is_wanted =
-        settings_.benches.empty() || std::ranges::count(settings_.benches, info.number) > 0;
-    if (!is_wanted || info.axes.empty()) continue;
-    const auto known = benches_.find(info.number);
-    if (known != benches_.end()) {
-      note_present(known->second, info, now);
-    } else {
-      add_bench(info);
+  using Kind = bridge::PresenceChange::Kind;
+  for (const bridge::PresenceChange& change : presence_.take(present, now)) {
+    if (change.kind == Kind::went || change.kind == Kind::replaced) {
+      remove_bench(change.bench, change.kind == Kind::replaced);
     }
   }
-  remove_absent(now);
+  // Also a bench that was left out: another one may have set its names free.
+  for (const bridge::BenchRecord& record : presence_.all()) {
+    const client::BenchInfo& info = record.info;
+    const auto known = benches_.find(info.number);
+    if (known == benches_.end()) {
+      if (is_present(info.number)) add_bench(info);
+    } else if (info.clock_mode == client::ClockMode::realtime && info.rate > 0.0) {
+      known->second.link->set_rate(info.rate);
+    }
+  }
 }
 
-void Controller::note_present(Bench& bench, const client::BenchInfo& info, Clock::time_point now) {
-  bench.last_present = now;
-  if (info.clock_mode == client::ClockMode::realtime && info.rate > 0.0) {
-    bench.link->set_rate(info.rate);
-  }
-  if (bench.info->incarnation == info.incarnation &&
-      bridge::are_same_axes(bench.info->axes, info.axes))
-    return;
-  const std::string name = bench.link->name();
-  directory_.remove(info.number);
-  for (const auto& [number, text] : trajectories_) {
-    if (!bench.motion->follows(number)) continue;
-    break_off({{.number = number, .reason = name + " was restarted"}});
+void Controller::remove_bench(std::uint32_t number, bool is_replaced) {
+  const auto known = benches_.find(number);
+  if (known == benches_.end()) return;
+  const std::string name = known->second.link->name();
+  directory_.remove(number);
+  for (const auto& [trajectory, text] : trajectories_) {
+    if (!is_replaced || !known->second.motion->follows(trajectory)) continue;
+    break_off({{.number = trajectory, .reason = name + " was restarted"}});
     break;
   }
-  benches_.erase(info.number);
-  reports_.report(Severity::warning, name, "was restarted");
-  add_bench(info);
+  benches_.erase(known);
+  if (is_replaced) reports_.report(Severity::warning, name, "was restarted");
 }
 
 void Controller::add_bench(const client::BenchInfo& info) {
@@ -203,22 +210,10 @@ void Controller::add_bench(const client::BenchInfo& info) {
       });
   bench.motion =
       std::make_unique<BenchMotion>(session_, *bench.link, reports_, settings_.command_timeout);
-  bench.last_present = Clock::now();
   if (settings_.is_enabled && is_enabled_) bench.motion->want_enabled(true, false);
   reports_.report(Severity::info, bench.link->name(),
                   "found, " + std::to_string(info.axes.size()) + " joints");
   benches_.emplace(info.number, std::move(bench));
-}
-
-void Controller::remove_absent(Clock::time_point now) {
-  for (auto bench = benches_.begin(); bench != benches_.end();) {
-    if (now - bench->second.last_present < kForgotten) {
-      ++bench;
-      continue;
-    }
-    directory_.remove(bench->first);
-    bench = benches_.erase(bench);
-  }
 }
 
 std::optional<KnownJoint> Controller::find(const std::string& name) const {

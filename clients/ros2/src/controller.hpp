@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "bench_presence.hpp"
 #include "board.hpp"
 #include "drops.hpp"
 #include "requests.hpp"
@@ -26,7 +27,8 @@ namespace vdrive::ros2 {
 class Controller {
  public:
   /// @param session outlives the controller, as the others do
-  Controller(client::Session& session, const Settings& settings, Reports& reports, Board& board);
+  Controller(client::Session& session, const Settings& settings, bridge::Reports& reports,
+             Board& board);
 
   /// Disables the axes that it has enabled, as far as that is possible within two seconds.
   ~Controller();
@@ -55,7 +57,6 @@ class Controller {
     std::unique_ptr<BenchMotion> motion;
     std::shared_ptr<const client::BenchInfo> info;
     std::shared_ptr<const std::vector<Joint>> joints;
-    Clock::time_point last_present{};
   };
 
   struct Received {
@@ -91,8 +92,7 @@ class Controller {
   void wait(const std::stop_token& stop);
   void find_benches(Clock::time_point now);
   void add_bench(const client::BenchInfo& info);
-  void note_present(Bench& bench, const client::BenchInfo& info, Clock::time_point now);
-  void remove_absent(Clock::time_point now);
+  void remove_bench(std::uint32_t number, bool is_replaced);
   void handle_messages();
   void handle(const wire::ros::JointState& message, const wire::WriterId& writer);
   void handle(const wire::ros::JointTrajectory& message, const wire::WriterId& writer);
@@ -126,8 +126,9 @@ class Controller {
 
   client::Session& session_;
   const Settings settings_;
-  Reports& reports_;
+  bridge::Reports& reports_;
   Board& board_;
+  bridge::Presence presence_;
   std::map<std::uint32_t, Bench> benches_;
   JointDirectory directory_;
   std::map<std::uint32_t, LeftOut> left_out_;  ///< benches whose joints clash

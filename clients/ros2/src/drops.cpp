@@ -8,6 +8,8 @@
 namespace vdrive::ros2 {
 namespace {
 
+using bridge::Severity;
+
 constexpr std::chrono::seconds kPeriod{1};
 
 /// @return the number between the first pair of quotes behind `begin`, which is moved behind it.

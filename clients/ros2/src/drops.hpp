@@ -14,14 +14,14 @@ class Drops {
  public:
   using Clock = std::chrono::steady_clock;
 
-  explicit Drops(Reports& reports) : reports_(reports) {}
+  explicit Drops(bridge::Reports& reports) : reports_(reports) {}
 
   /// Reports what was refused since the last report, at most once a second.
   /// @param counts of the participant
   void report(const wire::GuardCounts& counts, Clock::time_point now);
 
  private:
-  Reports& reports_;
+  bridge::Reports& reports_;
   wire::GuardCounts reported_{};
   Clock::time_point due_{};
 };

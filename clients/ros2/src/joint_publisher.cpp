@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "joint_publisher.hpp"
 
+#include "control_keeper.hpp"
 #include "joint_values.hpp"
+#include "ros_time.hpp"
 #include "vdrive/cia402/operating_mode.hpp"
 #include "vdrive/cia402/power_state.hpp"
 #include "vdrive/number_text.hpp"
+#include "wall_time.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -30,12 +33,9 @@ void add(DiagnosticStatus& status, const char* key, std::string value) {
 
 /// @return who controls the axes of a bench, for a reader of the diagnostics.
 std::string control_of(const BenchView& view) {
-  if (const auto owner = other_owner(*view.state, view.session))
+  if (const auto owner = bridge::other_owner(view.state->axes, view.session))
     return "session " + session_text(*owner);
-  const bool is_held = std::ranges::all_of(view.state->axes, [&](const auto& axis) {
-    return axis.owner_session == view.session;
-  });
-  return is_held ? "this bridge" : "no session";
+  return bridge::owns_all(view.state->axes, view.session) ? "this bridge" : "no session";
 }
 
 DiagnosticStatus bench_status(const BenchView& view, const std::string& network) {
@@ -128,7 +128,7 @@ std::optional<wire::ros::JointState> joint_state_of(const BenchView& view) {
 
 wire::ros::DiagnosticArray diagnostics_of(const Board::Views& views, const std::string& network) {
   wire::ros::DiagnosticArray array;
-  array.header().stamp(ros_time(wall_time()));
+  array.header().stamp(ros_time(bridge::wall_time()));
   for (const auto& [number, view] : views) {
     array.status().push_back(bench_status(view, network));
     for (std::size_t i = 0; i < view.joints->size(); ++i) {
