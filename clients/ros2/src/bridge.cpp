@@ -58,12 +58,14 @@ Bridge::Bridge(const Settings& settings)
     reports_.report(Severity::warning, "bench " + std::to_string(event.bench),
                     "a command was refused: " + reason_of(event));
   });
-  controller_.set_writers([this] {
-    return commands_.matched();
-  });
-  controller_.set_guard_counts([this] {
-    return participant_.guarded();
-  });
+  controller_.set_questions({.writers =
+                                 [this] {
+                                   return commands_.matched();
+                                 },
+                             .guard_counts =
+                                 [this] {
+                                   return participant_.guarded();
+                                 }});
 }
 
 void Bridge::write_log(bridge::Severity severity, const std::string& line) {
@@ -81,8 +83,7 @@ void Bridge::report_library(const std::string& words) {
 
 Bridge::~Bridge() {
   session_.on_event({});
-  controller_.set_guard_counts({});
-  controller_.set_writers({});
+  controller_.set_questions({});
 }
 
 }  // namespace vdrive::ros2

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "served_benches.hpp"
+#include "stamp_order.hpp"
+#include "vdrive/wire/ros.hpp"
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace vdrive::ros2 {
+
+/// Checks, starts and ends trajectories. One waits for its time or for the limits of its joints;
+/// any number are under way. For one thread.
+class Trajectories {
+ public:
+  /// @param benches outlives this, as `reports` does
+  Trajectories(ServedBenches& benches, const Settings& settings, bridge::Reports& reports)
+      : benches_(benches),
+        reports_(reports),
+        start_tolerance_(settings.start_tolerance),
+        stamps_(settings.stamp_ahead) {}
+
+  /// Takes a message, or reports why it is refused. It replaces one that has not started.
+  void take(const wire::ros::JointTrajectory& message, const wire::WriterId& writer);
+
+  /// The axes were enabled or disabled: stamps begin anew, and nothing that waits starts without
+  /// power.
+  void note_enable(bool is_enabled);
+
+  /// Starts what is due.
+  void start_due();
+
+  /// Brakes the joints of trajectories that ended early, and reports why.
+  void break_off(const std::vector<BrokenTrajectory>& broken);
+
+  /// Breaks off what a bench does whose run has ended.
+  void end_with(const BenchMotion& motion);
+
+  /// Reports those whose set-points were all sent.
+  void forget_ended();
+
+ private:
+  /// A trajectory that waits for its time, or for the limits.
+  struct Waiting {
+    Trajectory trajectory;
+    std::map<std::uint32_t, std::uint64_t> limits;  ///< what limits_read() has to reach, by bench
+    bool is_checked = false;
+  };
+
+  /// The paths of a trajectory that may start.
+  struct Start {
+    std::vector<std::shared_ptr<const JointPath>>
+        paths;                                      ///< one a joint; none for a joint at its target
+    std::map<std::uint32_t, std::uint64_t> begins;  ///< tick, by bench
+    std::string problem;
+    bool waits = false;  ///< its time has not come
+  };
+
+  void refuse(const std::string& problem);
+  [[nodiscard]] std::string problem_of(const Trajectory& trajectory,
+                                       const wire::WriterId& writer) const;
+  [[nodiscard]] bool try_start(Waiting& waiting);
+  [[nodiscard]] bool has_limits(const Waiting& waiting) const;
+  void find_begins(const Trajectory& trajectory, Start& start,
+                   std::map<std::uint32_t, double>& passed);
+  [[nodiscard]] Start prepare(const Trajectory& trajectory);
+  void add_path(const Trajectory& trajectory, std::size_t joint, double passed, Start& start);
+  void begin(const Trajectory& trajectory, const Start& start);
+
+  ServedBenches& benches_;
+  bridge::Reports& reports_;
+  const double start_tolerance_;
+  StampOrder stamps_;
+  std::vector<Waiting> waiting_;
+  std::map<std::uint64_t, std::string> running_;  ///< number and text
+  std::uint64_t last_number_ = 0;
+};
+
+/// Compares a stamp with the time of each bench: in lock-step each has its own.
+/// @return why the stamp is not good; empty when it is.
+[[nodiscard]] std::string stamp_problem(const StampOrder& order, const wire::WriterId& writer,
+                                        std::int64_t stamp, const ServedBenches& benches,
+                                        const std::set<std::uint32_t>& numbers);
+
+}  // namespace vdrive::ros2
