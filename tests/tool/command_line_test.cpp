@@ -311,14 +311,14 @@ TEST(CommandLine, HelpHasExamples) {
   EXPECT_THAT(parse("run --help").text, HasSubstr("--throughout"));
 }
 
-TEST(Grammar, AcceptsSeveralAxesAndAll) {
+TEST(CommandLine, AcceptsSeveralAxesAndAll) {
   EXPECT_THAT(command<AxisActionCommand>("enable 7.1 7.2").axes, ElementsAre("7.1", "7.2"));
   EXPECT_THAT(command<AxisActionCommand>("quick-stop 7.*").axes, ElementsAre("7.*"));
   EXPECT_THAT(command<AxisActionCommand>("reset --all").axes, ElementsAre("*"));
   EXPECT_THAT(parse("status").command.value().axes, testing::IsEmpty());
 }
 
-TEST(Grammar, ReadsHomeVelocityTorqueAndJog) {
+TEST(CommandLine, ReadsHomeVelocityTorqueAndJog) {
   const auto home = command<HomeCommand>(
       "home x --method 37 --offset -90deg --speed 1000 --creep 9deg/s --acceleration 5 --no-wait");
   EXPECT_EQ(home.method, 37);

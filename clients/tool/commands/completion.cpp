@@ -65,6 +65,7 @@ constexpr std::array kShells{ShellRow{"bash", kBash}, ShellRow{"zsh", kZsh},
 
 std::vector<std::string> completed_shells() {
   std::vector<std::string> names;
+  names.reserve(kShells.size());
   for (const ShellRow& row : kShells) names.emplace_back(row.name);
   return names;
 }

@@ -143,6 +143,7 @@ void DictionaryCommand::declare(Arguments& arguments) {
       .positionals("OBJECT", objects, "Show these only; an index shows all sub-indices",
                    [](const std::vector<std::string>& texts) {
                      std::vector<ObjectName> listed;
+                     listed.reserve(texts.size());
                      for (const std::string& text : texts) listed.push_back(parse_listed(text));
                      return listed;
                    })

@@ -7,8 +7,11 @@
 #include "language/arguments.hpp"
 #include "values/object_check.hpp"
 #include "vdrive/client/disturbance.hpp"
+#include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wording.hpp"
+
+#include <string_view>
 
 namespace vdrive::tool {
 namespace {
@@ -19,6 +22,17 @@ std::vector<std::string> names_of_disturbances() {
   std::vector<std::string> names{"none"};
   for (const client::DisturbanceRow& row : client::kDisturbances) names.emplace_back(row.name);
   return names;
+}
+
+std::string help_of_kinds() {
+  std::string help;
+  for (const client::DisturbanceRow& row : client::kDisturbances) {
+    const std::string_view units = describe(*find_object(row.variable_name)).units;
+    help.append(row.name);
+    if (units != "-") help.append(" [").append(units).append("]");
+    help += ", ";
+  }
+  return help + "or none: clears all";
 }
 
 std::vector<Disturbance> inputs_of(const std::string& kind, const std::string& value) {
@@ -42,11 +56,7 @@ void DisturbCommand::declare(Arguments& arguments) {
   arguments.axis(axis);
   std::string& kind = arguments.text();
   std::string& value = arguments.text();
-  arguments
-      .positional("KIND", kind,
-                  "load_torque [mN.m], blocked_load, over_current, over_temperature, "
-                  "encoder_failure, dc_link_loss, positive_limit, negative_limit, home_switch, "
-                  "index_pulse, or none: clears all")
+  arguments.positional("KIND", kind, help_of_kinds())
       .required()
       .completed_by([](auto, const BenchNames&) {
         return names_of_disturbances();

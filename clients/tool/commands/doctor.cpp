@@ -13,7 +13,7 @@ struct DoctorCommand {
   void declare(Arguments& /*arguments*/) {}
 
   /// The doctor checks the machine also where no session can be opened.
-  ExitCode start(const Program& program) const {
+  static ExitCode start(const Program& program) {
     const GlobalOptions& options = program.options;
     const client::Outcome outcome = run_doctor(options, program.terminal, [&options] {
       return client::Session(session_options(options)).find_benches();

@@ -47,7 +47,7 @@ Outcome list_bench(const client::BenchInfo& bench, const CommandContext& context
 struct ListCommand {
   void declare(Arguments& /*arguments*/) {}
 
-  Outcome run(CommandContext& context) const {
+  static Outcome run(CommandContext& context) {
     const auto benches = context.session.find_benches();
     if (benches.empty()) return context.session.no_bench_found();
     for (const client::BenchInfo& bench : benches) {

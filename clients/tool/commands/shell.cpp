@@ -24,7 +24,7 @@ Example:
 struct ShellCommand {
   void declare(Arguments& /*arguments*/) {}
 
-  ExitCode start(const Program& program) const {
+  static ExitCode start(const Program& program) {
     Interrupt interrupt;
     interrupt.before_exit([&program] {
       program.terminal.leave_screen_at_once();

@@ -119,14 +119,14 @@ template <typename Given>
 /// @tparam make the arguments before anything was read
 template <typename Given, Given (*make)() = &no_arguments<Given>>
 [[nodiscard]] consteval CommandRow row_of(const CommandFace& face) {
-  constexpr bool runs = requires(const Given& given, CommandContext& context) {
+  constexpr bool kRuns = requires(const Given& given, CommandContext& context) {
     given.run(context);
   };
-  constexpr bool starts = requires(const Given& given, const Program& program) {
+  constexpr bool kStarts = requires(const Given& given, const Program& program) {
     given.start(program);
   };
-  static_assert(runs || starts, "a command does something");
-  if (!runs && face.deepest != Place::command_line) throw "a shell has one session for all";
+  static_assert(kRuns || kStarts, "a command does something");
+  if (!kRuns && face.deepest != Place::command_line) throw "a shell has one session for all";
   CommandRow row{.face = face};
   row.declare = [](Arguments& arguments) -> CommandMaker {
     auto given = std::make_shared<Given>(make());
@@ -147,12 +147,12 @@ template <typename Given, Given (*make)() = &no_arguments<Given>>
       std::any_cast<const Given&>(arguments).check_units(context, axis);
     };
   }
-  if constexpr (runs) {
+  if constexpr (kRuns) {
     row.run = [](const std::any& arguments, CommandContext& context) {
       return std::any_cast<const Given&>(arguments).run(context);
     };
   }
-  if constexpr (starts) {
+  if constexpr (kStarts) {
     row.start = [](const std::any& arguments, const Program& program) {
       return std::any_cast<const Given&>(arguments).start(program);
     };

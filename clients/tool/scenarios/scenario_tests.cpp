@@ -192,10 +192,10 @@ class ScenarioTests {
 
   /// An interrupted scenario ends by itself; one that does not is killed.
   int wait_for(process::ChildProcess& run) {
-    constexpr std::chrono::milliseconds kPeriod{200};
+    constexpr std::chrono::milliseconds kCheckPeriod{200};
     std::optional<Clock::time_point> deadline;
     while (true) {
-      if (const auto code = run.wait(kPeriod)) return *code;
+      if (const auto code = run.wait(kCheckPeriod)) return *code;
       if (is_interrupted_ && !deadline) deadline = Clock::now() + kFinalLines;
       if (deadline && Clock::now() > *deadline) run.send(SIGKILL);
     }
