@@ -314,6 +314,27 @@ TEST_F(LockStep, ExecutesEachOfSeveralWritesBetweenTwoSteps) {
   EXPECT_EQ(axis_->status()->state(), PowerState::operation_enabled);
 }
 
+TEST_F(LockStep, SendsSetPointsWithAnyObjects) {
+  ASSERT_TRUE(axis_->enable());
+  SetPointFrame frame;
+  frame.axes.push_back({.axis = 1,
+                        .objects = {{.object = {0x6081, 0}, .value = 4'321},
+                                    {.object = {0x6083, 0}, .value = 54'321}}});
+  ASSERT_TRUE(sut_.send_set_points(1, {&frame, 1}));
+  ASSERT_TRUE(sut_.step(1, 1));
+  EXPECT_EQ(axis_->read(ObjectAddress{0x6081, 0}).value(), 4'321);
+  EXPECT_EQ(axis_->read(ObjectAddress{0x6083, 0}).value(), 54'321);
+}
+
+TEST_F(LockStep, SendsNoSetPointWithMoreObjectsThanAFrameCarries) {
+  SetPointFrame frame;
+  frame.axes.push_back({.axis = 1, .velocity = 1, .torque = 1});
+  frame.axes.front().objects.assign(kMostObjectsOfSetPoint - 1, {.object = {0x6081, 0}});
+  const Outcome refused = sut_.send_set_points(1, {&frame, 1});
+  EXPECT_EQ(refused.kind(), OutcomeKind::failed);
+  EXPECT_THAT(refused.message(), HasSubstr("axis 1 has 9 objects; at most 8"));
+}
+
 TEST_F(LockStep, HoldsItsAxisExclusivelyAndReleasesItAtTheEnd) {
   Session other(options());
   auto theirs = other.axis("1.1");

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "vdrive/cia402/controlword.hpp"
+#include "vdrive/cia402/enabling_words.hpp"
 #include "vdrive/cia402/statusword.hpp"
 #include "vdrive/client/axis_snapshot.hpp"
 
@@ -48,22 +49,6 @@ inline constexpr std::int64_t kFirstQuickStopThatStays = 5;
 [[nodiscard]] inline bool quick_stop_ended(const AxisSnapshot& axis, std::int64_t option) {
   return axis.state() != PowerState::quick_stop_active ||
          (option >= kFirstQuickStopThatStays && target_reached(axis));
-}
-
-/// @return the words that lead from `state`, without a fault, to Operation enabled.
-[[nodiscard]] inline std::vector<std::uint16_t> enabling_words(PowerState state) {
-  switch (state) {
-    case PowerState::operation_enabled:
-      return {};
-    case PowerState::switched_on:
-      return {kEnableOperation};
-    case PowerState::ready_to_switch_on:
-      return {kSwitchOn, kEnableOperation};
-    case PowerState::quick_stop_active:
-      return {kDisableVoltage, kShutdown, kSwitchOn, kEnableOperation};
-    default:
-      return {kShutdown, kSwitchOn, kEnableOperation};
-  }
 }
 
 /// Bit 7 goes up and down again: the next reset has its edge, and 0000h commands nothing in Fault.

@@ -83,8 +83,10 @@ GroupLayout layout_of_bench(std::span<const AxisId> axes) {
 /// @return the controlwords that carry the command out from `state`.
 std::vector<std::uint16_t> words_of(EachCommand command, PowerState state) {
   switch (command) {
-    case EachCommand::enable:
-      return enabling_words(state);
+    case EachCommand::enable: {
+      const auto words = enabling_words(state);
+      return {words.begin(), words.end()};
+    }
     case EachCommand::disable:
       // Where 605Ah keeps the state after a quick stop.
       if (state == PowerState::quick_stop_active) return {kDisableVoltage, kShutdown};

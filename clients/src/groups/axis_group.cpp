@@ -12,6 +12,7 @@
 #include <cmath>
 #include <limits>
 #include <set>
+#include <span>
 #include <utility>
 
 namespace vdrive::client {
@@ -270,7 +271,7 @@ Outcome AxisGroup::enable_all(const GroupCallOptions& options) {
   }
   std::vector<Round> rounds;
   for (std::size_t place = 0; place < call.now().size(); ++place) {
-    const std::vector<std::uint16_t> words = enabling_words(call.now()[place].state());
+    const std::span<const std::uint16_t> words = enabling_words(call.now()[place].state());
     rounds.resize(std::max(rounds.size(), words.size()));
     for (std::size_t i = 0; i < words.size(); ++i) {
       msg::AxisCommand command = call.command_to(place);
