@@ -1,14 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench_link.hpp"
 
-#include "joint_values.hpp"
 #include "vdrive/client/axis.hpp"
-#include "vdrive/dictionary/dictionary.hpp"
 
-#include <algorithm>
-#include <array>
-#include <cstdint>
-#include <limits>
 #include <utility>
 
 namespace vdrive::ros2 {
@@ -16,46 +10,8 @@ namespace {
 
 using std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;
-using namespace vdrive::literals;
 
 constexpr milliseconds kLongestWait{10};
-constexpr std::chrono::seconds kLimitsPeriod{2};
-
-// What 607Ah can count to [UU].
-constexpr double kLowestPosition = std::numeric_limits<std::int32_t>::min();
-constexpr double kHighestPosition = std::numeric_limits<std::int32_t>::max();
-
-constexpr std::array kLimitObjects{
-    vdrive::describe("app_speed_limit"_object).address,
-    vdrive::describe("motor_max_speed_rpm"_object).address,
-    vdrive::describe("app_position_limit_switch"_object).address,
-    vdrive::describe("user_position_lower_limit"_object).address,
-    vdrive::describe("user_position_upper_limit"_object).address,
-    vdrive::describe("app_acc_limit"_object).address,
-    vdrive::describe("app_dec_limit"_object).address,
-    vdrive::describe("profile_acc"_object).address,
-    vdrive::describe("profile_dec"_object).address,
-    vdrive::describe("max_torque"_object).address,
-    vdrive::describe("motor_rated_torque"_object).address,
-    vdrive::describe("gear_ratio_numerator"_object).address,
-    vdrive::describe("gear_ratio_denominator"_object).address,
-};
-
-enum LimitObject : std::size_t {
-  speed,
-  motor_speed_rpm,
-  limit_switch,
-  lower,
-  upper,
-  acceleration,
-  deceleration,
-  profile_acceleration,
-  profile_deceleration,
-  max_torque,
-  rated_torque,
-  gear_numerator,
-  gear_denominator,
-};
 
 }  // namespace
 
@@ -86,18 +42,9 @@ std::shared_ptr<const BenchState> BenchLink::state() const {
   return state_;
 }
 
-std::shared_ptr<const std::vector<JointLimits>> BenchLink::limits() const {
-  const std::scoped_lock lock(mutex_);
-  return limits_;
-}
-
 void BenchLink::give_back() {
   want_control(false);
   gives_back_ = true;
-}
-
-std::uint64_t BenchLink::request_limits() {
-  return ++limits_requested_;
 }
 
 void BenchLink::run(const std::stop_token& stop) {
@@ -106,7 +53,7 @@ void BenchLink::run(const std::stop_token& stop) {
       bridge::rest(bridge::BenchFollower::kRetry, stop);
       continue;
     }
-    if (limits_requested_ != limits_read_ || Clock::now() >= limits_due_) read_limits();
+    if (limits_.is_due(Clock::now())) read_limits();
     keep_control();
     if (gives_back_.exchange(false) && !keeper_.is_wanted()) (void)session_.release(info_.number);
     follow();
@@ -121,7 +68,6 @@ client::Result<bridge::BenchFollower::Next> BenchLink::begin() {
   if (!now) return now.outcome();
   if (axes->size() != joints_.size()) return client::Outcome::failed("the bench has other axes");
   axes_ = std::move(*axes);
-  limits_due_ = {};
   read_limits();
   set_state(std::move(*now));
   return next;
@@ -173,46 +119,7 @@ void BenchLink::keep_control() {
 }
 
 void BenchLink::read_limits() {
-  const std::uint64_t requested = limits_requested_;
-  limits_due_ = Clock::now() + kLimitsPeriod;
-  auto limits = std::make_shared<std::vector<JointLimits>>();
-  limits->reserve(axes_.size());
-  for (std::size_t i = 0; i < axes_.size(); ++i) {
-    const auto read = limits_of(axes_[i], joints_[i]);
-    if (!read) return;  // read again after the period
-    limits->push_back(*read);
-  }
-  {
-    const std::scoped_lock lock(mutex_);
-    limits_ = std::move(limits);
-  }
-  limits_read_ = requested;
-  notify_();
-}
-
-std::optional<JointLimits> BenchLink::limits_of(client::Axis& axis, const Joint& joint) {
-  const auto readings = axis.read(kLimitObjects);
-  if (!readings) return std::nullopt;
-  const auto real = [&](LimitObject object) {
-    return static_cast<double>(readings->objects[object].value);
-  };
-  const double unit = joint.si_per_user_unit;
-  JointLimits limits;
-  limits.velocity =
-      std::min(real(speed), real(motor_speed_rpm) * kUserUnitsPerRevolution / 60.0) * unit;
-  limits.acceleration = real(acceleration) * unit;
-  limits.deceleration = real(deceleration) * unit;
-  limits.ramp = std::min({real(profile_acceleration) * unit, real(profile_deceleration) * unit,
-                          limits.acceleration, limits.deceleration});
-  const bool has_limits = real(limit_switch) != 0.0 && real(lower) < real(upper);
-  limits.lower = (has_limits ? real(lower) : kLowestPosition) * unit;
-  limits.upper = (has_limits ? real(upper) : kHighestPosition) * unit;
-  limits.effort_per_mille = bridge::effort_per_mille(
-      joint.unit, {.motor_rated_torque = readings->objects[rated_torque].value,
-                   .gear_ratio_numerator = readings->objects[gear_numerator].value,
-                   .gear_ratio_denominator = readings->objects[gear_denominator].value});
-  limits.effort = real(max_torque) * limits.effort_per_mille;
-  return limits;
+  if (limits_.read(axes_, joints_, Clock::now())) notify_();
 }
 
 }  // namespace vdrive::ros2

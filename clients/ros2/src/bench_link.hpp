@@ -3,8 +3,8 @@
 
 #include "bench_follower.hpp"
 #include "control_keeper.hpp"
-#include "joint_limits.hpp"
 #include "joints.hpp"
+#include "limits_reader.hpp"
 #include "reports.hpp"
 #include "vdrive/client/session.hpp"
 
@@ -61,12 +61,12 @@ class BenchLink {
   void want_control(bool wanted) { keeper_.want(wanted); }
 
   /// @return the limits of all joints; none before they were read.
-  [[nodiscard]] std::shared_ptr<const std::vector<JointLimits>> limits() const;
+  [[nodiscard]] LimitsReader::Limits limits() const { return limits_.limits(); }
 
   /// Has the limits read again. @return the value that limits_read() has after it.
-  std::uint64_t request_limits();
+  std::uint64_t request_limits() { return limits_.request(); }
 
-  [[nodiscard]] std::uint64_t limits_read() const noexcept { return limits_read_; }
+  [[nodiscard]] std::uint64_t limits_read() const noexcept { return limits_.count(); }
 
  private:
   void run(const std::stop_token& stop);
@@ -76,7 +76,6 @@ class BenchLink {
   [[nodiscard]] bridge::ControlKeeper::Calls control_calls(bridge::Reports& reports);
   void keep_control();
   void read_limits();
-  [[nodiscard]] static std::optional<JointLimits> limits_of(client::Axis& axis, const Joint& joint);
 
   client::Session& session_;
   const client::BenchInfo info_;
@@ -86,14 +85,11 @@ class BenchLink {
   std::vector<client::Axis> axes_;
   bridge::BenchFollower follower_;
   bridge::ControlKeeper keeper_;
-  std::chrono::steady_clock::time_point limits_due_{};
+  LimitsReader limits_;
   std::atomic<double> rate_ = 1.0;
   std::atomic<bool> gives_back_ = false;
-  std::atomic<std::uint64_t> limits_requested_ = 0;
-  std::atomic<std::uint64_t> limits_read_ = 0;
   mutable std::mutex mutex_;  ///< guards what follows
   std::shared_ptr<const BenchState> state_;
-  std::shared_ptr<const std::vector<JointLimits>> limits_;
   std::jthread thread_;
 };
 

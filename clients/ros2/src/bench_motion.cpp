@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench_motion.hpp"
 
-#include "vdrive/cia402/controlword.hpp"
 #include "vdrive/cia402/power_state.hpp"
 #include "vdrive/number_text.hpp"
 
@@ -14,27 +13,6 @@ namespace vdrive::ros2 {
 namespace {
 
 using bridge::Severity;
-using client::ClockMode;
-using std::chrono::milliseconds;
-
-// How far ahead of the bench set-points are sent [s of wall time]: a trajectory outlasts a pause of
-// the machine, and positions that come from time to time are late by no more than needed.
-constexpr double kAheadOnTrajectory = 0.15;
-constexpr double kAheadOnTrack = 0.015;
-constexpr double kLead = 0.008;         // to the first tick that a new set-point can reach
-constexpr double kLongestLead = 0.128;  // after set-points that came too late
-
-// In lock-step the length of the next step is not known: ticks between the newest state and the
-// first set-point of a motion, and those that a step may have while it lasts.
-constexpr std::uint64_t kLeadTicks = 20;
-constexpr std::uint64_t kTrajectoryTicks = 100;
-constexpr std::uint64_t kTrackTicks = 40;
-
-// The watchdog of a bench in lock-step counts drive time.
-constexpr double kKeepAlive = 0.02;  // [s] of drive time
-
-// A bench keeps 1,024 frames of all its clients.
-constexpr std::uint64_t kMostAhead = 400;
 
 // The line to a position takes longer than the interval of positions: one that is late by this part
 // of the interval does not stop the joint.
@@ -42,16 +20,6 @@ constexpr double kMargin = 0.5;
 constexpr double kShortestMargin = 0.004;  // [s]
 constexpr double kLongestInterval = 0.1;
 constexpr double kFirstInterval = 0.01;
-
-constexpr milliseconds kRepeatWords{500};
-
-bool is_enabled(const client::AxisSnapshot& axis) {
-  return axis.state() == PowerState::operation_enabled;
-}
-
-bool is_in_fault(const client::AxisSnapshot& axis) {
-  return axis.state() == PowerState::fault || axis.state() == PowerState::fault_reaction_active;
-}
 
 }  // namespace
 
@@ -67,36 +35,16 @@ BenchMotion::BenchMotion(client::Session& session, BenchLink& link, bridge::Repo
       link_(link),
       reports_(reports),
       command_timeout_(command_timeout),
-      lead_(kLead),
-      plans_(link.joints().size()),
-      to_enable_(link.joints().size()),
-      was_in_fault_(link.joints().size()) {}
+      power_(session.id(), link, reports),
+      lead_(link.info().clock_mode, link.period()),
+      plans_(link.joints().size()) {}
 
 // ---- time ------------------------------------------------------------------------------------
 
-/// @return wall time in ticks of the bench.
-std::uint64_t BenchMotion::ticks(double seconds) const {
-  const double count = std::ceil(seconds * link_.rate() / link_.period());
-  return static_cast<std::uint64_t>(std::clamp(count, 1.0, static_cast<double>(kMostAhead)));
-}
-
-std::uint64_t BenchMotion::lead() const {
-  return link_.info().clock_mode == ClockMode::lockstep ? kLeadTicks : ticks(lead_);
-}
-
-/// Set-points came too late: the machine, or the way to the bench, is slower than the lead.
-void BenchMotion::lengthen_lead() {
-  lead_ = std::min(2.0 * lead_, kLongestLead);
-}
-
-std::uint64_t BenchMotion::window() const {
-  const bool is_long = std::ranges::any_of(plans_, [](const Plan& plan) {
+bool BenchMotion::is_on_trajectory() const {
+  return std::ranges::any_of(plans_, [](const Plan& plan) {
     return plan.duty == Duty::trajectory;
   });
-  if (link_.info().clock_mode == ClockMode::lockstep) {
-    return is_long ? kTrajectoryTicks : kTrackTicks;
-  }
-  return ticks(std::max(is_long ? kAheadOnTrajectory : kAheadOnTrack, 2.0 * lead_));
 }
 
 bool BenchMotion::positions_are_due() const {
@@ -107,35 +55,20 @@ bool BenchMotion::positions_are_due() const {
 
 std::uint64_t BenchMotion::begin_tick(std::uint64_t wanted) {
   if (positions_are_due()) return sent_until_;
-  sent_until_ = std::max(sent_until_, state_->tick + lead() - 1);
-  const bool is_lockstep = link_.info().clock_mode == ClockMode::lockstep;
-  const std::uint64_t ahead = is_lockstep ? kTrajectoryTicks / 2 : ticks(kAheadOnTrajectory);
+  sent_until_ = std::max(sent_until_, state_->tick + lead_.lead() - 1);
+  const std::uint64_t ahead = lead_.ahead_of_trajectory();
   if (wanted > sent_until_ && wanted <= state_->tick + ahead) sent_until_ = wanted;
   return sent_until_;
 }
 
 // ---- power -----------------------------------------------------------------------------------
 
-void BenchMotion::want_enabled(bool wanted, bool resets_faults) {
-  wants_enabled_ = wanted;
-  resets_faults_ = wanted && resets_faults;
-  to_enable_.assign(plans_.size(), wanted);
-  has_to_give_back_ = has_to_give_back_ || wanted;
-  link_.want_control(wanted);
-  attempts_ = 0;
-  words_due_ = {};
-  words_tick_ = 0;
-}
-
 bool BenchMotion::is_disabled() const {
-  if (!state_) return true;
-  return std::ranges::none_of(state_->axes, [this](const client::AxisSnapshot& axis) {
-    return is_enabled(axis) && axis.owner_session == session_.id();
-  });
+  return !state_ || power_.is_disabled(*state_);
 }
 
 std::string BenchMotion::obstacle(std::size_t place) const {
-  if (!wants_enabled_) return "is not enabled: publish true on the topic enable, or use --enable";
+  if (!wants_enabled()) return "is not enabled: publish true on the topic enable, or use --enable";
   if (!state_) return "is on a bench that sends no status";
   const client::AxisSnapshot& axis = state_->axes[place];
   if (axis.owner_session == 0) return "is not under control of this bridge yet";
@@ -143,7 +76,7 @@ std::string BenchMotion::obstacle(std::size_t place) const {
     return "is controlled by session " + session_text(axis.owner_session);
   }
   if (!limits_) return "has limits that are not known yet";
-  if (!is_enabled(axis)) return client::what_it_shows(axis);
+  if (axis.state() != PowerState::operation_enabled) return client::what_it_shows(axis);
   return {};
 }
 
@@ -159,87 +92,6 @@ std::string BenchMotion::trajectory_obstacle(std::size_t place) const {
   std::string problem = obstacle(place);
   if (problem.empty() && moves_by_itself(place)) problem = "moves: it has to rest first";
   return problem;
-}
-
-void BenchMotion::report_faults() {
-  for (std::size_t i = 0; i < plans_.size(); ++i) {
-    const client::AxisSnapshot& axis = state_->axes[i];
-    const bool is_fault = is_in_fault(axis);
-    if (is_fault && !was_in_fault_[i]) {
-      reports_.report(Severity::error, name_of(i), client::what_it_shows(axis));
-    }
-    was_in_fault_[i] = is_fault;
-  }
-}
-
-void BenchMotion::power(Clock::time_point now) {
-  if (wants_enabled_) {
-    if (bridge::owns_all(state_->axes, session_.id())) enable(now);
-  } else if (has_to_give_back_) {
-    disable();
-  }
-}
-
-std::vector<std::uint16_t> BenchMotion::enabling_words(const client::AxisSnapshot& axis) const {
-  using namespace controlwords;
-  switch (axis.state()) {
-    case PowerState::fault:
-      if (!resets_faults_) return {};
-      return {Controlword::kFaultReset, kShutdown, kSwitchOn, kEnableOperation};
-    case PowerState::switch_on_disabled:
-    case PowerState::ready_to_switch_on:
-    case PowerState::switched_on:
-      return {kDisableVoltage, kShutdown, kSwitchOn, kEnableOperation};
-    case PowerState::quick_stop_active:
-      return {kEnableOperation, kEnableOperation, kEnableOperation, kEnableOperation};
-    default:
-      return {};
-  }
-}
-
-void BenchMotion::enable(Clock::time_point now) {
-  constexpr std::size_t kWords = 4;
-  constexpr int kMostAttempts = 10;
-  if (now < words_due_ || state_->tick == words_tick_) return;
-  std::vector<client::SetPointFrame> frames(kWords);
-  for (std::size_t i = 0; i < plans_.size(); ++i) {
-    const client::AxisSnapshot& axis = state_->axes[i];
-    const bool is_hopeless = axis.state() == PowerState::fault && !resets_faults_;
-    if (is_enabled(axis) || is_hopeless) to_enable_[i] = false;
-    if (!to_enable_[i]) continue;
-    const auto words = enabling_words(axis);
-    for (std::size_t word = 0; word < words.size(); ++word) {
-      frames[word].axes.push_back({.axis = axis_number(i), .controlword = words[word]});
-    }
-  }
-  resets_faults_ = false;
-  if (frames.front().axes.empty()) return;
-  if (++attempts_ > kMostAttempts) {
-    to_enable_.assign(plans_.size(), false);
-    reports_.report(Severity::error, link_.name(), "its axes cannot be enabled");
-    return;
-  }
-  words_due_ = now + kRepeatWords;
-  words_tick_ = state_->tick;
-  (void)send(frames);
-}
-
-void BenchMotion::disable() {
-  if (is_disabled()) {
-    has_to_give_back_ = false;
-    link_.give_back();
-    return;
-  }
-  if (state_->tick == words_tick_) return;
-  words_tick_ = state_->tick;
-  client::SetPointFrame frame{.drops_waiting = true};
-  for (std::size_t i = 0; i < plans_.size(); ++i) {
-    plans_[i] = {};
-    const client::AxisSnapshot& axis = state_->axes[i];
-    if (axis.owner_session != session_.id() || !is_enabled(axis)) continue;
-    frame.axes.push_back({.axis = axis_number(i), .controlword = controlwords::kShutdown});
-  }
-  (void)send({frame});
 }
 
 // ---- commands --------------------------------------------------------------------------------
@@ -362,7 +214,7 @@ void BenchMotion::settle() {
       plan.duty = Duty::none;
       start_tracking(i, plan.value);
     } else if (state_->tick > plan.sent_for) {
-      plan.sent_for = state_->tick + lead();
+      plan.sent_for = state_->tick + lead_.lead();
       frame.axes.push_back({.axis = axis_number(i), .mode = kMode});
     }
   }
@@ -430,16 +282,17 @@ std::vector<BrokenTrajectory> BenchMotion::update(Clock::time_point now) {
     drop_plans(link_.name() + " counts ticks from a lower number", broken);
   state_ = std::move(newest);
   limits_ = link_.limits();
-  report_faults();
+  lead_.set_rate(link_.rate());
+  power_.report_faults(*state_);
   check_enabled(broken);
-  power(now);
+  (void)send(power_.words(*state_, now));
   check_timeouts();
   catch_up(broken);
   repeat_refused_ends();
   settle();
   send_positions();
   send_free();
-  keep_alive();
+  if (power_.is_keep_alive_due(*state_)) (void)send({client::SetPointFrame{}});
   return broken;
 }
 
@@ -457,7 +310,7 @@ void BenchMotion::drop_plans(const std::string& reason, std::vector<BrokenTrajec
 void BenchMotion::check_enabled(std::vector<BrokenTrajectory>& broken) {
   for (std::size_t i = 0; i < plans_.size(); ++i) {
     if (plans_[i].duty == Duty::none) continue;
-    const std::string problem = wants_enabled_ ? obstacle(i) : "is disabled";
+    const std::string problem = wants_enabled() ? obstacle(i) : "is disabled";
     if (problem.empty()) continue;
     drop_plans(name_of(i) + " " + problem, broken);
     return;
@@ -502,8 +355,8 @@ void BenchMotion::catch_up(std::vector<BrokenTrajectory>& broken) {
       plan.tracker->go_to(goal, kFirstInterval);
     }
   }
-  lengthen_lead();
-  sent_until_ = state_->tick + lead() - 1;
+  lead_.lengthen();
+  sent_until_ = state_->tick + lead_.lead() - 1;
 }
 
 /// A bench that is late to receive the last set-points of a motion refuses them, and the drive
@@ -523,7 +376,7 @@ void BenchMotion::repeat_refused_ends() {
       reports_.report(Severity::warning, name_of(i), "the drive does not take its last set-point");
       plan.repeats = 0;
     } else {
-      lengthen_lead();
+      lead_.lengthen();
       (void)begin_tick();
       plan.tracker.emplace(JointMotion{demand(i).position, 0.0, 0.0});  // it holds
       plan.tracker->go_to(plan.position, kFirstInterval);
@@ -560,7 +413,7 @@ void BenchMotion::add_point(std::size_t place, std::uint64_t tick, client::SetPo
 
 void BenchMotion::send_positions() {
   std::vector<client::SetPointFrame> frames;
-  const std::uint64_t last = state_->tick + window();
+  const std::uint64_t last = state_->tick + lead_.window(is_on_trajectory());
   while (positions_are_due() && sent_until_ < last) {
     ++sent_until_;
     client::SetPointFrame frame{.tick = sent_until_};
@@ -584,7 +437,7 @@ void BenchMotion::send_free() {
         is_velocity ? OperatingMode::profile_velocity : OperatingMode::profile_torque;
     const bool is_missed = state_->axes[i].mode() != mode && state_->tick > plan.sent_for;
     if (!std::exchange(plan.is_due, false) && !is_missed) continue;
-    plan.sent_for = std::max(frame.tick, state_->tick + lead());
+    plan.sent_for = std::max(frame.tick, state_->tick + lead_.lead());
     client::SetPoint point{.axis = axis_number(i), .mode = mode};
     if (is_velocity) {
       point.velocity = user_units(i, plan.value);
@@ -595,19 +448,6 @@ void BenchMotion::send_free() {
     frame.axes.push_back(point);
   }
   if (!frame.axes.empty()) (void)send({frame});
-}
-
-/// In realtime the session sends keep-alives itself.
-void BenchMotion::keep_alive() {
-  const bool is_needed = link_.info().clock_mode == ClockMode::lockstep && wants_enabled_ &&
-                         std::ranges::any_of(state_->axes, [this](const auto& axis) {
-                           return axis.owner_session == session_.id();
-                         });
-  const double passed =
-      (static_cast<double>(state_->tick) - static_cast<double>(kept_alive_at_)) * link_.period();
-  if (!is_needed || std::abs(passed) < kKeepAlive) return;
-  kept_alive_at_ = state_->tick;
-  (void)send({client::SetPointFrame{}});
 }
 
 bool BenchMotion::send(const std::vector<client::SetPointFrame>& frames) {

@@ -2,9 +2,11 @@
 #pragma once
 
 #include "bench_link.hpp"
+#include "bench_power.hpp"
 #include "joint_path.hpp"
 #include "joint_tracker.hpp"
 #include "requests.hpp"
+#include "set_point_lead.hpp"
 
 #include <chrono>
 #include <cstdint>
@@ -54,9 +56,9 @@ class BenchMotion {
 
   /// Takes control and enables all axes, or disables those that it has enabled.
   /// @param resets_faults also of axes in a fault, once
-  void want_enabled(bool wanted, bool resets_faults);
+  void want_enabled(bool wanted, bool resets_faults) { power_.want_enabled(wanted, resets_faults); }
 
-  [[nodiscard]] bool wants_enabled() const noexcept { return wants_enabled_; }
+  [[nodiscard]] bool wants_enabled() const noexcept { return power_.wants_enabled(); }
 
   /// @return whether no axis that this session holds is enabled.
   [[nodiscard]] bool is_disabled() const;
@@ -132,22 +134,15 @@ class BenchMotion {
   };
 
   void drop_plans(const std::string& reason, std::vector<BrokenTrajectory>& broken);
-  void report_faults();
-  void power(Clock::time_point now);
-  void enable(Clock::time_point now);
-  void disable();
-  [[nodiscard]] std::vector<std::uint16_t> enabling_words(const client::AxisSnapshot& axis) const;
   void check_enabled(std::vector<BrokenTrajectory>& broken);
   void check_timeouts();
   void catch_up(std::vector<BrokenTrajectory>& broken);
   void repeat_refused_ends();
-  void lengthen_lead();
   void send_positions();
   void send_free();
   void settle();
   void start_tracking(std::size_t place, double goal);
   [[nodiscard]] bool moves_by_itself(std::size_t place) const;
-  void keep_alive();
   void add_point(std::size_t place, std::uint64_t tick, client::SetPointFrame& frame);
   bool send(const std::vector<client::SetPointFrame>& frames);
   void track(std::size_t place, const JointCommand& command);
@@ -155,9 +150,7 @@ class BenchMotion {
   [[nodiscard]] std::string check_value(std::size_t place, const JointCommand& command) const;
   [[nodiscard]] JointMotion demand(std::size_t place) const;
   [[nodiscard]] bool positions_are_due() const;
-  [[nodiscard]] std::uint64_t ticks(double seconds) const;
-  [[nodiscard]] std::uint64_t lead() const;
-  [[nodiscard]] std::uint64_t window() const;
+  [[nodiscard]] bool is_on_trajectory() const;
 
   [[nodiscard]] std::uint16_t axis_number(std::size_t place) const {
     return link_.joints()[place].axis.axis;
@@ -173,20 +166,12 @@ class BenchMotion {
   BenchLink& link_;
   bridge::Reports& reports_;
   const double command_timeout_;
-  double lead_;  ///< [s] of wall time to the first tick that a new set-point can reach
+  BenchPower power_;
+  SetPointLead lead_;
   std::vector<Plan> plans_;
   std::shared_ptr<const BenchState> state_;
   std::shared_ptr<const std::vector<JointLimits>> limits_;
   std::uint64_t sent_until_ = 0;  ///< tick
-  bool wants_enabled_ = false;
-  bool resets_faults_ = false;
-  bool has_to_give_back_ = false;  ///< the axes, once none of them is enabled
-  std::vector<bool> to_enable_;    ///< axes that have not been enabled since it was wanted
-  int attempts_ = 0;
-  Clock::time_point words_due_{};
-  std::uint64_t words_tick_ = 0;
-  std::uint64_t kept_alive_at_ = 0;  ///< tick of the last keep-alive
-  std::vector<bool> was_in_fault_;
 };
 
 }  // namespace vdrive::ros2
