@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "control.hpp"
 
+#include "wall_time.hpp"
+
 #include <utility>
 
 namespace vdrive::gateway {
@@ -21,8 +23,7 @@ void Control::take(ConnectionId id, SessionPointer session) {
   holder_ = id;
   session_ = std::move(session);
   jogs_ = std::make_shared<Jogs>(session_);
-  taken_at_ = static_cast<std::uint64_t>(
-      std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count());
+  taken_at_ = static_cast<std::uint64_t>(bridge::wall_time());
 }
 
 void Control::release() {

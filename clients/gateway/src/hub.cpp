@@ -5,6 +5,7 @@
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wording.hpp"
+#include "wall_time.hpp"
 
 #include <algorithm>
 #include <random>
@@ -27,12 +28,9 @@ constexpr milliseconds kTimePeriod{50};
 constexpr Patience kPatienceOfHolder{.program = WebServer::kPatience.program,
                                      .machine = milliseconds(2000)};
 constexpr std::size_t kMostBatches = 256;  // under way to the server's thread
-constexpr std::size_t kMostSubscriptions = 16'384;
-constexpr std::size_t kMostParameters = 512;
 constexpr std::size_t kLongestName = 64;
 // The code of a drive when another session holds an axis.
 constexpr std::uint32_t kControlled = wire_code(AbortCode::refused_local_control);
-constexpr std::uint32_t kOwnChannels = 0;  // no bench has this number
 
 /// A client commands a bench that its page shows: this gateway has found it. The holder's session
 /// is a new participant, which a busy machine may keep from finding it for longer than a search.
@@ -44,29 +42,6 @@ client::SessionOptions options_of_holder(client::SessionOptions options) {
 std::string random_text() {
   std::random_device device;
   return session_text((std::uint64_t{device()} << 32U) | device());
-}
-
-Frame text_frame(SharedBytes text) {
-  Frame frame;
-  frame.is_text = true;
-  frame.body = std::move(text);
-  return frame;
-}
-
-SharedBytes advertisement(const std::vector<ChannelPointer>& channels) {
-  std::vector<ChannelInfo> infos;
-  infos.reserve(channels.size());
-  for (const ChannelPointer& channel : channels) infos.push_back(channel->info);
-  return share(advertise_text(infos));
-}
-
-std::uint64_t wall_time() {
-  return static_cast<std::uint64_t>(
-      std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count());
-}
-
-std::string name_of_bench(const std::string& topic) {
-  return topic.substr(1, topic.find('/', 1) - 1);
 }
 
 /// The request of a service: an object; nothing at all stands for an empty one.
@@ -97,34 +72,34 @@ Hub::Hub(WebServer& server, HubSettings settings)
       run_(random_text()),
       session_(settings_.session),
       control_(settings_.is_control),
+      parameters_(server, session_),
+      channels_(server),
       control_channel_(std::make_shared<Channel>(control_channel())),
       dictionary_channel_(std::make_shared<Channel>(dictionary_channel())),
       dictionary_(share(dictionary_text())),
       services_(share(advertise_services_text(service_infos()))) {
-  channels_[control_channel_->info.id] = control_channel_;
-  channels_[dictionary_channel_->info.id] = dictionary_channel_;
-  advertisements_[kOwnChannels] = advertisement({control_channel_, dictionary_channel_});
+  channels_.add(ChannelTable::kOwn, {control_channel_, dictionary_channel_});
   server_.every(kTidyPeriod, [this] {
     control_.forget_ended();
     forget_workers();
   });
   server_.every(kParameterPoll, [this] {
-    poll_parameters();
+    parameters_.poll(watch_->benches());
   });
   server_.every(kGraphPeriod, [this] {
-    if (std::exchange(has_graph_changed_, false)) send_graphs();
+    if (channels_.take_change()) send_graphs();
   });
   watch_.emplace(session_, FeedSettings{.rate = settings_.rate, .clients = &client_count_},
                  BenchEvents{.came =
                                  [this](std::uint32_t bench, std::vector<ChannelPointer> channels) {
                                    server_.post([this, bench, channels = std::move(channels)] {
-                                     add(bench, channels);
+                                     channels_.add(bench, channels);
                                    });
                                  },
                              .went =
                                  [this](std::uint32_t bench, std::vector<ChannelPointer> channels) {
                                    server_.post([this, bench, channels = std::move(channels)] {
-                                     remove(bench, channels);
+                                     channels_.remove(bench, channels);
                                    });
                                  },
                              .publish =
@@ -159,15 +134,13 @@ WebEvents Hub::events() {
 }
 
 std::string Hub::metrics() const {
-  GatewayCounts counts{.web = server_.counters(),
-                       .channels = channels_.size(),
-                       .lost_batches = lost_batches_,
-                       .is_controlled = control_.holder().has_value(),
-                       .benches = watch_->presences()};
-  for (const auto& [id, channel] : channels_) {
-    counts.subscribed += channel->is_wanted() ? 1U : 0U;
-    counts.subscriptions += channel->subscriptions;
-  }
+  const GatewayCounts counts{.web = server_.counters(),
+                             .channels = channels_.size(),
+                             .subscribed = channels_.subscribed(),
+                             .subscriptions = channels_.subscriptions(),
+                             .lost_batches = lost_batches_,
+                             .is_controlled = control_.holder().has_value(),
+                             .benches = watch_->presences()};
   return metrics_text(counts);
 }
 
@@ -183,7 +156,7 @@ void Hub::on_open(ConnectionId id) {
                                             .version = VDRIVE_VERSION,
                                             .session = run_}));
   send_shared(id, services_);
-  for (const auto& [bench, text] : advertisements_) send_shared(id, text);
+  channels_.open(id);
 }
 
 void Hub::on_bytes(ConnectionId id, bool is_text, std::string_view bytes) {
@@ -206,9 +179,8 @@ void Hub::on_close(ConnectionId id, bool is_graceful) {
   Client client = std::move(found->second);
   clients_.erase(found);
   client_count_ = clients_.size();
-  for (const auto& [subscription, channel] : client.subscriptions) {
-    end_subscription(id, subscription, *channel);
-  }
+  channels_.close(id);
+  parameters_.forget(id);
   client.worker->close();
   ended_.push_back(client.worker);
   if (!control_.is_holder(id)) return;
@@ -229,63 +201,35 @@ void Hub::forget_workers() {
 // ---- channels
 
 void Hub::handle(ConnectionId id, const Subscribe& message) {
-  Client& client = clients_.at(id);
   for (const Subscription& wanted : message.subscriptions) {
-    const auto channel = channels_.find(wanted.channel);
-    if (channel == channels_.end()) {
-      send_status(id, Level::error,
-                  "channel " + std::to_string(wanted.channel) + " does not exist");
+    ChannelPointer channel;
+    const std::string problem = channels_.subscribe(id, wanted, channel);
+    if (problem.empty()) {
+      send_first(id, wanted.id, *channel);
       continue;
     }
-    if (client.subscriptions.size() >= kMostSubscriptions) {
-      send_status(
-          id, Level::error,
-          "a connection has " + std::to_string(kMostSubscriptions) + " subscriptions at most");
-      return;
-    }
-    if (!client.subscriptions.emplace(wanted.id, channel->second).second) {
-      send_status(id, Level::error,
-                  "subscription " + std::to_string(wanted.id) + " exists already");
-      continue;
-    }
-    Channel& subscribed = *channel->second;
-    subscribed.receivers.push_back({id, wanted.id});
-    ++subscribed.subscriptions;
-    subscribed.is_wanted_now = true;
-    send_first(id, wanted.id, subscribed);
+    send_status(id, Level::error, problem);
+    if (channels_.is_full(id)) return;  // one answer is enough for all that follow
   }
-  has_graph_changed_ = true;
 }
 
 /// The topics of the gateway itself have their message at once; a feed sends those of a bench.
 void Hub::send_first(ConnectionId id, std::uint32_t subscription, const Channel& channel) {
   if (&channel == dictionary_channel_.get()) {
-    server_.send_answer(id, message_frame(subscription, wall_time(), dictionary_), true);
+    server_.send_answer(
+        id,
+        message_frame(subscription, static_cast<std::uint64_t>(bridge::wall_time()), dictionary_),
+        true);
   } else if (&channel == control_channel_.get()) {
     send_control_to(id, subscription);
   }
 }
 
 void Hub::handle(ConnectionId id, const Unsubscribe& message) {
-  Client& client = clients_.at(id);
   for (const std::uint32_t subscription : message.ids) {
-    const auto found = client.subscriptions.find(subscription);
-    if (found == client.subscriptions.end()) {
-      send_status(id, Level::warning,
-                  "subscription " + std::to_string(subscription) + " does not exist");
-      continue;
-    }
-    end_subscription(id, subscription, *found->second);
-    client.subscriptions.erase(found);
+    const std::string problem = channels_.unsubscribe(id, subscription);
+    if (!problem.empty()) send_status(id, Level::warning, problem);
   }
-}
-
-void Hub::end_subscription(ConnectionId id, std::uint32_t subscription, Channel& channel) {
-  const auto ended = std::erase_if(channel.receivers, [&](const Receiver& receiver) {
-    return receiver.connection == id && receiver.subscription == subscription;
-  });
-  channel.subscriptions -= static_cast<std::uint32_t>(ended);
-  has_graph_changed_ = true;
 }
 
 void Hub::send_control() {
@@ -299,7 +243,9 @@ void Hub::send_control_to(ConnectionId id, std::uint32_t subscription) {
   if (client == clients_.end()) return;
   const std::string text =
       control_text(control_.state(holder_name()), client->second.name, control_.is_holder(id));
-  server_.send_answer(id, message_frame(subscription, wall_time(), share(text)));
+  server_.send_answer(
+      id,
+      message_frame(subscription, static_cast<std::uint64_t>(bridge::wall_time()), share(text)));
 }
 
 std::string Hub::holder_name() const {
@@ -308,33 +254,6 @@ std::string Hub::holder_name() const {
 }
 
 // ---- benches
-
-void Hub::add(std::uint32_t bench, const std::vector<ChannelPointer>& channels) {
-  for (const ChannelPointer& channel : channels) channels_[channel->info.id] = channel;
-  const SharedBytes text = advertisement(channels);
-  advertisements_[bench] = text;
-  for (const auto& [id, client] : clients_) send_shared(id, text);
-  has_graph_changed_ = true;
-}
-
-void Hub::remove(std::uint32_t bench, const std::vector<ChannelPointer>& channels) {
-  std::vector<std::uint32_t> ids;
-  ids.reserve(channels.size());
-  for (const ChannelPointer& channel : channels) {
-    ids.push_back(channel->info.id);
-    removed_topics_.push_back(channel->info.topic);
-    for (const Receiver& receiver : std::exchange(channel->receivers, {})) {
-      const auto client = clients_.find(receiver.connection);
-      if (client != clients_.end()) client->second.subscriptions.erase(receiver.subscription);
-    }
-    channel->subscriptions = 0;
-    channels_.erase(channel->info.id);
-  }
-  advertisements_.erase(bench);
-  const SharedBytes text = share(unadvertise_text(ids));
-  for (const auto& [id, client] : clients_) send_shared(id, text);
-  has_graph_changed_ = true;
-}
 
 void Hub::post_batch(Batch batch) {
   // The thread of the server stands still: what it cannot take now it does not need later.
@@ -350,19 +269,8 @@ void Hub::post_batch(Batch batch) {
 }
 
 void Hub::publish(const Batch& batch) {
-  for (const Publication& publication : batch.publications) {
-    for (const Receiver& receiver : publication.channel->receivers) {
-      server_.send_data(receiver.connection,
-                        message_frame(receiver.subscription, batch.time, publication.bytes));
-    }
-  }
-  send_time(batch);
-}
-
-/// The clock of the tools is that of the bench with the lowest number.
-void Hub::send_time(const Batch& batch) {
-  const auto first = advertisements_.upper_bound(kOwnChannels);
-  if (first == advertisements_.end() || first->first != batch.bench || batch.time == 0) return;
+  channels_.publish(batch);
+  if (!channels_.is_clock(batch) || batch.time == 0) return;
   const auto now = Clock::now();
   if (now - time_sent_ < kTimePeriod) return;
   time_sent_ = now;
@@ -380,25 +288,17 @@ void Hub::send_graphs() {
   for (const auto& [id, client] : clients_) {
     if (client.wants_graph) send_graph(id);
   }
-  removed_topics_.clear();
+  channels_.forget_removed();
 }
 
 void Hub::send_graph(ConnectionId id) {
   Graph graph;
-  for (const auto& [number, channel] : channels_) {
-    const std::string& topic = channel->info.topic;
-    graph.published.push_back({topic, {name_of_bench(topic)}});
-    GraphEntry subscribed{topic, {}};
-    for (const Receiver& receiver : channel->receivers) {
-      subscribed.ids.push_back(clients_.at(receiver.connection).name);
-    }
-    // Also without subscribers: those that a client knows of are gone then.
-    graph.subscribed.push_back(std::move(subscribed));
-  }
+  channels_.add_to(graph, [this](ConnectionId client) {
+    return clients_.at(client).name;
+  });
   for (const ServiceRow& row : services()) {
     graph.services.push_back({std::string(row.name), {"gateway"}});
   }
-  graph.removed_topics = removed_topics_;
   server_.send_answer(id, graph_text(graph));
 }
 
@@ -450,53 +350,10 @@ void Hub::send_parameters(ConnectionId id, const ParameterAnswer& answer,
 }
 
 void Hub::handle(ConnectionId id, const SubscribeParameters& message) {
-  Client& client = clients_.at(id);
-  for (const std::string& name : message.names) {
-    if (!message.is_on) {
-      client.parameters.erase(name);
-      client.unsent.erase(name);
-      continue;
-    }
-    if (client.parameters.size() >= kMostParameters) {
-      send_status(
-          id, Level::error,
-          "a connection subscribes " + std::to_string(kMostParameters) + " parameters at most");
-      return;
-    }
-    if (client.parameters.emplace(name, std::nullopt).second) client.unsent.insert(name);
-  }
-}
-
-void Hub::poll_parameters() {
-  if (is_polling_) return;
-  std::set<std::string> names;
-  for (const auto& [id, client] : clients_) {
-    for (const auto& [name, value] : client.parameters) names.insert(name);
-  }
-  if (names.empty()) return;
-  is_polling_ = polls_.post(
-      [this, benches = watch_->benches(), list = std::vector(names.begin(), names.end())] {
-        auto answer = read_parameters(session_, *benches, list);
-        server_.post([this, answer = std::move(answer)] {
-          on_polled(answer);
-        });
-      });
-}
-
-void Hub::on_polled(const ParameterAnswer& answer) {
-  is_polling_ = false;
-  for (auto& [id, client] : clients_) {
-    std::vector<Parameter> changed;
-    for (const Parameter& parameter : answer.parameters) {
-      const auto known = client.parameters.find(parameter.name);
-      if (known == client.parameters.end()) continue;
-      const bool is_first = client.unsent.erase(parameter.name) != 0;
-      if (!is_first && known->second == parameter.value) continue;
-      known->second = parameter.value;
-      changed.push_back(parameter);
-    }
-    if (!changed.empty()) server_.send_answer(id, parameters_text(changed, std::nullopt));
-  }
+  if (parameters_.subscribe(id, message)) return;
+  send_status(
+      id, Level::error,
+      "a connection subscribes " + std::to_string(ParameterWatch::kMost) + " parameters at most");
 }
 
 // ---- services

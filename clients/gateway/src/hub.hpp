@@ -2,7 +2,9 @@
 #pragma once
 
 #include "bench_watch.hpp"
+#include "channel_table.hpp"
 #include "control.hpp"
+#include "parameter_watch.hpp"
 #include "parameters.hpp"
 #include "services.hpp"
 
@@ -40,9 +42,6 @@ class Hub {
   /// One connection.
   struct Client {
     std::string name;
-    std::map<std::uint32_t, ChannelPointer> subscriptions;          ///< by the client's own number
-    std::map<std::string, std::optional<std::int64_t>> parameters;  ///< subscribed, as sent last
-    std::set<std::string> unsent;                                   ///< subscribed, never sent
     bool wants_graph = false;
     std::shared_ptr<bridge::Worker> worker;
   };
@@ -68,15 +67,10 @@ class Hub {
   void handle(ConnectionId id, const CallService& message);
 
   // ---- benches
-  void add(std::uint32_t bench, const std::vector<ChannelPointer>& channels);
-  void remove(std::uint32_t bench, const std::vector<ChannelPointer>& channels);
   void post_batch(Batch batch);
   void publish(const Batch& batch);
-  void send_time(const Batch& batch);
 
   // ---- channels
-  void add_channel(const ChannelPointer& channel);
-  void end_subscription(ConnectionId id, std::uint32_t subscription, Channel& channel);
   void send_first(ConnectionId id, std::uint32_t subscription, const Channel& channel);
   void send_control();
   void send_control_to(ConnectionId id, std::uint32_t subscription);
@@ -98,8 +92,6 @@ class Hub {
   void send_shared(ConnectionId id, const SharedBytes& text);
   void send_parameters(ConnectionId id, const ParameterAnswer& answer,
                        const std::optional<std::string>& request);
-  void poll_parameters();
-  void on_polled(const ParameterAnswer& answer);
   void forget_workers();
   [[nodiscard]] std::string metrics() const;
   [[nodiscard]] std::string holder_name() const;
@@ -111,21 +103,17 @@ class Hub {
   client::Session session_;
   Control control_;
   bridge::Worker stops_;  ///< halts and quick stops of everybody
-  bridge::Worker polls_;
-  bool is_polling_ = false;
+  ParameterWatch parameters_;
   std::atomic<std::size_t> client_count_ = 0;
   std::atomic<std::size_t> batches_under_way_ = 0;
   std::atomic<std::uint64_t> lost_batches_ = 0;
   std::map<ConnectionId, Client> clients_;
-  std::map<std::uint32_t, ChannelPointer> channels_;
-  std::map<std::uint32_t, SharedBytes> advertisements_;  ///< by bench; 0 = the gateway's own
+  ChannelTable channels_;
   ChannelPointer control_channel_;
   ChannelPointer dictionary_channel_;
   SharedBytes dictionary_;
   SharedBytes services_;
   std::vector<std::shared_ptr<bridge::Worker>> ended_;
-  std::vector<std::string> removed_topics_;
-  bool has_graph_changed_ = false;
   std::chrono::steady_clock::time_point time_sent_{};
   std::optional<BenchWatch> watch_;  ///< last: its threads use what is above
 };

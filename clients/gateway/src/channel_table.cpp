@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "channel_table.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace vdrive::gateway {
+namespace {
+
+SharedBytes advertisement(const std::vector<ChannelPointer>& channels) {
+  std::vector<ChannelInfo> infos;
+  infos.reserve(channels.size());
+  for (const ChannelPointer& channel : channels) infos.push_back(channel->info);
+  return share(advertise_text(infos));
+}
+
+std::string name_of_bench(const std::string& topic) {
+  return topic.substr(1, topic.find('/', 1) - 1);
+}
+
+}  // namespace
+
+Frame text_frame(SharedBytes text) {
+  Frame frame;
+  frame.is_text = true;
+  frame.body = std::move(text);
+  return frame;
+}
+
+void ChannelTable::open(ConnectionId id) {
+  connections_[id];
+  for (const auto& [bench, text] : advertisements_) {
+    server_.send_answer(id, text_frame(text), true);
+  }
+}
+
+void ChannelTable::close(ConnectionId id) {
+  const auto found = connections_.extract(id);
+  if (found.empty()) return;
+  for (const auto& [subscription, channel] : found.mapped()) end(id, subscription, *channel);
+}
+
+void ChannelTable::send_to_all(const SharedBytes& text) {
+  for (const auto& [id, subscriptions] : connections_) {
+    server_.send_answer(id, text_frame(text), true);
+  }
+}
+
+void ChannelTable::add(std::uint32_t bench, const std::vector<ChannelPointer>& channels) {
+  for (const ChannelPointer& channel : channels) channels_[channel->info.id] = channel;
+  const SharedBytes text = advertisement(channels);
+  advertisements_[bench] = text;
+  send_to_all(text);
+  has_changed_ = true;
+}
+
+void ChannelTable::remove(std::uint32_t bench, const std::vector<ChannelPointer>& channels) {
+  std::vector<std::uint32_t> ids;
+  ids.reserve(channels.size());
+  for (const ChannelPointer& channel : channels) {
+    ids.push_back(channel->info.id);
+    removed_topics_.push_back(channel->info.topic);
+    for (const Receiver& receiver : std::exchange(channel->receivers, {})) {
+      const auto connection = connections_.find(receiver.connection);
+      if (connection != connections_.end()) connection->second.erase(receiver.subscription);
+    }
+    channel->subscriptions = 0;
+    channels_.erase(channel->info.id);
+  }
+  advertisements_.erase(bench);
+  send_to_all(share(unadvertise_text(ids)));
+  has_changed_ = true;
+}
+
+ChannelTable::Problem ChannelTable::subscribe(ConnectionId id, const Subscription& wanted,
+                                              ChannelPointer& subscribed) {
+  Subscriptions& subscriptions = connections_.at(id);
+  const auto channel = channels_.find(wanted.channel);
+  if (channel == channels_.end()) {
+    return "channel " + std::to_string(wanted.channel) + " does not exist";
+  }
+  if (is_full(id)) {
+    return "a connection has " + std::to_string(kMostSubscriptions) + " subscriptions at most";
+  }
+  if (!subscriptions.emplace(wanted.id, channel->second).second) {
+    return "subscription " + std::to_string(wanted.id) + " exists already";
+  }
+  subscribed = channel->second;
+  subscribed->receivers.push_back({id, wanted.id});
+  ++subscribed->subscriptions;
+  subscribed->is_wanted_now = true;
+  has_changed_ = true;
+  return {};
+}
+
+ChannelTable::Problem ChannelTable::unsubscribe(ConnectionId id, std::uint32_t subscription) {
+  const auto found = connections_.at(id).extract(subscription);
+  if (found.empty()) return "subscription " + std::to_string(subscription) + " does not exist";
+  end(id, subscription, *found.mapped());
+  return {};
+}
+
+void ChannelTable::end(ConnectionId id, std::uint32_t subscription, Channel& channel) {
+  const auto ended = std::erase_if(channel.receivers, [&](const Receiver& receiver) {
+    return receiver.connection == id && receiver.subscription == subscription;
+  });
+  channel.subscriptions -= static_cast<std::uint32_t>(ended);
+  has_changed_ = true;
+}
+
+void ChannelTable::publish(const Batch& batch) {
+  for (const Publication& publication : batch.publications) {
+    for (const Receiver& receiver : publication.channel->receivers) {
+      server_.send_data(receiver.connection,
+                        message_frame(receiver.subscription, batch.time, publication.bytes));
+    }
+  }
+}
+
+bool ChannelTable::is_clock(const Batch& batch) const {
+  const auto first = advertisements_.upper_bound(kOwn);
+  return first != advertisements_.end() && first->first == batch.bench;
+}
+
+void ChannelTable::add_to(Graph& graph,
+                          const std::function<std::string(ConnectionId)>& name) const {
+  for (const auto& [number, channel] : channels_) {
+    const std::string& topic = channel->info.topic;
+    graph.published.push_back({topic, {name_of_bench(topic)}});
+    GraphEntry subscribed{topic, {}};
+    for (const Receiver& receiver : channel->receivers) {
+      subscribed.ids.push_back(name(receiver.connection));
+    }
+    // Also without subscribers: those that a client knows of are gone then.
+    graph.subscribed.push_back(std::move(subscribed));
+  }
+  graph.removed_topics = removed_topics_;
+}
+
+std::size_t ChannelTable::subscribed() const {
+  return static_cast<std::size_t>(std::ranges::count_if(channels_, [](const auto& entry) {
+    return entry.second->is_wanted();
+  }));
+}
+
+std::size_t ChannelTable::subscriptions() const {
+  std::size_t count = 0;
+  for (const auto& [id, channel] : channels_) count += channel->subscriptions;
+  return count;
+}
+
+}  // namespace vdrive::gateway

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "channel.hpp"
+#include "web_server.hpp"
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace vdrive::gateway {
+
+/// The topics of the gateway and of its benches, and who receives them. Of the server's thread.
+class ChannelTable {
+ public:
+  /// Subscriptions that a connection may have.
+  static constexpr std::size_t kMostSubscriptions = 16'384;
+
+  /// The number of the gateway's own topics in place of that of a bench, which none has.
+  static constexpr std::uint32_t kOwn = 0;
+
+  /// What went wrong with a subscription; empty = nothing.
+  using Problem = std::string;
+
+  /// @param server outlives the table
+  explicit ChannelTable(WebServer& server) : server_(server) {}
+
+  /// A connection is open, and receives which topics there are.
+  void open(ConnectionId id);
+
+  /// A connection is closed.
+  void close(ConnectionId id);
+
+  /// Adds the topics of a bench, or those of the gateway. All connections hear of them.
+  void add(std::uint32_t bench, const std::vector<ChannelPointer>& channels);
+
+  void remove(std::uint32_t bench, const std::vector<ChannelPointer>& channels);
+
+  /// @param subscribed receives the channel
+  [[nodiscard]] Problem subscribe(ConnectionId id, const Subscription& wanted,
+                                  ChannelPointer& subscribed);
+
+  /// @return whether the connection has as many subscriptions as it may have.
+  [[nodiscard]] bool is_full(ConnectionId id) const {
+    return connections_.at(id).size() >= kMostSubscriptions;
+  }
+
+  [[nodiscard]] Problem unsubscribe(ConnectionId id, std::uint32_t subscription);
+
+  /// Sends a batch to those who receive its topics.
+  void publish(const Batch& batch);
+
+  /// @return whether the batch is of the bench whose clock is that of the tools: the one with the
+  ///         lowest number.
+  [[nodiscard]] bool is_clock(const Batch& batch) const;
+
+  /// @return whether topics or subscriptions have changed since the last call.
+  [[nodiscard]] bool take_change() noexcept { return std::exchange(has_changed_, false); }
+
+  /// Adds topics and subscriptions to the graph of connections.
+  /// @param name gives the name of a connection
+  void add_to(Graph& graph, const std::function<std::string(ConnectionId)>& name) const;
+
+  /// The clients have received which topics are gone.
+  void forget_removed() { removed_topics_.clear(); }
+
+  [[nodiscard]] std::size_t size() const noexcept { return channels_.size(); }
+
+  /// @return topics that a client receives.
+  [[nodiscard]] std::size_t subscribed() const;
+
+  /// @return subscriptions of all clients.
+  [[nodiscard]] std::size_t subscriptions() const;
+
+ private:
+  using Subscriptions = std::map<std::uint32_t, ChannelPointer>;  ///< by the client's own number
+
+  void end(ConnectionId id, std::uint32_t subscription, Channel& channel);
+  void send_to_all(const SharedBytes& text);
+
+  WebServer& server_;
+  std::map<std::uint32_t, ChannelPointer> channels_;
+  std::map<std::uint32_t, SharedBytes> advertisements_;  ///< by bench
+  std::map<ConnectionId, Subscriptions> connections_;
+  std::vector<std::string> removed_topics_;
+  bool has_changed_ = false;
+};
+
+/// @return a frame with the text.
+[[nodiscard]] Frame text_frame(SharedBytes text);
+
+}  // namespace vdrive::gateway
