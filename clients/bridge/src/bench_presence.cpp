@@ -2,7 +2,6 @@
 #include "bench_presence.hpp"
 
 #include <algorithm>
-#include <ranges>
 #include <utility>
 
 namespace vdrive::bridge {
@@ -89,8 +88,10 @@ std::optional<BenchRecord> Presence::find(std::uint32_t bench) const {
 
 std::vector<BenchRecord> Presence::all() const {
   const std::scoped_lock lock(mutex_);
-  const auto records = std::views::values(benches_);
-  return {records.begin(), records.end()};
+  std::vector<BenchRecord> records;
+  records.reserve(benches_.size());
+  for (const auto& [number, record] : benches_) records.push_back(record);
+  return records;
 }
 
 }  // namespace vdrive::bridge
