@@ -341,3 +341,25 @@ def test_several_axes_are_acquired_together_or_not_at_all(vdrive_bench, vdrive_s
         other.release(1)
         vdrive_session.acquire()
         assert vdrive_session.observe().owners == [vdrive_session.id] * 2
+
+
+def test_set_points_bring_any_objects_to_axes(vdrive_session):
+    axis = vdrive_session.axis("x")
+    axis.enable()
+    vdrive_session.send_set_points({1: {"profile_velocity": 4321, 0x6083: 54321}})
+    tick = vdrive_session.step(1)
+    assert axis.read("profile_velocity") == 4321
+    assert axis.read("profile_acc") == 54321
+    vdrive_session.send_set_points({1: {0x6060: 3}}, tick=tick + 2)
+    vdrive_session.step(1)
+    assert axis.status().mode == "none"
+    vdrive_session.step(1)
+    assert axis.status().mode == "profile velocity"
+
+
+def test_set_points_with_a_wrong_value_or_too_many_objects_are_not_sent(vdrive_session):
+    with pytest.raises(ValueError):
+        vdrive_session.send_set_points({1: {0x6040: 70000}})
+    many = dict.fromkeys([0x6081, 0x6083, 0x6084, 0x60C5, 0x60C6, 0x6072, 0x6065, 0x6067, 0x6068], 1)
+    with pytest.raises(vdrive.Failed, match="9 objects; at most 8"):
+        vdrive_session.send_set_points({1: many})

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "arguments.hpp"
 
+#include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/dictionary/object_text.hpp"
 #include "vdrive/text.hpp"
 
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <string>
 #include <tuple>
+#include <utility>
 
 namespace vdrive::python {
 namespace {
@@ -28,6 +31,27 @@ ObjectAddress address_of(std::int64_t index, std::int64_t subindex) {
   constexpr auto kLastSubindex = std::numeric_limits<std::uint8_t>::max();
   return {.index = static_cast<std::uint16_t>(in_range(index, kLastIndex, "index")),
           .subindex = static_cast<std::uint8_t>(in_range(subindex, kLastSubindex, "sub-index"))};
+}
+
+/// @throws py::value_error when the member of a frame does not hold the value
+template <typename Member>
+Member member_of(std::int64_t value) {
+  if (std::in_range<Member>(value)) return static_cast<Member>(value);
+  throw py::value_error(std::to_string(value) + " is no value of this object");
+}
+
+/// Mode, target position and controlword have members of their own in a frame.
+void add_value(client::SetPoint& point, ObjectAddress object, std::int64_t value) {
+  using namespace literals;
+  if (object == vdrive::describe("op_mode_cmd"_object).address) {
+    point.mode = static_cast<OperatingMode>(member_of<std::int8_t>(value));
+  } else if (object == vdrive::describe("position_user_target_value"_object).address) {
+    point.position = member_of<std::int32_t>(value);
+  } else if (object == vdrive::describe("ds402_controlword"_object).address) {
+    point.controlword = member_of<std::uint16_t>(value);
+  } else {
+    point.objects.push_back({.object = object, .value = value});
+  }
 }
 
 }  // namespace
@@ -75,6 +99,19 @@ ObjectAddress object_of(const py::object& object) {
     return address_of(index, subindex);
   }
   return address_of(object.cast<std::int64_t>(), 0);
+}
+
+client::SetPointFrame frame_of(const py::dict& set_points) {
+  client::SetPointFrame frame;
+  for (const auto& [axis, values] : set_points) {
+    client::SetPoint& point = frame.axes.emplace_back();
+    point.axis = axis.cast<std::uint16_t>();
+    for (const auto& [object, value] : values.cast<py::dict>()) {
+      add_value(point, object_of(py::reinterpret_borrow<py::object>(object)),
+                value.cast<std::int64_t>());
+    }
+  }
+  return frame;
 }
 
 }  // namespace vdrive::python

@@ -37,4 +37,9 @@ namespace vdrive::python {
 /// range
 [[nodiscard]] ObjectAddress object_of(const py::object& object);
 
+/// @param set_points by the number of an axis: a dict of objects, as object_of() takes them, and
+/// their values
+/// @throws py::value_error for a value that the frame cannot carry
+[[nodiscard]] client::SetPointFrame frame_of(const py::dict& set_points);
+
 }  // namespace vdrive::python

@@ -351,6 +351,25 @@ void add_control(SessionClass& session) {
       py::arg("axes") = py::none(),
       "Takes control of axes of one bench: of all of them, or of none when one is refused.");
   session.def(
+      "send_set_points",
+      [](const SharedPresence& self, const py::dict& set_points, std::uint64_t tick,
+         bool drops_waiting, std::optional<std::uint32_t> bench) {
+        client::SetPointFrame frame = frame_of(set_points);
+        frame.tick = tick;
+        frame.drops_waiting = drops_waiting;
+        const std::uint32_t number = bench_number(self, bench);
+        check(waiting(self, [&](Session& sending) {
+          return sending.send_set_points(number, {&frame, 1});
+        }));
+      },
+      py::arg("set_points"), py::kw_only(), py::arg("tick") = 0, py::arg("drops_waiting") = false,
+      py::arg("bench") = py::none(),
+      "Sends values of objects to axes that the session holds, by their numbers on the bench, and "
+      "waits for no answer: the status and the events show what became of them. They are in force "
+      "in `tick` (0 = the next), up to 10 s ahead; the controlword (6040h) acts last. Beside mode, "
+      "target position and controlword an axis takes 8 objects. With `drops_waiting` the frames of "
+      "the session that wait for their tick are dropped first.");
+  session.def(
       "interrupt",
       [](const Presence& self) {
         self.session()->interrupt();

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 from __future__ import annotations
 
-from typing import Any, Callable, Iterable, Iterator, Literal, Sequence
+from typing import Any, Callable, Iterable, Iterator, Literal, Mapping, Sequence
 
 import numpy
 from numpy.typing import ArrayLike, NDArray
@@ -399,6 +399,14 @@ class Session:
     ) -> None: ...
     def release(self, bench: int | None = None) -> None: ...
     def acquire(self, axes: AxesSpec = None) -> None: ...
+    def send_set_points(
+        self,
+        set_points: Mapping[int, Mapping[ObjectSpec, int]],
+        *,
+        tick: int = 0,
+        drops_waiting: bool = False,
+        bench: int | None = None,
+    ) -> None: ...
     def interrupt(self) -> None: ...
     def end_interrupt(self) -> None: ...
     def close(self) -> None: ...
