@@ -299,6 +299,7 @@ const std::vector<TextRule>& forbidden_code() {
        "step and plan use + - * / sqrt and comparisons only"},
       {"core/", dds, "only idl/ names the DDS library"},
       {"service/", dds, "only idl/ names the DDS library"},
+      {"", std::regex(R"(^namespace \w+::\w+::\w)"), "namespaces have two levels at most"},
       {"clients/", dds, "only idl/ names the DDS library"},
   };
   return rules;
