@@ -33,8 +33,7 @@ inline constexpr std::int64_t kFirstQuickStopThatStays = 5;
 }
 
 /// @return whether nothing moves the axis: it is not driven, or its demand is at rest and no
-/// command
-///         is on the way to another one. A torque counts as long as it is applied.
+///         command is on the way to another one. A torque counts as long as it is applied.
 [[nodiscard]] inline bool rests(const AxisSnapshot& axis) {
   if (!is_driven(axis)) return true;
   if (axis.status.velocity_demand_value != 0) return false;

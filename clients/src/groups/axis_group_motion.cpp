@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Straight lines: times, start on one tick, arrival, queue, halt.
+#include "base/command_objects.hpp"
 #include "base/command_words.hpp"
 #include "calls/arrival.hpp"
 #include "calls/axes_stop.hpp"
@@ -73,13 +74,6 @@ MotionLimits limits_from(const std::vector<std::int64_t>& values, const LineRequ
                   std::min({real(profile_velocity), real(speed_limit), motor_speed}),
       .acceleration = request.acceleration_factor * ramp(profile_acceleration, acceleration_limit),
       .deceleration = request.deceleration_factor * ramp(profile_deceleration, deceleration_limit)};
-}
-
-void add_object(msg::AxisCommand& command, ObjectAddress address, std::int64_t value) {
-  auto& object = command.objects().emplace_back();
-  object.index(address.index);
-  object.subindex(address.subindex);
-  object.value(value);
 }
 
 void add_word(msg::AxisCommand& command, std::uint16_t word) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/client/session.hpp"
 
+#include "base/command_objects.hpp"
 #include "session/session_core.hpp"
 #include "vdrive/client/axis.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
@@ -65,13 +66,6 @@ Result<msg::Reply> exchange_snapshot(SessionCore& core, std::uint32_t bench, std
       "snapshot " + (names_one ? std::to_string(snapshot) + " " : "") + "of " + name_of(*target));
 }
 
-void add_object_value(msg::AxisCommand& command, ObjectAddress address, std::int64_t value) {
-  auto& object = command.objects().emplace_back();
-  object.index(address.index);
-  object.subindex(address.subindex);
-  object.value(value);
-}
-
 msg::AxisCommand command_of(const SetPoint& point) {
   using namespace literals;
   msg::AxisCommand command;
@@ -86,13 +80,13 @@ msg::AxisCommand command_of(const SetPoint& point) {
     command.position_user_target_value(*point.position);
   }
   if (point.velocity) {
-    add_object_value(command, vdrive::describe("target_velocity"_object).address, *point.velocity);
+    add_object(command, vdrive::describe("target_velocity"_object).address, *point.velocity);
   }
   if (point.torque) {
-    add_object_value(command, vdrive::describe("target_torque"_object).address, *point.torque);
+    add_object(command, vdrive::describe("target_torque"_object).address, *point.torque);
   }
   for (const ObjectValue& value : point.objects) {
-    add_object_value(command, value.object, value.value);
+    add_object(command, value.object, value.value);
   }
   if (point.controlword) {
     members |= msg::HAS_DS402_CONTROLWORD;

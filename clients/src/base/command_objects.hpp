@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/dictionary/object.hpp"
+#include "vdrive_messages.h"
+
+#include <cstdint>
+
+namespace vdrive::client {
+
+/// Adds one of the further objects of a command (up to msg::MAX_OBJECTS_PER_AXIS), which the bench
+/// writes after the members of the command and before its controlword.
+inline void add_object(msg::AxisCommand& command, ObjectAddress address, std::int64_t value) {
+  auto& object = command.objects().emplace_back();
+  object.index(address.index);
+  object.subindex(address.subindex);
+  object.value(value);
+}
+
+}  // namespace vdrive::client
