@@ -29,7 +29,7 @@ using namespace vdrive::ros2;
 using eprosima::fastrtps::rtps::SerializedPayload_t;
 using vdrive::test::Bytes;
 using vdrive::test::demand;
-namespace ros = vdrive::wire::ros;
+namespace ros = vdrive::ros;
 
 constexpr std::size_t kJoints = 4;
 

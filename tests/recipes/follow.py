@@ -208,8 +208,7 @@ RECIPES = [
         grown("core/src/drive/faults.hpp", r"return std::array<FaultCause, (\d+)>"),
         after("clients/include/vdrive/client/disturbance.hpp", "  index_pulse,", "  scratch,"),
         after("clients/include/vdrive/client/disturbance.hpp", '"index_pulse"',
-              '    DisturbanceRow{Disturbance::scratch, "scratch", "test_scratch"},'),
-        instead("clients/tool/help.hpp", "index_pulse, or none", "index_pulse, scratch, or none")),
+              '    DisturbanceRow{Disturbance::scratch, "scratch", "test_scratch"},')),
 ]
 
 

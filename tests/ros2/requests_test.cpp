@@ -34,9 +34,9 @@ std::optional<KnownJoint> find_declared(const std::string& name) {
   return joint;
 }
 
-wire::ros::JointState state(std::vector<std::string> names, std::vector<double> positions,
-                            std::vector<double> velocities = {}) {
-  wire::ros::JointState message;
+ros::JointState state(std::vector<std::string> names, std::vector<double> positions,
+                      std::vector<double> velocities = {}) {
+  ros::JointState message;
   message.name(std::move(names));
   message.position(std::move(positions));
   message.velocity(std::move(velocities));
@@ -100,13 +100,12 @@ TEST(JointCommands, IgnoreAJointThatIsNamedTwice) {
   EXPECT_THAT(read.problems, SizeIs(1));
 }
 
-wire::ros::JointTrajectory trajectory(std::vector<std::string> names,
-                                      const std::vector<double>& times) {
-  wire::ros::JointTrajectory message;
+ros::JointTrajectory trajectory(std::vector<std::string> names, const std::vector<double>& times) {
+  ros::JointTrajectory message;
   const std::size_t joints = names.size();
   message.joint_names(std::move(names));
   for (const double time : times) {
-    wire::ros::JointTrajectoryPoint point;
+    ros::JointTrajectoryPoint point;
     point.positions(std::vector<double>(joints, time));
     point.time_from_start().sec(static_cast<std::int32_t>(std::floor(time)));
     point.time_from_start().nanosec(
@@ -116,8 +115,7 @@ wire::ros::JointTrajectory trajectory(std::vector<std::string> names,
   return message;
 }
 
-std::string problem_of(const wire::ros::JointTrajectory& message,
-                       const FindJoint& find = find_plain) {
+std::string problem_of(const ros::JointTrajectory& message, const FindJoint& find = find_plain) {
   std::string problem;
   const bool is_taken = read_trajectory(message, find, problem).has_value();
   EXPECT_EQ(is_taken, problem.empty());

@@ -15,8 +15,6 @@
 
 namespace vdrive::test {
 
-namespace ros = wire::ros;
-
 /// vdrive-ros2 of this build on the domain of this test.
 class RunningBridge {
  public:

@@ -19,7 +19,7 @@ TEST(EventText, HasWordsForEveryKindOfTheContract) {
     EXPECT_NE(words, "event " + std::to_string(kind)) << name;
     EXPECT_EQ(wire::event_name(kind), name);
   }
-  const auto next = static_cast<std::uint32_t>(std::size(wire::kEventKinds)) + 1;
+  const auto next = static_cast<std::uint32_t>(wire::kEventKinds.size()) + 1;
   EXPECT_EQ(words_of({.kind = next}), "event " + std::to_string(next));
   EXPECT_EQ(wire::event_name(next), "unknown");
   EXPECT_EQ(wire::event_name(0), "unknown");

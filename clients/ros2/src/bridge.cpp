@@ -40,16 +40,15 @@ Bridge::Bridge(const Settings& settings)
       controller_(session_, settings, reports_, board_),
       publisher_(participant_, settings, board_),
       commands_(participant_, settings.topics.joint_commands,
-                [this](const wire::ros::JointState& message, const wire::WriterId& writer) {
+                [this](const ros::JointState& message, const wire::WriterId& writer) {
                   controller_.take(message, writer);
                 }),
-      trajectories_(
-          participant_, settings.topics.joint_trajectory,
-          [this](const wire::ros::JointTrajectory& message, const wire::WriterId& writer) {
-            controller_.take(message, writer);
-          }),
+      trajectories_(participant_, settings.topics.joint_trajectory,
+                    [this](const ros::JointTrajectory& message, const wire::WriterId& writer) {
+                      controller_.take(message, writer);
+                    }),
       enable_(participant_, settings.topics.enable,
-              [this](const wire::ros::Bool& message, const wire::WriterId& writer) {
+              [this](const ros::Bool& message, const wire::WriterId& writer) {
                 controller_.take(message, writer);
               }) {
   session_.on_event([this](const client::Event& event) {
@@ -69,7 +68,7 @@ Bridge::Bridge(const Settings& settings)
 }
 
 void Bridge::write_log(bridge::Severity severity, const std::string& line) {
-  wire::ros::Log log;
+  ros::Log log;
   log.stamp(ros_time(bridge::wall_time()));
   log.level(static_cast<std::uint8_t>(severity));
   log.name("vdrive_ros2");

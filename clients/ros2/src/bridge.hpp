@@ -26,14 +26,14 @@ class Bridge {
 
   wire::Participant participant_;
   client::Session session_;
-  wire::ros::Publication<wire::ros::Log> rosout_;
+  ros::Publication<ros::Log> rosout_;
   bridge::Reports reports_;
   Board board_;
   Controller controller_;
   JointPublisher publisher_;
-  wire::ros::Subscription<wire::ros::JointState> commands_;
-  wire::ros::Subscription<wire::ros::JointTrajectory> trajectories_;
-  wire::ros::Subscription<wire::ros::Bool> enable_;
+  ros::Subscription<ros::JointState> commands_;
+  ros::Subscription<ros::JointTrajectory> trajectories_;
+  ros::Subscription<ros::Bool> enable_;
 };
 
 }  // namespace vdrive::ros2

@@ -117,7 +117,7 @@ void Controller::handle_messages() {
   }
 }
 
-void Controller::handle(const wire::ros::JointState& message, const wire::WriterId& writer) {
+void Controller::handle(const ros::JointState& message, const wire::WriterId& writer) {
   const JointCommands read = read_commands(message, [this](const std::string& name) {
     return benches_.find_joint(name);
   });
@@ -142,11 +142,11 @@ void Controller::handle(const wire::ros::JointState& message, const wire::Writer
   }
 }
 
-void Controller::handle(const wire::ros::JointTrajectory& message, const wire::WriterId& writer) {
+void Controller::handle(const ros::JointTrajectory& message, const wire::WriterId& writer) {
   trajectories_.take(message, writer);
 }
 
-void Controller::handle(const wire::ros::Bool& message, const wire::WriterId& /*writer*/) {
+void Controller::handle(const ros::Bool& message, const wire::WriterId& /*writer*/) {
   const bool is_enabled = message.data();
   command_stamps_.clear();
   trajectories_.note_enable(is_enabled);

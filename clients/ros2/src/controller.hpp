@@ -52,9 +52,9 @@ class Controller {
   void turn();
   void end();
   void handle_messages();
-  void handle(const wire::ros::JointState& message, const wire::WriterId& writer);
-  void handle(const wire::ros::JointTrajectory& message, const wire::WriterId& writer);
-  void handle(const wire::ros::Bool& message, const wire::WriterId& writer);
+  void handle(const ros::JointState& message, const wire::WriterId& writer);
+  void handle(const ros::JointTrajectory& message, const wire::WriterId& writer);
+  void handle(const ros::Bool& message, const wire::WriterId& writer);
   void ask(Clock::time_point now);
   void note_writers(std::size_t writers);
   void update(Clock::time_point now);

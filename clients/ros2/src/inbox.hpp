@@ -13,7 +13,7 @@
 
 namespace vdrive::ros2 {
 
-using Message = std::variant<wire::ros::JointState, wire::ros::JointTrajectory, wire::ros::Bool>;
+using Message = std::variant<ros::JointState, ros::JointTrajectory, ros::Bool>;
 
 /// A message of ROS, and who wrote it.
 struct Received {

@@ -15,8 +15,8 @@
 namespace vdrive::ros2 {
 namespace {
 
+using ros::DiagnosticStatus;
 using std::chrono::milliseconds;
-using wire::ros::DiagnosticStatus;
 
 constexpr milliseconds kSilentTurn{10};
 constexpr milliseconds kEndOfStep{20};  // no further tick came: the step has ended
@@ -25,7 +25,7 @@ constexpr std::chrono::seconds kDiagnostics{1};
 enum Level : std::uint8_t { ok = 0, warn = 1, error = 2, stale = 3 };
 
 void add(DiagnosticStatus& status, const char* key, std::string value) {
-  wire::ros::KeyValue pair;
+  ros::KeyValue pair;
   pair.key(key);
   pair.value(std::move(value));
   status.values().push_back(std::move(pair));
@@ -104,9 +104,9 @@ std::string network_text(const client::SessionOptions& options) {
 
 }  // namespace
 
-std::optional<wire::ros::JointState> joint_state_of(const BenchView& view) {
+std::optional<ros::JointState> joint_state_of(const BenchView& view) {
   if (!view.state) return std::nullopt;
-  wire::ros::JointState message;
+  ros::JointState message;
   message.header().stamp(ros_time(stamp_of(*view.info, view.state->tick)));
   const std::size_t count = view.joints->size();
   message.name().reserve(count);
@@ -126,8 +126,8 @@ std::optional<wire::ros::JointState> joint_state_of(const BenchView& view) {
   return message;
 }
 
-wire::ros::DiagnosticArray diagnostics_of(const Board::Views& views, const std::string& network) {
-  wire::ros::DiagnosticArray array;
+ros::DiagnosticArray diagnostics_of(const Board::Views& views, const std::string& network) {
+  ros::DiagnosticArray array;
   array.header().stamp(ros_time(bridge::wall_time()));
   for (const auto& [number, view] : views) {
     array.status().push_back(bench_status(view, network));
@@ -176,7 +176,7 @@ void JointPublisher::publish(const Board::Views& views, Clock::time_point now) {
     if (!is_due(view, published, now)) continue;
     published.tick = view.state->tick;
     if (is_clock) {
-      wire::ros::Clock time;
+      ros::Clock time;
       time.clock(ros_time(stamp_of(*view.info, view.state->tick)));
       (void)clock_.write(time);
     }

@@ -11,12 +11,12 @@
 namespace vdrive::ros2 {
 
 /// @return the joints of a bench in one instant, or nothing while its bench sends no status.
-[[nodiscard]] std::optional<wire::ros::JointState> joint_state_of(const BenchView& view);
+[[nodiscard]] std::optional<ros::JointState> joint_state_of(const BenchView& view);
 
 /// @return a status for each bench and each of its joints.
 /// @param network "loopback only", or the addresses that the bridge uses
-[[nodiscard]] wire::ros::DiagnosticArray diagnostics_of(const Board::Views& views,
-                                                        const std::string& network);
+[[nodiscard]] ros::DiagnosticArray diagnostics_of(const Board::Views& views,
+                                                  const std::string& network);
 
 /// Publishes joint states, clock and diagnostics in a thread of its own.
 ///
@@ -50,9 +50,9 @@ class JointPublisher {
   std::map<std::uint32_t, Published> published_;
   Clock::time_point diagnostics_due_{};
   std::string last_diagnostics_;
-  wire::ros::Publication<wire::ros::JointState> states_;
-  wire::ros::Publication<wire::ros::Clock> clock_;
-  wire::ros::Publication<wire::ros::DiagnosticArray> diagnostics_;
+  ros::Publication<ros::JointState> states_;
+  ros::Publication<ros::Clock> clock_;
+  ros::Publication<ros::DiagnosticArray> diagnostics_;
   std::jthread thread_;
 };
 

@@ -32,7 +32,7 @@ std::vector<std::size_t> places_of(const std::vector<std::optional<KnownJoint>>&
 /// What one message commands each of its joints.
 class CommandReader {
  public:
-  CommandReader(const wire::ros::JointState& message, const FindJoint& find)
+  CommandReader(const ros::JointState& message, const FindJoint& find)
       : names_(message.name()), chosen_(names_.size()) {
     std::set<std::string> seen;
     joints_.reserve(names_.size());
@@ -99,7 +99,7 @@ bool all_finite(const std::vector<double>& values) {
 }
 
 /// @return what is wrong with a point; empty for a good one.
-std::string check_point(const wire::ros::JointTrajectoryPoint& point, std::size_t joints) {
+std::string check_point(const ros::JointTrajectoryPoint& point, std::size_t joints) {
   struct Array {
     const char* name;
     const std::vector<double>& values;
@@ -123,8 +123,8 @@ std::string check_point(const wire::ros::JointTrajectoryPoint& point, std::size_
   return {};
 }
 
-bool find_joints(const wire::ros::JointTrajectory& message, const FindJoint& find,
-                 Trajectory& trajectory, std::string& problem) {
+bool find_joints(const ros::JointTrajectory& message, const FindJoint& find, Trajectory& trajectory,
+                 std::string& problem) {
   std::set<std::string> seen;
   for (const std::string& name : message.joint_names()) {
     const auto joint = find(name);
@@ -144,7 +144,7 @@ bool find_joints(const wire::ros::JointTrajectory& message, const FindJoint& fin
 
 }  // namespace
 
-JointCommands read_commands(const wire::ros::JointState& message, const FindJoint& find) {
+JointCommands read_commands(const ros::JointState& message, const FindJoint& find) {
   CommandReader reader(message, find);
   reader.read(Interface::position, message.position());
   reader.read(Interface::velocity, message.velocity());
@@ -152,7 +152,7 @@ JointCommands read_commands(const wire::ros::JointState& message, const FindJoin
   return reader.result();
 }
 
-std::optional<Trajectory> read_trajectory(const wire::ros::JointTrajectory& message,
+std::optional<Trajectory> read_trajectory(const ros::JointTrajectory& message,
                                           const FindJoint& find, std::string& problem) {
   Trajectory trajectory;
   problem.clear();
@@ -188,7 +188,7 @@ std::optional<Trajectory> read_trajectory(const wire::ros::JointTrajectory& mess
   return trajectory;
 }
 
-std::int64_t nanoseconds_of(const wire::ros::Time& time) noexcept {
+std::int64_t nanoseconds_of(const ros::Time& time) noexcept {
   return time.sec() * kNanosecondsOfSecond + time.nanosec();
 }
 

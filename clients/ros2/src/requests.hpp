@@ -36,8 +36,7 @@ using FindJoint = std::function<std::optional<KnownJoint>(const std::string& nam
 /// Reads a JointState that commands. A value that is not finite is skipped: ros2_control sends such
 /// before its first command. An array that is shorter than `name` holds the joints that the
 /// configuration gives this interface, in order.
-[[nodiscard]] JointCommands read_commands(const wire::ros::JointState& message,
-                                          const FindJoint& find);
+[[nodiscard]] JointCommands read_commands(const ros::JointState& message, const FindJoint& find);
 
 /// A point of a trajectory.
 struct TrajectoryPoint {
@@ -57,11 +56,11 @@ struct Trajectory {
 
 /// @param problem gets the reason of a refusal
 /// @return nothing when the trajectory is refused.
-[[nodiscard]] std::optional<Trajectory> read_trajectory(const wire::ros::JointTrajectory& message,
+[[nodiscard]] std::optional<Trajectory> read_trajectory(const ros::JointTrajectory& message,
                                                         const FindJoint& find,
                                                         std::string& problem);
 
 /// @return [ns]
-[[nodiscard]] std::int64_t nanoseconds_of(const wire::ros::Time& time) noexcept;
+[[nodiscard]] std::int64_t nanoseconds_of(const ros::Time& time) noexcept;
 
 }  // namespace vdrive::ros2

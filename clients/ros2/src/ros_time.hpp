@@ -8,9 +8,9 @@
 namespace vdrive::ros2 {
 
 /// @return `nanoseconds` as ROS writes it.
-[[nodiscard]] inline wire::ros::Time ros_time(std::int64_t nanoseconds) {
+[[nodiscard]] inline ros::Time ros_time(std::int64_t nanoseconds) {
   constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
-  wire::ros::Time time;
+  ros::Time time;
   time.sec(static_cast<std::int32_t>(nanoseconds / kNanosecondsPerSecond));
   time.nanosec(static_cast<std::uint32_t>(nanoseconds % kNanosecondsPerSecond));
   return time;

@@ -29,7 +29,7 @@ void read_topics(const YamlValue& map, TopicNames& topics) {
     return [&topic](const YamlValue& value) {
       topic = text_of(value);
       const std::string absolute = topic.starts_with('/') ? topic : "/" + topic;
-      if (!wire::ros::check_topic(absolute).empty()) {
+      if (!ros::check_topic(absolute).empty()) {
         value.refuse("is not the name of a topic: letters, digits and '_', parts divided by '/'");
       }
     };
@@ -130,8 +130,8 @@ void resolve_topics(Settings& settings) {
   std::string& space = settings.name_space;
   if (!space.empty() && !space.starts_with('/')) space.insert(0, "/");
   while (space.ends_with('/')) space.pop_back();
-  if (!space.empty() && !wire::ros::check_topic(space).empty()) {
-    throw ConfigurationError("namespace: " + wire::ros::check_topic(space));
+  if (!space.empty() && !ros::check_topic(space).empty()) {
+    throw ConfigurationError("namespace: " + ros::check_topic(space));
   }
   TopicNames& topics = settings.topics;
   const std::array all{&topics.joint_states, &topics.joint_commands, &topics.joint_trajectory,

@@ -67,7 +67,7 @@ std::string Trajectories::problem_of(const Trajectory& trajectory,
   return {};
 }
 
-void Trajectories::take(const wire::ros::JointTrajectory& message, const wire::WriterId& writer) {
+void Trajectories::take(const ros::JointTrajectory& message, const wire::WriterId& writer) {
   std::string problem;
   auto trajectory = read_trajectory(
       message,

@@ -26,7 +26,7 @@ class Trajectories {
         stamps_(settings.stamp_ahead) {}
 
   /// Takes a message, or reports why it is refused. It replaces one that has not started.
-  void take(const wire::ros::JointTrajectory& message, const wire::WriterId& writer);
+  void take(const ros::JointTrajectory& message, const wire::WriterId& writer);
 
   /// The axes were enabled or disabled: stamps begin anew, and nothing that waits starts without
   /// power.

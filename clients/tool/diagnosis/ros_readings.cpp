@@ -28,9 +28,9 @@ std::string variable(const char* name) {
 /// The benches that the bridges of a domain publish, by session and bench.
 class DiagnosticsListener {
  public:
-  void take(const wire::ros::DiagnosticArray& message) {
+  void take(const ros::DiagnosticArray& message) {
     const std::scoped_lock lock(mutex_);
-    for (const wire::ros::DiagnosticStatus& status : message.status()) add(status);
+    for (const ros::DiagnosticStatus& status : message.status()) add(status);
   }
 
   [[nodiscard]] std::vector<RosBench> result() {
@@ -42,14 +42,14 @@ class DiagnosticsListener {
   }
 
  private:
-  void add(const wire::ros::DiagnosticStatus& status) {
+  void add(const ros::DiagnosticStatus& status) {
     constexpr std::string_view kPrefix = "vdrive_ros2: ";
     if (!status.name().starts_with(kPrefix)) return;
     RosBench bench{.bench = status.name().substr(kPrefix.size()),
                    .level = status.level(),
                    .message = status.message()};
     if (!bench.bench.starts_with("bench ")) return;
-    for (const wire::ros::KeyValue& pair : status.values()) {
+    for (const ros::KeyValue& pair : status.values()) {
       if (pair.key() == "session") bench.session = pair.value();
       if (pair.key() == "control") bench.control = pair.value();
       if (pair.key() == "enable") bench.enable = pair.value();
@@ -70,9 +70,9 @@ std::vector<RosBench> read_diagnostics(const GlobalOptions& options) {
                                  .peers = options.peers,
                                  .discovery_servers = options.discovery_servers},
                                 "vdrive doctor");
-  const wire::ros::Subscription<wire::ros::DiagnosticArray> subscription(
+  const ros::Subscription<ros::DiagnosticArray> subscription(
       participant, "/diagnostics",
-      [&](const wire::ros::DiagnosticArray& message, const wire::WriterId& /*writer*/) {
+      [&](const ros::DiagnosticArray& message, const wire::WriterId& /*writer*/) {
         diagnostics.take(message);
       });
   const Clock::time_point begin = Clock::now();

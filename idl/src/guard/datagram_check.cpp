@@ -96,8 +96,8 @@ bool is_discovery(const Submessage& submessage, const DataSubmessage& data) noex
 
 std::span<std::uint8_t> list_in(std::span<std::uint8_t> datagram, const Submessage& submessage,
                                 const DataSubmessage& data) noexcept {
-  constexpr std::size_t kEncapsulation = 4;
-  return datagram.subspan(submessage.offset + data.payload + kEncapsulation, data.list().size());
+  return datagram.subspan(submessage.offset + data.payload + kEncapsulationSize,
+                          data.list().size());
 }
 
 namespace {

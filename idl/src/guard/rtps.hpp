@@ -14,7 +14,8 @@ using GuidPrefix = std::array<std::uint8_t, 12>;  ///< of a participant's GUID
 
 constexpr std::size_t kHeaderSize = 20;
 constexpr std::size_t kSubmessageHeaderSize = 4;
-constexpr std::size_t kPrefixOffset = 8;  ///< of the sender's prefix in the header
+constexpr std::size_t kEncapsulationSize = 4;  ///< before the content of a sample or a list
+constexpr std::size_t kPrefixOffset = 8;       ///< of the sender's prefix in the header
 
 /// Kinds of submessages.
 enum class SubmessageKind : std::uint8_t {

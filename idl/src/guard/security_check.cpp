@@ -185,17 +185,16 @@ bool is_token(ByteView value, bool little) noexcept {
 }
 
 bool is_handshake(const Submessage& submessage, const DataSubmessage& data) noexcept {
-  constexpr std::size_t kEncapsulation = 4;
   // [bytes] Two identities of messages, a participant and two endpoints.
   constexpr std::size_t kGuids = 2 * 24 + 3 * 16;
   const ByteView content = data.content;
-  if (!submessage.has(kThird) || content.size() < kEncapsulation || content[0] != 0 ||
+  if (!submessage.has(kThird) || content.size() < kEncapsulationSize || content[0] != 0 ||
       content[1] > 1) {
     return false;
   }
   TokenReader reader(content, content[1] == 1);
   ByteView class_id;
-  return reader.skip(kEncapsulation + kGuids) && reader.field(class_id) &&
+  return reader.skip(kEncapsulationSize + kGuids) && reader.field(class_id) &&
          reader.tokens(is_handshake_property);
 }
 

@@ -20,7 +20,7 @@ class Reason {
   // NOLINTNEXTLINE(google-explicit-constructor,hicpp-explicit-conversions): `return
   // msg::REASON_...`
   consteval Reason(std::uint32_t reason) : code_(reason) {
-    if (reason >= kFirstAbortCode) throw "a reason of the wire contract is below every abort code";
+    if (reason >= kFirstAbortCode) is_no_reason_of_the_wire_contract();
   }
 
   // NOLINTNEXTLINE(google-explicit-constructor,hicpp-explicit-conversions): `return code`
@@ -34,6 +34,9 @@ class Reason {
   friend constexpr bool operator==(Reason, Reason) noexcept = default;
 
  private:
+  /// No constant expression: a wrong number does not compile.
+  static void is_no_reason_of_the_wire_contract() noexcept {}
+
   /// That of the standard's table with the lowest number.
   static constexpr std::uint32_t kFirstAbortCode = wire_code(AbortCode::toggle_bit_not_alternated);
 

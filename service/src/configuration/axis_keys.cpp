@@ -7,6 +7,7 @@
 #include "vdrive/number_text.hpp"
 #include "vdrive/plant/model_parameters.hpp"
 
+#include <array>
 #include <limits>
 #include <map>
 
@@ -27,7 +28,7 @@ constexpr ConfigurationRow<AxisSettings> switch_row(std::string_view key, std::s
   return boolean_row<AxisSettings, kMember>(key, what);
 }
 
-constexpr ConfigurationRow<AxisSettings> kSettingsRows[] = {
+constexpr auto kSettingsRows = std::to_array<ConfigurationRow<AxisSettings>>({
     switch_row<&AxisSettings::acknowledge_while_halted>(
         "acknowledge_while_halted",
         "false: no set-point is taken while bit 8 of the controlword is 1."),
@@ -41,11 +42,11 @@ constexpr ConfigurationRow<AxisSettings> kSettingsRows[] = {
         "limits_need_homing", "true: 607Dh is in force only once the axis is homed."),
     integer_row<AxisSettings, &AxisSettings::quick_stop_dwell_ms>(
         "quick_stop_dwell_ms", {0, kLongestDwell, "ms"}, "Least time in Quick stop active, {} ms."),
-};
+});
 
 // ---- model -------------------------------------------------------------------------------------
 
-constexpr ConfigurationRow<AxisModel> kModelRows[] = {
+constexpr auto kModelRows = std::to_array<ConfigurationRow<AxisModel>>({
     {.key = "coupling",
      .what = "rigid: one inertia; two_inertia: motor and load on an elastic shaft.",
      .read =
@@ -70,7 +71,7 @@ constexpr ConfigurationRow<AxisModel> kModelRows[] = {
          [](YAML::Emitter& out, const AxisModel& model) {
            out << (model.feedback == Feedback::single_encoder ? "single_encoder" : "dual_encoder");
          }},
-};
+});
 
 /// The keys of `model` without rows here: kModelParameters is the table of its numbers.
 const ModelParameter* find_parameter(const std::string& key) {
@@ -209,7 +210,7 @@ void describe_unit(const std::string& prefix, std::vector<ConfigurationKey>& key
                   "needs it."});
 }
 
-constexpr ConfigurationRow<NamedAxis> kAxisRows[] = {
+constexpr auto kAxisRows = std::to_array<ConfigurationRow<NamedAxis>>({
     integer_row<NamedAxis, &NamedAxis::number>(
         "number", {1, kHighestAxisNumber, ""},
         "{}, unique on the bench. Default: none, each axis needs it."),
@@ -289,7 +290,7 @@ constexpr ConfigurationRow<NamedAxis> kAxisRows[] = {
          [](const NamedAxis& axis) {
            return !axis.configuration.parameters.empty();
          }},
-};
+});
 
 }  // namespace
 

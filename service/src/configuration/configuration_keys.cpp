@@ -135,7 +135,7 @@ void write_axes(YAML::Emitter& out, const std::vector<NamedAxis>& axes) {
   out << YAML::EndSeq;
 }
 
-constexpr ConfigurationRow<Configuration> kBenchRows[] = {
+constexpr auto kBenchRows = std::to_array<ConfigurationRow<Configuration>>({
     integer_row<Configuration, &Configuration::bench>("number", {1, wire::kHighestBench, ""},
                                                       "{}, unique in its DDS domain."),
     {.key = "name",
@@ -148,9 +148,9 @@ constexpr ConfigurationRow<Configuration> kBenchRows[] = {
          [](YAML::Emitter& out, const Configuration& c) {
            out << c.name;
          }},
-};
+});
 
-constexpr ConfigurationRow<Configuration> kClockRows[] = {
+constexpr auto kClockRows = std::to_array<ConfigurationRow<Configuration>>({
     {.key = "mode",
      .what = "realtime: by the wall clock; lockstep: by steps of clients; freerun: as fast as "
              "possible.",
@@ -204,14 +204,14 @@ constexpr ConfigurationRow<Configuration> kClockRows[] = {
     integer_row<Configuration, &Configuration::realtime_priority>(
         "realtime_priority", {0, kHighestPriority, ""},
         "SCHED_FIFO of the thread of the ticks where permitted, {}; 0: none."),
-};
+});
 
-constexpr ConfigurationRow<Configuration> kStatusRows[] = {
+constexpr auto kStatusRows = std::to_array<ConfigurationRow<Configuration>>({
     integer_row<Configuration, &Configuration::status_every>(
         "every_ticks", {1, kMaxStatusEvery, "ticks"}, "One status frame each n ticks, {}."),
-};
+});
 
-constexpr ConfigurationRow<Configuration> kWatchdogRows[] = {
+constexpr auto kWatchdogRows = std::to_array<ConfigurationRow<Configuration>>({
     {.key = "timeout_ms",
      .what = "The owner of an axis must send at least this often: {} ms of drive time (at a rate "
              "above 1 of wall time), or off. Off in freerun unless the key is set.",
@@ -224,7 +224,7 @@ constexpr ConfigurationRow<Configuration> kWatchdogRows[] = {
          [](YAML::Emitter& out, const Configuration& c) {
            write_timeout(out, c);
          }},
-};
+});
 
 void read_timeout(const YamlValue& value, Configuration& configuration) {
   if (value.text() == "off") {
@@ -234,7 +234,7 @@ void read_timeout(const YamlValue& value, Configuration& configuration) {
   }
 }
 
-constexpr ConfigurationRow<Configuration> kWireRows[] = {
+constexpr auto kWireRows = std::to_array<ConfigurationRow<Configuration>>({
     {.key = "form",
      .what = "Where DDS runs: in a process, which the service restarts when it fails, or in a "
              "thread of the service. Default: process in realtime, with network.security and with "
@@ -260,9 +260,9 @@ constexpr ConfigurationRow<Configuration> kWireRows[] = {
          [](YAML::Emitter& out, const Configuration& c) {
            out << (c.wire_memory_limit >> 20U);
          }},
-};
+});
 
-constexpr ConfigurationRow<Configuration> kMetricsRows[] = {
+constexpr auto kMetricsRows = std::to_array<ConfigurationRow<Configuration>>({
     {.key = "port",
      .what = "Prometheus text on this port of 127.0.0.1, {}; 0: any free one. Without the key "
              "there are no metrics.",
@@ -275,9 +275,9 @@ constexpr ConfigurationRow<Configuration> kMetricsRows[] = {
          [](YAML::Emitter& out, const Configuration& c) {
            out << *c.metrics_port;
          }},
-};
+});
 
-constexpr ConfigurationRow<wire::NetworkSettings> kNetworkRows[] = {
+constexpr auto kNetworkRows = std::to_array<ConfigurationRow<wire::NetworkSettings>>({
     integer_row<wire::NetworkSettings, &wire::NetworkSettings::domain>(
         "domain", {0, wire::kHighestDomain, ""}, "DDS domain, {}."),
     {.key = "interfaces",
@@ -327,9 +327,9 @@ constexpr ConfigurationRow<wire::NetworkSettings> kNetworkRows[] = {
          [](const wire::NetworkSettings& c) {
            return !c.security.empty();
          }},
-};
+});
 
-constexpr ConfigurationRow<ParsedConfiguration> kRootRows[] = {
+constexpr auto kRootRows = std::to_array<ConfigurationRow<ParsedConfiguration>>({
     {.key = "bench",
      .read =
          [](const YamlValue& value, ParsedConfiguration& c) {
@@ -420,7 +420,7 @@ constexpr ConfigurationRow<ParsedConfiguration> kRootRows[] = {
          [](const std::string& prefix, std::vector<ConfigurationKey>& keys) {
            describe_section(prefix + "[].", axis_rows(), keys);
          }},
-};
+});
 
 }  // namespace
 

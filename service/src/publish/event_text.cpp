@@ -11,9 +11,9 @@
 #include "vdrive/wording.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
-#include <iterator>
 #include <variant>
 
 namespace vdrive::service {
@@ -200,7 +200,7 @@ constexpr auto kInfo = spdlog::level::info;
 constexpr auto kWarn = spdlog::level::warn;
 
 /// In the order of their numbers.
-constexpr EventRow kEventRows[] = {
+constexpr auto kEventRows = std::to_array<EventRow>({
     {msg::EVENT_STATE_CHANGED, kDebug, state_text},
     {msg::EVENT_FAULT, kInfo, fault_text},
     {msg::EVENT_FAULT_RESET, kInfo, reset_text},
@@ -220,7 +220,7 @@ constexpr EventRow kEventRows[] = {
     {msg::EVENT_WALL_CLOCK, kWarn, wall_clock_text},
     {msg::EVENT_WIRE, kWarn, wire_text},
     {msg::EVENT_STOPPED, kInfo, stop_text},
-};
+});
 
 static_assert(std::ranges::equal(kEventRows, wire::kEventKinds, {}, &EventRow::kind,
                                  &wire::EventKindRow::kind),
@@ -228,7 +228,7 @@ static_assert(std::ranges::equal(kEventRows, wire::kEventKinds, {}, &EventRow::k
 
 /// @return the row of the event, or nullptr for a number that is no kind.
 const EventRow* row_of(const EventRecord& event) {
-  const bool is_known = event.kind >= 1 && event.kind <= std::size(kEventRows);
+  const bool is_known = event.kind >= 1 && event.kind <= kEventRows.size();
   return is_known ? &kEventRows[event.kind - 1] : nullptr;
 }
 

@@ -3,8 +3,8 @@
 
 #include "vdrive_messages.h"
 
+#include <array>
 #include <cstdint>
-#include <iterator>
 #include <string_view>
 
 namespace vdrive::wire {
@@ -16,7 +16,7 @@ struct EventKindRow {
 };
 
 /// In the order of their numbers, which begin at 1 and have no gap.
-inline constexpr EventKindRow kEventKinds[] = {
+inline constexpr auto kEventKinds = std::to_array<EventKindRow>({
     {msg::EVENT_STATE_CHANGED, "state_changed"},
     {msg::EVENT_FAULT, "fault"},
     {msg::EVENT_FAULT_RESET, "fault_reset"},
@@ -36,11 +36,11 @@ inline constexpr EventKindRow kEventKinds[] = {
     {msg::EVENT_WALL_CLOCK, "wall_clock"},
     {msg::EVENT_WIRE, "wire"},
     {msg::EVENT_STOPPED, "stopped"},
-};
+});
 
 /// @return the name of an EVENT_ constant, such as "fault_reset"; "unknown" for any other number.
 [[nodiscard]] constexpr std::string_view event_name(std::uint32_t kind) noexcept {
-  return kind >= 1 && kind <= std::size(kEventKinds) ? kEventKinds[kind - 1].name : "unknown";
+  return kind >= 1 && kind <= kEventKinds.size() ? kEventKinds[kind - 1].name : "unknown";
 }
 
 }  // namespace vdrive::wire

@@ -33,7 +33,3 @@ using Log = rcl_interfaces::msg::dds_::Log_;
 [[nodiscard]] std::string type_hash(std::string_view type);
 
 }  // namespace vdrive::ros
-
-namespace vdrive::wire {
-namespace ros = vdrive::ros;
-}  // namespace vdrive::wire
