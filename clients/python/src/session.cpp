@@ -369,6 +369,9 @@ void add_control(SessionClass& session) {
       "in `tick` (0 = the next), up to 10 s ahead; the controlword (6040h) acts last. Beside mode, "
       "target position and controlword an axis takes 8 objects. With `drops_waiting` the frames of "
       "the session that wait for their tick are dropped first.");
+}
+
+void add_ends(SessionClass& session) {
   session.def(
       "interrupt",
       [](const Presence& self) {
@@ -444,6 +447,7 @@ void add_session(py::module_& module) {
       });
   add_finding(session);
   add_control(session);
+  add_ends(session);
   add_clock(session);
   add_snapshots(session);
   add_session_observing(session);

@@ -15,7 +15,7 @@ namespace {
 
 using namespace vdrive::literals;
 
-constexpr std::chrono::seconds kPeriod{2};
+constexpr std::chrono::seconds kReadAgainAfter{2};
 
 // What 607Ah can count to [UU].
 constexpr double kLowestPosition = std::numeric_limits<std::int32_t>::min();
@@ -88,7 +88,7 @@ LimitsReader::Limits LimitsReader::limits() const {
 bool LimitsReader::read(const std::vector<client::Axis>& axes, const std::vector<Joint>& joints,
                         Clock::time_point now) {
   const std::uint64_t requested = requested_;
-  due_ = now + kPeriod;
+  due_ = now + kReadAgainAfter;
   auto limits = std::make_shared<std::vector<JointLimits>>();
   limits->reserve(axes.size());
   for (std::size_t i = 0; i < axes.size(); ++i) {
