@@ -117,6 +117,7 @@ void move_until_it_fails(client::Session& session, const std::string& name) {
 void count_samples(client::Session& session, const std::string& name, const std::stop_token& stop) {
   std::uint64_t samples = 0;
   std::uint64_t missed = 0;
+  std::uint64_t skipped = 0;  // a stall of the host makes the tick number jump
   std::uint64_t last = 0;
   std::uint64_t first = 0;
   auto printed = Clock::now();
@@ -132,12 +133,14 @@ void count_samples(client::Session& session, const std::string& name, const std:
       if (first == 0) first = seen->tick;
       ++samples;
       missed += seen->missed;
+      skipped += seen->skipped;
       last = seen->tick;
       if (Clock::now() - printed >= 100ms || stop.stop_requested()) {
         printed = Clock::now();
         print({{"axis", name},
                {"samples", samples},
                {"missed", missed},
+               {"skipped", skipped},
                {"first", first},
                {"last", last}});
       }
@@ -145,7 +148,7 @@ void count_samples(client::Session& session, const std::string& name, const std:
     }
     // A new follower does not know the samples before it: count again.
     print({{"axis", name}, {"stream", "silent"}});
-    samples = missed = first = last = 0;
+    samples = missed = skipped = first = last = 0;
   }
 }
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "configuration/configuration_file.hpp"
-
 #include "configuration/configuration_help.hpp"
 #include "configuration/configuration_warnings.hpp"
 #include "support/temporary_directory.hpp"
@@ -279,8 +278,9 @@ INSTANTIATE_TEST_SUITE_P(
                 "bench.yaml:3: axes[1]: axis name a appears twice"},
         Refused{"name_like_a_number", "axes:\n  - {number: 1, name: 1.2}",
                 "bench.yaml:2: axes[0].name = 1.2: a name must not contain a blank"},
-        Refused{"model_key", "axes:\n  - number: 1\n    model: {inertia: 1}",
-                "bench.yaml:3: axes[0].model.inertia: unknown key; known here: coupling, feedback, "},
+        Refused{
+            "model_key", "axes:\n  - number: 1\n    model: {inertia: 1}",
+            "bench.yaml:3: axes[0].model.inertia: unknown key; known here: coupling, feedback, "},
         Refused{"model_value", "axes:\n  - number: 1\n    model: {motor_inertia: 0}",
                 "bench.yaml:3: axes[0].model.motor_inertia = 0: must be from 1e-08 to 10000 kg.m2"},
         Refused{"model_below_its_limit", "axes:\n  - number: 1\n    model: {motor_inertia: 1e-9}",
@@ -586,8 +586,7 @@ TEST(ConfigurationHelp, DescribesEachKeyThatIsRead) {
     for (const std::string& key : keys) {
       const std::string path = "\n" + prefix + key;
       EXPECT_NE(("\n" + help).find(path), std::string::npos)
-          << prefix << key
-          << " has no text in its row";
+          << prefix << key << " has no text in its row";
     }
   };
   for (const std::string& section : known_keys("zz: 1")) {

@@ -22,9 +22,9 @@ constexpr milliseconds kSearchPeriod{20};
 // A service that had no room for this participant reads its announcement again after a change.
 constexpr milliseconds kAnnounceAgain{1'000};
 
-// Others remove a participant of vdrive that was silent for 2.5 s (kPatienceWithVdrive of the guard):
-// a program that was stopped so long has to be found again before it receives anything. That takes
-// some 0.1 s, longer on a busy machine.
+// Others remove a participant of vdrive that was silent for 2.5 s (kPatienceWithVdrive of the
+// guard): a program that was stopped so long has to be found again before it receives anything.
+// That takes some 0.1 s, longer on a busy machine.
 constexpr milliseconds kForgottenAfter{2'000};
 constexpr milliseconds kTimeToBeFoundAgain{500};
 

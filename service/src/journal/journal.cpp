@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "journal/journal.hpp"
 
-#include "configuration/configuration_file.hpp"
 #include "base/event_codes.hpp"
 #include "base/log.hpp"
 #include "base/system_failure.hpp"
+#include "configuration/configuration_file.hpp"
 #include "vdrive/text.hpp"
 
 #include <fcntl.h>

@@ -316,7 +316,8 @@ class Service::Threads {
   }
 
   void start_lockstep() {
-    lockstep_.emplace(configuration_, engine_, inbox_, outbox_, status_, replies_, stop_, doorbell_);
+    lockstep_.emplace(configuration_, engine_, inbox_, outbox_, status_, replies_, stop_,
+                      doorbell_);
     liveness_ = Liveness({&lockstep_->beats(), &report_beats_});
     running_.emplace_back([this] {
       lockstep_->run();
