@@ -358,7 +358,7 @@ def test_set_points_bring_any_objects_to_axes(vdrive_session):
 
 
 def test_set_points_with_a_wrong_value_or_too_many_objects_are_not_sent(vdrive_session):
-    with pytest.raises(ValueError):
+    with pytest.raises(ValueError, match="6040h.* = 70000: must be from 0 to 65535"):
         vdrive_session.send_set_points({1: {0x6040: 70000}})
     many = dict.fromkeys([0x6081, 0x6083, 0x6084, 0x60C5, 0x60C6, 0x6072, 0x6065, 0x6067, 0x6068], 1)
     with pytest.raises(vdrive.Failed, match="9 objects; at most 8"):

@@ -205,7 +205,7 @@ TEST(StepRequest, TakesASilentStepperOffTheClock) {
   EXPECT_EQ(answer_at(bench, step_request(bench, kAlice, 5), kStart), std::nullopt);
   service::StepRequests& steps = bench.engine.steps();
   const auto is_here = [](const wire::Source&) {
-    return service::Presence::here;
+    return service::ReaderState::matched;
   };
   steps.remove_absent(kStart + 9'999ms, is_here);
   EXPECT_EQ(bench.counters.steppers.get(), 2U);
@@ -219,12 +219,12 @@ TEST(StepRequest, TakesAStepperOffTheClockWhoseParticipantIsGone) {
   join(bench, kAlice);
   service::StepRequests& steps = bench.engine.steps();
   const auto is_gone = [](const wire::Source&) {
-    return service::Presence::gone;
+    return service::ReaderState::gone;
   };
   steps.remove_absent(kStart, is_gone);
   EXPECT_EQ(bench.counters.steppers.get(), 1U) << "it has not been seen yet";
   steps.remove_absent(kStart, [](const wire::Source&) {
-    return service::Presence::here;
+    return service::ReaderState::matched;
   });
   steps.remove_absent(kStart, is_gone);
   EXPECT_EQ(bench.counters.steppers.get(), 0U);

@@ -35,20 +35,23 @@ ObjectAddress address_of(std::int64_t index, std::int64_t subindex) {
 
 /// @throws py::value_error when the member of a frame does not hold the value
 template <typename Member>
-Member member_of(std::int64_t value) {
+Member member_of(ObjectRow row, std::int64_t value) {
   if (std::in_range<Member>(value)) return static_cast<Member>(value);
-  throw py::value_error(std::to_string(value) + " is no value of this object");
+  using Limits = std::numeric_limits<Member>;
+  throw py::value_error(object_text(vdrive::describe(row).address) + " = " + std::to_string(value) +
+                        ": must be from " + std::to_string(Limits::min()) + " to " +
+                        std::to_string(Limits::max()));
 }
 
 /// Mode, target position and controlword have members of their own in a frame.
 void add_value(client::SetPoint& point, ObjectAddress object, std::int64_t value) {
   using namespace literals;
   if (object == vdrive::describe("op_mode_cmd"_object).address) {
-    point.mode = static_cast<OperatingMode>(member_of<std::int8_t>(value));
+    point.mode = static_cast<OperatingMode>(member_of<std::int8_t>("op_mode_cmd"_object, value));
   } else if (object == vdrive::describe("position_user_target_value"_object).address) {
-    point.position = member_of<std::int32_t>(value);
+    point.position = member_of<std::int32_t>("position_user_target_value"_object, value);
   } else if (object == vdrive::describe("ds402_controlword"_object).address) {
-    point.controlword = member_of<std::uint16_t>(value);
+    point.controlword = member_of<std::uint16_t>("ds402_controlword"_object, value);
   } else {
     point.objects.push_back({.object = object, .value = value});
   }

@@ -3,6 +3,7 @@
 
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
+#include "vdrive/wire/guard.hpp"
 #include "vdrive/wording.hpp"
 
 #include <algorithm>
@@ -22,10 +23,10 @@ constexpr milliseconds kSearchPeriod{20};
 // A service that had no room for this participant reads its announcement again after a change.
 constexpr milliseconds kAnnounceAgain{1'000};
 
-// Others remove a participant of vdrive that was silent for 2.5 s (kPatienceWithVdrive of the
-// guard): a program that was stopped so long has to be found again before it receives anything.
-// That takes some 0.1 s, longer on a busy machine.
-constexpr milliseconds kForgottenAfter{2'000};
+// A program that others have removed has to be found again before it receives anything. The others
+// count from its last datagram, some 0.1 s before its pause begins; finding it takes some 0.1 s,
+// too, longer on a busy machine.
+constexpr milliseconds kForgottenAfter = wire::kPatienceWithVdrive - milliseconds{500};
 constexpr milliseconds kTimeToBeFoundAgain{500};
 
 /// @param number of the only bench that is looked for

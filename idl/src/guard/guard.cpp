@@ -10,7 +10,6 @@ namespace vdrive::wire {
 namespace {
 
 // Participants of vdrive announce themselves every 100 ms.
-constexpr std::chrono::milliseconds kPatienceWithVdrive{2'500};
 constexpr std::chrono::milliseconds kBetweenJudgements{100};
 // A GAP costs the library a step for each of its numbers and, before the next expected, memory.
 constexpr std::uint32_t kGapNumbersInASecond = 4 * kWidestGap;

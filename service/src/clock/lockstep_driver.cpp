@@ -117,14 +117,21 @@ void LockstepDriver::run_ticks(std::uint64_t ticks) {
 /// Many steps may be due in one tick, beside the stores that became durable: more than the queue
 /// holds.
 void LockstepDriver::answer_steps(Clock::time_point now) {
-  while (!steps_.answer_due(now)) {
-    deliver();
-    if (outbox_.replies.size() == outbox_.replies.capacity()) return;  // the wire takes no more
-  }
+  deliver_until([&] {
+    return steps_.answer_due(now);
+  });
 }
 
 void LockstepDriver::refuse_steps() {
-  while (!steps_.refuse_waiting()) {
+  deliver_until([&] {
+    return steps_.refuse_waiting();
+  });
+}
+
+/// Empties the queue of answers until `is_done`, or until the wire takes no more.
+template <typename IsDone>
+void LockstepDriver::deliver_until(const IsDone& is_done) {
+  while (!is_done()) {
     deliver();
     if (outbox_.replies.size() == outbox_.replies.capacity()) return;
   }
@@ -132,8 +139,8 @@ void LockstepDriver::refuse_steps() {
 
 void LockstepDriver::remove_absent(Clock::time_point now) {
   steps_.remove_absent(now, [this](const wire::Source& source) {
-    if (replies_.is_gone(source)) return Presence::gone;
-    return replies_.is_matched(source) ? Presence::here : Presence::unknown;
+    if (replies_.is_gone(source)) return ReaderState::gone;
+    return replies_.is_matched(source) ? ReaderState::matched : ReaderState::unknown;
   });
 }
 

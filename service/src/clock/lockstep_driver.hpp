@@ -52,6 +52,9 @@ class LockstepDriver {
   void remove_absent(Clock::time_point now);
   void refuse_steps();
 
+  template <typename IsDone>
+  void deliver_until(const IsDone& is_done);
+
   void deliver() { replies_.deliver(inbox_, outbox_); }
 
   [[nodiscard]] bool may_publish();

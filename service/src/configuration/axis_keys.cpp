@@ -110,6 +110,17 @@ void write_model(YAML::Emitter& out, const AxisModel& model) {
   out << YAML::EndMap;
 }
 
+void describe_model(const std::string& prefix, std::vector<ConfigurationKey>& keys) {
+  describe_section<AxisModel>(prefix, kModelRows, keys);
+  for (const ModelParameter& parameter : kModelParameters) {
+    keys.push_back({prefix + std::string(parameter.name),
+                    std::string(parameter.what) + ", " + to_text(parameter.lowest) +
+                        (parameter.from_zero_if_rigid ? " (rigid: 0)" : "") + " to " +
+                        to_text(parameter.highest) + " " + std::string(parameter.unit) +
+                        ". Default: " + to_text(AxisModel{}.*parameter.member) + "."});
+  }
+}
+
 // ---- parameters --------------------------------------------------------------------------------
 
 /// @return the row that `key` names: a variable_name, the standard's name or an address.
@@ -270,7 +281,7 @@ constexpr auto kAxisRows = std::to_array<ConfigurationRow<NamedAxis>>({
          },
      .describe =
          [](const std::string& prefix, std::vector<ConfigurationKey>& keys) {
-           describe_section<AxisModel>(prefix + ".", kModelRows, keys);
+           describe_model(prefix + ".", keys);
          }},
     {.key = "parameters",
      .what =

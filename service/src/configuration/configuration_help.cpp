@@ -3,8 +3,6 @@
 
 #include "configuration/configuration_file.hpp"
 #include "configuration/configuration_keys.hpp"
-#include "vdrive/number_text.hpp"
-#include "vdrive/plant/model_parameters.hpp"
 
 #include <yaml-cpp/yaml.h>
 
@@ -47,14 +45,6 @@ std::string configuration_help() {
     const bool states_its_default = key.what.find("Default:") != std::string::npos;
     const std::string value = states_its_default ? "" : default_of(printed, key.path);
     add(help, key.path, key.what + (value.empty() ? "" : " Default: " + value + "."));
-    if (key.path != "axes[].model.feedback") continue;
-    for (const ModelParameter& parameter : kModelParameters) {
-      add(help, "axes[].model." + std::string(parameter.name),
-          std::string(parameter.what) + ", " + to_text(parameter.lowest) +
-              (parameter.from_zero_if_rigid ? " (rigid: 0)" : "") + " to " +
-              to_text(parameter.highest) + " " + std::string(parameter.unit) +
-              ". Default: " + to_text(AxisModel{}.*parameter.member) + ".");
-    }
   }
   return help;
 }

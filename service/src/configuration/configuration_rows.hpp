@@ -19,8 +19,7 @@ namespace vdrive::service {
 using settings::IntegerLimits;
 using settings::YamlValue;
 
-/// A key of a configuration in YAML, but for the numbers of `axes[].model`, which are
-/// kModelParameters, and the objects of `axes[].parameters`.
+/// A key of a configuration in YAML, but for the objects of `axes[].parameters`.
 struct ConfigurationKey {
   std::string path;  ///< such as "clock.period_us", "axes[].name"
   std::string what;  ///< values, unit, limits and meaning

@@ -199,12 +199,12 @@ void StepRequests::answer(const Arrival& arrival, Reason reason, std::uint64_t m
 }
 
 void StepRequests::remove_absent(Time now,
-                                 const std::function<Presence(const wire::Source&)>& presence_of) {
+                                 const std::function<ReaderState(const wire::Source&)>& reader_of) {
   std::vector<std::uint64_t> gone;
   for (Stepper& stepper : steppers_.all()) {
-    const Presence presence = presence_of(stepper.source);
-    if (stepper.was_matched && presence == Presence::gone) gone.push_back(stepper.session);
-    stepper.was_matched = stepper.was_matched || presence == Presence::here;
+    const ReaderState state = reader_of(stepper.source);
+    if (stepper.was_matched && state == ReaderState::gone) gone.push_back(stepper.session);
+    stepper.was_matched = stepper.was_matched || state == ReaderState::matched;
   }
   for (const std::uint64_t session : gone) part_with(session, Parting::gone, now);
   while (const Stepper* const stepper = steppers_.silent(now)) {

@@ -22,9 +22,9 @@
 namespace vdrive::service {
 
 /// What the network knows of the participant that sent a request.
-enum class Presence : std::uint8_t {
+enum class ReaderState : std::uint8_t {
   unknown,  ///< not seen yet
-  here,     ///< it reads replies
+  matched,  ///< it reads replies
   gone,     ///< it read replies and does so no more
 };
 
@@ -86,7 +86,7 @@ class StepRequests {
 
   /// Takes steppers off the clock that are not there any more: a program that died must not stop
   /// the time of the others for good.
-  void remove_absent(Time now, const std::function<Presence(const wire::Source&)>& presence_of);
+  void remove_absent(Time now, const std::function<ReaderState(const wire::Source&)>& reader_of);
 
   /// The bench ends: no tick will answer the steps that wait.
   /// @return false as `answer_due`.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -35,6 +36,9 @@ constexpr std::size_t kRefusals = 16;  ///< with `none`
 
 /// @return words for a log, such as "a list of parameters that does not end".
 [[nodiscard]] std::string_view describe(Refusal refusal) noexcept;
+
+/// A participant of vdrive is removed after this silence: it announces itself ten times a second.
+inline constexpr std::chrono::milliseconds kPatienceWithVdrive{2'500};
 
 /// What the guard of a participant has done since the participant was made.
 struct GuardCounts {
