@@ -242,3 +242,44 @@ def test_a_program_that_was_stopped_for_4_seconds_goes_on(vdrive_bench):
     finally:
         for client in clients:
             client.kill()
+
+
+# What a program receives first after the pause was sent during it: the axis was disabled then. The
+# status of a thousand axes takes a while to receive: of several programs one calls before.
+HALTING = """
+import sys, vdrive
+session = vdrive.Session(domain={domain}, find_timeout=30)
+axis = session.axis("1.1")
+assert axis.status().state == "Switch on disabled"
+print("runs", flush=True)
+sys.stdin.readline()
+try:
+    axis.halt(until="in_force")
+    print("halted", flush=True)
+except vdrive.Error as error:
+    print(error, flush=True)
+"""
+
+
+@pytest.mark.vdrive(axes=1000, clock="realtime")
+def test_a_halt_is_not_refused_for_a_state_of_before_the_call(vdrive_bench, vdrive_session):
+    axis = vdrive_session.axis("1.1")
+    program = textwrap.dedent(HALTING).format(domain=vdrive_bench.domain)
+    clients = [subprocess.Popen([sys.executable, "-c", program], stdin=subprocess.PIPE,
+                                stdout=subprocess.PIPE, text=True) for _ in range(4)]
+    try:
+        for client in clients:
+            assert client.stdout.readline() == "runs\n"
+        for client in clients:
+            stop(client.pid)
+        vdrive_session.wait(0.4)
+        axis.enable()
+        for client in clients:
+            client.stdin.write("halt\n")
+            client.stdin.flush()
+            client.send_signal(signal.SIGCONT)
+        for client in clients:
+            assert client.communicate(timeout=PATIENCE)[0] == "halted\n"
+    finally:
+        for client in clients:
+            client.kill()

@@ -107,6 +107,16 @@ void AxesCall::set_timeout(std::chrono::nanoseconds timeout) {
   deadline_ = driven_tick() + ticks_of(timeout, period());
 }
 
+Outcome AxesCall::require(bool (*holds)(const AxisSnapshot& axis), std::string_view command,
+                          std::string_view needs) {
+  const auto offender = [&] {
+    return std::ranges::find_if_not(now(), holds);
+  };
+  if (offender() == now().end()) return {};
+  if (Outcome seen = axes_.look_again(); !seen) return seen;
+  return offender() == now().end() ? Outcome() : refused_in_state(*offender(), command, needs);
+}
+
 Outcome AxesCall::acquire(bool by_force) {
   for (BenchPart& part : axes_.parts()) {
     if (!core_->links.may_command()) return not_permitted(part.target);

@@ -20,6 +20,10 @@ namespace vdrive::client {
   return axis.state() == PowerState::operation_enabled;
 }
 
+[[nodiscard]] inline bool has_no_fault(const AxisSnapshot& axis) {
+  return !is_fault(axis.state());
+}
+
 [[nodiscard]] inline bool every_axis(const AxisSnapshot& /*axis*/) {
   return true;
 }
@@ -102,6 +106,11 @@ class AxesCall {
   [[nodiscard]] std::chrono::microseconds period() const { return axes_.period(); }
 
   [[nodiscard]] bool steps() const { return axes_.steps(); }
+
+  /// Requires that `holds` for the power state of every axis, as it is now (ObservedAxes::look_again).
+  /// @return refused with the first axis that it does not hold for
+  Outcome require(bool (*holds)(const AxisSnapshot& axis), std::string_view command,
+                  std::string_view needs);
 
   /// Objects of each axis, one row an axis.
   Result<std::vector<std::vector<std::int64_t>>> read(std::span<const ObjectAddress> objects);

@@ -91,9 +91,7 @@ Outcome Axis::move_by(std::int32_t distance, const MoveOptions& options) {
 Outcome Axis::move(std::int32_t target, bool relative, const MoveOptions& options) {
   AxesCall call(core_, layout_of(id_), Caller::axis);
   if (Outcome ready = call.begin_control(options.call.timeout); !ready) return ready;
-  if (call.axis().state() != PowerState::operation_enabled) {
-    return refused_in_state(call.axis(), "a move", "Operation enabled");
-  }
+  if (Outcome able = call.require(is_enabled, "a move", "Operation enabled"); !able) return able;
   ProfileMove move(call, core_->wakeup, options);
   if (Outcome ready = move.prepare(); !ready) return ready;
   if (Outcome moded = ensure_profile_position(call); !moded) return moded;

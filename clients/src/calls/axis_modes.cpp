@@ -40,8 +40,7 @@ struct Setting {
 /// Connects, takes control and checks that the axis can move.
 Outcome begin_motion(AxesCall& call, std::chrono::nanoseconds timeout, std::string_view what) {
   if (Outcome ready = call.begin_control(timeout); !ready) return ready;
-  if (is_enabled(call.axis())) return {};
-  return refused_in_state(call.axis(), what, "Operation enabled");
+  return call.require(is_enabled, what, "Operation enabled");
 }
 
 void add_settings(msg::AxisCommand& command, std::span<const Setting> settings) {

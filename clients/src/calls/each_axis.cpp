@@ -8,7 +8,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <map>
+#include <ranges>
 #include <string>
 #include <utility>
 
@@ -44,10 +46,6 @@ bool without_fault(PowerState state) {
 
 bool in_operation(PowerState state) {
   return state == PowerState::operation_enabled;
-}
-
-bool has_no_fault(const AxisSnapshot& axis) {
-  return !is_fault(axis.state());
 }
 
 constexpr std::array kRows{
@@ -193,6 +191,13 @@ Outcome EachAxis::acquire() {
 }
 
 void EachAxis::judge() {
+  const auto is_refused = [this](std::size_t place) {
+    const PowerState state = call_.now()[place].state();
+    return is_pending_[place] && !row_.is_at_end(state) && !row_.can_take(state);
+  };
+  if (std::ranges::any_of(std::views::iota(std::size_t{0}, is_pending_.size()), is_refused)) {
+    if (Outcome seen = call_.axes().look_again(); !seen) return end_all(seen);
+  }
   for (std::size_t place = 0; place < is_pending_.size(); ++place) {
     const AxisSnapshot& axis = call_.now()[place];
     if (!is_pending_[place]) continue;

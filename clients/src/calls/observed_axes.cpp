@@ -172,6 +172,20 @@ Outcome ObservedAxes::advance(std::uint64_t ticks, milliseconds patience) {
   return {};
 }
 
+Outcome ObservedAxes::look_again() {
+  for (BenchPart& part : parts_) {
+    if (part.is_lost || !part.feed || core_->discovery.is_paused(part.target.key)) continue;
+    const auto since = core_->observer.completed_tick(part.target, part.bench->axes.front());
+    if (!since) return note_lost(part, since.outcome());
+    while (part.seen.tick < *since) {
+      if (Outcome seen = next(part); !seen) return seen;
+    }
+  }
+  if (Outcome aligned = align(); !aligned) return aligned;
+  publish();
+  return {};
+}
+
 /// Samples of a stream may be missing: continues until all benches show the same tick.
 Outcome ObservedAxes::align() {
   std::uint64_t newest = 0;

@@ -67,6 +67,12 @@ class ObservedAxes {
   /// @return timed_out, for an axis, when no sample came for a while.
   Outcome advance(std::uint64_t ticks, std::chrono::milliseconds patience = kStepPatience);
 
+  /// Observes the axes anew, as they were when this call began or later. A sample may have been
+  /// under way for long, and show a state of before an answer that another session has already:
+  /// before a call is refused for what the axes show, it looks again. In lock-step each observation
+  /// is an answer.
+  Outcome look_again();
+
   /// Ends calls that wait for a sample with `failed` once this is requested.
   void stop_by(std::stop_token stop) { stop_ = std::move(stop); }
 

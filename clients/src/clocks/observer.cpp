@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "clocks/observer.hpp"
 
+#include "vdrive/dictionary/dictionary.hpp"
+
 #include <algorithm>
 #include <chrono>
 #include <iterator>
@@ -11,6 +13,8 @@
 namespace vdrive::client {
 namespace {
 
+using namespace literals;
+
 // A running bench sends a sample of its status stream each tick; this allows for the match, and for
 // a service that connects anew.
 constexpr Patience kFirstSample{std::chrono::milliseconds(5000), true, true};
@@ -18,6 +22,8 @@ constexpr Patience kFirstSample{std::chrono::milliseconds(5000), true, true};
 // The caller has chosen the tick, which may be far ahead: an interrupt or a lost bench ends the
 // wait.
 constexpr Patience kAnyTick{std::chrono::hours(24 * 365), true, true, Silence::is_bridged};
+
+constexpr ObjectAddress kStatusword = vdrive::describe("ds402_statusword"_object).address;
 
 /// Members of the status image that can be read as objects.
 std::vector<StatusMember> readable_members() {
@@ -100,6 +106,21 @@ Result<std::uint64_t> Observer::present_tick(const Target& target, Silence silen
   }
   stream_.subscribe();
   return discovery_.tick(target.key);
+}
+
+/// The engine answers a read between two ticks, with the last one.
+Result<std::uint64_t> Observer::completed_tick(const Target& target, std::uint16_t axis) {
+  if (!links_.may_command()) return 0;
+  msg::Request request;
+  request.kind(msg::REQUEST_READ);
+  auto& access = request.objects().emplace_back();
+  access.axis(axis);
+  access.index(kStatusword.index);
+  access.subindex(kStatusword.subindex);
+  const auto reply =
+      requests_.exchange(target, std::move(request), "status of " + name_of(target, axis));
+  if (!reply) return reply.outcome();
+  return reply->tick();
 }
 
 Result<std::uint64_t> Observer::wait_for_tick(const Target& target, std::uint64_t tick) {

@@ -263,9 +263,8 @@ Result<GroupStatus> AxisGroup::status() const {
 Outcome AxisGroup::enable_all(const GroupCallOptions& options) {
   AxesCall call = state_->call(options);
   if (Outcome ready = call.begin_control(timeout_of(options)); !ready) return ready;
-  for (const AxisSnapshot& axis : call.now()) {
-    if (is_fault(axis.state())) return refused_in_state(axis, "enabling", "a fault reset first");
-  }
+  if (Outcome able = call.require(has_no_fault, "enabling", "a fault reset first"); !able)
+    return able;
   if (options.until == Until::done) {
     if (Outcome rested = call.await_quick_stops(); !rested) return rested;
   }

@@ -148,8 +148,8 @@ Result<LineTimes> AxisGroup::State::times_of(AxesCall& call, const LineRequest& 
 }
 
 Outcome AxisGroup::State::start(AxesCall& call, const LineRequest& request) {
+  if (Outcome able = call.require(is_enabled, "a move", "Operation enabled"); !able) return able;
   for (const AxisSnapshot& axis : call.now()) {
-    if (!is_enabled(axis)) return refused_in_state(axis, "a move", "Operation enabled");
     if (axis.status.velocity_demand_value != 0) {
       return not_in_this_state("axis " + to_string(axis.id) + " still moves");
     }
@@ -286,6 +286,9 @@ Outcome AxisGroup::halt_all(const GroupCallOptions& options) {
   AxesCall call = state_->call(options);
   AxesStop stop(*state_->core, call);
   if (Outcome ready = stop.begin(timeout_of(options)); !ready) return ready;
+  if (std::ranges::none_of(call.now(), is_enabled)) {
+    if (Outcome seen = call.axes().look_again(); !seen) return seen;
+  }
   const Round halt = call.round_of(kHalt, is_enabled);
   if (halt.entries.empty())
     return refused_in_state(call.now().front(), "a halt", "Operation enabled");
@@ -307,9 +310,7 @@ Outcome AxisGroup::halt_all(const GroupCallOptions& options) {
 Outcome AxisGroup::resume_all(const GroupCallOptions& options) {
   AxesCall call = state_->call(options);
   if (Outcome ready = call.begin_control(timeout_of(options)); !ready) return ready;
-  for (const AxisSnapshot& axis : call.now()) {
-    if (!is_enabled(axis)) return refused_in_state(axis, "resuming", "Operation enabled");
-  }
+  if (Outcome able = call.require(is_enabled, "resuming", "Operation enabled"); !able) return able;
   const Round resume = call.round_of(kEnableOperation, every_axis);
   const Answers answers = call.exchange({&resume, 1}, Timing::common_tick);
   if (!answers.outcome) {

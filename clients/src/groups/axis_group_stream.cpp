@@ -38,8 +38,8 @@ std::uint64_t lead_of(const Stream& stream) {
 Outcome AxisGroup::start_streaming(const StreamOptions& options) {
   AxesCall call = state_->call({});
   if (Outcome ready = call.begin_control(kModeChange); !ready) return ready;
+  if (Outcome able = call.require(is_enabled, "streaming", "Operation enabled"); !able) return able;
   for (const AxisSnapshot& axis : call.now()) {
-    if (!is_enabled(axis)) return refused_in_state(axis, "streaming", "Operation enabled");
     if (axis.status.velocity_demand_value != 0) {
       return not_in_this_state("axis " + to_string(axis.id) + " still moves");
     }
