@@ -124,7 +124,7 @@ struct AxisBank::State {
 
   // bank_tuning.cpp: what objects mean to the servo
 
-  /// 6091h: the load, the loops and the torques see the gear.
+  /// 3576h, 3577h: the load, the loops and the torques see the gear.
   void apply_gear(std::size_t axis);
   /// 6072h, 60E0h, 60E1h, 6075h, 6076h and the load torque, through the present gear.
   void apply_torques(std::size_t axis);

@@ -83,8 +83,8 @@ struct Configuration {
 /// @throws ConfigurationError when `count` is outside 1 to kMaxAxes.
 [[nodiscard]] std::vector<NamedAxis> default_axes(std::size_t count);
 
-/// @throws ConfigurationError when a value is outside the limits above: for values that do not come
-/// from a file.
+/// Of every configuration, once flags and options have changed it.
+/// @throws ConfigurationError when a value is outside the limits above.
 void check(const Configuration& configuration);
 
 /// @return the watchdog in effect; nothing = off.

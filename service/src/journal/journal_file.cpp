@@ -58,7 +58,8 @@ bool has_value(JournalChange::Kind kind) {
   return kind == JournalChange::Kind::write || kind == JournalChange::Kind::stored;
 }
 
-/// Numbers stand in the file as this machine has them: AxisBank::snapshot_layout knows its kind.
+/// Numbers stand in the file as this machine has them, in little-endian byte order:
+/// AxisBank::snapshot_layout knows its kind.
 template <typename Number>
 void put(std::vector<std::byte>& bytes, Number number) {
   static_assert(std::is_integral_v<Number>);
