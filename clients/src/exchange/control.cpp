@@ -62,7 +62,9 @@ Outcome Control::acquire(const Target& target, std::span<const std::uint16_t> ax
   request.axes().assign(axes.begin(), axes.end());
   const std::string what =
       "control of " + (axes.size() == 1 ? name_of(target, axes.front()) : name_of(target));
-  const auto reply = exchange(target, std::move(request), what);
+  // Until the new epoch is noted: a frame of another thread with the old one would be refused.
+  const auto sending = holdings_.lock_sending(target.key.number);
+  const auto reply = requests_.exchange(target, std::move(request), what);
   if (!reply) return reply.outcome();
   note_acquired(target, axes, *reply);
   return {};
@@ -76,7 +78,8 @@ Result<msg::Reply> Control::write(const Target& target, msg::Request request,
   // A store waits for a disk: it must not hold up the keep-alives.
   if (!commands) return requests_.exchange(target, std::move(request), what);
   const std::uint16_t axis = request.objects().front().axis();
-  auto reply = exchange(target, std::move(request), what);
+  const auto sending = holdings_.lock_sending(target.key.number);
+  auto reply = requests_.exchange(target, std::move(request), what);
   if (reply && reply->objects().front().abort_code() == 0) {
     note_acquired(target, {&axis, 1}, *reply);
   }

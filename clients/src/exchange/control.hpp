@@ -31,8 +31,8 @@ class Control {
   /// @return whether this session took all of these and has not received the loss of them.
   [[nodiscard]] bool holds(const Target& target, std::span<const std::uint16_t> axes);
 
-  /// A request that may change the session's epoch: acquire, write, power cycle. No frame is sent
-  /// to the bench until it is answered.
+  /// A request whose answer frames have to wait for, such as a power cycle: none is sent to the bench
+  /// until it is answered.
   Result<msg::Reply> exchange(const Target& target, msg::Request request, std::string_view what);
 
   /// Writes objects of one axis, which takes the axis when one of them is a command object.
