@@ -22,15 +22,16 @@ using testing::SizeIs;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// Joints a, b and c at places 0, 1 and 2 of bench 1.
-std::optional<KnownJoint> find_plain(const std::string& name) {
+std::optional<JointPlace> find_plain(const std::string& name) {
   if (name.size() != 1 || name < "a" || name > "c") return std::nullopt;
-  return KnownJoint{.place = {.bench = 1, .place = static_cast<std::size_t>(name[0] - 'a')}};
+  return JointPlace{.bench = 1, .place = static_cast<std::size_t>(name[0] - 'a')};
 }
 
 /// The same; c is commanded by velocity, the others by position.
-std::optional<KnownJoint> find_declared(const std::string& name) {
+std::optional<JointPlace> find_declared(const std::string& name) {
   auto joint = find_plain(name);
-  if (joint) joint->interface = name == "c" ? Interface::velocity : Interface::position;
+  if (joint)
+    joint->interface = name == "c" ? CommandInterface::velocity : CommandInterface::position;
   return joint;
 }
 
@@ -177,11 +178,11 @@ TEST(Joints, HaveTheNamesAndUnitsOfTheAxes) {
 TEST(Joints, HaveTheNamesOfTheConfiguration) {
   Settings settings;
   settings.joints = {{.name = "shoulder", .axis = "1.1"},
-                     {.name = "z", .axis = "1.lift", .interface = Interface::velocity}};
+                     {.name = "z", .axis = "1.lift", .interface = CommandInterface::velocity}};
   const auto joints = joints_of(bench(1), settings);
   EXPECT_EQ(joints[0].name, "shoulder");
   EXPECT_EQ(joints[1].name, "z");
-  EXPECT_EQ(joints[1].interface, Interface::velocity);
+  EXPECT_EQ(joints[1].interface, CommandInterface::velocity);
   settings.is_prefixed = true;
   EXPECT_EQ(joints_of(bench(2), settings)[0].name, "bench2_x");
 }

@@ -60,7 +60,7 @@ TEST(RosSettings, AreReadFromTheFile) {
   ASSERT_EQ(settings.joints.size(), 2U);
   EXPECT_EQ(settings.joints[0].name, "shoulder");
   EXPECT_EQ(settings.joints[0].axis, "1.1");
-  EXPECT_EQ(settings.joints[1].interface, Interface::velocity);
+  EXPECT_EQ(settings.joints[1].interface, CommandInterface::velocity);
 }
 
 TEST(RosSettings, AreOneDocumentInUtf8WithoutTabs) {

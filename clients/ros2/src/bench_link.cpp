@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench_link.hpp"
 
-#include "vdrive/client/axis.hpp"
+#include "limits_reader.hpp"
 
+#include <memory>
+#include <optional>
+#include <string>
 #include <utility>
 
 namespace vdrive::ros2 {
@@ -11,40 +14,28 @@ namespace {
 using std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;
 
+// How long a wish for control or for limits waits while the bench sends nothing.
 constexpr milliseconds kLongestWait{10};
+
+// Other programs change the limits of a drive, and no event tells.
+constexpr std::chrono::seconds kReadAgainAfter{2};
 
 }  // namespace
 
-BenchLink::BenchLink(client::Session& session, client::BenchInfo info, std::vector<Joint> joints,
-                     bridge::Reports& reports, std::function<void()> notify)
+BenchLink::BenchLink(client::Session& session, Bench& bench, bridge::Reports& reports,
+                     std::function<void()> notify)
     : session_(session),
-      info_(std::move(info)),
-      joints_(std::move(joints)),
+      bench_(bench),
       notify_(std::move(notify)),
       follower_([this] {
         return begin();
       }),
-      keeper_(session.id(), control_calls(reports)),
-      rate_(info_.clock_mode == client::ClockMode::realtime ? info_.rate : 1.0) {
-  ids_.reserve(joints_.size());
-  for (const Joint& joint : joints_) ids_.push_back(joint.axis);
+      keeper_(session.id(), control_calls(reports)) {
+  ids_.reserve(bench.joints().size());
+  for (const ServedJoint& joint : bench.joints()) ids_.push_back(joint.axis);
   thread_ = std::jthread([this](const std::stop_token& stop) {
     run(stop);
   });
-}
-
-double BenchLink::period() const noexcept {
-  return std::chrono::duration<double>(info_.period).count();
-}
-
-std::shared_ptr<const BenchState> BenchLink::state() const {
-  const std::scoped_lock lock(mutex_);
-  return state_;
-}
-
-void BenchLink::give_back() {
-  want_control(false);
-  gives_back_ = true;
 }
 
 void BenchLink::run(const std::stop_token& stop) {
@@ -53,22 +44,26 @@ void BenchLink::run(const std::stop_token& stop) {
       bridge::rest(bridge::BenchFollower::kRetry, stop);
       continue;
     }
-    if (limits_.is_due(Clock::now())) read_limits();
-    keep_control();
-    if (gives_back_.exchange(false) && !keeper_.is_wanted()) (void)session_.release(info_.number);
+    const Bench::Wishes wishes = bench_.take_wishes();
+    const bool are_wanted = wishes.limits != bench_.seen().limits_read;
+    if (are_wanted || Clock::now() >= limits_due_) read_limits(wishes.limits);
+    keep_control(wishes.control);
     follow();
   }
 }
 
 client::Result<bridge::BenchFollower::Next> BenchLink::begin() {
-  auto axes = session_.axes(info_.number);
+  auto axes = session_.axes(bench_.info().number);
+  // The stream before the state: no tick is missing between them.
   auto next = bridge::follow_axes(session_, ids_)();
   auto now = session_.observe(ids_);
   if (!axes) return axes.outcome();
   if (!now) return now.outcome();
-  if (axes->size() != joints_.size()) return client::Outcome::failed("the bench has other axes");
+  if (axes->size() != ids_.size()) return client::Outcome::failed("the bench has other axes");
   axes_ = std::move(*axes);
-  read_limits();
+  // The limits before the state: with the state the joints can be commanded. A request that waits
+  // still waits: its number is not known here.
+  read_limits(bench_.seen().limits_read);
   set_state(std::move(*now));
   return next;
 }
@@ -78,48 +73,49 @@ void BenchLink::follow() {
   auto newest = follower_.newest(kLongestWait);
   if (newest) set_state(std::move(*newest));
   if (follower_.is_open()) return;
-  {
-    const std::scoped_lock lock(mutex_);
-    state_.reset();
-  }
+  bench_.set_state(nullptr);
   notify_();
 }
 
 void BenchLink::set_state(client::Observation&& observation) {
-  {
-    const std::scoped_lock lock(mutex_);
-    state_ = std::make_shared<const BenchState>(
-        BenchState{.tick = observation.tick, .axes = std::move(observation.axes)});
-  }
+  bench_.set_state(std::make_shared<const client::Observation>(std::move(observation)));
   notify_();
 }
 
 bridge::ControlKeeper::Calls BenchLink::control_calls(bridge::Reports& reports) {
-  return {.acquire =
-              [this] {
-                return session_.acquire(ids_);
-              },
-          .observe = [this]() -> std::optional<client::Observation> {
-            auto now = session_.observe(ids_);
-            if (!now) return std::nullopt;
-            return std::move(*now);
+  return {
+      .acquire =
+          [this] {
+            return session_.acquire(ids_);
           },
-          .report =
-              [&reports, name = name()](bridge::Severity severity, const std::string& text) {
-                reports.report(severity, name, text);
-              },
-          .remedy = "publish true on enable to take it again",
-          .fault_remedy = "publish true on the topic enable to reset them"};
+      .observe = [this]() -> std::optional<client::Observation> {
+        auto now = session_.observe(ids_);
+        if (!now) return std::nullopt;
+        return std::move(*now);
+      },
+      .report =
+          [&reports, label = bench_.label()](bridge::Severity severity, const std::string& text) {
+            reports.report(severity, label, text);
+          },
+      .remedy = "publish true on enable to take it again",
+      .fault_remedy = "publish true on the topic enable to reset them"};
 }
 
-void BenchLink::keep_control() {
-  const auto newest = state();
-  if (!newest) return;
-  if (auto held = keeper_.keep(newest->axes, Clock::now())) set_state(std::move(*held));
+void BenchLink::keep_control(std::optional<ControlWish> wish) {
+  if (wish) keeper_.want(*wish == ControlWish::take);
+  if (const auto newest = bench_.seen().state) {
+    if (auto held = keeper_.keep(newest->axes, Clock::now())) set_state(std::move(*held));
+  }
+  if (wish == ControlWish::give_back) (void)session_.release(bench_.info().number);
 }
 
-void BenchLink::read_limits() {
-  if (limits_.read(axes_, joints_, Clock::now())) notify_();
+/// @param request that the values answer; one that comes meanwhile has them read once more
+void BenchLink::read_limits(std::uint64_t request) {
+  limits_due_ = Clock::now() + kReadAgainAfter;
+  auto limits = ros2::read_limits(axes_, bench_.joints());
+  if (!limits) return;
+  bench_.set_limits(std::make_shared<const std::vector<JointLimits>>(std::move(*limits)), request);
+  notify_();
 }
 
 }  // namespace vdrive::ros2

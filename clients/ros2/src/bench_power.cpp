@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench_power.hpp"
 
+#include "vdrive/assert.hpp"
 #include "vdrive/cia402/controlword.hpp"
 #include "vdrive/cia402/enabling_words.hpp"
 #include "vdrive/cia402/power_state.hpp"
@@ -13,17 +14,23 @@ namespace {
 
 using bridge::Severity;
 
+// A frame with words may be lost or refused, and a drive may answer them with another state. Half
+// a second is long for a drive, and short for the person who waits.
 constexpr std::chrono::milliseconds kRepeatWords{500};
 
-// The watchdog of a bench in lock-step counts drive time.
+// Five seconds of attempts: what keeps a drive from its power then has to be said.
+constexpr int kMostAttempts = 10;
+
+// The longest way to Operation enabled: a fault reset, and the words 06h, 07h and 0Fh.
+constexpr std::size_t kMostWords = 4;
+
+// In lock-step the watchdog of a bench counts drive time, which the session's own keep-alive does
+// not know. The watchdog allows 500 ms unless
+// the bench is configured: a step of some ten ticks must not use that up.
 constexpr double kKeepAlive = 0.02;  // [s] of drive time
 
 bool is_enabled(const client::AxisSnapshot& axis) {
   return axis.state() == PowerState::operation_enabled;
-}
-
-bool is_in_fault(const client::AxisSnapshot& axis) {
-  return axis.state() == PowerState::fault || axis.state() == PowerState::fault_reaction_active;
 }
 
 /// @return the words that enable an axis again; none where nothing but a reset would help.
@@ -46,69 +53,68 @@ std::vector<std::uint16_t> words_to_enable(PowerState state, bool resets_fault) 
 
 }  // namespace
 
-BenchPower::BenchPower(std::uint64_t session, BenchLink& link, bridge::Reports& reports)
+BenchPower::BenchPower(std::uint64_t session, Bench& bench, bridge::Reports& reports)
     : session_(session),
-      link_(link),
+      bench_(bench),
       reports_(reports),
-      to_enable_(link.joints().size()),
-      was_in_fault_(link.joints().size()) {}
+      to_enable_(bench.joints().size()),
+      was_in_fault_(bench.joints().size()) {}
 
 void BenchPower::want_enabled(bool wanted, bool resets_faults) {
   wants_enabled_ = wanted;
   resets_faults_ = wanted && resets_faults;
   to_enable_.assign(to_enable_.size(), wanted);
   has_to_give_back_ = has_to_give_back_ || wanted;
-  link_.want_control(wanted);
+  bench_.wish(wanted ? ControlWish::take : ControlWish::leave);
   attempts_ = 0;
   words_due_ = {};
   words_tick_ = 0;
 }
 
-bool BenchPower::is_disabled(const BenchState& state) const {
+bool BenchPower::is_disabled(const client::Observation& state) const {
   return std::ranges::none_of(state.axes, [this](const client::AxisSnapshot& axis) {
     return is_enabled(axis) && axis.owner_session == session_;
   });
 }
 
-void BenchPower::report_faults(const BenchState& state) {
+void BenchPower::report_faults(const client::Observation& state) {
   for (std::size_t i = 0; i < state.axes.size(); ++i) {
     const client::AxisSnapshot& axis = state.axes[i];
-    const bool is_fault = is_in_fault(axis);
-    if (is_fault && !was_in_fault_[i]) {
-      reports_.report(Severity::error, "joint " + link_.joints()[i].name,
-                      client::what_it_shows(axis));
+    const bool is_in_fault = is_fault(axis.state());
+    if (is_in_fault && !was_in_fault_[i]) {
+      reports_.report(Severity::error, bench_.joints()[i].label(), client::what_it_shows(axis));
     }
-    was_in_fault_[i] = is_fault;
+    was_in_fault_[i] = is_in_fault;
   }
 }
 
-BenchPower::Frames BenchPower::words(const BenchState& state, Clock::time_point now) {
+BenchPower::Frames BenchPower::words(const client::Observation& state, Clock::time_point now) {
   if (wants_enabled_) {
     return bridge::owns_all(state.axes, session_) ? enable(state, now) : Frames{};
   }
   if (!has_to_give_back_) return {};
   if (!is_disabled(state)) return disable(state);
   has_to_give_back_ = false;
-  link_.give_back();
+  bench_.wish(ControlWish::give_back);
   return {};
 }
 
-BenchPower::Frames BenchPower::enable(const BenchState& state, Clock::time_point now) {
-  constexpr std::size_t kWords = 4;
-  constexpr int kMostAttempts = 10;
+BenchPower::Frames BenchPower::enable(const client::Observation& state, Clock::time_point now) {
+  // One time a tick: the newest state would show the same, and the words be sent twice.
   if (now < words_due_ || state.tick == words_tick_) return {};
-  Frames frames(kWords);
+  Frames frames(kMostWords);
   for (std::size_t i = 0; i < to_enable_.size(); ++i) {
     const client::AxisSnapshot& axis = state.axes[i];
     const bool is_hopeless = axis.state() == PowerState::fault && !resets_faults_;
     if (is_enabled(axis) || is_hopeless) to_enable_[i] = false;
     if (!to_enable_[i]) continue;
     const auto words = words_to_enable(axis.state(), resets_faults_);
+    ensure(words.size() <= frames.size(), "the longest way has a frame for each word");
     for (std::size_t word = 0; word < words.size(); ++word) {
       frames[word].axes.push_back({.axis = axis_number(i), .controlword = words[word]});
     }
   }
-  resets_faults_ = false;
+  resets_faults_ = false;  // a fault that comes back is for a person
   // The way of some axes is shorter than that of others.
   std::erase_if(frames, [](const client::SetPointFrame& frame) {
     return frame.axes.empty();
@@ -116,7 +122,7 @@ BenchPower::Frames BenchPower::enable(const BenchState& state, Clock::time_point
   if (frames.empty()) return {};
   if (++attempts_ > kMostAttempts) {
     to_enable_.assign(to_enable_.size(), false);
-    reports_.report(Severity::error, link_.name(), "its axes cannot be enabled");
+    reports_.report(Severity::error, bench_.label(), "its axes cannot be enabled");
     return {};
   }
   words_due_ = now + kRepeatWords;
@@ -124,9 +130,10 @@ BenchPower::Frames BenchPower::enable(const BenchState& state, Clock::time_point
   return frames;
 }
 
-BenchPower::Frames BenchPower::disable(const BenchState& state) {
+BenchPower::Frames BenchPower::disable(const client::Observation& state) {
   if (state.tick == words_tick_) return {};
   words_tick_ = state.tick;
+  // Set-points that wait for their tick must not act behind the word.
   client::SetPointFrame frame{.drops_waiting = true};
   for (std::size_t i = 0; i < state.axes.size(); ++i) {
     const client::AxisSnapshot& axis = state.axes[i];
@@ -136,13 +143,15 @@ BenchPower::Frames BenchPower::disable(const BenchState& state) {
   return {frame};
 }
 
-bool BenchPower::is_keep_alive_due(const BenchState& state) {
-  const bool is_needed = link_.info().clock_mode == client::ClockMode::lockstep && wants_enabled_ &&
+bool BenchPower::is_keep_alive_due(const client::Observation& state) {
+  const bool is_needed = bench_.info().clock_mode == client::ClockMode::lockstep &&
+                         wants_enabled_ &&
                          std::ranges::any_of(state.axes, [this](const auto& axis) {
                            return axis.owner_session == session_;
                          });
+  // Without its sign: a bench that counts from a lower number waits for its master as well.
   const double passed =
-      (static_cast<double>(state.tick) - static_cast<double>(kept_alive_at_)) * link_.period();
+      (static_cast<double>(state.tick) - static_cast<double>(kept_alive_at_)) * bench_.period();
   if (!is_needed || std::abs(passed) < kKeepAlive) return false;
   kept_alive_at_ = state.tick;
   return true;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "bench_link.hpp"
+#include "bench.hpp"
 #include "reports.hpp"
+#include "vdrive/client/session.hpp"
 
 #include <chrono>
 #include <cstdint>
@@ -18,8 +19,8 @@ class BenchPower {
   using Frames = std::vector<client::SetPointFrame>;
 
   /// @param session that commands the axes
-  /// @param link outlives this, as `reports` does
-  BenchPower(std::uint64_t session, BenchLink& link, bridge::Reports& reports);
+  /// @param bench outlives this, as `reports` does
+  BenchPower(std::uint64_t session, Bench& bench, bridge::Reports& reports);
 
   /// Takes control and enables all axes, or disables those that it has enabled.
   /// @param resets_faults also of axes in a fault, once
@@ -28,28 +29,28 @@ class BenchPower {
   [[nodiscard]] bool wants_enabled() const noexcept { return wants_enabled_; }
 
   /// @return whether no axis that the session holds is enabled.
-  [[nodiscard]] bool is_disabled(const BenchState& state) const;
+  [[nodiscard]] bool is_disabled(const client::Observation& state) const;
 
   /// Reports axes that have got into a fault since the last call.
-  void report_faults(const BenchState& state);
+  void report_faults(const client::Observation& state);
 
   /// @return the words that are due, in this order.
-  [[nodiscard]] Frames words(const BenchState& state, Clock::time_point now);
+  [[nodiscard]] Frames words(const client::Observation& state, Clock::time_point now);
 
   /// @return whether the bench has to hear from its master now: in realtime the session does that
   ///         itself.
-  [[nodiscard]] bool is_keep_alive_due(const BenchState& state);
+  [[nodiscard]] bool is_keep_alive_due(const client::Observation& state);
 
  private:
-  [[nodiscard]] Frames enable(const BenchState& state, Clock::time_point now);
-  [[nodiscard]] Frames disable(const BenchState& state);
+  [[nodiscard]] Frames enable(const client::Observation& state, Clock::time_point now);
+  [[nodiscard]] Frames disable(const client::Observation& state);
 
   [[nodiscard]] std::uint16_t axis_number(std::size_t place) const {
-    return link_.joints()[place].axis.axis;
+    return bench_.joints()[place].axis.axis;
   }
 
   const std::uint64_t session_;
-  BenchLink& link_;
+  Bench& bench_;
   bridge::Reports& reports_;
   bool wants_enabled_ = false;
   bool resets_faults_ = false;

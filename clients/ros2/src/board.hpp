@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "bench_motion.hpp"
+#include "bench.hpp"
+#include "joint_plan.hpp"
 
+#include <chrono>
 #include <condition_variable>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -16,10 +19,9 @@ namespace vdrive::ros2 {
 /// What is published of a bench: its newest state, after the set-points for the ticks behind it
 /// were sent.
 struct BenchView {
-  std::shared_ptr<const client::BenchInfo> info{};
-  std::shared_ptr<const std::vector<Joint>> joints{};
-  std::shared_ptr<const BenchState> state{};  ///< none while the bench sends no status
-  std::shared_ptr<const std::vector<JointLimits>> limits{};
+  std::shared_ptr<const Bench> bench{};  ///< its joints; none where the bridge does not serve it
+  Bench::State state{};                  ///< none while the bench sends no status
+  Bench::Limits limits{};
   std::vector<Duty> duties{};
   bool is_enabled = false;
   std::uint64_t session = 0;  ///< of the bridge
@@ -31,7 +33,7 @@ class Board {
  public:
   using Views = std::map<std::uint32_t, BenchView>;
 
-  /// @param is_urgent whether the publisher publishes at once
+  /// @param is_urgent whether the publisher is woken; else it looks at its own times
   void put(Views views, bool is_urgent);
 
   [[nodiscard]] Views views() const;
@@ -45,9 +47,5 @@ class Board {
   Views views_;
   bool is_new_ = false;
 };
-
-/// @return the time of a tick as ROS has it [ns]: drive time; for a bench in realtime whose drive
-///         time differs from the time of day, the time of day.
-[[nodiscard]] std::int64_t stamp_of(const client::BenchInfo& bench, std::uint64_t tick);
 
 }  // namespace vdrive::ros2

@@ -24,7 +24,14 @@ wire::NetworkSettings network_of(const Settings& settings) {
 /// @return the text without what differs from command to command: equal reports are counted.
 std::string reason_of(const client::Event& event) {
   const std::string text = event.text.substr(0, event.text.rfind(" (session "));
-  return text.substr(0, text.find(", late by "));
+  return text.substr(0, text.find(", late by "));  // each is late by another time
+}
+
+/// @return what puts messages with their writer into `inbox`.
+auto into(Inbox& inbox) {
+  return [&inbox](const auto& message, const wire::WriterId& writer) {
+    inbox.put({.writer = writer, .message = message});
+  };
 }
 
 }  // namespace
@@ -37,34 +44,25 @@ Bridge::Bridge(const Settings& settings)
                [this](bridge::Severity severity, const std::string& line) {
                  write_log(severity, line);
                }),
-      controller_(session_, settings, reports_, board_),
-      publisher_(participant_, settings, board_),
-      commands_(participant_, settings.topics.joint_commands,
-                [this](const ros::JointState& message, const wire::WriterId& writer) {
-                  controller_.take(message, writer);
-                }),
-      trajectories_(participant_, settings.topics.joint_trajectory,
-                    [this](const ros::JointTrajectory& message, const wire::WriterId& writer) {
-                      controller_.take(message, writer);
-                    }),
-      enable_(participant_, settings.topics.enable,
-              [this](const ros::Bool& message, const wire::WriterId& writer) {
-                controller_.take(message, writer);
-              }) {
+      commands_(participant_, settings.topics.joint_commands, into(inbox_)),
+      trajectories_(participant_, settings.topics.joint_trajectory, into(inbox_)),
+      enable_(participant_, settings.topics.enable, into(inbox_)),
+      controller_(session_, settings, reports_, inbox_, board_,
+                  {.writers =
+                       [this] {
+                         return commands_.matched();
+                       },
+                   .guard_counts =
+                       [this] {
+                         return participant_.guarded();
+                       }}),
+      publisher_(participant_, settings, board_) {
   session_.on_event([this](const client::Event& event) {
     if (event.kind != client::EventKind::refused || event.session != session_.id()) return;
     if (event.code == kControlled) return;  // the refusal of an acquire, which BenchLink reports
     reports_.report(Severity::warning, "bench " + std::to_string(event.bench),
                     "a command was refused: " + reason_of(event));
   });
-  controller_.set_questions({.writers =
-                                 [this] {
-                                   return commands_.matched();
-                                 },
-                             .guard_counts =
-                                 [this] {
-                                   return participant_.guarded();
-                                 }});
 }
 
 void Bridge::write_log(bridge::Severity severity, const std::string& line) {
@@ -81,8 +79,8 @@ void Bridge::report_library(const std::string& words) {
 }
 
 Bridge::~Bridge() {
+  // The session ends after the reports that its observer uses.
   session_.on_event({});
-  controller_.set_questions({});
 }
 
 }  // namespace vdrive::ros2

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "controller.hpp"
+#include "inbox.hpp"
 #include "joint_publisher.hpp"
 
 namespace vdrive::ros2 {
@@ -28,12 +29,14 @@ class Bridge {
   client::Session session_;
   ros::Publication<ros::Log> rosout_;
   bridge::Reports reports_;
+  Inbox inbox_;
   Board board_;
-  Controller controller_;
-  JointPublisher publisher_;
   ros::Subscription<ros::JointState> commands_;
   ros::Subscription<ros::JointTrajectory> trajectories_;
   ros::Subscription<ros::Bool> enable_;
+  // Behind what it asks and takes from; it ends first, and disables the axes meanwhile.
+  Controller controller_;
+  JointPublisher publisher_;
 };
 
 }  // namespace vdrive::ros2

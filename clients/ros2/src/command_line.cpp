@@ -65,6 +65,7 @@ void complete(Arguments& arguments) {
   if (arguments.rate) settings.rate = *arguments.rate;
   settings.is_enabled = settings.is_enabled || arguments.enable;
   settings.is_prefixed = settings.is_prefixed || arguments.prefix;
+  // After the file: whether the closed mode is used is known now.
   settings.session.find_timeout = bridge::find_timeout_of(settings.session);
   // A controller must not act on a state that is older: a link discards it, and follows anew.
   settings.session.patience = settings.session.silence;

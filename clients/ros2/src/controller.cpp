@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "controller.hpp"
 
+#include "ros_time.hpp"
+
 #include <algorithm>
+#include <memory>
 #include <set>
 #include <string>
 #include <utility>
@@ -14,25 +17,21 @@ namespace {
 using bridge::Severity;
 using std::chrono::milliseconds;
 
+// While positions are on their way a turn sends the next ones: the shortest lead is 8 ms.
 constexpr milliseconds kBusyTurn{2};
-constexpr milliseconds kTurn{5};
+constexpr milliseconds kTurn{5};  // a message wakes it before
+// A service manager and a person with Ctrl-C wait for the end; a bench may be away.
 constexpr std::chrono::seconds kEnd{2};
 
 }  // namespace
 
 Controller::Controller(client::Session& session, const Settings& settings, bridge::Reports& reports,
-                       Board& board)
+                       Inbox& inbox, Board& board, Questions questions)
     : reports_(reports),
+      inbox_(inbox),
       board_(board),
-      benches_(session, settings, reports,
-               {.notify =
-                    [this] {
-                      inbox_.wake();
-                    },
-                .restarted =
-                    [this](const BenchMotion& motion) {
-                      trajectories_.end_with(motion);
-                    }}),
+      questions_(std::move(questions)),
+      benches_(session.id(), settings, reports, calls_to(session)),
       trajectories_(benches_, settings, reports),
       command_stamps_(settings.stamp_ahead),
       drops_(reports),
@@ -45,13 +44,27 @@ Controller::~Controller() {
   thread_.join();
 }
 
-void Controller::take(Message message, const wire::WriterId& writer) {
-  inbox_.put({.writer = writer, .message = std::move(message)});
-}
-
-void Controller::set_questions(Questions questions) {
-  const std::scoped_lock lock(mutex_);
-  questions_ = std::move(questions);
+ServedBenches::Calls Controller::calls_to(client::Session& session) {
+  return {.present =
+              [&session] {
+                return session.present_benches();
+              },
+          .connect =
+              [this, &session](Bench& bench) {
+                // In lock-step a step waits for the set-points; elsewhere the next turn is near.
+                const bool is_urgent = bench.info().clock_mode == client::ClockMode::lockstep;
+                return std::make_unique<BenchLink>(session, bench, reports_, [this, is_urgent] {
+                  if (is_urgent) inbox_.wake();
+                });
+              },
+          .send =
+              [&session](std::uint32_t bench, const SetPointStream::Frames& frames) {
+                return session.send_set_points(bench, frames);
+              },
+          .restarted =
+              [this](BenchMotion& motion) {
+                trajectories_.end_with(motion);
+              }};
 }
 
 void Controller::run(const std::stop_token& stop) {
@@ -67,18 +80,20 @@ void Controller::run(const std::stop_token& stop) {
 
 void Controller::turn() {
   const Clock::time_point now = Clock::now();
+  // Benches before messages: a command may name a joint of the bench that came just now.
   benches_.find(now);
   handle_messages();
   ask(now);
-  update(now);
+  update(now);  // before a start: it is planned from the newest state
   trajectories_.start_due();
   update(now);  // sends the first set-points of what has started
   trajectories_.forget_ended();
+  // Last: who sees the state of a tick finds that the set-points behind it were sent.
   board_.put(benches_.views(), benches_.any_in_lockstep());
 }
 
 void Controller::update(Clock::time_point now) {
-  std::vector<BrokenTrajectory> broken;
+  BrokenTrajectories broken;
   for (auto& [number, bench] : benches_.all()) {
     const auto more = bench.motion->update(now);
     broken.insert(broken.end(), more.begin(), more.end());
@@ -88,7 +103,7 @@ void Controller::update(Clock::time_point now) {
 
 /// Without a master an axis must not stay enabled.
 void Controller::end() {
-  for (auto& [number, bench] : benches_.all()) bench.motion->want_enabled(false, false);
+  for (auto& [number, bench] : benches_.all()) bench.motion->power().want_enabled(false, false);
   const Clock::time_point deadline = Clock::now() + kEnd;
   const auto is_done = [this] {
     return std::ranges::all_of(benches_.all(), [](const auto& entry) {
@@ -138,7 +153,7 @@ void Controller::handle(const ros::JointState& message, const wire::WriterId& wr
   });
   if (is_judged) command_stamps_.note(writer, stamp);
   for (const JointCommand& command : read.commands) {
-    benches_.motion_of(command.joint).command(command);
+    benches_.motion_of(command.joint.bench).command(command);
   }
 }
 
@@ -148,6 +163,7 @@ void Controller::handle(const ros::JointTrajectory& message, const wire::WriterI
 
 void Controller::handle(const ros::Bool& message, const wire::WriterId& /*writer*/) {
   const bool is_enabled = message.data();
+  // A person begins anew: a stamp from a wrong clock must not lock a writer out for ever.
   command_stamps_.clear();
   trajectories_.note_enable(is_enabled);
   reports_.report(Severity::info, "enable", is_enabled ? "true" : "false");
@@ -155,11 +171,11 @@ void Controller::handle(const ros::Bool& message, const wire::WriterId& /*writer
 }
 
 void Controller::ask(Clock::time_point now) {
-  const std::scoped_lock lock(mutex_);
-  if (questions_.writers) note_writers(questions_.writers());
-  if (questions_.guard_counts) drops_.report(questions_.guard_counts(), now);
+  note_writers(questions_.writers());
+  drops_.report(questions_.guard_counts(), now);
 }
 
+/// A velocity or an effort stays in force: nobody is left who would end it.
 void Controller::note_writers(std::size_t writers) {
   if (writers == 0 && had_writers_) {
     for (auto& [number, bench] : benches_.all()) {

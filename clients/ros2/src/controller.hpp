@@ -13,7 +13,6 @@
 #include <chrono>
 #include <cstddef>
 #include <functional>
-#include <mutex>
 #include <thread>
 
 namespace vdrive::ros2 {
@@ -22,7 +21,7 @@ namespace vdrive::ros2 {
 /// bench.
 class Controller {
  public:
-  /// What it asks the participant of ROS. Set together: an empty function gives nothing.
+  /// What it asks the participant of ROS.
   struct Questions {
     /// The number of nodes that write joint commands now. When the last one ends, joints that
     /// velocity or effort move brake.
@@ -31,23 +30,19 @@ class Controller {
   };
 
   /// @param session outlives the controller, as the others do
+  /// @param inbox gives it the messages
   Controller(client::Session& session, const Settings& settings, bridge::Reports& reports,
-             Board& board);
+             Inbox& inbox, Board& board, Questions questions);
 
   /// Disables the axes that it has enabled, as far as that is possible within two seconds.
   ~Controller();
   Controller(const Controller&) = delete;
   Controller& operator=(const Controller&) = delete;
 
-  /// Any thread; does not wait.
-  /// @param writer who wrote it
-  void take(Message message, const wire::WriterId& writer);
-
-  void set_questions(Questions questions);
-
  private:
   using Clock = std::chrono::steady_clock;
 
+  [[nodiscard]] ServedBenches::Calls calls_to(client::Session& session);
   void run(const std::stop_token& stop);
   void turn();
   void end();
@@ -60,15 +55,14 @@ class Controller {
   void update(Clock::time_point now);
 
   bridge::Reports& reports_;
+  Inbox& inbox_;
   Board& board_;
-  Inbox inbox_;
+  const Questions questions_;
   ServedBenches benches_;
   Trajectories trajectories_;
   StampOrder command_stamps_;
   Drops drops_;
   bool had_writers_ = false;
-  std::mutex mutex_;  ///< guards the questions, also while one is asked
-  Questions questions_;
   std::jthread thread_;
 };
 

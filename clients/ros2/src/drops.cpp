@@ -10,6 +10,7 @@ namespace {
 
 using bridge::Severity;
 
+// A flood of datagrams is one line a second.
 constexpr std::chrono::seconds kPeriod{1};
 
 /// @return the number between the first pair of quotes behind `begin`, which is moved behind it.
@@ -43,6 +44,7 @@ void Drops::report(const wire::GuardCounts& counts, Clock::time_point now) {
 }
 
 std::string dropped_message(const std::string& words) {
+  // The library says it in these words and has no other way to tell; unknown words are kept.
   constexpr std::string_view kTooLarge = "Change payload size of";
   std::size_t place = 0;
   if (!words.starts_with(kTooLarge)) return words;

@@ -7,6 +7,8 @@
 namespace vdrive::ros2 {
 namespace {
 
+// More than half a second of commands at 100 Hz. A trajectory may have 4 MB: what waits is
+// bounded.
 constexpr std::size_t kMostMessages = 64;
 
 }  // namespace

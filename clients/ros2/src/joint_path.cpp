@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "joint_path.hpp"
 
+#include "vdrive/assert.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <sstream>
@@ -8,7 +10,9 @@
 namespace vdrive::ros2 {
 namespace {
 
-constexpr double kRoom = 1e-9;  // rounding of a calculation, relative to a limit
+// Rounding of a calculation, relative to a limit: a program that plans up to the very limit is not
+// refused for it.
+constexpr double kRoom = 1e-9;
 
 /// @return the text of a limit that is broken.
 std::string broken(const char* what, double value, const std::string& unit, double time,
@@ -33,6 +37,7 @@ std::string text_of(double value) {
 }
 
 JointPath::JointPath(const JointMotion& start, std::span<const PathPoint> points) {
+  ensure(!points.empty(), "a path has a point, where it ends");
   pieces_.reserve(points.size());
   PathPoint from{.time = 0.0,
                  .position = start.position,
@@ -62,71 +67,6 @@ void JointPath::add(const PathPoint& from, const PathPoint& to, const PathPoint*
   pieces_.push_back(piece);
 }
 
-JointPath::Polynomial JointPath::cubic(const JointMotion& from, const JointMotion& to,
-                                       double length) noexcept {
-  const double way = to.position - from.position;
-  const double square = length * length;
-  return {from.position, from.velocity,
-          (3.0 * way - (2.0 * from.velocity + to.velocity) * length) / square,
-          (-2.0 * way + (from.velocity + to.velocity) * length) / (square * length)};
-}
-
-JointPath::Polynomial JointPath::quintic(const JointMotion& from, const JointMotion& to,
-                                         double length) noexcept {
-  const double way = to.position - from.position;
-  const double t2 = length * length;
-  const double t3 = t2 * length;
-  const double v0 = from.velocity * length;
-  const double v1 = to.velocity * length;
-  const double a0 = from.acceleration * t2;
-  const double a1 = to.acceleration * t2;
-  return {from.position,
-          from.velocity,
-          0.5 * from.acceleration,
-          (20.0 * way - 8.0 * v1 - 12.0 * v0 - 3.0 * a0 + a1) / (2.0 * t3),
-          (-30.0 * way + 14.0 * v1 + 16.0 * v0 + 3.0 * a0 - 2.0 * a1) / (2.0 * t3 * length),
-          (12.0 * way - 6.0 * v1 - 6.0 * v0 - a0 + a1) / (2.0 * t3 * t2)};
-}
-
-double JointPath::value(const Polynomial& polynomial, double time) noexcept {
-  double sum = 0.0;
-  for (std::size_t i = polynomial.size(); i-- > 0;) sum = sum * time + polynomial[i];
-  return sum;
-}
-
-JointPath::Polynomial JointPath::derivative(const Polynomial& polynomial) noexcept {
-  Polynomial result{};
-  for (std::size_t i = 1; i < polynomial.size(); ++i) {
-    result[i - 1] = polynomial[i] * static_cast<double>(i);
-  }
-  return result;
-}
-
-JointPath::Range JointPath::range(const Polynomial& polynomial, double length) noexcept {
-  constexpr int kParts = 64;
-  constexpr int kHalvings = 50;
-  Range found{value(polynomial, 0.0), 0.0, value(polynomial, 0.0), 0.0};
-  const auto take = [&](double time) {
-    const double here = value(polynomial, time);
-    if (here < found.low) found = {here, time, found.high, found.high_time};
-    if (here > found.high) found = {found.low, found.low_time, here, time};
-  };
-  const Polynomial slope = derivative(polynomial);
-  for (int part = 0; part < kParts; ++part) {
-    double low = length * part / kParts;
-    double high = length * (part + 1) / kParts;
-    take(high);
-    const bool rises = value(slope, low) > 0.0;
-    if (rises == (value(slope, high) > 0.0)) continue;
-    for (int i = 0; i < kHalvings; ++i) {
-      const double middle = 0.5 * (low + high);
-      ((value(slope, middle) > 0.0) == rises ? low : high) = middle;
-    }
-    take(low);
-  }
-  return found;
-}
-
 JointMotion JointPath::at(double time) const noexcept {
   if (time >= duration()) {
     const Piece& last = pieces_.back();
@@ -140,8 +80,9 @@ JointMotion JointPath::at(double time) const noexcept {
 
 std::optional<std::string> JointPath::check_position(const Piece& piece, const JointLimits& limits,
                                                      const std::string& unit) const {
+  // A joint beyond a limit may come back: it must not go further.
   const double start = value(pieces_.front().position, 0.0);
-  const Range way = range(piece.position, piece.end - piece.begin);
+  const Extremes way = extremes(piece.position, piece.end - piece.begin);
   if (is_above(way.high, std::max(limits.upper, start))) {
     return broken("position", way.high, unit, piece.begin + way.high_time, limits.upper);
   }
@@ -154,7 +95,7 @@ std::optional<std::string> JointPath::check_position(const Piece& piece, const J
 std::optional<std::string> JointPath::check_size(const char* what, const Polynomial& polynomial,
                                                  const Piece& piece, double limit,
                                                  const std::string& unit) {
-  const Range found = range(polynomial, piece.end - piece.begin);
+  const Extremes found = extremes(polynomial, piece.end - piece.begin);
   const bool is_high = found.high >= -found.low;
   const double largest = is_high ? found.high : found.low;
   if (!is_above(std::abs(largest), limit)) return std::nullopt;
@@ -162,19 +103,10 @@ std::optional<std::string> JointPath::check_size(const char* what, const Polynom
                 limit);
 }
 
-/// @return whether every sum of the polynomial stays far below the largest double.
-bool JointPath::is_calculable(const Piece& piece) noexcept {
-  constexpr double kLargest = 1e200;
-  Polynomial sizes{};
-  for (std::size_t i = 0; i < sizes.size(); ++i) sizes[i] = std::abs(piece.position[i]);
-  const double longest = std::max(1.0, piece.end - piece.begin);
-  return value(sizes, longest) < kLargest;
-}
-
 std::optional<std::string> JointPath::check(const JointLimits& limits,
                                             const std::string& unit) const {
   for (const Piece& piece : pieces_) {
-    if (!is_calculable(piece)) {
+    if (!is_calculable(piece.position, piece.end - piece.begin)) {
       return "the way to the point at " + text_of(piece.end) + " s has values without bounds";
     }
     const Polynomial speed = derivative(piece.position);

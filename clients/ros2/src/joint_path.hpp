@@ -2,9 +2,8 @@
 #pragma once
 
 #include "joint_limits.hpp"
+#include "polynomial.hpp"
 
-#include <array>
-#include <cstddef>
 #include <optional>
 #include <span>
 #include <string>
@@ -44,28 +43,12 @@ class JointPath {
                                                  const std::string& unit) const;
 
  private:
-  static constexpr std::size_t kCoefficients = 6;
-  using Polynomial = std::array<double, kCoefficients>;  ///< rising powers of the time in the piece
-
   struct Piece {
     double begin = 0.0;  ///< [s]
     double end = 0.0;
-    Polynomial position{};
+    Polynomial position{};  ///< of the time in the piece
   };
 
-  /// The lowest and the highest value of a polynomial within [0, length], and when.
-  struct Range {
-    double low = 0.0;
-    double low_time = 0.0;
-    double high = 0.0;
-    double high_time = 0.0;
-  };
-
-  static double value(const Polynomial& polynomial, double time) noexcept;
-  static Polynomial derivative(const Polynomial& polynomial) noexcept;
-  static Range range(const Polynomial& polynomial, double length) noexcept;
-  static Polynomial quintic(const JointMotion& from, const JointMotion& to, double length) noexcept;
-  static Polynomial cubic(const JointMotion& from, const JointMotion& to, double length) noexcept;
   [[nodiscard]] std::optional<std::string> check_position(const Piece& piece,
                                                           const JointLimits& limits,
                                                           const std::string& unit) const;
@@ -73,7 +56,6 @@ class JointPath {
                                                              const Polynomial& polynomial,
                                                              const Piece& piece, double limit,
                                                              const std::string& unit);
-  [[nodiscard]] static bool is_calculable(const Piece& piece) noexcept;
   void add(const PathPoint& from, const PathPoint& to, const PathPoint* next);
 
   std::vector<Piece> pieces_;

@@ -16,14 +16,14 @@ bool names(const std::string& text, const client::AxisInfo& axis) {
 
 }  // namespace
 
-std::vector<Joint> joints_of(const client::BenchInfo& bench, const Settings& settings) {
-  std::vector<Joint> joints;
+std::vector<ServedJoint> joints_of(const client::BenchInfo& bench, const Settings& settings) {
+  std::vector<ServedJoint> joints;
   joints.reserve(bench.axes.size());
   for (const client::AxisInfo& axis : bench.axes) {
-    Joint joint{.name = axis.name,
-                .axis = axis.id,
-                .unit = axis.unit,
-                .si_per_user_unit = bridge::si_per_user_unit(axis.unit)};
+    ServedJoint joint{.name = axis.name,
+                      .axis = axis.id,
+                      .unit = axis.unit,
+                      .si_per_user_unit = bridge::si_per_user_unit(axis.unit)};
     if (settings.is_prefixed) {
       joint.name = "bench" + std::to_string(bench.number) + "_" + joint.name;
     }
@@ -40,11 +40,11 @@ std::vector<Joint> joints_of(const client::BenchInfo& bench, const Settings& set
 }
 
 std::optional<std::string> JointDirectory::add(std::uint32_t bench,
-                                               const std::vector<Joint>& joints) {
-  auto places = places_;
+                                               const std::vector<ServedJoint>& joints) {
+  auto places = places_;  // a copy: of a bench that clashes no joint is added
   for (std::size_t i = 0; i < joints.size(); ++i) {
     const auto [entry, is_new] =
-        places.emplace(joints[i].name, JointPlace{.bench = bench, .place = i});
+        places.emplace(joints[i].name, JointPlace{bench, i, joints[i].interface});
     if (!is_new) {
       return "bench " + std::to_string(bench) + " is left out: its joint \"" + joints[i].name +
              "\" is also on bench " + std::to_string(entry->second.bench) +

@@ -5,6 +5,7 @@
 #include "vdrive/client/bench.hpp"
 
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
@@ -14,12 +15,15 @@
 namespace vdrive::ros2 {
 
 /// An axis as a joint of ROS.
-struct Joint {
+struct ServedJoint {
   std::string name;
   client::AxisId axis;
   client::Unit unit;
   double si_per_user_unit = 1.0;  ///< [rad or m]
-  std::optional<Interface> interface {};
+  std::optional<CommandInterface> interface {};
+
+  /// @return what reports call it, such as "joint x".
+  [[nodiscard]] std::string label() const { return "joint " + name; }
 
   /// @return "rad" or "m".
   [[nodiscard]] const char* unit_name() const noexcept {
@@ -29,13 +33,16 @@ struct Joint {
 
 /// The joints of a bench, one an axis, in the order of its axes. A joint has the name of the
 /// configuration, else that of its axis, with the prefix "bench1_" where the settings have it.
-[[nodiscard]] std::vector<Joint> joints_of(const client::BenchInfo& bench,
-                                           const Settings& settings);
+[[nodiscard]] std::vector<ServedJoint> joints_of(const client::BenchInfo& bench,
+                                                 const Settings& settings);
 
 /// Where a joint is: the bench and the place among its axes.
 struct JointPlace {
   std::uint32_t bench = 0;
   std::size_t place = 0;
+  std::optional<CommandInterface> interface {};  ///< the only one that the configuration permits
+
+  friend bool operator==(const JointPlace&, const JointPlace&) = default;
 };
 
 /// The joints by name. A name belongs to one axis.
@@ -45,7 +52,7 @@ class JointDirectory {
   /// @return the reason when it adds none, with the joint: the name occurs twice, or on another
   /// bench.
   [[nodiscard]] std::optional<std::string> add(std::uint32_t bench,
-                                               const std::vector<Joint>& joints);
+                                               const std::vector<ServedJoint>& joints);
 
   void remove(std::uint32_t bench);
 

@@ -5,46 +5,16 @@
 #include "joints.hpp"
 #include "vdrive/client/axis.hpp"
 
-#include <atomic>
-#include <chrono>
-#include <cstdint>
-#include <memory>
-#include <mutex>
+#include <optional>
+#include <span>
 #include <vector>
 
 namespace vdrive::ros2 {
 
-/// The limits of the joints of a bench, as the drives have them: read when somebody asks, and every
-/// two seconds, because other programs change them. read() is for the thread that may wait.
-class LimitsReader {
- public:
-  using Clock = std::chrono::steady_clock;
-  using Limits = std::shared_ptr<const std::vector<JointLimits>>;
-
-  /// @return the limits of all joints; none before they were read.
-  [[nodiscard]] Limits limits() const;
-
-  /// Has them read again. @return the value that count() has after it.
-  std::uint64_t request() { return ++requested_; }
-
-  [[nodiscard]] std::uint64_t count() const noexcept { return read_; }
-
-  [[nodiscard]] bool is_due(Clock::time_point now) const {
-    return requested_ != read_ || now >= due_;
-  }
-
-  /// Reads all of them, or none when one cannot be read: then it is due again after the period.
-  /// @param axes those of the joints, in their order
-  /// @return whether they were read
-  bool read(const std::vector<client::Axis>& axes, const std::vector<Joint>& joints,
-            Clock::time_point now);
-
- private:
-  Clock::time_point due_{};
-  std::atomic<std::uint64_t> requested_ = 0;
-  std::atomic<std::uint64_t> read_ = 0;
-  mutable std::mutex mutex_;  ///< guards what follows
-  Limits limits_;
-};
+/// Reads the limits of joints from their drives, and waits for them.
+/// @param axes those of the joints, in their order
+/// @return one a joint; none when one cannot be read
+[[nodiscard]] std::optional<std::vector<JointLimits>> read_limits(
+    std::span<const client::Axis> axes, std::span<const ServedJoint> joints);
 
 }  // namespace vdrive::ros2

@@ -2,6 +2,7 @@
 #include "requests.hpp"
 
 #include "joint_limits.hpp"
+#include "ros_time.hpp"
 #include "vdrive/text.hpp"
 
 #include <algorithm>
@@ -12,12 +13,9 @@
 namespace vdrive::ros2 {
 namespace {
 
-constexpr std::int64_t kNanosecondsOfSecond = 1'000'000'000;
-constexpr double kSecondsPerNanosecond = 1e-9;
-
 /// The places in `name` that the values of an array belong to; empty when these are ambiguous.
-std::vector<std::size_t> places_of(const std::vector<std::optional<KnownJoint>>& joints,
-                                   Interface interface, std::size_t values) {
+std::vector<std::size_t> places_of(const std::vector<std::optional<JointPlace>>& joints,
+                                   CommandInterface interface, std::size_t values) {
   std::vector<std::size_t> places;
   places.reserve(joints.size());
   for (std::size_t i = 0; i < joints.size(); ++i) {
@@ -38,6 +36,7 @@ class CommandReader {
     joints_.reserve(names_.size());
     for (const std::string& name : names_) {
       joints_.push_back(find(name));
+      // The other joints of the message move: a robot has joints that no bench has.
       if (!joints_.back()) problem("joint " + in_quotes(name) + " is unknown: ignored");
       if (!seen.insert(name).second) {
         problem("joint " + in_quotes(name) + " is named twice: ignored");
@@ -46,7 +45,7 @@ class CommandReader {
     }
   }
 
-  void read(Interface interface, const std::vector<double>& values) {
+  void read(CommandInterface interface, const std::vector<double>& values) {
     if (values.empty()) return;
     const auto places = places_of(joints_, interface, values.size());
     if (places.empty()) {
@@ -68,8 +67,8 @@ class CommandReader {
  private:
   void problem(std::string text) { result_.problems.push_back(std::move(text)); }
 
-  void take(std::size_t place, Interface interface, double value) {
-    std::optional<KnownJoint>& joint = joints_[place];
+  void take(std::size_t place, CommandInterface interface, double value) {
+    std::optional<JointPlace>& joint = joints_[place];
     if (!joint || !std::isfinite(value)) return;
     const std::string name = "joint " + in_quotes(names_[place]);
     if (joint->interface && joint->interface != interface) {
@@ -80,14 +79,14 @@ class CommandReader {
     if (chosen_[place]) {
       problem(name + " has a " + std::string(to_string(chosen_[place]->interface)) + " and a " +
               std::string(to_string(interface)) + ": refused, one interface at a time");
-      joint.reset();
+      joint.reset();  // neither of them: the bridge does not choose
       return;
     }
-    chosen_[place] = JointCommand{.joint = joint->place, .interface = interface, .value = value};
+    chosen_[place] = JointCommand{.joint = *joint, .interface = interface, .value = value};
   }
 
   const std::vector<std::string>& names_;
-  std::vector<std::optional<KnownJoint>> joints_;
+  std::vector<std::optional<JointPlace>> joints_;
   std::vector<std::optional<JointCommand>> chosen_;
   JointCommands result_;
 };
@@ -130,12 +129,13 @@ bool find_joints(const ros::JointTrajectory& message, const FindJoint& find, Tra
     const auto joint = find(name);
     const std::string text = "joint " + in_quotes(name);
     if (!joint) problem = text + " is unknown";
-    if (joint && joint->interface.value_or(Interface::position) != Interface::position) {
+    if (joint &&
+        joint->interface.value_or(CommandInterface::position) != CommandInterface::position) {
       problem = text + " is commanded by " + std::string(to_string(*joint->interface));
     }
     if (!seen.insert(name).second) problem = text + " is named twice";
     if (!problem.empty()) return false;
-    trajectory.joints.push_back(joint->place);
+    trajectory.joints.push_back(*joint);
     trajectory.names.push_back(name);
   }
   if (seen.empty()) problem = "it names no joint";
@@ -146,9 +146,9 @@ bool find_joints(const ros::JointTrajectory& message, const FindJoint& find, Tra
 
 JointCommands read_commands(const ros::JointState& message, const FindJoint& find) {
   CommandReader reader(message, find);
-  reader.read(Interface::position, message.position());
-  reader.read(Interface::velocity, message.velocity());
-  reader.read(Interface::effort, message.effort());
+  reader.read(CommandInterface::position, message.position());
+  reader.read(CommandInterface::velocity, message.velocity());
+  reader.read(CommandInterface::effort, message.effort());
   return reader.result();
 }
 
@@ -158,7 +158,7 @@ std::optional<Trajectory> read_trajectory(const ros::JointTrajectory& message,
   problem.clear();
   if (!find_joints(message, find, trajectory, problem)) return std::nullopt;
   if (message.points().empty()) problem = "it has no points";
-  double last = -1.0;
+  double last = -1.0;  // the first point may be at time 0
   trajectory.points.reserve(message.points().size());
   for (std::size_t i = 0; i < message.points().size() && problem.empty(); ++i) {
     const auto& point = message.points()[i];
@@ -180,16 +180,13 @@ std::optional<Trajectory> read_trajectory(const ros::JointTrajectory& message,
   const auto moves = [](double velocity) {
     return velocity != 0.0;
   };
+  // Nothing comes behind it: the joint would stop within a tick.
   if (std::ranges::any_of(trajectory.points.back().velocities, moves)) {
     problem = "the last point has a velocity: it must be at rest";
     return std::nullopt;
   }
   trajectory.start = nanoseconds_of(message.header().stamp());
   return trajectory;
-}
-
-std::int64_t nanoseconds_of(const ros::Time& time) noexcept {
-  return time.sec() * kNanosecondsOfSecond + time.nanosec();
 }
 
 }  // namespace vdrive::ros2

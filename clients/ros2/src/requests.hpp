@@ -15,7 +15,7 @@ namespace vdrive::ros2 {
 /// What a JointState commands one joint.
 struct JointCommand {
   JointPlace joint;
-  Interface interface = Interface::position;
+  CommandInterface interface = CommandInterface::position;
   double value = 0.0;  ///< finite
 };
 
@@ -25,13 +25,8 @@ struct JointCommands {
   std::vector<std::string> problems;  ///< a sentence each, without a full stop
 };
 
-/// A joint at the time of a message.
-struct KnownJoint {
-  JointPlace place;
-  std::optional<Interface> interface {};  ///< the only one that the configuration permits
-};
-
-using FindJoint = std::function<std::optional<KnownJoint>(const std::string& name)>;
+/// Finds a joint by its name, as it is at the time of the message.
+using FindJoint = std::function<std::optional<JointPlace>(const std::string& name)>;
 
 /// Reads a JointState that commands. A value that is not finite is skipped: ros2_control sends such
 /// before its first command. An array that is shorter than `name` holds the joints that the
@@ -59,8 +54,5 @@ struct Trajectory {
 [[nodiscard]] std::optional<Trajectory> read_trajectory(const ros::JointTrajectory& message,
                                                         const FindJoint& find,
                                                         std::string& problem);
-
-/// @return [ns]
-[[nodiscard]] std::int64_t nanoseconds_of(const ros::Time& time) noexcept;
 
 }  // namespace vdrive::ros2

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "bench_link.hpp"
 #include "bench_motion.hpp"
 #include "bench_presence.hpp"
 #include "board.hpp"
-#include "requests.hpp"
 
 #include <chrono>
 #include <cstdint>
@@ -19,10 +19,9 @@ namespace vdrive::ros2 {
 
 /// A bench that the bridge serves.
 struct ServedBench {
+  std::shared_ptr<Bench> bench;
   std::unique_ptr<BenchLink> link;
   std::unique_ptr<BenchMotion> motion;
-  std::shared_ptr<const client::BenchInfo> info;
-  std::shared_ptr<const std::vector<Joint>> joints;
 };
 
 /// The benches that the bridge serves, and their joints by name. For one thread.
@@ -32,12 +31,15 @@ class ServedBenches {
   using Map = std::map<std::uint32_t, ServedBench>;
 
   struct Calls {
-    std::function<void()> notify;  ///< a bench in lock-step has a new state; in a thread of its own
-    std::function<void(const BenchMotion&)> restarted;  ///< these motions end with the run
+    std::function<std::vector<client::BenchInfo>()> present;  ///< the benches that are there
+    std::function<std::unique_ptr<BenchLink>(Bench&)> connect;
+    std::function<client::Outcome(std::uint32_t bench, const SetPointStream::Frames&)> send;
+    std::function<void(BenchMotion&)> restarted;  ///< these motions end with the run
   };
 
-  /// @param session outlives the benches, as `reports` does
-  ServedBenches(client::Session& session, const Settings& settings, bridge::Reports& reports,
+  /// @param session number of the one that commands the benches
+  /// @param reports outlives this
+  ServedBenches(std::uint64_t session, const Settings& settings, bridge::Reports& reports,
                 Calls calls);
 
   /// Takes benches that have come, and gives up those that have gone.
@@ -50,14 +52,13 @@ class ServedBenches {
 
   [[nodiscard]] const Map& all() const noexcept { return benches_; }
 
-  [[nodiscard]] const ServedBench& at(std::uint32_t bench) const { return benches_.at(bench); }
-
   /// @return the joint of that name.
-  [[nodiscard]] std::optional<KnownJoint> find_joint(const std::string& name) const;
-
-  [[nodiscard]] BenchMotion& motion_of(const JointPlace& place) const {
-    return *benches_.at(place.bench).motion;
+  [[nodiscard]] std::optional<JointPlace> find_joint(const std::string& name) const {
+    return directory_.find(name);
   }
+
+  /// @param bench one of all(), such as that of a joint that was found in this turn
+  [[nodiscard]] BenchMotion& motion_of(std::uint32_t bench) const;
 
   /// @return the time of the newest tick of a bench, as its messages have it [ns]; none without
   ///         one.
@@ -72,7 +73,7 @@ class ServedBenches {
  private:
   /// A bench that the bridge does not serve, because its joints clash.
   struct LeftOut {
-    std::shared_ptr<const client::BenchInfo> info;
+    std::shared_ptr<const Bench> bench;
     std::string reason;
   };
 
@@ -80,7 +81,7 @@ class ServedBenches {
   void leave_out(const client::BenchInfo& info, const std::string& reason);
   void remove(std::uint32_t number, bool is_replaced);
 
-  client::Session& session_;
+  const std::uint64_t session_;
   const Settings settings_;
   bridge::Reports& reports_;
   const Calls calls_;

@@ -8,17 +8,17 @@ namespace vdrive::ros2 {
 namespace {
 
 // [s of wall time]
-constexpr double kAheadOnTrajectory = 0.15;
-constexpr double kAheadOnTrack = 0.015;
-constexpr double kLongest = 0.128;  // after set-points that came too late
+constexpr double kAheadOnTrajectory = 0.15;  // outlasts a pause of the machine
+constexpr double kAheadOnTrack = 0.015;      // a position that comes now is late by it
+constexpr double kLongest = 0.128;           // after set-points that came too late
 
-// In lock-step: ticks between the newest state and the first set-point of a motion, and those that
-// a step may have while it lasts.
+// In lock-step, where the program that steps has to know them beforehand: ticks between the newest
+// state and the first set-point of a motion, and those that a step may have while it lasts.
 constexpr std::uint64_t kLeadTicks = 20;
 constexpr std::uint64_t kTrajectoryTicks = 100;
 constexpr std::uint64_t kTrackTicks = 40;
 
-// A bench keeps 1,024 frames of all its clients.
+// A bench keeps 1,024 frames of all its clients: two bridges and a tool have room.
 constexpr double kMostAhead = 400.0;
 
 }  // namespace

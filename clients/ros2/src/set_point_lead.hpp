@@ -38,6 +38,7 @@ class SetPointLead {
   double rate_ = 1.0;
   double lead_ = kShortest;  ///< [s of wall time]
 
+  /// [s] Some turns of the controller: one that is late does not miss its tick.
   static constexpr double kShortest = 0.008;
 };
 

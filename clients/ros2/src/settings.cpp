@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
+#include <string_view>
 
 namespace vdrive::ros2 {
 namespace {
@@ -24,30 +26,38 @@ std::string text_of(const YamlValue& value) {
   return text;
 }
 
+struct TopicRow {
+  std::string_view key;
+  std::string TopicNames::*name;
+};
+
+constexpr std::array kTopicRows{TopicRow{"joint_states", &TopicNames::joint_states},
+                                TopicRow{"joint_commands", &TopicNames::joint_commands},
+                                TopicRow{"joint_trajectory", &TopicNames::joint_trajectory},
+                                TopicRow{"enable", &TopicNames::enable},
+                                TopicRow{"diagnostics", &TopicNames::diagnostics},
+                                TopicRow{"rosout", &TopicNames::rosout},
+                                TopicRow{"clock", &TopicNames::clock}};
+
 void read_topics(const YamlValue& map, TopicNames& topics) {
-  const auto name = [](std::string& topic) {
-    return [&topic](const YamlValue& value) {
-      topic = text_of(value);
-      const std::string absolute = topic.starts_with('/') ? topic : "/" + topic;
-      if (!ros::check_topic(absolute).empty()) {
-        value.refuse("is not the name of a topic: letters, digits and '_', parts divided by '/'");
-      }
-    };
-  };
-  map.take_keys({{"joint_states", name(topics.joint_states)},
-                 {"joint_commands", name(topics.joint_commands)},
-                 {"joint_trajectory", name(topics.joint_trajectory)},
-                 {"enable", name(topics.enable)},
-                 {"diagnostics", name(topics.diagnostics)},
-                 {"rosout", name(topics.rosout)},
-                 {"clock", name(topics.clock)}});
+  std::array<std::string_view, kTopicRows.size()> keys;
+  std::ranges::transform(kTopicRows, keys.begin(), &TopicRow::key);
+  map.for_each_entry(keys, [&](const std::string& key, const YamlValue& value) {
+    std::string& topic = topics.*std::ranges::find(kTopicRows, key, &TopicRow::key)->name;
+    topic = text_of(value);
+    const std::string absolute = topic.starts_with('/') ? topic : "/" + topic;
+    if (!ros::check_topic(absolute).empty()) {
+      value.refuse("is not the name of a topic: letters, digits and '_', parts divided by '/'");
+    }
+  });
 }
 
-Interface read_interface(const YamlValue& value) {
-  constexpr std::array kInterfaces{Interface::position, Interface::velocity, Interface::effort};
+CommandInterface read_interface(const YamlValue& value) {
+  constexpr std::array kInterfaces{CommandInterface::position, CommandInterface::velocity,
+                                   CommandInterface::effort};
   return kInterfaces.at(
-      value.choice({to_string(Interface::position), to_string(Interface::velocity),
-                    to_string(Interface::effort)}));
+      value.choice({to_string(CommandInterface::position), to_string(CommandInterface::velocity),
+                    to_string(CommandInterface::effort)}));
 }
 
 JointSetting read_joint(const std::string& name, const YamlValue& value) {
@@ -68,7 +78,7 @@ JointSetting read_joint(const std::string& name, const YamlValue& value) {
 }
 
 void read_joints(const YamlValue& map, std::vector<JointSetting>& joints) {
-  joints.clear();
+  joints.clear();  // the key replaces, it does not add
   map.for_each_entry({}, [&](const std::string& name, const YamlValue& value) {
     joints.push_back(read_joint(name, value));
     const bool is_twice = std::ranges::count(joints, joints.back().axis, &JointSetting::axis) > 1;
@@ -86,6 +96,7 @@ void read_benches(const YamlValue& list, std::vector<std::uint32_t>& benches) {
 }  // namespace
 
 void read_settings(const std::string& text, const std::string& file, Settings& settings) {
+  // Beyond these a value is a mistake in its unit.
   constexpr double kLongestTimeout = 3600.0;
   constexpr double kWidestTolerance = 10.0;
   constexpr double kFurthestAhead = 86'400.0;
@@ -133,17 +144,12 @@ void resolve_topics(Settings& settings) {
   if (!space.empty() && !ros::check_topic(space).empty()) {
     throw ConfigurationError("namespace: " + ros::check_topic(space));
   }
-  TopicNames& topics = settings.topics;
-  const std::array all{&topics.joint_states, &topics.joint_commands, &topics.joint_trajectory,
-                       &topics.enable,       &topics.diagnostics,    &topics.rosout,
-                       &topics.clock};
-  for (std::string* const topic : all) {
-    if (!topic->starts_with('/')) *topic = space + "/" + *topic;
-  }
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    for (std::size_t other = i + 1; other < all.size(); ++other) {
-      if (*all[i] != *all[other]) continue;
-      throw ConfigurationError("two topics are called " + in_quotes(*all[i]));
+  std::set<std::string> taken;
+  for (const TopicRow& row : kTopicRows) {
+    std::string& topic = settings.topics.*row.name;
+    if (!topic.starts_with('/')) topic = space + "/" + topic;
+    if (!taken.insert(topic).second) {
+      throw ConfigurationError("two topics are called " + in_quotes(topic));
     }
   }
 }

@@ -1,16 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "interface.hpp"
 #include "vdrive/client/session.hpp"
 
-#include <chrono>
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace vdrive::ros2 {
+
+/// What a joint is commanded with.
+enum class CommandInterface : std::uint8_t { position, velocity, effort };
+
+/// @return "position", "velocity" or "effort".
+[[nodiscard]] constexpr std::string_view to_string(CommandInterface interface) noexcept {
+  constexpr std::array<std::string_view, 3> kNames{"position", "velocity", "effort"};
+  return kNames[static_cast<std::size_t>(interface)];
+}
 
 /// Names of topics: those that begin with '/' stay, the others get the namespace before them.
 struct TopicNames {
@@ -26,8 +36,8 @@ struct TopicNames {
 /// A joint that the configuration names.
 struct JointSetting {
   std::string name;
-  std::string axis;                       ///< "1.2", "1.lift" or the axis' own name
-  std::optional<Interface> interface {};  ///< the only one that commands it
+  std::string axis;                              ///< "1.2", "1.lift" or the axis' own name
+  std::optional<CommandInterface> interface {};  ///< the only one that commands it
 };
 
 /// The settings of vdrive-ros2.

@@ -2,15 +2,14 @@
 #include "stamp_order.hpp"
 
 #include "joint_limits.hpp"
+#include "ros_time.hpp"
 
 namespace vdrive::ros2 {
 namespace {
 
-constexpr double kNanoseconds = 1e9;  // of a second
-
 /// @return the time from `begin` to `end` [s].
 double seconds_between(std::int64_t begin, std::int64_t end) noexcept {
-  return static_cast<double>(end - begin) / kNanoseconds;
+  return static_cast<double>(end - begin) / kNanosecondsPerSecond;
 }
 
 }  // namespace
@@ -31,6 +30,7 @@ std::string StampOrder::problem(const wire::WriterId& writer, std::int64_t stamp
 
 void StampOrder::note(const wire::WriterId& writer, std::int64_t stamp) {
   if (stamp == 0) return;
+  // Writers come and go under new numbers. Forgetting all costs no more than one stamp each.
   if (last_.size() >= kMostWriters && !last_.contains(writer)) last_.clear();
   last_[writer] = stamp;
 }

@@ -1,22 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "trajectories.hpp"
 
-#include "vdrive/number_text.hpp"
-
 #include <algorithm>
-#include <cmath>
+#include <cstddef>
 #include <optional>
 #include <utility>
+#include <vector>
 
 namespace vdrive::ros2 {
 namespace {
 
 using bridge::Severity;
 
-constexpr double kNanosecond = 1e-9;
-
 std::string joined(const std::vector<std::string>& names) {
-  constexpr std::size_t kMost = 4;
+  constexpr std::size_t kMost = 4;  // a line of a log for people
   std::string text;
   for (std::size_t i = 0; i < std::min(names.size(), kMost); ++i) {
     text += (i == 0 ? "" : ", ") + names[i];
@@ -38,13 +35,13 @@ std::string stamp_problem(const StampOrder& order, const wire::WriterId& writer,
 
 void Trajectories::note_enable(bool is_enabled) {
   stamps_.clear();
-  if (!is_enabled) waiting_.clear();
+  if (!is_enabled) waiting_.reset();
 }
 
-void Trajectories::end_with(const BenchMotion& motion) {
+void Trajectories::end_with(BenchMotion& motion) {
   for (const auto& [number, text] : running_) {
     if (!motion.follows(number)) continue;
-    break_off({{.number = number, .reason = motion.link().name() + " was restarted"}});
+    break_off({{.number = number, .reason = motion.bench().label() + " was restarted"}});
     return;
   }
 }
@@ -59,9 +56,18 @@ std::string Trajectories::problem_of(const Trajectory& trajectory,
   for (const JointPlace& joint : trajectory.joints) benches.insert(joint.bench);
   const std::string stamp = stamp_problem(stamps_, writer, trajectory.start, benches_, benches);
   if (!stamp.empty()) return stamp;
+  return obstacle_to(trajectory);
+}
+
+/// @return why it cannot start with one of its joints; empty when it can.
+std::string Trajectories::obstacle_to(const Trajectory& trajectory) const {
   for (std::size_t i = 0; i < trajectory.joints.size(); ++i) {
     const JointPlace& joint = trajectory.joints[i];
-    const std::string problem = benches_.at(joint.bench).motion->trajectory_obstacle(joint.place);
+    // While it waited its bench may have gone, and another one may have come with that name.
+    const bool is_present = benches_.find_joint(trajectory.names[i]) == joint;
+    const std::string problem =
+        is_present ? benches_.motion_of(joint.bench).trajectory_obstacle(joint.place)
+                   : "is no longer present";
     if (!problem.empty()) return "joint " + trajectory.names[i] + " " + problem;
   }
   return {};
@@ -81,42 +87,36 @@ void Trajectories::take(const ros::JointTrajectory& message, const wire::WriterI
     return;
   }
   stamps_.note(writer, trajectory->start);
-  Waiting waiting{.trajectory = std::move(*trajectory), .limits = {}};
-  for (const JointPlace& joint : waiting.trajectory.joints) {
-    if (waiting.limits.contains(joint.bench)) continue;
-    waiting.limits[joint.bench] = benches_.at(joint.bench).link->request_limits();
+  // A new trajectory takes the place of one that has not started.
+  waiting_ = Waiting{.trajectory = std::move(*trajectory), .limits = {}};
+  // It is checked against the limits of now: another program may have changed them just before.
+  for (const JointPlace& joint : waiting_->trajectory.joints) {
+    if (waiting_->limits.contains(joint.bench)) continue;
+    waiting_->limits[joint.bench] = benches_.motion_of(joint.bench).bench().request_limits();
   }
-  waiting_.clear();  // a new trajectory takes the place of one that has not started
-  waiting_.push_back(std::move(waiting));
 }
 
 bool Trajectories::has_limits(const Waiting& waiting) const {
   return std::ranges::all_of(waiting.limits, [this](const auto& entry) {
     const auto bench = benches_.all().find(entry.first);
-    return bench == benches_.all().end() || bench->second.link->limits_read() >= entry.second;
+    return bench == benches_.all().end() || bench->second.bench->seen().limits_read >= entry.second;
   });
 }
 
 void Trajectories::start_due() {
-  std::erase_if(waiting_, [this](Waiting& waiting) {
-    return has_limits(waiting) && try_start(waiting);
-  });
+  if (waiting_ && has_limits(*waiting_) && try_start(*waiting_)) waiting_.reset();
 }
 
 /// @return whether it has been started or refused.
 bool Trajectories::try_start(Waiting& waiting) {
   const Trajectory& trajectory = waiting.trajectory;
-  for (std::size_t i = 0; i < trajectory.joints.size(); ++i) {
-    const auto known = benches_.find_joint(trajectory.names[i]);
-    const std::string problem =
-        known ? benches_.motion_of(known->place).trajectory_obstacle(known->place.place)
-              : "is no longer present";
-    if (problem.empty()) continue;
-    refuse("joint " + trajectory.names[i] + " " + problem);
+  if (const std::string problem = obstacle_to(trajectory); !problem.empty()) {
+    refuse(problem);
     return true;
   }
   // One that starts later is checked at once as well, from the present positions.
-  Start start = prepare(trajectory);
+  const TrajectoryStart start = plan_start(trajectory, benches_, start_tolerance_);
+  // Later its joints may be on another way: what is wrong from there may be right at the start.
   if (start.waits && waiting.is_checked) return false;
   if (!start.problem.empty()) {
     refuse(start.problem);
@@ -128,82 +128,7 @@ bool Trajectories::try_start(Waiting& waiting) {
   return true;
 }
 
-/// @param passed [s] of the trajectory that are over in the tick of its begin, by bench
-void Trajectories::find_begins(const Trajectory& trajectory, Start& start,
-                               std::map<std::uint32_t, double>& passed) {
-  for (const JointPlace& joint : trajectory.joints) {
-    if (start.begins.contains(joint.bench)) continue;
-    const ServedBench& bench = benches_.at(joint.bench);
-    std::uint64_t begin = bench.motion->begin_tick();
-    if (trajectory.start != 0) {
-      const std::int64_t early = trajectory.start - stamp_of(*bench.info, begin);
-      const double ticks = static_cast<double>(early) * kNanosecond / bench.link->period();
-      const auto whole = static_cast<std::uint64_t>(std::max(0.0, std::round(ticks)));
-      begin = bench.motion->begin_tick(begin + whole);
-    }
-    start.begins[joint.bench] = begin;
-    passed[joint.bench] = 0.0;
-    if (trajectory.start == 0) continue;
-    const std::int64_t stamp = stamp_of(*bench.info, begin);
-    const double late = static_cast<double>(stamp - trajectory.start) * kNanosecond;
-    // A difference below half a tick is rounding.
-    if (late < -0.5 * bench.link->period()) start.waits = true;
-    passed[joint.bench] = std::max(0.0, late);
-  }
-}
-
-Trajectories::Start Trajectories::prepare(const Trajectory& trajectory) {
-  Start start;
-  std::map<std::uint32_t, double> passed;
-  find_begins(trajectory, start, passed);
-  start.paths.resize(trajectory.joints.size());
-  for (std::size_t i = 0; i < trajectory.joints.size() && start.problem.empty(); ++i) {
-    add_path(trajectory, i, start.waits ? 0.0 : passed[trajectory.joints[i].bench], start);
-  }
-  const bool is_empty = std::ranges::none_of(start.paths, [](const auto& path) {
-    return path != nullptr;
-  });
-  if (start.problem.empty() && is_empty) start.problem = "all its points are in the past";
-  return start;
-}
-
-void Trajectories::add_path(const Trajectory& trajectory, std::size_t joint, double passed,
-                            Start& start) {
-  const JointPlace& place = trajectory.joints[joint];
-  BenchMotion& motion = benches_.motion_of(place);
-  const Joint& known = motion.link().joints()[place.place];
-  const JointMotion now = motion.motion(place.place);
-  const double shortest = 0.5 * motion.link().period();
-  std::vector<PathPoint> points;
-  points.reserve(trajectory.points.size());
-  for (const TrajectoryPoint& point : trajectory.points) {
-    PathPoint path_point{.time = point.time - passed, .position = point.positions[joint]};
-    if (!point.velocities.empty()) path_point.velocity = point.velocities[joint];
-    if (!point.accelerations.empty()) path_point.acceleration = point.accelerations[joint];
-    const bool is_start = path_point.time < shortest;
-    const double gap = std::abs(path_point.position - now.position);
-    if (is_start && point.time < shortest && !start.waits && gap > start_tolerance_) {
-      start.problem = "joint " + known.name + " is at " + text_of(now.position) +
-                      ", its point at the start is " + text_of(path_point.position) + " " +
-                      known.unit_name() + ": more than the start_tolerance of " +
-                      text_of(start_tolerance_) + " away";
-      return;
-    }
-    if (!is_start) points.push_back(path_point);
-  }
-  if (points.empty()) return;
-  auto path = std::make_shared<const JointPath>(now, points);
-  const auto limits = motion.link().limits();
-  const auto broken = limits ? path->check((*limits)[place.place], known.unit_name())
-                             : std::optional<std::string>("its limits are not known");
-  if (broken) {
-    start.problem = "joint " + known.name + ": " + *broken;
-    return;
-  }
-  start.paths[joint] = std::move(path);
-}
-
-void Trajectories::begin(const Trajectory& trajectory, const Start& start) {
+void Trajectories::begin(const Trajectory& trajectory, const TrajectoryStart& start) {
   const std::uint64_t number = ++last_number_;
   const std::string text = "number " + std::to_string(number) + " of " + joined(trajectory.names) +
                            ", " + std::to_string(trajectory.points.size()) + " points";
@@ -211,34 +136,40 @@ void Trajectories::begin(const Trajectory& trajectory, const Start& start) {
   for (const auto& known : running_) {
     const std::uint64_t old = known.first;
     const bool is_replaced = std::ranges::any_of(trajectory.joints, [&](const JointPlace& joint) {
-      return benches_.motion_of(joint).trajectory_of(joint.place) == old;
+      return benches_.motion_of(joint.bench).trajectory_of(joint.place) == old;
     });
     if (is_replaced) replaced.insert(old);
   }
+  // After the search for what is replaced, before its joints brake: each joint has one of both.
   for (std::size_t i = 0; i < trajectory.joints.size(); ++i) {
     if (start.paths[i] == nullptr) continue;
     const JointPlace& joint = trajectory.joints[i];
-    benches_.motion_of(joint).follow(joint.place, start.paths[i], start.begins.at(joint.bench),
-                                     number);
+    benches_.motion_of(joint.bench)
+        .follow(joint.place, start.paths[i], start.begins.at(joint.bench).tick, number);
   }
   // Joints of a replaced trajectory that this one does not move come to rest.
   for (const std::uint64_t old : replaced) {
-    for (auto& [bench_number, bench] : benches_.all()) bench.motion->brake(old);
+    brake_all(old);
     running_.erase(old);
   }
   running_[number] = text;
   reports_.report(Severity::info, "joint trajectory", text + ": starts");
 }
 
-void Trajectories::break_off(const std::vector<BrokenTrajectory>& broken) {
+void Trajectories::break_off(const BrokenTrajectories& broken) {
   for (const BrokenTrajectory& one : broken) {
     const auto known = running_.find(one.number);
     if (known == running_.end()) continue;
     reports_.report(Severity::error, "joint trajectory",
                     known->second + ": stopped, " + one.reason);
     running_.erase(known);
-    for (auto& [number, bench] : benches_.all()) bench.motion->brake(one.number);
+    // Also on other benches: a trajectory of two arms without one of them is another motion.
+    brake_all(one.number);
   }
+}
+
+void Trajectories::brake_all(std::uint64_t number) {
+  for (auto& [bench_number, bench] : benches_.all()) bench.motion->brake(number);
 }
 
 void Trajectories::forget_ended() {

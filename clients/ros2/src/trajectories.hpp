@@ -3,18 +3,18 @@
 
 #include "served_benches.hpp"
 #include "stamp_order.hpp"
+#include "trajectory_start.hpp"
 #include "vdrive/wire/ros.hpp"
 
 #include <cstdint>
 #include <map>
-#include <memory>
+#include <optional>
 #include <set>
 #include <string>
-#include <vector>
 
 namespace vdrive::ros2 {
 
-/// Checks, starts and ends trajectories. One waits for its time or for the limits of its joints;
+/// Takes, starts and ends trajectories. One waits for its time or for the limits of its joints;
 /// any number are under way. For one thread.
 class Trajectories {
  public:
@@ -36,10 +36,10 @@ class Trajectories {
   void start_due();
 
   /// Brakes the joints of trajectories that ended early, and reports why.
-  void break_off(const std::vector<BrokenTrajectory>& broken);
+  void break_off(const BrokenTrajectories& broken);
 
   /// Breaks off what a bench does whose run has ended.
-  void end_with(const BenchMotion& motion);
+  void end_with(BenchMotion& motion);
 
   /// Reports those whose set-points were all sent.
   void forget_ended();
@@ -52,31 +52,20 @@ class Trajectories {
     bool is_checked = false;
   };
 
-  /// The paths of a trajectory that may start.
-  struct Start {
-    std::vector<std::shared_ptr<const JointPath>>
-        paths;                                      ///< one a joint; none for a joint at its target
-    std::map<std::uint32_t, std::uint64_t> begins;  ///< tick, by bench
-    std::string problem;
-    bool waits = false;  ///< its time has not come
-  };
-
   void refuse(const std::string& problem);
   [[nodiscard]] std::string problem_of(const Trajectory& trajectory,
                                        const wire::WriterId& writer) const;
+  [[nodiscard]] std::string obstacle_to(const Trajectory& trajectory) const;
   [[nodiscard]] bool try_start(Waiting& waiting);
   [[nodiscard]] bool has_limits(const Waiting& waiting) const;
-  void find_begins(const Trajectory& trajectory, Start& start,
-                   std::map<std::uint32_t, double>& passed);
-  [[nodiscard]] Start prepare(const Trajectory& trajectory);
-  void add_path(const Trajectory& trajectory, std::size_t joint, double passed, Start& start);
-  void begin(const Trajectory& trajectory, const Start& start);
+  void begin(const Trajectory& trajectory, const TrajectoryStart& start);
+  void brake_all(std::uint64_t number);
 
   ServedBenches& benches_;
   bridge::Reports& reports_;
   const double start_tolerance_;
   StampOrder stamps_;
-  std::vector<Waiting> waiting_;
+  std::optional<Waiting> waiting_;
   std::map<std::uint64_t, std::string> running_;  ///< number and text
   std::uint64_t last_number_ = 0;
 };

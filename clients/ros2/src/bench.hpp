@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "joint_limits.hpp"
+#include "joints.hpp"
+#include "vdrive/client/axis_snapshot.hpp"
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vdrive::ros2 {
+
+/// What the thread that commands wants of the control of all axes of a bench.
+enum class ControlWish : std::uint8_t {
+  take,       ///< as soon as they are free
+  leave,      ///< keep what is held, take no more
+  give_back,  ///< what is held
+};
+
+/// A bench as two threads share it: the one that commands it, and its BenchLink, which waits for
+/// it. Thread-safe; no call waits.
+class Bench {
+ public:
+  using State = std::shared_ptr<const client::Observation>;  ///< axes in the order of the joints
+  using Limits = std::shared_ptr<const std::vector<JointLimits>>;
+
+  /// What is known of it.
+  struct Seen {
+    State state{};                  ///< the newest one; none while the bench sends no status
+    Limits limits{};                ///< of all joints; none before they were read
+    std::uint64_t limits_read = 0;  ///< number of the newest request that `limits` answers
+    double rate = 1.0;              ///< drive time over wall time; 1 where time does not pass alone
+  };
+
+  /// What is wanted from it.
+  struct Wishes {
+    std::optional<ControlWish> control{};  ///< each is taken once
+    std::uint64_t limits = 0;              ///< number of the newest request
+  };
+
+  Bench(client::BenchInfo info, std::vector<ServedJoint> joints);
+
+  [[nodiscard]] const client::BenchInfo& info() const noexcept { return info_; }
+
+  [[nodiscard]] const std::vector<ServedJoint>& joints() const noexcept { return joints_; }
+
+  /// @return what reports call it, such as "bench 1".
+  [[nodiscard]] std::string label() const { return "bench " + std::to_string(info_.number); }
+
+  /// @return [s] of a tick
+  [[nodiscard]] double period() const noexcept {
+    return std::chrono::duration<double>(info_.period).count();
+  }
+
+  [[nodiscard]] Seen seen() const;
+  void set_state(State state);
+  void set_rate(double rate);
+
+  /// @param request the `limits` of the wishes before they were read
+  void set_limits(Limits limits, std::uint64_t request);
+
+  /// A newer wish takes the place of one that was not taken.
+  void wish(ControlWish wish);
+
+  /// Has the limits read again. @return the number that Seen::limits_read has after it.
+  std::uint64_t request_limits();
+
+  [[nodiscard]] Wishes take_wishes();
+
+ private:
+  const client::BenchInfo info_;
+  const std::vector<ServedJoint> joints_;
+  mutable std::mutex mutex_;  ///< guards what follows
+  Seen seen_;
+  Wishes wishes_;
+};
+
+/// A joint in the newest tick of its bench, for the length of a call.
+struct JointNow {
+  const ServedJoint& joint;
+  const client::AxisSnapshot& axis;
+  const JointLimits& limits;
+  std::uint64_t tick = 0;
+  double period = 0.0;  ///< [s] of a tick
+
+  /// @return what the drive is to do in this tick.
+  [[nodiscard]] JointMotion demand() const noexcept;
+
+  /// @return `value`, which is in rad or m, in user units.
+  [[nodiscard]] std::int32_t user_units(double value) const noexcept;
+
+  /// @return [s] from one tick to another one, which may be earlier.
+  [[nodiscard]] double seconds(std::uint64_t from, std::uint64_t to) const noexcept {
+    return (static_cast<double>(to) - static_cast<double>(from)) * period;
+  }
+};
+
+/// A bench in one turn.
+struct BenchNow {
+  const Bench& bench;
+  Bench::Seen seen{};
+
+  [[nodiscard]] std::uint64_t tick() const noexcept { return seen.state->tick; }
+
+  /// @return the joint at that place. Only where a joint can be commanded: there are a state and
+  ///         limits.
+  [[nodiscard]] JointNow joint(std::size_t place) const;
+};
+
+}  // namespace vdrive::ros2

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "bench.hpp"
+#include "joint_path.hpp"
+#include "joint_tracker.hpp"
+#include "vdrive/client/session.hpp"
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+namespace vdrive::ros2 {
+
+/// What the bridge commands a joint to do.
+enum class Duty : std::uint8_t {
+  none,        ///< nothing was commanded since it was enabled
+  hold,        ///< stays where the last command ended
+  track,       ///< follows positions that come from time to time
+  trajectory,  ///< follows a trajectory
+  velocity,
+  effort,
+  settle,  ///< comes to rest, then follows positions
+};
+
+/// @return such as "trajectory".
+[[nodiscard]] std::string_view to_string(Duty duty) noexcept;
+
+/// What one joint does in the ticks to come: commands change it, each tick takes a set-point from
+/// it. Whether a command is permitted is for its caller. For one thread.
+class JointPlan {
+ public:
+  /// What the drive shows after the last set-point of a motion.
+  enum class End : std::uint8_t {
+    open,      ///< there is none, or its tick has not come
+    reached,   ///< it is where that set-point leads
+    refused,   ///< it is not, and gets it again
+    given_up,  ///< it has got it too often
+  };
+
+  [[nodiscard]] Duty duty() const noexcept { return duty_; }
+
+  /// @return whether each tick needs a position.
+  [[nodiscard]] bool has_positions() const noexcept {
+    return duty_ == Duty::track || duty_ == Duty::trajectory;
+  }
+
+  /// @return the number of the trajectory that the joint follows, 0 = none.
+  [[nodiscard]] std::uint64_t trajectory() const noexcept {
+    return duty_ == Duty::trajectory ? trajectory_ : 0;
+  }
+
+  /// @return whether the drive moves, or may move, by another cause than a stream of positions.
+  [[nodiscard]] bool moves_by_itself(const JointNow& now) const noexcept;
+
+  /// @return how the joint moves in `tick`, up to which positions were sent.
+  [[nodiscard]] JointMotion motion(const JointNow& now, std::uint64_t tick) const;
+
+  // ---- commands
+
+  /// Goes to a position; a joint that moves by itself comes to rest first.
+  /// @return whether its positions begin with this command
+  [[nodiscard]] bool go_to(const JointNow& now, double position);
+
+  /// Runs with a velocity or an effort.
+  void run(const JointNow& now, Duty duty, double value);
+
+  /// @param begin tick of the path's time 0
+  void follow(const JointNow& now, std::shared_ptr<const JointPath> path, std::uint64_t begin,
+              std::uint64_t number);
+
+  /// Leaves its trajectory and brakes.
+  /// @param tick up to which positions were sent
+  void brake(const JointNow& now, std::uint64_t tick);
+
+  /// Brakes if velocity or effort move it. @return whether they do.
+  bool brake_free();
+
+  // ---- each turn
+
+  /// Brakes a joint that was not commanded for `timeout` [s]. @return whether it has moved.
+  bool brake_without_command(const JointNow& now, double timeout);
+
+  /// The bench has passed the last set-point: the drive holds, and what follows starts there.
+  /// @return the number of the trajectory that ends with it, 0 = none
+  std::uint64_t start_again(const JointNow& now);
+
+  /// Compares the drive with the end of a motion. @return each result but `open` once.
+  [[nodiscard]] End check_end(const JointNow& now);
+
+  /// Goes to the end of the motion once more.
+  void repeat_end(const JointNow& now);
+
+  /// @return whether a joint that came to rest begins with positions now.
+  [[nodiscard]] bool settles(const JointNow& now);
+
+  // ---- set-points
+
+  /// @return the position for `tick`: the tick after the one of the call before.
+  [[nodiscard]] client::SetPoint position_point(const JointNow& now, std::uint64_t tick);
+
+  /// @param tick in which the drive shows it
+  /// @return the velocity or effort, or the mode of positions for a joint that comes to rest, where
+  ///         it is new or the drive did not take it.
+  [[nodiscard]] std::optional<client::SetPoint> free_point(const JointNow& now, std::uint64_t tick);
+  [[nodiscard]] std::optional<client::SetPoint> mode_point(const JointNow& now, std::uint64_t tick);
+
+ private:
+  [[nodiscard]] JointTracker& tracker();
+  void set_free(Duty duty, double value);
+  void track(const JointMotion& start, double goal);
+
+  Duty duty_ = Duty::none;
+  double position_ = 0.0;  ///< hold [rad or m]
+  double value_ = 0.0;     ///< velocity and effort [SI]; settle: the position to go to
+  std::optional<JointTracker> tracker_;
+  std::shared_ptr<const JointPath> path_;
+  std::uint64_t begin_ = 0;         ///< tick of the path's time 0
+  std::uint64_t trajectory_ = 0;    ///< number
+  std::uint64_t commanded_at_ = 0;  ///< tick of the last command
+  std::uint64_t sent_for_ = 0;      ///< tick of the velocity, effort or mode that was sent last
+  std::uint64_t ends_at_ = 0;       ///< hold: tick of the last set-point, until the drive shows it
+  int repeats_ = 0;                 ///< of the end of this motion
+  double interval_ = 0.0;           ///< [s] between commands, as they come
+  bool is_due_ = false;             ///< velocity and effort: to be sent
+  bool is_lost_ = false;            ///< no command came in time, and it was braked
+};
+
+/// The plans of a bench, in the order of its joints.
+using JointPlans = std::vector<JointPlan>;
+
+}  // namespace vdrive::ros2

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "set_point_stream.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <optional>
+#include <utility>
+
+namespace vdrive::ros2 {
+namespace {
+
+using Frames = SetPointStream::Frames;
+
+/// One frame with what `point` gives of each joint; none when it gives nothing.
+template <typename Point>
+Frames frame_of(std::uint64_t tick, std::size_t joints, const Point& point) {
+  client::SetPointFrame frame{.tick = tick};
+  for (std::size_t place = 0; place < joints; ++place) {
+    if (auto one = point(place)) frame.axes.push_back(std::move(*one));
+  }
+  return frame.axes.empty() ? Frames{} : Frames{std::move(frame)};
+}
+
+}  // namespace
+
+bool SetPointStream::is_running() const {
+  return std::ranges::any_of(plans_, &JointPlan::has_positions);
+}
+
+void SetPointStream::begin(std::uint64_t tick, std::uint64_t wanted) {
+  sent_until_ = std::max(sent_until_, tick + lead_.lead() - 1);
+  const bool is_near = wanted <= tick + lead_.ahead_of_trajectory();
+  if (wanted > sent_until_ && is_near) sent_until_ = wanted;
+}
+
+void SetPointStream::catch_up(std::uint64_t tick) {
+  lead_.lengthen();
+  sent_until_ = tick + lead_.lead() - 1;
+}
+
+Frames SetPointStream::modes(const BenchNow& now) {
+  const std::uint64_t reached = now.tick() + lead_.lead();
+  return frame_of(0, plans_.size(), [&](std::size_t place) -> std::optional<client::SetPoint> {
+    JointPlan& plan = plans_[place];
+    if (plan.duty() != Duty::settle) return std::nullopt;
+    const JointNow joint = now.joint(place);
+    const bool ran = is_running();
+    if (!plan.settles(joint)) return plan.mode_point(joint, reached);
+    if (!ran) begin(now.tick());
+    return std::nullopt;
+  });
+}
+
+Frames SetPointStream::positions(const BenchNow& now) {
+  const bool has_trajectory = std::ranges::count(plans_, Duty::trajectory, &JointPlan::duty) > 0;
+  const std::uint64_t last = now.tick() + lead_.window(has_trajectory);
+  Frames frames;
+  while (is_running() && sent_until_ < last) {
+    ++sent_until_;
+    client::SetPointFrame frame{.tick = sent_until_};
+    for (std::size_t place = 0; place < plans_.size(); ++place) {
+      if (!plans_[place].has_positions()) continue;
+      frame.axes.push_back(plans_[place].position_point(now.joint(place), sent_until_));
+    }
+    frames.push_back(std::move(frame));
+  }
+  return frames;
+}
+
+Frames SetPointStream::free_points(const BenchNow& now) {
+  // Velocities and torques act at once, but after positions that were sent before.
+  const std::uint64_t tick = sent_until_ > now.tick() ? sent_until_ + 1 : 0;
+  const std::uint64_t reached = std::max(tick, now.tick() + lead_.lead());
+  return frame_of(tick, plans_.size(), [&](std::size_t place) -> std::optional<client::SetPoint> {
+    JointPlan& plan = plans_[place];
+    if (plan.duty() != Duty::velocity && plan.duty() != Duty::effort) return std::nullopt;
+    return plan.free_point(now.joint(place), reached);
+  });
+}
+
+}  // namespace vdrive::ros2

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench_motion.hpp"
+
+#include "fake_benches.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace vdrive::ros2 {
+namespace {
+
+using testing::Contains;
+using testing::Each;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+/// A bench whose joints x and y are enabled.
+struct Commanded : FakeBenches {
+  explicit Commanded(Settings with = {}) : FakeBenches(std::move(with)) {
+    add(1, {"x", "y"});
+    enable();
+    (void)drive().take_sent();
+    written.lines.clear();
+  }
+
+  FakeBench& drive() { return drives.at(1); }
+
+  void command(std::size_t place, CommandInterface interface, double value) {
+    motion().command(
+        {.joint = {.bench = 1, .place = place}, .interface = interface, .value = value});
+    turn();
+  }
+
+  std::int32_t demand(std::size_t place) {
+    return drive().axis(place).status.position_demand_value;
+  }
+};
+
+/// The frames that carry something: the others keep the bench alive.
+std::vector<client::SetPointFrame> with_axes(std::vector<client::SetPointFrame> frames) {
+  std::erase_if(frames, [](const client::SetPointFrame& frame) {
+    return frame.axes.empty();
+  });
+  return frames;
+}
+
+TEST(BenchMotion, SendsEachTickOnceAndAheadOfTheBench) {
+  Commanded fake;
+  fake.command(0, CommandInterface::position, 1.0);
+  const auto frames = with_axes(fake.drive().take_sent());
+  // In lock-step the first set-point is 20 ticks ahead, and 40 ticks have one while a step lasts.
+  ASSERT_THAT(frames, SizeIs(21));
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    EXPECT_EQ(frames[i].tick, FakeBench::kBegin + 20 + i);
+  }
+  fake.run(1);
+  EXPECT_THAT(with_axes(fake.drive().take_sent()),
+              ElementsAre(testing::Field(&client::SetPointFrame::tick, FakeBench::kBegin + 41)));
+}
+
+TEST(BenchMotion, MovesTwoJointsInTheSameFrames) {
+  Commanded fake;
+  fake.command(0, CommandInterface::position, 0.5);
+  (void)fake.drive().take_sent();
+  fake.command(1, CommandInterface::position, -0.5);
+  fake.run(100);
+  EXPECT_THAT(with_axes(fake.drive().take_sent()),
+              Each(testing::Field(&client::SetPointFrame::axes, SizeIs(2))));
+  fake.run(400);
+  EXPECT_EQ(fake.demand(0), 500) << "0.5 rad of 0.001 rad";
+  EXPECT_EQ(fake.demand(1), -500);
+  EXPECT_FALSE(fake.motion().is_busy());
+}
+
+TEST(BenchMotion, SendsAVelocityBehindThePositionsThatAreOnTheirWay) {
+  Commanded fake;
+  fake.command(0, CommandInterface::position, 1.0);
+  (void)fake.drive().take_sent();
+  fake.command(0, CommandInterface::velocity, 0.5);
+  const auto frames = with_axes(fake.drive().take_sent());
+  ASSERT_THAT(frames, SizeIs(1));
+  EXPECT_EQ(frames[0].tick, FakeBench::kBegin + 41) << "positions are sent up to 40 ticks ahead";
+  EXPECT_EQ(frames[0].axes[0].velocity, 500);
+}
+
+TEST(BenchMotion, IgnoresACommandThatItCannotCarryOutAndReportsIt) {
+  Commanded fake;
+  fake.command(0, CommandInterface::velocity, 6.0);
+  fake.drive().axis(1).owner_session = 0x0B;
+  fake.turn();
+  fake.command(1, CommandInterface::position, 0.1);
+  EXPECT_THAT(with_axes(fake.drive().take_sent()), IsEmpty());
+  EXPECT_THAT(fake.written.lines,
+              ElementsAre("joint x: velocity 6 is above the limit 5: the command is ignored",
+                          "joint y: is controlled by session 0x000000000000000b: the command is "
+                          "ignored"));
+}
+
+TEST(BenchMotion, EndsAllPlansWhenOneOfTheirAxesFails) {
+  Commanded fake;
+  fake.command(0, CommandInterface::position, 1.0);
+  fake.command(1, CommandInterface::velocity, 1.0);
+  fake.drive().show(0, PowerState::fault);
+  fake.turn();
+  EXPECT_THAT(fake.motion().duties(), Each(Duty::none));
+}
+
+TEST(BenchMotion, GoesOnWhereTheBenchHoldsAndKeepsALargerDistance) {
+  Settings settings;
+  FakeBenches fake(settings);
+  fake.add(1, {"x"});
+  fake.drives.at(1).info().clock_mode = ClockMode::realtime;
+  fake.enable();
+  fake.motion().command({.joint = {.bench = 1}, .value = 1.0});
+  fake.turn();
+  fake.run(50);
+  fake.drives.at(1).count_from(fake.drives.at(1).tick() + 100);
+  (void)fake.drives.at(1).take_sent();
+  fake.turn();
+  const auto frames = with_axes(fake.drives.at(1).take_sent());
+  ASSERT_FALSE(frames.empty());
+  // 8 ms are 8 ticks; after set-points that came too late they are 16.
+  EXPECT_EQ(frames.front().tick, fake.drives.at(1).tick() + 16);
+  fake.run(1'000);
+  EXPECT_EQ(fake.drives.at(1).axis(0).status.position_demand_value, 1'000);
+}
+
+TEST(BenchMotion, BrakesAJointThatGetsNoCommandInTime) {
+  Settings settings;
+  settings.command_timeout = 0.05;
+  Commanded fake(settings);
+  fake.command(0, CommandInterface::velocity, 1.0);
+  fake.run(50);
+  EXPECT_THAT(fake.written.lines, IsEmpty());
+  fake.run(1);
+  EXPECT_THAT(fake.written.lines, ElementsAre("joint x: no command for 0.05 s: it brakes"));
+  EXPECT_EQ(with_axes(fake.drive().take_sent()).back().axes[0].velocity, 0);
+}
+
+TEST(BenchMotion, ReportsWhatABenchDoesNotTake) {
+  WrittenReports written;
+  FakeBench drives({"x"});
+  Bench bench(drives.info(), drives.joints());
+  BenchMotion motion(FakeBench::kSession, bench, written.reports, 0.0, [](const auto&) {
+    return client::Outcome::failed("the bench is away");
+  });
+  drives.enable();
+  motion.power().want_enabled(true, false);
+  drives.link(bench);
+  (void)motion.update({});
+  EXPECT_THAT(written.lines, ElementsAre("bench 1: the bench is away")) << "the keep-alive";
+}
+
+TEST(BenchMotion, BrakesWhatRunsFreelyWhenNobodyCommandsAnyMore) {
+  Commanded fake;
+  fake.command(0, CommandInterface::velocity, 1.0);
+  fake.command(1, CommandInterface::position, 0.5);
+  fake.motion().stop_free_joints("no node writes joint commands");
+  EXPECT_THAT(fake.written.lines, ElementsAre("joint x: no node writes joint commands: it brakes"));
+  EXPECT_THAT(fake.motion().duties(), ElementsAre(Duty::velocity, Duty::track));
+}
+
+TEST(BenchMotion, EndsItsPlansWhenTheBenchCountsFromALowerNumber) {
+  Commanded fake;
+  fake.command(0, CommandInterface::position, 1.0);
+  fake.drive().count_from(FakeBench::kBegin - 500);
+  fake.turn();
+  EXPECT_THAT(fake.motion().duties(), Each(Duty::none));
+  fake.command(0, CommandInterface::position, 1.0);
+  EXPECT_EQ(with_axes(fake.drive().take_sent()).back().tick, FakeBench::kBegin - 460);
+}
+
+TEST(BenchMotion, EndsItsPlansWhenTheBenchSendsNoStatus) {
+  Commanded fake;
+  fake.command(0, CommandInterface::position, 1.0);
+  fake.benches.all().at(1).bench->set_state(nullptr);
+  (void)fake.motion().update(fake.time);
+  EXPECT_EQ(fake.motion().state(), nullptr);
+  EXPECT_THAT(fake.motion().duties(), Each(Duty::none));
+  fake.command(0, CommandInterface::position, 1.0);
+  EXPECT_THAT(fake.written.lines, Contains(HasSubstr("is on a bench that sends no status")));
+}
+
+}  // namespace
+}  // namespace vdrive::ros2

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench_power.hpp"
+
+#include "fake_bench.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+
+namespace vdrive::ros2 {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+constexpr BenchPower::Clock::time_point kPowerBegin{1h};
+
+/// A bench with two axes that the bridge controls, and their power.
+struct Powered {
+  FakeBench drives{{"x", "y"}};
+  Bench bench{drives.info(), drives.joints()};
+  WrittenReports written{};
+  BenchPower power{FakeBench::kSession, bench, written.reports};
+
+  Powered() {
+    drives.axis(0).owner_session = FakeBench::kSession;
+    drives.axis(1).owner_session = FakeBench::kSession;
+  }
+
+  client::Observation state() {
+    drives.link(bench);
+    return *bench.seen().state;
+  }
+
+  BenchPower::Frames words(std::chrono::milliseconds time = 0ms) {
+    return power.words(state(), kPowerBegin + time);
+  }
+};
+
+/// The words of the frames, those of one axis behind the other.
+std::vector<std::uint16_t> words_of(const BenchPower::Frames& frames, std::uint16_t axis) {
+  std::vector<std::uint16_t> words;
+  for (const client::SetPointFrame& frame : frames) {
+    for (const client::SetPoint& point : frame.axes) {
+      if (point.axis == axis) words.push_back(point.controlword.value());
+    }
+  }
+  return words;
+}
+
+TEST(BenchPower, SendsTheWordsThatEachAxisNeedsOnceItControlsAll) {
+  Powered bench;
+  bench.power.want_enabled(true, false);
+  bench.drives.axis(1).owner_session = 0;
+  EXPECT_THAT(bench.words(), IsEmpty()) << "y is not under control yet";
+  EXPECT_THAT(bench.drives.control_wishes(), ElementsAre(ControlWish::take));
+  bench.drives.axis(1).owner_session = FakeBench::kSession;
+  bench.drives.show(1, PowerState::switched_on);
+  const auto frames = bench.words();
+  EXPECT_THAT(words_of(frames, 1), ElementsAre(0x06, 0x07, 0x0F));
+  EXPECT_THAT(words_of(frames, 2), ElementsAre(0x0F));
+}
+
+TEST(BenchPower, RepeatsTheWordsInALaterTickUntilTheAxesAreEnabled) {
+  Powered bench;
+  bench.power.want_enabled(true, false);
+  EXPECT_THAT(bench.words(), SizeIs(3));
+  bench.drives.step();
+  EXPECT_THAT(bench.words(499ms), IsEmpty());
+  EXPECT_THAT(bench.words(500ms), SizeIs(3));
+  EXPECT_THAT(bench.words(2s), IsEmpty()) << "the bench has not passed a tick since";
+  bench.drives.enable();
+  bench.drives.step();
+  EXPECT_THAT(bench.words(3s), IsEmpty());
+}
+
+TEST(BenchPower, GivesUpAfterTenAttemptsAndReportsIt) {
+  Powered bench;
+  bench.power.want_enabled(true, false);
+  for (int attempt = 0; attempt < 10; ++attempt) {
+    EXPECT_THAT(bench.words(attempt * 500ms), SizeIs(3)) << attempt;
+    bench.drives.step();
+  }
+  EXPECT_THAT(bench.words(5s), IsEmpty());
+  EXPECT_THAT(bench.written.lines, ElementsAre("bench 1: its axes cannot be enabled"));
+}
+
+TEST(BenchPower, ResetsAFaultOnlyWhereThatIsWantedAndOnce) {
+  Powered bench;
+  bench.drives.enable();
+  bench.drives.show(0, PowerState::fault);
+  bench.power.want_enabled(true, false);
+  EXPECT_THAT(bench.words(), IsEmpty());
+  bench.power.want_enabled(true, true);
+  EXPECT_THAT(words_of(bench.words(), 1), ElementsAre(0x80, 0x06, 0x07, 0x0F));
+  bench.drives.step();
+  EXPECT_THAT(bench.words(1s), IsEmpty()) << "the axis is in a fault again";
+}
+
+TEST(BenchPower, ContinuesAfterAQuickStopWithItsPower) {
+  Powered bench;
+  bench.drives.enable();
+  bench.drives.show(1, PowerState::quick_stop_active);
+  bench.power.want_enabled(true, false);
+  EXPECT_THAT(words_of(bench.words(), 2), ElementsAre(0x0F));
+}
+
+TEST(BenchPower, DisablesWhatItHasEnabledAndThenGivesItBack) {
+  Powered bench;
+  bench.drives.enable();
+  bench.power.want_enabled(true, false);
+  EXPECT_FALSE(bench.power.is_disabled(bench.state()));
+  bench.power.want_enabled(false, false);
+  const auto frames = bench.words();
+  ASSERT_THAT(frames, SizeIs(1));
+  EXPECT_TRUE(frames[0].drops_waiting) << "no set-point follows the end";
+  EXPECT_THAT(words_of(frames, 1), ElementsAre(0x06));
+  EXPECT_THAT(bench.words(), IsEmpty()) << "once a tick";
+  (void)bench.drives.take(frames);
+  bench.drives.step();
+  EXPECT_THAT(bench.words(), IsEmpty());
+  EXPECT_TRUE(bench.power.is_disabled(bench.state()));
+  bench.drives.step();
+  EXPECT_THAT(bench.words(), IsEmpty());
+  EXPECT_THAT(bench.drives.control_wishes(),
+              ElementsAre(ControlWish::take, ControlWish::leave, ControlWish::give_back));
+}
+
+TEST(BenchPower, ReportsEachFaultOnce) {
+  Powered bench;
+  bench.power.report_faults(bench.state());
+  EXPECT_THAT(bench.written.lines, IsEmpty());
+  bench.drives.show(1, PowerState::fault_reaction_active);
+  bench.power.report_faults(bench.state());
+  bench.drives.show(1, PowerState::fault);
+  bench.power.report_faults(bench.state());
+  EXPECT_THAT(bench.written.lines, ElementsAre(HasSubstr("joint y: shows")));
+}
+
+TEST(BenchPower, KeepsABenchInLockStepAliveEachTwentyMillisecondsOfDriveTime) {
+  Powered bench;
+  EXPECT_FALSE(bench.power.is_keep_alive_due(bench.state())) << "nothing is wanted";
+  bench.power.want_enabled(true, false);
+  EXPECT_TRUE(bench.power.is_keep_alive_due(bench.state()));
+  for (int tick = 0; tick < 19; ++tick) bench.drives.step();
+  EXPECT_FALSE(bench.power.is_keep_alive_due(bench.state()));
+  bench.drives.step();
+  EXPECT_TRUE(bench.power.is_keep_alive_due(bench.state()));
+}
+
+}  // namespace
+}  // namespace vdrive::ros2
