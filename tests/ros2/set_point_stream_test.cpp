@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "set_point_stream.hpp"
+
+#include "fake_bench.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace vdrive::ros2 {
+namespace {
+
+using testing::IsEmpty;
+using testing::SizeIs;
+
+/// The set-points of a bench in lock-step, whose joints x and y rest.
+struct Streamed {
+  FakeBench drives{{"x", "y"}};
+  Bench bench{drives.info(), drives.joints()};
+  JointPlans plans{2};
+  SetPointStream stream{drives.info(), 0.001, plans};
+
+  Streamed() { drives.enable(); }
+
+  BenchNow now() {
+    drives.link(bench);
+    return {.bench = bench, .seen = bench.seen()};
+  }
+};
+
+TEST(SetPointStream, BeginsBehindTheLeadOrWhereItIsWanted) {
+  Streamed sut;
+  sut.stream.begin(1'000);
+  EXPECT_EQ(sut.stream.sent_until(), 1'019U) << "the first set-point is 20 ticks ahead";
+  sut.stream.begin(1'000, 1'051);
+  EXPECT_EQ(sut.stream.sent_until(), 1'019U) << "a trajectory is taken 50 ticks before its begin";
+  sut.stream.begin(1'001, 1'051);
+  EXPECT_EQ(sut.stream.sent_until(), 1'051U);
+  sut.stream.begin(1'002);
+  EXPECT_EQ(sut.stream.sent_until(), 1'051U) << "what was sent stays";
+  sut.stream.clear();
+  sut.stream.begin(1'002);
+  EXPECT_EQ(sut.stream.sent_until(), 1'021U);
+}
+
+TEST(SetPointStream, SendsNothingForJointsThatRest) {
+  Streamed sut;
+  EXPECT_FALSE(sut.stream.is_running());
+  EXPECT_THAT(sut.stream.positions(sut.now()), IsEmpty());
+  EXPECT_THAT(sut.stream.free_points(sut.now()), IsEmpty());
+  EXPECT_THAT(sut.stream.modes(sut.now()), IsEmpty());
+}
+
+TEST(SetPointStream, FillsALargerWindowForATrajectory) {
+  Streamed sut;
+  const std::vector<PathPoint> points{{.time = 1.0, .position = 1.0}};
+  sut.stream.begin(1'000);
+  sut.plans[0].follow(sut.now().joint(0), std::make_shared<const JointPath>(JointMotion{}, points),
+                      sut.stream.sent_until(), 1);
+  EXPECT_TRUE(sut.stream.is_running());
+  EXPECT_THAT(sut.stream.positions(sut.now()), SizeIs(81)) << "ticks 1,020 to 1,100";
+  EXPECT_EQ(sut.stream.sent_until(), 1'100U);
+}
+
+TEST(SetPointStream, SendsVelocityAndEffortOfAllJointsInOneFrame) {
+  Streamed sut;
+  sut.plans[0].run(sut.now().joint(0), Duty::velocity, 1.0);
+  sut.plans[1].run(sut.now().joint(1), Duty::effort, 1.5);
+  const auto frames = sut.stream.free_points(sut.now());
+  ASSERT_THAT(frames, SizeIs(1));
+  EXPECT_EQ(frames[0].tick, 0U) << "at once: no position is on its way";
+  ASSERT_THAT(frames[0].axes, SizeIs(2));
+  EXPECT_EQ(frames[0].axes[0].velocity, 1'000);
+  EXPECT_EQ(frames[0].axes[1].torque, 500);
+}
+
+TEST(SetPointStream, BeginsWithPositionsOnceAJointHasComeToRest) {
+  Streamed sut;
+  sut.drives.axis(0).status.velocity_demand_value = 100;
+  EXPECT_FALSE(sut.plans[0].go_to(sut.now().joint(0), 0.5));
+  EXPECT_THAT(sut.stream.modes(sut.now()), SizeIs(1)) << "the mode of positions";
+  EXPECT_THAT(sut.stream.positions(sut.now()), IsEmpty());
+  sut.drives.axis(0).status.velocity_demand_value = 0;
+  sut.drives.axis(0).status.op_mode_actual =
+      static_cast<std::int8_t>(OperatingMode::cyclic_synchronous_position);
+  EXPECT_THAT(sut.stream.modes(sut.now()), IsEmpty());
+  EXPECT_THAT(sut.stream.positions(sut.now()), SizeIs(21)) << "ticks 1,020 to 1,040";
+}
+
+}  // namespace
+}  // namespace vdrive::ros2
