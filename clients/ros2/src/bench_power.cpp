@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench_power.hpp"
 
+#include "control_keeper.hpp"
 #include "vdrive/assert.hpp"
 #include "vdrive/cia402/controlword.hpp"
 #include "vdrive/cia402/enabling_words.hpp"

@@ -28,7 +28,7 @@ std::string reason_of(const client::Event& event) {
 }
 
 /// @return what puts messages with their writer into `inbox`.
-auto into(Inbox& inbox) {
+auto to_inbox(Inbox& inbox) {
   return [&inbox](const auto& message, const wire::WriterId& writer) {
     inbox.put({.writer = writer, .message = message});
   };
@@ -44,9 +44,9 @@ Bridge::Bridge(const Settings& settings)
                [this](bridge::Severity severity, const std::string& line) {
                  write_log(severity, line);
                }),
-      commands_(participant_, settings.topics.joint_commands, into(inbox_)),
-      trajectories_(participant_, settings.topics.joint_trajectory, into(inbox_)),
-      enable_(participant_, settings.topics.enable, into(inbox_)),
+      commands_(participant_, settings.topics.joint_commands, to_inbox(inbox_)),
+      trajectories_(participant_, settings.topics.joint_trajectory, to_inbox(inbox_)),
+      enable_(participant_, settings.topics.enable, to_inbox(inbox_)),
       controller_(session_, settings, reports_, inbox_, board_,
                   {.writers =
                        [this] {

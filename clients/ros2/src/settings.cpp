@@ -19,11 +19,29 @@ using vdrive::settings::ConfigurationError;
 using vdrive::settings::NumberLimits;
 using vdrive::settings::YamlValue;
 
-/// @return the text of a value that is not empty.
-std::string text_of(const YamlValue& value) {
-  std::string text = value.text();
+/// Reads a text that is not empty.
+void read_text(const YamlValue& value, std::string& text) {
+  text = value.text();
   if (text.empty()) value.refuse("must be text");
-  return text;
+}
+
+void read_flag(const YamlValue& value, bool& flag) {
+  flag = value.boolean();
+}
+
+/// @return what reads the value of a key into `target`.
+template <typename Target>
+auto into(Target& target, void (*read)(const YamlValue& value, Target& target)) {
+  return [&target, read](const YamlValue& value) {
+    read(value, target);
+  };
+}
+
+/// The same for a number within limits.
+auto into(double& target, const NumberLimits& limits) {
+  return [&target, limits](const YamlValue& value) {
+    target = value.number(limits);
+  };
 }
 
 struct TopicRow {
@@ -44,7 +62,7 @@ void read_topics(const YamlValue& map, TopicNames& topics) {
   std::ranges::transform(kTopicRows, keys.begin(), &TopicRow::key);
   map.for_each_entry(keys, [&](const std::string& key, const YamlValue& value) {
     std::string& topic = topics.*std::ranges::find(kTopicRows, key, &TopicRow::key)->name;
-    topic = text_of(value);
+    read_text(value, topic);
     const std::string absolute = topic.starts_with('/') ? topic : "/" + topic;
     if (!ros::check_topic(absolute).empty()) {
       value.refuse("is not the name of a topic: letters, digits and '_', parts divided by '/'");
@@ -52,27 +70,21 @@ void read_topics(const YamlValue& map, TopicNames& topics) {
   });
 }
 
-CommandInterface read_interface(const YamlValue& value) {
+void read_interface(const YamlValue& value, std::optional<CommandInterface>& interface) {
   constexpr std::array kInterfaces{CommandInterface::position, CommandInterface::velocity,
                                    CommandInterface::effort};
-  return kInterfaces.at(
-      value.choice({to_string(CommandInterface::position), to_string(CommandInterface::velocity),
-                    to_string(CommandInterface::effort)}));
+  interface = kInterfaces.at(value.choice(
+      {to_string(kInterfaces[0]), to_string(kInterfaces[1]), to_string(kInterfaces[2])}));
 }
 
 JointSetting read_joint(const std::string& name, const YamlValue& value) {
   JointSetting joint{.name = name, .axis = {}};
   if (!value.is_map()) {
-    joint.axis = text_of(value);
+    read_text(value, joint.axis);
     return joint;
   }
-  value.take_keys({{"axis",
-                    [&](const YamlValue& axis) {
-                      joint.axis = text_of(axis);
-                    }},
-                   {"interface", [&](const YamlValue& interface) {
-                      joint.interface = read_interface(interface);
-                    }}});
+  value.take_keys({{"axis", into(joint.axis, read_text)},
+                   {"interface", into(joint.interface, read_interface)}});
   if (joint.axis.empty()) value.refuse("needs the key axis, such as \"1.2\"");
   return joint;
 }
@@ -102,39 +114,18 @@ void read_settings(const std::string& text, const std::string& file, Settings& s
   constexpr double kFurthestAhead = 86'400.0;
   const YAML::Node document = vdrive::settings::read_yaml(text, file);
   if (document.IsNull()) return;
-  const auto flag = [](bool& target) {
-    return [&target](const YamlValue& value) {
-      target = value.boolean();
-    };
-  };
-  const auto number = [](double& target, const NumberLimits& limits) {
-    return [&target, limits](const YamlValue& value) {
-      target = value.number(limits);
-    };
-  };
   const YamlValue root(document, file, "");
   root.take_keys(
-      {{"benches",
-        [&](const YamlValue& value) {
-          read_benches(value, settings.benches);
-        }},
-       {"namespace",
-        [&](const YamlValue& value) {
-          settings.name_space = text_of(value);
-        }},
-       {"rate", number(settings.rate, {Settings::kLowestRate, Settings::kHighestRate, "Hz"})},
-       {"enable", flag(settings.is_enabled)},
-       {"prefix_benches", flag(settings.is_prefixed)},
-       {"command_timeout", number(settings.command_timeout, {0.0, kLongestTimeout, "s"})},
-       {"start_tolerance", number(settings.start_tolerance, {0.0, kWidestTolerance, "rad or m"})},
-       {"stamp_ahead", number(settings.stamp_ahead, {0.0, kFurthestAhead, "s"})},
-       {"topics",
-        [&](const YamlValue& value) {
-          read_topics(value, settings.topics);
-        }},
-       {"joints", [&](const YamlValue& value) {
-          read_joints(value, settings.joints);
-        }}});
+      {{"benches", into(settings.benches, read_benches)},
+       {"namespace", into(settings.name_space, read_text)},
+       {"rate", into(settings.rate, {Settings::kLowestRate, Settings::kHighestRate, "Hz"})},
+       {"enable", into(settings.is_enabled, read_flag)},
+       {"prefix_benches", into(settings.is_prefixed, read_flag)},
+       {"command_timeout", into(settings.command_timeout, {0.0, kLongestTimeout, "s"})},
+       {"start_tolerance", into(settings.start_tolerance, {0.0, kWidestTolerance, "rad or m"})},
+       {"stamp_ahead", into(settings.stamp_ahead, {0.0, kFurthestAhead, "s"})},
+       {"topics", into(settings.topics, read_topics)},
+       {"joints", into(settings.joints, read_joints)}});
 }
 
 void resolve_topics(Settings& settings) {

@@ -27,7 +27,7 @@ std::string joined(const std::vector<std::string>& names) {
 std::string stamp_problem(const StampOrder& order, const wire::WriterId& writer, std::int64_t stamp,
                           const ServedBenches& benches, const std::set<std::uint32_t>& numbers) {
   for (const std::uint32_t bench : numbers) {
-    const std::string problem = order.problem(writer, stamp, benches.time_of(bench));
+    std::string problem = order.problem(writer, stamp, benches.time_of(bench));
     if (!problem.empty()) return problem;
   }
   return {};
@@ -54,7 +54,7 @@ std::string Trajectories::problem_of(const Trajectory& trajectory,
                                      const wire::WriterId& writer) const {
   std::set<std::uint32_t> benches;
   for (const JointPlace& joint : trajectory.joints) benches.insert(joint.bench);
-  const std::string stamp = stamp_problem(stamps_, writer, trajectory.start, benches_, benches);
+  std::string stamp = stamp_problem(stamps_, writer, trajectory.start, benches_, benches);
   if (!stamp.empty()) return stamp;
   return obstacle_to(trajectory);
 }
@@ -133,12 +133,8 @@ void Trajectories::begin(const Trajectory& trajectory, const TrajectoryStart& st
   const std::string text = "number " + std::to_string(number) + " of " + joined(trajectory.names) +
                            ", " + std::to_string(trajectory.points.size()) + " points";
   std::set<std::uint64_t> replaced;
-  for (const auto& known : running_) {
-    const std::uint64_t old = known.first;
-    const bool is_replaced = std::ranges::any_of(trajectory.joints, [&](const JointPlace& joint) {
-      return benches_.motion_of(joint.bench).trajectory_of(joint.place) == old;
-    });
-    if (is_replaced) replaced.insert(old);
+  for (const JointPlace& joint : trajectory.joints) {
+    replaced.insert(benches_.motion_of(joint.bench).trajectory_of(joint.place));
   }
   // After the search for what is replaced, before its joints brake: each joint has one of both.
   for (std::size_t i = 0; i < trajectory.joints.size(); ++i) {
@@ -149,8 +145,7 @@ void Trajectories::begin(const Trajectory& trajectory, const TrajectoryStart& st
   }
   // Joints of a replaced trajectory that this one does not move come to rest.
   for (const std::uint64_t old : replaced) {
-    brake_all(old);
-    running_.erase(old);
+    if (running_.erase(old) > 0) brake_all(old);
   }
   running_[number] = text;
   reports_.report(Severity::info, "joint trajectory", text + ": starts");
