@@ -64,7 +64,9 @@ class Stepper {
     const auto reached = session_.step(bench_, ticks);
     ASSERT_TRUE(reached) << reached.outcome().message();
     tick_ = *reached;
-    ASSERT_TRUE(peer_.wait_for_stamp(joint_, static_cast<std::int64_t>(tick_) * kTick));
+    // The clock of a tick is published with its state, but read reliably.
+    ASSERT_TRUE(peer_.wait_for_stamp(joint_, static_cast<std::int64_t>(tick_) * kTick))
+        << "tick " << tick_ << ", the clock is at tick " << peer_.clock() / kTick;
   }
 
   /// Steps in tens until the condition holds. @return false after 20 s of drive time.

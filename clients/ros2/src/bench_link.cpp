@@ -17,6 +17,11 @@ using Clock = std::chrono::steady_clock;
 // How long a wish for control or for limits waits while the bench sends nothing.
 constexpr milliseconds kLongestWait{10};
 
+// The stream reaches a reader from some milliseconds after it was opened on. A step that ends
+// within this time is asked for: in lock-step no other tick would follow it.
+constexpr std::chrono::seconds kOpening{2};
+constexpr milliseconds kAskAgain{100};
+
 // Other programs change the limits of a drive, and no event tells.
 constexpr std::chrono::seconds kReadAgainAfter{2};
 
@@ -61,6 +66,8 @@ client::Result<bridge::BenchFollower::Next> BenchLink::begin() {
   if (!now) return now.outcome();
   if (axes->size() != ids_.size()) return client::Outcome::failed("the bench has other axes");
   axes_ = std::move(*axes);
+  opened_ = Clock::now();
+  ask_due_ = opened_ + kAskAgain;
   // The limits before the state: with the state the joints can be commanded. A request that waits
   // still waits: its number is not known here.
   read_limits(bench_.seen().limits_read);
@@ -71,10 +78,23 @@ client::Result<bridge::BenchFollower::Next> BenchLink::begin() {
 /// Takes the samples that have arrived, and keeps the newest.
 void BenchLink::follow() {
   auto newest = follower_.newest(kLongestWait);
+  if (!newest) newest = ask_again();
   if (newest) set_state(std::move(*newest));
   if (follower_.is_open()) return;
   bench_.set_state(nullptr);
   notify_();
+}
+
+/// @return a state that the stream did not show while it was opened; none when it is not newer.
+std::optional<client::Observation> BenchLink::ask_again() {
+  const Clock::time_point now = Clock::now();
+  if (bench_.info().clock_mode != client::ClockMode::lockstep) return std::nullopt;
+  if (!follower_.is_open() || now < ask_due_ || now >= opened_ + kOpening) return std::nullopt;
+  ask_due_ = now + kAskAgain;
+  auto seen = session_.observe(ids_);
+  const Bench::State shown = bench_.seen().state;
+  if (!seen || (shown && seen->tick <= shown->tick)) return std::nullopt;
+  return std::move(*seen);
 }
 
 void BenchLink::set_state(client::Observation&& observation) {

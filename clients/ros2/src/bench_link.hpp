@@ -31,6 +31,7 @@ class BenchLink {
   void run(const std::stop_token& stop);
   [[nodiscard]] client::Result<bridge::BenchFollower::Next> begin();
   void follow();
+  [[nodiscard]] std::optional<client::Observation> ask_again();
   void set_state(client::Observation&& observation);
   [[nodiscard]] bridge::ControlKeeper::Calls control_calls(bridge::Reports& reports);
   void keep_control(std::optional<ControlWish> wish);
@@ -44,7 +45,9 @@ class BenchLink {
   bridge::BenchFollower follower_;
   bridge::ControlKeeper keeper_;
   std::chrono::steady_clock::time_point limits_due_{};
-  std::jthread thread_;  ///< last: it uses all others
+  std::chrono::steady_clock::time_point opened_{};   ///< when it began to follow
+  std::chrono::steady_clock::time_point ask_due_{};  ///< for a state that the stream did not show
+  std::jthread thread_;                              ///< last: it uses all others
 };
 
 }  // namespace vdrive::ros2
