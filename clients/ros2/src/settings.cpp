@@ -138,7 +138,7 @@ void resolve_topics(Settings& settings) {
   std::set<std::string> taken;
   for (const TopicRow& row : kTopicRows) {
     std::string& topic = settings.topics.*row.name;
-    if (!topic.starts_with('/')) topic = space + "/" + topic;
+    if (!topic.starts_with('/')) topic.insert(0, space + "/");
     if (!taken.insert(topic).second) {
       throw ConfigurationError("two topics are called " + in_quotes(topic));
     }
