@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench_follower.hpp"
 
+#include "vdrive/assert.hpp"
+
 #include <condition_variable>
 #include <memory>
 #include <mutex>
@@ -22,6 +24,7 @@ bool BenchFollower::open(Clock::time_point now) {
 }
 
 std::optional<client::Observation> BenchFollower::next(milliseconds patience) {
+  ensure(is_open(), "samples come while a bench is followed");
   auto sample = next_(patience);
   if (sample) return std::move(*sample);
   // The service fell silent or is another run.

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cdr_writer.hpp"
 
+#include "vdrive/assert.hpp"
+
+#include <limits>
+
 namespace vdrive::bridge {
 namespace {
 
@@ -17,19 +21,13 @@ void CdrWriter::align(std::size_t size) {
 }
 
 void CdrWriter::put(DataType type, std::int64_t value) {
-  switch (type) {
-    case DataType::integer8:
-    case DataType::unsigned8:
-      put(static_cast<std::uint8_t>(value));
-      break;
-    case DataType::integer16:
-    case DataType::unsigned16:
-      put(static_cast<std::uint16_t>(value));
-      break;
-    case DataType::integer32:
-    case DataType::unsigned32:
-      put(static_cast<std::uint32_t>(value));
-      break;
+  switch (size_of(type)) {
+    case sizeof(std::uint8_t):
+      return put(static_cast<std::uint8_t>(value));
+    case sizeof(std::uint16_t):
+      return put(static_cast<std::uint16_t>(value));
+    default:
+      return put(static_cast<std::uint32_t>(value));
   }
 }
 
@@ -39,6 +37,7 @@ void CdrWriter::put(std::string_view text) {
 }
 
 void CdrWriter::put_count(std::size_t count) {
+  ensure(count <= std::numeric_limits<std::uint32_t>::max(), "a count has 32 bits");
   put(static_cast<std::uint32_t>(count));
 }
 

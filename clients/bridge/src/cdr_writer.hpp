@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <iterator>
 #include <string>
 #include <string_view>
@@ -46,9 +47,10 @@ class CdrWriter {
 
   /// A sequence: the number of its elements, and them. Room is made once for all.
   /// @param value_of gives the number of an element, as a type of its own width
-  template <typename Elements, typename Value>
-  void put_sequence(const Elements& elements, const Value& value_of) {
-    using Number = std::remove_cvref_t<decltype(value_of(*std::begin(elements)))>;
+  template <typename Elements, typename Value = std::identity>
+  void put_sequence(const Elements& elements, const Value& value_of = {}) {
+    using Number =
+        std::remove_cvref_t<std::invoke_result_t<const Value&, decltype(*std::begin(elements))>>;
     static_assert(std::integral<Number> || std::floating_point<Number>);
     put_count(std::size(elements));
     if (std::empty(elements)) return;
@@ -57,7 +59,7 @@ class CdrWriter {
     out_.resize(place + std::size(elements) * sizeof(Number));
     char* next = out_.data() + place;
     for (const auto& element : elements) {
-      const Number number = value_of(element);
+      const Number number = std::invoke(value_of, element);
       std::memcpy(next, &number, sizeof(Number));
       next += sizeof(Number);
     }
@@ -66,19 +68,19 @@ class CdrWriter {
   /// The same with elements of `type`, which holds each of the numbers.
   template <typename Elements, typename Value>
   void put_sequence(DataType type, const Elements& elements, const Value& value_of) {
+    // Of the width of the type: negative numbers have the same bits without a sign.
+    const auto put_as = [&]<typename Number>(Number /*width*/) {
+      put_sequence(elements, [&](const auto& element) {
+        return static_cast<Number>(value_of(element));
+      });
+    };
     switch (size_of(type)) {
       case sizeof(std::uint8_t):
-        return put_sequence(elements, [&](const auto& element) {
-          return static_cast<std::uint8_t>(value_of(element));
-        });
+        return put_as(std::uint8_t{});
       case sizeof(std::uint16_t):
-        return put_sequence(elements, [&](const auto& element) {
-          return static_cast<std::uint16_t>(value_of(element));
-        });
+        return put_as(std::uint16_t{});
       default:
-        return put_sequence(elements, [&](const auto& element) {
-          return static_cast<std::uint32_t>(value_of(element));
-        });
+        return put_as(std::uint32_t{});
     }
   }
 

@@ -2,10 +2,10 @@
 #include "joint_rating.hpp"
 
 #include "joint_values.hpp"
+#include "vdrive/assert.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 
 #include <array>
-#include <vector>
 
 namespace vdrive::bridge {
 
@@ -17,6 +17,7 @@ std::optional<double> read_effort_per_mille(const client::Axis& axis, const Unit
   const auto readings = axis.read(kObjects);
   if (!readings) return std::nullopt;
   const auto& values = readings->objects;
+  ensure(values.size() == kObjects.size(), "each object that is read has a reading");
   return effort_per_mille(unit, {.motor_rated_torque = values[0].value,
                                  .gear_ratio_numerator = values[1].value,
                                  .gear_ratio_denominator = values[2].value});

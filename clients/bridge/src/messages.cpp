@@ -2,12 +2,14 @@
 #include "messages.hpp"
 
 #include "cdr_writer.hpp"
+#include "vdrive/assert.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 
 #include <algorithm>
 #include <array>
 #include <limits>
 #include <optional>
+#include <utility>
 
 namespace vdrive::bridge {
 namespace {
@@ -28,22 +30,11 @@ const std::vector<StatusMember>& published_members() {
   return members;
 }
 
-std::string_view ros_type(DataType type) {
-  switch (type) {
-    case DataType::integer8:
-      return "int8";
-    case DataType::integer16:
-      return "int16";
-    case DataType::integer32:
-      return "int32";
-    case DataType::unsigned8:
-      return "uint8";
-    case DataType::unsigned16:
-      return "uint16";
-    case DataType::unsigned32:
-      return "uint32";
-  }
-  return "int64";
+/// @return such as "uint16".
+std::string ros_type(DataType type) {
+  constexpr std::array kSigned{DataType::integer8, DataType::integer16, DataType::integer32};
+  const bool is_signed = std::ranges::count(kSigned, type) > 0;
+  return (is_signed ? "int" : "uint") + std::to_string(8 * size_of(type));
 }
 
 /// A line for each published member of the status.
@@ -57,9 +48,27 @@ std::string member_lines(std::string_view suffix) {
   return text;
 }
 
+/// The lines of the published members, and those of the owner.
+/// @param suffix as above
+std::string status_lines(const std::string& suffix) {
+  return member_lines(suffix) + "uint64" + suffix + " owner_session\nuint32" + suffix +
+         " owner_epoch\nuint64" + suffix + " last_sequence\n";
+}
+
 std::string with_time(std::string text) {
   return text.append(kTimeText);
 }
+
+/// The bytes of a message that begins with its time.
+struct TimedMessage {
+  std::string bytes;
+  CdrWriter writer{bytes};
+
+  explicit TimedMessage(std::uint64_t time, std::size_t size = 0) {
+    bytes.reserve(size);
+    writer.put_time(time);
+  }
+};
 
 std::uint8_t level_of(client::EventKind kind) {
   constexpr std::uint8_t kInfo = 2;
@@ -88,24 +97,14 @@ std::uint8_t level_of(client::EventKind kind) {
 
 MessageSchema bench_status_schema() {
   return {.name = "vdrive_msgs/msg/BenchStatus",
-          .text = with_time("builtin_interfaces/Time stamp\n"
-                            "uint64 tick\n"
-                            "uint16[] axis\n" +
-                            member_lines("[]") +
-                            "uint64[] owner_session\n"
-                            "uint32[] owner_epoch\n"
-                            "uint64[] last_sequence\n")};
+          .text = with_time("builtin_interfaces/Time stamp\nuint64 tick\nuint16[] axis\n" +
+                            status_lines("[]"))};
 }
 
 MessageSchema axis_status_schema() {
   return {.name = "vdrive_msgs/msg/AxisStatus",
-          .text = with_time("builtin_interfaces/Time stamp\n"
-                            "uint64 tick\n"
-                            "uint16 axis\n" +
-                            member_lines("") +
-                            "uint64 owner_session\n"
-                            "uint32 owner_epoch\n"
-                            "uint64 last_sequence\n")};
+          .text = with_time("builtin_interfaces/Time stamp\nuint64 tick\nuint16 axis\n" +
+                            status_lines(""))};
 }
 
 MessageSchema axis_trace_schema() {
@@ -162,35 +161,27 @@ MessageSchema joint_states_schema() {
 
 std::string encode_bench_status(const client::Observation& observation, std::uint64_t time) {
   constexpr std::size_t kBytesOfAxis = 96;
-  std::string bytes;
-  bytes.reserve((observation.axes.size() + 4) * kBytesOfAxis);
-  CdrWriter writer(bytes);
-  writer.put_time(time);
+  using client::AxisSnapshot;
+  TimedMessage message(time, (observation.axes.size() + 4) * kBytesOfAxis);
+  CdrWriter& writer = message.writer;
   writer.put(observation.tick);
-  writer.put_sequence(observation.axes, [](const auto& axis) {
+  writer.put_sequence(observation.axes, [](const AxisSnapshot& axis) {
     return axis.id.axis;
   });
   for (const StatusMember& member : published_members()) {
-    writer.put_sequence(member.data_type, observation.axes, [&](const client::AxisSnapshot& axis) {
+    writer.put_sequence(member.data_type, observation.axes, [&](const AxisSnapshot& axis) {
       return member.value(axis.status);
     });
   }
-  writer.put_sequence(observation.axes, [](const auto& axis) {
-    return axis.owner_session;
-  });
-  writer.put_sequence(observation.axes, [](const auto& axis) {
-    return axis.owner_epoch;
-  });
-  writer.put_sequence(observation.axes, [](const auto& axis) {
-    return axis.last_sequence;
-  });
-  return bytes;
+  writer.put_sequence(observation.axes, &AxisSnapshot::owner_session);
+  writer.put_sequence(observation.axes, &AxisSnapshot::owner_epoch);
+  writer.put_sequence(observation.axes, &AxisSnapshot::last_sequence);
+  return std::move(message.bytes);
 }
 
 std::string encode_axis_status(const client::AxisSnapshot& axis, std::uint64_t time) {
-  std::string bytes;
-  CdrWriter writer(bytes);
-  writer.put_time(time);
+  TimedMessage message(time);
+  CdrWriter& writer = message.writer;
   writer.put(axis.tick);
   writer.put(axis.id.axis);
   for (const StatusMember& member : published_members()) {
@@ -199,24 +190,21 @@ std::string encode_axis_status(const client::AxisSnapshot& axis, std::uint64_t t
   writer.put(axis.owner_session);
   writer.put(axis.owner_epoch);
   writer.put(axis.last_sequence);
-  return bytes;
+  return std::move(message.bytes);
 }
 
 std::string encode_axis_trace(const Trace& trace, std::uint64_t time) {
-  std::string bytes;
-  CdrWriter writer(bytes);
-  writer.put_time(time);
+  TimedMessage message(time);
+  CdrWriter& writer = message.writer;
   writer.put(trace.axis);
   writer.put(trace.missed);
-  writer.put_sequence(trace.ticks, [](std::uint64_t tick) {
-    return tick;
-  });
+  writer.put_sequence(trace.ticks);
   for (const StatusMember& member : published_members()) {
     writer.put_sequence(member.data_type, trace.status, [&](const AxisStatus& status) {
       return member.value(status);
     });
   }
-  return bytes;
+  return std::move(message.bytes);
 }
 
 std::string encode_axis_parameters(const ParameterImage& image, std::uint64_t time) {
@@ -225,22 +213,18 @@ std::string encode_axis_parameters(const ParameterImage& image, std::uint64_t ti
     const auto row = find_object(reading.object);
     if (row && reading.code == AbortCode::none) values[*row] = reading.value;
   }
-  std::string bytes;
-  CdrWriter writer(bytes);
-  writer.put_time(time);
-  writer.put(image.tick);
-  writer.put(image.axis.axis);
+  TimedMessage message(time);
+  message.writer.put(image.tick);
+  message.writer.put(image.axis.axis);
   std::vector<std::uint32_t> refused;
   refused.reserve(kObjectCount);
   for (std::size_t row = 0; row < kObjectCount; ++row) {
     const ObjectDescription& object = kObjectTable[row];
-    writer.put(object.data_type, values[row].value_or(0));
+    message.writer.put(object.data_type, values[row].value_or(0));
     if (!values[row]) refused.push_back(object.address.index * 256U + object.address.subindex);
   }
-  writer.put_sequence(refused, [](std::uint32_t object) {
-    return object;
-  });
-  return bytes;
+  message.writer.put_sequence(refused);
+  return std::move(message.bytes);
 }
 
 std::string encode_event(const client::Event& event, std::string_view name, std::uint64_t time) {
@@ -248,35 +232,31 @@ std::string encode_event(const client::Event& event, std::string_view name, std:
   if (event.suppressed != 0) {
     text.append(" (").append(std::to_string(event.suppressed)).append(" more left out before)");
   }
-  std::string bytes;
-  CdrWriter writer(bytes);
-  writer.put_time(time);
-  writer.put(level_of(event.kind));
-  writer.put(std::string_view(text));
-  writer.put(name);
+  TimedMessage message(time);
+  message.writer.put(level_of(event.kind));
+  message.writer.put(std::string_view(text));
+  message.writer.put(name);
   // Log panels filter by file: here it is the kind of the event.
-  writer.put(to_string(event.kind));
-  writer.put(std::uint32_t{0});
-  return bytes;
+  message.writer.put(to_string(event.kind));
+  message.writer.put(std::uint32_t{0});  // no line
+  return std::move(message.bytes);
 }
 
 std::string encode_joint_states(const client::Observation& observation,
                                 std::span<const Joint> joints, std::uint64_t time) {
   // The status has none, and the differences of velocities in user units are mostly their rounding.
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-  std::string bytes;
-  CdrWriter writer(bytes);
-  writer.put_time(time);
-  writer.put_count(joints.size());
+  ensure(joints.size() <= observation.axes.size(), "each joint is an axis of the observation");
+  TimedMessage message(time);
+  message.writer.put_count(joints.size());
   for (std::size_t i = 0; i < joints.size(); ++i) {
     const JointValues values = joint_values(observation.axes[i].status, joints[i].scale);
-    writer.put(joints[i].name);
-    writer.put(values.position);
-    writer.put(values.velocity);
-    writer.put(kUnknown);
-    writer.put(values.effort);
+    message.writer.put(joints[i].name);
+    for (const double value : {values.position, values.velocity, kUnknown, values.effort}) {
+      message.writer.put(value);
+    }
   }
-  return bytes;
+  return std::move(message.bytes);
 }
 
 }  // namespace vdrive::bridge

@@ -14,28 +14,19 @@ bool Worker::post(std::function<void()> job) {
   const std::scoped_lock lock(mutex_);
   if (is_closed_ || jobs_.size() >= kMostJobs) return false;
   jobs_.push_back(std::move(job));
-  start();
+  if (!thread_.joinable()) {
+    has_ended_ = false;
+    thread_ = std::thread(&Worker::run, this);
+  }
   changed_.notify_one();
   return true;
 }
 
-void Worker::close(std::function<void()> last) {
+void Worker::close() {
   const std::scoped_lock lock(mutex_);
-  if (std::exchange(is_closed_, true)) return;
+  is_closed_ = true;
   jobs_.clear();
-  if (last) {
-    jobs_.push_back(std::move(last));
-    start();
-  }
   changed_.notify_one();
-}
-
-void Worker::start() {
-  if (thread_.joinable()) return;
-  has_ended_ = false;
-  thread_ = std::thread([this] {
-    run();
-  });
 }
 
 void Worker::run() {

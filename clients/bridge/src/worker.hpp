@@ -15,7 +15,7 @@ namespace vdrive::bridge {
 /// for them. Its thread starts with the first job.
 class Worker {
  public:
-  /// Jobs that may wait.
+  /// Jobs that may wait: a client that sends more than its bench answers hears of it.
   static constexpr std::size_t kMostJobs = 64;
 
   Worker() = default;
@@ -28,15 +28,14 @@ class Worker {
   /// Any thread. @return false when too many jobs wait, or after close().
   [[nodiscard]] bool post(std::function<void()> job);
 
-  /// Ends after `last` and the job under way; the other jobs are dropped. Does not wait.
-  void close(std::function<void()> last = {});
+  /// Ends after the job under way; the other jobs are dropped. Does not wait.
+  void close();
 
   /// @return whether the thread has ended, or never was.
   [[nodiscard]] bool has_ended() const noexcept { return has_ended_; }
 
  private:
   void run();
-  void start();
 
   std::mutex mutex_;
   std::condition_variable changed_;
