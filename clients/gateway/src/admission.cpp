@@ -2,9 +2,11 @@
 #include "admission.hpp"
 
 #include "protocol.hpp"
+#include "vdrive/assert.hpp"
 #include "vdrive/text.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 
 namespace vdrive::gateway {
@@ -33,12 +35,13 @@ std::string_view name_of(std::string_view host) {
 }
 
 bool is_address(std::string_view name) {
-  if (name.starts_with('[')) return name.ends_with(']');
+  if (name.starts_with('[')) return name.ends_with(']');  // IPv6
   return !name.empty() && std::ranges::all_of(name, [](char c) {
     return std::isdigit(static_cast<unsigned char>(c)) != 0 || c == '.';
   });
 }
 
+/// A page of the gateway itself has its host as origin. With https a proxy stands before it.
 bool is_own_origin(const UpgradeRequest& request, const AdmissionRules& rules) {
   for (const std::string_view scheme : {"http://", "https://"}) {
     if (is_same_text(request.origin, std::string(scheme).append(request.host))) return true;
@@ -90,19 +93,11 @@ Admission refused(unsigned status, Refusal refusal, std::string reason) {
 }  // namespace
 
 std::string_view to_string(Refusal refusal) noexcept {
-  switch (refusal) {
-    case Refusal::host:
-      return "host";
-    case Refusal::origin:
-      return "origin";
-    case Refusal::token:
-      return "token";
-    case Refusal::subprotocol:
-      return "subprotocol";
-    case Refusal::clients:
-      return "clients";
-  }
-  return "unknown";
+  static constexpr std::array<std::string_view, kRefusals> kNames{"host", "origin", "token",
+                                                                  "subprotocol", "clients"};
+  const auto place = static_cast<std::size_t>(refusal);
+  ensure(place < kNames.size(), "every refusal has a name");
+  return kNames[place];
 }
 
 bool is_own_host(std::string_view host, const AdmissionRules& rules) {
@@ -130,6 +125,7 @@ Admission admit(const UpgradeRequest& request, const AdmissionRules& rules) {
     return refused(kUnauthorized, Refusal::token,
                    "the token is missing or wrong: connect with ?token=...");
   }
+  // Last: who may not connect learns nothing of what the gateway speaks.
   const std::string_view subprotocol = known_subprotocol(request.protocols);
   if (subprotocol.empty()) {
     return refused(kBadRequest, Refusal::subprotocol,

@@ -3,6 +3,7 @@
 
 #include "descriptions.hpp"
 #include "joint_rating.hpp"
+#include "vdrive/assert.hpp"
 #include "vdrive/cia402/power_state.hpp"
 #include "vdrive/client/axis.hpp"
 
@@ -14,11 +15,16 @@ namespace {
 
 using std::chrono::milliseconds;
 
+// How late a feed notices a new subscriber, or that it should end.
 constexpr milliseconds kIdle{50};
+// A state ages even when no tick comes: people see within a second that a bench is silent.
 constexpr milliseconds kStatePeriod{200};
+// A fault is shown sooner than `rate` says, but axes that fail in a row come in one message.
 constexpr milliseconds kUrgentPeriod{5};
+// A rating is a request to the drive, which waits in the thread that has to follow the bench.
 constexpr milliseconds kRatingPeriod{200};
-constexpr std::size_t kLongestTrace = 1024;  // [ticks] of one message
+// [ticks] of one message. A bench in freerun makes more in a period than a client can take.
+constexpr std::size_t kLongestTrace = 1024;
 
 ChannelInfo ros_channel(std::string topic, bridge::MessageSchema schema) {
   return {.id = next_channel_id(),
@@ -109,7 +115,7 @@ void BenchFeed::on_event(const client::Event& event) {
     if (ids_[i].axis == event.axis) name += "/" + bench_.axis_names[i];
   }
   const std::uint64_t time = time_of(event.tick);
-  Batch batch{.bench = event.bench, .time = time, .publications = {}};
+  Batch batch{.bench = event.bench, .time = time};
   batch.publications.push_back({channels_.events, share(bridge::encode_event(event, name, time))});
   publish_(std::move(batch));
 }
@@ -119,6 +125,7 @@ void BenchFeed::run(const std::stop_token& stop) {
       std::chrono::duration<double>(1.0 / settings_.rate));
   Clock::time_point due = Clock::now();
   while (!stop.stop_requested()) {
+    // Without clients nothing is followed: a bench pays for its readers.
     if (*settings_.clients == 0) {
       follower_.close();
       bridge::rest(kIdle, stop);
@@ -180,6 +187,8 @@ void BenchFeed::follow(Clock::time_point until) {
 }
 
 void BenchFeed::take(client::Observation&& observation) {
+  ensure(observation.axes.size() == ids_.size(), "an observation has the axes that are followed");
+  // What was missed before the first one was not wanted.
   if (newest_) missed_ += observation.missed;
   trace(observation);
   is_urgent_ = is_urgent_ || has_news(observation);
@@ -214,6 +223,7 @@ void BenchFeed::choose_traces() {
 void BenchFeed::observe_once() {
   auto observation = session_.observe(ids_);
   if (!observation) return;
+  ensure(observation->axes.size() == ids_.size(), "an observation has the axes that are followed");
   newest_ = std::move(*observation);
   is_new_ = true;
 }
@@ -227,8 +237,7 @@ void BenchFeed::publish_axes() {
                         std::ranges::any_of(channels_.axis_status, wants_now);
   if (is_first && !newest_) observe_once();
   if (!newest_ || (!is_new_ && !is_first)) return;
-  Batch batch{
-      .bench = newest_->axes.front().id.bench, .time = time_of(newest_->tick), .publications = {}};
+  Batch batch{.bench = newest_->axes.front().id.bench, .time = time_of(newest_->tick)};
   add_axes(batch);
   add_traces(batch);
   for (std::size_t i = 0; i < newest_->axes.size(); ++i) {
@@ -295,7 +304,7 @@ void BenchFeed::publish_description() {
   auto record = presence_.find(bench_.info.number);
   if (!record) return;
   const KnownBench known{std::move(record->info), bench_.topic, bench_.axis_names};
-  Batch batch{.bench = known.info.number, .time = time_of(known.info.tick), .publications = {}};
+  Batch batch{.bench = known.info.number, .time = time_of(known.info.tick)};
   batch.publications.push_back({channels_.description, share(description_text(known))});
   publish_(std::move(batch));
 }
@@ -309,7 +318,7 @@ void BenchFeed::publish_state(Clock::time_point now) {
   const auto record = presence_.find(bench_.info.number);
   if (!record) return;
   const client::BenchInfo& info = record->info;
-  Batch batch{.bench = info.number, .time = time_of(info.tick), .publications = {}};
+  Batch batch{.bench = info.number, .time = time_of(info.tick)};
   if (channels_.state->is_wanted()) {
     batch.publications.push_back(
         {channels_.state,

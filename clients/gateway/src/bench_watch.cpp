@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench_watch.hpp"
 
+#include "vdrive/assert.hpp"
+
 #include <utility>
 
 namespace vdrive::gateway {
@@ -8,12 +10,13 @@ namespace {
 
 using std::chrono::milliseconds;
 
+// A change wakes the thread at once; this bounds how late a bench is noticed that sent none.
 constexpr milliseconds kPeriod{500};
 
 }  // namespace
 
-BenchWatch::BenchWatch(client::Session& session, FeedSettings settings, BenchEvents events)
-    : session_(session), settings_(settings), events_(std::move(events)) {
+BenchWatch::BenchWatch(client::Session& session, FeedSettings settings, BenchNews news)
+    : session_(session), settings_(settings), news_(std::move(news)) {
   session_.watch_services([this](const client::ServiceChange& change) {
     on_change(change);
   });
@@ -28,6 +31,7 @@ BenchWatch::BenchWatch(client::Session& session, FeedSettings settings, BenchEve
 }
 
 BenchWatch::~BenchWatch() {
+  // First the callbacks, which use the feeds; they return when none is under way.
   session_.watch_services({});
   session_.on_event({});
   thread_.request_stop();
@@ -78,6 +82,7 @@ void BenchWatch::reconcile(const std::vector<bridge::PresenceChange>& changes) {
       add(change.bench);
     } else if (change.kind == Kind::renewed) {
       const std::scoped_lock lock(mutex_);
+      ensure(feeds_.contains(change.bench), "a bench that continues has a feed");
       feeds_.at(change.bench)->note_renewed();
     } else {
       remove(change.bench);
@@ -88,14 +93,14 @@ void BenchWatch::reconcile(const std::vector<bridge::PresenceChange>& changes) {
 
 void BenchWatch::add(std::uint32_t bench) {
   auto record = presence_.find(bench);
-  if (!record) return;
+  ensure(record.has_value(), "a bench that came is known until this thread takes news again");
   auto feed = std::make_shared<BenchFeed>(session_, presence_, known_bench(std::move(record->info)),
-                                          settings_, events_.publish);
+                                          settings_, news_.publish);
   {
     const std::scoped_lock lock(mutex_);
     feeds_[bench] = feed;
   }
-  events_.came(bench, feed->channels().all());
+  news_.came(bench, feed->channels().all());
 }
 
 void BenchWatch::remove(std::uint32_t bench) {
@@ -107,7 +112,8 @@ void BenchWatch::remove(std::uint32_t bench) {
     feed = std::move(known->second);
     feeds_.erase(known);
   }
-  events_.went(bench, feed->channels().all());
+  // Without the lock: the end of a feed waits for its thread, and events come meanwhile.
+  news_.went(bench, feed->channels().all());
 }
 
 void BenchWatch::refresh() {

@@ -14,9 +14,9 @@
 namespace vdrive::gateway {
 
 /// What happens to benches. Called in threads of the gateway; may not wait.
-struct BenchEvents {
-  std::function<void(std::uint32_t bench, std::vector<ChannelPointer> channels)> came;
-  std::function<void(std::uint32_t bench, std::vector<ChannelPointer> channels)> went;
+struct BenchNews {
+  std::function<void(std::uint32_t bench, const std::vector<ChannelPointer>& channels)> came;
+  std::function<void(std::uint32_t bench, const std::vector<ChannelPointer>& channels)> went;
   Publish publish;
 };
 
@@ -32,7 +32,7 @@ struct BenchPresence {
 class BenchWatch {
  public:
   /// @param session outlives the watch
-  BenchWatch(client::Session& session, FeedSettings settings, BenchEvents events);
+  BenchWatch(client::Session& session, FeedSettings settings, BenchNews news);
   ~BenchWatch();
   BenchWatch(const BenchWatch&) = delete;
   BenchWatch& operator=(const BenchWatch&) = delete;
@@ -53,7 +53,7 @@ class BenchWatch {
 
   client::Session& session_;
   const FeedSettings settings_;
-  const BenchEvents events_;
+  const BenchNews news_;
   mutable bridge::Presence presence_{{.continues = have_same_topics}};
   mutable std::mutex mutex_;  ///< guards what follows
   std::map<std::uint32_t, std::shared_ptr<BenchFeed>> feeds_;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "protocol.hpp"
-#include "web_server.hpp"
+#include "server_calls.hpp"
 
 #include <atomic>
 #include <cstdint>
@@ -43,7 +43,7 @@ struct Publication {
 struct Batch {
   std::uint32_t bench = 0;
   std::uint64_t time = 0;  ///< drive time [ns]
-  std::vector<Publication> publications;
+  std::vector<Publication> publications{};
 };
 
 using Publish = std::function<void(Batch batch)>;

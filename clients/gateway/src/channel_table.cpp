@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "channel_table.hpp"
 
+#include "vdrive/assert.hpp"
+
 #include <algorithm>
-#include <utility>
 
 namespace vdrive::gateway {
 namespace {
 
+/// Encoded once for all connections, also those that open later.
 SharedBytes advertisement(const std::vector<ChannelPointer>& channels) {
   std::vector<ChannelInfo> infos;
   infos.reserve(channels.size());
@@ -20,15 +22,9 @@ std::string name_of_bench(const std::string& topic) {
 
 }  // namespace
 
-Frame text_frame(SharedBytes text) {
-  Frame frame;
-  frame.is_text = true;
-  frame.body = std::move(text);
-  return frame;
-}
-
 void ChannelTable::open(ConnectionId id) {
   connections_[id];
+  // As they were encoded for the others: a bench may have a thousand topics.
   for (const auto& [bench, text] : advertisements_) {
     server_.send_answer(id, text_frame(text), true);
   }
@@ -51,7 +47,7 @@ void ChannelTable::add(std::uint32_t bench, const std::vector<ChannelPointer>& c
   const SharedBytes text = advertisement(channels);
   advertisements_[bench] = text;
   send_to_all(text);
-  has_changed_ = true;
+  has_changed_ = true;  // sent later: a bench adds a thousand topics at once
 }
 
 void ChannelTable::remove(std::uint32_t bench, const std::vector<ChannelPointer>& channels) {
@@ -60,6 +56,7 @@ void ChannelTable::remove(std::uint32_t bench, const std::vector<ChannelPointer>
   for (const ChannelPointer& channel : channels) {
     ids.push_back(channel->info.id);
     removed_topics_.push_back(channel->info.topic);
+    // The subscriptions too: a client may use their numbers again.
     for (const Receiver& receiver : std::exchange(channel->receivers, {})) {
       const auto connection = connections_.find(receiver.connection);
       if (connection != connections_.end()) connection->second.erase(receiver.subscription);
@@ -88,6 +85,7 @@ ChannelTable::Problem ChannelTable::subscribe(ConnectionId id, const Subscriptio
   subscribed = channel->second;
   subscribed->receivers.push_back({id, wanted.id});
   ++subscribed->subscriptions;
+  // After the count: a feed that takes the flag must see that the topic is wanted.
   subscribed->is_wanted_now = true;
   has_changed_ = true;
   return {};
@@ -104,22 +102,30 @@ void ChannelTable::end(ConnectionId id, std::uint32_t subscription, Channel& cha
   const auto ended = std::erase_if(channel.receivers, [&](const Receiver& receiver) {
     return receiver.connection == id && receiver.subscription == subscription;
   });
+  ensure(channel.subscriptions >= ended, "a topic counts each of its receivers");
   channel.subscriptions -= static_cast<std::uint32_t>(ended);
   has_changed_ = true;
 }
 
-void ChannelTable::publish(const Batch& batch) {
+void ChannelTable::publish(const Batch& batch, Clock::time_point now) {
   for (const Publication& publication : batch.publications) {
     for (const Receiver& receiver : publication.channel->receivers) {
       server_.send_data(receiver.connection,
                         message_frame(receiver.subscription, batch.time, publication.bytes));
     }
   }
+  send_time(batch, now);
 }
 
-bool ChannelTable::is_clock(const Batch& batch) const {
+void ChannelTable::send_time(const Batch& batch, Clock::time_point now) {
   const auto first = advertisements_.upper_bound(kOwn);
-  return first != advertisements_.end() && first->first == batch.bench;
+  const bool is_clock = first != advertisements_.end() && first->first == batch.bench;
+  // Time 0 is a bench without a tick so far: tools would jump to 1970.
+  if (!is_clock || batch.time == 0 || now - time_sent_ < kTimePeriod) return;
+  time_sent_ = now;
+  for (const auto& [id, subscriptions] : connections_) {
+    server_.send_data(id, time_frame(batch.time));
+  }
 }
 
 void ChannelTable::add_to(Graph& graph,

@@ -2,8 +2,9 @@
 #pragma once
 
 #include "channel.hpp"
-#include "web_server.hpp"
+#include "server_calls.hpp"
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -16,8 +17,13 @@ namespace vdrive::gateway {
 /// The topics of the gateway and of its benches, and who receives them. Of the server's thread.
 class ChannelTable {
  public:
-  /// Subscriptions that a connection may have.
+  /// Subscriptions that a connection may have: each costs memory that a client decides on.
   static constexpr std::size_t kMostSubscriptions = 16'384;
+
+  using Clock = std::chrono::steady_clock;
+
+  /// Tools show the time by it; 20 times a second are smooth.
+  static constexpr std::chrono::milliseconds kTimePeriod{50};
 
   /// The number of the gateway's own topics in place of that of a bench, which none has.
   static constexpr std::uint32_t kOwn = 0;
@@ -25,8 +31,7 @@ class ChannelTable {
   /// What went wrong with a subscription; empty = nothing.
   using Problem = std::string;
 
-  /// @param server outlives the table
-  explicit ChannelTable(WebServer& server) : server_(server) {}
+  explicit ChannelTable(ServerCalls server) : server_(std::move(server)) {}
 
   /// A connection is open, and receives which topics there are.
   void open(ConnectionId id);
@@ -50,12 +55,9 @@ class ChannelTable {
 
   [[nodiscard]] Problem unsubscribe(ConnectionId id, std::uint32_t subscription);
 
-  /// Sends a batch to those who receive its topics.
-  void publish(const Batch& batch);
-
-  /// @return whether the batch is of the bench whose clock is that of the tools: the one with the
-  ///         lowest number.
-  [[nodiscard]] bool is_clock(const Batch& batch) const;
+  /// Sends a batch to those who receive its topics, and all the time of the bench with the lowest
+  /// number, which is the clock of tools, at most once in kTimePeriod.
+  void publish(const Batch& batch, Clock::time_point now);
 
   /// @return whether topics or subscriptions have changed since the last call.
   [[nodiscard]] bool take_change() noexcept { return std::exchange(has_changed_, false); }
@@ -78,18 +80,17 @@ class ChannelTable {
  private:
   using Subscriptions = std::map<std::uint32_t, ChannelPointer>;  ///< by the client's own number
 
+  void send_time(const Batch& batch, Clock::time_point now);
   void end(ConnectionId id, std::uint32_t subscription, Channel& channel);
   void send_to_all(const SharedBytes& text);
 
-  WebServer& server_;
+  const ServerCalls server_;
   std::map<std::uint32_t, ChannelPointer> channels_;
   std::map<std::uint32_t, SharedBytes> advertisements_;  ///< by bench
   std::map<ConnectionId, Subscriptions> connections_;
   std::vector<std::string> removed_topics_;
   bool has_changed_ = false;
+  Clock::time_point time_sent_{};
 };
-
-/// @return a frame with the text.
-[[nodiscard]] Frame text_frame(SharedBytes text);
 
 }  // namespace vdrive::gateway

@@ -23,9 +23,11 @@
 namespace vdrive::gateway {
 namespace {
 
-constexpr double kLowestRate = 1.0;  // [1/s]
+// [1/s] Above, each message would carry less than one tick of the usual period.
+constexpr double kLowestRate = 1.0;
 constexpr double kHighestRate = 1000.0;
-constexpr std::size_t kShortestToken = 16;  // [characters]
+// [characters] 64 bits in hexadecimal: nobody finds it by trying over a network.
+constexpr std::size_t kShortestToken = 16;
 
 class BadArguments : public std::runtime_error {
  public:
@@ -80,7 +82,7 @@ bool is_loopback(const std::string& address) {
 }
 
 ListenAddress read_address(std::string_view option, const std::string& text) {
-  const auto colon = text.rfind(':');
+  const auto colon = text.rfind(':');  // the last one: an address of IPv6 has others
   const auto port = colon == std::string::npos
                         ? std::nullopt
                         : parse_digits<std::uint16_t>(text.substr(colon + 1));
@@ -102,8 +104,10 @@ std::string read_token(const std::string& file) {
   if (!stream || !std::getline(stream, token)) {
     throw BadArguments("--token: cannot read " + in_quotes(file));
   }
+  // An editor of another system ends lines so.
   while (!token.empty() && (token.back() == '\r' || token.back() == ' ')) token.pop_back();
   if (token.size() < kShortestToken ||
+      // What stands in a URL as it is: clients send it as ?token=...
       token.find_first_not_of(
           "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_.~") !=
           std::string::npos) {
@@ -144,6 +148,7 @@ std::string url_of(const std::string& address, std::uint16_t port) {
 }
 
 int serve(const Arguments& arguments) {
+  // A client may be gone when its answer is written: that is an error of this write, no end.
   std::signal(SIGPIPE, SIG_IGN);  // NOLINT(cert-err33-c): it cannot fail for this signal
   const WebSettings settings = web_settings(arguments);
   WebServer server(settings, embedded_page());

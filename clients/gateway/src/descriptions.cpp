@@ -2,6 +2,7 @@
 #include "descriptions.hpp"
 
 #include "channel.hpp"
+#include "schemas.hpp"
 #include "vdrive/cia402/bit_names.hpp"
 #include "vdrive/cia402/error_code.hpp"
 #include "vdrive/cia402/operating_mode.hpp"
@@ -54,6 +55,7 @@ Json modes_json() {
   return list;
 }
 
+// The core has a function and no table of them: what it does not know has one common description.
 Json error_codes_json() {
   const std::string_view unknown = describe(static_cast<ErrorCode>(1));
   Json list = Json::array();
@@ -64,6 +66,7 @@ Json error_codes_json() {
   return list;
 }
 
+// Most bits mean something else in each mode: a list for each of them.
 using NameOfBit = std::string_view (*)(std::uint16_t bit, OperatingMode mode);
 
 Json bits_json(NameOfBit name_of) {
@@ -94,62 +97,17 @@ Json disturbances_json() {
 
 }  // namespace
 
-Json text_schema() {
-  return {{"type", "string"}};
-}
-
-Json integer_schema() {
-  return {{"type", "integer"}};
-}
-
-Json number_schema() {
-  return {{"type", "number"}};
-}
-
-Json boolean_schema() {
-  return {{"type", "boolean"}};
-}
-
-Json array_schema(Json items) {
-  return {{"type", "array"}, {"items", std::move(items)}};
-}
-
-Json object_schema(std::initializer_list<std::pair<std::string_view, Json>> properties) {
-  Json described = Json::object();
-  Json required = Json::array();
-  for (const auto& [key, schema] : properties) {
-    std::string name(key);
-    if (name.ends_with('?')) {
-      name.pop_back();
-    } else {
-      required.push_back(name);
-    }
-    described[name] = schema;
-  }
-  return {
-      {"type", "object"}, {"properties", std::move(described)}, {"required", std::move(required)}};
-}
-
 ChannelInfo description_channel(std::string topic) {
-  const Json unit =
-      object_schema({{"kind", text_schema()}, {"name", text_schema()}, {"per", number_schema()}});
-  const Json axis = object_schema({{"axis", integer_schema()},
-                                   {"name", text_schema()},
-                                   {"topic", text_schema()},
-                                   {"unit", unit},
-                                   {"supported_drive_modes", integer_schema()},
-                                   {"user_position_lower_limit", integer_schema()},
-                                   {"user_position_upper_limit", integer_schema()},
-                                   {"app_speed_limit", integer_schema()}});
+  const Json axis = object_schema(
+      "axis:integer name:string topic:string unit:unit supported_drive_modes:integer "
+      "user_position_lower_limit:integer user_position_upper_limit:integer "
+      "app_speed_limit:integer",
+      {{"unit", object_schema("kind:string name:string per:number")}});
   return json_channel(std::move(topic), "vdrive.BenchDescription",
-                      object_schema({{"bench", integer_schema()},
-                                     {"name", text_schema()},
-                                     {"clock_mode", text_schema()},
-                                     {"period_us", integer_schema()},
-                                     {"dictionary_version", text_schema()},
-                                     {"service_version", text_schema()},
-                                     {"incarnation", text_schema()},
-                                     {"axes", array_schema(axis)}}));
+                      object_schema("bench:integer name:string clock_mode:string "
+                                    "period_us:integer dictionary_version:string "
+                                    "service_version:string incarnation:string axes:axis[]",
+                                    {{"axis", axis}}));
 }
 
 std::string description_text(const KnownBench& bench) {
@@ -178,15 +136,9 @@ std::string description_text(const KnownBench& bench) {
 
 ChannelInfo state_channel(std::string topic) {
   return json_channel(std::move(topic), "vdrive.BenchState",
-                      object_schema({{"bench", integer_schema()},
-                                     {"tick", integer_schema()},
-                                     {"time_ns", text_schema()},
-                                     {"rate", number_schema()},
-                                     {"clock_mode", text_schema()},
-                                     {"wire_starts", integer_schema()},
-                                     {"longest_silence_us", integer_schema()},
-                                     {"alive", boolean_schema()},
-                                     {"age_ms", integer_schema()}}));
+                      object_schema("bench:integer tick:integer time_ns:string rate:number "
+                                    "clock_mode:string wire_starts:integer "
+                                    "longest_silence_us:integer alive:boolean age_ms:integer"));
 }
 
 std::string state_text(const client::BenchInfo& bench, std::uint64_t time,
@@ -204,12 +156,8 @@ std::string state_text(const client::BenchInfo& bench, std::uint64_t time,
 
 ChannelInfo control_channel() {
   return json_channel("/gateway/control", "vdrive.Control",
-                      object_schema({{"enabled", boolean_schema()},
-                                     {"holder", text_schema()},
-                                     {"you", boolean_schema()},
-                                     {"name", text_schema()},
-                                     {"session", text_schema()},
-                                     {"taken_at_ns", text_schema()}}));
+                      object_schema("enabled:boolean holder:string you:boolean name:string "
+                                    "session:string taken_at_ns:string"));
 }
 
 std::string control_text(const ControlState& control, const std::string& name, bool is_holder) {
@@ -217,42 +165,27 @@ std::string control_text(const ControlState& control, const std::string& name, b
                   {"holder", control.holder},
                   {"you", is_holder},
                   {"name", name},
+                  // As texts: a double of JavaScript does not hold 64 bits.
                   {"session", control.session == 0 ? "" : session_text(control.session)},
                   {"taken_at_ns", std::to_string(control.taken_at)}});
 }
 
 ChannelInfo dictionary_channel() {
-  const Json object = object_schema({{"index", text_schema()},
-                                     {"sub_index", integer_schema()},
-                                     {"name", text_schema()},
-                                     {"title", text_schema()},
-                                     {"title_zh", text_schema()},
-                                     {"category", text_schema()},
-                                     {"type", text_schema()},
-                                     {"access", text_schema()},
-                                     {"minimum", integer_schema()},
-                                     {"maximum", integer_schema()},
-                                     {"default", integer_schema()},
-                                     {"unit", text_schema()},
-                                     {"storage", text_schema()},
-                                     {"effect", text_schema()}});
-  const Json mode = object_schema({{"mode", integer_schema()}, {"name", text_schema()}});
-  const Json error = object_schema({{"code", integer_schema()}, {"name", text_schema()}});
-  const Json bits =
-      object_schema({{"mode", integer_schema()}, {"bits", array_schema(text_schema())}});
-  const Json disturbance = object_schema({{"name", text_schema()},
-                                          {"object", text_schema()},
-                                          {"kind", text_schema()},
-                                          {"minimum", integer_schema()},
-                                          {"maximum", integer_schema()}});
+  const Json types{
+      {"object", object_schema("index:string sub_index:integer name:string title:string "
+                               "title_zh:string category:string type:string access:string "
+                               "minimum:integer maximum:integer default:integer unit:string "
+                               "storage:string effect:string")},
+      {"mode", object_schema("mode:integer name:string")},
+      {"error", object_schema("code:integer name:string")},
+      {"bits", object_schema("mode:integer bits:string[]")},
+      {"disturbance", object_schema("name:string object:string kind:string minimum:integer "
+                                    "maximum:integer")}};
   return json_channel("/gateway/dictionary", "vdrive.Dictionary",
-                      object_schema({{"version", text_schema()},
-                                     {"objects", array_schema(object)},
-                                     {"modes", array_schema(mode)},
-                                     {"error_codes", array_schema(error)},
-                                     {"statusword_bits", array_schema(bits)},
-                                     {"controlword_bits", array_schema(bits)},
-                                     {"disturbances", array_schema(disturbance)}}));
+                      object_schema("version:string objects:object[] modes:mode[] "
+                                    "error_codes:error[] statusword_bits:bits[] "
+                                    "controlword_bits:bits[] disturbances:disturbance[]",
+                                    types));
 }
 
 std::string dictionary_text() {

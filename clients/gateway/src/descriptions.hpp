@@ -25,7 +25,7 @@ namespace vdrive::gateway {
 /// Who commands through this gateway.
 struct ControlState {
   bool is_enabled = false;  ///< the gateway lets clients command
-  std::string holder;       ///< name of the connection that does; empty = none
+  std::string holder{};     ///< name of the connection that does; empty = none
   std::uint64_t session = 0;
   std::uint64_t taken_at = 0;  ///< [ns since the epoch]
 };
@@ -41,17 +41,5 @@ struct ControlState {
 
 /// @return objects, modes, errors, bits and test-bench inputs, from the tables of the core.
 [[nodiscard]] std::string dictionary_text();
-
-/// JSON schemas.
-
-/// An object with these properties, all of them required unless they end with '?'.
-[[nodiscard]] Json object_schema(
-    std::initializer_list<std::pair<std::string_view, Json>> properties);
-
-[[nodiscard]] Json text_schema();
-[[nodiscard]] Json integer_schema();
-[[nodiscard]] Json number_schema();
-[[nodiscard]] Json boolean_schema();
-[[nodiscard]] Json array_schema(Json items);
 
 }  // namespace vdrive::gateway

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "batch_intake.hpp"
 #include "bench_watch.hpp"
 #include "channel_table.hpp"
-#include "control.hpp"
-#include "parameter_watch.hpp"
-#include "parameters.hpp"
-#include "services.hpp"
+#include "client_table.hpp"
+#include "control_desk.hpp"
+#include "graph_feed.hpp"
+#include "parameter_desk.hpp"
+#include "service_calls.hpp"
+#include "web_server.hpp"
 
-#include <atomic>
-#include <map>
-#include <memory>
-#include <set>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace vdrive::gateway {
@@ -24,13 +25,13 @@ struct HubSettings {
   client::SessionOptions session{};  ///< towards the benches
 };
 
-/// The protocol: what each client has subscribed, asked for and may do. Its state is of the thread
-/// of the web server; calls to benches wait in workers, one a client.
+/// Puts the parts of the gateway together: gives each message of a client to the part that it is
+/// for, and each part its session, its server and its time. Of the thread of the web server.
 class Hub {
  public:
   /// @param server outlives the hub
   /// @throws std::runtime_error as client::Session does
-  Hub(WebServer& server, HubSettings settings);
+  Hub(WebServer& server, const HubSettings& settings);
   ~Hub();
   Hub(const Hub&) = delete;
   Hub& operator=(const Hub&) = delete;
@@ -39,25 +40,10 @@ class Hub {
   [[nodiscard]] WebEvents events();
 
  private:
-  /// One connection.
-  struct Client {
-    std::string name;
-    bool wants_graph = false;
-    std::shared_ptr<bridge::Worker> worker;
-  };
-
-  /// A call of /take_control.
-  struct Taking {
-    std::string name;  ///< empty = as it is called already
-    bool by_force = false;
-  };
-
-  // ---- the server's events
   void on_open(ConnectionId id);
   void on_bytes(ConnectionId id, bool is_text, std::string_view bytes);
   void on_close(ConnectionId id, bool is_graceful);
 
-  // ---- messages of clients
   void handle(ConnectionId id, const Subscribe& message);
   void handle(ConnectionId id, const Unsubscribe& message);
   void handle(ConnectionId id, const GetParameters& message);
@@ -66,55 +52,35 @@ class Hub {
   void handle(ConnectionId id, const SubscribeGraph& message);
   void handle(ConnectionId id, const CallService& message);
 
-  // ---- benches
-  void post_batch(Batch batch);
+  [[nodiscard]] CallAnswer carry_out(const ServiceRow& row, const SessionPointer& own,
+                                     const Json& request);
+  [[nodiscard]] ParameterAnswer read(const BenchList& benches,
+                                     const std::vector<std::string>& names);
+  [[nodiscard]] static ParameterAnswer write(const SessionPointer& own, const BenchList& benches,
+                                             const std::vector<ParameterChange>& changes);
+  void end_session(HeldSession held, bool is_graceful);
   void publish(const Batch& batch);
 
-  // ---- channels
+  void begin_timers(WebServer& server);
   void send_first(ConnectionId id, std::uint32_t subscription, const Channel& channel);
-  void send_control();
-  void send_control_to(ConnectionId id, std::uint32_t subscription);
-  void send_graphs();
-  void send_graph(ConnectionId id);
-
-  // ---- calls
-  [[nodiscard]] client::Outcome check_right(ConnectionId id, Right right) const;
-  void run_call(ConnectionId id, const CallService& message, const ServiceRow& row, Json request);
-  void jog(ConnectionId id, const CallService& message, const Json& request);
-  void change_control(ConnectionId id, const CallService& message, const ServiceRow& row,
-                      const Json& request);
-  void take_control(ConnectionId id, const CallService& message, const Json& request);
-  void on_session(ConnectionId id, const CallService& message, const Taking& taking,
-                  const SessionPointer& session, const std::string& error);
-  void answer(ConnectionId id, const CallService& message, const CallAnswer& answer);
-  void send_status(ConnectionId id, Level level, std::string_view text);
-  [[nodiscard]] bool post(ConnectionId id, std::function<void()> job);
-  void send_shared(ConnectionId id, const SharedBytes& text);
-  void send_parameters(ConnectionId id, const ParameterAnswer& answer,
-                       const std::optional<std::string>& request);
-  void forget_workers();
+  [[nodiscard]] BenchNews bench_news();
   [[nodiscard]] std::string metrics() const;
-  [[nodiscard]] std::string holder_name() const;
-  [[nodiscard]] client::Outcome held_outcome() const;
 
-  WebServer& server_;
-  const HubSettings settings_;
-  const std::string run_;  ///< the session id of the protocol
+  const WebServer& web_;
+  const ServerCalls server_;
+  const std::string server_info_;
+  const SharedBytes services_;
+  const SharedBytes dictionary_;
   client::Session session_;
-  Control control_;
-  bridge::Worker stops_;  ///< halts and quick stops of everybody
-  ParameterWatch parameters_;
-  std::atomic<std::size_t> client_count_ = 0;
-  std::atomic<std::size_t> batches_under_way_ = 0;
-  std::atomic<std::uint64_t> lost_batches_ = 0;
-  std::map<ConnectionId, Client> clients_;
+  bridge::Worker session_ends_;  ///< outlives the sessions of holders
+  ClientTable clients_;
   ChannelTable channels_;
-  ChannelPointer control_channel_;
+  GraphFeed graph_;
+  ControlDesk control_;
   ChannelPointer dictionary_channel_;
-  SharedBytes dictionary_;
-  SharedBytes services_;
-  std::vector<std::shared_ptr<bridge::Worker>> ended_;
-  std::chrono::steady_clock::time_point time_sent_{};
+  ServiceCalls calls_;
+  ParameterDesk parameters_;
+  BatchIntake batches_;
   std::optional<BenchWatch> watch_;  ///< last: its threads use what is above
 };
 

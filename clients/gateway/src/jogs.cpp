@@ -38,6 +38,7 @@ Jogs::~Jogs() {
   for (auto& [name, jog] : jogs_) let_go(jog);
 }
 
+// The jog sees it between two ticks and brakes by itself: no call of this thread waits for it.
 void Jogs::let_go(Jog& jog) {
   if (jog.held_until) *jog.held_until = Clock::time_point::min();
 }
@@ -48,7 +49,7 @@ bool Jogs::runs_on(const Jog& jog, std::int32_t velocity, Clock::time_point now)
 }
 
 void Jogs::post(Jog& jog, const Answer& answer, std::function<void()> call) {
-  ++jog.calls;
+  ++jog.calls;  // before it is posted: the worker may be done before post() returns
   const bool is_posted = jog.worker.post([&jog, call = std::move(call)] {
     call();
     --jog.calls;

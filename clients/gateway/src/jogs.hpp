@@ -23,10 +23,11 @@ class Jogs {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// How long a call counts.
+  /// How long a call counts: the page repeats it each 100 ms, and some of them may be late. When
+  /// the client is lost the axis runs on for so long.
   static constexpr std::chrono::milliseconds kHeldTime{400};
 
-  /// Axes at a time.
+  /// Axes at a time: each has a thread.
   static constexpr std::size_t kMostAxes = 32;
 
   /// Called once for each request, in any thread.

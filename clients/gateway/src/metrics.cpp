@@ -6,7 +6,6 @@
 #include <prometheus/text_serializer.h>
 
 #include <chrono>
-#include <string>
 
 namespace vdrive::gateway {
 namespace {

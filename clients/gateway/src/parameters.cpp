@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "parameters.hpp"
 
+#include "vdrive/assert.hpp"
 #include "vdrive/client/axis.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/text.hpp"
@@ -28,6 +29,8 @@ void read_axis(client::Session& session, const client::AxisId& id, const Wanted&
     answer.complaints.push_back(readings.outcome().message());
     return;
   }
+  ensure(readings->objects.size() == wanted.places.size(),
+         "each object that is read has a reading");
   for (std::size_t i = 0; i < wanted.places.size(); ++i) {
     const client::ObjectReading& reading = readings->objects[i];
     if (reading.code == AbortCode::none) answer.parameters[wanted.places[i]].value = reading.value;
@@ -60,7 +63,7 @@ std::vector<std::string> all_parameters(const std::vector<KnownBench>& benches) 
 ParameterAnswer read_parameters(client::Session& session, const std::vector<KnownBench>& benches,
                                 const std::vector<std::string>& names) {
   ParameterAnswer answer;
-  std::map<client::AxisId, Wanted> axes;
+  std::map<client::AxisId, Wanted> axes;  // one request an axis, so that its values are of one tick
   answer.parameters.reserve(names.size());
   for (const std::string& name : names) {
     const auto address = find_parameter(benches, name);
@@ -79,6 +82,7 @@ ParameterAnswer read_parameters(client::Session& session, const std::vector<Know
 
 ParameterAnswer write_parameters(client::Session& session, const std::vector<KnownBench>& benches,
                                  const std::vector<ParameterChange>& changes) {
+  // In the order of the request: a later value may depend on an earlier one.
   std::vector<std::string> complaints;
   std::vector<std::string> names;
   names.reserve(changes.size());
@@ -97,6 +101,7 @@ ParameterAnswer write_parameters(client::Session& session, const std::vector<Kno
                            outcome.message());
     }
   }
+  // What the drive made of it, also where it refused: a client shows the value in force.
   ParameterAnswer answer = read_parameters(session, benches, names);
   answer.complaints.insert(answer.complaints.begin(), complaints.begin(), complaints.end());
   return answer;

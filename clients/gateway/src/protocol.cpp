@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "protocol.hpp"
 
+#include "vdrive/assert.hpp"
 #include "vdrive/text.hpp"
 
 #include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 namespace vdrive::gateway {
 namespace {
 
+// The first byte of a binary message. Each side has numbers of its own.
 constexpr std::uint8_t kMessageData = 1;  // from both sides
 constexpr std::uint8_t kTime = 2;         // from the server
 constexpr std::uint8_t kServiceRequest = 2;
@@ -21,19 +24,17 @@ constexpr std::string_view kJsonSchema = "jsonschema";
 
 // ---- what a client sends
 
-const Json& member(const Json& object, const char* key) {
-  if (!object.is_object()) throw ProtocolError("expected an object with the key " + in_quotes(key));
-  const auto found = object.find(key);
-  if (found == object.end()) throw ProtocolError("the key " + in_quotes(key) + " is missing");
-  return *found;
+/// @return what `read` makes of each element of the member `key`.
+template <typename Read>
+auto list_of(const Json& object, const char* key, const Read& read) {
+  const Json& list = member(object, key);
+  if (!list.is_array()) throw ProtocolError(in_quotes(key) + " must be an array");
+  return each_of(list, [&](const Json& value) {
+    return read(value, key);
+  });
 }
 
-const Json& array_of(const Json& object, const char* key) {
-  const Json& value = member(object, key);
-  if (!value.is_array()) throw ProtocolError(in_quotes(key) + " must be an array");
-  return value;
-}
-
+// Numbers of the protocol have 32 bits, which a JSON number holds exactly.
 std::uint32_t as_number(const Json& value, const char* key) {
   if (value.is_number_integer()) {
     const auto number = value.get<std::int64_t>();
@@ -44,78 +45,66 @@ std::uint32_t as_number(const Json& value, const char* key) {
   throw ProtocolError(in_quotes(key) + " must be a number from 0 to 4294967295");
 }
 
-std::string as_text(const Json& value, const char* key) {
-  if (!value.is_string()) throw ProtocolError(in_quotes(key) + " must be a text");
-  return value.get<std::string>();
-}
-
-std::optional<std::string> id_of(const Json& message) {
-  const auto found = message.find("id");
-  if (found == message.end() || found->is_null()) return std::nullopt;
-  return as_text(*found, "id");
-}
-
-std::vector<std::string> names_of(const Json& message) {
-  std::vector<std::string> names;
-  const Json& list = array_of(message, "parameterNames");
-  names.reserve(list.size());
-  for (const Json& name : list) names.push_back(as_text(name, "parameterNames"));
-  return names;
-}
-
-ClientMessage parse_subscribe(const Json& message) {
-  Subscribe subscribe;
-  const Json& list = array_of(message, "subscriptions");
-  subscribe.subscriptions.reserve(list.size());
-  for (const Json& entry : list) {
-    subscribe.subscriptions.push_back(
-        {.id = as_number(member(entry, "id"), "id"),
-         .channel = as_number(member(entry, "channelId"), "channelId")});
-  }
-  return subscribe;
-}
-
-ClientMessage parse_unsubscribe(const Json& message) {
-  Unsubscribe unsubscribe;
-  const Json& list = array_of(message, "subscriptionIds");
-  unsubscribe.ids.reserve(list.size());
-  for (const Json& id : list) unsubscribe.ids.push_back(as_number(id, "subscriptionIds"));
-  return unsubscribe;
-}
-
-ClientMessage parse_get_parameters(const Json& message) {
-  return GetParameters{.names = names_of(message), .id = id_of(message)};
+Subscription as_subscription(const Json& value, const char* /*key*/) {
+  return {.id = as_number(member(value, "id"), "id"),
+          .channel = as_number(member(value, "channelId"), "channelId")};
 }
 
 /// Tools send 1 as 1.0, and switches as true and false.
 std::int64_t value_of(const Json& value, const std::string& name) {
-  constexpr double kHighest = 9007199254740992.0;  // 2^53
   if (value.is_boolean()) return value.get<bool>() ? 1 : 0;
   if (value.is_number_unsigned() &&
       value.get<std::uint64_t>() <= std::uint64_t{std::numeric_limits<std::int64_t>::max()}) {
     return static_cast<std::int64_t>(value.get<std::uint64_t>());
   }
+  // The library counts numbers without a sign as integers too: one above 2^63 would turn negative.
   if (value.is_number_integer() && !value.is_number_unsigned()) return value.get<std::int64_t>();
   if (value.is_number_float()) {
     const auto number = value.get<double>();
-    if (std::isfinite(number) && std::trunc(number) == number && std::abs(number) <= kHighest) {
+    if (std::isfinite(number) && std::trunc(number) == number &&
+        std::abs(number) <= kLargestExact) {
       return static_cast<std::int64_t>(number);
     }
   }
   throw ProtocolError("the value of " + in_quotes(name) + " must be a whole number");
 }
 
+ParameterChange as_change(const Json& value, const char* /*key*/) {
+  std::string name = as_text(member(value, "name"), "name");
+  const std::int64_t number = value_of(member(value, "value"), name);
+  return {.name = std::move(name), .value = number};
+}
+
+std::vector<std::string> names_of(const Json& message) {
+  return list_of(message, "parameterNames", as_text);
+}
+
+ClientMessage parse_subscribe(const Json& message) {
+  return Subscribe{list_of(message, "subscriptions", as_subscription)};
+}
+
+ClientMessage parse_unsubscribe(const Json& message) {
+  return Unsubscribe{list_of(message, "subscriptionIds", as_number)};
+}
+
+ClientMessage parse_get_parameters(const Json& message) {
+  return GetParameters{.names = names_of(message), .id = optional_text(message, "id")};
+}
+
 ClientMessage parse_set_parameters(const Json& message) {
-  SetParameters change;
-  change.id = id_of(message);
-  const Json& list = array_of(message, "parameters");
-  change.parameters.reserve(list.size());
-  for (const Json& entry : list) {
-    std::string name = as_text(member(entry, "name"), "name");
-    const std::int64_t value = value_of(member(entry, "value"), name);
-    change.parameters.push_back({.name = std::move(name), .value = value});
-  }
-  return change;
+  auto id = optional_text(message, "id");
+  return SetParameters{.parameters = list_of(message, "parameters", as_change),
+                       .id = std::move(id)};
+}
+
+template <bool is_on>
+ClientMessage parse_parameter_updates(const Json& message) {
+  return SubscribeParameters{.is_on = is_on, .names = names_of(message)};
+}
+
+template <bool is_on>
+ClientMessage parse_graph_updates(const Json& /*message*/) {
+  return SubscribeGraph{.is_on = is_on};
 }
 
 struct OperationRow {
@@ -128,22 +117,10 @@ constexpr std::array kOperations{
     OperationRow{"unsubscribe", parse_unsubscribe},
     OperationRow{"getParameters", parse_get_parameters},
     OperationRow{"setParameters", parse_set_parameters},
-    OperationRow{"subscribeParameterUpdates",
-                 [](const Json& message) -> ClientMessage {
-                   return SubscribeParameters{.is_on = true, .names = names_of(message)};
-                 }},
-    OperationRow{"unsubscribeParameterUpdates",
-                 [](const Json& message) -> ClientMessage {
-                   return SubscribeParameters{.is_on = false, .names = names_of(message)};
-                 }},
-    OperationRow{"subscribeConnectionGraph",
-                 [](const Json&) -> ClientMessage {
-                   return SubscribeGraph{.is_on = true};
-                 }},
-    OperationRow{"unsubscribeConnectionGraph",
-                 [](const Json&) -> ClientMessage {
-                   return SubscribeGraph{.is_on = false};
-                 }},
+    OperationRow{"subscribeParameterUpdates", parse_parameter_updates<true>},
+    OperationRow{"unsubscribeParameterUpdates", parse_parameter_updates<false>},
+    OperationRow{"subscribeConnectionGraph", parse_graph_updates<true>},
+    OperationRow{"unsubscribeConnectionGraph", parse_graph_updates<false>},
 };
 
 template <typename Number>
@@ -162,11 +139,11 @@ Number take(std::string_view& bytes, const char* what) {
 
 template <typename Number>
 void put(Frame& frame, Number number) {
+  ensure(frame.head_size + sizeof(Number) <= frame.head.size(), "a head has room for its numbers");
   std::memcpy(frame.head.data() + frame.head_size, &number, sizeof(Number));
   frame.head_size = static_cast<std::uint8_t>(frame.head_size + sizeof(Number));
 }
 
-/// Text from elsewhere may be no UTF-8: then the wrong bytes are replaced.
 Json graph_entries(const std::vector<GraphEntry>& entries, const char* ids) {
   Json list = Json::array();
   for (const GraphEntry& entry : entries) list.push_back({{"name", entry.name}, {ids, entry.ids}});
@@ -183,7 +160,30 @@ Json message_schema(const std::string& name, const Json& schema) {
 }  // namespace
 
 std::string to_line(const Json& json) {
+  // Names come from benches and clients: bytes that are not UTF-8 must not throw here.
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+const Json& member(const Json& object, const char* key) {
+  if (!object.is_object()) throw ProtocolError("expected an object with the key " + in_quotes(key));
+  const auto found = object.find(key);
+  if (found == object.end()) throw ProtocolError("the key " + in_quotes(key) + " is missing");
+  return *found;
+}
+
+bool is_absent(const Json& object, const char* key) {
+  const auto found = object.find(key);
+  return found == object.end() || found->is_null();
+}
+
+std::string as_text(const Json& value, const char* key) {
+  if (!value.is_string()) throw ProtocolError(in_quotes(key) + " must be a text");
+  return value.get<std::string>();
+}
+
+std::optional<std::string> optional_text(const Json& object, const char* key) {
+  if (is_absent(object, key)) return std::nullopt;
+  return as_text(member(object, key), key);
 }
 
 ClientMessage parse_text(std::string_view text) {
@@ -313,6 +313,7 @@ Frame response_frame(std::uint32_t service, std::uint32_t call, std::string_view
   put(frame, kServiceResponse);
   put(frame, service);
   put(frame, call);
+  // Behind the head, which is bounded: the length of the encoding, the encoding, the payload.
   std::string body(sizeof(std::uint32_t), '\0');
   const auto length = static_cast<std::uint32_t>(kJsonEncoding.size());
   std::memcpy(body.data(), &length, sizeof(length));

@@ -5,13 +5,14 @@
 
 #include <nlohmann/json.hpp>
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <utility>
+#include <type_traits>
 #include <variant>
 #include <vector>
 
@@ -33,6 +34,31 @@ class ProtocolError final : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
+
+/// Members of JSON that a client sent. All of them throw ProtocolError with the name of the member.
+
+/// Up to here every whole number is a double: 2^53.
+inline constexpr double kLargestExact = 9007199254740992.0;
+
+/// @return the member `key`; it must be there.
+[[nodiscard]] const Json& member(const Json& object, const char* key);
+
+/// @return whether an object has no member `key`, or null in its place.
+[[nodiscard]] bool is_absent(const Json& object, const char* key);
+
+[[nodiscard]] std::string as_text(const Json& value, const char* key);
+
+/// @return the member `key` as a text; none where it is absent.
+[[nodiscard]] std::optional<std::string> optional_text(const Json& object, const char* key);
+
+/// @return what `read` makes of each element of a list.
+template <typename Read>
+[[nodiscard]] auto each_of(const Json& list, const Read& read) {
+  std::vector<std::invoke_result_t<Read, const Json&>> values;
+  values.reserve(list.size());
+  for (const Json& value : list) values.push_back(read(value));
+  return values;
+}
 
 /// What a client may send.
 

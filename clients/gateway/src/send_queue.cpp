@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "send_queue.hpp"
 
-#include <utility>
+#include "vdrive/assert.hpp"
 
 namespace vdrive::gateway {
 
@@ -21,6 +21,7 @@ std::size_t SendQueue::push_data(Frame frame) {
 }
 
 bool SendQueue::push_answer(Frame frame, bool is_shared) {
+  // Their number counts for shared ones too: each frame is an entry of the queue.
   const std::size_t cost = is_shared ? 0 : frame.size();
   if (answers_.size() >= limits_.answer_frames || answer_bytes_ + cost > limits_.answer_bytes) {
     return false;
@@ -33,6 +34,8 @@ bool SendQueue::push_answer(Frame frame, bool is_shared) {
 std::optional<Frame> SendQueue::pop() {
   std::optional<Frame> frame;
   if (!answers_.empty()) {
+    ensure(answer_bytes_ >= answers_.front().cost,
+           "the bytes of each answer that waits are counted");
     answer_bytes_ -= answers_.front().cost;
     frame = std::move(answers_.front().frame);
     answers_.pop_front();

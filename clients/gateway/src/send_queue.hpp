@@ -31,7 +31,13 @@ struct Frame {
   [[nodiscard]] std::size_t size() const noexcept { return head_size + (body ? body->size() : 0); }
 };
 
-/// How much one connection may keep waiting.
+/// @return a text message.
+[[nodiscard]] inline Frame text_frame(SharedBytes text) {
+  return {.is_text = true, .body = std::move(text)};
+}
+
+/// How much one connection may keep waiting: some seconds of what a page receives, and no more
+/// memory than a few tens of slow clients may take together.
 struct QueueLimits {
   std::size_t data_bytes = 2U << 20U;
   std::size_t data_frames = 4096;

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "services.hpp"
 
-#include "descriptions.hpp"
 #include "directory.hpp"
-#include "vdrive/client/axis.hpp"
+#include "schemas.hpp"
 #include "vdrive/client/axis_group.hpp"
 #include "vdrive/client/disturbance.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
@@ -14,8 +13,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <optional>
+#include <type_traits>
+#include <utility>
 
 namespace vdrive::gateway {
 namespace {
@@ -29,26 +29,22 @@ using client::Session;
 using client::Until;
 using namespace literals;
 
-constexpr std::chrono::seconds kCallTime{10};  // drive time
+// Of drive time. A person waits for the answer; what takes longer, such as a way to a target, is
+// awaited until it is in force only.
+constexpr std::chrono::seconds kCallTime{10};
 
 // ---- requests
 
-const Json& required(const Json& request, const char* key) {
-  const auto found = request.find(key);
-  if (found == request.end()) throw ProtocolError("the key " + in_quotes(key) + " is missing");
-  return *found;
-}
-
-std::int64_t integer_of(const Json& value, const char* key, std::int64_t lowest,
+std::int64_t integer_of(const Json& request, const char* key, std::int64_t lowest,
                         std::int64_t highest) {
+  const Json& value = member(request, key);
   std::optional<std::int64_t> number;
   if (value.is_number_integer()) {
     number = value.get<std::int64_t>();
   } else if (value.is_number_float()) {
     // Forms of tools send 1.0; what is beside a whole number is rounded as the drive counts.
     const auto real = value.get<double>();
-    constexpr double kExact = 9007199254740992.0;  // 2^53
-    if (std::isfinite(real) && std::abs(real) <= kExact) number = std::llround(real);
+    if (std::isfinite(real) && std::abs(real) <= kLargestExact) number = std::llround(real);
   }
   if (number && *number >= lowest && *number <= highest) return *number;
   throw ProtocolError(in_quotes(key) + " must be a number from " + std::to_string(lowest) + " to " +
@@ -57,26 +53,18 @@ std::int64_t integer_of(const Json& value, const char* key, std::int64_t lowest,
 
 template <typename Number>
 Number number_of(const Json& request, const char* key) {
-  return static_cast<Number>(integer_of(required(request, key), key,
-                                        std::numeric_limits<Number>::min(),
-                                        std::numeric_limits<Number>::max()));
+  using Limits = std::numeric_limits<Number>;
+  return static_cast<Number>(integer_of(request, key, Limits::min(), Limits::max()));
 }
 
 template <typename Number>
 std::optional<Number> optional_number(const Json& request, const char* key) {
-  const auto found = request.find(key);
-  if (found == request.end() || found->is_null()) return std::nullopt;
+  if (is_absent(request, key)) return std::nullopt;
   return number_of<Number>(request, key);
 }
 
-double real_of(const Json& request, const char* key) {
-  const Json& value = required(request, key);
-  if (!value.is_number()) throw ProtocolError(in_quotes(key) + " must be a number");
-  return value.get<double>();
-}
-
 std::string axis_text_of(const Json& request) {
-  const Json& value = required(request, "axis");
+  const Json& value = member(request, "axis");
   if (!value.is_string() || value.get_ref<const std::string&>().empty()) {
     throw ProtocolError(R"('axis' must be the address or the name of an axis, such as "1.2")");
   }
@@ -84,17 +72,14 @@ std::string axis_text_of(const Json& request) {
 }
 
 std::vector<std::string> axes_of(const Json& request) {
-  const Json& list = required(request, "axes");
+  const Json& list = member(request, "axes");
   if (!list.is_array() || list.empty()) {
     throw ProtocolError(R"('axes' must be a list of addresses or names, such as ["1.1", "1.2"])");
   }
-  std::vector<std::string> axes;
-  axes.reserve(list.size());
-  for (const Json& axis : list) {
+  return each_of(list, [](const Json& axis) {
     if (!axis.is_string()) throw ProtocolError(R"('axes' must have texts, such as "1.2")");
-    axes.push_back(axis.get<std::string>());
-  }
-  return axes;
+    return axis.get<std::string>();
+  });
 }
 
 ObjectAddress object_of(const Json& value) {
@@ -130,155 +115,62 @@ Result<std::vector<Axis>> find_axes(Session& session, const std::vector<std::str
   return axes;
 }
 
-/// Axes that one group can have: of one bench each.
-std::vector<std::vector<Axis>> by_bench(const std::vector<Axis>& axes) {
-  std::map<std::uint32_t, std::vector<std::vector<Axis>>> parts;
-  for (const Axis& axis : axes) {
-    auto& of_bench = parts[axis.id().bench];
-    if (of_bench.empty() || of_bench.back().size() == client::kMostAxesAtOnce)
-      of_bench.emplace_back();
-    of_bench.back().push_back(axis);
-  }
+/// Axes that one group can have: of one bench each, and no more than a frame carries.
+std::vector<std::vector<Axis>> by_bench(std::vector<Axis> axes) {
+  // Stable: axes of a bench are commanded in the order of the request.
+  std::ranges::stable_sort(axes, {}, [](const Axis& axis) {
+    return axis.id().bench;
+  });
   std::vector<std::vector<Axis>> groups;
-  for (auto& [bench, of_bench] : parts) {
-    for (auto& part : of_bench) groups.push_back(std::move(part));
+  for (Axis& axis : axes) {
+    const bool has_place = !groups.empty() && groups.back().size() < client::kMostAxesAtOnce &&
+                           groups.back().front().id().bench == axis.id().bench;
+    if (!has_place) groups.emplace_back();
+    groups.back().push_back(std::move(axis));
   }
   return groups;
 }
 
-using OneAxis = Outcome (*)(Axis& axis);
-using AllAxes = Outcome (*)(AxisGroup& group);
+using GroupCall = Outcome (AxisGroup::*)(const client::GroupCallOptions&);
 
-Outcome for_each_axis(std::vector<Axis>& axes, OneAxis one) {
-  for (Axis& axis : axes) {
-    if (Outcome outcome = one(axis); !outcome) return outcome;
+template <auto one>
+Outcome call_one(Axis& axis, Until until) {
+  if constexpr (std::is_invocable_v<decltype(one), Axis&>) {
+    return (axis.*one)();
+  } else {
+    return (axis.*one)(options(until));
   }
-  return {};
-}
-
-Outcome for_group(Session& session, const std::vector<Axis>& axes, AllAxes all) {
-  auto group = AxisGroup::create(session, axes);
-  return group ? all(*group) : group.outcome();
 }
 
 /// Several axes at once where the library can, so that they act on one tick.
-CallAnswer for_axes(Session& session, const Json& request, OneAxis one, AllAxes all) {
+/// @tparam one the call of an axis
+/// @tparam until what it waits for
+/// @tparam all the call of a group; null where there is none
+template <auto one, Until until = Until::done, GroupCall all = nullptr>
+CallAnswer call_axes(Session& session, const Json& request) {
   auto axes = find_axes(session, axes_of(request));
   if (!axes) return {.outcome = axes.outcome()};
-  for (auto& part : by_bench(*axes)) {
-    const bool is_group = part.size() > 1 && all != nullptr;
-    Outcome outcome = is_group ? for_group(session, part, all) : for_each_axis(part, one);
+  for (std::vector<Axis>& part : by_bench(std::move(*axes))) {
+    Outcome outcome;
+    if (all != nullptr && part.size() > 1) {
+      auto group = AxisGroup::create(session, part);
+      outcome = group ? ((*group).*all)({.timeout = kCallTime, .until = until, .progress = {}})
+                      : group.outcome();
+    } else {
+      for (auto axis = part.begin(); outcome && axis != part.end(); ++axis) {
+        outcome = call_one<one>(*axis, until);
+      }
+    }
     if (!outcome) return {.outcome = std::move(outcome)};
   }
   return {};
 }
 
-client::GroupCallOptions group_options(Until until) {
-  return {.timeout = kCallTime, .until = until, .progress = {}};
-}
-
-CallAnswer call_enable(Session& session, const Json& request) {
-  return for_axes(
-      session, request,
-      [](Axis& axis) {
-        return axis.enable(options(Until::done));
-      },
-      [](AxisGroup& group) {
-        return group.enable_all(group_options(Until::done));
-      });
-}
-
-CallAnswer call_disable(Session& session, const Json& request) {
-  return for_axes(
-      session, request,
-      [](Axis& axis) {
-        return axis.disable(options(Until::done));
-      },
-      [](AxisGroup& group) {
-        return group.disable_all(group_options(Until::done));
-      });
-}
-
-CallAnswer call_halt(Session& session, const Json& request) {
-  return for_axes(
-      session, request,
-      [](Axis& axis) {
-        return axis.halt(options(Until::in_force));
-      },
-      [](AxisGroup& group) {
-        return group.halt_all(group_options(Until::in_force));
-      });
-}
-
-CallAnswer call_resume(Session& session, const Json& request) {
-  return for_axes(
-      session, request,
-      [](Axis& axis) {
-        return axis.resume(options(Until::in_force));
-      },
-      [](AxisGroup& group) {
-        return group.resume_all(group_options(Until::in_force));
-      });
-}
-
-CallAnswer call_reset(Session& session, const Json& request) {
-  return for_axes(
-      session, request,
-      [](Axis& axis) {
-        return axis.reset_fault(options(Until::done));
-      },
-      [](AxisGroup& group) {
-        return group.reset_all(group_options(Until::done));
-      });
-}
-
-CallAnswer call_power_cycle(Session& session, const Json& request) {
-  return for_axes(
-      session, request,
-      [](Axis& axis) {
-        return axis.power_cycle(options(Until::done));
-      },
-      nullptr);
-}
-
-CallAnswer call_store(Session& session, const Json& request) {
-  return for_axes(
-      session, request,
-      [](Axis& axis) {
-        return axis.store();
-      },
-      nullptr);
-}
-
-CallAnswer call_restore(Session& session, const Json& request) {
-  return for_axes(
-      session, request,
-      [](Axis& axis) {
-        return axis.restore_defaults();
-      },
-      nullptr);
-}
-
-CallAnswer call_end_disturbances(Session& session, const Json& request) {
-  return for_axes(
-      session, request,
-      [](Axis& axis) {
-        return axis.end_disturbances();
-      },
-      nullptr);
-}
-
 /// Axes, a bench, or every bench: the rest of them also when one of them cannot be stopped.
 CallAnswer call_quick_stop(Session& session, const Json& request) {
+  constexpr Until kUntil = Until::in_force;
   if (request.contains("axes")) {
-    return for_axes(
-        session, request,
-        [](Axis& axis) {
-          return axis.quick_stop(options(Until::in_force));
-        },
-        [](AxisGroup& group) {
-          return group.quick_stop_all(group_options(Until::in_force));
-        });
+    return call_axes<&Axis::quick_stop, kUntil, &AxisGroup::quick_stop_all>(session, request);
   }
   std::vector<std::uint32_t> benches;
   if (request.contains("bench")) {
@@ -287,9 +179,10 @@ CallAnswer call_quick_stop(Session& session, const Json& request) {
     for (const client::BenchInfo& bench : session.find_benches()) benches.push_back(bench.number);
     if (benches.empty()) return {.outcome = session.no_bench_found()};
   }
+  // The first failure is the answer; the other benches are stopped all the same.
   CallAnswer answer;
   for (const std::uint32_t bench : benches) {
-    Outcome outcome = session.quick_stop(bench, options(Until::in_force));
+    Outcome outcome = session.quick_stop(bench, options(kUntil));
     if (!outcome && answer.outcome) answer.outcome = std::move(outcome);
   }
   return answer;
@@ -335,23 +228,24 @@ Outcome write_limits(std::vector<Axis>& axes, const Json& request) {
 }
 
 CallAnswer call_move_group(Session& session, const Json& request) {
-  const Json& moves = required(request, "moves");
+  const Json& moves = member(request, "moves");
   if (!moves.is_array() || moves.empty()) {
     throw ProtocolError(R"('moves' must be a list such as [{"axis": "1.1", "position": 0}])");
   }
-  std::vector<std::string> names;
-  names.reserve(moves.size());
   Eigen::VectorXd targets(static_cast<Eigen::Index>(moves.size()));
-  for (const Json& move : moves) {
+  Eigen::Index place = 0;
+  const auto names = each_of(moves, [&](const Json& move) {
     if (!move.is_object()) throw ProtocolError("'moves' must have objects");
-    targets[static_cast<Eigen::Index>(names.size())] = number_of<std::int32_t>(move, "position");
-    names.push_back(axis_text_of(move));
-  }
+    targets[place++] = number_of<std::int32_t>(move, "position");
+    return axis_text_of(move);
+  });
   auto axes = find_axes(session, names);
   if (!axes) return {.outcome = axes.outcome()};
+  // Limits stay in the drives after the move: the group moves each axis within its own.
   if (Outcome outcome = write_limits(*axes, request); !outcome) return {.outcome = outcome};
   auto group = AxisGroup::create(session, *axes);
   if (!group) return {.outcome = group.outcome()};
+  // No time of ours: the library gives a group the duration of its move and 5 s more.
   client::GroupMoveOptions move;
   move.call.until = Until::in_force;
   return {.outcome = group->move_together(targets, move)};
@@ -368,7 +262,8 @@ CallAnswer call_home(Session& session, const Json& request) {
 // ---- bench
 
 CallAnswer call_disturb(Session& session, const Json& request) {
-  const std::string name = text_of(request, "name");
+  const std::string name = optional_text(request, "name").value_or("");
+  // Before the axis is searched: a wrong word costs no wait.
   const auto* const row =
       std::ranges::find(client::kDisturbances, name, &client::DisturbanceRow::name);
   if (row == client::kDisturbances.end()) {
@@ -385,29 +280,28 @@ CallAnswer call_pause(Session& session, const Json& request) {
 }
 
 CallAnswer call_rate(Session& session, const Json& request) {
-  return with_tick(
-      session.set_rate(number_of<std::uint32_t>(request, "bench"), real_of(request, "rate")));
+  const auto bench = number_of<std::uint32_t>(request, "bench");
+  const Json& rate = member(request, "rate");
+  if (!rate.is_number()) throw ProtocolError("'rate' must be a number");
+  return with_tick(session.set_rate(bench, rate.get<double>()));
 }
 
 CallAnswer call_step(Session& session, const Json& request) {
-  constexpr std::int64_t kMostTicks = 1'000'000;
-  const auto ticks = integer_of(required(request, "ticks"), "ticks", 1, kMostTicks);
-  return with_tick(
-      session.step(number_of<std::uint32_t>(request, "bench"), static_cast<std::uint64_t>(ticks)));
+  constexpr std::int64_t kMostTicks = 1'000'000;  // as the service allows in one request
+  const auto ticks = static_cast<std::uint64_t>(integer_of(request, "ticks", 1, kMostTicks));
+  return with_tick(session.step(number_of<std::uint32_t>(request, "bench"), ticks));
 }
 
 // ---- objects
 
 CallAnswer call_read(Session& session, const Json& request) {
-  const Json& list = required(request, "objects");
+  const Json& list = member(request, "objects");
   if (!list.is_array() || list.empty() || list.size() > client::kMostObjectsAtOnce) {
     throw ProtocolError("'objects' must be a list of 1 to " +
                         std::to_string(client::kMostObjectsAtOnce) +
                         R"( objects, such as ["0x6081"])");
   }
-  std::vector<ObjectAddress> objects;
-  objects.reserve(list.size());
-  for (const Json& object : list) objects.push_back(object_of(object));
+  const auto objects = each_of(list, object_of);
   const auto axis = session.axis(axis_text_of(request));
   if (!axis) return {.outcome = axis.outcome()};
   const auto readings = axis->read(objects);
@@ -424,126 +318,65 @@ CallAnswer call_read(Session& session, const Json& request) {
 }
 
 CallAnswer call_write(Session& session, const Json& request) {
-  const ObjectAddress object = object_of(required(request, "object"));
-  const std::int64_t value =
-      integer_of(required(request, "value"), "value", std::numeric_limits<std::int64_t>::min(),
-                 std::numeric_limits<std::int64_t>::max());
+  const ObjectAddress object = object_of(member(request, "object"));
+  const auto value = number_of<std::int64_t>(request, "value");
   auto axis = session.axis(axis_text_of(request));
   if (!axis) return {.outcome = axis.outcome()};
   return with_tick(axis->write(object, value));
 }
 
-// ---- schemas
-
-Json axes_request() {
-  return object_schema({{"axes", array_schema(text_schema())}});
-}
-
-Json stop_request() {
-  return object_schema({{"axes?", array_schema(text_schema())}, {"bench?", integer_schema()}});
-}
-
-Json take_request() {
-  return object_schema({{"name?", text_schema()}, {"force?", boolean_schema()}});
-}
-
-Json empty_request() {
-  return object_schema({});
-}
-
-Json move_request() {
-  return object_schema({{"axis", text_schema()},
-                        {"position", integer_schema()},
-                        {"relative?", boolean_schema()},
-                        {"velocity?", integer_schema()},
-                        {"acceleration?", integer_schema()},
-                        {"deceleration?", integer_schema()},
-                        {"queue?", boolean_schema()}});
-}
-
-Json move_group_request() {
-  return object_schema({{"moves", array_schema(object_schema(
-                                      {{"axis", text_schema()}, {"position", integer_schema()}}))},
-                        {"velocity?", integer_schema()},
-                        {"acceleration?", integer_schema()},
-                        {"deceleration?", integer_schema()}});
-}
-
-Json axis_request() {
-  return object_schema({{"axis", text_schema()}});
-}
-
-Json jog_request() {
-  return object_schema({{"axis", text_schema()}, {"velocity", integer_schema()}});
-}
-
-Json disturb_request() {
-  return object_schema(
-      {{"axis", text_schema()}, {"name", text_schema()}, {"value", integer_schema()}});
-}
-
-Json bench_request() {
-  return object_schema({{"bench", integer_schema()}});
-}
-
-Json rate_request() {
-  return object_schema({{"bench", integer_schema()}, {"rate", number_schema()}});
-}
-
-Json step_request() {
-  return object_schema({{"bench", integer_schema()}, {"ticks", integer_schema()}});
-}
-
-Json read_request() {
-  return object_schema({{"axis", text_schema()}, {"objects", array_schema(text_schema())}});
-}
-
-Json write_request() {
-  return object_schema(
-      {{"axis", text_schema()}, {"object", text_schema()}, {"value", integer_schema()}});
-}
+// ---- the table
 
 Json response_schema(Right right) {
-  Json schema = object_schema({{"ok", boolean_schema()},
-                               {"outcome", text_schema()},
-                               {"message", text_schema()},
-                               {"code", integer_schema()},
-                               {"tick?", integer_schema()}});
-  if (right == Right::none) {
-    schema["properties"]["values"] = array_schema(object_schema({{"object", text_schema()},
-                                                                 {"value?", integer_schema()},
-                                                                 {"code", integer_schema()},
-                                                                 {"message", text_schema()}}));
-  }
+  std::string members = "ok:boolean outcome:string message:string code:integer tick?:integer";
+  if (right != Right::none) return object_schema(members);
+  const Json reading = object_schema("object:string value?:integer code:integer message:string");
+  Json schema = object_schema(members + " values?:reading[]", {{"reading", reading}});
   return schema;
 }
 
+constexpr std::string_view kAxes = "axes:string[]";
+
 constexpr std::array kServices{
-    ServiceRow{"/take_control", "vdrive.TakeControl", Right::change_control, take_request, nullptr},
-    ServiceRow{"/release_control", "vdrive.ReleaseControl", Right::change_control, empty_request,
-               nullptr},
-    ServiceRow{"/enable", "vdrive.Enable", Right::command, axes_request, call_enable},
-    ServiceRow{"/disable", "vdrive.Disable", Right::command, axes_request, call_disable},
-    ServiceRow{"/halt", "vdrive.Halt", Right::stop, axes_request, call_halt},
-    ServiceRow{"/resume", "vdrive.Resume", Right::command, axes_request, call_resume},
-    ServiceRow{"/quick_stop", "vdrive.QuickStop", Right::stop, stop_request, call_quick_stop},
-    ServiceRow{"/reset", "vdrive.Reset", Right::command, axes_request, call_reset},
-    ServiceRow{"/move", "vdrive.Move", Right::command, move_request, call_move},
-    ServiceRow{"/move_group", "vdrive.MoveGroup", Right::command, move_group_request,
+    ServiceRow{"/take_control", "vdrive.TakeControl", Right::take_control,
+               "name?:string force?:boolean", nullptr},
+    ServiceRow{"/release_control", "vdrive.ReleaseControl", Right::release_control, "", nullptr},
+    ServiceRow{"/enable", "vdrive.Enable", Right::command, kAxes,
+               call_axes<&Axis::enable, Until::done, &AxisGroup::enable_all>},
+    ServiceRow{"/disable", "vdrive.Disable", Right::command, kAxes,
+               call_axes<&Axis::disable, Until::done, &AxisGroup::disable_all>},
+    ServiceRow{"/halt", "vdrive.Halt", Right::stop, kAxes,
+               call_axes<&Axis::halt, Until::in_force, &AxisGroup::halt_all>},
+    ServiceRow{"/resume", "vdrive.Resume", Right::command, kAxes,
+               call_axes<&Axis::resume, Until::in_force, &AxisGroup::resume_all>},
+    ServiceRow{"/quick_stop", "vdrive.QuickStop", Right::stop, "axes?:string[] bench?:integer",
+               call_quick_stop},
+    ServiceRow{"/reset", "vdrive.Reset", Right::command, kAxes,
+               call_axes<&Axis::reset_fault, Until::done, &AxisGroup::reset_all>},
+    ServiceRow{"/move", "vdrive.Move", Right::command,
+               "axis:string position:integer relative?:boolean velocity?:integer "
+               "acceleration?:integer deceleration?:integer queue?:boolean",
+               call_move},
+    ServiceRow{"/move_group", "vdrive.MoveGroup", Right::command,
+               "moves:move[] velocity?:integer acceleration?:integer deceleration?:integer",
                call_move_group},
-    ServiceRow{"/home", "vdrive.Home", Right::command, axis_request, call_home},
-    ServiceRow{"/jog", "vdrive.Jog", Right::jog, jog_request, nullptr},
-    ServiceRow{"/disturb", "vdrive.Disturb", Right::command, disturb_request, call_disturb},
-    ServiceRow{"/end_disturbances", "vdrive.EndDisturbances", Right::command, axes_request,
-               call_end_disturbances},
-    ServiceRow{"/store", "vdrive.Store", Right::command, axes_request, call_store},
-    ServiceRow{"/restore", "vdrive.Restore", Right::command, axes_request, call_restore},
-    ServiceRow{"/power_cycle", "vdrive.PowerCycle", Right::command, axes_request, call_power_cycle},
-    ServiceRow{"/pause", "vdrive.Pause", Right::command, bench_request, call_pause},
-    ServiceRow{"/rate", "vdrive.Rate", Right::command, rate_request, call_rate},
-    ServiceRow{"/step", "vdrive.Step", Right::command, step_request, call_step},
-    ServiceRow{"/read", "vdrive.Read", Right::none, read_request, call_read},
-    ServiceRow{"/write", "vdrive.Write", Right::command, write_request, call_write},
+    ServiceRow{"/home", "vdrive.Home", Right::command, "axis:string", call_home},
+    ServiceRow{"/jog", "vdrive.Jog", Right::jog, "axis:string velocity:integer", nullptr},
+    ServiceRow{"/disturb", "vdrive.Disturb", Right::command,
+               "axis:string name:string value:integer", call_disturb},
+    ServiceRow{"/end_disturbances", "vdrive.EndDisturbances", Right::command, kAxes,
+               call_axes<&Axis::end_disturbances>},
+    ServiceRow{"/store", "vdrive.Store", Right::command, kAxes, call_axes<&Axis::store>},
+    ServiceRow{"/restore", "vdrive.Restore", Right::command, kAxes,
+               call_axes<&Axis::restore_defaults>},
+    ServiceRow{"/power_cycle", "vdrive.PowerCycle", Right::command, kAxes,
+               call_axes<&Axis::power_cycle>},
+    ServiceRow{"/pause", "vdrive.Pause", Right::command, "bench:integer", call_pause},
+    ServiceRow{"/rate", "vdrive.Rate", Right::command, "bench:integer rate:number", call_rate},
+    ServiceRow{"/step", "vdrive.Step", Right::command, "bench:integer ticks:integer", call_step},
+    ServiceRow{"/read", "vdrive.Read", Right::none, "axis:string objects:string[]", call_read},
+    ServiceRow{"/write", "vdrive.Write", Right::command, "axis:string object:string value:integer",
+               call_write},
 };
 
 }  // namespace
@@ -553,13 +386,14 @@ std::span<const ServiceRow> services() {
 }
 
 std::vector<ServiceInfo> service_infos() {
+  const Json types{{"move", object_schema("axis:string position:integer")}};
   std::vector<ServiceInfo> infos;
   infos.reserve(kServices.size());
   for (const ServiceRow& row : kServices) {
     infos.push_back({.id = static_cast<std::uint32_t>(infos.size() + 1),
                      .name = std::string(row.name),
                      .type = std::string(row.type),
-                     .request_schema = row.request_schema(),
+                     .request_schema = object_schema(row.request, types),
                      .response_schema = response_schema(row.right)});
   }
   return infos;
@@ -571,21 +405,14 @@ std::string answer_text(const CallAnswer& answer) {
   json["outcome"] = to_string(answer.outcome.kind());
   json["message"] = answer.outcome.message();
   json["code"] = answer.outcome.code();
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
-std::string text_of(const Json& request, const char* key) {
-  const auto found = request.find(key);
-  if (found == request.end() || found->is_null()) return {};
-  if (!found->is_string()) throw ProtocolError(in_quotes(key) + " must be a text");
-  return found->get<std::string>();
+  return to_line(json);
 }
 
 bool flag_of(const Json& request, const char* key) {
-  const auto found = request.find(key);
-  if (found == request.end() || found->is_null()) return false;
-  if (!found->is_boolean()) throw ProtocolError(in_quotes(key) + " must be true or false");
-  return found->get<bool>();
+  if (is_absent(request, key)) return false;
+  const Json& value = member(request, key);
+  if (!value.is_boolean()) throw ProtocolError(in_quotes(key) + " must be true or false");
+  return value.get<bool>();
 }
 
 JogRequest jog_of(const Json& request) {

@@ -14,11 +14,12 @@ namespace vdrive::gateway {
 
 /// What a client must have to call a service.
 enum class Right : std::uint8_t {
-  none,            ///< nothing
-  stop,            ///< a gateway that lets clients command
-  command,         ///< control, taken by this connection
-  jog,             ///< as `command`; the hub carries it out
-  change_control,  ///< as `stop`; the hub carries it out
+  none,             ///< nothing
+  stop,             ///< a gateway that lets clients command
+  command,          ///< control, taken by this connection
+  jog,              ///< as `command`; Jogs carries it out
+  take_control,     ///< as `stop`; the ControlDesk carries it out
+  release_control,  ///< as `stop`; the ControlDesk carries it out
 };
 
 /// The answer to a call, in the words of the client library.
@@ -32,8 +33,8 @@ struct ServiceRow {
   std::string_view name;  ///< such as "/move"
   std::string_view type;  ///< such as "vdrive.Move"
   Right right;
-  Json (*request_schema)();
-  /// Carries it out and waits until the drive has acted on it. Null where the hub does.
+  std::string_view request;  ///< its members, as object_schema() reads them
+  /// Carries it out and waits until the drive has acted on it. Null where another part does.
   /// @throws ProtocolError when the request is wrong, with what and where.
   CallAnswer (*call)(client::Session& session, const Json& request);
 };
@@ -46,10 +47,6 @@ struct ServiceRow {
 
 /// @return the answer as the response of a service.
 [[nodiscard]] std::string answer_text(const CallAnswer& answer);
-
-/// @return the member `key` of a request as a text, empty without it.
-/// @throws ProtocolError when it is not a text.
-[[nodiscard]] std::string text_of(const Json& request, const char* key);
 
 /// @return the member `key` of a request, false without it.
 /// @throws ProtocolError when it is neither true nor false.

@@ -2,6 +2,7 @@
 #include "web_server.hpp"
 
 #include "protocol.hpp"
+#include "vdrive/assert.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/token_bucket.hpp"
 #include "vdrive/wording.hpp"
@@ -21,10 +22,8 @@
 #include <sys/socket.h>
 
 #include <algorithm>
-#include <array>
 #include <csignal>
 #include <map>
-#include <optional>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -41,14 +40,21 @@ using Clock = std::chrono::steady_clock;
 using Request = http::request<http::string_body>;
 using Response = http::response<http::string_body>;
 
+// A client sends its request, and reads its answer, at once: who is slower only holds a place.
 constexpr std::chrono::seconds kHandshake{5};
+// Without it a lack of file descriptors would keep the thread busy with accepting.
 constexpr std::chrono::milliseconds kAcceptPause{100};
+// Finer than the shortest patience of a client, 2 s, by a factor that does not matter to it.
 constexpr std::chrono::milliseconds kWatchPeriod{250};
+// A client that only receives answers pings alone: several of them within its patience.
 constexpr std::chrono::milliseconds kPingPeriod{500};
+// A report for each dropped message would add to what the client cannot read.
 constexpr std::chrono::milliseconds kDropReport{1000};
+// For the closing handshake: a client that is gone does not hold up the end of the gateway.
 constexpr std::chrono::milliseconds kCloseTime{1000};
-constexpr std::size_t kLongestHead = 8192;            // [bytes] of an HTTP request
-constexpr std::size_t kLongestMessage = 1U << 18U;    // [bytes] of a WebSocket message
+constexpr std::size_t kLongestHead = 8192;          // [bytes] of an HTTP request
+constexpr std::size_t kLongestMessage = 1U << 18U;  // [bytes] of a WebSocket message
+// What waits in the kernel cannot be dropped any more: it is what a slow client sees late.
 constexpr int kSendBuffer = 1 << 18;                  // [bytes] in the kernel, which doubles it
 constexpr std::ptrdiff_t kMostPlainConnections = 32;  // HTTP beside the WebSockets, a use
 
@@ -78,6 +84,12 @@ std::chrono::milliseconds unacknowledged(tcp::socket& socket) {
   return std::chrono::milliseconds(has_all ? 0 : info.tcpi_last_ack_recv);
 }
 
+/// @param text outlives the answer
+PageAnswer text_answer(unsigned status, std::string_view text) {
+  return {
+      .status = status, .content_type = "text/plain", .cache_control = "no-store", .bytes = text};
+}
+
 /// What a connection is for.
 enum class Use : std::uint8_t {
   clients,  ///< the page and WebSockets
@@ -92,15 +104,22 @@ struct Shared {
   WebCounters counters;
 };
 
+/// Browsers and tools say these when they leave; any other code tells of a failure.
+bool is_farewell(std::uint16_t code) {
+  return code == websocket::close_code::normal || code == websocket::close_code::going_away ||
+         code == websocket::close_code::no_status || code == websocket::close_code::none;
+}
+
 /// One more of that kind.
 template <typename Counts, typename Kind>
 void count(Counts& counts, Kind kind) {
   ++counts.at(static_cast<std::size_t>(kind));
 }
 
-class Connection final : public std::enable_shared_from_this<Connection> {
+/// One TCP connection: HTTP, which may become a WebSocket.
+class WebConnection final : public std::enable_shared_from_this<WebConnection> {
  public:
-  Connection(tcp::socket&& socket, Shared& shared, ConnectionId id, Use use)
+  WebConnection(tcp::socket&& socket, Shared& shared, ConnectionId id, Use use)
       : shared_(shared), id_(id), use_(use), socket_(std::move(socket)) {}
 
   void start() { read_request(); }
@@ -134,12 +153,12 @@ class Connection final : public std::enable_shared_from_this<Connection> {
   void watch(Clock::time_point now, Clock::duration own_delay) {
     if (phase_ == Phase::closing && now >= close_deadline_) end(false);
     if (phase_ != Phase::open) return;
+    // First: what clients sent meanwhile has not been read yet.
     received_ = std::min(now, received_ + own_delay);
     // A close frame would wait behind what is not read.
     if (is_overfull_ || is_silent(now, own_delay)) {
       count(shared_.counters.cut_off, is_overfull_ ? CutOff::unread : CutOff::silent);
-      end(false);
-      return;
+      return end(false);
     }
     if (now - pinged_ >= kPingPeriod) ping(now);
     if (now - reported_ >= kDropReport) report_dropped(now);
@@ -156,7 +175,7 @@ class Connection final : public std::enable_shared_from_this<Connection> {
   void end(bool is_graceful) {
     if (phase_ == Phase::over) return;
     const bool was_open = phase_ == Phase::open || phase_ == Phase::closing;
-    phase_ = Phase::over;
+    phase_ = Phase::over;  // before the event, which may send to this connection
     beast::error_code ignored;
     stream().socket().shutdown(tcp::socket::shutdown_both, ignored);
     stream().close();
@@ -185,53 +204,36 @@ class Connection final : public std::enable_shared_from_this<Connection> {
     parser_->body_limit(0);
     stream().expires_after(kHandshake);
     http::async_read(stream(), buffer_, *parser_,
-                     [self = shared_from_this()](beast::error_code error, std::size_t) {
-                       self->on_request(error);
-                     });
+                     beast::bind_front_handler(&WebConnection::on_request, shared_from_this()));
   }
 
-  void on_request(beast::error_code error) {
-    if (error) {
-      on_bad_request(error);
-      return;
-    }
+  void on_request(beast::error_code error, std::size_t /*bytes*/) {
+    if (error) return on_bad_request(error);
     const Request request = parser_->release();
-    if (use_ == Use::metrics) {
-      answer_metrics(request);
-      return;
-    }
-    if (websocket::is_upgrade(request)) {
-      upgrade(request);
-      return;
-    }
+    if (use_ == Use::metrics) return answer_metrics(request);
+    if (websocket::is_upgrade(request)) return upgrade(request);
     if (!is_own_host(view(request[http::field::host]), shared_.settings.rules)) {
-      answer(request, 403, "text/plain", "no-store", "This host is not a name of the gateway.\n");
-      return;
+      return answer(request, text_answer(403, "This host is not a name of the gateway.\n"));
     }
-    if (!is_reading(request)) return;
-    const PageAnswer file = find_page_file(shared_.page, view(request.target()));
-    answer(request, file.status, file.content_type, file.cache_control, file.bytes);
+    if (is_reading(request)) answer(request, find_page_file(shared_.page, view(request.target())));
   }
 
   /// The client is gone or its time is over, or what it sent is not HTTP.
   void on_bad_request(beast::error_code error) {
     const bool is_gone = error == http::error::end_of_stream ||
                          error.category() != make_error_code(http::error::bad_version).category();
-    if (is_gone) {
-      end(false);
-      return;
-    }
+    if (is_gone) return end(false);
     Request unread;
     unread.version(11);  // HTTP/1.1
     unread.keep_alive(false);
-    answer(unread, 400, "text/plain", "no-store",
-           "This is not a valid HTTP request: " + error.message() + ".\n");
+    answer(unread,
+           text_answer(400, "This is not a valid HTTP request: " + error.message() + ".\n"));
   }
 
   /// Answers a request that would change something.
   bool is_reading(const Request& request) {
     const bool reads = request.method() == http::verb::get || request.method() == http::verb::head;
-    if (!reads) answer(request, 405, "text/plain", "no-store", "GET and HEAD only.\n");
+    if (!reads) answer(request, text_answer(405, "GET and HEAD only.\n"));
     return reads;
   }
 
@@ -239,35 +241,35 @@ class Connection final : public std::enable_shared_from_this<Connection> {
     if (!is_reading(request)) return;
     const std::string_view target = view(request.target());
     if (target.substr(0, target.find('?')) != "/metrics") {
-      answer(request, 404, "text/plain", "no-store", "The metrics are at /metrics.\n");
-      return;
+      return answer(request, text_answer(404, "The metrics are at /metrics.\n"));
     }
-    answer(request, 200, "text/plain; version=0.0.4; charset=utf-8", "no-store",
-           shared_.events.metrics ? shared_.events.metrics() : std::string());
+    const std::string metrics = shared_.events.metrics ? shared_.events.metrics() : std::string();
+    answer(request, {.status = 200,
+                     .content_type = "text/plain; version=0.0.4; charset=utf-8",
+                     .cache_control = "no-store",
+                     .bytes = metrics});
   }
 
-  void answer(const Request& request, unsigned status, std::string_view type,
-              std::string_view cache_control, std::string_view body) {
-    response_ = Response(static_cast<http::status>(status), request.version());
+  void answer(const Request& request, const PageAnswer& page) {
+    response_ = Response(static_cast<http::status>(page.status), request.version());
     response_.set(http::field::server, "vdrive-gateway");
-    response_.set(http::field::content_type, beast_view(type));
-    response_.set(http::field::cache_control, beast_view(cache_control));
+    response_.set(http::field::content_type, beast_view(page.content_type));
+    response_.set(http::field::cache_control, beast_view(page.cache_control));
     response_.set("Content-Security-Policy", beast_view(kContentSecurityPolicy));
     response_.set("X-Content-Type-Options", "nosniff");
     response_.set("Referrer-Policy", "no-referrer");
     // One answer a connection for a scraper, as of the service's metrics.
     response_.keep_alive(use_ == Use::clients && request.keep_alive());
-    response_.content_length(body.size());
-    if (request.method() != http::verb::head) response_.body() = body;
+    response_.content_length(page.bytes.size());
+    if (request.method() != http::verb::head) response_.body() = page.bytes;
     stream().expires_after(kHandshake);
     http::async_write(stream(), response_,
-                      [self = shared_from_this()](beast::error_code error, std::size_t) {
-                        if (error || !self->response_.keep_alive()) {
-                          self->end(false);
-                        } else {
-                          self->read_request();
-                        }
-                      });
+                      beast::bind_front_handler(&WebConnection::on_answered, shared_from_this()));
+  }
+
+  void on_answered(beast::error_code error, std::size_t /*bytes*/) {
+    if (error || !response_.keep_alive()) return end(false);
+    read_request();
   }
 
   // ---- WebSocket
@@ -288,10 +290,9 @@ class Connection final : public std::enable_shared_from_this<Connection> {
     }
     if (admission.status != 101) {
       count(shared_.counters.refused, admission.refusal);
-      Request last = request;
+      Request last = request;  // a refused connection has no further use
       last.keep_alive(false);
-      answer(last, admission.status, "text/plain", "no-store", admission.reason + "\n");
-      return;
+      return answer(last, text_answer(admission.status, admission.reason + "\n"));
     }
     accept(request, admission.subprotocol);
   }
@@ -300,6 +301,7 @@ class Connection final : public std::enable_shared_from_this<Connection> {
     stream().expires_never();
     websocket::stream_base::timeout times{};
     times.handshake_timeout = kHandshake;
+    // Beast's own would count a delay of this gateway as the client's: watch() judges instead.
     times.idle_timeout = websocket::stream_base::none();
     times.keep_alive_pings = false;
     socket_.set_option(times);
@@ -314,18 +316,15 @@ class Connection final : public std::enable_shared_from_this<Connection> {
     socket_.control_callback([this](websocket::frame_type, beast::string_view) {
       received_ = Clock::now();
     });
+    // A client speaks after the answer: what it sent with its request is not read as a message.
     buffer_.consume(buffer_.size());
-    socket_.async_accept(request, [self = shared_from_this()](beast::error_code error) {
-      self->on_accept(error);
-    });
+    socket_.async_accept(request,
+                         beast::bind_front_handler(&WebConnection::on_accept, shared_from_this()));
   }
 
   void on_accept(beast::error_code error) {
     if (phase_ != Phase::http) return;
-    if (error) {
-      end(false);
-      return;
-    }
+    if (error) return end(false);
     phase_ = Phase::open;
     ++shared_.counters.clients;
     ++shared_.counters.connections;
@@ -336,20 +335,12 @@ class Connection final : public std::enable_shared_from_this<Connection> {
 
   void read_message() {
     if (phase_ == Phase::over) return;
-    socket_.async_read(buffer_, [self = shared_from_this()](beast::error_code error, std::size_t) {
-      self->on_message(error);
-    });
+    socket_.async_read(buffer_,
+                       beast::bind_front_handler(&WebConnection::on_message, shared_from_this()));
   }
 
-  void on_message(beast::error_code error) {
-    if (error) {
-      const auto code = socket_.reason().code;
-      const bool is_closed = error == websocket::error::closed;
-      end(is_closed &&
-          (code == websocket::close_code::normal || code == websocket::close_code::going_away ||
-           code == websocket::close_code::no_status || code == websocket::close_code::none));
-      return;
-    }
+  void on_message(beast::error_code error, std::size_t /*bytes*/) {
+    if (error) return end(error == websocket::error::closed && is_farewell(socket_.reason().code));
     received_ = Clock::now();
     const auto bytes = buffer_.cdata();
     messages_.refill(received_.time_since_epoch());
@@ -366,6 +357,7 @@ class Connection final : public std::enable_shared_from_this<Connection> {
   }
 
   void write_next() {
+    // Beast writes one message at a time; what comes meanwhile waits where it can be dropped.
     if (is_writing_ || phase_ != Phase::open) return;
     auto frame = queue_.pop();
     if (!frame) return;
@@ -375,17 +367,17 @@ class Connection final : public std::enable_shared_from_this<Connection> {
     const std::array<asio::const_buffer, 2> buffers{
         asio::buffer(current_.head.data(), current_.head_size),
         current_.body ? asio::buffer(*current_.body) : asio::const_buffer()};
-    socket_.async_write(buffers, [self = shared_from_this()](beast::error_code error, std::size_t) {
-      self->is_writing_ = false;
-      const Frame sent = std::exchange(self->current_, {});
-      if (error) {
-        self->end(false);
-      } else {
-        ++self->shared_.counters.messages_sent;
-        self->shared_.counters.bytes_sent += sent.size();
-        self->write_next();
-      }
-    });
+    socket_.async_write(buffers,
+                        beast::bind_front_handler(&WebConnection::on_written, shared_from_this()));
+  }
+
+  void on_written(beast::error_code error, std::size_t /*bytes*/) {
+    is_writing_ = false;
+    const Frame sent = std::exchange(current_, {});
+    if (error) return end(false);
+    ++shared_.counters.messages_sent;
+    shared_.counters.bytes_sent += sent.size();
+    write_next();
   }
 
   void ping(Clock::time_point now) {
@@ -401,12 +393,9 @@ class Connection final : public std::enable_shared_from_this<Connection> {
     reported_ = now;
     const std::uint64_t dropped = queue_.take_dropped();
     if (dropped == 0) return;
-    Frame frame;
-    frame.is_text = true;
-    frame.body = std::make_shared<const std::string>(status_text(
-        Level::warning, counted(dropped, "message was", "messages were") +
-                            " left out: this connection is too slow for its subscriptions"));
-    push_answer(std::move(frame), false);
+    const std::string text = counted(dropped, "message was", "messages were") +
+                             " left out: this connection is too slow for its subscriptions";
+    push_answer(text_frame(share(status_text(Level::warning, text))), false);
   }
 
   void close(websocket::close_code code, const char* reason) {
@@ -462,6 +451,8 @@ void open(tcp::acceptor& acceptor, const ListenAddress& listen) {
   const tcp::endpoint endpoint = endpoint_of(listen);
   try {
     acceptor.open(endpoint.protocol());
+    // Else a gateway that starts anew cannot listen while the kernel keeps connections of the one
+    // before.
     acceptor.set_option(asio::socket_base::reuse_address(true));
     acceptor.bind(endpoint);
     acceptor.listen();
@@ -474,77 +465,40 @@ void open(tcp::acceptor& acceptor, const ListenAddress& listen) {
 }  // namespace
 
 std::string_view to_string(CutOff cut_off) noexcept {
-  switch (cut_off) {
-    case CutOff::silent:
-      return "silent";
-    case CutOff::unread:
-      return "unread";
-    case CutOff::flood:
-      return "flood";
-  }
-  return "unknown";
+  static constexpr std::array<std::string_view, kCutOffs> kNames{"silent", "unread", "flood"};
+  const auto place = static_cast<std::size_t>(cut_off);
+  ensure(place < kNames.size(), "every cut-off has a name");
+  return kNames[place];
 }
 
-class WebServer::Server {
- public:
-  Server(WebSettings&& settings, Page page)
-      : shared_{.settings = std::move(settings), .page = page, .events = {}, .counters = {}} {
-    open(clients_.acceptor, shared_.settings.listen);
-    if (shared_.settings.metrics) open(metrics_.acceptor, *shared_.settings.metrics);
-  }
-
-  [[nodiscard]] std::uint16_t port() const { return clients_.acceptor.local_endpoint().port(); }
-
-  [[nodiscard]] std::optional<std::uint16_t> metrics_port() const {
-    if (!metrics_.acceptor.is_open()) return std::nullopt;
-    return metrics_.acceptor.local_endpoint().port();
-  }
-
-  [[nodiscard]] const WebCounters& counters() const noexcept { return shared_.counters; }
-
-  void run(WebEvents&& events) {
-    shared_.events = std::move(events);
-    signals_.async_wait([this](beast::error_code error, int) {
-      if (!error) begin_to_stop();
-    });
-    accept(clients_);
-    if (metrics_.acceptor.is_open()) accept(metrics_);
-    watch();
-    for (Timer& timer : timers_) arm(timer);
-    context_.run();
-    // Also when its time was too short to announce it to all: a server that ends gives control
-    // back.
-    for (const auto& [id, connection] : connections_) {
-      connection->announce_end();
-      connection->end(true);
-    }
-    connections_.clear();
-    shared_.events = {};
-  }
-
-  void stop() {
-    asio::post(context_, [this] {
-      begin_to_stop();
-    });
-  }
-
-  void post(std::function<void()>&& action) { asio::post(context_, std::move(action)); }
-
-  void every(std::chrono::milliseconds period, std::function<void()>&& action) {
-    timers_.push_back({asio::steady_timer(context_), period, std::move(action)});
-  }
-
-  [[nodiscard]] Connection* find(ConnectionId id) {
-    const auto found = connections_.find(id);
-    return found == connections_.end() ? nullptr : found->second.get();
-  }
-
- private:
+struct WebServer::State {
   struct Timer {
     asio::steady_timer timer;
     std::chrono::milliseconds period;
     std::function<void()> action;
   };
+
+  State(WebSettings&& settings, Page page)
+      : shared{.settings = std::move(settings), .page = page, .events = {}, .counters = {}} {}
+
+  [[nodiscard]] WebConnection* find(ConnectionId id) {
+    const auto found = connections.find(id);
+    return found == connections.end() ? nullptr : found->second.get();
+  }
+
+  void send_data(ConnectionId id, Frame frame) {
+    if (WebConnection* const connection = find(id)) connection->push_data(std::move(frame));
+  }
+
+  void send_answer(ConnectionId id, Frame frame, bool is_shared) {
+    if (WebConnection* const connection = find(id)) {
+      connection->push_answer(std::move(frame), is_shared);
+    }
+  }
+
+  void set_patience(ConnectionId id, Patience patience) {
+    if (WebConnection* const connection = find(id)) connection->set_patience(patience);
+  }
 
   void accept(Listener& listener) {
     listener.acceptor.async_accept([this, &listener](beast::error_code error, tcp::socket socket) {
@@ -566,11 +520,12 @@ class WebServer::Server {
     forget_ended();
     make_room(use);
     beast::error_code ignored;
+    // A message is shown when it comes: it does not wait for the acknowledgement of the one before.
     socket.set_option(tcp::no_delay(true), ignored);
     socket.set_option(asio::socket_base::send_buffer_size(kSendBuffer), ignored);
-    const ConnectionId id = ++last_id_;
-    const auto connection = std::make_shared<Connection>(std::move(socket), shared_, id, use);
-    connections_.emplace(id, connection);
+    const ConnectionId id = ++last_id;
+    const auto connection = std::make_shared<WebConnection>(std::move(socket), shared, id, use);
+    connections.emplace(id, connection);
     connection->start();
   }
 
@@ -580,29 +535,29 @@ class WebServer::Server {
     const auto is_plain = [use](const auto& entry) {
       return entry.second->is_plain(use);
     };
-    if (std::ranges::count_if(connections_, is_plain) < kMostPlainConnections) return;
-    std::ranges::find_if(connections_, is_plain)->second->end(false);
+    if (std::ranges::count_if(connections, is_plain) < kMostPlainConnections) return;
+    std::ranges::find_if(connections, is_plain)->second->end(false);
     forget_ended();
   }
 
   void forget_ended() {
-    std::erase_if(connections_, [](const auto& entry) {
+    std::erase_if(connections, [](const auto& entry) {
       return entry.second->is_over();
     });
   }
 
   void watch() {
-    watch_.expires_after(kWatchPeriod);
-    watch_.async_wait([this](beast::error_code error) {
+    watch_timer.expires_after(kWatchPeriod);
+    watch_timer.async_wait([this](beast::error_code error) {
       if (error) return;
       forget_ended();
       const auto now = Clock::now();
-      const auto delay = now - watch_.expiry();
+      const auto delay = now - watch_timer.expiry();
       const auto own_delay = delay > kWatchPeriod ? delay : Clock::duration::zero();
       // An event of one connection may reach others: none is added or removed meanwhile.
-      for (const auto& [id, connection] : connections_) connection->watch(now, own_delay);
-      if (is_stopping_ && (connections_.empty() || Clock::now() >= stop_deadline_)) {
-        context_.stop();
+      for (const auto& [id, connection] : connections) connection->watch(now, own_delay);
+      if (is_stopping && (connections.empty() || Clock::now() >= stop_deadline)) {
+        context.stop();
       } else {
         watch();
       }
@@ -619,83 +574,93 @@ class WebServer::Server {
   }
 
   void begin_to_stop() {
-    if (std::exchange(is_stopping_, true)) return;
-    stop_deadline_ = Clock::now() + kCloseTime;
+    if (std::exchange(is_stopping, true)) return;
+    stop_deadline = Clock::now() + kCloseTime;
     beast::error_code ignored;
-    clients_.acceptor.close(ignored);
-    metrics_.acceptor.close(ignored);
-    for (const auto& [id, connection] : connections_) connection->announce_end();
+    clients.acceptor.close(ignored);
+    metrics.acceptor.close(ignored);
+    for (const auto& [id, connection] : connections) connection->announce_end();
   }
 
-  asio::io_context context_{1};
-  Shared shared_;
-  Listener clients_{.use = Use::clients,
-                    .acceptor = tcp::acceptor(context_),
-                    .pause = asio::steady_timer(context_)};
-  Listener metrics_{.use = Use::metrics,
-                    .acceptor = tcp::acceptor(context_),
-                    .pause = asio::steady_timer(context_)};
-  asio::signal_set signals_{context_, SIGINT, SIGTERM};
-  asio::steady_timer watch_{context_};
-  std::vector<Timer> timers_;
-  std::map<ConnectionId, std::shared_ptr<Connection>> connections_;
-  ConnectionId last_id_ = 0;
-  bool is_stopping_ = false;
-  Clock::time_point stop_deadline_{};
+  asio::io_context context{1};
+  Shared shared;
+  Listener clients{.use = Use::clients,
+                   .acceptor = tcp::acceptor(context),
+                   .pause = asio::steady_timer(context)};
+  Listener metrics{.use = Use::metrics,
+                   .acceptor = tcp::acceptor(context),
+                   .pause = asio::steady_timer(context)};
+  asio::signal_set signals{context, SIGINT, SIGTERM};
+  asio::steady_timer watch_timer{context};
+  std::vector<Timer> timers;
+  std::map<ConnectionId, std::shared_ptr<WebConnection>> connections;
+  ConnectionId last_id = 0;
+  bool is_stopping = false;
+  Clock::time_point stop_deadline{};
 };
 
 WebServer::WebServer(WebSettings settings, Page page)
-    : server_(std::make_unique<Server>(std::move(settings), page)) {}
+    : state_(std::make_unique<State>(std::move(settings), page)) {
+  const WebSettings& kept = state_->shared.settings;
+  open(state_->clients.acceptor, kept.listen);
+  if (kept.metrics) open(state_->metrics.acceptor, *kept.metrics);
+}
 
 WebServer::~WebServer() = default;
 
 std::uint16_t WebServer::port() const {
-  return server_->port();
+  return state_->clients.acceptor.local_endpoint().port();
 }
 
 std::optional<std::uint16_t> WebServer::metrics_port() const {
-  return server_->metrics_port();
+  const tcp::acceptor& acceptor = state_->metrics.acceptor;
+  if (!acceptor.is_open()) return std::nullopt;
+  return acceptor.local_endpoint().port();
 }
 
 const WebCounters& WebServer::counters() const noexcept {
-  return server_->counters();
+  return state_->shared.counters;
 }
 
 void WebServer::run(WebEvents events) {
-  server_->run(std::move(events));
+  State& state = *state_;
+  state.shared.events = std::move(events);
+  state.signals.async_wait([&state](beast::error_code error, int) {
+    if (!error) state.begin_to_stop();
+  });
+  state.accept(state.clients);
+  if (state.metrics.acceptor.is_open()) state.accept(state.metrics);
+  state.watch();
+  for (State::Timer& timer : state.timers) state.arm(timer);
+  state.context.run();
+  // Also when its time was too short to announce it to all: a server that ends gives control
+  // back.
+  for (const auto& [id, connection] : state.connections) {
+    connection->announce_end();
+    connection->end(true);
+  }
+  state.connections.clear();
+  state.shared.events = {};
 }
 
 void WebServer::stop() {
-  server_->stop();
-}
-
-void WebServer::post(std::function<void()> action) {
-  server_->post(std::move(action));
+  asio::post(state_->context, [this] {
+    state_->begin_to_stop();
+  });
 }
 
 void WebServer::every(std::chrono::milliseconds period, std::function<void()> action) {
-  server_->every(period, std::move(action));
+  state_->timers.push_back({asio::steady_timer(state_->context), period, std::move(action)});
 }
 
-void WebServer::send_data(ConnectionId id, Frame frame) {
-  if (Connection* const connection = server_->find(id)) connection->push_data(std::move(frame));
-}
-
-void WebServer::send_answer(ConnectionId id, Frame frame, bool is_shared) {
-  if (Connection* const connection = server_->find(id)) {
-    connection->push_answer(std::move(frame), is_shared);
-  }
-}
-
-void WebServer::send_answer(ConnectionId id, std::string text) {
-  Frame frame;
-  frame.is_text = true;
-  frame.body = std::make_shared<const std::string>(std::move(text));
-  send_answer(id, std::move(frame));
-}
-
-void WebServer::set_patience(ConnectionId id, Patience patience) {
-  if (Connection* const connection = server_->find(id)) connection->set_patience(patience);
+ServerCalls WebServer::calls() {
+  State* const state = state_.get();
+  return {.send_data = std::bind_front(&State::send_data, state),
+          .send_answer = std::bind_front(&State::send_answer, state),
+          .set_patience = std::bind_front(&State::set_patience, state),
+          .post = [state](std::function<void()> action) {
+            asio::post(state->context, std::move(action));
+          }};
 }
 
 }  // namespace vdrive::gateway

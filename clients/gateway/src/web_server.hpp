@@ -3,7 +3,7 @@
 
 #include "admission.hpp"
 #include "page.hpp"
-#include "send_queue.hpp"
+#include "server_calls.hpp"
 
 #include <array>
 #include <chrono>
@@ -16,9 +16,6 @@
 #include <string_view>
 
 namespace vdrive::gateway {
-
-/// Number of a WebSocket connection, never used twice in one run.
-using ConnectionId = std::uint64_t;
 
 /// Where a server listens.
 struct ListenAddress {
@@ -44,12 +41,6 @@ inline constexpr std::size_t kCutOffs = 3;
 
 /// @return such as "silent".
 [[nodiscard]] std::string_view to_string(CutOff cut_off) noexcept;
-
-/// How long a client may be silent before its connection is closed.
-struct Patience {
-  std::chrono::milliseconds program{};  ///< sends nothing and answers no ping
-  std::chrono::milliseconds machine{};  ///< does not even acknowledge the bytes that it was sent
-};
 
 /// What a server counts, from its start on where nothing else is stated.
 struct WebCounters {
@@ -99,30 +90,17 @@ class WebServer {
   /// Ends run(). Any thread.
   void stop();
 
-  /// Calls `action` in the thread of run(). Any thread.
-  void post(std::function<void()> action);
-
   /// Calls `action` each `period` in the thread of run(). Before run().
   void every(std::chrono::milliseconds period, std::function<void()> action);
 
-  // ---- in the thread of run() only; a connection that is closed already is ignored
-
-  /// Data: the oldest is dropped when the client is slow, and a status message has their number.
-  void send_data(ConnectionId id, Frame frame);
-
-  /// An answer: never dropped; a client that lets too many wait is closed.
-  /// @param is_shared others keep the bytes too
-  void send_answer(ConnectionId id, Frame frame, bool is_shared = false);
-  void send_answer(ConnectionId id, std::string text);
+  /// What the server does for its hub.
+  [[nodiscard]] ServerCalls calls();
 
   [[nodiscard]] const WebCounters& counters() const noexcept;
 
-  /// How long this client may be silent from now on.
-  void set_patience(ConnectionId id, Patience patience);
-
  private:
-  class Server;
-  std::unique_ptr<Server> server_;
+  struct State;
+  std::unique_ptr<State> state_;
 };
 
 }  // namespace vdrive::gateway

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "batch_intake.hpp"
+
+namespace vdrive::gateway {
+
+void BatchIntake::put(Batch batch) {
+  if (under_way_ >= kMost) {
+    ++lost_;
+    return;
+  }
+  ++under_way_;
+  post_([this, batch = std::move(batch)] {
+    --under_way_;
+    take_(batch);
+  });
+}
+
+}  // namespace vdrive::gateway

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "control_desk.hpp"
+
+#include "descriptions.hpp"
+#include "vdrive/assert.hpp"
+#include "vdrive/text.hpp"
+#include "wall_time.hpp"
+#include "web_server.hpp"
+
+#include <exception>
+#include <memory>
+#include <utility>
+
+namespace vdrive::gateway {
+namespace {
+
+using client::Outcome;
+
+// A lost network is noticed early: axes must not run on for 10 s without the one who commands them.
+// A program may be late: on a busy machine all of a browser may stand still for some seconds.
+constexpr Patience kPatienceOfHolder{.program = WebServer::kPatience.program,
+                                     .machine = std::chrono::milliseconds(2000)};
+// All clients see the name, on a line.
+constexpr std::size_t kLongestName = 64;  // [characters]
+// The code of a drive when another session holds an axis.
+constexpr std::uint32_t kControlled = wire_code(AbortCode::refused_local_control);
+
+}  // namespace
+
+ControlDesk::ControlDesk(bool is_enabled, Calls calls, ServerCalls server, ClientTable& clients)
+    : is_enabled_(is_enabled),
+      calls_(std::move(calls)),
+      server_(std::move(server)),
+      clients_(clients),
+      channel_(std::make_shared<Channel>(control_channel())) {}
+
+ControlDesk::~ControlDesk() {
+  end(true);
+}
+
+Outcome ControlDesk::check(ConnectionId id, Right right) const {
+  if (right == Right::none) return {};
+  if (!is_enabled_) {
+    return Outcome::refused(kControlled,
+                            "this gateway is view only: start it with --control to command axes");
+  }
+  const bool needs_control = right == Right::command || right == Right::jog;
+  if (!needs_control || is_holder(id)) return {};
+  if (holder_) return held_outcome();
+  return Outcome::refused(kControlled, "take control first, with /take_control");
+}
+
+Outcome ControlDesk::held_outcome() const {
+  return Outcome::refused(kControlled,
+                          "control is held by " + in_quotes(clients_.name(holder_->id)) +
+                              ": /take_control takes it over when its request has force");
+}
+
+SessionPointer ControlDesk::session_of(ConnectionId id) const {
+  return is_holder(id) ? holder_->session.session : nullptr;
+}
+
+void ControlDesk::jog(const JogRequest& request, Jogs::Clock::time_point now,
+                      const Answer& answer) {
+  ensure(holder_.has_value(), "only the holder of control has the right to jog");
+  holder_->session.jogs->request(request, now, answer);
+}
+
+void ControlDesk::take(ConnectionId id, const Json& request, const Answer& answer) {
+  Taking taking{.name = escaped(optional_text(request, "name").value_or(""), kLongestName),
+                .by_force = flag_of(request, "force")};
+  if (is_other_holder(id) && !taking.by_force) return answer({.outcome = held_outcome()});
+  if (is_holder(id)) {
+    if (!taking.name.empty()) clients_.rename(id, std::move(taking.name));
+    send_to_all();
+    return answer({});
+  }
+  const bool is_posted = clients_.post(id, [this, id, taking = std::move(taking), answer] {
+    try {
+      server_.post([this, id, taking, answer, session = calls_.open()] {
+        if (!clients_.contains(id)) return;  // it closed meanwhile; the session holds nothing yet
+        // Another connection may have taken control while the session was made.
+        if (is_other_holder(id) && !taking.by_force) return answer({.outcome = held_outcome()});
+        on_session(id, taking, session);
+        answer({});
+      });
+    } catch (const std::exception& failure) {
+      server_.post([answer, outcome = Outcome::failed(failure.what())] {
+        answer({.outcome = outcome});
+      });
+    }
+  });
+  if (!is_posted) answer({.outcome = Outcome::failed("too many calls wait")});
+}
+
+void ControlDesk::on_session(ConnectionId id, const Taking& taking, const HeldSession& session) {
+  if (is_other_holder(id)) {
+    server_.set_patience(holder_->id, WebServer::kPatience);
+    server_.send_status(holder_->id, Level::warning, "control was taken over");
+  }
+  if (!taking.name.empty()) clients_.rename(id, taking.name);
+  // Before the new one: a session that is ended twice, or never, would keep its axes.
+  end(true);
+  holder_ = Holder{
+      .id = id, .taken_at = static_cast<std::uint64_t>(bridge::wall_time()), .session = session};
+  server_.set_patience(id, kPatienceOfHolder);
+  send_to_all();
+}
+
+void ControlDesk::release(ConnectionId id) {
+  if (!is_holder(id)) return;
+  end(true);
+  server_.set_patience(id, WebServer::kPatience);
+  send_to_all();
+}
+
+void ControlDesk::close(ConnectionId id, bool is_graceful) {
+  if (!is_holder(id)) return;
+  end(is_graceful);
+  send_to_all();
+}
+
+void ControlDesk::end(bool is_graceful) {
+  if (!holder_) return;
+  // No reference stays here: the session ends where calls_.end has it end.
+  Holder ended = *std::exchange(holder_, std::nullopt);
+  calls_.end(std::move(ended.session), is_graceful);
+}
+
+void ControlDesk::send_to_all() const {
+  for (const Receiver& receiver : channel_->receivers) {
+    send_to(receiver.connection, receiver.subscription);
+  }
+}
+
+void ControlDesk::send_to(ConnectionId id, std::uint32_t subscription) const {
+  ControlState state{.is_enabled = is_enabled_};
+  if (holder_) {
+    state.holder = clients_.name(holder_->id);
+    state.session = holder_->session.id;
+    state.taken_at = holder_->taken_at;
+  }
+  const auto now = static_cast<std::uint64_t>(bridge::wall_time());
+  const std::string text = control_text(state, clients_.name(id), is_holder(id));
+  server_.send_answer(id, message_frame(subscription, now, share(text)), false);
+}
+
+void ControlDesk::forget_ended_jogs() {
+  if (holder_) holder_->session.jogs->forget_ended();
+}
+
+}  // namespace vdrive::gateway

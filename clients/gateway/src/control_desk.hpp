@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "channel.hpp"
+#include "client_table.hpp"
+#include "held_session.hpp"
+#include "server_calls.hpp"
+#include "services.hpp"
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+
+namespace vdrive::gateway {
+
+/// Who commands through the gateway: at most one connection, with a session of its own towards the
+/// benches. It says what a connection may do, and tells its topic who has control. Of the server's
+/// thread; a session is opened in the thread of its connection.
+class ControlDesk {
+ public:
+  /// What it does with the session of a holder.
+  struct Calls {
+    std::function<HeldSession()> open;                            ///< waits; throws std::exception
+    std::function<void(HeldSession held, bool is_graceful)> end;  ///< see end_held_session()
+  };
+
+  using Answer = Jogs::Answer;
+
+  /// @param is_enabled the gateway lets clients command
+  /// @param clients outlives this
+  ControlDesk(bool is_enabled, Calls calls, ServerCalls server, ClientTable& clients);
+
+  /// The holder gives its axes back.
+  ~ControlDesk();
+  ControlDesk(const ControlDesk&) = delete;
+  ControlDesk& operator=(const ControlDesk&) = delete;
+
+  /// The topic that shows who has control.
+  [[nodiscard]] const ChannelPointer& channel() const noexcept { return channel_; }
+
+  [[nodiscard]] bool is_held() const noexcept { return holder_.has_value(); }
+
+  /// @return ok, or why this connection may not do what needs the right.
+  [[nodiscard]] client::Outcome check(ConnectionId id, Right right) const;
+
+  /// @return the session of this connection; none when it does not hold control.
+  [[nodiscard]] SessionPointer session_of(ConnectionId id) const;
+
+  /// The connection, which is open and holds control, jogs an axis: see Jogs::request().
+  void jog(const JogRequest& request, Jogs::Clock::time_point now, const Answer& answer);
+
+  /// The connection, which is open, wants control or another name. Control that another one holds
+  /// is taken over when the request has force.
+  /// @param answer is called in the server's thread
+  /// @throws ProtocolError when the request is wrong
+  void take(ConnectionId id, const Json& request, const Answer& answer);
+
+  /// The connection gives control back, if it holds it.
+  void release(ConnectionId id);
+
+  /// The connection is closed. One that was lost does not give its axes back.
+  void close(ConnectionId id, bool is_graceful);
+
+  /// Sends the message of the topic to one receiver.
+  void send_to(ConnectionId id, std::uint32_t subscription) const;
+
+  /// Drops what ended jogs of the holder have left.
+  void forget_ended_jogs();
+
+ private:
+  struct Holder {
+    ConnectionId id = 0;
+    std::uint64_t taken_at = 0;  ///< [ns since 1970]
+    HeldSession session;
+  };
+
+  /// A call of /take_control.
+  struct Taking {
+    std::string name;  ///< empty = as it is called already
+    bool by_force = false;
+  };
+
+  [[nodiscard]] bool is_holder(ConnectionId id) const { return holder_ && holder_->id == id; }
+
+  [[nodiscard]] bool is_other_holder(ConnectionId id) const { return holder_ && holder_->id != id; }
+
+  void on_session(ConnectionId id, const Taking& taking, const HeldSession& session);
+  void end(bool is_graceful);
+  void send_to_all() const;
+  [[nodiscard]] client::Outcome held_outcome() const;
+
+  const bool is_enabled_;
+  const Calls calls_;
+  ServerCalls server_;
+  ClientTable& clients_;
+  ChannelPointer channel_;
+  std::optional<Holder> holder_;
+};
+
+}  // namespace vdrive::gateway
