@@ -3,6 +3,7 @@
 
 #include "descriptions.hpp"
 #include "parameters.hpp"
+#include "schemas.hpp"
 #include "services.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 
@@ -10,11 +11,14 @@
 #include <gtest/gtest.h>
 
 #include <set>
+#include <string>
+#include <vector>
 
 namespace vdrive::gateway {
 namespace {
 
 using testing::ElementsAre;
+using testing::IsEmpty;
 
 KnownBench bench_of(const std::vector<std::string>& names) {
   client::BenchInfo info;
@@ -82,6 +86,41 @@ TEST(Dictionary, HasEveryObjectAndTheNamesOfBits) {
   EXPECT_EQ(bits("controlword_bits", 3)[4], "");
   EXPECT_EQ(dictionary["disturbances"][0]["kind"], "value");
   EXPECT_EQ(dictionary["disturbances"][1]["kind"], "switch");
+}
+
+TEST(Schemas, ReadMembersTheirTypesListsAndThoseThatMayBeLeftOut) {
+  EXPECT_EQ(object_schema("n:string axes:axis[] k?:number", {{"axis", {{"type", "x"}}}}),
+            Json::parse(R"({"type": "object", "required": ["n", "axes"],
+                            "properties": {"n": {"type": "string"}, "k": {"type": "number"},
+                                           "axes": {"type": "array", "items": {"type": "x"}}}})"));
+  EXPECT_EQ(object_schema("")["required"], Json::array());
+}
+
+/// @return the names that a schema has and its message has not, or the other way round.
+std::set<std::string> differences(const Json& schema, const Json& message) {
+  std::set<std::string> names;
+  for (const auto& [name, type] : schema["properties"].items()) {
+    if (!message.contains(name)) names.insert(name);
+    // Of a list the first element stands for all.
+    if (type["type"] == "array" && type["items"].contains("properties")) {
+      names.merge(differences(type["items"], message[name].at(0)));
+    }
+  }
+  for (const auto& [name, value] : message.items()) {
+    if (!schema["properties"].contains(name)) names.insert(name);
+  }
+  return names;
+}
+
+TEST(Schemas, HaveEachMemberOfTheirMessagesAndNoOther) {
+  const KnownBench bench = bench_of({"x"});
+  const auto differ = [](const ChannelInfo& channel, const std::string& message) {
+    return differences(Json::parse(channel.schema), Json::parse(message));
+  };
+  EXPECT_THAT(differ(description_channel(""), description_text(bench)), IsEmpty());
+  EXPECT_THAT(differ(state_channel(""), state_text(bench.info, 1, {}, true)), IsEmpty());
+  EXPECT_THAT(differ(control_channel(), control_text({}, "client 1", false)), IsEmpty());
+  EXPECT_THAT(differ(dictionary_channel(), dictionary_text()), IsEmpty());
 }
 
 TEST(Services, HaveNamesTypesAndSchemas) {
