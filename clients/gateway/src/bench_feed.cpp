@@ -115,9 +115,13 @@ void BenchFeed::on_event(const client::Event& event) {
     if (ids_[i].axis == event.axis) name += "/" + bench_.axis_names[i];
   }
   const std::uint64_t time = time_of(event.tick);
-  Batch batch{.bench = event.bench, .time = time};
-  batch.publications.push_back({channels_.events, share(bridge::encode_event(event, name, time))});
-  publish_(std::move(batch));
+  send(channels_.events, time, bridge::encode_event(event, name, time));
+}
+
+void BenchFeed::send(const ChannelPointer& channel, std::uint64_t time, std::string message) const {
+  publish_({.bench = bench_.info.number,
+            .time = time,
+            .publications = {{channel, share(std::move(message))}}});
 }
 
 void BenchFeed::run(const std::stop_token& stop) {
@@ -304,9 +308,7 @@ void BenchFeed::publish_description() {
   auto record = presence_.find(bench_.info.number);
   if (!record) return;
   const KnownBench known{std::move(record->info), bench_.topic, bench_.axis_names};
-  Batch batch{.bench = known.info.number, .time = time_of(known.info.tick)};
-  batch.publications.push_back({channels_.description, share(description_text(known))});
-  publish_(std::move(batch));
+  send(channels_.description, time_of(known.info.tick), description_text(known));
 }
 
 /// Also without a receiver, as the clock of the tools, and while the bench is silent.
@@ -317,16 +319,12 @@ void BenchFeed::publish_state(Clock::time_point now) {
   presence_.refresh(session_.present_benches(), now);
   const auto record = presence_.find(bench_.info.number);
   if (!record) return;
-  const client::BenchInfo& info = record->info;
-  Batch batch{.bench = info.number, .time = time_of(info.tick)};
-  if (channels_.state->is_wanted()) {
-    batch.publications.push_back(
-        {channels_.state,
-         share(state_text(info, batch.time,
-                          std::chrono::duration_cast<milliseconds>(now - record->newest_sample),
-                          record->is_alive))});
+  const std::uint64_t time = time_of(record->info.tick);
+  if (!channels_.state->is_wanted()) {
+    return publish_({.bench = bench_.info.number, .time = time});
   }
-  publish_(std::move(batch));
+  const auto age = std::chrono::duration_cast<milliseconds>(now - record->newest_sample);
+  send(channels_.state, time, state_text(record->info, time, age, record->is_alive));
 }
 
 std::uint64_t BenchFeed::time_of(std::uint64_t tick) const {

@@ -76,6 +76,7 @@ class BenchFeed {
   void read_rating(std::size_t place);
   void add_axes(Batch& batch);
   void add_traces(Batch& batch);
+  void send(const ChannelPointer& channel, std::uint64_t time, std::string message) const;
   void publish_description();
   void publish_state(Clock::time_point now);
   [[nodiscard]] std::uint64_t time_of(std::uint64_t tick) const;

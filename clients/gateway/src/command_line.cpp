@@ -18,7 +18,6 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <vector>
 
 namespace vdrive::gateway {
 namespace {
@@ -35,21 +34,17 @@ class BadArguments : public std::runtime_error {
 };
 
 struct Arguments {
-  client::SessionOptions session;
+  WebSettings web{};
+  HubSettings hub{};
   std::string listen = "127.0.0.1:" + std::to_string(bridge::kGatewayPort);
-  std::string metrics;
-  bool control = false;
-  std::string token;
-  std::vector<std::string> hosts;
-  std::vector<std::string> origins;
-  double rate = 60.0;
-  std::size_t clients = 32;
+  std::string metrics;  ///< empty = not served
+  std::string token;    ///< file; empty = none
 };
 
 void declare(CLI::App& app, Arguments& arguments) {
   app.set_version_flag("--version", std::string("vdrive-gateway ") + VDRIVE_VERSION);
-  bridge::add_domain_option(app, arguments.session.domain);
-  bridge::add_network_options(app, arguments.session);
+  bridge::add_domain_option(app, arguments.hub.session.domain);
+  bridge::add_network_options(app, arguments.hub.session);
   app.add_option("--listen", arguments.listen,
                  "Address and port for browsers and tools; port 0 = any")
       ->capture_default_str()
@@ -57,21 +52,22 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--metrics", arguments.metrics,
                  "Serve Prometheus metrics at http://ADDRESS:PORT/metrics; port 0 = any")
       ->type_name("ADDRESS:PORT");
-  app.add_flag("--control", arguments.control, "Clients may command; without it they only receive");
+  app.add_flag("--control", arguments.hub.is_control,
+               "Clients may command; without it they only receive");
   app.add_option("--token", arguments.token,
                  "File whose first line clients must send as ?token=...; needed off loopback")
       ->type_name("FILE");
-  app.add_option("--host", arguments.hosts,
+  app.add_option("--host", arguments.web.rules.hosts,
                  "Name under which browsers reach this gateway, beside localhost and addresses")
       ->type_name("NAME");
-  app.add_option("--origin", arguments.origins,
+  app.add_option("--origin", arguments.web.rules.origins,
                  "Page elsewhere that may connect, such as https://app.example.org")
       ->type_name("ORIGIN");
-  app.add_option("--rate", arguments.rate, "Messages of a channel a second, 1 to 1000")
+  app.add_option("--rate", arguments.hub.rate, "Messages of a channel a second, 1 to 1000")
       ->check(CLI::Range(kLowestRate, kHighestRate))
       ->capture_default_str()
       ->type_name("HZ");
-  app.add_option("--clients", arguments.clients, "Connections at a time, 1 to 1000")
+  app.add_option("--clients", arguments.web.most_clients, "Connections at a time, 1 to 1000")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str()
       ->type_name("N");
@@ -117,29 +113,19 @@ std::string read_token(const std::string& file) {
   return token;
 }
 
-WebSettings web_settings(const Arguments& arguments) {
-  WebSettings settings;
-  settings.listen = read_address("--listen", arguments.listen);
-  if (!arguments.metrics.empty()) settings.metrics = read_address("--metrics", arguments.metrics);
-  settings.rules.hosts = arguments.hosts;
-  settings.rules.origins = arguments.origins;
-  settings.most_clients = arguments.clients;
-  if (!arguments.token.empty()) settings.rules.token = read_token(arguments.token);
-  if (!is_loopback(settings.listen.address) && settings.rules.token.empty()) {
+/// Takes the options whose texts have to be read.
+void read_texts(Arguments& arguments) {
+  WebSettings& web = arguments.web;
+  web.listen = read_address("--listen", arguments.listen);
+  if (!arguments.metrics.empty()) web.metrics = read_address("--metrics", arguments.metrics);
+  if (!arguments.token.empty()) web.rules.token = read_token(arguments.token);
+  if (!is_loopback(web.listen.address) && web.rules.token.empty()) {
     throw BadArguments("--listen " + in_quotes(arguments.listen) +
                        ": other machines reach this address, so that --token is needed");
   }
-  return settings;
-}
-
-HubSettings hub_settings(const Arguments& arguments) {
-  HubSettings settings;
-  settings.rate = arguments.rate;
-  settings.is_control = arguments.control;
-  settings.is_token = !arguments.token.empty();
-  settings.session = arguments.session;
-  settings.session.find_timeout = bridge::find_timeout_of(arguments.session);
-  return settings;
+  arguments.hub.is_token = !web.rules.token.empty();
+  client::SessionOptions& session = arguments.hub.session;
+  session.find_timeout = bridge::find_timeout_of(session);
 }
 
 std::string url_of(const std::string& address, std::uint16_t port) {
@@ -147,14 +133,15 @@ std::string url_of(const std::string& address, std::uint16_t port) {
   return "http://" + (is_v6 ? "[" + address + "]" : address) + ":" + std::to_string(port) + "/";
 }
 
-int serve(const Arguments& arguments) {
+int serve(Arguments& arguments) {
   // A client may be gone when its answer is written: that is an error of this write, no end.
   std::signal(SIGPIPE, SIG_IGN);  // NOLINT(cert-err33-c): it cannot fail for this signal
-  const WebSettings settings = web_settings(arguments);
+  read_texts(arguments);
+  const WebSettings& settings = arguments.web;
   WebServer server(settings, embedded_page());
-  Hub hub(server, hub_settings(arguments));
+  Hub hub(server, arguments.hub);
   std::cout << "vdrive-gateway: " << url_of(settings.listen.address, server.port())
-            << (arguments.control ? " (clients may command)" : " (view only)") << std::endl;
+            << (arguments.hub.is_control ? " (clients may command)" : " (view only)") << std::endl;
   if (const auto port = server.metrics_port()) {
     std::cout << "vdrive-gateway: " << url_of(settings.metrics->address, *port) << "metrics"
               << std::endl;
