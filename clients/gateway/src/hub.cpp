@@ -11,6 +11,7 @@
 #include <random>
 #include <utility>
 #include <variant>
+#include <vector>
 
 namespace vdrive::gateway {
 namespace {
@@ -45,13 +46,29 @@ Hub::Hub(WebServer& server, const HubSettings& settings)
       graph_(server_, channels_, clients_),
       control_(settings.is_control,
                {.open = std::bind_front(open_held_session, settings.session),
-                .end = std::bind_front(&Hub::end_session, this)},
+                .end =
+                    [this](HeldSession held, bool is_graceful) {
+                      end_held_session(std::move(held), is_graceful, session_ends_);
+                    }},
                server_, clients_),
       dictionary_channel_(std::make_shared<Channel>(dictionary_channel())),
-      calls_(server_, clients_, control_, std::bind_front(&Hub::carry_out, this)),
-      parameters_({.read = std::bind_front(&Hub::read, this), .write = &Hub::write}, server_,
-                  clients_, control_),
-      batches_(server_.post, std::bind_front(&Hub::publish, this)) {
+      calls_(server_, clients_, control_,
+             [this](const ServiceRow& row, const SessionPointer& own, const Json& request) {
+               return row.call(own ? *own : session_, request);
+             }),
+      parameters_({.read =
+                       [this](const BenchList& benches, const std::vector<std::string>& names) {
+                         return read_parameters(session_, *benches, names);
+                       },
+                   .write =
+                       [](const SessionPointer& own, const BenchList& benches,
+                          const std::vector<ParameterChange>& changes) {
+                         return write_parameters(*own, *benches, changes);
+                       }},
+                  server_, clients_, control_),
+      batches_(server_.post, [this](const Batch& batch) {
+        channels_.publish(batch, ChannelTable::Clock::now());
+      }) {
   channels_.add(ChannelTable::kOwn, {control_.channel(), dictionary_channel_});
   begin_timers(server);
   watch_.emplace(session_, FeedSettings{.rate = settings.rate, .clients = &clients_.count()},
@@ -98,29 +115,6 @@ WebEvents Hub::events() {
           .received = std::bind_front(&Hub::on_bytes, this),
           .closed = std::bind_front(&Hub::on_close, this),
           .metrics = std::bind_front(&Hub::metrics, this)};
-}
-
-// ---- what the parts do with a bench, in their threads
-
-CallAnswer Hub::carry_out(const ServiceRow& row, const SessionPointer& own, const Json& request) {
-  return row.call(own ? *own : session_, request);
-}
-
-ParameterAnswer Hub::read(const BenchList& benches, const std::vector<std::string>& names) {
-  return read_parameters(session_, *benches, names);
-}
-
-ParameterAnswer Hub::write(const SessionPointer& own, const BenchList& benches,
-                           const std::vector<ParameterChange>& changes) {
-  return write_parameters(*own, *benches, changes);
-}
-
-void Hub::end_session(HeldSession held, bool is_graceful) {
-  end_held_session(std::move(held), is_graceful, session_ends_);
-}
-
-void Hub::publish(const Batch& batch) {
-  channels_.publish(batch, ChannelTable::Clock::now());
 }
 
 // ---- what the server reports

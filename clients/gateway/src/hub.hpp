@@ -14,7 +14,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 namespace vdrive::gateway {
 
@@ -51,15 +50,6 @@ class Hub {
   void handle(ConnectionId id, const SubscribeParameters& message);
   void handle(ConnectionId id, const SubscribeGraph& message);
   void handle(ConnectionId id, const CallService& message);
-
-  [[nodiscard]] CallAnswer carry_out(const ServiceRow& row, const SessionPointer& own,
-                                     const Json& request);
-  [[nodiscard]] ParameterAnswer read(const BenchList& benches,
-                                     const std::vector<std::string>& names);
-  [[nodiscard]] static ParameterAnswer write(const SessionPointer& own, const BenchList& benches,
-                                             const std::vector<ParameterChange>& changes);
-  void end_session(HeldSession held, bool is_graceful);
-  void publish(const Batch& batch);
 
   void begin_timers(WebServer& server);
   void send_first(ConnectionId id, std::uint32_t subscription, const Channel& channel);
