@@ -14,12 +14,6 @@
 namespace vdrive::bridge {
 namespace {
 
-constexpr std::string_view kTimeText =
-    "================================================================================\n"
-    "MSG: builtin_interfaces/Time\n"
-    "int32 sec\n"
-    "uint32 nanosec\n";
-
 const std::vector<StatusMember>& published_members() {
   static const std::vector<StatusMember> members = [] {
     std::vector<StatusMember> published;
@@ -55,8 +49,13 @@ std::string status_lines(const std::string& suffix) {
          " owner_epoch\nuint64" + suffix + " last_sequence\n";
 }
 
-std::string with_time(std::string text) {
-  return text.append(kTimeText);
+/// The text of a type that another one uses: it stands behind a line of 80 equals signs.
+std::string used_type(const std::string& name, const std::string& text) {
+  return std::string(80, '=') + "\nMSG: " + name + "\n" + text;
+}
+
+std::string with_time(const std::string& text) {
+  return text + used_type("builtin_interfaces/Time", "int32 sec\nuint32 nanosec\n");
 }
 
 /// The bytes of a message that begins with its time.
@@ -148,15 +147,13 @@ MessageSchema log_schema() {
 MessageSchema joint_states_schema() {
   return {.name = "foxglove.JointStates",
           .text = with_time("builtin_interfaces/Time timestamp\n"
-                            "foxglove_msgs/JointState[] joints\n"
-                            "=========================================================="
-                            "======================\n"
-                            "MSG: foxglove_msgs/JointState\n"
-                            "string name\n"
-                            "float64 position\n"
-                            "float64 velocity\n"
-                            "float64 acceleration\n"
-                            "float64 effort\n")};
+                            "foxglove_msgs/JointState[] joints\n" +
+                            used_type("foxglove_msgs/JointState",
+                                      "string name\n"
+                                      "float64 position\n"
+                                      "float64 velocity\n"
+                                      "float64 acceleration\n"
+                                      "float64 effort\n"))};
 }
 
 std::string encode_bench_status(const client::Observation& observation, std::uint64_t time) {
