@@ -36,9 +36,9 @@ ChannelPointer topic(std::uint32_t id, const std::string& name) {
 }
 
 /// A table with the topics of bench 4 and two open connections, whose first messages are taken.
-class ChannelTableTest : public testing::Test {
+class Topics : public testing::Test {
  protected:
-  ChannelTableTest() {
+  Topics() {
     table_.open(kPage);
     table_.open(kTool);
     table_.add(4, {status_, state_});
@@ -62,7 +62,7 @@ class ChannelTableTest : public testing::Test {
   ChannelPointer state_ = topic(11, "/bench4/state");
 };
 
-TEST_F(ChannelTableTest, AdvertisesTopicsToOpenConnectionsAndToThoseThatOpenLater) {
+TEST_F(Topics, AdvertisesTopicsToOpenConnectionsAndToThoseThatOpenLater) {
   table_.add(5, {topic(12, "/bench5/status")});
   const auto open = server_.take_json(kPage);
   ASSERT_THAT(open, SizeIs(1));
@@ -72,7 +72,7 @@ TEST_F(ChannelTableTest, AdvertisesTopicsToOpenConnectionsAndToThoseThatOpenLate
   EXPECT_THAT(server_.take_json(3), SizeIs(2)) << "one message for each bench";
 }
 
-TEST_F(ChannelTableTest, SendsAMessageToEachSubscriptionUnderItsOwnNumber) {
+TEST_F(Topics, SendsAMessageToEachSubscriptionUnderItsOwnNumber) {
   EXPECT_EQ(subscribe(kPage, 7, 10), "");
   EXPECT_EQ(subscribe(kTool, 8, 10), "");
   table_.publish(batch(0), kBegin);
@@ -82,7 +82,7 @@ TEST_F(ChannelTableTest, SendsAMessageToEachSubscriptionUnderItsOwnNumber) {
               ElementsAre(std::string("\1\10\0\0\0\0\0\0\0\0\0\0\0bytes", 18)));
 }
 
-TEST_F(ChannelTableTest, TellsThePublisherWhetherATopicIsWantedAndThatAReceiverIsNew) {
+TEST_F(Topics, TellsThePublisherWhetherATopicIsWantedAndThatAReceiverIsNew) {
   EXPECT_FALSE(status_->is_wanted());
   EXPECT_EQ(subscribe(kPage, 7, 10), "");
   EXPECT_TRUE(status_->is_wanted());
@@ -91,7 +91,7 @@ TEST_F(ChannelTableTest, TellsThePublisherWhetherATopicIsWantedAndThatAReceiverI
   EXPECT_FALSE(status_->is_wanted());
 }
 
-TEST_F(ChannelTableTest, RefusesWrongSubscriptionsWithTheReason) {
+TEST_F(Topics, RefusesWrongSubscriptionsWithTheReason) {
   EXPECT_EQ(subscribe(kPage, 1, 99), "channel 99 does not exist");
   EXPECT_EQ(subscribe(kPage, 1, 10), "");
   EXPECT_EQ(subscribe(kPage, 1, 11), "subscription 1 exists already");
@@ -99,7 +99,7 @@ TEST_F(ChannelTableTest, RefusesWrongSubscriptionsWithTheReason) {
   EXPECT_EQ(table_.subscriptions(), 1U);
 }
 
-TEST_F(ChannelTableTest, LimitsTheSubscriptionsOfAConnection) {
+TEST_F(Topics, LimitsTheSubscriptionsOfAConnection) {
   for (std::uint32_t id = 0; id < ChannelTable::kMostSubscriptions; ++id) {
     ASSERT_FALSE(table_.is_full(kPage));
     ASSERT_EQ(subscribe(kPage, id, 10), "");
@@ -109,7 +109,7 @@ TEST_F(ChannelTableTest, LimitsTheSubscriptionsOfAConnection) {
   EXPECT_EQ(subscribe(kTool, 1, 10), "") << "the limit is that of one connection";
 }
 
-TEST_F(ChannelTableTest, EndsTheSubscriptionsOfAClosedConnection) {
+TEST_F(Topics, EndsTheSubscriptionsOfAClosedConnection) {
   EXPECT_EQ(subscribe(kPage, 1, 10), "");
   EXPECT_EQ(subscribe(kTool, 1, 10), "");
   EXPECT_EQ(subscribe(kTool, 2, 11), "");
@@ -122,7 +122,7 @@ TEST_F(ChannelTableTest, EndsTheSubscriptionsOfAClosedConnection) {
   EXPECT_THAT(server_.take(kTool), IsEmpty());
 }
 
-TEST_F(ChannelTableTest, RemovesTheTopicsOfABenchWithTheirSubscriptions) {
+TEST_F(Topics, RemovesTheTopicsOfABenchWithTheirSubscriptions) {
   EXPECT_EQ(subscribe(kPage, 1, 10), "");
   table_.remove(4, {status_, state_});
   const auto sent = server_.take_json(kTool);
@@ -136,7 +136,7 @@ TEST_F(ChannelTableTest, RemovesTheTopicsOfABenchWithTheirSubscriptions) {
   EXPECT_THAT(server_.take(3), IsEmpty()) << "it is not advertised any more";
 }
 
-TEST_F(ChannelTableTest, SendsAllTheTimeOfTheBenchWithTheLowestNumber) {
+TEST_F(Topics, SendsAllTheTimeOfTheBenchWithTheLowestNumber) {
   table_.add(6, {topic(12, "/bench6/status")});
   (void)server_.take(kPage);
   (void)server_.take(kTool);
@@ -148,7 +148,7 @@ TEST_F(ChannelTableTest, SendsAllTheTimeOfTheBenchWithTheLowestNumber) {
   EXPECT_THAT(server_.take(kTool), SizeIs(1)) << "without a subscription too";
 }
 
-TEST_F(ChannelTableTest, SendsTheTimeOnceInAPeriodAndNoneBeforeTheFirstTick) {
+TEST_F(Topics, SendsTheTimeOnceInAPeriodAndNoneBeforeTheFirstTick) {
   table_.publish({.bench = 4, .time = 0}, kBegin);
   EXPECT_THAT(server_.take(kPage), IsEmpty());
   table_.publish({.bench = 4, .time = 1}, kBegin);
@@ -160,9 +160,9 @@ TEST_F(ChannelTableTest, SendsTheTimeOnceInAPeriodAndNoneBeforeTheFirstTick) {
 
 // ---- the graph of connections
 
-class GraphFeedTest : public ChannelTableTest {
+class GraphOfConnections : public Topics {
  protected:
-  GraphFeedTest() {
+  GraphOfConnections() {
     clients_.open(kPage);
     clients_.open(kTool);
     clients_.rename(kTool, "lab");
@@ -172,7 +172,7 @@ class GraphFeedTest : public ChannelTableTest {
   GraphFeed graph_{server_.calls(), table_, clients_};
 };
 
-TEST_F(GraphFeedTest, NamesThePublisherAndTheReceiversOfEachTopic) {
+TEST_F(GraphOfConnections, NamesThePublisherAndTheReceiversOfEachTopic) {
   EXPECT_EQ(subscribe(kPage, 1, 10), "");
   EXPECT_EQ(subscribe(kTool, 1, 10), "");
   graph_.subscribe(kPage, true);
@@ -188,7 +188,7 @@ TEST_F(GraphFeedTest, NamesThePublisherAndTheReceiversOfEachTopic) {
   EXPECT_EQ(sent[0]["advertisedServices"].size(), services().size());
 }
 
-TEST_F(GraphFeedTest, SendsAChangeOnceAndOnlyToThoseThatWantIt) {
+TEST_F(GraphOfConnections, SendsAChangeOnceAndOnlyToThoseThatWantIt) {
   graph_.subscribe(kPage, true);
   graph_.send_changes();
   (void)server_.take(kPage);

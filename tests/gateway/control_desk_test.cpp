@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <functional>
 #include <future>
 #include <memory>
@@ -32,15 +33,15 @@ constexpr ConnectionId kFirst = 1;
 constexpr ConnectionId kSecond = 2;
 
 /// Two open connections and a desk whose sessions are numbers: 100, 101, ...
-class ControlDeskTest : public testing::Test {
+class ControlOfAGateway : public testing::Test {
  protected:
-  ControlDeskTest() {
+  ControlOfAGateway() {
     clients_.open(kFirst);
     clients_.open(kSecond);
     for (const ConnectionId id : {kFirst, kSecond}) desk_.channel()->receivers.push_back({id, 1});
   }
 
-  ~ControlDeskTest() override { end_clients(); }
+  ~ControlOfAGateway() override { end_clients(); }
 
   /// Their jobs use what a test has: it calls this before its members end.
   void end_clients() {
@@ -76,16 +77,16 @@ class ControlDeskTest : public testing::Test {
   RecordedServer server_;
   ClientTable clients_;
   std::string error_;
-  std::uint64_t next_session_ = 100;
+  std::atomic<std::uint64_t> next_session_ = 100;  ///< each connection opens its own in its thread
   std::vector<std::string> ended_;
   ControlDesk desk_{true,
-                    {.open = std::bind_front(&ControlDeskTest::open, this),
-                     .end = std::bind_front(&ControlDeskTest::end, this)},
+                    {.open = std::bind_front(&ControlOfAGateway::open, this),
+                     .end = std::bind_front(&ControlOfAGateway::end, this)},
                     server_.calls(),
                     clients_};
 };
 
-TEST_F(ControlDeskTest, LetsOneConnectionCommand) {
+TEST_F(ControlOfAGateway, LetsOneConnectionCommand) {
   EXPECT_THAT(desk_.check(kFirst, Right::command).message(), HasSubstr("take control first"));
   EXPECT_EQ(take(kFirst), "");
   EXPECT_TRUE(desk_.is_held());
@@ -94,14 +95,14 @@ TEST_F(ControlDeskTest, LetsOneConnectionCommand) {
   EXPECT_THAT(desk_.check(kSecond, Right::command).message(), HasSubstr("held by 'client 1'"));
 }
 
-TEST_F(ControlDeskTest, LetsEverybodyReadAndStop) {
+TEST_F(ControlOfAGateway, LetsEverybodyReadAndStop) {
   for (const Right right :
        {Right::none, Right::stop, Right::take_control, Right::release_control}) {
     EXPECT_TRUE(desk_.check(kFirst, right)) << static_cast<int>(right);
   }
 }
 
-TEST_F(ControlDeskTest, RefusesAllButReadingWhereTheGatewayIsViewOnly) {
+TEST_F(ControlOfAGateway, RefusesAllButReadingWhereTheGatewayIsViewOnly) {
   ControlDesk viewing(false, {}, server_.calls(), clients_);
   EXPECT_TRUE(viewing.check(kFirst, Right::none));
   for (const Right right : {Right::stop, Right::command, Right::jog, Right::take_control}) {
@@ -109,7 +110,7 @@ TEST_F(ControlDeskTest, RefusesAllButReadingWhereTheGatewayIsViewOnly) {
   }
 }
 
-TEST_F(ControlDeskTest, ShowsEachReceiverWhoHasControl) {
+TEST_F(ControlOfAGateway, ShowsEachReceiverWhoHasControl) {
   EXPECT_EQ(take(kFirst, {{"name", "lab\nroom"}}), "");
   const Json own = shown(kFirst);
   EXPECT_EQ(own["holder"], R"(lab\nroom)") << "on one line";
@@ -122,7 +123,7 @@ TEST_F(ControlDeskTest, ShowsEachReceiverWhoHasControl) {
   EXPECT_EQ(shown(kSecond)["holder"], "");
 }
 
-TEST_F(ControlDeskTest, TakesOverOnlyByForceAndTellsTheHolderBefore) {
+TEST_F(ControlOfAGateway, TakesOverOnlyByForceAndTellsTheHolderBefore) {
   EXPECT_EQ(take(kFirst), "");
   EXPECT_THAT(take(kSecond), HasSubstr("/take_control takes it over when its request has force"));
   EXPECT_THAT(ended_, IsEmpty());
@@ -134,7 +135,7 @@ TEST_F(ControlDeskTest, TakesOverOnlyByForceAndTellsTheHolderBefore) {
   EXPECT_FALSE(desk_.check(kFirst, Right::command));
 }
 
-TEST_F(ControlDeskTest, RefusesTheSlowerOfTwoThatTakeControlAtOnce) {
+TEST_F(ControlOfAGateway, RefusesTheSlowerOfTwoThatTakeControlAtOnce) {
   std::vector<std::string> answers;
   const auto note = [&](const CallAnswer& answer) {
     answers.push_back(answer.outcome.message());
@@ -148,20 +149,20 @@ TEST_F(ControlDeskTest, RefusesTheSlowerOfTwoThatTakeControlAtOnce) {
   EXPECT_THAT(ended_, IsEmpty()) << "the session of the slower one has held nothing";
 }
 
-TEST_F(ControlDeskTest, RenamesAHolderThatTakesControlAgain) {
+TEST_F(ControlOfAGateway, RenamesAHolderThatTakesControlAgain) {
   EXPECT_EQ(take(kFirst), "");
   EXPECT_EQ(take(kFirst, {{"name", "lab"}}), "");
   EXPECT_EQ(shown(kSecond)["holder"], "lab");
   EXPECT_EQ(next_session_, 101U) << "it keeps its session";
 }
 
-TEST_F(ControlDeskTest, AnswersWithTheErrorOfTheSession) {
+TEST_F(ControlOfAGateway, AnswersWithTheErrorOfTheSession) {
   error_ = "no network";
   EXPECT_EQ(take(kFirst), "no network");
   EXPECT_FALSE(desk_.is_held());
 }
 
-TEST_F(ControlDeskTest, GivesAxesBackAtAGracefulCloseAndAbandonsThemWithALostConnection) {
+TEST_F(ControlOfAGateway, GivesAxesBackAtAGracefulCloseAndAbandonsThemWithALostConnection) {
   EXPECT_EQ(take(kFirst), "");
   desk_.close(kSecond, false);
   EXPECT_TRUE(desk_.is_held()) << "another connection was lost";
@@ -171,7 +172,7 @@ TEST_F(ControlDeskTest, GivesAxesBackAtAGracefulCloseAndAbandonsThemWithALostCon
   EXPECT_THAT(ended_, ElementsAre("100 released", "101 abandoned"));
 }
 
-TEST_F(ControlDeskTest, ForgetsASessionWhoseConnectionClosedMeanwhile) {
+TEST_F(ControlOfAGateway, ForgetsASessionWhoseConnectionClosedMeanwhile) {
   bool is_answered = false;
   desk_.take(kFirst, Json::object(), [&](const CallAnswer&) {
     is_answered = true;
@@ -186,7 +187,7 @@ TEST_F(ControlDeskTest, ForgetsASessionWhoseConnectionClosedMeanwhile) {
   EXPECT_FALSE(desk_.is_held());
 }
 
-TEST_F(ControlDeskTest, ExpectsAHolderToBeReachableSooner) {
+TEST_F(ControlOfAGateway, ExpectsAHolderToBeReachableSooner) {
   EXPECT_EQ(take(kFirst), "");
   EXPECT_LT(server_.patience().at(kFirst).machine, WebServer::kPatience.machine);
   EXPECT_EQ(server_.patience().at(kFirst).program, WebServer::kPatience.program);
@@ -203,9 +204,9 @@ std::uint32_t number_of_service(std::string_view name) {
   return static_cast<std::uint32_t>(row - rows.begin()) + 1;
 }
 
-class ServiceCallsTest : public ControlDeskTest {
+class CallsOfServices : public ControlOfAGateway {
  protected:
-  ~ServiceCallsTest() override {
+  ~CallsOfServices() override {
     release_.set_value();
     end_clients();
   }
@@ -228,10 +229,10 @@ class ServiceCallsTest : public ControlDeskTest {
   std::promise<void> release_;
   std::shared_future<void> released_{release_.get_future()};
   ServiceCalls calls_{server_.calls(), clients_, desk_,
-                      std::bind_front(&ServiceCallsTest::carry_out, this)};
+                      std::bind_front(&CallsOfServices::carry_out, this)};
 };
 
-TEST_F(ServiceCallsTest, AnswerWithWhatTheServiceDid) {
+TEST_F(CallsOfServices, AnswerWithWhatTheServiceDid) {
   call(kFirst, "/read", "{}");
   ASSERT_TRUE(server_.run());
   const auto sent = server_.take_json(kFirst);
@@ -240,14 +241,14 @@ TEST_F(ServiceCallsTest, AnswerWithWhatTheServiceDid) {
   EXPECT_EQ(sent[0]["ok"], true);
 }
 
-TEST_F(ServiceCallsTest, AnswerARefusalAtOnce) {
+TEST_F(CallsOfServices, AnswerARefusalAtOnce) {
   call(kFirst, "/move", "{}");
   const auto sent = server_.take_json(kFirst);
   ASSERT_THAT(sent, SizeIs(1));
   EXPECT_THAT(std::string(sent[0]["message"]), HasSubstr("take control first"));
 }
 
-TEST_F(ServiceCallsTest, FailWithTheReasonWhereTheCallItselfIsWrong) {
+TEST_F(CallsOfServices, FailWithTheReasonWhereTheCallItselfIsWrong) {
   calls_.handle(kFirst, {.service = 99, .call = 5, .encoding = "json", .payload = "{}"});
   call(kFirst, "/read", "{}", "xml");
   call(kFirst, "/read", "[]");
@@ -259,7 +260,7 @@ TEST_F(ServiceCallsTest, FailWithTheReasonWhereTheCallItselfIsWrong) {
   EXPECT_EQ(sent[2]["message"], "the request is not a JSON object");
 }
 
-TEST_F(ServiceCallsTest, AnswerAWrongRequestWithItsReason) {
+TEST_F(CallsOfServices, AnswerAWrongRequestWithItsReason) {
   call(kFirst, "/read", R"({"wrong": 1})");
   ASSERT_TRUE(server_.run());
   const auto sent = server_.take_json(kFirst);
@@ -267,7 +268,7 @@ TEST_F(ServiceCallsTest, AnswerAWrongRequestWithItsReason) {
   EXPECT_EQ(sent.at(0)["message"], "'wrong' is wrong");
 }
 
-TEST_F(ServiceCallsTest, StopBesideACallThatWaits) {
+TEST_F(CallsOfServices, StopBesideACallThatWaits) {
   EXPECT_EQ(take(kFirst), "");
   (void)server_.take(kFirst);
   call(kFirst, "/move", "{}");
@@ -276,7 +277,7 @@ TEST_F(ServiceCallsTest, StopBesideACallThatWaits) {
   EXPECT_EQ(server_.take_json(kFirst).at(0)["service"], "/quick_stop");
 }
 
-TEST_F(ServiceCallsTest, AreDroppedWithAnAnswerWhenTooManyWait) {
+TEST_F(CallsOfServices, AreDroppedWithAnAnswerWhenTooManyWait) {
   EXPECT_EQ(take(kFirst), "");
   (void)server_.take(kFirst);
   // One is under way, and so many may wait.
@@ -286,7 +287,7 @@ TEST_F(ServiceCallsTest, AreDroppedWithAnAnswerWhenTooManyWait) {
   EXPECT_EQ(sent.back()["message"], "too many calls wait: this one is dropped");
 }
 
-TEST_F(ServiceCallsTest, TakeAndReleaseControl) {
+TEST_F(CallsOfServices, TakeAndReleaseControl) {
   call(kFirst, "/take_control", "{}");
   ASSERT_TRUE(server_.run());
   EXPECT_TRUE(desk_.is_held());
@@ -299,9 +300,9 @@ TEST_F(ServiceCallsTest, TakeAndReleaseControl) {
 
 // ---- parameters
 
-class ParameterDeskTest : public ControlDeskTest {
+class ParametersOfClients : public ControlOfAGateway {
  protected:
-  ~ParameterDeskTest() override { end_clients(); }
+  ~ParametersOfClients() override { end_clients(); }
 
   ParameterAnswer read(const BenchList& /*benches*/, const std::vector<std::string>& names) {
     ParameterAnswer answer;
@@ -319,14 +320,14 @@ class ParameterDeskTest : public ControlDeskTest {
 
   std::int64_t value_ = 5;
   BenchList benches_ = std::make_shared<std::vector<KnownBench>>();
-  ParameterDesk parameters_{{.read = std::bind_front(&ParameterDeskTest::read, this),
-                             .write = std::bind_front(&ParameterDeskTest::write, this)},
+  ParameterDesk parameters_{{.read = std::bind_front(&ParametersOfClients::read, this),
+                             .write = std::bind_front(&ParametersOfClients::write, this)},
                             server_.calls(),
                             clients_,
                             desk_};
 };
 
-TEST_F(ParameterDeskTest, ReadsForOneConnectionAndRepeatsItsNumber) {
+TEST_F(ParametersOfClients, ReadsForOneConnectionAndRepeatsItsNumber) {
   parameters_.get(kFirst, {.names = {"bench1/x/0x6081"}, .id = "a"}, benches_);
   ASSERT_TRUE(server_.run());
   const auto sent = server_.take_json(kFirst);
@@ -336,7 +337,7 @@ TEST_F(ParameterDeskTest, ReadsForOneConnectionAndRepeatsItsNumber) {
   EXPECT_THAT(server_.take(kSecond), IsEmpty());
 }
 
-TEST_F(ParameterDeskTest, WritesOnlyWithControlAndReportsWhatWasRefused) {
+TEST_F(ParametersOfClients, WritesOnlyWithControlAndReportsWhatWasRefused) {
   const SetParameters change{.parameters = {{.name = "p", .value = 8}}, .id = {}};
   parameters_.set(kFirst, change, benches_);
   EXPECT_THAT(std::string(server_.take_json(kFirst).at(0)["message"]),
@@ -351,7 +352,7 @@ TEST_F(ParameterDeskTest, WritesOnlyWithControlAndReportsWhatWasRefused) {
   EXPECT_EQ(sent[1]["parameters"][0]["value"], 8);
 }
 
-TEST_F(ParameterDeskTest, SendsSubscribedParametersAtFirstAndWhenTheyChange) {
+TEST_F(ParametersOfClients, SendsSubscribedParametersAtFirstAndWhenTheyChange) {
   parameters_.subscribe(kFirst, {.is_on = true, .names = {"p", "q"}});
   const auto poll = [&] {
     parameters_.poll(benches_);
@@ -367,7 +368,7 @@ TEST_F(ParameterDeskTest, SendsSubscribedParametersAtFirstAndWhenTheyChange) {
   EXPECT_EQ(sent[0]["parameters"], Json::array({{{"name", "p"}, {"value", 6}}}));
 }
 
-TEST_F(ParameterDeskTest, DoesNotPollAgainBeforeTheAnswer) {
+TEST_F(ParametersOfClients, DoesNotPollAgainBeforeTheAnswer) {
   parameters_.subscribe(kFirst, {.is_on = true, .names = {"p"}});
   parameters_.poll(benches_);
   parameters_.poll(benches_);
@@ -378,7 +379,7 @@ TEST_F(ParameterDeskTest, DoesNotPollAgainBeforeTheAnswer) {
   EXPECT_EQ(server_.waiting(), 0U) << "nobody has subscribed any";
 }
 
-TEST_F(ParameterDeskTest, LimitsTheSubscriptionsOfAConnection) {
+TEST_F(ParametersOfClients, LimitsTheSubscriptionsOfAConnection) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i <= ParameterDesk::kMost; ++i) names.push_back(std::to_string(i));
   parameters_.subscribe(kFirst, {.is_on = true, .names = names});
