@@ -99,7 +99,7 @@ void ControlDesk::on_session(ConnectionId id, const Taking& taking, const HeldSe
     server_.send_status(holder_->id, Level::warning, "control was taken over");
   }
   if (!taking.name.empty()) clients_.rename(id, taking.name);
-  // Before the new one: a session that is ended twice, or never, would keep its axes.
+  // One session at a time: the axes of the holder before become free for this one.
   end(true);
   holder_ = Holder{
       .id = id, .taken_at = static_cast<std::uint64_t>(bridge::wall_time()), .session = session};

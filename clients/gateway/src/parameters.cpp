@@ -82,10 +82,10 @@ ParameterAnswer read_parameters(client::Session& session, const std::vector<Know
 
 ParameterAnswer write_parameters(client::Session& session, const std::vector<KnownBench>& benches,
                                  const std::vector<ParameterChange>& changes) {
-  // In the order of the request: a later value may depend on an earlier one.
   std::vector<std::string> complaints;
   std::vector<std::string> names;
   names.reserve(changes.size());
+  // In the order of the request: a later value may depend on an earlier one.
   for (const ParameterChange& change : changes) {
     const auto address = find_parameter(benches, change.name);
     if (!address) {
