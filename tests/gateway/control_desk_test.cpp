@@ -41,10 +41,8 @@ class ControlOfAGateway : public testing::Test {
     for (const ConnectionId id : {kFirst, kSecond}) desk_.channel()->receivers.push_back({id, 1});
   }
 
-  ~ControlOfAGateway() override { end_clients(); }
-
-  /// Their jobs use what a test has: it calls this before its members end.
-  void end_clients() {
+  /// Jobs of connections use what a test has: they end before its members.
+  void TearDown() override {
     clients_.close(kFirst);
     clients_.close(kSecond);
     clients_.join_ended();
@@ -206,9 +204,9 @@ std::uint32_t number_of_service(std::string_view name) {
 
 class CallsOfServices : public ControlOfAGateway {
  protected:
-  ~CallsOfServices() override {
+  void TearDown() override {
     release_.set_value();
-    end_clients();
+    ControlOfAGateway::TearDown();
   }
 
   /// Its answer names the service; /move waits for the end of the test.
@@ -302,8 +300,6 @@ TEST_F(CallsOfServices, TakeAndReleaseControl) {
 
 class ParametersOfClients : public ControlOfAGateway {
  protected:
-  ~ParametersOfClients() override { end_clients(); }
-
   ParameterAnswer read(const BenchList& /*benches*/, const std::vector<std::string>& names) {
     ParameterAnswer answer;
     for (const std::string& name : names) answer.parameters.push_back({name, value_});
