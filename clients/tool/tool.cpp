@@ -14,6 +14,7 @@
 #include <chrono>
 #include <exception>
 #include <optional>
+#include <string>
 #include <utility>
 
 namespace vdrive::tool {
@@ -97,10 +98,8 @@ ExitCode run_command(std::vector<std::string> arguments, Terminal& terminal) {
   return run_in_session(command, program);
 }
 
-}  // namespace
-
-ExitCode run_tool(std::vector<std::string> arguments) {
-  Terminal terminal;
+/// @return the exit code; what went wrong is reported.
+ExitCode run_reported(std::vector<std::string> arguments, Terminal& terminal) {
   try {
     return run_command(std::move(arguments), terminal);
   } catch (const UsageError& error) {
@@ -110,6 +109,17 @@ ExitCode run_tool(std::vector<std::string> arguments) {
     terminal.complain(std::string("vdrive: ") + error.what());
     return ExitCode::failed;
   }
+}
+
+}  // namespace
+
+ExitCode run_tool(std::vector<std::string> arguments) {
+  Terminal terminal;
+  const ExitCode code = run_reported(std::move(arguments), terminal);
+  const auto failure = terminal.write_failure();
+  if (!failure) return code;
+  terminal.complain("vdrive: " + *failure);
+  return code == ExitCode::ok ? ExitCode::failed : code;
 }
 
 }  // namespace vdrive::tool

@@ -434,6 +434,29 @@ TEST_F(ToolInLockStep, AClosedOutputPipeIsNotAnError) {
   EXPECT_THAT(finished.errors, IsEmpty());
 }
 
+/// Runs the tool on a standard output whose writes fail as on a full disk.
+Finished tool_on_full_disk(const std::string& words) {
+  return Process("/bin/sh", {"-c", VDRIVE_TOOL " --domain " + std::to_string(test_domain()) + " " +
+                                       words + " > /dev/full"})
+      .wait();
+}
+
+TEST_F(ToolInLockStep, EveryCommandFailsWhoseOutputCouldNotBeWritten) {
+  for (const char* const words :
+       {"list", "--json list", "status 1.1", "read 1.1 0x6041", "step 1", "watch 1.1 --count 1",
+        "record - 1.1 --count 1", "dictionary", "completion bash", "--help", "--version"}) {
+    const Finished finished = tool_on_full_disk(words);
+    EXPECT_EQ(finished.code, 1) << words;
+    EXPECT_THAT(finished.errors,
+                HasSubstr("vdrive: standard output could not be written: No space left"))
+        << words;
+  }
+}
+
+TEST_F(ToolInLockStep, ARefusalKeepsItsExitCodeWhereTheOutputCouldNotBeWritten) {
+  EXPECT_EQ(tool_on_full_disk("--json write 1.1 0x6041 1").code, 5);
+}
+
 TEST_F(ToolInLockStep, AScenarioFromStandardInputRunsAsOneSession) {
   const Finished finished = tool("run -",
                                  "enable 1.1\r\n"

@@ -7,8 +7,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
+#include <system_error>
 #include <utility>
 
 namespace vdrive::tool {
@@ -16,6 +18,7 @@ namespace {
 
 constexpr std::string_view kEnterScreen = "\x1b[?1049h\x1b[?25l";  // and hide the cursor
 constexpr std::string_view kLeaveScreen = "\x1b[?25h\x1b[?1049l";
+// Line by line, and what is left below: to clear the screen first would flicker.
 constexpr std::string_view kHome = "\x1b[H";
 constexpr std::string_view kEraseRight = "\x1b[K";
 constexpr std::string_view kEraseBelow = "\x1b[J";
@@ -30,11 +33,6 @@ std::string_view environment(const char* name) {
 bool can_refresh() {
   const std::string_view kind = environment("TERM");
   return isatty(STDOUT_FILENO) == 1 && !kind.empty() && kind != "dumb";
-}
-
-void put(std::FILE* stream, std::string_view text) {
-  // A failure shows in the stream's state, which is_open() shows.
-  (void)std::fwrite(text.data(), 1, text.size(), stream);
 }
 
 std::string in_color(Color color, std::string_view text) {
@@ -69,19 +67,20 @@ void Terminal::print(std::string_view line) {
   const std::scoped_lock lock(mutex_);
   leave_screen();
   erase_live();
-  put(stdout, line);
-  put(stdout, "\n");
+  put(line);
+  put("\n");
   draw_live();
-  is_open_ = std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && is_open_;
+  flush();
 }
 
 void Terminal::complain(std::string_view line) {
   const std::scoped_lock lock(mutex_);
   leave_screen();
   erase_live();
-  (void)std::fflush(stdout);
-  put(stderr, line);
-  put(stderr, "\n");
+  flush();
+  // Nobody is left to hear that a complaint could not be written.
+  (void)std::fwrite(line.data(), 1, line.size(), stderr);
+  (void)std::fputc('\n', stderr);
   (void)std::fflush(stderr);
   draw_live();
 }
@@ -92,7 +91,7 @@ void Terminal::show_live(std::vector<LiveLine> lines) {
   erase_live();
   live_ = std::move(lines);
   draw_live();
-  is_open_ = std::fflush(stdout) == 0 && is_open_;
+  flush();
 }
 
 void Terminal::show_screen(std::vector<LiveLine> lines) {
@@ -107,8 +106,8 @@ void Terminal::show_screen(std::vector<LiveLine> lines) {
     frame.append(line_end).append(row_of(line, usable_width(size))).append(kEraseRight);
     line_end = "\r\n";
   }
-  put(stdout, frame.append(kEraseBelow));
-  is_open_ = std::fflush(stdout) == 0 && is_open_;
+  put(frame.append(kEraseBelow));
+  flush();
 }
 
 void Terminal::end_live() {
@@ -117,33 +116,53 @@ void Terminal::end_live() {
   live_rows_ = 0;
   leave_screen();
   const std::size_t width = usable_width(terminal_size());
-  for (const LiveLine& line : std::exchange(screen_, {})) put(stdout, row_of(line, width) + "\n");
-  (void)std::fflush(stdout);
+  for (const LiveLine& line : std::exchange(screen_, {})) put(row_of(line, width) + "\n");
+  flush();
 }
 
 bool Terminal::is_open() const {
   const std::scoped_lock lock(mutex_);
-  return is_open_;
+  return write_error_ == 0;
+}
+
+std::optional<std::string> Terminal::write_failure() const {
+  const std::scoped_lock lock(mutex_);
+  // The reader of a pipe has ended: that ends a stream, it is not an error.
+  if (write_error_ == 0 || write_error_ == EPIPE) return std::nullopt;
+  return "standard output could not be written: " + std::system_category().message(write_error_);
+}
+
+void Terminal::put(std::string_view text) {
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size()) note_failure();
+}
+
+void Terminal::flush() {
+  if (std::fflush(stdout) != 0) note_failure();
+}
+
+/// The first failure is the reason; a later one may follow from it.
+void Terminal::note_failure() {
+  if (write_error_ == 0) write_error_ = errno;
 }
 
 /// The number of rows was right at the size of then. Where a narrower terminal has wrapped them
 /// since, some rows stay: better than to erase lines that are not ours.
 void Terminal::erase_live() {
-  for (; live_rows_ > 0; --live_rows_) put(stdout, kEraseRowAbove);
+  for (; live_rows_ > 0; --live_rows_) put(kEraseRowAbove);
 }
 
 void Terminal::draw_live() {
   const TerminalSize size = terminal_size();
   // The cursor stands below the block.
   const std::vector<LiveLine> lines = fitting(live_, std::max<std::size_t>(size.rows, 2) - 1);
-  for (const LiveLine& line : lines) put(stdout, row_of(line, usable_width(size)) + "\n");
+  for (const LiveLine& line : lines) put(row_of(line, usable_width(size)) + "\n");
   live_rows_ = lines.size();
 }
 
 void Terminal::leave_screen() {
   if (!is_on_screen_.exchange(false)) return;
-  put(stdout, kLeaveScreen);
-  (void)std::fflush(stdout);
+  put(kLeaveScreen);
+  flush();
 }
 
 void Terminal::leave_screen_at_once() noexcept {

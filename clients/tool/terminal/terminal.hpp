@@ -67,13 +67,21 @@ class Terminal {
   /// Leaves the alternate screen without a lock, before the process ends at once.
   void leave_screen_at_once() noexcept;
 
-  /// @return false once the reader of standard output has gone away.
+  /// @return false once standard output could not be written: its reader has gone away, or
+  ///         write_failure() has the reason.
   [[nodiscard]] bool is_open() const;
+
+  /// @return why a line is missing on standard output; none while nothing is missing, or because
+  ///         the reader of the pipe has gone away.
+  [[nodiscard]] std::optional<std::string> write_failure() const;
 
  private:
   void erase_live();
   void draw_live();
   void leave_screen();
+  void put(std::string_view text);
+  void flush();
+  void note_failure();
   [[nodiscard]] std::string row_of(const LiveLine& line, std::size_t width) const;
 
   const bool is_interactive_;
@@ -83,7 +91,7 @@ class Terminal {
   std::size_t live_rows_ = 0;  ///< drawn below the last line
   std::vector<LiveLine> screen_;
   std::atomic<bool> is_on_screen_ = false;
-  bool is_open_ = true;
+  int write_error_ = 0;  ///< of errno
 };
 
 /// @return the present size of the terminal; the default where it is unknown.
