@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the doctor reports about a machine, from constructed readings.
-#include "diagnosis/doctor.hpp"
+#include "diagnosis/bench_checks.hpp"
+#include "diagnosis/host_checks.hpp"
+#include "diagnosis/ros_checks.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -30,7 +32,7 @@ HostReadings healthy() {
 
 /// The findings about a subject that are not good.
 std::vector<Finding> complaints(const HostReadings& readings, const GlobalOptions& options = {}) {
-  std::vector<Finding> findings = diagnose(readings, options);
+  std::vector<Finding> findings = check_host(readings, options);
   std::erase_if(findings, [](const Finding& finding) {
     return finding.severity == Severity::good;
   });
@@ -69,7 +71,7 @@ TEST(DoctorsReadings, HaveTheLoadOfThisMachine) {
 TEST(Doctor, NamesTheProgramOnThePortOfTheGateway) {
   HostReadings readings = healthy();
   const auto text = [&] {
-    return diagnose(readings, {}).back().text;
+    return check_host(readings, {}).back().text;
   };
   EXPECT_THAT(text(), HasSubstr("no vdrive-gateway on 127.0.0.1:8765"));
   readings.gateway = GatewayReading::gateway;

@@ -1,371 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "diagnosis/doctor.hpp"
 
-#include "gateway_port.hpp"
+#include "diagnosis/bench_checks.hpp"
+#include "diagnosis/finding.hpp"
+#include "diagnosis/host_checks.hpp"
+#include "diagnosis/ros_checks.hpp"
 #include "output/report.hpp"
-#include "vdrive/text.hpp"
-#include "vdrive/wire/participant.hpp"
-#include "vdrive/wire/ports.hpp"
 #include "vdrive/wording.hpp"
 
 #include <algorithm>
 #include <exception>
 #include <future>
-#include <iomanip>
 #include <iterator>
-#include <sstream>
-#include <utility>
+#include <string>
+#include <vector>
 
 namespace vdrive::tool {
 namespace {
 
 using client::Outcome;
-
-constexpr std::uint64_t kFewFiles = 256;
-
-Finding check_domain(const HostReadings& readings, const GlobalOptions& options) {
-  const std::uint32_t first = wire::group_port(options.domain);
-  Finding finding{.subject = "domain",
-                  .text = "domain " + std::to_string(options.domain) + ", UDP ports from " +
-                          std::to_string(first),
-                  .advice = ""};
-  if (readings.first_ephemeral_port &&
-      first + wire::kPortsOfDomain > *readings.first_ephemeral_port) {
-    finding.severity = Severity::hint;
-    finding.advice =
-        "the kernel gives the UDP ports from " + std::to_string(*readings.first_ephemeral_port) +
-        " upwards to any program, so another program may hold a port of this domain: use a "
-        "domain below " +
-        std::to_string((*readings.first_ephemeral_port - wire::kFirstPort) / wire::kPortsOfDomain);
-  }
-  return finding;
-}
-
-std::string addresses_of(const HostReadings& readings) {
-  std::string text;
-  for (const NetworkInterface& one : readings.interfaces) {
-    text += (text.empty() ? "" : ", ") + one.address + " (" + one.name + ")";
-  }
-  return text.empty() ? "none" : text;
-}
-
-std::vector<Finding> check_interfaces(const HostReadings& readings, const GlobalOptions& options) {
-  if (options.interfaces.empty()) {
-    return {
-        {.subject = "interfaces",
-         .text = "loopback only: benches on this machine; it also has " + addresses_of(readings),
-         .advice = ""}};
-  }
-  std::vector<Finding> findings;
-  for (const std::string& address : options.interfaces) {
-    Finding& finding =
-        findings.emplace_back(Finding{.subject = "interfaces", .text = address, .advice = ""});
-    const auto own = std::ranges::find(readings.interfaces, address, &NetworkInterface::address);
-    if (own == readings.interfaces.end()) {
-      finding.severity = Severity::problem;
-      finding.text += " is not an address of this machine";
-      finding.advice = "name one of " + addresses_of(readings);
-    } else if (!own->is_up) {
-      finding.severity = Severity::problem;
-      finding.text += " is on " + own->name + ", which is down";
-      finding.advice = "ip link set " + own->name + " up";
-    } else {
-      finding.text += " is on " + own->name + ", which is up";
-    }
-  }
-  return findings;
-}
-
-std::vector<Finding> check_multicast(const HostReadings& readings, const GlobalOptions& options) {
-  const bool is_needed = options.peers.empty() && options.discovery_servers.empty();
-  std::vector<Finding> findings;
-  for (const MulticastReading& reading : readings.multicast) {
-    Finding finding{
-        .subject = "multicast",
-        .text = reading.address + (reading.is_received
-                                       ? " receives its own multicast to the discovery group"
-                                       : " does not receive its own multicast"),
-        .advice = ""};
-    if (!reading.is_received) {
-      finding.severity = is_needed ? Severity::problem : Severity::hint;
-      finding.advice = is_needed ? "allow UDP to " + std::string(wire::kDiscoveryGroup) +
-                                       " in the firewall, or name the other hosts with --peer or "
-                                       "--discovery-server"
-                                 : "not needed: peers or a discovery server are named";
-    }
-    findings.push_back(std::move(finding));
-  }
-  return findings;
-}
-
-Finding check_clock(const HostReadings& readings) {
-  Finding finding{.subject = "clock", .text = "", .advice = ""};
-  if (!readings.is_clock_synchronised) {
-    finding.text = "cannot read whether it is synchronised";
-  } else if (*readings.is_clock_synchronised) {
-    finding.text = "synchronised";
-  } else {
-    finding.severity = Severity::hint;
-    finding.text = "not synchronised";
-    finding.advice =
-        "run chrony or systemd-timesyncd: benches in real time on several hosts count "
-        "the same ticks only with synchronised clocks";
-  }
-  if (!readings.clock_source.empty()) finding.text += ", source " + readings.clock_source;
-  if (readings.clock_source == "acpi_pm" || readings.clock_source == "hpet") {
-    finding.severity = Severity::hint;
-    finding.advice += (finding.advice.empty() ? "" : "; ") +
-                      std::string("reading this source is slow: use tsc or kvm-clock");
-  }
-  return finding;
-}
-
-std::vector<Finding> check_limits(const HostReadings& readings) {
-  std::vector<Finding> findings;
-  Finding& files =
-      findings.emplace_back(Finding{.subject = "limits",
-                                    .text = std::to_string(readings.open_files) + " open files",
-                                    .advice = ""});
-  if (readings.open_files < kFewFiles) {
-    files.severity = Severity::hint;
-    files.advice = "ulimit -n 1024: each participant needs about 30";
-  }
-  if (readings.largest_receive_buffer) {
-    Finding& buffer = findings.emplace_back(Finding{
-        .subject = "limits",
-        .text =
-            "receive buffers up to " + std::to_string(*readings.largest_receive_buffer) + " bytes",
-        .advice = ""});
-    if (*readings.largest_receive_buffer < wire::kReceiveBufferOfClient) {
-      buffer.severity = Severity::hint;
-      buffer.advice =
-          "sysctl -w net.core.rmem_max=" + std::to_string(wire::kReceiveBufferOfClient) +
-          " before you watch thousands of axes each millisecond: bursts are lost "
-          "otherwise";
-    }
-  }
-  return findings;
-}
-
-Finding check_priority(const HostReadings& readings) {
-  Finding finding{.subject = "real time",
-                  .text = "SCHED_FIFO is permitted, " + std::to_string(readings.cores) + " cores",
-                  .advice = ""};
-  if (!readings.may_run_realtime) {
-    finding.severity = Severity::hint;
-    finding.text = "SCHED_FIFO is not permitted, " + std::to_string(readings.cores) + " cores";
-    finding.advice =
-        "clock.realtime_priority has no effect without it: give the service "
-        "CAP_SYS_NICE or LimitRTPRIO";
-  }
-  return finding;
-}
-
-/// More programs than this wait for each core: answers take several times as long.
-constexpr double kHighLoadOfCore = 2.0;
-
-std::string with_one_digit(double value) {
-  std::ostringstream text;
-  text << std::fixed << std::setprecision(1) << value;
-  return text.str();
-}
-
-Finding check_load(const HostReadings& readings) {
-  Finding finding{.subject = "load", .text = "", .advice = ""};
-  if (!readings.load) {
-    finding.text = "cannot read the load of this machine";
-    return finding;
-  }
-  finding.text = with_one_digit(*readings.load) + " in the last minute on " +
-                 counted(readings.cores, "core", "cores") + ", a thread that waited ran up to " +
-                 std::to_string(readings.longest_delay.count()) + " ms late";
-  if (*readings.load > kHighLoadOfCore * readings.cores) {
-    finding.severity = Severity::hint;
-    finding.advice =
-        "the machine is busy: searches take longer, ticks come late and the watchdog may find "
-        "owners silent: end other programs, raise --timeout and watchdog.timeout_ms, or use "
-        "lock-step";
-  }
-  return finding;
-}
-
-Finding check_segments(const HostReadings& readings) {
-  const auto stale = std::ranges::count(readings.segments, false, &SharedSegment::is_mapped);
-  Finding finding{.subject = "shared memory",
-                  .text = std::to_string(readings.segments.size()) + " segments of Fast DDS, " +
-                          std::to_string(stale) + " that no program uses",
-                  .advice = ""};
-  if (stale != 0) {
-    finding.severity = Severity::hint;
-    finding.advice =
-        "killed programs left them: 'fastdds shm clean' removes them, as root also "
-        "those of other users";
-  }
-  return finding;
-}
-
-Finding check_gateway(const HostReadings& readings) {
-  const std::string address = "127.0.0.1:" + std::to_string(bridge::kGatewayPort);
-  Finding finding{.subject = "gateway", .text = "", .advice = ""};
-  switch (readings.gateway) {
-    case GatewayReading::none:
-      finding.text = "no vdrive-gateway on " + address;
-      break;
-    case GatewayReading::gateway:
-      finding.text = "vdrive-gateway answers on http://" + address + "/";
-      break;
-    case GatewayReading::another:
-      finding.severity = Severity::hint;
-      finding.text = "another program has port " + address;
-      finding.advice = "give vdrive-gateway another port with --listen";
-      break;
-  }
-  return finding;
-}
-
-Finding check_version(const client::BenchInfo& bench) {
-  Finding finding{.subject = "benches",
-                  .text = "bench " + std::to_string(bench.number) + " " + in_quotes(bench.name) +
-                          ", " + std::to_string(bench.axes.size()) + " axes, " +
-                          std::string(to_string(bench.clock_mode)) + ", version " +
-                          bench.service_version,
-                  .advice = ""};
-  if (bench.service_version != VDRIVE_VERSION) {
-    finding.severity = Severity::hint;
-    finding.advice = "this tool is version " VDRIVE_VERSION ": update the older one";
-  }
-  return finding;
-}
-
-Finding check_wire(const client::BenchInfo& bench) {
-  const std::string subject = "the network process of bench " + std::to_string(bench.number);
-  if (bench.wire_starts == 1) {
-    return {.subject = "benches",
-            .text = subject + " has not ended since the service started",
-            .advice = ""};
-  }
-  const std::uint64_t restarts = bench.wire_starts - 1;
-  return {.severity = Severity::hint,
-          .subject = "benches",
-          .text = subject + " was started again " +
-                  (restarts == 1 ? "once" : std::to_string(restarts) + " times") +
-                  " since the service started; the axes did not stop",
-          .advice =
-              "the log of the service and the events of the bench give the reason of each restart"};
-}
-
-/// Half of the default of watchdog.timeout_ms (docs/guides/configuration.md).
-constexpr std::chrono::milliseconds kLongSilence{250};
-
-Finding check_silence(const client::BenchInfo& bench) {
-  const auto silence = std::chrono::floor<std::chrono::milliseconds>(bench.longest_silence);
-  Finding finding{.subject = "benches",
-                  .text = "the longest time in which bench " + std::to_string(bench.number) +
-                          " received nothing from an owner of axes is " +
-                          std::to_string(silence.count()) + " ms of drive time",
-                  .advice = ""};
-  if (silence >= kLongSilence) {
-    finding.severity = Severity::hint;
-    finding.advice =
-        "the machine or the network is busy: keep watchdog.timeout_ms above twice this time, or "
-        "use lock-step";
-  }
-  return finding;
-}
-
-}  // namespace
-
-std::vector<Finding> check_benches(std::span<const client::BenchInfo> benches,
-                                   const GlobalOptions& options) {
-  if (benches.empty()) {
-    return {{.severity = Severity::hint,
-             .subject = "benches",
-             .text = "none on domain " + std::to_string(options.domain),
-             .advice = "start one with 'vdrived', or name its domain and network with --domain, "
-                       "--interface, --peer or --discovery-server"}};
-  }
-  std::vector<Finding> findings;
-  for (const client::BenchInfo& bench : benches) {
-    findings.push_back(check_version(bench));
-    // 0: not received yet.
-    if (bench.wire_starts != 0) {
-      findings.push_back(check_wire(bench));
-      findings.push_back(check_silence(bench));
-    }
-  }
-  return findings;
-}
-
-namespace {
-
-Finding check_ros_bench(const RosBench& bench) {
-  Finding finding{.subject = "ROS 2",
-                  .text = "vdrive-ros2, session " + bench.session + ", " + bench.network + ": ",
-                  .advice = ""};
-  const bool is_foreign = bench.control.starts_with("session");
-  if (!bench.control.empty()) {
-    finding.text += bench.bench + " " + bench.message + ", controlled by " + bench.control;
-  } else {
-    finding.text +=
-        bench.message.starts_with(bench.bench) ? bench.message : bench.bench + " " + bench.message;
-  }
-  if (bench.enable == "true" && is_foreign) {
-    finding.severity = Severity::hint;
-    finding.advice =
-        "it waits for that session, which may be another vdrive-ros2 with --enable: end one of "
-        "them";
-  } else if (bench.level != 0) {
-    finding.severity = Severity::hint;
-    finding.advice = bench.control.empty() && bench.message.find("left out") != std::string::npos
-                         ? "give each joint a name of its own: --prefix, or joints: in the "
-                           "configuration of vdrive-ros2"
-                         : "/diagnostics and /rosout name the reason";
-  }
-  return finding;
-}
-
-}  // namespace
-
-std::vector<Finding> check_ros(const RosReadings& readings, const GlobalOptions& options) {
-  std::vector<Finding> findings;
-  const std::string domain = std::to_string(options.domain);
-  for (const RosBench& bench : readings.benches) findings.push_back(check_ros_bench(bench));
-  if (findings.empty()) {
-    findings.push_back({.subject = "ROS 2",
-                        .text = "no vdrive-ros2 publishes /diagnostics on domain " + domain,
-                        .advice = ""});
-  }
-  if (!readings.domain_id.empty() && readings.domain_id != domain) {
-    findings.push_back({.severity = Severity::hint,
-                        .subject = "ROS 2",
-                        .text = "ROS_DOMAIN_ID is " + in_quotes(readings.domain_id) +
-                                ": nodes that start here are not on domain " + domain,
-                        .advice = "start service and bridge with --domain " + readings.domain_id +
-                                  ", or set ROS_DOMAIN_ID to " + domain});
-  }
-  if (readings.middleware.starts_with("rmw_zenoh")) {
-    findings.push_back({.severity = Severity::hint,
-                        .subject = "ROS 2",
-                        .text = "RMW_IMPLEMENTATION is " + in_quotes(readings.middleware) +
-                                ", which is not DDS: nodes that start here find no vdrive-ros2",
-                        .advice = "use rmw_fastrtps_cpp or rmw_cyclonedds_cpp"});
-  }
-  if (readings.discovery_range == "OFF") {
-    findings.push_back({.severity = Severity::hint,
-                        .subject = "ROS 2",
-                        .text = "ROS_AUTOMATIC_DISCOVERY_RANGE is OFF: nodes that start here find "
-                                "no other program",
-                        .advice = "set it to LOCALHOST or SUBNET"});
-  }
-  return findings;
-}
-
-namespace {
-
-void append(std::vector<Finding>& findings, std::vector<Finding> more) {
-  findings.insert(findings.end(), std::make_move_iterator(more.begin()),
-                  std::make_move_iterator(more.end()));
-}
 
 const char* name_of(Severity severity) {
   switch (severity) {
@@ -399,29 +52,16 @@ void show(const Finding& finding, bool is_json, Terminal& terminal) {
 
 }  // namespace
 
-std::vector<Finding> diagnose(const HostReadings& readings, const GlobalOptions& options) {
-  std::vector<Finding> findings{check_domain(readings, options)};
-  append(findings, check_interfaces(readings, options));
-  append(findings, check_multicast(readings, options));
-  findings.push_back(check_clock(readings));
-  append(findings, check_limits(readings));
-  findings.push_back(check_priority(readings));
-  findings.push_back(check_load(readings));
-  findings.push_back(check_segments(readings));
-  findings.push_back(check_gateway(readings));
-  return findings;
-}
-
 Outcome run_doctor(const GlobalOptions& options, Terminal& terminal,
                    const std::function<std::vector<client::BenchInfo>()>& find) {
-  std::vector<Finding> findings = diagnose(read_host(options.interfaces), options);
+  std::vector<Finding> findings = check_host(read_host(options.interfaces), options);
   try {
     // Both wait for the network.
     auto ros = std::async(std::launch::async, [&options] {
       return read_ros(options);
     });
-    append(findings, check_benches(find(), options));
-    append(findings, check_ros(ros.get(), options));
+    std::ranges::move(check_benches(find(), options), std::back_inserter(findings));
+    std::ranges::move(check_ros(ros.get(), options), std::back_inserter(findings));
   } catch (const std::exception& error) {
     findings.push_back(
         {.severity = Severity::problem,

@@ -184,6 +184,7 @@ std::optional<double> read_load() {
 
 /// How long the kernel lets a thread wait for a core.
 std::chrono::milliseconds longest_delay() {
+  // Long enough to be preempted on a busy machine, short enough that nobody waits for it.
   constexpr int kWaits = 30;
   constexpr std::chrono::milliseconds kWait{1};
   std::chrono::steady_clock::duration longest{};

@@ -18,7 +18,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr milliseconds kDiscovery{700};     // no publisher until then: there is none
 constexpr milliseconds kDiagnostics{1600};  // a bridge publishes them once a second
-constexpr milliseconds kTurn{20};
+constexpr milliseconds kTurn{20};           // a matched publisher wakes nobody
 
 std::string variable(const char* name) {
   const char* const value = std::getenv(name);  // NOLINT(*-mt-unsafe): nothing sets variables

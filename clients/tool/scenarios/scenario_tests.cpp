@@ -9,6 +9,7 @@
 #include "output/junit.hpp"
 #include "output/report.hpp"
 #include "private_bench.hpp"
+#include "scenarios/scenario_verdict.hpp"
 #include "terminal/terminal.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wording.hpp"
@@ -22,7 +23,6 @@
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <sstream>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -35,43 +35,6 @@ using Clock = std::chrono::steady_clock;
 // Of an interrupted scenario: its final lines, in lock-step.
 constexpr std::chrono::seconds kFinalLines{20};
 
-std::vector<std::string> lines_of(const std::string& text) {
-  std::istringstream stream(text);
-  std::vector<std::string> lines;
-  for (std::string line; std::getline(stream, line);) lines.push_back(line);
-  return lines;
-}
-
-/// What became of a file.
-struct Result {
-  int code = static_cast<int>(ExitCode::interrupted);
-  std::vector<std::string> messages;  ///< of a failure
-  JunitSuite suite;
-};
-
-JunitCase skipped_case(const std::string& name) {
-  JunitCase test;
-  test.name = name;
-  test.is_skipped = true;
-  return test;
-}
-
-/// What `vdrive run --json` has written about each line.
-std::map<std::size_t, JunitCase> cases_of(const std::string& output) {
-  std::map<std::size_t, JunitCase> cases;
-  for (const std::string& text : lines_of(output)) {
-    const Json json = Json::parse(text, nullptr, false);
-    // What a command of the scenario reads is no verdict.
-    if (!json.is_object() || !json.contains("line") || !json.contains("outcome")) continue;
-    JunitCase test;
-    test.duration = std::chrono::duration_cast<std::chrono::nanoseconds>(
-        std::chrono::duration<double>(json.value("seconds", 0.0)));
-    if (json["outcome"] != "ok") test.failure = json.value("message", "");
-    cases.emplace(json["line"].get<std::size_t>(), std::move(test));
-  }
-  return cases;
-}
-
 /// One run of all files.
 class ScenarioTests {
  public:
@@ -81,11 +44,9 @@ class ScenarioTests {
         options_(options),
         scenarios_(std::move(scenarios)),
         service_(find_service(tests.service)),
-        terminal_(terminal),
-        results_(scenarios_.size()) {
-    for (std::size_t i = 0; i < scenarios_.size(); ++i) {
-      results_[i].suite = {scenarios_[i].file, {skipped_case("start")}};
-    }
+        terminal_(terminal) {
+    verdicts_.reserve(scenarios_.size());
+    for (const Scenario& scenario : scenarios_) verdicts_.push_back(not_started(scenario));
   }
 
   void run() {
@@ -108,38 +69,40 @@ class ScenarioTests {
 
   [[nodiscard]] std::vector<JunitSuite> suites() const {
     std::vector<JunitSuite> suites;
-    suites.reserve(results_.size());
-    for (const Result& result : results_) suites.push_back(result.suite);
+    suites.reserve(verdicts_.size());
+    for (const ScenarioVerdict& verdict : verdicts_) suites.push_back(verdict.suite);
     return suites;
   }
 
   /// @return the exit code of the first file that failed.
   [[nodiscard]] ExitCode conclude() {
-    const auto failed = std::ranges::find_if(results_, [](const Result& result) {
-      return result.code != 0;
+    const auto failed = std::ranges::find_if(verdicts_, [](const ScenarioVerdict& verdict) {
+      return verdict.code != 0;
     });
-    const auto passed = static_cast<std::size_t>(std::ranges::count(results_, 0, &Result::code));
+    const auto passed =
+        static_cast<std::size_t>(std::ranges::count(verdicts_, 0, &ScenarioVerdict::code));
     const std::string text =
-        std::to_string(passed) + " of " + counted(results_.size(), "file", "files") + " passed";
+        std::to_string(passed) + " of " + counted(verdicts_.size(), "file", "files") + " passed";
     if (options_.json) {
-      terminal_.print(to_line({{"files", results_.size()}, {"passed", passed}}));
+      terminal_.print(to_line({{"files", verdicts_.size()}, {"passed", passed}}));
     } else {
       terminal_.print(text);
     }
-    return failed == results_.end() ? ExitCode::ok : static_cast<ExitCode>(failed->code);
+    return failed == verdicts_.end() ? ExitCode::ok : static_cast<ExitCode>(failed->code);
   }
 
  private:
   void work() {
     while (const auto place = take_next()) {
       const auto start = Clock::now();
-      Result& result = results_[*place];
+      const Scenario& scenario = scenarios_[*place];
+      ScenarioVerdict& verdict = verdicts_[*place];
       try {
-        test(*place, result);
+        verdict = test(*place);
       } catch (const std::exception& error) {
-        set_error(result, static_cast<int>(ExitCode::failed), error.what());
+        verdict = failed_to_start(scenario, static_cast<int>(ExitCode::failed), error.what());
       }
-      report(scenarios_[*place], result, Clock::now() - start);
+      report(scenario, verdict, Clock::now() - start);
     }
   }
 
@@ -172,27 +135,29 @@ class ScenarioTests {
     const std::size_t place_;
   };
 
-  void test(std::size_t place, Result& result) {
+  ScenarioVerdict test(std::size_t place) {
+    const Scenario& scenario = scenarios_[place];
     process::PrivateBench bench(service_, arguments_of_service());
     {
       const Job job(*this, place, [&bench] {
         bench.end();
       });
       if (const auto problem = bench.wait_until_ready()) {
-        if (!is_interrupted_) set_error(result, static_cast<int>(ExitCode::failed), *problem);
-        return;
+        if (is_interrupted_) return not_started(scenario);
+        return failed_to_start(scenario, static_cast<int>(ExitCode::failed), *problem);
       }
     }
-    process::ChildProcess run(command_to_run(scenarios_[place], bench.domain()));
+    process::ChildProcess run(command_to_run(scenario, bench.domain()));
     const Job job(*this, place, [&run] {
       run.send(SIGINT);
     });
-    judge(scenarios_[place], run, wait_for(run), result);
+    const int code = wait_for(run);
+    return verdict_of(scenario, {.code = code, .output = run.output(), .errors = run.errors()});
   }
 
   /// An interrupted scenario ends by itself; one that does not is killed.
   int wait_for(process::ChildProcess& run) {
-    constexpr std::chrono::milliseconds kCheckPeriod{200};
+    constexpr std::chrono::milliseconds kCheckPeriod{200};  // of the interrupt, which wakes no wait
     std::optional<Clock::time_point> deadline;
     while (true) {
       if (const auto code = run.wait(kCheckPeriod)) return *code;
@@ -235,57 +200,25 @@ class ScenarioTests {
     return arguments;
   }
 
-  static void set_error(Result& result, int code, const std::string& message) {
-    result.code = code;
-    result.messages = {message};
-    JunitCase error;
-    error.name = "start";
-    error.error = message;
-    result.suite.cases = {std::move(error)};
-  }
-
-  static void judge(const Scenario& scenario, const process::ChildProcess& run, int code,
-                    Result& result) {
-    auto cases = cases_of(run.output());
-    result.code = code >= 0 ? code : static_cast<int>(ExitCode::failed);
-    result.messages = lines_of(run.errors());
-    if (code < 0) result.messages.push_back("ended by signal " + std::to_string(-code));
-    if (code != 0 && cases.empty()) {
-      const std::string why = result.messages.empty() ? "interrupted" : result.messages.back();
-      std::vector<std::string> messages = std::move(result.messages);
-      set_error(result, result.code, why);
-      result.messages = std::move(messages);
-      return;
-    }
-    result.suite.cases.clear();
-    for (const ScenarioLine& line : scenario.lines) {
-      const std::string name = "line " + std::to_string(line.number) + ": " + line.text;
-      const auto found = cases.find(line.number);
-      JunitCase& test = result.suite.cases.emplace_back(
-          found == cases.end() ? skipped_case(name) : std::move(found->second));
-      test.name = name;
-    }
-  }
-
-  void report(const Scenario& scenario, const Result& result, Clock::duration duration) {
+  void report(const Scenario& scenario, const ScenarioVerdict& verdict, Clock::duration duration) {
     const auto milliseconds = std::chrono::duration_cast<std::chrono::milliseconds>(duration);
     if (options_.json) {
       Json json{{"file", scenario.file},
-                {"passed", result.code == 0},
+                {"passed", verdict.code == 0},
                 {"lines", scenario.lines.size()},
                 {"seconds", static_cast<double>(milliseconds.count()) / 1000.0}};
-      if (result.code != 0) json["messages"] = result.messages;
+      if (verdict.code != 0) json["messages"] = verdict.messages;
       terminal_.print(to_line(json));
       return;
     }
-    const bool passed = result.code == 0;
+    const bool passed = verdict.code == 0;
     terminal_.print(
         colored(terminal_, passed ? Color::green : Color::red, passed ? "passed" : "failed") +
         "  " + escaped(scenario.file, kShownOfMessage) + ", " +
         counted(scenario.lines.size(), "line", "lines") + ", " +
         std::to_string(milliseconds.count()) + " ms");
     if (passed) return;
-    for (const std::string& message : result.messages) terminal_.complain(message);
+    for (const std::string& message : verdict.messages) terminal_.complain(message);
   }
 
   const ScenarioTestOptions& tests_;
@@ -293,7 +226,7 @@ class ScenarioTests {
   const std::vector<Scenario> scenarios_;
   const std::string service_;
   Terminal& terminal_;
-  std::vector<Result> results_;  ///< each written by one worker
+  std::vector<ScenarioVerdict> verdicts_;  ///< by file, each written by one worker
   std::atomic<bool> is_interrupted_ = false;
   std::mutex mutex_;  ///< guards what follows
   std::size_t next_ = 0;

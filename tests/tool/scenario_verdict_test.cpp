@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+// What `vdrive test` concludes from the end of `vdrive run --json`, without a process.
+#include "scenarios/scenario_verdict.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace vdrive::tool {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+/// Lines 2 and 4 of a file do something.
+Scenario scenario_of_two_lines() {
+  Scenario scenario{.file = "lift.scn", .lines = {}, .variables = {}};
+  scenario.lines.resize(2);
+  scenario.lines[0].number = 2;
+  scenario.lines[0].text = "enable 1.1";
+  scenario.lines[1].number = 4;
+  scenario.lines[1].text = "move 1.1 100";
+  return scenario;
+}
+
+TEST(ScenarioVerdict, HasACaseForEachLineWithItsTime) {
+  const ScenarioVerdict sut =
+      verdict_of(scenario_of_two_lines(), {.code = 0,
+                                           .output = R"({"line":2,"outcome":"ok","seconds":0.5})"
+                                                     "\n"
+                                                     R"({"line":4,"outcome":"ok","seconds":0.25})"
+                                                     "\n",
+                                           .errors = ""});
+
+  EXPECT_EQ(sut.code, 0);
+  EXPECT_EQ(sut.suite.name, "lift.scn");
+  ASSERT_EQ(sut.suite.cases.size(), 2U);
+  EXPECT_EQ(sut.suite.cases[0].name, "line 2: enable 1.1");
+  EXPECT_EQ(sut.suite.cases[0].duration, 500ms);
+  EXPECT_EQ(sut.suite.cases[1].name, "line 4: move 1.1 100");
+  EXPECT_FALSE(sut.suite.cases[1].is_skipped);
+}
+
+TEST(ScenarioVerdict, SkipsTheLinesBehindAFailure) {
+  const ScenarioVerdict sut = verdict_of(
+      scenario_of_two_lines(), {.code = 5,
+                                .output = R"({"line":2,"outcome":"refused","message":"not yours"})",
+                                .errors = "vdrive: not yours\n"});
+
+  EXPECT_EQ(sut.code, 5);
+  EXPECT_THAT(sut.messages, ElementsAre("vdrive: not yours"));
+  ASSERT_EQ(sut.suite.cases.size(), 2U);
+  EXPECT_EQ(sut.suite.cases[0].failure, "not yours");
+  EXPECT_TRUE(sut.suite.cases[1].is_skipped);
+}
+
+TEST(ScenarioVerdict, TakesNoOutputOfACommandForAResult) {
+  const ScenarioVerdict sut = verdict_of(
+      scenario_of_two_lines(),
+      {.code = 0, .output = "no JSON\n[2]\n{\"line\":2}\n{\"outcome\":\"ok\"}\n", .errors = ""});
+
+  ASSERT_EQ(sut.suite.cases.size(), 2U);
+  EXPECT_TRUE(sut.suite.cases[0].is_skipped);
+  EXPECT_TRUE(sut.suite.cases[1].is_skipped);
+}
+
+TEST(ScenarioVerdict, NamesTheSignalThatEndedTheProcess) {
+  const ScenarioVerdict sut =
+      verdict_of(scenario_of_two_lines(), {.code = -9, .output = "", .errors = "first\n"});
+
+  EXPECT_EQ(sut.code, static_cast<int>(ExitCode::failed));
+  EXPECT_THAT(sut.messages, ElementsAre("first", "ended by signal 9"));
+  ASSERT_EQ(sut.suite.cases.size(), 1U);  // no line was carried out: the start is the case
+  EXPECT_EQ(sut.suite.cases[0].name, "start");
+  EXPECT_EQ(sut.suite.cases[0].error, "ended by signal 9");
+}
+
+TEST(ScenarioVerdict, IsInterruptedUntilTheScenarioHasRun) {
+  const ScenarioVerdict sut = not_started(scenario_of_two_lines());
+
+  EXPECT_EQ(sut.code, static_cast<int>(ExitCode::interrupted));
+  EXPECT_THAT(sut.messages, IsEmpty());
+  ASSERT_EQ(sut.suite.cases.size(), 1U);
+  EXPECT_TRUE(sut.suite.cases[0].is_skipped);
+}
+
+}  // namespace
+}  // namespace vdrive::tool
