@@ -10,8 +10,7 @@ using client::Outcome;
 
 /// @return what to do first where the power state has refused a command, or nothing.
 std::string next_step(const std::string& label, PowerState state) {
-  const bool is_fault = state == PowerState::fault || state == PowerState::fault_reaction_active;
-  if (is_fault) return "; reset it first: vdrive reset " + label;
+  if (is_fault(state)) return "; reset it first: vdrive reset " + label;
   if (state == PowerState::operation_enabled) return {};
   return "; enable it first: vdrive enable " + label;
 }

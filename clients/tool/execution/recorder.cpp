@@ -3,14 +3,13 @@
 
 #include "convert.hpp"
 #include "text_recording.hpp"
+#include "vdrive/assert.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/number_text.hpp"
 
-#include <algorithm>
 #include <chrono>
 #include <map>
 #include <set>
-#include <span>
 #include <thread>
 #include <utility>
 
@@ -26,6 +25,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kPatienceOfOne{100};
 constexpr std::chrono::milliseconds kPatienceOfMany{5};
 
+// Far below the seconds of samples that the stream keeps.
 constexpr std::chrono::milliseconds kNap{5};
 
 std::vector<ObjectAddress> all_objects() {
@@ -45,17 +45,10 @@ std::vector<client::AxisId> ids_of(const ObservedBench& bench) {
 /// Every object of an axis, an object that is refused with its code.
 client::Result<bridge::ParameterImage> image_of(const client::Axis& axis) {
   static const std::vector<ObjectAddress> objects = all_objects();
-  bridge::ParameterImage image{.axis = axis.id(), .tick = 0, .objects = {}};
-  std::span<const ObjectAddress> left(objects);
-  while (!left.empty()) {
-    const auto part = left.first(std::min(left.size(), client::kMostObjectsAtOnce));
-    const auto readings = axis.read(part);
-    if (!readings) return readings.outcome();
-    image.tick = readings->tick;
-    image.objects.insert(image.objects.end(), readings->objects.begin(), readings->objects.end());
-    left = left.subspan(part.size());
-  }
-  return image;
+  auto readings = axis.read(objects);
+  if (!readings) return readings.outcome();
+  return bridge::ParameterImage{
+      .axis = axis.id(), .tick = readings->tick, .objects = std::move(readings->objects)};
 }
 
 }  // namespace
@@ -202,6 +195,7 @@ Outcome Recorder::follow(std::vector<Track>& tracks) {
 
 /// Waits for the next sample of a bench, and takes what came with it.
 Outcome Recorder::take_samples(Track& track) {
+  // A bench that sends faster than it is read must not hold up the others, nor the end.
   constexpr int kMostAtOnce = 1000;
   auto patience = track.patience;
   for (int i = 0; i < kMostAtOnce && !track.has_ended; ++i) {
@@ -250,6 +244,7 @@ Outcome Recorder::wait_for(Track& track) {
 
 void Recorder::take(Track& track, client::Observation&& sample) {
   // Drive time that was not driven does not count.
+  ensure(!sample.axes.empty(), "an observation has the axes that are followed");
   const std::uint64_t tick = sample.axes.front().driven_tick();
   if (!track.first_tick) track.first_tick = tick;
   if (track.ticks != 0 && tick - *track.first_tick >= track.ticks) {

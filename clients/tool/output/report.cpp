@@ -134,7 +134,7 @@ std::string arrival_line(const client::AxisSnapshot& axis, const std::string& la
 
 std::optional<Color> color_of(const client::AxisSnapshot& axis) {
   const PowerState state = axis.state();
-  if (state == PowerState::fault || state == PowerState::fault_reaction_active) return Color::red;
+  if (is_fault(state)) return Color::red;
   if (state == PowerState::quick_stop_active || axis.shows(Statusword::kWarning)) {
     return Color::yellow;
   }
