@@ -464,10 +464,10 @@ Violations check_source(std::string_view path, std::string_view text) {
   const auto room = std::ranges::find_if(kRooms, [&](const RoomRow& row) {
     return path.starts_with(row.folder);
   });
-  if (room == kRooms.end()) return violations;
   const std::vector<std::string> lines = split_lines(text);
   for (std::size_t i = 0; i < lines.size(); ++i) {
     if (const auto include = parse_include(lines[i])) {
+      if (room == kRooms.end()) continue;  // tests/ may include everything
       auto reason = refuse_include(path, *room, *include);
       if (!reason) reason = refuse_layer(path, *include);
       if (!reason) reason = refuse_inner_room(path, *include);

@@ -73,6 +73,8 @@ INSTANTIATE_TEST_SUITE_P(
              "#include \"base/wakeup.hpp\""},
         Case{"third_level_of_namespaces", "idl/src/guard/rtps.hpp",
              "namespace vdrive::wire::rtps {"},
+        Case{"third_level_of_namespaces_in_tests", "tests/churn/roles.hpp",
+             "namespace vdrive::test::churn {"},
         Case{"python_in_client", "clients/src/calls/axis.cpp", "#include <pybind11/pybind11.h>"},
         Case{"wire_in_python", "clients/python/src/axis.cpp",
              "#include \"vdrive/wire/topics.hpp\""},

@@ -8,7 +8,7 @@
 
 #include <functional>
 
-namespace vdrive::test::churn {
+namespace vdrive::churn {
 namespace {
 
 void add_range(CLI::App& role, AxisRange& range) {
@@ -100,8 +100,8 @@ int run(int count, char** words) {
 }
 
 }  // namespace
-}  // namespace vdrive::test::churn
+}  // namespace vdrive::churn
 
 int main(int count, char** words) {
-  return vdrive::test::churn::run(count, words);
+  return vdrive::churn::run(count, words);
 }

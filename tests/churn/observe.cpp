@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <optional>
 
-namespace vdrive::test::churn {
+namespace vdrive::churn {
 namespace {
 
 using namespace std::chrono_literals;
@@ -157,4 +157,4 @@ int observe(const Setting& setting, AxisRange steady) {
   return 0;
 }
 
-}  // namespace vdrive::test::churn
+}  // namespace vdrive::churn

@@ -10,7 +10,7 @@
 #include <iostream>
 #include <mutex>
 
-namespace vdrive::test::churn {
+namespace vdrive::churn {
 
 using namespace std::chrono_literals;
 
@@ -109,4 +109,4 @@ int read(const Setting& setting, std::uint16_t axis, std::uint16_t index) {
   return 0;
 }
 
-}  // namespace vdrive::test::churn
+}  // namespace vdrive::churn

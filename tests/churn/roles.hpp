@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-namespace vdrive::test::churn {
+namespace vdrive::churn {
 
 using Json = nlohmann::ordered_json;
 
@@ -101,4 +101,4 @@ int group(const Setting& setting, const std::vector<std::string>& axes);
 int store(const Setting& setting, AxisRange range);
 int step(const Setting& setting);
 
-}  // namespace vdrive::test::churn
+}  // namespace vdrive::churn

@@ -7,8 +7,10 @@
 #include <array>
 #include <limits>
 
-namespace vdrive::test::churn {
+namespace vdrive::churn {
 namespace {
+
+using test::Probe;
 
 constexpr std::uint32_t kRamp = 40'000;  // [UU/s²]
 constexpr std::int32_t kFar = 2'000'000'000;
@@ -82,4 +84,4 @@ int start(const Setting& setting, AxisRange range) {
   return released ? 0 : 1;
 }
 
-}  // namespace vdrive::test::churn
+}  // namespace vdrive::churn

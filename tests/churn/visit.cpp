@@ -3,7 +3,7 @@
 
 #include <array>
 
-namespace vdrive::test::churn {
+namespace vdrive::churn {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -84,4 +84,4 @@ int visit(const Setting& setting, const Visit& plan) {
   return 0;
 }
 
-}  // namespace vdrive::test::churn
+}  // namespace vdrive::churn

@@ -9,7 +9,7 @@
 #include <optional>
 #include <thread>
 
-namespace vdrive::test::churn {
+namespace vdrive::churn {
 namespace {
 
 using namespace std::chrono_literals;
@@ -312,4 +312,4 @@ int step(const Setting& setting) {
   return 0;
 }
 
-}  // namespace vdrive::test::churn
+}  // namespace vdrive::churn
