@@ -177,7 +177,7 @@ TEST(Directory, KeepsAtMostAThousandRunsAndDropsTheLongestSilentOne) {
   announce(sut, 1, 1, kStart + 1s);
   sut.on_state(state(1, 10), kStart + kForgetAfter);
   sut.on_description(description(1, 10), kSource, kStart + kForgetAfter);
-  const auto runs = sut.presences(kStart + kForgetAfter);
+  const auto runs = sut.seen_runs(kStart + kForgetAfter);
   EXPECT_THAT(runs, SizeIs(kMostRuns));
   EXPECT_EQ(runs[0].key, (BenchKey{1, 10})) << "the new one";
   EXPECT_EQ(runs[1].key, (BenchKey{2, 1})) << "received once more than the others";
@@ -190,7 +190,7 @@ TEST(Directory, KeepsAPresentBenchDuringAFloodOfOtherBenches) {
   sut.on_state(state(1, 10), kStart);
   announce(sut, 1, 3 * kMostRuns, kStart + 100ms);
   EXPECT_TRUE(sut.find(1, kStart + 100ms).has_value());
-  EXPECT_THAT(sut.presences(kStart + 100ms), SizeIs(kMostRuns));
+  EXPECT_THAT(sut.seen_runs(kStart + 100ms), SizeIs(kMostRuns));
 }
 
 TEST(Directory, KeepsAtMostFourThousandPartsOfDescriptions) {

@@ -105,8 +105,8 @@ bool Directory::forget_the_most_silent(Clock::time_point now) {
   return true;
 }
 
-std::vector<Presence> Directory::presences(Clock::time_point now) const {
-  std::vector<Presence> runs;
+std::vector<SeenRun> Directory::seen_runs(Clock::time_point now) const {
+  std::vector<SeenRun> runs;
   for (const auto& [key, entry] : entries_) {
     if (!entry.newest_sample || entry.part_count == 0) continue;
     const bool stands = entry.info.clock_mode == ClockMode::lockstep ||

@@ -42,8 +42,8 @@ struct PresentBench {
   [[nodiscard]] BenchKey key() const { return {info.number, info.incarnation}; }
 };
 
-/// How old the newest sample of a run of a service is.
-struct Presence {
+/// A run of a service, as its samples show it.
+struct SeenRun {
   BenchKey key;
   std::chrono::nanoseconds age{};  ///< of its newest sample
   bool is_offline = false;
@@ -119,7 +119,7 @@ class Directory {
   void excuse_silence_until(Clock::time_point time) { excused_until_ = time; }
 
   /// @return every run that has a description and a sample, by bench; of one bench the newest last.
-  [[nodiscard]] std::vector<Presence> presences(Clock::time_point now) const;
+  [[nodiscard]] std::vector<SeenRun> seen_runs(Clock::time_point now) const;
 
   /// This run answered that it has another rate, before its state shows it.
   void set_rate(const BenchKey& key, double rate);

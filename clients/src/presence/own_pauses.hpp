@@ -14,6 +14,7 @@ class OwnPauses {
 
   /// A program that runs notes the time at least this often.
   static constexpr std::chrono::milliseconds kPeriod{50};
+  /// Three notes: a busy machine is late by less all the time.
   static constexpr std::chrono::milliseconds kLongestGap{150};
 
   explicit OwnPauses(Clock::time_point now) : newest_(now) {}

@@ -16,22 +16,21 @@ constexpr milliseconds kSilenceOfAStream{80};
 // One that stands still publishes its state 20 times a second: a lost sample is no silence.
 constexpr milliseconds kSilenceOfAState{250};
 
-milliseconds age(const Presence& presence) {
-  return std::chrono::duration_cast<milliseconds>(presence.age);
+milliseconds age(const SeenRun& run) {
+  return std::chrono::duration_cast<milliseconds>(run.age);
 }
 
-bool is_there(const Presence& presence) {
-  return !presence.is_offline &&
-         presence.age < (presence.is_streaming ? kSilenceOfAStream : kSilenceOfAState);
+bool is_there(const SeenRun& run) {
+  return !run.is_offline && run.age < (run.is_streaming ? kSilenceOfAStream : kSilenceOfAState);
 }
 
-std::string text_of(ServiceNews news, const Presence& presence) {
-  std::string bench = "bench " + std::to_string(presence.key.number);
+std::string text_of(ServiceNews news, const SeenRun& run) {
+  std::string bench = "bench " + std::to_string(run.key.number);
   switch (news) {
     case ServiceNews::found:
       return bench + " was found";
     case ServiceNews::fell_silent:
-      return bench + " stopped sending " + std::to_string(age(presence).count()) + " ms ago";
+      return bench + " stopped sending " + std::to_string(age(run).count()) + " ms ago";
     case ServiceNews::sends_again:
       return bench + " sends again";
     case ServiceNews::restarted:
@@ -44,15 +43,14 @@ std::string text_of(ServiceNews news, const Presence& presence) {
 
 }  // namespace
 
-std::optional<ServiceNews> ServiceWatch::note(Known& known, const Presence& presence) {
-  const bool is_ours = known.incarnation == presence.key.incarnation;
-  if (!is_there(presence)) {
+std::optional<ServiceNews> ServiceWatch::note(Known& known, const SeenRun& run) {
+  const bool is_ours = known.incarnation == run.key.incarnation;
+  if (!is_there(run)) {
     if (!known.is_there || !is_ours) return std::nullopt;
     known.is_there = false;
-    return presence.is_offline ? ServiceNews::went_offline : ServiceNews::fell_silent;
+    return run.is_offline ? ServiceNews::went_offline : ServiceNews::fell_silent;
   }
-  const Known before =
-      std::exchange(known, {.incarnation = presence.key.incarnation, .is_there = true});
+  const Known before = std::exchange(known, {.incarnation = run.key.incarnation, .is_there = true});
   if (before.incarnation == 0) return ServiceNews::found;
   if (!is_ours) return ServiceNews::restarted;
   return before.is_there ? std::nullopt : std::optional(ServiceNews::sends_again);
@@ -61,27 +59,25 @@ std::optional<ServiceNews> ServiceWatch::note(Known& known, const Presence& pres
 std::vector<ServiceChange> ServiceWatch::changes(const Directory& directory,
                                                  Directory::Clock::time_point now) {
   std::vector<ServiceChange> changes;
-  const std::vector<Presence> presences = directory.presences(now);
-  forget_the_unknown(presences);
+  const std::vector<SeenRun> runs = directory.seen_runs(now);
+  forget_the_unknown(runs);
   std::set<std::uint32_t> seen;
-  for (const Presence& presence : presences) {
-    const std::uint32_t bench = presence.key.number;
+  for (const SeenRun& run : runs) {
+    const std::uint32_t bench = run.key.number;
     // Of two runs at once the earlier one keeps the number.
-    if (is_there(presence) && !seen.insert(bench).second) continue;
-    const auto news = note(known_[bench], presence);
+    if (is_there(run) && !seen.insert(bench).second) continue;
+    const auto news = note(known_[bench], run);
     if (!news) continue;
-    changes.push_back({.bench = bench,
-                       .news = *news,
-                       .silence = age(presence),
-                       .text = text_of(*news, presence)});
+    changes.push_back(
+        {.bench = bench, .news = *news, .silence = age(run), .text = text_of(*news, run)});
   }
   return changes;
 }
 
-void ServiceWatch::forget_the_unknown(const std::vector<Presence>& presences) {
+void ServiceWatch::forget_the_unknown(const std::vector<SeenRun>& runs) {
   if (known_.size() <= kMostRuns) return;
   std::set<std::uint32_t> named;
-  for (const Presence& presence : presences) named.insert(presence.key.number);
+  for (const SeenRun& run : runs) named.insert(run.key.number);
   std::erase_if(known_, [&named](const auto& item) {
     return !named.contains(item.first);
   });

@@ -26,10 +26,10 @@ class ServiceWatch {
   };
 
   /// @return what this run of a bench means for what is known of the bench.
-  static std::optional<ServiceNews> note(Known& known, const Presence& presence);
+  static std::optional<ServiceNews> note(Known& known, const SeenRun& run);
 
   /// Keeps the memory bounded by that of the directory.
-  void forget_the_unknown(const std::vector<Presence>& presences);
+  void forget_the_unknown(const std::vector<SeenRun>& runs);
 
   std::map<std::uint32_t, Known> known_;  ///< by bench
 };
