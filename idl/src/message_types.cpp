@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "message_types.hpp"
 
+#include "vdrive/assert.hpp"
+
 #include <fastrtps/utils/md5.h>
 
 #include <string>
@@ -44,6 +46,7 @@ constexpr std::array kSupport = std::apply(
 }  // namespace
 
 const MessageSupport& support_of(TopicId topic) noexcept {
+  ensure(static_cast<std::size_t>(topic) < kSupport.size(), "a topic has a row");
   return kSupport[static_cast<std::size_t>(topic)];
 }
 

@@ -2,6 +2,7 @@
 #include "vdrive/wire/status_frame.hpp"
 
 #include "status_members.hpp"
+#include "vdrive/assert.hpp"
 #include "vdrive/wire/codec.hpp"
 #include "vdrive_messages.h"
 
@@ -184,6 +185,8 @@ std::size_t encoded_status_frame_size(std::size_t axes) noexcept {
 std::size_t encode_status_frame(const StatusFrameHead& head, const AxesAfterTick& axes,
                                 std::span<std::byte> output) noexcept {
   const std::size_t count = axes.status.size();
+  ensure(axes.owners.size() == count && axes.numbers.size() == count,
+         "each axis has a status, an owner and a number");
   const std::size_t size = encoded_status_frame_size(count);
   if (output.size() < size) return 0;
   const FrameLayout frame{.bench = head.bench,
@@ -243,12 +246,14 @@ std::optional<StatusFrameView> StatusFrameView::of(std::span<const std::byte> sa
 
 std::uint16_t StatusFrameView::number(std::size_t position) const noexcept {
   static_assert(offsetof(FirstAxis, axis) == offsetof(FurtherAxis, axis));
+  ensure(position < size_, "the frame has that many axes");
   std::uint16_t number = 0;
   std::memcpy(&number, &axes_[place_of(position) + offsetof(FirstAxis, axis)], sizeof number);
   return number;
 }
 
 ReceivedStatus StatusFrameView::axis(std::size_t position) const noexcept {
+  ensure(position < size_, "the frame has that many axes");
   const std::byte* const place = &axes_[place_of(position)];
   return position == 0 ? axis_at<FirstAxis>(place) : axis_at<FurtherAxis>(place);
 }

@@ -2,6 +2,7 @@
 #include "language/arguments.hpp"
 #include "language/command.hpp"
 #include "terminal/terminal.hpp"
+#include "vdrive/assert.hpp"
 
 #include <algorithm>
 #include <array>
@@ -80,7 +81,8 @@ struct CompletionCommand {
 
   ExitCode start(const Program& program) const {
     const auto* const row = std::ranges::find(kShells, shell, &ShellRow::name);
-    std::string_view script = row == kShells.end() ? std::string_view() : row->script;
+    ensure(row != kShells.end(), "the reader takes the shells of the table only");
+    std::string_view script = row->script;
     while (script.ends_with('\n')) script.remove_suffix(1);
     program.terminal.print(script);
     return ExitCode::ok;

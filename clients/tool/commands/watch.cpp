@@ -5,6 +5,7 @@
 #include "language/arguments.hpp"
 #include "output/watch_view.hpp"
 #include "terminal/keys.hpp"
+#include "vdrive/assert.hpp"
 
 #include <chrono>
 #include <map>
@@ -22,6 +23,7 @@ constexpr std::chrono::milliseconds kPatienceOfWatch{100};
 
 /// Takes what each bench has sent since the last call; waits for a while where nothing has come.
 Outcome take_samples(std::vector<client::Follower>& followers, WatchView& view) {
+  ensure(!followers.empty(), "a watch has at least one bench");
   const auto patience = kPatienceOfWatch / followers.size();
   for (client::Follower& follower : followers) {
     auto sample = follower.next(patience);
@@ -97,6 +99,8 @@ Outcome WatchCommand::run(CommandContext& context) const {
     faces.emplace(axis.id(), AxisFace{axis.name(), axis.unit(), bench->name});
     benches[axis.id().bench].push_back(axis.id());
   }
+  // What describes itself as a bench without axes is no bench of ours.
+  if (benches.empty()) return Outcome::not_found("no bench has an axis");
   using Form = WatchView::Form;
   const bool is_table = context.output.terminal.is_interactive() && count == 0;
   const Form form = is_table ? Form::table : Form::lines;

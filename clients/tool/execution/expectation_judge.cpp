@@ -3,6 +3,7 @@
 
 #include "output/report.hpp"
 #include "values/condition.hpp"
+#include "vdrive/assert.hpp"
 #include "vdrive/number_text.hpp"
 
 #include <span>
@@ -58,8 +59,10 @@ Outcome ExpectationJudge::compare(client::Axis& axis, const Expectation& expecta
     const auto reached = session_.wait_for_tick(axis.id().bench, in_force_[axis.id()]);
     if (!reached) return reached.outcome();
   }
+  ensure(expectation.object.address.has_value(), "an expectation is of one object");
   const auto readings = axis.read(std::span(&*expectation.object.address, 1));
   if (!readings) return readings.outcome();
+  ensure(!readings->objects.empty(), "a read answers for each object");
   const client::ObjectReading& reading = readings->objects.front();
   if (reading.code != AbortCode::none) {
     return Outcome::refused(wire_code(reading.code),

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "execution/value_observer.hpp"
 
+#include "vdrive/assert.hpp"
+
 #include <chrono>
 #include <utility>
 
@@ -9,6 +11,7 @@ namespace {
 
 using client::Outcome;
 
+// Only a bench that is lost ends the wait: next() begins again.
 constexpr std::chrono::milliseconds kPatienceOfObserver{500};
 
 }  // namespace
@@ -28,6 +31,7 @@ Outcome ValueObserver::start(const client::BenchInfo& bench, std::uint64_t in_fo
 }
 
 Outcome ValueObserver::next() {
+  ensure(follower_.has_value(), "the observer was started");
   while (true) {
     auto sample = follower_->next(kPatienceOfObserver);
     // A busy machine: the end of the wait is up to the caller.
@@ -38,6 +42,7 @@ Outcome ValueObserver::next() {
 
 Outcome ValueObserver::see(client::Result<client::Observation> sample) {
   if (!sample) return sample.outcome();
+  ensure(!sample->axes.empty(), "an observation has the axis that is observed");
   tick_ = sample->tick;
   missed_ += sample->missed;
   shown_ = sample->axes.front();

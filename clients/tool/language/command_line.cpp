@@ -6,6 +6,7 @@
 #include "language/completion.hpp"
 #include "language/help.hpp"
 #include "network_options.hpp"
+#include "vdrive/assert.hpp"
 #include "vdrive/client/session.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wire/address.hpp"
@@ -308,7 +309,8 @@ ScenarioCommand parse_scenario_command(CommandTable commands, std::vector<std::s
   CommandLine line(commands, Place::scenario);
   try {
     line.parse(std::move(words));
-    return {std::move(line.command()).value(), line.options().timeout};
+    ensure(line.command().has_value(), "a line without a mistake has a command");
+    return {*std::move(line.command()), line.options().timeout};
   } catch (const CLI::ExtrasError&) {
     throw UsageError(unexpected_text(line.app()));
   } catch (const CLI::ParseError& error) {

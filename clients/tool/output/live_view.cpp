@@ -2,6 +2,7 @@
 #include "output/live_view.hpp"
 
 #include "output/report.hpp"
+#include "vdrive/assert.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -11,7 +12,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds kPatienceOfView{200};
+constexpr std::chrono::milliseconds kPatienceOfView{200};  // the end of a view is this late at most
 constexpr std::chrono::milliseconds kRefresh{50};
 constexpr std::size_t kBarWidth = 20;
 constexpr std::size_t kWideTerminal = 110;
@@ -26,6 +27,7 @@ std::string progress_bar(double fraction, std::size_t width) {
 
 LiveView::LiveView(client::Session& session, Terminal& terminal, std::vector<client::AxisId> axes)
     : session_(session), terminal_(terminal), axes_(std::move(axes)) {
+  ensure(!axes_.empty(), "a view has axes to show");
   const auto bench = session_.find_bench(axes_.front().bench);
   if (bench) {
     ticks_per_line_ = client::ticks_of(std::chrono::seconds(1), bench->period);

@@ -2,6 +2,7 @@
 #include "output/watch_table.hpp"
 
 #include "terminal/columns.hpp"
+#include "vdrive/assert.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wording.hpp"
@@ -142,7 +143,7 @@ class WatchTable {
 };
 
 bool is_faulted(const WatchedAxis& watched) {
-  return color_of(watched.axis) == Color::red;
+  return is_fault(watched.axis.state());
 }
 
 /// The last row of a terminal that has no room for these axes.
@@ -156,7 +157,9 @@ LiveLine left_out(std::size_t count, std::size_t faults, std::size_t width) {
 std::string_view name_of_column(WatchSort sort) {
   constexpr std::array<std::string_view, 6> kNames{"axis",     "name",   "position",
                                                    "velocity", "torque", "state"};
-  return kNames.at(static_cast<std::size_t>(sort));
+  const auto place = static_cast<std::size_t>(sort);
+  ensure(place < kNames.size(), "each order has a name");
+  return kNames[place];
 }
 
 /// @return whether `a` stands before `b`.
@@ -225,6 +228,13 @@ std::size_t room_of(const TerminalSize& size) {
 
 }  // namespace
 
+const AxisFace& face_of(const client::AxisId& axis,
+                        const std::map<client::AxisId, AxisFace>& faces) {
+  const auto face = faces.find(axis);
+  ensure(face != faces.end(), "each axis that is watched has a face");
+  return face->second;
+}
+
 std::size_t page_of(const TerminalSize& size) {
   return room_of(size) - 1;
 }
@@ -234,7 +244,8 @@ std::vector<LiveLine> watch_table(const client::Observation& sample,
                                   const TerminalSize& size, const WatchChoice& choice) {
   std::vector<WatchedAxis> axes;
   axes.reserve(sample.axes.size());
-  for (const client::AxisSnapshot& axis : sample.axes) axes.push_back({axis, faces.at(axis.id)});
+  for (const client::AxisSnapshot& axis : sample.axes)
+    axes.push_back({axis, face_of(axis.id, faces)});
   const std::size_t width = size.columns - 1;
   const WatchTable table(axes, size.columns);
   std::vector<LiveLine> lines{

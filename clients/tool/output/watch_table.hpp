@@ -23,6 +23,10 @@ struct WatchChoice {
   std::size_t first = 0;  ///< row of the first axis that is shown; beyond the end: the last page
 };
 
+/// @return the face of an axis that is watched: it has one.
+[[nodiscard]] const AxisFace& face_of(const client::AxisId& axis,
+                                      const std::map<client::AxisId, AxisFace>& faces);
+
 /// @return how many axes a page of this height has where not all of them fit.
 [[nodiscard]] std::size_t page_of(const TerminalSize& size);
 

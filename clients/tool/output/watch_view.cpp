@@ -9,6 +9,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+// A person reads no faster; lines stay in the terminal's memory, a table replaces itself.
 constexpr std::chrono::milliseconds kLinePeriod{100};
 constexpr std::chrono::milliseconds kTablePeriod{50};
 
@@ -81,11 +82,11 @@ void WatchView::show() {
   const client::Observation shown = all();
   for (const client::AxisSnapshot& axis : shown.axes) {
     if (form_ == Form::json) {
-      terminal_.print(to_line(status_json(axis, faces_.at(axis.id))));
+      terminal_.print(to_line(status_json(axis, face_of(axis.id, faces_))));
       continue;
     }
     const std::string line = std::to_string(axis.tick) + "  " +
-                             status_line(axis, to_string(axis.id), faces_.at(axis.id).unit);
+                             status_line(axis, to_string(axis.id), face_of(axis.id, faces_).unit);
     const auto color = color_of(axis);
     terminal_.print(color ? colored(terminal_, *color, line) : line);
   }

@@ -2,6 +2,7 @@
 #include "values/units.hpp"
 
 #include "base/usage_error.hpp"
+#include "vdrive/assert.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
 
@@ -32,7 +33,9 @@ constexpr std::array kDimensions{
     DimensionWords{"ramp", "Acc", {"/s2", "/s^2", "/s\u00B2"}, "6000, 900deg/s2 or 50mm/s2"}};
 
 const DimensionWords& words_of(Dimension dimension) {
-  return kDimensions.at(static_cast<std::size_t>(dimension));
+  const auto row = static_cast<std::size_t>(dimension);
+  ensure(row < kDimensions.size(), "each dimension has a row");
+  return kDimensions[row];
 }
 
 [[noreturn]] void refuse_text(std::string_view text, Dimension dimension) {

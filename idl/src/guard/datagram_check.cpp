@@ -3,6 +3,7 @@
 
 #include "rtps.hpp"
 #include "security_check.hpp"
+#include "vdrive/assert.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -353,7 +354,9 @@ std::string_view describe(Refusal refusal) noexcept {
       "an encrypted part whose lengths or order are not those of one",
       "a token or handshake whose counts or lengths exceed it, or in pieces",
       "unencrypted content in the closed mode"};
-  return kWords.at(static_cast<std::size_t>(refusal));
+  const auto kind = static_cast<std::size_t>(refusal);
+  ensure(kind < kWords.size(), "each refusal has words");
+  return kWords[kind];
 }
 
 std::uint64_t GuardCounts::all_refused() const noexcept {

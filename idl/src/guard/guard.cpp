@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "guard.hpp"
 
+#include "vdrive/assert.hpp"
+
 #include <fastrtps/utils/IPLocator.h>
 
 #include <algorithm>
@@ -125,7 +127,9 @@ GuardCounts Guard::counts() const {
 }
 
 void Guard::refuse(Refusal refusal, const Locator& remote) {
-  ++refused_.at(static_cast<std::size_t>(refusal));
+  const auto kind = static_cast<std::size_t>(refusal);
+  ensure(kind < refused_.size(), "each refusal has a counter");
+  ++refused_[kind];
   if (sink_) sink_(refusal, text_of_locator(remote));
 }
 

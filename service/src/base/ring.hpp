@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vdrive/assert.hpp"
+
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
@@ -31,6 +33,7 @@ class Ring {
 
   /// Producer: hands the slot of the last `free_slot` over.
   void push() noexcept {
+    ensure(filled_ >= tail_.load(std::memory_order_relaxed), "a slot is handed over once");
     if (filled_ != tail_.load(std::memory_order_relaxed)) {
       begin_.store(filled_, std::memory_order_relaxed);
     }
@@ -46,7 +49,9 @@ class Ring {
 
   /// Consumer: gives the slot of `front` back.
   void pop() noexcept {
-    head_.store(first_of(head_.load(std::memory_order_relaxed)) + 1, std::memory_order_release);
+    const std::size_t head = head_.load(std::memory_order_relaxed);
+    ensure(head != tail_.load(std::memory_order_relaxed), "a message was at the front");
+    head_.store(first_of(head) + 1, std::memory_order_release);
   }
 
   /// @return how many messages wait; exact only when no thread uses the queue.

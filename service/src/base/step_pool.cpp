@@ -2,6 +2,7 @@
 #include "base/step_pool.hpp"
 
 #include "base/relax.hpp"
+#include "vdrive/assert.hpp"
 
 #include <pthread.h>
 #include <sched.h>
@@ -83,6 +84,7 @@ void StepPool::share(const Task& task) noexcept {
     task.call(task.work, 0, task.count);
     return;
   }
+  ensure(unfinished_.load(std::memory_order_relaxed) == 0, "a round begins after the last one");
   task_ = task;
   unfinished_.store(static_cast<std::uint32_t>(parts_ - 1), std::memory_order_relaxed);
   round_.fetch_add(1, std::memory_order_release);

@@ -90,8 +90,7 @@ void read_model(const YamlValue& value, AxisModel& model) {
       model.*parameter->member = entry.number(parameter->unit);
       numbers.emplace_back(parameter, entry);
     } else {
-      read_key(*std::ranges::find(kModelRows, key, &ConfigurationRow<AxisModel>::key), entry,
-               model);
+      read_key(row_of_known<AxisModel>(kModelRows, key), entry, model);
     }
   });
   // The limits depend on the coupling, which may stand below the numbers.

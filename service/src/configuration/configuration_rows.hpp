@@ -2,6 +2,7 @@
 #pragma once
 
 #include "settings/yaml_reader.hpp"
+#include "vdrive/assert.hpp"
 
 #include <yaml-cpp/yaml.h>
 
@@ -106,6 +107,15 @@ void read_key(const ConfigurationRow<Owner>& row, const YamlValue& value, Owner&
   }
 }
 
+/// @return the row of a key that was found among the known ones.
+template <typename Owner>
+[[nodiscard]] const ConfigurationRow<Owner>& row_of_known(
+    std::span<const ConfigurationRow<Owner>> rows, std::string_view key) {
+  const auto row = std::ranges::find(rows, key, &ConfigurationRow<Owner>::key);
+  ensure(row != rows.end(), "a known key has a row");
+  return *row;
+}
+
 /// Reads a map whose keys have rows.
 /// @throws ConfigurationError when a key is unknown or appears twice, or its row refuses the value.
 template <typename Owner>
@@ -113,7 +123,7 @@ void read_section(const YamlValue& map, std::span<const ConfigurationRow<Owner>>
                   Owner& owner) {
   const auto known = keys_of(rows);
   map.for_each_entry(known, [&](const std::string& key, const YamlValue& value) {
-    read_key(*std::ranges::find(rows, key, &ConfigurationRow<Owner>::key), value, owner);
+    read_key(row_of_known(rows, key), value, owner);
   });
 }
 

@@ -5,6 +5,7 @@
 #include "base/log.hpp"
 #include "base/system_failure.hpp"
 #include "configuration/configuration_file.hpp"
+#include "vdrive/assert.hpp"
 #include "vdrive/text.hpp"
 
 #include <fcntl.h>
@@ -34,6 +35,7 @@ using Clock = std::chrono::steady_clock;
 constexpr auto kWriterNap = 2ms;  // the queue holds half a second of the shortest ticks
 constexpr auto kRoomNap = 50us;
 constexpr auto kFlushInterval = 1s;
+// Of a bench with more axes than a slot has rows: a row is the digest of so many axes.
 constexpr std::size_t kAxesPerLargeRow = 64;
 constexpr int kMode = 0644;
 
@@ -178,6 +180,7 @@ Journal::Slot* Journal::open_slot() noexcept {
 }
 
 void Journal::push(Slot::End end, std::uint64_t tick) noexcept {
+  ensure(slot_ != nullptr, "an open slot ends once");
   slot_->end = end;
   slot_->tick = tick;
   slot_ = nullptr;
@@ -296,6 +299,8 @@ bool Journal::write_waiting() {
 }
 
 void Journal::write_slot(Slot& slot) {
+  const bool has_state = slot.end == Slot::End::restored || slot.end == Slot::End::resumed;
+  ensure(!has_state || slot.snapshot != nullptr, "a slot that continues elsewhere has a state");
   for (std::size_t position = 0; position < slot.change_count; ++position) {
     writer_->write(slot.changes[position]);
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "publish/status_publisher.hpp"
 
+#include "vdrive/assert.hpp"
 #include "vdrive/cia402/statusword.hpp"
 #include "vdrive/wire/status_frame.hpp"
 
@@ -59,6 +60,7 @@ void StatusPublisher::publish_frames(const StatusImage& image) {
 }
 
 void StatusPublisher::commit(wire::TopicId topic, std::size_t size) {
+  ensure(size > 0, "a sample fits into the room that was reserved for it");
   link_.ring(Lane::status)
       .commit({.size = static_cast<std::uint32_t>(size),
                .full_size = static_cast<std::uint32_t>(size),

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "seam/byte_ring.hpp"
 
+#include "vdrive/assert.hpp"
+
 #include <algorithm>
 #include <bit>
-#include <cassert>
 #include <cstring>
 
 namespace vdrive::service {
@@ -30,7 +31,7 @@ ByteRing::ByteRing(RingPositions& positions, std::span<std::byte> memory) noexce
       written_(positions.written.load(std::memory_order_acquire)),
       begin_(std::min(positions.begin.load(std::memory_order_relaxed), written_)),
       read_(positions.read.load(std::memory_order_acquire)) {
-  assert(std::has_single_bit(memory.size()));
+  ensure(std::has_single_bit(memory.size()), "the memory of a ring is a power of two");
 }
 
 /// An empty ring continues at its beginning. RingPositions::begin shows this, not a mark in the
@@ -47,10 +48,13 @@ std::optional<std::span<std::byte>> ByteRing::reserve(std::size_t size) noexcept
   if (memory_.size() - used < needed + (skips ? to_end : 0)) return std::nullopt;
   if (skips) std::memcpy(&memory_[place], &kSkip, sizeof kSkip);
   reserved_ = written_ + (skips || rewinds_ ? to_end : 0);
+  reserved_size_ = size;
   return memory_.subspan(offset(reserved_) + sizeof(RecordHead), size);
 }
 
 void ByteRing::commit(const RecordHead& head) noexcept {
+  ensure(reserved_ >= written_, "a reserved room is handed over once");
+  ensure(head.size <= reserved_size_, "a record ends inside the room that was reserved for it");
   std::memcpy(&memory_[offset(reserved_)], &head, sizeof head);
   if (rewinds_) {
     begin_ = reserved_;
@@ -96,6 +100,7 @@ std::optional<ByteRing::Record> ByteRing::front() noexcept {
 }
 
 void ByteRing::pop() noexcept {
+  ensure(front_end_ > read_, "a record was at the front");
   read_ = front_end_;
   positions_.records_read.fetch_add(1, std::memory_order_relaxed);
   positions_.read.store(read_, std::memory_order_release);

@@ -79,9 +79,10 @@ class ByteRing {
   std::span<std::byte> memory_;
   std::uint64_t written_ = 0;   ///< the producer's own
   std::uint64_t reserved_ = 0;  ///< where the reserved record begins
-  std::uint64_t begin_ = 0;     ///< the producer's own
-  bool rewinds_ = false;        ///< the reserved record begins at the start of the memory
-  std::uint64_t read_ = 0;      ///< the consumer's own
+  std::size_t reserved_size_ = 0;
+  std::uint64_t begin_ = 0;  ///< the producer's own
+  bool rewinds_ = false;     ///< the reserved record begins at the start of the memory
+  std::uint64_t read_ = 0;   ///< the consumer's own
   std::uint64_t front_end_ = 0;
 };
 

@@ -2,6 +2,7 @@
 #include "settings/yaml_reader.hpp"
 
 #include "settings/configuration_error.hpp"
+#include "vdrive/assert.hpp"
 #include "vdrive/number_text.hpp"
 #include "vdrive/text.hpp"
 
@@ -210,7 +211,9 @@ void YamlValue::take_keys(std::initializer_list<KeyRow> rows) const {
   known.reserve(rows.size());
   for (const KeyRow& row : rows) known.push_back(row.key);
   for_each_entry(known, [rows](const std::string& key, const YamlValue& value) {
-    std::ranges::find(rows, key, &KeyRow::key)->take(value);
+    const auto* const row = std::ranges::find(rows, key, &KeyRow::key);
+    ensure(row != rows.end(), "a known key has a row");
+    row->take(value);
   });
 }
 

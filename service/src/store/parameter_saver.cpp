@@ -2,6 +2,7 @@
 #include "store/parameter_saver.hpp"
 
 #include "base/log.hpp"
+#include "vdrive/assert.hpp"
 
 #include <cerrno>
 #include <chrono>
@@ -66,6 +67,7 @@ void ParameterSaver::push() noexcept {
 }
 
 void ParameterSaver::pop() noexcept {
+  ensure(on_their_way_ > 0, "an order comes back once");
   returned_.pop();
   --on_their_way_;
 }
@@ -90,7 +92,9 @@ bool ParameterSaver::save_waiting() {
   const int error = batch_.empty() ? 0 : save_batch();
   for (StoreOrder& order : batch_) {
     order.error = error;
-    *returned_.free_slot() = order;  // as long as the queue of all that may be on their way
+    StoreOrder* const slot = returned_.free_slot();
+    ensure(slot != nullptr, "the queue is as long as all orders that may be on their way");
+    *slot = order;
     returned_.push();
   }
   return !batch_.empty();

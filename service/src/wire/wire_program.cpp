@@ -2,6 +2,7 @@
 #include "wire/wire_program.hpp"
 
 #include "base/log.hpp"
+#include "vdrive/assert.hpp"
 #include "vdrive/wire/codec.hpp"
 
 #include <algorithm>
@@ -225,8 +226,9 @@ bool WireProgram::wait_for_readers(std::chrono::milliseconds timeout) {
   const auto deadline = Clock::now() + timeout;
   return std::ranges::all_of(kTopics, [&](wire::TopicId topic) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());
-    return publications_[static_cast<std::size_t>(topic)]->wait_for_acknowledged(
-        std::max(left, std::chrono::milliseconds{0}));
+    const auto& publication = publications_[static_cast<std::size_t>(topic)];
+    ensure(publication != nullptr, "the wire publishes the topics that it waits for");
+    return publication->wait_for_acknowledged(std::max(left, std::chrono::milliseconds{0}));
   });
 }
 
