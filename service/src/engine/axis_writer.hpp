@@ -9,8 +9,8 @@
 
 namespace vdrive::service {
 
-/// Writes objects of axes. A controlword that begins a halt cancels the frames that wait for the
-/// axis.
+/// Writes an object that may be the controlword of somebody who owns the axis: one that begins a
+/// halt cancels the frames that wait for the axis. What cannot be a halt needs no AxisWriter.
 class AxisWriter {
  public:
   AxisWriter(BenchAxes& axes, FrameSchedule& schedule);

@@ -23,9 +23,8 @@ bool is_between(PowerState state) {
 
 }  // namespace
 
-BenchBrake::BenchBrake(const BenchAxes& axes, AxisWriter& writer, FrameSchedule& schedule,
-                       BenchEvents& events)
-    : axes_(axes), writer_(writer), schedule_(schedule), events_(events) {}
+BenchBrake::BenchBrake(BenchAxes& axes, FrameSchedule& schedule, BenchEvents& events)
+    : axes_(axes), schedule_(schedule), events_(events) {}
 
 void BenchBrake::engage(Braking braking) {
   if (!braking_) {
@@ -58,13 +57,13 @@ void BenchBrake::stop_axis(std::size_t axis, Braking braking) {
   const bool is_enabled = state == PowerState::operation_enabled;
   switch (braking) {
     case Braking::ramp:
-      if (is_enabled) writer_.write(axis, kControlword, controlwords::kDisableOperation);
+      if (is_enabled) axes_.write(axis, kControlword, controlwords::kDisableOperation);
       break;
     case Braking::quick_stop:
-      if (is_enabled) writer_.write(axis, kControlword, controlwords::kQuickStop);
+      if (is_enabled) axes_.write(axis, kControlword, controlwords::kQuickStop);
       break;
     case Braking::none:
-      if (can_be_stopped(state)) writer_.write(axis, kControlword, controlwords::kDisableVoltage);
+      if (can_be_stopped(state)) axes_.write(axis, kControlword, controlwords::kDisableVoltage);
       break;
   }
 }
@@ -73,7 +72,7 @@ void BenchBrake::stop_axis(std::size_t axis, Braking braking) {
 void BenchBrake::switch_off_at_rest(std::size_t axis) {
   const PowerState state = axes_.bank().power_state(axis);
   if (is_between(state) || (state == PowerState::quick_stop_active && stands(axis))) {
-    writer_.write(axis, kControlword, controlwords::kDisableVoltage);
+    axes_.write(axis, kControlword, controlwords::kDisableVoltage);
   }
 }
 

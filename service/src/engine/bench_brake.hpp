@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "engine/axis_writer.hpp"
 #include "engine/bench_axes.hpp"
 #include "engine/bench_events.hpp"
 #include "engine/frame_schedule.hpp"
@@ -22,8 +21,7 @@ enum class Braking : std::uint8_t {
 /// The end of a bench: the axes come to rest and lose their power.
 class BenchBrake {
  public:
-  BenchBrake(const BenchAxes& axes, AxisWriter& writer, FrameSchedule& schedule,
-             BenchEvents& events);
+  BenchBrake(BenchAxes& axes, FrameSchedule& schedule, BenchEvents& events);
 
   /// Writes the controlwords that brake the axes that are still enabled; the first call also
   /// cancels the frames that wait.
@@ -44,8 +42,7 @@ class BenchBrake {
   void switch_off_at_rest(std::size_t axis);
   [[nodiscard]] bool stands(std::size_t axis) const noexcept;
 
-  const BenchAxes& axes_;
-  AxisWriter& writer_;
+  BenchAxes& axes_;
   FrameSchedule& schedule_;
   BenchEvents& events_;
   std::optional<Braking> braking_;

@@ -15,7 +15,7 @@ BenchEngine::BenchEngine(const Configuration& configuration, const BenchIdentity
       frame_answers_(identity, clock_, events_, outbox.command_replies, counters),
       schedule_(frame_answers_, counters),
       writer_(axes_, schedule_),
-      brake_(axes_, writer_, schedule_, events_),
+      brake_(axes_, schedule_, events_),
       masters_(axes_, clock_, schedule_, events_, counters),
       master_watch_(configuration, clock_, masters_, counters_),
       application_(axes_, writer_, masters_, frame_answers_, events_, counters),

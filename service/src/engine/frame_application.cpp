@@ -195,7 +195,8 @@ bool FrameApplication::apply_register(std::size_t axis, ObjectRow row, std::int6
     return false;
   }
   const ReadResult before = undoable ? axes_.bank().read(axis, row) : ReadResult{};
-  const AbortCode code = writer_.write(axis, row, value);
+  // Past the AxisWriter: a register begins no halt.
+  const AbortCode code = axes_.write(axis, row, value);
   if (code != AbortCode::none) {
     refuse(axes_.number_of(axis), describe(row).address, code);
     return false;
