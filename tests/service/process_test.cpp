@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <fcntl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -29,7 +30,8 @@ using Clock = std::chrono::steady_clock;
 /// A running program with its output; ends with this object.
 class Process {
  public:
-  explicit Process(std::vector<std::string> arguments) {
+  /// @param output the file that is its standard output; none = with its errors
+  explicit Process(std::vector<std::string> arguments, const char* output = nullptr) {
     arguments.insert(arguments.begin(), VDRIVE_SERVICE);
     std::array<int, 2> ends{};
     if (pipe(ends.data()) != 0) throw std::runtime_error("no pipe");
@@ -37,6 +39,8 @@ class Process {
     if (child_ == 0) {
       dup2(ends[1], STDOUT_FILENO);
       dup2(ends[1], STDERR_FILENO);
+      // NOLINTNEXTLINE(*-vararg): the only interface there is
+      if (output != nullptr) dup2(open(output, O_WRONLY), STDOUT_FILENO);
       close(ends[0]);
       close(ends[1]);
       std::vector<char*> values;
@@ -191,6 +195,16 @@ TEST(ServiceProcess, PrintsItsVersion) {
   Process service({"--version"});
   EXPECT_EQ(service.wait(), 0);
   EXPECT_TRUE(service.text().starts_with("vdrived ")) << service.text();
+}
+
+TEST(ServiceProcess, FailsWhenItsAnswerCouldNotBeWritten) {
+  for (const char* const flag : {"--help-config", "--print-config", "--version"}) {
+    Process service({flag}, "/dev/full");
+    EXPECT_EQ(service.wait(), 1) << flag;
+    EXPECT_EQ(service.text(),
+              "vdrived: standard output could not be written: No space left on device\n")
+        << flag;
+  }
 }
 
 TEST(ServiceProcess, RefusesUnknownArguments) {

@@ -30,6 +30,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -39,6 +40,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -280,7 +282,7 @@ void watch(Service& service, const ServiceManager& manager, const sigset_t& sign
 /// this process: in threads that end only with the process.
 void end_in_time(int exit_code) {
   std::thread([exit_code] {
-    constexpr std::chrono::milliseconds kLongest{1'950};
+    constexpr std::chrono::milliseconds kLongest{1'950};  // of the 2 s that a service has to end
     std::this_thread::sleep_for(kLongest);
     log_warning("text=\"the DDS library did not end in time\"");
     _exit(exit_code);
@@ -381,9 +383,8 @@ int carry_out(const Arguments& arguments) {
   return serve(configuration, arguments);
 }
 
-}  // namespace
-
-int run_command_line(int argument_count, const char* const* arguments) {
+/// Parses the command line, carries it out and reports what went wrong. @return the exit code
+int parse_and_carry_out(int argument_count, const char* const* arguments) {
   CLI::App app{"vdrived: a bench of virtual CiA 402 servo drives on DDS", "vdrived"};
   Arguments given;
   declare(app, given);
@@ -420,6 +421,17 @@ int run_command_line(int argument_count, const char* const* arguments) {
     std::cerr << "vdrived: " << error.what() << '\n';
     return kFailed;
   }
+}
+
+}  // namespace
+
+int run_command_line(int argument_count, const char* const* arguments) {
+  const int code = parse_and_carry_out(argument_count, arguments);
+  // The one place where an answer that nobody has got becomes an error.
+  if (std::cout.flush() || code != kDone) return code;
+  std::cerr << "vdrived: standard output could not be written: "
+            << std::generic_category().message(errno) << '\n';
+  return kFailed;
 }
 
 }  // namespace vdrive::service
