@@ -62,9 +62,9 @@ Response bad_request(const beast::error_code& error) {
 }
 
 /// One connection: one request, one answer.
-class Connection : public std::enable_shared_from_this<Connection> {
+class Scrape : public std::enable_shared_from_this<Scrape> {
  public:
-  Connection(tcp::socket socket, const Metrics& metrics)
+  Scrape(tcp::socket socket, const Metrics& metrics)
       : stream_(std::move(socket)), metrics_(metrics) {
     parser_.header_limit(kLongestHead);
   }
@@ -170,7 +170,7 @@ class MetricsEndpoint::Server {
       return connection.expired();
     });
     if (connections_.size() >= kMostConnections) close_oldest();
-    const auto connection = std::make_shared<Connection>(std::move(socket), *metrics_);
+    const auto connection = std::make_shared<Scrape>(std::move(socket), *metrics_);
     connections_.push_back(connection);
     connection->run();
   }
@@ -182,7 +182,7 @@ class MetricsEndpoint::Server {
   }
 
   std::unique_ptr<const Metrics> metrics_;
-  std::deque<std::weak_ptr<Connection>> connections_;  ///< the oldest first
+  std::deque<std::weak_ptr<Scrape>> connections_;  ///< the oldest first
   boost::asio::io_context context_{1};
   tcp::acceptor acceptor_;
   boost::asio::steady_timer pause_{context_};
