@@ -14,6 +14,7 @@ namespace {
 
 using client::Outcome;
 
+// A stream that is lost all the time would make the last line as long as the recording.
 constexpr std::size_t kMostGaps = 100;
 
 Json gaps_json(const recording::GapLog& log) {

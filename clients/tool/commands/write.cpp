@@ -12,7 +12,7 @@ namespace {
 
 /// @return the values of an object that has few of them.
 std::vector<std::string> few_values_of(const std::string& object) {
-  constexpr std::int64_t kFew = 16;
+  constexpr std::int64_t kFew = 16;  // a list that a person still reads
   const auto row = parse_object(object).row();
   if (!row) return {};
   const ObjectDescription& description = describe(*row);

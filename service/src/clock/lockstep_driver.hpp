@@ -23,9 +23,11 @@ namespace vdrive::service {
 class LockstepDriver {
  public:
   static constexpr std::chrono::milliseconds kIdleInterval{20};
+  /// A reply waits for its reader, and no ring says that the reader has come.
   static constexpr std::chrono::milliseconds kReplyInterval{1};
   static constexpr std::chrono::milliseconds kCheckInterval{100};
   static constexpr TokenBucket::Rate kStatusRate{.per_second = 1'000.0, .burst = 64.0};
+  /// Requests behind a step that waits for its frames; further ones are refused.
   static constexpr std::size_t kMostDeferred = 1'024;
 
   /// @param stop ends `run`

@@ -26,6 +26,7 @@ class AnswerMemory {
  public:
   static constexpr std::size_t kSenders = 1'024;
   static constexpr std::size_t kAnswers = 1'024;  ///< of all senders; the oldest is dropped first
+  /// Below kAnswers: a sender that asks without a pause leaves room for the others.
   static constexpr std::size_t kAnswersPerSender = 128;
   /// How many numbers below the highest one of a sender are remembered.
   static constexpr std::uint64_t kWindow = 1'024;

@@ -75,6 +75,7 @@ class BenchAxes {
   /// @param work throws nothing
   template <typename Work>
   void share(std::size_t count, const Work& work) noexcept {
+    // Fewer axes are copied in less time than the threads need to meet.
     constexpr std::size_t kWorthSharing = 1'024;
     if (size() < kWorthSharing) {
       work(0, count);

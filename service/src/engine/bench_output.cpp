@@ -9,6 +9,7 @@
 namespace vdrive::service {
 namespace {
 
+// After a restore all axes have changed: each tick takes a part of them, so that none is late.
 constexpr std::size_t kParametersPerTick = 16;
 
 }  // namespace

@@ -22,6 +22,7 @@ namespace vdrive::service {
 /// Each function returns REASON_NONE or why the request is refused.
 class Snapshots {
  public:
+  /// Each holds the state of all axes: a client that never drops one has an end.
   static constexpr std::size_t kMost = 16;
 
   Snapshots(BenchAxes& axes, const BenchClock& clock, const Masters& masters,

@@ -14,6 +14,7 @@ using namespace vdrive::literals;
 
 constexpr std::size_t kNoObject = msg::MAX_OBJECTS_PER_REQUEST;
 constexpr std::size_t kMostWaiting = 1'024;
+// A batch of the disk comes back at once: each tick takes a part of it, so that none is late.
 constexpr std::size_t kOrdersPerTick = 4;
 
 }  // namespace

@@ -69,6 +69,7 @@ class Journal {
   struct Slot {
     enum class End : std::uint8_t { none, tick, restored, resumed };
 
+    /// A slot has its room from the start: a tick with more changes takes several slots.
     static constexpr std::size_t kChanges = 64;
 
     End end = End::none;

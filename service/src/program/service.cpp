@@ -45,8 +45,10 @@ using namespace std::chrono_literals;
 /// A thread that follows the tick thread wakes this long after the tick is due, and then again at
 /// this distance.
 constexpr std::chrono::microseconds kAfterTick = 60us;
+/// While time stands no tick is due, and answers and reports still leave.
 constexpr std::chrono::milliseconds kLongestNap = 5ms;
 constexpr std::chrono::microseconds kReportNap = 500us;
+/// The wire sends what is in its lanes, such as the last states and the end of the bench.
 constexpr std::chrono::milliseconds kTimeOfLastSamples = 200ms;
 /// A wire in its own process then announces its end; after this it is killed.
 constexpr std::chrono::milliseconds kTimeToAnnounceEnd = 100ms;

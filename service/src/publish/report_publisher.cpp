@@ -17,7 +17,7 @@ namespace {
 using namespace std::chrono_literals;
 using namespace vdrive::literals;
 
-constexpr std::chrono::seconds kRateWindow{1};
+constexpr std::chrono::seconds kRateWindow{1};  // long beside the jitter of a tick
 constexpr std::chrono::milliseconds kReportInterval{100};
 constexpr const char* kUnit = "UU";
 /// As deep as the history of the topic.

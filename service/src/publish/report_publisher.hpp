@@ -22,7 +22,10 @@ namespace vdrive::service {
 /// events. Used by one thread.
 class ReportPublisher {
  public:
+  /// A client takes a bench for silent after 250 ms: a lost state is no silence.
   static constexpr std::chrono::milliseconds kStateInterval{50};
+  /// When all axes change at once, their parameters must not hold up events and states, which take
+  /// the same lane.
   static constexpr TokenBucket::Rate kParameterSamples{.per_second = 2'000.0, .burst = 256.0};
 
   /// Reads the descriptions of the axes from `bank`: before it is stepped.

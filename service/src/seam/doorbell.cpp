@@ -18,6 +18,8 @@ namespace {
 static_assert(sizeof(std::atomic<std::uint32_t>) == sizeof(std::uint32_t) &&
               std::atomic<std::uint32_t>::is_always_lock_free);
 
+// After a ring that came in this time: the next one is expected as soon, and looking for it costs
+// less than a sleep and a wake-up.
 constexpr std::chrono::nanoseconds kLongestLook = std::chrono::microseconds(100);
 
 void futex_wait(std::atomic<std::uint32_t>& word, std::uint32_t expected,
@@ -52,6 +54,7 @@ bool Doorbell::wait_for(std::chrono::nanoseconds timeout) noexcept {
 /// Does not yield: the scheduler would give a whole slice to what is worth nothing, such as a
 /// program of idle priority, and a ring would wait for its end.
 void Doorbell::look_for_rings(Clock::time_point deadline) const noexcept {
+  // Reading the clock takes longer than a look.
   constexpr int kLooksPerReading = 32;
   do {
     for (int look = 0; look < kLooksPerReading; ++look) {

@@ -35,6 +35,8 @@ std::uint32_t WireLink::matched(wire::TopicId topic) const noexcept {
 }
 
 bool WireLink::is_gone(const wire::Source& source) const noexcept {
+  // Another wire than the first one knows no reader at its start: that a reader is missing means
+  // something only after the time that discovery takes.
   constexpr std::chrono::seconds kTimeToFind{2};
   const auto now = std::chrono::steady_clock::now().time_since_epoch();
   const auto age = now - std::chrono::nanoseconds(control_.running_since.load());

@@ -39,7 +39,7 @@ constexpr auto kWaitForReaders = 150ms;
 
 /// The kernel's choice, should memory run out, is the half that can be started again.
 void volunteer_for_the_kernel() {
-  constexpr std::string_view kFirst = "500";
+  constexpr std::string_view kFirst = "500";  // as if it used half of the memory more
   const int file = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);  // NOLINT(*-vararg)
   if (file >= 0) {
     if (write(file, kFirst.data(), kFirst.size()) < 0) {
