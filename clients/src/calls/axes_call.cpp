@@ -200,6 +200,7 @@ Answers AxesCall::exchange_at(std::span<const Round> rounds, std::uint64_t apply
   std::vector<SentFrames> sent;
   Outcome outcome = send(rounds, apply_at, sent);
   if (outcome && apply_at != 0) {
+    // A refusal comes at once, the tick later: in between the other benches can be told.
     const auto accepted = core_->commands.await_answers(sent);
     if (!accepted || !*accepted) cancel_pending();
   }
@@ -209,6 +210,7 @@ Answers AxesCall::exchange_at(std::span<const Round> rounds, std::uint64_t apply
 Outcome AxesCall::put_in_force(std::span<const Round> rounds) {
   std::vector<SentFrames> sent;
   Outcome outcome = send(rounds, 0, sent);
+  // In lock-step the answer comes with a tick, and only this call lets it pass.
   if (outcome && steps()) outcome = axes_.advance(1);
   Answers answers = collect(sent, std::move(outcome));
   if (!answers.outcome) return answers.outcome;
@@ -344,6 +346,7 @@ Outcome AxesCall::send_stop(Outcome cause, Answers& stop) {
   const Round round = round_of(kQuickStop, [this](const AxisSnapshot& axis) {
     return is_enabled(axis) && axes_.is_present(axis);
   });
+  // At once: a common tick would be later, and what is lost cannot take part in it.
   if (!round.entries.empty()) stop = exchange({&round, 1}, Timing::at_once);
   if (stop.outcome) return cause;
   return Outcome::failed(cause.message() +

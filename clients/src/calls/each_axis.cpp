@@ -270,6 +270,7 @@ Outcome EachAxis::power_cycle() {
   };
   const auto reply = cycle(axes);
   if (reply) {
+    // The tick of this call still shows the axes before it.
     from_ = std::max(reply->tick(), call_.tick() + 1);
     return {};
   }

@@ -75,6 +75,7 @@ Result<std::uint64_t> BenchClocks::join(const Target& target) {
 
 void BenchClocks::leave(const Target& target) {
   {
+    // First: a call that steps meanwhile must not count on the grant.
     const std::scoped_lock lock(mutex_);
     grants_.erase(target.key);
   }
@@ -110,10 +111,12 @@ Result<PendingStep> BenchClocks::begin_step_to(const Target& target, std::uint64
     }
     const std::uint64_t granted = grant->second.granted;
     step.ticks = tick > granted ? tick - granted : 0;
+    // Before it is sent: two calls at once must not grant the same ticks.
     grant->second.granted += step.ticks;
   }
   request.kind(msg::REQUEST_STEP);
   request.ticks(step.ticks);
+  // The step waits for the commands that were sent before it.
   request.last_sequence(holdings_.last_sequence(target.key));
   const auto number = requests_.send(target, std::move(request));
   if (!number) return number.outcome();
@@ -158,6 +161,7 @@ Result<std::uint64_t> BenchClocks::end_step(const Target& target, PendingStep st
     if (!reply) return reply.outcome();
     if (reply->reason() == msg::REASON_NONE) return reply->tick();
     if (Clock::now() >= deadline) return missing_stepper(target, reply->missing_stepper());
+    // What was granted stays granted: asks without ticks until the others have granted theirs.
     const auto again = begin_step_to(target, 0, {});
     if (!again) return again.outcome();
     step = *again;
@@ -185,6 +189,7 @@ Result<msg::Reply> BenchClocks::step_as_stepper(const Target& target, const Gran
     auto reply = conclude_step(target, *step, deadline, silence);
     // A call that only observes takes the state as it is.
     if (!reply || reply->reason() == msg::REASON_NONE || request.ticks() == 0) return reply;
+    // Time that passes shows that the other steppers live: the patience begins anew.
     if (reply->tick() > reached) deadline = Clock::now() + patience;
     reached = reply->tick();
     if (Clock::now() >= deadline) return missing_stepper(target, reply->missing_stepper());

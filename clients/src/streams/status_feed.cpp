@@ -51,6 +51,7 @@ bool StatusFeed::on_frame(const wire::StatusFrameView& frame) {
   if (head.bench != key_.number || head.incarnation != key_.incarnation) return false;
   if (head.tick < growing_.tick) return false;
   const bool has_begun = growing_.axes.size() == count_;  // not before the first frame: tick 0 too
+  // A complete tick that comes again is a bench whose time stands: one more sample.
   if (head.tick > growing_.tick || seen_count_ == count_ || !has_begun) start(head.tick);
   for (std::size_t position = 0; position < frame.size(); ++position) {
     const std::size_t number = frame.number(position);
