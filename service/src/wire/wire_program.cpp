@@ -172,8 +172,8 @@ void WireProgram::send(const ByteRing::Record& record) {
 /// @return false when its reader is not known yet.
 bool WireProgram::try_send(const RecordHead& head, std::span<const std::byte> bytes) {
   const auto topic = wire::topic_numbered(head.topic);
-  const auto& publication =
-      topic ? publications_[static_cast<std::size_t>(*topic)] : publications_.front();
+  wire::BytesPublication* const publication =
+      topic ? publications_[static_cast<std::size_t>(*topic)].get() : nullptr;
   if (publication == nullptr) {  // the engine wrote what it never writes
     control_.not_sent.fetch_add(1, std::memory_order_relaxed);
     return true;
