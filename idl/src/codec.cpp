@@ -1,56 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/wire/codec.hpp"
 
-#include "message_types.hpp"
+#include "cdr.hpp"
+#include "message_support.hpp"
 
-#include <array>
-#include <bit>
-#include <concepts>
-#include <cstring>
 #include <utility>
 
 namespace vdrive::wire {
 namespace {
-
-/// Reads plain CDR of either byte order. After the first failure every value is 0.
-class CdrReader {
- public:
-  explicit CdrReader(std::span<const std::byte> sample) noexcept
-      : sample_(sample),
-        is_good_(sample.size() >= kEncapsulation && sample[0] == std::byte{0} &&
-                 (sample[1] == std::byte{0} || sample[1] == std::byte{1})),
-        swaps_(is_good_ && sample[1] == std::byte{0}) {}
-
-  [[nodiscard]] bool is_good() const noexcept { return is_good_; }
-
-  /// Alignment counts from the end of the encapsulation.
-  template <std::integral Number>
-  Number next() noexcept {
-    constexpr std::size_t kSize = sizeof(Number);
-    position_ = (position_ - kEncapsulation + kSize - 1) / kSize * kSize + kEncapsulation;
-    if (!is_good_ || position_ + kSize > sample_.size()) {
-      is_good_ = false;
-      return 0;
-    }
-    std::array<std::byte, kSize> bytes{};
-    std::memcpy(bytes.data(), &sample_[position_], kSize);
-    position_ += kSize;
-    if (swaps_) {
-      for (std::size_t low = 0, high = kSize - 1; low < high; ++low, --high) {
-        std::swap(bytes[low], bytes[high]);
-      }
-    }
-    return std::bit_cast<Number>(bytes);
-  }
-
-  double next_double() noexcept { return std::bit_cast<double>(next<std::uint64_t>()); }
-
- private:
-  std::span<const std::byte> sample_;
-  std::size_t position_ = kEncapsulation;
-  bool is_good_;
-  bool swaps_;
-};
 
 void read_command(CdrReader& reader, msg::AxisCommand& command) {
   command.axis(reader.next<std::uint16_t>());

@@ -1,293 +1,42 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/wire/participant.hpp"
 
-#include "entities.hpp"
-#include "guard/guard_transport.hpp"
-#include "vdrive/text.hpp"
-#include "vdrive/wire/address.hpp"
-#include "vdrive/wire/ports.hpp"
-#include "vdrive/wire/security.hpp"
-
-#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
-#include <fastdds/dds/domain/qos/DomainParticipantQos.hpp>
-#include <fastdds/dds/publisher/qos/PublisherQos.hpp>
-#include <fastdds/dds/subscriber/qos/SubscriberQos.hpp>
-#include <fastdds/rtps/attributes/ServerAttributes.h>
-#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
-#include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
-#include <fastrtps/attributes/LibrarySettingsAttributes.h>
-#include <fastrtps/utils/IPFinder.h>
-#include <fastrtps/utils/IPLocator.h>
-#include <fastrtps/xmlparser/XMLProfileManager.h>
-
-#include <algorithm>
-#include <filesystem>
-#include <fstream>
-#include <memory>
-#include <mutex>
-#include <optional>
+#include "backend.hpp"
 
 namespace vdrive::wire {
-namespace {
-
-namespace dds = eprosima::fastdds::dds;
-namespace rtps = eprosima::fastrtps::rtps;
-using eprosima::fastrtps::rtps::IPLocator;
-
-// To send, and to receive where no status arrives.
-constexpr std::uint32_t kSocketBuffer = 4U * 1024U * 1024U;
-constexpr std::size_t kMostServers = 256;  // the id has one byte
-constexpr std::size_t kMostParticipants = 256;
-constexpr std::size_t kEndpointsOfParticipant = 16;        // on average, readers and writers each
-constexpr std::uint32_t kLargestAnnouncement = 16 * 1024;  // [bytes]; those of vdrive have 1 kB
-// A timer of the library that judges a lease must not fire while a participant leaves. Programs
-// with a guard judge earlier; a server has no guard.
-constexpr std::int32_t kAnnouncedLease = 600;  // [s]
-constexpr std::int32_t kLeaseWithServer = 2;   // [s]
-constexpr const char* kLoopback = "127.0.0.1";
-
-/// @return the socket buffer that the kernel permits, up to `wanted` [bytes].
-std::uint32_t permitted_socket_buffer(const char* limit_file, std::uint32_t wanted) {
-  std::uint32_t limit = 0;
-  std::ifstream file(limit_file);
-  return file >> limit ? std::min(limit, wanted) : 0;
-}
-
-/// The library leaves an address out without a word when no interface has it.
-void check_own_address(const std::string& address) {
-  if (!is_address(address)) {
-    throw NetworkError("network interface " + in_quotes(address) + " is not an IPv4 address");
-  }
-  std::vector<rtps::IPFinder::info_IP> own;
-  rtps::IPFinder::getIPs(&own, true);
-  std::string addresses;
-  for (const auto& ip : own) {
-    if (ip.type != rtps::IPFinder::IP4 && ip.type != rtps::IPFinder::IP4_LOCAL) continue;
-    if (ip.name == address) return;
-    addresses += (addresses.empty() ? "" : ", ") + ip.name;
-  }
-  throw NetworkError("network interface " + in_quotes(address) +
-                     ": no interface that is up has this address; there are " + addresses);
-}
-
-eprosima::fastdds::rtps::UDPv4TransportDescriptor udp_transport(const NetworkSettings& settings) {
-  eprosima::fastdds::rtps::UDPv4TransportDescriptor udp;
-  udp.interfaceWhiteList = {kLoopback};
-  for (const auto& address : settings.interfaces) {
-    check_own_address(address);
-    if (address != kLoopback) udp.interfaceWhiteList.push_back(address);
-  }
-  udp.sendBufferSize = permitted_socket_buffer("/proc/sys/net/core/wmem_max", kSocketBuffer);
-  udp.receiveBufferSize = permitted_socket_buffer(
-      "/proc/sys/net/core/rmem_max",
-      settings.role == Role::client ? kReceiveBufferOfClient : kSocketBuffer);
-  udp.maxInitialPeersRange = kParticipantsOfPeer;
-  return udp;
-}
-
-/// Multicast first, then the peers: a list of peers replaces the library's own.
-void add_peers(const NetworkSettings& settings, dds::DomainParticipantQos& qos) {
-  if (settings.peers.empty()) return;
-  auto& peers = qos.wire_protocol().builtin.initialPeersList;
-  rtps::Locator_t group;
-  IPLocator::setIPv4(group, kDiscoveryGroup);
-  group.port = 0;
-  peers.push_back(group);
-  for (const auto& address : settings.peers) {
-    if (!is_address(address)) {
-      throw NetworkError("network peer " + in_quotes(address) + " is not an IPv4 address");
-    }
-    rtps::Locator_t peer;
-    IPLocator::setIPv4(peer, address);
-    peer.port = 0;
-    peers.push_back(peer);
-  }
-}
-
-/// @return the locator that "10.0.0.9:11811" names.
-std::optional<rtps::Locator_t> server_locator(std::string_view text) {
-  const auto server = parse_server_address(text);
-  if (!server) return std::nullopt;
-  rtps::Locator_t locator;
-  IPLocator::setIPv4(locator, server->address);
-  locator.port = server->port;
-  return locator;
-}
-
-/// With servers there is no multicast. A server reports to a client what matches its own endpoints,
-/// and no part of vdrive needs more.
-void add_discovery_servers(const NetworkSettings& settings, dds::DomainParticipantQos& qos) {
-  if (settings.discovery_servers.empty()) return;
-  if (settings.discovery_servers.size() > kMostServers) {
-    throw NetworkError("more than " + std::to_string(kMostServers) + " discovery servers");
-  }
-  if (!settings.peers.empty()) {
-    throw NetworkError("peers and discovery servers cannot be used together: name only one kind");
-  }
-  auto& discovery = qos.wire_protocol().builtin.discovery_config;
-  discovery.discoveryProtocol = rtps::DiscoveryProtocol_t::CLIENT;
-  discovery.discoveryServer_client_syncperiod = {0, 100'000'000};
-  for (const auto& text : settings.discovery_servers) {
-    const auto locator = server_locator(text);
-    if (!locator) {
-      throw NetworkError("discovery server " + in_quotes(text) +
-                         " is not an IPv4 address and a port, such as 10.0.0.9:11811");
-    }
-    eprosima::fastdds::rtps::RemoteServerAttributes server;
-    server.metatrafficUnicastLocatorList.push_back(*locator);
-    eprosima::fastdds::rtps::get_server_client_default_guidPrefix(
-        static_cast<int>(discovery.m_DiscoveryServers.size()), server.guidPrefix);
-    discovery.m_DiscoveryServers.push_back(server);
-  }
-}
-
-/// The built-in plugins of DDS Security. The files have been checked before.
-void add_security(const std::filesystem::path& directory, dds::DomainParticipantQos& qos) {
-  auto& properties = qos.properties().properties();
-  const auto name_file = [&](const char* property, std::string_view file) {
-    properties.emplace_back(property,
-                            "file://" + std::filesystem::absolute(directory / file).string());
-  };
-  properties.emplace_back("dds.sec.auth.plugin", "builtin.PKI-DH");
-  name_file("dds.sec.auth.builtin.PKI-DH.identity_ca", SecurityFile::kIdentityCa);
-  name_file("dds.sec.auth.builtin.PKI-DH.identity_certificate", SecurityFile::kCertificate);
-  name_file("dds.sec.auth.builtin.PKI-DH.private_key", SecurityFile::kPrivateKey);
-  properties.emplace_back("dds.sec.access.plugin", "builtin.Access-Permissions");
-  name_file("dds.sec.access.builtin.Access-Permissions.permissions_ca",
-            SecurityFile::kPermissionsCa);
-  name_file("dds.sec.access.builtin.Access-Permissions.governance", SecurityFile::kGovernance);
-  name_file("dds.sec.access.builtin.Access-Permissions.permissions", SecurityFile::kPermissions);
-  properties.emplace_back("dds.sec.crypto.plugin", "builtin.AES-GCM-GMAC");
-}
-
-/// Whoever can send to the discovery port can announce participants, endpoints and samples of any
-/// number and size: more than this is not taken.
-void limit_discovery(dds::DomainParticipantQos& qos) {
-  auto& allocation = qos.allocation();
-  allocation.participants.maximum = kMostParticipants;
-  allocation.readers.maximum = kEndpointsOfParticipant;
-  allocation.writers.maximum = kEndpointsOfParticipant;
-  auto& builtin = qos.wire_protocol().builtin;
-  builtin.readerHistoryMemoryPolicy = rtps::PREALLOCATED_MEMORY_MODE;
-  builtin.readerPayloadSize = kLargestAnnouncement;
-}
-
-/// The guard, if there is one, stands before each transport.
-template <typename Descriptor>
-void add_transport(const Descriptor& transport, const std::shared_ptr<Guard>& guard,
-                   dds::DomainParticipantQos& qos) {
-  if (guard == nullptr) {
-    qos.transport().user_transports.push_back(std::make_shared<Descriptor>(transport));
-  } else {
-    qos.transport().user_transports.push_back(
-        std::make_shared<Guarded<Descriptor>>(transport, guard));
-  }
-}
-
-dds::DomainParticipantQos participant_qos(const NetworkSettings& settings, const std::string& name,
-                                          const std::shared_ptr<Guard>& guard) {
-  dds::DomainParticipantQos qos;
-  qos.name(name.c_str());
-  qos.transport().use_builtin_transports = false;
-  add_transport(udp_transport(settings), guard, qos);
-  if (settings.shared_memory) {
-    add_transport(eprosima::fastdds::rtps::SharedMemTransportDescriptor(), guard, qos);
-  }
-  auto& discovery = qos.wire_protocol().builtin.discovery_config;
-  discovery.leaseDuration = {
-      settings.discovery_servers.empty() ? kAnnouncedLease : kLeaseWithServer, 0};
-  discovery.leaseDuration_announcementperiod = {0, 100'000'000};
-  discovery.initial_announcements.count = 10;
-  discovery.initial_announcements.period = {0, 50'000'000};
-  limit_discovery(qos);
-  add_peers(settings, qos);
-  add_discovery_servers(settings, qos);
-  if (!settings.security.empty()) add_security(settings.security, qos);
-  return qos;
-}
-
-/// A service and its clients may live in one process: delivery in the writer's thread would let a
-/// handler run inside another part's write.
-void deliver_through_the_transport() {
-  static std::once_flag once;
-  std::call_once(once, [] {
-    auto settings = eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings();
-    settings.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
-    eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(settings);
-  });
-}
-
-/// The library reads its profiles while it makes the first participant, without a lock.
-dds::DomainParticipant* make_participant(const dds::DomainParticipantQos& qos, std::uint32_t domain,
-                                         Others& others) {
-  static std::mutex making;
-  const std::scoped_lock lock(making);
-  return dds::DomainParticipantFactory::get_instance()->create_participant(domain, qos, &others,
-                                                                           dds::StatusMask::none());
-}
-
-}  // namespace
 
 Participant::Participant(const NetworkSettings& settings, const std::string& name)
-    : guard_(settings.guard ? std::make_shared<Guard>(settings) : nullptr),
-      entities_(std::make_unique<Entities>()) {
-  if (settings.domain > kHighestDomain) {
-    throw NetworkError("DDS domain " + std::to_string(settings.domain) +
-                       " is above the highest domain " + std::to_string(kHighestDomain));
-  }
-  if (!settings.security.empty()) {
-    if (!settings.discovery_servers.empty()) {
-      throw NetworkError(
-          "network security: cannot be combined with a discovery server; name peers instead");
-    }
-    entities_->permissions = check_security(settings.security, settings.domain);
-  }
-  deliver_through_the_transport();
-  entities_->participant =
-      make_participant(participant_qos(settings, name, guard_), settings.domain, entities_->others);
-  if (entities_->participant == nullptr) {
-    throw NetworkError(
-        "DDS refuses a participant in domain " + std::to_string(settings.domain) +
-        (settings.security.empty()
-             ? ": check that the network interface is up and that the UDP ports are free"
-             : ": check that the security material in " + settings.security + " is complete"));
-  }
-  if (guard_ != nullptr) guard_->begin();
-  entities_->publisher = entities_->participant->create_publisher(dds::PUBLISHER_QOS_DEFAULT);
-  entities_->subscriber = entities_->participant->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT);
-  if (entities_->publisher == nullptr || entities_->subscriber == nullptr) {
-    entities_->participant->delete_contained_entities();
-    dds::DomainParticipantFactory::get_instance()->delete_participant(entities_->participant);
-    throw NetworkError("DDS refuses a publisher or subscriber");
-  }
-}
+    : backend_(settings.bus != nullptr ? make_local_backend(settings, name)
+                                       : make_dds_backend(settings, name)) {}
 
-Participant::~Participant() {
-  entities_->participant->delete_contained_entities();
-  dds::DomainParticipantFactory::get_instance()->delete_participant(entities_->participant);
+Participant::~Participant() = default;
+
+Source Participant::source() const noexcept {
+  return backend_->source();
 }
 
 void Participant::announce_again() {
-  const std::scoped_lock lock(entities_->changing);
-  dds::DomainParticipantQos qos;
-  entities_->participant->get_qos(qos);
-  std::vector<rtps::octet> data = qos.user_data().getValue();
-  data.resize(1);
-  ++data.front();
-  qos.user_data().setValue(data);
-  entities_->participant->set_qos(qos);
-}
-
-Source Participant::source() const noexcept {
-  return source_of(rtps::InstanceHandle_t(entities_->participant->guid()));
+  backend_->announce_again();
 }
 
 std::vector<OtherParticipant> Participant::others(std::string_view beginning) const {
-  return entities_->others.named(beginning);
+  return backend_->others(beginning);
+}
+
+bool Participant::knows_who_is_there() const noexcept {
+  return backend_->knows_who_is_there();
+}
+
+bool Participant::has(const Source& source) const noexcept {
+  return backend_->has(source);
+}
+
+bool Participant::run_local_work() {
+  return backend_->run_local_work();
 }
 
 GuardCounts Participant::guarded() const {
-  return guard_ == nullptr ? GuardCounts{} : guard_->counts();
+  return backend_->guarded();
 }
 
 }  // namespace vdrive::wire

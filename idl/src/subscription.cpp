@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/wire/subscription.hpp"
 
-#include "message_types.hpp"
-#include "reader.hpp"
+#include "backend.hpp"
+#include "message_support.hpp"
 
 #include <atomic>
-#include <optional>
+#include <memory>
 #include <utility>
 
 namespace vdrive::wire {
@@ -23,17 +23,18 @@ struct AnySubscription::Entities {
   Received received;
   bool (*within_bounds)(const void* message) noexcept;
   std::atomic<std::size_t> malformed{0};
-  std::optional<Reader> reader{};
+  std::unique_ptr<ReaderEnd> reader{};
 };
 
 AnySubscription::AnySubscription(Participant& participant, TopicId topic, Received received)
     : entities_(new Entities{.received = std::move(received),
                              .within_bounds = support_of(topic).within_bounds}) {
-  entities_->reader.emplace(participant.entities(), topic, support_of(topic).make_type(),
-                            entities_->received.message.get(),
-                            [entities = entities_.get()](const WriterId& writer) {
-                              entities->deliver(writer.source);
-                            });
+  entities_->reader = participant.backend().make_reader(
+      topic, {.message = entities_->received.message.get(),
+              .take = {},
+              .deliver = [entities = entities_.get()](const Source& source) {
+                entities->deliver(source);
+              }});
 }
 
 AnySubscription::~AnySubscription() = default;

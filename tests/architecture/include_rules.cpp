@@ -23,6 +23,7 @@ enum class Origin {
   wire,         ///< "vdrive/wire/topics.hpp"
   messages,     ///< the code generated from the .idl files
   client,       ///< "vdrive/client/session.hpp"
+  bench,        ///< "vdrive/bench/bench.hpp"
   settings,     ///< "settings/yaml_reader.hpp", of the service
   beside,       ///< a private header of the same folder: "block.hpp"
   elsewhere,    ///< a path that leaves the folder, starts at the repository or does not exist:
@@ -42,6 +43,7 @@ constexpr std::array kPrefixes{
     PrefixRow{"ros_messages", Origin::messages},
     PrefixRow{"vdrive/service/", Origin::elsewhere},  // no header of it is public
     PrefixRow{"vdrive/client/", Origin::client},
+    PrefixRow{"vdrive/bench/", Origin::bench},
     PrefixRow{"vdrive/", Origin::core},
     PrefixRow{"settings/", Origin::settings},
     PrefixRow{"Eigen/", Origin::eigen},
@@ -113,7 +115,10 @@ constexpr std::array kBridgeMay{
     Origin::wire,     Origin::messages, Origin::client, Origin::beside, Origin::settings};
 // Python is the outside world of one bridge. It sends nothing on the wire.
 constexpr std::array kPythonMay{Origin::standard, Origin::system, Origin::eigen, Origin::python,
-                                Origin::core,     Origin::client, Origin::beside};
+                                Origin::core,     Origin::client, Origin::bench, Origin::beside};
+// The one room that knows the engine and the client library.
+constexpr std::array kBenchMay{Origin::standard, Origin::core,   Origin::wire,    Origin::client,
+                               Origin::bench,    Origin::beside, Origin::settings};
 
 constexpr std::string_view kBridgeReason =
     "a bridge reaches DDS through vdrive/wire, and of the service it includes settings/ only";
@@ -125,6 +130,7 @@ constexpr std::array kRooms{
     RoomRow{"clients/include/", kClientHeaderMay, "a public client header names no DDS type"},
     RoomRow{"clients/examples/06_raw_dds/", kRawExampleMay,
             "the raw example has nothing of ours but the IDL"},
+    RoomRow{"clients/bench/", kBenchMay, "clients/bench/ puts the engine and a client together"},
     RoomRow{"clients/recording/", kRecordingMay,
             "clients/recording/ uses the client library, and no DDS"},
     RoomRow{"clients/python/", kPythonMay, "the Python module is a client and names no wire"},
@@ -186,10 +192,13 @@ const std::vector<InnerRoomRow>& service_rooms() {
        {"base", "configuration", "seam", "engine", "publish"},
        "clock/ drives the engine, and starts neither store, journal nor wire"},
       {"wire", {"base", "configuration", "seam"}, "the wire has no state of the bench"},
+      {"run",
+       {"base", "configuration", "seam", "store", "journal", "engine", "publish", "clock"},
+       "run/ has the threads of a bench, and no wire of any kind"},
       {"supervision", {"base", "seam"}, "supervision/ starts the wire as a program"},
       {"program",
        {"base", "settings", "configuration", "seam", "store", "journal", "engine", "publish",
-        "clock", "wire", "supervision"},
+        "clock", "run", "wire", "supervision"},
        "program/ puts all together"},
   };
   return rows;
@@ -257,7 +266,7 @@ const std::array<DividedFolder, 2>& divided_folders() {
 /// The only files that may include the whole engine: its drivers, and what makes it.
 constexpr std::array<std::string_view, 6> kKnowTheEngine{
     "engine/bench_engine.cpp",   "clock/freerun_driver.hpp", "clock/lockstep_driver.hpp",
-    "clock/realtime_driver.hpp", "clock/shutdown.hpp",       "program/service.cpp"};
+    "clock/realtime_driver.hpp", "clock/shutdown.hpp",       "run/bench_run.hpp"};
 
 /// Text that is forbidden in a folder ("" is all of them), as a regular expression.
 struct TextRule {
@@ -487,7 +496,9 @@ bool reaches_private_header(std::string_view path, std::string_view included,
   return std::ranges::any_of(headers, [&](const std::string& header) {
     const bool is_shared = header.starts_with("service/src/settings/");
     const bool is_in_room = first_folder(header) == first_folder(path);
-    return (is_in_room || is_shared) && header.ends_with(ending);
+    // The engine in a user's process: the one place beside the service that knows its rooms.
+    const bool is_bench = path.starts_with("clients/bench/") && header.starts_with("service/src/");
+    return (is_in_room || is_shared || is_bench) && header.ends_with(ending);
   });
 }
 

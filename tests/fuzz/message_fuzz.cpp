@@ -3,15 +3,16 @@
 // Bytes of unknown programs on every topic, and well-formed commands and requests among them. The
 // decoder refuses, or gives a message that can be written again; what receivers do with it is done:
 // the service validates, carries out and answers, a client puts status and benches together.
+#include "dds/message_type.hpp"
 #include "engine/bench_engine.hpp"
 #include "fuzz/support/bytes.hpp"
-#include "message_types.hpp"
 #include "presence/directory.hpp"
 #include "publish/event_text.hpp"
 #include "streams/status_feed.hpp"
 #include "support/local_inbox.hpp"
 #include "vdrive/wire/codec.hpp"
 #include "vdrive/wire/conversion.hpp"
+#include "vdrive/wire/reply.hpp"
 #include "vdrive/wire/status_frame.hpp"
 
 #include <fastdds/rtps/common/SerializedPayload.h>
@@ -104,9 +105,17 @@ class Peers {
   }
 
   void receive(const msg::Reply& reply) {
-    directory_.note_sample({reply.bench(), reply.incarnation()}, reply.tick(), now_);
-    static_cast<void>(wire::describe_reason(reply.reason()));
-    for (const auto& status : reply.statuses()) receive(status);
+    std::vector<std::byte> sample(wire::encoded_size(reply));
+    demand(wire::encode(reply, sample) == sample.size(), "a reply can be encoded");
+    receive_reply(sample);
+  }
+
+  /// Any bytes as a client reads them.
+  void receive_reply(std::span<const std::byte> bytes) {
+    if (!wire::decode_reply(bytes, reply_, shown_)) return;
+    directory_.note_sample({reply_.bench(), reply_.incarnation()}, reply_.tick(), now_);
+    static_cast<void>(wire::describe_reason(reply_.reason()));
+    demand(shown_.size() <= msg::MAX_AXES_PER_FRAME, "a reply shows as many axes as it may");
   }
 
   void receive(const msg::StatusFrame& frame) {
@@ -205,7 +214,7 @@ class Peers {
       pass_on(*outbox_.command_replies.front());
     }
     for (; outbox_.replies.front() != nullptr; outbox_.replies.pop()) {
-      pass_on(outbox_.replies.front()->reply);
+      pass_on(*outbox_.replies.front());
     }
     for (; outbox_.parameters.front() != nullptr; outbox_.parameters.pop()) {
       pass_on(*outbox_.parameters.front());
@@ -226,6 +235,14 @@ class Peers {
       }
       pass_on(frame);
     }
+  }
+
+  void pass_on(const service::OutgoingReply& outgoing) {
+    std::vector<std::byte> sample(wire::encoded_reply_size(outgoing.reply, outgoing.axes.size()));
+    demand(wire::encode_reply(outgoing.reply, outgoing.axes, sample) == sample.size(),
+           "a reply can be encoded");
+    demand(wire::decode_reply(sample, reply_, shown_), "what the bench answers can be read");
+    demand(shown_.size() == outgoing.axes.size(), "a reply shows the axes of its bench");
   }
 
   /// What the bench sends is within the bounds, survives the wire and can be received.
@@ -252,6 +269,8 @@ class Peers {
   service::BenchEngine engine_;
   client::Directory directory_;
   client::StatusFeed feed_;
+  msg::Reply reply_;
+  std::vector<wire::ReceivedStatus> shown_;
   client::Directory::Clock::time_point now_{std::chrono::hours{1}};
   std::map<std::uint64_t, std::uint32_t> epochs_;
 };
@@ -263,6 +282,7 @@ void receive_raw(std::span<const std::uint8_t> data, Peers& peers) {
   if constexpr (std::is_same_v<Message, msg::StatusFrame>) {
     peers.receive_status(std::as_bytes(data));
   }
+  if constexpr (std::is_same_v<Message, msg::Reply>) peers.receive_reply(std::as_bytes(data));
   Message message;
   if (!decode(data, message)) return;
   constexpr bool kIsForBench =

@@ -18,7 +18,7 @@ import sys
 
 @dataclasses.dataclass(frozen=True)
 class Rules:
-    """The messages of one participant of vdrive. The times are those of idl/src/participant.cpp."""
+    """The messages of one participant of vdrive. The times are those of idl/src/dds/dds_participant.cpp."""
 
     first_announcements: int = 10
     first_period: float = 0.05  # [s]

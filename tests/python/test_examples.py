@@ -6,6 +6,9 @@ import sys
 
 import pytest
 
+# Programs beside the test meet its bench.
+pytestmark = pytest.mark.vdrive(over="dds")
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "clients/python/examples"
 

@@ -12,6 +12,9 @@ import textwrap
 import pytest
 import vdrive
 
+# Programs beside the test meet its bench.
+pytestmark = pytest.mark.vdrive(over="dds")
+
 PATIENCE = 60
 
 
@@ -40,7 +43,7 @@ PARENT = """
 import os, sys, threading
 import vdrive
 
-with vdrive.Bench(2, clock="{clock}") as bench, bench.session() as session:
+with vdrive.Bench(2, over="dds", clock="{clock}") as bench, bench.session() as session:
     axis = session.axis("1.1")
     axis.enable()
     stream, events = session.stream(), session.events()
@@ -171,7 +174,7 @@ def test_a_child_uses_up_no_request_number_of_its_parent(vdrive_session):
 def test_a_child_that_was_forked_before_the_first_session_has_its_own():
     finished = run("""
         import os, sys, vdrive
-        bench = vdrive.Bench(2)
+        bench = vdrive.Bench(2, over="dds")
         domain, children = bench.domain, []
         for axis in ("1.1", "1.2"):
             child = os.fork()

@@ -14,6 +14,9 @@ import time
 import pytest
 import vdrive
 
+# Programs beside the test meet its bench.
+pytestmark = pytest.mark.vdrive(over="dds")
+
 PATIENCE = 60
 
 

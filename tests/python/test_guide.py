@@ -3,11 +3,14 @@
 import pathlib
 import re
 
+import pytest
+
 GUIDE = pathlib.Path(__file__).resolve().parents[2] / "docs/guides/python.md"
 BLOCKS = re.findall(r"^```python\n(.*?)^```", GUIDE.read_text(), re.DOTALL | re.MULTILINE)
 TESTS = [block for block in BLOCKS if "def test_" in block]
 
 
+@pytest.mark.vdrive(over="dds")
 def test_the_programs_of_the_guide_run_one_after_the_other(vdrive_bench, capsys):
     names = {}
     programs = [block for block in BLOCKS if block not in TESTS]

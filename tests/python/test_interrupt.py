@@ -12,6 +12,9 @@ import threading
 import pytest
 import vdrive
 
+# Programs beside the test meet its bench.
+pytestmark = pytest.mark.vdrive(over="dds")
+
 PATIENCE = 60
 
 
@@ -57,7 +60,7 @@ WAITS = {
 def test_ctrl_c_ends_a_wait_and_the_session_continues(wait):
     process = begin(f"""
         import threading, vdrive
-        with vdrive.Bench(2) as bench, bench.session() as session:
+        with vdrive.Bench(2, over="dds") as bench, bench.session() as session:
             axis = session.axis("1.1")
             session.step()
             # From another thread: the wait below has begun by then, or begins with the signal.
@@ -76,7 +79,7 @@ def test_ctrl_c_ends_a_wait_and_the_session_continues(wait):
 def test_ctrl_c_ends_the_wait_for_another_stepper():
     process = begin("""
         import threading, vdrive
-        with vdrive.Bench(1) as bench:
+        with vdrive.Bench(1, over="dds") as bench:
             other, session = bench.session(), bench.session()
             slow, clock = vdrive.StepClock(other, [1]), vdrive.StepClock(session, [1])
             threading.Timer(0.3, lambda: print("waits", flush=True)).start()
@@ -99,7 +102,7 @@ def test_ctrl_c_ends_the_start_of_a_private_bench(tmp_path):
         import threading, vdrive
         threading.Timer(0.3, lambda: print("waits", flush=True)).start()
         try:
-            vdrive.Bench(service={str(service)!r})
+            vdrive.Bench(over="dds", service={str(service)!r})
         except KeyboardInterrupt:
             print("interrupted", flush=True)
         """)
@@ -110,9 +113,9 @@ def test_ctrl_c_ends_the_start_of_a_private_bench(tmp_path):
 
 def test_a_service_that_does_not_start_reports_its_reason():
     with pytest.raises(vdrive.Failed, match="did not start.*axes.*16384"):
-        vdrive.Bench(axes=-1)
+        vdrive.Bench(over="dds", axes=-1)
     with pytest.raises(vdrive.Error, match="did not start"):
-        vdrive.Bench(service="/nowhere/vdrived")
+        vdrive.Bench(over="dds", service="/nowhere/vdrived")
 
 
 def test_a_handler_that_raises_ends_a_wait_with_its_exception(vdrive_session):
@@ -185,7 +188,7 @@ def test_a_killed_program_leaves_no_service_behind():
         import threading, vdrive
         benches = []
         # A thread that starts a bench and ends is not its end.
-        starter = threading.Thread(target=lambda: benches.append(vdrive.Bench(1)))
+        starter = threading.Thread(target=lambda: benches.append(vdrive.Bench(1, over="dds")))
         starter.start(); starter.join()
         with benches[0].session() as session:
             session.step()

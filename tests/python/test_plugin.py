@@ -21,7 +21,6 @@ TEN_LINES = """
         axis.enable()
         axis.move_to(100 * number)
         assert axis.status().position == 100 * number
-        print("domain", vdrive_bench.domain)
 """
 
 
@@ -29,9 +28,11 @@ def test_the_plug_in_is_found_by_its_entry_point(pytestconfig):
     assert pytestconfig.pluginmanager.has_plugin("vdrive")
 
 
-def test_parallel_tests_do_not_disturb_each_other(pytester):
+@pytest.mark.parametrize("over", ["local", "dds"])
+def test_parallel_tests_do_not_disturb_each_other(pytester, over):
     pytester.makepyfile(TEN_LINES)
-    result = pytester.runpytest_subprocess("-n", "4", "-q", "-p", "no:cacheprovider", timeout=250)
+    result = pytester.runpytest_subprocess("-n", "4", "-q", "-p", "no:cacheprovider",
+                                           "--vdrive-over", over, timeout=250)
     result.assert_outcomes(passed=8)
 
 
@@ -43,7 +44,7 @@ def test_a_failing_test_ends_its_bench(pytester):
             pathlib.Path("children").write_text(" ".join(children))
             assert False
     """)
-    result = pytester.runpytest_subprocess("-q", timeout=100)
+    result = pytester.runpytest_subprocess("-q", "--vdrive-over=dds", timeout=100)
     result.assert_outcomes(failed=1)
     # By the process and not by its domain: another test may have that one by now.
     children = (pytester.path / "children").read_text().split()
@@ -65,7 +66,7 @@ def test_a_killed_pytest_leaves_no_service_behind(tmp_path):
             threading.Event().wait()
     """))
     run = subprocess.Popen([sys.executable, "-m", "pytest", "-s", "-q", "-p", "no:cacheprovider",
-                            str(tmp_path)], stdout=subprocess.PIPE, text=True, cwd=tmp_path)
+                            "--vdrive-over=dds", str(tmp_path)], stdout=subprocess.PIPE, text=True, cwd=tmp_path)
     line = next(line for line in run.stdout if "SERVICE" in line)
     services = line.split("SERVICE")[1].split()
     assert len(services) == 1
@@ -77,7 +78,7 @@ def test_a_killed_pytest_leaves_no_service_behind(tmp_path):
     assert ended
 
 
-@pytest.mark.vdrive(axes=1)
+@pytest.mark.vdrive(axes=1, over="dds")
 def test_the_short_name_of_the_fixture_is_the_same_bench(bench, vdrive_bench):
     assert bench is vdrive_bench
     assert os.environ["VDRIVE_DOMAIN"] == str(bench.domain)

@@ -12,6 +12,7 @@ import pytest
 import vdrive
 
 
+@pytest.mark.vdrive(over="dds")
 def test_the_bench_of_the_fixture_is_found_and_described(vdrive_bench, vdrive_session):
     bench = vdrive_session.find_bench()
     assert bench.clock_mode == "lockstep" and bench.period == 0.001
@@ -209,6 +210,7 @@ def test_the_end_of_a_stream_ends_its_loop(vdrive_session):
     assert asyncio.run(run()) == []
 
 
+@pytest.mark.vdrive(over="dds")
 def test_another_thread_runs_while_a_move_waits(vdrive_session):
     axis = vdrive_session.axis("1.1")
     axis.enable()
@@ -227,12 +229,13 @@ def test_another_thread_runs_while_a_move_waits(vdrive_session):
     assert axis.status().position == 100000
 
 
-@pytest.mark.vdrive(axes=3, arguments=["--period", "2000"])
+@pytest.mark.vdrive(axes=3, over="dds", arguments=["--period", "2000"])
 def test_the_marker_chooses_the_bench(vdrive_session):
     bench = vdrive_session.find_bench()
     assert len(bench.axes) == 3 and bench.period == 0.002
 
 
+@pytest.mark.vdrive(over="dds")
 def test_a_service_that_ends_is_lost(vdrive_bench):
     session = vdrive.Session(domain=vdrive_bench.domain, find_timeout=5)
     axis = session.axis("1.1")
@@ -320,6 +323,7 @@ def test_an_observer_ends_with_its_session_and_may_end_itself(vdrive_bench):
     assert len([item for item in observed.items if isinstance(item, vdrive.Observation)]) == 1
 
 
+@pytest.mark.vdrive(over="dds")
 def test_a_program_with_observers_ends(vdrive_bench):
     program = """
 import vdrive

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "service/engine_under_test.hpp"
 
+#include "vdrive/wire/conversion.hpp"
+
 #include <gtest/gtest.h>
 
 #include <utility>
@@ -39,6 +41,20 @@ void EngineUnderTest::handle_arrivals() {
   }
 }
 
+namespace {
+
+/// @return the answer as the message that leaves.
+msg::Reply message_of(const service::OutgoingReply& outgoing) {
+  msg::Reply reply = outgoing.reply;
+  for (const wire::ShownAxis& axis : outgoing.axes) {
+    wire::to_message(axis.status, {reply.bench(), axis.number}, axis.tick, axis.owner,
+                     reply.statuses().emplace_back());
+  }
+  return reply;
+}
+
+}  // namespace
+
 msg::Reply EngineUnderTest::reply_to(const msg::Request& request) {
   receive(request);
   service::OutgoingReply* const outgoing = outbox.replies.front();
@@ -46,7 +62,7 @@ msg::Reply EngineUnderTest::reply_to(const msg::Request& request) {
     ADD_FAILURE() << "a request was not answered";
     return {};
   }
-  msg::Reply reply = outgoing->reply;
+  msg::Reply reply = message_of(*outgoing);
   outbox.replies.pop();
   EXPECT_EQ(reply.request_id(), request.request_id());
   EXPECT_EQ(reply.client(), request.client());
@@ -111,7 +127,7 @@ msg::CommandFrame EngineUnderTest::make_frame(std::uint64_t session) {
 std::optional<msg::Reply> EngineUnderTest::reply() {
   service::OutgoingReply* const outgoing = outbox.replies.front();
   if (outgoing == nullptr) return std::nullopt;
-  msg::Reply result = std::move(outgoing->reply);
+  msg::Reply result = message_of(*outgoing);
   outbox.replies.pop();
   return result;
 }

@@ -11,6 +11,7 @@ namespace py = pybind11;
 
 // Each adds the classes of its topic to the module.
 void add_bench(py::module_& module);
+void add_local_bench(py::module_& module);
 void add_status(py::module_& module);
 void add_axis(py::module_& module);
 void add_queues(py::module_& module);

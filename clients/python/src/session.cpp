@@ -3,6 +3,7 @@
 
 #include "arguments.hpp"
 #include "axis.hpp"
+#include "local_bench.hpp"
 #include "queues.hpp"
 #include "vdrive/text.hpp"
 
@@ -30,7 +31,8 @@ SharedPresence open_session(std::optional<std::uint32_t> domain,
                             std::vector<std::string> interfaces, std::vector<std::string> peers,
                             std::vector<std::string> discovery_servers, std::string security,
                             std::optional<std::uint32_t> bench, const std::string& keep_alive,
-                            double find_timeout, double silence, double patience) {
+                            double find_timeout, double silence, double patience,
+                            const std::shared_ptr<LocalBench>& local) {
   const client::SessionOptions options{.domain = domain,
                                        .interfaces = std::move(interfaces),
                                        .peers = std::move(peers),
@@ -40,9 +42,10 @@ SharedPresence open_session(std::optional<std::uint32_t> domain,
                                        .keep_alive = keep_alive_of(keep_alive),
                                        .find_timeout = milliseconds_of(find_timeout),
                                        .silence = milliseconds_of(silence),
-                                       .patience = milliseconds_of(patience)};
+                                       .patience = milliseconds_of(patience),
+                                       .bus = local ? local->bus() : nullptr};
   try {
-    require_dds();
+    if (!local) require_dds();
     const py::gil_scoped_release unlocked;
     return open_presence(options);
   } catch (const std::runtime_error& error) {
@@ -421,11 +424,13 @@ void add_session(py::module_& module) {
       py::arg("discovery_servers") = std::vector<std::string>{}, py::arg("security") = "",
       py::arg("bench") = py::none(), py::arg("keep_alive") = "own_thread",
       py::arg("find_timeout") = 2.0, py::arg("silence") = 1.5, py::arg("patience") = 10.0,
+      py::arg("local") = py::none(),
       "domain: 0 to 232, by default that of VDRIVE_DOMAIN, else 0. interfaces: own addresses, "
       "by default loopback only. security: directory of the closed mode's credentials. bench: find "
       "this one only. find_timeout, silence, patience: wall time in s. A call raises Lost when a "
       "service was silent for `silence`; what follows a bench (wait, follow, stream, on_status) "
-      "when it was silent for `patience`.");
+      "when it was silent for `patience`. local: a bench of this process, of vdrive.Bench; then no "
+      "option of the network counts.");
   session
       .def_property_readonly(
           "id",

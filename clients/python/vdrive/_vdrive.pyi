@@ -106,6 +106,22 @@ class PrivateBench:
     def domain(self) -> int: ...
     def close(self) -> None: ...
 
+class LocalBench:
+    def __init__(
+        self,
+        *,
+        axes: int | None = None,
+        config: str = "",
+        clock: Literal["lockstep", "realtime", "freerun"] = "lockstep",
+        number: int | None = None,
+        state: str = "",
+        journal: str = "",
+        beside: LocalBench | None = None,
+    ) -> None: ...
+    @property
+    def number(self) -> int: ...
+    def close(self) -> None: ...
+
 class Status:
     @property
     def id(self) -> str: ...
@@ -376,6 +392,7 @@ class Session:
         find_timeout: float = 2.0,
         silence: float = 1.5,
         patience: float = 10.0,
+        local: LocalBench | None = None,
     ) -> None: ...
     @property
     def id(self) -> int: ...

@@ -9,28 +9,43 @@
 
     @pytest.mark.vdrive(axes=4)          # arguments of vdrive.Bench
     def test_four(vdrive_session): ...
+
+The bench is in the process of the test. `--vdrive-over=dds` runs the same tests with a service over
+DDS; a test that starts programs of its own, which have to meet the bench, asks for it by
+`@pytest.mark.vdrive(over="dds")`.
 """
 import pytest
 
 
+def pytest_addoption(parser):
+    parser.getgroup("vdrive").addoption(
+        "--vdrive-over", choices=("local", "dds"), default="local",
+        help="where the benches of the fixtures are, unless their marker says it: in this process "
+        "(local, the default), or a service over DDS (dds)")
+
+
 def pytest_configure(config):
     config.addinivalue_line(
-        "markers", "vdrive(axes=None, config=None, clock='lockstep', arguments=(), service=None): "
-        "the private bench of this test, as vdrive.Bench starts it")
+        "markers", "vdrive(axes=None, config=None, clock='lockstep', over='local', ...): "
+        "the private bench of this test, with the arguments of vdrive.Bench")
 
 
 def _options_of(request):
-    marker = request.node.get_closest_marker("vdrive")
-    return marker.kwargs if marker else {}
+    options = {"over": request.config.getoption("--vdrive-over")}
+    for marker in reversed(list(request.node.iter_markers("vdrive"))):  # the closest one last
+        options.update(marker.kwargs)
+    return options
 
 
 @pytest.fixture
 def vdrive_bench(request, monkeypatch):
-    """A private bench, in lock-step: a service in a DDS domain of its own, which VDRIVE_DOMAIN names."""
+    """A private bench, in lock-step. Over DDS VDRIVE_DOMAIN names its domain."""
     import vdrive  # not for tests that have no bench: reading it takes time
 
-    with vdrive.Bench(**_options_of(request)) as bench:
-        monkeypatch.setenv("VDRIVE_DOMAIN", str(bench.domain))
+    options = _options_of(request)
+    with vdrive.Bench(**options) as bench:
+        if options["over"] == "dds":
+            monkeypatch.setenv("VDRIVE_DOMAIN", str(bench.domain))
         yield bench
 
 

@@ -63,6 +63,9 @@ std::uint64_t Wakeup::changes() const {
 }
 
 void Wakeup::wait_until(std::uint64_t changes, Clock::time_point deadline) {
+  // Without the lock, which what it changes takes.
+  while (work_ && this->changes() == changes && work_()) {
+  }
   std::unique_lock lock(mutex_);
   changed_.wait_until(lock, deadline, [&] {
     return changes_ != changes;

@@ -4,7 +4,9 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <functional>
 #include <mutex>
+#include <utility>
 
 namespace vdrive::client {
 
@@ -14,6 +16,10 @@ namespace vdrive::client {
 class Wakeup {
  public:
   using Clock = std::chrono::steady_clock;
+
+  /// Before the first wait: a thread that is about to wait first runs `work`, as long as there is
+  /// some and nothing has changed (wire::Participant::run_local_work).
+  void work_with(std::function<bool()> work) { work_ = std::move(work); }
 
   /// Something has changed. To be called after the change.
   void notify();
@@ -49,6 +55,7 @@ class Wakeup {
   void wait_until(std::uint64_t changes, Clock::time_point deadline);
 
  private:
+  std::function<bool()> work_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::uint64_t changes_ = 0;

@@ -107,7 +107,8 @@ class AxesCall {
 
   [[nodiscard]] bool steps() const { return axes_.steps(); }
 
-  /// Requires that `holds` for the power state of every axis, as it is now (ObservedAxes::look_again).
+  /// Requires that `holds` for the power state of every axis, as it is now
+  /// (ObservedAxes::look_again).
   /// @return refused with the first axis that it does not hold for
   Outcome require(bool (*holds)(const AxisSnapshot& axis), std::string_view command,
                   std::string_view needs);

@@ -10,7 +10,6 @@
 #include <array>
 #include <cstddef>
 #include <map>
-#include <ranges>
 #include <string>
 #include <utility>
 
@@ -190,12 +189,16 @@ Outcome EachAxis::acquire() {
   return {};
 }
 
-void EachAxis::judge() {
-  const auto is_refused = [this](std::size_t place) {
+bool EachAxis::refuses_any() const {
+  for (std::size_t place = 0; place < is_pending_.size(); ++place) {
     const PowerState state = call_.now()[place].state();
-    return is_pending_[place] && !row_.is_at_end(state) && !row_.can_take(state);
-  };
-  if (std::ranges::any_of(std::views::iota(std::size_t{0}, is_pending_.size()), is_refused)) {
+    if (is_pending_[place] && !row_.is_at_end(state) && !row_.can_take(state)) return true;
+  }
+  return false;
+}
+
+void EachAxis::judge() {
+  if (refuses_any()) {
     if (Outcome seen = call_.axes().look_again(); !seen) return end_all(seen);
   }
   for (std::size_t place = 0; place < is_pending_.size(); ++place) {

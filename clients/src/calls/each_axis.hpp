@@ -37,6 +37,8 @@ class EachAxis {
  private:
   Outcome begin();
   Outcome acquire();
+  /// @return whether an axis that has not ended is in a state that cannot take the command.
+  [[nodiscard]] bool refuses_any() const;
   void judge();
   void await_before();
   void send();

@@ -139,8 +139,8 @@ void BenchClocks::note_reply(const BenchKey& key, const PendingStep& step,
 }
 
 /// What a step came to: reached, or REASON_MISSING_STEPPER in the reply.
-Result<msg::Reply> BenchClocks::conclude_step(const Target& target, const PendingStep& step,
-                                              Clock::time_point deadline, Silence silence) {
+Result<RequestAnswer> BenchClocks::conclude_step(const Target& target, const PendingStep& step,
+                                                 Clock::time_point deadline, Silence silence) {
   auto reply = requests_.await(target, step.request, {left_until(deadline), true, false, silence});
   if (reply.outcome().kind() == OutcomeKind::timed_out) {
     return missing_stepper(target, discovery_.slowest_stepper(target.key));
@@ -177,9 +177,9 @@ Outcome BenchClocks::missing_stepper(const Target& target, std::uint64_t session
 
 // ---- steps -----------------------------------------------------------------------------------
 
-Result<msg::Reply> BenchClocks::step_as_stepper(const Target& target, const Grant& grant,
-                                                const msg::Request& request, milliseconds patience,
-                                                Silence silence) {
+Result<RequestAnswer> BenchClocks::step_as_stepper(const Target& target, const Grant& grant,
+                                                   const msg::Request& request,
+                                                   milliseconds patience, Silence silence) {
   const std::uint64_t aim = grant.reached + request.ticks();
   std::uint64_t reached = grant.reached;
   auto deadline = Clock::now() + patience;
@@ -196,8 +196,8 @@ Result<msg::Reply> BenchClocks::step_as_stepper(const Target& target, const Gran
   }
 }
 
-Result<msg::Reply> BenchClocks::step_once(const Target& target, msg::Request request,
-                                          milliseconds patience, Silence silence) {
+Result<RequestAnswer> BenchClocks::step_once(const Target& target, msg::Request request,
+                                             milliseconds patience, Silence silence) {
   if (const auto grant = grant_of(target.key)) {
     return step_as_stepper(target, *grant, request, patience, silence);
   }
@@ -226,12 +226,12 @@ Result<Observation> BenchClocks::step(const Target& target, std::uint64_t ticks,
     const std::size_t wanted = request.axes().size();
     const auto reply = step_once(target, std::move(request), patience, silence);
     if (!reply) return reply.outcome();
-    if (reply->statuses().size() != wanted) {
+    if (reply->axes.size() != wanted) {
       return Outcome::failed(name_of(target) + " did not send the status of the requested axes");
     }
     observation.tick = reply->tick();
-    for (const msg::AxisStatus& status : reply->statuses()) {
-      observation.axes.push_back(sample_of(status));
+    for (const wire::ReceivedStatus& axis : reply->axes) {
+      observation.axes.push_back(sample_of(axis));
     }
   } while (left != 0 || shown < axes.size());
   return observation;

@@ -72,13 +72,13 @@ class BenchClocks {
                                  Wakeup::Clock::time_point deadline);
 
  private:
-  Result<msg::Reply> step_once(const Target& target, msg::Request request,
-                               std::chrono::milliseconds patience, Silence silence);
-  Result<msg::Reply> step_as_stepper(const Target& target, const Grant& grant,
-                                     const msg::Request& request,
-                                     std::chrono::milliseconds patience, Silence silence);
-  Result<msg::Reply> conclude_step(const Target& target, const PendingStep& step,
-                                   Wakeup::Clock::time_point deadline, Silence silence);
+  Result<RequestAnswer> step_once(const Target& target, msg::Request request,
+                                  std::chrono::milliseconds patience, Silence silence);
+  Result<RequestAnswer> step_as_stepper(const Target& target, const Grant& grant,
+                                        const msg::Request& request,
+                                        std::chrono::milliseconds patience, Silence silence);
+  Result<RequestAnswer> conclude_step(const Target& target, const PendingStep& step,
+                                      Wakeup::Clock::time_point deadline, Silence silence);
   void note_reply(const BenchKey& key, const PendingStep& step, const msg::Reply& reply);
   [[nodiscard]] Outcome missing_stepper(const Target& target, std::uint64_t session) const;
 

@@ -30,8 +30,8 @@ class Observer {
   /// The newest tick of the bench.
   Result<std::uint64_t> present_tick(const Target& target, Silence silence = Silence::ends_call);
 
-  /// A tick that the bench has completed since the beginning of this call: what a sample of it or of
-  /// a later one shows is not older than the call. 0 for a session that may send no requests.
+  /// A tick that the bench has completed since the beginning of this call: what a sample of it or
+  /// of a later one shows is not older than the call. 0 for a session that may send no requests.
   /// @param axis any axis of the bench
   Result<std::uint64_t> completed_tick(const Target& target, std::uint16_t axis);
 

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "exchange/bench_links.hpp"
 
+#include "vdrive/wire/reply.hpp"
+
 #include <algorithm>
+#include <cstddef>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -45,10 +49,17 @@ BenchLinks::BenchLinks(wire::Participant& participant, std::uint64_t session, Di
       wakeup_(wakeup),
       request_publication_(publication_if_permitted<msg::Request>(participant)),
       command_publication_(publication_if_permitted<msg::CommandFrame>(participant)),
-      reply_subscription_(participant,
-                          [this](const msg::Reply& message, const wire::Source& source) {
-                            on_reply(message, source);
-                          }),
+      reply_subscription_(
+          participant, wire::Topic<msg::Reply>::kId,
+          wire::BytesSubscription::Handler{.take =
+                                               [this](std::span<const std::byte> sample) {
+                                                 is_received_ = wire::decode_reply(
+                                                     sample, received_, received_.axes);
+                                               },
+                                           .deliver =
+                                               [this](const wire::Source& source) {
+                                                 if (is_received_) on_reply(source);
+                                               }}),
       command_reply_subscription_(
           participant, [this](const msg::CommandReply& message, const wire::Source& source) {
             on_command_reply(message, source);
@@ -56,10 +67,10 @@ BenchLinks::BenchLinks(wire::Participant& participant, std::uint64_t session, Di
 
 // ---- what arrives ----------------------------------------------------------------------------
 
-void BenchLinks::on_reply(const msg::Reply& message, const wire::Source& source) {
-  if (message.client() != session_) return;
-  discovery_.note_sample({message.bench(), message.incarnation()}, message.tick(), source);
-  if (unanswered_.requests.answer(message.request_id(), message)) wakeup_.notify();
+void BenchLinks::on_reply(const wire::Source& source) {
+  if (received_.client() != session_) return;
+  discovery_.note_sample({received_.bench(), received_.incarnation()}, received_.tick(), source);
+  if (unanswered_.requests.answer(received_.request_id(), received_)) wakeup_.notify();
 }
 
 void BenchLinks::on_command_reply(const msg::CommandReply& message, const wire::Source& source) {
@@ -76,7 +87,8 @@ void BenchLinks::on_command_reply(const msg::CommandReply& message, const wire::
 Result<Target> BenchLinks::connect(std::uint32_t number) {
   if (is_closed_) return Outcome::failed(kSessionEnded);
   const auto bench = discovery_.find_bench(number);
-  if (!bench) return bench.outcome();
+  // A bench that this session has met and that has ended is lost, not unknown.
+  if (!bench) return discovery_.has_ended(number) ? discovery_.loss_of(number) : bench.outcome();
   const Target target = target_of(*bench);
   if (!may_command()) return target;  // sees what is published
   if (const auto link = open(target, "requests"); !link) return link.outcome();

@@ -6,6 +6,7 @@
 #include "exchange/unanswered.hpp"
 #include "presence/discovery.hpp"
 #include "presence/target.hpp"
+#include "vdrive/wire/bytes_subscription.hpp"
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/publication.hpp"
 #include "vdrive/wire/subscription.hpp"
@@ -87,7 +88,7 @@ class BenchLinks {
     wire::Source source;  ///< participant that has what was sent; guarded by the mutex of the links
   };
 
-  void on_reply(const msg::Reply& message, const wire::Source& source);
+  void on_reply(const wire::Source& source);
   void on_command_reply(const msg::CommandReply& message, const wire::Source& source);
 
   Link& link_of(const BenchKey& key);
@@ -111,7 +112,9 @@ class BenchLinks {
   std::map<BenchKey, Link> links_;  ///< stay where they are when one is added
   std::unique_ptr<wire::Publication<msg::Request>> request_publication_;  ///< none for a viewer
   std::unique_ptr<wire::Publication<msg::CommandFrame>> command_publication_;  ///< the same
-  wire::Subscription<msg::Reply> reply_subscription_;
+  RequestAnswer received_;    ///< the newest reply, of the thread that receives
+  bool is_received_ = false;  ///< it can be read
+  wire::BytesSubscription reply_subscription_;
   wire::Subscription<msg::CommandReply> command_reply_subscription_;
 };
 

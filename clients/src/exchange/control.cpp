@@ -39,8 +39,8 @@ void Control::end() {
   (void)release();  // no caller is left to receive the outcome
 }
 
-Result<msg::Reply> Control::exchange(const Target& target, msg::Request request,
-                                     std::string_view what) {
+Result<RequestAnswer> Control::exchange(const Target& target, msg::Request request,
+                                        std::string_view what) {
   const auto sending = holdings_.lock_sending(target.key.number);
   return requests_.exchange(target, std::move(request), what);
 }
@@ -49,7 +49,8 @@ void Control::note_acquired(const Target& target, std::span<const std::uint16_t>
                             const msg::Reply& reply) {
   if (reply.epoch() == 0) return;
   holdings_.note_acquired(target.key, axes, reply.epoch(), !target.steps());
-  if (keep_alive_ == KeepAlive::own_thread) keep_alive_sender_.start();
+  // In lock-step the steps themselves keep control.
+  if (keep_alive_ == KeepAlive::own_thread && !target.steps()) keep_alive_sender_.start();
 }
 
 bool Control::holds(const Target& target, std::span<const std::uint16_t> axes) {
@@ -70,8 +71,8 @@ Outcome Control::acquire(const Target& target, std::span<const std::uint16_t> ax
   return {};
 }
 
-Result<msg::Reply> Control::write(const Target& target, msg::Request request,
-                                  std::string_view what) {
+Result<RequestAnswer> Control::write(const Target& target, msg::Request request,
+                                     std::string_view what) {
   const bool commands = std::ranges::any_of(request.objects(), [](const msg::ObjectAccess& access) {
     return has_role({access.index(), access.subindex()}, Role::command);
   });

@@ -31,12 +31,12 @@ class Control {
   /// @return whether this session took all of these and has not received the loss of them.
   [[nodiscard]] bool holds(const Target& target, std::span<const std::uint16_t> axes);
 
-  /// A request whose answer frames have to wait for, such as a power cycle: none is sent to the bench
-  /// until it is answered.
-  Result<msg::Reply> exchange(const Target& target, msg::Request request, std::string_view what);
+  /// A request whose answer frames have to wait for, such as a power cycle: none is sent to the
+  /// bench until it is answered.
+  Result<RequestAnswer> exchange(const Target& target, msg::Request request, std::string_view what);
 
   /// Writes objects of one axis, which takes the axis when one of them is a command object.
-  Result<msg::Reply> write(const Target& target, msg::Request request, std::string_view what);
+  Result<RequestAnswer> write(const Target& target, msg::Request request, std::string_view what);
 
   /// Writes `word`, a halt or a quick stop, to axes of any owner.
   /// @return the tick in which it is in force; refused, naming the first axis that refused it.

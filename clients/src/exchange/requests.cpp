@@ -27,18 +27,18 @@ Result<std::uint64_t> Requests::send(const Target& target, msg::Request request,
   return Outcome::lost(name_of(target) + " accepts no more requests");
 }
 
-Result<msg::Reply> Requests::await(const Target& target, std::uint64_t number,
-                                   const Patience& patience) {
+Result<RequestAnswer> Requests::await(const Target& target, std::uint64_t number,
+                                      const Patience& patience) {
   Outcome outcome = waiter_.wait(target, patience, [&] {
     return unanswered_.is_answered(number);
   });
-  std::optional<msg::Reply> reply = unanswered_.take(number);
+  std::optional<RequestAnswer> reply = unanswered_.take(number);
   if (!outcome) return outcome;
   return std::move(*reply);
 }
 
-Result<msg::Reply> Requests::exchange(const Target& target, msg::Request request,
-                                      std::string_view what, Silence silence) {
+Result<RequestAnswer> Requests::exchange(const Target& target, msg::Request request,
+                                         std::string_view what, Silence silence) {
   const auto number = send(target, std::move(request));
   if (!number) return number.outcome();
   Patience patience = kAnswer;
@@ -49,9 +49,9 @@ Result<msg::Reply> Requests::exchange(const Target& target, msg::Request request
   return reply;
 }
 
-Result<std::vector<msg::Reply>> Requests::exchange_all(const Target& target,
-                                                       std::vector<msg::Request> requests,
-                                                       std::string_view what) {
+Result<std::vector<RequestAnswer>> Requests::exchange_all(const Target& target,
+                                                          std::vector<msg::Request> requests,
+                                                          std::string_view what) {
   Outcome outcome;
   std::vector<std::uint64_t> numbers;
   for (msg::Request& request : requests) {
@@ -62,7 +62,7 @@ Result<std::vector<msg::Reply>> Requests::exchange_all(const Target& target,
     }
     numbers.push_back(*number);
   }
-  std::vector<msg::Reply> replies;
+  std::vector<RequestAnswer> replies;
   for (const std::uint64_t number : numbers) {
     if (!outcome) {
       (void)unanswered_.take(number);

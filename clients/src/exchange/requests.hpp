@@ -23,13 +23,13 @@ class Requests {
 
   /// Sends a request and awaits its reply. Fills in sender and receiver.
   /// @param what names the request in messages, such as "read of axis 1.1"
-  Result<msg::Reply> exchange(const Target& target, msg::Request request, std::string_view what,
-                              Silence silence = Silence::ends_call);
+  Result<RequestAnswer> exchange(const Target& target, msg::Request request, std::string_view what,
+                                 Silence silence = Silence::ends_call);
 
   /// The same for several at once. @return the replies in the same order, or the first refusal.
-  Result<std::vector<msg::Reply>> exchange_all(const Target& target,
-                                               std::vector<msg::Request> requests,
-                                               std::string_view what);
+  Result<std::vector<RequestAnswer>> exchange_all(const Target& target,
+                                                  std::vector<msg::Request> requests,
+                                                  std::string_view what);
 
   /// Sends a request. @return its number, for await().
   /// @param patience wall time to wait for the match of a bench that is connected anew
@@ -37,7 +37,7 @@ class Requests {
                              std::chrono::milliseconds patience = kMatch);
 
   /// Awaits the reply to a request, also a refusal.
-  Result<msg::Reply> await(const Target& target, std::uint64_t number, const Patience& patience);
+  Result<RequestAnswer> await(const Target& target, std::uint64_t number, const Patience& patience);
 
  private:
   const std::uint64_t session_;

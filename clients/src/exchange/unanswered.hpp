@@ -2,6 +2,7 @@
 #pragma once
 
 #include "presence/directory.hpp"
+#include "vdrive/wire/status_frame.hpp"
 #include "vdrive_messages.h"
 
 #include <algorithm>
@@ -107,8 +108,13 @@ class Unanswered {
   std::map<Number, Sent> sent_;
 };
 
+/// The answer to a request: the message, without statuses, and the axes that it shows.
+struct RequestAnswer : msg::Reply {
+  std::vector<wire::ReceivedStatus> axes;
+};
+
 /// By number of the request: another run of the service may answer that it is another one.
-using UnansweredRequests = Unanswered<std::uint64_t, msg::Request, msg::Reply>;
+using UnansweredRequests = Unanswered<std::uint64_t, msg::Request, RequestAnswer>;
 
 /// A sequence number counts for one run.
 using FrameNumber = std::pair<BenchKey, std::uint64_t>;

@@ -60,6 +60,15 @@ class Directory {
                       Clock::time_point now);
   void on_state(const msg::BenchState& message, Clock::time_point now);
 
+  /// Where it is known who is there, each run whose sender is there has a sample as young as `now`.
+  /// @param is_there called with the participant that sends for a run
+  template <typename IsThere>
+  void confirm(Clock::time_point now, const IsThere& is_there) {
+    for (auto& [key, entry] : entries_) {
+      if (!entry.offline && is_there(entry.source)) entry.newest_sample = now;
+    }
+  }
+
   /// Another live sample of this run: a status frame or an answer.
   void note_sample(const BenchKey& key, std::uint64_t tick, Clock::time_point now);
 

@@ -74,6 +74,7 @@ Discovery::Discovery(wire::Participant& participant, SessionOptions options, Wak
           participant, [this](const msg::BenchDescription& message, const wire::Source& source) {
             on_description(message, source);
           }) {
+  if (participant_.knows_who_is_there()) return;  // no age of a sample judges a bench
   pulse_.start([this] {
     const std::scoped_lock lock(mutex_);
     static_cast<void>(running_time());
@@ -83,6 +84,12 @@ Discovery::Discovery(wire::Participant& participant, SessionOptions options, Wak
 
 Discovery::Clock::time_point Discovery::running_time() const {
   const auto now = Clock::now();
+  if (participant_.knows_who_is_there()) {
+    directory_.confirm(now, [this](const wire::Source& source) {
+      return participant_.has(source);
+    });
+    return now;
+  }
   const auto pause = own_pauses_.note(now);
   if (pause != Clock::duration::zero()) {
     directory_.discount(pause);
@@ -109,7 +116,7 @@ void Discovery::search(std::optional<std::uint32_t> number, const Condition& con
     }
     const auto now = Clock::now();
     const auto end = time.end(sight.present == 0 && sight.undescribed != 0);
-    if (has_found || wakeup_.is_interrupted() || now >= end) return;
+    if (has_found || sight.is_complete || wakeup_.is_interrupted() || now >= end) return;
     if (now >= announce_at) {
       announce_at = now + kAnnounceAgain;
       participant_.announce_again();
@@ -138,6 +145,7 @@ Sight Discovery::look(std::optional<std::uint32_t> number) const {
     ++sight.services;
     if (!directory_.has_shown_itself(other.source, now)) ++sight.undescribed;
   }
+  sight.is_complete = participant_.knows_who_is_there() && sight.undescribed == 0;
   return sight;
 }
 
@@ -153,8 +161,11 @@ std::vector<PresentBench> Discovery::find_benches() {
 }
 
 Outcome Discovery::no_bench_found() const {
-  return Outcome::not_found("no bench was found on domain " + std::to_string(*options_.domain) +
-                            " (" + seen() + ")");
+  return Outcome::not_found("no bench was found" + place() + " (" + seen() + ")");
+}
+
+std::string Discovery::place() const {
+  return options_.bus ? " on this bus" : " on domain " + std::to_string(*options_.domain);
 }
 
 std::string Discovery::seen() const {
@@ -167,8 +178,7 @@ Result<PresentBench> Discovery::find_bench(std::optional<std::uint32_t> number) 
     std::vector<PresentBench> benches = find_benches();
     if (benches.size() == 1) return std::move(benches.front());
     if (benches.empty()) return no_bench_found();
-    return Outcome::not_found("several benches, name one: " + list_of(benches) + " on domain " +
-                              std::to_string(*options_.domain));
+    return Outcome::not_found("several benches, name one: " + list_of(benches) + place());
   }
   const std::uint32_t wanted = number.value_or(options_.bench.value_or(0));
   std::optional<PresentBench> found;
@@ -184,9 +194,8 @@ Result<PresentBench> Discovery::find_bench(std::optional<std::uint32_t> number) 
     });
   }
   if (found) return std::move(*found);
-  return Outcome::not_found("no bench " + std::to_string(wanted) + " on domain " +
-                            std::to_string(*options_.domain) + ", " + list_of(present()) + " (" +
-                            seen() + ")");
+  return Outcome::not_found("no bench " + std::to_string(wanted) + place() + ", " +
+                            list_of(present()) + " (" + seen() + ")");
 }
 
 /// The name of an axis does not begin with a digit: what begins so is an address.
@@ -229,8 +238,8 @@ Result<AxisInfo> Discovery::find_name(std::string_view name) {
       for (const AxisInfo& axis : bench.info.axes) names.push_back(axis.name);
     }
     return Outcome::not_found("no axis is named " + in_quotes(name) + suggestion(name, names) +
-                              " on domain " + std::to_string(*options_.domain) + ", " +
-                              list_of(benches) + (benches.empty() ? " (" + seen() + ")" : ""));
+                              place() + ", " + list_of(benches) +
+                              (benches.empty() ? " (" + seen() + ")" : ""));
   }
   return Outcome::not_found("several axes are named " + in_quotes(name) + ": " +
                             to_string(matches[0].id) + ", " + to_string(matches[1].id));
@@ -354,6 +363,11 @@ Outcome Discovery::loss_of(std::uint32_t bench) const {
   const std::scoped_lock lock(mutex_);
   const auto key = directory_.newest_run(bench);
   return lost_in_silence({.key = key}, running_time(), patience());
+}
+
+bool Discovery::has_ended(std::uint32_t bench) const {
+  const std::scoped_lock lock(mutex_);
+  return directory_.is_offline(directory_.newest_run(bench));
 }
 
 Discovery::Clock::duration Discovery::own_pauses() const {

@@ -92,6 +92,9 @@ class Discovery {
   /// @return why nothing comes from a bench that has no run now.
   [[nodiscard]] Outcome loss_of(std::uint32_t bench) const;
 
+  /// @return whether the newest run of the bench has announced its end.
+  [[nodiscard]] bool has_ended(std::uint32_t bench) const;
+
   /// @return for how long this program did not run since it has this object.
   [[nodiscard]] Clock::duration own_pauses() const;
 
@@ -126,6 +129,8 @@ class Discovery {
   Result<AxisInfo> find_on_bench(std::uint32_t bench, std::string_view axis);
   [[nodiscard]] bool expects_more() const;
   [[nodiscard]] Sight look(std::optional<std::uint32_t> number) const;
+  /// @return where this session looks, such as " on domain 3".
+  [[nodiscard]] std::string place() const;
   /// @return what the newest search has seen.
   [[nodiscard]] std::string seen() const;
   /// Until `condition` holds, called with what is seen, or for the time of a search.

@@ -66,6 +66,7 @@ SearchClock::time_point SearchTime::end(bool is_expecting) const {
 bool Settling::has_ended(const Sight& sight, SearchClock::time_point now) {
   services_.note(sight.services, now);
   benches_.note(sight.present, now);
+  if (sight.is_complete) return true;
   return sight.present != 0 && sight.undescribed == 0 &&
          (benches_.has_ended(now) || services_.has_ended(now));
 }

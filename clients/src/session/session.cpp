@@ -52,8 +52,8 @@ Result<std::map<std::uint32_t, std::vector<std::uint16_t>>> find_by_bench(
 }
 
 /// A request about saved states of a bench.
-Result<msg::Reply> exchange_snapshot(SessionCore& core, std::uint32_t bench, std::uint32_t kind,
-                                     std::uint64_t snapshot) {
+Result<RequestAnswer> exchange_snapshot(SessionCore& core, std::uint32_t bench, std::uint32_t kind,
+                                        std::uint64_t snapshot) {
   const auto target = core.links.connect(bench);
   if (!target) return target.outcome();
   msg::Request request;

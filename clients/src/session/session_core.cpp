@@ -40,7 +40,8 @@ wire::NetworkSettings settings_of(const SessionOptions& options) {
           .discovery_servers = options.discovery_servers,
           .shared_memory = false,
           .security = options.security,
-          .role = wire::Role::client};
+          .role = wire::Role::client,
+          .bus = options.bus};
 }
 
 }  // namespace
@@ -61,7 +62,11 @@ SessionCore::SessionCore(const SessionOptions& chosen)
       observer(discovery, links, requests, clocks, stream, waiter),
       watcher(discovery, stream),
       events(participant, discovery),
-      statuses(discovery, stream) {}
+      statuses(discovery, stream) {
+  wakeup.work_with([this] {
+    return participant.run_local_work();
+  });
+}
 
 void SessionCore::end() {
   // What reports to the program ends first, then what sends: a report may begin a call, and the

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ros/endpoints.hpp"
 
-#include "reader.hpp"
+#include "dds/reader.hpp"
+#include "dds/writer.hpp"
 #include "vdrive/text.hpp"
 #include "vdrive/wire/ros.hpp"
-#include "writer.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -100,7 +100,7 @@ struct Publication<Message>::Entities {
 
 template <typename Message>
 Publication<Message>::Publication(wire::Participant& participant, std::string_view topic)
-    : entities_(new Entities{.writer = {participant.entities(), dds_topic(topic),
+    : entities_(new Entities{.writer = {wire::dds_entities(participant), dds_topic(topic),
                                         dds::TypeSupport(new MessageType<Message>()),
                                         writer_qos(SupportOf<Message>::kTraits)}}) {}
 
@@ -129,7 +129,7 @@ Subscription<Message>::Subscription(wire::Participant& participant, std::string_
                                     Handler handler)
     : entities_(std::make_unique<Entities>()) {
   entities_->handler = std::move(handler);
-  entities_->reader.emplace(participant.entities(), dds_topic(topic),
+  entities_->reader.emplace(wire::dds_entities(participant), dds_topic(topic),
                             dds::TypeSupport(new MessageType<Message>()),
                             reader_qos(SupportOf<Message>::kTraits), &entities_->message,
                             [entities = entities_.get()](const wire::WriterId& writer) {

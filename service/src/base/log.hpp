@@ -4,9 +4,21 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <atomic>
 #include <utility>
 
 namespace vdrive::service {
+
+/// Whether the process is a program of vdrive, whose log goes to the default logger of spdlog. In
+/// the process of a user a bench writes no log: that logger is the user's.
+[[nodiscard]] inline std::atomic<bool>& is_program_of_vdrive() noexcept {
+  static std::atomic<bool> is_program{false};
+  return is_program;
+}
+
+[[nodiscard]] inline bool is_logged(spdlog::level::level_enum level) noexcept {
+  return is_program_of_vdrive().load(std::memory_order_relaxed) && spdlog::should_log(level);
+}
 
 /// Writes a line to the log of the service. spdlog formats in templates: each source file that
 /// calls them compiles the formatter of all types again, 75 KiB. Here the formatter of libfmt is
@@ -14,7 +26,7 @@ namespace vdrive::service {
 template <typename... Arguments>
 void log(spdlog::level::level_enum level, fmt::format_string<Arguments...> format,
          Arguments&&... arguments) {
-  if (spdlog::should_log(level)) {
+  if (is_logged(level)) {
     spdlog::log(level, fmt::format(format, std::forward<Arguments>(arguments)...));
   }
 }

@@ -26,20 +26,27 @@ LockstepDriver::LockstepDriver(const Configuration& configuration, BenchEngine& 
       status_every_(configuration.status_every) {}
 
 void LockstepDriver::run() {
-  publish_status();
+  begin();
   while (!stop_) {
-    beats_.add();
-    const auto now = Clock::now();
-    const bool was_busy = handle_next(now);
-    const bool has_moved = pass_time(now);
-    const bool has_stored = engine_.answer_stores();
-    if (was_busy || has_moved || outbox_.replies.size() > 0) deliver();
-    if (has_moved) publish_status();  // after the reply: its client waits for nothing else
-    if (was_busy || has_stored) continue;
+    if (round()) continue;
     const auto patience = replies_.is_waiting() ? kReplyInterval : kIdleInterval;
     if (!doorbell_.wait_for(patience)) idle();
   }
-  refuse_steps();
+}
+
+void LockstepDriver::begin() {
+  publish_status();
+}
+
+bool LockstepDriver::round() {
+  beats_.add();
+  const auto now = Clock::now();
+  const bool was_busy = handle_next(now);
+  const bool has_moved = pass_time(now);
+  const bool has_stored = engine_.answer_stores();
+  if (was_busy || has_moved || outbox_.replies.size() > 0) deliver();
+  if (has_moved) publish_status();  // after the reply: its client waits for nothing else
+  return was_busy || has_stored;
 }
 
 /// @return whether there was anything.
@@ -122,7 +129,7 @@ void LockstepDriver::answer_steps(Clock::time_point now) {
   });
 }
 
-void LockstepDriver::refuse_steps() {
+void LockstepDriver::end() {
   deliver_until([&] {
     return steps_.refuse_waiting();
   });

@@ -36,8 +36,20 @@ class LockstepDriver {
                  Outbox& outbox, StatusPublisher& status, ReplyPublisher& replies,
                  const std::atomic<bool>& stop, Doorbell& doorbell);
 
-  /// Works until the stop.
+  /// Works until the stop, in a thread of its own.
   void run();
+
+  // The parts of `run`, for a bench without a thread:
+
+  /// Shows the axes for the first time.
+  void begin();
+
+  /// Takes what arrived first, lets time pass as far as the steps allow, and answers.
+  /// @return whether there may be more.
+  bool round();
+
+  /// Refuses the steps that wait.
+  void end();
 
   /// Counts rounds and ticks: it grows while the driver makes progress.
   [[nodiscard]] const Counter& beats() const noexcept { return beats_; }
@@ -52,7 +64,6 @@ class LockstepDriver {
   void run_ticks(std::uint64_t ticks);
   void answer_steps(Clock::time_point now);
   void remove_absent(Clock::time_point now);
-  void refuse_steps();
 
   template <typename IsDone>
   void deliver_until(const IsDone& is_done);

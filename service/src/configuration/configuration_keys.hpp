@@ -21,8 +21,8 @@ struct ParsedConfiguration {
   ParsedAxes axes;  ///< empty = those of `configuration`
 };
 
-/// The keys of a configuration, and of the sections that they begin: bench, clock, status, watchdog,
-/// wire, metrics, network, axes.
+/// The keys of a configuration, and of the sections that they begin: bench, clock, status,
+/// watchdog, wire, metrics, network, axes.
 [[nodiscard]] std::span<const ConfigurationRow<ParsedConfiguration>> configuration_rows() noexcept;
 
 /// Every key of an element of `axes`.

@@ -40,8 +40,8 @@ struct ConfigurationRow {
   /// Takes a whole number within `limits`.
   void (*set)(Owner& owner, std::int64_t value) = nullptr;
 
-  /// Takes a value that `set` cannot: one that is not, or not only, a whole number. Then there is no
-  /// `set`.
+  /// Takes a value that `set` cannot: one that is not, or not only, a whole number. Then there is
+  /// no `set`.
   void (*read)(const YamlValue& value, Owner& owner) = nullptr;
 
   /// Prints the value.

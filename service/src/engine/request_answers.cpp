@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/request_answers.hpp"
 
-#include "vdrive/wire/conversion.hpp"
-
 #include <algorithm>
 #include <utility>
 
@@ -52,7 +50,7 @@ void RequestAnswers::begin(const Arrival& arrival, OutgoingReply& outgoing) cons
   reply.missing_stepper(0);
   reply.tick(clock_.tick());
   reply.objects().clear();
-  reply.statuses().clear();
+  outgoing.axes.clear();
 }
 
 void RequestAnswers::finish(std::uint64_t session, Reason reason, msg::Reply& reply) {
@@ -80,13 +78,9 @@ void RequestAnswers::finish(std::uint64_t session, Reason reason, msg::Reply& re
   if (reply.reason() != msg::REASON_WRONG_INCARNATION) keep(reply);
 }
 
-/// Without statuses, of which there may be very many.
-void RequestAnswers::keep(msg::Reply& reply) {
-  if (auto* const kept = memory_.keep(reply.client(), reply.request_id())) {
-    std::swap(reply.statuses(), statuses_);
-    *kept = reply;
-    std::swap(reply.statuses(), statuses_);
-  }
+/// Without the axes that it shows, of which there may be very many.
+void RequestAnswers::keep(const msg::Reply& reply) {
+  if (auto* const kept = memory_.keep(reply.client(), reply.request_id())) *kept = reply;
 }
 
 Fate RequestAnswers::fate_of(const msg::Request& request) const noexcept {
@@ -110,7 +104,7 @@ void RequestAnswers::repeat(const Arrival& arrival) {
     const bool shows =
         reply.reason() == msg::REASON_NONE || reply.reason() == msg::REASON_MISSING_STEPPER;
     if (request.kind() == msg::REQUEST_STEP && shows && !unknown_axis(request)) {
-      add_statuses(request, reply);
+      add_statuses(request, *outgoing);
     }
   } else {
     finish(request.session(), msg::REASON_TOO_LATE, reply);
@@ -118,13 +112,13 @@ void RequestAnswers::repeat(const Arrival& arrival) {
   push();
 }
 
-void RequestAnswers::add_statuses(const msg::Request& request, msg::Reply& reply) const {
-  reply.statuses().resize(request.axes().size());
-  for (std::size_t position = 0; position < request.axes().size(); ++position) {
-    const std::uint16_t number = request.axes()[position];
+void RequestAnswers::add_statuses(const msg::Request& request, OutgoingReply& outgoing) const {
+  for (const std::uint16_t number : request.axes()) {
     const std::size_t axis = axes_.index_of_checked(number);
-    wire::to_message(axes_.bank().status(axis), {identity_.bench, number}, clock_.tick(),
-                     masters_.owner(axis), reply.statuses()[position]);
+    outgoing.axes.push_back({.number = number,
+                             .tick = clock_.tick(),
+                             .owner = masters_.owner(axis),
+                             .status = axes_.bank().status(axis)});
   }
 }
 

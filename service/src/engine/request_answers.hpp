@@ -14,7 +14,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <vector>
 
 namespace vdrive::service {
 
@@ -56,10 +55,10 @@ class RequestAnswers {
   void repeat(const Arrival& arrival);
 
   /// Adds the status of the axes that the request names, all of which exist.
-  void add_statuses(const msg::Request& request, msg::Reply& reply) const;
+  void add_statuses(const msg::Request& request, OutgoingReply& outgoing) const;
 
  private:
-  void keep(msg::Reply& reply);
+  void keep(const msg::Reply& reply);
 
   BenchIdentity identity_;
   const BenchClock& clock_;
@@ -68,8 +67,7 @@ class RequestAnswers {
   BenchEvents& events_;
   Ring<OutgoingReply>& queue_;
   Counters& counters_;
-  AnswerMemory<msg::Reply> memory_;        ///< by client and request id
-  std::vector<msg::AxisStatus> statuses_;  ///< empty: takes the place of what is not kept
+  AnswerMemory<msg::Reply> memory_;  ///< by client and request id
 };
 
 }  // namespace vdrive::service

@@ -190,7 +190,7 @@ void StepRequests::answer(const Arrival& arrival, Reason reason, std::uint64_t m
   reply.missing_stepper(missing_stepper);
   const msg::Request& request = arrival.request;
   if (reason == msg::REASON_NONE || reason == msg::REASON_MISSING_STEPPER) {
-    answers_.add_statuses(request, reply);
+    answers_.add_statuses(request, *outgoing);
   } else if (reason == msg::REASON_UNKNOWN_AXIS) {
     masters_.name_refused(*answers_.unknown_axis(request), reply);
   }

@@ -404,6 +404,7 @@ int parse_and_carry_out(int argument_count, const char* const* arguments) {
     return kUsage;
   }
   spdlog::set_default_logger(spdlog::stderr_color_mt("vdrived"));
+  is_program_of_vdrive() = true;
   spdlog::set_level(spdlog::level::from_str(given.log_level));
   try {
     refuse_empty_values(app);

@@ -5,35 +5,20 @@
 #include "base/counters.hpp"
 #include "configuration/configuration.hpp"
 #include "journal/journal_file.hpp"
+#include "run/bench_run.hpp"
 #include "store/parameter_store.hpp"
 
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <stdexcept>
 
 namespace vdrive::service {
 
-/// Another service has this bench number and started earlier.
-class BenchNumberTaken : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
-
 struct WireHost;
 
-/// A bench on the network: a BenchEngine with its threads, and a wire, which names DDS and runs as
-/// a process of its own or as threads of this one. They meet in rings of bytes.
-///
-/// | thread    | does                                                              |
-/// | --------- | ----------------------------------------------------------------- |
-/// | receive   | (of the library, in the wire) puts arrivals into a ring           |
-/// | tick      | nothing but ticks; lock-step: steps, replies and status           |
-/// | status    | not in lock-step: encodes status frames and samples of axes       |
-/// | reporter  | events, parameters, bench_state, the wire's health; not in        |
-/// |           | lock-step: replies                                                |
-/// | journal   | writes the journal, where there is one                            |
-/// | saver     | saves parameters, where there is a place to save them             |
+/// A bench on the network: a bench that runs, its metrics, and a wire, which names DDS and runs as
+/// a process of its own or as threads of this one. Its receive thread, of the library, puts
+/// arrivals into a ring.
 class Service {
  public:
   /// Sets everything up; the bench is not announced yet.
@@ -91,8 +76,8 @@ class Service {
   [[nodiscard]] const Counters& counters() const noexcept;
 
  private:
-  class Threads;
-  std::unique_ptr<Threads> threads_;
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
 };
 
 }  // namespace vdrive::service

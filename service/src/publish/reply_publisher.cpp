@@ -8,7 +8,7 @@ ReplyPublisher::ReplyPublisher(WireLink& link, const BenchIdentity& identity, Co
 
 void ReplyPublisher::deliver(Inbox& inbox, Outbox& outbox) {
   while (const OutgoingReply* const outgoing = outbox.replies.front()) {
-    if (!link_.post_to(outgoing->destination, outgoing->reply)) break;
+    if (!link_.post_to(outgoing->destination, outgoing->reply, outgoing->axes)) break;
     outbox.replies.pop();
   }
   while (const msg::CommandReply* const reply = outbox.command_replies.front()) {

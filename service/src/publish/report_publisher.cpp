@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "publish/report_publisher.hpp"
 
+#include "base/log.hpp"
 #include "publish/event_text.hpp"
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/wire/conversion.hpp"
@@ -156,7 +157,7 @@ void ReportPublisher::publish_event(const CountedEvent& counted) {
   history_.push_back(event_);
   write(event_);
   counters_.events_sent.add();
-  if (const auto level = level_of(event); spdlog::should_log(level)) {
+  if (const auto level = level_of(event); is_logged(level)) {
     spdlog::log(level, log_line(identity_.bench, event, suppressed));
   }
 }

@@ -9,6 +9,7 @@
 #include "vdrive/axis_status.hpp"
 #include "vdrive/wire/codec.hpp"
 #include "vdrive/wire/conversion.hpp"
+#include "vdrive/wire/reply.hpp"
 #include "vdrive/wire/source.hpp"
 #include "vdrive/wire/topics.hpp"
 #include "vdrive_messages.h"
@@ -96,7 +97,8 @@ class Inbox {
 /// An answer and whom it is for.
 struct OutgoingReply {
   wire::Source destination;
-  msg::Reply reply;
+  msg::Reply reply;                   ///< without its statuses
+  std::vector<wire::ShownAxis> axes;  ///< whose status it shows
 };
 
 /// Status images of all axes after one tick.

@@ -17,6 +17,19 @@ ByteRing& WireLink::ring(Lane lane) noexcept {
   return lane == Lane::status ? status_ : lane == Lane::replies ? replies_ : reports_;
 }
 
+bool WireLink::post_to(const wire::Source& destination, const msg::Reply& reply,
+                       std::span<const wire::ShownAxis> axes) {
+  const auto place = replies_.reserve(wire::encoded_reply_size(reply, axes.size()));
+  if (!place) return false;
+  const auto size = static_cast<std::uint32_t>(wire::encode_reply(reply, axes, *place));
+  replies_.commit({.size = size,
+                   .full_size = size,
+                   .topic = static_cast<std::uint16_t>(wire::Topic<msg::Reply>::kId),
+                   .flags = RecordHead::kForOne,
+                   .party = destination});
+  return true;
+}
+
 void WireLink::flush(Lane lane) {
   if (sender_ != nullptr) {
     while (sender_->drain(lane)) {

@@ -4,6 +4,7 @@
 #include "seam/lane_sender.hpp"
 #include "seam/wire_region.hpp"
 #include "vdrive/wire/codec.hpp"
+#include "vdrive/wire/reply.hpp"
 #include "vdrive/wire/topics.hpp"
 
 #include <cstddef>
@@ -32,13 +33,9 @@ class WireLink {
   }
 
   /// Likewise an answer, which waits until `destination` can be reached.
-  template <typename Message>
-  [[nodiscard]] bool post_to(const wire::Source& destination, const Message& message) {
-    return post(Lane::replies, message,
-                {.topic = static_cast<std::uint16_t>(wire::Topic<Message>::kId),
-                 .flags = RecordHead::kForOne,
-                 .party = destination});
-  }
+  /// @param axes that it shows, in place of the statuses of `reply`
+  [[nodiscard]] bool post_to(const wire::Source& destination, const msg::Reply& reply,
+                             std::span<const wire::ShownAxis> axes = {});
 
   /// The producer's end of a lane that leaves the engine, for what is encoded in place.
   [[nodiscard]] ByteRing& ring(Lane lane) noexcept;

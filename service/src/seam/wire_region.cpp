@@ -78,13 +78,27 @@ WireSettings unpacked(std::span<const std::uint8_t> bytes) {
   return settings;
 }
 
+/// @param descriptor -1 for memory of this process alone
 std::span<std::byte> map(int descriptor, std::size_t size) {
+  const int flags = descriptor < 0 ? MAP_PRIVATE | MAP_ANONYMOUS : MAP_SHARED;
   // The kernel's answer is MAP_FAILED, a cast of -1.
-  void* const memory = mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0);
+  void* const memory = mmap(nullptr, size, PROT_READ | PROT_WRITE, flags, descriptor, 0);
   if (memory == MAP_FAILED) {  // NOLINT(*-cstyle-cast, performance-no-int-to-ptr)
     fail("memory between engine and wire");
   }
   return {static_cast<std::byte*>(memory), size};
+}
+
+/// @return the descriptor of memory of that size.
+int shared_memory(std::size_t size) {
+  const int descriptor = memfd_create("vdrive-wire", MFD_CLOEXEC | MFD_ALLOW_SEALING);
+  // Sealed: a wire that made it shorter would end the engine by SIGBUS.
+  if (descriptor < 0 || ftruncate(descriptor, static_cast<off_t>(size)) != 0 ||
+      fcntl(descriptor, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) !=
+          0) {  // NOLINT(*-vararg)
+    fail("memory between engine and wire");
+  }
+  return descriptor;
 }
 
 }  // namespace
@@ -119,17 +133,10 @@ bool SharedSources::may_contain(const wire::Source& source) const noexcept {
   return version % 2 != 0 || version_.load() != version;
 }
 
-WireRegion::WireRegion(const WireSettings& settings)
-    : descriptor_(memfd_create("vdrive-wire", MFD_CLOEXEC | MFD_ALLOW_SEALING)),
-      settings_(packed(settings)),
-      status_room_(settings.status_room) {
+WireRegion::WireRegion(const WireSettings& settings, Sharing sharing)
+    : settings_(packed(settings)), status_room_(settings.status_room) {
   const std::size_t size = kFixedSize + status_room_;
-  // Sealed: a wire that made it shorter would end the engine by SIGBUS.
-  if (descriptor_ < 0 || ftruncate(descriptor_, static_cast<off_t>(size)) != 0 ||
-      fcntl(descriptor_, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) !=
-          0) {  // NOLINT(*-vararg)
-    fail("memory between engine and wire");
-  }
+  if (sharing == Sharing::by_descriptor) descriptor_ = shared_memory(size);
   memory_ = map(descriptor_, size);
   control_ = new (memory_.data()) WireControl;  // NOLINT(*-owning-memory): it lies in the region
   if (settings_.size() > control_->settings.size()) {
@@ -183,7 +190,7 @@ WireRegion WireRegion::attach(int descriptor) {
 WireRegion::~WireRegion() {
   if (!memory_.empty()) {
     munmap(memory_.data(), memory_.size());
-    close(descriptor_);
+    if (descriptor_ >= 0) close(descriptor_);
   }
 }
 

@@ -108,9 +108,13 @@ struct WireSettings {
 /// use it like two processes.
 class WireRegion {
  public:
-  /// Makes a region that a child process can map by its descriptor.
+  enum class Sharing : std::uint8_t {
+    by_descriptor,  ///< a child process can map it
+    none,           ///< memory of this process alone; no descriptor
+  };
+
   /// @throws std::system_error when the kernel gives no memory.
-  explicit WireRegion(const WireSettings& settings);
+  explicit WireRegion(const WireSettings& settings, Sharing sharing = Sharing::by_descriptor);
 
   /// Maps the region behind a descriptor that was inherited.
   /// @throws std::system_error; std::runtime_error when it is not a region of this version.

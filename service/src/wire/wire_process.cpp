@@ -195,6 +195,7 @@ int run_wire_process(int region_descriptor) {
   try {
     const WireSettings settings = region.settings();
     spdlog::set_default_logger(spdlog::stderr_color_mt("vdrived-wire"));
+    is_program_of_vdrive() = true;
     spdlog::set_level(spdlog::level::from_str(settings.log_level));
     const wire::LibraryLog library_log(log_of_the_library(settings.bench));
     if (control.generation.load() > 1) {

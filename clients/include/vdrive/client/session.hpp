@@ -18,6 +18,10 @@
 #include <string_view>
 #include <vector>
 
+namespace vdrive::wire {
+class LocalBus;  ///< opaque: a bench in this process makes it
+}  // namespace vdrive::wire
+
 namespace vdrive::client {
 
 class AxisGroup;
@@ -61,6 +65,10 @@ struct SessionOptions {
   /// follower counts what it missed. One shorter than `silence` acts as `silence`. In neither of
   /// them counts a time in which this program did not run itself: stopped, or without a processor.
   std::chrono::milliseconds patience{10'000};
+  /// The benches of this process that the session sees (vdrive::bench::Bench::bus); nothing = those
+  /// of the network. With a bus no option of the network counts, and a bench is there or not: no
+  /// silence and no patience count either.
+  std::shared_ptr<wire::LocalBus> bus{};
 };
 
 /// What happened to a service.

@@ -13,6 +13,8 @@
 
 namespace vdrive::wire {
 
+class WriterEnd;  ///< known inside the wire room only
+
 /// Writes samples that were encoded elsewhere (vdrive/wire/codec.hpp) on a topic, with the topic's
 /// QoS: like `Publication`, for a program that does not decode messages.
 class BytesPublication {
@@ -43,8 +45,7 @@ class BytesPublication {
   [[nodiscard]] bool wait_for_acknowledged(std::chrono::milliseconds timeout);
 
  private:
-  struct Entities;
-  std::unique_ptr<Entities> entities_;
+  std::unique_ptr<WriterEnd> writer_;
 };
 
 }  // namespace vdrive::wire

@@ -4,12 +4,15 @@
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/topics.hpp"
 
+#include <chrono>
 #include <cstddef>
 #include <functional>
 #include <memory>
 #include <span>
 
 namespace vdrive::wire {
+
+class ReaderEnd;  ///< known inside the wire room only
 
 /// Receives the samples of a topic as bytes: like `Subscription`, for a program that does not
 /// decode messages. Nothing about the bytes is checked but their length, which is at most twice the
@@ -33,12 +36,14 @@ class BytesSubscription {
   /// @return how many publications match now.
   [[nodiscard]] std::size_t matched() const noexcept;
 
+  /// Waits until a publication of the participant that sent from `source` matches.
+  [[nodiscard]] bool wait_for_match(const Source& source, std::chrono::milliseconds timeout);
+
   /// @return samples that the library reported as lost or rejected.
   [[nodiscard]] std::size_t lost() const noexcept;
 
  private:
-  struct Entities;
-  std::unique_ptr<Entities> entities_;
+  std::unique_ptr<ReaderEnd> reader_;
 };
 
 }  // namespace vdrive::wire

@@ -14,14 +14,15 @@
 
 namespace vdrive::wire {
 
-class Guard;  ///< known inside the wire room only
+class Backend;   ///< known inside the wire room only
+class LocalBus;  ///< vdrive/wire/local_bus.hpp
 
 /// What a participant is for. A client ignores other clients, so that the joins and leaves of many
 /// clients cost nothing.
 enum class Role : std::uint8_t { other, service, client };
 
 /// Where a participant may be reached, and how it finds others. The default is loopback UDP only,
-/// with multicast.
+/// with multicast. With a local bus there is no network, and only `bus` and `role` count.
 struct NetworkSettings {
   std::uint32_t domain = 0;  ///< DDS domain, 0 to 232
   std::vector<std::string>
@@ -35,6 +36,7 @@ struct NetworkSettings {
       Role::other;         ///< client: ignores participants named "vdrive client" or "vdrive probe"
   bool guard = true;       ///< false shows in tests what the library does without it
   GuardSink guard_sink{};  ///< receives each refusal of the guard
+  std::shared_ptr<LocalBus> bus{};  ///< of this process; nothing = DDS
 };
 
 /// What a client asks the kernel for as the receive buffer of each of its sockets, as far as
@@ -62,14 +64,15 @@ struct OtherParticipant {
   bool is_closed = false;  ///< it has DDS Security: only participants of its closed mode meet it
 };
 
-/// A DDS domain participant: no type objects on the wire. Announces itself every 100 ms with a
-/// lease of 600 s (2 s to a discovery server); its guard removes participants of vdrive after 2.5 s
-/// of silence, others after the lease that they announce. Owns everything below it; must outlive
-/// its publications and subscriptions.
+/// A program's place among those that exchange the messages of vdrive: a DDS domain participant, or
+/// a place on the local bus of this process. Must outlive its publications and subscriptions.
+/// Over DDS it shows no type objects, and announces itself every 100 ms with a lease of 600 s (2 s
+/// to a discovery server); its guard removes participants of vdrive after 2.5 s of silence, others
+/// after the lease that they announce.
 class Participant {
  public:
   /// @throws NetworkError when the domain is out of range, the security material is not in order,
-  ///         or DDS refuses the participant.
+  ///         DDS refuses the participant, or another service on the local bus has this name.
   Participant(const NetworkSettings& settings, const std::string& name);
   ~Participant();
   Participant(const Participant&) = delete;
@@ -86,16 +89,26 @@ class Participant {
   ///         are known before their writers and readers are.
   [[nodiscard]] std::vector<OtherParticipant> others(std::string_view beginning = "") const;
 
+  /// @return whether `others` are all that there are, each as long as it lives. Over a network a
+  ///         participant that is there may not be known yet, and one that has died still is.
+  [[nodiscard]] bool knows_who_is_there() const noexcept;
+
+  /// @return whether the participant `source` is there, where `knows_who_is_there`; otherwise
+  /// false.
+  [[nodiscard]] bool has(const Source& source) const noexcept;
+
+  /// Runs what benches of this process leave to the threads of their clients (LocalBus::add_work).
+  /// Over DDS there is nothing. The caller holds no lock that a handler of a subscription takes.
+  /// @return whether there was anything.
+  bool run_local_work();
+
   /// @return what the guard has done; all zero without a guard.
   [[nodiscard]] GuardCounts guarded() const;
 
-  struct Entities;  ///< DDS objects, known inside the wire room only
-
-  [[nodiscard]] Entities& entities() noexcept { return *entities_; }
+  [[nodiscard]] Backend& backend() noexcept { return *backend_; }
 
  private:
-  std::shared_ptr<Guard> guard_;  ///< none without
-  std::unique_ptr<Entities> entities_;
+  std::unique_ptr<Backend> backend_;
 };
 
 /// Announces the end of a participant that died without leaving, such as a network process that was

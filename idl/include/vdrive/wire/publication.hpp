@@ -11,6 +11,8 @@
 
 namespace vdrive::wire {
 
+class WriterEnd;  ///< known inside the wire room only
+
 /// What publications of all message types have in common.
 class AnyPublication {
  public:
@@ -39,8 +41,7 @@ class AnyPublication {
   [[nodiscard]] bool write_message(const void* message) noexcept;
 
  private:
-  struct Entities;
-  std::unique_ptr<Entities> entities_;
+  std::unique_ptr<WriterEnd> writer_;
 };
 
 /// Writes messages of one type of topics.hpp on its topic, with the topic's QoS.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "others.hpp"
+#include "dds/others.hpp"
 
-#include "entities.hpp"
+#include "dds/entities.hpp"
 
 namespace vdrive::wire {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bytes_type.hpp"
+#include "dds/bytes_type.hpp"
 
-#include "message_types.hpp"
+#include "dds/message_type.hpp"
 #include "vdrive/wire/codec.hpp"
 
 #include <algorithm>
@@ -11,17 +11,6 @@ namespace vdrive::wire {
 namespace {
 
 namespace rtps = eprosima::fastrtps::rtps;
-
-constexpr std::size_t size_of_key(TopicKey key) noexcept {
-  switch (key) {
-    case TopicKey::bench:
-      return 4;
-    case TopicKey::bench_and_number:
-      return 6;
-    default:
-      return 0;
-  }
-}
 
 /// The key hash of DDS: the key members, each with its highest byte first.
 std::array<std::byte, kKeyHashSize> key_of(std::span<const std::byte> sample,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "program/bench_guard.hpp"
+#include "run/bench_guard.hpp"
 
 #include "vdrive/wire/codec.hpp"
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "entities.hpp"
+#include "backend.hpp"
+#include "dds/bytes_type.hpp"
+#include "dds/entities.hpp"
 
 #include <fastdds/dds/subscriber/DataReader.hpp>
 #include <fastdds/dds/subscriber/DataReaderListener.hpp>
@@ -11,34 +13,32 @@
 #include <cstddef>
 #include <functional>
 #include <mutex>
+#include <span>
 #include <string>
 
 namespace vdrive::wire {
 
-/// The DDS reader of a topic, who matches it and what it lost; what subscriptions of messages and
-/// of bytes share. Samples are delivered one at a time.
-class Reader final : public eprosima::fastdds::dds::DataReaderListener {
+/// The DDS reader of a topic, who matches it and what it lost. Samples are delivered one at a time.
+class Reader : public ReaderEnd, public eprosima::fastdds::dds::DataReaderListener {
  public:
   /// Runs for each sample that was taken into the `data` of the constructor.
   using Deliver = std::function<void(const WriterId& writer)>;
 
   /// @param data what the type support fills; outlives this
   /// @throws NetworkError as `Subscription` does
-  Reader(Participant::Entities& parent, TopicId topic,
-         const eprosima::fastdds::dds::TypeSupport& type, void* data, Deliver deliver);
+  Reader(DdsEntities& parent, TopicId topic, const eprosima::fastdds::dds::TypeSupport& type,
+         void* data, Deliver deliver);
 
   /// The same on a topic of another contract.
   /// @param topic in full
-  Reader(Participant::Entities& parent, const std::string& topic,
+  Reader(DdsEntities& parent, const std::string& topic,
          const eprosima::fastdds::dds::TypeSupport& type,
          const eprosima::fastdds::dds::DataReaderQos& qos, void* data, Deliver deliver);
   ~Reader() override;  ///< nothing is delivered after this returns
   Reader(const Reader&) = delete;
   Reader& operator=(const Reader&) = delete;
 
-  [[nodiscard]] Matches& matches() noexcept { return matches_; }
-
-  [[nodiscard]] std::size_t lost() const noexcept { return lost_; }
+  [[nodiscard]] std::size_t lost() const noexcept override { return lost_; }
 
   void on_data_available(eprosima::fastdds::dds::DataReader* source) override;
   void on_subscription_matched(
@@ -54,10 +54,21 @@ class Reader final : public eprosima::fastdds::dds::DataReaderListener {
   Deliver deliver_;
   eprosima::fastdds::dds::Subscriber* subscriber_ = nullptr;
   eprosima::fastdds::dds::DataReader* reader_ = nullptr;
-  Matches matches_;
   std::atomic<std::size_t> lost_{0};
   std::mutex mutex_;
   bool closed_ = false;
+};
+
+/// What a reader of bytes fills; there before the reader is.
+struct BytesIntake {
+  std::function<void(std::span<const std::byte>)> take;
+  BytesSample sample{};
+};
+
+/// A reader that passes samples on as bytes.
+class BytesReader final : private BytesIntake, public Reader {
+ public:
+  BytesReader(DdsEntities& parent, TopicId topic, Intake intake);
 };
 
 }  // namespace vdrive::wire

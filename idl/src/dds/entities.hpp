@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "others.hpp"
+#include "dds/others.hpp"
+#include "matches.hpp"
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/security.hpp"
 #include "vdrive/wire/source.hpp"
-#include "vdrive/wire/topics.hpp"
-#include "vdrive/wire/writer_id.hpp"
 
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/publisher/Publisher.hpp>
@@ -14,19 +13,14 @@
 #include <fastdds/dds/topic/Topic.hpp>
 #include <fastdds/dds/topic/TypeSupport.hpp>
 
-#include <chrono>
-#include <condition_variable>
-#include <map>
 #include <mutex>
 #include <optional>
 #include <string>
-#include <string_view>
-#include <vector>
 
 namespace vdrive::wire {
 
 /// DDS objects of a participant. One publisher, one subscriber, each topic once.
-struct Participant::Entities {
+struct DdsEntities {
   eprosima::fastdds::dds::DomainParticipant* participant = nullptr;
   eprosima::fastdds::dds::Publisher* publisher = nullptr;
   eprosima::fastdds::dds::Subscriber* subscriber = nullptr;
@@ -49,28 +43,12 @@ struct Participant::Entities {
 /// @return the participant that `handle` belongs to.
 [[nodiscard]] Source source_of(const eprosima::fastrtps::rtps::InstanceHandle_t& handle) noexcept;
 
-/// @return the writer that `handle` means.
-[[nodiscard]] WriterId writer_of(const eprosima::fastrtps::rtps::InstanceHandle_t& handle) noexcept;
+/// @return the writer or reader that `handle` means.
+[[nodiscard]] EndpointId endpoint_of(
+    const eprosima::fastrtps::rtps::InstanceHandle_t& handle) noexcept;
 
-/// Which remote endpoints match, to be waited for. Filled by a listener.
-class Matches {
- public:
-  /// @param change +1 matched, -1 unmatched
-  void update(const eprosima::fastrtps::rtps::InstanceHandle_t& endpoint, int change);
-
-  [[nodiscard]] std::size_t count() const;
-
-  /// @return the participants of the endpoints, in the order of their matches.
-  [[nodiscard]] std::vector<Source> sources() const;
-  [[nodiscard]] bool wait_for(std::size_t count, std::chrono::milliseconds timeout);
-  [[nodiscard]] bool wait_for(const Source& source, std::chrono::milliseconds timeout);
-
- private:
-  [[nodiscard]] bool contains(const Source& source) const;
-
-  mutable std::mutex mutex_;
-  std::condition_variable changed_;
-  std::vector<eprosima::fastrtps::rtps::InstanceHandle_t> endpoints_;
-};
+/// @return the DDS objects of a participant.
+/// @throws NetworkError when it is on a local bus
+[[nodiscard]] DdsEntities& dds_entities(Participant& participant);
 
 }  // namespace vdrive::wire

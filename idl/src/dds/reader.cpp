@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reader.hpp"
+#include "dds/reader.hpp"
 
-#include "quality.hpp"
+#include "dds/quality.hpp"
 
 #include <string>
 #include <utility>
@@ -10,14 +10,13 @@ namespace vdrive::wire {
 
 namespace dds = eprosima::fastdds::dds;
 
-Reader::Reader(Participant::Entities& parent, TopicId topic, const dds::TypeSupport& type,
-               void* data, Deliver deliver)
+Reader::Reader(DdsEntities& parent, TopicId topic, const dds::TypeSupport& type, void* data,
+               Deliver deliver)
     : Reader(parent, std::string(kTopicPrefix) + std::string(traits_of(topic).name), type,
              reader_qos(traits_of(topic)), data, std::move(deliver)) {}
 
-Reader::Reader(Participant::Entities& parent, const std::string& topic,
-               const dds::TypeSupport& type, const dds::DataReaderQos& qos, void* data,
-               Deliver deliver)
+Reader::Reader(DdsEntities& parent, const std::string& topic, const dds::TypeSupport& type,
+               const dds::DataReaderQos& qos, void* data, Deliver deliver)
     : data_(data), deliver_(std::move(deliver)), subscriber_(parent.subscriber) {
   auto* const its_topic = parent.topic(topic, type);
   {
@@ -46,13 +45,18 @@ void Reader::on_data_available(dds::DataReader* source) {
   dds::SampleInfo info;
   while (!closed_ && source->take_next_sample(data_, &info) ==
                          eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
-    if (info.valid_data) deliver_(writer_of(info.publication_handle));
+    if (info.valid_data) deliver_(endpoint_of(info.publication_handle));
   }
 }
 
 void Reader::on_subscription_matched(dds::DataReader* /*reader*/,
                                      const dds::SubscriptionMatchedStatus& status) {
-  matches_.update(status.last_publication_handle, status.current_count_change);
+  const EndpointId writer = endpoint_of(status.last_publication_handle);
+  if (status.current_count_change > 0) {
+    matches_.add(writer);
+  } else {
+    matches_.remove(writer);
+  }
 }
 
 void Reader::on_sample_lost(dds::DataReader* /*reader*/, const dds::SampleLostStatus& status) {
@@ -62,6 +66,15 @@ void Reader::on_sample_lost(dds::DataReader* /*reader*/, const dds::SampleLostSt
 void Reader::on_sample_rejected(dds::DataReader* /*reader*/,
                                 const dds::SampleRejectedStatus& status) {
   lost_ += static_cast<std::size_t>(status.total_count_change);
+}
+
+BytesReader::BytesReader(DdsEntities& parent, TopicId topic, Intake intake)
+    : BytesIntake{.take = std::move(intake.take)},
+      Reader(parent, topic, dds::TypeSupport(new BytesType(topic)), &sample,
+             [deliver = std::move(intake.deliver)](const EndpointId& writer) {
+               deliver(writer.source);
+             }) {
+  sample.take = &take;
 }
 
 }  // namespace vdrive::wire

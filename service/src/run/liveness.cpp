@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "program/liveness.hpp"
+#include "run/liveness.hpp"
 
 #include <algorithm>
 

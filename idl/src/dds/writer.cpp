@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "writer.hpp"
+#include "dds/writer.hpp"
 
-#include "quality.hpp"
+#include "dds/bytes_type.hpp"
+#include "dds/quality.hpp"
 
 #include <cstddef>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -11,14 +13,12 @@ namespace vdrive::wire {
 
 namespace dds = eprosima::fastdds::dds;
 
-Writer::Writer(Participant::Entities& parent, TopicId topic, const dds::TypeSupport& type,
-               std::function<void(const std::vector<Source>&)> observer)
+Writer::Writer(DdsEntities& parent, TopicId topic, const dds::TypeSupport& type, Observer observer)
     : Writer(parent, std::string(kTopicPrefix) + std::string(traits_of(topic).name), type,
              writer_qos(traits_of(topic)), std::move(observer)) {}
 
-Writer::Writer(Participant::Entities& parent, const std::string& name, const dds::TypeSupport& type,
-               const dds::DataWriterQos& qos,
-               std::function<void(const std::vector<Source>&)> observer)
+Writer::Writer(DdsEntities& parent, const std::string& name, const dds::TypeSupport& type,
+               const dds::DataWriterQos& qos, Observer observer)
     : publisher_(parent.publisher), observer_(std::move(observer)) {
   if (parent.permissions && !parent.permissions->may_publish(name)) {
     throw NotPermitted("the permissions of this identity do not allow publishing " + name);
@@ -64,8 +64,21 @@ bool Writer::wait_for_acknowledged(std::chrono::milliseconds timeout) {
 void Writer::on_publication_matched(dds::DataWriter* /*writer*/,
                                     const dds::PublicationMatchedStatus& status) {
   const std::lock_guard lock(observing_);
-  matches_.update(status.last_subscription_handle, status.current_count_change);
+  const EndpointId reader = endpoint_of(status.last_subscription_handle);
+  if (status.current_count_change > 0) {
+    matches_.add(reader);
+  } else {
+    matches_.remove(reader);
+  }
   if (observer_) observer_(matches_.sources());
+}
+
+BytesWriter::BytesWriter(DdsEntities& parent, TopicId topic, Observer observer)
+    : Writer(parent, topic, dds::TypeSupport(new BytesType(topic)), std::move(observer)) {}
+
+bool BytesWriter::write(const void* data) noexcept {
+  const BytesSample sample{.bytes = *static_cast<const std::span<const std::byte>*>(data)};
+  return Writer::write(&sample);
 }
 
 }  // namespace vdrive::wire

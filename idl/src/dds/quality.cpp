@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quality.hpp"
+#include "dds/quality.hpp"
 
 #include <cstdint>
 

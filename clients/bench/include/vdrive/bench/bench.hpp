@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/client/session.hpp"
+#include "vdrive/clock_mode.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+namespace vdrive::bench {
+
+/// A bench cannot be made as it was asked for. The message names what, where, the value and the
+/// limit.
+class BenchError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// What a bench is made of. The defaults are the demo bench of vdrived, two axes of the default
+/// motor and load, in lock-step.
+struct BenchOptions {
+  /// YAML as in the file of vdrived (docs/guides/configuration.md); empty = defaults. What is about
+  /// a network is refused: `network`, `metrics`, `wire`.
+  std::string configuration{};
+  std::filesystem::path configuration_file{};  ///< instead of `configuration`
+  std::optional<std::size_t> axes{};           ///< 1 to 16,384 default axes, instead of its own
+  /// Lock-step when neither this nor the configuration names one.
+  std::optional<ClockMode> clock{};
+  std::optional<std::uint32_t> number{};    ///< of the bench, 1 to 65,535
+  std::filesystem::path state_directory{};  ///< parameters can be stored here; empty = nowhere
+  std::filesystem::path journal{};          ///< file that a replay reads; empty = none
+  std::shared_ptr<wire::LocalBus> bus{};    ///< of another bench; empty = one of its own
+};
+
+/// A bench of virtual drives inside this process: the same drives, clock and control as those of
+/// vdrived, without a network. Sessions reach it by its bus, through the same interfaces.
+///
+/// In lock-step it has no thread: its work runs in the threads of the calls that wait for it, such
+/// as a step. In realtime and freerun it has threads of its own. Without a state directory and a
+/// journal it opens no file.
+///
+/// Thread-safe but for construction and destruction. It ends when it is destroyed, also while axes
+/// move and while sessions wait: their calls then return Lost.
+class Bench {
+ public:
+  /// @throws BenchError when an option is bad, a file cannot be read, or another bench on the bus
+  ///         has this number.
+  explicit Bench(const BenchOptions& options = {});
+  ~Bench();
+  Bench(Bench&& other) noexcept;
+  Bench& operator=(Bench&& other) noexcept;
+  Bench(const Bench&) = delete;
+  Bench& operator=(const Bench&) = delete;
+
+  /// What sessions and further benches need to meet this one.
+  [[nodiscard]] std::shared_ptr<wire::LocalBus> bus() const;
+
+  /// @return a session on the bus of this bench.
+  /// @throws what Session throws
+  [[nodiscard]] client::Session session(client::SessionOptions options = {}) const;
+
+  [[nodiscard]] std::uint32_t number() const noexcept;
+
+ private:
+  class Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace vdrive::bench

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdrive/bench/bench.hpp"
+
+#include "configuration/configuration.hpp"
+#include "configuration/configuration_file.hpp"
+#include "journal/journal_file.hpp"
+#include "local_wire.hpp"
+#include "run/bench_run.hpp"
+#include "settings/configuration_error.hpp"
+#include "store/parameter_store.hpp"
+#include "vdrive/wire/local_bus.hpp"
+#include "vdrive/wire/participant.hpp"
+
+#include <exception>
+#include <string>
+#include <utility>
+
+namespace vdrive::bench {
+namespace {
+
+using service::Configuration;
+using service::ConfigurationError;
+
+constexpr const char* kTextOfOptions = "configuration";
+
+Configuration read(const BenchOptions& options) {
+  if (!options.configuration.empty() && !options.configuration_file.empty()) {
+    throw BenchError("configuration and configuration_file are both given: name one of them");
+  }
+  if (!options.configuration_file.empty()) {
+    return service::load_configuration(options.configuration_file);
+  }
+  if (!options.configuration.empty()) {
+    return service::parse_configuration(options.configuration, kTextOfOptions);
+  }
+  Configuration configuration = service::demo_configuration();
+  configuration.clock = ClockMode::lockstep;
+  return configuration;
+}
+
+/// A bench in a process has no network: a key that asks for one is a mistake, not to be ignored.
+void refuse_network(const Configuration& configuration) {
+  const wire::NetworkSettings defaults;
+  const wire::NetworkSettings& network = configuration.network;
+  const auto refuse = [](const std::string& key) {
+    throw BenchError(key + " is for a bench on the network: a bench in this process has none; " +
+                     "leave it out, or start vdrived");
+  };
+  if (configuration.metrics_port) refuse("metrics.port");
+  if (configuration.wire_form) refuse("wire.form");
+  if (!network.interfaces.empty()) refuse("network.interfaces");
+  if (!network.peers.empty()) refuse("network.peers");
+  if (!network.discovery_servers.empty()) refuse("network.discovery_servers");
+  if (network.shared_memory != defaults.shared_memory) refuse("network.shared_memory");
+  if (!network.security.empty()) refuse("network.security");
+  if (network.domain != defaults.domain) refuse("network.domain");
+}
+
+Configuration configuration_of(const BenchOptions& options) {
+  Configuration configuration = read(options);
+  refuse_network(configuration);
+  if (options.axes) configuration.axes = service::default_axes(*options.axes);
+  if (options.clock) configuration.clock = *options.clock;
+  if (options.number) configuration.bench = *options.number;
+  configuration.network.bus = options.bus ? options.bus : std::make_shared<wire::LocalBus>();
+  service::check(configuration);
+  return configuration;
+}
+
+std::unique_ptr<service::ParameterStore> store_of(const BenchOptions& options,
+                                                  const Configuration& configuration) {
+  if (options.state_directory.empty()) return nullptr;
+  return service::open_parameter_store(options.state_directory.string(), configuration.bench);
+}
+
+service::JournalSink journal_of(const BenchOptions& options) {
+  return options.journal.empty() ? nullptr : service::open_journal(options.journal.string());
+}
+
+}  // namespace
+
+/// In the order of construction: nobody works for a bench that has ended.
+class Bench::Parts {
+ public:
+  Parts(Configuration configuration, service::JournalSink journal,
+        std::unique_ptr<service::ParameterStore> store)
+      : bus_(configuration.network.bus),
+        run_(
+            std::move(configuration), std::move(journal), std::move(store),
+            [](const Configuration& chosen, service::Counters& counters) {
+              return std::make_unique<LocalWire>(chosen, counters);
+            },
+            service::LockstepThreads::callers) {
+    run_.start();
+    if (run_.configuration().clock == ClockMode::lockstep) {
+      work_.emplace(bus_, [this] {
+        return run_.work();
+      });
+    }
+  }
+
+  ~Parts() {
+    run_.begin_end();  // first: a step that is under way must not make the end wait
+    work_.reset();
+  }
+
+  Parts(const Parts&) = delete;
+  Parts& operator=(const Parts&) = delete;
+
+  [[nodiscard]] const std::shared_ptr<wire::LocalBus>& bus() const noexcept { return bus_; }
+
+  [[nodiscard]] std::uint32_t number() const noexcept { return run_.identity().bench; }
+
+ private:
+  std::shared_ptr<wire::LocalBus> bus_;
+  service::BenchRun run_;
+  std::optional<wire::LocalBus::WorkPlace> work_;
+};
+
+Bench::Bench(const BenchOptions& options) {
+  try {
+    Configuration configuration = configuration_of(options);
+    auto store = store_of(options, configuration);
+    parts_ =
+        std::make_unique<Parts>(std::move(configuration), journal_of(options), std::move(store));
+  } catch (const BenchError&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw BenchError(error.what());
+  }
+}
+
+Bench::~Bench() = default;
+Bench::Bench(Bench&& other) noexcept = default;
+Bench& Bench::operator=(Bench&& other) noexcept = default;
+
+std::shared_ptr<wire::LocalBus> Bench::bus() const {
+  return parts_->bus();
+}
+
+client::Session Bench::session(client::SessionOptions options) const {
+  options.bus = parts_->bus();
+  return client::Session(options);
+}
+
+std::uint32_t Bench::number() const noexcept {
+  return parts_->number();
+}
+
+}  // namespace vdrive::bench

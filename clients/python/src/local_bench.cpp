@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+// A bench in the interpreter's process.
+#include "local_bench.hpp"
+
+#include "vdrive/clock_mode.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace vdrive::python {
+namespace {
+
+ClockMode clock_of(const std::string& name) {
+  for (const ClockMode mode : {ClockMode::lockstep, ClockMode::realtime, ClockMode::freerun}) {
+    if (name == to_string(mode)) return mode;
+  }
+  throw py::value_error(R"(clock is "lockstep", "realtime" or "freerun", not ")" + name + "\"");
+}
+
+std::shared_ptr<LocalBench> make(std::optional<std::size_t> axes, const std::string& config,
+                                 const std::string& clock, std::optional<std::uint32_t> number,
+                                 const std::string& state, const std::string& journal,
+                                 const std::shared_ptr<LocalBench>& beside) {
+  const bench::BenchOptions options{.configuration_file = config,
+                                    .axes = axes,
+                                    .clock = clock_of(clock),
+                                    .number = number,
+                                    .state_directory = state,
+                                    .journal = journal,
+                                    .bus = beside ? beside->bus() : nullptr};
+  try {
+    const py::gil_scoped_release unlocked;
+    return made_here<LocalBench>(options);
+  } catch (const bench::BenchError& error) {
+    raise_configuration_error(error.what());
+  }
+}
+
+}  // namespace
+
+std::shared_ptr<wire::LocalBus> LocalBench::bus() const {
+  origin_.require_own("the bench");
+  if (!bench_) raise(client::Outcome::failed("the bench has ended"));
+  return bench_->bus();
+}
+
+void LocalBench::close() {
+  if (origin_.is_inherited()) return;
+  // Without the interpreter lock: a call of another thread may have to end first, and needs it.
+  const py::gil_scoped_release unlocked;
+  bench_.reset();
+}
+
+void add_local_bench(py::module_& module) {
+  py::class_<LocalBench, std::shared_ptr<LocalBench>>(
+      module, "LocalBench", "A bench in this process; use it through vdrive.Bench.")
+      .def(py::init(&make), py::kw_only(), py::arg("axes") = py::none(), py::arg("config") = "",
+           py::arg("clock") = "lockstep", py::arg("number") = py::none(), py::arg("state") = "",
+           py::arg("journal") = "", py::arg("beside") = py::none(),
+           "Makes the bench, on the bus of `beside` if that is given.")
+      .def_property_readonly(
+          "number",
+          [](const LocalBench& self) {
+            return self.number();
+          },
+          "Its number on its bus.")
+      .def("close", &LocalBench::close, "Ends the bench.");
+}
+
+}  // namespace vdrive::python

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <memory>
+
+namespace vdrive::wire {
+
+/// The place where participants of one process exchange samples by function calls: no socket, no
+/// thread, no file. A sample is delivered in the thread that writes it, before `write` returns, to
+/// each subscription of its topic; none is lost. Topics keep what they keep over DDS for
+/// subscriptions that come later. Lives as long as its participants do. Thread-safe.
+class LocalBus {
+ public:
+  /// Runs what waits, as far as another thread does not run it already; does not wait itself.
+  /// @return whether there was anything.
+  using Work = std::function<bool()>;
+
+  LocalBus();
+  ~LocalBus();
+  LocalBus(const LocalBus&) = delete;
+  LocalBus& operator=(const LocalBus&) = delete;
+
+  /// While this object lives, threads of clients that wait for an answer run its work: so a bench
+  /// in lock-step needs no thread. The destructor waits for a thread that runs it.
+  class WorkPlace {
+   public:
+    WorkPlace(std::shared_ptr<LocalBus> bus, Work work);
+    ~WorkPlace();
+    WorkPlace(const WorkPlace&) = delete;
+    WorkPlace& operator=(const WorkPlace&) = delete;
+
+   private:
+    std::shared_ptr<LocalBus> bus_;
+    Work work_;
+  };
+
+  /// Runs the work of every place.
+  /// @return whether there was anything.
+  bool run_work();
+
+  struct Parts;  ///< known inside the wire room only
+
+  [[nodiscard]] Parts& parts() noexcept { return *parts_; }
+
+ private:
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace vdrive::wire

@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "local/local_backend.hpp"
+
+#include "message_support.hpp"
+#include "vdrive/text.hpp"
+#include "vdrive/wire/codec.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cstdint>
+#include <utility>
+
+namespace vdrive::wire {
+namespace {
+
+/// Numbers of participants and endpoints, unique in the process: a session that meets two buses one
+/// after the other must not take one bench for the other.
+std::uint64_t next_number() noexcept {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
+
+template <std::size_t Size>
+void put_number(std::array<std::uint8_t, Size>& bytes, std::uint64_t number) noexcept {
+  constexpr unsigned kBitsOfByte = 8;
+  for (std::size_t place = Size; place > 0 && number != 0; --place, number >>= kBitsOfByte) {
+    bytes[place - 1] = static_cast<std::uint8_t>(number);
+  }
+}
+
+Source new_source() noexcept {
+  Source source;
+  put_number(source.participant, next_number());
+  source.participant[0] = 'v';  // not all zero: that is no participant
+  return source;
+}
+
+EndpointId new_endpoint(const Source& source) noexcept {
+  EndpointId id{.source = source};
+  put_number(id.entity, next_number());
+  return id;
+}
+
+/// A participant of this kind ignores others of its kind.
+bool is_ignored(Role own, Role other) noexcept {
+  return own == Role::client && other == Role::client;
+}
+
+std::size_t place_of(TopicId topic) noexcept {
+  return static_cast<std::size_t>(topic);
+}
+
+}  // namespace
+
+// ---- bus ---------------------------------------------------------------------------------------
+
+LocalBus::LocalBus() : parts_(std::make_unique<Parts>()) {}
+
+LocalBus::~LocalBus() = default;
+
+LocalBus::WorkPlace::WorkPlace(std::shared_ptr<LocalBus> bus, Work work)
+    : bus_(std::move(bus)), work_(std::move(work)) {
+  const std::scoped_lock lock(bus_->parts().working);
+  bus_->parts().work.push_back(&work_);
+}
+
+LocalBus::WorkPlace::~WorkPlace() {
+  const std::scoped_lock lock(bus_->parts().working);
+  std::erase(bus_->parts().work, &work_);
+}
+
+bool LocalBus::run_work() {
+  const std::shared_lock lock(parts_->working);
+  bool has_worked = false;
+  for (const Work* const work : parts_->work) has_worked |= (*work)();
+  return has_worked;
+}
+
+// ---- participant -------------------------------------------------------------------------------
+
+std::unique_ptr<Backend> make_local_backend(const NetworkSettings& settings,
+                                            const std::string& name) {
+  return std::make_unique<LocalBackend>(settings.bus, settings.role, name);
+}
+
+LocalBackend::LocalBackend(std::shared_ptr<LocalBus> bus, Role role, std::string name)
+    : bus_(std::move(bus)), role_(role), name_(std::move(name)), source_(new_source()) {
+  auto& parts = bus_->parts();
+  const std::scoped_lock lock(parts.counting);
+  const bool is_taken =
+      role_ == Role::service && std::ranges::any_of(parts.participants, [this](const auto* other) {
+        return other->role_ == Role::service && other->name_ == name_;
+      });
+  if (is_taken) throw NetworkError(in_quotes(name_) + " is on this bus already");
+  parts.participants.push_back(this);
+}
+
+LocalBackend::~LocalBackend() {
+  const std::scoped_lock lock(bus_->parts().counting);
+  std::erase(bus_->parts().participants, this);
+}
+
+std::unique_ptr<WriterEnd> LocalBackend::make_writer(TopicId topic, Form form,
+                                                     WriterEnd::Observer observer) {
+  return std::make_unique<LocalWriter>(bus_, source_, topic, form, std::move(observer));
+}
+
+std::unique_ptr<ReaderEnd> LocalBackend::make_reader(TopicId topic, Intake intake) {
+  return std::make_unique<LocalReader>(bus_, source_, topic, std::move(intake));
+}
+
+std::vector<OtherParticipant> LocalBackend::others(std::string_view beginning) const {
+  const std::scoped_lock lock(bus_->parts().counting);
+  std::vector<OtherParticipant> others;
+  for (const LocalBackend* const other : bus_->parts().participants) {
+    if (other == this || is_ignored(role_, other->role_)) continue;
+    if (!other->name_.starts_with(beginning)) continue;
+    others.push_back({.name = other->name_, .source = other->source_});
+  }
+  return others;
+}
+
+bool LocalBackend::has(const Source& source) const noexcept {
+  const std::scoped_lock lock(bus_->parts().counting);
+  return std::ranges::any_of(bus_->parts().participants, [&](const LocalBackend* other) {
+    return other->source_ == source;
+  });
+}
+
+// ---- writer ------------------------------------------------------------------------------------
+
+LocalWriter::LocalWriter(std::shared_ptr<LocalBus> bus, const Source& source, TopicId topic,
+                         Backend::Form form, Observer observer)
+    : bus_(std::move(bus)),
+      id_(new_endpoint(source)),
+      topic_(topic),
+      form_(form),
+      observer_(std::move(observer)) {
+  auto& parts = bus_->parts();
+  const std::scoped_lock lock(parts.members);
+  parts.writers[place_of(topic_)].push_back(this);
+  for (LocalReader* const reader : parts.readers[place_of(topic_)]) {
+    matches_.add(reader->id());
+    reader->matches().add(id_);
+  }
+  if (matches_.count() != 0) report_matches();
+}
+
+LocalWriter::~LocalWriter() {
+  auto& parts = bus_->parts();
+  const std::scoped_lock lock(parts.members);
+  std::erase(parts.writers[place_of(topic_)], this);
+  for (LocalReader* const reader : parts.readers[place_of(topic_)]) reader->matches().remove(id_);
+}
+
+void LocalWriter::match(const LocalReader& reader) {
+  matches_.add(reader.id());
+  report_matches();
+}
+
+void LocalWriter::unmatch(const LocalReader& reader) {
+  matches_.remove(reader.id());
+  report_matches();
+}
+
+void LocalWriter::report_matches() const {
+  if (observer_) observer_(matches_.sources());
+}
+
+bool LocalWriter::write(const void* data) noexcept {
+  try {
+    if (form_ == Backend::Form::bytes) {
+      publish(*static_cast<const std::span<const std::byte>*>(data));
+      return true;
+    }
+    thread_local std::vector<std::byte> sample;  // keeps its capacity
+    sample.resize(support_of(topic_).encoded_size(data));
+    const std::size_t size = support_of(topic_).encode(data, sample);
+    publish(std::span(sample).first(size));
+    return size != 0;
+  } catch (...) {  // no memory
+    return false;
+  }
+}
+
+void LocalWriter::publish(std::span<const std::byte> sample) {
+  const std::shared_lock lock(bus_->parts().members);
+  const std::scoped_lock writing(writing_);
+  if (traits_of(topic_).transient_local) keep(sample);
+  for (LocalReader* const reader : bus_->parts().readers[place_of(topic_)]) {
+    reader->take(sample, id_.source);
+  }
+}
+
+void LocalWriter::keep(std::span<const std::byte> sample) {
+  const auto key = sample.subspan(std::min(sample.size(), kEncapsulation),
+                                  std::min(sample.size() - std::min(sample.size(), kEncapsulation),
+                                           size_of_key(traits_of(topic_).key)));
+  auto& kept = history_[{key.begin(), key.end()}];
+  if (kept.size() == static_cast<std::size_t>(traits_of(topic_).depth)) kept.pop_front();
+  kept.emplace_back(sample.begin(), sample.end());
+}
+
+void LocalWriter::replay(LocalReader& reader) const {
+  for (const auto& [key, samples] : history_) {
+    for (const auto& sample : samples) reader.take(sample, id_.source);
+  }
+}
+
+// ---- reader ------------------------------------------------------------------------------------
+
+LocalReader::LocalReader(std::shared_ptr<LocalBus> bus, const Source& source, TopicId topic,
+                         Intake intake)
+    : bus_(std::move(bus)), id_(new_endpoint(source)), topic_(topic), intake_(std::move(intake)) {
+  auto& parts = bus_->parts();
+  const std::scoped_lock lock(parts.members);
+  parts.readers[place_of(topic_)].push_back(this);
+  for (LocalWriter* const writer : parts.writers[place_of(topic_)]) {
+    matches_.add(writer->id());
+    writer->match(*this);
+    writer->replay(*this);
+  }
+}
+
+LocalReader::~LocalReader() {
+  auto& parts = bus_->parts();
+  const std::scoped_lock lock(parts.members);
+  std::erase(parts.readers[place_of(topic_)], this);
+  for (LocalWriter* const writer : parts.writers[place_of(topic_)]) writer->unmatch(*this);
+}
+
+void LocalReader::take(std::span<const std::byte> sample, const Source& source) {
+  const std::scoped_lock lock(taking_);
+  if (intake_.message == nullptr) {
+    intake_.take(sample);
+  } else if (!support_of(topic_).read(sample, intake_.message)) {
+    return;
+  }
+  intake_.deliver(source);
+}
+
+}  // namespace vdrive::wire

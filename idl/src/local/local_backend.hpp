@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "backend.hpp"
+#include "vdrive/wire/local_bus.hpp"
+
+#include <array>
+#include <cstddef>
+#include <deque>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <shared_mutex>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace vdrive::wire {
+
+class LocalBackend;
+class LocalReader;
+class LocalWriter;
+
+/// Who is on a bus. A thread that delivers a sample has `members` shared; a reader or writer that
+/// comes or goes has it alone, so that nothing is delivered to what has gone.
+struct LocalBus::Parts {
+  std::mutex counting;  ///< no other lock is taken with it: handlers ask who is there
+  std::vector<const LocalBackend*> participants;
+
+  std::shared_mutex members;
+  std::array<std::vector<LocalReader*>, kTopics.size()> readers;
+  std::array<std::vector<LocalWriter*>, kTopics.size()> writers;
+
+  std::shared_mutex working;  ///< shared by threads that run work
+  std::vector<const Work*> work;
+};
+
+/// A participant on a local bus.
+class LocalBackend final : public Backend {
+ public:
+  /// @throws NetworkError when a service on the bus has this name.
+  LocalBackend(std::shared_ptr<LocalBus> bus, Role role, std::string name);
+  ~LocalBackend() override;
+  LocalBackend(const LocalBackend&) = delete;
+  LocalBackend& operator=(const LocalBackend&) = delete;
+
+  std::unique_ptr<WriterEnd> make_writer(TopicId topic, Form form,
+                                         WriterEnd::Observer observer) override;
+  std::unique_ptr<ReaderEnd> make_reader(TopicId topic, Intake intake) override;
+
+  [[nodiscard]] Source source() const noexcept override { return source_; }
+
+  void announce_again() override {}
+
+  [[nodiscard]] std::vector<OtherParticipant> others(std::string_view beginning) const override;
+
+  [[nodiscard]] bool knows_who_is_there() const noexcept override { return true; }
+
+  [[nodiscard]] bool has(const Source& source) const noexcept override;
+
+  bool run_local_work() override { return bus_->run_work(); }
+
+  [[nodiscard]] GuardCounts guarded() const override { return {}; }
+
+ private:
+  std::shared_ptr<LocalBus> bus_;
+  Role role_;
+  std::string name_;
+  Source source_;
+};
+
+/// A writer on a local bus. Keeps what its topic keeps for readers that come later.
+class LocalWriter final : public WriterEnd {
+ public:
+  LocalWriter(std::shared_ptr<LocalBus> bus, const Source& source, TopicId topic,
+              Backend::Form form, Observer observer);
+  ~LocalWriter() override;
+  LocalWriter(const LocalWriter&) = delete;
+  LocalWriter& operator=(const LocalWriter&) = delete;
+
+  bool write(const void* data) noexcept override;
+
+  bool wait_for_acknowledged(std::chrono::milliseconds /*timeout*/) override { return true; }
+
+  // With `members` alone:
+  void match(const LocalReader& reader);
+  void unmatch(const LocalReader& reader);
+  void replay(LocalReader& reader) const;
+
+  [[nodiscard]] const EndpointId& id() const noexcept { return id_; }
+
+ private:
+  void publish(std::span<const std::byte> sample);
+  void keep(std::span<const std::byte> sample);
+  void report_matches() const;
+
+  std::shared_ptr<LocalBus> bus_;
+  EndpointId id_;
+  TopicId topic_;
+  Backend::Form form_;
+  Observer observer_;
+  std::mutex writing_;  ///< samples reach each reader in the order of the history
+  std::map<std::vector<std::byte>, std::deque<std::vector<std::byte>>> history_;  ///< by key
+};
+
+/// A reader on a local bus.
+class LocalReader final : public ReaderEnd {
+ public:
+  LocalReader(std::shared_ptr<LocalBus> bus, const Source& source, TopicId topic, Intake intake);
+  ~LocalReader() override;
+  LocalReader(const LocalReader&) = delete;
+  LocalReader& operator=(const LocalReader&) = delete;
+
+  [[nodiscard]] std::size_t lost() const noexcept override { return 0; }
+
+  void take(std::span<const std::byte> sample, const Source& source);
+
+  [[nodiscard]] const EndpointId& id() const noexcept { return id_; }
+
+ private:
+  std::shared_ptr<LocalBus> bus_;
+  EndpointId id_;
+  TopicId topic_;
+  Intake intake_;
+  std::mutex taking_;  ///< one sample at a time
+};
+
+}  // namespace vdrive::wire

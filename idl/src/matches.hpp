@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/wire/source.hpp"
+#include "vdrive/wire/writer_id.hpp"
+
+#include <chrono>
+#include <condition_variable>
+#include <cstddef>
+#include <mutex>
+#include <vector>
+
+namespace vdrive::wire {
+
+/// A reader or a writer: both have numbers of one kind.
+using EndpointId = WriterId;
+
+/// Which endpoints of others match one of ours, to be waited for. Filled by a backend. Thread-safe.
+class Matches {
+ public:
+  void add(const EndpointId& endpoint);
+  void remove(const EndpointId& endpoint);
+
+  [[nodiscard]] std::size_t count() const;
+
+  /// @return the participants of the endpoints, in the order of their matches.
+  [[nodiscard]] std::vector<Source> sources() const;
+
+  [[nodiscard]] bool contains(const Source& source) const;
+
+  /// @return false on time-out.
+  [[nodiscard]] bool wait_for(std::size_t count, std::chrono::milliseconds timeout);
+  [[nodiscard]] bool wait_for(const Source& source, std::chrono::milliseconds timeout);
+
+ private:
+  [[nodiscard]] bool has(const Source& source) const;
+
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<EndpointId> endpoints_;
+};
+
+}  // namespace vdrive::wire

@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "run/bench_run.hpp"
+
+#include "base/log.hpp"
+#include "configuration/configuration_warnings.hpp"
+#include "publish/status_depth.hpp"
+
+#include <pthread.h>
+#include <sched.h>
+#include <sys/prctl.h>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+namespace vdrive::service {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// A thread that follows the tick thread wakes this long after the tick is due, and then again at
+/// this distance.
+constexpr std::chrono::microseconds kAfterTick = 60us;
+/// While time stands no tick is due, and answers and reports still leave.
+constexpr std::chrono::milliseconds kLongestNap = 5ms;
+constexpr std::chrono::microseconds kReportNap = 500us;
+/// The wire sends what is in its lanes, such as the last states and the end of the bench.
+constexpr std::chrono::milliseconds kTimeOfLastSamples = 200ms;
+
+void prepare_tick_thread(int priority) {
+  prctl(PR_SET_TIMERSLACK, 1UL);  // the default lets the kernel wake it 50 us late
+  if (priority == 0) return;
+  const sched_param parameters{.sched_priority = priority};
+  if (pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters) != 0) {
+    log_warning("realtime_priority={} not permitted; the tick thread runs without it", priority);
+  }
+}
+
+}  // namespace
+
+BenchRun::StoredParameters::StoredParameters(std::unique_ptr<ParameterStore> store,
+                                             Configuration& configuration) {
+  if (!store) return;
+  LoadedParameters loaded = store->load();
+  news = apply(loaded, configuration);
+  const bool is_of_an_axis = std::ranges::any_of(news, [](const auto& event) {
+    return event.axis != 0;
+  });
+  if (is_of_an_axis) store->keep_aside();
+  saver.emplace(std::move(store), std::move(loaded.table));
+}
+
+BenchRun::BenchRun(Configuration configuration, JournalSink journal,
+                   std::unique_ptr<ParameterStore> store, const MakeWire& make_wire,
+                   LockstepThreads lockstep_threads)
+    : configuration_(std::move(configuration)),
+      lockstep_threads_(lockstep_threads),
+      parameters_(std::move(store), configuration_),
+      identity_{configuration_.bench, static_cast<std::uint64_t>(timer_.wall_now().count())},
+      wire_(make_wire(configuration_, counters_)),
+      guard_(wire_->region().ring(Lane::notices), identity_),
+      inbox_(configuration_.bench, wire_->region().ring(Lane::arrivals),
+             wire_->region().ring(Lane::turned_away), counters_),
+      outbox_(configuration_.axes.size(), status_depth(configuration_).images),
+      engine_(configuration_, identity_, outbox_, counters_),
+      replies_(wire_->link(), identity_, counters_),
+      status_(wire_->link(), configuration_, identity_, counters_),
+      reports_(wire_->link(), configuration_, identity_, engine_.bank(), counters_),
+      doorbell_(wire_->link().control().arrivals_bell, Doorbell::Waiting::quick) {
+  if (journal) journal_.emplace(configuration_, std::move(journal), counters_);
+  for (const EventRecord& event : parameters_.news) engine_.report(event);
+  if (parameters_.saver) engine_.store_with(*parameters_.saver);
+}
+
+BenchRun::~BenchRun() {
+  stop();
+}
+
+void BenchRun::start() {
+  wire_->start();
+  timer_.wait_until(timer_.monotonic_now() + wire_->time_to_meet_others());
+  guard_.receive();
+  if (const auto older = guard_.conflict()) {
+    throw BenchNumberTaken("bench " + std::to_string(identity_.bench) +
+                           " is already served in domain " +
+                           std::to_string(configuration_.network.domain) + " (incarnation " +
+                           std::to_string(*older) + ")");
+  }
+  if (journal_) engine_.record_to(*journal_);
+  if (parameters_.saver) {
+    parameters_.saver->start([this] {
+      doorbell_.ring();
+      if (lockstep_threads_ == LockstepThreads::callers) static_cast<void>(work());
+    });
+  }
+  reports_.announce(true);
+  run();
+  log_info("bench={} name={} axes={} clock={} period_us={} domain={} {} incarnation={}",
+           identity_.bench, configuration_.name, configuration_.axes.size(),
+           to_string(configuration_.clock), configuration_.period.count(),
+           configuration_.network.domain,
+           configuration_.network.security.empty() ? "open" : "closed", identity_.incarnation);
+  for (const std::string& warning : limit_warnings(configuration_)) {
+    log_warning("bench={} configuration=\"{}\"", identity_.bench, warning);
+  }
+}
+
+void BenchRun::run() {
+  is_running_ = true;
+  switch (configuration_.clock) {
+    case ClockMode::realtime:
+      start_realtime();
+      break;
+    case ClockMode::lockstep:
+      start_lockstep();
+      break;
+    case ClockMode::freerun:
+      start_freerun();
+      break;
+  }
+}
+
+void BenchRun::stop() noexcept {
+  if (!std::exchange(is_running_, false)) return;
+  stop_ = true;
+  doorbell_.ring();
+  for (auto& thread : threads_) thread.join();
+  threads_.clear();
+  const std::scoped_lock lock(working_);  // a caller that runs the bench leaves it at the next tick
+  if (lockstep_) lockstep_->end();
+  switch_off();
+  finish_stores();
+  journal_.reset();  // writes its end; the engine is not used any more
+  replies_.deliver(inbox_, outbox_);
+  reports_.publish(inbox_, outbox_);
+  reports_.announce(false);
+  wire_->stop(kTimeOfLastSamples);
+  log_info("bench={} offline", identity_.bench);
+}
+
+/// Requests that arrived while the service ended are stored and answered too.
+void BenchRun::finish_stores() noexcept {
+  if (parameters_.saver) parameters_.saver->close();
+  while (engine_.answer_stores()) replies_.deliver(inbox_, outbox_);
+}
+
+void BenchRun::start_realtime() {
+  realtime_.emplace(configuration_, engine_, inbox_, counters_, timer_);
+  start_ticking(configuration_.realtime_priority, [this] {
+    const std::uint64_t tick = engine_.tick();
+    realtime_->cycle();
+    return engine_.tick() != tick || engine_.time_stands();
+  });
+}
+
+void BenchRun::start_freerun() {
+  freerun_.emplace(engine_, inbox_, outbox_, timer_);
+  start_ticking(0, [this] {
+    freerun_->cycle();
+    return true;
+  });
+}
+
+/// @param priority of the tick thread, 0 = none
+/// @param cycle runs one cycle of the driver; @return whether it did what it should
+template <typename Cycle>
+void BenchRun::start_ticking(int priority, Cycle cycle) {
+  threads_.emplace_back([this, priority, cycle] {
+    prepare_tick_thread(priority);
+    engine_.schedule_as_caller();
+    while (!stop_) {
+      shutdown_.advance();
+      if (cycle()) tick_beats_.add();
+    }
+  });
+  threads_.emplace_back([this] {
+    publish_status();
+  });
+  threads_.emplace_back([this] {
+    report();
+  });
+}
+
+void BenchRun::start_lockstep() {
+  lockstep_.emplace(configuration_, engine_, inbox_, outbox_, status_, replies_, stop_, doorbell_);
+  liveness_ = Liveness({&lockstep_->beats(), &report_beats_});
+  if (lockstep_threads_ == LockstepThreads::callers) {
+    lockstep_->begin();
+    static_cast<void>(work());
+    return;
+  }
+  threads_.emplace_back([this] {
+    lockstep_->run();
+  });
+  threads_.emplace_back([this] {
+    report();
+  });
+}
+
+bool BenchRun::work() {
+  bool has_worked = false;
+  is_work_wanted_ = true;
+  // Whoever finds the lock taken leaves: the thread that has it looks again after it has given it
+  // back.
+  while (is_work_wanted_) {
+    const std::unique_lock lock(working_, std::try_to_lock);
+    if (!lock.owns_lock()) return has_worked;
+    is_work_wanted_ = false;
+    while (!stop_ && lockstep_->round()) has_worked = true;
+    reports_.publish(inbox_, outbox_);
+    report_beats_.add();
+  }
+  return has_worked;
+}
+
+void BenchRun::publish_status() {
+  while (!stop_) {
+    publish_waiting_status();
+    nap(kAfterTick);
+  }
+}
+
+void BenchRun::publish_waiting_status() {
+  while (const StatusImage* const image = outbox_.status.front()) {
+    status_.publish(*image);
+    outbox_.status.pop();
+    status_beats_.add();
+  }
+}
+
+/// After the last thread has ended. Axes that still have power, because there was no time to
+/// brake, lose it in one last tick; every receiver sees it.
+void BenchRun::switch_off() noexcept {
+  publish_waiting_status();
+  if (engine_.has_power()) {
+    engine_.shut_down(Braking::none);
+    engine_.step();
+  }
+  if (status_.last_tick() != engine_.tick()) {
+    engine_.post_status();
+    publish_waiting_status();
+  }
+}
+
+void BenchRun::report() {
+  bool is_conflict_reported = false;
+  while (!stop_) {
+    supervise_wire();
+    guard_.receive();
+    if (!lockstep_) replies_.deliver(inbox_, outbox_);
+    reports_.publish(inbox_, outbox_);
+    report_beats_.add();
+    if (const auto older = guard_.conflict(); older && !is_conflict_reported) {
+      is_conflict_reported = true;
+      reports_.publish_event({{.kind = msg::EVENT_BENCH_CONFLICT,
+                               .tick = counters_.tick.get(),
+                               .detail = Label{*older}}});
+    }
+    nap(kReportNap);
+  }
+}
+
+void BenchRun::supervise_wire() {
+  wire_->supervise();
+  is_cut_off_ = wire_->is_cut_off();
+  while (auto news = wire_->next_news()) {
+    news->tick = counters_.tick.get();
+    reports_.publish_event({*news});
+  }
+  counters_.guarded.set(wire_->guarded());
+  const WireControl& control = wire_->link().control();
+  const std::uint64_t lost =
+      control.overflows.load() + control.undelivered.load() + control.not_sent.load();
+  counters_.queue_overflows.add(lost - std::exchange(lost_in_wire_, lost));
+}
+
+/// Sleeps until shortly after the next tick, `shortest` to 5 ms.
+void BenchRun::nap(std::chrono::nanoseconds shortest) {
+  const auto now = timer_.monotonic_now();
+  auto wanted = now + std::chrono::nanoseconds(lockstep_ ? kLongestNap : kReportNap);
+  if (realtime_) wanted = realtime_->next_cycle() + kAfterTick;
+  timer_.wait_until(
+      std::clamp(wanted, now + shortest, now + std::chrono::nanoseconds(kLongestNap)));
+}
+
+}  // namespace vdrive::service

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/bench_identity.hpp"
+#include "base/counters.hpp"
+#include "base/event_record.hpp"
+#include "clock/cycle_timer.hpp"
+#include "clock/freerun_driver.hpp"
+#include "clock/lockstep_driver.hpp"
+#include "clock/realtime_driver.hpp"
+#include "clock/shutdown.hpp"
+#include "configuration/configuration.hpp"
+#include "engine/bench_engine.hpp"
+#include "journal/journal.hpp"
+#include "journal/journal_file.hpp"
+#include "publish/reply_publisher.hpp"
+#include "publish/report_publisher.hpp"
+#include "publish/status_publisher.hpp"
+#include "run/bench_guard.hpp"
+#include "run/bench_wire.hpp"
+#include "run/liveness.hpp"
+#include "seam/doorbell.hpp"
+#include "seam/queues.hpp"
+#include "store/parameter_saver.hpp"
+#include "store/parameter_store.hpp"
+
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stdexcept>
+#include <thread>
+#include <vector>
+
+namespace vdrive::service {
+
+/// Another service has this bench number and started earlier.
+class BenchNumberTaken : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Who runs a bench in lock-step. In other clock modes it always has threads of its own.
+enum class LockstepThreads : std::uint8_t {
+  own,      ///< a thread that steps and one that reports
+  callers,  ///< none: `BenchRun::work` runs in the threads of the clients
+};
+
+/// A bench that runs: the engine, its clock, its journal and stores, the encoding of what leaves,
+/// the threads of all these, and a wire of any kind.
+///
+/// | thread    | does                                                              |
+/// | --------- | ----------------------------------------------------------------- |
+/// | tick      | nothing but ticks; lock-step: steps, replies and status           |
+/// | status    | not in lock-step: encodes status frames and samples of axes       |
+/// | reporter  | events, parameters, bench_state, the wire's health; not in        |
+/// |           | lock-step: replies                                                |
+/// | journal   | writes the journal, where there is one                            |
+/// | saver     | saves parameters, where there is a place to save them             |
+class BenchRun {
+ public:
+  using MakeWire =
+      std::function<std::unique_ptr<BenchWire>(const Configuration& configuration, Counters&)>;
+
+  /// Sets everything up; the bench is not announced yet.
+  /// @param configuration was checked
+  /// @param journal takes the journal of this run; nothing = none is written
+  /// @param store what is stored in it is in force; nothing = nothing can be stored
+  /// @throws std::invalid_argument when the bank refuses an axis, wire::NetworkError
+  BenchRun(Configuration configuration, JournalSink journal, std::unique_ptr<ParameterStore> store,
+           const MakeWire& make_wire, LockstepThreads lockstep_threads = LockstepThreads::own);
+
+  /// Stops.
+  ~BenchRun();
+  BenchRun(const BenchRun&) = delete;
+  BenchRun& operator=(const BenchRun&) = delete;
+
+  /// Announces the bench and runs it.
+  /// @throws BenchNumberTaken when an older service has the number; wire::NetworkError;
+  ///         std::system_error when the journal cannot be begun.
+  void start();
+
+  /// Lock-step in the threads of callers: takes what arrived, lets time pass as far as the steps
+  /// allow, and answers, unless another thread does so at this moment. That thread takes what
+  /// arrived meanwhile, too. Any thread; never waits.
+  /// @return whether there was anything.
+  bool work();
+
+  [[nodiscard]] bool has_run() const noexcept { return liveness_.has_begun(); }
+
+  [[nodiscard]] bool is_alive() noexcept { return liveness_.has_advanced(); }
+
+  /// From here on commands are refused and the axes brake, see Shutdown. Idempotent.
+  void begin_shutdown() noexcept { shutdown_.begin(); }
+
+  /// In lock-step no client steps any more: no drive time is left to brake in.
+  [[nodiscard]] bool is_shut_down() const noexcept { return lockstep_ || shutdown_.is_done(); }
+
+  /// Ends what runs in threads of callers at the next tick; `stop` does the rest. Any thread.
+  void begin_end() noexcept { stop_ = true; }
+
+  /// Takes the power from every axis at once, publishes that the bench is offline and ends every
+  /// thread. Idempotent.
+  void stop() noexcept;
+
+  [[nodiscard]] std::optional<std::uint64_t> conflict() const noexcept { return guard_.conflict(); }
+
+  [[nodiscard]] bool is_reachable() const noexcept { return counters_.wire_is_up.get() != 0; }
+
+  [[nodiscard]] bool is_cut_off() const noexcept { return is_cut_off_; }
+
+  [[nodiscard]] const Configuration& configuration() const noexcept { return configuration_; }
+
+  [[nodiscard]] const BenchIdentity& identity() const noexcept { return identity_; }
+
+  [[nodiscard]] const Counters& counters() const noexcept { return counters_; }
+
+  [[nodiscard]] std::size_t inbox_depth() const noexcept { return inbox_.size(); }
+
+  [[nodiscard]] std::size_t outbox_depth() const noexcept { return outbox_.size(); }
+
+ private:
+  /// Stored parameters: loaded before there are axes, saved by a thread of their own.
+  struct StoredParameters {
+    StoredParameters(std::unique_ptr<ParameterStore> store, Configuration& configuration);
+
+    std::vector<EventRecord> news;  ///< to be reported once
+    std::optional<ParameterSaver> saver;
+  };
+
+  void run();
+  void finish_stores() noexcept;
+  void start_realtime();
+  void start_freerun();
+  template <typename Cycle>
+  void start_ticking(int priority, Cycle cycle);
+  void start_lockstep();
+  void publish_status();
+  void publish_waiting_status();
+  void switch_off() noexcept;
+  void report();
+  void supervise_wire();
+  void nap(std::chrono::nanoseconds shortest);
+
+  // In the order of construction; everything the threads use outlives them.
+  Configuration configuration_;
+  LockstepThreads lockstep_threads_;
+  StoredParameters parameters_;
+  SystemCycleTimer timer_;
+  BenchIdentity identity_;
+  Counters counters_;
+  std::unique_ptr<BenchWire> wire_;
+  BenchGuard guard_;
+  Inbox inbox_;
+  Outbox outbox_;
+  std::optional<Journal> journal_;
+  BenchEngine engine_;
+  ReplyPublisher replies_;
+  StatusPublisher status_;
+  ReportPublisher reports_;
+  std::optional<RealtimeDriver> realtime_;
+  std::optional<LockstepDriver> lockstep_;
+  std::optional<FreerunDriver> freerun_;
+  Doorbell doorbell_;
+  std::uint64_t lost_in_wire_ = 0;
+  Shutdown shutdown_{engine_, timer_};
+  Counter tick_beats_;    ///< ticks; while paused, passes over the inbox
+  Counter status_beats_;  ///< published images
+  Counter report_beats_;  ///< rounds
+  Liveness liveness_{{&tick_beats_, &status_beats_, &report_beats_}};
+  std::atomic<bool> stop_{false};
+  std::atomic<bool> is_cut_off_{false};
+  bool is_running_ = false;
+  std::mutex working_;  ///< held by the caller that runs the bench
+  std::atomic<bool> is_work_wanted_{false};
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace vdrive::service

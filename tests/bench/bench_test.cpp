@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+// A bench in the process of its user, over the local bus.
+#include "vdrive/bench/bench.hpp"
+
+#include "vdrive/client.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <future>
+#include <iterator>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace vdrive::bench {
+namespace {
+
+using client::OutcomeKind;
+using client::Session;
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using testing::HasSubstr;
+
+std::size_t count_entries(const char* directory) {
+  return static_cast<std::size_t>(
+      std::distance(std::filesystem::directory_iterator(directory), {}));
+}
+
+TEST(Bench, IsFoundAtOnceAndHasItsAxes) {
+  const Bench bench({.axes = 3});
+  Session session = bench.session();
+  const auto begin = std::chrono::steady_clock::now();
+  const auto benches = session.find_benches();
+  EXPECT_LT(std::chrono::steady_clock::now() - begin,
+            milliseconds(100));  // over DDS it settles 150
+  ASSERT_EQ(benches.size(), 1U);
+  EXPECT_EQ(benches.front().axes.size(), 3U);
+  EXPECT_EQ(benches.front().clock_mode, ClockMode::lockstep);
+}
+
+TEST(Bench, MovesAnAxisInLockStepWithoutAThreadASocketOrAFile) {
+  const std::size_t threads = count_entries("/proc/self/task");
+  const std::size_t files = count_entries("/proc/self/fd");
+  const Bench bench;
+  Session session = bench.session();
+  auto axis = session.axis("1.1");
+  ASSERT_TRUE(axis) << axis.outcome().message();
+  ASSERT_TRUE(axis->enable());
+  const auto moved = axis->move_to(10'000);
+  ASSERT_TRUE(moved) << moved.message();
+  const auto status = axis->status();
+  ASSERT_TRUE(status);
+  EXPECT_EQ(status->status.load_position_actual_value, 10'000);
+  EXPECT_EQ(count_entries("/proc/self/task"), threads);
+  EXPECT_EQ(count_entries("/proc/self/fd"), files);
+}
+
+TEST(Bench, StepsAsManyTicksAsAreAskedFor) {
+  const Bench bench;
+  Session session = bench.session();
+  ASSERT_TRUE(session.find_bench());
+  const auto first = session.step(1, 1);
+  ASSERT_TRUE(first) << first.outcome().message();
+  const auto second = session.step(1, 5'000);
+  ASSERT_TRUE(second);
+  EXPECT_EQ(*second - *first, 5'000U);
+}
+
+TEST(Bench, WithANumberThatIsOnTheBusIsRefusedByName) {
+  const Bench bench({.number = 7});
+  try {
+    const Bench second({.number = 7, .bus = bench.bus()});
+    FAIL() << "two benches have the number 7";
+  } catch (const BenchError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("'vdrived 7' is on this bus already"));
+  }
+}
+
+TEST(Bench, MeetsOthersOnItsBusAndNoneOfAnother) {
+  const Bench one({.number = 1});
+  const Bench two({.number = 2, .bus = one.bus()});
+  const Bench apart({.number = 3});
+  Session session = one.session();
+  EXPECT_EQ(session.find_benches().size(), 2U);
+  EXPECT_EQ(session.find_bench(3).outcome().kind(), OutcomeKind::not_found);
+}
+
+TEST(Bench, ThatEndsLeavesItsSessionsLost) {
+  auto bench = std::make_unique<Bench>();
+  Session session = bench->session();
+  auto axis = session.axis("1.1");
+  ASSERT_TRUE(axis);
+  bench.reset();
+  EXPECT_EQ(axis->enable().kind(), OutcomeKind::lost);
+  EXPECT_EQ(axis->status().outcome().kind(), OutcomeKind::lost);
+  const auto stepped = session.step(1, 1).outcome();
+  EXPECT_EQ(stepped.kind(), OutcomeKind::lost);
+  EXPECT_THAT(stepped.message(), HasSubstr("bench 1 went offline: its service has ended"));
+}
+
+TEST(Bench, EndsInTheMiddleOfAMoveOfARealtimeBench) {
+  auto bench = std::make_unique<Bench>(BenchOptions{.clock = ClockMode::realtime});
+  Session session = bench->session();
+  auto axis = session.axis("1.1");
+  ASSERT_TRUE(axis);
+  ASSERT_TRUE(axis->enable());
+  auto moved = std::async(std::launch::async, [&] {
+    return axis->move_to(100'000'000).kind();
+  });
+  while (true) {
+    const auto status = axis->status();
+    ASSERT_TRUE(status);
+    if (status->status.load_position_actual_value > 100) break;
+  }
+  bench.reset();
+  ASSERT_EQ(moved.wait_for(seconds(5)), std::future_status::ready);
+  // What it sees first: that the axis has lost its power, or that the bench has ended.
+  EXPECT_THAT(moved.get(), testing::AnyOf(OutcomeKind::failed, OutcomeKind::lost));
+}
+
+TEST(Bench, OfFreerunPassesDriveTimeByItself) {
+  const Bench bench({.clock = ClockMode::freerun});
+  Session session = bench.session();
+  ASSERT_TRUE(session.find_bench());
+  const auto reached = session.wait(1, seconds(1));
+  ASSERT_TRUE(reached) << reached.outcome().message();
+}
+
+TEST(Bench, ServesSessionsOfSeveralThreads) {
+  const Bench bench({.axes = 4});
+  std::vector<std::thread> threads;
+  std::atomic<int> arrived{0};
+  for (int number = 1; number <= 4; ++number) {
+    threads.emplace_back([&bench, &arrived, number] {
+      Session session = bench.session();
+      auto axis = session.axis("1." + std::to_string(number));
+      if (!axis || !axis->enable()) return;
+      if (axis->move_to(1'000 * number)) ++arrived;
+    });
+  }
+  for (auto& thread : threads) thread.join();
+  EXPECT_EQ(arrived, 4);
+}
+
+TEST(Bench, RefusesKeysOfTheNetworkAndBadValuesWithTheirPlace) {
+  const auto message_of = [](const std::string& configuration) -> std::string {
+    try {
+      const Bench bench({.configuration = configuration});
+    } catch (const BenchError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_THAT(message_of("metrics: {port: 9100}\n"), HasSubstr("metrics.port"));
+  EXPECT_THAT(message_of("network: {peers: [10.0.0.9]}\n"), HasSubstr("network.peers"));
+  EXPECT_THAT(message_of("clock: {period: 9 s}\n"), HasSubstr("configuration:1"));
+}
+
+}  // namespace
+}  // namespace vdrive::bench

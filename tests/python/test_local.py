@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Benches in the process of their user."""
+import os
+import threading
+
+import pytest
+import vdrive
+
+
+def entries(directory):
+    return len(os.listdir(directory))
+
+
+def test_a_bench_in_lock_step_has_no_thread_and_no_file():
+    with vdrive.Bench(axes=1) as bench, bench.session() as session:
+        session.axis("1.1").enable()  # what Python itself needs for a wait is there from now on
+        threads, files = entries("/proc/self/task"), entries("/proc/self/fd")
+        with vdrive.Bench(axes=1) as second, second.session() as other:
+            axis = other.axis("1.1")
+            axis.enable()
+            axis.move_to(10000, velocity=20000)
+            assert axis.status().position == 10000
+            assert (entries("/proc/self/task"), entries("/proc/self/fd")) == (threads, files)
+
+
+@pytest.mark.parametrize("clock", ["lockstep", "realtime", "freerun"])
+def test_each_clock_mode_moves_an_axis(clock):
+    with vdrive.Bench(axes=1, clock=clock) as bench, bench.session() as session:
+        assert session.find_bench().clock_mode == clock
+        axis = session.axis("1.1")
+        axis.enable()
+        axis.move_to(1000, velocity=100000)
+        assert axis.status().position == 1000
+
+
+def test_what_belongs_to_dds_says_how_to_get_it():
+    for options in ({"arguments": ["--period", "500"]}, {"service": "/usr/sbin/vdrived"}):
+        with pytest.raises(vdrive.ConfigurationError, match=r'over="dds"'):
+            vdrive.Bench(**options)
+    with vdrive.Bench() as bench, pytest.raises(vdrive.ConfigurationError, match=r'over="dds"'):
+        print(bench.domain)
+    with pytest.raises(ValueError, match='"local" or "dds"'):
+        vdrive.Bench(over="serial")
+
+
+def test_a_bad_configuration_names_file_and_line(tmp_path):
+    file = tmp_path / "bench.yaml"
+    file.write_text("clock: {period_us: 1}\n")
+    with pytest.raises(vdrive.ConfigurationError, match="bench.yaml:1.*period_us"):
+        vdrive.Bench(config=file)
+    file.write_text("metrics: {port: 9100}\n")
+    with pytest.raises(vdrive.ConfigurationError, match="metrics.port"):
+        vdrive.Bench(config=file)
+    with pytest.raises(vdrive.ConfigurationError, match="16384"):
+        vdrive.Bench(axes=20000)
+
+
+def test_benches_beside_each_other_are_met_by_one_session_and_step_together():
+    with vdrive.Bench(axes=1) as first, vdrive.Bench(axes=1, number=2, beside=first) as second:
+        with first.session() as session:
+            assert [bench.number for bench in session.find_benches()] == [1, 2]
+            clock = vdrive.StepClock(session, [1, 2])
+            assert list(clock.step(10)) == [10, 10]
+        with pytest.raises(vdrive.ConfigurationError, match="vdrived 2.*already"):
+            vdrive.Bench(number=2, beside=second)
+
+
+def test_a_session_that_outlives_its_bench_is_lost():
+    bench = vdrive.Bench(axes=1)
+    with vdrive.Session(local=bench._bench) as session:
+        axis = session.axis("1.1")
+        bench.close()
+        for call in (axis.enable, axis.status, lambda: session.step(1, bench=1)):
+            with pytest.raises(vdrive.Lost, match="went offline"):
+                call()
+    with pytest.raises(vdrive.Failed, match="ended"):
+        bench.session()
+
+
+def test_stored_parameters_and_a_journal_are_files(tmp_path):
+    options = {"axes": 1, "state": tmp_path / "state", "journal": tmp_path / "run.journal"}
+    with vdrive.Bench(**options) as bench, bench.session() as session:
+        axis = session.axis("1.1")
+        axis.write("profile_velocity", 12345)
+        axis.store()
+    assert (tmp_path / "run.journal").stat().st_size > 0
+    with vdrive.Bench(axes=1, state=tmp_path / "state") as bench, bench.session() as session:
+        assert session.axis("1.1").read("profile_velocity") == 12345
+
+
+def test_a_second_bench_with_the_state_directory_of_another_is_refused(tmp_path):
+    with vdrive.Bench(axes=1, state=tmp_path) as _, \
+            pytest.raises(vdrive.ConfigurationError, match="in use"):
+        vdrive.Bench(axes=1, state=tmp_path)
+
+
+def test_threads_command_their_axes_side_by_side():
+    with vdrive.Bench(axes=4) as bench, bench.session() as session:
+        positions = {}
+
+        def move(number):
+            axis = session.axis(f"1.{number}")
+            axis.enable()
+            axis.move_to(1000 * number)
+            positions[number] = axis.status().position
+
+        threads = [threading.Thread(target=move, args=(number,)) for number in range(1, 5)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join(60)
+        assert positions == {number: 1000 * number for number in range(1, 5)}
+
+
+def test_a_forked_child_gets_a_clear_error_and_the_parent_goes_on():
+    with vdrive.Bench(axes=1) as bench, bench.session() as session:
+        reader, writer = os.pipe()
+        child = os.fork()
+        if child == 0:
+            try:
+                bench.session()
+            except vdrive.Forked as error:
+                os.write(writer, str(error).encode())
+            os._exit(0)
+        assert os.waitpid(child, 0)[1] == 0
+        assert b"bench" in os.read(reader, 1000)
+        assert session.step(5) == 5
+
+
+def test_snapshots_bring_a_bench_back():
+    with vdrive.Bench(axes=1) as bench, bench.session() as session:
+        axis = session.axis("1.1")
+        axis.enable()
+        snapshot = session.take_snapshot()
+        axis.move_to(5000)
+        session.restore_snapshot(snapshot)
+        assert axis.status().position == 0

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+// The local bus behind the interfaces of publications and subscriptions.
+#include "vdrive/wire/local_bus.hpp"
+
+#include "vdrive/wire/bytes_publication.hpp"
+#include "vdrive/wire/bytes_subscription.hpp"
+#include "vdrive/wire/codec.hpp"
+#include "vdrive/wire/participant.hpp"
+#include "vdrive/wire/publication.hpp"
+#include "vdrive/wire/subscription.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace vdrive::wire {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+class LocalBusTest : public testing::Test {
+ protected:
+  [[nodiscard]] Participant join(const std::string& name, Role role = Role::other) const {
+    return Participant(settings(role), name);
+  }
+
+  [[nodiscard]] NetworkSettings settings(Role role) const {
+    NetworkSettings settings;
+    settings.role = role;
+    settings.bus = bus_;
+    return settings;
+  }
+
+  std::shared_ptr<LocalBus> bus_ = std::make_shared<LocalBus>();
+};
+
+msg::Event event(std::uint32_t bench, std::uint64_t tick) {
+  msg::Event event;
+  event.bench(bench);
+  event.tick(tick);
+  return event;
+}
+
+TEST_F(LocalBusTest, DeliversBeforeTheWriteReturns) {
+  Participant sender = join("sender");
+  Participant receiver = join("receiver");
+  std::vector<std::uint64_t> ticks;
+  const Subscription<msg::BenchState> subscription(
+      receiver, [&](const msg::BenchState& state, const Source& source) {
+        EXPECT_EQ(source, sender.source());
+        ticks.push_back(state.tick());
+      });
+  Publication<msg::BenchState> publication(sender);
+  msg::BenchState state;
+  state.tick(4);
+  ASSERT_TRUE(publication.write(state));
+  EXPECT_THAT(ticks, ElementsAre(4));
+}
+
+TEST_F(LocalBusTest, MatchesAtOnceAndNoMoreAfterTheEnd) {
+  Participant one = join("one");
+  Participant other = join("other");
+  std::vector<std::size_t> seen;
+  const BytesPublication publication(one, Topic<msg::Reply>::kId,
+                                     [&](const std::vector<Source>& matched) {
+                                       seen.push_back(matched.size());
+                                     });
+  {
+    const BytesSubscription subscription(other, Topic<msg::Reply>::kId,
+                                         {.take = [](auto) {}, .deliver = [](const auto&) {}});
+    EXPECT_TRUE(publication.is_matched(other.source()));
+    EXPECT_FALSE(publication.is_matched(one.source()));
+    EXPECT_EQ(subscription.matched(), 1U);
+  }
+  EXPECT_EQ(publication.matched(), 0U);
+  EXPECT_THAT(seen, ElementsAre(1, 0));
+}
+
+/// Events: 1,024 of each bench; descriptions: the newest of each part.
+TEST_F(LocalBusTest, KeepsForLaterSubscriptionsWhatTheTopicKeeps) {
+  Participant sender = join("sender");
+  Publication<msg::Event> events(sender);
+  Publication<msg::BenchState> states(sender);
+  for (std::uint64_t tick = 1; tick <= 1'030; ++tick) ASSERT_TRUE(events.write(event(1, tick)));
+  ASSERT_TRUE(events.write(event(2, 5)));
+  ASSERT_TRUE(states.write(msg::BenchState()));
+  Participant late = join("late");
+  std::vector<std::uint64_t> ticks;
+  std::size_t of_the_second = 0;
+  const Subscription<msg::Event> subscription(late, [&](const msg::Event& message, const Source&) {
+    if (message.bench() == 1) ticks.push_back(message.tick());
+    if (message.bench() == 2) ++of_the_second;
+  });
+  ASSERT_EQ(ticks.size(), 1'024U);
+  EXPECT_EQ(ticks.front(), 7U);
+  EXPECT_EQ(ticks.back(), 1'030U);
+  EXPECT_EQ(of_the_second, 1U);
+  std::size_t received = 0;
+  const Subscription<msg::BenchState> volatile_one(late, [&](const auto&, const Source&) {
+    ++received;
+  });
+  EXPECT_EQ(received, 0U);
+}
+
+TEST_F(LocalBusTest, KnowsWhoIsThere) {
+  const Participant service = join("vdrived 1", Role::service);
+  const Participant client = join("vdrive client", Role::client);
+  const auto names = [](const std::vector<OtherParticipant>& others) {
+    std::vector<std::string> names;
+    for (const auto& other : others) names.push_back(other.name);
+    return names;
+  };
+  EXPECT_TRUE(client.knows_who_is_there());
+  {
+    const Participant second = join("vdrive client", Role::client);
+    EXPECT_THAT(names(second.others()), ElementsAre("vdrived 1")) << "clients ignore each other";
+    EXPECT_THAT(names(service.others()), ElementsAre("vdrive client", "vdrive client"));
+    EXPECT_TRUE(service.has(second.source()));
+  }
+  EXPECT_THAT(names(service.others("vdrive ")), ElementsAre("vdrive client"));
+  EXPECT_THAT(names(service.others("vdrived")), IsEmpty());
+}
+
+TEST_F(LocalBusTest, RefusesASecondServiceOfOneName) {
+  const Participant first = join("vdrived 1", Role::service);
+  EXPECT_THROW(join("vdrived 1", Role::service), NetworkError);
+  EXPECT_NO_THROW(join("vdrived 2", Role::service));
+}
+
+TEST_F(LocalBusTest, RunsTheWorkOfPlacesThatAreThere) {
+  Participant client = join("vdrive client", Role::client);
+  EXPECT_FALSE(client.run_local_work());
+  int rounds = 0;
+  {
+    const LocalBus::WorkPlace place(bus_, [&] {
+      return ++rounds <= 2;
+    });
+    EXPECT_TRUE(client.run_local_work());
+    EXPECT_TRUE(client.run_local_work());
+    EXPECT_FALSE(client.run_local_work());
+  }
+  EXPECT_FALSE(client.run_local_work());
+  EXPECT_EQ(rounds, 3);
+}
+
+TEST_F(LocalBusTest, CarriesSamplesOfManyThreadsWhileSubscriptionsComeAndGo) {
+  constexpr int kThreads = 4;
+  constexpr int kSamples = 2'000;
+  std::atomic<int> received{0};
+  Participant receiver = join("receiver");
+  const Subscription<msg::BenchState> steady(receiver, [&](const auto&, const Source&) {
+    ++received;
+  });
+  std::atomic<bool> ends{false};
+  std::thread visitor([&] {
+    while (!ends) {
+      Participant guest = join("guest");
+      const Subscription<msg::BenchState> passing(guest, [](const auto&, const Source&) {});
+    }
+  });
+  std::vector<std::thread> senders;
+  for (int thread = 0; thread < kThreads; ++thread) {
+    senders.emplace_back([&] {
+      Participant sender = join("sender");
+      Publication<msg::BenchState> publication(sender);
+      for (int sample = 0; sample < kSamples; ++sample) {
+        static_cast<void>(publication.write(msg::BenchState()));
+      }
+    });
+  }
+  for (auto& sender : senders) sender.join();
+  ends = true;
+  visitor.join();
+  EXPECT_EQ(received, kThreads * kSamples);
+}
+
+}  // namespace
+}  // namespace vdrive::wire
