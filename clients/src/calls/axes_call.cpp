@@ -107,10 +107,10 @@ void AxesCall::set_timeout(std::chrono::nanoseconds timeout) {
   deadline_ = driven_tick() + ticks_of(timeout, period());
 }
 
-Outcome AxesCall::require(bool (*holds)(const AxisSnapshot& axis), std::string_view command,
+Outcome AxesCall::require(bool (*fulfils)(const AxisSnapshot& axis), std::string_view command,
                           std::string_view needs) {
   const auto offender = [&] {
-    return std::ranges::find_if_not(now(), holds);
+    return std::ranges::find_if_not(now(), fulfils);
   };
   if (offender() == now().end()) return {};
   if (Outcome seen = axes_.look_again(); !seen) return seen;

@@ -107,10 +107,10 @@ class AxesCall {
 
   [[nodiscard]] bool steps() const { return axes_.steps(); }
 
-  /// Requires that `holds` for the power state of every axis, as it is now
+  /// Requires that every axis `fulfils` a condition, as it is now
   /// (ObservedAxes::look_again).
-  /// @return refused with the first axis that it does not hold for
-  Outcome require(bool (*holds)(const AxisSnapshot& axis), std::string_view command,
+  /// @return refused with the first axis that does not
+  Outcome require(bool (*fulfils)(const AxisSnapshot& axis), std::string_view command,
                   std::string_view needs);
 
   /// Objects of each axis, one row an axis.
