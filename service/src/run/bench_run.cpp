@@ -26,6 +26,9 @@ constexpr std::chrono::milliseconds kLongestNap = 5ms;
 constexpr std::chrono::microseconds kReportNap = 500us;
 /// The wire sends what is in its lanes, such as the last states and the end of the bench.
 constexpr std::chrono::milliseconds kTimeOfLastSamples = 200ms;
+/// The same where no axis had to brake: of the 2 s that an end may take more is left, and a client
+/// on a busy machine waits for the reason of its step.
+constexpr std::chrono::milliseconds kTimeOfLastSamplesInLockstep = 1s;
 
 void prepare_tick_thread(int priority) {
   prctl(PR_SET_TIMERSLACK, 1UL);  // the default lets the kernel wake it 50 us late
@@ -134,7 +137,7 @@ void BenchRun::stop() noexcept {
   replies_.deliver(inbox_, outbox_);
   reports_.publish(inbox_, outbox_);
   reports_.announce(false);
-  wire_->stop(kTimeOfLastSamples);
+  wire_->stop(lockstep_ ? kTimeOfLastSamplesInLockstep : kTimeOfLastSamples);
   log_info("bench={} offline", identity_.bench);
 }
 
