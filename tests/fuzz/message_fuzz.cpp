@@ -214,7 +214,7 @@ class Peers {
       pass_on(*outbox_.command_replies.front());
     }
     for (; outbox_.replies.front() != nullptr; outbox_.replies.pop()) {
-      pass_on(*outbox_.replies.front());
+      pass_on_reply(*outbox_.replies.front());
     }
     for (; outbox_.parameters.front() != nullptr; outbox_.parameters.pop()) {
       pass_on(*outbox_.parameters.front());
@@ -237,7 +237,7 @@ class Peers {
     }
   }
 
-  void pass_on(const service::OutgoingReply& outgoing) {
+  void pass_on_reply(const service::OutgoingReply& outgoing) {
     std::vector<std::byte> sample(wire::encoded_reply_size(outgoing.reply, outgoing.axes.size()));
     demand(wire::encode_reply(outgoing.reply, outgoing.axes, sample) == sample.size(),
            "a reply can be encoded");

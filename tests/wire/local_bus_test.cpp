@@ -109,23 +109,25 @@ TEST_F(LocalBusTest, KeepsForLaterSubscriptionsWhatTheTopicKeeps) {
   EXPECT_EQ(received, 0U);
 }
 
+std::vector<std::string> names_of(const std::vector<OtherParticipant>& others) {
+  std::vector<std::string> names;
+  names.reserve(others.size());
+  for (const auto& other : others) names.push_back(other.name);
+  return names;
+}
+
 TEST_F(LocalBusTest, KnowsWhoIsThere) {
   const Participant service = join("vdrived 1", Role::service);
   const Participant client = join("vdrive client", Role::client);
-  const auto names = [](const std::vector<OtherParticipant>& others) {
-    std::vector<std::string> names;
-    for (const auto& other : others) names.push_back(other.name);
-    return names;
-  };
   EXPECT_TRUE(client.knows_who_is_there());
   {
     const Participant second = join("vdrive client", Role::client);
-    EXPECT_THAT(names(second.others()), ElementsAre("vdrived 1")) << "clients ignore each other";
-    EXPECT_THAT(names(service.others()), ElementsAre("vdrive client", "vdrive client"));
+    EXPECT_THAT(names_of(second.others()), ElementsAre("vdrived 1")) << "clients ignore each other";
+    EXPECT_THAT(names_of(service.others()), ElementsAre("vdrive client", "vdrive client"));
     EXPECT_TRUE(service.has(second.source()));
   }
-  EXPECT_THAT(names(service.others("vdrive ")), ElementsAre("vdrive client"));
-  EXPECT_THAT(names(service.others("vdrived")), IsEmpty());
+  EXPECT_THAT(names_of(service.others("vdrive ")), ElementsAre("vdrive client"));
+  EXPECT_THAT(names_of(service.others("vdrived")), IsEmpty());
 }
 
 TEST_F(LocalBusTest, RefusesASecondServiceOfOneName) {
