@@ -40,7 +40,7 @@ def steps_in_python(session, count):
 def measure_steps(vdrive, options):
     program = options.build / "tests/benchmark/vdrive_step_benchmark"
     in_cpp, in_python = [], []
-    with vdrive.Bench(1) as bench, bench.session() as session:
+    with vdrive.Bench(1, over="dds") as bench, bench.session() as session:
         steps_in_python(session, options.steps)  # warm
         for _ in range(options.rounds):
             output = subprocess.run([program, str(bench.domain), str(options.steps)], check=True,
@@ -55,7 +55,8 @@ def measure_steps(vdrive, options):
 
 def measure_stream(vdrive, options):
     metrics = free_port()
-    with vdrive.Bench(options.axes, clock="realtime", arguments=("--metrics", metrics)) as bench, \
+    with vdrive.Bench(options.axes, clock="realtime", over="dds",
+                      arguments=("--metrics", metrics)) as bench, \
             bench.session() as session:
         session.find_bench(1)
         with session.stream() as stream:

@@ -126,15 +126,16 @@ done
 "$unpacked/usr/bin/vdrive-ros2" --version | grep -q '^vdrive-ros2 ' || fail "vdrive-ros2 --version"
 "$unpacked/usr/bin/vdrive" --version | grep -q '^vdrive ' || fail "vdrive --version"
 
-# The Python module, with the service that was packed with it.
+# The Python module, by itself and with the service that was packed with it.
 PYTHONPATH=$unpacked/usr/lib/python3/dist-packages VDRIVE_SERVICE=$unpacked/usr/bin/vdrived /usr/bin/python3 -B \
   >"$work/log" 2>&1 <<'END' || fail "import vdrive: $(cat "$work/log")"
 import vdrive
-with vdrive.Bench() as bench, bench.session() as session:
-    axis = session.axis("1.1")
-    axis.enable()
-    axis.move_to(1000)
-    assert axis.status().position == 1000
+for over in ("local", "dds"):
+    with vdrive.Bench(over=over) as bench, bench.session() as session:
+        axis = session.axis("1.1")
+        axis.enable()
+        axis.move_to(1000)
+        assert axis.status().position == 1000
 END
 
 # The units name existing files.
