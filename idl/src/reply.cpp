@@ -99,6 +99,7 @@ bool decode_reply(std::span<const std::byte> sample, msg::Reply& reply,
     return false;
   }
   axes.clear();
+  axes.reserve(count);
   for (std::uint32_t position = 0; position < count; ++position) {
     axes.push_back(sequence.get(position, sample.data() + begin));
   }

@@ -211,6 +211,7 @@ Result<Observation> BenchClocks::step(const Target& target, std::uint64_t ticks,
   std::uint64_t left = ticks;
   std::size_t shown = 0;
   Observation observation;
+  observation.axes.reserve(axes.size());
   do {
     if (left != 0 && wakeup_.is_interrupted()) return Outcome::failed("interrupted");
     msg::Request request;

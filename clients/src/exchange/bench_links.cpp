@@ -70,7 +70,8 @@ BenchLinks::BenchLinks(wire::Participant& participant, std::uint64_t session, Di
 void BenchLinks::on_reply(const wire::Source& source) {
   if (received_.client() != session_) return;
   discovery_.note_sample({received_.bench(), received_.incarnation()}, received_.tick(), source);
-  if (unanswered_.requests.answer(received_.request_id(), received_)) wakeup_.notify();
+  const std::uint64_t number = received_.request_id();
+  if (unanswered_.requests.answer(number, std::move(received_))) wakeup_.notify();
 }
 
 void BenchLinks::on_command_reply(const msg::CommandReply& message, const wire::Source& source) {

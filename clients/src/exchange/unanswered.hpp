@@ -34,11 +34,11 @@ class Unanswered {
   }
 
   /// @return whether the answer is awaited. A repeated answer replaces the one before.
-  bool answer(const Number& number, const Answer& answer) {
+  bool answer(const Number& number, Answer answer) {
     const std::scoped_lock lock(mutex_);
     const auto sent = sent_.find(number);
     if (sent == sent_.end()) return false;
-    sent->second.answer = answer;
+    sent->second.answer = std::move(answer);
     return true;
   }
 
