@@ -33,11 +33,9 @@ std::size_t count_entries(const char* directory) {
 
 TEST(Bench, IsFoundAtOnceAndHasItsAxes) {
   const Bench bench({.axes = 3});
-  Session session = bench.session();
-  const auto begin = std::chrono::steady_clock::now();
+  // A search that may not wait: over DDS it finds nothing.
+  Session session = bench.session({.find_timeout = milliseconds(0)});
   const auto benches = session.find_benches();
-  EXPECT_LT(std::chrono::steady_clock::now() - begin,
-            milliseconds(100));  // over DDS it settles 150
   ASSERT_EQ(benches.size(), 1U);
   EXPECT_EQ(benches.front().axes.size(), 3U);
   EXPECT_EQ(benches.front().clock_mode, ClockMode::lockstep);

@@ -3,16 +3,18 @@
 #include "vdrive/wire/codec.hpp"
 
 #include "vdrive/wire/status_frame.hpp"
+#include "wire/made_status.hpp"
 
 #include <fastcdr/Cdr.h>
 #include <fastcdr/FastBuffer.h>
 #include <gtest/gtest.h>
 
-#include <random>
 #include <vector>
 
 namespace vdrive::wire {
 namespace {
+
+using test::make_status;
 
 using Bytes = std::vector<std::byte>;
 
@@ -33,16 +35,6 @@ Bytes encoded_big_endian(const Message& message) {
   cdr.serialize_encapsulation();
   message.serialize(cdr);
   return bytes;
-}
-
-/// A different value in every member.
-AxisStatus make_status(unsigned seed) {
-  std::minstd_rand random(seed + 1);
-  AxisStatus status;
-  for (const StatusMember& member : status_members()) {
-    member.set(status, static_cast<std::int32_t>(random() * 3U));
-  }
-  return status;
 }
 
 TEST(StatusCodec, WritesTheBytesOfTheGeneratedEncoder) {

@@ -3,13 +3,13 @@
 #include "vdrive/wire/reply.hpp"
 
 #include "vdrive/wire/codec.hpp"
+#include "wire/made_status.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <random>
 #include <span>
 #include <vector>
 
@@ -18,17 +18,11 @@ namespace {
 
 using Bytes = std::vector<std::byte>;
 
-/// A different value in every member.
 ShownAxis make_axis(unsigned seed) {
-  std::minstd_rand random(seed + 1);
-  ShownAxis axis{.number = static_cast<std::uint16_t>(seed + 7),
-                 .tick = 1'000 + seed,
-                 .owner = {.session = random(), .epoch = 4 + seed, .last_sequence = random()},
-                 .status = {}};
-  for (const StatusMember& member : status_members()) {
-    member.set(axis.status, static_cast<std::int32_t>(random() * 3U));
-  }
-  return axis;
+  return {.number = static_cast<std::uint16_t>(seed + 7),
+          .tick = 1'000 + seed,
+          .owner = {.session = 0x5555'0000 + seed, .epoch = 4 + seed, .last_sequence = 900 + seed},
+          .status = test::make_status(seed)};
 }
 
 msg::Reply make_reply(std::size_t objects) {

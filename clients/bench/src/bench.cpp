@@ -48,6 +48,9 @@ void refuse_network(const Configuration& configuration) {
   };
   if (configuration.metrics_port) refuse("metrics.port");
   if (configuration.wire_form) refuse("wire.form");
+  if (configuration.wire_memory_limit != Configuration().wire_memory_limit) {
+    refuse("wire.memory_limit_mib");
+  }
   if (!network.interfaces.empty()) refuse("network.interfaces");
   if (!network.peers.empty()) refuse("network.peers");
   if (!network.discovery_servers.empty()) refuse("network.discovery_servers");

@@ -62,8 +62,8 @@ class Bench:
             raise _only_over_dds("arguments=")
         if service is not None:
             raise _only_over_dds("service=")
-        if beside is not None and not beside._is_local:
-            raise ConfigurationError("beside= is a bench in this process, not one over DDS")
+        if beside is not None and not getattr(beside, "_is_local", False):
+            raise ConfigurationError("beside= is a vdrive.Bench in this process")
         return _vdrive.LocalBench(
             axes=axes, config=_path(config), clock=clock, number=number, state=_path(state),
             journal=_path(journal), beside=None if beside is None else beside._bench)

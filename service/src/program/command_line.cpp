@@ -9,7 +9,6 @@
 #include "journal/replay.hpp"
 #include "program/service.hpp"
 #include "program/service_manager.hpp"
-#include "publish/status_depth.hpp"
 #include "store/parameter_store.hpp"
 #include "supervision/wire_host.hpp"
 #include "vdrive/axis_bank.hpp"
@@ -295,12 +294,9 @@ int serve(const Configuration& configuration, const Arguments& arguments) {
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   // Before the first thread too: its child must have none of them.
   const bool has_process = effective_wire_form(configuration) == WireForm::process;
-  auto host = has_process ? std::make_shared<WireHost>(
-                                WireSettings{.network = configuration.network,
-                                             .bench = configuration.bench,
-                                             .log_level = arguments.log_level,
-                                             .status_room = status_depth(configuration).room})
-                          : nullptr;
+  WireSettings settings = wire_settings(configuration);
+  settings.log_level = arguments.log_level;
+  auto host = has_process ? std::make_shared<WireHost>(settings) : nullptr;
   const ServiceManager manager;
   std::optional<wire::LibraryLog> library_log;
   if (!has_process) library_log.emplace(log_of_the_library(configuration.bench));

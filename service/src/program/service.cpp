@@ -4,7 +4,6 @@
 #include "base/log.hpp"
 #include "program/metrics.hpp"
 #include "program/metrics_endpoint.hpp"
-#include "publish/status_depth.hpp"
 #include "run/bench_run.hpp"
 #include "run/bench_wire.hpp"
 #include "seam/wire_link.hpp"
@@ -12,8 +11,6 @@
 #include "supervision/wire_supervisor.hpp"
 #include "wire/closed_check.hpp"
 #include "wire/wire_program.hpp"
-
-#include <spdlog/spdlog.h>
 
 #include <chrono>
 #include <string>
@@ -24,13 +21,6 @@ namespace {
 
 /// A wire in its own process then announces its end; after this it is killed.
 constexpr std::chrono::milliseconds kTimeToAnnounceEnd{100};
-
-WireSettings wire_settings(const Configuration& configuration) {
-  return {.network = configuration.network,
-          .bench = configuration.bench,
-          .log_level = std::string(spdlog::level::to_string_view(spdlog::get_level()).data()),
-          .status_room = status_depth(configuration).room};
-}
 
 /// A wire that is a process of its own, which is started anew when it fails.
 class ProcessWire final : public BenchWire {
@@ -89,8 +79,7 @@ class ThreadWire final : public BenchWire {
   /// With security material it first proves that strangers do not find it.
   void start() override {
     if (!network_.security.empty()) check_closed(program_.participant(), network_);
-    link_.control().running_generation = 1;
-    link_.control().state = WireState::running;
+    link_.begin();
     counters_.wire_is_up.set(1);
   }
 
@@ -102,7 +91,7 @@ class ThreadWire final : public BenchWire {
 
   void stop(std::chrono::milliseconds patience) override {
     static_cast<void>(program_.wait_for_readers(patience));
-    link_.control().state = WireState::none;
+    link_.end();
   }
 
  private:

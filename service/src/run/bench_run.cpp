@@ -210,8 +210,7 @@ bool BenchRun::work() {
     if (!lock.owns_lock()) return has_worked;
     is_work_wanted_ = false;
     while (!stop_ && lockstep_->round()) has_worked = true;
-    reports_.publish(inbox_, outbox_);
-    report_beats_.add();
+    report_once();
   }
   return has_worked;
 }
@@ -245,14 +244,18 @@ void BenchRun::switch_off() noexcept {
   }
 }
 
+void BenchRun::report_once() {
+  supervise_wire();
+  guard_.receive();
+  if (!lockstep_) replies_.deliver(inbox_, outbox_);
+  reports_.publish(inbox_, outbox_);
+  report_beats_.add();
+}
+
 void BenchRun::report() {
   bool is_conflict_reported = false;
   while (!stop_) {
-    supervise_wire();
-    guard_.receive();
-    if (!lockstep_) replies_.deliver(inbox_, outbox_);
-    reports_.publish(inbox_, outbox_);
-    report_beats_.add();
+    report_once();
     if (const auto older = guard_.conflict(); older && !is_conflict_reported) {
       is_conflict_reported = true;
       reports_.publish_event({{.kind = msg::EVENT_BENCH_CONFLICT,

@@ -142,6 +142,7 @@ class BenchRun {
   void publish_status();
   void publish_waiting_status();
   void switch_off() noexcept;
+  void report_once();
   void report();
   void supervise_wire();
   void nap(std::chrono::nanoseconds shortest);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/event_record.hpp"
+#include "configuration/configuration.hpp"
 #include "seam/wire_link.hpp"
 #include "seam/wire_region.hpp"
 
@@ -45,5 +46,8 @@ class BenchWire {
   /// Waits until the readers have what was reported, and announces the end.
   virtual void stop(std::chrono::milliseconds patience) = 0;
 };
+
+/// @return how the wire of a bench is set up, whatever its form.
+[[nodiscard]] WireSettings wire_settings(const Configuration& configuration);
 
 }  // namespace vdrive::service

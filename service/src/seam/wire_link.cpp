@@ -13,6 +13,15 @@ WireLink::WireLink(const WireRegion& region)
       status_bell_(control_.status_bell),
       reports_bell_(control_.reports_bell) {}
 
+void WireLink::begin() noexcept {
+  control_.running_generation = 1;
+  control_.state = WireState::running;
+}
+
+void WireLink::end() noexcept {
+  control_.state = WireState::none;
+}
+
 ByteRing& WireLink::ring(Lane lane) noexcept {
   return lane == Lane::status ? status_ : lane == Lane::replies ? replies_ : reports_;
 }

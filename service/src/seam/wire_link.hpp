@@ -24,6 +24,10 @@ class WireLink {
   /// @param sender outlives this
   void send_through(LaneSender& sender) noexcept { sender_ = &sender; }
 
+  /// The wire of this process runs, and has ended; a process says so itself.
+  void begin() noexcept;
+  void end() noexcept;
+
   /// Encodes a message into a lane. @return false when there is no room.
   template <typename Message>
   [[nodiscard]] bool post(Lane lane, const Message& message) {

@@ -29,7 +29,7 @@ struct BenchOptions {
   std::string configuration{};
   std::filesystem::path configuration_file{};  ///< instead of `configuration`
   std::optional<std::size_t> axes{};           ///< 1 to 16,384 default axes, instead of its own
-  /// Lock-step when neither this nor the configuration names one.
+  /// Nothing = that of the configuration, or without one lock-step.
   std::optional<ClockMode> clock{};
   std::optional<std::uint32_t> number{};    ///< of the bench, 1 to 65,535
   std::filesystem::path state_directory{};  ///< parameters can be stored here; empty = nowhere
