@@ -9,6 +9,7 @@
 #include "journal/replay.hpp"
 #include "program/service.hpp"
 #include "program/service_manager.hpp"
+#include "run/bench_wire.hpp"
 #include "store/parameter_store.hpp"
 #include "supervision/wire_host.hpp"
 #include "vdrive/axis_bank.hpp"
