@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The same program over the local bus and over DDS: the same answers, and the same axes in every
-// tick that is seen.
+// The same program over the local bus and over DDS: the same answers, the same axes in every tick
+// that is seen, and the same journal, which has every tick.
 //
 //   VDRIVE_SEQUENCES=1000 both_wires_test     as many random sequences of commands; 60 by default
 #include "client/session_options.hpp"
+#include "journal/journal_file.hpp"
+#include "support/temporary_directory.hpp"
 #include "tool/process.hpp"
 #include "vdrive/bench/bench.hpp"
 #include "vdrive/client.hpp"
@@ -14,9 +16,12 @@
 #include <array>
 #include <cstdint>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <random>
 #include <sstream>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace vdrive::bench {
@@ -90,7 +95,7 @@ class Program {
   void command(Axis& axis) {
     const client::CallOptions at_once{.timeout = std::chrono::seconds(2), .until = Until::in_force};
     const auto target = static_cast<std::int32_t>(below(40'000)) - 20'000;
-    switch (below(12)) {
+    switch (below(13)) {
       case 0:
       case 1:
         return log_.note(axis.enable(at_once));
@@ -112,6 +117,8 @@ class Program {
         return log_.note(axis.disturb(client::Disturbance::load_torque, below(2'000)).outcome());
       case 10:
         return log_.note(axis.disable(at_once));
+      case 11:
+        return log_.note(axis.store());
       default:
         return log_.note(session_.step(1, 1 + below(400)).outcome());
     }
@@ -124,27 +131,98 @@ class Program {
   Log log_;
 };
 
-TEST(BothWires, GiveARandomProgramTheSameAnswersAndTheSameAxes) {
-  const test::RunningService service("--clock lockstep --config " + std::string(kConfiguration) +
-                                     " --axes " + std::to_string(kAxes));
-  Session over_dds(test::options());
-  const Bench bench(
-      {.configuration_file = kConfiguration, .axes = kAxes, .clock = ClockMode::lockstep});
-  Session local = bench.session();
-  const std::array sessions{&local, &over_dds};
-  std::array<std::uint64_t, 2> begins{};
-  for (std::size_t wire = 0; wire < sessions.size(); ++wire) {
-    begins[wire] = sessions[wire]->take_snapshot(1).value();
+/// A record of a journal in a line: all that it says.
+struct RecordText {
+  std::string operator()(const service::JournalChange& change) const {
+    std::ostringstream text;
+    text << "change " << static_cast<int>(change.kind) << " axis " << change.axis << " object "
+         << change.address.index << ':' << static_cast<int>(change.address.subindex) << " value "
+         << change.value;
+    return text.str();
   }
-  const std::size_t sequences = number_of_sequences();
-  for (std::uint32_t seed = 1; seed <= sequences; ++seed) {
-    std::array<std::string, 2> logs;
+
+  std::string operator()(const service::JournalTick& tick) const {
+    std::ostringstream text;
+    text << "tick " << tick.number << " image " << tick.digest.image;
+    for (const std::uint32_t row : tick.rows) text << ' ' << row;
+    return text.str();
+  }
+
+  std::string operator()(const service::JournalSnapshot& snapshot) const {
+    std::ostringstream text;
+    text << "snapshot " << static_cast<int>(snapshot.cause) << " tick " << snapshot.tick << " lost "
+         << snapshot.lost << " state";
+    for (const std::byte byte : snapshot.state) text << ' ' << std::to_integer<int>(byte);
+    return text.str();
+  }
+
+  std::string operator()(const service::JournalEnd& end) const {
+    std::ostringstream text;
+    text << "end ticks " << end.ticks << " changes " << end.changes << " lost " << end.lost;
+    return text.str();
+  }
+};
+
+/// A journal without its head, which names the network.
+std::vector<std::string> records_of(const std::filesystem::path& file) {
+  std::ifstream bytes(file, std::ios::binary);
+  service::JournalReader reader(bytes);
+  std::vector<std::string> records;
+  while (const auto record = reader.next()) records.push_back(std::visit(RecordText{}, *record));
+  return records;
+}
+
+/// The same bench over both wires, each with a journal.
+class BothWires : public testing::Test {
+ protected:
+  void run_sequences(Session& local, Session& over_dds) {
+    const std::array sessions{&local, &over_dds};
+    std::array<std::uint64_t, 2> begins{};
     for (std::size_t wire = 0; wire < sessions.size(); ++wire) {
-      ASSERT_TRUE(sessions[wire]->release(1));
-      ASSERT_TRUE(sessions[wire]->restore_snapshot(1, begins[wire]));
-      logs[wire] = Program(*sessions[wire], seed).run();
+      begins[wire] = sessions[wire]->take_snapshot(1).value();
     }
-    ASSERT_EQ(logs[0], logs[1]) << "seed " << seed;
+    const std::size_t sequences = number_of_sequences();
+    for (std::uint32_t seed = 1; seed <= sequences; ++seed) {
+      std::array<std::string, 2> logs;
+      for (std::size_t wire = 0; wire < sessions.size(); ++wire) {
+        ASSERT_TRUE(sessions[wire]->release(1));
+        ASSERT_TRUE(sessions[wire]->restore_snapshot(1, begins[wire]));
+        logs[wire] = Program(*sessions[wire], seed).run();
+      }
+      ASSERT_EQ(logs[0], logs[1]) << "seed " << seed;
+    }
+  }
+
+  [[nodiscard]] std::filesystem::path path(const char* name) const {
+    return directory_.path() / name;
+  }
+
+ private:
+  const test::TemporaryDirectory directory_;
+};
+
+TEST_F(BothWires, GiveARandomProgramTheSameAnswersTheSameAxesAndTheSameJournal) {
+  {
+    test::RunningService running("--clock lockstep --config " + std::string(kConfiguration) +
+                                 " --axes " + std::to_string(kAxes) + " --state " +
+                                 path("state.dds").string() + " --journal " +
+                                 path("journal.dds").string());
+    const Bench bench({.configuration_file = kConfiguration,
+                       .axes = kAxes,
+                       .clock = ClockMode::lockstep,
+                       .state_directory = path("state.local"),
+                       .journal = path("journal.local")});
+    Session over_dds(test::options());
+    Session local = bench.session();
+    run_sequences(local, over_dds);
+    ASSERT_EQ(running.stop().code, 0);
+  }
+  const auto local = records_of(path("journal.local"));
+  const auto over_dds = records_of(path("journal.dds"));
+  ASSERT_EQ(local.size(), over_dds.size());
+  EXPECT_GT(local.size(), number_of_sequences());  // a snapshot each
+  for (std::size_t i = 0; i < local.size(); ++i) {
+    ASSERT_EQ(local[i], over_dds[i]) << "record " << i << " of " << local.size();
   }
 }
 
