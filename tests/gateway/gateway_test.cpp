@@ -91,6 +91,15 @@ TEST(GatewayConnection, NeedsATokenOffLoopback) {
   EXPECT_THAT(finished.errors, HasSubstr("--token"));
 }
 
+TEST(GatewayCommandLine, FailsWhenItsAnswerCouldNotBeWritten) {
+  for (const std::string flag : {"--help", "--version"}) {
+    const Finished full =
+        Process("/bin/sh", {"-c", VDRIVE_GATEWAY " " + flag + " > /dev/full"}).wait();
+    EXPECT_EQ(full.code, 1) << flag;
+    EXPECT_THAT(full.errors, HasSubstr("standard output could not be written: No space left"));
+  }
+}
+
 TEST(GatewayCommandLine, PrintsItsHelpIntoAPipe) {
   const Finished help = Process(VDRIVE_GATEWAY, {"--help"}).wait();
   EXPECT_EQ(help.code, 0);

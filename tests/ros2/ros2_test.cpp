@@ -164,6 +164,15 @@ ros::JointTrajectory trajectory(std::vector<std::string> names,
 
 // ---- the program -----------------------------------------------------------------------------
 
+TEST(Ros2CommandLine, FailsWhenItsAnswerCouldNotBeWritten) {
+  for (const std::string flag : {"--help", "--version", "--check"}) {
+    const Finished full =
+        Process("/bin/sh", {"-c", VDRIVE_ROS2 " " + flag + " > /dev/full"}).wait();
+    EXPECT_EQ(full.code, 1) << flag;
+    EXPECT_THAT(full.errors, HasSubstr("standard output could not be written: No space left"));
+  }
+}
+
 TEST(Ros2CommandLine, PrintsItsHelpAndChecksItsConfiguration) {
   const Finished help = Process(VDRIVE_ROS2, {"--help"}).wait();
   EXPECT_EQ(help.code, 0);

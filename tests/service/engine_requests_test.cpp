@@ -231,6 +231,16 @@ TEST(StopOfAnotherSession, IsTheOnlyCommandThatIsAccepted) {
   EXPECT_TRUE(bench.events(msg::EVENT_STOPPED).empty());
 }
 
+TEST(AcquireRequest, ReportsTheAxisThatItsSessionDidNotHaveYet) {
+  EngineUnderTest bench;
+  bench.reply_to(bench.make_request(msg::REQUEST_ACQUIRE, kAlice, {1}));
+  bench.events(msg::EVENT_CONTROL_CHANGED);
+  bench.reply_to(bench.make_request(msg::REQUEST_ACQUIRE, kAlice, {1, 2}));
+  const auto changes = bench.events(msg::EVENT_CONTROL_CHANGED);
+  ASSERT_EQ(changes.size(), 1U);
+  EXPECT_EQ(changes[0].axis, 2);
+}
+
 TEST(QuickStopOfAFreeAxis, NeitherNeedsNorAcquiresControl) {
   MovingAxis bench;
   bench.reply_to(bench.make_request(msg::REQUEST_RELEASE, kAlice, {1}));

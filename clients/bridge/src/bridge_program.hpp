@@ -3,8 +3,11 @@
 
 #include <CLI/CLI.hpp>
 
+#include <cerrno>
 #include <exception>
 #include <iostream>
+#include <string_view>
+#include <system_error>
 
 namespace vdrive::bridge {
 
@@ -14,6 +17,16 @@ namespace vdrive::bridge {
 inline constexpr int kDone = 0;
 inline constexpr int kFailed = 1;
 inline constexpr int kUsage = 2;
+
+/// An answer that nobody has got is an error. Flushes: quick_exit() does not.
+/// @return kDone, or kFailed after a report when standard output could not be written.
+[[nodiscard]] inline int conclude_output(std::string_view program) {
+  if (std::cout.flush()) return kDone;
+  std::cerr << program
+            << ": standard output could not be written: " << std::generic_category().message(errno)
+            << '\n';
+  return kFailed;
+}
 
 /// Parses the command line and does the work; a failure is reported on standard error.
 /// @tparam BadArguments what `work` throws for arguments that cannot be used
@@ -28,9 +41,7 @@ template <typename BadArguments, typename Work>
     app.parse(argument_count, argument_list);
     return work();
   } catch (const CLI::ParseError& error) {
-    const bool is_help = app.exit(error) == 0;
-    std::cout.flush();  // quick_exit() does not flush
-    return is_help ? kDone : kUsage;
+    return app.exit(error) == 0 ? conclude_output(app.get_name()) : kUsage;
   } catch (const BadArguments& error) {
     report(error);
     return kUsage;

@@ -106,11 +106,11 @@ int run_command_line(int argument_count, const char* const* argument_list) {
   Arguments arguments;
   declare(app, arguments);
   return bridge::run_program<vdrive::settings::ConfigurationError>(
-      app, argument_count, argument_list, [&arguments] {
+      app, argument_count, argument_list, [&] {
         complete(arguments);
         if (!arguments.only_checks) return serve(arguments);
-        std::cout << "vdrive-ros2: the configuration is valid" << std::endl;
-        return bridge::kDone;
+        std::cout << "vdrive-ros2: the configuration is valid\n";
+        return bridge::conclude_output(app.get_name());
       });
 }
 

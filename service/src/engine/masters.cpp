@@ -59,12 +59,14 @@ Reason Masters::acquire(const msg::Request& request, bool by_force, msg::Reply& 
   SessionRecord* const record = admit(request.session());
   if (record == nullptr) return msg::REASON_QUEUE_FULL;
   std::size_t gained = 0;
+  std::uint16_t last_gained = 0;
   for (const std::uint16_t number : request.axes()) {
     const std::size_t axis = axes_.index_of_checked(number);
     if (control_.owner(axis).session != request.session()) {
       take_from_owner(axis);
       control_.give(axis, *record);
       ++gained;
+      last_gained = number;
     }
   }
   record->last_message_tick = clock_.tick();
@@ -72,7 +74,7 @@ Reason Masters::acquire(const msg::Request& request, bool by_force, msg::Reply& 
   if (gained > 0) {
     control_.renew_epoch(*record);
     events_.report({.kind = msg::EVENT_CONTROL_CHANGED,
-                    .axis = gained == 1 ? request.axes().front() : std::uint16_t{0},
+                    .axis = gained == 1 ? last_gained : std::uint16_t{0},
                     .session = request.session(),
                     .code = record->epoch,
                     .detail = Count{gained}});
