@@ -73,8 +73,10 @@ class Wire {
       (void)replies_.wait_for_match(outgoing->destination, 200ms);
       (void)replies_.write(outgoing->reply);
     }
-    for (; const auto* const reply = outbox.command_replies.front(); outbox.command_replies.pop()) {
-      if (is_taken()) (void)command_replies_.write(*reply);
+    for (; const auto* const kept = outbox.command_replies.front(); outbox.command_replies.pop()) {
+      msg::CommandReply reply;
+      kept->show(reply);
+      if (is_taken()) (void)command_replies_.write(reply);
     }
     for (; const auto* const image = outbox.status.front(); outbox.status.pop()) {
       msg::StatusFrame frame;

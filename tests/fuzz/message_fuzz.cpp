@@ -211,7 +211,9 @@ class Peers {
 
   void empty_outbox() {
     for (; outbox_.command_replies.front() != nullptr; outbox_.command_replies.pop()) {
-      pass_on(*outbox_.command_replies.front());
+      msg::CommandReply reply;
+      outbox_.command_replies.front()->show(reply);
+      pass_on(reply);
     }
     for (; outbox_.replies.front() != nullptr; outbox_.replies.pop()) {
       pass_on_reply(*outbox_.replies.front());

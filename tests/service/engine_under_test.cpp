@@ -133,9 +133,10 @@ std::optional<msg::Reply> EngineUnderTest::reply() {
 }
 
 std::optional<msg::CommandReply> EngineUnderTest::command_reply() {
-  msg::CommandReply* const reply = outbox.command_replies.front();
+  const service::StoredCommandReply* const reply = outbox.command_replies.front();
   if (reply == nullptr) return std::nullopt;
-  msg::CommandReply result = *reply;
+  msg::CommandReply result;
+  reply->show(result);
   outbox.command_replies.pop();
   return result;
 }

@@ -93,6 +93,39 @@ TEST(Ring, KeepsTheCapacityOfItsSlots) {
   }
 }
 
+/// Counts how often one is made and ended.
+struct Counted {
+  Counted() { ++made; }
+
+  ~Counted() { ++ended; }
+
+  Counted(const Counted&) = delete;
+  Counted& operator=(const Counted&) = delete;
+
+  static inline int made = 0;   // NOLINT(*-avoid-non-const-global-variables)
+  static inline int ended = 0;  // NOLINT(*-avoid-non-const-global-variables)
+};
+
+TEST(Ring, MakesOnlyTheSlotsThatAreUsed) {
+  Counted::made = 0;
+  Counted::ended = 0;
+  {
+    Ring<Counted> ring(1'000'000);
+    EXPECT_EQ(Counted::made, 0);
+    for (int round = 0; round < 3; ++round) {
+      for (int message = 0; message < 2; ++message) {
+        ASSERT_NE(ring.free_slot(), nullptr);
+        ring.push();
+      }
+      ring.pop();
+      ring.pop();
+    }
+    EXPECT_LE(Counted::made, 6) << "at most one for each message";
+    EXPECT_GE(Counted::made, 2) << "two wait at once";
+  }
+  EXPECT_EQ(Counted::ended, Counted::made);
+}
+
 TEST(Ring, LosesNothingBetweenTwoThreads) {
   constexpr std::uint64_t kMessages = 100'000;
   Ring<std::uint64_t> ring(64);

@@ -325,13 +325,15 @@ void Bench::take_answers(const Mail& mail) {
     mail.reply(outgoing->reply);
     outbox_.replies.pop();
   }
-  while (const msg::CommandReply* const reply = outbox_.command_replies.front()) {
+  while (const service::StoredCommandReply* const kept = outbox_.command_replies.front()) {
+    msg::CommandReply reply;
+    kept->show(reply);
     happenings_.record("answers frame",
-                       {reply->session(), reply->sequence_number(), reply->tick(),
-                        reply->refusals().empty() ? 0 : reply->refusals().front().reason()});
-    model_.check(*reply);
-    if (sabotage_ == Sabotage::answers_twice && ++spoiled_ == 20) model_.check(*reply);
-    mail.command_reply(*reply);
+                       {reply.session(), reply.sequence_number(), reply.tick(),
+                        reply.refusals().empty() ? 0 : reply.refusals().front().reason()});
+    model_.check(reply);
+    if (sabotage_ == Sabotage::answers_twice && ++spoiled_ == 20) model_.check(reply);
+    mail.command_reply(reply);
     outbox_.command_replies.pop();
   }
   model_.check_all_answered();

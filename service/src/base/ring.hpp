@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/lazy_slots.hpp"
 #include "vdrive/assert.hpp"
 
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
-#include <vector>
 
 namespace vdrive::service {
 
@@ -14,7 +14,7 @@ namespace vdrive::service {
 /// they are: the producer fills a slot in place, the consumer reads it in place, and a slot keeps
 /// the capacity of its sequences for the next message. So nothing allocates once it is warm. An
 /// empty queue continues with its first slot: a queue that is seldom full uses few slots, which
-/// stay in the caches.
+/// stay in the caches; those that were never used cost no memory (LazySlots).
 template <typename Message>
 class Ring {
  public:
@@ -25,10 +25,10 @@ class Ring {
   [[nodiscard]] Message* free_slot() noexcept {
     const std::size_t tail = tail_.load(std::memory_order_relaxed);
     const std::size_t read = first_of(head_.load(std::memory_order_acquire));
-    if (tail - read == slots_.size()) return nullptr;
-    const std::size_t rest = tail == read ? tail % slots_.size() : 0;
-    filled_ = rest == 0 ? tail : tail - rest + slots_.size();
-    return &slots_[filled_ % slots_.size()];
+    if (tail - read == slots_.capacity()) return nullptr;
+    const std::size_t rest = tail == read ? tail % slots_.capacity() : 0;
+    filled_ = rest == 0 ? tail : tail - rest + slots_.capacity();
+    return &slots_.reach(filled_ % slots_.capacity());
   }
 
   /// Producer: hands the slot of the last `free_slot` over.
@@ -44,7 +44,7 @@ class Ring {
   [[nodiscard]] Message* front() noexcept {
     const std::size_t head = head_.load(std::memory_order_relaxed);
     if (head == tail_.load(std::memory_order_acquire)) return nullptr;
-    return &slots_[first_of(head) % slots_.size()];
+    return &slots_[first_of(head) % slots_.capacity()];
   }
 
   /// Consumer: gives the slot of `front` back.
@@ -58,15 +58,15 @@ class Ring {
   [[nodiscard]] std::size_t size() const noexcept {
     const std::size_t tail = tail_.load(std::memory_order_acquire);
     const std::size_t read = first_of(head_.load(std::memory_order_acquire));
-    return tail > read ? std::min(tail - read, slots_.size()) : 0;
+    return tail > read ? std::min(tail - read, slots_.capacity()) : 0;
   }
 
-  [[nodiscard]] std::size_t capacity() const noexcept { return slots_.size(); }
+  [[nodiscard]] std::size_t capacity() const noexcept { return slots_.capacity(); }
 
   /// Prepares every slot before the threads start, for example reserves its sequences.
   template <typename Function>
   void for_each_slot(Function function) {
-    for (auto& slot : slots_) function(slot);
+    for (std::size_t place = 0; place < capacity(); ++place) function(slots_.reach(place));
   }
 
  private:
@@ -77,7 +77,7 @@ class Ring {
     return std::max(head, begin_.load(std::memory_order_relaxed));
   }
 
-  std::vector<Message> slots_;
+  LazySlots<Message> slots_;  ///< the producer makes them
   // Positions only grow; a message is in the slot of its position modulo their number.
   alignas(kCacheLine) std::atomic<std::size_t> head_{0};
   alignas(kCacheLine) std::atomic<std::size_t> tail_{0};

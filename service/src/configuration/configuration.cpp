@@ -99,6 +99,10 @@ std::optional<std::chrono::milliseconds> effective_watchdog(
                                                                  : configuration.watchdog;
 }
 
+std::size_t end_of_numbers(const Configuration& configuration) noexcept {
+  return configuration.axes.empty() ? 0 : configuration.axes.back().number + std::size_t{1};
+}
+
 std::vector<AxisConfiguration> bank_axes(const Configuration& configuration) {
   std::vector<AxisConfiguration> axes;
   axes.reserve(configuration.axes.size());

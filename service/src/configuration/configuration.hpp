@@ -96,6 +96,9 @@ void check(const Configuration& configuration);
 ///         process.
 [[nodiscard]] WireForm effective_wire_form(const Configuration& configuration) noexcept;
 
+/// @return the number after the highest of the axes.
+[[nodiscard]] std::size_t end_of_numbers(const Configuration& configuration) noexcept;
+
 /// @return the axes as the bank wants them, with their serial numbers.
 [[nodiscard]] std::vector<AxisConfiguration> bank_axes(const Configuration& configuration);
 

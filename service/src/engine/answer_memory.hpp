@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/lazy_slots.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <list>
+#include <utility>
 #include <vector>
 
 namespace vdrive::service {
@@ -20,7 +22,8 @@ enum class Fate : std::uint8_t {
 
 /// Which messages of which sender have arrived, and what was answered, so that a message acts once,
 /// however often it arrives. Fixed size: nothing allocates after construction, as far as assigning
-/// an answer does not. A new sender replaces the sender whose last message is the oldest.
+/// an answer does not. What was never used costs no memory. A new sender replaces the sender whose
+/// last message is the oldest.
 template <typename Answer>
 class AnswerMemory {
  public:
@@ -31,12 +34,7 @@ class AnswerMemory {
   /// How many numbers below the highest one of a sender are remembered.
   static constexpr std::uint64_t kWindow = 1'024;
 
-  /// @param prepare makes room in each answer
-  template <typename Prepare>
-  explicit AnswerMemory(Prepare prepare) : senders_(kSenders), order_(kAnswers) {
-    ids_.reserve(kSenders);
-    for (Slot& slot : order_) prepare(slot.answer);
-  }
+  AnswerMemory() : senders_(kSenders), slots_(kAnswers) { ids_.reserve(kSenders); }
 
   ~AnswerMemory() = default;
   AnswerMemory(const AnswerMemory&) = delete;
@@ -70,15 +68,16 @@ class AnswerMemory {
     if (fate_of(sender, number) != Fate::taken) return nullptr;
     Sender& known = senders_[find(sender)];
     known.answered.add(number);
-    const auto slot =
-        known.count == kAnswersPerSender ? known.oldest : order_.begin();  // or of no sender
-    detach(*slot);
-    order_.splice(order_.end(), order_, slot);
-    slot->sender = &known;
-    slot->number = number;
-    (known.count++ == 0 ? known.oldest : known.newest->next) = slot;
-    known.newest = slot;
-    return &slot->answer;
+    Slot& slot = vacate_for(known);
+    slot.sender = &known;
+    slot.number = number;
+    (known.count++ == 0 ? known.oldest : known.newest->next) = &slot;
+    known.newest = &slot;
+    slot.older = newest_;
+    slot.newer = nullptr;
+    (newest_ == nullptr ? oldest_ : newest_->newer) = &slot;
+    newest_ = &slot;
+    return &slot.answer;
   }
 
   /// @return the answer to message `number`, never nullptr when its fate is `answered`.
@@ -91,7 +90,6 @@ class AnswerMemory {
  private:
   struct Sender;
   struct Slot;
-  using SlotPlace = typename std::list<Slot>::iterator;
 
   /// The last kWindow numbers, one bit each.
   class Numbers {
@@ -130,16 +128,18 @@ class AnswerMemory {
     std::uint64_t last_use = 0;
     Numbers taken;
     Numbers answered;
-    std::size_t count = 0;  ///< answers that are kept, in a chain from the oldest
-    SlotPlace oldest;
-    SlotPlace newest;
+    std::size_t count = 0;   ///< answers that are kept, in a chain from the oldest
+    Slot* oldest = nullptr;  ///< holds when there is one, like `newest`
+    Slot* newest = nullptr;
   };
 
   struct Slot {
-    Answer answer;
-    Sender* sender = nullptr;  ///< nullptr = free
+    Sender* sender = nullptr;
     std::uint64_t number = 0;
-    SlotPlace next;  ///< of the same sender; holds when there is one
+    Slot* next = nullptr;   ///< of the same sender; holds when there is one
+    Slot* older = nullptr;  ///< of all senders
+    Slot* newer = nullptr;  ///< likewise; of a free one the next free one
+    Answer answer;
   };
 
   [[nodiscard]] std::size_t find(std::uint64_t sender) const noexcept {
@@ -155,41 +155,57 @@ class AnswerMemory {
     if (known < ids_.size()) return known;
     if (ids_.size() < kSenders) {
       ids_.push_back(sender);
+      static_cast<void>(senders_.reach(known));
       return known;
     }
-    const auto silent = std::ranges::min_element(senders_, {}, &Sender::last_use);
+    const auto senders = senders_.made();
+    const auto silent = std::ranges::min_element(senders, {}, &Sender::last_use);
     while (silent->count > 0) {  // what is no longer asked for is replaced first
-      const SlotPlace slot = silent->oldest;
-      detach(*slot);
-      order_.splice(order_.begin(), order_, slot);
+      Slot& slot = *silent->oldest;
+      detach(slot);
+      slot.newer = std::exchange(free_, &slot);
     }
     *silent = {};
-    const auto place = static_cast<std::size_t>(silent - senders_.begin());
+    const auto place = static_cast<std::size_t>(silent - senders.begin());
     ids_[place] = sender;
     return place;
   }
 
   [[nodiscard]] static const Slot* slot_of(const Sender& sender, std::uint64_t number) noexcept {
-    SlotPlace slot = sender.oldest;
+    const Slot* slot = sender.oldest;
     for (std::size_t count = 0; count < sender.count; ++count) {
-      if (slot->number == number) return &*slot;
+      if (slot->number == number) return slot;
       slot = slot->next;
     }
     return nullptr;
   }
 
-  /// Frees the slot, which is its sender's oldest: answers go in the order in which they came.
-  static void detach(Slot& slot) noexcept {
-    if (slot.sender != nullptr) {
-      slot.sender->oldest = slot.next;
-      --slot.sender->count;
-      slot.sender = nullptr;
+  /// @return a slot for the next answer to `sender`: a free one, or that of the oldest answer.
+  [[nodiscard]] Slot& vacate_for(const Sender& sender) noexcept {
+    if (sender.count < kAnswersPerSender) {
+      if (free_ != nullptr) return *std::exchange(free_, free_->newer);
+      const std::size_t used = slots_.made().size();
+      if (used < kAnswers) return slots_.reach(used);
     }
+    Slot& slot = sender.count < kAnswersPerSender ? *oldest_ : *sender.oldest;
+    detach(slot);
+    return slot;
+  }
+
+  /// Drops the answer, which is its sender's oldest: answers go in the order in which they came.
+  void detach(Slot& slot) noexcept {
+    slot.sender->oldest = slot.next;
+    --slot.sender->count;
+    (slot.older == nullptr ? oldest_ : slot.older->newer) = slot.newer;
+    (slot.newer == nullptr ? newest_ : slot.newer->older) = slot.older;
   }
 
   std::vector<std::uint64_t> ids_;  ///< of the senders, close together
-  std::vector<Sender> senders_;
-  std::list<Slot> order_;  ///< free ones, then the answers from the oldest
+  LazySlots<Sender> senders_;
+  LazySlots<Slot> slots_;
+  Slot* free_ = nullptr;    ///< the first of those that were used before
+  Slot* oldest_ = nullptr;  ///< of all answers
+  Slot* newest_ = nullptr;
   std::uint64_t uses_ = 0;
   mutable std::size_t last_found_ = 0;  ///< the sender of one message often sends the next
 };

@@ -6,7 +6,7 @@ namespace vdrive::service {
 BenchAxes::BenchAxes(const Configuration& configuration)
     : bank_(bank_axes(configuration), configuration.period),
       pool_(bank_, configuration.threads),
-      indices_(kAxisNumbers, static_cast<std::uint16_t>(kMaxAxes)),
+      indices_(end_of_numbers(configuration), static_cast<std::uint16_t>(kMaxAxes)),
       changed_(configuration.axes.size()) {
   for (const auto& axis : configuration.axes) {
     indices_[axis.number] = static_cast<std::uint16_t>(numbers_.size());
@@ -20,8 +20,8 @@ void BenchAxes::record_to(Journal& journal, std::uint64_t tick) {
 }
 
 std::optional<std::size_t> BenchAxes::index_of(std::uint16_t number) const noexcept {
-  const std::uint16_t index = indices_[number];
-  return index < numbers_.size() ? std::optional<std::size_t>(index) : std::nullopt;
+  if (number >= indices_.size() || indices_[number] == kMaxAxes) return std::nullopt;
+  return indices_[number];
 }
 
 AbortCode BenchAxes::write(std::size_t axis, ObjectRow row, std::int64_t value) {

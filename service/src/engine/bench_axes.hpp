@@ -102,7 +102,7 @@ class BenchAxes {
   AxisBank bank_;
   StepPool pool_;
   std::vector<std::uint16_t> numbers_;  ///< by index
-  std::vector<std::uint16_t> indices_;  ///< by number; kMaxAxes = none
+  std::vector<std::uint16_t> indices_;  ///< by number, as far as there are axes; kMaxAxes = none
   ChangedAxes changed_;
   Journal* journal_ = nullptr;
 };

@@ -6,16 +6,8 @@
 namespace vdrive::service {
 
 FrameAnswers::FrameAnswers(const BenchIdentity& identity, const BenchClock& clock,
-                           BenchEvents& events, Ring<msg::CommandReply>& queue, Counters& counters)
-    : identity_(identity),
-      clock_(clock),
-      events_(events),
-      queue_(queue),
-      counters_(counters),
-      memory_([](msg::CommandReply& reply) {
-        reply.refusals().reserve(msg::MAX_AXES_PER_FRAME);
-        reply.ignored_set_points().reserve(msg::MAX_AXES_PER_FRAME);
-      }) {
+                           BenchEvents& events, Ring<StoredCommandReply>& queue, Counters& counters)
+    : identity_(identity), clock_(clock), events_(events), queue_(queue), counters_(counters) {
   refusal_.refusals().resize(1);
 }
 
@@ -42,7 +34,9 @@ void FrameAnswers::send(const msg::CommandFrame& frame, msg::CommandReply& reply
   reply.sequence_number(frame.sequence_number());
   reply.tick(clock_.next_tick());
   if (is_of_this_run(frame)) {
-    if (auto* const kept = memory_.keep(frame.session(), frame.sequence_number())) *kept = reply;
+    if (auto* const kept = memory_.keep(frame.session(), frame.sequence_number())) {
+      kept->keep(reply);
+    }
   }
   post(reply);
 }
@@ -69,13 +63,14 @@ std::uint64_t FrameAnswers::lateness(const msg::CommandFrame& frame) const noexc
   return std::max(past(frame.apply_at_tick()), past(frame.valid_until_tick()));
 }
 
-void FrameAnswers::post(const msg::CommandReply& reply) {
-  msg::CommandReply* const slot = queue_.free_slot();
+template <typename Reply>
+void FrameAnswers::post(const Reply& reply) {
+  StoredCommandReply* const slot = queue_.free_slot();
   if (slot == nullptr) {
     counters_.queue_overflows.add();
     return;
   }
-  *slot = reply;
+  slot->keep(reply);
   queue_.push();
 }
 

@@ -8,6 +8,7 @@
 #include "engine/answer_memory.hpp"
 #include "engine/bench_clock.hpp"
 #include "engine/bench_events.hpp"
+#include "seam/stored_replies.hpp"
 #include "vdrive_messages.h"
 
 #include <cstdint>
@@ -18,7 +19,7 @@ namespace vdrive::service {
 class FrameAnswers {
  public:
   FrameAnswers(const BenchIdentity& identity, const BenchClock& clock, BenchEvents& events,
-               Ring<msg::CommandReply>& queue, Counters& counters);
+               Ring<StoredCommandReply>& queue, Counters& counters);
 
   /// @return whether the frame was sent to this run of the bench.
   [[nodiscard]] bool is_of_this_run(const msg::CommandFrame& frame) const noexcept;
@@ -39,15 +40,16 @@ class FrameAnswers {
 
  private:
   [[nodiscard]] std::uint64_t lateness(const msg::CommandFrame& frame) const noexcept;
-  void post(const msg::CommandReply& reply);
+  template <typename Reply>
+  void post(const Reply& reply);
 
   BenchIdentity identity_;
   const BenchClock& clock_;
   BenchEvents& events_;
-  Ring<msg::CommandReply>& queue_;
+  Ring<StoredCommandReply>& queue_;
   Counters& counters_;
-  AnswerMemory<msg::CommandReply> memory_;  ///< by session and sequence number
-  msg::CommandReply refusal_;               ///< of a frame as a whole
+  AnswerMemory<StoredCommandReply> memory_;  ///< by session and sequence number
+  msg::CommandReply refusal_;                ///< of a frame as a whole
 };
 
 }  // namespace vdrive::service

@@ -21,20 +21,20 @@ bool FrameSchedule::take_due(std::uint64_t tick, msg::CommandFrame& frame) {
 }
 
 void FrameSchedule::cancel_all() {
-  cancel_if([](const auto& /*frame*/) {
+  cancel_if([](const auto& /*head*/, auto /*commands*/) {
     return true;
   });
 }
 
 void FrameSchedule::cancel_of_session(std::uint64_t session) {
-  cancel_if([session](const auto& frame) {
-    return frame.session() == session;
+  cancel_if([session](const auto& head, auto /*commands*/) {
+    return head.session() == session;
   });
 }
 
 void FrameSchedule::cancel_of_axis(std::uint16_t number) {
-  cancel_if([number](const auto& frame) {
-    return std::ranges::any_of(frame.axes(), [number](const auto& command) {
+  cancel_if([number](const auto& /*head*/, auto commands) {
+    return std::ranges::any_of(commands, [number](const auto& command) {
       return command.axis() == number;
     });
   });
@@ -46,8 +46,8 @@ bool FrameSchedule::contains(const msg::CommandFrame& frame) const noexcept {
 
 template <typename Condition>
 void FrameSchedule::cancel_if(Condition condition) {
-  pending_.drop_if(condition, [this](const auto& frame) {
-    answers_.refuse(frame, msg::REASON_CANCELLED);
+  pending_.drop_if(condition, [this](const auto& head) {
+    answers_.refuse(head, msg::REASON_CANCELLED);
   });
   show_size();
 }

@@ -10,10 +10,6 @@ namespace vdrive::service {
 PendingFrames::PendingFrames() : slots_(kCapacity) {
   order_.reserve(kCapacity);
   free_.reserve(kCapacity);
-  for (Slot& slot : slots_) {
-    // Frames swap their room with it. The kernel gives the pages that are written to.
-    slot.frame.axes().reserve(msg::MAX_AXES_PER_FRAME);
-  }
   for (std::size_t slot = kCapacity; slot > 0; --slot) {
     free_.push_back(static_cast<std::uint16_t>(slot - 1));
   }
@@ -23,7 +19,7 @@ bool PendingFrames::insert(std::uint64_t tick, msg::CommandFrame& frame) noexcep
   if (free_.empty()) return false;
   const std::uint16_t slot = free_.back();
   free_.pop_back();
-  std::swap(slots_[slot].frame, frame);
+  exchange(slots_.reach(slot), frame);
   const auto place = std::ranges::upper_bound(order_, tick, {}, &Place::tick);
   order_.insert(place, {tick, slot});
   return true;
@@ -31,16 +27,23 @@ bool PendingFrames::insert(std::uint64_t tick, msg::CommandFrame& frame) noexcep
 
 bool PendingFrames::take_due(std::uint64_t tick, msg::CommandFrame& frame) noexcept {
   if (order_.empty() || order_.front().tick > tick) return false;
-  std::swap(slots_[order_.front().slot].frame, frame);
+  exchange(slots_[order_.front().slot], frame);
   remove(0);
   return true;
 }
 
 bool PendingFrames::contains(std::uint64_t session, std::uint64_t sequence) const noexcept {
   return std::ranges::any_of(order_, [&](const Place& place) {
-    const auto& frame = slots_[place.slot].frame;
+    const auto& frame = slots_[place.slot].head;
     return frame.session() == session && frame.sequence_number() == sequence;
   });
+}
+
+/// The lists stay where they are, each with its own room.
+void PendingFrames::exchange(Slot& slot, msg::CommandFrame& frame) {
+  std::swap(slot.head, frame);
+  std::swap(slot.head.axes(), frame.axes());
+  slot.commands.exchange(frame.axes());
 }
 
 void PendingFrames::remove(std::size_t position) noexcept {

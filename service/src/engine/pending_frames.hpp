@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/lazy_slots.hpp"
+#include "base/stored_list.hpp"
 #include "seam/queues.hpp"
 #include "vdrive_messages.h"
 
@@ -11,8 +13,9 @@
 
 namespace vdrive::service {
 
-/// Command frames that wait for their tick, in order of tick, then of arrival. Fixed size; frames
-/// move in and out by swapping, so that nothing allocates.
+/// Command frames that wait for their tick, in order of tick, then of arrival. Fixed size; commands
+/// move in and out by swapping, so that nothing allocates. Room that was never used costs no
+/// memory.
 class PendingFrames {
  public:
   static constexpr std::size_t kCapacity = Outbox::kPendingFrames;
@@ -25,13 +28,14 @@ class PendingFrames {
   /// Moves the first frame that is due at `tick` into `frame`. @return false when none is.
   [[nodiscard]] bool take_due(std::uint64_t tick, msg::CommandFrame& frame) noexcept;
 
-  /// Removes the frames for which `condition(frame)` holds and shows each to `dropped(frame)`.
+  /// Removes the frames for which `condition(head, commands)` holds and shows the head of each to
+  /// `dropped(head)`: the frame without its commands.
   template <typename Condition, typename Dropped>
   void drop_if(Condition condition, Dropped dropped) {
     for (std::size_t position = 0; position < order_.size();) {
-      const auto& frame = slots_[order_[position].slot].frame;
-      if (condition(frame)) {
-        dropped(frame);
+      const auto& slot = slots_[order_[position].slot];
+      if (condition(slot.head, slot.commands.items())) {
+        dropped(slot.head);
         remove(position);
       } else {
         ++position;
@@ -45,7 +49,8 @@ class PendingFrames {
 
  private:
   struct Slot {
-    msg::CommandFrame frame;
+    msg::CommandFrame head;  ///< without its commands
+    StoredList<msg::AxisCommand, msg::MAX_AXES_PER_FRAME> commands;
   };
 
   struct Place {
@@ -53,9 +58,10 @@ class PendingFrames {
     std::uint16_t slot;
   };
 
+  static void exchange(Slot& slot, msg::CommandFrame& frame);
   void remove(std::size_t position) noexcept;
 
-  std::vector<Slot> slots_;
+  LazySlots<Slot> slots_;
   std::vector<Place> order_;
   std::vector<std::uint16_t> free_;
 };

@@ -15,10 +15,7 @@ RequestAnswers::RequestAnswers(const BenchIdentity& identity, const BenchClock& 
       masters_(masters),
       events_(events),
       queue_(queue),
-      counters_(counters),
-      memory_([](msg::Reply& reply) {
-        reply.objects().reserve(msg::MAX_OBJECTS_PER_REQUEST);
-      }) {}
+      counters_(counters) {}
 
 bool RequestAnswers::is_of_this_run(const msg::Request& request) const noexcept {
   return request.incarnation() == 0 || request.incarnation() == identity_.incarnation;
@@ -80,7 +77,7 @@ void RequestAnswers::finish(std::uint64_t session, Reason reason, msg::Reply& re
 
 /// Without the axes that it shows, of which there may be very many.
 void RequestAnswers::keep(const msg::Reply& reply) {
-  if (auto* const kept = memory_.keep(reply.client(), reply.request_id())) *kept = reply;
+  if (auto* const kept = memory_.keep(reply.client(), reply.request_id())) kept->keep(reply);
 }
 
 Fate RequestAnswers::fate_of(const msg::Request& request) const noexcept {
@@ -100,7 +97,7 @@ void RequestAnswers::repeat(const Arrival& arrival) {
   begin(arrival, *outgoing);
   auto& reply = outgoing->reply;
   if (fate_of(request) == Fate::answered) {
-    reply = *memory_.answer_to(request.client(), request.request_id());
+    memory_.answer_to(request.client(), request.request_id())->show(reply);
     const bool shows =
         reply.reason() == msg::REASON_NONE || reply.reason() == msg::REASON_MISSING_STEPPER;
     if (request.kind() == msg::REQUEST_STEP && shows && !unknown_axis(request)) {

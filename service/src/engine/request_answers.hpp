@@ -10,6 +10,7 @@
 #include "engine/bench_events.hpp"
 #include "engine/masters.hpp"
 #include "seam/queues.hpp"
+#include "seam/stored_replies.hpp"
 #include "vdrive_messages.h"
 
 #include <cstdint>
@@ -67,7 +68,7 @@ class RequestAnswers {
   BenchEvents& events_;
   Ring<OutgoingReply>& queue_;
   Counters& counters_;
-  AnswerMemory<msg::Reply> memory_;  ///< by client and request id
+  AnswerMemory<StoredReply> memory_;  ///< by client and request id
 };
 
 }  // namespace vdrive::service

@@ -4,15 +4,19 @@
 namespace vdrive::service {
 
 ReplyPublisher::ReplyPublisher(WireLink& link, const BenchIdentity& identity, Counters& counters)
-    : link_(link), identity_(identity), counters_(counters) {}
+    : link_(link), identity_(identity), counters_(counters) {
+  command_reply_.refusals().reserve(msg::MAX_AXES_PER_FRAME);
+  command_reply_.ignored_set_points().reserve(msg::MAX_AXES_PER_FRAME);
+}
 
 void ReplyPublisher::deliver(Inbox& inbox, Outbox& outbox) {
   while (const OutgoingReply* const outgoing = outbox.replies.front()) {
     if (!link_.post_to(outgoing->destination, outgoing->reply, outgoing->axes)) break;
     outbox.replies.pop();
   }
-  while (const msg::CommandReply* const reply = outbox.command_replies.front()) {
-    if (!link_.post(Lane::replies, *reply)) break;
+  while (const StoredCommandReply* const reply = outbox.command_replies.front()) {
+    reply->show(command_reply_);
+    if (!link_.post(Lane::replies, command_reply_)) break;
     outbox.command_replies.pop();
   }
   while (const auto arrival = inbox.next_turned_away()) {

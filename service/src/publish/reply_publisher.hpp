@@ -5,6 +5,7 @@
 #include "base/counters.hpp"
 #include "seam/queues.hpp"
 #include "seam/wire_link.hpp"
+#include "vdrive_messages.h"
 
 namespace vdrive::service {
 
@@ -38,6 +39,7 @@ class ReplyPublisher {
   WireLink& link_;
   BenchIdentity identity_;
   Counters& counters_;
+  msg::CommandReply command_reply_;  ///< the one that leaves
 };
 
 }  // namespace vdrive::service

@@ -39,7 +39,7 @@ ReportPublisher::ReportPublisher(WireLink& link, const Configuration& configurat
       identity_(identity),
       period_(configuration.period),
       counters_(counters),
-      indices_(kAxisNumbers) {
+      indices_(end_of_numbers(configuration)) {
   describe_axes(configuration, bank);
   for (std::size_t axis = 0; axis < configuration.axes.size(); ++axis) {
     wire::to_message(bank, axis, {identity.bench, configuration.axes[axis].number}, 0,

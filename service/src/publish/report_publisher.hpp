@@ -67,7 +67,7 @@ class ReportPublisher {
   std::vector<CountedEvent> passed_;
   std::vector<msg::BenchDescription> parts_;
   std::vector<msg::AxisParameters> parameters_;  ///< the newest of each axis
-  std::vector<std::uint16_t> indices_;           ///< in `parameters_`, by number
+  std::vector<std::uint16_t> indices_;           ///< in `parameters_`, by number of an axis
   std::deque<msg::Event> history_;               ///< the last kEventsKept
   msg::BenchState state_;
   msg::Event event_;

@@ -120,10 +120,6 @@ Outbox::Outbox(std::size_t axes, std::size_t images)
       events(kEvents),
       parameters(kParameters),
       status(images) {
-  command_replies.for_each_slot([](msg::CommandReply& reply) {
-    reply.refusals().reserve(msg::MAX_AXES_PER_FRAME);
-    reply.ignored_set_points().reserve(msg::MAX_AXES_PER_FRAME);
-  });
   replies.for_each_slot([](OutgoingReply& outgoing) {
     outgoing.reply.objects().reserve(msg::MAX_OBJECTS_PER_REQUEST);
   });

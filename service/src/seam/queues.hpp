@@ -6,6 +6,7 @@
 #include "base/reason.hpp"
 #include "base/ring.hpp"
 #include "seam/byte_ring.hpp"
+#include "seam/stored_replies.hpp"
 #include "vdrive/axis_status.hpp"
 #include "vdrive/wire/codec.hpp"
 #include "vdrive/wire/conversion.hpp"
@@ -124,7 +125,7 @@ struct Outbox {
   /// @param images how many status images wait at most
   explicit Outbox(std::size_t axes, std::size_t images = 16);
 
-  Ring<msg::CommandReply> command_replies;
+  Ring<StoredCommandReply> command_replies;
   Ring<OutgoingReply> replies;
   Ring<EventRecord> events;
   Ring<msg::AxisParameters> parameters;

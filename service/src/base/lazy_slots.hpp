@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/assert.hpp"
+
+#include <cstddef>
+#include <memory>
+#include <span>
+
+namespace vdrive::service {
+
+/// A fixed number of slots, of which each is made when it is first reached. The memory of all of
+/// them is reserved at the beginning, so that nothing allocates later, but the kernel gives a page
+/// of it when it is first written: slots that are not used cost no memory. For one thread.
+template <typename Slot>
+class LazySlots {
+ public:
+  explicit LazySlots(std::size_t capacity)
+      : capacity_(capacity), slots_(std::allocator<Slot>().allocate(capacity)) {}
+
+  ~LazySlots() {
+    std::destroy_n(slots_, made_);
+    std::allocator<Slot>().deallocate(slots_, capacity_);
+  }
+
+  LazySlots(const LazySlots&) = delete;
+  LazySlots& operator=(const LazySlots&) = delete;
+
+  /// @param place below the capacity; @return the slot, made together with those before it.
+  [[nodiscard]] Slot& reach(std::size_t place) {
+    ensure(place < capacity_, "the place of a slot is below the capacity");
+    for (; made_ <= place; ++made_) std::construct_at(slots_ + made_);
+    return slots_[place];
+  }
+
+  /// @param place that was reached before
+  [[nodiscard]] Slot& operator[](std::size_t place) noexcept { return slots_[place]; }
+
+  [[nodiscard]] const Slot& operator[](std::size_t place) const noexcept { return slots_[place]; }
+
+  [[nodiscard]] std::size_t capacity() const noexcept { return capacity_; }
+
+  /// Those that have been reached.
+  [[nodiscard]] std::span<Slot> made() noexcept { return {slots_, made_}; }
+
+ private:
+  std::size_t capacity_;
+  Slot* slots_;
+  std::size_t made_ = 0;
+};
+
+}  // namespace vdrive::service

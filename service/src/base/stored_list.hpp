@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vdrive/assert.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace vdrive::service {
+
+/// A sequence of a message, kept in place: up to kMost items without an allocation. Items that were
+/// never used are not written to, so that they cost no memory in a large array of such lists.
+template <typename Item, std::size_t kMost>
+class StoredList {
+ public:
+  StoredList() noexcept {}  // NOLINT(modernize-use-equals-default): it leaves the room as it is
+
+  ~StoredList() { std::destroy_n(room_.items.data(), made_); }
+
+  StoredList(const StoredList&) = delete;
+  StoredList& operator=(const StoredList&) = delete;
+
+  [[nodiscard]] std::span<const Item> items() const noexcept { return {room_.items.data(), size_}; }
+
+  /// Copies all `items`, at most kMost.
+  void assign(std::span<const Item> items) {
+    size_ = 0;
+    for (const Item& item : items) next() = item;
+  }
+
+  /// Trades the items, at most kMost, for those of `items`, so that each item keeps the room of its
+  /// sequences, and `items` its own.
+  void exchange(std::vector<Item>& items) {
+    const std::size_t mine = size_;
+    const std::size_t common = std::min(mine, items.size());
+    std::swap_ranges(items.begin(), items.begin() + static_cast<std::ptrdiff_t>(common),
+                     room_.items.begin());
+    size_ = common;
+    for (std::size_t place = common; place < items.size(); ++place) {
+      next() = std::move(items[place]);
+    }
+    if (items.size() > mine) items.resize(mine);
+    for (std::size_t place = common; place < mine; ++place) {
+      items.push_back(std::move(room_.items[place]));
+    }
+  }
+
+ private:
+  /// Without items at the beginning.
+  union Room {
+    Room() noexcept {}  // NOLINT(modernize-use-equals-default): a union has no other way
+
+    ~Room() {}  // NOLINT(modernize-use-equals-default)
+
+    std::array<Item, kMost> items;
+  };
+
+  [[nodiscard]] Item& next() {
+    ensure(size_ < kMost, "a list of a message is within its bound");
+    if (size_ == made_) std::construct_at(&room_.items[made_++]);
+    return room_.items[size_++];
+  }
+
+  std::size_t size_ = 0;
+  std::size_t made_ = 0;  ///< items that exist; those behind `size_` keep their room
+  Room room_;
+};
+
+}  // namespace vdrive::service

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "seam/stored_replies.hpp"
+
+namespace vdrive::service {
+namespace {
+
+void copy_head(const msg::Reply& from, msg::Reply& to) {
+  to.client(from.client());
+  to.request_id(from.request_id());
+  to.bench(from.bench());
+  to.incarnation(from.incarnation());
+  to.reason(from.reason());
+  to.refused_axis(from.refused_axis());
+  to.owner_session(from.owner_session());
+  to.tick(from.tick());
+  to.epoch(from.epoch());
+  to.last_sequence(from.last_sequence());
+  to.missing_stepper(from.missing_stepper());
+  to.snapshot(from.snapshot());
+}
+
+}  // namespace
+
+void StoredCommandReply::keep(const msg::CommandReply& reply) {
+  bench_ = reply.bench();
+  incarnation_ = reply.incarnation();
+  session_ = reply.session();
+  sequence_number_ = reply.sequence_number();
+  tick_ = reply.tick();
+  refusals_.assign(reply.refusals());
+  ignored_set_points_.assign(reply.ignored_set_points());
+}
+
+void StoredCommandReply::keep(const StoredCommandReply& reply) {
+  bench_ = reply.bench_;
+  incarnation_ = reply.incarnation_;
+  session_ = reply.session_;
+  sequence_number_ = reply.sequence_number_;
+  tick_ = reply.tick_;
+  refusals_.assign(reply.refusals_.items());
+  ignored_set_points_.assign(reply.ignored_set_points_.items());
+}
+
+void StoredCommandReply::show(msg::CommandReply& reply) const {
+  reply.bench(bench_);
+  reply.incarnation(incarnation_);
+  reply.session(session_);
+  reply.sequence_number(sequence_number_);
+  reply.tick(tick_);
+  reply.refusals().assign(refusals_.items().begin(), refusals_.items().end());
+  const auto ignored = ignored_set_points_.items();
+  reply.ignored_set_points().assign(ignored.begin(), ignored.end());
+}
+
+void StoredReply::keep(const msg::Reply& reply) {
+  copy_head(reply, head_);
+  objects_.assign(reply.objects());
+}
+
+void StoredReply::show(msg::Reply& reply) const {
+  copy_head(head_, reply);
+  reply.objects().assign(objects_.items().begin(), objects_.items().end());
+}
+
+}  // namespace vdrive::service
