@@ -93,11 +93,13 @@ LocalBackend::LocalBackend(std::shared_ptr<LocalBus> bus, Role role, std::string
       });
   if (is_taken) throw NetworkError(in_quotes(name_) + " is on this bus already");
   parts.participants.push_back(this);
+  parts.sources.insert(source_);
 }
 
 LocalBackend::~LocalBackend() {
   const std::scoped_lock lock(bus_->parts().counting);
   std::erase(bus_->parts().participants, this);
+  bus_->parts().sources.erase(source_);
 }
 
 std::unique_ptr<WriterEnd> LocalBackend::make_writer(TopicId topic, Form form,
@@ -122,9 +124,7 @@ std::vector<OtherParticipant> LocalBackend::others(std::string_view beginning) c
 
 bool LocalBackend::has(const Source& source) const noexcept {
   const std::scoped_lock lock(bus_->parts().counting);
-  return std::ranges::any_of(bus_->parts().participants, [&](const LocalBackend* other) {
-    return other->source_ == source;
-  });
+  return bus_->parts().sources.contains(source);
 }
 
 // ---- writer ------------------------------------------------------------------------------------

@@ -5,7 +5,9 @@
 #include "vdrive/wire/local_bus.hpp"
 
 #include <array>
+#include <bit>
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <map>
 #include <memory>
@@ -13,6 +15,7 @@
 #include <shared_mutex>
 #include <span>
 #include <string>
+#include <unordered_set>
 #include <vector>
 
 namespace vdrive::wire {
@@ -21,11 +24,21 @@ class LocalBackend;
 class LocalReader;
 class LocalWriter;
 
+/// Participants of a bus differ in few bytes.
+struct SourceHash {
+  std::size_t operator()(const Source& source) const noexcept {
+    const auto words = std::bit_cast<std::array<std::uint32_t, 3>>(source.participant);
+    return words[0] ^ words[2] ^ (std::size_t{words[1]} << 32U);
+  }
+};
+
 /// Who is on a bus. A thread that delivers a sample has `members` shared; a reader or writer that
 /// comes or goes has it alone, so that nothing is delivered to what has gone.
 struct LocalBus::Parts {
   std::mutex counting;  ///< no other lock is taken with it: handlers ask who is there
   std::vector<const LocalBackend*> participants;
+  /// Theirs: each call of a session asks for every bench that it knows.
+  std::unordered_set<Source, SourceHash> sources;
 
   std::shared_mutex members;
   std::array<std::vector<LocalReader*>, kTopics.size()> readers;

@@ -78,7 +78,9 @@ WireProgram::WireProgram(const WireRegion& region, const WireSettings& settings)
           show(topic, readers);
         });
   }
-  subscribe(Topic<msg::BenchState>::kId, Lane::notices);
+  // Where it is known who is there, a second bench with this number is refused when it comes; where
+  // a thousand benches meet, each would hear each.
+  if (!participant_.knows_who_is_there()) subscribe(Topic<msg::BenchState>::kId, Lane::notices);
   subscribe(Topic<msg::CommandFrame>::kId, Lane::arrivals);
   subscribe(Topic<msg::Request>::kId, Lane::arrivals);
 }
