@@ -112,8 +112,8 @@ def test_ctrl_c_ends_the_start_of_a_private_bench(tmp_path):
 
 
 def test_a_service_that_does_not_start_reports_its_reason():
-    with pytest.raises(vdrive.Failed, match="did not start.*axes.*16384"):
-        vdrive.Bench(over="dds", axes=-1)
+    with pytest.raises(vdrive.Failed, match="did not start.*--period"):
+        vdrive.Bench(over="dds", arguments=["--period", "0"])
     with pytest.raises(vdrive.Error, match="did not start"):
         vdrive.Bench(over="dds", service="/nowhere/vdrived")
 

@@ -8,6 +8,7 @@
 #include "run/bench_run.hpp"
 #include "settings/configuration_error.hpp"
 #include "store/parameter_store.hpp"
+#include "vdrive/wire/bench_number.hpp"
 #include "vdrive/wire/local_bus.hpp"
 #include "vdrive/wire/participant.hpp"
 
@@ -20,6 +21,9 @@ namespace {
 
 using service::Configuration;
 using service::ConfigurationError;
+
+static_assert(kMostAxes == service::kMaxAxes);
+static_assert(kHighestNumber == wire::kHighestBench);
 
 constexpr const char* kTextOfOptions = "configuration";
 

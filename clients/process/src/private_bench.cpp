@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "private_bench.hpp"
 
+#include "vdrive/wire/ports.hpp"
+
 #include <poll.h>
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -67,11 +69,18 @@ std::string without_line_end(std::string text) {
 
 }  // namespace
 
-PrivateBench::PrivateBench(const std::string& service, const std::vector<std::string>& arguments)
-    : notifications_(open_notifications()),
-      service_(command_of(service, domain_.number(), arguments),
+PrivateBench::PrivateBench(const std::string& service, const std::vector<std::string>& arguments,
+                           std::optional<std::uint32_t> domain)
+    : own_domain_(domain ? std::nullopt : std::make_optional<PrivateDomain>()),
+      domain_(domain ? *domain : own_domain_->number()),
+      notifications_(open_notifications()),
+      service_(command_of(service, domain_, arguments),
                // What a service manager gives this program is not for the service.
                {variable_of(notifications_.get()), "WATCHDOG_USEC", "STATE_DIRECTORY"}) {}
+
+std::uint32_t PrivateBench::highest_domain() noexcept {
+  return wire::kHighestDomain;
+}
 
 PrivateBench::~PrivateBench() {
   service_.stop(kEnd);

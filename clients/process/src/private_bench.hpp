@@ -12,18 +12,24 @@
 
 namespace vdrive::process {
 
-/// A service on a domain that no other program uses. It ends with this object.
+/// A service on a domain that no other program uses, or on that of another private bench. It ends
+/// with this object.
 class PrivateBench {
  public:
   /// @param service the program vdrived
   /// @param arguments further ones, such as those of its clock
+  /// @param domain of the benches that it meets; nothing = one that no other program uses
   /// @throws std::system_error, std::runtime_error
-  PrivateBench(const std::string& service, const std::vector<std::string>& arguments);
+  PrivateBench(const std::string& service, const std::vector<std::string>& arguments,
+               std::optional<std::uint32_t> domain = std::nullopt);
   ~PrivateBench();
   PrivateBench(const PrivateBench&) = delete;
   PrivateBench& operator=(const PrivateBench&) = delete;
 
-  [[nodiscard]] std::uint32_t domain() const noexcept { return domain_.number(); }
+  [[nodiscard]] std::uint32_t domain() const noexcept { return domain_; }
+
+  /// The lowest is 0.
+  [[nodiscard]] static std::uint32_t highest_domain() noexcept;
 
   /// Waits until the service runs. @return why it does not, or nothing.
   [[nodiscard]] std::optional<std::string> wait_until_ready();
@@ -32,7 +38,8 @@ class PrivateBench {
   void end() const noexcept { service_.send(SIGTERM); }
 
  private:
-  PrivateDomain domain_;
+  std::optional<PrivateDomain> own_domain_;
+  std::uint32_t domain_;
   Descriptor notifications_;
   ChildProcess service_;
 };

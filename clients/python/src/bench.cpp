@@ -24,7 +24,8 @@ namespace {
 /// thread, and ends when this process is killed.
 class OwnBench {
  public:
-  OwnBench(const std::string& service, const std::vector<std::string>& arguments);
+  OwnBench(const std::string& service, const std::vector<std::string>& arguments,
+           std::optional<std::uint32_t> domain);
 
   [[nodiscard]] std::uint32_t domain() const { return get().domain(); }
 
@@ -53,9 +54,10 @@ class OwnBench {
 };
 
 void keep_bench(const std::stop_token& stop, std::promise<process::PrivateBench*>& started,
-                const std::string& service, const std::vector<std::string>& arguments) {
+                const std::string& service, const std::vector<std::string>& arguments,
+                std::optional<std::uint32_t> domain) {
   try {
-    process::PrivateBench bench(service, arguments);
+    process::PrivateBench bench(service, arguments, domain);
     std::promise<void> ended;
     const std::stop_callback end(stop, [&ended] {
       ended.set_value();
@@ -67,13 +69,14 @@ void keep_bench(const std::stop_token& stop, std::promise<process::PrivateBench*
   }
 }
 
-OwnBench::OwnBench(const std::string& service, const std::vector<std::string>& arguments) {
+OwnBench::OwnBench(const std::string& service, const std::vector<std::string>& arguments,
+                   std::optional<std::uint32_t> domain) {
   std::promise<process::PrivateBench*> started;
   std::future<process::PrivateBench*> bench = started.get_future();
   starter_ = std::jthread(
-      [service, arguments](const std::stop_token& stop,
-                           std::promise<process::PrivateBench*> answer) {
-        keep_bench(stop, answer, service, arguments);
+      [service, arguments, domain](const std::stop_token& stop,
+                                   std::promise<process::PrivateBench*> answer) {
+        keep_bench(stop, answer, service, arguments, domain);
       },
       std::move(started));
   bench_ = bench.get();
@@ -204,13 +207,16 @@ void add_bench(py::module_& module) {
   add_axis_info(module);
   add_bench_info(module);
   py::class_<OwnBench, std::shared_ptr<OwnBench>>(
-      module, "PrivateBench",
-      "A service on a domain that no other program uses; use it through vdrive.Bench.")
-      .def(py::init(&made_here<OwnBench, const std::string&, const std::vector<std::string>&>),
-           py::arg("service"), py::arg("arguments"),
-           "Starts the program `service` and waits until it runs.")
+      module, "PrivateBench", "A service of this process; use it through vdrive.Bench.")
+      .def(py::init(&made_here<OwnBench, const std::string&, const std::vector<std::string>&,
+                               std::optional<std::uint32_t>>),
+           py::arg("service"), py::arg("arguments"), py::arg("domain") = py::none(),
+           "Starts the program `service` and waits until it runs. Without `domain` it has one that "
+           "no "
+           "other program uses.")
       .def_property_readonly("domain", &OwnBench::domain, "The DDS domain.")
       .def("close", &OwnBench::close, "Ends the service.");
+  module.attr("HIGHEST_DOMAIN") = process::PrivateBench::highest_domain();
   module.def("find_service", &process::find_service,
              "The path of vdrived beside the interpreter or in PATH, else None.");
 }

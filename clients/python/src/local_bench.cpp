@@ -4,6 +4,7 @@
 
 #include "vdrive/clock_mode.hpp"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -13,11 +14,19 @@
 namespace vdrive::python {
 namespace {
 
+constexpr std::array kClockModes{ClockMode::lockstep, ClockMode::realtime, ClockMode::freerun};
+
 ClockMode clock_of(const std::string& name) {
-  for (const ClockMode mode : {ClockMode::lockstep, ClockMode::realtime, ClockMode::freerun}) {
-    if (name == to_string(mode)) return mode;
+  if (const auto mode = clock_mode_named(name)) return *mode;
+  throw py::value_error("clock = " + name + ": no clock mode");
+}
+
+py::tuple names_of_clock_modes() {
+  py::tuple names(kClockModes.size());
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    names[i] = std::string(to_string(kClockModes.at(i)));
   }
-  throw py::value_error(R"(clock is "lockstep", "realtime" or "freerun", not ")" + name + "\"");
+  return names;
 }
 
 std::shared_ptr<LocalBench> make(std::optional<std::size_t> axes, const std::string& config,
@@ -68,6 +77,9 @@ void add_local_bench(py::module_& module) {
           },
           "Its number on its bus.")
       .def("close", &LocalBench::close, "Ends the bench.");
+  module.attr("CLOCK_MODES") = names_of_clock_modes();
+  module.attr("MOST_AXES") = bench::kMostAxes;
+  module.attr("HIGHEST_BENCH") = bench::kHighestNumber;
 }
 
 }  // namespace vdrive::python

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A private bench: in this process, or a service on a DDS domain that no other program uses."""
+import operator
 import os
 import weakref
 
@@ -19,54 +20,129 @@ def _only_over_dds(what):
     return ConfigurationError(f'{what} is of a bench over DDS: vdrive.Bench(..., over="dds")')
 
 
+def _whole(name, value, lowest, highest):
+    """Return the value as an int of this range, None as it is."""
+    if value is None:
+        return None
+    try:
+        number = operator.index(value)
+    except TypeError:
+        number = None
+    if number is None or isinstance(value, bool):
+        raise TypeError(f"{name} = {value!r}: must be a whole number from {lowest} to {highest}")
+    if not lowest <= number <= highest:
+        raise ConfigurationError(f"{name} = {number}: must be from {lowest} to {highest}")
+    return number
+
+
+def _one_of(name, value, words):
+    if value not in words:
+        raise ConfigurationError(f"{name} = {value!r}: must be one of {', '.join(words)}")
+    return value
+
+
+def _path(name, value):
+    """Return the path as a text, empty for none."""
+    if value is None:
+        return ""
+    try:
+        path = os.fsdecode(value)
+    except TypeError:
+        raise TypeError(f"{name} = {value!r}: must be a path") from None
+    if not path:
+        raise ConfigurationError(f"{name} = '': must be a path")
+    return path
+
+
+def _configuration(value, axes):
+    """Return the path of a configuration, which is there and is not contradicted by `axes`."""
+    path = _path("config", value)
+    if path and axes is not None:
+        raise ConfigurationError(f"axes = {axes} and config = {path!r}: a configuration has its own "
+                                 "axes; leave one of them out")
+    if path:
+        try:
+            with open(path, "rb"):
+                pass
+        except OSError as error:
+            raise ConfigurationError(f"config = {path!r}: {error.strerror}") from None
+    return path
+
+
+def _words(arguments):
+    """Return the arguments of vdrived as texts. A text alone would be taken letter by letter."""
+    if isinstance(arguments, (str, bytes)):
+        raise TypeError(f'arguments = {arguments!r}: must be a list of words, such as '
+                        '["--period", "500"]')
+    return [str(argument) for argument in arguments]
+
+
 class Bench:
     """A private bench, by default in this process, without a network. `with` ends it.
 
     The bench ends with this object and with this process, however it ends. Several benches do not
-    meet, but for those on one bus: see `beside`. A program of its own, a child process too, meets
-    only a bench over DDS.
+    meet, but for those that are made beside each other: see `beside`. A program of its own, a child
+    process too, meets only a bench over DDS.
     """
 
     def __init__(self, axes=None, *, config=None, clock="lockstep", over="local", number=None,
-                 state=None, journal=None, beside=None, arguments=(), service=None):
+                 state=None, journal=None, beside=None, arguments=(), service=None, domain=None):
         """Make the bench.
 
-        axes: number of default axes; without it and without `config` the demo bench with two axes.
-        config: a file in YAML. clock: "lockstep", "realtime" or "freerun". over: "local", or "dds"
-        for a service of its own on a DDS domain. number: of the bench, 1 by default. state: directory
-        where parameters can be stored. journal: file that `vdrived --replay` reads. beside: another
-        bench, which the sessions of this one meet too. Only over DDS: arguments, further ones of
-        vdrived; service, path of vdrived, by default that of find_service().
+        axes: number of default axes, 1 to 16384; without it and without `config` the demo bench with
+        two axes. config: a file in YAML, instead of `axes`. clock: "lockstep", "realtime" or
+        "freerun". over: "local", or "dds" for a service of its own on a DDS domain. number: of the
+        bench, 1 to 65535, by default that of the configuration, 1 without one. state: directory where
+        parameters can be stored. journal: file that `vdrived --replay` reads. beside: another bench
+        of the same form; the sessions of both meet both. Only over DDS: arguments, further ones of
+        vdrived; service, path of vdrived, by default that of find_service(); domain, 0 to 232, that
+        of the benches to meet, instead of `beside`.
+
+        A value that is out of range, unknown or contradicts another one raises ConfigurationError,
+        one of a wrong type TypeError; both name the argument.
         """
-        if over not in ("local", "dds"):
-            raise ValueError(f'over is "local" or "dds", not "{over}"')
         self._sessions = weakref.WeakSet()
-        self._is_local = over == "local"
+        self._is_local = _one_of("over", over, ("local", "dds")) == "local"
+        axes = _whole("axes", axes, 1, _vdrive.MOST_AXES)
+        number = _whole("number", number, 1, _vdrive.HIGHEST_BENCH)
+        domain = _whole("domain", domain, 0, _vdrive.HIGHEST_DOMAIN)
+        self._check_beside(beside)
+        of_both = {"clock": _one_of("clock", clock, _vdrive.CLOCK_MODES),
+                   "config": _configuration(config, axes),
+                   "state": _path("state", state), "journal": _path("journal", journal)}
         if self._is_local:
-            self._bench = self._local(axes, config, clock, number, state, journal, beside,
-                                      arguments, service)
+            for name, given in (("arguments=", bool(arguments)), ("service=", service is not None),
+                                ("domain=", domain is not None)):
+                if given:
+                    raise _only_over_dds(name)
+            self._bench = _vdrive.LocalBench(axes=axes, number=number, **of_both,
+                                             beside=None if beside is None else beside._bench)
         else:
-            if beside is not None:
-                raise ConfigurationError("beside= is of benches in this process")
-            options = ["--clock", clock]
-            for name, value in (("--axes", axes), ("--bench", number)):
-                options += [] if value is None else [name, str(value)]
-            for name, path in (("--config", config), ("--state", state), ("--journal", journal)):
-                options += [] if path is None else [name, os.fspath(path)]
-            options += [str(argument) for argument in arguments]
-            self._bench = _vdrive.PrivateBench(os.fspath(service or find_service()), options)
+            self._bench = self._service(axes, number, of_both, beside, arguments, service, domain)
+
+    def _check_beside(self, beside):
+        if beside is None:
+            return
+        if not isinstance(beside, Bench):
+            raise TypeError(f"beside = {beside!r}: must be a vdrive.Bench")
+        if beside._is_local != self._is_local:
+            raise ConfigurationError(f"beside= is a bench {beside._place()}, and this one is "
+                                     f"{self._place()}: they cannot meet")
+
+    def _place(self):
+        return "in this process" if self._is_local else "over DDS"
 
     @staticmethod
-    def _local(axes, config, clock, number, state, journal, beside, arguments, service):
-        if arguments:
-            raise _only_over_dds("arguments=")
-        if service is not None:
-            raise _only_over_dds("service=")
-        if beside is not None and not getattr(beside, "_is_local", False):
-            raise ConfigurationError("beside= is a vdrive.Bench in this process")
-        return _vdrive.LocalBench(
-            axes=axes, config=_path(config), clock=clock, number=number, state=_path(state),
-            journal=_path(journal), beside=None if beside is None else beside._bench)
+    def _service(axes, number, of_both, beside, arguments, service, domain):
+        if beside is not None and domain is not None:
+            raise ConfigurationError("beside= and domain= both say which benches to meet: leave one "
+                                     "of them out")
+        options = []
+        for name, value in (("axes", axes), ("bench", number), *of_both.items()):
+            options += [] if value in (None, "") else [f"--{name}", str(value)]
+        return _vdrive.PrivateBench(_path("service", service) or find_service(),
+                                    options + _words(arguments),
+                                    beside.domain if beside is not None else domain)
 
     @property
     def domain(self):
@@ -85,10 +161,14 @@ class Bench:
         self._sessions.add(session)
         return session
 
+    def _close_sessions(self, but=None):
+        for session in list(self._sessions):
+            if session is not but:
+                session.close()
+
     def close(self):
         """Close the sessions that session() gave, and end the bench."""
-        for session in list(self._sessions):
-            session.close()
+        self._close_sessions()
         self._bench.close()
 
     def __enter__(self):
@@ -96,7 +176,3 @@ class Bench:
 
     def __exit__(self, *exception):
         self.close()
-
-
-def _path(name):
-    return "" if name is None else os.fspath(name)

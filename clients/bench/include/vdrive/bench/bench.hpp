@@ -21,6 +21,9 @@ class BenchError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+inline constexpr std::size_t kMostAxes = 16'384;         ///< of a bench; the fewest are 1
+inline constexpr std::uint32_t kHighestNumber = 65'535;  ///< of a bench; the lowest is 1
+
 /// What a bench is made of. The defaults are the demo bench of vdrived, two axes of the default
 /// motor and load, in lock-step.
 struct BenchOptions {
@@ -28,10 +31,10 @@ struct BenchOptions {
   /// a network is refused: `network`, `metrics`, `wire`.
   std::string configuration{};
   std::filesystem::path configuration_file{};  ///< instead of `configuration`
-  std::optional<std::size_t> axes{};           ///< 1 to 16,384 default axes, instead of its own
+  std::optional<std::size_t> axes{};           ///< 1 to kMostAxes default axes, instead of its own
   /// Nothing = that of the configuration, or without one lock-step.
   std::optional<ClockMode> clock{};
-  std::optional<std::uint32_t> number{};    ///< of the bench, 1 to 65,535
+  std::optional<std::uint32_t> number{};    ///< of the bench, 1 to kHighestNumber
   std::filesystem::path state_directory{};  ///< parameters can be stored here; empty = nowhere
   std::filesystem::path journal{};          ///< file that a replay reads; empty = none
   std::shared_ptr<wire::LocalBus> bus{};    ///< of another bench; empty = one of its own

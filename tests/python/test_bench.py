@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What vdrive.Bench takes, and benches that meet, in a process and over DDS."""
+import pytest
+import vdrive
+
+OVER = pytest.mark.parametrize("over", ["local", "dds"])
+
+
+# The limits are those of docs/guides/configuration.md and, for the domain, of RTPS: its ports end at 65535.
+@OVER
+@pytest.mark.parametrize("options, message", [
+    ({"axes": -1}, "axes = -1: must be from 1 to 16384"),
+    ({"axes": 0}, "axes = 0: must be from 1 to 16384"),
+    ({"axes": 16385}, "axes = 16385: must be from 1 to 16384"),
+    ({"axes": 10**30}, f"axes = {10**30}: must be from 1 to 16384"),
+    ({"number": 0}, "number = 0: must be from 1 to 65535"),
+    ({"number": 65536}, "number = 65536: must be from 1 to 65535"),
+    ({"clock": "fast"}, "clock = 'fast': must be one of lockstep, realtime, freerun"),
+    ({"clock": None}, "clock = None: must be one of"),
+    ({"config": "nowhere.yaml"}, "config = 'nowhere.yaml': No such file or directory"),
+    ({"config": "/"}, "config = '/': Is a directory"),
+    ({"config": ""}, "config = '': must be a path"),
+    ({"axes": 2, "config": "a.yaml"}, "axes = 2 and config = 'a.yaml'.*leave one of them out"),
+    ({"state": ""}, "state = '': must be a path"),
+])
+def test_a_value_that_no_bench_can_have_is_named_with_its_limit(over, options, message):
+    with pytest.raises(vdrive.ConfigurationError, match=message):
+        vdrive.Bench(over=over, **options)
+
+
+@OVER
+@pytest.mark.parametrize("options, message", [
+    ({"axes": "2"}, "axes = '2': must be a whole number from 1 to 16384"),
+    ({"axes": 2.0}, "axes = 2.0: must be a whole number"),
+    ({"axes": True}, "axes = True: must be a whole number"),
+    ({"number": [1]}, r"number = \[1\]: must be a whole number from 1 to 65535"),
+    ({"config": 7}, "config = 7: must be a path"),
+    ({"journal": 1.5}, "journal = 1.5: must be a path"),
+    ({"beside": 2}, "beside = 2: must be a vdrive.Bench"),
+])
+def test_a_value_of_a_wrong_type_is_named(over, options, message):
+    with pytest.raises(TypeError, match=message):
+        vdrive.Bench(over=over, **options)
+
+
+def test_the_form_of_a_bench_and_its_domain_are_checked():
+    with pytest.raises(ValueError, match="over = 'serial': must be one of local, dds"):
+        vdrive.Bench(over="serial")
+    with pytest.raises(vdrive.ConfigurationError, match="domain = 233: must be from 0 to 232"):
+        vdrive.Bench(over="dds", domain=233)
+    with pytest.raises(TypeError, match="domain = 'a': must be a whole number from 0 to 232"):
+        vdrive.Bench(over="dds", domain="a")
+    with pytest.raises(TypeError, match="arguments = '--period 500': must be a list of words"):
+        vdrive.Bench(over="dds", arguments="--period 500")
+
+
+def test_integers_of_numpy_are_whole_numbers():
+    import numpy
+    with vdrive.Bench(axes=numpy.int32(3), number=numpy.uint8(9)) as bench, bench.session() as session:
+        assert [axis.id for axis in session.find_bench().axes] == ["9.1", "9.2", "9.3"]
+
+
+def test_benches_of_two_forms_do_not_go_beside_each_other():
+    with vdrive.Bench(axes=1) as local:
+        with pytest.raises(vdrive.ConfigurationError, match="in this process.*over DDS"):
+            vdrive.Bench(over="dds", number=2, beside=local)
+    with vdrive.Bench(axes=1, over="dds") as remote:
+        with pytest.raises(vdrive.ConfigurationError, match="over DDS.*in this process"):
+            vdrive.Bench(number=2, beside=remote)
+        with pytest.raises(vdrive.ConfigurationError, match="beside= and domain="):
+            vdrive.Bench(over="dds", number=2, beside=remote, domain=remote.domain)
+
+
+def test_a_bench_over_dds_joins_the_domain_of_another():
+    with vdrive.Bench(axes=1, over="dds") as first, \
+            vdrive.Bench(axes=1, over="dds", number=2, domain=first.domain) as second:
+        assert second.domain == first.domain
+        with second.session() as session:
+            assert session.axis("1.1").id == "1.1" and session.axis("2.1").id == "2.1"
+    with pytest.raises(vdrive.Failed, match="ended"):
+        vdrive.Bench(axes=1, over="dds", number=2, beside=first)
