@@ -79,3 +79,28 @@ def test_a_bench_over_dds_joins_the_domain_of_another():
             assert session.axis("1.1").id == "1.1" and session.axis("2.1").id == "2.1"
     with pytest.raises(vdrive.Failed, match="ended"):
         vdrive.Bench(axes=1, over="dds", number=2, beside=first)
+
+
+def test_benches_of_the_fixture_meet_and_step_together(vdrive_benches):
+    first, second = vdrive_benches(2, axes=1)
+    with first.session() as session, vdrive.StepClock(session, [1, 2]) as clock:
+        # Each bench starts at tick 0 and goes 10 ticks in a step of 10.
+        before = [session.find_bench(number).tick for number in (1, 2)]
+        assert clock.step(10) == [tick + 10 for tick in before]
+    with second.session() as session:
+        group = vdrive.AxisGroup(session, ["1.1", "2.1"])
+        group.enable_all()
+        group.move_together([4000.0, -2000.0])
+        assert group.status().demand.tolist() == [4000.0, -2000.0]
+
+
+@pytest.mark.vdrive(axes=3)
+def test_benches_of_the_fixture_have_the_options_of_the_marker_and_of_the_call(vdrive_benches):
+    one, = vdrive_benches(1)
+    pair = vdrive_benches(2, axes=2)
+    with one.session() as session:
+        assert len(session.find_bench(1).axes) == 3
+        with pytest.raises(vdrive.NotFound):  # benches of another call do not meet it
+            session.axis("2.1")
+    with pair[1].session() as session:
+        assert session.axis("2.2").id == "2.2"

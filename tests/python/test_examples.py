@@ -6,9 +6,6 @@ import sys
 
 import pytest
 
-# Programs beside the test meet its bench.
-pytestmark = pytest.mark.vdrive(over="dds")
-
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "clients/python/examples"
 
@@ -23,6 +20,17 @@ def run(name, *arguments, cwd=None):
 def test_the_arm_keeps_its_energy_balance_and_moves_the_same_way_twice():
     lines = run("two_joint_arm.py").splitlines()
     assert lines[-1].split()[-1] == lines[-2].split()[-1]
+
+
+@pytest.mark.parametrize("over", ["local", "dds"])
+def test_two_benches_in_one_clock_move_together_and_stop_together(over):
+    # A tick is 1 ms. Equal distances under equal limits: equal demands at every tick.
+    assert run("two_benches.py", over).splitlines() == [
+        "ticks of the benches after 10 ms: [10, 10]",
+        "positions: [8192.0, 8192.0] widest gap of the demands: 0.0",
+        "stopped: axis 2.1: waited for target reached, bit 10, shows 0x21F Fault reaction active: "
+        "voltage enabled, remote, error 0x2310 continuous over-current",
+        "state of the group: error_stop"]
 
 
 def test_the_energy_of_the_arm_agrees_with_its_torques():

@@ -1,12 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The guide shows programs that run."""
+"""The guides show programs that run."""
 import pathlib
 import re
 
 import pytest
+import vdrive
 
 GUIDE = pathlib.Path(__file__).resolve().parents[2] / "docs/guides/python.md"
-BLOCKS = re.findall(r"^```python\n(.*?)^```", GUIDE.read_text(), re.DOTALL | re.MULTILINE)
+BENCHES = GUIDE.with_name("bench-in-process.md")
+
+
+def blocks(guide):
+    return re.findall(r"^```python\n(.*?)^```", guide.read_text(), re.DOTALL | re.MULTILINE)
+
+
+BLOCKS = blocks(GUIDE)
 TESTS = [block for block in BLOCKS if "def test_" in block]
 
 
@@ -22,7 +30,17 @@ def test_the_programs_of_the_guide_run_one_after_the_other(vdrive_bench, capsys)
     assert printed.startswith("10000 Operation enabled") and "0x8611" in printed
 
 
-def test_the_test_of_the_guide_passes(pytester):
+@pytest.mark.parametrize("place, passed", [(0, 1)])
+def test_the_tests_of_the_guide_pass(pytester, place, passed):
     assert len(TESTS) == 1
-    pytester.makepyfile(TESTS[0])
-    pytester.runpytest_subprocess("-q", timeout=200).assert_outcomes(passed=1)
+    pytester.makepyfile(TESTS[place])
+    pytester.runpytest_subprocess("-q", timeout=200).assert_outcomes(passed=passed)
+
+
+def test_the_programs_of_the_guide_of_benches_run(capsys):
+    programs = blocks(BENCHES)
+    assert len(programs) == 2
+    names = {"vdrive": vdrive}
+    for block in programs:
+        exec(compile(block, str(BENCHES), "exec"), names)
+    assert capsys.readouterr().out == "10000\n"

@@ -10,10 +10,15 @@
     @pytest.mark.vdrive(axes=4)          # arguments of vdrive.Bench
     def test_four(vdrive_session): ...
 
+    def test_two_benches(vdrive_benches):
+        first, second = vdrive_benches(2, axes=1)      # the axes 1.1 and 2.1, in one clock
+
 The bench is in the process of the test. `--vdrive-over=dds` runs the same tests with a service over
 DDS; a test that starts programs of its own, which have to meet the bench, asks for it by
 `@pytest.mark.vdrive(over="dds")`.
 """
+import contextlib
+
 import pytest
 
 
@@ -37,6 +42,12 @@ def _options_of(request):
     return options
 
 
+def _name_domain(monkeypatch, options, bench):
+    """Make VDRIVE_DOMAIN name the domain of a bench over DDS, for programs of the test."""
+    if options["over"] == "dds":
+        monkeypatch.setenv("VDRIVE_DOMAIN", str(bench.domain))
+
+
 @pytest.fixture
 def vdrive_bench(request, monkeypatch):
     """A private bench, in lock-step. Over DDS VDRIVE_DOMAIN names its domain."""
@@ -44,8 +55,7 @@ def vdrive_bench(request, monkeypatch):
 
     options = _options_of(request)
     with vdrive.Bench(**options) as bench:
-        if options["over"] == "dds":
-            monkeypatch.setenv("VDRIVE_DOMAIN", str(bench.domain))
+        _name_domain(monkeypatch, options, bench)
         yield bench
 
 
@@ -60,3 +70,26 @@ def vdrive_session(vdrive_bench):
     """A session on the private bench of this test."""
     with vdrive_bench.session() as session:
         yield session
+
+
+@pytest.fixture
+def vdrive_benches(request, monkeypatch):
+    """A function that makes private benches which meet each other: `vdrive_benches(2, axes=1)`.
+
+    It returns a list of so many benches, with the numbers from 1 on. Their options are those of the
+    marker and of the call. Benches of another call do not meet them. All end with the test.
+    """
+    import vdrive
+
+    with contextlib.ExitStack() as made:
+        def make(count, **options):
+            options = {**_options_of(request), **options}
+            benches = []
+            for number in range(1, count + 1):
+                beside = benches[0] if benches else None
+                benches.append(made.enter_context(
+                    vdrive.Bench(number=number, beside=beside, **options)))
+            _name_domain(monkeypatch, options, benches[0])
+            return benches
+
+        yield make
