@@ -30,9 +30,9 @@ def test_the_programs_of_the_guide_run_one_after_the_other(vdrive_bench, capsys)
     assert printed.startswith("10000 Operation enabled") and "0x8611" in printed
 
 
-@pytest.mark.parametrize("place, passed", [(0, 1)])
+@pytest.mark.parametrize("place, passed", [(0, 1), (1, 2)])
 def test_the_tests_of_the_guide_pass(pytester, place, passed):
-    assert len(TESTS) == 1
+    assert len(TESTS) == 2
     pytester.makepyfile(TESTS[place])
     pytester.runpytest_subprocess("-q", timeout=200).assert_outcomes(passed=passed)
 

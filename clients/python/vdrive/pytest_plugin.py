@@ -13,6 +13,8 @@
     def test_two_benches(vdrive_benches):
         first, second = vdrive_benches(2, axes=1)      # the axes 1.1 and 2.1, in one clock
 
+    def test_it_is_at_home(vdrive_shared_session): ... # one bench for many tests
+
 The bench is in the process of the test. `--vdrive-over=dds` runs the same tests with a service over
 DDS; a test that starts programs of its own, which have to meet the bench, asks for it by
 `@pytest.mark.vdrive(over="dds")`.
@@ -93,3 +95,137 @@ def vdrive_benches(request, monkeypatch):
             return benches
 
         yield make
+
+
+class _SharedBench:
+    """A bench that tests use one after the other, and its snapshot of before the first of them."""
+
+    # 0x08000021: another session is in control.
+    _IS_OWNED = 0x08000021
+
+    def __init__(self, options, start):
+        import vdrive
+
+        self._refused = vdrive.Refused
+        # The memories of stored parameters stay as they are when a snapshot is restored.
+        if options.get("state") is not None or any(
+                str(word).startswith("--state") for word in options.get("arguments", ())):
+            raise vdrive.ConfigurationError(
+                "a shared bench has no state directory: what a test stores would be there for the "
+                "next one; use vdrive_bench")
+        self.options, self.start = options, start
+        self.bench = vdrive.Bench(**options)
+        try:
+            self._begin(vdrive)
+        except BaseException:
+            self.bench.close()
+            raise
+
+    def _begin(self, vdrive):
+        # It stays open: over DDS each session searches the bench anew.
+        self._keeper = self.bench.session()
+        found = self._keeper.find_bench()
+        if found.clock_mode == "freerun":
+            raise vdrive.ConfigurationError(
+                "clock = 'freerun': a shared bench returns to a snapshot, for which its time has to "
+                "stand still; use lockstep or realtime, or vdrive_bench")
+        self._rate = found.rate if found.clock_mode == "realtime" else None
+        if self.start is not None:
+            self.start(self._keeper)
+            self._keeper.release()
+        with self._time_stands():
+            self._snapshot = self._keeper.take_snapshot()
+
+    @contextlib.contextmanager
+    def _time_stands(self):
+        if self._rate is not None:
+            self._keeper.set_rate(0)
+        yield
+        if self._rate is not None:
+            self._keeper.set_rate(self._rate)
+
+    def restore(self):
+        """Give all axes the state of the snapshot, and no owner."""
+        with self._time_stands():
+            for number in self._keeper.snapshots():  # a bench keeps 16
+                if number != self._snapshot:
+                    self._keeper.drop_snapshot(number)
+            try:
+                self._keeper.restore_snapshot(self._snapshot)
+            except self._refused as refusal:
+                if refusal.code != self._IS_OWNED:
+                    raise
+                # By a session that the bench does not know, or one whose end is on its way.
+                for axis in self._keeper.axes():
+                    axis.take_over()
+                self._keeper.restore_snapshot(self._snapshot)
+        self._keeper.release()
+
+    def end_test(self):
+        """Close the sessions of the test: a callback or a stepper must not act in the next one."""
+        self.bench._close_sessions(but=self._keeper)
+
+
+class _SharedBenches:
+    """The shared benches of a run of pytest: one for each choice of options."""
+
+    def __init__(self):
+        self._benches = []
+
+    def get(self, options, start):
+        """Return the shared bench with these options, in its state of before the first test."""
+        import vdrive
+
+        for shared in self._benches:
+            if (shared.options, shared.start) != (options, start):
+                continue
+            try:
+                shared.restore()
+                return shared
+            except vdrive.Error:  # a test has ended it, or dropped the snapshot
+                shared.bench.close()
+                self._benches.remove(shared)
+                break
+        self._benches.append(_SharedBench(options, start))
+        return self._benches[-1]
+
+    def close(self):
+        for shared in self._benches:
+            shared.bench.close()
+
+
+@pytest.fixture(scope="session")
+def _vdrive_shared_benches():
+    benches = _SharedBenches()
+    yield benches
+    benches.close()
+
+
+@pytest.fixture(scope="session")
+def vdrive_shared_start():
+    """What a shared bench does before its first test: a function of a session. None: nothing.
+
+    A project overrides it, with the scope of the session or of a module.
+    """
+    return None
+
+
+@pytest.fixture
+def vdrive_shared_bench(request, monkeypatch, _vdrive_shared_benches, vdrive_shared_start):
+    """A bench that all tests with these options share, each from its state of before the first one.
+
+    Its axes have no owner. What passes on is the tick number, the history of events, and the numbers
+    of sessions. A bench that a test has ended is made anew.
+    """
+    options = _options_of(request)
+    shared = _vdrive_shared_benches.get(options, vdrive_shared_start)
+    _name_domain(monkeypatch, options, shared.bench)
+    yield shared.bench
+    shared.end_test()
+
+
+@pytest.fixture
+def vdrive_shared_session(vdrive_shared_bench):
+    """A session on the shared bench."""
+    with vdrive_shared_bench.session() as session:
+        yield session

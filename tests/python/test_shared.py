@@ -1,0 +1,189 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Tests that share a bench, in runs of pytest of their own: none changes the next one."""
+import pytest
+
+OVER = pytest.mark.parametrize("over", ["local", "dds"])
+
+
+def run(pytester, over, text, **outcomes):
+    """Run a file of tests in its order; it has the functions that the tests below use."""
+    pytester.makepyfile(PRELUDE + text)
+    result = pytester.runpytest_subprocess("-q", "-p", "no:cacheprovider", "--vdrive-over", over,
+                                           timeout=250)
+    result.assert_outcomes(**outcomes)
+    return result
+
+
+# The image of an axis is all that it publishes, but for what does not go back: the tick, the epoch
+# of the owners.
+PRELUDE = """
+import os
+import pytest, vdrive
+
+KEPT = []
+GOES_ON = ("tick", "missed", "owner_epoch")
+
+def image(session):
+    record = session.observe().array()
+    return [[axis[name].item() for name in record.dtype.names if name not in GOES_ON]
+            for axis in record]
+
+def check_start(session):
+    assert session.observe().owners == [0, 0]
+    if not KEPT:
+        KEPT.append(image(session))
+    assert image(session) == KEPT[0]
+    axis = session.axis("1.1")
+    assert axis.status().state == "Switch on disabled" and axis.status().position == 0
+    assert axis.read("profile_velocity") != 1234
+"""
+
+LEAVES = {
+    "a failure": ("    assert False\n", {"failed": 1}),
+    "a motion": ("    axis.start_move(10**6)\n    session.step(50)\n", {}),
+    "a waiting set-point": ("    session.send_set_points({1: {0x6081: 4321}},"
+                            " tick=session.step(1) + 3)\n", {}),
+    "a fault": ("    axis.disturb('over_current')\n"
+                "    axis.wait_until(lambda status: status.state == 'Fault')\n", {}),
+    "a disturbance of an input": ("    axis.disturb('blocked_load')\n", {}),
+    "a stepper": ("    KEPT.append(vdrive.StepClock(session, [1]))\n", {}),
+    "16 snapshots": ("    while len(session.snapshots()) < 16: session.take_snapshot()\n", {}),
+    "a closed session": ("    session.close()\n", {}),
+}
+
+
+@OVER
+@pytest.mark.parametrize("leaves, outcome", LEAVES.values(), ids=LEAVES.keys())
+def test_what_a_test_leaves_does_not_reach_the_next_one(pytester, over, leaves, outcome):
+    text = """
+NUMBERS = []
+
+def test_before(vdrive_shared_bench, vdrive_shared_session):
+    NUMBERS.append(id(vdrive_shared_bench))
+    check_start(vdrive_shared_session)
+
+def test_leaves(vdrive_shared_bench):
+    session = vdrive_shared_bench.session()
+    KEPT.append(session)         # nobody closes it
+    axis = session.axis("1.1")
+    axis.enable()
+    axis.move_to(700)
+    axis.write("profile_velocity", 1234)
+""" + leaves + """
+def test_after(vdrive_shared_bench, vdrive_shared_session):
+    assert NUMBERS == [id(vdrive_shared_bench)]
+    check_start(vdrive_shared_session)
+    axis = vdrive_shared_session.axis("1.1")
+    vdrive_shared_session.step(10)
+    assert image(vdrive_shared_session)[0] == KEPT[0][0] and axis.read("profile_velocity") != 4321
+    axis.enable()
+    axis.move_to(300)
+    assert axis.status().position == 300
+    assert len(vdrive_shared_session.snapshots()) == 1
+"""
+    run(pytester, over, text, passed=3 - outcome.get("failed", 0), **outcome)
+
+
+@OVER
+def test_an_axis_that_a_session_of_no_bench_owns_is_free_again(pytester, over):
+    run(pytester, over, """
+def test_leaves(vdrive_shared_bench):
+    bench = vdrive_shared_bench
+    place = ({"domain": bench.domain, "find_timeout": 30} if "VDRIVE_DOMAIN" in os.environ
+             else {"local": bench._bench})
+    other = vdrive.Session(**place)
+    other.axis("1.2").enable()
+    KEPT.extend([bench, other])
+
+def test_after(vdrive_shared_bench, vdrive_shared_session):
+    bench, other = KEPT
+    KEPT.clear()
+    assert bench is vdrive_shared_bench and not other.is_closed
+    check_start(vdrive_shared_session)
+""", passed=2)
+
+
+@OVER
+def test_a_bench_that_a_test_ends_is_made_anew(pytester, over):
+    run(pytester, over, """
+def test_ends_it(vdrive_shared_bench):
+    vdrive_shared_bench.close()
+
+def test_drops_the_snapshot(vdrive_shared_session):
+    check_start(vdrive_shared_session)
+    vdrive_shared_session.axis("1.1").enable()
+    for number in vdrive_shared_session.snapshots():
+        vdrive_shared_session.drop_snapshot(number)
+
+def test_after(vdrive_shared_session):
+    check_start(vdrive_shared_session)
+""", passed=3)
+
+
+@OVER
+def test_a_project_prepares_the_start(pytester, over):
+    run(pytester, over, """
+@pytest.fixture(scope="session")
+def vdrive_shared_start():
+    def enable_and_leave_home(session):
+        axis = session.axis("1.1")
+        axis.enable()
+        axis.move_to(500)
+    return enable_and_leave_home
+
+@pytest.mark.parametrize("number", range(3))
+def test_it_starts_there(vdrive_shared_session, number):
+    axis = vdrive_shared_session.axis("1.1")
+    assert axis.status().is_enabled and axis.status().position == 500 and axis.status().owner == 0
+    axis.move_by(100)
+    assert axis.status().position == 600
+""", passed=3)
+
+
+@OVER
+def test_a_realtime_bench_returns_too_and_time_goes_on_at_its_rate(pytester, over):
+    run(pytester, over, """
+pytestmark = pytest.mark.vdrive(clock="realtime")
+
+def test_leaves(vdrive_shared_session):
+    axis = vdrive_shared_session.axis("1.1")
+    axis.enable()
+    axis.start_move(10**6)
+    vdrive_shared_session.set_rate(0)
+
+def test_after(vdrive_shared_session):
+    assert vdrive_shared_session.find_bench().rate == 1.0
+    vdrive_shared_session.wait(0.01)
+    status = vdrive_shared_session.axis("1.1").status()
+    assert (status.state, status.position, status.owner) == ("Switch on disabled", 0, 0)
+""", passed=2)
+
+
+@OVER
+def test_other_options_have_another_bench(pytester, over):
+    run(pytester, over, """
+SEEN = []
+
+@pytest.mark.parametrize("axes", [pytest.param(n, marks=pytest.mark.vdrive(axes=n)) for n in (1, 2, 1)])
+def test_axes(vdrive_shared_bench, vdrive_shared_session, axes):
+    assert len(vdrive_shared_session.find_bench().axes) == axes
+    SEEN.append((axes, id(vdrive_shared_bench)))
+
+def test_two_were_made():
+    assert len(set(SEEN)) == 2 and SEEN[0] == SEEN[2]
+""", passed=4)
+
+
+def test_what_a_snapshot_cannot_bring_back_is_refused(pytester):
+    result = run(pytester, "local", """
+@pytest.mark.vdrive(clock="freerun")
+def test_freerun(vdrive_shared_bench): pass
+
+@pytest.mark.vdrive(state="state")
+def test_state(vdrive_shared_bench): pass
+
+@pytest.mark.vdrive(over="dds", arguments=["--state", "state"])
+def test_state_of_a_service(vdrive_shared_bench): pass
+""", errors=3)
+    result.stdout.fnmatch_lines(["*clock = 'freerun': a shared bench returns to a snapshot*",
+                                 "*a shared bench has no state directory*"])
