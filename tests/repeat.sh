@@ -57,6 +57,10 @@ stop_load() {
   for group in "${loads[@]}"; do
     kill -KILL -- "-$group" 2>/dev/null || true
   done
+  # On a busy machine what was killed runs for a moment.
+  for group in "${loads[@]}"; do
+    while kill -0 -- "-$group" 2>/dev/null; do sleep 0.01; done
+  done
   loads=()
   rm -f "$work"/load-*.o
 }

@@ -92,9 +92,13 @@ TEST_F(WatchOnATerminal, FollowsTheSizeOfTheTerminal) {
              has_demand == (columns >= 160);
     })) << columns
         << error_of(watch.screen());
+    // A table that was on its way at the old width wraps; what follows does not.
+    const std::size_t wrapped = watch.screen().wrapped();
     ASSERT_TRUE(see_another_tick(watch)) << columns << error_of(watch.screen());
+    EXPECT_EQ(watch.screen().wrapped(), wrapped) << columns << error_of(watch.screen());
   }
-  expect_sound(watch);
+  EXPECT_EQ(watch.screen().scrolled(), 0U) << error_of(watch.screen());
+  EXPECT_THAT(watch.screen().unknown(), IsEmpty());
 }
 
 TEST_F(WatchOnATerminal, ShowsAFaultWithItsCodeItsNameAndAColor) {
