@@ -9,17 +9,17 @@ FOLLOWING_ERROR = 0x8611
 
 
 @pytest.fixture
-def axis(vdrive_session):
-    return vdrive_session.axis("1.1")
+def axis(vdrive_shared_session):
+    return vdrive_shared_session.axis("1.1")
 
 
-def test_a_move_ends_at_its_target_with_the_given_speed(vdrive_session, axis):
+def test_a_move_ends_at_its_target_with_the_given_speed(vdrive_shared_session, axis):
     axis.enable()
     speed_of_the_drive = axis.read("profile_velocity")
     fastest = 0
     motion = axis.start_move(10000, velocity=20000)
     while not motion.has_ended():
-        vdrive_session.step()
+        vdrive_shared_session.step()
         fastest = max(fastest, axis.status().velocity_demand_value)
     assert axis.status().position == 10000
     assert fastest == 20000
@@ -137,18 +137,18 @@ def test_an_invalid_time_is_an_error(axis, seconds):
         axis.enable(timeout=seconds)
 
 
-def test_a_word_outside_the_choices_is_an_error(vdrive_session, axis):
+def test_a_word_outside_the_choices_is_an_error(vdrive_shared_session, axis):
     with pytest.raises(ValueError, match="in_force"):
         axis.enable(until="soon")
     with pytest.raises(ValueError, match="observe"):
-        vdrive_session.follow(pace="slow")
+        vdrive_shared_session.follow(pace="slow")
     with pytest.raises(ValueError, match="dance"):
-        vdrive_session.command_each("1.1", "dance")
+        vdrive_shared_session.command_each("1.1", "dance")
 
 
-def test_a_command_to_several_axes_gives_each_its_outcome(vdrive_session):
-    assert vdrive_session.command_each(["1.1", "1.2"], "enable") == [None, None]
-    vdrive_session.axis("1.2").disturb("over_temperature")
-    vdrive_session.axis("1.2").wait_until(lambda status: status.state == "Fault")
-    first, second = vdrive_session.command_each(None, "enable")
+def test_a_command_to_several_axes_gives_each_its_outcome(vdrive_shared_session):
+    assert vdrive_shared_session.command_each(["1.1", "1.2"], "enable") == [None, None]
+    vdrive_shared_session.axis("1.2").disturb("over_temperature")
+    vdrive_shared_session.axis("1.2").wait_until(lambda status: status.state == "Fault")
+    first, second = vdrive_shared_session.command_each(None, "enable")
     assert first is None and isinstance(second, vdrive.Refused)

@@ -43,7 +43,7 @@ PARENT = """
 import os, sys, threading
 import vdrive
 
-with vdrive.Bench(2, over="dds", clock="{clock}") as bench, bench.session() as session:
+with vdrive.Bench(2, over="{over}", clock="{clock}") as bench, bench.session() as session:
     axis = session.axis("1.1")
     axis.enable()
     stream, events = session.stream(), session.events()
@@ -79,10 +79,17 @@ ENDS = {
 }
 
 
-@pytest.mark.parametrize("clock", ["lockstep", "realtime"])
-@pytest.mark.parametrize("end, code", ENDS.values(), ids=ENDS.keys())
-def test_a_forked_child_ends_as_it_wants_and_its_parent_goes_on(end, code, clock):
-    program = PARENT.format(child=end, clock=clock)
+# In real time threads run at the fork: those of a bench of the parent, or those of the DDS library.
+# What lock-step adds over DDS is one more way of the parent to wait: one end shows it.
+FORKS = [(end, over, clock) for end in ENDS for over, clock in
+         (("local", "lockstep"), ("local", "realtime"), ("dds", "realtime"))]
+FORKS.append(("sys.exit", "dds", "lockstep"))
+
+
+@pytest.mark.parametrize("name, over, clock", FORKS)
+def test_a_forked_child_ends_as_it_wants_and_its_parent_goes_on(name, over, clock):
+    end, code = ENDS[name]
+    program = PARENT.format(child=end, over=over, clock=clock)
     if end == "break":  # the child leaves the loop, and with it the blocks of `with`
         program = program.replace("    motion.wait()", "    if child == 0: sys.exit(0)\n    motion.wait()")
     finished = run(program)
@@ -94,7 +101,8 @@ def test_a_forked_child_ends_as_it_wants_and_its_parent_goes_on(end, code, clock
 
 
 def test_what_a_child_prints_before_its_end_arrives():
-    finished = run(PARENT.format(child="print('of the child'); sys.exit(0)", clock="lockstep"))
+    finished = run(PARENT.format(child="print('of the child'); sys.exit(0)", over="local",
+                                 clock="lockstep"))
     assert finished.stdout.count("of the child\n") == 3
 
 
@@ -158,6 +166,7 @@ def test_a_child_gets_a_clear_error_from_all_that_it_inherited(inherited):
     inherited["axis"]()  # of the parent, which goes on
 
 
+@pytest.mark.vdrive(over="local")
 def test_a_child_uses_up_no_request_number_of_its_parent(vdrive_session):
     axis = vdrive_session.axis("1.1")
 

@@ -5,15 +5,13 @@ import inspect
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 
 import numpy
 import pytest
 import vdrive
 from vdrive import _vdrive
-
-# Programs beside the test meet its bench.
-pytestmark = pytest.mark.vdrive(over="dds")
 
 STUB = pathlib.Path(vdrive.__file__).parent / "_vdrive.pyi"
 
@@ -128,6 +126,7 @@ def test_the_members_of_a_status_are_those_of_a_record(vdrive_session):
             assert getattr(status, name) == record[name], name
 
 
+@pytest.mark.vdrive(over="dds")  # the tool meets its bench
 def test_a_recording_of_the_tool_is_read_back_unchanged(vdrive_bench, vdrive_session, tmp_path):
     axis = vdrive_session.axis("1.1")
     axis.enable()
@@ -149,23 +148,27 @@ def test_a_recording_of_the_tool_is_read_back_unchanged(vdrive_bench, vdrive_ses
     motion.wait()
 
 
-def recording_of(vdrive_bench, vdrive_session, path):
-    """Record a move of two axes; return the path."""
-    axis = vdrive_session.axis("1.1")
-    axis.enable()
-    tool = subprocess.Popen(
-        [os.environ["VDRIVE_TOOL"], "--domain", str(vdrive_bench.domain), "--timeout", "30", "record",
-         str(path), "--count", "40"], stderr=subprocess.PIPE)
-    motion = axis.start_move(300)
-    while tool.poll() is None:
-        vdrive_session.step()
-    assert tool.returncode == 0, tool.stderr.read()
-    motion.wait()
-    return path
+@pytest.fixture(scope="module")
+def recordings(tmp_path_factory):
+    """A recording by the tool of a move of two axes, as CSV and as MCAP: the tool meets a service."""
+    directory = tmp_path_factory.mktemp("recordings")
+    with vdrive.Bench(over="dds") as bench, bench.session() as session:
+        axis = session.axis("1.1")
+        axis.enable()
+        for ending in ("csv", "mcap"):
+            tool = subprocess.Popen(
+                [os.environ["VDRIVE_TOOL"], "--domain", str(bench.domain), "--timeout", "30", "record",
+                 str(directory / f"run.{ending}"), "--count", "40"], stderr=subprocess.PIPE)
+            motion = axis.start_move(300 if ending == "csv" else 600)
+            while tool.poll() is None:
+                session.step()
+            assert tool.returncode == 0, tool.stderr.read()
+            motion.wait()
+    return directory
 
 
-def test_a_recording_has_the_same_arrays_in_each_format(vdrive_bench, vdrive_session, tmp_path):
-    mcap = recording_of(vdrive_bench, vdrive_session, tmp_path / "run.mcap")
+def test_a_recording_has_the_same_arrays_in_each_format(recordings, tmp_path):
+    mcap = shutil.copy(recordings / "run.mcap", tmp_path)
     for ending in ("csv", "jsonl"):
         subprocess.run([os.environ["VDRIVE_TOOL"], "convert", mcap, tmp_path / f"run.{ending}"],
                        check=True, stderr=subprocess.DEVNULL)
@@ -182,8 +185,8 @@ def test_a_recording_has_the_same_arrays_in_each_format(vdrive_bench, vdrive_ses
             assert numpy.array_equal(recordings[0][field], other[field]), field
 
 
-def test_an_incomplete_recording_is_read_up_to_its_end(vdrive_bench, vdrive_session, tmp_path):
-    whole = recording_of(vdrive_bench, vdrive_session, tmp_path / "whole.mcap")
+def test_an_incomplete_recording_is_read_up_to_its_end(recordings, tmp_path):
+    whole = recordings / "run.mcap"
     cut = tmp_path / "cut.mcap"
     cut.write_bytes(whole.read_bytes()[:-100])
     recording = vdrive.load(cut)
@@ -227,8 +230,8 @@ def test_a_file_that_is_not_a_recording_is_an_error_that_names_the_place(tmp_pat
         vdrive.load(path)
 
 
-def test_one_bench_of_a_recording_of_several_can_be_chosen(vdrive_bench, vdrive_session, tmp_path):
-    one = recording_of(vdrive_bench, vdrive_session, tmp_path / "one.csv").read_text().splitlines(True)
+def test_one_bench_of_a_recording_of_several_can_be_chosen(recordings, tmp_path):
+    one = (recordings / "run.csv").read_text().splitlines(True)
     two = [line.replace("1.", "2.", 1) for line in one[1:] if line.startswith("1.1,")]
     path = tmp_path / "two.csv"
     path.write_text("".join(one + two))
@@ -249,9 +252,8 @@ def answers_about(path):
     return str(refusal.value), tool.stderr.removeprefix("vdrive: ").rstrip("\n")
 
 
-def test_a_text_that_is_cut_anywhere_has_one_answer_of_the_tool_and_the_module(
-        vdrive_bench, vdrive_session, tmp_path):
-    whole = recording_of(vdrive_bench, vdrive_session, tmp_path / "whole.csv").read_bytes()
+def test_a_text_that_is_cut_anywhere_has_one_answer_of_the_tool_and_the_module(recordings, tmp_path):
+    whole = (recordings / "run.csv").read_bytes()
     cut = tmp_path / "cut.csv"
     last = whole.rindex(b"\n", 0, -1) + 1
     for size, reason in ((last, "1 of 2 axes"), (len(whole) - 1, "no line break"),

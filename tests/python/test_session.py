@@ -2,24 +2,11 @@
 """Sessions, clocks, groups and streams."""
 import asyncio
 import gc
-import subprocess
-import sys
 import threading
-import time
 
 import numpy
 import pytest
 import vdrive
-
-
-@pytest.mark.vdrive(over="dds")
-def test_the_bench_of_the_fixture_is_found_and_described(vdrive_bench, vdrive_session):
-    bench = vdrive_session.find_bench()
-    assert bench.clock_mode == "lockstep" and bench.period == 0.001
-    assert [axis.id for axis in bench.axes] == ["1.1", "1.2"]
-    assert bench.service_version == vdrive.__version__
-    with vdrive.Session() as other:  # VDRIVE_DOMAIN is that of the bench
-        assert [found.number for found in other.find_benches()] == [1]
 
 
 def test_missing_benches_and_axes_are_not_found(vdrive_session):
@@ -210,44 +197,26 @@ def test_the_end_of_a_stream_ends_its_loop(vdrive_session):
     assert asyncio.run(run()) == []
 
 
-@pytest.mark.vdrive(over="dds")
 def test_another_thread_runs_while_a_move_waits(vdrive_session):
     axis = vdrive_session.axis("1.1")
     axis.enable()
-    counted, ended = 0, threading.Event()
+    ended = []
 
     def move():
-        axis.move_to(100000, velocity=20000)  # 5 s of drive time, at least 5000 steps over DDS
-        ended.set()
+        with pytest.raises(vdrive.Failed, match="interrupt"):
+            axis.move_to(10**9, velocity=20000, timeout=1e6)  # 50,000 s of drive time
+        ended.append(True)
 
     thread = threading.Thread(target=move)
     thread.start()
-    while not ended.wait(0.001):
-        counted += 1
-    thread.join()
-    assert counted > 20
-    assert axis.status().position == 100000
-
-
-@pytest.mark.vdrive(axes=3, over="dds", arguments=["--period", "2000"])
-def test_the_marker_chooses_the_bench(vdrive_session):
-    bench = vdrive_session.find_bench()
-    assert len(bench.axes) == 3 and bench.period == 0.002
-
-
-@pytest.mark.vdrive(over="dds")
-def test_a_service_that_ends_is_lost(vdrive_bench):
-    session = vdrive.Session(domain=vdrive_bench.domain, find_timeout=5)
-    axis = session.axis("1.1")
-    vdrive_bench.close()
-    with pytest.raises(vdrive.Error) as lost:
-        # The announcement of the end may still be on its way.
-        end = time.monotonic() + 30
-        while time.monotonic() < end:
-            axis.status()
-    assert isinstance(lost.value, (vdrive.Lost, vdrive.NotFound))
-    with pytest.raises(vdrive.Failed, match="ended"):
-        print(vdrive_bench.domain)
+    # The interpreter lock is free meanwhile; an Event waits in this thread alone.
+    for _ in range(20):
+        threading.Event().wait(0.001)
+        assert thread.is_alive()
+    vdrive_session.interrupt()
+    thread.join(60)
+    vdrive_session.end_interrupt()
+    assert ended == [True] and 0 < axis.status().position < 10**9
 
 
 class Observed:
@@ -321,18 +290,6 @@ def test_an_observer_ends_with_its_session_and_may_end_itself(vdrive_bench):
         forgotten = session.on_event(observed, history=True)
     forgotten.close()
     assert len([item for item in observed.items if isinstance(item, vdrive.Observation)]) == 1
-
-
-@pytest.mark.vdrive(over="dds")
-def test_a_program_with_observers_ends(vdrive_bench):
-    program = """
-import vdrive
-session = vdrive.Session(find_timeout=20)
-session.on_event(lambda event: None, history=True)
-session.on_status(lambda sample: None, period=0.001)
-session.step(20)
-"""
-    assert subprocess.run([sys.executable, "-c", program], timeout=60).returncode == 0
 
 
 def test_several_axes_are_acquired_together_or_not_at_all(vdrive_bench, vdrive_session):

@@ -38,50 +38,81 @@ def check_start(session):
     assert axis.read("profile_velocity") != 1234
 """
 
+LEAVES = """
+def wait_for_fault(session, axis):
+    axis.disturb("over_current")
+    axis.wait_until(lambda status: status.state == "Fault")
+
+def move(session, axis):
+    axis.start_move(10**6)
+    session.step(50)
+
+def send_set_point(session, axis):
+    session.send_set_points({1: {0x6081: 4321}}, tick=session.step(1) + 3)
+
+def fail(session, axis):
+    assert session is None
+
+def fill_snapshots(session, axis):
+    while len(session.snapshots()) < 16:
+        session.take_snapshot()
+
 LEAVES = {
-    "a failure": ("    assert False\n", {"failed": 1}),
-    "a motion": ("    axis.start_move(10**6)\n    session.step(50)\n", {}),
-    "a waiting set-point": ("    session.send_set_points({1: {0x6081: 4321}},"
-                            " tick=session.step(1) + 3)\n", {}),
-    "a fault": ("    axis.disturb('over_current')\n"
-                "    axis.wait_until(lambda status: status.state == 'Fault')\n", {}),
-    "a disturbance of an input": ("    axis.disturb('blocked_load')\n", {}),
-    "a stepper": ("    KEPT.append(vdrive.StepClock(session, [1]))\n", {}),
-    "16 snapshots": ("    while len(session.snapshots()) < 16: session.take_snapshot()\n", {}),
-    "a closed session": ("    session.close()\n", {}),
+    "nothing": lambda session, axis: None,
+    "a failure": fail,
+    "a motion": move,
+    "a waiting set-point": send_set_point,
+    "a fault": wait_for_fault,
+    "a blocked load": lambda session, axis: axis.disturb("blocked_load"),
+    "a stepper": lambda session, axis: HELD.append(vdrive.StepClock(session, [1])),
+    "16 snapshots": fill_snapshots,
+    "a closed session": lambda session, axis: session.close(),
 }
+HELD, BENCHES = [], []
 
-
-@OVER
-@pytest.mark.parametrize("leaves, outcome", LEAVES.values(), ids=LEAVES.keys())
-def test_what_a_test_leaves_does_not_reach_the_next_one(pytester, over, leaves, outcome):
-    text = """
-NUMBERS = []
-
-def test_before(vdrive_shared_bench, vdrive_shared_session):
-    NUMBERS.append(id(vdrive_shared_bench))
-    check_start(vdrive_shared_session)
-
-def test_leaves(vdrive_shared_bench):
-    session = vdrive_shared_bench.session()
-    KEPT.append(session)         # nobody closes it
+def leave(session, what):
+    HELD.append(session)  # nobody closes it
     axis = session.axis("1.1")
     axis.enable()
     axis.move_to(700)
     axis.write("profile_velocity", 1234)
-""" + leaves + """
-def test_after(vdrive_shared_bench, vdrive_shared_session):
-    assert NUMBERS == [id(vdrive_shared_bench)]
-    check_start(vdrive_shared_session)
-    axis = vdrive_shared_session.axis("1.1")
-    vdrive_shared_session.step(10)
-    assert image(vdrive_shared_session)[0] == KEPT[0][0] and axis.read("profile_velocity") != 4321
+    LEAVES[what](session, axis)
+
+def check(session):
+    check_start(session)
+    axis = session.axis("1.1")
+    session.step(10)
+    assert image(session)[0] == KEPT[0][0] and axis.read("profile_velocity") != 4321
     axis.enable()
     axis.move_to(300)
     assert axis.status().position == 300
-    assert len(vdrive_shared_session.snapshots()) == 1
+    assert len(session.snapshots()) == 1
+
+def test_before(vdrive_shared_session):
+    check_start(vdrive_shared_session)
+
+# What the wire has a part in: sessions and set-points whose end is on its way.
+CHOSEN = (("a failure", "a motion", "a waiting set-point", "a stepper") if "VDRIVE_CHOSEN" in os.environ
+          else LEAVES)
+
+@pytest.mark.parametrize("what, use", [(what, use) for what in CHOSEN for use in ("leave", "check")])
+def test_one_after_the_other(vdrive_shared_bench, what, use):
+    BENCHES.append(vdrive_shared_bench)
+    session = vdrive_shared_bench.session()
+    leave(session, what) if use == "leave" else check(session)
+
+def test_one_bench_was_shared():
+    assert len(set(map(id, BENCHES))) == 1
 """
-    run(pytester, over, text, passed=3 - outcome.get("failed", 0), **outcome)
+
+
+# One before, one after, and two for each of the 9 things to leave, 4 over DDS; one of them fails.
+@pytest.mark.parametrize("over, passed", [("local", 19), ("dds", 9)])
+def test_what_a_test_leaves_does_not_reach_the_next_one(pytester, monkeypatch, over, passed):
+    if over == "dds":
+        monkeypatch.setenv("VDRIVE_CHOSEN", "1")
+    result = run(pytester, over, LEAVES, passed=passed, failed=1)
+    result.stdout.fnmatch_lines(["*FAILED*test_one_after_the_other?a failure-leave?*"])
 
 
 @OVER
@@ -120,9 +151,8 @@ def test_after(vdrive_shared_session):
 """, passed=3)
 
 
-@OVER
-def test_a_project_prepares_the_start(pytester, over):
-    run(pytester, over, """
+def test_a_project_prepares_the_start(pytester):
+    run(pytester, "local", """
 @pytest.fixture(scope="session")
 def vdrive_shared_start():
     def enable_and_leave_home(session):
@@ -159,9 +189,8 @@ def test_after(vdrive_shared_session):
 """, passed=2)
 
 
-@OVER
-def test_other_options_have_another_bench(pytester, over):
-    run(pytester, over, """
+def test_other_options_have_another_bench(pytester):
+    run(pytester, "local", """
 SEEN = []
 
 @pytest.mark.parametrize("axes", [pytest.param(n, marks=pytest.mark.vdrive(axes=n)) for n in (1, 2, 1)])

@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What only a bench over DDS has: a domain, arguments, other programs, an end that is announced."""
+import subprocess
+import sys
+import time
+
+import pytest
+import vdrive
+
+pytestmark = pytest.mark.vdrive(over="dds")
+
+
+def test_the_bench_of_the_fixture_is_found_and_described(vdrive_bench, vdrive_session):
+    bench = vdrive_session.find_bench()
+    assert bench.clock_mode == "lockstep" and bench.period == 0.001
+    assert [axis.id for axis in bench.axes] == ["1.1", "1.2"]
+    assert bench.service_version == vdrive.__version__
+    with vdrive.Session() as other:  # VDRIVE_DOMAIN is that of the bench
+        assert [found.number for found in other.find_benches()] == [1]
+
+
+@pytest.mark.vdrive(axes=3, arguments=["--period", "2000"])
+def test_the_marker_chooses_the_bench(vdrive_session):
+    bench = vdrive_session.find_bench()
+    assert len(bench.axes) == 3 and bench.period == 0.002
+
+
+def test_a_service_that_ends_is_lost(vdrive_bench):
+    session = vdrive.Session(domain=vdrive_bench.domain, find_timeout=5)
+    axis = session.axis("1.1")
+    vdrive_bench.close()
+    with pytest.raises(vdrive.Error) as lost:
+        # The announcement of the end may still be on its way.
+        end = time.monotonic() + 30
+        while time.monotonic() < end:
+            axis.status()
+    assert isinstance(lost.value, (vdrive.Lost, vdrive.NotFound))
+    with pytest.raises(vdrive.Failed, match="ended"):
+        print(vdrive_bench.domain)
+
+
+def test_a_program_with_observers_ends(vdrive_bench):
+    program = """
+import vdrive
+session = vdrive.Session(find_timeout=20)
+session.on_event(lambda event: None, history=True)
+session.on_status(lambda sample: None, period=0.001)
+session.step(20)
+"""
+    assert subprocess.run([sys.executable, "-c", program], timeout=60).returncode == 0
