@@ -254,6 +254,9 @@ def test_an_observer_receives_the_events(vdrive_session):
 def test_an_observer_receives_the_newest_state(vdrive_session):
     observed = Observed()
     with vdrive_session.on_status(observed, ["1.1", "1.2"], period=0.001):
+        # The observer begins in a thread of its own: 50 steps may end before it.
+        while not observed.items:
+            vdrive_session.step()
         tick = vdrive_session.step(50)
         assert observed.wait(lambda sample: sample.tick >= tick)
     assert [status.id for status in observed.items[0].axes] == ["1.1", "1.2"]
