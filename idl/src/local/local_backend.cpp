@@ -6,7 +6,9 @@
 #include "vdrive/wire/codec.hpp"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <bit>
 #include <cstdint>
 #include <utility>
 
@@ -33,6 +35,11 @@ Source new_source() noexcept {
   put_number(source.participant, next_number());
   source.participant[0] = 'v';  // not all zero: that is no participant
   return source;
+}
+
+SourceKey key_of(const Source& source) noexcept {
+  const auto words = std::bit_cast<std::array<std::uint32_t, 3>>(source.participant);
+  return {std::uint64_t{words[0]} << 32U | words[1], words[2]};
 }
 
 EndpointId new_endpoint(const Source& source) noexcept {
@@ -93,13 +100,14 @@ LocalBackend::LocalBackend(std::shared_ptr<LocalBus> bus, Role role, std::string
       });
   if (is_taken) throw NetworkError(in_quotes(name_) + " is on this bus already");
   parts.participants.push_back(this);
-  parts.sources.insert(source_);
+  const SourceKey key = key_of(source_);
+  parts.sources.insert(std::ranges::lower_bound(parts.sources, key), key);
 }
 
 LocalBackend::~LocalBackend() {
   const std::scoped_lock lock(bus_->parts().counting);
   std::erase(bus_->parts().participants, this);
-  bus_->parts().sources.erase(source_);
+  std::erase(bus_->parts().sources, key_of(source_));
 }
 
 std::unique_ptr<WriterEnd> LocalBackend::make_writer(TopicId topic, Form form,
@@ -124,7 +132,7 @@ std::vector<OtherParticipant> LocalBackend::others(std::string_view beginning) c
 
 bool LocalBackend::has(const Source& source) const noexcept {
   const std::scoped_lock lock(bus_->parts().counting);
-  return bus_->parts().sources.contains(source);
+  return std::ranges::binary_search(bus_->parts().sources, key_of(source));
 }
 
 // ---- writer ------------------------------------------------------------------------------------

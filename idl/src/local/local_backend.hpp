@@ -5,7 +5,6 @@
 #include "vdrive/wire/local_bus.hpp"
 
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -15,7 +14,7 @@
 #include <shared_mutex>
 #include <span>
 #include <string>
-#include <unordered_set>
+#include <utility>
 #include <vector>
 
 namespace vdrive::wire {
@@ -24,13 +23,8 @@ class LocalBackend;
 class LocalReader;
 class LocalWriter;
 
-/// Participants of a bus differ in few bytes.
-struct SourceHash {
-  std::size_t operator()(const Source& source) const noexcept {
-    const auto words = std::bit_cast<std::array<std::uint32_t, 3>>(source.participant);
-    return words[0] ^ words[2] ^ (std::size_t{words[1]} << 32U);
-  }
-};
+/// A participant as numbers, which are compared faster than its bytes.
+using SourceKey = std::pair<std::uint64_t, std::uint32_t>;
 
 /// Who is on a bus. A thread that delivers a sample has `members` shared; a reader or writer that
 /// comes or goes has it alone, so that nothing is delivered to what has gone.
@@ -38,7 +32,7 @@ struct LocalBus::Parts {
   std::mutex counting;  ///< no other lock is taken with it: handlers ask who is there
   std::vector<const LocalBackend*> participants;
   /// Theirs: each call of a session asks for every bench that it knows.
-  std::unordered_set<Source, SourceHash> sources;
+  std::vector<SourceKey> sources;  ///< in ascending order
 
   std::shared_mutex members;
   std::array<std::vector<LocalReader*>, kTopics.size()> readers;

@@ -57,6 +57,9 @@ class StoredList {
 
     ~Room() {}  // NOLINT(modernize-use-equals-default)
 
+    Room(const Room&) = delete;
+    Room& operator=(const Room&) = delete;
+
     std::array<Item, kMost> items;
   };
 
