@@ -109,6 +109,10 @@ constexpr std::array kRecordingMay{Origin::standard, Origin::system, Origin::thi
 constexpr std::array kClientMay{Origin::standard,    Origin::system, Origin::eigen,
                                 Origin::third_party, Origin::core,   Origin::wire,
                                 Origin::messages,    Origin::client, Origin::beside};
+// The tool makes benches of its own for the scenarios that it runs.
+constexpr std::array kToolMay{
+    Origin::standard, Origin::system,   Origin::eigen,  Origin::third_party, Origin::core,
+    Origin::wire,     Origin::messages, Origin::client, Origin::bench,       Origin::beside};
 // A bridge reads a YAML file as the service does: with the same checks and the same words.
 constexpr std::array kBridgeMay{
     Origin::standard, Origin::system,   Origin::eigen,  Origin::core,   Origin::third_party,
@@ -120,6 +124,8 @@ constexpr std::array kPythonMay{Origin::standard, Origin::system, Origin::eigen,
 constexpr std::array kBenchMay{Origin::standard, Origin::core,   Origin::wire,    Origin::client,
                                Origin::bench,    Origin::beside, Origin::settings};
 
+constexpr std::string_view kClientReason =
+    "clients/ reaches DDS through vdrive/wire and no service";
 constexpr std::string_view kBridgeReason =
     "a bridge reaches DDS through vdrive/wire, and of the service it includes settings/ only";
 
@@ -137,7 +143,8 @@ constexpr std::array kRooms{
     RoomRow{"clients/bridge/", kBridgeMay, kBridgeReason},
     RoomRow{"clients/gateway/", kBridgeMay, kBridgeReason},
     RoomRow{"clients/ros2/", kBridgeMay, kBridgeReason},
-    RoomRow{"clients/", kClientMay, "clients/ reaches DDS through vdrive/wire and no service"},
+    RoomRow{"clients/tool/", kToolMay, kClientReason},
+    RoomRow{"clients/", kClientMay, kClientReason},
     RoomRow{"deploy/", {}, "deploy/ has no code"},
 };
 

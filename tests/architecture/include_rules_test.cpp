@@ -104,6 +104,8 @@ INSTANTIATE_TEST_SUITE_P(
              "#include <fastdds/dds/topic/Topic.hpp>"},
         Case{"bench_in_client", "clients/src/session/session.cpp",
              "#include \"vdrive/bench/bench.hpp\""},
+        Case{"bench_in_gateway", "clients/gateway/src/hub.cpp",
+             "#include \"vdrive/bench/bench.hpp\""},
         Case{"program_in_clock", "service/src/clock/shutdown.cpp",
              "#include \"program/service.hpp\""},
         Case{"whole_engine_in_a_part_of_it", "service/src/engine/masters.cpp",

@@ -11,8 +11,8 @@
 #
 #   --quick    short runs, for a first estimate
 #   --only     one part: ticks of the bank; ticks, threads, stores and publication of the engine;
-#              steps over DDS; status that clients receive, and recordings; start and list; how late
-#              ticks begin
+#              steps over DDS; status that clients receive, and recordings; start, list and scenarios;
+#              how late ticks begin
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
@@ -115,9 +115,23 @@ status() {
   "$root/tests/benchmark/record.py" --axes 1024 --seconds $follow_seconds
 }
 
+# The time of `vdrive test` of the project's scenarios, in turns without and with DDS.
+measure_scenarios() {
+  local wire attempt begin end
+  for attempt in 1 2 3 4 5; do
+    for wire in local dds; do
+      begin=$(date +%s%N)
+      "$build/bin/vdrive" test --over $wire "$root"/clients/scenarios/*.scn >"$work/scenarios"
+      end=$(date +%s%N)
+      figure scenarios_over_${wire}_ms 2 $(((end - begin) / 1000000))
+    done
+  done
+}
+
 start() {
   follow 1 1 --axes 10000
   measure_list 1024
+  measure_scenarios
 }
 
 lateness() {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sequences of the set-point model, printed and run against a service in lock-step: the same
+// Sequences of the set-point model, printed and run by the tool on a bench in lock-step: the same
 // statuswords in the same ticks as in the core.
 #include "core/support/set_point_model.hpp"
 #include "core/support/set_point_sequences.hpp"
@@ -15,8 +15,13 @@
 namespace vdrive::test {
 namespace {
 
-const std::string kBench =
-    "--clock lockstep --config " VDRIVE_SOURCE_DIR "/tests/data/whole_units.yaml";
+Finished run_printed(const std::string& text) {
+  return Process(VDRIVE_TOOL,
+                 {"run", "--private", "--config", VDRIVE_SOURCE_DIR "/tests/data/whole_units.yaml",
+                  "-"},
+                 text)
+      .wait();
+}
 
 class PrintedSequence : public testing::TestWithParam<std::uint64_t> {
  protected:
@@ -24,11 +29,10 @@ class PrintedSequence : public testing::TestWithParam<std::uint64_t> {
   const SideBySide run = run_side_by_side(steps);
 };
 
-TEST_P(PrintedSequence, GivesTheSameStatuswordsTickByTickInAService) {
+TEST_P(PrintedSequence, GivesTheSameStatuswordsTickByTickInABench) {
   ASSERT_EQ(run.difference, "");
-  const RunningService service(kBench);
   const std::string text = scenario_of(steps, run.ticks);
-  const Finished finished = tool("run -", text);
+  const Finished finished = run_printed(text);
   EXPECT_EQ(finished.code, 0) << finished.errors << text;
 }
 
@@ -36,8 +40,7 @@ TEST(PrintedScenario, FailsWhereAStatuswordOfTheModelIsWrong) {
   const std::vector<Step> steps = fixed_sequence(1, 10);
   SideBySide run = run_side_by_side(steps);
   run.ticks.back().statusword ^= 0x0400U;
-  const RunningService service(kBench);
-  const Finished finished = tool("run -", scenario_of(steps, run.ticks));
+  const Finished finished = run_printed(scenario_of(steps, run.ticks));
   EXPECT_EQ(finished.code, 1);
   EXPECT_THAT(finished.errors, testing::HasSubstr("0x6041"));
 }

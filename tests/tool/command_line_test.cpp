@@ -29,14 +29,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <sstream>
 
 namespace vdrive::tool {
 namespace {
 
 using namespace std::chrono_literals;
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::StartsWith;
 using testing::ThrowsMessage;
 
 std::vector<std::string> split(const std::string& text) {
@@ -341,6 +344,48 @@ TEST(CommandLine, ReadsHomeVelocityTorqueAndJog) {
       << "a scenario has no Enter key";
 }
 
+/// @return why the private benches of this command line cannot be; empty = they can.
+std::string refusal_of_benches(const std::string& text) {
+  const Invocation invocation = parse(text);
+  try {
+    std::any_cast<RunCommand>(invocation.command.value().arguments)
+        .benches.check(invocation.options);
+  } catch (const UsageError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(PrivateBenchesOfRun, RefuseWhatBelongsToABenchOverDdsAndSayHowToGetIt) {
+  EXPECT_EQ(refusal_of_benches("run --private a.scn"), "");
+  EXPECT_THAT(refusal_of_benches("run --private a.scn --service /bin/true"),
+              AllOf(HasSubstr("--service"), HasSubstr("add --over dds")));
+  EXPECT_THAT(refusal_of_benches("--security keys run --private a.scn"),
+              AllOf(HasSubstr("--security"), HasSubstr("add --over dds")));
+  EXPECT_EQ(refusal_of_benches("--security keys run --private a.scn --over dds --service "
+                               "/bin/true"),
+            "");
+}
+
+TEST(PrivateBenchesOfRun, AreOnNoNetworkThatIsGiven) {
+  for (const char* const option : {"--domain 5", "--interface 127.0.0.1", "--peer 127.0.0.1",
+                                   "--discovery-server 127.0.0.1:11811"}) {
+    const std::string name = std::string(option).substr(0, std::string(option).find(' '));
+    for (const char* const wire : {"local", "dds"}) {
+      EXPECT_THAT(refusal_of_benches("run --private a.scn --over " + std::string(wire) + " " +
+                                     std::string(option)),
+                  AllOf(StartsWith(name), HasSubstr("a bench that runs already")));
+    }
+  }
+}
+
+TEST(PrivateBenchesOfRun, IgnoreTheNetworkOfTheEnvironment) {
+  setenv("VDRIVE_SECURITY", "/keys", 1);  // NOLINT(concurrency-mt-unsafe): one thread
+  const std::string refusal = refusal_of_benches("run --private a.scn");
+  unsetenv("VDRIVE_SECURITY");  // NOLINT(concurrency-mt-unsafe): one thread
+  EXPECT_EQ(refusal, "");
+}
+
 struct BadRow {
   const char* name;
   const char* text;
@@ -387,7 +432,11 @@ INSTANTIATE_TEST_SUITE_P(
         BadRow{"no_peer", "--peer 10.0.0.256 list", "--peer"},
         BadRow{"no_port", "--discovery-server 10.0.0.9 list", "ADDRESS:PORT"},
         BadRow{"port_0", "--discovery-server 10.0.0.9:0 list", "ADDRESS:PORT"},
-        BadRow{"a_word_of_scenarios", "refused 5 list", "refused"}),
+        BadRow{"a_word_of_scenarios", "refused 5 list", "refused"},
+        BadRow{"an_unknown_wire", "test a.scn --over air", "air not in {local,dds}"},
+        BadRow{"a_wire_of_no_private_bench", "run a.scn --over local", "--private"},
+        BadRow{"a_configuration_of_no_private_bench", "run a.scn --config a.yaml", "--private"},
+        BadRow{"a_service_of_no_private_bench", "run a.scn --service vdrived", "--private"}),
     [](const auto& row) {
       return row.param.name;
     });

@@ -47,8 +47,8 @@ void refuse_network(const Configuration& configuration) {
   const wire::NetworkSettings defaults;
   const wire::NetworkSettings& network = configuration.network;
   const auto refuse = [](const std::string& key) {
-    throw BenchError(key + " is for a bench on the network: a bench in this process has none; " +
-                     "leave it out, or start vdrived");
+    throw NeedsNetwork(key + " is for a bench on the network: a bench in this process has none; " +
+                       "leave it out, or start vdrived");
   };
   if (configuration.metrics_port) refuse("metrics.port");
   if (configuration.wire_form) refuse("wire.form");
@@ -63,7 +63,7 @@ void refuse_network(const Configuration& configuration) {
   if (network.domain != defaults.domain) refuse("network.domain");
 }
 
-Configuration configuration_of(const BenchOptions& options) {
+Configuration configuration_of_service(const BenchOptions& options) {
   Configuration configuration = read(options);
   refuse_network(configuration);
   if (options.axes) configuration.axes = service::default_axes(*options.axes);
@@ -72,6 +72,15 @@ Configuration configuration_of(const BenchOptions& options) {
   configuration.network.bus = options.bus ? options.bus : std::make_shared<wire::LocalBus>();
   service::check(configuration);
   return configuration;
+}
+
+/// @throws BenchError
+Configuration configuration_of(const BenchOptions& options) {
+  try {
+    return configuration_of_service(options);
+  } catch (const ConfigurationError& error) {
+    throw BenchError(error.what());
+  }
 }
 
 std::unique_ptr<service::ParameterStore> store_of(const BenchOptions& options,
@@ -123,6 +132,10 @@ class Bench::Parts {
   service::BenchRun run_;
   std::optional<wire::LocalBus::WorkPlace> work_;
 };
+
+void check(const BenchOptions& options) {
+  static_cast<void>(configuration_of(options));
+}
 
 Bench::Bench(const BenchOptions& options) {
   try {

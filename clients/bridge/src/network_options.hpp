@@ -17,10 +17,11 @@ namespace vdrive::bridge {
 
 /// Declares --domain.
 /// @param further what its help has after the range
-inline void add_domain_option(CLI::App& app, std::optional<std::uint32_t>& domain,
-                              const std::string& further = "") {
-  app.add_option("--domain", domain,
-                 "DDS domain, 0 to " + std::to_string(wire::kHighestDomain) + further)
+inline CLI::Option* add_domain_option(CLI::App& app, std::optional<std::uint32_t>& domain,
+                                      const std::string& further = "") {
+  return app
+      .add_option("--domain", domain,
+                  "DDS domain, 0 to " + std::to_string(wire::kHighestDomain) + further)
       ->check(CLI::Range(0, static_cast<int>(wire::kHighestDomain)))
       ->type_name("N");
 }

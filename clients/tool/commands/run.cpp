@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "commands/run.hpp"
 
+#include "base/usage_error.hpp"
 #include "execution/command_context.hpp"
 #include "execution/connection.hpp"
 #include "language/arguments.hpp"
@@ -8,8 +9,10 @@
 #include "scenarios/scenario_run.hpp"
 
 #include <exception>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace vdrive::tool {
 namespace {
@@ -36,6 +39,18 @@ Example:
 void RunCommand::declare(Arguments& arguments) {
   scenarios.declare(arguments, "Scenario, - for standard input; several run one after the other");
   arguments.flag("--live", live, "Show the axes while time passes, also when piped");
+  if (arguments.place() != Place::command_line) return;  // a shell has its session
+  arguments.flag("--private", is_private,
+                 "Each file on a new bench in lock-step that only this program reaches, instead of "
+                 "a bench that runs already");
+  benches.declare(arguments);
+  arguments.then([this] {
+    if (!is_private && !benches.arguments().empty()) {
+      throw UsageError(benches.arguments().front() +
+                       " is for the benches of --private; without it, run uses one that runs "
+                       "already");
+    }
+  });
 }
 
 client::Outcome RunCommand::run(CommandContext& context) const {
@@ -52,7 +67,9 @@ ExitCode RunCommand::start(const Program& program) const {
   const GlobalOptions& options = program.options;
   JunitReport junit(scenarios.junit);
   try {
+    if (is_private) benches.check(options);
     const auto loaded = scenarios.load(program.commands);
+    if (is_private) return start_privately(loaded, junit, program);
     return run_connected(program, options, [&](client::Session& session) {
       return run_scenarios(loaded,
                            {.is_json = options.json, .is_live = live, .timeout = options.timeout},
@@ -64,6 +81,21 @@ ExitCode RunCommand::start(const Program& program) const {
     static_cast<void>(junit.write({{suite, {{.name = "start", .error = error.what()}}}}));
     throw;
   }
+}
+
+ExitCode RunCommand::start_privately(const std::vector<Scenario>& loaded, JunitReport& junit,
+                                     const Program& program) const {
+  const GlobalOptions& options = program.options;
+  return run_interruptible(program, [&](Interrupt& interrupt) {
+    std::optional<PrivateSession> session;
+    return run_scenarios_apart(
+        loaded, {.is_json = options.json, .is_live = live, .timeout = options.timeout}, junit,
+        [&]() -> client::Session& {
+          session.reset();
+          return session.emplace(benches, options, interrupt).session();
+        },
+        program.terminal);
+  });
 }
 
 extern const CommandRow kRun = row_of<RunCommand>({.name = "run",

@@ -2,17 +2,25 @@
 #pragma once
 
 #include "language/command.hpp"
+#include "output/junit.hpp"
+#include "scenarios/private_benches.hpp"
 #include "scenarios/scenario_files.hpp"
 
 namespace vdrive::tool {
 
 struct RunCommand {
   ScenarioFiles scenarios{};
-  bool live = false;  ///< show the axes while time passes, also when not on a terminal
+  bool live = false;        ///< show the axes while time passes, also when not on a terminal
+  bool is_private = false;  ///< each file on a new bench of this program
+  PrivateBenches benches{};
 
   void declare(Arguments& arguments);
   client::Outcome run(CommandContext& context) const;
   ExitCode start(const Program& program) const;
+
+ private:
+  ExitCode start_privately(const std::vector<Scenario>& loaded, JunitReport& junit,
+                           const Program& program) const;
 };
 
 }  // namespace vdrive::tool

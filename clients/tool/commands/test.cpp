@@ -27,11 +27,9 @@ struct TestCommand {
   void declare(Arguments& arguments) {
     tests.jobs = std::max(std::thread::hardware_concurrency(), 1U);
     tests.scenarios.declare(arguments, "Scenario");
-    arguments.option("--config", "FILE", tests.configuration,
-                     "Configuration of the benches; default: the demo bench");
+    tests.benches.declare(arguments);
     arguments.option("--jobs", "N", tests.jobs,
                      "How many files run at the same time; default: one per processor", parse_jobs);
-    arguments.service(tests.service);
   }
 
   ExitCode start(const Program& program) const {

@@ -39,22 +39,29 @@ ExitCode finish(const client::Outcome& outcome, const Interrupt& interrupt, bool
   return exit_code_of(outcome.kind());
 }
 
-ExitCode run_connected(const Program& program, const GlobalOptions& options,
-                       const std::function<client::Outcome(client::Session&)>& work) {
+ExitCode run_interruptible(const Program& program,
+                           const std::function<client::Outcome(Interrupt&)>& work) {
   Terminal& terminal = program.terminal;
   Interrupt interrupt;
   interrupt.before_exit([&terminal] {
     terminal.leave_screen_at_once();
     KeyInput::restore_at_once();
   });
-  client::Session session(session_options(options));
-  interrupt.arm([&session] {
-    session.interrupt();
+  const client::Outcome outcome = work(interrupt);
+  return finish(outcome, interrupt, program.options.json, terminal);
+}
+
+ExitCode run_connected(const Program& program, const GlobalOptions& options,
+                       const std::function<client::Outcome(client::Session&)>& work) {
+  return run_interruptible(program, [&](Interrupt& interrupt) {
+    client::Session session(session_options(options));
+    interrupt.arm([&session] {
+      session.interrupt();
+    });
+    client::Outcome outcome = work(session);
+    interrupt.disarm();
+    return outcome;
   });
-  const client::Outcome outcome = work(session);
-  const ExitCode code = finish(outcome, interrupt, options.json, terminal);
-  interrupt.disarm();
-  return code;
 }
 
 }  // namespace vdrive::tool

@@ -20,6 +20,10 @@ namespace vdrive::tool {
 ExitCode finish(const client::Outcome& outcome, const Interrupt& interrupt, bool is_json,
                 Terminal& terminal);
 
+/// Does something that a signal interrupts once `work` has armed that.
+ExitCode run_interruptible(const Program& program,
+                           const std::function<client::Outcome(Interrupt&)>& work);
+
 /// Opens a session, which a signal interrupts, and does something with it.
 ExitCode run_connected(const Program& program, const GlobalOptions& options,
                        const std::function<client::Outcome(client::Session&)>& work);

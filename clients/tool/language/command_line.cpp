@@ -167,6 +167,7 @@ class CommandLine {
   [[nodiscard]] GlobalOptions options() const {
     GlobalOptions options = options_;
     if (!timeout_.empty()) options.timeout = parse_seconds(timeout_);
+    options.network_given = network_given();
     return options;
   }
 
@@ -186,7 +187,8 @@ class CommandLine {
   }
 
   void add_network() {
-    bridge::add_domain_option(app_, domain_, "; default: VDRIVE_DOMAIN, else 0");
+    network_.push_back(
+        bridge::add_domain_option(app_, domain_, "; default: VDRIVE_DOMAIN, else 0"));
     add_addresses("--interface", options_.interfaces,
                   "Use this network in addition to loopback: IPv4 address of this machine in it",
                   "ADDRESS")
@@ -197,17 +199,29 @@ class CommandLine {
     add_addresses("--discovery-server", options_.discovery_servers,
                   "Use a discovery server instead of multicast", "ADDRESS:PORT")
         ->check(check_server);
-    app_.add_option("--security", options_.security,
-                    "Closed mode: directory with certificate, key and permissions")
-        ->envname("VDRIVE_SECURITY")
-        ->type_name("DIR");
+    network_.push_back(
+        app_.add_option("--security", options_.security,
+                        "Closed mode: directory with certificate, key and permissions")
+            ->envname("VDRIVE_SECURITY")
+            ->type_name("DIR"));
     app_.set_version_flag("--version", "vdrive " VDRIVE_VERSION);
   }
 
   /// May appear several times, with one value each: the next argument may be the command.
   CLI::Option* add_addresses(const char* name, std::vector<std::string>& values, const char* help,
                              const char* type) {
-    return app_.add_option(name, values, help)->allow_extra_args(false)->type_name(type);
+    network_.push_back(
+        app_.add_option(name, values, help)->allow_extra_args(false)->type_name(type));
+    return network_.back();
+  }
+
+  /// Those of the environment are not among them.
+  [[nodiscard]] std::vector<std::string> network_given() const {
+    std::vector<std::string> names;
+    for (const CLI::Option* const option : app_.parse_order()) {
+      if (std::ranges::count(network_, option) != 0) names.push_back(option->get_name());
+    }
+    return names;
   }
 
   void add_command(const CommandRow& row, Place place) {
@@ -226,6 +240,7 @@ class CommandLine {
 
   CLI::App app_;
   GlobalOptions options_;
+  std::vector<CLI::Option*> network_;  ///< the options that name a network
   std::optional<std::uint32_t> domain_;
   std::string timeout_;
   Completers completers_;

@@ -17,6 +17,7 @@ struct GlobalOptions {
   std::vector<std::string> peers;              ///< addresses searched beside multicast
   std::vector<std::string> discovery_servers;  ///< such as 10.0.0.9:11811, instead of multicast
   std::string security;                        ///< directory of the closed mode; empty = open
+  std::vector<std::string> network_given;      ///< names of those above in the command line
   bool json = false;
   std::optional<Duration> timeout;  ///< wall time to find a service, drive time of motion
 };

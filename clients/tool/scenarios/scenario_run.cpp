@@ -202,16 +202,19 @@ std::vector<JunitSuite> suites_without_axes(const std::vector<Scenario>& scenari
   return suites;
 }
 
-/// Several scenarios of one session.
+/// Several scenarios, of one session or each of its own.
 class ScenarioRuns {
  public:
+  /// @param next empty = one session for all
   ScenarioRuns(const std::vector<Scenario>& scenarios, const RunOptions& options,
-               client::Session& session, Terminal& terminal)
-      : scenarios_(scenarios), session_(session), terminal_(terminal), is_json_(options.is_json) {
+               client::Session& first, Terminal& terminal, NextSession next = nullptr)
+      : scenarios_(scenarios),
+        options_(options),
+        session_(&first),
+        next_(std::move(next)),
+        terminal_(terminal) {
     runs_.reserve(scenarios.size());
-    for (const Scenario& scenario : scenarios) {
-      runs_.push_back(std::make_unique<ScenarioRun>(scenario, options, session, terminal));
-    }
+    for (const Scenario& scenario : scenarios) runs_.push_back(run_of(scenario));
   }
 
   /// @return not_found, with suites() that report it.
@@ -222,6 +225,8 @@ class ScenarioRuns {
       suites_ = suites_without_axes(scenarios_, scenarios_[i], found);
       return found;
     }
+    // They have to end before the session that checked them.
+    for (std::size_t i = 1; next_ && i < runs_.size(); ++i) runs_[i].reset();
     return {};
   }
 
@@ -240,19 +245,31 @@ class ScenarioRuns {
   [[nodiscard]] const std::vector<JunitSuite>& suites() const { return suites_; }
 
  private:
+  using Run = std::unique_ptr<ScenarioRun>;
+
+  [[nodiscard]] Run run_of(const Scenario& scenario) {
+    return std::make_unique<ScenarioRun>(scenario, options_, *session_, terminal_);
+  }
+
   Outcome run_one(std::size_t place) {
+    if (!runs_[place]) {
+      session_ = &next_();
+      runs_[place] = run_of(scenarios_[place]);
+      if (Outcome found = runs_[place]->find_axes(); !found) return found;
+    }
     Outcome outcome = runs_[place]->run();
     was_interrupted_ = runs_[place]->was_interrupted();
     suites_.push_back(std::move(*runs_[place]).suite());
+    if (next_) runs_[place].reset();
     // The next file is a master of its own.
-    if (Outcome released = session_.release(); !released && outcome) return released;
+    if (Outcome released = session_->release(); !released && outcome) return released;
     return outcome;
   }
 
   Outcome report(std::size_t passed) {
     const std::string text =
         std::to_string(passed) + " of " + counted(runs_.size(), "file", "files") + " passed";
-    if (is_json_) {
+    if (options_.is_json) {
       terminal_.print(to_line({{"files", runs_.size()}, {"passed", passed}}));
     } else if (passed == runs_.size()) {
       terminal_.print(text);
@@ -261,23 +278,34 @@ class ScenarioRuns {
   }
 
   const std::vector<Scenario>& scenarios_;
-  client::Session& session_;
+  const RunOptions& options_;
+  client::Session* session_;
+  const NextSession next_;
   Terminal& terminal_;
-  const bool is_json_;
   bool was_interrupted_ = false;
-  std::vector<std::unique_ptr<ScenarioRun>> runs_;
+  std::vector<Run> runs_;
   std::vector<JunitSuite> suites_;
 };
+
+Outcome run_all(ScenarioRuns& runs, JunitReport& junit) {
+  Outcome outcome = runs.find_axes();
+  if (outcome) outcome = runs.run();
+  const auto unwritten = junit.write(runs.suites());
+  return outcome && unwritten ? Outcome::failed(*unwritten) : outcome;
+}
 
 }  // namespace
 
 Outcome run_scenarios(const std::vector<Scenario>& scenarios, const RunOptions& options,
                       JunitReport& junit, client::Session& session, Terminal& terminal) {
   ScenarioRuns runs(scenarios, options, session, terminal);
-  Outcome outcome = runs.find_axes();
-  if (outcome) outcome = runs.run();
-  const auto unwritten = junit.write(runs.suites());
-  return outcome && unwritten ? Outcome::failed(*unwritten) : outcome;
+  return run_all(runs, junit);
+}
+
+Outcome run_scenarios_apart(const std::vector<Scenario>& scenarios, const RunOptions& options,
+                            JunitReport& junit, const NextSession& next, Terminal& terminal) {
+  ScenarioRuns runs(scenarios, options, next(), terminal, next);
+  return run_all(runs, junit);
 }
 
 }  // namespace vdrive::tool

@@ -6,6 +6,7 @@
 #include "terminal/terminal.hpp"
 #include "vdrive/client/session.hpp"
 
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -25,5 +26,14 @@ struct RunOptions {
 ///         error.
 client::Outcome run_scenarios(const std::vector<Scenario>& scenarios, const RunOptions& options,
                               JunitReport& junit, client::Session& session, Terminal& terminal);
+
+/// @return the session of the next file; that of the file before has ended.
+using NextSession = std::function<client::Session&()>;
+
+/// The same, with a session for each file. All files are checked with that of the first: their
+/// benches are equal.
+client::Outcome run_scenarios_apart(const std::vector<Scenario>& scenarios,
+                                    const RunOptions& options, JunitReport& junit,
+                                    const NextSession& next, Terminal& terminal);
 
 }  // namespace vdrive::tool

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scenarios/scenario_tests.hpp"
 
-#include "base/service_program.hpp"
+#include "base/exit_code.hpp"
 #include "base/usage_error.hpp"
 #include "child_process.hpp"
 #include "language/scenario.hpp"
@@ -40,11 +40,7 @@ class ScenarioTests {
  public:
   ScenarioTests(const ScenarioTestOptions& tests, const GlobalOptions& options,
                 std::vector<Scenario> scenarios, Terminal& terminal)
-      : tests_(tests),
-        options_(options),
-        scenarios_(std::move(scenarios)),
-        service_(find_service(tests.service)),
-        terminal_(terminal) {
+      : tests_(tests), options_(options), scenarios_(std::move(scenarios)), terminal_(terminal) {
     verdicts_.reserve(scenarios_.size());
     for (const Scenario& scenario : scenarios_) verdicts_.push_back(not_started(scenario));
   }
@@ -137,21 +133,14 @@ class ScenarioTests {
 
   ScenarioVerdict test(std::size_t place) {
     const Scenario& scenario = scenarios_[place];
-    process::PrivateBench bench(service_, arguments_of_service());
-    {
-      const Job job(*this, place, [&bench] {
-        bench.end();
-      });
-      if (const auto problem = bench.wait_until_ready()) {
-        if (is_interrupted_) return not_started(scenario);
-        return failed_to_start(scenario, static_cast<int>(ExitCode::failed), *problem);
-      }
-    }
-    process::ChildProcess run(command_to_run(scenario, bench.domain()));
+    process::ChildProcess run(command_to_run(scenario));
     const Job job(*this, place, [&run] {
       run.send(SIGINT);
     });
     const int code = wait_for(run);
+    // The signal may come before the program can turn it into an exit code.
+    const bool has_ended_by_it = code == static_cast<int>(ExitCode::interrupted) || code == -SIGINT;
+    if (is_interrupted_ && has_ended_by_it && run.output().empty()) return not_started(scenario);
     return verdict_of(scenario, {.code = code, .output = run.output(), .errors = run.errors()});
   }
 
@@ -166,21 +155,16 @@ class ScenarioTests {
     }
   }
 
-  [[nodiscard]] std::vector<std::string> command_to_run(const Scenario& scenario,
-                                                        std::uint32_t domain) const {
-    // The bench has just started, on a machine that is busy with the others.
-    constexpr std::chrono::seconds kTimeout{60};
-    const auto timeout = std::chrono::duration_cast<std::chrono::microseconds>(
-        options_.timeout.value_or(Duration(kTimeout)));
-    std::vector<std::string> command{process::own_program(),
-                                     "--domain",
-                                     std::to_string(domain),
-                                     "--timeout",
-                                     std::to_string(timeout.count()) + "us",
-                                     "run",
-                                     "--json"};
-    if (!options_.security.empty())
+  [[nodiscard]] std::vector<std::string> command_to_run(const Scenario& scenario) const {
+    std::vector<std::string> command{process::own_program(), "run", "--private", "--json"};
+    for (std::string& word : tests_.benches.arguments()) command.push_back(std::move(word));
+    if (options_.timeout) {
+      const auto timeout = std::chrono::duration_cast<std::chrono::microseconds>(*options_.timeout);
+      command.insert(command.end(), {"--timeout", std::to_string(timeout.count()) + "us"});
+    }
+    if (std::ranges::count(options_.network_given, "--security") != 0) {
       command.insert(command.end(), {"--security", options_.security});
+    }
     for (const auto& [name, value] : settings_of(tests_.scenarios.settings)) {
       // Another file's variable is unknown there.
       if (scenario.variables.contains(name)) {
@@ -190,14 +174,6 @@ class ScenarioTests {
     }
     command.insert(command.end(), {"--", scenario.file});
     return command;
-  }
-
-  [[nodiscard]] std::vector<std::string> arguments_of_service() const {
-    std::vector<std::string> arguments{"--clock", "lockstep"};
-    if (!tests_.configuration.empty()) {
-      arguments.insert(arguments.end(), {"--config", tests_.configuration});
-    }
-    return arguments;
   }
 
   void report(const Scenario& scenario, const ScenarioVerdict& verdict, Clock::duration duration) {
@@ -224,7 +200,6 @@ class ScenarioTests {
   const ScenarioTestOptions& tests_;
   const GlobalOptions& options_;
   const std::vector<Scenario> scenarios_;
-  const std::string service_;
   Terminal& terminal_;
   std::vector<ScenarioVerdict> verdicts_;  ///< by file, each written by one worker
   std::atomic<bool> is_interrupted_ = false;
@@ -232,17 +207,6 @@ class ScenarioTests {
   std::size_t next_ = 0;
   std::map<std::size_t, std::function<void()>> jobs_;  ///< how to end them
 };
-
-/// A configuration that cannot be used is one mistake, not one a file.
-void check_configuration(const std::string& service, const std::string& configuration) {
-  if (configuration.empty()) return;
-  process::ChildProcess check({service, "--check", configuration});
-  if (check.wait() != 0) {
-    std::string text = check.errors();
-    while (text.ends_with('\n')) text.pop_back();
-    throw UsageError("--config: " + text);
-  }
-}
 
 std::vector<Scenario> load_files(const ScenarioFiles& scenarios, CommandTable commands) {
   if (std::ranges::find(scenarios.files, "-") != scenarios.files.end()) {
@@ -258,7 +222,8 @@ ExitCode run_scenario_tests(const ScenarioTestOptions& tests, const Program& pro
   JunitReport junit(tests.scenarios.junit);
   std::optional<ScenarioTests> running;
   try {
-    check_configuration(find_service(tests.service), tests.configuration);
+    // A configuration that cannot be used is one mistake, not one a file.
+    tests.benches.check(program.options);
     running.emplace(tests, program.options, load_files(tests.scenarios, program.commands),
                     program.terminal);
   } catch (const std::exception& error) {

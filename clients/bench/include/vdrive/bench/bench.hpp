@@ -24,6 +24,12 @@ class BenchError : public std::runtime_error {
 inline constexpr std::size_t kMostAxes = 16'384;         ///< of a bench; the fewest are 1
 inline constexpr std::uint32_t kHighestNumber = 65'535;  ///< of a bench; the lowest is 1
 
+/// The configuration has a key about a network, which a bench in a process has not.
+class NeedsNetwork : public BenchError {
+ public:
+  using BenchError::BenchError;
+};
+
 /// What a bench is made of. The defaults are the demo bench of vdrived, two axes of the default
 /// motor and load, in lock-step.
 struct BenchOptions {
@@ -39,6 +45,10 @@ struct BenchOptions {
   std::filesystem::path journal{};          ///< file that a replay reads; empty = none
   std::shared_ptr<wire::LocalBus> bus{};    ///< of another bench; empty = one of its own
 };
+
+/// Reads the configuration as a bench does, and makes none.
+/// @throws BenchError, NeedsNetwork where a bench cannot be of these options.
+void check(const BenchOptions& options);
 
 /// A bench of virtual drives inside this process: the same drives, clock and control as those of
 /// vdrived, without a network. Sessions reach it by its bus, through the same interfaces.

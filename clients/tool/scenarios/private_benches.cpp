@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scenarios/private_benches.hpp"
+
+#include "base/service_program.hpp"
+#include "base/usage_error.hpp"
+#include "child_process.hpp"
+#include "execution/connection.hpp"
+#include "language/arguments.hpp"
+#include "private_bench.hpp"
+#include "vdrive/clock_mode.hpp"
+
+#include <chrono>
+#include <stdexcept>
+
+namespace vdrive::tool {
+namespace {
+
+using Wire = PrivateBenches::Wire;
+
+// A bench over DDS has just started, on a machine that is busy with others.
+constexpr std::chrono::seconds kFindTimeout{60};
+
+constexpr const char* kDds = "dds";
+constexpr const char* kLocal = "local";
+
+bench::BenchOptions options_of_bench(const PrivateBenches& benches) {
+  bench::BenchOptions options;
+  options.configuration_file = benches.configuration;
+  options.clock = ClockMode::lockstep;
+  return options;
+}
+
+std::vector<std::string> arguments_of_service(const PrivateBenches& benches) {
+  std::vector<std::string> arguments{"--clock", "lockstep"};
+  if (!benches.configuration.empty()) {
+    arguments.insert(arguments.end(), {"--config", benches.configuration});
+  }
+  return arguments;
+}
+
+/// A private bench is on this machine, and is found without a search.
+void check_network(const PrivateBenches& benches, const GlobalOptions& options) {
+  for (const std::string& name : options.network_given) {
+    if (name != "--security") {
+      throw UsageError(name +
+                       " is for a bench that runs already, which 'vdrive run FILE' uses; "
+                       "only this program reaches a private bench: leave it out");
+    }
+    if (benches.wire == Wire::local) {
+      throw UsageError(name + " is for a bench over DDS: add --over dds");
+    }
+  }
+}
+
+void check_local(const PrivateBenches& benches) {
+  if (!benches.service.empty()) {
+    throw UsageError("--service is for a bench over DDS: add --over dds");
+  }
+  try {
+    bench::check(options_of_bench(benches));
+  } catch (const bench::NeedsNetwork& error) {
+    throw UsageError("--config: " + std::string(error.what()) + ", as --over dds does");
+  } catch (const bench::BenchError& error) {
+    throw UsageError("--config: " + std::string(error.what()));
+  }
+}
+
+void check_over_dds(const PrivateBenches& benches) {
+  const std::string service = find_service(benches.service);
+  if (benches.configuration.empty()) return;
+  process::ChildProcess check({service, "--check", benches.configuration});
+  if (check.wait() == 0) return;
+  std::string text = check.errors();
+  while (text.ends_with('\n')) text.pop_back();
+  throw UsageError("--config: " + text);
+}
+
+}  // namespace
+
+void PrivateBenches::declare(Arguments& arguments) {
+  std::string& over = arguments.text();
+  arguments
+      .option("--over", "WIRE", over,
+              "local: the bench is in the process that runs the file (default); dds: it is a "
+              "vdrived on a domain that no other program uses")
+      .one_of({kLocal, kDds});
+  arguments.then([this, &over] {
+    if (over == kDds) wire = Wire::dds;
+  });
+  arguments.option("--config", "FILE", configuration,
+                   "Configuration of the benches; default: the demo bench");
+  arguments.option("--service", "FILE", service,
+                   "With --over dds: the program vdrived; default: beside this program, else in "
+                   "PATH");
+}
+
+void PrivateBenches::check(const GlobalOptions& options) const {
+  check_network(*this, options);
+  if (wire == Wire::local) {
+    check_local(*this);
+  } else {
+    check_over_dds(*this);
+  }
+}
+
+std::vector<std::string> PrivateBenches::arguments() const {
+  std::vector<std::string> words;
+  if (wire == Wire::dds) words.insert(words.end(), {"--over", kDds});
+  if (!configuration.empty()) words.insert(words.end(), {"--config", configuration});
+  if (!service.empty()) words.insert(words.end(), {"--service", service});
+  return words;
+}
+
+PrivateSession::PrivateSession(const PrivateBenches& benches, const GlobalOptions& options,
+                               Interrupt& interrupt)
+    : interrupt_(interrupt) {
+  if (benches.wire == Wire::local) {
+    open_local(benches, session_options(options));
+  } else {
+    GlobalOptions patient = options;
+    if (!patient.timeout) patient.timeout = kFindTimeout;
+    open_over_dds(benches, session_options(patient));
+  }
+  interrupt_.arm([this] {
+    session_->interrupt();
+  });
+}
+
+PrivateSession::~PrivateSession() {
+  interrupt_.disarm();
+}
+
+void PrivateSession::open_local(const PrivateBenches& benches, client::SessionOptions options) {
+  bench_.emplace(options_of_bench(benches));
+  options.security.clear();  // of the environment, for benches on a network
+  options.bus = bench_->bus();
+  session_.emplace(options);
+}
+
+void PrivateSession::open_over_dds(const PrivateBenches& benches, client::SessionOptions options) {
+  service_ = std::make_unique<process::PrivateBench>(find_service(benches.service),
+                                                     arguments_of_service(benches));
+  interrupt_.arm([this] {
+    service_->end();
+  });
+  const auto problem = service_->wait_until_ready();
+  interrupt_.disarm();
+  // After an interrupt the session finds nothing, and says why.
+  if (problem && !interrupt_.happened()) throw std::runtime_error(*problem);
+  options.domain = service_->domain();
+  session_.emplace(options);
+}
+
+}  // namespace vdrive::tool

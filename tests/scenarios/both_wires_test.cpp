@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+// `vdrive test` over both wires: every scenario of the project, scenarios that fail, and one with
+// every command that a scenario may have give the same verdicts, cases and messages.
+#include "command_table.hpp"
+#include "support/temporary_directory.hpp"
+#include "tool/process.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace vdrive::test {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+using testing::SizeIs;
+
+using Json = nlohmann::ordered_json;
+
+/// One call of `vdrive test`, without times, without the order in which files ended that ran side
+/// by side, and without the place of a search.
+struct Verdicts {
+  int code = 0;
+  std::vector<std::string> lines;  ///< sorted
+  std::string report;
+};
+
+std::string without_times(const std::string& text) {
+  return std::regex_replace(text, std::regex(R"re( time="[0-9.]+")re"), "");
+}
+
+/// A search names the domain or the bus, and how it went.
+std::string without_place(const std::string& text) {
+  static const std::regex place(R"re( on (this bus|domain \d+)| \(seen: [^)]*\))re");
+  return std::regex_replace(text, place, "");
+}
+
+std::vector<std::string> lines_without_times(const Finished& finished) {
+  std::vector<std::string> lines;
+  for (const std::string& line : finished.lines()) {
+    Json json = Json::parse(line);
+    json.erase("seconds");
+    lines.push_back(json.dump());
+  }
+  return lines;
+}
+
+class BothWires : public testing::Test {
+ protected:
+  std::string file(const std::string& name, const std::string& lines) {
+    const std::string path = directory_.path() / name;
+    std::ofstream(path) << lines;
+    return path;
+  }
+
+  Verdicts test(std::vector<std::string> files, const std::string& wire) {
+    const std::string report = directory_.path() / (wire + ".xml");
+    files.insert(files.begin(), "test");
+    // Over DDS a bench that is not there is searched for as long.
+    files.insert(files.end(), {"--over", wire, "--json", "--junit", report, "--timeout", "5"});
+    const Finished finished = Process(VDRIVE_TOOL, std::move(files)).wait();
+    Verdicts verdicts{.code = finished.code, .lines = {}, .report = {}};
+    for (const std::string& line : lines_without_times(finished)) {
+      verdicts.lines.push_back(without_place(line));
+    }
+    std::ranges::sort(verdicts.lines);
+    std::stringstream text;
+    text << std::ifstream(report).rdbuf();
+    verdicts.report = without_place(without_times(text.str()));
+    return verdicts;
+  }
+
+  /// @return the verdicts, which are the same over both.
+  Verdicts test_over_both(const std::vector<std::string>& files) {
+    Verdicts local = test(files, "local");
+    const Verdicts dds = test(files, "dds");
+    EXPECT_EQ(local.code, dds.code);
+    EXPECT_EQ(local.lines, dds.lines);
+    EXPECT_EQ(local.report, dds.report);
+    return local;
+  }
+
+  TemporaryDirectory directory_;
+};
+
+TEST_F(BothWires, GiveTheSameVerdictOfEveryScenarioOfTheProject) {
+  std::vector<std::string> files;
+  const std::filesystem::path scenarios =
+      std::filesystem::path(VDRIVE_SOURCE_DIR) / "clients" / "scenarios";
+  for (const auto& entry : std::filesystem::directory_iterator(scenarios)) {
+    if (entry.path().extension() == ".scn") files.push_back(entry.path());
+  }
+  ASSERT_FALSE(files.empty());
+  const Verdicts verdicts = test_over_both(files);
+  EXPECT_EQ(verdicts.code, 0);
+  EXPECT_THAT(verdicts.lines, SizeIs(files.size() + 1)) << "one of each file, and the sum";
+}
+
+TEST_F(BothWires, GiveTheSameMessagesOfScenariosThatFail) {
+  const Verdicts verdicts = test_over_both(
+      {file("expected.scn", "enable 1.1\nmove 1.1 500\nexpect 1.1 position < 100\nstep 1\n"),
+       file("axis.scn", "enable 1.9\n"), file("name.scn", "enable nobody\n"),
+       file("bench.scn", "step 1 --bench 7\n"), file("store.scn", "store 1.1\n"),
+       file("refused.scn", "refused 0x06010002 write 1.1 0x6040 0\n"),
+       file("late.scn", "wait 1.1 operation_enabled --timeout 5ms\n"),
+       file("disabled.scn", "move 1.1 5\n"),
+       file("restored.scn", "disturb 1.1 load_torque 100\nmove 1.1 5\nfinally\nstep 1\n"),
+       file("fault.scn", "enable 1.1\ndisturb 1.1 over_current\nstep 5\nenable 1.1\n")});
+  EXPECT_THAT(verdicts.report, HasSubstr("failures=\"7\"")) << "those that are not below";
+  EXPECT_THAT(verdicts.report, HasSubstr("errors=\"3\"")) << "axis, name and bench";
+}
+
+constexpr const char* kEveryCommand =
+    "list\n"
+    "status\n"
+    "rate\n"
+    "dictionary 0x6041\n"
+    "snapshot take\n"
+    "step 2\n"
+    "enable 1.*\n"
+    "watch 1.1 --count 1\n"
+    "move 1.1 1000\n"
+    "read 1.1 0x6041 position\n"
+    "write 1.1 0x6081 5000\n"
+    "expect 1.1 position 1000 --tolerance 1 --within 1s\n"
+    "move 1.1 90000 --no-wait\n"
+    "halt 1.1 --wait\n"
+    "resume 1.1\n"
+    "wait 20ms\n"
+    "quick-stop 1.1\n"
+    "enable 1.1\n"
+    "velocity 1.1 500\n"
+    "velocity 1.1 0\n"
+    "jog 1.1 300 --for 20ms\n"
+    "torque 1.1 0\n"
+    "home 1.1 --method 35\n"
+    "disturb 1.2 over_current\n"
+    "wait 1.2 fault\n"
+    "disturb 1.2 none\n"
+    "reset 1.2\n"
+    "disable 1.2\n"
+    "stop\n"
+    "power-cycle 1.1\n"
+    "refused 0x08000020 store 1.1\n"
+    "refused 0x08000020 restore 1.1\n"
+    "snapshot restore 1\n"
+    "snapshot list\n"
+    "snapshot drop 1\n";
+
+TEST_F(BothWires, GiveTheSameAnswersOfEveryCommandThatAScenarioMayHave) {
+  const std::string scenario = file("every.scn", kEveryCommand);
+  const auto run = [&](const std::string& wire) {
+    return Process(VDRIVE_TOOL, {"run", "--private", "--over", wire, "--json", scenario}).wait();
+  };
+  const Finished local = run("local");
+  const Finished dds = run("dds");
+  EXPECT_EQ(local.code, 0) << local.errors;
+  EXPECT_EQ(dds.code, 0) << dds.errors;
+  EXPECT_EQ(local.errors, dds.errors);
+  EXPECT_EQ(lines_without_times(local), lines_without_times(dds));
+}
+
+TEST(EveryCommand, IsThatOfTheTableOfTheTool) {
+  std::set<std::string> used{"store", "restore"};  // behind `refused CODE`
+  std::istringstream lines(kEveryCommand);
+  for (std::string line; std::getline(lines, line);) used.insert(line.substr(0, line.find(' ')));
+  for (const tool::CommandRow* const row : tool::commands()) {
+    if (row->face.deepest != tool::Place::scenario) continue;
+    EXPECT_THAT(used, Contains(std::string(row->face.name)));
+  }
+}
+
+}  // namespace
+}  // namespace vdrive::test

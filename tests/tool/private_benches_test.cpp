@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Apache-2.0
+// `vdrive test` and `vdrive run --private`: a bench for each file, one report, nothing left behind.
+// Two programs are made of this source: one of benches in the process, one of benches over DDS.
+#include "tool/marked_calls.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <sys/types.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <tuple>
+#include <vector>
+
+namespace vdrive::test {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+using testing::SizeIs;
+
+using Json = nlohmann::ordered_json;
+
+const std::string kWire = VDRIVE_TEST_WIRE;
+
+/// On the wire of this program.
+class PrivateBenchCalls : public MarkedCalls {
+ protected:
+  static Process start_on_wire(const std::string& command, std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), {"--over", kWire});
+    return start(command, std::move(arguments));
+  }
+
+  static Finished test(std::vector<std::string> arguments) {
+    return start_on_wire("test", std::move(arguments)).wait();
+  }
+
+  static Finished run_privately(std::vector<std::string> arguments) {
+    arguments.emplace_back("--private");
+    return start_on_wire("run", std::move(arguments)).wait();
+  }
+};
+
+class PrivateBenches : public PrivateBenchCalls, public testing::WithParamInterface<std::string> {};
+
+TEST_P(PrivateBenches, RunEachFileOnANewBenchAndWriteOneReport) {
+  const std::string same = "expect 1.1 position 0\nenable 1.1\nmove 1.1 500\n";
+  const Finished finished =
+      test({file("a.scn", same), file("b.scn", same + "expect 1.1 position < 100\n"),
+            file("c.scn", same), "--jobs", "2", "--junit", report()});
+  EXPECT_EQ(finished.code, 1) << finished.output;
+  EXPECT_THAT(finished.output, AllOf(HasSubstr("passed  "), HasSubstr("2 of 3 files passed")));
+  EXPECT_THAT(finished.errors, HasSubstr("b.scn:4: "));
+  const std::string xml = content_of(report());
+  EXPECT_THAT(xml, AllOf(HasSubstr("<testsuites tests=\"10\" failures=\"1\""),
+                         HasSubstr("a.scn\" tests=\"3\" failures=\"0\""),
+                         HasSubstr("b.scn\" tests=\"4\" failures=\"1\""),
+                         HasSubstr("line 4: expect 1.1 position &lt; 100")));
+  EXPECT_TRUE(all_have_ended());
+}
+
+TEST_P(PrivateBenches, HaveTheAxesOfTheConfigurationAndAreInLockStep) {
+  const std::string configuration =
+      file("bench.yaml", "clock: {mode: realtime}\naxes:\n  - {number: 3, name: lift}\n");
+  const Finished finished = test({file("a.scn", "let axis = nobody\nenable ${axis}\nstep 10\n"),
+                                  "--config", configuration, "--set", "axis=lift", "--json"});
+  EXPECT_EQ(finished.code, 0) << finished.errors;
+  ASSERT_THAT(finished.lines(), SizeIs(2));
+  EXPECT_EQ(Json::parse(finished.lines()[0])["passed"], true);
+  EXPECT_EQ(Json::parse(finished.lines()[1])["files"], 1);
+}
+
+TEST_P(PrivateBenches, DoNotStartAfterAUsageError) {
+  const std::string good = file("a.scn", "enable 1.1\n");
+  const Finished mistake = test({good, file("b.scn", "enabel 1.1\n"), "--junit", report()});
+  EXPECT_EQ(mistake.code, 2);
+  EXPECT_THAT(mistake.errors, HasSubstr("b.scn:1: 'enabel' is not a command"));
+  EXPECT_THAT(content_of(report()), HasSubstr("errors=\"1\""));
+  EXPECT_EQ(test({good, "--jobs", "0"}).code, 2);
+  EXPECT_EQ(test({"-"}).code, 2);
+}
+
+TEST_P(PrivateBenches, AreNotStartedWithABadConfiguration) {
+  const std::string good = file("a.scn", "enable 1.1\n");
+  const std::string bad = file("bad.yaml", "axis: 5\n");
+  const Finished tested = test({good, "--config", bad, "--junit", report()});
+  EXPECT_EQ(tested.code, 2);
+  EXPECT_THAT(tested.errors, AllOf(HasSubstr("--config: "), HasSubstr("bad.yaml:1: axis: ")));
+  EXPECT_THAT(content_of(report()), HasSubstr("errors=\"1\""));
+  const Finished run = run_privately({good, "--config", bad});
+  EXPECT_EQ(run.code, 2);
+  EXPECT_EQ(run.errors, tested.errors);
+}
+
+TEST_P(PrivateBenches, NameAMissingAxis) {
+  const Finished finished = test({file("a.scn", "enable 1.9\n"), "--timeout", "1"});
+  EXPECT_EQ(finished.code, 3);
+  EXPECT_THAT(finished.errors, HasSubstr("a.scn:1: "));
+}
+
+// A service manager gives its services this directory: it is not one of a bench of a test.
+TEST_P(PrivateBenches, KeepNoParameters) {
+  const std::string directory = file("state", "");
+  std::filesystem::remove(directory);
+  std::filesystem::create_directory(directory);
+  setenv("STATE_DIRECTORY", directory.c_str(), 1);  // NOLINT(concurrency-mt-unsafe): one thread
+  const Finished finished = test({file("a.scn", "refused 0x08000020 store 1.1\n")});
+  unsetenv("STATE_DIRECTORY");  // NOLINT(concurrency-mt-unsafe): one thread
+  EXPECT_EQ(finished.code, 0) << finished.errors;
+  EXPECT_TRUE(std::filesystem::is_empty(directory));
+}
+
+TEST_P(PrivateBenches, OfRunAreNewForEachFile) {
+  const std::string same = "expect 1.1 position 0\nenable 1.1\nmove 1.1 500\n";
+  const Finished finished =
+      run_privately({file("a.scn", same), file("b.scn", same), "--junit", report()});
+  EXPECT_EQ(finished.code, 0) << finished.errors;
+  EXPECT_THAT(finished.output, HasSubstr("2 of 2 files passed"));
+  EXPECT_THAT(content_of(report()), HasSubstr("<testsuites tests=\"6\" failures=\"0\""));
+}
+
+TEST_P(PrivateBenches, OfRunContinueAfterAFileThatFailed) {
+  const Finished finished = run_privately(
+      {file("a.scn", "expect 1.1 position 1\n"), file("b.scn", "expect 1.1 position 0\n")});
+  EXPECT_EQ(finished.code, 1);
+  EXPECT_THAT(finished.errors, AllOf(HasSubstr("a.scn:1: "), HasSubstr("1 of 2 files passed")));
+}
+
+TEST_P(PrivateBenches, OfRunHaveTheAxesOfAllFilesBeforeTheFirstCommand) {
+  const Finished finished =
+      run_privately({file("a.scn", "enable 1.1\n"), file("b.scn", "enable 1.9\n"), "--json"});
+  EXPECT_EQ(finished.code, 3);
+  EXPECT_THAT(finished.errors, HasSubstr("b.scn:1: "));
+  EXPECT_THAT(finished.output, Not(HasSubstr("enable 1.1")));
+}
+
+// Its drive time is long: it runs until it is ended.
+constexpr const char* kLong =
+    "enable 1.1\nmove 1.1 1000000 --velocity 1 --timeout 3600000\nfinally\ndisable 1.1\n";
+
+TEST_P(PrivateBenches, ThatCrashFailTheirFileAlone) {
+  Process call = start_on_wire("test", {file("long.scn", kLong), file("good.scn", "enable 1.1\n"),
+                                        "--jobs", "1", "--junit", report()});
+  const auto run = wait_for_process({"--private", "long.scn"});
+  ASSERT_TRUE(run);
+  kill(*run, SIGSEGV);
+  const Finished finished = call.wait();
+  EXPECT_EQ(finished.code, 1);
+  EXPECT_THAT(finished.output, AllOf(HasSubstr("failed  "), HasSubstr("1 of 2 files passed")));
+  EXPECT_THAT(finished.errors, HasSubstr("ended by signal 11"));  // SIGSEGV
+  EXPECT_THAT(content_of(report()), HasSubstr("good.scn\" tests=\"1\" failures=\"0\""));
+  EXPECT_TRUE(all_have_ended());
+}
+
+INSTANTIATE_TEST_SUITE_P(Wire, PrivateBenches, testing::Values(kWire), [](const auto& wire) {
+  return wire.param;
+});
+
+/// Ends a call by a signal once its scenario runs.
+class TestRunEndedBy : public PrivateBenchCalls,
+                       public testing::WithParamInterface<std::tuple<std::string, int>> {};
+
+TEST_P(TestRunEndedBy, ASignalLeavesNoProcessBehind) {
+  const int signal = std::get<1>(GetParam());
+  Process call =
+      start_on_wire("test", {file("a.scn", kLong), file("b.scn", kLong), "--junit", report()});
+  ASSERT_TRUE(wait_for_process({"a.scn", "--private"}));
+  call.send(signal);
+  const Finished finished = call.wait();
+  EXPECT_EQ(finished.code, signal == SIGKILL ? -SIGKILL : 130);
+  EXPECT_TRUE(all_have_ended());
+  if (signal != SIGKILL) {
+    EXPECT_THAT(content_of(report()), HasSubstr("<testsuites"));
+  }
+}
+
+class PrivateRunEndedBy : public TestRunEndedBy {};
+
+TEST_P(PrivateRunEndedBy, ASignalRunsTheFinalLines) {
+  const int signal = std::get<1>(GetParam());
+  Process call = start_on_wire("run", {file("a.scn", kLong), "--private"});
+  ASSERT_THAT(call.read_line(), HasSubstr("enable"));
+  ASSERT_THAT(call.read_line(), HasSubstr("move"));
+  call.send(signal);
+  const Finished finished = call.wait();
+  EXPECT_EQ(finished.code, 130);
+  EXPECT_THAT(finished.output, HasSubstr("disable 1.1"));
+  EXPECT_TRUE(all_have_ended());
+}
+
+std::string name_of_row(const testing::TestParamInfo<std::tuple<std::string, int>>& row) {
+  return std::get<0>(row.param) + "_" + std::to_string(std::get<1>(row.param));
+}
+
+INSTANTIATE_TEST_SUITE_P(Signals, TestRunEndedBy,
+                         testing::Combine(testing::Values(kWire),
+                                          testing::Values(SIGINT, SIGTERM, SIGKILL)),
+                         name_of_row);
+INSTANTIATE_TEST_SUITE_P(Signals, PrivateRunEndedBy,
+                         testing::Combine(testing::Values(kWire), testing::Values(SIGINT, SIGTERM)),
+                         name_of_row);
+
+}  // namespace
+}  // namespace vdrive::test
