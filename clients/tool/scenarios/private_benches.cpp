@@ -86,6 +86,7 @@ void PrivateBenches::declare(Arguments& arguments) {
       .one_of({kLocal, kDds});
   arguments.then([this, &over] {
     if (over == kDds) wire = Wire::dds;
+    names_wire = !over.empty();
   });
   arguments.option("--config", "FILE", configuration,
                    "Configuration of the benches; default: the demo bench");
@@ -105,7 +106,7 @@ void PrivateBenches::check(const GlobalOptions& options) const {
 
 std::vector<std::string> PrivateBenches::arguments() const {
   std::vector<std::string> words;
-  if (wire == Wire::dds) words.insert(words.end(), {"--over", kDds});
+  if (names_wire) words.insert(words.end(), {"--over", wire == Wire::dds ? kDds : kLocal});
   if (!configuration.empty()) words.insert(words.end(), {"--config", configuration});
   if (!service.empty()) words.insert(words.end(), {"--service", service});
   return words;

@@ -29,6 +29,7 @@ struct PrivateBenches {
   };
 
   Wire wire = Wire::local;
+  bool names_wire = false;      ///< the command line does
   std::string configuration{};  ///< file; empty = the demo bench
   std::string service{};        ///< over DDS: the program; empty = found beside the tool or in PATH
 
