@@ -13,7 +13,6 @@
 #include <fstream>
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace vdrive::bench {
@@ -43,7 +42,7 @@ std::size_t resident() {
 }
 
 struct Place {
-  explicit Place(BenchOptions options) : bench(std::move(options)), session(bench.session()) {}
+  explicit Place(const BenchOptions& options) : bench(options), session(bench.session()) {}
 
   Bench bench;
   Session session;
@@ -109,11 +108,11 @@ void expect_to_move_and_step(Session& session, std::uint32_t number) {
 }
 
 TEST(AThousandBenches, OfTenBusesAreAllMovedAndStepped) {
-  constexpr std::uint32_t kBuses = 10;
+  constexpr std::size_t kBuses = 10;
   constexpr std::uint32_t kOnEach = 100;
   const std::size_t before = resident();
   std::deque<Bus> buses;
-  for (std::uint32_t bus = 0; bus < kBuses; ++bus) {
+  for (std::size_t bus = 0; bus < kBuses; ++bus) {
     buses.emplace_back(kOnEach);
     ASSERT_EQ(buses.back().session.find_benches().size(), kOnEach);
   }

@@ -37,7 +37,7 @@ Source new_source() noexcept {
   return source;
 }
 
-SourceKey key_of(const Source& source) noexcept {
+SourceKey as_numbers(const Source& source) noexcept {
   const auto words = std::bit_cast<std::array<std::uint32_t, 3>>(source.participant);
   return {std::uint64_t{words[0]} << 32U | words[1], words[2]};
 }
@@ -100,14 +100,14 @@ LocalBackend::LocalBackend(std::shared_ptr<LocalBus> bus, Role role, std::string
       });
   if (is_taken) throw NetworkError(in_quotes(name_) + " is on this bus already");
   parts.participants.push_back(this);
-  const SourceKey key = key_of(source_);
+  const SourceKey key = as_numbers(source_);
   parts.sources.insert(std::ranges::lower_bound(parts.sources, key), key);
 }
 
 LocalBackend::~LocalBackend() {
   const std::scoped_lock lock(bus_->parts().counting);
   std::erase(bus_->parts().participants, this);
-  std::erase(bus_->parts().sources, key_of(source_));
+  std::erase(bus_->parts().sources, as_numbers(source_));
 }
 
 std::unique_ptr<WriterEnd> LocalBackend::make_writer(TopicId topic, Form form,
@@ -132,7 +132,7 @@ std::vector<OtherParticipant> LocalBackend::others(std::string_view beginning) c
 
 bool LocalBackend::has(const Source& source) const noexcept {
   const std::scoped_lock lock(bus_->parts().counting);
-  return std::ranges::binary_search(bus_->parts().sources, key_of(source));
+  return std::ranges::binary_search(bus_->parts().sources, as_numbers(source));
 }
 
 // ---- writer ------------------------------------------------------------------------------------
