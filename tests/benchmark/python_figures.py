@@ -3,11 +3,14 @@
 """The cost of the Python module beside the C++ library, in the same run.
 
   python_figures.py [--build build/release] [--rounds 9] [--steps 2000] [--axes 256] [--seconds 20] [--runs 1]
+                    [--only bank|steps|stream]
 
+Bank: ticks of 4,096 moving axes of the drive alone, in C++ (axis_tick_ns of vdrive_core_benchmark) and from
+Python in turn; in Python also with a look at every status, and a write to each axis.
 Steps: rounds of one-tick steps of a private bench in lock-step, C++ and Python in turn; the medians of
 the rounds and the median of the ratios of neighbours. Stream: every status of a bench in real time
 at 1 kHz, taken as numpy arrays; samples that were lost on the way or dropped. One JSON line a
-figure. Needs the targets vdrived, vdrive_python and vdrive_step_benchmark, and Debian's python3.
+figure. Needs the targets vdrived, vdrive_python, vdrive_core_benchmark and vdrive_step_benchmark, and Debian's python3.
 """
 import argparse
 import json
@@ -53,6 +56,65 @@ def measure_steps(vdrive, options):
            ratios=[round(ratio, 2) for ratio in sorted(ratios)])
 
 
+BANK_AXES = 4096
+
+
+def moving_bank(vdrive):
+    """Return a bank on the moves of core_benchmark.cpp."""
+    import numpy
+
+    bank, axis = vdrive.AxisBank(BANK_AXES), numpy.arange(BANK_AXES)
+    spread, cruises = axis % 97, axis % 2 == 0
+    bank.write(None, 0x6060, 1)
+    bank.write(None, 0x607A, numpy.where(axis % 3 == 0, -2_000_000_000, 2_000_000_000))
+    bank.write(None, 0x6081, numpy.where(cruises, 20_000 + 100 * spread, 100_000))
+    bank.write(None, 0x6083, numpy.where(cruises, 409_600, 40 + spread))
+    bank.write(None, 0x6040, 0x0F)
+    bank.write(None, 0x6040, 0x3F)
+    bank.step(300)
+    return bank
+
+
+def tick_in_cpp(options):
+    """Return the time of a tick in us."""
+    program = options.build / "tests/benchmark/vdrive_core_benchmark"
+    output = subprocess.run([program, f"--benchmark_filter=^axis_tick_ns/{BANK_AXES}/",
+                             "--benchmark_min_time=0.02"], check=True, capture_output=True,
+                            text=True).stdout
+    return json.loads(output)["value"] * BANK_AXES / 1000
+
+
+def median_us(call, count):
+    clock, times = time.perf_counter_ns, []
+    for _ in range(count):
+        begin = clock()
+        call()
+        times.append((clock() - begin) / 1000)
+    return statistics.median(times)
+
+
+def measure_bank(vdrive, options):
+    bank = moving_bank(vdrive)
+    error, speed = bank.status["load_position_error_value"], bank.status["velocity_demand_value"]
+
+    def step_and_look():
+        bank.step()
+        return abs(error).max()
+
+    def write():
+        bank.write(None, 0x6081, 100_000)
+
+    rounds = [(tick_in_cpp(options), median_us(bank.step, 1000), median_us(step_and_look, 1000))
+              for _ in range(options.rounds)]
+    if not speed.all():
+        raise RuntimeError("an axis stopped moving")
+    in_cpp, in_python, looking = (statistics.median(column) for column in zip(*rounds))
+    ratios = sorted(python / cpp for cpp, python, _ in rounds)
+    figure("python_bank_tick_us", axes=BANK_AXES, cpp=round(in_cpp, 1), python=round(in_python, 1),
+           ratio=round(statistics.median(ratios), 3), ratios=[round(ratio, 2) for ratio in ratios],
+           looking=round(looking, 1), write=round(median_us(write, 100), 1))
+
+
 def measure_stream(vdrive, options):
     metrics = free_port()
     with vdrive.Bench(options.axes, clock="realtime", over="dds",
@@ -84,14 +146,17 @@ def main():
     parser.add_argument("--axes", type=int, default=256)
     parser.add_argument("--seconds", type=float, default=20)
     parser.add_argument("--runs", type=int, default=1, help="of the stream")
+    parser.add_argument("--only", choices=("bank", "steps", "stream"))
     options = parser.parse_args()
     sys.path.insert(0, str(options.build / "python"))
     os.environ.setdefault("VDRIVE_SERVICE", str(options.build / "bin/vdrived"))
     import vdrive
 
-    if options.rounds:
+    if options.rounds and options.only in (None, "bank"):
+        measure_bank(vdrive, options)
+    if options.rounds and options.only in (None, "steps"):
         measure_steps(vdrive, options)
-    for _ in range(options.runs):
+    for _ in range(options.runs if options.only in (None, "stream") else 0):
         measure_stream(vdrive, options)
 
 

@@ -44,3 +44,8 @@ def test_the_programs_of_the_guide_of_benches_run(capsys):
     for block in programs:
         exec(compile(block, str(BENCHES), "exec"), names)
     assert capsys.readouterr().out == "10000\n"
+
+
+def test_the_program_of_the_guide_to_the_drive_alone_runs():
+    program, = blocks(GUIDE.with_name("embedding.md"))
+    exec(compile(program, "embedding.md", "exec"), {})

@@ -14,6 +14,7 @@ void add_bench(py::module_& module);
 void add_local_bench(py::module_& module);
 void add_status(py::module_& module);
 void add_axis(py::module_& module);
+void add_axis_bank(py::module_& module);
 void add_queues(py::module_& module);
 void add_session(py::module_& module);
 void add_group(py::module_& module);

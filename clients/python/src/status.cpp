@@ -70,6 +70,20 @@ Field field_of(const StatusMember& member) {
   return {std::string(member.name), (is_signed ? "<i" : "<u") + std::to_string(size), size};
 }
 
+/// @return the dtype of records in which the fields lie behind each other.
+py::dtype type_of(const std::vector<Field>& fields) {
+  py::list names;
+  py::list formats;
+  for (const Field& field : fields) {
+    names.append(field.name);
+    formats.append(field.format);
+  }
+  py::dict description;
+  description["names"] = names;
+  description["formats"] = formats;
+  return py::dtype::from_args(description);
+}
+
 std::vector<const StatusMember*> published_members() {
   std::vector<const StatusMember*> members;
   members.reserve(kStatusMembers);
@@ -105,18 +119,7 @@ class RecordLayout {
     add({"owner_epoch", "<u4", sizeof(std::uint32_t)});
   }
 
-  [[nodiscard]] py::dtype type() const {
-    py::list names;
-    py::list formats;
-    for (const Field& field : fields_) {
-      names.append(field.name);
-      formats.append(field.format);
-    }
-    py::dict description;
-    description["names"] = names;
-    description["formats"] = formats;
-    return py::dtype::from_args(description);
-  }
+  [[nodiscard]] py::dtype type() const { return type_of(fields_); }
 
   void write(const AxisSnapshot& axis, std::uint64_t missed, RecordWriter& record) const {
     record.put(&axis.tick, sizeof axis.tick);
@@ -268,6 +271,13 @@ py::object frames_of(const std::deque<Observation>& samples, std::size_t axes) {
     for (const AxisSnapshot& axis : sample.axes) layout().write(axis, sample.missed, record);
   }
   return frames;
+}
+
+py::dtype status_image_type() {
+  std::vector<Field> fields;
+  fields.reserve(kStatusMembers);
+  for (const StatusMember& member : status_members()) fields.push_back(field_of(member));
+  return type_of(fields);  // the table is in the order of the members, which have no gaps
 }
 
 void add_status(py::module_& module) {

@@ -4,6 +4,8 @@
 #include "python.hpp"
 #include "vdrive/client/axis_snapshot.hpp"
 
+#include <pybind11/numpy.h>
+
 #include <deque>
 
 namespace vdrive::python {
@@ -13,5 +15,8 @@ namespace vdrive::python {
 /// @param samples of the same axes, whose number is `axes`
 [[nodiscard]] py::object frames_of(const std::deque<client::Observation>& samples,
                                    std::size_t axes);
+
+/// @return the dtype of an AxisStatus as it lies in memory.
+[[nodiscard]] py::dtype status_image_type();
 
 }  // namespace vdrive::python

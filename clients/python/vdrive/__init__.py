@@ -21,6 +21,7 @@ from ._recording import Recording, load
 from ._vdrive import (
     DISTURBANCES,
     Axis,
+    AxisBank,
     AxisGroup,
     AxisInfo,
     BenchInfo,
@@ -50,6 +51,7 @@ __all__ = [
     "DISTURBANCES",
     "AsyncStream",
     "Axis",
+    "AxisBank",
     "AxisGroup",
     "AxisInfo",
     "Bench",

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 from __future__ import annotations
 
-from typing import Any, Callable, Iterable, Iterator, Literal, Mapping, Sequence
+from typing import Any, Callable, Iterable, Iterator, Literal, Mapping, Sequence, overload
 
 import numpy
 from numpy.typing import ArrayLike, NDArray
@@ -13,6 +13,7 @@ from ._recording import Recording
 
 ObjectSpec = int | tuple[int, int] | str
 AxesSpec = str | "Axis" | Sequence[str | "Axis"] | None
+ModelSpec = Mapping[str, str | float]
 UntilSpec = Literal["done", "in_force"]
 PaceSpec = Literal["drive", "observe"]
 DisturbanceSpec = Literal[
@@ -322,6 +323,33 @@ class Axis:
     def wait_until(
         self, condition: Callable[[Status], bool], timeout: float = 60.0
     ) -> Status: ...
+
+class AxisBank:
+    def __init__(
+        self,
+        axes: int,
+        *,
+        period: float = 0.001,
+        model: ModelSpec | Sequence[ModelSpec] | None = None,
+        parameters: Mapping[ObjectSpec, int] = {},
+    ) -> None: ...
+    def __len__(self) -> int: ...
+    @property
+    def period(self) -> float: ...
+    @property
+    def tick(self) -> int: ...
+    @property
+    def status(self) -> NDArray[Any]: ...
+    def status_hash(self) -> int: ...
+    def write(self, axis: int | ArrayLike | None, object: ObjectSpec, value: int | ArrayLike) -> None: ...
+    @overload
+    def read(self, axis: int, object: ObjectSpec) -> int: ...
+    @overload
+    def read(self, axis: ArrayLike | None, object: ObjectSpec) -> NDArray[numpy.int64]: ...
+    def step(self, ticks: int = 1) -> int: ...
+    def power_cycle(self, axis: int) -> None: ...
+    def snapshot(self) -> bytes: ...
+    def restore(self, snapshot: bytes) -> None: ...
 
 class Event:
     @property
