@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdrive/status_digest.hpp"
 
+#include "scramble.hpp"
 #include "status_member_table.hpp"
 
 #include <algorithm>
@@ -14,14 +15,6 @@ namespace {
 
 constexpr std::uint64_t kPrime = 1099511628211ULL;  // FNV-1a, over words of 64 bits
 constexpr std::uint64_t kOffset = 14695981039346656037ULL;
-
-/// SplitMix64 (Steele, Lea and Flood, 2014): a bijection whose results look random.
-constexpr std::uint64_t scramble(std::uint64_t value) noexcept {
-  value += 0x9E3779B97F4A7C15ULL;
-  value = (value ^ (value >> 30U)) * 0xBF58476D1CE4E5B9ULL;
-  value = (value ^ (value >> 27U)) * 0x94D049BB133111EBULL;
-  return value ^ (value >> 31U);
-}
 
 constexpr std::uint32_t fold(std::uint64_t value) noexcept {
   return static_cast<std::uint32_t>(value ^ (value >> 32U));

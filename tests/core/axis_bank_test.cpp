@@ -270,6 +270,73 @@ TEST(AxisBank, ContinuesFromTheBytesOfASnapshotLikeTheBankThatWroteIt) {
   }
 }
 
+// ---- noise of the load -------------------------------------------------------------------------
+
+/// Axes of `mixed_axes` with noise of 0.05 N.m, which moves those without power: that is what the
+/// Coulomb friction holds.
+AxisBank noisy_bank(std::uint64_t seed) {
+  AxisBank bank(mixed_axes(13), microseconds{1000});
+  for (std::size_t axis = 0; axis < bank.size(); ++axis) bank.set_load_noise(axis, 0.05, seed);
+  return bank;
+}
+
+std::uint64_t hash_after(AxisBank& bank, int ticks) {
+  for (int tick = 0; tick < ticks; ++tick) bank.step();
+  return bank.status_hash();
+}
+
+TEST(LoadNoise, IsTheSameForTheSameSeedAndAnotherForAnother) {
+  AxisBank first = noisy_bank(1);
+  AxisBank same = noisy_bank(1);
+  AxisBank other = noisy_bank(2);
+  const std::uint64_t hash = hash_after(first, 1000);
+  EXPECT_EQ(hash_after(same, 1000), hash);
+  EXPECT_NE(hash_after(other, 1000), hash);
+}
+
+TEST(LoadNoise, ContinuesFromASnapshotAndItsBytes) {
+  AxisBank bank = noisy_bank(3);
+  static_cast<void>(hash_after(bank, 100));
+  const auto bytes = bank.snapshot().bytes();
+  const std::uint64_t hash = hash_after(bank, 500);
+  AxisBank other(mixed_axes(13), microseconds{1000});
+  other.restore(other.snapshot_from(bytes));
+  EXPECT_EQ(hash_after(other, 500), hash);
+}
+
+TEST(LoadNoise, DoesNotDependOnTheOrderOfTheGroups) {
+  AxisBank bank = noisy_bank(4);
+  AxisBank other = noisy_bank(4);
+  for (int tick = 0; tick < 300; ++tick) {
+    bank.step();
+    for (std::size_t group = other.group_count(); group > 0; --group) {
+      other.step_groups(group - 1, group);
+    }
+    ASSERT_EQ(other.status_hash(), bank.status_hash()) << "tick " << tick;
+  }
+}
+
+TEST(LoadNoise, OfZeroLeavesEveryBitAsItIs) {
+  AxisBank bank(mixed_axes(13), microseconds{1000});
+  AxisBank silent(mixed_axes(13), microseconds{1000});
+  for (std::size_t axis = 0; axis < silent.size(); ++axis) silent.set_load_noise(axis, 0.0, 7);
+  EXPECT_EQ(hash_after(silent, 300), hash_after(bank, 300));
+  AxisBank stopped = noisy_bank(5);
+  for (std::size_t axis = 0; axis < stopped.size(); ++axis) stopped.set_load_noise(axis, 0.0, 5);
+  EXPECT_EQ(hash_after(stopped, 300), hash_after(bank, 0));
+}
+
+TEST(LoadNoise, ReachesAnAxisThatHasSettled) {
+  const std::vector<AxisConfiguration> axes(8);
+  AxisBank bank(axes, microseconds{1000});
+  for (int tick = 0; tick < 5000; ++tick) bank.step();
+  const std::int32_t position = bank.status(3).motor_position_actual_value;
+  bank.set_load_noise(3, 1.0, 1);
+  for (int tick = 0; tick < 1000; ++tick) bank.step();
+  EXPECT_NE(bank.status(3).motor_position_actual_value, position);
+  EXPECT_EQ(bank.status(4).motor_position_actual_value, 0);
+}
+
 TEST(AxisBank, RefusesBytesThatAreNotASnapshotOfItsAxes) {
   const AxisBank bank(mixed_axes(13), microseconds{1000});
   auto bytes = bank.snapshot().bytes();

@@ -104,6 +104,28 @@ def test_a_restored_bank_goes_on_as_the_one_that_was_not_interrupted(coupling):
     assert [(other.step(), other.status_hash()) for _ in range(400)] == hashes
 
 
+def test_noise_of_the_load_is_that_of_its_seed_and_part_of_a_snapshot():
+    def positions(seed):
+        bank = moving(20)
+        bank.set_load_noise(None, 0.2, seed)
+        bank.step(200)
+        snapshot = bank.snapshot()
+        bank.step(200)
+        first = bank.status.tobytes()
+        bank.restore(snapshot)
+        bank.step(200)
+        assert bank.status.tobytes() == first
+        return bank.status["motor_position_actual_value"].tolist()
+
+    quiet = moving(20)
+    quiet.step(400)
+    assert positions(1) == positions(1) != positions(2)
+    assert positions(1) != quiet.status["motor_position_actual_value"].tolist()
+    for rms in (-1.0, float("nan"), 10001.0):
+        with pytest.raises(ValueError, match="must be from 0 to 10000 N.m"):
+            quiet.set_load_noise([0, 1], rms)
+
+
 def test_a_snapshot_that_does_not_fit_is_refused_with_the_reason():
     bank = moving(4)
     bank.step(10)

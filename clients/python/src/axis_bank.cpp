@@ -9,6 +9,7 @@
 #include "python.hpp"
 #include "status.hpp"
 #include "vdrive/dictionary/object_text.hpp"
+#include "vdrive/number_text.hpp"
 #include "vdrive/plant/model_parameters.hpp"
 #include "vdrive/text.hpp"
 
@@ -362,6 +363,20 @@ void write_object(PyAxisBank& self, const py::object& axis, const py::object& ob
   }
 }
 
+void set_load_noise(PyAxisBank& self, const py::object& axis, double rms, std::uint64_t seed) {
+  if (!(rms >= 0.0 && rms <= kLargestLoadNoise)) {
+    throw py::value_error("rms = " + to_text(rms) + " must be from 0 to " +
+                          to_text(kLargestLoadNoise) + " N.m");
+  }
+  const PyAxisBank::Use use(self);
+  AxisBank& bank = use.bank();
+  if (is_number(axis)) {
+    bank.set_load_noise(checked_axis(bank, integer_of(axis, "axis")), rms, seed);
+  } else {
+    for (const std::size_t each : axes_in(bank, axis)) bank.set_load_noise(each, rms, seed);
+  }
+}
+
 py::object read_object(PyAxisBank& self, const py::object& axis, const py::object& object) {
   const ObjectAddress address = object_of(object);
   const PyAxisBank::Use use(self);
@@ -501,6 +516,12 @@ void add_access(BankClass& bank) {
            "Reads an object of an axis, or of several into an array. Arguments as in write().")
       .def("step", &PyAxisBank::step, py::arg("ticks") = 1,
            "Steps every axis. Returns the tick. Ctrl-C ends it between two ticks.")
+      .def("set_load_noise", &set_load_noise, py::arg("axis"), py::arg("rms"), py::arg("seed") = 0,
+           "From the next tick on the load torque of an axis, or of several, has white noise of "
+           "`rms` "
+           "N.m at the load, 0 = none: another torque each tick, the same for the same seed, and "
+           "for "
+           "each axis its own. Part of a snapshot.")
       .def(
           "power_cycle",
           [](PyAxisBank& self, std::int64_t axis) {

@@ -25,6 +25,9 @@ struct ReadResult {
 inline constexpr std::chrono::microseconds kShortestPeriod{125};
 inline constexpr std::chrono::microseconds kLongestPeriod{10'000};
 
+/// Limit of the noise of a load torque [N.m].
+inline constexpr double kLargestLoadNoise = 1.0e4;
+
 /// Many CiA 402 axes in the operating modes of 6502h, stepped together.
 ///
 /// A step is a function: it takes the writes since the last step and gives each axis' status image.
@@ -70,7 +73,9 @@ class AxisBank {
 
   /// @return the status image of the last tick.
   [[nodiscard]] const AxisStatus& status(std::size_t axis) const noexcept;
-  /// @return the status images of all axes in their order.
+  /// @return the status images of all axes in their order. They stay where they are while this bank
+  ///         lives and is neither moved from nor assigned to; `restore` keeps their place but with
+  ///         Memory::kept.
   [[nodiscard]] std::span<const AxisStatus> statuses() const noexcept;
   /// @return the state now, writes since the last step included.
   [[nodiscard]] PowerState power_state(std::size_t axis) const noexcept;
@@ -83,6 +88,12 @@ class AxisBank {
   /// what is stored, faults and the error history are gone, 6061h = 0. Not ready to switch on shows
   /// until the next step.
   void power_cycle(std::size_t axis) noexcept;
+
+  /// From the next tick on the load torque of the axis has white noise beside test_load_torque:
+  /// another torque each tick, near a normal distribution, at most 3.47 times `rms`. It depends on
+  /// `seed`, `axis` and the ticks since this call alone, and is part of a snapshot.
+  /// @param rms root mean square, 0 to kLargestLoadNoise [N.m], at the load shaft; 0 = no noise
+  void set_load_noise(std::size_t axis, double rms, std::uint64_t seed) noexcept;
 
   /// The parameter memory of an axis, which outlasts a power cycle. A bank never fills it itself:
   /// writing 1010h and 1011h with the right signature is accepted and does nothing more. The

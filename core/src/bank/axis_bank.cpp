@@ -5,6 +5,7 @@
 #include "drive/objects.hpp"
 #include "drive/power.hpp"
 #include "drive/tick.hpp"
+#include "scramble.hpp"
 #include "vdrive/assert.hpp"
 #include "vdrive/plant/model_parameters.hpp"
 #include "vdrive/status_digest.hpp"
@@ -44,6 +45,7 @@ AxisBank::AxisBank(std::span<const AxisConfiguration> axes, std::chrono::microse
   state.places.resize(axes.size());
   state.statuses.resize(axes.size());
   state.memories.resize(axes.size());
+  state.noises.resize(axes.size());
   state.place_axes(Coupling::rigid);
   state.place_axes(Coupling::two_inertia);
   state.settled.resize(state.blocks.size());
@@ -130,6 +132,19 @@ void AxisBank::power_cycle(std::size_t axis) noexcept {
   power_up(drive, false);
   static_cast<void>(state_->set_initial_values(axis));
   show(drive);
+}
+
+void AxisBank::set_load_noise(std::size_t axis, double rms, std::uint64_t seed) noexcept {
+  Drive drive = state_->changed_drive(axis);
+  LoadNoise& noise = state_->noises[axis];
+  ensure(rms >= 0.0 && rms <= kLargestLoadNoise, "the noise of a load is within its limits");
+  noise.stream = scramble(scramble(seed) + axis);
+  noise.ticks = 0;
+  noise.rms = rms;
+  const std::uint64_t lane = std::uint64_t{1} << drive.lane();
+  std::uint64_t& noisy = drive.block().noisy;
+  noisy = rms > 0.0 ? noisy | lane : noisy & ~lane;
+  state_->apply_torques(axis);
 }
 
 AbortCode AxisBank::check_stored(ObjectAddress object, std::int64_t value) noexcept {

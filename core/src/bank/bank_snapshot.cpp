@@ -23,6 +23,7 @@ void AxisBank::State::for_each_part(Visit visit) {
   visit(drive_registers.data(), drive_registers.size());
   visit(statuses.data(), statuses.size());
   visit(memories.data(), memories.size());
+  visit(noises.data(), noises.size());
 }
 
 bool AxisBank::State::is_sound() const {
@@ -75,6 +76,7 @@ std::uint64_t AxisBank::snapshot_layout() noexcept {
         std::uint64_t{sizeof(RigidParameters)}, std::uint64_t{sizeof(ElasticParameters)},
         std::uint64_t{sizeof(DriveState)}, std::uint64_t{sizeof(DriveRegisters)},
         std::uint64_t{sizeof(AxisStatus)}, std::uint64_t{sizeof(ParameterMemory)},
+        std::uint64_t{sizeof(LoadNoise)},
         std::uint64_t{std::endian::native == std::endian::little}}) {
     layout = (layout ^ part) * kPrime;
   }

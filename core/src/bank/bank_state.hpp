@@ -5,6 +5,7 @@
 #include "bank/parameter_pool.hpp"
 #include "drive/registers.hpp"
 #include "drive/state.hpp"
+#include "plant/load_noise.hpp"
 #include "plant/servo_block.hpp"
 #include "vdrive/assert.hpp"
 #include "vdrive/axis_bank.hpp"
@@ -59,6 +60,7 @@ static_assert(std::is_trivially_copyable_v<Settled>);
 static_assert(std::is_trivially_copyable_v<DriveState>);
 static_assert(std::is_trivially_copyable_v<DriveRegisters>);
 static_assert(std::is_trivially_copyable_v<AxisStatus>);
+static_assert(std::is_trivially_copyable_v<LoadNoise>);
 
 /// All that a bank is made of. Its parts stand in files of their own.
 struct AxisBank::State {
@@ -73,6 +75,7 @@ struct AxisBank::State {
   std::vector<DriveRegisters> drive_registers;  // by block and lane
   std::vector<AxisStatus> statuses;             // by axis
   std::vector<ParameterMemory> memories;        // by axis
+  std::vector<LoadNoise> noises;                // by axis
 
   [[nodiscard]] Drive drive(std::size_t block, std::size_t lane) {
     const std::size_t slot = block * kLanes + lane;
@@ -136,6 +139,9 @@ struct AxisBank::State {
 
   /// The next step goes through all of a tick for these lanes of a block.
   void end_steadiness(std::size_t block, std::uint64_t lanes);
+
+  /// Gives the axes of a block that have noise the load torque of this tick.
+  void draw_loads(const Block& block);
 
   /// What the axes of a block do before the servo step.
   TickLanes begin_block(std::size_t block);

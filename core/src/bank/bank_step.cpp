@@ -3,6 +3,7 @@
 #include "drive/block.hpp"
 #include "drive/demand.hpp"
 #include "drive/tick.hpp"
+#include "plant/load_noise.hpp"
 #include "plant/servo_block.hpp"
 #include "vdrive/assert.hpp"
 
@@ -19,10 +20,12 @@ std::uint64_t all_lanes(const Block& block) {
   return (std::uint64_t{1} << block.count) - 1U;
 }
 
-/// @return whether all axes of the block stand on their targets or have no power.
+/// @return whether all axes of the block stand on their targets or have no power, and nothing
+/// shakes
+///         them.
 bool rests(const Block& block) {
   const SteadyBlock& steady = block.state.steady;
-  return (steady.standing | steady.unpowered) == all_lanes(block);
+  return block.state.noisy == 0 && (steady.standing | steady.unpowered) == all_lanes(block);
 }
 
 /// @return whether a tick may leave `servo` as it is.
@@ -55,6 +58,13 @@ void AxisBank::State::end_steadiness(std::size_t block, std::uint64_t lanes) {
   });
 }
 
+void AxisBank::State::draw_loads(const Block& block) {
+  for_each_lane(block.state.noisy, [&](std::size_t lane) {
+    const std::uint32_t axis = block.axes[lane];
+    drive(axis).servo().load_torque[lane] = next_load(noises[axis]);
+  });
+}
+
 TickLanes AxisBank::State::begin_block(std::size_t block_index) {
   Block& block = blocks[block_index];
   ensure(block.count > 0, "a block has an axis");
@@ -66,6 +76,7 @@ TickLanes AxisBank::State::begin_block(std::size_t block_index) {
     Drive drive = this->drive(block_index, lane);
     begin_tick(drive);
   });
+  draw_loads(block);
   lanes.across = lanes_across(demand, timing) & all;
   return lanes;
 }

@@ -67,8 +67,10 @@ void AxisBank::State::apply_torques(std::size_t axis) {
   units.torque_per_mille[drive.lane()] = unit / (value("motor_rated_torque"_object) * 1.0e-6);
   units.current_per_mille[drive.lane()] =
       unit / model.torque_constant / (value("motor_rated_current"_object) * 1.0e-6);
-  drive.servo().load_torque[drive.lane()] =
-      value("test_load_torque"_object) * 1.0e-3 * load_torque_factor(model, gear);
+  LoadNoise& noise = noises[axis];
+  noise.per_torque = load_torque_factor(model, gear);
+  noise.load = value("test_load_torque"_object) * 1.0e-3 * noise.per_torque;
+  drive.servo().load_torque[drive.lane()] = noise.load;
   const TorqueLimits limits{
       .positive = torque_limit_of(registers, model, "positive_torque_limit_relative"_object),
       .negative = torque_limit_of(registers, model, "negative_torque_limit_relative"_object)};

@@ -200,6 +200,7 @@ struct BlockState {
   DemandBlock demand;
   UnitBlock units;
   SteadyBlock steady;
+  std::uint64_t noisy;  // lanes whose load torque has noise
 };
 
 /// One axis: its state, its lane of the block, its status image. Questions take a
