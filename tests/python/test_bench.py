@@ -20,7 +20,6 @@ OVER = pytest.mark.parametrize("over", ["local", "dds"])
     ({"config": "nowhere.yaml"}, "config = 'nowhere.yaml': No such file or directory"),
     ({"config": "/"}, "config = '/': Is a directory"),
     ({"config": ""}, "config = '': must be a path"),
-    ({"axes": 2, "config": "a.yaml"}, "axes = 2 and config = 'a.yaml'.*leave one of them out"),
     ({"state": ""}, "state = '': must be a path"),
 ])
 def test_a_value_that_no_bench_can_have_is_named_with_its_limit(over, options, message):
@@ -104,3 +103,11 @@ def test_benches_of_the_fixture_have_the_options_of_the_marker_and_of_the_call(v
             session.axis("2.1")
     with pair[1].session() as session:
         assert session.axis("2.2").id == "2.2"
+
+
+@OVER
+def test_axes_replace_those_of_a_configuration(over, tmp_path):
+    config = tmp_path / "one.yaml"
+    config.write_text("axes: [{number: 7, name: alone}]\n")
+    with vdrive.Bench(3, config=config, over=over) as bench, bench.session() as session:
+        assert [axis.id for axis in session.axes(bench.number)] == ["1.1", "1.2", "1.3"]

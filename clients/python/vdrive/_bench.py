@@ -54,12 +54,9 @@ def _path(name, value):
     return path
 
 
-def _configuration(value, axes):
-    """Return the path of a configuration, which is there and is not contradicted by `axes`."""
+def _configuration(value):
+    """Return the path of a configuration, which is there."""
     path = _path("config", value)
-    if path and axes is not None:
-        raise ConfigurationError(f"axes = {axes} and config = {path!r}: a configuration has its own "
-                                 "axes; leave one of them out")
     if path:
         try:
             with open(path, "rb"):
@@ -90,7 +87,7 @@ class Bench:
         """Make the bench.
 
         axes: number of default axes, 1 to 16384; without it and without `config` the demo bench with
-        two axes. config: a file in YAML, instead of `axes`. clock: "lockstep", "realtime" or
+        two axes. config: a file in YAML; `axes` replaces the axes that it has. clock: "lockstep", "realtime" or
         "freerun". over: "local", or "dds" for a service of its own on a DDS domain. number: of the
         bench, 1 to 65535, by default that of the configuration, 1 without one. state: directory where
         parameters can be stored. journal: file that `vdrived --replay` reads. beside: another bench
@@ -108,7 +105,7 @@ class Bench:
         domain = _whole("domain", domain, 0, _vdrive.HIGHEST_DOMAIN)
         self._check_beside(beside)
         of_both = {"clock": _one_of("clock", clock, _vdrive.CLOCK_MODES),
-                   "config": _configuration(config, axes),
+                   "config": _configuration(config),
                    "state": _path("state", state), "journal": _path("journal", journal)}
         if self._is_local:
             for name, given in (("arguments=", bool(arguments)), ("service=", service is not None),
