@@ -67,7 +67,9 @@ TEST(BenchOfTwoAxes, TakesAtMostOneMebibyte) {
   for (std::size_t count = 0; count < kBenches; ++count) places.push_back(make_place({.axes = 2}));
   const std::size_t each = (resident() - before) / kBenches;
   RecordProperty("kib_each", std::to_string(each / kKibi));
-  if (kIsMeasured) EXPECT_LE(each, kMostOfABench);
+  if (kIsMeasured) {
+    EXPECT_LE(each, kMostOfABench);
+  }
 }
 
 /// @return benches of two axes on one bus, with the numbers 1 to `count`.
@@ -121,7 +123,9 @@ TEST(AThousandBenches, OfTenBusesAreAllMovedAndStepped) {
       expect_to_move_and_step(bus.session, number);
     }
   }
-  if (kIsMeasured) EXPECT_LE(resident() - before, kBuses * kOnEach * kMostOfAMovedBench);
+  if (kIsMeasured) {
+    EXPECT_LE(resident() - before, kBuses * kOnEach * kMostOfAMovedBench);
+  }
 }
 
 /// A call runs the work of every bench of its bus, so only some of them move.

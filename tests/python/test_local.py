@@ -135,3 +135,11 @@ def test_snapshots_bring_a_bench_back():
         axis.move_to(5000)
         session.restore_snapshot(snapshot)
         assert axis.status().position == 0
+
+
+def test_a_journal_that_cannot_be_written_is_named(tmp_path):
+    there = tmp_path / "there.journal"
+    there.write_text("x")
+    for file, reason in ((there, "is not empty"), (tmp_path / "no" / "run.journal", "cannot be written: No such file")):
+        with pytest.raises(vdrive.ConfigurationError, match=f"^journal .*{file.name}: {reason}"):
+            vdrive.Bench(over="local", journal=file)

@@ -72,7 +72,7 @@ TEST(Journal, ThatAServiceWritesIsRefusedToAnother) {
             .wait();
     EXPECT_EQ(second.code, 1) << name;
     EXPECT_THAT(second.errors,
-                HasSubstr("--journal " + name + ": is being written by another vdrived, process " +
+                HasSubstr("journal " + name + ": is being written by another bench, process " +
                           std::to_string(first.id())));
   }
   EXPECT_EQ(tool("step 100").code, 0);

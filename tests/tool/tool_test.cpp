@@ -305,8 +305,7 @@ TEST_F(ToolInLockStep, AScenarioThatFailsLeavesNoDisturbance) {
 TEST_F(ToolInLockStep, StoreWithoutAStateDirectoryNamesIt) {
   const Finished finished = tool("store 1.1");
   EXPECT_EQ(finished.code, 5);
-  EXPECT_THAT(finished.errors,
-              AllOf(HasSubstr("0x08000020"), HasSubstr("vdrived with --state DIR")));
+  EXPECT_THAT(finished.errors, AllOf(HasSubstr("0x08000020"), HasSubstr("vdrived --state DIR")));
 }
 
 TEST_F(ToolInLockStep, WatchEndsOnAnInterruptWith130) {

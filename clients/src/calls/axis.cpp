@@ -164,8 +164,8 @@ Outcome Axis::request_memory(std::uint32_t kind, const std::string& what) {
   Outcome outcome = core_->requests.exchange(*target, std::move(request), what).outcome();
   if (outcome.code() != wire_code(AbortCode::cannot_store_or_transfer)) return outcome;
   return Outcome::refused(outcome.code(), what +
-                                              " refused, the service has no state directory (start "
-                                              "vdrived with --state DIR)");
+                                              " refused, the bench has no state directory (vdrived "
+                                              "--state DIR; a bench in a process has the option)");
 }
 
 Result<Readings> Axis::read(std::span<const ObjectAddress> objects) const {

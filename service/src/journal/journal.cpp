@@ -104,18 +104,18 @@ class File {
 JournalSink open_journal(const std::filesystem::path& file) {
   const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, kMode);  // NOLINT
   if (descriptor < 0) {
-    throw ConfigurationError("--journal " + escaped(file.string(), kShownOfMessage) +
+    throw ConfigurationError("journal " + escaped(file.string(), kShownOfMessage) +
                              ": cannot be written: " + std::generic_category().message(errno));
   }
   auto opened = std::make_shared<File>(descriptor, file.string());
   if (!opened->try_lock()) {
     const std::string holder = opened->holder();
-    throw ConfigurationError("--journal " + escaped(file.string(), kShownOfMessage) +
-                             ": is being written by another vdrived" +
+    throw ConfigurationError("journal " + escaped(file.string(), kShownOfMessage) +
+                             ": is being written by another bench" +
                              (holder.empty() ? "" : ", process " + holder));
   }
   if (opened->holds_something()) {
-    throw ConfigurationError("--journal " + escaped(file.string(), kShownOfMessage) +
+    throw ConfigurationError("journal " + escaped(file.string(), kShownOfMessage) +
                              ": is not empty; an existing file is not overwritten");
   }
   return [opened](std::span<const std::byte> bytes) {
