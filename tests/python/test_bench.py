@@ -110,4 +110,4 @@ def test_axes_replace_those_of_a_configuration(over, tmp_path):
     config = tmp_path / "one.yaml"
     config.write_text("axes: [{number: 7, name: alone}]\n")
     with vdrive.Bench(3, config=config, over=over) as bench, bench.session() as session:
-        assert [axis.id for axis in session.axes(bench.number)] == ["1.1", "1.2", "1.3"]
+        assert [axis.id for axis in session.axes()] == ["1.1", "1.2", "1.3"]
