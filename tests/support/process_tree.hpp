@@ -15,8 +15,9 @@
 
 namespace vdrive::test {
 
-/// The processes of a service, as /proc shows them.
+/// Processes, as /proc shows them.
 
+/// @return what is in a file; nothing where it cannot be read.
 inline std::string text_of(const std::filesystem::path& file) {
   std::ifstream stream(file);
   std::ostringstream text;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "support/process_tree.hpp"
 #include "support/temporary_directory.hpp"
 #include "tool/process.hpp"
 
@@ -9,26 +10,15 @@
 #include <sys/types.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <optional>
-#include <sstream>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
 namespace vdrive::test {
-
-/// @return what is in a file; nothing where it cannot be read.
-inline std::string content_of(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  std::stringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
 
 /// Calls of the tool with files of their own. Their processes, and those that these start, are
 /// found by a variable of their environment.
@@ -59,8 +49,8 @@ class MarkedCalls : public testing::Test {
   /// @return a process of ours that has all of these in its command line.
   [[nodiscard]] std::optional<pid_t> process_with(const std::vector<std::string>& words) const {
     for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
-      if (content_of(entry.path() / "environ").find(mark_) == std::string::npos) continue;
-      const std::string line = content_of(entry.path() / "cmdline");
+      if (text_of(entry.path() / "environ").find(mark_) == std::string::npos) continue;
+      const std::string line = text_of(entry.path() / "cmdline");
       bool has_all = true;
       for (const std::string& word : words) {
         has_all = has_all && line.find(word) != std::string::npos;
@@ -72,25 +62,22 @@ class MarkedCalls : public testing::Test {
 
   /// @return the process, once it is there.
   [[nodiscard]] std::optional<pid_t> wait_for_process(const std::vector<std::string>& words) const {
-    const auto deadline = Clock::now() + std::chrono::seconds(60);
-    auto found = process_with(words);
-    while (!found && Clock::now() < deadline) found = process_with(words);
+    std::optional<pid_t> found;
+    static_cast<void>(holds_soon([&] {
+      found = process_with(words);
+      return found.has_value();
+    }));
     return found;
   }
 
   /// @return whether every process of the call ends within some time.
   [[nodiscard]] bool all_have_ended() const {
-    const auto deadline = Clock::now() + std::chrono::seconds(30);
-    while (process_with({})) {
-      if (Clock::now() > deadline) return false;
-      std::this_thread::yield();
-    }
-    return true;
+    return holds_soon([this] {
+      return !process_with({});
+    });
   }
 
  private:
-  using Clock = std::chrono::steady_clock;
-
   const std::string mark_ = "vdrive-mark-" + std::to_string(getpid());
   TemporaryDirectory directory_;
 };

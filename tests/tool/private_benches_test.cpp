@@ -56,7 +56,7 @@ TEST_P(PrivateBenches, RunEachFileOnANewBenchAndWriteOneReport) {
   EXPECT_EQ(finished.code, 1) << finished.output;
   EXPECT_THAT(finished.output, AllOf(HasSubstr("passed  "), HasSubstr("2 of 3 files passed")));
   EXPECT_THAT(finished.errors, HasSubstr("b.scn:4: "));
-  const std::string xml = content_of(report());
+  const std::string xml = text_of(report());
   EXPECT_THAT(xml, AllOf(HasSubstr("<testsuites tests=\"10\" failures=\"1\""),
                          HasSubstr("a.scn\" tests=\"3\" failures=\"0\""),
                          HasSubstr("b.scn\" tests=\"4\" failures=\"1\""),
@@ -80,7 +80,7 @@ TEST_P(PrivateBenches, DoNotStartAfterAUsageError) {
   const Finished mistake = test({good, file("b.scn", "enabel 1.1\n"), "--junit", report()});
   EXPECT_EQ(mistake.code, 2);
   EXPECT_THAT(mistake.errors, HasSubstr("b.scn:1: 'enabel' is not a command"));
-  EXPECT_THAT(content_of(report()), HasSubstr("errors=\"1\""));
+  EXPECT_THAT(text_of(report()), HasSubstr("errors=\"1\""));
   EXPECT_EQ(test({good, "--jobs", "0"}).code, 2);
   EXPECT_EQ(test({"-"}).code, 2);
 }
@@ -91,7 +91,7 @@ TEST_P(PrivateBenches, AreNotStartedWithABadConfiguration) {
   const Finished tested = test({good, "--config", bad, "--junit", report()});
   EXPECT_EQ(tested.code, 2);
   EXPECT_THAT(tested.errors, AllOf(HasSubstr("--config: "), HasSubstr("bad.yaml:1: axis: ")));
-  EXPECT_THAT(content_of(report()), HasSubstr("errors=\"1\""));
+  EXPECT_THAT(text_of(report()), HasSubstr("errors=\"1\""));
   const Finished run = run_privately({good, "--config", bad});
   EXPECT_EQ(run.code, 2);
   EXPECT_EQ(run.errors, tested.errors);
@@ -121,7 +121,7 @@ TEST_P(PrivateBenches, OfRunAreNewForEachFile) {
       run_privately({file("a.scn", same), file("b.scn", same), "--junit", report()});
   EXPECT_EQ(finished.code, 0) << finished.errors;
   EXPECT_THAT(finished.output, HasSubstr("2 of 2 files passed"));
-  EXPECT_THAT(content_of(report()), HasSubstr("<testsuites tests=\"6\" failures=\"0\""));
+  EXPECT_THAT(text_of(report()), HasSubstr("<testsuites tests=\"6\" failures=\"0\""));
 }
 
 TEST_P(PrivateBenches, OfRunContinueAfterAFileThatFailed) {
@@ -153,7 +153,7 @@ TEST_P(PrivateBenches, ThatCrashFailTheirFileAlone) {
   EXPECT_EQ(finished.code, 1);
   EXPECT_THAT(finished.output, AllOf(HasSubstr("failed  "), HasSubstr("1 of 2 files passed")));
   EXPECT_THAT(finished.errors, HasSubstr("ended by signal 11"));  // SIGSEGV
-  EXPECT_THAT(content_of(report()), HasSubstr("good.scn\" tests=\"1\" failures=\"0\""));
+  EXPECT_THAT(text_of(report()), HasSubstr("good.scn\" tests=\"1\" failures=\"0\""));
   EXPECT_TRUE(all_have_ended());
 }
 
@@ -175,7 +175,7 @@ TEST_P(TestRunEndedBy, ASignalLeavesNoProcessBehind) {
   EXPECT_EQ(finished.code, signal == SIGKILL ? -SIGKILL : 130);
   EXPECT_TRUE(all_have_ended());
   if (signal != SIGKILL) {
-    EXPECT_THAT(content_of(report()), HasSubstr("<testsuites"));
+    EXPECT_THAT(text_of(report()), HasSubstr("<testsuites"));
   }
 }
 
