@@ -337,6 +337,22 @@ TEST(LoadNoise, ReachesAnAxisThatHasSettled) {
   EXPECT_EQ(bank.status(4).motor_position_actual_value, 0);
 }
 
+/// Five axes are lanes 0 to 4 of one block. What the noise of lane 4 sets to 0x10, first of all the
+/// bytes of the state, is the mask of the lanes with noise.
+TEST(AxisBank, RefusesBytesWithALaneThatItsBlockDoesNotHave) {
+  AxisBank bank(std::vector<AxisConfiguration>(5), microseconds{1000});
+  const auto before = bank.snapshot().bytes();
+  bank.set_load_noise(4, 1.0, 1);
+  auto bytes = bank.snapshot().bytes();
+  EXPECT_NO_THROW(static_cast<void>(bank.snapshot_from(bytes)));
+  std::size_t mask = 0;
+  while (before.at(mask) != std::byte{0} || bytes[mask] != std::byte{0x10}) ++mask;
+  for (const std::byte lanes : {std::byte{0x20}, std::byte{0x80}}) {
+    bytes[mask] = lanes;
+    EXPECT_THROW(static_cast<void>(bank.snapshot_from(bytes)), std::invalid_argument);
+  }
+}
+
 TEST(AxisBank, RefusesBytesThatAreNotASnapshotOfItsAxes) {
   const AxisBank bank(mixed_axes(13), microseconds{1000});
   auto bytes = bank.snapshot().bytes();

@@ -255,7 +255,11 @@ class ScenarioRuns {
     if (!runs_[place]) {
       session_ = &next_();
       runs_[place] = run_of(scenarios_[place]);
-      if (Outcome found = runs_[place]->find_axes(); !found) return found;
+      if (Outcome found = runs_[place]->find_axes(); !found) {
+        was_interrupted_ = session_->is_interrupted();
+        suites_.push_back({scenarios_[place].file, {{.name = "axes", .error = found.message()}}});
+        return found;
+      }
     }
     Outcome outcome = runs_[place]->run();
     was_interrupted_ = runs_[place]->was_interrupted();

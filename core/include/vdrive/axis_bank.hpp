@@ -74,8 +74,7 @@ class AxisBank {
   /// @return the status image of the last tick.
   [[nodiscard]] const AxisStatus& status(std::size_t axis) const noexcept;
   /// @return the status images of all axes in their order. They stay where they are while this bank
-  ///         lives and is neither moved from nor assigned to; `restore` keeps their place but with
-  ///         Memory::kept.
+  ///         lives and is neither moved from nor assigned to.
   [[nodiscard]] std::span<const AxisStatus> statuses() const noexcept;
   /// @return the state now, writes since the last step included.
   [[nodiscard]] PowerState power_state(std::size_t axis) const noexcept;
@@ -91,7 +90,8 @@ class AxisBank {
 
   /// From the next tick on the load torque of the axis has white noise beside test_load_torque:
   /// another torque each tick, near a normal distribution, at most 3.47 times `rms`. It depends on
-  /// `seed`, `axis` and the ticks since this call alone, and is part of a snapshot.
+  /// `seed`, `axis` and the ticks since this call alone, and is part of a snapshot. It
+  /// outlasts a power cycle.
   /// @param rms root mean square, 0 to kLargestLoadNoise [N.m], at the load shaft; 0 = no noise
   void set_load_noise(std::size_t axis, double rms, std::uint64_t seed) noexcept;
 

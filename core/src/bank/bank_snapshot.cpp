@@ -36,7 +36,13 @@ bool AxisBank::State::is_sound() const {
     return is_operating_mode(static_cast<std::int64_t>(drive.mode.actual)) &&
            is_operating_mode(static_cast<std::int64_t>(drive.mode.wanted));
   });
-  return inside(rigid) && inside(elastic) && has_modes;
+  const bool has_lanes = std::ranges::all_of(blocks, [](const Block& block) {
+    const SteadyBlock& steady = block.state.steady;
+    const std::uint64_t lanes =
+        steady.lanes | steady.standing | steady.unpowered | block.state.noisy;
+    return lanes >> block.count == 0;
+  });
+  return inside(rigid) && inside(elastic) && has_modes && has_lanes;
 }
 
 AxisBank::Snapshot AxisBank::snapshot() const {
@@ -58,7 +64,7 @@ void AxisBank::restore(const Snapshot& snapshot, Memory memory) {
   for (std::size_t axis = 0; axis < size(); ++axis) {
     next.drive(axis).registers().memory_error = state_->drive(axis).registers().memory_error;
   }
-  *state_ = std::move(next);
+  *state_ = next;  // not moved: the arrays keep their places
 }
 
 void AxisBank::save(Snapshot& snapshot) const {
